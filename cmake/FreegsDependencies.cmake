@@ -1,0 +1,16 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Everything comes from the system (scripts/packages.txt lists Debian's names);
+# nothing is downloaded at configure time. Also used by the installed package.
+include(CMakeFindDependencyMacro)
+
+find_dependency(Threads)
+find_dependency(Eigen3 3.3 NO_MODULE)
+find_dependency(Ceres)
+find_dependency(OpenCV COMPONENTS core imgproc imgcodecs)
+find_dependency(Boost COMPONENTS program_options)
+find_dependency(hwy)
+find_dependency(nlohmann_json)
+find_dependency(PkgConfig)
+pkg_check_modules(FLANN REQUIRED IMPORTED_TARGET flann)
+pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
+pkg_check_modules(EXIF REQUIRED IMPORTED_TARGET libexif)

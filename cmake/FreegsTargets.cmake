@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# One library per folder, one test program per library.
+
+add_library(freegs_warnings INTERFACE)
+target_compile_options(freegs_warnings INTERFACE -Wall -Wextra -Werror)
+if(FREEGS_SANITIZE)
+  target_compile_options(freegs_warnings INTERFACE
+    -fsanitize=${FREEGS_SANITIZE} -fno-omit-frame-pointer
+    -fno-sanitize-recover=all)
+  target_link_options(freegs_warnings INTERFACE -fsanitize=${FREEGS_SANITIZE})
+endif()
+
+# freegs_add_library(NAME SOURCES a.cc ... LINK libraries ...) makes freegs_NAME.
+function(freegs_add_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  set(target freegs_${name})
+  add_library(${target} STATIC ${ARG_SOURCES})
+  add_library(freegs::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  target_include_directories(${target} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+    $<INSTALL_INTERFACE:include/freegs>)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  target_link_libraries(${target} PUBLIC ${ARG_LINK}
+    PRIVATE $<BUILD_INTERFACE:freegs_warnings>)
+  set_property(GLOBAL APPEND PROPERTY FREEGS_LIBRARIES ${target})
+endfunction()
+
+# freegs_add_test(NAME SOURCES a_test.cc ... LINK libraries ...) makes NAME.
+function(freegs_add_test name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
+  target_link_libraries(${name} PRIVATE ${ARG_LINK} freegs_warnings
+    GTest::gmock GTest::gtest GTest::gtest_main)
+  include(GoogleTest)
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST
+    PROPERTIES TIMEOUT 600)
+endfunction()

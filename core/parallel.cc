@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "core/parallel.h"
+
+#include <algorithm>
+
+namespace freegs {
+
+ThreadPool::ThreadPool(int num_threads) {
+  if (num_threads <= 0) {
+    num_threads =
+        static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  }
+  workers_.reserve(num_threads - 1);
+  for (int worker = 1; worker < num_threads; ++worker) {
+    workers_.emplace_back([this, worker] { WorkerLoop(worker); });
+  }
+}
+
+ThreadPool::~ThreadPool() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  wake_.notify_all();
+  for (std::thread& worker : workers_) worker.join();
+}
+
+void ThreadPool::ParallelFor(
+    int64_t begin,
+    int64_t end,
+    int64_t grain,
+    const std::function<void(int64_t, int64_t, int)>& body) {
+  if (begin >= end) return;
+  grain = std::max<int64_t>(1, grain);
+  if (workers_.empty() || end - begin <= grain) {
+    for (int64_t first = begin; first < end; first += grain) {
+      body(first, std::min(end, first + grain), 0);
+    }
+    return;
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    body_ = &body;
+    begin_ = begin;
+    end_ = end;
+    grain_ = grain;
+    next_.store(0, std::memory_order_relaxed);
+    active_ = static_cast<int>(workers_.size());
+    ++generation_;
+  }
+  wake_.notify_all();
+  RunRanges(0);
+  std::unique_lock lock(mutex_);
+  done_.wait(lock, [this] { return active_ == 0; });
+}
+
+void ThreadPool::RunRanges(int worker) {
+  for (;;) {
+    const int64_t index = next_.fetch_add(1, std::memory_order_relaxed);
+    const int64_t first = begin_ + index * grain_;
+    if (first >= end_) return;
+    (*body_)(first, std::min(end_, first + grain_), worker);
+  }
+}
+
+void ThreadPool::WorkerLoop(int worker) {
+  uint64_t seen = 0;
+  for (;;) {
+    {
+      std::unique_lock lock(mutex_);
+      wake_.wait(lock, [&] { return stop_ || generation_ != seen; });
+      if (stop_) return;
+      seen = generation_;
+    }
+    RunRanges(worker);
+    const std::lock_guard lock(mutex_);
+    if (--active_ == 0) done_.notify_one();
+  }
+}
+
+}  // namespace freegs

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A distortion-free camera: what the splat renderer sees.
+
+#ifndef FREEGS_CORE_PINHOLE_H_
+#define FREEGS_CORE_PINHOLE_H_
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "core/rigid3d.h"
+
+namespace freegs {
+
+// Pinhole intrinsics in pixels. A point (x, y, z) of the camera frame (x right,
+// y down, z forward) falls on (fx x/z + cx, fy y/z + cy), where the centre of
+// the top-left pixel is (0.5, 0.5).
+struct Pinhole {
+  int width = 0;
+  int height = 0;
+  double fx = 0;
+  double fy = 0;
+  double cx = 0;
+  double cy = 0;
+
+  // The same camera with its image resized to new_width x new_height.
+  Pinhole Resized(int new_width, int new_height) const {
+    const double sx = static_cast<double>(new_width) / width;
+    const double sy = static_cast<double>(new_height) / height;
+    return {new_width, new_height, fx * sx, fy * sy, cx * sx, cy * sy};
+  }
+
+  // The same camera with the longest side at most max_side pixels (<= 0 keeps).
+  Pinhole LimitedTo(int max_side) const {
+    const int side = std::max(width, height);
+    if (max_side <= 0 || side <= max_side) return *this;
+    const double scale = static_cast<double>(max_side) / side;
+    return Resized(std::max(1, static_cast<int>(std::lround(width * scale))),
+                   std::max(1, static_cast<int>(std::lround(height * scale))));
+  }
+};
+
+// A named, posed pinhole camera.
+struct View {
+  std::string name;  // Photo name relative to the image folder.
+  Pinhole camera;
+  Rigid3d cam_from_world;
+};
+
+}  // namespace freegs
+
+#endif  // FREEGS_CORE_PINHOLE_H_

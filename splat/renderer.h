@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Renders a Gaussian model into a pinhole view: EWA projection, tiles, SIMD
+// over pixels. Forward only; training uses Rasterizer and Projection directly.
+
+#ifndef FREEGS_SPLAT_RENDERER_H_
+#define FREEGS_SPLAT_RENDERER_H_
+
+#include <array>
+#include <span>
+
+#include "core/image.h"
+#include "core/parallel.h"
+#include "core/pinhole.h"
+#include "splat/gaussian_model.h"
+
+namespace freegs::splat {
+
+struct RenderOptions {
+  // Colour behind the scene, linear in the image's own values, [0, 1].
+  std::array<float, 3> background = {0, 0, 0};
+
+  // SH degree to evaluate; the model's own degree when higher.
+  int sh_degree = kMaxShDegree;
+
+  // Gaussians nearer than this along the optical axis are skipped (world
+  // units; the value of 3DGS).
+  double near_plane = 0.2;
+
+  // Radius in pixels of the low-pass filter added to each projected
+  // covariance, as a variance (0.3 in 3DGS).
+  double dilation = 0.3;
+};
+
+// Extra values per Gaussian to blend like colour: N x channels, row-major.
+struct FeatureChannels {
+  std::span<const float> values;
+  int channels = 0;
+};
+
+struct RenderedView {
+  ImageF color;          // H x W x 3; with the background blended in.
+  ImageF depth;          // H x W; z of the camera frame, blend-weighted mean of
+                         // the Gaussians' centres, 0 where nothing is.
+  ImageF transmittance;  // H x W; 1 where nothing is, 0 where opaque.
+  ImageF features;       // H x W x C; sum of weight * value, no background.
+};
+
+// The same bytes for any number of threads.
+RenderedView RenderView(const GaussianModel& model,
+                        const Pinhole& camera,
+                        const Rigid3d& cam_from_world,
+                        const RenderOptions& options,
+                        ThreadPool& pool,
+                        const FeatureChannels& features = {});
+
+}  // namespace freegs::splat
+
+#endif  // FREEGS_SPLAT_RENDERER_H_
