@@ -6,6 +6,7 @@
 #define FREEGS_SPLAT_RENDERER_H_
 
 #include <array>
+#include <cstdint>
 #include <span>
 
 #include "core/image.h"
@@ -52,6 +53,19 @@ RenderedView RenderView(const GaussianModel& model,
                         const RenderOptions& options,
                         ThreadPool& pool,
                         const FeatureChannels& features = {});
+
+// The label with the largest summed blending weight at each pixel: the argmax of
+// rendered one-hot vectors (FreeGS eq. 5) without rendering the vectors. labels
+// holds one value per Gaussian; negative labels take no part in the vote. Pixels
+// where the voting Gaussians' weights sum to less than min_weight get -1. Ties go
+// to the smaller label.
+Image<int32_t> RenderLabels(const GaussianModel& model,
+                            const Pinhole& camera,
+                            const Rigid3d& cam_from_world,
+                            const RenderOptions& options,
+                            ThreadPool& pool,
+                            std::span<const int32_t> labels,
+                            float min_weight = 0.5f);
 
 }  // namespace freegs::splat
 
