@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Adaptive density control of 3D Gaussian Splatting (Kerbl et al. 2023, section
+// 5): clone, split, prune, and the reset of opacities.
+
+#ifndef FREEGS_SPLAT_DENSIFICATION_H_
+#define FREEGS_SPLAT_DENSIFICATION_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/status.h"
+#include "splat/adam.h"
+#include "splat/gaussian_model.h"
+
+namespace freegs::splat {
+
+// What densification remembers of each Gaussian since it last ran.
+struct DensificationStatistics {
+  // Sum over the steps that saw the Gaussian of |d loss / d projected mean|, in
+  // the units of 3DGS: image coordinates that span [-1, 1].
+  std::vector<float> gradient_sum;
+
+  // Number of those steps.
+  std::vector<uint32_t> visible_steps;
+
+  // Largest projected radius in pixels.
+  std::vector<float> max_radius;
+
+  size_t size() const { return gradient_sum.size(); }
+
+  // Zeros for `count` Gaussians.
+  void Reset(size_t count);
+
+  // Adds one step. `visible` lists the Gaussians seen (no repeats); entry k of
+  // the other arrays belongs to visible[k]. pixel_gradients is
+  // d loss / d projected mean in pixels, x and y interleaved; radii in pixels.
+  void AddView(std::span<const uint32_t> visible,
+               std::span<const float> pixel_gradients,
+               std::span<const float> radii,
+               int width,
+               int height);
+
+  // gradient_sum / visible_steps, 0 for a Gaussian never seen.
+  float MeanGradient(size_t index) const {
+    return visible_steps[index] == 0
+               ? 0.0f
+               : gradient_sum[index] / static_cast<float>(visible_steps[index]);
+  }
+
+  // Keeps the Gaussians listed; see GaussianModel::Select.
+  void Select(std::span<const uint32_t> indices);
+};
+
+struct DensificationOptions {
+  // Gaussians whose mean gradient is at least this are cloned or split (units
+  // of DensificationStatistics::gradient_sum).
+  double gradient_threshold = 2e-4;
+
+  // Up to this largest standard deviation a Gaussian is cloned, above it is
+  // split; share of the scene extent.
+  double clone_max_scale = 0.01;
+
+  // A split replaces a Gaussian by two drawn from it, this much smaller.
+  double split_shrink = 1.6;
+
+  // Gaussians of less opacity are removed.
+  double min_opacity = 0.005;
+
+  // Gaussians with a larger standard deviation are removed; share of the scene
+  // extent, 0 removes none. 3DGS uses 0.1 once opacities were reset.
+  double max_scale = 0;
+
+  // Gaussians that covered a larger radius in pixels are removed; 0 removes
+  // none.
+  double max_radius = 0;
+
+  // No clones or splits beyond this number of Gaussians: those of the largest
+  // gradients go first. 0 is no limit.
+  int64_t max_gaussians = 0;
+
+  Status Check() const;
+};
+
+struct DensificationSummary {
+  size_t cloned = 0;
+  size_t split = 0;   // Gaussians replaced, each by two.
+  size_t pruned = 0;  // Removed, children of a split counted one by one.
+  size_t total = 0;   // Gaussians afterwards.
+};
+
+// Edits model and optimiser together and resets the statistics. Afterwards come
+// the Gaussians kept, in their old order and with their moments, then the
+// clones, then the children of splits, both in the order of their originals,
+// with zero moments. Random numbers are a function of (seed, iteration, index
+// of the Gaussian before), so the result does not depend on threads or
+// interruptions. `scene_extent` is in world units, see SceneExtent.
+DensificationSummary Densify(const DensificationOptions& options,
+                             double scene_extent,
+                             uint64_t seed,
+                             int64_t iteration,
+                             GaussianModel* model,
+                             Adam* adam,
+                             DensificationStatistics* statistics);
+
+// Lowers opacities above `max_opacity` to it and forgets their moments (3DGS:
+// 0.01 every 3000 iterations, against floaters near the cameras).
+void ResetOpacity(double max_opacity, GaussianModel* model, Adam* adam);
+
+// When densification runs, in iterations counted from 1 (the values of 3DGS).
+struct DensificationSchedule {
+  // Densify after `start`, at multiples of `interval`, before `stop`.
+  int start = 500;
+  int stop = 15000;
+  int interval = 100;
+
+  // Opacities are reset at multiples of this before `stop`; 0 never does.
+  int opacity_reset_interval = 3000;
+
+  bool DensifiesAt(int64_t iteration) const;
+  bool ResetsOpacityAt(int64_t iteration) const;
+
+  // The schedule of a run of `iterations` instead of 30000: start, stop and
+  // reset interval scaled; the interval stays, because the statistics want the
+  // same number of views. Resets are dropped when fewer than
+  // `kMinResetInterval` iterations would lie between them, too few to recover
+  // in.
+  DensificationSchedule ScaledTo(int iterations) const;
+  static constexpr int kMinResetInterval = 500;
+
+  Status Check() const;
+};
+
+}  // namespace freegs::splat
+
+#endif  // FREEGS_SPLAT_DENSIFICATION_H_
