@@ -3,6 +3,10 @@
 
 add_library(freegs_warnings INTERFACE)
 target_compile_options(freegs_warnings INTERFACE -Wall -Wextra -Werror)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION MATCHES "^12")
+  # False alarms on "literal" + std::string (GCC bug 105651).
+  target_compile_options(freegs_warnings INTERFACE -Wno-restrict)
+endif()
 if(FREEGS_SANITIZE)
   target_compile_options(freegs_warnings INTERFACE
     -fsanitize=${FREEGS_SANITIZE} -fno-omit-frame-pointer

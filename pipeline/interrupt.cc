@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "pipeline/interrupt.h"
+
+#include <atomic>
+#include <unistd.h>
+
+#include "core/status.h"
+#include "pipeline/exit_code.h"
+
+namespace freegs::pipeline {
+namespace {
+
+// A signal handler has no other way to its token.
+std::atomic<CancellationToken*> current_token{nullptr};
+static_assert(std::atomic<CancellationToken*>::is_always_lock_free);
+
+// Calls only what is safe in a signal handler.
+void OnSignal(int) {
+  CancellationToken* token = current_token.load(std::memory_order_relaxed);
+  if (token == nullptr || token->cancelled()) {
+    _exit(ExitCode(StatusCode::kInterrupted));
+  }
+  token->Cancel();
+  constexpr char kNote[] =
+      "\ninterrupted: saving a checkpoint (again to stop at once)\n";
+  [[maybe_unused]] const ssize_t ignored =
+      write(STDERR_FILENO, kNote, sizeof(kNote) - 1);
+}
+
+}  // namespace
+
+InterruptGuard::InterruptGuard(CancellationToken* token) {
+  current_token.store(token, std::memory_order_relaxed);
+  struct sigaction action = {};
+  action.sa_handler = OnSignal;
+  sigemptyset(&action.sa_mask);
+  // Without SA_RESTART: a wait for a child or a read wakes up to see the token.
+  sigaction(SIGINT, &action, &old_int_);
+  sigaction(SIGTERM, &action, &old_term_);
+}
+
+InterruptGuard::~InterruptGuard() {
+  sigaction(SIGINT, &old_int_, nullptr);
+  sigaction(SIGTERM, &old_term_, nullptr);
+  current_token.store(nullptr, std::memory_order_relaxed);
+}
+
+}  // namespace freegs::pipeline

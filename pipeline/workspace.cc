@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "pipeline/workspace.h"
+
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <sys/file.h>
+#include <system_error>
+#include <unistd.h>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "core/files.h"
+
+namespace freegs::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr uint64_t kMaxInfoBytes = 1 << 20;
+
+fs::path InfoPath(const fs::path& workspace) {
+  return workspace / "workspace.json";
+}
+
+}  // namespace
+
+fs::path ConfigPath(const fs::path& workspace) {
+  return workspace / "config.ini";
+}
+
+fs::path LogPath(const fs::path& workspace) { return workspace / "log.txt"; }
+
+fs::path StageFolder(const fs::path& workspace, std::string_view stage) {
+  return workspace / stage;
+}
+
+fs::path PartialFolder(const fs::path& workspace, std::string_view stage) {
+  return workspace / (std::string(stage) + ".partial");
+}
+
+fs::path RetiredFolder(const fs::path& workspace, std::string_view stage) {
+  return workspace / (std::string(stage) + ".old");
+}
+
+std::string DisplayPath(const fs::path& workspace, const fs::path& path) {
+  std::error_code error;
+  const fs::path base = fs::absolute(workspace, error).lexically_normal();
+  const fs::path full = (base / path).lexically_normal();
+  const fs::path relative = full.lexically_relative(base);
+  if (relative.empty() || *relative.begin() == "..") return full.string();
+  return relative.string();
+}
+
+StatusOr<WorkspaceInfo> ReadWorkspaceInfo(const fs::path& workspace) {
+  const fs::path path = InfoPath(workspace);
+  std::error_code error;
+  if (!fs::exists(path, error)) return WorkspaceInfo();
+  FREEGS_ASSIGN_OR_RETURN(const std::string text,
+                          ReadFile(path, kMaxInfoBytes));
+  const nlohmann::json json =
+      nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
+  const Status malformed = BadInputError(
+      path.string() + ": malformed; delete it and give the photo folder again");
+  if (!json.is_object()) return malformed;
+  const auto images = json.find("images");
+  if (images == json.end()) return WorkspaceInfo();
+  if (!images->is_string()) return malformed;
+  WorkspaceInfo info;
+  const fs::path stored = images->get<std::string>();
+  if (!stored.empty()) {
+    info.images = (fs::absolute(workspace, error) / stored).lexically_normal();
+  }
+  return info;
+}
+
+Status WriteWorkspaceInfo(const fs::path& workspace,
+                          const WorkspaceInfo& info) {
+  nlohmann::json json = nlohmann::json::object();
+  json["images"] =
+      info.images.empty() ? "" : DisplayPath(workspace, info.images);
+  // Names need not be UTF-8; a replaced byte is better than no file.
+  return WriteFileAtomic(
+      InfoPath(workspace),
+      json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
+          "\n");
+}
+
+StatusOr<WorkspaceLock> WorkspaceLock::Acquire(const fs::path& workspace) {
+  const fs::path path = workspace / ".lock";
+  // Children must not keep the lock alive after this process: O_CLOEXEC.
+  const int descriptor = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (descriptor < 0) {
+    return BadInputError(workspace.string() +
+                         ": cannot write here: " + std::strerror(errno));
+  }
+  if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
+    const int reason = errno;
+    close(descriptor);
+    if (reason == EWOULDBLOCK) {
+      return BadInputError(workspace.string() +
+                           ": another freegs_pipeline is working in this "
+                           "workspace; wait for it or stop it first");
+    }
+    return InternalError(path.string() +
+                         ": cannot lock: " + std::strerror(reason));
+  }
+  return WorkspaceLock(descriptor);
+}
+
+WorkspaceLock::WorkspaceLock(WorkspaceLock&& other) noexcept
+    : descriptor_(std::exchange(other.descriptor_, -1)) {}
+
+WorkspaceLock& WorkspaceLock::operator=(WorkspaceLock&& other) noexcept {
+  std::swap(descriptor_, other.descriptor_);
+  return *this;
+}
+
+WorkspaceLock::~WorkspaceLock() {
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
+}  // namespace freegs::pipeline

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// All options of the pipeline in one struct, and the table that reads them.
+
+#ifndef FREEGS_STAGES_PIPELINE_OPTIONS_H_
+#define FREEGS_STAGES_PIPELINE_OPTIONS_H_
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/status.h"
+#include "pipeline/option_table.h"
+
+namespace freegs::stages {
+
+// What concerns more than one stage.
+struct GeneralOptions {
+  // A named set of option values (see presets.h).
+  std::string preset = "balanced";
+
+  // Threads to work with; 0 takes one per available core. Results do not
+  // depend on it.
+  int threads = 0;
+
+  // Start of every random sequence: the same seed gives the same bytes.
+  int64_t seed = 0;
+
+  // Seconds between checkpoints of long stages.
+  double checkpoint_interval = 60;
+
+  // Also logs details.
+  bool verbose = false;
+};
+
+void RegisterGeneralOptions(GeneralOptions& options,
+                            pipeline::OptionTable& table);
+
+struct PipelineOptions {
+  GeneralOptions general;
+};
+
+// The table over `options`, which must outlive it. Commands may add words of
+// their own.
+pipeline::OptionTable MakeOptionTable(PipelineOptions* options);
+
+// Sets the options of a table from MakeOptionTable: first the preset (named on
+// the command line, else in config.ini, else the default), then
+// WORKSPACE/config.ini if there is one, then the command line.
+Status ApplySettings(const std::filesystem::path& workspace,
+                     const std::vector<pipeline::OptionSetting>& command_line,
+                     pipeline::OptionTable& table);
+
+}  // namespace freegs::stages
+
+#endif  // FREEGS_STAGES_PIPELINE_OPTIONS_H_

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/presets.h"
+
+#include <map>
+#include <utility>
+
+namespace freegs::stages {
+namespace {
+
+using Values = std::vector<std::pair<std::string, std::string>>;
+
+// Preset -> {option, value}. Balanced is what the defaults are made for.
+const std::map<std::string, Values>& Presets() {
+  static const std::map<std::string, Values> presets = {
+      {"fast", {}},
+      {"balanced", {}},
+      {"quality", {}},
+  };
+  return presets;
+}
+
+}  // namespace
+
+std::vector<std::string> PresetNames() {
+  return {"fast", "balanced", "quality"};
+}
+
+StatusOr<std::vector<pipeline::OptionSetting>> PresetSettings(
+    const std::string& name) {
+  const auto preset = Presets().find(name);
+  if (preset == Presets().end()) {
+    return InvalidArgumentError("unknown preset '" + name +
+                                "'; there are fast, balanced and quality");
+  }
+  std::vector<pipeline::OptionSetting> settings;
+  for (const auto& [option, value] : preset->second) {
+    settings.push_back({option, value, "preset " + name});
+  }
+  return settings;
+}
+
+}  // namespace freegs::stages
