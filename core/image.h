@@ -32,9 +32,7 @@ class Image {
   const T* data() const { return data_.data(); }
   size_t size() const { return data_.size(); }
 
-  T* row(int y) {
-    return data() + static_cast<size_t>(y) * width_ * channels_;
-  }
+  T* row(int y) { return data() + static_cast<size_t>(y) * width_ * channels_; }
   const T* row(int y) const {
     return data() + static_cast<size_t>(y) * width_ * channels_;
   }

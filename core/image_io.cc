@@ -111,10 +111,10 @@ Status WriteLabels(const fs::path& path, const ImageU16& labels) {
 
 ImageF ToFloat(const ImageU8& image) {
   ImageF result(image.width(), image.height(), image.channels());
-  std::transform(image.data(),
-                 image.data() + image.size(),
-                 result.data(),
-                 [](uint8_t v) { return static_cast<float>(v) / 255.0f; });
+  std::transform(
+      image.data(), image.data() + image.size(), result.data(), [](uint8_t v) {
+        return static_cast<float>(v) / 255.0f;
+      });
   return result;
 }
 

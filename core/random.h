@@ -21,12 +21,16 @@ constexpr uint64_t MixBits(uint64_t x) {
 }
 
 // Uniform 64 bits for the given coordinates.
-constexpr uint64_t RandomBits(uint64_t seed, uint64_t stream, uint64_t counter) {
+constexpr uint64_t RandomBits(uint64_t seed,
+                              uint64_t stream,
+                              uint64_t counter) {
   return MixBits(MixBits(MixBits(seed) ^ stream) ^ counter);
 }
 
 // Uniform in [0, 1), 53 bits.
-constexpr double RandomUniform(uint64_t seed, uint64_t stream, uint64_t counter) {
+constexpr double RandomUniform(uint64_t seed,
+                               uint64_t stream,
+                               uint64_t counter) {
   return static_cast<double>(RandomBits(seed, stream, counter) >> 11) * 0x1p-53;
 }
 
@@ -44,8 +48,7 @@ constexpr uint64_t RandomIndex(uint64_t seed,
 inline double RandomNormal(uint64_t seed, uint64_t stream, uint64_t counter) {
   const double u = 1.0 - RandomUniform(seed, stream, 2 * counter);
   const double v = RandomUniform(seed, stream, 2 * counter + 1);
-  return std::sqrt(-2.0 * std::log(u)) *
-         std::cos(2.0 * std::numbers::pi * v);
+  return std::sqrt(-2.0 * std::log(u)) * std::cos(2.0 * std::numbers::pi * v);
 }
 
 // A sequence view of the same numbers, for code that draws one after another.

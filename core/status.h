@@ -68,8 +68,8 @@ inline Status InternalError(std::string message) {
 template <typename T>
 class [[nodiscard]] StatusOr {
  public:
-  StatusOr(T value) : state_(std::move(value)) {}          // NOLINT: implicit
-  StatusOr(Status status) : state_(std::move(status)) {}   // NOLINT: implicit
+  StatusOr(T value) : state_(std::move(value)) {}         // NOLINT: implicit
+  StatusOr(Status status) : state_(std::move(status)) {}  // NOLINT: implicit
 
   bool ok() const { return std::holds_alternative<T>(state_); }
   Status status() const { return ok() ? Status() : std::get<Status>(state_); }
@@ -91,10 +91,10 @@ class [[nodiscard]] StatusOr {
 }  // namespace freegs
 
 // Leaves the enclosing function with the error, if `expression` is one.
-#define FREEGS_RETURN_IF_ERROR(expression)              \
-  do {                                                  \
-    ::freegs::Status freegs_status_ = (expression);     \
-    if (!freegs_status_.ok()) return freegs_status_;    \
+#define FREEGS_RETURN_IF_ERROR(expression)           \
+  do {                                               \
+    ::freegs::Status freegs_status_ = (expression);  \
+    if (!freegs_status_.ok()) return freegs_status_; \
   } while (false)
 
 #define FREEGS_CONCAT_INNER_(a, b) a##b

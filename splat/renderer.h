@@ -54,11 +54,11 @@ RenderedView RenderView(const GaussianModel& model,
                         ThreadPool& pool,
                         const FeatureChannels& features = {});
 
-// The label with the largest summed blending weight at each pixel: the argmax of
-// rendered one-hot vectors (FreeGS eq. 5) without rendering the vectors. labels
-// holds one value per Gaussian; negative labels take no part in the vote. Pixels
-// where the voting Gaussians' weights sum to less than min_weight get -1. Ties go
-// to the smaller label.
+// The label with the largest summed blending weight at each pixel: the argmax
+// of rendered one-hot vectors (FreeGS eq. 5) without rendering the vectors.
+// labels holds one value per Gaussian; negative labels take no part in the
+// vote. Pixels where the voting Gaussians' weights sum to less than min_weight
+// get -1. Ties go to the smaller label.
 Image<int32_t> RenderLabels(const GaussianModel& model,
                             const Pinhole& camera,
                             const Rigid3d& cam_from_world,

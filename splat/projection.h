@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A whole model through a camera: culling, EWA projection, colour, depth order.
+
+#ifndef FREEGS_SPLAT_PROJECTION_H_
+#define FREEGS_SPLAT_PROJECTION_H_
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/parallel.h"
+#include "core/pinhole.h"
+#include "splat/ewa_projection.h"
+#include "splat/gaussian_model.h"
+#include "splat/renderer.h"
+#include "splat/tile_kernels.h"
+
+namespace freegs::splat {
+
+template <typename T>
+ProjectionCamera<T> MakeProjectionCamera(const Pinhole& camera,
+                                         const Rigid3d& cam_from_world,
+                                         const RenderOptions& options);
+
+// The visible Gaussians of a view, nearest first.
+struct Projection {
+  std::vector<Splat> splats;
+  std::vector<uint32_t> model_index;  // Gaussian of each splat.
+
+  size_t size() const { return splats.size(); }
+};
+
+// Projects every Gaussian, drops what cannot touch a pixel, sorts by depth
+// (ties by index). Keeps its scratch memory between calls.
+class Projector {
+ public:
+  void Project(const GaussianModel& model,
+               const Pinhole& camera,
+               const Rigid3d& cam_from_world,
+               const RenderOptions& options,
+               ThreadPool& pool,
+               Projection* projection);
+
+ private:
+  std::vector<Splat> by_model_;
+  std::vector<uint32_t> visible_;
+  std::vector<uint32_t> chunk_counts_;
+  std::vector<uint64_t> keys_;
+  std::vector<uint64_t> keys_scratch_;
+};
+
+// dL/dsplat for every splat of a Projection, as sums over its pixels (see
+// tile_kernels.h): kMomentStride + num_extras floats each. The depth channel,
+// when there is one, is extra number `depth_extra` (-1: none).
+struct SplatMoments {
+  std::span<const float> values;
+  int stride = kMomentStride;
+  int depth_extra = -1;
+};
+
+// Overwrites the visible Gaussians' rows of *gradients (a model-shaped
+// container) with dL/dparameters; other rows are left alone. Also writes, per
+// splat, the gradient with respect to its 2D mean in pixels (2 floats) when
+// mean2d_gradients is not empty.
+void BackwardProjection(const GaussianModel& model,
+                        const Pinhole& camera,
+                        const Rigid3d& cam_from_world,
+                        const RenderOptions& options,
+                        const Projection& projection,
+                        const SplatMoments& moments,
+                        ThreadPool& pool,
+                        GaussianModel* gradients,
+                        std::span<float> mean2d_gradients = {});
+
+}  // namespace freegs::splat
+
+#endif  // FREEGS_SPLAT_PROJECTION_H_

@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "splat/rasterizer.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include <hwy/aligned_allocator.h>
+
+namespace freegs::splat {
+namespace {
+
+using AlignedFloats = hwy::AlignedFreeUniquePtr<float[]>;
+
+AlignedFloats TileChannels(int channels) {
+  return hwy::AllocateAligned<float>(
+      static_cast<size_t>(std::max(1, channels)) * kTilePixels);
+}
+
+// Copies the pixels of a tile from planar tile memory into an interleaved
+// image, or back.
+void StoreTile(const TileTask& task,
+               int channel,
+               const float* plane,
+               ImageF* image) {
+  const int channels = image->channels();
+  for (int y = 0; y < task.height; ++y) {
+    float* row = image->row(task.y0 + y) + task.x0 * channels + channel;
+    for (int x = 0; x < task.width; ++x) {
+      row[x * channels] = plane[y * kTileSize + x];
+    }
+  }
+}
+
+void LoadTile(const TileTask& task,
+              int channel,
+              const ImageF* image,
+              float* plane) {
+  std::fill_n(plane, kTilePixels, 0.0f);
+  if (image == nullptr) return;
+  const int channels = image->channels();
+  for (int y = 0; y < task.height; ++y) {
+    const float* row = image->row(task.y0 + y) + task.x0 * channels + channel;
+    for (int x = 0; x < task.width; ++x) {
+      plane[y * kTileSize + x] = row[x * channels];
+    }
+  }
+}
+
+void Reshape(int width, int height, int channels, ImageF* image) {
+  if (image->width() != width || image->height() != height ||
+      image->channels() != channels) {
+    *image = ImageF(width, height, channels);
+  }
+}
+
+}  // namespace
+
+TileTask Rasterizer::MakeTask(int64_t tile) const {
+  TileTask task;
+  task.splats = projection_.splats.data();
+  task.entries = bins_.entries.data() + bins_.tile_begin[tile];
+  task.count = bins_.tile_begin[tile + 1] - bins_.tile_begin[tile];
+  task.x0 = static_cast<int>(tile % bins_.tiles_x) * kTileSize;
+  task.y0 = static_cast<int>(tile / bins_.tiles_x) * kTileSize;
+  task.width = std::min(kTileSize, camera_.width - task.x0);
+  task.height = std::min(kTileSize, camera_.height - task.y0);
+  task.extras = splat_extras_.data();
+  task.num_extras = num_extras_;
+  return task;
+}
+
+void Rasterizer::Forward(const GaussianModel& model,
+                         const Pinhole& camera,
+                         const Rigid3d& cam_from_world,
+                         const RenderOptions& options,
+                         bool with_depth,
+                         const FeatureChannels& features,
+                         ThreadPool& pool,
+                         RasterImages* images) {
+  camera_ = camera;
+  cam_from_world_ = cam_from_world;
+  options_ = options;
+  with_depth_ = with_depth;
+  num_features_ = features.channels;
+  num_extras_ = num_features_ + (with_depth ? 1 : 0);
+  projector_.Project(
+      model, camera, cam_from_world, options, pool, &projection_);
+  BinSplats(projection_.splats, camera.width, camera.height, pool, &bins_);
+
+  splat_extras_.resize(projection_.size() * num_extras_);
+  for (size_t k = 0; num_extras_ > 0 && k < projection_.size(); ++k) {
+    float* extras = &splat_extras_[k * num_extras_];
+    if (with_depth) *extras++ = projection_.splats[k].depth;
+    const size_t i = projection_.model_index[k];
+    std::copy_n(
+        features.values.data() + i * num_features_, num_features_, extras);
+  }
+
+  Reshape(camera.width, camera.height, 3, &images->color);
+  Reshape(camera.width, camera.height, 1, &images->transmittance);
+  Reshape(camera.width, camera.height, num_extras_, &images->extras);
+  const int64_t tiles = static_cast<int64_t>(bins_.tiles_x) * bins_.tiles_y;
+  tile_visited_.resize(tiles);
+  pool.ParallelFor(0, tiles, 4, [&](int64_t begin, int64_t end, int) {
+    TilePixels pixels;
+    const AlignedFloats extras =
+        num_extras_ > 0 ? TileChannels(num_extras_) : AlignedFloats();
+    for (int64_t tile = begin; tile < end; ++tile) {
+      const TileTask task = MakeTask(tile);
+      tile_visited_[tile] = BlendTile(task, &pixels, extras.get());
+      for (int c = 0; c < 3; ++c) {
+        for (int k = 0; k < kTilePixels; ++k) {
+          pixels.color[c][k] += pixels.transmittance[k] * options.background[c];
+        }
+        StoreTile(task, c, pixels.color[c], &images->color);
+      }
+      StoreTile(task, 0, pixels.transmittance, &images->transmittance);
+      for (int e = 0; e < num_extras_; ++e) {
+        StoreTile(task, e, extras.get() + e * kTilePixels, &images->extras);
+      }
+    }
+  });
+}
+
+void Rasterizer::Backward(const GaussianModel& model,
+                          const RasterGradients& image_gradients,
+                          const RasterImages& images,
+                          ThreadPool& pool,
+                          GaussianModel* gradients,
+                          std::span<float> feature_gradients) {
+  const int stride = kMomentStride + num_extras_;
+  pair_moments_.resize(bins_.num_pairs() * stride);
+  const int64_t tiles = static_cast<int64_t>(bins_.tiles_x) * bins_.tiles_y;
+  pool.ParallelFor(0, tiles, 4, [&](int64_t begin, int64_t end, int) {
+    TileGradients tile_gradients;
+    alignas(64) float value[kTilePixels];
+    alignas(64) float gradient[kTilePixels];
+    const AlignedFloats extra_gradients =
+        num_extras_ > 0 ? TileChannels(num_extras_) : AlignedFloats();
+    for (int64_t tile = begin; tile < end; ++tile) {
+      const TileTask task = MakeTask(tile);
+      float* remaining = tile_gradients.remaining;
+      LoadTile(task, 0, image_gradients.transmittance, remaining);
+      LoadTile(task, 0, &images.transmittance, value);
+      for (int k = 0; k < kTilePixels; ++k) remaining[k] *= value[k];
+      const auto accumulate = [&](const float* d_value) {
+        for (int k = 0; k < kTilePixels; ++k) {
+          remaining[k] += d_value[k] * value[k];
+        }
+      };
+      for (int c = 0; c < 3; ++c) {
+        LoadTile(task, c, image_gradients.color, tile_gradients.color[c]);
+        LoadTile(task, c, &images.color, value);
+        accumulate(tile_gradients.color[c]);
+      }
+      for (int e = 0; e < num_extras_; ++e) {
+        LoadTile(task, e, image_gradients.extras, gradient);
+        std::copy_n(
+            gradient, kTilePixels, extra_gradients.get() + e * kTilePixels);
+        LoadTile(task, e, &images.extras, value);
+        accumulate(gradient);
+      }
+      BackwardTile(task,
+                   tile_visited_[tile],
+                   &tile_gradients,
+                   extra_gradients.get(),
+                   bins_.slots.data() + bins_.tile_begin[tile],
+                   pair_moments_.data());
+    }
+  });
+
+  // Sum each splat's pairs, in the fixed order of its slots.
+  const auto splats = static_cast<int64_t>(projection_.size());
+  splat_moments_.resize(projection_.size() * stride);
+  pool.ParallelFor(0, splats, 1024, [&](int64_t begin, int64_t end, int) {
+    for (int64_t s = begin; s < end; ++s) {
+      float* sum = &splat_moments_[s * stride];
+      std::fill_n(sum, stride, 0.0f);
+      for (size_t slot = bins_.splat_begin[s]; slot < bins_.splat_begin[s + 1];
+           ++slot) {
+        const float* pair = &pair_moments_[slot * stride];
+        for (int j = 0; j < stride; ++j) sum[j] += pair[j];
+      }
+    }
+  });
+  mean2d_gradients_.resize(2 * projection_.size());
+  BackwardProjection(model,
+                     camera_,
+                     cam_from_world_,
+                     options_,
+                     projection_,
+                     {splat_moments_, stride, with_depth_ ? 0 : -1},
+                     pool,
+                     gradients,
+                     mean2d_gradients_);
+  if (feature_gradients.empty()) return;
+  const int first = kMomentStride + (with_depth_ ? 1 : 0);
+  for (int64_t s = 0; s < splats; ++s) {
+    std::copy_n(
+        &splat_moments_[s * stride + first],
+        num_features_,
+        feature_gradients.data() +
+            static_cast<size_t>(projection_.model_index[s]) * num_features_);
+  }
+}
+
+Image<int32_t> Rasterizer::Labels(const GaussianModel& model,
+                                  const Pinhole& camera,
+                                  const Rigid3d& cam_from_world,
+                                  const RenderOptions& options,
+                                  std::span<const int32_t> labels,
+                                  float min_weight,
+                                  ThreadPool& pool) {
+  camera_ = camera;
+  num_extras_ = 0;
+  RenderOptions without_color = options;
+  without_color.sh_degree = 0;
+  projector_.Project(
+      model, camera, cam_from_world, without_color, pool, &projection_);
+  BinSplats(projection_.splats, camera.width, camera.height, pool, &bins_);
+  Image<int32_t> result(camera.width, camera.height, 1, -1);
+  const int64_t tiles = static_cast<int64_t>(bins_.tiles_x) * bins_.tiles_y;
+  pool.ParallelFor(0, tiles, 4, [&](int64_t begin, int64_t end, int) {
+    std::vector<int32_t> present;   // The tile's labels, ascending.
+    std::vector<int32_t> channels;  // Per list entry: place in `present`.
+    for (int64_t tile = begin; tile < end; ++tile) {
+      const TileTask task = MakeTask(tile);
+      present.clear();
+      channels.resize(task.count);
+      for (int64_t k = 0; k < task.count; ++k) {
+        channels[k] = labels[projection_.model_index[task.entries[k]]];
+        if (channels[k] >= 0) present.push_back(channels[k]);
+      }
+      std::sort(present.begin(), present.end());
+      present.erase(std::unique(present.begin(), present.end()), present.end());
+      if (present.empty()) continue;
+      for (int32_t& channel : channels) {
+        if (channel < 0) continue;
+        channel = static_cast<int32_t>(
+            std::lower_bound(present.begin(), present.end(), channel) -
+            present.begin());
+      }
+      const AlignedFloats votes =
+          TileChannels(static_cast<int>(present.size()));
+      std::fill_n(votes.get(), present.size() * kTilePixels, 0.0f);
+      VoteTile(task, channels.data(), votes.get());
+      for (int y = 0; y < task.height; ++y) {
+        for (int x = 0; x < task.width; ++x) {
+          const float* vote = votes.get() + y * kTileSize + x;
+          float total = 0, best = 0;
+          int32_t winner = -1;
+          for (size_t l = 0; l < present.size(); ++l) {
+            const float weight = vote[l * kTilePixels];
+            total += weight;
+            if (weight > best) {
+              best = weight;
+              winner = present[l];
+            }
+          }
+          if (total >= min_weight) {
+            result(task.x0 + x, task.y0 + y) = winner;
+          }
+        }
+      }
+    }
+  });
+  return result;
+}
+
+}  // namespace freegs::splat

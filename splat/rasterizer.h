@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The differentiable renderer: projection, binning, blending and their
+// derivatives for one view at a time.
+
+#ifndef FREEGS_SPLAT_RASTERIZER_H_
+#define FREEGS_SPLAT_RASTERIZER_H_
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/image.h"
+#include "core/parallel.h"
+#include "core/pinhole.h"
+#include "splat/gaussian_model.h"
+#include "splat/projection.h"
+#include "splat/renderer.h"
+#include "splat/tile_bins.h"
+
+namespace freegs::splat {
+
+// What Forward produced; the images are H x W.
+struct RasterImages {
+  ImageF color;          // 3 channels, background blended in.
+  ImageF transmittance;  // 1 channel.
+  // num_extras channels, no background: first depth (sum of weight * z) when
+  // asked for, then the features.
+  ImageF extras;
+};
+
+// dL/d(images) for Backward; empty images count as zero.
+struct RasterGradients {
+  const ImageF* color = nullptr;
+  const ImageF* transmittance = nullptr;
+  const ImageF* extras = nullptr;
+};
+
+// Usage, per training step:
+//   rasterizer.Forward(model, camera, pose, options, false, {}, pool, &images);
+//   ... dL/dcolor from the loss ...
+//   rasterizer.Backward(model, {.color = &gradient}, images, pool, &gradients);
+//   ... update the Gaussians in rasterizer.projection().model_index ...
+// Holds the intermediate results and scratch memory of the last view; after the
+// first steps nothing is allocated. The results are the same bytes for any
+// number of threads.
+class Rasterizer {
+ public:
+  // features: N x channels per Gaussian. with_depth adds the depth channel.
+  void Forward(const GaussianModel& model,
+               const Pinhole& camera,
+               const Rigid3d& cam_from_world,
+               const RenderOptions& options,
+               bool with_depth,
+               const FeatureChannels& features,
+               ThreadPool& pool,
+               RasterImages* images);
+
+  // Derivatives of the last Forward, which must have had the same model. Rows
+  // of *gradients (shaped like the model) of Gaussians that the view shows are
+  // overwritten; the others are left alone. feature_gradients: N x channels,
+  // likewise, when not empty.
+  void Backward(const GaussianModel& model,
+                const RasterGradients& image_gradients,
+                const RasterImages& images,
+                ThreadPool& pool,
+                GaussianModel* gradients,
+                std::span<float> feature_gradients = {});
+
+  // The argmax of voted weights per pixel; see RenderLabels.
+  Image<int32_t> Labels(const GaussianModel& model,
+                        const Pinhole& camera,
+                        const Rigid3d& cam_from_world,
+                        const RenderOptions& options,
+                        std::span<const int32_t> labels,
+                        float min_weight,
+                        ThreadPool& pool);
+
+  // The splats of the last view, nearest first.
+  const Projection& projection() const { return projection_; }
+  const TileBins& bins() const { return bins_; }
+
+  // After Backward: dL/d(2D mean) in pixels, 2 floats per splat.
+  std::span<const float> mean2d_gradients() const { return mean2d_gradients_; }
+
+ private:
+  TileTask MakeTask(int64_t tile) const;
+
+  Projector projector_;
+  Projection projection_;
+  TileBins bins_;
+  Pinhole camera_;
+  Rigid3d cam_from_world_;
+  RenderOptions options_;
+  bool with_depth_ = false;
+  int num_features_ = 0;
+  int num_extras_ = 0;
+
+  std::vector<float> splat_extras_;    // num_splats x num_extras.
+  std::vector<int64_t> tile_visited_;  // Per tile, see BlendTile.
+  std::vector<float> pair_moments_;    // By slot.
+  std::vector<float> splat_moments_;   // num_splats x stride.
+  std::vector<float> mean2d_gradients_;
+};
+
+}  // namespace freegs::splat
+
+#endif  // FREEGS_SPLAT_RASTERIZER_H_

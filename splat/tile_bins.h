@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Which splats touch which tile, in depth order.
+
+#ifndef FREEGS_SPLAT_TILE_BINS_H_
+#define FREEGS_SPLAT_TILE_BINS_H_
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/parallel.h"
+#include "splat/tile_kernels.h"
+
+namespace freegs::splat {
+
+// Tile (tx, ty) is tile number ty * tiles_x + tx and covers pixels
+// [16 tx, 16 tx + 16) x [16 ty, 16 ty + 16).
+struct TileBins {
+  int tiles_x = 0;
+  int tiles_y = 0;
+  // Entries of tile t: [tile_begin[t], tile_begin[t + 1]).
+  std::vector<int64_t> tile_begin;
+  std::vector<uint32_t> entries;  // Splat numbers, ascending within a tile.
+  // A second numbering of the same pairs, splat after splat: entry e is slot
+  // slots[e], and the slots of splat s are [splat_begin[s], splat_begin[s+1]).
+  // Per-pair gradients are stored by slot, so summing a splat's is one run.
+  std::vector<uint32_t> slots;
+  std::vector<uint32_t> splat_begin;
+
+  size_t num_pairs() const { return entries.size(); }
+};
+
+// Fills *bins for an image of width x height. A splat enters exactly the tiles
+// that have a pixel centre inside its ellipse alpha >= 1/255 or come within
+// rounding of it: each tile row is cut with the ellipse.
+void BinSplats(std::span<const Splat> splats,
+               int width,
+               int height,
+               ThreadPool& pool,
+               TileBins* bins);
+
+}  // namespace freegs::splat
+
+#endif  // FREEGS_SPLAT_TILE_BINS_H_

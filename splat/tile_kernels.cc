@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "splat/tile_kernels.h"
+
+#include <algorithm>
+#include <cmath>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "splat/tile_kernels.cc"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace freegs::splat::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// At most a row of the tile per vector.
+using Tag = hn::CappedTag<float, kTileSize>;
+using Vec = hn::Vec<Tag>;
+using Mask = hn::Mask<Tag>;
+
+constexpr float kLog2E = 1.4426950408889634f;
+constexpr float kMinLog2Alpha = -7.994353436858858f;  // log2(1 / 255).
+
+// 2^x for x in [-126, 126], relative error below 2e-7: the exponent bits of the
+// nearest integer times a degree 5 Chebyshev interpolant of 2^f, |f| <= 1/2.
+HWY_INLINE Vec FastExp2(Tag d, Vec x) {
+  const hn::RebindToSigned<Tag> di;
+  const Vec whole = hn::Round(x);
+  const Vec f = hn::Sub(x, whole);
+  Vec p = hn::MulAdd(
+      f, hn::Set(d, 0.0013390863364533504f), hn::Set(d, 0.009676031918326564f));
+  p = hn::MulAdd(p, f, hn::Set(d, 0.05550357114219461f));
+  p = hn::MulAdd(p, f, hn::Set(d, 0.24022107485308208f));
+  p = hn::MulAdd(p, f, hn::Set(d, 0.6931471880262287f));
+  p = hn::MulAdd(p, f, hn::Set(d, 1.0000000754548972f));
+  const auto exponent =
+      hn::ShiftLeft<23>(hn::Add(hn::ConvertTo(di, whole), hn::Set(di, 127)));
+  return hn::Mul(p, hn::BitCast(d, exponent));
+}
+
+// The pixels of a tile that a splat may touch: rows [y_begin, y_end), columns
+// [x_begin, x_end) with x_begin a multiple of the vector length.
+struct Span {
+  int x_begin, x_end, y_begin, y_end;
+};
+
+HWY_INLINE int ToPixel(float value) {
+  // Clamped first: far-away splats must not overflow the conversion.
+  return static_cast<int>(
+      std::ceil(std::min(std::max(value, -1.0f), kTileSize + 1.0f)));
+}
+
+HWY_INLINE Span SplatSpan(const TileTask& task, const Splat& splat, int lanes) {
+  const float x = splat.mean_x - static_cast<float>(task.x0) - 0.5f;
+  const float y = splat.mean_y - static_cast<float>(task.y0) - 0.5f;
+  Span span;
+  span.x_begin = std::max(0, ToPixel(x - splat.extent_x)) & -lanes;
+  span.x_end = std::min(task.width, ToPixel(x + splat.extent_x + 1e-3f));
+  span.y_begin = std::max(0, ToPixel(y - splat.extent_y));
+  span.y_end = std::min(task.height, ToPixel(y + splat.extent_y + 1e-3f));
+  return span;
+}
+
+// Calls row(pixel, dx, dy, alpha, T, mask) for the vectors of pixels where the
+// splat is blended; mask is not empty.
+template <class Row>
+HWY_INLINE void ForEachBlendedRow(Tag d,
+                                  const TileTask& task,
+                                  const Splat& splat,
+                                  const float* HWY_RESTRICT transmittance,
+                                  const Row& row) {
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const Span span = SplatSpan(task, splat, lanes);
+  // log2(alpha) = log2(o) - log2(e) / 2 (xx dx^2 + 2 xy dx dy + yy dy^2), as a
+  // polynomial in dx whose coefficients change from row to row.
+  const Vec quadratic = hn::Set(d, -0.5f * kLog2E * splat.conic_xx);
+  const float cross = -kLog2E * splat.conic_xy;
+  const float constant = -0.5f * kLog2E * splat.conic_yy;
+  const Vec offset =
+      hn::Sub(hn::Iota(d, 0),
+              hn::Set(d, splat.mean_x - static_cast<float>(task.x0) - 0.5f));
+  for (int y = span.y_begin; y < span.y_end; ++y) {
+    const float dy = static_cast<float>(task.y0 + y) + 0.5f - splat.mean_y;
+    const Vec linear = hn::Set(d, cross * dy);
+    const Vec base = hn::Set(d, splat.log2_opacity + constant * dy * dy);
+    for (int x = span.x_begin; x < span.x_end; x += lanes) {
+      const int pixel = y * kTileSize + x;
+      const Vec dx = hn::Add(offset, hn::Set(d, static_cast<float>(x)));
+      const Vec log2_alpha =
+          hn::MulAdd(hn::MulAdd(quadratic, dx, linear), dx, base);
+      const Vec t = hn::Load(d, transmittance + pixel);
+      const Mask mask = hn::And(hn::Ge(log2_alpha, hn::Set(d, kMinLog2Alpha)),
+                                hn::Ge(t, hn::Set(d, kMinTransmittance)));
+      if (hn::AllFalse(d, mask)) continue;
+      const Vec alpha =
+          hn::Min(FastExp2(d, hn::Max(log2_alpha, hn::Set(d, -32.0f))),
+                  hn::Set(d, kMaxAlpha));
+      row(pixel, dx, dy, alpha, t, mask);
+    }
+  }
+}
+
+// Whether no pixel can take more.
+HWY_INLINE bool Opaque(Tag d, const float* HWY_RESTRICT transmittance) {
+  Vec most = hn::Zero(d);
+  for (size_t i = 0; i < kTilePixels; i += hn::Lanes(d)) {
+    most = hn::Max(most, hn::Load(d, transmittance + i));
+  }
+  return hn::AllTrue(d, hn::Lt(most, hn::Set(d, kMinTransmittance)));
+}
+
+// Testing for opacity costs a pass over the tile: do it now and then.
+constexpr int64_t kOpaqueTestInterval = 16;
+
+void ClearTransmittance(const TileTask& task, float* transmittance) {
+  for (int y = 0; y < kTileSize; ++y) {
+    for (int x = 0; x < kTileSize; ++x) {
+      transmittance[y * kTileSize + x] =
+          x < task.width && y < task.height ? 1.0f : 0.0f;
+    }
+  }
+}
+
+int64_t BlendTile(const TileTask& task, TilePixels* pixels, float* extras) {
+  const Tag d;
+  float* HWY_RESTRICT transmittance = pixels->transmittance;
+  float* HWY_RESTRICT red = pixels->color[0];
+  float* HWY_RESTRICT green = pixels->color[1];
+  float* HWY_RESTRICT blue = pixels->color[2];
+  ClearTransmittance(task, transmittance);
+  std::fill_n(red, 3 * kTilePixels, 0.0f);
+  std::fill_n(extras, task.num_extras * kTilePixels, 0.0f);
+  for (int64_t k = 0; k < task.count; ++k) {
+    if (k % kOpaqueTestInterval == 0 && Opaque(d, transmittance)) return k;
+    const Splat& splat = task.splats[task.entries[k]];
+    const float* splat_extras =
+        task.extras + static_cast<size_t>(task.entries[k]) * task.num_extras;
+    const Vec r = hn::Set(d, splat.color[0]);
+    const Vec g = hn::Set(d, splat.color[1]);
+    const Vec b = hn::Set(d, splat.color[2]);
+    ForEachBlendedRow(
+        d,
+        task,
+        splat,
+        transmittance,
+        [&](int pixel, Vec, float, Vec alpha, Vec t, Mask mask) HWY_ATTR {
+          const Vec weight = hn::IfThenElseZero(mask, hn::Mul(alpha, t));
+          hn::Store(hn::Sub(t, weight), d, transmittance + pixel);
+          hn::Store(
+              hn::MulAdd(weight, r, hn::Load(d, red + pixel)), d, red + pixel);
+          hn::Store(hn::MulAdd(weight, g, hn::Load(d, green + pixel)),
+                    d,
+                    green + pixel);
+          hn::Store(hn::MulAdd(weight, b, hn::Load(d, blue + pixel)),
+                    d,
+                    blue + pixel);
+          for (int e = 0; e < task.num_extras; ++e) {
+            float* channel = extras + e * kTilePixels + pixel;
+            hn::Store(
+                hn::MulAdd(
+                    weight, hn::Set(d, splat_extras[e]), hn::Load(d, channel)),
+                d,
+                channel);
+          }
+        });
+  }
+  return task.count;
+}
+
+void VoteTile(const TileTask& task, const int32_t* channels, float* votes) {
+  const Tag d;
+  alignas(64) float transmittance[kTilePixels];
+  ClearTransmittance(task, transmittance);
+  for (int64_t k = 0; k < task.count; ++k) {
+    if (k % kOpaqueTestInterval == 0 && Opaque(d, transmittance)) return;
+    const int32_t channel = channels[k];
+    ForEachBlendedRow(
+        d,
+        task,
+        task.splats[task.entries[k]],
+        transmittance,
+        [&](int pixel, Vec, float, Vec alpha, Vec t, Mask mask) HWY_ATTR {
+          const Vec weight = hn::IfThenElseZero(mask, hn::Mul(alpha, t));
+          hn::Store(hn::Sub(t, weight), d, transmittance + pixel);
+          if (channel < 0) return;
+          float* vote = votes + channel * kTilePixels + pixel;
+          hn::Store(hn::Add(weight, hn::Load(d, vote)), d, vote);
+        });
+  }
+}
+
+void BackwardTile(const TileTask& task,
+                  int64_t visited,
+                  TileGradients* gradients,
+                  const float* extra_gradients,
+                  const uint32_t* slots,
+                  float* moments) {
+  const Tag d;
+  alignas(64) float transmittance[kTilePixels];
+  ClearTransmittance(task, transmittance);
+  const float* HWY_RESTRICT red = gradients->color[0];
+  const float* HWY_RESTRICT green = gradients->color[1];
+  const float* HWY_RESTRICT blue = gradients->color[2];
+  float* HWY_RESTRICT remaining = gradients->remaining;
+  const size_t stride = kMomentStride + task.num_extras;
+  const Vec one = hn::Set(d, 1.0f);
+  for (int64_t k = 0; k < visited; ++k) {
+    const Splat& splat = task.splats[task.entries[k]];
+    const float* splat_extras =
+        task.extras + static_cast<size_t>(task.entries[k]) * task.num_extras;
+    const Vec r = hn::Set(d, splat.color[0]);
+    const Vec g = hn::Set(d, splat.color[1]);
+    const Vec b = hn::Set(d, splat.color[2]);
+    float* sums = moments + slots[k] * stride;
+    for (int e = 0; e < task.num_extras; ++e) sums[kMomentStride + e] = 0.0f;
+    Vec sum_q = hn::Zero(d), sum_qx = hn::Zero(d), sum_qy = hn::Zero(d);
+    Vec sum_qxx = hn::Zero(d), sum_qxy = hn::Zero(d), sum_qyy = hn::Zero(d);
+    Vec sum_r = hn::Zero(d), sum_g = hn::Zero(d), sum_b = hn::Zero(d);
+    bool touched = false;
+    ForEachBlendedRow(
+        d,
+        task,
+        splat,
+        transmittance,
+        [&](int pixel, Vec dx, float dy, Vec alpha, Vec t, Mask mask) HWY_ATTR {
+          touched = true;
+          const Vec weight = hn::IfThenElseZero(mask, hn::Mul(alpha, t));
+          hn::Store(hn::Sub(t, weight), d, transmittance + pixel);
+          const Vec gr = hn::Load(d, red + pixel);
+          const Vec gg = hn::Load(d, green + pixel);
+          const Vec gb = hn::Load(d, blue + pixel);
+          sum_r = hn::MulAdd(weight, gr, sum_r);
+          sum_g = hn::MulAdd(weight, gg, sum_g);
+          sum_b = hn::MulAdd(weight, gb, sum_b);
+          // The splat's own value seen through dL/dpixel.
+          Vec value = hn::MulAdd(gr, r, hn::MulAdd(gg, g, hn::Mul(gb, b)));
+          for (int e = 0; e < task.num_extras; ++e) {
+            const Vec ge =
+                hn::Load(d, extra_gradients + e * kTilePixels + pixel);
+            value = hn::MulAdd(ge, hn::Set(d, splat_extras[e]), value);
+            sums[kMomentStride + e] +=
+                hn::GetLane(hn::SumOfLanes(d, hn::Mul(weight, ge)));
+          }
+          // What lies behind shrinks by (1 - alpha): with R the value still to
+          // come, dL/dalpha = T value - R / (1 - alpha).
+          const Vec behind =
+              hn::NegMulAdd(weight, value, hn::Load(d, remaining + pixel));
+          hn::Store(behind, d, remaining + pixel);
+          const Vec d_alpha =
+              hn::Sub(hn::Mul(t, value), hn::Div(behind, hn::Sub(one, alpha)));
+          // A clamped alpha does not move.
+          const Mask free = hn::And(mask, hn::Lt(alpha, hn::Set(d, kMaxAlpha)));
+          const Vec q = hn::IfThenElseZero(free, hn::Mul(d_alpha, alpha));
+          const Vec qx = hn::Mul(q, dx);
+          const Vec vdy = hn::Set(d, dy);
+          const Vec qy = hn::Mul(q, vdy);
+          sum_q = hn::Add(sum_q, q);
+          sum_qx = hn::Add(sum_qx, qx);
+          sum_qy = hn::Add(sum_qy, qy);
+          sum_qxx = hn::MulAdd(qx, dx, sum_qxx);
+          sum_qxy = hn::MulAdd(qx, vdy, sum_qxy);
+          sum_qyy = hn::MulAdd(qy, vdy, sum_qyy);
+        });
+    if (!touched) {
+      std::fill_n(sums, kMomentStride, 0.0f);
+      continue;
+    }
+    sums[0] = hn::GetLane(hn::SumOfLanes(d, sum_q));
+    sums[1] = hn::GetLane(hn::SumOfLanes(d, sum_qx));
+    sums[2] = hn::GetLane(hn::SumOfLanes(d, sum_qy));
+    sums[3] = hn::GetLane(hn::SumOfLanes(d, sum_qxx));
+    sums[4] = hn::GetLane(hn::SumOfLanes(d, sum_qxy));
+    sums[5] = hn::GetLane(hn::SumOfLanes(d, sum_qyy));
+    sums[6] = hn::GetLane(hn::SumOfLanes(d, sum_r));
+    sums[7] = hn::GetLane(hn::SumOfLanes(d, sum_g));
+    sums[8] = hn::GetLane(hn::SumOfLanes(d, sum_b));
+  }
+  // Entries behind an opaque tile get no gradient.
+  for (int64_t k = visited; k < task.count; ++k) {
+    std::fill_n(moments + slots[k] * stride, stride, 0.0f);
+  }
+}
+
+const char* TargetName() { return hwy::TargetName(HWY_TARGET); }
+
+}  // namespace freegs::splat::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace freegs::splat {
+
+HWY_EXPORT(BlendTile);
+HWY_EXPORT(VoteTile);
+HWY_EXPORT(BackwardTile);
+HWY_EXPORT(TargetName);
+
+int64_t BlendTile(const TileTask& task, TilePixels* pixels, float* extras) {
+  return HWY_DYNAMIC_DISPATCH(BlendTile)(task, pixels, extras);
+}
+
+void VoteTile(const TileTask& task, const int32_t* channels, float* votes) {
+  HWY_DYNAMIC_DISPATCH(VoteTile)(task, channels, votes);
+}
+
+void BackwardTile(const TileTask& task,
+                  int64_t visited,
+                  TileGradients* gradients,
+                  const float* extra_gradients,
+                  const uint32_t* slots,
+                  float* moments) {
+  HWY_DYNAMIC_DISPATCH(BackwardTile)
+  (task, visited, gradients, extra_gradients, slots, moments);
+}
+
+const char* TileKernelTarget() { return HWY_DYNAMIC_DISPATCH(TargetName)(); }
+
+}  // namespace freegs::splat
+#endif  // HWY_ONCE
