@@ -46,7 +46,7 @@ class PhotometricLoss {
   double l1_ = 0;
   double ssim_ = 0;
 
-  // Planar maps with padded rows, see loss.cc.
+  // Maps and scratch rows, see loss.cc.
   std::vector<float> workspace_;
   std::vector<double> row_l1_;
   std::vector<double> row_ssim_;
