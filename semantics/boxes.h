@@ -14,8 +14,9 @@ struct AxisAlignedBox {
   Eigen::Vector3d max = Eigen::Vector3d::Zero();
 };
 
-// The points center + rotation * x with |x_k| <= size_k / 2, in world units: the
-// columns of the rotation are the directions of the sides in the world frame.
+// The points center + rotation * x with |x_k| <= size_k / 2, in world units:
+// the columns of the rotation are the directions of the sides in the world
+// frame.
 struct OrientedBox {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   Eigen::Vector3d size = Eigen::Vector3d::Zero();  // Full side lengths.

@@ -24,8 +24,8 @@ struct CoreDistances {
   int list_size = 0;
   std::vector<uint32_t> neighbors;
 
-  // Squared distance to the last point of the list; infinite when the list holds
-  // all other points. No point outside the list is nearer.
+  // Squared distance to the last point of the list; infinite when the list
+  // holds all other points. No point outside the list is nearer.
   std::vector<double> last2;
 };
 

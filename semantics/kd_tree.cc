@@ -10,7 +10,8 @@ namespace freegs::semantics {
 namespace {
 
 // Relative error of a float sum of dim squared float differences is at most
-// about (dim + 2) * 2^-24; this leaves room up to 80 dimensions and grows above.
+// about (dim + 2) * 2^-24; this leaves room up to 80 dimensions and grows
+// above.
 float LowerBoundFactor(int dim) {
   return 1.0f - std::max(80, dim + 16) * 0x1p-23f;
 }
@@ -24,7 +25,8 @@ StatusOr<KdTree> KdTree::Build(std::span<const float> points, int dim) {
   }
   const size_t count = points.size() / dim;
   if (count >= (size_t{1} << 31)) {
-    return InvalidArgumentError("too many points for a k-d tree (2^31 or more)");
+    return InvalidArgumentError(
+        "too many points for a k-d tree (2^31 or more)");
   }
   for (size_t i = 0; i < points.size(); ++i) {
     if (!(std::abs(points[i]) <= kMaxCoordinate)) {
@@ -45,9 +47,10 @@ StatusOr<KdTree> KdTree::Build(std::span<const float> points, int dim) {
 
   tree.rows_.resize(points.size());
   for (size_t position = 0; position < count; ++position) {
-    std::copy_n(points.data() + static_cast<size_t>(tree.order_[position]) * dim,
-                dim,
-                tree.rows_.data() + position * dim);
+    std::copy_n(
+        points.data() + static_cast<size_t>(tree.order_[position]) * dim,
+        dim,
+        tree.rows_.data() + position * dim);
   }
   tree.block_.resize(tree.nodes_.size(), 0);
   uint32_t num_blocks = 0;
@@ -69,7 +72,9 @@ StatusOr<KdTree> KdTree::Build(std::span<const float> points, int dim) {
   return tree;
 }
 
-void KdTree::Build(uint32_t begin, uint32_t end, std::span<const float> points) {
+void KdTree::Build(uint32_t begin,
+                   uint32_t end,
+                   std::span<const float> points) {
   const size_t id = nodes_.size();
   const auto point = [&](uint32_t row) {
     return points.data() + static_cast<size_t>(row) * dim_;
@@ -77,8 +82,8 @@ void KdTree::Build(uint32_t begin, uint32_t end, std::span<const float> points) 
   Node node;
   node.begin = begin;
   node.end = end;
-  node.min_index = *std::min_element(order_.begin() + begin,
-                                     order_.begin() + end);
+  node.min_index =
+      *std::min_element(order_.begin() + begin, order_.begin() + end);
   nodes_.push_back(node);
   boxes_.resize(boxes_.size() + 2 * dim_);
   {

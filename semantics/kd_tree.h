@@ -27,8 +27,8 @@ struct Neighbor {
 };
 
 // Split at the median of the widest side; leaves hold up to kLeafSize points.
-// Squared distances are summed in double from the float coordinates, in order of
-// dimension: symmetric in the two points, and the same wherever they are
+// Squared distances are summed in double from the float coordinates, in order
+// of dimension: symmetric in the two points, and the same wherever they are
 // computed. Box distances are computed alike, and because rounding is monotone
 // they never exceed the distance of a point inside.
 class KdTree {
