@@ -13,13 +13,12 @@
 #include <nlohmann/json.hpp>
 
 #include "core/files.h"
+#include "pipeline/json_text.h"
 
 namespace freegs::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr uint64_t kMaxInfoBytes = 1 << 20;
 
 fs::path InfoPath(const fs::path& workspace) {
   return workspace / "workspace.json";
@@ -32,6 +31,10 @@ fs::path ConfigPath(const fs::path& workspace) {
 }
 
 fs::path LogPath(const fs::path& workspace) { return workspace / "log.txt"; }
+
+fs::path FingerprintCachePath(const fs::path& workspace) {
+  return workspace / ".fingerprints.json";
+}
 
 fs::path StageFolder(const fs::path& workspace, std::string_view stage) {
   return workspace / stage;
@@ -58,10 +61,7 @@ StatusOr<WorkspaceInfo> ReadWorkspaceInfo(const fs::path& workspace) {
   const fs::path path = InfoPath(workspace);
   std::error_code error;
   if (!fs::exists(path, error)) return WorkspaceInfo();
-  FREEGS_ASSIGN_OR_RETURN(const std::string text,
-                          ReadFile(path, kMaxInfoBytes));
-  const nlohmann::json json =
-      nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
+  FREEGS_ASSIGN_OR_RETURN(const nlohmann::json json, ReadJson(path));
   const Status malformed = BadInputError(
       path.string() + ": malformed; delete it and give the photo folder again");
   if (!json.is_object()) return malformed;
@@ -81,11 +81,7 @@ Status WriteWorkspaceInfo(const fs::path& workspace,
   nlohmann::json json = nlohmann::json::object();
   json["images"] =
       info.images.empty() ? "" : DisplayPath(workspace, info.images);
-  // Names need not be UTF-8; a replaced byte is better than no file.
-  return WriteFileAtomic(
-      InfoPath(workspace),
-      json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
-          "\n");
+  return WriteFileAtomic(InfoPath(workspace), JsonText(json));
 }
 
 StatusOr<WorkspaceLock> WorkspaceLock::Acquire(const fs::path& workspace) {

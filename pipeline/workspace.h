@@ -18,6 +18,10 @@ std::filesystem::path ConfigPath(const std::filesystem::path& workspace);
 // WORKSPACE/log.txt: every line that was logged.
 std::filesystem::path LogPath(const std::filesystem::path& workspace);
 
+// WORKSPACE/.fingerprints.json: hashes of files that did not change since.
+std::filesystem::path FingerprintCachePath(
+    const std::filesystem::path& workspace);
+
 // WORKSPACE/STAGE: a stage's finished output, and stage.json in it.
 std::filesystem::path StageFolder(const std::filesystem::path& workspace,
                                   std::string_view stage);

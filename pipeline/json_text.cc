@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "pipeline/json_text.h"
+
+#include "core/files.h"
+
+namespace freegs::pipeline {
+
+using nlohmann::json;
+
+std::string ValidUtf8(const std::string& text) {
+  return json::parse(
+             json(text).dump(-1, ' ', false, json::error_handler_t::replace))
+      .get<std::string>();
+}
+
+std::string JsonText(const json& document, int indent) {
+  return document.dump(indent, ' ', false, json::error_handler_t::replace) +
+         "\n";
+}
+
+StatusOr<json> ReadJson(const std::filesystem::path& path) {
+  FREEGS_ASSIGN_OR_RETURN(const std::string text,
+                          ReadFile(path, uint64_t{1} << 28));
+  json document = json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (document.is_discarded()) {
+    return BadInputError(path.string() + ": not valid JSON");
+  }
+  return document;
+}
+
+}  // namespace freegs::pipeline

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "pipeline/logger.h"
+
+#include <ctime>
+
+namespace freegs::pipeline {
+namespace {
+
+constexpr char kEraseLine[] = "\r\x1b[K";
+
+std::string TimeStamp() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts = {};
+  gmtime_r(&now, &parts);
+  char text[32];
+  std::strftime(text, sizeof(text), "%Y-%m-%dT%H:%M:%SZ", &parts);
+  return text;
+}
+
+const char* Prefix(LogLevel level) {
+  switch (level) {
+    case LogLevel::kInfo:
+      return "";
+    case LogLevel::kWarning:
+      return "warning: ";
+    case LogLevel::kError:
+      return "error: ";
+  }
+  return "";
+}
+
+}  // namespace
+
+Logger::Logger(std::ostream& console,
+               bool terminal,
+               const std::filesystem::path& file)
+    : console_(console), terminal_(terminal) {
+  if (!file.empty()) file_.open(file, std::ios::app);
+}
+
+void Logger::Log(LogLevel level, const std::string& text) {
+  const std::lock_guard lock(mutex_);
+  if (transient_shown_) console_ << kEraseLine;
+  transient_shown_ = false;
+  console_ << Prefix(level) << text << "\n";
+  console_.flush();
+  WriteFileLine(level, text);
+}
+
+void Logger::LogToFile(LogLevel level, const std::string& text) {
+  const std::lock_guard lock(mutex_);
+  WriteFileLine(level, text);
+}
+
+void Logger::SetTransient(const std::string& text) {
+  if (!terminal_) return;
+  const std::lock_guard lock(mutex_);
+  if (text.empty() && !transient_shown_) return;
+  console_ << kEraseLine << text;
+  console_.flush();
+  transient_shown_ = !text.empty();
+}
+
+LogFn Logger::function() {
+  return [this](LogLevel level, const std::string& text) { Log(level, text); };
+}
+
+void Logger::WriteFileLine(LogLevel level, const std::string& text) {
+  if (!file_.is_open()) return;
+  file_ << TimeStamp() << " " << Prefix(level) << text << "\n";
+  file_.flush();
+}
+
+}  // namespace freegs::pipeline

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "pipeline/progress_line.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+namespace freegs::pipeline {
+namespace {
+
+constexpr double kTerminalInterval = 0.1;
+constexpr double kPlainInterval = 10;
+constexpr double kRateWindow = 30;
+constexpr double kRateSpacing = 0.5;
+
+double SteadySeconds() {
+  return std::chrono::duration<double>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+std::string Formatted(const char* format, double value) {
+  char text[64];
+  std::snprintf(text, sizeof(text), format, value);
+  return text;
+}
+
+// Whole numbers without a point, others with two places.
+std::string Count(double value) {
+  const bool whole = std::abs(value - std::round(value)) < 1e-9;
+  return Formatted(whole ? "%.0f" : "%.2f", value);
+}
+
+size_t TerminalWidth() {
+  winsize size = {};
+  if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 20) {
+    return size.ws_col;
+  }
+  return 80;
+}
+
+// The line must not wrap, or it could not be drawn over. A cut never leaves
+// half of a UTF-8 character.
+std::string Fit(const std::string& line, size_t width) {
+  if (line.size() < width) return line;
+  size_t end = width - 1;
+  while (end > 0 && (static_cast<unsigned char>(line[end]) & 0xc0) == 0x80) {
+    --end;
+  }
+  return line.substr(0, end);
+}
+
+}  // namespace
+
+std::string FormatDuration(double seconds) {
+  if (!std::isfinite(seconds) || seconds < 0) return "?";
+  if (seconds > 1e9) return ">30y";
+  const int64_t total = std::llround(seconds);
+  char text[64];
+  if (total < 60) {
+    std::snprintf(text, sizeof(text), "%ds", static_cast<int>(total));
+  } else if (total < 3600) {
+    std::snprintf(text,
+                  sizeof(text),
+                  "%dm%02ds",
+                  static_cast<int>(total / 60),
+                  static_cast<int>(total % 60));
+  } else {
+    std::snprintf(text,
+                  sizeof(text),
+                  "%dh%02dm",
+                  static_cast<int>(total / 3600),
+                  static_cast<int>(total / 60 % 60));
+  }
+  return text;
+}
+
+std::string FormatProgress(const Progress& progress, double rate) {
+  std::string text = progress.step + " " + Count(progress.done);
+  if (progress.total > 0) {
+    const double share = std::clamp(progress.done / progress.total, 0.0, 1.0);
+    text += "/" + Count(progress.total) +
+            Formatted(" %.0f%%", std::floor(100 * share));
+  }
+  if (rate > 0) {
+    text += rate >= 0.1 ? Formatted(" %.1f/s", rate)
+                        : Formatted(" %.1f/min", 60 * rate);
+    if (progress.total > progress.done) {
+      text += " " + FormatDuration((progress.total - progress.done) / rate) +
+              " left";
+    }
+  }
+  if (!progress.detail.empty()) text += ", " + progress.detail;
+  return text;
+}
+
+ProgressLine::ProgressLine(Logger* logger, std::string prefix, Clock clock)
+    : logger_(logger),
+      prefix_(std::move(prefix)),
+      clock_(clock ? std::move(clock) : SteadySeconds) {}
+
+ProgressLine::~ProgressLine() { logger_->SetTransient(""); }
+
+double ProgressLine::Rate(double now, double done) {
+  if (!recent_.empty() && done < recent_.back().second) recent_.clear();
+  if (recent_.empty() || now - recent_.back().first >= kRateSpacing) {
+    recent_.emplace_back(now, done);
+  }
+  while (recent_.size() > 2 && now - recent_[1].first >= kRateWindow) {
+    recent_.pop_front();
+  }
+  const double seconds = now - recent_.front().first;
+  return seconds >= kRateSpacing ? (done - recent_.front().second) / seconds
+                                 : 0;
+}
+
+void ProgressLine::Report(const Progress& progress) {
+  const std::lock_guard lock(mutex_);
+  const double now = clock_();
+  if (progress.step != step_) {
+    step_ = progress.step;
+    recent_.clear();
+    shown_ = false;
+  }
+  const double rate = Rate(now, progress.done);
+  const double interval =
+      logger_->terminal() ? kTerminalInterval : kPlainInterval;
+  if (shown_ && now - last_shown_ < interval) return;
+  shown_ = true;
+  last_shown_ = now;
+  const std::string line = prefix_ + ": " + FormatProgress(progress, rate);
+  if (logger_->terminal()) {
+    logger_->SetTransient(Fit(line, TerminalWidth()));
+  } else {
+    logger_->Log(LogLevel::kInfo, line);
+  }
+}
+
+}  // namespace freegs::pipeline

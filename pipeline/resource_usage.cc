@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "pipeline/resource_usage.h"
+
+#include <algorithm>
+#include <fstream>
+#include <string>
+#include <sys/resource.h>
+
+namespace freegs::pipeline {
+namespace {
+
+double Seconds(const timeval& time) {
+  return static_cast<double>(time.tv_sec) +
+         1e-6 * static_cast<double>(time.tv_usec);
+}
+
+double CpuSeconds() {
+  double seconds = 0;
+  for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
+    rusage usage = {};
+    getrusage(who, &usage);
+    seconds += Seconds(usage.ru_utime) + Seconds(usage.ru_stime);
+  }
+  return seconds;
+}
+
+// Largest resident size of any child so far.
+int64_t ChildPeakBytes() {
+  rusage usage = {};
+  getrusage(RUSAGE_CHILDREN, &usage);
+  return int64_t{usage.ru_maxrss} * 1024;
+}
+
+// VmHWM, the peak since it was last reset.
+int64_t OwnPeakBytes() {
+  std::ifstream status("/proc/self/status");
+  std::string word;
+  while (status >> word) {
+    if (word != "VmHWM:") continue;
+    int64_t kilobytes = 0;
+    status >> kilobytes;
+    return kilobytes * 1024;
+  }
+  rusage usage = {};
+  getrusage(RUSAGE_SELF, &usage);
+  return int64_t{usage.ru_maxrss} * 1024;
+}
+
+}  // namespace
+
+ResourceMeter::ResourceMeter()
+    : start_(std::chrono::steady_clock::now()),
+      start_cpu_seconds_(CpuSeconds()),
+      start_child_peak_bytes_(ChildPeakBytes()) {
+  std::ofstream("/proc/self/clear_refs") << "5";
+}
+
+ResourceUsage ResourceMeter::Elapsed() const {
+  ResourceUsage usage;
+  usage.wall_seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start_)
+          .count();
+  usage.cpu_seconds = CpuSeconds() - start_cpu_seconds_;
+  usage.peak_memory_bytes = OwnPeakBytes();
+  // The children's peak cannot be reset: it tells about this stretch only if
+  // it grew.
+  const int64_t child_peak = ChildPeakBytes();
+  if (child_peak > start_child_peak_bytes_) {
+    usage.peak_memory_bytes = std::max(usage.peak_memory_bytes, child_peak);
+  }
+  return usage;
+}
+
+}  // namespace freegs::pipeline

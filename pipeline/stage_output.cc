@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "pipeline/stage_output.h"
+
+#include <cmath>
+#include <fcntl.h>
+#include <system_error>
+#include <unistd.h>
+
+#include "core/files.h"
+#include "pipeline/json_text.h"
+#include "pipeline/workspace.h"
+
+namespace freegs::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path FingerprintPath(const fs::path& partial) {
+  return partial / "partial.json";
+}
+
+fs::path UsagePath(const fs::path& partial) { return partial / "usage.json"; }
+
+Status RemoveFile(const fs::path& path) {
+  std::error_code error;
+  fs::remove(path, error);
+  if (error) {
+    return InternalError(path.string() + ": cannot delete: " + error.message());
+  }
+  return Status();
+}
+
+Status Rename(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  fs::rename(from, to, error);
+  if (error) {
+    return InternalError(from.string() + ": cannot rename to " + to.string() +
+                         ": " + error.message());
+  }
+  return Status();
+}
+
+// Puts everything written so far on disk, so that after a power cut the record
+// is not there before what it vouches for.
+void FlushFileSystem(const fs::path& folder) {
+  const int descriptor =
+      open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  syncfs(descriptor);
+  close(descriptor);
+}
+
+bool IsFinished(const fs::path& folder) {
+  const StatusOr<StageRecord> record = ReadStageRecord(folder);
+  return record.ok() && record->outcome == StageOutcome::kDone;
+}
+
+// Steps 2 to 4.
+Status Swap(const fs::path& workspace, const std::string& stage) {
+  const fs::path folder = StageFolder(workspace, stage);
+  const fs::path partial = PartialFolder(workspace, stage);
+  const fs::path retired = RetiredFolder(workspace, stage);
+  // Only the runner reads these. The suffix is that of an unfinished write.
+  FREEGS_RETURN_IF_ERROR(RemoveFile(FingerprintPath(partial)));
+  FREEGS_RETURN_IF_ERROR(RemoveFile(UsagePath(partial)));
+  FREEGS_RETURN_IF_ERROR(RemoveFile(UsagePath(partial).string() + ".part"));
+  std::error_code error;
+  if (fs::exists(folder, error)) {
+    FREEGS_RETURN_IF_ERROR(RemoveStageFolder(retired));
+    FREEGS_RETURN_IF_ERROR(Rename(folder, retired));
+  }
+  FREEGS_RETURN_IF_ERROR(Rename(partial, folder));
+  return RemoveStageFolder(retired);
+}
+
+}  // namespace
+
+Status RemoveStageFolder(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::exists(fs::symlink_status(folder, error))) return Status();
+  FREEGS_RETURN_IF_ERROR(RemoveFile(RecordPath(folder)));
+  FREEGS_RETURN_IF_ERROR(RemoveFile(FingerprintPath(folder)));
+  fs::remove_all(folder, error);
+  if (error) {
+    return InternalError(folder.string() +
+                         ": cannot delete: " + error.message());
+  }
+  return Status();
+}
+
+Status BeginPartial(const fs::path& partial,
+                    const StageFingerprint& fingerprint) {
+  FREEGS_RETURN_IF_ERROR(RemoveStageFolder(partial));
+  FREEGS_RETURN_IF_ERROR(CreateFolders(partial));
+  return WriteFileAtomic(FingerprintPath(partial),
+                         JsonText(ToJson(fingerprint)));
+}
+
+Status ContinuePartial(const fs::path& partial) {
+  return RemoveFile(RecordPath(partial));
+}
+
+StatusOr<StageFingerprint> ReadPartialFingerprint(const fs::path& partial) {
+  FREEGS_ASSIGN_OR_RETURN(const nlohmann::json json,
+                          ReadJson(FingerprintPath(partial)));
+  return FingerprintFromJson(json);
+}
+
+ResourceUsage ReadPartialUsage(const fs::path& partial) {
+  ResourceUsage usage;
+  const StatusOr<nlohmann::json> json = ReadJson(UsagePath(partial));
+  if (!json.ok() || !json->is_object()) return usage;
+  const auto number = [&json](const char* key) {
+    const auto found = json->find(key);
+    const double value =
+        found != json->end() && found->is_number() ? found->get<double>() : 0.0;
+    return value >= 0 && value < 1e18 ? value : 0.0;
+  };
+  usage.wall_seconds = number("wall_seconds");
+  usage.cpu_seconds = number("cpu_seconds");
+  usage.peak_memory_bytes = std::llround(number("peak_memory_bytes"));
+  return usage;
+}
+
+Status WritePartialUsage(const fs::path& partial, const ResourceUsage& usage) {
+  const nlohmann::json json = {{"wall_seconds", usage.wall_seconds},
+                               {"cpu_seconds", usage.cpu_seconds},
+                               {"peak_memory_bytes", usage.peak_memory_bytes}};
+  return WriteFileAtomic(UsagePath(partial), JsonText(json));
+}
+
+Status FinishPartial(const fs::path& workspace,
+                     const std::string& stage,
+                     const StageRecord& record) {
+  const fs::path partial = PartialFolder(workspace, stage);
+  FlushFileSystem(partial);
+  FREEGS_RETURN_IF_ERROR(WriteStageRecord(partial, record));
+  return Swap(workspace, stage);
+}
+
+Status RecoverStage(const fs::path& workspace, const std::string& stage) {
+  const fs::path folder = StageFolder(workspace, stage);
+  const fs::path partial = PartialFolder(workspace, stage);
+  const fs::path retired = RetiredFolder(workspace, stage);
+  if (IsFinished(partial)) return Swap(workspace, stage);
+  std::error_code error;
+  if (!fs::exists(retired, error)) return Status();
+  // The new result takes its place before the old one is deleted. If there is
+  // none, somebody took it away: the old one is better than nothing.
+  if (!fs::exists(folder, error) && IsFinished(retired)) {
+    return Rename(retired, folder);
+  }
+  return RemoveStageFolder(retired);
+}
+
+}  // namespace freegs::pipeline

@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "pipeline/stage_runner.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <mutex>
+#include <system_error>
+#include <utility>
+
+#include "pipeline/progress_line.h"
+#include "pipeline/resource_usage.h"
+#include "pipeline/stage_output.h"
+#include "pipeline/system_info.h"
+#include "pipeline/version.h"
+#include "pipeline/workspace.h"
+
+namespace freegs::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string NameOf(const RunnerStage& stage) {
+  return std::string(stage.stage->name());
+}
+
+ResourceUsage Sum(const ResourceUsage& a, const ResourceUsage& b) {
+  return {a.wall_seconds + b.wall_seconds,
+          a.cpu_seconds + b.cpu_seconds,
+          std::max(a.peak_memory_bytes, b.peak_memory_bytes)};
+}
+
+std::string UsageText(const ResourceUsage& usage) {
+  char peak[32];
+  std::snprintf(peak,
+                sizeof(peak),
+                "%.0f",
+                static_cast<double>(usage.peak_memory_bytes) / (1 << 20));
+  return FormatDuration(usage.wall_seconds) + " (" +
+         FormatDuration(usage.cpu_seconds) + " CPU, peak " + peak + " MB)";
+}
+
+// Our code returns errors; libraries below it may throw, for one when memory
+// runs out.
+Status RunCatching(Stage& stage, StageContext& context) {
+  try {
+    return stage.Run(context);
+  } catch (const std::bad_alloc&) {
+    return InternalError(
+        "out of memory; try smaller images or a faster preset");
+  } catch (const std::exception& e) {
+    return InternalError(std::string("unexpected error: ") + e.what());
+  }
+}
+
+}  // namespace
+
+StageRunner::StageRunner(std::vector<RunnerStage> stages,
+                         StageRunnerOptions options,
+                         const CancellationToken& cancellation,
+                         Logger& logger)
+    : stages_(std::move(stages)),
+      options_(std::move(options)),
+      cancellation_(cancellation),
+      logger_(logger),
+      cache_(options_.workspace, FingerprintCachePath(options_.workspace)) {}
+
+size_t StageRunner::IndexOf(const std::string& name) const {
+  return static_cast<size_t>(std::find_if(stages_.begin(),
+                                          stages_.end(),
+                                          [&](const RunnerStage& s) {
+                                            return s.stage->name() == name;
+                                          }) -
+                             stages_.begin());
+}
+
+std::string StageRunner::StageNames() const {
+  std::string names;
+  for (const RunnerStage& stage : stages_) {
+    names += (names.empty() ? "" : ", ") + NameOf(stage);
+  }
+  return names;
+}
+
+Status StageRunner::CheckOptions() const {
+  for (const std::string& name :
+       {options_.from, options_.to, options_.forced}) {
+    if (!name.empty() && IndexOf(name) == stages_.size()) {
+      return InvalidArgumentError("there is no stage '" + name +
+                                  "'; there are " + StageNames());
+    }
+  }
+  if (!options_.from.empty() && !options_.to.empty() &&
+      IndexOf(options_.from) > IndexOf(options_.to)) {
+    return InvalidArgumentError("stage " + options_.from + " comes after " +
+                                options_.to + "; the order is " + StageNames());
+  }
+  return Status();
+}
+
+StageContext StageRunner::MakeContext(const RunnerStage& stage) const {
+  StageContext context;
+  context.workspace = options_.workspace;
+  context.output = PartialFolder(options_.workspace, stage.stage->name());
+  context.images = options_.images;
+  context.cancellation = &cancellation_;
+  context.checkpoint_interval_seconds = options_.checkpoint_interval_seconds;
+  return context;
+}
+
+Status StageRunner::Recover() {
+  for (const RunnerStage& stage : stages_) {
+    FREEGS_RETURN_IF_ERROR(RecoverStage(options_.workspace, NameOf(stage)));
+  }
+  return Status();
+}
+
+StatusOr<std::vector<StageReport>> StageRunner::Inspect() {
+  std::vector<StageReport> reports;
+  std::string unfinished;
+  for (const RunnerStage& stage : stages_) {
+    const CurrentInputs now = GatherInputs(stage, MakeContext(stage), cache_);
+    StageReport report{NameOf(stage),
+                       InspectStage(options_.workspace, NameOf(stage), now)};
+    if (report.state.status == StageStatus::kDone && !unfinished.empty()) {
+      report.state.status = StageStatus::kStale;
+      report.state.reason = "stage " + unfinished + " is not done";
+    }
+    if (report.state.status != StageStatus::kDone &&
+        report.state.status != StageStatus::kForeign && unfinished.empty()) {
+      unfinished = report.stage;
+    }
+    reports.push_back(std::move(report));
+  }
+  // Without its cache the next look only takes longer.
+  (void)cache_.Save();
+  return reports;
+}
+
+Status StageRunner::Run() {
+  FREEGS_RETURN_IF_ERROR(CheckOptions());
+  FREEGS_RETURN_IF_ERROR(Recover());
+  const size_t first = options_.from.empty() ? 0 : IndexOf(options_.from);
+  const size_t last =
+      options_.to.empty() ? stages_.size() : IndexOf(options_.to) + 1;
+  for (size_t i = 0; i < first; ++i) {
+    std::error_code error;
+    const std::string name = NameOf(stages_[i]);
+    if (!fs::is_directory(StageFolder(options_.workspace, name), error)) {
+      return BadInputError("stage " + name + " has no result in " +
+                           options_.workspace.string() +
+                           " to start from; run it first");
+    }
+  }
+  ThreadPool pool(options_.num_threads > 0 ? options_.num_threads
+                                           : AvailableCores());
+  std::string redone;
+  for (size_t i = first; i < last; ++i) {
+    RunnerStage& stage = stages_[i];
+    const std::string name = NameOf(stage);
+    if (cancellation_.cancelled()) {
+      return InterruptedError("interrupted before stage " + name +
+                              "; the same command goes on from there");
+    }
+    const CurrentInputs now = GatherInputs(stage, MakeContext(stage), cache_);
+    StageState state = InspectStage(options_.workspace, name, now);
+    if (!state.note.empty()) {
+      logger_.Log(LogLevel::kWarning, name + ": " + state.note);
+    }
+    if (state.status == StageStatus::kForeign) {
+      return BadInputError(name + ": " + state.reason);
+    }
+    if (state.status == StageStatus::kDone) {
+      if (name == options_.forced) {
+        state.reason = "redone as asked";
+      } else if (!redone.empty()) {
+        state.reason = "stage " + redone + " was redone";
+      } else {
+        logger_.Log(LogLevel::kInfo, name + ": up to date");
+        continue;
+      }
+    }
+    if (state.status == StageStatus::kFailed) {
+      state.reason = state.resumable ? "trying again where it failed"
+                                     : "trying again after a failure";
+    }
+    logger_.Log(LogLevel::kInfo, name + ": " + state.reason);
+    FREEGS_RETURN_IF_ERROR(
+        RunStage(stage, now.fingerprint, state.resumable, pool));
+    if (redone.empty()) redone = name;
+    (void)cache_.Save();
+  }
+  (void)cache_.Save();
+  return Status();
+}
+
+Status StageRunner::RunStage(RunnerStage& stage,
+                             const StageFingerprint& fingerprint,
+                             bool resume,
+                             ThreadPool& pool) {
+  const std::string name = NameOf(stage);
+  StageContext context = MakeContext(stage);
+  ResourceUsage earlier;
+  if (resume) {
+    FREEGS_RETURN_IF_ERROR(ContinuePartial(context.output));
+    earlier = ReadPartialUsage(context.output);
+  } else {
+    FREEGS_RETURN_IF_ERROR(BeginPartial(context.output, fingerprint));
+  }
+
+  const ResourceMeter meter;
+  ProgressLine line(&logger_, name);
+  std::mutex usage_mutex;
+  double usage_noted = 0;
+  context.resuming = resume;
+  context.earlier_seconds = earlier.wall_seconds;
+  context.pool = &pool;
+  context.log = [this, name](LogLevel level, const std::string& text) {
+    logger_.Log(level, name + ": " + text);
+  };
+  context.progress = [&](const Progress& progress) {
+    line.Report(progress);
+    const std::lock_guard lock(usage_mutex);
+    const ResourceUsage usage = meter.Elapsed();
+    if (usage.wall_seconds - usage_noted < options_.usage_interval_seconds) {
+      return;
+    }
+    usage_noted = usage.wall_seconds;
+    (void)WritePartialUsage(context.output, Sum(earlier, usage));
+  };
+  const Status status = RunCatching(*stage.stage, context);
+  const ResourceUsage usage = Sum(earlier, meter.Elapsed());
+
+  StageRecord record;
+  record.fingerprint = fingerprint;
+  record.program_version = kProgramVersion;
+  record.other_options = stage.other_options;
+  record.wall_seconds = usage.wall_seconds;
+  record.cpu_seconds = usage.cpu_seconds;
+  record.peak_memory_bytes = usage.peak_memory_bytes;
+  record.resumed = resume;
+  if (context.summary.is_object()) record.summary = context.summary;
+  if (status.ok()) {
+    logger_.SetTransient("");
+    FREEGS_RETURN_IF_ERROR(FinishPartial(options_.workspace, name, record));
+    logger_.Log(LogLevel::kInfo, name + ": done in " + UsageText(usage));
+    return Status();
+  }
+
+  // A child process that got the same Ctrl-C makes a stage fail in its own
+  // words; it was an interruption all the same.
+  const bool interrupted =
+      status.code() == StatusCode::kInterrupted || cancellation_.cancelled();
+  record.outcome =
+      interrupted ? StageOutcome::kInterrupted : StageOutcome::kFailed;
+  record.error_code = interrupted ? StatusCode::kInterrupted : status.code();
+  record.error = status.message();
+  // The stage's error matters more than one of writing it down.
+  (void)WritePartialUsage(context.output, usage);
+  (void)WriteStageRecord(context.output, record);
+  logger_.LogToFile(LogLevel::kError, name + ": " + status.message());
+  if (interrupted) {
+    return InterruptedError("interrupted in stage " + name +
+                            "; what it has is saved, the same command goes on "
+                            "from there");
+  }
+  return status.Annotated(name);
+}
+
+}  // namespace freegs::pipeline

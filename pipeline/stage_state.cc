@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "pipeline/stage_state.h"
+
+#include <system_error>
+#include <utility>
+
+#include "pipeline/json_text.h"
+#include "pipeline/stage_output.h"
+#include "pipeline/workspace.h"
+
+namespace freegs::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Inputs outside the workspace that were there once and are gone now count as
+// unchanged; returns a note about them.
+std::string KeepGoneInputs(const StageRecord& result, CurrentInputs* now) {
+  std::string note;
+  for (const std::string& name : now->external) {
+    InputFingerprint& input = now->fingerprint.inputs[name];
+    const auto old = result.fingerprint.inputs.find(name);
+    if (!input.missing() || old == result.fingerprint.inputs.end() ||
+        old->second.missing()) {
+      continue;
+    }
+    input = old->second;
+    note = "input " + name + " is gone; keeping the result made from it";
+  }
+  return note;
+}
+
+// A run that failed for a reason outside the stage (a full disk, a missing
+// program) can go on from its checkpoints; but only once, in case it fails
+// because of them.
+bool WorthContinuing(const StageRecord& failed) {
+  return !failed.resumed &&
+         (failed.error_code == StatusCode::kMissingDependency ||
+          failed.error_code == StatusCode::kInternal);
+}
+
+}  // namespace
+
+CurrentInputs GatherInputs(const RunnerStage& stage,
+                           const StageContext& context,
+                           FingerprintCache& cache) {
+  CurrentInputs now;
+  now.fingerprint.stage = stage.stage->name();
+  now.fingerprint.version = stage.stage->version();
+  for (const auto& [name, value] : stage.options) {
+    now.fingerprint.options[name] = ValidUtf8(value);
+  }
+  for (const fs::path& input : stage.stage->Inputs(context)) {
+    // Not the whole workspace, when no photo folder was ever given.
+    if (input.empty()) continue;
+    const fs::path path = context.workspace / input;
+    std::string name = DisplayPath(context.workspace, path);
+    const bool external = fs::path(name).is_absolute();
+    if (input == context.images) {
+      name = "photos";
+    } else if (external) {
+      name = fs::path(name).filename().string();
+    }
+    name = ValidUtf8(name);
+    while (now.fingerprint.inputs.contains(name)) name += "'";
+    now.fingerprint.inputs[name] = cache.Hash(path);
+    if (external) now.external.insert(name);
+  }
+  return now;
+}
+
+const char* StageStatusName(StageStatus status) {
+  switch (status) {
+    case StageStatus::kMissing:
+      return "missing";
+    case StageStatus::kDone:
+      return "done";
+    case StageStatus::kStale:
+      return "stale";
+    case StageStatus::kInterrupted:
+      return "interrupted";
+    case StageStatus::kFailed:
+      return "failed";
+    case StageStatus::kForeign:
+      return "foreign";
+  }
+  return "";
+}
+
+StageState InspectStage(const fs::path& workspace,
+                        const std::string& stage,
+                        const CurrentInputs& now) {
+  StageState state;
+  std::error_code error;
+  const fs::path folder = StageFolder(workspace, stage);
+  const fs::path partial = PartialFolder(workspace, stage);
+
+  // What an unfinished run left.
+  std::string partial_difference;
+  const bool unfinished = fs::exists(partial, error);
+  if (unfinished) {
+    const StatusOr<StageFingerprint> begun = ReadPartialFingerprint(partial);
+    partial_difference = begun.ok() ? Difference(*begun, now.fingerprint)
+                                    : "what it left is incomplete";
+    StatusOr<StageRecord> attempt = ReadStageRecord(partial);
+    if (attempt.ok()) state.attempt = *std::move(attempt);
+  }
+  const bool failed =
+      state.attempt && state.attempt->outcome == StageOutcome::kFailed;
+  const bool continuable = unfinished && partial_difference.empty();
+  if (continuable && !failed) {
+    state.status = StageStatus::kInterrupted;
+    state.reason = "continuing an interrupted run";
+    state.resumable = true;
+  }
+
+  // What the last finished run left.
+  std::string result_difference;
+  const bool finished = fs::exists(folder, error);
+  if (finished && !fs::exists(RecordPath(folder), error)) {
+    state.status = StageStatus::kForeign;
+    state.reason =
+        "the folder " + stage +
+        " was not made by this program (it has no stage.json): build on it "
+        "with --from and the next stage, or delete it";
+    state.resumable = false;
+    return state;
+  }
+  if (finished) {
+    StatusOr<StageRecord> result = ReadStageRecord(folder);
+    if (result.ok() && result->outcome == StageOutcome::kDone) {
+      CurrentInputs expected = now;
+      state.note = KeepGoneInputs(*result, &expected);
+      result_difference = Difference(result->fingerprint, expected.fingerprint);
+      state.result = *std::move(result);
+    } else {
+      result_difference = "its stage.json is damaged";
+    }
+  }
+
+  if (state.resumable) return state;
+  if (finished && result_difference.empty()) {
+    state.status = StageStatus::kDone;
+  } else if (failed) {
+    state.status = StageStatus::kFailed;
+    state.reason = state.attempt->error;
+    state.resumable = continuable && WorthContinuing(*state.attempt);
+  } else if (finished) {
+    state.status = StageStatus::kStale;
+    state.reason = result_difference;
+  } else if (unfinished) {
+    state.status = StageStatus::kInterrupted;
+    state.reason =
+        "an interrupted run cannot be continued: " + partial_difference;
+  } else {
+    state.reason = "not run yet";
+  }
+  return state;
+}
+
+}  // namespace freegs::pipeline
