@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where the photographer stands.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include <Eigen/Geometry>
+
+#include "core/random.h"
+#include "tests/scene_maker/scene.h"
+
+namespace freegs::scene_maker {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kLargestStep = 9 * kDegree;
+
+// A camera at `eye` that sees `target` in its middle, upright.
+Rigid3d LookAt(const Vector3d& eye, const Vector3d& target) {
+  const Vector3d z = (target - eye).normalized();
+  const Vector3d x = z.cross(Vector3d::UnitZ()).normalized();
+  const Vector3d y = z.cross(x);
+  Eigen::Matrix3d rotation;
+  rotation.row(0) = x;
+  rotation.row(1) = y;
+  rotation.row(2) = z;
+  Rigid3d pose;
+  pose.rotation = Eigen::Quaterniond(rotation).normalized();
+  pose.translation = -(pose.rotation * eye);
+  return pose;
+}
+
+// Number `index` of a path whose photos are `step` apart; fractions are between
+// photos. `stream` decides how the hand shakes.
+Rigid3d PoseOnPath(const SceneMakerOptions& options,
+                   double index,
+                   double step,
+                   uint64_t stream) {
+  RandomStream shake(options.seed, stream);
+  const auto around = [&shake](double half_range) {
+    return half_range * (2 * shake.Uniform() - 1);
+  };
+  const double azimuth = -70 * kDegree + (index + around(0.12)) * step;
+  if (options.motion == Motion::kRotation) {
+    const Vector3d eye(0.3, -1.35, 1.45);
+    const double tilt = (-14 + 9 * std::sin(2.7 * azimuth)) * kDegree;
+    const double heading = azimuth + 160 * kDegree;
+    return LookAt(eye,
+                  eye + Vector3d(std::cos(tilt) * std::cos(heading),
+                                 std::cos(tilt) * std::sin(heading),
+                                 std::sin(tilt)));
+  }
+  // Up and down three times on the way around, so that neighbours stay close
+  // and every side is seen from several heights.
+  const double elevation =
+      (31 + 13 * std::sin(3 * azimuth + 0.6) + around(1.5)) * kDegree;
+  const double distance = 1.32 + 0.08 * std::sin(2 * azimuth) + around(0.03);
+  const Vector3d target(around(0.02), around(0.02), kTableHeight + 0.05);
+  const Vector3d eye =
+      target + distance * Vector3d(std::cos(elevation) * std::cos(azimuth),
+                                   std::cos(elevation) * std::sin(azimuth),
+                                   std::sin(elevation));
+  return LookAt(eye, target);
+}
+
+}  // namespace
+
+void AddViews(Scene* scene) {
+  const SceneMakerOptions& options = scene->options;
+  Pinhole camera;
+  camera.width = options.width;
+  camera.height = options.height;
+  camera.fx = camera.fy =
+      0.5 * options.width / std::tan(0.5 * options.field_of_view * kDegree);
+  camera.cx = 0.5 * options.width;
+  camera.cy = 0.5 * options.height;
+  const double step =
+      std::min(kLargestStep, 2 * std::numbers::pi / options.views);
+  char name[32];
+  for (int i = 0; i < options.views; ++i) {
+    std::snprintf(name, sizeof(name), "frame_%04d.jpg", i + 1);
+    scene->train.push_back(
+        {name, camera, PoseOnPath(options, i, step, static_cast<uint64_t>(i))});
+  }
+  for (int i = 0; i < options.test_views; ++i) {
+    std::snprintf(name, sizeof(name), "test_%02d.png", i + 1);
+    // Half way between two photos; the shake takes it off the path.
+    const double index =
+        std::floor((i + 0.5) * (options.views - 1) / options.test_views) + 0.5;
+    scene->test.push_back(
+        {name,
+         camera,
+         PoseOnPath(options, index, step, 100000 + static_cast<uint64_t>(i))});
+  }
+}
+
+}  // namespace freegs::scene_maker

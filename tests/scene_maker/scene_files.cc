@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "tests/scene_maker/scene_files.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "core/files.h"
+#include "core/image_io.h"
+#include "tests/scene_maker/ray_caster.h"
+
+namespace freegs::scene_maker {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr int kMinMaskPixels = 30;
+
+json VectorJson(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+json MatrixJson(const Eigen::Matrix3d& m) {
+  json rows = json::array();
+  for (int r = 0; r < 3; ++r) rows.push_back(VectorJson(m.row(r).transpose()));
+  return rows;
+}
+
+json PosesJson(const std::vector<View>& views) {
+  json poses = json::object();
+  for (const View& view : views) {
+    const Eigen::Matrix<double, 3, 4> matrix = view.cam_from_world.Matrix3x4();
+    json rows = json::array();
+    for (int r = 0; r < 3; ++r) {
+      rows.push_back(json::array(
+          {matrix(r, 0), matrix(r, 1), matrix(r, 2), matrix(r, 3)}));
+    }
+    rows.push_back(json::array({0.0, 0.0, 0.0, 1.0}));
+    poses[view.name] = rows;
+  }
+  return poses;
+}
+
+json CamerasJson(const Scene& scene) {
+  const Pinhole& camera = scene.train.front().camera;
+  return {{"convention",
+           "world_to_camera is 4x4 row-major, OpenCV/COLMAP axes (x right, y "
+           "down, z forward); pixel centres at +0.5; world in metres, z up; no "
+           "lens distortion"},
+          {"intrinsics",
+           {{"model", "PINHOLE"},
+            {"w", camera.width},
+            {"h", camera.height},
+            {"fx", camera.fx},
+            {"fy", camera.fy},
+            {"cx", camera.cx},
+            {"cy", camera.cy}}},
+          {"train", PosesJson(scene.train)},
+          {"test", PosesJson(scene.test)}};
+}
+
+// Pixels of each object, by id, in each view.
+using PixelCounts = std::vector<std::vector<int>>;
+
+json ObjectsJson(const Scene& scene,
+                 const PixelCounts& train,
+                 const PixelCounts& test) {
+  json objects = json::array();
+  for (const SceneObject& object : scene.objects) {
+    json visible = json::object();
+    for (size_t i = 0; i < scene.test.size(); ++i) {
+      const int count = test[i][static_cast<size_t>(object.id)];
+      if (count > 0) visible[fs::path(scene.test[i].name).stem()] = count;
+    }
+    int train_views = 0;
+    for (const std::vector<int>& counts : train) {
+      if (counts[static_cast<size_t>(object.id)] >= kMinMaskPixels) {
+        ++train_views;
+      }
+    }
+    objects.push_back({{"id", object.id},
+                       {"label", object.label},
+                       {"class", object.kind},
+                       {"aabb",
+                        {{"min", VectorJson(object.aabb.min)},
+                         {"max", VectorJson(object.aabb.max)}}},
+                       {"obb",
+                        {{"center", VectorJson(object.obb.center)},
+                         {"size", VectorJson(object.obb.size)},
+                         {"rotation", MatrixJson(object.obb.rotation)}}},
+                       {"centroid", VectorJson(object.centroid)},
+                       {"visible_pixels_test", visible},
+                       {"train_views_visible", train_views}});
+  }
+  json touching = json::array();
+  for (const auto& [a, b] : scene.touching)
+    touching.push_back(json::array({a, b}));
+  return {{"units", "metres"},
+          {"up", "+z"},
+          {"objects", objects},
+          {"background", kBackgroundClasses},
+          {"touching_pairs", touching},
+          {"obb_note",
+           "rotation: 3x3, columns are the box axes in the world; world = "
+           "center + rotation @ (size * u), u in [-0.5, 0.5]"}};
+}
+
+std::string Readme(const Scene& scene) {
+  const SceneMakerOptions& options = scene.options;
+  std::string text =
+      "# A made-up table-top\n\n" + std::to_string(options.objects) +
+      " objects on a round table in a room, drawn by freegs_make_scene (seed " +
+      std::to_string(options.seed) + ").\n\n" + "* `images/` " +
+      std::to_string(options.views) + " training photos, " +
+      std::to_string(options.width) + "x" + std::to_string(options.height) +
+      ", JPEG, constant exposure, no EXIF, no distortion\n"
+      "* `test/images/` " +
+      std::to_string(options.test_views) +
+      " photos at other poses (PNG); `test/masks/<view>/<label>.png` 0/255 "
+      "mask of each object with >= 30 visible pixels; "
+      "`test/masks_background/<view>/{table,floor,wall}.png` likewise\n"
+      "* `gt/instance/<view>.png` 8-bit object id per pixel, 0 = background; "
+      "one ray through each pixel centre\n"
+      "* `gt/cameras.json` pinhole intrinsics; world-to-camera 4x4, OpenCV "
+      "axes\n"
+      "* `gt/objects.json` id, label, class, world AABB and oriented box, "
+      "metres, z up; boxes are of the whole object\n"
+      "* `gt/depth/<test view>.npz` key `depth`: z-depth in metres, float16\n\n"
+      "Objects (id: label):\n";
+  for (const SceneObject& object : scene.objects) {
+    text += "* " + std::to_string(object.id) + ": " + object.label + "\n";
+  }
+  return text;
+}
+
+ImageU8 MaskOf(const ImageU16& labels, int label) {
+  ImageU8 mask(labels.width(), labels.height(), 1);
+  std::transform(labels.data(),
+                 labels.data() + labels.size(),
+                 mask.data(),
+                 [label](uint16_t v) {
+                   return static_cast<uint8_t>(v == label ? 255 : 0);
+                 });
+  return mask;
+}
+
+std::vector<int> CountPixels(const ImageU16& labels, size_t num_labels) {
+  std::vector<int> counts(num_labels, 0);
+  for (size_t i = 0; i < labels.size(); ++i) ++counts[labels.data()[i]];
+  return counts;
+}
+
+Status WriteTestTruth(const Scene& scene,
+                      const Photo& photo,
+                      const std::vector<int>& counts,
+                      const fs::path& folder,
+                      const std::string& stem) {
+  const fs::path masks = folder / "test/masks" / stem;
+  const fs::path background = folder / "test/masks_background" / stem;
+  FREEGS_RETURN_IF_ERROR(CreateFolders(masks));
+  FREEGS_RETURN_IF_ERROR(CreateFolders(background));
+  for (const SceneObject& object : scene.objects) {
+    if (counts[static_cast<size_t>(object.id)] < kMinMaskPixels) continue;
+    FREEGS_RETURN_IF_ERROR(WriteImage(masks / (object.label + ".png"),
+                                      MaskOf(photo.instances, object.id)));
+  }
+  for (size_t i = 0; i < kBackgroundClasses.size(); ++i) {
+    FREEGS_RETURN_IF_ERROR(
+        WriteImage(background / (std::string(kBackgroundClasses[i]) + ".png"),
+                   MaskOf(photo.background, static_cast<int>(i) + 1)));
+  }
+  return WriteFileAtomic(folder / "gt/depth" / (stem + ".npz"),
+                         EncodeNpzFloat16("depth", photo.depth));
+}
+
+}  // namespace
+
+Status WriteScene(const Scene& scene,
+                  const fs::path& folder,
+                  ThreadPool& pool,
+                  const std::function<void(int, int)>& progress) {
+  for (const char* name :
+       {"images", "test/images", "gt/instance", "gt/depth"}) {
+    FREEGS_RETURN_IF_ERROR(CreateFolders(folder / name));
+  }
+  const size_t num_labels = scene.objects.size() + 1;
+  const int total = static_cast<int>(scene.train.size() + scene.test.size());
+  int done = 0;
+  PixelCounts train;
+  PixelCounts test;
+  for (const bool is_test : {false, true}) {
+    const fs::path photos = folder / (is_test ? "test/images" : "images");
+    for (const View& view : is_test ? scene.test : scene.train) {
+      const Photo photo = CastRays(scene, view, pool);
+      const std::vector<int> counts = CountPixels(photo.instances, num_labels);
+      const std::string stem = fs::path(view.name).stem();
+      ImageU8 ids(photo.instances.width(), photo.instances.height(), 1);
+      std::transform(photo.instances.data(),
+                     photo.instances.data() + photo.instances.size(),
+                     ids.data(),
+                     [](uint16_t v) { return static_cast<uint8_t>(v); });
+      FREEGS_RETURN_IF_ERROR(WriteImage(photos / view.name, photo.color));
+      FREEGS_RETURN_IF_ERROR(
+          WriteImage(folder / "gt/instance" / (stem + ".png"), ids));
+      if (is_test) {
+        FREEGS_RETURN_IF_ERROR(
+            WriteTestTruth(scene, photo, counts, folder, stem));
+      }
+      (is_test ? test : train).push_back(counts);
+      if (progress) progress(++done, total);
+    }
+  }
+  FREEGS_RETURN_IF_ERROR(WriteFileAtomic(folder / "gt/cameras.json",
+                                         CamerasJson(scene).dump(1) + "\n"));
+  FREEGS_RETURN_IF_ERROR(
+      WriteFileAtomic(folder / "gt/objects.json",
+                      ObjectsJson(scene, train, test).dump(1) + "\n"));
+  return WriteFileAtomic(folder / "README.md", Readme(scene));
+}
+
+}  // namespace freegs::scene_maker
