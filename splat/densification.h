@@ -86,7 +86,7 @@ struct DensificationOptions {
 struct DensificationSummary {
   size_t cloned = 0;
   size_t split = 0;   // Gaussians replaced, each by two.
-  size_t pruned = 0;  // Removed, children of a split counted one by one.
+  size_t pruned = 0;  // Removed; those replaced by a split do not count.
   size_t total = 0;   // Gaussians afterwards.
 };
 
