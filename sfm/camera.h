@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// COLMAP's camera models: how a point of the camera frame becomes a pixel.
+
+#ifndef FREEGS_SFM_CAMERA_H_
+#define FREEGS_SFM_CAMERA_H_
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/status.h"
+
+namespace freegs::sfm {
+
+// The numbers are COLMAP's and appear in its binary files. Parameters, in
+// order (f: focal length, c: principal point, both in pixels):
+enum class CameraModel : int {
+  kSimplePinhole = 0,        // f cx cy
+  kPinhole = 1,              // fx fy cx cy
+  kSimpleRadial = 2,         // f cx cy k
+  kRadial = 3,               // f cx cy k1 k2
+  kOpenCv = 4,               // fx fy cx cy k1 k2 p1 p2
+  kOpenCvFisheye = 5,        // fx fy cx cy k1 k2 k3 k4
+  kFullOpenCv = 6,           // fx fy cx cy k1 k2 p1 p2 k3 k4 k5 k6
+  kFov = 7,                  // fx fy cx cy omega
+  kSimpleRadialFisheye = 8,  // f cx cy k
+  kRadialFisheye = 9,        // f cx cy k1 k2
+  kThinPrismFisheye = 10,    // fx fy cx cy k1 k2 p1 p2 k3 k4 sx1 sy1
+};
+
+struct CameraModelInfo {
+  CameraModel model;
+  std::string_view name;  // COLMAP's, as in text models: "SIMPLE_RADIAL".
+  int num_params;
+  int num_focal;  // 1 (shared by x and y) or 2.
+};
+
+// All models, ordered by number.
+std::span<const CameraModelInfo> CameraModels();
+
+// nullptr when COLMAP's number or name is unknown.
+const CameraModelInfo* FindCameraModel(int id);
+const CameraModelInfo* FindCameraModel(std::string_view name);
+const CameraModelInfo& GetCameraModel(CameraModel model);
+
+// Intrinsics of one lens at one image size. The centre of the top-left pixel is
+// (0.5, 0.5).
+struct Camera {
+  uint32_t id = 0;
+  CameraModel model = CameraModel::kPinhole;
+  uint64_t width = 0;   // Pixels.
+  uint64_t height = 0;  // Pixels.
+  std::vector<double> params;
+
+  double FocalX() const { return params[0]; }
+  double FocalY() const { return params[GetCameraModel(model).num_focal - 1]; }
+  double PrincipalX() const { return params[GetCameraModel(model).num_focal]; }
+  double PrincipalY() const {
+    return params[GetCameraModel(model).num_focal + 1];
+  }
+  // The parameters after focal length and principal point.
+  std::span<const double> Distortion() const {
+    return std::span(params).subspan(GetCameraModel(model).num_focal + 2);
+  }
+
+  // True for (SIMPLE_)PINHOLE and for any perspective model whose distortion
+  // parameters are all zero. (Fisheye models with zeros are not pinholes.)
+  bool IsUndistorted() const;
+
+  // Parameter count, finite values, positive focal length and size.
+  Status Check() const;
+};
+
+// The pixel of a point in the camera frame (x right, y down, z forward);
+// nothing when the point is not in front of the camera (z <= 0; fisheye models
+// too) or falls nowhere finite. camera must pass Check().
+// Models: Brown-Conrady as in OpenCV's calib3d, and Kannala-Brandt fisheye;
+// equations as in COLMAP's documentation of its camera models.
+std::optional<Eigen::Vector2d> Project(const Camera& camera,
+                                       const Eigen::Vector3d& point);
+
+}  // namespace freegs::sfm
+
+#endif  // FREEGS_SFM_CAMERA_H_

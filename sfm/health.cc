@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Measures and judges a reconstruction.
+
+#include "sfm/health.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+namespace freegs::sfm {
+namespace {
+
+double Median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + values.size() / 2;
+  std::nth_element(values.begin(), middle, values.end());
+  if (values.size() % 2 == 1) return *middle;
+  return (*middle + *std::max_element(values.begin(), middle)) / 2;
+}
+
+double Rounded(double value) { return std::round(value * 1e6) / 1e6; }
+
+void MeasurePoints(const Reconstruction& model, Health* health) {
+  const auto image_index = IndexImages(model);
+  const auto camera_index = IndexCameras(model);
+  double error_sum = 0;
+  std::vector<double> lengths;
+  std::vector<double> angles;
+  for (const Point3D& point : model.points3d) {
+    std::vector<Eigen::Vector3d> centres;
+    for (const TrackElement& element : point.track) {
+      const auto it = image_index.find(element.image_id);
+      if (it == image_index.end()) continue;
+      const PosedImage& image = model.images[it->second];
+      if (element.point2d_index >= image.points2d.size()) continue;
+      centres.push_back(CameraCentre(image.cam_from_world));
+      const auto projected =
+          Project(model.cameras[camera_index.at(image.camera_id)],
+                  image.cam_from_world * point.xyz);
+      if (!projected) continue;
+      error_sum +=
+          (*projected - image.points2d[element.point2d_index].xy).norm();
+      ++health->observations;
+    }
+    if (centres.size() < 2) continue;
+    lengths.push_back(static_cast<double>(centres.size()));
+    angles.push_back(TriangulationAngleDeg(point.xyz, centres));
+  }
+  health->num_points = model.points3d.size();
+  if (health->observations > 0) {
+    health->mean_reprojection_error_px =
+        error_sum / static_cast<double>(health->observations);
+  }
+  health->median_track_length = Median(std::move(lengths));
+  health->median_triangulation_deg = Median(std::move(angles));
+}
+
+std::string Fixed(double value) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.2f", value);
+  return text;
+}
+
+void Judge(const HealthOptions& options, bool triangulated, Health* health) {
+  const std::string registered = std::to_string(health->registered) + " of " +
+                                 std::to_string(health->images) +
+                                 " photos got a camera pose";
+  const std::string more_overlap =
+      "take more photos with at least two thirds overlap from neighbouring "
+      "positions, sharp and of a textured scene; or try --sfm.max_features "
+      "8192, --sfm.matcher exhaustive, --sfm.camera per_image";
+  health->verdict = Verdict::kFailed;
+  if (health->registered < options.min_registered) {
+    health->reason = registered + "; at least " +
+                     std::to_string(options.min_registered) + " are needed";
+    health->advice = more_overlap;
+    return;
+  }
+  if (health->registered_share() < options.min_registered_share) {
+    health->reason = registered + ", less than the share of " +
+                     Fixed(options.min_registered_share) +
+                     " (sfm.min_registered_share)";
+    health->advice = more_overlap;
+    if (health->model_sizes.size() > 1) {
+      health->advice +=
+          "; the photos fell into separate models, so add photos that connect "
+          "them";
+    }
+    return;
+  }
+  if (triangulated && health->num_points == 0) {
+    health->reason = "no points were triangulated";
+    health->advice = more_overlap;
+    return;
+  }
+  if (triangulated &&
+      health->median_triangulation_deg < options.min_triangulation_deg) {
+    health->reason = "the median triangulation angle is " +
+                     Fixed(health->median_triangulation_deg) +
+                     " degrees: the camera hardly moved, or only turned";
+    health->advice =
+        "walk around the scene instead of turning on the spot, so that each "
+        "part is seen from well apart positions";
+    return;
+  }
+  health->verdict = Verdict::kDegraded;
+  if (health->registered_share() < options.good_registered_share) {
+    health->reason = registered;
+    health->advice =
+        "the others are left out; for better coverage, " + more_overlap;
+    return;
+  }
+  if (triangulated &&
+      health->mean_reprojection_error_px > options.good_reprojection_error_px) {
+    health->reason = "the mean reprojection error is " +
+                     Fixed(health->mean_reprojection_error_px) + " px";
+    health->advice =
+        "the lens may need another model: try --sfm.camera_model OPENCV "
+        "(OPENCV_FISHEYE for very wide lenses), or --sfm.camera per_image if "
+        "the zoom changed between photos";
+    return;
+  }
+  health->verdict = Verdict::kOk;
+}
+
+}  // namespace
+
+Status HealthOptions::Check() const {
+  if (!(min_registered_share >= 0 && min_registered_share <= 1) ||
+      !(good_registered_share >= 0 && good_registered_share <= 1)) {
+    return InvalidArgumentError(
+        "sfm.min_registered_share must be between 0 and 1");
+  }
+  return {};
+}
+
+std::string_view VerdictName(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kOk:
+      return "ok";
+    case Verdict::kDegraded:
+      return "degraded";
+    case Verdict::kFailed:
+      return "failed";
+  }
+  return "failed";
+}
+
+double TriangulationAngleDeg(const Eigen::Vector3d& point,
+                             const std::vector<Eigen::Vector3d>& centres) {
+  std::vector<Eigen::Vector3d> rays;
+  for (const Eigen::Vector3d& centre : centres) {
+    const Eigen::Vector3d ray = centre - point;
+    if (ray.norm() > 0) rays.push_back(ray.normalized());
+  }
+  double largest = 0;
+  for (size_t i = 0; i < rays.size(); ++i) {
+    for (size_t j = i + 1; j < rays.size(); ++j) {
+      // atan2 stays accurate near 0, where acos does not.
+      largest = std::max(
+          largest,
+          std::atan2(rays[i].cross(rays[j]).norm(), rays[i].dot(rays[j])));
+    }
+  }
+  return largest * 180 / std::numbers::pi;
+}
+
+Health MeasureHealth(const Reconstruction& model,
+                     const std::vector<std::string>& names,
+                     bool triangulated,
+                     const HealthOptions& options) {
+  Health health;
+  health.images = static_cast<int>(names.size());
+  health.cameras = model.cameras;
+  std::set<std::string_view> posed;
+  for (const PosedImage& image : model.images) posed.insert(image.name);
+  for (const std::string& name : names) {
+    if (posed.contains(name)) {
+      ++health.registered;
+    } else {
+      health.unregistered[name];
+    }
+  }
+  health.model_sizes = {static_cast<int>(model.images.size())};
+  if (model.images.empty()) health.model_sizes.clear();
+  MeasurePoints(model, &health);
+  Judge(options, triangulated, &health);
+  return health;
+}
+
+nlohmann::json HealthToJson(const Health& health) {
+  nlohmann::ordered_json cameras = nlohmann::json::array();
+  for (const Camera& camera : health.cameras) {
+    cameras.push_back({{"id", camera.id},
+                       {"model", GetCameraModel(camera.model).name},
+                       {"width", camera.width},
+                       {"height", camera.height},
+                       {"params", camera.params}});
+  }
+  nlohmann::json names = nlohmann::json::array();
+  nlohmann::json reasons = nlohmann::json::object();
+  for (const auto& [name, reason] : health.unregistered) {
+    names.push_back(name);
+    if (!reason.empty()) reasons[name] = reason;
+  }
+  return {
+      {"verdict", VerdictName(health.verdict)},
+      {"reason", health.reason},
+      {"advice", health.advice},
+      {"images", health.images},
+      {"registered", health.registered},
+      {"registered_share", Rounded(health.registered_share())},
+      {"models", health.model_sizes.size()},
+      {"model_sizes", health.model_sizes},
+      {"mean_reprojection_error_px",
+       Rounded(health.mean_reprojection_error_px)},
+      {"median_track_length", health.median_track_length},
+      {"median_triangulation_deg", Rounded(health.median_triangulation_deg)},
+      {"num_points", health.num_points},
+      {"observations", health.observations},
+      {"unregistered", names},
+      {"unregistered_reasons", reasons},
+      {"warnings", health.warnings},
+      {"cameras", cameras},
+      {"source", health.source},
+      {"colmap_version", health.colmap_version},
+  };
+}
+
+}  // namespace freegs::sfm

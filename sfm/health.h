@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Whether a reconstruction is good enough to go on with. COLMAP ends without
+// an error when two of six hundred photos were registered; we do not.
+
+#ifndef FREEGS_SFM_HEALTH_H_
+#define FREEGS_SFM_HEALTH_H_
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "core/status.h"
+#include "sfm/reconstruction.h"
+
+namespace freegs::sfm {
+
+struct HealthOptions {
+  // Below this share of registered photos the result is not usable.
+  double min_registered_share = 0.5;
+
+  // Below this share a usable result is called degraded.
+  double good_registered_share = 0.9;
+
+  // Fewer registered photos are never usable.
+  int min_registered = 3;
+
+  // Below this median triangulation angle, in degrees, depth is guesswork.
+  double min_triangulation_deg = 1.0;
+
+  // Above this mean reprojection error, in pixels, a result is degraded.
+  double good_reprojection_error_px = 2.0;
+
+  Status Check() const;
+};
+
+enum class Verdict { kOk, kDegraded, kFailed };
+std::string_view VerdictName(Verdict verdict);  // "ok", "degraded", "failed".
+
+struct Health {
+  Verdict verdict = Verdict::kFailed;
+  std::string reason;  // One sentence; empty when ok.
+  std::string advice;  // What to try; empty when ok.
+
+  int images = 0;                // Photos given.
+  int registered = 0;            // Photos with a pose.
+  std::vector<int> model_sizes;  // Registered photos of each model made.
+
+  // Over all observations of points by registered photos, computed here from
+  // poses, points and camera models; 0 when there are none.
+  double mean_reprojection_error_px = 0;
+  double median_track_length = 0;       // Over points.
+  double median_triangulation_deg = 0;  // Over points: largest ray angle.
+  size_t num_points = 0;
+  size_t observations = 0;
+
+  // Photos without a pose, and why if known.
+  std::map<std::string, std::string> unregistered;
+  std::vector<std::string> warnings;
+  std::vector<Camera> cameras;
+  std::string source;          // "colmap", "import" ...
+  std::string colmap_version;  // Empty when COLMAP was not run.
+
+  double registered_share() const {
+    return images > 0 ? static_cast<double>(registered) / images : 0;
+  }
+};
+
+// The largest angle, in degrees, between the rays from a point to the centres
+// of the cameras that see it.
+double TriangulationAngleDeg(const Eigen::Vector3d& point,
+                             const std::vector<Eigen::Vector3d>& centres);
+
+// Measures `model` (the best one) and judges it. names: all photos given.
+// triangulated: whether its points come from matches; if not, only the
+// registered share is judged.
+Health MeasureHealth(const Reconstruction& model,
+                     const std::vector<std::string>& names,
+                     bool triangulated,
+                     const HealthOptions& options);
+
+// health.json.
+nlohmann::json HealthToJson(const Health& health);
+
+}  // namespace freegs::sfm
+
+#endif  // FREEGS_SFM_HEALTH_H_

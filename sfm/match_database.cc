@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// COLMAP's SQLite database.
+
+#include "sfm/match_database.h"
+
+#include <map>
+#include <sqlite3.h>
+
+namespace freegs::sfm {
+namespace {
+
+// COLMAP's id of a pair of images: smaller id times this, plus larger id.
+constexpr int64_t kMaxImageId = 2147483647;
+
+class Statement {
+ public:
+  Statement(sqlite3* database, const char* sql) {
+    result_ = sqlite3_prepare_v2(database, sql, -1, &statement_, nullptr);
+  }
+  ~Statement() { sqlite3_finalize(statement_); }
+  Statement(const Statement&) = delete;
+  Statement& operator=(const Statement&) = delete;
+
+  bool ok() const { return result_ == SQLITE_OK; }
+  void Bind(int index, const std::string& text) {
+    sqlite3_bind_text(statement_, index, text.c_str(), -1, SQLITE_TRANSIENT);
+  }
+  void Bind(int index, int64_t value) {
+    sqlite3_bind_int64(statement_, index, value);
+  }
+  // SQLITE_ROW, SQLITE_DONE or an error.
+  int Step() { return sqlite3_step(statement_); }
+  int64_t Integer(int column) const {
+    return sqlite3_column_int64(statement_, column);
+  }
+  std::string Text(int column) const {
+    const unsigned char* text = sqlite3_column_text(statement_, column);
+    const int size = sqlite3_column_bytes(statement_, column);
+    return text == nullptr
+               ? std::string()
+               : std::string(reinterpret_cast<const char*>(text), size);
+  }
+
+ private:
+  sqlite3_stmt* statement_ = nullptr;
+  int result_;
+};
+
+}  // namespace
+
+void MatchDatabase::Closer::operator()(sqlite3* database) const {
+  sqlite3_close(database);
+}
+
+StatusOr<MatchDatabase> MatchDatabase::Open(const std::filesystem::path& path) {
+  MatchDatabase result;
+  result.path_ = path;
+  sqlite3* database = nullptr;
+  const int code =
+      sqlite3_open_v2(path.c_str(), &database, SQLITE_OPEN_READWRITE, nullptr);
+  result.database_.reset(database);
+  if (code != SQLITE_OK) return result.Error("cannot be opened");
+  sqlite3_busy_timeout(database, 10000);
+  // Makes SQLite look at the file, and finish what a killed writer left.
+  Statement probe(database, "SELECT COUNT(*) FROM images");
+  if (!probe.ok() || probe.Step() != SQLITE_ROW) {
+    return result.Error("is not a COLMAP database");
+  }
+  return result;
+}
+
+Status MatchDatabase::Error(const std::string& what) const {
+  return BadInputError(
+      path_.string() + ": " + what + " (" +
+      (database_ ? sqlite3_errmsg(database_.get()) : "out of memory") + ")");
+}
+
+Status MatchDatabase::Execute(const std::string& sql) const {
+  if (sqlite3_exec(database_.get(), sql.c_str(), nullptr, nullptr, nullptr) !=
+      SQLITE_OK) {
+    return Error("'" + sql + "' failed");
+  }
+  return {};
+}
+
+StatusOr<std::vector<MatchDatabase::Photo>> MatchDatabase::Photos() const {
+  Statement statement(
+      database_.get(),
+      "SELECT images.image_id, images.name, IFNULL(keypoints.rows, 0) "
+      "FROM images LEFT JOIN keypoints "
+      "ON keypoints.image_id = images.image_id ORDER BY images.image_id");
+  if (!statement.ok()) return Error("cannot list its photos");
+  std::vector<Photo> photos;
+  int code;
+  while ((code = statement.Step()) == SQLITE_ROW) {
+    photos.push_back({static_cast<uint32_t>(statement.Integer(0)),
+                      statement.Text(1),
+                      statement.Integer(2)});
+  }
+  if (code != SQLITE_DONE) return Error("cannot list its photos");
+  return photos;
+}
+
+StatusOr<std::vector<MatchDatabase::Verified>> MatchDatabase::VerifiedMatches()
+    const {
+  Statement statement(
+      database_.get(),
+      "SELECT pair_id, rows FROM two_view_geometries WHERE rows > 0");
+  if (!statement.ok()) return Error("cannot list its matches");
+  std::map<uint32_t, Verified> counts;
+  int code;
+  while ((code = statement.Step()) == SQLITE_ROW) {
+    const int64_t pair = statement.Integer(0);
+    for (const int64_t id : {pair / kMaxImageId, pair % kMaxImageId}) {
+      Verified& verified = counts[static_cast<uint32_t>(id)];
+      verified.photo_id = static_cast<uint32_t>(id);
+      ++verified.num_photos;
+      verified.num_matches += statement.Integer(1);
+    }
+  }
+  if (code != SQLITE_DONE) return Error("cannot list its matches");
+  std::vector<Verified> result;
+  for (const auto& entry : counts) result.push_back(entry.second);
+  return result;
+}
+
+Status MatchDatabase::CopyMatchesFrom(const std::filesystem::path& other) {
+  Statement attach(database_.get(), "ATTACH DATABASE ? AS other");
+  if (!attach.ok()) return Error("cannot attach another database");
+  attach.Bind(1, other.string());
+  if (attach.Step() != SQLITE_DONE)
+    return Error("cannot attach " + other.string());
+  Status status = Execute(
+      "BEGIN IMMEDIATE;"
+      "INSERT OR REPLACE INTO main.matches SELECT * FROM other.matches;"
+      "INSERT OR REPLACE INTO main.two_view_geometries "
+      "SELECT * FROM other.two_view_geometries;"
+      "COMMIT");
+  if (!status.ok() && sqlite3_get_autocommit(database_.get()) == 0) {
+    (void)Execute("ROLLBACK");
+  }
+  const Status detached = Execute("DETACH DATABASE other");
+  return status.ok() ? detached : status;
+}
+
+Status MatchDatabase::CopyTo(const std::filesystem::path& path) const {
+  Statement statement(database_.get(), "VACUUM INTO ?");
+  if (!statement.ok()) return Error("cannot be copied");
+  statement.Bind(1, path.string());
+  if (statement.Step() != SQLITE_DONE) {
+    return Error("cannot be copied to " + path.string());
+  }
+  return {};
+}
+
+Status MatchDatabase::RenamePhotos(
+    const std::function<std::string(uint32_t id)>& name) {
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<Photo> photos, Photos());
+  FREEGS_RETURN_IF_ERROR(Execute("BEGIN IMMEDIATE"));
+  for (const Photo& photo : photos) {
+    Statement statement(database_.get(),
+                        "UPDATE images SET name = ? WHERE image_id = ?");
+    if (!statement.ok()) return Error("cannot rename its photos");
+    statement.Bind(1, name(photo.id));
+    statement.Bind(2, photo.id);
+    if (statement.Step() != SQLITE_DONE) {
+      return Error("cannot rename its photos");
+    }
+  }
+  return Execute("COMMIT");
+}
+
+Status MatchDatabase::ClearMatches() {
+  return Execute(
+      "BEGIN IMMEDIATE; DELETE FROM matches; "
+      "DELETE FROM two_view_geometries; COMMIT");
+}
+
+}  // namespace freegs::sfm

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The few things we ask of COLMAP's SQLite database beside what its own
+// commands do: which photos are in it, and moving matches between two copies.
+
+#ifndef FREEGS_SFM_MATCH_DATABASE_H_
+#define FREEGS_SFM_MATCH_DATABASE_H_
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/status.h"
+
+struct sqlite3;
+
+namespace freegs::sfm {
+
+class MatchDatabase {
+ public:
+  struct Photo {
+    uint32_t id = 0;
+    std::string name;
+    int64_t num_features = 0;
+  };
+
+  // Opens an existing database that COLMAP wrote.
+  static StatusOr<MatchDatabase> Open(const std::filesystem::path& path);
+
+  // Photos by ascending id.
+  StatusOr<std::vector<Photo>> Photos() const;
+
+  // For every photo id, the number of other photos with verified matches, and
+  // the number of those matches.
+  struct Verified {
+    uint32_t photo_id = 0;
+    int64_t num_photos = 0;
+    int64_t num_matches = 0;
+  };
+  StatusOr<std::vector<Verified>> VerifiedMatches() const;
+
+  // Copies all raw and verified matches of the database at `other`, which
+  // holds the same photos under the same ids, into this one, in one
+  // transaction. Those already here are replaced.
+  Status CopyMatchesFrom(const std::filesystem::path& other);
+
+  // Copies this database as it is now into a new file.
+  Status CopyTo(const std::filesystem::path& path) const;
+
+  // Gives every photo another name.
+  Status RenamePhotos(const std::function<std::string(uint32_t id)>& name);
+
+  // Deletes all raw and verified matches.
+  Status ClearMatches();
+
+ private:
+  struct Closer {
+    void operator()(sqlite3* database) const;
+  };
+  Status Execute(const std::string& sql) const;
+  Status Error(const std::string& what) const;
+
+  std::filesystem::path path_;
+  std::unique_ptr<sqlite3, Closer> database_;
+};
+
+}  // namespace freegs::sfm
+
+#endif  // FREEGS_SFM_MATCH_DATABASE_H_

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Photographs to cameras and points, by running the installed COLMAP step by
+// step.
+
+#ifndef FREEGS_SFM_STRUCTURE_FROM_MOTION_H_
+#define FREEGS_SFM_STRUCTURE_FROM_MOTION_H_
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/cancellation.h"
+#include "core/status.h"
+#include "sfm/reconstruction.h"
+
+namespace freegs::sfm {
+
+// A photo to be posed.
+struct SfmPhoto {
+  std::string name;      // File, relative to the photo folder.
+  int width = 0;         // Pixels.
+  int height = 0;        // Pixels.
+  int camera_group = 0;  // Photos of equal number may share one camera.
+  double focal_px = 0;   // What EXIF says; 0 when it says nothing.
+};
+
+struct SfmOptions {
+  // The COLMAP program: a path, or a name in PATH.
+  std::string colmap = "colmap";
+
+  // Which photos share intrinsics: "auto" (those of a camera group), "single"
+  // (all of one size), or "per_image" (none).
+  std::string camera = "auto";
+
+  // COLMAP's name of the lens model to estimate.
+  std::string camera_model = "RADIAL";
+
+  // Longest side, in pixels, of the images that features are taken from.
+  int max_image_size = 1600;
+
+  // Features kept per photo (those of the largest scale).
+  int max_features = 1500;
+
+  // Which pairs of photos are matched: "exhaustive" (all), "sequential" (those
+  // taken one after another, and every overlap-th photo with each other), or
+  // "auto": exhaustive for up to max_exhaustive photos.
+  std::string matcher = "auto";
+  int max_exhaustive = 150;
+
+  // Sequential matching: how many photos after each are matched with it.
+  int overlap = 10;
+
+  // Features on the graphics card (COLMAP must have been built for it).
+  bool use_gpu = false;
+
+  // Threads and parallel programs; <= 0 takes one per core. Changes nothing
+  // about the result.
+  int num_threads = 0;
+
+  Status Check() const;
+};
+
+struct SfmInput {
+  std::filesystem::path photo_folder;
+  std::vector<SfmPhoto> photos;  // In the order in which they were taken.
+
+  // Where the steps leave their files: database.db, logs/, steps.json. Calling
+  // again with the same input and options continues after the last finished
+  // step, whatever ended the earlier call.
+  std::filesystem::path work_folder;
+
+  uint64_t seed = 0;
+  const CancellationToken* cancellation = nullptr;
+  ProgressFn progress;
+};
+
+struct SfmResult {
+  // The reconstructions that COLMAP made; the one with most images, then most
+  // points, first. May be empty.
+  std::vector<Reconstruction> models;
+
+  std::string colmap_version;
+  std::vector<std::string> warnings;
+
+  // For photos not in models[0]: why, as far as the matches tell.
+  std::map<std::string, std::string> unregistered;
+};
+
+// Runs COLMAP. Finding no model at all is not an error here (see health.h).
+// Errors: kMissingDependency (no usable COLMAP), kInterrupted (finished steps
+// are kept), kBadInput, kUnusableResult (a COLMAP command failed; the message
+// has its last lines and names the log).
+//
+// Repeatable: the same photos, options and seed with the same COLMAP give the
+// same models, byte for byte, whatever the number of threads. COLMAP itself
+// numbers photos, and draws random numbers, in an order that depends on its
+// threads; so photos are numbered in a first pass by one thread, matching runs
+// in fixed portions of one thread each, several at a time, and so does the
+// mapper. See docs/sfm.md.
+StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
+                                           const SfmOptions& options);
+
+// The pairs (i, j), i < j, of `count` photos that are matched, in order.
+std::vector<std::pair<int, int>> SelectPairs(int count,
+                                             const SfmOptions& options);
+
+// Orders models: most images first, then most points, then as they were.
+void SortBySize(std::vector<Reconstruction>* models);
+
+}  // namespace freegs::sfm
+
+#endif  // FREEGS_SFM_STRUCTURE_FROM_MOTION_H_
