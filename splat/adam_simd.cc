@@ -43,9 +43,20 @@ void UpdateArray(const AdamCoefficients& coefficients,
                  float* first_moments,
                  float* second_moments,
                  float* parameters) {
-  const hn::ScalableTag<float> wide;
-  const hn::CappedTag<float, 1> one;
-  const size_t lanes = hn::Lanes(wide);
+  size_t i = 0;
+  size_t end = 0;
+  // Whole vectors of this width from i on.
+  const auto update = [&](auto d) HWY_ATTR {
+    const size_t lanes = hn::Lanes(d);
+    for (; i + lanes <= end; i += lanes) {
+      UpdateAt(d,
+               coefficients,
+               gradients + i,
+               first_moments + i,
+               second_moments + i,
+               parameters + i);
+    }
+  };
   for (size_t k = 0; k < touched.size();) {
     const size_t run_begin = touched[k];
     size_t run_end = run_begin;
@@ -53,24 +64,13 @@ void UpdateArray(const AdamCoefficients& coefficients,
       ++k;
       ++run_end;
     }
-    size_t i = run_begin * stride;
-    const size_t end = run_end * stride;
-    for (; i + lanes <= end; i += lanes) {
-      UpdateAt(wide,
-               coefficients,
-               gradients + i,
-               first_moments + i,
-               second_moments + i,
-               parameters + i);
-    }
-    for (; i < end; ++i) {
-      UpdateAt(one,
-               coefficients,
-               gradients + i,
-               first_moments + i,
-               second_moments + i,
-               parameters + i);
-    }
+    i = run_begin * stride;
+    end = run_end * stride;
+    // Runs are short when few Gaussians are in sight: the rest matters. No
+    // masked stores, which may write the neighbours of another thread.
+    update(hn::ScalableTag<float>());
+    update(hn::CappedTag<float, 4>());
+    update(hn::CappedTag<float, 1>());
   }
 }
 

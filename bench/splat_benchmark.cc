@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Parts of a training step of the splats: loss and optimiser. The renderer's
+// part belongs to its own benchmark.
+
+#include <cstdint>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include "core/image.h"
+#include "core/parallel.h"
+#include "core/random.h"
+#include "splat/adam.h"
+#include "splat/gaussian_model.h"
+#include "splat/learning_rates.h"
+#include "splat/loss.h"
+
+namespace freegs::splat {
+namespace {
+
+ImageF RandomImage(int width, int height, uint64_t seed) {
+  ImageF image(width, height, 3);
+  for (size_t i = 0; i < image.size(); ++i) {
+    image.data()[i] = static_cast<float>(RandomUniform(seed, 0, i));
+  }
+  return image;
+}
+
+GaussianModel RandomModel(size_t count, int sh_degree, uint64_t seed) {
+  GaussianModel model;
+  model.sh_degree = sh_degree;
+  model.Resize(count);
+  for (const Parameter parameter : kAllParameters) {
+    std::vector<float>& array = ParameterArray(model, parameter);
+    for (size_t i = 0; i < array.size(); ++i) {
+      array[i] = static_cast<float>(
+          RandomUniform(seed, static_cast<uint64_t>(parameter), i) - 0.5);
+    }
+  }
+  return model;
+}
+
+// Arguments: width, height, threads.
+void BM_PhotometricLoss(benchmark::State& state) {
+  const int width = static_cast<int>(state.range(0));
+  const int height = static_cast<int>(state.range(1));
+  ThreadPool pool(static_cast<int>(state.range(2)));
+  const ImageF rendered = RandomImage(width, height, 1);
+  const ImageF target = RandomImage(width, height, 2);
+  PhotometricLoss loss;
+  ImageF gradient;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(loss.Compute(rendered, target, pool, &gradient));
+  }
+  state.SetItemsProcessed(state.iterations() *
+                          static_cast<int64_t>(rendered.num_pixels()));
+}
+BENCHMARK(BM_PhotometricLoss)
+    ->ArgNames({"width", "height", "threads"})
+    ->Args({270, 480, 1})
+    ->Args({270, 480, 2})
+    ->Args({1600, 1200, 1})
+    ->Args({1600, 1200, 2})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+// Arguments: Gaussians, SH degree, share touched in percent, threads.
+void BM_AdamStep(benchmark::State& state) {
+  const auto count = static_cast<size_t>(state.range(0));
+  const int degree = static_cast<int>(state.range(1));
+  const double share = static_cast<double>(state.range(2)) / 100.0;
+  ThreadPool pool(static_cast<int>(state.range(3)));
+  GaussianModel model = RandomModel(count, degree, 1);
+  const GaussianGradients gradients = RandomModel(count, degree, 2);
+  std::vector<uint32_t> touched;
+  for (size_t i = 0; i < count; ++i) {
+    if (RandomUniform(3, 0, i) < share) {
+      touched.push_back(static_cast<uint32_t>(i));
+    }
+  }
+  Adam adam;
+  adam.Reset(model);
+  const LearningRates rates = LearningRatesAt({}, 1.0, 0);
+  for (auto _ : state) {
+    adam.Step(rates, gradients, touched, pool, &model);
+    benchmark::ClobberMemory();
+  }
+  state.SetItemsProcessed(state.iterations() *
+                          static_cast<int64_t>(touched.size()));
+}
+BENCHMARK(BM_AdamStep)
+    ->ArgNames({"gaussians", "degree", "touched", "threads"})
+    ->Args({100000, 0, 100, 1})
+    ->Args({100000, 3, 100, 1})
+    ->Args({100000, 3, 100, 2})
+    ->Args({100000, 3, 40, 1})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+}  // namespace
+}  // namespace freegs::splat
