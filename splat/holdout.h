@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Image quality on photographs that training never saw.
+
+#ifndef FREEGS_SPLAT_HOLDOUT_H_
+#define FREEGS_SPLAT_HOLDOUT_H_
+
+#include <string>
+#include <vector>
+
+#include "core/image.h"
+#include "core/parallel.h"
+#include "core/status.h"
+#include "splat/gaussian_model.h"
+#include "splat/renderer.h"
+#include "splat/training_images.h"
+
+namespace freegs::splat {
+
+struct HoldoutView {
+  std::string name;
+  double psnr = 0;  // dB, of the 8-bit rendering against the 8-bit photo.
+  double ssim = 0;
+  ImageU8 rendered;
+};
+
+struct HoldoutReport {
+  double mean_psnr = 0;  // Mean over views of the per-view figure.
+  double mean_ssim = 0;
+  std::vector<HoldoutView> views;
+};
+
+// Renders level 0 of every view of `images` and compares. Fails when a photo
+// has become unreadable. `images` must not be empty.
+StatusOr<HoldoutReport> MeasureHoldout(const GaussianModel& model,
+                                       const RenderOptions& options,
+                                       TrainingImages* images,
+                                       ThreadPool& pool);
+
+}  // namespace freegs::splat
+
+#endif  // FREEGS_SPLAT_HOLDOUT_H_

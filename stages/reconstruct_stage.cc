@@ -1,0 +1,383 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/reconstruct_stage.h"
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "core/files.h"
+#include "core/image_io.h"
+#include "pipeline/resource_usage.h"
+#include "sfm/model_io.h"
+#include "sfm/photo_list.h"
+#include "sfm/views.h"
+#include "splat/holdout.h"
+#include "splat/initialization.h"
+#include "splat/ply_io.h"
+#include "splat/trainer.h"
+#include "stages/progress_csv.h"
+
+namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The posed photos and the points training starts from.
+struct Scene {
+  std::vector<View> train;
+  std::vector<View> holdout;
+  std::vector<Eigen::Vector3d> points;
+  std::vector<std::array<uint8_t, 3>> colors;
+};
+
+StatusOr<Scene> LoadScene(const fs::path& workspace) {
+  FREEGS_ASSIGN_OR_RETURN(const sfm::Reconstruction model,
+                          sfm::ReadModel(workspace / "undistort" / "sparse"));
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<View> views, sfm::MakeViews(model));
+  FREEGS_ASSIGN_OR_RETURN(
+      const sfm::PhotoList photos,
+      sfm::ReadPhotoList(workspace / "ingest" / "images.json"));
+  std::map<std::string, sfm::PhotoSplit> splits;
+  for (const sfm::Photo& photo : photos.photos) {
+    splits[photo.name] = photo.split;
+  }
+  Scene scene;
+  for (const View& view : views) {
+    const auto split = splits.find(view.name);
+    const bool holdout =
+        split != splits.end() && split->second == sfm::PhotoSplit::kHoldout;
+    (holdout ? scene.holdout : scene.train).push_back(view);
+  }
+  for (const sfm::Point3D& point : model.points3d) {
+    scene.points.push_back(point.xyz);
+    scene.colors.push_back(point.rgb);
+  }
+  if (scene.train.empty()) {
+    return UnusableResultError(
+        "reconstruct: no posed photo is left to train on; choose fewer holdout "
+        "photos (ingest.holdout_every)");
+  }
+  return scene;
+}
+
+class ReconstructStage : public pipeline::Stage {
+ public:
+  ReconstructStage(const ReconstructStageOptions& options, uint64_t seed)
+      : options_(options), seed_(seed) {}
+
+  std::string_view name() const override { return "reconstruct"; }
+
+  std::vector<fs::path> Inputs(const pipeline::StageContext&) const override {
+    std::vector<fs::path> inputs = {
+        "undistort/images", "undistort/sparse", "ingest/images.json"};
+    if (!options_.import.empty()) inputs.emplace_back(options_.import);
+    return inputs;
+  }
+
+  Status Run(pipeline::StageContext& context) override {
+    const pipeline::ResourceMeter meter;
+    FREEGS_ASSIGN_OR_RETURN(const Scene scene, LoadScene(context.workspace));
+    const fs::path photos = context.workspace / "undistort" / "images";
+    splat::TrainingImagesOptions image_options;
+    image_options.max_side = options_.max_image_size;
+    image_options.num_levels = 1;
+    std::optional<splat::TrainingImages> holdout;
+    if (!scene.holdout.empty()) {
+      FREEGS_ASSIGN_OR_RETURN(
+          holdout,
+          splat::TrainingImages::Load(
+              scene.holdout, photos, image_options, *context.pool));
+    }
+    splat::TrainingImages* holdout_images = holdout ? &*holdout : nullptr;
+
+    splat::GaussianModel model;
+    Outcome outcome;
+    if (options_.import.empty()) {
+      image_options.num_levels = 3;
+      image_options.max_bytes =
+          static_cast<uint64_t>(options_.image_cache_gb * 1e9);
+      FREEGS_ASSIGN_OR_RETURN(
+          splat::TrainingImages images,
+          splat::TrainingImages::Load(
+              scene.train, photos, image_options, *context.pool));
+      FREEGS_ASSIGN_OR_RETURN(
+          model, Train(scene, &images, holdout_images, context, &outcome));
+    } else {
+      FREEGS_ASSIGN_OR_RETURN(model, splat::ReadPly(options_.import));
+      context.log(pipeline::LogLevel::kInfo,
+                  "reconstruct: imported " + std::to_string(model.size()) +
+                      " Gaussians from " + options_.import);
+    }
+    FREEGS_RETURN_IF_ERROR(
+        splat::WritePly(context.output / "point_cloud.ply", model));
+    return WriteMetrics(model, holdout_images, meter, outcome, context);
+  }
+
+ private:
+  // What earlier, interrupted runs and this one's training add up to.
+  struct Outcome {
+    int64_t iterations = 0;
+    double earlier_cpu_seconds = 0;
+    double earlier_seconds = 0;
+  };
+
+  splat::RenderOptions Render() const {
+    splat::RenderOptions render;
+    if (options_.background == "white") render.background = {1, 1, 1};
+    return render;
+  }
+
+  splat::TrainerOptions Training() const {
+    splat::TrainerOptions training;
+    training.iterations = options_.iterations;
+    training.sh_degree = options_.sh_degree;
+    training.densify_interval = options_.densify_interval;
+    training.opacity_reset_interval = options_.opacity_reset_interval;
+    training.densification.gradient_threshold = options_.densify_gradient;
+    training.densification.max_gaussians = options_.max_gaussians;
+    training.learning_rates.mean_decay_steps = options_.iterations;
+    training.render = Render();
+    training.seed = seed_;
+    if (!options_.coarse_to_fine) training.resolution_steps.clear();
+    return training;
+  }
+
+  StatusOr<splat::GaussianModel> Train(const Scene& scene,
+                                       splat::TrainingImages* images,
+                                       splat::TrainingImages* holdout,
+                                       pipeline::StageContext& context,
+                                       Outcome* outcome) const {
+    const splat::TrainerOptions training = Training();
+    FREEGS_RETURN_IF_ERROR(training.Check());
+    const double extent = splat::SceneExtent(scene.train, scene.points);
+    FREEGS_ASSIGN_OR_RETURN(
+        splat::GaussianModel initial,
+        splat::InitializeFromPoints(scene.points, scene.colors, extent));
+    splat::Trainer trainer(
+        training, std::move(initial), extent, images, context.pool);
+
+    const fs::path checkpoints = context.output / "checkpoints";
+    FREEGS_RETURN_IF_ERROR(CreateFolders(checkpoints));
+    if (context.resuming) {
+      FREEGS_RETURN_IF_ERROR(Resume(checkpoints, context, &trainer, outcome));
+    }
+    ProgressCsv progress(context.output / "progress.csv");
+    FREEGS_RETURN_IF_ERROR(progress.Open(trainer.iteration()));
+
+    const pipeline::ResourceMeter meter;
+    auto last_checkpoint = std::chrono::steady_clock::now();
+    const auto save = [&]() -> Status {
+      splat::TrainingCheckpoint checkpoint = trainer.Save();
+      checkpoint.elapsed_seconds =
+          outcome->earlier_seconds + meter.Elapsed().wall_seconds;
+      checkpoint.facts["cpu_seconds"] = std::to_string(
+          outcome->earlier_cpu_seconds + meter.Elapsed().cpu_seconds);
+      FREEGS_RETURN_IF_ERROR(progress.Flush());
+      last_checkpoint = std::chrono::steady_clock::now();
+      return splat::SaveCheckpoint(checkpoints, checkpoint);
+    };
+    double loss_sum = 0;
+    int loss_count = 0;
+    while (!trainer.done()) {
+      if (context.cancellation->cancelled()) {
+        FREEGS_RETURN_IF_ERROR(save());
+        return InterruptedError("reconstruct: stopped at iteration " +
+                                std::to_string(trainer.iteration()) +
+                                "; the checkpoint is saved");
+      }
+      FREEGS_ASSIGN_OR_RETURN(const splat::StepReport report, trainer.Step());
+      loss_sum += report.loss;
+      ++loss_count;
+      const bool measure = holdout != nullptr && !trainer.done() &&
+                           options_.holdout_interval > 0 &&
+                           report.iteration % options_.holdout_interval == 0;
+      if (report.iteration % kProgressInterval == 0 || measure ||
+          trainer.done()) {
+        std::optional<double> psnr;
+        if (measure) {
+          FREEGS_ASSIGN_OR_RETURN(
+              const splat::HoldoutReport quality,
+              splat::MeasureHoldout(
+                  trainer.model(), Render(), holdout, *context.pool));
+          psnr = quality.mean_psnr;
+        }
+        const double loss = loss_sum / loss_count;
+        progress.Add({report.iteration,
+                      outcome->earlier_seconds + meter.Elapsed().wall_seconds,
+                      loss,
+                      report.num_gaussians,
+                      psnr});
+        ReportProgress(report, loss, context);
+        loss_sum = 0;
+        loss_count = 0;
+      }
+      const std::chrono::duration<double> since =
+          std::chrono::steady_clock::now() - last_checkpoint;
+      if (since.count() >= context.checkpoint_interval_seconds) {
+        FREEGS_RETURN_IF_ERROR(save());
+      }
+    }
+    FREEGS_RETURN_IF_ERROR(save());
+    outcome->iterations = trainer.iteration();
+    return trainer.model();
+  }
+
+  static Status Resume(const fs::path& checkpoints,
+                       pipeline::StageContext& context,
+                       splat::Trainer* trainer,
+                       Outcome* outcome) {
+    std::vector<std::string> problems;
+    std::optional<splat::TrainingCheckpoint> checkpoint =
+        splat::LatestCheckpoint(checkpoints, &problems);
+    for (const std::string& problem : problems) {
+      context.log(pipeline::LogLevel::kWarning, problem);
+    }
+    if (!checkpoint) return Status();
+    outcome->earlier_seconds = checkpoint->elapsed_seconds;
+    const auto cpu = checkpoint->facts.find("cpu_seconds");
+    if (cpu != checkpoint->facts.end()) {
+      outcome->earlier_cpu_seconds = std::strtod(cpu->second.c_str(), nullptr);
+    }
+    context.log(pipeline::LogLevel::kInfo,
+                "reconstruct: resuming at iteration " +
+                    std::to_string(checkpoint->iteration));
+    return trainer->Restore(*std::move(checkpoint));
+  }
+
+  void ReportProgress(const splat::StepReport& report,
+                      double loss,
+                      pipeline::StageContext& context) const {
+    char detail[96];
+    std::snprintf(detail,
+                  sizeof(detail),
+                  "loss %.4f, %zu Gaussians",
+                  loss,
+                  report.num_gaussians);
+    context.progress({"training",
+                      static_cast<double>(report.iteration),
+                      static_cast<double>(options_.iterations),
+                      detail});
+  }
+
+  Status WriteMetrics(const splat::GaussianModel& model,
+                      splat::TrainingImages* holdout,
+                      const pipeline::ResourceMeter& meter,
+                      const Outcome& outcome,
+                      pipeline::StageContext& context) const {
+    nlohmann::json metrics = {{"holdout_psnr", nullptr},
+                              {"holdout_ssim", nullptr},
+                              {"num_gaussians", model.size()},
+                              {"sh_degree", model.sh_degree},
+                              {"iterations", outcome.iterations}};
+    if (holdout != nullptr) {
+      FREEGS_ASSIGN_OR_RETURN(
+          const splat::HoldoutReport quality,
+          splat::MeasureHoldout(model, Render(), holdout, *context.pool));
+      metrics["holdout_psnr"] = quality.mean_psnr;
+      metrics["holdout_ssim"] = quality.mean_ssim;
+      nlohmann::json& views = metrics["holdout_views"];
+      for (const splat::HoldoutView& view : quality.views) {
+        views.push_back(
+            {{"name", view.name}, {"psnr", view.psnr}, {"ssim", view.ssim}});
+        const fs::path file =
+            (context.output / "holdout" / view.name).replace_extension(".png");
+        FREEGS_RETURN_IF_ERROR(CreateFolders(file.parent_path()));
+        FREEGS_RETURN_IF_ERROR(WriteImage(file, view.rendered));
+      }
+    }
+    const pipeline::ResourceUsage usage = meter.Elapsed();
+    metrics["seconds"] = outcome.earlier_seconds + usage.wall_seconds;
+    metrics["cpu_seconds"] = outcome.earlier_cpu_seconds + usage.cpu_seconds;
+    metrics["peak_memory_bytes"] = usage.peak_memory_bytes;
+    context.summary = metrics;
+    context.summary.erase("holdout_views");
+    return WriteFileAtomic(context.output / "metrics.json",
+                           metrics.dump(1) + "\n");
+  }
+
+  static constexpr int64_t kProgressInterval = 50;
+
+  ReconstructStageOptions options_;
+  uint64_t seed_;
+};
+
+}  // namespace
+
+void RegisterReconstructOptions(ReconstructStageOptions& options,
+                                pipeline::OptionTable& table) {
+  table.AddSection("reconstruct",
+                   "Phase 1: Gaussians are fitted to the photographs.");
+  table.Add(
+      "reconstruct.iterations",
+      &options.iterations,
+      {.help = "Gradient steps, one photo each.", .min = 1, .max = 1000000});
+  table.Add("reconstruct.max_image_size",
+            &options.max_image_size,
+            {.help = "Longest side in pixels of the images the splats learn "
+                     "from; 0 keeps the photos' own size.",
+             .min = 0,
+             .max = 100000});
+  table.Add("reconstruct.sh_degree",
+            &options.sh_degree,
+            {.help = "Degree of the spherical harmonics that make colour "
+                     "depend on the viewing direction.",
+             .min = 0,
+             .max = 3});
+  table.Add(
+      "reconstruct.max_gaussians",
+      &options.max_gaussians,
+      {.help = "Upper bound of the number of Gaussians; 0 is none.", .min = 0});
+  table.Add("reconstruct.densify_interval",
+            &options.densify_interval,
+            {.help = "Iterations between densifications; 0 keeps the points "
+                     "of structure from motion.",
+             .min = 0});
+  table.Add("reconstruct.densify_gradient",
+            &options.densify_gradient,
+            {.help = "Gaussians whose mean gradient in the image (which spans "
+                     "-1 to 1) is larger are cloned or split.",
+             .min = 0});
+  table.Add("reconstruct.opacity_reset_interval",
+            &options.opacity_reset_interval,
+            {.help = "Opacities are set to 0.01 every so many iterations "
+                     "while densifying; 0 never does.",
+             .min = 0});
+  table.Add("reconstruct.coarse_to_fine",
+            &options.coarse_to_fine,
+            {.help = "Train on quarter and half size images first."});
+  table.Add("reconstruct.background",
+            &options.background,
+            {.help = "Colour behind the scene. White suits cut-out objects "
+                     "(see ingest.background).",
+             .choices = {"black", "white"}});
+  table.Add("reconstruct.holdout_interval",
+            &options.holdout_interval,
+            {.help = "Iterations between measurements on the holdout photos; "
+                     "0 measures only at the end.",
+             .min = 0,
+             .affects_result = false});
+  table.Add("reconstruct.image_cache_gb",
+            &options.image_cache_gb,
+            {.help = "Gigabytes of decoded photos kept in memory; more photos "
+                     "are read again when needed.",
+             .min = 0.01,
+             .affects_result = false});
+  table.Add("reconstruct.import",
+            &options.import,
+            {.help = "A 3DGS .ply to take instead of training, in the frame "
+                     "of the camera poses.",
+             .is_path = true});
+}
+
+std::unique_ptr<pipeline::Stage> MakeReconstructStage(
+    const ReconstructStageOptions& options, uint64_t seed) {
+  return std::make_unique<ReconstructStage>(options, seed);
+}
+
+}  // namespace freegs::stages

@@ -1,0 +1,71 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Kills a run with SIGKILL at random moments, runs again after each, and checks
+# that nothing is lost: stages that were done stay done, the run ends, and the
+# final point_cloud.ply has the bytes of an undisturbed run from the same
+# structure from motion.
+#
+#   tests/kill_resume.sh PROGRAM IMAGES FOLDER [KILLS_PER_STAGE] [OPTION ...]
+#
+# FOLDER is made and holds the two workspaces. Not part of the test suite: it
+# takes as long as several runs.
+set -euo pipefail
+
+program=$1 images=$2 folder=$3 kills=${4:-7}
+shift $(($# < 4 ? $# : 4))
+stages=(sfm reconstruct bootstrap)
+workspace=$folder/killed
+log=$folder/runs.log
+mkdir -p "$folder"
+
+run() { "$program" run "$images" "$workspace" "$@" >>"$log" 2>&1; }
+
+# Finished stages and when they finished: what must survive a kill.
+finished() {
+  find "$workspace" -mindepth 2 -maxdepth 2 -name stage.json \
+    -not -path '*.partial/*' -exec stat -c '%n %Y' {} + 2>/dev/null | sort
+}
+
+killed=0
+for stage in "${stages[@]}"; do
+  for ((k = 0; k < kills; ++k)); do
+    run "$@" & pid=$!
+    # Wait for the stage to begin; it may already be over.
+    while kill -0 "$pid" 2>/dev/null && [ ! -e "$workspace/$stage.partial" ]; do
+      sleep 0.02
+    done
+    # A random moment: up to 20 s into the stage, in the first kills less, so
+    # that short stages are hit as well.
+    sleep "$(awk -v r=$RANDOM -v k="$k" \
+      'BEGIN { print r / 32768 * (k < 3 ? 0.4 * (k + 1) : 20) }')"
+    before=$(finished)
+    if [ -e "$workspace/$stage.partial" ] && kill -9 "$pid" 2>/dev/null; then
+      killed=$((killed + 1))
+      echo "killed during $stage ($killed)"
+    fi
+    wait "$pid" 2>/dev/null || true
+    lost=$(comm -23 <(echo "$before") <(finished))
+    if [ -n "$lost" ]; then
+      echo "LOST after a kill during $stage: $lost" >&2
+      exit 1
+    fi
+    # A stage that ended before the kill is done again from the start.
+    if [ ! -e "$workspace/$stage.partial" ] && [ "$stage" != sfm ]; then
+      rm -rf "${workspace:?}/$stage"
+    fi
+  done
+done
+
+echo "killed $killed times; now to the end"
+run "$@"
+reference=$folder/undisturbed
+rm -rf "$reference"
+mkdir -p "$reference"
+for part in workspace.json config.ini ingest sfm undistort; do
+  [ ! -e "$workspace/$part" ] || cp -a "$workspace/$part" "$reference/"
+done
+"$program" run "$images" "$reference" "$@" >>"$log" 2>&1
+cmp "$workspace/reconstruct/point_cloud.ply" \
+  "$reference/reconstruct/point_cloud.ply"
+cmp "$workspace/bootstrap/idsf.bin" "$reference/bootstrap/idsf.bin"
+echo "same bytes after $killed kills"
