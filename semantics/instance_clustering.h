@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// An instance index for every Gaussian, from geometry and colour: the first
+// form of FreeGS's bootstrapping, before there are semantics.
+
+#ifndef FREEGS_SEMANTICS_INSTANCE_CLUSTERING_H_
+#define FREEGS_SEMANTICS_INSTANCE_CLUSTERING_H_
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/cancellation.h"
+#include "core/parallel.h"
+#include "core/status.h"
+#include "semantics/hdbscan.h"
+#include "semantics/planes.h"
+#include "semantics/union_space.h"
+#include "splat/gaussian_model.h"
+
+namespace freegs::semantics {
+
+struct InstanceClusteringOptions {
+  // Gaussians that are fainter, or whose second largest standard deviation is
+  // larger (in scene radii), are not clustered: they are haze and backdrop.
+  // They take the label of their neighbourhood afterwards.
+  double min_opacity = 0.1;
+  double max_scale = 0.1;
+
+  // Large planes become instances of their own before clustering.
+  PlaneOptions planes;
+
+  // Neighbours over which colours are averaged before clustering.
+  int color_neighbors = 16;
+
+  UnionSpaceOptions space;
+  HdbscanOptions hdbscan;
+
+  // Clusters are joined when they touch (see merge_distance) and their mean
+  // colours differ by less than this (Euclidean, RGB in [0, 1]); 0 joins none.
+  double merge_color = 0.1;
+
+  // Touching: the nearest 0.5 % of the smaller cluster's points lie within this
+  // distance of the other, in scene radii.
+  double merge_distance = 0.02;
+
+  // Noise takes the label of the nearest labelled Gaussian up to this far away,
+  // in scene radii.
+  double noise_distance = 0.2;
+
+  // Instances of fewer Gaussians are dissolved into their neighbours.
+  int min_instance_size = 50;
+
+  Status Check() const;
+};
+
+struct InstanceLabels {
+  // Per Gaussian: -1 = none, 0 .. num_instances - 1 by descending size.
+  std::vector<int32_t> labels;
+  int num_instances = 0;
+
+  // Per instance: mean membership probability of its clustered Gaussians (1 for
+  // planes), and whether it is one of the large planes.
+  std::vector<double> scores;
+  std::vector<uint8_t> is_plane;
+
+  // What happened on the way.
+  size_t num_clustered = 0;     // Gaussians that took part.
+  size_t num_plane_points = 0;  // Of these, in large planes.
+  int num_clusters = 0;         // Found by HDBSCAN.
+  double noise_before = 0;      // Share of the clustered that were noise.
+  double noise_after = 0;       // Share of all Gaussians without an instance.
+};
+
+// viewpoints: camera centres, world frame; may be empty. What lies behind a
+// plane as seen from them joins the plane. Same input and seed, same labels,
+// for any number of threads.
+StatusOr<InstanceLabels> ClusterInstances(
+    const splat::GaussianModel& model,
+    std::span<const Eigen::Vector3d> viewpoints,
+    const InstanceClusteringOptions& options,
+    uint64_t seed,
+    ThreadPool& pool,
+    const CancellationToken* cancellation);
+
+}  // namespace freegs::semantics
+
+#endif  // FREEGS_SEMANTICS_INSTANCE_CLUSTERING_H_

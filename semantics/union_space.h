@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The space Gaussians are clustered in: position, colour and, later, semantics
+// side by side (FreeGS, "Union-space Clustering").
+
+#ifndef FREEGS_SEMANTICS_UNION_SPACE_H_
+#define FREEGS_SEMANTICS_UNION_SPACE_H_
+
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/status.h"
+
+namespace freegs::semantics {
+
+// Where the scene is and how large what the photos look at is. Robust against
+// far Gaussians: medians only.
+struct SceneFrame {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  // Per-axis median.
+  double radius = 1;  // Median distance from the centre, world units; > 0.
+};
+SceneFrame ComputeSceneFrame(std::span<const float> positions);
+
+struct UnionSpaceOptions {
+  // Factor on positions once they are divided by the scene radius.
+  double position_weight = 1;
+
+  // Factor on colours of [0, 1].
+  double color_weight = 0.1;
+
+  // Factor on the semantic block once it is normalised.
+  double semantic_weight = 0.1;
+
+  Status Check() const;
+};
+
+// N x (6 + semantic_dim) points for clustering, row-major: each block
+// normalised and weighted.
+//
+// FreeGS scales every block by its minimum and maximum. Real scenes have
+// Gaussians far outside, which would squash everything of interest, so blocks
+// are scaled robustly and as a whole (one factor, which keeps their shape):
+// positions by the scene frame and clamped to 10 radii, where only stray
+// Gaussians are; colours are in [0, 1] by nature and clamped to it; the
+// semantic block by its 0.5 and 99.5 % quantiles over all entries, clamped.
+//
+// positions, colors: N x 3; semantics: N x semantic_dim, or empty with 0.
+std::vector<float> BuildUnionSpace(std::span<const float> positions,
+                                   std::span<const float> colors,
+                                   std::span<const float> semantics,
+                                   int semantic_dim,
+                                   const SceneFrame& frame,
+                                   const UnionSpaceOptions& options);
+
+}  // namespace freegs::semantics
+
+#endif  // FREEGS_SEMANTICS_UNION_SPACE_H_
