@@ -140,6 +140,24 @@ bool Camera::IsUndistorted() const {
   });
 }
 
+Camera Camera::Resized(uint64_t new_width, uint64_t new_height) const {
+  const double sx = static_cast<double>(new_width) / width;
+  const double sy = static_cast<double>(new_height) / height;
+  Camera resized = *this;
+  resized.width = new_width;
+  resized.height = new_height;
+  const int num_focal = GetCameraModel(model).num_focal;
+  if (num_focal == 1) {
+    resized.params[0] *= (sx + sy) / 2;
+  } else {
+    resized.params[0] *= sx;
+    resized.params[1] *= sy;
+  }
+  resized.params[num_focal] *= sx;
+  resized.params[num_focal + 1] *= sy;
+  return resized;
+}
+
 Status Camera::Check() const {
   const std::string where = "camera " + std::to_string(id);
   const CameraModelInfo* info = FindCameraModel(static_cast<int>(model));

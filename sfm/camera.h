@@ -71,6 +71,11 @@ struct Camera {
   // parameters are all zero. (Fisheye models with zeros are not pinholes.)
   bool IsUndistorted() const;
 
+  // The same lens with its image resized: focal lengths and principal point
+  // follow. When x and y scale differently, models with one focal length take
+  // the mean of both.
+  Camera Resized(uint64_t new_width, uint64_t new_height) const;
+
   // Parameter count, finite values, positive focal length and size.
   Status Check() const;
 };

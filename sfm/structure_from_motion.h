@@ -20,6 +20,7 @@ namespace freegs::sfm {
 // A photo to be posed.
 struct SfmPhoto {
   std::string name;      // File, relative to the photo folder.
+  std::string file;      // As the user knows it, if that is another name.
   int width = 0;         // Pixels.
   int height = 0;        // Pixels.
   int camera_group = 0;  // Photos of equal number may share one camera.
