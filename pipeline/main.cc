@@ -16,6 +16,10 @@
 #include "pipeline/option_value.h"
 #include "pipeline/version.h"
 #include "stages/commands/command.h"
+#include "stages/commands/doctor_command.h"
+#include "stages/commands/init_command.h"
+#include "stages/commands/run_command.h"
+#include "stages/commands/status_command.h"
 #include "stages/pipeline_options.h"
 
 namespace freegs {
@@ -31,11 +35,13 @@ constexpr Command kCommands[] = {
     {"run",
      "run IMAGES WORKSPACE [--preset fast|balanced|quality] [--from S] "
      "[--to S] [--SECTION.KEY VALUE ...]",
-     nullptr},
-    {"stage", "stage STAGE WORKSPACE [--SECTION.KEY VALUE ...]", nullptr},
-    {"init", "init WORKSPACE", nullptr},
-    {"status", "status WORKSPACE [--json]", nullptr},
-    {"doctor", "doctor", nullptr},
+     stages::RunRunCommand},
+    {"stage",
+     "stage STAGE WORKSPACE [--SECTION.KEY VALUE ...]",
+     stages::RunStageCommand},
+    {"init", "init WORKSPACE", stages::RunInitCommand},
+    {"status", "status WORKSPACE [--json]", stages::RunStatusCommand},
+    {"doctor", "doctor", stages::RunDoctorCommand},
     {"render",
      "render WORKSPACE --out DIR [--cameras FILE] "
      "[--what color|depth|instances]",

@@ -311,7 +311,7 @@ std::string OptionTable::ConfigTemplate() const {
       "# line (--SECTION.KEY VALUE) wins over this file, this file over the\n"
       "# preset. Relative paths start from this file's folder.\n";
   for (const auto& [section, help] : sections_) {
-    if (section.empty()) continue;
+    if (section.empty() || Values(section, false).empty()) continue;
     text += "\n[" + section + "]\n";
     if (!help.empty()) text += Wrap(help, "# ");
     for (const Option& option : options_) {
@@ -333,7 +333,8 @@ std::string OptionTable::Help() const {
 std::string OptionTable::SectionHelp(const std::string& section) const {
   std::string text;
   for (const auto& [name, help] : sections_) {
-    if (name == section && !section.empty()) {
+    if (name == section && !section.empty() &&
+        !Values(section, false).empty()) {
       text += "\n[" + section + "] " + help + "\n";
     }
   }

@@ -60,7 +60,10 @@ CurrentInputs GatherInputs(const RunnerStage& stage,
     if (input == context.images) {
       name = "photos";
     } else if (external) {
-      name = fs::path(name).filename().string();
+      // A folder may have been given as "model/".
+      const fs::path full(name);
+      name =
+          (full.has_filename() ? full : full.parent_path()).filename().string();
     }
     name = ValidUtf8(name);
     while (now.fingerprint.inputs.contains(name)) name += "'";

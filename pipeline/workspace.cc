@@ -57,6 +57,12 @@ std::string DisplayPath(const fs::path& workspace, const fs::path& path) {
   return relative.string();
 }
 
+fs::path PathInWorkspace(const fs::path& workspace, const std::string& path) {
+  if (path.empty()) return {};
+  std::error_code error;
+  return (fs::absolute(workspace, error) / path).lexically_normal();
+}
+
 StatusOr<WorkspaceInfo> ReadWorkspaceInfo(const fs::path& workspace) {
   const fs::path path = InfoPath(workspace);
   std::error_code error;
@@ -65,13 +71,17 @@ StatusOr<WorkspaceInfo> ReadWorkspaceInfo(const fs::path& workspace) {
   const Status malformed = BadInputError(
       path.string() + ": malformed; delete it and give the photo folder again");
   if (!json.is_object()) return malformed;
-  const auto images = json.find("images");
-  if (images == json.end()) return WorkspaceInfo();
-  if (!images->is_string()) return malformed;
   WorkspaceInfo info;
-  const fs::path stored = images->get<std::string>();
-  if (!stored.empty()) {
-    info.images = (fs::absolute(workspace, error) / stored).lexically_normal();
+  if (const auto images = json.find("images"); images != json.end()) {
+    if (!images->is_string()) return malformed;
+    info.images = PathInWorkspace(workspace, images->get<std::string>());
+  }
+  if (const auto settings = json.find("settings"); settings != json.end()) {
+    if (!settings->is_object()) return malformed;
+    for (const auto& [name, value] : settings->items()) {
+      if (!value.is_string()) return malformed;
+      info.settings[name] = value.get<std::string>();
+    }
   }
   return info;
 }
@@ -81,7 +91,18 @@ Status WriteWorkspaceInfo(const fs::path& workspace,
   nlohmann::json json = nlohmann::json::object();
   json["images"] =
       info.images.empty() ? "" : DisplayPath(workspace, info.images);
+  json["settings"] = info.settings;
   return WriteFileAtomic(InfoPath(workspace), JsonText(json));
+}
+
+bool IsLocked(const fs::path& workspace) {
+  const int descriptor =
+      open((workspace / ".lock").c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return false;
+  const bool locked =
+      flock(descriptor, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  close(descriptor);
+  return locked;
 }
 
 StatusOr<WorkspaceLock> WorkspaceLock::Acquire(const fs::path& workspace) {

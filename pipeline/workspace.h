@@ -5,6 +5,7 @@
 #define FREEGS_PIPELINE_WORKSPACE_H_
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <string_view>
 
@@ -41,7 +42,14 @@ std::string DisplayPath(const std::filesystem::path& workspace,
 // WORKSPACE/workspace.json: what a workspace remembers between runs.
 struct WorkspaceInfo {
   std::filesystem::path images;  // Absolute; empty if none was given yet.
+
+  // Option name -> value of the last run's command line.
+  std::map<std::string, std::string> settings;
 };
+
+// The path as it is inside the workspace: a relative one is taken from there.
+std::filesystem::path PathInWorkspace(const std::filesystem::path& workspace,
+                                      const std::string& path);
 
 // An empty info if there is no file; kBadInput if it is malformed. Photos
 // inside the workspace are stored relative to it, so that it can be moved.
@@ -49,6 +57,9 @@ StatusOr<WorkspaceInfo> ReadWorkspaceInfo(
     const std::filesystem::path& workspace);
 Status WriteWorkspaceInfo(const std::filesystem::path& workspace,
                           const WorkspaceInfo& info);
+
+// Whether a run holds the workspace now. Changes nothing.
+bool IsLocked(const std::filesystem::path& workspace);
 
 // Holds the workspace (flock on WORKSPACE/.lock) until destroyed. The kernel
 // releases the lock of a killed process, so nothing needs to be cleaned up.

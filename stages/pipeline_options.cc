@@ -5,7 +5,6 @@
 #include <system_error>
 #include <utility>
 
-#include "pipeline/workspace.h"
 #include "stages/presets.h"
 
 namespace freegs::stages {
@@ -51,6 +50,7 @@ void RegisterGeneralOptions(GeneralOptions& options, OptionTable& table) {
 OptionTable MakeOptionTable(PipelineOptions* options) {
   OptionTable table;
   RegisterGeneralOptions(options->general, table);
+  RegisterReconstructOptions(options->reconstruct, table);
   return table;
 }
 
@@ -75,6 +75,23 @@ Status ApplySettings(const std::filesystem::path& workspace,
   FREEGS_RETURN_IF_ERROR(table.Apply(preset_settings));
   FREEGS_RETURN_IF_ERROR(table.Apply(config));
   return table.Apply(command_line);
+}
+
+std::vector<OptionSetting> RememberedSettings(
+    const std::filesystem::path& workspace,
+    const pipeline::WorkspaceInfo& info,
+    const OptionTable& table) {
+  std::vector<OptionSetting> settings;
+  for (const auto& [name, value] : info.settings) {
+    const OptionTable::Option* option = table.Find(name);
+    if (option == nullptr) continue;
+    OptionSetting setting{name, value, "settings of the last run"};
+    if (option->spec.is_path) {
+      setting.value = pipeline::PathInWorkspace(workspace, value);
+    }
+    settings.push_back(std::move(setting));
+  }
+  return settings;
 }
 
 }  // namespace freegs::stages

@@ -11,6 +11,8 @@
 
 #include "core/status.h"
 #include "pipeline/option_table.h"
+#include "pipeline/workspace.h"
+#include "stages/reconstruct_stage.h"
 
 namespace freegs::stages {
 
@@ -38,6 +40,7 @@ void RegisterGeneralOptions(GeneralOptions& options,
 
 struct PipelineOptions {
   GeneralOptions general;
+  ReconstructStageOptions reconstruct;
 };
 
 // The table over `options`, which must outlive it. Commands may add words of
@@ -50,6 +53,13 @@ pipeline::OptionTable MakeOptionTable(PipelineOptions* options);
 Status ApplySettings(const std::filesystem::path& workspace,
                      const std::vector<pipeline::OptionSetting>& command_line,
                      pipeline::OptionTable& table);
+
+// The settings of the last run's command line; those the table does not know
+// (any more) are left out.
+std::vector<pipeline::OptionSetting> RememberedSettings(
+    const std::filesystem::path& workspace,
+    const pipeline::WorkspaceInfo& info,
+    const pipeline::OptionTable& table);
 
 }  // namespace freegs::stages
 

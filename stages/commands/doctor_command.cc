@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/commands/doctor_command.h"
+
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+#include <system_error>
+
+#include <Eigen/Core>
+#include <boost/version.hpp>
+#include <ceres/version.h>
+#include <flann/config.h>
+#include <hwy/highway.h>
+#include <hwy/targets.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/core/version.hpp>
+#include <xxhash.h>
+
+#include "pipeline/system_info.h"
+#include "pipeline/version.h"
+#include "sfm/colmap_program.h"
+#include "stages/pipeline_options.h"
+
+namespace freegs::stages {
+namespace {
+
+// Below these a run of ordinary size is likely to fail.
+constexpr int64_t kGigabyte = int64_t{1} << 30;
+constexpr int64_t kLowMemoryBytes = 4 * kGigabyte;
+constexpr int64_t kLowDiskBytes = 5 * kGigabyte;
+
+std::string Gigabytes(int64_t bytes) {
+  char text[32];
+  std::snprintf(text,
+                sizeof(text),
+                "%.1f GB",
+                static_cast<double>(bytes) / static_cast<double>(kGigabyte));
+  return text;
+}
+
+void PrintLine(std::ostream& out,
+               const std::string& name,
+               const std::string& text) {
+  out << name << std::string(name.size() < 14 ? 14 - name.size() : 1, ' ')
+      << text << "\n";
+}
+
+// "a.b.c" of a number in which minor and patch take `base` each.
+std::string Dotted(int64_t number, int64_t base) {
+  return std::to_string(number / base / base) + "." +
+         std::to_string(number / base % base) + "." +
+         std::to_string(number % base);
+}
+
+std::string SimdTargets() {
+  std::string names;
+  for (int64_t left = hwy::SupportedTargets() & HWY_TARGETS; left != 0;
+       left &= left - 1) {
+    const int64_t lowest = left & -left;
+    names += (names.empty() ? "" : ", ") + std::string(hwy::TargetName(lowest));
+  }
+  // Highway's best target has the lowest bit.
+  return names.empty() ? "none" : names + " (the first is used)";
+}
+
+void PrintMachine(std::ostream& out) {
+  std::string cores = std::to_string(pipeline::AvailableCores());
+  if (const std::optional<double> quota = pipeline::CoresOfQuota()) {
+    char text[64];
+    std::snprintf(text,
+                  sizeof(text),
+                  " (%d allowed, %.1f by the control group)",
+                  pipeline::CoresOfAffinity(),
+                  *quota);
+    cores += text;
+  }
+  PrintLine(out, "cores", cores);
+  PrintLine(out, "SIMD", SimdTargets());
+  const pipeline::MemoryInfo memory = pipeline::Memory();
+  PrintLine(out,
+            "memory",
+            Gigabytes(memory.available_bytes) + " available of " +
+                Gigabytes(memory.total_bytes) +
+                (memory.available_bytes < kLowMemoryBytes
+                     ? " - little: use a smaller reconstruct.max_image_size"
+                     : ""));
+  std::error_code error;
+  const std::filesystem::path here = std::filesystem::current_path(error);
+  if (const auto disk = pipeline::FreeDiskBytes(here)) {
+    PrintLine(out,
+              "disk",
+              Gigabytes(*disk) + " free in " + here.string() +
+                  (*disk < kLowDiskBytes ? " - little for a workspace" : ""));
+  }
+}
+
+void PrintLibraries(std::ostream& out) {
+  PrintLine(out, "OpenCV", CV_VERSION);
+  PrintLine(out, "Ceres", CERES_VERSION_STRING);
+  PrintLine(out,
+            "Eigen",
+            std::to_string(EIGEN_WORLD_VERSION) + "." +
+                std::to_string(EIGEN_MAJOR_VERSION) + "." +
+                std::to_string(EIGEN_MINOR_VERSION));
+  PrintLine(out, "FLANN", FLANN_VERSION_);
+  PrintLine(out,
+            "Boost",
+            std::to_string(BOOST_VERSION / 100000) + "." +
+                std::to_string(BOOST_VERSION / 100 % 1000) + "." +
+                std::to_string(BOOST_VERSION % 100));
+  PrintLine(out,
+            "Highway",
+            std::to_string(HWY_MAJOR) + "." + std::to_string(HWY_MINOR) + "." +
+                std::to_string(HWY_PATCH));
+  PrintLine(out,
+            "JSON",
+            std::to_string(NLOHMANN_JSON_VERSION_MAJOR) + "." +
+                std::to_string(NLOHMANN_JSON_VERSION_MINOR) + "." +
+                std::to_string(NLOHMANN_JSON_VERSION_PATCH));
+  PrintLine(out, "xxHash", Dotted(XXH_VERSION_NUMBER, 100));
+#ifdef __VERSION__
+  PrintLine(out, "compiler", __VERSION__);
+#endif
+}
+
+}  // namespace
+
+Status RunDoctorCommand(const std::vector<std::string>& arguments,
+                        CommandContext& context) {
+  PipelineOptions options;
+  pipeline::OptionTable table = MakeOptionTable(&options);
+  FREEGS_ASSIGN_OR_RETURN(const pipeline::OptionTable::CommandLine line,
+                          table.ParseCommandLine(arguments));
+  if (!line.positional.empty()) {
+    return InvalidArgumentError("doctor takes no folder");
+  }
+  FREEGS_RETURN_IF_ERROR(table.Apply(line.settings));
+  std::ostream& out = context.out;
+  PrintLine(out, "program", pipeline::kProgramVersion);
+  PrintMachine(out);
+  PrintLibraries(out);
+
+  Status verdict;
+  const std::string program = "colmap";
+  StatusOr<sfm::ColmapProgram> colmap =
+      sfm::ColmapProgram::Find(program, &context.cancellation);
+  if (!colmap.ok()) {
+    PrintLine(out, "colmap", "MISSING");
+    verdict = colmap.status();
+  } else {
+    // A command that would open a window shows whether it can do without.
+    const auto known =
+        colmap->Options("feature_extractor", &context.cancellation);
+    PrintLine(
+        out,
+        "colmap",
+        colmap->version() + (known.ok() ? ", runs without a display"
+                                        : ", does not run without a display"));
+    if (!known.ok()) verdict = known.status();
+  }
+  if (verdict.ok()) out << "nothing is missing\n";
+  return verdict;
+}
+
+}  // namespace freegs::stages

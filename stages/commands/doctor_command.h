@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `doctor`: what this machine offers and what is missing.
+
+#ifndef FREEGS_STAGES_COMMANDS_DOCTOR_COMMAND_H_
+#define FREEGS_STAGES_COMMANDS_DOCTOR_COMMAND_H_
+
+#include <string>
+#include <vector>
+
+#include "core/status.h"
+#include "stages/commands/command.h"
+
+namespace freegs::stages {
+
+// kMissingDependency, naming the package, when something the pipeline cannot do
+// without is missing.
+Status RunDoctorCommand(const std::vector<std::string>& arguments,
+                        CommandContext& context);
+
+}  // namespace freegs::stages
+
+#endif  // FREEGS_STAGES_COMMANDS_DOCTOR_COMMAND_H_

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `run IMAGES WORKSPACE` and `stage STAGE WORKSPACE`.
+
+#ifndef FREEGS_STAGES_COMMANDS_RUN_COMMAND_H_
+#define FREEGS_STAGES_COMMANDS_RUN_COMMAND_H_
+
+#include <string>
+#include <vector>
+
+#include "core/status.h"
+#include "stages/commands/command.h"
+
+namespace freegs::stages {
+
+// Brings all stages from --from to --to up to date. IMAGES may be left out when
+// the workspace knows its photos from an earlier run.
+Status RunRunCommand(const std::vector<std::string>& arguments,
+                     CommandContext& context);
+
+// Redoes one stage, with the settings of the last run and those given here.
+Status RunStageCommand(const std::vector<std::string>& arguments,
+                       CommandContext& context);
+
+}  // namespace freegs::stages
+
+#endif  // FREEGS_STAGES_COMMANDS_RUN_COMMAND_H_

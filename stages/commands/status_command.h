@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `status WORKSPACE [--json]`: what is done, what is not, and why.
+
+#ifndef FREEGS_STAGES_COMMANDS_STATUS_COMMAND_H_
+#define FREEGS_STAGES_COMMANDS_STATUS_COMMAND_H_
+
+#include <string>
+#include <vector>
+
+#include "core/status.h"
+#include "stages/commands/command.h"
+
+namespace freegs::stages {
+
+// Says what the last run's command would do if given again. Options here
+// count as if that run had had them.
+Status RunStatusCommand(const std::vector<std::string>& arguments,
+                        CommandContext& context);
+
+}  // namespace freegs::stages
+
+#endif  // FREEGS_STAGES_COMMANDS_STATUS_COMMAND_H_

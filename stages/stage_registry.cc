@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/stage_registry.h"
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "stages/reconstruct_stage.h"
+
+namespace freegs::stages {
+
+std::vector<pipeline::RunnerStage> MakeStages(
+    const PipelineOptions& options, const pipeline::OptionTable& table) {
+  std::vector<pipeline::RunnerStage> stages;
+  const auto add = [&](std::unique_ptr<pipeline::Stage> stage, bool seeded) {
+    pipeline::RunnerStage entry;
+    const std::string section(stage->name());
+    entry.options = table.Values(section, /*results_only=*/true);
+    for (const auto& [name, value] :
+         table.Values(section, /*results_only=*/false)) {
+      if (!entry.options.contains(name)) entry.other_options[name] = value;
+    }
+    if (seeded) {
+      entry.options["general.seed"] = std::to_string(options.general.seed);
+    }
+    entry.stage = std::move(stage);
+    stages.push_back(std::move(entry));
+  };
+  const auto seed = static_cast<uint64_t>(options.general.seed);
+  add(MakeReconstructStage(options.reconstruct, seed), /*seeded=*/true);
+  return stages;
+}
+
+}  // namespace freegs::stages
