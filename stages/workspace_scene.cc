@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <map>
+#include <set>
 #include <system_error>
 #include <utility>
 
@@ -29,15 +30,12 @@ Status RequireStageFile(const fs::path& workspace,
                        stage + " first");
 }
 
-StatusOr<std::map<std::string, sfm::PhotoSplit>> ReadSplits(
-    const fs::path& workspace) {
-  std::map<std::string, sfm::PhotoSplit> splits;
+// An empty list when the workspace has none: somebody else's cameras.
+StatusOr<sfm::PhotoList> ReadPhotos(const fs::path& workspace) {
   const fs::path path = workspace / "ingest" / "images.json";
   std::error_code error;
-  if (!fs::exists(path, error)) return splits;
-  FREEGS_ASSIGN_OR_RETURN(const sfm::PhotoList list, sfm::ReadPhotoList(path));
-  for (const sfm::Photo& photo : list.photos) splits[photo.name] = photo.split;
-  return splits;
+  if (!fs::exists(path, error)) return sfm::PhotoList();
+  return sfm::ReadPhotoList(path);
 }
 
 void TakeTrainingOptions(const fs::path& workspace, WorkspaceScene* scene) {
@@ -57,24 +55,30 @@ void TakeTrainingOptions(const fs::path& workspace, WorkspaceScene* scene) {
 
 }  // namespace
 
-StatusOr<WorkspaceScene> ReadWorkspaceScene(const fs::path& workspace) {
-  FREEGS_RETURN_IF_ERROR(RequireStageFile(workspace, "undistort", "sparse"));
+StatusOr<splat::GaussianModel> ReadWorkspaceModel(const fs::path& workspace) {
   FREEGS_RETURN_IF_ERROR(
       RequireStageFile(workspace, "reconstruct", "point_cloud.ply"));
+  return splat::ReadPly(workspace / "reconstruct" / "point_cloud.ply");
+}
+
+StatusOr<WorkspaceScene> ReadWorkspaceScene(const fs::path& workspace) {
+  FREEGS_RETURN_IF_ERROR(RequireStageFile(workspace, "undistort", "sparse"));
   FREEGS_ASSIGN_OR_RETURN(const sfm::Reconstruction sparse,
                           sfm::ReadModel(workspace / "undistort" / "sparse"));
   FREEGS_ASSIGN_OR_RETURN(std::vector<View> views, sfm::MakeViews(sparse));
-  FREEGS_ASSIGN_OR_RETURN(const auto splits, ReadSplits(workspace));
+  FREEGS_ASSIGN_OR_RETURN(const sfm::PhotoList photos, ReadPhotos(workspace));
   WorkspaceScene scene;
+  std::set<std::string> holdout_names;
+  for (const sfm::Photo& photo : photos.photos) {
+    if (photo.split == sfm::PhotoSplit::kHoldout) {
+      holdout_names.insert(photo.name);
+    }
+  }
   for (View& view : views) {
-    const auto split = splits.find(view.name);
-    const bool holdout =
-        split != splits.end() && split->second == sfm::PhotoSplit::kHoldout;
+    const bool holdout = holdout_names.contains(view.name);
     (holdout ? scene.holdout : scene.train).push_back(std::move(view));
   }
-  FREEGS_ASSIGN_OR_RETURN(
-      scene.model,
-      splat::ReadPly(workspace / "reconstruct" / "point_cloud.ply"));
+  FREEGS_ASSIGN_OR_RETURN(scene.model, ReadWorkspaceModel(workspace));
   TakeTrainingOptions(workspace, &scene);
   return scene;
 }

@@ -37,6 +37,10 @@ struct WorkspaceScene {
 StatusOr<WorkspaceScene> ReadWorkspaceScene(
     const std::filesystem::path& workspace);
 
+// Only the model: the same without cameras.
+StatusOr<splat::GaussianModel> ReadWorkspaceModel(
+    const std::filesystem::path& workspace);
+
 // A file name with the extension `suffix` (".png") for each view: its own name
 // with the extension replaced, or, where that would give two views the same
 // file, with the suffix appended. kBadInput when a name is empty, absolute or

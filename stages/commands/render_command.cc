@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/commands/render_command.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <string_view>
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+
+#include "core/files.h"
+#include "core/image_io.h"
+#include "core/parallel.h"
+#include "pipeline/json_text.h"
+#include "pipeline/logger.h"
+#include "pipeline/option_table.h"
+#include "pipeline/progress_line.h"
+#include "splat/renderer.h"
+#include "stages/depth_image.h"
+#include "stages/evaluation.h"
+#include "stages/ground_truth.h"
+#include "stages/scene_instances.h"
+#include "stages/workspace_scene.h"
+
+namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct RenderRequest {
+  fs::path workspace;
+  std::string out;
+  std::string cameras;
+  std::string what = "color";
+  int size = 0;
+  int threads = 0;
+  bool no_align = false;
+};
+
+StatusOr<RenderRequest> ParseRequest(
+    const std::vector<std::string>& arguments) {
+  RenderRequest request;
+  pipeline::OptionTable table;
+  table.Add("out", &request.out, {.help = "Folder for the pictures."});
+  table.Add("cameras",
+            &request.cameras,
+            {.help = "JSON file of cameras; without it, those of the photos."});
+  table.Add(
+      "what",
+      &request.what,
+      {.help = "What to render.", .choices = {"color", "depth", "instances"}});
+  table.Add("size",
+            &request.size,
+            {.help = "Longest side in pixels at most.", .min = 1});
+  table.Add("threads",
+            &request.threads,
+            {.help = "Threads to work with; 0 takes one per available core.",
+             .min = 0,
+             .max = 1024});
+  table.Add("no-align",
+            &request.no_align,
+            {.help = "The cameras are in the scene's own world frame."});
+  FREEGS_ASSIGN_OR_RETURN(const pipeline::OptionTable::CommandLine line,
+                          table.ParseCommandLine(arguments));
+  FREEGS_RETURN_IF_ERROR(table.Apply(line.settings));
+  if (line.positional.size() != 1) {
+    return InvalidArgumentError(
+        "render takes one workspace: render WORKSPACE --out DIR");
+  }
+  if (request.out.empty()) {
+    return InvalidArgumentError(
+        "render needs a folder for the pictures: --out DIR");
+  }
+  if (request.no_align && request.cameras.empty()) {
+    return InvalidArgumentError("--no-align is for --cameras FILE only");
+  }
+  request.workspace = line.positional[0];
+  return request;
+}
+
+// The views of the file in the scene's world frame.
+StatusOr<std::vector<View>> FileViews(const RenderRequest& request,
+                                      const WorkspaceScene& scene,
+                                      std::ostream& err) {
+  FREEGS_ASSIGN_OR_RETURN(const CameraSet cameras,
+                          ReadCameraSet(request.cameras));
+  std::vector<View> views = cameras.train;
+  views.insert(views.end(), cameras.test.begin(), cameras.test.end());
+  if (request.no_align) return views;
+
+  GroundTruth truth;
+  truth.cameras = cameras;
+  const StatusOr<sfm::PoseAlignment> alignment = AlignWithTruth(scene, truth);
+  if (!alignment.ok()) {
+    return BadInputError(
+        request.cameras +
+        ": cannot be aligned with the scene: " + alignment.status().message() +
+        "; its \"train\" section must name photos of the workspace. If its "
+        "poses are in the scene's own frame, give --no-align");
+  }
+  err << "render: aligned by " << alignment->residuals.size()
+      << " photos, rotation residual median " << alignment->median_rotation_deg
+      << " deg\n";
+  return MapViews(views, alignment->target_from_source);
+}
+
+StatusOr<std::vector<View>> ViewsToRender(const RenderRequest& request,
+                                          const WorkspaceScene& scene,
+                                          std::ostream& err) {
+  std::vector<View> views;
+  int max_side = request.size;
+  if (!request.cameras.empty()) {
+    FREEGS_ASSIGN_OR_RETURN(views, FileViews(request, scene, err));
+  } else {
+    views = scene.train;
+    views.insert(views.end(), scene.holdout.begin(), scene.holdout.end());
+    std::sort(views.begin(), views.end(), [](const View& a, const View& b) {
+      return a.name < b.name;
+    });
+    if (max_side == 0) max_side = scene.training_max_side;
+  }
+  for (View& view : views) view.camera = view.camera.LimitedTo(max_side);
+  return views;
+}
+
+// Writes the pictures of one view after another.
+class Renderer {
+ public:
+  Renderer(const WorkspaceScene& scene, fs::path out, ThreadPool* pool)
+      : scene_(scene), out_(std::move(out)), pool_(*pool) {}
+  virtual ~Renderer() = default;
+  virtual Status Render(const View& view, const std::string& name) = 0;
+
+ protected:
+  // Where a picture goes; creates the folder.
+  StatusOr<fs::path> File(const fs::path& name) const {
+    const fs::path path = out_ / name;
+    FREEGS_RETURN_IF_ERROR(CreateFolders(path.parent_path()));
+    return path;
+  }
+
+  splat::RenderedView RenderView(const View& view) {
+    return splat::RenderView(
+        scene_.model, view.camera, view.cam_from_world, scene_.render, pool_);
+  }
+
+  const WorkspaceScene& scene_;
+  const fs::path out_;
+  ThreadPool& pool_;
+};
+
+class ColorRenderer : public Renderer {
+ public:
+  using Renderer::Renderer;
+
+  Status Render(const View& view, const std::string& name) override {
+    FREEGS_ASSIGN_OR_RETURN(const fs::path path, File(name));
+    return WriteImage(path, ToU8(RenderView(view).color));
+  }
+};
+
+class DepthRenderer : public Renderer {
+ public:
+  DepthRenderer(const WorkspaceScene& scene,
+                fs::path out,
+                ThreadPool* pool,
+                const std::vector<View>& views)
+      : Renderer(scene, std::move(out), pool),
+        range_(VisibleDepthRange(scene.model, views)),
+        unit_(DepthUnit(range_.far)) {}
+
+  Status WriteScale() const {
+    const nlohmann::json scale = {{"unit", unit_},
+                                  {"nothing", 0},
+                                  {"beyond", 65535},
+                                  {"near", range_.near},
+                                  {"far", range_.far}};
+    return WriteFileAtomic(out_ / "depth.json", pipeline::JsonText(scale));
+  }
+
+  Status Render(const View& view, const std::string& name) override {
+    const ImageF depth = RenderView(view).depth;
+    FREEGS_ASSIGN_OR_RETURN(const fs::path path, File(name));
+    FREEGS_RETURN_IF_ERROR(WriteLabels(path, EncodeDepth(depth, unit_)));
+    FREEGS_ASSIGN_OR_RETURN(const fs::path preview,
+                            File(fs::path("preview") / name));
+    return WriteImage(preview, ColorDepth(depth, range_));
+  }
+
+ private:
+  const DepthRange range_;
+  const double unit_;
+};
+
+class InstanceRenderer : public Renderer {
+ public:
+  InstanceRenderer(const WorkspaceScene& scene,
+                   fs::path out,
+                   ThreadPool* pool,
+                   std::vector<int32_t> labels)
+      : Renderer(scene, std::move(out), pool), labels_(std::move(labels)) {}
+
+  Status Render(const View& view, const std::string& name) override {
+    const Image<int32_t> labels = splat::RenderLabels(scene_.model,
+                                                      view.camera,
+                                                      view.cam_from_world,
+                                                      scene_.render,
+                                                      pool_,
+                                                      labels_);
+    FREEGS_ASSIGN_OR_RETURN(const fs::path path, File(name));
+    FREEGS_RETURN_IF_ERROR(WriteLabels(path, EncodeInstances(labels)));
+    FREEGS_ASSIGN_OR_RETURN(const fs::path preview,
+                            File(fs::path("preview") / name));
+    return WriteImage(preview, ColorInstances(labels));
+  }
+
+ private:
+  const std::vector<int32_t> labels_;
+};
+
+StatusOr<std::unique_ptr<Renderer>> MakeRenderer(const RenderRequest& request,
+                                                 const WorkspaceScene& scene,
+                                                 const std::vector<View>& views,
+                                                 ThreadPool* pool) {
+  if (request.what == "depth") {
+    auto renderer =
+        std::make_unique<DepthRenderer>(scene, request.out, pool, views);
+    FREEGS_RETURN_IF_ERROR(renderer->WriteScale());
+    return std::unique_ptr<Renderer>(std::move(renderer));
+  }
+  if (request.what == "instances") {
+    FREEGS_ASSIGN_OR_RETURN(
+        std::vector<int32_t> labels,
+        ReadInstanceLabels(request.workspace, scene.model.size()));
+    return std::unique_ptr<Renderer>(std::make_unique<InstanceRenderer>(
+        scene, request.out, pool, std::move(labels)));
+  }
+  return std::unique_ptr<Renderer>(
+      std::make_unique<ColorRenderer>(scene, request.out, pool));
+}
+
+}  // namespace
+
+Status RunRenderCommand(const std::vector<std::string>& arguments,
+                        CommandContext& context) {
+  FREEGS_ASSIGN_OR_RETURN(const RenderRequest request, ParseRequest(arguments));
+  FREEGS_ASSIGN_OR_RETURN(const WorkspaceScene scene,
+                          ReadWorkspaceScene(request.workspace));
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<View> views,
+                          ViewsToRender(request, scene, context.err));
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> names,
+                          OutputNames(views, ".png"));
+  FREEGS_RETURN_IF_ERROR(CreateFolders(request.out));
+  ThreadPool pool(request.threads);
+  FREEGS_ASSIGN_OR_RETURN(const std::unique_ptr<Renderer> renderer,
+                          MakeRenderer(request, scene, views, &pool));
+
+  const bool terminal =
+      &context.err == &std::cerr && isatty(STDERR_FILENO) != 0;
+  pipeline::Logger logger(context.err, terminal, {});
+  pipeline::ProgressLine progress(&logger, "render");
+  for (size_t i = 0; i < views.size(); ++i) {
+    if (context.cancellation.cancelled()) {
+      return InterruptedError("render: stopped after " + std::to_string(i) +
+                              " of " + std::to_string(views.size()) +
+                              " pictures");
+    }
+    FREEGS_RETURN_IF_ERROR(renderer->Render(views[i], names[i]));
+    progress.Report({request.what,
+                     static_cast<double>(i + 1),
+                     static_cast<double>(views.size()),
+                     names[i]});
+  }
+  context.out << views.size() << " pictures in " << request.out << "\n";
+  return Status();
+}
+
+}  // namespace freegs::stages
