@@ -190,6 +190,7 @@ StatusOr<InstanceLabels> ClusterInstances(
   AbsorbBehindPlanes(
       positions, viewpoints, kBehindDistance * frame.radius, &planes);
   const auto num_planes = static_cast<int32_t>(planes.planes.size());
+  result.planes = planes.planes;
   if (cancelled()) return Interrupted();
 
   // Cluster what is left, in the union space.

@@ -65,6 +65,9 @@ struct InstanceLabels {
   std::vector<double> scores;
   std::vector<uint8_t> is_plane;
 
+  // The planes, in the order found: largest first.
+  std::vector<Plane> planes;
+
   // What happened on the way.
   size_t num_clustered = 0;     // Gaussians that took part.
   size_t num_plane_points = 0;  // Of these, in large planes.

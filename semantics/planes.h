@@ -50,7 +50,7 @@ struct Plane {
 };
 
 struct PlaneSegmentation {
-  std::vector<Plane> planes;         // Most points first.
+  std::vector<Plane> planes;         // In the order found: largest first.
   std::vector<int32_t> plane_index;  // N; -1 where none.
 };
 
