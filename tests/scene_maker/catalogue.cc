@@ -130,7 +130,7 @@ std::vector<CatalogueItem> MakeCatalogue(bool textured, uint32_t seed) {
   build.Item("white vase", "vase");
   build.Part(Shape::kEllipsoid,
              {0.066, 0.066, 0.085},
-             {0, 0, 0.079},
+             {0, 0, 0.085},
              glaze,
              0xeeeae0,
              0.25f);
@@ -150,7 +150,7 @@ std::vector<CatalogueItem> MakeCatalogue(bool textured, uint32_t seed) {
       0xeeeae0,
       0.25f);
   build.Part(
-      Shape::kTorus, {0.029, 0.006, 0}, {0, 0, 0.214}, glaze, 0xeeeae0, 0.25f);
+      Shape::kTorus, {0.029, 0.006, 0}, {0, 0, 0.22}, glaze, 0xeeeae0, 0.25f);
 
   build.Item("pink doughnut", "doughnut");
   build.Part(Shape::kTorus,
