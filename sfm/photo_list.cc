@@ -35,6 +35,7 @@ ordered_json ToJson(const Photo& photo) {
   ordered_json object;
   object["file"] = photo.file;
   object["name"] = photo.name;
+  object["format"] = photo.format;
   object["converted"] = photo.converted;
   object["width"] = photo.width;
   object["height"] = photo.height;
@@ -141,6 +142,7 @@ Photo ReadPhoto(FieldReader& reader) {
   Photo photo;
   reader.Text("file", &photo.file);
   reader.Text("name", &photo.name);
+  reader.Text("format", &photo.format);
   reader.Bool("converted", &photo.converted);
   reader.Int("width", 0, kMaxSide, &photo.width);
   reader.Int("height", 0, kMaxSide, &photo.height);

@@ -33,6 +33,9 @@ struct Photo {
   // files cannot carry. Unique. Empty for rejected photos.
   std::string name;
 
+  // What `file` is by its content: "JPEG", "PNG" or "TIFF". Empty if unknown.
+  std::string format;
+
   // True if `name` holds re-encoded pixels instead of a copy of `file`.
   bool converted = false;
 
