@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/reconstruct_stage.h"
+
+#include <cstdlib>
+#include <filesystem>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/files.h"
+#include "core/image_io.h"
+#include "sfm/model_io.h"
+#include "sfm/photo_list.h"
+#include "splat/ply_io.h"
+#include "splat/renderer.h"
+#include "tests/splat/test_scene.h"
+
+namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A workspace as undistort leaves it: ten small photos of a known model, two of
+// them held out, and the model's centres as points.
+class ReconstructStageTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern =
+        (fs::temp_directory_path() / "freegs_reconstruct_XXXXXX").string();
+    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+    workspace_ = pattern;
+    truth_ = splat::RandomModel(80, 0, 33);
+    ThreadPool pool(2);
+    sfm::Reconstruction model;
+    const Pinhole pinhole = splat::TestCamera(80, 60);
+    sfm::Camera camera;
+    camera.id = 1;
+    camera.model = sfm::CameraModel::kPinhole;
+    camera.width = pinhole.width;
+    camera.height = pinhole.height;
+    camera.params = {pinhole.fx, pinhole.fy, pinhole.cx, pinhole.cy};
+    model.cameras.push_back(camera);
+    sfm::PhotoList photos;
+    for (int k = 0; k < 10; ++k) {
+      sfm::PosedImage image;
+      image.id = k + 1;
+      image.camera_id = 1;
+      image.name = "photo" + std::to_string(k) + ".png";
+      Rigid3d orbit;
+      orbit.rotation = Eigen::Quaterniond(
+          Eigen::AngleAxisd(0.1 * (k - 4.5), Eigen::Vector3d::UnitY()));
+      image.cam_from_world = splat::TestPose() * orbit;
+      const splat::RenderedView rendered = splat::RenderView(
+          truth_, pinhole, image.cam_from_world, splat::RenderOptions(), pool);
+      fs::create_directories(workspace_ / "undistort" / "images");
+      ASSERT_TRUE(WriteImage(workspace_ / "undistort" / "images" / image.name,
+                             ToU8(rendered.color))
+                      .ok());
+      model.images.push_back(image);
+      sfm::Photo photo;
+      photo.file = photo.name = image.name;
+      photo.width = pinhole.width;
+      photo.height = pinhole.height;
+      photo.camera_group = 0;
+      photo.split =
+          k % 5 == 0 ? sfm::PhotoSplit::kHoldout : sfm::PhotoSplit::kTrain;
+      photos.photos.push_back(photo);
+    }
+    for (size_t i = 0; i < truth_.size(); ++i) {
+      sfm::Point3D point;
+      point.id = i + 1;
+      point.xyz = Eigen::Vector3d(truth_.means[3 * i],
+                                  truth_.means[3 * i + 1],
+                                  truth_.means[3 * i + 2]);
+      point.rgb = {128, 128, 128};
+      model.points3d.push_back(point);
+    }
+    ASSERT_TRUE(
+        sfm::WriteModel(workspace_ / "undistort" / "sparse", model).ok());
+    fs::create_directories(workspace_ / "ingest");
+    ASSERT_TRUE(
+        sfm::WritePhotoList(workspace_ / "ingest" / "images.json", photos)
+            .ok());
+  }
+  void TearDown() override { fs::remove_all(workspace_); }
+
+  // Runs the stage into workspace / folder. Cancels at the first report of
+  // progress at or after `cancel_at` iterations.
+  Status Run(const ReconstructStageOptions& options,
+             const std::string& folder,
+             bool resuming = false,
+             double cancel_at = 1e9) {
+    ThreadPool pool(2);
+    CancellationToken cancellation;
+    pipeline::StageContext context;
+    context.workspace = workspace_;
+    context.output = workspace_ / folder;
+    context.resuming = resuming;
+    context.pool = &pool;
+    context.cancellation = &cancellation;
+    context.progress = [&](const Progress& progress) {
+      if (progress.done >= cancel_at) cancellation.Cancel();
+    };
+    context.log = [](pipeline::LogLevel, const std::string&) {};
+    fs::create_directories(context.output);
+    const auto stage = MakeReconstructStage(options, 3);
+    for (const fs::path& input : stage->Inputs(context)) {
+      EXPECT_TRUE(fs::exists(input.is_absolute() ? input : workspace_ / input))
+          << input;
+    }
+    return stage->Run(context);
+  }
+
+  static ReconstructStageOptions Short() {
+    ReconstructStageOptions options;
+    options.iterations = 200;
+    options.densify_interval = 20;
+    options.holdout_interval = 100;
+    return options;
+  }
+
+  std::string Bytes(const std::string& file) const {
+    StatusOr<std::string> content = ReadFile(workspace_ / file);
+    EXPECT_TRUE(content.ok()) << content.status().message();
+    return content.ok() ? *content : std::string();
+  }
+
+  fs::path workspace_;
+  splat::GaussianModel truth_;
+};
+
+TEST_F(ReconstructStageTest, WritesTheContract) {
+  const Status status = Run(Short(), "out");
+  ASSERT_TRUE(status.ok()) << status.message();
+  const nlohmann::json metrics =
+      nlohmann::json::parse(Bytes("out/metrics.json"));
+  EXPECT_GT(metrics["holdout_psnr"].get<double>(), 18);
+  EXPECT_GT(metrics["holdout_ssim"].get<double>(), 0.5);
+  EXPECT_EQ(metrics["iterations"], 200);
+  EXPECT_GT(metrics["peak_memory_bytes"].get<int64_t>(), 0);
+  const auto model = splat::ReadPly(workspace_ / "out" / "point_cloud.ply");
+  ASSERT_TRUE(model.ok());
+  EXPECT_EQ(metrics["num_gaussians"], model->size());
+  for (const char* name : {"photo0.png", "photo5.png"}) {
+    EXPECT_TRUE(fs::exists(workspace_ / "out" / "holdout" / name));
+  }
+  const std::string csv = Bytes("out/progress.csv");
+  EXPECT_EQ(csv.rfind("iteration,seconds,loss,num_gaussians,holdout_psnr\n", 0),
+            0u);
+  EXPECT_NE(csv.find("\n100,"), std::string::npos);
+  EXPECT_FALSE(fs::is_empty(workspace_ / "out" / "checkpoints"));
+}
+
+TEST_F(ReconstructStageTest, InterruptedAndResumedGivesTheSameBytes) {
+  ASSERT_TRUE(Run(Short(), "whole").ok());
+  EXPECT_EQ(Run(Short(), "parts", false, 50).code(), StatusCode::kInterrupted);
+  EXPECT_EQ(Run(Short(), "parts", true, 150).code(), StatusCode::kInterrupted);
+  ASSERT_TRUE(Run(Short(), "parts", true).ok());
+  EXPECT_EQ(Bytes("whole/point_cloud.ply"), Bytes("parts/point_cloud.ply"));
+}
+
+TEST_F(ReconstructStageTest, BrokenCheckpointsStartAnew) {
+  ASSERT_TRUE(Run(Short(), "whole").ok());
+  EXPECT_EQ(Run(Short(), "parts", false, 50).code(), StatusCode::kInterrupted);
+  for (const auto& file :
+       fs::directory_iterator(workspace_ / "parts" / "checkpoints")) {
+    fs::resize_file(file.path(), fs::file_size(file.path()) / 2);
+  }
+  ASSERT_TRUE(Run(Short(), "parts", true).ok());
+  EXPECT_EQ(Bytes("whole/point_cloud.ply"), Bytes("parts/point_cloud.ply"));
+}
+
+TEST_F(ReconstructStageTest, TakesATrainedModel) {
+  ReconstructStageOptions options;
+  options.import = (workspace_ / "trained.ply").string();
+  ASSERT_TRUE(splat::WritePly(options.import, truth_).ok());
+  ASSERT_TRUE(Run(options, "out").ok());
+  const nlohmann::json metrics =
+      nlohmann::json::parse(Bytes("out/metrics.json"));
+  // The photos are renderings of this very model.
+  EXPECT_GT(metrics["holdout_psnr"].get<double>(), 50);
+  EXPECT_EQ(metrics["num_gaussians"], truth_.size());
+}
+
+TEST_F(ReconstructStageTest, ErrorsNameTheFile) {
+  fs::remove(workspace_ / "undistort" / "images" / "photo3.png");
+  const Status missing = Run(Short(), "out");
+  EXPECT_EQ(missing.code(), StatusCode::kBadInput);
+  EXPECT_NE(missing.message().find("photo3.png"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace freegs::stages
