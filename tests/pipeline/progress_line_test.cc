@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Progress on a terminal and elsewhere, with a clock of the test's own.
+
+#include "pipeline/progress_line.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/temporary_folder.h"
+
+namespace freegs::pipeline {
+namespace {
+
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+TEST(FormatDurationTest, Values) {
+  EXPECT_EQ(FormatDuration(0), "0s");
+  EXPECT_EQ(FormatDuration(59.4), "59s");
+  EXPECT_EQ(FormatDuration(59.6), "1m00s");
+  EXPECT_EQ(FormatDuration(185), "3m05s");
+  EXPECT_EQ(FormatDuration(3725), "1h02m");
+  EXPECT_EQ(FormatDuration(1e12), ">30y");
+  EXPECT_EQ(FormatDuration(-1), "?");
+  EXPECT_EQ(FormatDuration(std::nan("")), "?");
+  EXPECT_EQ(FormatDuration(std::numeric_limits<double>::infinity()), "?");
+}
+
+TEST(FormatProgressTest, Values) {
+  EXPECT_EQ(FormatProgress({"training", 3200, 7000, "loss 0.03"}, 50),
+            "training 3200/7000 45% 50.0/s 1m16s left, loss 0.03");
+  EXPECT_EQ(FormatProgress({"reading", 5, 0, ""}, 2), "reading 5 2.0/s");
+  EXPECT_EQ(FormatProgress({"reading", 0, 10, ""}, 0), "reading 0/10 0%");
+  EXPECT_EQ(FormatProgress({"reading", 10, 10, ""}, 0.05),
+            "reading 10/10 100% 3.0/min");
+  // Never "100%" before the end.
+  EXPECT_THAT(FormatProgress({"x", 999, 1000, ""}, 0), HasSubstr(" 99%"));
+}
+
+TEST(ProgressLineTest, PlainLinesAreAtMostOnePerTenSecondsAndStep) {
+  std::ostringstream console;
+  Logger logger(console, /*terminal=*/false, "");
+  double now = 0;
+  {
+    ProgressLine line(&logger, "sfm", [&] { return now; });
+    for (int i = 0; i <= 250; ++i) {
+      now = 0.1 * i;
+      line.Report({"matching", static_cast<double>(i), 250, ""});
+    }
+    line.Report({"mapping", 0, 10, ""});
+  }
+  const std::string text = console.str();
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 4) << text;
+  EXPECT_THAT(text, HasSubstr("sfm: matching 0/250 0%\n"));
+  EXPECT_THAT(text, HasSubstr("sfm: matching 100/250 40% 10.0/s 15s left\n"));
+  EXPECT_THAT(text, EndsWith("sfm: mapping 0/10 0%\n"));
+  EXPECT_THAT(text, Not(HasSubstr("\r")));
+}
+
+TEST(ProgressLineTest, ResumedStepCountsOnlyWhatIsDoneNow) {
+  std::ostringstream console;
+  Logger logger(console, /*terminal=*/false, "");
+  double now = 0;
+  ProgressLine line(&logger, "r", [&] { return now; });
+  line.Report({"training", 5000, 7000, ""});
+  now = 10;
+  line.Report({"training", 5100, 7000, ""});
+  EXPECT_THAT(console.str(), HasSubstr("10.0/s 3m10s left"));
+}
+
+TEST(ProgressLineTest, RateFollowsAStepThatSlowsDown) {
+  std::ostringstream console;
+  Logger logger(console, /*terminal=*/false, "");
+  double now = 0;
+  double done = 0;
+  ProgressLine line(&logger, "r", [&] { return now; });
+  for (; now < 100; now += 1) line.Report({"t", done += 100, 1e6, ""});
+  for (; now < 145; now += 1) line.Report({"t", done += 1, 1e6, ""});
+  const std::string text = console.str();
+  const size_t last = text.rfind("r: t", text.size() - 2);
+  EXPECT_THAT(text.substr(last), HasSubstr(" 1.0/s"));
+}
+
+TEST(ProgressLineTest, TerminalLineIsDrawnOverAndErased) {
+  std::ostringstream console;
+  Logger logger(console, /*terminal=*/true, "");
+  double now = 0;
+  {
+    ProgressLine line(&logger, "sfm", [&] { return now; });
+    line.Report({"matching", 1, 10, ""});
+    now = 0.05;  // Too soon to be drawn again.
+    line.Report({"matching", 2, 10, ""});
+    now = 0.2;
+    line.Report({"matching", 3, 10, std::string(500, 'x')});
+    logger.Log(LogLevel::kWarning, "a message");
+    now = 0.4;
+    line.Report({"matching", 4, 10, ""});
+  }
+  const std::string text = console.str();
+  EXPECT_THAT(text, HasSubstr("\r\x1b[Ksfm: matching 1/10"));
+  EXPECT_THAT(text, Not(HasSubstr("matching 2/10")));
+  EXPECT_THAT(text, HasSubstr("\r\x1b[Kwarning: a message\n"));
+  EXPECT_THAT(text, EndsWith("\r\x1b[K"));
+  EXPECT_LT(text.size(), 600u);
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1);
+}
+
+TEST(LoggerTest, FileGetsTimeAndLevel) {
+  const TemporaryFolder folder;
+  std::ostringstream console;
+  for (int i = 0; i < 2; ++i) {
+    Logger logger(console, /*terminal=*/false, folder / "log.txt");
+    logger.Log(LogLevel::kInfo, "hello");
+    logger.LogToFile(LogLevel::kError, "quiet");
+    logger.SetTransient("never without a terminal");
+  }
+  EXPECT_EQ(console.str(), "hello\nhello\n");
+  const std::string text = ReadText(folder / "log.txt");
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 4);
+  EXPECT_THAT(text, HasSubstr("Z error: quiet\n"));
+}
+
+TEST(LoggerTest, UnwritableFileIsLeftOut) {
+  std::ostringstream console;
+  Logger logger(console, /*terminal=*/false, "/no/such/folder/log.txt");
+  logger.Log(LogLevel::kInfo, "hello");
+  EXPECT_EQ(console.str(), "hello\n");
+}
+
+}  // namespace
+}  // namespace freegs::pipeline

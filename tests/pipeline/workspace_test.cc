@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Paths, memory and lock of a workspace; signals; what a machine offers.
+
+#include "pipeline/workspace.h"
+
+#include <csignal>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "pipeline/exit_code.h"
+#include "pipeline/interrupt.h"
+#include "pipeline/resource_usage.h"
+#include "pipeline/system_info.h"
+#include "tests/temporary_folder.h"
+
+namespace freegs::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+TEST(WorkspaceTest, DisplayPathIsRelativeInsideOnly) {
+  EXPECT_EQ(DisplayPath("/w", "/w/sfm/sparse"), "sfm/sparse");
+  EXPECT_EQ(DisplayPath("/w", "sfm/sparse"), "sfm/sparse");
+  EXPECT_EQ(DisplayPath("/w", "/w/../photos"), "/photos");
+  EXPECT_EQ(DisplayPath("/w", "/world/x"), "/world/x");
+}
+
+TEST(WorkspaceTest, InfoRoundTripAndMove) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "w");
+  EXPECT_TRUE(ReadWorkspaceInfo(folder / "w")->images.empty());
+  WorkspaceInfo info{folder / "w" / "photos", {{"general.seed", "3"}}};
+  ASSERT_TRUE(WriteWorkspaceInfo(folder / "w", info).ok());
+  fs::rename(folder / "w", folder / "moved");
+  const StatusOr<WorkspaceInfo> moved = ReadWorkspaceInfo(folder / "moved");
+  ASSERT_TRUE(moved.ok());
+  EXPECT_EQ(moved->images, folder / "moved" / "photos");
+  EXPECT_EQ(moved->settings.at("general.seed"), "3");
+
+  info.images = "/elsewhere/photos";
+  ASSERT_TRUE(WriteWorkspaceInfo(folder / "moved", info).ok());
+  EXPECT_EQ(ReadWorkspaceInfo(folder / "moved")->images, "/elsewhere/photos");
+}
+
+TEST(WorkspaceTest, MalformedInfoIsBadInput) {
+  const TemporaryFolder folder;
+  for (const char* text : {"",
+                           "3",
+                           "{\"images\": 3}",
+                           "{\"settings\": []}",
+                           "{\"settings\": {\"a\": 1}}"}) {
+    WriteText(folder / "workspace.json", text);
+    EXPECT_EQ(ReadWorkspaceInfo(folder.path()).status().code(),
+              StatusCode::kBadInput)
+        << text;
+  }
+}
+
+TEST(WorkspaceTest, OneRunAtATime) {
+  const TemporaryFolder folder;
+  EXPECT_FALSE(IsLocked(folder.path()));
+  {
+    const StatusOr<WorkspaceLock> lock = WorkspaceLock::Acquire(folder.path());
+    ASSERT_TRUE(lock.ok());
+    EXPECT_TRUE(IsLocked(folder.path()));
+    const StatusOr<WorkspaceLock> second =
+        WorkspaceLock::Acquire(folder.path());
+    EXPECT_EQ(second.status().code(), StatusCode::kBadInput);
+    EXPECT_THAT(second.status().message(), HasSubstr("another"));
+  }
+  EXPECT_FALSE(IsLocked(folder.path()));
+  EXPECT_TRUE(WorkspaceLock::Acquire(folder.path()).ok());
+  EXPECT_FALSE(WorkspaceLock::Acquire(folder / "none").ok());
+}
+
+TEST(ExitCodeTest, Values) {
+  EXPECT_EQ(ExitCode(StatusCode::kOk), 0);
+  EXPECT_EQ(ExitCode(StatusCode::kInternal), 1);
+  EXPECT_EQ(ExitCode(StatusCode::kInvalidArgument), 2);
+  EXPECT_EQ(ExitCode(StatusCode::kBadInput), 3);
+  EXPECT_EQ(ExitCode(StatusCode::kUnusableResult), 4);
+  EXPECT_EQ(ExitCode(StatusCode::kMissingDependency), 5);
+  EXPECT_EQ(ExitCode(StatusCode::kInterrupted), 130);
+}
+
+TEST(InterruptGuardTest, FirstSignalCancels) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    CancellationToken token;
+    const InterruptGuard guard(&token);
+    EXPECT_FALSE(token.cancelled());
+    std::raise(signal);
+    EXPECT_TRUE(token.cancelled());
+  }
+}
+
+TEST(InterruptGuardDeathTest, SecondSignalExits) {
+  EXPECT_EXIT(
+      {
+        CancellationToken token;
+        const InterruptGuard guard(&token);
+        std::raise(SIGINT);
+        std::raise(SIGINT);
+      },
+      ::testing::ExitedWithCode(130),
+      "saving a checkpoint");
+}
+
+TEST(ResourceMeterTest, CountsWorkAndMemory) {
+  const ResourceMeter meter;
+  std::vector<char> block(size_t{64} << 20);
+  for (size_t i = 0; i < block.size(); i += 4096) block[i] = 1;
+  volatile double sum = 0;
+  while (meter.Elapsed().cpu_seconds < 0.02) sum = sum + 1;
+  const ResourceUsage usage = meter.Elapsed();
+  EXPECT_GT(usage.wall_seconds, 0);
+  EXPECT_GE(usage.peak_memory_bytes, int64_t{64} << 20);
+}
+
+TEST(SystemInfoTest, Plausible) {
+  EXPECT_GE(AvailableCores(), 1);
+  EXPECT_LE(AvailableCores(), CoresOfAffinity());
+  const MemoryInfo memory = Memory();
+  EXPECT_GT(memory.total_bytes, 0);
+  EXPECT_LE(memory.available_bytes, memory.total_bytes);
+  EXPECT_GT(FreeDiskBytes(fs::temp_directory_path()).value_or(0), 0);
+  EXPECT_FALSE(FreeDiskBytes("/no/such/folder").has_value());
+}
+
+}  // namespace
+}  // namespace freegs::pipeline
