@@ -17,7 +17,10 @@
 #include "pipeline/version.h"
 #include "stages/commands/command.h"
 #include "stages/commands/doctor_command.h"
+#include "stages/commands/eval_command.h"
+#include "stages/commands/export_command.h"
 #include "stages/commands/init_command.h"
+#include "stages/commands/render_command.h"
 #include "stages/commands/run_command.h"
 #include "stages/commands/status_command.h"
 #include "stages/pipeline_options.h"
@@ -28,7 +31,7 @@ namespace {
 struct Command {
   std::string_view name;
   std::string_view usage;
-  stages::CommandFn run;  // Null when this build does not have it.
+  stages::CommandFn run;  // Null for a command still to come.
 };
 
 constexpr Command kCommands[] = {
@@ -45,13 +48,13 @@ constexpr Command kCommands[] = {
     {"render",
      "render WORKSPACE --out DIR [--cameras FILE] "
      "[--what color|depth|instances]",
-     nullptr},
+     stages::RunRenderCommand},
     {"query",
      "query WORKSPACE (--text WORDS | --click VIEW X Y | "
      "--box VIEW X0 Y0 X1 Y1) [--out DIR] [--json]",
      nullptr},
-    {"eval", "eval WORKSPACE --gt DIR [--json FILE]", nullptr},
-    {"export", "export WORKSPACE --out FILE", nullptr},
+    {"eval", "eval WORKSPACE --gt DIR [--json FILE]", stages::RunEvalCommand},
+    {"export", "export WORKSPACE --out FILE", stages::RunExportCommand},
 };
 
 void PrintHelp() {
@@ -86,8 +89,8 @@ Status Run(const std::vector<std::string>& words,
         "; see freegs_pipeline --help");
   }
   if (command->run == nullptr) {
-    return InvalidArgumentError("the command " + name +
-                                " is not available in this build");
+    return InvalidArgumentError("this version of the program has no " + name +
+                                " yet");
   }
   const std::vector<std::string> arguments(words.begin() + 1, words.end());
   if (std::find(arguments.begin(), arguments.end(), "--help") !=

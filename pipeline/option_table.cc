@@ -318,7 +318,9 @@ std::string OptionTable::ConfigTemplate() const {
       if (option.section() != section) continue;
       text += "\n" + Wrap(option.spec.help, "# ");
       text += Wrap("Allowed: " + option.Allowed() + ".", "# ");
-      text += "#" + option.key() + " = " + option.default_value + "\n";
+      text += "#" + option.key() + " =" +
+              (option.default_value.empty() ? "" : " " + option.default_value) +
+              "\n";
     }
   }
   return text;

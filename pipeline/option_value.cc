@@ -14,6 +14,12 @@ namespace {
 
 template <typename T>
 std::string NumberText(T value) {
+  if constexpr (std::is_floating_point_v<T>) {
+    // 100000 reads better than the shorter 1e+05.
+    if (value == std::trunc(value) && std::abs(value) < 1e15) {
+      return std::to_string(static_cast<int64_t>(value));
+    }
+  }
   std::array<char, 64> buffer;
   const auto result =
       std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);

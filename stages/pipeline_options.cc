@@ -50,7 +50,10 @@ void RegisterGeneralOptions(GeneralOptions& options, OptionTable& table) {
 OptionTable MakeOptionTable(PipelineOptions* options) {
   OptionTable table;
   RegisterGeneralOptions(options->general, table);
+  RegisterSfmOptions(options->sfm, table);
+  RegisterUndistortOptions(options->undistort, table);
   RegisterReconstructOptions(options->reconstruct, table);
+  RegisterBootstrapOptions(options->bootstrap, table);
   return table;
 }
 

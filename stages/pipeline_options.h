@@ -12,7 +12,10 @@
 #include "core/status.h"
 #include "pipeline/option_table.h"
 #include "pipeline/workspace.h"
+#include "stages/bootstrap_stage.h"
 #include "stages/reconstruct_stage.h"
+#include "stages/sfm_stage.h"
+#include "stages/undistort_stage.h"
 
 namespace freegs::stages {
 
@@ -40,7 +43,10 @@ void RegisterGeneralOptions(GeneralOptions& options,
 
 struct PipelineOptions {
   GeneralOptions general;
+  SfmStageOptions sfm;
+  UndistortStageOptions undistort;
   ReconstructStageOptions reconstruct;
+  BootstrapStageOptions bootstrap;
 };
 
 // The table over `options`, which must outlive it. Commands may add words of

@@ -7,7 +7,10 @@
 #include <string>
 #include <utility>
 
+#include "stages/bootstrap_stage.h"
 #include "stages/reconstruct_stage.h"
+#include "stages/sfm_stage.h"
+#include "stages/undistort_stage.h"
 
 namespace freegs::stages {
 
@@ -29,7 +32,11 @@ std::vector<pipeline::RunnerStage> MakeStages(
     stages.push_back(std::move(entry));
   };
   const auto seed = static_cast<uint64_t>(options.general.seed);
+  add(MakeSfmStage(options.sfm, seed), /*seeded=*/true);
+  add(MakeUndistortStage(options.undistort, options.sfm.colmap.colmap),
+      /*seeded=*/false);
   add(MakeReconstructStage(options.reconstruct, seed), /*seeded=*/true);
+  add(MakeBootstrapStage(options.bootstrap, seed), /*seeded=*/true);
   return stages;
 }
 

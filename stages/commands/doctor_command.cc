@@ -143,9 +143,8 @@ Status RunDoctorCommand(const std::vector<std::string>& arguments,
   PrintLibraries(out);
 
   Status verdict;
-  const std::string program = "colmap";
-  StatusOr<sfm::ColmapProgram> colmap =
-      sfm::ColmapProgram::Find(program, &context.cancellation);
+  StatusOr<sfm::ColmapProgram> colmap = sfm::ColmapProgram::Find(
+      options.sfm.colmap.colmap, &context.cancellation);
   if (!colmap.ok()) {
     PrintLine(out, "colmap", "MISSING");
     verdict = colmap.status();
