@@ -45,7 +45,7 @@ Status DamagedError(const PhotoHeader& header) {
 StatusOr<cv::Mat> DecodeStored(std::string_view bytes,
                                const PhotoHeader& header) {
   const std::string clean = header.format == PhotoFormat::kTiff
-                                ? UprightTiff(bytes)
+                                ? NeutralTiff(bytes)
                                 : EssentialPng(bytes);
   const cv::Mat buffer(1,
                        static_cast<int>(clean.size()),
@@ -91,14 +91,10 @@ StatusOr<ImageU8> ToRgb(cv::Mat stored,
                         const PhotoHeader& header,
                         double background) {
   if (stored.channels() == 4) {
-    // OpenCV reads 8-bit TIFF by libtiff's RGBA interface, which multiplies
-    // colours by alpha.
-    const bool premultiplied =
-        header.format == PhotoFormat::kTiff &&
-        (header.premultiplied || stored.depth() == CV_8U);
-    stored = stored.depth() == CV_8U
-                 ? Composite<uint8_t>(stored, premultiplied, background)
-                 : Composite<uint16_t>(stored, premultiplied, background);
+    stored =
+        stored.depth() == CV_8U
+            ? Composite<uint8_t>(stored, header.premultiplied, background)
+            : Composite<uint16_t>(stored, header.premultiplied, background);
   }
   if (stored.channels() != 1 && stored.channels() != 3) {
     return DamagedError(header);

@@ -65,9 +65,10 @@ StatusOr<PhotoHeader> ParseTiffHeader(std::string_view bytes);
 // the decoder to stumble over. The header must have been parsed without error.
 std::string EssentialPng(std::string_view bytes);
 
-// The same TIFF with its orientation set to upright, so that no decoder turns
-// it: which of them do depends on the version and the sample type.
-std::string UprightTiff(std::string_view bytes);
+// The same TIFF declared upright and its alpha already applied (both have the
+// value 1), so that a decoder neither turns it nor multiplies colours: whether
+// they do depends on their version and on the sample type.
+std::string NeutralTiff(std::string_view bytes);
 
 }  // namespace freegs::sfm
 

@@ -61,7 +61,9 @@ bool AddStrips(const TiffReader& reader,
 
 StatusOr<PhotoHeader> ParseTiffHeader(std::string_view bytes) {
   FREEGS_ASSIGN_OR_RETURN(const TiffReader reader, TiffReader::Open(bytes));
-  const StatusOr<Tags> directory = reader.Directory(reader.first_directory());
+  bool complete = true;
+  const StatusOr<Tags> directory =
+      reader.Directory(reader.first_directory(), &complete);
   if (!directory.ok()) {
     return BadInputError(directory.status().message() +
                          "; copy the file again");
@@ -96,18 +98,19 @@ StatusOr<PhotoHeader> ParseTiffHeader(std::string_view bytes) {
   header.exif = ParseExif(bytes);
 
   double data_bytes = 0;
-  const bool complete = AddStrips(reader,
-                                  tags,
-                                  kStripOffsets,
-                                  kStripByteCounts,
-                                  bytes.size(),
-                                  &data_bytes) &&
-                        AddStrips(reader,
-                                  tags,
-                                  kTileOffsets,
-                                  kTileByteCounts,
-                                  bytes.size(),
-                                  &data_bytes);
+  complete = complete &&
+             AddStrips(reader,
+                       tags,
+                       kStripOffsets,
+                       kStripByteCounts,
+                       bytes.size(),
+                       &data_bytes) &&
+             AddStrips(reader,
+                       tags,
+                       kTileOffsets,
+                       kTileByteCounts,
+                       bytes.size(),
+                       &data_bytes);
   header.truncated = !complete || (FindTag(tags, kStripOffsets) == nullptr &&
                                    FindTag(tags, kTileOffsets) == nullptr);
   // Compressed strips have no bound worth checking: the decoder reports strips
@@ -120,19 +123,22 @@ StatusOr<PhotoHeader> ParseTiffHeader(std::string_view bytes) {
   return header;
 }
 
-std::string UprightTiff(std::string_view bytes) {
-  std::string upright(bytes);
+std::string NeutralTiff(std::string_view bytes) {
+  std::string neutral(bytes);
   const StatusOr<TiffReader> reader = TiffReader::Open(bytes);
-  if (!reader.ok()) return upright;
+  if (!reader.ok()) return neutral;
   const StatusOr<Tags> tags = reader->Directory(reader->first_directory());
-  if (!tags.ok()) return upright;
-  const TiffEntry* entry = FindTag(*tags, kOrientation);
-  if (entry == nullptr || !reader->Unsigned(*entry)) return upright;
-  // A BYTE, SHORT or LONG: all bytes 0 but the least significant.
-  const size_t size = entry->type == 1 ? 1 : entry->type == 3 ? 2 : 4;
-  for (size_t i = 0; i < size; ++i) upright[entry->offset + i] = 0;
-  upright[entry->offset + (reader->little_endian() ? 0 : size - 1)] = 1;
-  return upright;
+  if (!tags.ok()) return neutral;
+  for (const uint16_t tag : {kOrientation, kExtraSamples}) {
+    const TiffEntry* entry = FindTag(*tags, tag);
+    if (entry == nullptr || !reader->Unsigned(*entry)) continue;
+    // A BYTE, SHORT or LONG: all bytes 0 but the least significant.
+    const size_t size = entry->type == 1 ? 1 : entry->type == 3 ? 2 : 4;
+    for (size_t i = 0; i < size; ++i) neutral[entry->offset + i] = 0;
+    const size_t least = reader->little_endian() ? 0 : size - 1;
+    neutral[entry->offset + least] = 1;
+  }
+  return neutral;
 }
 
 }  // namespace freegs::sfm

@@ -33,11 +33,11 @@ struct HoldoutRule {
 
   // A shell pattern such as "test_*" or "val/*", matched with the whole name
   // relative to the photo folder and with the name without folders; or "none".
-  std::string pattern;
+  std::string pattern = {};
 
   // Names, each either relative to the photo folder or without folders.
   // Replaces the rules above if not empty.
-  std::vector<std::string> names;
+  std::vector<std::string> names = {};
 
   Status Check() const;
 };

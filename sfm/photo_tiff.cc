@@ -55,7 +55,8 @@ StatusOr<TiffReader> TiffReader::Open(std::string_view bytes) {
   return reader;
 }
 
-StatusOr<std::vector<TiffEntry>> TiffReader::Directory(size_t offset) const {
+StatusOr<std::vector<TiffEntry>> TiffReader::Directory(size_t offset,
+                                                       bool* complete) const {
   if (offset < kHeaderBytes || offset > bytes_.size() ||
       bytes_.size() - offset < 2) {
     return BadInputError("truncated TIFF: its directory lies outside the file");
@@ -78,6 +79,7 @@ StatusOr<std::vector<TiffEntry>> TiffReader::Directory(size_t offset) const {
     // Up to four bytes of values are stored in place of their offset.
     entry.offset = size <= 4 ? at + 8 : Load(at + 8, 4);
     if (entry.offset > bytes_.size() || bytes_.size() - entry.offset < size) {
+      if (complete != nullptr) *complete = false;
       continue;
     }
     entries.push_back(entry);

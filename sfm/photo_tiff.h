@@ -36,9 +36,10 @@ class TiffReader {
   bool little_endian() const { return little_endian_; }
 
   // The tags of the directory at `offset`. Tags of unknown type, or whose
-  // values lie outside the file, are left out. kBadInput when the directory
-  // itself does not lie inside the file.
-  StatusOr<std::vector<TiffEntry>> Directory(size_t offset) const;
+  // values lie outside the file, are left out; the latter set `complete` to
+  // false. kBadInput when the directory itself does not lie inside the file.
+  StatusOr<std::vector<TiffEntry>> Directory(size_t offset,
+                                             bool* complete = nullptr) const;
 
   // Value `index` of an entry of type BYTE, SHORT or LONG; nothing otherwise.
   std::optional<uint32_t> Unsigned(const TiffEntry& entry,
