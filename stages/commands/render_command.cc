@@ -51,9 +51,12 @@ StatusOr<RenderRequest> ParseRequest(
       "what",
       &request.what,
       {.help = "What to render.", .choices = {"color", "depth", "instances"}});
-  table.Add("size",
-            &request.size,
-            {.help = "Longest side in pixels at most.", .min = 1});
+  table.Add(
+      "size",
+      &request.size,
+      {.help = "Longest side in pixels at most; 0 is the size of training "
+               "or of the camera file.",
+       .min = 0});
   table.Add("threads",
             &request.threads,
             {.help = "Threads to work with; 0 takes one per available core.",
