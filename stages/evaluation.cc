@@ -3,7 +3,6 @@
 #include "stages/evaluation.h"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -75,33 +74,39 @@ Status TallyView(const ImageU16& truth,
 }
 
 // Box of each instance in the truth's frame.
-std::map<int, semantics::AxisAlignedBox> InstanceBoxes(
+std::vector<semantics::Instance> InstancesInTruth(
     const splat::GaussianModel& model,
     std::span<const int32_t> instance_of_gaussian,
     const Sim3d& truth_from_scene,
-    const EvaluationOptions& options) {
-  const float min_logit = static_cast<float>(
-      std::log(options.box_min_opacity / (1 - options.box_min_opacity)));
-  std::map<int, std::vector<Eigen::Vector3d>> points;
+    const semantics::InstanceBoxOptions& options,
+    ThreadPool& pool) {
+  splat::GaussianModel moved;  // Boxes ask for centres and opacities only.
+  moved.Resize(model.size());
+  moved.opacity_logits = model.opacity_logits;
+  int num_labels = 0;
   for (size_t i = 0; i < model.size(); ++i) {
-    if (instance_of_gaussian[i] < 0 || model.opacity_logits[i] < min_logit) {
-      continue;
-    }
-    points[instance_of_gaussian[i]].push_back(
+    const Eigen::Vector3d mean =
         truth_from_scene * Eigen::Vector3d(model.means[3 * i],
                                            model.means[3 * i + 1],
-                                           model.means[3 * i + 2]));
+                                           model.means[3 * i + 2]);
+    for (int k = 0; k < 3; ++k) {
+      moved.means[3 * i + k] = static_cast<float>(mean[k]);
+    }
+    num_labels = std::max(num_labels, instance_of_gaussian[i] + 1);
   }
-  std::map<int, semantics::AxisAlignedBox> boxes;
-  for (const auto& [instance, of_instance] : points) {
-    boxes[instance] = TrimmedBox(of_instance, options.box_trim);
-  }
-  return boxes;
+  return semantics::BuildInstances(moved,
+                                   instance_of_gaussian,
+                                   num_labels,
+                                   /*scores=*/{},
+                                   /*background=*/{},
+                                   /*vertical=*/std::nullopt,
+                                   options,
+                                   pool);
 }
 
 void FillBoxes(const std::vector<TrueObject>& objects,
                const semantics::InstanceOverlap& overlap,
-               const std::map<int, semantics::AxisAlignedBox>& boxes,
+               const std::vector<semantics::Instance>& instances,
                std::map<int, ObjectResult>* results,
                InstanceQuality* quality) {
   std::vector<double> ious;
@@ -110,10 +115,9 @@ void FillBoxes(const std::vector<TrueObject>& objects,
     result.label = object.label;
     double iou = 0;
     const auto match = semantics::BestMatch(overlap, object.id);
-    const auto box = match ? boxes.find(match->instance) : boxes.end();
-    if (box != boxes.end()) {
-      iou = semantics::BoxIou(object.aabb, box->second);
-      result.box = box->second;
+    if (match) {
+      result.box = instances[static_cast<size_t>(match->instance)].aabb;
+      iou = semantics::BoxIou(object.aabb, *result.box);
     }
     result.box_iou = iou;
     ious.push_back(iou);
@@ -134,12 +138,6 @@ void FillBoxes(const std::vector<TrueObject>& objects,
 Status EvaluationOptions::Check() const {
   if (min_mask_pixels < 1) {
     return InvalidArgumentError("min_mask_pixels must be at least 1");
-  }
-  if (!(box_trim >= 0 && box_trim < 0.5)) {
-    return InvalidArgumentError("box_trim must be in 0 .. 0.5");
-  }
-  if (!(box_min_opacity > 0 && box_min_opacity < 1)) {
-    return InvalidArgumentError("box_min_opacity must be between 0 and 1");
   }
   return Status();
 }
@@ -299,8 +297,11 @@ StatusOr<std::optional<InstanceQuality>> MeasureInstanceQuality(
   quality.click_miou = MeanOrNothing(click_ious);
   FillBoxes(truth.objects,
             overlap,
-            InstanceBoxes(
-                scene.model, instance_of_gaussian, truth_from_scene, options),
+            InstancesInTruth(scene.model,
+                             instance_of_gaussian,
+                             truth_from_scene,
+                             options.boxes,
+                             pool),
             &results,
             &quality);
   for (auto& [id, result] : results) {
@@ -310,22 +311,6 @@ StatusOr<std::optional<InstanceQuality>> MeasureInstanceQuality(
     quality.objects.push_back(std::move(result));
   }
   return std::optional(std::move(quality));
-}
-
-semantics::AxisAlignedBox TrimmedBox(const std::vector<Eigen::Vector3d>& points,
-                                     double trim) {
-  const size_t count = points.size();
-  const size_t cut = std::min(
-      static_cast<size_t>(trim * static_cast<double>(count)), (count - 1) / 2);
-  semantics::AxisAlignedBox box;
-  std::vector<double> values(count);
-  for (int axis = 0; axis < 3; ++axis) {
-    for (size_t i = 0; i < count; ++i) values[i] = points[i][axis];
-    std::sort(values.begin(), values.end());
-    box.min[axis] = values[cut];
-    box.max[axis] = values[count - 1 - cut];
-  }
-  return box;
 }
 
 }  // namespace freegs::stages

@@ -14,6 +14,7 @@
 #include "core/parallel.h"
 #include "core/status.h"
 #include "semantics/boxes.h"
+#include "semantics/instances.h"
 #include "sfm/pose_alignment.h"
 #include "stages/ground_truth.h"
 #include "stages/workspace_scene.h"
@@ -24,12 +25,8 @@ struct EvaluationOptions {
   // Objects with fewer pixels in a view are not judged there.
   int min_mask_pixels = 30;
 
-  // Share of an instance's Gaussians cut off at each end of each axis before
-  // its box is taken.
-  double box_trim = 0.01;
-
-  // Fainter Gaussians don't count for boxes.
-  double box_min_opacity = 0.1;
+  // How boxes are put around instances: as in bootstrap/instances.json.
+  semantics::InstanceBoxOptions boxes;
 
   Status Check() const;
 };
@@ -52,7 +49,8 @@ struct ObjectResult {
   std::string label;
   int num_views = 0;  // Test views in which it is judged.
 
-  // The instance of highest IoU over all test views together; -1 without one.
+  // The instance of highest IoU over all test views together, as in
+  // idsf.bin; -1 without one.
   int instance = -1;
 
   // Means over its views: IoU of the view's best instance, and of the instance
@@ -114,11 +112,6 @@ StatusOr<std::optional<InstanceQuality>> MeasureInstanceQuality(
     const EvaluationOptions& options,
     const CancellationToken& cancellation,
     ThreadPool& pool);
-
-// The box of the points without the outermost `trim` share at each end of each
-// axis (at least one point is left). points must not be empty.
-semantics::AxisAlignedBox TrimmedBox(const std::vector<Eigen::Vector3d>& points,
-                                     double trim);
 
 }  // namespace freegs::stages
 

@@ -34,15 +34,16 @@ json ObjectJson(const ObjectResult& object) {
     box = {{"min", VectorJson(object.box->min)},
            {"max", VectorJson(object.box->max)}};
   }
-  return {{"id", object.id},
-          {"label", object.label},
-          {"views", object.num_views},
-          {"instance", object.instance < 0 ? json() : json(object.instance)},
-          {"instance_iou", OrNull(object.instance_iou)},
-          {"click_iou", OrNull(object.click_iou)},
-          {"text_iou", nullptr},
-          {"box_iou", OrNull(object.box_iou)},
-          {"box", box}};
+  return {
+      {"id", object.id},
+      {"label", object.label},
+      {"views", object.num_views},
+      {"instance", object.instance < 0 ? json() : json(object.instance + 1)},
+      {"instance_iou", OrNull(object.instance_iou)},
+      {"click_iou", OrNull(object.click_iou)},
+      {"text_iou", nullptr},
+      {"box_iou", OrNull(object.box_iou)},
+      {"box", box}};
 }
 
 // Fixed-point text, or a dash.
@@ -80,7 +81,7 @@ void PrintObjects(const InstanceQuality& quality, std::ostream& out) {
         sizeof(text),
         "  %-24.24s %8s %8s %8s %8s\n",
         object.label.c_str(),
-        object.instance < 0 ? "-" : std::to_string(object.instance).c_str(),
+        object.instance < 0 ? "-" : std::to_string(object.instance + 1).c_str(),
         Text(object.instance_iou, 3).c_str(),
         Text(object.click_iou, 3).c_str(),
         Text(object.box_iou, 3).c_str());

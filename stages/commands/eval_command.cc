@@ -10,6 +10,7 @@
 #include "core/files.h"
 #include "core/parallel.h"
 #include "pipeline/json_text.h"
+#include "semantics/idsf.h"
 #include "stages/evaluation.h"
 #include "stages/evaluation_report.h"
 #include "stages/ground_truth.h"
@@ -49,7 +50,30 @@ Status CompareWithTruth(const fs::path& folder,
       report->test,
       MeasureTestQuality(
           scene, truth, truth_from_scene, context.cancellation, pool));
-  (void)workspace;
+  const fs::path field = workspace / "bootstrap" / "idsf.bin";
+  std::error_code error;
+  if (!fs::exists(field, error)) {
+    context.err << "eval: " << field.string()
+                << " is not there; run stage bootstrap to have instances "
+                   "measured\n";
+    return Status();
+  }
+  FREEGS_ASSIGN_OR_RETURN(const semantics::Idsf idsf,
+                          semantics::ReadIdsf(field));
+  if (idsf.instances.size() != scene.model.size()) {
+    return BadInputError(
+        field.string() + ": holds " + std::to_string(idsf.instances.size()) +
+        " Gaussians, the scene " + std::to_string(scene.model.size()) +
+        "; run stage bootstrap again");
+  }
+  FREEGS_ASSIGN_OR_RETURN(report->instances,
+                          MeasureInstanceQuality(scene,
+                                                 idsf.instances,
+                                                 truth,
+                                                 truth_from_scene,
+                                                 EvaluationOptions(),
+                                                 context.cancellation,
+                                                 pool));
   return Status();
 }
 
