@@ -1,0 +1,19 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Configures the build folder: Ninja and ccache where they are installed.
+#
+#   scripts/configure.sh BUILD_FOLDER [CMAKE_ARGUMENT ...]
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+build=${1:?usage: scripts/configure.sh BUILD_FOLDER [CMAKE_ARGUMENT ...]}
+shift
+arguments=()
+# A folder that was configured before keeps its generator.
+if [[ ! -f $build/CMakeCache.txt ]] && command -v ninja >/dev/null; then
+  arguments+=(-G Ninja)
+fi
+if command -v ccache >/dev/null; then
+  arguments+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+fi
+cmake -S . -B "$build" "${arguments[@]}" "$@"

@@ -1,0 +1,29 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Installs the Debian packages of packages.txt that are not there yet. Does
+# nothing, and needs no network, when none is missing.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")"
+
+mapfile -t packages < <(sed 's/#.*//' packages.txt | tr -s '[:space:]' '\n' |
+  sed '/^$/d')
+missing=()
+for package in "${packages[@]}"; do
+  state=$(dpkg-query -W -f='${Status}' "$package" 2>/dev/null || true)
+  [[ $state == "install ok installed" ]] || missing+=("$package")
+done
+((${#missing[@]} > 0)) || exit 0
+
+echo "installing: ${missing[*]}"
+as_root=()
+if ((EUID != 0)); then
+  if ! command -v sudo >/dev/null; then
+    echo "error: not root and no sudo; ask somebody who is to run:" >&2
+    echo "  apt-get install ${missing[*]}" >&2
+    exit 5
+  fi
+  as_root=(sudo)
+fi
+"${as_root[@]}" apt-get update -q
+"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+  apt-get install -q -y --no-install-recommends "${missing[@]}"

@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Installs what is missing, checks the formatting, builds with warnings as
+# errors, and runs all tests.
+#
+#   scripts/test.sh [CMAKE_ARGUMENT ...]     e.g. -DFREEGS_SANITIZE=address
+#
+# BUILD names the build folder (default: build). FREEGS_SHARED_DATA may name a
+# folder of reference data; tests that want it are skipped without it.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+build=${BUILD:-build}
+jobs=$(nproc)
+
+scripts/install_packages.sh
+
+echo "== formatting"
+if git rev-parse --is-inside-work-tree >/dev/null 2>&1; then
+  git ls-files -z -- '*.cc' '*.h' |
+    xargs -0 --no-run-if-empty clang-format-14 --dry-run -Werror
+else
+  echo "not a git checkout: skipped"
+fi
+
+echo "== build"
+scripts/configure.sh "$build" -DFREEGS_BUILD_TESTS=ON "$@"
+cmake --build "$build" --parallel "$jobs"
+
+echo "== tests"
+ctest --test-dir "$build" --output-on-failure --parallel "$jobs"
