@@ -76,19 +76,21 @@ class Scanner {
   void Run() {
     pending_.push_back("");
     while (!pending_.empty() || !links_.empty()) {
-      std::deque<std::string>& queue = pending_.empty() ? links_ : pending_;
+      const bool link = pending_.empty();
+      std::deque<std::string>& queue = link ? links_ : pending_;
       const std::string folder = std::move(queue.front());
       queue.pop_front();
-      Visit(folder);
+      if (Visit(folder) && link) scan_->linked_folders.push_back(folder);
     }
   }
 
  private:
-  void Visit(const std::string& folder) {
+  // False if the folder has been visited before or cannot be read.
+  bool Visit(const std::string& folder) {
     const fs::path path = root_ / folder;
     struct stat info = {};
     if (stat(path.c_str(), &info) != 0) return Warn(folder);
-    if (!visited_.insert({info.st_dev, info.st_ino}).second) return;
+    if (!visited_.insert({info.st_dev, info.st_ino}).second) return false;
     const std::unique_ptr<DIR, int (*)(DIR*)> stream(opendir(path.c_str()),
                                                      &closedir);
     if (stream == nullptr) return Warn(folder);
@@ -102,13 +104,17 @@ class Scanner {
     for (const std::string& name : names) {
       Add(folder.empty() ? name : folder + "/" + name);
     }
+    return true;
   }
 
   void Add(const std::string& file) {
     const fs::path path = root_ / file;
     struct stat link = {};
     struct stat target = {};
-    if (lstat(path.c_str(), &link) != 0) return Warn(file);
+    if (lstat(path.c_str(), &link) != 0) {
+      Warn(file);
+      return;
+    }
     const bool followed = stat(path.c_str(), &target) == 0;
     if (followed && S_ISDIR(target.st_mode)) {
       (S_ISLNK(link.st_mode) ? links_ : pending_).push_back(file);
@@ -117,11 +123,13 @@ class Scanner {
     }
   }
 
-  void Warn(const std::string& name) {
+  // Notes what errno says; false.
+  bool Warn(const std::string& name) {
     const int code = errno;
     scan_->warnings.push_back(
         (name.empty() ? "." : name) + ": cannot be looked into: " +
         std::strerror(code) + "; make it readable if it holds photos");
+    return false;
   }
 
   fs::path root_;

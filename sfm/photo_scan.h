@@ -26,6 +26,9 @@ struct PhotoScan {
   // with '/' between names. They need not be readable, nor images.
   std::vector<std::string> files;
 
+  // Links to folders that were followed, relative to the folder.
+  std::vector<std::string> linked_folders;
+
   // What could not be looked into, one line each.
   std::vector<std::string> warnings;
 };

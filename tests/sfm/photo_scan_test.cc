@@ -91,6 +91,7 @@ TEST(ScanPhotosTest, LinkLoopsEndAndFoldersKeepTheirOwnNames) {
   EXPECT_THAT(
       scan->files,
       ElementsAre("broken.jpg", "circle.jpg", "linked/b.jpg", "real/a.jpg"));
+  EXPECT_THAT(scan->linked_folders, ElementsAre("linked"));
 }
 
 TEST(ScanPhotosTest, ExcludedFoldersAreNotEntered) {
