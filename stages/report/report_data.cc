@@ -134,7 +134,7 @@ ReportData GatherReportData(const fs::path& workspace) {
     data.stages.push_back(row);
   }
   data.figures.push_back(
-      {"Time", seconds > 0 ? FormatSeconds(seconds) : "", "all stages"});
+      {"Time", seconds > 0 ? FormatSeconds(seconds) : "", "all stages before this page"});
 
   const StatusOr<std::string> progress =
       ReadFile(workspace / "reconstruct" / "progress.csv", kMaxCsvBytes);

@@ -112,7 +112,7 @@ void AppendInstances(const ReportData& data, std::string* html) {
     words = words || !instance.words.empty();
   }
   *html += "<div class=\"scroll\"><table>\n<tr><th>Instance</th>" +
-           std::string(words ? "<th>Words</th>" : "") +
+           std::string(words ? "<th>What</th>" : "") +
            "<th class=\"number\">Gaussians</th>"
            "<th class=\"number\">Box, world units</th></tr>\n";
   for (const ReportInstance& instance : data.instances) {
