@@ -50,10 +50,12 @@ void RegisterGeneralOptions(GeneralOptions& options, OptionTable& table) {
 OptionTable MakeOptionTable(PipelineOptions* options) {
   OptionTable table;
   RegisterGeneralOptions(options->general, table);
+  RegisterIngestOptions(options->ingest, table);
   RegisterSfmOptions(options->sfm, table);
   RegisterUndistortOptions(options->undistort, table);
   RegisterReconstructOptions(options->reconstruct, table);
   RegisterBootstrapOptions(options->bootstrap, table);
+  RegisterExportOptions(options->export_, table);
   return table;
 }
 

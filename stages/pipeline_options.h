@@ -13,6 +13,8 @@
 #include "pipeline/option_table.h"
 #include "pipeline/workspace.h"
 #include "stages/bootstrap_stage.h"
+#include "stages/export_stage.h"
+#include "stages/ingest_stage.h"
 #include "stages/reconstruct_stage.h"
 #include "stages/sfm_stage.h"
 #include "stages/undistort_stage.h"
@@ -43,10 +45,12 @@ void RegisterGeneralOptions(GeneralOptions& options,
 
 struct PipelineOptions {
   GeneralOptions general;
+  IngestStageOptions ingest;
   SfmStageOptions sfm;
   UndistortStageOptions undistort;
   ReconstructStageOptions reconstruct;
   BootstrapStageOptions bootstrap;
+  ExportStageOptions export_;  // "export" is a word of the language.
 };
 
 // The table over `options`, which must outlive it. Commands may add words of

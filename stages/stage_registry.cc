@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "stages/bootstrap_stage.h"
+#include "stages/export_stage.h"
+#include "stages/ingest_stage.h"
 #include "stages/reconstruct_stage.h"
 #include "stages/sfm_stage.h"
 #include "stages/undistort_stage.h"
@@ -32,11 +34,13 @@ std::vector<pipeline::RunnerStage> MakeStages(
     stages.push_back(std::move(entry));
   };
   const auto seed = static_cast<uint64_t>(options.general.seed);
+  add(MakeIngestStage(options.ingest), /*seeded=*/false);
   add(MakeSfmStage(options.sfm, seed), /*seeded=*/true);
   add(MakeUndistortStage(options.undistort, options.sfm.colmap.colmap),
       /*seeded=*/false);
   add(MakeReconstructStage(options.reconstruct, seed), /*seeded=*/true);
   add(MakeBootstrapStage(options.bootstrap, seed), /*seeded=*/true);
+  add(MakeExportStage(options.export_), /*seeded=*/false);
   return stages;
 }
 
