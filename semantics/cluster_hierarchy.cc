@@ -166,6 +166,43 @@ std::vector<uint8_t> SelectExcessOfMass(const CondensedTree& tree,
   return selected;
 }
 
+// Per cluster: its birth distance over the mean leaving distance of its points.
+std::vector<double> GapRatios(const CondensedTree& tree) {
+  std::vector<double> distance_sum(tree.clusters.size(), 0.0);
+  std::vector<double> count(tree.clusters.size(), 0.0);
+  for (size_t i = 0; i < tree.point_cluster.size(); ++i) {
+    distance_sum[tree.point_cluster[i]] += 1 / tree.point_lambda[i];
+    count[tree.point_cluster[i]] += 1;
+  }
+  std::vector<double> ratios(tree.clusters.size(), 0.0);
+  for (size_t id = tree.clusters.size(); id-- > 1;) {
+    const CondensedTree::Cluster& cluster = tree.clusters[id];
+    distance_sum[cluster.parent] += distance_sum[id];
+    count[cluster.parent] += count[id];
+    // Infinite for points that coincide: as clear as a gap can be.
+    ratios[id] = count[id] / (cluster.birth_lambda * distance_sum[id]);
+  }
+  return ratios;
+}
+
+// Replaces selected clusters by their children across clear gaps.
+void SplitAcrossGaps(const CondensedTree& tree,
+                     double min_ratio,
+                     std::vector<uint8_t>* selected) {
+  const std::vector<double> ratios = GapRatios(tree);
+  for (size_t id = 1; id < tree.clusters.size(); ++id) {
+    const auto& children = tree.clusters[id].children;
+    if (!(*selected)[id] || children.empty()) continue;
+    const bool clear =
+        std::all_of(children.begin(), children.end(), [&](uint32_t child) {
+          return ratios[child] >= min_ratio;
+        });
+    if (!clear) continue;
+    (*selected)[id] = 0;
+    for (const uint32_t child : children) (*selected)[child] = 1;
+  }
+}
+
 }  // namespace
 
 std::vector<uint32_t> SelectClusters(const CondensedTree& tree,
@@ -194,6 +231,9 @@ std::vector<uint32_t> SelectClusters(const CondensedTree& tree,
       selected[top] = 1;
       DeselectBelow(tree, top, &selected);
     }
+  }
+  if (options.min_gap_ratio > 0) {
+    SplitAcrossGaps(tree, options.min_gap_ratio, &selected);
   }
   std::vector<uint32_t> ids;
   for (uint32_t id = 1; id < selected.size(); ++id) {

@@ -54,6 +54,14 @@ struct ClusterSelectionOptions {
   // Excess of mass splits clusters larger than this; epsilon may still exceed
   // it. 0 means no limit.
   int64_t max_cluster_size = 0;
+
+  // Excess of mass prefers two neighbours as one cluster when all else is far
+  // away, however clear the gap between them. Where this is above 0, selected
+  // clusters are split further as long as both parts are farther from each
+  // other than this many times the mean distance within them (the mean over
+  // points of the distance at which they leave the cluster or its descendants).
+  // Not part of HDBSCAN.
+  double min_gap_ratio = 0;
 };
 
 // Ids of the selected clusters, ascending; disjoint, and never the root. A

@@ -21,6 +21,9 @@ Status HdbscanOptions::Check() const {
     return InvalidArgumentError(
         "cluster_selection_epsilon must not be negative");
   }
+  if (!(min_gap_ratio >= 0)) {
+    return InvalidArgumentError("min_gap_ratio must not be negative");
+  }
   if (max_cluster_size < 0) {
     return InvalidArgumentError("max_cluster_size must not be negative");
   }
@@ -47,7 +50,8 @@ StatusOr<HdbscanResult> Hdbscan(std::span<const float> points,
       SelectClusters(condensed,
                      {.method = options.method,
                       .epsilon = options.cluster_selection_epsilon,
-                      .max_cluster_size = options.max_cluster_size});
+                      .max_cluster_size = options.max_cluster_size,
+                      .min_gap_ratio = options.min_gap_ratio});
   ClusterMembership membership = LabelPoints(condensed, selected);
 
   HdbscanResult result;

@@ -33,6 +33,10 @@ struct HdbscanOptions {
 
   ClusterSelection method = ClusterSelection::kExcessOfMass;
 
+  // Splits selected clusters further across clear gaps; 0 is HDBSCAN proper
+  // (see ClusterSelectionOptions).
+  double min_gap_ratio = 0;
+
   Status Check() const;
 };
 

@@ -15,6 +15,9 @@ namespace freegs::semantics {
 namespace {
 
 constexpr int kGeometryNeighbors = 24;
+// Of the Gaussians that take part, where no min_cluster_size is given.
+constexpr double kMinClusterShare = 0.003;
+constexpr int kMinClusterSize = 30;
 // What is behind a plane belongs to it up to this many scene radii.
 constexpr double kBehindDistance = 0.1;
 
@@ -137,7 +140,9 @@ std::vector<int32_t> Renumber(std::vector<int32_t>* labels) {
 Status InstanceClusteringOptions::Check() const {
   FREEGS_RETURN_IF_ERROR(planes.Check());
   FREEGS_RETURN_IF_ERROR(space.Check());
-  FREEGS_RETURN_IF_ERROR(hdbscan.Check());
+  HdbscanOptions effective = hdbscan;
+  if (effective.min_cluster_size == 0) effective.min_cluster_size = 2;
+  FREEGS_RETURN_IF_ERROR(effective.Check());
   if (!(min_opacity >= 0 && min_opacity < 1)) {
     return InvalidArgumentError("min_opacity must lie in [0, 1)");
   }
@@ -207,9 +212,15 @@ StatusOr<InstanceLabels> ClusterInstances(
       rest_tree, rest_colors, 3, options.color_neighbors, pool);
   const std::vector<float> points = BuildUnionSpace(
       rest_positions, smooth_colors, {}, 0, frame, options.space);
-  FREEGS_ASSIGN_OR_RETURN(
-      HdbscanResult clusters,
-      Hdbscan(points, 6, options.hdbscan, pool, cancellation));
+  HdbscanOptions hdbscan = options.hdbscan;
+  if (hdbscan.min_cluster_size == 0) {
+    hdbscan.min_cluster_size = std::max(
+        kMinClusterSize,
+        static_cast<int>(kMinClusterShare * static_cast<double>(rows.size())));
+  }
+  result.min_cluster_size = hdbscan.min_cluster_size;
+  FREEGS_ASSIGN_OR_RETURN(HdbscanResult clusters,
+                          Hdbscan(points, 6, hdbscan, pool, cancellation));
   result.num_clusters = clusters.num_clusters;
   size_t noise = 0;
   for (const int32_t label : clusters.labels) noise += label < 0;

@@ -176,7 +176,7 @@ class BootstrapStage : public pipeline::Stage {
         {"cpu_seconds", usage.cpu_seconds},
         {"peak_memory_bytes", usage.peak_memory_bytes},
         {"hdbscan",
-         {{"min_cluster_size", clustering.hdbscan.min_cluster_size},
+         {{"min_cluster_size", labels.min_cluster_size},
           {"min_samples", clustering.hdbscan.min_samples},
           {"cluster_selection_epsilon",
            clustering.hdbscan.cluster_selection_epsilon},
@@ -205,10 +205,17 @@ void RegisterBootstrapOptions(BootstrapStageOptions& options,
                      "rounder clusters and more noise.",
              .min = 1,
              .max = 10000});
-  table.Add(
-      "bootstrap.min_cluster_size",
-      &clustering.hdbscan.min_cluster_size,
-      {.help = "Fewest Gaussians of a cluster.", .min = 2, .max = 100000000});
+  table.Add("bootstrap.min_cluster_size",
+            &clustering.hdbscan.min_cluster_size,
+            {.help = "Fewest Gaussians of a cluster; 0 takes 0.3 % of all.",
+             .min = 0,
+             .max = 100000000});
+  table.Add("bootstrap.min_gap_ratio",
+            &clustering.hdbscan.min_gap_ratio,
+            {.help = "Clusters are split across gaps of this many times their "
+                     "inner distances; 0 leaves HDBSCAN's choice.",
+             .min = 0,
+             .max = 1000});
   table.Add("bootstrap.cluster_selection_epsilon",
             &clustering.hdbscan.cluster_selection_epsilon,
             {.help = "Clusters that split at less than this distance stay "

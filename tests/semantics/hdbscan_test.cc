@@ -89,6 +89,28 @@ TEST(HdbscanTest, MaxClusterSizeSplitsOrDropsLargeClusters) {
   EXPECT_EQ(NumClusters(points, options), 0);
 }
 
+// A square of 15 x 15 points, 0.1 apart, with its corner at (x, 0).
+void AddGrid(double x, std::vector<float>* points) {
+  for (int i = 0; i < 15 * 15; ++i) {
+    points->push_back(static_cast<float>(x + 0.1 * (i % 15)));
+    points->push_back(static_cast<float>(0.1 * (i / 15)));
+  }
+}
+
+TEST(HdbscanTest, ClearGapsSplitWhatExcessOfMassJoins) {
+  // Two squares 0.24 apart, and one far from both.
+  std::vector<float> points;
+  AddGrid(0, &points);
+  AddGrid(1.64, &points);
+  AddGrid(100, &points);
+  HdbscanOptions options{.min_cluster_size = 20, .min_samples = 5};
+  EXPECT_EQ(NumClusters(points, options), 2);
+  options.min_gap_ratio = 1.5;
+  EXPECT_EQ(NumClusters(points, options), 3);
+  options.min_gap_ratio = 2;
+  EXPECT_EQ(NumClusters(points, options), 2);
+}
+
 TEST(HdbscanTest, TooFewPointsAreNoise) {
   for (const int count : {0, 1, 2, 19}) {
     std::vector<float> points;
@@ -122,7 +144,8 @@ TEST(HdbscanTest, RefusesBadOptions) {
         HdbscanOptions{.min_samples = 0},
         HdbscanOptions{.cluster_selection_epsilon = -1},
         HdbscanOptions{.cluster_selection_epsilon = std::nan("")},
-        HdbscanOptions{.max_cluster_size = -1}}) {
+        HdbscanOptions{.max_cluster_size = -1},
+        HdbscanOptions{.min_gap_ratio = std::nan("")}}) {
     EXPECT_EQ(Hdbscan(points, 2, options, pool, nullptr).status().code(),
               StatusCode::kInvalidArgument);
   }
