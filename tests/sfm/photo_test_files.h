@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <unistd.h>
 #include <utility>
 #include <vector>
 
@@ -51,6 +52,31 @@ class TempFolder {
 
  private:
   std::filesystem::path path_;
+};
+
+// Root may read everything: gives up its rights while the object lives, after
+// giving the folders to nobody. Does nothing for other users.
+class Unprivileged {
+ public:
+  explicit Unprivileged(const std::vector<std::filesystem::path>& folders)
+      : active_(geteuid() == 0) {
+    if (!active_) return;
+    constexpr uid_t kNobody = 65534;
+    for (const std::filesystem::path& folder : folders) {
+      EXPECT_EQ(chown(folder.c_str(), kNobody, kNobody), 0);
+    }
+    EXPECT_EQ(seteuid(kNobody), 0);
+  }
+  ~Unprivileged() {
+    if (active_) {
+      EXPECT_EQ(seteuid(0), 0);
+    }
+  }
+  Unprivileged(const Unprivileged&) = delete;
+  Unprivileged& operator=(const Unprivileged&) = delete;
+
+ private:
+  bool active_;
 };
 
 // A smooth random picture, BGR, different for each seed: as compressible as a
@@ -240,6 +266,31 @@ inline std::string WithPngSize(const std::string& png,
   const std::string data =
       Bytes(width, 4) + Bytes(height, 4) + png.substr(24, 5);
   return png.substr(0, 8) + PngChunk("IHDR", data) + png.substr(kPngHeaderEnd);
+}
+
+// A PNG of any colour type and depth from its raw rows (each with its filter
+// byte), stored without compression; `chunks` go before the data.
+inline std::string RawPng(int width,
+                          int height,
+                          int bits,
+                          int colour,
+                          const std::string& rows,
+                          const std::string& chunks = "") {
+  uint32_t a = 1;
+  uint32_t b = 0;
+  for (const char c : rows) {
+    a = (a + static_cast<uint8_t>(c)) % 65521;
+    b = (b + a) % 65521;
+  }
+  // One stored block: fine for up to 65535 bytes.
+  const std::string data =
+      std::string("\x78\x01\x01", 3) + Bytes(rows.size(), 2, true) +
+      Bytes(~rows.size(), 2, true) + rows + Bytes(b << 16 | a, 4);
+  const std::string header = Bytes(width, 4) + Bytes(height, 4) +
+                             Bytes(bits, 1) + Bytes(colour, 1) +
+                             std::string(3, '\0');
+  return "\x89PNG\r\n\x1a\n" + PngChunk("IHDR", header) + chunks +
+         PngChunk("IDAT", data) + PngChunk("IEND", "");
 }
 
 // The PNG with one more chunk after its header.
