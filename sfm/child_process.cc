@@ -24,6 +24,7 @@ namespace {
 constexpr size_t kMaxLine = 1 << 16;  // Longer lines are cut into pieces.
 constexpr size_t kTailLines = 15;
 constexpr int kPollMilliseconds = 50;
+constexpr int kClosedMicroseconds = 5000;
 constexpr auto kGracePeriod = std::chrono::seconds(2);
 
 std::string ErrorText(const std::string& call) {
@@ -295,7 +296,7 @@ void Terminate(std::vector<std::unique_ptr<Child>>* children) {
       } else {
         running = true;
         // A closed pipe makes poll return at once: do not spin.
-        if (!open) usleep(kPollMilliseconds * 1000);
+        if (!open) usleep(kClosedMicroseconds);
       }
     }
   }
@@ -344,7 +345,7 @@ Status RunChildren(const ChildBatch& batch,
       };
       const bool open = children[slot]->ReadOutput(on_line);
       if (!children[slot]->Reap(false)) {
-        if (!open) usleep(kPollMilliseconds * 1000);
+        if (!open) usleep(kClosedMicroseconds);
         continue;
       }
       // What it wrote between the read above and its end, unless a stray

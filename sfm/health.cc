@@ -166,15 +166,18 @@ double TriangulationAngleDeg(const Eigen::Vector3d& point,
   return largest * 180 / std::numbers::pi;
 }
 
-Health MeasureHealth(const Reconstruction& model,
+Health MeasureHealth(const std::vector<Reconstruction>& models,
                      const std::vector<std::string>& names,
                      bool triangulated,
                      const HealthOptions& options) {
   Health health;
   health.images = static_cast<int>(names.size());
-  health.cameras = model.cameras;
   std::set<std::string_view> posed;
-  for (const PosedImage& image : model.images) posed.insert(image.name);
+  if (!models.empty()) {
+    health.cameras = models[0].cameras;
+    for (const PosedImage& image : models[0].images) posed.insert(image.name);
+    MeasurePoints(models[0], &health);
+  }
   for (const std::string& name : names) {
     if (posed.contains(name)) {
       ++health.registered;
@@ -182,9 +185,9 @@ Health MeasureHealth(const Reconstruction& model,
       health.unregistered[name];
     }
   }
-  health.model_sizes = {static_cast<int>(model.images.size())};
-  if (model.images.empty()) health.model_sizes.clear();
-  MeasurePoints(model, &health);
+  for (const Reconstruction& model : models) {
+    health.model_sizes.push_back(static_cast<int>(model.images.size()));
+  }
   Judge(options, triangulated, &health);
   return health;
 }

@@ -73,10 +73,10 @@ struct Health {
 double TriangulationAngleDeg(const Eigen::Vector3d& point,
                              const std::vector<Eigen::Vector3d>& centres);
 
-// Measures `model` (the best one) and judges it. names: all photos given.
-// triangulated: whether its points come from matches; if not, only the
-// registered share is judged.
-Health MeasureHealth(const Reconstruction& model,
+// Measures models[0], the best one, and judges it; the others only count.
+// names: all photos given. triangulated: whether its points come from matches;
+// if not, only the registered share is judged.
+Health MeasureHealth(const std::vector<Reconstruction>& models,
                      const std::vector<std::string>& names,
                      bool triangulated,
                      const HealthOptions& options);

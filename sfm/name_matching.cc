@@ -45,7 +45,7 @@ int Score(const PathParts& name, const PathParts& photo) {
   const bool same_file = name.stem == photo.stem;
   // A name without extension may contain a dot itself.
   const bool bare = name.stem + name.extension == photo.stem;
-  if (!same_file && !bare) return 0;
+  if (name.stem.empty() || (!same_file && !bare)) return 0;
   int score = 2;
   if (same_file && name.extension == photo.extension) score += 1;
   for (size_t i = 0; i < std::min(name.folders.size(), photo.folders.size());

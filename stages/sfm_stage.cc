@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/sfm_stage.h"
+
+#include <set>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "core/files.h"
+#include "sfm/import_model.h"
+#include "sfm/model_io.h"
+#include "sfm/photo_list.h"
+
+namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+using pipeline::LogLevel;
+using pipeline::StageContext;
+
+// Names for a message, cut after a few.
+std::string Some(const std::vector<std::string>& names) {
+  constexpr size_t kShown = 5;
+  std::string text;
+  for (size_t i = 0; i < names.size() && i < kShown; ++i) {
+    text += (i > 0 ? ", " : "") + names[i];
+  }
+  if (names.size() > kShown) {
+    text += " and " + std::to_string(names.size() - kShown) + " more";
+  }
+  return text;
+}
+
+std::vector<sfm::SfmPhoto> UsablePhotos(const sfm::PhotoList& list) {
+  std::vector<sfm::SfmPhoto> photos;
+  for (const sfm::Photo& photo : list.photos) {
+    if (!photo.usable()) continue;
+    photos.push_back({.name = photo.name,
+                      .file = photo.file,
+                      .width = photo.width,
+                      .height = photo.height,
+                      .camera_group = photo.camera_group,
+                      .focal_px = photo.focal_length_px.value_or(0)});
+  }
+  return photos;
+}
+
+// What either way of getting poses leads to.
+struct Outcome {
+  std::vector<sfm::Reconstruction> models;  // Best first; may be empty.
+  bool triangulated = true;
+  std::string source;
+  std::string colmap_version;
+  std::vector<std::string> warnings;
+  std::map<std::string, std::string> unregistered;
+};
+
+class SfmStage : public pipeline::Stage {
+ public:
+  SfmStage(const SfmStageOptions& options, uint64_t seed)
+      : options_(options), seed_(seed) {}
+
+  std::string_view name() const override { return "sfm"; }
+
+  std::vector<fs::path> Inputs(const StageContext&) const override {
+    std::vector<fs::path> inputs = {"ingest/images.json", "ingest/photos"};
+    if (options_.import.empty()) return inputs;
+    const auto source = sfm::FindImportSource(options_.import);
+    if (!source.ok()) {
+      inputs.emplace_back(options_.import);
+      return inputs;
+    }
+    for (const fs::path& file : source->Files()) inputs.push_back(file);
+    return inputs;
+  }
+
+  Status Run(StageContext& context) override {
+    FREEGS_RETURN_IF_ERROR(options_.health.Check());
+    FREEGS_ASSIGN_OR_RETURN(
+        const sfm::PhotoList list,
+        sfm::ReadPhotoList(context.workspace / "ingest" / "images.json"));
+    const std::vector<sfm::SfmPhoto> photos = UsablePhotos(list);
+    StatusOr<Outcome> outcome = options_.import.empty()
+                                    ? RunColmap(photos, context)
+                                    : Import(photos, list, context);
+    if (!outcome.ok()) return outcome.status();
+    return Finish(photos, *outcome, context);
+  }
+
+ private:
+  StatusOr<Outcome> RunColmap(const std::vector<sfm::SfmPhoto>& photos,
+                              StageContext& context) const {
+    sfm::SfmInput input;
+    input.photo_folder = context.workspace / "ingest" / "photos";
+    input.photos = photos;
+    input.work_folder = context.output;
+    input.seed = seed_;
+    input.cancellation = context.cancellation;
+    input.progress = context.progress;
+    sfm::SfmOptions options = options_.colmap;
+    options.num_threads = context.pool->num_threads();
+    FREEGS_ASSIGN_OR_RETURN(sfm::SfmResult result,
+                            sfm::RunStructureFromMotion(input, options));
+    Outcome outcome;
+    outcome.models = std::move(result.models);
+    outcome.source = "colmap";
+    outcome.colmap_version = std::move(result.colmap_version);
+    outcome.warnings = std::move(result.warnings);
+    outcome.unregistered = std::move(result.unregistered);
+    return outcome;
+  }
+
+  StatusOr<Outcome> Import(const std::vector<sfm::SfmPhoto>& photos,
+                           const sfm::PhotoList& list,
+                           StageContext& context) const {
+    FREEGS_ASSIGN_OR_RETURN(const sfm::ImportSource source,
+                            sfm::FindImportSource(options_.import));
+    FREEGS_ASSIGN_OR_RETURN(
+        sfm::ImportedModel imported,
+        sfm::ImportModel(source, photos, {options_.random_points, seed_}));
+    Outcome outcome;
+    outcome.source = source.colmap_model.empty() ? "imported transforms.json"
+                                                 : "imported COLMAP model";
+    outcome.warnings = std::move(imported.warnings);
+    if (imported.random_points) {
+      outcome.source += ", points random";
+      outcome.triangulated = false;
+    } else {
+      outcome.triangulated = false;
+      for (const sfm::Point3D& point : imported.model.points3d) {
+        if (point.track.size() >= 2) outcome.triangulated = true;
+      }
+    }
+    if (!imported.unmatched.empty()) {
+      outcome.warnings.push_back(
+          std::to_string(imported.unmatched.size()) +
+          " imported poses fit no photo: " + Some(imported.unmatched));
+    }
+    WarnOfHoldout(imported.holdout, list, &outcome.warnings);
+    context.summary["imported_holdout"] = imported.holdout;
+    outcome.models.push_back(std::move(imported.model));
+    return outcome;
+  }
+
+  // The split is ingest's to make; say so where the source wants another.
+  static void WarnOfHoldout(const std::vector<std::string>& holdout,
+                            const sfm::PhotoList& list,
+                            std::vector<std::string>* warnings) {
+    if (holdout.empty()) return;
+    const std::set<std::string> wanted(holdout.begin(), holdout.end());
+    std::vector<std::string> differing;
+    for (const sfm::Photo& photo : list.photos) {
+      if (photo.usable() && (photo.split == sfm::PhotoSplit::kHoldout) !=
+                                wanted.contains(photo.name)) {
+        differing.push_back(photo.name);
+      }
+    }
+    if (differing.empty()) return;
+    warnings->push_back(
+        "transforms_test.json names other holdout photos than ingest chose; "
+        "choose them with the ingest.holdout options (differing: " +
+        Some(differing) + ")");
+  }
+
+  Status Finish(const std::vector<sfm::SfmPhoto>& photos,
+                Outcome& outcome,
+                StageContext& context) const {
+    std::vector<std::string> names;
+    for (const sfm::SfmPhoto& photo : photos) names.push_back(photo.name);
+    sfm::Health health = sfm::MeasureHealth(
+        outcome.models, names, outcome.triangulated, options_.health);
+    health.source = outcome.source;
+    health.colmap_version = outcome.colmap_version;
+    for (auto& [name, reason] : health.unregistered) {
+      const auto it = outcome.unregistered.find(name);
+      if (it != outcome.unregistered.end()) reason = it->second;
+    }
+    health.warnings.insert(health.warnings.end(),
+                           outcome.warnings.begin(),
+                           outcome.warnings.end());
+
+    const fs::path sparse = context.output / "sparse";
+    std::error_code error;
+    fs::remove_all(sparse, error);
+    for (size_t i = 0; i < outcome.models.size(); ++i) {
+      FREEGS_RETURN_IF_ERROR(
+          sfm::WriteModel(sparse / std::to_string(i), outcome.models[i]));
+    }
+    const nlohmann::json json = sfm::HealthToJson(health);
+    FREEGS_RETURN_IF_ERROR(WriteFileAtomic(
+        context.output / "health.json",
+        json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
+            "\n"));
+    for (const char* key : {"verdict",
+                            "images",
+                            "registered",
+                            "models",
+                            "mean_reprojection_error_px",
+                            "num_points",
+                            "warnings",
+                            "source"}) {
+      context.summary[key] = json[key];
+    }
+    return Report(health, context);
+  }
+
+  Status Report(const sfm::Health& health, StageContext& context) const {
+    for (const std::string& warning : health.warnings) {
+      context.log(LogLevel::kWarning, "sfm: " + warning);
+    }
+    std::vector<std::string> missing;
+    for (const auto& entry : health.unregistered)
+      missing.push_back(entry.first);
+    if (!missing.empty()) {
+      context.log(
+          LogLevel::kWarning,
+          "sfm: " + std::to_string(missing.size()) +
+              " photos have no pose and are left out: " + Some(missing));
+    }
+    if (health.verdict == sfm::Verdict::kFailed) {
+      return UnusableResultError(
+          "sfm: " + health.reason + ". What to try: " + health.advice +
+          ". See health.json and logs/ in " + context.output.string());
+    }
+    if (health.verdict == sfm::Verdict::kDegraded) {
+      context.log(LogLevel::kWarning,
+                  "sfm: degraded: " + health.reason + "; " + health.advice);
+    }
+    context.log(LogLevel::kInfo,
+                "sfm: " + std::to_string(health.registered) + " of " +
+                    std::to_string(health.images) + " photos, " +
+                    std::to_string(health.num_points) + " points (" +
+                    health.source + ")");
+    std::error_code ignored;
+    fs::remove(context.output / "steps.json", ignored);
+    return {};
+  }
+
+  SfmStageOptions options_;
+  uint64_t seed_;
+};
+
+}  // namespace
+
+void RegisterSfmOptions(SfmStageOptions& options,
+                        pipeline::OptionTable& table) {
+  std::vector<std::string> models;
+  for (const sfm::CameraModelInfo& model : sfm::CameraModels()) {
+    models.emplace_back(model.name);
+  }
+  table.AddSection("sfm", "Camera poses and points from the photos (COLMAP).");
+  table.Add("sfm.import",
+            &options.import,
+            {.help = "Take poses from here instead of running COLMAP: a COLMAP "
+                     "model folder, or a transforms.json of nerfstudio, "
+                     "instant-ngp or NeRF-synthetic.",
+             .is_path = true});
+  table.Add("sfm.random_points",
+            &options.random_points,
+            {.help = "Random start points when an import has none.",
+             .min = 100,
+             .max = 1e7});
+  table.Add("sfm.colmap",
+            &options.colmap.colmap,
+            {.help = "The COLMAP program: a path, or a name in PATH.",
+             .affects_result = false});
+  table.Add("sfm.camera",
+            &options.colmap.camera,
+            {.help = "Photos that share intrinsics: auto (same size, camera "
+                     "and focal length), single (same size), or per_image.",
+             .choices = {"auto", "single", "per_image"}});
+  table.Add("sfm.camera_model",
+            &options.colmap.camera_model,
+            {.help = "Lens model to estimate.", .choices = models});
+  table.Add("sfm.max_image_size",
+            &options.colmap.max_image_size,
+            {.help = "Longest side in pixels of the images that features are "
+                     "taken from.",
+             .min = 64,
+             .max = 100000});
+  table.Add("sfm.max_features",
+            &options.colmap.max_features,
+            {.help = "Features per photo, the largest ones. More connect more "
+                     "photos; matching time grows with the square.",
+             .min = 64,
+             .max = 100000});
+  table.Add(
+      "sfm.matcher",
+      &options.colmap.matcher,
+      {.help = "Pairs of photos to match: exhaustive (all), sequential "
+               "(neighbours in name order, and every sfm.overlap-th photo "
+               "with each other), or auto (exhaustive up to "
+               "sfm.max_exhaustive photos).",
+       .choices = {"auto", "exhaustive", "sequential"}});
+  table.Add("sfm.max_exhaustive",
+            &options.colmap.max_exhaustive,
+            {.help = "Most photos that auto matches exhaustively.", .min = 0});
+  table.Add("sfm.overlap",
+            &options.colmap.overlap,
+            {.help = "Sequential matching: neighbours on each side.",
+             .min = 1,
+             .max = 1000});
+  table.Add("sfm.use_gpu",
+            &options.colmap.use_gpu,
+            {.help = "Features and matching on the graphics card, if COLMAP "
+                     "was built for it. Not repeatable to the byte."});
+  table.Add(
+      "sfm.min_registered_share",
+      &options.health.min_registered_share,
+      {.help = "Share of photos that must get a pose.", .min = 0, .max = 1});
+}
+
+std::unique_ptr<pipeline::Stage> MakeSfmStage(const SfmStageOptions& options,
+                                              uint64_t seed) {
+  return std::make_unique<SfmStage>(options, seed);
+}
+
+}  // namespace freegs::stages

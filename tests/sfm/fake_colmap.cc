@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Stands in for COLMAP in tests: the same commands, options, output and files
+// as release 3.8 or 4.x, without looking at a single pixel. Photo k sees the
+// synthetic model from camera k.
+//
+// Told what to do by the environment:
+//   FAKE_COLMAP_DIALECT  3 (default) or 4: names of options, style of output.
+//   FAKE_COLMAP_MODELS   photos of each model the mapper makes, "5,3"; empty
+//                        for none. Default: one of all.
+//   FAKE_COLMAP_RELAXED  the same when the mapper's thresholds were lowered.
+//   FAKE_COLMAP_FAIL     a command that fails with exit code 1.
+//   FAKE_COLMAP_HANG     a command that never ends.
+//   FAKE_COLMAP_ONCE     a file: commands fail while it exists, and delete it.
+//   FAKE_COLMAP_KEEP     leave distortion in undistorted models.
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <sqlite3.h>
+#include <sstream>
+#include <string>
+#include <unistd.h>
+#include <vector>
+
+#include "sfm/model_io.h"
+#include "tests/sfm/synthetic_model.h"
+
+namespace freegs::sfm {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string Setting(const char* name, const std::string& fallback = "") {
+  const char* value = std::getenv(name);
+  return value == nullptr ? fallback : value;
+}
+
+bool IsNew() { return Setting("FAKE_COLMAP_DIALECT", "3") == "4"; }
+
+// Newer releases log with a prefix.
+void Print(const std::string& text) {
+  std::cout << (IsNew() ? "I20260101 12:00:00.000001 7 file.cc:9] " : "")
+            << text << std::endl;
+}
+
+const std::map<std::string, std::vector<std::string>>& CommandOptions() {
+  static const std::string features =
+      IsNew() ? "FeatureExtraction." : "SiftExtraction.";
+  static const std::string matching =
+      IsNew() ? "FeatureMatching." : "SiftMatching.";
+  static const std::map<std::string, std::vector<std::string>> options = {
+      {"feature_extractor",
+       {"database_path",
+        "image_path",
+        "image_list_path",
+        "ImageReader.camera_model",
+        "ImageReader.single_camera",
+        "ImageReader.single_camera_per_image",
+        "ImageReader.camera_params",
+        features + "use_gpu",
+        features + "num_threads",
+        features + "max_image_size",
+        "SiftExtraction.max_num_features"}},
+      {"database_cleaner", {"database_path", "type"}},
+      {"matches_importer",
+       {"database_path",
+        "match_list_path",
+        "match_type",
+        matching + "use_gpu",
+        matching + "num_threads",
+        IsNew() ? "default_random_seed" : "random_seed"}},
+      {"mapper",
+       {"database_path",
+        "image_path",
+        "output_path",
+        "Mapper.num_threads",
+        "Mapper.init_min_num_inliers",
+        "Mapper.init_min_tri_angle",
+        IsNew() ? "Mapper.random_seed" : "random_seed"}},
+      {"image_undistorter",
+       {"image_path",
+        "input_path",
+        "output_path",
+        "output_type",
+        "max_image_size"}},
+  };
+  return options;
+}
+
+void PrintHelp() {
+  std::cout << "COLMAP " << (IsNew() ? "4.1.1" : "3.8")
+            << " -- Structure-from-Motion and Multi-View Stereo\n"
+            << "              (Commit abc on 2026 without CUDA)\n\nUsage:\n"
+            << "  colmap [command] [options]\n\nAvailable commands:\n  help\n";
+  for (const auto& entry : CommandOptions()) {
+    std::cout << "  " << entry.first << "\n";
+  }
+}
+
+void PrintCommandHelp(const std::string& command) {
+  std::cout << "Options can be given -- see below.\n\n  -h [ --help ] \n";
+  for (const std::string& option : CommandOptions().at(command)) {
+    std::cout << "  --" << option << " arg (=1)\n";
+  }
+}
+
+class Database {
+ public:
+  explicit Database(const std::string& path) {
+    if (sqlite3_open(path.c_str(), &database_) != SQLITE_OK) std::exit(9);
+    Run("PRAGMA synchronous = OFF");
+    Run("CREATE TABLE IF NOT EXISTS images (image_id INTEGER PRIMARY KEY "
+        "AUTOINCREMENT NOT NULL, name TEXT NOT NULL UNIQUE)");
+    Run("CREATE TABLE IF NOT EXISTS keypoints (image_id INTEGER PRIMARY KEY, "
+        "rows INTEGER NOT NULL)");
+    Run("CREATE TABLE IF NOT EXISTS matches (pair_id INTEGER PRIMARY KEY, "
+        "rows INTEGER NOT NULL)");
+    Run("CREATE TABLE IF NOT EXISTS two_view_geometries (pair_id INTEGER "
+        "PRIMARY KEY, rows INTEGER NOT NULL)");
+  }
+  ~Database() { sqlite3_close(database_); }
+
+  void Run(const std::string& sql) {
+    if (sqlite3_exec(database_, sql.c_str(), nullptr, nullptr, nullptr) !=
+        SQLITE_OK) {
+      std::cerr << sqlite3_errmsg(database_) << "\n";
+      std::exit(9);
+    }
+  }
+
+  std::map<std::string, int> Images() {
+    std::map<std::string, int> images;
+    sqlite3_exec(
+        database_,
+        "SELECT name, image_id FROM images",
+        [](void* target, int, char** row, char**) {
+          (*static_cast<std::map<std::string, int>*>(target))[row[0]] =
+              std::atoi(row[1]);
+          return 0;
+        },
+        &images,
+        nullptr);
+    return images;
+  }
+
+ private:
+  sqlite3* database_ = nullptr;
+};
+
+std::vector<std::string> ReadLines(const std::string& path) {
+  std::vector<std::string> lines;
+  std::ifstream file(path);
+  for (std::string line; std::getline(file, line);) lines.push_back(line);
+  return lines;
+}
+
+using Options = std::map<std::string, std::string>;
+
+int ExtractFeatures(Options& options) {
+  Database database(options["database_path"]);
+  const auto names = ReadLines(options["image_list_path"]);
+  for (size_t i = 0; i < names.size(); ++i) {
+    database.Run("INSERT OR IGNORE INTO images(name) VALUES('" + names[i] +
+                 "')");
+    const std::string id = std::to_string(database.Images().at(names[i]));
+    database.Run("INSERT OR IGNORE INTO keypoints VALUES(" + id + ",100)");
+    Print("Processed file [" + std::to_string(i + 1) + "/" +
+          std::to_string(names.size()) + "]");
+  }
+  return 0;
+}
+
+int MatchPairs(Options& options) {
+  Database database(options["database_path"]);
+  const auto images = database.Images();
+  for (const std::string& line : ReadLines(options["match_list_path"])) {
+    std::istringstream words(line);
+    std::string a, b;
+    words >> a >> b;
+    const int64_t first = std::min(images.at(a), images.at(b));
+    const int64_t second = std::max(images.at(a), images.at(b));
+    const std::string row =
+        "(" + std::to_string(first * 2147483647 + second) + ",50)";
+    database.Run("INSERT INTO matches VALUES" + row);
+    database.Run("INSERT INTO two_view_geometries VALUES" + row);
+  }
+  Print("Matching block [1/1] in 0.1s");
+  return 0;
+}
+
+int Map(Options& options) {
+  Database database(options["database_path"]);
+  const auto images = database.Images();
+  std::string sizes =
+      Setting("FAKE_COLMAP_MODELS", std::to_string(images.size()));
+  if (options["Mapper.init_min_num_inliers"] != "") {
+    sizes = Setting("FAKE_COLMAP_RELAXED", sizes);
+  }
+  std::istringstream list(sizes);
+  int number = 0;
+  auto next = images.begin();
+  for (std::string size; std::getline(list, size, ',');) {
+    Reconstruction model =
+        SyntheticModel(static_cast<int>(images.size()), 50 - number);
+    Reconstruction kept = model;
+    kept.images.clear();
+    for (int i = 0; i < std::stoi(size) && next != images.end(); ++i, ++next) {
+      PosedImage image = model.images[next->second - 1];
+      image.name = next->first;
+      Print("Registering image #" + std::to_string(next->second) +
+            (IsNew() ? " (num_reg_frames=" : " (") + std::to_string(i + 1) +
+            ")");
+      kept.images.push_back(image);
+    }
+    RemoveDanglingReferences(&kept);
+    const fs::path folder =
+        fs::path(options["output_path"]) / std::to_string(number++);
+    if (!WriteModel(folder, kept).ok()) return 9;
+  }
+  if (number > 0) return 0;
+  std::cerr << "ERROR: failed to create sparse model" << std::endl;
+  return 1;
+}
+
+int UndistortImages(Options& options) {
+  auto model = ReadModel(options["input_path"]);
+  if (!model.ok()) return 9;
+  const fs::path output = options["output_path"];
+  for (const PosedImage& image : model->images) {
+    const fs::path to = output / "images" / image.name;
+    fs::create_directories(to.parent_path());
+    fs::copy_file(fs::path(options["image_path"]) / image.name, to);
+    Print("Undistorting image [1/" + std::to_string(model->images.size()) +
+          "]");
+  }
+  for (Camera& camera : model->cameras) {
+    if (Setting("FAKE_COLMAP_KEEP") != "") break;
+    camera.params = {camera.FocalX(),
+                     camera.FocalY(),
+                     camera.PrincipalX(),
+                     camera.PrincipalY()};
+    camera.model = CameraModel::kPinhole;
+  }
+  return WriteModel(output / "sparse", *model).ok() ? 0 : 9;
+}
+
+int Run(int argc, char** argv) {
+  const std::string command = argc > 1 ? argv[1] : "help";
+  if (command == "help") {
+    PrintHelp();
+    return 0;
+  }
+  const auto known = CommandOptions().find(command);
+  if (known == CommandOptions().end()) {
+    std::cerr << "ERROR: Command " << command << " not recognized.\n";
+    return 1;
+  }
+  Options options;
+  for (int i = 2; i < argc; i += 2) {
+    const std::string name = std::string(argv[i]).substr(2);
+    if (name == "help") {
+      PrintCommandHelp(command);
+      return 0;
+    }
+    if (std::find(known->second.begin(), known->second.end(), name) ==
+            known->second.end() ||
+        i + 1 >= argc) {
+      std::cerr << "ERROR: unrecognised option '--" << name << "'\n";
+      return 1;
+    }
+    options[name] = argv[i + 1];
+  }
+  if (Setting("QT_QPA_PLATFORM") != "offscreen") {
+    std::cerr << "could not connect to display" << std::endl;
+    std::abort();
+  }
+  if (Setting("FAKE_COLMAP_HANG") == command) {
+    Print("hanging");
+    sleep(1000);
+  }
+  const std::string once = Setting("FAKE_COLMAP_ONCE");
+  if (Setting("FAKE_COLMAP_FAIL") == command &&
+      (once.empty() || fs::remove(once))) {
+    std::cerr << "something went wrong" << std::endl;
+    return 1;
+  }
+  if (command == "feature_extractor") return ExtractFeatures(options);
+  if (command == "database_cleaner") {
+    Database(options["database_path"]).Run("DELETE FROM keypoints");
+    return 0;
+  }
+  if (command == "matches_importer") return MatchPairs(options);
+  if (command == "mapper") return Map(options);
+  return UndistortImages(options);
+}
+
+}  // namespace
+}  // namespace freegs::sfm
+
+int main(int argc, char** argv) { return freegs::sfm::Run(argc, argv); }

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Questions to a COLMAP database, and copies of its matches.
+
+#include "sfm/match_database.h"
+
+#include <sqlite3.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/temporary_folder.h"
+
+namespace freegs::sfm {
+namespace {
+
+namespace fs = std::filesystem;
+
+void RunSql(const fs::path& path, const std::string& sql) {
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open(path.c_str(), &database), SQLITE_OK);
+  char* message = nullptr;
+  EXPECT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, &message),
+            SQLITE_OK)
+      << message;
+  sqlite3_close(database);
+}
+
+// The columns of COLMAP 3.8 that matter here.
+void MakeDatabase(const fs::path& path) {
+  RunSql(path,
+         "CREATE TABLE images(image_id INTEGER PRIMARY KEY, name TEXT UNIQUE);"
+         "CREATE TABLE keypoints(image_id INTEGER PRIMARY KEY, rows INTEGER);"
+         "CREATE TABLE matches(pair_id INTEGER PRIMARY KEY, rows INTEGER, "
+         "data BLOB);"
+         "CREATE TABLE two_view_geometries(pair_id INTEGER PRIMARY KEY, rows "
+         "INTEGER, data BLOB);"
+         "INSERT INTO images VALUES(2,'b.jpg'),(1,'a.jpg'),(3,'c d.jpg');"
+         "INSERT INTO keypoints VALUES(1,100),(2,50)");
+}
+
+constexpr int64_t kPair12 = int64_t{1} * 2147483647 + 2;
+constexpr int64_t kPair23 = int64_t{2} * 2147483647 + 3;
+
+TEST(MatchDatabase, ListsPhotosAndMatches) {
+  const TemporaryFolder folder;
+  MakeDatabase(folder / "a.db");
+  RunSql(folder / "a.db",
+         "INSERT INTO two_view_geometries VALUES(" + std::to_string(kPair12) +
+             ",30,x'00'),(" + std::to_string(kPair23) + ",0,NULL)");
+  const auto database = MatchDatabase::Open(folder / "a.db");
+  ASSERT_TRUE(database.ok()) << database.status().message();
+  const auto photos = database->Photos();
+  ASSERT_TRUE(photos.ok());
+  ASSERT_EQ(photos->size(), 3u);
+  EXPECT_EQ((*photos)[0].name, "a.jpg");
+  EXPECT_EQ((*photos)[0].num_features, 100);
+  EXPECT_EQ((*photos)[2].name, "c d.jpg");
+  EXPECT_EQ((*photos)[2].num_features, 0);
+  const auto verified = database->VerifiedMatches();
+  ASSERT_TRUE(verified.ok());
+  ASSERT_EQ(verified->size(), 2u);
+  EXPECT_EQ((*verified)[0].photo_id, 1u);
+  EXPECT_EQ((*verified)[1].num_photos, 1);
+  EXPECT_EQ((*verified)[1].num_matches, 30);
+}
+
+TEST(MatchDatabase, CopiesMatchesBetweenCopies) {
+  const TemporaryFolder folder;
+  MakeDatabase(folder / "main.db");
+  auto main = MatchDatabase::Open(folder / "main.db");
+  ASSERT_TRUE(main.ok());
+  const fs::path copy_path = folder / "it's a copy.db";
+  ASSERT_TRUE(main->CopyTo(copy_path).ok());
+  EXPECT_FALSE(main->CopyTo(copy_path).ok());  // Never overwrites.
+  {
+    auto copy = MatchDatabase::Open(copy_path);
+    ASSERT_TRUE(copy.ok());
+    ASSERT_TRUE(
+        copy->RenamePhotos([](uint32_t id) { return std::to_string(id); })
+            .ok());
+    EXPECT_EQ((*copy->Photos())[2].name, "3");
+  }
+  RunSql(copy_path,
+         "INSERT INTO matches VALUES(" + std::to_string(kPair12) +
+             ",9,x'01');INSERT INTO two_view_geometries VALUES(" +
+             std::to_string(kPair12) + ",9,x'02')");
+  // Twice: after a crash a portion is copied again.
+  EXPECT_TRUE(main->CopyMatchesFrom(copy_path).ok());
+  EXPECT_TRUE(main->CopyMatchesFrom(copy_path).ok());
+  EXPECT_EQ((*main->VerifiedMatches())[0].num_matches, 9);
+  EXPECT_EQ((*main->Photos())[2].name, "c d.jpg");
+  EXPECT_TRUE(main->ClearMatches().ok());
+  EXPECT_TRUE(main->VerifiedMatches()->empty());
+}
+
+TEST(MatchDatabase, OtherFilesAreRefused) {
+  const TemporaryFolder folder;
+  EXPECT_FALSE(MatchDatabase::Open(folder / "missing.db").ok());
+  WriteText(folder / "text.db", std::string(5000, 'x'));
+  EXPECT_FALSE(MatchDatabase::Open(folder / "text.db").ok());
+  RunSql(folder / "other.db", "CREATE TABLE t(x)");
+  const auto other = MatchDatabase::Open(folder / "other.db");
+  ASSERT_FALSE(other.ok());
+  EXPECT_EQ(other.status().code(), StatusCode::kBadInput);
+  EXPECT_THAT(other.status().message(), testing::HasSubstr("other.db"));
+  MakeDatabase(folder / "main.db");
+  auto main = MatchDatabase::Open(folder / "main.db");
+  EXPECT_FALSE(main->CopyMatchesFrom(folder / "other.db").ok());
+  EXPECT_TRUE(main->Photos().ok());  // Still usable.
+}
+
+}  // namespace
+}  // namespace freegs::sfm

@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The steps of structure from motion, on a fake COLMAP and on the real one.
+
+#include "sfm/structure_from_motion.h"
+
+#include <cstdlib>
+#include <set>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sfm/colmap_program.h"
+#include "sfm/health.h"
+#include "sfm/model_io.h"
+#include "sfm/model_io_binary.h"
+#include "tests/sfm/fake_colmap.h"
+#include "tests/sfm/synthetic_model.h"
+
+namespace freegs::sfm {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using Settings = std::vector<std::pair<std::string, std::string>>;
+
+class StructureFromMotionTest : public testing::Test {
+ protected:
+  StructureFromMotionTest() {
+    input_.photo_folder = folder_ / "photos";
+    input_.work_folder = folder_ / "work folder";
+    for (int i = 0; i < 10; ++i) {
+      SfmPhoto photo;
+      photo.name = PhotoName(i);
+      photo.width = 640;
+      photo.height = 480;
+      photo.camera_group = i < 7 ? 0 : 1;
+      photo.focal_px = i < 7 ? 600 : 0;
+      input_.photos.push_back(photo);
+      WriteText(input_.photo_folder / photo.name, "pixels");
+    }
+    options_.num_threads = 2;
+  }
+
+  StatusOr<SfmResult> Run(const Settings& settings = {}) {
+    options_.colmap = MakeFakeColmap(folder_.path(), settings);
+    return RunStructureFromMotion(input_, options_);
+  }
+
+  std::string Log(const std::string& command) const {
+    return ReadText(input_.work_folder / "logs" / (command + ".log"));
+  }
+
+  TemporaryFolder folder_;
+  SfmInput input_;
+  SfmOptions options_;
+};
+
+TEST_F(StructureFromMotionTest, BothDialects) {
+  for (const char* dialect : {"3", "4"}) {
+    fs::remove_all(input_.work_folder);
+    std::map<std::string, double> last;
+    input_.progress = [&](const Progress& progress) {
+      EXPECT_LE(progress.done, progress.total);
+      last[progress.step] = progress.done;
+    };
+    const auto result = Run({{"FAKE_COLMAP_DIALECT", dialect}});
+    ASSERT_TRUE(result.ok()) << result.status().message();
+    ASSERT_EQ(result->models.size(), 1u);
+    EXPECT_EQ(result->models[0].images.size(), 10u);
+    EXPECT_TRUE(result->warnings.empty());
+    EXPECT_TRUE(result->unregistered.empty());
+    EXPECT_EQ(last["features"], 10);
+    EXPECT_EQ(last["matching"], 45);
+    EXPECT_EQ(last["mapping"], 10);
+    EXPECT_EQ(result->colmap_version[0], dialect[0]);
+    EXPECT_TRUE(fs::exists(input_.work_folder / "database.db"));
+  }
+}
+
+TEST_F(StructureFromMotionTest, BestModelFirstAndReasons) {
+  const auto result =
+      Run({{"FAKE_COLMAP_MODELS", "1,2,7"}, {"FAKE_COLMAP_RELAXED", "5"}});
+  ASSERT_TRUE(result.ok()) << result.status().message();
+  ASSERT_EQ(result->models.size(), 3u);
+  EXPECT_EQ(result->models[0].images.size(), 7u);
+  EXPECT_EQ(result->models[1].images.size(), 2u);
+  EXPECT_EQ(result->models[2].images.size(), 1u);
+  ASSERT_EQ(result->unregistered.size(), 3u);
+  EXPECT_THAT(result->unregistered.begin()->second, HasSubstr("sparse/2"));
+}
+
+TEST_F(StructureFromMotionTest, LowerThresholdsWhenFewRegister) {
+  const auto result =
+      Run({{"FAKE_COLMAP_MODELS", "4"}, {"FAKE_COLMAP_RELAXED", "8"}});
+  ASSERT_TRUE(result.ok());
+  EXPECT_EQ(result->models[0].images.size(), 8u);
+  ASSERT_EQ(result->warnings.size(), 1u);
+  EXPECT_THAT(result->warnings[0], HasSubstr("4 of 10"));
+}
+
+TEST_F(StructureFromMotionTest, NoModelIsAResult) {
+  const auto result = Run({{"FAKE_COLMAP_MODELS", ""}});
+  ASSERT_TRUE(result.ok()) << result.status().message();
+  EXPECT_TRUE(result->models.empty());
+  EXPECT_EQ(result->unregistered.size(), 10u);
+  EXPECT_THAT(result->unregistered.begin()->second, HasSubstr("matches 9"));
+}
+
+TEST_F(StructureFromMotionTest, FailingCommandsNameTheLog) {
+  for (const char* command : {"feature_extractor",
+                              "database_cleaner",
+                              "matches_importer",
+                              "mapper"}) {
+    fs::remove_all(input_.work_folder);
+    const auto result =
+        Run({{"FAKE_COLMAP_FAIL", command}, {"FAKE_COLMAP_MODELS", "10"}});
+    if (std::string(command) == "mapper") {
+      // Indistinguishable from finding no model.
+      ASSERT_TRUE(result.ok());
+      EXPECT_TRUE(result->models.empty());
+      continue;
+    }
+    ASSERT_FALSE(result.ok());
+    EXPECT_EQ(result.status().code(), StatusCode::kUnusableResult);
+    EXPECT_THAT(result.status().message(), HasSubstr("something went wrong"));
+    EXPECT_THAT(result.status().message(),
+                HasSubstr(std::string(command) + ".log"));
+    EXPECT_THAT(Log(command), HasSubstr("something went wrong"));
+  }
+}
+
+TEST_F(StructureFromMotionTest, CancellationWhileAProgramHangs) {
+  CancellationToken token;
+  input_.cancellation = &token;
+  std::thread canceller;
+  input_.progress = [&](const Progress& progress) {
+    // Matching was announced: its program is about to hang.
+    if (progress.step == "matching" && !canceller.joinable()) {
+      canceller = std::thread([&] {
+        std::this_thread::sleep_for(std::chrono::milliseconds(200));
+        token.Cancel();
+      });
+    }
+  };
+  const auto result = Run({{"FAKE_COLMAP_HANG", "matches_importer"}});
+  canceller.join();
+  EXPECT_EQ(result.status().code(), StatusCode::kInterrupted);
+}
+
+// What is done is not done again.
+TEST_F(StructureFromMotionTest, ContinuesAfterTheLastFinishedStep) {
+  EXPECT_FALSE(Run({{"FAKE_COLMAP_FAIL", "matches_importer"}}).ok());
+  const std::string features = Log("feature_extractor");
+  EXPECT_FALSE(features.empty());
+  const auto resumed = Run();
+  ASSERT_TRUE(resumed.ok()) << resumed.status().message();
+  EXPECT_EQ(Log("feature_extractor"), features);
+
+  input_.work_folder = folder_ / "undisturbed";
+  const auto straight = Run();
+  ASSERT_TRUE(straight.ok());
+  EXPECT_EQ(PointsToBinary(resumed->models[0].points3d),
+            PointsToBinary(straight->models[0].points3d));
+}
+
+TEST_F(StructureFromMotionTest, MatchingContinuesAtItsPortion) {
+  // 45 pairs are three portions; one fails once.
+  options_.num_threads = 1;
+  const fs::path once = folder_ / "once";
+  const Settings settings = {{"FAKE_COLMAP_FAIL", "matches_importer"},
+                             {"FAKE_COLMAP_ONCE", once.string()}};
+  WriteText(once, "");
+  EXPECT_FALSE(Run(settings).ok());
+  const auto resumed = Run(settings);
+  ASSERT_TRUE(resumed.ok()) << resumed.status().message();
+  size_t runs = 0;
+  const std::string log = Log("matches_importer");
+  for (size_t at = 0; (at = log.find("Matching block", at)) != log.npos; ++at) {
+    ++runs;
+  }
+  EXPECT_EQ(runs, 3u);
+  for (const auto& entry : fs::directory_iterator(input_.work_folder)) {
+    EXPECT_THAT(entry.path().filename().string(),
+                testing::AnyOf("database.db", "steps.json", "logs"));
+  }
+}
+
+TEST_F(StructureFromMotionTest, BrokenStepRecordStartsAgain) {
+  ASSERT_TRUE(Run().ok());
+  for (const char* text : {"", "[", "[]", "{\"done\": 3}", "{\"done\":[7]}"}) {
+    WriteText(input_.work_folder / "steps.json", text);
+    EXPECT_TRUE(Run().ok()) << text;
+  }
+}
+
+TEST_F(StructureFromMotionTest, MissingProgramAndWrongOptions) {
+  options_.colmap = "/nonexistent/colmap";
+  EXPECT_EQ(RunStructureFromMotion(input_, options_).status().code(),
+            StatusCode::kMissingDependency);
+  options_.camera_model = "PANORAMA";
+  EXPECT_EQ(RunStructureFromMotion(input_, options_).status().code(),
+            StatusCode::kInvalidArgument);
+  options_ = SfmOptions();
+  input_.photos[0].name = " leading space.jpg";
+  EXPECT_EQ(RunStructureFromMotion(input_, options_).status().code(),
+            StatusCode::kBadInput);
+}
+
+TEST(SelectPairs, ExhaustiveAndSequential) {
+  SfmOptions options;
+  EXPECT_EQ(SelectPairs(10, options).size(), 45u);
+  EXPECT_EQ(SelectPairs(0, options).size(), 0u);
+  options.matcher = "sequential";
+  options.overlap = 5;
+  const auto pairs = SelectPairs(100, options);
+  const std::set<std::pair<int, int>> set(pairs.begin(), pairs.end());
+  EXPECT_EQ(set.size(), pairs.size());
+  EXPECT_LT(pairs.size(), 1500u);
+  for (const auto& [i, j] : pairs) EXPECT_LT(i, j);
+  EXPECT_TRUE(set.contains({3, 8}));
+  EXPECT_FALSE(set.contains({3, 9}));
+  EXPECT_TRUE(set.contains({3, 35}));
+  EXPECT_TRUE(set.contains({0, 95}));
+  options.matcher = "auto";
+  options.max_exhaustive = 99;
+  EXPECT_EQ(SelectPairs(100, options).size(), pairs.size());
+}
+
+// The real program on a few real photos, twice: with one and two threads.
+TEST(RealColmap, RegistersAndRepeats) {
+  const char* data = std::getenv("FREEGS_SHARED_DATA");
+  if (data == nullptr || !fs::exists(fs::path(data) / "tabletop")) {
+    GTEST_SKIP() << "FREEGS_SHARED_DATA has no tabletop";
+  }
+  if (!ColmapProgram::Find("colmap", nullptr).ok()) {
+    GTEST_SKIP() << "colmap is not installed";
+  }
+  const TemporaryFolder folder;
+  SfmInput input;
+  input.photo_folder = fs::path(data) / "tabletop" / "images";
+  for (int i = 1; i <= 8; ++i) {
+    char name[32];
+    std::snprintf(name, sizeof(name), "frame_%04d.jpg", i);
+    SfmPhoto photo;
+    photo.name = name;
+    photo.width = 640;
+    photo.height = 480;
+    input.photos.push_back(photo);
+  }
+  SfmOptions options;
+  options.max_features = 800;
+  std::vector<std::string> results;
+  for (const int threads : {1, 2}) {
+    options.num_threads = threads;
+    input.work_folder = folder / ("work" + std::to_string(threads));
+    const auto result = RunStructureFromMotion(input, options);
+    ASSERT_TRUE(result.ok()) << result.status().message();
+    ASSERT_FALSE(result->models.empty());
+    const Reconstruction& model = result->models[0];
+    EXPECT_GE(model.images.size(), 6u);
+    std::vector<std::string> names;
+    for (const SfmPhoto& photo : input.photos) names.push_back(photo.name);
+    const Health health = MeasureHealth(result->models, names, true, {});
+    EXPECT_LT(health.mean_reprojection_error_px, 1);
+    results.push_back(CamerasToBinary(model.cameras) +
+                      ImagesToBinary(model.images) +
+                      PointsToBinary(model.points3d));
+  }
+  EXPECT_TRUE(results[0] == results[1]);
+}
+
+}  // namespace
+}  // namespace freegs::sfm
