@@ -62,7 +62,9 @@ std::string FormatDuration(double seconds) {
   if (seconds > 1e9) return ">30y";
   const int64_t total = std::llround(seconds);
   char text[64];
-  if (total < 60) {
+  if (seconds < 9.95) {
+    std::snprintf(text, sizeof(text), "%.1fs", seconds);
+  } else if (total < 60) {
     std::snprintf(text, sizeof(text), "%ds", static_cast<int>(total));
   } else if (total < 3600) {
     std::snprintf(text,

@@ -16,7 +16,7 @@
 
 namespace freegs::pipeline {
 
-// "45s", "3m05s", "1h02m".
+// "0.4s", "45s", "3m05s", "1h02m".
 std::string FormatDuration(double seconds);
 
 // "training 3200/7000 46% 52.1/s 1m13s left, loss 0.03". A rate of 0 means

@@ -41,6 +41,12 @@ std::string UsageText(const ResourceUsage& usage) {
          FormatDuration(usage.cpu_seconds) + " CPU, peak " + peak + " MB)";
 }
 
+// "sfm: text", unless the text already begins that way.
+std::string Prefixed(const std::string& name, const std::string& text) {
+  const std::string prefix = name + ": ";
+  return text.starts_with(prefix) ? text : prefix + text;
+}
+
 // Our code returns errors; libraries below it may throw, for one when memory
 // runs out.
 Status RunCatching(Stage& stage, StageContext& context) {
@@ -217,7 +223,7 @@ Status StageRunner::RunStage(RunnerStage& stage,
   context.earlier_seconds = earlier.wall_seconds;
   context.pool = &pool;
   context.log = [this, name](LogLevel level, const std::string& text) {
-    logger_.Log(level, name + ": " + text);
+    logger_.Log(level, Prefixed(name, text));
   };
   context.progress = [&](const Progress& progress) {
     line.Report(progress);
@@ -259,13 +265,13 @@ Status StageRunner::RunStage(RunnerStage& stage,
   // The stage's error matters more than one of writing it down.
   (void)WritePartialUsage(context.output, usage);
   (void)WriteStageRecord(context.output, record);
-  logger_.LogToFile(LogLevel::kError, name + ": " + status.message());
+  logger_.LogToFile(LogLevel::kError, Prefixed(name, status.message()));
   if (interrupted) {
     return InterruptedError("interrupted in stage " + name +
                             "; what it has is saved, the same command goes on "
                             "from there");
   }
-  return status.Annotated(name);
+  return Status(status.code(), Prefixed(name, status.message()));
 }
 
 }  // namespace freegs::pipeline

@@ -66,6 +66,8 @@ std::string SummaryText(const json& summary) {
   int facts = 0;
   for (const auto& [name, value] : summary.items()) {
     if (value.is_structured() || value.is_null()) continue;
+    // Those of the stage are in the record itself.
+    if (name.ends_with("seconds") || name.ends_with("_bytes")) continue;
     if (value.is_string() && value.get_ref<const std::string&>().size() > 40) {
       continue;
     }

@@ -22,7 +22,9 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 TEST(FormatDurationTest, Values) {
-  EXPECT_EQ(FormatDuration(0), "0s");
+  EXPECT_EQ(FormatDuration(0), "0.0s");
+  EXPECT_EQ(FormatDuration(9.94), "9.9s");
+  EXPECT_EQ(FormatDuration(9.96), "10s");
   EXPECT_EQ(FormatDuration(59.4), "59s");
   EXPECT_EQ(FormatDuration(59.6), "1m00s");
   EXPECT_EQ(FormatDuration(185), "3m05s");

@@ -274,6 +274,16 @@ TEST_F(StageRunnerTest, FailureStopsAndIsRemembered) {
   EXPECT_FALSE(b_.resumed);
 }
 
+TEST_F(StageRunnerTest, StageNameIsNotRepeated) {
+  b_.act = [](StageContext& context) {
+    context.log(LogLevel::kInfo, "b: one");
+    context.log(LogLevel::kInfo, "two");
+    return UnusableResultError("b: no");
+  };
+  EXPECT_EQ(Run().message(), "b: no");
+  EXPECT_THAT(log_, HasSubstr("\nb: one\nb: two\n"));
+}
+
 TEST_F(StageRunnerTest, FailureOfTheMachineIsContinuedOnce) {
   b_.act = [](StageContext& context) {
     WriteText(context.output / "checkpoint", "half");
