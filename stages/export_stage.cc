@@ -194,7 +194,6 @@ class ExportStage : public pipeline::Stage {
                      const std::optional<SceneInstances>& found,
                      pipeline::StageContext& context) const {
     ReportData data = GatherReportData(context.workspace);
-    data.figures.push_back({"Instances", "", ""});
     if (found) FillInstances(found->instances, &data);
     data.views_are_holdout = !scene.holdout.empty();
     const std::vector<View> views =
@@ -256,10 +255,12 @@ class ExportStage : public pipeline::Stage {
       }
       data->instances.push_back(std::move(row));
     }
-    ReportFigure& figure = data->figures.back();
-    figure.value = FormatCount(std::ssize(instances));
-    if (background > 0) {
-      figure.note = std::to_string(background) + " of them background";
+    for (ReportFigure& figure : data->figures) {
+      if (figure.name != kInstancesFigure) continue;
+      figure.value = FormatCount(std::ssize(instances));
+      if (background > 0) {
+        figure.note = std::to_string(background) + " of them background";
+      }
     }
   }
 

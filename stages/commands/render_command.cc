@@ -3,8 +3,10 @@
 #include "stages/commands/render_command.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <iostream>
+#include <memory>
 #include <string_view>
 #include <unistd.h>
 
@@ -21,6 +23,7 @@
 #include "stages/depth_image.h"
 #include "stages/evaluation.h"
 #include "stages/ground_truth.h"
+#include "stages/report/html.h"
 #include "stages/scene_instances.h"
 #include "stages/workspace_scene.h"
 
@@ -28,6 +31,9 @@ namespace freegs::stages {
 namespace {
 
 namespace fs = std::filesystem;
+
+// Larger pictures would take gigabytes: rather a mistake in a camera file.
+constexpr int64_t kMaxPixels = 100'000'000;
 
 struct RenderRequest {
   fs::path workspace;
@@ -104,8 +110,8 @@ StatusOr<std::vector<View>> FileViews(const RenderRequest& request,
         "poses are in the scene's own frame, give --no-align");
   }
   err << "render: aligned by " << alignment->residuals.size()
-      << " photos, rotation residual median " << alignment->median_rotation_deg
-      << " deg\n";
+      << " photos, rotation residual median "
+      << FormatFixed(alignment->median_rotation_deg, 3) << " deg\n";
   return MapViews(views, alignment->target_from_source);
 }
 
@@ -124,7 +130,15 @@ StatusOr<std::vector<View>> ViewsToRender(const RenderRequest& request,
     });
     if (max_side == 0) max_side = scene.training_max_side;
   }
-  for (View& view : views) view.camera = view.camera.LimitedTo(max_side);
+  for (View& view : views) {
+    view.camera = view.camera.LimitedTo(max_side);
+    if (int64_t{view.camera.width} * view.camera.height > kMaxPixels) {
+      return BadInputError("render: view " + view.name + " is " +
+                           std::to_string(view.camera.width) + " x " +
+                           std::to_string(view.camera.height) +
+                           " pixels; limit it with --size");
+    }
+  }
   return views;
 }
 

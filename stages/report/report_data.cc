@@ -115,6 +115,10 @@ ReportData GatherReportData(const fs::path& workspace) {
   data.title = name.empty() ? "Scene" : name;
 
   data.figures.push_back(PhotosFigure(workspace));
+  if (!data.figures.back().value.empty()) {
+    data.subtitle =
+        "3D scene from " + data.figures.back().value + " photographs";
+  }
   AddSfmFigures(ReadObject(workspace / "sfm" / "health.json"), &data);
   AddModelFigures(ReadObject(workspace / "reconstruct" / "metrics.json"),
                   &data);
@@ -133,8 +137,9 @@ ReportData GatherReportData(const fs::path& workspace) {
     }
     data.stages.push_back(row);
   }
+  data.figures.push_back({kInstancesFigure, "", ""});
   data.figures.push_back(
-      {"Time", seconds > 0 ? FormatSeconds(seconds) : "", "all stages before this page"});
+      {"Time", seconds > 0 ? FormatSeconds(seconds) : "", "without export"});
 
   const StatusOr<std::string> progress =
       ReadFile(workspace / "reconstruct" / "progress.csv", kMaxCsvBytes);

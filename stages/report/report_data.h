@@ -13,6 +13,9 @@
 
 namespace freegs::stages {
 
+// The figure that is left empty for the number of instances.
+inline constexpr char kInstancesFigure[] = "Instances";
+
 // Title, figures, warnings, training curves and stages. Views, instances and
 // files are left empty. Files that are missing or malformed leave their figures
 // empty; nothing fails.

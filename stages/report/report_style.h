@@ -34,7 +34,7 @@ a { color: var(--accent); }
 .warning { color: var(--warn); }
 .figures {
   display: grid; gap: .75rem; margin: 1.6rem 0 0; padding: 0;
-  grid-template-columns: repeat(auto-fill, minmax(9.5rem, 1fr));
+  grid-template-columns: repeat(auto-fill, minmax(8.6rem, 1fr));
 }
 .figures > div {
   background: var(--card); border: 1px solid var(--line);
@@ -93,6 +93,7 @@ th { font-weight: 400; font-size: .85rem; }
 footer { margin-top: 3rem; color: var(--quiet); font-size: .85rem; }
 @media (max-width: 46rem) {
   main { padding-top: 1.2rem; }
+  .figures { grid-template-columns: repeat(2, 1fr); }
   .strip { grid-template-columns: repeat(2, 1fr); }
 }
 )css";

@@ -206,6 +206,23 @@ TEST_F(RenderCommandTest, CameraFileOfOtherPhotosNeedsNoAlign) {
           .ok());
 }
 
+TEST_F(RenderCommandTest, HugePicturesNeedASize) {
+  nlohmann::json cameras = MovedCameras("");
+  cameras["intrinsics"]["w"] = 60000;
+  cameras["intrinsics"]["h"] = 40000;
+  WriteText(out_ / "cameras.json", cameras.dump());
+  std::vector<std::string> arguments = {workspace(),
+                                        "--out",
+                                        out(),
+                                        "--cameras",
+                                        (out_ / "cameras.json").string()};
+  const Status status = Render(arguments);
+  EXPECT_EQ(status.code(), StatusCode::kBadInput);
+  EXPECT_THAT(status.message(), HasSubstr("--size"));
+  arguments.insert(arguments.end(), {"--size", "60"});
+  EXPECT_TRUE(Render(arguments).ok());
+}
+
 TEST_F(RenderCommandTest, WrongUsage) {
   for (const std::vector<std::string>& arguments :
        {std::vector<std::string>{},
