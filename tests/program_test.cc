@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The program as a user calls it: exit codes, and one small scene from photos
+// to report.
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/parallel.h"
+#include "sfm/child_process.h"
+#include "tests/scene_maker/scene.h"
+#include "tests/scene_maker/scene_files.h"
+#include "tests/temporary_folder.h"
+
+namespace freegs {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+struct Outcome {
+  int code = -1;
+  std::string text;  // Standard output and error.
+};
+
+Outcome Call(std::vector<std::string> arguments,
+             const CancellationToken* cancellation = nullptr) {
+  sfm::ChildCommand command;
+  command.argv = {FREEGS_PROGRAM};
+  command.argv.insert(command.argv.end(), arguments.begin(), arguments.end());
+  Outcome outcome;
+  const StatusOr<sfm::ChildResult> result = sfm::RunChild(
+      command,
+      [&](std::string_view line) { outcome.text += std::string(line) + "\n"; },
+      cancellation);
+  if (result.ok()) outcome.code = result->exit_code;
+  return outcome;
+}
+
+TEST(ProgramTest, HelpAndVersion) {
+  EXPECT_EQ(Call({"--help"}).code, 0);
+  EXPECT_THAT(Call({"--help"}).text, HasSubstr("--reconstruct.iterations"));
+  EXPECT_EQ(Call({"--version"}).code, 0);
+  EXPECT_EQ(Call({"run", "--help"}).code, 0);
+  EXPECT_EQ(Call({}).code, 2);
+}
+
+TEST(ProgramTest, ExitCodes) {
+  const TemporaryFolder folder;
+  const std::string workspace = (folder / "w").string();
+  EXPECT_EQ(Call({"rnu"}).code, 2);
+  EXPECT_THAT(Call({"rnu"}).text, HasSubstr("did you mean run?"));
+  EXPECT_EQ(Call({"run"}).code, 2);
+  EXPECT_EQ(Call({"run", workspace + "_photos", workspace}).code, 3);
+  EXPECT_EQ(Call({"status", workspace}).code, 3);
+  EXPECT_EQ(Call({"doctor", "--sfm.colmap", workspace}).code, 5);
+  // Fewer than three usable photos.
+  WriteText(folder / "photos" / "a.jpg", "not a photo");
+  const Outcome outcome =
+      Call({"run", (folder / "photos").string(), workspace});
+  EXPECT_EQ(outcome.code, 3) << outcome.text;
+  EXPECT_THAT(outcome.text, HasSubstr("ingest"));
+}
+
+TEST(ProgramTest, FromPhotosToReport) {
+  if (Call({"doctor"}).code != 0) GTEST_SKIP() << "COLMAP is not installed";
+  const TemporaryFolder folder;
+  scene_maker::SceneMakerOptions options;
+  options.views = 12;
+  options.test_views = 2;
+  options.width = 320;
+  options.height = 240;
+  const auto scene = scene_maker::BuildScene(options);
+  ASSERT_TRUE(scene.ok());
+  ThreadPool pool;
+  ASSERT_TRUE(scene_maker::WriteScene(*scene, folder / "scene", pool, {}).ok());
+  const std::string photos = (folder / "scene" / "images").string();
+  const std::string workspace = (folder / "w").string();
+  const std::vector<std::string> run = {
+      "run", photos, workspace, "--reconstruct.iterations", "150"};
+
+  Outcome outcome = Call(run);
+  ASSERT_EQ(outcome.code, 0) << outcome.text;
+  for (const char* file : {"ingest/images.json",
+                           "sfm/health.json",
+                           "undistort/sparse",
+                           "reconstruct/point_cloud.ply",
+                           "reconstruct/metrics.json",
+                           "bootstrap/instances.json",
+                           "export/report/index.html"}) {
+    EXPECT_TRUE(fs::exists(folder / "w" / file)) << file;
+  }
+  const auto health = nlohmann::json::parse(
+      ReadText(folder / "w" / "sfm" / "health.json"), nullptr, false);
+  EXPECT_EQ(health["registered"], 12);
+
+  // Again: nothing to do.
+  outcome = Call(run);
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_EQ(outcome.text,
+            "ingest: up to date\nsfm: up to date\nundistort: up to date\n"
+            "reconstruct: up to date\nbootstrap: up to date\n"
+            "export: up to date\n");
+
+  // Moved, without its photos.
+  fs::rename(folder / "w", folder / "moved");
+  fs::remove_all(folder / "scene" / "images");
+  outcome = Call({"run",
+                  photos,
+                  (folder / "moved").string(),
+                  "--reconstruct.iterations",
+                  "150"});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_THAT(outcome.text, HasSubstr("input photos is gone"));
+  EXPECT_THAT(outcome.text, HasSubstr("export: up to date"));
+}
+
+}  // namespace
+}  // namespace freegs

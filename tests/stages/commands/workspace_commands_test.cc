@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// init, status, doctor, and what run and stage refuse before any work.
+
+#include <filesystem>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/cancellation.h"
+#include "pipeline/workspace.h"
+#include "stages/commands/doctor_command.h"
+#include "stages/commands/init_command.h"
+#include "stages/commands/run_command.h"
+#include "stages/commands/status_command.h"
+#include "tests/temporary_folder.h"
+
+namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+class CommandTest : public ::testing::Test {
+ protected:
+  Status Call(CommandFn command, const std::vector<std::string>& arguments) {
+    std::ostringstream out;
+    std::ostringstream err;
+    CommandContext context{out, err, cancellation_, "freegs_pipeline"};
+    const Status status = command(arguments, context);
+    out_ = out.str();
+    return status;
+  }
+
+  void ExpectError(CommandFn command,
+                   const std::vector<std::string>& arguments,
+                   StatusCode code,
+                   const std::string& part) {
+    const Status status = Call(command, arguments);
+    EXPECT_EQ(status.code(), code) << status.message();
+    EXPECT_THAT(status.message(), HasSubstr(part));
+  }
+
+  std::string Path(const std::string& name) const {
+    return (folder_ / name).string();
+  }
+
+  TemporaryFolder folder_;
+  CancellationToken cancellation_;
+  std::string out_;
+};
+
+TEST_F(CommandTest, TemplateInTheSourcesIsWhatInitWrites) {
+  const fs::path folder = fs::path(FREEGS_SOURCE_DIR) / "workspace_template";
+  EXPECT_EQ(ReadText(folder / "config.ini"), ConfigTemplate())
+      << "after a change of options: delete workspace_template/config.ini and "
+         "run `freegs_pipeline init workspace_template`";
+  EXPECT_EQ(ReadText(folder / "README.md"), WorkspaceReadme());
+}
+
+TEST_F(CommandTest, InitKeepsWhatIsThere) {
+  ASSERT_TRUE(Call(RunInitCommand, {Path("w")}).ok());
+  EXPECT_EQ(ReadText(folder_ / "w" / "config.ini"), ConfigTemplate());
+  EXPECT_TRUE(fs::exists(folder_ / "w" / "README.md"));
+  WriteText(folder_ / "w" / "config.ini", "[general]\nseed = 3\n");
+  ASSERT_TRUE(Call(RunInitCommand, {Path("w")}).ok());
+  EXPECT_EQ(ReadText(folder_ / "w" / "config.ini"), "[general]\nseed = 3\n");
+  EXPECT_THAT(out_, HasSubstr("left as it is"));
+
+  WriteText(folder_ / "file", "");
+  ExpectError(
+      RunInitCommand, {Path("file")}, StatusCode::kBadInput, "not a folder");
+  ExpectError(
+      RunInitCommand, {}, StatusCode::kInvalidArgument, "init WORKSPACE");
+}
+
+TEST_F(CommandTest, StatusOfANewWorkspace) {
+  ASSERT_TRUE(Call(RunInitCommand, {Path("w")}).ok());
+  ASSERT_TRUE(Call(RunStatusCommand, {Path("w")}).ok());
+  EXPECT_THAT(out_, HasSubstr("not run yet"));
+  ASSERT_TRUE(Call(RunStatusCommand, {Path("w"), "--json"}).ok());
+  const nlohmann::json json = nlohmann::json::parse(out_);
+  EXPECT_EQ(json["stages"].size(), 6u);
+  EXPECT_EQ(json["stages"][0]["stage"], "ingest");
+  EXPECT_EQ(json["stages"][0]["status"], "missing");
+  EXPECT_EQ(json["running"], false);
+}
+
+TEST_F(CommandTest, StatusErrors) {
+  ExpectError(RunStatusCommand,
+              {Path("none")},
+              StatusCode::kBadInput,
+              "no such workspace");
+  ExpectError(
+      RunStatusCommand, {}, StatusCode::kInvalidArgument, "one workspace");
+  WriteText(folder_ / "w" / "workspace.json", "{");
+  ExpectError(
+      RunStatusCommand, {Path("w")}, StatusCode::kBadInput, "workspace.json");
+}
+
+TEST_F(CommandTest, RunRefusesWrongFolders) {
+  WriteText(folder_ / "photos" / "1.jpg", "x");
+  ExpectError(RunRunCommand, {}, StatusCode::kInvalidArgument, "IMAGES");
+  ExpectError(RunRunCommand,
+              {Path("none"), Path("w")},
+              StatusCode::kBadInput,
+              "no such folder of photos");
+  EXPECT_FALSE(fs::exists(folder_ / "w"));
+  ExpectError(RunRunCommand,
+              {Path("photos/1.jpg"), Path("w")},
+              StatusCode::kBadInput,
+              "not a folder");
+  ExpectError(RunRunCommand,
+              {Path("photos"), Path("photos/w")},
+              StatusCode::kInvalidArgument,
+              "inside the photo folder");
+  // IMAGES and WORKSPACE swapped.
+  ExpectError(RunRunCommand,
+              {Path("w"), Path("photos")},
+              StatusCode::kBadInput,
+              "not a workspace");
+  ExpectError(RunRunCommand,
+              {Path("photos"), Path("photos/1.jpg")},
+              StatusCode::kBadInput,
+              "not a folder");
+  ExpectError(RunRunCommand,
+              {Path("new")},
+              StatusCode::kInvalidArgument,
+              "does not know its photos");
+  ExpectError(RunRunCommand,
+              {Path("photos"), Path("w"), "--from", "sfn"},
+              StatusCode::kInvalidArgument,
+              "ingest, sfm");
+  ExpectError(RunRunCommand,
+              {Path("photos"), Path("w"), "--sfm.no_such_option", "1"},
+              StatusCode::kInvalidArgument,
+              "unknown option");
+}
+
+TEST_F(CommandTest, OneRunAtATime) {
+  WriteText(folder_ / "photos" / "1.jpg", "x");
+  fs::create_directory(folder_ / "w");
+  const auto lock = pipeline::WorkspaceLock::Acquire(folder_ / "w");
+  ASSERT_TRUE(lock.ok());
+  ExpectError(RunRunCommand,
+              {Path("photos"), Path("w")},
+              StatusCode::kBadInput,
+              "another freegs_pipeline");
+}
+
+TEST_F(CommandTest, StageErrors) {
+  ExpectError(RunStageCommand, {"sfm"}, StatusCode::kInvalidArgument, "STAGE");
+  ExpectError(RunStageCommand,
+              {"sfm", Path("none")},
+              StatusCode::kBadInput,
+              "no such workspace");
+  fs::create_directory(folder_ / "w");
+  ExpectError(RunStageCommand,
+              {"sfn", Path("w")},
+              StatusCode::kInvalidArgument,
+              "ingest, sfm");
+  ExpectError(RunStageCommand,
+              {"sfm", Path("w")},
+              StatusCode::kBadInput,
+              "stage ingest has no result");
+}
+
+TEST_F(CommandTest, CancelledRunStopsAtOnce) {
+  WriteText(folder_ / "photos" / "1.jpg", "x");
+  cancellation_.Cancel();
+  ExpectError(RunRunCommand,
+              {Path("photos"), Path("w")},
+              StatusCode::kInterrupted,
+              "interrupted");
+}
+
+TEST_F(CommandTest, DoctorNamesWhatIsMissing) {
+  ExpectError(RunDoctorCommand,
+              {"--sfm.colmap", Path("no_colmap")},
+              StatusCode::kMissingDependency,
+              "apt install colmap");
+  EXPECT_THAT(out_, HasSubstr("cores"));
+  EXPECT_THAT(out_, HasSubstr("MISSING"));
+  ExpectError(
+      RunDoctorCommand, {"x"}, StatusCode::kInvalidArgument, "no folder");
+}
+
+}  // namespace
+}  // namespace freegs::stages
