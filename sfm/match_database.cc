@@ -5,6 +5,7 @@
 
 #include <map>
 #include <sqlite3.h>
+#include <system_error>
 
 namespace freegs::sfm {
 namespace {
@@ -33,12 +34,12 @@ class Statement {
   int64_t Integer(int column) const {
     return sqlite3_column_int64(statement_, column);
   }
+  // A text or blob.
   std::string Text(int column) const {
-    const unsigned char* text = sqlite3_column_text(statement_, column);
+    const void* data = sqlite3_column_blob(statement_, column);
     const int size = sqlite3_column_bytes(statement_, column);
-    return text == nullptr
-               ? std::string()
-               : std::string(reinterpret_cast<const char*>(text), size);
+    return data == nullptr ? std::string()
+                           : std::string(static_cast<const char*>(data), size);
   }
 
  private:
@@ -102,6 +103,31 @@ StatusOr<std::vector<MatchDatabase::Photo>> MatchDatabase::Photos() const {
   }
   if (code != SQLITE_DONE) return Error("cannot list its photos");
   return photos;
+}
+
+StatusOr<SiftDescriptors> MatchDatabase::Descriptors(uint32_t photo_id) const {
+  Statement statement(
+      database_.get(),
+      "SELECT rows, cols, data FROM descriptors WHERE image_id = ?");
+  if (!statement.ok()) return Error("cannot read its descriptors");
+  statement.Bind(1, photo_id);
+  SiftDescriptors descriptors;
+  const int code = statement.Step();
+  if (code == SQLITE_DONE) return descriptors;
+  if (code != SQLITE_ROW) return Error("cannot read its descriptors");
+  const int64_t rows = statement.Integer(0);
+  const std::string data = statement.Text(2);
+  if (rows == 0) return descriptors;
+  constexpr int64_t kColumns = kSiftDimensions;
+  if (statement.Integer(1) != kColumns || rows < 0 ||
+      data.size() % kSiftDimensions != 0 ||
+      static_cast<int64_t>(data.size() / kSiftDimensions) != rows) {
+    return BadInputError(path_.string() + ": the descriptors of photo " +
+                         std::to_string(photo_id) +
+                         " are not 128 bytes each, as SIFT's");
+  }
+  descriptors.values.assign(data.begin(), data.end());
+  return descriptors;
 }
 
 StatusOr<std::vector<MatchDatabase::Verified>> MatchDatabase::VerifiedMatches()
@@ -173,10 +199,17 @@ Status MatchDatabase::RenamePhotos(
   return Execute("COMMIT");
 }
 
-Status MatchDatabase::ClearMatches() {
+Status MatchDatabase::ClearMatchesAndDescriptors() {
   return Execute(
       "BEGIN IMMEDIATE; DELETE FROM matches; "
-      "DELETE FROM two_view_geometries; COMMIT");
+      "DELETE FROM two_view_geometries; DELETE FROM descriptors; COMMIT");
+}
+
+void RemoveDatabase(const std::filesystem::path& path) {
+  std::error_code ignored;
+  for (const char* suffix : {"", "-wal", "-shm", "-journal"}) {
+    std::filesystem::remove(path.string() + suffix, ignored);
+  }
 }
 
 }  // namespace freegs::sfm

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/status.h"
+#include "sfm/descriptor_matching.h"
 
 struct sqlite3;
 
@@ -32,6 +33,10 @@ class MatchDatabase {
 
   // Photos by ascending id.
   StatusOr<std::vector<Photo>> Photos() const;
+
+  // The SIFT descriptors of a photo; empty when it has none. kBadInput when
+  // they are of another kind.
+  StatusOr<SiftDescriptors> Descriptors(uint32_t photo_id) const;
 
   // For every photo id, the number of other photos with verified matches, and
   // the number of those matches.
@@ -53,8 +58,9 @@ class MatchDatabase {
   // Gives every photo another name.
   Status RenamePhotos(const std::function<std::string(uint32_t id)>& name);
 
-  // Deletes all raw and verified matches.
-  Status ClearMatches();
+  // Deletes what describes features and which match; photos, cameras and
+  // keypoints stay.
+  Status ClearMatchesAndDescriptors();
 
  private:
   struct Closer {
@@ -66,6 +72,9 @@ class MatchDatabase {
   std::filesystem::path path_;
   std::unique_ptr<sqlite3, Closer> database_;
 };
+
+// Deletes a database file and what SQLite keeps beside it, if there.
+void RemoveDatabase(const std::filesystem::path& path);
 
 }  // namespace freegs::sfm
 

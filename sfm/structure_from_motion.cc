@@ -77,13 +77,6 @@ Status CheckNames(const SfmInput& input) {
   return {};
 }
 
-void RemoveDatabase(const fs::path& path) {
-  std::error_code ignored;
-  for (const char* suffix : {"", "-wal", "-shm", "-journal"}) {
-    fs::remove(path.string() + suffix, ignored);
-  }
-}
-
 // Features and matches into work_folder/database.db.
 Status BuildDatabase(const StepContext& context,
                      const fs::path& database,

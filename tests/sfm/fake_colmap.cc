@@ -116,6 +116,8 @@ class Database {
         "AUTOINCREMENT NOT NULL, name TEXT NOT NULL UNIQUE)");
     Run("CREATE TABLE IF NOT EXISTS keypoints (image_id INTEGER PRIMARY KEY, "
         "rows INTEGER NOT NULL)");
+    Run("CREATE TABLE IF NOT EXISTS descriptors (image_id INTEGER PRIMARY KEY, "
+        "rows INTEGER NOT NULL, cols INTEGER NOT NULL, data BLOB)");
     Run("CREATE TABLE IF NOT EXISTS matches (pair_id INTEGER PRIMARY KEY, "
         "rows INTEGER NOT NULL)");
     Run("CREATE TABLE IF NOT EXISTS two_view_geometries (pair_id INTEGER "
@@ -150,6 +152,17 @@ class Database {
   sqlite3* database_ = nullptr;
 };
 
+// Descriptors, in hexadecimal, that are the same in all photos: feature k has
+// its one large value at place k.
+constexpr int kNumFeatures = 20;
+std::string Descriptors() {
+  std::string text;
+  for (int k = 0; k < kNumFeatures; ++k) {
+    for (int i = 0; i < 128; ++i) text += i == k ? "ff" : "00";
+  }
+  return text;
+}
+
 std::vector<std::string> ReadLines(const std::string& path) {
   std::vector<std::string> lines;
   std::ifstream file(path);
@@ -166,7 +179,11 @@ int ExtractFeatures(Options& options) {
     database.Run("INSERT OR IGNORE INTO images(name) VALUES('" + names[i] +
                  "')");
     const std::string id = std::to_string(database.Images().at(names[i]));
-    database.Run("INSERT OR IGNORE INTO keypoints VALUES(" + id + ",100)");
+    const std::string count = std::to_string(kNumFeatures);
+    database.Run("INSERT OR IGNORE INTO keypoints VALUES(" + id + "," + count +
+                 ")");
+    database.Run("INSERT OR IGNORE INTO descriptors VALUES(" + id + "," +
+                 count + ",128,x'" + Descriptors() + "')");
     Print("Processed file [" + std::to_string(i + 1) + "/" +
           std::to_string(names.size()) + "]");
   }
@@ -176,16 +193,27 @@ int ExtractFeatures(Options& options) {
 int MatchPairs(Options& options) {
   Database database(options["database_path"]);
   const auto images = database.Images();
+  if (options["match_type"] != "raw") return 9;
+  // Blocks: two names, lines of two numbers, an empty line.
+  std::string pair;
+  int count = 0;
   for (const std::string& line : ReadLines(options["match_list_path"])) {
-    std::istringstream words(line);
-    std::string a, b;
-    words >> a >> b;
-    const int64_t first = std::min(images.at(a), images.at(b));
-    const int64_t second = std::max(images.at(a), images.at(b));
-    const std::string row =
-        "(" + std::to_string(first * 2147483647 + second) + ",50)";
-    database.Run("INSERT INTO matches VALUES" + row);
-    database.Run("INSERT INTO two_view_geometries VALUES" + row);
+    if (pair.empty()) {
+      std::istringstream words(line);
+      std::string a, b;
+      words >> a >> b;
+      const int64_t first = std::min(images.at(a), images.at(b));
+      const int64_t second = std::max(images.at(a), images.at(b));
+      pair = std::to_string(first * 2147483647 + second);
+      count = 0;
+    } else if (!line.empty()) {
+      ++count;
+    } else {
+      const std::string row = "(" + pair + "," + std::to_string(count) + ")";
+      database.Run("INSERT INTO matches VALUES" + row);
+      database.Run("INSERT INTO two_view_geometries VALUES" + row);
+      pair.clear();
+    }
   }
   Print("Matching block [1/1] in 0.1s");
   return 0;
@@ -289,7 +317,8 @@ int Run(int argc, char** argv) {
   }
   if (command == "feature_extractor") return ExtractFeatures(options);
   if (command == "database_cleaner") {
-    Database(options["database_path"]).Run("DELETE FROM keypoints");
+    Database(options["database_path"])
+        .Run("DELETE FROM keypoints; DELETE FROM descriptors");
     return 0;
   }
   if (command == "matches_importer") return MatchPairs(options);

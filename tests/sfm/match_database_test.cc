@@ -30,12 +30,16 @@ void MakeDatabase(const fs::path& path) {
   RunSql(path,
          "CREATE TABLE images(image_id INTEGER PRIMARY KEY, name TEXT UNIQUE);"
          "CREATE TABLE keypoints(image_id INTEGER PRIMARY KEY, rows INTEGER);"
+         "CREATE TABLE descriptors(image_id INTEGER PRIMARY KEY, rows INTEGER, "
+         "cols INTEGER, data BLOB);"
          "CREATE TABLE matches(pair_id INTEGER PRIMARY KEY, rows INTEGER, "
          "data BLOB);"
          "CREATE TABLE two_view_geometries(pair_id INTEGER PRIMARY KEY, rows "
          "INTEGER, data BLOB);"
          "INSERT INTO images VALUES(2,'b.jpg'),(1,'a.jpg'),(3,'c d.jpg');"
-         "INSERT INTO keypoints VALUES(1,100),(2,50)");
+         "INSERT INTO keypoints VALUES(1,100),(2,50);"
+         "INSERT INTO descriptors VALUES(2,1,128,CAST(REPLACE(HEX(ZEROBLOB("
+         "64)),'0',CHAR(1)) AS BLOB))");
 }
 
 constexpr int64_t kPair12 = int64_t{1} * 2147483647 + 2;
@@ -89,8 +93,28 @@ TEST(MatchDatabase, CopiesMatchesBetweenCopies) {
   EXPECT_TRUE(main->CopyMatchesFrom(copy_path).ok());
   EXPECT_EQ((*main->VerifiedMatches())[0].num_matches, 9);
   EXPECT_EQ((*main->Photos())[2].name, "c d.jpg");
-  EXPECT_TRUE(main->ClearMatches().ok());
+  EXPECT_EQ(main->Descriptors(2)->count(), 1u);
+  EXPECT_TRUE(main->ClearMatchesAndDescriptors().ok());
   EXPECT_TRUE(main->VerifiedMatches()->empty());
+  EXPECT_EQ(main->Descriptors(2)->count(), 0u);
+}
+
+TEST(MatchDatabase, Descriptors) {
+  const TemporaryFolder folder;
+  MakeDatabase(folder / "a.db");
+  RunSql(folder / "a.db",
+         "INSERT INTO descriptors VALUES(1,3,128,zeroblob(384)),"
+         "(3,3,128,zeroblob(383)),(4,3,64,zeroblob(192)),(5,0,128,NULL),"
+         "(6,-1,128,x'')");
+  const auto database = MatchDatabase::Open(folder / "a.db");
+  ASSERT_TRUE(database.ok());
+  EXPECT_EQ(database->Descriptors(1)->count(), 3u);
+  EXPECT_EQ(database->Descriptors(2)->values[0], 1);
+  EXPECT_FALSE(database->Descriptors(3).ok());
+  EXPECT_FALSE(database->Descriptors(4).ok());
+  EXPECT_EQ(database->Descriptors(5)->count(), 0u);
+  EXPECT_FALSE(database->Descriptors(6).ok());
+  EXPECT_EQ(database->Descriptors(77)->count(), 0u);
 }
 
 TEST(MatchDatabase, OtherFilesAreRefused) {
