@@ -13,9 +13,20 @@ using Values = std::vector<std::pair<std::string, std::string>>;
 // Preset -> {option, value}. Balanced is what the defaults are made for.
 const std::map<std::string, Values>& Presets() {
   static const std::map<std::string, Values> presets = {
-      {"fast", {}},
+      {"fast",
+       {{"sfm.max_features", "1200"},
+        {"reconstruct.iterations", "2000"},
+        {"reconstruct.max_image_size", "640"},
+        {"reconstruct.sh_degree", "2"},
+        {"reconstruct.max_gaussians", "50000"},
+        {"reconstruct.densify_gradient", "4e-4"}}},
       {"balanced", {}},
-      {"quality", {}},
+      {"quality",
+       {{"sfm.max_features", "4000"},
+        {"reconstruct.iterations", "15000"},
+        {"reconstruct.max_image_size", "1600"},
+        {"reconstruct.max_gaussians", "500000"},
+        {"reconstruct.densify_gradient", "2e-4"}}},
   };
   return presets;
 }

@@ -14,16 +14,16 @@
 namespace freegs::stages {
 
 struct ReconstructStageOptions {
-  int iterations = 7000;
+  int iterations = 5000;
   // Longest side in pixels of the images the splats learn from; 0 keeps the
   // photos' own size.
   int max_image_size = 800;
   int sh_degree = 3;
   // Upper bound of the number of Gaussians; 0 is none.
-  int max_gaussians = 150000;
+  int max_gaussians = 100000;
   // Iterations between densifications; 0 never densifies.
   int densify_interval = 100;
-  double densify_gradient = 2e-4;
+  double densify_gradient = 3e-4;
   int opacity_reset_interval = 0;
   bool coarse_to_fine = true;
   std::string background = "black";
