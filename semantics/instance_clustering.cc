@@ -65,18 +65,19 @@ std::vector<uint32_t> SelectMatter(const splat::GaussianModel& model,
 // put there is its own thickness. Points beyond the plane as most viewpoints
 // see it, but near, join it.
 void AbsorbBehindPlanes(std::span<const float> positions,
-                        std::span<const Eigen::Vector3d> viewpoints,
+                        std::span<const View> views,
                         double behind_distance,
                         PlaneSegmentation* planes) {
-  if (viewpoints.empty()) return;
+  if (views.empty()) return;
   for (size_t p = 0; p < planes->planes.size(); ++p) {
     const Plane& plane = planes->planes[p];
     int in_front = 0;
-    for (const Eigen::Vector3d& viewpoint : viewpoints) {
-      in_front += plane.SignedDistance(viewpoint) > 0 ? 1 : -1;
+    for (const View& view : views) {
+      in_front +=
+          plane.SignedDistance(CameraCentre(view.cam_from_world)) > 0 ? 1 : -1;
     }
     // Seen from both sides: no back.
-    if (std::abs(in_front) < 0.8 * static_cast<double>(viewpoints.size())) {
+    if (std::abs(in_front) < 0.8 * static_cast<double>(views.size())) {
       continue;
     }
     const double sign = in_front > 0 ? 1 : -1;
@@ -164,7 +165,7 @@ Status InstanceClusteringOptions::Check() const {
 
 StatusOr<InstanceLabels> ClusterInstances(
     const splat::GaussianModel& model,
-    std::span<const Eigen::Vector3d> viewpoints,
+    std::span<const View> views,
     const InstanceClusteringOptions& options,
     uint64_t seed,
     ThreadPool& pool,
@@ -176,10 +177,10 @@ StatusOr<InstanceLabels> ClusterInstances(
   InstanceLabels result;
   result.labels.assign(model.size(), -1);
 
-  // The frame is that of the opaque Gaussians of any size.
-  const std::vector<uint32_t> opaque = SelectMatter(
-      model, options.min_opacity, std::numeric_limits<double>::infinity());
-  const SceneFrame frame = ComputeSceneFrame(Gather(model.means, opaque));
+  const SceneFrame frame =
+      ComputeSceneFrame(model, views, options.min_opacity, pool);
+  result.scene_radius = frame.radius;
+  if (cancelled()) return Interrupted();
   const std::vector<uint32_t> rows = SelectMatter(
       model, options.min_opacity, options.max_scale * frame.radius);
   result.num_clustered = rows.size();
@@ -192,8 +193,7 @@ StatusOr<InstanceLabels> ClusterInstances(
   if (cancelled()) return Interrupted();
   PlaneSegmentation planes =
       FindPlanes(positions, geometry, frame.radius, options.planes, seed, pool);
-  AbsorbBehindPlanes(
-      positions, viewpoints, kBehindDistance * frame.radius, &planes);
+  AbsorbBehindPlanes(positions, views, kBehindDistance * frame.radius, &planes);
   const auto num_planes = static_cast<int32_t>(planes.planes.size());
   result.planes = planes.planes;
   if (cancelled()) return Interrupted();

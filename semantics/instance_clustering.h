@@ -9,10 +9,9 @@
 #include <span>
 #include <vector>
 
-#include <Eigen/Core>
-
 #include "core/cancellation.h"
 #include "core/parallel.h"
+#include "core/pinhole.h"
 #include "core/status.h"
 #include "semantics/hdbscan.h"
 #include "semantics/planes.h"
@@ -69,6 +68,8 @@ struct InstanceLabels {
   std::vector<double> scores;
   std::vector<uint8_t> is_plane;
 
+  double scene_radius = 0;  // See SceneFrame.
+
   // The planes, in the order found: largest first.
   std::vector<Plane> planes;
 
@@ -81,12 +82,12 @@ struct InstanceLabels {
   double noise_after = 0;       // Share of all Gaussians without an instance.
 };
 
-// viewpoints: camera centres, world frame; may be empty. What lies behind a
-// plane as seen from them joins the plane. Same input and seed, same labels,
+// views: the photographs' cameras; may be empty. They tell the size of the
+// subject, and what lies behind a plane. Same input and seed, same labels,
 // for any number of threads.
 StatusOr<InstanceLabels> ClusterInstances(
     const splat::GaussianModel& model,
-    std::span<const Eigen::Vector3d> viewpoints,
+    std::span<const View> views,
     const InstanceClusteringOptions& options,
     uint64_t seed,
     ThreadPool& pool,

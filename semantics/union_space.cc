@@ -22,25 +22,6 @@ double Quantile(std::vector<float> values, double share) {
 
 }  // namespace
 
-SceneFrame ComputeSceneFrame(std::span<const float> positions) {
-  SceneFrame frame;
-  const size_t count = positions.size() / 3;
-  if (count == 0) return frame;
-  std::vector<float> values(count);
-  for (int k = 0; k < 3; ++k) {
-    for (size_t i = 0; i < count; ++i) values[i] = positions[i * 3 + k];
-    frame.center[k] = Quantile(values, 0.5);
-  }
-  for (size_t i = 0; i < count; ++i) {
-    const Eigen::Vector3d x(
-        positions[i * 3], positions[i * 3 + 1], positions[i * 3 + 2]);
-    values[i] = static_cast<float>((x - frame.center).norm());
-  }
-  const double radius = Quantile(values, 0.5);
-  if (radius > 0 && std::isfinite(radius)) frame.radius = radius;
-  return frame;
-}
-
 Status UnionSpaceOptions::Check() const {
   for (const double weight : {position_weight, color_weight, semantic_weight}) {
     if (!(weight >= 0 && weight <= 1000)) {

@@ -8,19 +8,10 @@
 #include <span>
 #include <vector>
 
-#include <Eigen/Core>
-
 #include "core/status.h"
+#include "semantics/scene_frame.h"
 
 namespace freegs::semantics {
-
-// Where the scene is and how large what the photos look at is. Robust against
-// far Gaussians: medians only.
-struct SceneFrame {
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();  // Per-axis median.
-  double radius = 1;  // Median distance from the centre, world units; > 0.
-};
-SceneFrame ComputeSceneFrame(std::span<const float> positions);
 
 struct UnionSpaceOptions {
   // Factor on positions once they are divided by the scene radius.

@@ -48,15 +48,11 @@ class BootstrapStage : public pipeline::Stage {
                             ReadWorkspaceScene(context.workspace));
     std::vector<View> views = scene.train;
     views.insert(views.end(), scene.holdout.begin(), scene.holdout.end());
-    std::vector<Eigen::Vector3d> viewpoints;
-    for (const View& view : views) {
-      viewpoints.push_back(CameraCentre(view.cam_from_world));
-    }
 
     context.progress({"clustering", 0, 1, ""});
     FREEGS_ASSIGN_OR_RETURN(const semantics::InstanceLabels labels,
                             semantics::ClusterInstances(scene.model,
-                                                        viewpoints,
+                                                        views,
                                                         options_.clustering,
                                                         seed_,
                                                         *context.pool,
@@ -167,6 +163,7 @@ class BootstrapStage : public pipeline::Stage {
         {"num_gaussians", scene.model.size()},
         {"num_instances", labels.num_instances},
         {"num_background", num_background},
+        {"scene_radius", labels.scene_radius},
         {"num_clustered", labels.num_clustered},
         {"num_plane_points", labels.num_plane_points},
         {"num_clusters", labels.num_clusters},

@@ -37,11 +37,11 @@ double BestIou(const std::vector<int32_t>& truth,
 
 TEST(InstanceClusteringTest, SeparatesObjectsOnATable) {
   const SyntheticGaussians scene = MakeTableScene();
-  const std::vector<Eigen::Vector3d> viewpoints = {
-      {3, 0, 2}, {-3, 0, 2}, {0, 3, 2}};
+  std::vector<View> views(3);
+  for (int i = 0; i < 3; ++i) views[i] = LookAtOrigin(2.1 * i);
   ThreadPool pool(2);
   const auto result =
-      ClusterInstances(scene.model, viewpoints, {}, 0, pool, nullptr);
+      ClusterInstances(scene.model, views, {}, 0, pool, nullptr);
   ASSERT_TRUE(result.ok());
   for (int object = 0; object <= 4; ++object) {
     EXPECT_GT(BestIou(scene.truth, result->labels, object), 0.9) << object;

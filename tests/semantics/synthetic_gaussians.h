@@ -4,13 +4,16 @@
 #ifndef FREEGS_TESTS_SEMANTICS_SYNTHETIC_GAUSSIANS_H_
 #define FREEGS_TESTS_SEMANTICS_SYNTHETIC_GAUSSIANS_H_
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
+#include "core/pinhole.h"
 #include "core/random.h"
 #include "splat/gaussian_model.h"
 
@@ -107,6 +110,24 @@ inline SyntheticGaussians MakeTableScene() {
               -1);
   }
   return scene;
+}
+
+// A camera of 80 x 60 pixels, 2.8 away from the origin, that looks down on it.
+inline View LookAtOrigin(double heading) {
+  const Eigen::Vector3d center(
+      2.2 * std::cos(heading), 2.2 * std::sin(heading), 1.8);
+  const Eigen::Vector3d forward = -center.normalized();
+  const Eigen::Vector3d right =
+      forward.cross(Eigen::Vector3d::UnitZ()).normalized();
+  Eigen::Matrix3d rotation;
+  rotation.row(0) = right.transpose();
+  rotation.row(1) = forward.cross(right).transpose();
+  rotation.row(2) = forward.transpose();
+  View view;
+  view.camera = {80, 60, 70, 70, 40, 30};
+  view.cam_from_world.rotation = Eigen::Quaterniond(rotation);
+  view.cam_from_world.translation = -(rotation * center);
+  return view;
 }
 
 }  // namespace freegs::semantics

@@ -15,29 +15,6 @@ namespace {
 using testing::FloatNear;
 using testing::Pointwise;
 
-TEST(UnionSpaceTest, FrameIgnoresFarPoints) {
-  std::vector<float> positions;
-  for (int i = -50; i <= 50; ++i) {
-    for (const float x : {3.0f + 0.02f * static_cast<float>(i), 1.0f, -2.0f}) {
-      positions.push_back(x);
-    }
-  }
-  const SceneFrame clean = ComputeSceneFrame(positions);
-  EXPECT_NEAR(clean.center.x(), 3, 1e-6);
-  EXPECT_NEAR(clean.radius, 0.5, 0.02);
-  for (int i = 0; i < 5; ++i) {
-    for (const float x : {1e6f, 1e6f, 1e6f}) positions.push_back(x);
-  }
-  EXPECT_NEAR(ComputeSceneFrame(positions).radius, clean.radius, 0.05);
-}
-
-TEST(UnionSpaceTest, FrameOfNothingAndOfOnePoint) {
-  EXPECT_EQ(ComputeSceneFrame({}).radius, 1);
-  const std::vector<float> point = {4, 5, 6};
-  EXPECT_EQ(ComputeSceneFrame(point).radius, 1);
-  EXPECT_EQ(ComputeSceneFrame(point).center, Eigen::Vector3d(4, 5, 6));
-}
-
 TEST(UnionSpaceTest, BlocksAreScaledWeightedAndClamped) {
   const std::vector<float> positions = {2, 2, 2, 4, 2, 0, 1e9f, 2, -1e9f};
   const std::vector<float> colors = {0, 0.5f, 1, 2, -1, 0.25f, 1, 1, 1};

@@ -50,7 +50,7 @@ class BootstrapStageTest : public testing::Test {
       // One in a folder of its own.
       image.name =
           (k == 3 ? "sub/photo" : "photo") + std::to_string(k) + ".png";
-      image.cam_from_world = LookAtOrigin(0.785 * k);
+      image.cam_from_world = semantics::LookAtOrigin(0.785 * k).cam_from_world;
       sparse.images.push_back(image);
       const fs::path file = workspace() / "undistort" / "images" / image.name;
       fs::create_directories(file.parent_path());
@@ -78,22 +78,6 @@ class BootstrapStageTest : public testing::Test {
     ASSERT_TRUE(
         splat::WritePly(workspace() / "reconstruct" / "point_cloud.ply", model)
             .ok());
-  }
-
-  static Rigid3d LookAtOrigin(double heading) {
-    const Eigen::Vector3d center(
-        2.2 * std::cos(heading), 2.2 * std::sin(heading), 1.8);
-    const Eigen::Vector3d forward = -center.normalized();
-    const Eigen::Vector3d right =
-        forward.cross(Eigen::Vector3d::UnitZ()).normalized();
-    Eigen::Matrix3d rotation;
-    rotation.row(0) = right.transpose();
-    rotation.row(1) = forward.cross(right).transpose();
-    rotation.row(2) = forward.transpose();
-    Rigid3d cam_from_world;
-    cam_from_world.rotation = Eigen::Quaterniond(rotation);
-    cam_from_world.translation = -(rotation * center);
-    return cam_from_world;
   }
 
   Status Run(const fs::path& output,
