@@ -23,34 +23,42 @@ constexpr size_t kMaxAnglePoints = 4000;
 struct WeightedPoint {
   Eigen::Vector3d position;
   double weight;
+  Eigen::Matrix3d root;  // root * root^T is the covariance.
 };
 
+// Standard deviation of the Gaussian along a unit vector.
+double Sigma(const WeightedPoint& point, const Eigen::Vector3d& direction) {
+  return (point.root.transpose() * direction).norm();
+}
+
 // The interval along a direction that leaves `trim` of the weight outside on
-// each side.
+// each side. A Gaussian reaches one standard deviation to either side: about
+// where an opaque one stops to hide what is behind it.
 std::pair<double, double> TrimmedRange(const std::vector<WeightedPoint>& points,
                                        const Eigen::Vector3d& direction,
                                        double trim,
                                        size_t stride = 1) {
-  std::vector<std::pair<double, double>> values;
-  values.reserve(points.size() / stride + 1);
+  std::vector<std::pair<double, double>> lows;   // (end, weight)
+  std::vector<std::pair<double, double>> highs;  // (-end, weight)
   double total = 0;
   for (size_t i = 0; i < points.size(); i += stride) {
-    values.emplace_back(direction.dot(points[i].position), points[i].weight);
+    const double middle = direction.dot(points[i].position);
+    const double sigma = Sigma(points[i], direction);
+    lows.emplace_back(middle - sigma, points[i].weight);
+    highs.emplace_back(-(middle + sigma), points[i].weight);
     total += points[i].weight;
   }
-  std::sort(values.begin(), values.end());
-  double below = 0;
-  size_t first = 0;
-  while (first + 1 < values.size() &&
-         below + values[first].second <= trim * total) {
-    below += values[first++].second;
-  }
-  double above = 0;
-  size_t last = values.size() - 1;
-  while (last > first && above + values[last].second <= trim * total) {
-    above += values[last--].second;
-  }
-  return {values[first].first, values[last].first};
+  const auto end = [&](std::vector<std::pair<double, double>>& ends) {
+    std::sort(ends.begin(), ends.end());
+    double outside = 0;
+    size_t first = 0;
+    while (first + 1 < ends.size() &&
+           outside + ends[first].second <= trim * total) {
+      outside += ends[first++].second;
+    }
+    return ends[first].first;
+  };
+  return {end(lows), -end(highs)};
 }
 
 OrientedBox BoxAlong(const std::vector<WeightedPoint>& points,
@@ -104,6 +112,17 @@ Eigen::Matrix3d PrincipalAxes(const std::vector<WeightedPoint>& points) {
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(moment).eigenvectors();
   if (axes.determinant() < 0) axes.col(0) = -axes.col(0);
   return axes;
+}
+
+// Rotation times scales; zero where that is not finite.
+Eigen::Matrix3d CovarianceRoot(const splat::GaussianModel& model, uint32_t i) {
+  const float* q = model.rotations.data() + i * size_t{4};
+  const float* s = model.log_scales.data() + i * size_t{3};
+  const Eigen::Quaterniond rotation(q[0], q[1], q[2], q[3]);
+  const Eigen::Vector3d scales(std::exp(s[0]), std::exp(s[1]), std::exp(s[2]));
+  const Eigen::Matrix3d root =
+      rotation.normalized().toRotationMatrix() * scales.asDiagonal();
+  return root.allFinite() ? root : Eigen::Matrix3d(Eigen::Matrix3d::Zero());
 }
 
 std::vector<WeightedPoint> WithoutStrays(
@@ -174,7 +193,7 @@ std::vector<Instance> BuildInstances(
         if (!position.allFinite()) continue;
         const double opacity =
             1 / (1 + std::exp(-double{model.opacity_logits[i]}));
-        all.push_back({position, opacity});
+        all.push_back({position, opacity, CovarianceRoot(model, i)});
         if (opacity >= options.min_opacity) solid.push_back(all.back());
       }
       if (solid.empty()) solid = all;

@@ -40,7 +40,8 @@ struct InstanceBoxOptions {
   // this many times the median are strays and do not count.
   double max_isolation = 4;
 
-  // Share of the opacity that may lie outside on each side of a box.
+  // Share of the opacity that may lie outside on each side of a box, where a
+  // Gaussian ends one standard deviation from its centre.
   double trim = 0.005;
 };
 

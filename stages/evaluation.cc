@@ -3,6 +3,7 @@
 #include "stages/evaluation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -80,9 +81,11 @@ std::vector<semantics::Instance> InstancesInTruth(
     const Sim3d& truth_from_scene,
     const semantics::InstanceBoxOptions& options,
     ThreadPool& pool) {
-  splat::GaussianModel moved;  // Boxes ask for centres and opacities only.
+  splat::GaussianModel
+      moved;  // All but the colours: boxes do not ask for them.
   moved.Resize(model.size());
   moved.opacity_logits = model.opacity_logits;
+  const auto log_scale = static_cast<float>(std::log(truth_from_scene.scale));
   int num_labels = 0;
   for (size_t i = 0; i < model.size(); ++i) {
     const Eigen::Vector3d mean =
@@ -91,7 +94,18 @@ std::vector<semantics::Instance> InstancesInTruth(
                                            model.means[3 * i + 2]);
     for (int k = 0; k < 3; ++k) {
       moved.means[3 * i + k] = static_cast<float>(mean[k]);
+      moved.log_scales[3 * i + k] = model.log_scales[3 * i + k] + log_scale;
     }
+    const Eigen::Quaterniond rotation =
+        truth_from_scene.rotation *
+        Eigen::Quaterniond(model.rotations[4 * i],
+                           model.rotations[4 * i + 1],
+                           model.rotations[4 * i + 2],
+                           model.rotations[4 * i + 3]);
+    moved.rotations[4 * i] = static_cast<float>(rotation.w());
+    moved.rotations[4 * i + 1] = static_cast<float>(rotation.x());
+    moved.rotations[4 * i + 2] = static_cast<float>(rotation.y());
+    moved.rotations[4 * i + 3] = static_cast<float>(rotation.z());
     num_labels = std::max(num_labels, instance_of_gaussian[i] + 1);
   }
   return semantics::BuildInstances(moved,

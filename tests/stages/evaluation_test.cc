@@ -28,6 +28,7 @@ class EvaluationTest : public testing::Test {
  protected:
   static constexpr int kPerBall = 300;
   static constexpr double kRadius = 0.5;
+  static constexpr double kSigma = 0.06;  // Boxes reach one sigma further.
 
   void SetUp() override {
     folder_ = fs::path(testing::TempDir()) / "evaluation_test";
@@ -68,8 +69,8 @@ class EvaluationTest : public testing::Test {
       object.id = ball + 1;
       object.label = "ball " + std::to_string(ball + 1);
       const Vector3d centre(1.5 * (ball - 1), 0, 0);
-      object.aabb = {centre - Vector3d::Constant(kRadius),
-                     centre + Vector3d::Constant(kRadius)};
+      object.aabb = {centre - Vector3d::Constant(kRadius + kSigma),
+                     centre + Vector3d::Constant(kRadius + kSigma)};
       truth_.objects.push_back(object);
       for (int k = 0; k < kPerBall; ++k) {
         const size_t i = static_cast<size_t>(ball) * kPerBall + k;
@@ -79,7 +80,8 @@ class EvaluationTest : public testing::Test {
         const Vector3d mean = centre + kRadius * direction.normalized();
         for (int axis = 0; axis < 3; ++axis) {
           true_model_.means[3 * i + axis] = static_cast<float>(mean[axis]);
-          true_model_.log_scales[3 * i + axis] = std::log(0.06f);
+          true_model_.log_scales[3 * i + axis] =
+              static_cast<float>(std::log(kSigma));
           true_model_.sh_dc[3 * i + axis] =
               static_cast<float>(2 * random.Uniform() - 1);
         }
