@@ -18,8 +18,6 @@ workspace=$folder/killed
 log=$folder/runs.log
 mkdir -p "$folder"
 
-run() { "$program" run "$images" "$workspace" "$@" >>"$log" 2>&1; }
-
 # Finished stages and when they finished: what must survive a kill.
 finished() {
   find "$workspace" -mindepth 2 -maxdepth 2 -name stage.json \
@@ -29,7 +27,7 @@ finished() {
 killed=0
 for stage in "${stages[@]}"; do
   for ((k = 0; k < kills; ++k)); do
-    run "$@" & pid=$!
+    "$program" run "$images" "$workspace" "$@" >>"$log" 2>&1 & pid=$!
     # Wait for the stage to begin; it may already be over.
     while kill -0 "$pid" 2>/dev/null && [ ! -e "$workspace/$stage.partial" ]; do
       sleep 0.02
@@ -57,7 +55,7 @@ for stage in "${stages[@]}"; do
 done
 
 echo "killed $killed times; now to the end"
-run "$@"
+"$program" run "$images" "$workspace" "$@" >>"$log" 2>&1
 reference=$folder/undisturbed
 rm -rf "$reference"
 mkdir -p "$reference"

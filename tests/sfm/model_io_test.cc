@@ -179,7 +179,8 @@ TEST(ModelIo, InconsistentModelsAreRefused) {
 
 // A count far beyond the file must be refused before memory is taken for it.
 TEST(ModelIo, LyingCountsTakeNoMemory) {
-  for (const uint64_t count : {uint64_t{1} << 62, uint64_t{1} << 40, ~uint64_t{0}}) {
+  for (const uint64_t count :
+       {uint64_t{1} << 62, uint64_t{1} << 40, ~uint64_t{0}}) {
     const std::string bytes = Bytes(count) + std::string(200, '\1');
     std::vector<Camera> cameras;
     EXPECT_FALSE(ParseCamerasBinary(bytes, &cameras).ok());
