@@ -91,7 +91,7 @@ bool IsValidDepth(int bits, int colour) {
 }
 
 Status ReadHeaderChunk(std::string_view data, PhotoHeader* header) {
-  const Status damaged =
+  Status damaged =
       BadInputError("damaged PNG header; copy the file again");
   if (data.size() != 13) return damaged;
   header->width = Long(data, 0);

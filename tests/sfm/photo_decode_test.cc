@@ -137,28 +137,28 @@ TEST(PhotoDecodeTest, AlphaIsLaidOverTheBackground) {
 }
 
 TEST(PhotoDecodeTest, UncommonPngKinds) {
-  const int side = 32;
-  const auto rows = [side](const std::string& row) {
+  constexpr int kSide = 32;
+  const auto rows = [](const std::string& row) {
     std::string all;
-    for (int y = 0; y < side; ++y) all += std::string(1, '\0') + row;
+    for (int y = 0; y < kSide; ++y) all += std::string(1, '\0') + row;
     return all;
   };
   const std::string palette = PngChunk("PLTE", "\x0a\x14\x1e\x28\x32\x3c");
-  const std::string index_one(side, '\x01');
+  const std::string index_one(kSide, '\x01');
   const struct {
     const char* what;
     std::string bytes;
     int red;
     int blue;
   } cases[] = {
-      {"palette", RawPng(side, side, 8, 3, rows(index_one), palette), 40, 60},
+      {"palette", RawPng(kSide, kSide, 8, 3, rows(index_one), palette), 40, 60},
       {"palette of 1 bit",
-       RawPng(side, side, 1, 3, rows("\xff\xff\xff\xff"), palette),
+       RawPng(kSide, kSide, 1, 3, rows("\xff\xff\xff\xff"), palette),
        40,
        60},
       {"palette with a transparent colour",
-       RawPng(side,
-              side,
+       RawPng(kSide,
+              kSide,
               8,
               3,
               rows(index_one),
@@ -166,18 +166,18 @@ TEST(PhotoDecodeTest, UncommonPngKinds) {
        255,
        255},
       {"grey of 1 bit",
-       RawPng(side, side, 1, 0, rows("\xff\xff\xff\xff")),
+       RawPng(kSide, kSide, 1, 0, rows("\xff\xff\xff\xff")),
        255,
        255},
-      {"grey of 2 bits", RawPng(side, side, 2, 0, rows("UUUUUUUU")), 85, 85},
+      {"grey of 2 bits", RawPng(kSide, kSide, 2, 0, rows("UUUUUUUU")), 85, 85},
       {"grey of 4 bits",
-       RawPng(side, side, 4, 0, rows("3333333333333333")),
+       RawPng(kSide, kSide, 4, 0, rows("3333333333333333")),
        51,
        51},
       {"grey with alpha",
-       RawPng(side, side, 8, 4, rows([side] {
+       RawPng(kSide, kSide, 8, 4, rows([] {
                 std::string row;
-                for (int x = 0; x < side; ++x) row += std::string("d\x00", 2);
+                for (int x = 0; x < kSide; ++x) row += std::string("d\x00", 2);
                 return row;
               }())),
        255,

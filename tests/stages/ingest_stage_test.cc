@@ -3,6 +3,7 @@
 #include "stages/ingest_stage.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -360,6 +361,20 @@ TEST_F(IngestStageTest, InputsAreThePhotosAndTheList) {
               ElementsAre(images_.path(),
                           fs::path("list.txt"),
                           images_.path() / "linked" / ""));
+}
+
+TEST_F(IngestStageTest, RealPhotographs) {
+  const char* data = std::getenv("FREEGS_SHARED_DATA");
+  if (data == nullptr) GTEST_SKIP() << "FREEGS_SHARED_DATA is not set";
+  const fs::path folder = fs::path(data) / "fox" / "images";
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    images_.Write(entry.path().filename(), *ReadFile(entry.path()));
+  }
+  ASSERT_TRUE(Run().ok());
+  EXPECT_THAT(warnings_, IsEmpty());
+  EXPECT_EQ(summary_["photos"], 50);
+  EXPECT_EQ(summary_["holdout"], 7);
+  EXPECT_EQ(Written().size(), 50U);
 }
 
 TEST(IngestStageOptionsTest, DefaultsAreInRange) {
