@@ -121,6 +121,16 @@ void Judge(const HealthOptions& options, bool triangulated, Health* health) {
         "the zoom changed between photos";
     return;
   }
+  if (health->contradictions > 0) {
+    health->reason = "the model contradicts " +
+                     std::to_string(health->contradictions) +
+                     " of the strongest matches between photos: parts of the "
+                     "scene that look alike may have been mixed up";
+    health->advice =
+        "add photos that show the parts that look alike together with what "
+        "tells them apart, or try another --sfm.max_features";
+    return;
+  }
   health->verdict = Verdict::kOk;
 }
 
@@ -169,8 +179,10 @@ double TriangulationAngleDeg(const Eigen::Vector3d& point,
 Health MeasureHealth(const std::vector<Reconstruction>& models,
                      const std::vector<std::string>& names,
                      bool triangulated,
-                     const HealthOptions& options) {
+                     const HealthOptions& options,
+                     size_t contradictions) {
   Health health;
+  health.contradictions = contradictions;
   health.images = static_cast<int>(names.size());
   std::set<std::string_view> posed;
   if (!models.empty()) {
@@ -222,6 +234,7 @@ nlohmann::json HealthToJson(const Health& health) {
       {"median_triangulation_deg", Rounded(health.median_triangulation_deg)},
       {"num_points", health.num_points},
       {"observations", health.observations},
+      {"contradictions", health.contradictions},
       {"unregistered", names},
       {"unregistered_reasons", reasons},
       {"warnings", health.warnings},

@@ -56,6 +56,9 @@ struct Health {
   size_t num_points = 0;
   size_t observations = 0;
 
+  // Strongest matches between photos that the model contradicts.
+  size_t contradictions = 0;
+
   // Photos without a pose, and why if known.
   std::map<std::string, std::string> unregistered;
   std::vector<std::string> warnings;
@@ -79,7 +82,8 @@ double TriangulationAngleDeg(const Eigen::Vector3d& point,
 Health MeasureHealth(const std::vector<Reconstruction>& models,
                      const std::vector<std::string>& names,
                      bool triangulated,
-                     const HealthOptions& options);
+                     const HealthOptions& options,
+                     size_t contradictions = 0);
 
 // health.json.
 nlohmann::json HealthToJson(const Health& health);

@@ -3,6 +3,8 @@
 
 #include "sfm/match_database.h"
 
+#include <algorithm>
+#include <cstring>
 #include <map>
 #include <sqlite3.h>
 #include <system_error>
@@ -151,6 +153,45 @@ StatusOr<std::vector<MatchDatabase::Verified>> MatchDatabase::VerifiedMatches()
   std::vector<Verified> result;
   for (const auto& entry : counts) result.push_back(entry.second);
   return result;
+}
+
+Status MatchDatabase::ForEachVerifiedPair(
+    const std::function<
+        void(uint32_t, uint32_t, std::span<const FeatureMatch>)>& visit) const {
+  Statement statement(database_.get(),
+                      "SELECT pair_id, rows, data FROM two_view_geometries "
+                      "WHERE rows > 0 ORDER BY pair_id");
+  if (!statement.ok()) return Error("cannot list its matches");
+  std::vector<FeatureMatch> matches;
+  int code;
+  while ((code = statement.Step()) == SQLITE_ROW) {
+    const int64_t pair = statement.Integer(0);
+    const std::string data = statement.Text(2);
+    static_assert(sizeof(FeatureMatch) == 8);
+    if (statement.Integer(1) != static_cast<int64_t>(data.size() / 8)) {
+      return BadInputError(path_.string() + ": the matches of pair " +
+                           std::to_string(pair) + " are not of their size");
+    }
+    matches.resize(data.size() / 8);
+    std::memcpy(matches.data(), data.data(), matches.size() * 8);
+    visit(static_cast<uint32_t>(pair / kMaxImageId),
+          static_cast<uint32_t>(pair % kMaxImageId),
+          matches);
+  }
+  return code == SQLITE_DONE ? Status() : Error("cannot list its matches");
+}
+
+Status MatchDatabase::RemoveVerifiedPairs(
+    const std::vector<std::pair<uint32_t, uint32_t>>& pairs) {
+  FREEGS_RETURN_IF_ERROR(Execute("BEGIN IMMEDIATE"));
+  for (const auto& [id1, id2] : pairs) {
+    Statement statement(database_.get(),
+                        "DELETE FROM two_view_geometries WHERE pair_id = ?");
+    if (!statement.ok()) return Error("cannot delete matches");
+    statement.Bind(1, std::min(id1, id2) * kMaxImageId + std::max(id1, id2));
+    if (statement.Step() != SQLITE_DONE) return Error("cannot delete matches");
+  }
+  return Execute("COMMIT");
 }
 
 Status MatchDatabase::CopyMatchesFrom(const std::filesystem::path& other) {

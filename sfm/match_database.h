@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,6 +20,12 @@
 struct sqlite3;
 
 namespace freegs::sfm {
+
+// Feature feature1 of one image shows what feature2 of another shows.
+struct FeatureMatch {
+  uint32_t feature1 = 0;
+  uint32_t feature2 = 0;
+};
 
 class MatchDatabase {
  public:
@@ -46,6 +53,16 @@ class MatchDatabase {
     int64_t num_matches = 0;
   };
   StatusOr<std::vector<Verified>> VerifiedMatches() const;
+
+  // Calls visit(id1, id2, matches) for each pair of photos with verified
+  // matches, by ascending ids; id1 < id2.
+  Status ForEachVerifiedPair(
+      const std::function<void(
+          uint32_t, uint32_t, std::span<const FeatureMatch>)>& visit) const;
+
+  // Deletes the verified matches of pairs of photos.
+  Status RemoveVerifiedPairs(
+      const std::vector<std::pair<uint32_t, uint32_t>>& pairs);
 
   // Copies all raw and verified matches of the database at `other`, which
   // holds the same photos under the same ids, into this one, in one

@@ -14,6 +14,7 @@
 #include "sfm/colmap_program.h"
 #include "sfm/colmap_steps.h"
 #include "sfm/match_database.h"
+#include "sfm/view_graph.h"
 
 namespace freegs::sfm {
 namespace {
@@ -109,6 +110,97 @@ Status BuildDatabase(const StepContext& context,
 
 size_t NumRegistered(const std::vector<Reconstruction>& models) {
   return models.empty() ? 0 : models[0].images.size();
+}
+
+fs::path MapperFolder(const StepContext& context) {
+  return context.input.work_folder / "mapper";
+}
+
+// Maps with COLMAP's thresholds, and with lower ones when they leave out many.
+Status MapBest(const StepContext& context,
+               const fs::path& database,
+               SfmResult* result) {
+  const fs::path folder = MapperFolder(context);
+  const size_t count = context.input.photos.size();
+  FREEGS_ASSIGN_OR_RETURN(
+      result->models, MapPhotos(context, database, folder, /*relaxed=*/false));
+  SortBySize(&result->models);
+  const size_t registered = NumRegistered(result->models);
+  if (registered * 10 < count * 9) {
+    FREEGS_ASSIGN_OR_RETURN(
+        std::vector<Reconstruction> relaxed,
+        MapPhotos(context, database, folder, /*relaxed=*/true));
+    SortBySize(&relaxed);
+    if (NumRegistered(relaxed) > registered) {
+      result->warnings.push_back(
+          "mapped with lower thresholds, as the usual ones registered only " +
+          std::to_string(registered) + " of " + std::to_string(count) +
+          " photos");
+      result->models = std::move(relaxed);
+    }
+  }
+  std::error_code ignored;
+  fs::remove_all(folder, ignored);
+  return {};
+}
+
+// Maps again without the matches that put photos in places which their
+// strongest matches contradict, as long as that helps.
+Status Reconcile(const StepContext& context,
+                 const fs::path& database_path,
+                 SfmResult* result) {
+  constexpr int kMaxRounds = 3;
+  if (result->models.empty()) return {};
+  const fs::path trusted_path = context.input.work_folder / "trusted.db";
+  Contradictions found;
+  {
+    FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
+                            MatchDatabase::Open(database_path));
+    FREEGS_ASSIGN_OR_RETURN(const std::vector<PairAgreement> pairs,
+                            MeasureAgreement(result->models[0], database));
+    found = FindContradictions(pairs);
+    if (found.strongest.empty()) return {};
+    RemoveDatabase(trusted_path);
+    FREEGS_RETURN_IF_ERROR(database.CopyTo(trusted_path));
+  }
+  const size_t before = found.strongest.size();
+  size_t removed = 0;
+  for (int round = 0; round < kMaxRounds && !found.suspects.empty(); ++round) {
+    Contradictions next;
+    SfmResult again;
+    {
+      FREEGS_ASSIGN_OR_RETURN(MatchDatabase trusted,
+                              MatchDatabase::Open(trusted_path));
+      FREEGS_RETURN_IF_ERROR(trusted.RemoveVerifiedPairs(found.suspects));
+    }
+    removed += found.suspects.size();
+    FREEGS_RETURN_IF_ERROR(MapBest(context, trusted_path, &again));
+    if (again.models.empty()) break;
+    {
+      // Against what is still trusted.
+      FREEGS_ASSIGN_OR_RETURN(const MatchDatabase trusted,
+                              MatchDatabase::Open(trusted_path));
+      FREEGS_ASSIGN_OR_RETURN(const std::vector<PairAgreement> pairs,
+                              MeasureAgreement(again.models[0], trusted));
+      next = FindContradictions(pairs);
+    }
+    const bool fewer = next.strongest.size() < found.strongest.size();
+    const bool as_many =
+        NumRegistered(again.models) * 10 >= NumRegistered(result->models) * 9;
+    if (!fewer || !as_many) break;
+    result->models = std::move(again.models);
+    result->warnings.insert(
+        result->warnings.end(), again.warnings.begin(), again.warnings.end());
+    found = std::move(next);
+  }
+  RemoveDatabase(trusted_path);
+  result->contradictions = found.strongest.size();
+  result->warnings.push_back(
+      "parts of the scene look alike: a first model contradicted " +
+      std::to_string(before) + " of the strongest matches; mapped again " +
+      "without " + std::to_string(removed) + " matching pairs, which leaves " +
+      std::to_string(found.strongest.size()) + " contradicted");
+  return {};
 }
 
 // Why photos are not in the best model.
@@ -220,25 +312,9 @@ StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
         "this COLMAP has no database_cleaner: features were taken by one "
         "thread, to stay repeatable");
   }
-  const fs::path folder = input.work_folder / "mapper";
-  FREEGS_ASSIGN_OR_RETURN(
-      result.models, MapPhotos(context, database, folder, /*relaxed=*/false));
-  SortBySize(&result.models);
-  if (NumRegistered(result.models) * 10 < input.photos.size() * 9) {
-    FREEGS_ASSIGN_OR_RETURN(
-        std::vector<Reconstruction> relaxed,
-        MapPhotos(context, database, folder, /*relaxed=*/true));
-    SortBySize(&relaxed);
-    if (NumRegistered(relaxed) > NumRegistered(result.models)) {
-      result.warnings.push_back(
-          "mapped with lower thresholds, as the usual ones registered only " +
-          std::to_string(NumRegistered(result.models)) + " of " +
-          std::to_string(input.photos.size()) + " photos");
-      result.models = std::move(relaxed);
-    }
-  }
+  FREEGS_RETURN_IF_ERROR(MapBest(context, database, &result));
+  FREEGS_RETURN_IF_ERROR(Reconcile(context, database, &result));
   std::error_code ignored;
-  fs::remove_all(folder, ignored);
   fs::remove(input.work_folder / "image_list.txt", ignored);
   FREEGS_RETURN_IF_ERROR(ExplainUnregistered(input, database, &result));
   return result;

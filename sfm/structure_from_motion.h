@@ -82,6 +82,9 @@ struct SfmResult {
   // points, first. May be empty.
   std::vector<Reconstruction> models;
 
+  // Strongest matches that models[0] contradicts (see view_graph.h).
+  size_t contradictions = 0;
+
   std::string colmap_version;
   std::vector<std::string> warnings;
 

@@ -52,6 +52,7 @@ struct Outcome {
   bool triangulated = true;
   std::string source;
   std::string colmap_version;
+  size_t contradictions = 0;
   std::vector<std::string> warnings;
   std::map<std::string, std::string> unregistered;
 };
@@ -106,6 +107,7 @@ class SfmStage : public pipeline::Stage {
     outcome.models = std::move(result.models);
     outcome.source = "colmap";
     outcome.colmap_version = std::move(result.colmap_version);
+    outcome.contradictions = result.contradictions;
     outcome.warnings = std::move(result.warnings);
     outcome.unregistered = std::move(result.unregistered);
     return outcome;
@@ -168,8 +170,11 @@ class SfmStage : public pipeline::Stage {
                 StageContext& context) const {
     std::vector<std::string> names;
     for (const sfm::SfmPhoto& photo : photos) names.push_back(photo.name);
-    sfm::Health health = sfm::MeasureHealth(
-        outcome.models, names, outcome.triangulated, options_.health);
+    sfm::Health health = sfm::MeasureHealth(outcome.models,
+                                            names,
+                                            outcome.triangulated,
+                                            options_.health,
+                                            outcome.contradictions);
     health.source = outcome.source;
     health.colmap_version = outcome.colmap_version;
     for (auto& [name, reason] : health.unregistered) {

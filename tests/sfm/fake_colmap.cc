@@ -119,9 +119,9 @@ class Database {
     Run("CREATE TABLE IF NOT EXISTS descriptors (image_id INTEGER PRIMARY KEY, "
         "rows INTEGER NOT NULL, cols INTEGER NOT NULL, data BLOB)");
     Run("CREATE TABLE IF NOT EXISTS matches (pair_id INTEGER PRIMARY KEY, "
-        "rows INTEGER NOT NULL)");
+        "rows INTEGER NOT NULL, data BLOB)");
     Run("CREATE TABLE IF NOT EXISTS two_view_geometries (pair_id INTEGER "
-        "PRIMARY KEY, rows INTEGER NOT NULL)");
+        "PRIMARY KEY, rows INTEGER NOT NULL, data BLOB)");
   }
   ~Database() { sqlite3_close(database_); }
 
@@ -209,7 +209,8 @@ int MatchPairs(Options& options) {
     } else if (!line.empty()) {
       ++count;
     } else {
-      const std::string row = "(" + pair + "," + std::to_string(count) + ")";
+      const std::string row = "(" + pair + "," + std::to_string(count) +
+                              ",zeroblob(" + std::to_string(8 * count) + "))";
       database.Run("INSERT INTO matches VALUES" + row);
       database.Run("INSERT INTO two_view_geometries VALUES" + row);
       pair.clear();
