@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "semantics/cluster_merging.h"
+#include "semantics/crease_split.h"
 #include "semantics/kd_tree.h"
 #include "semantics/local_geometry.h"
 
@@ -94,6 +95,36 @@ void AbsorbBehindPlanes(std::span<const float> positions,
   }
 }
 
+// The sign of a normal follows from the nearest camera: it sees the outside.
+// Without cameras, outward is away from the scene's centre.
+std::vector<float> OutwardNormals(std::span<const float> positions,
+                                  std::vector<float> normals,
+                                  std::span<const View> views,
+                                  const SceneFrame& frame) {
+  std::vector<Eigen::Vector3d> centers;
+  for (const View& view : views) {
+    centers.push_back(CameraCentre(view.cam_from_world));
+  }
+  for (size_t i = 0; i < positions.size(); i += 3) {
+    const Eigen::Vector3d x(positions[i], positions[i + 1], positions[i + 2]);
+    Eigen::Vector3d outward = x - frame.center;
+    if (!centers.empty()) {
+      outward = *std::min_element(centers.begin(),
+                                  centers.end(),
+                                  [&](const auto& a, const auto& b) {
+                                    return (a - x).squaredNorm() <
+                                           (b - x).squaredNorm();
+                                  }) -
+                x;
+    }
+    const Eigen::Vector3d normal(normals[i], normals[i + 1], normals[i + 2]);
+    if (normal.dot(outward) < 0) {
+      for (int k = 0; k < 3; ++k) normals[i + k] = -normals[i + k];
+    }
+  }
+  return normals;
+}
+
 // Labels below min_size members become -1.
 void DissolveSmall(size_t min_size, std::vector<int32_t>* labels) {
   int32_t num_labels = 0;
@@ -156,6 +187,12 @@ Status InstanceClusteringOptions::Check() const {
   if (!(merge_color >= 0) || !(merge_distance >= 0) || !(noise_distance >= 0)) {
     return InvalidArgumentError(
         "merge_color, merge_distance and noise_distance must not be negative");
+  }
+  if (!(min_crease_contrast >= 0) || !(crease_patch_size > 0)) {
+    return InvalidArgumentError(
+        "min_crease_contrast must not be negative and crease_patch_size must "
+        "be "
+        "positive");
   }
   if (min_instance_size < 1) {
     return InvalidArgumentError("min_instance_size must be at least 1");
@@ -236,13 +273,29 @@ StatusOr<InstanceLabels> ClusterInstances(
                   pool,
                   &labels);
   }
+  if (options.min_crease_contrast > 0) {
+    const std::vector<float> normals = OutwardNormals(
+        rest_positions, Gather(geometry.normals, rest), views, frame);
+    SplitAtCreases(rest_positions,
+                   smooth_colors,
+                   normals,
+                   {.min_contrast = options.min_crease_contrast,
+                    .patch_size = options.crease_patch_size * frame.radius,
+                    .min_part_size = hdbscan.min_cluster_size},
+                   pool,
+                   &labels);
+  }
   DissolveSmall(options.min_instance_size, &labels);
 
   // Back to all Gaussians: planes are labels 0 .. num_planes - 1 for now.
   for (size_t i = 0; i < rows.size(); ++i) {
     result.labels[rows[i]] = planes.plane_index[i];
   }
-  std::vector<double> score_sum(num_planes + clusters.num_clusters, 0.0);
+  int32_t num_labels = 0;
+  for (const int32_t label : labels) {
+    num_labels = std::max(num_labels, label + 1);
+  }
+  std::vector<double> score_sum(num_planes + num_labels, 0.0);
   std::vector<size_t> score_count(score_sum.size(), 0);
   for (size_t i = 0; i < rest.size(); ++i) {
     if (labels[i] < 0) continue;

@@ -48,6 +48,11 @@ struct InstanceClusteringOptions {
   // distance of the other, in scene radii.
   double merge_distance = 0.02;
 
+  // Splits clusters in which things of different colour meet in concave creases
+  // (see crease_split.h); 0 splits none. Patches of this many scene radii.
+  double min_crease_contrast = 0.12;
+  double crease_patch_size = 0.1;
+
   // Noise takes the label of the nearest labelled Gaussian up to this far away,
   // in scene radii.
   double noise_distance = 0.2;

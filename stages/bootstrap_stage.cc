@@ -262,6 +262,13 @@ void RegisterBootstrapOptions(BootstrapStageOptions& options,
             {.help = "How near clusters must be to touch, in scene radii.",
              .min = 0,
              .max = 10});
+  table.Add("bootstrap.min_crease_contrast",
+            &clustering.min_crease_contrast,
+            {.help = "Clusters are split at concave creases between parts of "
+                     "different colour: concavity (0 to 2) times colour "
+                     "difference from which on they are; 0 splits none.",
+             .min = 0,
+             .max = 10});
   table.Add("bootstrap.noise_distance",
             &clustering.noise_distance,
             {.help = "Noise joins the nearest cluster within this many scene "
