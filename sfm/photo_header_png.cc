@@ -91,8 +91,7 @@ bool IsValidDepth(int bits, int colour) {
 }
 
 Status ReadHeaderChunk(std::string_view data, PhotoHeader* header) {
-  Status damaged =
-      BadInputError("damaged PNG header; copy the file again");
+  Status damaged = BadInputError("damaged PNG header; copy the file again");
   if (data.size() != 13) return damaged;
   header->width = Long(data, 0);
   header->height = Long(data, 4);
