@@ -4,10 +4,8 @@
 add_library(freegs_warnings INTERFACE)
 target_compile_options(freegs_warnings INTERFACE -Wall -Wextra -Werror)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION MATCHES "^12")
-  # False alarms on std::string (GCC bugs 105651 and 105329; the second shows
-  # with precompiled headers).
-  target_compile_options(freegs_warnings INTERFACE
-    -Wno-restrict -Wno-stringop-overflow)
+  # False alarms on "literal" + std::string (GCC bug 105651).
+  target_compile_options(freegs_warnings INTERFACE -Wno-restrict)
 endif()
 if(FREEGS_SANITIZE)
   target_compile_options(freegs_warnings INTERFACE
@@ -15,16 +13,6 @@ if(FREEGS_SANITIZE)
     -fno-sanitize-recover=all)
   target_link_options(freegs_warnings INTERFACE -fsanitize=${FREEGS_SANITIZE})
 endif()
-
-# With FREEGS_PRECOMPILE_HEADERS a target parses the large headers once. Most of
-# a build from scratch is parsing; the scripts switch it on.
-function(freegs_precompile_headers target)
-  if(FREEGS_PRECOMPILE_HEADERS)
-    target_precompile_headers(${target} PRIVATE
-      <algorithm> <array> <filesystem> <functional> <map> <optional> <string>
-      <vector> <Eigen/Core> <Eigen/Geometry> <nlohmann/json.hpp> ${ARGN})
-  endif()
-endfunction()
 
 # freegs_add_library(NAME SOURCES a.cc ... LINK libraries ...) makes freegs_NAME.
 function(freegs_add_library name)
@@ -39,7 +27,6 @@ function(freegs_add_library name)
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_link_libraries(${target} PUBLIC ${ARG_LINK}
     PRIVATE $<BUILD_INTERFACE:freegs_warnings>)
-  freegs_precompile_headers(${target})
   set_property(GLOBAL APPEND PROPERTY FREEGS_LIBRARIES ${target})
 endfunction()
 
@@ -50,7 +37,6 @@ function(freegs_add_test name)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${ARG_LINK} freegs_warnings
     GTest::gmock GTest::gtest GTest::gtest_main)
-  freegs_precompile_headers(${name} <gtest/gtest.h> <gmock/gmock.h>)
   include(GoogleTest)
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST
     PROPERTIES TIMEOUT 600)

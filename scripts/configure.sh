@@ -8,7 +8,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 build=${1:?usage: scripts/configure.sh BUILD_FOLDER [CMAKE_ARGUMENT ...]}
 shift
-arguments=(-DFREEGS_PRECOMPILE_HEADERS=ON)
+arguments=()
 # A folder that was configured before keeps its generator.
 if [[ ! -f $build/CMakeCache.txt ]] && command -v ninja >/dev/null; then
   arguments+=(-G Ninja)
