@@ -32,6 +32,24 @@ struct BestTwo {
 // Rows of `a` are handled in groups of this many; counts are padded to it.
 inline constexpr size_t kRows = 4;
 
+// Rows of `a` (of 512 bytes) that are worked on at a time.
+inline constexpr size_t kChunk = 256;
+
+// Running best two of a list of descriptors, with the index of the best.
+struct Running {
+  explicit Running(size_t count)
+      : best(hwy::AllocateAligned<float>(count)),
+        second(hwy::AllocateAligned<float>(count)),
+        index(hwy::AllocateAligned<float>(count)) {
+    std::fill_n(best.get(), count, -1.0f);
+    std::fill_n(second.get(), count, -1.0f);
+    std::fill_n(index.get(), count, 0.0f);
+  }
+  hwy::AlignedFreeUniquePtr<float[]> best;
+  hwy::AlignedFreeUniquePtr<float[]> second;
+  hwy::AlignedFreeUniquePtr<float[]> index;
+};
+
 }  // namespace freegs::sfm
 
 #endif  // FREEGS_SFM_DESCRIPTOR_MATCHING_CC_
@@ -70,9 +88,8 @@ BestTwo OverLanes(const float* best,
 }
 
 // a: num_a x 128 floats, num_a a multiple of kRows, padded with zero rows.
-// b: the same for num_b, which need not be padded. rows and columns receive
-// the best two of each row of a (among b), and of each of b (among the first
-// valid_a of a).
+// b: num_b x 128 floats. rows and columns receive the best two of each of the
+// first valid_a rows of a (among b), and of each of b (among those rows).
 void BestProducts(const float* HWY_RESTRICT a,
                   size_t num_a,
                   size_t valid_a,
@@ -84,96 +101,99 @@ void BestProducts(const float* HWY_RESTRICT a,
   using V = hn::Vec<decltype(d)>;
   const size_t lanes = hn::Lanes(d);
   const size_t block = 2 * lanes;
+  const size_t padded_b = (num_b + block - 1) / block * block;
   const V none = hn::Set(d, -1.0f);
 
-  // Running bests of each row of a, a vector of lanes each.
-  const auto row_best = hwy::AllocateAligned<float>(num_a * lanes);
-  const auto row_second = hwy::AllocateAligned<float>(num_a * lanes);
-  const auto row_index = hwy::AllocateAligned<float>(num_a * lanes);
-  std::fill_n(row_best.get(), num_a * lanes, -1.0f);
-  std::fill_n(row_second.get(), num_a * lanes, -1.0f);
-  std::fill_n(row_index.get(), num_a * lanes, 0.0f);
-  // `block` descriptors of b, dimension by dimension.
-  const auto packed = hwy::AllocateAligned<float>(kSiftDimensions * block);
-  const auto spill = hwy::AllocateAligned<float>(3 * lanes);
-
-  for (size_t first = 0; first < num_b; first += block) {
-    for (size_t j = 0; j < block; ++j) {
-      for (size_t k = 0; k < kSiftDimensions; ++k) {
-        packed[k * block + j] =
-            first + j < num_b ? b[(first + j) * kSiftDimensions + k] : 0.0f;
-      }
+  // Blocks of `block` descriptors of b, each dimension by dimension.
+  const auto packed = hwy::AllocateAligned<float>(padded_b * kSiftDimensions);
+  for (size_t j = 0; j < padded_b; ++j) {
+    float* const to =
+        packed.get() + j / block * block * kSiftDimensions + j % block;
+    for (size_t k = 0; k < kSiftDimensions; ++k) {
+      to[k * block] = j < num_b ? b[j * kSiftDimensions + k] : 0.0f;
     }
-    // Lanes beyond the end must not win: their products are made -1.
-    const V index0 = hn::Iota(d, static_cast<float>(first));
-    const V index1 = hn::Iota(d, static_cast<float>(first + lanes));
-    const V end = hn::Set(d, static_cast<float>(num_b));
-    V best0 = none, second0 = none, at0 = hn::Zero(d);
-    V best1 = none, second1 = none, at1 = hn::Zero(d);
+  }
+  // Running bests: of each row of a one vector, of each of b one lane.
+  Running row(num_a * lanes);
+  Running column(padded_b);
 
-    for (size_t i = 0; i < num_a; i += kRows) {
-      const float* row = a + i * kSiftDimensions;
-      V s00 = hn::Zero(d), s01 = s00, s10 = s00, s11 = s00;
-      V s20 = s00, s21 = s00, s30 = s00, s31 = s00;
-      for (size_t k = 0; k < kSiftDimensions; ++k) {
-        const V b0 = hn::Load(d, packed.get() + k * block);
-        const V b1 = hn::Load(d, packed.get() + k * block + lanes);
-        const V a0 = hn::Set(d, row[k]);
-        const V a1 = hn::Set(d, row[kSiftDimensions + k]);
-        const V a2 = hn::Set(d, row[2 * kSiftDimensions + k]);
-        const V a3 = hn::Set(d, row[3 * kSiftDimensions + k]);
-        s00 = hn::MulAdd(a0, b0, s00);
-        s01 = hn::MulAdd(a0, b1, s01);
-        s10 = hn::MulAdd(a1, b0, s10);
-        s11 = hn::MulAdd(a1, b1, s11);
-        s20 = hn::MulAdd(a2, b0, s20);
-        s21 = hn::MulAdd(a2, b1, s21);
-        s30 = hn::MulAdd(a3, b0, s30);
-        s31 = hn::MulAdd(a3, b1, s31);
+  // A chunk of a stays in the cache while all of b passes by.
+  for (size_t chunk = 0; chunk < num_a; chunk += kChunk) {
+    const size_t chunk_end = std::min(chunk + kChunk, num_a);
+    for (size_t first = 0; first < num_b; first += block) {
+      const float* const block_b = packed.get() + first * kSiftDimensions;
+      // Lanes beyond the end must not win: their products are made -1.
+      const V index0 = hn::Iota(d, static_cast<float>(first));
+      const V index1 = hn::Iota(d, static_cast<float>(first + lanes));
+      const V end = hn::Set(d, static_cast<float>(num_b));
+      const size_t second_half = first + lanes;
+      V best0 = hn::Load(d, column.best.get() + first);
+      V runner0 = hn::Load(d, column.second.get() + first);
+      V at0 = hn::Load(d, column.index.get() + first);
+      V best1 = hn::Load(d, column.best.get() + second_half);
+      V runner1 = hn::Load(d, column.second.get() + second_half);
+      V at1 = hn::Load(d, column.index.get() + second_half);
+
+      for (size_t i = chunk; i < chunk_end; i += kRows) {
+        const float* const row_a = a + i * kSiftDimensions;
+        V s00 = hn::Zero(d), s01 = s00, s10 = s00, s11 = s00;
+        V s20 = s00, s21 = s00, s30 = s00, s31 = s00;
+        for (size_t k = 0; k < kSiftDimensions; ++k) {
+          const V b0 = hn::Load(d, block_b + k * block);
+          const V b1 = hn::Load(d, block_b + k * block + lanes);
+          const V a0 = hn::Set(d, row_a[k]);
+          const V a1 = hn::Set(d, row_a[kSiftDimensions + k]);
+          const V a2 = hn::Set(d, row_a[2 * kSiftDimensions + k]);
+          const V a3 = hn::Set(d, row_a[3 * kSiftDimensions + k]);
+          s00 = hn::MulAdd(a0, b0, s00);
+          s01 = hn::MulAdd(a0, b1, s01);
+          s10 = hn::MulAdd(a1, b0, s10);
+          s11 = hn::MulAdd(a1, b1, s11);
+          s20 = hn::MulAdd(a2, b0, s20);
+          s21 = hn::MulAdd(a2, b1, s21);
+          s30 = hn::MulAdd(a3, b0, s30);
+          s31 = hn::MulAdd(a3, b1, s31);
+        }
+        const auto take = [&](size_t r, V p0, V p1) HWY_ATTR {
+          p0 = hn::IfThenElse(hn::Lt(index0, end), p0, none);
+          p1 = hn::IfThenElse(hn::Lt(index1, end), p1, none);
+          const size_t at = (i + r) * lanes;
+          V best = hn::Load(d, row.best.get() + at);
+          V second = hn::Load(d, row.second.get() + at);
+          V index = hn::Load(d, row.index.get() + at);
+          Enter(p0, index0, best, second, index);
+          Enter(p1, index1, best, second, index);
+          hn::Store(best, d, row.best.get() + at);
+          hn::Store(second, d, row.second.get() + at);
+          hn::Store(index, d, row.index.get() + at);
+          if (i + r >= valid_a) return;
+          const V here = hn::Set(d, static_cast<float>(i + r));
+          Enter(p0, here, best0, runner0, at0);
+          Enter(p1, here, best1, runner1, at1);
+        };
+        take(0, s00, s01);
+        take(1, s10, s11);
+        take(2, s20, s21);
+        take(3, s30, s31);
       }
-      const auto take = [&](size_t r, V p0, V p1) HWY_ATTR {
-        p0 = hn::IfThenElse(hn::Lt(index0, end), p0, none);
-        p1 = hn::IfThenElse(hn::Lt(index1, end), p1, none);
-        float* const best_at = row_best.get() + (i + r) * lanes;
-        float* const second_at = row_second.get() + (i + r) * lanes;
-        float* const index_at = row_index.get() + (i + r) * lanes;
-        V best = hn::Load(d, best_at);
-        V second = hn::Load(d, second_at);
-        V index = hn::Load(d, index_at);
-        Enter(p0, index0, best, second, index);
-        Enter(p1, index1, best, second, index);
-        hn::Store(best, d, best_at);
-        hn::Store(second, d, second_at);
-        hn::Store(index, d, index_at);
-        if (i + r >= valid_a) return;
-        const V here = hn::Set(d, static_cast<float>(i + r));
-        Enter(p0, here, best0, second0, at0);
-        Enter(p1, here, best1, second1, at1);
-      };
-      take(0, s00, s01);
-      take(1, s10, s11);
-      take(2, s20, s21);
-      take(3, s30, s31);
+      hn::Store(best0, d, column.best.get() + first);
+      hn::Store(runner0, d, column.second.get() + first);
+      hn::Store(at0, d, column.index.get() + first);
+      hn::Store(best1, d, column.best.get() + second_half);
+      hn::Store(runner1, d, column.second.get() + second_half);
+      hn::Store(at1, d, column.index.get() + second_half);
     }
-    const auto keep = [&](size_t offset, V best, V second, V at) HWY_ATTR {
-      hn::Store(best, d, spill.get());
-      hn::Store(second, d, spill.get() + lanes);
-      hn::Store(at, d, spill.get() + 2 * lanes);
-      for (size_t j = 0; j < lanes && first + offset + j < num_b; ++j) {
-        columns[first + offset + j] = {
-            spill[j],
-            spill[lanes + j],
-            static_cast<uint32_t>(spill[2 * lanes + j])};
-      }
-    };
-    keep(0, best0, second0, at0);
-    keep(lanes, best1, second1, at1);
   }
   for (size_t i = 0; i < valid_a; ++i) {
-    rows[i] = OverLanes(row_best.get() + i * lanes,
-                        row_second.get() + i * lanes,
-                        row_index.get() + i * lanes,
+    rows[i] = OverLanes(row.best.get() + i * lanes,
+                        row.second.get() + i * lanes,
+                        row.index.get() + i * lanes,
                         lanes);
+  }
+  for (size_t j = 0; j < num_b; ++j) {
+    columns[j] = {column.best[j],
+                  column.second[j],
+                  static_cast<uint32_t>(column.index[j])};
   }
 }
 

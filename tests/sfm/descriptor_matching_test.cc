@@ -96,7 +96,7 @@ Matches PlainMatches(const SiftDescriptors& a, const SiftDescriptors& b) {
 
 TEST(MatchDescriptors, AgreesWithPlainSearch) {
   // Counts around the sizes of blocks of all vector widths.
-  for (const size_t count : {1, 3, 4, 5, 31, 32, 33, 100, 257}) {
+  for (const size_t count : {1, 3, 4, 5, 31, 32, 33, 100, 257, 515}) {
     const SiftDescriptors a = RandomDescriptors(count, count);
     SiftDescriptors b = Shuffled(a, 8);
     const SiftDescriptors other = RandomDescriptors(count / 2, 1000 + count);
