@@ -24,8 +24,8 @@ void MergeClusters(std::span<const float> positions,
                    ThreadPool& pool,
                    std::vector<int32_t>* labels);
 
-// Points with label -1 (`only` = true: see below) take the label of the nearest
-// point that has one, if it is within `distance`.
+// Points with label -1 take the label of the nearest point that has one, if it
+// is within `distance`.
 void LabelNoise(std::span<const float> positions,
                 double distance,
                 ThreadPool& pool,

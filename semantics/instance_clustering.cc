@@ -225,11 +225,11 @@ StatusOr<InstanceLabels> ClusterInstances(
   const std::vector<float> colors = Gather(BaseColors(model), rows);
 
   FREEGS_ASSIGN_OR_RETURN(const KdTree tree, KdTree::Build(positions, 3));
-  const LocalGeometry geometry =
-      ComputeLocalGeometry(tree, kGeometryNeighbors, pool);
+  const std::vector<float> normals =
+      ComputeNormals(tree, kGeometryNeighbors, pool);
   if (cancelled()) return Interrupted();
   PlaneSegmentation planes =
-      FindPlanes(positions, geometry, frame.radius, options.planes, seed, pool);
+      FindPlanes(positions, normals, frame.radius, options.planes, seed, pool);
   AbsorbBehindPlanes(positions, views, kBehindDistance * frame.radius, &planes);
   const auto num_planes = static_cast<int32_t>(planes.planes.size());
   result.planes = planes.planes;
@@ -274,11 +274,11 @@ StatusOr<InstanceLabels> ClusterInstances(
                   &labels);
   }
   if (options.min_crease_contrast > 0) {
-    const std::vector<float> normals = OutwardNormals(
-        rest_positions, Gather(geometry.normals, rest), views, frame);
+    const std::vector<float> outward =
+        OutwardNormals(rest_positions, Gather(normals, rest), views, frame);
     SplitAtCreases(rest_positions,
                    smooth_colors,
-                   normals,
+                   outward,
                    {.min_contrast = options.min_crease_contrast,
                     .patch_size = options.crease_patch_size * frame.radius,
                     .min_part_size = hdbscan.min_cluster_size},

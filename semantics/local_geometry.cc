@@ -3,7 +3,6 @@
 #include "semantics/local_geometry.h"
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 
 #include <Eigen/Core>
@@ -41,18 +40,15 @@ std::vector<float> RowsOf(const KdTree& tree) {
 
 }  // namespace
 
-LocalGeometry ComputeLocalGeometry(const KdTree& tree,
-                                   int num_neighbors,
-                                   ThreadPool& pool) {
+std::vector<float> ComputeNormals(const KdTree& tree,
+                                  int num_neighbors,
+                                  ThreadPool& pool) {
   const std::vector<float> points = RowsOf(tree);
   const auto point = [&](uint32_t row) {
     return Eigen::Vector3d(
         points[row * 3], points[row * 3 + 1], points[row * 3 + 2]);
   };
-  LocalGeometry result;
-  result.normals.resize(tree.size() * 3);
-  result.flatness.resize(tree.size());
-  result.spacing.resize(tree.size());
+  std::vector<float> normals(tree.size() * 3);
   ForEachNeighborhood(
       tree,
       num_neighbors,
@@ -70,20 +66,12 @@ LocalGeometry ComputeLocalGeometry(const KdTree& tree,
         mean /= count;
         const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(
             moment / count - mean * mean.transpose());
-        const Eigen::Vector3d& values = solver.eigenvalues();  // Ascending.
+        // Eigenvalues ascend.
         const Eigen::Vector3f normal =
             solver.eigenvectors().col(0).cast<float>();
-        std::copy_n(normal.data(), 3, result.normals.data() + row * size_t{3});
-        result.flatness[row] =
-            values[2] > 0
-                ? static_cast<float>((values[1] - values[0]) / values[2])
-                : 0.0f;
-        result.spacing[row] =
-            neighbors.empty()
-                ? 0.0f
-                : static_cast<float>(std::sqrt(neighbors.back().distance2));
+        std::copy_n(normal.data(), 3, normals.data() + row * size_t{3});
       });
-  return result;
+  return normals;
 }
 
 std::vector<float> SmoothOverNeighbors(const KdTree& tree,

@@ -12,19 +12,12 @@
 
 namespace freegs::semantics {
 
-// Means over the num_neighbors nearest points and the point itself.
-struct LocalGeometry {
-  std::vector<float> normals;   // N x 3, unit, of unknown sign: the direction
-                                // of least spread of the neighbourhood.
-  std::vector<float> flatness;  // N; 1 for a plane, 0 for a ball or a line:
-                                // (middle - least) / largest eigenvalue.
-  std::vector<float> spacing;   // N; distance to the last neighbour.
-};
-
-// tree: over N x 3 positions. Rows, not tree positions, index the results.
-LocalGeometry ComputeLocalGeometry(const KdTree& tree,
-                                   int num_neighbors,
-                                   ThreadPool& pool);
+// tree: over N x 3 positions. The unit normal at each point, N x 3 by row (not
+// by tree position), of unknown sign: the direction of least spread of its
+// num_neighbors nearest points and itself.
+std::vector<float> ComputeNormals(const KdTree& tree,
+                                  int num_neighbors,
+                                  ThreadPool& pool);
 
 // values: N x channels, by row. The mean over each point's num_neighbors
 // nearest points in `tree` and itself: blurs texture, which otherwise tears

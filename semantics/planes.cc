@@ -25,13 +25,13 @@ constexpr double kCellSize = 0.05;
 class PlaneFinder {
  public:
   PlaneFinder(std::span<const float> positions,
-              const LocalGeometry& geometry,
+              std::span<const float> normals,
               double scene_radius,
               const PlaneOptions& options,
               uint64_t seed,
               ThreadPool& pool)
       : positions_(positions),
-        geometry_(geometry),
+        normals_(normals),
         radius_(scene_radius),
         options_(options),
         seed_(seed),
@@ -79,9 +79,9 @@ class PlaneFinder {
             positions_[row * size_t{3} + 2]};
   }
   Eigen::Vector3d Normal(uint32_t row) const {
-    return {geometry_.normals[row * size_t{3}],
-            geometry_.normals[row * size_t{3} + 1],
-            geometry_.normals[row * size_t{3} + 2]};
+    return {normals_[row * size_t{3}],
+            normals_[row * size_t{3} + 1],
+            normals_[row * size_t{3} + 2]};
   }
 
   bool Supports(const Plane& plane, uint32_t row, double distance) const {
@@ -234,7 +234,7 @@ class PlaneFinder {
   }
 
   std::span<const float> positions_;
-  const LocalGeometry& geometry_;
+  std::span<const float> normals_;
   const double radius_;
   const PlaneOptions& options_;
   const uint64_t seed_;
@@ -262,12 +262,12 @@ Status PlaneOptions::Check() const {
 }
 
 PlaneSegmentation FindPlanes(std::span<const float> positions,
-                             const LocalGeometry& geometry,
+                             std::span<const float> normals,
                              double scene_radius,
                              const PlaneOptions& options,
                              uint64_t seed,
                              ThreadPool& pool) {
-  return PlaneFinder(positions, geometry, scene_radius, options, seed, pool)
+  return PlaneFinder(positions, normals, scene_radius, options, seed, pool)
       .Run();
 }
 

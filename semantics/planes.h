@@ -13,7 +13,6 @@
 
 #include "core/parallel.h"
 #include "core/status.h"
-#include "semantics/local_geometry.h"
 
 namespace freegs::semantics {
 
@@ -54,12 +53,13 @@ struct PlaneSegmentation {
   std::vector<int32_t> plane_index;  // N; -1 where none.
 };
 
-// positions: N x 3. Greedy RANSAC (Fischler and Bolles 1981) in which a single
+// positions, normals: N x 3, normals unit and of any sign (see
+// ComputeNormals). Greedy RANSAC (Fischler and Bolles 1981) in which a single
 // point and the normal of its neighbourhood make a candidate; the one with most
 // points near it and normals along it is refined by least squares, cut to its
 // large connected parts, and taken out. Same seed, same result.
 PlaneSegmentation FindPlanes(std::span<const float> positions,
-                             const LocalGeometry& geometry,
+                             std::span<const float> normals,
                              double scene_radius,
                              const PlaneOptions& options,
                              uint64_t seed,

@@ -9,6 +9,7 @@
 
 #include "core/random.h"
 #include "semantics/kd_tree.h"
+#include "semantics/local_geometry.h"
 
 namespace freegs::semantics {
 namespace {
@@ -27,7 +28,7 @@ struct Cloud {
     ThreadPool pool(threads);
     const auto tree = KdTree::Build(points, 3);
     return FindPlanes(points,
-                      ComputeLocalGeometry(*tree, 16, pool),
+                      ComputeNormals(*tree, 16, pool),
                       /*scene_radius=*/1,
                       options,
                       /*seed=*/1,
