@@ -117,6 +117,8 @@ Status Matcher::Prepare(const std::set<int>& done) {
                          pairs.begin() + std::min(first + size, pairs.size()));
     if (done.contains(portion.number)) {
       matched_ += static_cast<double>(portion.pairs.size());
+      // Left behind when killed right after it was recorded.
+      PortionFiles(context_.input.work_folder, portion.number).Remove();
     } else {
       todo_.push_back(std::move(portion));
     }

@@ -42,7 +42,7 @@ struct SfmOptions {
   int max_image_size = 1600;
 
   // Features kept per photo (those of the largest scale).
-  int max_features = 1500;
+  int max_features = 2000;
 
   // Which pairs of photos are matched: "exhaustive" (all), "sequential" (those
   // taken one after another, and every overlap-th photo with each other), or

@@ -204,7 +204,9 @@ class SfmStage : public pipeline::Stage {
                             "mean_reprojection_error_px",
                             "num_points",
                             "warnings",
-                            "source"}) {
+                            "contradictions",
+                            "source",
+                            "colmap_version"}) {
       context.summary[key] = json[key];
     }
     return Report(health, context);
@@ -308,8 +310,8 @@ void RegisterSfmOptions(SfmStageOptions& options,
              .max = 1000});
   table.Add("sfm.use_gpu",
             &options.colmap.use_gpu,
-            {.help = "Features and matching on the graphics card, if COLMAP "
-                     "was built for it. Not repeatable to the byte."});
+            {.help = "Take features on the graphics card, if COLMAP was built "
+                     "for it. Not repeatable to the byte."});
   table.Add(
       "sfm.min_registered_share",
       &options.health.min_registered_share,
