@@ -15,6 +15,7 @@
 #include "core/image_io.h"
 #include "core/random.h"
 #include "stages/evaluation_report.h"
+#include "tests/temporary_folder.h"
 
 namespace freegs::stages {
 namespace {
@@ -31,8 +32,7 @@ class EvaluationTest : public testing::Test {
   static constexpr double kSigma = 0.06;  // Boxes reach one sigma further.
 
   void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) / "evaluation_test";
-    fs::remove_all(folder_);
+    folder_ = temporary_.path();
     ASSERT_TRUE(CreateFolders(folder_ / "test/images").ok());
     ASSERT_TRUE(CreateFolders(folder_ / "gt/instance").ok());
     MakeBalls();
@@ -59,8 +59,6 @@ class EvaluationTest : public testing::Test {
       ASSERT_TRUE(WriteLabels(truth_.InstanceMap(view), ids).ok());
     }
   }
-
-  void TearDown() override { fs::remove_all(folder_); }
 
   void MakeBalls() {
     true_model_.Resize(3 * kPerBall);
@@ -135,6 +133,7 @@ class EvaluationTest : public testing::Test {
 
   ThreadPool pool_{2};
   CancellationToken cancellation_;
+  TemporaryFolder temporary_;
   fs::path folder_;
   GroundTruth truth_;
   splat::GaussianModel true_model_;
