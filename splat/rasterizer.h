@@ -28,7 +28,7 @@ struct RasterImages {
   ImageF extras;
 };
 
-// dL/d(images) for Backward; empty images count as zero.
+// dL/d(images) for Backward; null counts as zero.
 struct RasterGradients {
   const ImageF* color = nullptr;
   const ImageF* transmittance = nullptr;
@@ -40,9 +40,9 @@ struct RasterGradients {
 //   ... dL/dcolor from the loss ...
 //   rasterizer.Backward(model, {.color = &gradient}, images, pool, &gradients);
 //   ... update the Gaussians in rasterizer.projection().model_index ...
-// Holds the intermediate results and scratch memory of the last view; after the
-// first steps nothing is allocated. The results are the same bytes for any
-// number of threads.
+// Holds the intermediate results and scratch memory of the last view, so that
+// the large arrays are not allocated anew. The results are the same bytes for
+// any number of threads.
 class Rasterizer {
  public:
   // features: N x channels per Gaussian. with_depth adds the depth channel.
