@@ -205,40 +205,4 @@ void ResetOpacity(double max_opacity, GaussianModel* model, Adam* adam) {
   adam->ZeroMoments(Parameter::kOpacityLogit);
 }
 
-bool DensificationSchedule::DensifiesAt(int64_t iteration) const {
-  return iteration > start && iteration < stop && iteration % interval == 0;
-}
-
-bool DensificationSchedule::ResetsOpacityAt(int64_t iteration) const {
-  return opacity_reset_interval > 0 && iteration > 0 && iteration < stop &&
-         iteration % opacity_reset_interval == 0;
-}
-
-DensificationSchedule DensificationSchedule::ScaledTo(int iterations) const {
-  constexpr double kReferenceIterations = 30000;
-  const double factor = iterations / kReferenceIterations;
-  const auto scaled = [&](int value) {
-    return static_cast<int>(std::lround(value * factor));
-  };
-  DensificationSchedule schedule = *this;
-  schedule.start = scaled(start);
-  schedule.stop = scaled(stop);
-  schedule.opacity_reset_interval = scaled(opacity_reset_interval);
-  if (schedule.opacity_reset_interval < kMinResetInterval) {
-    schedule.opacity_reset_interval = 0;
-  }
-  return schedule;
-}
-
-Status DensificationSchedule::Check() const {
-  if (start < 0 || stop < 0 || opacity_reset_interval < 0) {
-    return InvalidArgumentError(
-        "densification's iterations must not be negative");
-  }
-  if (interval < 1) {
-    return InvalidArgumentError("densification's interval must be >= 1");
-  }
-  return Status();
-}
-
 }  // namespace freegs::splat

@@ -108,30 +108,6 @@ DensificationSummary Densify(const DensificationOptions& options,
 // 0.01 every 3000 iterations, against floaters near the cameras).
 void ResetOpacity(double max_opacity, GaussianModel* model, Adam* adam);
 
-// When densification runs, in iterations counted from 1 (the values of 3DGS).
-struct DensificationSchedule {
-  // Densify after `start`, at multiples of `interval`, before `stop`.
-  int start = 500;
-  int stop = 15000;
-  int interval = 100;
-
-  // Opacities are reset at multiples of this before `stop`; 0 never does.
-  int opacity_reset_interval = 3000;
-
-  bool DensifiesAt(int64_t iteration) const;
-  bool ResetsOpacityAt(int64_t iteration) const;
-
-  // The schedule of a run of `iterations` instead of 30000: start, stop and
-  // reset interval scaled; the interval stays, because the statistics want the
-  // same number of views. Resets are dropped when fewer than
-  // `kMinResetInterval` iterations would lie between them, too few to recover
-  // in.
-  DensificationSchedule ScaledTo(int iterations) const;
-  static constexpr int kMinResetInterval = 500;
-
-  Status Check() const;
-};
-
 }  // namespace freegs::splat
 
 #endif  // FREEGS_SPLAT_DENSIFICATION_H_

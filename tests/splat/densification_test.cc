@@ -264,35 +264,11 @@ TEST(DensificationTest, OpacityReset) {
   EXPECT_NE(scene.adam.state().first_moments.means[0], 0.0f);
 }
 
-TEST(DensificationScheduleTest, ValuesOf3dgs) {
-  const DensificationSchedule schedule;
-  EXPECT_FALSE(schedule.DensifiesAt(500));
-  EXPECT_TRUE(schedule.DensifiesAt(600));
-  EXPECT_FALSE(schedule.DensifiesAt(650));
-  EXPECT_TRUE(schedule.DensifiesAt(14900));
-  EXPECT_FALSE(schedule.DensifiesAt(15000));
-  EXPECT_TRUE(schedule.ResetsOpacityAt(3000));
-  EXPECT_FALSE(schedule.ResetsOpacityAt(0));
-  EXPECT_FALSE(schedule.ResetsOpacityAt(15000));
-}
-
-TEST(DensificationScheduleTest, Scales) {
-  const DensificationSchedule seven = DensificationSchedule().ScaledTo(7500);
-  EXPECT_EQ(seven.start, 125);
-  EXPECT_EQ(seven.stop, 3750);
-  EXPECT_EQ(seven.interval, 100);
-  EXPECT_EQ(seven.opacity_reset_interval, 750);
-  EXPECT_EQ(DensificationSchedule().ScaledTo(3000).opacity_reset_interval, 0);
-  EXPECT_FALSE(DensificationSchedule().ScaledTo(3000).ResetsOpacityAt(1000));
-}
-
 TEST(DensificationTest, OptionsAreChecked) {
   EXPECT_TRUE(DensificationOptions().Check().ok());
-  EXPECT_TRUE(DensificationSchedule().Check().ok());
   EXPECT_FALSE(DensificationOptions{.split_shrink = 0.5}.Check().ok());
   EXPECT_FALSE(DensificationOptions{.min_opacity = 1}.Check().ok());
   EXPECT_FALSE(DensificationOptions{.max_gaussians = -1}.Check().ok());
-  EXPECT_FALSE(DensificationSchedule{.interval = 0}.Check().ok());
 }
 
 }  // namespace
