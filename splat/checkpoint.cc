@@ -23,7 +23,7 @@ static_assert(std::endian::native == std::endian::little,
               "numbers are copied to little-endian files as they are");
 
 constexpr std::string_view kMagic = "FGSTRAIN";
-constexpr uint32_t kVersion = 1;
+constexpr uint32_t kVersion = 2;  // 2: max_dominant_share.
 constexpr size_t kHashBytes = 32;
 
 constexpr std::string_view kPrefix = "iteration_";
@@ -128,6 +128,7 @@ bool ReadPayload(Reader* reader, TrainingCheckpoint* checkpoint) {
       !reader->GetArray(num_statistics, &statistics.gradient_sum) ||
       !reader->GetArray(num_statistics, &statistics.visible_steps) ||
       !reader->GetArray(num_statistics, &statistics.max_radius) ||
+      !reader->GetArray(num_statistics, &statistics.max_dominant_share) ||
       !reader->Get(&num_facts)) {
     return false;
   }
@@ -193,6 +194,7 @@ std::string SerializeCheckpoint(const TrainingCheckpoint& checkpoint) {
   writer.PutArray(checkpoint.statistics.gradient_sum);
   writer.PutArray(checkpoint.statistics.visible_steps);
   writer.PutArray(checkpoint.statistics.max_radius);
+  writer.PutArray(checkpoint.statistics.max_dominant_share);
   writer.Put<uint64_t>(checkpoint.facts.size());
   for (const auto& [name, value] : checkpoint.facts) {
     writer.PutText(name);
@@ -219,7 +221,9 @@ StatusOr<TrainingCheckpoint> ParseCheckpoint(std::string_view content) {
   if (!reader.Get(&version) || version != kVersion) {
     return BadInputError("training checkpoint is of format " +
                          std::to_string(version) + ", this program reads " +
-                         std::to_string(kVersion));
+                         std::to_string(kVersion) +
+                         ": go on with the program that wrote it, or start "
+                         "training afresh");
   }
   TrainingCheckpoint checkpoint;
   if (!ReadPayload(&reader, &checkpoint)) {

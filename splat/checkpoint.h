@@ -32,7 +32,8 @@ struct TrainingCheckpoint {
 };
 
 // The file's content: magic, version, payload of little-endian arrays, and a
-// hash of all before it, so that any damage is noticed.
+// hash of all before it, so that any damage is noticed. A file of another
+// version is refused: kBadInput, naming both.
 std::string SerializeCheckpoint(const TrainingCheckpoint& checkpoint);
 StatusOr<TrainingCheckpoint> ParseCheckpoint(std::string_view content);
 

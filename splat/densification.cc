@@ -19,7 +19,7 @@ namespace {
 constexpr uint64_t kSplitStream = 0x73706c69740000ULL;  // "split"
 constexpr int kChildren = 2;
 
-enum class Fate : uint8_t { kKeep, kClone, kSplit, kPrune };
+enum class Fate : uint8_t { kKeep, kClone, kSplit, kBlurSplit, kPrune };
 
 double Sigmoid(double logit) { return 1.0 / (1.0 + std::exp(-logit)); }
 double Logit(double p) { return std::log(p / (1.0 - p)); }
@@ -27,6 +27,32 @@ double Logit(double p) { return std::log(p / (1.0 - p)); }
 double MaxScale(const GaussianModel& model, size_t i) {
   const float* const s = &model.log_scales[3 * i];
   return std::exp(static_cast<double>(std::max({s[0], s[1], s[2]})));
+}
+
+// Compared as floats, so that a share of exactly the limit does not exceed it.
+bool IsBlurred(const DensificationOptions& options,
+               const DensificationStatistics& statistics,
+               size_t i) {
+  return options.blur_split_share > 0 &&
+         statistics.max_dominant_share[i] >
+             static_cast<float>(options.blur_split_share);
+}
+
+// The blurred ones first, by share; the others by gradient.
+void SortByUrgency(const DensificationOptions& options,
+                   const DensificationStatistics& statistics,
+                   std::vector<uint32_t>* candidates) {
+  std::stable_sort(
+      candidates->begin(), candidates->end(), [&](uint32_t a, uint32_t b) {
+        const bool blurred_a = IsBlurred(options, statistics, a);
+        const bool blurred_b = IsBlurred(options, statistics, b);
+        if (blurred_a != blurred_b) return blurred_a;
+        if (blurred_a) {
+          return statistics.max_dominant_share[a] >
+                 statistics.max_dominant_share[b];
+        }
+        return statistics.MeanGradient(a) > statistics.MeanGradient(b);
+      });
 }
 
 // What becomes of each Gaussian. Conditions are written so that NaN is pruned.
@@ -50,9 +76,12 @@ std::vector<Fate> DecideFates(const DensificationOptions& options,
                                statistics.max_radius[i] <= options.max_radius);
     const bool wanting =
         statistics.MeanGradient(i) >= options.gradient_threshold;
-    const bool splits = opaque && wanting && scale > clone_max_scale &&
+    const bool blurred = IsBlurred(options, statistics, i);
+    const bool splits = opaque &&
+                        (blurred || (wanting && scale > clone_max_scale)) &&
                         scale / options.split_shrink <= max_scale;
-    const bool clones = opaque && wanting && small && scale <= clone_max_scale;
+    const bool clones =
+        opaque && !blurred && wanting && small && scale <= clone_max_scale;
     if (splits || clones) candidates.push_back(static_cast<uint32_t>(i));
     if (!opaque || !small) fates[i] = Fate::kPrune;
     if (opaque && (small || splits)) ++kept;
@@ -63,14 +92,15 @@ std::vector<Fate> DecideFates(const DensificationOptions& options,
     const auto most = static_cast<size_t>(options.max_gaussians);
     budget = std::min(budget, most - std::min(most, kept));
   }
-  std::stable_sort(
-      candidates.begin(), candidates.end(), [&](uint32_t a, uint32_t b) {
-        return statistics.MeanGradient(a) > statistics.MeanGradient(b);
-      });
+  SortByUrgency(options, statistics, &candidates);
   candidates.resize(budget);
   for (const uint32_t i : candidates) {
-    fates[i] =
-        MaxScale(model, i) > clone_max_scale ? Fate::kSplit : Fate::kClone;
+    if (IsBlurred(options, statistics, i)) {
+      fates[i] = Fate::kBlurSplit;
+    } else {
+      fates[i] =
+          MaxScale(model, i) > clone_max_scale ? Fate::kSplit : Fate::kClone;
+    }
   }
   return fates;
 }
@@ -112,6 +142,7 @@ void DensificationStatistics::Reset(size_t count) {
   gradient_sum.assign(count, 0.0f);
   visible_steps.assign(count, 0u);
   max_radius.assign(count, 0.0f);
+  max_dominant_share.assign(count, 0.0f);
 }
 
 void DensificationStatistics::AddView(std::span<const uint32_t> visible,
@@ -131,6 +162,25 @@ void DensificationStatistics::AddView(std::span<const uint32_t> visible,
   }
 }
 
+void DensificationStatistics::AddDominant(const Image<int32_t>& dominant) {
+  if (pixel_counts_.size() != size()) pixel_counts_.assign(size(), 0u);
+  const std::span<const int32_t> pixels(dominant.data(), dominant.size());
+  // -1 becomes a number beyond any model.
+  const auto index = [](int32_t pixel) { return static_cast<uint32_t>(pixel); };
+  for (const int32_t pixel : pixels) {
+    if (index(pixel) < size()) ++pixel_counts_[index(pixel)];
+  }
+  for (const int32_t pixel : pixels) {
+    const uint32_t i = index(pixel);
+    if (i >= size() || pixel_counts_[i] == 0) continue;  // Seen already.
+    const auto share =
+        static_cast<float>(static_cast<double>(pixel_counts_[i]) /
+                           static_cast<double>(pixels.size()));
+    max_dominant_share[i] = std::max(max_dominant_share[i], share);
+    pixel_counts_[i] = 0;
+  }
+}
+
 void DensificationStatistics::Select(std::span<const uint32_t> indices) {
   const auto select = [&](auto& array) {
     auto kept = array;
@@ -141,6 +191,7 @@ void DensificationStatistics::Select(std::span<const uint32_t> indices) {
   select(gradient_sum);
   select(visible_steps);
   select(max_radius);
+  select(max_dominant_share);
 }
 
 Status DensificationOptions::Check() const {
@@ -159,6 +210,9 @@ Status DensificationOptions::Check() const {
   if (!(max_scale >= 0 && max_radius >= 0) || max_gaussians < 0) {
     return InvalidArgumentError(
         "max_scale, max_radius and max_gaussians must be >= 0");
+  }
+  if (!(blur_split_share >= 0 && blur_split_share < 1)) {
+    return InvalidArgumentError("blur_split_share must be in [0, 1)");
   }
   return Status();
 }
@@ -186,9 +240,11 @@ DensificationSummary Densify(const DensificationOptions& options,
     }
   }
   for (size_t i = 0; i < fates.size(); ++i) {
-    if (fates[i] != Fate::kSplit) continue;
+    const bool blurred = fates[i] == Fate::kBlurSplit;
+    if (!blurred && fates[i] != Fate::kSplit) continue;
     AppendChildren(options, seed, iteration, *model, i, &added);
     ++summary.split;
+    if (blurred) ++summary.blur_split;
   }
   model->Select(kept);
   for (size_t k = 0; k < added.size(); ++k) model->AppendFrom(added, k);

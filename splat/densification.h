@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Adaptive density control of 3D Gaussian Splatting (Kerbl et al. 2023, section
-// 5): clone, split, prune, and the reset of opacities.
+// 5): clone, split, prune, and the reset of opacities. With the blur split of
+// Mini-Splatting (Fang and Wang 2024, section 4.1).
 
 #ifndef FREEGS_SPLAT_DENSIFICATION_H_
 #define FREEGS_SPLAT_DENSIFICATION_H_
@@ -10,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "core/image.h"
 #include "core/status.h"
 #include "splat/adam.h"
 #include "splat/gaussian_model.h"
@@ -28,6 +30,10 @@ struct DensificationStatistics {
   // Largest projected radius in pixels.
   std::vector<float> max_radius;
 
+  // Largest share of a picture's pixels at which the Gaussian had the largest
+  // blending weight of all.
+  std::vector<float> max_dominant_share;
+
   size_t size() const { return gradient_sum.size(); }
 
   // Zeros for `count` Gaussians.
@@ -42,6 +48,11 @@ struct DensificationStatistics {
                int width,
                int height);
 
+  // Adds one picture. `dominant` holds per pixel, H x W, the Gaussian of the
+  // largest weight or -1, see ViewContributions. Time grows with the pixels,
+  // not with the Gaussians.
+  void AddDominant(const Image<int32_t>& dominant);
+
   // gradient_sum / visible_steps, 0 for a Gaussian never seen.
   float MeanGradient(size_t index) const {
     return visible_steps[index] == 0
@@ -51,6 +62,9 @@ struct DensificationStatistics {
 
   // Keeps the Gaussians listed; see GaussianModel::Select.
   void Select(std::span<const uint32_t> indices);
+
+ private:
+  std::vector<uint32_t> pixel_counts_;  // Scratch; zeros between calls.
 };
 
 struct DensificationOptions {
@@ -76,8 +90,15 @@ struct DensificationOptions {
   // none.
   double max_radius = 0;
 
-  // No clones or splits beyond this number of Gaussians: those of the largest
-  // gradients go first. 0 is no limit.
+  // Blur split: Gaussians that dominated more than this share of a picture's
+  // pixels are split, whatever their gradient and small as they may be, for
+  // they stand for detail that their own gradient does not ask for. 0 splits
+  // none; Mini-Splatting uses 1/5000.
+  double blur_split_share = 0;
+
+  // No clones or splits beyond this number of Gaussians: blur splits go first,
+  // those of the largest share leading, then those of the largest gradients. 0
+  // is no limit.
   int64_t max_gaussians = 0;
 
   Status Check() const;
@@ -85,9 +106,10 @@ struct DensificationOptions {
 
 struct DensificationSummary {
   size_t cloned = 0;
-  size_t split = 0;   // Gaussians replaced, each by two.
-  size_t pruned = 0;  // Removed; those replaced by a split do not count.
-  size_t total = 0;   // Gaussians afterwards.
+  size_t split = 0;       // Gaussians replaced, each by two.
+  size_t blur_split = 0;  // Those of them that were blur splits.
+  size_t pruned = 0;      // Removed; those replaced by a split do not count.
+  size_t total = 0;       // Gaussians afterwards.
 };
 
 // Edits model and optimiser together and resets the statistics. Afterwards come

@@ -15,10 +15,14 @@ namespace {
 using Point = std::array<float, 3>;
 
 // The points that are finite as floats, by index.
-std::vector<size_t> FiniteIndices(std::span<const Eigen::Vector3d> positions) {
+std::vector<size_t> FiniteIndices(std::span<const Eigen::Vector3d> positions,
+                                  std::span<const Point> colors) {
   std::vector<size_t> finite;
   for (size_t i = 0; i < positions.size(); ++i) {
-    if (positions[i].cast<float>().allFinite()) finite.push_back(i);
+    if (positions[i].cast<float>().allFinite() &&
+        Eigen::Vector3f::Map(colors[i].data()).allFinite()) {
+      finite.push_back(i);
+    }
   }
   return finite;
 }
@@ -98,14 +102,29 @@ StatusOr<GaussianModel> InitializeFromPoints(
     std::span<const std::array<uint8_t, 3>> colors,
     double scene_extent,
     const InitializationOptions& options) {
+  std::vector<std::array<float, 3>> sh_dc(colors.size());
+  for (size_t i = 0; i < colors.size(); ++i) {
+    for (int channel = 0; channel < 3; ++channel) {
+      sh_dc[i][channel] =
+          (static_cast<float>(colors[i][channel]) / 255.0f - 0.5f) / kShC0;
+    }
+  }
+  return InitializeFromShDc(positions, sh_dc, scene_extent, options);
+}
+
+StatusOr<GaussianModel> InitializeFromShDc(
+    std::span<const Eigen::Vector3d> positions,
+    std::span<const std::array<float, 3>> sh_dc,
+    double scene_extent,
+    const InitializationOptions& options) {
   FREEGS_RETURN_IF_ERROR(options.Check());
-  if (positions.size() != colors.size()) {
+  if (positions.size() != sh_dc.size()) {
     return InvalidArgumentError("there must be one colour per point");
   }
   if (!(scene_extent > 0 && std::isfinite(scene_extent))) {
     return InvalidArgumentError("the scene extent must be > 0");
   }
-  const std::vector<size_t> finite = FiniteIndices(positions);
+  const std::vector<size_t> finite = FiniteIndices(positions, sh_dc);
   if (finite.empty()) {
     return BadInputError("no 3D points to start the Gaussians from");
   }
@@ -141,8 +160,7 @@ StatusOr<GaussianModel> InitializeFromPoints(
       model.means[3 * k + axis] =
           static_cast<float>(positions[finite[k]][axis]);
       model.log_scales[3 * k + axis] = log_scale;
-      model.sh_dc[3 * k + axis] =
-          (static_cast<float>(colors[finite[k]][axis]) / 255.0f - 0.5f) / kShC0;
+      model.sh_dc[3 * k + axis] = sh_dc[finite[k]][axis];
     }
     model.rotations[4 * k] = 1;
     model.opacity_logits[k] = logit;

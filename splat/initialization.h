@@ -45,6 +45,15 @@ StatusOr<GaussianModel> InitializeFromPoints(
     double scene_extent,
     const InitializationOptions& options = {});
 
+// The same with colours as they are stored: SH coefficients of degree 0 (r g b,
+// see kShC0), kept to the last bit. Points whose colour is not finite are left
+// out as well.
+StatusOr<GaussianModel> InitializeFromShDc(
+    std::span<const Eigen::Vector3d> positions,
+    std::span<const std::array<float, 3>> sh_dc,
+    double scene_extent,
+    const InitializationOptions& options = {});
+
 // The length unit of the optimisation: 1.1 times the largest distance of a
 // camera from the mean camera centre (3DGS). Where all cameras coincide: the
 // median distance of the points from the mean camera centre, or 1 without

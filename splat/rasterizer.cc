@@ -7,6 +7,8 @@
 
 #include <hwy/aligned_allocator.h>
 
+#include "splat/tile_images.h"
+
 namespace freegs::splat {
 namespace {
 
@@ -109,12 +111,7 @@ void Rasterizer::Forward(const GaussianModel& model,
     for (int64_t tile = begin; tile < end; ++tile) {
       const TileTask task = MakeTask(tile);
       tile_visited_[tile] = BlendTile(task, &pixels, extras.get());
-      for (int c = 0; c < 3; ++c) {
-        for (int k = 0; k < kTilePixels; ++k) {
-          pixels.color[c][k] += pixels.transmittance[k] * options.background[c];
-        }
-        StoreTile(task, c, pixels.color[c], &images->color);
-      }
+      StoreColorTile(task, pixels, options.background.data(), &images->color);
       StoreTile(task, 0, pixels.transmittance, &images->transmittance);
       for (int e = 0; e < num_extras_; ++e) {
         StoreTile(task, e, extras.get() + e * kTilePixels, &images->extras);
@@ -134,25 +131,30 @@ void Rasterizer::Backward(const GaussianModel& model,
   const int64_t tiles = static_cast<int64_t>(bins_.tiles_x) * bins_.tiles_y;
   pool.ParallelFor(0, tiles, 4, [&](int64_t begin, int64_t end, int) {
     TileGradients tile_gradients;
+    alignas(64) float color[3][kTilePixels];
     alignas(64) float value[kTilePixels];
     alignas(64) float gradient[kTilePixels];
     const AlignedFloats extra_gradients =
         num_extras_ > 0 ? TileChannels(num_extras_) : AlignedFloats();
     for (int64_t tile = begin; tile < end; ++tile) {
       const TileTask task = MakeTask(tile);
+      LoadColorTile(task, image_gradients.color, tile_gradients.color);
+      LoadColorTile(task, &images.color, color);
       float* remaining = tile_gradients.remaining;
-      LoadTile(task, 0, image_gradients.transmittance, remaining);
-      LoadTile(task, 0, &images.transmittance, value);
-      for (int k = 0; k < kTilePixels; ++k) remaining[k] *= value[k];
+      for (int k = 0; k < kTilePixels; ++k) {
+        remaining[k] = tile_gradients.color[0][k] * color[0][k] +
+                       tile_gradients.color[1][k] * color[1][k] +
+                       tile_gradients.color[2][k] * color[2][k];
+      }
       const auto accumulate = [&](const float* d_value) {
         for (int k = 0; k < kTilePixels; ++k) {
           remaining[k] += d_value[k] * value[k];
         }
       };
-      for (int c = 0; c < 3; ++c) {
-        LoadTile(task, c, image_gradients.color, tile_gradients.color[c]);
-        LoadTile(task, c, &images.color, value);
-        accumulate(tile_gradients.color[c]);
+      if (image_gradients.transmittance != nullptr) {
+        LoadTile(task, 0, image_gradients.transmittance, gradient);
+        LoadTile(task, 0, &images.transmittance, value);
+        accumulate(gradient);
       }
       for (int e = 0; e < num_extras_; ++e) {
         LoadTile(task, e, image_gradients.extras, gradient);

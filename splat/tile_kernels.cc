@@ -63,43 +63,91 @@ HWY_INLINE Span SplatSpan(const TileTask& task, const Splat& splat, int lanes) {
   return span;
 }
 
-// Calls row(pixel, dx, dy, alpha, T, mask) for the vectors of pixels where the
-// splat is blended; mask is not empty.
-template <class Row>
+// Calls row(pixel, dy, alpha, T, mask) for the vectors of pixels where the
+// splat is blended (mask is not empty), one column of vectors after another;
+// after each column column_end(dx), dx being the same in all its rows.
+template <class Row, class ColumnEnd>
 HWY_INLINE void ForEachBlendedRow(Tag d,
                                   const TileTask& task,
                                   const Splat& splat,
                                   const float* HWY_RESTRICT transmittance,
-                                  const Row& row) {
+                                  const Row& row,
+                                  const ColumnEnd& column_end) {
   const int lanes = static_cast<int>(hn::Lanes(d));
   const Span span = SplatSpan(task, splat, lanes);
-  // log2(alpha) = log2(o) - log2(e) / 2 (xx dx^2 + 2 xy dx dy + yy dy^2), as a
-  // polynomial in dx whose coefficients change from row to row.
-  const Vec quadratic = hn::Set(d, -0.5f * kLog2E * splat.conic_xx);
-  const float cross = -kLog2E * splat.conic_xy;
-  const float constant = -0.5f * kLog2E * splat.conic_yy;
+  // log2(alpha) = log2(o) - log2(e) / 2 (xx dx^2 + 2 xy dx dy + yy dy^2), per
+  // column as a polynomial in dy.
+  const float mean_y = splat.mean_y - static_cast<float>(task.y0) - 0.5f;
   const Vec offset =
       hn::Sub(hn::Iota(d, 0),
               hn::Set(d, splat.mean_x - static_cast<float>(task.x0) - 0.5f));
-  for (int y = span.y_begin; y < span.y_end; ++y) {
-    const float dy = static_cast<float>(task.y0 + y) + 0.5f - splat.mean_y;
-    const Vec linear = hn::Set(d, cross * dy);
-    const Vec base = hn::Set(d, splat.log2_opacity + constant * dy * dy);
-    for (int x = span.x_begin; x < span.x_end; x += lanes) {
+  const Vec constant = hn::Set(d, -0.5f * kLog2E * splat.conic_yy);
+  const Vec min_log2_alpha = hn::Set(d, kMinLog2Alpha);
+  const Vec min_transmittance = hn::Set(d, kMinTransmittance);
+  for (int x = span.x_begin; x < span.x_end; x += lanes) {
+    const Vec dx = hn::Add(offset, hn::Set(d, static_cast<float>(x)));
+    const Vec linear = hn::Mul(hn::Set(d, -kLog2E * splat.conic_xy), dx);
+    const Vec base =
+        hn::MulAdd(hn::Mul(hn::Set(d, -0.5f * kLog2E * splat.conic_xx), dx),
+                   dx,
+                   hn::Set(d, splat.log2_opacity));
+    for (int y = span.y_begin; y < span.y_end; ++y) {
       const int pixel = y * kTileSize + x;
-      const Vec dx = hn::Add(offset, hn::Set(d, static_cast<float>(x)));
+      const Vec dy = hn::Set(d, static_cast<float>(y) - mean_y);
       const Vec log2_alpha =
-          hn::MulAdd(hn::MulAdd(quadratic, dx, linear), dx, base);
+          hn::MulAdd(hn::MulAdd(constant, dy, linear), dy, base);
       const Vec t = hn::Load(d, transmittance + pixel);
-      const Mask mask = hn::And(hn::Ge(log2_alpha, hn::Set(d, kMinLog2Alpha)),
-                                hn::Ge(t, hn::Set(d, kMinTransmittance)));
+      const Mask mask = hn::And(hn::Ge(log2_alpha, min_log2_alpha),
+                                hn::Ge(t, min_transmittance));
       if (hn::AllFalse(d, mask)) continue;
+      // Lanes outside the mask may be far below: kept in range of FastExp2.
       const Vec alpha =
           hn::Min(FastExp2(d, hn::Max(log2_alpha, hn::Set(d, -32.0f))),
                   hn::Set(d, kMaxAlpha));
-      row(pixel, dx, dy, alpha, t, mask);
+      row(pixel, dy, alpha, t, mask);
     }
+    column_end(dx);
   }
+}
+
+struct NoColumnEnd {
+  HWY_INLINE void operator()(Vec) const {}
+};
+
+// Writes the sums over the lanes of a, b, c, e to out[0..3].
+template <class D, class V>
+HWY_INLINE void StoreSums(D d, V a, V b, V c, V e, float* out) {
+#if HWY_TARGET == HWY_SCALAR
+  hn::Store(a, d, out);
+  hn::Store(b, d, out + 1);
+  hn::Store(c, d, out + 2);
+  hn::Store(e, d, out + 3);
+#else
+  // Within each block of four lanes: transpose and add.
+  const hn::Repartition<uint64_t, D> pairs;
+  const auto ab = hn::BitCast(
+      pairs,
+      hn::Add(hn::InterleaveLower(d, a, b), hn::InterleaveUpper(d, a, b)));
+  const auto ce = hn::BitCast(
+      pairs,
+      hn::Add(hn::InterleaveLower(d, c, e), hn::InterleaveUpper(d, c, e)));
+  const V sums = hn::Add(hn::BitCast(d, hn::InterleaveLower(pairs, ab, ce)),
+                         hn::BitCast(d, hn::InterleaveUpper(pairs, ab, ce)));
+  // Then over the blocks.
+  const hn::CappedTag<float, 4> d4;
+  if constexpr (hn::MaxLanes(d) == 16) {
+    const hn::Half<D> d8;
+    const auto half = hn::Add(hn::LowerHalf(d8, sums), hn::UpperHalf(d8, sums));
+    hn::StoreU(
+        hn::Add(hn::LowerHalf(d4, half), hn::UpperHalf(d4, half)), d4, out);
+  } else if constexpr (hn::MaxLanes(d) == 8) {
+    hn::StoreU(
+        hn::Add(hn::LowerHalf(d4, sums), hn::UpperHalf(d4, sums)), d4, out);
+  } else {
+    static_assert(hn::MaxLanes(d) == 4);
+    hn::StoreU(sums, d4, out);
+  }
+#endif
 }
 
 // Whether no pixel can take more.
@@ -123,7 +171,29 @@ void ClearTransmittance(const TileTask& task, float* transmittance) {
   }
 }
 
-int64_t BlendTile(const TileTask& task, TilePixels* pixels, float* extras) {
+// Remembers entry k where its weight is the largest so far.
+HWY_INLINE void KeepDominant(
+    Tag d, int pixel, Vec weight, int64_t k, TileDominance* dominance) {
+  const hn::RebindToSigned<Tag> di;
+  float* best = dominance->weight + pixel;
+  const Mask better = hn::Gt(weight, hn::Load(d, best));
+  hn::BlendedStore(weight, better, d, best);
+  hn::BlendedStore(hn::Set(di, static_cast<int32_t>(k)),
+                   hn::RebindMask(di, better),
+                   di,
+                   dominance->entry + pixel);
+}
+
+void ClearDominance(TileDominance* dominance) {
+  std::fill_n(dominance->weight, kTilePixels, 0.0f);
+  std::fill_n(dominance->entry, kTilePixels, -1);
+}
+
+template <bool kDominance>
+int64_t Blend(const TileTask& task,
+              TilePixels* pixels,
+              float* extras,
+              TileDominance* dominance) {
   const Tag d;
   float* HWY_RESTRICT transmittance = pixels->transmittance;
   float* HWY_RESTRICT red = pixels->color[0];
@@ -132,6 +202,7 @@ int64_t BlendTile(const TileTask& task, TilePixels* pixels, float* extras) {
   ClearTransmittance(task, transmittance);
   std::fill_n(red, 3 * kTilePixels, 0.0f);
   std::fill_n(extras, task.num_extras * kTilePixels, 0.0f);
+  if constexpr (kDominance) ClearDominance(dominance);
   for (int64_t k = 0; k < task.count; ++k) {
     if (k % kOpaqueTestInterval == 0 && Opaque(d, transmittance)) return k;
     const Splat& splat = task.splats[task.entries[k]];
@@ -145,7 +216,7 @@ int64_t BlendTile(const TileTask& task, TilePixels* pixels, float* extras) {
         task,
         splat,
         transmittance,
-        [&](int pixel, Vec, float, Vec alpha, Vec t, Mask mask) HWY_ATTR {
+        [&](int pixel, Vec, Vec alpha, Vec t, Mask mask) HWY_ATTR {
           const Vec weight = hn::IfThenElseZero(mask, hn::Mul(alpha, t));
           hn::Store(hn::Sub(t, weight), d, transmittance + pixel);
           hn::Store(
@@ -164,9 +235,51 @@ int64_t BlendTile(const TileTask& task, TilePixels* pixels, float* extras) {
                 d,
                 channel);
           }
-        });
+          if constexpr (kDominance) {
+            KeepDominant(d, pixel, weight, k, dominance);
+          }
+        },
+        NoColumnEnd());
   }
   return task.count;
+}
+
+int64_t BlendTile(const TileTask& task,
+                  TilePixels* pixels,
+                  float* extras,
+                  TileDominance* dominance) {
+  return dominance != nullptr ? Blend<true>(task, pixels, extras, dominance)
+                              : Blend<false>(task, pixels, extras, nullptr);
+}
+
+void ContributeTile(const TileTask& task,
+                    float* transmittance,
+                    TileDominance* dominance,
+                    const uint32_t* slots,
+                    PairContribution* contributions) {
+  const Tag d;
+  const Vec one = hn::Set(d, 1.0f);
+  ClearTransmittance(task, transmittance);
+  ClearDominance(dominance);
+  for (int64_t k = 0; k < task.count; ++k) {
+    Vec weights = hn::Zero(d);
+    Vec pixels = hn::Zero(d);
+    ForEachBlendedRow(
+        d,
+        task,
+        task.splats[task.entries[k]],
+        transmittance,
+        [&](int pixel, Vec, Vec alpha, Vec t, Mask mask) HWY_ATTR {
+          const Vec weight = hn::IfThenElseZero(mask, hn::Mul(alpha, t));
+          hn::Store(hn::Sub(t, weight), d, transmittance + pixel);
+          weights = hn::Add(weights, weight);
+          pixels = hn::Add(pixels, hn::IfThenElseZero(mask, one));
+          KeepDominant(d, pixel, weight, k, dominance);
+        },
+        NoColumnEnd());
+    contributions[slots[k]] = {hn::GetLane(hn::SumOfLanes(d, weights)),
+                               hn::GetLane(hn::SumOfLanes(d, pixels))};
+  }
 }
 
 void VoteTile(const TileTask& task, const int32_t* channels, float* votes) {
@@ -181,13 +294,14 @@ void VoteTile(const TileTask& task, const int32_t* channels, float* votes) {
         task,
         task.splats[task.entries[k]],
         transmittance,
-        [&](int pixel, Vec, float, Vec alpha, Vec t, Mask mask) HWY_ATTR {
+        [&](int pixel, Vec, Vec alpha, Vec t, Mask mask) HWY_ATTR {
           const Vec weight = hn::IfThenElseZero(mask, hn::Mul(alpha, t));
           hn::Store(hn::Sub(t, weight), d, transmittance + pixel);
           if (channel < 0) return;
           float* vote = votes + channel * kTilePixels + pixel;
           hn::Store(hn::Add(weight, hn::Load(d, vote)), d, vote);
-        });
+        },
+        NoColumnEnd());
   }
 }
 
@@ -218,13 +332,15 @@ void BackwardTile(const TileTask& task,
     Vec sum_q = hn::Zero(d), sum_qx = hn::Zero(d), sum_qy = hn::Zero(d);
     Vec sum_qxx = hn::Zero(d), sum_qxy = hn::Zero(d), sum_qyy = hn::Zero(d);
     Vec sum_r = hn::Zero(d), sum_g = hn::Zero(d), sum_b = hn::Zero(d);
+    // dx does not change within a column: its powers wait for the column's end.
+    Vec column_q = hn::Zero(d), column_qy = hn::Zero(d);
     bool touched = false;
     ForEachBlendedRow(
         d,
         task,
         splat,
         transmittance,
-        [&](int pixel, Vec dx, float dy, Vec alpha, Vec t, Mask mask) HWY_ATTR {
+        [&](int pixel, Vec dy, Vec alpha, Vec t, Mask mask) HWY_ATTR {
           touched = true;
           const Vec weight = hn::IfThenElseZero(mask, hn::Mul(alpha, t));
           hn::Store(hn::Sub(t, weight), d, transmittance + pixel);
@@ -253,28 +369,27 @@ void BackwardTile(const TileTask& task,
           // A clamped alpha does not move.
           const Mask free = hn::And(mask, hn::Lt(alpha, hn::Set(d, kMaxAlpha)));
           const Vec q = hn::IfThenElseZero(free, hn::Mul(d_alpha, alpha));
-          const Vec qx = hn::Mul(q, dx);
-          const Vec vdy = hn::Set(d, dy);
-          const Vec qy = hn::Mul(q, vdy);
-          sum_q = hn::Add(sum_q, q);
+          const Vec qy = hn::Mul(q, dy);
+          column_q = hn::Add(column_q, q);
+          column_qy = hn::Add(column_qy, qy);
+          sum_qyy = hn::MulAdd(qy, dy, sum_qyy);
+        },
+        [&](Vec dx) HWY_ATTR {
+          const Vec qx = hn::Mul(column_q, dx);
+          sum_q = hn::Add(sum_q, column_q);
           sum_qx = hn::Add(sum_qx, qx);
-          sum_qy = hn::Add(sum_qy, qy);
           sum_qxx = hn::MulAdd(qx, dx, sum_qxx);
-          sum_qxy = hn::MulAdd(qx, vdy, sum_qxy);
-          sum_qyy = hn::MulAdd(qy, vdy, sum_qyy);
+          sum_qy = hn::Add(sum_qy, column_qy);
+          sum_qxy = hn::MulAdd(column_qy, dx, sum_qxy);
+          column_q = hn::Zero(d);
+          column_qy = hn::Zero(d);
         });
     if (!touched) {
       std::fill_n(sums, kMomentStride, 0.0f);
       continue;
     }
-    sums[0] = hn::GetLane(hn::SumOfLanes(d, sum_q));
-    sums[1] = hn::GetLane(hn::SumOfLanes(d, sum_qx));
-    sums[2] = hn::GetLane(hn::SumOfLanes(d, sum_qy));
-    sums[3] = hn::GetLane(hn::SumOfLanes(d, sum_qxx));
-    sums[4] = hn::GetLane(hn::SumOfLanes(d, sum_qxy));
-    sums[5] = hn::GetLane(hn::SumOfLanes(d, sum_qyy));
-    sums[6] = hn::GetLane(hn::SumOfLanes(d, sum_r));
-    sums[7] = hn::GetLane(hn::SumOfLanes(d, sum_g));
+    StoreSums(d, sum_q, sum_qx, sum_qy, sum_qxx, sums);
+    StoreSums(d, sum_qxy, sum_qyy, sum_r, sum_g, sums + 4);
     sums[8] = hn::GetLane(hn::SumOfLanes(d, sum_b));
   }
   // Entries behind an opaque tile get no gradient.
@@ -292,12 +407,25 @@ HWY_AFTER_NAMESPACE();
 namespace freegs::splat {
 
 HWY_EXPORT(BlendTile);
+HWY_EXPORT(ContributeTile);
 HWY_EXPORT(VoteTile);
 HWY_EXPORT(BackwardTile);
 HWY_EXPORT(TargetName);
 
-int64_t BlendTile(const TileTask& task, TilePixels* pixels, float* extras) {
-  return HWY_DYNAMIC_DISPATCH(BlendTile)(task, pixels, extras);
+int64_t BlendTile(const TileTask& task,
+                  TilePixels* pixels,
+                  float* extras,
+                  TileDominance* dominance) {
+  return HWY_DYNAMIC_DISPATCH(BlendTile)(task, pixels, extras, dominance);
+}
+
+void ContributeTile(const TileTask& task,
+                    float* transmittance,
+                    TileDominance* dominance,
+                    const uint32_t* slots,
+                    PairContribution* contributions) {
+  HWY_DYNAMIC_DISPATCH(ContributeTile)
+  (task, transmittance, dominance, slots, contributions);
 }
 
 void VoteTile(const TileTask& task, const int32_t* channels, float* votes) {

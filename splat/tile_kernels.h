@@ -50,10 +50,36 @@ struct alignas(64) TilePixels {
   float color[3][kTilePixels];
 };
 
+// Per pixel the largest weight of all splats and the list entry it belongs to
+// (0 and -1 where nothing was blended; ties go to the nearest).
+struct alignas(64) TileDominance {
+  float weight[kTilePixels];
+  int32_t entry[kTilePixels];
+};
+
 // Blends the list front to back into *pixels and, when task.num_extras > 0,
-// into extras[channel * 256 + pixel] (64-byte aligned), both overwritten.
-// Returns how many list entries had been visited when the tile was opaque.
-int64_t BlendTile(const TileTask& task, TilePixels* pixels, float* extras);
+// into extras[channel * 256 + pixel] (64-byte aligned), both overwritten. Also
+// fills *dominance unless it is null. Returns how many list entries had been
+// visited when the tile was opaque.
+int64_t BlendTile(const TileTask& task,
+                  TilePixels* pixels,
+                  float* extras,
+                  TileDominance* dominance = nullptr);
+
+// What one splat gives to one tile: the sum of its weights and the number of
+// pixels it was blended into.
+struct PairContribution {
+  float weight_sum;
+  float num_pixels;
+};
+
+// Blends weights only: overwrites transmittance (256 floats, 64-byte aligned)
+// and *dominance, and writes what list entry k gave to contributions[slots[k]].
+void ContributeTile(const TileTask& task,
+                    float* transmittance,
+                    TileDominance* dominance,
+                    const uint32_t* slots,
+                    PairContribution* contributions);
 
 // Adds to votes[channel * 256 + pixel] the weight of every splat, where channel
 // is channels[k] of list entry k (negative: none).

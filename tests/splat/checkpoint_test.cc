@@ -32,6 +32,7 @@ TrainingCheckpoint Example(int64_t iteration, size_t count = 12) {
     checkpoint.statistics.gradient_sum[i] = 0.5f * static_cast<float>(i);
     checkpoint.statistics.visible_steps[i] = static_cast<uint32_t>(3 * i);
     checkpoint.statistics.max_radius[i] = static_cast<float>(i);
+    checkpoint.statistics.max_dominant_share[i] = 0.01f * static_cast<float>(i);
   }
   checkpoint.facts = {{"best_psnr", "25.75"}, {"empty", ""}};
   return checkpoint;
@@ -47,6 +48,7 @@ void ExpectSame(const TrainingCheckpoint& a, const TrainingCheckpoint& b) {
   EXPECT_EQ(a.statistics.gradient_sum, b.statistics.gradient_sum);
   EXPECT_EQ(a.statistics.visible_steps, b.statistics.visible_steps);
   EXPECT_EQ(a.statistics.max_radius, b.statistics.max_radius);
+  EXPECT_EQ(a.statistics.max_dominant_share, b.statistics.max_dominant_share);
   EXPECT_EQ(a.facts, b.facts);
 }
 
@@ -127,6 +129,10 @@ TEST(CheckpointTest, OtherVersionsAreNamed) {
   content[8] = 9;
   EXPECT_THAT(ParseCheckpoint(Resealed(content)).status().message(),
               HasSubstr("format 9"));
+  content[8] = 1;  // Before there was max_dominant_share.
+  const Status old = ParseCheckpoint(Resealed(content)).status();
+  EXPECT_EQ(old.code(), StatusCode::kBadInput);
+  EXPECT_THAT(old.message(), HasSubstr("format 1, this program reads 2"));
 }
 
 TEST(CheckpointTest, ArraysMustFitTheModel) {

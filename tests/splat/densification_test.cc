@@ -96,6 +96,30 @@ TEST(DensificationStatisticsTest, SumsInUnitsOfTheImage) {
   EXPECT_EQ(statistics.max_radius[0], 9.0f);
 }
 
+TEST(DensificationStatisticsTest, KeepsTheLargestShareDominated) {
+  const auto picture = [](int width, std::vector<int32_t> pixels) {
+    Image<int32_t> dominant(width, static_cast<int>(pixels.size()) / width, 1);
+    std::copy(pixels.begin(), pixels.end(), dominant.data());
+    return dominant;
+  };
+  DensificationStatistics statistics;
+  statistics.Reset(4);
+  statistics.AddDominant(picture(4, {0, 0, 2, -1, -1, 0, 2, -1}));
+  EXPECT_EQ(statistics.max_dominant_share,
+            (std::vector<float>{3.0f / 8, 0, 2.0f / 8, 0}));
+  // Counts do not add up over pictures, whose size may change.
+  statistics.AddDominant(picture(2, {0, 2, 2, 3}));
+  EXPECT_EQ(statistics.max_dominant_share,
+            (std::vector<float>{3.0f / 8, 0, 0.5f, 0.25f}));
+  statistics.AddDominant(Image<int32_t>());
+  statistics.Select(std::vector<uint32_t>{2, 3});
+  EXPECT_EQ(statistics.max_dominant_share, (std::vector<float>{0.5f, 0.25f}));
+  statistics.AddDominant(picture(2, {1, 1, -1, 7}));  // 7: unknown, left out.
+  EXPECT_EQ(statistics.max_dominant_share, (std::vector<float>{0.5f, 0.5f}));
+  statistics.Reset(1);
+  EXPECT_EQ(statistics.max_dominant_share, std::vector<float>{0});
+}
+
 TEST(DensificationTest, SmallOnesAreCloned) {
   Scene scene(4, 0.05);
   scene.SetGradient(1, 3e-4f);
@@ -230,6 +254,56 @@ TEST(DensificationTest, CapTakesTheLargestGradients) {
   EXPECT_EQ(scene.Run(options).total, 12u);
 }
 
+TEST(DensificationTest, BlurredOnesAreSplitWithoutGradient) {
+  Scene scene(5, 0.05);  // Small: a gradient would clone them.
+  scene.SetGradient(1, 1.0f);
+  scene.SetGradient(2, 1.0f);
+  scene.statistics.max_dominant_share = {3e-4f, 0, 3e-4f, 1.0f / 5000, 1e-4f};
+  const Scene before = scene;
+  Scene off = scene;
+  EXPECT_EQ(off.Run({}).split, 0u);
+
+  const DensificationSummary summary =
+      scene.Run({.blur_split_share = 1.0 / 5000});
+  EXPECT_EQ(summary.blur_split, 2u);  // 0 and 2: a share equal to it stays.
+  EXPECT_EQ(summary.split, 2u);
+  EXPECT_EQ(summary.cloned, 1u);
+  EXPECT_EQ(summary.pruned, 0u);
+  ASSERT_EQ(summary.total, 8u);
+  EXPECT_TRUE(SameParameters(At(scene.model, 0), At(before.model, 1)));
+  EXPECT_TRUE(SameParameters(At(scene.model, 3), At(before.model, 1)));
+  for (const size_t child : {4u, 5u, 6u, 7u}) {
+    EXPECT_NEAR(std::exp(scene.model.log_scales[3 * child]), 0.05 / 1.6, 1e-6);
+  }
+  EXPECT_EQ(scene.statistics.max_dominant_share, std::vector<float>(8, 0.0f));
+}
+
+TEST(DensificationTest, BlurSplitsGoFirstUnderACap) {
+  Scene scene(6, 0.5);
+  for (size_t i = 0; i < 4; ++i) scene.SetGradient(i, 1.0f);
+  scene.statistics.max_dominant_share = {0, 0.1f, 0, 0, 0.2f, 0.3f};
+  scene.model.opacity_logits[5] = Logit(0.001);  // Pruned, however blurred.
+  Scene tight = scene;
+  const GaussianModel before = scene.model;
+  DensificationOptions options{.blur_split_share = 0.01, .max_gaussians = 8};
+  DensificationSummary summary = scene.Run(options);
+  EXPECT_EQ(summary.total, 8u);
+  EXPECT_EQ(summary.pruned, 1u);
+  EXPECT_EQ(summary.blur_split, 2u);
+  EXPECT_EQ(summary.split, 3u);
+  // 1 and 4 are gone, and of the equal gradients the first.
+  EXPECT_TRUE(SameParameters(At(scene.model, 0), At(before, 2)));
+  EXPECT_TRUE(SameParameters(At(scene.model, 1), At(before, 3)));
+
+  options.max_gaussians = 6;
+  summary = tight.Run(options);
+  EXPECT_EQ(summary.total, 6u);
+  EXPECT_EQ(summary.split, 1u);
+  // The largest share alone.
+  EXPECT_TRUE(SameParameters(At(tight.model, 1), At(before, 1)));
+  EXPECT_TRUE(SameParameters(At(tight.model, 3), At(before, 3)));
+}
+
 TEST(DensificationTest, RepeatsExactlyAndVariesWithIterationAndSeed) {
   const auto run = [](uint64_t seed, int64_t iteration) {
     Scene scene(20, 0.5);
@@ -269,6 +343,8 @@ TEST(DensificationTest, OptionsAreChecked) {
   EXPECT_FALSE(DensificationOptions{.split_shrink = 0.5}.Check().ok());
   EXPECT_FALSE(DensificationOptions{.min_opacity = 1}.Check().ok());
   EXPECT_FALSE(DensificationOptions{.max_gaussians = -1}.Check().ok());
+  EXPECT_FALSE(DensificationOptions{.blur_split_share = -0.1}.Check().ok());
+  EXPECT_FALSE(DensificationOptions{.blur_split_share = NAN}.Check().ok());
 }
 
 }  // namespace

@@ -135,6 +135,18 @@ TEST(InitializationTest, LeavesOutPointsThatAreNotFinite) {
   EXPECT_LT(model->sh_dc[3], 0.0f);
 }
 
+TEST(InitializationTest, StoredColoursAreKeptExactly) {
+  const std::vector<Eigen::Vector3d> points = RandomPoints(3, 2);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const std::vector<std::array<float, 3>> colors = {
+      {0.1f, -7.3f, 1e-9f}, {0, nan, 0}, {1.0f / 3, 5, 6}};
+  const StatusOr<GaussianModel> model = InitializeFromShDc(points, colors, 1.0);
+  ASSERT_TRUE(model.ok());
+  EXPECT_EQ(model->sh_dc,
+            (std::vector<float>{0.1f, -7.3f, 1e-9f, 1.0f / 3, 5, 6}));
+  EXPECT_EQ(model->means[3], static_cast<float>(points[2].x()));
+}
+
 TEST(InitializationTest, WrongUseIsRefused) {
   const std::vector<Eigen::Vector3d> points = RandomPoints(4, 2);
   EXPECT_FALSE(InitializeFromPoints(points, Colors(3), 1.0).ok());
