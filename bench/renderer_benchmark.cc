@@ -66,7 +66,7 @@ void BM_Forward(benchmark::State& state) {
   Fixture f(state);
   for (auto _ : state) {
     f.rasterizer.Forward(
-        f.model, f.camera, TestPose(), f.options, false, {}, f.pool, &f.images);
+        f.model, f.camera, TestPose(), f.options, {}, f.pool, &f.images);
   }
   state.counters["pairs"] =
       benchmark::Counter(static_cast<double>(f.rasterizer.bins().num_pairs()),
@@ -76,7 +76,7 @@ void BM_Forward(benchmark::State& state) {
 void BM_Backward(benchmark::State& state) {
   Fixture f(state);
   f.rasterizer.Forward(
-      f.model, f.camera, TestPose(), f.options, false, {}, f.pool, &f.images);
+      f.model, f.camera, TestPose(), f.options, {}, f.pool, &f.images);
   for (auto _ : state) {
     f.rasterizer.Backward(
         f.model, {.color = &f.d_color}, f.images, f.pool, &f.gradients);

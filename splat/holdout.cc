@@ -21,14 +21,8 @@ StatusOr<HoldoutReport> MeasureHoldout(const GaussianModel& model,
   for (size_t i = 0; i < images->size(); ++i) {
     const View view = images->view(i);
     FREEGS_RETURN_IF_ERROR(images->Fetch(i, 0, &photo));
-    rasterizer.Forward(model,
-                       view.camera,
-                       view.cam_from_world,
-                       options,
-                       /*with_depth=*/false,
-                       {},
-                       pool,
-                       &rendered);
+    rasterizer.Forward(
+        model, view.camera, view.cam_from_world, options, {}, pool, &rendered);
     HoldoutView result;
     result.name = view.name;
     result.rendered = ToU8(rendered.color);

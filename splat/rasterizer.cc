@@ -49,10 +49,11 @@ void LoadTile(const TileTask& task,
   }
 }
 
-void Reshape(int width, int height, int channels, ImageF* image) {
+template <typename T>
+void Reshape(int width, int height, int channels, Image<T>* image) {
   if (image->width() != width || image->height() != height ||
       image->channels() != channels) {
-    *image = ImageF(width, height, channels);
+    *image = Image<T>(width, height, channels);
   }
 }
 
@@ -76,16 +77,15 @@ void Rasterizer::Forward(const GaussianModel& model,
                          const Pinhole& camera,
                          const Rigid3d& cam_from_world,
                          const RenderOptions& options,
-                         bool with_depth,
-                         const FeatureChannels& features,
+                         const RasterRequest& request,
                          ThreadPool& pool,
                          RasterImages* images) {
   camera_ = camera;
   cam_from_world_ = cam_from_world;
   options_ = options;
-  with_depth_ = with_depth;
-  num_features_ = features.channels;
-  num_extras_ = num_features_ + (with_depth ? 1 : 0);
+  with_depth_ = request.depth;
+  num_features_ = request.features.channels;
+  num_extras_ = num_features_ + (with_depth_ ? 1 : 0);
   projector_.Project(
       model, camera, cam_from_world, options, pool, &projection_);
   BinSplats(projection_.splats, camera.width, camera.height, pool, &bins_);
@@ -93,24 +93,31 @@ void Rasterizer::Forward(const GaussianModel& model,
   splat_extras_.resize(projection_.size() * num_extras_);
   for (size_t k = 0; num_extras_ > 0 && k < projection_.size(); ++k) {
     float* extras = &splat_extras_[k * num_extras_];
-    if (with_depth) *extras++ = projection_.splats[k].depth;
+    if (with_depth_) *extras++ = projection_.splats[k].depth;
     const size_t i = projection_.model_index[k];
-    std::copy_n(
-        features.values.data() + i * num_features_, num_features_, extras);
+    std::copy_n(request.features.values.data() + i * num_features_,
+                num_features_,
+                extras);
   }
 
   Reshape(camera.width, camera.height, 3, &images->color);
   Reshape(camera.width, camera.height, 1, &images->transmittance);
   Reshape(camera.width, camera.height, num_extras_, &images->extras);
+  if (request.dominant) {
+    Reshape(camera.width, camera.height, 1, &images->dominant);
+  }
   const int64_t tiles = static_cast<int64_t>(bins_.tiles_x) * bins_.tiles_y;
   tile_visited_.resize(tiles);
   pool.ParallelFor(0, tiles, 4, [&](int64_t begin, int64_t end, int) {
     TilePixels pixels;
+    TileDominance dominance;
     const AlignedFloats extras =
         num_extras_ > 0 ? TileChannels(num_extras_) : AlignedFloats();
     for (int64_t tile = begin; tile < end; ++tile) {
       const TileTask task = MakeTask(tile);
-      tile_visited_[tile] = BlendTile(task, &pixels, extras.get());
+      tile_visited_[tile] = BlendTile(
+          task, &pixels, extras.get(), request.dominant ? &dominance : nullptr);
+      if (request.dominant) StoreDominant(task, dominance, &images->dominant);
       StoreColorTile(task, pixels, options.background.data(), &images->color);
       StoreTile(task, 0, pixels.transmittance, &images->transmittance);
       for (int e = 0; e < num_extras_; ++e) {
@@ -207,13 +214,26 @@ void Rasterizer::Backward(const GaussianModel& model,
   }
 }
 
-Image<int32_t> Rasterizer::Labels(const GaussianModel& model,
-                                  const Pinhole& camera,
-                                  const Rigid3d& cam_from_world,
-                                  const RenderOptions& options,
-                                  std::span<const int32_t> labels,
-                                  float min_weight,
-                                  ThreadPool& pool) {
+void Rasterizer::StoreDominant(const TileTask& task,
+                               const TileDominance& dominance,
+                               Image<int32_t>* image) const {
+  for (int y = 0; y < task.height; ++y) {
+    int32_t* row = image->row(task.y0 + y) + task.x0;
+    const int32_t* entry = dominance.entry + y * kTileSize;
+    for (int x = 0; x < task.width; ++x) {
+      row[x] = entry[x] < 0
+                   ? -1
+                   : static_cast<int32_t>(
+                         projection_.model_index[task.entries[entry[x]]]);
+    }
+  }
+}
+
+void Rasterizer::PrepareWeights(const GaussianModel& model,
+                                const Pinhole& camera,
+                                const Rigid3d& cam_from_world,
+                                const RenderOptions& options,
+                                ThreadPool& pool) {
   camera_ = camera;
   num_extras_ = 0;
   RenderOptions without_color = options;
@@ -221,6 +241,64 @@ Image<int32_t> Rasterizer::Labels(const GaussianModel& model,
   projector_.Project(
       model, camera, cam_from_world, without_color, pool, &projection_);
   BinSplats(projection_.splats, camera.width, camera.height, pool, &bins_);
+}
+
+void Rasterizer::Contributions(const GaussianModel& model,
+                               const Pinhole& camera,
+                               const Rigid3d& cam_from_world,
+                               const RenderOptions& options,
+                               ThreadPool& pool,
+                               ViewContributions* contributions) {
+  PrepareWeights(model, camera, cam_from_world, options, pool);
+  pair_contributions_.resize(bins_.num_pairs());
+  Reshape(camera.width, camera.height, 1, &contributions->dominant);
+  Reshape(camera.width, camera.height, 1, &contributions->transmittance);
+  const int64_t tiles = static_cast<int64_t>(bins_.tiles_x) * bins_.tiles_y;
+  pool.ParallelFor(0, tiles, 4, [&](int64_t begin, int64_t end, int) {
+    TileDominance dominance;
+    alignas(64) float transmittance[kTilePixels];
+    for (int64_t tile = begin; tile < end; ++tile) {
+      const TileTask task = MakeTask(tile);
+      ContributeTile(task,
+                     transmittance,
+                     &dominance,
+                     bins_.slots.data() + bins_.tile_begin[tile],
+                     pair_contributions_.data());
+      StoreTile(task, 0, transmittance, &contributions->transmittance);
+      StoreDominant(task, dominance, &contributions->dominant);
+    }
+  });
+
+  const size_t splats = projection_.size();
+  contributions->model_index = projection_.model_index;
+  contributions->weight_sum.assign(splats, 0.0f);
+  contributions->num_pixels.assign(splats, 0);
+  contributions->num_dominant.assign(splats, 0);
+  std::vector<uint32_t> dominant_of_model(model.size(), 0);
+  for (size_t k = 0; k < contributions->dominant.size(); ++k) {
+    const int32_t i = contributions->dominant.data()[k];
+    if (i >= 0) ++dominant_of_model[i];
+  }
+  for (size_t s = 0; s < splats; ++s) {
+    for (size_t slot = bins_.splat_begin[s]; slot < bins_.splat_begin[s + 1];
+         ++slot) {
+      const PairContribution& pair = pair_contributions_[slot];
+      contributions->weight_sum[s] += pair.weight_sum;
+      contributions->num_pixels[s] += static_cast<uint32_t>(pair.num_pixels);
+    }
+    contributions->num_dominant[s] =
+        dominant_of_model[projection_.model_index[s]];
+  }
+}
+
+Image<int32_t> Rasterizer::Labels(const GaussianModel& model,
+                                  const Pinhole& camera,
+                                  const Rigid3d& cam_from_world,
+                                  const RenderOptions& options,
+                                  std::span<const int32_t> labels,
+                                  float min_weight,
+                                  ThreadPool& pool) {
+  PrepareWeights(model, camera, cam_from_world, options, pool);
   Image<int32_t> result(camera.width, camera.height, 1, -1);
   const int64_t tiles = static_cast<int64_t>(bins_.tiles_x) * bins_.tiles_y;
   pool.ParallelFor(0, tiles, 4, [&](int64_t begin, int64_t end, int) {

@@ -12,6 +12,7 @@
 #include "core/image.h"
 #include "core/parallel.h"
 #include "core/pinhole.h"
+#include "splat/contributions.h"
 #include "splat/gaussian_model.h"
 #include "splat/projection.h"
 #include "splat/renderer.h"
@@ -26,6 +27,16 @@ struct RasterImages {
   // num_extras channels, no background: first depth (sum of weight * z) when
   // asked for, then the features.
   ImageF extras;
+  // Per pixel the Gaussian (index into the model) of the largest weight, -1
+  // where nothing is; when asked for, else left alone.
+  Image<int32_t> dominant;
+};
+
+// What Forward makes beside colour and transmittance.
+struct RasterRequest {
+  bool depth = false;             // An extra channel.
+  bool dominant = false;          // RasterImages::dominant.
+  FeatureChannels features = {};  // N x channels per Gaussian.
 };
 
 // dL/d(images) for Backward; null counts as zero.
@@ -36,7 +47,7 @@ struct RasterGradients {
 };
 
 // Usage, per training step:
-//   rasterizer.Forward(model, camera, pose, options, false, {}, pool, &images);
+//   rasterizer.Forward(model, camera, pose, options, {}, pool, &images);
 //   ... dL/dcolor from the loss ...
 //   rasterizer.Backward(model, {.color = &gradient}, images, pool, &gradients);
 //   ... update the Gaussians in rasterizer.projection().model_index ...
@@ -45,13 +56,11 @@ struct RasterGradients {
 // any number of threads.
 class Rasterizer {
  public:
-  // features: N x channels per Gaussian. with_depth adds the depth channel.
   void Forward(const GaussianModel& model,
                const Pinhole& camera,
                const Rigid3d& cam_from_world,
                const RenderOptions& options,
-               bool with_depth,
-               const FeatureChannels& features,
+               const RasterRequest& request,
                ThreadPool& pool,
                RasterImages* images);
 
@@ -65,6 +74,14 @@ class Rasterizer {
                 ThreadPool& pool,
                 GaussianModel* gradients,
                 std::span<float> feature_gradients = {});
+
+  // What each Gaussian gives to a view. Afterwards Backward is not possible.
+  void Contributions(const GaussianModel& model,
+                     const Pinhole& camera,
+                     const Rigid3d& cam_from_world,
+                     const RenderOptions& options,
+                     ThreadPool& pool,
+                     ViewContributions* contributions);
 
   // The argmax of voted weights per pixel; see RenderLabels.
   Image<int32_t> Labels(const GaussianModel& model,
@@ -84,6 +101,15 @@ class Rasterizer {
 
  private:
   TileTask MakeTask(int64_t tile) const;
+  // Projects and bins without evaluating view-dependent colour.
+  void PrepareWeights(const GaussianModel& model,
+                      const Pinhole& camera,
+                      const Rigid3d& cam_from_world,
+                      const RenderOptions& options,
+                      ThreadPool& pool);
+  void StoreDominant(const TileTask& task,
+                     const TileDominance& dominance,
+                     Image<int32_t>* image) const;
 
   Projector projector_;
   Projection projection_;
@@ -98,7 +124,8 @@ class Rasterizer {
   std::vector<float> splat_extras_;    // num_splats x num_extras.
   std::vector<int64_t> tile_visited_;  // Per tile, see BlendTile.
   std::vector<float> pair_moments_;    // By slot.
-  std::vector<float> splat_moments_;   // num_splats x stride.
+  std::vector<PairContribution> pair_contributions_;  // By slot.
+  std::vector<float> splat_moments_;                  // num_splats x stride.
   std::vector<float> mean2d_gradients_;
 };
 

@@ -20,8 +20,7 @@ RenderedView RenderView(const GaussianModel& model,
                      camera,
                      cam_from_world,
                      options,
-                     /*with_depth=*/true,
-                     features,
+                     {.depth = true, .features = features},
                      pool,
                      &images);
   RenderedView view;

@@ -148,7 +148,6 @@ StatusOr<StepReport> Trainer::Step() {
                       view.camera,
                       view.cam_from_world,
                       options_.render,
-                      /*with_depth=*/false,
                       {},
                       *pool_,
                       &rendered_);

@@ -46,8 +46,7 @@ TEST(Rasterizer, ForwardMatchesReference) {
                      camera,
                      TestPose(),
                      TestOptions(),
-                     true,
-                     {features, kFeatures},
+                     {.depth = true, .features = {features, kFeatures}},
                      pool,
                      &images);
   size_t covered = 0;
@@ -94,8 +93,7 @@ TEST(Rasterizer, BackwardMatchesCentralDifferences) {
                      camera,
                      TestPose(),
                      TestOptions(),
-                     true,
-                     {features, kFeatures},
+                     {.depth = true, .features = {features, kFeatures}},
                      pool,
                      &images);
   ImageF d_color(camera.width, camera.height, 3);
@@ -183,8 +181,13 @@ TEST(Rasterizer, SameBytesForAnyNumberOfThreads) {
     ThreadPool pool(threads);
     Rasterizer rasterizer;
     RasterImages images;
-    rasterizer.Forward(
-        model, camera, TestPose(), TestOptions(), true, {}, pool, &images);
+    rasterizer.Forward(model,
+                       camera,
+                       TestPose(),
+                       TestOptions(),
+                       {.depth = true},
+                       pool,
+                       &images);
     GaussianModel gradients;
     gradients.sh_degree = model.sh_degree;
     gradients.Resize(model.size());
@@ -294,6 +297,76 @@ TEST(Rasterizer, DegenerateGaussiansLeaveFinitePictures) {
   for (size_t i = 0; i < view.color.size(); ++i) {
     EXPECT_TRUE(std::isfinite(view.color.data()[i]));
   }
+}
+
+TEST(Rasterizer, ContributionsAgreeWithTheRenderedPicture) {
+  const GaussianModel model = RandomModel(200, 1, 21);
+  const Pinhole camera = TestCamera(75, 50);
+  ThreadPool pool(2);
+  Rasterizer rasterizer;
+  ViewContributions contributions;
+  rasterizer.Contributions(
+      model, camera, TestPose(), TestOptions(), pool, &contributions);
+  RasterImages images;
+  rasterizer.Forward(model,
+                     camera,
+                     TestPose(),
+                     TestOptions(),
+                     {.dominant = true},
+                     pool,
+                     &images);
+
+  ASSERT_EQ(contributions.model_index, rasterizer.projection().model_index);
+  // Forward may stop at opaque tiles: both only see what is not behind them.
+  double opacity = 0;
+  size_t dominated = 0;
+  for (size_t p = 0; p < images.transmittance.size(); ++p) {
+    EXPECT_EQ(images.dominant.data()[p], contributions.dominant.data()[p]);
+    EXPECT_EQ(images.transmittance.data()[p],
+              contributions.transmittance.data()[p]);
+    opacity += 1.0 - images.transmittance.data()[p];
+    if (images.dominant.data()[p] >= 0) ++dominated;
+  }
+  double weights = 0;
+  size_t dominant = 0;
+  for (size_t s = 0; s < contributions.model_index.size(); ++s) {
+    weights += contributions.weight_sum[s];
+    dominant += contributions.num_dominant[s];
+    EXPECT_LE(contributions.num_dominant[s], contributions.num_pixels[s]);
+    EXPECT_LE(contributions.weight_sum[s],
+              static_cast<float>(contributions.num_pixels[s]));
+  }
+  EXPECT_NEAR(weights, opacity, 1e-4 * opacity);
+  EXPECT_EQ(dominant, dominated);
+  EXPECT_GT(dominated, images.dominant.size() / 2);
+}
+
+TEST(Rasterizer, TheDominantGaussianHasTheLargestWeight) {
+  // One behind the other on the optical axis: the nearer is nearly
+  // transparent, so the farther one has the larger weight where both are.
+  GaussianModel model = RandomModel(2, 0, 3);
+  const Pinhole camera = TestCamera(40, 30);
+  for (int i = 0; i < 2; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      model.means[3 * i + k] = k == 2 ? 2.0f + static_cast<float>(i) : 0.0f;
+      model.log_scales[3 * i + k] = std::log(0.3f);
+    }
+    model.opacity_logits[i] = i == 0 ? -2.0f : 3.0f;
+  }
+  ThreadPool pool(1);
+  Rasterizer rasterizer;
+  RasterImages images;
+  rasterizer.Forward(model,
+                     camera,
+                     Rigid3d(),
+                     TestOptions(),
+                     {.dominant = true},
+                     pool,
+                     &images);
+  EXPECT_EQ(
+      images.dominant(static_cast<int>(camera.cx), static_cast<int>(camera.cy)),
+      1);
+  EXPECT_EQ(images.dominant(0, 0), -1);
 }
 
 }  // namespace
