@@ -14,6 +14,9 @@ namespace {
 
 constexpr int64_t kChunk = 1024;
 
+// Added to the far ends of pixel boxes against rounding, pixels.
+constexpr float kSlack = 1e-3f;
+
 float Log2Opacity(float logit) {
   // log2(sigmoid(x)) = -log2(1 + exp(-x)), without overflow.
   const float log_opacity = logit >= 0 ? -std::log1p(std::exp(-logit))
@@ -56,6 +59,13 @@ Direction ViewDirection(const float mean[3], const float centre[3]) {
   return direction;
 }
 
+// The first pixel whose centre is not before `edge`, within [0, size].
+int32_t FirstPixel(float edge, int size) {
+  const float pixel = std::ceil(edge - 0.5f);
+  return static_cast<int32_t>(
+      std::clamp(pixel, 0.0f, static_cast<float>(size)));
+}
+
 // Fills *splat, or returns false when the Gaussian cannot touch a pixel.
 bool MakeSplat(const GaussianModel& model,
                size_t i,
@@ -91,6 +101,12 @@ bool MakeSplat(const GaussianModel& model,
       splat->mean_y + splat->extent_y > 0.5f &&
       splat->mean_y - splat->extent_y < static_cast<float>(image.height) - 0.5f;
   if (!inside) return false;
+  splat->x_begin = FirstPixel(splat->mean_x - splat->extent_x, image.width);
+  splat->x_end =
+      FirstPixel(splat->mean_x + splat->extent_x + kSlack, image.width);
+  splat->y_begin = FirstPixel(splat->mean_y - splat->extent_y, image.height);
+  splat->y_end =
+      FirstPixel(splat->mean_y + splat->extent_y + kSlack, image.height);
   splat->conic_xx = projected.conic[0];
   splat->conic_xy = projected.conic[1];
   splat->conic_yy = projected.conic[2];

@@ -62,21 +62,35 @@ void ForEachTileRun(const Splat& splat,
                     int tiles_x,
                     int tiles_y,
                     const Visit& visit) {
-  const Ellipse ellipse(splat);
   // Pixel centres lie at k + 0.5: tile ty holds centres 16 ty + 0.5 ... + 15.5.
   const int row_begin = std::max(
       0, TileOf(splat.mean_y - splat.extent_y - kSlack + 0.5f, tiles_y));
   const int row_end =
       std::min(tiles_y - 1,
                TileOf(splat.mean_y + splat.extent_y + kSlack - 0.5f, tiles_y));
+  const int column_begin = std::max(
+      0, TileOf(splat.mean_x - splat.extent_x - kSlack + 0.5f, tiles_x));
+  const int column_end =
+      std::min(tiles_x - 1,
+               TileOf(splat.mean_x + splat.extent_x + kSlack - 0.5f, tiles_x));
+  if (column_begin > column_end) return;
+  if (row_begin >= row_end || column_begin == column_end) {
+    // One row or one column of tiles: the box is as good as the ellipse.
+    for (int ty = row_begin; ty <= row_end; ++ty) {
+      visit(ty * tiles_x + column_begin, ty * tiles_x + column_end);
+    }
+    return;
+  }
+  const Ellipse ellipse(splat);
   for (int ty = row_begin; ty <= row_end; ++ty) {
     const float y0 = static_cast<float>(ty * kTileSize) + 0.5f - kSlack;
     const float y1 = y0 + (kTileSize - 1) + 2 * kSlack;
     float x_min = 0, x_max = 0;
     if (!ellipse.Cut(y0, y1, &x_min, &x_max)) continue;
-    const int first = std::max(0, TileOf(x_min - kSlack + 0.5f, tiles_x));
+    const int first =
+        std::max(column_begin, TileOf(x_min - kSlack + 0.5f, tiles_x));
     const int last =
-        std::min(tiles_x - 1, TileOf(x_max + kSlack - 0.5f, tiles_x));
+        std::min(column_end, TileOf(x_max + kSlack - 0.5f, tiles_x));
     if (first <= last) visit(ty * tiles_x + first, ty * tiles_x + last);
   }
 }
@@ -93,26 +107,32 @@ void BinSplats(std::span<const Splat> splats,
   const auto tiles = static_cast<size_t>(bins->tiles_x) * bins->tiles_y;
   const auto count = static_cast<int64_t>(splats.size());
 
-  // Each chunk of splats counts its pairs per tile; prefix sums over chunks
-  // then give every chunk its own place in every tile's list, so that filling
-  // needs no lock and the order is the same for any number of chunks.
-  const int64_t chunks = std::max(1, 2 * pool.num_threads());
-  const int64_t chunk_size = (count + chunks - 1) / chunks;
-  std::vector<std::vector<int64_t>> places(chunks,
-                                           std::vector<int64_t>(tiles, 0));
-  bins->splat_begin.assign(splats.size() + 1, 0);
+  // Each chunk of splats lists its runs of tiles and counts its pairs per tile;
+  // prefix sums over chunks then give every chunk its own place in every tile's
+  // list, so that filling needs no lock and the order is the same for any
+  // number of chunks.
+  const int64_t num_chunks = std::max(1, 2 * pool.num_threads());
+  const int64_t chunk_size = (count + num_chunks - 1) / num_chunks;
+  std::vector<TileBins::Chunk>& chunks = bins->chunks;
+  chunks.resize(num_chunks);
+  bins->splat_begin.resize(splats.size() + 1);
+  bins->splat_begin[0] = 0;
   const auto chunk_range = [&](int64_t chunk) {
     return std::pair(std::min(count, chunk * chunk_size),
                      std::min(count, (chunk + 1) * chunk_size));
   };
-  pool.ParallelFor(0, chunks, 1, [&](int64_t chunk, int64_t, int) {
-    const auto [begin, end] = chunk_range(chunk);
+  pool.ParallelFor(0, num_chunks, 1, [&](int64_t index, int64_t, int) {
+    TileBins::Chunk& chunk = chunks[index];
+    chunk.runs.clear();
+    chunk.places.assign(tiles, 0);
+    const auto [begin, end] = chunk_range(index);
     for (int64_t s = begin; s < end; ++s) {
       uint32_t pairs = 0;
       ForEachTileRun(
           splats[s], bins->tiles_x, bins->tiles_y, [&](int first, int last) {
-            for (int t = first; t <= last; ++t) ++places[chunk][t];
+            for (int t = first; t <= last; ++t) ++chunk.places[t];
             pairs += static_cast<uint32_t>(last - first + 1);
+            chunk.runs.push_back({static_cast<uint32_t>(s), first, last});
           });
       bins->splat_begin[s + 1] = pairs;
     }
@@ -124,25 +144,22 @@ void BinSplats(std::span<const Splat> splats,
   int64_t total = 0;
   for (size_t t = 0; t < tiles; ++t) {
     bins->tile_begin[t] = total;
-    for (std::vector<int64_t>& place : places) {
-      total += std::exchange(place[t], total);
+    for (TileBins::Chunk& chunk : chunks) {
+      total += std::exchange(chunk.places[t], static_cast<uint32_t>(total));
     }
   }
   bins->tile_begin[tiles] = total;
   bins->entries.resize(total);
   bins->slots.resize(total);
-  pool.ParallelFor(0, chunks, 1, [&](int64_t chunk, int64_t, int) {
-    const auto [begin, end] = chunk_range(chunk);
-    for (int64_t s = begin; s < end; ++s) {
-      uint32_t slot = bins->splat_begin[s];
-      ForEachTileRun(
-          splats[s], bins->tiles_x, bins->tiles_y, [&](int first, int last) {
-            for (int t = first; t <= last; ++t) {
-              const int64_t place = places[chunk][t]++;
-              bins->entries[place] = static_cast<uint32_t>(s);
-              bins->slots[place] = slot++;
-            }
-          });
+  pool.ParallelFor(0, num_chunks, 1, [&](int64_t index, int64_t, int) {
+    TileBins::Chunk& chunk = chunks[index];
+    uint32_t slot = bins->splat_begin[chunk_range(index).first];
+    for (const TileBins::Run& run : chunk.runs) {
+      for (int t = run.first; t <= run.last; ++t) {
+        const uint32_t place = chunk.places[t]++;
+        bins->entries[place] = run.splat;
+        bins->slots[place] = slot++;
+      }
     }
   });
 }

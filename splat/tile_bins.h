@@ -27,6 +27,17 @@ struct TileBins {
   std::vector<uint32_t> slots;
   std::vector<uint32_t> splat_begin;
 
+  // Memory of BinSplats, kept so that the next view need not ask for it.
+  struct Run {
+    uint32_t splat;
+    int32_t first, last;  // Tiles, in one row.
+  };
+  struct Chunk {
+    std::vector<Run> runs;
+    std::vector<uint32_t> places;  // Per tile, where its next pair goes.
+  };
+  std::vector<Chunk> chunks;
+
   size_t num_pairs() const { return entries.size(); }
 };
 

@@ -23,21 +23,29 @@ using Mask = hn::Mask<Tag>;
 constexpr float kLog2E = 1.4426950408889634f;
 constexpr float kMinLog2Alpha = -7.994353436858858f;  // log2(1 / 255).
 
-// 2^x for x in [-126, 126], relative error below 2e-7: the exponent bits of the
-// nearest integer times a degree 5 Chebyshev interpolant of 2^f, |f| <= 1/2.
+// 2^x for x in [-126, 126], relative error below 2e-7; anything elsewhere. The
+// sum with 1.5 * 2^23 has the nearest integer in its lowest bits: shifted to
+// the exponent they scale a degree 5 Chebyshev interpolant of 2^f, |f| <= 1/2.
 HWY_INLINE Vec FastExp2(Tag d, Vec x) {
   const hn::RebindToSigned<Tag> di;
-  const Vec whole = hn::Round(x);
-  const Vec f = hn::Sub(x, whole);
+  const Vec magic = hn::Set(d, 12582912.0f);
+  const Vec shifted = hn::Add(x, magic);
+  const Vec f = hn::Sub(x, hn::Sub(shifted, magic));
   Vec p = hn::MulAdd(
       f, hn::Set(d, 0.0013390863364533504f), hn::Set(d, 0.009676031918326564f));
   p = hn::MulAdd(p, f, hn::Set(d, 0.05550357114219461f));
   p = hn::MulAdd(p, f, hn::Set(d, 0.24022107485308208f));
   p = hn::MulAdd(p, f, hn::Set(d, 0.6931471880262287f));
   p = hn::MulAdd(p, f, hn::Set(d, 1.0000000754548972f));
-  const auto exponent =
-      hn::ShiftLeft<23>(hn::Add(hn::ConvertTo(di, whole), hn::Set(di, 127)));
-  return hn::Mul(p, hn::BitCast(d, exponent));
+  return hn::BitCast(
+      d,
+      hn::Add(hn::BitCast(di, p), hn::ShiftLeft<23>(hn::BitCast(di, shifted))));
+}
+
+// 1 / x to about 23 bits, without the slow division.
+HWY_INLINE Vec Reciprocal(Tag d, Vec x) {
+  const Vec estimate = hn::ApproximateReciprocal(x);
+  return hn::Mul(estimate, hn::NegMulAdd(x, estimate, hn::Set(d, 2.0f)));
 }
 
 // The pixels of a tile that a splat may touch: rows [y_begin, y_end), columns
@@ -46,25 +54,17 @@ struct Span {
   int x_begin, x_end, y_begin, y_end;
 };
 
-HWY_INLINE int ToPixel(float value) {
-  // Clamped first: far-away splats must not overflow the conversion.
-  return static_cast<int>(
-      std::ceil(std::min(std::max(value, -1.0f), kTileSize + 1.0f)));
-}
-
 HWY_INLINE Span SplatSpan(const TileTask& task, const Splat& splat, int lanes) {
-  const float x = splat.mean_x - static_cast<float>(task.x0) - 0.5f;
-  const float y = splat.mean_y - static_cast<float>(task.y0) - 0.5f;
   Span span;
-  span.x_begin = std::max(0, ToPixel(x - splat.extent_x)) & -lanes;
-  span.x_end = std::min(task.width, ToPixel(x + splat.extent_x + 1e-3f));
-  span.y_begin = std::max(0, ToPixel(y - splat.extent_y));
-  span.y_end = std::min(task.height, ToPixel(y + splat.extent_y + 1e-3f));
+  span.x_begin = std::max(0, splat.x_begin - task.x0) & -lanes;
+  span.x_end = std::min(task.width, splat.x_end - task.x0);
+  span.y_begin = std::max(0, splat.y_begin - task.y0);
+  span.y_end = std::min(task.height, splat.y_end - task.y0);
   return span;
 }
 
 // Calls row(pixel, dy, alpha, T, mask) for the vectors of pixels where the
-// splat is blended (mask is not empty), one column of vectors after another;
+// splat may be blended, one column of vectors after another;
 // after each column column_end(dx), dx being the same in all its rows.
 template <class Row, class ColumnEnd>
 HWY_INLINE void ForEachBlendedRow(Tag d,
@@ -99,11 +99,9 @@ HWY_INLINE void ForEachBlendedRow(Tag d,
       const Vec t = hn::Load(d, transmittance + pixel);
       const Mask mask = hn::And(hn::Ge(log2_alpha, min_log2_alpha),
                                 hn::Ge(t, min_transmittance));
-      if (hn::AllFalse(d, mask)) continue;
-      // Lanes outside the mask may be far below: kept in range of FastExp2.
-      const Vec alpha =
-          hn::Min(FastExp2(d, hn::Max(log2_alpha, hn::Set(d, -32.0f))),
-                  hn::Set(d, kMaxAlpha));
+      // Empty masks are rare within the box: testing for them costs more.
+      // Lanes outside the mask may hold anything from here on.
+      const Vec alpha = hn::Min(FastExp2(d, log2_alpha), hn::Set(d, kMaxAlpha));
       row(pixel, dy, alpha, t, mask);
     }
     column_end(dx);
@@ -364,8 +362,8 @@ void BackwardTile(const TileTask& task,
           const Vec behind =
               hn::NegMulAdd(weight, value, hn::Load(d, remaining + pixel));
           hn::Store(behind, d, remaining + pixel);
-          const Vec d_alpha =
-              hn::Sub(hn::Mul(t, value), hn::Div(behind, hn::Sub(one, alpha)));
+          const Vec d_alpha = hn::NegMulAdd(
+              behind, Reciprocal(d, hn::Sub(one, alpha)), hn::Mul(t, value));
           // A clamped alpha does not move.
           const Mask free = hn::And(mask, hn::Lt(alpha, hn::Set(d, kMaxAlpha)));
           const Vec q = hn::IfThenElseZero(free, hn::Mul(d_alpha, alpha));

@@ -21,8 +21,8 @@ constexpr float kMinAlpha = 1.0f / 255.0f;
 constexpr float kMaxAlpha = 0.99f;
 constexpr float kMinTransmittance = 1e-4f;
 
-// A projected Gaussian as the kernels read it.
-struct Splat {
+// A projected Gaussian as the kernels read it: one cache line.
+struct alignas(64) Splat {
   float mean_x, mean_y;                // Pixels.
   float conic_xx, conic_xy, conic_yy;  // Inverse covariance, 1 / px^2.
   float log2_opacity;                  // <= 0.
@@ -30,6 +30,8 @@ struct Splat {
                                        // reach 1/255, pixels.
   float color[3];
   float depth;
+  // That box as pixels of the image: columns [x_begin, x_end) and rows.
+  int32_t x_begin, x_end, y_begin, y_end;
 };
 
 // The work of one tile. Pixel k of a tile is (k % 16, k / 16).
