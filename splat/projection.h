@@ -27,6 +27,10 @@ struct Projection {
   std::vector<Splat> splats;
   std::vector<uint32_t> model_index;  // Gaussian of each splat.
 
+  // The same in the order of the model: Gaussian visible[j] is splat rank[j].
+  std::vector<uint32_t> visible;
+  std::vector<uint32_t> rank;
+
   size_t size() const { return splats.size(); }
 };
 

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "splat/ewa_projection.h"
-
 #include <array>
 #include <cmath>
 
@@ -9,10 +7,14 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
+#include "splat/ewa_projection-inl.h"
 #include "splat/projection.h"
 #include "tests/splat/test_scene.h"
 
 namespace freegs::splat {
+
+using HWY_NAMESPACE::BackwardProjectGaussian;
+using HWY_NAMESPACE::ProjectGaussian;
 namespace {
 
 constexpr int kInputs = 10;  // Mean, log scale, rotation.

@@ -11,12 +11,15 @@
 #include <vector>
 
 #include "core/pinhole.h"
-#include "splat/ewa_projection.h"
+#include "splat/ewa_projection-inl.h"
 #include "splat/gaussian_model.h"
 #include "splat/projection.h"
-#include "splat/spherical_harmonics.h"
+#include "splat/spherical_harmonics-inl.h"
 
 namespace freegs::splat {
+
+using HWY_NAMESPACE::EvaluateShBasis;
+using HWY_NAMESPACE::ProjectGaussian;
 
 // A model in double.
 struct ReferenceModel {

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "splat/spherical_harmonics.h"
-
 #include <cmath>
 #include <numbers>
 
@@ -9,8 +7,14 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
+#include "splat/spherical_harmonics-inl.h"
+
+#include "splat/gaussian_model.h"
 
 namespace freegs::splat {
+
+using HWY_NAMESPACE::BackwardShBasis;
+using HWY_NAMESPACE::EvaluateShBasis;
 namespace {
 
 class ShDegree : public testing::TestWithParam<int> {};

@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Real spherical harmonics to degree 3, in the sign convention of 3DGS files.
 
-#ifndef FREEGS_SPLAT_SPHERICAL_HARMONICS_H_
-#define FREEGS_SPLAT_SPHERICAL_HARMONICS_H_
+// Compiled anew for each instruction set: see hwy/highway.h on -inl.h files.
+#if defined(FREEGS_SPLAT_SPHERICAL_HARMONICS_INL_H_) == \
+    defined(HWY_TARGET_TOGGLE)
+#ifdef FREEGS_SPLAT_SPHERICAL_HARMONICS_INL_H_
+#undef FREEGS_SPLAT_SPHERICAL_HARMONICS_INL_H_
+#else
+#define FREEGS_SPLAT_SPHERICAL_HARMONICS_INL_H_
+#endif
 
-#include "splat/gaussian_model.h"
+#include <hwy/highway.h>
 
-namespace freegs::splat {
+HWY_BEFORE_NAMESPACE();
+namespace freegs::splat::HWY_NAMESPACE {
 
 // The basis functions of degree 1..degree at the unit direction (x, y, z), in
 // the order of sh_rest: basis[k - 1] is coefficient k. Degree 0 is kShC0.
@@ -79,6 +86,7 @@ void BackwardShBasis(
          T(kC32 / 2) * (xx - yy) * weight[13];
 }
 
-}  // namespace freegs::splat
+}  // namespace freegs::splat::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
 
-#endif  // FREEGS_SPLAT_SPHERICAL_HARMONICS_H_
+#endif  // FREEGS_SPLAT_SPHERICAL_HARMONICS_INL_H_
