@@ -29,7 +29,7 @@ void StoreTile(const TileTask& task,
   for (int y = 0; y < task.height; ++y) {
     float* row = image->row(task.y0 + y) + task.x0 * channels + channel;
     for (int x = 0; x < task.width; ++x) {
-      row[x * channels] = plane[y * kTileSize + x];
+      row[x * channels] = plane[TilePixel(x, y)];
     }
   }
 }
@@ -44,7 +44,7 @@ void LoadTile(const TileTask& task,
   for (int y = 0; y < task.height; ++y) {
     const float* row = image->row(task.y0 + y) + task.x0 * channels + channel;
     for (int x = 0; x < task.width; ++x) {
-      plane[y * kTileSize + x] = row[x * channels];
+      plane[TilePixel(x, y)] = row[x * channels];
     }
   }
 }
@@ -219,12 +219,11 @@ void Rasterizer::StoreDominant(const TileTask& task,
                                Image<int32_t>* image) const {
   for (int y = 0; y < task.height; ++y) {
     int32_t* row = image->row(task.y0 + y) + task.x0;
-    const int32_t* entry = dominance.entry + y * kTileSize;
     for (int x = 0; x < task.width; ++x) {
-      row[x] = entry[x] < 0
-                   ? -1
-                   : static_cast<int32_t>(
-                         projection_.model_index[task.entries[entry[x]]]);
+      const int32_t entry = dominance.entry[TilePixel(x, y)];
+      row[x] = entry < 0 ? -1
+                         : static_cast<int32_t>(
+                               projection_.model_index[task.entries[entry]]);
     }
   }
 }
@@ -327,7 +326,7 @@ Image<int32_t> Rasterizer::Labels(const GaussianModel& model,
       VoteTile(task, channels.data(), votes.get());
       for (int y = 0; y < task.height; ++y) {
         for (int x = 0; x < task.width; ++x) {
-          const float* vote = votes.get() + y * kTileSize + x;
+          const float* vote = votes.get() + TilePixel(x, y);
           float total = 0, best = 0;
           int32_t winner = -1;
           for (size_t l = 0; l < present.size(); ++l) {

@@ -14,7 +14,8 @@ namespace freegs::splat::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-using Tag = hn::CappedTag<float, kTileSize>;
+// A row of a block.
+using Tag = hn::CappedTag<float, kBlockSize>;
 
 void StoreColor(const TileTask& task,
                 const TilePixels& pixels,
@@ -27,11 +28,11 @@ void StoreColor(const TileTask& task,
                       hn::Set(d, background[channel]),
                       hn::Load(d, pixels.color[channel] + pixel));
   };
-  alignas(64) float rest[3 * kTileSize];
+  alignas(64) float rest[3 * kBlockSize];
   for (int y = 0; y < task.height; ++y) {
     float* row = image->row(task.y0 + y) + 3 * task.x0;
     for (int x = 0; x < task.width; x += lanes) {
-      const int pixel = y * kTileSize + x;
+      const int pixel = TilePixel(x, y);
       const bool whole = x + lanes <= task.width;
       hn::StoreInterleaved3(plane(0, pixel),
                             plane(1, pixel),
@@ -48,19 +49,19 @@ void LoadColor(const TileTask& task,
                float (*planes)[kTilePixels]) {
   const Tag d;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  alignas(64) float rest[3 * kTileSize];
+  alignas(64) float rest[3 * kBlockSize];
   for (int y = 0; y < task.height; ++y) {
     const float* row = image.row(task.y0 + y) + 3 * task.x0;
     for (int x = 0; x < task.width; x += lanes) {
       const float* at = row + 3 * x;
       if (x + lanes > task.width) {
-        std::fill_n(rest, 3 * kTileSize, 0.0f);
+        std::fill_n(rest, 3 * kBlockSize, 0.0f);
         std::copy_n(at, 3 * (task.width - x), rest);
         at = rest;
       }
       hn::Vec<Tag> red, green, blue;
       hn::LoadInterleaved3(d, at, red, green, blue);
-      const int pixel = y * kTileSize + x;
+      const int pixel = TilePixel(x, y);
       hn::Store(red, d, planes[0] + pixel);
       hn::Store(green, d, planes[1] + pixel);
       hn::Store(blue, d, planes[2] + pixel);

@@ -15,8 +15,8 @@ namespace freegs::splat::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// At most a row of the tile per vector.
-using Tag = hn::CappedTag<float, kTileSize>;
+// At most a block of the tile per vector.
+using Tag = hn::CappedTag<float, kBlockSize * kBlockSize>;
 using Vec = hn::Vec<Tag>;
 using Mask = hn::Mask<Tag>;
 
@@ -48,61 +48,70 @@ HWY_INLINE Vec Reciprocal(Tag d, Vec x) {
   return hn::Mul(estimate, hn::NegMulAdd(x, estimate, hn::Set(d, 2.0f)));
 }
 
+// A vector covers kColumns x kRows pixels of a block (see TilePixel).
+constexpr int kColumns = hn::MaxLanes(Tag()) < kBlockSize
+                             ? static_cast<int>(hn::MaxLanes(Tag()))
+                             : kBlockSize;
+constexpr int kRows = static_cast<int>(hn::MaxLanes(Tag())) / kColumns;
+
 // The pixels of a tile that a splat may touch: rows [y_begin, y_end), columns
-// [x_begin, x_end) with x_begin a multiple of the vector length.
+// [x_begin, x_end), both beginning with a vector.
 struct Span {
   int x_begin, x_end, y_begin, y_end;
 };
 
-HWY_INLINE Span SplatSpan(const TileTask& task, const Splat& splat, int lanes) {
+HWY_INLINE Span SplatSpan(const TileTask& task, const Splat& splat) {
   Span span;
-  span.x_begin = std::max(0, splat.x_begin - task.x0) & -lanes;
+  span.x_begin = std::max(0, splat.x_begin - task.x0) & -kColumns;
   span.x_end = std::min(task.width, splat.x_end - task.x0);
-  span.y_begin = std::max(0, splat.y_begin - task.y0);
+  span.y_begin = std::max(0, splat.y_begin - task.y0) & -kRows;
   span.y_end = std::min(task.height, splat.y_end - task.y0);
   return span;
 }
 
-// Calls row(pixel, dy, alpha, T, mask) for the vectors of pixels where the
-// splat may be blended, one column of vectors after another;
-// after each column column_end(dx), dx being the same in all its rows.
-template <class Row, class ColumnEnd>
-HWY_INLINE void ForEachBlendedRow(Tag d,
-                                  const TileTask& task,
-                                  const Splat& splat,
-                                  const float* HWY_RESTRICT transmittance,
-                                  const Row& row,
-                                  const ColumnEnd& column_end) {
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  const Span span = SplatSpan(task, splat, lanes);
+// Calls blend(pixel, dy, alpha, T, mask) for the vectors of pixels where the
+// splat may be blended, one column of vectors after another; after each column
+// column_end(dx), dx being the same in all of it.
+template <class Blend, class ColumnEnd>
+HWY_INLINE void ForEachBlended(Tag d,
+                               const TileTask& task,
+                               const Splat& splat,
+                               const float* HWY_RESTRICT transmittance,
+                               const Blend& blend,
+                               const ColumnEnd& column_end) {
+  const hn::RebindToSigned<Tag> di;
+  const Span span = SplatSpan(task, splat);
   // log2(alpha) = log2(o) - log2(e) / 2 (xx dx^2 + 2 xy dx dy + yy dy^2), per
   // column as a polynomial in dy.
+  const float mean_x = splat.mean_x - static_cast<float>(task.x0) - 0.5f;
   const float mean_y = splat.mean_y - static_cast<float>(task.y0) - 0.5f;
-  const Vec offset =
-      hn::Sub(hn::Iota(d, 0),
-              hn::Set(d, splat.mean_x - static_cast<float>(task.x0) - 0.5f));
+  const auto lane = hn::Iota(di, 0);
+  const Vec lane_x = hn::ConvertTo(d, hn::And(lane, hn::Set(di, kColumns - 1)));
+  const Vec lane_y =
+      hn::Sub(hn::ConvertTo(d, hn::ShiftRight<2>(lane)), hn::Set(d, mean_y));
   const Vec constant = hn::Set(d, -0.5f * kLog2E * splat.conic_yy);
   const Vec min_log2_alpha = hn::Set(d, kMinLog2Alpha);
   const Vec min_transmittance = hn::Set(d, kMinTransmittance);
-  for (int x = span.x_begin; x < span.x_end; x += lanes) {
-    const Vec dx = hn::Add(offset, hn::Set(d, static_cast<float>(x)));
+  for (int x = span.x_begin; x < span.x_end; x += kColumns) {
+    const int first = TilePixel(x, 0);
+    const Vec dx = hn::Add(lane_x, hn::Set(d, static_cast<float>(x) - mean_x));
     const Vec linear = hn::Mul(hn::Set(d, -kLog2E * splat.conic_xy), dx);
     const Vec base =
         hn::MulAdd(hn::Mul(hn::Set(d, -0.5f * kLog2E * splat.conic_xx), dx),
                    dx,
                    hn::Set(d, splat.log2_opacity));
-    for (int y = span.y_begin; y < span.y_end; ++y) {
-      const int pixel = y * kTileSize + x;
-      const Vec dy = hn::Set(d, static_cast<float>(y) - mean_y);
+    for (int y = span.y_begin; y < span.y_end; y += kRows) {
+      const int pixel = first + TilePixel(0, y);
+      const Vec dy = hn::Add(lane_y, hn::Set(d, static_cast<float>(y)));
       const Vec log2_alpha =
           hn::MulAdd(hn::MulAdd(constant, dy, linear), dy, base);
       const Vec t = hn::Load(d, transmittance + pixel);
+      // Empty masks are rare within the box: testing for them costs more.
       const Mask mask = hn::And(hn::Ge(log2_alpha, min_log2_alpha),
                                 hn::Ge(t, min_transmittance));
-      // Empty masks are rare within the box: testing for them costs more.
       // Lanes outside the mask may hold anything from here on.
       const Vec alpha = hn::Min(FastExp2(d, log2_alpha), hn::Set(d, kMaxAlpha));
-      row(pixel, dy, alpha, t, mask);
+      blend(pixel, dy, alpha, t, mask);
     }
     column_end(dx);
   }
@@ -163,7 +172,7 @@ constexpr int64_t kOpaqueTestInterval = 16;
 void ClearTransmittance(const TileTask& task, float* transmittance) {
   for (int y = 0; y < kTileSize; ++y) {
     for (int x = 0; x < kTileSize; ++x) {
-      transmittance[y * kTileSize + x] =
+      transmittance[TilePixel(x, y)] =
           x < task.width && y < task.height ? 1.0f : 0.0f;
     }
   }
@@ -209,7 +218,7 @@ int64_t Blend(const TileTask& task,
     const Vec r = hn::Set(d, splat.color[0]);
     const Vec g = hn::Set(d, splat.color[1]);
     const Vec b = hn::Set(d, splat.color[2]);
-    ForEachBlendedRow(
+    ForEachBlended(
         d,
         task,
         splat,
@@ -262,7 +271,7 @@ void ContributeTile(const TileTask& task,
   for (int64_t k = 0; k < task.count; ++k) {
     Vec weights = hn::Zero(d);
     Vec pixels = hn::Zero(d);
-    ForEachBlendedRow(
+    ForEachBlended(
         d,
         task,
         task.splats[task.entries[k]],
@@ -287,7 +296,7 @@ void VoteTile(const TileTask& task, const int32_t* channels, float* votes) {
   for (int64_t k = 0; k < task.count; ++k) {
     if (k % kOpaqueTestInterval == 0 && Opaque(d, transmittance)) return;
     const int32_t channel = channels[k];
-    ForEachBlendedRow(
+    ForEachBlended(
         d,
         task,
         task.splats[task.entries[k]],
@@ -333,7 +342,7 @@ void BackwardTile(const TileTask& task,
     // dx does not change within a column: its powers wait for the column's end.
     Vec column_q = hn::Zero(d), column_qy = hn::Zero(d);
     bool touched = false;
-    ForEachBlendedRow(
+    ForEachBlended(
         d,
         task,
         splat,

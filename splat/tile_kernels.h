@@ -17,6 +17,16 @@ namespace freegs::splat {
 constexpr int kTileSize = 16;
 constexpr int kTilePixels = kTileSize * kTileSize;
 
+// A tile's pixels are kept in blocks of 4 x 4, row-major, and so are the pixels
+// of a block: a small splat meets fewer vectors than with long rows.
+constexpr int kBlockSize = 4;
+constexpr int TilePixel(unsigned x, unsigned y) {
+  const unsigned block =
+      y / kBlockSize * (kTileSize / kBlockSize) + x / kBlockSize;
+  return static_cast<int>(block * kBlockSize * kBlockSize +
+                          y % kBlockSize * kBlockSize + x % kBlockSize);
+}
+
 constexpr float kMinAlpha = 1.0f / 255.0f;
 constexpr float kMaxAlpha = 0.99f;
 constexpr float kMinTransmittance = 1e-4f;
@@ -34,7 +44,7 @@ struct alignas(64) Splat {
   int32_t x_begin, x_end, y_begin, y_end;
 };
 
-// The work of one tile. Pixel k of a tile is (k % 16, k / 16).
+// The work of one tile.
 struct TileTask {
   const Splat* splats = nullptr;      // All splats of the view, by depth.
   const uint32_t* entries = nullptr;  // The tile's list: indices into splats.
@@ -60,9 +70,9 @@ struct alignas(64) TileDominance {
 };
 
 // Blends the list front to back into *pixels and, when task.num_extras > 0,
-// into extras[channel * 256 + pixel] (64-byte aligned), both overwritten. Also
-// fills *dominance unless it is null. Returns how many list entries had been
-// visited when the tile was opaque.
+// into extras[channel * 256 + TilePixel] (64-byte aligned), both overwritten.
+// Also fills *dominance unless it is null. Returns how many list entries had
+// been visited when the tile was opaque.
 int64_t BlendTile(const TileTask& task,
                   TilePixels* pixels,
                   float* extras,
@@ -83,8 +93,8 @@ void ContributeTile(const TileTask& task,
                     const uint32_t* slots,
                     PairContribution* contributions);
 
-// Adds to votes[channel * 256 + pixel] the weight of every splat, where channel
-// is channels[k] of list entry k (negative: none).
+// Adds to votes[channel * 256 + TilePixel] the weight of every splat, where
+// channel is channels[k] of list entry k (negative: none).
 void VoteTile(const TileTask& task, const int32_t* channels, float* votes);
 
 // Sums over the pixels of a tile that one splat contributes, in this order;
@@ -103,7 +113,8 @@ struct alignas(64) TileGradients {
 
 // Walks the list as BlendTile did (the first `visited` entries) and writes the
 // sums of list entry k to moments + slots[k] * (kMomentStride + num_extras).
-// extra_gradients is dL/dextra, [channel * 256 + pixel]. Clobbers
+// extra_gradients is dL/dextra, [channel * 256 + TilePixel].
+// Clobbers
 // gradients->remaining.
 void BackwardTile(const TileTask& task,
                   int64_t visited,
