@@ -174,21 +174,19 @@ void Rasterizer::Backward(const GaussianModel& model,
                    tile_visited_[tile],
                    &tile_gradients,
                    extra_gradients.get(),
-                   bins_.slots.data() + bins_.tile_begin[tile],
-                   pair_moments_.data());
+                   &pair_moments_[bins_.tile_begin[tile] * stride]);
     }
   });
 
-  // Sum each splat's pairs, in the fixed order of its slots.
+  // Sum each splat's pairs, in the fixed order of its tiles.
   const auto splats = static_cast<int64_t>(projection_.size());
   splat_moments_.resize(projection_.size() * stride);
   pool.ParallelFor(0, splats, 1024, [&](int64_t begin, int64_t end, int) {
     for (int64_t s = begin; s < end; ++s) {
       float* sum = &splat_moments_[s * stride];
       std::fill_n(sum, stride, 0.0f);
-      for (size_t slot = bins_.splat_begin[s]; slot < bins_.splat_begin[s + 1];
-           ++slot) {
-        const float* pair = &pair_moments_[slot * stride];
+      for (const uint32_t entry : bins_.EntriesOf(s)) {
+        const float* pair = &pair_moments_[static_cast<size_t>(entry) * stride];
         for (int j = 0; j < stride; ++j) sum[j] += pair[j];
       }
     }
@@ -261,8 +259,7 @@ void Rasterizer::Contributions(const GaussianModel& model,
       ContributeTile(task,
                      transmittance,
                      &dominance,
-                     bins_.slots.data() + bins_.tile_begin[tile],
-                     pair_contributions_.data());
+                     &pair_contributions_[bins_.tile_begin[tile]]);
       StoreTile(task, 0, transmittance, &contributions->transmittance);
       StoreDominant(task, dominance, &contributions->dominant);
     }
@@ -279,9 +276,8 @@ void Rasterizer::Contributions(const GaussianModel& model,
     if (i >= 0) ++dominant_of_model[i];
   }
   for (size_t s = 0; s < splats; ++s) {
-    for (size_t slot = bins_.splat_begin[s]; slot < bins_.splat_begin[s + 1];
-         ++slot) {
-      const PairContribution& pair = pair_contributions_[slot];
+    for (const uint32_t entry : bins_.EntriesOf(s)) {
+      const PairContribution& pair = pair_contributions_[entry];
       contributions->weight_sum[s] += pair.weight_sum;
       contributions->num_pixels[s] += static_cast<uint32_t>(pair.num_pixels);
     }

@@ -123,8 +123,8 @@ class Rasterizer {
 
   std::vector<float> splat_extras_;    // num_splats x num_extras.
   std::vector<int64_t> tile_visited_;  // Per tile, see BlendTile.
-  std::vector<float> pair_moments_;    // By slot.
-  std::vector<PairContribution> pair_contributions_;  // By slot.
+  std::vector<float> pair_moments_;    // By entry of the bins.
+  std::vector<PairContribution> pair_contributions_;  // Likewise.
   std::vector<float> splat_moments_;                  // num_splats x stride.
   std::vector<float> mean2d_gradients_;
 };

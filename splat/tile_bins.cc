@@ -150,15 +150,15 @@ void BinSplats(std::span<const Splat> splats,
   }
   bins->tile_begin[tiles] = total;
   bins->entries.resize(total);
-  bins->slots.resize(total);
+  bins->entries_of_splats.resize(total);
   pool.ParallelFor(0, num_chunks, 1, [&](int64_t index, int64_t, int) {
     TileBins::Chunk& chunk = chunks[index];
-    uint32_t slot = bins->splat_begin[chunk_range(index).first];
+    uint32_t pair = bins->splat_begin[chunk_range(index).first];
     for (const TileBins::Run& run : chunk.runs) {
       for (int t = run.first; t <= run.last; ++t) {
         const uint32_t place = chunk.places[t]++;
         bins->entries[place] = run.splat;
-        bins->slots[place] = slot++;
+        bins->entries_of_splats[pair++] = place;
       }
     }
   });

@@ -21,10 +21,9 @@ struct TileBins {
   // Entries of tile t: [tile_begin[t], tile_begin[t + 1]).
   std::vector<int64_t> tile_begin;
   std::vector<uint32_t> entries;  // Splat numbers, ascending within a tile.
-  // A second numbering of the same pairs, splat after splat: entry e is slot
-  // slots[e], and the slots of splat s are [splat_begin[s], splat_begin[s+1]).
-  // Per-pair gradients are stored by slot, so summing a splat's is one run.
-  std::vector<uint32_t> slots;
+  // The same pairs splat after splat: those of splat s are the entries
+  // entries_of_splats[splat_begin[s]] ... [splat_begin[s + 1] - 1], by tile.
+  std::vector<uint32_t> entries_of_splats;
   std::vector<uint32_t> splat_begin;
 
   // Memory of BinSplats, kept so that the next view need not ask for it.
@@ -38,6 +37,11 @@ struct TileBins {
   };
   std::vector<Chunk> chunks;
 
+  std::span<const uint32_t> EntriesOf(size_t splat) const {
+    return std::span(entries_of_splats)
+        .subspan(splat_begin[splat],
+                 splat_begin[splat + 1] - splat_begin[splat]);
+  }
   size_t num_pairs() const { return entries.size(); }
 };
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <hwy/cache_control.h>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "splat/tile_kernels.cc"
 #include <hwy/foreach_target.h>
@@ -157,6 +159,14 @@ HWY_INLINE void StoreSums(D d, V a, V b, V c, V e, float* out) {
 #endif
 }
 
+// A tile's splats lie scattered over the view's: ask for them ahead of time.
+constexpr int64_t kPrefetchDistance = 8;
+HWY_INLINE const Splat& FetchSplat(const TileTask& task, int64_t k) {
+  const int64_t ahead = std::min(k + kPrefetchDistance, task.count - 1);
+  hwy::Prefetch(&task.splats[task.entries[ahead]]);
+  return task.splats[task.entries[k]];
+}
+
 // Whether no pixel can take more.
 HWY_INLINE bool Opaque(Tag d, const float* HWY_RESTRICT transmittance) {
   Vec most = hn::Zero(d);
@@ -212,7 +222,7 @@ int64_t Blend(const TileTask& task,
   if constexpr (kDominance) ClearDominance(dominance);
   for (int64_t k = 0; k < task.count; ++k) {
     if (k % kOpaqueTestInterval == 0 && Opaque(d, transmittance)) return k;
-    const Splat& splat = task.splats[task.entries[k]];
+    const Splat& splat = FetchSplat(task, k);
     const float* splat_extras =
         task.extras + static_cast<size_t>(task.entries[k]) * task.num_extras;
     const Vec r = hn::Set(d, splat.color[0]);
@@ -262,7 +272,6 @@ int64_t BlendTile(const TileTask& task,
 void ContributeTile(const TileTask& task,
                     float* transmittance,
                     TileDominance* dominance,
-                    const uint32_t* slots,
                     PairContribution* contributions) {
   const Tag d;
   const Vec one = hn::Set(d, 1.0f);
@@ -274,7 +283,7 @@ void ContributeTile(const TileTask& task,
     ForEachBlended(
         d,
         task,
-        task.splats[task.entries[k]],
+        FetchSplat(task, k),
         transmittance,
         [&](int pixel, Vec, Vec alpha, Vec t, Mask mask) HWY_ATTR {
           const Vec weight = hn::IfThenElseZero(mask, hn::Mul(alpha, t));
@@ -284,8 +293,8 @@ void ContributeTile(const TileTask& task,
           KeepDominant(d, pixel, weight, k, dominance);
         },
         NoColumnEnd());
-    contributions[slots[k]] = {hn::GetLane(hn::SumOfLanes(d, weights)),
-                               hn::GetLane(hn::SumOfLanes(d, pixels))};
+    contributions[k] = {hn::GetLane(hn::SumOfLanes(d, weights)),
+                        hn::GetLane(hn::SumOfLanes(d, pixels))};
   }
 }
 
@@ -299,7 +308,7 @@ void VoteTile(const TileTask& task, const int32_t* channels, float* votes) {
     ForEachBlended(
         d,
         task,
-        task.splats[task.entries[k]],
+        FetchSplat(task, k),
         transmittance,
         [&](int pixel, Vec, Vec alpha, Vec t, Mask mask) HWY_ATTR {
           const Vec weight = hn::IfThenElseZero(mask, hn::Mul(alpha, t));
@@ -316,7 +325,6 @@ void BackwardTile(const TileTask& task,
                   int64_t visited,
                   TileGradients* gradients,
                   const float* extra_gradients,
-                  const uint32_t* slots,
                   float* moments) {
   const Tag d;
   alignas(64) float transmittance[kTilePixels];
@@ -328,13 +336,13 @@ void BackwardTile(const TileTask& task,
   const size_t stride = kMomentStride + task.num_extras;
   const Vec one = hn::Set(d, 1.0f);
   for (int64_t k = 0; k < visited; ++k) {
-    const Splat& splat = task.splats[task.entries[k]];
+    const Splat& splat = FetchSplat(task, k);
     const float* splat_extras =
         task.extras + static_cast<size_t>(task.entries[k]) * task.num_extras;
     const Vec r = hn::Set(d, splat.color[0]);
     const Vec g = hn::Set(d, splat.color[1]);
     const Vec b = hn::Set(d, splat.color[2]);
-    float* sums = moments + slots[k] * stride;
+    float* sums = moments + k * stride;
     for (int e = 0; e < task.num_extras; ++e) sums[kMomentStride + e] = 0.0f;
     Vec sum_q = hn::Zero(d), sum_qx = hn::Zero(d), sum_qy = hn::Zero(d);
     Vec sum_qxx = hn::Zero(d), sum_qxy = hn::Zero(d), sum_qyy = hn::Zero(d);
@@ -401,7 +409,7 @@ void BackwardTile(const TileTask& task,
   }
   // Entries behind an opaque tile get no gradient.
   for (int64_t k = visited; k < task.count; ++k) {
-    std::fill_n(moments + slots[k] * stride, stride, 0.0f);
+    std::fill_n(moments + k * stride, stride, 0.0f);
   }
 }
 
@@ -429,10 +437,9 @@ int64_t BlendTile(const TileTask& task,
 void ContributeTile(const TileTask& task,
                     float* transmittance,
                     TileDominance* dominance,
-                    const uint32_t* slots,
                     PairContribution* contributions) {
   HWY_DYNAMIC_DISPATCH(ContributeTile)
-  (task, transmittance, dominance, slots, contributions);
+  (task, transmittance, dominance, contributions);
 }
 
 void VoteTile(const TileTask& task, const int32_t* channels, float* votes) {
@@ -443,10 +450,9 @@ void BackwardTile(const TileTask& task,
                   int64_t visited,
                   TileGradients* gradients,
                   const float* extra_gradients,
-                  const uint32_t* slots,
                   float* moments) {
   HWY_DYNAMIC_DISPATCH(BackwardTile)
-  (task, visited, gradients, extra_gradients, slots, moments);
+  (task, visited, gradients, extra_gradients, moments);
 }
 
 const char* TileKernelTarget() { return HWY_DYNAMIC_DISPATCH(TargetName)(); }

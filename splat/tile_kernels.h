@@ -86,11 +86,10 @@ struct PairContribution {
 };
 
 // Blends weights only: overwrites transmittance (256 floats, 64-byte aligned)
-// and *dominance, and writes what list entry k gave to contributions[slots[k]].
+// and *dominance, and writes what list entry k gave to contributions[k].
 void ContributeTile(const TileTask& task,
                     float* transmittance,
                     TileDominance* dominance,
-                    const uint32_t* slots,
                     PairContribution* contributions);
 
 // Adds to votes[channel * 256 + TilePixel] the weight of every splat, where
@@ -112,7 +111,7 @@ struct alignas(64) TileGradients {
 };
 
 // Walks the list as BlendTile did (the first `visited` entries) and writes the
-// sums of list entry k to moments + slots[k] * (kMomentStride + num_extras).
+// sums of list entry k to moments + k * (kMomentStride + num_extras).
 // extra_gradients is dL/dextra, [channel * 256 + TilePixel].
 // Clobbers
 // gradients->remaining.
@@ -120,7 +119,6 @@ void BackwardTile(const TileTask& task,
                   int64_t visited,
                   TileGradients* gradients,
                   const float* extra_gradients,
-                  const uint32_t* slots,
                   float* moments);
 
 // The instruction set the kernels run with, such as "AVX3" or "NEON".

@@ -7,9 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
-#include "splat/spherical_harmonics-inl.h"
-
 #include "splat/gaussian_model.h"
+#include "splat/spherical_harmonics-inl.h"
 
 namespace freegs::splat {
 

@@ -47,7 +47,6 @@ TEST(TileBins, HoldsEveryTouchedTileAndFewMore) {
   ASSERT_EQ(bins.tiles_y, 7);
 
   std::vector<std::set<int>> got(projection.size());
-  std::set<uint32_t> slots;
   for (int t = 0; t < bins.tiles_x * bins.tiles_y; ++t) {
     for (int64_t e = bins.tile_begin[t]; e < bins.tile_begin[t + 1]; ++e) {
       const uint32_t s = bins.entries[e];
@@ -55,12 +54,16 @@ TEST(TileBins, HoldsEveryTouchedTileAndFewMore) {
         EXPECT_LT(bins.entries[e - 1], s);
       }
       EXPECT_TRUE(got[s].insert(t).second);
-      EXPECT_TRUE(slots.insert(bins.slots[e]).second);
-      EXPECT_GE(bins.slots[e], bins.splat_begin[s]);
-      EXPECT_LT(bins.slots[e], bins.splat_begin[s + 1]);
     }
   }
-  EXPECT_EQ(slots.size(), bins.num_pairs());
+  std::set<uint32_t> listed;
+  for (size_t s = 0; s < projection.size(); ++s) {
+    for (const uint32_t e : bins.EntriesOf(s)) {
+      EXPECT_EQ(bins.entries[e], s);
+      EXPECT_TRUE(listed.insert(e).second);
+    }
+  }
+  EXPECT_EQ(listed.size(), bins.num_pairs());
   size_t needed = 0;
   for (size_t s = 0; s < projection.size(); ++s) {
     const std::set<int> want = TouchedTiles(
