@@ -200,11 +200,16 @@ void FinishColor(const ProjectionTask& task,
   const int count = NumShCoefficients(task.sh_degree) - 1;
   const float* rest =
       task.model->sh_rest.data() + i * task.model->sh_rest_stride();
+  float red = color[0], green = color[1], blue = color[2];
   for (int k = 0; k < count; ++k) {
-    const float b = basis.values[k].values[lane];
-    for (int c = 0; c < 3; ++c) color[c] += b * rest[3 * k + c];
+    const float value = basis.values[k].values[lane];
+    red += value * rest[3 * k];
+    green += value * rest[3 * k + 1];
+    blue += value * rest[3 * k + 2];
   }
-  for (int c = 0; c < 3; ++c) color[c] = std::max(color[c], 0.0f);
+  color[0] = std::max(red, 0.0f);
+  color[1] = std::max(green, 0.0f);
+  color[2] = std::max(blue, 0.0f);
 }
 
 // Everything about a group but the view-dependent colour; returns the lanes
