@@ -65,10 +65,10 @@ class TrainerTest : public testing::Test {
 
   static TrainerOptions Options(int iterations) {
     TrainerOptions options;
-    options.iterations = iterations;
-    options.sh_degree = 1;
+    options.schedule.iterations = iterations;
+    options.schedule.sh_degree = 1;
     options.learning_rates.mean_decay_steps = iterations;
-    options.densify_interval = 20;
+    options.schedule.densify_interval = 20;
     options.seed = 5;
     return options;
   }
@@ -156,13 +156,13 @@ TEST_F(TrainerTest, SaysSoWhenTheNumbersAreNotFinite) {
 TEST(TrainerOptions, Check) {
   EXPECT_TRUE(TrainerOptions().Check().ok());
   TrainerOptions options;
-  options.iterations = 0;
+  options.schedule.iterations = 0;
   EXPECT_FALSE(options.Check().ok());
   options = TrainerOptions();
-  options.sh_degree = 4;
+  options.schedule.sh_degree = 4;
   EXPECT_FALSE(options.Check().ok());
   options = TrainerOptions();
-  options.resolution_steps = {0.5, 0.2};
+  options.schedule.resolution_steps = {0.5, 0.2};
   EXPECT_FALSE(options.Check().ok());
 }
 
