@@ -67,7 +67,8 @@ StatusOr<Scene> LoadScene(const fs::path& workspace) {
 }
 
 // What metrics.json tells of the course of a training.
-nlohmann::json CourseJson(const splat::Trainer& trainer) {
+nlohmann::json CourseJson(const ReconstructStageOptions& options,
+                          const splat::Trainer& trainer) {
   nlohmann::json milestones = nlohmann::json::array();
   for (const splat::MilestoneRecord& record : trainer.milestones()) {
     milestones.push_back({{"iteration", record.iteration},
@@ -82,9 +83,14 @@ nlohmann::json CourseJson(const splat::Trainer& trainer) {
                           {"back_to", recovery.back_to},
                           {"rate_factor", recovery.rate_factor}});
   }
-  const bool outdoor =
-      trainer.importance_metric() == splat::ImportanceMetric::kOutdoor;
-  return {{"importance_metric", outdoor ? "outdoor" : "indoor"},
+  nlohmann::json metric;  // Null where nothing is measured.
+  if (options.densification == "mini_splatting") {
+    const bool outdoor =
+        trainer.importance_metric() == splat::ImportanceMetric::kOutdoor;
+    metric = outdoor ? "outdoor" : "indoor";
+  }
+  return {{"densification", options.densification},
+          {"importance_metric", std::move(metric)},
           {"milestones", std::move(milestones)},
           {"recoveries", std::move(recoveries)}};
 }
@@ -151,7 +157,8 @@ class ReconstructStage : public pipeline::Stage {
     int64_t iterations = 0;
     double earlier_cpu_seconds = 0;
     double earlier_seconds = 0;
-    nlohmann::json course = {{"importance_metric", nullptr},
+    nlohmann::json course = {{"densification", nullptr},
+                             {"importance_metric", nullptr},
                              {"milestones", nlohmann::json::array()},
                              {"recoveries", nlohmann::json::array()}};
   };
@@ -244,7 +251,7 @@ class ReconstructStage : public pipeline::Stage {
     }
     FREEGS_RETURN_IF_ERROR(save());
     outcome->iterations = trainer.iteration();
-    outcome->course = CourseJson(trainer);
+    outcome->course = CourseJson(options_, trainer);
     return trainer.model();
   }
 
@@ -321,12 +328,8 @@ class ReconstructStage : public pipeline::Stage {
                               {"holdout_ssim", nullptr},
                               {"num_gaussians", model.size()},
                               {"sh_degree", model.sh_degree},
-                              {"iterations", outcome.iterations},
-                              {"densification", nullptr}};
+                              {"iterations", outcome.iterations}};
     metrics.update(outcome.course);
-    if (options_.import.empty()) {
-      metrics["densification"] = options_.densification;
-    }
     if (holdout != nullptr) {
       FREEGS_ASSIGN_OR_RETURN(
           const splat::HoldoutReport quality,
