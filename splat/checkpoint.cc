@@ -3,118 +3,121 @@
 #include "splat/checkpoint.h"
 
 #include <algorithm>
-#include <bit>
 #include <charconv>
+#include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <functional>
 #include <system_error>
-#include <type_traits>
 #include <utility>
 
 #include "core/files.h"
+#include "splat/checkpoint_bytes.h"
 
 namespace freegs::splat {
 namespace {
 
 namespace fs = std::filesystem;
 
-static_assert(std::endian::native == std::endian::little,
-              "numbers are copied to little-endian files as they are");
-
 constexpr std::string_view kMagic = "FGSTRAIN";
-constexpr uint32_t kVersion = 2;  // 2: max_dominant_share.
+constexpr uint32_t kVersion = 3;  // 2: max_dominant_share. 3: history.
 constexpr size_t kHashBytes = 32;
 
 constexpr std::string_view kPrefix = "iteration_";
 constexpr std::string_view kSuffix = ".ckpt";
 constexpr std::string_view kPartSuffix = ".ckpt.part";
 
-class Writer {
- public:
-  template <typename T>
-  void Put(T value) {
-    static_assert(std::is_arithmetic_v<T>);
-    content_.append(reinterpret_cast<const char*>(&value), sizeof(value));
-  }
-  void PutText(std::string_view text) {
-    Put<uint64_t>(text.size());
-    content_.append(text);
-  }
-  template <typename T>
-  void PutArray(const std::vector<T>& array) {
-    content_.append(reinterpret_cast<const char*>(array.data()),
-                    array.size() * sizeof(T));
-  }
-  void PutModel(const GaussianModel& model) {
-    Put<uint64_t>(model.size());
-    Put<int32_t>(model.sh_degree);
-    for (const Parameter parameter : kAllParameters) {
-      PutArray(ParameterArray(model, parameter));
-    }
-  }
-  void PutBytes(std::string_view bytes) { content_.append(bytes); }
-  std::string& content() { return content_; }
-
- private:
-  std::string content_;
-};
-
-// Every Get returns false, and leaves the target as it is, when fewer bytes are
-// left; nothing is allocated before that is known.
-class Reader {
- public:
-  explicit Reader(std::string_view bytes) : rest_(bytes) {}
-
-  bool at_end() const { return rest_.empty(); }
-
-  template <typename T>
-  bool Get(T* value) {
-    static_assert(std::is_arithmetic_v<T>);
-    if (rest_.size() < sizeof(T)) return false;
-    std::memcpy(value, rest_.data(), sizeof(T));
-    rest_.remove_prefix(sizeof(T));
-    return true;
-  }
-  bool GetText(std::string* text) {
-    uint64_t size = 0;
-    if (!Get(&size) || size > rest_.size()) return false;
-    *text = rest_.substr(0, size);
-    rest_.remove_prefix(size);
-    return true;
-  }
-  template <typename T>
-  bool GetArray(uint64_t count, std::vector<T>* array) {
-    if (count > rest_.size() / sizeof(T)) return false;
-    array->resize(count);
-    if (count > 0) std::memcpy(array->data(), rest_.data(), count * sizeof(T));
-    rest_.remove_prefix(count * sizeof(T));
-    return true;
-  }
-  bool GetModel(GaussianModel* model) {
-    uint64_t count = 0;
-    int32_t degree = 0;
-    if (!Get(&count) || !Get(&degree)) return false;
-    if (degree < 0 || degree > kMaxShDegree) return false;
-    if (count > rest_.size()) return false;  // So that products do not wrap.
-    model->sh_degree = degree;
-    return std::all_of(
-        kAllParameters.begin(), kAllParameters.end(), [&](Parameter p) {
-          const auto stride = static_cast<uint64_t>(ParameterStride(*model, p));
-          return GetArray(count * stride, &ParameterArray(*model, p));
-        });
-  }
-
- private:
-  std::string_view rest_;
-};
-
 bool Fits(const GaussianModel& moments, const GaussianModel& model) {
   return moments.empty() || (moments.size() == model.size() &&
                              moments.sh_degree == model.sh_degree);
 }
 
-bool ReadPayload(Reader* reader, TrainingCheckpoint* checkpoint) {
+// What is read one by one cannot exceed the file, whatever its count says.
+bool ReadMilestones(CheckpointReader* reader,
+                    std::vector<MilestoneRecord>* milestones) {
+  uint64_t count = 0;
+  if (!reader->Get(&count)) return false;
+  for (uint64_t i = 0; i < count; ++i) {
+    MilestoneRecord record;
+    uint8_t event = 0;
+    if (!reader->Get(&record.iteration) || !reader->Get(&event) ||
+        !reader->Get(&record.gaussians_before) ||
+        !reader->Get(&record.gaussians_after) || event >= kNumTrainingEvents) {
+      return false;
+    }
+    record.event = static_cast<TrainingEvent>(event);
+    milestones->push_back(record);
+  }
+  return true;
+}
+
+bool ReadRecoveries(CheckpointReader* reader,
+                    std::vector<Recovery>* recoveries) {
+  uint64_t count = 0;
+  if (!reader->Get(&count)) return false;
+  for (uint64_t i = 0; i < count; ++i) {
+    Recovery recovery;
+    if (!reader->Get(&recovery.iteration) ||
+        !reader->GetText(&recovery.reason) || !reader->Get(&recovery.back_to) ||
+        !reader->Get(&recovery.rate_factor)) {
+      return false;
+    }
+    recoveries->push_back(recovery);
+  }
+  return true;
+}
+
+bool ReadHistory(CheckpointReader* reader, TrainingHistory* history) {
+  uint8_t has_last_good = 0;
+  if (!ReadMilestones(reader, &history->milestones) ||
+      !ReadRecoveries(reader, &history->recoveries) ||
+      !reader->Get(&history->rate_factor) ||
+      !reader->Get(&history->loss.steps) || !reader->Get(&history->loss.sum) ||
+      !reader->Get(&history->loss.best) || !reader->Get(&has_last_good)) {
+    return false;
+  }
+  if (!(history->rate_factor > 0 && history->rate_factor <= 1) ||
+      history->loss.steps < 0 || !std::isfinite(history->loss.sum) ||
+      !std::isfinite(history->loss.best) || has_last_good > 1) {
+    return false;
+  }
+  if (has_last_good == 0) return true;
+  GoodState& good = history->last_good.emplace();
+  return reader->Get(&good.iteration) && reader->GetModel(&good.model);
+}
+
+void WriteHistory(const TrainingHistory& history, CheckpointWriter* writer) {
+  writer->Put<uint64_t>(history.milestones.size());
+  for (const MilestoneRecord& record : history.milestones) {
+    writer->Put(record.iteration);
+    writer->Put(static_cast<uint8_t>(record.event));
+    writer->Put(record.gaussians_before);
+    writer->Put(record.gaussians_after);
+  }
+  writer->Put<uint64_t>(history.recoveries.size());
+  for (const Recovery& recovery : history.recoveries) {
+    writer->Put(recovery.iteration);
+    writer->PutText(recovery.reason);
+    writer->Put(recovery.back_to);
+    writer->Put(recovery.rate_factor);
+  }
+  writer->Put(history.rate_factor);
+  writer->Put(history.loss.steps);
+  writer->Put(history.loss.sum);
+  writer->Put(history.loss.best);
+  writer->Put<uint8_t>(history.last_good ? 1 : 0);
+  if (!history.last_good) return;
+  writer->Put(history.last_good->iteration);
+  writer->PutModel(history.last_good->model);
+}
+
+// A state to go back to lies behind, so that training ends.
+bool LiesBehind(const TrainingCheckpoint& checkpoint) {
+  const std::optional<GoodState>& good = checkpoint.history.last_good;
+  return !good ||
+         (good->iteration >= 0 && good->iteration <= checkpoint.iteration);
+}
+
+bool ReadPayload(CheckpointReader* reader, TrainingCheckpoint* checkpoint) {
   DensificationStatistics& statistics = checkpoint->statistics;
   uint64_t num_statistics = 0;
   uint64_t num_facts = 0;
@@ -129,7 +132,7 @@ bool ReadPayload(Reader* reader, TrainingCheckpoint* checkpoint) {
       !reader->GetArray(num_statistics, &statistics.visible_steps) ||
       !reader->GetArray(num_statistics, &statistics.max_radius) ||
       !reader->GetArray(num_statistics, &statistics.max_dominant_share) ||
-      !reader->Get(&num_facts)) {
+      !ReadHistory(reader, &checkpoint->history) || !reader->Get(&num_facts)) {
     return false;
   }
   for (uint64_t i = 0; i < num_facts; ++i) {
@@ -139,6 +142,7 @@ bool ReadPayload(Reader* reader, TrainingCheckpoint* checkpoint) {
     checkpoint->facts[name] = value;
   }
   return reader->at_end() && checkpoint->iteration >= 0 &&
+         LiesBehind(*checkpoint) &&
          Fits(checkpoint->adam.first_moments, checkpoint->model) &&
          Fits(checkpoint->adam.second_moments, checkpoint->model) &&
          (num_statistics == 0 || num_statistics == checkpoint->model.size());
@@ -181,7 +185,7 @@ void RemoveParts(const fs::path& folder) {
 }  // namespace
 
 std::string SerializeCheckpoint(const TrainingCheckpoint& checkpoint) {
-  Writer writer;
+  CheckpointWriter writer;
   writer.PutBytes(kMagic);
   writer.Put(kVersion);
   writer.Put(checkpoint.iteration);
@@ -195,6 +199,7 @@ std::string SerializeCheckpoint(const TrainingCheckpoint& checkpoint) {
   writer.PutArray(checkpoint.statistics.visible_steps);
   writer.PutArray(checkpoint.statistics.max_radius);
   writer.PutArray(checkpoint.statistics.max_dominant_share);
+  WriteHistory(checkpoint.history, &writer);
   writer.Put<uint64_t>(checkpoint.facts.size());
   for (const auto& [name, value] : checkpoint.facts) {
     writer.PutText(name);
@@ -216,7 +221,7 @@ StatusOr<TrainingCheckpoint> ParseCheckpoint(std::string_view content) {
     return BadInputError(
         "training checkpoint is damaged (its checksum does not match)");
   }
-  Reader reader(body.substr(kMagic.size()));
+  CheckpointReader reader(body.substr(kMagic.size()));
   uint32_t version = 0;
   if (!reader.Get(&version) || version != kVersion) {
     return BadInputError("training checkpoint is of format " +

@@ -16,6 +16,7 @@
 #include "splat/adam.h"
 #include "splat/densification.h"
 #include "splat/gaussian_model.h"
+#include "splat/training_history.h"
 
 namespace freegs::splat {
 
@@ -26,6 +27,7 @@ struct TrainingCheckpoint {
   GaussianModel model;
   AdamState adam;
   DensificationStatistics statistics;
+  TrainingHistory history;
 
   // Whatever else the trainer wants back, as text.
   std::map<std::string, std::string> facts;

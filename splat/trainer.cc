@@ -4,42 +4,50 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
-
-#include "core/random.h"
 
 namespace freegs::splat {
 namespace {
 
-// Random number streams; see core/random.h.
-constexpr uint64_t kViewOrderStream = 0x76696577;  // "view"
-
-// Parameters are looked at for NaN and infinity this often.
+// All parameters are looked at for NaN and infinity this often.
 constexpr int64_t kFiniteTestInterval = 100;
+
+// A return to the last good state divides the learning rates.
+constexpr double kRecoveryRateFactor = 0.5;
+
+DensificationOptions EffectiveDensification(const TrainerOptions& options) {
+  DensificationOptions densification = options.densification;
+  const bool mini =
+      options.schedule.method == DensificationMethod::kMiniSplatting;
+  densification.blur_split_share =
+      mini ? options.mini_splatting.blur_split_share : 0;
+  if (options.budget > 0) {
+    const double factor = mini ? options.mini_splatting.dense_factor : 1;
+    densification.max_gaussians = static_cast<int64_t>(
+        std::llround(factor * static_cast<double>(options.budget)));
+  }
+  return densification;
+}
+
+ImportanceMetric EffectiveMetric(const TrainerOptions& options,
+                                 const GaussianModel& initial_model,
+                                 const TrainingImages& images) {
+  if (options.importance) return *options.importance;
+  std::vector<View> views;
+  for (size_t i = 0; i < images.size(); ++i) views.push_back(images.view(i));
+  return ChooseImportanceMetric(views, initial_model);
+}
 
 }  // namespace
 
 Status TrainerOptions::Check() const {
-  if (iterations < 1)
-    return InvalidArgumentError("iterations must be positive");
-  if (sh_degree < 0 || sh_degree > kMaxShDegree) {
-    return InvalidArgumentError("sh_degree must be 0 to 3");
-  }
-  if (!(sh_degree_interval >= 0)) {
-    return InvalidArgumentError("sh_degree_interval must not be negative");
-  }
-  if (!std::is_sorted(resolution_steps.begin(), resolution_steps.end()) ||
-      resolution_steps.size() > 4) {
+  if (budget < 0) return InvalidArgumentError("budget must not be negative");
+  if (snapshot_interval < 1 || max_recoveries < 0) {
     return InvalidArgumentError(
-        "resolution_steps must be at most four ascending shares");
+        "snapshot_interval must be positive, max_recoveries not negative");
   }
-  if (!(densify_start >= 0 && densify_stop <= 1) || densify_interval < 0 ||
-      opacity_reset_interval < 0) {
-    return InvalidArgumentError(
-        "densification must lie within the iterations, its intervals must not "
-        "be negative");
-  }
+  FREEGS_RETURN_IF_ERROR(schedule.Check());
+  FREEGS_RETURN_IF_ERROR(mini_splatting.Check());
   FREEGS_RETURN_IF_ERROR(densification.Check());
   FREEGS_RETURN_IF_ERROR(learning_rates.Check());
   return loss.Check();
@@ -51,48 +59,18 @@ Trainer::Trainer(const TrainerOptions& options,
                  TrainingImages* images,
                  ThreadPool* pool)
     : options_(options),
+      densification_(EffectiveDensification(options)),
+      schedule_(options.schedule),
       scene_extent_(scene_extent),
       images_(images),
       pool_(pool),
+      importance_metric_(EffectiveMetric(options, initial_model, *images)),
+      view_order_(options.seed, images->size()),
       model_(std::move(initial_model)),
+      loss_monitor_(images->size()),
       loss_(options.loss) {
   adam_.Reset(model_);
   statistics_.Reset(model_.size());
-}
-
-size_t Trainer::ViewOfIteration(int64_t iteration) {
-  // Each epoch shows every view once, in an order of its own.
-  const auto count = static_cast<int64_t>(images_->size());
-  const int64_t epoch = iteration / count;
-  if (epoch != epoch_) {
-    epoch_ = epoch;
-    epoch_order_.resize(count);
-    std::iota(epoch_order_.begin(), epoch_order_.end(), 0u);
-    for (int64_t i = count - 1; i > 0; --i) {
-      const uint64_t j = RandomIndex(options_.seed,
-                                     kViewOrderStream,
-                                     static_cast<uint64_t>(epoch * count + i),
-                                     static_cast<uint64_t>(i + 1));
-      std::swap(epoch_order_[i], epoch_order_[j]);
-    }
-  }
-  return epoch_order_[iteration % count];
-}
-
-int Trainer::LevelOfIteration(int64_t iteration) const {
-  const double share = static_cast<double>(iteration) / options_.iterations;
-  const std::vector<double>& steps = options_.resolution_steps;
-  const auto passed = std::upper_bound(steps.begin(), steps.end(), share);
-  const auto level = static_cast<int>(steps.end() - passed);
-  return std::min(level, images_->num_levels() - 1);
-}
-
-int Trainer::ShDegreeOfIteration(int64_t iteration) const {
-  const double interval = options_.sh_degree_interval * options_.iterations;
-  if (interval <= 0) return options_.sh_degree;
-  return static_cast<int>(
-      std::min<double>(options_.sh_degree,
-                       std::floor(static_cast<double>(iteration) / interval)));
 }
 
 void Trainer::CollectTouched() {
@@ -110,37 +88,21 @@ void Trainer::CollectTouched() {
   }
 }
 
-void Trainer::MaybeDensify() {
-  const int interval = options_.densify_interval;
-  const double begin = options_.densify_start * options_.iterations;
-  const double end = options_.densify_stop * options_.iterations;
-  const auto now = static_cast<double>(iteration_);
-  if (interval <= 0 || now < begin || now >= end) return;
-  if (iteration_ % interval == 0) {
-    Densify(options_.densification,
-            scene_extent_,
-            options_.seed,
-            iteration_,
-            &model_,
-            &adam_,
-            &statistics_);
-  }
-  const int reset = options_.opacity_reset_interval;
-  if (reset > 0 && iteration_ % reset == 0 && now + reset < end) {
-    ResetOpacity(0.01, &model_, &adam_);
-  }
-}
-
-StatusOr<StepReport> Trainer::Step() {
-  const size_t view_index = ViewOfIteration(iteration_);
-  const int level = LevelOfIteration(iteration_);
-  const int sh_degree = ShDegreeOfIteration(iteration_);
+StatusOr<float> Trainer::GradientStep() {
+  const size_t view_index = view_order_.ViewOf(iteration_);
+  const int level =
+      schedule_.ResolutionLevel(iteration_, images_->num_levels());
+  const int sh_degree = schedule_.ShDegree(iteration_);
   if (model_.sh_degree < sh_degree) {
     model_.SetShDegree(sh_degree);
     adam_.SetShDegree(sh_degree);
   }
   gradients_.sh_degree = model_.sh_degree;
   gradients_.Resize(model_.size());
+  // Only a densification to come reads the statistics, and only blur splits
+  // read who dominates where: other steps do without.
+  const bool collect = schedule_.CollectsStatistics(iteration_);
+  const bool dominant = collect && densification_.blur_split_share > 0;
 
   const View view = images_->view(view_index, level);
   FREEGS_RETURN_IF_ERROR(images_->Fetch(view_index, level, &target_));
@@ -148,7 +110,7 @@ StatusOr<StepReport> Trainer::Step() {
                       view.camera,
                       view.cam_from_world,
                       options_.render,
-                      {},
+                      {.dominant = dominant},
                       *pool_,
                       &rendered_);
   const float loss =
@@ -156,29 +118,165 @@ StatusOr<StepReport> Trainer::Step() {
   rasterizer_.Backward(
       model_, {.color = &loss_gradient_}, rendered_, *pool_, &gradients_);
   CollectTouched();
-  statistics_.AddView(rasterizer_.projection().model_index,
-                      rasterizer_.mean2d_gradients(),
-                      radii_,
-                      view.camera.width,
-                      view.camera.height);
-  adam_.Step(LearningRatesAt(options_.learning_rates,
-                             scene_extent_,
-                             static_cast<double>(iteration_)),
-             gradients_,
-             touched_,
-             *pool_,
-             &model_);
-  ++iteration_;
-  MaybeDensify();
-
-  const bool test_all = iteration_ % kFiniteTestInterval == 0 || done();
-  if (!std::isfinite(loss) || (test_all && !model_.AllFinite())) {
-    return UnusableResultError(
-        "training diverged at iteration " + std::to_string(iteration_) +
-        ": a parameter or the loss is not a finite number; check the camera "
-        "poses, or lower the learning rates");
+  if (collect) {
+    statistics_.AddView(rasterizer_.projection().model_index,
+                        rasterizer_.mean2d_gradients(),
+                        radii_,
+                        view.camera.width,
+                        view.camera.height);
   }
-  return StepReport{iteration_, loss, model_.size()};
+  if (dominant) statistics_.AddDominant(rendered_.dominant);
+  LearningRates rates =
+      LearningRatesAt(options_.learning_rates,
+                      scene_extent_,
+                      schedule_.PositionRateIteration(iteration_));
+  for (float& rate : rates) rate *= static_cast<float>(history_.rate_factor);
+  adam_.Step(rates, gradients_, touched_, *pool_, &model_);
+  touched_finite_ = BoundParameters(scene_extent_, touched_, *pool_, &model_);
+  return loss;
+}
+
+StatusOr<StepReport> Trainer::Step() {
+  if (model_.empty()) {
+    return UnusableResultError(
+        "training: no Gaussian is left at iteration " +
+        std::to_string(iteration_) +
+        "; the photos show nothing in front of the background, or the camera "
+        "poses are wrong");
+  }
+  if (!history_.last_good) {
+    if (!model_.AllFinite()) {
+      return UnusableResultError(
+          "training: a parameter of the initial Gaussians is not a finite "
+          "number");
+    }
+    KeepAsGood();
+  }
+  if (iteration_ > 0 &&
+      schedule_.ResolutionLevel(iteration_ - 1, images_->num_levels()) !=
+          schedule_.ResolutionLevel(iteration_, images_->num_levels())) {
+    loss_monitor_.Reset();
+  }
+  StepReport report;
+  FREEGS_ASSIGN_OR_RETURN(report.loss, GradientStep());
+  ++iteration_;
+  const std::optional<std::string> trouble = FindTrouble(report.loss);
+  report.recovered = trouble.has_value();
+  if (trouble) {
+    FREEGS_RETURN_IF_ERROR(GoBack(*trouble));
+  } else {
+    FREEGS_RETURN_IF_ERROR(FollowSchedule());
+  }
+  report.iteration = iteration_;
+  report.num_gaussians = model_.size();
+  return report;
+}
+
+std::optional<std::string> Trainer::FindTrouble(float loss) {
+  if (const auto trouble = loss_monitor_.Add(loss)) return trouble;
+  const bool test_all = iteration_ % kFiniteTestInterval == 0 || done() ||
+                        iteration_ % options_.snapshot_interval == 0 ||
+                        schedule_.MilestoneAt(iteration_).has_value();
+  if (!touched_finite_ || (test_all && !model_.AllFinite())) {
+    return "a parameter is not a finite number";
+  }
+  return std::nullopt;
+}
+
+Status Trainer::GoBack(const std::string& reason) {
+  const GoodState& good = *history_.last_good;
+  if (history_.recoveries.size() >=
+      static_cast<size_t>(options_.max_recoveries)) {
+    return UnusableResultError(
+        "training diverged at iteration " + std::to_string(iteration_) + " (" +
+        reason + "), after " + std::to_string(history_.recoveries.size()) +
+        " returns to an earlier state at ever smaller learning rates; check "
+        "the camera poses and the photos, or lower the learning rates");
+  }
+  history_.rate_factor *= kRecoveryRateFactor;
+  history_.recoveries.push_back(
+      {iteration_, reason, good.iteration, history_.rate_factor});
+  iteration_ = good.iteration;
+  model_ = good.model;
+  adam_.Reset(model_);
+  statistics_.Reset(model_.size());
+  loss_monitor_.Reset();
+  return Status();
+}
+
+void Trainer::KeepAsGood() { history_.last_good = {iteration_, model_}; }
+
+Status Trainer::FollowSchedule() {
+  if (const auto event = schedule_.MilestoneAt(iteration_)) {
+    return RunMilestone(*event);
+  }
+  if (schedule_.Densifies(iteration_)) {
+    Densify(densification_,
+            scene_extent_,
+            options_.seed,
+            iteration_,
+            &model_,
+            &adam_,
+            &statistics_);
+  }
+  if (schedule_.ResetsOpacity(iteration_)) {
+    ResetOpacity(0.01, &model_, &adam_);
+    loss_monitor_.Reset();
+  }
+  if (iteration_ % options_.snapshot_interval == 0 && !model_.empty() &&
+      loss_monitor_.Healthy()) {
+    KeepAsGood();
+  }
+  return Status();
+}
+
+Status Trainer::RunMilestone(TrainingEvent event) {
+  MiniSplattingContext context;
+  context.images = images_;
+  context.level = schedule_.ResolutionLevel(iteration_, images_->num_levels());
+  context.render = options_.render;
+  context.scene_extent = scene_extent_;
+  context.seed = options_.seed;
+  context.iteration = iteration_;
+  context.rasterizer = &rasterizer_;
+  context.pool = pool_;
+  const MiniSplattingOptions& mini = options_.mini_splatting;
+  MiniSplattingSummary summary;
+  switch (event) {
+    case TrainingEvent::kDepthReinitialization: {
+      FREEGS_ASSIGN_OR_RETURN(
+          summary,
+          ReinitializeFromDepth(
+              mini, options_.budget, context, &model_, &adam_));
+      break;
+    }
+    case TrainingEvent::kSimplification: {
+      const bool restart = mini.restart_after_simplification &&
+                           schedule_.MayRestartAtSimplification();
+      FREEGS_ASSIGN_OR_RETURN(summary,
+                              Simplify(mini,
+                                       options_.budget,
+                                       importance_metric_,
+                                       restart,
+                                       context,
+                                       &model_,
+                                       &adam_));
+      break;
+    }
+    case TrainingEvent::kPruning: {
+      FREEGS_ASSIGN_OR_RETURN(
+          summary,
+          PruneByImportance(
+              mini, importance_metric_, context, &model_, &adam_));
+      break;
+    }
+  }
+  history_.milestones.push_back(
+      {iteration_, event, summary.before, summary.after});
+  statistics_.Reset(model_.size());
+  loss_monitor_.Reset();
+  KeepAsGood();
+  return Status();
 }
 
 TrainingCheckpoint Trainer::Save() const {
@@ -187,15 +285,19 @@ TrainingCheckpoint Trainer::Save() const {
   checkpoint.model = model_;
   checkpoint.adam = adam_.state();
   checkpoint.statistics = statistics_;
+  checkpoint.history = history_;
+  checkpoint.history.loss = loss_monitor_.state();
   return checkpoint;
 }
 
 Status Trainer::Restore(TrainingCheckpoint checkpoint) {
   const size_t count = checkpoint.model.size();
-  if (checkpoint.iteration < 0 || checkpoint.iteration > options_.iterations ||
+  if (checkpoint.iteration < 0 ||
+      checkpoint.iteration > schedule_.iterations() ||
       checkpoint.adam.first_moments.size() != count ||
       checkpoint.adam.second_moments.size() != count ||
       checkpoint.adam.first_moments.sh_degree != checkpoint.model.sh_degree ||
+      checkpoint.adam.second_moments.sh_degree != checkpoint.model.sh_degree ||
       checkpoint.statistics.size() != count) {
     return BadInputError(
         "checkpoint: model, optimiser and statistics do not belong together");
@@ -204,6 +306,8 @@ Status Trainer::Restore(TrainingCheckpoint checkpoint) {
   model_ = std::move(checkpoint.model);
   adam_.set_state(std::move(checkpoint.adam));
   statistics_ = std::move(checkpoint.statistics);
+  history_ = std::move(checkpoint.history);
+  loss_monitor_.set_state(history_.loss);
   return Status();
 }
 

@@ -5,6 +5,7 @@
 #define FREEGS_SPLAT_TRAINER_H_
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,52 +15,60 @@
 #include "splat/checkpoint.h"
 #include "splat/densification.h"
 #include "splat/gaussian_model.h"
+#include "splat/importance.h"
 #include "splat/learning_rates.h"
 #include "splat/loss.h"
+#include "splat/mini_splatting.h"
 #include "splat/rasterizer.h"
 #include "splat/renderer.h"
+#include "splat/stability.h"
+#include "splat/training_history.h"
 #include "splat/training_images.h"
+#include "splat/training_schedule.h"
+#include "splat/view_order.h"
 
 namespace freegs::splat {
 
 struct TrainerOptions {
-  // Gradient steps, one view each.
-  int iterations = 7000;
+  ScheduleOptions schedule;
 
-  // Highest SH degree of the result, and the share of the iterations after
-  // which each further degree is switched on (3DGS: 1000 of 30000).
-  int sh_degree = 3;
-  double sh_degree_interval = 1.0 / 30;
+  // Gaussians of the result, at most; 0 is no limit. kGradient stops adding at
+  // this number (initial points beyond it stay); kMiniSplatting keeps so many
+  // at the simplification, after having had up to dense_factor times as many.
+  int64_t budget = 0;
 
-  // Shares of the iterations at which the image resolution doubles: training
-  // starts at level resolution_steps.size() of the image pyramid. Coarse images
-  // cost less and carry what the first, blurry model can learn.
-  std::vector<double> resolution_steps = {0.1, 0.3};
+  MiniSplattingOptions mini_splatting;
 
-  // Densification starts and stops at these shares of the iterations, every
-  // densify_interval iterations. 0 as interval keeps the initial points.
-  double densify_start = 0.05;
-  double densify_stop = 0.5;
-  int densify_interval = 100;
+  // How importance is measured; nothing chooses by how the initial points lie
+  // around the cameras, see ChooseImportanceMetric.
+  std::optional<ImportanceMetric> importance;
 
-  // Opacities are set to at most 0.01 every so many iterations while
-  // densifying; 0 never does. (3DGS does, Mini-Splatting does not.)
-  int opacity_reset_interval = 0;
-
+  // A budget overrides max_gaussians; the method decides about
+  // blur_split_share.
   DensificationOptions densification;
+
   LearningRateOptions learning_rates;
   PhotometricLossOptions loss;
   RenderOptions render;
   uint64_t seed = 0;
+
+  // The state to come back to when training diverges is renewed every so many
+  // iterations, and at milestones.
+  int snapshot_interval = 500;
+
+  // Training gives up when it diverges once more than this.
+  int max_recoveries = 5;
 
   Status Check() const;
 };
 
 // The result of one step.
 struct StepReport {
-  int64_t iteration = 0;  // Counted from 1.
-  float loss = 0;
+  // Steps done. Smaller than before the step when `recovered`.
+  int64_t iteration = 0;
+  float loss = 0;  // Of the step; perhaps not finite when `recovered`.
   size_t num_gaussians = 0;
+  bool recovered = false;  // Training had diverged and has gone back.
 };
 
 // Usage:
@@ -68,22 +77,38 @@ struct StepReport {
 //   WritePly(path, trainer.model());
 // The state after k steps depends on the inputs, options and seed only: not on
 // the number of threads, nor on having been saved and restored in between.
+//
+// When a parameter or the loss is not finite, or the loss explodes, training
+// goes back to its last good state, with zero moments, and on from there with
+// all learning rates halved for good.
 class Trainer {
  public:
-  // `images` and `pool` must outlive the trainer. scene_extent in world units,
-  // see SceneExtent. The options must pass Check().
+  // `images` (one view or more) and `pool` must outlive the trainer.
+  // scene_extent in world units, see SceneExtent. The options must pass
+  // Check().
   Trainer(const TrainerOptions& options,
           GaussianModel initial_model,
           double scene_extent,
           TrainingImages* images,
           ThreadPool* pool);
 
-  bool done() const { return iteration_ >= options_.iterations; }
+  bool done() const { return iteration_ >= schedule_.iterations(); }
   int64_t iteration() const { return iteration_; }
   const GaussianModel& model() const { return model_; }
+  const TrainingSchedule& schedule() const { return schedule_; }
+  ImportanceMetric importance_metric() const { return importance_metric_; }
 
-  // One gradient step, and densification when it is due. kUnusableResult when
-  // the numbers have diverged, kBadInput when a photo has become unreadable.
+  // What has happened so far, by iteration.
+  const std::vector<MilestoneRecord>& milestones() const {
+    return history_.milestones;
+  }
+  const std::vector<Recovery>& recoveries() const {
+    return history_.recoveries;
+  }
+
+  // One gradient step, and what the schedule wants after it. kUnusableResult
+  // when training keeps diverging or no Gaussian is left or visible, kBadInput
+  // when a photo has become unreadable.
   StatusOr<StepReport> Step();
 
   // Everything needed to go on later. Restore refuses a checkpoint whose arrays
@@ -92,21 +117,29 @@ class Trainer {
   Status Restore(TrainingCheckpoint checkpoint);
 
  private:
-  size_t ViewOfIteration(int64_t iteration);
-  int LevelOfIteration(int64_t iteration) const;
-  int ShDegreeOfIteration(int64_t iteration) const;
+  StatusOr<float> GradientStep();
   void CollectTouched();
-  void MaybeDensify();
+  std::optional<std::string> FindTrouble(float loss);
+  Status GoBack(const std::string& reason);
+  Status FollowSchedule();
+  Status RunMilestone(TrainingEvent event);
+  void KeepAsGood();
 
   TrainerOptions options_;
+  DensificationOptions densification_;  // With budget and method.
+  TrainingSchedule schedule_;
   double scene_extent_;
   TrainingImages* images_;
   ThreadPool* pool_;
+  ImportanceMetric importance_metric_;
+  ViewOrder view_order_;
 
   int64_t iteration_ = 0;
   GaussianModel model_;
   Adam adam_;
   DensificationStatistics statistics_;
+  LossMonitor loss_monitor_;
+  TrainingHistory history_;  // But for `loss`, which is in loss_monitor_.
 
   // Scratch of a step.
   Rasterizer rasterizer_;
@@ -118,8 +151,7 @@ class Trainer {
   std::vector<uint8_t> touched_flags_;
   std::vector<uint32_t> touched_;
   std::vector<float> radii_;
-  int64_t epoch_ = -1;
-  std::vector<uint32_t> epoch_order_;
+  bool touched_finite_ = true;
 };
 
 }  // namespace freegs::splat

@@ -18,14 +18,14 @@ const std::map<std::string, Values>& Presets() {
         {"reconstruct.iterations", "2000"},
         {"reconstruct.max_image_size", "640"},
         {"reconstruct.sh_degree", "2"},
-        {"reconstruct.max_gaussians", "50000"},
+        {"reconstruct.budget", "50000"},
         {"reconstruct.densify_gradient", "4e-4"}}},
       {"balanced", {}},
       {"quality",
        {{"sfm.max_features", "4000"},
         {"reconstruct.iterations", "15000"},
         {"reconstruct.max_image_size", "1600"},
-        {"reconstruct.max_gaussians", "500000"},
+        {"reconstruct.budget", "500000"},
         {"reconstruct.densify_gradient", "2e-4"}}},
   };
   return presets;

@@ -66,6 +66,35 @@ StatusOr<Scene> LoadScene(const fs::path& workspace) {
   return scene;
 }
 
+// What metrics.json tells of the course of a training.
+nlohmann::json CourseJson(const ReconstructStageOptions& options,
+                          const splat::Trainer& trainer) {
+  nlohmann::json milestones = nlohmann::json::array();
+  for (const splat::MilestoneRecord& record : trainer.milestones()) {
+    milestones.push_back({{"iteration", record.iteration},
+                          {"event", splat::TrainingEventName(record.event)},
+                          {"gaussians_before", record.gaussians_before},
+                          {"gaussians_after", record.gaussians_after}});
+  }
+  nlohmann::json recoveries = nlohmann::json::array();
+  for (const splat::Recovery& recovery : trainer.recoveries()) {
+    recoveries.push_back({{"iteration", recovery.iteration},
+                          {"reason", recovery.reason},
+                          {"back_to", recovery.back_to},
+                          {"rate_factor", recovery.rate_factor}});
+  }
+  nlohmann::json metric;  // Null where nothing is measured.
+  if (options.densification == "mini_splatting") {
+    const bool outdoor =
+        trainer.importance_metric() == splat::ImportanceMetric::kOutdoor;
+    metric = outdoor ? "outdoor" : "indoor";
+  }
+  return {{"densification", options.densification},
+          {"importance_metric", std::move(metric)},
+          {"milestones", std::move(milestones)},
+          {"recoveries", std::move(recoveries)}};
+}
+
 class ReconstructStage : public pipeline::Stage {
  public:
   ReconstructStage(const ReconstructStageOptions& options, uint64_t seed)
@@ -82,6 +111,8 @@ class ReconstructStage : public pipeline::Stage {
 
   Status Run(pipeline::StageContext& context) override {
     const pipeline::ResourceMeter meter;
+    FREEGS_ASSIGN_OR_RETURN(const splat::TrainerOptions training,
+                            MakeTrainerOptions(options_, seed_));
     FREEGS_ASSIGN_OR_RETURN(const Scene scene, LoadScene(context.workspace));
     const fs::path photos = context.workspace / "undistort" / "images";
     splat::TrainingImagesOptions image_options;
@@ -107,7 +138,8 @@ class ReconstructStage : public pipeline::Stage {
           splat::TrainingImages::Load(
               scene.train, photos, image_options, *context.pool));
       FREEGS_ASSIGN_OR_RETURN(
-          model, Train(scene, &images, holdout_images, context, &outcome));
+          model,
+          Train(training, scene, &images, holdout_images, context, &outcome));
     } else {
       FREEGS_ASSIGN_OR_RETURN(model, splat::ReadPly(options_.import));
       context.log(pipeline::LogLevel::kInfo,
@@ -125,36 +157,18 @@ class ReconstructStage : public pipeline::Stage {
     int64_t iterations = 0;
     double earlier_cpu_seconds = 0;
     double earlier_seconds = 0;
+    nlohmann::json course = {{"densification", nullptr},
+                             {"importance_metric", nullptr},
+                             {"milestones", nlohmann::json::array()},
+                             {"recoveries", nlohmann::json::array()}};
   };
 
-  splat::RenderOptions Render() const {
-    splat::RenderOptions render;
-    if (options_.background == "white") render.background = {1, 1, 1};
-    return render;
-  }
-
-  splat::TrainerOptions Training() const {
-    splat::TrainerOptions training;
-    training.iterations = options_.iterations;
-    training.sh_degree = options_.sh_degree;
-    training.densify_interval = options_.densify_interval;
-    training.opacity_reset_interval = options_.opacity_reset_interval;
-    training.densification.gradient_threshold = options_.densify_gradient;
-    training.densification.max_gaussians = options_.max_gaussians;
-    training.learning_rates.mean_decay_steps = options_.iterations;
-    training.render = Render();
-    training.seed = seed_;
-    if (!options_.coarse_to_fine) training.resolution_steps.clear();
-    return training;
-  }
-
-  StatusOr<splat::GaussianModel> Train(const Scene& scene,
+  StatusOr<splat::GaussianModel> Train(const splat::TrainerOptions& training,
+                                       const Scene& scene,
                                        splat::TrainingImages* images,
                                        splat::TrainingImages* holdout,
                                        pipeline::StageContext& context,
                                        Outcome* outcome) const {
-    const splat::TrainerOptions training = Training();
-    FREEGS_RETURN_IF_ERROR(training.Check());
     const double extent = splat::SceneExtent(scene.train, scene.points);
     FREEGS_ASSIGN_OR_RETURN(
         splat::GaussianModel initial,
@@ -192,6 +206,16 @@ class ReconstructStage : public pipeline::Stage {
                                 "; the checkpoint is saved");
       }
       FREEGS_ASSIGN_OR_RETURN(const splat::StepReport report, trainer.Step());
+      if (report.recovered) {
+        // Rows beyond the state gone back to are of another course.
+        LogRecovery(trainer.recoveries().back(), context);
+        FREEGS_RETURN_IF_ERROR(progress.Flush());
+        FREEGS_RETURN_IF_ERROR(progress.Open(trainer.iteration()));
+        loss_sum = 0;
+        loss_count = 0;
+        continue;
+      }
+      LogMilestone(report, trainer, context);
       loss_sum += report.loss;
       ++loss_count;
       const bool measure = holdout != nullptr && !trainer.done() &&
@@ -203,8 +227,10 @@ class ReconstructStage : public pipeline::Stage {
         if (measure) {
           FREEGS_ASSIGN_OR_RETURN(
               const splat::HoldoutReport quality,
-              splat::MeasureHoldout(
-                  trainer.model(), Render(), holdout, *context.pool));
+              splat::MeasureHoldout(trainer.model(),
+                                    ReconstructRenderOptions(options_),
+                                    holdout,
+                                    *context.pool));
           psnr = quality.mean_psnr;
         }
         const double loss = loss_sum / loss_count;
@@ -225,6 +251,7 @@ class ReconstructStage : public pipeline::Stage {
     }
     FREEGS_RETURN_IF_ERROR(save());
     outcome->iterations = trainer.iteration();
+    outcome->course = CourseJson(options_, trainer);
     return trainer.model();
   }
 
@@ -248,6 +275,33 @@ class ReconstructStage : public pipeline::Stage {
                 "reconstruct: resuming at iteration " +
                     std::to_string(checkpoint->iteration));
     return trainer->Restore(*std::move(checkpoint));
+  }
+
+  static void LogRecovery(const splat::Recovery& recovery,
+                          pipeline::StageContext& context) {
+    char factor[32];
+    std::snprintf(factor, sizeof(factor), "%g", recovery.rate_factor);
+    context.log(pipeline::LogLevel::kWarning,
+                "reconstruct: training diverged at iteration " +
+                    std::to_string(recovery.iteration) + " (" +
+                    recovery.reason + "); back to iteration " +
+                    std::to_string(recovery.back_to) +
+                    ", learning rates now times " + factor);
+  }
+
+  // When the step just done was the last before one.
+  static void LogMilestone(const splat::StepReport& report,
+                           const splat::Trainer& trainer,
+                           pipeline::StageContext& context) {
+    if (trainer.milestones().empty()) return;
+    const splat::MilestoneRecord& record = trainer.milestones().back();
+    if (record.iteration != report.iteration) return;
+    context.log(
+        pipeline::LogLevel::kInfo,
+        "reconstruct: " + std::string(splat::TrainingEventName(record.event)) +
+            " at iteration " + std::to_string(record.iteration) + ", " +
+            std::to_string(record.gaussians_before) + " -> " +
+            std::to_string(record.gaussians_after) + " Gaussians");
   }
 
   void ReportProgress(const splat::StepReport& report,
@@ -275,10 +329,14 @@ class ReconstructStage : public pipeline::Stage {
                               {"num_gaussians", model.size()},
                               {"sh_degree", model.sh_degree},
                               {"iterations", outcome.iterations}};
+    metrics.update(outcome.course);
     if (holdout != nullptr) {
       FREEGS_ASSIGN_OR_RETURN(
           const splat::HoldoutReport quality,
-          splat::MeasureHoldout(model, Render(), holdout, *context.pool));
+          splat::MeasureHoldout(model,
+                                ReconstructRenderOptions(options_),
+                                holdout,
+                                *context.pool));
       metrics["holdout_psnr"] = quality.mean_psnr;
       metrics["holdout_ssim"] = quality.mean_ssim;
       nlohmann::json& views = metrics["holdout_views"];
@@ -297,6 +355,7 @@ class ReconstructStage : public pipeline::Stage {
     metrics["peak_memory_bytes"] = usage.peak_memory_bytes;
     context.summary = metrics;
     context.summary.erase("holdout_views");
+    context.summary.erase("milestones");
     return WriteFileAtomic(context.output / "metrics.json",
                            metrics.dump(1) + "\n");
   }
@@ -308,72 +367,6 @@ class ReconstructStage : public pipeline::Stage {
 };
 
 }  // namespace
-
-void RegisterReconstructOptions(ReconstructStageOptions& options,
-                                pipeline::OptionTable& table) {
-  table.AddSection("reconstruct",
-                   "Phase 1: Gaussians are fitted to the photographs.");
-  table.Add(
-      "reconstruct.iterations",
-      &options.iterations,
-      {.help = "Gradient steps, one photo each.", .min = 1, .max = 1000000});
-  table.Add("reconstruct.max_image_size",
-            &options.max_image_size,
-            {.help = "Longest side in pixels of the images the splats learn "
-                     "from; 0 keeps the photos' own size.",
-             .min = 0,
-             .max = 100000});
-  table.Add("reconstruct.sh_degree",
-            &options.sh_degree,
-            {.help = "Degree of the spherical harmonics that make colour "
-                     "depend on the viewing direction.",
-             .min = 0,
-             .max = 3});
-  table.Add(
-      "reconstruct.max_gaussians",
-      &options.max_gaussians,
-      {.help = "Upper bound of the number of Gaussians; 0 is none.", .min = 0});
-  table.Add("reconstruct.densify_interval",
-            &options.densify_interval,
-            {.help = "Iterations between densifications; 0 keeps the points "
-                     "of structure from motion.",
-             .min = 0});
-  table.Add("reconstruct.densify_gradient",
-            &options.densify_gradient,
-            {.help = "Gaussians whose mean gradient in the image (which spans "
-                     "-1 to 1) is larger are cloned or split.",
-             .min = 0});
-  table.Add("reconstruct.opacity_reset_interval",
-            &options.opacity_reset_interval,
-            {.help = "Opacities are set to 0.01 every so many iterations "
-                     "while densifying; 0 never does.",
-             .min = 0});
-  table.Add("reconstruct.coarse_to_fine",
-            &options.coarse_to_fine,
-            {.help = "Train on quarter and half size images first."});
-  table.Add("reconstruct.background",
-            &options.background,
-            {.help = "Colour behind the scene. White suits cut-out objects "
-                     "(see ingest.background).",
-             .choices = {"black", "white"}});
-  table.Add("reconstruct.holdout_interval",
-            &options.holdout_interval,
-            {.help = "Iterations between measurements on the holdout photos; "
-                     "0 measures only at the end.",
-             .min = 0,
-             .affects_result = false});
-  table.Add("reconstruct.image_cache_gb",
-            &options.image_cache_gb,
-            {.help = "Gigabytes of decoded photos kept in memory; more photos "
-                     "are read again when needed.",
-             .min = 0.01,
-             .affects_result = false});
-  table.Add("reconstruct.import",
-            &options.import,
-            {.help = "A 3DGS .ply to take instead of training, in the frame "
-                     "of the camera poses.",
-             .is_path = true});
-}
 
 std::unique_ptr<pipeline::Stage> MakeReconstructStage(
     const ReconstructStageOptions& options, uint64_t seed) {

@@ -3,6 +3,7 @@
 
 #include "splat/checkpoint.h"
 
+#include <cmath>
 #include <filesystem>
 #include <string>
 
@@ -34,6 +35,13 @@ TrainingCheckpoint Example(int64_t iteration, size_t count = 12) {
     checkpoint.statistics.max_radius[i] = static_cast<float>(i);
     checkpoint.statistics.max_dominant_share[i] = 0.01f * static_cast<float>(i);
   }
+  checkpoint.history.milestones = {
+      {1, TrainingEvent::kDepthReinitialization, 5, 9},
+      {2, TrainingEvent::kPruning, 12, 11}};
+  checkpoint.history.recoveries = {{33, "the loss rose", 30, 0.5}};
+  checkpoint.history.rate_factor = 0.5;
+  checkpoint.history.loss = {40, 0.25, 0.125};
+  checkpoint.history.last_good = {iteration / 2, RandomModel(count + 3, 1, 4)};
   checkpoint.facts = {{"best_psnr", "25.75"}, {"empty", ""}};
   return checkpoint;
 }
@@ -49,6 +57,16 @@ void ExpectSame(const TrainingCheckpoint& a, const TrainingCheckpoint& b) {
   EXPECT_EQ(a.statistics.visible_steps, b.statistics.visible_steps);
   EXPECT_EQ(a.statistics.max_radius, b.statistics.max_radius);
   EXPECT_EQ(a.statistics.max_dominant_share, b.statistics.max_dominant_share);
+  EXPECT_EQ(a.history.milestones, b.history.milestones);
+  EXPECT_EQ(a.history.recoveries, b.history.recoveries);
+  EXPECT_EQ(a.history.rate_factor, b.history.rate_factor);
+  EXPECT_EQ(a.history.loss, b.history.loss);
+  ASSERT_EQ(a.history.last_good.has_value(), b.history.last_good.has_value());
+  if (a.history.last_good) {
+    EXPECT_EQ(a.history.last_good->iteration, b.history.last_good->iteration);
+    EXPECT_TRUE(
+        SameParameters(a.history.last_good->model, b.history.last_good->model));
+  }
   EXPECT_EQ(a.facts, b.facts);
 }
 
@@ -132,7 +150,7 @@ TEST(CheckpointTest, OtherVersionsAreNamed) {
   content[8] = 1;  // Before there was max_dominant_share.
   const Status old = ParseCheckpoint(Resealed(content)).status();
   EXPECT_EQ(old.code(), StatusCode::kBadInput);
-  EXPECT_THAT(old.message(), HasSubstr("format 1, this program reads 2"));
+  EXPECT_THAT(old.message(), HasSubstr("format 1, this program reads 3"));
 }
 
 TEST(CheckpointTest, ArraysMustFitTheModel) {
@@ -145,6 +163,31 @@ TEST(CheckpointTest, ArraysMustFitTheModel) {
   checkpoint = Example(1);
   checkpoint.statistics.Reset(13);
   EXPECT_FALSE(ParseCheckpoint(SerializeCheckpoint(checkpoint)).ok());
+}
+
+TEST(CheckpointTest, HistoryMustMakeSense) {
+  const auto read = [](const TrainingCheckpoint& checkpoint) {
+    return ParseCheckpoint(SerializeCheckpoint(checkpoint)).ok();
+  };
+  TrainingCheckpoint checkpoint = Example(100);
+  checkpoint.history.last_good.reset();
+  EXPECT_TRUE(read(checkpoint));
+  checkpoint = Example(100);
+  checkpoint.history.last_good->iteration = 101;  // Ahead of the model.
+  EXPECT_FALSE(read(checkpoint));
+  checkpoint.history.last_good->iteration = -1;
+  EXPECT_FALSE(read(checkpoint));
+  for (const double factor : {0.0, -1.0, 2.0, std::nan("")}) {
+    checkpoint = Example(100);
+    checkpoint.history.rate_factor = factor;
+    EXPECT_FALSE(read(checkpoint)) << factor;
+  }
+  checkpoint = Example(100);
+  checkpoint.history.loss.sum = INFINITY;
+  EXPECT_FALSE(read(checkpoint));
+  checkpoint = Example(100);
+  checkpoint.history.milestones[0].event = static_cast<TrainingEvent>(3);
+  EXPECT_FALSE(read(checkpoint));
 }
 
 TEST_F(CheckpointFolderTest, KeepsTheNewestAndClearsUp) {

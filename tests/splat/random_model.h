@@ -9,6 +9,7 @@
 
 #include "core/random.h"
 #include "splat/gaussian_model.h"
+#include "tests/splat/same_parameters.h"
 
 namespace freegs::splat {
 
@@ -29,16 +30,6 @@ inline GaussianModel RandomModel(size_t count,
     }
   }
   return model;
-}
-
-inline bool SameParameters(const GaussianModel& a, const GaussianModel& b) {
-  if (a.sh_degree != b.sh_degree) return false;
-  for (const Parameter parameter : kAllParameters) {
-    if (ParameterArray(a, parameter) != ParameterArray(b, parameter)) {
-      return false;
-    }
-  }
-  return true;
 }
 
 }  // namespace freegs::splat

@@ -2,132 +2,150 @@
 
 #include "splat/trainer.h"
 
+#include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
+#include <map>
 
 #include <gtest/gtest.h>
 
-#include "core/image_io.h"
 #include "splat/holdout.h"
-#include "tests/splat/test_scene.h"
+#include "tests/splat/training_fixture.h"
 
 namespace freegs::splat {
 namespace {
 
-namespace fs = std::filesystem;
+using TrainerTest = TrainingFixture;
 
-// A folder of rendered views of a known model, removed at the end.
-class TrainerTest : public testing::Test {
- protected:
-  void SetUp() override {
-    std::string pattern =
-        (fs::temp_directory_path() / "freegs_trainer_XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
-    truth_ = RandomModel(60, 0, 21);
-    for (float& logit : truth_.opacity_logits) logit = 3;
-    ThreadPool pool(2);
-    for (int k = 0; k < 8; ++k) {
-      View view;
-      view.name = "view" + std::to_string(k) + ".png";
-      view.camera = TestCamera(96, 72);
-      Rigid3d orbit;
-      orbit.rotation = Eigen::Quaterniond(
-          Eigen::AngleAxisd(0.12 * (k - 3.5), Eigen::Vector3d::UnitY()));
-      view.cam_from_world = TestPose() * orbit;
-      views_.push_back(view);
-      const RenderedView rendered = RenderView(
-          truth_, view.camera, view.cam_from_world, RenderOptions(), pool);
-      ASSERT_TRUE(WriteImage(folder_ / view.name, ToU8(rendered.color)).ok());
-    }
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  TrainingImages Images(ThreadPool& pool) const {
-    StatusOr<TrainingImages> images =
-        TrainingImages::Load(views_, folder_, TrainingImagesOptions(), pool);
-    EXPECT_TRUE(images.ok()) << images.status().message();
-    return std::move(images).value();
-  }
-
-  // The truth with its colours, sizes and positions disturbed.
-  GaussianModel Start() const {
-    GaussianModel model = truth_;
-    for (size_t i = 0; i < model.means.size(); ++i) {
-      model.means[i] += static_cast<float>(0.03 * RandomNormal(1, 1, i));
-      model.sh_dc[i] = 0.3f;
-      model.log_scales[i] = -2.5f;
-    }
-    for (float& logit : model.opacity_logits) logit = -1;
-    return model;
-  }
-
-  static TrainerOptions Options(int iterations) {
-    TrainerOptions options;
-    options.iterations = iterations;
-    options.sh_degree = 1;
-    options.learning_rates.mean_decay_steps = iterations;
-    options.densify_interval = 20;
-    options.seed = 5;
-    return options;
-  }
-
-  static std::vector<float> AllParameters(const GaussianModel& model) {
-    std::vector<float> all;
-    for (const Parameter parameter : kAllParameters) {
-      const std::vector<float>& array = ParameterArray(model, parameter);
-      all.insert(all.end(), array.begin(), array.end());
-    }
-    return all;
-  }
-
-  fs::path folder_;
-  GaussianModel truth_;
-  std::vector<View> views_;
-};
+constexpr DensificationMethod kMethods[] = {
+    DensificationMethod::kNone,
+    DensificationMethod::kGradient,
+    DensificationMethod::kMiniSplatting};
 
 TEST_F(TrainerTest, LearnsTheScene) {
   ThreadPool pool(2);
   TrainingImages images = Images(pool);
-  Trainer trainer(Options(300), Start(), 2.0, &images, &pool);
-  const StatusOr<HoldoutReport> before =
-      MeasureHoldout(trainer.model(), RenderOptions(), &images, pool);
-  ASSERT_TRUE(before.ok());
-  while (!trainer.done()) ASSERT_TRUE(trainer.Step().ok());
-  const StatusOr<HoldoutReport> after =
-      MeasureHoldout(trainer.model(), RenderOptions(), &images, pool);
-  ASSERT_TRUE(after.ok());
-  EXPECT_GT(after->mean_psnr, before->mean_psnr + 6);
-  EXPECT_EQ(trainer.model().sh_degree, 1);
+  for (const DensificationMethod method : kMethods) {
+    Trainer trainer(Options(300, method), Start(), 2.0, &images, &pool);
+    const StatusOr<HoldoutReport> before =
+        MeasureHoldout(trainer.model(), RenderOptions(), &images, pool);
+    ASSERT_TRUE(before.ok());
+    ASSERT_TRUE(Finish(&trainer).ok());
+    const StatusOr<HoldoutReport> after =
+        MeasureHoldout(trainer.model(), RenderOptions(), &images, pool);
+    ASSERT_TRUE(after.ok());
+    EXPECT_GT(after->mean_psnr, before->mean_psnr + 6)
+        << static_cast<int>(method);
+    EXPECT_EQ(trainer.model().sh_degree, 1);
+    EXPECT_TRUE(trainer.recoveries().empty());
+  }
 }
 
-TEST_F(TrainerTest, SameBytesForAnyNumberOfThreadsAndAcrossARestore) {
-  std::vector<float> undisturbed;
-  for (const int threads : {1, 3}) {
-    ThreadPool pool(threads);
-    TrainingImages images = Images(pool);
-    Trainer trainer(Options(120), Start(), 2.0, &images, &pool);
-    while (!trainer.done()) ASSERT_TRUE(trainer.Step().ok());
-    if (undisturbed.empty()) undisturbed = AllParameters(trainer.model());
-    EXPECT_EQ(AllParameters(trainer.model()), undisturbed);
-  }
-  for (const int stop : {1, 37, 60, 119}) {
-    ThreadPool pool(2);
-    TrainingImages images = Images(pool);
-    std::string saved;
-    {
-      Trainer trainer(Options(120), Start(), 2.0, &images, &pool);
-      while (trainer.iteration() < stop) ASSERT_TRUE(trainer.Step().ok());
-      saved = SerializeCheckpoint(trainer.Save());
+TEST_F(TrainerTest, SameBytesForAnyNumberOfThreads) {
+  for (const DensificationMethod method : kMethods) {
+    std::vector<float> undisturbed;
+    for (const int threads : {1, 2, 3, 5}) {
+      ThreadPool pool(threads);
+      TrainingImages images = Images(pool);
+      Trainer trainer(Options(120, method), Start(), 2.0, &images, &pool);
+      ASSERT_TRUE(Finish(&trainer).ok());
+      if (undisturbed.empty()) undisturbed = AllParameters(trainer.model());
+      EXPECT_EQ(AllParameters(trainer.model()), undisturbed)
+          << static_cast<int>(method) << ", " << threads << " threads";
     }
-    StatusOr<TrainingCheckpoint> checkpoint = ParseCheckpoint(saved);
-    ASSERT_TRUE(checkpoint.ok());
-    Trainer trainer(Options(120), Start(), 2.0, &images, &pool);
-    ASSERT_TRUE(trainer.Restore(std::move(checkpoint).value()).ok());
-    while (!trainer.done()) ASSERT_TRUE(trainer.Step().ok());
-    EXPECT_EQ(AllParameters(trainer.model()), undisturbed) << "stop " << stop;
   }
+}
+
+TEST_F(TrainerTest, SameBytesAcrossARestore) {
+  ThreadPool pool(2);
+  TrainingImages images = Images(pool);
+  for (const DensificationMethod method : kMethods) {
+    TrainerOptions options = Options(120, method);
+    options.snapshot_interval = 25;
+    // As saved on the way of an undisturbed run: around every milestone (20,
+    // 40, 60, 80), densification and snapshot.
+    std::map<int64_t, std::string> saved;
+    Trainer whole(options, Start(), 2.0, &images, &pool);
+    while (!whole.done()) {
+      ASSERT_TRUE(whole.Step().ok());
+      saved[whole.iteration()] = SerializeCheckpoint(whole.Save());
+    }
+    const size_t milestones =
+        method == DensificationMethod::kMiniSplatting ? 4 : 0;
+    EXPECT_EQ(whole.milestones().size(), milestones);
+    for (const int stop : {1, 19, 20, 21, 37, 40, 59, 60, 61, 80, 119, 120}) {
+      StatusOr<TrainingCheckpoint> checkpoint = ParseCheckpoint(saved[stop]);
+      ASSERT_TRUE(checkpoint.ok());
+      Trainer trainer(options, Start(), 2.0, &images, &pool);
+      ASSERT_TRUE(trainer.Restore(std::move(checkpoint).value()).ok());
+      ASSERT_TRUE(Finish(&trainer).ok());
+      // History, moments and last good state included.
+      EXPECT_EQ(SerializeCheckpoint(trainer.Save()), saved[120])
+          << static_cast<int>(method) << ", stop " << stop;
+    }
+  }
+}
+
+TEST_F(TrainerTest, KeepsTheBudget) {
+  ThreadPool pool(2);
+  TrainingImages images = Images(pool);
+  for (const int budget : {7, 60, 150}) {
+    for (const int iterations : {1, 10, 200}) {
+      TrainerOptions options =
+          Options(iterations, DensificationMethod::kMiniSplatting);
+      options.budget = budget;
+      Trainer trainer(options, Start(), 2.0, &images, &pool);
+      size_t most = 0;
+      while (!trainer.done()) {
+        const StatusOr<StepReport> report = trainer.Step();
+        ASSERT_TRUE(report.ok()) << report.status().message();
+        most = std::max(most, report->num_gaussians);
+      }
+      EXPECT_LE(trainer.model().size(), static_cast<size_t>(budget));
+      EXPECT_LE(most, std::max<size_t>(60, 2 * budget));
+      EXPECT_TRUE(trainer.model().AllFinite());
+    }
+    if (budget < 60) continue;  // Initial points stay with this method.
+    TrainerOptions options = Options(200, DensificationMethod::kGradient);
+    options.budget = budget;
+    Trainer trainer(options, Start(), 2.0, &images, &pool);
+    ASSERT_TRUE(Finish(&trainer).ok());
+    EXPECT_LE(trainer.model().size(), static_cast<size_t>(budget));
+  }
+}
+
+TEST_F(TrainerTest, ReportsMilestones) {
+  ThreadPool pool(2);
+  TrainingImages images = Images(pool);
+  TrainerOptions options = Options(120, DensificationMethod::kMiniSplatting);
+  options.budget = 90;
+  Trainer trainer(options, Start(), 2.0, &images, &pool);
+  ASSERT_TRUE(Finish(&trainer).ok());
+  ASSERT_EQ(trainer.milestones().size(), 4u);
+  for (size_t k = 0; k < 4; ++k) {
+    const MilestoneRecord& record = trainer.milestones()[k];
+    const Milestone planned = trainer.schedule().milestones()[k];
+    EXPECT_EQ(record.iteration, planned.iteration);
+    EXPECT_EQ(record.event, planned.event);
+  }
+  EXPECT_EQ(trainer.milestones()[0].gaussians_before, 60u);
+  EXPECT_EQ(trainer.milestones()[0].gaussians_after, 140u);  // 7/9 of 180.
+  EXPECT_LE(trainer.milestones()[2].gaussians_after, 90u);
+  EXPECT_EQ(trainer.milestones()[3].gaussians_after, trainer.model().size());
+}
+
+TEST_F(TrainerTest, GoesOnWithTheKeptGaussiansWhenTold) {
+  ThreadPool pool(2);
+  TrainingImages images = Images(pool);
+  TrainerOptions options = Options(120, DensificationMethod::kMiniSplatting);
+  options.mini_splatting.restart_after_simplification = false;
+  Trainer trainer(options, Start(), 2.0, &images, &pool);
+  while (trainer.iteration() < 60) ASSERT_TRUE(trainer.Step().ok());
+  const TrainingCheckpoint state = trainer.Save();
+  EXPECT_GT(state.adam.steps, 0);
+  EXPECT_NE(*std::max_element(state.adam.second_moments.opacity_logits.begin(),
+                              state.adam.second_moments.opacity_logits.end()),
+            0.0f);
+  ASSERT_TRUE(Finish(&trainer).ok());
 }
 
 TEST_F(TrainerTest, RefusesACheckpointThatDoesNotFit) {
@@ -142,27 +160,31 @@ TEST_F(TrainerTest, RefusesACheckpointThatDoesNotFit) {
   EXPECT_EQ(trainer.Restore(checkpoint).code(), StatusCode::kBadInput);
 }
 
-TEST_F(TrainerTest, SaysSoWhenTheNumbersAreNotFinite) {
+TEST_F(TrainerTest, SaysSoWhenTheInitialNumbersAreNotFinite) {
   ThreadPool pool(1);
   TrainingImages images = Images(pool);
   GaussianModel start = Start();
   start.sh_dc[0] = NAN;
   Trainer trainer(Options(10), start, 2.0, &images, &pool);
-  Status status;
-  while (!trainer.done() && status.ok()) status = trainer.Step().status();
-  EXPECT_EQ(status.code(), StatusCode::kUnusableResult);
+  EXPECT_EQ(Finish(&trainer).code(), StatusCode::kUnusableResult);
 }
 
 TEST(TrainerOptions, Check) {
   EXPECT_TRUE(TrainerOptions().Check().ok());
   TrainerOptions options;
-  options.iterations = 0;
+  options.schedule.iterations = 0;
   EXPECT_FALSE(options.Check().ok());
   options = TrainerOptions();
-  options.sh_degree = 4;
+  options.schedule.sh_degree = 4;
   EXPECT_FALSE(options.Check().ok());
   options = TrainerOptions();
-  options.resolution_steps = {0.5, 0.2};
+  options.schedule.resolution_steps = {0.5, 0.2};
+  EXPECT_FALSE(options.Check().ok());
+  options = TrainerOptions();
+  options.budget = -1;
+  EXPECT_FALSE(options.Check().ok());
+  options = TrainerOptions();
+  options.mini_splatting.dense_factor = 0.5;
   EXPECT_FALSE(options.Check().ok());
 }
 

@@ -2,9 +2,13 @@
 
 #include "stages/reconstruct_stage.h"
 
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
+#include <sstream>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -12,6 +16,7 @@
 #include "core/image_io.h"
 #include "sfm/model_io.h"
 #include "sfm/photo_list.h"
+#include "splat/checkpoint.h"
 #include "splat/ply_io.h"
 #include "splat/renderer.h"
 #include "tests/splat/test_scene.h"
@@ -102,7 +107,9 @@ class ReconstructStageTest : public testing::Test {
     context.progress = [&](const Progress& progress) {
       if (progress.done >= cancel_at) cancellation.Cancel();
     };
-    context.log = [](pipeline::LogLevel, const std::string&) {};
+    context.log = [this](pipeline::LogLevel, const std::string& line) {
+      log_ += line + "\n";
+    };
     fs::create_directories(context.output);
     const auto stage = MakeReconstructStage(options, 3);
     for (const fs::path& input : stage->Inputs(context)) {
@@ -116,6 +123,7 @@ class ReconstructStageTest : public testing::Test {
     ReconstructStageOptions options;
     options.iterations = 200;
     options.densify_interval = 20;
+    options.budget = "500";
     options.holdout_interval = 100;
     return options;
   }
@@ -127,6 +135,7 @@ class ReconstructStageTest : public testing::Test {
   }
 
   fs::path workspace_;
+  std::string log_;  // Of all runs.
   splat::GaussianModel truth_;
 };
 
@@ -150,6 +159,49 @@ TEST_F(ReconstructStageTest, WritesTheContract) {
             0u);
   EXPECT_NE(csv.find("\n100,"), std::string::npos);
   EXPECT_FALSE(fs::is_empty(workspace_ / "out" / "checkpoints"));
+}
+
+TEST_F(ReconstructStageTest, ReportsTheCourseOfEachMethod) {
+  for (const char* method : {"mini_splatting", "gradient", "none"}) {
+    ReconstructStageOptions options = Short();
+    options.densification = method;
+    const Status status = Run(options, method);
+    ASSERT_TRUE(status.ok()) << status.message();
+    const nlohmann::json metrics =
+        nlohmann::json::parse(Bytes(std::string(method) + "/metrics.json"));
+    const bool mini = options.densification == "mini_splatting";
+    EXPECT_EQ(metrics["densification"], method);
+    EXPECT_EQ(metrics["importance_metric"].is_string(), mini);
+    EXPECT_TRUE(metrics["recoveries"].is_array());
+    EXPECT_TRUE(metrics["recoveries"].empty());
+    ASSERT_TRUE(metrics["milestones"].is_array());
+    EXPECT_LE(metrics["num_gaussians"].get<int>(), 500);
+    ASSERT_EQ(metrics["milestones"].size(), mini ? 4u : 0u);
+    if (!mini) continue;
+    EXPECT_EQ(metrics["milestones"][2]["event"], "simplification");
+    EXPECT_EQ(metrics["milestones"][2]["iteration"], 100);
+    EXPECT_GE(metrics["milestones"][2]["gaussians_before"],
+              metrics["milestones"][2]["gaussians_after"]);
+    EXPECT_EQ(metrics["milestones"][3]["gaussians_after"],
+              metrics["num_gaussians"]);
+  }
+}
+
+TEST_F(ReconstructStageTest, BudgetIsAutoOrANumber) {
+  for (const char* budget :
+       {"", "many", "-1", "1e5", "100 ", "0x10", "99999999999999999999"}) {
+    ReconstructStageOptions options = Short();
+    options.budget = budget;
+    const Status status = Run(options, "out");
+    EXPECT_EQ(status.code(), StatusCode::kInvalidArgument) << budget;
+    EXPECT_NE(status.message().find("reconstruct.budget"), std::string::npos);
+  }
+  ReconstructStageOptions options = Short();
+  options.iterations = 20;
+  for (const char* budget : {"auto", "0", "40"}) {
+    options.budget = budget;
+    EXPECT_TRUE(Run(options, "out").ok()) << budget;
+  }
 }
 
 TEST_F(ReconstructStageTest, InterruptedAndResumedGivesTheSameBytes) {
@@ -181,6 +233,38 @@ TEST_F(ReconstructStageTest, TakesATrainedModel) {
   // The photos are renderings of this very model.
   EXPECT_GT(metrics["holdout_psnr"].get<double>(), 50);
   EXPECT_EQ(metrics["num_gaussians"], truth_.size());
+}
+
+TEST_F(ReconstructStageTest, GoingBackIsLoggedAndListed) {
+  // A scene that a checkpoint with damaged numbers goes on with.
+  EXPECT_EQ(Run(Short(), "out", false, 150).code(), StatusCode::kInterrupted);
+  const fs::path folder = workspace_ / "out" / "checkpoints";
+  std::optional<splat::TrainingCheckpoint> checkpoint =
+      splat::LatestCheckpoint(folder);
+  ASSERT_TRUE(checkpoint.has_value());
+  for (float& value : checkpoint->model.sh_dc) value = NAN;
+  ASSERT_TRUE(splat::SaveCheckpoint(folder, *checkpoint).ok());
+  const Status status = Run(Short(), "out", true);
+  ASSERT_TRUE(status.ok()) << status.message();
+  EXPECT_THAT(log_, testing::HasSubstr("training diverged at iteration"));
+  const nlohmann::json metrics =
+      nlohmann::json::parse(Bytes("out/metrics.json"));
+  ASSERT_EQ(metrics["recoveries"].size(), 1u);
+  const nlohmann::json& recovery = metrics["recoveries"][0];
+  EXPECT_EQ(recovery["back_to"], 133);  // Where the last pruning was.
+  EXPECT_EQ(recovery["rate_factor"], 0.5);
+  EXPECT_FALSE(recovery["reason"].get<std::string>().empty());
+  EXPECT_EQ(metrics["iterations"], 200);
+  // progress.csv tells of one course only.
+  std::istringstream csv(Bytes("out/progress.csv"));
+  std::string line;
+  int64_t last = 0;
+  while (std::getline(csv, line)) {
+    const int64_t row = std::strtoll(line.c_str(), nullptr, 10);
+    EXPECT_TRUE(row > last || row == 0) << line;
+    last = row;
+  }
+  EXPECT_EQ(last, 200);
 }
 
 TEST_F(ReconstructStageTest, ErrorsNameTheFile) {
