@@ -144,8 +144,9 @@ TEST_F(ReconstructStageTest, WritesTheContract) {
   ASSERT_TRUE(status.ok()) << status.message();
   const nlohmann::json metrics =
       nlohmann::json::parse(Bytes("out/metrics.json"));
-  EXPECT_GT(metrics["holdout_psnr"].get<double>(), 18);
-  EXPECT_GT(metrics["holdout_ssim"].get<double>(), 0.5);
+  // Few steps are left after the last of four restarts.
+  EXPECT_GT(metrics["holdout_psnr"].get<double>(), 15);
+  EXPECT_GT(metrics["holdout_ssim"].get<double>(), 0.4);
   EXPECT_EQ(metrics["iterations"], 200);
   EXPECT_GT(metrics["peak_memory_bytes"].get<int64_t>(), 0);
   const auto model = splat::ReadPly(workspace_ / "out" / "point_cloud.ply");
@@ -177,6 +178,8 @@ TEST_F(ReconstructStageTest, ReportsTheCourseOfEachMethod) {
     ASSERT_TRUE(metrics["milestones"].is_array());
     EXPECT_LE(metrics["num_gaussians"].get<int>(), 500);
     ASSERT_EQ(metrics["milestones"].size(), mini ? 4u : 0u);
+    const bool gradient = options.densification == "gradient";
+    EXPECT_GT(metrics["holdout_psnr"].get<double>(), gradient ? 18 : 14);
     if (!mini) continue;
     EXPECT_EQ(metrics["milestones"][2]["event"], "simplification");
     EXPECT_EQ(metrics["milestones"][2]["iteration"], 100);
