@@ -19,7 +19,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kMagic = "FGSTRAIN";
-constexpr uint32_t kVersion = 3;  // 2: max_dominant_share. 3: history.
+constexpr uint32_t kVersion =
+    4;  // 2: max_dominant_share. 3: history. 4: budget.
 constexpr size_t kHashBytes = 32;
 
 constexpr std::string_view kPrefix = "iteration_";
@@ -66,13 +67,52 @@ bool ReadRecoveries(CheckpointReader* reader,
   return true;
 }
 
+bool ReadBudgetChoice(CheckpointReader* reader,
+                      std::optional<BudgetChoice>* choice) {
+  uint8_t present = 0;
+  if (!reader->Get(&present) || present > 1) return false;
+  if (present == 0) return true;
+  BudgetChoice& read = choice->emplace();
+  uint64_t count = 0;
+  if (!reader->Get(&read.budget) || !reader->Get(&read.sh_degree) ||
+      !reader->Get(&count) || read.budget < 1 || read.sh_degree < 0 ||
+      read.sh_degree > kMaxShDegree) {
+    return false;
+  }
+  for (uint64_t i = 0; i < count; ++i) {
+    BudgetTrial trial;
+    if (!reader->Get(&trial.num_gaussians) || !reader->Get(&trial.sh_degree) ||
+        !reader->Get(&trial.holdout_psnr)) {
+      return false;
+    }
+    read.trials.push_back(trial);
+  }
+  return true;
+}
+
+void WriteBudgetChoice(const std::optional<BudgetChoice>& choice,
+                       CheckpointWriter* writer) {
+  writer->Put<uint8_t>(choice ? 1 : 0);
+  if (!choice) return;
+  writer->Put(choice->budget);
+  writer->Put(choice->sh_degree);
+  writer->Put<uint64_t>(choice->trials.size());
+  for (const BudgetTrial& trial : choice->trials) {
+    writer->Put(trial.num_gaussians);
+    writer->Put(trial.sh_degree);
+    writer->Put(trial.holdout_psnr);
+  }
+}
+
 bool ReadHistory(CheckpointReader* reader, TrainingHistory* history) {
   uint8_t has_last_good = 0;
   if (!ReadMilestones(reader, &history->milestones) ||
       !ReadRecoveries(reader, &history->recoveries) ||
       !reader->Get(&history->rate_factor) ||
       !reader->Get(&history->loss.steps) || !reader->Get(&history->loss.sum) ||
-      !reader->Get(&history->loss.best) || !reader->Get(&has_last_good)) {
+      !reader->Get(&history->loss.best) ||
+      !ReadBudgetChoice(reader, &history->budget_choice) ||
+      !reader->Get(&has_last_good)) {
     return false;
   }
   if (!(history->rate_factor > 0 && history->rate_factor <= 1) ||
@@ -104,6 +144,7 @@ void WriteHistory(const TrainingHistory& history, CheckpointWriter* writer) {
   writer->Put(history.loss.steps);
   writer->Put(history.loss.sum);
   writer->Put(history.loss.best);
+  WriteBudgetChoice(history.budget_choice, writer);
   writer->Put<uint8_t>(history.last_good ? 1 : 0);
   if (!history.last_good) return;
   writer->Put(history.last_good->iteration);

@@ -46,20 +46,6 @@ Status NothingVisible(std::string_view what, size_t count) {
       "the 3D points");
 }
 
-// The `count` most important ones that have importance, ascending.
-std::vector<uint32_t> MostImportant(const std::vector<float>& importance,
-                                    size_t count) {
-  std::vector<uint32_t> order(importance.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::erase_if(order, [&](uint32_t i) { return !(importance[i] > 0); });
-  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
-    return importance[a] > importance[b];
-  });
-  order.resize(std::min(order.size(), count));
-  std::sort(order.begin(), order.end());
-  return order;
-}
-
 }  // namespace
 
 Status MiniSplattingOptions::Check() const {
@@ -196,13 +182,18 @@ StatusOr<MiniSplattingSummary> Simplify(const MiniSplattingOptions& options,
 
 StatusOr<MiniSplattingSummary> PruneByImportance(
     const MiniSplattingOptions& options,
+    int64_t budget,
     ImportanceMetric metric,
     const MiniSplattingContext& context,
     GaussianModel* model,
     Adam* adam) {
-  const std::vector<uint32_t> kept =
-      KeepCumulativeImportance(ComputeImportance(context, *model, metric),
-                               1 - options.prune_importance_share);
+  const std::vector<float> importance =
+      ComputeImportance(context, *model, metric);
+  std::vector<uint32_t> kept =
+      KeepCumulativeImportance(importance, 1 - options.prune_importance_share);
+  if (budget > 0 && kept.size() > static_cast<size_t>(budget)) {
+    kept = MostImportant(importance, static_cast<size_t>(budget));
+  }
   if (kept.empty()) return NothingVisible("pruning", model->size());
   const MiniSplattingSummary summary{model->size(), kept.size()};
   model->Select(kept);

@@ -21,8 +21,9 @@
 namespace freegs::splat {
 
 struct MiniSplattingOptions {
-  // See DensificationOptions.
-  double blur_split_share = 1.0 / 5000;
+  // See DensificationOptions. The paper has 1/5000 of pictures of a megapixel;
+  // on small ones that is a few pixels, and nearly everything would count.
+  double blur_split_share = 1.0 / 1000;
 
   // With a budget, the Gaussians of the dense model, before simplification, are
   // at most this many times as many.
@@ -39,9 +40,14 @@ struct MiniSplattingOptions {
   // Drawn at random by importance (the paper); false takes the most important.
   bool sampling = true;
 
-  // Whether the Gaussians kept start again from position and colour (the
-  // paper), or go on as they are.
-  bool restart_after_simplification = true;
+  // Whether the Gaussians kept start again from position and colour, as in the
+  // paper, or go on as they are. Starting again costs thousands of steps.
+  bool restart_after_simplification = false;
+
+  // With a budget and a pruning still to come, the simplification keeps so many
+  // times as many Gaussians: the pruning takes the last step down to the
+  // budget.
+  double simplify_slack = 1.15;
 
   // Share of the total importance that the last pruning removes.
   double prune_importance_share = 0.01;
@@ -107,10 +113,12 @@ StatusOr<MiniSplattingSummary> Simplify(const MiniSplattingOptions& options,
                                         Adam* adam);
 
 // Removes the least important Gaussians that together carry
-// prune_importance_share of the importance; the others keep parameters and
-// moments. kUnusableResult as above.
+// prune_importance_share of the importance, and more when that leaves more than
+// `budget` (0: no limit); the others keep parameters and moments.
+// kUnusableResult as above.
 StatusOr<MiniSplattingSummary> PruneByImportance(
     const MiniSplattingOptions& options,
+    int64_t budget,
     ImportanceMetric metric,
     const MiniSplattingContext& context,
     GaussianModel* model,

@@ -15,8 +15,8 @@ namespace {
 constexpr size_t kMaxPhotos = 8;
 constexpr int kMinSide = 32;
 
-// However smooth the photos are, the last steps see them whole.
-constexpr double kLatestStep = 0.8;
+// The share of the iterations that small images get when they carry all.
+constexpr double kCoarsePart = 0.25;
 
 // Amplitudes below this are rounding, in units of the sum over a flat image.
 constexpr double kNoise = 1e-5;
@@ -92,7 +92,7 @@ StatusOr<std::vector<double>> SpectrumResolutionSteps(TrainingImages* images) {
   }
   std::vector<double> steps;
   for (int k = num_levels - 1; k > 0; --k) {
-    steps.push_back(std::min(means[k], kLatestStep));
+    steps.push_back(kCoarsePart * means[k]);
   }
   return steps;
 }

@@ -22,12 +22,13 @@ namespace freegs::splat {
 std::vector<double> SpectrumShares(const ImageF& image, int num_levels);
 
 // The shares of the iterations at which each coarser level is left, coarsest
-// first: level k is trained on until the spectrum share of level k, averaged
-// over a few photos, has passed (after DashGaussian, Chen et al. 2025: steps in
-// proportion to the frequencies a resolution can teach). Smooth photos
-// therefore stay small for longer than detailed ones. Levels whose shorter side
+// first: level k ends at a quarter of its spectrum share, averaged over a few
+// photos (after DashGaussian, Chen et al. 2025: steps in proportion to the
+// frequencies a resolution can teach). Smooth photos therefore stay small for
+// longer than detailed ones. A quarter, because a step at full size teaches
+// more than it costs more: see docs/performance.md. Levels whose shorter side
 // would be under 32 pixels are not used: the result may have fewer than
-// num_levels - 1 entries. No entry is above 0.8.
+// num_levels - 1 entries.
 StatusOr<std::vector<double>> SpectrumResolutionSteps(TrainingImages* images);
 
 }  // namespace freegs::splat

@@ -71,6 +71,20 @@ std::vector<uint32_t> KeepCumulativeImportance(
   return order;
 }
 
+std::vector<uint32_t> MostImportant(std::span<const float> importance,
+                                    size_t count) {
+  std::vector<uint32_t> order;
+  for (size_t i = 0; i < importance.size(); ++i) {
+    if (HasImportance(importance[i])) order.push_back(static_cast<uint32_t>(i));
+  }
+  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+    return importance[a] > importance[b];
+  });
+  order.resize(std::min(order.size(), count));
+  std::sort(order.begin(), order.end());
+  return order;
+}
+
 StatusOr<GaussianModel> RestartFromMeans(const GaussianModel& model,
                                          std::span<const uint32_t> kept,
                                          double scene_extent,

@@ -37,6 +37,11 @@ std::vector<uint32_t> SampleByImportance(std::span<const float> importance,
 std::vector<uint32_t> KeepCumulativeImportance(
     std::span<const float> importance, double share);
 
+// The `count` most important (ties by index), or all that have importance when
+// they are no more.
+std::vector<uint32_t> MostImportant(std::span<const float> importance,
+                                    size_t count);
+
 // Starts afresh from the Gaussians listed: position and colour of degree 0 stay
 // to the last bit, the rest is set as InitializeFromPoints sets it (opacity,
 // isotropic scale from the neighbours among those kept, no rotation, no

@@ -48,6 +48,7 @@ Status TrainerOptions::Check() const {
   }
   FREEGS_RETURN_IF_ERROR(schedule.Check());
   FREEGS_RETURN_IF_ERROR(mini_splatting.Check());
+  FREEGS_RETURN_IF_ERROR(budget_search.Check());
   FREEGS_RETURN_IF_ERROR(densification.Check());
   FREEGS_RETURN_IF_ERROR(learning_rates.Check());
   return loss.Check();
@@ -92,7 +93,7 @@ StatusOr<float> Trainer::GradientStep() {
   const size_t view_index = view_order_.ViewOf(iteration_);
   const int level =
       schedule_.ResolutionLevel(iteration_, images_->num_levels());
-  const int sh_degree = schedule_.ShDegree(iteration_);
+  const int sh_degree = ShDegree(iteration_);
   if (model_.sh_degree < sh_degree) {
     model_.SetShDegree(sh_degree);
     adam_.SetShDegree(sh_degree);
@@ -230,6 +231,50 @@ Status Trainer::FollowSchedule() {
   return Status();
 }
 
+int64_t Trainer::Budget() const {
+  return history_.budget_choice ? history_.budget_choice->budget
+                                : options_.budget;
+}
+
+int64_t Trainer::SimplificationBudget() const {
+  const std::vector<Milestone>& milestones = schedule_.milestones();
+  const bool pruned_later =
+      !milestones.empty() && milestones.back().event == TrainingEvent::kPruning;
+  const double slack =
+      pruned_later ? options_.mini_splatting.simplify_slack : 1.0;
+  return static_cast<int64_t>(static_cast<double>(Budget()) * slack);
+}
+
+int Trainer::ShDegree(int64_t done) const {
+  const int degree = schedule_.ShDegree(done);
+  return history_.budget_choice
+             ? std::min(degree, history_.budget_choice->sh_degree)
+             : degree;
+}
+
+Status Trainer::ChooseBudget(const MiniSplattingContext& context) {
+  const LearningRates rates =
+      LearningRatesAt(options_.learning_rates,
+                      1.0,
+                      schedule_.PositionRateIteration(iteration_));
+  FREEGS_ASSIGN_OR_RETURN(
+      history_.budget_choice,
+      SearchBudget(options_.budget_search,
+                   options_,
+                   context,
+                   importance_metric_,
+                   rates[static_cast<int>(Parameter::kMean)],
+                   options_.budget,
+                   model_,
+                   options_.judge));
+  const int degree = ShDegree(iteration_);
+  if (model_.sh_degree > degree) {
+    model_.SetShDegree(degree);
+    adam_.SetShDegree(degree);
+  }
+  return Status();
+}
+
 Status Trainer::RunMilestone(TrainingEvent event) {
   MiniSplattingContext context;
   context.images = images_;
@@ -255,7 +300,7 @@ Status Trainer::RunMilestone(TrainingEvent event) {
                            schedule_.MayRestartAtSimplification();
       FREEGS_ASSIGN_OR_RETURN(summary,
                               Simplify(mini,
-                                       options_.budget,
+                                       SimplificationBudget(),
                                        importance_metric_,
                                        restart,
                                        context,
@@ -264,10 +309,16 @@ Status Trainer::RunMilestone(TrainingEvent event) {
       break;
     }
     case TrainingEvent::kPruning: {
-      FREEGS_ASSIGN_OR_RETURN(
-          summary,
-          PruneByImportance(
-              mini, importance_metric_, context, &model_, &adam_));
+      if (options_.judge && !history_.budget_choice) {
+        FREEGS_RETURN_IF_ERROR(ChooseBudget(context));
+      }
+      FREEGS_ASSIGN_OR_RETURN(summary,
+                              PruneByImportance(mini,
+                                                options_.budget,
+                                                importance_metric_,
+                                                context,
+                                                &model_,
+                                                &adam_));
       break;
     }
   }

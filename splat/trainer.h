@@ -12,6 +12,7 @@
 #include "core/parallel.h"
 #include "core/status.h"
 #include "splat/adam.h"
+#include "splat/budget_search.h"
 #include "splat/checkpoint.h"
 #include "splat/densification.h"
 #include "splat/gaussian_model.h"
@@ -38,6 +39,11 @@ struct TrainerOptions {
   int64_t budget = 0;
 
   MiniSplattingOptions mini_splatting;
+
+  // kMiniSplatting with a judge takes the budget as a limit and searches, at
+  // the pruning, for the number and SH degree that the scene needs.
+  QualityJudge judge;
+  BudgetSearchOptions budget_search;
 
   // How importance is measured; nothing chooses by how the initial points lie
   // around the cameras, see ChooseImportanceMetric.
@@ -105,6 +111,9 @@ class Trainer {
   const std::vector<Recovery>& recoveries() const {
     return history_.recoveries;
   }
+  const std::optional<BudgetChoice>& budget_choice() const {
+    return history_.budget_choice;
+  }
 
   // One gradient step, and what the schedule wants after it. kUnusableResult
   // when training keeps diverging or no Gaussian is left or visible, kBadInput
@@ -123,6 +132,10 @@ class Trainer {
   Status GoBack(const std::string& reason);
   Status FollowSchedule();
   Status RunMilestone(TrainingEvent event);
+  int64_t Budget() const;
+  int64_t SimplificationBudget() const;
+  int ShDegree(int64_t done) const;
+  Status ChooseBudget(const MiniSplattingContext& context);
   void KeepAsGood();
 
   TrainerOptions options_;

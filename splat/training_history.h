@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "splat/budget_search.h"
 #include "splat/gaussian_model.h"
 #include "splat/training_schedule.h"
 
@@ -57,6 +58,7 @@ struct TrainingHistory {
   std::vector<Recovery> recoveries;
   double rate_factor = 1;
   LossMonitorState loss;
+  std::optional<BudgetChoice> budget_choice;  // Once searched for.
   std::optional<GoodState> last_good;
 };
 

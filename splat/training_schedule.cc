@@ -43,8 +43,9 @@ Status ScheduleOptions::Check() const {
   if (sh_degree < 0 || sh_degree > kMaxShDegree) {
     return InvalidArgumentError("sh_degree must be 0 to 3");
   }
-  if (!(sh_degree_interval >= 0)) {
-    return InvalidArgumentError("sh_degree_interval must not be negative");
+  if (!(sh_degree_interval >= 0) || !IsShare(sh_start)) {
+    return InvalidArgumentError(
+        "sh_start must be a share, sh_degree_interval not negative");
   }
   const auto are_shares = [](const std::vector<double>& values) {
     return std::is_sorted(values.begin(), values.end()) &&
@@ -114,14 +115,13 @@ void TrainingSchedule::PlanMilestones() {
 }
 
 int TrainingSchedule::ShDegree(int64_t done) const {
-  if (options_.method == DensificationMethod::kMiniSplatting) {
-    if (done < simplification_) return 0;
-    done -= simplification_;
-  }
+  const double start = options_.sh_start * options_.iterations;
+  if (static_cast<double>(done) < start) return 0;
   const double interval = options_.sh_degree_interval * options_.iterations;
   if (interval <= 0) return options_.sh_degree;
   return static_cast<int>(std::min<double>(
-      options_.sh_degree, std::floor(static_cast<double>(done) / interval)));
+      options_.sh_degree,
+      std::floor((static_cast<double>(done) - start) / interval)));
 }
 
 int TrainingSchedule::ResolutionLevel(int64_t done, int num_levels) const {

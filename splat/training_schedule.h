@@ -30,9 +30,11 @@ struct ScheduleOptions {
   DensificationMethod method = DensificationMethod::kMiniSplatting;
 
   // Highest SH degree of the result, and the share of the iterations after
-  // which each further degree is switched on (1000). Mini-Splatting counts from
-  // the simplification; before it the degree is 0.
+  // which each further degree is switched on (1000), counted from sh_start. The
+  // paper has sh_start at its simplification, 0.5; with a tenth of its
+  // iterations the colours that depend on the view then come too late.
   int sh_degree = 3;
+  double sh_start = 0;
   double sh_degree_interval = 1.0 / 30;
 
   // Shares of the iterations at which the image resolution doubles: training

@@ -15,7 +15,7 @@ const std::map<std::string, Values>& Presets() {
   static const std::map<std::string, Values> presets = {
       {"fast",
        {{"sfm.max_features", "1200"},
-        {"reconstruct.iterations", "2000"},
+        {"reconstruct.iterations", "3000"},
         {"reconstruct.max_image_size", "640"},
         {"reconstruct.sh_degree", "2"},
         {"reconstruct.budget", "50000"},

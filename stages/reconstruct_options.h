@@ -25,11 +25,15 @@ struct ReconstructStageOptions {
   // Upper bound of the number of Gaussians of the result, "auto" or a number; 0
   // is none.
   std::string budget = "auto";
+  // The most that "auto" considers.
+  int budget_limit = 100000;
+  // Whether Mini-Splatting starts again from depth maps: auto, always, never.
+  std::string depth_reinit = "auto";
   // How Mini-Splatting measures importance: auto, indoor or outdoor.
   std::string importance = "auto";
   // Iterations between densifications; 0 never densifies.
   int densify_interval = 100;
-  double densify_gradient = 3e-4;
+  double densify_gradient = 1e-4;
   // For densification = gradient only.
   int opacity_reset_interval = 0;
   bool coarse_to_fine = true;

@@ -20,6 +20,7 @@
 #include "splat/holdout.h"
 #include "splat/initialization.h"
 #include "splat/ply_io.h"
+#include "splat/resolution_schedule.h"
 #include "splat/trainer.h"
 #include "stages/progress_csv.h"
 
@@ -89,7 +90,20 @@ nlohmann::json CourseJson(const ReconstructStageOptions& options,
         trainer.importance_metric() == splat::ImportanceMetric::kOutdoor;
     metric = outdoor ? "outdoor" : "indoor";
   }
+  nlohmann::json choice;  // Null where the number was given.
+  if (trainer.budget_choice()) {
+    nlohmann::json trials = nlohmann::json::array();
+    for (const splat::BudgetTrial& trial : trainer.budget_choice()->trials) {
+      trials.push_back({{"num_gaussians", trial.num_gaussians},
+                        {"sh_degree", trial.sh_degree},
+                        {"holdout_psnr", trial.holdout_psnr}});
+    }
+    choice = {{"budget", trainer.budget_choice()->budget},
+              {"sh_degree", trainer.budget_choice()->sh_degree},
+              {"trials", std::move(trials)}};
+  }
   return {{"densification", options.densification},
+          {"budget_search", std::move(choice)},
           {"importance_metric", std::move(metric)},
           {"milestones", std::move(milestones)},
           {"recoveries", std::move(recoveries)}};
@@ -130,7 +144,7 @@ class ReconstructStage : public pipeline::Stage {
     splat::GaussianModel model;
     Outcome outcome;
     if (options_.import.empty()) {
-      image_options.num_levels = 3;
+      image_options.num_levels = 4;
       image_options.max_bytes =
           static_cast<uint64_t>(options_.image_cache_gb * 1e9);
       FREEGS_ASSIGN_OR_RETURN(
@@ -158,6 +172,7 @@ class ReconstructStage : public pipeline::Stage {
     double earlier_cpu_seconds = 0;
     double earlier_seconds = 0;
     nlohmann::json course = {{"densification", nullptr},
+                             {"budget_search", nullptr},
                              {"importance_metric", nullptr},
                              {"milestones", nlohmann::json::array()},
                              {"recoveries", nlohmann::json::array()}};
@@ -173,8 +188,16 @@ class ReconstructStage : public pipeline::Stage {
     FREEGS_ASSIGN_OR_RETURN(
         splat::GaussianModel initial,
         splat::InitializeFromPoints(scene.points, scene.colors, extent));
+    splat::TrainerOptions options = training;
+    if (options_.coarse_to_fine) {
+      FREEGS_ASSIGN_OR_RETURN(options.schedule.resolution_steps,
+                              splat::SpectrumResolutionSteps(images));
+    }
+    if (options_.budget == "auto" && holdout != nullptr) {
+      options.judge = Judge(holdout, context);
+    }
     splat::Trainer trainer(
-        training, std::move(initial), extent, images, context.pool);
+        options, std::move(initial), extent, images, context.pool);
 
     const fs::path checkpoints = context.output / "checkpoints";
     FREEGS_RETURN_IF_ERROR(CreateFolders(checkpoints));
@@ -253,6 +276,27 @@ class ReconstructStage : public pipeline::Stage {
     outcome->iterations = trainer.iteration();
     outcome->course = CourseJson(options_, trainer);
     return trainer.model();
+  }
+
+  // What the search for a budget goes by. It stops when the user does; the
+  // milestone is then done again from the checkpoint before it.
+  splat::QualityJudge Judge(splat::TrainingImages* holdout,
+                            pipeline::StageContext& context) const {
+    return [this, holdout, &context](
+               const splat::GaussianModel& model) -> StatusOr<double> {
+      if (context.cancellation->cancelled()) {
+        return InterruptedError(
+            "reconstruct: stopped while choosing the number of Gaussians; the "
+            "last checkpoint is kept");
+      }
+      FREEGS_ASSIGN_OR_RETURN(
+          const splat::HoldoutReport quality,
+          splat::MeasureHoldout(model,
+                                ReconstructRenderOptions(options_),
+                                holdout,
+                                *context.pool));
+      return quality.mean_psnr;
+    };
   }
 
   static Status Resume(const fs::path& checkpoints,
