@@ -9,42 +9,44 @@
 #include <functional>
 #include <vector>
 
+#include "core/parallel.h"
 #include "core/status.h"
 #include "splat/gaussian_model.h"
-#include "splat/importance.h"
-#include "splat/mini_splatting.h"
+#include "splat/training_images.h"
 
 namespace freegs::splat {
 
 struct TrainerOptions;
 
-// Mean PSNR in dB of a model on the holdout photographs. An error ends the
-// search and is passed on.
-using QualityJudge = std::function<StatusOr<double>(const GaussianModel&)>;
+// Mean PSNR in dB of a model on the holdout photographs at a level of their
+// image pyramid. An error ends the search and is passed on.
+using QualityJudge =
+    std::function<StatusOr<double>(const GaussianModel& model, int level)>;
 
 struct BudgetSearchOptions {
-  // What the models tried are pruned by, as a share of the total importance;
-  // ascending from 0. A few percent of it are many Gaussians: see
-  // KeepCumulativeImportance.
-  std::vector<double> prune_shares = {0, 0.01, 0.02, 0.04, 0.08, 0.16, 0.32};
+  // Numbers of Gaussians tried, as shares of the limit; descending from 1.
+  std::vector<double> shares = {1, 0.7, 0.5, 0.35, 0.25, 0.175, 0.125};
 
-  // A smaller model is good enough while its PSNR is at most so many dB under
+  // A smaller number is good enough while its PSNR is at most so many dB under
   // the best so far; then a lower SH degree likewise.
   double tolerance_db = 0.1;
   double sh_tolerance_db = 0.05;
 
+  // Level of the image pyramid that the trials are made at.
+  int level = 1;
+
   // Every trial trains for this share of the iterations, within bounds.
-  double trial_share = 0.02;
-  int min_trial_steps = 30;
-  int max_trial_steps = 200;
+  double trial_share = 0.25;
+  int min_trial_steps = 200;
+  int max_trial_steps = 1000;
 
   Status Check() const;
 };
 
-// One model tried: pruned to so many Gaussians of so high a degree and trained
-// for a little while.
+// One number of Gaussians and SH degree tried. The numbers are those of the
+// level of the trial.
 struct BudgetTrial {
-  int64_t num_gaussians = 0;
+  int64_t budget = 0;
   int sh_degree = 0;
   double holdout_psnr = 0;
 
@@ -52,27 +54,28 @@ struct BudgetTrial {
 };
 
 struct BudgetChoice {
-  int64_t budget = 0;
+  int64_t budget = 0;  // At full size.
   int sh_degree = 0;
   std::vector<BudgetTrial> trials;  // The evidence, in the order tried.
 
   friend bool operator==(const BudgetChoice&, const BudgetChoice&) = default;
 };
 
-// Goes down from `model`: prunes it by ever larger shares of its importance
-// until the holdout suffers, then lowers the SH degree until it does. Every
-// trial starts from `model` and trains at full size, on the same views in the
-// same order. position_rate is the positions' learning rate in force, per unit
-// of scene extent; no more than `limit` Gaussians (0: any number) are kept. The
-// result is a function of the arguments: the same for any number of threads.
+// Trains whole models, short and on small images, with ever fewer Gaussians
+// until the holdout suffers, then with ever lower SH degrees until it does. An
+// image of a quarter of the pixels gets a quarter of the Gaussians, so a trial
+// is cheap, and the number found is carried over by the number of pixels. All
+// trials start from `initial` and see the same views in the same order.
+// `training` holds the limit as its budget and the SH degree to begin with;
+// `level` of the options is lowered where `images` has fewer. The result is a
+// function of the arguments: the same for any number of threads.
 StatusOr<BudgetChoice> SearchBudget(const BudgetSearchOptions& options,
                                     const TrainerOptions& training,
-                                    const MiniSplattingContext& context,
-                                    ImportanceMetric metric,
-                                    double position_rate,
-                                    int64_t limit,
-                                    const GaussianModel& model,
-                                    const QualityJudge& judge);
+                                    const GaussianModel& initial,
+                                    double scene_extent,
+                                    const QualityJudge& judge,
+                                    TrainingImages* images,
+                                    ThreadPool* pool);
 
 }  // namespace freegs::splat
 

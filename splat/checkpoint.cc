@@ -81,7 +81,7 @@ bool ReadBudgetChoice(CheckpointReader* reader,
   }
   for (uint64_t i = 0; i < count; ++i) {
     BudgetTrial trial;
-    if (!reader->Get(&trial.num_gaussians) || !reader->Get(&trial.sh_degree) ||
+    if (!reader->Get(&trial.budget) || !reader->Get(&trial.sh_degree) ||
         !reader->Get(&trial.holdout_psnr)) {
       return false;
     }
@@ -98,7 +98,7 @@ void WriteBudgetChoice(const std::optional<BudgetChoice>& choice,
   writer->Put(choice->sh_degree);
   writer->Put<uint64_t>(choice->trials.size());
   for (const BudgetTrial& trial : choice->trials) {
-    writer->Put(trial.num_gaussians);
+    writer->Put(trial.budget);
     writer->Put(trial.sh_degree);
     writer->Put(trial.holdout_psnr);
   }

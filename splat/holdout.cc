@@ -13,14 +13,15 @@ namespace freegs::splat {
 StatusOr<HoldoutReport> MeasureHoldout(const GaussianModel& model,
                                        const RenderOptions& options,
                                        TrainingImages* images,
-                                       ThreadPool& pool) {
+                                       ThreadPool& pool,
+                                       int level) {
   HoldoutReport report;
   Rasterizer rasterizer;
   RasterImages rendered;
   ImageF photo;
   for (size_t i = 0; i < images->size(); ++i) {
-    const View view = images->view(i);
-    FREEGS_RETURN_IF_ERROR(images->Fetch(i, 0, &photo));
+    const View view = images->view(i, level);
+    FREEGS_RETURN_IF_ERROR(images->Fetch(i, level, &photo));
     rasterizer.Forward(
         model, view.camera, view.cam_from_world, options, {}, pool, &rendered);
     HoldoutView result;

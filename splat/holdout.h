@@ -29,12 +29,13 @@ struct HoldoutReport {
   std::vector<HoldoutView> views;
 };
 
-// Renders level 0 of every view of `images` and compares. Fails when a photo
-// has become unreadable. `images` must not be empty.
+// Renders every view of `images` at a level of its pyramid and compares. Fails
+// when a photo has become unreadable. `images` must not be empty.
 StatusOr<HoldoutReport> MeasureHoldout(const GaussianModel& model,
                                        const RenderOptions& options,
                                        TrainingImages* images,
-                                       ThreadPool& pool);
+                                       ThreadPool& pool,
+                                       int level = 0);
 
 }  // namespace freegs::splat
 

@@ -15,16 +15,17 @@ constexpr int64_t kFiniteTestInterval = 100;
 // A return to the last good state divides the learning rates.
 constexpr double kRecoveryRateFactor = 0.5;
 
-DensificationOptions EffectiveDensification(const TrainerOptions& options) {
+DensificationOptions EffectiveDensification(const TrainerOptions& options,
+                                            int64_t budget) {
   DensificationOptions densification = options.densification;
   const bool mini =
       options.schedule.method == DensificationMethod::kMiniSplatting;
   densification.blur_split_share =
       mini ? options.mini_splatting.blur_split_share : 0;
-  if (options.budget > 0) {
+  if (budget > 0) {
     const double factor = mini ? options.mini_splatting.dense_factor : 1;
     densification.max_gaussians = static_cast<int64_t>(
-        std::llround(factor * static_cast<double>(options.budget)));
+        std::llround(factor * static_cast<double>(budget)));
   }
   return densification;
 }
@@ -60,7 +61,7 @@ Trainer::Trainer(const TrainerOptions& options,
                  TrainingImages* images,
                  ThreadPool* pool)
     : options_(options),
-      densification_(EffectiveDensification(options)),
+      densification_(EffectiveDensification(options, options.budget)),
       schedule_(options.schedule),
       scene_extent_(scene_extent),
       images_(images),
@@ -151,6 +152,9 @@ StatusOr<StepReport> Trainer::Step() {
           "training: a parameter of the initial Gaussians is not a finite "
           "number");
     }
+    const bool mini =
+        options_.schedule.method == DensificationMethod::kMiniSplatting;
+    if (mini && options_.judge) FREEGS_RETURN_IF_ERROR(ChooseBudget());
     KeepAsGood();
   }
   if (iteration_ > 0 &&
@@ -252,26 +256,16 @@ int Trainer::ShDegree(int64_t done) const {
              : degree;
 }
 
-Status Trainer::ChooseBudget(const MiniSplattingContext& context) {
-  const LearningRates rates =
-      LearningRatesAt(options_.learning_rates,
-                      1.0,
-                      schedule_.PositionRateIteration(iteration_));
-  FREEGS_ASSIGN_OR_RETURN(
-      history_.budget_choice,
-      SearchBudget(options_.budget_search,
-                   options_,
-                   context,
-                   importance_metric_,
-                   rates[static_cast<int>(Parameter::kMean)],
-                   options_.budget,
-                   model_,
-                   options_.judge));
-  const int degree = ShDegree(iteration_);
-  if (model_.sh_degree > degree) {
-    model_.SetShDegree(degree);
-    adam_.SetShDegree(degree);
-  }
+Status Trainer::ChooseBudget() {
+  FREEGS_ASSIGN_OR_RETURN(history_.budget_choice,
+                          SearchBudget(options_.budget_search,
+                                       options_,
+                                       model_,
+                                       scene_extent_,
+                                       options_.judge,
+                                       images_,
+                                       pool_));
+  densification_ = EffectiveDensification(options_, Budget());
   return Status();
 }
 
@@ -309,9 +303,6 @@ Status Trainer::RunMilestone(TrainingEvent event) {
       break;
     }
     case TrainingEvent::kPruning: {
-      if (options_.judge && !history_.budget_choice) {
-        FREEGS_RETURN_IF_ERROR(ChooseBudget(context));
-      }
       FREEGS_ASSIGN_OR_RETURN(summary,
                               PruneByImportance(mini,
                                                 options_.budget,
@@ -359,6 +350,7 @@ Status Trainer::Restore(TrainingCheckpoint checkpoint) {
   statistics_ = std::move(checkpoint.statistics);
   history_ = std::move(checkpoint.history);
   loss_monitor_.set_state(history_.loss);
+  densification_ = EffectiveDensification(options_, Budget());
   return Status();
 }
 

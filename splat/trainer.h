@@ -40,8 +40,8 @@ struct TrainerOptions {
 
   MiniSplattingOptions mini_splatting;
 
-  // kMiniSplatting with a judge takes the budget as a limit and searches, at
-  // the pruning, for the number and SH degree that the scene needs.
+  // kMiniSplatting with a judge takes the budget as a limit and begins with a
+  // search for the number and SH degree that the scene needs.
   QualityJudge judge;
   BudgetSearchOptions budget_search;
 
@@ -135,7 +135,7 @@ class Trainer {
   int64_t Budget() const;
   int64_t SimplificationBudget() const;
   int ShDegree(int64_t done) const;
-  Status ChooseBudget(const MiniSplattingContext& context);
+  Status ChooseBudget();
   void KeepAsGood();
 
   TrainerOptions options_;

@@ -55,6 +55,9 @@ Status ScheduleOptions::Check() const {
     return InvalidArgumentError(
         "resolution_steps must be at most four ascending shares");
   }
+  if (finest_level < 0) {
+    return InvalidArgumentError("finest_level must not be negative");
+  }
   if (!IsShare(densify_start) || !IsShare(densify_stop) ||
       !IsShare(mini_densify_start) || densify_interval < 0 ||
       opacity_reset_interval < 0) {
@@ -127,7 +130,8 @@ int TrainingSchedule::ShDegree(int64_t done) const {
 int TrainingSchedule::ResolutionLevel(int64_t done, int num_levels) const {
   const auto passed =
       std::upper_bound(sharpened_.begin(), sharpened_.end(), done);
-  const auto level = static_cast<int>(sharpened_.end() - passed);
+  const auto level =
+      options_.finest_level + static_cast<int>(sharpened_.end() - passed);
   return std::min(level, num_levels - 1);
 }
 

@@ -42,6 +42,9 @@ struct ScheduleOptions {
   // cost less and carry what the first, blurry model can learn.
   std::vector<double> resolution_steps = {0.1, 0.3};
 
+  // Level of the image pyramid that training ends at, 0 being full size.
+  int finest_level = 0;
+
   // Iterations between densifications; 0 does none.
   int densify_interval = 100;
 

@@ -94,7 +94,7 @@ nlohmann::json CourseJson(const ReconstructStageOptions& options,
   if (trainer.budget_choice()) {
     nlohmann::json trials = nlohmann::json::array();
     for (const splat::BudgetTrial& trial : trainer.budget_choice()->trials) {
-      trials.push_back({{"num_gaussians", trial.num_gaussians},
+      trials.push_back({{"budget", trial.budget},
                         {"sh_degree", trial.sh_degree},
                         {"holdout_psnr", trial.holdout_psnr}});
     }
@@ -131,7 +131,7 @@ class ReconstructStage : public pipeline::Stage {
     const fs::path photos = context.workspace / "undistort" / "images";
     splat::TrainingImagesOptions image_options;
     image_options.max_side = options_.max_image_size;
-    image_options.num_levels = 1;
+    image_options.num_levels = 2;
     std::optional<splat::TrainingImages> holdout;
     if (!scene.holdout.empty()) {
       FREEGS_ASSIGN_OR_RETURN(
@@ -278,23 +278,24 @@ class ReconstructStage : public pipeline::Stage {
     return trainer.model();
   }
 
-  // What the search for a budget goes by. It stops when the user does; the
-  // milestone is then done again from the checkpoint before it.
+  // What the search for a budget goes by. It stops when the user does.
   splat::QualityJudge Judge(splat::TrainingImages* holdout,
                             pipeline::StageContext& context) const {
-    return [this, holdout, &context](
-               const splat::GaussianModel& model) -> StatusOr<double> {
+    return [this, holdout, &context](const splat::GaussianModel& model,
+                                     int level) -> StatusOr<double> {
       if (context.cancellation->cancelled()) {
         return InterruptedError(
-            "reconstruct: stopped while choosing the number of Gaussians; the "
-            "last checkpoint is kept");
+            "reconstruct: stopped while choosing the number of Gaussians");
       }
       FREEGS_ASSIGN_OR_RETURN(
           const splat::HoldoutReport quality,
           splat::MeasureHoldout(model,
                                 ReconstructRenderOptions(options_),
                                 holdout,
-                                *context.pool));
+                                *context.pool,
+                                level));
+      context.log(pipeline::LogLevel::kInfo,
+                  TrialText(model, quality.mean_psnr, level));
       return quality.mean_psnr;
     };
   }
@@ -331,6 +332,21 @@ class ReconstructStage : public pipeline::Stage {
                     recovery.reason + "); back to iteration " +
                     std::to_string(recovery.back_to) +
                     ", learning rates now times " + factor);
+  }
+
+  static std::string TrialText(const splat::GaussianModel& model,
+                               double psnr,
+                               int level) {
+    char text[128];
+    std::snprintf(text,
+                  sizeof(text),
+                  "reconstruct: trial at 1/%d size, %zu Gaussians of SH degree "
+                  "%d: %.2f dB on the holdout",
+                  1 << level,
+                  model.size(),
+                  model.sh_degree,
+                  psnr);
+    return text;
   }
 
   // When the step just done was the last before one.
