@@ -26,11 +26,10 @@ ThreadPool::~ThreadPool() {
   for (std::thread& worker : workers_) worker.join();
 }
 
-void ThreadPool::ParallelFor(
-    int64_t begin,
-    int64_t end,
-    int64_t grain,
-    const std::function<void(int64_t, int64_t, int)>& body) {
+void ThreadPool::ParallelFor(int64_t begin,
+                             int64_t end,
+                             int64_t grain,
+                             FunctionRef<void(int64_t, int64_t, int)> body) {
   if (begin >= end) return;
   grain = std::max<int64_t>(1, grain);
   if (workers_.empty() || end - begin <= grain) {

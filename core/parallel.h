@@ -8,10 +8,11 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
-#include <functional>
 #include <mutex>
 #include <thread>
 #include <vector>
+
+#include "core/function_ref.h"
 
 namespace freegs {
 
@@ -33,7 +34,7 @@ class ThreadPool {
   void ParallelFor(int64_t begin,
                    int64_t end,
                    int64_t grain,
-                   const std::function<void(int64_t, int64_t, int)>& body);
+                   FunctionRef<void(int64_t, int64_t, int)> body);
 
  private:
   void WorkerLoop(int worker);
@@ -48,7 +49,7 @@ class ThreadPool {
   bool stop_ = false;
 
   // The loop in progress.
-  const std::function<void(int64_t, int64_t, int)>* body_ = nullptr;
+  const FunctionRef<void(int64_t, int64_t, int)>* body_ = nullptr;
   int64_t begin_ = 0;
   int64_t end_ = 0;
   int64_t grain_ = 1;

@@ -27,8 +27,10 @@ TrainerOptions TrialOptions(const BudgetSearchOptions& options,
   schedule.iterations = steps;
   schedule.finest_level = level;
   schedule.depth_reinit_at.clear();
-  schedule.densify_interval =
-      std::max(10, static_cast<int>(schedule.densify_interval * shorter));
+  if (schedule.densify_interval > 0) {
+    schedule.densify_interval =
+        std::max(10, static_cast<int>(schedule.densify_interval * shorter));
+  }
   trial.learning_rates.mean_decay_steps = steps;
   return trial;
 }

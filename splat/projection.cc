@@ -3,6 +3,7 @@
 #include "splat/projection.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <utility>
 
@@ -18,7 +19,7 @@ void SortByDepth(std::vector<uint64_t>* keys, std::vector<uint64_t>* scratch) {
   constexpr int kBits = 11;
   constexpr size_t kBuckets = size_t{1} << kBits;
   scratch->resize(keys->size());
-  std::vector<uint32_t> starts(kBuckets);
+  std::array<uint32_t, kBuckets> starts;
   for (int shift = 32; shift < 64; shift += kBits) {
     std::fill(starts.begin(), starts.end(), 0);
     for (const uint64_t key : *keys) {

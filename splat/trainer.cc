@@ -75,21 +75,6 @@ Trainer::Trainer(const TrainerOptions& options,
   statistics_.Reset(model_.size());
 }
 
-void Trainer::CollectTouched() {
-  const Projection& projection = rasterizer_.projection();
-  touched_flags_.assign(model_.size(), 0);
-  for (const uint32_t i : projection.model_index) touched_flags_[i] = 1;
-  touched_.clear();
-  for (uint32_t i = 0; i < touched_flags_.size(); ++i) {
-    if (touched_flags_[i] != 0) touched_.push_back(i);
-  }
-  radii_.resize(projection.size());
-  for (size_t k = 0; k < projection.size(); ++k) {
-    const Splat& splat = projection.splats[k];
-    radii_[k] = std::max(splat.extent_x, splat.extent_y);
-  }
-}
-
 StatusOr<float> Trainer::GradientStep() {
   const size_t view_index = view_order_.ViewOf(iteration_);
   const int level =
@@ -119,9 +104,14 @@ StatusOr<float> Trainer::GradientStep() {
       loss_.Compute(rendered_.color, target_, *pool_, &loss_gradient_);
   rasterizer_.Backward(
       model_, {.color = &loss_gradient_}, rendered_, *pool_, &gradients_);
-  CollectTouched();
+  const Projection& projection = rasterizer_.projection();
   if (collect) {
-    statistics_.AddView(rasterizer_.projection().model_index,
+    radii_.resize(projection.size());
+    for (size_t k = 0; k < projection.size(); ++k) {
+      const Splat& splat = projection.splats[k];
+      radii_[k] = std::max(splat.extent_x, splat.extent_y);
+    }
+    statistics_.AddView(projection.model_index,
                         rasterizer_.mean2d_gradients(),
                         radii_,
                         view.camera.width,
@@ -133,8 +123,9 @@ StatusOr<float> Trainer::GradientStep() {
                       scene_extent_,
                       schedule_.PositionRateIteration(iteration_));
   for (float& rate : rates) rate *= static_cast<float>(history_.rate_factor);
-  adam_.Step(rates, gradients_, touched_, *pool_, &model_);
-  touched_finite_ = BoundParameters(scene_extent_, touched_, *pool_, &model_);
+  adam_.Step(rates, gradients_, projection.visible, *pool_, &model_);
+  touched_finite_ =
+      BoundParameters(scene_extent_, projection.visible, *pool_, &model_);
   return loss;
 }
 

@@ -127,7 +127,6 @@ class Trainer {
 
  private:
   StatusOr<float> GradientStep();
-  void CollectTouched();
   std::optional<std::string> FindTrouble(float loss);
   Status GoBack(const std::string& reason);
   Status FollowSchedule();
@@ -161,8 +160,6 @@ class Trainer {
   ImageF target_;
   ImageF loss_gradient_;
   GaussianGradients gradients_;
-  std::vector<uint8_t> touched_flags_;
-  std::vector<uint32_t> touched_;
   std::vector<float> radii_;
   bool touched_finite_ = true;
 };
