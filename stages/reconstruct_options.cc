@@ -20,9 +20,9 @@ double RateFactor(int iterations) {
   return std::clamp(std::sqrt(8000.0 / iterations), 1.0, 2.0);
 }
 
-// A model begun anew from its depth maps needs some thousand steps to be as
-// good as it was.
-constexpr int kMinIterationsOfDepthReinit = 10000;
+// A model begun anew from its depth maps needs thousands of steps to be as good
+// as it was: after 10000 it is still 0.2 dB behind, with 13 % fewer Gaussians.
+constexpr int kMinIterationsOfDepthReinit = 20000;
 
 StatusOr<int64_t> ParseBudget(const ReconstructStageOptions& options) {
   const std::string& text = options.budget;
@@ -136,7 +136,7 @@ void RegisterReconstructOptions(ReconstructStageOptions& options,
             &options.depth_reinit,
             {.help = "Whether mini_splatting starts again from depth maps, "
                      "twice before half of the iterations. auto: when there "
-                     "are 10000 or more.",
+                     "are 20000 or more.",
              .choices = {"auto", "always", "never"}});
   table.Add("reconstruct.importance",
             &options.importance,
