@@ -64,14 +64,17 @@ StatusOr<BudgetChoice> SearchBudget(const BudgetSearchOptions& options,
                                     ThreadPool* pool) {
   const int level = std::min(options.level, images->num_levels() - 1);
   const double pixels = std::pow(0.25, level);
+  const auto at_level = [pixels](int64_t budget) {
+    return std::max<int64_t>(
+        1, static_cast<int64_t>(pixels * static_cast<double>(budget)));
+  };
   BudgetChoice choice;
   // Tries a model, and says whether it is good enough beside the best so far.
   double best = -std::numeric_limits<double>::infinity();
   const auto attempt =
       [&](int64_t budget, int sh_degree, double tolerance) -> StatusOr<bool> {
     TrainerOptions trial = TrialOptions(options, training, level);
-    trial.budget = std::max<int64_t>(
-        1, static_cast<int64_t>(pixels * static_cast<double>(budget)));
+    trial.budget = at_level(budget);
     trial.schedule.sh_degree = sh_degree;
     Trainer trainer(trial, initial, scene_extent, images, pool);
     while (!trainer.done()) {
@@ -97,10 +100,7 @@ StatusOr<BudgetChoice> SearchBudget(const BudgetSearchOptions& options,
   // Lower degrees are measured against this number's own figure.
   best = -std::numeric_limits<double>::infinity();
   for (const BudgetTrial& trial : choice.trials) {
-    if (trial.budget ==
-        static_cast<int64_t>(pixels * static_cast<double>(choice.budget))) {
-      best = trial.holdout_psnr;
-    }
+    if (trial.budget == at_level(choice.budget)) best = trial.holdout_psnr;
   }
   while (choice.sh_degree > 0) {
     FREEGS_ASSIGN_OR_RETURN(

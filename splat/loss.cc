@@ -3,6 +3,7 @@
 #include "splat/loss.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -13,9 +14,8 @@ namespace {
 
 constexpr double kWindowSigma = 1.5;
 
-// Rows per task. The two passes read five rows above and below their own, so
-// few rows would read much twice.
-constexpr int kRowsPerTask = 8;
+// Rows per task.
+constexpr int64_t kRowsPerTask = 2 * kSsimBlockRows;
 
 SsimWindow MakeWindow() {
   std::array<double, kSsimWindowSize> weights;
@@ -31,15 +31,25 @@ SsimWindow MakeWindow() {
   return window;
 }
 
-// The rows of a plane of `height` rows of `n` floats around row y.
+// The rows of a plane of `height` rows of `n` floats under the windows of the
+// block at row y.
 WindowRows RowsAround(
     const float* plane, const float* zeros, int height, size_t n, int y) {
   WindowRows rows;
-  for (int k = 0; k < kSsimWindowSize; ++k) {
+  for (int k = 0; k < kSsimInputRows; ++k) {
     const int row = y + k - kSsimWindowRadius;
     rows[k] = row >= 0 && row < height ? plane + row * n : zeros;
   }
   return rows;
+}
+
+// Calls body(y, num_rows) for the blocks of rows [first, last).
+template <typename Body>
+void ForEachBlock(int64_t first, int64_t last, const Body& body) {
+  for (int64_t y = first; y < last; y += kSsimBlockRows) {
+    body(static_cast<int>(y),
+         static_cast<int>(std::min<int64_t>(kSsimBlockRows, last - y)));
+  }
 }
 
 }  // namespace
@@ -78,17 +88,26 @@ float PhotometricLoss::Compute(const ImageF& rendered,
   const SsimWindow window = MakeWindow();
   pool.ParallelFor(
       0, height, kRowsPerTask, [&](int64_t first, int64_t last, int worker) {
-        for (int y = static_cast<int>(first); y < last; ++y) {
-          const SsimRowSums sums = SsimForwardRow(
-              RowsAround(rendered.data(), zeros, height, n, y),
-              RowsAround(target.data(), zeros, height, n, y),
-              window,
-              n,
-              scratch + worker * scratch_size,
-              {by_mean + y * n, by_square + y * n, by_product + y * n});
-          row_l1_[y] = sums.absolute_difference;
-          row_ssim_[y] = sums.ssim;
-        }
+        std::array<SsimDerivativeRow, kSsimBlockRows> derivatives;
+        std::array<SsimRowSums, kSsimBlockRows> sums;
+        ForEachBlock(first, last, [&](int y, int num_rows) {
+          for (int r = 0; r < num_rows; ++r) {
+            const size_t at = (y + r) * n;
+            derivatives[r] = {by_mean + at, by_square + at, by_product + at};
+          }
+          SsimForwardRows(RowsAround(rendered.data(), zeros, height, n, y),
+                          RowsAround(target.data(), zeros, height, n, y),
+                          window,
+                          n,
+                          num_rows,
+                          scratch + worker * scratch_size,
+                          derivatives.data(),
+                          sums.data());
+          for (int r = 0; r < num_rows; ++r) {
+            row_l1_[y + r] = sums[r].absolute_difference;
+            row_ssim_[y + r] = sums[r].ssim;
+          }
+        });
       });
   const double count = static_cast<double>(plane);
   l1_ = std::accumulate(row_l1_.begin(), row_l1_.end(), 0.0) / count;
@@ -104,19 +123,20 @@ float PhotometricLoss::Compute(const ImageF& rendered,
     const auto ssim_factor = static_cast<float>(-weight / count);
     pool.ParallelFor(
         0, height, kRowsPerTask, [&](int64_t first, int64_t last, int worker) {
-          for (int y = static_cast<int>(first); y < last; ++y) {
-            SsimBackwardRow({RowsAround(by_mean, zeros, height, n, y),
-                             RowsAround(by_square, zeros, height, n, y),
-                             RowsAround(by_product, zeros, height, n, y)},
-                            rendered.row(y),
-                            target.row(y),
-                            window,
-                            l1_factor,
-                            ssim_factor,
-                            n,
-                            scratch + worker * scratch_size,
-                            gradient->row(y));
-          }
+          ForEachBlock(first, last, [&](int y, int num_rows) {
+            SsimBackwardRows({RowsAround(by_mean, zeros, height, n, y),
+                              RowsAround(by_square, zeros, height, n, y),
+                              RowsAround(by_product, zeros, height, n, y)},
+                             rendered.row(y),
+                             target.row(y),
+                             window,
+                             l1_factor,
+                             ssim_factor,
+                             n,
+                             num_rows,
+                             scratch + worker * scratch_size,
+                             gradient->row(y));
+          });
         });
   }
   return static_cast<float>((1 - weight) * l1_ + weight * (1 - ssim_));

@@ -34,36 +34,91 @@ HWY_INLINE hn::Vec<D> BlurAlong(D d,
   return sum;
 }
 
-// Blurs across rows: E[x], E[y], E[x^2 + y^2], E[x y] of column i into the four
-// scratch rows. SSIM needs the squares' sum only.
+// The window's weights, each in all lanes.
+template <class D>
+struct Weights {
+  HWY_INLINE Weights(D d, const SsimWindow& window) {
+    for (int k = 0; k <= kSsimWindowRadius; ++k)
+      half[k] = hn::Set(d, window[k]);
+  }
+  // The window is symmetric.
+  template <int kOffset>
+  HWY_INLINE hn::Vec<D> At() const {
+    constexpr int kMirrored = kSsimWindowSize - 1 - kOffset;
+    return half[kOffset < kMirrored ? kOffset : kMirrored];
+  }
+  hn::Vec<D> half[kSsimWindowRadius + 1];
+};
+
+// Sums over the window of each row of a block.
+template <class D>
+struct BlockSums {
+  HWY_INLINE explicit BlockSums(D d) {
+    for (auto& row : rows) row = hn::Zero(d);
+  }
+  // Adds input row kInput, of this value, to the rows whose windows hold it.
+  template <int kInput, int kRow = 0>
+  HWY_INLINE void Add(const Weights<D>& weights, hn::Vec<D> value) {
+    constexpr int kOffset = kInput - kRow;
+    if constexpr (kOffset >= 0 && kOffset < kSsimWindowSize) {
+      rows[kRow] =
+          hn::MulAdd(weights.template At<kOffset>(), value, rows[kRow]);
+    }
+    if constexpr (kRow + 1 < kSsimBlockRows) {
+      Add<kInput, kRow + 1>(weights, value);
+    }
+  }
+  // Row r goes to at + r * row_stride.
+  HWY_INLINE void Store(D d, float* at, size_t row_stride) const {
+    for (int r = 0; r < kSsimBlockRows; ++r) {
+      hn::StoreU(rows[r], d, at + r * row_stride);
+    }
+  }
+  hn::Vec<D> rows[kSsimBlockRows];
+};
+
+// E[x], E[y], E[x^2 + y^2], E[x y]. SSIM needs the squares' sum only.
+template <class D>
+struct Moments {
+  HWY_INLINE explicit Moments(D d) : x(d), y(d), squares(d), product(d) {}
+  template <int kInput = 0>
+  HWY_INLINE void AddAll(D d,
+                         const WindowRows& rendered,
+                         const WindowRows& target,
+                         const Weights<D>& weights,
+                         size_t i) {
+    const auto a = hn::LoadU(d, rendered[kInput] + i);
+    const auto b = hn::LoadU(d, target[kInput] + i);
+    x.template Add<kInput>(weights, a);
+    y.template Add<kInput>(weights, b);
+    squares.template Add<kInput>(weights, hn::MulAdd(a, a, hn::Mul(b, b)));
+    product.template Add<kInput>(weights, hn::Mul(a, b));
+    if constexpr (kInput + 1 < kSsimInputRows) {
+      AddAll<kInput + 1>(d, rendered, target, weights, i);
+    }
+  }
+  BlockSums<D> x, y, squares, product;
+};
+
+// Scratch rows lie kind by kind for one row of the block, then for the next.
+constexpr int kKinds = 4;
+
+// Blurs across rows: the moments of column i into the scratch rows.
 template <class D>
 HWY_INLINE void BlurAcross(D d,
                            const WindowRows& rendered,
                            const WindowRows& target,
-                           const SsimWindow& window,
+                           const Weights<D>& weights,
                            size_t i,
                            float* scratch,
                            size_t scratch_row) {
-  auto x_sum = hn::Zero(d);
-  auto y_sum = hn::Zero(d);
-  auto square_sum = hn::Zero(d);
-  auto product_sum = hn::Zero(d);
-  for (int k = 0; k < kSsimWindowSize; ++k) {
-    const auto w = hn::Set(d, window[k]);
-    const auto x = hn::LoadU(d, rendered[k] + i);
-    const auto y = hn::LoadU(d, target[k] + i);
-    const auto wx = hn::Mul(w, x);
-    const auto wy = hn::Mul(w, y);
-    x_sum = hn::Add(x_sum, wx);
-    y_sum = hn::Add(y_sum, wy);
-    square_sum = hn::MulAdd(wx, x, hn::MulAdd(wy, y, square_sum));
-    product_sum = hn::MulAdd(wx, y, product_sum);
-  }
+  Moments<D> moments(d);
+  moments.AddAll(d, rendered, target, weights, i);
   float* const at = scratch + kSsimRowPadding + i;
-  hn::StoreU(x_sum, d, at);
-  hn::StoreU(y_sum, d, at + scratch_row);
-  hn::StoreU(square_sum, d, at + 2 * scratch_row);
-  hn::StoreU(product_sum, d, at + 3 * scratch_row);
+  moments.x.Store(d, at, kKinds * scratch_row);
+  moments.y.Store(d, at + scratch_row, kKinds * scratch_row);
+  moments.squares.Store(d, at + 2 * scratch_row, kKinds * scratch_row);
+  moments.product.Store(d, at + 3 * scratch_row, kKinds * scratch_row);
 }
 
 // SSIM = (2 m n + C1)(2 (c - m n) + C2) /
@@ -105,32 +160,30 @@ HWY_INLINE hn::Vec<D> SsimAt(D d,
   return ssim;
 }
 
-SsimRowSums ForwardRow(const WindowRows& rendered,
-                       const WindowRows& target,
+// Calls body(tag, i) for i below n, by whole vectors, then by ones.
+template <class Body>
+HWY_INLINE void ForEachVector(size_t n, const Body& body) {
+  const Wide wide;
+  const size_t lanes = hn::Lanes(wide);
+  size_t i = 0;
+  for (; i + lanes <= n; i += lanes) body(wide, i);
+  for (; i < n; ++i) body(One(), i);
+}
+
+SsimRowSums ForwardRow(const float* x,
+                       const float* y,
                        const SsimWindow& window,
                        size_t n,
-                       float* scratch,
+                       const float* scratch,
                        const SsimDerivativeRow& derivatives) {
   const Wide wide;
-  const One one;
   const size_t lanes = hn::Lanes(wide);
-  const size_t whole = n - n % lanes;
   const size_t stride = SsimScratchRow(n);
-  const float* const x = rendered[kSsimWindowRadius];
-  const float* const y = target[kSsimWindowRadius];
-
-  size_t i = 0;
-  for (; i < whole; i += lanes) {
-    BlurAcross(wide, rendered, target, window, i, scratch, stride);
-  }
-  for (; i < n; ++i) {
-    BlurAcross(one, rendered, target, window, i, scratch, stride);
-  }
-
   SsimRowSums sums;
   auto difference = hn::Zero(wide);
   auto ssim = hn::Zero(wide);
-  for (i = 0; i < whole; i += lanes) {
+  size_t i = 0;
+  for (; i + lanes <= n; i += lanes) {
     difference = hn::Add(
         difference,
         hn::Abs(hn::Sub(hn::LoadU(wide, x + i), hn::LoadU(wide, y + i))));
@@ -141,31 +194,71 @@ SsimRowSums ForwardRow(const WindowRows& rendered,
   for (; i < n; ++i) {
     sums.absolute_difference += x[i] < y[i] ? y[i] - x[i] : x[i] - y[i];
     sums.ssim +=
-        hn::GetLane(SsimAt(one, scratch, stride, window, i, derivatives));
+        hn::GetLane(SsimAt(One(), scratch, stride, window, i, derivatives));
   }
   return sums;
 }
 
+void ForwardRows(const WindowRows& rendered,
+                 const WindowRows& target,
+                 const SsimWindow& window,
+                 size_t n,
+                 int num_rows,
+                 float* scratch,
+                 const SsimDerivativeRow* derivatives,
+                 SsimRowSums* sums) {
+  const size_t stride = SsimScratchRow(n);
+  const Weights<Wide> wide_weights(Wide(), window);
+  const Weights<One> one_weights(One(), window);
+  size_t i = 0;
+  for (const size_t lanes = hn::Lanes(Wide()); i + lanes <= n; i += lanes) {
+    BlurAcross(Wide(), rendered, target, wide_weights, i, scratch, stride);
+  }
+  for (; i < n; ++i) {
+    BlurAcross(One(), rendered, target, one_weights, i, scratch, stride);
+  }
+  for (int r = 0; r < num_rows; ++r) {
+    sums[r] = ForwardRow(rendered[kSsimWindowRadius + r],
+                         target[kSsimWindowRadius + r],
+                         window,
+                         n,
+                         scratch + r * kKinds * stride,
+                         derivatives[r]);
+  }
+}
+
+template <class D>
+struct DerivativeSums {
+  HWY_INLINE explicit DerivativeSums(D d) : mean(d), square(d), product(d) {}
+  template <int kInput = 0>
+  HWY_INLINE void AddAll(D d,
+                         const SsimDerivativeRows& rows,
+                         const Weights<D>& weights,
+                         size_t i) {
+    mean.template Add<kInput>(weights, hn::LoadU(d, rows.mean[kInput] + i));
+    square.template Add<kInput>(weights, hn::LoadU(d, rows.square[kInput] + i));
+    product.template Add<kInput>(weights,
+                                 hn::LoadU(d, rows.product[kInput] + i));
+    if constexpr (kInput + 1 < kSsimInputRows) {
+      AddAll<kInput + 1>(d, rows, weights, i);
+    }
+  }
+  BlockSums<D> mean, square, product;
+};
+
 template <class D>
 HWY_INLINE void DerivativesAcross(D d,
                                   const SsimDerivativeRows& derivatives,
-                                  const SsimWindow& window,
+                                  const Weights<D>& weights,
                                   size_t i,
                                   float* scratch,
                                   size_t scratch_row) {
-  auto mean = hn::Zero(d);
-  auto square = hn::Zero(d);
-  auto product = hn::Zero(d);
-  for (int k = 0; k < kSsimWindowSize; ++k) {
-    const auto w = hn::Set(d, window[k]);
-    mean = hn::MulAdd(w, hn::LoadU(d, derivatives.mean[k] + i), mean);
-    square = hn::MulAdd(w, hn::LoadU(d, derivatives.square[k] + i), square);
-    product = hn::MulAdd(w, hn::LoadU(d, derivatives.product[k] + i), product);
-  }
+  DerivativeSums<D> sums(d);
+  sums.AddAll(d, derivatives, weights, i);
   float* const at = scratch + kSsimRowPadding + i;
-  hn::StoreU(mean, d, at);
-  hn::StoreU(square, d, at + scratch_row);
-  hn::StoreU(product, d, at + 2 * scratch_row);
+  sums.mean.Store(d, at, kKinds * scratch_row);
+  sums.square.Store(d, at + scratch_row, kKinds * scratch_row);
+  sums.product.Store(d, at + 2 * scratch_row, kKinds * scratch_row);
 }
 
 template <class D>
@@ -195,41 +288,40 @@ HWY_INLINE void GradientAt(D d,
              gradient + i);
 }
 
-void BackwardRow(const SsimDerivativeRows& derivatives,
-                 const float* rendered,
-                 const float* target,
-                 const SsimWindow& window,
-                 float l1_factor,
-                 float ssim_factor,
-                 size_t n,
-                 float* scratch,
-                 float* gradient) {
-  const Wide wide;
-  const One one;
-  const size_t lanes = hn::Lanes(wide);
-  const size_t whole = n - n % lanes;
+void BackwardRows(const SsimDerivativeRows& derivatives,
+                  const float* rendered,
+                  const float* target,
+                  const SsimWindow& window,
+                  float l1_factor,
+                  float ssim_factor,
+                  size_t n,
+                  int num_rows,
+                  float* scratch,
+                  float* gradient) {
   const size_t stride = SsimScratchRow(n);
+  const Weights<Wide> wide_weights(Wide(), window);
+  const Weights<One> one_weights(One(), window);
   size_t i = 0;
-  for (; i < whole; i += lanes) {
-    DerivativesAcross(wide, derivatives, window, i, scratch, stride);
+  for (const size_t lanes = hn::Lanes(Wide()); i + lanes <= n; i += lanes) {
+    DerivativesAcross(Wide(), derivatives, wide_weights, i, scratch, stride);
   }
   for (; i < n; ++i) {
-    DerivativesAcross(one, derivatives, window, i, scratch, stride);
+    DerivativesAcross(One(), derivatives, one_weights, i, scratch, stride);
   }
-  const auto gradient_at = [&](auto d, size_t at) HWY_ATTR {
-    GradientAt(d,
-               scratch,
-               stride,
-               window,
-               at,
-               rendered,
-               target,
-               l1_factor,
-               ssim_factor,
-               gradient);
-  };
-  for (i = 0; i < whole; i += lanes) gradient_at(wide, i);
-  for (; i < n; ++i) gradient_at(one, i);
+  for (int r = 0; r < num_rows; ++r) {
+    ForEachVector(n, [&](auto d, size_t at) HWY_ATTR {
+      GradientAt(d,
+                 scratch + r * kKinds * stride,
+                 stride,
+                 window,
+                 at,
+                 rendered + r * n,
+                 target + r * n,
+                 l1_factor,
+                 ssim_factor,
+                 gradient + r * n);
+    });
+  }
 }
 
 }  // namespace freegs::splat::HWY_NAMESPACE
@@ -238,29 +330,32 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace freegs::splat {
 
-HWY_EXPORT(ForwardRow);
-HWY_EXPORT(BackwardRow);
+HWY_EXPORT(ForwardRows);
+HWY_EXPORT(BackwardRows);
 
-SsimRowSums SsimForwardRow(const WindowRows& rendered,
-                           const WindowRows& target,
-                           const SsimWindow& window,
-                           size_t n,
-                           float* scratch,
-                           const SsimDerivativeRow& derivatives) {
-  return HWY_DYNAMIC_DISPATCH(ForwardRow)(
-      rendered, target, window, n, scratch, derivatives);
+void SsimForwardRows(const WindowRows& rendered,
+                     const WindowRows& target,
+                     const SsimWindow& window,
+                     size_t n,
+                     int num_rows,
+                     float* scratch,
+                     const SsimDerivativeRow* derivatives,
+                     SsimRowSums* sums) {
+  HWY_DYNAMIC_DISPATCH(ForwardRows)
+  (rendered, target, window, n, num_rows, scratch, derivatives, sums);
 }
 
-void SsimBackwardRow(const SsimDerivativeRows& derivatives,
-                     const float* rendered,
-                     const float* target,
-                     const SsimWindow& window,
-                     float l1_factor,
-                     float ssim_factor,
-                     size_t n,
-                     float* scratch,
-                     float* gradient) {
-  HWY_DYNAMIC_DISPATCH(BackwardRow)
+void SsimBackwardRows(const SsimDerivativeRows& derivatives,
+                      const float* rendered,
+                      const float* target,
+                      const SsimWindow& window,
+                      float l1_factor,
+                      float ssim_factor,
+                      size_t n,
+                      int num_rows,
+                      float* scratch,
+                      float* gradient) {
+  HWY_DYNAMIC_DISPATCH(BackwardRows)
   (derivatives,
    rendered,
    target,
@@ -268,6 +363,7 @@ void SsimBackwardRow(const SsimDerivativeRows& derivatives,
    l1_factor,
    ssim_factor,
    n,
+   num_rows,
    scratch,
    gradient);
 }
