@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include <cstdint>
+#include <cstdio>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bench/training_modes.h"
+#include "bench/training_scene.h"
+#include "pipeline/resource_usage.h"
+#include "splat/holdout.h"
+#include "splat/resolution_schedule.h"
+#include "splat/trainer.h"
+#include "stages/pipeline_options.h"
+#include "stages/reconstruct_options.h"
+
+namespace freegs::bench {
+namespace {
+
+// Time spent since construction, without what was spent between Stop and Start.
+class TrainingClock {
+ public:
+  void Stop() { stopped_ = meter_.Elapsed(); }
+  void Start() {
+    const pipeline::ResourceUsage now = meter_.Elapsed();
+    left_out_seconds_ += now.wall_seconds - stopped_.wall_seconds;
+    left_out_cpu_seconds_ += now.cpu_seconds - stopped_.cpu_seconds;
+  }
+
+  // While stopped.
+  double seconds() const { return stopped_.wall_seconds - left_out_seconds_; }
+  double cpu_seconds() const {
+    return stopped_.cpu_seconds - left_out_cpu_seconds_;
+  }
+
+ private:
+  pipeline::ResourceMeter meter_;
+  pipeline::ResourceUsage stopped_;
+  double left_out_seconds_ = 0;
+  double left_out_cpu_seconds_ = 0;
+};
+
+// Preset, WORKSPACE/config.ini and command line, as the pipeline reads them.
+Status ReadSettings(const CurveOptions& options,
+                    stages::PipelineOptions* pipeline_options) {
+  const std::string source = "command line";
+  std::vector<pipeline::OptionSetting> settings;
+  if (options.preset) {
+    settings.push_back({"general.preset", *options.preset, source});
+  }
+  if (options.threads) {
+    settings.push_back(
+        {"general.threads", std::to_string(*options.threads), source});
+  }
+  if (options.max_image_size) {
+    settings.push_back({"reconstruct.max_image_size",
+                        std::to_string(*options.max_image_size),
+                        source});
+  }
+  for (const std::string& setting : options.settings) {
+    const size_t equals = setting.find('=');
+    if (equals == std::string::npos) {
+      return InvalidArgumentError("--set " + setting +
+                                  ": not of the form SECTION.KEY=VALUE");
+    }
+    settings.push_back(
+        {setting.substr(0, equals), setting.substr(equals + 1), source});
+  }
+  pipeline::OptionTable table = stages::MakeOptionTable(pipeline_options);
+  FREEGS_RETURN_IF_ERROR(
+      stages::ApplySettings(options.workspace, settings, table));
+  if (!pipeline_options->reconstruct.import.empty()) {
+    return InvalidArgumentError("reconstruct.import leaves nothing to train");
+  }
+  return Status();
+}
+
+void ReportCourse(const splat::Trainer& trainer) {
+  for (const splat::MilestoneRecord& record : trainer.milestones()) {
+    std::fprintf(stderr,
+                 "%s at iteration %lld: %lld -> %lld Gaussians\n",
+                 std::string(splat::TrainingEventName(record.event)).c_str(),
+                 static_cast<long long>(record.iteration),
+                 static_cast<long long>(record.gaussians_before),
+                 static_cast<long long>(record.gaussians_after));
+  }
+  if (trainer.budget_choice()) {
+    std::fprintf(stderr,
+                 "budget search: %lld Gaussians of SH degree %d\n",
+                 static_cast<long long>(trainer.budget_choice()->budget),
+                 trainer.budget_choice()->sh_degree);
+  }
+  for (const splat::Recovery& recovery : trainer.recoveries()) {
+    std::fprintf(stderr,
+                 "diverged at iteration %lld, back to %lld\n",
+                 static_cast<long long>(recovery.iteration),
+                 static_cast<long long>(recovery.back_to));
+  }
+}
+
+}  // namespace
+
+// The clock runs from the photos being in memory on: the first Gaussians, the
+// choice of resolutions and the search for a budget count.
+Status RunCurve(const CurveOptions& options) {
+  stages::PipelineOptions pipeline_options;
+  FREEGS_RETURN_IF_ERROR(ReadSettings(options, &pipeline_options));
+  const stages::ReconstructStageOptions& reconstruct =
+      pipeline_options.reconstruct;
+  FREEGS_ASSIGN_OR_RETURN(
+      splat::TrainerOptions training,
+      stages::MakeTrainerOptions(
+          reconstruct, static_cast<uint64_t>(pipeline_options.general.seed)));
+  FREEGS_ASSIGN_OR_RETURN(const TrainingScene scene,
+                          ReadTrainingScene(options.workspace));
+  ThreadPool pool(pipeline_options.general.threads);
+  // Levels as the stage has them.
+  splat::TrainingImagesOptions image_options;
+  image_options.max_side = reconstruct.max_image_size;
+  image_options.num_levels = 2;
+  FREEGS_ASSIGN_OR_RETURN(splat::TrainingImages holdout,
+                          LoadHoldoutPhotos(scene, image_options, pool));
+  image_options.num_levels = 4;
+  image_options.max_bytes =
+      static_cast<uint64_t>(reconstruct.image_cache_gb * 1e9);
+  FREEGS_ASSIGN_OR_RETURN(splat::TrainingImages images,
+                          LoadTrainingPhotos(scene, image_options, pool));
+  const splat::RenderOptions render =
+      stages::ReconstructRenderOptions(reconstruct);
+
+  TrainingClock clock;
+  FREEGS_ASSIGN_OR_RETURN(splat::GaussianModel initial, InitialModel(scene));
+  if (reconstruct.coarse_to_fine) {
+    FREEGS_ASSIGN_OR_RETURN(training.schedule.resolution_steps,
+                            splat::SpectrumResolutionSteps(&images));
+  }
+  if (reconstruct.budget == "auto") {
+    training.judge = [&](const splat::GaussianModel& model,
+                         int level) -> StatusOr<double> {
+      FREEGS_ASSIGN_OR_RETURN(
+          const splat::HoldoutReport quality,
+          splat::MeasureHoldout(model, render, &holdout, pool, level));
+      return quality.mean_psnr;
+    };
+  }
+  splat::Trainer trainer(
+      training, std::move(initial), scene.extent, &images, &pool);
+  std::printf(
+      "iteration,seconds,cpu_seconds,gaussians,holdout_psnr,holdout_ssim\n");
+  bool reached = false;
+  while (!trainer.done() && !reached) {
+    FREEGS_ASSIGN_OR_RETURN(const splat::StepReport report, trainer.Step());
+    if (report.recovered) continue;
+    if (report.iteration % options.every != 0 && !trainer.done()) continue;
+    clock.Stop();
+    FREEGS_ASSIGN_OR_RETURN(
+        const splat::HoldoutReport quality,
+        splat::MeasureHoldout(trainer.model(), render, &holdout, pool));
+    std::printf("%lld,%.3f,%.3f,%zu,%.3f,%.4f\n",
+                static_cast<long long>(report.iteration),
+                clock.seconds(),
+                clock.cpu_seconds(),
+                report.num_gaussians,
+                quality.mean_psnr,
+                quality.mean_ssim);
+    std::fflush(stdout);
+    reached = options.until && quality.mean_psnr >= *options.until;
+    if (!reached && !trainer.done()) clock.Start();
+  }
+  ReportCourse(trainer);
+  if (options.until) {
+    std::printf("%s %g dB at %.3f s\n",
+                reached ? "reached" : "not reached",
+                *options.until,
+                clock.seconds());
+  }
+  return Status();
+}
+
+}  // namespace freegs::bench

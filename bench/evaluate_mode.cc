@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include <cstdio>
+
+#include "bench/training_modes.h"
+#include "bench/training_scene.h"
+#include "splat/holdout.h"
+#include "splat/ply_io.h"
+
+namespace freegs::bench {
+
+Status RunEvaluate(const EvaluateOptions& options) {
+  FREEGS_ASSIGN_OR_RETURN(const TrainingScene scene,
+                          ReadTrainingScene(options.workspace));
+  FREEGS_ASSIGN_OR_RETURN(const splat::GaussianModel model,
+                          splat::ReadPly(options.ply));
+  ThreadPool pool(options.threads);
+  splat::TrainingImagesOptions image_options;
+  image_options.max_side = options.max_image_size;
+  image_options.num_levels = 1;
+  FREEGS_ASSIGN_OR_RETURN(splat::TrainingImages holdout,
+                          LoadHoldoutPhotos(scene, image_options, pool));
+  splat::RenderOptions render;
+  render.background = options.background;
+  FREEGS_ASSIGN_OR_RETURN(const splat::HoldoutReport report,
+                          splat::MeasureHoldout(model, render, &holdout, pool));
+  std::fprintf(
+      stderr, "%zu Gaussians of SH degree %d\n", model.size(), model.sh_degree);
+  std::printf("view,holdout_psnr,holdout_ssim\n");
+  for (const splat::HoldoutView& view : report.views) {
+    std::printf("%s,%.3f,%.4f\n", view.name.c_str(), view.psnr, view.ssim);
+  }
+  std::printf("mean,%.3f,%.4f\n", report.mean_psnr, report.mean_ssim);
+  return Status();
+}
+
+}  // namespace freegs::bench

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include <cstdint>
+#include <cstdio>
+#include <set>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "bench/training_modes.h"
+#include "bench/training_scene.h"
+#include "core/files.h"
+#include "sfm/model_io.h"
+
+namespace freegs::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The images of the views, their cameras, and all points, whose tracks lose the
+// other images: a trainer starts from the same points as ours.
+sfm::Reconstruction Restrict(const sfm::Reconstruction& model,
+                             const std::vector<View>& views) {
+  std::set<std::string> names;
+  for (const View& view : views) names.insert(view.name);
+  sfm::Reconstruction result;
+  std::set<uint32_t> image_ids, camera_ids;
+  for (const sfm::PosedImage& image : model.images) {
+    if (!names.contains(image.name)) continue;
+    image_ids.insert(image.id);
+    camera_ids.insert(image.camera_id);
+    result.images.push_back(image);
+  }
+  for (const sfm::Camera& camera : model.cameras) {
+    if (camera_ids.contains(camera.id)) result.cameras.push_back(camera);
+  }
+  for (sfm::Point3D point : model.points3d) {
+    std::erase_if(point.track, [&](const sfm::TrackElement& element) {
+      return !image_ids.contains(element.image_id);
+    });
+    result.points3d.push_back(std::move(point));
+  }
+  return result;
+}
+
+// A hard link where the file system allows one.
+Status LinkOrCopy(const fs::path& from, const fs::path& to) {
+  FREEGS_RETURN_IF_ERROR(CreateFolders(to.parent_path()));
+  std::error_code error;
+  fs::create_hard_link(from, to, error);
+  if (!error) return Status();
+  fs::copy_file(from, to, error);
+  if (!error) return Status();
+  return BadInputError(from.string() + ": cannot be copied to " + to.string() +
+                       ": " + error.message());
+}
+
+bool StaysInside(const fs::path& name) {
+  if (!name.has_filename() || name.is_absolute()) return false;
+  for (const fs::path& part : name) {
+    if (part == "..") return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+Status RunExport(const ExportOptions& options) {
+  FREEGS_ASSIGN_OR_RETURN(const TrainingScene scene,
+                          ReadTrainingScene(options.workspace));
+  const fs::path images = options.output / "images";
+  const fs::path sparse = options.output / "sparse" / "0";
+  for (const fs::path& path : {images, sparse}) {
+    std::error_code error;
+    if (fs::exists(path, error)) {
+      return InvalidArgumentError(path.string() +
+                                  " exists already; name another folder");
+    }
+  }
+  for (const View& view : scene.train) {
+    if (!StaysInside(view.name)) {
+      return BadInputError("view \"" + view.name +
+                           "\": not a file name inside a folder");
+    }
+    FREEGS_RETURN_IF_ERROR(
+        LinkOrCopy(scene.photo_folder / view.name, images / view.name));
+  }
+  const sfm::Reconstruction model = Restrict(scene.sparse, scene.train);
+  FREEGS_RETURN_IF_ERROR(sfm::WriteModel(sparse, model));
+  std::printf(
+      "%s: %zu images, %zu cameras, %zu points; %zu holdout images "
+      "left out\n",
+      options.output.string().c_str(),
+      model.images.size(),
+      model.cameras.size(),
+      model.points3d.size(),
+      scene.holdout.size());
+  return Status();
+}
+
+}  // namespace freegs::bench

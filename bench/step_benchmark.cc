@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One whole training step without files: forward, loss, backward, Adam. Also
+// how it grows with pixels and with Gaussians that cover the picture as often.
+
+#include <cstdint>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include "bench/benchmark_scene.h"
+#include "core/random.h"
+#include "splat/adam.h"
+#include "splat/learning_rates.h"
+#include "splat/loss.h"
+
+namespace freegs::splat {
+namespace {
+
+ImageF RandomImage(int width, int height) {
+  ImageF image(width, height, 3);
+  for (size_t i = 0; i < image.size(); ++i) {
+    image.data()[i] = static_cast<float>(RandomUniform(1, 0, i));
+  }
+  return image;
+}
+
+// As Trainer does it: the Gaussians in sight, ascending.
+void CollectTouched(const Projection& projection,
+                    size_t num_gaussians,
+                    std::vector<uint8_t>* flags,
+                    std::vector<uint32_t>* touched) {
+  flags->assign(num_gaussians, 0);
+  for (const uint32_t i : projection.model_index) (*flags)[i] = 1;
+  touched->clear();
+  for (uint32_t i = 0; i < flags->size(); ++i) {
+    if ((*flags)[i] != 0) touched->push_back(i);
+  }
+}
+
+void BM_TrainingStep(benchmark::State& state) {
+  BenchmarkScene scene(state);
+  const ImageF target = RandomImage(scene.camera.width, scene.camera.height);
+  PhotometricLoss loss;
+  ImageF d_color;
+  Adam adam;
+  adam.Reset(scene.model);
+  // The work must not change from step to step: Gaussians stay where they are.
+  const LearningRates rates = {};
+  std::vector<uint8_t> flags;
+  std::vector<uint32_t> touched;
+  const Stopwatch stopwatch;
+  for (auto _ : state) {
+    scene.rasterizer.Forward(scene.model,
+                             scene.camera,
+                             scene.pose,
+                             scene.options,
+                             {},
+                             scene.pool,
+                             &scene.images);
+    benchmark::DoNotOptimize(
+        loss.Compute(scene.images.color, target, scene.pool, &d_color));
+    scene.rasterizer.Backward(scene.model,
+                              {.color = &d_color},
+                              scene.images,
+                              scene.pool,
+                              &scene.gradients);
+    CollectTouched(
+        scene.rasterizer.projection(), scene.model.size(), &flags, &touched);
+    adam.Step(rates, scene.gradients, touched, scene.pool, &scene.model);
+    benchmark::ClobberMemory();
+  }
+  SetPairCounters(stopwatch, scene, state);
+}
+BENCHMARK(BM_TrainingStep)->Apply(StandardSizes);
+
+// Twice the pixels, twice the Gaussians, both; one thread.
+void ScalingSizes(benchmark::internal::Benchmark* b) {
+  b->ArgNames({"gaussians", "width", "height", "threads"});
+  for (const int64_t gaussians : {15000, 30000, 100000, 200000}) {
+    b->Args({gaussians, 480, 270, 1})->Args({gaussians, 680, 382, 1});
+  }
+  b->MeasureProcessCPUTime()->UseRealTime()->Unit(benchmark::kMillisecond);
+}
+BENCHMARK(BM_TrainingStep)->Name("BM_TrainingStepScaling")->Apply(ScalingSizes);
+
+}  // namespace
+}  // namespace freegs::splat
