@@ -19,13 +19,14 @@ TrainerOptions TrialOptions(const BudgetSearchOptions& options,
   TrainerOptions trial = training;
   trial.judge = nullptr;
   ScheduleOptions& schedule = trial.schedule;
-  const int steps =
+  const int wanted =
       std::clamp(static_cast<int>(options.trial_share * schedule.iterations),
                  options.min_trial_steps,
                  options.max_trial_steps);
+  const int steps = std::min(wanted, schedule.iterations);
   const double shorter = std::min(1.0, 1.0 * steps / schedule.iterations);
   schedule.iterations = steps;
-  schedule.finest_level = level;
+  schedule.finest_level = std::max(schedule.finest_level, level);
   schedule.depth_reinit_at.clear();
   if (schedule.densify_interval > 0) {
     schedule.densify_interval =

@@ -55,6 +55,9 @@ Status MiniSplattingOptions::Check() const {
   if (!(dense_factor >= 1 && std::isfinite(dense_factor))) {
     return InvalidArgumentError("dense_factor must be at least 1");
   }
+  if (!(simplify_slack >= 1 && std::isfinite(simplify_slack))) {
+    return InvalidArgumentError("simplify_slack must be at least 1");
+  }
   if (depth_points < 0) {
     return InvalidArgumentError("depth_points must not be negative");
   }

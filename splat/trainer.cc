@@ -43,6 +43,9 @@ ImportanceMetric EffectiveMetric(const TrainerOptions& options,
 
 Status TrainerOptions::Check() const {
   if (budget < 0) return InvalidArgumentError("budget must not be negative");
+  if (judge && budget == 0) {
+    return InvalidArgumentError("a search for a budget needs a limit");
+  }
   if (snapshot_interval < 1 || max_recoveries < 0) {
     return InvalidArgumentError(
         "snapshot_interval must be positive, max_recoveries not negative");
@@ -276,8 +279,7 @@ Status Trainer::RunMilestone(TrainingEvent event) {
     case TrainingEvent::kDepthReinitialization: {
       FREEGS_ASSIGN_OR_RETURN(
           summary,
-          ReinitializeFromDepth(
-              mini, options_.budget, context, &model_, &adam_));
+          ReinitializeFromDepth(mini, Budget(), context, &model_, &adam_));
       break;
     }
     case TrainingEvent::kSimplification: {
@@ -294,13 +296,10 @@ Status Trainer::RunMilestone(TrainingEvent event) {
       break;
     }
     case TrainingEvent::kPruning: {
-      FREEGS_ASSIGN_OR_RETURN(summary,
-                              PruneByImportance(mini,
-                                                options_.budget,
-                                                importance_metric_,
-                                                context,
-                                                &model_,
-                                                &adam_));
+      FREEGS_ASSIGN_OR_RETURN(
+          summary,
+          PruneByImportance(
+              mini, Budget(), importance_metric_, context, &model_, &adam_));
       break;
     }
   }

@@ -5,7 +5,10 @@
 
 #include <cmath>
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -41,6 +44,8 @@ TrainingCheckpoint Example(int64_t iteration, size_t count = 12) {
   checkpoint.history.recoveries = {{33, "the loss rose", 30, 0.5}};
   checkpoint.history.rate_factor = 0.5;
   checkpoint.history.loss = {40, 0.25, 0.125};
+  checkpoint.history.budget_choice = {
+      1200, 2, {{600, 3, 25.5}, {300, 3, 25.25}, {300, 2, 25.125}}};
   checkpoint.history.last_good = {iteration / 2, RandomModel(count + 3, 1, 4)};
   checkpoint.facts = {{"best_psnr", "25.75"}, {"empty", ""}};
   return checkpoint;
@@ -61,6 +66,7 @@ void ExpectSame(const TrainingCheckpoint& a, const TrainingCheckpoint& b) {
   EXPECT_EQ(a.history.recoveries, b.history.recoveries);
   EXPECT_EQ(a.history.rate_factor, b.history.rate_factor);
   EXPECT_EQ(a.history.loss, b.history.loss);
+  EXPECT_EQ(a.history.budget_choice, b.history.budget_choice);
   ASSERT_EQ(a.history.last_good.has_value(), b.history.last_good.has_value());
   if (a.history.last_good) {
     EXPECT_EQ(a.history.last_good->iteration, b.history.last_good->iteration);
@@ -147,10 +153,13 @@ TEST(CheckpointTest, OtherVersionsAreNamed) {
   content[8] = 9;
   EXPECT_THAT(ParseCheckpoint(Resealed(content)).status().message(),
               HasSubstr("format 9"));
+  content[8] = 3;  // Before there was a choice of budget.
+  EXPECT_THAT(ParseCheckpoint(Resealed(content)).status().message(),
+              HasSubstr("format 3"));
   content[8] = 1;  // Before there was max_dominant_share.
   const Status old = ParseCheckpoint(Resealed(content)).status();
   EXPECT_EQ(old.code(), StatusCode::kBadInput);
-  EXPECT_THAT(old.message(), HasSubstr("format 1, this program reads 3"));
+  EXPECT_THAT(old.message(), HasSubstr("format 1, this program reads 4"));
 }
 
 TEST(CheckpointTest, ArraysMustFitTheModel) {
@@ -188,6 +197,24 @@ TEST(CheckpointTest, HistoryMustMakeSense) {
   checkpoint = Example(100);
   checkpoint.history.milestones[0].event = static_cast<TrainingEvent>(3);
   EXPECT_FALSE(read(checkpoint));
+}
+
+TEST(CheckpointTest, ABudgetChoiceMustMakeSense) {
+  const auto read = [](std::optional<BudgetChoice> choice) {
+    TrainingCheckpoint checkpoint = Example(100);
+    checkpoint.history.budget_choice = std::move(choice);
+    const StatusOr<TrainingCheckpoint> back =
+        ParseCheckpoint(SerializeCheckpoint(checkpoint));
+    if (back.ok()) ExpectSame(checkpoint, *back);
+    return back.ok();
+  };
+  EXPECT_TRUE(read(std::nullopt));
+  EXPECT_TRUE(read(BudgetChoice{1, 0, {}}));
+  EXPECT_TRUE(read(BudgetChoice{1, 3, {{1, 3, -2.5}}}));
+  EXPECT_FALSE(read(BudgetChoice{0, 0, {}}));
+  EXPECT_FALSE(read(BudgetChoice{-5, 0, {}}));
+  EXPECT_FALSE(read(BudgetChoice{1, -1, {}}));
+  EXPECT_FALSE(read(BudgetChoice{1, 4, {}}));
 }
 
 TEST_F(CheckpointFolderTest, KeepsTheNewestAndClearsUp) {

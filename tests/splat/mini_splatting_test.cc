@@ -136,6 +136,7 @@ TEST_F(MiniSplattingTest, SimplifyStartsAgain) {
 TEST_F(MiniSplattingTest, PruneRemovesTheTail) {
   GaussianModel model = model_;
   const auto summary = PruneByImportance(MiniSplattingOptions(),
+                                         0,
                                          ImportanceMetric::kIndoor,
                                          context_,
                                          &model,
@@ -144,6 +145,40 @@ TEST_F(MiniSplattingTest, PruneRemovesTheTail) {
   EXPECT_LE(summary->after, 58u);
   EXPECT_GT(summary->after, 20u);
   ExpectSubset(model);
+}
+
+TEST_F(MiniSplattingTest, PruneKeepsTheBudget) {
+  const Adam before = adam_;
+  const auto prune = [&](int64_t budget) {
+    GaussianModel model = model_;
+    adam_ = before;
+    const auto summary = PruneByImportance(MiniSplattingOptions(),
+                                           budget,
+                                           ImportanceMetric::kIndoor,
+                                           context_,
+                                           &model,
+                                           &adam_);
+    EXPECT_TRUE(summary.ok());
+    EXPECT_EQ(summary->before, 60u);
+    EXPECT_EQ(summary->after, model.size());
+    ExpectSubset(model);
+    return model;
+  };
+  // No Gaussian left out is more important than one kept.
+  std::vector<float> sorted =
+      ComputeImportance(context_, model_, ImportanceMetric::kIndoor);
+  const std::vector<float> importance = sorted;
+  std::sort(sorted.rbegin(), sorted.rend());
+  for (const int64_t budget : {1, 15}) {
+    EXPECT_EQ(prune(budget).size(), static_cast<size_t>(budget));
+    for (const float m : adam_.state().first_moments.opacity_logits) {
+      EXPECT_GE(importance[static_cast<size_t>(m - 1)], sorted[budget - 1]);
+    }
+  }
+  // The share that goes in any case is enough for a large one.
+  const GaussianModel unlimited = prune(0);
+  EXPECT_TRUE(SameParameters(prune(60), unlimited));
+  EXPECT_TRUE(SameParameters(prune(unlimited.size()), unlimited));
 }
 
 TEST_F(MiniSplattingTest, DepthPointsShowTheScene) {
@@ -220,6 +255,7 @@ TEST_F(MiniSplattingTest, NothingToSee) {
     EXPECT_THAT(status.message(), HasSubstr("none of the 60 Gaussians"));
   }
   EXPECT_EQ(PruneByImportance(MiniSplattingOptions(),
+                              9,
                               ImportanceMetric::kIndoor,
                               context_,
                               &model,
@@ -231,6 +267,7 @@ TEST_F(MiniSplattingTest, NothingToSee) {
 
 TEST(NumDepthPoints, Rule) {
   MiniSplattingOptions options;
+  options.dense_factor = 2;
   EXPECT_EQ(NumDepthPoints(options, 4500, 0, 1), 7000u);
   EXPECT_EQ(NumDepthPoints(options, 0, 10, 3200), 100u);
   EXPECT_EQ(NumDepthPoints(options, 0, 1000, 3200), 1000u);

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
+#include "tests/splat/training_fixture.h"
 
 namespace freegs::splat {
 namespace {
@@ -49,6 +50,24 @@ TEST(SpectrumShares, OneColourIsCarriedByEveryLevel) {
   for (const double share : SpectrumShares(ImageF(40, 30, 3, 0.5f), 4)) {
     EXPECT_DOUBLE_EQ(share, 1.0);
   }
+}
+
+using SpectrumResolutionStepsTest = TrainingFixture;
+
+// 96 x 72 has one level more whose shorter side is at least 32.
+TEST_F(SpectrumResolutionStepsTest, AQuarterOfTheMeanShare) {
+  ThreadPool pool(2);
+  TrainingImages images = Images(pool);
+  double mean = 0;
+  for (size_t i = 0; i < images.size(); ++i) {
+    ImageF photo;
+    ASSERT_TRUE(images.Fetch(i, 0, &photo).ok());
+    mean += SpectrumShares(photo, 2)[1] / static_cast<double>(images.size());
+  }
+  const StatusOr<std::vector<double>> steps = SpectrumResolutionSteps(&images);
+  ASSERT_TRUE(steps.ok());
+  ASSERT_EQ(steps->size(), 1u);
+  EXPECT_NEAR(steps->front(), 0.25 * mean, 1e-12);
 }
 
 }  // namespace

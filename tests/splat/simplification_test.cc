@@ -115,6 +115,18 @@ TEST(KeepCumulativeImportanceTest, TheFewestThatCarryTheShare) {
             (Indices{0, 1}));
 }
 
+TEST(MostImportantTest, TheLargestTiesByIndex) {
+  const std::vector<float> importance = {4, 0, 16, 4, 8, kNan, -9, kInfinity};
+  EXPECT_TRUE(MostImportant(importance, 0).empty());
+  EXPECT_EQ(MostImportant(importance, 1), (Indices{2}));
+  EXPECT_EQ(MostImportant(importance, 2), (Indices{2, 4}));
+  EXPECT_EQ(MostImportant(importance, 3), (Indices{0, 2, 4}));
+  EXPECT_EQ(MostImportant(importance, 4), (Indices{0, 2, 3, 4}));
+  EXPECT_EQ(MostImportant(importance, 99), (Indices{0, 2, 3, 4}));
+  EXPECT_TRUE(MostImportant({}, 3).empty());
+  EXPECT_TRUE(MostImportant(std::vector<float>{0, kNan}, 3).empty());
+}
+
 TEST(RestartFromMeansTest, KeepsPositionAndColourOnly) {
   const GaussianModel model = RandomModel(200, 3, 1);
   Indices kept;

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -14,18 +16,22 @@
 namespace freegs::splat {
 namespace {
 
-using TrainerTest = TrainingFixture;
-
-constexpr DensificationMethod kMethods[] = {
-    DensificationMethod::kNone,
-    DensificationMethod::kGradient,
-    DensificationMethod::kMiniSplatting};
+class TrainerTest : public TrainingFixture {
+ protected:
+  // Every method, and Mini-Splatting as in its paper.
+  static std::vector<TrainerOptions> Everything(int iterations) {
+    return {Options(iterations, DensificationMethod::kNone),
+            Options(iterations, DensificationMethod::kGradient),
+            Options(iterations, DensificationMethod::kMiniSplatting),
+            PaperOptions(iterations)};
+  }
+};
 
 TEST_F(TrainerTest, LearnsTheScene) {
   ThreadPool pool(2);
   TrainingImages images = Images(pool);
-  for (const DensificationMethod method : kMethods) {
-    Trainer trainer(Options(300, method), Start(), 2.0, &images, &pool);
+  for (const TrainerOptions& options : Everything(300)) {
+    Trainer trainer(options, Start(), 2.0, &images, &pool);
     const StatusOr<HoldoutReport> before =
         MeasureHoldout(trainer.model(), RenderOptions(), &images, pool);
     ASSERT_TRUE(before.ok());
@@ -34,23 +40,24 @@ TEST_F(TrainerTest, LearnsTheScene) {
         MeasureHoldout(trainer.model(), RenderOptions(), &images, pool);
     ASSERT_TRUE(after.ok());
     EXPECT_GT(after->mean_psnr, before->mean_psnr + 6)
-        << static_cast<int>(method);
+        << static_cast<int>(options.schedule.method);
     EXPECT_EQ(trainer.model().sh_degree, 1);
     EXPECT_TRUE(trainer.recoveries().empty());
   }
 }
 
 TEST_F(TrainerTest, SameBytesForAnyNumberOfThreads) {
-  for (const DensificationMethod method : kMethods) {
+  for (const TrainerOptions& options : Everything(120)) {
     std::vector<float> undisturbed;
     for (const int threads : {1, 2, 3, 5}) {
       ThreadPool pool(threads);
       TrainingImages images = Images(pool);
-      Trainer trainer(Options(120, method), Start(), 2.0, &images, &pool);
+      Trainer trainer(options, Start(), 2.0, &images, &pool);
       ASSERT_TRUE(Finish(&trainer).ok());
       if (undisturbed.empty()) undisturbed = AllParameters(trainer.model());
       EXPECT_EQ(AllParameters(trainer.model()), undisturbed)
-          << static_cast<int>(method) << ", " << threads << " threads";
+          << static_cast<int>(options.schedule.method) << ", " << threads
+          << " threads";
     }
   }
 }
@@ -58,8 +65,8 @@ TEST_F(TrainerTest, SameBytesForAnyNumberOfThreads) {
 TEST_F(TrainerTest, SameBytesAcrossARestore) {
   ThreadPool pool(2);
   TrainingImages images = Images(pool);
-  for (const DensificationMethod method : kMethods) {
-    TrainerOptions options = Options(120, method);
+  for (TrainerOptions& options : Everything(120)) {
+    const DensificationMethod method = options.schedule.method;
     options.snapshot_interval = 25;
     // As saved on the way of an undisturbed run: around every milestone (20,
     // 40, 60, 80), densification and snapshot.
@@ -101,7 +108,8 @@ TEST_F(TrainerTest, KeepsTheBudget) {
         most = std::max(most, report->num_gaussians);
       }
       EXPECT_LE(trainer.model().size(), static_cast<size_t>(budget));
-      EXPECT_LE(most, std::max<size_t>(60, 2 * budget));
+      const double dense = options.mini_splatting.dense_factor * budget;
+      EXPECT_LE(static_cast<double>(most), std::max(60.0, dense));
       EXPECT_TRUE(trainer.model().AllFinite());
     }
     if (budget < 60) continue;  // Initial points stay with this method.
@@ -118,6 +126,7 @@ TEST_F(TrainerTest, ReportsMilestones) {
   TrainingImages images = Images(pool);
   TrainerOptions options = Options(120, DensificationMethod::kMiniSplatting);
   options.budget = 90;
+  options.mini_splatting.dense_factor = 2;
   Trainer trainer(options, Start(), 2.0, &images, &pool);
   ASSERT_TRUE(Finish(&trainer).ok());
   ASSERT_EQ(trainer.milestones().size(), 4u);
@@ -129,23 +138,86 @@ TEST_F(TrainerTest, ReportsMilestones) {
   }
   EXPECT_EQ(trainer.milestones()[0].gaussians_before, 60u);
   EXPECT_EQ(trainer.milestones()[0].gaussians_after, 140u);  // 7/9 of 180.
-  EXPECT_LE(trainer.milestones()[2].gaussians_after, 90u);
+  // 1.15 times as many as the pruning is to leave.
+  EXPECT_LE(trainer.milestones()[2].gaussians_after, 103u);
+  EXPECT_LE(trainer.milestones()[3].gaussians_after, 90u);
   EXPECT_EQ(trainer.milestones()[3].gaussians_after, trainer.model().size());
 }
 
-TEST_F(TrainerTest, GoesOnWithTheKeptGaussiansWhenTold) {
+TEST_F(TrainerTest, SimplifiesWithSlackOnlyBeforeAPruning) {
   ThreadPool pool(2);
   TrainingImages images = Images(pool);
-  TrainerOptions options = Options(120, DensificationMethod::kMiniSplatting);
-  options.mini_splatting.restart_after_simplification = false;
-  Trainer trainer(options, Start(), 2.0, &images, &pool);
-  while (trainer.iteration() < 60) ASSERT_TRUE(trainer.Step().ok());
-  const TrainingCheckpoint state = trainer.Save();
-  EXPECT_GT(state.adam.steps, 0);
-  EXPECT_NE(*std::max_element(state.adam.second_moments.opacity_logits.begin(),
-                              state.adam.second_moments.opacity_logits.end()),
-            0.0f);
-  ASSERT_TRUE(Finish(&trainer).ok());
+  struct Case {
+    double slack;
+    double prune_at;
+    size_t simplified;
+  };
+  for (const auto& [slack, prune_at, simplified] :
+       {Case{1.25, 1, 32}, Case{1.0, 2.0 / 3, 32}, Case{1.25, 2.0 / 3, 40}}) {
+    TrainerOptions options = Options(120, DensificationMethod::kMiniSplatting);
+    options.budget = 32;
+    options.schedule.prune_at = prune_at;
+    options.mini_splatting.simplify_slack = slack;
+    ASSERT_TRUE(options.Check().ok());
+    Trainer trainer(options, Start(), 2.0, &images, &pool);
+    ASSERT_TRUE(Finish(&trainer).ok());
+    EXPECT_EQ(trainer.milestones()[2].gaussians_after, simplified);
+    EXPECT_LE(trainer.model().size(), 32u);
+  }
+}
+
+TEST_F(TrainerTest, GoesOnWithTheKeptGaussiansOrStartsThemAgain) {
+  ThreadPool pool(2);
+  TrainingImages images = Images(pool);
+  for (const bool restart : {false, true}) {
+    TrainerOptions options = Options(120, DensificationMethod::kMiniSplatting);
+    options.mini_splatting.restart_after_simplification = restart;
+    Trainer trainer(options, Start(), 2.0, &images, &pool);
+    while (trainer.iteration() < 60) ASSERT_TRUE(trainer.Step().ok());
+    const AdamState state = trainer.Save().adam;
+    const std::vector<float>& moments = state.second_moments.opacity_logits;
+    EXPECT_EQ(state.steps == 0, restart);
+    EXPECT_EQ(*std::max_element(moments.begin(), moments.end()) == 0.0f,
+              restart);
+    EXPECT_EQ(trainer.model().sh_degree, restart ? 0 : 1);
+    ASSERT_TRUE(Finish(&trainer).ok());
+    EXPECT_EQ(trainer.model().sh_degree, 1);
+  }
+}
+
+TEST_F(TrainerTest, ColourDependsOnTheViewFromShStartOn) {
+  ThreadPool pool(2);
+  TrainingImages images = Images(pool);
+  for (const DensificationMethod method :
+       {DensificationMethod::kGradient, DensificationMethod::kMiniSplatting}) {
+    for (const double start : {0.0, 0.5}) {
+      TrainerOptions options = Options(120, method);
+      options.schedule.depth_reinit_at.clear();
+      options.schedule.sh_start = start;
+      Trainer trainer(options, Start(), 2.0, &images, &pool);
+      // The first step of degree 1 is 1/30 of all after the start.
+      const auto first = static_cast<int64_t>(120 * start) + 4;
+      while (trainer.iteration() < first + 1) {
+        EXPECT_EQ(trainer.model().sh_degree, 0);
+        ASSERT_TRUE(trainer.Step().ok());
+      }
+      EXPECT_EQ(trainer.model().sh_degree, 1);
+    }
+  }
+}
+
+TEST_F(TrainerTest, MeasuresHoldoutAtALevel) {
+  ThreadPool pool(2);
+  TrainingImages images = Images(pool);
+  for (int level = 0; level < 3; ++level) {
+    const StatusOr<HoldoutReport> report =
+        MeasureHoldout(truth_, RenderOptions(), &images, pool, level);
+    ASSERT_TRUE(report.ok()) << report.status().message();
+    ASSERT_EQ(report->views.size(), 8u);
+    EXPECT_EQ(report->views[0].rendered.width(), 96 >> level);
+    EXPECT_EQ(report->views[0].rendered.height(), 72 >> level);
+    EXPECT_GT(report->mean_psnr, level == 0 ? 40 : 12);
+  }
 }
 
 TEST_F(TrainerTest, RefusesACheckpointThatDoesNotFit) {

@@ -2,6 +2,9 @@
 
 #include "splat/training_schedule.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 namespace freegs::splat {
@@ -17,7 +20,9 @@ ScheduleOptions Options(
 }
 
 TEST(TrainingSchedule, TheScheduleOfThePaper) {
-  const TrainingSchedule schedule(Options(30000));
+  ScheduleOptions options = Options(30000);
+  options.sh_start = 0.5;
+  const TrainingSchedule schedule(options);
   EXPECT_EQ(schedule.Describe(),
             "depth_reinitialization 5000, depth_reinitialization 10000, "
             "simplification 15000, pruning 20000");
@@ -37,6 +42,32 @@ TEST(TrainingSchedule, TheScheduleOfThePaper) {
   EXPECT_EQ(schedule.PositionRateIteration(15000), 5000);
   EXPECT_EQ(schedule.PositionRateIteration(29999), 19999);
   EXPECT_FALSE(schedule.ResetsOpacity(3000));
+}
+
+TEST(TrainingSchedule, ShDegreesCountFromTheirStart) {
+  for (const DensificationMethod method :
+       {DensificationMethod::kNone,
+        DensificationMethod::kGradient,
+        DensificationMethod::kMiniSplatting}) {
+    for (const int start : {0, 300, 1500, 3000}) {
+      ScheduleOptions options = Options(3000, method);
+      options.sh_start = start / 3000.0;
+      ASSERT_TRUE(options.Check().ok());
+      const TrainingSchedule schedule(options);
+      for (const int after : {0, 50, 150, 250, 350, 1450}) {
+        EXPECT_EQ(schedule.ShDegree(start + after), std::min(3, after / 100))
+            << start << " " << after;
+      }
+      for (const int before : {1, 50, 150}) {
+        EXPECT_EQ(schedule.ShDegree(start - before), 0) << start;
+      }
+      options.sh_degree = 1;
+      EXPECT_EQ(TrainingSchedule(options).ShDegree(start + 1450), 1);
+      options.sh_degree_interval = 0;
+      EXPECT_EQ(TrainingSchedule(options).ShDegree(start - 1), 0);
+      EXPECT_EQ(TrainingSchedule(options).ShDegree(start), 1);
+    }
+  }
 }
 
 TEST(TrainingSchedule, MilestonesScaleAndTooShortOnesDrop) {
@@ -140,6 +171,22 @@ TEST(TrainingSchedule, ResolutionLevels) {
   EXPECT_EQ(schedule.ResolutionLevel(0, 1), 0);
 }
 
+TEST(TrainingSchedule, EndsAtTheFinestLevel) {
+  ScheduleOptions options = Options(100);
+  options.finest_level = 1;
+  ASSERT_TRUE(options.Check().ok());
+  const TrainingSchedule schedule(options);
+  EXPECT_EQ(schedule.ResolutionLevel(0, 5), 3);
+  EXPECT_EQ(schedule.ResolutionLevel(10, 5), 2);
+  EXPECT_EQ(schedule.ResolutionLevel(30, 5), 1);
+  EXPECT_EQ(schedule.ResolutionLevel(99, 5), 1);
+  // No coarser than there are images.
+  EXPECT_EQ(schedule.ResolutionLevel(0, 2), 1);
+  EXPECT_EQ(schedule.ResolutionLevel(99, 1), 0);
+  options.resolution_steps.clear();
+  EXPECT_EQ(TrainingSchedule(options).ResolutionLevel(0, 5), 1);
+}
+
 TEST(TrainingSchedule, Check) {
   EXPECT_TRUE(ScheduleOptions().Check().ok());
   ScheduleOptions options;
@@ -154,6 +201,14 @@ TEST(TrainingSchedule, Check) {
   options = ScheduleOptions();
   options.prune_at = -1;
   EXPECT_FALSE(options.Check().ok());
+  options = ScheduleOptions();
+  options.finest_level = -1;
+  EXPECT_FALSE(options.Check().ok());
+  for (const double start : {-0.1, 1.1, std::nan("")}) {
+    options = ScheduleOptions();
+    options.sh_start = start;
+    EXPECT_FALSE(options.Check().ok()) << start;
+  }
 }
 
 }  // namespace

@@ -107,8 +107,11 @@ class ReconstructStageTest : public testing::Test {
     context.progress = [&](const Progress& progress) {
       if (progress.done >= cancel_at) cancellation.Cancel();
     };
-    context.log = [this](pipeline::LogLevel, const std::string& line) {
+    context.log = [&](pipeline::LogLevel, const std::string& line) {
       log_ += line + "\n";
+      if (!cancel_on_.empty() && line.find(cancel_on_) != std::string::npos) {
+        cancellation.Cancel();
+      }
     };
     fs::create_directories(context.output);
     const auto stage = MakeReconstructStage(options, 3);
@@ -128,6 +131,19 @@ class ReconstructStageTest : public testing::Test {
     return options;
   }
 
+  // A search for the budget.
+  static ReconstructStageOptions Auto() {
+    ReconstructStageOptions options = Short();
+    options.budget = "auto";
+    options.budget_limit = 400;
+    options.sh_degree = 1;
+    return options;
+  }
+
+  nlohmann::json Metrics(const std::string& folder) const {
+    return nlohmann::json::parse(Bytes(folder + "/metrics.json"));
+  }
+
   std::string Bytes(const std::string& file) const {
     StatusOr<std::string> content = ReadFile(workspace_ / file);
     EXPECT_TRUE(content.ok()) << content.status().message();
@@ -135,7 +151,8 @@ class ReconstructStageTest : public testing::Test {
   }
 
   fs::path workspace_;
-  std::string log_;  // Of all runs.
+  std::string log_;        // Of all runs.
+  std::string cancel_on_;  // Text of the log line to cancel at, if any.
   splat::GaussianModel truth_;
 };
 
@@ -166,6 +183,7 @@ TEST_F(ReconstructStageTest, ReportsTheCourseOfEachMethod) {
   for (const char* method : {"mini_splatting", "gradient", "none"}) {
     ReconstructStageOptions options = Short();
     options.densification = method;
+    options.depth_reinit = "always";
     const Status status = Run(options, method);
     ASSERT_TRUE(status.ok()) << status.message();
     const nlohmann::json metrics =
@@ -188,6 +206,86 @@ TEST_F(ReconstructStageTest, ReportsTheCourseOfEachMethod) {
     EXPECT_EQ(metrics["milestones"][3]["gaussians_after"],
               metrics["num_gaussians"]);
   }
+}
+
+TEST_F(ReconstructStageTest, ShortTrainingsKeepTheirModelUnlessTold) {
+  for (const char* depth_reinit : {"auto", "never"}) {
+    ReconstructStageOptions options = Short();
+    options.depth_reinit = depth_reinit;
+    ASSERT_TRUE(Run(options, depth_reinit).ok());
+    const nlohmann::json passed = Metrics(depth_reinit)["milestones"];
+    ASSERT_EQ(passed.size(), 2u);
+    EXPECT_EQ(passed[0]["event"], "simplification");
+    EXPECT_EQ(passed[1]["event"], "pruning");
+  }
+}
+
+TEST_F(ReconstructStageTest, ReportsTheSearchForTheBudget) {
+  const Status status = Run(Auto(), "out");
+  ASSERT_TRUE(status.ok()) << status.message();
+  const nlohmann::json metrics = Metrics("out");
+  const nlohmann::json& search = metrics["budget_search"];
+  ASSERT_TRUE(search.is_object());
+  const auto budget = search["budget"].get<int>();
+  EXPECT_GE(budget, 50);
+  EXPECT_LE(budget, 400);
+  EXPECT_LE(metrics["num_gaussians"].get<int>(), budget);
+  EXPECT_EQ(metrics["sh_degree"], search["sh_degree"]);
+  const nlohmann::json& trials = search["trials"];
+  ASSERT_GE(trials.size(), 3u);
+  // The first is of the limit, at half size: a quarter of the pixels.
+  EXPECT_EQ(trials[0]["budget"], 100);
+  EXPECT_EQ(trials[0]["sh_degree"], 1);
+  bool chosen = false;
+  for (const nlohmann::json& trial : trials) {
+    EXPECT_GT(trial["holdout_psnr"].get<double>(), 10);
+    chosen |= trial["budget"] == budget / 4 &&
+              trial["sh_degree"] == search["sh_degree"];
+  }
+  EXPECT_TRUE(chosen);
+  EXPECT_THAT(log_, testing::HasSubstr("trial at 1/2 size, "));
+  // A second run says the same.
+  ASSERT_TRUE(Run(Auto(), "again").ok());
+  EXPECT_EQ(Metrics("again")["budget_search"], search);
+  EXPECT_EQ(Bytes("again/point_cloud.ply"), Bytes("out/point_cloud.ply"));
+}
+
+TEST_F(ReconstructStageTest, StoppedWhileOrAfterSearching) {
+  ASSERT_TRUE(Run(Auto(), "whole").ok());
+  cancel_on_ = "trial at";
+  EXPECT_EQ(Run(Auto(), "parts").code(), StatusCode::kInterrupted);
+  cancel_on_.clear();
+  EXPECT_EQ(Run(Auto(), "parts", true, 50).code(), StatusCode::kInterrupted);
+  log_.clear();
+  ASSERT_TRUE(Run(Auto(), "parts", true).ok());
+  EXPECT_THAT(log_, testing::Not(testing::HasSubstr("trial at")));
+  EXPECT_EQ(Bytes("whole/point_cloud.ply"), Bytes("parts/point_cloud.ply"));
+  EXPECT_EQ(Metrics("whole")["budget_search"],
+            Metrics("parts")["budget_search"]);
+}
+
+TEST_F(ReconstructStageTest, NothingIsSearchedForWithoutNeedOrHoldout) {
+  ReconstructStageOptions options = Short();
+  ASSERT_TRUE(Run(options, "number").ok());
+  EXPECT_TRUE(Metrics("number").at("budget_search").is_null());
+  options = Auto();
+  options.densification = "gradient";
+  ASSERT_TRUE(Run(options, "gradient").ok());
+  EXPECT_TRUE(Metrics("gradient").at("budget_search").is_null());
+  // No holdout photos: up to the limit.
+  const fs::path list = workspace_ / "ingest" / "images.json";
+  StatusOr<sfm::PhotoList> photos = sfm::ReadPhotoList(list);
+  ASSERT_TRUE(photos.ok());
+  for (sfm::Photo& photo : photos->photos) {
+    photo.split = sfm::PhotoSplit::kTrain;
+  }
+  ASSERT_TRUE(sfm::WritePhotoList(list, *photos).ok());
+  const Status status = Run(Auto(), "all");
+  ASSERT_TRUE(status.ok()) << status.message();
+  const nlohmann::json metrics = Metrics("all");
+  EXPECT_TRUE(metrics.at("budget_search").is_null());
+  EXPECT_TRUE(metrics.at("holdout_psnr").is_null());
+  EXPECT_LE(metrics["num_gaussians"].get<int>(), 400);
 }
 
 TEST_F(ReconstructStageTest, BudgetIsAutoOrANumber) {
@@ -236,6 +334,7 @@ TEST_F(ReconstructStageTest, TakesATrainedModel) {
   // The photos are renderings of this very model.
   EXPECT_GT(metrics["holdout_psnr"].get<double>(), 50);
   EXPECT_EQ(metrics["num_gaussians"], truth_.size());
+  EXPECT_TRUE(metrics.at("budget_search").is_null());
 }
 
 TEST_F(ReconstructStageTest, GoingBackIsLoggedAndListed) {
