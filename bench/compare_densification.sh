@@ -23,6 +23,7 @@ for workspace in "$@"; do
       "$pipeline" stage reconstruct "$scratch/run" --general.seed "$seed" \
         --reconstruct.densification "$method" --reconstruct.budget 40000 \
         --reconstruct.iterations 2000 --reconstruct.max_image_size 480 \
+        --reconstruct.densify_gradient 1e-4 \
         >"$scratch/log" 2>&1 || { cat "$scratch/log" >&2; exit 1; }
       python3 - "$workspace" "$method" "$seed" \
         "$scratch/run/reconstruct/metrics.json" <<'PYTHON' | tee -a "$scratch/rows"

@@ -23,10 +23,9 @@ const std::map<std::string, Values>& Presets() {
       {"balanced", {}},
       {"quality",
        {{"sfm.max_features", "4000"},
-        {"reconstruct.iterations", "15000"},
+        {"reconstruct.iterations", "10000"},
         {"reconstruct.max_image_size", "1600"},
-        {"reconstruct.budget", "500000"},
-        {"reconstruct.densify_gradient", "2e-4"}}},
+        {"reconstruct.budget", "300000"}}},
   };
   return presets;
 }
