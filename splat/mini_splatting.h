@@ -27,7 +27,7 @@ struct MiniSplattingOptions {
 
   // With a budget, the Gaussians of the dense model, before simplification, are
   // at most this many times as many.
-  double dense_factor = 3.0;
+  double dense_factor = 2.0;
 
   // Points drawn from the depth maps of all views together; 0 chooses, see
   // NumDepthPoints.
