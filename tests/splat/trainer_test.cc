@@ -158,6 +158,7 @@ TEST_F(TrainerTest, SimplifiesWithSlackOnlyBeforeAPruning) {
     options.budget = 32;
     options.schedule.prune_at = prune_at;
     options.mini_splatting.simplify_slack = slack;
+    options.mini_splatting.dense_factor = 3;
     ASSERT_TRUE(options.Check().ok());
     Trainer trainer(options, Start(), 2.0, &images, &pool);
     ASSERT_TRUE(Finish(&trainer).ok());
