@@ -241,7 +241,6 @@ HWY_INLINE SimdMask ProjectGroup(const ProjectionTask& task,
   // half-extents.
   const SimdNumber reach =
       SimdNumber(2 * kLn2) * (log2_opacity - SimdNumber(kMinLog2Alpha));
-  const SimdNumber zero(0.0f);
   const SimdNumber size[2] = {SimdNumber(task.width), SimdNumber(task.height)};
   for (int axis = 0; axis < 2; ++axis) {
     const SimdNumber extent = sqrt(reach * projected.cov[2 * axis]);

@@ -174,7 +174,7 @@ void Rasterizer::Backward(const GaussianModel& model,
                    tile_visited_[tile],
                    &tile_gradients,
                    extra_gradients.get(),
-                   &pair_moments_[bins_.tile_begin[tile] * stride]);
+                   pair_moments_.data() + bins_.tile_begin[tile] * stride);
     }
   });
 
@@ -259,7 +259,7 @@ void Rasterizer::Contributions(const GaussianModel& model,
       ContributeTile(task,
                      transmittance,
                      &dominance,
-                     &pair_contributions_[bins_.tile_begin[tile]]);
+                     pair_contributions_.data() + bins_.tile_begin[tile]);
       StoreTile(task, 0, transmittance, &contributions->transmittance);
       StoreDominant(task, dominance, &contributions->dominant);
     }
