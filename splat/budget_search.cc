@@ -71,6 +71,8 @@ StatusOr<BudgetChoice> SearchBudget(const BudgetSearchOptions& options,
   };
   BudgetChoice choice;
   // Tries a model, and says whether it is good enough beside the best so far.
+  // `most` is the largest number of Gaussians the trial ever had.
+  size_t most = 0;
   double best = -std::numeric_limits<double>::infinity();
   const auto attempt =
       [&](int64_t budget, int sh_degree, double tolerance) -> StatusOr<bool> {
@@ -78,8 +80,10 @@ StatusOr<BudgetChoice> SearchBudget(const BudgetSearchOptions& options,
     trial.budget = at_level(budget);
     trial.schedule.sh_degree = sh_degree;
     Trainer trainer(trial, initial, scene_extent, images, pool);
+    most = initial.size();
     while (!trainer.done()) {
       FREEGS_RETURN_IF_ERROR(trainer.Step().status());
+      most = std::max(most, trainer.model().size());
     }
     FREEGS_ASSIGN_OR_RETURN(const double psnr, judge(trainer.model(), level));
     choice.trials.push_back({trial.budget, sh_degree, psnr});
@@ -92,6 +96,11 @@ StatusOr<BudgetChoice> SearchBudget(const BudgetSearchOptions& options,
   for (const double share : options.shares) {
     const auto budget =
         static_cast<int64_t>(share * static_cast<double>(training.budget));
+    // A bound that no model came near would give the same model again.
+    if (!choice.trials.empty() &&
+        static_cast<uint64_t>(at_level(budget)) >= most) {
+      continue;
+    }
     FREEGS_ASSIGN_OR_RETURN(
         const bool good,
         attempt(budget, choice.sh_degree, options.tolerance_db));

@@ -62,7 +62,8 @@ struct BudgetChoice {
 };
 
 // Trains whole models, short and on small images, with ever fewer Gaussians
-// until the holdout suffers, then with ever lower SH degrees until it does. An
+// until the holdout suffers, then with ever lower SH degrees until it does.
+// Numbers that the training does not come near are passed over. An
 // image of a quarter of the pixels gets a quarter of the Gaussians, so a trial
 // is cheap, and the number found is carried over by the number of pixels. All
 // trials start from `initial` and see the same views in the same order.

@@ -15,6 +15,9 @@ constexpr int64_t kFiniteTestInterval = 100;
 // A return to the last good state divides the learning rates.
 constexpr double kRecoveryRateFactor = 0.5;
 
+// Cameras are cleared until this share of the iterations.
+constexpr double kClearShare = 0.9;
+
 DensificationOptions EffectiveDensification(const TrainerOptions& options,
                                             int64_t budget) {
   DensificationOptions densification = options.densification;
@@ -30,13 +33,10 @@ DensificationOptions EffectiveDensification(const TrainerOptions& options,
   return densification;
 }
 
-ImportanceMetric EffectiveMetric(const TrainerOptions& options,
-                                 const GaussianModel& initial_model,
-                                 const TrainingImages& images) {
-  if (options.importance) return *options.importance;
+std::vector<View> AllViews(const TrainingImages& images) {
   std::vector<View> views;
   for (size_t i = 0; i < images.size(); ++i) views.push_back(images.view(i));
-  return ChooseImportanceMetric(views, initial_model);
+  return views;
 }
 
 }  // namespace
@@ -46,10 +46,12 @@ Status TrainerOptions::Check() const {
   if (judge && budget == 0) {
     return InvalidArgumentError("a search for a budget needs a limit");
   }
-  if (snapshot_interval < 1 || max_recoveries < 0) {
+  if (snapshot_interval < 1 || clear_interval < 1 || max_recoveries < 0) {
     return InvalidArgumentError(
-        "snapshot_interval must be positive, max_recoveries not negative");
+        "snapshot_interval and clear_interval must be positive, max_recoveries "
+        "not negative");
   }
+  FREEGS_RETURN_IF_ERROR(clearance.Check());
   FREEGS_RETURN_IF_ERROR(schedule.Check());
   FREEGS_RETURN_IF_ERROR(mini_splatting.Check());
   FREEGS_RETURN_IF_ERROR(budget_search.Check());
@@ -69,11 +71,18 @@ Trainer::Trainer(const TrainerOptions& options,
       scene_extent_(scene_extent),
       images_(images),
       pool_(pool),
-      importance_metric_(EffectiveMetric(options, initial_model, *images)),
+      importance_metric_(
+          options.importance
+              ? *options.importance
+              : ChooseImportanceMetric(AllViews(*images), initial_model)),
       view_order_(options.seed, images->size()),
       model_(std::move(initial_model)),
       loss_monitor_(images->size()),
       loss_(options.loss) {
+  if (options.schedule.method != DensificationMethod::kNone) {
+    clear_balls_ =
+        ClearBalls(options.clearance, AllViews(*images), model_, *pool);
+  }
   adam_.Reset(model_);
   statistics_.Reset(model_.size());
 }
@@ -218,6 +227,11 @@ Status Trainer::FollowSchedule() {
             &adam_,
             &statistics_);
   }
+  if (iteration_ % options_.clear_interval == 0 &&
+      static_cast<double>(iteration_) <=
+          kClearShare * static_cast<double>(schedule_.iterations())) {
+    ClearCameras();
+  }
   if (schedule_.ResetsOpacity(iteration_)) {
     ResetOpacity(0.01, &model_, &adam_);
     loss_monitor_.Reset();
@@ -227,6 +241,14 @@ Status Trainer::FollowSchedule() {
     KeepAsGood();
   }
   return Status();
+}
+
+void Trainer::ClearCameras() {
+  const std::vector<uint32_t> kept = OutsideBalls(clear_balls_, model_, *pool_);
+  if (kept.empty() || kept.size() == model_.size()) return;
+  model_.Select(kept);
+  adam_.Select(kept);
+  statistics_.Select(kept);
 }
 
 int64_t Trainer::Budget() const {

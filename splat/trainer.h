@@ -13,6 +13,7 @@
 #include "core/status.h"
 #include "splat/adam.h"
 #include "splat/budget_search.h"
+#include "splat/camera_clearance.h"
 #include "splat/checkpoint.h"
 #include "splat/densification.h"
 #include "splat/gaussian_model.h"
@@ -52,6 +53,12 @@ struct TrainerOptions {
   // A budget overrides max_gaussians; the method decides about
   // blur_split_share.
   DensificationOptions densification;
+
+  // Gaussians that come this near to a training camera are removed every
+  // clear_interval steps, but for the last tenth of them, which would leave no
+  // time to fill the holes. kNone removes none.
+  CameraClearanceOptions clearance;
+  int clear_interval = 50;
 
   LearningRateOptions learning_rates;
   PhotometricLossOptions loss;
@@ -135,6 +142,7 @@ class Trainer {
   int64_t SimplificationBudget() const;
   int ShDegree(int64_t done) const;
   Status ChooseBudget();
+  void ClearCameras();
   void KeepAsGood();
 
   TrainerOptions options_;
@@ -144,6 +152,7 @@ class Trainer {
   TrainingImages* images_;
   ThreadPool* pool_;
   ImportanceMetric importance_metric_;
+  std::vector<ClearBall> clear_balls_;
   ViewOrder view_order_;
 
   int64_t iteration_ = 0;

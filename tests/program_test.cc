@@ -83,7 +83,7 @@ TEST(ProgramTest, FromPhotosToReport) {
   const std::string photos = (folder / "scene" / "images").string();
   const std::string workspace = (folder / "w").string();
   const std::vector<std::string> run = {
-      "run", photos, workspace, "--reconstruct.iterations", "150"};
+      "run", photos, workspace, "--reconstruct.iterations", "300"};
 
   Outcome outcome = Call(run);
   ASSERT_EQ(outcome.code, 0) << outcome.text;
@@ -115,7 +115,7 @@ TEST(ProgramTest, FromPhotosToReport) {
                   photos,
                   (folder / "moved").string(),
                   "--reconstruct.iterations",
-                  "150"});
+                  "300"});
   EXPECT_EQ(outcome.code, 0);
   EXPECT_THAT(outcome.text, HasSubstr("input photos is gone"));
   EXPECT_THAT(outcome.text, HasSubstr("export: up to date"));

@@ -148,6 +148,20 @@ TEST_F(BudgetSearchTest, AFigureThatIsNoNumberIsNotGood) {
   EXPECT_EQ(perfect->budget, 200);
 }
 
+// 2000 at most are 500 at half size; the trial begins with 60 and stays there.
+TEST_F(BudgetSearchTest, BoundsThatDoNotBindArePassedOver) {
+  TrainerOptions options = Limits();
+  options.budget = 2000;
+  const StatusOr<BudgetChoice> choice =
+      Search(options, Judge([](size_t, int) { return 20.0; }));
+  ASSERT_TRUE(choice.ok()) << choice.status().message();
+  EXPECT_EQ(choice->budget, 2000);
+  EXPECT_THAT(choice->trials,
+              ElementsAre(BudgetTrial{500, 2, 20.0},
+                          BudgetTrial{500, 1, 20.0},
+                          BudgetTrial{500, 0, 20.0}));
+}
+
 TEST_F(BudgetSearchTest, LevelIsOneThatTheImagesHave) {
   ThreadPool pool(2);
   StatusOr<TrainingImages> images =

@@ -46,6 +46,48 @@ TEST_F(TrainerTest, LearnsTheScene) {
   }
 }
 
+// The distance of the Gaussian that is nearest to any camera.
+double NearestToACamera(const GaussianModel& model,
+                        const std::vector<View>& views) {
+  double nearest = 1e9;
+  for (const View& view : views) {
+    const Eigen::Vector3d centre = CameraCentre(view.cam_from_world);
+    for (size_t i = 0; i < model.size(); ++i) {
+      const Eigen::Vector3d mean =
+          Eigen::Vector3f::Map(&model.means[3 * i]).cast<double>();
+      nearest = std::min(nearest, (mean - centre).norm());
+    }
+  }
+  return nearest;
+}
+
+TEST_F(TrainerTest, CamerasAreKeptClear) {
+  ThreadPool pool(2);
+  TrainingImages images = Images(pool);
+  GaussianModel start = Start();
+  start.AppendFrom(start, 0);
+  const View& view = views_[0];
+  Eigen::Vector3f::Map(&start.means[3 * (start.size() - 1)]) =
+      (view.cam_from_world.rotation.conjugate() *
+       (Eigen::Vector3d(0, 0, 0.05) - view.cam_from_world.translation))
+          .cast<float>();
+  for (const DensificationMethod method :
+       {DensificationMethod::kNone,
+        DensificationMethod::kGradient,
+        DensificationMethod::kMiniSplatting}) {
+    TrainerOptions options = Options(40, method);
+    options.clear_interval = 5;
+    Trainer trainer(options, start, 2.0, &images, &pool);
+    ASSERT_TRUE(Finish(&trainer).ok());
+    const double nearest = NearestToACamera(trainer.model(), views_);
+    if (method == DensificationMethod::kNone) {
+      EXPECT_LT(nearest, 0.1);
+    } else {
+      EXPECT_GT(nearest, 0.2);
+    }
+  }
+}
+
 TEST_F(TrainerTest, SameBytesForAnyNumberOfThreads) {
   for (const TrainerOptions& options : Everything(120)) {
     std::vector<float> undisturbed;
