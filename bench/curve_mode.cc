@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "bench/training_modes.h"
-#include "bench/training_scene.h"
 #include "pipeline/resource_usage.h"
 #include "splat/holdout.h"
 #include "splat/resolution_schedule.h"
 #include "splat/trainer.h"
 #include "stages/pipeline_options.h"
 #include "stages/reconstruct_options.h"
+#include "stages/training_scene.h"
 
 namespace freegs::bench {
 namespace {
@@ -112,25 +112,28 @@ Status RunCurve(const CurveOptions& options) {
       splat::TrainerOptions training,
       stages::MakeTrainerOptions(
           reconstruct, static_cast<uint64_t>(pipeline_options.general.seed)));
-  FREEGS_ASSIGN_OR_RETURN(const TrainingScene scene,
-                          ReadTrainingScene(options.workspace));
+  FREEGS_ASSIGN_OR_RETURN(const stages::TrainingScene scene,
+                          stages::ReadTrainingScene(options.workspace));
   ThreadPool pool(pipeline_options.general.threads);
   // Levels as the stage has them.
   splat::TrainingImagesOptions image_options;
   image_options.max_side = reconstruct.max_image_size;
   image_options.num_levels = 2;
-  FREEGS_ASSIGN_OR_RETURN(splat::TrainingImages holdout,
-                          LoadHoldoutPhotos(scene, image_options, pool));
+  FREEGS_ASSIGN_OR_RETURN(
+      splat::TrainingImages holdout,
+      stages::LoadHoldoutPhotos(scene, image_options, pool));
   image_options.num_levels = 4;
   image_options.max_bytes =
       static_cast<uint64_t>(reconstruct.image_cache_gb * 1e9);
-  FREEGS_ASSIGN_OR_RETURN(splat::TrainingImages images,
-                          LoadTrainingPhotos(scene, image_options, pool));
+  FREEGS_ASSIGN_OR_RETURN(
+      splat::TrainingImages images,
+      stages::LoadTrainingPhotos(scene, image_options, pool));
   const splat::RenderOptions render =
       stages::ReconstructRenderOptions(reconstruct);
 
   TrainingClock clock;
-  FREEGS_ASSIGN_OR_RETURN(splat::GaussianModel initial, InitialModel(scene));
+  FREEGS_ASSIGN_OR_RETURN(splat::GaussianModel initial,
+                          stages::InitialModel(scene));
   if (reconstruct.coarse_to_fine) {
     FREEGS_ASSIGN_OR_RETURN(training.schedule.resolution_steps,
                             splat::SpectrumResolutionSteps(&images));

@@ -3,23 +3,24 @@
 #include <cstdio>
 
 #include "bench/training_modes.h"
-#include "bench/training_scene.h"
 #include "splat/holdout.h"
 #include "splat/ply_io.h"
+#include "stages/training_scene.h"
 
 namespace freegs::bench {
 
 Status RunEvaluate(const EvaluateOptions& options) {
-  FREEGS_ASSIGN_OR_RETURN(const TrainingScene scene,
-                          ReadTrainingScene(options.workspace));
+  FREEGS_ASSIGN_OR_RETURN(const stages::TrainingScene scene,
+                          stages::ReadTrainingScene(options.workspace));
   FREEGS_ASSIGN_OR_RETURN(const splat::GaussianModel model,
                           splat::ReadPly(options.ply));
   ThreadPool pool(options.threads);
   splat::TrainingImagesOptions image_options;
   image_options.max_side = options.max_image_size;
   image_options.num_levels = 1;
-  FREEGS_ASSIGN_OR_RETURN(splat::TrainingImages holdout,
-                          LoadHoldoutPhotos(scene, image_options, pool));
+  FREEGS_ASSIGN_OR_RETURN(
+      splat::TrainingImages holdout,
+      stages::LoadHoldoutPhotos(scene, image_options, pool));
   splat::RenderOptions render;
   render.background = options.background;
   FREEGS_ASSIGN_OR_RETURN(const splat::HoldoutReport report,

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "bench/training_modes.h"
-#include "bench/training_scene.h"
 #include "core/files.h"
 #include "sfm/model_io.h"
+#include "stages/training_scene.h"
 
 namespace freegs::bench {
 namespace {
@@ -67,8 +67,8 @@ bool StaysInside(const fs::path& name) {
 }  // namespace
 
 Status RunExport(const ExportOptions& options) {
-  FREEGS_ASSIGN_OR_RETURN(const TrainingScene scene,
-                          ReadTrainingScene(options.workspace));
+  FREEGS_ASSIGN_OR_RETURN(const stages::TrainingScene scene,
+                          stages::ReadTrainingScene(options.workspace));
   const fs::path images = options.output / "images";
   const fs::path sparse = options.output / "sparse" / "0";
   for (const fs::path& path : {images, sparse}) {
@@ -78,7 +78,7 @@ Status RunExport(const ExportOptions& options) {
                                   " exists already; name another folder");
     }
   }
-  for (const View& view : scene.train) {
+  for (const View& view : scene.photos.train) {
     if (!StaysInside(view.name)) {
       return BadInputError("view \"" + view.name +
                            "\": not a file name inside a folder");
@@ -86,7 +86,8 @@ Status RunExport(const ExportOptions& options) {
     FREEGS_RETURN_IF_ERROR(
         LinkOrCopy(scene.photo_folder / view.name, images / view.name));
   }
-  const sfm::Reconstruction model = Restrict(scene.sparse, scene.train);
+  const sfm::Reconstruction model =
+      Restrict(scene.photos.sparse, scene.photos.train);
   FREEGS_RETURN_IF_ERROR(sfm::WriteModel(sparse, model));
   std::printf(
       "%s: %zu images, %zu cameras, %zu points; %zu holdout images "
@@ -95,7 +96,7 @@ Status RunExport(const ExportOptions& options) {
       model.images.size(),
       model.cameras.size(),
       model.points3d.size(),
-      scene.holdout.size());
+      scene.photos.holdout.size());
   return Status();
 }
 

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "bench/training_modes.h"
-#include "bench/training_scene.h"
 #include "core/random.h"
 #include "pipeline/resource_usage.h"
 #include "splat/trainer.h"
+#include "stages/training_scene.h"
 
 namespace freegs::bench {
 namespace {
@@ -73,9 +73,10 @@ double Median(std::vector<double> values) {
 }  // namespace
 
 Status RunSteps(const StepsOptions& options) {
-  FREEGS_ASSIGN_OR_RETURN(const TrainingScene scene,
-                          ReadTrainingScene(options.workspace));
-  FREEGS_ASSIGN_OR_RETURN(splat::GaussianModel initial, InitialModel(scene));
+  FREEGS_ASSIGN_OR_RETURN(const stages::TrainingScene scene,
+                          stages::ReadTrainingScene(options.workspace));
+  FREEGS_ASSIGN_OR_RETURN(splat::GaussianModel initial,
+                          stages::InitialModel(scene));
   if (options.gaussians > 0) {
     SetCount(static_cast<size_t>(options.gaussians), &initial);
   }
@@ -83,8 +84,9 @@ Status RunSteps(const StepsOptions& options) {
   splat::TrainingImagesOptions image_options;
   image_options.max_side = options.max_image_size;
   image_options.num_levels = 1;
-  FREEGS_ASSIGN_OR_RETURN(splat::TrainingImages images,
-                          LoadTrainingPhotos(scene, image_options, pool));
+  FREEGS_ASSIGN_OR_RETURN(
+      splat::TrainingImages images,
+      stages::LoadTrainingPhotos(scene, image_options, pool));
   const Pinhole camera = images.view(0).camera;
   std::fprintf(stderr,
                "%zu photos (first: %d x %d), %zu points, %d threads, %d steps "

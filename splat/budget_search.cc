@@ -82,6 +82,11 @@ StatusOr<BudgetChoice> SearchBudget(const BudgetSearchOptions& options,
     Trainer trainer(trial, initial, scene_extent, images, pool);
     most = initial.size();
     while (!trainer.done()) {
+      if (training.cancellation != nullptr &&
+          training.cancellation->cancelled()) {
+        return InterruptedError(
+            "stopped while choosing the number of Gaussians");
+      }
       FREEGS_RETURN_IF_ERROR(trainer.Step().status());
       most = std::max(most, trainer.model().size());
     }

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/cancellation.h"
 #include "core/parallel.h"
 #include "core/status.h"
 #include "splat/adam.h"
@@ -45,6 +46,10 @@ struct TrainerOptions {
   // search for the number and SH degree that the scene needs.
   QualityJudge judge;
   BudgetSearchOptions budget_search;
+
+  // Ends a search for a budget with kInterrupted; null never does. Training
+  // itself is stopped by making no further step.
+  const CancellationToken* cancellation = nullptr;
 
   // How importance is measured; nothing chooses by how the initial points lie
   // around the cameras, see ChooseImportanceMetric.

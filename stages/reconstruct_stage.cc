@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <map>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -14,100 +13,18 @@
 #include "core/files.h"
 #include "core/image_io.h"
 #include "pipeline/resource_usage.h"
-#include "sfm/model_io.h"
-#include "sfm/photo_list.h"
-#include "sfm/views.h"
 #include "splat/holdout.h"
-#include "splat/initialization.h"
 #include "splat/ply_io.h"
 #include "splat/resolution_schedule.h"
 #include "splat/trainer.h"
 #include "stages/progress_csv.h"
+#include "stages/training_report.h"
+#include "stages/training_scene.h"
 
 namespace freegs::stages {
 namespace {
 
 namespace fs = std::filesystem;
-
-// The posed photos and the points training starts from.
-struct Scene {
-  std::vector<View> train;
-  std::vector<View> holdout;
-  std::vector<Eigen::Vector3d> points;
-  std::vector<std::array<uint8_t, 3>> colors;
-};
-
-StatusOr<Scene> LoadScene(const fs::path& workspace) {
-  FREEGS_ASSIGN_OR_RETURN(const sfm::Reconstruction model,
-                          sfm::ReadModel(workspace / "undistort" / "sparse"));
-  FREEGS_ASSIGN_OR_RETURN(const std::vector<View> views, sfm::MakeViews(model));
-  FREEGS_ASSIGN_OR_RETURN(
-      const sfm::PhotoList photos,
-      sfm::ReadPhotoList(workspace / "ingest" / "images.json"));
-  std::map<std::string, sfm::PhotoSplit> splits;
-  for (const sfm::Photo& photo : photos.photos) {
-    splits[photo.name] = photo.split;
-  }
-  Scene scene;
-  for (const View& view : views) {
-    const auto split = splits.find(view.name);
-    const bool holdout =
-        split != splits.end() && split->second == sfm::PhotoSplit::kHoldout;
-    (holdout ? scene.holdout : scene.train).push_back(view);
-  }
-  for (const sfm::Point3D& point : model.points3d) {
-    scene.points.push_back(point.xyz);
-    scene.colors.push_back(point.rgb);
-  }
-  if (scene.train.empty()) {
-    return UnusableResultError(
-        "reconstruct: no posed photo is left to train on; choose fewer holdout "
-        "photos (ingest.holdout_every)");
-  }
-  return scene;
-}
-
-// What metrics.json tells of the course of a training.
-nlohmann::json CourseJson(const ReconstructStageOptions& options,
-                          const splat::Trainer& trainer) {
-  nlohmann::json milestones = nlohmann::json::array();
-  for (const splat::MilestoneRecord& record : trainer.milestones()) {
-    milestones.push_back({{"iteration", record.iteration},
-                          {"event", splat::TrainingEventName(record.event)},
-                          {"gaussians_before", record.gaussians_before},
-                          {"gaussians_after", record.gaussians_after}});
-  }
-  nlohmann::json recoveries = nlohmann::json::array();
-  for (const splat::Recovery& recovery : trainer.recoveries()) {
-    recoveries.push_back({{"iteration", recovery.iteration},
-                          {"reason", recovery.reason},
-                          {"back_to", recovery.back_to},
-                          {"rate_factor", recovery.rate_factor}});
-  }
-  nlohmann::json metric;  // Null where nothing is measured.
-  if (options.densification == "mini_splatting") {
-    const bool outdoor =
-        trainer.importance_metric() == splat::ImportanceMetric::kOutdoor;
-    metric = outdoor ? "outdoor" : "indoor";
-  }
-  nlohmann::json choice;  // Null where the number was given.
-  if (trainer.budget_choice()) {
-    nlohmann::json trials = nlohmann::json::array();
-    for (const splat::BudgetTrial& trial : trainer.budget_choice()->trials) {
-      trials.push_back({{"budget", trial.budget},
-                        {"sh_degree", trial.sh_degree},
-                        {"holdout_psnr", trial.holdout_psnr}});
-    }
-    choice = {{"budget", trainer.budget_choice()->budget},
-              {"sh_degree", trainer.budget_choice()->sh_degree},
-              {"trials", std::move(trials)}};
-  }
-  return {{"densification", options.densification},
-          {"budget_search", std::move(choice)},
-          {"importance_metric", std::move(metric)},
-          {"milestones", std::move(milestones)},
-          {"recoveries", std::move(recoveries)}};
-}
 
 class ReconstructStage : public pipeline::Stage {
  public:
@@ -125,19 +42,18 @@ class ReconstructStage : public pipeline::Stage {
 
   Status Run(pipeline::StageContext& context) override {
     const pipeline::ResourceMeter meter;
-    FREEGS_ASSIGN_OR_RETURN(const splat::TrainerOptions training,
+    FREEGS_ASSIGN_OR_RETURN(splat::TrainerOptions training,
                             MakeTrainerOptions(options_, seed_));
-    FREEGS_ASSIGN_OR_RETURN(const Scene scene, LoadScene(context.workspace));
-    const fs::path photos = context.workspace / "undistort" / "images";
+    training.cancellation = context.cancellation;
+    FREEGS_ASSIGN_OR_RETURN(const TrainingScene scene,
+                            ReadTrainingScene(context.workspace));
     splat::TrainingImagesOptions image_options;
     image_options.max_side = options_.max_image_size;
     image_options.num_levels = 2;
     std::optional<splat::TrainingImages> holdout;
-    if (!scene.holdout.empty()) {
+    if (!scene.photos.holdout.empty()) {
       FREEGS_ASSIGN_OR_RETURN(
-          holdout,
-          splat::TrainingImages::Load(
-              scene.holdout, photos, image_options, *context.pool));
+          holdout, LoadHoldoutPhotos(scene, image_options, *context.pool));
     }
     splat::TrainingImages* holdout_images = holdout ? &*holdout : nullptr;
 
@@ -149,8 +65,7 @@ class ReconstructStage : public pipeline::Stage {
           static_cast<uint64_t>(options_.image_cache_gb * 1e9);
       FREEGS_ASSIGN_OR_RETURN(
           splat::TrainingImages images,
-          splat::TrainingImages::Load(
-              scene.train, photos, image_options, *context.pool));
+          LoadTrainingPhotos(scene, image_options, *context.pool));
       FREEGS_ASSIGN_OR_RETURN(
           model,
           Train(training, scene, &images, holdout_images, context, &outcome));
@@ -171,23 +86,16 @@ class ReconstructStage : public pipeline::Stage {
     int64_t iterations = 0;
     double earlier_cpu_seconds = 0;
     double earlier_seconds = 0;
-    nlohmann::json course = {{"densification", nullptr},
-                             {"budget_search", nullptr},
-                             {"importance_metric", nullptr},
-                             {"milestones", nlohmann::json::array()},
-                             {"recoveries", nlohmann::json::array()}};
+    nlohmann::json course = CourseJson("", nullptr);
   };
 
   StatusOr<splat::GaussianModel> Train(const splat::TrainerOptions& training,
-                                       const Scene& scene,
+                                       const TrainingScene& scene,
                                        splat::TrainingImages* images,
                                        splat::TrainingImages* holdout,
                                        pipeline::StageContext& context,
                                        Outcome* outcome) const {
-    const double extent = splat::SceneExtent(scene.train, scene.points);
-    FREEGS_ASSIGN_OR_RETURN(
-        splat::GaussianModel initial,
-        splat::InitializeFromPoints(scene.points, scene.colors, extent));
+    FREEGS_ASSIGN_OR_RETURN(splat::GaussianModel initial, InitialModel(scene));
     splat::TrainerOptions options = training;
     if (options_.coarse_to_fine) {
       FREEGS_ASSIGN_OR_RETURN(options.schedule.resolution_steps,
@@ -197,7 +105,7 @@ class ReconstructStage : public pipeline::Stage {
       options.judge = Judge(holdout, context);
     }
     splat::Trainer trainer(
-        options, std::move(initial), extent, images, context.pool);
+        options, std::move(initial), scene.extent, images, context.pool);
 
     const fs::path checkpoints = context.output / "checkpoints";
     FREEGS_RETURN_IF_ERROR(CreateFolders(checkpoints));
@@ -231,7 +139,9 @@ class ReconstructStage : public pipeline::Stage {
       FREEGS_ASSIGN_OR_RETURN(const splat::StepReport report, trainer.Step());
       if (report.recovered) {
         // Rows beyond the state gone back to are of another course.
-        LogRecovery(trainer.recoveries().back(), context);
+        context.log(
+            pipeline::LogLevel::kWarning,
+            "reconstruct: " + RecoveryText(trainer.recoveries().back()));
         FREEGS_RETURN_IF_ERROR(progress.Flush());
         FREEGS_RETURN_IF_ERROR(progress.Open(trainer.iteration()));
         loss_sum = 0;
@@ -274,19 +184,15 @@ class ReconstructStage : public pipeline::Stage {
     }
     FREEGS_RETURN_IF_ERROR(save());
     outcome->iterations = trainer.iteration();
-    outcome->course = CourseJson(options_, trainer);
+    outcome->course = CourseJson(options_.densification, &trainer);
     return trainer.model();
   }
 
-  // What the search for a budget goes by. It stops when the user does.
+  // What the search for a budget goes by.
   splat::QualityJudge Judge(splat::TrainingImages* holdout,
                             pipeline::StageContext& context) const {
     return [this, holdout, &context](const splat::GaussianModel& model,
                                      int level) -> StatusOr<double> {
-      if (context.cancellation->cancelled()) {
-        return InterruptedError(
-            "reconstruct: stopped while choosing the number of Gaussians");
-      }
       FREEGS_ASSIGN_OR_RETURN(
           const splat::HoldoutReport quality,
           splat::MeasureHoldout(model,
@@ -295,7 +201,7 @@ class ReconstructStage : public pipeline::Stage {
                                 *context.pool,
                                 level));
       context.log(pipeline::LogLevel::kInfo,
-                  TrialText(model, quality.mean_psnr, level));
+                  "reconstruct: " + TrialText(model, quality.mean_psnr, level));
       return quality.mean_psnr;
     };
   }
@@ -322,33 +228,6 @@ class ReconstructStage : public pipeline::Stage {
     return trainer->Restore(*std::move(checkpoint));
   }
 
-  static void LogRecovery(const splat::Recovery& recovery,
-                          pipeline::StageContext& context) {
-    char factor[32];
-    std::snprintf(factor, sizeof(factor), "%g", recovery.rate_factor);
-    context.log(pipeline::LogLevel::kWarning,
-                "reconstruct: training diverged at iteration " +
-                    std::to_string(recovery.iteration) + " (" +
-                    recovery.reason + "); back to iteration " +
-                    std::to_string(recovery.back_to) +
-                    ", learning rates now times " + factor);
-  }
-
-  static std::string TrialText(const splat::GaussianModel& model,
-                               double psnr,
-                               int level) {
-    char text[128];
-    std::snprintf(text,
-                  sizeof(text),
-                  "reconstruct: trial at 1/%d size, %zu Gaussians of SH degree "
-                  "%d: %.2f dB on the holdout",
-                  1 << level,
-                  model.size(),
-                  model.sh_degree,
-                  psnr);
-    return text;
-  }
-
   // When the step just done was the last before one.
   static void LogMilestone(const splat::StepReport& report,
                            const splat::Trainer& trainer,
@@ -356,12 +235,8 @@ class ReconstructStage : public pipeline::Stage {
     if (trainer.milestones().empty()) return;
     const splat::MilestoneRecord& record = trainer.milestones().back();
     if (record.iteration != report.iteration) return;
-    context.log(
-        pipeline::LogLevel::kInfo,
-        "reconstruct: " + std::string(splat::TrainingEventName(record.event)) +
-            " at iteration " + std::to_string(record.iteration) + ", " +
-            std::to_string(record.gaussians_before) + " -> " +
-            std::to_string(record.gaussians_after) + " Gaussians");
+    context.log(pipeline::LogLevel::kInfo,
+                "reconstruct: " + MilestoneText(record));
   }
 
   void ReportProgress(const splat::StepReport& report,
@@ -416,6 +291,9 @@ class ReconstructStage : public pipeline::Stage {
     context.summary = metrics;
     context.summary.erase("holdout_views");
     context.summary.erase("milestones");
+    if (!context.summary["budget_search"].is_null()) {
+      context.summary["budget_search"].erase("trials");
+    }
     return WriteFileAtomic(context.output / "metrics.json",
                            metrics.dump(1) + "\n");
   }

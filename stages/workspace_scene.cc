@@ -4,15 +4,12 @@
 
 #include <cstdlib>
 #include <map>
-#include <set>
 #include <system_error>
 #include <utility>
 
 #include "pipeline/stage_record.h"
-#include "sfm/model_io.h"
-#include "sfm/photo_list.h"
-#include "sfm/views.h"
 #include "splat/ply_io.h"
+#include "stages/training_scene.h"
 
 namespace freegs::stages {
 namespace {
@@ -28,14 +25,6 @@ Status RequireStageFile(const fs::path& workspace,
   if (fs::exists(path, error)) return Status();
   return BadInputError(path.string() + ": no such file or folder; run stage " +
                        stage + " first");
-}
-
-// An empty list when the workspace has none: somebody else's cameras.
-StatusOr<sfm::PhotoList> ReadPhotos(const fs::path& workspace) {
-  const fs::path path = workspace / "ingest" / "images.json";
-  std::error_code error;
-  if (!fs::exists(path, error)) return sfm::PhotoList();
-  return sfm::ReadPhotoList(path);
 }
 
 void TakeTrainingOptions(const fs::path& workspace, WorkspaceScene* scene) {
@@ -62,22 +51,10 @@ StatusOr<splat::GaussianModel> ReadWorkspaceModel(const fs::path& workspace) {
 }
 
 StatusOr<WorkspaceScene> ReadWorkspaceScene(const fs::path& workspace) {
-  FREEGS_RETURN_IF_ERROR(RequireStageFile(workspace, "undistort", "sparse"));
-  FREEGS_ASSIGN_OR_RETURN(const sfm::Reconstruction sparse,
-                          sfm::ReadModel(workspace / "undistort" / "sparse"));
-  FREEGS_ASSIGN_OR_RETURN(std::vector<View> views, sfm::MakeViews(sparse));
-  FREEGS_ASSIGN_OR_RETURN(const sfm::PhotoList photos, ReadPhotos(workspace));
+  FREEGS_ASSIGN_OR_RETURN(PosedPhotos posed, ReadPosedPhotos(workspace));
   WorkspaceScene scene;
-  std::set<std::string> holdout_names;
-  for (const sfm::Photo& photo : photos.photos) {
-    if (photo.split == sfm::PhotoSplit::kHoldout) {
-      holdout_names.insert(photo.name);
-    }
-  }
-  for (View& view : views) {
-    const bool holdout = holdout_names.contains(view.name);
-    (holdout ? scene.holdout : scene.train).push_back(std::move(view));
-  }
+  scene.train = std::move(posed.train);
+  scene.holdout = std::move(posed.holdout);
   FREEGS_ASSIGN_OR_RETURN(scene.model, ReadWorkspaceModel(workspace));
   TakeTrainingOptions(workspace, &scene);
   return scene;
