@@ -3,6 +3,7 @@
 #include "splat/trainer.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <utility>
 
@@ -87,8 +88,6 @@ StatusOr<float> Trainer::GradientStep() {
     model_.SetShDegree(sh_degree);
     adam_.SetShDegree(sh_degree);
   }
-  gradients_.sh_degree = model_.sh_degree;
-  gradients_.Resize(model_.size());
   // Only a densification to come reads the statistics, and only blur splits
   // read who dominates where: other steps do without.
   const bool collect = schedule_.CollectsStatistics(iteration_);
@@ -105,8 +104,25 @@ StatusOr<float> Trainer::GradientStep() {
                       &rendered_);
   const float loss =
       loss_.Compute(rendered_.color, target_, *pool_, &loss_gradient_);
-  rasterizer_.Backward(
-      model_, {.color = &loss_gradient_}, rendered_, *pool_, &gradients_);
+  LearningRates rates =
+      LearningRatesAt(options_.learning_rates,
+                      scene_extent_,
+                      schedule_.PositionRateIteration(iteration_));
+  for (float& rate : rates) rate *= static_cast<float>(history_.rate_factor);
+  adam_.BeginStep(rates);
+  std::atomic<bool> touched_finite = true;
+  rasterizer_.BackwardInChunks(
+      model_,
+      {.color = &loss_gradient_},
+      rendered_,
+      *pool_,
+      [&](std::span<const uint32_t> visible, const GaussianGradients& rows) {
+        adam_.UpdateRows(visible, rows, &model_);
+        if (!BoundParameters(scene_extent_, visible, &model_)) {
+          touched_finite = false;
+        }
+      });
+  touched_finite_ = touched_finite;
   const Projection& projection = rasterizer_.projection();
   if (collect) {
     radii_.resize(projection.size());
@@ -121,14 +137,6 @@ StatusOr<float> Trainer::GradientStep() {
                         view.camera.height);
   }
   if (dominant) statistics_.AddDominant(rendered_.dominant);
-  LearningRates rates =
-      LearningRatesAt(options_.learning_rates,
-                      scene_extent_,
-                      schedule_.PositionRateIteration(iteration_));
-  for (float& rate : rates) rate *= static_cast<float>(history_.rate_factor);
-  adam_.Step(rates, gradients_, projection.visible, *pool_, &model_);
-  touched_finite_ =
-      BoundParameters(scene_extent_, projection.visible, *pool_, &model_);
   return loss;
 }
 
