@@ -49,14 +49,6 @@ void LoadTile(const TileTask& task,
   }
 }
 
-template <typename T>
-void Reshape(int width, int height, int channels, Image<T>* image) {
-  if (image->width() != width || image->height() != height ||
-      image->channels() != channels) {
-    *image = Image<T>(width, height, channels);
-  }
-}
-
 }  // namespace
 
 TileTask Rasterizer::MakeTask(int64_t tile) const {
@@ -100,11 +92,11 @@ void Rasterizer::Forward(const GaussianModel& model,
                 extras);
   }
 
-  Reshape(camera.width, camera.height, 3, &images->color);
-  Reshape(camera.width, camera.height, 1, &images->transmittance);
-  Reshape(camera.width, camera.height, num_extras_, &images->extras);
+  images->color.Reshape(camera.width, camera.height, 3);
+  images->transmittance.Reshape(camera.width, camera.height, 1);
+  images->extras.Reshape(camera.width, camera.height, num_extras_);
   if (request.dominant) {
-    Reshape(camera.width, camera.height, 1, &images->dominant);
+    images->dominant.Reshape(camera.width, camera.height, 1);
   }
   const int64_t tiles = static_cast<int64_t>(bins_.tiles_x) * bins_.tiles_y;
   tile_visited_.resize(tiles);
@@ -248,8 +240,8 @@ void Rasterizer::Contributions(const GaussianModel& model,
                                ViewContributions* contributions) {
   PrepareWeights(model, camera, cam_from_world, options, pool);
   pair_contributions_.resize(bins_.num_pairs());
-  Reshape(camera.width, camera.height, 1, &contributions->dominant);
-  Reshape(camera.width, camera.height, 1, &contributions->transmittance);
+  contributions->dominant.Reshape(camera.width, camera.height, 1);
+  contributions->transmittance.Reshape(camera.width, camera.height, 1);
   const int64_t tiles = static_cast<int64_t>(bins_.tiles_x) * bins_.tiles_y;
   pool.ParallelFor(0, tiles, 4, [&](int64_t begin, int64_t end, int) {
     TileDominance dominance;

@@ -93,11 +93,11 @@ StatusOr<float> Trainer::GradientStep() {
   const bool collect = schedule_.CollectsStatistics(iteration_);
   const bool dominant = collect && densification_.blur_split_share > 0;
 
-  const View view = images_->view(view_index, level);
+  const Pinhole camera = images_->camera(view_index, level);
   FREEGS_RETURN_IF_ERROR(images_->Fetch(view_index, level, &target_));
   rasterizer_.Forward(model_,
-                      view.camera,
-                      view.cam_from_world,
+                      camera,
+                      images_->cam_from_world(view_index),
                       options_.render,
                       {.dominant = dominant},
                       *pool_,
@@ -133,8 +133,8 @@ StatusOr<float> Trainer::GradientStep() {
     statistics_.AddView(projection.model_index,
                         rasterizer_.mean2d_gradients(),
                         radii_,
-                        view.camera.width,
-                        view.camera.height);
+                        camera.width,
+                        camera.height);
   }
   if (dominant) statistics_.AddDominant(rendered_.dominant);
   return loss;
@@ -211,7 +211,12 @@ Status Trainer::GoBack(const std::string& reason) {
   return Status();
 }
 
-void Trainer::KeepAsGood() { history_.last_good = {iteration_, model_}; }
+void Trainer::KeepAsGood() {
+  if (!history_.last_good) history_.last_good.emplace();
+  // Into the memory of the one before.
+  history_.last_good->iteration = iteration_;
+  history_.last_good->model = model_;
+}
 
 Status Trainer::FollowSchedule() {
   if (const auto event = schedule_.MilestoneAt(iteration_)) {
