@@ -7,10 +7,15 @@
 #include <bit>
 #include <utility>
 
+#include <hwy/cache_control.h>
+
 namespace freegs::splat {
 namespace {
 
 constexpr int64_t kChunk = 1024;
+
+// Splats between asking for one and reading it.
+constexpr int64_t kAhead = 16;
 
 // Stable radix sort by the upper 32 bits of the keys, 11 bits a pass.
 void SortByDepth(std::vector<uint64_t>* keys, std::vector<uint64_t>* scratch) {
@@ -123,6 +128,10 @@ void Projector::Project(const GaussianModel& model,
                    kChunk,
                    [&](int64_t begin, int64_t end, int) {
                      for (int64_t k = begin; k < end; ++k) {
+                       // In depth order they are all over memory.
+                       const auto ahead = static_cast<uint32_t>(
+                           keys_[std::min(k + kAhead, end - 1)]);
+                       hwy::Prefetch(&by_model_[projection->visible[ahead]]);
                        const auto j = static_cast<uint32_t>(keys_[k]);
                        const uint32_t i = projection->visible[j];
                        projection->rank[j] = static_cast<uint32_t>(k);

@@ -18,6 +18,34 @@ constexpr auto kPlaces = [] {
   return places;
 }();
 
+// Adds up the pairs of a splat, each from its number `first` on, in the fixed
+// order of the tiles.
+template <size_t kExtent>
+void AddPairs(const SplatDerivatives& from,
+              int64_t splat,
+              int first,
+              std::span<float, kExtent> sums) {
+  const size_t stride = kMomentStride + from.num_extras;
+  for (const uint32_t entry : from.bins->EntriesOf(splat)) {
+    const float* pair = from.pair_moments.data() + entry * stride + first;
+    for (size_t m = 0; m < sums.size(); ++m) sums[m] += pair[m];
+  }
+}
+
+SplatSums SumsOf(const SplatDerivatives& from, int64_t s) {
+  SplatSums sums = {};
+  AddPairs(from, s, 0, std::span(sums.moments));
+  if (from.has_depth) {
+    AddPairs(from, s, kMomentStride, std::span(&sums.depth_gradient, 1));
+  }
+  const Splat& splat = from.projection->splats[s];
+  for (int c = 0; c < 3; ++c) {
+    if (!(splat.color[c] > 0.0f)) sums.moments[kNumMoments + c] = 0;
+  }
+  sums.log2_opacity = splat.log2_opacity;
+  return sums;
+}
+
 }  // namespace
 
 // In depth order, in which the pairs of each tile are read one after another.
@@ -26,42 +54,22 @@ void ProjectionBackward::SumPairs(const SplatDerivatives& from,
                                   std::span<float> feature_gradients) {
   const Projection& projection = *from.projection;
   const int num_depths = from.has_depth ? 1 : 0;
-  const int num_features = from.num_extras - num_depths;
-  const int stride = kMomentStride + from.num_extras;
+  const size_t num_features = from.num_extras - num_depths;
   sums_.resize(projection.size());
-  pool.ParallelFor(
-      0,
-      static_cast<int64_t>(projection.size()),
-      kGrain,
-      [&](int64_t begin, int64_t end, int) {
-        for (int64_t s = begin; s < end; ++s) {
-          SplatSums& sums = sums_[s];
-          sums = SplatSums();
-          // In the fixed order of the tiles.
-          for (const uint32_t entry : from.bins->EntriesOf(s)) {
-            const float* pair =
-                from.pair_moments.data() + static_cast<size_t>(entry) * stride;
-            for (int m = 0; m < kMomentStride; ++m) sums.moments[m] += pair[m];
-            if (from.has_depth) sums.depth_gradient += pair[kMomentStride];
-          }
-          const Splat& splat = projection.splats[s];
-          for (int c = 0; c < 3; ++c) {
-            if (!(splat.color[c] > 0.0f)) sums.moments[kNumMoments + c] = 0;
-          }
-          sums.log2_opacity = splat.log2_opacity;
-          if (feature_gradients.empty()) continue;
-          float* features =
-              feature_gradients.data() +
-              static_cast<size_t>(projection.model_index[s]) * num_features;
-          std::fill_n(features, num_features, 0.0f);
-          for (const uint32_t entry : from.bins->EntriesOf(s)) {
-            const float* pair = from.pair_moments.data() +
-                                static_cast<size_t>(entry) * stride +
-                                kMomentStride + num_depths;
-            for (int f = 0; f < num_features; ++f) features[f] += pair[f];
-          }
-        }
-      });
+  pool.ParallelFor(0,
+                   static_cast<int64_t>(projection.size()),
+                   kGrain,
+                   [&](int64_t begin, int64_t end, int) {
+                     for (int64_t s = begin; s < end; ++s) {
+                       sums_[s] = SumsOf(from, s);
+                       if (feature_gradients.empty()) continue;
+                       const auto features = feature_gradients.subspan(
+                           projection.model_index[s] * num_features,
+                           num_features);
+                       std::fill(features.begin(), features.end(), 0.0f);
+                       AddPairs(from, s, kMomentStride + num_depths, features);
+                     }
+                   });
 }
 
 ProjectionBackwardTask ProjectionBackward::MakeTask(
