@@ -3,7 +3,7 @@
 // how it grows with pixels and with Gaussians that cover the picture as often.
 
 #include <cstdint>
-#include <vector>
+#include <span>
 
 #include <benchmark/benchmark.h>
 
@@ -12,6 +12,7 @@
 #include "splat/adam.h"
 #include "splat/learning_rates.h"
 #include "splat/loss.h"
+#include "splat/stability.h"
 
 namespace freegs::splat {
 namespace {
@@ -24,19 +25,6 @@ ImageF RandomImage(int width, int height) {
   return image;
 }
 
-// As Trainer does it: the Gaussians in sight, ascending.
-void CollectTouched(const Projection& projection,
-                    size_t num_gaussians,
-                    std::vector<uint8_t>* flags,
-                    std::vector<uint32_t>* touched) {
-  flags->assign(num_gaussians, 0);
-  for (const uint32_t i : projection.model_index) (*flags)[i] = 1;
-  touched->clear();
-  for (uint32_t i = 0; i < flags->size(); ++i) {
-    if ((*flags)[i] != 0) touched->push_back(i);
-  }
-}
-
 void BM_TrainingStep(benchmark::State& state) {
   BenchmarkScene scene(state);
   const ImageF target = RandomImage(scene.camera.width, scene.camera.height);
@@ -46,8 +34,6 @@ void BM_TrainingStep(benchmark::State& state) {
   adam.Reset(scene.model);
   // The work must not change from step to step: Gaussians stay where they are.
   const LearningRates rates = {};
-  std::vector<uint8_t> flags;
-  std::vector<uint32_t> touched;
   const Stopwatch stopwatch;
   for (auto _ : state) {
     scene.rasterizer.Forward(scene.model,
@@ -59,14 +45,16 @@ void BM_TrainingStep(benchmark::State& state) {
                              &scene.images);
     benchmark::DoNotOptimize(
         loss.Compute(scene.images.color, target, scene.pool, &d_color));
-    scene.rasterizer.Backward(scene.model,
-                              {.color = &d_color},
-                              scene.images,
-                              scene.pool,
-                              &scene.gradients);
-    CollectTouched(
-        scene.rasterizer.projection(), scene.model.size(), &flags, &touched);
-    adam.Step(rates, scene.gradients, touched, scene.pool, &scene.model);
+    adam.BeginStep(rates);
+    scene.rasterizer.BackwardInChunks(
+        scene.model,
+        {.color = &d_color},
+        scene.images,
+        scene.pool,
+        [&](std::span<const uint32_t> visible, const GaussianGradients& rows) {
+          adam.UpdateRows(visible, rows, &scene.model);
+          BoundParameters(1.0, visible, &scene.model);
+        });
     benchmark::ClobberMemory();
   }
   SetPairCounters(stopwatch, scene, state);

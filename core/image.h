@@ -22,6 +22,15 @@ class Image {
         channels_(channels),
         data_(static_cast<size_t>(width) * height * channels, fill) {}
 
+  // The image of another shape, with whatever values. Keeps the memory where it
+  // is large enough.
+  void Reshape(int width, int height, int channels) {
+    width_ = width;
+    height_ = height;
+    channels_ = channels;
+    data_.resize(static_cast<size_t>(width) * height * channels);
+  }
+
   int width() const { return width_; }
   int height() const { return height_; }
   int channels() const { return channels_; }

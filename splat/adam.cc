@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "splat/adam_simd.h"
-
 namespace freegs::splat {
 namespace {
 
@@ -36,11 +34,7 @@ void Adam::Reset(const GaussianModel& model) {
   }
 }
 
-void Adam::Step(const LearningRates& rates,
-                const GaussianGradients& gradients,
-                std::span<const uint32_t> touched,
-                ThreadPool& pool,
-                GaussianModel* model) {
+void Adam::BeginStep(const LearningRates& rates) {
   ++state_.steps;
   const double t = static_cast<double>(state_.steps);
   const double correction1 = 1 - std::pow(options_.beta1, t);
@@ -51,27 +45,50 @@ void Adam::Step(const LearningRates& rates,
   coefficients.one_minus_beta2 = static_cast<float>(1 - options_.beta2);
   coefficients.root_correction = static_cast<float>(1 / std::sqrt(correction2));
   coefficients.epsilon = static_cast<float>(options_.epsilon);
+  for (int kind = 0; kind < kNumParameters; ++kind) {
+    const double rate = rates[kind];
+    coefficients.step_size = static_cast<float>(rate / correction1);
+    coefficients_[kind] = coefficients;
+  }
+}
 
-  pool.ParallelFor(
-      0,
-      static_cast<int64_t>(touched.size()),
-      kGrain,
-      [&](int64_t first, int64_t last, int) {
-        const auto part = touched.subspan(first, last - first);
-        AdamCoefficients own = coefficients;
-        for (const Parameter parameter : kAllParameters) {
-          const double rate = rates[static_cast<int>(parameter)];
-          own.step_size = static_cast<float>(rate / correction1);
-          UpdateAdamArray(
-              own,
-              part,
-              ParameterStride(*model, parameter),
-              ParameterArray(gradients, parameter).data(),
-              ParameterArray(state_.first_moments, parameter).data(),
-              ParameterArray(state_.second_moments, parameter).data(),
-              ParameterArray(*model, parameter).data());
-        }
-      });
+void Adam::Step(const LearningRates& rates,
+                const GaussianGradients& gradients,
+                std::span<const uint32_t> touched,
+                ThreadPool& pool,
+                GaussianModel* model) {
+  BeginStep(rates);
+  pool.ParallelFor(0,
+                   static_cast<int64_t>(touched.size()),
+                   kGrain,
+                   [&](int64_t first, int64_t last, int) {
+                     Update(touched.subspan(first, last - first),
+                            GradientRows::kByIndex,
+                            gradients,
+                            model);
+                   });
+}
+
+void Adam::UpdateRows(std::span<const uint32_t> touched,
+                      const GaussianGradients& rows,
+                      GaussianModel* model) {
+  Update(touched, GradientRows::kByPlace, rows, model);
+}
+
+void Adam::Update(std::span<const uint32_t> touched,
+                  GradientRows rows,
+                  const GaussianGradients& gradients,
+                  GaussianModel* model) {
+  for (const Parameter parameter : kAllParameters) {
+    UpdateAdamArray(coefficients_[static_cast<int>(parameter)],
+                    touched,
+                    rows,
+                    ParameterStride(*model, parameter),
+                    ParameterArray(gradients, parameter).data(),
+                    ParameterArray(state_.first_moments, parameter).data(),
+                    ParameterArray(state_.second_moments, parameter).data(),
+                    ParameterArray(*model, parameter).data());
+  }
 }
 
 void Adam::Select(std::span<const uint32_t> indices) {

@@ -4,18 +4,17 @@
 #ifndef FREEGS_SPLAT_ADAM_H_
 #define FREEGS_SPLAT_ADAM_H_
 
+#include <array>
 #include <cstdint>
 #include <span>
 
 #include "core/parallel.h"
 #include "core/status.h"
+#include "splat/adam_simd.h"
 #include "splat/gaussian_model.h"
 #include "splat/learning_rates.h"
 
 namespace freegs::splat {
-
-// d loss / d parameter, in arrays of the model's shapes.
-using GaussianGradients = GaussianModel;
 
 struct AdamOptions {
   // Decay per step of the first and second moments.
@@ -55,6 +54,15 @@ class Adam {
             ThreadPool& pool,
             GaussianModel* model);
 
+  // The same step in parts, for gradients that never are in one array:
+  // BeginStep once, then UpdateRows for every touched Gaussian once. Row j of
+  // `rows` belongs to Gaussian touched[j]. Concurrent calls may not share
+  // Gaussians.
+  void BeginStep(const LearningRates& rates);
+  void UpdateRows(std::span<const uint32_t> touched,
+                  const GaussianGradients& rows,
+                  GaussianModel* model);
+
   // Follow the model's own edits: keep the Gaussians listed (same lists as
   // GaussianModel::Select), append `count` with zero moments, or change the
   // stored SH degree.
@@ -70,8 +78,15 @@ class Adam {
   void set_state(AdamState state) { state_ = std::move(state); }
 
  private:
+  void Update(std::span<const uint32_t> touched,
+              GradientRows rows,
+              const GaussianGradients& gradients,
+              GaussianModel* model);
+
   AdamOptions options_;
   AdamState state_;
+  // Of the step begun last.
+  std::array<AdamCoefficients, kNumParameters> coefficients_;
 };
 
 }  // namespace freegs::splat

@@ -38,6 +38,7 @@ HWY_INLINE void UpdateAt(D d,
 
 void UpdateArray(const AdamCoefficients& coefficients,
                  std::span<const uint32_t> touched,
+                 GradientRows rows,
                  size_t stride,
                  const float* gradients,
                  float* first_moments,
@@ -45,13 +46,14 @@ void UpdateArray(const AdamCoefficients& coefficients,
                  float* parameters) {
   size_t i = 0;
   size_t end = 0;
+  const float* gradient = nullptr;  // Of the run's first parameter.
   // Whole vectors of this width from i on.
   const auto update = [&](auto d) HWY_ATTR {
     const size_t lanes = hn::Lanes(d);
-    for (; i + lanes <= end; i += lanes) {
+    for (; i + lanes <= end; i += lanes, gradient += lanes) {
       UpdateAt(d,
                coefficients,
-               gradients + i,
+               gradient,
                first_moments + i,
                second_moments + i,
                parameters + i);
@@ -59,6 +61,8 @@ void UpdateArray(const AdamCoefficients& coefficients,
   };
   for (size_t k = 0; k < touched.size();) {
     const size_t run_begin = touched[k];
+    gradient =
+        gradients + stride * (rows == GradientRows::kByIndex ? run_begin : k);
     size_t run_end = run_begin;
     while (k < touched.size() && touched[k] == run_end) {
       ++k;
@@ -84,6 +88,7 @@ HWY_EXPORT(UpdateArray);
 
 void UpdateAdamArray(const AdamCoefficients& coefficients,
                      std::span<const uint32_t> touched,
+                     GradientRows rows,
                      int stride,
                      const float* gradients,
                      float* first_moments,
@@ -93,6 +98,7 @@ void UpdateAdamArray(const AdamCoefficients& coefficients,
   HWY_DYNAMIC_DISPATCH(UpdateArray)
   (coefficients,
    touched,
+   rows,
    static_cast<size_t>(stride),
    gradients,
    first_moments,

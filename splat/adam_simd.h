@@ -22,10 +22,14 @@ struct AdamCoefficients {
   float epsilon;
 };
 
+// Where the gradient of Gaussian touched[j] is: in row touched[j], or in row j.
+enum class GradientRows { kByIndex, kByPlace };
+
 // Updates the groups of `stride` floats of the Gaussians listed (ascending).
-// Arrays are N x stride.
+// Arrays are N x stride; `gradients` may be touched.size() x stride.
 void UpdateAdamArray(const AdamCoefficients& coefficients,
                      std::span<const uint32_t> touched,
+                     GradientRows rows,
                      int stride,
                      const float* gradients,
                      float* first_moments,

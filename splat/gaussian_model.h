@@ -57,6 +57,9 @@ struct GaussianModel {
   bool AllFinite() const;
 };
 
+// d loss / d parameter, in arrays of a model's shapes.
+using GaussianGradients = GaussianModel;
+
 // The parameter arrays of a model by kind, for code that treats all alike
 // (optimiser, checkpoints).
 enum class Parameter {

@@ -115,10 +115,7 @@ float PhotometricLoss::Compute(const ImageF& rendered,
   const double weight = options_.ssim_weight;
 
   if (gradient != nullptr) {
-    if (gradient->width() != rendered.width() || gradient->height() != height ||
-        gradient->channels() != 3) {
-      *gradient = ImageF(rendered.width(), height, 3);
-    }
+    gradient->Reshape(rendered.width(), height, 3);
     const auto l1_factor = static_cast<float>((1 - weight) / count);
     const auto ssim_factor = static_cast<float>(-weight / count);
     pool.ParallelFor(

@@ -7,12 +7,15 @@
 #include <bit>
 #include <utility>
 
-#include "splat/projection_simd.h"
+#include <hwy/cache_control.h>
 
 namespace freegs::splat {
 namespace {
 
 constexpr int64_t kChunk = 1024;
+
+// Splats between asking for one and reading it.
+constexpr int64_t kAhead = 16;
 
 // Stable radix sort by the upper 32 bits of the keys, 11 bits a pass.
 void SortByDepth(std::vector<uint64_t>* keys, std::vector<uint64_t>* scratch) {
@@ -75,18 +78,25 @@ template ProjectionCamera<double> MakeProjectionCamera(const Pinhole&,
                                                        const Rigid3d&,
                                                        const RenderOptions&);
 
+ProjectionTask MakeProjectionTask(const GaussianModel& model,
+                                  const Pinhole& camera,
+                                  const Rigid3d& cam_from_world,
+                                  const RenderOptions& options) {
+  return {&model,
+          MakeProjectionCamera<float>(camera, cam_from_world, options),
+          camera.width,
+          camera.height,
+          std::min(options.sh_degree, model.sh_degree)};
+}
+
 void Projector::Project(const GaussianModel& model,
                         const Pinhole& camera,
                         const Rigid3d& cam_from_world,
                         const RenderOptions& options,
                         ThreadPool& pool,
                         Projection* projection) {
-  const ProjectionTask task{
-      &model,
-      MakeProjectionCamera<float>(camera, cam_from_world, options),
-      camera.width,
-      camera.height,
-      std::min(options.sh_degree, model.sh_degree)};
+  const ProjectionTask task =
+      MakeProjectionTask(model, camera, cam_from_world, options);
   const auto count = static_cast<int64_t>(model.size());
   by_model_.resize(model.size());
   visible_.resize(model.size());
@@ -118,44 +128,16 @@ void Projector::Project(const GaussianModel& model,
                    kChunk,
                    [&](int64_t begin, int64_t end, int) {
                      for (int64_t k = begin; k < end; ++k) {
+                       // In depth order they are all over memory.
+                       const auto ahead = static_cast<uint32_t>(
+                           keys_[std::min(k + kAhead, end - 1)]);
+                       hwy::Prefetch(&by_model_[projection->visible[ahead]]);
                        const auto j = static_cast<uint32_t>(keys_[k]);
                        const uint32_t i = projection->visible[j];
                        projection->rank[j] = static_cast<uint32_t>(k);
                        projection->model_index[k] = i;
                        projection->splats[k] = by_model_[i];
                      }
-                   });
-}
-
-void BackwardProjection(const GaussianModel& model,
-                        const Pinhole& camera,
-                        const Rigid3d& cam_from_world,
-                        const RenderOptions& options,
-                        const Projection& projection,
-                        const SplatMoments& moments,
-                        ThreadPool& pool,
-                        GaussianModel* gradients,
-                        std::span<float> mean2d_gradients) {
-  ProjectionBackwardTask task;
-  task.forward = {&model,
-                  MakeProjectionCamera<float>(camera, cam_from_world, options),
-                  camera.width,
-                  camera.height,
-                  std::min(options.sh_degree, model.sh_degree)};
-  task.visible = projection.visible.data();
-  task.rank = projection.rank.data();
-  task.splats = projection.splats.data();
-  task.moments = moments.values.data();
-  task.moment_stride = moments.stride;
-  task.depth_extra = moments.depth_extra;
-  task.gradients = gradients;
-  task.mean2d_gradients =
-      mean2d_gradients.empty() ? nullptr : mean2d_gradients.data();
-  pool.ParallelFor(0,
-                   static_cast<int64_t>(projection.size()),
-                   kChunk / 4,
-                   [&](int64_t begin, int64_t end, int) {
-                     BackwardProjectionRange(task, begin, end);
                    });
 }
 

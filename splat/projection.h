@@ -5,13 +5,13 @@
 #define FREEGS_SPLAT_PROJECTION_H_
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "core/parallel.h"
 #include "core/pinhole.h"
 #include "splat/ewa_projection.h"
 #include "splat/gaussian_model.h"
+#include "splat/projection_simd.h"
 #include "splat/renderer.h"
 #include "splat/tile_kernels.h"
 
@@ -21,6 +21,11 @@ template <typename T>
 ProjectionCamera<T> MakeProjectionCamera(const Pinhole& camera,
                                          const Rigid3d& cam_from_world,
                                          const RenderOptions& options);
+
+ProjectionTask MakeProjectionTask(const GaussianModel& model,
+                                  const Pinhole& camera,
+                                  const Rigid3d& cam_from_world,
+                                  const RenderOptions& options);
 
 // The visible Gaussians of a view, nearest first.
 struct Projection {
@@ -52,29 +57,6 @@ class Projector {
   std::vector<uint64_t> keys_;
   std::vector<uint64_t> keys_scratch_;
 };
-
-// dL/dsplat for every splat of a Projection, as sums over its pixels (see
-// tile_kernels.h): kMomentStride + num_extras floats each. The depth channel,
-// when there is one, is extra number `depth_extra` (-1: none).
-struct SplatMoments {
-  std::span<const float> values;
-  int stride = kMomentStride;
-  int depth_extra = -1;
-};
-
-// Overwrites the visible Gaussians' rows of *gradients (a model-shaped
-// container) with dL/dparameters; other rows are left alone. Also writes, per
-// splat, the gradient with respect to its 2D mean in pixels (2 floats) when
-// mean2d_gradients is not empty.
-void BackwardProjection(const GaussianModel& model,
-                        const Pinhole& camera,
-                        const Rigid3d& cam_from_world,
-                        const RenderOptions& options,
-                        const Projection& projection,
-                        const SplatMoments& moments,
-                        ThreadPool& pool,
-                        GaussianModel* gradients,
-                        std::span<float> mean2d_gradients = {});
 
 }  // namespace freegs::splat
 

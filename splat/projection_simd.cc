@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <hwy/cache_control.h>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "splat/projection_simd.cc"
 #include <hwy/foreach_target.h>
@@ -61,9 +63,9 @@ ProjectionCamera<SimdNumber> Broadcast(const ProjectionCamera<float>& from) {
 
 // A group of Gaussians: as many as a vector has lanes, or fewer at the end.
 struct Group {
-  const uint32_t* indices;  // Into the model.
+  const uint32_t* indices;  // Rows of a model, or of gradients.
   size_t count;
-  bool consecutive;  // A whole vector of neighbours in the model.
+  bool consecutive;  // A whole vector of neighbours.
 };
 
 HWY_INLINE Group MakeGroup(const uint32_t* indices, size_t count) {
@@ -297,52 +299,45 @@ size_t Project(const ProjectionTask& task,
   return found;
 }
 
-// The moments and splat members that a group's derivatives need.
-struct MomentLanes {
+// SplatSums, [member][lane].
+struct SumLanes {
   LaneArray moments[kMomentStride];
-  LaneArray opacity_log2;
+  LaneArray log2_opacity;
   LaneArray depth_gradient;
 };
 
-// dL/dcolor is moved to 0 where the colour was cut at 0.
-void GatherMoments(const ProjectionBackwardTask& task,
-                   size_t first,
-                   size_t count,
-                   MomentLanes* lanes) {
+HWY_INLINE void GatherSums(const ProjectionBackwardTask& task,
+                           size_t first,
+                           size_t count,
+                           SumLanes* lanes) {
   for (size_t l = 0; l < count; ++l) {
-    const uint32_t k = task.rank[first + l];
-    const Splat& splat = task.splats[k];
-    const float* moments =
-        task.moments + static_cast<size_t>(k) * task.moment_stride;
-    for (int m = 0; m < kNumMoments; ++m) {
-      lanes->moments[m].values[l] = moments[m];
+    const SplatSums& sums = task.sums[task.rank[first + l]];
+    for (int m = 0; m < kMomentStride; ++m) {
+      lanes->moments[m].values[l] = sums.moments[m];
     }
-    for (int c = 0; c < 3; ++c) {
-      lanes->moments[kNumMoments + c].values[l] =
-          splat.color[c] > 0.0f ? moments[kNumMoments + c] : 0.0f;
-    }
-    lanes->opacity_log2.values[l] = splat.log2_opacity;
-    lanes->depth_gradient.values[l] =
-        task.depth_extra >= 0 ? moments[kMomentStride + task.depth_extra] : 0;
+    lanes->log2_opacity.values[l] = sums.log2_opacity;
+    lanes->depth_gradient.values[l] = sums.depth_gradient;
   }
 }
 
 // The rows of sh_rest: writes their gradients, and dL/dbasis of every lane.
 void BackwardRest(const ProjectionBackwardTask& task,
                   const Group& group,
-                  const MomentLanes& moments,
+                  const Group& rows,
+                  const SumLanes& sums,
                   const Basis& basis,
                   Basis* basis_gradient) {
   const GaussianModel& model = *task.forward.model;
   const int stride = model.sh_rest_stride();
   const int count = NumShCoefficients(task.forward.sh_degree) - 1;
   for (size_t l = 0; l < group.count; ++l) {
-    const size_t at = static_cast<size_t>(group.indices[l]) * stride;
-    const float* rest = model.sh_rest.data() + at;
-    float* d_rest = task.gradients->sh_rest.data() + at;
-    const float r = moments.moments[kNumMoments].values[l];
-    const float g = moments.moments[kNumMoments + 1].values[l];
-    const float b = moments.moments[kNumMoments + 2].values[l];
+    const float* rest =
+        model.sh_rest.data() + static_cast<size_t>(group.indices[l]) * stride;
+    float* d_rest = task.gradients->sh_rest.data() +
+                    static_cast<size_t>(rows.indices[l]) * stride;
+    const float r = sums.moments[kNumMoments].values[l];
+    const float g = sums.moments[kNumMoments + 1].values[l];
+    const float b = sums.moments[kNumMoments + 2].values[l];
     for (int k = 0; k < count; ++k) {
       const float value = basis.values[k].values[l];
       d_rest[3 * k] = value * r;
@@ -384,14 +379,15 @@ HWY_INLINE void BackwardDirection(int sh_degree,
 void BackwardGroup(const ProjectionBackwardTask& task,
                    const ProjectionCamera<SimdNumber>& camera,
                    size_t first,
-                   const Group& group) {
+                   const Group& group,
+                   const Group& rows) {
   const GaussianModel& model = *task.forward.model;
   SimdNumber mean[3], log_scale[3], rotation[4];
   LoadRows<3>(group, model.means.data(), mean);
   LoadRows<3>(group, model.log_scales.data(), log_scale);
   LoadRows<4>(group, model.rotations.data(), rotation);
-  MomentLanes lanes = {};
-  GatherMoments(task, first, group.count, &lanes);
+  SumLanes lanes = {};
+  GatherSums(task, first, group.count, &lanes);
   SimdNumber moments[kMomentStride];
   for (int m = 0; m < kMomentStride; ++m)
     moments[m] = FromArray(lanes.moments[m]);
@@ -411,24 +407,22 @@ void BackwardGroup(const ProjectionBackwardTask& task,
   gradient.conic[1] = -moments[4];
   gradient.conic[2] = SimdNumber(-0.5f) * moments[5];
   gradient.depth = FromArray(lanes.depth_gradient);
-  if (task.mean2d_gradients != nullptr) {
-    LaneArray x = {}, y = {};
-    ToArray(gradient.mean[0], &x);
-    ToArray(gradient.mean[1], &y);
-    for (size_t l = 0; l < group.count; ++l) {
-      float* out = task.mean2d_gradients + 2 * size_t{task.rank[first + l]};
-      out[0] = x.values[l];
-      out[1] = y.values[l];
-    }
+  LaneArray x = {}, y = {};
+  ToArray(gradient.mean[0], &x);
+  ToArray(gradient.mean[1], &y);
+  for (size_t l = 0; l < group.count; ++l) {
+    float* out = task.mean2d_gradients + 2 * size_t{task.rank[first + l]};
+    out[0] = x.values[l];
+    out[1] = y.values[l];
   }
 
   // d ln(sigmoid(x)) / dx = 1 - sigmoid(x).
   LaneArray d_logit = {};
   const SimdNumber opacity =
-      exp(FromArray(lanes.opacity_log2) * SimdNumber(kLn2));
+      exp(FromArray(lanes.log2_opacity) * SimdNumber(kLn2));
   ToArray(moments[0] * (SimdNumber(1.0f) - opacity), &d_logit);
   for (size_t l = 0; l < group.count; ++l) {
-    task.gradients->opacity_logits[group.indices[l]] = d_logit.values[l];
+    task.gradients->opacity_logits[rows.indices[l]] = d_logit.values[l];
   }
 
   const SimdNumber zero(0.0f);
@@ -436,31 +430,38 @@ void BackwardGroup(const ProjectionBackwardTask& task,
   for (int c = 0; c < 3; ++c) {
     d_dc[c] = SimdNumber(kShC0) * moments[kNumMoments + c];
   }
-  StoreRows<3>(group, d_dc, task.gradients->sh_dc.data());
+  StoreRows<3>(rows, d_dc, task.gradients->sh_dc.data());
   SimdNumber d_mean[3] = {zero, zero, zero};
   Basis basis, basis_gradient;
   if (task.forward.sh_degree > 0) {
     const Direction direction = ViewDirection(mean, camera);
     MakeBasis(task.forward.sh_degree, direction, &basis);
-    BackwardRest(task, group, lanes, basis, &basis_gradient);
+    BackwardRest(task, group, rows, lanes, basis, &basis_gradient);
     BackwardDirection(
         task.forward.sh_degree, direction, basis_gradient, d_mean);
   } else if (model.sh_degree > 0) {
-    BackwardRest(task, group, lanes, basis, &basis_gradient);
+    BackwardRest(task, group, rows, lanes, basis, &basis_gradient);
   }
   SimdNumber d_log_scale[3] = {zero, zero, zero};
   SimdNumber d_rotation[4];
   BackwardProjectGaussian(
       camera, projected, terms, gradient, d_mean, d_log_scale, d_rotation);
-  StoreRows<3>(group, d_mean, task.gradients->means.data());
-  StoreRows<3>(group, d_log_scale, task.gradients->log_scales.data());
-  StoreRows<4>(group, d_rotation, task.gradients->rotations.data());
+  StoreRows<3>(rows, d_mean, task.gradients->means.data());
+  StoreRows<3>(rows, d_log_scale, task.gradients->log_scales.data());
+  StoreRows<4>(rows, d_rotation, task.gradients->rotations.data());
 }
 
-void Backward(const ProjectionBackwardTask& task, size_t begin, size_t end) {
+void Backward(const ProjectionBackwardTask& task) {
   const ProjectionCamera<SimdNumber> camera = Broadcast(task.forward.camera);
-  for (size_t j = begin; j < end; j += hn::Lanes(Tag())) {
-    BackwardGroup(task, camera, j, MakeGroup(task.visible + j, end - j));
+  for (size_t j = 0; j < task.count; ++j) {
+    hwy::Prefetch(task.sums + task.rank[j]);
+  }
+  for (size_t j = 0; j < task.count; j += hn::Lanes(Tag())) {
+    BackwardGroup(task,
+                  camera,
+                  j,
+                  MakeGroup(task.visible + j, task.count - j),
+                  MakeGroup(task.rows + j, task.count - j));
   }
 }
 
@@ -481,10 +482,8 @@ size_t ProjectRange(const ProjectionTask& task,
   return HWY_DYNAMIC_DISPATCH(Project)(task, begin, end, splats, visible);
 }
 
-void BackwardProjectionRange(const ProjectionBackwardTask& task,
-                             size_t begin,
-                             size_t end) {
-  HWY_DYNAMIC_DISPATCH(Backward)(task, begin, end);
+void BackwardProjection(const ProjectionBackwardTask& task) {
+  HWY_DYNAMIC_DISPATCH(Backward)(task);
 }
 
 }  // namespace freegs::splat

@@ -31,24 +31,34 @@ size_t ProjectRange(const ProjectionTask& task,
                     Splat* splats,
                     uint32_t* visible);
 
-// What the derivatives start from. Entry j is Gaussian visible[j] of the model
-// and splat number rank[j].
-struct ProjectionBackwardTask {
-  ProjectionTask forward;
-  const uint32_t* visible = nullptr;
-  const uint32_t* rank = nullptr;
-  const Splat* splats = nullptr;   // By rank.
-  const float* moments = nullptr;  // By rank, moment_stride floats each.
-  int moment_stride = kMomentStride;
-  int depth_extra = -1;  // See SplatMoments.
-  GaussianModel* gradients = nullptr;
-  float* mean2d_gradients = nullptr;  // By rank, 2 floats each; may be null.
+// What the derivatives of a splat start from, in one cache line: in the order
+// of the model each is somewhere else in memory.
+struct alignas(64) SplatSums {
+  // dL/dsplat as sums over its pixels (see tile_kernels.h); dL/dcolor is 0
+  // where the colour was cut at 0.
+  float moments[kMomentStride];
+  float log2_opacity;
+  float depth_gradient;  // dL/ddepth, 0 without such a channel.
 };
 
-// Writes the gradients of entries [begin, end).
-void BackwardProjectionRange(const ProjectionBackwardTask& task,
-                             size_t begin,
-                             size_t end);
+// What the derivatives start from and where they go. Entry j < count is
+// Gaussian visible[j] of the model and splat number rank[j].
+struct ProjectionBackwardTask {
+  ProjectionTask forward;
+  size_t count = 0;
+  const uint32_t* visible = nullptr;  // Ascending.
+  const uint32_t* rank = nullptr;
+  const SplatSums* sums = nullptr;  // By rank.
+  // The gradient of entry j goes to row rows[j] (ascending) of *gradients, of
+  // the model's SH degree: `visible` itself for a container of the model's
+  // shapes, or 0, 1, ... for a compact one.
+  GaussianGradients* gradients = nullptr;
+  const uint32_t* rows = nullptr;
+  float* mean2d_gradients = nullptr;  // By rank, 2 floats each, pixels.
+};
+
+// Overwrites the rows of the entries; others are left alone.
+void BackwardProjection(const ProjectionBackwardTask& task);
 
 }  // namespace freegs::splat
 

@@ -49,14 +49,6 @@ void LoadTile(const TileTask& task,
   }
 }
 
-template <typename T>
-void Reshape(int width, int height, int channels, Image<T>* image) {
-  if (image->width() != width || image->height() != height ||
-      image->channels() != channels) {
-    *image = Image<T>(width, height, channels);
-  }
-}
-
 }  // namespace
 
 TileTask Rasterizer::MakeTask(int64_t tile) const {
@@ -100,11 +92,11 @@ void Rasterizer::Forward(const GaussianModel& model,
                 extras);
   }
 
-  Reshape(camera.width, camera.height, 3, &images->color);
-  Reshape(camera.width, camera.height, 1, &images->transmittance);
-  Reshape(camera.width, camera.height, num_extras_, &images->extras);
+  images->color.Reshape(camera.width, camera.height, 3);
+  images->transmittance.Reshape(camera.width, camera.height, 1);
+  images->extras.Reshape(camera.width, camera.height, num_extras_);
   if (request.dominant) {
-    Reshape(camera.width, camera.height, 1, &images->dominant);
+    images->dominant.Reshape(camera.width, camera.height, 1);
   }
   const int64_t tiles = static_cast<int64_t>(bins_.tiles_x) * bins_.tiles_y;
   tile_visited_.resize(tiles);
@@ -131,8 +123,29 @@ void Rasterizer::Backward(const GaussianModel& model,
                           const RasterGradients& image_gradients,
                           const RasterImages& images,
                           ThreadPool& pool,
-                          GaussianModel* gradients,
+                          GaussianGradients* gradients,
                           std::span<float> feature_gradients) {
+  projection_backward_.ToModel(
+      BackwardPixels(model, image_gradients, images, pool),
+      pool,
+      gradients,
+      feature_gradients);
+}
+
+void Rasterizer::BackwardInChunks(const GaussianModel& model,
+                                  const RasterGradients& image_gradients,
+                                  const RasterImages& images,
+                                  ThreadPool& pool,
+                                  GradientSink sink) {
+  projection_backward_.InChunks(
+      BackwardPixels(model, image_gradients, images, pool), pool, sink);
+}
+
+SplatDerivatives Rasterizer::BackwardPixels(
+    const GaussianModel& model,
+    const RasterGradients& image_gradients,
+    const RasterImages& images,
+    ThreadPool& pool) {
   const int stride = kMomentStride + num_extras_;
   pair_moments_.resize(bins_.num_pairs() * stride);
   const int64_t tiles = static_cast<int64_t>(bins_.tiles_x) * bins_.tiles_y;
@@ -178,38 +191,17 @@ void Rasterizer::Backward(const GaussianModel& model,
     }
   });
 
-  // Sum each splat's pairs, in the fixed order of its tiles.
-  const auto splats = static_cast<int64_t>(projection_.size());
-  splat_moments_.resize(projection_.size() * stride);
-  pool.ParallelFor(0, splats, 1024, [&](int64_t begin, int64_t end, int) {
-    for (int64_t s = begin; s < end; ++s) {
-      float* sum = &splat_moments_[s * stride];
-      std::fill_n(sum, stride, 0.0f);
-      for (const uint32_t entry : bins_.EntriesOf(s)) {
-        const float* pair = &pair_moments_[static_cast<size_t>(entry) * stride];
-        for (int j = 0; j < stride; ++j) sum[j] += pair[j];
-      }
-    }
-  });
   mean2d_gradients_.resize(2 * projection_.size());
-  BackwardProjection(model,
-                     camera_,
-                     cam_from_world_,
-                     options_,
-                     projection_,
-                     {splat_moments_, stride, with_depth_ ? 0 : -1},
-                     pool,
-                     gradients,
-                     mean2d_gradients_);
-  if (feature_gradients.empty()) return;
-  const int first = kMomentStride + (with_depth_ ? 1 : 0);
-  for (int64_t s = 0; s < splats; ++s) {
-    std::copy_n(
-        &splat_moments_[s * stride + first],
-        num_features_,
-        feature_gradients.data() +
-            static_cast<size_t>(projection_.model_index[s]) * num_features_);
-  }
+  SplatDerivatives derivatives;
+  derivatives.view =
+      MakeProjectionTask(model, camera_, cam_from_world_, options_);
+  derivatives.projection = &projection_;
+  derivatives.bins = &bins_;
+  derivatives.pair_moments = pair_moments_;
+  derivatives.num_extras = num_extras_;
+  derivatives.has_depth = with_depth_;
+  derivatives.mean2d_gradients = mean2d_gradients_;
+  return derivatives;
 }
 
 void Rasterizer::StoreDominant(const TileTask& task,
@@ -248,8 +240,8 @@ void Rasterizer::Contributions(const GaussianModel& model,
                                ViewContributions* contributions) {
   PrepareWeights(model, camera, cam_from_world, options, pool);
   pair_contributions_.resize(bins_.num_pairs());
-  Reshape(camera.width, camera.height, 1, &contributions->dominant);
-  Reshape(camera.width, camera.height, 1, &contributions->transmittance);
+  contributions->dominant.Reshape(camera.width, camera.height, 1);
+  contributions->transmittance.Reshape(camera.width, camera.height, 1);
   const int64_t tiles = static_cast<int64_t>(bins_.tiles_x) * bins_.tiles_y;
   pool.ParallelFor(0, tiles, 4, [&](int64_t begin, int64_t end, int) {
     TileDominance dominance;

@@ -15,6 +15,7 @@
 #include "splat/contributions.h"
 #include "splat/gaussian_model.h"
 #include "splat/projection.h"
+#include "splat/projection_backward.h"
 #include "splat/renderer.h"
 #include "splat/tile_bins.h"
 
@@ -49,8 +50,11 @@ struct RasterGradients {
 // Usage, per training step:
 //   rasterizer.Forward(model, camera, pose, options, {}, pool, &images);
 //   ... dL/dcolor from the loss ...
-//   rasterizer.Backward(model, {.color = &gradient}, images, pool, &gradients);
-//   ... update the Gaussians in rasterizer.projection().model_index ...
+//   rasterizer.BackwardInChunks(
+//       model, {.color = &gradient}, images, pool,
+//       [&](std::span<const uint32_t> visible, const GaussianGradients& rows) {
+//         ... update the Gaussians in `visible` ...
+//       });
 // Holds the intermediate results and scratch memory of the last view, so that
 // the large arrays are not allocated anew. The results are the same bytes for
 // any number of threads.
@@ -72,8 +76,18 @@ class Rasterizer {
                 const RasterGradients& image_gradients,
                 const RasterImages& images,
                 ThreadPool& pool,
-                GaussianModel* gradients,
+                GaussianGradients* gradients,
                 std::span<float> feature_gradients = {});
+
+  // The same gradients, handed over chunk by chunk while they are in the cache
+  // instead of being written to an array as large as the model. `sink` is
+  // called by several threads and may update the Gaussians of its chunk in
+  // *model, and only those; see ProjectionBackward::InChunks.
+  void BackwardInChunks(const GaussianModel& model,
+                        const RasterGradients& image_gradients,
+                        const RasterImages& images,
+                        ThreadPool& pool,
+                        GradientSink sink);
 
   // What each Gaussian gives to a view. Afterwards Backward is not possible.
   void Contributions(const GaussianModel& model,
@@ -96,11 +110,16 @@ class Rasterizer {
   const Projection& projection() const { return projection_; }
   const TileBins& bins() const { return bins_; }
 
-  // After Backward: dL/d(2D mean) in pixels, 2 floats per splat.
+  // After a backward pass: dL/d(2D mean) in pixels, 2 floats per splat.
   std::span<const float> mean2d_gradients() const { return mean2d_gradients_; }
 
  private:
   TileTask MakeTask(int64_t tile) const;
+  // From derivatives of the images to those of the splats.
+  SplatDerivatives BackwardPixels(const GaussianModel& model,
+                                  const RasterGradients& image_gradients,
+                                  const RasterImages& images,
+                                  ThreadPool& pool);
   // Projects and bins without evaluating view-dependent colour.
   void PrepareWeights(const GaussianModel& model,
                       const Pinhole& camera,
@@ -114,6 +133,7 @@ class Rasterizer {
   Projector projector_;
   Projection projection_;
   TileBins bins_;
+  ProjectionBackward projection_backward_;
   Pinhole camera_;
   Rigid3d cam_from_world_;
   RenderOptions options_;
@@ -125,7 +145,6 @@ class Rasterizer {
   std::vector<int64_t> tile_visited_;  // Per tile, see BlendTile.
   std::vector<float> pair_moments_;    // By entry of the bins.
   std::vector<PairContribution> pair_contributions_;  // Likewise.
-  std::vector<float> splat_moments_;                  // num_splats x stride.
   std::vector<float> mean2d_gradients_;
 };
 

@@ -53,33 +53,40 @@ bool Finite(std::span<const float> values) {
 
 bool BoundParameters(double scene_extent,
                      std::span<const uint32_t> touched,
-                     ThreadPool& pool,
                      GaussianModel* model) {
   const auto lowest =
       static_cast<float>(std::log(kMinBoundedScale * scene_extent));
   const auto highest =
       static_cast<float>(std::log(kMaxBoundedScale * scene_extent));
+  bool finite = true;
+  for (const size_t i : touched) {
+    float* const log_scale = &model->log_scales[3 * i];
+    float* const rotation = &model->rotations[4 * i];
+    float* const logit = &model->opacity_logits[i];
+    finite = finite && Finite({&model->means[3 * i], 3}) &&
+             Finite({log_scale, 3}) && Finite({rotation, 4}) &&
+             std::isfinite(*logit);
+    for (int axis = 0; axis < 3; ++axis) {
+      Clamp(lowest, highest, &log_scale[axis]);
+    }
+    Clamp(-kMaxOpacityLogit, kMaxOpacityLogit, logit);
+    BoundQuaternion(rotation);
+  }
+  return finite;
+}
+
+bool BoundParameters(double scene_extent,
+                     std::span<const uint32_t> touched,
+                     ThreadPool& pool,
+                     GaussianModel* model) {
   std::atomic<bool> all_finite = true;
   pool.ParallelFor(0,
                    static_cast<int64_t>(touched.size()),
                    kGrain,
                    [&](int64_t first, int64_t last, int) {
-                     bool finite = true;
-                     for (int64_t k = first; k < last; ++k) {
-                       const size_t i = touched[k];
-                       float* const log_scale = &model->log_scales[3 * i];
-                       float* const rotation = &model->rotations[4 * i];
-                       float* const logit = &model->opacity_logits[i];
-                       finite = finite && Finite({&model->means[3 * i], 3}) &&
-                                Finite({log_scale, 3}) &&
-                                Finite({rotation, 4}) && std::isfinite(*logit);
-                       for (int axis = 0; axis < 3; ++axis) {
-                         Clamp(lowest, highest, &log_scale[axis]);
-                       }
-                       Clamp(-kMaxOpacityLogit, kMaxOpacityLogit, logit);
-                       BoundQuaternion(rotation);
-                     }
-                     if (!finite) all_finite = false;
+                     const auto part = touched.subspan(first, last - first);
+                     if (!BoundParameters(scene_extent, part, model))
+                       all_finite = false;
                    });
   return all_finite;
 }

@@ -30,8 +30,12 @@ constexpr float kMaxQuaternionNorm = 10;
 
 // Brings the Gaussians listed (no repeats) back within the bounds. Returns
 // whether their positions, scales, rotations and opacities were finite; those
-// that are not stay as they are. Allocates nothing; the same bytes for any
-// number of threads.
+// that are not stay as they are. Concurrent calls may not share Gaussians.
+bool BoundParameters(double scene_extent,
+                     std::span<const uint32_t> touched,
+                     GaussianModel* model);
+
+// The same with all threads of the pool; the same bytes for any number of them.
 bool BoundParameters(double scene_extent,
                      std::span<const uint32_t> touched,
                      ThreadPool& pool,

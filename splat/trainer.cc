@@ -3,6 +3,7 @@
 #include "splat/trainer.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <utility>
 
@@ -96,26 +97,41 @@ StatusOr<float> Trainer::GradientStep() {
     model_.SetShDegree(sh_degree);
     adam_.SetShDegree(sh_degree);
   }
-  gradients_.sh_degree = model_.sh_degree;
-  gradients_.Resize(model_.size());
   // Only a densification to come reads the statistics, and only blur splits
   // read who dominates where: other steps do without.
   const bool collect = schedule_.CollectsStatistics(iteration_);
   const bool dominant = collect && densification_.blur_split_share > 0;
 
-  const View view = images_->view(view_index, level);
+  const Pinhole camera = images_->camera(view_index, level);
   FREEGS_RETURN_IF_ERROR(images_->Fetch(view_index, level, &target_));
   rasterizer_.Forward(model_,
-                      view.camera,
-                      view.cam_from_world,
+                      camera,
+                      images_->cam_from_world(view_index),
                       options_.render,
                       {.dominant = dominant},
                       *pool_,
                       &rendered_);
   const float loss =
       loss_.Compute(rendered_.color, target_, *pool_, &loss_gradient_);
-  rasterizer_.Backward(
-      model_, {.color = &loss_gradient_}, rendered_, *pool_, &gradients_);
+  LearningRates rates =
+      LearningRatesAt(options_.learning_rates,
+                      scene_extent_,
+                      schedule_.PositionRateIteration(iteration_));
+  for (float& rate : rates) rate *= static_cast<float>(history_.rate_factor);
+  adam_.BeginStep(rates);
+  std::atomic<bool> touched_finite = true;
+  rasterizer_.BackwardInChunks(
+      model_,
+      {.color = &loss_gradient_},
+      rendered_,
+      *pool_,
+      [&](std::span<const uint32_t> visible, const GaussianGradients& rows) {
+        adam_.UpdateRows(visible, rows, &model_);
+        if (!BoundParameters(scene_extent_, visible, &model_)) {
+          touched_finite = false;
+        }
+      });
+  touched_finite_ = touched_finite;
   const Projection& projection = rasterizer_.projection();
   if (collect) {
     radii_.resize(projection.size());
@@ -126,18 +142,10 @@ StatusOr<float> Trainer::GradientStep() {
     statistics_.AddView(projection.model_index,
                         rasterizer_.mean2d_gradients(),
                         radii_,
-                        view.camera.width,
-                        view.camera.height);
+                        camera.width,
+                        camera.height);
   }
   if (dominant) statistics_.AddDominant(rendered_.dominant);
-  LearningRates rates =
-      LearningRatesAt(options_.learning_rates,
-                      scene_extent_,
-                      schedule_.PositionRateIteration(iteration_));
-  for (float& rate : rates) rate *= static_cast<float>(history_.rate_factor);
-  adam_.Step(rates, gradients_, projection.visible, *pool_, &model_);
-  touched_finite_ =
-      BoundParameters(scene_extent_, projection.visible, *pool_, &model_);
   return loss;
 }
 
@@ -212,7 +220,12 @@ Status Trainer::GoBack(const std::string& reason) {
   return Status();
 }
 
-void Trainer::KeepAsGood() { history_.last_good = {iteration_, model_}; }
+void Trainer::KeepAsGood() {
+  if (!history_.last_good) history_.last_good.emplace();
+  // Into the memory of the one before.
+  history_.last_good->iteration = iteration_;
+  history_.last_good->model = model_;
+}
 
 Status Trainer::FollowSchedule() {
   if (const auto event = schedule_.MilestoneAt(iteration_)) {

@@ -173,7 +173,6 @@ class Trainer {
   RasterImages rendered_;
   ImageF target_;
   ImageF loss_gradient_;
-  GaussianGradients gradients_;
   std::vector<float> radii_;
   bool touched_finite_ = true;
 };

@@ -83,8 +83,12 @@ StatusOr<TrainingImages> TrainingImages::Load(
 
 View TrainingImages::view(size_t index, int level) const {
   View view = entries_[index].view;
-  view.camera = AtLevel(view.camera, options_.max_side, level);
+  view.camera = camera(index, level);
   return view;
+}
+
+Pinhole TrainingImages::camera(size_t index, int level) const {
+  return AtLevel(entries_[index].view.camera, options_.max_side, level);
 }
 
 Status TrainingImages::Fetch(size_t index, int level, ImageF* image) {
@@ -96,10 +100,7 @@ Status TrainingImages::Fetch(size_t index, int level, ImageF* image) {
     DropLeastRecent(index);
   }
   const ImageU8& stored = entry.pyramid[level];
-  if (image->width() != stored.width() || image->height() != stored.height() ||
-      image->channels() != stored.channels()) {
-    *image = ImageF(stored.width(), stored.height(), stored.channels());
-  }
+  image->Reshape(stored.width(), stored.height(), stored.channels());
   std::transform(stored.data(),
                  stored.data() + stored.size(),
                  image->data(),

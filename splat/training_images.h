@@ -49,6 +49,11 @@ class TrainingImages {
   // The view with its camera resized to a level. index < size(),
   // 0 <= level < num_levels().
   View view(size_t index, int level = 0) const;
+  // Its parts, without a copy of the name.
+  Pinhole camera(size_t index, int level) const;
+  const Rigid3d& cam_from_world(size_t index) const {
+    return entries_[index].view.cam_from_world;
+  }
 
   // The photo at a level: H x W x 3 in [0, 1], of view(index, level)'s size.
   // Not for concurrent calls. Fails only when a dropped photo has since become
