@@ -16,6 +16,7 @@
 #include "core/parallel.h"
 #include "core/pinhole.h"
 #include "splat/rasterizer.h"
+#include "splat/spatial_order.h"
 #include "tests/splat/test_scene.h"
 
 namespace freegs::splat {
@@ -33,6 +34,7 @@ struct BenchmarkScene {
     const auto shrink = static_cast<float>(
         0.5 * std::log(static_cast<double>(model.size()) / 300));
     for (float& s : model.log_scales) s -= shrink;
+    model.Select(MortonOrder(model));  // As training keeps it.
     gradients.sh_degree = model.sh_degree;
     gradients.Resize(model.size());
   }

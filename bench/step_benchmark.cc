@@ -64,7 +64,7 @@ BENCHMARK(BM_TrainingStep)->Apply(StandardSizes);
 // Twice the pixels, twice the Gaussians, both; one thread.
 void ScalingSizes(benchmark::internal::Benchmark* b) {
   b->ArgNames({"gaussians", "width", "height", "threads"});
-  for (const int64_t gaussians : {15000, 30000, 100000, 200000}) {
+  for (const int64_t gaussians : {15000, 30000, 60000, 120000, 240000}) {
     b->Args({gaussians, 480, 270, 1})->Args({gaussians, 680, 382, 1});
   }
   b->MeasureProcessCPUTime()->UseRealTime()->Unit(benchmark::kMillisecond);

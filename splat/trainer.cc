@@ -7,6 +7,8 @@
 #include <cmath>
 #include <utility>
 
+#include "splat/spatial_order.h"
+
 namespace freegs::splat {
 namespace {
 
@@ -239,6 +241,7 @@ Status Trainer::FollowSchedule() {
             &model_,
             &adam_,
             &statistics_);
+    SortInSpace();
   }
   if (iteration_ % options_.clear_interval == 0 &&
       static_cast<double>(iteration_) <=
@@ -254,6 +257,13 @@ Status Trainer::FollowSchedule() {
     KeepAsGood();
   }
   return Status();
+}
+
+void Trainer::SortInSpace() {
+  const std::vector<uint32_t> order = MortonOrder(model_);
+  model_.Select(order);
+  adam_.Select(order);
+  statistics_.Select(order);
 }
 
 void Trainer::ClearCameras() {

@@ -147,6 +147,7 @@ class Trainer {
   int64_t SimplificationBudget() const;
   int ShDegree(int64_t done) const;
   Status ChooseBudget();
+  void SortInSpace();  // What lies together is stored together.
   void ClearCameras();
   void KeepAsGood();
 
