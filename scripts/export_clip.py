@@ -217,8 +217,9 @@ def export_network(module, example, path):
     module.eval()
     make_distinct(module)
     with warnings.catch_warnings():
-        # Instance norms have no running statistics to freeze.
-        warnings.simplefilter("ignore", UserWarning)
+        # Of literal shapes, which are meant, and of instance norms, which have
+        # no running statistics to freeze.
+        warnings.simplefilter("ignore")
         torch.onnx.export(module, example, str(path), opset_version=13,
                           input_names=["input"], output_names=["output"],
                           do_constant_folding=True)
