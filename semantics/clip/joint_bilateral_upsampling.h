@@ -15,16 +15,18 @@
 
 namespace freegs::semantics {
 
+// The defaults are about the best at turning the true shares of objects in the
+// cells of a grid into their masks (docs/clip.md).
 struct JointBilateralOptions {
   // Cells of the feature grid on each side of the pixel's own that count.
   int radius = 2;
 
   // Standard deviation of the weight over distance, in cells.
-  double spatial_sigma = 1;
+  double spatial_sigma = 0.5;
 
   // Standard deviation of the weight over the difference between the pixel's
   // colour and the cell's, as a distance in RGB with channels in [0, 1].
-  double range_sigma = 0.1;
+  double range_sigma = 0.15;
 
   Status Check() const;
 };
@@ -42,9 +44,9 @@ struct PixelIndex {
 // to one: nothing leaves the range of the cells around.
 //
 // features: w x h x C, whose cells share out the guide evenly. guide: RGB in
-// [0, 1], W x H x 3. The result is W x H x C, whatever the number of threads.
-// kInvalidArgument for options out of range, empty images, a guide that has
-// other than 3 channels, and more than 2^31 result values.
+// [0, 1], W x H x 3. Both finite. The result is W x H x C, whatever the number
+// of threads. kInvalidArgument for options out of range, empty images, a guide
+// that has other than 3 channels, and more than 2^31 result values.
 StatusOr<ImageF> JointBilateralUpsample(const ImageF& features,
                                         const ImageF& guide,
                                         const JointBilateralOptions& options,

@@ -18,7 +18,7 @@ constexpr uint64_t kMaxInfoBytes = 1 << 20;
 Status ModelError(const std::string& what) {
   return MissingDependencyError(
       what +
-      "; export the model again with scripts/export_clip.py, or name another "
+      "; write it anew with scripts/export_clip.py, or name another "
       "model folder");
 }
 
