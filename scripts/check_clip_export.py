@@ -19,12 +19,12 @@ import re
 import sys
 from pathlib import Path
 
+from clip_checkpoint import CheckpointError
+from export_clip import add_source_options, resized_positions, source_checkpoint
+
 import torch
 import torch.nn.functional as F
 from PIL import Image, ImageDraw
-
-from clip_checkpoint import CheckpointError
-from export_clip import add_source_options, resized_positions, source_checkpoint
 
 TEXTS = ["red apple", "a photo of a red apple", "object", "",
          "Things, stuff & texture: 42!", "photo of red " * 40]

@@ -4,10 +4,16 @@ OpenAI's release: read from its TorchScript files, from Hugging Face's
 safetensors, or drawn at random. Only vision transformers, no ResNets."""
 import json
 import struct
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-import torch
+try:
+    import torch
+except ImportError:
+    print(f"PyTorch is missing for {sys.executable}: apt-get install "
+          "python3-torch, and run with /usr/bin/python3", file=sys.stderr)
+    raise SystemExit(5)
 
 
 class CheckpointError(Exception):

@@ -33,13 +33,13 @@ import sys
 import warnings
 from pathlib import Path
 
+# Before PyTorch: it says what to do where there is none.
+from clip_checkpoint import (CheckpointError, named_architecture,
+                             random_checkpoint, read_checkpoint)
+
 import torch
 import torch.nn.functional as F
 from torch import nn
-
-from clip_checkpoint import (CheckpointError, architecture_of,
-                             named_architecture, random_checkpoint,
-                             read_checkpoint)
 
 MEAN = [0.48145466, 0.4578275, 0.40821073]
 STD = [0.26862954, 0.26130258, 0.27577711]
