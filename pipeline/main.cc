@@ -19,6 +19,7 @@
 #include "stages/commands/doctor_command.h"
 #include "stages/commands/eval_command.h"
 #include "stages/commands/export_command.h"
+#include "stages/commands/features_command.h"
 #include "stages/commands/init_command.h"
 #include "stages/commands/render_command.h"
 #include "stages/commands/run_command.h"
@@ -54,6 +55,9 @@ constexpr Command kCommands[] = {
      "--box VIEW X0 Y0 X1 Y1) [--out DIR] [--json]",
      nullptr},
     {"eval", "eval WORKSPACE --gt DIR [--json FILE]", stages::RunEvalCommand},
+    {"features",
+     "features IMAGE --text WORDS --model DIR --out FILE [--cache DIR]",
+     stages::RunFeaturesCommand},
     {"export", "export WORKSPACE --out FILE", stages::RunExportCommand},
 };
 

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a model folder says about itself: model.json.
+
+#ifndef FREEGS_SEMANTICS_CLIP_MODEL_INFO_H_
+#define FREEGS_SEMANTICS_CLIP_MODEL_INFO_H_
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/status.h"
+
+namespace freegs::semantics {
+
+// A network for dense features at one image size.
+struct DenseNetwork {
+  std::string file;
+  int image_size = 0;  // Pixels, width and height.
+  int grid = 0;        // Features, width and height.
+};
+
+struct ModelFile {
+  uint64_t bytes = 0;
+  std::string hash;  // HashFile() of core/files.h.
+};
+
+// model.json:
+//   {"format": "FreeGS CLIP", "version": 1,
+//    "name": "ViT-B/16",             what people call the model
+//    "licence": "MIT",               of the weights
+//    "origin": "...",                where they came from, in words
+//    "embedding_dim": 512,           D, shared by images and texts
+//    "image_size": 224,              of visual.onnx, pixels
+//    "mean": [r, g, b], "std": [r, g, b],        of colours in [0, 1]
+//    "dense": [{"file": "dense.onnx", "image_size": 224, "grid": 14}, ...],
+//    "context_length": 77, "text_width": 512, "vocab_size": 49408,
+//    "files": {"visual.onnx": {"bytes": 12, "hash": "32 hex digits"}, ...}}
+// Fields that are not listed here are for people and other programs.
+struct ModelInfo {
+  std::string name;
+  std::string licence;
+  std::string origin;
+  int embedding_dim = 0;
+  int image_size = 0;
+  std::array<float, 3> mean = {};
+  std::array<float, 3> std = {};
+  std::vector<DenseNetwork> dense;  // At least one, the first in dense.onnx.
+  int context_length = 0;
+  int text_width = 0;
+  int vocab_size = 0;
+  std::map<std::string, ModelFile> files;  // By name, no folders in it.
+
+  // One hash of all that changes results: the files' content and the numbers,
+  // but not the words about the model.
+  std::string Hash() const;
+};
+
+// kBadInput, naming the field and the fault. The files that a model folder must
+// have (see model_folder.h) are all in `files`.
+StatusOr<ModelInfo> ParseModelInfo(std::string_view json);
+
+}  // namespace freegs::semantics
+
+#endif  // FREEGS_SEMANTICS_CLIP_MODEL_INFO_H_

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "semantics/clip/opencv_clip.h"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <map>
+#include <span>
+#include <utility>
+
+#include <opencv2/core/utils/logger.hpp>
+#include <opencv2/dnn.hpp>
+
+#include "semantics/clip/bicubic_resize.h"
+
+namespace freegs::semantics {
+namespace {
+
+// OpenCV writes what it finds wrong with a network to stderr as well; a library
+// must not. The level is the process's own, so it is put back.
+class QuietOpenCv {
+ public:
+  QuietOpenCv()
+      : level_(cv::utils::logging::setLogLevel(
+            cv::utils::logging::LOG_LEVEL_SILENT)) {}
+  ~QuietOpenCv() { cv::utils::logging::setLogLevel(level_); }
+  QuietOpenCv(const QuietOpenCv&) = delete;
+  QuietOpenCv& operator=(const QuietOpenCv&) = delete;
+
+ private:
+  const cv::utils::logging::LogLevel level_;
+};
+
+// The first line of what OpenCV has to say.
+std::string Reason(const std::exception& error) {
+  const std::string text = error.what();
+  return text.substr(0, text.find('\n'));
+}
+
+Status CheckImage(const ImageU8& image) {
+  if (image.empty() || image.channels() != 3) {
+    return InvalidArgumentError(
+        "an image to encode must not be empty and have three channels");
+  }
+  return Status();
+}
+
+// 1 x 3 x H x W with mean and standard deviation taken out.
+cv::Mat ToBlob(const ImageU8& image, const ModelInfo& info) {
+  const int shape[] = {1, 3, image.height(), image.width()};
+  cv::Mat blob(4, shape, CV_32F);
+  for (int c = 0; c < 3; ++c) {
+    float* out = blob.ptr<float>(0, c);
+    for (size_t i = 0; i < image.num_pixels(); ++i) {
+      out[i] = (static_cast<float>(image.data()[3 * i + c]) / 255.0f -
+                info.mean[c]) /
+               info.std[c];
+    }
+  }
+  return blob;
+}
+
+std::string ShapeText(const cv::Mat& blob) {
+  std::string text;
+  for (int i = 0; i < blob.dims; ++i) {
+    text += (i > 0 ? " x " : "") + std::to_string(blob.size[i]);
+  }
+  return text;
+}
+
+// False if the vector has no direction: it is zero.
+bool Normalize(std::span<float> vector) {
+  double sum = 0;
+  for (const float value : vector) sum += static_cast<double>(value) * value;
+  if (!(sum > 0)) return false;
+  const double scale = 1 / std::sqrt(sum);
+  for (float& value : vector) value = static_cast<float>(value * scale);
+  return true;
+}
+
+}  // namespace
+
+ImageU8 CenterSquare(const ImageU8& image, int size) {
+  const int short_side = std::min(image.width(), image.height());
+  const auto resized = [size, short_side](int side) {
+    return static_cast<int>(int64_t{size} * side / short_side);
+  };
+  const int width = resized(image.width());
+  const int height = resized(image.height());
+  // Half pixels go to the even side.
+  const auto offset = [size](int side) {
+    return static_cast<int>(std::nearbyint((side - size) / 2.0));
+  };
+  return ResizeBicubic(
+      image, width, height, {offset(width), offset(height), size, size});
+}
+
+struct OpenCvClip::Networks {
+  std::map<std::string, cv::dnn::Net> loaded;
+
+  // Runs a network of the folder, which it loads if this has not been done.
+  StatusOr<cv::Mat> Forward(const ModelFolder& folder,
+                            const std::string& name,
+                            const cv::Mat& input,
+                            const std::vector<int>& output_shape) {
+    const QuietOpenCv quiet;
+    auto network = loaded.find(name);
+    if (network == loaded.end()) {
+      try {
+        cv::dnn::Net net =
+            cv::dnn::readNetFromONNX((folder.path / name).string());
+        if (net.empty()) return folder.FileError(name, "no network in it");
+        net.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
+        net.setPreferableTarget(cv::dnn::DNN_TARGET_CPU);
+        network = loaded.emplace(name, std::move(net)).first;
+      } catch (const std::exception& error) {
+        return folder.FileError(name,
+                                "OpenCV cannot load it: " + Reason(error));
+      }
+    }
+    cv::Mat output;
+    try {
+      network->second.setInput(input);
+      // A copy: the network overwrites its own at the next call.
+      output = network->second.forward().clone();
+    } catch (const std::exception& error) {
+      return folder.FileError(name, "OpenCV cannot run it: " + Reason(error));
+    }
+    const std::vector<int> shape(output.size.p, output.size.p + output.dims);
+    if (shape != output_shape || output.type() != CV_32F) {
+      return folder.FileError(
+          name,
+          "its output of " + ShapeText(output) + " is not what it should be");
+    }
+    const float* values = output.ptr<float>();
+    if (!std::all_of(values, values + output.total(), [](float value) {
+          return std::isfinite(value);
+        })) {
+      return folder.FileError(name, "its output is not finite");
+    }
+    return output;
+  }
+};
+
+OpenCvClip::OpenCvClip(ModelFolder folder)
+    : folder_(std::move(folder)),
+      model_hash_(folder_.info.Hash()),
+      networks_(std::make_unique<Networks>()) {}
+
+OpenCvClip::~OpenCvClip() = default;
+
+StatusOr<std::unique_ptr<OpenCvClip>> OpenCvClip::Open(
+    const std::filesystem::path& folder) {
+  FREEGS_ASSIGN_OR_RETURN(ModelFolder model, ModelFolder::Open(folder));
+  return std::unique_ptr<OpenCvClip>(new OpenCvClip(std::move(model)));
+}
+
+int OpenCvClip::embedding_dim() const { return info().embedding_dim; }
+
+const std::string& OpenCvClip::model_hash() const { return model_hash_; }
+
+std::vector<int> OpenCvClip::dense_sizes() const {
+  std::vector<int> sizes;
+  for (const DenseNetwork& network : info().dense) {
+    sizes.push_back(network.image_size);
+  }
+  return sizes;
+}
+
+StatusOr<std::vector<float>> OpenCvClip::EncodeImage(const ImageU8& image) {
+  FREEGS_RETURN_IF_ERROR(CheckImage(image));
+  FREEGS_ASSIGN_OR_RETURN(
+      const cv::Mat output,
+      networks_->Forward(folder_,
+                         "visual.onnx",
+                         ToBlob(CenterSquare(image, info().image_size), info()),
+                         {1, embedding_dim()}));
+  std::vector<float> embedding(output.ptr<float>(),
+                               output.ptr<float>() + output.total());
+  if (!Normalize(embedding)) {
+    return folder_.FileError("visual.onnx", "its output is zero");
+  }
+  return embedding;
+}
+
+StatusOr<ImageF> OpenCvClip::EncodeDense(const ImageU8& image, int dense_size) {
+  FREEGS_RETURN_IF_ERROR(CheckImage(image));
+  if (dense_size == 0) dense_size = info().dense[0].image_size;
+  const auto network = std::find_if(info().dense.begin(),
+                                    info().dense.end(),
+                                    [dense_size](const DenseNetwork& known) {
+                                      return known.image_size == dense_size;
+                                    });
+  if (network == info().dense.end()) {
+    return InvalidArgumentError(folder_.path.string() +
+                                " has no dense network for images of " +
+                                std::to_string(dense_size) + " pixels");
+  }
+  const int grid = network->grid;
+  const int dim = embedding_dim();
+  FREEGS_ASSIGN_OR_RETURN(
+      const cv::Mat output,
+      networks_->Forward(
+          folder_,
+          network->file,
+          ToBlob(ResizeBicubic(image, dense_size, dense_size), info()),
+          {1, dim, grid, grid}));
+  ImageF features(grid, grid, dim);
+  const size_t cells = features.num_pixels();
+  const float* in = output.ptr<float>();
+  for (int c = 0; c < dim; ++c) {
+    for (size_t i = 0; i < cells; ++i) features.data()[i * dim + c] = *in++;
+  }
+  return features;
+}
+
+StatusOr<TextEmbedding> OpenCvClip::EncodeText(const std::string& text) {
+  if (text_ == nullptr) {
+    FREEGS_ASSIGN_OR_RETURN(BytePairTokenizer tokenizer,
+                            folder_.LoadTokenizer());
+    FREEGS_ASSIGN_OR_RETURN(TokenTable table, folder_.LoadTokenTable());
+    text_ = std::make_unique<TextParts>(
+        TextParts{std::move(tokenizer), std::move(table)});
+  }
+  const int context = info().context_length;
+  FREEGS_ASSIGN_OR_RETURN(const TokenizedText tokens,
+                          text_->tokenizer.Tokenize(text, context));
+  // CLIP pads with token 0. The encoder's attention is causal, so that what
+  // follows the end token does not matter; it is padded all the same.
+  const int width = info().text_width;
+  const int shape[] = {1, context, width};
+  cv::Mat input(3, shape, CV_32F);
+  for (int i = 0; i < context; ++i) {
+    const auto k = static_cast<size_t>(i);
+    text_->table.CopyRow(k < tokens.ids.size() ? tokens.ids[k] : 0,
+                         {input.ptr<float>(0, i), static_cast<size_t>(width)});
+  }
+  const int dim = embedding_dim();
+  FREEGS_ASSIGN_OR_RETURN(
+      const cv::Mat output,
+      networks_->Forward(folder_, "text.onnx", input, {1, context, dim}));
+  const float* row =
+      output.ptr<float>(0, static_cast<int>(tokens.ids.size()) - 1);
+  TextEmbedding embedding{{row, row + dim}, tokens.truncated};
+  if (!Normalize(embedding.values)) {
+    return folder_.FileError("text.onnx", "its output is zero");
+  }
+  return embedding;
+}
+
+}  // namespace freegs::semantics

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// CLIP by OpenCV's DNN module, on the processor.
+
+#ifndef FREEGS_SEMANTICS_CLIP_OPENCV_CLIP_H_
+#define FREEGS_SEMANTICS_CLIP_OPENCV_CLIP_H_
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/image.h"
+#include "core/status.h"
+#include "semantics/clip/clip_encoder.h"
+#include "semantics/clip/model_folder.h"
+
+namespace freegs::semantics {
+
+class OpenCvClip : public ClipEncoder {
+ public:
+  // Checks the folder (see ModelFolder::Open); a network is loaded when it is
+  // first used, so that a query of text costs no image network.
+  static StatusOr<std::unique_ptr<OpenCvClip>> Open(
+      const std::filesystem::path& folder);
+  ~OpenCvClip() override;
+
+  const ModelInfo& info() const { return folder_.info; }
+
+  int embedding_dim() const override;
+  const std::string& model_hash() const override;
+  std::vector<int> dense_sizes() const override;
+  StatusOr<std::vector<float>> EncodeImage(const ImageU8& image) override;
+  StatusOr<ImageF> EncodeDense(const ImageU8& image,
+                               int dense_size = 0) override;
+  StatusOr<TextEmbedding> EncodeText(const std::string& text) override;
+
+ private:
+  struct Networks;  // Keeps OpenCV's header out of ours.
+  struct TextParts {
+    BytePairTokenizer tokenizer;
+    TokenTable table;
+  };
+
+  explicit OpenCvClip(ModelFolder folder);
+
+  const ModelFolder folder_;
+  const std::string model_hash_;
+  std::unique_ptr<Networks> networks_;
+  std::unique_ptr<TextParts> text_;
+};
+
+// The square CLIP sees of an image: its short side resized to `size`, the
+// centre cropped; to the pixel as torchvision does it. The image is not empty.
+ImageU8 CenterSquare(const ImageU8& image, int size);
+
+}  // namespace freegs::semantics
+
+#endif  // FREEGS_SEMANTICS_CLIP_OPENCV_CLIP_H_

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "semantics/clip/relevancy.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace freegs::semantics {
+namespace {
+
+// CLIP's scores are cosines times a learnt factor of about 100; LERF takes 10,
+// which leaves shades between yes and no.
+constexpr double kTemperature = 10;
+
+double Dot(std::span<const float> a, std::span<const float> b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) {
+    sum += static_cast<double>(a[i]) * b[i];
+  }
+  return sum;
+}
+
+}  // namespace
+
+float Relevancy(std::span<const float> feature,
+                std::span<const float> text,
+                std::span<const float> canonical) {
+  const double length = std::sqrt(Dot(feature, feature));
+  const double scale = length > 0 ? kTemperature / length : 0;
+  const double score = scale * Dot(feature, text);
+  double relevancy = 1;
+  for (size_t i = 0; i + feature.size() <= canonical.size() && !feature.empty();
+       i += feature.size()) {
+    const double other =
+        scale * Dot(feature, canonical.subspan(i, feature.size()));
+    relevancy = std::min(relevancy, 1 / (1 + std::exp(other - score)));
+  }
+  return static_cast<float>(relevancy);
+}
+
+}  // namespace freegs::semantics

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How much a feature is like a text (LERF; Kerr et al. 2023).
+
+#ifndef FREEGS_SEMANTICS_CLIP_RELEVANCY_H_
+#define FREEGS_SEMANTICS_CLIP_RELEVANCY_H_
+
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace freegs::semantics {
+
+// What a text must beat to be relevant; as in LERF.
+inline constexpr std::string_view kCanonicalPhrases[] = {
+    "object", "things", "stuff", "texture"};
+
+// The relevancy of a feature to a text: the least, over the canonical texts, of
+//   exp(10 cos(f, text)) / (exp(10 cos(f, text)) + exp(10 cos(f, canonical))).
+// Above one half the feature is more like the text than like any of them.
+//
+// All are vectors of the feature's size; `canonical` holds one after another.
+// Texts are of length 1, the feature of any length; one of length zero has
+// relevancy one half. Without canonical texts it is 1.
+float Relevancy(std::span<const float> feature,
+                std::span<const float> text,
+                std::span<const float> canonical);
+
+}  // namespace freegs::semantics
+
+#endif  // FREEGS_SEMANTICS_CLIP_RELEVANCY_H_

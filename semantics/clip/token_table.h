@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The vectors that a text encoder starts from, one per token of the vocabulary:
+// OpenCV's networks cannot look them up by themselves.
+
+#ifndef FREEGS_SEMANTICS_CLIP_TOKEN_TABLE_H_
+#define FREEGS_SEMANTICS_CLIP_TOKEN_TABLE_H_
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/status.h"
+
+namespace freegs::semantics {
+
+// The file text_embedding of a model folder, little-endian:
+//   8 bytes   "FREEGSTT"
+//   uint32    version, 1
+//   uint32    element type: 0 = float32, 1 = float16 (IEEE 754)
+//   uint32    rows, the size of the vocabulary
+//   uint32    columns, the width of the text encoder
+//   elements  rows x columns, row-major
+class TokenTable {
+ public:
+  enum class ElementType : uint32_t { kFloat32 = 0, kFloat16 = 1 };
+
+  // kBadInput, naming the fault, for anything but a complete file of a known
+  // version, and for elements that are not finite. Keeps the file's content.
+  static StatusOr<TokenTable> Parse(std::string content);
+  static StatusOr<TokenTable> Load(const std::filesystem::path& path);
+
+  int rows() const { return rows_; }
+  int columns() const { return columns_; }
+
+  // Copies row `token`, in [0, rows()), to `out`, which holds columns().
+  void CopyRow(int token, std::span<float> out) const;
+
+ private:
+  TokenTable() = default;
+
+  std::string content_;
+  ElementType type_ = ElementType::kFloat32;
+  int rows_ = 0;
+  int columns_ = 0;
+};
+
+// The file's content for rows x columns values; numbers that float16 cannot
+// hold become infinite, which Parse refuses.
+std::string SerializeTokenTable(std::span<const float> values,
+                                int rows,
+                                int columns,
+                                TokenTable::ElementType type);
+
+}  // namespace freegs::semantics
+
+#endif  // FREEGS_SEMANTICS_CLIP_TOKEN_TABLE_H_

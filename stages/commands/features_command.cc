@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/commands/features_command.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+
+#include "core/files.h"
+#include "core/image_io.h"
+#include "core/parallel.h"
+#include "pipeline/option_table.h"
+#include "semantics/clip/feature_cache.h"
+#include "semantics/clip/opencv_clip.h"
+#include "semantics/clip/relevancy.h"
+#include "semantics/clip/relevancy_map.h"
+#include "sfm/photo_decode.h"
+#include "stages/heat_map.h"
+#include "stages/report/html.h"
+
+namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr uint64_t kMaxFileBytes = uint64_t{1} << 30;
+
+// Colours begin where a place is as much like the words as like any thing, and
+// end no lower than this, so that an image without what was asked for stays
+// dark.
+constexpr double kNoRelevancy = 0.5;
+constexpr double kFullRelevancy = 0.6;
+
+struct FeaturesRequest {
+  fs::path image;
+  std::string text;
+  std::string model;
+  std::string out;
+  std::string cache;
+  int dense_size = 0;
+  int size = 448;
+  int threads = 0;
+  semantics::JointBilateralOptions upsampling;
+};
+
+StatusOr<FeaturesRequest> ParseRequest(std::vector<std::string> arguments) {
+  // The one short option of the program, from habit.
+  std::replace(arguments.begin(),
+               arguments.end(),
+               std::string("-o"),
+               std::string("--out"));
+  FeaturesRequest request;
+  pipeline::OptionTable table;
+  table.Add("text", &request.text, {.help = "Words to look for."});
+  table.Add("model",
+            &request.model,
+            {.help = "Folder of a CLIP model (scripts/export_clip.py)."});
+  table.Add("out", &request.out, {.help = "Picture to write (.png or .jpg)."});
+  table.Add("cache",
+            &request.cache,
+            {.help = "Folder that keeps features for other words."});
+  table.Add("dense-size",
+            &request.dense_size,
+            {.help = "Image size in pixels that the network sees; 0 is the "
+                     "model's default.",
+             .min = 0});
+  table.Add("size",
+            &request.size,
+            {.help = "Longest side of the picture in pixels.",
+             .min = 8,
+             .max = 8192});
+  table.Add("range-sigma",
+            &request.upsampling.range_sigma,
+            {.help = "How unlike in colour two places of one thing may be.",
+             .min = 0.001,
+             .max = 1000});
+  table.Add("threads",
+            &request.threads,
+            {.help = "Threads to work with; 0 takes one per available core.",
+             .min = 0,
+             .max = 1024});
+  FREEGS_ASSIGN_OR_RETURN(const pipeline::OptionTable::CommandLine line,
+                          table.ParseCommandLine(arguments));
+  FREEGS_RETURN_IF_ERROR(table.Apply(line.settings));
+  if (line.positional.size() != 1) {
+    return InvalidArgumentError(
+        "features takes one image: features IMAGE --text WORDS --model DIR "
+        "--out FILE");
+  }
+  for (const auto& [option, value] : {std::pair("text WORDS", request.text),
+                                      {"model DIR", request.model},
+                                      {"out FILE", request.out}}) {
+    if (value.empty()) {
+      return InvalidArgumentError(std::string("features needs --") + option);
+    }
+  }
+  FREEGS_RETURN_IF_ERROR(request.upsampling.Check());
+  request.image = line.positional[0];
+  return request;
+}
+
+struct Photo {
+  ImageU8 pixels;  // Upright.
+  std::string hash;
+};
+
+StatusOr<Photo> ReadPhoto(const fs::path& path) {
+  FREEGS_ASSIGN_OR_RETURN(const std::string bytes,
+                          ReadFile(path, kMaxFileBytes));
+  sfm::PhotoDecodeOptions options;
+  options.min_side = 1;
+  const StatusOr<sfm::PhotoHeader> header = sfm::ParsePhotoHeader(bytes);
+  if (!header.ok()) return header.status().Annotated(path.string());
+  const Status good = sfm::CheckHeader(*header, options);
+  if (!good.ok()) return good.Annotated(path.string());
+  StatusOr<ImageU8> pixels = sfm::DecodePhoto(bytes, *header, options);
+  if (!pixels.ok()) return pixels.status().Annotated(path.string());
+  return Photo{*std::move(pixels), HashBytes(bytes)};
+}
+
+ImageU8 LimitedTo(const ImageU8& image, int longest_side) {
+  const int longest = std::max(image.width(), image.height());
+  if (longest <= longest_side) return image;
+  const auto scaled = [&](int side) {
+    return std::max(1,
+                    static_cast<int>(std::lround(static_cast<double>(side) *
+                                                 longest_side / longest)));
+  };
+  return Resize(image, scaled(image.width()), scaled(image.height()));
+}
+
+}  // namespace
+
+Status RunFeaturesCommand(const std::vector<std::string>& arguments,
+                          CommandContext& context) {
+  FREEGS_ASSIGN_OR_RETURN(const FeaturesRequest request,
+                          ParseRequest(arguments));
+  FREEGS_ASSIGN_OR_RETURN(const Photo photo, ReadPhoto(request.image));
+  FREEGS_ASSIGN_OR_RETURN(const std::unique_ptr<semantics::OpenCvClip> encoder,
+                          semantics::OpenCvClip::Open(request.model));
+
+  FREEGS_ASSIGN_OR_RETURN(const semantics::TextEmbedding text,
+                          encoder->EncodeText(request.text));
+  if (text.truncated) {
+    context.err << "features: the words are too long for the model; it sees "
+                   "only their beginning\n";
+  }
+  std::vector<float> canonical;
+  for (const std::string_view phrase : semantics::kCanonicalPhrases) {
+    FREEGS_ASSIGN_OR_RETURN(const semantics::TextEmbedding embedding,
+                            encoder->EncodeText(std::string(phrase)));
+    canonical.insert(
+        canonical.end(), embedding.values.begin(), embedding.values.end());
+  }
+  if (context.cancellation.cancelled()) {
+    return InterruptedError("features: stopped");
+  }
+  FREEGS_ASSIGN_OR_RETURN(
+      const ImageF features,
+      request.cache.empty()
+          ? encoder->EncodeDense(photo.pixels, request.dense_size)
+          : semantics::EncodeDenseCached(*encoder,
+                                         semantics::FeatureCache(request.cache),
+                                         photo.hash,
+                                         photo.pixels,
+                                         request.dense_size));
+
+  const ImageU8 picture = LimitedTo(photo.pixels, request.size);
+  ThreadPool pool(request.threads);
+  FREEGS_ASSIGN_OR_RETURN(const ImageF relevancy,
+                          semantics::RelevancyMap(features,
+                                                  ToFloat(picture),
+                                                  text.values,
+                                                  canonical,
+                                                  request.upsampling,
+                                                  pool));
+  const auto [least, most] = std::minmax_element(
+      relevancy.data(), relevancy.data() + relevancy.size());
+  const fs::path out(request.out);
+  if (out.has_parent_path()) {
+    FREEGS_RETURN_IF_ERROR(CreateFolders(out.parent_path()));
+  }
+  const double high = std::max<double>(kFullRelevancy, *most);
+  FREEGS_RETURN_IF_ERROR(
+      WriteImage(out, HeatMap(picture, relevancy, kNoRelevancy, high)));
+  const auto place = static_cast<int>(most - relevancy.data());
+  context.out << "relevancy " << FormatFixed(*least, 3) << " .. "
+              << FormatFixed(*most, 3) << ", highest at ("
+              << place % picture.width() << ", " << place / picture.width()
+              << ") of " << picture.width() << " x " << picture.height()
+              << "\n";
+  return Status();
+}
+
+}  // namespace freegs::stages

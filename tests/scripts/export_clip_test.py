@@ -1,0 +1,225 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Tests of scripts/export_clip.py; exits with 77, which means skipped, where
+PyTorch or the xxHash library is missing."""
+import json
+import struct
+import sys
+import tempfile
+import unittest
+from ctypes.util import find_library
+from pathlib import Path
+
+SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
+sys.path.insert(0, str(SCRIPTS))
+try:
+    import torch
+except ImportError:
+    print("skipped: python3-torch is not installed")
+    sys.exit(77)
+if find_library("xxhash") is None:
+    print("skipped: libxxhash0 is not installed")
+    sys.exit(77)
+
+import check_clip_export as reference  # noqa: E402
+import export_clip  # noqa: E402
+from clip_checkpoint import (Architecture, CheckpointError,  # noqa: E402
+                             architecture_of, random_checkpoint,
+                             read_checkpoint, read_safetensors)
+
+MERGES = "#version: 0.2\nr e\nre d</w>\n"
+ARCH = Architecture(image_size=16, patch=8, width=16, layers=2, heads=2,
+                    embedding_dim=8, text_width=12, text_layers=2,
+                    text_heads=3, context_length=77, vocab_size=516)
+
+
+def safetensors(tensors):
+    header, body = {}, b""
+    for name, tensor in tensors.items():
+        data = tensor.contiguous().numpy().tobytes()
+        header[name] = {"dtype": "F16" if tensor.dtype == torch.float16
+                        else "F32", "shape": list(tensor.shape),
+                        "data_offsets": [len(body), len(body) + len(data)]}
+        body += data
+    text = json.dumps(header).encode()
+    return struct.pack("<Q", len(text)) + text + body
+
+
+def hugging_face(state):
+    """The tensors under the names that transformers gives them."""
+    plain = {"visual.conv1.weight": "vision_model.embeddings.patch_embedding",
+             "visual.positional_embedding":
+                 "vision_model.embeddings.position_embedding",
+             "token_embedding.weight": "text_model.embeddings.token_embedding",
+             "positional_embedding":
+                 "text_model.embeddings.position_embedding"}
+    tensors = {"vision_model.embeddings.class_embedding":
+               state["visual.class_embedding"],
+               "visual_projection.weight": state["visual.proj"].t(),
+               "text_projection.weight": state["text_projection"].t()}
+    for ours, theirs in plain.items():
+        tensors[theirs + ".weight"] = state[ours]
+    for name, tensor in state.items():
+        name = name.replace("visual.transformer.resblocks.",
+                            "vision_model.encoder.layers.")
+        name = name.replace("transformer.resblocks.",
+                            "text_model.encoder.layers.")
+        for ours, theirs in (("visual.ln_pre", "vision_model.pre_layrnorm"),
+                             ("visual.ln_post", "vision_model.post_layernorm"),
+                             ("ln_final", "text_model.final_layer_norm"),
+                             ("ln_1", "layer_norm1"), ("ln_2", "layer_norm2"),
+                             ("c_fc", "fc1"), ("c_proj", "fc2"),
+                             ("attn.out_proj", "self_attn.out_proj")):
+            name = name.replace(ours, theirs)
+        if "attn.in_proj_" in name:
+            base, kind = name.split("attn.in_proj_")
+            for letter, part in zip("qkv", tensor.chunk(3)):
+                tensors[f"{base}self_attn.{letter}_proj.{kind}"] = part
+        elif name.startswith(("vision_model.", "text_model.")):
+            tensors[name] = tensor
+    return tensors
+
+
+class Node(torch.nn.Module):
+    """A part of a model that only holds parameters."""
+
+    def forward(self, x):
+        return x
+
+
+class ExportClipTest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        (self.folder / "merges.txt").write_text(MERGES)
+        self.state = random_checkpoint(ARCH, seed=3)
+
+    def assert_same(self, state):
+        self.assertEqual(set(state), set(self.state))
+        for name, tensor in self.state.items():
+            self.assertTrue(torch.equal(state[name], tensor), name)
+
+    def export(self, out, **options):
+        export_clip.export_folder(self.state, ARCH,
+                                  self.folder / "merges.txt", out, "a", "b",
+                                  "c", **options)
+
+    def test_reads_a_state_dict(self):
+        torch.save(self.state, self.folder / "model.pt")
+        state, arch = read_checkpoint(self.folder / "model.pt")
+        self.assert_same(state)
+        self.assertEqual((arch.width, arch.layers, arch.grid), (16, 2, 2))
+
+    def test_reads_torch_script(self):
+        root = Node()
+        for name, tensor in self.state.items():
+            *path, last = name.split(".")
+            node = root
+            for part in path:
+                if not hasattr(node, part):
+                    node.add_module(part, Node())
+                node = getattr(node, part)
+            # OpenAI's archives are in half precision.
+            node.register_parameter(last, torch.nn.Parameter(tensor.half()))
+        torch.jit.script(root).save(str(self.folder / "model.pt"))
+        self.state = {name: tensor.half().float()
+                      for name, tensor in self.state.items()}
+        self.assert_same(read_checkpoint(self.folder / "model.pt")[0])
+
+    def test_reads_hugging_face(self):
+        (self.folder / "model.safetensors").write_bytes(
+            safetensors(hugging_face(self.state)))
+        (self.folder / "config.json").write_text(json.dumps(
+            {"vision_config": {"num_attention_heads": 2, "hidden_act": "gelu"},
+             "text_config": {"num_attention_heads": 3}}))
+        state, arch = read_checkpoint(self.folder)
+        self.assert_same(state)
+        self.assertEqual((arch.heads, arch.text_heads, arch.activation),
+                         (2, 3, "gelu"))
+
+    def test_refuses_damaged_safetensors(self):
+        good = safetensors({"a": torch.ones(2, 3)})
+        path = self.folder / "x.safetensors"
+        for data in (b"", b"1234567", good[:20], good[:-1],
+                     struct.pack("<Q", 1 << 60) + good[8:],
+                     struct.pack("<Q", 4) + b"nope"):
+            path.write_bytes(data)
+            with self.assertRaises(CheckpointError, msg=data[:12]):
+                read_safetensors(path)
+        path.write_bytes(good)
+        with self.assertRaises(CheckpointError):
+            read_checkpoint(path)  # Not a CLIP.
+        with self.assertRaises(CheckpointError):
+            read_checkpoint(self.folder / "missing.pt")
+
+    def test_refuses_other_architectures(self):
+        del self.state["visual.proj"]
+        with self.assertRaisesRegex(CheckpointError, "visual.proj"):
+            architecture_of(self.state)
+
+    def test_networks_are_what_they_stand_for(self):
+        for activation in ("quick_gelu", "gelu"):
+            arch = Architecture(**{**vars(ARCH), "activation": activation})
+            with torch.no_grad():
+                for size, dense in ((16, False), (16, True), (40, True)):
+                    image = torch.randn(1, 3, size, size)
+                    network = export_clip.Visual(self.state, arch, size, dense)
+                    wanted = reference.encode_image(self.state, arch, image[0],
+                                                    dense)
+                    result = network.eval()(image)[0]
+                    result = result.flatten(1).t() if dense else result
+                    torch.testing.assert_close(result, wanted, rtol=1e-3,
+                                               atol=1e-4)
+                ids = [514, 3, 77, 512, 515]
+                padded = ids + [0] * (77 - len(ids))
+                vectors = self.state["token_embedding.weight"][padded][None]
+                result = export_clip.Text(self.state, arch).eval()(vectors)
+                torch.testing.assert_close(
+                    result[0, 4], reference.encode_text(self.state, arch, ids),
+                    rtol=1e-3, atol=1e-4)
+
+    def test_equal_parameters_are_told_apart(self):
+        for name, tensor in self.state.items():
+            if name.endswith("bias"):
+                tensor.zero_()
+        text = export_clip.Text(self.state, ARCH)
+        export_clip.make_distinct(text)
+        values = [(tuple(p.shape), p.data.numpy().tobytes())
+                  for p in text.parameters()]
+        self.assertEqual(len(values), len(set(values)))
+
+    def test_writes_the_folder(self):
+        out = self.folder / "out"
+        self.export(out, dense_sizes=[32])
+        info = json.loads((out / "model.json").read_text())
+        self.assertEqual(info["dense"][1],
+                         {"file": "dense32.onnx", "image_size": 32, "grid": 4})
+        self.assertEqual(info["vocab_size"], 516)
+        self.assertEqual(
+            set(info["files"]) | {"model.json"},
+            {path.name for path in out.iterdir()})
+        for name, file in info["files"].items():
+            self.assertEqual(file["bytes"], (out / name).stat().st_size)
+            self.assertEqual(len(file["hash"]), 32)
+        self.export(out)  # A model folder may be replaced.
+        self.assertFalse((out / "dense32.onnx").exists())
+        self.assertEqual([path.name for path in self.folder.iterdir()
+                          if path.name.endswith(".part")], [])
+
+    def test_refuses_what_does_not_fit(self):
+        out = self.folder / "out"
+        with self.assertRaisesRegex(CheckpointError, "multiple of"):
+            self.export(out, dense_sizes=[30])
+        (self.folder / "merges.txt").write_text(MERGES + "a b\n")
+        with self.assertRaisesRegex(CheckpointError, "517 tokens"):
+            self.export(out)
+        self.assertFalse(out.exists())
+        (self.folder / "merges.txt").write_text(MERGES)
+        with self.assertRaisesRegex(CheckpointError, "not a model folder"):
+            self.export(self.folder)
+        self.assertTrue((self.folder / "merges.txt").exists())
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Compares with what PyTorch made of the same checkpoint: of the small model
+// beside this file, and of the folder that FREEGS_CLIP_MODEL names if it does
+// (scripts/check_clip_export.py).
+
+#include "semantics/clip/opencv_clip.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <iostream>
+#include <span>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/image_io.h"
+#include "tests/semantics/clip/model_files.h"
+
+namespace freegs::semantics {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+double Norm(std::span<const float> a) {
+  double sum = 0;
+  for (const float value : a) sum += static_cast<double>(value) * value;
+  return std::sqrt(sum);
+}
+
+double Cosine(std::span<const float> a, std::span<const float> b) {
+  double dot = 0;
+  for (size_t i = 0; i < a.size(); ++i) {
+    dot += static_cast<double>(a[i]) * b[i];
+  }
+  return dot / (Norm(a) * Norm(b));
+}
+
+void CompareWithReference(const std::filesystem::path& folder) {
+  const json reference = json::parse(ReadText(folder / "reference.json"));
+  const auto image = ReadRgb(folder / "reference.png");
+  ASSERT_TRUE(image.ok()) << image.status().message();
+  const auto clip = OpenCvClip::Open(folder);
+  ASSERT_TRUE(clip.ok()) << clip.status().message();
+  OpenCvClip& encoder = **clip;
+  const auto dim = static_cast<size_t>(encoder.embedding_dim());
+
+  const auto global = encoder.EncodeImage(*image);
+  ASSERT_TRUE(global.ok()) << global.status().message();
+  const auto expected = reference["image"].get<std::vector<float>>();
+  ASSERT_EQ(global->size(), dim);
+  ASSERT_EQ(expected.size(), dim);
+  EXPECT_NEAR(Norm(*global), 1, 1e-5);
+  const double image_cosine = Cosine(*global, expected);
+  EXPECT_GT(image_cosine, 0.9999);
+  std::cout << "image: 1 - cosine " << 1 - image_cosine << "\n";
+
+  ASSERT_EQ(reference["dense"].size(), encoder.dense_sizes().size());
+  for (const json& entry : reference["dense"]) {
+    const int size = entry["image_size"];
+    const auto dense = encoder.EncodeDense(*image, size);
+    ASSERT_TRUE(dense.ok()) << dense.status().message();
+    const auto features = entry["features"].get<std::vector<float>>();
+    ASSERT_EQ(dense->size(), features.size());
+    double worst = 1;
+    for (size_t i = 0; i < features.size(); i += dim) {
+      const std::span<const float> cell(dense->data() + i, dim);
+      const std::span<const float> wanted(features.data() + i, dim);
+      worst = std::min(worst, Cosine(cell, wanted));
+      EXPECT_NEAR(Norm(cell), Norm(wanted), 1e-3 * Norm(wanted));
+    }
+    EXPECT_GT(worst, 0.9999);
+    std::cout << "dense " << size << ": worst 1 - cosine " << 1 - worst << "\n";
+  }
+
+  double worst = 1;
+  for (const json& entry : reference["texts"]) {
+    const auto text = encoder.EncodeText(entry["text"]);
+    ASSERT_TRUE(text.ok()) << text.status().message();
+    const auto wanted = entry["embedding"].get<std::vector<float>>();
+    ASSERT_EQ(text->values.size(), wanted.size());
+    EXPECT_NEAR(Norm(text->values), 1, 1e-5);
+    worst = std::min(worst, Cosine(text->values, wanted));
+    EXPECT_EQ(text->truncated,
+              entry["text"].get<std::string>().size() > 300 &&
+                  entry["ids"].size() ==
+                      static_cast<size_t>(encoder.info().context_length));
+  }
+  EXPECT_GT(worst, 0.9999);
+  std::cout << "texts: worst 1 - cosine " << 1 - worst << "\n";
+}
+
+TEST(OpenCvClipTest, MatchesPyTorch) { CompareWithReference(TinyClip()); }
+
+TEST(OpenCvClipTest, NamedModelMatchesPyTorch) {
+  const char* folder = std::getenv("FREEGS_CLIP_MODEL");
+  if (folder == nullptr) GTEST_SKIP() << "FREEGS_CLIP_MODEL is not set";
+  CompareWithReference(folder);
+}
+
+TEST(OpenCvClipTest, CallsDoNotDisturbEachOther) {
+  const auto clip = OpenCvClip::Open(TinyClip());
+  ASSERT_TRUE(clip.ok());
+  const auto image = ReadRgb(TinyClip() / "reference.png");
+  ASSERT_TRUE(image.ok());
+  const ImageU8 grey(40, 30, 3, 128);
+  const auto first = (*clip)->EncodeImage(*image);
+  const auto text = (*clip)->EncodeText("red apple");
+  ASSERT_TRUE((*clip)->EncodeImage(grey).ok());
+  ASSERT_TRUE((*clip)->EncodeDense(grey).ok());
+  ASSERT_TRUE((*clip)->EncodeText("photo").ok());
+  EXPECT_EQ(*(*clip)->EncodeImage(*image), *first);
+  EXPECT_EQ((*clip)->EncodeText("red apple")->values, text->values);
+}
+
+TEST(OpenCvClipTest, WhatIsAskedIsChecked) {
+  const auto clip = OpenCvClip::Open(TinyClip());
+  ASSERT_TRUE(clip.ok());
+  for (const ImageU8& image : {ImageU8(), ImageU8(5, 5, 1), ImageU8(5, 5, 4)}) {
+    EXPECT_EQ((*clip)->EncodeImage(image).status().code(),
+              StatusCode::kInvalidArgument);
+    EXPECT_EQ((*clip)->EncodeDense(image).status().code(),
+              StatusCode::kInvalidArgument);
+  }
+  EXPECT_EQ((*clip)->EncodeDense(ImageU8(5, 5, 3), 224).status().code(),
+            StatusCode::kInvalidArgument);
+  EXPECT_EQ((*clip)->EncodeText(std::string(20000, 'x')).status().code(),
+            StatusCode::kInvalidArgument);
+}
+
+TEST(OpenCvClipTest, AnyShapeOfImage) {
+  const auto clip = OpenCvClip::Open(TinyClip());
+  ASSERT_TRUE(clip.ok());
+  for (const auto& [width, height] :
+       {std::pair(1, 1), {1, 3000}, {3000, 1}, {17, 16}, {5, 2}}) {
+    const ImageU8 image(width, height, 3, 90);
+    EXPECT_TRUE((*clip)->EncodeImage(image).ok());
+    EXPECT_TRUE((*clip)->EncodeDense(image).ok());
+  }
+}
+
+// A network that is what model.json names, but not one that works.
+TEST(OpenCvClipTest, BadNetworksAreNamedAndSilent) {
+  const ImageU8 image(20, 20, 3, 100);
+  const std::string visual = ReadText(TinyClip() / "visual.onnx");
+  for (const std::string& content : {std::string(),
+                                     std::string("not a network"),
+                                     visual.substr(0, visual.size() / 2),
+                                     ReadText(TinyClip() / "dense32.onnx"),
+                                     ReadText(TinyClip() / "text.onnx")}) {
+    const ModelCopy model;
+    model.Replace("visual.onnx", content);
+    const auto clip = OpenCvClip::Open(model.path());
+    ASSERT_TRUE(clip.ok()) << clip.status().message();
+    testing::internal::CaptureStderr();
+    testing::internal::CaptureStdout();
+    const auto result = (*clip)->EncodeImage(image);
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+    EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
+    EXPECT_EQ(result.status().code(), StatusCode::kMissingDependency);
+    EXPECT_THAT(result.status().message(), HasSubstr("visual.onnx"));
+    // The other networks are not affected.
+    EXPECT_TRUE((*clip)->EncodeDense(image).ok());
+  }
+}
+
+TEST(CenterSquareTest, CutsTheLongSide) {
+  ImageU8 image(40, 20, 1);
+  for (int y = 0; y < 20; ++y) {
+    for (int x = 0; x < 40; ++x) image(x, y) = static_cast<uint8_t>(6 * x);
+  }
+  const ImageU8 square = CenterSquare(image, 20);
+  ASSERT_EQ(square.width(), 20);
+  ASSERT_EQ(square.height(), 20);
+  EXPECT_EQ(square(0, 0), 60);
+  EXPECT_EQ(square(19, 19), 6 * 29);
+  EXPECT_EQ(CenterSquare(ImageU8(3, 50, 1, 7), 6)(5, 5), 7);
+}
+
+}  // namespace
+}  // namespace freegs::semantics
