@@ -25,8 +25,7 @@ const std::map<std::string, Values>& Presets() {
        {{"sfm.max_features", "4000"},
         {"reconstruct.iterations", "10000"},
         {"reconstruct.max_image_size", "1600"},
-        {"reconstruct.budget", "300000"},
-        {"reconstruct.densify_gradient", "2e-4"}}},
+        {"reconstruct.budget", "300000"}}},
   };
   return presets;
 }

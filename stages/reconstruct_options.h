@@ -33,7 +33,7 @@ struct ReconstructStageOptions {
   std::string importance = "auto";
   // Iterations between densifications; 0 never densifies.
   int densify_interval = 100;
-  double densify_gradient = 1e-4;
+  double densify_gradient = 2e-4;
   // For densification = gradient only.
   int opacity_reset_interval = 0;
   bool coarse_to_fine = true;
