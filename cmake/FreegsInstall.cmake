@@ -14,6 +14,8 @@ foreach(folder core sfm splat semantics pipeline stages)
 endforeach()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/workspace_template/
   DESTINATION ${CMAKE_INSTALL_DATADIR}/freegs_pipeline/workspace_template)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/models
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/freegs_pipeline OPTIONAL)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE
   DESTINATION ${CMAKE_INSTALL_DOCDIR})
 

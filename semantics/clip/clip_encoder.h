@@ -47,6 +47,17 @@ class ClipEncoder {
   virtual StatusOr<ImageF> EncodeDense(const ImageU8& image,
                                        int dense_size = 0) = 0;
 
+  // Width and height of what Upsample gives; 0 when the model brings no
+  // upsampler of its own.
+  virtual int upsampled_size() const = 0;
+
+  // Features in the detail of the image by an upsampler that the model brings
+  // (such as FeatUp's): upsampled_size() x upsampled_size() x D. `features` are
+  // what EncodeDense gave for the same image at the default size.
+  // kInvalidArgument for features of another shape and without an upsampler.
+  virtual StatusOr<ImageF> Upsample(const ImageF& features,
+                                    const ImageU8& image) = 0;
+
   // Errors also as BytePairTokenizer::Tokenize.
   virtual StatusOr<TextEmbedding> EncodeText(const std::string& text) = 0;
 };

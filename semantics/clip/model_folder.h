@@ -21,6 +21,9 @@ namespace freegs::semantics {
 //                    block by its value projection only)
 //   dense448.onnx    or any other names that model.json gives: the same at
 //                    other sizes; may be absent
+//   upsampler.onnx   inputs "features", 1 x D x G x G as dense.onnx gives them,
+//                    and "image", 1 x 3 x S x S as it takes them ->
+//                    1 x D x U x U; only where model.json has upsampled_size U
 //   text.onnx        1 x C x W token vectors -> 1 x C x D, one output for every
 //                    position; that of the end token is the text's
 //   text_embedding   token vectors, see TokenTable

@@ -37,6 +37,10 @@ class Fields {
     return field->get<std::string>();
   }
 
+  bool Has(const char* key) const {
+    return object_.is_object() && object_.contains(key);
+  }
+
   // A number in [min, max].
   double Number(const char* key, double min, double max) {
     const json* field = Find(key);
@@ -159,6 +163,7 @@ void ReadFiles(Fields& top, std::string* fault, ModelInfo* info) {
   for (const DenseNetwork& network : info->dense) {
     required.push_back(network.file);
   }
+  if (info->upsampled_size > 0) required.emplace_back("upsampler.onnx");
   for (const std::string& name : required) {
     if (info->files.count(name) == 0) top.Fail("files." + name, "is missing");
   }
@@ -172,6 +177,7 @@ std::string ModelInfo::Hash() const {
     ((text += std::to_string(numbers) + " "), ...);
   };
   add(embedding_dim, image_size, context_length, text_width, vocab_size);
+  if (upsampled_size > 0) add(upsampled_size);
   for (int i = 0; i < 3; ++i) {
     char number[64];
     std::snprintf(number, sizeof(number), "%a %a ", mean[i], std[i]);
@@ -216,6 +222,9 @@ StatusOr<ModelInfo> ParseModelInfo(std::string_view text) {
   info.text_width = top.Int("text_width", 1, 1 << 14);
   info.vocab_size = top.Int("vocab_size", 515, 49408);
   ReadDense(top, &fault, &info);
+  if (top.Has("upsampled_size")) {
+    info.upsampled_size = top.Int("upsampled_size", 1, 2048);
+  }
   ReadFiles(top, &fault, &info);
   if (!fault.empty()) return BadInputError(fault);
   return info;

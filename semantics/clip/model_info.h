@@ -36,6 +36,7 @@ struct ModelFile {
 //    "image_size": 224,              of visual.onnx, pixels
 //    "mean": [r, g, b], "std": [r, g, b],        of colours in [0, 1]
 //    "dense": [{"file": "dense.onnx", "image_size": 224, "grid": 14}, ...],
+//    "upsampled_size": 224,          of upsampler.onnx; only where there is one
 //    "context_length": 77, "text_width": 512, "vocab_size": 49408,
 //    "files": {"visual.onnx": {"bytes": 12, "hash": "32 hex digits"}, ...}}
 // Fields that are not listed here are for people and other programs.
@@ -48,6 +49,7 @@ struct ModelInfo {
   std::array<float, 3> mean = {};
   std::array<float, 3> std = {};
   std::vector<DenseNetwork> dense;  // At least one, the first in dense.onnx.
+  int upsampled_size = 0;  // Pixels that upsampler.onnx gives; 0: no such file.
   int context_length = 0;
   int text_width = 0;
   int vocab_size = 0;

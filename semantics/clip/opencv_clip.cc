@@ -61,6 +61,38 @@ cv::Mat ToBlob(const ImageU8& image, const ModelInfo& info) {
   return blob;
 }
 
+// 1 x C x H x W of an image, and back.
+cv::Mat ToChannels(const ImageF& image) {
+  const int shape[] = {1, image.channels(), image.height(), image.width()};
+  cv::Mat blob(4, shape, CV_32F);
+  float* out = blob.ptr<float>();
+  const auto channels = static_cast<size_t>(image.channels());
+  for (size_t c = 0; c < channels; ++c) {
+    for (size_t i = 0; i < image.num_pixels(); ++i) {
+      *out++ = image.data()[i * channels + c];
+    }
+  }
+  return blob;
+}
+
+ImageF FromChannels(const cv::Mat& blob) {
+  ImageF image(blob.size[3], blob.size[2], blob.size[1]);
+  const auto channels = static_cast<size_t>(image.channels());
+  const float* in = blob.ptr<float>();
+  for (size_t c = 0; c < channels; ++c) {
+    for (size_t i = 0; i < image.num_pixels(); ++i) {
+      image.data()[i * channels + c] = *in++;
+    }
+  }
+  return image;
+}
+
+// An input of a network. A network of one input takes any name.
+struct NetworkInput {
+  std::string name;
+  cv::Mat blob;
+};
+
 std::string ShapeText(const cv::Mat& blob) {
   std::string text;
   for (int i = 0; i < blob.dims; ++i) {
@@ -102,7 +134,7 @@ struct OpenCvClip::Networks {
   // Runs a network of the folder, which it loads if this has not been done.
   StatusOr<cv::Mat> Forward(const ModelFolder& folder,
                             const std::string& name,
-                            const cv::Mat& input,
+                            const std::vector<NetworkInput>& inputs,
                             const std::vector<int>& output_shape) {
     const QuietOpenCv quiet;
     auto network = loaded.find(name);
@@ -121,7 +153,9 @@ struct OpenCvClip::Networks {
     }
     cv::Mat output;
     try {
-      network->second.setInput(input);
+      for (const NetworkInput& input : inputs) {
+        network->second.setInput(input.blob, input.name);
+      }
       // A copy: the network overwrites its own at the next call.
       output = network->second.forward().clone();
     } catch (const std::exception& error) {
@@ -172,10 +206,11 @@ StatusOr<std::vector<float>> OpenCvClip::EncodeImage(const ImageU8& image) {
   FREEGS_RETURN_IF_ERROR(CheckImage(image));
   FREEGS_ASSIGN_OR_RETURN(
       const cv::Mat output,
-      networks_->Forward(folder_,
-                         "visual.onnx",
-                         ToBlob(CenterSquare(image, info().image_size), info()),
-                         {1, embedding_dim()}));
+      networks_->Forward(
+          folder_,
+          "visual.onnx",
+          {{"", ToBlob(CenterSquare(image, info().image_size), info())}},
+          {1, embedding_dim()}));
   std::vector<float> embedding(output.ptr<float>(),
                                output.ptr<float>() + output.total());
   if (!Normalize(embedding)) {
@@ -204,15 +239,38 @@ StatusOr<ImageF> OpenCvClip::EncodeDense(const ImageU8& image, int dense_size) {
       networks_->Forward(
           folder_,
           network->file,
-          ToBlob(ResizeBicubic(image, dense_size, dense_size), info()),
+          {{"", ToBlob(ResizeBicubic(image, dense_size, dense_size), info())}},
           {1, dim, grid, grid}));
-  ImageF features(grid, grid, dim);
-  const size_t cells = features.num_pixels();
-  const float* in = output.ptr<float>();
-  for (int c = 0; c < dim; ++c) {
-    for (size_t i = 0; i < cells; ++i) features.data()[i * dim + c] = *in++;
+  return FromChannels(output);
+}
+
+int OpenCvClip::upsampled_size() const { return info().upsampled_size; }
+
+StatusOr<ImageF> OpenCvClip::Upsample(const ImageF& features,
+                                      const ImageU8& image) {
+  FREEGS_RETURN_IF_ERROR(CheckImage(image));
+  const DenseNetwork& network = info().dense[0];
+  const int size = upsampled_size();
+  if (size == 0) {
+    return InvalidArgumentError(folder_.path.string() + " has no upsampler");
   }
-  return features;
+  if (features.width() != network.grid || features.height() != network.grid ||
+      features.channels() != embedding_dim()) {
+    return InvalidArgumentError(
+        "the upsampler takes the features of an image of " +
+        std::to_string(network.image_size) + " pixels");
+  }
+  FREEGS_ASSIGN_OR_RETURN(
+      const cv::Mat output,
+      networks_->Forward(
+          folder_,
+          "upsampler.onnx",
+          {{"features", ToChannels(features)},
+           {"image",
+            ToBlob(ResizeBicubic(image, network.image_size, network.image_size),
+                   info())}},
+          {1, embedding_dim(), size, size}));
+  return FromChannels(output);
 }
 
 StatusOr<TextEmbedding> OpenCvClip::EncodeText(const std::string& text) {
@@ -239,7 +297,8 @@ StatusOr<TextEmbedding> OpenCvClip::EncodeText(const std::string& text) {
   const int dim = embedding_dim();
   FREEGS_ASSIGN_OR_RETURN(
       const cv::Mat output,
-      networks_->Forward(folder_, "text.onnx", input, {1, context, dim}));
+      networks_->Forward(
+          folder_, "text.onnx", {{"", input}}, {1, context, dim}));
   const float* row =
       output.ptr<float>(0, static_cast<int>(tokens.ids.size()) - 1);
   TextEmbedding embedding{{row, row + dim}, tokens.truncated};

@@ -32,6 +32,9 @@ class OpenCvClip : public ClipEncoder {
   StatusOr<std::vector<float>> EncodeImage(const ImageU8& image) override;
   StatusOr<ImageF> EncodeDense(const ImageU8& image,
                                int dense_size = 0) override;
+  int upsampled_size() const override;
+  StatusOr<ImageF> Upsample(const ImageF& features,
+                            const ImageU8& image) override;
   StatusOr<TextEmbedding> EncodeText(const std::string& text) override;
 
  private:

@@ -18,6 +18,7 @@
 #include "sfm/photo_decode.h"
 #include "stages/heat_map.h"
 #include "stages/report/html.h"
+#include "stages/shipped_model.h"
 
 namespace freegs::stages {
 namespace {
@@ -53,10 +54,15 @@ StatusOr<FeaturesRequest> ParseRequest(std::vector<std::string> arguments) {
   FeaturesRequest request;
   pipeline::OptionTable table;
   table.Add("text", &request.text, {.help = "Words to look for."});
-  table.Add("model",
-            &request.model,
-            {.help = "Folder of a CLIP model (scripts/export_clip.py)."});
-  table.Add("out", &request.out, {.help = "Picture to write (.png or .jpg)."});
+  table.Add(
+      "model",
+      &request.model,
+      {.help = "Folder of a CLIP model (scripts/export_clip.py); the small "
+               "one that comes with the program when not given."});
+  table.Add("out",
+            &request.out,
+            {.help = "Picture to write (.png or .jpg); IMAGE_heat.png in the "
+                     "current folder when not given."});
   table.Add("cache",
             &request.cache,
             {.help = "Folder that keeps features for other words."});
@@ -85,19 +91,24 @@ StatusOr<FeaturesRequest> ParseRequest(std::vector<std::string> arguments) {
   FREEGS_RETURN_IF_ERROR(table.Apply(line.settings));
   if (line.positional.size() != 1) {
     return InvalidArgumentError(
-        "features takes one image: features IMAGE --text WORDS --model DIR "
-        "--out FILE");
+        "features takes one image: features IMAGE --text WORDS");
   }
-  for (const auto& [option, value] : {std::pair("text WORDS", request.text),
-                                      {"model DIR", request.model},
-                                      {"out FILE", request.out}}) {
-    if (value.empty()) {
-      return InvalidArgumentError(std::string("features needs --") + option);
-    }
+  if (request.text.empty()) {
+    return InvalidArgumentError("features needs --text WORDS");
   }
   FREEGS_RETURN_IF_ERROR(request.upsampling.Check());
   request.image = line.positional[0];
+  if (request.out.empty()) {
+    request.out = request.image.stem().string() + "_heat.png";
+  }
   return request;
+}
+
+StatusOr<std::unique_ptr<semantics::OpenCvClip>> OpenModel(
+    const std::string& folder) {
+  if (!folder.empty()) return semantics::OpenCvClip::Open(folder);
+  FREEGS_ASSIGN_OR_RETURN(const fs::path shipped, FindShippedModel());
+  return semantics::OpenCvClip::Open(shipped);
 }
 
 struct Photo {
@@ -138,7 +149,7 @@ Status RunFeaturesCommand(const std::vector<std::string>& arguments,
                           ParseRequest(arguments));
   FREEGS_ASSIGN_OR_RETURN(const Photo photo, ReadPhoto(request.image));
   FREEGS_ASSIGN_OR_RETURN(const std::unique_ptr<semantics::OpenCvClip> encoder,
-                          semantics::OpenCvClip::Open(request.model));
+                          OpenModel(request.model));
 
   FREEGS_ASSIGN_OR_RETURN(const semantics::TextEmbedding text,
                           encoder->EncodeText(request.text));
@@ -157,7 +168,7 @@ Status RunFeaturesCommand(const std::vector<std::string>& arguments,
     return InterruptedError("features: stopped");
   }
   FREEGS_ASSIGN_OR_RETURN(
-      const ImageF features,
+      ImageF features,
       request.cache.empty()
           ? encoder->EncodeDense(photo.pixels, request.dense_size)
           : semantics::EncodeDenseCached(*encoder,
@@ -165,6 +176,14 @@ Status RunFeaturesCommand(const std::vector<std::string>& arguments,
                                          photo.hash,
                                          photo.pixels,
                                          request.dense_size));
+
+  // A network for other sizes has no upsampler.
+  if (encoder->upsampled_size() > 0 &&
+      (request.dense_size == 0 ||
+       request.dense_size == encoder->dense_sizes()[0])) {
+    FREEGS_ASSIGN_OR_RETURN(features,
+                            encoder->Upsample(features, photo.pixels));
+  }
 
   const ImageU8 picture = LimitedTo(photo.pixels, request.size);
   ThreadPool pool(request.threads);

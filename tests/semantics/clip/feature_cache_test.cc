@@ -159,6 +159,10 @@ class CountingEncoder : public ClipEncoder {
     ++calls;
     return Features();
   }
+  int upsampled_size() const override { return 0; }
+  StatusOr<ImageF> Upsample(const ImageF&, const ImageU8&) override {
+    return InternalError("not for this test");
+  }
   StatusOr<TextEmbedding> EncodeText(const std::string&) override {
     return InternalError("not for this test");
   }

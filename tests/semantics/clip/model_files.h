@@ -38,6 +38,15 @@ class ModelCopy {
     WriteText(path() / "model.json", info.dump());
   }
 
+  // As a model that brings its upsampler; see data/make_upsampler.py.
+  void AddUpsampler() const {
+    Replace("upsampler.onnx",
+            ReadText(TinyClip().parent_path() / "upsampler.onnx"));
+    nlohmann::json info = Info();
+    info["upsampled_size"] = 16;
+    SetInfo(info);
+  }
+
   // Replaces a file and enters it in model.json, as if it belonged there.
   void Replace(const std::string& name, const std::string& content) const {
     WriteText(path() / name, content);

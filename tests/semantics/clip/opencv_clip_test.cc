@@ -139,6 +139,58 @@ TEST(OpenCvClipTest, AnyShapeOfImage) {
   }
 }
 
+TEST(OpenCvClipTest, UpsamplesWithTheModelsOwn) {
+  const ModelCopy model;
+  model.AddUpsampler();
+  const auto clip = OpenCvClip::Open(model.path());
+  ASSERT_TRUE(clip.ok()) << clip.status().message();
+  ASSERT_EQ((*clip)->upsampled_size(), 16);
+  ImageF features(2, 2, 8);
+  for (size_t i = 0; i < features.size(); ++i) {
+    features.data()[i] = static_cast<float>(i);
+  }
+  ImageU8 image(16, 16, 3, 51);
+  image(9, 3, 1) = 255;
+  const auto result = (*clip)->Upsample(features, image);
+  ASSERT_TRUE(result.ok()) << result.status().message();
+  ASSERT_EQ(result->width(), 16);
+  ASSERT_EQ(result->channels(), 8);
+  const ModelInfo& info = (*clip)->info();
+  for (const auto& [x, y] : {std::pair(0, 0), {9, 3}, {3, 9}, {15, 15}}) {
+    for (int c = 0; c < 8; ++c) {
+      const float color = static_cast<float>(image(x, y, c % 3)) / 255;
+      EXPECT_NEAR((*result)(x, y, c),
+                  features(x / 8, y / 8, c) +
+                      0.5f * (color - info.mean[c % 3]) / info.std[c % 3],
+                  1e-4);
+    }
+  }
+  EXPECT_EQ((*clip)->Upsample(ImageF(4, 4, 8), image).status().code(),
+            StatusCode::kInvalidArgument);
+  EXPECT_EQ((*clip)->Upsample(features, ImageU8()).status().code(),
+            StatusCode::kInvalidArgument);
+  const auto without = OpenCvClip::Open(TinyClip());
+  ASSERT_TRUE(without.ok());
+  EXPECT_EQ((*without)->upsampled_size(), 0);
+  EXPECT_EQ((*without)->Upsample(features, image).status().code(),
+            StatusCode::kInvalidArgument);
+}
+
+TEST(OpenCvClipTest, AnUpsamplerThatIsNone) {
+  const ModelCopy model;
+  model.AddUpsampler();
+  model.Replace("upsampler.onnx", ReadText(TinyClip() / "text.onnx"));
+  const auto clip = OpenCvClip::Open(model.path());
+  ASSERT_TRUE(clip.ok()) << clip.status().message();
+  const Status status =
+      (*clip)->Upsample(ImageF(2, 2, 8), ImageU8(5, 5, 3)).status();
+  EXPECT_EQ(status.code(), StatusCode::kMissingDependency);
+  EXPECT_THAT(status.message(), HasSubstr("upsampler.onnx"));
+  std::filesystem::remove(model.path() / "upsampler.onnx");
+  EXPECT_EQ(OpenCvClip::Open(model.path()).status().code(),
+            StatusCode::kMissingDependency);
+}
+
 // A network that is what model.json names, but not one that works.
 TEST(OpenCvClipTest, BadNetworksAreNamedAndSilent) {
   const ImageU8 image(20, 20, 3, 100);
