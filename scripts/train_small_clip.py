@@ -79,12 +79,24 @@ class Ring:
     def order(self):
         while len(self.waiting) < PREFETCH:
             job = (self.seed, self.next_image, self.fresh, self.size)
-            self.waiting.append(self.pool.apply_async(draw_chunk, (job,)))
+            self.waiting.append((job, self.ask(job)))
             self.next_image += self.fresh
+
+    def ask(self, job):
+        return self.pool.apply_async(draw_chunk, (job,))
+
+    def answer(self, job, drawn):
+        """Asks again where a worker has died with its job: the pool starts
+        another, but never answers the first."""
+        while True:
+            try:
+                return drawn.get(timeout=30)
+            except multiprocessing.TimeoutError:
+                drawn = self.ask(job)
 
     def refresh(self):
         self.order()
-        images, labels = self.waiting.popleft().get()
+        images, labels = self.answer(*self.waiting.popleft())
         for image, label in zip(images, labels):
             self.images[self.at], self.labels[self.at] = image, label
             self.at = (self.at + 1) % len(self.labels)
