@@ -154,15 +154,50 @@ def may_match(labels, said):
     return torch.from_numpy(result)
 
 
-def contrastive_loss(model, images, texts, ends, also_right):
+def contrastive_loss(model, image_features, texts, ends, also_right):
     """InfoNCE both ways; other pairs that are right too do not count."""
     logits = model.logit_scale.exp() * (
-        model.encode_image(images) @ model.encode_text(texts, ends).t())
+        image_features @ model.encode_text(texts, ends).t())
     own = torch.eye(len(logits), dtype=torch.bool)
     logits = logits.masked_fill(also_right & ~own, -1e4)
     target = torch.arange(len(logits))
     return (F.cross_entropy(logits, target) +
             F.cross_entropy(logits.t(), target)) / 2
+
+
+def prompts(rng):
+    """One caption for every colour, material and shape, in random words."""
+    def say(names, noun):
+        form = ["{}", "a photo of {}", "something {}" if noun else "one {}"][
+            rng.integers(3)]
+        noun = f" {noun}" if noun and not form.startswith("some") else ""
+        return [form.format(str(rng.choice(drawings.WORDS.get(n, [n]))) + noun)
+                for n in names]
+    return {"colour": say(COLOUR_NAMES, "object"),
+            "material": say(MATERIALS, "object"), "shape": say(SHAPES, "")}
+
+
+def prompt_loss(model, tokenizer, image_features, labels, rng):
+    """The contrastive loss of images against one caption for every value of
+    each property: the other captions of a batch say several things at once
+    and leave open which of them an image failed at."""
+    said = prompts(rng)
+    ids, ends = pad([tokenizer(text, model.arch.context_length)
+                     for texts in said.values() for text in texts])
+    logits = model.logit_scale.exp() * (
+        image_features @ model.encode_text(ids, ends).t())
+    loss, first = 0, 0
+    for name, texts in said.items():
+        truth = torch.tensor([getattr(label, name) for label in labels])
+        if name != "shape":
+            things = torch.tensor([label.shape != NOTHING for label in labels])
+            truth = torch.where(things, truth, -1)
+        truth = torch.where(truth < len(texts), truth, -1)
+        if (truth >= 0).any():
+            loss = loss + F.cross_entropy(
+                logits[:, first:first + len(texts)], truth, ignore_index=-1)
+        first += len(texts)
+    return loss / len(said)
 
 
 def make_optimizer(model, rate):
@@ -242,8 +277,10 @@ class Training:
                            for text, _ in pairs])
         for group in self.optimizer.param_groups:
             group["lr"] = rate_at(self.progress(), self.arguments.rate)
-        loss = contrastive_loss(self.model, normalised(images), texts, ends,
-                                may_match(labels, [said for _, said in pairs]))
+        features = self.model.encode_image(normalised(images))
+        loss = contrastive_loss(self.model, features, texts, ends, may_match(
+            labels, [said for _, said in pairs])) + prompt_loss(
+                self.model, self.tokenizer, features, labels, rng)
         self.optimizer.zero_grad(set_to_none=True)
         loss.backward()
         torch.nn.utils.clip_grad_norm_(self.model.parameters(), 1.0)
