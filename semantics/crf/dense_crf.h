@@ -17,8 +17,8 @@
 namespace freegs::semantics {
 
 // Distances are relative to the square root of the number of pixels, so that
-// the same picture gets the same labels at any resolution. Defaults but for
-// appearance_color_sigma are what FreeGS uses, as seen at its resolution.
+// the same picture gets about the same labels at any resolution. Defaults but
+// for appearance_color_sigma are what FreeGS uses, as seen at its resolution.
 struct DenseCrfOptions {
   // Appearance kernel: pixels that are near and of like colour (RGB, channels
   // in [0, 1]) tend to have the same label. FreeGS: 3 / 255 in colour, less
@@ -47,9 +47,9 @@ class DenseCrf {
  public:
   // image: RGB in [0, 1], W x H x 3. kInvalidArgument for options out of range,
   // an image that is empty or has other than 3 channels, colours that are not
-  // finite or beyond 1e6 sigmas, and
-  // images too large for a lattice of five dimensions (about 3.5e8 pixels).
-  // Memory: see PermutohedralLattice, with dimensions 5 and 2.
+  // finite or beyond 1e6 sigmas, and images too large for a lattice of five
+  // dimensions (about 3.5e8 pixels). Memory: see PermutohedralLattice, with
+  // dimensions 5 and 2.
   static StatusOr<DenseCrf> Build(const ImageF& image,
                                   const DenseCrfOptions& options,
                                   ThreadPool& pool);
@@ -63,8 +63,8 @@ class DenseCrf {
   // same whatever the sigmas, and pixels unlike all others still count.
   //
   // unary: energies, W x H x L, such as -log of probabilities; infinity forbids
-  // a label. Of equal probabilities, so that a single label has 1 everywhere.
-  // Never NaN. The result is the same for any number of threads.
+  // a label. Probabilities are never NaN, and the same for any number of
+  // threads.
   // kInvalidArgument when the size is not the image's, L exceeds 65535, W H L
   // exceeds 2^31, an energy is NaN or minus infinity, or a pixel has no label
   // that is allowed. Memory: 4 W H L bytes beside the result and what filtering

@@ -242,9 +242,17 @@ void PermutohedralLattice::NormalizeSymmetrically(ThreadPool& pool) {
   BlurBlock(block, BlurOrder::kForward, pool, &buffers);
   SliceBlock(buffers, block, kernel_scale_, pool, sums.data());
   // Never zero: every point is at least its own neighbour.
-  for (size_t entry = 0; entry < point_weights_.size(); ++entry) {
-    point_weights_[entry] /= std::sqrt(sums[entry / (dim_ + 1)]);
-  }
+  const size_t corners = dim_ + 1;
+  const auto num_points = static_cast<int64_t>(num_points_);
+  pool.ParallelFor(
+      0, num_points, kPointGrain, [&](int64_t point, int64_t last, int) {
+        for (; point < last; ++point) {
+          const float root = std::sqrt(sums[point]);
+          for (size_t k = 0; k < corners; ++k) {
+            point_weights_[point * corners + k] /= root;
+          }
+        }
+      });
 }
 
 double PermutohedralLattice::SelfResponse(size_t point) const {
