@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "splat/blending_products_simd.h"
 
@@ -18,7 +19,7 @@ constexpr int kTile = 16;
 constexpr int64_t kPixelGrain = 64;
 
 // Channels of one task of a transposed product. 16 x 16 pixels blend a few
-// hundred Gaussians, whose slices then fit a first-level cache.
+// hundred Gaussians: the sums of a tile stay near the core.
 constexpr int64_t kChannelSlice = 32;
 
 int TilesAcross(const WeightMatrix& weights) {
@@ -77,14 +78,70 @@ Status CheckRows(const WeightMatrix& weights, std::span<const uint32_t> rows) {
   return Status();
 }
 
-// Calls body(first channel, last channel) for all slices, on several threads.
+// Calls body(first channel, last channel, worker) for all slices, on several
+// threads.
 template <typename Body>
 void ForEachSlice(int channels, ThreadPool& pool, const Body& body) {
   pool.ParallelFor(
-      0, channels, kChannelSlice, [&](int64_t first, int64_t last, int) {
-        body(static_cast<size_t>(first), static_cast<size_t>(last));
+      0, channels, kChannelSlice, [&](int64_t first, int64_t last, int worker) {
+        body(static_cast<size_t>(first), static_cast<size_t>(last), worker);
       });
 }
+
+// W with the columns of each tile numbered anew, 0, 1, ... by first appearance:
+// sums over a tile then lie together in the cache, however far apart their
+// Gaussians' rows are, and sums of sums round less than long sums.
+class TileColumns {
+ public:
+  TileColumns(const WeightMatrix& weights, ThreadPool& pool)
+      : places_(weights.num_weights()),
+        gaussians_(static_cast<size_t>(TilesAcross(weights)) *
+                   TilesDown(weights)),
+        matrix_(weights) {
+    matrix_.gaussians = places_;
+    struct Place {
+      int64_t tile = -1;  // That the number is of.
+      uint32_t number = 0;
+    };
+    std::vector<std::vector<Place>> place_of(pool.num_threads());
+    pool.ParallelFor(
+        0, num_tiles(), 1, [&](int64_t begin, int64_t end, int worker) {
+          std::vector<Place>& places = place_of[worker];
+          if (places.empty()) places.resize(weights.num_gaussians);
+          for (int64_t tile = begin; tile < end; ++tile) {
+            std::vector<uint32_t>& gaussians = gaussians_[tile];
+            ForEachRun(weights, tile, [&](size_t first, size_t last) {
+              const uint32_t run_end = weights.pixel_begin[last];
+              for (uint32_t k = weights.pixel_begin[first]; k < run_end; ++k) {
+                Place& place = places[weights.gaussians[k]];
+                if (place.tile != tile) {
+                  place = {tile, static_cast<uint32_t>(gaussians.size())};
+                  gaussians.push_back(weights.gaussians[k]);
+                }
+                places_[k] = place.number;
+              }
+            });
+          }
+        });
+  }
+  TileColumns(const TileColumns&) = delete;
+  TileColumns& operator=(const TileColumns&) = delete;
+
+  int64_t num_tiles() const { return static_cast<int64_t>(gaussians_.size()); }
+
+  // W with a tile's own numbers in place of Gaussians.
+  const WeightMatrix& matrix() const { return matrix_; }
+
+  // The Gaussians of a tile's numbers.
+  std::span<const uint32_t> gaussians(int64_t tile) const {
+    return gaussians_[tile];
+  }
+
+ private:
+  std::vector<uint32_t> places_;
+  std::vector<std::vector<uint32_t>> gaussians_;  // By tile.
+  WeightMatrix matrix_;
+};
 
 }  // namespace
 
@@ -145,20 +202,29 @@ Status AddMultiplyTransposed(const WeightMatrix& weights,
   FREEGS_RETURN_IF_ERROR(CheckSizes(
       weights, weights.num_pixels(), sums.size(), pixels.size(), channels));
   const auto stride = static_cast<size_t>(channels);
-  const int64_t tiles =
-      static_cast<int64_t>(TilesAcross(weights)) * TilesDown(weights);
-  ForEachSlice(channels, pool, [&](size_t c_begin, size_t c_end) {
-    for (int64_t tile = 0; tile < tiles; ++tile) {
+  const TileColumns columns(weights, pool);
+  std::vector<std::vector<float>> tile_sums(pool.num_threads());
+  ForEachSlice(channels, pool, [&](size_t c_begin, size_t c_end, int worker) {
+    const size_t width = c_end - c_begin;
+    for (int64_t tile = 0; tile < columns.num_tiles(); ++tile) {
+      const std::span<const uint32_t> gaussians = columns.gaussians(tile);
+      std::vector<float>& partial = tile_sums[worker];
+      partial.assign(gaussians.size() * width, 0.0f);
       ForEachRun(weights, tile, [&](size_t first, size_t last) {
-        AddTransposedRows(weights,
+        AddTransposedRows(columns.matrix(),
                           first,
                           last,
-                          pixels.data() + first * stride,
+                          pixels.data() + first * stride + c_begin,
                           stride,
-                          c_begin,
-                          c_end,
-                          sums.data());
+                          width,
+                          partial.data(),
+                          width);
       });
+      const float* from = partial.data();
+      for (const uint32_t gaussian : gaussians) {
+        float* to = sums.data() + gaussian * stride + c_begin;
+        for (size_t c = 0; c < width; ++c) to[c] += *from++;
+      }
     }
   });
   return Status();
@@ -174,16 +240,16 @@ Status AddMultiplyTransposedAt(const WeightMatrix& weights,
       CheckSizes(weights, rows.size(), sums.size(), pixels.size(), channels));
   FREEGS_RETURN_IF_ERROR(CheckRows(weights, rows));
   const auto stride = static_cast<size_t>(channels);
-  ForEachSlice(channels, pool, [&](size_t c_begin, size_t c_end) {
+  ForEachSlice(channels, pool, [&](size_t c_begin, size_t c_end, int) {
     for (size_t j = 0; j < rows.size(); ++j) {
       AddTransposedRows(weights,
                         rows[j],
                         rows[j] + size_t{1},
-                        pixels.data() + j * stride,
+                        pixels.data() + j * stride + c_begin,
                         stride,
-                        c_begin,
-                        c_end,
-                        sums.data());
+                        c_end - c_begin,
+                        sums.data() + c_begin,
+                        stride);
     }
   });
   return Status();

@@ -39,10 +39,10 @@ Status MultiplyAt(const WeightMatrix& weights,
 
 // sums += W^T pixels. With pixels = dL/d(W features) this adds dL/dfeatures.
 //
-// Every sum is taken pixel after pixel (tiles of 16 x 16 in rows, rows of
-// pixels within), in float: relative to sum_p W(p, i) |pixels(p)| its error is
-// below n 2^-24 for n terms, and about sqrt(n) 2^-24 in practice. Threads share
-// out the channels, 32 at a time: fewer than that keep one thread busy.
+// Sums are in float, over the pixels of each tile of 16 x 16 and then over the
+// tiles, in rows: relative to sum_p W(p, i) |pixels(p)| the error is below
+// (256 + tiles) 2^-24. Threads share out the channels, 32 at a time: fewer than
+// that keep one thread busy. Takes 4 bytes per weight while it runs.
 Status AddMultiplyTransposed(const WeightMatrix& weights,
                              std::span<const float> pixels,
                              int channels,

@@ -87,13 +87,14 @@ HWY_INLINE void AddTransposedOne(D d,
                                  size_t first,
                                  size_t last,
                                  const float* HWY_RESTRICT pixels,
-                                 size_t channels,
-                                 float* HWY_RESTRICT sums) {
-  for (size_t p = first; p < last; ++p, pixels += channels) {
+                                 size_t pixel_stride,
+                                 float* HWY_RESTRICT sums,
+                                 size_t sum_stride) {
+  for (size_t p = first; p < last; ++p, pixels += pixel_stride) {
     const auto pixel = hn::LoadU(d, pixels);
     const uint32_t end = w.pixel_begin[p + 1];
     for (uint32_t k = w.pixel_begin[p]; k < end; ++k) {
-      float* sum = sums + w.gaussians[k] * channels;
+      float* sum = sums + w.gaussians[k] * sum_stride;
       const auto weight = hn::Set(d, w.weights[k]);
       hn::StoreU(hn::MulAdd(weight, pixel, hn::LoadU(d, sum)), d, sum);
     }
@@ -106,15 +107,16 @@ HWY_INLINE void AddTransposedTwo(D d,
                                  size_t first,
                                  size_t last,
                                  const float* HWY_RESTRICT pixels,
-                                 size_t channels,
-                                 float* HWY_RESTRICT sums) {
+                                 size_t pixel_stride,
+                                 float* HWY_RESTRICT sums,
+                                 size_t sum_stride) {
   const size_t lanes = hn::Lanes(d);
-  for (size_t p = first; p < last; ++p, pixels += channels) {
+  for (size_t p = first; p < last; ++p, pixels += pixel_stride) {
     const auto pixel0 = hn::LoadU(d, pixels);
     const auto pixel1 = hn::LoadU(d, pixels + lanes);
     const uint32_t end = w.pixel_begin[p + 1];
     for (uint32_t k = w.pixel_begin[p]; k < end; ++k) {
-      float* sum = sums + w.gaussians[k] * channels;
+      float* sum = sums + w.gaussians[k] * sum_stride;
       const auto weight = hn::Set(d, w.weights[k]);
       const auto sum0 = hn::MulAdd(weight, pixel0, hn::LoadU(d, sum));
       const auto sum1 = hn::MulAdd(weight, pixel1, hn::LoadU(d, sum + lanes));
@@ -151,21 +153,23 @@ void AddTransposedChannels(const WeightMatrix& weights,
                            size_t first,
                            size_t last,
                            const float* pixels,
+                           size_t pixel_stride,
                            size_t channels,
-                           size_t channel_begin,
-                           size_t channel_end,
-                           float* sums) {
+                           float* sums,
+                           size_t sum_stride) {
   const RowPointers w(weights);
   const hn::ScalableTag<float> full;
   const size_t two = 2 * hn::Lanes(full);
-  size_t c = channel_begin;
-  for (; c + two <= channel_end; c += two) {
-    AddTransposedTwo(full, w, first, last, pixels + c, channels, sums + c);
+  size_t c = 0;
+  for (; c + two <= channels; c += two) {
+    AddTransposedTwo(
+        full, w, first, last, pixels + c, pixel_stride, sums + c, sum_stride);
   }
   // Whole vectors only: masked stores may write another thread's channels.
   const auto rest = [&](auto d) HWY_ATTR {
-    for (; c + hn::Lanes(d) <= channel_end; c += hn::Lanes(d)) {
-      AddTransposedOne(d, w, first, last, pixels + c, channels, sums + c);
+    for (; c + hn::Lanes(d) <= channels; c += hn::Lanes(d)) {
+      AddTransposedOne(
+          d, w, first, last, pixels + c, pixel_stride, sums + c, sum_stride);
     }
   };
   rest(full);
@@ -196,12 +200,12 @@ void AddTransposedRows(const WeightMatrix& weights,
                        size_t first,
                        size_t last,
                        const float* pixels,
+                       size_t pixel_stride,
                        size_t channels,
-                       size_t channel_begin,
-                       size_t channel_end,
-                       float* sums) {
+                       float* sums,
+                       size_t sum_stride) {
   HWY_DYNAMIC_DISPATCH(AddTransposedChannels)
-  (weights, first, last, pixels, channels, channel_begin, channel_end, sums);
+  (weights, first, last, pixels, pixel_stride, channels, sums, sum_stride);
 }
 
 }  // namespace freegs::splat

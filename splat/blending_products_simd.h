@@ -20,17 +20,17 @@ void MultiplyRows(const WeightMatrix& weights,
                   size_t channels,
                   float* pixels);
 
-// Adds what rows [first, last) give to W^T pixels, channels [channel_begin,
-// channel_end) only, to sums (N x channels). Row `first` of the pixels is the
-// first at `pixels`.
+// Adds to row i of `sums` what the rows [first, last) give to row i of W^T
+// pixels. `pixels` points to the first channel of row `first`, `sums` to that
+// of row 0; rows are `channels` of them, a stride apart.
 void AddTransposedRows(const WeightMatrix& weights,
                        size_t first,
                        size_t last,
                        const float* pixels,
+                       size_t pixel_stride,
                        size_t channels,
-                       size_t channel_begin,
-                       size_t channel_end,
-                       float* sums);
+                       float* sums,
+                       size_t sum_stride);
 
 }  // namespace freegs::splat
 
