@@ -8,6 +8,7 @@
 #include <hwy/aligned_allocator.h>
 
 #include "splat/tile_images.h"
+#include "splat/tile_task.h"
 
 namespace freegs::splat {
 namespace {
@@ -52,14 +53,8 @@ void LoadTile(const TileTask& task,
 }  // namespace
 
 TileTask Rasterizer::MakeTask(int64_t tile) const {
-  TileTask task;
-  task.splats = projection_.splats.data();
-  task.entries = bins_.entries.data() + bins_.tile_begin[tile];
-  task.count = bins_.tile_begin[tile + 1] - bins_.tile_begin[tile];
-  task.x0 = static_cast<int>(tile % bins_.tiles_x) * kTileSize;
-  task.y0 = static_cast<int>(tile / bins_.tiles_x) * kTileSize;
-  task.width = std::min(kTileSize, camera_.width - task.x0);
-  task.height = std::min(kTileSize, camera_.height - task.y0);
+  TileTask task =
+      MakeTileTask(projection_, bins_, camera_.width, camera_.height, tile);
   task.extras = splat_extras_.data();
   task.num_extras = num_extras_;
   return task;
