@@ -13,6 +13,7 @@
 #include "splat/trainer.h"
 #include "stages/pipeline_options.h"
 #include "stages/reconstruct_options.h"
+#include "stages/training_report.h"
 #include "stages/training_scene.h"
 
 namespace freegs::bench {
@@ -78,12 +79,7 @@ Status ReadSettings(const CurveOptions& options,
 
 void ReportCourse(const splat::Trainer& trainer) {
   for (const splat::MilestoneRecord& record : trainer.milestones()) {
-    std::fprintf(stderr,
-                 "%s at iteration %lld: %lld -> %lld Gaussians\n",
-                 std::string(splat::TrainingEventName(record.event)).c_str(),
-                 static_cast<long long>(record.iteration),
-                 static_cast<long long>(record.gaussians_before),
-                 static_cast<long long>(record.gaussians_after));
+    std::fprintf(stderr, "%s\n", stages::MilestoneText(record).c_str());
   }
   if (trainer.budget_choice()) {
     std::fprintf(stderr,
@@ -92,10 +88,7 @@ void ReportCourse(const splat::Trainer& trainer) {
                  trainer.budget_choice()->sh_degree);
   }
   for (const splat::Recovery& recovery : trainer.recoveries()) {
-    std::fprintf(stderr,
-                 "diverged at iteration %lld, back to %lld\n",
-                 static_cast<long long>(recovery.iteration),
-                 static_cast<long long>(recovery.back_to));
+    std::fprintf(stderr, "%s\n", stages::RecoveryText(recovery).c_str());
   }
 }
 

@@ -85,7 +85,7 @@ StatusOr<BudgetChoice> SearchBudget(const BudgetSearchOptions& options,
       if (training.cancellation != nullptr &&
           training.cancellation->cancelled()) {
         return InterruptedError(
-            "stopped while choosing the number of Gaussians");
+            "training: stopped while choosing the number of Gaussians");
       }
       FREEGS_RETURN_IF_ERROR(trainer.Step().status());
       most = std::max(most, trainer.model().size());

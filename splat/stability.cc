@@ -3,7 +3,6 @@
 #include "splat/stability.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstdio>
 
@@ -11,7 +10,6 @@ namespace freegs::splat {
 namespace {
 
 // Gaussians per task.
-constexpr int64_t kGrain = 4096;
 
 // Steps before the smoothed loss means anything.
 constexpr int64_t kMinSteps = 5;
@@ -73,22 +71,6 @@ bool BoundParameters(double scene_extent,
     BoundQuaternion(rotation);
   }
   return finite;
-}
-
-bool BoundParameters(double scene_extent,
-                     std::span<const uint32_t> touched,
-                     ThreadPool& pool,
-                     GaussianModel* model) {
-  std::atomic<bool> all_finite = true;
-  pool.ParallelFor(0,
-                   static_cast<int64_t>(touched.size()),
-                   kGrain,
-                   [&](int64_t first, int64_t last, int) {
-                     const auto part = touched.subspan(first, last - first);
-                     if (!BoundParameters(scene_extent, part, model))
-                       all_finite = false;
-                   });
-  return all_finite;
 }
 
 LossMonitor::LossMonitor(size_t num_views)

@@ -10,7 +10,6 @@
 #include <span>
 #include <string>
 
-#include "core/parallel.h"
 #include "splat/gaussian_model.h"
 #include "splat/training_history.h"
 
@@ -33,12 +32,6 @@ constexpr float kMaxQuaternionNorm = 10;
 // that are not stay as they are. Concurrent calls may not share Gaussians.
 bool BoundParameters(double scene_extent,
                      std::span<const uint32_t> touched,
-                     GaussianModel* model);
-
-// The same with all threads of the pool; the same bytes for any number of them.
-bool BoundParameters(double scene_extent,
-                     std::span<const uint32_t> touched,
-                     ThreadPool& pool,
                      GaussianModel* model);
 
 // Watches the loss, smoothed exponentially over about one epoch (20 to 100

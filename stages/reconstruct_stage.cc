@@ -45,8 +45,9 @@ class ReconstructStage : public pipeline::Stage {
     FREEGS_ASSIGN_OR_RETURN(splat::TrainerOptions training,
                             MakeTrainerOptions(options_, seed_));
     training.cancellation = context.cancellation;
-    FREEGS_ASSIGN_OR_RETURN(const TrainingScene scene,
-                            ReadTrainingScene(context.workspace));
+    const StatusOr<TrainingScene> read = ReadTrainingScene(context.workspace);
+    if (!read.ok()) return read.status().Annotated("reconstruct");
+    const TrainingScene& scene = *read;
     splat::TrainingImagesOptions image_options;
     image_options.max_side = options_.max_image_size;
     image_options.num_levels = 2;

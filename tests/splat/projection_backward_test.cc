@@ -87,7 +87,7 @@ TEST(ProjectionBackward, ChunksGiveTheBytesOfSeparatePasses) {
     ASSERT_GT(visible.size(), 500u);
     ASSERT_LT(visible.size(), 1200u);
     separate.adam.Step(kRates, gradients, visible, pool, &separate.model);
-    EXPECT_TRUE(BoundParameters(kExtent, visible, pool, &separate.model));
+    EXPECT_TRUE(BoundParameters(kExtent, visible, &separate.model));
   }
   ASSERT_FALSE(SameBytes(separate.model, ModelWithGaps()));
 

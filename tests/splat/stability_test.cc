@@ -24,20 +24,18 @@ std::vector<uint32_t> All(const GaussianModel& model) {
 }
 
 TEST(BoundParameters, LeavesSoundGaussiansAlone) {
-  ThreadPool pool(2);
   const GaussianModel before = RandomModel(10000, 1, 3);
   GaussianModel model = before;
-  EXPECT_TRUE(BoundParameters(2.0, All(model), pool, &model));
+  EXPECT_TRUE(BoundParameters(2.0, All(model), &model));
   EXPECT_TRUE(SameParameters(model, before));
 }
 
 TEST(BoundParameters, BringsBackTouchedOnes) {
-  ThreadPool pool(1);
   GaussianModel model = RandomModel(3, 0, 3);
   model.log_scales = {-99, 99, 0, -99, 99, 0, 0, 0, 0};
   model.opacity_logits = {99, 99, -99};
   model.rotations = {100, 0, 0, 0, 0, 0, 0, 0, 0, 3e-30f, 4e-30f, 0};
-  EXPECT_TRUE(BoundParameters(2.0, std::vector<uint32_t>{0, 2}, pool, &model));
+  EXPECT_TRUE(BoundParameters(2.0, std::vector<uint32_t>{0, 2}, &model));
   EXPECT_FLOAT_EQ(model.log_scales[0], std::log(2e-7f));
   EXPECT_FLOAT_EQ(model.log_scales[1], std::log(200.0f));
   EXPECT_EQ(model.log_scales[2], 0);
@@ -47,12 +45,11 @@ TEST(BoundParameters, BringsBackTouchedOnes) {
   EXPECT_EQ(model.rotations[4], 0);  // Not touched.
   EXPECT_FLOAT_EQ(model.rotations[9], 0.6f);
   EXPECT_FLOAT_EQ(model.rotations[10], 0.8f);
-  EXPECT_TRUE(BoundParameters(2.0, All(model), pool, &model));
+  EXPECT_TRUE(BoundParameters(2.0, All(model), &model));
   EXPECT_EQ(model.rotations[4], 1);  // No direction at all.
 }
 
 TEST(BoundParameters, TellsOfNumbersThatAreNotFinite) {
-  ThreadPool pool(1);
   for (const float bad : {kNan, kInfinity, -kInfinity}) {
     for (const Parameter parameter : {Parameter::kMean,
                                       Parameter::kLogScale,
@@ -62,8 +59,8 @@ TEST(BoundParameters, TellsOfNumbersThatAreNotFinite) {
       ParameterArray(model, parameter)[2 * ParameterStride(model, parameter)] =
           bad;
       const std::vector<uint32_t> others = {0, 1, 3, 4};
-      EXPECT_TRUE(BoundParameters(1.0, others, pool, &model));
-      EXPECT_FALSE(BoundParameters(1.0, All(model), pool, &model));
+      EXPECT_TRUE(BoundParameters(1.0, others, &model));
+      EXPECT_FALSE(BoundParameters(1.0, All(model), &model));
     }
   }
 }
