@@ -20,8 +20,8 @@ os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
 
 from check_clip_export import Tokenizer
 from clip_checkpoint import Architecture
-from small_clip.network import SmallClip
-from train_small_clip import FORMS, best_of, embed_names, normalised
+from small_clip.network import SmallClip, normalised
+from small_clip.zero_shot import FORMS, best_of, embed_names
 
 import numpy as np
 import torch

@@ -28,18 +28,20 @@ from pathlib import Path
 os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
 
 from check_clip_export import Tokenizer
-from export_clip import MEAN, STD, export_folder
-from small_clip import drawings
-from small_clip.drawings import COLOUR_NAMES, MATERIALS, NATURAL, NOTHING, \
-    SHAPES, Label, Library
-from small_clip.network import SmallClip, architecture, learn_merges, pad, \
-    write_merges
+from export_clip import export_folder
+from small_clip import drawings, vocabulary
+from small_clip.drawings import Library
+from small_clip.model_card import model_card
+from small_clip.network import SmallClip, architecture, learn_merges, \
+    normalised, pad, write_merges
+from small_clip.solids import SHAPES
+from small_clip.vocabulary import COLOUR_NAMES, MATERIALS, NATURAL, NOTHING
+from small_clip.zero_shot import evaluate
 
 import numpy as np
 import torch
 import torch.nn.functional as F
 
-HELD_OUT = 1000003  # added to the seed: other views, backgrounds, drawings
 SECOND_STAGE = 0.8  # the share of training at 112 pixels
 PREFETCH = 6
 library = None  # of a worker process
@@ -113,13 +115,6 @@ class Ring:
         return images, [self.labels[i] for i in np.sort(chosen)]
 
 
-def normalised(images):
-    """uint8 (N, H, W, 3) as CLIP takes them."""
-    x = torch.from_numpy(np.ascontiguousarray(images)).permute(0, 3, 1, 2)
-    mean, std = (torch.tensor(v)[:, None, None] for v in (MEAN, STD))
-    return (x.float() / 255 - mean) / std
-
-
 def colour_may_be(label):
     """Of each colour whether a caption with it could be right."""
     may = np.zeros(len(COLOUR_NAMES) + 1, bool)
@@ -171,7 +166,7 @@ def prompts(rng):
         form = ["{}", "a photo of {}", "something {}" if noun else "one {}"][
             rng.integers(3)]
         noun = f" {noun}" if noun and not form.startswith("some") else ""
-        return [form.format(str(rng.choice(drawings.WORDS.get(n, [n]))) + noun)
+        return [form.format(str(rng.choice(vocabulary.WORDS.get(n, [n]))) + noun)
                 for n in names]
     return {"colour": say(COLOUR_NAMES, "object"),
             "material": say(MATERIALS, "object"), "shape": say(SHAPES, "")}
@@ -219,8 +214,8 @@ def rate_at(progress, peak):
 def caption_samples(seed, count):
     rng = np.random.default_rng((seed, 11))
     extra = ["object", "things", "stuff", "texture", "a photo of an object"]
-    return [drawings.caption(rng, drawings.choose_label(rng))[0]
-            for _ in range(count)] + drawings.BACKDROPS + extra * 20
+    return [vocabulary.caption(rng, vocabulary.choose_label(rng))[0]
+            for _ in range(count)] + vocabulary.BACKDROPS + extra * 20
 
 
 class Training:
@@ -272,7 +267,7 @@ class Training:
     def train_step(self, ring, count):
         rng = np.random.default_rng((self.arguments.seed, 3, self.step))
         images, labels = ring.batch(rng, count)
-        pairs = [drawings.caption(rng, label) for label in labels]
+        pairs = [vocabulary.caption(rng, label) for label in labels]
         texts, ends = pad([self.tokenizer(text, self.arch.context_length)
                            for text, _ in pairs])
         for group in self.optimizer.param_groups:
@@ -326,177 +321,6 @@ def train(state, stop):
                 last_save = time.time()
         state.save()
         pool.terminate()
-
-
-def embed_texts(model, tokenizer, texts):
-    ids, ends = pad([tokenizer(text, model.arch.context_length)
-                     for text in texts])
-    return torch.cat([model.encode_text(ids[i:i + 64], ends[i:i + 64])
-                      for i in range(0, len(ids), 64)])
-
-
-def embed_names(model, tokenizer, names, forms):
-    """A vector for each name: the mean over the forms of words."""
-    parts = torch.stack([embed_texts(model, tokenizer, [
-        form.format(("an " if name[0] in "aeiou" else "a ") + name)
-        for name in names]) for form in forms])
-    return F.normalize(parts.mean(0), dim=-1)
-
-
-FORMS = ["{}", "a photo of {}"]
-
-
-def best_of(features, vectors):
-    return (features @ vectors.t()).argmax(1).numpy()
-
-
-def embed_drawings(model, drawn):
-    return torch.cat([model.encode_image(normalised(np.stack(
-        [image for image, _ in drawn[i:i + 50]])))
-        for i in range(0, len(drawn), 50)])
-
-
-def held_out_phrases(seed):
-    """50 different phrases of colour or material and shape."""
-    rng = np.random.default_rng((seed + HELD_OUT, 50))
-    phrases = {}
-    while len(phrases) < 50:
-        label = drawings.choose_label(rng)
-        material = MATERIALS[label.material]
-        if material == "plain" and label.colour >= 0:
-            first = COLOUR_NAMES[label.colour]
-        elif material not in ("plain", "metal"):
-            first, label = material, Label(
-                -1, label.material, label.shape)
-        else:
-            continue
-        phrases[f"{first} {shape_name(label.shape)}"] = label
-    return phrases
-
-
-def shape_name(i):
-    return drawings.WORDS.get(SHAPES[i], [SHAPES[i]])[0]
-
-
-def draw_phrase(library, label, phrases, seed, k):
-    """A drawing of a phrase; its colour, where it says none, is any that
-    makes none of the other phrases right."""
-    rng = np.random.default_rng((seed, k, 1))
-    material = MATERIALS[label.material]
-    if label.colour < 0 and material not in NATURAL and (
-            material != "striped" or rng.random() < 0.5):
-        free = [i for i in range(8) if f"{COLOUR_NAMES[i]} "
-                f"{shape_name(label.shape)}" not in phrases]
-        label = Label(int(rng.choice(free)), label.material, label.shape)
-    return drawings.draw(library, seed, k, 224, label)
-
-
-def worst(right, names, index):
-    """The three names that are recognised least."""
-    rates = [(np.mean(right[index == i]), name)
-             for i, name in enumerate(names) if (index == i).any()]
-    return [f"{name} {100 * rate:.0f} %" for rate, name in sorted(rates)[:3]]
-
-
-def evaluate(model, tokenizer, arguments):
-    """Zero-shot accuracies on drawings that training never saw."""
-    model.eval()
-    seed = arguments.seed + HELD_OUT
-    library = Library(arguments.cache, seed, max(2, arguments.views // 6),
-                      max(8, arguments.backgrounds // 6))
-    result = {}
-    drawn = [drawings.draw(library, seed, k, 224)
-             for k in range(arguments.test_images)]
-    drawn = [(image, label) for image, label in drawn
-             if label.shape != NOTHING]
-    features = embed_drawings(model, drawn)
-    questions = {
-        "colour": ([f"{name} object" for name in COLOUR_NAMES], COLOUR_NAMES),
-        "material": ([f"{name} object" for name in MATERIALS], MATERIALS),
-        "shape": ([shape_name(i) for i in range(len(SHAPES))], SHAPES)}
-    for what, (texts, names) in questions.items():
-        truth = np.array([getattr(label, what) for _, label in drawn])
-        vectors = embed_names(model, tokenizer, texts, FORMS)
-        chosen = best_of(features, vectors)
-        use = truth >= 0
-        right = chosen == truth
-        result[what] = {"accuracy": float(right[use].mean()),
-                        "images": int(use.sum()),
-                        "worst": worst(right[use], names, truth[use])}
-        if what == "colour":
-            plain = use & np.array([MATERIALS[label.material] == "plain"
-                                    for _, label in drawn])
-            result["colour of plain things"] = {
-                "accuracy": float(right[plain].mean()),
-                "images": int(plain.sum()),
-                "worst": worst(right[plain], names, truth[plain])}
-    phrases = held_out_phrases(arguments.seed)
-    each = max(1, arguments.test_images // 100)
-    drawn = [draw_phrase(library, label, phrases, seed + 1, i * each + j)
-             for i, label in enumerate(phrases.values()) for j in range(each)]
-    truth = np.repeat(np.arange(50), each)
-    vectors = embed_names(model, tokenizer, list(phrases), FORMS)
-    right = best_of(embed_drawings(model, drawn), vectors) == truth
-    result["one of 50 phrases"] = {
-        "accuracy": float(right.mean()), "images": len(drawn),
-        "worst": worst(right, list(phrases), truth)}
-    return result
-
-
-def model_card(state, measured, folder):
-    """The text of the model folder's README.md."""
-    arch, arguments = state.arch, state.arguments
-    count = sum(p.numel() for p in state.model.parameters())
-    megabytes = sum(p.stat().st_size for p in folder.iterdir()) / 1e6
-    rows = "\n".join(
-        f"| {name} | {100 * m['accuracy']:.1f} % | {m['images']} | "
-        f"{', '.join(m['worst'])} |" for name, m in measured.items())
-    return f"""# small_clip
-
-A very small CLIP for machines without the official weights: two transformers
-that put pictures and words into one space of {arch.embedding_dim} dimensions.
-It knows drawn things and few words. For photographs of the world use
-`scripts/export_clip.py` with official weights.
-
-- Architecture: CLIP's ViT/{arch.patch}, width {arch.width}, {arch.layers} layers; text width
-  {arch.text_width}, {arch.text_layers} layers, {arch.context_length} positions; {count} parameters, {megabytes:.1f} MB in all files.
-- Training: {state.images_seen} images in {state.step} steps, {state.seconds / 3600:.1f} h, seed
-  {arguments.seed}, only procedural drawings by `scripts/small_clip/`; no photographs, no
-  other model's outputs. `scripts/train_small_clip.py` trains it again.
-- Licence: BSD-3-Clause, as the program.
-
-## Vocabulary
-
-- colours: {', '.join(COLOUR_NAMES)}
-- materials: {', '.join(MATERIALS)}
-- things: {', '.join(shape_name(i) for i in range(len(SHAPES)))}
-- and their synonyms: {', '.join(sorted({w for k in drawings.WORDS for w in drawings.WORDS[k]}))};
-  object, thing, stuff, texture, background, wall, floor
-
-Words outside this list mean nothing to it. The list of things was chosen with
-the project's test scenes in view; their images were not used.
-
-## Measured
-
-Zero-shot, on drawings with other views, backgrounds and random numbers than
-training had (224 pixels; a fifth of the things partly hidden, a third blurred):
-
-| question | top-1 | drawings | recognised least |
-|---|---|---|---|
-{rows}
-
-Renderings with true masks: `scripts/evaluate_small_clip.py`.
-
-## Where it fails
-
-- Colours that touch: golden and yellow, silver and grey, brown and orange, in
-  odd light.
-- Shapes that look alike from some side: ball and circle, box and square,
-  a monkey or teddy bear from behind, a cone and a triangle.
-- Real photographs, things outside the vocabulary, counting, and relations
-  ("left of").
-- Things smaller than about a quarter of the image.
-"""
 
 
 def export(state, measured):

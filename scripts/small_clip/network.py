@@ -5,12 +5,13 @@ import math
 import re
 from collections import Counter
 
+import numpy as np
 import torch
 import torch.nn.functional as F
 from torch import nn
 
 from clip_checkpoint import Architecture
-from export_clip import resized_positions
+from export_clip import MEAN, STD, resized_positions
 
 CONTEXT = 32
 
@@ -21,6 +22,13 @@ def linear(x, weight, bias):
     x = F.conv2d(x.transpose(1, 2).unsqueeze(-1), weight[:, :, None, None],
                  bias)
     return x.squeeze(-1).transpose(1, 2)
+
+
+def normalised(images):
+    """uint8 (N, H, W, 3) as CLIP takes them."""
+    x = torch.from_numpy(np.ascontiguousarray(images)).permute(0, 3, 1, 2)
+    mean, std = (torch.tensor(v)[:, None, None] for v in (MEAN, STD))
+    return (x.float() / 255 - mean) / std
 
 
 class Attention(nn.Module):

@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The README.md of the model folder."""
+from . import vocabulary
+from .solids import SHAPES
+from .vocabulary import COLOUR_NAMES, MATERIALS, shape_name
+
+
+def model_card(state, measured, folder):
+    """The text of the model folder's README.md."""
+    arch, arguments = state.arch, state.arguments
+    count = sum(p.numel() for p in state.model.parameters())
+    megabytes = sum(p.stat().st_size for p in folder.iterdir()) / 1e6
+    rows = "\n".join(
+        f"| {name} | {100 * m['accuracy']:.1f} % | {m['images']} | "
+        f"{', '.join(m['worst'])} |" for name, m in measured.items())
+    return f"""# small_clip
+
+A very small CLIP for machines without the official weights: two transformers
+that put pictures and words into one space of {arch.embedding_dim} dimensions.
+It knows drawn things and few words. For photographs of the world use
+`scripts/export_clip.py` with official weights.
+
+- Architecture: CLIP's ViT/{arch.patch}, width {arch.width}, {arch.layers} layers; text width
+  {arch.text_width}, {arch.text_layers} layers, {arch.context_length} positions; {count} parameters, {megabytes:.1f} MB in all files.
+- Training: {state.images_seen} images in {state.step} steps, {state.seconds / 3600:.1f} h, seed
+  {arguments.seed}, only procedural drawings by `scripts/small_clip/`; no photographs, no
+  other model's outputs. `scripts/train_small_clip.py` trains it again.
+- Licence: BSD-3-Clause, as the program.
+
+## Vocabulary
+
+- colours: {', '.join(COLOUR_NAMES)}
+- materials: {', '.join(MATERIALS)}
+- things: {', '.join(shape_name(i) for i in range(len(SHAPES)))}
+- and their synonyms: {', '.join(sorted({w for k in vocabulary.WORDS for w in vocabulary.WORDS[k]}))};
+  object, thing, stuff, texture, background, wall, floor
+
+Words outside this list mean nothing to it. The list of things was chosen with
+the project's test scenes in view; their images were not used.
+
+## Measured
+
+Zero-shot, on drawings with other views, backgrounds and random numbers than
+training had (224 pixels; a fifth of the things partly hidden, a third blurred):
+
+| question | top-1 | drawings | recognised least |
+|---|---|---|---|
+{rows}
+
+Renderings with true masks: `scripts/evaluate_small_clip.py`.
+
+## Where it fails
+
+- Colours that touch: golden and yellow, silver and grey, brown and orange, in
+  odd light.
+- Shapes that look alike from some side: ball and circle, box and square,
+  a monkey or teddy bear from behind, a cone and a triangle.
+- Real photographs, things outside the vocabulary, counting, and relations
+  ("left of").
+- Things smaller than about a quarter of the image.
+"""
