@@ -42,7 +42,7 @@ import numpy as np
 import torch
 import torch.nn.functional as F
 
-SECOND_STAGE = 0.8  # the share of training at 112 pixels
+SECOND_STAGE = 0.85  # the share of training at 112 pixels
 PREFETCH = 6
 library = None  # of a worker process
 
