@@ -21,19 +21,14 @@
 #include "pipeline/progress_line.h"
 #include "splat/renderer.h"
 #include "stages/depth_image.h"
-#include "stages/evaluation.h"
-#include "stages/ground_truth.h"
-#include "stages/report/html.h"
 #include "stages/scene_instances.h"
+#include "stages/view_selection.h"
 #include "stages/workspace_scene.h"
 
 namespace freegs::stages {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Larger pictures would take gigabytes: rather a mistake in a camera file.
-constexpr int64_t kMaxPixels = 100'000'000;
 
 struct RenderRequest {
   fs::path workspace;
@@ -87,59 +82,6 @@ StatusOr<RenderRequest> ParseRequest(
   }
   request.workspace = line.positional[0];
   return request;
-}
-
-// The views of the file in the scene's world frame.
-StatusOr<std::vector<View>> FileViews(const RenderRequest& request,
-                                      const WorkspaceScene& scene,
-                                      std::ostream& err) {
-  FREEGS_ASSIGN_OR_RETURN(const CameraSet cameras,
-                          ReadCameraSet(request.cameras));
-  std::vector<View> views = cameras.train;
-  views.insert(views.end(), cameras.test.begin(), cameras.test.end());
-  if (request.no_align) return views;
-
-  GroundTruth truth;
-  truth.cameras = cameras;
-  const StatusOr<sfm::PoseAlignment> alignment = AlignWithTruth(scene, truth);
-  if (!alignment.ok()) {
-    return BadInputError(
-        request.cameras +
-        ": cannot be aligned with the scene: " + alignment.status().message() +
-        "; its \"train\" section must name photos of the workspace. If its "
-        "poses are in the scene's own frame, give --no-align");
-  }
-  err << "render: aligned by " << alignment->residuals.size()
-      << " photos, rotation residual median "
-      << FormatFixed(alignment->median_rotation_deg, 3) << " deg\n";
-  return MapViews(views, alignment->target_from_source);
-}
-
-StatusOr<std::vector<View>> ViewsToRender(const RenderRequest& request,
-                                          const WorkspaceScene& scene,
-                                          std::ostream& err) {
-  std::vector<View> views;
-  int max_side = request.size;
-  if (!request.cameras.empty()) {
-    FREEGS_ASSIGN_OR_RETURN(views, FileViews(request, scene, err));
-  } else {
-    views = scene.train;
-    views.insert(views.end(), scene.holdout.begin(), scene.holdout.end());
-    std::sort(views.begin(), views.end(), [](const View& a, const View& b) {
-      return a.name < b.name;
-    });
-    if (max_side == 0) max_side = scene.training_max_side;
-  }
-  for (View& view : views) {
-    view.camera = view.camera.LimitedTo(max_side);
-    if (int64_t{view.camera.width} * view.camera.height > kMaxPixels) {
-      return BadInputError("render: view " + view.name + " is " +
-                           std::to_string(view.camera.width) + " x " +
-                           std::to_string(view.camera.height) +
-                           " pixels; limit it with --size");
-    }
-  }
-  return views;
 }
 
 // Writes the pictures of one view after another.
@@ -265,8 +207,17 @@ Status RunRenderCommand(const std::vector<std::string>& arguments,
   FREEGS_ASSIGN_OR_RETURN(const RenderRequest request, ParseRequest(arguments));
   FREEGS_ASSIGN_OR_RETURN(const WorkspaceScene scene,
                           ReadWorkspaceScene(request.workspace));
-  FREEGS_ASSIGN_OR_RETURN(const std::vector<View> views,
-                          ViewsToRender(request, scene, context.err));
+  FREEGS_ASSIGN_OR_RETURN(
+      const std::vector<View> views,
+      ViewsToRender(
+          scene,
+          {.cameras = request.cameras,
+           .align = !request.no_align,
+           .max_side = request.size,
+           .photo_max_side =
+               request.size > 0 ? request.size : scene.training_max_side,
+           .command = "render"},
+          context.err));
   FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> names,
                           OutputNames(views, ".png"));
   FREEGS_RETURN_IF_ERROR(CreateFolders(request.out));
