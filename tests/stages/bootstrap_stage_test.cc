@@ -138,7 +138,7 @@ TEST_F(BootstrapStageTest, WritesInstancesMapsAndPreviews) {
   EXPECT_EQ(metrics["num_background"], 1);
   EXPECT_EQ(metrics["instance_sizes"].size(), 5u);
   EXPECT_EQ(metrics["hdbscan"]["min_samples"],
-            options_.clustering.hdbscan.min_samples);
+            options_.method.clustering.hdbscan.min_samples);
 
   std::set<uint16_t> ids;
   for (int k = 0; k < kNumPhotos; ++k) {
