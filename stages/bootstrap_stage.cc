@@ -15,6 +15,7 @@
 #include "semantics/bootstrapping.h"
 #include "semantics/clip/opencv_clip.h"
 #include "semantics/idsf.h"
+#include "semantics/instance_features.h"
 #include "semantics/instances.h"
 #include "semantics/instances_json.h"
 #include "splat/renderer.h"
@@ -124,16 +125,25 @@ class BootstrapStage : public pipeline::Stage {
       return ReadRgb(context.workspace / "undistort" / "images" /
                      scene.train[view].name);
     };
-    return semantics::LiftSemanticField(
-        {scene.model, scene.train, views, scene.render},
-        photo_of,
-        method,
-        seed_,
-        {*encoder,
-         cache,
-         *context.pool,
-         context.cancellation,
-         context.progress});
+    FREEGS_ASSIGN_OR_RETURN(semantics::SemanticField field,
+                            semantics::LiftSemanticField(
+                                {scene.model, scene.train, views, scene.render},
+                                photo_of,
+                                method,
+                                seed_,
+                                {*encoder,
+                                 cache,
+                                 *context.pool,
+                                 context.cancellation,
+                                 context.progress}));
+    FREEGS_RETURN_IF_ERROR(semantics::WriteInstanceFeatures(
+        context.output / "instance_features.json",
+        {.dim = field.vectors.dim,
+         .model =
+             options_.model.empty() ? encoder->info().name : options_.model,
+         .model_hash = encoder->model_hash(),
+         .features = field.vectors.vectors}));
+    return field;
   }
 
   // Maps are written atomically and depend on inputs and options only: those an
