@@ -41,7 +41,9 @@ TEST(InstanceFeaturesTest, ComesBackAsWritten) {
 }
 
 TEST(InstanceFeaturesTest, NoInstancesAreFine) {
-  const auto text = SerializeInstanceFeatures({.dim = 4});
+  InstanceFeatures none;
+  none.dim = 4;
+  const auto text = SerializeInstanceFeatures(none);
   ASSERT_TRUE(text.ok());
   const auto read = ParseInstanceFeatures(*text);
   ASSERT_TRUE(read.ok()) << read.status().message();
