@@ -9,8 +9,8 @@ constexpr int64_t kRowGrain = 64;
 
 }  // namespace
 
-void ApplyLayer(const ConstRows& inputs,
-                const ConstRows& weights,
+void ApplyLayer(const AnyRows& inputs,
+                const AnyRows& weights,
                 std::span<const float> biases,
                 Activation activation,
                 ThreadPool& pool,
@@ -27,8 +27,8 @@ void ApplyLayer(const ConstRows& inputs,
       });
 }
 
-void AddProduct(const ConstRows& a,
-                const ConstRows& b,
+void AddProduct(const AnyRows& a,
+                const AnyRows& b,
                 ThreadPool& pool,
                 Rows result) {
   pool.ParallelFor(
@@ -38,8 +38,8 @@ void AddProduct(const ConstRows& a,
       });
 }
 
-void AddTransposedProduct(const ConstRows& a,
-                          const ConstRows& b,
+void AddTransposedProduct(const AnyRows& a,
+                          const AnyRows& b,
                           ThreadPool& pool,
                           Rows result) {
   pool.ParallelFor(

@@ -19,6 +19,7 @@ using RowMatrix =
     Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Rows = Eigen::Map<RowMatrix>;
 using ConstRows = Eigen::Map<const RowMatrix>;
+using AnyRows = Eigen::Ref<const RowMatrix>;  // Of both, without a copy.
 
 // Rows of `cols` numbers each; the size of `values` is a multiple of cols > 0.
 inline ConstRows AsRows(std::span<const float> values, int64_t cols) {
@@ -38,22 +39,22 @@ enum class Activation { kNone, kRelu };
 
 // outputs = activation(inputs weights^T + biases): n x m from n x k and m x k;
 // biases are m numbers, or none.
-void ApplyLayer(const ConstRows& inputs,
-                const ConstRows& weights,
+void ApplyLayer(const AnyRows& inputs,
+                const AnyRows& weights,
                 std::span<const float> biases,
                 Activation activation,
                 ThreadPool& pool,
                 Rows outputs);
 
 // result += a b: n x m from n x k and k x m.
-void AddProduct(const ConstRows& a,
-                const ConstRows& b,
+void AddProduct(const AnyRows& a,
+                const AnyRows& b,
                 ThreadPool& pool,
                 Rows result);
 
 // result += a^T b: n x m from k x n and k x m.
-void AddTransposedProduct(const ConstRows& a,
-                          const ConstRows& b,
+void AddTransposedProduct(const AnyRows& a,
+                          const AnyRows& b,
                           ThreadPool& pool,
                           Rows result);
 

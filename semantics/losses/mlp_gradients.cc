@@ -176,12 +176,11 @@ void MlpBackward(const MlpDecoder& decoder,
   AddProduct(
       output, AsRows(parts.output_weights, cols), pool, AsRows(hidden, cols));
   BackwardThroughNormalization(batch, parts.scales, pool, gradients, &hidden);
-  AddTransposedProduct(
-      AsRows(std::span<const float>(hidden), cols),
-      AsRows(std::span<const float>(batch.latents), shape.latent_dim),
-      pool,
-      AsRows(gradients.hidden_weights, shape.latent_dim));
-  AddProduct(AsRows(std::span<const float>(hidden), cols),
+  AddTransposedProduct(AsRows(hidden, cols),
+                       AsRows(batch.latents, shape.latent_dim),
+                       pool,
+                       AsRows(gradients.hidden_weights, shape.latent_dim));
+  AddProduct(AsRows(hidden, cols),
              AsRows(parts.hidden_weights, shape.latent_dim),
              pool,
              AsRows(latent_gradients, shape.latent_dim));

@@ -46,15 +46,18 @@ std::map<int32_t, Vector> Means(const Vector& features,
   return means;
 }
 
-// The loss as the header says, with constant means.
+// The loss as the header says, with constant means. `start` is where the
+// derivative is taken: features that are zero there do not count.
 double Reference(const Vector& features,
+                 const Vector& start,
                  const std::vector<int32_t>& groups,
                  const std::map<int32_t, Vector>& means,
                  const ContrastiveOptions& options) {
   std::map<int32_t, std::pair<double, int>> sums;
   for (size_t j = 0; j < groups.size(); ++j) {
     const double* f = &features[j * kDim];
-    if (!means.contains(groups[j]) || std::isnan(Cosine(f, f))) continue;
+    const double* f0 = &start[j * kDim];
+    if (!means.contains(groups[j]) || std::isnan(Cosine(f0, f0))) continue;
     const Vector& own = means.at(groups[j]);
     double positive = 0;
     double negative = 0;
@@ -108,9 +111,9 @@ struct Scene {
     const std::map<int32_t, Vector> means = Means(at, groups);
     const StatusOr<double> loss = Loss(options, 0.05);
     ASSERT_TRUE(loss.ok()) << loss.status().message();
-    EXPECT_NEAR(*loss, Reference(at, groups, means, options), 1e-5);
+    EXPECT_NEAR(*loss, Reference(at, at, groups, means, options), 1e-5);
     const auto function = [&](const Vector& x) {
-      return 0.05 * Reference(x, groups, means, options);
+      return 0.05 * Reference(x, at, groups, means, options);
     };
     ExpectSameGradient(gradients, CentralDifferences(function, at), 1e-4);
   }

@@ -36,9 +36,6 @@ void ExpectNear(const RowMatrix& result, const Eigen::MatrixXd& expected) {
   }
 }
 
-ConstRows View(const RowMatrix& matrix) {
-  return {matrix.data(), matrix.rows(), matrix.cols()};
-}
 Rows View(RowMatrix& matrix) {
   return {matrix.data(), matrix.rows(), matrix.cols()};
 }
@@ -56,29 +53,21 @@ TEST(MatrixProducts, AgreeWithProductsInDouble) {
     const RowMatrix b_transposed = b.transpose().cast<float>();
 
     RowMatrix result = start.cast<float>();
-    AddProduct(View(a_float), View(b_float), pool, View(result));
+    AddProduct(a_float, b_float, pool, View(result));
     ExpectNear(result, start + product);
 
     result = start.cast<float>();
-    AddTransposedProduct(View(a_transposed), View(b_float), pool, View(result));
+    AddTransposedProduct(a_transposed, b_float, pool, View(result));
     ExpectNear(result, start + product);
 
     const std::vector<float> biases = RandomValues(size.m, 4);
     Eigen::MatrixXd expected = product;
-    ApplyLayer(View(a_float),
-               View(b_transposed),
-               {},
-               Activation::kNone,
-               pool,
-               View(result));
+    ApplyLayer(
+        a_float, b_transposed, {}, Activation::kNone, pool, View(result));
     ExpectNear(result, expected);
     for (int64_t j = 0; j < size.m; ++j) expected.col(j).array() += biases[j];
-    ApplyLayer(View(a_float),
-               View(b_transposed),
-               biases,
-               Activation::kRelu,
-               pool,
-               View(result));
+    ApplyLayer(
+        a_float, b_transposed, biases, Activation::kRelu, pool, View(result));
     ExpectNear(result, expected.cwiseMax(0));
   }
 }
@@ -93,12 +82,11 @@ TEST(MatrixProducts, AreTheSameBytesForAnyNumberOfThreads) {
   for (const int threads : {1, 2, 5}) {
     ThreadPool pool(threads);
     products.push_back(RowMatrix::Zero(301, 203));
-    AddProduct(View(a), View(b), pool, View(products.back()));
+    AddProduct(a, b, pool, View(products.back()));
     transposed.push_back(RowMatrix::Zero(131, 203));
-    AddTransposedProduct(View(a), View(c), pool, View(transposed.back()));
+    AddTransposedProduct(a, c, pool, View(transposed.back()));
     layers.push_back(RowMatrix::Zero(301, 131));
-    ApplyLayer(
-        View(c), View(b), {}, Activation::kNone, pool, View(layers.back()));
+    ApplyLayer(c, b, {}, Activation::kNone, pool, View(layers.back()));
   }
   for (size_t k = 1; k < products.size(); ++k) {
     EXPECT_EQ(products[k], products[0]);
