@@ -12,11 +12,15 @@
 #include "core/files.h"
 #include "core/image_io.h"
 #include "pipeline/resource_usage.h"
+#include "semantics/bootstrapping.h"
+#include "semantics/clip/opencv_clip.h"
 #include "semantics/idsf.h"
+#include "semantics/instance_features.h"
 #include "semantics/instances.h"
 #include "semantics/instances_json.h"
 #include "splat/renderer.h"
 #include "stages/scene_instances.h"
+#include "stages/shipped_model.h"
 #include "stages/workspace_scene.h"
 
 namespace freegs::stages {
@@ -27,36 +31,36 @@ namespace fs = std::filesystem;
 class BootstrapStage : public pipeline::Stage {
  public:
   BootstrapStage(const BootstrapStageOptions& options, uint64_t seed)
-      : options_(options), seed_(seed) {
-    options_.clustering.hdbscan.method =
-        options.method == "leaf" ? semantics::ClusterSelection::kLeaf
-                                 : semantics::ClusterSelection::kExcessOfMass;
-  }
+      : options_(options), seed_(seed) {}
 
   std::string_view name() const override { return "bootstrap"; }
+  int version() const override { return 2; }
 
   std::vector<fs::path> Inputs(const pipeline::StageContext&) const override {
-    return {"reconstruct/point_cloud.ply",
-            "undistort/sparse",
-            "undistort/images",
-            "ingest/images.json"};
+    std::vector<fs::path> inputs = {"reconstruct/point_cloud.ply",
+                                    "undistort/sparse",
+                                    "undistort/images",
+                                    "ingest/images.json"};
+    if (with_semantics()) {
+      // Holds the hashes of the model's other files. Without it, Run says so.
+      const StatusOr<fs::path> model = ModelFolder();
+      if (model.ok()) inputs.push_back(*model / "model.json");
+    }
+    return inputs;
   }
 
   Status Run(pipeline::StageContext& context) override {
     const pipeline::ResourceMeter meter;
+    FREEGS_ASSIGN_OR_RETURN(semantics::BootstrappingOptions method,
+                            MakeBootstrappingOptions(options_));
     FREEGS_ASSIGN_OR_RETURN(const WorkspaceScene scene,
                             ReadWorkspaceScene(context.workspace));
     std::vector<View> views = scene.train;
     views.insert(views.end(), scene.holdout.begin(), scene.holdout.end());
-
-    context.progress({"clustering", 0, 1, ""});
-    FREEGS_ASSIGN_OR_RETURN(const semantics::InstanceLabels labels,
-                            semantics::ClusterInstances(scene.model,
-                                                        views,
-                                                        options_.clustering,
-                                                        seed_,
-                                                        *context.pool,
-                                                        context.cancellation));
+    FREEGS_ASSIGN_OR_RETURN(
+        const semantics::SemanticField field,
+        MakeField(scene, views, std::move(method), context));
+    const semantics::InstanceLabels& labels = field.instances;
     if (labels.num_instances == 0) {
       return UnusableResultError(
           "bootstrap: no instance was found among " +
@@ -74,16 +78,74 @@ class BootstrapStage : public pipeline::Stage {
             semantics::EstimateVertical(views, labels.planes),
             {},
             *context.pool);
-    FREEGS_RETURN_IF_ERROR(semantics::WriteIdsf(
-        context.output / "idsf.bin",
-        {.feature_dim = 0, .features = {}, .instances = labels.labels}));
+    FREEGS_RETURN_IF_ERROR(
+        semantics::WriteIdsf(context.output / "idsf.bin",
+                             {.feature_dim = field.lifted.channels,
+                              .features = field.lifted.features,
+                              .instances = labels.labels}));
     FREEGS_RETURN_IF_ERROR(semantics::WriteInstances(
         context.output / "instances.json", instances));
     FREEGS_RETURN_IF_ERROR(RenderMaps(scene, views, labels.labels, context));
-    return WriteMetrics(scene, labels, instances, meter, context);
+    return WriteMetrics(scene, field, instances, meter, context);
   }
 
  private:
+  bool with_semantics() const { return options_.mode != "geometry"; }
+
+  StatusOr<fs::path> ModelFolder() const {
+    if (!options_.model.empty()) return fs::path(options_.model);
+    return FindShippedModel();
+  }
+
+  StatusOr<semantics::SemanticField> MakeField(
+      const WorkspaceScene& scene,
+      const std::vector<View>& views,
+      semantics::BootstrappingOptions method,
+      pipeline::StageContext& context) const {
+    if (!with_semantics()) {
+      context.progress({"clustering", 0, 1, ""});
+      semantics::SemanticField field;
+      FREEGS_ASSIGN_OR_RETURN(
+          field.instances,
+          semantics::ClusterInstances(scene.model,
+                                      {},
+                                      views,
+                                      method.clustering,
+                                      seed_,
+                                      *context.pool,
+                                      context.cancellation));
+      return field;
+    }
+    FREEGS_ASSIGN_OR_RETURN(const fs::path folder, ModelFolder());
+    FREEGS_ASSIGN_OR_RETURN(const auto encoder,
+                            semantics::OpenCvClip::Open(folder));
+    method.weights.scratch_folder = context.output;
+    const semantics::FeatureCache cache(context.output / "features");
+    const auto photo_of = [&](size_t view) {
+      return ReadRgb(context.workspace / "undistort" / "images" /
+                     scene.train[view].name);
+    };
+    FREEGS_ASSIGN_OR_RETURN(semantics::SemanticField field,
+                            semantics::LiftSemanticField(
+                                {scene.model, scene.train, views, scene.render},
+                                photo_of,
+                                method,
+                                seed_,
+                                {*encoder,
+                                 cache,
+                                 *context.pool,
+                                 context.cancellation,
+                                 context.progress}));
+    FREEGS_RETURN_IF_ERROR(semantics::WriteInstanceFeatures(
+        context.output / "instance_features.json",
+        {.dim = field.vectors.dim,
+         .model =
+             options_.model.empty() ? encoder->info().name : options_.model,
+         .model_hash = encoder->model_hash(),
+         .features = field.vectors.vectors}));
+    return field;
+  }
+
   // Maps are written atomically and depend on inputs and options only: those an
   // interrupted run left are kept.
   Status RenderMaps(const WorkspaceScene& scene,
@@ -146,12 +208,13 @@ class BootstrapStage : public pipeline::Stage {
   }
 
   Status WriteMetrics(const WorkspaceScene& scene,
-                      const semantics::InstanceLabels& labels,
+                      const semantics::SemanticField& field,
                       const std::vector<semantics::Instance>& instances,
                       const pipeline::ResourceMeter& meter,
                       pipeline::StageContext& context) const {
+    const semantics::InstanceLabels& labels = field.instances;
     const semantics::InstanceClusteringOptions& clustering =
-        options_.clustering;
+        options_.method.clustering;
     int num_background = 0;
     nlohmann::json sizes = nlohmann::json::array();
     for (const semantics::Instance& instance : instances) {
@@ -160,6 +223,7 @@ class BootstrapStage : public pipeline::Stage {
     }
     const pipeline::ResourceUsage usage = meter.Elapsed();
     nlohmann::json metrics = {
+        {"mode", options_.mode},
         {"num_gaussians", scene.model.size()},
         {"num_instances", labels.num_instances},
         {"num_background", num_background},
@@ -178,7 +242,15 @@ class BootstrapStage : public pipeline::Stage {
           {"cluster_selection_epsilon",
            clustering.hdbscan.cluster_selection_epsilon},
           {"max_cluster_size", clustering.hdbscan.max_cluster_size},
-          {"method", options_.method}}}};
+          {"method", options_.selection}}}};
+    if (with_semantics()) {
+      for (const auto& [step, seconds] : field.seconds) {
+        metrics["step_seconds"][step] = seconds;
+      }
+      metrics["feature_dim"] = field.axes.count;
+      metrics["num_unseen"] = field.lifted.num_unseen;
+      metrics["num_crops"] = field.vectors.num_crops;
+    }
     context.summary = metrics;
     metrics["instance_sizes"] = std::move(sizes);
     return WriteFileAtomic(context.output / "metrics.json",
@@ -190,114 +262,6 @@ class BootstrapStage : public pipeline::Stage {
 };
 
 }  // namespace
-
-void RegisterBootstrapOptions(BootstrapStageOptions& options,
-                              pipeline::OptionTable& table) {
-  semantics::InstanceClusteringOptions& clustering = options.clustering;
-  table.AddSection("bootstrap",
-                   "Phase 2: Gaussians are grouped into instances.");
-  table.Add("bootstrap.min_samples",
-            &clustering.hdbscan.min_samples,
-            {.help = "Neighbours that make a neighbourhood dense: more gives "
-                     "rounder clusters and more noise.",
-             .min = 1,
-             .max = 10000});
-  table.Add("bootstrap.min_cluster_size",
-            &clustering.hdbscan.min_cluster_size,
-            {.help = "Fewest Gaussians of a cluster; 0 takes 0.3 % of all.",
-             .min = 0,
-             .max = 100000000});
-  table.Add("bootstrap.min_gap_ratio",
-            &clustering.hdbscan.min_gap_ratio,
-            {.help = "Clusters are split across gaps of this many times their "
-                     "inner distances; 0 leaves HDBSCAN's choice.",
-             .min = 0,
-             .max = 1000});
-  table.Add("bootstrap.cluster_selection_epsilon",
-            &clustering.hdbscan.cluster_selection_epsilon,
-            {.help = "Clusters that split at less than this distance stay "
-                     "together (scene radii times the weights); 0 always "
-                     "splits.",
-             .min = 0,
-             .max = 1000});
-  table.Add("bootstrap.max_cluster_size",
-            &clustering.hdbscan.max_cluster_size,
-            {.help = "Clusters of more Gaussians are split; 0 is no limit.",
-             .min = 0});
-  table.Add("bootstrap.method",
-            &options.method,
-            {.help = "Which clusters of the hierarchy are taken: those of most "
-                     "excess of mass, or its leaves (finer).",
-             .choices = {"eom", "leaf"}});
-  table.Add("bootstrap.position_weight",
-            &clustering.space.position_weight,
-            {.help = "Weight of positions (in scene radii) when Gaussians are "
-                     "compared.",
-             .min = 0,
-             .max = 1000});
-  table.Add("bootstrap.color_weight",
-            &clustering.space.color_weight,
-            {.help = "Weight of colours (0 to 1) when Gaussians are compared.",
-             .min = 0,
-             .max = 1000});
-  table.Add("bootstrap.color_neighbors",
-            &clustering.color_neighbors,
-            {.help = "Neighbours over which colours are averaged first.",
-             .min = 0,
-             .max = 1000});
-  table.Add("bootstrap.max_planes",
-            &clustering.planes.max_planes,
-            {.help = "Large planes (floor, walls, table tops) that become "
-                     "instances of their own before clustering; 0 seeks none.",
-             .min = 0,
-             .max = 1000});
-  table.Add("bootstrap.merge_color",
-            &clustering.merge_color,
-            {.help = "Touching clusters join when their mean colours differ by "
-                     "less than this; 0 joins none.",
-             .min = 0,
-             .max = 2});
-  table.Add("bootstrap.merge_distance",
-            &clustering.merge_distance,
-            {.help = "How near clusters must be to touch, in scene radii.",
-             .min = 0,
-             .max = 10});
-  table.Add("bootstrap.min_crease_contrast",
-            &clustering.min_crease_contrast,
-            {.help = "Clusters are split at concave creases between parts of "
-                     "different colour: concavity (0 to 2) times colour "
-                     "difference from which on they are; 0 splits none.",
-             .min = 0,
-             .max = 10});
-  table.Add("bootstrap.noise_distance",
-            &clustering.noise_distance,
-            {.help = "Noise joins the nearest cluster within this many scene "
-                     "radii.",
-             .min = 0,
-             .max = 1000});
-  table.Add("bootstrap.min_instance_size",
-            &clustering.min_instance_size,
-            {.help = "Instances of fewer Gaussians are dissolved.",
-             .min = 1,
-             .max = 100000000});
-  table.Add("bootstrap.min_opacity",
-            &clustering.min_opacity,
-            {.help = "Fainter Gaussians are not clustered; they take their "
-                     "neighbour's instance.",
-             .min = 0,
-             .max = 0.99});
-  table.Add("bootstrap.max_image_size",
-            &options.max_image_size,
-            {.help = "Longest side in pixels of the instance maps; 0 is the "
-                     "photographs' size.",
-             .min = 0,
-             .max = 100000});
-  table.Add("bootstrap.num_previews",
-            &options.num_previews,
-            {.help = "Photographs that get a coloured preview.",
-             .min = 0,
-             .max = 100000});
-}
 
 std::unique_ptr<pipeline::Stage> MakeBootstrapStage(
     const BootstrapStageOptions& options, uint64_t seed) {
