@@ -49,7 +49,7 @@ constexpr Command kCommands[] = {
     {"doctor", "doctor", stages::RunDoctorCommand},
     {"render",
      "render WORKSPACE --out DIR [--cameras FILE] "
-     "[--what color|depth|instances]",
+     "[--what color|depth|instances|semantics]",
      stages::RunRenderCommand},
     {"query",
      "query WORKSPACE (--text WORDS | --example IMAGE | --click VIEW X Y | "
@@ -60,7 +60,10 @@ constexpr Command kCommands[] = {
     {"features",
      "features IMAGE --text WORDS --model DIR --out FILE [--cache DIR]",
      stages::RunFeaturesCommand},
-    {"export", "export WORKSPACE --out FILE", stages::RunExportCommand},
+    {"export",
+     "export WORKSPACE --out FILE [--what color|instances] "
+     "[--only ID,... | --without ID,...]",
+     stages::RunExportCommand},
 };
 
 void PrintHelp() {

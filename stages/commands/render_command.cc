@@ -19,6 +19,7 @@
 #include "pipeline/logger.h"
 #include "pipeline/option_table.h"
 #include "pipeline/progress_line.h"
+#include "semantics/semantic_colors.h"
 #include "splat/renderer.h"
 #include "stages/depth_image.h"
 #include "stages/scene_instances.h"
@@ -48,10 +49,10 @@ StatusOr<RenderRequest> ParseRequest(
   table.Add("cameras",
             &request.cameras,
             {.help = "JSON file of cameras; without it, those of the photos."});
-  table.Add(
-      "what",
-      &request.what,
-      {.help = "What to render.", .choices = {"color", "depth", "instances"}});
+  table.Add("what",
+            &request.what,
+            {.help = "What to render.",
+             .choices = {"color", "depth", "instances", "semantics"}});
   table.Add(
       "size",
       &request.size,
@@ -179,6 +180,43 @@ class InstanceRenderer : public Renderer {
   const std::vector<int32_t> labels_;
 };
 
+class SemanticRenderer : public Renderer {
+ public:
+  SemanticRenderer(const WorkspaceScene& scene,
+                   fs::path out,
+                   ThreadPool* pool,
+                   std::vector<float> colors)
+      : Renderer(scene, std::move(out), pool), colors_(std::move(colors)) {}
+
+  Status Render(const View& view, const std::string& name) override {
+    const splat::RenderedView rendered =
+        splat::RenderView(scene_.model,
+                          view.camera,
+                          view.cam_from_world,
+                          scene_.render,
+                          pool_,
+                          {.values = colors_, .channels = 3});
+    FREEGS_ASSIGN_OR_RETURN(const fs::path path, File(name));
+    return WriteImage(path, ToU8(rendered.features));
+  }
+
+ private:
+  const std::vector<float> colors_;  // N x 3.
+};
+
+StatusOr<std::vector<float>> ReadSemanticColors(const fs::path& workspace,
+                                                size_t num_gaussians,
+                                                ThreadPool& pool) {
+  FREEGS_ASSIGN_OR_RETURN(const semantics::Idsf idsf,
+                          ReadSemanticField(workspace, num_gaussians));
+  if (idsf.feature_dim == 0) {
+    return BadInputError((workspace / "bootstrap" / "idsf.bin").string() +
+                         ": holds instances but no semantic vectors; run stage "
+                         "bootstrap again with semantics");
+  }
+  return semantics::SemanticColors(idsf.features, idsf.feature_dim, {}, pool);
+}
+
 StatusOr<std::unique_ptr<Renderer>> MakeRenderer(const RenderRequest& request,
                                                  const WorkspaceScene& scene,
                                                  const std::vector<View>& views,
@@ -195,6 +233,13 @@ StatusOr<std::unique_ptr<Renderer>> MakeRenderer(const RenderRequest& request,
         ReadInstanceLabels(request.workspace, scene.model.size()));
     return std::unique_ptr<Renderer>(std::make_unique<InstanceRenderer>(
         scene, request.out, pool, std::move(labels)));
+  }
+  if (request.what == "semantics") {
+    FREEGS_ASSIGN_OR_RETURN(
+        std::vector<float> colors,
+        ReadSemanticColors(request.workspace, scene.model.size(), *pool));
+    return std::unique_ptr<Renderer>(std::make_unique<SemanticRenderer>(
+        scene, request.out, pool, std::move(colors)));
   }
   return std::unique_ptr<Renderer>(
       std::make_unique<ColorRenderer>(scene, request.out, pool));
