@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "stages/presets.h"
-#include "stages/query_options.h"
+#include "stages/query/query_options.h"
 
 namespace freegs::stages {
 

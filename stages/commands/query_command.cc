@@ -2,13 +2,13 @@
 
 #include "stages/commands/query_command.h"
 
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <string>
 #include <system_error>
 #include <unistd.h>
 #include <utility>
@@ -21,16 +21,13 @@
 #include "semantics/click_query.h"
 #include "semantics/clip/relevancy.h"
 #include "semantics/instance_features.h"
-#include "semantics/instances_json.h"
 #include "stages/clip_input.h"
-#include "stages/query_answer.h"
-#include "stages/query_masks.h"
-#include "stages/query_request.h"
-#include "stages/query_scene.h"
+#include "stages/query/query_answer.h"
+#include "stages/query/query_masks.h"
+#include "stages/query/query_request.h"
+#include "stages/query/query_scene.h"
 #include "stages/report/html.h"
-#include "stages/scene_instances.h"
 #include "stages/view_selection.h"
-#include "stages/workspace_scene.h"
 
 namespace freegs::stages {
 namespace {
@@ -81,20 +78,8 @@ StatusOr<std::unique_ptr<semantics::OpenCvClip>> OpenModelOf(
   return encoder;
 }
 
-// The best plane that was left out, if it beats all that was not.
-template <typename Hit, typename Score>
-std::optional<ScoredInstance> BetterPlane(const QueryScene& scene,
-                                          const std::vector<Hit>& with_planes,
-                                          const Score& score) {
-  if (with_planes.empty() ||
-      scene.is_background[static_cast<size_t>(with_planes[0].id) - 1] == 0) {
-    return std::nullopt;
-  }
-  return ScoredInstance{
-      with_planes[0].id, score(with_planes[0]), with_planes[0].cosine, {}};
-}
-
-// Fills the answer from all instances, planes too, by descending score.
+// Fills the answer from all instances by descending score, large planes too:
+// these answer only when asked to, but the best of all is told.
 template <typename Hit, typename Score>
 void FillFrom(const std::vector<Hit>& all,
               const QueryScene& scene,
@@ -103,16 +88,15 @@ void FillFrom(const std::vector<Hit>& all,
               QueryAnswer* answer) {
   std::vector<ScoredInstance> scored;
   for (const Hit& hit : all) {
-    if (!request.text_options.background &&
-        scene.is_background[static_cast<size_t>(hit.id) - 1] != 0) {
-      continue;
+    const ScoredInstance instance{hit.id, score(hit), hit.cosine, std::nullopt};
+    const bool plane = scene.is_background[static_cast<size_t>(hit.id) - 1];
+    if (!plane || request.text_options.background) {
+      scored.push_back(instance);
+    } else if (scored.empty() && !answer->plane) {
+      answer->plane = instance;
     }
-    scored.push_back({hit.id, score(hit), hit.cosine, {}});
   }
   SplitHits(scored, request.max_hits, answer);
-  if (!request.text_options.background) {
-    answer->plane = BetterPlane(scene, all, score);
-  }
 }
 
 Status AnswerText(const QueryRequest& request,
@@ -244,7 +228,7 @@ Status AnswerClick(const QueryRequest& request,
   std::vector<ScoredInstance> scored;
   for (const semantics::ClickHit& hit : all) {
     FREEGS_RETURN_IF_ERROR(CheckListed(scene, hit.id));
-    scored.push_back({hit.id, hit.weight, hit.weight, hit.point});
+    scored.push_back({hit.id, hit.weight, std::nullopt, hit.point});
   }
   SplitHits(scored, request.max_hits, answer);
   return Status();
@@ -277,7 +261,7 @@ Status AnswerBox(const QueryRequest& request,
   std::vector<ScoredInstance> scored;
   for (const semantics::BoxHit& hit : *all) {
     FREEGS_RETURN_IF_ERROR(CheckListed(scene, hit.id));
-    scored.push_back({hit.id, hit.iou, hit.iou, {}});
+    scored.push_back({hit.id, hit.iou, std::nullopt, std::nullopt});
   }
   SplitHits(scored, request.max_hits, answer);
   return Status();

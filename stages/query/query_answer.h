@@ -2,8 +2,8 @@
 // The answer of a query: which instances, how sure, and in which views they are
 // seen; as JSON and as a table.
 
-#ifndef FREEGS_STAGES_QUERY_ANSWER_H_
-#define FREEGS_STAGES_QUERY_ANSWER_H_
+#ifndef FREEGS_STAGES_QUERY_QUERY_ANSWER_H_
+#define FREEGS_STAGES_QUERY_QUERY_ANSWER_H_
 
 #include <cstdint>
 #include <optional>
@@ -20,8 +20,7 @@ namespace freegs::stages {
 struct ScoredInstance {
   int id = 0;
   double score = 0;
-  // Of text and example; as the score otherwise.
-  double cosine = 0;
+  std::optional<double> cosine;  // Of text and example.
   // Of a click: where it meets the instance, world frame.
   std::optional<Eigen::Vector3d> point;
 };
@@ -71,4 +70,4 @@ void PrintAnswer(const QueryAnswer& answer,
 
 }  // namespace freegs::stages
 
-#endif  // FREEGS_STAGES_QUERY_ANSWER_H_
+#endif  // FREEGS_STAGES_QUERY_QUERY_ANSWER_H_

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "stages/query_masks.h"
+#include "stages/query/query_masks.h"
 
 #include <algorithm>
 #include <string>

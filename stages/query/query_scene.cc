@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "stages/query_scene.h"
+#include "stages/query/query_scene.h"
 
 #include <algorithm>
 #include <filesystem>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a workspace knows about its instances, as far as a question needs it.
 
-#ifndef FREEGS_STAGES_QUERY_SCENE_H_
-#define FREEGS_STAGES_QUERY_SCENE_H_
+#ifndef FREEGS_STAGES_QUERY_QUERY_SCENE_H_
+#define FREEGS_STAGES_QUERY_QUERY_SCENE_H_
 
 #include <cstdint>
 #include <optional>
@@ -13,7 +13,7 @@
 #include "core/status.h"
 #include "semantics/instance_features.h"
 #include "semantics/instances.h"
-#include "stages/query_request.h"
+#include "stages/query/query_request.h"
 #include "stages/workspace_scene.h"
 
 namespace freegs::stages {
@@ -38,4 +38,4 @@ StatusOr<QueryScene> LoadQueryScene(const QueryRequest& request,
 
 }  // namespace freegs::stages
 
-#endif  // FREEGS_STAGES_QUERY_SCENE_H_
+#endif  // FREEGS_STAGES_QUERY_QUERY_SCENE_H_

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "stages/query_answer.h"
+#include "stages/query/query_answer.h"
 
 #include <sstream>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "stages/query_answer.h"
+#include "stages/query/query_answer.h"
 
 #include <algorithm>
 #include <iomanip>
@@ -36,7 +36,7 @@ json HitToJson(const ScoredInstance& hit, const semantics::Instance& instance) {
   json entry = json::parse(semantics::SerializeInstances({instance}))[0];
   entry["instance_score"] = entry["score"];
   entry["score"] = hit.score;
-  entry["cosine"] = hit.cosine;
+  if (hit.cosine) entry["cosine"] = *hit.cosine;
   if (hit.point) {
     entry["point"] = {hit.point->x(), hit.point->y(), hit.point->z()};
   }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The answer of a query as pictures: the same instances in every view.
 
-#ifndef FREEGS_STAGES_QUERY_MASKS_H_
-#define FREEGS_STAGES_QUERY_MASKS_H_
+#ifndef FREEGS_STAGES_QUERY_QUERY_MASKS_H_
+#define FREEGS_STAGES_QUERY_QUERY_MASKS_H_
 
 #include <cstdint>
 #include <filesystem>
@@ -13,7 +13,7 @@
 #include "core/function_ref.h"
 #include "core/parallel.h"
 #include "core/status.h"
-#include "stages/query_answer.h"
+#include "stages/query/query_answer.h"
 #include "stages/workspace_scene.h"
 
 namespace freegs::stages {
@@ -41,4 +41,4 @@ StatusOr<std::vector<MaskedView>> WriteQueryMasks(
 
 }  // namespace freegs::stages
 
-#endif  // FREEGS_STAGES_QUERY_MASKS_H_
+#endif  // FREEGS_STAGES_QUERY_QUERY_MASKS_H_

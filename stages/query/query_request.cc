@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "stages/query_request.h"
+#include "stages/query/query_request.h"
 
 #include <algorithm>
 #include <charconv>

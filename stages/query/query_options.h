@@ -2,8 +2,8 @@
 // [query] of config.ini: how text is answered, by `query` and wherever else
 // texts are asked.
 
-#ifndef FREEGS_STAGES_QUERY_OPTIONS_H_
-#define FREEGS_STAGES_QUERY_OPTIONS_H_
+#ifndef FREEGS_STAGES_QUERY_QUERY_OPTIONS_H_
+#define FREEGS_STAGES_QUERY_QUERY_OPTIONS_H_
 
 #include "pipeline/option_table.h"
 #include "semantics/text_query.h"
@@ -16,4 +16,4 @@ void RegisterQueryOptions(semantics::TextQueryOptions& options,
 
 }  // namespace freegs::stages
 
-#endif  // FREEGS_STAGES_QUERY_OPTIONS_H_
+#endif  // FREEGS_STAGES_QUERY_QUERY_OPTIONS_H_

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "stages/query_options.h"
+#include "stages/query/query_options.h"
 
 namespace freegs::stages {
 

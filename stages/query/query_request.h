@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The words of `query`, understood.
 
-#ifndef FREEGS_STAGES_QUERY_REQUEST_H_
-#define FREEGS_STAGES_QUERY_REQUEST_H_
+#ifndef FREEGS_STAGES_QUERY_QUERY_REQUEST_H_
+#define FREEGS_STAGES_QUERY_QUERY_REQUEST_H_
 
 #include <filesystem>
 #include <optional>
@@ -48,4 +48,4 @@ StatusOr<QueryRequest> ParseQueryRequest(
 
 }  // namespace freegs::stages
 
-#endif  // FREEGS_STAGES_QUERY_REQUEST_H_
+#endif  // FREEGS_STAGES_QUERY_QUERY_REQUEST_H_
