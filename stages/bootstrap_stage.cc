@@ -3,6 +3,10 @@
 #include "stages/bootstrap_stage.h"
 
 #include <algorithm>
+#include <chrono>
+#include <functional>
+#include <optional>
+#include <sstream>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -14,10 +18,12 @@
 #include "pipeline/resource_usage.h"
 #include "semantics/bootstrapping.h"
 #include "semantics/clip/opencv_clip.h"
+#include "semantics/field_checkpoint.h"
 #include "semantics/idsf.h"
 #include "semantics/instance_features.h"
 #include "semantics/instances.h"
 #include "semantics/instances_json.h"
+#include "semantics/losses/decoder_file.h"
 #include "splat/renderer.h"
 #include "stages/scene_instances.h"
 #include "stages/shipped_model.h"
@@ -78,11 +84,11 @@ class BootstrapStage : public pipeline::Stage {
             semantics::EstimateVertical(views, labels.planes),
             {},
             *context.pool);
-    FREEGS_RETURN_IF_ERROR(
-        semantics::WriteIdsf(context.output / "idsf.bin",
-                             {.feature_dim = field.lifted.channels,
-                              .features = field.lifted.features,
-                              .instances = labels.labels}));
+    FREEGS_RETURN_IF_ERROR(semantics::WriteIdsf(
+        context.output / "idsf.bin",
+        {.feature_dim = with_semantics() ? field.decoder.latent_dim() : 0,
+         .features = field.features,
+         .instances = labels.labels}));
     FREEGS_RETURN_IF_ERROR(semantics::WriteInstances(
         context.output / "instances.json", instances));
     FREEGS_RETURN_IF_ERROR(RenderMaps(scene, views, labels.labels, context));
@@ -125,17 +131,27 @@ class BootstrapStage : public pipeline::Stage {
       return ReadRgb(context.workspace / "undistort" / "images" /
                      scene.train[view].name);
     };
+    const fs::path checkpoint = context.output / "checkpoints" / "field.ckpt";
+    semantics::BootstrapTools tools{.encoder = *encoder,
+                                    .cache = cache,
+                                    .pool = *context.pool,
+                                    .cancellation = context.cancellation,
+                                    .progress = context.progress,
+                                    .resume_from = std::nullopt,
+                                    .save = nullptr};
+    if (method.method == semantics::FieldMethod::kTrain) {
+      tools.resume_from = CheckpointOf(checkpoint, context);
+      tools.save = SaverTo(checkpoint, context);
+    }
     FREEGS_ASSIGN_OR_RETURN(semantics::SemanticField field,
-                            semantics::LiftSemanticField(
+                            semantics::BootstrapSemanticField(
                                 {scene.model, scene.train, views, scene.render},
                                 photo_of,
                                 method,
                                 seed_,
-                                {*encoder,
-                                 cache,
-                                 *context.pool,
-                                 context.cancellation,
-                                 context.progress}));
+                                tools));
+    FREEGS_RETURN_IF_ERROR(semantics::WriteDecoder(
+        context.output / "decoder.bin", {field.decoder, std::nullopt}));
     FREEGS_RETURN_IF_ERROR(semantics::WriteInstanceFeatures(
         context.output / "instance_features.json",
         {.dim = field.vectors.dim,
@@ -144,6 +160,38 @@ class BootstrapStage : public pipeline::Stage {
          .model_hash = encoder->model_hash(),
          .features = field.vectors.vectors}));
     return field;
+  }
+
+  // What an interrupted run left. A damaged checkpoint costs time, no more.
+  static std::optional<semantics::FieldState> CheckpointOf(
+      const fs::path& path, const pipeline::StageContext& context) {
+    std::error_code error;
+    if (!context.resuming || !fs::exists(path, error)) return std::nullopt;
+    StatusOr<semantics::FieldState> state = semantics::ReadFieldState(path);
+    if (!state.ok()) {
+      context.log(pipeline::LogLevel::kWarning, state.status().message());
+      return std::nullopt;
+    }
+    context.log(pipeline::LogLevel::kInfo,
+                "going on from step " + std::to_string(state->step));
+    return *std::move(state);
+  }
+
+  static std::function<Status(const semantics::FieldTraining&, bool)> SaverTo(
+      const fs::path& path, const pipeline::StageContext& context) {
+    using Clock = std::chrono::steady_clock;
+    return [path,
+            interval = std::chrono::duration<double>(
+                context.checkpoint_interval_seconds),
+            last = Clock::now()](const semantics::FieldTraining& training,
+                                 bool stopping) mutable -> Status {
+      if (!stopping && Clock::now() - last < interval) return Status();
+      FREEGS_RETURN_IF_ERROR(CreateFolders(path.parent_path()));
+      FREEGS_RETURN_IF_ERROR(
+          semantics::WriteFieldState(path, training.state()));
+      last = Clock::now();
+      return Status();
+    };
   }
 
   // Maps are written atomically and depend on inputs and options only: those an
@@ -247,14 +295,39 @@ class BootstrapStage : public pipeline::Stage {
       for (const auto& [step, seconds] : field.seconds) {
         metrics["step_seconds"][step] = seconds;
       }
-      metrics["feature_dim"] = field.axes.count;
-      metrics["num_unseen"] = field.lifted.num_unseen;
+      metrics["feature_dim"] = field.decoder.latent_dim();
+      metrics["num_unseen"] = field.num_unseen;
       metrics["num_crops"] = field.vectors.num_crops;
     }
+    if (options_.mode == "paper") {
+      metrics["iterations"] = field.steps;
+      metrics["clusterings"] = nlohmann::json::array();
+      for (const semantics::ClusteringRound& round : field.rounds) {
+        metrics["clusterings"].push_back(
+            {{"iteration", round.step},
+             {"num_instances", round.num_instances},
+             {"agreement", round.agreement}});
+      }
+    }
     context.summary = metrics;
+    if (options_.mode == "paper") {
+      FREEGS_RETURN_IF_ERROR(WriteLosses(field.losses, context));
+    }
     metrics["instance_sizes"] = std::move(sizes);
     return WriteFileAtomic(context.output / "metrics.json",
                            metrics.dump(1) + "\n");
+  }
+
+  static Status WriteLosses(const std::vector<semantics::LossRecord>& losses,
+                            const pipeline::StageContext& context) {
+    std::ostringstream csv;
+    csv << "iteration,pixel,instance,smoothing,contrastive\n";
+    for (const semantics::LossRecord& record : losses) {
+      csv << record.step << ',' << record.losses.pixel << ','
+          << record.losses.instance << ',' << record.losses.smoothing << ','
+          << record.losses.contrastive << '\n';
+    }
+    return WriteFileAtomic(context.output / "progress.csv", csv.str());
   }
 
   BootstrapStageOptions options_;
