@@ -21,6 +21,7 @@
 #include "semantics/field_checkpoint.h"
 #include "semantics/idsf.h"
 #include "semantics/instance_features.h"
+#include "semantics/instance_words.h"
 #include "semantics/instances.h"
 #include "semantics/instances_json.h"
 #include "semantics/losses/decoder_file.h"
@@ -33,6 +34,11 @@ namespace freegs::stages {
 namespace {
 
 namespace fs = std::filesystem;
+
+struct NamedField {
+  semantics::SemanticField field;
+  std::vector<std::vector<std::string>> words;  // Per instance; may be empty.
+};
 
 class BootstrapStage : public pipeline::Stage {
  public:
@@ -64,8 +70,9 @@ class BootstrapStage : public pipeline::Stage {
     std::vector<View> views = scene.train;
     views.insert(views.end(), scene.holdout.begin(), scene.holdout.end());
     FREEGS_ASSIGN_OR_RETURN(
-        const semantics::SemanticField field,
+        const NamedField named,
         MakeField(scene, views, std::move(method), context));
+    const semantics::SemanticField& field = named.field;
     const semantics::InstanceLabels& labels = field.instances;
     if (labels.num_instances == 0) {
       return UnusableResultError(
@@ -74,16 +81,18 @@ class BootstrapStage : public pipeline::Stage {
           " Gaussians; try a smaller bootstrap.min_cluster_size or "
           "bootstrap.min_samples, or a better reconstruction");
     }
-    const std::vector<semantics::Instance> instances =
-        semantics::BuildInstances(
-            scene.model,
-            labels.labels,
-            labels.num_instances,
-            labels.scores,
-            labels.is_plane,
-            semantics::EstimateVertical(views, labels.planes),
-            {},
-            *context.pool);
+    std::vector<semantics::Instance> instances = semantics::BuildInstances(
+        scene.model,
+        labels.labels,
+        labels.num_instances,
+        labels.scores,
+        labels.is_plane,
+        semantics::EstimateVertical(views, labels.planes),
+        {},
+        *context.pool);
+    for (size_t i = 0; i < named.words.size(); ++i) {
+      instances[i].words = named.words[i];
+    }
     FREEGS_RETURN_IF_ERROR(semantics::WriteIdsf(
         context.output / "idsf.bin",
         {.feature_dim = with_semantics() ? field.decoder.latent_dim() : 0,
@@ -103,11 +112,10 @@ class BootstrapStage : public pipeline::Stage {
     return FindShippedModel();
   }
 
-  StatusOr<semantics::SemanticField> MakeField(
-      const WorkspaceScene& scene,
-      const std::vector<View>& views,
-      semantics::BootstrappingOptions method,
-      pipeline::StageContext& context) const {
+  StatusOr<NamedField> MakeField(const WorkspaceScene& scene,
+                                 const std::vector<View>& views,
+                                 semantics::BootstrappingOptions method,
+                                 pipeline::StageContext& context) const {
     if (!with_semantics()) {
       context.progress({"clustering", 0, 1, ""});
       semantics::SemanticField field;
@@ -120,7 +128,7 @@ class BootstrapStage : public pipeline::Stage {
                                       seed_,
                                       *context.pool,
                                       context.cancellation));
-      return field;
+      return NamedField{std::move(field), {}};
     }
     FREEGS_ASSIGN_OR_RETURN(const fs::path folder, ModelFolder());
     FREEGS_ASSIGN_OR_RETURN(const auto encoder,
@@ -159,7 +167,11 @@ class BootstrapStage : public pipeline::Stage {
              options_.model.empty() ? encoder->info().name : options_.model,
          .model_hash = encoder->model_hash(),
          .features = field.vectors.vectors}));
-    return field;
+    FREEGS_ASSIGN_OR_RETURN(
+        auto words,
+        semantics::NameInstances(
+            field.vectors.vectors, encoder->info().vocabulary, *encoder));
+    return NamedField{std::move(field), std::move(words)};
   }
 
   // What an interrupted run left. A damaged checkpoint costs time, no more.
