@@ -42,7 +42,8 @@ StatusOr<std::span<const float>> DecoderTraining::Forward(
   if (MlpDecoder* mlp = decoder_->mlp()) {
     MlpForward(*mlp, latents, pool, &batch_, features_);
     if (!batch_.statistics_finite()) {
-      return InvalidArgumentError("latents to decode are not finite");
+      return InvalidArgumentError(
+          "latents to decode are not finite or too large");
     }
     UpdateRunningStatistics(batch_, options_.statistics_momentum, mlp);
   } else {

@@ -16,6 +16,8 @@ namespace {
 
 constexpr int64_t kMemberGrain = 256;
 constexpr double kMinLength = 1e-12;
+// All are compared with all.
+constexpr size_t kMaxGroups = 4096;
 
 struct Member {
   const float* feature = nullptr;
@@ -114,10 +116,10 @@ std::vector<double> SumGroups(const std::vector<Member>& members,
 
 // Drops groups whose mean has no direction, with their members.
 Prototypes MakePrototypes(int dim,
+                          size_t num_groups,
                           double positive_cosine,
                           ThreadPool& pool,
                           std::vector<Member>* members) {
-  const size_t num_groups = NumberGroups(members);
   const std::vector<double> sums = SumGroups(*members, num_groups, dim, pool);
   std::vector<double> counts(num_groups, 0.0);
   for (const Member& member : *members) ++counts[member.group];
@@ -259,8 +261,9 @@ double AddBlock(const ContrastiveOptions& options,
 }  // namespace
 
 Status ContrastiveOptions::Check() const {
-  if (!(temperature > 0 && std::isfinite(temperature))) {
-    return InvalidArgumentError("the contrastive temperature must be > 0");
+  if (!(temperature >= 1e-6 && temperature <= 1e6)) {
+    return InvalidArgumentError(
+        "the contrastive temperature must be in [1e-6, 1e6]");
   }
   if (!(positive_cosine >= -1 && positive_cosine <= 1)) {
     return InvalidArgumentError(
@@ -284,8 +287,14 @@ StatusOr<double> JointContrastiveLoss(const ContrastiveOptions& options,
       return InvalidArgumentError("features to contrast are not finite");
     }
   }
+  const size_t num_groups = NumberGroups(&members);
+  if (num_groups > kMaxGroups) {
+    return InvalidArgumentError(std::to_string(num_groups) +
+                                " groups to contrast, more than " +
+                                std::to_string(kMaxGroups));
+  }
   const Prototypes prototypes =
-      MakePrototypes(dim, options.positive_cosine, pool, &members);
+      MakePrototypes(dim, num_groups, options.positive_cosine, pool, &members);
 
   const auto count = static_cast<int64_t>(members.size());
   std::vector<double> losses((count + kMemberGrain - 1) / kMemberGrain, 0.0);
