@@ -73,8 +73,9 @@ std::vector<double> ColumnSums(int64_t rows,
   pool.ParallelFor(
       0, cols, kColumnGrain, [&](int64_t first, int64_t last, int) {
         for (int64_t row = 0; row < rows; ++row) {
-          for (int64_t col = first; col < last; ++col)
+          for (int64_t col = first; col < last; ++col) {
             sums[col] += value(row, col);
+          }
         }
       });
   return sums;

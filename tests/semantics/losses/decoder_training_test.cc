@@ -132,6 +132,10 @@ TEST(DecoderTrainingTest, RefusesWhatIsNotFiniteAndStaysAsItWas) {
   EXPECT_EQ(training.Step(pool).code(), StatusCode::kUnusableResult);
   EXPECT_EQ(decoder.mlp()->parameters, before.parameters);
   EXPECT_TRUE(training.Step(pool).ok());  // Forgotten.
+  gradients[3] = 1e25f;
+  ASSERT_TRUE(training.Backward(gradients, pool, latent_gradients).ok());
+  EXPECT_EQ(training.Step(pool).code(), StatusCode::kUnusableResult);
+  EXPECT_TRUE(AllZero(training.adam().second_moments));
   EXPECT_TRUE(decoder.mlp()->Check().ok());
 }
 
