@@ -7,6 +7,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -21,6 +23,7 @@
 #include "semantics/clip/joint_bilateral_upsampling.h"
 #include "semantics/feature_grids.h"
 #include "semantics/feature_lifting.h"
+#include "semantics/field_training.h"
 #include "semantics/instance_clustering.h"
 #include "semantics/instance_semantics.h"
 #include "semantics/view_weights_store.h"
@@ -29,7 +32,14 @@
 
 namespace freegs::semantics {
 
+// Where semantic vectors come from.
+enum class FieldMethod {
+  kLift,   // Averages of the photographs' features, in one pass.
+  kTrain,  // From there, or from random vectors, by gradient descent.
+};
+
 struct BootstrappingOptions {
+  FieldMethod method = FieldMethod::kLift;
   FeatureGridOptions features;
   JointBilateralOptions upsampling;
   ViewWeightsOptions weights;
@@ -40,6 +50,10 @@ struct BootstrappingOptions {
   // of the instance cut out, the rest the mean of its Gaussians' vectors. The
   // paper asks the Gaussians only, which training has drawn to both.
   double instance_share = 0.5;
+
+  // For kTrain.
+  FieldTrainingOptions training;
+  bool random_start = false;  // As FreeGS; otherwise from what was lifted.
 
   Status Check() const;
 };
@@ -59,41 +73,58 @@ struct BootstrapTools {
   ThreadPool& pool;
   const CancellationToken* cancellation;  // May be null.
   ProgressFn progress;
+
+  // Training goes on from this state, if there is one, and gives its own to
+  // `save` when it thinks fit (null: never): often, and before it stops because
+  // it was cancelled. A save that fails ends the training.
+  std::optional<FieldState> resume_from;
+  std::function<Status(const FieldTraining& training, bool stopping)> save;
 };
 
 struct SemanticField {
   // Of each Gaussian, N x D; zero where no view shows it.
-  LiftedFeatures lifted;
-  PrincipalAxes axes;  // From D back to CLIP's numbers.
+  std::vector<float> features;
+  size_t num_unseen = 0;
+  // From D to CLIP's numbers.
+  FeatureDecoder decoder{LinearDecoder()};
   InstanceLabels instances;
 
   // Of each instance, in CLIP's space, of length 1 or zero: what words and
   // images are compared with.
   InstanceVectors vectors;
 
-  // Wall seconds of each step, in order.
+  // Of training.
+  int64_t steps = 0;
+  std::vector<ClusteringRound> rounds;
+  std::vector<LossRecord> losses;
+
+  // Wall seconds of each part, in order.
   std::vector<std::pair<std::string, double>> seconds;
 };
 
-// Without iterations: the features of all photographs are averaged onto the
-// Gaussians by the weights with which these are blended, and clustered together
-// with geometry and colour. Errors of its parts; kUnusableResult when no
-// instance is found.
-StatusOr<SemanticField> LiftSemanticField(const PosedScene& scene,
-                                          ViewPhoto photo_of,
-                                          const BootstrappingOptions& options,
-                                          uint64_t seed,
-                                          const BootstrapTools& tools);
+// The features of all photographs are averaged onto the Gaussians by the
+// weights with which these are blended; training, if asked for, goes on from
+// there, in turn with clustering. Gaussians are clustered by geometry, colour
+// and semantics, and every instance is looked at in the photographs that show
+// it best. Errors of its parts.
+StatusOr<SemanticField> BootstrapSemanticField(
+    const PosedScene& scene,
+    ViewPhoto photo_of,
+    const BootstrappingOptions& options,
+    uint64_t seed,
+    const BootstrapTools& tools);
 
-// Mean semantic vectors of instances in CLIP's space, each of length 1 or zero:
-// of its Gaussians' directions, weighted by how much is seen of them.
-// vectors: N x D.
-std::vector<float> MeanInstanceVectors(std::span<const float> vectors,
-                                       std::span<const double> weights,
-                                       std::span<const int32_t> labels,
-                                       int num_instances,
-                                       const PrincipalAxes& axes,
-                                       ThreadPool& pool);
+// The mean feature of each instance's Gaussians, in CLIP's space and of length
+// 1, or zero for an instance that no view shows: of the directions of their
+// decoded vectors, weighted by how much is seen of them (FreeGS, "Testing").
+// features: N x D; weights: N.
+StatusOr<std::vector<float>> MeanInstanceVectors(
+    std::span<const float> features,
+    std::span<const double> weights,
+    std::span<const int32_t> labels,
+    int num_instances,
+    const FeatureDecoder& decoder,
+    ThreadPool& pool);
 
 }  // namespace freegs::semantics
 

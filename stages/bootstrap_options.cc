@@ -70,6 +70,63 @@ void RegisterSemanticOptions(BootstrapStageOptions& options,
              .affects_result = false});
 }
 
+void RegisterTrainingOptions(BootstrapStageOptions& options,
+                             pipeline::OptionTable& table) {
+  semantics::FieldTrainingOptions& training = options.method.training;
+  table.Add("bootstrap.iterations",
+            &training.iterations,
+            {.help = "Steps of training, with mode paper.",
+             .min = 0,
+             .max = 10000000});
+  table.Add("bootstrap.pixels_per_step",
+            &training.pixels_per_step,
+            {.help = "Pixels whose features are compared in a step.",
+             .min = 1,
+             .max = 1000000});
+  table.Add("bootstrap.learning_rate",
+            &training.learning_rate,
+            {.help = "Of semantic vectors.", .min = 0, .max = 1000});
+  table.Add("bootstrap.random_start",
+            &options.method.random_start,
+            {.help = "Training begins with random vectors, as the paper's "
+                     "does, not with lifted ones."});
+  table.Add("bootstrap.instance_weight",
+            &training.instance_weight,
+            {.help = "Weight of the loss of instances' features (gamma); 0 "
+                     "leaves it out.",
+             .min = 0,
+             .max = 1000});
+  table.Add("bootstrap.smoothing_weight",
+            &training.smoothing_weight,
+            {.help = "Weight of the smoothing loss (lambda_S); 0 leaves it "
+                     "out.",
+             .min = 0,
+             .max = 1000});
+  table.Add("bootstrap.contrastive_weight",
+            &training.contrastive_weight,
+            {.help = "Weight of the contrastive loss (lambda_C); 0 leaves it "
+                     "out.",
+             .min = 0,
+             .max = 1000});
+  table.Add("bootstrap.cluster_start",
+            &training.cluster_start,
+            {.help = "Steps before Gaussians are first clustered; 0: not "
+                     "before the end.",
+             .min = 0,
+             .max = 10000000});
+  table.Add("bootstrap.cluster_interval",
+            &training.cluster_interval,
+            {.help = "Steps from one clustering to the next.",
+             .min = 1,
+             .max = 10000000});
+  table.Add("bootstrap.settled_index",
+            &training.settled_index,
+            {.help = "Training ends when two clusterings in a row agree to "
+                     "this adjusted Rand index; above 1 never.",
+             .min = 0,
+             .max = 2});
+}
+
 }  // namespace
 
 void RegisterBootstrapOptions(BootstrapStageOptions& options,
@@ -79,10 +136,12 @@ void RegisterBootstrapOptions(BootstrapStageOptions& options,
                    "Phase 2: what Gaussians mean, and which belong together.");
   table.Add("bootstrap.mode",
             &options.mode,
-            {.help = "Semantics averaged from the photographs' features, or "
-                     "none: geometry and colour only.",
-             .choices = {"lift", "geometry"}});
+            {.help = "Semantics averaged from the photographs' features in one "
+                     "pass (lift), trained from there (paper), or none: "
+                     "geometry and colour only (geometry).",
+             .choices = {"lift", "paper", "geometry"}});
   RegisterSemanticOptions(options, table);
+  RegisterTrainingOptions(options, table);
   table.Add("bootstrap.min_samples",
             &clustering.hdbscan.min_samples,
             {.help = "Neighbours that make a neighbourhood dense: more gives "
@@ -156,13 +215,20 @@ void RegisterBootstrapOptions(BootstrapStageOptions& options,
             {.help = "How near clusters must be to touch, in scene radii.",
              .min = 0,
              .max = 10});
-  table.Add("bootstrap.min_crease_contrast",
-            &clustering.min_crease_contrast,
-            {.help = "Clusters are split at concave creases between parts of "
-                     "different colour: concavity (0 to 2) times colour "
-                     "difference from which on they are; 0 splits none.",
+  table.Add(
+      "bootstrap.min_crease_contrast",
+      &clustering.min_crease_contrast,
+      {.help = "Clusters are split at concave creases between parts of "
+               "different look: concavity (0 to 2) times difference in "
+               "colour and meaning from which on they are; 0 splits none.",
+       .min = 0,
+       .max = 10});
+  table.Add("bootstrap.crease_semantic_weight",
+            &clustering.crease_semantic_weight,
+            {.help = "How much a difference in meaning counts there beside one "
+                     "in colour.",
              .min = 0,
-             .max = 10});
+             .max = 1000});
   table.Add("bootstrap.noise_distance",
             &clustering.noise_distance,
             {.help = "Noise joins the nearest cluster within this many scene "
@@ -197,6 +263,8 @@ StatusOr<semantics::BootstrappingOptions> MakeBootstrappingOptions(
     const BootstrapStageOptions& options) {
   constexpr double kGigabyte = 1 << 30;
   semantics::BootstrappingOptions method = options.method;
+  method.method = options.mode == "paper" ? semantics::FieldMethod::kTrain
+                                          : semantics::FieldMethod::kLift;
   method.clustering.hdbscan.method =
       options.selection == "leaf" ? semantics::ClusterSelection::kLeaf
                                   : semantics::ClusterSelection::kExcessOfMass;

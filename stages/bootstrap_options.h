@@ -13,7 +13,7 @@
 namespace freegs::stages {
 
 struct BootstrapStageOptions {
-  // lift or geometry.
+  // lift, paper or geometry.
   std::string mode = "lift";
   // Folder of a CLIP model; empty for the one that comes with the program.
   std::string model;

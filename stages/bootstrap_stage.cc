@@ -3,6 +3,10 @@
 #include "stages/bootstrap_stage.h"
 
 #include <algorithm>
+#include <chrono>
+#include <functional>
+#include <optional>
+#include <sstream>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -14,10 +18,13 @@
 #include "pipeline/resource_usage.h"
 #include "semantics/bootstrapping.h"
 #include "semantics/clip/opencv_clip.h"
+#include "semantics/field_checkpoint.h"
 #include "semantics/idsf.h"
 #include "semantics/instance_features.h"
+#include "semantics/instance_words.h"
 #include "semantics/instances.h"
 #include "semantics/instances_json.h"
+#include "semantics/losses/decoder_file.h"
 #include "splat/renderer.h"
 #include "stages/scene_instances.h"
 #include "stages/shipped_model.h"
@@ -27,6 +34,11 @@ namespace freegs::stages {
 namespace {
 
 namespace fs = std::filesystem;
+
+struct NamedField {
+  semantics::SemanticField field;
+  std::vector<std::vector<std::string>> words;  // Per instance; may be empty.
+};
 
 class BootstrapStage : public pipeline::Stage {
  public:
@@ -58,8 +70,9 @@ class BootstrapStage : public pipeline::Stage {
     std::vector<View> views = scene.train;
     views.insert(views.end(), scene.holdout.begin(), scene.holdout.end());
     FREEGS_ASSIGN_OR_RETURN(
-        const semantics::SemanticField field,
+        const NamedField named,
         MakeField(scene, views, std::move(method), context));
+    const semantics::SemanticField& field = named.field;
     const semantics::InstanceLabels& labels = field.instances;
     if (labels.num_instances == 0) {
       return UnusableResultError(
@@ -68,21 +81,23 @@ class BootstrapStage : public pipeline::Stage {
           " Gaussians; try a smaller bootstrap.min_cluster_size or "
           "bootstrap.min_samples, or a better reconstruction");
     }
-    const std::vector<semantics::Instance> instances =
-        semantics::BuildInstances(
-            scene.model,
-            labels.labels,
-            labels.num_instances,
-            labels.scores,
-            labels.is_plane,
-            semantics::EstimateVertical(views, labels.planes),
-            {},
-            *context.pool);
-    FREEGS_RETURN_IF_ERROR(
-        semantics::WriteIdsf(context.output / "idsf.bin",
-                             {.feature_dim = field.lifted.channels,
-                              .features = field.lifted.features,
-                              .instances = labels.labels}));
+    std::vector<semantics::Instance> instances = semantics::BuildInstances(
+        scene.model,
+        labels.labels,
+        labels.num_instances,
+        labels.scores,
+        labels.is_plane,
+        semantics::EstimateVertical(views, labels.planes),
+        {},
+        *context.pool);
+    for (size_t i = 0; i < named.words.size(); ++i) {
+      instances[i].words = named.words[i];
+    }
+    FREEGS_RETURN_IF_ERROR(semantics::WriteIdsf(
+        context.output / "idsf.bin",
+        {.feature_dim = with_semantics() ? field.decoder.latent_dim() : 0,
+         .features = field.features,
+         .instances = labels.labels}));
     FREEGS_RETURN_IF_ERROR(semantics::WriteInstances(
         context.output / "instances.json", instances));
     FREEGS_RETURN_IF_ERROR(RenderMaps(scene, views, labels.labels, context));
@@ -97,11 +112,10 @@ class BootstrapStage : public pipeline::Stage {
     return FindShippedModel();
   }
 
-  StatusOr<semantics::SemanticField> MakeField(
-      const WorkspaceScene& scene,
-      const std::vector<View>& views,
-      semantics::BootstrappingOptions method,
-      pipeline::StageContext& context) const {
+  StatusOr<NamedField> MakeField(const WorkspaceScene& scene,
+                                 const std::vector<View>& views,
+                                 semantics::BootstrappingOptions method,
+                                 pipeline::StageContext& context) const {
     if (!with_semantics()) {
       context.progress({"clustering", 0, 1, ""});
       semantics::SemanticField field;
@@ -114,7 +128,7 @@ class BootstrapStage : public pipeline::Stage {
                                       seed_,
                                       *context.pool,
                                       context.cancellation));
-      return field;
+      return NamedField{std::move(field), {}};
     }
     FREEGS_ASSIGN_OR_RETURN(const fs::path folder, ModelFolder());
     FREEGS_ASSIGN_OR_RETURN(const auto encoder,
@@ -125,17 +139,27 @@ class BootstrapStage : public pipeline::Stage {
       return ReadRgb(context.workspace / "undistort" / "images" /
                      scene.train[view].name);
     };
+    const fs::path checkpoint = context.output / "checkpoints" / "field.ckpt";
+    semantics::BootstrapTools tools{.encoder = *encoder,
+                                    .cache = cache,
+                                    .pool = *context.pool,
+                                    .cancellation = context.cancellation,
+                                    .progress = context.progress,
+                                    .resume_from = std::nullopt,
+                                    .save = nullptr};
+    if (method.method == semantics::FieldMethod::kTrain) {
+      tools.resume_from = CheckpointOf(checkpoint, context);
+      tools.save = SaverTo(checkpoint, context);
+    }
     FREEGS_ASSIGN_OR_RETURN(semantics::SemanticField field,
-                            semantics::LiftSemanticField(
+                            semantics::BootstrapSemanticField(
                                 {scene.model, scene.train, views, scene.render},
                                 photo_of,
                                 method,
                                 seed_,
-                                {*encoder,
-                                 cache,
-                                 *context.pool,
-                                 context.cancellation,
-                                 context.progress}));
+                                tools));
+    FREEGS_RETURN_IF_ERROR(semantics::WriteDecoder(
+        context.output / "decoder.bin", {field.decoder, std::nullopt}));
     FREEGS_RETURN_IF_ERROR(semantics::WriteInstanceFeatures(
         context.output / "instance_features.json",
         {.dim = field.vectors.dim,
@@ -143,7 +167,43 @@ class BootstrapStage : public pipeline::Stage {
              options_.model.empty() ? encoder->info().name : options_.model,
          .model_hash = encoder->model_hash(),
          .features = field.vectors.vectors}));
-    return field;
+    FREEGS_ASSIGN_OR_RETURN(
+        auto words,
+        semantics::NameInstances(
+            field.vectors.vectors, encoder->info().vocabulary, *encoder));
+    return NamedField{std::move(field), std::move(words)};
+  }
+
+  // What an interrupted run left. A damaged checkpoint costs time, no more.
+  static std::optional<semantics::FieldState> CheckpointOf(
+      const fs::path& path, const pipeline::StageContext& context) {
+    std::error_code error;
+    if (!context.resuming || !fs::exists(path, error)) return std::nullopt;
+    StatusOr<semantics::FieldState> state = semantics::ReadFieldState(path);
+    if (!state.ok()) {
+      context.log(pipeline::LogLevel::kWarning, state.status().message());
+      return std::nullopt;
+    }
+    context.log(pipeline::LogLevel::kInfo,
+                "going on from step " + std::to_string(state->step));
+    return *std::move(state);
+  }
+
+  static std::function<Status(const semantics::FieldTraining&, bool)> SaverTo(
+      const fs::path& path, const pipeline::StageContext& context) {
+    using Clock = std::chrono::steady_clock;
+    return [path,
+            interval = std::chrono::duration<double>(
+                context.checkpoint_interval_seconds),
+            last = Clock::now()](const semantics::FieldTraining& training,
+                                 bool stopping) mutable -> Status {
+      if (!stopping && Clock::now() - last < interval) return Status();
+      FREEGS_RETURN_IF_ERROR(CreateFolders(path.parent_path()));
+      FREEGS_RETURN_IF_ERROR(
+          semantics::WriteFieldState(path, training.state()));
+      last = Clock::now();
+      return Status();
+    };
   }
 
   // Maps are written atomically and depend on inputs and options only: those an
@@ -247,14 +307,39 @@ class BootstrapStage : public pipeline::Stage {
       for (const auto& [step, seconds] : field.seconds) {
         metrics["step_seconds"][step] = seconds;
       }
-      metrics["feature_dim"] = field.axes.count;
-      metrics["num_unseen"] = field.lifted.num_unseen;
+      metrics["feature_dim"] = field.decoder.latent_dim();
+      metrics["num_unseen"] = field.num_unseen;
       metrics["num_crops"] = field.vectors.num_crops;
     }
+    if (options_.mode == "paper") {
+      metrics["iterations"] = field.steps;
+      metrics["clusterings"] = nlohmann::json::array();
+      for (const semantics::ClusteringRound& round : field.rounds) {
+        metrics["clusterings"].push_back(
+            {{"iteration", round.step},
+             {"num_instances", round.num_instances},
+             {"agreement", round.agreement}});
+      }
+    }
     context.summary = metrics;
+    if (options_.mode == "paper") {
+      FREEGS_RETURN_IF_ERROR(WriteLosses(field.losses, context));
+    }
     metrics["instance_sizes"] = std::move(sizes);
     return WriteFileAtomic(context.output / "metrics.json",
                            metrics.dump(1) + "\n");
+  }
+
+  static Status WriteLosses(const std::vector<semantics::LossRecord>& losses,
+                            const pipeline::StageContext& context) {
+    std::ostringstream csv;
+    csv << "iteration,pixel,instance,smoothing,contrastive\n";
+    for (const semantics::LossRecord& record : losses) {
+      csv << record.step << ',' << record.losses.pixel << ','
+          << record.losses.instance << ',' << record.losses.smoothing << ','
+          << record.losses.contrastive << '\n';
+    }
+    return WriteFileAtomic(context.output / "progress.csv", csv.str());
   }
 
   BootstrapStageOptions options_;

@@ -9,6 +9,12 @@
 #include <utility>
 
 namespace freegs::semantics {
+namespace {
+
+// What Adam squares must be a float.
+constexpr float kMaxGradient = 1e18f;
+
+}  // namespace
 
 Status DecoderTrainingOptions::Check() const {
   if (!(learning_rate >= 0 && std::isfinite(learning_rate))) {
@@ -42,7 +48,8 @@ StatusOr<std::span<const float>> DecoderTraining::Forward(
   if (MlpDecoder* mlp = decoder_->mlp()) {
     MlpForward(*mlp, latents, pool, &batch_, features_);
     if (!batch_.statistics_finite()) {
-      return InvalidArgumentError("latents to decode are not finite");
+      return InvalidArgumentError(
+          "latents to decode are not finite or too large");
     }
     UpdateRunningStatistics(batch_, options_.statistics_momentum, mlp);
   } else {
@@ -75,11 +82,11 @@ Status DecoderTraining::Backward(std::span<const float> feature_gradients,
 Status DecoderTraining::Step(ThreadPool& pool) {
   MlpDecoder* mlp = decoder_->mlp();
   if (!mlp) return Status();
-  const bool finite =
+  const bool usable =
       std::all_of(gradients_.begin(), gradients_.end(), [](float value) {
-        return std::isfinite(value);
+        return std::abs(value) <= kMaxGradient;
       });
-  if (finite) {
+  if (usable) {
     StepArrayAdam(options_.adam,
                   options_.learning_rate,
                   gradients_,
@@ -88,9 +95,10 @@ Status DecoderTraining::Step(ThreadPool& pool) {
                   mlp->parameters);
   }
   std::fill(gradients_.begin(), gradients_.end(), 0.0f);
-  return finite ? Status()
-                : UnusableResultError(
-                      "the gradients of the decoder are not finite");
+  return usable
+             ? Status()
+             : UnusableResultError(
+                   "the gradients of the decoder are not finite or too large");
 }
 
 Status DecoderTraining::set_adam(ArrayAdamState state) {

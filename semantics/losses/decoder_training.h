@@ -50,8 +50,8 @@ class DecoderTraining {
                   std::span<float> latent_gradients);
 
   // One step of Adam over the decoder's parameters, with the gradients added
-  // since the last. kUnusableResult when they are not finite: they are then
-  // forgotten, and the decoder is as before.
+  // since the last. kUnusableResult when they are not finite, or beyond 1e18:
+  // they are then forgotten, and the decoder is as before.
   Status Step(ThreadPool& pool);
 
   // To go on where another left off; of no size for a linear decoder.

@@ -10,7 +10,7 @@ namespace freegs::semantics {
 namespace {
 
 Status CheckInstances(std::span<const int32_t> ids,
-                      const InstanceFeatures& instances,
+                      const InstanceTargets& instances,
                       int channels) {
   if (instances.features.size() != instances.known.size() * channels) {
     return InvalidArgumentError(std::to_string(instances.features.size()) +
@@ -33,7 +33,7 @@ Status CheckInstances(std::span<const int32_t> ids,
 StatusOr<double> InstanceDistillationLoss(std::span<const float> decoded,
                                           int channels,
                                           std::span<const int32_t> ids,
-                                          const InstanceFeatures& instances,
+                                          const InstanceTargets& instances,
                                           std::span<const float> row_weights,
                                           double weight,
                                           ThreadPool& pool,

@@ -14,7 +14,7 @@
 namespace freegs::semantics {
 
 // What CLIP says of the instances of one view (FreeGS eq. 7).
-struct InstanceFeatures {
+struct InstanceTargets {
   std::span<const float> features;  // Instances x C, row-major.
   std::span<const uint8_t> known;   // Per instance: 0 when it has no feature.
 };
@@ -33,7 +33,7 @@ struct InstanceFeatures {
 StatusOr<double> InstanceDistillationLoss(std::span<const float> decoded,
                                           int channels,
                                           std::span<const int32_t> ids,
-                                          const InstanceFeatures& instances,
+                                          const InstanceTargets& instances,
                                           std::span<const float> row_weights,
                                           double weight,
                                           ThreadPool& pool,

@@ -9,12 +9,15 @@
 #include <vector>
 
 #include "semantics/losses/matrix_products.h"
+#include "semantics/losses/matrix_products_simd.h"
 
 namespace freegs::semantics {
 namespace {
 
 constexpr int64_t kMemberGrain = 256;
 constexpr double kMinLength = 1e-12;
+// All are compared with all.
+constexpr size_t kMaxGroups = 4096;
 
 struct Member {
   const float* feature = nullptr;
@@ -29,7 +32,7 @@ struct Prototypes {
   std::vector<uint8_t> positives;  // G x G
   std::vector<double> shares;      // G: of one member in the loss.
 
-  int64_t size() const { return directions.rows(); }
+  size_t size() const { return shares.size(); }
 };
 
 Status CheckSizes(const ContrastiveMembers& members, int dim) {
@@ -113,10 +116,10 @@ std::vector<double> SumGroups(const std::vector<Member>& members,
 
 // Drops groups whose mean has no direction, with their members.
 Prototypes MakePrototypes(int dim,
+                          size_t num_groups,
                           double positive_cosine,
                           ThreadPool& pool,
                           std::vector<Member>* members) {
-  const size_t num_groups = NumberGroups(members);
   const std::vector<double> sums = SumGroups(*members, num_groups, dim, pool);
   std::vector<double> counts(num_groups, 0.0);
   for (const Member& member : *members) ++counts[member.group];
@@ -151,97 +154,106 @@ Prototypes MakePrototypes(int dim,
   return prototypes;
 }
 
-// A member's loss. Turns its cosines to all groups into dl / dcosine.
-class MemberLoss {
- public:
-  explicit MemberLoss(const ContrastiveOptions& options) : options_(options) {}
-
-  double Differentiate(const uint8_t* positive,
-                       int64_t num_groups,
-                       float* cosines) const {
-    const double log_positive = LogSum(positive, 1, num_groups, cosines);
-    const double log_negative = LogSum(positive, 0, num_groups, cosines);
-    if (!(log_negative > -std::numeric_limits<double>::infinity())) {
-      std::fill_n(cosines, num_groups, 0.0f);  // Nothing to tell it from.
-      return 0;
-    }
-    const double d = log_negative - log_positive;
-    const bool printed = options_.form == ContrastiveForm::kAsPrinted;
-    // dl / dd, over tau.
-    const double slope =
-        (printed ? 1 : 1 / (1 + std::exp(-d))) / options_.temperature;
-    for (int64_t g = 0; g < num_groups; ++g) {
-      const double s = cosines[g] / options_.temperature;
-      cosines[g] =
-          static_cast<float>(positive[g] ? -slope * std::exp(s - log_positive)
-                                         : slope * std::exp(s - log_negative));
-    }
-    if (printed) return d;
-    return std::max(d, 0.0) + std::log1p(std::exp(-std::abs(d)));
+// A member's loss l. Turns its cosines to all groups into dl / dcosine.
+double DifferentiateMember(const ContrastiveOptions& options,
+                           std::span<const uint8_t> positive,
+                           std::span<float> cosines) {
+  constexpr float kNone = -2;  // Less than any cosine.
+  // Of negatives and of positives, in this order.
+  float largest[2] = {kNone, kNone};
+  for (size_t g = 0; g < cosines.size(); ++g) {
+    largest[positive[g]] = std::max(largest[positive[g]], cosines[g]);
   }
-
- private:
-  // log sum exp(cosine / tau) over the groups of one kind; -infinity for none.
-  double LogSum(const uint8_t* positive,
-                uint8_t kind,
-                int64_t num_groups,
-                const float* cosines) const {
-    double largest = -std::numeric_limits<double>::infinity();
-    for (int64_t g = 0; g < num_groups; ++g) {
-      if (positive[g] == kind) {
-        largest = std::max<double>(largest, cosines[g]);
-      }
-    }
-    double sum = 0;
-    for (int64_t g = 0; g < num_groups; ++g) {
-      if (positive[g] == kind) {
-        sum += std::exp((cosines[g] - largest) / options_.temperature);
-      }
-    }
-    return largest / options_.temperature + std::log(sum);
+  if (largest[0] == kNone) {  // Nothing to tell it from.
+    std::fill(cosines.begin(), cosines.end(), 0.0f);
+    return 0;
   }
+  const auto inv_temperature = static_cast<float>(1 / options.temperature);
+  double sums[2] = {0, 0};
+  for (size_t g = 0; g < cosines.size(); ++g) {
+    cosines[g] =
+        std::exp((cosines[g] - largest[positive[g]]) * inv_temperature);
+    sums[positive[g]] += cosines[g];
+  }
+  const double d =
+      (static_cast<double>(largest[0]) - largest[1]) / options.temperature +
+      std::log(sums[0]) - std::log(sums[1]);
+  const bool printed = options.form == ContrastiveForm::kAsPrinted;
+  const double slope = printed ? 1 : 1 / (1 + std::exp(-d));  // dl / dd
+  const auto negative_factor =
+      static_cast<float>(slope / options.temperature / sums[0]);
+  const auto positive_factor =
+      static_cast<float>(-slope / options.temperature / sums[1]);
+  for (size_t g = 0; g < cosines.size(); ++g) {
+    cosines[g] *= positive[g] ? positive_factor : negative_factor;
+  }
+  return printed ? d : std::max(d, 0.0) + std::log1p(std::exp(-std::abs(d)));
+}
 
-  ContrastiveOptions options_;
-};
+// Adds what of a slope turns the unit vector: a change along it does not.
+void AddTurn(std::span<const float> slope,
+             std::span<const float> unit,
+             double scale,
+             float* gradient) {
+  double along = 0;
+  for (size_t k = 0; k < unit.size(); ++k) {
+    along += static_cast<double>(slope[k]) * unit[k];
+  }
+  for (size_t k = 0; k < unit.size(); ++k) {
+    gradient[k] += static_cast<float>(scale * (slope[k] - along * unit[k]));
+  }
+}
 
 // The sum of a block's losses, by their shares; adds to their gradients.
-double AddBlock(std::span<const Member> members,
+double AddBlock(const ContrastiveOptions& options,
+                std::span<const Member> members,
                 const Prototypes& prototypes,
-                const MemberLoss& member_loss,
                 double weight) {
-  const auto rows = static_cast<int64_t>(members.size());
-  const int64_t dim = prototypes.directions.cols();
-  const int64_t num_groups = prototypes.size();
-  RowMatrix units(rows, dim);
-  for (int64_t j = 0; j < rows; ++j) {
-    for (int64_t k = 0; k < dim; ++k) {
-      units(j, k) =
+  const size_t rows = members.size();
+  const auto dim = static_cast<size_t>(prototypes.directions.cols());
+  const size_t num_groups = prototypes.size();
+  std::vector<float> units(rows * dim);
+  for (size_t j = 0; j < rows; ++j) {
+    for (size_t k = 0; k < dim; ++k) {
+      units[j * dim + k] =
           static_cast<float>(members[j].feature[k] / members[j].length);
     }
   }
-  RowMatrix cosines(rows, num_groups);
-  cosines.noalias() = units * prototypes.directions.transpose();
+  const float* directions = prototypes.directions.data();
+  std::vector<float> cosines(rows * num_groups, 0.0f);
+  AddProductColumns({units.data(), dim, 1},
+                    {directions, 1, dim},
+                    rows,
+                    dim,
+                    0,
+                    num_groups,
+                    cosines.data(),
+                    num_groups);
   double loss = 0;
-  for (int64_t j = 0; j < rows; ++j) {
+  for (size_t j = 0; j < rows; ++j) {
     const size_t group = members[j].group;
     loss += prototypes.shares[group] *
-            member_loss.Differentiate(
-                prototypes.positives.data() + group * num_groups,
-                num_groups,
-                cosines.row(j).data());
+            DifferentiateMember(
+                options,
+                std::span(prototypes.positives)
+                    .subspan(group * num_groups, num_groups),
+                std::span(cosines).subspan(j * num_groups, num_groups));
   }
-  RowMatrix slopes(rows, dim);  // dl / d unit vector.
-  slopes.noalias() = cosines * prototypes.directions;
-  for (int64_t j = 0; j < rows; ++j) {
-    const Member& member = members[j];
-    // A change along the feature does not turn it.
-    const float along = slopes.row(j).dot(units.row(j));
-    const double scale =
-        weight * prototypes.shares[member.group] / member.length;
-    for (int64_t k = 0; k < dim; ++k) {
-      member.gradient[k] +=
-          static_cast<float>(scale * (slopes(j, k) - along * units(j, k)));
-    }
+  std::vector<float> slopes(rows * dim, 0.0f);  // dl / d unit vector.
+  AddProductColumns({cosines.data(), num_groups, 1},
+                    {directions, dim, 1},
+                    rows,
+                    num_groups,
+                    0,
+                    dim,
+                    slopes.data(),
+                    dim);
+  for (size_t j = 0; j < rows; ++j) {
+    const double share = weight * prototypes.shares[members[j].group];
+    AddTurn(std::span(slopes).subspan(j * dim, dim),
+            std::span(units).subspan(j * dim, dim),
+            share / members[j].length,
+            members[j].gradient);
   }
   return loss;
 }
@@ -249,8 +261,9 @@ double AddBlock(std::span<const Member> members,
 }  // namespace
 
 Status ContrastiveOptions::Check() const {
-  if (!(temperature > 0 && std::isfinite(temperature))) {
-    return InvalidArgumentError("the contrastive temperature must be > 0");
+  if (!(temperature >= 1e-6 && temperature <= 1e6)) {
+    return InvalidArgumentError(
+        "the contrastive temperature must be in [1e-6, 1e6]");
   }
   if (!(positive_cosine >= -1 && positive_cosine <= 1)) {
     return InvalidArgumentError(
@@ -274,18 +287,23 @@ StatusOr<double> JointContrastiveLoss(const ContrastiveOptions& options,
       return InvalidArgumentError("features to contrast are not finite");
     }
   }
+  const size_t num_groups = NumberGroups(&members);
+  if (num_groups > kMaxGroups) {
+    return InvalidArgumentError(std::to_string(num_groups) +
+                                " groups to contrast, more than " +
+                                std::to_string(kMaxGroups));
+  }
   const Prototypes prototypes =
-      MakePrototypes(dim, options.positive_cosine, pool, &members);
+      MakePrototypes(dim, num_groups, options.positive_cosine, pool, &members);
 
-  const MemberLoss member_loss(options);
   const auto count = static_cast<int64_t>(members.size());
   std::vector<double> losses((count + kMemberGrain - 1) / kMemberGrain, 0.0);
   pool.ParallelFor(
       0, count, kMemberGrain, [&](int64_t first, int64_t last, int) {
         losses[first / kMemberGrain] =
-            AddBlock(std::span(members).subspan(first, last - first),
+            AddBlock(options,
+                     std::span(members).subspan(first, last - first),
                      prototypes,
-                     member_loss,
                      weight);
       });
   double loss = 0;

@@ -58,8 +58,8 @@ struct ContrastiveMembers {
 // the balance of groups, and of the losses, free of their sizes and of how many
 // members are sampled.
 //
-// kInvalidArgument for sizes that disagree and features that are not finite;
-// then the gradients are as before.
+// kInvalidArgument for sizes that disagree, features that are not finite and
+// more than 4096 groups; then the gradients are as before.
 StatusOr<double> JointContrastiveLoss(const ContrastiveOptions& options,
                                       int dim,
                                       const ContrastiveMembers& gaussians,

@@ -2,10 +2,23 @@
 
 #include "semantics/losses/matrix_products.h"
 
+#include <algorithm>
+#include <cstddef>
+
+#include "semantics/losses/matrix_products_simd.h"
+
 namespace freegs::semantics {
 namespace {
 
-constexpr int64_t kRowGrain = 64;
+// Columns of the result per task: at least a panel of the kernel's.
+constexpr int64_t kColumnGrain = 32;
+
+Strided Plain(const AnyRows& matrix) {
+  return {matrix.data(), static_cast<size_t>(matrix.outerStride()), 1};
+}
+Strided Transposed(const AnyRows& matrix) {
+  return {matrix.data(), 1, static_cast<size_t>(matrix.outerStride())};
+}
 
 }  // namespace
 
@@ -15,16 +28,33 @@ void ApplyLayer(const AnyRows& inputs,
                 Activation activation,
                 ThreadPool& pool,
                 Rows outputs) {
-  const Eigen::Map<const Eigen::RowVectorXf> bias(
-      biases.data(), static_cast<int64_t>(biases.size()));
-  pool.ParallelFor(
-      0, outputs.rows(), kRowGrain, [&](int64_t first, int64_t last, int) {
-        auto block = outputs.middleRows(first, last - first);
-        block.noalias() =
-            inputs.middleRows(first, last - first) * weights.transpose();
-        if (!biases.empty()) block.rowwise() += bias;
-        if (activation == Activation::kRelu) block = block.cwiseMax(0.0f);
-      });
+  const auto apply = [&](int64_t first, int64_t last, int) {
+    for (int64_t row = 0; row < outputs.rows(); ++row) {
+      float* output = outputs.row(row).data();
+      if (biases.empty()) {
+        std::fill(output + first, output + last, 0.0f);
+      } else {
+        std::copy(
+            biases.begin() + first, biases.begin() + last, output + first);
+      }
+    }
+    AddProductColumns(Plain(inputs),
+                      Transposed(weights),
+                      inputs.rows(),
+                      inputs.cols(),
+                      first,
+                      last,
+                      outputs.data(),
+                      outputs.cols());
+    if (activation == Activation::kNone) return;
+    for (int64_t row = 0; row < outputs.rows(); ++row) {
+      float* output = outputs.row(row).data();
+      for (int64_t j = first; j < last; ++j) {
+        output[j] = std::max(output[j], 0.0f);
+      }
+    }
+  };
+  pool.ParallelFor(0, outputs.cols(), kColumnGrain, apply);
 }
 
 void AddProduct(const AnyRows& a,
@@ -32,9 +62,15 @@ void AddProduct(const AnyRows& a,
                 ThreadPool& pool,
                 Rows result) {
   pool.ParallelFor(
-      0, result.rows(), kRowGrain, [&](int64_t first, int64_t last, int) {
-        result.middleRows(first, last - first).noalias() +=
-            a.middleRows(first, last - first) * b;
+      0, result.cols(), kColumnGrain, [&](int64_t first, int64_t last, int) {
+        AddProductColumns(Plain(a),
+                          Plain(b),
+                          a.rows(),
+                          a.cols(),
+                          first,
+                          last,
+                          result.data(),
+                          result.cols());
       });
 }
 
@@ -43,9 +79,15 @@ void AddTransposedProduct(const AnyRows& a,
                           ThreadPool& pool,
                           Rows result) {
   pool.ParallelFor(
-      0, result.rows(), kRowGrain, [&](int64_t first, int64_t last, int) {
-        result.middleRows(first, last - first).noalias() +=
-            a.middleCols(first, last - first).transpose() * b;
+      0, result.cols(), kColumnGrain, [&](int64_t first, int64_t last, int) {
+        AddProductColumns(Transposed(a),
+                          Plain(b),
+                          a.cols(),
+                          a.rows(),
+                          first,
+                          last,
+                          result.data(),
+                          result.cols());
       });
 }
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Products of dense row-major float matrices, shared over threads by fixed
-// blocks of rows of the result: the same bytes for any number of threads.
+// blocks of columns of the result: the same bytes for any number of threads,
+// and a row of the result the same among others as alone. Eigen holds the
+// matrices; its own products take three times as long when compiled for any
+// x86-64, and cannot choose the instructions at run time.
 
 #ifndef FREEGS_SEMANTICS_LOSSES_MATRIX_PRODUCTS_H_
 #define FREEGS_SEMANTICS_LOSSES_MATRIX_PRODUCTS_H_
@@ -70,8 +73,9 @@ std::vector<double> ColumnSums(int64_t rows,
   pool.ParallelFor(
       0, cols, kColumnGrain, [&](int64_t first, int64_t last, int) {
         for (int64_t row = 0; row < rows; ++row) {
-          for (int64_t col = first; col < last; ++col)
+          for (int64_t col = first; col < last; ++col) {
             sums[col] += value(row, col);
+          }
         }
       });
   return sums;

@@ -92,7 +92,9 @@ void BackwardThroughNormalization(const MlpBatch& batch,
 }  // namespace
 
 bool MlpBatch::statistics_finite() const {
-  const auto finite = [](double value) { return std::isfinite(value); };
+  const auto finite = [](double value) {
+    return std::isfinite(static_cast<float>(value));
+  };
   return std::all_of(means.begin(), means.end(), finite) &&
          std::all_of(variances.begin(), variances.end(), finite);
 }

@@ -23,7 +23,8 @@ struct MlpBatch {
   std::vector<double> variances;       // H, the mean square about the mean
   std::vector<double> inv_deviations;  // H: 1 / sqrt(variance + epsilon)
 
-  // False when the latents were not.
+  // False when the latents were not, or so large that floats cannot hold the
+  // statistics.
   bool statistics_finite() const;
 };
 

@@ -168,7 +168,7 @@ StatusOr<double> SmoothingLoss(std::span<const float> features,
                                double weight,
                                ThreadPool& pool,
                                std::span<float> gradients) {
-  if (samples.empty()) return 0.0;
+  if (samples.empty() || table.neighbors == 0) return 0.0;
   FREEGS_RETURN_IF_ERROR(CheckSizes(features, dim, table, samples, gradients));
   std::vector<Pair> pairs(samples.size() * table.neighbors);
   pool.ParallelFor(

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "core/image_io.h"
+#include "semantics/field_checkpoint.h"
 #include "tests/semantics/clip/color_encoder.h"
 #include "tests/semantics/synthetic_gaussians.h"
 #include "tests/temporary_folder.h"
@@ -39,12 +40,12 @@ class BootstrappingTest : public testing::Test {
       int threads = 2, const CancellationToken* cancellation = nullptr) {
     ThreadPool pool(threads);
     const FeatureCache cache(folder_ / "cache");
-    return LiftSemanticField(
+    return BootstrapSemanticField(
         {scene_.model, views_, views_, splat::RenderOptions()},
         [&](size_t view) -> StatusOr<ImageU8> { return photos_[view]; },
         options_,
         0,
-        {encoder_, cache, pool, cancellation, nullptr});
+        {encoder_, cache, pool, cancellation, nullptr, resume_from_, save_});
   }
 
   // The label that most Gaussians of an object have.
@@ -76,7 +77,23 @@ class BootstrappingTest : public testing::Test {
   ColorEncoder encoder_;
   TemporaryFolder folder_;
   BootstrappingOptions options_;
+  std::optional<FieldState> resume_from_;
+  std::function<Status(const FieldTraining&, bool)> save_;
 };
+
+// Training that is over soon.
+FieldTrainingOptions ShortTraining() {
+  FieldTrainingOptions training;
+  training.iterations = 250;
+  training.pixels_per_step = 64;
+  training.hidden_dim = 16;
+  training.cluster_start = 100;
+  training.cluster_interval = 50;
+  training.smoothing_start = 20;
+  training.settled_index = 2;
+  training.decoder.learning_rate = 5e-3;
+  return training;
+}
 
 TEST_F(BootstrappingTest, InstancesMeanWhatThePhotographsShow) {
   const auto field = Lift();
@@ -84,7 +101,7 @@ TEST_F(BootstrappingTest, InstancesMeanWhatThePhotographsShow) {
   EXPECT_EQ(field->instances.num_instances, 5);
   EXPECT_EQ(field->vectors.dim, 8);
   EXPECT_GT(field->vectors.num_crops, 20u);
-  EXPECT_LE(field->axes.count, 8);
+  EXPECT_LE(field->decoder.latent_dim(), 8);
   EXPECT_EQ(field->seconds.size(), 4u);
   const std::vector<float> red = ColorEncoder::Embed({0.7, 0.1, 0.1});
   const std::vector<float> green = ColorEncoder::Embed({0.1, 0.6, 0.1});
@@ -121,7 +138,7 @@ TEST_F(BootstrappingTest, SameBytesForAnyNumberOfThreads) {
   const auto a = Lift(1);
   const auto b = Lift(3);
   ASSERT_TRUE(a.ok() && b.ok());
-  EXPECT_EQ(a->lifted.features, b->lifted.features);
+  EXPECT_EQ(a->features, b->features);
   EXPECT_EQ(a->instances.labels, b->instances.labels);
   EXPECT_EQ(a->vectors.vectors, b->vectors.vectors);
 }
@@ -137,13 +154,109 @@ TEST_F(BootstrappingTest, DimensionIsWhatIsAskedOrWhatTheSceneNeeds) {
   options_.features.dim = 3;
   const auto three = Lift();
   ASSERT_TRUE(three.ok());
-  EXPECT_EQ(three->lifted.channels, 3);
+  EXPECT_EQ(three->decoder.latent_dim(), 3);
   options_.features.dim = 0;
   options_.features.kept_energy = 1;
   options_.features.max_dim = 5;
   const auto five = Lift();
   ASSERT_TRUE(five.ok());
-  EXPECT_EQ(five->lifted.channels, 5);
+  EXPECT_EQ(five->decoder.latent_dim(), 5);
+}
+
+TEST_F(BootstrappingTest, TrainingLearnsWhatLiftingKnows) {
+  options_.method = FieldMethod::kTrain;
+  options_.training = ShortTraining();
+  const auto field = Lift();
+  ASSERT_TRUE(field.ok()) << field.status().message();
+  EXPECT_EQ(field->steps, 250);
+  ASSERT_EQ(field->rounds.size(), 3u);
+  EXPECT_EQ(field->rounds[0].step, 100);
+  EXPECT_EQ(field->rounds[0].num_instances, 5);
+  EXPECT_GT(field->rounds[2].agreement, 0.9);
+  ASSERT_EQ(field->losses.size(), 3u);
+  EXPECT_LT(field->losses.back().losses.pixel,
+            0.7 * field->losses.front().losses.pixel);
+  EXPECT_EQ(field->losses[0].losses.instance, 0);
+  EXPECT_GT(field->losses[1].losses.instance, 0);
+  EXPECT_GT(field->losses[1].losses.smoothing, 0);
+  EXPECT_NE(field->decoder.mlp(), nullptr);
+  EXPECT_EQ(field->instances.num_instances, 5);
+}
+
+TEST_F(BootstrappingTest, TrainingEndsWhenClusteringHasSettled) {
+  options_.method = FieldMethod::kTrain;
+  options_.training = ShortTraining();
+  options_.training.settled_index = 0.9;
+  const auto field = Lift();
+  ASSERT_TRUE(field.ok());
+  EXPECT_EQ(field->steps, 150);
+  EXPECT_EQ(field->rounds.size(), 2u);
+}
+
+TEST_F(BootstrappingTest, InterruptedTrainingGoesOnToTheSameBytes) {
+  options_.method = FieldMethod::kTrain;
+  options_.training = ShortTraining();
+  const auto whole = Lift(1);
+  ASSERT_TRUE(whole.ok());
+  for (const int64_t stop : {50, 100, 200}) {
+    CancellationToken cancellation;
+    std::optional<FieldState> saved;
+    save_ = [&](const FieldTraining& training, bool stopping) {
+      if (training.step() >= stop) cancellation.Cancel();
+      if (stopping) {
+        const auto bytes = SerializeFieldState(training.state());
+        EXPECT_TRUE(bytes.ok());
+        auto state = ParseFieldState(*bytes);
+        EXPECT_TRUE(state.ok()) << state.status().message();
+        saved = *std::move(state);
+      }
+      return Status();
+    };
+    EXPECT_EQ(Lift(2, &cancellation).status().code(), StatusCode::kInterrupted);
+    ASSERT_TRUE(saved.has_value()) << stop;
+    EXPECT_EQ(saved->step, stop);
+    save_ = nullptr;
+    resume_from_ = std::move(saved);
+    const auto rest = Lift(3);
+    resume_from_.reset();
+    ASSERT_TRUE(rest.ok());
+    EXPECT_EQ(rest->features, whole->features) << stop;
+    EXPECT_EQ(rest->instances.labels, whole->instances.labels);
+    EXPECT_EQ(rest->vectors.vectors, whole->vectors.vectors);
+    EXPECT_EQ(rest->rounds.size(), whole->rounds.size());
+    EXPECT_EQ(rest->losses.back().losses.pixel,
+              whole->losses.back().losses.pixel);
+  }
+}
+
+TEST_F(BootstrappingTest, EachLossCanBeLeftOut) {
+  options_.method = FieldMethod::kTrain;
+  options_.training = ShortTraining();
+  options_.training.iterations = 120;
+  options_.training.instance_weight = 0;
+  options_.training.smoothing_weight = 0;
+  options_.training.contrastive_weight = 0;
+  const auto field = Lift();
+  ASSERT_TRUE(field.ok());
+  EXPECT_EQ(field->losses.back().losses.instance, 0);
+  EXPECT_EQ(field->losses.back().losses.smoothing, 0);
+  EXPECT_EQ(field->losses.back().losses.contrastive, 0);
+  options_.training.cluster_start = 0;
+  const auto without = Lift();
+  ASSERT_TRUE(without.ok());
+  EXPECT_TRUE(without->rounds.empty());
+}
+
+TEST_F(BootstrappingTest, RandomStartIsAnotherStart) {
+  options_.method = FieldMethod::kTrain;
+  options_.training = ShortTraining();
+  options_.training.iterations = 1;
+  options_.random_start = true;
+  const auto a = Lift();
+  options_.random_start = false;
+  const auto b = Lift();
+  ASSERT_TRUE(a.ok() && b.ok());
+  EXPECT_NE(a->features, b->features);
 }
 
 TEST_F(BootstrappingTest, StopsWhenCancelled) {
@@ -159,15 +272,17 @@ TEST_F(BootstrappingTest, RefusesOptionsOutOfRange) {
 
 TEST(MeanInstanceVectorsTest, AveragesDirectionsByWhatIsSeen) {
   ThreadPool pool(1);
-  PrincipalAxes axes;
-  axes.dim = axes.count = 2;
+  LinearDecoder axes;
+  axes.latent_dim = axes.feature_dim = 2;
   axes.mean = {0, 0};
-  axes.axes = {1, 0, 0, 1};
+  axes.basis = {1, 0, 0, 1};
   const std::vector<float> vectors = {5, 0, 0, 1, 0, 0, 3, 3};
   const std::vector<double> weights = {1, 3, 9, 1};
   const std::vector<int32_t> labels = {0, 0, 0, -1};
-  const std::vector<float> means =
-      MeanInstanceVectors(vectors, weights, labels, 2, axes, pool);
+  const auto result = MeanInstanceVectors(
+      vectors, weights, labels, 2, FeatureDecoder(axes), pool);
+  ASSERT_TRUE(result.ok());
+  const std::vector<float>& means = *result;
   ASSERT_EQ(means.size(), 4u);
   EXPECT_NEAR(means[0], 1 / std::sqrt(10.0), 1e-6);
   EXPECT_NEAR(means[1], 3 / std::sqrt(10.0), 1e-6);

@@ -56,8 +56,12 @@ class ColorEncoder : public ClipEncoder {
   StatusOr<ImageF> Upsample(const ImageF&, const ImageU8&) override {
     return InvalidArgumentError("no upsampler");
   }
-  StatusOr<TextEmbedding> EncodeText(const std::string&) override {
-    return InvalidArgumentError("no words");
+  // Colours have names; all other words are grey.
+  StatusOr<TextEmbedding> EncodeText(const std::string& text) override {
+    if (text == "red") return TextEmbedding{Embed({0.8, 0.1, 0.1}), false};
+    if (text == "green") return TextEmbedding{Embed({0.1, 0.7, 0.1}), false};
+    if (text == "blue") return TextEmbedding{Embed({0.1, 0.2, 0.8}), false};
+    return TextEmbedding{Embed({0.5, 0.5, 0.5}), false};
   }
 
   static std::vector<float> Embed(const std::array<double, 3>& rgb) {

@@ -117,7 +117,11 @@ TEST(DecoderTrainingTest, RefusesWhatIsNotFiniteAndStaysAsItWas) {
   latents[17] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(training.Forward(latents, pool).status().code(),
             StatusCode::kInvalidArgument);
+  latents[17] = 1e25f;  // Its square is no float.
+  EXPECT_EQ(training.Forward(latents, pool).status().code(),
+            StatusCode::kInvalidArgument);
   EXPECT_EQ(decoder.mlp()->running_means, before.running_means);
+  EXPECT_EQ(decoder.mlp()->running_variances, before.running_variances);
 
   latents[17] = 0;
   ASSERT_TRUE(training.Forward(latents, pool).ok());
@@ -128,6 +132,10 @@ TEST(DecoderTrainingTest, RefusesWhatIsNotFiniteAndStaysAsItWas) {
   EXPECT_EQ(training.Step(pool).code(), StatusCode::kUnusableResult);
   EXPECT_EQ(decoder.mlp()->parameters, before.parameters);
   EXPECT_TRUE(training.Step(pool).ok());  // Forgotten.
+  gradients[3] = 1e25f;
+  ASSERT_TRUE(training.Backward(gradients, pool, latent_gradients).ok());
+  EXPECT_EQ(training.Step(pool).code(), StatusCode::kUnusableResult);
+  EXPECT_TRUE(AllZero(training.adam().second_moments));
   EXPECT_TRUE(decoder.mlp()->Check().ok());
 }
 

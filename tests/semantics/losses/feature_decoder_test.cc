@@ -61,7 +61,7 @@ TEST(FeatureDecoderTest, MlpDecodesWithRunningStatistics) {
   std::vector<float> one(7);
   ASSERT_TRUE(
       decoder.Decode(std::span(latents).subspan(6 * 4321, 6), pool, one).ok());
-  for (int c = 0; c < 7; ++c) EXPECT_NEAR(one[c], features[7 * 4321 + c], 1e-6);
+  for (int c = 0; c < 7; ++c) EXPECT_EQ(one[c], features[7 * 4321 + c]);
 
   ThreadPool single(1);
   std::vector<float> again(features.size());

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -253,8 +254,12 @@ TEST(JointContrastiveLossTest, RefusesWhatDoesNotFit) {
   EXPECT_FALSE(scene.Loss(kInfoNce).ok());
   scene = Scene(MixedGroups());
   EXPECT_FALSE(scene.Loss({.temperature = 0}).ok());
+  EXPECT_FALSE(scene.Loss({.temperature = 1e-300}).ok());
   EXPECT_FALSE(scene.Loss({.temperature = std::nan("")}).ok());
   EXPECT_FALSE(scene.Loss({.positive_cosine = 1.5}).ok());
+  std::vector<int32_t> each_its_own(5000);
+  std::iota(each_its_own.begin(), each_its_own.end(), 0);
+  EXPECT_FALSE(Scene(each_its_own).Loss(kInfoNce).ok());
 }
 
 TEST(JointContrastiveLossTest, IsTheSameBytesForAnyNumberOfThreads) {

@@ -127,6 +127,15 @@ TEST_F(SmoothingLossTest, NothingToSmoothIsZero) {
       *BuildNeighborTable(std::vector<float>{1, 2, 3}, 5, pool_);
   EXPECT_EQ(alone.size(), 0u);
   EXPECT_EQ(*SmoothingLoss({}, kDim, alone, {}, 1.0, pool_, {}), 0);
+  std::vector<float> one(kDim, 0.0f);
+  EXPECT_EQ(*SmoothingLoss(std::span(features_).first(kDim),
+                           kDim,
+                           alone,
+                           std::vector<uint32_t>{0},
+                           1.0,
+                           pool_,
+                           one),
+            0);
   EXPECT_TRUE(BuildNeighborTable({}, 5, pool_).ok());
 }
 
