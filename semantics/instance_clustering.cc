@@ -65,23 +65,6 @@ StatusOr<std::vector<float>> SemanticComponents(std::vector<float> vectors,
   return ProjectOntoAxes(axes, smooth, pool);
 }
 
-// Colour and, weighted, meaning side by side: N x (3 + dim).
-std::vector<float> Appearance(std::span<const float> colors,
-                              std::span<const float> meaning,
-                              int dim,
-                              double weight) {
-  const size_t count = colors.size() / 3;
-  std::vector<float> result;
-  result.reserve(count * (3 + dim));
-  for (size_t i = 0; i < count; ++i) {
-    for (int c = 0; c < 3; ++c) result.push_back(colors[i * 3 + c]);
-    for (int c = 0; c < dim; ++c) {
-      result.push_back(static_cast<float>(weight * meaning[i * dim + c]));
-    }
-  }
-  return result;
-}
-
 std::vector<float> BaseColors(const splat::GaussianModel& model) {
   std::vector<float> colors(model.sh_dc.size());
   for (size_t i = 0; i < colors.size(); ++i) {
@@ -237,11 +220,11 @@ Status InstanceClusteringOptions::Check() const {
     return InvalidArgumentError(
         "merge_color, merge_distance and noise_distance must not be negative");
   }
-  if (!(min_crease_contrast >= 0) || !(crease_semantic_weight >= 0) ||
-      !(crease_patch_size > 0)) {
+  if (!(min_crease_contrast >= 0) || !(crease_patch_size > 0)) {
     return InvalidArgumentError(
-        "min_crease_contrast and crease_semantic_weight must not be negative "
-        "and crease_patch_size must be positive");
+        "min_crease_contrast must not be negative and crease_patch_size must "
+        "be "
+        "positive");
   }
   if (semantic_components < 0 || semantic_components > 1000) {
     return InvalidArgumentError("semantic_components must lie in 0 .. 1000");
@@ -344,18 +327,14 @@ StatusOr<InstanceLabels> ClusterInstances(
   if (options.min_crease_contrast > 0) {
     const std::vector<float> outward =
         OutwardNormals(rest_positions, Gather(normals, rest), views, frame);
-    const int appearance_dim = 3 + components;
-    SplitAtCreases(
-        rest_positions,
-        Appearance(
-            smooth_colors, meaning, components, options.crease_semantic_weight),
-        appearance_dim,
-        outward,
-        {.min_contrast = options.min_crease_contrast,
-         .patch_size = options.crease_patch_size * frame.radius,
-         .min_part_size = hdbscan.min_cluster_size},
-        pool,
-        &labels);
+    SplitAtCreases(rest_positions,
+                   smooth_colors,
+                   outward,
+                   {.min_contrast = options.min_crease_contrast,
+                    .patch_size = options.crease_patch_size * frame.radius,
+                    .min_part_size = hdbscan.min_cluster_size},
+                   pool,
+                   &labels);
   }
   DissolveSmall(options.min_instance_size, &labels);
 

@@ -51,13 +51,10 @@ struct InstanceClusteringOptions {
   // distance of the other, in scene radii.
   double merge_distance = 0.02;
 
-  // Splits clusters in which things of different colour and meaning meet in
-  // concave creases (see crease_split.h); 0 splits none. Patches of this many
-  // scene radii; how much meaning (directions of semantic vectors, up to 2
-  // apart) counts beside colour.
+  // Splits clusters in which things of different colour meet in concave creases
+  // (see crease_split.h); 0 splits none. Patches of this many scene radii.
   double min_crease_contrast = 0.12;
   double crease_patch_size = 0.1;
-  double crease_semantic_weight = 0.3;
 
   // Noise takes the label of the nearest labelled Gaussian up to this far away,
   // in scene radii.

@@ -215,20 +215,13 @@ void RegisterBootstrapOptions(BootstrapStageOptions& options,
             {.help = "How near clusters must be to touch, in scene radii.",
              .min = 0,
              .max = 10});
-  table.Add(
-      "bootstrap.min_crease_contrast",
-      &clustering.min_crease_contrast,
-      {.help = "Clusters are split at concave creases between parts of "
-               "different look: concavity (0 to 2) times difference in "
-               "colour and meaning from which on they are; 0 splits none.",
-       .min = 0,
-       .max = 10});
-  table.Add("bootstrap.crease_semantic_weight",
-            &clustering.crease_semantic_weight,
-            {.help = "How much a difference in meaning counts there beside one "
-                     "in colour.",
+  table.Add("bootstrap.min_crease_contrast",
+            &clustering.min_crease_contrast,
+            {.help = "Clusters are split at concave creases between parts of "
+                     "different colour: concavity (0 to 2) times colour "
+                     "difference from which on they are; 0 splits none.",
              .min = 0,
-             .max = 1000});
+             .max = 10});
   table.Add("bootstrap.noise_distance",
             &clustering.noise_distance,
             {.help = "Noise joins the nearest cluster within this many scene "
