@@ -58,7 +58,8 @@ semantics::LabelledView Label(const WorkspaceScene& scene,
 }  // namespace
 
 Status ConsistencyOptions::Check() const {
-  if (num_views < 2) return InvalidArgumentError("num_views must be at least 2");
+  if (num_views < 2)
+    return InvalidArgumentError("num_views must be at least 2");
   if (max_side < 1) return InvalidArgumentError("max_side must be at least 1");
   return compare.Check();
 }

@@ -28,9 +28,7 @@ json ViewsJson(const std::optional<ImageQuality>& quality) {
   return views;
 }
 
-json IdJson(int instance) {
-  return instance < 0 ? json() : json(instance + 1);
-}
+json IdJson(int instance) { return instance < 0 ? json() : json(instance + 1); }
 
 json BoxIouJson(const std::optional<BoxQuality>& boxes,
                 double BoxQuality::*figure) {
@@ -73,16 +71,15 @@ json ObjectJson(const ObjectResult& object,
     box = {{"min", VectorJson(object.box->min)},
            {"max", VectorJson(object.box->max)}};
   }
-  return {
-      {"id", object.id},
-      {"label", object.label},
-      {"views", object.num_views},
-      {"instance", IdJson(object.instance)},
-      {"instance_iou", OrNull(object.instance_iou)},
-      {"click_iou", OrNull(object.click_iou)},
-      {"text_iou", TextIou(text, object.label)},
-      {"box_iou", OrNull(object.box_iou)},
-      {"box", box}};
+  return {{"id", object.id},
+          {"label", object.label},
+          {"views", object.num_views},
+          {"instance", IdJson(object.instance)},
+          {"instance_iou", OrNull(object.instance_iou)},
+          {"click_iou", OrNull(object.click_iou)},
+          {"text_iou", TextIou(text, object.label)},
+          {"box_iou", OrNull(object.box_iou)},
+          {"box", box}};
 }
 
 // Fixed-point text, or a dash.
@@ -183,8 +180,7 @@ void PrintInstances(const InstanceQuality& instances, std::ostream& out) {
         "panoptic quality",
         Text(instances.panoptic_sum.Quality(), 4),
         "segmentation " + Text(instances.panoptic_sum.Segmentation(), 3) +
-            " x recognition " +
-            Text(instances.panoptic_sum.Recognition(), 3));
+            " x recognition " + Text(instances.panoptic_sum.Recognition(), 3));
   }
   PrintBoxes("box", "axis-aligned", instances.boxes, out);
 }

@@ -211,21 +211,18 @@ StatusOr<std::optional<InstanceQuality>> MeasureInstanceQuality(
   FREEGS_RETURN_IF_ERROR(options.Check());
   InstanceQuality quality;
   Tally tally;
-  FREEGS_RETURN_IF_ERROR(
-      ForEachJudgedView(scene,
-                        instance_of_gaussian,
-                        truth,
-                        MapViews(truth.cameras.test, truth_from_scene),
-                        options.max_mask_side,
-                        cancellation,
-                        pool,
-                        [&](const JudgedView& view) {
-                          return AddView(view,
-                                         options.min_mask_pixels,
-                                         truth.complete,
-                                         &tally,
-                                         &quality);
-                        }));
+  FREEGS_RETURN_IF_ERROR(ForEachJudgedView(
+      scene,
+      instance_of_gaussian,
+      truth,
+      MapViews(truth.cameras.test, truth_from_scene),
+      options.max_mask_side,
+      cancellation,
+      pool,
+      [&](const JudgedView& view) {
+        return AddView(
+            view, options.min_mask_pixels, truth.complete, &tally, &quality);
+      }));
   const bool any_box = std::any_of(
       truth.objects.begin(), truth.objects.end(), [](const TrueObject& object) {
         return object.aabb.has_value();

@@ -42,8 +42,8 @@ LabelTallies Prepare(const std::vector<TrueObject>& objects,
 
 Status AddView(const JudgedView& view, int min_pixels, LabelTally* tally) {
   const ImageU8 truth = MaskOf(view.truth, tally->objects);
-  const auto pixels = std::count(
-      truth.data(), truth.data() + truth.size(), uint8_t{255});
+  const auto pixels =
+      std::count(truth.data(), truth.data() + truth.size(), uint8_t{255});
   if (pixels < min_pixels) return Status();
   // No instance leaves an empty mask: -1 is also the label of nobody's pixels.
   const ImageU8 found =
@@ -120,22 +120,21 @@ StatusOr<std::optional<TextQuality>> MeasureTextQuality(
   FREEGS_RETURN_IF_ERROR(options.Check());
   LabelTallies tallies = Prepare(truth.objects, answers);
   if (tallies.empty()) return std::optional<TextQuality>();
-  FREEGS_RETURN_IF_ERROR(
-      ForEachJudgedView(scene,
-                        instance_of_gaussian,
-                        truth,
-                        MapViews(truth.cameras.test, truth_from_scene),
-                        options.max_mask_side,
-                        cancellation,
-                        pool,
-                        [&](const JudgedView& view) {
-                          for (auto& [label, tally] : tallies) {
-                            const Status status =
-                                AddView(view, options.min_mask_pixels, &tally);
-                            if (!status.ok()) return status.Annotated(view.name);
-                          }
-                          return Status();
-                        }));
+  FREEGS_RETURN_IF_ERROR(ForEachJudgedView(
+      scene,
+      instance_of_gaussian,
+      truth,
+      MapViews(truth.cameras.test, truth_from_scene),
+      options.max_mask_side,
+      cancellation,
+      pool,
+      [&](const JudgedView& view) {
+        for (auto& [label, tally] : tallies) {
+          const Status status = AddView(view, options.min_mask_pixels, &tally);
+          if (!status.ok()) return status.Annotated(view.name);
+        }
+        return Status();
+      }));
   TextQuality quality = Summarise(tallies,
                                   InstancesInTruth(scene.model,
                                                    instance_of_gaussian,

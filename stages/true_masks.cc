@@ -19,7 +19,9 @@ namespace fs = std::filesystem;
 constexpr size_t kMaxMasks = 256;
 constexpr double kShapeTolerance = 0.01;
 
-bool SameShape(double width_a, double height_a, double width_b,
+bool SameShape(double width_a,
+               double height_a,
+               double width_b,
                double height_b) {
   return std::abs(width_a * height_b - height_a * width_b) <=
          kShapeTolerance * std::max(width_a, width_b) *

@@ -55,8 +55,9 @@ StatusOr<size_t> FindPhoto(const fs::path& scene,
   const std::string where = (scene / "test_mask" / folder).string();
   const std::optional<size_t> index = ParseIndex(folder);
   if (!index) {
-    return BadInputError(where + ": no photograph that is not for training has "
-                                 "this name");
+    return BadInputError(where +
+                         ": no photograph that is not for training has "
+                         "this name");
   }
   if (!test) {
     return BadInputError(where + ": a number of a test view, but without " +

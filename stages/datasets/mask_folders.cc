@@ -104,7 +104,8 @@ StatusOr<std::vector<MaskFolder>> ListMaskFolders(const fs::path& root) {
   std::error_code error;
   fs::directory_iterator entry(root, error);
   if (error) {
-    return BadInputError(root.string() + ": cannot be read: " + error.message());
+    return BadInputError(root.string() +
+                         ": cannot be read: " + error.message());
   }
   for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
     std::error_code ignored;
@@ -124,17 +125,17 @@ StatusOr<std::vector<MaskFolder>> ListMaskFolders(const fs::path& root) {
     }
   }
   if (error) {
-    return BadInputError(root.string() + ": cannot be read: " + error.message());
+    return BadInputError(root.string() +
+                         ": cannot be read: " + error.message());
   }
   if (folders.empty()) {
     return BadInputError(root.string() +
                          ": holds no folder with masks (VIEW/PHRASE.png)");
   }
-  std::sort(folders.begin(),
-            folders.end(),
-            [](const MaskFolder& a, const MaskFolder& b) {
-              return a.name < b.name;
-            });
+  std::sort(
+      folders.begin(),
+      folders.end(),
+      [](const MaskFolder& a, const MaskFolder& b) { return a.name < b.name; });
   return folders;
 }
 

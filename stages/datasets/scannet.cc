@@ -127,17 +127,16 @@ StatusOr<GroundTruth> ReadScannet(const fs::path& scan) {
   Eigen::Matrix4d alignment = Eigen::Matrix4d::Identity();
   std::error_code error;
   if (fs::exists(facts, error)) {
-    FREEGS_ASSIGN_OR_RETURN(alignment,
-                            ParseFile(facts, ParseScannetAlignment));
+    FREEGS_ASSIGN_OR_RETURN(alignment, ParseFile(facts, ParseScannetAlignment));
   }
   GroundTruth truth;
   truth.folder = scan;
   StatusOr<std::vector<TrueObject>> objects =
       ScannetBoxes(vertices, segments, groups, alignment);
   if (!objects.ok()) {
-    return BadInputError(segments_path.string() + " and " + mesh_path.string() +
-                         " do not belong together: " +
-                         objects.status().message());
+    return BadInputError(
+        segments_path.string() + " and " + mesh_path.string() +
+        " do not belong together: " + objects.status().message());
   }
   truth.objects = *std::move(objects);
   FREEGS_ASSIGN_OR_RETURN(truth.cameras.train,

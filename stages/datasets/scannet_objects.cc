@@ -129,8 +129,9 @@ StatusOr<std::vector<Vector3d>> ParseScannetVertices(
     std::vector<Vector3d> vertices(element.count);
     for (Vector3d& vertex : vertices) {
       if (!ReadVertex(element, axes, &reader, &vertex)) {
-        return BadInputError(source + ": ends, or is malformed, in its "
-                                      "vertices");
+        return BadInputError(source +
+                             ": ends, or is malformed, in its "
+                             "vertices");
       }
       if (!vertex.allFinite()) {
         return BadInputError(source + ": a vertex is not finite");
@@ -150,7 +151,8 @@ StatusOr<std::vector<int64_t>> ParseScannetSegments(std::string_view text,
 
 StatusOr<std::vector<ScannetGroup>> ParseScannetGroups(
     std::string_view text, const std::string& source) {
-  FREEGS_ASSIGN_OR_RETURN(const json list, ParseList(text, "segGroups", source));
+  FREEGS_ASSIGN_OR_RETURN(const json list,
+                          ParseList(text, "segGroups", source));
   std::vector<ScannetGroup> groups;
   std::set<int> ids;
   for (size_t i = 0; i < list.size(); ++i) {
@@ -201,17 +203,18 @@ StatusOr<Eigen::Matrix4d> ParseScannetAlignment(std::string_view text,
       return BadInputError(source + ": axisAlignment must be 16 numbers");
     }
     const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
-    const double error = (rotation * rotation.transpose() -
-                          Eigen::Matrix3d::Identity())
-                             .cwiseAbs()
-                             .maxCoeff();
+    const double error =
+        (rotation * rotation.transpose() - Eigen::Matrix3d::Identity())
+            .cwiseAbs()
+            .maxCoeff();
     // The files have six digits.
     constexpr double kTolerance = 1e-3;
     if (!matrix.allFinite() || !(error <= kTolerance) ||
         rotation.determinant() < 0 ||
         matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1)) {
-      return BadInputError(source + ": axisAlignment is not a rotation and "
-                                    "translation");
+      return BadInputError(source +
+                           ": axisAlignment is not a rotation and "
+                           "translation");
     }
     return matrix;
   }
@@ -239,8 +242,7 @@ StatusOr<std::vector<TrueObject>> ScannetBoxes(
   for (size_t i = 0; i < vertices.size(); ++i) {
     const auto found = groups_of_segment.find(segments[i]);
     if (found == groups_of_segment.end()) continue;
-    const Vector3d point =
-        (alignment * vertices[i].homogeneous()).head<3>();
+    const Vector3d point = (alignment * vertices[i].homogeneous()).head<3>();
     for (const size_t g : found->second) {
       const auto [box, is_new] = boxes.try_emplace(g);
       if (is_new) box->second = {point, point};

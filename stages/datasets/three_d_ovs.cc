@@ -32,18 +32,19 @@ std::string Trimmed(const std::string& text) {
 // What class names are compared by.
 std::string Folded(std::string text) {
   for (char& c : text) {
-    c = c == '_' ? ' '
-                 : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    c = c == '_'
+            ? ' '
+            : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   }
   return text;
 }
 
 // Numbers are compared by value.
 std::string WithoutLeadingZeros(const std::string& name) {
-  const bool number = !name.empty() &&
-                      std::all_of(name.begin(), name.end(), [](char c) {
-                        return c >= '0' && c <= '9';
-                      });
+  const bool number =
+      !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
+        return c >= '0' && c <= '9';
+      });
   if (!number) return name;
   return name.substr(std::min(name.find_first_not_of('0'), name.size() - 1));
 }
@@ -74,18 +75,19 @@ StatusOr<GroundTruth> ReadThreeDOvs(const fs::path& scene) {
   FREEGS_ASSIGN_OR_RETURN(const DatasetPhotos photos, ReadDatasetPhotos(scene));
   std::map<std::string, std::vector<size_t>> photos_by_name;
   for (size_t i = 0; i < photos.names.size(); ++i) {
-    photos_by_name[WithoutLeadingZeros(PhotoStem(photos.names[i]))].push_back(i);
+    photos_by_name[WithoutLeadingZeros(PhotoStem(photos.names[i]))].push_back(
+        i);
   }
   std::vector<std::pair<size_t, MaskFolder>> views;
   std::set<size_t> used;
   for (MaskFolder& folder : folders) {
     const auto found = photos_by_name.find(WithoutLeadingZeros(folder.name));
     if (found == photos_by_name.end() || found->second.size() > 1) {
-      return BadInputError(
-          (root / folder.name).string() +
-          (found == photos_by_name.end() ? ": no photograph has this name"
-                                         : ": several photographs have this "
-                                           "name"));
+      return BadInputError((root / folder.name).string() +
+                           (found == photos_by_name.end()
+                                ? ": no photograph has this name"
+                                : ": several photographs have this "
+                                  "name"));
     }
     if (!used.insert(found->second[0]).second) {
       return BadInputError((root / folder.name).string() +
