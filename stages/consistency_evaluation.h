@@ -25,7 +25,7 @@ struct ConsistencyOptions {
   // Longest side in pixels of what is rendered.
   int max_side = 640;
 
-  semantics::ViewConsistencyOptions compare;
+  semantics::ViewConsistencyOptions compare = {};
 
   Status Check() const;
 };

@@ -32,7 +32,7 @@ struct EvaluationOptions {
   int max_mask_side = 1600;
 
   // How boxes are put around instances: as in bootstrap/instances.json.
-  semantics::InstanceBoxOptions boxes;
+  semantics::InstanceBoxOptions boxes = {};
 
   Status Check() const;
 };
