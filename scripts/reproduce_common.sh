@@ -51,7 +51,7 @@ parse_arguments() {
       "PROGRAM" >&2
     exit 5
   fi
-  mkdir -p -- "$out"
+  mkdir -p -- "$out"  # Lists are written even when nothing is run.
 }
 
 # Says what it does, and does it.
@@ -117,6 +117,7 @@ figure() {
 # figure for the first key, by scene. Figures that are missing are
 # left out of the mean.
 write_table() {
+  if ((dry_run)); then return; fi
   local -n keys_=$1 paper_=$2
   local scene key row
   {
