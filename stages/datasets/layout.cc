@@ -64,7 +64,8 @@ std::optional<std::string> DetectLayout(const fs::path& folder) {
   const std::vector<std::string> files = FilesIn(folder);
   if (fs::is_directory(folder / "pose", error) &&
       std::any_of(files.begin(), files.end(), [](const std::string& file) {
-        return file.ends_with(".aggregation.json");
+        return file.ends_with(".aggregation.json") ||
+               file.ends_with("_vh_clean_2.labels.ply");
       })) {
     return "scannet";
   }

@@ -20,8 +20,8 @@ namespace freegs::stages {
 std::vector<std::string> LayoutNames();
 
 // The layout of `folder` by what lies in it: gt/cameras.json or cameras.json,
-// test_mask/, segmentations/, pose/ with *.aggregation.json, in this order;
-// nothing when none of them does.
+// test_mask/, segmentations/, pose/ with *.aggregation.json or
+// *_vh_clean_2.labels.ply, in this order; nothing when none of them does.
 std::optional<std::string> DetectLayout(const std::filesystem::path& folder);
 
 // Reads the truth in `folder`; layout is one of LayoutNames(), or "auto".

@@ -16,6 +16,7 @@
 
 #include "core/files.h"
 #include "stages/datasets/mask_folders.h"
+#include "stages/datasets/scannet_mesh.h"
 #include "stages/datasets/scannet_objects.h"
 
 namespace freegs::stages {
@@ -104,27 +105,53 @@ auto ParseFile(const fs::path& path, Parse parse)
   return parse(std::string_view(text), path.string());
 }
 
+// The scan's mesh, and the pieces of it that are objects.
+struct Annotation {
+  std::string scan_name;
+  ScannetMesh mesh;
+  ScannetPieces pieces;
+};
+
+StatusOr<Annotation> ReadAnnotation(const fs::path& scan) {
+  const std::string kGroups = ".aggregation.json";
+  const std::string kLabels = "_vh_clean_2.labels.ply";
+  Annotation annotation;
+  const StatusOr<fs::path> groups = FindBySuffix(scan, {kGroups});
+  if (!groups.ok()) {
+    const StatusOr<fs::path> labels = FindBySuffix(scan, {kLabels});
+    if (!labels.ok()) return groups.status();
+    const std::string file = labels->filename().string();
+    annotation.scan_name = file.substr(0, file.size() - kLabels.size());
+    FREEGS_ASSIGN_OR_RETURN(annotation.mesh,
+                            ParseFile(*labels, ParseScannetMesh));
+    StatusOr<ScannetPieces> pieces = FindPieces(annotation.mesh);
+    if (!pieces.ok()) {
+      return BadInputError(labels->string() + ": " + pieces.status().message());
+    }
+    annotation.pieces = *std::move(pieces);
+    return annotation;
+  }
+  const std::string file = groups->filename().string();
+  annotation.scan_name = file.substr(0, file.size() - kGroups.size());
+  FREEGS_ASSIGN_OR_RETURN(
+      const fs::path segments,
+      FindBySuffix(scan, {"_vh_clean_2.0.010000.segs.json", "_2.segs.json"}));
+  FREEGS_ASSIGN_OR_RETURN(const fs::path mesh,
+                          FindBySuffix(scan, {"_vh_clean_2.ply", kLabels}));
+  FREEGS_ASSIGN_OR_RETURN(annotation.pieces.groups,
+                          ParseFile(*groups, ParseScannetGroups));
+  FREEGS_ASSIGN_OR_RETURN(annotation.pieces.segments,
+                          ParseFile(segments, ParseScannetSegments));
+  FREEGS_ASSIGN_OR_RETURN(annotation.mesh, ParseFile(mesh, ParseScannetMesh));
+  return annotation;
+}
+
 }  // namespace
 
 StatusOr<GroundTruth> ReadScannet(const fs::path& scan) {
-  FREEGS_ASSIGN_OR_RETURN(const fs::path groups_path,
-                          FindBySuffix(scan, {".aggregation.json"}));
-  FREEGS_ASSIGN_OR_RETURN(
-      const fs::path segments_path,
-      FindBySuffix(scan, {"_vh_clean_2.0.010000.segs.json", "_2.segs.json"}));
-  FREEGS_ASSIGN_OR_RETURN(
-      const fs::path mesh_path,
-      FindBySuffix(scan, {"_vh_clean_2.ply", "_vh_clean_2.labels.ply"}));
-  FREEGS_ASSIGN_OR_RETURN(const auto groups,
-                          ParseFile(groups_path, ParseScannetGroups));
-  FREEGS_ASSIGN_OR_RETURN(const auto segments,
-                          ParseFile(segments_path, ParseScannetSegments));
-  FREEGS_ASSIGN_OR_RETURN(const auto vertices,
-                          ParseFile(mesh_path, ParseScannetVertices));
-  // SCAN is what comes before ".aggregation.json".
-  const fs::path facts =
-      fs::path(groups_path).replace_extension().replace_extension(".txt");
+  FREEGS_ASSIGN_OR_RETURN(const Annotation annotation, ReadAnnotation(scan));
   Eigen::Matrix4d alignment = Eigen::Matrix4d::Identity();
+  const fs::path facts = scan / (annotation.scan_name + ".txt");
   std::error_code error;
   if (fs::exists(facts, error)) {
     FREEGS_ASSIGN_OR_RETURN(alignment, ParseFile(facts, ParseScannetAlignment));
@@ -132,11 +159,14 @@ StatusOr<GroundTruth> ReadScannet(const fs::path& scan) {
   GroundTruth truth;
   truth.folder = scan;
   StatusOr<std::vector<TrueObject>> objects =
-      ScannetBoxes(vertices, segments, groups, alignment);
+      ScannetBoxes(annotation.mesh.vertices,
+                   annotation.pieces.segments,
+                   annotation.pieces.groups,
+                   alignment);
   if (!objects.ok()) {
-    return BadInputError(
-        segments_path.string() + " and " + mesh_path.string() +
-        " do not belong together: " + objects.status().message());
+    return BadInputError(scan.string() + ": the mesh and the segments of " +
+                         annotation.scan_name + " do not belong together: " +
+                         objects.status().message());
   }
   truth.objects = *std::move(objects);
   FREEGS_ASSIGN_OR_RETURN(truth.cameras.train,

@@ -17,6 +17,8 @@ namespace freegs::stages {
 //   SCAN_vh_clean_2.0.010000.segs.json        segment of each vertex
 //   SCAN_vh_clean_2.ply, or .labels.ply       the vertices
 //   SCAN.txt                                  axisAlignment (optional)
+// Without SCAN.aggregation.json, objects are the pieces of SCAN_vh_clean_2
+// .labels.ply that have one label (see FindPieces).
 // All frames with a pose become training views, named N.jpg; lost ones ("-inf")
 // are left out, and their cameras are unknown: only poses count. There are
 // neither test views nor masks: ScanNet's are too coarse to judge by. The

@@ -14,8 +14,6 @@
 #include <Eigen/LU>
 #include <nlohmann/json.hpp>
 
-#include "splat/ply_header.h"
-
 namespace freegs::stages {
 namespace {
 
@@ -58,89 +56,7 @@ StatusOr<std::vector<int64_t>> ReadIntegers(const json& list,
   return values;
 }
 
-// Which of the element's properties are x, y and z; an empty list when one is
-// missing.
-std::vector<size_t> Axes(const splat::PlyElement& element) {
-  std::vector<size_t> axes;
-  for (const char* name : {"x", "y", "z"}) {
-    for (size_t i = 0; i < element.properties.size(); ++i) {
-      const splat::PlyProperty& property = element.properties[i];
-      if (property.name == name && !property.is_list) {
-        axes.push_back(i);
-        break;
-      }
-    }
-  }
-  if (axes.size() < 3) axes.clear();
-  return axes;
-}
-
-bool ReadVertex(const splat::PlyElement& element,
-                const std::vector<size_t>& axes,
-                splat::PlyValueReader* reader,
-                Vector3d* vertex) {
-  for (size_t i = 0; i < element.properties.size(); ++i) {
-    const splat::PlyProperty& property = element.properties[i];
-    const auto axis = std::find(axes.begin(), axes.end(), i);
-    if (axis == axes.end()) {
-      if (!reader->Skip(property)) return false;
-      continue;
-    }
-    if (!reader->Read(property.type, &(*vertex)[axis - axes.begin()])) {
-      return false;
-    }
-  }
-  return true;
-}
-
-bool SkipItems(const splat::PlyElement& element,
-               splat::PlyValueReader* reader) {
-  if (element.properties.empty()) return true;
-  for (uint64_t item = 0; item < element.count; ++item) {
-    for (const splat::PlyProperty& property : element.properties) {
-      if (!reader->Skip(property)) return false;
-    }
-  }
-  return true;
-}
-
 }  // namespace
-
-StatusOr<std::vector<Vector3d>> ParseScannetVertices(
-    std::string_view ply, const std::string& source) {
-  const StatusOr<splat::PlyHeader> header = splat::ParsePlyHeader(ply);
-  if (!header.ok()) return header.status().Annotated(source);
-  splat::PlyValueReader reader(header->format, ply.substr(header->size));
-  for (const splat::PlyElement& element : header->elements) {
-    if (element.name != "vertex") {
-      if (SkipItems(element, &reader)) continue;
-      return BadInputError(source + ": ends before its vertices");
-    }
-    const std::vector<size_t> axes = Axes(element);
-    if (axes.empty()) {
-      return BadInputError(source + ": vertices without x, y and z");
-    }
-    // The header may promise more than the file holds.
-    if (element.count >
-        reader.remaining_bytes() / element.MinItemBytes(header->format)) {
-      return BadInputError(source + ": is too short for its " +
-                           std::to_string(element.count) + " vertices");
-    }
-    std::vector<Vector3d> vertices(element.count);
-    for (Vector3d& vertex : vertices) {
-      if (!ReadVertex(element, axes, &reader, &vertex)) {
-        return BadInputError(source +
-                             ": ends, or is malformed, in its "
-                             "vertices");
-      }
-      if (!vertex.allFinite()) {
-        return BadInputError(source + ": a vertex is not finite");
-      }
-    }
-    return vertices;
-  }
-  return BadInputError(source + ": holds no vertices");
-}
 
 StatusOr<std::vector<int64_t>> ParseScannetSegments(std::string_view text,
                                                     const std::string& source) {

@@ -19,10 +19,6 @@ namespace freegs::stages {
 // All parsers: kBadInput names `source` and the fault, for truncated or
 // malformed text, numbers out of range or not finite.
 
-// The vertices of the scan's mesh (SCAN_vh_clean_2.ply, also .labels.ply).
-StatusOr<std::vector<Eigen::Vector3d>> ParseScannetVertices(
-    std::string_view ply, const std::string& source);
-
 // The segment of each vertex: "segIndices" of SCAN_vh_clean_2.0.010000
 // .segs.json.
 StatusOr<std::vector<int64_t>> ParseScannetSegments(std::string_view json,

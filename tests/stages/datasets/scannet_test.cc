@@ -11,6 +11,7 @@
 #include "core/files.h"
 #include "core/random.h"
 #include "stages/datasets/layout.h"
+#include "stages/datasets/scannet_mesh.h"
 #include "stages/datasets/scannet_objects.h"
 #include "tests/temporary_folder.h"
 
@@ -121,11 +122,44 @@ TEST_F(ScannetTest, SaysWhatIsMissingOrDoesNotFit) {
   EXPECT_FALSE(ReadScannet(folder_.path()).ok());
 }
 
+TEST_F(ScannetTest, WithoutAnnotationPiecesOfOneLabelAreObjects) {
+  // A strip of 60 chair vertices, one of 60 table vertices that hangs on it,
+  // and a chair that is too small.
+  std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 123\nproperty float x\n"
+      "property float y\nproperty float z\nproperty ushort label\n"
+      "element face 119\nproperty list uchar int vertex_indices\nend_header\n";
+  for (int i = 0; i < 120; ++i) {
+    ply += std::to_string(i) + " " + std::to_string(i % 2) + " 0 " +
+           (i < 60 ? "5" : "7") + "\n";
+  }
+  ply += "0 0 9 5\n0 1 9 5\n1 0 9 5\n";
+  for (int i = 0; i + 2 < 120; ++i) {
+    ply += "3 " + std::to_string(i) + " " + std::to_string(i + 1) + " " +
+           std::to_string(i + 2) + "\n";
+  }
+  ply += "3 120 121 122\n";
+  fs::remove(folder_ / "scene0060_00.aggregation.json");
+  fs::remove(folder_ / "scene0060_00_vh_clean.aggregation.json");
+  fs::remove(folder_ / "scene0060_00.txt");
+  Write("scene0060_00_vh_clean_2.labels.ply", ply);
+  EXPECT_EQ(DetectLayout(folder_.path()), "scannet");
+  const auto truth = ReadScannet(folder_.path());
+  ASSERT_TRUE(truth.ok()) << truth.status().message();
+  ASSERT_EQ(truth->objects.size(), 2u);
+  EXPECT_EQ(truth->objects[0].label, "chair");
+  EXPECT_TRUE(truth->objects[0].aabb->max.isApprox(Vector3d(59, 1, 0)));
+  EXPECT_EQ(truth->objects[1].label, "table");
+  EXPECT_TRUE(truth->objects[1].aabb->min.isApprox(Vector3d(60, 0, 0)));
+  Write("scene0060_00_vh_clean_2.labels.ply", kPly);
+  EXPECT_THAT(Fault(), HasSubstr("without labels"));
+}
+
 TEST(ScannetObjects, SurviveTruncationAndNoise) {
   for (size_t length = 0; length < kPly.size(); ++length) {
-    // The face at the end is not looked at.
-    const auto vertices = ParseScannetVertices(kPly.substr(0, length), "p");
-    EXPECT_TRUE(length + 10 >= kPly.size() || !vertices.ok()) << length;
+    const auto mesh = ParseScannetMesh(kPly.substr(0, length), "p");
+    // Only the last digit and the line's end can be spared.
+    EXPECT_TRUE(length + 2 >= kPly.size() || !mesh.ok()) << length;
   }
   for (size_t length = 0; length + 1 < kGroups.size(); ++length) {
     EXPECT_FALSE(ParseScannetGroups(kGroups.substr(0, length), "g").ok());
@@ -134,7 +168,7 @@ TEST(ScannetObjects, SurviveTruncationAndNoise) {
     for (std::string text : {kPly, kSegments, kGroups, kFacts}) {
       text[RandomIndex(1, i, 0, text.size())] =
           static_cast<char>(RandomBits(1, i, 1));
-      (void)ParseScannetVertices(text, "p").ok();  // Any answer will do.
+      (void)ParseScannetMesh(text, "p").ok();  // Any answer will do.
       (void)ParseScannetSegments(text, "s").ok();
       (void)ParseScannetGroups(text, "g").ok();
       (void)ParseScannetAlignment(text, "a").ok();
@@ -152,10 +186,13 @@ TEST(ScannetObjects, RefuseWhatIsMalformed) {
         header + "element vertex 1\nproperty float x\nproperty float y\n"
                  "end_header\n1 2\n",
         header + "element vertex 1\nproperty float x\nproperty float y\n"
+                 "property float z\nelement face 1\nproperty list uchar int "
+                 "vertex_indices\nend_header\n1 2 3\n3 0 0 1\n",
+        header + "element vertex 1\nproperty float x\nproperty float y\n"
                  "property float z\nend_header\n1 nan 2\n"}) {
-    const auto vertices = ParseScannetVertices(ply, "m.ply");
-    EXPECT_EQ(vertices.status().code(), StatusCode::kBadInput);
-    EXPECT_THAT(vertices.status().message(), HasSubstr("m.ply"));
+    const auto mesh = ParseScannetMesh(ply, "m.ply");
+    EXPECT_EQ(mesh.status().code(), StatusCode::kBadInput);
+    EXPECT_THAT(mesh.status().message(), HasSubstr("m.ply"));
   }
   for (const char* text : {"[]",
                            "{}",
