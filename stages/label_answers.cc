@@ -19,16 +19,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Where the model of the features is; the one that comes with the program when
-// it is not where they say. Whether it is the same is seen by its hash.
+// Where the model of the features is, relative to the workspace or not; the one
+// that comes with the program when it is not there. Whether it is the same is
+// seen by its hash.
 StatusOr<fs::path> FindModel(const fs::path& workspace,
                              const std::string& model) {
   std::error_code error;
-  for (const fs::path& folder : {workspace / model, fs::path(model)}) {
-    if (!model.empty() && fs::exists(folder / "model.json", error)) {
-      return folder;
-    }
-  }
+  const fs::path folder = workspace / model;
+  if (!model.empty() && fs::exists(folder / "model.json", error)) return folder;
   return FindShippedModel();
 }
 

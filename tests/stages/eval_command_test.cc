@@ -4,8 +4,10 @@
 
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include <Eigen/QR>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -13,6 +15,7 @@
 #include "core/files.h"
 #include "pipeline/exit_code.h"
 #include "semantics/clip/opencv_clip.h"
+#include "semantics/clip/relevancy.h"
 #include "semantics/instance_features.h"
 #include "stages/scene_instances.h"
 #include "tests/semantics/clip/model_files.h"
@@ -90,6 +93,14 @@ class EvalCommandTest : public testing::Test {
     return rows;
   }
 
+  static Eigen::VectorXf Encode(semantics::ClipEncoder* encoder,
+                                const std::string& words) {
+    const auto text = encoder->EncodeText(words);
+    EXPECT_TRUE(text.ok());
+    return Eigen::VectorXf::Map(text->values.data(),
+                                static_cast<Eigen::Index>(text->values.size()));
+  }
+
   // Instances that look to the tiny model like the words they are called by.
   void WriteFeatures(const std::string& hash = "") {
     const auto encoder = semantics::OpenCvClip::Open(TinyClip());
@@ -98,11 +109,25 @@ class EvalCommandTest : public testing::Test {
     features.dim = (*encoder)->embedding_dim();
     features.model = TinyClip().string();
     features.model_hash = hash.empty() ? (*encoder)->model_hash() : hash;
-    for (const std::string& label : kLabels) {
-      const auto text = (*encoder)->EncodeText(label);
-      ASSERT_TRUE(text.ok());
+    // The random model finds all texts alike. Each feature is therefore the
+    // vector that has nothing in common with any text but its own.
+    std::vector<std::string> words = kLabels;
+    for (const std::string_view phrase : semantics::kCanonicalPhrases) {
+      words.emplace_back(phrase);
+    }
+    const auto count = static_cast<Eigen::Index>(words.size());
+    Eigen::MatrixXf texts(count, features.dim);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      texts.row(i) =
+          Encode(encoder->get(), words[static_cast<size_t>(i)]).transpose();
+    }
+    const Eigen::MatrixXf duals =
+        texts.completeOrthogonalDecomposition().pseudoInverse();
+    for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(kLabels.size());
+         ++i) {
+      const Eigen::VectorXf feature = duals.col(i).normalized();
       features.features.insert(
-          features.features.end(), text->values.begin(), text->values.end());
+          features.features.end(), feature.begin(), feature.end());
     }
     ASSERT_TRUE(semantics::WriteInstanceFeatures(
                     workspace_ / "bootstrap/instance_features.json", features)
