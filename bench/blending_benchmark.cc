@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Blending weights as a matrix and products with it, on a random scene at the
+// Blending weights, as a matrix and of one pixel, and products with it, on a random scene at the
 // size features are learnt at. Arguments: see BenchmarkScene; channels of the
 // products. num_weights: entries of the matrix; ns_per_weight: time per entry.
 
@@ -9,6 +9,7 @@
 
 #include "bench/benchmark_scene.h"
 #include "splat/blending_products.h"
+#include "splat/pixel_weights.h"
 
 namespace freegs::splat {
 namespace {
@@ -35,6 +36,20 @@ void BM_ComputeBlendingWeights(benchmark::State& state) {
     num_weights = static_cast<double>(WeightsOf(scene).weights.size());
   }
   SetWeightCounters(stopwatch, num_weights, state);
+}
+
+// One pixel only: a click.
+void BM_ComputePixelWeights(benchmark::State& state) {
+  BenchmarkScene scene(state);
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(ComputePixelWeights(scene.model,
+                                                 scene.camera,
+                                                 scene.pose,
+                                                 scene.options,
+                                                 scene.camera.width / 2,
+                                                 scene.camera.height / 2,
+                                                 scene.pool));
+  }
 }
 
 void BM_Multiply(benchmark::State& state) {
@@ -86,6 +101,7 @@ void ViewsAndChannels(benchmark::internal::Benchmark* b) {
 }
 
 BENCHMARK(BM_ComputeBlendingWeights)->Apply(Views);
+BENCHMARK(BM_ComputePixelWeights)->Apply(Views);
 BENCHMARK(BM_Multiply)->Apply(ViewsAndChannels);
 BENCHMARK(BM_AddMultiplyTransposed)->Apply(ViewsAndChannels);
 

@@ -21,6 +21,7 @@
 #include "stages/commands/export_command.h"
 #include "stages/commands/features_command.h"
 #include "stages/commands/init_command.h"
+#include "stages/commands/query_command.h"
 #include "stages/commands/render_command.h"
 #include "stages/commands/run_command.h"
 #include "stages/commands/status_command.h"
@@ -32,7 +33,7 @@ namespace {
 struct Command {
   std::string_view name;
   std::string_view usage;
-  stages::CommandFn run;  // Null for a command still to come.
+  stages::CommandFn run;
 };
 
 constexpr Command kCommands[] = {
@@ -48,17 +49,21 @@ constexpr Command kCommands[] = {
     {"doctor", "doctor", stages::RunDoctorCommand},
     {"render",
      "render WORKSPACE --out DIR [--cameras FILE] "
-     "[--what color|depth|instances]",
+     "[--what color|depth|instances|semantics]",
      stages::RunRenderCommand},
     {"query",
-     "query WORKSPACE (--text WORDS | --click VIEW X Y | "
-     "--box VIEW X0 Y0 X1 Y1) [--out DIR] [--json]",
-     nullptr},
+     "query WORKSPACE (--text WORDS | --example IMAGE | --click VIEW X Y | "
+     "--box VIEW X0 Y0 X1 Y1) [--out DIR] [--json] [--cameras FILE] "
+     "[--model DIR] [--min-relevancy R] [--max-hits N] [--background]",
+     stages::RunQueryCommand},
     {"eval", "eval WORKSPACE --gt DIR [--json FILE]", stages::RunEvalCommand},
     {"features",
      "features IMAGE --text WORDS --model DIR --out FILE [--cache DIR]",
      stages::RunFeaturesCommand},
-    {"export", "export WORKSPACE --out FILE", stages::RunExportCommand},
+    {"export",
+     "export WORKSPACE --out FILE [--what color|instances] "
+     "[--only ID,... | --without ID,...]",
+     stages::RunExportCommand},
 };
 
 void PrintHelp() {
@@ -91,10 +96,6 @@ Status Run(const std::vector<std::string>& words,
         "unknown command " + name +
         (nearest.empty() ? "" : "; did you mean " + nearest + "?") +
         "; see freegs_pipeline --help");
-  }
-  if (command->run == nullptr) {
-    return InvalidArgumentError("this version of the program has no " + name +
-                                " yet");
   }
   const std::vector<std::string> arguments(words.begin() + 1, words.end());
   if (std::find(arguments.begin(), arguments.end(), "--help") !=

@@ -260,8 +260,10 @@ def count_merges(path):
 
 
 def export_folder(state, arch, merges, out, name, licence, origin,
-                  dense_sizes=(), half_table=True, mean=None, std=None):
-    """Writes the model folder `out`, made anew, from a checkpoint."""
+                  dense_sizes=(), half_table=True, mean=None, std=None,
+                  vocabulary=None):
+    """Writes the model folder `out`, made anew, from a checkpoint. The
+    vocabulary is a list of groups of words to name things by."""
     merges, out = Path(merges), Path(out)
     if not merges.is_file():
         raise CheckpointError(f"{merges}: no such file; it comes with OpenAI's "
@@ -308,6 +310,8 @@ def export_folder(state, arch, merges, out, name, licence, origin,
             "context_length": arch.context_length,
             "text_width": arch.text_width, "vocab_size": arch.vocab_size,
             "files": files}
+    if vocabulary:
+        info["vocabulary"] = vocabulary
     (temporary / "model.json").write_text(json.dumps(info, indent=2) + "\n")
     if out.exists():
         shutil.rmtree(out)

@@ -35,7 +35,8 @@ from small_clip.model_card import model_card
 from small_clip.network import SmallClip, architecture, learn_merges, \
     normalised, pad, write_merges
 from small_clip.solids import SHAPES
-from small_clip.vocabulary import COLOUR_NAMES, MATERIALS, NATURAL, NOTHING
+from small_clip.vocabulary import COLOUR_NAMES, MATERIALS, NATURAL, NOTHING, \
+    shape_name
 from small_clip.zero_shot import evaluate
 
 import numpy as np
@@ -329,7 +330,9 @@ def export(state, measured):
             for name, value in state.model.state_dict().items()}
     export_folder(data, state.arch, state.merges, out, "small_clip",
                   "BSD-3-Clause", "scripts/train_small_clip.py, seed "
-                  f"{state.arguments.seed}, {state.step} steps")
+                  f"{state.arguments.seed}, {state.step} steps",
+                  vocabulary=[COLOUR_NAMES, MATERIALS[1:],
+                              [shape_name(i) for i in range(len(SHAPES))]])
     (out / "README.md").write_text(model_card(state, measured, out))
     sizes = {path.name: path.stat().st_size for path in out.iterdir()}
     for name, size in sorted(sizes.items()):

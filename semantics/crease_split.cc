@@ -21,14 +21,17 @@ constexpr int kNumNeighbors = 10;
 constexpr int kPatchIterations = 5;
 // Patches per cluster at most (about): larger clusters get larger patches.
 constexpr double kMaxPatchesPerSide = 24;
-// How much a difference of one in colour or normal counts beside one of a patch
-// in position.
-constexpr double kColorWeight = 1.5;
+// How much a difference of one in appearance or normal counts beside one of a
+// patch in position.
+constexpr double kAppearanceWeight = 1.5;
 constexpr double kNormalWeight = 1.0;
+
+// Without memory of its own.
+using Appearance = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxAppearance>;
 
 struct Patch {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
-  Eigen::Vector3d color = Eigen::Vector3d::Zero();
+  Appearance appearance;
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
   double count = 0;
 };
@@ -43,17 +46,23 @@ struct Contact {
 class ClusterCutter {
  public:
   ClusterCutter(std::span<const float> positions,
-                std::span<const float> colors,
+                std::span<const float> appearance,
+                size_t appearance_dim,
                 std::span<const float> normals,
                 const std::vector<uint32_t>& rows,
                 const CreaseSplitOptions& options)
-      : options_(options) {
+      : options_(options),
+        nothing_(Appearance::Zero(
+            std::min<size_t>(appearance_dim, kMaxAppearance))) {
     points_.reserve(rows.size());
     for (const uint32_t row : rows) {
       Patch point;
+      point.appearance = nothing_;
+      for (Eigen::Index k = 0; k < nothing_.size(); ++k) {
+        point.appearance[k] = appearance[row * appearance_dim + k];
+      }
       for (int k = 0; k < 3; ++k) {
         point.position[k] = positions[row * size_t{3} + k];
-        point.color[k] = colors[row * size_t{3} + k];
         point.normal[k] = normals[row * size_t{3} + k];
         flat_positions_.push_back(positions[row * size_t{3} + k]);
       }
@@ -74,7 +83,7 @@ class ClusterCutter {
  private:
   double FeatureDistance2(const Patch& a, const Patch& b, double size) const {
     return ((a.position - b.position) / size).squaredNorm() +
-           (kColorWeight * (a.color - b.color)).squaredNorm() +
+           (kAppearanceWeight * (a.appearance - b.appearance)).squaredNorm() +
            (kNormalWeight * (a.normal - b.normal)).squaredNorm();
   }
 
@@ -106,18 +115,20 @@ class ClusterCutter {
     }
     const size_t num_patches = patch_of_cell.size();
     for (int iteration = 0;; ++iteration) {
-      patches_.assign(num_patches, Patch());
+      Patch empty;
+      empty.appearance = nothing_;
+      patches_.assign(num_patches, empty);
       for (size_t i = 0; i < points_.size(); ++i) {
         Patch& patch = patches_[patch_of_point_[i]];
         patch.position += points_[i].position;
-        patch.color += points_[i].color;
+        patch.appearance += points_[i].appearance;
         patch.normal += points_[i].normal;
         patch.count += 1;
       }
       for (Patch& patch : patches_) {
         if (patch.count == 0) continue;
         patch.position /= patch.count;
-        patch.color /= patch.count;
+        patch.appearance /= patch.count;
         const double norm = patch.normal.norm();
         if (norm > 0) patch.normal /= norm;
       }
@@ -180,10 +191,10 @@ class ClusterCutter {
   }
 
   double Contrast(int32_t a, int32_t b, const Contact& contact) const {
-    // Never quite 0: of pairs that are not concave, those of like colour go
+    // Never quite 0: of pairs that are not concave, those that look alike go
     // first.
     const double concavity = std::max(contact.concavity / contact.length, 0.01);
-    return concavity * (patches_[a].color - patches_[b].color).norm();
+    return concavity * (patches_[a].appearance - patches_[b].appearance).norm();
   }
 
   // Joins b to a.
@@ -191,7 +202,8 @@ class ClusterCutter {
     Patch& to = patches_[a];
     const Patch& from = patches_[b];
     const double count = to.count + from.count;
-    to.color = (to.count * to.color + from.count * from.color) / count;
+    to.appearance =
+        (to.count * to.appearance + from.count * from.appearance) / count;
     to.count = count;
     patches_[b].count = 0;
     for (const auto& [other, contact] : contacts_[b]) {
@@ -259,6 +271,7 @@ class ClusterCutter {
   }
 
   const CreaseSplitOptions& options_;
+  const Appearance nothing_;   // All zero, of the right size.
   std::vector<Patch> points_;  // Patches of one point; count unused.
   std::vector<float> flat_positions_;
   std::vector<Patch> patches_;
@@ -278,7 +291,8 @@ Status CreaseSplitOptions::Check() const {
 }
 
 void SplitAtCreases(std::span<const float> positions,
-                    std::span<const float> colors,
+                    std::span<const float> appearance,
+                    int appearance_dim,
                     std::span<const float> normals,
                     const CreaseSplitOptions& options,
                     ThreadPool& pool,
@@ -297,9 +311,13 @@ void SplitAtCreases(std::span<const float> positions,
     for (int64_t label = first; label < last; ++label) {
       if (rows[label].size() >=
           2 * static_cast<size_t>(options.min_part_size)) {
-        parts[label] =
-            ClusterCutter(positions, colors, normals, rows[label], options)
-                .Run();
+        parts[label] = ClusterCutter(positions,
+                                     appearance,
+                                     appearance_dim,
+                                     normals,
+                                     rows[label],
+                                     options)
+                           .Run();
       }
     }
   });

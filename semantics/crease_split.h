@@ -15,8 +15,7 @@ namespace freegs::semantics {
 
 struct CreaseSplitOptions {
   // Parts meet in a crease when their mean concavity (see below) times the
-  // distance of their mean colours (RGB in [0, 1]) exceeds this; 0 splits
-  // nothing.
+  // distance of their mean appearances exceeds this; 0 splits nothing.
   double min_contrast = 0.12;
 
   // Size of the patches that parts are made of, in the units of positions.
@@ -28,10 +27,14 @@ struct CreaseSplitOptions {
   Status Check() const;
 };
 
-// Things that touch meet in a concave crease and, mostly, differ in colour;
+// What a point looks like, in at most kMaxAppearance numbers: its colour (RGB
+// in [0, 1]) and whatever else tells things apart, weighted against it.
+constexpr int kMaxAppearance = 16;
+
+// Things that touch meet in a concave crease and, mostly, differ in appearance;
 // neither is enough alone: a bear's neck is concave, a ball's stripes differ.
 //
-// Each cluster is cut into patches of like position, colour and normal
+// Each cluster is cut into patches of like position, appearance and normal
 // (supervoxels: Papon et al. 2013), which are then joined pair by pair, the
 // pair of least contrast first, until all pairs of touching parts contrast. The
 // concavity of two patches with centres c and outward normals n is (n_b - n_a)
@@ -39,10 +42,13 @@ struct CreaseSplitOptions {
 // 2014); of two parts, its mean over touching patches, weighted by the length
 // of contact.
 //
-// positions, colors, normals: N x 3, normals unit and outward. labels: N, -1
-// for none; parts get new labels (the largest keeps the cluster's).
+// positions, normals: N x 3, normals unit and outward; appearance: N x
+// appearance_dim, of which what exceeds kMaxAppearance is not looked at.
+// labels: N, -1 for none; parts get new labels (the largest keeps the
+// cluster's).
 void SplitAtCreases(std::span<const float> positions,
-                    std::span<const float> colors,
+                    std::span<const float> appearance,
+                    int appearance_dim,
                     std::span<const float> normals,
                     const CreaseSplitOptions& options,
                     ThreadPool& pool,

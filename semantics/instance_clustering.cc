@@ -11,6 +11,7 @@
 #include "semantics/crease_split.h"
 #include "semantics/kd_tree.h"
 #include "semantics/local_geometry.h"
+#include "semantics/principal_axes.h"
 
 namespace freegs::semantics {
 namespace {
@@ -24,11 +25,59 @@ constexpr double kBehindDistance = 0.1;
 
 Status Interrupted() { return InterruptedError("clustering was interrupted"); }
 
-std::vector<float> Gather(const std::vector<float>& values,
-                          const std::vector<uint32_t>& rows) {
-  std::vector<float> result(rows.size() * 3);
+std::vector<float> Gather(std::span<const float> values,
+                          const std::vector<uint32_t>& rows,
+                          size_t dim = 3) {
+  std::vector<float> result(rows.size() * dim);
   for (size_t i = 0; i < rows.size(); ++i) {
-    std::copy_n(values.data() + rows[i] * size_t{3}, 3, result.data() + i * 3);
+    std::copy_n(values.data() + rows[i] * dim, dim, result.data() + i * dim);
+  }
+  return result;
+}
+
+// What clustering sees of semantic vectors, N x dim: their directions, averaged
+// over neighbours, by their first principal components; N x *dim, which is
+// lowered to the number of these.
+StatusOr<std::vector<float>> SemanticComponents(std::vector<float> vectors,
+                                                const KdTree& tree,
+                                                int num_neighbors,
+                                                int max_components,
+                                                ThreadPool& pool,
+                                                int* dim) {
+  if (*dim == 0 || max_components == 0 || vectors.empty()) {
+    *dim = 0;
+    return std::vector<float>();
+  }
+  for (size_t i = 0; i < vectors.size(); i += *dim) {
+    double square = 0;
+    for (int c = 0; c < *dim; ++c)
+      square += double{vectors[i + c]} * vectors[i + c];
+    const auto scale =
+        square > 0 ? static_cast<float>(1 / std::sqrt(square)) : 0.0f;
+    for (int c = 0; c < *dim; ++c) vectors[i + c] *= scale;
+  }
+  const std::vector<float> smooth =
+      SmoothOverNeighbors(tree, vectors, *dim, num_neighbors, pool);
+  FREEGS_ASSIGN_OR_RETURN(PrincipalAxes axes,
+                          ComputePrincipalAxes(smooth, *dim, true, pool));
+  axes.Keep(max_components);
+  *dim = axes.count;
+  return ProjectOntoAxes(axes, smooth, pool);
+}
+
+// Colour and, weighted, meaning side by side: N x (3 + dim).
+std::vector<float> Appearance(std::span<const float> colors,
+                              std::span<const float> meaning,
+                              int dim,
+                              double weight) {
+  const size_t count = colors.size() / 3;
+  std::vector<float> result;
+  result.reserve(count * (3 + dim));
+  for (size_t i = 0; i < count; ++i) {
+    for (int c = 0; c < 3; ++c) result.push_back(colors[i * 3 + c]);
+    for (int c = 0; c < dim; ++c) {
+      result.push_back(static_cast<float>(weight * meaning[i * dim + c]));
+    }
   }
   return result;
 }
@@ -188,11 +237,14 @@ Status InstanceClusteringOptions::Check() const {
     return InvalidArgumentError(
         "merge_color, merge_distance and noise_distance must not be negative");
   }
-  if (!(min_crease_contrast >= 0) || !(crease_patch_size > 0)) {
+  if (!(min_crease_contrast >= 0) || !(crease_semantic_weight >= 0) ||
+      !(crease_patch_size > 0)) {
     return InvalidArgumentError(
-        "min_crease_contrast must not be negative and crease_patch_size must "
-        "be "
-        "positive");
+        "min_crease_contrast and crease_semantic_weight must not be negative "
+        "and crease_patch_size must be positive");
+  }
+  if (semantic_components < 0 || semantic_components > 1000) {
+    return InvalidArgumentError("semantic_components must lie in 0 .. 1000");
   }
   if (min_instance_size < 1) {
     return InvalidArgumentError("min_instance_size must be at least 1");
@@ -202,12 +254,16 @@ Status InstanceClusteringOptions::Check() const {
 
 StatusOr<InstanceLabels> ClusterInstances(
     const splat::GaussianModel& model,
+    const SemanticVectors& semantics,
     std::span<const View> views,
     const InstanceClusteringOptions& options,
     uint64_t seed,
     ThreadPool& pool,
     const CancellationToken* cancellation) {
   FREEGS_RETURN_IF_ERROR(options.Check());
+  if (semantics.values.size() != model.size() * semantics.dim) {
+    return InvalidArgumentError("semantic vectors of another model");
+  }
   const auto cancelled = [&] {
     return cancellation != nullptr && cancellation->cancelled();
   };
@@ -247,8 +303,19 @@ StatusOr<InstanceLabels> ClusterInstances(
                           KdTree::Build(rest_positions, 3));
   const std::vector<float> smooth_colors = SmoothOverNeighbors(
       rest_tree, rest_colors, 3, options.color_neighbors, pool);
+  std::vector<uint32_t> rest_rows;  // Into the model.
+  for (const uint32_t i : rest) rest_rows.push_back(rows[i]);
+  int components = semantics.dim;
+  FREEGS_ASSIGN_OR_RETURN(
+      const std::vector<float> meaning,
+      SemanticComponents(Gather(semantics.values, rest_rows, semantics.dim),
+                         rest_tree,
+                         options.color_neighbors,
+                         options.semantic_components,
+                         pool,
+                         &components));
   const std::vector<float> points = BuildUnionSpace(
-      rest_positions, smooth_colors, {}, 0, frame, options.space);
+      rest_positions, smooth_colors, meaning, components, frame, options.space);
   HdbscanOptions hdbscan = options.hdbscan;
   if (hdbscan.min_cluster_size == 0) {
     hdbscan.min_cluster_size = std::max(
@@ -256,8 +323,9 @@ StatusOr<InstanceLabels> ClusterInstances(
         static_cast<int>(kMinClusterShare * static_cast<double>(rows.size())));
   }
   result.min_cluster_size = hdbscan.min_cluster_size;
-  FREEGS_ASSIGN_OR_RETURN(HdbscanResult clusters,
-                          Hdbscan(points, 6, hdbscan, pool, cancellation));
+  FREEGS_ASSIGN_OR_RETURN(
+      HdbscanResult clusters,
+      Hdbscan(points, 6 + components, hdbscan, pool, cancellation));
   result.num_clusters = clusters.num_clusters;
   size_t noise = 0;
   for (const int32_t label : clusters.labels) noise += label < 0;
@@ -276,14 +344,18 @@ StatusOr<InstanceLabels> ClusterInstances(
   if (options.min_crease_contrast > 0) {
     const std::vector<float> outward =
         OutwardNormals(rest_positions, Gather(normals, rest), views, frame);
-    SplitAtCreases(rest_positions,
-                   smooth_colors,
-                   outward,
-                   {.min_contrast = options.min_crease_contrast,
-                    .patch_size = options.crease_patch_size * frame.radius,
-                    .min_part_size = hdbscan.min_cluster_size},
-                   pool,
-                   &labels);
+    const int appearance_dim = 3 + components;
+    SplitAtCreases(
+        rest_positions,
+        Appearance(
+            smooth_colors, meaning, components, options.crease_semantic_weight),
+        appearance_dim,
+        outward,
+        {.min_contrast = options.min_crease_contrast,
+         .patch_size = options.crease_patch_size * frame.radius,
+         .min_part_size = hdbscan.min_cluster_size},
+        pool,
+        &labels);
   }
   DissolveSmall(options.min_instance_size, &labels);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An instance index for every Gaussian, from geometry and colour: the first
-// form of FreeGS's bootstrapping, before there are semantics.
+// An instance index for every Gaussian, from geometry, colour and semantics
+// (FreeGS, "Union-space Clustering").
 
 #ifndef FREEGS_SEMANTICS_INSTANCE_CLUSTERING_H_
 #define FREEGS_SEMANTICS_INSTANCE_CLUSTERING_H_
@@ -30,8 +30,11 @@ struct InstanceClusteringOptions {
   // Large planes become instances of their own before clustering.
   PlaneOptions planes;
 
-  // Neighbours over which colours are averaged before clustering.
+  // Neighbours over which colours and semantics are averaged before clustering.
   int color_neighbors = 16;
+
+  // Principal components of the semantic vectors that are clustered (FreeGS).
+  int semantic_components = 6;
 
   UnionSpaceOptions space;
 
@@ -48,10 +51,13 @@ struct InstanceClusteringOptions {
   // distance of the other, in scene radii.
   double merge_distance = 0.02;
 
-  // Splits clusters in which things of different colour meet in concave creases
-  // (see crease_split.h); 0 splits none. Patches of this many scene radii.
+  // Splits clusters in which things of different colour and meaning meet in
+  // concave creases (see crease_split.h); 0 splits none. Patches of this many
+  // scene radii; how much meaning (directions of semantic vectors, up to 2
+  // apart) counts beside colour.
   double min_crease_contrast = 0.12;
   double crease_patch_size = 0.1;
+  double crease_semantic_weight = 0.3;
 
   // Noise takes the label of the nearest labelled Gaussian up to this far away,
   // in scene radii.
@@ -87,11 +93,19 @@ struct InstanceLabels {
   double noise_after = 0;       // Share of all Gaussians without an instance.
 };
 
+// The semantic vectors f of a field, N x dim, row-major; zero where nothing is
+// known. Without (dim 0), geometry and colour decide: how FreeGS begins.
+struct SemanticVectors {
+  std::span<const float> values;
+  int dim = 0;
+};
+
 // views: the photographs' cameras; may be empty. They tell the size of the
 // subject, and what lies behind a plane. Same input and seed, same labels,
 // for any number of threads.
 StatusOr<InstanceLabels> ClusterInstances(
     const splat::GaussianModel& model,
+    const SemanticVectors& semantics,
     std::span<const View> views,
     const InstanceClusteringOptions& options,
     uint64_t seed,

@@ -25,6 +25,22 @@ Status AdamOptions::Check() const {
   return Status();
 }
 
+AdamCoefficients CoefficientsAt(const AdamOptions& options,
+                                int64_t step,
+                                double rate) {
+  const auto t = static_cast<double>(step);
+  const double correction1 = 1 - std::pow(options.beta1, t);
+  const double correction2 = 1 - std::pow(options.beta2, t);
+  AdamCoefficients coefficients;
+  coefficients.one_minus_beta1 = static_cast<float>(1 - options.beta1);
+  coefficients.beta2 = static_cast<float>(options.beta2);
+  coefficients.one_minus_beta2 = static_cast<float>(1 - options.beta2);
+  coefficients.step_size = static_cast<float>(rate / correction1);
+  coefficients.root_correction = static_cast<float>(1 / std::sqrt(correction2));
+  coefficients.epsilon = static_cast<float>(options.epsilon);
+  return coefficients;
+}
+
 void Adam::Reset(const GaussianModel& model) {
   state_ = AdamState();
   for (GaussianModel* moments :
@@ -36,19 +52,8 @@ void Adam::Reset(const GaussianModel& model) {
 
 void Adam::BeginStep(const LearningRates& rates) {
   ++state_.steps;
-  const double t = static_cast<double>(state_.steps);
-  const double correction1 = 1 - std::pow(options_.beta1, t);
-  const double correction2 = 1 - std::pow(options_.beta2, t);
-  AdamCoefficients coefficients;
-  coefficients.one_minus_beta1 = static_cast<float>(1 - options_.beta1);
-  coefficients.beta2 = static_cast<float>(options_.beta2);
-  coefficients.one_minus_beta2 = static_cast<float>(1 - options_.beta2);
-  coefficients.root_correction = static_cast<float>(1 / std::sqrt(correction2));
-  coefficients.epsilon = static_cast<float>(options_.epsilon);
   for (int kind = 0; kind < kNumParameters; ++kind) {
-    const double rate = rates[kind];
-    coefficients.step_size = static_cast<float>(rate / correction1);
-    coefficients_[kind] = coefficients;
+    coefficients_[kind] = CoefficientsAt(options_, state_.steps, rates[kind]);
   }
 }
 

@@ -27,6 +27,11 @@ struct AdamOptions {
   Status Check() const;
 };
 
+// The constants of step t = 1, 2, ... at the learning rate `rate`.
+AdamCoefficients CoefficientsAt(const AdamOptions& options,
+                                int64_t step,
+                                double rate);
+
 // What Adam remembers; moments have the shapes of the model.
 struct AdamState {
   int64_t steps = 0;

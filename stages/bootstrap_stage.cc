@@ -3,6 +3,10 @@
 #include "stages/bootstrap_stage.h"
 
 #include <algorithm>
+#include <chrono>
+#include <functional>
+#include <optional>
+#include <sstream>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -12,11 +16,18 @@
 #include "core/files.h"
 #include "core/image_io.h"
 #include "pipeline/resource_usage.h"
+#include "semantics/bootstrapping.h"
+#include "semantics/clip/opencv_clip.h"
+#include "semantics/field_checkpoint.h"
 #include "semantics/idsf.h"
+#include "semantics/instance_features.h"
+#include "semantics/instance_words.h"
 #include "semantics/instances.h"
 #include "semantics/instances_json.h"
+#include "semantics/losses/decoder_file.h"
 #include "splat/renderer.h"
 #include "stages/scene_instances.h"
+#include "stages/shipped_model.h"
 #include "stages/workspace_scene.h"
 
 namespace freegs::stages {
@@ -24,39 +35,45 @@ namespace {
 
 namespace fs = std::filesystem;
 
+struct NamedField {
+  semantics::SemanticField field;
+  std::vector<std::vector<std::string>> words;  // Per instance; may be empty.
+};
+
 class BootstrapStage : public pipeline::Stage {
  public:
   BootstrapStage(const BootstrapStageOptions& options, uint64_t seed)
-      : options_(options), seed_(seed) {
-    options_.clustering.hdbscan.method =
-        options.method == "leaf" ? semantics::ClusterSelection::kLeaf
-                                 : semantics::ClusterSelection::kExcessOfMass;
-  }
+      : options_(options), seed_(seed) {}
 
   std::string_view name() const override { return "bootstrap"; }
+  int version() const override { return 2; }
 
   std::vector<fs::path> Inputs(const pipeline::StageContext&) const override {
-    return {"reconstruct/point_cloud.ply",
-            "undistort/sparse",
-            "undistort/images",
-            "ingest/images.json"};
+    std::vector<fs::path> inputs = {"reconstruct/point_cloud.ply",
+                                    "undistort/sparse",
+                                    "undistort/images",
+                                    "ingest/images.json"};
+    if (with_semantics()) {
+      // Holds the hashes of the model's other files. Without it, Run says so.
+      const StatusOr<fs::path> model = ModelFolder();
+      if (model.ok()) inputs.push_back(*model / "model.json");
+    }
+    return inputs;
   }
 
   Status Run(pipeline::StageContext& context) override {
     const pipeline::ResourceMeter meter;
+    FREEGS_ASSIGN_OR_RETURN(semantics::BootstrappingOptions method,
+                            MakeBootstrappingOptions(options_));
     FREEGS_ASSIGN_OR_RETURN(const WorkspaceScene scene,
                             ReadWorkspaceScene(context.workspace));
     std::vector<View> views = scene.train;
     views.insert(views.end(), scene.holdout.begin(), scene.holdout.end());
-
-    context.progress({"clustering", 0, 1, ""});
-    FREEGS_ASSIGN_OR_RETURN(const semantics::InstanceLabels labels,
-                            semantics::ClusterInstances(scene.model,
-                                                        views,
-                                                        options_.clustering,
-                                                        seed_,
-                                                        *context.pool,
-                                                        context.cancellation));
+    FREEGS_ASSIGN_OR_RETURN(
+        const NamedField named,
+        MakeField(scene, views, std::move(method), context));
+    const semantics::SemanticField& field = named.field;
+    const semantics::InstanceLabels& labels = field.instances;
     if (labels.num_instances == 0) {
       return UnusableResultError(
           "bootstrap: no instance was found among " +
@@ -64,26 +81,131 @@ class BootstrapStage : public pipeline::Stage {
           " Gaussians; try a smaller bootstrap.min_cluster_size or "
           "bootstrap.min_samples, or a better reconstruction");
     }
-    const std::vector<semantics::Instance> instances =
-        semantics::BuildInstances(
-            scene.model,
-            labels.labels,
-            labels.num_instances,
-            labels.scores,
-            labels.is_plane,
-            semantics::EstimateVertical(views, labels.planes),
-            {},
-            *context.pool);
+    std::vector<semantics::Instance> instances = semantics::BuildInstances(
+        scene.model,
+        labels.labels,
+        labels.num_instances,
+        labels.scores,
+        labels.is_plane,
+        semantics::EstimateVertical(views, labels.planes),
+        {},
+        *context.pool);
+    for (size_t i = 0; i < named.words.size(); ++i) {
+      instances[i].words = named.words[i];
+    }
     FREEGS_RETURN_IF_ERROR(semantics::WriteIdsf(
         context.output / "idsf.bin",
-        {.feature_dim = 0, .features = {}, .instances = labels.labels}));
+        {.feature_dim = with_semantics() ? field.decoder.latent_dim() : 0,
+         .features = field.features,
+         .instances = labels.labels}));
     FREEGS_RETURN_IF_ERROR(semantics::WriteInstances(
         context.output / "instances.json", instances));
     FREEGS_RETURN_IF_ERROR(RenderMaps(scene, views, labels.labels, context));
-    return WriteMetrics(scene, labels, instances, meter, context);
+    return WriteMetrics(scene, field, instances, meter, context);
   }
 
  private:
+  bool with_semantics() const { return options_.mode != "geometry"; }
+
+  StatusOr<fs::path> ModelFolder() const {
+    if (!options_.model.empty()) return fs::path(options_.model);
+    return FindShippedModel();
+  }
+
+  StatusOr<NamedField> MakeField(const WorkspaceScene& scene,
+                                 const std::vector<View>& views,
+                                 semantics::BootstrappingOptions method,
+                                 pipeline::StageContext& context) const {
+    if (!with_semantics()) {
+      context.progress({"clustering", 0, 1, ""});
+      semantics::SemanticField field;
+      FREEGS_ASSIGN_OR_RETURN(
+          field.instances,
+          semantics::ClusterInstances(scene.model,
+                                      {},
+                                      views,
+                                      method.clustering,
+                                      seed_,
+                                      *context.pool,
+                                      context.cancellation));
+      return NamedField{std::move(field), {}};
+    }
+    FREEGS_ASSIGN_OR_RETURN(const fs::path folder, ModelFolder());
+    FREEGS_ASSIGN_OR_RETURN(const auto encoder,
+                            semantics::OpenCvClip::Open(folder));
+    method.weights.scratch_folder = context.output;
+    const semantics::FeatureCache cache(context.output / "features");
+    const auto photo_of = [&](size_t view) {
+      return ReadRgb(context.workspace / "undistort" / "images" /
+                     scene.train[view].name);
+    };
+    const fs::path checkpoint = context.output / "checkpoints" / "field.ckpt";
+    semantics::BootstrapTools tools{.encoder = *encoder,
+                                    .cache = cache,
+                                    .pool = *context.pool,
+                                    .cancellation = context.cancellation,
+                                    .progress = context.progress,
+                                    .resume_from = std::nullopt,
+                                    .save = nullptr};
+    if (method.method == semantics::FieldMethod::kTrain) {
+      tools.resume_from = CheckpointOf(checkpoint, context);
+      tools.save = SaverTo(checkpoint, context);
+    }
+    FREEGS_ASSIGN_OR_RETURN(semantics::SemanticField field,
+                            semantics::BootstrapSemanticField(
+                                {scene.model, scene.train, views, scene.render},
+                                photo_of,
+                                method,
+                                seed_,
+                                tools));
+    FREEGS_RETURN_IF_ERROR(semantics::WriteDecoder(
+        context.output / "decoder.bin", {field.decoder, std::nullopt}));
+    FREEGS_RETURN_IF_ERROR(semantics::WriteInstanceFeatures(
+        context.output / "instance_features.json",
+        {.dim = field.vectors.dim,
+         .model =
+             options_.model.empty() ? encoder->info().name : options_.model,
+         .model_hash = encoder->model_hash(),
+         .features = field.vectors.vectors}));
+    FREEGS_ASSIGN_OR_RETURN(
+        auto words,
+        semantics::NameInstances(
+            field.vectors.vectors, encoder->info().vocabulary, *encoder));
+    return NamedField{std::move(field), std::move(words)};
+  }
+
+  // What an interrupted run left. A damaged checkpoint costs time, no more.
+  static std::optional<semantics::FieldState> CheckpointOf(
+      const fs::path& path, const pipeline::StageContext& context) {
+    std::error_code error;
+    if (!context.resuming || !fs::exists(path, error)) return std::nullopt;
+    StatusOr<semantics::FieldState> state = semantics::ReadFieldState(path);
+    if (!state.ok()) {
+      context.log(pipeline::LogLevel::kWarning, state.status().message());
+      return std::nullopt;
+    }
+    context.log(pipeline::LogLevel::kInfo,
+                "going on from step " + std::to_string(state->step));
+    return *std::move(state);
+  }
+
+  static std::function<Status(const semantics::FieldTraining&, bool)> SaverTo(
+      const fs::path& path, const pipeline::StageContext& context) {
+    using Clock = std::chrono::steady_clock;
+    return [path,
+            interval = std::chrono::duration<double>(
+                context.checkpoint_interval_seconds),
+            last = Clock::now()](const semantics::FieldTraining& training,
+                                 bool stopping) mutable -> Status {
+      if (!stopping && Clock::now() - last < interval) return Status();
+      FREEGS_RETURN_IF_ERROR(CreateFolders(path.parent_path()));
+      FREEGS_RETURN_IF_ERROR(
+          semantics::WriteFieldState(path, training.state()));
+      last = Clock::now();
+      return Status();
+    };
+  }
+
   // Maps are written atomically and depend on inputs and options only: those an
   // interrupted run left are kept.
   Status RenderMaps(const WorkspaceScene& scene,
@@ -146,12 +268,13 @@ class BootstrapStage : public pipeline::Stage {
   }
 
   Status WriteMetrics(const WorkspaceScene& scene,
-                      const semantics::InstanceLabels& labels,
+                      const semantics::SemanticField& field,
                       const std::vector<semantics::Instance>& instances,
                       const pipeline::ResourceMeter& meter,
                       pipeline::StageContext& context) const {
+    const semantics::InstanceLabels& labels = field.instances;
     const semantics::InstanceClusteringOptions& clustering =
-        options_.clustering;
+        options_.method.clustering;
     int num_background = 0;
     nlohmann::json sizes = nlohmann::json::array();
     for (const semantics::Instance& instance : instances) {
@@ -160,6 +283,7 @@ class BootstrapStage : public pipeline::Stage {
     }
     const pipeline::ResourceUsage usage = meter.Elapsed();
     nlohmann::json metrics = {
+        {"mode", options_.mode},
         {"num_gaussians", scene.model.size()},
         {"num_instances", labels.num_instances},
         {"num_background", num_background},
@@ -178,11 +302,44 @@ class BootstrapStage : public pipeline::Stage {
           {"cluster_selection_epsilon",
            clustering.hdbscan.cluster_selection_epsilon},
           {"max_cluster_size", clustering.hdbscan.max_cluster_size},
-          {"method", options_.method}}}};
+          {"method", options_.selection}}}};
+    if (with_semantics()) {
+      for (const auto& [step, seconds] : field.seconds) {
+        metrics["step_seconds"][step] = seconds;
+      }
+      metrics["feature_dim"] = field.decoder.latent_dim();
+      metrics["num_unseen"] = field.num_unseen;
+      metrics["num_crops"] = field.vectors.num_crops;
+    }
+    if (options_.mode == "paper") {
+      metrics["iterations"] = field.steps;
+      metrics["clusterings"] = nlohmann::json::array();
+      for (const semantics::ClusteringRound& round : field.rounds) {
+        metrics["clusterings"].push_back(
+            {{"iteration", round.step},
+             {"num_instances", round.num_instances},
+             {"agreement", round.agreement}});
+      }
+    }
     context.summary = metrics;
+    if (options_.mode == "paper") {
+      FREEGS_RETURN_IF_ERROR(WriteLosses(field.losses, context));
+    }
     metrics["instance_sizes"] = std::move(sizes);
     return WriteFileAtomic(context.output / "metrics.json",
                            metrics.dump(1) + "\n");
+  }
+
+  static Status WriteLosses(const std::vector<semantics::LossRecord>& losses,
+                            const pipeline::StageContext& context) {
+    std::ostringstream csv;
+    csv << "iteration,pixel,instance,smoothing,contrastive\n";
+    for (const semantics::LossRecord& record : losses) {
+      csv << record.step << ',' << record.losses.pixel << ','
+          << record.losses.instance << ',' << record.losses.smoothing << ','
+          << record.losses.contrastive << '\n';
+    }
+    return WriteFileAtomic(context.output / "progress.csv", csv.str());
   }
 
   BootstrapStageOptions options_;
@@ -190,114 +347,6 @@ class BootstrapStage : public pipeline::Stage {
 };
 
 }  // namespace
-
-void RegisterBootstrapOptions(BootstrapStageOptions& options,
-                              pipeline::OptionTable& table) {
-  semantics::InstanceClusteringOptions& clustering = options.clustering;
-  table.AddSection("bootstrap",
-                   "Phase 2: Gaussians are grouped into instances.");
-  table.Add("bootstrap.min_samples",
-            &clustering.hdbscan.min_samples,
-            {.help = "Neighbours that make a neighbourhood dense: more gives "
-                     "rounder clusters and more noise.",
-             .min = 1,
-             .max = 10000});
-  table.Add("bootstrap.min_cluster_size",
-            &clustering.hdbscan.min_cluster_size,
-            {.help = "Fewest Gaussians of a cluster; 0 takes 0.3 % of all.",
-             .min = 0,
-             .max = 100000000});
-  table.Add("bootstrap.min_gap_ratio",
-            &clustering.hdbscan.min_gap_ratio,
-            {.help = "Clusters are split across gaps of this many times their "
-                     "inner distances; 0 leaves HDBSCAN's choice.",
-             .min = 0,
-             .max = 1000});
-  table.Add("bootstrap.cluster_selection_epsilon",
-            &clustering.hdbscan.cluster_selection_epsilon,
-            {.help = "Clusters that split at less than this distance stay "
-                     "together (scene radii times the weights); 0 always "
-                     "splits.",
-             .min = 0,
-             .max = 1000});
-  table.Add("bootstrap.max_cluster_size",
-            &clustering.hdbscan.max_cluster_size,
-            {.help = "Clusters of more Gaussians are split; 0 is no limit.",
-             .min = 0});
-  table.Add("bootstrap.method",
-            &options.method,
-            {.help = "Which clusters of the hierarchy are taken: those of most "
-                     "excess of mass, or its leaves (finer).",
-             .choices = {"eom", "leaf"}});
-  table.Add("bootstrap.position_weight",
-            &clustering.space.position_weight,
-            {.help = "Weight of positions (in scene radii) when Gaussians are "
-                     "compared.",
-             .min = 0,
-             .max = 1000});
-  table.Add("bootstrap.color_weight",
-            &clustering.space.color_weight,
-            {.help = "Weight of colours (0 to 1) when Gaussians are compared.",
-             .min = 0,
-             .max = 1000});
-  table.Add("bootstrap.color_neighbors",
-            &clustering.color_neighbors,
-            {.help = "Neighbours over which colours are averaged first.",
-             .min = 0,
-             .max = 1000});
-  table.Add("bootstrap.max_planes",
-            &clustering.planes.max_planes,
-            {.help = "Large planes (floor, walls, table tops) that become "
-                     "instances of their own before clustering; 0 seeks none.",
-             .min = 0,
-             .max = 1000});
-  table.Add("bootstrap.merge_color",
-            &clustering.merge_color,
-            {.help = "Touching clusters join when their mean colours differ by "
-                     "less than this; 0 joins none.",
-             .min = 0,
-             .max = 2});
-  table.Add("bootstrap.merge_distance",
-            &clustering.merge_distance,
-            {.help = "How near clusters must be to touch, in scene radii.",
-             .min = 0,
-             .max = 10});
-  table.Add("bootstrap.min_crease_contrast",
-            &clustering.min_crease_contrast,
-            {.help = "Clusters are split at concave creases between parts of "
-                     "different colour: concavity (0 to 2) times colour "
-                     "difference from which on they are; 0 splits none.",
-             .min = 0,
-             .max = 10});
-  table.Add("bootstrap.noise_distance",
-            &clustering.noise_distance,
-            {.help = "Noise joins the nearest cluster within this many scene "
-                     "radii.",
-             .min = 0,
-             .max = 1000});
-  table.Add("bootstrap.min_instance_size",
-            &clustering.min_instance_size,
-            {.help = "Instances of fewer Gaussians are dissolved.",
-             .min = 1,
-             .max = 100000000});
-  table.Add("bootstrap.min_opacity",
-            &clustering.min_opacity,
-            {.help = "Fainter Gaussians are not clustered; they take their "
-                     "neighbour's instance.",
-             .min = 0,
-             .max = 0.99});
-  table.Add("bootstrap.max_image_size",
-            &options.max_image_size,
-            {.help = "Longest side in pixels of the instance maps; 0 is the "
-                     "photographs' size.",
-             .min = 0,
-             .max = 100000});
-  table.Add("bootstrap.num_previews",
-            &options.num_previews,
-            {.help = "Photographs that get a coloured preview.",
-             .min = 0,
-             .max = 100000});
-}
 
 std::unique_ptr<pipeline::Stage> MakeBootstrapStage(
     const BootstrapStageOptions& options, uint64_t seed) {

@@ -3,7 +3,6 @@
 #include "stages/label_answers.h"
 
 #include <memory>
-#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -28,17 +27,6 @@ StatusOr<fs::path> FindModel(const fs::path& workspace,
   const fs::path folder = workspace / model;
   if (!model.empty() && fs::exists(folder / "model.json", error)) return folder;
   return FindShippedModel();
-}
-
-StatusOr<std::vector<float>> EncodeCanonical(semantics::ClipEncoder* encoder) {
-  std::vector<float> canonical;
-  for (const std::string_view phrase : semantics::kCanonicalPhrases) {
-    FREEGS_ASSIGN_OR_RETURN(const semantics::TextEmbedding embedding,
-                            encoder->EncodeText(std::string(phrase)));
-    canonical.insert(
-        canonical.end(), embedding.values.begin(), embedding.values.end());
-  }
-  return canonical;
 }
 
 }  // namespace
@@ -70,7 +58,7 @@ StatusOr<LabelAnswers> AnswerLabels(const fs::path& workspace,
                          result.model.string() + "; name theirs with --model");
   }
   FREEGS_ASSIGN_OR_RETURN(const std::vector<float> canonical,
-                          EncodeCanonical(encoder.get()));
+                          semantics::EncodeCanonicalPhrases(*encoder));
   semantics::TextQueryOptions query;
   query.min_relevancy = 0;
   query.max_hits = 1;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "stages/presets.h"
+#include "stages/query/query_options.h"
 
 namespace freegs::stages {
 
@@ -56,6 +57,7 @@ OptionTable MakeOptionTable(PipelineOptions* options) {
   RegisterReconstructOptions(options->reconstruct, table);
   RegisterBootstrapOptions(options->bootstrap, table);
   RegisterExportOptions(options->export_, table);
+  RegisterQueryOptions(options->query, table);
   return table;
 }
 

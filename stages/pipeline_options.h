@@ -12,6 +12,7 @@
 #include "core/status.h"
 #include "pipeline/option_table.h"
 #include "pipeline/workspace.h"
+#include "semantics/text_query.h"
 #include "stages/bootstrap_stage.h"
 #include "stages/export_stage.h"
 #include "stages/ingest_stage.h"
@@ -51,6 +52,7 @@ struct PipelineOptions {
   ReconstructStageOptions reconstruct;
   BootstrapStageOptions bootstrap;
   ExportStageOptions export_;  // "export" is a word of the language.
+  semantics::TextQueryOptions query;
 };
 
 // The table over `options`, which must outlive it. Commands may add words of

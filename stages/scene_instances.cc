@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 #include <string>
 #include <system_error>
 #include <utility>
 
-#include "semantics/idsf.h"
 #include "semantics/palette.h"
 
 namespace freegs::stages {
@@ -23,8 +23,8 @@ constexpr uint8_t kBorder = 245;
 
 }  // namespace
 
-StatusOr<std::vector<int32_t>> ReadInstanceLabels(const fs::path& workspace,
-                                                  size_t num_gaussians) {
+StatusOr<semantics::Idsf> ReadSemanticField(const fs::path& workspace,
+                                            size_t num_gaussians) {
   const fs::path path = workspace / "bootstrap" / "idsf.bin";
   std::error_code error;
   if (!fs::exists(path, error)) {
@@ -38,7 +38,44 @@ StatusOr<std::vector<int32_t>> ReadInstanceLabels(const fs::path& workspace,
                          " Gaussians, not " + std::to_string(num_gaussians) +
                          "; run stage bootstrap again");
   }
+  return idsf;
+}
+
+StatusOr<std::vector<int32_t>> ReadInstanceLabels(const fs::path& workspace,
+                                                  size_t num_gaussians) {
+  FREEGS_ASSIGN_OR_RETURN(semantics::Idsf idsf,
+                          ReadSemanticField(workspace, num_gaussians));
   return std::move(idsf.instances);
+}
+
+StatusOr<splat::GaussianModel> SelectInstances(
+    const splat::GaussianModel& model,
+    std::span<const int32_t> labels,
+    const std::vector<int>& ids,
+    bool without) {
+  const std::set<int32_t> present(labels.begin(), labels.end());
+  std::set<int32_t> asked;
+  for (const int id : ids) {
+    if (id < 1 || !present.contains(id - 1)) {
+      std::string known;
+      for (const int32_t label : present) {
+        if (label < 0) continue;
+        known += (known.empty() ? "" : ", ") + std::to_string(label + 1);
+      }
+      return InvalidArgumentError("there is no instance " + std::to_string(id) +
+                                  "; there are " + known);
+    }
+    asked.insert(id - 1);
+  }
+  std::vector<uint32_t> kept;
+  for (size_t i = 0; i < labels.size(); ++i) {
+    if (asked.contains(labels[i]) != without) {
+      kept.push_back(static_cast<uint32_t>(i));
+    }
+  }
+  splat::GaussianModel selected = model;
+  selected.Select(kept);
+  return selected;
 }
 
 splat::GaussianModel ColorByInstance(const splat::GaussianModel& model,

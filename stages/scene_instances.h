@@ -13,14 +13,28 @@
 
 #include "core/image.h"
 #include "core/status.h"
+#include "semantics/idsf.h"
 #include "splat/gaussian_model.h"
 
 namespace freegs::stages {
 
-// The label of each Gaussian, from bootstrap/idsf.bin. kBadInput when there is
-// none, or when it belongs to another model: not of num_gaussians.
+// bootstrap/idsf.bin. kBadInput when there is none, or when it belongs to
+// another model: not of num_gaussians.
+StatusOr<semantics::Idsf> ReadSemanticField(
+    const std::filesystem::path& workspace, size_t num_gaussians);
+
+// Only the label of each Gaussian.
 StatusOr<std::vector<int32_t>> ReadInstanceLabels(
     const std::filesystem::path& workspace, size_t num_gaussians);
+
+// The Gaussians of the instances with these ids, or (`without`) all others,
+// those of no instance among them. kInvalidArgument, naming the ids there are,
+// for an id that no Gaussian has.
+StatusOr<splat::GaussianModel> SelectInstances(
+    const splat::GaussianModel& model,
+    std::span<const int32_t> labels,
+    const std::vector<int>& ids,
+    bool without);
 
 // The model with every Gaussian in the flat colour of its label
 // (semantics::PaletteColor): same geometry and opacity, spherical harmonics of

@@ -17,6 +17,7 @@ using nlohmann::json;
 constexpr std::string_view kFormat = "FreeGS CLIP";
 constexpr int kVersion = 1;
 constexpr int kMaxDepth = 8;
+constexpr size_t kMaxWords = 10000;  // And groups of them.
 constexpr double kMaxFileBytes = 1e13;
 
 // Reads fields of an object; keeps the first fault.
@@ -169,6 +170,27 @@ void ReadFiles(Fields& top, std::string* fault, ModelInfo* info) {
   }
 }
 
+void ReadVocabulary(Fields& top, ModelInfo* info) {
+  const json* groups = top.Find("vocabulary");
+  if (groups == nullptr) return;
+  const auto is_list = [](const json& value) {
+    return value.is_array() && value.size() <= kMaxWords;
+  };
+  if (!is_list(*groups)) return top.Fail("vocabulary", "is not a list");
+  for (const json& group : *groups) {
+    std::vector<std::string>& words = info->vocabulary.emplace_back();
+    if (!is_list(group) || group.empty()) {
+      return top.Fail("vocabulary", "is not a list of groups of words");
+    }
+    for (const json& word : group) {
+      if (!word.is_string() || word.get_ref<const std::string&>().empty()) {
+        return top.Fail("vocabulary", "holds what is not a word");
+      }
+      words.push_back(word.get<std::string>());
+    }
+  }
+}
+
 }  // namespace
 
 std::string ModelInfo::Hash() const {
@@ -225,6 +247,7 @@ StatusOr<ModelInfo> ParseModelInfo(std::string_view text) {
   if (top.Has("upsampled_size")) {
     info.upsampled_size = top.Int("upsampled_size", 1, 2048);
   }
+  if (top.Has("vocabulary")) ReadVocabulary(top, &info);
   ReadFiles(top, &fault, &info);
   if (!fault.empty()) return BadInputError(fault);
   return info;

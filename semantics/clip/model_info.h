@@ -38,6 +38,8 @@ struct ModelFile {
 //    "dense": [{"file": "dense.onnx", "image_size": 224, "grid": 14}, ...],
 //    "upsampled_size": 224,          of upsampler.onnx; only where there is one
 //    "context_length": 77, "text_width": 512, "vocab_size": 49408,
+//    "vocabulary": [["red", "green", ...], ["ball", "box", ...], ...],
+//        words to name things by, in groups of which one fits; optional
 //    "files": {"visual.onnx": {"bytes": 12, "hash": "32 hex digits"}, ...}}
 // Fields that are not listed here are for people and other programs.
 struct ModelInfo {
@@ -53,6 +55,7 @@ struct ModelInfo {
   int context_length = 0;
   int text_width = 0;
   int vocab_size = 0;
+  std::vector<std::vector<std::string>> vocabulary;  // Groups of words.
   std::map<std::string, ModelFile> files;  // By name, no folders in it.
 
   // One hash of all that changes results: the files' content and the numbers,

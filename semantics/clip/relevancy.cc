@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace freegs::semantics {
 namespace {
@@ -36,6 +37,17 @@ float Relevancy(std::span<const float> feature,
     relevancy = std::min(relevancy, 1 / (1 + std::exp(other - score)));
   }
   return static_cast<float>(relevancy);
+}
+
+StatusOr<std::vector<float>> EncodeCanonicalPhrases(ClipEncoder& encoder) {
+  std::vector<float> canonical;
+  for (const std::string_view phrase : kCanonicalPhrases) {
+    FREEGS_ASSIGN_OR_RETURN(const TextEmbedding embedding,
+                            encoder.EncodeText(std::string(phrase)));
+    canonical.insert(
+        canonical.end(), embedding.values.begin(), embedding.values.end());
+  }
+  return canonical;
 }
 
 }  // namespace freegs::semantics

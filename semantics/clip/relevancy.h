@@ -8,6 +8,9 @@
 #include <string_view>
 #include <vector>
 
+#include "core/status.h"
+#include "semantics/clip/clip_encoder.h"
+
 namespace freegs::semantics {
 
 // What a text must beat to be relevant; as in LERF.
@@ -24,6 +27,10 @@ inline constexpr std::string_view kCanonicalPhrases[] = {
 float Relevancy(std::span<const float> feature,
                 std::span<const float> text,
                 std::span<const float> canonical);
+
+// The vectors of kCanonicalPhrases, one after another: `canonical` above.
+// Errors as ClipEncoder::EncodeText.
+StatusOr<std::vector<float>> EncodeCanonicalPhrases(ClipEncoder& encoder);
 
 }  // namespace freegs::semantics
 

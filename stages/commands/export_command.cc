@@ -3,7 +3,9 @@
 #include "stages/commands/export_command.h"
 
 #include <cctype>
+#include <charconv>
 #include <filesystem>
+#include <system_error>
 
 #include "core/files.h"
 #include "pipeline/option_table.h"
@@ -39,18 +41,73 @@ StatusOr<Format> FormatOf(const fs::path& path) {
       path.string() + ": the suffix says the format; known are " + known);
 }
 
+// "3,17" as numbers.
+StatusOr<std::vector<int>> ParseIds(const std::string& option,
+                                    const std::string& text) {
+  std::vector<int> ids;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  while (true) {
+    int id = 0;
+    const auto [stop, error] = std::from_chars(at, end, id);
+    if (error != std::errc() || (stop != end && *stop != ',')) {
+      return InvalidArgumentError("--" + option + ": \"" + text +
+                                  "\" is no list of instance ids like 3,17");
+    }
+    ids.push_back(id);
+    if (stop == end) return ids;
+    at = stop + 1;
+  }
+}
+
+struct ExportRequest {
+  std::string out;
+  std::string what = "color";
+  std::string only;
+  std::string without;
+};
+
+// What the request keeps of the model, in the colours it asks for.
+Status Prepare(const ExportRequest& request,
+               const fs::path& workspace,
+               splat::GaussianModel* model) {
+  const bool some = !request.only.empty() || !request.without.empty();
+  if (!some && request.what != "instances") return Status();
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<int32_t> labels,
+                          ReadInstanceLabels(workspace, model->size()));
+  if (request.what == "instances") *model = ColorByInstance(*model, labels);
+  if (!some) return Status();
+  const bool without = request.only.empty();
+  const std::string option = without ? "without" : "only";
+  FREEGS_ASSIGN_OR_RETURN(
+      const std::vector<int> ids,
+      ParseIds(option, without ? request.without : request.only));
+  StatusOr<splat::GaussianModel> selected =
+      SelectInstances(*model, labels, ids, without);
+  if (!selected.ok()) return selected.status().Annotated("--" + option);
+  *model = *std::move(selected);
+  return Status();
+}
+
 }  // namespace
 
 Status RunExportCommand(const std::vector<std::string>& arguments,
                         CommandContext& context) {
-  std::string out;
-  std::string what = "color";
+  ExportRequest request;
   pipeline::OptionTable table;
-  table.Add("out", &out, {.help = "File to write; its suffix is the format."});
+  table.Add("out",
+            &request.out,
+            {.help = "File to write; its suffix is the format."});
   table.Add("what",
-            &what,
+            &request.what,
             {.help = "Which colours the Gaussians get.",
              .choices = {"color", "instances"}});
+  table.Add("only",
+            &request.only,
+            {.help = "Ids of the instances to write, like 3,17."});
+  table.Add("without",
+            &request.without,
+            {.help = "Ids of the instances to leave out."});
   FREEGS_ASSIGN_OR_RETURN(const pipeline::OptionTable::CommandLine line,
                           table.ParseCommandLine(arguments));
   FREEGS_RETURN_IF_ERROR(table.Apply(line.settings));
@@ -58,25 +115,24 @@ Status RunExportCommand(const std::vector<std::string>& arguments,
     return InvalidArgumentError(
         "export takes one workspace: export WORKSPACE --out FILE");
   }
-  if (out.empty()) {
+  if (request.out.empty()) {
     return InvalidArgumentError("export needs a file to write: --out FILE");
   }
-  const fs::path path(out);
+  if (!request.only.empty() && !request.without.empty()) {
+    return InvalidArgumentError("--only and --without exclude each other");
+  }
+  const fs::path path(request.out);
   FREEGS_ASSIGN_OR_RETURN(const Format format, FormatOf(path));
 
   const fs::path workspace(line.positional[0]);
   FREEGS_ASSIGN_OR_RETURN(splat::GaussianModel model,
                           ReadWorkspaceModel(workspace));
-  if (what == "instances") {
-    FREEGS_ASSIGN_OR_RETURN(const std::vector<int32_t> labels,
-                            ReadInstanceLabels(workspace, model.size()));
-    model = ColorByInstance(model, labels);
-  }
+  FREEGS_RETURN_IF_ERROR(Prepare(request, workspace, &model));
   if (path.has_parent_path()) {
     FREEGS_RETURN_IF_ERROR(CreateFolders(path.parent_path()));
   }
   FREEGS_RETURN_IF_ERROR(format.write(path, model));
-  context.out << model.size() << " Gaussians in " << out << "\n";
+  context.out << model.size() << " Gaussians in " << request.out << "\n";
   return Status();
 }
 

@@ -15,17 +15,14 @@
 #include "semantics/clip/opencv_clip.h"
 #include "semantics/clip/relevancy.h"
 #include "semantics/clip/relevancy_map.h"
-#include "sfm/photo_decode.h"
+#include "stages/clip_input.h"
 #include "stages/heat_map.h"
 #include "stages/report/html.h"
-#include "stages/shipped_model.h"
 
 namespace freegs::stages {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr uint64_t kMaxFileBytes = uint64_t{1} << 30;
 
 // Colours begin where a place is as much like the words as like any thing, and
 // end no lower than this, so that an image without what was asked for stays
@@ -104,32 +101,6 @@ StatusOr<FeaturesRequest> ParseRequest(std::vector<std::string> arguments) {
   return request;
 }
 
-StatusOr<std::unique_ptr<semantics::OpenCvClip>> OpenModel(
-    const std::string& folder) {
-  if (!folder.empty()) return semantics::OpenCvClip::Open(folder);
-  FREEGS_ASSIGN_OR_RETURN(const fs::path shipped, FindShippedModel());
-  return semantics::OpenCvClip::Open(shipped);
-}
-
-struct Photo {
-  ImageU8 pixels;  // Upright.
-  std::string hash;
-};
-
-StatusOr<Photo> ReadPhoto(const fs::path& path) {
-  FREEGS_ASSIGN_OR_RETURN(const std::string bytes,
-                          ReadFile(path, kMaxFileBytes));
-  sfm::PhotoDecodeOptions options;
-  options.min_side = 1;
-  const StatusOr<sfm::PhotoHeader> header = sfm::ParsePhotoHeader(bytes);
-  if (!header.ok()) return header.status().Annotated(path.string());
-  const Status good = sfm::CheckHeader(*header, options);
-  if (!good.ok()) return good.Annotated(path.string());
-  StatusOr<ImageU8> pixels = sfm::DecodePhoto(bytes, *header, options);
-  if (!pixels.ok()) return pixels.status().Annotated(path.string());
-  return Photo{*std::move(pixels), HashBytes(bytes)};
-}
-
 ImageU8 LimitedTo(const ImageU8& image, int longest_side) {
   const int longest = std::max(image.width(), image.height());
   if (longest <= longest_side) return image;
@@ -147,9 +118,10 @@ Status RunFeaturesCommand(const std::vector<std::string>& arguments,
                           CommandContext& context) {
   FREEGS_ASSIGN_OR_RETURN(const FeaturesRequest request,
                           ParseRequest(arguments));
-  FREEGS_ASSIGN_OR_RETURN(const Photo photo, ReadPhoto(request.image));
+  FREEGS_ASSIGN_OR_RETURN(const UprightPhoto photo,
+                          ReadUprightPhoto(request.image));
   FREEGS_ASSIGN_OR_RETURN(const std::unique_ptr<semantics::OpenCvClip> encoder,
-                          OpenModel(request.model));
+                          OpenClipModel(request.model));
 
   FREEGS_ASSIGN_OR_RETURN(const semantics::TextEmbedding text,
                           encoder->EncodeText(request.text));
@@ -157,13 +129,8 @@ Status RunFeaturesCommand(const std::vector<std::string>& arguments,
     context.err << "features: the words are too long for the model; it sees "
                    "only their beginning\n";
   }
-  std::vector<float> canonical;
-  for (const std::string_view phrase : semantics::kCanonicalPhrases) {
-    FREEGS_ASSIGN_OR_RETURN(const semantics::TextEmbedding embedding,
-                            encoder->EncodeText(std::string(phrase)));
-    canonical.insert(
-        canonical.end(), embedding.values.begin(), embedding.values.end());
-  }
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<float> canonical,
+                          semantics::EncodeCanonicalPhrases(*encoder));
   if (context.cancellation.cancelled()) {
     return InterruptedError("features: stopped");
   }

@@ -19,21 +19,17 @@
 #include "pipeline/logger.h"
 #include "pipeline/option_table.h"
 #include "pipeline/progress_line.h"
+#include "semantics/semantic_colors.h"
 #include "splat/renderer.h"
 #include "stages/depth_image.h"
-#include "stages/evaluation.h"
-#include "stages/ground_truth.h"
-#include "stages/report/html.h"
 #include "stages/scene_instances.h"
+#include "stages/view_selection.h"
 #include "stages/workspace_scene.h"
 
 namespace freegs::stages {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Larger pictures would take gigabytes: rather a mistake in a camera file.
-constexpr int64_t kMaxPixels = 100'000'000;
 
 struct RenderRequest {
   fs::path workspace;
@@ -53,10 +49,10 @@ StatusOr<RenderRequest> ParseRequest(
   table.Add("cameras",
             &request.cameras,
             {.help = "JSON file of cameras; without it, those of the photos."});
-  table.Add(
-      "what",
-      &request.what,
-      {.help = "What to render.", .choices = {"color", "depth", "instances"}});
+  table.Add("what",
+            &request.what,
+            {.help = "What to render.",
+             .choices = {"color", "depth", "instances", "semantics"}});
   table.Add(
       "size",
       &request.size,
@@ -87,59 +83,6 @@ StatusOr<RenderRequest> ParseRequest(
   }
   request.workspace = line.positional[0];
   return request;
-}
-
-// The views of the file in the scene's world frame.
-StatusOr<std::vector<View>> FileViews(const RenderRequest& request,
-                                      const WorkspaceScene& scene,
-                                      std::ostream& err) {
-  FREEGS_ASSIGN_OR_RETURN(const CameraSet cameras,
-                          ReadCameraSet(request.cameras));
-  std::vector<View> views = cameras.train;
-  views.insert(views.end(), cameras.test.begin(), cameras.test.end());
-  if (request.no_align) return views;
-
-  GroundTruth truth;
-  truth.cameras = cameras;
-  const StatusOr<sfm::PoseAlignment> alignment = AlignWithTruth(scene, truth);
-  if (!alignment.ok()) {
-    return BadInputError(
-        request.cameras +
-        ": cannot be aligned with the scene: " + alignment.status().message() +
-        "; its \"train\" section must name photos of the workspace. If its "
-        "poses are in the scene's own frame, give --no-align");
-  }
-  err << "render: aligned by " << alignment->residuals.size()
-      << " photos, rotation residual median "
-      << FormatFixed(alignment->median_rotation_deg, 3) << " deg\n";
-  return MapViews(views, alignment->target_from_source);
-}
-
-StatusOr<std::vector<View>> ViewsToRender(const RenderRequest& request,
-                                          const WorkspaceScene& scene,
-                                          std::ostream& err) {
-  std::vector<View> views;
-  int max_side = request.size;
-  if (!request.cameras.empty()) {
-    FREEGS_ASSIGN_OR_RETURN(views, FileViews(request, scene, err));
-  } else {
-    views = scene.train;
-    views.insert(views.end(), scene.holdout.begin(), scene.holdout.end());
-    std::sort(views.begin(), views.end(), [](const View& a, const View& b) {
-      return a.name < b.name;
-    });
-    if (max_side == 0) max_side = scene.training_max_side;
-  }
-  for (View& view : views) {
-    view.camera = view.camera.LimitedTo(max_side);
-    if (int64_t{view.camera.width} * view.camera.height > kMaxPixels) {
-      return BadInputError("render: view " + view.name + " is " +
-                           std::to_string(view.camera.width) + " x " +
-                           std::to_string(view.camera.height) +
-                           " pixels; limit it with --size");
-    }
-  }
-  return views;
 }
 
 // Writes the pictures of one view after another.
@@ -237,6 +180,43 @@ class InstanceRenderer : public Renderer {
   const std::vector<int32_t> labels_;
 };
 
+class SemanticRenderer : public Renderer {
+ public:
+  SemanticRenderer(const WorkspaceScene& scene,
+                   fs::path out,
+                   ThreadPool* pool,
+                   std::vector<float> colors)
+      : Renderer(scene, std::move(out), pool), colors_(std::move(colors)) {}
+
+  Status Render(const View& view, const std::string& name) override {
+    const splat::RenderedView rendered =
+        splat::RenderView(scene_.model,
+                          view.camera,
+                          view.cam_from_world,
+                          scene_.render,
+                          pool_,
+                          {.values = colors_, .channels = 3});
+    FREEGS_ASSIGN_OR_RETURN(const fs::path path, File(name));
+    return WriteImage(path, ToU8(rendered.features));
+  }
+
+ private:
+  const std::vector<float> colors_;  // N x 3.
+};
+
+StatusOr<std::vector<float>> ReadSemanticColors(const fs::path& workspace,
+                                                size_t num_gaussians,
+                                                ThreadPool& pool) {
+  FREEGS_ASSIGN_OR_RETURN(const semantics::Idsf idsf,
+                          ReadSemanticField(workspace, num_gaussians));
+  if (idsf.feature_dim == 0) {
+    return BadInputError((workspace / "bootstrap" / "idsf.bin").string() +
+                         ": holds instances but no semantic vectors; run stage "
+                         "bootstrap again with semantics");
+  }
+  return semantics::SemanticColors(idsf.features, idsf.feature_dim, {}, pool);
+}
+
 StatusOr<std::unique_ptr<Renderer>> MakeRenderer(const RenderRequest& request,
                                                  const WorkspaceScene& scene,
                                                  const std::vector<View>& views,
@@ -254,6 +234,13 @@ StatusOr<std::unique_ptr<Renderer>> MakeRenderer(const RenderRequest& request,
     return std::unique_ptr<Renderer>(std::make_unique<InstanceRenderer>(
         scene, request.out, pool, std::move(labels)));
   }
+  if (request.what == "semantics") {
+    FREEGS_ASSIGN_OR_RETURN(
+        std::vector<float> colors,
+        ReadSemanticColors(request.workspace, scene.model.size(), *pool));
+    return std::unique_ptr<Renderer>(std::make_unique<SemanticRenderer>(
+        scene, request.out, pool, std::move(colors)));
+  }
   return std::unique_ptr<Renderer>(
       std::make_unique<ColorRenderer>(scene, request.out, pool));
 }
@@ -265,8 +252,17 @@ Status RunRenderCommand(const std::vector<std::string>& arguments,
   FREEGS_ASSIGN_OR_RETURN(const RenderRequest request, ParseRequest(arguments));
   FREEGS_ASSIGN_OR_RETURN(const WorkspaceScene scene,
                           ReadWorkspaceScene(request.workspace));
-  FREEGS_ASSIGN_OR_RETURN(const std::vector<View> views,
-                          ViewsToRender(request, scene, context.err));
+  FREEGS_ASSIGN_OR_RETURN(
+      const std::vector<View> views,
+      ViewsToRender(
+          scene,
+          {.cameras = request.cameras,
+           .align = !request.no_align,
+           .max_side = request.size,
+           .photo_max_side =
+               request.size > 0 ? request.size : scene.training_max_side,
+           .command = "render"},
+          context.err));
   FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> names,
                           OutputNames(views, ".png"));
   FREEGS_RETURN_IF_ERROR(CreateFolders(request.out));

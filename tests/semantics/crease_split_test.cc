@@ -57,7 +57,7 @@ struct Cloud {
 
   int Split(const CreaseSplitOptions& options) {
     ThreadPool pool(2);
-    SplitAtCreases(positions, colors, normals, options, pool, &labels);
+    SplitAtCreases(positions, colors, 3, normals, options, pool, &labels);
     return static_cast<int>(
         std::set<int32_t>(labels.begin(), labels.end()).size());
   }
@@ -120,12 +120,12 @@ TEST(CreaseSplitTest, SwitchedOff) {
 TEST(CreaseSplitTest, DegenerateInput) {
   ThreadPool pool(1);
   std::vector<int32_t> none;
-  SplitAtCreases({}, {}, {}, Options(), pool, &none);
+  SplitAtCreases({}, {}, 3, {}, Options(), pool, &none);
   EXPECT_TRUE(none.empty());
   // All in one place, without normals.
   const std::vector<float> zeros(3 * 1000, 0.0f);
   std::vector<int32_t> labels(1000, 0);
-  SplitAtCreases(zeros, zeros, zeros, Options(), pool, &labels);
+  SplitAtCreases(zeros, zeros, 3, zeros, Options(), pool, &labels);
   EXPECT_EQ(labels, std::vector<int32_t>(1000, 0));
 }
 

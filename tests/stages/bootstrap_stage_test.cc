@@ -14,10 +14,12 @@
 #include "core/files.h"
 #include "core/image_io.h"
 #include "semantics/idsf.h"
+#include "semantics/instance_features.h"
 #include "semantics/instances_json.h"
 #include "sfm/model_io.h"
 #include "sfm/photo_list.h"
 #include "splat/ply_io.h"
+#include "tests/semantics/clip/model_files.h"
 #include "tests/semantics/synthetic_gaussians.h"
 #include "tests/temporary_folder.h"
 
@@ -72,6 +74,7 @@ class BootstrapStageTest : public testing::Test {
             .ok());
     fs::create_directories(workspace() / "reconstruct");
     WriteModel(scene_.model);
+    options_.mode = "geometry";
   }
 
   void WriteModel(const splat::GaussianModel& model) {
@@ -138,7 +141,7 @@ TEST_F(BootstrapStageTest, WritesInstancesMapsAndPreviews) {
   EXPECT_EQ(metrics["num_background"], 1);
   EXPECT_EQ(metrics["instance_sizes"].size(), 5u);
   EXPECT_EQ(metrics["hdbscan"]["min_samples"],
-            options_.clustering.hdbscan.min_samples);
+            options_.method.clustering.hdbscan.min_samples);
 
   std::set<uint16_t> ids;
   for (int k = 0; k < kNumPhotos; ++k) {
@@ -156,6 +159,40 @@ TEST_F(BootstrapStageTest, WritesInstancesMapsAndPreviews) {
     num_previews += entry.is_regular_file();
   }
   EXPECT_EQ(num_previews, options_.num_previews);
+}
+
+TEST_F(BootstrapStageTest, LiftsSemantics) {
+  options_.mode = "lift";
+  options_.model = semantics::TinyClip().string();
+  const fs::path output = workspace() / "bootstrap";
+  const Status status = Run(output);
+  ASSERT_TRUE(status.ok()) << status.message();
+  const auto idsf = semantics::ReadIdsf(output / "idsf.bin");
+  ASSERT_TRUE(idsf.ok());
+  EXPECT_GT(idsf->feature_dim, 0);
+  const auto instances = semantics::ReadInstances(output / "instances.json");
+  const auto features =
+      semantics::ReadInstanceFeatures(output / "instance_features.json");
+  ASSERT_TRUE(instances.ok() && features.ok());
+  EXPECT_EQ(features->size(), instances->size());
+  EXPECT_EQ(features->dim, 8);
+  const auto text = ReadFile(output / "metrics.json");
+  ASSERT_TRUE(text.ok());
+  const auto metrics = nlohmann::json::parse(*text);
+  EXPECT_EQ(metrics["feature_dim"], idsf->feature_dim);
+  EXPECT_EQ(metrics["step_seconds"].size(), 4u);
+
+  // The same again from what an interrupted run has left.
+  ASSERT_TRUE(Run(output, 1, nullptr, /*resuming=*/true).ok());
+  EXPECT_EQ(semantics::ReadIdsf(output / "idsf.bin")->features, idsf->features);
+}
+
+TEST_F(BootstrapStageTest, MissingModelIsAMissingDependency) {
+  options_.mode = "lift";
+  options_.model = (workspace() / "no_such_model").string();
+  const Status status = Run(workspace() / "modelless");
+  EXPECT_EQ(status.code(), StatusCode::kMissingDependency);
+  EXPECT_NE(status.message().find("no_such_model"), std::string::npos);
 }
 
 TEST_F(BootstrapStageTest, SameFilesForAnyNumberOfThreads) {
@@ -220,7 +257,7 @@ TEST(BootstrapOptionsTest, DefaultsAreWithinTheirRanges) {
   pipeline::OptionTable table;
   RegisterBootstrapOptions(options, table);
   EXPECT_TRUE(table.Check().ok()) << table.Check().message();
-  EXPECT_TRUE(options.clustering.Check().ok());
+  EXPECT_TRUE(MakeBootstrappingOptions(options).ok());
 }
 
 }  // namespace

@@ -64,6 +64,60 @@ TEST_F(ExportCommandTest, InstancesHaveFlatColoursAndTheSameShape) {
   }
 }
 
+TEST_F(ExportCommandTest, OnlyAndWithoutPartTheScene) {
+  workspace_.AddInstances();
+  ASSERT_TRUE(
+      Export({workspace(), "--out", File("only.ply"), "--only", "3,1"}).ok());
+  ASSERT_TRUE(
+      Export({workspace(), "--out", File("rest.ply"), "--without", "1,3"})
+          .ok());
+  const auto only = splat::ReadPly(File("only.ply"));
+  const auto rest = splat::ReadPly(File("rest.ply"));
+  ASSERT_TRUE(only.ok());
+  ASSERT_TRUE(rest.ok());
+  size_t num_only = 0;
+  size_t num_rest = 0;
+  for (size_t i = 0; i < workspace_.model.size(); ++i) {
+    const int32_t label = workspace_.labels[i];
+    const auto& model = label == 0 || label == 2 ? *only : *rest;
+    size_t& k = label == 0 || label == 2 ? num_only : num_rest;
+    ASSERT_LT(k, model.size());
+    EXPECT_EQ(model.means[3 * k], workspace_.model.means[3 * i]);
+    EXPECT_EQ(model.sh_dc[3 * k + 2], workspace_.model.sh_dc[3 * i + 2]);
+    ++k;
+  }
+  EXPECT_EQ(num_only, only->size());
+  EXPECT_EQ(num_rest, rest->size());
+}
+
+TEST_F(ExportCommandTest, InstancesThatAreNotThere) {
+  EXPECT_EQ(Export({workspace(), "--out", File("a.ply"), "--only", "1"}).code(),
+            StatusCode::kBadInput);
+  workspace_.AddInstances();
+  for (const char* ids : {"4", "0", "-1", "1,99"}) {
+    const Status status =
+        Export({workspace(), "--out", File("a.ply"), "--only", ids});
+    EXPECT_EQ(status.code(), StatusCode::kInvalidArgument) << ids;
+    EXPECT_THAT(status.message(), HasSubstr("there are 1, 2, 3"));
+  }
+  for (const char* ids : {"x", "1,", ",1", "1 2", "1;2", "99999999999"}) {
+    const Status status =
+        Export({workspace(), "--out", File("a.ply"), "--without", ids});
+    EXPECT_EQ(status.code(), StatusCode::kInvalidArgument) << ids;
+    EXPECT_THAT(status.message(), HasSubstr("like 3,17")) << ids;
+  }
+  EXPECT_EQ(Export({workspace(),
+                    "--out",
+                    File("a.ply"),
+                    "--only",
+                    "1",
+                    "--without",
+                    "2"})
+                .code(),
+            StatusCode::kInvalidArgument);
+  EXPECT_FALSE(std::filesystem::exists(File("a.ply")));
+}
+
 TEST_F(ExportCommandTest, UnknownSuffixNamesTheKnown) {
   const Status status = Export({workspace(), "--out", File("scene.obj")});
   EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
@@ -75,7 +129,7 @@ TEST_F(ExportCommandTest, UnknownSuffixNamesTheKnown) {
 TEST_F(ExportCommandTest, WrongUsage) {
   EXPECT_EQ(Export({}).code(), StatusCode::kInvalidArgument);
   EXPECT_EQ(Export({workspace()}).code(), StatusCode::kInvalidArgument);
-  EXPECT_EQ(Export({workspace(), "--out", "a.ply", "--only", "3"}).code(),
+  EXPECT_EQ(Export({workspace(), "--out", "a.ply", "--unknown", "3"}).code(),
             StatusCode::kInvalidArgument);
   EXPECT_EQ(Export({"a", "b", "--out", "a.ply"}).code(),
             StatusCode::kInvalidArgument);

@@ -223,6 +223,36 @@ TEST_F(RenderCommandTest, HugePicturesNeedASize) {
   EXPECT_TRUE(Render(arguments).ok());
 }
 
+TEST_F(RenderCommandTest, SemanticsHaveOneColourPerMeaning) {
+  workspace_.AddInstances();
+  // Without vectors.
+  const Status none =
+      Render({workspace(), "--out", out(), "--what", "semantics"});
+  EXPECT_EQ(none.code(), StatusCode::kBadInput);
+  EXPECT_THAT(none.message(), HasSubstr("no semantic vectors"));
+
+  // The same for all of an instance; black would be nothing known.
+  semantics::Idsf idsf;
+  idsf.instances = workspace_.labels;
+  idsf.feature_dim = 4;
+  for (const int32_t label : workspace_.labels) {
+    for (int k = 0; k < 4; ++k) {
+      idsf.features.push_back(k == label + 1 ? 2.0f : 0.0f);
+    }
+  }
+  ASSERT_TRUE(
+      semantics::WriteIdsf(workspace_ / "bootstrap" / "idsf.bin", idsf).ok());
+  const Status status =
+      Render({workspace(), "--out", out(), "--what", "semantics"});
+  ASSERT_TRUE(status.ok()) << status.message();
+  const auto picture = ReadRgb(out() + "/photo1.png");
+  ASSERT_TRUE(picture.ok());
+  EXPECT_EQ(picture->width(), SyntheticWorkspace::kTrainingSide);
+  EXPECT_GT(
+      *std::max_element(picture->data(), picture->data() + picture->size()),
+      128);
+}
+
 TEST_F(RenderCommandTest, WrongUsage) {
   for (const std::vector<std::string>& arguments :
        {std::vector<std::string>{},

@@ -128,6 +128,29 @@ TEST(ModelFolderTest, DenseNetworksAreChecked) {
   }
 }
 
+TEST(ModelFolderTest, VocabularyMayBeThere) {
+  const ModelCopy model;
+  EXPECT_TRUE(ModelFolder::Open(model.path())->info.vocabulary.empty());
+  json info = model.Info();
+  info["vocabulary"] = {{"red", "green"}, {"box"}};
+  model.SetInfo(info);
+  const auto folder = ModelFolder::Open(model.path());
+  ASSERT_TRUE(folder.ok());
+  EXPECT_EQ(folder->info.vocabulary,
+            (std::vector<std::vector<std::string>>{{"red", "green"}, {"box"}}));
+  for (const json& wrong : {json("red"),
+                            json{"red"},
+                            json{json::array()},
+                            json{{"red", 1}},
+                            json{{""}},
+                            json{{"x", json::array({"y"})}}}) {
+    info["vocabulary"] = wrong;
+    model.SetInfo(info);
+    ExpectFault(
+        ModelFolder::Open(model.path()).status(), "model.json", "vocabulary");
+  }
+}
+
 TEST(ModelFolderTest, HostileJson) {
   const ModelCopy model;
   for (const std::string& text : {std::string(),

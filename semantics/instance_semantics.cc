@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "semantics/instance_semantics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "core/image_io.h"
+#include "semantics/crf/unary_energies.h"
+#include "semantics/instance_crops.h"
+
+namespace freegs::semantics {
+namespace {
+
+// Labels of a view's pixels; -1 for none.
+using LabelImage = Image<int32_t>;
+
+void AddUnit(std::span<const float> vector, std::span<float> sum) {
+  double square = 0;
+  for (const float x : vector) square += double{x} * x;
+  if (!(square > 0)) return;
+  const auto scale = static_cast<float>(1 / std::sqrt(square));
+  for (size_t c = 0; c < sum.size(); ++c) sum[c] += scale * vector[c];
+}
+
+void Normalize(std::span<float> vector) {
+  double square = 0;
+  for (const float x : vector) square += double{x} * x;
+  if (!(square > 0)) return;
+  const auto scale = static_cast<float>(1 / std::sqrt(square));
+  for (float& x : vector) x *= scale;
+}
+
+// The labels a conditional random field finds when it trusts the given ones to
+// `confidence`. Pixels of no label are a label of their own.
+StatusOr<LabelImage> RefineLabels(const LabelImage& labels,
+                                  const ImageU8& photo,
+                                  const InstanceSemanticsOptions& options,
+                                  ThreadPool& pool) {
+  std::vector<int32_t> present(labels.data(), labels.data() + labels.size());
+  std::sort(present.begin(), present.end());
+  present.erase(std::unique(present.begin(), present.end()), present.end());
+  if (present.size() < 2) return labels;
+  ImageU16 numbers(labels.width(), labels.height(), 1);
+  for (size_t i = 0; i < labels.size(); ++i) {
+    numbers.data()[i] = static_cast<uint16_t>(
+        std::lower_bound(present.begin(), present.end(), labels.data()[i]) -
+        present.begin());
+  }
+  FREEGS_ASSIGN_OR_RETURN(
+      const ImageF unary,
+      UnaryFromLabels(
+          numbers, static_cast<int>(present.size()), options.label_confidence));
+  FREEGS_ASSIGN_OR_RETURN(const DenseCrf crf,
+                          DenseCrf::Build(ToFloat(photo), options.crf, pool));
+  FREEGS_ASSIGN_OR_RETURN(const DenseCrfResult result, crf.Infer(unary, pool));
+  LabelImage refined(labels.width(), labels.height(), 1);
+  for (size_t i = 0; i < refined.size(); ++i) {
+    refined.data()[i] = present[result.labels.data()[i]];
+  }
+  return refined;
+}
+
+// What is to be cut out of each view.
+std::vector<std::vector<int32_t>> InstancesByView(
+    std::vector<std::vector<LabelSight>> sights,
+    size_t num_views,
+    size_t views_per_instance) {
+  std::vector<std::vector<int32_t>> result(num_views);
+  for (size_t label = 0; label < sights.size(); ++label) {
+    for (const LabelSight& sight :
+         BestSights(std::move(sights[label]), views_per_instance)) {
+      result[sight.view].push_back(static_cast<int32_t>(label));
+    }
+  }
+  return result;
+}
+
+class Encoding {
+ public:
+  Encoding(ClipEncoder& encoder, int num_instances, double margin)
+      : encoder_(encoder), margin_(margin) {
+    result_.dim = encoder.embedding_dim();
+    result_.vectors.assign(static_cast<size_t>(num_instances) * result_.dim,
+                           0.0f);
+  }
+
+  // A label that refinement has removed from the view is left out.
+  Status Add(const ImageU8& photo, const LabelImage& labels, int32_t label) {
+    const std::optional<InstanceCrop> crop =
+        CropInstance(photo, labels, label, margin_);
+    if (!crop) return Status();
+    for (const ImageU8* image : {&crop->in_place, &crop->alone}) {
+      FREEGS_ASSIGN_OR_RETURN(const std::vector<float> vector,
+                              encoder_.EncodeImage(*image));
+      AddUnit(vector, Row(label));
+    }
+    ++result_.num_crops;
+    return Status();
+  }
+
+  InstanceVectors Take() {
+    const size_t count = result_.vectors.size() / result_.dim;
+    for (size_t label = 0; label < count; ++label) {
+      Normalize(Row(static_cast<int32_t>(label)));
+    }
+    return std::move(result_);
+  }
+
+ private:
+  std::span<float> Row(int32_t label) {
+    return {result_.vectors.data() + static_cast<size_t>(label) * result_.dim,
+            static_cast<size_t>(result_.dim)};
+  }
+
+  ClipEncoder& encoder_;
+  const double margin_;
+  InstanceVectors result_;
+};
+
+}  // namespace
+
+Status InstanceSemanticsOptions::Check() const {
+  if (views_per_instance < 1 || max_side < 0) {
+    return InvalidArgumentError(
+        "views_per_instance must be positive and max_side not negative");
+  }
+  if (!(min_share >= 0 && min_share <= 1)) {
+    return InvalidArgumentError("min_share must lie in [0, 1]");
+  }
+  if (!(margin >= 0 && margin <= 10)) {
+    return InvalidArgumentError("margin must lie in [0, 10]");
+  }
+  if (!(label_confidence > 0 && label_confidence < 1)) {
+    return InvalidArgumentError("label_confidence must lie in (0, 1)");
+  }
+  return crf.Check();
+}
+
+StatusOr<InstanceVectors> EncodeInstances(
+    const splat::GaussianModel& model,
+    std::span<const View> views,
+    const splat::RenderOptions& render,
+    std::span<const int32_t> labels,
+    int num_instances,
+    ViewPhoto photo_of,
+    ClipEncoder& encoder,
+    const InstanceSemanticsOptions& options,
+    ThreadPool& pool,
+    const CancellationToken* cancellation,
+    ViewsDone done) {
+  FREEGS_RETURN_IF_ERROR(options.Check());
+  std::vector<LabelImage> maps;
+  std::vector<std::vector<LabelSight>> sights(num_instances);
+  for (size_t view = 0; view < views.size(); ++view) {
+    const Pinhole camera = views[view].camera.LimitedTo(options.max_side);
+    maps.push_back(splat::RenderLabels(
+        model, camera, views[view].cam_from_world, render, pool, labels));
+    const auto min_pixels = static_cast<int64_t>(
+        options.min_share * static_cast<double>(maps.back().num_pixels()));
+    CollectSights(view, maps.back(), min_pixels, sights);
+  }
+  const std::vector<std::vector<int32_t>> wanted = InstancesByView(
+      std::move(sights), views.size(), options.views_per_instance);
+
+  Encoding encoding(encoder, num_instances, options.margin);
+  for (size_t view = 0; view < views.size(); ++view) {
+    if (cancellation != nullptr && cancellation->cancelled()) {
+      return InterruptedError("encoding instances was interrupted");
+    }
+    if (!wanted[view].empty()) {
+      FREEGS_ASSIGN_OR_RETURN(ImageU8 photo, photo_of(view));
+      const LabelImage& map = maps[view];
+      if (photo.width() != map.width() || photo.height() != map.height()) {
+        photo = Resize(photo, map.width(), map.height());
+      }
+      LabelImage refined = map;
+      if (options.refine) {
+        FREEGS_ASSIGN_OR_RETURN(refined,
+                                RefineLabels(map, photo, options, pool));
+      }
+      for (const int32_t label : wanted[view]) {
+        FREEGS_RETURN_IF_ERROR(encoding.Add(photo, refined, label));
+      }
+    }
+    done(view + 1);
+  }
+  return encoding.Take();
+}
+
+}  // namespace freegs::semantics

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Adam (Kingma and Ba 2015) over one array of parameters. splat/adam.h is over
+// a Gaussian model, where few Gaussians move in a step; here all do.
+
+#ifndef FREEGS_SEMANTICS_LOSSES_ARRAY_ADAM_H_
+#define FREEGS_SEMANTICS_LOSSES_ARRAY_ADAM_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/parallel.h"
+#include "splat/adam.h"
+
+namespace freegs::semantics {
+
+// What Adam remembers; moments are of the parameters' size.
+struct ArrayAdamState {
+  int64_t steps = 0;
+  std::vector<float> first_moments;
+  std::vector<float> second_moments;
+
+  // Before the first step.
+  static ArrayAdamState OfSize(size_t size) {
+    return {0, std::vector<float>(size, 0.0f), std::vector<float>(size, 0.0f)};
+  }
+};
+
+// One step at the learning rate `rate`. All arrays are of one size. The same
+// bytes for any number of threads.
+void StepArrayAdam(const splat::AdamOptions& options,
+                   double rate,
+                   std::span<const float> gradients,
+                   ThreadPool& pool,
+                   ArrayAdamState* state,
+                   std::span<float> parameters);
+
+}  // namespace freegs::semantics
+
+#endif  // FREEGS_SEMANTICS_LOSSES_ARRAY_ADAM_H_

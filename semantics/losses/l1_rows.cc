@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "semantics/losses/l1_rows.h"
+
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace freegs::semantics {
+namespace {
+
+constexpr int64_t kRowGrain = 32;
+
+// |feature - target|_1; adds step * sign(feature - target).
+double AddRow(const float* feature,
+              const float* target,
+              int channels,
+              float step,
+              float* gradient) {
+  double sum = 0;
+  for (int c = 0; c < channels; ++c) {
+    const float difference = feature[c] - target[c];
+    sum += std::abs(difference);
+    const int sign = (difference > 0) - (difference < 0);
+    gradient[c] += step * static_cast<float>(sign);
+  }
+  return sum;
+}
+
+}  // namespace
+
+StatusOr<double> L1OfRows(std::span<const float> features,
+                          int channels,
+                          FunctionRef<TargetRow(size_t row)> target_of,
+                          double weight,
+                          ThreadPool& pool,
+                          std::span<float> gradients) {
+  if (channels <= 0 || features.size() % channels != 0 ||
+      gradients.size() != features.size()) {
+    return InvalidArgumentError(
+        std::to_string(features.size()) + " feature values and " +
+        std::to_string(gradients.size()) + " gradients, not both S x " +
+        std::to_string(channels));
+  }
+  const size_t num_rows = features.size() / channels;
+  double total = 0;
+  std::vector<TargetRow> targets(num_rows);
+  for (size_t row = 0; row < num_rows; ++row) {
+    targets[row] = target_of(row);
+    if (!(targets[row].weight >= 0) || !std::isfinite(targets[row].weight)) {
+      return InvalidArgumentError("the weight of row " + std::to_string(row) +
+                                  " is negative or not finite");
+    }
+    total += targets[row].weight;
+  }
+  if (!(total > 0)) return 0.0;
+
+  const double scale = 1 / (total * channels);
+  std::vector<double> losses(num_rows, 0.0);
+  pool.ParallelFor(0,
+                   static_cast<int64_t>(num_rows),
+                   kRowGrain,
+                   [&](int64_t first, int64_t last, int) {
+                     for (int64_t row = first; row < last; ++row) {
+                       const TargetRow& target = targets[row];
+                       if (target.weight == 0) continue;
+                       const double share = scale * target.weight;
+                       losses[row] =
+                           share * AddRow(features.data() + row * channels,
+                                          target.values,
+                                          channels,
+                                          static_cast<float>(weight * share),
+                                          gradients.data() + row * channels);
+                     }
+                   });
+  double loss = 0;
+  for (const double part : losses) loss += part;
+  if (!std::isfinite(loss)) {
+    return InvalidArgumentError("features or targets are not finite");
+  }
+  return loss;
+}
+
+Status CheckRowWeights(std::span<const float> row_weights, size_t rows) {
+  if (row_weights.empty() || row_weights.size() == rows) return Status();
+  return InvalidArgumentError(std::to_string(row_weights.size()) +
+                              " row weights for " + std::to_string(rows) +
+                              " rows");
+}
+
+}  // namespace freegs::semantics

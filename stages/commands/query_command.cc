@@ -1,0 +1,347 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/commands/query_command.h"
+
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <unistd.h>
+#include <utility>
+
+#include "core/files.h"
+#include "core/parallel.h"
+#include "pipeline/json_text.h"
+#include "pipeline/logger.h"
+#include "pipeline/progress_line.h"
+#include "semantics/click_query.h"
+#include "semantics/clip/relevancy.h"
+#include "semantics/instance_features.h"
+#include "stages/clip_input.h"
+#include "stages/query/query_answer.h"
+#include "stages/query/query_masks.h"
+#include "stages/query/query_request.h"
+#include "stages/query/query_scene.h"
+#include "stages/report/html.h"
+#include "stages/view_selection.h"
+
+namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Milliseconds since the last call.
+class Lap {
+ public:
+  double Milliseconds() {
+    const auto now = std::chrono::steady_clock::now();
+    return std::chrono::duration<double, std::milli>(now -
+                                                     std::exchange(start_, now))
+        .count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ =
+      std::chrono::steady_clock::now();
+};
+
+// The folder given, else that the features were made with if it is still
+// there, else (empty) the model that comes with the program.
+std::string ModelFolder(const QueryRequest& request,
+                        const semantics::InstanceFeatures& features) {
+  if (!request.model.empty()) return request.model;
+  const fs::path folder = request.workspace / features.model;
+  std::error_code error;
+  return !features.model.empty() && fs::exists(folder / "model.json", error)
+             ? folder.string()
+             : std::string();
+}
+
+StatusOr<std::unique_ptr<semantics::OpenCvClip>> OpenModelOf(
+    const QueryRequest& request, const semantics::InstanceFeatures& features) {
+  const std::string folder = ModelFolder(request, features);
+  FREEGS_ASSIGN_OR_RETURN(std::unique_ptr<semantics::OpenCvClip> encoder,
+                          OpenClipModel(folder));
+  if (encoder->model_hash() != features.model_hash) {
+    return MissingDependencyError(
+        (folder.empty() ? "the CLIP model that comes with the program"
+                        : folder) +
+        ": is another model (" + encoder->model_hash() +
+        ") than the one of the scene's features (" + features.model +
+        ", hash " + features.model_hash +
+        "); name its folder with --model, or run stage bootstrap again");
+  }
+  return encoder;
+}
+
+// Fills the answer from all instances by descending score, large planes too:
+// these answer only when asked to, but the best of all is told.
+template <typename Hit, typename Score>
+void FillFrom(const std::vector<Hit>& all,
+              const QueryScene& scene,
+              const QueryRequest& request,
+              const Score& score,
+              QueryAnswer* answer) {
+  std::vector<ScoredInstance> scored;
+  for (const Hit& hit : all) {
+    const ScoredInstance instance{hit.id, score(hit), hit.cosine, std::nullopt};
+    const bool plane = scene.is_background[static_cast<size_t>(hit.id) - 1];
+    if (!plane || request.text_options.background) {
+      scored.push_back(instance);
+    } else if (scored.empty() && !answer->plane) {
+      answer->plane = instance;
+    }
+  }
+  SplitHits(scored, request.max_hits, answer);
+}
+
+Status AnswerText(const QueryRequest& request,
+                  const QueryScene& scene,
+                  CommandContext& context,
+                  QueryAnswer* answer) {
+  Lap lap;
+  FREEGS_ASSIGN_OR_RETURN(const std::unique_ptr<semantics::OpenCvClip> encoder,
+                          OpenModelOf(request, *scene.features));
+  FREEGS_ASSIGN_OR_RETURN(const semantics::TextEmbedding text,
+                          encoder->EncodeText(*request.text));
+  if (text.truncated) {
+    context.err << "query: the words are too long for the model; it sees only "
+                   "their beginning\n";
+  }
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<float> canonical,
+                          semantics::EncodeCanonicalPhrases(*encoder));
+  answer->encode_ms = lap.Milliseconds();
+
+  answer->question = {{"kind", "text"}, {"text", *request.text}};
+  answer->words = "text \"" + *request.text + "\"";
+  answer->score_name = "relevancy";
+  answer->threshold = request.text_options.min_relevancy;
+  FREEGS_ASSIGN_OR_RETURN(
+      const std::vector<semantics::TextHit> all,
+      semantics::QueryText(*scene.features,
+                           text.values,
+                           canonical,
+                           {.min_relevancy = 0, .background = true}));
+  FillFrom(
+      all,
+      scene,
+      request,
+      [](const semantics::TextHit& hit) { return hit.relevancy; },
+      answer);
+  answer->query_ms = lap.Milliseconds();
+  return Status();
+}
+
+Status AnswerExample(const QueryRequest& request,
+                     const QueryScene& scene,
+                     QueryAnswer* answer) {
+  Lap lap;
+  FREEGS_ASSIGN_OR_RETURN(const UprightPhoto photo,
+                          ReadUprightPhoto(*request.example));
+  FREEGS_ASSIGN_OR_RETURN(const std::unique_ptr<semantics::OpenCvClip> encoder,
+                          OpenModelOf(request, *scene.features));
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<float> image,
+                          encoder->EncodeImage(photo.pixels));
+  answer->encode_ms = lap.Milliseconds();
+
+  answer->question = {{"kind", "example"},
+                      {"image", request.example->string()}};
+  answer->words = "example " + request.example->string();
+  answer->score_name = "cosine";
+  answer->threshold = request.min_cosine;
+  FREEGS_ASSIGN_OR_RETURN(
+      const std::vector<semantics::ExampleHit> all,
+      semantics::QueryExample(*scene.features, image, {.background = true}));
+  FillFrom(
+      all,
+      scene,
+      request,
+      [](const semantics::ExampleHit& hit) { return hit.cosine; },
+      answer);
+  answer->query_ms = lap.Milliseconds();
+  return Status();
+}
+
+// One of the views to show, else of the photos.
+StatusOr<View> ViewOf(const QueryScene& scene, const std::string& name) {
+  StatusOr<View> view = FindView(scene.photos, name);
+  if (view.ok()) return view;
+  const StatusOr<View> shown = FindView(scene.views, name);
+  return shown.ok() ? shown : view;
+}
+
+Status CheckListed(const QueryScene& scene, int id) {
+  for (const semantics::Instance& instance : scene.instances) {
+    if (instance.id == id) return Status();
+  }
+  return BadInputError("bootstrap/idsf.bin: has an instance " +
+                       std::to_string(id) +
+                       " that instances.json has not; run stage bootstrap "
+                       "again");
+}
+
+std::string Place(const ViewPlace& place) {
+  std::string text = place.view;
+  for (const double number : place.numbers) {
+    text += " " + FormatFixed(number, number == std::floor(number) ? 0 : 2);
+  }
+  return text;
+}
+
+Status AnswerClick(const QueryRequest& request,
+                   const QueryScene& scene,
+                   ThreadPool& pool,
+                   QueryAnswer* answer) {
+  const ViewPlace& place = *request.click;
+  FREEGS_ASSIGN_OR_RETURN(const View view, ViewOf(scene, place.view));
+  const double x = std::floor(place.numbers[0]);
+  const double y = std::floor(place.numbers[1]);
+  if (x < 0 || y < 0 || x >= view.camera.width || y >= view.camera.height) {
+    return InvalidArgumentError("--click " + Place(place) + ": view " +
+                                view.name + " is " +
+                                std::to_string(view.camera.width) + " x " +
+                                std::to_string(view.camera.height) + " pixels");
+  }
+  Lap lap;
+  const semantics::ClickQueryOptions options;
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<semantics::ClickHit> all,
+                          semantics::QueryClick(scene.scene->model,
+                                                scene.labels,
+                                                view.camera,
+                                                view.cam_from_world,
+                                                scene.scene->render,
+                                                static_cast<int>(x),
+                                                static_cast<int>(y),
+                                                options,
+                                                pool));
+  answer->query_ms = lap.Milliseconds();
+  answer->question = {{"kind", "click"},
+                      {"view", view.name},
+                      {"x", place.numbers[0]},
+                      {"y", place.numbers[1]}};
+  answer->words = "click " + Place(place);
+  answer->score_name = "weight";
+  std::vector<ScoredInstance> scored;
+  for (const semantics::ClickHit& hit : all) {
+    FREEGS_RETURN_IF_ERROR(CheckListed(scene, hit.id));
+    scored.push_back({hit.id, hit.weight, std::nullopt, hit.point});
+  }
+  SplitHits(scored, request.max_hits, answer);
+  return Status();
+}
+
+Status AnswerBox(const QueryRequest& request,
+                 const QueryScene& scene,
+                 ThreadPool& pool,
+                 QueryAnswer* answer) {
+  const ViewPlace& place = *request.box;
+  FREEGS_ASSIGN_OR_RETURN(const View view, ViewOf(scene, place.view));
+  Lap lap;
+  const Image<int32_t> labels = splat::RenderLabels(scene.scene->model,
+                                                    view.camera,
+                                                    view.cam_from_world,
+                                                    scene.scene->render,
+                                                    pool,
+                                                    scene.labels);
+  const StatusOr<std::vector<semantics::BoxHit>> all = semantics::QueryBox(
+      labels,
+      {place.numbers[0], place.numbers[1], place.numbers[2], place.numbers[3]},
+      {.background = request.text_options.background},
+      scene.is_background);
+  if (!all.ok()) return all.status().Annotated("--box " + Place(place));
+  answer->query_ms = lap.Milliseconds();
+  answer->question = {
+      {"kind", "box"}, {"view", view.name}, {"box", place.numbers}};
+  answer->words = "box " + Place(place);
+  answer->score_name = "iou";
+  std::vector<ScoredInstance> scored;
+  for (const semantics::BoxHit& hit : *all) {
+    FREEGS_RETURN_IF_ERROR(CheckListed(scene, hit.id));
+    scored.push_back({hit.id, hit.iou, std::nullopt, std::nullopt});
+  }
+  SplitHits(scored, request.max_hits, answer);
+  return Status();
+}
+
+Status FindAnswer(const QueryRequest& request,
+                  const QueryScene& scene,
+                  CommandContext& context,
+                  ThreadPool& pool,
+                  QueryAnswer* answer) {
+  if (request.text) return AnswerText(request, scene, context, answer);
+  if (request.example) return AnswerExample(request, scene, answer);
+  if (request.click) return AnswerClick(request, scene, pool, answer);
+  return AnswerBox(request, scene, pool, answer);
+}
+
+Status WriteMasks(const QueryRequest& request,
+                  const QueryScene& scene,
+                  CommandContext& context,
+                  ThreadPool& pool,
+                  QueryAnswer* answer) {
+  Lap lap;
+  QueryMasksTask task{.scene = *scene.scene,
+                      .labels = scene.labels,
+                      .views = scene.views,
+                      .ids = {},
+                      .photos = {},
+                      .out = request.out};
+  for (const ScoredInstance& hit : answer->hits) task.ids.push_back(hit.id);
+  if (request.cameras.empty()) {
+    task.photos = request.workspace / "undistort" / "images";
+  }
+  const bool terminal =
+      &context.err == &std::cerr && isatty(STDERR_FILENO) != 0;
+  pipeline::Logger logger(context.err, terminal, {});
+  pipeline::ProgressLine progress(&logger, "query");
+  FREEGS_ASSIGN_OR_RETURN(
+      answer->masks,
+      WriteQueryMasks(
+          task,
+          context.cancellation,
+          [&](size_t done) {
+            progress.Report({"masks",
+                             static_cast<double>(done),
+                             static_cast<double>(scene.views.size()),
+                             ""});
+          },
+          pool));
+  answer->masks_ms = lap.Milliseconds();
+  return Status();
+}
+
+}  // namespace
+
+Status RunQueryCommand(const std::vector<std::string>& arguments,
+                       CommandContext& context) {
+  FREEGS_ASSIGN_OR_RETURN(const QueryRequest request,
+                          ParseQueryRequest(arguments));
+  ThreadPool pool(request.threads);
+  Lap lap;
+  FREEGS_ASSIGN_OR_RETURN(const QueryScene scene,
+                          LoadQueryScene(request, context.err));
+  QueryAnswer answer;
+  answer.load_ms = lap.Milliseconds();
+  if (context.cancellation.cancelled()) {
+    return InterruptedError("query: stopped");
+  }
+  FREEGS_RETURN_IF_ERROR(FindAnswer(request, scene, context, pool, &answer));
+  if (!request.out.empty()) {
+    FREEGS_RETURN_IF_ERROR(WriteMasks(request, scene, context, pool, &answer));
+    FREEGS_RETURN_IF_ERROR(
+        WriteFileAtomic(fs::path(request.out) / "query.json",
+                        pipeline::JsonText(ToJson(answer, scene.instances))));
+  }
+  if (request.json) {
+    context.out << pipeline::JsonText(ToJson(answer, scene.instances));
+  } else {
+    PrintAnswer(answer, scene.instances, context.out);
+  }
+  return Status();
+}
+
+}  // namespace freegs::stages

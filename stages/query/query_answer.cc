@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/query/query_answer.h"
+
+#include <algorithm>
+#include <iomanip>
+#include <sstream>
+
+#include "semantics/instances_json.h"
+#include "stages/report/html.h"
+
+namespace freegs::stages {
+namespace {
+
+using nlohmann::json;
+
+// Instances named after the hits.
+constexpr size_t kMaxOthers = 5;
+
+const semantics::Instance& InstanceOf(
+    const ScoredInstance& scored,
+    const std::vector<semantics::Instance>& instances) {
+  return *std::find_if(
+      instances.begin(), instances.end(), [&](const auto& instance) {
+        return instance.id == scored.id;
+      });
+}
+
+json Brief(const ScoredInstance& scored) {
+  return {{"id", scored.id}, {"score", scored.score}};
+}
+
+// As in instances.json, but for the score: that is the answer's, and the
+// instance's own is "instance_score".
+json HitToJson(const ScoredInstance& hit, const semantics::Instance& instance) {
+  json entry = json::parse(semantics::SerializeInstances({instance}))[0];
+  entry["instance_score"] = entry["score"];
+  entry["score"] = hit.score;
+  if (hit.cosine) entry["cosine"] = *hit.cosine;
+  if (hit.point) {
+    entry["point"] = {hit.point->x(), hit.point->y(), hit.point->z()};
+  }
+  return entry;
+}
+
+const ScoredInstance* Best(const QueryAnswer& answer) {
+  if (!answer.hits.empty()) return &answer.hits[0];
+  return answer.others.empty() ? nullptr : &answer.others[0];
+}
+
+std::string Triple(const Eigen::Vector3d& x) {
+  return FormatFixed(x[0], 3) + " " + FormatFixed(x[1], 3) + " " +
+         FormatFixed(x[2], 3);
+}
+
+std::string Joined(const std::vector<std::string>& words) {
+  std::string joined;
+  for (const std::string& word : words) {
+    joined += (joined.empty() ? "" : ", ") + word;
+  }
+  return joined;
+}
+
+void PrintNotFound(const QueryAnswer& answer, std::ostream& out) {
+  out << "not found: " << answer.words;
+  if (const ScoredInstance* best = Best(answer)) {
+    out << "; the nearest is instance " << best->id << " with "
+        << answer.score_name << " " << FormatFixed(best->score, 3)
+        << ", less than " << FormatFixed(answer.threshold, 3);
+  }
+  out << "\n";
+}
+
+void PrintHits(const QueryAnswer& answer,
+               const std::vector<semantics::Instance>& instances,
+               std::ostream& out) {
+  out << "found: " << answer.words << "\n"
+      << std::setw(6) << "id" << std::setw(11) << answer.score_name
+      << std::setw(11) << "Gaussians"
+      << "  " << std::left << std::setw(26) << "centre" << std::setw(26)
+      << "size of oriented box"
+      << "words\n"
+      << std::right;
+  for (const ScoredInstance& hit : answer.hits) {
+    const semantics::Instance& instance = InstanceOf(hit, instances);
+    out << std::setw(6) << hit.id << std::setw(11) << FormatFixed(hit.score, 3)
+        << std::setw(11) << instance.num_gaussians << "  " << std::left
+        << std::setw(26) << Triple(instance.centre) << std::setw(26)
+        << Triple(instance.obb.size) << std::right << Joined(instance.words)
+        << (instance.background ? " (large plane)" : "") << "\n";
+  }
+}
+
+}  // namespace
+
+void SplitHits(const std::vector<ScoredInstance>& scored,
+               int max_hits,
+               QueryAnswer* answer) {
+  size_t count = 0;
+  while (count < scored.size() && scored[count].score >= answer->threshold &&
+         (max_hits == 0 || count < static_cast<size_t>(max_hits))) {
+    ++count;
+  }
+  const size_t end = std::min(scored.size(), count + kMaxOthers);
+  answer->hits.assign(scored.begin(),
+                      scored.begin() + static_cast<int64_t>(count));
+  answer->others.assign(scored.begin() + static_cast<int64_t>(count),
+                        scored.begin() + static_cast<int64_t>(end));
+}
+
+json ToJson(const QueryAnswer& answer,
+            const std::vector<semantics::Instance>& instances) {
+  json hits = json::array();
+  for (const ScoredInstance& hit : answer.hits) {
+    hits.push_back(HitToJson(hit, InstanceOf(hit, instances)));
+  }
+  json others = json::array();
+  for (const ScoredInstance& other : answer.others) {
+    others.push_back(Brief(other));
+  }
+  const ScoredInstance* best = Best(answer);
+  json result = {
+      {"query", answer.question},
+      {"found", !answer.hits.empty()},
+      {"score", answer.score_name},
+      {"threshold", answer.threshold},
+      {"best_score", best == nullptr ? json(nullptr) : json(best->score)},
+      {"hits", std::move(hits)},
+      {"others", std::move(others)},
+      {"plane", answer.plane ? Brief(*answer.plane) : json(nullptr)},
+      {"timings",
+       {{"load_ms", answer.load_ms},
+        {"encode_ms", answer.encode_ms},
+        {"query_ms", answer.query_ms},
+        {"masks_ms", answer.masks_ms}}}};
+  if (answer.masks) {
+    json masks = json::array();
+    for (const MaskedView& view : *answer.masks) {
+      masks.push_back(
+          {{"view", view.name}, {"mask", view.mask}, {"pixels", view.pixels}});
+    }
+    result["masks"] = std::move(masks);
+  }
+  return result;
+}
+
+void PrintAnswer(const QueryAnswer& answer,
+                 const std::vector<semantics::Instance>& instances,
+                 std::ostream& out) {
+  if (answer.hits.empty()) {
+    PrintNotFound(answer, out);
+  } else {
+    PrintHits(answer, instances, out);
+    for (size_t k = 0; k < answer.others.size(); ++k) {
+      out << (k == 0 ? "next: " : ", ") << answer.others[k].id << " ("
+          << FormatFixed(answer.others[k].score, 3) << ")";
+    }
+    if (!answer.others.empty()) out << "\n";
+  }
+  if (answer.plane) {
+    out << "the large plane " << answer.plane->id << " has "
+        << answer.score_name << " " << FormatFixed(answer.plane->score, 3)
+        << "; --background lets planes answer\n";
+  }
+  if (answer.masks) {
+    const auto seen = std::count_if(
+        answer.masks->begin(), answer.masks->end(), [](const MaskedView& view) {
+          return view.pixels > 0;
+        });
+    out << answer.masks->size() << " masks, " << seen << " of them not empty\n";
+  }
+}
+
+}  // namespace freegs::stages

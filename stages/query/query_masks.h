@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The answer of a query as pictures: the same instances in every view.
+
+#ifndef FREEGS_STAGES_QUERY_QUERY_MASKS_H_
+#define FREEGS_STAGES_QUERY_QUERY_MASKS_H_
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "core/cancellation.h"
+#include "core/function_ref.h"
+#include "core/parallel.h"
+#include "core/status.h"
+#include "stages/query/query_answer.h"
+#include "stages/workspace_scene.h"
+
+namespace freegs::stages {
+
+struct QueryMasksTask {
+  const WorkspaceScene& scene;
+  std::span<const int32_t> labels;  // Per Gaussian, -1 for none.
+  const std::vector<View>& views;
+  std::vector<int> ids;  // Instances to show; none gives empty masks.
+
+  // Folder of photographs by view name for overlays; empty to render them.
+  std::filesystem::path photos;
+  std::filesystem::path out;
+  int num_overlays = 6;  // At most, evenly spread over the views that see any.
+};
+
+// Writes out/masks/VIEW.png for every view (8-bit grey, 255 where one of the
+// instances has the largest weight, else 0) and out/overlay/VIEW.jpg for a few.
+// `progress` is told how many views are done. kInterrupted when cancelled.
+StatusOr<std::vector<MaskedView>> WriteQueryMasks(
+    const QueryMasksTask& task,
+    const CancellationToken& cancellation,
+    FunctionRef<void(size_t)> progress,
+    ThreadPool& pool);
+
+}  // namespace freegs::stages
+
+#endif  // FREEGS_STAGES_QUERY_QUERY_MASKS_H_

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/query/query_scene.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <system_error>
+
+#include "semantics/instances_json.h"
+#include "stages/scene_instances.h"
+#include "stages/view_selection.h"
+
+namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The file of stage bootstrap.
+StatusOr<fs::path> BootstrapFile(const QueryRequest& request,
+                                 const std::string& name,
+                                 const std::string& advice) {
+  const fs::path path = request.workspace / "bootstrap" / name;
+  std::error_code error;
+  if (!fs::exists(path, error)) {
+    return BadInputError(path.string() + ": no such file; " + advice);
+  }
+  return path;
+}
+
+// For every id that the features or the labels know.
+std::vector<uint8_t> BackgroundFlags(const QueryScene& scene) {
+  size_t count = scene.features ? scene.features->size() : 0;
+  for (const int32_t label : scene.labels) {
+    count = std::max(count, static_cast<size_t>(label + 1));
+  }
+  std::vector<uint8_t> flags(count);
+  for (const semantics::Instance& instance : scene.instances) {
+    const auto place = static_cast<size_t>(instance.id) - 1;
+    if (place < count) flags[place] = instance.background;
+  }
+  return flags;
+}
+
+Status LoadFeatures(const QueryRequest& request, QueryScene* scene) {
+  FREEGS_ASSIGN_OR_RETURN(
+      const fs::path path,
+      BootstrapFile(request,
+                    "instance_features.json",
+                    "the scene knows its instances but not what they are, so "
+                    "that only --click and --box can be answered; run stage "
+                    "bootstrap again with semantics"));
+  FREEGS_ASSIGN_OR_RETURN(scene->features,
+                          semantics::ReadInstanceFeatures(path));
+  std::vector<uint8_t> listed(scene->features->size());
+  for (const semantics::Instance& instance : scene->instances) {
+    if (static_cast<size_t>(instance.id) > listed.size()) {
+      return BadInputError(path.string() + ": has no instance " +
+                           std::to_string(instance.id) +
+                           " of instances.json; run stage bootstrap again");
+    }
+    listed[static_cast<size_t>(instance.id) - 1] = 1;
+  }
+  for (size_t i = 0; i < listed.size(); ++i) {
+    if (listed[i] == 0 && scene->features->known(i)) {
+      return BadInputError(path.string() + ": has an instance " +
+                           std::to_string(i + 1) +
+                           " that instances.json has not; run stage bootstrap "
+                           "again");
+    }
+  }
+  return Status();
+}
+
+Status LoadViews(const QueryRequest& request,
+                 std::ostream& messages,
+                 QueryScene* scene) {
+  FREEGS_ASSIGN_OR_RETURN(scene->scene, ReadWorkspaceScene(request.workspace));
+  FREEGS_ASSIGN_OR_RETURN(
+      scene->labels,
+      ReadInstanceLabels(request.workspace, scene->scene->model.size()));
+  FREEGS_ASSIGN_OR_RETURN(scene->views,
+                          ViewsToRender(*scene->scene,
+                                        {.cameras = request.cameras,
+                                         .align = !request.no_align,
+                                         .max_side = request.size,
+                                         .photo_max_side = request.size,
+                                         .command = "query"},
+                                        messages));
+  scene->photos = PhotoViews(*scene->scene);
+  return Status();
+}
+
+}  // namespace
+
+StatusOr<QueryScene> LoadQueryScene(const QueryRequest& request,
+                                    std::ostream& messages) {
+  QueryScene scene;
+  FREEGS_ASSIGN_OR_RETURN(
+      const fs::path path,
+      BootstrapFile(request, "instances.json", "run stage bootstrap first"));
+  FREEGS_ASSIGN_OR_RETURN(scene.instances, semantics::ReadInstances(path));
+  if (request.text || request.example) {
+    FREEGS_RETURN_IF_ERROR(LoadFeatures(request, &scene));
+  }
+  if (request.click || request.box || !request.out.empty()) {
+    FREEGS_RETURN_IF_ERROR(LoadViews(request, messages, &scene));
+  }
+  scene.is_background = BackgroundFlags(scene);
+  return scene;
+}
+
+}  // namespace freegs::stages
