@@ -11,7 +11,10 @@
 #include <nlohmann/json.hpp>
 
 #include "sfm/pose_alignment.h"
+#include "stages/consistency_evaluation.h"
 #include "stages/evaluation.h"
+#include "stages/instance_evaluation.h"
+#include "stages/text_evaluation.h"
 
 namespace freegs::stages {
 
@@ -27,6 +30,11 @@ struct EvaluationReport {
   // Largest distance of a true training camera from their mean, truth's units.
   double camera_extent = 0;
   std::optional<InstanceQuality> instances;
+  std::optional<ViewConsistency> consistency;
+  std::optional<TextQuality> text;
+  std::string text_model;                // The CLIP model that was asked.
+  std::optional<double> text_threshold;  // Relevancy below which nothing is
+                                         // answered, if one was asked for.
 };
 
 // The keys of docs/evaluation.md (psnr, ssim, pose_rotation_deg, ...), each

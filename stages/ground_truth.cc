@@ -191,13 +191,15 @@ StatusOr<TrueObject> ReadTrueObject(const json& value,
   object.label = label->get<std::string>();
   const json* aabb = Find(value, "aabb");
   if (aabb == nullptr) return BadInputError(where + ".aabb: is missing");
-  FREEGS_ASSIGN_OR_RETURN(object.aabb.min,
+  semantics::AxisAlignedBox bounds;
+  FREEGS_ASSIGN_OR_RETURN(bounds.min,
                           ReadVector(Find(*aabb, "min"), where + ".aabb.min"));
-  FREEGS_ASSIGN_OR_RETURN(object.aabb.max,
+  FREEGS_ASSIGN_OR_RETURN(bounds.max,
                           ReadVector(Find(*aabb, "max"), where + ".aabb.max"));
-  if ((object.aabb.max - object.aabb.min).minCoeff() < 0) {
+  if ((bounds.max - bounds.min).minCoeff() < 0) {
     return BadInputError(where + ".aabb: min is larger than max");
   }
+  object.aabb = bounds;
   const json* obb = Find(value, "obb");
   if (obb == nullptr || obb->is_null()) return object;
   semantics::OrientedBox box;
@@ -281,15 +283,6 @@ StatusOr<std::vector<TrueObject>> ReadTrueObjects(const fs::path& path) {
   return ParseTrueObjects(text, path.string());
 }
 
-fs::path GroundTruth::TestPhoto(const View& view) const {
-  return folder / "test" / "images" / view.name;
-}
-
-fs::path GroundTruth::InstanceMap(const View& view) const {
-  return folder / "gt" / "instance" /
-         fs::path(view.name).replace_extension(".png");
-}
-
 StatusOr<GroundTruth> ReadGroundTruth(const fs::path& folder) {
   std::error_code error;
   GroundTruth truth;
@@ -311,6 +304,14 @@ StatusOr<GroundTruth> ReadGroundTruth(const fs::path& folder) {
   if (fs::exists(objects, error)) {
     FREEGS_ASSIGN_OR_RETURN(truth.objects, ReadTrueObjects(objects));
   }
+  for (const View& view : truth.cameras.test) {
+    const fs::path photo = truth.folder / "test" / "images" / view.name;
+    if (fs::exists(photo, error)) truth.photos[view.name] = photo;
+    const fs::path ids = truth.folder / "gt" / "instance" /
+                         fs::path(view.name).replace_extension(".png");
+    if (fs::exists(ids, error)) truth.masks[view.name] = {{ids, 0}};
+  }
+  truth.complete = true;
   return truth;
 }
 

@@ -3,18 +3,26 @@
 #include "stages/commands/eval_command.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
+#include <optional>
+#include <set>
+#include <string>
 #include <system_error>
 #include <utility>
 
 #include "core/files.h"
 #include "core/parallel.h"
 #include "pipeline/json_text.h"
-#include "semantics/idsf.h"
+#include "stages/consistency_evaluation.h"
+#include "stages/datasets/layout.h"
 #include "stages/evaluation.h"
 #include "stages/evaluation_report.h"
-#include "stages/ground_truth.h"
+#include "stages/instance_evaluation.h"
+#include "stages/label_answers.h"
 #include "stages/pipeline_options.h"
+#include "stages/scene_instances.h"
+#include "stages/text_evaluation.h"
 #include "stages/workspace_scene.h"
 
 namespace freegs::stages {
@@ -34,63 +42,43 @@ double CameraExtent(const std::vector<View>& views) {
   return extent;
 }
 
-Status CompareWithTruth(const fs::path& folder,
-                        const fs::path& workspace,
-                        const WorkspaceScene& scene,
-                        CommandContext& context,
-                        ThreadPool& pool,
-                        EvaluationReport* report) {
-  FREEGS_ASSIGN_OR_RETURN(const GroundTruth truth, ReadGroundTruth(folder));
-  FREEGS_ASSIGN_OR_RETURN(report->poses, AlignWithTruth(scene, truth));
-  report->truth = truth.folder.string();
-  report->num_true_poses = truth.cameras.train.size();
-  report->camera_extent = CameraExtent(truth.cameras.train);
-  const Sim3d truth_from_scene = report->poses->target_from_source;
-  FREEGS_ASSIGN_OR_RETURN(
-      report->test,
-      MeasureTestQuality(
-          scene, truth, truth_from_scene, context.cancellation, pool));
-  const fs::path field = workspace / "bootstrap" / "idsf.bin";
-  std::error_code error;
-  if (!fs::exists(field, error)) {
-    context.err << "eval: " << field.string()
-                << " is not there; run stage bootstrap to have instances "
-                   "measured\n";
-    return Status();
-  }
-  FREEGS_ASSIGN_OR_RETURN(const semantics::Idsf idsf,
-                          semantics::ReadIdsf(field));
-  if (idsf.instances.size() != scene.model.size()) {
-    return BadInputError(
-        field.string() + ": holds " + std::to_string(idsf.instances.size()) +
-        " Gaussians, the scene " + std::to_string(scene.model.size()) +
-        "; run stage bootstrap again");
-  }
-  FREEGS_ASSIGN_OR_RETURN(report->instances,
-                          MeasureInstanceQuality(scene,
-                                                 idsf.instances,
-                                                 truth,
-                                                 truth_from_scene,
-                                                 EvaluationOptions(),
-                                                 context.cancellation,
-                                                 pool));
-  return Status();
-}
+struct EvalRequest {
+  fs::path workspace;
+  std::string truth;
+  std::string layout = "auto";
+  std::string model;
+  double text_threshold = 0;
+  std::string json_file;
+  int threads = 0;
+};
 
-}  // namespace
-
-Status RunEvalCommand(const std::vector<std::string>& arguments,
-                      CommandContext& context) {
+StatusOr<EvalRequest> ParseRequest(const std::vector<std::string>& arguments) {
   PipelineOptions options;
   pipeline::OptionTable table = MakeOptionTable(&options);
-  std::string truth;
-  std::string json_file;
+  EvalRequest request;
+  std::vector<std::string> layouts = LayoutNames();
+  layouts.insert(layouts.begin(), "auto");
   table.Add("gt",
-            &truth,
+            &request.truth,
             {.help = "Folder with the truth: gt/cameras.json, "
-                     "gt/objects.json, gt/instance/, test/images/."});
+                     "gt/objects.json, gt/instance/, test/images/; or a scene "
+                     "of a public data set."});
+  table.Add("layout",
+            &request.layout,
+            {.help = "Layout of the truth; auto looks what lies in its folder.",
+             .choices = layouts});
+  table.Add("model",
+            &request.model,
+            {.help = "Folder of the CLIP model that the truth's labels are "
+                     "asked with; the workspace's own when not given."});
+  table.Add("text-threshold",
+            &request.text_threshold,
+            {.help = "Relevancy below which a label has no answer; 0 takes the "
+                     "best instance whatever its relevancy.",
+             .min = 0,
+             .max = 1});
   table.Add("json",
-            &json_file,
+            &request.json_file,
             {.help = "File to write the figures to; - is standard output."});
   FREEGS_ASSIGN_OR_RETURN(const pipeline::OptionTable::CommandLine line,
                           table.ParseCommandLine(arguments));
@@ -99,34 +87,178 @@ Status RunEvalCommand(const std::vector<std::string>& arguments,
         "eval takes one workspace: eval WORKSPACE [--gt DIR] [--json FILE]");
   }
   std::error_code error;
-  const fs::path workspace =
+  request.workspace =
       fs::absolute(line.positional[0], error).lexically_normal();
-  if (!fs::is_directory(workspace, error)) {
-    return BadInputError(workspace.string() + ": no such workspace");
+  if (!fs::is_directory(request.workspace, error)) {
+    return BadInputError(request.workspace.string() + ": no such workspace");
   }
-  FREEGS_RETURN_IF_ERROR(ApplySettings(workspace, line.settings, table));
-  ThreadPool pool(options.general.threads);
+  FREEGS_RETURN_IF_ERROR(
+      ApplySettings(request.workspace, line.settings, table));
+  request.threads = options.general.threads;
+  return request;
+}
 
+// The truth, and how its frame follows from the scene's.
+struct AlignedTruth {
+  GroundTruth truth;
+  Sim3d truth_from_scene;
+};
+
+StatusOr<AlignedTruth> ReadAlignedTruth(const EvalRequest& request,
+                                        const WorkspaceScene& scene,
+                                        CommandContext& context,
+                                        EvaluationReport* report) {
+  AlignedTruth aligned;
+  FREEGS_ASSIGN_OR_RETURN(aligned.truth,
+                          ReadTruth(request.truth, request.layout));
+  GroundTruth& truth = aligned.truth;
+  report->truth = truth.folder.string();
+  if (truth.unposed.empty()) {
+    FREEGS_ASSIGN_OR_RETURN(report->poses, AlignWithTruth(scene, truth));
+    report->num_true_poses = truth.cameras.train.size();
+    report->camera_extent = CameraExtent(truth.cameras.train);
+    aligned.truth_from_scene = report->poses->target_from_source;
+  } else {
+    FREEGS_ASSIGN_OR_RETURN(
+        const std::vector<std::string> missing,
+        TakeWorkspaceCameras(request.workspace, scene, &truth));
+    for (const std::string& name : missing) {
+      context.err << "eval: " << name
+                  << ": a test view that the workspace has no pose for; it is "
+                     "left out\n";
+    }
+  }
+  for (const std::string& name : TrainedOn(scene, truth)) {
+    context.err << "eval: " << name
+                << ": a test view that the scene was trained on; hold it out "
+                   "with ingest.holdout_list to measure on what is new\n";
+  }
+  return aligned;
+}
+
+// Nothing, and a message, when the workspace has no instances.
+StatusOr<std::optional<std::vector<int32_t>>> ReadInstances(
+    const fs::path& workspace,
+    const WorkspaceScene& scene,
+    CommandContext& context) {
+  const fs::path field = workspace / "bootstrap" / "idsf.bin";
+  std::error_code error;
+  if (!fs::exists(field, error)) {
+    context.err << "eval: " << field.string()
+                << " is not there; run stage bootstrap to have instances "
+                   "measured\n";
+    return std::optional<std::vector<int32_t>>();
+  }
+  FREEGS_ASSIGN_OR_RETURN(std::vector<int32_t> labels,
+                          ReadInstanceLabels(workspace, scene.model.size()));
+  return std::optional(std::move(labels));
+}
+
+// Leaves the text figures out, and says why, when there is nobody to answer.
+Status MeasureText(const EvalRequest& request,
+                   const WorkspaceScene& scene,
+                   const std::vector<int32_t>& instances,
+                   const AlignedTruth& aligned,
+                   CommandContext& context,
+                   ThreadPool& pool,
+                   EvaluationReport* report) {
+  const std::set<std::string> labels = Labels(aligned.truth.objects);
+  if (labels.empty()) return Status();
+  LabelQuestionOptions questions;
+  questions.model = request.model;
+  if (request.text_threshold > 0) {
+    questions.min_relevancy = request.text_threshold;
+  }
+  const StatusOr<LabelAnswers> answers =
+      AnswerLabels(request.workspace, labels, questions);
+  if (!answers.ok()) {
+    // Who names a model wants its figures.
+    if (answers.status().code() != StatusCode::kMissingDependency ||
+        !request.model.empty()) {
+      return answers.status();
+    }
+    context.err << "eval: no figures of text: " << answers.status().message()
+                << "\n";
+    return Status();
+  }
+  report->text_model = answers->model.string();
+  report->text_threshold = questions.min_relevancy;
+  FREEGS_ASSIGN_OR_RETURN(report->text,
+                          MeasureTextQuality(scene,
+                                             instances,
+                                             answers->answers,
+                                             aligned.truth,
+                                             aligned.truth_from_scene,
+                                             EvaluationOptions(),
+                                             context.cancellation,
+                                             pool));
+  return Status();
+}
+
+Status CompareWithTruth(const EvalRequest& request,
+                        const WorkspaceScene& scene,
+                        const std::optional<std::vector<int32_t>>& instances,
+                        CommandContext& context,
+                        ThreadPool& pool,
+                        EvaluationReport* report) {
+  FREEGS_ASSIGN_OR_RETURN(const AlignedTruth aligned,
+                          ReadAlignedTruth(request, scene, context, report));
+  FREEGS_ASSIGN_OR_RETURN(report->test,
+                          MeasureTestQuality(scene,
+                                             aligned.truth,
+                                             aligned.truth_from_scene,
+                                             context.cancellation,
+                                             pool));
+  if (!instances) return Status();
+  FREEGS_ASSIGN_OR_RETURN(report->instances,
+                          MeasureInstanceQuality(scene,
+                                                 *instances,
+                                                 aligned.truth,
+                                                 aligned.truth_from_scene,
+                                                 EvaluationOptions(),
+                                                 context.cancellation,
+                                                 pool));
+  return MeasureText(
+      request, scene, *instances, aligned, context, pool, report);
+}
+
+}  // namespace
+
+Status RunEvalCommand(const std::vector<std::string>& arguments,
+                      CommandContext& context) {
+  FREEGS_ASSIGN_OR_RETURN(const EvalRequest request, ParseRequest(arguments));
+  ThreadPool pool(request.threads);
   FREEGS_ASSIGN_OR_RETURN(const WorkspaceScene scene,
-                          ReadWorkspaceScene(workspace));
+                          ReadWorkspaceScene(request.workspace));
   EvaluationReport report;
-  report.workspace = workspace.string();
+  report.workspace = request.workspace.string();
   report.num_gaussians = scene.model.size();
   report.num_photos = scene.train.size() + scene.holdout.size();
   FREEGS_ASSIGN_OR_RETURN(
       report.holdout,
-      MeasureHoldoutQuality(scene, workspace / "undistort" / "images", pool));
-  if (!truth.empty()) {
-    FREEGS_RETURN_IF_ERROR(
-        CompareWithTruth(truth, workspace, scene, context, pool, &report));
+      MeasureHoldoutQuality(
+          scene, request.workspace / "undistort" / "images", pool));
+  FREEGS_ASSIGN_OR_RETURN(const auto instances,
+                          ReadInstances(request.workspace, scene, context));
+  if (instances) {
+    FREEGS_ASSIGN_OR_RETURN(report.consistency,
+                            MeasureViewConsistency(scene,
+                                                   *instances,
+                                                   ConsistencyOptions(),
+                                                   context.cancellation,
+                                                   pool));
   }
-  if (json_file == "-") {
+  if (!request.truth.empty()) {
+    FREEGS_RETURN_IF_ERROR(
+        CompareWithTruth(request, scene, instances, context, pool, &report));
+  }
+  if (request.json_file == "-") {
     context.out << pipeline::JsonText(ToJson(report));
     return Status();
   }
   PrintTable(report, context.out);
-  if (json_file.empty()) return Status();
-  return WriteFileAtomic(json_file, pipeline::JsonText(ToJson(report)));
+  if (request.json_file.empty()) return Status();
+  return WriteFileAtomic(request.json_file, pipeline::JsonText(ToJson(report)));
 }
 
 }  // namespace freegs::stages

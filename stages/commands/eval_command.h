@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `eval WORKSPACE [--gt DIR] [--json FILE]`.
+// `eval WORKSPACE [--gt DIR [--layout NAME]] [--model DIR] [--text-threshold R]
+// [--json FILE]`.
 
 #ifndef FREEGS_STAGES_COMMANDS_EVAL_COMMAND_H_
 #define FREEGS_STAGES_COMMANDS_EVAL_COMMAND_H_
@@ -13,8 +14,8 @@
 namespace freegs::stages {
 
 // Measures the workspace's scene: on its holdout photographs, and with --gt
-// against the truth in DIR (see ground_truth.h). Prints a table, and writes the
-// figures to FILE as JSON ("-" is standard output instead of the table).
+// against the truth in DIR (see datasets/layout.h). Prints a table, and writes
+// the figures to FILE as JSON ("-" is standard output instead of the table).
 Status RunEvalCommand(const std::vector<std::string>& arguments,
                       CommandContext& context);
 

@@ -2,147 +2,25 @@
 
 #include "stages/evaluation.h"
 
-#include <cmath>
 #include <filesystem>
 #include <sstream>
 #include <string>
 
-#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "core/files.h"
 #include "core/image_io.h"
-#include "core/random.h"
 #include "stages/evaluation_report.h"
-#include "tests/temporary_folder.h"
+#include "stages/instance_evaluation.h"
+#include "tests/stages/ball_scene.h"
 
 namespace freegs::stages {
 namespace {
 
 namespace fs = std::filesystem;
-using Eigen::Vector3d;
 
-// Three balls of Gaussians in a row, the true objects 1, 2 and 3, seen from
-// all around.
-class EvaluationTest : public testing::Test {
- protected:
-  static constexpr int kPerBall = 300;
-  static constexpr double kRadius = 0.5;
-  static constexpr double kSigma = 0.06;  // Boxes reach one sigma further.
-
-  void SetUp() override {
-    folder_ = temporary_.path();
-    ASSERT_TRUE(CreateFolders(folder_ / "test/images").ok());
-    ASSERT_TRUE(CreateFolders(folder_ / "gt/instance").ok());
-    MakeBalls();
-    truth_.folder = folder_;
-    for (int i = 0; i < 10; ++i) {
-      const std::string number = std::to_string(i);
-      truth_.cameras.train.push_back(
-          MakeView("frame_" + number + ".jpg", 0.6 * i));
-      if (i % 4 == 0) {
-        truth_.cameras.test.push_back(
-            MakeView("test_" + number + ".png", 0.6 * i + 0.3));
-      }
-    }
-    for (const View& view : truth_.cameras.test) {
-      const splat::RenderedView picture = splat::RenderView(
-          true_model_, view.camera, view.cam_from_world, {}, pool_);
-      ASSERT_TRUE(WriteImage(truth_.TestPhoto(view), ToU8(picture.color)).ok());
-      const Image<int32_t> labels = splat::RenderLabels(
-          true_model_, view.camera, view.cam_from_world, {}, pool_, labels_);
-      ImageU16 ids(labels.width(), labels.height(), 1);
-      for (size_t i = 0; i < ids.size(); ++i) {
-        ids.data()[i] = static_cast<uint16_t>(labels.data()[i] + 1);
-      }
-      ASSERT_TRUE(WriteLabels(truth_.InstanceMap(view), ids).ok());
-    }
-  }
-
-  void MakeBalls() {
-    true_model_.Resize(3 * kPerBall);
-    for (int ball = 0; ball < 3; ++ball) {
-      TrueObject object;
-      object.id = ball + 1;
-      object.label = "ball " + std::to_string(ball + 1);
-      const Vector3d centre(1.5 * (ball - 1), 0, 0);
-      object.aabb = {centre - Vector3d::Constant(kRadius + kSigma),
-                     centre + Vector3d::Constant(kRadius + kSigma)};
-      truth_.objects.push_back(object);
-      for (int k = 0; k < kPerBall; ++k) {
-        const size_t i = static_cast<size_t>(ball) * kPerBall + k;
-        RandomStream random(1, i);
-        const Vector3d direction(
-            random.Normal(), random.Normal(), random.Normal());
-        const Vector3d mean = centre + kRadius * direction.normalized();
-        for (int axis = 0; axis < 3; ++axis) {
-          true_model_.means[3 * i + axis] = static_cast<float>(mean[axis]);
-          true_model_.log_scales[3 * i + axis] =
-              static_cast<float>(std::log(kSigma));
-          true_model_.sh_dc[3 * i + axis] =
-              static_cast<float>(2 * random.Uniform() - 1);
-        }
-        true_model_.rotations[4 * i] = 1;
-        true_model_.opacity_logits[i] = 4;
-        labels_.push_back(ball);
-      }
-    }
-  }
-
-  static View MakeView(const std::string& name, double angle) {
-    const Vector3d eye(5 * std::cos(angle),
-                       5 * std::sin(angle),
-                       1 + 0.5 * std::sin(3 * angle));
-    const Vector3d z = -eye.normalized();
-    const Vector3d x = z.cross(Vector3d::UnitZ()).normalized();
-    Eigen::Matrix3d rotation;
-    rotation << x.transpose(), z.cross(x).transpose(), z.transpose();
-    View view;
-    view.name = name;
-    view.camera = {96, 72, 90, 90, 48, 36};
-    view.cam_from_world.rotation = Eigen::Quaterniond(rotation);
-    view.cam_from_world.translation = -rotation * eye;
-    return view;
-  }
-
-  // The truth as a reconstruction in a world of its own would have it.
-  WorkspaceScene MakeScene() const {
-    const Sim3d scene_from_truth = Inverse(truth_from_scene_);
-    WorkspaceScene scene;
-    scene.model = true_model_;
-    for (size_t i = 0; i < scene.model.size(); ++i) {
-      const Vector3d mean =
-          scene_from_truth * Vector3d(true_model_.means[3 * i],
-                                      true_model_.means[3 * i + 1],
-                                      true_model_.means[3 * i + 2]);
-      for (int axis = 0; axis < 3; ++axis) {
-        scene.model.means[3 * i + axis] = static_cast<float>(mean[axis]);
-        scene.model.log_scales[3 * i + axis] +=
-            static_cast<float>(std::log(scene_from_truth.scale));
-      }
-    }
-    for (const View& view : truth_.cameras.train) {
-      View moved = view;
-      moved.cam_from_world =
-          TransformCamera(scene_from_truth, view.cam_from_world);
-      scene.train.push_back(moved);
-    }
-    return scene;
-  }
-
-  ThreadPool pool_{2};
-  CancellationToken cancellation_;
-  TemporaryFolder temporary_;
-  fs::path folder_;
-  GroundTruth truth_;
-  splat::GaussianModel true_model_;
-  std::vector<int32_t> labels_;
-  Sim3d truth_from_scene_{0.4,
-                          Eigen::Quaterniond(Eigen::AngleAxisd(
-                              1.1, Vector3d(1, 2, 3).normalized())),
-                          {3, -2, 1}};
-};
+using EvaluationTest = BallScene;
 
 TEST_F(EvaluationTest, APerfectSceneIsPerfect) {
   const WorkspaceScene scene = MakeScene();
@@ -167,12 +45,16 @@ TEST_F(EvaluationTest, APerfectSceneIsPerfect) {
   const InstanceQuality& quality = **instances;
   EXPECT_GT(*quality.instance_miou, 0.97);
   EXPECT_GT(*quality.click_miou, 0.97);
-  EXPECT_GT(*quality.box_miou, 0.9);
-  EXPECT_EQ(*quality.box_recall50, 1);
+  EXPECT_GT(quality.boxes->miou, 0.9);
+  EXPECT_EQ(quality.boxes->recall50, 1);
   ASSERT_EQ(quality.objects.size(), 3u);
   EXPECT_EQ(quality.objects[1].label, "ball 2");
   EXPECT_EQ(quality.objects[1].instance, 1);
   EXPECT_EQ(quality.objects[1].num_views, 3);
+  EXPECT_EQ(quality.panoptic.size(), 3u);
+  EXPECT_EQ(quality.panoptic_sum.true_positives, 9);
+  EXPECT_EQ(quality.panoptic_sum.false_positives, 0);
+  EXPECT_GT(*quality.panoptic_sum.Quality(), 0.97);
 }
 
 TEST_F(EvaluationTest, MergedObjectsCost) {
@@ -187,8 +69,8 @@ TEST_F(EvaluationTest, MergedObjectsCost) {
   EXPECT_LT(*quality.objects[1].instance_iou, 0.9);
   EXPECT_LT(*quality.objects[2].click_iou, 0.9);
   EXPECT_NEAR(*quality.objects[2].box_iou, 0.4, 0.1);
-  EXPECT_EQ(*quality.box_recall25, 1);
-  EXPECT_NEAR(*quality.box_recall50, 1.0 / 3, 1e-9);
+  EXPECT_EQ(quality.boxes->recall25, 1);
+  EXPECT_NEAR(quality.boxes->recall50, 1.0 / 3, 1e-9);
 }
 
 TEST_F(EvaluationTest, WithoutInstancesEverythingIsMissed) {
@@ -199,16 +81,51 @@ TEST_F(EvaluationTest, WithoutInstancesEverythingIsMissed) {
   ASSERT_TRUE(instances.ok() && instances->has_value());
   EXPECT_EQ(*(*instances)->instance_miou, 0);
   EXPECT_EQ(*(*instances)->click_miou, 0);
-  EXPECT_EQ(*(*instances)->box_miou, 0);
+  EXPECT_EQ((*instances)->boxes->miou, 0);
   EXPECT_EQ((*instances)->objects[0].instance, -1);
+  EXPECT_EQ(*(*instances)->panoptic_sum.Quality(), 0);
+}
+
+TEST_F(EvaluationTest, WithoutMasksBoxesFindTheirInstances) {
+  const WorkspaceScene scene = MakeScene();
+  truth_.masks.clear();
+  truth_.objects.back().aabb = semantics::AxisAlignedBox{
+      Eigen::Vector3d::Constant(50), Eigen::Vector3d::Constant(51)};
+  const auto instances = MeasureInstanceQuality(
+      scene, labels_, truth_, truth_from_scene_, {}, cancellation_, pool_);
+  ASSERT_TRUE(instances.ok() && instances->has_value());
+  const InstanceQuality& quality = **instances;
+  EXPECT_FALSE(quality.instance_miou.has_value());
+  EXPECT_TRUE(quality.panoptic.empty());
+  EXPECT_EQ(quality.objects[1].instance, 1);
+  EXPECT_GT(*quality.objects[1].box_iou, 0.9);
+  EXPECT_EQ(quality.objects[2].instance, -1);
+  EXPECT_EQ(*quality.objects[2].box_iou, 0);
+  EXPECT_NEAR(quality.boxes->recall50, 2.0 / 3, 1e-9);
+}
+
+TEST_F(EvaluationTest, LargeMasksAreComparedReduced) {
+  const WorkspaceScene scene = MakeScene();
+  const auto instances = MeasureInstanceQuality(scene,
+                                                labels_,
+                                                truth_,
+                                                truth_from_scene_,
+                                                {.max_mask_side = 48},
+                                                cancellation_,
+                                                pool_);
+  ASSERT_TRUE(instances.ok() && instances->has_value());
+  EXPECT_GT(*(*instances)->instance_miou, 0.85);
 }
 
 TEST_F(EvaluationTest, WithoutTruthThereIsNothing) {
   const WorkspaceScene scene = MakeScene();
   for (const View& view : truth_.cameras.test) {
-    fs::remove(truth_.TestPhoto(view));
-    fs::remove(truth_.InstanceMap(view));
+    fs::remove(truth_.photos[view.name]);
+    fs::remove(truth_.masks[view.name][0].path);
   }
+  truth_.photos.clear();
+  truth_.masks.clear();
+  for (TrueObject& object : truth_.objects) object.aabb.reset();
   const auto test = MeasureTestQuality(
       scene, truth_, truth_from_scene_, cancellation_, pool_);
   ASSERT_TRUE(test.ok());
@@ -225,11 +142,12 @@ TEST_F(EvaluationTest, WithoutTruthThereIsNothing) {
 TEST_F(EvaluationTest, ReportsFaultsOfTheTruth) {
   const WorkspaceScene scene = MakeScene();
   const View& view = truth_.cameras.test[0];
-  ASSERT_TRUE(WriteImage(truth_.TestPhoto(view), ImageU8(5, 5, 3)).ok());
+  ASSERT_TRUE(WriteImage(truth_.photos[view.name], ImageU8(5, 5, 3)).ok());
   const auto wrong_size = MeasureTestQuality(
       scene, truth_, truth_from_scene_, cancellation_, pool_);
   EXPECT_EQ(wrong_size.status().code(), StatusCode::kBadInput);
-  ASSERT_TRUE(WriteFileAtomic(truth_.InstanceMap(view), "no image").ok());
+  ASSERT_TRUE(
+      WriteFileAtomic(truth_.masks[view.name][0].path, "no image").ok());
   EXPECT_FALSE(
       MeasureInstanceQuality(
           scene, labels_, truth_, truth_from_scene_, {}, cancellation_, pool_)
@@ -283,6 +201,11 @@ TEST_F(EvaluationTest, ReportHasEveryKey) {
                           "click_miou",
                           "text_miou",
                           "text_mbiou",
+                          "text_box_miou",
+                          "text_box_recall25",
+                          "text_box_recall50",
+                          "pq",
+                          "view_consistency",
                           "box_miou",
                           "box_recall25",
                           "box_recall50"}) {
@@ -300,7 +223,10 @@ TEST_F(EvaluationTest, ReportHasEveryKey) {
   EXPECT_GT(json["psnr"], 40);
   EXPECT_LT(json["pose_rotation_deg"], 1e-3);
   EXPECT_GT(json["box_recall50"], 0.9);
+  EXPECT_GT(json["pq"], 0.9);
+  EXPECT_EQ(json["panoptic"]["views"].size(), 3u);
   EXPECT_TRUE(json["text_miou"].is_null());
+  EXPECT_TRUE(json["objects"][0]["text_iou"].is_null());
   EXPECT_EQ(json["objects"].size(), 3u);
   EXPECT_EQ(json["objects"][0]["instance"], 1);
   std::ostringstream table;

@@ -83,7 +83,7 @@ TEST_F(ExportStageTest, WritesSceneInstancesMasksAndBoxes) {
   for (size_t i = 0; i < 3; ++i) {
     const semantics::Instance& instance = workspace_.instances[i];
     EXPECT_EQ((*objects)[i].id, instance.id);
-    EXPECT_TRUE((*objects)[i].aabb.min.isApprox(instance.aabb.min));
+    EXPECT_TRUE((*objects)[i].aabb->min.isApprox(instance.aabb.min));
     EXPECT_TRUE((*objects)[i].obb->rotation.isApprox(instance.obb.rotation));
   }
   EXPECT_THAT(ReadText(Out("boxes.ply")), HasSubstr("element vertex 288\n"));

@@ -126,7 +126,7 @@ TEST(ParseTrueObjects, ReadsWhatIsThere) {
   EXPECT_EQ((*objects)[0].id, 2);
   EXPECT_EQ((*objects)[0].label, "a");
   EXPECT_FALSE((*objects)[0].obb.has_value());
-  EXPECT_EQ((*objects)[0].aabb.max, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ((*objects)[0].aabb->max, Eigen::Vector3d(1, 2, 3));
   ASSERT_TRUE((*objects)[1].obb.has_value());
   EXPECT_EQ((*objects)[1].obb->rotation.col(0), Eigen::Vector3d(0, 1, 0));
 }
@@ -164,14 +164,22 @@ TEST(ReadGroundTruth, TakesTheSceneFolderOrItsGtFolder) {
   EXPECT_EQ(ReadGroundTruth(scene).status().code(), StatusCode::kBadInput);
   ASSERT_TRUE(CreateFolders(scene / "gt").ok());
   ASSERT_TRUE(WriteFileAtomic(scene / "gt/cameras.json", Cameras(kPose)).ok());
+  EXPECT_TRUE(ReadGroundTruth(scene)->photos.empty());
+  EXPECT_TRUE(ReadGroundTruth(scene)->masks.empty());
+  for (const char* file : {"test/images/t.png", "gt/instance/t.png"}) {
+    ASSERT_TRUE(CreateFolders((scene / file).parent_path()).ok());
+    ASSERT_TRUE(WriteFileAtomic(scene / file, "not looked into").ok());
+  }
   for (const fs::path& folder : {scene, scene / "gt", scene / "gt" / ""}) {
     const auto truth = ReadGroundTruth(folder);
     ASSERT_TRUE(truth.ok()) << truth.status().message();
     EXPECT_TRUE(truth->objects.empty());
-    EXPECT_EQ(fs::weakly_canonical(truth->TestPhoto(truth->cameras.test[0])),
+    EXPECT_EQ(fs::weakly_canonical(truth->photos.at("t.png")),
               fs::weakly_canonical(scene / "test/images/t.png"));
-    EXPECT_EQ(fs::weakly_canonical(truth->InstanceMap(truth->cameras.train[0])),
-              fs::weakly_canonical(scene / "gt/instance/a.png"));
+    ASSERT_EQ(truth->masks.at("t.png").size(), 1u);
+    EXPECT_EQ(fs::weakly_canonical(truth->masks.at("t.png")[0].path),
+              fs::weakly_canonical(scene / "gt/instance/t.png"));
+    EXPECT_TRUE(truth->complete);
   }
   ASSERT_TRUE(WriteFileAtomic(scene / "gt/objects.json", "{").ok());
   EXPECT_FALSE(ReadGroundTruth(scene).ok());

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the layouts of LERF-Mask and 3D-OVS have in common: photographs with
+// COLMAP's poses, and for each test view a folder of masks, one per phrase.
+
+#ifndef FREEGS_STAGES_DATASETS_MASK_FOLDERS_H_
+#define FREEGS_STAGES_DATASETS_MASK_FOLDERS_H_
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/status.h"
+#include "stages/ground_truth.h"
+
+namespace freegs::stages {
+
+// ROOT/NAME/PHRASE.png (or .jpg): the masks of one test view, by phrase.
+struct MaskFolder {
+  std::string name;
+  std::vector<std::pair<std::string, std::filesystem::path>> masks;
+};
+
+// All folders in `root` that hold masks, by name. kBadInput when there is none,
+// for phrases of more than 200 bytes or with control characters, and for more
+// than 10000 folders.
+StatusOr<std::vector<MaskFolder>> ListMaskFolders(
+    const std::filesystem::path& root);
+
+// The photographs of a scene folder, in the order in which the benchmarks
+// number them: by their names up to the first dot.
+struct DatasetPhotos {
+  std::vector<std::string> names;
+  std::vector<View> views;  // One for each name, or empty without a model.
+  std::map<std::string, sfm::Camera> lenses;  // Of those that distort, by name.
+};
+
+// From SCENE/sparse/0 or SCENE/sparse, else the files of SCENE/images, without
+// poses. kBadInput when there is neither, or the model is malformed.
+StatusOr<DatasetPhotos> ReadDatasetPhotos(const std::filesystem::path& scene);
+
+// File names in `folder`, sorted; none when it is no folder.
+std::vector<std::string> FilesIn(const std::filesystem::path& folder);
+
+// A name without folders, up to its first dot.
+std::string PhotoStem(const std::string& name);
+
+// The truth of masks alone. test_views: index into photos.names, and its masks.
+// Objects are the distinct phrases, by name. kBadInput when a view has two
+// masks of one phrase, and for more than 65535 phrases.
+StatusOr<GroundTruth> TruthOfMasks(
+    const std::filesystem::path& scene,
+    const DatasetPhotos& photos,
+    const std::vector<std::pair<size_t, MaskFolder>>& test_views);
+
+}  // namespace freegs::stages
+
+#endif  // FREEGS_STAGES_DATASETS_MASK_FOLDERS_H_

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/datasets/scannet_objects.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <unordered_map>
+#include <utility>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <nlohmann/json.hpp>
+
+namespace freegs::stages {
+namespace {
+
+using Eigen::Vector3d;
+using nlohmann::json;
+
+constexpr int kMaxObjects = 65535;
+
+// What a scan's annotators call the room itself.
+bool IsStructure(const std::string& label) {
+  static const std::set<std::string> kLabels = {"wall", "floor", "ceiling"};
+  return kLabels.contains(label);
+}
+
+// The list under `key` of the object that `text` is.
+StatusOr<json> ParseList(std::string_view text,
+                         const char* key,
+                         const std::string& source) {
+  json document = json::parse(text, /*cb=*/nullptr, /*allow_exceptions=*/false);
+  if (document.is_discarded() || !document.is_object()) {
+    return BadInputError(source + ": not a JSON object");
+  }
+  const auto found = document.find(key);
+  if (found == document.end() || !found->is_array()) {
+    return BadInputError(source + ": \"" + key + "\" must be a list");
+  }
+  return std::move(*found);
+}
+
+StatusOr<std::vector<int64_t>> ReadIntegers(const json& list,
+                                            const std::string& where) {
+  std::vector<int64_t> values;
+  values.reserve(list.size());
+  for (const json& value : list) {
+    if (!value.is_number_integer()) {
+      return BadInputError(where + ": must be whole numbers");
+    }
+    values.push_back(value.get<int64_t>());
+  }
+  return values;
+}
+
+}  // namespace
+
+StatusOr<std::vector<int64_t>> ParseScannetSegments(std::string_view text,
+                                                    const std::string& source) {
+  FREEGS_ASSIGN_OR_RETURN(const json list,
+                          ParseList(text, "segIndices", source));
+  return ReadIntegers(list, source + ": segIndices");
+}
+
+StatusOr<std::vector<ScannetGroup>> ParseScannetGroups(
+    std::string_view text, const std::string& source) {
+  FREEGS_ASSIGN_OR_RETURN(const json list,
+                          ParseList(text, "segGroups", source));
+  std::vector<ScannetGroup> groups;
+  std::set<int> ids;
+  for (size_t i = 0; i < list.size(); ++i) {
+    const json& value = list[i];
+    const std::string where = source + ": segGroups[" + std::to_string(i) + "]";
+    const auto field = [&value](const char* key) -> const json& {
+      static const json kNothing;
+      if (!value.is_object()) return kNothing;
+      const auto found = value.find(key);
+      return found == value.end() ? kNothing : *found;
+    };
+    const json& id = field("objectId");
+    if (!id.is_number_integer() || id.get<int64_t>() < 0 ||
+        id.get<int64_t>() >= kMaxObjects) {
+      return BadInputError(where + ".objectId: must be a whole number in 0.." +
+                           std::to_string(kMaxObjects - 1));
+    }
+    if (!field("label").is_string()) {
+      return BadInputError(where + ".label: must be a text");
+    }
+    if (!field("segments").is_array()) {
+      return BadInputError(where + ".segments: must be a list");
+    }
+    ScannetGroup group;
+    group.id = static_cast<int>(id.get<int64_t>()) + 1;
+    group.label = field("label").get<std::string>();
+    FREEGS_ASSIGN_OR_RETURN(
+        group.segments, ReadIntegers(field("segments"), where + ".segments"));
+    if (!ids.insert(group.id).second) {
+      return BadInputError(where + ".objectId: used twice");
+    }
+    groups.push_back(std::move(group));
+  }
+  return groups;
+}
+
+StatusOr<Eigen::Matrix4d> ParseScannetAlignment(std::string_view text,
+                                                const std::string& source) {
+  std::istringstream lines{std::string(text)};
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string key;
+    std::string equals;
+    if (!(words >> key >> equals) || key != "axisAlignment") continue;
+    Eigen::Matrix4d matrix;
+    for (int k = 0; k < 16; ++k) {
+      if (equals == "=" && words >> matrix(k / 4, k % 4)) continue;
+      return BadInputError(source + ": axisAlignment must be 16 numbers");
+    }
+    const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
+    const double error =
+        (rotation * rotation.transpose() - Eigen::Matrix3d::Identity())
+            .cwiseAbs()
+            .maxCoeff();
+    // The files have six digits.
+    constexpr double kTolerance = 1e-3;
+    if (!matrix.allFinite() || !(error <= kTolerance) ||
+        rotation.determinant() < 0 ||
+        matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1)) {
+      return BadInputError(source +
+                           ": axisAlignment is not a rotation and "
+                           "translation");
+    }
+    return matrix;
+  }
+  return Eigen::Matrix4d(Eigen::Matrix4d::Identity());
+}
+
+StatusOr<std::vector<TrueObject>> ScannetBoxes(
+    const std::vector<Vector3d>& vertices,
+    const std::vector<int64_t>& segments,
+    const std::vector<ScannetGroup>& groups,
+    const Eigen::Matrix4d& alignment) {
+  if (vertices.size() != segments.size()) {
+    return InvalidArgumentError(std::to_string(segments.size()) +
+                                " segment numbers for " +
+                                std::to_string(vertices.size()) + " vertices");
+  }
+  std::unordered_map<int64_t, std::vector<size_t>> groups_of_segment;
+  for (size_t g = 0; g < groups.size(); ++g) {
+    if (IsStructure(groups[g].label)) continue;
+    for (const int64_t segment : groups[g].segments) {
+      groups_of_segment[segment].push_back(g);
+    }
+  }
+  std::map<size_t, semantics::AxisAlignedBox> boxes;
+  for (size_t i = 0; i < vertices.size(); ++i) {
+    const auto found = groups_of_segment.find(segments[i]);
+    if (found == groups_of_segment.end()) continue;
+    const Vector3d point = (alignment * vertices[i].homogeneous()).head<3>();
+    for (const size_t g : found->second) {
+      const auto [box, is_new] = boxes.try_emplace(g);
+      if (is_new) box->second = {point, point};
+      box->second.min = box->second.min.cwiseMin(point);
+      box->second.max = box->second.max.cwiseMax(point);
+    }
+  }
+  std::vector<TrueObject> objects;
+  for (const auto& [g, box] : boxes) {
+    objects.push_back({groups[g].id, groups[g].label, box, std::nullopt});
+  }
+  std::sort(
+      objects.begin(),
+      objects.end(),
+      [](const TrueObject& a, const TrueObject& b) { return a.id < b.id; });
+  return objects;
+}
+
+}  // namespace freegs::stages

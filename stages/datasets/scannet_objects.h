@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The annotated objects of a ScanNet scan (Dai et al. 2017), as boxes.
+
+#ifndef FREEGS_STAGES_DATASETS_SCANNET_OBJECTS_H_
+#define FREEGS_STAGES_DATASETS_SCANNET_OBJECTS_H_
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/status.h"
+#include "stages/ground_truth.h"
+
+namespace freegs::stages {
+
+// All parsers: kBadInput names `source` and the fault, for truncated or
+// malformed text, numbers out of range or not finite.
+
+// The segment of each vertex: "segIndices" of SCAN_vh_clean_2.0.010000
+// .segs.json.
+StatusOr<std::vector<int64_t>> ParseScannetSegments(std::string_view json,
+                                                    const std::string& source);
+
+// An object as a set of segments: "segGroups" of SCAN.aggregation.json.
+struct ScannetGroup {
+  int id = 0;  // objectId + 1.
+  std::string label;
+  std::vector<int64_t> segments;
+};
+StatusOr<std::vector<ScannetGroup>> ParseScannetGroups(
+    std::string_view json, const std::string& source);
+
+// "axisAlignment = 16 numbers" of SCAN.txt: rows of the transformation that
+// turns walls and floor along the axes. The identity when there is no such
+// line; kBadInput when it is not a rotation and translation.
+StatusOr<Eigen::Matrix4d> ParseScannetAlignment(std::string_view text,
+                                                const std::string& source);
+
+// Box around each group's vertices, axis-aligned after `alignment`, by id.
+// Walls, floors and ceilings are no objects; groups without a vertex are left
+// out. kInvalidArgument when there is not one segment for each vertex.
+StatusOr<std::vector<TrueObject>> ScannetBoxes(
+    const std::vector<Eigen::Vector3d>& vertices,
+    const std::vector<int64_t>& segments,
+    const std::vector<ScannetGroup>& groups,
+    const Eigen::Matrix4d& alignment);
+
+}  // namespace freegs::stages
+
+#endif  // FREEGS_STAGES_DATASETS_SCANNET_OBJECTS_H_
