@@ -14,7 +14,7 @@ namespace freegs::semantics {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr uint32_t kMixed = 0xffffffffu;
+constexpr uint32_t kNone = 0xffffffffu;
 constexpr int64_t kGrain = 128;
 
 constexpr MstEdge kNoEdge{kInfinity, 0xffffffffu, 0xffffffffu};
@@ -60,22 +60,31 @@ class BestEdges {
   std::array<std::mutex, 64> mutexes_;
 };
 
+// What is known of a point's least edges to other components, apart from those
+// to the points on its neighbour list.
+struct PointState {
+  uint32_t candidate = kNone;   // Position of the point at the least edge found.
+  double candidate2 = kInfinity;
+  double rest2 = 0;  // All other edges to other components weigh at least this.
+};
+
 class Boruvka {
  public:
   Boruvka(const KdTree& tree, const CoreDistances& cores, ThreadPool& pool)
       : tree_(tree), cores_(cores), pool_(pool) {
     const size_t count = tree.size();
-    component_.resize(count);
+    component_.resize(RoundUp(count));
     std::iota(component_.begin(), component_.end(), 0u);
     num_components_ = static_cast<uint32_t>(count);
     position_of_row_.resize(count);
+    states_.resize(count);
     for (size_t p = 0; p < count; ++p) {
       position_of_row_[tree.Row(p)] = static_cast<uint32_t>(p);
+      states_[p].rest2 = cores.last2[p];
     }
-    foreign2_ = cores.core2;
     undecided_.resize(count);
-    node_component_.resize(tree.nodes().size());
-    InitMinCore();
+    list_done_.resize(count);
+    InitFloors();
   }
 
   StatusOr<std::vector<MstEdge>> Run(const CancellationToken* cancellation) {
@@ -99,166 +108,212 @@ class Boruvka {
     return cancellation_ != nullptr && cancellation_->cancelled();
   }
 
-  void InitMinCore() {
-    const auto& nodes = tree_.nodes();
-    node_min_core2_.resize(nodes.size());
-    for (size_t id = nodes.size(); id-- > 0;) {
-      const KdTree::Node& node = nodes[id];
-      node_min_core2_[id] =
-          node.is_leaf()
-              ? *std::min_element(cores_.core2.begin() + node.begin,
-                                  cores_.core2.begin() + node.end)
-              : std::min(node_min_core2_[id + 1], node_min_core2_[node.right]);
+  static size_t RoundUp(size_t count) {
+    return (count + KdTree::kFanout - 1) / KdTree::kFanout * KdTree::kFanout;
+  }
+
+  // Least core distances, rounded down, of the points and the nodes of each
+  // level but the last.
+  void InitFloors() {
+    const size_t count = tree_.size();
+    floors_.resize(tree_.num_levels());
+    floors_[0].resize(RoundUp(count), 0.0f);
+    for (size_t p = 0; p < count; ++p) {
+      floors_[0][p] = static_cast<float>(cores_.core2[p] * (1 - 0x1p-22));
     }
+    node_component_.resize(tree_.num_levels());
+    for (int level = 1; level < tree_.num_levels(); ++level) {
+      const uint32_t num_nodes = tree_.num_nodes(level - 1);
+      node_component_[level].resize(RoundUp(num_nodes));
+      floors_[level].resize(RoundUp(num_nodes), 0.0f);
+      for (uint32_t node = 0; node < num_nodes; ++node) {
+        const auto first = floors_[level - 1].begin() + node * KdTree::kFanout;
+        floors_[level][node] =
+            *std::min_element(first, first + NumChildren(level - 1, node));
+      }
+    }
+  }
+
+  int NumChildren(int level, uint32_t node) const {
+    const size_t below =
+        level == 0 ? tree_.size() : tree_.num_nodes(level - 1);
+    return static_cast<int>(std::min<size_t>(
+        KdTree::kFanout, below - static_cast<size_t>(node) * KdTree::kFanout));
   }
 
   void UpdateNodeComponents() {
-    const auto& nodes = tree_.nodes();
-    for (size_t id = nodes.size(); id-- > 0;) {
-      const KdTree::Node& node = nodes[id];
-      if (!node.is_leaf()) {
-        const uint32_t left = node_component_[id + 1];
-        node_component_[id] =
-            left == node_component_[node.right] ? left : kMixed;
-        continue;
+    for (int level = 1; level < tree_.num_levels(); ++level) {
+      for (uint32_t node = 0; node < tree_.num_nodes(level - 1); ++node) {
+        const uint32_t* first =
+            Components(level - 1) + node * KdTree::kFanout;
+        const uint32_t* last = first + NumChildren(level - 1, node);
+        node_component_[level][node] =
+            std::all_of(first, last, [&](uint32_t c) { return c == *first; })
+                ? *first
+                : kNone;
       }
-      uint32_t common = component_[node.begin];
-      for (uint32_t p = node.begin + 1; p < node.end; ++p) {
-        if (component_[p] != common) {
-          common = kMixed;
-          break;
-        }
-      }
-      node_component_[id] = common;
     }
   }
 
-  // Offers the best listed edge of every point and notes which points may have
-  // a better one outside their list.
-  void SearchLists(BestEdges& best) {
+  // Of the children of the nodes of a level; kNone where they hold several.
+  const uint32_t* Components(int level) const {
+    return level == 0 ? component_.data() : node_component_[level].data();
+  }
+
+  double Weight2(uint32_t p, uint32_t q) const {
+    return std::max({cores_.core2[p],
+                     cores_.core2[q],
+                     tree_.Distance2(tree_.Point(p), tree_.Point(q))});
+  }
+
+  // The least edge of a point to those on its list that are in other
+  // components.
+  MstEdge LeastListed(int64_t p) {
+    if (list_done_[p]) return kNoEdge;
     const int size = cores_.list_size;
+    const uint32_t* list = cores_.neighbors.data() + p * size;
+    MstEdge least = kNoEdge;
+    for (int j = 0; j < size; ++j) {
+      const uint32_t q = list[j];
+      if (component_[q] == component_[p]) continue;
+      // All but the last are within p's core distance.
+      const double weight2 = j < size - 1
+                                 ? std::max(cores_.core2[p], cores_.core2[q])
+                                 : Weight2(p, q);
+      least = std::min(least, MakeEdge(weight2, tree_.Row(p), tree_.Row(q)));
+    }
+    list_done_[p] = least == kNoEdge;
+    return least;
+  }
+
+  // Offers the best edge that every point knows, and notes which points may
+  // have a better one.
+  void SearchLists(BestEdges& best) {
     pool_.ParallelFor(
-        0, component_.size(), 1024, [&](int64_t first, int64_t last, int) {
+        0, tree_.size(), 1024, [&](int64_t first, int64_t last, int) {
           for (int64_t p = first; p < last; ++p) {
-            const uint32_t own = component_[p];
-            const uint32_t* list = cores_.neighbors.data() + p * size;
-            MstEdge found = kNoEdge;
-            for (int j = 0; j < size; ++j) {
-              const uint32_t q = list[j];
-              if (component_[q] == own) continue;
-              double weight2 = std::max(cores_.core2[p], cores_.core2[q]);
-              // All but the last are within p's core distance.
-              if (j == size - 1) {
-                weight2 = std::max(
-                    weight2, tree_.Distance2(tree_.Point(p), tree_.Point(q)));
-              }
-              found = std::min(found,
-                               MakeEdge(weight2, tree_.Row(p), tree_.Row(q)));
+            undecided_[p] = 0;
+            if (component_[p] == passive_) continue;
+            PointState& state = states_[p];
+            MstEdge least = LeastListed(p);
+            if (state.candidate != kNone &&
+                component_[state.candidate] == component_[p]) {
+              state.candidate = kNone;
+              state.candidate2 = kInfinity;
             }
-            if (found.weight2 < kInfinity) best.Offer(own, found);
-            // Unlisted points are at last2 or farther.
-            undecided_[p] = !(found.weight2 < cores_.last2[p]);
-            if (found.weight2 == kInfinity) {
-              foreign2_[p] = std::max(foreign2_[p], cores_.last2[p]);
+            if (state.candidate != kNone) {
+              least = std::min(least,
+                               MakeEdge(state.candidate2,
+                                        tree_.Row(p),
+                                        tree_.Row(state.candidate)));
             }
+            if (least.weight2 < kInfinity) best.Offer(component_[p], least);
+            undecided_[p] = !(least.weight2 < state.rest2);
           }
         });
   }
 
   void SearchTree(BestEdges& best) {
     pool_.ParallelFor(
-        0, component_.size(), kGrain, [&](int64_t first, int64_t last, int) {
+        0, tree_.size(), kGrain, [&](int64_t first, int64_t last, int) {
           if (Cancelled()) return;
           for (int64_t p = first; p < last; ++p) {
-            if (!undecided_[p] || cores_.last2[p] == kInfinity) continue;
+            if (!undecided_[p] || states_[p].rest2 == kInfinity) continue;
             const uint32_t own = component_[p];
-            if (foreign2_[p] > best.Weight2(own)) continue;
-            Query query{.point = tree_.Point(p),
-                        .row = tree_.Row(p),
+            if (states_[p].rest2 > best.Weight2(own)) continue;
+            Query query{.position = static_cast<uint32_t>(p),
                         .component = own,
-                        .core2 = cores_.core2[p],
+                        .floor2 = states_[p].rest2,
                         .found = best.Get(own),
-                        .best = best};
+                        .best = best,
+                        .state = states_[p]};
+            query.state.rest2 = kInfinity;
             const MstEdge before = query.found;
-            Search(0, query);
+            Search(tree_.num_levels() - 1, 0, query);
             if (query.found < before) best.Offer(own, query.found);
-            // Every foreign point was either weighed or pruned by a bound.
-            foreign2_[p] = std::max(foreign2_[p], query.least2);
+            if (query.state.candidate == states_[p].candidate ||
+                states_[p].candidate == kNone) {
+              query.state.rest2 = std::max(query.state.rest2, query.floor2);
+            }
+            states_[p] = query.state;
           }
         });
   }
 
   struct Query {
-    const float* point;
-    uint32_t row;
+    uint32_t position;
     uint32_t component;
-    double core2;
+    double floor2;  // No unlisted edge is lighter, but for the candidate.
     MstEdge found;  // The least edge known, of this point or its component.
     BestEdges& best;
-    double least2 = kInfinity;  // Least weight or bound of what was visited.
+    PointState state;
 
-    // Whether an edge of at least this weight to a row of at least this number
-    // could be less than the best.
-    bool CanImprove(double weight2, uint32_t min_row) {
-      if (weight2 <= best.Weight2(component) &&
-          MakeEdge(weight2, row, min_row) < found) {
-        return true;
-      }
-      least2 = std::min(least2, weight2);
-      return false;
+    double Limit2() const {
+      return std::min(found.weight2, best.Weight2(component));
+    }
+    void Leave(double weight2) {
+      state.rest2 = std::min(state.rest2, weight2);
     }
   };
 
-  double NodeBound2(uint32_t id, const Query& query) const {
-    return std::max({tree_.BoxDistance2(id, query.point),
-                     node_min_core2_[id],
-                     query.core2});
-  }
-
-  void Search(uint32_t id, Query& query) const {
-    if (node_component_[id] == query.component) return;
-    const KdTree::Node& node = tree_.nodes()[id];
-    if (node.is_leaf()) {
-      SearchLeaf(node, query);
-      return;
-    }
-    uint32_t near = id + 1;
-    uint32_t far = node.right;
-    double near2 = node_component_[near] == query.component
-                       ? kInfinity
-                       : NodeBound2(near, query);
-    double far2 = node_component_[far] == query.component
-                      ? kInfinity
-                      : NodeBound2(far, query);
-    if (far2 < near2 || (far2 == near2 && tree_.nodes()[far].min_index <
-                                              tree_.nodes()[near].min_index)) {
-      std::swap(near, far);
-      std::swap(near2, far2);
-    }
-    if (query.CanImprove(near2, tree_.nodes()[near].min_index)) {
-      Search(near, query);
-    }
-    if (query.CanImprove(far2, tree_.nodes()[far].min_index)) {
-      Search(far, query);
+  void Search(int level, uint32_t node, Query& query) const {
+    const float* point = tree_.Point(query.position);
+    const size_t first = static_cast<size_t>(node) * KdTree::kFanout;
+    float bounds[KdTree::kFanout];
+    const KdBlockBounds children =
+        tree_.ChildBounds(level,
+                          node,
+                          point,
+                          {.components = Components(level) + first,
+                           .own = query.component,
+                           .floors = floors_[level].data() + first},
+                          query.Limit2(),
+                          bounds);
+    query.Leave(children.least_beyond);
+    KdChildOrder order(bounds, children.within);
+    for (int j; (j = order.Next()) >= 0;) {
+      if (bounds[j] > query.Limit2()) {
+        query.Leave(bounds[j]);
+        return;
+      }
+      const auto child = static_cast<uint32_t>(first + j);
+      if (level == 0) {
+        Weigh(child, query);
+      } else if (CanImprove(level - 1, child, bounds[j], query)) {
+        Search(level - 1, child, query);
+      }
     }
   }
 
-  void SearchLeaf(const KdTree::Node& leaf, Query& query) const {
-    float bounds[KdTree::kLeafSize];
-    tree_.LeafLowerBounds(leaf, query.point, bounds);
-    for (uint32_t q = leaf.begin; q < leaf.end; ++q) {
-      if (component_[q] == query.component) continue;
-      const double bound2 =
-          std::max({static_cast<double>(bounds[q - leaf.begin]),
-                    cores_.core2[q],
-                    query.core2});
-      const uint32_t row = tree_.Row(q);
-      if (!query.CanImprove(bound2, row)) continue;
-      const double weight2 =
-          std::max(bound2, tree_.Distance2(query.point, tree_.Point(q)));
-      query.least2 = std::min(query.least2, weight2);
-      const MstEdge edge = MakeEdge(weight2, query.row, row);
-      if (edge < query.found) query.found = edge;
+  // Whether a node may hold an edge less than the best: equal weights are told
+  // apart by their rows.
+  bool CanImprove(int level, uint32_t node, float bound, Query& query) const {
+    if (!tree_.MayTie(bound, query.Limit2())) return true;
+    const float* point = tree_.Point(query.position);
+    const double bound2 = std::max({tree_.BoxDistance2(level, node, point),
+                                    static_cast<double>(bound),
+                                    query.floor2});
+    if (MakeEdge(bound2,
+                 tree_.Row(query.position),
+                 tree_.MinRow(level, node)) < query.found) {
+      return true;
+    }
+    query.Leave(bound2);
+    return false;
+  }
+
+  void Weigh(uint32_t q, Query& query) const {
+    if (q == query.state.candidate) return;
+    const double weight2 = Weight2(query.position, q);
+    const MstEdge edge =
+        MakeEdge(weight2, tree_.Row(query.position), tree_.Row(q));
+    if (edge < query.found) query.found = edge;
+    if (weight2 < query.state.candidate2) {
+      query.Leave(query.state.candidate2);
+      query.state.candidate = q;
+      query.state.candidate2 = weight2;
+    } else {
+      query.Leave(weight2);
     }
   }
 
@@ -274,6 +329,7 @@ class Boruvka {
     std::vector<uint32_t> parent(num_components_);
     std::iota(parent.begin(), parent.end(), 0u);
     for (uint32_t c = 0; c < num_components_; ++c) {
+      if (c == passive_) continue;
       const MstEdge edge = best.Get(c);
       const uint32_t a = Find(parent, component_[position_of_row_[edge.a]]);
       const uint32_t b = Find(parent, component_[position_of_row_[edge.b]]);
@@ -287,8 +343,14 @@ class Boruvka {
       const uint32_t root = Find(parent, c);
       renumbered[c] = root == c ? next++ : renumbered[root];
     }
-    for (uint32_t& c : component_) c = renumbered[c];
     num_components_ = next;
+    std::vector<uint32_t> sizes(num_components_, 0);
+    for (size_t p = 0; p < tree_.size(); ++p) {
+      component_[p] = renumbered[component_[p]];
+      ++sizes[component_[p]];
+    }
+    passive_ = static_cast<uint32_t>(
+        std::max_element(sizes.begin(), sizes.end()) - sizes.begin());
   }
 
   const KdTree& tree_;
@@ -298,14 +360,17 @@ class Boruvka {
 
   // By tree position.
   std::vector<uint32_t> component_;
-  std::vector<double> foreign2_;  // No edge out of the component is lighter.
+  std::vector<PointState> states_;
   std::vector<uint8_t> undecided_;
+  std::vector<uint8_t> list_done_;  // All on the list are in the component.
   std::vector<uint32_t> position_of_row_;
-  // By tree node.
-  std::vector<uint32_t> node_component_;  // kMixed where several.
-  std::vector<double> node_min_core2_;
+  // By level and child of its nodes.
+  std::vector<std::vector<uint32_t>> node_component_;
+  std::vector<std::vector<float>> floors_;
 
   uint32_t num_components_ = 0;
+  // The largest component lets the others find their edges to it.
+  uint32_t passive_ = kNone;
 };
 
 }  // namespace
