@@ -183,8 +183,7 @@ struct KdTree::KnnQuery {
 
 void KdTree::Search(int level, uint32_t node, KnnQuery& query) const {
   float bounds[kFanout];
-  uint32_t within =
-      ChildBounds(level, node, query.point, query.limit2, bounds);
+  uint32_t within = ChildBounds(level, node, query.point, query.limit2, bounds);
   if (level == 0) {
     for (; within != 0; within &= within - 1) {
       const int j = std::countr_zero(within);

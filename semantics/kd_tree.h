@@ -59,7 +59,9 @@ class KdChildOrder {
 // Squared distances are summed in double from the float coordinates, in order
 // of dimension: symmetric in the two points, and the same wherever they are
 // computed. Box distances are computed alike, and because rounding is monotone
-// they never exceed the distance of a point inside.
+// they never exceed the distance of a point inside. Searches use float bounds
+// first; distances below 1e-18, whose squares are no floats, are found right
+// but slowly.
 class KdTree {
  public:
   static constexpr int kFanout = kKdBlockSize;
@@ -111,13 +113,11 @@ class KdTree {
                        const float* query,
                        double limit2,
                        float bounds[kFanout]) const {
-    return level == 0 ? KdPointBounds(
-                            Block(0, node), dim_, query, Limit(limit2), bounds)
-                      : KdBoxBounds(Block(level, node),
-                                    dim_,
-                                    query,
-                                    Limit(limit2),
-                                    bounds);
+    return level == 0
+               ? KdPointBounds(
+                     Block(0, node), dim_, query, Limit(limit2), bounds)
+               : KdBoxBounds(
+                     Block(level, node), dim_, query, Limit(limit2), bounds);
   }
   KdBlockBounds ChildBounds(int level,
                             uint32_t node,
@@ -125,18 +125,15 @@ class KdTree {
                             const KdBlockFilter& filter,
                             double limit2,
                             float bounds[kFanout]) const {
-    return level == 0 ? KdPointBounds(Block(0, node),
-                                      dim_,
-                                      query,
-                                      filter,
-                                      Limit(limit2),
-                                      bounds)
-                      : KdBoxBounds(Block(level, node),
-                                    dim_,
-                                    query,
-                                    filter,
-                                    Limit(limit2),
-                                    bounds);
+    return level == 0
+               ? KdPointBounds(
+                     Block(0, node), dim_, query, filter, Limit(limit2), bounds)
+               : KdBoxBounds(Block(level, node),
+                             dim_,
+                             query,
+                             filter,
+                             Limit(limit2),
+                             bounds);
   }
   // Whether a bound within the limit leaves open if what it bounds is as large.
   bool MayTie(float bound, double limit2) const {

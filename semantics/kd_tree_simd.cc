@@ -20,8 +20,8 @@ using V = hn::Vec<D>;
 
 // Squared distances of the entries from j on; two sums hide the latency.
 struct Points {
-  static HWY_INLINE V Distance2(
-      D d, const float* block, int dim, const float* query, size_t j) {
+  static HWY_INLINE V
+  Distance2(D d, const float* block, int dim, const float* query, size_t j) {
     V even = hn::Zero(d);
     V odd = hn::Zero(d);
     int k = 0;
@@ -49,8 +49,8 @@ struct Boxes {
     const V above = hn::Sub(center, hn::LoadU(d, row + kKdBlockSize));
     return hn::Max(hn::Max(below, above), hn::Zero(d));
   }
-  static HWY_INLINE V Distance2(
-      D d, const float* block, int dim, const float* query, size_t j) {
+  static HWY_INLINE V
+  Distance2(D d, const float* block, int dim, const float* query, size_t j) {
     V even = hn::Zero(d);
     V odd = hn::Zero(d);
     constexpr size_t kRow = 2 * kKdBlockSize;
@@ -71,10 +71,10 @@ struct Boxes {
 };
 
 HWY_INLINE V Lower(D d, V distance2, int dim) {
-  return hn::Max(hn::MulSub(distance2,
-                            hn::Set(d, KdBoundFactor(dim)),
-                            hn::Set(d, kKdSlack)),
-                 hn::Zero(d));
+  return hn::Max(
+      hn::MulSub(
+          distance2, hn::Set(d, KdBoundFactor(dim)), hn::Set(d, kKdSlack)),
+      hn::Zero(d));
 }
 
 template <class M>
@@ -93,8 +93,7 @@ HWY_INLINE uint32_t Bounds(const float* block,
   const D d;
   uint32_t within = 0;
   for (size_t j = 0; j < kKdBlockSize; j += hn::Lanes(d)) {
-    const V bound =
-        Lower(d, Entries::Distance2(d, block, dim, query, j), dim);
+    const V bound = Lower(d, Entries::Distance2(d, block, dim, query, j), dim);
     hn::StoreU(bound, d, bounds + j);
     within |= Bits(d, hn::Le(bound, hn::Set(d, limit))) << j;
   }
@@ -116,10 +115,9 @@ HWY_INLINE KdBlockBounds FilteredBounds(const float* block,
   for (size_t j = 0; j < kKdBlockSize; j += hn::Lanes(d)) {
     const V distance =
         Lower(d, Entries::Distance2(d, block, dim, query, j), dim);
-    const auto own =
-        hn::RebindMask(d,
-                       hn::Eq(hn::LoadU(du, filter.components + j),
-                              hn::Set(du, filter.own)));
+    const auto own = hn::RebindMask(
+        d,
+        hn::Eq(hn::LoadU(du, filter.components + j), hn::Set(du, filter.own)));
     const V bound = hn::IfThenElse(
         own, infinity, hn::Max(distance, hn::LoadU(d, filter.floors + j)));
     hn::StoreU(bound, d, bounds + j);

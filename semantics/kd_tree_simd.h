@@ -29,6 +29,13 @@ constexpr double KdTieFactor(int dim) {
   return 1.0 - 2 * (1.0 - static_cast<double>(KdBoundFactor(dim)));
 }
 
+// A float that is not above a squared distance.
+constexpr float KdFloor(double distance2) {
+  const float below =
+      static_cast<float>(distance2 * (1 - 0x1p-22)) - kKdSlack;
+  return below > 0 ? below : 0;
+}
+
 // Entries that do not count, and floors below which no entry's weight lies: a
 // bound is the larger one of distance and floor.
 struct KdBlockFilter {

@@ -63,7 +63,7 @@ class BestEdges {
 // What is known of a point's least edges to other components, apart from those
 // to the points on its neighbour list.
 struct PointState {
-  uint32_t candidate = kNone;   // Position of the point at the least edge found.
+  uint32_t candidate = kNone;  // Position of the point at the least edge found.
   double candidate2 = kInfinity;
   double rest2 = 0;  // All other edges to other components weigh at least this.
 };
@@ -112,14 +112,14 @@ class Boruvka {
     return (count + KdTree::kFanout - 1) / KdTree::kFanout * KdTree::kFanout;
   }
 
-  // Least core distances, rounded down, of the points and the nodes of each
+  // Least squared core distances, rounded down, of the points and the nodes of each
   // level but the last.
   void InitFloors() {
     const size_t count = tree_.size();
     floors_.resize(tree_.num_levels());
     floors_[0].resize(RoundUp(count), 0.0f);
     for (size_t p = 0; p < count; ++p) {
-      floors_[0][p] = static_cast<float>(cores_.core2[p] * (1 - 0x1p-22));
+      floors_[0][p] = KdFloor(cores_.core2[p]);
     }
     node_component_.resize(tree_.num_levels());
     for (int level = 1; level < tree_.num_levels(); ++level) {
@@ -135,8 +135,7 @@ class Boruvka {
   }
 
   int NumChildren(int level, uint32_t node) const {
-    const size_t below =
-        level == 0 ? tree_.size() : tree_.num_nodes(level - 1);
+    const size_t below = level == 0 ? tree_.size() : tree_.num_nodes(level - 1);
     return static_cast<int>(std::min<size_t>(
         KdTree::kFanout, below - static_cast<size_t>(node) * KdTree::kFanout));
   }
@@ -144,8 +143,7 @@ class Boruvka {
   void UpdateNodeComponents() {
     for (int level = 1; level < tree_.num_levels(); ++level) {
       for (uint32_t node = 0; node < tree_.num_nodes(level - 1); ++node) {
-        const uint32_t* first =
-            Components(level - 1) + node * KdTree::kFanout;
+        const uint32_t* first = Components(level - 1) + node * KdTree::kFanout;
         const uint32_t* last = first + NumChildren(level - 1, node);
         node_component_[level][node] =
             std::all_of(first, last, [&](uint32_t c) { return c == *first; })
@@ -251,9 +249,7 @@ class Boruvka {
     double Limit2() const {
       return std::min(found.weight2, best.Weight2(component));
     }
-    void Leave(double weight2) {
-      state.rest2 = std::min(state.rest2, weight2);
-    }
+    void Leave(double weight2) { state.rest2 = std::min(state.rest2, weight2); }
   };
 
   void Search(int level, uint32_t node, Query& query) const {
@@ -293,9 +289,8 @@ class Boruvka {
     const double bound2 = std::max({tree_.BoxDistance2(level, node, point),
                                     static_cast<double>(bound),
                                     query.floor2});
-    if (MakeEdge(bound2,
-                 tree_.Row(query.position),
-                 tree_.MinRow(level, node)) < query.found) {
+    if (MakeEdge(bound2, tree_.Row(query.position), tree_.MinRow(level, node)) <
+        query.found) {
       return true;
     }
     query.Leave(bound2);
