@@ -3,12 +3,11 @@
 #include "semantics/mutual_reachability_mst.h"
 
 #include <algorithm>
-#include <array>
-#include <atomic>
 #include <limits>
-#include <mutex>
 #include <numeric>
 #include <utility>
+
+#include "semantics/component_edges.h"
 
 namespace freegs::semantics {
 namespace {
@@ -16,49 +15,6 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr uint32_t kNone = 0xffffffffu;
 constexpr int64_t kGrain = 128;
-
-constexpr MstEdge kNoEdge{kInfinity, 0xffffffffu, 0xffffffffu};
-
-MstEdge MakeEdge(double weight2, uint32_t a, uint32_t b) {
-  return a < b ? MstEdge{weight2, a, b} : MstEdge{weight2, b, a};
-}
-
-// The least edge each component has found so far in a round. The weight alone
-// is read without a lock: a stale value only prunes less.
-class BestEdges {
- public:
-  explicit BestEdges(size_t num_components)
-      : edges_(num_components, kNoEdge), weights_(num_components) {
-    for (auto& weight : weights_) weight.store(kInfinity);
-  }
-
-  double Weight2(uint32_t component) const {
-    return weights_[component].load(std::memory_order_relaxed);
-  }
-
-  MstEdge Get(uint32_t component) {
-    const std::lock_guard lock(MutexOf(component));
-    return edges_[component];
-  }
-
-  void Offer(uint32_t component, const MstEdge& edge) {
-    if (edge.weight2 > Weight2(component)) return;
-    const std::lock_guard lock(MutexOf(component));
-    if (edge < edges_[component]) {
-      edges_[component] = edge;
-      weights_[component].store(edge.weight2, std::memory_order_relaxed);
-    }
-  }
-
- private:
-  std::mutex& MutexOf(uint32_t component) {
-    return mutexes_[component % mutexes_.size()];
-  }
-
-  std::vector<MstEdge> edges_;
-  std::vector<std::atomic<double>> weights_;
-  std::array<std::mutex, 64> mutexes_;
-};
 
 // What is known of a point's least edges to other components, apart from those
 // to the points on its neighbour list.
@@ -70,8 +26,15 @@ struct PointState {
 
 class Boruvka {
  public:
-  Boruvka(const KdTree& tree, const CoreDistances& cores, ThreadPool& pool)
-      : tree_(tree), cores_(cores), pool_(pool) {
+  // graph_neighbors: 0 for the exact tree, see NeighborGraphMst.
+  Boruvka(const KdTree& tree,
+          const CoreDistances& cores,
+          int graph_neighbors,
+          ThreadPool& pool)
+      : tree_(tree),
+        cores_(cores),
+        graph_neighbors_(std::min(graph_neighbors, cores.list_size)),
+        pool_(pool) {
     const size_t count = tree.size();
     component_.resize(RoundUp(count));
     std::iota(component_.begin(), component_.end(), 0u);
@@ -80,7 +43,7 @@ class Boruvka {
     states_.resize(count);
     for (size_t p = 0; p < count; ++p) {
       position_of_row_[tree.Row(p)] = static_cast<uint32_t>(p);
-      states_[p].rest2 = cores.last2[p];
+      states_[p].rest2 = graph_neighbors > 0 ? cores.core2[p] : cores.last2[p];
     }
     undecided_.resize(count);
     list_done_.resize(count);
@@ -94,7 +57,11 @@ class Boruvka {
     while (num_components_ > 1) {
       BestEdges best(num_components_);
       UpdateNodeComponents();
-      SearchLists(best);
+      if (graph_neighbors_ > 0) {
+        SearchGraph(best);
+      } else {
+        SearchLists(best);
+      }
       SearchTree(best);
       if (Cancelled()) return InterruptedError("clustering was interrupted");
       Merge(best, mst);
@@ -112,8 +79,8 @@ class Boruvka {
     return (count + KdTree::kFanout - 1) / KdTree::kFanout * KdTree::kFanout;
   }
 
-  // Least squared core distances, rounded down, of the points and the nodes of each
-  // level but the last.
+  // Least squared core distances, rounded down, of the points and the nodes of
+  // each level but the last.
   void InitFloors() {
     const size_t count = tree_.size();
     floors_.resize(tree_.num_levels());
@@ -184,6 +151,56 @@ class Boruvka {
     return least;
   }
 
+  // The edge that an earlier search of the tree found, unless both ends are in
+  // one component by now.
+  MstEdge Candidate(uint32_t p) {
+    PointState& state = states_[p];
+    if (state.candidate == kNone) return kNoEdge;
+    if (component_[state.candidate] == component_[p]) {
+      state.candidate = kNone;
+      state.candidate2 = kInfinity;
+      return kNoEdge;
+    }
+    return MakeEdge(state.candidate2, tree_.Row(p), tree_.Row(state.candidate));
+  }
+
+  // Offers the graph's edges to both ends. Only where a component has none left
+  // its points may search the tree.
+  void SearchGraph(BestEdges& best) {
+    pool_.ParallelFor(
+        0, tree_.size(), 1024, [&](int64_t first, int64_t last, int) {
+          for (int64_t p = first; p < last; ++p) OfferGraphEdges(p, best);
+        });
+    std::vector<uint8_t> lonely(num_components_);
+    for (uint32_t c = 0; c < num_components_; ++c) {
+      lonely[c] = c != passive_ && best.Weight2(c) == kInfinity;
+    }
+    pool_.ParallelFor(
+        0, tree_.size(), 1024, [&](int64_t first, int64_t last, int) {
+          for (int64_t p = first; p < last; ++p) {
+            undecided_[p] = lonely[component_[p]];
+            if (!undecided_[p]) continue;
+            const MstEdge least = Candidate(p);
+            if (least.weight2 < kInfinity) best.Offer(component_[p], least);
+            undecided_[p] = !(least.weight2 < states_[p].rest2);
+          }
+        });
+  }
+
+  void OfferGraphEdges(uint32_t p, BestEdges& best) {
+    if (list_done_[p]) return;
+    list_done_[p] = 1;
+    const size_t first = static_cast<size_t>(p) * cores_.list_size;
+    for (int j = 0; j < graph_neighbors_; ++j) {
+      const uint32_t q = cores_.neighbors[first + j];
+      if (component_[q] == component_[p]) continue;
+      list_done_[p] = 0;
+      const MstEdge edge = MakeEdge(Weight2(p, q), tree_.Row(p), tree_.Row(q));
+      best.Offer(component_[p], edge);
+      best.Offer(component_[q], edge);
+    }
+  }
+
   // Offers the best edge that every point knows, and notes which points may
   // have a better one.
   void SearchLists(BestEdges& best) {
@@ -192,21 +209,10 @@ class Boruvka {
           for (int64_t p = first; p < last; ++p) {
             undecided_[p] = 0;
             if (component_[p] == passive_) continue;
-            PointState& state = states_[p];
             MstEdge least = LeastListed(p);
-            if (state.candidate != kNone &&
-                component_[state.candidate] == component_[p]) {
-              state.candidate = kNone;
-              state.candidate2 = kInfinity;
-            }
-            if (state.candidate != kNone) {
-              least = std::min(least,
-                               MakeEdge(state.candidate2,
-                                        tree_.Row(p),
-                                        tree_.Row(state.candidate)));
-            }
+            least = std::min(least, Candidate(p));
             if (least.weight2 < kInfinity) best.Offer(component_[p], least);
-            undecided_[p] = !(least.weight2 < state.rest2);
+            undecided_[p] = !(least.weight2 < states_[p].rest2);
           }
         });
   }
@@ -350,6 +356,7 @@ class Boruvka {
 
   const KdTree& tree_;
   const CoreDistances& cores_;
+  const int graph_neighbors_;
   ThreadPool& pool_;
   const CancellationToken* cancellation_ = nullptr;
 
@@ -376,7 +383,20 @@ StatusOr<std::vector<MstEdge>> MutualReachabilityMst(
     ThreadPool& pool,
     const CancellationToken* cancellation) {
   if (tree.size() < 2) return std::vector<MstEdge>();
-  return Boruvka(tree, cores, pool).Run(cancellation);
+  return Boruvka(tree, cores, 0, pool).Run(cancellation);
+}
+
+StatusOr<std::vector<MstEdge>> NeighborGraphMst(
+    const KdTree& tree,
+    const CoreDistances& cores,
+    int graph_neighbors,
+    ThreadPool& pool,
+    const CancellationToken* cancellation) {
+  if (graph_neighbors < 1) {
+    return InvalidArgumentError("graph_neighbors must be at least 1");
+  }
+  if (tree.size() < 2) return std::vector<MstEdge>();
+  return Boruvka(tree, cores, graph_neighbors, pool).Run(cancellation);
 }
 
 }  // namespace freegs::semantics
