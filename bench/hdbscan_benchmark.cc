@@ -107,8 +107,8 @@ Status Sweep(const Points& points,
              int repeats,
              const std::vector<int32_t>& exact,
              ThreadPool& pool) {
-  for (const int leaves : {0, 32, 16, 8, 4}) {
-    for (const int neighbors : {2, 4, 8, 20}) {
+  for (const int leaves : {0, 256, 64, 32}) {
+    for (const int neighbors : {2, 8, 20}) {
       if (leaves > 0 && neighbors != 20) continue;
       options.graph_neighbors = neighbors;
       options.max_leaves = leaves;
