@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "semantics/component_edges.h"
+#include "semantics/component_filters.h"
 
 namespace freegs::semantics {
 namespace {
@@ -34,9 +35,10 @@ class Boruvka {
       : tree_(tree),
         cores_(cores),
         graph_neighbors_(std::min(graph_neighbors, cores.list_size)),
-        pool_(pool) {
+        pool_(pool),
+        filters_(tree, cores.core2) {
     const size_t count = tree.size();
-    component_.resize(RoundUp(count));
+    component_.resize(ComponentFilters::RoundUp(count));
     std::iota(component_.begin(), component_.end(), 0u);
     num_components_ = static_cast<uint32_t>(count);
     position_of_row_.resize(count);
@@ -47,7 +49,6 @@ class Boruvka {
     }
     undecided_.resize(count);
     list_done_.resize(count);
-    InitFloors();
   }
 
   StatusOr<std::vector<MstEdge>> Run(const CancellationToken* cancellation) {
@@ -56,7 +57,7 @@ class Boruvka {
     mst.reserve(tree_.size());
     while (num_components_ > 1) {
       BestEdges best(num_components_);
-      UpdateNodeComponents();
+      filters_.Update(component_);
       if (graph_neighbors_ > 0) {
         SearchGraph(best);
       } else {
@@ -73,56 +74,6 @@ class Boruvka {
  private:
   bool Cancelled() const {
     return cancellation_ != nullptr && cancellation_->cancelled();
-  }
-
-  static size_t RoundUp(size_t count) {
-    return (count + KdTree::kFanout - 1) / KdTree::kFanout * KdTree::kFanout;
-  }
-
-  // Least squared core distances, rounded down, of the points and the nodes of
-  // each level but the last.
-  void InitFloors() {
-    const size_t count = tree_.size();
-    floors_.resize(tree_.num_levels());
-    floors_[0].resize(RoundUp(count), 0.0f);
-    for (size_t p = 0; p < count; ++p) {
-      floors_[0][p] = KdFloor(cores_.core2[p]);
-    }
-    node_component_.resize(tree_.num_levels());
-    for (int level = 1; level < tree_.num_levels(); ++level) {
-      const uint32_t num_nodes = tree_.num_nodes(level - 1);
-      node_component_[level].resize(RoundUp(num_nodes));
-      floors_[level].resize(RoundUp(num_nodes), 0.0f);
-      for (uint32_t node = 0; node < num_nodes; ++node) {
-        const auto first = floors_[level - 1].begin() + node * KdTree::kFanout;
-        floors_[level][node] =
-            *std::min_element(first, first + NumChildren(level - 1, node));
-      }
-    }
-  }
-
-  int NumChildren(int level, uint32_t node) const {
-    const size_t below = level == 0 ? tree_.size() : tree_.num_nodes(level - 1);
-    return static_cast<int>(std::min<size_t>(
-        KdTree::kFanout, below - static_cast<size_t>(node) * KdTree::kFanout));
-  }
-
-  void UpdateNodeComponents() {
-    for (int level = 1; level < tree_.num_levels(); ++level) {
-      for (uint32_t node = 0; node < tree_.num_nodes(level - 1); ++node) {
-        const uint32_t* first = Components(level - 1) + node * KdTree::kFanout;
-        const uint32_t* last = first + NumChildren(level - 1, node);
-        node_component_[level][node] =
-            std::all_of(first, last, [&](uint32_t c) { return c == *first; })
-                ? *first
-                : kNone;
-      }
-    }
-  }
-
-  // Of the children of the nodes of a level; kNone where they hold several.
-  const uint32_t* Components(int level) const {
-    return level == 0 ? component_.data() : node_component_[level].data();
   }
 
   double Weight2(uint32_t p, uint32_t q) const {
@@ -266,9 +217,7 @@ class Boruvka {
         tree_.ChildBounds(level,
                           node,
                           point,
-                          {.components = Components(level) + first,
-                           .own = query.component,
-                           .floors = floors_[level].data() + first},
+                          filters_.At(level, node, query.component),
                           query.Limit2(),
                           bounds);
     query.Leave(children.least_beyond);
@@ -358,6 +307,7 @@ class Boruvka {
   const CoreDistances& cores_;
   const int graph_neighbors_;
   ThreadPool& pool_;
+  ComponentFilters filters_;
   const CancellationToken* cancellation_ = nullptr;
 
   // By tree position.
@@ -366,9 +316,6 @@ class Boruvka {
   std::vector<uint8_t> undecided_;
   std::vector<uint8_t> list_done_;  // All on the list are in the component.
   std::vector<uint32_t> position_of_row_;
-  // By level and child of its nodes.
-  std::vector<std::vector<uint32_t>> node_component_;
-  std::vector<std::vector<float>> floors_;
 
   uint32_t num_components_ = 0;
   // The largest component lets the others find their edges to it.
