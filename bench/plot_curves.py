@@ -37,8 +37,8 @@ def main():
     parser.add_argument("--low", type=float, help="of the chart; 14 or more dB")
     parser.add_argument("--high", type=float)
     parser.add_argument("--step", type=float, default=2, help="of the grid")
-    parser.add_argument("--digits", type=int, default=1, help="of the labels")
-    parser.add_argument("--dots", action="store_true", help="one per row, by time")
+    parser.add_argument("--dots", action="store_true",
+                        help="one per row instead of a line")
     args = parser.parse_args()
     curves = []
     for argument in args.curves:
@@ -87,8 +87,9 @@ def main():
     for (name, curve), color in zip(curves, COLORS * 3):
         at = [place(*p) for p in curve]
         path = "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in at)
-        svg.append(f'<path d="{path}" fill="none" stroke="{color}" '
-                   'stroke-width="2"/>')
+        if not args.dots:
+            svg.append(f'<path d="{path}" fill="none" stroke="{color}" '
+                       'stroke-width="2"/>')
         for x, y in at if args.dots else at[-1:]:
             svg.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" '
                        f'fill="{color}"/>')
@@ -101,8 +102,8 @@ def main():
         at = max(y, bottom)
         bottom = at + 16
         svg.append(f'<text x="{WIDTH - RIGHT + 10}" y="{at + 4:.1f}" '
-                   f'fill="{color}">{escape(name)} {psnr:.{args.digits}f}'
-                   '</text>')
+                   f'fill="{color}">{escape(name)}'
+                   f'{"" if args.dots else f" {psnr:.1f}"}</text>')
     svg.append("</svg>")
     with open(args.out, "w") as file:
         file.write("\n".join(svg) + "\n")
