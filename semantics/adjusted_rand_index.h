@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How far two clusterings agree, whatever their clusters are called.
+// Agreement of two partitions of the same things.
 
 #ifndef FREEGS_SEMANTICS_ADJUSTED_RAND_INDEX_H_
 #define FREEGS_SEMANTICS_ADJUSTED_RAND_INDEX_H_
@@ -7,15 +7,18 @@
 #include <cstdint>
 #include <span>
 
+#include "core/status.h"
+
 namespace freegs::semantics {
 
-// The adjusted Rand index (Hubert and Arabie 1985): 1 for the same partition,
-// about 0 for independent ones, negative below chance. Of two labels per point,
-// as many of each; negative labels are noise, which counts as one more cluster.
-// 1 when there is nothing to tell apart: fewer than two points, or both
-// clusterings all in one or all apart.
-double AdjustedRandIndex(std::span<const int32_t> a,
-                         std::span<const int32_t> b);
+// The Rand index corrected for chance (Hubert and Arabie, "Comparing
+// Partitions", 1985, equation 5): 1 for equal partitions, near 0 for unrelated
+// ones, negative for less agreement than chance gives. Labels only say who
+// belongs together; each value, -1 (noise) too, is a class. 1 where both put
+// all in one class or each in its own, or where there are fewer than two
+// things. kInvalidArgument when the sizes differ. Time N log N, memory N.
+StatusOr<double> AdjustedRandIndex(std::span<const int32_t> a,
+                                   std::span<const int32_t> b);
 
 }  // namespace freegs::semantics
 

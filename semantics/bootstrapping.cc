@@ -309,11 +309,10 @@ class Bootstrapping {
     FREEGS_ASSIGN_OR_RETURN(InstanceLabels labels,
                             Cluster(training.features()));
     FREEGS_ASSIGN_OR_RETURN(InstanceVectors vectors, Look(labels));
-    training.Teach({labels.num_instances,
-                    std::move(labels.labels),
-                    std::move(vectors.vectors)},
-                   pool_);
-    return Status();
+    return training.Teach({labels.num_instances,
+                           std::move(labels.labels),
+                           std::move(vectors.vectors)},
+                          pool_);
   }
 
   const PosedScene& scene_;

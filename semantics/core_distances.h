@@ -25,17 +25,22 @@ struct CoreDistances {
   std::vector<uint32_t> neighbors;
 
   // Squared distance to the last point of the list; infinite when the list
-  // holds all other points. No point outside the list is nearer.
+  // holds all other points. No point outside the list is nearer, unless the
+  // lists are approximate.
   std::vector<double> last2;
 };
 
 // min_samples >= 1 is cut to N - 1 (Campello et al. 2013; the point itself does
-// not count). kInterrupted when cancelled.
+// not count). max_leaves > 0 approximates (see KdTree::Nearest): lists may miss
+// neighbours, and core distances be too large; MutualReachabilityMst then is no
+// longer exact, NeighborGraphMst asks nothing of the lists. kInterrupted when
+// cancelled.
 StatusOr<CoreDistances> ComputeCoreDistances(
     const KdTree& tree,
     int min_samples,
     ThreadPool& pool,
-    const CancellationToken* cancellation);
+    const CancellationToken* cancellation,
+    int max_leaves = 0);
 
 }  // namespace freegs::semantics
 

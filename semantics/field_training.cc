@@ -154,14 +154,19 @@ bool FieldTraining::clusters_next() const {
          (rounds_.empty() || rounds_.back().step < step_);
 }
 
-void FieldTraining::Teach(InstanceTeachers teachers, ThreadPool& pool) {
-  rounds_.push_back(
-      {step_,
-       teachers.num_instances,
-       rounds_.empty() ? 0.0
-                       : AdjustedRandIndex(teachers_.labels, teachers.labels)});
+Status FieldTraining::Teach(InstanceTeachers teachers, ThreadPool& pool) {
+  if (teachers.labels.size() != scene_.model.size()) {
+    return InvalidArgumentError("instances of another scene's Gaussians");
+  }
+  ClusteringRound round{step_, teachers.num_instances, 0};
+  if (!rounds_.empty()) {
+    FREEGS_ASSIGN_OR_RETURN(
+        round.agreement, AdjustedRandIndex(teachers_.labels, teachers.labels));
+  }
+  rounds_.push_back(round);
   teachers_ = std::move(teachers);
   ShowTeachers(pool);
+  return Status();
 }
 
 // What is known of instances, and where they are in each view.

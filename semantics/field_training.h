@@ -150,7 +150,8 @@ class FieldTraining {
   bool clusters_next() const;
 
   // The outcome of that: what instances and their pixels are taught from now.
-  void Teach(InstanceTeachers teachers, ThreadPool& pool);
+  // kInvalidArgument for labels of another number of Gaussians.
+  Status Teach(InstanceTeachers teachers, ThreadPool& pool);
 
   int64_t step() const { return step_; }
   std::span<const float> features() const { return features_; }

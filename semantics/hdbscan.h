@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Hierarchical density-based clustering with noise, exact.
+// Hierarchical density-based clustering with noise, exact unless asked for
+// less.
 
 #ifndef FREEGS_SEMANTICS_HDBSCAN_H_
 #define FREEGS_SEMANTICS_HDBSCAN_H_
@@ -36,6 +37,15 @@ struct HdbscanOptions {
   // Splits selected clusters further across clear gaps; 0 is HDBSCAN proper
   // (see ClusterSelectionOptions).
   double min_gap_ratio = 0;
+
+  // Above 0 the spanning tree is approximate: edges join each point with this
+  // many of its nearest neighbours (at most min_samples + 1), and what these
+  // leave apart is joined exactly. Gains and errors: docs/clustering.md.
+  int graph_neighbors = 0;
+
+  // Above 0 the search of neighbours ends after this many leaves of 16 points,
+  // so that core distances may be too large. Needs graph_neighbors.
+  int max_leaves = 0;
 
   Status Check() const;
 };

@@ -3,20 +3,11 @@
 #include "semantics/kd_tree.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numeric>
 
 namespace freegs::semantics {
-namespace {
-
-// Relative error of a float sum of dim squared float differences is at most
-// about (dim + 2) * 2^-24; this leaves room up to 80 dimensions and grows
-// above.
-float LowerBoundFactor(int dim) {
-  return 1.0f - std::max(80, dim + 16) * 0x1p-23f;
-}
-
-}  // namespace
 
 StatusOr<KdTree> KdTree::Build(std::span<const float> points, int dim) {
   if (dim <= 0 || points.size() % dim != 0) {
@@ -37,13 +28,11 @@ StatusOr<KdTree> KdTree::Build(std::span<const float> points, int dim) {
   }
   KdTree tree;
   tree.dim_ = dim;
+  tree.tie_factor_ = KdTieFactor(dim);
   tree.order_.resize(count);
   std::iota(tree.order_.begin(), tree.order_.end(), 0u);
   if (count == 0) return tree;
-  const size_t max_nodes = 4 * (count / kLeafSize + 1);
-  tree.nodes_.reserve(max_nodes);
-  tree.boxes_.reserve(max_nodes * 2 * dim);
-  tree.Build(0, static_cast<uint32_t>(count), points);
+  tree.Split(0, static_cast<uint32_t>(count), points);
 
   tree.rows_.resize(points.size());
   for (size_t position = 0; position < count; ++position) {
@@ -52,63 +41,41 @@ StatusOr<KdTree> KdTree::Build(std::span<const float> points, int dim) {
         dim,
         tree.rows_.data() + position * dim);
   }
-  tree.block_.resize(tree.nodes_.size(), 0);
-  uint32_t num_blocks = 0;
-  for (size_t i = 0; i < tree.nodes_.size(); ++i) {
-    if (tree.nodes_[i].is_leaf()) tree.block_[i] = num_blocks++;
-  }
-  tree.blocks_.resize(static_cast<size_t>(num_blocks) * dim * kLeafSize, 0.0f);
-  for (size_t i = 0; i < tree.nodes_.size(); ++i) {
-    const Node& node = tree.nodes_[i];
-    if (!node.is_leaf()) continue;
-    float* block = tree.blocks_.data() +
-                   static_cast<size_t>(tree.block_[i]) * dim * kLeafSize;
-    for (uint32_t position = node.begin; position < node.end; ++position) {
-      for (int k = 0; k < dim; ++k) {
-        block[k * kLeafSize + position - node.begin] = tree.Point(position)[k];
-      }
-    }
-  }
+  tree.FillLeaves();
+  while (tree.levels_.back().num_nodes > 1) tree.FillLevel(tree.num_levels());
   return tree;
 }
 
-void KdTree::Build(uint32_t begin,
+// Orders the points so that the nodes of all levels are compact.
+void KdTree::Split(uint32_t begin,
                    uint32_t end,
                    std::span<const float> points) {
-  const size_t id = nodes_.size();
+  const uint32_t count = end - begin;
+  if (count <= kFanout) return;
   const auto point = [&](uint32_t row) {
     return points.data() + static_cast<size_t>(row) * dim_;
   };
-  Node node;
-  node.begin = begin;
-  node.end = end;
-  node.min_index =
-      *std::min_element(order_.begin() + begin, order_.begin() + end);
-  nodes_.push_back(node);
-  boxes_.resize(boxes_.size() + 2 * dim_);
-  {
-    float* low = boxes_.data() + id * 2 * dim_;
-    float* high = low + dim_;
-    std::copy_n(point(order_[begin]), dim_, low);
-    std::copy_n(point(order_[begin]), dim_, high);
-    for (uint32_t position = begin + 1; position < end; ++position) {
-      const float* p = point(order_[position]);
-      for (int k = 0; k < dim_; ++k) {
-        low[k] = std::min(low[k], p[k]);
-        high[k] = std::max(high[k], p[k]);
-      }
+  std::vector<float> low(point(order_[begin]), point(order_[begin]) + dim_);
+  std::vector<float> high(low);
+  for (uint32_t position = begin + 1; position < end; ++position) {
+    const float* p = point(order_[position]);
+    for (int k = 0; k < dim_; ++k) {
+      low[k] = std::min(low[k], p[k]);
+      high[k] = std::max(high[k], p[k]);
     }
   }
-  if (end - begin <= kLeafSize) return;
-  const float* low = boxes_.data() + id * 2 * dim_;
-  const float* high = low + dim_;
   int widest = 0;
   for (int k = 1; k < dim_; ++k) {
     if (high[k] - low[k] > high[widest] - low[widest]) widest = k;
   }
+  // The left part is a whole number of the largest nodes that divide this one.
+  int level = 0;
+  while (PointsPerNode(level + 1) < count) ++level;
+  const size_t node = PointsPerNode(level);
+  const size_t num_nodes = (count + node - 1) / node;
+  const auto middle = static_cast<uint32_t>(begin + num_nodes / 2 * node);
   // Equal coordinates are split by row: the depth stays logarithmic whatever
-  // the points, and among duplicates the left child holds the smaller rows.
-  const uint32_t middle = begin + (end - begin) / 2;
+  // the points, and among duplicates the left part holds the smaller rows.
   std::nth_element(order_.begin() + begin,
                    order_.begin() + middle,
                    order_.begin() + end,
@@ -117,60 +84,116 @@ void KdTree::Build(uint32_t begin,
                      const float xb = point(b)[widest];
                      return xa != xb ? xa < xb : a < b;
                    });
-  Build(begin, middle, points);
-  nodes_[id].right = static_cast<uint32_t>(nodes_.size());
-  Build(middle, end, points);
+  Split(begin, middle, points);
+  Split(middle, end, points);
 }
 
-void KdTree::LeafLowerBounds(const Node& leaf,
-                             const float* query,
-                             float bounds[kLeafSize]) const {
-  const size_t id = &leaf - nodes_.data();
-  const float* block =
-      blocks_.data() + static_cast<size_t>(block_[id]) * dim_ * kLeafSize;
-  float sums[kLeafSize] = {};
-  for (int k = 0; k < dim_; ++k) {
-    const float center = query[k];
-    for (int j = 0; j < kLeafSize; ++j) {
-      const float difference = block[k * kLeafSize + j] - center;
-      sums[j] += difference * difference;
+void KdTree::FillLeaves() {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  Level leaves;
+  leaves.num_nodes = static_cast<uint32_t>((size() + kFanout - 1) / kFanout);
+  leaves.min_rows.assign(leaves.num_nodes, kNoRow);
+  leaves.blocks.assign(leaves.num_nodes * BlockSize(0), kInfinity);
+  for (size_t position = 0; position < size(); ++position) {
+    const size_t leaf = position / kFanout;
+    uint32_t& min_row = leaves.min_rows[leaf];
+    min_row = std::min(min_row, order_[position]);
+    float* block =
+        leaves.blocks.data() + leaf * BlockSize(0) + position % kFanout;
+    for (int k = 0; k < dim_; ++k) {
+      block[k * kFanout] = Point(static_cast<uint32_t>(position))[k];
     }
   }
-  const float factor = LowerBoundFactor(dim_);
-  for (int j = 0; j < kLeafSize; ++j) bounds[j] = sums[j] * factor;
+  levels_.push_back(std::move(leaves));
+}
+
+void KdTree::FillLevel(int level) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  const Level& below = levels_.back();
+  Level filled;
+  filled.num_nodes = (below.num_nodes + kFanout - 1) / kFanout;
+  filled.min_rows.assign(filled.num_nodes, kNoRow);
+  filled.blocks.resize(filled.num_nodes * BlockSize(level));
+  // Per node and dimension: the lower ends of its children, the upper ends.
+  float* ends = filled.blocks.data();
+  for (uint32_t node = 0; node < filled.num_nodes; ++node) {
+    for (int k = 0; k < dim_; ++k, ends += 2 * kFanout) {
+      std::fill_n(ends, kFanout, kInfinity);
+      std::fill_n(ends + kFanout, kFanout, -kInfinity);
+    }
+  }
+  const size_t child_points = PointsPerNode(level - 1);
+  for (uint32_t child = 0; child < below.num_nodes; ++child) {
+    uint32_t& min_row = filled.min_rows[child / kFanout];
+    min_row = std::min(min_row, below.min_rows[child]);
+    float* low = filled.blocks.data() + child / kFanout * BlockSize(level) +
+                 child % kFanout;
+    const size_t end = std::min(size(), (child + 1) * child_points);
+    for (size_t position = child * child_points; position < end; ++position) {
+      const float* point = Point(static_cast<uint32_t>(position));
+      for (int k = 0; k < dim_; ++k) {
+        float& least = low[k * 2 * kFanout];
+        float& most = low[k * 2 * kFanout + kFanout];
+        least = std::min(least, point[k]);
+        most = std::max(most, point[k]);
+      }
+    }
+  }
+  levels_.push_back(std::move(filled));
+}
+
+double KdTree::BoxDistance2(int level,
+                            uint32_t node,
+                            const float* query) const {
+  if (level + 1 == num_levels()) return 0;  // The root's box is not kept.
+  const float* low = Block(level + 1, node / kFanout) + node % kFanout;
+  double sum = 0;
+  for (int k = 0; k < dim_; ++k) {
+    const double below = static_cast<double>(low[k * 2 * kFanout]) - query[k];
+    const double above =
+        static_cast<double>(query[k]) - low[k * 2 * kFanout + kFanout];
+    const double outside = below > above ? below : above;
+    sum += outside > 0 ? outside * outside : 0;
+  }
+  return sum;
 }
 
 // The best k found so far, as a heap with the worst on top.
 struct KdTree::KnnQuery {
+  static constexpr int kAllLeaves = std::numeric_limits<int>::max();
+
   const float* point;
   size_t k;
   uint32_t skip;
   std::vector<Neighbor>& heap;
+  int leaves_left;
+  double limit2 = std::numeric_limits<double>::infinity();
 
-  bool CanImprove(double distance2, uint32_t index) const {
-    return heap.size() < k || Neighbor{distance2, index} < heap.front();
+  bool Exhausted() const { return leaves_left <= 0 && heap.size() == k; }
+  bool CanImprove(double distance2, uint32_t row) const {
+    return heap.size() < k || Neighbor{distance2, row} < heap.front();
   }
-  void Add(double distance2, uint32_t index) {
+  void Add(double distance2, uint32_t row) {
     if (heap.size() == k) {
       std::pop_heap(heap.begin(), heap.end());
-      heap.back() = {distance2, index};
+      heap.back() = {distance2, row};
     } else {
-      heap.push_back({distance2, index});
+      heap.push_back({distance2, row});
     }
     std::push_heap(heap.begin(), heap.end());
+    if (heap.size() == k) limit2 = heap.front().distance2;
   }
 };
 
-void KdTree::Search(uint32_t id, KnnQuery& query) const {
-  const Node& node = nodes_[id];
-  if (node.is_leaf()) {
-    float bounds[kLeafSize];
-    LeafLowerBounds(node, query.point, bounds);
-    for (uint32_t position = node.begin; position < node.end; ++position) {
-      if (query.heap.size() == query.k &&
-          bounds[position - node.begin] > query.heap.front().distance2) {
-        continue;
-      }
+void KdTree::Search(int level, uint32_t node, KnnQuery& query) const {
+  float bounds[kFanout];
+  uint32_t within = ChildBounds(level, node, query.point, query.limit2, bounds);
+  if (level == 0) {
+    --query.leaves_left;
+    for (; within != 0; within &= within - 1) {
+      const int j = std::countr_zero(within);
+      if (bounds[j] > query.limit2) continue;
+      const uint32_t position = node * kFanout + j;
       const uint32_t row = order_[position];
       if (row == query.skip) continue;
       const double distance2 = Distance2(query.point, Point(position));
@@ -178,30 +201,32 @@ void KdTree::Search(uint32_t id, KnnQuery& query) const {
     }
     return;
   }
-  uint32_t near = id + 1;
-  uint32_t far = node.right;
-  Neighbor near_bound{BoxDistance2(near, query.point), nodes_[near].min_index};
-  Neighbor far_bound{BoxDistance2(far, query.point), nodes_[far].min_index};
-  if (far_bound < near_bound) {
-    std::swap(near, far);
-    std::swap(near_bound, far_bound);
-  }
-  if (query.CanImprove(near_bound.distance2, near_bound.index)) {
-    Search(near, query);
-  }
-  if (query.CanImprove(far_bound.distance2, far_bound.index)) {
-    Search(far, query);
+  KdChildOrder children(bounds, within);
+  for (int j; (j = children.Next()) >= 0;) {
+    if (bounds[j] > query.limit2 || query.Exhausted()) return;
+    const uint32_t child = node * kFanout + j;
+    if (MayTie(bounds[j], query.limit2) &&
+        !query.CanImprove(BoxDistance2(level - 1, child, query.point),
+                          MinRow(level - 1, child))) {
+      continue;
+    }
+    Search(level - 1, child, query);
   }
 }
 
 void KdTree::Nearest(const float* query,
                      int k,
                      uint32_t skip,
-                     std::vector<Neighbor>* result) const {
+                     std::vector<Neighbor>* result,
+                     int max_leaves) const {
   result->clear();
   if (k <= 0 || order_.empty()) return;
-  KnnQuery search{query, static_cast<size_t>(k), skip, *result};
-  Search(0, search);
+  KnnQuery search{query,
+                  static_cast<size_t>(k),
+                  skip,
+                  *result,
+                  max_leaves > 0 ? max_leaves : KnnQuery::kAllLeaves};
+  Search(num_levels() - 1, 0, search);
   std::sort_heap(result->begin(), result->end());
 }
 

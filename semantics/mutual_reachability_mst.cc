@@ -3,79 +3,52 @@
 #include "semantics/mutual_reachability_mst.h"
 
 #include <algorithm>
-#include <array>
-#include <atomic>
 #include <limits>
-#include <mutex>
 #include <numeric>
 #include <utility>
+
+#include "semantics/component_edges.h"
+#include "semantics/component_filters.h"
 
 namespace freegs::semantics {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr uint32_t kMixed = 0xffffffffu;
+constexpr uint32_t kNone = 0xffffffffu;
 constexpr int64_t kGrain = 128;
 
-constexpr MstEdge kNoEdge{kInfinity, 0xffffffffu, 0xffffffffu};
-
-MstEdge MakeEdge(double weight2, uint32_t a, uint32_t b) {
-  return a < b ? MstEdge{weight2, a, b} : MstEdge{weight2, b, a};
-}
-
-// The least edge each component has found so far in a round. The weight alone
-// is read without a lock: a stale value only prunes less.
-class BestEdges {
- public:
-  explicit BestEdges(size_t num_components)
-      : edges_(num_components, kNoEdge), weights_(num_components) {
-    for (auto& weight : weights_) weight.store(kInfinity);
-  }
-
-  double Weight2(uint32_t component) const {
-    return weights_[component].load(std::memory_order_relaxed);
-  }
-
-  MstEdge Get(uint32_t component) {
-    const std::lock_guard lock(MutexOf(component));
-    return edges_[component];
-  }
-
-  void Offer(uint32_t component, const MstEdge& edge) {
-    if (edge.weight2 > Weight2(component)) return;
-    const std::lock_guard lock(MutexOf(component));
-    if (edge < edges_[component]) {
-      edges_[component] = edge;
-      weights_[component].store(edge.weight2, std::memory_order_relaxed);
-    }
-  }
-
- private:
-  std::mutex& MutexOf(uint32_t component) {
-    return mutexes_[component % mutexes_.size()];
-  }
-
-  std::vector<MstEdge> edges_;
-  std::vector<std::atomic<double>> weights_;
-  std::array<std::mutex, 64> mutexes_;
+// What is known of a point's least edges to other components, apart from those
+// to the points on its neighbour list.
+struct PointState {
+  uint32_t candidate = kNone;  // Position of the point at the least edge found.
+  double candidate2 = kInfinity;
+  double rest2 = 0;  // All other edges to other components weigh at least this.
 };
 
 class Boruvka {
  public:
-  Boruvka(const KdTree& tree, const CoreDistances& cores, ThreadPool& pool)
-      : tree_(tree), cores_(cores), pool_(pool) {
+  // graph_neighbors: 0 for the exact tree, see NeighborGraphMst.
+  Boruvka(const KdTree& tree,
+          const CoreDistances& cores,
+          int graph_neighbors,
+          ThreadPool& pool)
+      : tree_(tree),
+        cores_(cores),
+        graph_neighbors_(std::min(graph_neighbors, cores.list_size)),
+        pool_(pool),
+        filters_(tree, cores.core2) {
     const size_t count = tree.size();
-    component_.resize(count);
+    component_.resize(ComponentFilters::RoundUp(count));
     std::iota(component_.begin(), component_.end(), 0u);
     num_components_ = static_cast<uint32_t>(count);
     position_of_row_.resize(count);
+    states_.resize(count);
     for (size_t p = 0; p < count; ++p) {
       position_of_row_[tree.Row(p)] = static_cast<uint32_t>(p);
+      states_[p].rest2 = graph_neighbors > 0 ? cores.core2[p] : cores.last2[p];
     }
-    foreign2_ = cores.core2;
     undecided_.resize(count);
-    node_component_.resize(tree.nodes().size());
-    InitMinCore();
+    list_done_.resize(count);
   }
 
   StatusOr<std::vector<MstEdge>> Run(const CancellationToken* cancellation) {
@@ -84,8 +57,12 @@ class Boruvka {
     mst.reserve(tree_.size());
     while (num_components_ > 1) {
       BestEdges best(num_components_);
-      UpdateNodeComponents();
-      SearchLists(best);
+      filters_.Update(component_);
+      if (graph_neighbors_ > 0) {
+        SearchGraph(best);
+      } else {
+        SearchLists(best);
+      }
       SearchTree(best);
       if (Cancelled()) return InterruptedError("clustering was interrupted");
       Merge(best, mst);
@@ -99,166 +76,194 @@ class Boruvka {
     return cancellation_ != nullptr && cancellation_->cancelled();
   }
 
-  void InitMinCore() {
-    const auto& nodes = tree_.nodes();
-    node_min_core2_.resize(nodes.size());
-    for (size_t id = nodes.size(); id-- > 0;) {
-      const KdTree::Node& node = nodes[id];
-      node_min_core2_[id] =
-          node.is_leaf()
-              ? *std::min_element(cores_.core2.begin() + node.begin,
-                                  cores_.core2.begin() + node.end)
-              : std::min(node_min_core2_[id + 1], node_min_core2_[node.right]);
-    }
+  double Weight2(uint32_t p, uint32_t q) const {
+    return std::max({cores_.core2[p],
+                     cores_.core2[q],
+                     tree_.Distance2(tree_.Point(p), tree_.Point(q))});
   }
 
-  void UpdateNodeComponents() {
-    const auto& nodes = tree_.nodes();
-    for (size_t id = nodes.size(); id-- > 0;) {
-      const KdTree::Node& node = nodes[id];
-      if (!node.is_leaf()) {
-        const uint32_t left = node_component_[id + 1];
-        node_component_[id] =
-            left == node_component_[node.right] ? left : kMixed;
-        continue;
-      }
-      uint32_t common = component_[node.begin];
-      for (uint32_t p = node.begin + 1; p < node.end; ++p) {
-        if (component_[p] != common) {
-          common = kMixed;
-          break;
-        }
-      }
-      node_component_[id] = common;
-    }
-  }
-
-  // Offers the best listed edge of every point and notes which points may have
-  // a better one outside their list.
-  void SearchLists(BestEdges& best) {
+  // The least edge of a point to those on its list that are in other
+  // components.
+  MstEdge LeastListed(int64_t p) {
+    if (list_done_[p]) return kNoEdge;
     const int size = cores_.list_size;
+    const uint32_t* list = cores_.neighbors.data() + p * size;
+    MstEdge least = kNoEdge;
+    for (int j = 0; j < size; ++j) {
+      const uint32_t q = list[j];
+      if (component_[q] == component_[p]) continue;
+      // All but the last are within p's core distance.
+      const double weight2 = j < size - 1
+                                 ? std::max(cores_.core2[p], cores_.core2[q])
+                                 : Weight2(p, q);
+      least = std::min(least, MakeEdge(weight2, tree_.Row(p), tree_.Row(q)));
+    }
+    list_done_[p] = least == kNoEdge;
+    return least;
+  }
+
+  // The edge that an earlier search of the tree found, unless both ends are in
+  // one component by now.
+  MstEdge Candidate(uint32_t p) {
+    PointState& state = states_[p];
+    if (state.candidate == kNone) return kNoEdge;
+    if (component_[state.candidate] == component_[p]) {
+      state.candidate = kNone;
+      state.candidate2 = kInfinity;
+      return kNoEdge;
+    }
+    return MakeEdge(state.candidate2, tree_.Row(p), tree_.Row(state.candidate));
+  }
+
+  // Offers the graph's edges to both ends. Only where a component has none left
+  // its points may search the tree.
+  void SearchGraph(BestEdges& best) {
     pool_.ParallelFor(
-        0, component_.size(), 1024, [&](int64_t first, int64_t last, int) {
+        0, tree_.size(), 1024, [&](int64_t first, int64_t last, int) {
+          for (int64_t p = first; p < last; ++p) OfferGraphEdges(p, best);
+        });
+    std::vector<uint8_t> lonely(num_components_);
+    for (uint32_t c = 0; c < num_components_; ++c) {
+      lonely[c] = c != passive_ && best.Weight2(c) == kInfinity;
+    }
+    pool_.ParallelFor(
+        0, tree_.size(), 1024, [&](int64_t first, int64_t last, int) {
           for (int64_t p = first; p < last; ++p) {
-            const uint32_t own = component_[p];
-            const uint32_t* list = cores_.neighbors.data() + p * size;
-            MstEdge found = kNoEdge;
-            for (int j = 0; j < size; ++j) {
-              const uint32_t q = list[j];
-              if (component_[q] == own) continue;
-              double weight2 = std::max(cores_.core2[p], cores_.core2[q]);
-              // All but the last are within p's core distance.
-              if (j == size - 1) {
-                weight2 = std::max(
-                    weight2, tree_.Distance2(tree_.Point(p), tree_.Point(q)));
-              }
-              found = std::min(found,
-                               MakeEdge(weight2, tree_.Row(p), tree_.Row(q)));
-            }
-            if (found.weight2 < kInfinity) best.Offer(own, found);
-            // Unlisted points are at last2 or farther.
-            undecided_[p] = !(found.weight2 < cores_.last2[p]);
-            if (found.weight2 == kInfinity) {
-              foreign2_[p] = std::max(foreign2_[p], cores_.last2[p]);
-            }
+            undecided_[p] = lonely[component_[p]];
+            if (!undecided_[p]) continue;
+            const MstEdge least = Candidate(p);
+            if (least.weight2 < kInfinity) best.Offer(component_[p], least);
+            undecided_[p] = !(least.weight2 < states_[p].rest2);
+          }
+        });
+  }
+
+  void OfferGraphEdges(uint32_t p, BestEdges& best) {
+    if (list_done_[p]) return;
+    list_done_[p] = 1;
+    const size_t first = static_cast<size_t>(p) * cores_.list_size;
+    for (int j = 0; j < graph_neighbors_; ++j) {
+      const uint32_t q = cores_.neighbors[first + j];
+      if (component_[q] == component_[p]) continue;
+      list_done_[p] = 0;
+      const MstEdge edge = MakeEdge(Weight2(p, q), tree_.Row(p), tree_.Row(q));
+      best.Offer(component_[p], edge);
+      best.Offer(component_[q], edge);
+    }
+  }
+
+  // Offers the best edge that every point knows, and notes which points may
+  // have a better one.
+  void SearchLists(BestEdges& best) {
+    pool_.ParallelFor(
+        0, tree_.size(), 1024, [&](int64_t first, int64_t last, int) {
+          for (int64_t p = first; p < last; ++p) {
+            undecided_[p] = 0;
+            if (component_[p] == passive_) continue;
+            MstEdge least = LeastListed(p);
+            least = std::min(least, Candidate(p));
+            if (least.weight2 < kInfinity) best.Offer(component_[p], least);
+            undecided_[p] = !(least.weight2 < states_[p].rest2);
           }
         });
   }
 
   void SearchTree(BestEdges& best) {
     pool_.ParallelFor(
-        0, component_.size(), kGrain, [&](int64_t first, int64_t last, int) {
+        0, tree_.size(), kGrain, [&](int64_t first, int64_t last, int) {
           if (Cancelled()) return;
           for (int64_t p = first; p < last; ++p) {
-            if (!undecided_[p] || cores_.last2[p] == kInfinity) continue;
+            if (!undecided_[p] || states_[p].rest2 == kInfinity) continue;
             const uint32_t own = component_[p];
-            if (foreign2_[p] > best.Weight2(own)) continue;
-            Query query{.point = tree_.Point(p),
-                        .row = tree_.Row(p),
+            if (states_[p].rest2 > best.Weight2(own)) continue;
+            Query query{.position = static_cast<uint32_t>(p),
                         .component = own,
-                        .core2 = cores_.core2[p],
+                        .floor2 = states_[p].rest2,
                         .found = best.Get(own),
-                        .best = best};
+                        .best = best,
+                        .state = states_[p]};
+            query.state.rest2 = kInfinity;
             const MstEdge before = query.found;
-            Search(0, query);
+            Search(tree_.num_levels() - 1, 0, query);
             if (query.found < before) best.Offer(own, query.found);
-            // Every foreign point was either weighed or pruned by a bound.
-            foreign2_[p] = std::max(foreign2_[p], query.least2);
+            if (query.state.candidate == states_[p].candidate ||
+                states_[p].candidate == kNone) {
+              query.state.rest2 = std::max(query.state.rest2, query.floor2);
+            }
+            states_[p] = query.state;
           }
         });
   }
 
   struct Query {
-    const float* point;
-    uint32_t row;
+    uint32_t position;
     uint32_t component;
-    double core2;
+    double floor2;  // No unlisted edge is lighter, but for the candidate.
     MstEdge found;  // The least edge known, of this point or its component.
     BestEdges& best;
-    double least2 = kInfinity;  // Least weight or bound of what was visited.
+    PointState state;
 
-    // Whether an edge of at least this weight to a row of at least this number
-    // could be less than the best.
-    bool CanImprove(double weight2, uint32_t min_row) {
-      if (weight2 <= best.Weight2(component) &&
-          MakeEdge(weight2, row, min_row) < found) {
-        return true;
-      }
-      least2 = std::min(least2, weight2);
-      return false;
+    double Limit2() const {
+      return std::min(found.weight2, best.Weight2(component));
     }
+    void Leave(double weight2) { state.rest2 = std::min(state.rest2, weight2); }
   };
 
-  double NodeBound2(uint32_t id, const Query& query) const {
-    return std::max({tree_.BoxDistance2(id, query.point),
-                     node_min_core2_[id],
-                     query.core2});
-  }
-
-  void Search(uint32_t id, Query& query) const {
-    if (node_component_[id] == query.component) return;
-    const KdTree::Node& node = tree_.nodes()[id];
-    if (node.is_leaf()) {
-      SearchLeaf(node, query);
-      return;
-    }
-    uint32_t near = id + 1;
-    uint32_t far = node.right;
-    double near2 = node_component_[near] == query.component
-                       ? kInfinity
-                       : NodeBound2(near, query);
-    double far2 = node_component_[far] == query.component
-                      ? kInfinity
-                      : NodeBound2(far, query);
-    if (far2 < near2 || (far2 == near2 && tree_.nodes()[far].min_index <
-                                              tree_.nodes()[near].min_index)) {
-      std::swap(near, far);
-      std::swap(near2, far2);
-    }
-    if (query.CanImprove(near2, tree_.nodes()[near].min_index)) {
-      Search(near, query);
-    }
-    if (query.CanImprove(far2, tree_.nodes()[far].min_index)) {
-      Search(far, query);
+  void Search(int level, uint32_t node, Query& query) const {
+    const float* point = tree_.Point(query.position);
+    const size_t first = static_cast<size_t>(node) * KdTree::kFanout;
+    float bounds[KdTree::kFanout];
+    const KdBlockBounds children =
+        tree_.ChildBounds(level,
+                          node,
+                          point,
+                          filters_.At(level, node, query.component),
+                          query.Limit2(),
+                          bounds);
+    query.Leave(children.least_beyond);
+    KdChildOrder order(bounds, children.within);
+    for (int j; (j = order.Next()) >= 0;) {
+      if (bounds[j] > query.Limit2()) {
+        query.Leave(bounds[j]);
+        return;
+      }
+      const auto child = static_cast<uint32_t>(first + j);
+      if (level == 0) {
+        Weigh(child, query);
+      } else if (CanImprove(level - 1, child, bounds[j], query)) {
+        Search(level - 1, child, query);
+      }
     }
   }
 
-  void SearchLeaf(const KdTree::Node& leaf, Query& query) const {
-    float bounds[KdTree::kLeafSize];
-    tree_.LeafLowerBounds(leaf, query.point, bounds);
-    for (uint32_t q = leaf.begin; q < leaf.end; ++q) {
-      if (component_[q] == query.component) continue;
-      const double bound2 =
-          std::max({static_cast<double>(bounds[q - leaf.begin]),
-                    cores_.core2[q],
-                    query.core2});
-      const uint32_t row = tree_.Row(q);
-      if (!query.CanImprove(bound2, row)) continue;
-      const double weight2 =
-          std::max(bound2, tree_.Distance2(query.point, tree_.Point(q)));
-      query.least2 = std::min(query.least2, weight2);
-      const MstEdge edge = MakeEdge(weight2, query.row, row);
-      if (edge < query.found) query.found = edge;
+  // Whether a node may hold an edge less than the best: equal weights are told
+  // apart by their rows.
+  bool CanImprove(int level, uint32_t node, float bound, Query& query) const {
+    if (!tree_.MayTie(bound, query.Limit2())) return true;
+    const float* point = tree_.Point(query.position);
+    const double bound2 = std::max({tree_.BoxDistance2(level, node, point),
+                                    static_cast<double>(bound),
+                                    query.floor2});
+    if (MakeEdge(bound2, tree_.Row(query.position), tree_.MinRow(level, node)) <
+        query.found) {
+      return true;
+    }
+    query.Leave(bound2);
+    return false;
+  }
+
+  void Weigh(uint32_t q, Query& query) const {
+    if (q == query.state.candidate) return;
+    const double weight2 = Weight2(query.position, q);
+    const MstEdge edge =
+        MakeEdge(weight2, tree_.Row(query.position), tree_.Row(q));
+    if (edge < query.found) query.found = edge;
+    if (weight2 < query.state.candidate2) {
+      query.Leave(query.state.candidate2);
+      query.state.candidate = q;
+      query.state.candidate2 = weight2;
+    } else {
+      query.Leave(weight2);
     }
   }
 
@@ -274,6 +279,7 @@ class Boruvka {
     std::vector<uint32_t> parent(num_components_);
     std::iota(parent.begin(), parent.end(), 0u);
     for (uint32_t c = 0; c < num_components_; ++c) {
+      if (c == passive_) continue;
       const MstEdge edge = best.Get(c);
       const uint32_t a = Find(parent, component_[position_of_row_[edge.a]]);
       const uint32_t b = Find(parent, component_[position_of_row_[edge.b]]);
@@ -287,25 +293,33 @@ class Boruvka {
       const uint32_t root = Find(parent, c);
       renumbered[c] = root == c ? next++ : renumbered[root];
     }
-    for (uint32_t& c : component_) c = renumbered[c];
     num_components_ = next;
+    std::vector<uint32_t> sizes(num_components_, 0);
+    for (size_t p = 0; p < tree_.size(); ++p) {
+      component_[p] = renumbered[component_[p]];
+      ++sizes[component_[p]];
+    }
+    passive_ = static_cast<uint32_t>(
+        std::max_element(sizes.begin(), sizes.end()) - sizes.begin());
   }
 
   const KdTree& tree_;
   const CoreDistances& cores_;
+  const int graph_neighbors_;
   ThreadPool& pool_;
+  ComponentFilters filters_;
   const CancellationToken* cancellation_ = nullptr;
 
   // By tree position.
   std::vector<uint32_t> component_;
-  std::vector<double> foreign2_;  // No edge out of the component is lighter.
+  std::vector<PointState> states_;
   std::vector<uint8_t> undecided_;
+  std::vector<uint8_t> list_done_;  // All on the list are in the component.
   std::vector<uint32_t> position_of_row_;
-  // By tree node.
-  std::vector<uint32_t> node_component_;  // kMixed where several.
-  std::vector<double> node_min_core2_;
 
   uint32_t num_components_ = 0;
+  // The largest component lets the others find their edges to it.
+  uint32_t passive_ = kNone;
 };
 
 }  // namespace
@@ -316,7 +330,20 @@ StatusOr<std::vector<MstEdge>> MutualReachabilityMst(
     ThreadPool& pool,
     const CancellationToken* cancellation) {
   if (tree.size() < 2) return std::vector<MstEdge>();
-  return Boruvka(tree, cores, pool).Run(cancellation);
+  return Boruvka(tree, cores, 0, pool).Run(cancellation);
+}
+
+StatusOr<std::vector<MstEdge>> NeighborGraphMst(
+    const KdTree& tree,
+    const CoreDistances& cores,
+    int graph_neighbors,
+    ThreadPool& pool,
+    const CancellationToken* cancellation) {
+  if (graph_neighbors < 1) {
+    return InvalidArgumentError("graph_neighbors must be at least 1");
+  }
+  if (tree.size() < 2) return std::vector<MstEdge>();
+  return Boruvka(tree, cores, graph_neighbors, pool).Run(cancellation);
 }
 
 }  // namespace freegs::semantics

@@ -34,17 +34,30 @@ struct MstEdge {
 };
 
 // Boruvka's algorithm with a k-d tree (March, Ram and Gray 2010, in single-tree
-// form): in each round every component finds its least edge to another one. A
-// round first looks at the neighbour lists; only points for which these do not
-// settle the matter search the tree, which skips subtrees of one's own
-// component and anything beyond the component's best edge so far. What a point
-// learns about its nearest foreign neighbour bounds its later rounds.
+// form): in each round every component but the largest, to which the others
+// come, finds its least edge to another one. A round first looks at the
+// neighbour lists and at the edges that points found before; only points for
+// which these do not settle the matter search the tree, which skips subtrees of
+// one's own component and anything beyond the component's best edge so far.
+// What was skipped bounds the point's later rounds.
 //
 // The N - 1 edges in ascending order (none for N < 2). kInterrupted when
 // cancelled.
 StatusOr<std::vector<MstEdge>> MutualReachabilityMst(
     const KdTree& tree,
     const CoreDistances& cores,
+    ThreadPool& pool,
+    const CancellationToken* cancellation);
+
+// An approximation on a graph of neighbours: its edges join each point with the
+// graph_neighbors >= 1 nearest of its list (cut to the list's size). The result
+// is the graph's spanning forest, whose trees are then joined, in Boruvka's
+// rounds, by the least of all edges. Never lighter than the exact tree, of
+// which it may miss edges that are no graph edges.
+StatusOr<std::vector<MstEdge>> NeighborGraphMst(
+    const KdTree& tree,
+    const CoreDistances& cores,
+    int graph_neighbors,
     ThreadPool& pool,
     const CancellationToken* cancellation);
 

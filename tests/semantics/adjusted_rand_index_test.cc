@@ -2,6 +2,7 @@
 
 #include "semantics/adjusted_rand_index.h"
 
+#include <cmath>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -11,44 +12,51 @@
 namespace freegs::semantics {
 namespace {
 
-using Labels = std::vector<int32_t>;
+double Ari(const std::vector<int32_t>& a, const std::vector<int32_t>& b) {
+  const auto index = AdjustedRandIndex(a, b);
+  return index.ok() ? *index : std::nan("");
+}
 
 TEST(AdjustedRandIndexTest, NamesDoNotMatter) {
-  EXPECT_EQ(AdjustedRandIndex(Labels{0, 0, 1, 1, -1}, Labels{7, 7, 3, 3, 0}),
-            1);
+  EXPECT_EQ(Ari({0, 0, 1, 1, -1}, {7, 7, -1, -1, 3}), 1);
+  EXPECT_EQ(Ari({2147483647, 5}, {-2147483647 - 1, 6}), 1);
 }
 
 TEST(AdjustedRandIndexTest, ByHand) {
-  // Contingency {{1, 1}, {1, 1}}: no pair together in both, 2 in each, of 6.
-  EXPECT_NEAR(AdjustedRandIndex(Labels{0, 0, 1, 1}, Labels{0, 1, 0, 1}),
-              (0 - 2.0 / 3) / (2 - 2.0 / 3),
-              1e-12);
-  // {{2, 1}, {0, 3}}: 1 + 3 pairs together; 6 and 1 + 6 in each, of 15.
-  EXPECT_NEAR(
-      AdjustedRandIndex(Labels{0, 0, 0, 1, 1, 1}, Labels{0, 0, 1, 1, 1, 1}),
-      (4 - 42.0 / 15) / (6.5 - 42.0 / 15),
-      1e-12);
+  // Cells 2 1 / 0 3: pairs in both 1 + 3 = 4, in a 3 + 3 = 6, in b 1 + 6 = 7,
+  // of 15. Expected 6 * 7 / 15 = 2.8, largest 6.5: 1.2 / 3.7.
+  EXPECT_NEAR(Ari({0, 0, 0, 1, 1, 1}, {0, 0, 1, 1, 1, 1}), 1.2 / 3.7, 1e-15);
+  // Cells 1 1 / 1 1: none in both, 2 in each, of 6. Expected 2 / 3, largest 2.
+  EXPECT_NEAR(Ari({0, 0, 1, 1}, {0, 1, 0, 1}), -0.5, 1e-15);
+  // Cells 2 0 / 1 1: 1 in both, 2 in a, 3 in b, of 6. Expected 1.
+  EXPECT_NEAR(Ari({0, 0, 1, 1}, {0, 0, 0, 1}), 0, 1e-15);
+  // All together against all apart: no pair in both, and none expected.
+  EXPECT_EQ(Ari({0, 0, 0}, {0, 1, 2}), 0);
 }
 
-TEST(AdjustedRandIndexTest, NegativeLabelsAreOneCluster) {
-  EXPECT_EQ(AdjustedRandIndex(Labels{-1, -2, 4}, Labels{1, 1, 0}), 1);
+TEST(AdjustedRandIndexTest, TrivialPartitionsAgree) {
+  EXPECT_EQ(Ari({}, {}), 1);
+  EXPECT_EQ(Ari({3}, {4}), 1);
+  EXPECT_EQ(Ari({1, 1, 1}, {0, 0, 0}), 1);
+  EXPECT_EQ(Ari({0, 1, 2}, {5, 4, 3}), 1);
 }
 
-TEST(AdjustedRandIndexTest, NothingToTellApartIsAgreement) {
-  EXPECT_EQ(AdjustedRandIndex(Labels{}, Labels{}), 1);
-  EXPECT_EQ(AdjustedRandIndex(Labels{5}, Labels{6}), 1);
-  EXPECT_EQ(AdjustedRandIndex(Labels{1, 1, 1}, Labels{2, 2, 2}), 1);
-  EXPECT_EQ(AdjustedRandIndex(Labels{1, 2, 3}, Labels{3, 2, 1}), 1);
-}
-
-TEST(AdjustedRandIndexTest, IndependentLabelsAreNearZero) {
-  Labels a;
-  Labels b;
-  for (int i = 0; i < 20000; ++i) {
-    a.push_back(static_cast<int32_t>(RandomIndex(1, 2, i, 5)));
-    b.push_back(static_cast<int32_t>(RandomIndex(3, 4, i, 7)));
+TEST(AdjustedRandIndexTest, SymmetricAndNearZeroByChance) {
+  std::vector<int32_t> a(20000);
+  std::vector<int32_t> b(20000);
+  for (size_t i = 0; i < a.size(); ++i) {
+    a[i] = static_cast<int32_t>(RandomIndex(1, 0, i, 12));
+    b[i] = static_cast<int32_t>(RandomIndex(1, 1, i, 7));
   }
-  EXPECT_NEAR(AdjustedRandIndex(a, b), 0, 0.005);
+  EXPECT_EQ(Ari(a, b), Ari(b, a));
+  EXPECT_NEAR(Ari(a, b), 0, 0.002);
+}
+
+TEST(AdjustedRandIndexTest, RefusesDifferentSizes) {
+  const std::vector<int32_t> a = {0, 1};
+  const std::vector<int32_t> b = {0, 1, 1};
+  EXPECT_EQ(AdjustedRandIndex(a, b).status().code(),
+            StatusCode::kInvalidArgument);
 }
 
 }  // namespace
