@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Blending weights, as a matrix and of one pixel, and products with it, on a random scene at the
-// size features are learnt at. Arguments: see BenchmarkScene; channels of the
-// products. num_weights: entries of the matrix; ns_per_weight: time per entry.
+// Blending weights, as a matrix and of one pixel, and products with it, on a
+// random scene at the size features are learnt at. Arguments: see
+// BenchmarkScene; channels of the products. num_weights: entries of the matrix;
+// ns_per_weight: time per entry.
 
 #include <vector>
 

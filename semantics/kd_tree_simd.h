@@ -31,8 +31,7 @@ constexpr double KdTieFactor(int dim) {
 
 // A float that is not above a squared distance.
 constexpr float KdFloor(double distance2) {
-  const float below =
-      static_cast<float>(distance2 * (1 - 0x1p-22)) - kKdSlack;
+  const float below = static_cast<float>(distance2 * (1 - 0x1p-22)) - kKdSlack;
   return below > 0 ? below : 0;
 }
 

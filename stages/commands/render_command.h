@@ -15,7 +15,8 @@ namespace freegs::stages {
 // Renders the views of undistort/sparse at the size training used, or those of
 // --cameras FILE at their own size, into DIR/NAME.png:
 //   color      8-bit RGB;
-//   depth      16-bit, z in the camera frame; DIR/depth.json says how many world
+//   depth      16-bit, z in the camera frame; DIR/depth.json says how many
+//   world
 //              units one step is; 0 is nothing; DIR/preview/ has colour
 //              pictures;
 //   instances  16-bit, instance id, 0 is none; DIR/preview/ likewise;
