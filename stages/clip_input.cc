@@ -3,6 +3,7 @@
 #include "stages/clip_input.h"
 
 #include <cstdint>
+#include <system_error>
 #include <utility>
 
 #include "core/files.h"
@@ -23,6 +24,31 @@ StatusOr<std::unique_ptr<semantics::OpenCvClip>> OpenClipModel(
   if (!folder.empty()) return semantics::OpenCvClip::Open(folder);
   FREEGS_ASSIGN_OR_RETURN(const fs::path shipped, FindShippedModel());
   return semantics::OpenCvClip::Open(shipped);
+}
+
+StatusOr<std::unique_ptr<semantics::OpenCvClip>> OpenModelOfFeatures(
+    const semantics::InstanceFeatures& features,
+    const fs::path& workspace,
+    const std::string& given) {
+  std::string folder = given;
+  std::error_code error;
+  const fs::path named = workspace / features.model;
+  if (folder.empty() && !features.model.empty() &&
+      fs::exists(named / "model.json", error)) {
+    folder = named.string();
+  }
+  FREEGS_ASSIGN_OR_RETURN(std::unique_ptr<semantics::OpenCvClip> encoder,
+                          OpenClipModel(folder));
+  if (encoder->model_hash() != features.model_hash) {
+    return MissingDependencyError(
+        (folder.empty() ? "the CLIP model that comes with the program"
+                        : folder) +
+        ": is another model (" + encoder->model_hash() +
+        ") than the one of the scene's features (" + features.model +
+        ", hash " + features.model_hash +
+        "); name its folder with --model, or run stage bootstrap again");
+  }
+  return encoder;
 }
 
 StatusOr<UprightPhoto> ReadUprightPhoto(const fs::path& path) {

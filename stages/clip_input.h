@@ -11,6 +11,7 @@
 #include "core/image.h"
 #include "core/status.h"
 #include "semantics/clip/opencv_clip.h"
+#include "semantics/instance_features.h"
 
 namespace freegs::stages {
 
@@ -18,6 +19,15 @@ namespace freegs::stages {
 // Errors as OpenCvClip::Open and FindShippedModel.
 StatusOr<std::unique_ptr<semantics::OpenCvClip>> OpenClipModel(
     const std::string& folder);
+
+// The model that a workspace's instance features were made with: in the folder
+// `given`, else in the one that the features name (relative to the workspace or
+// not) if it is still there, else the one that comes with the program.
+// kMissingDependency also for a model of another hash than theirs.
+StatusOr<std::unique_ptr<semantics::OpenCvClip>> OpenModelOfFeatures(
+    const semantics::InstanceFeatures& features,
+    const std::filesystem::path& workspace,
+    const std::string& given);
 
 struct UprightPhoto {
   ImageU8 pixels;    // RGB, turned as its EXIF orientation says.

@@ -2,6 +2,7 @@
 
 #include "stages/label_answers.h"
 
+#include <cstdint>
 #include <memory>
 #include <system_error>
 #include <utility>
@@ -10,23 +11,28 @@
 #include "semantics/clip/opencv_clip.h"
 #include "semantics/clip/relevancy.h"
 #include "semantics/instance_features.h"
+#include "semantics/instances_json.h"
 #include "semantics/text_query.h"
-#include "stages/shipped_model.h"
+#include "stages/clip_input.h"
 
 namespace freegs::stages {
 namespace {
 
 namespace fs = std::filesystem;
 
-// Where the model of the features is, relative to the workspace or not; the one
-// that comes with the program when it is not there. Whether it is the same is
-// seen by its hash.
-StatusOr<fs::path> FindModel(const fs::path& workspace,
-                             const std::string& model) {
-  std::error_code error;
-  const fs::path folder = workspace / model;
-  if (!model.empty() && fs::exists(folder / "model.json", error)) return folder;
-  return FindShippedModel();
+// Of each instance, by id - 1, whether it is one of the large planes.
+StatusOr<std::vector<uint8_t>> PlaneFlags(const fs::path& workspace,
+                                          size_t count) {
+  FREEGS_ASSIGN_OR_RETURN(
+      const std::vector<semantics::Instance> instances,
+      semantics::ReadInstances(workspace / "bootstrap" / "instances.json"));
+  std::vector<uint8_t> flags(count, 0);
+  for (const semantics::Instance& instance : instances) {
+    if (instance.id >= 1 && static_cast<size_t>(instance.id) <= count) {
+      flags[instance.id - 1] = instance.background;
+    }
+  }
+  return flags;
 }
 
 }  // namespace
@@ -44,31 +50,25 @@ StatusOr<LabelAnswers> AnswerLabels(const fs::path& workspace,
   }
   FREEGS_ASSIGN_OR_RETURN(const semantics::InstanceFeatures features,
                           semantics::ReadInstanceFeatures(path));
+  FREEGS_ASSIGN_OR_RETURN(
+      const std::unique_ptr<semantics::OpenCvClip> encoder,
+      OpenModelOfFeatures(features, workspace, options.model));
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<uint8_t> planes,
+                          PlaneFlags(workspace, features.size()));
   LabelAnswers result;
-  result.model = options.model;
-  if (result.model.empty()) {
-    FREEGS_ASSIGN_OR_RETURN(result.model, FindModel(workspace, features.model));
-  }
-  FREEGS_ASSIGN_OR_RETURN(const std::unique_ptr<semantics::OpenCvClip> encoder,
-                          semantics::OpenCvClip::Open(result.model));
-  if (encoder->model_hash() != features.model_hash) {
-    return BadInputError(path.string() +
-                         ": its features are of another model (" +
-                         features.model + ") than that in " +
-                         result.model.string() + "; name theirs with --model");
-  }
+  result.model = encoder->info().name;
   FREEGS_ASSIGN_OR_RETURN(const std::vector<float> canonical,
                           semantics::EncodeCanonicalPhrases(*encoder));
   semantics::TextQueryOptions query;
   query.min_relevancy = 0;
   query.max_hits = 1;
-  query.background = true;
+  query.background = options.background;
   for (const std::string& label : labels) {
     FREEGS_ASSIGN_OR_RETURN(const semantics::TextEmbedding text,
                             encoder->EncodeText(label));
     FREEGS_ASSIGN_OR_RETURN(
         const std::vector<semantics::TextHit> hits,
-        semantics::QueryText(features, text.values, canonical, query));
+        semantics::QueryText(features, text.values, canonical, query, planes));
     TextAnswer& answer = result.answers[label];
     if (hits.empty()) continue;
     answer.relevancy = hits[0].relevancy;

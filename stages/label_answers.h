@@ -19,7 +19,10 @@ struct LabelQuestionOptions {
   // Folder of the CLIP model; empty takes the one that the workspace's instance
   // features name, else, when they are of it, the one that comes with the
   // program.
-  std::filesystem::path model;
+  std::string model;
+
+  // Whether large planes (floor, walls, table tops) may answer.
+  bool background = false;
 
   // An instance of less relevancy is no answer. By default the best is always
   // one, as in the paper.
@@ -28,14 +31,13 @@ struct LabelQuestionOptions {
 
 struct LabelAnswers {
   std::map<std::string, TextAnswer> answers;  // One per label.
-  std::filesystem::path model;
+  std::string model;                          // What it is called.
 };
 
 // The best instance of WORKSPACE/bootstrap/instance_features.json for each
-// label (semantics::QueryText); instances that are large planes may answer,
-// too. kMissingDependency without these features or without the model;
-// kBadInput for malformed features, and for a model of another hash than
-// theirs.
+// label (semantics::QueryText). kMissingDependency without these features,
+// without the model, and for one of another hash than theirs; kBadInput for
+// malformed files.
 StatusOr<LabelAnswers> AnswerLabels(const std::filesystem::path& workspace,
                                     const std::set<std::string>& labels,
                                     const LabelQuestionOptions& options);

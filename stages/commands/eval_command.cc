@@ -48,6 +48,7 @@ struct EvalRequest {
   std::string layout = "auto";
   std::string model;
   double text_threshold = 0;
+  bool background = false;
   std::string json_file;
   int threads = 0;
 };
@@ -95,6 +96,7 @@ StatusOr<EvalRequest> ParseRequest(const std::vector<std::string>& arguments) {
   FREEGS_RETURN_IF_ERROR(
       ApplySettings(request.workspace, line.settings, table));
   request.threads = options.general.threads;
+  request.background = options.query.background;
   return request;
 }
 
@@ -166,6 +168,10 @@ Status MeasureText(const EvalRequest& request,
   if (labels.empty()) return Status();
   LabelQuestionOptions questions;
   questions.model = request.model;
+  // 3D-OVS asks for what lies below and behind things, too.
+  const std::optional<std::string> layout =
+      request.layout == "auto" ? DetectLayout(request.truth) : request.layout;
+  questions.background = request.background || layout == "3dovs";
   if (request.text_threshold > 0) {
     questions.min_relevancy = request.text_threshold;
   }
@@ -181,7 +187,7 @@ Status MeasureText(const EvalRequest& request,
                 << "\n";
     return Status();
   }
-  report->text_model = answers->model.string();
+  report->text_model = answers->model;
   report->text_threshold = questions.min_relevancy;
   FREEGS_ASSIGN_OR_RETURN(report->text,
                           MeasureTextQuality(scene,

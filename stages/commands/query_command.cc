@@ -49,35 +49,6 @@ class Lap {
       std::chrono::steady_clock::now();
 };
 
-// The folder given, else that the features were made with if it is still
-// there, else (empty) the model that comes with the program.
-std::string ModelFolder(const QueryRequest& request,
-                        const semantics::InstanceFeatures& features) {
-  if (!request.model.empty()) return request.model;
-  const fs::path folder = request.workspace / features.model;
-  std::error_code error;
-  return !features.model.empty() && fs::exists(folder / "model.json", error)
-             ? folder.string()
-             : std::string();
-}
-
-StatusOr<std::unique_ptr<semantics::OpenCvClip>> OpenModelOf(
-    const QueryRequest& request, const semantics::InstanceFeatures& features) {
-  const std::string folder = ModelFolder(request, features);
-  FREEGS_ASSIGN_OR_RETURN(std::unique_ptr<semantics::OpenCvClip> encoder,
-                          OpenClipModel(folder));
-  if (encoder->model_hash() != features.model_hash) {
-    return MissingDependencyError(
-        (folder.empty() ? "the CLIP model that comes with the program"
-                        : folder) +
-        ": is another model (" + encoder->model_hash() +
-        ") than the one of the scene's features (" + features.model +
-        ", hash " + features.model_hash +
-        "); name its folder with --model, or run stage bootstrap again");
-  }
-  return encoder;
-}
-
 // Fills the answer from all instances by descending score, large planes too:
 // these answer only when asked to, but the best of all is told.
 template <typename Hit, typename Score>
@@ -104,8 +75,9 @@ Status AnswerText(const QueryRequest& request,
                   CommandContext& context,
                   QueryAnswer* answer) {
   Lap lap;
-  FREEGS_ASSIGN_OR_RETURN(const std::unique_ptr<semantics::OpenCvClip> encoder,
-                          OpenModelOf(request, *scene.features));
+  FREEGS_ASSIGN_OR_RETURN(
+      const std::unique_ptr<semantics::OpenCvClip> encoder,
+      OpenModelOfFeatures(*scene.features, request.workspace, request.model));
   FREEGS_ASSIGN_OR_RETURN(const semantics::TextEmbedding text,
                           encoder->EncodeText(*request.text));
   if (text.truncated) {
@@ -142,8 +114,9 @@ Status AnswerExample(const QueryRequest& request,
   Lap lap;
   FREEGS_ASSIGN_OR_RETURN(const UprightPhoto photo,
                           ReadUprightPhoto(*request.example));
-  FREEGS_ASSIGN_OR_RETURN(const std::unique_ptr<semantics::OpenCvClip> encoder,
-                          OpenModelOf(request, *scene.features));
+  FREEGS_ASSIGN_OR_RETURN(
+      const std::unique_ptr<semantics::OpenCvClip> encoder,
+      OpenModelOfFeatures(*scene.features, request.workspace, request.model));
   FREEGS_ASSIGN_OR_RETURN(const std::vector<float> image,
                           encoder->EncodeImage(photo.pixels));
   answer->encode_ms = lap.Milliseconds();
