@@ -15,7 +15,7 @@ endforeach()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/workspace_template/
   DESTINATION ${CMAKE_INSTALL_DATADIR}/freegs_pipeline/workspace_template)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/models
-  DESTINATION ${CMAKE_INSTALL_DATADIR}/freegs_pipeline OPTIONAL)
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/freegs_pipeline)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE
   DESTINATION ${CMAKE_INSTALL_DOCDIR})
 

@@ -21,6 +21,8 @@ constexpr double kMinNormalCosine = 0.9;
 constexpr double kMinAlongShare = 0.5;
 // Cell of the connectivity test, in scene radii.
 constexpr double kCellSize = 0.05;
+// Sheets of one surface: their normals differ by at most 15 degrees.
+constexpr double kSheetCosine = 0.966;
 
 class PlaneFinder {
  public:
@@ -242,6 +244,48 @@ class PlaneFinder {
   std::vector<uint32_t> free_;  // Points of no plane yet, ascending.
 };
 
+// Half of the plane's points lie at most this far from another plane.
+double MedianDistance(std::span<const float> positions,
+                      const std::vector<int32_t>& plane_index,
+                      int32_t plane,
+                      const Plane& other) {
+  std::vector<double> distances;
+  for (size_t i = 0; i < plane_index.size(); ++i) {
+    if (plane_index[i] != plane) continue;
+    distances.push_back(std::abs(other.SignedDistance(
+        {positions[i * 3], positions[i * 3 + 1], positions[i * 3 + 2]})));
+  }
+  const auto middle = distances.begin() + distances.size() / 2;
+  if (middle == distances.end()) return 0;
+  std::nth_element(distances.begin(), middle, distances.end());
+  return *middle;
+}
+
+void JoinSheets(std::span<const float> positions,
+                double distance,
+                PlaneSegmentation* planes) {
+  const auto count = static_cast<int32_t>(planes->planes.size());
+  std::vector<int32_t> joined(count);  // New index of each plane.
+  std::vector<Plane> kept;
+  for (int32_t p = 0; p < count; ++p) {
+    const Plane& plane = planes->planes[p];
+    joined[p] = static_cast<int32_t>(kept.size());
+    for (size_t k = 0; k < kept.size(); ++k) {
+      if (std::abs(plane.normal.dot(kept[k].normal)) >= kSheetCosine &&
+          MedianDistance(positions, planes->plane_index, p, kept[k]) <=
+              distance) {
+        joined[p] = static_cast<int32_t>(k);
+        break;
+      }
+    }
+    if (joined[p] == static_cast<int32_t>(kept.size())) kept.push_back(plane);
+  }
+  for (int32_t& index : planes->plane_index) {
+    if (index >= 0) index = joined[index];
+  }
+  planes->planes = std::move(kept);
+}
+
 }  // namespace
 
 Status PlaneOptions::Check() const {
@@ -251,9 +295,10 @@ Status PlaneOptions::Check() const {
   if (!(min_share > 0 && min_share <= 1)) {
     return InvalidArgumentError("min_share must lie in (0, 1]");
   }
-  if (!(min_width >= 0) || !(max_distance > 0)) {
+  if (!(min_width >= 0) || !(max_distance > 0) || !(sheet_distance >= 0)) {
     return InvalidArgumentError(
-        "min_width must not be negative and max_distance must be positive");
+        "min_width and sheet_distance must not be negative and max_distance "
+        "must be positive");
   }
   if (num_candidates < 1) {
     return InvalidArgumentError("num_candidates must be at least 1");
@@ -267,8 +312,10 @@ PlaneSegmentation FindPlanes(std::span<const float> positions,
                              const PlaneOptions& options,
                              uint64_t seed,
                              ThreadPool& pool) {
-  return PlaneFinder(positions, normals, scene_radius, options, seed, pool)
-      .Run();
+  PlaneSegmentation planes =
+      PlaneFinder(positions, normals, scene_radius, options, seed, pool).Run();
+  JoinSheets(positions, options.sheet_distance * scene_radius, &planes);
+  return planes;
 }
 
 }  // namespace freegs::semantics

@@ -31,6 +31,11 @@ struct PlaneOptions {
   // used is smaller where the points lie closer.
   double max_distance = 0.03;
 
+  // Planes that are all but parallel (15 degrees) and whose points lie this
+  // near an earlier one, in scene radii, are sheets of the same thick or bumpy
+  // surface and become one with it.
+  double sheet_distance = 0.05;
+
   // Candidate planes tried per plane found.
   int num_candidates = 400;
 
@@ -41,7 +46,8 @@ struct PlaneOptions {
 struct Plane {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
   double offset = 0;
-  double distance = 0;  // Points up to here belong to it, world units.
+  double distance = 0;  // Points up to here belong to it, world units; sheets
+                        // that joined it may be farther.
 
   double SignedDistance(const Eigen::Vector3d& x) const {
     return normal.dot(x) - offset;

@@ -93,12 +93,18 @@ TEST(ProgramTest, FromPhotosToReport) {
                            "reconstruct/point_cloud.ply",
                            "reconstruct/metrics.json",
                            "bootstrap/instances.json",
+                           "bootstrap/instance_features.json",
                            "export/report/index.html"}) {
     EXPECT_TRUE(fs::exists(folder / "w" / file)) << file;
   }
   const auto health = nlohmann::json::parse(
       ReadText(folder / "w" / "sfm" / "health.json"), nullptr, false);
   EXPECT_EQ(health["registered"], 12);
+
+  // Words are answered by the model that comes with the program.
+  outcome = Call({"query", workspace, "--text", "red ball", "--json"});
+  EXPECT_EQ(outcome.code, 0) << outcome.text;
+  EXPECT_THAT(outcome.text, HasSubstr("\"hits\""));
 
   // Again: nothing to do.
   outcome = Call(run);

@@ -35,8 +35,9 @@ It knows drawn things and few words. For photographs of the world use
 - and their synonyms: {', '.join(sorted({w for k in vocabulary.WORDS for w in vocabulary.WORDS[k]}))};
   object, thing, stuff, texture, background, wall, floor
 
-Words outside this list mean nothing to it. The list of things was chosen with
-the project's test scenes in view; their images were not used.
+Words outside this list mean nothing to it. The things, and the styles in which
+they are drawn, were chosen with the project's two rendered test scenes in view;
+their images were not used.
 
 ## Measured
 
@@ -47,15 +48,13 @@ training had (224 pixels; a fifth of the things partly hidden, a third blurred):
 |---|---|---|---|
 {rows}
 
-Renderings with true masks: `scripts/evaluate_small_clip.py`.
+Renderings with true masks, and pictures of where it goes wrong: docs/clip.md.
 
 ## Where it fails
 
-- Colours that touch: golden and yellow, silver and grey, brown and orange, in
-  odd light.
-- Shapes that look alike from some side: ball and circle, box and square,
-  a monkey or teddy bear from behind, a cone and a triangle.
-- Real photographs, things outside the vocabulary, counting, and relations
-  ("left of").
-- Things smaller than about a quarter of the image.
+- What is recognised least, above.
+- Anything outside the vocabulary: it has no idea of what it does not know, and
+  answers all the same.
+- Photographs of the world, counting, and relations ("left of"): it has never
+  seen any.
 """

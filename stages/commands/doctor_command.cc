@@ -21,6 +21,7 @@
 #include "pipeline/system_info.h"
 #include "pipeline/version.h"
 #include "sfm/colmap_program.h"
+#include "stages/clip_input.h"
 #include "stages/pipeline_options.h"
 
 namespace freegs::stages {
@@ -159,6 +160,11 @@ Status RunDoctorCommand(const std::vector<std::string>& arguments,
                                         : ", does not run without a display"));
     if (!known.ok()) verdict = known.status();
   }
+  const auto model = OpenClipModel(options.bootstrap.model);
+  PrintLine(out,
+            "CLIP model",
+            model.ok() ? (*model)->info().name : std::string("MISSING"));
+  if (verdict.ok() && !model.ok()) verdict = model.status();
   if (verdict.ok()) out << "nothing is missing\n";
   return verdict;
 }

@@ -2,6 +2,7 @@
 
 #include "semantics/planes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -50,6 +51,31 @@ Cloud MakeCorner() {
               2 * cloud.Uniform());
   }
   return cloud;
+}
+
+// A floor of two sheets, `gap` apart.
+Cloud MakeSheets(double gap) {
+  Cloud cloud;
+  for (int i = 0; i < 6000; ++i) {
+    cloud.Add(2 * cloud.Uniform() - 1,
+              2 * cloud.Uniform() - 1,
+              (i % 3 == 0 ? gap : 0) + 0.001 * RandomNormal(3, 1, i));
+  }
+  return cloud;
+}
+
+TEST(PlanesTest, SheetsOfOneSurfaceAreOnePlane) {
+  EXPECT_EQ(MakeSheets(0.04).Find({.max_distance = 0.005}).planes.size(), 1u);
+  const PlaneSegmentation apart = MakeSheets(0.2).Find({.max_distance = 0.005});
+  EXPECT_EQ(apart.planes.size(), 2u);
+  const PlaneSegmentation kept =
+      MakeSheets(0.04).Find({.max_distance = 0.005, .sheet_distance = 0});
+  EXPECT_EQ(kept.planes.size(), 2u);
+  // All points of both, but for a few.
+  const PlaneSegmentation joined =
+      MakeSheets(0.04).Find({.max_distance = 0.005});
+  EXPECT_LT(
+      std::count(joined.plane_index.begin(), joined.plane_index.end(), -1), 60);
 }
 
 TEST(PlanesTest, FindsFloorAndWall) {

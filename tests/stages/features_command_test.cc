@@ -61,6 +61,13 @@ TEST_F(FeaturesCommandTest, WritesAPicture) {
   EXPECT_EQ(ReadRgb(out())->width(), 64);
 }
 
+TEST_F(FeaturesCommandTest, AModelComesWithTheProgram) {
+  auto arguments = Good();
+  arguments.erase(arguments.begin() + 3, arguments.begin() + 5);
+  EXPECT_EQ(Features(arguments), 0) << message_;
+  EXPECT_TRUE(ReadRgb(out()).ok());
+}
+
 TEST_F(FeaturesCommandTest, TheModelMayBringItsUpsampler) {
   ASSERT_EQ(Features(Good()), 0) << message_;
   const std::string without = output_.str();
