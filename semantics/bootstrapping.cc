@@ -8,6 +8,7 @@
 
 #include "core/image_io.h"
 #include "core/random.h"
+#include "semantics/directions.h"
 
 namespace freegs::semantics {
 namespace {
@@ -66,43 +67,6 @@ class PartClock {
   std::chrono::steady_clock::time_point started_;
   std::vector<std::pair<std::string, double>> seconds_;
 };
-
-// v / |v|, or nothing of a vector of no length, times weight onto sum.
-void AddDirection(std::span<const float> v,
-                  double weight,
-                  std::span<double> sum) {
-  double square = 0;
-  for (const float x : v) square += double{x} * x;
-  if (!(square > 0)) return;
-  const double scale = weight / std::sqrt(square);
-  for (size_t c = 0; c < v.size(); ++c) sum[c] += scale * v[c];
-}
-
-// sum / |sum|, or zero.
-void WriteDirection(std::span<const double> sum, std::span<float> out) {
-  double square = 0;
-  for (const double x : sum) square += x * x;
-  const double scale = square > 0 ? 1 / std::sqrt(square) : 0;
-  for (size_t c = 0; c < sum.size(); ++c) {
-    out[c] = static_cast<float>(scale * sum[c]);
-  }
-}
-
-// Rows of length 1, or zero: `share` of the directions of a, the rest of b's.
-std::vector<float> MixDirections(std::span<const float> a,
-                                 std::span<const float> b,
-                                 size_t dim,
-                                 double share) {
-  std::vector<float> mixed(a.size());
-  std::vector<double> sum(dim);
-  for (size_t row = 0; row < a.size(); row += dim) {
-    std::fill(sum.begin(), sum.end(), 0.0);
-    AddDirection(a.subspan(row, dim), share, sum);
-    AddDirection(b.subspan(row, dim), 1 - share, sum);
-    WriteDirection(sum, std::span(mixed).subspan(row, dim));
-  }
-  return mixed;
-}
 
 LinearDecoder DecoderOfAxes(const PrincipalAxes& axes) {
   LinearDecoder decoder;

@@ -3,12 +3,12 @@
 #include "semantics/feature_grids.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 #include <string_view>
 #include <utility>
 
 #include "core/files.h"
+#include "semantics/directions.h"
 
 namespace freegs::semantics {
 namespace {
@@ -19,19 +19,6 @@ std::string HashPixels(const ImageU8& image) {
   return HashBytes(std::string_view(reinterpret_cast<const char*>(image.data()),
                                     image.size())) +
          " " + std::to_string(image.width());
-}
-
-// Cells of length 1; those that are zero stay.
-void NormalizeCells(ImageF* features) {
-  const int channels = features->channels();
-  for (size_t cell = 0; cell < features->num_pixels(); ++cell) {
-    float* values = features->data() + cell * channels;
-    double square = 0;
-    for (int c = 0; c < channels; ++c) square += double{values[c]} * values[c];
-    if (square == 0) continue;
-    const auto scale = static_cast<float>(1 / std::sqrt(square));
-    for (int c = 0; c < channels; ++c) values[c] *= scale;
-  }
 }
 
 // Appends every so many-th cell of all views' cells.
@@ -98,7 +85,8 @@ StatusOr<FeatureGrids> ComputeFeatureGrids(
         ImageF features,
         EncodeDenseCached(
             encoder, cache, HashPixels(photo), photo, options.dense_size));
-    NormalizeCells(&features);
+    MakeUnitRows(features.channels(),
+                 std::span(features.data(), features.size()));
     sample.Add(features);
     result.grids.push_back(std::move(features));
     done(view + 1);

@@ -9,6 +9,7 @@
 
 #include "semantics/cluster_merging.h"
 #include "semantics/crease_split.h"
+#include "semantics/directions.h"
 #include "semantics/kd_tree.h"
 #include "semantics/local_geometry.h"
 #include "semantics/principal_axes.h"
@@ -48,14 +49,7 @@ StatusOr<std::vector<float>> SemanticComponents(std::vector<float> vectors,
     *dim = 0;
     return std::vector<float>();
   }
-  for (size_t i = 0; i < vectors.size(); i += *dim) {
-    double square = 0;
-    for (int c = 0; c < *dim; ++c)
-      square += double{vectors[i + c]} * vectors[i + c];
-    const auto scale =
-        square > 0 ? static_cast<float>(1 / std::sqrt(square)) : 0.0f;
-    for (int c = 0; c < *dim; ++c) vectors[i + c] *= scale;
-  }
+  MakeUnitRows(*dim, vectors);
   const std::vector<float> smooth =
       SmoothOverNeighbors(tree, vectors, *dim, num_neighbors, pool);
   FREEGS_ASSIGN_OR_RETURN(PrincipalAxes axes,

@@ -3,12 +3,12 @@
 #include "semantics/instance_semantics.h"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <utility>
 
 #include "core/image_io.h"
 #include "semantics/crf/unary_energies.h"
+#include "semantics/directions.h"
 #include "semantics/instance_crops.h"
 
 namespace freegs::semantics {
@@ -16,22 +16,6 @@ namespace {
 
 // Labels of a view's pixels; -1 for none.
 using LabelImage = Image<int32_t>;
-
-void AddUnit(std::span<const float> vector, std::span<float> sum) {
-  double square = 0;
-  for (const float x : vector) square += double{x} * x;
-  if (!(square > 0)) return;
-  const auto scale = static_cast<float>(1 / std::sqrt(square));
-  for (size_t c = 0; c < sum.size(); ++c) sum[c] += scale * vector[c];
-}
-
-void Normalize(std::span<float> vector) {
-  double square = 0;
-  for (const float x : vector) square += double{x} * x;
-  if (!(square > 0)) return;
-  const auto scale = static_cast<float>(1 / std::sqrt(square));
-  for (float& x : vector) x *= scale;
-}
 
 // The labels a conditional random field finds when it trusts the given ones to
 // `confidence`. Pixels of no label are a label of their own.
@@ -83,8 +67,7 @@ class Encoding {
   Encoding(ClipEncoder& encoder, int num_instances, double margin)
       : encoder_(encoder), margin_(margin) {
     result_.dim = encoder.embedding_dim();
-    result_.vectors.assign(static_cast<size_t>(num_instances) * result_.dim,
-                           0.0f);
+    sums_.assign(static_cast<size_t>(num_instances) * result_.dim, 0.0);
   }
 
   // A label that refinement has removed from the view is left out.
@@ -95,28 +78,31 @@ class Encoding {
     for (const ImageU8* image : {&crop->in_place, &crop->alone}) {
       FREEGS_ASSIGN_OR_RETURN(const std::vector<float> vector,
                               encoder_.EncodeImage(*image));
-      AddUnit(vector, Row(label));
+      AddDirection(vector, 1, Sum(label));
     }
     ++result_.num_crops;
     return Status();
   }
 
   InstanceVectors Take() {
-    const size_t count = result_.vectors.size() / result_.dim;
-    for (size_t label = 0; label < count; ++label) {
-      Normalize(Row(static_cast<int32_t>(label)));
+    result_.vectors.resize(sums_.size());
+    const size_t dim = result_.dim;
+    for (size_t first = 0; first < sums_.size(); first += dim) {
+      WriteDirection(std::span(sums_).subspan(first, dim),
+                     std::span(result_.vectors).subspan(first, dim));
     }
     return std::move(result_);
   }
 
  private:
-  std::span<float> Row(int32_t label) {
-    return {result_.vectors.data() + static_cast<size_t>(label) * result_.dim,
-            static_cast<size_t>(result_.dim)};
+  std::span<double> Sum(int32_t label) {
+    const auto dim = static_cast<size_t>(result_.dim);
+    return std::span(sums_).subspan(label * dim, dim);
   }
 
   ClipEncoder& encoder_;
   const double margin_;
+  std::vector<double> sums_;  // Of each instance's directions.
   InstanceVectors result_;
 };
 
