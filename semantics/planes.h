@@ -25,7 +25,7 @@ struct PlaneOptions {
 
   // A plane's shorter side is at least this many times the scene radius (see
   // SceneFrame), so that faces of objects are not taken for background.
-  double min_width = 0.7;
+  double min_width = 1;
 
   // Farthest distance of a plane's points from it, in scene radii. The distance
   // used is smaller where the points lie closer.

@@ -204,6 +204,12 @@ void RegisterBootstrapOptions(BootstrapStageOptions& options,
                      "instances of their own before clustering; 0 seeks none.",
              .min = 0,
              .max = 1000});
+  table.Add("bootstrap.min_plane_width",
+            &clustering.planes.min_width,
+            {.help = "Shorter side of such a plane, in scene radii, at least: "
+                     "smaller faces are those of things.",
+             .min = 0,
+             .max = 1000});
   table.Add("bootstrap.merge_color",
             &clustering.merge_color,
             {.help = "Touching clusters join when their mean colours differ by "
