@@ -20,8 +20,11 @@ struct UnionSpaceOptions {
   // Factor on colours of [0, 1].
   double color_weight = 0.1;
 
-  // Factor on the semantic block once it is normalised.
-  double semantic_weight = 0.1;
+  // Factor on the semantic block once it is normalised. 0 leaves it out: the
+  // places that a small CLIP tells apart are as often parts of one thing (the
+  // seat and the legs of a stool) as things that touch. See the table in
+  // docs/semantic_field.md.
+  double semantic_weight = 0;
 
   Status Check() const;
 };
