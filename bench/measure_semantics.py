@@ -4,6 +4,7 @@
 
   bench/measure_semantics.py PROGRAM --scene WORKSPACE TRUTH [--scene ...]
       [--ways lift,paper,...] [--seeds 1,2,3] [--csv FILE]
+      [--option bootstrap.semantic_weight 0.4]
 
 PROGRAM is freegs_pipeline; a WORKSPACE is reconstructed (its bootstrap/ is not
 touched), TRUTH is a folder for eval --gt. Every seed is one of phase 2 only,
@@ -104,16 +105,20 @@ def main():
     parser.add_argument("--ways", default=",".join(WAYS))
     parser.add_argument("--seeds", default="1,2,3")
     parser.add_argument("--csv")
-    parser.add_argument("extra", nargs="*",
-                        help="further options of the stage, after --")
+    parser.add_argument("--option", nargs=2, action="append", default=[],
+                        metavar=("NAME", "VALUE"),
+                        help="further options of the stage, such as "
+                        "bootstrap.semantic_weight 0.4")
     arguments = parser.parse_args()
+    extra = [text for name, value in arguments.option
+             for text in ("--" + name, value)]
     rows = []
     for way in arguments.ways.split(","):
         for workspace, truth in arguments.scene:
             for seed in arguments.seeds.split(","):
                 row = {"way": way, "scene": Path(truth).name, "seed": seed}
                 row |= measure(arguments.program, workspace, truth, WAYS[way],
-                               seed, arguments.extra)
+                               seed, extra)
                 rows.append(row)
                 print(row, file=sys.stderr, flush=True)
     names = [name for name in rows[0] if name not in ("way", "scene", "seed")]
