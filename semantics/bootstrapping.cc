@@ -252,7 +252,9 @@ class Bootstrapping {
             std::to_string(training.step()));
       }
       if (training.clusters_next()) {
-        FREEGS_RETURN_IF_ERROR(ClusterAndTeach(training));
+        const Status taught = ClusterAndTeach(training);
+        // Interrupted while clustering: the next turn saves and stops.
+        if (!taught.ok() && !cancelled()) return taught;
         BeginTraining();
         continue;
       }

@@ -17,7 +17,6 @@
 #include "core/image_io.h"
 #include "pipeline/resource_usage.h"
 #include "semantics/bootstrapping.h"
-#include "semantics/clip/opencv_clip.h"
 #include "semantics/field_checkpoint.h"
 #include "semantics/idsf.h"
 #include "semantics/instance_features.h"
@@ -26,6 +25,7 @@
 #include "semantics/instances_json.h"
 #include "semantics/losses/decoder_file.h"
 #include "splat/renderer.h"
+#include "stages/clip_input.h"
 #include "stages/scene_instances.h"
 #include "stages/shipped_model.h"
 #include "stages/workspace_scene.h"
@@ -55,7 +55,9 @@ class BootstrapStage : public pipeline::Stage {
                                     "ingest/images.json"};
     if (with_semantics()) {
       // Holds the hashes of the model's other files. Without it, Run says so.
-      const StatusOr<fs::path> model = ModelFolder();
+      const StatusOr<fs::path> model = options_.model.empty()
+                                           ? FindShippedModel()
+                                           : StatusOr<fs::path>(options_.model);
       if (model.ok()) inputs.push_back(*model / "model.json");
     }
     return inputs;
@@ -107,11 +109,6 @@ class BootstrapStage : public pipeline::Stage {
  private:
   bool with_semantics() const { return options_.mode != "geometry"; }
 
-  StatusOr<fs::path> ModelFolder() const {
-    if (!options_.model.empty()) return fs::path(options_.model);
-    return FindShippedModel();
-  }
-
   StatusOr<NamedField> MakeField(const WorkspaceScene& scene,
                                  const std::vector<View>& views,
                                  semantics::BootstrappingOptions method,
@@ -130,9 +127,7 @@ class BootstrapStage : public pipeline::Stage {
                                       context.cancellation));
       return NamedField{std::move(field), {}};
     }
-    FREEGS_ASSIGN_OR_RETURN(const fs::path folder, ModelFolder());
-    FREEGS_ASSIGN_OR_RETURN(const auto encoder,
-                            semantics::OpenCvClip::Open(folder));
+    FREEGS_ASSIGN_OR_RETURN(const auto encoder, OpenClipModel(options_.model));
     method.weights.scratch_folder = context.output;
     const semantics::FeatureCache cache(context.output / "features");
     const auto photo_of = [&](size_t view) {
