@@ -128,9 +128,11 @@ def made(*options, truth=True):
     def build(arguments, folder):
         maker = arguments.make_scene or Path(
             arguments.program).resolve().parent / "freegs_make_scene"
-        subprocess.run([str(maker), "--out", str(folder / "scene"),
-                        "--test_views", "0", *options], check=True,
-                       stdout=subprocess.DEVNULL)
+        done = subprocess.run(
+            [str(maker), "--out", str(folder / "scene"), "--test_views", "0",
+             *options], text=True, capture_output=True, check=False)
+        if done.returncode != 0:
+            sys.exit(f"{maker}: {done.stderr[-500:]}")
         os.rmdir(folder / "images")
         os.rename(folder / "scene" / "images", folder / "images")
         return folder / "scene" / "gt" / "cameras.json" if truth else None
@@ -301,11 +303,17 @@ def models_cell(row):
 
 
 def brief(value):
-    """A finding or an attempt of health.json in a few words."""
-    if isinstance(value, dict):
-        return ", ".join(str(v) for v in value.values()
-                         if isinstance(v, (str, int)) and v != "")
-    return str(value)
+    """A finding, an attempt or a warning of health.json in a few words."""
+    if not isinstance(value, dict):
+        return str(value)
+    if "message" in value:
+        return f"({value.get('severity', 'finding')}) {value['message']}"
+    text = str(value.get("name", "?"))
+    if "registered" in value:
+        text += f" {value['registered']} photos"
+    if value.get("kept"):
+        text += ", kept"
+    return text + (f" ({value['problem']})" if value.get("problem") else "")
 
 
 def load(arguments, name, program):
