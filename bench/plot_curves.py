@@ -6,9 +6,9 @@
 
 CURVE.csv has the columns seconds and holdout_psnr, as freegs_training_benchmark
 curve prints them, or those that --x and --y name; a file of one row is drawn as
-a point. What lies below --low is drawn at the lower edge. With --label, each row
-is a dot that stands beside the text of that column; rows without a number in --y
-are named at the right.
+a point. What lies below --low is drawn at the lower edge. With --label, each
+row is a dot beside the text of that column; rows without a number in --y are
+named at the right.
 """
 import argparse
 import csv

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs COLMAP alone and our stage sfm; what measure_sfm and sfm_stability share.
+"""Runs COLMAP alone and our stage sfm, for measure_sfm and sfm_stability.
 
 Both give the same keys: code, timed_out, seconds, cpu_seconds, features,
 matching, mapping, other (seconds of each part), registered, models, and, where

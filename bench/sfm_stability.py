@@ -25,167 +25,15 @@ nothing to be had. COLMAP is judged by its largest model, in its favour.
 import argparse
 import hashlib
 import json
-import os
-import random
-import shutil
-import subprocess
 import sys
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Callable
 
 import camera_poses
 import sfm_programs
+from sfm_photo_sets import DEGRADED, FAILED, FOREIGN, OK, SETS
 
 GOOD_SHARE = 0.9
-OK, DEGRADED, FAILED = "ok", "degraded", "failed"
-FOREIGN = "other_"  # Begins the names of photos of another scene.
 EXIT_CODES = {OK: 0, DEGRADED: 0, FAILED: 4}
-
-
-@dataclass
-class PhotoSet:
-    what: str
-    allowed: set
-    # Fills a folder with images/; returns the file with the true poses or None.
-    build: Callable
-
-
-def photos_of(data, scene):
-    photos = sorted(path for path in Path(data, scene, "images").iterdir()
-                    if path.suffix.lower() in (".jpg", ".jpeg", ".png"))
-    if not photos:
-        sys.exit(f"no photos in {data}/{scene}/images")
-    return photos
-
-
-def truth_of(data, scene):
-    for name in ("gt/cameras.json", "transforms.json"):
-        if Path(data, scene, name).is_file():
-            return Path(data, scene, name)
-    return None
-
-
-def scene(name, every=1, first=None, foreign=None, foreign_count=10):
-    """Photos of a scene as they are, and evenly spread ones of another."""
-
-    def build(arguments, folder):
-        photos = photos_of(arguments.data, name)[::every][:first]
-        for photo in photos:
-            shutil.copy(photo, folder / "images" / photo.name)
-        if foreign:
-            others = photos_of(arguments.data, foreign)
-            for i in range(foreign_count):
-                photo = others[i * len(others) // foreign_count]
-                shutil.copy(photo, folder / "images" / (FOREIGN + photo.name))
-        return truth_of(arguments.data, name)
-
-    return build
-
-
-def changed(name, change, every=1):
-    """Every so many-th photo goes through change(image, random)."""
-
-    def build(arguments, folder):
-        try:
-            from PIL import Image
-        except ImportError:
-            sys.exit("this set needs Pillow (Debian: python3-pil, "
-                     "/usr/bin/python3)")
-        numbers = random.Random(1)
-        for i, photo in enumerate(photos_of(arguments.data, name)):
-            target = folder / "images" / photo.name
-            if i % every != 0:
-                shutil.copy(photo, target)
-                continue
-            with Image.open(photo) as image:
-                extra = {"exif": image.info["exif"]} if (
-                    "exif" in image.info) else {}
-                change(image.convert("RGB"), numbers).save(target, quality=95,
-                                                           **extra)
-        return truth_of(arguments.data, name)
-
-    return build
-
-
-def blurred(sigma):
-    def change(image, _):
-        from PIL import ImageFilter
-        return image.filter(ImageFilter.GaussianBlur(sigma))
-    return change
-
-
-def regraded(image, numbers):
-    """Gamma between 0.5 and 2, both sides of 1 equally likely."""
-    gamma = 2 ** numbers.uniform(-1, 1)
-    return image.point([round(255 * (i / 255) ** gamma)
-                        for i in range(256)] * 3)
-
-
-def made(*options, truth=True):
-    """Photos by freegs_make_scene."""
-
-    def build(arguments, folder):
-        maker = arguments.make_scene or Path(
-            arguments.program).resolve().parent / "freegs_make_scene"
-        done = subprocess.run(
-            [str(maker), "--out", str(folder / "scene"), "--test_views", "0",
-             *options], text=True, capture_output=True, check=False)
-        if done.returncode != 0:
-            sys.exit(f"{maker}: {done.stderr[-500:]}")
-        os.rmdir(folder / "images")
-        os.rename(folder / "scene" / "images", folder / "images")
-        return folder / "scene" / "gt" / "cameras.json" if truth else None
-
-    return build
-
-
-ANY = {OK, DEGRADED, FAILED}  # As long as it is true.
-SETS = {
-    "plainwall": PhotoSet("40 photos, untextured walls and floor",
-                          {OK, DEGRADED}, scene("plainwall")),
-    "every_2nd": PhotoSet("every 2nd photo of tabletop", {OK, DEGRADED},
-                          scene("tabletop", every=2)),
-    "every_4th": PhotoSet("every 4th photo of tabletop", ANY,
-                          scene("tabletop", every=4)),
-    "every_8th": PhotoSet("every 8th photo of tabletop", ANY,
-                          scene("tabletop", every=8)),
-    "blur_2": PhotoSet("fox, all blurred with sigma 2 px", {OK, DEGRADED},
-                       changed("fox", blurred(2))),
-    "blur_5": PhotoSet("fox, all blurred with sigma 5 px", ANY,
-                       changed("fox", blurred(5))),
-    "blur_12": PhotoSet("fox, all blurred with sigma 12 px", ANY,
-                        changed("fox", blurred(12))),
-    "third_2": PhotoSet("fox, every 3rd blurred with sigma 2 px",
-                        {OK, DEGRADED}, changed("fox", blurred(2), every=3)),
-    "third_5": PhotoSet("fox, every 3rd blurred with sigma 5 px",
-                        {OK, DEGRADED}, changed("fox", blurred(5), every=3)),
-    "third_12": PhotoSet("fox, every 3rd blurred with sigma 12 px",
-                         {OK, DEGRADED}, changed("fox", blurred(12), every=3)),
-    "gamma": PhotoSet("fox, each with a random gamma of 0.5 to 2",
-                      {OK, DEGRADED}, changed("fox", regraded)),
-    "tabletop_fox": PhotoSet("tabletop with 10 photos of fox",
-                             {DEGRADED, FAILED},
-                             scene("tabletop", foreign="fox")),
-    "playroom_tabletop": PhotoSet("playroom with 10 photos of tabletop",
-                                  {DEGRADED, FAILED},
-                                  scene("playroom", foreign="tabletop")),
-    "rotation": PhotoSet("40 photos, turning on the spot", {FAILED},
-                         made("--motion", "rotation", truth=False)),
-    "rotation_12": PhotoSet("12 photos, turning on the spot", {FAILED},
-                            made("--motion", "rotation", "--views", "12",
-                                 truth=False)),
-    "textureless": PhotoSet("40 photos, all surfaces plain", {FAILED},
-                            made("--texture", "none")),
-    "textureless_12": PhotoSet("12 photos, all surfaces plain", {FAILED},
-                               made("--texture", "none", "--views", "12")),
-    "three": PhotoSet("3 neighbouring photos of tabletop", ANY,
-                      scene("tabletop", first=3)),
-    "three_apart": PhotoSet("3 photos of tabletop, a third of a turn apart",
-                            {FAILED}, scene("tabletop", every=20)),
-    "views_300": PhotoSet("300 made photos", {OK},
-                          made("--views", "300")),
-}
 
 
 def make_set(name, arguments):
@@ -195,11 +43,13 @@ def make_set(name, arguments):
     if not known.is_file():
         sfm_programs.fresh(folder)
         (folder / "images").mkdir()
-        truth = SETS[name].build(arguments, folder)
+        maker = arguments.make_scene or str(
+            Path(arguments.program).resolve().parent / "freegs_make_scene")
+        truth = SETS[name].build(arguments.data, maker, folder)
         known.write_text(json.dumps({
             "photos": len(list((folder / "images").iterdir())),
             "foreign": len(list((folder / "images").glob(FOREIGN + "*"))),
-            "truth": str(truth) if truth else None}), encoding="utf-8")
+            "truth": str(truth.resolve()) if truth else None}), encoding="utf-8")
     return folder / "images", json.loads(known.read_text(encoding="utf-8"))
 
 
@@ -232,10 +82,11 @@ def measure(program, name, arguments):
                    for text in ("--" + option, value)]
         if arguments.colmap != "colmap":
             options += ["--sfm.colmap", arguments.colmap]
+        build = md5(arguments.program)
         row = sfm_programs.run_ours(arguments.program, images, folder,
                                     arguments.limit, options)
         row["options"] = options
-        row["program_md5"] = md5(arguments.program)
+        row["program_md5"] = build
     add_truth(row, known)
     return row
 
@@ -285,7 +136,11 @@ def judge_ours(row, allowed):
         faults.append("photos left out are not all named")
     if verdict == OK and (untold(row) or OK not in allowed):
         return "silent failure: " + ", ".join(untold(row) + faults)
-    return "wrong: " + ", ".join(faults) if faults else "right"
+    if faults:
+        return "wrong: " + ", ".join(faults)
+    wrong_poses = [fault for fault in untold(row) if "photos" not in fault]
+    return "right" + (", but " + ", ".join(wrong_poses)
+                      if verdict == DEGRADED and wrong_poses else "")
 
 
 def poses_cell(row):
