@@ -49,7 +49,8 @@ def make_set(name, arguments):
         known.write_text(json.dumps({
             "photos": len(list((folder / "images").iterdir())),
             "foreign": len(list((folder / "images").glob(FOREIGN + "*"))),
-            "truth": str(truth.resolve()) if truth else None}), encoding="utf-8")
+            "truth": str(truth.resolve()) if truth else None}),
+            encoding="utf-8")
     return folder / "images", json.loads(known.read_text(encoding="utf-8"))
 
 
