@@ -20,7 +20,7 @@ struct BundleAdjustmentOptions {
   int max_iterations = 50;
 
   // Stop when a step lowers the cost by less than this share.
-  double function_tolerance = 1e-6;
+  double function_tolerance = 1e-5;
 
   // Keep all intrinsics as they are.
   bool fixed_intrinsics = false;
