@@ -28,7 +28,7 @@ struct PoseBlock {
 
 // A camera's parameters without the principal point: focal, distortion.
 struct LensBlock {
-  std::vector<double> values;
+  std::array<double, 6> values = {};
   Eigen::Vector2d principal = Eigen::Vector2d::Zero();
 };
 
@@ -114,7 +114,8 @@ ceres::CostFunction* MakeCost(CameraModel model,
   }
 }
 
-// Everything that is adjusted, as Ceres wants it.
+// Everything that is adjusted, as Ceres wants it. Ceres orders the blocks of a
+// group by address: one array for each kind keeps that the same in every run.
 struct Blocks {
   std::vector<PoseBlock> poses;               // By image.
   std::vector<LensBlock> lenses;              // By camera.
@@ -137,11 +138,10 @@ Blocks MakeBlocks(const Reconstruction& model) {
     LensBlock& block = blocks.lenses.emplace_back();
     const int num_focal = GetCameraModel(camera.model).num_focal;
     block.principal = {camera.PrincipalX(), camera.PrincipalY()};
-    block.values.assign(camera.params.begin(),
-                        camera.params.begin() + num_focal);
-    block.values.insert(block.values.end(),
-                        camera.Distortion().begin(),
-                        camera.Distortion().end());
+    std::copy_n(camera.params.begin(), num_focal, block.values.begin());
+    std::copy(camera.Distortion().begin(),
+              camera.Distortion().end(),
+              block.values.begin() + num_focal);
   }
   for (size_t p = 0; p < model.points3d.size(); ++p) {
     const Point3D& point = model.points3d[p];
@@ -248,7 +248,7 @@ ceres::Solver::Options SolverOptions(const BundleAdjustmentOptions& options,
   };
   for (auto& point : blocks->points) add(point.data(), 0);
   for (PoseBlock& pose : blocks->poses) add(pose.values.data(), 1);
-  for (LensBlock& lens : blocks->lenses) add(lens.values.data(), 1);
+  for (LensBlock& lens : blocks->lenses) add(lens.values.data(), 2);
   solver.linear_solver_ordering = ordering;
   return solver;
 }
@@ -290,12 +290,12 @@ Status Store(const Blocks& blocks,
   }
   for (size_t i = 0; i < blocks.lenses.size(); ++i) {
     Camera& camera = adjusted.cameras[i];
-    const std::vector<double>& values = blocks.lenses[i].values;
+    const auto& values = blocks.lenses[i].values;
     const int num_focal = GetCameraModel(camera.model).num_focal;
     std::copy_n(values.begin(), num_focal, camera.params.begin());
-    std::copy(values.begin() + num_focal,
-              values.end(),
-              camera.params.begin() + num_focal + 2);
+    std::copy_n(values.begin() + num_focal,
+                camera.Distortion().size(),
+                camera.params.begin() + num_focal + 2);
   }
   for (size_t i = 0; i < blocks.points.size(); ++i) {
     adjusted.points3d[i].xyz = Eigen::Vector3d(blocks.points[i].data());

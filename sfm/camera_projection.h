@@ -73,7 +73,8 @@ Vector2<T> Distort(CameraModel model,
       using std::tan;
       const T r2 = pinhole.squaredNorm();
       const T& omega = d[0];
-      if (abs(omega) < 1e-8 || r2 < 1e-24) return pinhole;
+      if (abs(omega) < 1e-8) return pinhole;
+      if (r2 < 1e-24) return pinhole * T(2.0 * tan(omega / 2.0) / omega);
       const T r = sqrt(r2);
       return pinhole * T(atan(2.0 * r * tan(omega / 2.0)) / (omega * r));
     }
