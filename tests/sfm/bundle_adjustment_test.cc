@@ -184,6 +184,19 @@ TEST_F(AdjustmentTest, TwoImagesWork) {
   EXPECT_LT(report->final_cost, report->initial_cost);
 }
 
+// Other solvers for the poses.
+TEST_F(AdjustmentTest, HundredsAndThousandsOfImages) {
+  for (const int images : {120, 1010}) {
+    scene_.num_images = images;
+    scene_.num_points = 40;
+    model_ = MakeStart(scene_, MakeNoisyScene(scene_));
+    const auto report = AdjustBundle({}, &model_);
+    ASSERT_TRUE(report.ok()) << report.status().message();
+    EXPECT_LT(report->final_cost, report->initial_cost / 2) << images;
+    EXPECT_NEAR(model_.cameras[0].FocalX(), 500, 2) << images;
+  }
+}
+
 TEST_F(AdjustmentTest, ObservationsBehindTheCameraAreLeftOut) {
   Point3D& point = model_.points3d[0];
   point.xyz = CameraCentre(model_.images[0].cam_from_world) * 1.5;
