@@ -119,7 +119,7 @@ Status ExtractGroups(const StepContext& context,
                      int max_image_size,
                      int max_features) {
   const CameraModelInfo* model =
-      FindCameraModel(std::string_view(context.options.camera_model));
+      FindCameraModel(std::string_view(context.options.ColmapCameraModel()));
   double finished = 0;
   for (const CameraGroup& group :
        GroupPhotos(context.input, context.options.camera)) {
@@ -132,7 +132,8 @@ Status ExtractGroups(const StepContext& context,
                                                num_threads,
                                                max_image_size,
                                                max_features));
-    arguments.Require("ImageReader.camera_model", context.options.camera_model);
+    arguments.Require("ImageReader.camera_model",
+                      context.options.ColmapCameraModel());
     arguments.Require(group.shared ? "ImageReader.single_camera"
                                    : "ImageReader.single_camera_per_image",
                       "1");

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/status.h"
+#include "sfm/camera_selection.h"
 #include "sfm/reconstruction.h"
 
 namespace freegs::sfm {
@@ -63,8 +64,9 @@ struct Health {
   std::map<std::string, std::string> unregistered;
   std::vector<std::string> warnings;
   std::vector<Camera> cameras;
-  std::string source;          // "colmap", "import" ...
-  std::string colmap_version;  // Empty when COLMAP was not run.
+  std::vector<CameraCandidate> camera_models;  // Those tried, if any.
+  std::string source;                          // "colmap", "import" ...
+  std::string colmap_version;                  // Empty when COLMAP was not run.
 
   double registered_share() const {
     return images > 0 ? static_cast<double>(registered) / images : 0;

@@ -203,6 +203,34 @@ Status Reconcile(const StepContext& context,
   return {};
 }
 
+// Gives the best model the simplest cameras that explain it, and adjusts it.
+// COLMAP's estimate stays where there is too little to choose by.
+Status ChooseCameras(const StepContext& context, SfmResult* result) {
+  if (context.options.camera_model != "auto" || result->models.empty() ||
+      result->models[0].images.size() < 3) {
+    return {};
+  }
+  context.Report("camera model", 0, 1, "");
+  CameraSelectionOptions options;
+  options.shared = context.options.camera != "per_image";
+  options.per_group = options.per_photo = context.options.camera == "auto";
+  options.per_photo |= context.options.camera == "per_image";
+  options.num_threads = context.num_threads;
+  options.cancellation = context.input.cancellation;
+  auto selection = RefineCameras(options, &result->models[0]);
+  context.Report("camera model", 1, 1, "");
+  if (selection.ok()) {
+    result->camera_models = std::move(selection->candidates);
+    return {};
+  }
+  if (selection.status().code() != StatusCode::kUnusableResult) {
+    return selection.status();
+  }
+  result->warnings.push_back("COLMAP's RADIAL cameras are kept: " +
+                             selection.status().message());
+  return {};
+}
+
 // Why photos are not in the best model.
 Status ExplainUnregistered(const SfmInput& input,
                            const fs::path& database_path,
@@ -258,10 +286,10 @@ Status SfmOptions::Check() const {
   if (camera != "auto" && camera != "single" && camera != "per_image") {
     return InvalidArgumentError("sfm.camera must be auto, single or per_image");
   }
-  if (FindCameraModel(std::string_view(camera_model)) == nullptr) {
-    std::string names;
+  if (FindCameraModel(std::string_view(ColmapCameraModel())) == nullptr) {
+    std::string names = "auto";
     for (const CameraModelInfo& model : CameraModels()) {
-      names += (names.empty() ? "" : ", ") + std::string(model.name);
+      names += ", " + std::string(model.name);
     }
     return InvalidArgumentError("sfm.camera_model must be one of " + names);
   }
@@ -314,6 +342,7 @@ StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
   }
   FREEGS_RETURN_IF_ERROR(MapBest(context, database, &result));
   FREEGS_RETURN_IF_ERROR(Reconcile(context, database, &result));
+  FREEGS_RETURN_IF_ERROR(ChooseCameras(context, &result));
   std::error_code ignored;
   fs::remove(input.work_folder / "image_list.txt", ignored);
   FREEGS_RETURN_IF_ERROR(ExplainUnregistered(input, database, &result));

@@ -13,6 +13,7 @@
 
 #include "core/cancellation.h"
 #include "core/status.h"
+#include "sfm/camera_selection.h"
 #include "sfm/reconstruction.h"
 
 namespace freegs::sfm {
@@ -35,8 +36,10 @@ struct SfmOptions {
   // (all of one size), or "per_image" (none).
   std::string camera = "auto";
 
-  // COLMAP's name of the lens model to estimate.
-  std::string camera_model = "RADIAL";
+  // COLMAP's name of the lens model to estimate; or "auto": COLMAP estimates
+  // RADIAL, then the best model is adjusted with the simplest cameras that
+  // explain its tracks (camera_selection.h).
+  std::string camera_model = "auto";
 
   // Longest side, in pixels, of the images that features are taken from.
   int max_image_size = 1600;
@@ -59,6 +62,11 @@ struct SfmOptions {
   // Threads and parallel programs; <= 0 takes one per core. Changes nothing
   // about the result.
   int num_threads = 0;
+
+  // What COLMAP is asked to estimate.
+  const char* ColmapCameraModel() const {
+    return camera_model == "auto" ? "RADIAL" : camera_model.c_str();
+  }
 
   Status Check() const;
 };
@@ -84,6 +92,9 @@ struct SfmResult {
 
   // Strongest matches that models[0] contradicts (see view_graph.h).
   size_t contradictions = 0;
+
+  // The cameras tried for models[0]; empty when there was no choice to make.
+  std::vector<CameraCandidate> camera_models;
 
   std::string colmap_version;
   std::vector<std::string> warnings;

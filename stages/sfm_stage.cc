@@ -53,6 +53,7 @@ struct Outcome {
   std::string source;
   std::string colmap_version;
   size_t contradictions = 0;
+  std::vector<sfm::CameraCandidate> camera_models;
   std::vector<std::string> warnings;
   std::map<std::string, std::string> unregistered;
 };
@@ -108,6 +109,7 @@ class SfmStage : public pipeline::Stage {
     outcome.source = "colmap";
     outcome.colmap_version = std::move(result.colmap_version);
     outcome.contradictions = result.contradictions;
+    outcome.camera_models = std::move(result.camera_models);
     outcome.warnings = std::move(result.warnings);
     outcome.unregistered = std::move(result.unregistered);
     return outcome;
@@ -177,6 +179,7 @@ class SfmStage : public pipeline::Stage {
                                             outcome.contradictions);
     health.source = outcome.source;
     health.colmap_version = outcome.colmap_version;
+    health.camera_models = outcome.camera_models;
     for (auto& [name, reason] : health.unregistered) {
       const auto it = outcome.unregistered.find(name);
       if (it != outcome.unregistered.end()) reason = it->second;
@@ -252,7 +255,7 @@ class SfmStage : public pipeline::Stage {
 
 void RegisterSfmOptions(SfmStageOptions& options,
                         pipeline::OptionTable& table) {
-  std::vector<std::string> models;
+  std::vector<std::string> models = {"auto"};
   for (const sfm::CameraModelInfo& model : sfm::CameraModels()) {
     models.emplace_back(model.name);
   }
@@ -279,7 +282,9 @@ void RegisterSfmOptions(SfmStageOptions& options,
              .choices = {"auto", "single", "per_image"}});
   table.Add("sfm.camera_model",
             &options.colmap.camera_model,
-            {.help = "Lens model to estimate.", .choices = models});
+            {.help = "Lens model to estimate; auto: the simplest that explains "
+                     "the matches, with as few cameras.",
+             .choices = models});
   table.Add("sfm.max_image_size",
             &options.colmap.max_image_size,
             {.help = "Longest side in pixels of the images that features are "

@@ -3,6 +3,7 @@
 
 #include "sfm/structure_from_motion.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <set>
 #include <thread>
@@ -76,6 +77,36 @@ TEST_F(StructureFromMotionTest, BothDialects) {
     EXPECT_EQ(result->colmap_version[0], dialect[0]);
     EXPECT_TRUE(fs::exists(input_.work_folder / "database.db"));
   }
+}
+
+TEST_F(StructureFromMotionTest, ChoosesCameras) {
+  // The fake's tracks are exact, of a lens with two radial terms.
+  auto result = Run();
+  ASSERT_TRUE(result.ok()) << result.status().message();
+  const auto chosen = std::find_if(result->camera_models.begin(),
+                                   result->camera_models.end(),
+                                   [](const auto& row) { return row.chosen; });
+  ASSERT_NE(chosen, result->camera_models.end());
+  ASSERT_EQ(result->models[0].cameras.size(), 1u);
+  EXPECT_EQ(result->models[0].cameras[0].model, chosen->model);
+  EXPECT_LT(chosen->held_out_error_px, 0.02);
+  EXPECT_NEAR(result->models[0].cameras[0].FocalX(), 600, 1);
+
+  // A fixed model is left to COLMAP.
+  fs::remove_all(input_.work_folder);
+  options_.camera_model = "RADIAL";
+  result = Run();
+  ASSERT_TRUE(result.ok()) << result.status().message();
+  EXPECT_TRUE(result->camera_models.empty());
+  EXPECT_EQ(result->models[0].cameras[0].params,
+            SyntheticModel(1, 0).cameras[0].params);
+
+  fs::remove_all(input_.work_folder);
+  options_.camera_model = "auto";
+  options_.camera = "per_image";
+  result = Run();
+  ASSERT_TRUE(result.ok()) << result.status().message();
+  EXPECT_EQ(result->models[0].cameras.size(), 10u);
 }
 
 TEST_F(StructureFromMotionTest, BestModelFirstAndReasons) {
