@@ -46,12 +46,14 @@ Status ExtractFeatures(const StepContext& context,
                        const std::filesystem::path& database,
                        int num_threads);
 
-// Matches portions of SelectPairs() into the database. `done` are the numbers
-// of portions that earlier calls finished; on_done is told about each more.
-Status MatchFeatures(const StepContext& context,
-                     const std::filesystem::path& database,
-                     const std::set<int>& done,
-                     const std::function<Status(int portion)>& on_done);
+// Matches the pairs that options.pairs choose into the database, in portions.
+// `done` are the numbers of portions that earlier calls finished; on_done is
+// told about each more.
+StatusOr<MatchedPairs> MatchFeatures(
+    const StepContext& context,
+    const std::filesystem::path& database,
+    const std::set<int>& done,
+    const std::function<Status(int portion)>& on_done);
 
 // Runs the mapper into a new folder and reads the models it made (maybe none).
 // relaxed: with thresholds for few or weakly connected photos.

@@ -219,6 +219,12 @@ nlohmann::json HealthToJson(const Health& health) {
     names.push_back(name);
     if (!reason.empty()) reasons[name] = reason;
   }
+  nlohmann::json pairs;  // null: none were matched.
+  if (!health.pairs.strategy.empty()) {
+    pairs = {{"strategy", health.pairs.strategy},
+             {"pairs", health.pairs.pairs},
+             {"all_pairs", health.pairs.all_pairs}};
+  }
   return {
       {"verdict", VerdictName(health.verdict)},
       {"reason", health.reason},
@@ -235,6 +241,7 @@ nlohmann::json HealthToJson(const Health& health) {
       {"num_points", health.num_points},
       {"observations", health.observations},
       {"contradictions", health.contradictions},
+      {"pairs", pairs},
       {"unregistered", names},
       {"unregistered_reasons", reasons},
       {"warnings", health.warnings},

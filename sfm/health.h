@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/status.h"
+#include "sfm/pair_selection.h"
 #include "sfm/reconstruction.h"
 
 namespace freegs::sfm {
@@ -58,6 +59,9 @@ struct Health {
 
   // Strongest matches between photos that the model contradicts.
   size_t contradictions = 0;
+
+  // Which pairs of photos were matched.
+  MatchedPairs pairs;
 
   // Photos without a pose, and why if known.
   std::map<std::string, std::string> unregistered;

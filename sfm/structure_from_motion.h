@@ -13,6 +13,7 @@
 
 #include "core/cancellation.h"
 #include "core/status.h"
+#include "sfm/pair_selection.h"
 #include "sfm/reconstruction.h"
 
 namespace freegs::sfm {
@@ -44,14 +45,8 @@ struct SfmOptions {
   // Features kept per photo (those of the largest scale).
   int max_features = 2000;
 
-  // Which pairs of photos are matched: "exhaustive" (all), "sequential" (those
-  // taken one after another, and every overlap-th photo with each other), or
-  // "auto": exhaustive for up to max_exhaustive photos.
-  std::string matcher = "auto";
-  int max_exhaustive = 150;
-
-  // Sequential matching: how many photos after each are matched with it.
-  int overlap = 10;
+  // Which pairs of photos are matched.
+  PairSelectionOptions pairs;
 
   // Features on the graphics card (COLMAP must have been built for it).
   bool use_gpu = false;
@@ -85,6 +80,8 @@ struct SfmResult {
   // Strongest matches that models[0] contradicts (see view_graph.h).
   size_t contradictions = 0;
 
+  MatchedPairs pairs;
+
   std::string colmap_version;
   std::vector<std::string> warnings;
 
@@ -105,10 +102,6 @@ struct SfmResult {
 // mapper. See docs/sfm.md.
 StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
                                            const SfmOptions& options);
-
-// The pairs (i, j), i < j, of `count` photos that are matched, in order.
-std::vector<std::pair<int, int>> SelectPairs(int count,
-                                             const SfmOptions& options);
 
 // Orders models: most images first, then most points, then as they were.
 void SortBySize(std::vector<Reconstruction>* models);

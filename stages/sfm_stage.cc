@@ -53,6 +53,7 @@ struct Outcome {
   std::string source;
   std::string colmap_version;
   size_t contradictions = 0;
+  sfm::MatchedPairs pairs;
   std::vector<std::string> warnings;
   std::map<std::string, std::string> unregistered;
 };
@@ -108,6 +109,7 @@ class SfmStage : public pipeline::Stage {
     outcome.source = "colmap";
     outcome.colmap_version = std::move(result.colmap_version);
     outcome.contradictions = result.contradictions;
+    outcome.pairs = std::move(result.pairs);
     outcome.warnings = std::move(result.warnings);
     outcome.unregistered = std::move(result.unregistered);
     return outcome;
@@ -177,6 +179,7 @@ class SfmStage : public pipeline::Stage {
                                             outcome.contradictions);
     health.source = outcome.source;
     health.colmap_version = outcome.colmap_version;
+    health.pairs = outcome.pairs;
     for (auto& [name, reason] : health.unregistered) {
       const auto it = outcome.unregistered.find(name);
       if (it != outcome.unregistered.end()) reason = it->second;
@@ -205,6 +208,7 @@ class SfmStage : public pipeline::Stage {
                             "num_points",
                             "warnings",
                             "contradictions",
+                            "pairs",
                             "source",
                             "colmap_version"}) {
       context.summary[key] = json[key];
@@ -215,6 +219,12 @@ class SfmStage : public pipeline::Stage {
   Status Report(const sfm::Health& health, StageContext& context) const {
     for (const std::string& warning : health.warnings) {
       context.log(LogLevel::kWarning, "sfm: " + warning);
+    }
+    if (!health.pairs.strategy.empty()) {
+      context.log(LogLevel::kInfo,
+                  "sfm: matched " + std::to_string(health.pairs.pairs) +
+                      " of " + std::to_string(health.pairs.all_pairs) +
+                      " pairs of photos (" + health.pairs.strategy + ")");
     }
     std::vector<std::string> missing;
     for (const auto& entry : health.unregistered)
@@ -294,18 +304,26 @@ void RegisterSfmOptions(SfmStageOptions& options,
              .max = 100000});
   table.Add(
       "sfm.matcher",
-      &options.colmap.matcher,
-      {.help = "Pairs of photos to match: exhaustive (all), sequential "
-               "(neighbours in name order, and every sfm.overlap-th photo "
-               "with each other), or auto (exhaustive up to "
-               "sfm.max_exhaustive photos).",
-       .choices = {"auto", "exhaustive", "sequential"}});
+      &options.colmap.pairs.matcher,
+      {.help = "Pairs of photos to match: exhaustive (all), retrieval (each "
+               "photo with those most alike), sequential (these, and "
+               "neighbours in name order), or auto: exhaustive up to "
+               "sfm.max_exhaustive photos, then retrieval, with neighbours "
+               "where numbered photos prove to be in order.",
+       .choices = {"auto", "exhaustive", "sequential", "retrieval"}});
   table.Add("sfm.max_exhaustive",
-            &options.colmap.max_exhaustive,
+            &options.colmap.pairs.max_exhaustive,
             {.help = "Most photos that auto matches exhaustively.", .min = 0});
+  table.Add("sfm.neighbours",
+            &options.colmap.pairs.neighbours,
+            {.help = "Retrieval: photos most alike that each is matched with. "
+                     "Matching time grows in proportion.",
+             .min = 1,
+             .max = 10000});
   table.Add("sfm.overlap",
-            &options.colmap.overlap,
-            {.help = "Sequential matching: neighbours on each side.",
+            &options.colmap.pairs.overlap,
+            {.help = "Photos in order: neighbours on each side that each is "
+                     "matched with.",
              .min = 1,
              .max = 1000});
   table.Add("sfm.use_gpu",

@@ -74,6 +74,9 @@ TEST_F(StructureFromMotionTest, BothDialects) {
     EXPECT_EQ(last["matching"], 45);
     EXPECT_EQ(last["mapping"], 10);
     EXPECT_EQ(result->colmap_version[0], dialect[0]);
+    EXPECT_EQ(result->pairs.strategy, "exhaustive");
+    EXPECT_EQ(result->pairs.pairs, 45u);
+    EXPECT_EQ(result->pairs.all_pairs, 45u);
     EXPECT_TRUE(fs::exists(input_.work_folder / "database.db"));
   }
 }
@@ -186,6 +189,56 @@ TEST_F(StructureFromMotionTest, MatchingContinuesAtItsPortion) {
   }
 }
 
+// The fake's photos all look the same, so each is first matched with the
+// first ones only, and then, having too few partners, with more.
+TEST_F(StructureFromMotionTest, ChosenPairsContinueAtTheirPortion) {
+  options_.num_threads = 1;
+  options_.pairs.matcher = "retrieval";
+  options_.pairs.neighbours = 2;
+  const auto straight = Run();
+  ASSERT_TRUE(straight.ok()) << straight.status().message();
+  EXPECT_EQ(straight->pairs.strategy, "retrieval");
+  EXPECT_GE(straight->pairs.pairs, 20u);
+  EXPECT_LT(straight->pairs.pairs, 45u);
+  EXPECT_EQ(straight->pairs.all_pairs, 45u);
+  const std::string log = Log("matches_importer");
+
+  // Fails at its second and its third portion.
+  input_.work_folder = folder_ / "disturbed";
+  const fs::path once = folder_ / "once";
+  const Settings fail = {{"FAKE_COLMAP_FAIL", "matches_importer"},
+                         {"FAKE_COLMAP_ONCE", once.string()}};
+  bool matched = false;
+  for (int failures = 0; failures < 2; ++failures) {
+    input_.progress = [&](const Progress& progress) {
+      if (progress.step != "matching" || progress.done == 0) return;
+      if (matched) return;
+      matched = true;
+      WriteText(once, "");
+    };
+    matched = false;
+    EXPECT_FALSE(Run(fail).ok());
+  }
+  input_.progress = nullptr;
+  const auto resumed = Run();
+  ASSERT_TRUE(resumed.ok()) << resumed.status().message();
+  EXPECT_EQ(resumed->pairs.strategy, straight->pairs.strategy);
+  EXPECT_EQ(resumed->pairs.pairs, straight->pairs.pairs);
+  const auto count = [](const std::string& text) {
+    size_t runs = 0;
+    for (size_t at = 0; (at = text.find("Matching block", at)) != text.npos;
+         ++at) {
+      ++runs;
+    }
+    return runs;
+  };
+  EXPECT_EQ(count(Log("matches_importer")), count(log));
+  // Asked again after matching is done.
+  const auto again = Run();
+  ASSERT_TRUE(again.ok());
+  EXPECT_EQ(again->pairs.pairs, straight->pairs.pairs);
+}
+
 TEST_F(StructureFromMotionTest, BrokenStepRecordStartsAgain) {
   ASSERT_TRUE(Run().ok());
   for (const char* text : {"", "[", "[]", "{\"done\": 3}", "{\"done\":[7]}"}) {
@@ -205,26 +258,6 @@ TEST_F(StructureFromMotionTest, MissingProgramAndWrongOptions) {
   input_.photos[0].name = " leading space.jpg";
   EXPECT_EQ(RunStructureFromMotion(input_, options_).status().code(),
             StatusCode::kBadInput);
-}
-
-TEST(SelectPairs, ExhaustiveAndSequential) {
-  SfmOptions options;
-  EXPECT_EQ(SelectPairs(10, options).size(), 45u);
-  EXPECT_EQ(SelectPairs(0, options).size(), 0u);
-  options.matcher = "sequential";
-  options.overlap = 5;
-  const auto pairs = SelectPairs(100, options);
-  const std::set<std::pair<int, int>> set(pairs.begin(), pairs.end());
-  EXPECT_EQ(set.size(), pairs.size());
-  EXPECT_LT(pairs.size(), 1500u);
-  for (const auto& [i, j] : pairs) EXPECT_LT(i, j);
-  EXPECT_TRUE(set.contains({3, 8}));
-  EXPECT_FALSE(set.contains({3, 9}));
-  EXPECT_TRUE(set.contains({3, 35}));
-  EXPECT_TRUE(set.contains({0, 95}));
-  options.matcher = "auto";
-  options.max_exhaustive = 99;
-  EXPECT_EQ(SelectPairs(100, options).size(), pairs.size());
 }
 
 // The real program on a few real photos, twice: with one and two threads.
