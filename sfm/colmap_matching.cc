@@ -80,6 +80,7 @@ class Matcher {
   StatusOr<PhotoSimilarity> CompareLooks();
   StatusOr<std::vector<PhotoPair>> Verified(
       const std::set<PhotoPair>& tried) const;
+  Status WritePairs(const std::set<PhotoPair>& pairs) const;
   Status MatchRound(const std::vector<PhotoPair>& pairs,
                     const std::set<int>& done,
                     const std::function<Status(int)>& on_done);
@@ -120,6 +121,16 @@ Status Matcher::Prepare() {
                             database.Descriptors(it->second));
   }
   return MakeBase(database);
+}
+
+// What was matched, as the list of names that COLMAP's matches_importer takes
+// (match_type pairs).
+Status Matcher::WritePairs(const std::set<PhotoPair>& pairs) const {
+  std::string text;
+  for (const auto& [i, j] : pairs) {
+    text += names_[i] + " " + names_[j] + "\n";
+  }
+  return WriteFileAtomic(context_.input.work_folder / "pairs.txt", text);
 }
 
 // How alike the photos look; empty when nobody asks.
@@ -302,6 +313,7 @@ StatusOr<MatchedPairs> Matcher::Run(const std::set<int>& done,
     next = SelectMorePairs(similarity, tried, verified, context_.options.pairs);
   }
   RemoveDatabase(base_path_);
+  FREEGS_RETURN_IF_ERROR(WritePairs(tried));
   const size_t count = ids_.size();
   return MatchedPairs{std::move(selection.strategy),
                       tried.size(),

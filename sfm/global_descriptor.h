@@ -51,8 +51,10 @@ struct GlobalDescriptors {
 
   const float* row(size_t i) const { return values.data() + i * size; }
 
-  // The cosine of the angle between two photos' vectors: 1 for equal photos,
-  // about 0 for unrelated ones; 0 when one has no features.
+  // The cosine of the angle between two photos' vectors: 1 for equal photos;
+  // about 0 for unrelated ones, if there are dozens of photos (the vectors of a
+  // scene sum to about 0, so of two photos one is the other's opposite); 0 when
+  // one has no features.
   float Similarity(size_t i, size_t j) const;
 };
 

@@ -26,10 +26,10 @@ struct PairSelectionOptions {
   // together with photos next to each other in the order of the numbers in
   // their names, where those turn out to look alike.
   std::string matcher = "auto";
-  int max_exhaustive = 30;
+  int max_exhaustive = 40;
 
   // How many of the photos most alike each photo is matched with.
-  int neighbours = 15;
+  int neighbours = 20;
 
   // How many photos on each side, in the order in which they were taken, each
   // photo is matched with.

@@ -26,19 +26,28 @@ GlobalDescriptors Describe(const std::vector<PhotoFeatures>& photos,
   return DescribePhotos(photos, options, &pool);
 }
 
+// Windows at the given places, and enough others for a vocabulary: likeness is
+// measured against what the scene's photos have in common.
+std::vector<SiftDescriptors> PhotosAmongOthers(std::vector<double> positions) {
+  for (int i = 0; i < 40; ++i) positions.push_back(5 + 0.5 * i);
+  return StripPhotos(positions);
+}
+
 TEST(GlobalDescriptor, CloserWindowsAreMoreAlike) {
-  const auto photos = StripPhotos({0, 0, 0.25, 0.5, 0.75, 3});
+  const auto photos = PhotosAmongOthers({0, 0, 0.25, 0.5, 0.75, 3});
   const GlobalDescriptors result = Describe(AllFeatures(photos));
-  ASSERT_EQ(result.count, 6u);
+  ASSERT_EQ(result.count, photos.size());
   for (size_t i = 0; i < 6; ++i) {
     EXPECT_NEAR(Length(result, i), 1, 1e-5);
     EXPECT_NEAR(result.Similarity(i, i), 1, 1e-4);
   }
   for (size_t j = 1; j + 1 < 6; ++j) {
-    EXPECT_GT(result.Similarity(0, j), result.Similarity(0, j + 1) + 0.02);
+    EXPECT_GT(result.Similarity(0, j), result.Similarity(0, j + 1) + 0.02) << j;
     EXPECT_EQ(result.Similarity(0, j), result.Similarity(j, 0));
   }
-  EXPECT_LT(std::abs(result.Similarity(0, 5)), 0.1);
+  for (size_t j = 5; j < photos.size(); ++j) {
+    EXPECT_LT(std::abs(result.Similarity(0, j)), 0.2) << j;
+  }
 }
 
 TEST(GlobalDescriptor, SameBytesForAnyNumberOfThreads) {
@@ -64,12 +73,12 @@ TEST(GlobalDescriptor, NothingToDescribe) {
 }
 
 TEST(GlobalDescriptor, PhotosWithoutFeaturesBesideOthers) {
-  auto photos = StripPhotos({0, 0.5, 0.1});
+  auto photos = PhotosAmongOthers({0, 0.5, 0.1});
   photos[1].values.clear();
   const GlobalDescriptors result = Describe(AllFeatures(photos));
   EXPECT_EQ(Length(result, 1), 0);
   EXPECT_EQ(result.Similarity(0, 1), 0);
-  EXPECT_GT(result.Similarity(0, 2), 0.5);
+  EXPECT_GT(result.Similarity(0, 2), 0.3);
 }
 
 TEST(GlobalDescriptor, OddDescriptorsGiveFiniteNumbers) {

@@ -118,19 +118,20 @@ TEST(PairSelection, RetrievalFindsOverlappingPhotosInAnyOrder) {
 }
 
 TEST(PairSelection, SameForAnyNumberOfThreads) {
-  const auto photos = StripPhotos(Positions(40, 0.2, 7));
+  const auto photos = StripPhotos(Positions(60, 0.2, 7));
   const auto pairs =
-      SelectPairs(NumberedNames(40), Similarity(photos, 1), {}).pairs;
+      SelectPairs(NumberedNames(60), Similarity(photos, 1), {}).pairs;
   for (const int threads : {2, 5}) {
     EXPECT_EQ(
-        SelectPairs(NumberedNames(40), Similarity(photos, threads), {}).pairs,
+        SelectPairs(NumberedNames(60), Similarity(photos, threads), {}).pairs,
         pairs);
   }
 }
 
 TEST(PairSelection, NumberedPhotosAreBelievedOnlyWhenInOrder) {
   constexpr int kCount = 60;
-  const PairSelectionOptions options;
+  PairSelectionOptions options;
+  options.neighbours = 8;
   const auto ordered = StripPhotos(Positions(kCount, 0.4, 1));
   const auto shuffled = StripPhotos(Positions(kCount, 0.4, 23));
   const PairSelection sequence =
@@ -188,16 +189,16 @@ TEST(PairSelection, PartsThatLookDifferentAreConnected) {
 TEST(PairSelection, PhotosThatLookLikeNothing) {
   // No features, or the same in all: every photo is still in some pair.
   for (const bool equal : {false, true}) {
-    std::vector<SiftDescriptors> photos(40);
+    std::vector<SiftDescriptors> photos(50);
     if (equal) {
       for (auto& photo : photos) photo.values.assign(kSiftDimensions * 5, 9);
     }
     const PairSelection selection =
-        SelectPairs(NumberedNames(40), Similarity(photos), {});
-    ExpectWellFormed(selection.pairs, 40);
+        SelectPairs(NumberedNames(50), Similarity(photos), {});
+    ExpectWellFormed(selection.pairs, 50);
     const std::set<PhotoPair> pairs(selection.pairs.begin(),
                                     selection.pairs.end());
-    EXPECT_TRUE(Connected(40, pairs));
+    EXPECT_TRUE(Connected(50, pairs));
     EXPECT_EQ(selection.strategy, "retrieval");
   }
 }

@@ -77,6 +77,8 @@ TEST_F(StructureFromMotionTest, BothDialects) {
     EXPECT_EQ(result->pairs.strategy, "exhaustive");
     EXPECT_EQ(result->pairs.pairs, 45u);
     EXPECT_EQ(result->pairs.all_pairs, 45u);
+    EXPECT_THAT(ReadText(input_.work_folder / "pairs.txt"),
+                testing::StartsWith(PhotoName(0) + " " + PhotoName(1) + "\n"));
     EXPECT_TRUE(fs::exists(input_.work_folder / "database.db"));
   }
 }
@@ -184,8 +186,9 @@ TEST_F(StructureFromMotionTest, MatchingContinuesAtItsPortion) {
   }
   EXPECT_EQ(runs, 3u);
   for (const auto& entry : fs::directory_iterator(input_.work_folder)) {
-    EXPECT_THAT(entry.path().filename().string(),
-                testing::AnyOf("database.db", "steps.json", "logs"));
+    EXPECT_THAT(
+        entry.path().filename().string(),
+        testing::AnyOf("database.db", "steps.json", "logs", "pairs.txt"));
   }
 }
 
@@ -202,6 +205,7 @@ TEST_F(StructureFromMotionTest, ChosenPairsContinueAtTheirPortion) {
   EXPECT_LT(straight->pairs.pairs, 45u);
   EXPECT_EQ(straight->pairs.all_pairs, 45u);
   const std::string log = Log("matches_importer");
+  const std::string list = ReadText(input_.work_folder / "pairs.txt");
 
   // Fails at its second and its third portion.
   input_.work_folder = folder_ / "disturbed";
@@ -224,6 +228,7 @@ TEST_F(StructureFromMotionTest, ChosenPairsContinueAtTheirPortion) {
   ASSERT_TRUE(resumed.ok()) << resumed.status().message();
   EXPECT_EQ(resumed->pairs.strategy, straight->pairs.strategy);
   EXPECT_EQ(resumed->pairs.pairs, straight->pairs.pairs);
+  EXPECT_EQ(ReadText(input_.work_folder / "pairs.txt"), list);
   const auto count = [](const std::string& text) {
     size_t runs = 0;
     for (size_t at = 0; (at = text.find("Matching block", at)) != text.npos;
