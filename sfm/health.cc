@@ -242,6 +242,7 @@ nlohmann::json HealthToJson(const Health& health) {
       {"observations", health.observations},
       {"contradictions", health.contradictions},
       {"pairs", pairs},
+      {"image_size", health.image_size},
       {"unregistered", names},
       {"unregistered_reasons", reasons},
       {"warnings", health.warnings},

@@ -62,6 +62,7 @@ struct Health {
 
   // Which pairs of photos were matched.
   MatchedPairs pairs;
+  int image_size = 0;  // Of the images that features were taken from; 0: none.
 
   // Photos without a pose, and why if known.
   std::map<std::string, std::string> unregistered;

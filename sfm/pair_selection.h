@@ -29,7 +29,7 @@ struct PairSelectionOptions {
   int max_exhaustive = 40;
 
   // How many of the photos most alike each photo is matched with.
-  int neighbours = 20;
+  int neighbours = 15;
 
   // How many photos on each side, in the order in which they were taken, each
   // photo is matched with.

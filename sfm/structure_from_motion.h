@@ -39,8 +39,9 @@ struct SfmOptions {
   // COLMAP's name of the lens model to estimate.
   std::string camera_model = "RADIAL";
 
-  // Longest side, in pixels, of the images that features are taken from.
-  int max_image_size = 1600;
+  // Longest side, in pixels, of the images that features are taken from; 0
+  // takes the smallest, from 800 to 1600, that is enough for max_features.
+  int max_image_size = 0;
 
   // Features kept per photo (those of the largest scale).
   int max_features = 2000;
@@ -81,6 +82,7 @@ struct SfmResult {
   size_t contradictions = 0;
 
   MatchedPairs pairs;
+  int image_size = 0;  // max_image_size, or what was chosen.
 
   std::string colmap_version;
   std::vector<std::string> warnings;

@@ -54,6 +54,7 @@ struct Outcome {
   std::string colmap_version;
   size_t contradictions = 0;
   sfm::MatchedPairs pairs;
+  int image_size = 0;
   std::vector<std::string> warnings;
   std::map<std::string, std::string> unregistered;
 };
@@ -110,6 +111,7 @@ class SfmStage : public pipeline::Stage {
     outcome.colmap_version = std::move(result.colmap_version);
     outcome.contradictions = result.contradictions;
     outcome.pairs = std::move(result.pairs);
+    outcome.image_size = result.image_size;
     outcome.warnings = std::move(result.warnings);
     outcome.unregistered = std::move(result.unregistered);
     return outcome;
@@ -180,6 +182,7 @@ class SfmStage : public pipeline::Stage {
     health.source = outcome.source;
     health.colmap_version = outcome.colmap_version;
     health.pairs = outcome.pairs;
+    health.image_size = outcome.image_size;
     for (auto& [name, reason] : health.unregistered) {
       const auto it = outcome.unregistered.find(name);
       if (it != outcome.unregistered.end()) reason = it->second;
@@ -293,8 +296,9 @@ void RegisterSfmOptions(SfmStageOptions& options,
   table.Add("sfm.max_image_size",
             &options.colmap.max_image_size,
             {.help = "Longest side in pixels of the images that features are "
-                     "taken from.",
-             .min = 64,
+                     "taken from, at least 64. 0: the smallest from 800 to "
+                     "1600 that is enough for sfm.max_features.",
+             .min = 0,
              .max = 100000});
   table.Add("sfm.max_features",
             &options.colmap.max_features,

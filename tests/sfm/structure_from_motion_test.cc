@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "sfm/colmap_program.h"
+#include "sfm/colmap_steps.h"
 #include "sfm/health.h"
 #include "sfm/model_io.h"
 #include "sfm/model_io_binary.h"
@@ -190,6 +191,41 @@ TEST_F(StructureFromMotionTest, MatchingContinuesAtItsPortion) {
         entry.path().filename().string(),
         testing::AnyOf("database.db", "steps.json", "logs", "pairs.txt"));
   }
+}
+
+TEST_F(StructureFromMotionTest, ImageSizeIsChosen) {
+  // Small photos: taken as they are.
+  const auto small = Run();
+  ASSERT_TRUE(small.ok());
+  EXPECT_EQ(small->image_size, 1600);
+  EXPECT_EQ(Log("feature_extractor").find("[1/4]"), std::string::npos);
+  // The fake finds 20 features at any size: by far too few.
+  for (SfmPhoto& photo : input_.photos) photo.width = 4000;
+  input_.work_folder = folder_ / "large";
+  const auto large = Run();
+  ASSERT_TRUE(large.ok()) << large.status().message();
+  EXPECT_EQ(large->image_size, 1600);
+  EXPECT_FALSE(fs::exists(input_.work_folder / "image_size.db"));
+  EXPECT_THAT(ReadText(input_.work_folder / "steps.json"),
+              HasSubstr("\"image_size\": 1600"));
+  options_.max_image_size = 900;
+  input_.work_folder = folder_ / "given";
+  const auto given = Run();
+  ASSERT_TRUE(given.ok());
+  EXPECT_EQ(given->image_size, 900);
+  options_.max_image_size = 63;
+  EXPECT_EQ(Run().status().code(), StatusCode::kInvalidArgument);
+}
+
+TEST(ImageSizeFor, SmallestThatIsEnough) {
+  EXPECT_EQ(ImageSizeFor(100000, 2000), 800);
+  EXPECT_EQ(ImageSizeFor(2500, 2000), 800);
+  EXPECT_EQ(ImageSizeFor(2400, 2000), 900);
+  EXPECT_EQ(ImageSizeFor(1000, 2000), 1600);
+  for (const int64_t found : {-1, 0, 1}) {
+    EXPECT_EQ(ImageSizeFor(found, 2000), 1600);
+  }
+  EXPECT_EQ(ImageSizeFor(2500, 8192), 1600);
 }
 
 // The fake's photos all look the same, so each is first matched with the
