@@ -338,7 +338,7 @@ StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
   const fs::path database = input.work_folder / "database.db";
   StepRecord record(input.work_folder);
   if (options.max_image_size == 0) {
-    if (record.image_size() < 64) {
+    if (!record.Has("features") || record.image_size() < 64) {
       FREEGS_ASSIGN_OR_RETURN(const int size, ChooseImageSize(context));
       FREEGS_RETURN_IF_ERROR(record.SetImageSize(size));
     }

@@ -324,6 +324,8 @@ TEST(RealColmap, RegistersAndRepeats) {
   }
   SfmOptions options;
   options.max_features = 800;
+  options.pairs.matcher = "retrieval";
+  options.pairs.neighbours = 4;
   std::vector<std::string> results;
   for (const int threads : {1, 2}) {
     options.num_threads = threads;
@@ -332,6 +334,7 @@ TEST(RealColmap, RegistersAndRepeats) {
     ASSERT_TRUE(result.ok()) << result.status().message();
     ASSERT_FALSE(result->models.empty());
     const Reconstruction& model = result->models[0];
+    EXPECT_LT(result->pairs.pairs, result->pairs.all_pairs);
     EXPECT_GE(model.images.size(), 6u);
     std::vector<std::string> names;
     for (const SfmPhoto& photo : input.photos) names.push_back(photo.name);
