@@ -233,6 +233,12 @@ nlohmann::json HealthToJson(const Health& health) {
     names.push_back(name);
     if (!reason.empty()) reasons[name] = reason;
   }
+  nlohmann::json pairs;  // null: none were matched.
+  if (!health.pairs.strategy.empty()) {
+    pairs = {{"strategy", health.pairs.strategy},
+             {"pairs", health.pairs.pairs},
+             {"all_pairs", health.pairs.all_pairs}};
+  }
   return {
       {"verdict", VerdictName(health.verdict)},
       {"reason", health.reason},
@@ -249,6 +255,8 @@ nlohmann::json HealthToJson(const Health& health) {
       {"num_points", health.num_points},
       {"observations", health.observations},
       {"contradictions", health.contradictions},
+      {"pairs", pairs},
+      {"image_size", health.image_size},
       {"unregistered", names},
       {"unregistered_reasons", reasons},
       {"warnings", health.warnings},

@@ -14,6 +14,7 @@
 
 #include "core/status.h"
 #include "sfm/camera_selection.h"
+#include "sfm/pair_selection.h"
 #include "sfm/reconstruction.h"
 
 namespace freegs::sfm {
@@ -59,6 +60,10 @@ struct Health {
 
   // Strongest matches between photos that the model contradicts.
   size_t contradictions = 0;
+
+  // Which pairs of photos were matched.
+  MatchedPairs pairs;
+  int image_size = 0;  // Of the images that features were taken from; 0: none.
 
   // Photos without a pose, and why if known.
   std::map<std::string, std::string> unregistered;

@@ -4,6 +4,7 @@
 #include "sfm/match_database.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <map>
 #include <sqlite3.h>
@@ -130,6 +131,39 @@ StatusOr<SiftDescriptors> MatchDatabase::Descriptors(uint32_t photo_id) const {
   }
   descriptors.values.assign(data.begin(), data.end());
   return descriptors;
+}
+
+StatusOr<std::vector<float>> MatchDatabase::FeatureScales(
+    uint32_t photo_id) const {
+  Statement statement(
+      database_.get(),
+      "SELECT rows, cols, data FROM keypoints WHERE image_id = ?");
+  if (!statement.ok()) return Error("cannot read its keypoints");
+  statement.Bind(1, photo_id);
+  std::vector<float> scales;
+  const int code = statement.Step();
+  if (code == SQLITE_DONE) return scales;
+  if (code != SQLITE_ROW) return Error("cannot read its keypoints");
+  const int64_t rows = statement.Integer(0);
+  const int64_t columns = statement.Integer(1);
+  const std::string data = statement.Text(2);
+  // x, y; x, y, scale, angle; or x, y and a 2 x 2 matrix.
+  if (columns != 4 && columns != 6) return scales;
+  const size_t row_bytes = static_cast<size_t>(columns) * sizeof(float);
+  if (rows < 0 || data.size() % row_bytes != 0 ||
+      static_cast<int64_t>(data.size() / row_bytes) != rows) {
+    return BadInputError(path_.string() + ": the keypoints of photo " +
+                         std::to_string(photo_id) + " are not of their size");
+  }
+  for (size_t at = 0; at < data.size(); at += row_bytes) {
+    float v[6] = {};
+    std::memcpy(v, data.data() + at, row_bytes);
+    const float scale =
+        columns == 4 ? v[2]
+                     : 0.5f * (std::hypot(v[2], v[4]) + std::hypot(v[3], v[5]));
+    scales.push_back(std::isfinite(scale) ? scale : 0.0f);
+  }
+  return scales;
 }
 
 StatusOr<std::vector<MatchDatabase::Verified>> MatchDatabase::VerifiedMatches()

@@ -45,6 +45,10 @@ class MatchDatabase {
   // they are of another kind.
   StatusOr<SiftDescriptors> Descriptors(uint32_t photo_id) const;
 
+  // The size of each feature of a photo in its image; empty when it has none,
+  // or the database does not say. Never NaN.
+  StatusOr<std::vector<float>> FeatureScales(uint32_t photo_id) const;
+
   // For every photo id, the number of other photos with verified matches, and
   // the number of those matches.
   struct Verified {

@@ -31,6 +31,10 @@ class StepRecord {
     const auto json = nlohmann::json::parse(*text, nullptr, false);
     if (!json.is_object()) return;
     for (const auto& [key, values] : json.items()) {
+      if (key == "pairs") ReadPairs(values);
+      if (key == "image_size" && values.is_number_integer()) {
+        image_size_ = values.get<int>();
+      }
       if (!values.is_array()) continue;
       for (const auto& value : values) {
         if (key == "done" && value.is_string()) done_.insert(value);
@@ -43,6 +47,8 @@ class StepRecord {
 
   bool Has(const std::string& step) const { return done_.contains(step); }
   const std::set<int>& portions() const { return portions_; }
+  const MatchedPairs& pairs() const { return pairs_; }
+  int image_size() const { return image_size_; }
 
   Status Add(const std::string& step) {
     done_.insert(step);
@@ -52,17 +58,48 @@ class StepRecord {
     portions_.insert(portion);
     return Save();
   }
+  Status SetImageSize(int size) {
+    image_size_ = size;
+    return Save();
+  }
+  Status AddMatches(const MatchedPairs& pairs) {
+    pairs_ = pairs;
+    return Add("matches");
+  }
 
  private:
+  void ReadPairs(const nlohmann::json& json) {
+    if (!json.is_object()) return;
+    const auto strategy = json.find("strategy");
+    const auto pairs = json.find("pairs");
+    const auto all_pairs = json.find("all_pairs");
+    if (strategy == json.end() || !strategy->is_string() ||
+        pairs == json.end() || !pairs->is_number_unsigned() ||
+        all_pairs == json.end() || !all_pairs->is_number_unsigned()) {
+      return;
+    }
+    pairs_ = {strategy->get<std::string>(),
+              pairs->get<size_t>(),
+              all_pairs->get<size_t>()};
+  }
+
   Status Save() const {
     const nlohmann::json json = {{"done", done_},
-                                 {"matched_portions", portions_}};
+                                 {"matched_portions", portions_},
+                                 {"image_size", image_size_},
+                                 {"pairs",
+                                  {{"strategy", pairs_.strategy},
+                                   {"image_size", image_size_},
+                                   {"pairs", pairs_.pairs},
+                                   {"all_pairs", pairs_.all_pairs}}}};
     return WriteFileAtomic(path_, json.dump(2) + "\n");
   }
 
   fs::path path_;
   std::set<std::string> done_;
   std::set<int> portions_;
+  MatchedPairs pairs_;
+  int image_size_ = 0;
 };
 
 Status CheckNames(const SfmInput& input) {
@@ -99,11 +136,12 @@ Status BuildDatabase(const StepContext& context,
     FREEGS_RETURN_IF_ERROR(record->Add("features"));
   }
   if (!record->Has("matches")) {
-    FREEGS_RETURN_IF_ERROR(
+    FREEGS_ASSIGN_OR_RETURN(
+        const MatchedPairs pairs,
         MatchFeatures(context, database, record->portions(), [&](int portion) {
           return record->AddPortion(portion);
         }));
-    FREEGS_RETURN_IF_ERROR(record->Add("matches"));
+    FREEGS_RETURN_IF_ERROR(record->AddMatches(pairs));
   }
   return {};
 }
@@ -293,17 +331,12 @@ Status SfmOptions::Check() const {
     }
     return InvalidArgumentError("sfm.camera_model must be one of " + names);
   }
-  if (matcher != "auto" && matcher != "exhaustive" && matcher != "sequential") {
+  if ((max_image_size != 0 && max_image_size < 64) || max_features < 64) {
     return InvalidArgumentError(
-        "sfm.matcher must be auto, exhaustive or sequential");
+        "sfm.max_image_size (unless 0) and sfm.max_features must be at least "
+        "64");
   }
-  if (max_image_size < 64 || max_features < 64 || overlap < 1 ||
-      max_exhaustive < 0) {
-    return InvalidArgumentError(
-        "sfm.max_image_size and sfm.max_features must be at least 64, "
-        "sfm.overlap at least 1 and sfm.max_exhaustive at least 0");
-  }
-  return {};
+  return pairs.Check();
 }
 
 void SortBySize(std::vector<Reconstruction>* models) {
@@ -324,17 +357,27 @@ StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
       ColmapProgram::Find(options.colmap, input.cancellation));
   FREEGS_RETURN_IF_ERROR(CreateFolders(input.work_folder / "logs"));
 
-  StepContext context{input, options, colmap};
+  SfmOptions resolved = options;
+  StepContext context{input, resolved, colmap};
   context.num_threads =
       options.num_threads > 0
           ? options.num_threads
           : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   const fs::path database = input.work_folder / "database.db";
   StepRecord record(input.work_folder);
+  if (options.max_image_size == 0) {
+    if (!record.Has("features") || record.image_size() < 64) {
+      FREEGS_ASSIGN_OR_RETURN(const int size, ChooseImageSize(context));
+      FREEGS_RETURN_IF_ERROR(record.SetImageSize(size));
+    }
+    resolved.max_image_size = record.image_size();
+  }
   FREEGS_RETURN_IF_ERROR(BuildDatabase(context, database, &record));
 
   SfmResult result;
   result.colmap_version = colmap.version();
+  result.pairs = record.pairs();
+  result.image_size = resolved.max_image_size;
   if (record.Has("one extractor thread")) {
     result.warnings.push_back(
         "this COLMAP has no database_cleaner: features were taken by one "

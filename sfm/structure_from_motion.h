@@ -14,6 +14,7 @@
 #include "core/cancellation.h"
 #include "core/status.h"
 #include "sfm/camera_selection.h"
+#include "sfm/pair_selection.h"
 #include "sfm/reconstruction.h"
 
 namespace freegs::sfm {
@@ -41,20 +42,15 @@ struct SfmOptions {
   // explain its tracks (camera_selection.h).
   std::string camera_model = "auto";
 
-  // Longest side, in pixels, of the images that features are taken from.
-  int max_image_size = 1600;
+  // Longest side, in pixels, of the images that features are taken from; 0
+  // takes the smallest, from 800 to 1600, that is enough for max_features.
+  int max_image_size = 0;
 
   // Features kept per photo (those of the largest scale).
   int max_features = 2000;
 
-  // Which pairs of photos are matched: "exhaustive" (all), "sequential" (those
-  // taken one after another, and every overlap-th photo with each other), or
-  // "auto": exhaustive for up to max_exhaustive photos.
-  std::string matcher = "auto";
-  int max_exhaustive = 150;
-
-  // Sequential matching: how many photos after each are matched with it.
-  int overlap = 10;
+  // Which pairs of photos are matched.
+  PairSelectionOptions pairs;
 
   // Features on the graphics card (COLMAP must have been built for it).
   bool use_gpu = false;
@@ -95,6 +91,8 @@ struct SfmResult {
 
   // The cameras tried for models[0]; empty when there was no choice to make.
   std::vector<CameraCandidate> camera_models;
+  MatchedPairs pairs;
+  int image_size = 0;  // max_image_size, or what was chosen.
 
   std::string colmap_version;
   std::vector<std::string> warnings;
@@ -116,10 +114,6 @@ struct SfmResult {
 // mapper. See docs/sfm.md.
 StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
                                            const SfmOptions& options);
-
-// The pairs (i, j), i < j, of `count` photos that are matched, in order.
-std::vector<std::pair<int, int>> SelectPairs(int count,
-                                             const SfmOptions& options);
 
 // Orders models: most images first, then most points, then as they were.
 void SortBySize(std::vector<Reconstruction>* models);

@@ -54,6 +54,8 @@ struct Outcome {
   std::string colmap_version;
   size_t contradictions = 0;
   std::vector<sfm::CameraCandidate> camera_models;
+  sfm::MatchedPairs pairs;
+  int image_size = 0;
   std::vector<std::string> warnings;
   std::map<std::string, std::string> unregistered;
 };
@@ -110,6 +112,8 @@ class SfmStage : public pipeline::Stage {
     outcome.colmap_version = std::move(result.colmap_version);
     outcome.contradictions = result.contradictions;
     outcome.camera_models = std::move(result.camera_models);
+    outcome.pairs = std::move(result.pairs);
+    outcome.image_size = result.image_size;
     outcome.warnings = std::move(result.warnings);
     outcome.unregistered = std::move(result.unregistered);
     return outcome;
@@ -180,6 +184,8 @@ class SfmStage : public pipeline::Stage {
     health.source = outcome.source;
     health.colmap_version = outcome.colmap_version;
     health.camera_models = outcome.camera_models;
+    health.pairs = outcome.pairs;
+    health.image_size = outcome.image_size;
     for (auto& [name, reason] : health.unregistered) {
       const auto it = outcome.unregistered.find(name);
       if (it != outcome.unregistered.end()) reason = it->second;
@@ -208,6 +214,7 @@ class SfmStage : public pipeline::Stage {
                             "num_points",
                             "warnings",
                             "contradictions",
+                            "pairs",
                             "source",
                             "colmap_version"}) {
       context.summary[key] = json[key];
@@ -218,6 +225,12 @@ class SfmStage : public pipeline::Stage {
   Status Report(const sfm::Health& health, StageContext& context) const {
     for (const std::string& warning : health.warnings) {
       context.log(LogLevel::kWarning, "sfm: " + warning);
+    }
+    if (!health.pairs.strategy.empty()) {
+      context.log(LogLevel::kInfo,
+                  "sfm: matched " + std::to_string(health.pairs.pairs) +
+                      " of " + std::to_string(health.pairs.all_pairs) +
+                      " pairs of photos (" + health.pairs.strategy + ")");
     }
     std::vector<std::string> missing;
     for (const auto& entry : health.unregistered)
@@ -288,8 +301,9 @@ void RegisterSfmOptions(SfmStageOptions& options,
   table.Add("sfm.max_image_size",
             &options.colmap.max_image_size,
             {.help = "Longest side in pixels of the images that features are "
-                     "taken from.",
-             .min = 64,
+                     "taken from, at least 64. 0: the smallest from 800 to "
+                     "1600 that is enough for sfm.max_features.",
+             .min = 0,
              .max = 100000});
   table.Add("sfm.max_features",
             &options.colmap.max_features,
@@ -299,18 +313,26 @@ void RegisterSfmOptions(SfmStageOptions& options,
              .max = 100000});
   table.Add(
       "sfm.matcher",
-      &options.colmap.matcher,
-      {.help = "Pairs of photos to match: exhaustive (all), sequential "
-               "(neighbours in name order, and every sfm.overlap-th photo "
-               "with each other), or auto (exhaustive up to "
-               "sfm.max_exhaustive photos).",
-       .choices = {"auto", "exhaustive", "sequential"}});
+      &options.colmap.pairs.matcher,
+      {.help = "Pairs of photos to match: exhaustive (all), retrieval (each "
+               "photo with those most alike), sequential (these, and "
+               "neighbours in name order), or auto: exhaustive up to "
+               "sfm.max_exhaustive photos, then retrieval, with neighbours "
+               "where numbered photos prove to be in order.",
+       .choices = {"auto", "exhaustive", "sequential", "retrieval"}});
   table.Add("sfm.max_exhaustive",
-            &options.colmap.max_exhaustive,
+            &options.colmap.pairs.max_exhaustive,
             {.help = "Most photos that auto matches exhaustively.", .min = 0});
+  table.Add("sfm.neighbours",
+            &options.colmap.pairs.neighbours,
+            {.help = "Retrieval: photos most alike that each is matched with. "
+                     "Matching time grows in proportion.",
+             .min = 1,
+             .max = 10000});
   table.Add("sfm.overlap",
-            &options.colmap.overlap,
-            {.help = "Sequential matching: neighbours on each side.",
+            &options.colmap.pairs.overlap,
+            {.help = "Photos in order: neighbours on each side that each is "
+                     "matched with.",
              .min = 1,
              .max = 1000});
   table.Add("sfm.use_gpu",

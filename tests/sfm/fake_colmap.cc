@@ -115,7 +115,7 @@ class Database {
     Run("CREATE TABLE IF NOT EXISTS images (image_id INTEGER PRIMARY KEY "
         "AUTOINCREMENT NOT NULL, name TEXT NOT NULL UNIQUE)");
     Run("CREATE TABLE IF NOT EXISTS keypoints (image_id INTEGER PRIMARY KEY, "
-        "rows INTEGER NOT NULL)");
+        "rows INTEGER NOT NULL, cols INTEGER NOT NULL, data BLOB)");
     Run("CREATE TABLE IF NOT EXISTS descriptors (image_id INTEGER PRIMARY KEY, "
         "rows INTEGER NOT NULL, cols INTEGER NOT NULL, data BLOB)");
     Run("CREATE TABLE IF NOT EXISTS matches (pair_id INTEGER PRIMARY KEY, "
@@ -181,7 +181,7 @@ int ExtractFeatures(Options& options) {
     const std::string id = std::to_string(database.Images().at(names[i]));
     const std::string count = std::to_string(kNumFeatures);
     database.Run("INSERT OR IGNORE INTO keypoints VALUES(" + id + "," + count +
-                 ")");
+                 ",4,zeroblob(" + std::to_string(16 * kNumFeatures) + "))");
     database.Run("INSERT OR IGNORE INTO descriptors VALUES(" + id + "," +
                  count + ",128,x'" + Descriptors() + "')");
     Print("Processed file [" + std::to_string(i + 1) + "/" +

@@ -104,9 +104,14 @@ TEST(HealthToJson, HasTheAgreedNames) {
   Health health = MeasureHealth(
       {SyntheticModel(8, 10), SyntheticModel(3, 5)}, Names(20), true, {});
   health.unregistered.begin()->second = "no matches";
+  EXPECT_TRUE(HealthToJson(health)["pairs"].is_null());
+  health.pairs = {"retrieval", 50, 190};
   const nlohmann::json json = HealthToJson(health);
   EXPECT_EQ(json["verdict"], "failed");
   EXPECT_EQ(json["images"], 20);
+  EXPECT_EQ(json["pairs"]["strategy"], "retrieval");
+  EXPECT_EQ(json["pairs"]["pairs"], 50);
+  EXPECT_EQ(json["pairs"]["all_pairs"], 190);
   EXPECT_EQ(json["registered"], 8);
   EXPECT_EQ(json["models"], 2);
   EXPECT_EQ(json["model_sizes"], (std::vector<int>{8, 3}));

@@ -3,6 +3,8 @@
 
 #include "sfm/match_database.h"
 
+#include <cmath>
+#include <cstring>
 #include <sqlite3.h>
 
 #include <gmock/gmock.h>
@@ -29,7 +31,8 @@ void RunSql(const fs::path& path, const std::string& sql) {
 void MakeDatabase(const fs::path& path) {
   RunSql(path,
          "CREATE TABLE images(image_id INTEGER PRIMARY KEY, name TEXT UNIQUE);"
-         "CREATE TABLE keypoints(image_id INTEGER PRIMARY KEY, rows INTEGER);"
+         "CREATE TABLE keypoints(image_id INTEGER PRIMARY KEY, rows INTEGER, "
+         "cols INTEGER, data BLOB);"
          "CREATE TABLE descriptors(image_id INTEGER PRIMARY KEY, rows INTEGER, "
          "cols INTEGER, data BLOB);"
          "CREATE TABLE matches(pair_id INTEGER PRIMARY KEY, rows INTEGER, "
@@ -37,13 +40,53 @@ void MakeDatabase(const fs::path& path) {
          "CREATE TABLE two_view_geometries(pair_id INTEGER PRIMARY KEY, rows "
          "INTEGER, data BLOB);"
          "INSERT INTO images VALUES(2,'b.jpg'),(1,'a.jpg'),(3,'c d.jpg');"
-         "INSERT INTO keypoints VALUES(1,100),(2,50);"
+         "INSERT INTO keypoints VALUES(1,100,2,NULL),(2,50,6,x'00');"
          "INSERT INTO descriptors VALUES(2,1,128,CAST(REPLACE(HEX(ZEROBLOB("
          "64)),'0',CHAR(1)) AS BLOB))");
 }
 
 constexpr int64_t kPair12 = int64_t{1} * 2147483647 + 2;
 constexpr int64_t kPair23 = int64_t{2} * 2147483647 + 3;
+
+std::string Hex(const std::vector<float>& values) {
+  std::string text;
+  for (const float value : values) {
+    uint8_t bytes[4];
+    std::memcpy(bytes, &value, 4);
+    for (const uint8_t byte : bytes) {
+      text += "0123456789abcdef"[byte >> 4];
+      text += "0123456789abcdef"[byte & 15];
+    }
+  }
+  return text;
+}
+
+TEST(MatchDatabase, ScalesOfFeatures) {
+  const TemporaryFolder folder;
+  MakeDatabase(folder / "a.db");
+  RunSql(folder / "a.db",
+         "INSERT INTO keypoints VALUES(4,2,4,x'" +
+             Hex({1, 2, 3, 4, 5, 6, std::nanf(""), 8}) + "'),(5,1,6,x'" +
+             Hex({1, 2, 3, 0, 4, 7}) + "'),(6,0,6,NULL),(7,-1,4,NULL)," +
+             "(8,3,4,x'" + Hex({1, 2, 3, 4}) + "')");
+  const auto database = MatchDatabase::Open(folder / "a.db");
+  ASSERT_TRUE(database.ok()) << database.status().message();
+  EXPECT_EQ(database->FeatureScales(4).value(), (std::vector<float>{3, 0}));
+  EXPECT_EQ(database->FeatureScales(5).value(), std::vector<float>{6});
+  // Positions only; a photo that is not there; no features.
+  for (const uint32_t id : {1, 9, 6}) {
+    const auto scales = database->FeatureScales(id);
+    ASSERT_TRUE(scales.ok()) << scales.status().message();
+    EXPECT_TRUE(scales->empty());
+  }
+  // Sizes that do not fit.
+  for (const uint32_t id : {2, 7, 8}) {
+    const auto scales = database->FeatureScales(id);
+    EXPECT_EQ(scales.status().code(), StatusCode::kBadInput);
+    EXPECT_THAT(scales.status().message(),
+                testing::HasSubstr("photo " + std::to_string(id)));
+  }
+}
 
 TEST(MatchDatabase, ListsPhotosAndMatches) {
   const TemporaryFolder folder;
