@@ -67,6 +67,10 @@ struct SfmInput {
   std::filesystem::path photo_folder;
   std::vector<SfmPhoto> photos;  // In the order in which they were taken.
 
+  // Masks, as NAME.png for the photo NAME: features where they are 0 are not
+  // taken. Empty for none; photos without a mask are used whole.
+  std::filesystem::path mask_folder;
+
   // Where the steps leave their files: database.db, logs/, steps.json. Calling
   // again with the same input and options continues after the last finished
   // step, whatever ended the earlier call.

@@ -64,8 +64,9 @@ class SfmStage : public pipeline::Stage {
 
   std::string_view name() const override { return "sfm"; }
 
-  std::vector<fs::path> Inputs(const StageContext&) const override {
+  std::vector<fs::path> Inputs(const StageContext& context) const override {
     std::vector<fs::path> inputs = {"ingest/images.json", "ingest/photos"};
+    if (HasMasks(context)) inputs.emplace_back("ingest/masks");
     if (options_.import.empty()) return inputs;
     const auto source = sfm::FindImportSource(options_.import);
     if (!source.ok()) {
@@ -90,11 +91,19 @@ class SfmStage : public pipeline::Stage {
   }
 
  private:
+  static bool HasMasks(const StageContext& context) {
+    std::error_code error;
+    return fs::is_directory(context.workspace / "ingest" / "masks", error);
+  }
+
   StatusOr<Outcome> RunColmap(const std::vector<sfm::SfmPhoto>& photos,
                               StageContext& context) const {
     sfm::SfmInput input;
     input.photo_folder = context.workspace / "ingest" / "photos";
     input.photos = photos;
+    if (HasMasks(context)) {
+      input.mask_folder = context.workspace / "ingest" / "masks";
+    }
     input.work_folder = context.output;
     input.seed = seed_;
     input.cancellation = context.cancellation;
