@@ -307,6 +307,7 @@ StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
 
   SfmResult result;
   result.colmap_version = colmap.version();
+  result.warnings = colmap.KnownFaults();
   if (record.Has("one extractor thread")) {
     result.warnings.push_back(
         "this COLMAP has no database_cleaner: features were taken by one "

@@ -68,7 +68,8 @@ struct SfmInput {
   std::vector<SfmPhoto> photos;  // In the order in which they were taken.
 
   // Masks, as NAME.png for the photo NAME: features where they are 0 are not
-  // taken. Empty for none; photos without a mask are used whole.
+  // taken. Every photo has one (newer releases of COLMAP skip photos without).
+  // Empty for none.
   std::filesystem::path mask_folder;
 
   // Where the steps leave their files: database.db, logs/, steps.json. Calling

@@ -14,6 +14,7 @@
 #include <opencv2/videoio.hpp>
 #include <opencv2/videoio/registry.hpp>
 
+#include "sfm/film_rotation.h"
 #include "sfm/photo_pixels.h"
 #include "sfm/picture_motion.h"
 
@@ -30,7 +31,7 @@ constexpr int kMaxDecoded = 1 << 24;
 // Chosen frames of less than this share of the median sharpness of the chosen
 // ones around them are dropped.
 constexpr double kMinSharpnessShare = 0.2;
-constexpr size_t kNeighbours = 5;  // On each side.
+constexpr size_t kNeighbours = 20;  // On each side.
 
 Status Fault(const fs::path& path, const std::string& what) {
   return BadInputError(path.string() + ": " + what);
@@ -78,7 +79,8 @@ class Film {
                    "cannot be opened as a film: truncated or damaged; copy it "
                    "again or convert it");
     }
-    film.capture_.set(cv::CAP_PROP_ORIENTATION_AUTO, 1);
+    film.capture_.set(cv::CAP_PROP_ORIENTATION_AUTO, 0);
+    film.rotation_ = FilmRotation(path);
     return film;
   }
 
@@ -89,9 +91,21 @@ class Film {
 
   // False at the end.
   bool Next() { return capture_.grab(); }
-  bool Pixels(cv::Mat* bgr) { return capture_.retrieve(*bgr) && !bgr->empty(); }
+  // The upright frame, 8-bit BGR. False if it cannot be had.
+  bool Pixels(cv::Mat* bgr) {
+    cv::Mat& stored = rotation_ == 0 ? *bgr : stored_;
+    if (!capture_.retrieve(stored) || stored.empty()) return false;
+    if (rotation_ == 90) cv::rotate(stored, *bgr, cv::ROTATE_90_CLOCKWISE);
+    if (rotation_ == 180) cv::rotate(stored, *bgr, cv::ROTATE_180);
+    if (rotation_ == 270) {
+      cv::rotate(stored, *bgr, cv::ROTATE_90_COUNTERCLOCKWISE);
+    }
+    return true;
+  }
 
  private:
+  int rotation_ = 0;  // Degrees, clockwise.
+  cv::Mat stored_;
   cv::VideoCapture capture_;
 };
 

@@ -65,6 +65,19 @@ StatusOr<std::optional<double>> PlaceMask(StageContext& context,
   return std::optional<double>(kept);
 }
 
+// COLMAP (from 3.12 on) skips photos without a mask if others have one.
+Status FillWithWhite(const StageContext& context, const sfm::PhotoList& list) {
+  for (const Photo& photo : list.photos) {
+    if (!photo.usable() || photo.has_mask) continue;
+    const fs::path target =
+        context.output / "masks" / fs::path(photo.name + ".png");
+    FREEGS_RETURN_IF_ERROR(CreateFolders(target.parent_path()));
+    FREEGS_RETURN_IF_ERROR(
+        WriteImage(target, ImageU8(photo.width, photo.height, 1, 255)));
+  }
+  return Status();
+}
+
 // Masks of photos that are not there: often a sign of other names.
 void WarnOfUnused(const StageContext& context,
                   const fs::path& mask_folder,
@@ -131,6 +144,7 @@ Status PlaceMasks(StageContext& context,
     kept += *share;
   }
   WarnOfUnused(context, mask_folder, used);
+  if (masks > 0) FREEGS_RETURN_IF_ERROR(FillWithWhite(context, *list));
   const double mean = masks > 0 ? kept / static_cast<double>(masks) : 1;
   context.summary["masks"] = masks;
   context.summary["mask_kept_share"] = mean;

@@ -34,7 +34,8 @@ StatusOr<std::filesystem::path> FindMaskFolder(
 
 // Writes the masks of usable photos as output/masks/NAME.png (0: ignore, 255:
 // look at; the photo's size), sets has_mask, warns of masks that cannot be used
-// and adds counts to the context's summary. Nothing if mask_folder is empty.
+// and adds counts to the context's summary. If any photo has a mask, the others
+// get a white one. Nothing if mask_folder is empty.
 Status PlaceMasks(pipeline::StageContext& context,
                   const std::filesystem::path& mask_folder,
                   const IngestMaskOptions& options,
