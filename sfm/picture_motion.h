@@ -33,6 +33,7 @@ class PictureMotion {
   std::vector<cv::Point2f> first_;    // Where corners were first seen,
   std::vector<cv::Point2f> corners_;  // and where they are now.
   size_t num_first_ = 0;              // How many there were.
+  int lost_ = 0;                      // Frames since they were last found.
 };
 
 }  // namespace freegs::sfm

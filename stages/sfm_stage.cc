@@ -11,6 +11,7 @@
 #include "sfm/import_model.h"
 #include "sfm/model_io.h"
 #include "sfm/photo_list.h"
+#include "sfm/scene_frame.h"
 
 namespace freegs::stages {
 namespace {
@@ -200,6 +201,13 @@ class SfmStage : public pipeline::Stage {
     for (size_t i = 0; i < outcome.models.size(); ++i) {
       FREEGS_RETURN_IF_ERROR(
           sfm::WriteModel(sparse / std::to_string(i), outcome.models[i]));
+    }
+    if (!outcome.models.empty()) {
+      FREEGS_ASSIGN_OR_RETURN(const sfm::SceneFrame frame,
+                              sfm::EstimateSceneFrame(outcome.models[0]));
+      FREEGS_RETURN_IF_ERROR(
+          WriteFileAtomic(context.output / "frame.json",
+                          sfm::SceneFrameToJson(frame).dump(2) + "\n"));
     }
     const nlohmann::json json = sfm::HealthToJson(health);
     FREEGS_RETURN_IF_ERROR(WriteFileAtomic(
