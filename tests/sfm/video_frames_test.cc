@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "core/files.h"
+#include "sfm/film_rotation.h"
 #include "sfm/photo_pixels.h"
 #include "tests/sfm/film_test_files.h"
 #include "tests/temporary_folder.h"
@@ -223,6 +224,17 @@ TEST_F(VideoFramesTest, RotationIsRespected) {
   const std::string zero(4, '\0');
   film.replace(matrix, 20, zero + one + zero + minus_one + zero);
   WriteText(path, film);
+  EXPECT_EQ(FilmRotation(path), 90);
+  // Damaged headers end the search.
+  const std::string moov = film.substr(film.find("moov") + 4);
+  EXPECT_EQ(MovieRotation(moov), 90);
+  for (size_t size = 0; size < moov.size(); ++size) {
+    const int rotation = MovieRotation(moov.substr(0, size));
+    EXPECT_TRUE(rotation == 0 || rotation == 90);
+    std::string damaged = moov;
+    damaged[size] = static_cast<char>(damaged[size] ^ 0xff);
+    EXPECT_EQ(MovieRotation(damaged) % 90, 0);
+  }
   const auto survey = Survey("film.mp4");
   ASSERT_TRUE(survey.ok()) << survey.status().message();
   EXPECT_EQ(survey->width, kFilmHeight);
