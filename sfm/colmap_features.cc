@@ -97,6 +97,10 @@ StatusOr<ColmapArguments> ExtractorArguments(const StepContext& context,
   arguments.Require("database_path", database.string());
   arguments.Require("image_path", context.input.photo_folder.string());
   arguments.Require("image_list_path", image_list.string());
+  if (!context.input.mask_folder.empty()) {
+    arguments.Require("ImageReader.mask_path",
+                      context.input.mask_folder.string());
+  }
   arguments.Prefer({"FeatureExtraction.use_gpu", "SiftExtraction.use_gpu"},
                    context.options.use_gpu ? "1" : "0");
   arguments.Prefer(

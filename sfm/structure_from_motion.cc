@@ -378,6 +378,7 @@ StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
   result.colmap_version = colmap.version();
   result.pairs = record.pairs();
   result.image_size = resolved.max_image_size;
+  result.warnings = colmap.KnownFaults();
   if (record.Has("one extractor thread")) {
     result.warnings.push_back(
         "this COLMAP has no database_cleaner: features were taken by one "

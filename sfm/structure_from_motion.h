@@ -71,6 +71,11 @@ struct SfmInput {
   std::filesystem::path photo_folder;
   std::vector<SfmPhoto> photos;  // In the order in which they were taken.
 
+  // Masks, as NAME.png for the photo NAME: features where they are 0 are not
+  // taken. Every photo has one (newer releases of COLMAP skip photos without).
+  // Empty for none.
+  std::filesystem::path mask_folder;
+
   // Where the steps leave their files: database.db, logs/, steps.json. Calling
   // again with the same input and options continues after the last finished
   // step, whatever ended the earlier call.

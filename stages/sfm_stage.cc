@@ -11,6 +11,7 @@
 #include "sfm/import_model.h"
 #include "sfm/model_io.h"
 #include "sfm/photo_list.h"
+#include "sfm/scene_frame.h"
 
 namespace freegs::stages {
 namespace {
@@ -67,8 +68,9 @@ class SfmStage : public pipeline::Stage {
 
   std::string_view name() const override { return "sfm"; }
 
-  std::vector<fs::path> Inputs(const StageContext&) const override {
+  std::vector<fs::path> Inputs(const StageContext& context) const override {
     std::vector<fs::path> inputs = {"ingest/images.json", "ingest/photos"};
+    if (HasMasks(context)) inputs.emplace_back("ingest/masks");
     if (options_.import.empty()) return inputs;
     const auto source = sfm::FindImportSource(options_.import);
     if (!source.ok()) {
@@ -93,11 +95,19 @@ class SfmStage : public pipeline::Stage {
   }
 
  private:
+  static bool HasMasks(const StageContext& context) {
+    std::error_code error;
+    return fs::is_directory(context.workspace / "ingest" / "masks", error);
+  }
+
   StatusOr<Outcome> RunColmap(const std::vector<sfm::SfmPhoto>& photos,
                               StageContext& context) const {
     sfm::SfmInput input;
     input.photo_folder = context.workspace / "ingest" / "photos";
     input.photos = photos;
+    if (HasMasks(context)) {
+      input.mask_folder = context.workspace / "ingest" / "masks";
+    }
     input.work_folder = context.output;
     input.seed = seed_;
     input.cancellation = context.cancellation;
@@ -200,6 +210,13 @@ class SfmStage : public pipeline::Stage {
     for (size_t i = 0; i < outcome.models.size(); ++i) {
       FREEGS_RETURN_IF_ERROR(
           sfm::WriteModel(sparse / std::to_string(i), outcome.models[i]));
+    }
+    if (!outcome.models.empty()) {
+      FREEGS_ASSIGN_OR_RETURN(const sfm::SceneFrame frame,
+                              sfm::EstimateSceneFrame(outcome.models[0]));
+      FREEGS_RETURN_IF_ERROR(
+          WriteFileAtomic(context.output / "frame.json",
+                          sfm::SceneFrameToJson(frame).dump(2) + "\n"));
     }
     const nlohmann::json json = sfm::HealthToJson(health);
     FREEGS_RETURN_IF_ERROR(WriteFileAtomic(

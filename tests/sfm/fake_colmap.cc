@@ -11,6 +11,7 @@
 //   FAKE_COLMAP_FAIL     a command that fails with exit code 1.
 //   FAKE_COLMAP_HANG     a command that never ends.
 //   FAKE_COLMAP_ONCE     a file: commands fail while it exists, and delete it.
+//   FAKE_COLMAP_LENIENT  take any option; who starts it has checked them.
 //   FAKE_COLMAP_KEEP     leave distortion in undistorted models.
 
 #include <cstdio>
@@ -294,8 +295,10 @@ int Run(int argc, char** argv) {
       PrintCommandHelp(command);
       return 0;
     }
-    if (std::find(known->second.begin(), known->second.end(), name) ==
-            known->second.end() ||
+    const bool lenient = !Setting("FAKE_COLMAP_LENIENT").empty();
+    if ((!lenient &&
+         std::find(known->second.begin(), known->second.end(), name) ==
+             known->second.end()) ||
         i + 1 >= argc) {
       std::cerr << "ERROR: unrecognised option '--" << name << "'\n";
       return 1;
