@@ -13,6 +13,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/status.h"
+#include "sfm/attempt.h"
+#include "sfm/diagnosis.h"
 #include "sfm/reconstruction.h"
 
 namespace freegs::sfm {
@@ -59,6 +61,10 @@ struct Health {
   // Strongest matches between photos that the model contradicts.
   size_t contradictions = 0;
 
+  // What was found out about the photos, worst first, and what was tried.
+  std::vector<Finding> findings;
+  std::vector<Attempt> attempts;
+
   // Photos without a pose, and why if known.
   std::map<std::string, std::string> unregistered;
   std::vector<std::string> warnings;
@@ -78,12 +84,14 @@ double TriangulationAngleDeg(const Eigen::Vector3d& point,
 
 // Measures models[0], the best one, and judges it; the others only count.
 // names: all photos given. triangulated: whether its points come from matches;
-// if not, only the registered share is judged.
+// if not, only the registered share is judged. findings: of Diagnose(); a fatal
+// one makes any result failed, a degrading one no better than degraded.
 Health MeasureHealth(const std::vector<Reconstruction>& models,
                      const std::vector<std::string>& names,
                      bool triangulated,
                      const HealthOptions& options,
-                     size_t contradictions = 0);
+                     size_t contradictions = 0,
+                     std::vector<Finding> findings = {});
 
 // health.json.
 nlohmann::json HealthToJson(const Health& health);

@@ -4,6 +4,7 @@
 #include "sfm/match_database.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <map>
 #include <sqlite3.h>
@@ -14,6 +15,11 @@ namespace {
 
 // COLMAP's id of a pair of images: smaller id times this, plus larger id.
 constexpr int64_t kMaxImageId = 2147483647;
+
+// COLMAP's TwoViewGeometry::ConfigurationType of motions that are homographies:
+// PLANAR, PANORAMIC, PLANAR_OR_PANORAMIC.
+constexpr int64_t kFirstHomography = 4;
+constexpr int64_t kLastHomography = 6;
 
 class Statement {
  public:
@@ -153,6 +159,92 @@ StatusOr<std::vector<MatchDatabase::Verified>> MatchDatabase::VerifiedMatches()
   std::vector<Verified> result;
   for (const auto& entry : counts) result.push_back(entry.second);
   return result;
+}
+
+bool MatchDatabase::HasColumn(const char* table, const char* column) const {
+  return sqlite3_table_column_metadata(database_.get(),
+                                       nullptr,
+                                       table,
+                                       column,
+                                       nullptr,
+                                       nullptr,
+                                       nullptr,
+                                       nullptr,
+                                       nullptr) == SQLITE_OK;
+}
+
+StatusOr<std::vector<MatchDatabase::VerifiedPair>>
+MatchDatabase::VerifiedPairs() const {
+  const bool detailed = HasColumn("two_view_geometries", "config") &&
+                        HasColumn("two_view_geometries", "H");
+  Statement statement(database_.get(),
+                      detailed ? "SELECT pair_id, rows, config, H FROM "
+                                 "two_view_geometries WHERE rows > 0 "
+                                 "ORDER BY pair_id"
+                               : "SELECT pair_id, rows, 0, NULL FROM "
+                                 "two_view_geometries WHERE rows > 0 "
+                                 "ORDER BY pair_id");
+  if (!statement.ok()) return Error("cannot list its pairs");
+  std::vector<VerifiedPair> pairs;
+  int code;
+  while ((code = statement.Step()) == SQLITE_ROW) {
+    VerifiedPair pair;
+    pair.id1 = static_cast<uint32_t>(statement.Integer(0) / kMaxImageId);
+    pair.id2 = static_cast<uint32_t>(statement.Integer(0) % kMaxImageId);
+    pair.num_matches = statement.Integer(1);
+    const int64_t config = statement.Integer(2);
+    pair.is_homography =
+        config >= kFirstHomography && config <= kLastHomography;
+    const std::string data = statement.Text(3);
+    // Row by row.
+    Eigen::Matrix<double, 3, 3, Eigen::RowMajor> matrix;
+    if (pair.is_homography && data.size() == 9 * sizeof(double)) {
+      std::memcpy(matrix.data(), data.data(), data.size());
+      if (matrix.allFinite()) pair.homography = matrix;
+    }
+    pairs.push_back(pair);
+  }
+  if (code != SQLITE_DONE) return Error("cannot list its pairs");
+  return pairs;
+}
+
+StatusOr<std::map<uint32_t, double>> MatchDatabase::FeatureScales() const {
+  std::map<uint32_t, double> medians;
+  if (!HasColumn("keypoints", "cols") || !HasColumn("keypoints", "data")) {
+    return medians;
+  }
+  Statement statement(database_.get(),
+                      "SELECT image_id, rows, cols, data FROM keypoints "
+                      "WHERE rows > 0");
+  if (!statement.ok()) return Error("cannot read its features");
+  int code;
+  while ((code = statement.Step()) == SQLITE_ROW) {
+    const int64_t rows = statement.Integer(1);
+    const int64_t columns = statement.Integer(2);
+    const std::string data = statement.Text(3);
+    // Columns: x, y, scale, orientation; or x, y and a 2 x 2 shape by rows.
+    if ((columns != 4 && columns != 6) || rows > (1 << 24) ||
+        data.size() != static_cast<size_t>(rows * columns) * sizeof(float)) {
+      continue;
+    }
+    std::vector<float> scales;
+    scales.reserve(static_cast<size_t>(rows));
+    for (int64_t row = 0; row < rows; ++row) {
+      float feature[6];
+      std::memcpy(feature,
+                  data.data() + row * columns * sizeof(float),
+                  columns * sizeof(float));
+      const float scale =
+          columns == 4 ? feature[2] : std::hypot(feature[2], feature[4]);
+      if (std::isfinite(scale)) scales.push_back(scale);
+    }
+    if (scales.empty()) continue;
+    const auto middle = scales.begin() + scales.size() / 2;
+    std::nth_element(scales.begin(), middle, scales.end());
+    medians[static_cast<uint32_t>(statement.Integer(0))] = *middle;
+  }
+  if (code != SQLITE_DONE) return Error("cannot read its features");
+  return medians;
 }
 
 Status MatchDatabase::ForEachVerifiedPair(

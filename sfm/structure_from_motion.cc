@@ -4,66 +4,21 @@
 #include "sfm/structure_from_motion.h"
 
 #include <algorithm>
-#include <set>
 #include <system_error>
 #include <thread>
-
-#include <nlohmann/json.hpp>
 
 #include "core/files.h"
 #include "sfm/colmap_program.h"
 #include "sfm/colmap_steps.h"
+#include "sfm/ladder.h"
 #include "sfm/match_database.h"
-#include "sfm/view_graph.h"
+#include "sfm/reconcile.h"
+#include "sfm/step_record.h"
 
 namespace freegs::sfm {
 namespace {
 
 namespace fs = std::filesystem;
-
-// What is finished, in work_folder/steps.json. A step is recorded after its
-// files are complete; a step that is not recorded is done again.
-class StepRecord {
- public:
-  explicit StepRecord(const fs::path& folder) : path_(folder / "steps.json") {
-    const StatusOr<std::string> text = ReadFile(path_, 1 << 20);
-    if (!text.ok()) return;
-    const auto json = nlohmann::json::parse(*text, nullptr, false);
-    if (!json.is_object()) return;
-    for (const auto& [key, values] : json.items()) {
-      if (!values.is_array()) continue;
-      for (const auto& value : values) {
-        if (key == "done" && value.is_string()) done_.insert(value);
-        if (key == "matched_portions" && value.is_number_integer()) {
-          portions_.insert(value.get<int>());
-        }
-      }
-    }
-  }
-
-  bool Has(const std::string& step) const { return done_.contains(step); }
-  const std::set<int>& portions() const { return portions_; }
-
-  Status Add(const std::string& step) {
-    done_.insert(step);
-    return Save();
-  }
-  Status AddPortion(int portion) {
-    portions_.insert(portion);
-    return Save();
-  }
-
- private:
-  Status Save() const {
-    const nlohmann::json json = {{"done", done_},
-                                 {"matched_portions", portions_}};
-    return WriteFileAtomic(path_, json.dump(2) + "\n");
-  }
-
-  fs::path path_;
-  std::set<std::string> done_;
-  std::set<int> portions_;
-};
 
 Status CheckNames(const SfmInput& input) {
   for (const SfmPhoto& photo : input.photos) {
@@ -108,148 +63,32 @@ Status BuildDatabase(const StepContext& context,
   return {};
 }
 
-size_t NumRegistered(const std::vector<Reconstruction>& models) {
-  return models.empty() ? 0 : models[0].images.size();
-}
-
-fs::path MapperFolder(const StepContext& context) {
-  return context.input.work_folder / "mapper";
-}
-
-// Maps with COLMAP's thresholds, and with lower ones when they leave out many.
-Status MapBest(const StepContext& context,
-               const fs::path& database,
-               SfmResult* result) {
-  const fs::path folder = MapperFolder(context);
-  const size_t count = context.input.photos.size();
-  FREEGS_ASSIGN_OR_RETURN(
-      result->models, MapPhotos(context, database, folder, /*relaxed=*/false));
-  SortBySize(&result->models);
-  const size_t registered = NumRegistered(result->models);
-  if (registered * 10 < count * 9) {
-    FREEGS_ASSIGN_OR_RETURN(
-        std::vector<Reconstruction> relaxed,
-        MapPhotos(context, database, folder, /*relaxed=*/true));
-    SortBySize(&relaxed);
-    if (NumRegistered(relaxed) > registered) {
-      result->warnings.push_back(
-          "mapped with lower thresholds, as the usual ones registered only " +
-          std::to_string(registered) + " of " + std::to_string(count) +
-          " photos");
-      result->models = std::move(relaxed);
-    }
-  }
-  std::error_code ignored;
-  fs::remove_all(folder, ignored);
-  return {};
-}
-
-// Maps again without the matches that put photos in places which their
-// strongest matches contradict, as long as that helps.
-Status Reconcile(const StepContext& context,
-                 const fs::path& database_path,
-                 SfmResult* result) {
-  constexpr int kMaxRounds = 3;
-  if (result->models.empty()) return {};
-  const fs::path trusted_path = context.input.work_folder / "trusted.db";
-  Contradictions found;
-  {
-    FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
-                            MatchDatabase::Open(database_path));
-    FREEGS_ASSIGN_OR_RETURN(const std::vector<PairAgreement> pairs,
-                            MeasureAgreement(result->models[0], database));
-    found = FindContradictions(pairs);
-    if (found.strongest.empty()) return {};
-    RemoveDatabase(trusted_path);
-    FREEGS_RETURN_IF_ERROR(database.CopyTo(trusted_path));
-  }
-  const size_t before = found.strongest.size();
-  size_t removed = 0;
-  for (int round = 0; round < kMaxRounds && !found.suspects.empty(); ++round) {
-    Contradictions next;
-    SfmResult again;
-    {
-      FREEGS_ASSIGN_OR_RETURN(MatchDatabase trusted,
-                              MatchDatabase::Open(trusted_path));
-      FREEGS_RETURN_IF_ERROR(trusted.RemoveVerifiedPairs(found.suspects));
-    }
-    removed += found.suspects.size();
-    FREEGS_RETURN_IF_ERROR(MapBest(context, trusted_path, &again));
-    if (again.models.empty()) break;
-    {
-      // Against what is still trusted.
-      FREEGS_ASSIGN_OR_RETURN(const MatchDatabase trusted,
-                              MatchDatabase::Open(trusted_path));
-      FREEGS_ASSIGN_OR_RETURN(const std::vector<PairAgreement> pairs,
-                              MeasureAgreement(again.models[0], trusted));
-      next = FindContradictions(pairs);
-    }
-    const bool fewer = next.strongest.size() < found.strongest.size();
-    const bool as_many =
-        NumRegistered(again.models) * 10 >= NumRegistered(result->models) * 9;
-    if (!fewer || !as_many) break;
-    result->models = std::move(again.models);
-    result->warnings.insert(
-        result->warnings.end(), again.warnings.begin(), again.warnings.end());
-    found = std::move(next);
-  }
-  RemoveDatabase(trusted_path);
-  result->contradictions = found.strongest.size();
-  result->warnings.push_back(
-      "parts of the scene look alike: a first model contradicted " +
-      std::to_string(before) + " of the strongest matches; mapped again " +
-      "without " + std::to_string(removed) + " matching pairs, which leaves " +
-      std::to_string(found.strongest.size()) + " contradicted");
-  return {};
-}
-
-// Why photos are not in the best model.
-Status ExplainUnregistered(const SfmInput& input,
-                           const fs::path& database_path,
-                           SfmResult* result) {
+// How many pairs of photos SelectPairs gave to the matcher.
+StatusOr<int64_t> CountMatchedPairs(const fs::path& path,
+                                    const SfmOptions& options) {
   FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
-                          MatchDatabase::Open(database_path));
+                          MatchDatabase::Open(path));
   FREEGS_ASSIGN_OR_RETURN(const auto photos, database.Photos());
-  FREEGS_ASSIGN_OR_RETURN(const auto verified, database.VerifiedMatches());
-  std::set<std::string> registered;
-  if (!result->models.empty()) {
-    for (const PosedImage& image : result->models[0].images) {
-      registered.insert(image.name);
-    }
+  const auto usable =
+      std::count_if(photos.begin(), photos.end(), [](const auto& photo) {
+        return photo.num_features > 0;
+      });
+  return static_cast<int64_t>(
+      SelectPairs(static_cast<int>(usable), options).size());
+}
+
+// What the attempts beyond the first changed, for people.
+void WarnOfAttempts(const std::vector<Attempt>& attempts,
+                    size_t photos,
+                    std::vector<std::string>* warnings) {
+  std::string kept;
+  for (size_t i = 1; i < attempts.size(); ++i) {
+    if (attempts[i].kept) kept += (kept.empty() ? "" : ", ") + attempts[i].name;
   }
-  for (const SfmPhoto& photo : input.photos) {
-    if (registered.contains(photo.name)) continue;
-    std::string& reason = result->unregistered[photo.name];
-    const auto row =
-        std::find_if(photos.begin(), photos.end(), [&](const auto& candidate) {
-          return candidate.name == photo.name;
-        });
-    if (row == photos.end()) {
-      reason = "COLMAP could not read it";
-      continue;
-    }
-    const auto match = std::find_if(
-        verified.begin(), verified.end(), [&](const auto& candidate) {
-          return candidate.photo_id == row->id;
-        });
-    reason = std::to_string(row->num_features) + " features; ";
-    if (match == verified.end()) {
-      reason += "matches no other photo";
-      continue;
-    }
-    reason += "matches " + std::to_string(match->num_photos) + " photos with " +
-              std::to_string(match->num_matches) + " features in all";
-    for (size_t k = 1; k < result->models.size(); ++k) {
-      const auto& images = result->models[k].images;
-      if (std::any_of(images.begin(), images.end(), [&](const auto& image) {
-            return image.name == photo.name;
-          })) {
-        reason += "; part of the separate model sparse/" + std::to_string(k);
-        break;
-      }
-    }
-  }
-  return {};
+  if (kept.empty()) return;
+  warnings->push_back("the usual way registered only " +
+                      std::to_string(attempts[0].registered) + " of " +
+                      std::to_string(photos) + " photos; what helped: " + kept);
 }
 
 }  // namespace
@@ -268,6 +107,9 @@ Status SfmOptions::Check() const {
   if (matcher != "auto" && matcher != "exhaustive" && matcher != "sequential") {
     return InvalidArgumentError(
         "sfm.matcher must be auto, exhaustive or sequential");
+  }
+  if (!(max_retry_cost >= 0)) {
+    return InvalidArgumentError("sfm.max_retry_cost must be at least 0");
   }
   if (max_image_size < 64 || max_features < 64 || overlap < 1 ||
       max_exhaustive < 0) {
@@ -312,12 +154,58 @@ StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
         "this COLMAP has no database_cleaner: features were taken by one "
         "thread, to stay repeatable");
   }
-  FREEGS_RETURN_IF_ERROR(MapBest(context, database, &result));
-  FREEGS_RETURN_IF_ERROR(Reconcile(context, database, &result));
+  DiagnosisOptions diagnosis;
+  // A low limit of features is no sign of little texture.
+  diagnosis.few_features =
+      std::min<int64_t>(diagnosis.few_features, options.max_features / 4);
+  FREEGS_ASSIGN_OR_RETURN(const int64_t pairs,
+                          CountMatchedPairs(database, options));
+  AttemptStore store(input.work_folder, &record);
+  FREEGS_ASSIGN_OR_RETURN(
+      LadderResult best,
+      ClimbLadder(context, database, pairs, diagnosis, &store));
+  WarnOfAttempts(best.attempts, input.photos.size(), &result.warnings);
+
+  FREEGS_ASSIGN_OR_RETURN(
+      Reconciled reconciled,
+      Reconcile(context, best.database, best.models, &store));
+  if (reconciled.before > 0) {
+    result.warnings.push_back(
+        "parts of the scene look alike: a first model contradicted " +
+        std::to_string(reconciled.before) +
+        " of the strongest matches; mapped again without " +
+        std::to_string(reconciled.removed) + " matching pairs, which leaves " +
+        std::to_string(reconciled.contradictions) + " contradicted");
+  }
+  result.models =
+      std::move(reconciled.models.empty() ? best.models : reconciled.models);
+  result.database = std::move(best.database);
+  result.attempts = std::move(best.attempts);
+  result.contradictions = reconciled.contradictions;
+  best.evidence.contradictions = reconciled.contradictions;
+  result.findings = Diagnose(best.evidence, result.models, diagnosis);
+  result.unregistered =
+      ExplainUnregistered(best.evidence, result.models, diagnosis);
   std::error_code ignored;
   fs::remove(input.work_folder / "image_list.txt", ignored);
-  FREEGS_RETURN_IF_ERROR(ExplainUnregistered(input, database, &result));
   return result;
+}
+
+Status TidyWorkFolder(const fs::path& work_folder, const SfmResult& result) {
+  std::error_code error;
+  // First of all: without it, a run that is killed here starts again.
+  fs::remove(work_folder / "steps.json", error);
+  const fs::path database = work_folder / "database.db";
+  if (result.database != database) {
+    RemoveDatabase(database);
+    fs::rename(result.database, database, error);
+    if (error) {
+      return InternalError(result.database.string() +
+                           ": cannot be moved: " + error.message());
+    }
+  }
+  AttemptStore::Remove(work_folder);
+  return {};
 }
 
 }  // namespace freegs::sfm

@@ -13,6 +13,8 @@
 
 #include "core/cancellation.h"
 #include "core/status.h"
+#include "sfm/attempt.h"
+#include "sfm/diagnosis.h"
 #include "sfm/reconstruction.h"
 
 namespace freegs::sfm {
@@ -25,6 +27,7 @@ struct SfmPhoto {
   int height = 0;        // Pixels.
   int camera_group = 0;  // Photos of equal number may share one camera.
   double focal_px = 0;   // What EXIF says; 0 when it says nothing.
+  double sharpness = 0;  // As ingest measured it; 0 is unknown.
 };
 
 struct SfmOptions {
@@ -52,6 +55,10 @@ struct SfmOptions {
 
   // Sequential matching: how many photos after each are matched with it.
   int overlap = 10;
+
+  // What all attempts beyond the first may cost together, as a multiple of what
+  // the first did, when it leaves out photos. 0 for no other attempts.
+  double max_retry_cost = 8;
 
   // Features on the graphics card (COLMAP must have been built for it).
   bool use_gpu = false;
@@ -85,6 +92,14 @@ struct SfmResult {
   // Strongest matches that models[0] contradicts (see view_graph.h).
   size_t contradictions = 0;
 
+  // The database that models were made from: that of the work folder, or of an
+  // attempt (see TidyWorkFolder).
+  std::filesystem::path database;
+
+  // What was tried, in order, and what was found out about the photos.
+  std::vector<Attempt> attempts;
+  std::vector<Finding> findings;
+
   std::string colmap_version;
   std::vector<std::string> warnings;
 
@@ -105,6 +120,11 @@ struct SfmResult {
 // mapper. See docs/sfm.md.
 StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
                                            const SfmOptions& options);
+
+// Deletes what only an interrupted run needs from the work folder, and leaves
+// the database of the result there as database.db.
+Status TidyWorkFolder(const std::filesystem::path& work_folder,
+                      const SfmResult& result);
 
 // The pairs (i, j), i < j, of `count` photos that are matched, in order.
 std::vector<std::pair<int, int>> SelectPairs(int count,

@@ -2,6 +2,7 @@
 
 #include "stages/sfm_stage.h"
 
+#include <optional>
 #include <set>
 #include <system_error>
 #include <utility>
@@ -41,7 +42,8 @@ std::vector<sfm::SfmPhoto> UsablePhotos(const sfm::PhotoList& list) {
                       .width = photo.width,
                       .height = photo.height,
                       .camera_group = photo.camera_group,
-                      .focal_px = photo.focal_length_px.value_or(0)});
+                      .focal_px = photo.focal_length_px.value_or(0),
+                      .sharpness = photo.sharpness});
   }
   return photos;
 }
@@ -55,6 +57,7 @@ struct Outcome {
   size_t contradictions = 0;
   std::vector<std::string> warnings;
   std::map<std::string, std::string> unregistered;
+  std::optional<sfm::SfmResult> run;  // Of COLMAP.
 };
 
 class SfmStage : public pipeline::Stage {
@@ -110,6 +113,7 @@ class SfmStage : public pipeline::Stage {
     outcome.contradictions = result.contradictions;
     outcome.warnings = std::move(result.warnings);
     outcome.unregistered = std::move(result.unregistered);
+    outcome.run = std::move(result);
     return outcome;
   }
 
@@ -165,16 +169,21 @@ class SfmStage : public pipeline::Stage {
         Some(differing) + ")");
   }
 
+  static inline const std::vector<sfm::Finding> kNoFindings;
+
   Status Finish(const std::vector<sfm::SfmPhoto>& photos,
                 Outcome& outcome,
                 StageContext& context) const {
     std::vector<std::string> names;
     for (const sfm::SfmPhoto& photo : photos) names.push_back(photo.name);
-    sfm::Health health = sfm::MeasureHealth(outcome.models,
-                                            names,
-                                            outcome.triangulated,
-                                            options_.health,
-                                            outcome.contradictions);
+    sfm::Health health =
+        sfm::MeasureHealth(outcome.models,
+                           names,
+                           outcome.triangulated,
+                           options_.health,
+                           outcome.contradictions,
+                           outcome.run ? outcome.run->findings : kNoFindings);
+    if (outcome.run) health.attempts = outcome.run->attempts;
     health.source = outcome.source;
     health.colmap_version = outcome.colmap_version;
     for (auto& [name, reason] : health.unregistered) {
@@ -209,7 +218,9 @@ class SfmStage : public pipeline::Stage {
                             "colmap_version"}) {
       context.summary[key] = json[key];
     }
-    return Report(health, context);
+    FREEGS_RETURN_IF_ERROR(Report(health, context));
+    return outcome.run ? sfm::TidyWorkFolder(context.output, *outcome.run)
+                       : Status();
   }
 
   Status Report(const sfm::Health& health, StageContext& context) const {
@@ -239,8 +250,6 @@ class SfmStage : public pipeline::Stage {
                     std::to_string(health.images) + " photos, " +
                     std::to_string(health.num_points) + " points (" +
                     health.source + ")");
-    std::error_code ignored;
-    fs::remove(context.output / "steps.json", ignored);
     return {};
   }
 
@@ -307,6 +316,12 @@ void RegisterSfmOptions(SfmStageOptions& options,
             &options.colmap.overlap,
             {.help = "Sequential matching: neighbours on each side.",
              .min = 1,
+             .max = 1000});
+  table.Add("sfm.max_retry_cost",
+            &options.colmap.max_retry_cost,
+            {.help = "When photos are left out: what other attempts may cost "
+                     "together, as a multiple of the first. 0 for none.",
+             .min = 0,
              .max = 1000});
   table.Add("sfm.use_gpu",
             &options.colmap.use_gpu,

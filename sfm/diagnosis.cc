@@ -1,0 +1,427 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Findings from evidence.
+
+#include "sfm/diagnosis.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace freegs::sfm {
+namespace {
+
+double Quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  const auto at =
+      values.begin() +
+      static_cast<ptrdiff_t>(std::floor(share * (values.size() - 1) + 0.5));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+std::string Text(double value) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.3g", value);
+  return text;
+}
+
+std::string Percent(double share) {
+  return std::to_string(static_cast<int>(std::round(100 * share))) + " %";
+}
+
+// What all rules look at.
+struct Scene {
+  const SceneEvidence& evidence;
+  const std::vector<Reconstruction>& models;
+  const DiagnosisOptions& options;
+  PhotoGroups groups;
+  TurningOnTheSpot turning;
+  size_t registered = 0;
+  double sharp = 0;  // Upper quartile of sharpness.
+
+  Scene(const SceneEvidence& scene,
+        const std::vector<Reconstruction>& made,
+        const DiagnosisOptions& how)
+      : evidence(scene),
+        models(made),
+        options(how),
+        groups(GroupByMatches(scene, made)),
+        turning(MeasureTurning(scene)) {
+    registered = static_cast<size_t>(
+        std::count(groups.registered.begin(), groups.registered.end(), true));
+    std::vector<double> values;
+    for (const PhotoEvidence& photo : scene.photos) {
+      if (photo.sharpness > 0) values.push_back(photo.sharpness);
+    }
+    sharp = Quantile(std::move(values), 0.75);
+  }
+
+  size_t count() const { return evidence.photos.size(); }
+  bool good() const {
+    return static_cast<double>(registered) >=
+           options.good_share * static_cast<double>(count());
+  }
+  // Much less sharp than the others.
+  bool IsBlurred(const PhotoEvidence& photo) const {
+    return photo.sharpness > 0 &&
+           photo.sharpness < options.blurred_share * sharp;
+  }
+  bool HasFewFeatures(const PhotoEvidence& photo) const {
+    return photo.num_features < options.few_features;
+  }
+  std::vector<std::string> Names(const std::vector<size_t>& photos) const {
+    std::vector<std::string> names;
+    for (const size_t i : photos) names.push_back(evidence.photos[i].name);
+    return names;
+  }
+};
+
+void FindTooFewPhotos(const Scene& scene, std::vector<Finding>* findings) {
+  const int count = static_cast<int>(scene.count());
+  if (count >= scene.options.few_photos || (scene.good() && count >= 3)) return;
+  Finding finding;
+  finding.kind = FindingKind::kTooFewPhotos;
+  finding.severity = count < 3 ? Severity::kFatal : Severity::kNote;
+  finding.hopeless = count < 3;
+  finding.evidence = {{"photos", count}};
+  finding.message = count == 1
+                        ? "there is only one photo"
+                        : "there are only " + std::to_string(count) + " photos";
+  finding.advice =
+      "take at least 20 photos from all around the scene, each showing two "
+      "thirds of what the one before it shows";
+  findings->push_back(std::move(finding));
+}
+
+void FindBlur(const Scene& scene, std::vector<Finding>* findings) {
+  std::vector<double> scales;
+  std::vector<size_t> blurred;
+  for (size_t i = 0; i < scene.count(); ++i) {
+    const PhotoEvidence& photo = scene.evidence.photos[i];
+    if (photo.feature_scale > 0) scales.push_back(photo.feature_scale);
+    if (scene.IsBlurred(photo) && !scene.groups.registered[i]) {
+      blurred.push_back(i);
+    }
+  }
+  Finding finding;
+  finding.kind = FindingKind::kBlurred;
+  finding.advice =
+      "take them again with a steady hand, focused and with more light";
+  const double scale = Quantile(scales, 0.5);
+  if (!scene.good() && scale > scene.options.blurred_scale) {
+    finding.severity = Severity::kDegrading;
+    finding.evidence = {{"median_feature_scale", scale},
+                        {"limit", scene.options.blurred_scale},
+                        {"sharpness", scene.sharp}};
+    finding.message =
+        "the photos are blurred: half of what stands out in them is wider "
+        "than " +
+        Text(100 * scale) + " % of the photo";
+    findings->push_back(std::move(finding));
+    return;
+  }
+  if (blurred.empty()) return;
+  double worst = 0;
+  for (const size_t i : blurred) {
+    worst = std::max(worst, scene.evidence.photos[i].sharpness);
+  }
+  finding.severity = Severity::kDegrading;
+  finding.photos = scene.Names(blurred);
+  finding.evidence = {{"photos", static_cast<double>(blurred.size())},
+                      {"sharpness_at_most", worst},
+                      {"sharpness_of_sharp_photos", scene.sharp}};
+  finding.message = SomeNames(finding.photos) +
+                    (blurred.size() == 1 ? " is" : " are") +
+                    " much more blurred than the others (sharpness at most " +
+                    Text(worst) + ", theirs " + Text(scene.sharp) + ")";
+  findings->push_back(std::move(finding));
+}
+
+void FindLittleTexture(const Scene& scene, std::vector<Finding>* findings) {
+  std::vector<double> counts;
+  std::vector<size_t> weak;
+  for (size_t i = 0; i < scene.count(); ++i) {
+    const PhotoEvidence& photo = scene.evidence.photos[i];
+    if (!photo.readable) continue;
+    counts.push_back(static_cast<double>(photo.num_features));
+    if (scene.HasFewFeatures(photo) && !scene.groups.registered[i] &&
+        !scene.IsBlurred(photo)) {
+      weak.push_back(i);
+    }
+  }
+  const double median = Quantile(counts, 0.5);
+  const bool all =
+      median < static_cast<double>(scene.options.few_features) && !scene.good();
+  if (!all && weak.empty()) return;
+  Finding finding;
+  finding.kind = FindingKind::kTooLittleTexture;
+  finding.severity = Severity::kDegrading;
+  finding.evidence = {{"median_features", median},
+                      {"photos_with_few", static_cast<double>(weak.size())},
+                      {"few", static_cast<double>(scene.options.few_features)}};
+  finding.advice =
+      "show more of the textured surroundings in each photo, or put patterned "
+      "things (newspaper, a patterned cloth) into the scene";
+  if (all) {
+    // Nothing to be found by looking harder.
+    finding.hopeless = median < 15;
+    finding.message =
+        "the scene has too little texture: half of the photos "
+        "have fewer than " +
+        std::to_string(static_cast<int64_t>(median) + 1) +
+        " features, where some hundreds are needed";
+  } else {
+    finding.photos = scene.Names(weak);
+    finding.message = SomeNames(finding.photos) +
+                      (weak.size() == 1 ? " shows" : " show") +
+                      " too little texture (fewer than " +
+                      std::to_string(scene.options.few_features) + " features)";
+  }
+  findings->push_back(std::move(finding));
+}
+
+void FindNoBaseline(const Scene& scene, std::vector<Finding>* findings) {
+  const TurningOnTheSpot& turning = scene.turning;
+  Finding finding;
+  finding.evidence = {{"pairs", static_cast<double>(turning.pairs)},
+                      {"homography_share", turning.homography_share},
+                      {"stretch", turning.stretch}};
+  if (turning.certain()) {
+    finding.kind = FindingKind::kNoBaseline;
+    finding.severity = Severity::kFatal;
+    finding.hopeless = true;
+    finding.message =
+        "the camera only turned on the spot (a rotation explains " +
+        Percent(turning.homography_share) +
+        " of the matching pairs), so that depth cannot be measured";
+    finding.advice =
+        "walk around the scene instead, so that each part is seen from well "
+        "apart positions";
+    findings->push_back(std::move(finding));
+    return;
+  }
+  if (turning.pairs < 3 || turning.homography_share < 0.85) return;
+  finding.kind = FindingKind::kPlanarScene;
+  finding.severity = scene.good() ? Severity::kNote : Severity::kDegrading;
+  finding.message = "nearly everything seen lies in one plane (" +
+                    Percent(turning.homography_share) +
+                    " of the matching pairs), which leaves the lens and the "
+                    "depth uncertain";
+  finding.advice =
+      "add photos at a slant, and of things in front of or behind the plane";
+  findings->push_back(std::move(finding));
+}
+
+// Strongest pair between the group and photos outside, in matches.
+int64_t StrongestLink(const Scene& scene, int group) {
+  int64_t strongest = 0;
+  for (const PairEvidence& pair : scene.evidence.pairs) {
+    if ((scene.groups.group[pair.first] == group) !=
+        (scene.groups.group[pair.second] == group)) {
+      strongest = std::max(strongest, pair.num_matches);
+    }
+  }
+  return strongest;
+}
+
+void FindSeparateScenes(const Scene& scene, std::vector<Finding>* findings) {
+  const size_t main =
+      scene.groups.members.empty() ? 0 : scene.groups.members[0].size();
+  for (size_t g = 1; g < scene.groups.members.size(); ++g) {
+    const std::vector<size_t>& members = scene.groups.members[g];
+    if (members.size() < kMinGroup) continue;
+    Finding finding;
+    finding.kind = FindingKind::kSeparateScenes;
+    finding.severity = Severity::kDegrading;
+    finding.photos = scene.Names(members);
+    const int64_t link = StrongestLink(scene, static_cast<int>(g));
+    finding.evidence = {
+        {"photos", static_cast<double>(members.size())},
+        {"main_photos", static_cast<double>(main)},
+        {"strongest_link", static_cast<double>(link)},
+        {"weakest_link_that_counts", static_cast<double>(kMinLink)}};
+    finding.message =
+        std::to_string(members.size()) + " photos (" +
+        SomeNames(finding.photos) +
+        ") match each other but none of the other " + std::to_string(main) +
+        ": they seem to show another scene, or a part that no photo connects";
+    finding.advice =
+        "put the photos of another scene into a folder of their own, or add "
+        "photos that show both parts";
+    findings->push_back(std::move(finding));
+  }
+}
+
+void FindNoOverlap(const Scene& scene, std::vector<Finding>* findings) {
+  std::vector<size_t> alone;
+  for (size_t i = 0; i < scene.count(); ++i) {
+    const PhotoEvidence& photo = scene.evidence.photos[i];
+    const size_t size = scene.groups.members[scene.groups.group[i]].size();
+    if (size < kMinGroup && !scene.groups.registered[i] && photo.readable &&
+        !scene.HasFewFeatures(photo) && !scene.IsBlurred(photo)) {
+      alone.push_back(i);
+    }
+  }
+  if (alone.empty()) return;
+  Finding finding;
+  finding.kind = FindingKind::kNoOverlap;
+  finding.severity = Severity::kDegrading;
+  finding.evidence = {{"photos", static_cast<double>(alone.size())},
+                      {"all_photos", static_cast<double>(scene.count())}};
+  finding.photos = scene.Names(alone);
+  if (alone.size() * 2 > scene.count()) {
+    finding.message = std::to_string(alone.size()) + " of " +
+                      std::to_string(scene.count()) +
+                      " photos show nothing that two others show as well";
+  } else {
+    finding.message = SomeNames(finding.photos) +
+                      (alone.size() == 1 ? " overlaps" : " overlap") +
+                      " too little with the other photos";
+  }
+  finding.advice =
+      "take photos in between, each showing two thirds of what the one before "
+      "it shows";
+  findings->push_back(std::move(finding));
+}
+
+void FindLookAlikes(const Scene& scene, std::vector<Finding>* findings) {
+  if (scene.evidence.contradictions == 0) return;
+  Finding finding;
+  finding.kind = FindingKind::kLookAlikes;
+  finding.severity = Severity::kDegrading;
+  finding.evidence = {{"contradicted_matches",
+                       static_cast<double>(scene.evidence.contradictions)}};
+  finding.message = "the model contradicts " +
+                    std::to_string(scene.evidence.contradictions) +
+                    " of the strongest matches between photos: parts of the "
+                    "scene that look alike may have been mixed up";
+  finding.advice =
+      "add photos that show the parts that look alike together with what "
+      "tells them apart";
+  findings->push_back(std::move(finding));
+}
+
+}  // namespace
+
+std::string_view FindingName(FindingKind kind) {
+  switch (kind) {
+    case FindingKind::kTooFewPhotos:
+      return "too_few_photos";
+    case FindingKind::kTooLittleTexture:
+      return "too_little_texture";
+    case FindingKind::kBlurred:
+      return "blurred";
+    case FindingKind::kNoBaseline:
+      return "no_baseline";
+    case FindingKind::kSeparateScenes:
+      return "separate_scenes";
+    case FindingKind::kNoOverlap:
+      return "no_overlap";
+    case FindingKind::kPlanarScene:
+      return "planar_scene";
+    case FindingKind::kLookAlikes:
+      return "look_alikes";
+  }
+  return "";
+}
+
+std::string_view SeverityName(Severity severity) {
+  switch (severity) {
+    case Severity::kNote:
+      return "note";
+    case Severity::kDegrading:
+      return "degrading";
+    case Severity::kFatal:
+      return "fatal";
+  }
+  return "";
+}
+
+std::string SomeNames(const std::vector<std::string>& names) {
+  constexpr size_t kShown = 4;
+  std::string text;
+  const bool cut = names.size() > kShown + 1;
+  const size_t shown = cut ? kShown : names.size();
+  for (size_t i = 0; i < shown; ++i) {
+    const bool last = i + 1 == shown && !cut;
+    text += (i == 0 ? "" : last ? " and " : ", ") + names[i];
+  }
+  if (cut) text += " and " + std::to_string(names.size() - kShown) + " more";
+  return text;
+}
+
+std::vector<Finding> Diagnose(const SceneEvidence& evidence,
+                              const std::vector<Reconstruction>& models,
+                              const DiagnosisOptions& options) {
+  const Scene scene(evidence, models, options);
+  std::vector<Finding> findings;
+  // Causes before their consequences.
+  FindTooFewPhotos(scene, &findings);
+  FindNoBaseline(scene, &findings);
+  FindBlur(scene, &findings);
+  FindLittleTexture(scene, &findings);
+  FindSeparateScenes(scene, &findings);
+  FindNoOverlap(scene, &findings);
+  FindLookAlikes(scene, &findings);
+  std::stable_sort(
+      findings.begin(), findings.end(), [](const Finding& a, const Finding& b) {
+        return a.severity > b.severity;
+      });
+  return findings;
+}
+
+std::map<std::string, std::string> ExplainUnregistered(
+    const SceneEvidence& evidence,
+    const std::vector<Reconstruction>& models,
+    const DiagnosisOptions& options) {
+  const Scene scene(evidence, models, options);
+  std::vector<int64_t> partners(scene.count(), 0);
+  std::vector<int64_t> matches(scene.count(), 0);
+  for (const PairEvidence& pair : evidence.pairs) {
+    for (const size_t i : {pair.first, pair.second}) {
+      ++partners[i];
+      matches[i] += pair.num_matches;
+    }
+  }
+  std::map<std::string, std::string> reasons;
+  for (size_t i = 0; i < scene.count(); ++i) {
+    if (scene.groups.registered[i]) continue;
+    const PhotoEvidence& photo = evidence.photos[i];
+    std::string& reason = reasons[photo.name];
+    if (!photo.readable) {
+      reason = "COLMAP could not read it";
+      continue;
+    }
+    reason = std::to_string(photo.num_features) + " features; ";
+    if (scene.IsBlurred(photo)) {
+      reason += "blurred (sharpness " + Text(photo.sharpness) +
+                ", the others' " + Text(scene.sharp) + "); ";
+    }
+    if (partners[i] == 0) {
+      reason += "matches no other photo";
+      continue;
+    }
+    reason += "matches " + std::to_string(partners[i]) + " photos with " +
+              std::to_string(matches[i]) + " features in all";
+    const auto& members = scene.groups.members[scene.groups.group[i]];
+    if (scene.groups.group[i] > 0) {
+      reason += ", none of them well in the main model";
+      if (members.size() >= kMinGroup) {
+        reason += "; one of " + std::to_string(members.size()) +
+                  " photos apart from the others, perhaps another scene";
+      }
+    }
+    for (size_t k = 1; k < models.size(); ++k) {
+      const auto& images = models[k].images;
+      if (std::any_of(images.begin(), images.end(), [&](const auto& image) {
+            return image.name == photo.name;
+          })) {
+        reason += "; part of the separate model sparse/" + std::to_string(k);
+        break;
+      }
+    }
+  }
+  return reasons;
+}
+
+}  // namespace freegs::sfm
