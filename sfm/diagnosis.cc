@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "sfm/health.h"
+
 namespace freegs::sfm {
 namespace {
 
@@ -61,6 +63,25 @@ struct Scene {
     return static_cast<double>(registered) >=
            options.good_share * static_cast<double>(count());
   }
+  // A photo of the main group is not in the model.
+  bool LinkedPhotosMissing() const {
+    for (size_t i = 0; i < count(); ++i) {
+      if (groups.group[i] == 0 && !groups.registered[i] &&
+          !IsBlurred(evidence.photos[i])) {
+        return true;
+      }
+    }
+    return false;
+  }
+  // A model of nearly all photos with wide angles and many points in each
+  // proves that the camera moved, however alike neighbouring photos are.
+  bool HasDepth() const {
+    if (!good() || models.empty()) return false;
+    const Health health = MeasureHealth({models[0]}, {}, true, {});
+    return health.median_triangulation_deg >= 3 &&
+           health.mean_reprojection_error_px <= 2 &&
+           health.observations >= 100 * registered;
+  }
   // Much less sharp than the others.
   bool IsBlurred(const PhotoEvidence& photo) const {
     return photo.sharpness > 0 &&
@@ -78,10 +99,10 @@ struct Scene {
 
 void FindTooFewPhotos(const Scene& scene, std::vector<Finding>* findings) {
   const int count = static_cast<int>(scene.count());
-  if (count >= scene.options.few_photos || (scene.good() && count >= 3)) return;
+  if (count >= scene.options.few_photos) return;
   Finding finding;
   finding.kind = FindingKind::kTooFewPhotos;
-  finding.severity = count < 3 ? Severity::kFatal : Severity::kNote;
+  finding.severity = count < 3 ? Severity::kFatal : Severity::kDegrading;
   finding.hopeless = count < 3;
   finding.evidence = {{"photos", count}};
   finding.message = count == 1
@@ -186,7 +207,7 @@ void FindNoBaseline(const Scene& scene, std::vector<Finding>* findings) {
   finding.evidence = {{"pairs", static_cast<double>(turning.pairs)},
                       {"homography_share", turning.homography_share},
                       {"stretch", turning.stretch}};
-  if (turning.certain()) {
+  if (turning.certain() && !scene.HasDepth()) {
     finding.kind = FindingKind::kNoBaseline;
     finding.severity = Severity::kFatal;
     finding.hopeless = true;
@@ -200,9 +221,13 @@ void FindNoBaseline(const Scene& scene, std::vector<Finding>* findings) {
     findings->push_back(std::move(finding));
     return;
   }
-  if (turning.pairs < 3 || turning.homography_share < 0.85) return;
+  // Harmless as long as photos that match are registered.
+  if (turning.pairs < 3 || turning.homography_share < 0.85 ||
+      !scene.LinkedPhotosMissing()) {
+    return;
+  }
   finding.kind = FindingKind::kPlanarScene;
-  finding.severity = scene.good() ? Severity::kNote : Severity::kDegrading;
+  finding.severity = Severity::kDegrading;
   finding.message = "nearly everything seen lies in one plane (" +
                     Percent(turning.homography_share) +
                     " of the matching pairs), which leaves the lens and the "
@@ -302,53 +327,6 @@ void FindLookAlikes(const Scene& scene, std::vector<Finding>* findings) {
 }
 
 }  // namespace
-
-std::string_view FindingName(FindingKind kind) {
-  switch (kind) {
-    case FindingKind::kTooFewPhotos:
-      return "too_few_photos";
-    case FindingKind::kTooLittleTexture:
-      return "too_little_texture";
-    case FindingKind::kBlurred:
-      return "blurred";
-    case FindingKind::kNoBaseline:
-      return "no_baseline";
-    case FindingKind::kSeparateScenes:
-      return "separate_scenes";
-    case FindingKind::kNoOverlap:
-      return "no_overlap";
-    case FindingKind::kPlanarScene:
-      return "planar_scene";
-    case FindingKind::kLookAlikes:
-      return "look_alikes";
-  }
-  return "";
-}
-
-std::string_view SeverityName(Severity severity) {
-  switch (severity) {
-    case Severity::kNote:
-      return "note";
-    case Severity::kDegrading:
-      return "degrading";
-    case Severity::kFatal:
-      return "fatal";
-  }
-  return "";
-}
-
-std::string SomeNames(const std::vector<std::string>& names) {
-  constexpr size_t kShown = 4;
-  std::string text;
-  const bool cut = names.size() > kShown + 1;
-  const size_t shown = cut ? kShown : names.size();
-  for (size_t i = 0; i < shown; ++i) {
-    const bool last = i + 1 == shown && !cut;
-    text += (i == 0 ? "" : last ? " and " : ", ") + names[i];
-  }
-  if (cut) text += " and " + std::to_string(names.size() - kShown) + " more";
-  return text;
-}
 
 std::vector<Finding> Diagnose(const SceneEvidence& evidence,
                               const std::vector<Reconstruction>& models,

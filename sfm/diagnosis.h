@@ -52,7 +52,7 @@ struct Finding {
 
 struct DiagnosisOptions {
   // Fewer features in a photo are too few to match it.
-  int64_t few_features = 100;
+  int64_t few_features = 250;
 
   // A photo is blurred when its sharpness is below this share of the upper
   // quartile of all photos.
@@ -62,7 +62,7 @@ struct DiagnosisOptions {
   // of the longest side.
   double blurred_scale = 0.008;
 
-  // Fewer photos are hardly ever enough.
+  // Fewer photos leave most of a scene unseen.
   int few_photos = 8;
 
   // Share of registered photos above which a result is good.

@@ -6,13 +6,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <set>
-#include <system_error>
 
-#include "core/files.h"
 #include "sfm/health.h"
+#include "sfm/ladder_rungs.h"
 #include "sfm/match_database.h"
-#include "sfm/model_io.h"
 #include "sfm/view_graph.h"
 
 namespace freegs::sfm {
@@ -26,28 +23,10 @@ constexpr double kMapping = 0.2;
 constexpr double kMatching = 0.7;
 constexpr double kFeatures = 0.1;
 
-constexpr int kMoreFeatures = 2;         // Times sfm.max_features.
-constexpr double kLooseRatio = 0.9;      // Instead of 0.8.
-constexpr double kLooseAngle = 0.9;      // Instead of 0.7, radians.
-constexpr double kLowContrast = 0.0025;  // COLMAP's default is 0.0067.
 constexpr size_t kManyPhotos = 100;
-constexpr size_t kSharedPhotos = 3;  // Two models need these to be merged.
-
-size_t NumRegistered(const Models& models) {
-  return models.empty() ? 0 : models[0].images.size();
-}
 
 std::string Count(size_t count, const std::string& what) {
   return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
-}
-
-size_t NumShared(const Reconstruction& a, const Reconstruction& b) {
-  std::set<std::string> names;
-  for (const PosedImage& image : a.images) names.insert(image.name);
-  return static_cast<size_t>(std::count_if(
-      b.images.begin(), b.images.end(), [&](const PosedImage& image) {
-        return names.contains(image.name);
-      }));
 }
 
 class Ladder {
@@ -67,7 +46,7 @@ class Ladder {
     double (Ladder::*cost)() const;
     // Why it may help, or nothing.
     std::string (Ladder::*why)() const;
-    StatusOr<AttemptResult> (Ladder::*run)(const Rung&);
+    StatusOr<AttemptResult> (*run)(const RungInput&);
   };
   static const std::array<Rung, 8> kRungs;
 
@@ -85,24 +64,6 @@ class Ladder {
   double CostOfAllPairs() const;
   double CostOfMatching() const { return kMatching + 2 * kMapping; }
   double CostOfFeatures() const;
-
-  // What it does.
-  StatusOr<AttemptResult> MapRelaxed(const Rung& rung);
-  StatusOr<AttemptResult> MapWithOtherSeed(const Rung& rung);
-  StatusOr<AttemptResult> Merge(const Rung& rung);
-  StatusOr<AttemptResult> AddPhotos(const Rung& rung);
-  StatusOr<AttemptResult> MatchAllPairs(const Rung& rung);
-  StatusOr<AttemptResult> MatchLoosely(const Rung& rung);
-  StatusOr<AttemptResult> TakeMoreFeatures(const Rung& rung);
-  StatusOr<AttemptResult> MapOtherwise(const Rung& rung);
-
-  StatusOr<AttemptResult> MapWith(const Rung& rung, Mapping mapping);
-  StatusOr<AttemptResult> MatchAgain(const Rung& rung,
-                                     const SfmOptions& options,
-                                     const DescriptorMatchingOptions& matching);
-  fs::path Scratch(const Rung& rung) const {
-    return store_->Folder(rung.name) / "mapper";
-  }
 
   bool IsGood() const;
   bool IsHopeless() const;
@@ -136,35 +97,32 @@ const std::array<Ladder::Rung, 8> Ladder::kRungs = {{
     {"lower thresholds",
      &Ladder::CostOfMapping,
      &Ladder::LinkedPhotosMissing,
-     &Ladder::MapRelaxed},
+     &MapRelaxed},
     {"another seed",
      &Ladder::CostOfMapping,
      &Ladder::LinkedPhotosMissing,
-     &Ladder::MapWithOtherSeed},
-    {"merged models",
-     &Ladder::CostOfMapping,
-     &Ladder::ModelsShare,
-     &Ladder::Merge},
+     &MapWithOtherSeed},
+    {"merged models", &Ladder::CostOfMapping, &Ladder::ModelsShare, &MergeAll},
     {"added photos",
      &Ladder::CostOfMapping,
      &Ladder::ModelIsIncomplete,
-     &Ladder::AddPhotos},
+     &AddPhotos},
     {"all pairs",
      &Ladder::CostOfAllPairs,
      &Ladder::PairsWereLeftOut,
-     &Ladder::MatchAllPairs},
+     &MatchAllPairs},
     {"looser matches",
      &Ladder::CostOfMatching,
      &Ladder::PhotosMissing,
-     &Ladder::MatchLoosely},
+     &MatchLoosely},
     {"more features",
      &Ladder::CostOfFeatures,
      &Ladder::WeakPhotosMissing,
-     &Ladder::TakeMoreFeatures},
+     &TakeMoreFeatures},
     {"another mapper",
      &Ladder::CostOfMapping,
      &Ladder::OtherMapperMayHelp,
-     &Ladder::MapOtherwise},
+     &MapOtherwise},
 }};
 
 std::string Ladder::LinkedPhotosMissing() const {
@@ -197,8 +155,9 @@ std::string Ladder::PhotosMissing() const {
 }
 
 std::string Ladder::WeakPhotosMissing() const {
+  if (models_.empty()) return "there is no model yet";
   // A group of its own has enough features: it found its members.
-  if (!models_.empty() && linked_ + alone_ == 0) return {};
+  if (linked_ + alone_ == 0) return {};
   return Count(linked_ + alone_, "photo") + " with too few matches";
 }
 
@@ -220,131 +179,6 @@ double Ladder::CostOfAllPairs() const {
 double Ladder::CostOfFeatures() const {
   return kFeatures * kMoreFeatures + kMatching * kMoreFeatures * kMoreFeatures +
          2 * kMapping;
-}
-
-StatusOr<AttemptResult> Ladder::MapWith(const Rung& rung, Mapping mapping) {
-  mapping.step = std::string("mapping, ") + rung.name;
-  AttemptResult result;
-  FREEGS_ASSIGN_OR_RETURN(
-      result.models, MapPhotos(context_, database_, Scratch(rung), mapping));
-  SortBySize(&result.models);
-  std::error_code ignored;
-  fs::remove_all(Scratch(rung), ignored);
-  return result;
-}
-
-StatusOr<AttemptResult> Ladder::MapRelaxed(const Rung& rung) {
-  Mapping mapping;
-  mapping.relaxed = true;
-  return MapWith(rung, mapping);
-}
-
-StatusOr<AttemptResult> Ladder::MapWithOtherSeed(const Rung& rung) {
-  Mapping mapping;
-  mapping.seed_offset = 1;
-  return MapWith(rung, mapping);
-}
-
-// Merging leaves two versions of shared photos' points, and no adjustment: the
-// mapper then goes on from there, which does both.
-StatusOr<AttemptResult> Ladder::Merge(const Rung& rung) {
-  const fs::path folder = store_->Folder(rung.name);
-  fs::path merged = folder / "start";
-  FREEGS_RETURN_IF_ERROR(WriteModel(merged, models_[0]));
-  bool any = false;
-  Reconstruction whole = models_[0];
-  for (size_t k = 1; k < models_.size(); ++k) {
-    if (NumShared(whole, models_[k]) < kSharedPhotos) continue;
-    const fs::path other = folder / ("other" + std::to_string(k));
-    const fs::path both = folder / ("merged" + std::to_string(k));
-    FREEGS_RETURN_IF_ERROR(WriteModel(other, models_[k]));
-    FREEGS_ASSIGN_OR_RETURN(const bool done,
-                            MergeModels(context_, merged, other, both));
-    if (!done) continue;
-    FREEGS_ASSIGN_OR_RETURN(Reconstruction model, ReadModel(both));
-    if (model.images.size() <= whole.images.size()) continue;
-    whole = std::move(model);
-    merged = both;
-    any = true;
-  }
-  if (!any) return AttemptResult();
-  Mapping mapping;
-  mapping.start = merged;
-  return MapWith(rung, mapping);
-}
-
-StatusOr<AttemptResult> Ladder::AddPhotos(const Rung& rung) {
-  Mapping mapping;
-  mapping.relaxed = true;
-  mapping.start = store_->Folder(rung.name) / "start";
-  FREEGS_RETURN_IF_ERROR(WriteModel(mapping.start, models_[0]));
-  return MapWith(rung, mapping);
-}
-
-StatusOr<AttemptResult> Ladder::MatchAgain(
-    const Rung& rung,
-    const SfmOptions& options,
-    const DescriptorMatchingOptions& matching) {
-  StepContext context{context_.input, options, context_.colmap};
-  context.num_threads = context_.num_threads;
-  context.matching = matching;
-  const fs::path database = store_->Database(rung.name);
-  {
-    FREEGS_ASSIGN_OR_RETURN(const MatchDatabase known,
-                            MatchDatabase::Open(database_));
-    FREEGS_RETURN_IF_ERROR(known.CopyTo(database));
-  }
-  FREEGS_RETURN_IF_ERROR(
-      MatchFeatures(context, database, {}, [](int) { return Status(); }));
-  AttemptResult result;
-  result.has_database = true;
-  FREEGS_ASSIGN_OR_RETURN(result.models,
-                          MapBest(context, database, Scratch(rung)));
-  return result;
-}
-
-StatusOr<AttemptResult> Ladder::MatchAllPairs(const Rung& rung) {
-  SfmOptions options = context_.options;
-  options.matcher = "exhaustive";
-  return MatchAgain(rung, options, context_.matching);
-}
-
-StatusOr<AttemptResult> Ladder::MatchLoosely(const Rung& rung) {
-  SfmOptions options = context_.options;
-  if (evidence_.all_pairs_compared()) options.matcher = "exhaustive";
-  return MatchAgain(rung, options, {kLooseRatio, kLooseAngle});
-}
-
-StatusOr<AttemptResult> Ladder::TakeMoreFeatures(const Rung& rung) {
-  SfmOptions options = context_.options;
-  if (evidence_.all_pairs_compared()) options.matcher = "exhaustive";
-  options.max_features *= kMoreFeatures;
-  options.max_image_size += options.max_image_size / 2;
-  StepContext context{context_.input, options, context_.colmap};
-  context.num_threads = context_.num_threads;
-  context.peak_threshold = kLowContrast;
-  const fs::path database = store_->Database(rung.name);
-  FREEGS_ASSIGN_OR_RETURN(const bool numbered,
-                          RegisterPhotos(context, database));
-  FREEGS_RETURN_IF_ERROR(
-      ExtractFeatures(context, database, numbered ? context.num_threads : 1));
-  FREEGS_RETURN_IF_ERROR(
-      MatchFeatures(context, database, {}, [](int) { return Status(); }));
-  AttemptResult result;
-  result.has_database = true;
-  FREEGS_ASSIGN_OR_RETURN(result.models,
-                          MapBest(context, database, Scratch(rung)));
-  return result;
-}
-
-// COLMAP 4's global mapper; for many photos, the hierarchical one that older
-// releases have.
-StatusOr<AttemptResult> Ladder::MapOtherwise(const Rung& rung) {
-  Mapping mapping;
-  mapping.command = context_.colmap.HasCommand("global_mapper")
-                        ? "global_mapper"
-                        : "hierarchical_mapper";
-  return MapWith(rung, mapping);
 }
 
 bool Ladder::IsGood() const {
@@ -454,8 +288,14 @@ Status Ladder::Start(const fs::path& database, int64_t matched_pairs) {
 }
 
 Status Ladder::Try(const Rung& rung, const std::string& why) {
-  StatusOr<AttemptResult> result =
-      store_->Run(rung.name, [&] { return (this->*rung.run)(rung); });
+  StatusOr<AttemptResult> result = store_->Run(rung.name, [&] {
+    return rung.run({context_,
+                     rung.name,
+                     models_,
+                     database_,
+                     evidence_.all_pairs_compared(),
+                     store_->Folder(rung.name)});
+  });
   if (!result.ok()) {
     const StatusCode code = result.status().code();
     if (code == StatusCode::kInterrupted || code == StatusCode::kInternal) {
@@ -483,7 +323,7 @@ Status Ladder::Try(const Rung& rung, const std::string& why) {
   if (result->has_database) {
     database_ = database;
     const auto count = static_cast<int64_t>(evidence_.photos.size());
-    if (rung.run == &Ladder::MatchAllPairs) {
+    if (rung.run == &MatchAllPairs) {
       matched_pairs_ = count * (count - 1) / 2;
     }
   }
@@ -519,28 +359,6 @@ LadderResult Ladder::Take() {
 }
 
 }  // namespace
-
-StatusOr<std::vector<Reconstruction>> MapBest(const StepContext& context,
-                                              const fs::path& database,
-                                              const fs::path& folder) {
-  FREEGS_ASSIGN_OR_RETURN(Models models,
-                          MapPhotos(context, database, folder, {}));
-  SortBySize(&models);
-  if (NumRegistered(models) * 10 < context.input.photos.size() * 9) {
-    Mapping mapping;
-    mapping.step = "mapping, lower thresholds";
-    mapping.relaxed = true;
-    FREEGS_ASSIGN_OR_RETURN(Models relaxed,
-                            MapPhotos(context, database, folder, mapping));
-    SortBySize(&relaxed);
-    if (NumRegistered(relaxed) > NumRegistered(models)) {
-      models = std::move(relaxed);
-    }
-  }
-  std::error_code ignored;
-  fs::remove_all(folder, ignored);
-  return models;
-}
 
 StatusOr<LadderResult> ClimbLadder(const StepContext& context,
                                    const fs::path& database,

@@ -138,29 +138,6 @@ StatusOr<SiftDescriptors> MatchDatabase::Descriptors(uint32_t photo_id) const {
   return descriptors;
 }
 
-StatusOr<std::vector<MatchDatabase::Verified>> MatchDatabase::VerifiedMatches()
-    const {
-  Statement statement(
-      database_.get(),
-      "SELECT pair_id, rows FROM two_view_geometries WHERE rows > 0");
-  if (!statement.ok()) return Error("cannot list its matches");
-  std::map<uint32_t, Verified> counts;
-  int code;
-  while ((code = statement.Step()) == SQLITE_ROW) {
-    const int64_t pair = statement.Integer(0);
-    for (const int64_t id : {pair / kMaxImageId, pair % kMaxImageId}) {
-      Verified& verified = counts[static_cast<uint32_t>(id)];
-      verified.photo_id = static_cast<uint32_t>(id);
-      ++verified.num_photos;
-      verified.num_matches += statement.Integer(1);
-    }
-  }
-  if (code != SQLITE_DONE) return Error("cannot list its matches");
-  std::vector<Verified> result;
-  for (const auto& entry : counts) result.push_back(entry.second);
-  return result;
-}
-
 bool MatchDatabase::HasColumn(const char* table, const char* column) const {
   return sqlite3_table_column_metadata(database_.get(),
                                        nullptr,

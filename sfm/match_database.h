@@ -49,15 +49,6 @@ class MatchDatabase {
   // they are of another kind.
   StatusOr<SiftDescriptors> Descriptors(uint32_t photo_id) const;
 
-  // For every photo id, the number of other photos with verified matches, and
-  // the number of those matches.
-  struct Verified {
-    uint32_t photo_id = 0;
-    int64_t num_photos = 0;
-    int64_t num_matches = 0;
-  };
-  StatusOr<std::vector<Verified>> VerifiedMatches() const;
-
   // A pair of photos with verified matches, and the motion that fits them.
   struct VerifiedPair {
     uint32_t id1 = 0;  // Smaller than id2.
