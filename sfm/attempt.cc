@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/files.h"
+#include "sfm/health.h"
 #include "sfm/match_database.h"
 #include "sfm/model_io.h"
 
@@ -19,6 +20,21 @@ namespace fs = std::filesystem;
 std::string StepName(const std::string& name) { return "attempt: " + name; }
 
 }  // namespace
+
+Attempt DescribeAttempt(const std::string& name,
+                        const std::string& why,
+                        const std::vector<Reconstruction>& models) {
+  Attempt attempt;
+  attempt.name = name;
+  attempt.why = why;
+  attempt.models = static_cast<int>(models.size());
+  if (models.empty()) return attempt;
+  const Health health = MeasureHealth({models[0]}, {}, true, {});
+  attempt.registered = static_cast<int>(models[0].images.size());
+  attempt.points = health.num_points;
+  attempt.mean_error_px = health.mean_reprojection_error_px;
+  return attempt;
+}
 
 fs::path AttemptStore::Folder(const std::string& name) const {
   std::string file = name;

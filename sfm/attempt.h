@@ -32,6 +32,11 @@ struct Attempt {
   std::string problem;  // Why it ended without models, or was not begun.
 };
 
+// An attempt that made the models, the best first, with their measures.
+Attempt DescribeAttempt(const std::string& name,
+                        const std::string& why,
+                        const std::vector<Reconstruction>& models);
+
 // What an attempt made.
 struct AttemptResult {
   std::vector<Reconstruction> models;  // Best first; may be empty.

@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 
-#include "sfm/health.h"
 #include "sfm/ladder_rungs.h"
 #include "sfm/match_database.h"
 #include "sfm/view_graph.h"
@@ -71,9 +70,6 @@ class Ladder {
   Status Try(const Rung& rung, const std::string& why);
   StatusOr<bool> IsBetter(const AttemptResult& result,
                           const fs::path& database) const;
-  Attempt Note(const std::string& name,
-               const std::string& why,
-               const Models& models) const;
 
   const StepContext& context_;
   const DiagnosisOptions& diagnosis_;
@@ -222,29 +218,14 @@ Status Ladder::Look() {
   return {};
 }
 
-Attempt Ladder::Note(const std::string& name,
-                     const std::string& why,
-                     const Models& models) const {
-  Attempt attempt;
-  attempt.name = name;
-  attempt.why = why;
-  attempt.models = static_cast<int>(models.size());
-  if (models.empty()) return attempt;
-  const Health health = MeasureHealth({models[0]}, {}, true, {});
-  attempt.registered = static_cast<int>(models[0].images.size());
-  attempt.points = health.num_points;
-  attempt.mean_error_px = health.mean_reprojection_error_px;
-  return attempt;
-}
-
 // More photos; or as many, and clearly more points that fit as well. Never at
 // the price of matches that it contradicts.
 StatusOr<bool> Ladder::IsBetter(const AttemptResult& result,
                                 const fs::path& database) const {
   if (result.models.empty()) return false;
   if (models_.empty()) return true;
-  const Attempt now = Note("", "", models_);
-  const Attempt then = Note("", "", result.models);
+  const Attempt now = DescribeAttempt("", "", models_);
+  const Attempt then = DescribeAttempt("", "", result.models);
   if (then.registered < now.registered) return false;
   if (then.registered == now.registered &&
       (then.points * 10 < now.points * 12 ||
@@ -282,7 +263,7 @@ Status Ladder::Start(const fs::path& database, int64_t matched_pairs) {
         return made;
       }));
   models_ = std::move(result.models);
-  attempts_.push_back(Note(name, "", models_));
+  attempts_.push_back(DescribeAttempt(name, "", models_));
   attempts_.back().kept = !models_.empty();
   return Look();
 }
@@ -301,14 +282,14 @@ Status Ladder::Try(const Rung& rung, const std::string& why) {
     if (code == StatusCode::kInterrupted || code == StatusCode::kInternal) {
       return result.status();
     }
-    attempts_.push_back(Note(rung.name, why, {}));
+    attempts_.push_back(DescribeAttempt(rung.name, why, {}));
     attempts_.back().problem = result.status().message();
     store_->RemoveDatabaseOf(rung.name);
     return {};
   }
   const fs::path database =
       result->has_database ? store_->Database(rung.name) : database_;
-  attempts_.push_back(Note(rung.name, why, result->models));
+  attempts_.push_back(DescribeAttempt(rung.name, why, result->models));
   bool better = false;
   // The database of an attempt that was not kept is gone.
   if (!result->has_database || fs::exists(database)) {
@@ -338,7 +319,7 @@ Status Ladder::Climb() {
     if (why.empty()) continue;
     const double cost = (this->*rung.cost)();
     if (spent + cost > context_.options.max_retry_cost) {
-      attempts_.push_back(Note(rung.name, why, {}));
+      attempts_.push_back(DescribeAttempt(rung.name, why, {}));
       attempts_.back().problem =
           "not tried: it costs about " +
           std::to_string(static_cast<int>(std::ceil(cost))) +

@@ -176,6 +176,12 @@ StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
         " of the strongest matches; mapped again without " +
         std::to_string(reconciled.removed) + " matching pairs, which leaves " +
         std::to_string(reconciled.contradictions) + " contradicted");
+    best.attempts.push_back(DescribeAttempt(
+        "without look-alikes",
+        "the model contradicts " + std::to_string(reconciled.before) +
+            " of the strongest matches",
+        reconciled.models));
+    best.attempts.back().kept = !reconciled.models.empty();
   }
   result.models =
       std::move(reconciled.models.empty() ? best.models : reconciled.models);
