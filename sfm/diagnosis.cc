@@ -31,6 +31,14 @@ std::string Percent(double share) {
   return std::to_string(static_cast<int>(std::round(100 * share))) + " %";
 }
 
+double SharpnessOfSharp(const SceneEvidence& evidence) {
+  std::vector<double> values;
+  for (const PhotoEvidence& photo : evidence.photos) {
+    if (photo.sharpness > 0) values.push_back(photo.sharpness);
+  }
+  return Quantile(std::move(values), 0.75);
+}
+
 // What all rules look at.
 struct Scene {
   const SceneEvidence& evidence;
@@ -51,11 +59,7 @@ struct Scene {
         turning(MeasureTurning(scene)) {
     registered = static_cast<size_t>(
         std::count(groups.registered.begin(), groups.registered.end(), true));
-    std::vector<double> values;
-    for (const PhotoEvidence& photo : scene.photos) {
-      if (photo.sharpness > 0) values.push_back(photo.sharpness);
-    }
-    sharp = Quantile(std::move(values), 0.75);
+    sharp = SharpnessOfSharp(scene);
   }
 
   size_t count() const { return evidence.photos.size(); }
@@ -346,6 +350,16 @@ std::vector<Finding> Diagnose(const SceneEvidence& evidence,
         return a.severity > b.severity;
       });
   return findings;
+}
+
+std::vector<bool> FindBlurredPhotos(const SceneEvidence& evidence,
+                                    const DiagnosisOptions& options) {
+  const double limit = options.blurred_share * SharpnessOfSharp(evidence);
+  std::vector<bool> blurred;
+  for (const PhotoEvidence& photo : evidence.photos) {
+    blurred.push_back(photo.sharpness > 0 && photo.sharpness < limit);
+  }
+  return blurred;
 }
 
 std::map<std::string, std::string> ExplainUnregistered(

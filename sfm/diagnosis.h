@@ -74,6 +74,11 @@ std::vector<Finding> Diagnose(const SceneEvidence& evidence,
                               const std::vector<Reconstruction>& models,
                               const DiagnosisOptions& options);
 
+// For each photo whether it is much more blurred than the others. Such photos
+// are not worth another attempt.
+std::vector<bool> FindBlurredPhotos(const SceneEvidence& evidence,
+                                    const DiagnosisOptions& options);
+
 // For each photo that the best model lacks: why, as far as is known.
 std::map<std::string, std::string> ExplainUnregistered(
     const SceneEvidence& evidence,

@@ -82,7 +82,7 @@ class Ladder {
 
   // What is known about models_ and database_.
   SceneEvidence evidence_;
-  size_t missing_ = 0;  // Photos that the best model lacks.
+  size_t missing_ = 0;  // Photos that the best model lacks, save blurred ones.
   size_t linked_ = 0;   // Of them, those that match photos of the model.
   size_t alone_ = 0;    // Of them, those that match none, nor one another.
 };
@@ -178,9 +178,9 @@ double Ladder::CostOfFeatures() const {
 }
 
 bool Ladder::IsGood() const {
-  return static_cast<double>(NumRegistered(models_)) >=
-         diagnosis_.good_share *
-             static_cast<double>(context_.input.photos.size());
+  const double got = static_cast<double>(NumRegistered(models_));
+  return got > 0 &&
+         got >= diagnosis_.good_share * (got + static_cast<double>(missing_));
 }
 
 bool Ladder::IsHopeless() const {
@@ -206,9 +206,10 @@ Status Ladder::Look() {
     if (groups.registered[pair.first]) linked[pair.second] = true;
     if (groups.registered[pair.second]) linked[pair.first] = true;
   }
+  const std::vector<bool> blurred = FindBlurredPhotos(evidence_, diagnosis_);
   missing_ = linked_ = alone_ = 0;
   for (size_t i = 0; i < count; ++i) {
-    if (groups.registered[i]) continue;
+    if (groups.registered[i] || blurred[i]) continue;
     ++missing_;
     const size_t size = groups.members[groups.group[i]].size();
     const bool main = groups.group[i] == 0 && !models_.empty();

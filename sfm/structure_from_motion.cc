@@ -82,8 +82,11 @@ void WarnOfAttempts(const std::vector<Attempt>& attempts,
                     size_t photos,
                     std::vector<std::string>* warnings) {
   std::string kept;
+  int registered = attempts[0].registered;
   for (size_t i = 1; i < attempts.size(); ++i) {
-    if (attempts[i].kept) kept += (kept.empty() ? "" : ", ") + attempts[i].name;
+    if (!attempts[i].kept || attempts[i].registered <= registered) continue;
+    registered = attempts[i].registered;
+    kept += (kept.empty() ? "" : ", ") + attempts[i].name;
   }
   if (kept.empty()) return;
   warnings->push_back("the usual way registered only " +
