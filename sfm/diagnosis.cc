@@ -313,6 +313,26 @@ void FindNoOverlap(const Scene& scene, std::vector<Finding>* findings) {
   findings->push_back(std::move(finding));
 }
 
+constexpr char kTellApart[] =
+    "add photos that show the parts that look alike together with what tells "
+    "them apart";
+
+void FindUnplaced(const Scene& scene, std::vector<Finding>* findings) {
+  if (scene.evidence.unplaced.empty()) return;
+  Finding finding;
+  finding.kind = FindingKind::kLookAlikes;
+  finding.severity = Severity::kDegrading;
+  finding.photos = scene.evidence.unplaced;
+  finding.evidence = {{"photos", static_cast<double>(finding.photos.size())},
+                      {"main_photos", static_cast<double>(scene.registered)}};
+  finding.message = "where " + SomeNames(finding.photos) +
+                    " belong relative to the other photos is uncertain: parts "
+                    "of the scene look alike, and more speaks against the one "
+                    "model that joined them than for it";
+  finding.advice = kTellApart;
+  findings->push_back(std::move(finding));
+}
+
 void FindLookAlikes(const Scene& scene, std::vector<Finding>* findings) {
   if (scene.evidence.contradictions == 0) return;
   Finding finding;
@@ -324,9 +344,7 @@ void FindLookAlikes(const Scene& scene, std::vector<Finding>* findings) {
                     std::to_string(scene.evidence.contradictions) +
                     " of the strongest matches between photos: parts of the "
                     "scene that look alike may have been mixed up";
-  finding.advice =
-      "add photos that show the parts that look alike together with what "
-      "tells them apart";
+  finding.advice = kTellApart;
   findings->push_back(std::move(finding));
 }
 
@@ -344,6 +362,7 @@ std::vector<Finding> Diagnose(const SceneEvidence& evidence,
   FindLittleTexture(scene, &findings);
   FindSeparateScenes(scene, &findings);
   FindNoOverlap(scene, &findings);
+  FindUnplaced(scene, &findings);
   FindLookAlikes(scene, &findings);
   std::stable_sort(
       findings.begin(), findings.end(), [](const Finding& a, const Finding& b) {

@@ -45,6 +45,10 @@ struct SceneEvidence {
   std::vector<PairEvidence> pairs;
   int64_t matched_pairs = 0;  // How many pairs were compared.
   size_t contradictions = 0;  // See view_graph.h.
+
+  // Photos that a first model had, and that are not in the best one because
+  // only what looks alike held them to it (separate_parts.h).
+  std::vector<std::string> unplaced;
   bool all_pairs_compared() const {
     const auto count = static_cast<int64_t>(photos.size());
     return matched_pairs >= count * (count - 1) / 2;

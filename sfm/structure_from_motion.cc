@@ -4,6 +4,7 @@
 #include "sfm/structure_from_motion.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <system_error>
 #include <thread>
 
@@ -13,7 +14,9 @@
 #include "sfm/ladder.h"
 #include "sfm/match_database.h"
 #include "sfm/reconcile.h"
+#include "sfm/separate_parts.h"
 #include "sfm/step_record.h"
+#include "sfm/view_graph.h"
 
 namespace freegs::sfm {
 namespace {
@@ -92,6 +95,45 @@ void WarnOfAttempts(const std::vector<Attempt>& attempts,
   warnings->push_back("the usual way registered only " +
                       std::to_string(attempts[0].registered) + " of " +
                       std::to_string(photos) + " photos; what helped: " + kept);
+}
+
+// Replaces a model that turns out to be glued parts.
+Status TakeSeparated(const StepContext& context,
+                     int64_t matched_pairs,
+                     AttemptStore* store,
+                     SceneEvidence* evidence,
+                     SfmResult* result) {
+  FREEGS_ASSIGN_OR_RETURN(SeparatedParts parts,
+                          SeparateParts(context,
+                                        result->database,
+                                        evidence->all_pairs_compared(),
+                                        result->models,
+                                        store));
+  if (parts.models.empty()) return {};
+  result->models = std::move(parts.models);
+  for (Attempt& attempt : parts.attempts) {
+    result->attempts.push_back(std::move(attempt));
+  }
+  char score[16];
+  std::snprintf(score, sizeof(score), "%.2f", parts.score);
+  result->warnings.push_back(
+      "parts of the scene look alike: a first model had glued " +
+      std::to_string(parts.groups) +
+      " groups of photos, of the evidence between which only a share of " +
+      score + " supported it");
+  FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
+                          MatchDatabase::Open(parts.database));
+  if (result->database != parts.database) {
+    result->database = parts.database;
+    FREEGS_ASSIGN_OR_RETURN(
+        *evidence,
+        CollectEvidence(context.input.photos, database, matched_pairs));
+  }
+  evidence->unplaced = std::move(parts.unplaced);
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<PairAgreement> pairs,
+                          MeasureAgreement(result->models[0], database));
+  result->contradictions = FindContradictions(pairs).strongest.size();
+  return {};
 }
 
 }  // namespace
@@ -191,7 +233,9 @@ StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
   result.database = std::move(best.database);
   result.attempts = std::move(best.attempts);
   result.contradictions = reconciled.contradictions;
-  best.evidence.contradictions = reconciled.contradictions;
+  FREEGS_RETURN_IF_ERROR(
+      TakeSeparated(context, pairs, &store, &best.evidence, &result));
+  best.evidence.contradictions = result.contradictions;
   result.findings = Diagnose(best.evidence, result.models, diagnosis);
   result.unregistered =
       ExplainUnregistered(best.evidence, result.models, diagnosis);
