@@ -208,6 +208,7 @@ StatusOr<SeparatedParts> Separation::Run(const fs::path& database,
   if (!IsGood()) FREEGS_RETURN_IF_ERROR(TakeFeatures(all_pairs, models));
   TakeApart(&result);
   result.database = best_.database;
+  result.one = best_.groups.consistent();
   result.attempts = std::move(attempts_);
   std::set<std::string> placed;
   for (const PosedImage& image : result.models[0].images) {

@@ -25,6 +25,9 @@ struct SeparatedParts {
   std::vector<Reconstruction> models;
   std::filesystem::path database;  // What these were made from.
 
+  // Whether the first of these holds together, by all matches of the database.
+  bool one = false;
+
   // Photos of the model given whose places relative to the first of these are
   // unknown.
   std::vector<std::string> unplaced;

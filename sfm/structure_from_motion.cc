@@ -130,6 +130,13 @@ Status TakeSeparated(const StepContext& context,
         CollectEvidence(context.input.photos, database, matched_pairs));
   }
   evidence->unplaced = std::move(parts.unplaced);
+  // Where look-alikes glue a model they are among the strongest matches: that a
+  // model contradicts some of these is then nothing against it, if all matches
+  // taken together are for it.
+  if (parts.one) {
+    result->contradictions = 0;
+    return {};
+  }
   FREEGS_ASSIGN_OR_RETURN(const std::vector<PairAgreement> pairs,
                           MeasureAgreement(result->models[0], database));
   result->contradictions = FindContradictions(pairs).strongest.size();
