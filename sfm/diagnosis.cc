@@ -12,6 +12,10 @@
 namespace freegs::sfm {
 namespace {
 
+// Points that a photo of a model must see on average. Models of blurred or bare
+// scenes have some 50 of mostly wrong ones, sound ones hundreds.
+constexpr double kFewObservations = 48;
+
 double Quantile(std::vector<double> values, double share) {
   if (values.empty()) return 0;
   const auto at =
@@ -133,7 +137,7 @@ void FindBlur(const Scene& scene, std::vector<Finding>* findings) {
   finding.advice =
       "take them again with a steady hand, focused and with more light";
   const double scale = Quantile(scales, 0.5);
-  if (!scene.good() && scale > scene.options.blurred_scale) {
+  if (scale > scene.options.blurred_scale) {
     finding.severity = Severity::kDegrading;
     finding.evidence = {{"median_feature_scale", scale},
                         {"limit", scene.options.blurred_scale},
@@ -202,6 +206,29 @@ void FindLittleTexture(const Scene& scene, std::vector<Finding>* findings) {
                       " too little texture (fewer than " +
                       std::to_string(scene.options.few_features) + " features)";
   }
+  findings->push_back(std::move(finding));
+}
+
+// A model that hangs on a few points per photo: its poses cannot be trusted.
+void FindThinModel(const Scene& scene, std::vector<Finding>* findings) {
+  if (scene.models.empty() || scene.registered == 0) return;
+  size_t observations = 0;
+  for (const Point3D& point : scene.models[0].points3d) {
+    observations += point.track.size();
+  }
+  const double each =
+      static_cast<double>(observations) / static_cast<double>(scene.registered);
+  if (each >= kFewObservations) return;
+  Finding finding;
+  finding.kind = FindingKind::kTooLittleTexture;
+  finding.severity = Severity::kFatal;
+  finding.evidence = {{"points_per_photo", each}, {"few", kFewObservations}};
+  finding.message = "the model hangs on too little: a photo sees " +
+                    Text(each) +
+                    " of its points on average, so that its poses cannot be "
+                    "trusted";
+  finding.advice =
+      "take sharper photos, with more textured surroundings in each";
   findings->push_back(std::move(finding));
 }
 
@@ -360,6 +387,7 @@ std::vector<Finding> Diagnose(const SceneEvidence& evidence,
   FindNoBaseline(scene, &findings);
   FindBlur(scene, &findings);
   FindLittleTexture(scene, &findings);
+  FindThinModel(scene, &findings);
   FindSeparateScenes(scene, &findings);
   FindNoOverlap(scene, &findings);
   FindUnplaced(scene, &findings);

@@ -167,7 +167,7 @@ TurningOnTheSpot MeasureTurning(const SceneEvidence& evidence) {
     if (pair.homography) sample.push_back(&pair);
   }
   const size_t step = std::max<size_t>(1, sample.size() / kMaxSample);
-  for (double focal = 0.5; focal < 2.55 && !sample.empty(); focal += 0.1) {
+  for (double focal = 0.5; focal < 1.65 && !sample.empty(); focal += 0.1) {
     std::vector<double> ratios;
     for (size_t i = 0; i < sample.size(); i += step) {
       ratios.push_back(Stretch(*sample[i]->homography,

@@ -92,8 +92,8 @@ struct TurningOnTheSpot {
 
   // Of the homographies H, the median ratio of the largest to the smallest
   // singular value of inv(K) H K: 1 for a rotation. K has the focal length, out
-  // of 0.5 to 2.5 times the longest side, for which this is least. 0 when there
-  // are none.
+  // of 0.5 to 1.6 times the longest side, for which this is least. 0 when there
+  // are none. (With longer lenses a step along a wall looks like a turn.)
   double stretch = 0;
 
   // The camera only turned: nothing can be triangulated.

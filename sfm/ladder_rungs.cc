@@ -40,6 +40,20 @@ StatusOr<AttemptResult> MapWith(const RungInput& input, Mapping mapping) {
   return result;
 }
 
+// Maps other matches. Lower thresholds take long on photos that do not belong
+// together, so they are for when there is nothing to lose.
+StatusOr<Models> MapAnew(const RungInput& input,
+                         const StepContext& context,
+                         const fs::path& database) {
+  if (input.models.empty()) return MapBest(context, database, Scratch(input));
+  FREEGS_ASSIGN_OR_RETURN(Models models,
+                          MapPhotos(context, database, Scratch(input), {}));
+  SortBySize(&models);
+  std::error_code ignored;
+  fs::remove_all(Scratch(input), ignored);
+  return models;
+}
+
 StatusOr<AttemptResult> MatchAgain(const RungInput& input,
                                    const SfmOptions& options,
                                    const DescriptorMatchingOptions& matching) {
@@ -56,8 +70,7 @@ StatusOr<AttemptResult> MatchAgain(const RungInput& input,
       MatchFeatures(context, database, {}, [](int) { return Status(); }));
   AttemptResult result;
   result.has_database = true;
-  FREEGS_ASSIGN_OR_RETURN(result.models,
-                          MapBest(context, database, Scratch(input)));
+  FREEGS_ASSIGN_OR_RETURN(result.models, MapAnew(input, context, database));
   return result;
 }
 
@@ -171,8 +184,7 @@ StatusOr<AttemptResult> TakeMoreFeatures(const RungInput& input) {
       MatchFeatures(context, database, {}, [](int) { return Status(); }));
   AttemptResult result;
   result.has_database = true;
-  FREEGS_ASSIGN_OR_RETURN(result.models,
-                          MapBest(context, database, Scratch(input)));
+  FREEGS_ASSIGN_OR_RETURN(result.models, MapAnew(input, context, database));
   return result;
 }
 

@@ -150,7 +150,15 @@ TEST(Diagnose, AllPhotosBlurred) {
   for (PhotoEvidence& photo : evidence.photos) photo.feature_scale = 0.015;
   EXPECT_THAT(Kinds(Diagnose(evidence, {}, {})),
               ElementsAre(FindingKind::kBlurred));
-  EXPECT_THAT(Diagnose(evidence, ModelOf(12, 12), {}), IsEmpty());
+  // Also when they could be registered somehow.
+  EXPECT_THAT(Kinds(Diagnose(evidence, ModelOf(12, 12), {})),
+              ElementsAre(FindingKind::kBlurred));
+}
+
+TEST(Diagnose, ModelOfFewPoints) {
+  const auto findings = Diagnose(Chain(12), ModelOf(12, 12, 30), {});
+  EXPECT_THAT(Kinds(findings), ElementsAre(FindingKind::kTooLittleTexture));
+  EXPECT_EQ(findings[0].severity, Severity::kFatal);
 }
 
 TEST(Diagnose, TurningOnTheSpot) {

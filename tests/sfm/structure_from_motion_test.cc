@@ -160,7 +160,7 @@ TEST_F(StructureFromMotionTest, ClimbsTheLadderInOrderAndOnce) {
 }
 
 TEST_F(StructureFromMotionTest, LadderStopsWhereTheCostsEnd) {
-  options_.max_retry_cost = 0.5;
+  options_.max_retry_cost = 0.7;
   const auto result = Run({{"FAKE_COLMAP_MODELS", "4"}});
   ASSERT_TRUE(result.ok());
   for (const Attempt& attempt : result->attempts) {
