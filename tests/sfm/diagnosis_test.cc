@@ -236,6 +236,19 @@ TEST(Diagnose, NoOverlap) {
   EXPECT_THAT(one[0].photos, ElementsAre(PhotoName(11)));
 }
 
+TEST(Diagnose, UnplacedPhotosAreNamed) {
+  SceneEvidence evidence = Chain(12);
+  evidence.unplaced = {PhotoName(10), PhotoName(11)};
+  const auto found = Diagnose(evidence, ModelOf(10, 12), {});
+  ASSERT_THAT(Kinds(found), testing::Contains(FindingKind::kLookAlikes));
+  for (const Finding& finding : found) {
+    if (finding.kind != FindingKind::kLookAlikes) continue;
+    EXPECT_EQ(finding.severity, Severity::kDegrading);
+    EXPECT_THAT(finding.photos, ElementsAre(PhotoName(10), PhotoName(11)));
+    EXPECT_THAT(finding.message, HasSubstr(PhotoName(11)));
+  }
+}
+
 TEST(Diagnose, LookAlikes) {
   SceneEvidence evidence = Chain(12);
   evidence.contradictions = 3;
