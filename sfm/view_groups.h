@@ -44,8 +44,8 @@ struct ViewGroups {
   std::vector<std::vector<uint32_t>> groups;
 
   // Where the evidence is weakest, the share of it that supports the model:
-  // 1 when nothing is against it. Models known to be right have 0.6 to 1, glued
-  // ones 0.1 to 0.35.
+  // 1 when nothing is against it. Models seen to be right had 0.56 or
+  // more, glued ones 0.35 or less (docs/sfm.md).
   double score = 1;
 
   // Pairs across groups whose matches fit the model: what glued them.
