@@ -27,6 +27,11 @@ WAYS = {
     "geometry": ["--bootstrap.mode", "geometry"],
     "lift": ["--bootstrap.mode", "lift"],
     "paper": ["--bootstrap.mode", "paper"],
+    # Nothing that needs instances; Gaussians answer to words, each for itself.
+    "no clustering": ["--bootstrap.mode", "paper",
+                      "--bootstrap.cluster_start", "0",
+                      "--bootstrap.contrastive_weight", "0",
+                      "--bootstrap.instance_weight", "0"],
     "no alternation": ["--bootstrap.mode", "paper",
                        "--bootstrap.cluster_start", "0"],
     "no L_C": ["--bootstrap.mode", "paper",
@@ -45,6 +50,7 @@ WAYS = {
     "no CRF": ["--bootstrap.mode", "lift",
                "--bootstrap.refine_masks", "false"],
 }
+EVAL_OPTIONS = {"no clustering": ["--text-from", "gaussians"]}
 METRICS = ["instance_miou", "click_miou", "text_miou", "text_mbiou",
            "box_miou", "box_recall25", "box_recall50", "view_consistency",
            "pq"]
@@ -58,18 +64,19 @@ def borrowed(workspace, folder):
     return folder
 
 
-def measure(program, workspace, truth, options, seed, extra):
+def measure(program, workspace, truth, way, seed, extra):
     with tempfile.TemporaryDirectory() as folder:
         borrowed(workspace.replace("{seed}", seed), folder)
         command = [program, "stage", "bootstrap", folder, "--seed", seed,
-                   *options, *extra]
+                   *WAYS[way], *extra]
         done = subprocess.run(command, text=True, capture_output=True,
                               check=False)
         if done.returncode != 0:
             sys.exit(f"{' '.join(command)}: {done.stderr[-2000:]}")
         result = os.path.join(folder, "eval.json")
         subprocess.run([program, "eval", folder, "--gt", truth,
-                        "--json", result], check=True, capture_output=True)
+                        "--json", result, *EVAL_OPTIONS.get(way, [])],
+                       check=True, capture_output=True)
         quality = json.loads(Path(result).read_text())
         stage = json.loads(
             Path(folder, "bootstrap", "metrics.json").read_text())
@@ -117,8 +124,8 @@ def main():
         for workspace, truth in arguments.scene:
             for seed in arguments.seeds.split(","):
                 row = {"way": way, "scene": Path(truth).name, "seed": seed}
-                row |= measure(arguments.program, workspace, truth, WAYS[way],
-                               seed, extra)
+                row |= measure(arguments.program, workspace, truth, way, seed,
+                               extra)
                 rows.append(row)
                 print(row, file=sys.stderr, flush=True)
     names = [name for name in rows[0] if name not in ("way", "scene", "seed")]

@@ -36,6 +36,7 @@ from pathlib import Path
 # Before PyTorch: it says what to do where there is none.
 from clip_checkpoint import (CheckpointError, named_architecture,
                              random_checkpoint, read_checkpoint)
+from small_clip.stem import make_stem
 
 import torch
 import torch.nn.functional as F
@@ -56,6 +57,28 @@ def conv_of(weight, bias, norm=None):
     conv.weight.data = weight[:, :, None, None].float().contiguous()
     conv.bias.data = bias.float()
     return conv
+
+
+def scale_of(gain, offset):
+    """x * gain + offset for each channel, as a convolution."""
+    width = len(gain)
+    conv = nn.Conv2d(width, width, 1, groups=width)
+    conv.weight.data = gain.float().reshape(width, 1, 1, 1).clone()
+    conv.bias.data = offset.float().clone()
+    return conv
+
+
+def stem_of(state, width):
+    """The convolutions beside the patches' linear map that a network of
+    train_small_clip.py has; None in OpenAI's."""
+    prefix = "visual.stem."
+    own = {name[len(prefix):]: value for name, value in state.items()
+           if name.startswith(prefix)}
+    if not own:
+        return None
+    stem = make_stem(width)
+    stem.load_state_dict(own)
+    return stem
 
 
 def norm_of(state, name):
@@ -146,9 +169,8 @@ class Visual(nn.Module):
                                   self.grid).clone()
         table[0] += state["visual.class_embedding"]
         self.table = nn.Parameter(table)
-        gain, offset = norm_of(state, "visual.ln_pre")
-        self.gain = nn.Parameter(gain.expand(self.count, -1).contiguous())
-        self.offset = nn.Parameter(offset.expand(self.count, -1).contiguous())
+        self.stem = stem_of(state, self.width)
+        self.norm = scale_of(*norm_of(state, "visual.ln_pre"))
         prefix = "visual.transformer.resblocks."
         self.blocks = nn.ModuleList(
             Block(state, f"{prefix}{i}.", arch.heads, arch.activation,
@@ -159,10 +181,14 @@ class Visual(nn.Module):
                             norm_of(state, "visual.ln_post"))
 
     def forward(self, image):
-        x = self.conv(image).reshape(-1, self.width, self.count - 1)
+        x = self.conv(image)
+        if self.stem is not None:
+            x = x + self.stem(image)
+        x = x.reshape(-1, self.width, self.count - 1)
         # The class token's place: OpenCV has no constants with a batch.
         x = torch.cat([x[:, :, 0:1] * 0.0, x], 2).permute(0, 2, 1) + self.table
-        x = F.instance_norm(x) * self.gain + self.offset
+        x = self.norm(to_columns(F.instance_norm(x), self.width, self.count))
+        x = to_rows(x, self.width, self.count)
         for block in self.blocks:
             x = block(x)
         x = x[:, 1:] if self.dense else x[:, 0:1]

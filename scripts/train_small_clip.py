@@ -45,6 +45,8 @@ import torch.nn.functional as F
 
 SECOND_STAGE = 0.85  # the share of training at 112 pixels
 PREFETCH = 6
+# Of place, and of caption and property for whole images, then for patches.
+WEIGHTS = [0.2, 1, 1, 0.3, 0.7]
 library = None  # of a worker process
 
 
@@ -57,14 +59,17 @@ def start_worker(cache, seed, views, backgrounds):
 
 
 def draw_chunk(job):
-    """Images first .. first + count of a seed, and their labels."""
+    """Images first .. first + count of a seed, where the things are in
+    them, and their labels."""
     seed, first, count, size = job
     images = np.empty((count, size, size, 3), np.uint8)
-    labels = []
+    grid = size // drawings.PATCH
+    covers, labels = np.empty((count, grid, grid), np.uint8), []
     for i in range(count):
-        images[i], label = drawings.draw(library, seed, first + i, size)
+        images[i], label, covers[i] = drawings.draw_and_cover(
+            library, seed, first + i, size)
         labels.append(label)
-    return images, labels
+    return images, covers, labels
 
 
 class Ring:
@@ -75,6 +80,8 @@ class Ring:
         self.pool, self.seed, self.size = pool, arguments.seed, size
         self.fresh, self.next_image = fresh, first
         self.images = np.zeros((capacity, size, size, 3), np.uint8)
+        grid = size // drawings.PATCH
+        self.covers = np.zeros((capacity, grid, grid), np.uint8)
         self.labels = [None] * capacity
         self.filled = self.at = 0
         self.waiting = deque()
@@ -99,9 +106,9 @@ class Ring:
 
     def refresh(self):
         self.order()
-        images, labels = self.answer(*self.waiting.popleft())
-        for image, label in zip(images, labels):
-            self.images[self.at], self.labels[self.at] = image, label
+        for image, cover, label in zip(*self.answer(*self.waiting.popleft())):
+            self.images[self.at], self.covers[self.at] = image, cover
+            self.labels[self.at] = label
             self.at = (self.at + 1) % len(self.labels)
             self.filled = min(self.filled + 1, len(self.labels))
 
@@ -109,11 +116,11 @@ class Ring:
         while self.filled < min(2 * count, len(self.labels)):
             self.refresh()
         self.refresh()
-        chosen = rng.choice(self.filled, count, replace=False)
-        images = self.images[np.sort(chosen)]
+        chosen = np.sort(rng.choice(self.filled, count, replace=False))
+        images, covers = self.images[chosen], self.covers[chosen]
         if rng.random() < 0.5:
-            images = images[:, :, ::-1]
-        return images, [self.labels[i] for i in np.sort(chosen)]
+            images, covers = images[:, :, ::-1], covers[:, :, ::-1]
+        return images, covers, [self.labels[i] for i in chosen]
 
 
 def colour_may_be(label):
@@ -150,10 +157,9 @@ def may_match(labels, said):
     return torch.from_numpy(result)
 
 
-def contrastive_loss(model, image_features, texts, ends, also_right):
+def contrastive_loss(scale, image_features, text_features, also_right):
     """InfoNCE both ways; other pairs that are right too do not count."""
-    logits = model.logit_scale.exp() * (
-        image_features @ model.encode_text(texts, ends).t())
+    logits = scale * (image_features @ text_features.t())
     own = torch.eye(len(logits), dtype=torch.bool)
     logits = logits.masked_fill(also_right & ~own, -1e4)
     target = torch.arange(len(logits))
@@ -173,15 +179,11 @@ def prompts(rng):
             "material": say(MATERIALS, "object"), "shape": say(SHAPES, "")}
 
 
-def prompt_loss(model, tokenizer, image_features, labels, rng):
+def prompt_loss(scale, image_features, said, said_features, labels):
     """The contrastive loss of images against one caption for every value of
     each property: the other captions of a batch say several things at once
     and leave open which of them an image failed at."""
-    said = prompts(rng)
-    ids, ends = pad([tokenizer(text, model.arch.context_length)
-                     for texts in said.values() for text in texts])
-    logits = model.logit_scale.exp() * (
-        image_features @ model.encode_text(ids, ends).t())
+    logits = scale * (image_features @ said_features.t())
     loss, first = 0, 0
     for name, texts in said.items():
         truth = torch.tensor([getattr(label, name) for label in labels])
@@ -194,6 +196,21 @@ def prompt_loss(model, tokenizer, image_features, labels, rng):
                 logits[:, first:first + len(texts)], truth, ignore_index=-1)
         first += len(texts)
     return loss / len(said)
+
+
+def pooled(patches, covers):
+    """The mean vector of the patches that show the thing."""
+    weights = covers / covers.sum(1, keepdim=True).clamp_min(1e-6)
+    return F.normalize((patches * weights[:, :, None]).sum(1), dim=-1)
+
+
+def place_loss(scale, patches, covers, text_features):
+    """Where a caption is: of all patches of its image, in those that show the
+    thing. Minus the logarithm of their share of the softmax."""
+    logits = scale * (patches * text_features[:, None]).sum(-1)
+    share = (logits + covers.clamp_min(1e-4).log()).logsumexp(1)
+    seen = covers.sum(1) > 0
+    return (logits.logsumexp(1) - share)[seen].mean() if seen.any() else 0
 
 
 def make_optimizer(model, rate):
@@ -265,18 +282,33 @@ class Training:
             return self.step / self.arguments.steps
         return self.seconds / (60 * self.arguments.minutes)
 
+    def losses(self, rng, images, covers, labels):
+        """Of whole images and of the patches that show the thing."""
+        model = self.model
+        pairs = [vocabulary.caption(rng, label) for label in labels]
+        said = prompts(rng)
+        texts, ends = pad([self.tokenizer(text, self.arch.context_length)
+                           for text in [text for text, _ in pairs] +
+                           [text for names in said.values() for text in names]])
+        words = model.encode_text(texts, ends)
+        captions, names = words[:len(pairs)], words[len(pairs):]
+        also_right = may_match(labels, [label for _, label in pairs])
+        features, patches = model.encode_patches(normalised(images))
+        covers = torch.from_numpy(
+            np.ascontiguousarray(covers)).flatten(1).float() / 255
+        scale = model.logit_scale.exp()
+        parts = [place_loss(scale, patches, covers, captions)]
+        for vectors in (features, pooled(patches, covers)):
+            parts += [contrastive_loss(scale, vectors, captions, also_right),
+                      prompt_loss(scale, vectors, said, names, labels)]
+        return parts
+
     def train_step(self, ring, count):
         rng = np.random.default_rng((self.arguments.seed, 3, self.step))
-        images, labels = ring.batch(rng, count)
-        pairs = [vocabulary.caption(rng, label) for label in labels]
-        texts, ends = pad([self.tokenizer(text, self.arch.context_length)
-                           for text, _ in pairs])
         for group in self.optimizer.param_groups:
             group["lr"] = rate_at(self.progress(), self.arguments.rate)
-        features = self.model.encode_image(normalised(images))
-        loss = contrastive_loss(self.model, features, texts, ends, may_match(
-            labels, [said for _, said in pairs])) + prompt_loss(
-                self.model, self.tokenizer, features, labels, rng)
+        parts = self.losses(rng, *ring.batch(rng, count))
+        loss = sum(weight * part for weight, part in zip(WEIGHTS, parts))
         self.optimizer.zero_grad(set_to_none=True)
         loss.backward()
         torch.nn.utils.clip_grad_norm_(self.model.parameters(), 1.0)
@@ -285,7 +317,7 @@ class Training:
             self.model.logit_scale.clamp_(max=math.log(100))
         self.step += 1
         self.images_seen += count
-        return loss.item()
+        return [float(part) for part in parts]
 
 
 def train(state, stop):
@@ -311,9 +343,10 @@ def train(state, stop):
             state.seconds += time.time() - started
             if state.step % arguments.every == 0:
                 now = time.time()
+                said = " ".join(f"{x:.3f}" for x in np.mean(losses, 0))
                 speed = (state.images_seen - mark[1]) / (now - mark[0])
                 print(f"step {state.step}  {100 * state.progress():.1f} %  "
-                      f"loss {np.mean(losses):.3f}  {speed:.0f} images/s  "
+                      f"loss {said}  {speed:.0f} images/s  "
                       f"scale {state.model.logit_scale.exp().item():.1f}",
                       flush=True)
                 mark, losses = (now, state.images_seen), []
@@ -356,10 +389,10 @@ def parse():
                         help="no training: measure and export")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--cache", type=Path, default=drawings.default_cache())
-    for name, value in (("width", 144), ("layers", 4), ("heads", 3),
+    for name, value in (("width", 144), ("layers", 3), ("heads", 3),
                         ("text-width", 128), ("text-layers", 2),
                         ("text-heads", 4), ("batch", 256), ("pool", 8192),
-                        ("reuse", 2), ("views", 240), ("backgrounds", 400),
+                        ("reuse", 4), ("views", 240), ("backgrounds", 400),
                         ("workers", 1), ("threads", 2), ("every", 50),
                         ("test-images", 2000)):
         parser.add_argument("--" + name, type=int, default=value)

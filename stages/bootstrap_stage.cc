@@ -2,16 +2,12 @@
 
 #include "stages/bootstrap_stage.h"
 
-#include <algorithm>
 #include <chrono>
 #include <functional>
 #include <optional>
-#include <sstream>
 #include <system_error>
 #include <utility>
 #include <vector>
-
-#include <nlohmann/json.hpp>
 
 #include "core/files.h"
 #include "core/image_io.h"
@@ -24,8 +20,9 @@
 #include "semantics/instances.h"
 #include "semantics/instances_json.h"
 #include "semantics/losses/decoder_file.h"
-#include "splat/renderer.h"
+#include "stages/bootstrap_metrics.h"
 #include "stages/clip_input.h"
+#include "stages/instance_maps.h"
 #include "stages/scene_instances.h"
 #include "stages/shipped_model.h"
 #include "stages/workspace_scene.h"
@@ -102,8 +99,14 @@ class BootstrapStage : public pipeline::Stage {
          .instances = labels.labels}));
     FREEGS_RETURN_IF_ERROR(semantics::WriteInstances(
         context.output / "instances.json", instances));
-    FREEGS_RETURN_IF_ERROR(RenderMaps(scene, views, labels.labels, context));
-    return WriteMetrics(scene, field, instances, meter, context);
+    FREEGS_RETURN_IF_ERROR(
+        WriteInstanceMaps({options_.max_image_size, options_.num_previews},
+                          scene,
+                          views,
+                          labels.labels,
+                          context));
+    return WriteBootstrapMetrics(
+        options_, scene.model.size(), field, instances, meter, context);
   }
 
  private:
@@ -199,142 +202,6 @@ class BootstrapStage : public pipeline::Stage {
       last = Clock::now();
       return Status();
     };
-  }
-
-  // Maps are written atomically and depend on inputs and options only: those an
-  // interrupted run left are kept.
-  Status RenderMaps(const WorkspaceScene& scene,
-                    const std::vector<View>& views,
-                    const std::vector<int32_t>& labels,
-                    pipeline::StageContext& context) const {
-    FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> names,
-                            OutputNames(views, ".png"));
-    const int64_t count = static_cast<int64_t>(views.size());
-    const int64_t num_previews =
-        std::min<int64_t>(options_.num_previews, count);
-    for (int64_t i = 0; i < count; ++i) {
-      if (context.cancellation->cancelled()) {
-        return InterruptedError(
-            "bootstrap: stopped while drawing instance maps; those drawn are "
-            "kept");
-      }
-      context.progress({"instance maps",
-                        static_cast<double>(i),
-                        static_cast<double>(count),
-                        ""});
-      const fs::path map_path = context.output / "instances" / names[i];
-      const fs::path preview_path = context.output / "preview" / names[i];
-      // The first view of each of num_previews equal parts.
-      const bool preview = i * num_previews % count < num_previews;
-      std::error_code error;
-      if (context.resuming && fs::exists(map_path, error) &&
-          (!preview || fs::exists(preview_path, error))) {
-        continue;
-      }
-      const View& view = views[i];
-      const Pinhole camera = view.camera.LimitedTo(options_.max_image_size);
-      const Image<int32_t> map = splat::RenderLabels(scene.model,
-                                                     camera,
-                                                     view.cam_from_world,
-                                                     scene.render,
-                                                     *context.pool,
-                                                     labels);
-      if (preview) {
-        FREEGS_RETURN_IF_ERROR(
-            WritePreview(context.workspace / "undistort" / "images" / view.name,
-                         map,
-                         preview_path));
-      }
-      FREEGS_RETURN_IF_ERROR(CreateFolders(map_path.parent_path()));
-      FREEGS_RETURN_IF_ERROR(WriteLabels(map_path, EncodeInstances(map)));
-    }
-    return {};
-  }
-
-  static Status WritePreview(const fs::path& photo_path,
-                             const Image<int32_t>& map,
-                             const fs::path& path) {
-    FREEGS_ASSIGN_OR_RETURN(ImageU8 photo, ReadRgb(photo_path));
-    if (photo.width() != map.width() || photo.height() != map.height()) {
-      photo = Resize(photo, map.width(), map.height());
-    }
-    FREEGS_RETURN_IF_ERROR(CreateFolders(path.parent_path()));
-    return WriteImage(path, OverlayInstances(photo, map));
-  }
-
-  Status WriteMetrics(const WorkspaceScene& scene,
-                      const semantics::SemanticField& field,
-                      const std::vector<semantics::Instance>& instances,
-                      const pipeline::ResourceMeter& meter,
-                      pipeline::StageContext& context) const {
-    const semantics::InstanceLabels& labels = field.instances;
-    const semantics::InstanceClusteringOptions& clustering =
-        options_.method.clustering;
-    int num_background = 0;
-    nlohmann::json sizes = nlohmann::json::array();
-    for (const semantics::Instance& instance : instances) {
-      num_background += instance.background;
-      sizes.push_back(instance.num_gaussians);
-    }
-    const pipeline::ResourceUsage usage = meter.Elapsed();
-    nlohmann::json metrics = {
-        {"mode", options_.mode},
-        {"num_gaussians", scene.model.size()},
-        {"num_instances", labels.num_instances},
-        {"num_background", num_background},
-        {"scene_radius", labels.scene_radius},
-        {"num_clustered", labels.num_clustered},
-        {"num_plane_points", labels.num_plane_points},
-        {"num_clusters", labels.num_clusters},
-        {"noise_before", labels.noise_before},
-        {"noise_after", labels.noise_after},
-        {"seconds", context.earlier_seconds + usage.wall_seconds},
-        {"cpu_seconds", usage.cpu_seconds},
-        {"peak_memory_bytes", usage.peak_memory_bytes},
-        {"hdbscan",
-         {{"min_cluster_size", labels.min_cluster_size},
-          {"min_samples", clustering.hdbscan.min_samples},
-          {"cluster_selection_epsilon",
-           clustering.hdbscan.cluster_selection_epsilon},
-          {"max_cluster_size", clustering.hdbscan.max_cluster_size},
-          {"method", options_.selection}}}};
-    if (with_semantics()) {
-      for (const auto& [step, seconds] : field.seconds) {
-        metrics["step_seconds"][step] = seconds;
-      }
-      metrics["feature_dim"] = field.decoder.latent_dim();
-      metrics["num_unseen"] = field.num_unseen;
-      metrics["num_crops"] = field.vectors.num_crops;
-    }
-    if (options_.mode == "paper") {
-      metrics["iterations"] = field.steps;
-      metrics["clusterings"] = nlohmann::json::array();
-      for (const semantics::ClusteringRound& round : field.rounds) {
-        metrics["clusterings"].push_back(
-            {{"iteration", round.step},
-             {"num_instances", round.num_instances},
-             {"agreement", round.agreement}});
-      }
-    }
-    context.summary = metrics;
-    if (options_.mode == "paper") {
-      FREEGS_RETURN_IF_ERROR(WriteLosses(field.losses, context));
-    }
-    metrics["instance_sizes"] = std::move(sizes);
-    return WriteFileAtomic(context.output / "metrics.json",
-                           metrics.dump(1) + "\n");
-  }
-
-  static Status WriteLosses(const std::vector<semantics::LossRecord>& losses,
-                            const pipeline::StageContext& context) {
-    std::ostringstream csv;
-    csv << "iteration,pixel,instance,smoothing,contrastive\n";
-    for (const semantics::LossRecord& record : losses) {
-      csv << record.step << ',' << record.losses.pixel << ','
-          << record.losses.instance << ',' << record.losses.smoothing << ','
-          << record.losses.contrastive << '\n';
-    }
-    return WriteFileAtomic(context.output / "progress.csv", csv.str());
   }
 
   BootstrapStageOptions options_;

@@ -75,9 +75,6 @@ std::optional<double> BoxIouOf(
 TextQuality Summarise(const LabelTallies& tallies,
                       const std::vector<semantics::Instance>& instances) {
   TextQuality quality;
-  std::vector<double> ious;
-  std::vector<double> boundary_ious;
-  std::vector<double> box_ious;
   for (const auto& [label, tally] : tallies) {
     LabelResult result;
     result.label = label;
@@ -87,18 +84,27 @@ TextQuality Summarise(const LabelTallies& tallies,
     result.iou = MeanOrNothing(tally.ious);
     result.boundary_iou = MeanOrNothing(tally.boundary_ious);
     result.box_iou = BoxIouOf(tally, instances);
-    if (result.iou) ious.push_back(*result.iou);
-    if (result.boundary_iou) boundary_ious.push_back(*result.boundary_iou);
-    if (result.box_iou) box_ious.push_back(*result.box_iou);
     quality.labels.push_back(std::move(result));
   }
-  quality.miou = MeanOrNothing(ious);
-  quality.mbiou = MeanOrNothing(boundary_ious);
-  quality.boxes = SummariseBoxes(box_ious);
+  SummariseLabels(&quality);
   return quality;
 }
 
 }  // namespace
+
+void SummariseLabels(TextQuality* quality) {
+  std::vector<double> ious;
+  std::vector<double> boundary_ious;
+  std::vector<double> box_ious;
+  for (const LabelResult& label : quality->labels) {
+    if (label.iou) ious.push_back(*label.iou);
+    if (label.boundary_iou) boundary_ious.push_back(*label.boundary_iou);
+    if (label.box_iou) box_ious.push_back(*label.box_iou);
+  }
+  quality->miou = MeanOrNothing(ious);
+  quality->mbiou = MeanOrNothing(boundary_ious);
+  quality->boxes = SummariseBoxes(box_ious);
+}
 
 std::set<std::string> Labels(const std::vector<TrueObject>& objects) {
   std::set<std::string> labels;

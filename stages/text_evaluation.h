@@ -56,6 +56,9 @@ struct TextQuality {
   std::vector<LabelResult> labels;
 };
 
+// The means, from labels.
+void SummariseLabels(TextQuality* quality);
+
 // answers: one for each of Labels(truth.objects); a missing one is none, and
 // its mask empty. Nothing when the truth has no labels, or neither masks of
 // test views nor boxes for them. Errors as ForEachJudgedView.

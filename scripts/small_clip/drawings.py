@@ -23,6 +23,7 @@ FIXED = {solids.PAGES: (228, 220, 200), solids.STEM: (80, 52, 30),
          solids.DARK: (28, 28, 30), solids.WOOD: (168, 120, 74),
          solids.GLASS: (40, 48, 60), solids.MUZZLE: (205, 175, 135)}
 BUFFER = 112
+PATCH = 16
 
 
 class Library:
@@ -126,8 +127,9 @@ def paint(rng, library, label, view):
     return Image.fromarray(picture)
 
 
-def place(canvas, picture, center, extent, shadow):
-    """Pastes a picture, its longer side resized to `extent`."""
+def place(canvas, picture, center, extent, shadow, cover=None, value=255):
+    """Pastes a picture, its longer side resized to `extent`; into `cover`
+    goes `value` where the picture is."""
     scale = extent / max(picture.size)
     size = tuple(max(2, round(side * scale)) for side in picture.size)
     picture = picture.resize(size, Image.BICUBIC if scale > 1
@@ -142,6 +144,8 @@ def place(canvas, picture, center, extent, shadow):
                                     y + size[1] - flat_size[1] * 2 // 3),
                      alpha)
     canvas.paste(picture, (x, y), picture)
+    if cover is not None:
+        cover.paste(value, (x, y), picture)
 
 
 def background_of(rng, library, size):
@@ -193,6 +197,20 @@ GRAIN = np.random.default_rng(8).normal(0, 1, (300, 300, 3)).astype(
 
 def draw(library, seed, k, size=112, label=None):
     """(RGB image, Label) number k of a seed; of `label`, if there is one."""
+    return draw_and_cover(library, seed, k, size, label)[:2]
+
+
+def draw_and_cover(library, seed, k, size=112, label=None):
+    """draw(), and the share of each patch of 16 x 16 pixels, from 0 to 255,
+    that shows the thing."""
+    cover = Image.new("L", (size, size))
+    image, label = draw_on(cover, library, seed, k, size, label)
+    cells = np.asarray(cover, np.float32).reshape(
+        size // PATCH, PATCH, size // PATCH, PATCH).mean((1, 3))
+    return image, label, np.round(cells).astype(np.uint8)
+
+
+def draw_on(cover, library, seed, k, size, label):
     rng = np.random.default_rng((seed, k))
     canvas = background_of(rng, library, size)
     if label is None and rng.random() < 0.03:
@@ -215,9 +233,9 @@ def draw(library, seed, k, size=112, label=None):
         canvas, shadow = Image.new("RGB", (size, size), tone), 0
     else:
         add_clutter(rng, library, canvas, size, label)
-    place(canvas, picture, center, int(extent), shadow)
+    place(canvas, picture, center, int(extent), shadow, cover)
     if rng.random() < 0.2:
-        occlude(rng, library, canvas, center, extent, size, bare)
+        occlude(rng, library, canvas, cover, center, extent, bare)
     return np.asarray(finish(rng, canvas, size)), label
 
 
@@ -233,7 +251,7 @@ def add_clutter(rng, library, canvas, size, label):
               0.4)
 
 
-def occlude(rng, library, canvas, center, extent, size, bare):
+def occlude(rng, library, canvas, cover, center, extent, bare):
     """Something that hides a part; in a bare crop, a piece cut away."""
     angle = rng.uniform(0, 2 * np.pi)
     at = center + extent * rng.uniform(0.4, 0.52) * np.array(
@@ -245,7 +263,8 @@ def occlude(rng, library, canvas, center, extent, size, bare):
         tone = canvas.getpixel((0, 0))
         picture = Image.merge("RGBA", [
             Image.new("L", mask.size, value) for value in tone] + [mask])
-    place(canvas, picture, at, int(extent * rng.uniform(0.3, 0.6)), 0)
+    place(canvas, picture, at, int(extent * rng.uniform(0.3, 0.6)), 0, cover,
+          0)
 
 
 def default_cache():

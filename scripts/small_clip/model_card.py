@@ -20,8 +20,8 @@ that put pictures and words into one space of {arch.embedding_dim} dimensions.
 It knows drawn things and few words. For photographs of the world use
 `scripts/export_clip.py` with official weights.
 
-- Architecture: CLIP's ViT/{arch.patch}, width {arch.width}, {arch.layers} layers; text width
-  {arch.text_width}, {arch.text_layers} layers, {arch.context_length} positions; {count} parameters, {megabytes:.1f} MB in all files.
+- Architecture: CLIP's ViT/{arch.patch}, width {arch.width}, {arch.layers} layers, and small convolutions
+  beside its linear map of patches (scripts/small_clip/stem.py); text width {arch.text_width}, {arch.text_layers} layers, {arch.context_length} positions; {count} parameters, {megabytes:.1f} MB in all files.
 - Training: {state.images_seen} images in {state.step} steps, {state.seconds / 3600:.1f} h, seed
   {arguments.seed}, only procedural drawings by `scripts/small_clip/`; no photographs, no
   other model's outputs. `scripts/train_small_clip.py` trains it again.

@@ -12,6 +12,7 @@ from torch import nn
 
 from clip_checkpoint import Architecture
 from export_clip import MEAN, STD, resized_positions
+from .stem import make_stem
 
 CONTEXT = 32
 
@@ -50,6 +51,13 @@ class Attention(nn.Module):
         y = scores.softmax(-1) @ v
         y = y.transpose(1, 2).reshape(b, n, width)
         return linear(y, self.out_proj.weight, self.out_proj.bias)
+
+
+    def value_only(self, x):
+        value = len(self.in_proj_bias) // 3 * 2
+        return linear(linear(x, self.in_proj_weight[value:],
+                             self.in_proj_bias[value:]),
+                      self.out_proj.weight, self.out_proj.bias)
 
 
 class Mlp(nn.Module):
@@ -97,6 +105,7 @@ class Visual(nn.Module):
         width = arch.width
         self.patch = arch.patch
         self.conv1 = nn.Conv2d(3, width, arch.patch, arch.patch, bias=False)
+        self.stem = make_stem(width)
         self.class_embedding = nn.Parameter(torch.randn(width) * 0.02)
         self.positional_embedding = nn.Parameter(
             torch.randn(arch.grid ** 2 + 1, width) * 0.02)
@@ -106,12 +115,20 @@ class Visual(nn.Module):
             torch.randn(width, arch.embedding_dim) * width ** -0.5)
 
     def forward(self, images):
-        x = self.conv1(images).flatten(2).transpose(1, 2)
+        """The vectors of images, and of their patches as MaskCLIP takes them:
+        through the last block by its value projection only."""
+        x = self.conv1(images) + self.stem(images)
+        x = x.flatten(2).transpose(1, 2)
         first = self.class_embedding.expand(len(x), 1, -1)
         positions = resized_positions(self.positional_embedding,
                                       images.shape[-1] // self.patch)
         x = self.ln_pre(torch.cat([first, x], 1) + positions)
-        return self.ln_post(self.transformer(x)[:, 0]) @ self.proj
+        *blocks, last = self.transformer.resblocks
+        for block in blocks:
+            x = block(x)
+        patches = self.ln_post(last.attn.value_only(last.ln_1(x[:, 1:])))
+        return self.ln_post(last(x)[:, 0]) @ self.proj, linear(
+            patches, self.proj.t(), None)
 
 
 class SmallClip(nn.Module):
@@ -133,7 +150,11 @@ class SmallClip(nn.Module):
         self.register_buffer("mask", mask, persistent=False)
 
     def encode_image(self, images):
-        return F.normalize(self.visual(images), dim=-1)
+        return F.normalize(self.visual(images)[0], dim=-1)
+
+    def encode_patches(self, images):
+        """Vectors of images (N, D) and of their patches (N, n, D)."""
+        return (F.normalize(x, dim=-1) for x in self.visual(images))
 
     def encode_text(self, ids, ends):
         """Texts as token numbers (N, n), the end token at `ends`."""

@@ -18,6 +18,7 @@
 #include "stages/datasets/layout.h"
 #include "stages/evaluation.h"
 #include "stages/evaluation_report.h"
+#include "stages/gaussian_answers.h"
 #include "stages/instance_evaluation.h"
 #include "stages/label_answers.h"
 #include "stages/pipeline_options.h"
@@ -47,6 +48,7 @@ struct EvalRequest {
   std::string truth;
   std::string layout = "auto";
   std::string model;
+  std::string text_from = "instances";
   double text_threshold = 0;
   bool background = false;
   std::string json_file;
@@ -72,10 +74,17 @@ StatusOr<EvalRequest> ParseRequest(const std::vector<std::string>& arguments) {
             &request.model,
             {.help = "Folder of the CLIP model that the truth's labels are "
                      "asked with; the workspace's own when not given."});
+  table.Add("text-from",
+            &request.text_from,
+            {.help = "Who answers to labels: the best of all instances, or "
+                     "all Gaussians that a label is relevant to, each for "
+                     "itself, as if there were no instances.",
+             .choices = {"instances", "gaussians"}});
   table.Add("text-threshold",
             &request.text_threshold,
             {.help = "Relevancy below which a label has no answer; 0 takes the "
-                     "best instance whatever its relevancy.",
+                     "best instance whatever its relevancy, and Gaussians of "
+                     "0.5 and more.",
              .min = 0,
              .max = 1});
   table.Add("json",
@@ -156,6 +165,28 @@ StatusOr<std::optional<std::vector<int32_t>>> ReadInstances(
   return std::optional(std::move(labels));
 }
 
+Status MeasureTextOfGaussians(const EvalRequest& request,
+                              const WorkspaceScene& scene,
+                              const AlignedTruth& aligned,
+                              CommandContext& context,
+                              ThreadPool& pool,
+                              EvaluationReport* report) {
+  report->text_threshold =
+      request.text_threshold > 0 ? request.text_threshold : 0.5;
+  FREEGS_ASSIGN_OR_RETURN(GaussianTextQuality found,
+                          MeasureGaussianText(request.workspace,
+                                              request.model,
+                                              *report->text_threshold,
+                                              scene,
+                                              aligned.truth,
+                                              aligned.truth_from_scene,
+                                              context.cancellation,
+                                              pool));
+  report->text_model = std::move(found.model);
+  report->text = std::move(found.text);
+  return Status();
+}
+
 // Leaves the text figures out, and says why, when there is nobody to answer.
 Status MeasureText(const EvalRequest& request,
                    const WorkspaceScene& scene,
@@ -224,6 +255,10 @@ Status CompareWithTruth(const EvalRequest& request,
                                                  EvaluationOptions(),
                                                  context.cancellation,
                                                  pool));
+  if (request.text_from == "gaussians") {
+    return MeasureTextOfGaussians(
+        request, scene, aligned, context, pool, report);
+  }
   return MeasureText(
       request, scene, *instances, aligned, context, pool, report);
 }

@@ -26,6 +26,7 @@ import export_clip  # noqa: E402
 from clip_checkpoint import (Architecture, CheckpointError,  # noqa: E402
                              architecture_of, random_checkpoint,
                              read_checkpoint, read_safetensors)
+from small_clip.network import SmallClip  # noqa: E402
 
 MERGES = "#version: 0.2\nr e\nre d</w>\n"
 ARCH = Architecture(image_size=16, patch=8, width=16, layers=2, heads=2,
@@ -177,6 +178,28 @@ class ExportClipTest(unittest.TestCase):
                 result = export_clip.Text(self.state, arch).eval()(vectors)
                 torch.testing.assert_close(
                     result[0, 4], reference.encode_text(self.state, arch, ids),
+                    rtol=1e-3, atol=1e-4)
+
+    def test_small_network_is_exported_as_it_was_trained(self):
+        arch = Architecture(image_size=32, patch=16, width=24, layers=2,
+                            heads=2, embedding_dim=8, text_width=12,
+                            text_layers=1, text_heads=3, context_length=32,
+                            vocab_size=516)
+        model = SmallClip(arch).eval()
+        for parameter in model.parameters():
+            torch.nn.init.normal_(parameter, std=0.2)
+        state = {name: value.detach()
+                 for name, value in model.state_dict().items()}
+        with torch.no_grad():
+            for size in (32, 64):
+                images = torch.randn(1, 3, size, size)
+                whole, patches = model.visual(images)
+                result = export_clip.Visual(state, arch, size, dense=False)
+                torch.testing.assert_close(result.eval()(images), whole,
+                                           rtol=1e-3, atol=1e-4)
+                result = export_clip.Visual(state, arch, size, dense=True)
+                torch.testing.assert_close(
+                    result.eval()(images).flatten(2).transpose(1, 2), patches,
                     rtol=1e-3, atol=1e-4)
 
     def test_equal_parameters_are_told_apart(self):
