@@ -74,6 +74,8 @@ Status AttemptStore::Write(const std::string& name,
   }
   const nlohmann::json json = {{"models", result.models.size()},
                                {"has_database", result.has_database},
+                               {"pairs", MatchedPairsToJson(result.pairs)},
+                               {"image_size", result.image_size},
                                {"counts", result.counts}};
   return WriteFileAtomic(folder / "result.json", json.dump(2) + "\n");
 }
@@ -84,12 +86,15 @@ StatusOr<AttemptResult> AttemptStore::Read(const std::string& name) const {
   const auto json = nlohmann::json::parse(text, nullptr, false);
   if (!json.is_object() || !json.contains("models") ||
       !json["models"].is_number_unsigned() || !json.contains("has_database") ||
-      !json["has_database"].is_boolean() || !json.contains("counts") ||
-      !json["counts"].is_object()) {
+      !json["has_database"].is_boolean() || !json.contains("pairs") ||
+      !json.contains("image_size") || !json["image_size"].is_number_integer() ||
+      !json.contains("counts") || !json["counts"].is_object()) {
     return BadInputError(path.string() + ": is not the result of an attempt");
   }
   AttemptResult result;
   result.has_database = json["has_database"].get<bool>();
+  result.pairs = MatchedPairsFromJson(json["pairs"]);
+  result.image_size = json["image_size"].get<int>();
   for (const auto& [key, value] : json["counts"].items()) {
     if (value.is_number_integer()) result.counts[key] = value.get<int64_t>();
   }
@@ -105,6 +110,8 @@ StatusOr<AttemptResult> AttemptStore::Read(const std::string& name) const {
 
 void AttemptStore::RemoveDatabaseOf(const std::string& name) const {
   RemoveDatabase(Database(name));
+  std::error_code ignored;
+  fs::remove(Folder(name) / "pairs.txt", ignored);
 }
 
 void AttemptStore::Remove(const fs::path& work_folder) {

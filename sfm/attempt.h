@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/status.h"
+#include "sfm/pair_selection.h"
 #include "sfm/reconstruction.h"
 #include "sfm/step_record.h"
 
@@ -45,6 +46,11 @@ struct AttemptResult {
   // before: it lies in the attempt's folder.
   bool has_database = false;
 
+  // With a database: the pairs of photos that were matched for it, and the size
+  // of the images that features were taken from, if it was another one; else 0.
+  MatchedPairs pairs;
+  int image_size = 0;
+
   std::map<std::string, int64_t> counts;  // Whatever else is to be kept.
 };
 
@@ -65,7 +71,8 @@ class AttemptStore {
       const std::string& name,
       const std::function<StatusOr<AttemptResult>()>& run);
 
-  // Deletes the database of an attempt that was not kept.
+  // Deletes the database, and its list of pairs, of an attempt that was not
+  // kept.
   void RemoveDatabaseOf(const std::string& name) const;
 
   // Deletes all that is kept in a work folder.

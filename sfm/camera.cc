@@ -9,6 +9,8 @@
 #include <limits>
 #include <string>
 
+#include "sfm/camera_projection.h"
+
 namespace freegs::sfm {
 namespace {
 
@@ -25,76 +27,6 @@ constexpr std::array<CameraModelInfo, 11> kModels = {{
     {CameraModel::kRadialFisheye, "RADIAL_FISHEYE", 5, 1},
     {CameraModel::kThinPrismFisheye, "THIN_PRISM_FISHEYE", 12, 2},
 }};
-
-// Shift of the normalised point (u, v) by two tangential coefficients.
-Eigen::Vector2d Tangential(const Eigen::Vector2d& uv, double p1, double p2) {
-  const double r2 = uv.squaredNorm();
-  const double xy = uv.x() * uv.y();
-  return {2 * p1 * xy + p2 * (r2 + 2 * uv.x() * uv.x()),
-          2 * p2 * xy + p1 * (r2 + 2 * uv.y() * uv.y())};
-}
-
-// Moves a normalised point from distance tan(theta) of the centre to theta.
-Eigen::Vector2d Equidistant(const Eigen::Vector2d& uv) {
-  const double r = uv.norm();
-  return r > 1e-12 ? Eigen::Vector2d(uv * (std::atan(r) / r)) : uv;
-}
-
-// The distorted normalised point; d are the distortion parameters.
-Eigen::Vector2d Distort(CameraModel model,
-                        std::span<const double> d,
-                        const Eigen::Vector2d& pinhole) {
-  switch (model) {
-    case CameraModel::kSimplePinhole:
-    case CameraModel::kPinhole:
-      return pinhole;
-    case CameraModel::kSimpleRadial:
-      return pinhole * (1 + d[0] * pinhole.squaredNorm());
-    case CameraModel::kRadial: {
-      const double r2 = pinhole.squaredNorm();
-      return pinhole * (1 + r2 * (d[0] + r2 * d[1]));
-    }
-    case CameraModel::kOpenCv: {
-      const double r2 = pinhole.squaredNorm();
-      return pinhole * (1 + r2 * (d[0] + r2 * d[1])) +
-             Tangential(pinhole, d[2], d[3]);
-    }
-    case CameraModel::kFullOpenCv: {
-      const double r2 = pinhole.squaredNorm();
-      const double radial = (1 + r2 * (d[0] + r2 * (d[1] + r2 * d[4]))) /
-                            (1 + r2 * (d[5] + r2 * (d[6] + r2 * d[7])));
-      return pinhole * radial + Tangential(pinhole, d[2], d[3]);
-    }
-    case CameraModel::kFov: {
-      // Devernay and Faugeras 2001: r' = atan(2 r tan(omega / 2)) / omega.
-      const double r = pinhole.norm();
-      const double omega = d[0];
-      if (std::abs(omega) < 1e-8 || r < 1e-12) return pinhole;
-      return pinhole * (std::atan(2 * r * std::tan(omega / 2)) / (omega * r));
-    }
-    case CameraModel::kSimpleRadialFisheye: {
-      const Eigen::Vector2d uv = Equidistant(pinhole);
-      return uv * (1 + d[0] * uv.squaredNorm());
-    }
-    case CameraModel::kRadialFisheye: {
-      const Eigen::Vector2d uv = Equidistant(pinhole);
-      const double r2 = uv.squaredNorm();
-      return uv * (1 + r2 * (d[0] + r2 * d[1]));
-    }
-    case CameraModel::kOpenCvFisheye: {
-      const Eigen::Vector2d uv = Equidistant(pinhole);
-      const double r2 = uv.squaredNorm();
-      return uv * (1 + r2 * (d[0] + r2 * (d[1] + r2 * (d[2] + r2 * d[3]))));
-    }
-    case CameraModel::kThinPrismFisheye: {
-      const Eigen::Vector2d uv = Equidistant(pinhole);
-      const double r2 = uv.squaredNorm();
-      return uv * (1 + r2 * (d[0] + r2 * (d[1] + r2 * (d[4] + r2 * d[5])))) +
-             Tangential(uv, d[2], d[3]) + Eigen::Vector2d(d[6], d[7]) * r2;
-    }
-  }
-  return pinhole;
-}
 
 bool IsPerspective(CameraModel model) {
   switch (model) {
@@ -188,8 +120,8 @@ Status Camera::Check() const {
 std::optional<Eigen::Vector2d> Project(const Camera& camera,
                                        const Eigen::Vector3d& point) {
   if (!(point.z() > std::numeric_limits<double>::epsilon())) return {};
-  const Eigen::Vector2d uv =
-      Distort(camera.model, camera.Distortion(), point.head<2>() / point.z());
+  const Eigen::Vector2d uv = Distort<double>(
+      camera.model, camera.Distortion().data(), point.head<2>() / point.z());
   const Eigen::Vector2d pixel(camera.FocalX() * uv.x() + camera.PrincipalX(),
                               camera.FocalY() * uv.y() + camera.PrincipalY());
   if (!pixel.allFinite()) return {};

@@ -98,6 +98,10 @@ StatusOr<ColmapArguments> ExtractorArguments(const StepContext& context,
   arguments.Require("database_path", database.string());
   arguments.Require("image_path", context.input.photo_folder.string());
   arguments.Require("image_list_path", image_list.string());
+  if (!context.input.mask_folder.empty()) {
+    arguments.Require("ImageReader.mask_path",
+                      context.input.mask_folder.string());
+  }
   arguments.Prefer({"FeatureExtraction.use_gpu", "SiftExtraction.use_gpu"},
                    context.options.use_gpu ? "1" : "0");
   arguments.Prefer(
@@ -124,7 +128,7 @@ Status ExtractGroups(const StepContext& context,
                      int max_image_size,
                      int max_features) {
   const CameraModelInfo* model =
-      FindCameraModel(std::string_view(context.options.camera_model));
+      FindCameraModel(std::string_view(context.options.ColmapCameraModel()));
   double finished = 0;
   for (const CameraGroup& group :
        GroupPhotos(context.input, context.options.camera)) {
@@ -137,7 +141,8 @@ Status ExtractGroups(const StepContext& context,
                                                num_threads,
                                                max_image_size,
                                                max_features));
-    arguments.Require("ImageReader.camera_model", context.options.camera_model);
+    arguments.Require("ImageReader.camera_model",
+                      context.options.ColmapCameraModel());
     arguments.Require(group.shared ? "ImageReader.single_camera"
                                    : "ImageReader.single_camera_per_image",
                       "1");

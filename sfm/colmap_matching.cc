@@ -15,6 +15,7 @@
 #include "sfm/colmap_steps.h"
 #include "sfm/descriptor_matching.h"
 #include "sfm/match_database.h"
+#include "sfm/pair_selection.h"
 
 namespace freegs::sfm {
 namespace {
@@ -23,6 +24,10 @@ namespace fs = std::filesystem;
 
 constexpr size_t kMaxPortions = 32;
 constexpr size_t kMinPairsPerPortion = 20;
+
+// How often pairs are chosen: to begin with, and where that connects too
+// little.
+constexpr int kMaxRounds = 3;
 
 // COLMAP would call pairs with fewer matches unrelated without looking at them
 // (SiftMatching.min_num_inliers).
@@ -63,14 +68,22 @@ class Matcher {
         base_path_(context.input.work_folder / "matches.db"),
         pool_(context.num_threads) {}
 
-  // Splits the pairs into portions and reads the descriptors.
-  Status Prepare(const std::set<int>& done);
+  // Finds the photos that have features, and reads these.
+  Status Prepare();
 
-  Status Run(const std::function<Status(int portion)>& on_done);
+  // Matches the pairs that SelectPairs() and then SelectMorePairs() name.
+  // Portions in `done` are already in the database.
+  StatusOr<MatchedPairs> Run(const std::set<int>& done,
+                             const std::function<Status(int)>& on_done);
 
  private:
-  Status ReadDescriptors(const MatchDatabase& database,
-                         const std::vector<MatchDatabase::Photo>& photos);
+  StatusOr<PhotoSimilarity> CompareLooks();
+  StatusOr<std::vector<PhotoPair>> Verified(
+      const std::set<PhotoPair>& tried) const;
+  Status WritePairs(const std::set<PhotoPair>& pairs) const;
+  Status MatchRound(const std::vector<PhotoPair>& pairs,
+                    const std::set<int>& done,
+                    const std::function<Status(int)>& on_done);
   Status MakeBase(const MatchDatabase& database);
   StatusOr<std::string> MatchPairs(const Portion& portion);
   StatusOr<ChildCommand> StartPortion(const Portion& portion);
@@ -80,13 +93,16 @@ class Matcher {
   const fs::path database_path_;
   const fs::path base_path_;  // What each portion starts from.
   ThreadPool pool_;
+  std::vector<uint32_t> ids_;  // Of photos with features, in the order given.
+  std::vector<std::string> names_;  // Of the same.
+  int num_portions_ = 0;            // Of the rounds so far.
   std::vector<Portion> todo_;
   std::map<uint32_t, SiftDescriptors> descriptors_;
   double total_ = 0;
   double matched_ = 0;
 };
 
-Status Matcher::Prepare(const std::set<int>& done) {
+Status Matcher::Prepare() {
   FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
                           MatchDatabase::Open(database_path_));
   FREEGS_ASSIGN_OR_RETURN(const std::vector<MatchDatabase::Photo> photos,
@@ -96,36 +112,63 @@ Status Matcher::Prepare(const std::set<int>& done) {
     if (photo.num_features > 0) ids[photo.name] = photo.id;
   }
   // Photos that COLMAP could not read, or without features, are left out.
-  std::vector<uint32_t> usable;
   for (const SfmPhoto& photo : context_.input.photos) {
     const auto it = ids.find(photo.name);
-    if (it != ids.end()) usable.push_back(it->second);
+    if (it == ids.end()) continue;
+    ids_.push_back(it->second);
+    names_.push_back(photo.name);
+    FREEGS_ASSIGN_OR_RETURN(descriptors_[it->second],
+                            database.Descriptors(it->second));
   }
-  std::vector<IdPair> pairs;
-  for (const auto& [i, j] :
-       SelectPairs(static_cast<int>(usable.size()), context_.options)) {
-    pairs.emplace_back(usable[i], usable[j]);
-  }
-  total_ = static_cast<double>(pairs.size());
-
-  const size_t size = std::max(
-      kMinPairsPerPortion, (pairs.size() + kMaxPortions - 1) / kMaxPortions);
-  for (size_t first = 0; first < pairs.size(); first += size) {
-    Portion portion;
-    portion.number = static_cast<int>(first / size);
-    portion.pairs.assign(pairs.begin() + first,
-                         pairs.begin() + std::min(first + size, pairs.size()));
-    if (done.contains(portion.number)) {
-      matched_ += static_cast<double>(portion.pairs.size());
-      // Left behind when killed right after it was recorded.
-      PortionFiles(context_.input.work_folder, portion.number).Remove();
-    } else {
-      todo_.push_back(std::move(portion));
-    }
-  }
-  context_.Report("matching", matched_, total_, "");
-  FREEGS_RETURN_IF_ERROR(ReadDescriptors(database, photos));
   return MakeBase(database);
+}
+
+// What was matched, as the list of names that COLMAP's matches_importer takes
+// (match_type pairs).
+Status Matcher::WritePairs(const std::set<PhotoPair>& pairs) const {
+  std::string text;
+  for (const auto& [i, j] : pairs) {
+    text += names_[i] + " " + names_[j] + "\n";
+  }
+  return WriteFileAtomic(database_path_.parent_path() / "pairs.txt", text);
+}
+
+// How alike the photos look; empty when nobody asks.
+StatusOr<PhotoSimilarity> Matcher::CompareLooks() {
+  if (!NeedsSimilarity(static_cast<int>(ids_.size()), context_.options.pairs)) {
+    return PhotoSimilarity();
+  }
+  FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
+                          MatchDatabase::Open(database_path_));
+  std::vector<PhotoFeatures> features;
+  for (const uint32_t id : ids_) {
+    FREEGS_ASSIGN_OR_RETURN(std::vector<float> scales,
+                            database.FeatureScales(id));
+    features.push_back({&descriptors_.at(id), std::move(scales)});
+  }
+  GlobalDescriptorOptions options;
+  options.seed = context_.input.seed;
+  return PhotoSimilarity(DescribePhotos(features, options, &pool_), &pool_);
+}
+
+// Those of the pairs that COLMAP found to fit.
+StatusOr<std::vector<PhotoPair>> Matcher::Verified(
+    const std::set<PhotoPair>& tried) const {
+  FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
+                          MatchDatabase::Open(database_path_));
+  std::map<uint32_t, int> index;
+  for (size_t i = 0; i < ids_.size(); ++i) index[ids_[i]] = static_cast<int>(i);
+  std::vector<PhotoPair> verified;
+  FREEGS_RETURN_IF_ERROR(database.ForEachVerifiedPair(
+      [&](uint32_t id1, uint32_t id2, std::span<const FeatureMatch>) {
+        const auto first = index.find(id1);
+        const auto second = index.find(id2);
+        if (first == index.end() || second == index.end()) return;
+        const PhotoPair pair = std::minmax(first->second, second->second);
+        // An interrupted call may have left pairs of later rounds.
+        if (tried.contains(pair)) verified.push_back(pair);
+      }));
+  return verified;
 }
 
 // A small copy of the database: photos and keypoints, under plain names.
@@ -142,16 +185,6 @@ Status Matcher::MakeBase(const MatchDatabase& database) {
     FREEGS_RETURN_IF_ERROR(copy.CopyTo(base_path_));
   }
   RemoveDatabase(whole);
-  return {};
-}
-
-Status Matcher::ReadDescriptors(
-    const MatchDatabase& database,
-    const std::vector<MatchDatabase::Photo>& photos) {
-  for (const MatchDatabase::Photo& photo : photos) {
-    FREEGS_ASSIGN_OR_RETURN(descriptors_[photo.id],
-                            database.Descriptors(photo.id));
-  }
   return {};
 }
 
@@ -228,7 +261,30 @@ Status Matcher::FinishPortion(const Portion& portion,
   return {};
 }
 
-Status Matcher::Run(const std::function<Status(int portion)>& on_done) {
+Status Matcher::MatchRound(const std::vector<PhotoPair>& pairs,
+                           const std::set<int>& done,
+                           const std::function<Status(int)>& on_done) {
+  total_ += static_cast<double>(pairs.size());
+  todo_.clear();
+  const size_t size = std::max(
+      kMinPairsPerPortion, (pairs.size() + kMaxPortions - 1) / kMaxPortions);
+  for (size_t first = 0; first < pairs.size(); first += size) {
+    Portion portion;
+    portion.number = num_portions_++;
+    const size_t end = std::min(first + size, pairs.size());
+    for (size_t k = first; k < end; ++k) {
+      portion.pairs.emplace_back(ids_[pairs[k].first], ids_[pairs[k].second]);
+    }
+    if (done.contains(portion.number)) {
+      matched_ += static_cast<double>(portion.pairs.size());
+      // Left behind when killed right after it was recorded.
+      PortionFiles(context_.input.work_folder, portion.number).Remove();
+    } else {
+      todo_.push_back(std::move(portion));
+    }
+  }
+  context_.Report("matching", matched_, total_, "");
+
   ChildBatch batch;
   batch.count = todo_.size();
   batch.max_parallel = context_.num_threads;
@@ -240,40 +296,41 @@ Status Matcher::Run(const std::function<Status(int portion)>& on_done) {
     PortionFiles(context_.input.work_folder, todo_[i].number).Remove();
     return {};
   };
-  FREEGS_RETURN_IF_ERROR(RunChildren(batch, context_.input.cancellation));
+  return RunChildren(batch, context_.input.cancellation);
+}
+
+StatusOr<MatchedPairs> Matcher::Run(const std::set<int>& done,
+                                    const std::function<Status(int)>& on_done) {
+  FREEGS_ASSIGN_OR_RETURN(const PhotoSimilarity similarity, CompareLooks());
+  PairSelection selection =
+      SelectPairs(names_, similarity, context_.options.pairs);
+  std::set<PhotoPair> tried;
+  std::vector<PhotoPair> next = std::move(selection.pairs);
+  for (int round = 0; round < kMaxRounds && !next.empty(); ++round) {
+    FREEGS_RETURN_IF_ERROR(MatchRound(next, done, on_done));
+    tried.insert(next.begin(), next.end());
+    FREEGS_ASSIGN_OR_RETURN(const std::vector<PhotoPair> verified,
+                            Verified(tried));
+    next = SelectMorePairs(similarity, tried, verified, context_.options.pairs);
+  }
   RemoveDatabase(base_path_);
-  return {};
+  FREEGS_RETURN_IF_ERROR(WritePairs(tried));
+  const size_t count = ids_.size();
+  return MatchedPairs{std::move(selection.strategy),
+                      tried.size(),
+                      count < 2 ? 0 : count * (count - 1) / 2};
 }
 
 }  // namespace
 
-Status MatchFeatures(const StepContext& context,
-                     const fs::path& database_path,
-                     const std::set<int>& done,
-                     const std::function<Status(int portion)>& on_done) {
+StatusOr<MatchedPairs> MatchFeatures(
+    const StepContext& context,
+    const fs::path& database_path,
+    const std::set<int>& done,
+    const std::function<Status(int portion)>& on_done) {
   Matcher matcher(context, database_path);
-  FREEGS_RETURN_IF_ERROR(matcher.Prepare(done));
-  return matcher.Run(on_done);
-}
-
-std::vector<std::pair<int, int>> SelectPairs(int count,
-                                             const SfmOptions& options) {
-  const bool exhaustive =
-      options.matcher == "exhaustive" ||
-      (options.matcher == "auto" && count <= options.max_exhaustive);
-  std::vector<std::pair<int, int>> pairs;
-  for (int i = 0; i < count; ++i) {
-    for (int j = i + 1; j < count; ++j) {
-      const int gap = j - i;
-      // Neighbours; then at doubling distance; then, to close loops, the photos
-      // at every overlap-th place with each other.
-      const bool near = gap <= options.overlap;
-      const bool power = (gap & (gap - 1)) == 0 && gap <= 1 << 8;
-      const bool key = i % options.overlap == 0 && j % options.overlap == 0;
-      if (exhaustive || near || power || key) pairs.emplace_back(i, j);
-    }
-  }
-  return pairs;
+  FREEGS_RETURN_IF_ERROR(matcher.Prepare());
+  return matcher.Run(done, on_done);
 }
 
 }  // namespace freegs::sfm

@@ -3,6 +3,7 @@
 
 #include "sfm/colmap_program.h"
 
+#include <algorithm>
 #include <cctype>
 
 namespace freegs::sfm {
@@ -50,7 +51,48 @@ std::string VersionIn(std::string_view line) {
   return std::string(line.substr(start, end - start));
 }
 
+// The first `count` numbers of "4.1.0" or "3.9-dev"; missing ones are 0.
+std::vector<int> VersionNumbers(const std::string& version, size_t count) {
+  std::vector<int> numbers;
+  size_t at = 0;
+  while (numbers.size() < count && at < version.size() &&
+         std::isdigit(static_cast<unsigned char>(version[at])) != 0) {
+    int number = 0;
+    for (; at < version.size() &&
+           std::isdigit(static_cast<unsigned char>(version[at])) != 0;
+         ++at) {
+      number = std::min(number * 10 + (version[at] - '0'), 1 << 20);
+    }
+    numbers.push_back(number);
+    if (at < version.size() && version[at] == '.') ++at;
+  }
+  numbers.resize(count);
+  return numbers;
+}
+
 }  // namespace
+
+std::vector<std::string> ColmapProgram::KnownFaults() const {
+  std::vector<std::string> faults;
+  if (version_ == "unknown") return faults;
+  const std::vector<int> number = VersionNumbers(version_, 3);
+  if (number < std::vector{3, 8, 0}) {
+    faults.push_back("COLMAP " + version_ +
+                     " is older than 3.8, the oldest release that is tested; "
+                     "install a newer one");
+  }
+  // Source: COLMAP's CHANGELOG.rst, release 4.1.1.
+  if (number >= std::vector{4, 0, 0} && number < std::vector{4, 1, 1}) {
+    faults.push_back("COLMAP " + version_ +
+                     " verifies matches 4 to 6 times slower than other "
+                     "releases; install 4.1.1 or newer");
+    faults.push_back("COLMAP " + version_ +
+                     " rescales photos without distortion wrongly when "
+                     "undistort.max_image_size is set and only some cameras "
+                     "have distortion; install 4.1.1 or newer");
+  }
+  return faults;
+}
 
 StatusOr<ColmapProgram> ColmapProgram::Find(
     const std::string& program, const CancellationToken* cancellation) {

@@ -11,6 +11,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/cancellation.h"
 #include "core/status.h"
@@ -29,6 +30,10 @@ class ColmapProgram {
   // "3.8", "4.1.1"; "unknown" when it does not say.
   const std::string& version() const { return version_; }
   bool HasCommand(std::string_view command) const;
+
+  // What is known to be wrong with this release and what to do, one line each,
+  // for a warning. Empty for good, unknown and future ones.
+  std::vector<std::string> KnownFaults() const;
 
   // The options of a command as its --help lists them, without dashes. Asks
   // once per command. kMissingDependency when the command does not exist.

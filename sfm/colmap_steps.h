@@ -5,6 +5,7 @@
 #ifndef FREEGS_SFM_COLMAP_STEPS_H_
 #define FREEGS_SFM_COLMAP_STEPS_H_
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <set>
@@ -54,12 +55,22 @@ Status ExtractFeatures(const StepContext& context,
                        const std::filesystem::path& database,
                        int num_threads);
 
-// Matches portions of SelectPairs() into the database. `done` are the numbers
-// of portions that earlier calls finished; on_done is told about each more.
-Status MatchFeatures(const StepContext& context,
-                     const std::filesystem::path& database,
-                     const std::set<int>& done,
-                     const std::function<Status(int portion)>& on_done);
+// The size of images, in pixels, that is enough for options.max_features: from
+// 800 to 1600, by the features that a few of the photos have at 800.
+StatusOr<int> ChooseImageSize(const StepContext& context);
+
+// The same for photos that have `found` features at 800.
+int ImageSizeFor(int64_t found, int max_features);
+
+// Matches the pairs that options.pairs choose into the database, in portions,
+// and writes pairs.txt, their list, beside it.
+// `done` are the numbers of portions that earlier calls finished; on_done is
+// told about each more.
+StatusOr<MatchedPairs> MatchFeatures(
+    const StepContext& context,
+    const std::filesystem::path& database,
+    const std::set<int>& done,
+    const std::function<Status(int portion)>& on_done);
 
 // A time after which a COLMAP command that works on so many photos, or twenty
 // times as many pairs, is taken for stuck; seconds.

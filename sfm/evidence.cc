@@ -58,16 +58,13 @@ double Stretch(const Eigen::Matrix3d& homography,
 }  // namespace
 
 StatusOr<SceneEvidence> CollectEvidence(const std::vector<SfmPhoto>& photos,
-                                        const MatchDatabase& database,
-                                        int64_t matched_pairs) {
+                                        const MatchDatabase& database) {
   FREEGS_ASSIGN_OR_RETURN(const auto rows, database.Photos());
-  FREEGS_ASSIGN_OR_RETURN(const auto scales, database.FeatureScales());
   FREEGS_ASSIGN_OR_RETURN(const auto pairs, database.VerifiedPairs());
   std::unordered_map<std::string, const MatchDatabase::Photo*> by_name;
   for (const MatchDatabase::Photo& row : rows) by_name[row.name] = &row;
 
   SceneEvidence evidence;
-  evidence.matched_pairs = matched_pairs;
   std::unordered_map<uint32_t, size_t> index;
   for (const SfmPhoto& photo : photos) {
     PhotoEvidence seen;
@@ -80,10 +77,12 @@ StatusOr<SceneEvidence> CollectEvidence(const std::vector<SfmPhoto>& photos,
     if (seen.readable) {
       seen.num_features = row->second->num_features;
       index[row->second->id] = evidence.photos.size();
-      const auto scale = scales.find(row->second->id);
+      // Not knowing the scales, for whatever reason, is no reason to give up.
+      const auto scales = database.FeatureScales(row->second->id);
       const int side = std::max(photo.width, photo.height);
-      if (scale != scales.end() && side > 0) {
-        seen.feature_scale = scale->second / side;
+      if (scales.ok() && side > 0) {
+        seen.feature_scale =
+            Median(std::vector<double>(scales->begin(), scales->end())) / side;
       }
     }
     evidence.photos.push_back(std::move(seen));

@@ -43,22 +43,15 @@ struct PairEvidence {
 struct SceneEvidence {
   std::vector<PhotoEvidence> photos;  // In the order of the input.
   std::vector<PairEvidence> pairs;
-  int64_t matched_pairs = 0;  // How many pairs were compared.
   size_t contradictions = 0;  // See view_graph.h.
 
   // Photos that a first model had, and that are not in the best one because
   // only what looks alike held them to it (separate_parts.h).
   std::vector<std::string> unplaced;
-  bool all_pairs_compared() const {
-    const auto count = static_cast<int64_t>(photos.size());
-    return matched_pairs >= count * (count - 1) / 2;
-  }
 };
 
-// matched_pairs: how many pairs of photos were compared to make the database.
 StatusOr<SceneEvidence> CollectEvidence(const std::vector<SfmPhoto>& photos,
-                                        const MatchDatabase& database,
-                                        int64_t matched_pairs);
+                                        const MatchDatabase& database);
 
 // Which photos belong together, as far as matches tell.
 struct PhotoGroups {

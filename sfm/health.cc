@@ -308,6 +308,20 @@ nlohmann::json HealthToJson(const Health& health) {
                        {"height", camera.height},
                        {"params", camera.params}});
   }
+  nlohmann::json camera_models = nlohmann::json::array();
+  for (const CameraCandidate& candidate : health.camera_models) {
+    nlohmann::json row = {
+        {"model", GetCameraModel(candidate.model).name},
+        {"sharing", CameraSharingName(candidate.sharing)},
+        {"parameters", candidate.parameters},
+        {"held_out_error_px", Rounded(candidate.held_out_error_px)},
+        {"held_out_median_px", Rounded(candidate.held_out_median_px)},
+        {"rms_px", Rounded(candidate.rms_px)},
+        {"bic", Rounded(candidate.bic)},
+        {"chosen", candidate.chosen}};
+    if (!candidate.refused.empty()) row["reason"] = candidate.refused;
+    camera_models.push_back(std::move(row));
+  }
   nlohmann::json names = nlohmann::json::array();
   nlohmann::json reasons = nlohmann::json::object();
   for (const auto& [name, reason] : health.unregistered) {
@@ -332,10 +346,13 @@ nlohmann::json HealthToJson(const Health& health) {
       {"contradictions", health.contradictions},
       {"findings", FindingsToJson(health.findings)},
       {"attempts", AttemptsToJson(health.attempts)},
+      {"pairs", MatchedPairsToJson(health.pairs)},
+      {"image_size", health.image_size},
       {"unregistered", names},
       {"unregistered_reasons", reasons},
       {"warnings", health.warnings},
       {"cameras", cameras},
+      {"camera_models", camera_models},
       {"source", health.source},
       {"colmap_version", health.colmap_version},
   };

@@ -14,7 +14,9 @@
 
 #include "core/status.h"
 #include "sfm/attempt.h"
+#include "sfm/camera_selection.h"
 #include "sfm/diagnosis.h"
+#include "sfm/pair_selection.h"
 #include "sfm/reconstruction.h"
 
 namespace freegs::sfm {
@@ -65,12 +67,17 @@ struct Health {
   std::vector<Finding> findings;
   std::vector<Attempt> attempts;
 
+  // Which pairs of photos were matched.
+  MatchedPairs pairs;
+  int image_size = 0;  // Of the images that features were taken from; 0: none.
+
   // Photos without a pose, and why if known.
   std::map<std::string, std::string> unregistered;
   std::vector<std::string> warnings;
   std::vector<Camera> cameras;
-  std::string source;          // "colmap", "import" ...
-  std::string colmap_version;  // Empty when COLMAP was not run.
+  std::vector<CameraCandidate> camera_models;  // Those tried, if any.
+  std::string source;                          // "colmap", "import" ...
+  std::string colmap_version;                  // Empty when COLMAP was not run.
 
   double registered_share() const {
     return images > 0 ? static_cast<double>(registered) / images : 0;

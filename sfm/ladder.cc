@@ -35,7 +35,7 @@ class Ladder {
          AttemptStore* store)
       : context_(context), diagnosis_(diagnosis), store_(store) {}
 
-  Status Start(const fs::path& database, int64_t matched_pairs);
+  Status Start(const fs::path& database, const MatchedPairs& pairs);
   Status Climb();
   LadderResult Take();
 
@@ -64,6 +64,7 @@ class Ladder {
   double CostOfMatching() const { return kMatching + 2 * kMapping; }
   double CostOfFeatures() const;
 
+  bool AllPairsMatched() const { return pairs_.pairs >= pairs_.all_pairs; }
   bool IsGood() const;
   bool IsHopeless() const;
   Status Look();  // Brings evidence_ and the counts below up to date.
@@ -77,7 +78,8 @@ class Ladder {
 
   Models models_;
   fs::path database_;
-  int64_t matched_pairs_ = 0;
+  MatchedPairs pairs_;
+  int image_size_ = 0;
   std::vector<Attempt> attempts_;
 
   // What is known about models_ and database_.
@@ -142,8 +144,8 @@ std::string Ladder::ModelIsIncomplete() const {
 }
 
 std::string Ladder::PairsWereLeftOut() const {
-  if (evidence_.all_pairs_compared()) return {};
-  return Count(missing_, "photo") + " left out, and not all pairs compared";
+  if (AllPairsMatched()) return {};
+  return Count(missing_, "photo") + " left out, and not all pairs matched";
 }
 
 std::string Ladder::PhotosMissing() const {
@@ -165,10 +167,8 @@ std::string Ladder::OtherMapperMayHelp() const {
 }
 
 double Ladder::CostOfAllPairs() const {
-  const double count = static_cast<double>(evidence_.photos.size());
-  const double pairs = count * (count - 1) / 2;
-  return kMatching * pairs /
-             std::max(1.0, static_cast<double>(matched_pairs_)) +
+  return kMatching * static_cast<double>(pairs_.all_pairs) /
+             std::max(1.0, static_cast<double>(pairs_.pairs)) +
          2 * kMapping;
 }
 
@@ -194,9 +194,8 @@ Status Ladder::Look() {
   {
     FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
                             MatchDatabase::Open(database_));
-    FREEGS_ASSIGN_OR_RETURN(
-        evidence_,
-        CollectEvidence(context_.input.photos, database, matched_pairs_));
+    FREEGS_ASSIGN_OR_RETURN(evidence_,
+                            CollectEvidence(context_.input.photos, database));
   }
   const PhotoGroups groups = GroupByMatches(evidence_, models_);
   const size_t count = evidence_.photos.size();
@@ -248,9 +247,10 @@ StatusOr<bool> Ladder::IsBetter(const AttemptResult& result,
   return after <= before;
 }
 
-Status Ladder::Start(const fs::path& database, int64_t matched_pairs) {
+Status Ladder::Start(const fs::path& database, const MatchedPairs& pairs) {
   database_ = database;
-  matched_pairs_ = matched_pairs;
+  pairs_ = pairs;
+  image_size_ = context_.options.max_image_size;
   const std::string name = "mapping";
   FREEGS_ASSIGN_OR_RETURN(
       AttemptResult result, store_->Run(name, [&]() -> StatusOr<AttemptResult> {
@@ -275,7 +275,7 @@ Status Ladder::Try(const Rung& rung, const std::string& why) {
                      rung.name,
                      models_,
                      database_,
-                     evidence_.all_pairs_compared(),
+                     AllPairsMatched(),
                      store_->Folder(rung.name)});
   });
   if (!result.ok()) {
@@ -304,10 +304,8 @@ Status Ladder::Try(const Rung& rung, const std::string& why) {
   models_ = std::move(result->models);
   if (result->has_database) {
     database_ = database;
-    const auto count = static_cast<int64_t>(evidence_.photos.size());
-    if (rung.run == &MatchAllPairs) {
-      matched_pairs_ = count * (count - 1) / 2;
-    }
+    pairs_ = std::move(result->pairs);
+    if (result->image_size > 0) image_size_ = result->image_size;
   }
   return Look();
 }
@@ -336,6 +334,8 @@ Status Ladder::Climb() {
 LadderResult Ladder::Take() {
   return {std::move(models_),
           std::move(database_),
+          std::move(pairs_),
+          image_size_,
           std::move(evidence_),
           std::move(attempts_)};
 }
@@ -344,11 +344,11 @@ LadderResult Ladder::Take() {
 
 StatusOr<LadderResult> ClimbLadder(const StepContext& context,
                                    const fs::path& database,
-                                   int64_t matched_pairs,
+                                   const MatchedPairs& pairs,
                                    const DiagnosisOptions& diagnosis,
                                    AttemptStore* store) {
   Ladder ladder(context, diagnosis, store);
-  FREEGS_RETURN_IF_ERROR(ladder.Start(database, matched_pairs));
+  FREEGS_RETURN_IF_ERROR(ladder.Start(database, pairs));
   FREEGS_RETURN_IF_ERROR(ladder.Climb());
   return ladder.Take();
 }

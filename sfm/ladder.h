@@ -4,7 +4,6 @@
 #ifndef FREEGS_SFM_LADDER_H_
 #define FREEGS_SFM_LADDER_H_
 
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -20,21 +19,22 @@ namespace freegs::sfm {
 struct LadderResult {
   std::vector<Reconstruction> models;  // Best first; may be empty.
   std::filesystem::path database;      // What they were made from.
-  SceneEvidence evidence;              // Of that database.
+  MatchedPairs pairs;                  // Of that database.
+  int image_size = 0;                  // Likewise.
+  SceneEvidence evidence;              // Likewise.
   std::vector<Attempt> attempts;       // In the order in which they were made.
 };
 
 // Maps the database and, as long as the result is not good, climbs the rungs
 // listed in ladder.cc: each is tried once, if what was seen so far says that it
 // may help and the costs allow, and kept if it is better. Ends early when the
-// diagnosis is that nothing helps. matched_pairs: how many pairs of photos were
-// compared for the database.
+// diagnosis is that nothing helps. pairs: those matched for the database.
 //
 // Errors of the first mapping, kInterrupted and kInternal are returned; a rung
 // on which a command fails is only noted.
 StatusOr<LadderResult> ClimbLadder(const StepContext& context,
                                    const std::filesystem::path& database,
-                                   int64_t matched_pairs,
+                                   const MatchedPairs& pairs,
                                    const DiagnosisOptions& diagnosis,
                                    AttemptStore* store);
 

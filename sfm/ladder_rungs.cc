@@ -66,10 +66,11 @@ StatusOr<AttemptResult> MatchAgain(const RungInput& input,
                             MatchDatabase::Open(input.database));
     FREEGS_RETURN_IF_ERROR(known.CopyTo(database));
   }
-  FREEGS_RETURN_IF_ERROR(
-      MatchFeatures(context, database, {}, [](int) { return Status(); }));
   AttemptResult result;
   result.has_database = true;
+  FREEGS_ASSIGN_OR_RETURN(
+      result.pairs,
+      MatchFeatures(context, database, {}, [](int) { return Status(); }));
   FREEGS_ASSIGN_OR_RETURN(result.models, MapAnew(input, context, database));
   return result;
 }
@@ -157,21 +158,25 @@ StatusOr<AttemptResult> AddPhotos(const RungInput& input) {
 
 StatusOr<AttemptResult> MatchAllPairs(const RungInput& input) {
   SfmOptions options = input.context.options;
-  options.matcher = "exhaustive";
+  options.pairs.matcher = "exhaustive";
   return MatchAgain(input, options, input.context.matching);
 }
 
 StatusOr<AttemptResult> MatchLoosely(const RungInput& input) {
   SfmOptions options = input.context.options;
-  if (input.all_pairs) options.matcher = "exhaustive";
+  if (input.all_pairs) options.pairs.matcher = "exhaustive";
   return MatchAgain(input, options, {kLooseRatio, kLooseAngle});
+}
+
+int LargerImageSize(int size) {
+  return std::max(size + size / 2, std::min(2 * size, 1600));
 }
 
 StatusOr<AttemptResult> TakeMoreFeatures(const RungInput& input) {
   SfmOptions options = input.context.options;
-  if (input.all_pairs) options.matcher = "exhaustive";
+  if (input.all_pairs) options.pairs.matcher = "exhaustive";
   options.max_features *= kMoreFeatures;
-  options.max_image_size += options.max_image_size / 2;
+  options.max_image_size = LargerImageSize(options.max_image_size);
   StepContext context{input.context.input, options, input.context.colmap};
   context.num_threads = input.context.num_threads;
   context.peak_threshold = kLowContrast;
@@ -180,10 +185,12 @@ StatusOr<AttemptResult> TakeMoreFeatures(const RungInput& input) {
                           RegisterPhotos(context, database));
   FREEGS_RETURN_IF_ERROR(
       ExtractFeatures(context, database, numbered ? context.num_threads : 1));
-  FREEGS_RETURN_IF_ERROR(
-      MatchFeatures(context, database, {}, [](int) { return Status(); }));
   AttemptResult result;
   result.has_database = true;
+  result.image_size = options.max_image_size;
+  FREEGS_ASSIGN_OR_RETURN(
+      result.pairs,
+      MatchFeatures(context, database, {}, [](int) { return Status(); }));
   FREEGS_ASSIGN_OR_RETURN(result.models, MapAnew(input, context, database));
   return result;
 }

@@ -20,6 +20,10 @@ inline constexpr size_t kSharedPhotos = 3;
 // "more features" takes so many times sfm.max_features.
 inline constexpr int kMoreFeatures = 2;
 
+// And images so large, in pixels, instead of `size`: half as large again, or
+// more, up to twice, where that is still no more than 1600.
+int LargerImageSize(int size);
+
 // What a rung starts from.
 struct RungInput {
   const StepContext& context;

@@ -138,6 +138,39 @@ StatusOr<SiftDescriptors> MatchDatabase::Descriptors(uint32_t photo_id) const {
   return descriptors;
 }
 
+StatusOr<std::vector<float>> MatchDatabase::FeatureScales(
+    uint32_t photo_id) const {
+  Statement statement(
+      database_.get(),
+      "SELECT rows, cols, data FROM keypoints WHERE image_id = ?");
+  if (!statement.ok()) return Error("cannot read its keypoints");
+  statement.Bind(1, photo_id);
+  std::vector<float> scales;
+  const int code = statement.Step();
+  if (code == SQLITE_DONE) return scales;
+  if (code != SQLITE_ROW) return Error("cannot read its keypoints");
+  const int64_t rows = statement.Integer(0);
+  const int64_t columns = statement.Integer(1);
+  const std::string data = statement.Text(2);
+  // x, y; x, y, scale, angle; or x, y and a 2 x 2 matrix.
+  if (columns != 4 && columns != 6) return scales;
+  const size_t row_bytes = static_cast<size_t>(columns) * sizeof(float);
+  if (rows < 0 || data.size() % row_bytes != 0 ||
+      static_cast<int64_t>(data.size() / row_bytes) != rows) {
+    return BadInputError(path_.string() + ": the keypoints of photo " +
+                         std::to_string(photo_id) + " are not of their size");
+  }
+  for (size_t at = 0; at < data.size(); at += row_bytes) {
+    float v[6] = {};
+    std::memcpy(v, data.data() + at, row_bytes);
+    const float scale =
+        columns == 4 ? v[2]
+                     : 0.5f * (std::hypot(v[2], v[4]) + std::hypot(v[3], v[5]));
+    scales.push_back(std::isfinite(scale) ? scale : 0.0f);
+  }
+  return scales;
+}
+
 bool MatchDatabase::HasColumn(const char* table, const char* column) const {
   return sqlite3_table_column_metadata(database_.get(),
                                        nullptr,
@@ -183,45 +216,6 @@ MatchDatabase::VerifiedPairs() const {
   }
   if (code != SQLITE_DONE) return Error("cannot list its pairs");
   return pairs;
-}
-
-StatusOr<std::map<uint32_t, double>> MatchDatabase::FeatureScales() const {
-  std::map<uint32_t, double> medians;
-  if (!HasColumn("keypoints", "cols") || !HasColumn("keypoints", "data")) {
-    return medians;
-  }
-  Statement statement(database_.get(),
-                      "SELECT image_id, rows, cols, data FROM keypoints "
-                      "WHERE rows > 0");
-  if (!statement.ok()) return Error("cannot read its features");
-  int code;
-  while ((code = statement.Step()) == SQLITE_ROW) {
-    const int64_t rows = statement.Integer(1);
-    const int64_t columns = statement.Integer(2);
-    const std::string data = statement.Text(3);
-    // Columns: x, y, scale, orientation; or x, y and a 2 x 2 shape by rows.
-    if ((columns != 4 && columns != 6) || rows > (1 << 24) ||
-        data.size() != static_cast<size_t>(rows * columns) * sizeof(float)) {
-      continue;
-    }
-    std::vector<float> scales;
-    scales.reserve(static_cast<size_t>(rows));
-    for (int64_t row = 0; row < rows; ++row) {
-      float feature[6];
-      std::memcpy(feature,
-                  data.data() + row * columns * sizeof(float),
-                  columns * sizeof(float));
-      const float scale =
-          columns == 4 ? feature[2] : std::hypot(feature[2], feature[4]);
-      if (std::isfinite(scale)) scales.push_back(scale);
-    }
-    if (scales.empty()) continue;
-    const auto middle = scales.begin() + scales.size() / 2;
-    std::nth_element(scales.begin(), middle, scales.end());
-    medians[static_cast<uint32_t>(statement.Integer(0))] = *middle;
-  }
-  if (code != SQLITE_DONE) return Error("cannot read its features");
-  return medians;
 }
 
 Status MatchDatabase::ForEachVerifiedPair(

@@ -49,6 +49,10 @@ class MatchDatabase {
   // they are of another kind.
   StatusOr<SiftDescriptors> Descriptors(uint32_t photo_id) const;
 
+  // The size of each feature of a photo in its image; empty when it has none,
+  // or the database does not say. Never NaN.
+  StatusOr<std::vector<float>> FeatureScales(uint32_t photo_id) const;
+
   // A pair of photos with verified matches, and the motion that fits them.
   struct VerifiedPair {
     uint32_t id1 = 0;  // Smaller than id2.
@@ -64,10 +68,6 @@ class MatchDatabase {
 
   // By ascending ids. Databases without such details give pairs without them.
   StatusOr<std::vector<VerifiedPair>> VerifiedPairs() const;
-
-  // For every photo id with features, the median of their scales in pixels of
-  // the photo; 0 when the database does not tell.
-  StatusOr<std::map<uint32_t, double>> FeatureScales() const;
 
   // Calls visit(id1, id2, matches) for each pair of photos with verified
   // matches, by ascending ids; id1 < id2.

@@ -49,6 +49,12 @@ ordered_json ToJson(const Photo& photo) {
   object["focal_length_mm"] = OrNull(photo.focal_length_mm);
   object["focal_length_35mm"] = OrNull(photo.focal_length_35mm);
   object["focal_length_px"] = OrNull(photo.focal_length_px);
+  if (!photo.film.empty()) {
+    object["film"] = photo.film;
+    object["frame"] = photo.frame;
+    object["time_s"] = photo.time_s;
+  }
+  if (photo.has_mask) object["mask"] = true;
   object["split"] = SplitName(photo.split);
   object["reason"] = photo.reason;
   return object;
@@ -105,6 +111,10 @@ class FieldReader {
     *value = number;
   }
 
+  bool Has(const char* key) const {
+    return object_.is_object() && object_.contains(key);
+  }
+
   void Fail(const std::string& key, const std::string& fault) {
     if (!error_.empty()) return;
     error_ = where_ + (key.empty() ? " " : "." + key + " ") + fault;
@@ -156,6 +166,12 @@ Photo ReadPhoto(FieldReader& reader) {
   reader.OptionalReal("focal_length_mm", &photo.focal_length_mm);
   reader.OptionalReal("focal_length_35mm", &photo.focal_length_35mm);
   reader.OptionalReal("focal_length_px", &photo.focal_length_px);
+  if (reader.Has("film")) {
+    reader.Text("film", &photo.film);
+    reader.Int("frame", 0, 1 << 30, &photo.frame);
+    reader.Real("time_s", &photo.time_s);
+  }
+  if (reader.Has("mask")) reader.Bool("mask", &photo.has_mask);
   reader.Text("reason", &photo.reason);
 
   std::string split;

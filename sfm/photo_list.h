@@ -25,7 +25,9 @@ enum class PhotoSplit {
 std::string_view SplitName(PhotoSplit split);
 
 struct Photo {
-  // The file in the user's folder, relative to it, with '/' between folders.
+  // The file in the user's folder, relative to it, with '/' between folders. A
+  // frame of a film counts as a file in a folder of the film's name:
+  // "film.mp4/frame_000012.jpg".
   std::string file;
 
   // The file in the workspace's photo folder, relative to it: `file` itself
@@ -68,6 +70,15 @@ struct Photo {
 
   // Focal length in pixels that EXIF implies.
   std::optional<double> focal_length_px;
+
+  // For a frame of a film: the film, relative to the user's folder, the number
+  // of the frame from 0, and its time in seconds. Empty and 0 for photos.
+  std::string film;
+  int frame = 0;
+  double time_s = 0;
+
+  // Whether ingest wrote a mask for it.
+  bool has_mask = false;
 
   PhotoSplit split = PhotoSplit::kTrain;
 

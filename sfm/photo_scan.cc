@@ -52,6 +52,38 @@ constexpr std::string_view kImageExtensions[] = {
     "pef",
     "srw"};
 
+constexpr std::string_view kFilmExtensions[] = {"mp4",
+                                                "m4v",
+                                                "mov",
+                                                "qt",
+                                                "avi",
+                                                "mkv",
+                                                "webm",
+                                                "mpg",
+                                                "mpeg",
+                                                "wmv",
+                                                "flv",
+                                                "ogv",
+                                                "3gp",
+                                                "mts",
+                                                "m2ts"};
+
+// The name's extension in small letters, without the dot.
+std::string LowerExtension(const fs::path& path) {
+  std::string extension = path.extension().string();
+  if (extension.empty()) return extension;
+  extension.erase(0, 1);
+  for (char& c : extension) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  return extension;
+}
+
+template <size_t N>
+bool IsOneOf(const std::string& text, const std::string_view (&list)[N]) {
+  return std::find(std::begin(list), std::end(list), text) != std::end(list);
+}
+
 // A folder is known by its device and number, whatever its names.
 using FolderId = std::pair<dev_t, ino_t>;
 
@@ -120,6 +152,8 @@ class Scanner {
       (S_ISLNK(link.st_mode) ? links_ : pending_).push_back(file);
     } else if (HasImageExtension(path)) {
       scan_->files.push_back(file);
+    } else if (HasFilmExtension(path)) {
+      scan_->films.push_back(file);
     }
   }
 
@@ -169,15 +203,11 @@ bool NaturalLess(std::string_view a, std::string_view b) {
 }
 
 bool HasImageExtension(const fs::path& path) {
-  std::string extension = path.extension().string();
-  if (extension.empty()) return false;
-  extension.erase(0, 1);
-  for (char& c : extension) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return std::find(std::begin(kImageExtensions),
-                   std::end(kImageExtensions),
-                   extension) != std::end(kImageExtensions);
+  return IsOneOf(LowerExtension(path), kImageExtensions);
+}
+
+bool HasFilmExtension(const fs::path& path) {
+  return IsOneOf(LowerExtension(path), kFilmExtensions);
 }
 
 StatusOr<PhotoScan> ScanPhotos(const fs::path& folder,
@@ -203,6 +233,7 @@ StatusOr<PhotoScan> ScanPhotos(const fs::path& folder,
   for (const fs::path& path : excluded) scanner.Exclude(path);
   scanner.Run();
   std::sort(scan.files.begin(), scan.files.end(), NaturalLess);
+  std::sort(scan.films.begin(), scan.films.end(), NaturalLess);
   return scan;
 }
 

@@ -21,10 +21,16 @@ bool NaturalLess(std::string_view a, std::string_view b);
 // or others' (heic, cr2, ...): files that their owner may take for photos.
 bool HasImageExtension(const std::filesystem::path& path);
 
+// The same for films: mp4, mov, mkv, ...
+bool HasFilmExtension(const std::filesystem::path& path);
+
 struct PhotoScan {
   // Files with an image's extension, in natural order, relative to the folder
   // with '/' between names. They need not be readable, nor images.
   std::vector<std::string> files;
+
+  // Files with a film's extension, likewise.
+  std::vector<std::string> films;
 
   // Links to folders that were followed, relative to the folder.
   std::vector<std::string> linked_folders;

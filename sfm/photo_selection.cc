@@ -146,7 +146,8 @@ StatusOr<std::vector<std::string>> AssignHoldout(const HoldoutRule& rule,
 }
 
 void AssignCameraGroups(std::vector<Photo>* photos) {
-  std::map<std::tuple<int,
+  std::map<std::tuple<bool,
+                      int,
                       int,
                       std::string,
                       std::string,
@@ -155,7 +156,8 @@ void AssignCameraGroups(std::vector<Photo>* photos) {
            int>
       groups;
   for (Photo* photo : Usable(photos)) {
-    const auto [group, fresh] = groups.try_emplace({photo->width,
+    const auto [group, fresh] = groups.try_emplace({photo->film.empty(),
+                                                    photo->width,
                                                     photo->height,
                                                     photo->make,
                                                     photo->model,

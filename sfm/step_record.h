@@ -9,7 +9,10 @@
 #include <set>
 #include <string>
 
+#include <nlohmann/json.hpp>
+
 #include "core/status.h"
+#include "sfm/pair_selection.h"
 
 namespace freegs::sfm {
 
@@ -22,10 +25,15 @@ class StepRecord {
 
   bool Has(const std::string& step) const { return done_.contains(step); }
   const std::set<int>& portions() const { return portions_; }
+  const MatchedPairs& pairs() const { return pairs_; }
+  int image_size() const { return image_size_; }  // 0: none was chosen.
 
   Status Add(const std::string& step);
   // A portion of the matching.
   Status AddPortion(int portion);
+  // The step "matches", and what was matched.
+  Status AddMatches(const MatchedPairs& pairs);
+  Status SetImageSize(int size);
 
  private:
   Status Save() const;
@@ -33,7 +41,14 @@ class StepRecord {
   std::filesystem::path path_;
   std::set<std::string> done_;
   std::set<int> portions_;
+  MatchedPairs pairs_;
+  int image_size_ = 0;
 };
+
+// For files. Null when nothing was matched; anything that cannot be understood
+// counts as that.
+nlohmann::json MatchedPairsToJson(const MatchedPairs& pairs);
+MatchedPairs MatchedPairsFromJson(const nlohmann::json& json);
 
 }  // namespace freegs::sfm
 

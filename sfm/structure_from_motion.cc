@@ -57,27 +57,42 @@ Status BuildDatabase(const StepContext& context,
     FREEGS_RETURN_IF_ERROR(record->Add("features"));
   }
   if (!record->Has("matches")) {
-    FREEGS_RETURN_IF_ERROR(
+    FREEGS_ASSIGN_OR_RETURN(
+        const MatchedPairs pairs,
         MatchFeatures(context, database, record->portions(), [&](int portion) {
           return record->AddPortion(portion);
         }));
-    FREEGS_RETURN_IF_ERROR(record->Add("matches"));
+    FREEGS_RETURN_IF_ERROR(record->AddMatches(pairs));
   }
   return {};
 }
 
-// How many pairs of photos SelectPairs gave to the matcher.
-StatusOr<int64_t> CountMatchedPairs(const fs::path& path,
-                                    const SfmOptions& options) {
-  FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
-                          MatchDatabase::Open(path));
-  FREEGS_ASSIGN_OR_RETURN(const auto photos, database.Photos());
-  const auto usable =
-      std::count_if(photos.begin(), photos.end(), [](const auto& photo) {
-        return photo.num_features > 0;
-      });
-  return static_cast<int64_t>(
-      SelectPairs(static_cast<int>(usable), options).size());
+// Gives the best model the simplest cameras that explain it, and adjusts it.
+// COLMAP's estimate stays where there is too little to choose by.
+Status ChooseCameras(const StepContext& context, SfmResult* result) {
+  if (context.options.camera_model != "auto" || result->models.empty() ||
+      result->models[0].images.size() < 3) {
+    return {};
+  }
+  context.Report("camera model", 0, 1, "");
+  CameraSelectionOptions options;
+  options.shared = context.options.camera != "per_image";
+  options.per_group = options.per_photo = context.options.camera == "auto";
+  options.per_photo |= context.options.camera == "per_image";
+  options.num_threads = context.num_threads;
+  options.cancellation = context.input.cancellation;
+  auto selection = RefineCameras(options, &result->models[0]);
+  context.Report("camera model", 1, 1, "");
+  if (selection.ok()) {
+    result->camera_models = std::move(selection->candidates);
+    return {};
+  }
+  if (selection.status().code() != StatusCode::kUnusableResult) {
+    return selection.status();
+  }
+  result->warnings.push_back("COLMAP's RADIAL cameras are kept: " +
+                             selection.status().message());
+  return {};
 }
 
 // What the attempts beyond the first changed, for people.
@@ -99,16 +114,16 @@ void WarnOfAttempts(const std::vector<Attempt>& attempts,
 
 // Replaces a model that turns out to be glued parts.
 Status TakeSeparated(const StepContext& context,
-                     int64_t matched_pairs,
                      AttemptStore* store,
                      SceneEvidence* evidence,
                      SfmResult* result) {
-  FREEGS_ASSIGN_OR_RETURN(SeparatedParts parts,
-                          SeparateParts(context,
-                                        result->database,
-                                        evidence->all_pairs_compared(),
-                                        result->models,
-                                        store));
+  FREEGS_ASSIGN_OR_RETURN(
+      SeparatedParts parts,
+      SeparateParts(context,
+                    result->database,
+                    result->pairs.pairs >= result->pairs.all_pairs,
+                    result->models,
+                    store));
   if (parts.models.empty()) return {};
   result->models = std::move(parts.models);
   for (Attempt& attempt : parts.attempts) {
@@ -125,9 +140,8 @@ Status TakeSeparated(const StepContext& context,
                           MatchDatabase::Open(parts.database));
   if (result->database != parts.database) {
     result->database = parts.database;
-    FREEGS_ASSIGN_OR_RETURN(
-        *evidence,
-        CollectEvidence(context.input.photos, database, matched_pairs));
+    FREEGS_ASSIGN_OR_RETURN(*evidence,
+                            CollectEvidence(context.input.photos, database));
   }
   evidence->unplaced = std::move(parts.unplaced);
   // Where look-alikes glue a model they are among the strongest matches: that a
@@ -149,27 +163,22 @@ Status SfmOptions::Check() const {
   if (camera != "auto" && camera != "single" && camera != "per_image") {
     return InvalidArgumentError("sfm.camera must be auto, single or per_image");
   }
-  if (FindCameraModel(std::string_view(camera_model)) == nullptr) {
-    std::string names;
+  if (FindCameraModel(std::string_view(ColmapCameraModel())) == nullptr) {
+    std::string names = "auto";
     for (const CameraModelInfo& model : CameraModels()) {
-      names += (names.empty() ? "" : ", ") + std::string(model.name);
+      names += ", " + std::string(model.name);
     }
     return InvalidArgumentError("sfm.camera_model must be one of " + names);
   }
-  if (matcher != "auto" && matcher != "exhaustive" && matcher != "sequential") {
+  if ((max_image_size != 0 && max_image_size < 64) || max_features < 64) {
     return InvalidArgumentError(
-        "sfm.matcher must be auto, exhaustive or sequential");
+        "sfm.max_image_size (unless 0) and sfm.max_features must be at least "
+        "64");
   }
   if (!(max_retry_cost >= 0)) {
     return InvalidArgumentError("sfm.max_retry_cost must be at least 0");
   }
-  if (max_image_size < 64 || max_features < 64 || overlap < 1 ||
-      max_exhaustive < 0) {
-    return InvalidArgumentError(
-        "sfm.max_image_size and sfm.max_features must be at least 64, "
-        "sfm.overlap at least 1 and sfm.max_exhaustive at least 0");
-  }
-  return {};
+  return pairs.Check();
 }
 
 void SortBySize(std::vector<Reconstruction>* models) {
@@ -190,17 +199,26 @@ StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
       ColmapProgram::Find(options.colmap, input.cancellation));
   FREEGS_RETURN_IF_ERROR(CreateFolders(input.work_folder / "logs"));
 
-  StepContext context{input, options, colmap};
+  SfmOptions resolved = options;
+  StepContext context{input, resolved, colmap};
   context.num_threads =
       options.num_threads > 0
           ? options.num_threads
           : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   const fs::path database = input.work_folder / "database.db";
   StepRecord record(input.work_folder);
+  if (options.max_image_size == 0) {
+    if (!record.Has("features") || record.image_size() < 64) {
+      FREEGS_ASSIGN_OR_RETURN(const int size, ChooseImageSize(context));
+      FREEGS_RETURN_IF_ERROR(record.SetImageSize(size));
+    }
+    resolved.max_image_size = record.image_size();
+  }
   FREEGS_RETURN_IF_ERROR(BuildDatabase(context, database, &record));
 
   SfmResult result;
   result.colmap_version = colmap.version();
+  result.warnings = colmap.KnownFaults();
   if (record.Has("one extractor thread")) {
     result.warnings.push_back(
         "this COLMAP has no database_cleaner: features were taken by one "
@@ -210,12 +228,10 @@ StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
   // A low limit of features is no sign of little texture.
   diagnosis.few_features =
       std::min<int64_t>(diagnosis.few_features, options.max_features / 4);
-  FREEGS_ASSIGN_OR_RETURN(const int64_t pairs,
-                          CountMatchedPairs(database, options));
   AttemptStore store(input.work_folder, &record);
   FREEGS_ASSIGN_OR_RETURN(
       LadderResult best,
-      ClimbLadder(context, database, pairs, diagnosis, &store));
+      ClimbLadder(context, database, record.pairs(), diagnosis, &store));
   WarnOfAttempts(best.attempts, input.photos.size(), &result.warnings);
 
   FREEGS_ASSIGN_OR_RETURN(
@@ -238,10 +254,13 @@ StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
   result.models =
       std::move(reconciled.models.empty() ? best.models : reconciled.models);
   result.database = std::move(best.database);
+  result.pairs = std::move(best.pairs);
+  result.image_size = best.image_size;
   result.attempts = std::move(best.attempts);
   result.contradictions = reconciled.contradictions;
   FREEGS_RETURN_IF_ERROR(
-      TakeSeparated(context, pairs, &store, &best.evidence, &result));
+      TakeSeparated(context, &store, &best.evidence, &result));
+  FREEGS_RETURN_IF_ERROR(ChooseCameras(context, &result));
   best.evidence.contradictions = result.contradictions;
   result.findings = Diagnose(best.evidence, result.models, diagnosis);
   result.unregistered =
@@ -258,10 +277,13 @@ Status TidyWorkFolder(const fs::path& work_folder, const SfmResult& result) {
   const fs::path database = work_folder / "database.db";
   if (result.database != database) {
     RemoveDatabase(database);
-    fs::rename(result.database, database, error);
-    if (error) {
-      return InternalError(result.database.string() +
-                           ": cannot be moved: " + error.message());
+    for (const char* name : {"database.db", "pairs.txt"}) {
+      const fs::path file = result.database.parent_path() / name;
+      fs::rename(file, work_folder / name, error);
+      if (error) {
+        return InternalError(file.string() +
+                             ": cannot be moved: " + error.message());
+      }
     }
   }
   AttemptStore::Remove(work_folder);

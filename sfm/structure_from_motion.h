@@ -14,7 +14,9 @@
 #include "core/cancellation.h"
 #include "core/status.h"
 #include "sfm/attempt.h"
+#include "sfm/camera_selection.h"
 #include "sfm/diagnosis.h"
+#include "sfm/pair_selection.h"
 #include "sfm/reconstruction.h"
 
 namespace freegs::sfm {
@@ -38,23 +40,20 @@ struct SfmOptions {
   // (all of one size), or "per_image" (none).
   std::string camera = "auto";
 
-  // COLMAP's name of the lens model to estimate.
-  std::string camera_model = "RADIAL";
+  // COLMAP's name of the lens model to estimate; or "auto": COLMAP estimates
+  // RADIAL, then the best model is adjusted with the simplest cameras that
+  // explain its tracks (camera_selection.h).
+  std::string camera_model = "auto";
 
-  // Longest side, in pixels, of the images that features are taken from.
-  int max_image_size = 1600;
+  // Longest side, in pixels, of the images that features are taken from; 0
+  // takes the smallest, from 800 to 1600, that is enough for max_features.
+  int max_image_size = 0;
 
   // Features kept per photo (those of the largest scale).
   int max_features = 2000;
 
-  // Which pairs of photos are matched: "exhaustive" (all), "sequential" (those
-  // taken one after another, and every overlap-th photo with each other), or
-  // "auto": exhaustive for up to max_exhaustive photos.
-  std::string matcher = "auto";
-  int max_exhaustive = 150;
-
-  // Sequential matching: how many photos after each are matched with it.
-  int overlap = 10;
+  // Which pairs of photos are matched.
+  PairSelectionOptions pairs;
 
   // What all attempts beyond the first may cost together, as a multiple of what
   // the first did, when it leaves out photos. 0 for no other attempts.
@@ -67,12 +66,22 @@ struct SfmOptions {
   // about the result.
   int num_threads = 0;
 
+  // What COLMAP is asked to estimate.
+  const char* ColmapCameraModel() const {
+    return camera_model == "auto" ? "RADIAL" : camera_model.c_str();
+  }
+
   Status Check() const;
 };
 
 struct SfmInput {
   std::filesystem::path photo_folder;
   std::vector<SfmPhoto> photos;  // In the order in which they were taken.
+
+  // Masks, as NAME.png for the photo NAME: features where they are 0 are not
+  // taken. Every photo has one (newer releases of COLMAP skip photos without).
+  // Empty for none.
+  std::filesystem::path mask_folder;
 
   // Where the steps leave their files: database.db, logs/, steps.json. Calling
   // again with the same input and options continues after the last finished
@@ -100,6 +109,13 @@ struct SfmResult {
   std::vector<Attempt> attempts;
   std::vector<Finding> findings;
 
+  // The cameras tried for models[0]; empty when there was no choice to make.
+  std::vector<CameraCandidate> camera_models;
+
+  // What was matched for `database`, and max_image_size, or what was chosen.
+  MatchedPairs pairs;
+  int image_size = 0;
+
   std::string colmap_version;
   std::vector<std::string> warnings;
 
@@ -125,10 +141,6 @@ StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
 // the database of the result there as database.db.
 Status TidyWorkFolder(const std::filesystem::path& work_folder,
                       const SfmResult& result);
-
-// The pairs (i, j), i < j, of `count` photos that are matched, in order.
-std::vector<std::pair<int, int>> SelectPairs(int count,
-                                             const SfmOptions& options);
 
 // Orders models: most images first, then most points, then as they were.
 void SortBySize(std::vector<Reconstruction>* models);

@@ -15,6 +15,7 @@
 #include "sfm/photo_list.h"
 #include "sfm/photo_scan.h"
 #include "sfm/photo_selection.h"
+#include "stages/ingest_films.h"
 
 namespace freegs::stages {
 namespace {
@@ -82,7 +83,10 @@ class IngestStage : public pipeline::Stage {
       inputs.emplace_back(options_.holdout_list);
     }
     // A folder's hash does not follow links to folders; the scan does.
-    const auto scan = sfm::ScanPhotos(context.images, {context.workspace});
+    if (!options_.masks.masks.empty() && options_.masks.use_masks) {
+      inputs.emplace_back(options_.masks.masks);
+    }
+    const auto scan = Scan(context);
     if (!scan.ok()) return inputs;
     for (const std::string& link : scan->linked_folders) {
       inputs.push_back(context.images / link / "");
@@ -104,6 +108,10 @@ class IngestStage : public pipeline::Stage {
     FREEGS_RETURN_IF_ERROR(Inspect(context, &list));
     FREEGS_RETURN_IF_ERROR(Select(context, rule, &list));
     FREEGS_RETURN_IF_ERROR(PlacePhotos(context, list));
+    FREEGS_ASSIGN_OR_RETURN(const fs::path masks,
+                            FindMaskFolder(context.images, options_.masks));
+    FREEGS_RETURN_IF_ERROR(
+        PlaceMasks(context, masks, options_.masks, options_.decode, &list));
     FREEGS_RETURN_IF_ERROR(
         WritePhotoList(context.output / "images.json", list));
     Summarise(list, &context.summary);
@@ -130,7 +138,7 @@ class IngestStage : public pipeline::Stage {
   // under which name. Nothing of an interrupted run is used: the stage is
   // short.
   static Status PrepareFolders(const StageContext& context) {
-    for (const char* name : {"photos", "pending"}) {
+    for (const char* name : {"photos", "pending", "frames"}) {
       std::error_code error;
       fs::remove_all(context.output / name, error);
       FREEGS_RETURN_IF_ERROR(CreateFolders(context.output / name));
@@ -142,20 +150,73 @@ class IngestStage : public pipeline::Stage {
     return context.output / "pending" / (std::to_string(index) + ".png");
   }
 
+  // A film given by itself is a folder of one film.
+  StatusOr<sfm::PhotoScan> Scan(const StageContext& context) const {
+    std::error_code error;
+    if (fs::is_regular_file(context.images, error)) {
+      sfm::PhotoScan scan;
+      scan.films.push_back(context.images.filename().string());
+      return scan;
+    }
+    FREEGS_ASSIGN_OR_RETURN(const fs::path masks,
+                            FindMaskFolder(context.images, options_.masks));
+    std::vector<fs::path> excluded = {context.workspace};
+    if (!masks.empty()) excluded.push_back(masks);
+    return sfm::ScanPhotos(context.images, excluded);
+  }
+
+  // Where the original of a photo lies: frames of films are in the workspace.
+  static fs::path SourceFolder(const StageContext& context,
+                               const Photo& photo) {
+    return photo.film.empty() ? context.images : context.output / "frames";
+  }
+
+  // Frames of films, when there are no photos. (Phones leave a short film
+  // beside each photo.)
+  StatusOr<std::vector<Photo>> TakeFilms(const StageContext& context,
+                                         const sfm::PhotoScan& scan) const {
+    if (scan.films.empty()) return std::vector<Photo>();
+    if (!scan.files.empty()) {
+      Warn(context,
+           std::to_string(scan.films.size()) +
+               " films among the photos are not used, such as " +
+               OneLine(scan.films.front()) +
+               "; give a film, or a folder with films only");
+      return std::vector<Photo>();
+    }
+    std::error_code error;
+    sfm::VideoFrameOptions film = options_.film;
+    film.max_megapixels = options_.decode.max_megapixels;
+    return TakeFilmFrames(context,
+                          fs::is_regular_file(context.images, error)
+                              ? context.images.parent_path()
+                              : context.images,
+                          scan.films,
+                          film,
+                          context.output / "frames");
+  }
+
   Status Inspect(StageContext& context, sfm::PhotoList* list) const {
-    FREEGS_ASSIGN_OR_RETURN(
-        const sfm::PhotoScan scan,
-        sfm::ScanPhotos(context.images, {context.workspace}));
+    FREEGS_ASSIGN_OR_RETURN(const sfm::PhotoScan scan, Scan(context));
     for (const std::string& warning : scan.warnings) {
       Warn(context, OneLine(warning));
     }
-    list->photos.resize(scan.files.size());
+    FREEGS_ASSIGN_OR_RETURN(list->photos, TakeFilms(context, scan));
+    for (const std::string& file : scan.files) {
+      list->photos.emplace_back().file = file;
+    }
     sfm::PhotoInspector inspector(options_.decode);
     return ForEachPhoto(
-        context, "reading photos", scan.files.size(), [&](size_t i) -> Status {
+        context, "reading photos", list->photos.size(), [&](size_t i) {
+          Photo& photo = list->photos[i];
+          if (!photo.usable()) return Status();
+          const Photo known = photo;
           sfm::InspectedPhoto inspected =
-              inspector.Inspect(context.images, scan.files[i]);
-          list->photos[i] = std::move(inspected.photo);
+              inspector.Inspect(SourceFolder(context, known), known.file);
+          photo = std::move(inspected.photo);
+          photo.film = known.film;
+          photo.frame = known.frame;
+          photo.time_s = known.time_s;
           if (inspected.pixels.empty()) return Status();
           return WriteImage(PendingPath(context, i), inspected.pixels);
         });
@@ -206,7 +267,8 @@ class IngestStage : public pipeline::Stage {
           const Photo& photo = list.photos[usable[k]];
           const fs::path target = folder / photo.name;
           if (!photo.converted) {
-            return CopyPhoto(context.images / photo.file, photo, target);
+            return CopyPhoto(
+                SourceFolder(context, photo) / photo.file, photo, target);
           }
           std::error_code error;
           fs::rename(PendingPath(context, usable[k]), target, error);
@@ -216,6 +278,7 @@ class IngestStage : public pipeline::Stage {
         }));
     std::error_code ignored;
     fs::remove_all(context.output / "pending", ignored);
+    fs::remove_all(context.output / "frames", ignored);
     return Status();
   }
 
@@ -255,7 +318,8 @@ class IngestStage : public pipeline::Stage {
     const std::string folder = context.images.string();
     if (photos.empty()) {
       return BadInputError(folder +
-                           ": no JPEG, PNG or TIFF photos here or below");
+                           ": no JPEG, PNG or TIFF photos and no films here or "
+                           "below");
     }
     std::string message = folder + ": " + std::to_string(usable) + " of " +
                           std::to_string(photos.size()) +
@@ -295,58 +359,6 @@ class IngestStage : public pipeline::Stage {
 };
 
 }  // namespace
-
-Status IngestStageOptions::Check() const {
-  const Status good = decode.Check();
-  if (!good.ok()) return InvalidArgumentError("ingest." + good.message());
-  if (holdout_every < 0) {
-    return InvalidArgumentError("ingest.holdout_every must not be negative");
-  }
-  if (!(keep_sharpest > 0 && keep_sharpest <= 1)) {
-    return InvalidArgumentError("ingest.keep_sharpest must be in (0, 1]");
-  }
-  return Status();
-}
-
-void RegisterIngestOptions(IngestStageOptions& options,
-                           pipeline::OptionTable& table) {
-  table.AddSection("ingest", "Reading and choosing the photos.");
-  table.Add("ingest.holdout_every",
-            &options.holdout_every,
-            {.help = "Every how many-th photo, from the first, is kept from "
-                     "training to measure the result; 0 keeps none.",
-             .min = 0});
-  table.Add("ingest.holdout",
-            &options.holdout,
-            {.help = "Pattern of the photos kept from training, such as test_* "
-                     "or val/*, or none; overrides ingest.holdout_every."});
-  table.Add(
-      "ingest.holdout_list",
-      &options.holdout_list,
-      {.help = "File with the names of the photos kept from training, one "
-               "per line; overrides ingest.holdout.",
-       .is_path = true});
-  table.Add("ingest.keep_sharpest",
-            &options.keep_sharpest,
-            {.help = "Fraction of the photos to keep: the sharpest of each "
-                     "stretch of the sequence, as for the frames of a video.",
-             .min = 0.001,
-             .max = 1});
-  table.Add("ingest.background",
-            &options.decode.background,
-            {.help = "What shows through transparent pixels.",
-             .choices = {"white", "black"}});
-  table.Add("ingest.min_side",
-            &options.decode.min_side,
-            {.help = "Photos with a shorter side than this (pixels) are not "
-                     "used.",
-             .min = 1});
-  table.Add("ingest.max_megapixels",
-            &options.decode.max_megapixels,
-            {.help = "Photos of more million pixels than this are not used.",
-             .min = 0.001,
-             .max = 1000});
-}
 
 std::unique_ptr<pipeline::Stage> MakeIngestStage(
     const IngestStageOptions& options) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Photo folder -> ingest/: the photos that can be used, upright and in formats
-// that every later program reads the same way, and what is known about them.
+// Photo folder or film -> ingest/: the photos that can be used, upright and in
+// formats that every later program reads the same way, and what is known about
+// them.
 
 #ifndef FREEGS_STAGES_INGEST_STAGE_H_
 #define FREEGS_STAGES_INGEST_STAGE_H_
@@ -12,6 +13,8 @@
 #include "pipeline/option_table.h"
 #include "pipeline/stage.h"
 #include "sfm/photo_decode.h"
+#include "sfm/video_frames.h"
+#include "stages/ingest_masks.h"
 
 namespace freegs::stages {
 
@@ -34,13 +37,20 @@ struct IngestStageOptions {
   // sequence.
   double keep_sharpest = 1;
 
+  // Which frames are taken when photos come as films. Its max_megapixels is
+  // decode's.
+  sfm::VideoFrameOptions film;
+
+  IngestMaskOptions masks;
+
   Status Check() const;
 };
 
 void RegisterIngestOptions(IngestStageOptions& options,
                            pipeline::OptionTable& table);
 
-// Writes images.json (see sfm/photo_list.h) and photos/. A photo that cannot be
+// Writes images.json (see sfm/photo_list.h), photos/ and, if there are masks,
+// masks/. A photo that cannot be
 // used is rejected with a warning; fewer than three usable ones are kBadInput.
 std::unique_ptr<pipeline::Stage> MakeIngestStage(
     const IngestStageOptions& options);

@@ -12,6 +12,7 @@
 #include "sfm/import_model.h"
 #include "sfm/model_io.h"
 #include "sfm/photo_list.h"
+#include "sfm/scene_frame.h"
 
 namespace freegs::stages {
 namespace {
@@ -55,6 +56,9 @@ struct Outcome {
   std::string source;
   std::string colmap_version;
   size_t contradictions = 0;
+  std::vector<sfm::CameraCandidate> camera_models;
+  sfm::MatchedPairs pairs;
+  int image_size = 0;
   std::vector<std::string> warnings;
   std::map<std::string, std::string> unregistered;
   std::optional<sfm::SfmResult> run;  // Of COLMAP.
@@ -67,8 +71,9 @@ class SfmStage : public pipeline::Stage {
 
   std::string_view name() const override { return "sfm"; }
 
-  std::vector<fs::path> Inputs(const StageContext&) const override {
+  std::vector<fs::path> Inputs(const StageContext& context) const override {
     std::vector<fs::path> inputs = {"ingest/images.json", "ingest/photos"};
+    if (HasMasks(context)) inputs.emplace_back("ingest/masks");
     if (options_.import.empty()) return inputs;
     const auto source = sfm::FindImportSource(options_.import);
     if (!source.ok()) {
@@ -93,11 +98,19 @@ class SfmStage : public pipeline::Stage {
   }
 
  private:
+  static bool HasMasks(const StageContext& context) {
+    std::error_code error;
+    return fs::is_directory(context.workspace / "ingest" / "masks", error);
+  }
+
   StatusOr<Outcome> RunColmap(const std::vector<sfm::SfmPhoto>& photos,
                               StageContext& context) const {
     sfm::SfmInput input;
     input.photo_folder = context.workspace / "ingest" / "photos";
     input.photos = photos;
+    if (HasMasks(context)) {
+      input.mask_folder = context.workspace / "ingest" / "masks";
+    }
     input.work_folder = context.output;
     input.seed = seed_;
     input.cancellation = context.cancellation;
@@ -111,6 +124,9 @@ class SfmStage : public pipeline::Stage {
     outcome.source = "colmap";
     outcome.colmap_version = std::move(result.colmap_version);
     outcome.contradictions = result.contradictions;
+    outcome.camera_models = std::move(result.camera_models);
+    outcome.pairs = std::move(result.pairs);
+    outcome.image_size = result.image_size;
     outcome.warnings = std::move(result.warnings);
     outcome.unregistered = std::move(result.unregistered);
     outcome.run = std::move(result);
@@ -186,6 +202,9 @@ class SfmStage : public pipeline::Stage {
     if (outcome.run) health.attempts = outcome.run->attempts;
     health.source = outcome.source;
     health.colmap_version = outcome.colmap_version;
+    health.camera_models = outcome.camera_models;
+    health.pairs = outcome.pairs;
+    health.image_size = outcome.image_size;
     for (auto& [name, reason] : health.unregistered) {
       const auto it = outcome.unregistered.find(name);
       if (it != outcome.unregistered.end()) reason = it->second;
@@ -201,6 +220,13 @@ class SfmStage : public pipeline::Stage {
       FREEGS_RETURN_IF_ERROR(
           sfm::WriteModel(sparse / std::to_string(i), outcome.models[i]));
     }
+    if (!outcome.models.empty()) {
+      FREEGS_ASSIGN_OR_RETURN(const sfm::SceneFrame frame,
+                              sfm::EstimateSceneFrame(outcome.models[0]));
+      FREEGS_RETURN_IF_ERROR(
+          WriteFileAtomic(context.output / "frame.json",
+                          sfm::SceneFrameToJson(frame).dump(2) + "\n"));
+    }
     const nlohmann::json json = sfm::HealthToJson(health);
     FREEGS_RETURN_IF_ERROR(WriteFileAtomic(
         context.output / "health.json",
@@ -214,6 +240,7 @@ class SfmStage : public pipeline::Stage {
                             "num_points",
                             "warnings",
                             "contradictions",
+                            "pairs",
                             "source",
                             "colmap_version"}) {
       context.summary[key] = json[key];
@@ -226,6 +253,12 @@ class SfmStage : public pipeline::Stage {
   Status Report(const sfm::Health& health, StageContext& context) const {
     for (const std::string& warning : health.warnings) {
       context.log(LogLevel::kWarning, "sfm: " + warning);
+    }
+    if (!health.pairs.strategy.empty()) {
+      context.log(LogLevel::kInfo,
+                  "sfm: matched " + std::to_string(health.pairs.pairs) +
+                      " of " + std::to_string(health.pairs.all_pairs) +
+                      " pairs of photos (" + health.pairs.strategy + ")");
     }
     std::vector<std::string> missing;
     for (const auto& entry : health.unregistered)
@@ -261,7 +294,7 @@ class SfmStage : public pipeline::Stage {
 
 void RegisterSfmOptions(SfmStageOptions& options,
                         pipeline::OptionTable& table) {
-  std::vector<std::string> models;
+  std::vector<std::string> models = {"auto"};
   for (const sfm::CameraModelInfo& model : sfm::CameraModels()) {
     models.emplace_back(model.name);
   }
@@ -288,12 +321,15 @@ void RegisterSfmOptions(SfmStageOptions& options,
              .choices = {"auto", "single", "per_image"}});
   table.Add("sfm.camera_model",
             &options.colmap.camera_model,
-            {.help = "Lens model to estimate.", .choices = models});
+            {.help = "Lens model to estimate; auto: the simplest that explains "
+                     "the matches, with as few cameras.",
+             .choices = models});
   table.Add("sfm.max_image_size",
             &options.colmap.max_image_size,
             {.help = "Longest side in pixels of the images that features are "
-                     "taken from.",
-             .min = 64,
+                     "taken from, at least 64. 0: the smallest from 800 to "
+                     "1600 that is enough for sfm.max_features.",
+             .min = 0,
              .max = 100000});
   table.Add("sfm.max_features",
             &options.colmap.max_features,
@@ -303,18 +339,26 @@ void RegisterSfmOptions(SfmStageOptions& options,
              .max = 100000});
   table.Add(
       "sfm.matcher",
-      &options.colmap.matcher,
-      {.help = "Pairs of photos to match: exhaustive (all), sequential "
-               "(neighbours in name order, and every sfm.overlap-th photo "
-               "with each other), or auto (exhaustive up to "
-               "sfm.max_exhaustive photos).",
-       .choices = {"auto", "exhaustive", "sequential"}});
+      &options.colmap.pairs.matcher,
+      {.help = "Pairs of photos to match: exhaustive (all), retrieval (each "
+               "photo with those most alike), sequential (these, and "
+               "neighbours in name order), or auto: exhaustive up to "
+               "sfm.max_exhaustive photos, then retrieval, with neighbours "
+               "where numbered photos prove to be in order.",
+       .choices = {"auto", "exhaustive", "sequential", "retrieval"}});
   table.Add("sfm.max_exhaustive",
-            &options.colmap.max_exhaustive,
+            &options.colmap.pairs.max_exhaustive,
             {.help = "Most photos that auto matches exhaustively.", .min = 0});
+  table.Add("sfm.neighbours",
+            &options.colmap.pairs.neighbours,
+            {.help = "Retrieval: photos most alike that each is matched with. "
+                     "Matching time grows in proportion.",
+             .min = 1,
+             .max = 10000});
   table.Add("sfm.overlap",
-            &options.colmap.overlap,
-            {.help = "Sequential matching: neighbours on each side.",
+            &options.colmap.pairs.overlap,
+            {.help = "Photos in order: neighbours on each side that each is "
+                     "matched with.",
              .min = 1,
              .max = 1000});
   table.Add("sfm.max_retry_cost",

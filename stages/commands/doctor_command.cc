@@ -158,6 +158,9 @@ Status RunDoctorCommand(const std::vector<std::string>& arguments,
         "colmap",
         colmap->version() + (known.ok() ? ", runs without a display"
                                         : ", does not run without a display"));
+    for (const std::string& fault : colmap->KnownFaults()) {
+      PrintLine(out, "", fault);
+    }
     if (!known.ok()) verdict = known.status();
   }
   const auto model = OpenClipModel(options.bootstrap.model);

@@ -14,6 +14,7 @@
 #include "pipeline/stage_runner.h"
 #include "pipeline/version.h"
 #include "pipeline/workspace.h"
+#include "sfm/photo_scan.h"
 #include "stages/pipeline_options.h"
 #include "stages/stage_registry.h"
 
@@ -85,15 +86,20 @@ Status CheckImagesFolder(const fs::path& images, const fs::path& workspace) {
     }
     return Status();
   }
+  if (fs::is_regular_file(images, error) && sfm::HasFilmExtension(images)) {
+    return Status();
+  }
   // Once read, the photos are no longer needed.
   if (pipeline::ReadStageRecord(pipeline::StageFolder(workspace, "ingest"))
           .ok()) {
     return Status();
   }
-  return BadInputError(images.string() +
-                       (fs::exists(images, error)
-                            ? ": not a folder; give the folder of the photos"
-                            : ": no such folder of photos"));
+  return BadInputError(
+      images.string() +
+      (fs::exists(images, error)
+           ? ": not a folder and not a film; give the folder of "
+             "the photos, or a film such as a.mp4"
+           : ": no such folder of photos"));
 }
 
 // How a run was asked for.
@@ -171,7 +177,8 @@ Status RunRunCommand(const std::vector<std::string>& arguments,
   const std::vector<std::string>& words = line.positional;
   if (words.empty() || words.size() > 2) {
     return InvalidArgumentError(
-        "run takes a folder of photos and a workspace folder: run IMAGES "
+        "run takes a folder of photos (or a film) and a workspace folder: run "
+        "IMAGES "
         "WORKSPACE");
   }
   request.workspace = Absolute(words.back());

@@ -39,7 +39,6 @@ SceneEvidence Chain(int count) {
       evidence.pairs.push_back({i, i + 2, 100, false, {}});
     }
   }
-  evidence.matched_pairs = count * (count - 1) / 2;
   return evidence;
 }
 

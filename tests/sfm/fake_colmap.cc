@@ -12,6 +12,7 @@
 //   FAKE_COLMAP_FAIL     a command that fails with exit code 1.
 //   FAKE_COLMAP_HANG     a command that never ends.
 //   FAKE_COLMAP_ONCE     a file: commands fail while it exists, and delete it.
+//   FAKE_COLMAP_LENIENT  take any option; who starts it has checked them.
 //   FAKE_COLMAP_KEEP     leave distortion in undistorted models.
 
 #include <cstdio>
@@ -116,7 +117,7 @@ class Database {
     Run("CREATE TABLE IF NOT EXISTS images (image_id INTEGER PRIMARY KEY "
         "AUTOINCREMENT NOT NULL, name TEXT NOT NULL UNIQUE)");
     Run("CREATE TABLE IF NOT EXISTS keypoints (image_id INTEGER PRIMARY KEY, "
-        "rows INTEGER NOT NULL)");
+        "rows INTEGER NOT NULL, cols INTEGER NOT NULL, data BLOB)");
     Run("CREATE TABLE IF NOT EXISTS descriptors (image_id INTEGER PRIMARY KEY, "
         "rows INTEGER NOT NULL, cols INTEGER NOT NULL, data BLOB)");
     Run("CREATE TABLE IF NOT EXISTS matches (pair_id INTEGER PRIMARY KEY, "
@@ -182,7 +183,7 @@ int ExtractFeatures(Options& options) {
     const std::string id = std::to_string(database.Images().at(names[i]));
     const std::string count = std::to_string(kNumFeatures);
     database.Run("INSERT OR IGNORE INTO keypoints VALUES(" + id + "," + count +
-                 ")");
+                 ",4,zeroblob(" + std::to_string(16 * kNumFeatures) + "))");
     database.Run("INSERT OR IGNORE INTO descriptors VALUES(" + id + "," +
                  count + ",128,x'" + Descriptors() + "')");
     Print("Processed file [" + std::to_string(i + 1) + "/" +
@@ -298,8 +299,10 @@ int Run(int argc, char** argv) {
       PrintCommandHelp(command);
       return 0;
     }
-    if (std::find(known->second.begin(), known->second.end(), name) ==
-            known->second.end() ||
+    const bool lenient = !Setting("FAKE_COLMAP_LENIENT").empty();
+    if ((!lenient &&
+         std::find(known->second.begin(), known->second.end(), name) ==
+             known->second.end()) ||
         i + 1 >= argc) {
       std::cerr << "ERROR: unrecognised option '--" << name << "'\n";
       return 1;

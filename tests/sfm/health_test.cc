@@ -104,9 +104,14 @@ TEST(HealthToJson, HasTheAgreedNames) {
   Health health = MeasureHealth(
       {SyntheticModel(8, 10), SyntheticModel(3, 5)}, Names(20), true, {});
   health.unregistered.begin()->second = "no matches";
+  EXPECT_TRUE(HealthToJson(health)["pairs"].is_null());
+  health.pairs = {"retrieval", 50, 190};
   const nlohmann::json json = HealthToJson(health);
   EXPECT_EQ(json["verdict"], "failed");
   EXPECT_EQ(json["images"], 20);
+  EXPECT_EQ(json["pairs"]["strategy"], "retrieval");
+  EXPECT_EQ(json["pairs"]["pairs"], 50);
+  EXPECT_EQ(json["pairs"]["all_pairs"], 190);
   EXPECT_EQ(json["registered"], 8);
   EXPECT_EQ(json["models"], 2);
   EXPECT_EQ(json["model_sizes"], (std::vector<int>{8, 3}));
@@ -124,6 +129,31 @@ TEST(HealthToJson, HasTheAgreedNames) {
                           "reason"}) {
     EXPECT_TRUE(json.contains(key)) << key;
   }
+}
+
+TEST(HealthToJson, HasTheTableOfCameras) {
+  Health health = MeasureHealth({SyntheticModel(8, 10)}, Names(8), true, {});
+  EXPECT_TRUE(HealthToJson(health)["camera_models"].empty());
+  CameraCandidate candidate;
+  candidate.model = CameraModel::kSimpleRadial;
+  candidate.sharing = CameraSharing::kPerGroup;
+  candidate.parameters = 4;
+  candidate.held_out_error_px = 0.75;
+  candidate.bic = -12.5;
+  candidate.chosen = true;
+  health.camera_models = {candidate, {}};
+  health.camera_models[1].refused = "the distortion turns back";
+  const nlohmann::json json = HealthToJson(health);
+  const nlohmann::json& rows = json["camera_models"];
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[0]["model"], "SIMPLE_RADIAL");
+  EXPECT_EQ(rows[0]["sharing"], "per_group");
+  EXPECT_EQ(rows[0]["parameters"], 4);
+  EXPECT_EQ(rows[0]["held_out_error_px"], 0.75);
+  EXPECT_EQ(rows[0]["bic"], -12.5);
+  EXPECT_EQ(rows[0]["chosen"], true);
+  EXPECT_FALSE(rows[0].contains("reason"));
+  EXPECT_EQ(rows[1]["reason"], "the distortion turns back");
 }
 
 }  // namespace

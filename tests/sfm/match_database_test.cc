@@ -3,6 +3,8 @@
 
 #include "sfm/match_database.h"
 
+#include <cmath>
+#include <cstring>
 #include <sqlite3.h>
 
 #include <gmock/gmock.h>
@@ -29,7 +31,8 @@ void RunSql(const fs::path& path, const std::string& sql) {
 void MakeDatabase(const fs::path& path) {
   RunSql(path,
          "CREATE TABLE images(image_id INTEGER PRIMARY KEY, name TEXT UNIQUE);"
-         "CREATE TABLE keypoints(image_id INTEGER PRIMARY KEY, rows INTEGER);"
+         "CREATE TABLE keypoints(image_id INTEGER PRIMARY KEY, rows INTEGER, "
+         "cols INTEGER, data BLOB);"
          "CREATE TABLE descriptors(image_id INTEGER PRIMARY KEY, rows INTEGER, "
          "cols INTEGER, data BLOB);"
          "CREATE TABLE matches(pair_id INTEGER PRIMARY KEY, rows INTEGER, "
@@ -37,13 +40,53 @@ void MakeDatabase(const fs::path& path) {
          "CREATE TABLE two_view_geometries(pair_id INTEGER PRIMARY KEY, rows "
          "INTEGER, data BLOB);"
          "INSERT INTO images VALUES(2,'b.jpg'),(1,'a.jpg'),(3,'c d.jpg');"
-         "INSERT INTO keypoints VALUES(1,100),(2,50);"
+         "INSERT INTO keypoints VALUES(1,100,2,NULL),(2,50,6,x'00');"
          "INSERT INTO descriptors VALUES(2,1,128,CAST(REPLACE(HEX(ZEROBLOB("
          "64)),'0',CHAR(1)) AS BLOB))");
 }
 
 constexpr int64_t kPair12 = int64_t{1} * 2147483647 + 2;
 constexpr int64_t kPair23 = int64_t{2} * 2147483647 + 3;
+
+std::string Hex(const std::vector<float>& values) {
+  std::string text;
+  for (const float value : values) {
+    uint8_t bytes[4];
+    std::memcpy(bytes, &value, 4);
+    for (const uint8_t byte : bytes) {
+      text += "0123456789abcdef"[byte >> 4];
+      text += "0123456789abcdef"[byte & 15];
+    }
+  }
+  return text;
+}
+
+TEST(MatchDatabase, ScalesOfFeatures) {
+  const TemporaryFolder folder;
+  MakeDatabase(folder / "a.db");
+  RunSql(folder / "a.db",
+         "INSERT INTO keypoints VALUES(4,2,4,x'" +
+             Hex({1, 2, 3, 4, 5, 6, std::nanf(""), 8}) + "'),(5,1,6,x'" +
+             Hex({1, 2, 3, 0, 4, 7}) + "'),(6,0,6,NULL),(7,-1,4,NULL)," +
+             "(8,3,4,x'" + Hex({1, 2, 3, 4}) + "')");
+  const auto database = MatchDatabase::Open(folder / "a.db");
+  ASSERT_TRUE(database.ok()) << database.status().message();
+  EXPECT_EQ(database->FeatureScales(4).value(), (std::vector<float>{3, 0}));
+  EXPECT_EQ(database->FeatureScales(5).value(), std::vector<float>{6});
+  // Positions only; a photo that is not there; no features.
+  for (const uint32_t id : {1, 9, 6}) {
+    const auto scales = database->FeatureScales(id);
+    ASSERT_TRUE(scales.ok()) << scales.status().message();
+    EXPECT_TRUE(scales->empty());
+  }
+  // Sizes that do not fit.
+  for (const uint32_t id : {2, 7, 8}) {
+    const auto scales = database->FeatureScales(id);
+    EXPECT_EQ(scales.status().code(), StatusCode::kBadInput);
+    EXPECT_THAT(scales.status().message(),
+                testing::HasSubstr("photo " + std::to_string(id)));
+  }
+}
 
 TEST(MatchDatabase, ListsPhotosAndMatches) {
   const TemporaryFolder folder;
@@ -68,13 +111,10 @@ TEST(MatchDatabase, ListsPhotosAndMatches) {
   EXPECT_EQ((*pairs)[0].id2, 2u);
   EXPECT_EQ((*pairs)[0].num_matches, 30);
   EXPECT_FALSE((*pairs)[0].is_homography);
-  const auto scales = database->FeatureScales();
-  ASSERT_TRUE(scales.ok());
-  EXPECT_TRUE(scales->empty());
 }
 
-// Floats and doubles as COLMAP stores them, little endian.
-TEST(MatchDatabase, MotionsAndFeatureScales) {
+// Doubles as COLMAP stores them, little endian.
+TEST(MatchDatabase, Motions) {
   const TemporaryFolder folder;
   const std::string one = "000000000000F03F";  // 1.0
   const std::string two = "0000000000000040";  // 2.0
@@ -84,15 +124,9 @@ TEST(MatchDatabase, MotionsAndFeatureScales) {
       one + two + zero + zero + one + zero + zero + zero + one;
   RunSql(folder / "a.db",
          "CREATE TABLE images(image_id INTEGER PRIMARY KEY, name TEXT);"
-         "CREATE TABLE keypoints(image_id INTEGER PRIMARY KEY, rows INTEGER, "
-         "cols INTEGER, data BLOB);"
          "CREATE TABLE two_view_geometries(pair_id INTEGER PRIMARY KEY, rows "
          "INTEGER, cols INTEGER, data BLOB, config INTEGER, F BLOB, E BLOB, "
-         "H BLOB);"
-         // One feature of scale 5 = |(3, 4)|; a row too short; another kind.
-         "INSERT INTO keypoints VALUES"
-         "(1,1,6,x'000000000000000000004040000000000000804000000000'),"
-         "(2,7,6,x'00'),(3,1,2,x'0000000000000000');");
+         "H BLOB);");
   RunSql(folder / "a.db",
          "INSERT INTO two_view_geometries VALUES"
          "(" +
@@ -109,10 +143,6 @@ TEST(MatchDatabase, MotionsAndFeatureScales) {
              std::to_string(kPair23 + 2) + ",20,2,NULL,5,NULL,NULL,x'00')");
   const auto database = MatchDatabase::Open(folder / "a.db");
   ASSERT_TRUE(database.ok()) << database.status().message();
-  const auto scales = database->FeatureScales();
-  ASSERT_TRUE(scales.ok());
-  ASSERT_EQ(scales->size(), 1u);
-  EXPECT_EQ(scales->at(1), 5);
   const auto pairs = database->VerifiedPairs();
   ASSERT_TRUE(pairs.ok());
   ASSERT_EQ(pairs->size(), 4u);

@@ -127,6 +127,7 @@ struct ExifFields {
   int focal_plane_per_cm = 0;
   int pixel_width = 0;
   int pixel_height = 0;
+  bool gps = false;  // 48 degrees north, 11 east.
 };
 
 // An EXIF block (TIFF structure) with these tags.
@@ -190,9 +191,22 @@ inline std::string MakeExif(const ExifFields& fields, bool little = true) {
   block += number(42, 2) + number(8, 4);
   // The pointer's value depends on the size of the directory that holds it.
   main.push_back({0x8769, 4, 1, number(0, 4)});
+  if (fields.gps) main.push_back({0x8825, 4, 1, number(0, 4)});
   const size_t exif_at = 8 + directory(main, 8).size();
-  main.back().value = number(exif_at, 4);
-  return block + directory(main, 8) + directory(exif, exif_at);
+  const size_t gps_at = exif_at + directory(exif, exif_at).size();
+  main[main.size() - (fields.gps ? 2 : 1)].value = number(exif_at, 4);
+  if (fields.gps) main.back().value = number(gps_at, 4);
+  block += directory(main, 8) + directory(exif, exif_at);
+  if (!fields.gps) return block;
+  const auto degrees = [&number](int value) {
+    return number(value, 4) + number(1, 4) + number(0, 4) + number(1, 4) +
+           number(0, 4) + number(1, 4);
+  };
+  return block + directory({{1, 2, 2, std::string("N\0", 2)},
+                            {2, 5, 3, degrees(48)},
+                            {3, 2, 2, std::string("E\0", 2)},
+                            {4, 5, 3, degrees(11)}},
+                           gps_at);
 }
 
 // The JPEG with an EXIF segment after its first marker.

@@ -3,6 +3,7 @@
 
 #include "sfm/structure_from_motion.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <set>
 #include <thread>
@@ -11,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "sfm/colmap_program.h"
+#include "sfm/colmap_steps.h"
 #include "sfm/health.h"
 #include "sfm/model_io.h"
 #include "sfm/model_io_binary.h"
@@ -74,8 +76,43 @@ TEST_F(StructureFromMotionTest, BothDialects) {
     EXPECT_EQ(last["matching"], 45);
     EXPECT_EQ(last["mapping"], 10);
     EXPECT_EQ(result->colmap_version[0], dialect[0]);
+    EXPECT_EQ(result->pairs.strategy, "exhaustive");
+    EXPECT_EQ(result->pairs.pairs, 45u);
+    EXPECT_EQ(result->pairs.all_pairs, 45u);
+    EXPECT_THAT(ReadText(input_.work_folder / "pairs.txt"),
+                testing::StartsWith(PhotoName(0) + " " + PhotoName(1) + "\n"));
     EXPECT_TRUE(fs::exists(input_.work_folder / "database.db"));
   }
+}
+
+TEST_F(StructureFromMotionTest, ChoosesCameras) {
+  // The fake's tracks are exact, of a lens with two radial terms.
+  auto result = Run();
+  ASSERT_TRUE(result.ok()) << result.status().message();
+  const auto chosen = std::find_if(result->camera_models.begin(),
+                                   result->camera_models.end(),
+                                   [](const auto& row) { return row.chosen; });
+  ASSERT_NE(chosen, result->camera_models.end());
+  ASSERT_EQ(result->models[0].cameras.size(), 1u);
+  EXPECT_EQ(result->models[0].cameras[0].model, chosen->model);
+  EXPECT_LT(chosen->held_out_error_px, 0.02);
+  EXPECT_NEAR(result->models[0].cameras[0].FocalX(), 600, 1);
+
+  // A fixed model is left to COLMAP.
+  fs::remove_all(input_.work_folder);
+  options_.camera_model = "RADIAL";
+  result = Run();
+  ASSERT_TRUE(result.ok()) << result.status().message();
+  EXPECT_TRUE(result->camera_models.empty());
+  EXPECT_EQ(result->models[0].cameras[0].params,
+            SyntheticModel(1, 0).cameras[0].params);
+
+  fs::remove_all(input_.work_folder);
+  options_.camera_model = "auto";
+  options_.camera = "per_image";
+  result = Run();
+  ASSERT_TRUE(result.ok()) << result.status().message();
+  EXPECT_EQ(result->models[0].cameras.size(), 10u);
 }
 
 TEST_F(StructureFromMotionTest, BestModelFirstAndReasons) {
@@ -173,8 +210,8 @@ TEST_F(StructureFromMotionTest, LadderStopsWhereTheCostsEnd) {
 }
 
 TEST_F(StructureFromMotionTest, AllPairsWhenNotAllWereCompared) {
-  options_.matcher = "sequential";
-  options_.overlap = 2;
+  options_.pairs.matcher = "retrieval";
+  options_.pairs.neighbours = 2;
   const auto result = Run({{"FAKE_COLMAP_MODELS", "4"}});
   ASSERT_TRUE(result.ok());
   EXPECT_THAT(NamesOf(result->attempts), testing::Contains("all pairs"));
@@ -273,13 +310,101 @@ TEST_F(StructureFromMotionTest, MatchingContinuesAtItsPortion) {
   for (const auto& entry : fs::directory_iterator(input_.work_folder)) {
     EXPECT_THAT(
         entry.path().filename().string(),
-        testing::AnyOf("database.db", "steps.json", "logs", "attempts"));
+        testing::AnyOf(
+            "database.db", "steps.json", "logs", "attempts", "pairs.txt"));
   }
   ASSERT_TRUE(TidyWorkFolder(input_.work_folder, *resumed).ok());
   for (const auto& entry : fs::directory_iterator(input_.work_folder)) {
     EXPECT_THAT(entry.path().filename().string(),
-                testing::AnyOf("database.db", "logs"));
+                testing::AnyOf("database.db", "logs", "pairs.txt"));
   }
+}
+
+TEST_F(StructureFromMotionTest, ImageSizeIsChosen) {
+  // Small photos: taken as they are.
+  const auto small = Run();
+  ASSERT_TRUE(small.ok());
+  EXPECT_EQ(small->image_size, 1600);
+  EXPECT_EQ(Log("feature_extractor").find("[1/4]"), std::string::npos);
+  // The fake finds 20 features at any size: by far too few.
+  for (SfmPhoto& photo : input_.photos) photo.width = 4000;
+  input_.work_folder = folder_ / "large";
+  const auto large = Run();
+  ASSERT_TRUE(large.ok()) << large.status().message();
+  EXPECT_EQ(large->image_size, 1600);
+  EXPECT_FALSE(fs::exists(input_.work_folder / "image_size.db"));
+  EXPECT_THAT(ReadText(input_.work_folder / "steps.json"),
+              HasSubstr("\"image_size\": 1600"));
+  options_.max_image_size = 900;
+  input_.work_folder = folder_ / "given";
+  const auto given = Run();
+  ASSERT_TRUE(given.ok());
+  EXPECT_EQ(given->image_size, 900);
+  options_.max_image_size = 63;
+  EXPECT_EQ(Run().status().code(), StatusCode::kInvalidArgument);
+}
+
+TEST(ImageSizeFor, SmallestThatIsEnough) {
+  EXPECT_EQ(ImageSizeFor(100000, 2000), 800);
+  EXPECT_EQ(ImageSizeFor(2500, 2000), 800);
+  EXPECT_EQ(ImageSizeFor(2400, 2000), 900);
+  EXPECT_EQ(ImageSizeFor(1000, 2000), 1600);
+  for (const int64_t found : {-1, 0, 1}) {
+    EXPECT_EQ(ImageSizeFor(found, 2000), 1600);
+  }
+  EXPECT_EQ(ImageSizeFor(2500, 8192), 1600);
+}
+
+// The fake's photos all look the same, so each is first matched with the
+// first ones only, and then, having too few partners, with more.
+TEST_F(StructureFromMotionTest, ChosenPairsContinueAtTheirPortion) {
+  options_.num_threads = 1;
+  options_.pairs.matcher = "retrieval";
+  options_.pairs.neighbours = 2;
+  const auto straight = Run();
+  ASSERT_TRUE(straight.ok()) << straight.status().message();
+  EXPECT_EQ(straight->pairs.strategy, "retrieval");
+  EXPECT_GE(straight->pairs.pairs, 20u);
+  EXPECT_LT(straight->pairs.pairs, 45u);
+  EXPECT_EQ(straight->pairs.all_pairs, 45u);
+  const std::string log = Log("matches_importer");
+  const std::string list = ReadText(input_.work_folder / "pairs.txt");
+
+  // Fails at its second and its third portion.
+  input_.work_folder = folder_ / "disturbed";
+  const fs::path once = folder_ / "once";
+  const Settings fail = {{"FAKE_COLMAP_FAIL", "matches_importer"},
+                         {"FAKE_COLMAP_ONCE", once.string()}};
+  bool matched = false;
+  for (int failures = 0; failures < 2; ++failures) {
+    input_.progress = [&](const Progress& progress) {
+      if (progress.step != "matching" || progress.done == 0) return;
+      if (matched) return;
+      matched = true;
+      WriteText(once, "");
+    };
+    matched = false;
+    EXPECT_FALSE(Run(fail).ok());
+  }
+  input_.progress = nullptr;
+  const auto resumed = Run();
+  ASSERT_TRUE(resumed.ok()) << resumed.status().message();
+  EXPECT_EQ(resumed->pairs.strategy, straight->pairs.strategy);
+  EXPECT_EQ(resumed->pairs.pairs, straight->pairs.pairs);
+  EXPECT_EQ(ReadText(input_.work_folder / "pairs.txt"), list);
+  const auto count = [](const std::string& text) {
+    size_t runs = 0;
+    for (size_t at = 0; (at = text.find("Matching block", at)) != text.npos;
+         ++at) {
+      ++runs;
+    }
+    return runs;
+  };
+  EXPECT_EQ(count(Log("matches_importer")), count(log));
+  // Asked again after matching is done.
+  const auto again = Run();
+  ASSERT_TRUE(again.ok());
+  EXPECT_EQ(again->pairs.pairs, straight->pairs.pairs);
 }
 
 TEST_F(StructureFromMotionTest, BrokenStepRecordStartsAgain) {
@@ -301,26 +426,6 @@ TEST_F(StructureFromMotionTest, MissingProgramAndWrongOptions) {
   input_.photos[0].name = " leading space.jpg";
   EXPECT_EQ(RunStructureFromMotion(input_, options_).status().code(),
             StatusCode::kBadInput);
-}
-
-TEST(SelectPairs, ExhaustiveAndSequential) {
-  SfmOptions options;
-  EXPECT_EQ(SelectPairs(10, options).size(), 45u);
-  EXPECT_EQ(SelectPairs(0, options).size(), 0u);
-  options.matcher = "sequential";
-  options.overlap = 5;
-  const auto pairs = SelectPairs(100, options);
-  const std::set<std::pair<int, int>> set(pairs.begin(), pairs.end());
-  EXPECT_EQ(set.size(), pairs.size());
-  EXPECT_LT(pairs.size(), 1500u);
-  for (const auto& [i, j] : pairs) EXPECT_LT(i, j);
-  EXPECT_TRUE(set.contains({3, 8}));
-  EXPECT_FALSE(set.contains({3, 9}));
-  EXPECT_TRUE(set.contains({3, 35}));
-  EXPECT_TRUE(set.contains({0, 95}));
-  options.matcher = "auto";
-  options.max_exhaustive = 99;
-  EXPECT_EQ(SelectPairs(100, options).size(), pairs.size());
 }
 
 // The real program on a few real photos, twice: with one and two threads.
@@ -346,6 +451,8 @@ TEST(RealColmap, RegistersAndRepeats) {
   }
   SfmOptions options;
   options.max_features = 800;
+  options.pairs.matcher = "retrieval";
+  options.pairs.neighbours = 4;
   std::vector<std::string> results;
   for (const int threads : {1, 2}) {
     options.num_threads = threads;
@@ -354,6 +461,7 @@ TEST(RealColmap, RegistersAndRepeats) {
     ASSERT_TRUE(result.ok()) << result.status().message();
     ASSERT_FALSE(result->models.empty());
     const Reconstruction& model = result->models[0];
+    EXPECT_EQ(result->pairs.strategy, "retrieval");
     EXPECT_GE(model.images.size(), 6u);
     std::vector<std::string> names;
     for (const SfmPhoto& photo : input.photos) names.push_back(photo.name);

@@ -55,6 +55,9 @@ TEST_F(SfmStageTest, WritesModelHealthAndDatabase) {
   EXPECT_EQ(health["models"], 1);
   EXPECT_EQ(health["source"], "colmap");
   EXPECT_EQ(health["colmap_version"], "3.8");
+  EXPECT_EQ(health["pairs"]["strategy"], "exhaustive");
+  EXPECT_EQ(health["pairs"]["pairs"], 45);
+  EXPECT_EQ(health["pairs"]["all_pairs"], 45);
   EXPECT_THAT(health["unregistered"], IsEmpty());
   EXPECT_THAT(workspace_.warnings, IsEmpty());
   EXPECT_EQ(workspace_.summary["registered"], 10);
