@@ -5,107 +5,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
-#include "sfm/health.h"
+#include "sfm/diagnosis_scene.h"
 
 namespace freegs::sfm {
 namespace {
 
 // Points that a photo of a model must see on average. Models of blurred or bare
-// scenes have some 50 of mostly wrong ones, sound ones hundreds.
-constexpr double kFewObservations = 48;
-
-double Quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  const auto at =
-      values.begin() +
-      static_cast<ptrdiff_t>(std::floor(share * (values.size() - 1) + 0.5));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
-std::string Text(double value) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.3g", value);
-  return text;
-}
+// scenes have some 60 of mostly wrong ones, sound ones hundreds.
+constexpr double kFewObservations = 80;
 
 std::string Percent(double share) {
   return std::to_string(static_cast<int>(std::round(100 * share))) + " %";
 }
 
-double SharpnessOfSharp(const SceneEvidence& evidence) {
-  std::vector<double> values;
-  for (const PhotoEvidence& photo : evidence.photos) {
-    if (photo.sharpness > 0) values.push_back(photo.sharpness);
-  }
-  return Quantile(std::move(values), 0.75);
-}
-
-// What all rules look at.
-struct Scene {
-  const SceneEvidence& evidence;
-  const std::vector<Reconstruction>& models;
-  const DiagnosisOptions& options;
-  PhotoGroups groups;
-  TurningOnTheSpot turning;
-  size_t registered = 0;
-  double sharp = 0;  // Upper quartile of sharpness.
-
-  Scene(const SceneEvidence& scene,
-        const std::vector<Reconstruction>& made,
-        const DiagnosisOptions& how)
-      : evidence(scene),
-        models(made),
-        options(how),
-        groups(GroupByMatches(scene, made)),
-        turning(MeasureTurning(scene)) {
-    registered = static_cast<size_t>(
-        std::count(groups.registered.begin(), groups.registered.end(), true));
-    sharp = SharpnessOfSharp(scene);
-  }
-
-  size_t count() const { return evidence.photos.size(); }
-  bool good() const {
-    return static_cast<double>(registered) >=
-           options.good_share * static_cast<double>(count());
-  }
-  // A photo of the main group is not in the model.
-  bool LinkedPhotosMissing() const {
-    for (size_t i = 0; i < count(); ++i) {
-      if (groups.group[i] == 0 && !groups.registered[i] &&
-          !IsBlurred(evidence.photos[i])) {
-        return true;
-      }
-    }
-    return false;
-  }
-  // A model of nearly all photos with wide angles and many points in each
-  // proves that the camera moved, however alike neighbouring photos are.
-  bool HasDepth() const {
-    if (!good() || models.empty()) return false;
-    const Health health = MeasureHealth({models[0]}, {}, true, {});
-    return health.median_triangulation_deg >= 3 &&
-           health.mean_reprojection_error_px <= 2 &&
-           health.observations >= 100 * registered;
-  }
-  // Much less sharp than the others.
-  bool IsBlurred(const PhotoEvidence& photo) const {
-    return photo.sharpness > 0 &&
-           photo.sharpness < options.blurred_share * sharp;
-  }
-  bool HasFewFeatures(const PhotoEvidence& photo) const {
-    return photo.num_features < options.few_features;
-  }
-  std::vector<std::string> Names(const std::vector<size_t>& photos) const {
-    std::vector<std::string> names;
-    for (const size_t i : photos) names.push_back(evidence.photos[i].name);
-    return names;
-  }
-};
-
-void FindTooFewPhotos(const Scene& scene, std::vector<Finding>* findings) {
+void FindTooFewPhotos(const DiagnosedScene& scene,
+                      std::vector<Finding>* findings) {
   const int count = static_cast<int>(scene.count());
   if (count >= scene.options.few_photos) return;
   Finding finding;
@@ -122,7 +37,7 @@ void FindTooFewPhotos(const Scene& scene, std::vector<Finding>* findings) {
   findings->push_back(std::move(finding));
 }
 
-void FindBlur(const Scene& scene, std::vector<Finding>* findings) {
+void FindBlur(const DiagnosedScene& scene, std::vector<Finding>* findings) {
   std::vector<double> scales;
   std::vector<size_t> blurred;
   for (size_t i = 0; i < scene.count(); ++i) {
@@ -145,7 +60,7 @@ void FindBlur(const Scene& scene, std::vector<Finding>* findings) {
     finding.message =
         "the photos are blurred: half of what stands out in them is wider "
         "than " +
-        Text(100 * scale) + " % of the photo";
+        ShortText(100 * scale) + " % of the photo";
     findings->push_back(std::move(finding));
     return;
   }
@@ -159,14 +74,15 @@ void FindBlur(const Scene& scene, std::vector<Finding>* findings) {
   finding.evidence = {{"photos", static_cast<double>(blurred.size())},
                       {"sharpness_at_most", worst},
                       {"sharpness_of_sharp_photos", scene.sharp}};
-  finding.message = SomeNames(finding.photos) +
-                    (blurred.size() == 1 ? " is" : " are") +
-                    " much more blurred than the others (sharpness at most " +
-                    Text(worst) + ", theirs " + Text(scene.sharp) + ")";
+  finding.message =
+      SomeNames(finding.photos) + (blurred.size() == 1 ? " is" : " are") +
+      " much more blurred than the others (sharpness at most " +
+      ShortText(worst) + ", theirs " + ShortText(scene.sharp) + ")";
   findings->push_back(std::move(finding));
 }
 
-void FindLittleTexture(const Scene& scene, std::vector<Finding>* findings) {
+void FindLittleTexture(const DiagnosedScene& scene,
+                       std::vector<Finding>* findings) {
   std::vector<double> counts;
   std::vector<size_t> weak;
   for (size_t i = 0; i < scene.count(); ++i) {
@@ -210,7 +126,8 @@ void FindLittleTexture(const Scene& scene, std::vector<Finding>* findings) {
 }
 
 // A model that hangs on a few points per photo: its poses cannot be trusted.
-void FindThinModel(const Scene& scene, std::vector<Finding>* findings) {
+void FindThinModel(const DiagnosedScene& scene,
+                   std::vector<Finding>* findings) {
   if (scene.models.empty() || scene.registered == 0) return;
   size_t observations = 0;
   for (const Point3D& point : scene.models[0].points3d) {
@@ -224,7 +141,7 @@ void FindThinModel(const Scene& scene, std::vector<Finding>* findings) {
   finding.severity = Severity::kFatal;
   finding.evidence = {{"points_per_photo", each}, {"few", kFewObservations}};
   finding.message = "the model hangs on too little: a photo sees " +
-                    Text(each) +
+                    ShortText(each) +
                     " of its points on average, so that its poses cannot be "
                     "trusted";
   finding.advice =
@@ -232,7 +149,8 @@ void FindThinModel(const Scene& scene, std::vector<Finding>* findings) {
   findings->push_back(std::move(finding));
 }
 
-void FindNoBaseline(const Scene& scene, std::vector<Finding>* findings) {
+void FindNoBaseline(const DiagnosedScene& scene,
+                    std::vector<Finding>* findings) {
   const TurningOnTheSpot& turning = scene.turning;
   Finding finding;
   finding.evidence = {{"pairs", static_cast<double>(turning.pairs)},
@@ -269,7 +187,7 @@ void FindNoBaseline(const Scene& scene, std::vector<Finding>* findings) {
 }
 
 // Strongest pair between the group and photos outside, in matches.
-int64_t StrongestLink(const Scene& scene, int group) {
+int64_t StrongestLink(const DiagnosedScene& scene, int group) {
   int64_t strongest = 0;
   for (const PairEvidence& pair : scene.evidence.pairs) {
     if ((scene.groups.group[pair.first] == group) !=
@@ -280,7 +198,8 @@ int64_t StrongestLink(const Scene& scene, int group) {
   return strongest;
 }
 
-void FindSeparateScenes(const Scene& scene, std::vector<Finding>* findings) {
+void FindSeparateScenes(const DiagnosedScene& scene,
+                        std::vector<Finding>* findings) {
   const size_t main =
       scene.groups.members.empty() ? 0 : scene.groups.members[0].size();
   for (size_t g = 1; g < scene.groups.members.size(); ++g) {
@@ -308,7 +227,8 @@ void FindSeparateScenes(const Scene& scene, std::vector<Finding>* findings) {
   }
 }
 
-void FindNoOverlap(const Scene& scene, std::vector<Finding>* findings) {
+void FindNoOverlap(const DiagnosedScene& scene,
+                   std::vector<Finding>* findings) {
   std::vector<size_t> alone;
   for (size_t i = 0; i < scene.count(); ++i) {
     const PhotoEvidence& photo = scene.evidence.photos[i];
@@ -344,7 +264,7 @@ constexpr char kTellApart[] =
     "add photos that show the parts that look alike together with what tells "
     "them apart";
 
-void FindUnplaced(const Scene& scene, std::vector<Finding>* findings) {
+void FindUnplaced(const DiagnosedScene& scene, std::vector<Finding>* findings) {
   if (scene.evidence.unplaced.empty()) return;
   Finding finding;
   finding.kind = FindingKind::kLookAlikes;
@@ -360,7 +280,8 @@ void FindUnplaced(const Scene& scene, std::vector<Finding>* findings) {
   findings->push_back(std::move(finding));
 }
 
-void FindLookAlikes(const Scene& scene, std::vector<Finding>* findings) {
+void FindLookAlikes(const DiagnosedScene& scene,
+                    std::vector<Finding>* findings) {
   if (scene.evidence.contradictions == 0) return;
   Finding finding;
   finding.kind = FindingKind::kLookAlikes;
@@ -380,7 +301,7 @@ void FindLookAlikes(const Scene& scene, std::vector<Finding>* findings) {
 std::vector<Finding> Diagnose(const SceneEvidence& evidence,
                               const std::vector<Reconstruction>& models,
                               const DiagnosisOptions& options) {
-  const Scene scene(evidence, models, options);
+  const DiagnosedScene scene(evidence, models, options);
   std::vector<Finding> findings;
   // Causes before their consequences.
   FindTooFewPhotos(scene, &findings);
@@ -397,70 +318,6 @@ std::vector<Finding> Diagnose(const SceneEvidence& evidence,
         return a.severity > b.severity;
       });
   return findings;
-}
-
-std::vector<bool> FindBlurredPhotos(const SceneEvidence& evidence,
-                                    const DiagnosisOptions& options) {
-  const double limit = options.blurred_share * SharpnessOfSharp(evidence);
-  std::vector<bool> blurred;
-  for (const PhotoEvidence& photo : evidence.photos) {
-    blurred.push_back(photo.sharpness > 0 && photo.sharpness < limit);
-  }
-  return blurred;
-}
-
-std::map<std::string, std::string> ExplainUnregistered(
-    const SceneEvidence& evidence,
-    const std::vector<Reconstruction>& models,
-    const DiagnosisOptions& options) {
-  const Scene scene(evidence, models, options);
-  std::vector<int64_t> partners(scene.count(), 0);
-  std::vector<int64_t> matches(scene.count(), 0);
-  for (const PairEvidence& pair : evidence.pairs) {
-    for (const size_t i : {pair.first, pair.second}) {
-      ++partners[i];
-      matches[i] += pair.num_matches;
-    }
-  }
-  std::map<std::string, std::string> reasons;
-  for (size_t i = 0; i < scene.count(); ++i) {
-    if (scene.groups.registered[i]) continue;
-    const PhotoEvidence& photo = evidence.photos[i];
-    std::string& reason = reasons[photo.name];
-    if (!photo.readable) {
-      reason = "COLMAP could not read it";
-      continue;
-    }
-    reason = std::to_string(photo.num_features) + " features; ";
-    if (scene.IsBlurred(photo)) {
-      reason += "blurred (sharpness " + Text(photo.sharpness) +
-                ", the others' " + Text(scene.sharp) + "); ";
-    }
-    if (partners[i] == 0) {
-      reason += "matches no other photo";
-      continue;
-    }
-    reason += "matches " + std::to_string(partners[i]) + " photos with " +
-              std::to_string(matches[i]) + " features in all";
-    const auto& members = scene.groups.members[scene.groups.group[i]];
-    if (scene.groups.group[i] > 0) {
-      reason += ", none of them well in the main model";
-      if (members.size() >= kMinGroup) {
-        reason += "; one of " + std::to_string(members.size()) +
-                  " photos apart from the others, perhaps another scene";
-      }
-    }
-    for (size_t k = 1; k < models.size(); ++k) {
-      const auto& images = models[k].images;
-      if (std::any_of(images.begin(), images.end(), [&](const auto& image) {
-            return image.name == photo.name;
-          })) {
-        reason += "; part of the separate model sparse/" + std::to_string(k);
-        break;
-      }
-    }
-  }
-  return reasons;
 }
 
 }  // namespace freegs::sfm

@@ -157,6 +157,24 @@ Status TakeSeparated(const StepContext& context,
   return {};
 }
 
+// What was done about look-alikes, if there was a need.
+void NoteReconciled(const Reconciled& reconciled,
+                    std::vector<Attempt>* attempts,
+                    std::vector<std::string>* warnings) {
+  if (reconciled.before == 0) return;
+  const std::string before = std::to_string(reconciled.before);
+  warnings->push_back(
+      "parts of the scene look alike: a first model contradicted " + before +
+      " of the strongest matches; mapped again without " +
+      std::to_string(reconciled.removed) + " matching pairs, which leaves " +
+      std::to_string(reconciled.contradictions) + " contradicted");
+  attempts->push_back(DescribeAttempt(
+      "without look-alikes",
+      "the model contradicts " + before + " of the strongest matches",
+      reconciled.models));
+  attempts->back().kept = !reconciled.models.empty();
+}
+
 }  // namespace
 
 Status SfmOptions::Check() const {
@@ -237,20 +255,7 @@ StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
   FREEGS_ASSIGN_OR_RETURN(
       Reconciled reconciled,
       Reconcile(context, best.database, best.models, &store));
-  if (reconciled.before > 0) {
-    result.warnings.push_back(
-        "parts of the scene look alike: a first model contradicted " +
-        std::to_string(reconciled.before) +
-        " of the strongest matches; mapped again without " +
-        std::to_string(reconciled.removed) + " matching pairs, which leaves " +
-        std::to_string(reconciled.contradictions) + " contradicted");
-    best.attempts.push_back(DescribeAttempt(
-        "without look-alikes",
-        "the model contradicts " + std::to_string(reconciled.before) +
-            " of the strongest matches",
-        reconciled.models));
-    best.attempts.back().kept = !reconciled.models.empty();
-  }
+  NoteReconciled(reconciled, &best.attempts, &result.warnings);
   result.models =
       std::move(reconciled.models.empty() ? best.models : reconciled.models);
   result.database = std::move(best.database);

@@ -155,9 +155,12 @@ TEST(Diagnose, AllPhotosBlurred) {
 }
 
 TEST(Diagnose, ModelOfFewPoints) {
-  const auto findings = Diagnose(Chain(12), ModelOf(12, 12, 30), {});
+  // What bare walls gave.
+  const auto findings = Diagnose(Chain(12), ModelOf(12, 12, 58), {});
   EXPECT_THAT(Kinds(findings), ElementsAre(FindingKind::kTooLittleTexture));
   EXPECT_EQ(findings[0].severity, Severity::kFatal);
+  EXPECT_THAT(findings[0].message, HasSubstr("a photo sees 58"));
+  EXPECT_THAT(Diagnose(Chain(12), ModelOf(12, 12, 100), {}), IsEmpty());
 }
 
 TEST(Diagnose, TurningOnTheSpot) {

@@ -238,7 +238,7 @@ int Map(Options& options) {
   auto next = images.begin();
   for (std::string size; std::getline(list, size, ',');) {
     Reconstruction model =
-        SyntheticModel(static_cast<int>(images.size()), 50 - number);
+        SyntheticModel(static_cast<int>(images.size()), 150 - number);
     Reconstruction kept = model;
     kept.images.clear();
     for (int i = 0; i < std::stoi(size) && next != images.end(); ++i, ++next) {
