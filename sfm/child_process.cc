@@ -146,6 +146,16 @@ class Child {
     Reap(true);
   }
 
+  // Ends the program when its time is over.
+  void KillWhenOverdue() {
+    if (pid_ <= 0 || result_.time_limit_s <= 0) return;
+    const std::chrono::duration<double> ran =
+        std::chrono::steady_clock::now() - start_;
+    if (ran.count() < result_.time_limit_s) return;
+    result_.timed_out = true;
+    Signal(SIGKILL);
+  }
+
   const ChildResult& result() const { return result_; }
 
  private:
@@ -157,6 +167,7 @@ class Child {
   std::string line_;
   std::deque<std::string> tail_;
   ChildResult result_;
+  std::chrono::steady_clock::time_point start_;
 };
 
 Status Child::Start(const ChildCommand& command) {
@@ -177,6 +188,8 @@ Status Child::Start(const ChildCommand& command) {
     }
   }
 
+  result_.time_limit_s = command.time_limit_s;
+  start_ = std::chrono::steady_clock::now();
   Launch launch;
   launch.strings = command.argv;
   const std::vector<std::string> environment =
@@ -306,6 +319,10 @@ void Terminate(std::vector<std::unique_ptr<Child>>* children) {
 }  // namespace
 
 std::string ChildResult::Describe() const {
+  if (timed_out) {
+    return "no end within " +
+           std::to_string(static_cast<int64_t>(time_limit_s)) + " s";
+  }
   if (signal != 0) {
     return "signal " + std::to_string(signal) + " (" + strsignal(signal) + ")";
   }
@@ -340,6 +357,7 @@ Status RunChildren(const ChildBatch& batch,
     WaitForOutput(children);
     for (size_t slot = 0; slot < slots && status.ok(); ++slot) {
       if (!children[slot]) continue;
+      children[slot]->KillWhenOverdue();
       const LineFn on_line = [&](std::string_view line) {
         if (batch.on_line) batch.on_line(job[slot], line);
       };

@@ -28,17 +28,24 @@ struct ChildCommand {
 
   // Where standard output and error are appended; empty for nowhere.
   std::filesystem::path log_file;
+
+  // Seconds after which the program and its children are killed; 0 for never.
+  double time_limit_s = 0;
 };
 
 struct ChildResult {
   int exit_code = -1;  // -1 when a signal ended the program.
   int signal = 0;      // That signal; 0 when it ended by itself.
 
+  // Whether it was killed because its time was over, and what that time was.
+  bool timed_out = false;
+  double time_limit_s = 0;
+
   // The last lines of its output, for error messages.
   std::string tail;
 
   bool ok() const { return exit_code == 0; }
-  // "exit code 1", "signal 11 (Segmentation fault)".
+  // "exit code 1", "signal 11 (Segmentation fault)", "no end within 600 s".
   std::string Describe() const;
 };
 

@@ -93,6 +93,7 @@ StatusOr<ColmapArguments> ExtractorArguments(const StepContext& context,
       context.colmap.Options(command, context.input.cancellation));
   ChildCommand child = context.colmap.Command(command);
   child.log_file = context.LogFile(command);
+  child.time_limit_s = TimeLimit(context.input.photos.size());
   ColmapArguments arguments(std::move(child), options);
   arguments.Require("database_path", database.string());
   arguments.Require("image_path", context.input.photo_folder.string());
@@ -112,6 +113,10 @@ StatusOr<ColmapArguments> ExtractorArguments(const StepContext& context,
   arguments.Prefer(
       {"SiftExtraction.max_num_features", "FeatureExtraction.max_num_features"},
       std::to_string(max_features));
+  if (context.peak_threshold > 0) {
+    arguments.Prefer({"SiftExtraction.peak_threshold"},
+                     NumberText(context.peak_threshold));
+  }
   return arguments;
 }
 
@@ -179,6 +184,7 @@ StatusOr<bool> RegisterPhotos(const StepContext& context,
       context.colmap.Options("database_cleaner", context.input.cancellation));
   ChildCommand child = context.colmap.Command("database_cleaner");
   child.log_file = context.LogFile("database_cleaner");
+  child.time_limit_s = TimeLimit(context.input.photos.size());
   ColmapArguments arguments(std::move(child), options);
   arguments.Require("database_path", database.string());
   arguments.Require("type", "features");

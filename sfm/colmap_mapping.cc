@@ -14,9 +14,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// COLMAP numbers its models 0, 1, ... in the order in which it made them.
+// COLMAP numbers its models 0, 1, ... in the order in which it made them. One
+// that was continued lies in the folder itself.
 StatusOr<std::vector<Reconstruction>> ReadModels(const fs::path& folder) {
   std::vector<Reconstruction> models;
+  if (DetectModelFormat(folder)) {
+    FREEGS_ASSIGN_OR_RETURN(Reconstruction model, ReadModel(folder));
+    RemoveDanglingReferences(&model);
+    if (!model.images.empty()) models.push_back(std::move(model));
+    return models;
+  }
   for (int i = 0; DetectModelFormat(folder / std::to_string(i)); ++i) {
     FREEGS_ASSIGN_OR_RETURN(Reconstruction model,
                             ReadModel(folder / std::to_string(i)));
@@ -49,45 +56,63 @@ Status CheckEnded(const StepContext& context,
                              "; its last lines:\n" + result.tail);
 }
 
+double TimeLimit(size_t photos) {
+  // Some hundred times what a slow machine needs.
+  return 1800 + 120 * static_cast<double>(photos);
+}
+
 StatusOr<std::vector<Reconstruction>> MapPhotos(const StepContext& context,
                                                 const fs::path& database,
                                                 const fs::path& folder,
-                                                bool relaxed) {
-  const std::string command = "mapper";
+                                                const Mapping& mapping) {
   std::error_code error;
   fs::remove_all(folder, error);
   FREEGS_RETURN_IF_ERROR(CreateFolders(folder));
 
   FREEGS_ASSIGN_OR_RETURN(
       const std::set<std::string> options,
-      context.colmap.Options(command, context.input.cancellation));
-  ChildCommand child = context.colmap.Command(command);
-  child.log_file = context.LogFile(command);
+      context.colmap.Options(mapping.command, context.input.cancellation));
+  ChildCommand child = context.colmap.Command(mapping.command);
+  child.log_file = context.LogFile(mapping.command);
+  child.time_limit_s = TimeLimit(context.input.photos.size());
   ColmapArguments arguments(std::move(child), options);
   arguments.Require("database_path", database.string());
   arguments.Require("image_path", context.input.photo_folder.string());
   arguments.Require("output_path", folder.string());
+  if (!mapping.start.empty()) {
+    arguments.Require("input_path", mapping.start.string());
+    arguments.Prefer({"Mapper.multiple_models"}, "0");
+  }
   // One thread: sums of bundle adjustment are then always in the same order.
-  arguments.Prefer({"Mapper.num_threads"}, "1");
-  arguments.AddAll({"random_seed", "default_random_seed", "Mapper.random_seed"},
-                   std::to_string(context.input.seed % 2147483647));
-  if (relaxed) {
+  arguments.AddAll(
+      {"Mapper.num_threads", "GlobalMapper.num_threads", "num_workers"}, "1");
+  arguments.AddAll(
+      {"random_seed",
+       "default_random_seed",
+       "Mapper.random_seed",
+       "GlobalMapper.random_seed"},
+      std::to_string((context.input.seed + mapping.seed_offset) % 2147483647));
+  if (mapping.relaxed) {
     arguments.Prefer({"Mapper.init_min_num_inliers"}, "40");
     arguments.Prefer({"Mapper.init_min_tri_angle"}, "4");
     arguments.Prefer({"Mapper.abs_pose_min_num_inliers"}, "15");
     arguments.Prefer({"Mapper.abs_pose_min_inlier_ratio"}, "0.15");
   }
+  if (mapping.command == "hierarchical_mapper") {
+    arguments.Prefer({"leaf_max_num_images"}, "50");
+    arguments.Prefer({"image_overlap"}, "15");
+  }
   FREEGS_ASSIGN_OR_RETURN(const ChildCommand run, arguments.Finish());
 
   const double total = static_cast<double>(context.input.photos.size());
-  const std::string step = relaxed ? "mapping, lower thresholds" : "mapping";
-  context.Report(step, 0, total, "");
+  context.Report(mapping.step, 0, total, "");
   const auto on_line = [&](std::string_view line) {
     const auto progress = ParseColmapLine(line);
     if (!progress || progress->kind != ColmapProgress::Kind::kPhotoRegistered) {
       return;
     }
-    context.Report(step, std::min<double>(progress->done, total), total, "");
+    context.Report(
+        mapping.step, std::min<double>(progress->done, total), total, "");
   };
   FREEGS_ASSIGN_OR_RETURN(const ChildResult result,
                           RunChild(run, on_line, context.input.cancellation));
@@ -95,8 +120,34 @@ StatusOr<std::vector<Reconstruction>> MapPhotos(const StepContext& context,
                           ReadModels(folder));
   // COLMAP returns 1 when it made no model: that is a result, not a failure.
   if (result.exit_code == 1 && models.empty()) return models;
-  FREEGS_RETURN_IF_ERROR(CheckEnded(context, command, result));
+  FREEGS_RETURN_IF_ERROR(CheckEnded(context, mapping.command, result));
   return models;
+}
+
+StatusOr<bool> MergeModels(const StepContext& context,
+                           const fs::path& model1,
+                           const fs::path& model2,
+                           const fs::path& merged) {
+  const std::string command = "model_merger";
+  std::error_code error;
+  fs::remove_all(merged, error);
+  FREEGS_RETURN_IF_ERROR(CreateFolders(merged));
+  FREEGS_ASSIGN_OR_RETURN(
+      const std::set<std::string> options,
+      context.colmap.Options(command, context.input.cancellation));
+  ChildCommand child = context.colmap.Command(command);
+  child.log_file = context.LogFile(command);
+  child.time_limit_s = TimeLimit(context.input.photos.size());
+  ColmapArguments arguments(std::move(child), options);
+  arguments.Require("input_path1", model1.string());
+  arguments.Require("input_path2", model2.string());
+  arguments.Require("output_path", merged.string());
+  arguments.AddAll({"random_seed", "default_random_seed"},
+                   std::to_string(context.input.seed % 2147483647));
+  FREEGS_ASSIGN_OR_RETURN(const ChildCommand run, arguments.Finish());
+  FREEGS_ASSIGN_OR_RETURN(const ChildResult result,
+                          RunChild(run, {}, context.input.cancellation));
+  return result.ok() && DetectModelFormat(merged).has_value();
 }
 
 }  // namespace freegs::sfm

@@ -130,7 +130,7 @@ Status Matcher::WritePairs(const std::set<PhotoPair>& pairs) const {
   for (const auto& [i, j] : pairs) {
     text += names_[i] + " " + names_[j] + "\n";
   }
-  return WriteFileAtomic(context_.input.work_folder / "pairs.txt", text);
+  return WriteFileAtomic(database_path_.parent_path() / "pairs.txt", text);
 }
 
 // How alike the photos look; empty when nobody asks.
@@ -201,8 +201,8 @@ StatusOr<std::string> Matcher::MatchPairs(const Portion& portion) {
         for (int64_t i = first; i < last; ++i) {
           if (cancellation != nullptr && cancellation->cancelled()) return;
           const auto& [a, b] = portion.pairs[i];
-          matches[i] =
-              MatchDescriptors(descriptors_.at(a), descriptors_.at(b), {});
+          matches[i] = MatchDescriptors(
+              descriptors_.at(a), descriptors_.at(b), context_.matching);
         }
       });
   std::string text;
@@ -235,6 +235,7 @@ StatusOr<ChildCommand> Matcher::StartPortion(const Portion& portion) {
       context_.colmap.Options(command, context_.input.cancellation));
   ChildCommand child = context_.colmap.Command(command);
   child.log_file = context_.LogFile(command);
+  child.time_limit_s = TimeLimit(portion.pairs.size() / 20);
   ColmapArguments arguments(std::move(child), options);
   arguments.Require("database_path", files.database.string());
   arguments.Require("match_list_path", files.matches.string());

@@ -13,6 +13,9 @@ constexpr char kAdvice[] =
     "install COLMAP 3.8 or newer (Debian: apt install colmap), or name the "
     "program with --sfm.colmap";
 
+// A program that takes longer to say what it can do is stuck.
+constexpr double kHelpSeconds = 120;
+
 bool IsOptionCharacter(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' ||
          c == '.' || c == '-';
@@ -108,8 +111,9 @@ StatusOr<ColmapProgram> ColmapProgram::Find(
       result.commands_.emplace(line.substr(start));
     }
   };
-  const StatusOr<ChildResult> outcome =
-      RunChild(result.Command("help"), on_line, cancellation);
+  ChildCommand help = result.Command("help");
+  help.time_limit_s = kHelpSeconds;
+  const StatusOr<ChildResult> outcome = RunChild(help, on_line, cancellation);
   if (!outcome.ok()) {
     if (outcome.status().code() == StatusCode::kMissingDependency) {
       return MissingDependencyError(outcome.status().message() + "; " +
@@ -137,6 +141,7 @@ StatusOr<std::set<std::string>> ColmapProgram::Options(
 
   ChildCommand child = Command(command);
   child.argv.push_back("--help");
+  child.time_limit_s = kHelpSeconds;
   std::set<std::string> options;
   FREEGS_ASSIGN_OR_RETURN(
       const ChildResult result,

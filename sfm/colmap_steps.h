@@ -7,12 +7,14 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "core/status.h"
 #include "sfm/colmap_program.h"
+#include "sfm/descriptor_matching.h"
 #include "sfm/structure_from_motion.h"
 
 namespace freegs::sfm {
@@ -23,6 +25,12 @@ struct StepContext {
   const SfmOptions& options;
   ColmapProgram& colmap;
   int num_threads = 1;
+
+  // How much alike descriptors must be (see descriptor_matching.h).
+  DescriptorMatchingOptions matching = {};
+
+  // SIFT's least contrast; 0 for COLMAP's default.
+  double peak_threshold = 0;
 
   std::filesystem::path LogFile(const std::string& command) const;
   void Report(const std::string& step,
@@ -54,7 +62,8 @@ StatusOr<int> ChooseImageSize(const StepContext& context);
 // The same for photos that have `found` features at 800.
 int ImageSizeFor(int64_t found, int max_features);
 
-// Matches the pairs that options.pairs choose into the database, in portions.
+// Matches the pairs that options.pairs choose into the database, in portions,
+// and writes pairs.txt, their list, beside it.
 // `done` are the numbers of portions that earlier calls finished; on_done is
 // told about each more.
 StatusOr<MatchedPairs> MatchFeatures(
@@ -63,13 +72,38 @@ StatusOr<MatchedPairs> MatchFeatures(
     const std::set<int>& done,
     const std::function<Status(int portion)>& on_done);
 
-// Runs the mapper into a new folder and reads the models it made (maybe none).
-// relaxed: with thresholds for few or weakly connected photos.
+// A time after which a COLMAP command that works on so many photos, or twenty
+// times as many pairs, is taken for stuck; seconds.
+double TimeLimit(size_t photos);
+
+// One way to make models from a database.
+struct Mapping {
+  std::string step = "mapping";    // What the user is told.
+  std::string command = "mapper";  // Or hierarchical_mapper, global_mapper.
+
+  // With thresholds for few or weakly connected photos.
+  bool relaxed = false;
+
+  // Other random draws.
+  uint64_t seed_offset = 0;
+
+  // Photos are added to this model, a folder, instead of starting anew.
+  std::filesystem::path start;
+};
+
+// Maps into a new folder and reads the models that came of it (maybe none).
 StatusOr<std::vector<Reconstruction>> MapPhotos(
     const StepContext& context,
     const std::filesystem::path& database,
     const std::filesystem::path& folder,
-    bool relaxed);
+    const Mapping& mapping);
+
+// Puts two models that share photos into one frame, without adjusting it, and
+// writes it to a folder. False when COLMAP finds no way to do so.
+StatusOr<bool> MergeModels(const StepContext& context,
+                           const std::filesystem::path& model1,
+                           const std::filesystem::path& model2,
+                           const std::filesystem::path& merged);
 
 }  // namespace freegs::sfm
 

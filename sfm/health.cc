@@ -62,76 +62,169 @@ std::string Fixed(double value) {
   return text;
 }
 
-void Judge(const HealthOptions& options, bool triangulated, Health* health) {
-  const std::string registered = std::to_string(health->registered) + " of " +
-                                 std::to_string(health->images) +
-                                 " photos got a camera pose";
-  const std::string more_overlap =
-      "take more photos with at least two thirds overlap from neighbouring "
-      "positions, sharp and of a textured scene; or try --sfm.max_features "
-      "8192, --sfm.matcher exhaustive, --sfm.camera per_image";
-  health->verdict = Verdict::kFailed;
-  if (health->registered < options.min_registered) {
-    health->reason = registered + "; at least " +
-                     std::to_string(options.min_registered) + " are needed";
-    health->advice = more_overlap;
-    return;
+constexpr char kMoreOverlap[] =
+    "take more photos with at least two thirds overlap from neighbouring "
+    "positions, sharp and of a textured scene; or try --sfm.max_features "
+    "8192, --sfm.matcher exhaustive, --sfm.camera per_image";
+
+// What findings add to a reason, and their advice instead of the general one.
+constexpr size_t kFindingsTold = 2;
+
+std::string Reasons(const Health& health, std::string reason) {
+  size_t told = 0;
+  for (const Finding& finding : health.findings) {
+    if (told++ == kFindingsTold) break;
+    reason += (reason.empty() ? "" : "; ") + finding.message;
   }
-  if (health->registered_share() < options.min_registered_share) {
-    health->reason = registered + ", less than the share of " +
-                     Fixed(options.min_registered_share) +
-                     " (sfm.min_registered_share)";
-    health->advice = more_overlap;
-    if (health->model_sizes.size() > 1) {
-      health->advice +=
+  return reason;
+}
+
+std::string Advice(const Health& health, const std::string& otherwise) {
+  std::string advice;
+  size_t told = 0;
+  for (const Finding& finding : health.findings) {
+    if (told++ == kFindingsTold) break;
+    // Findings of one kind share their advice.
+    if (advice.find(finding.advice) != std::string::npos) continue;
+    advice += (advice.empty() ? "" : "; ") + finding.advice;
+  }
+  return advice.empty() ? otherwise : advice;
+}
+
+bool HasFinding(const Health& health, Severity least) {
+  return std::any_of(
+      health.findings.begin(),
+      health.findings.end(),
+      [least](const Finding& finding) { return finding.severity >= least; });
+}
+
+// Why the result cannot be used, and what to do, or nothing.
+struct Judgement {
+  std::string reason;
+  std::string advice;
+};
+
+Judgement FailureOf(const Health& health,
+                    const HealthOptions& options,
+                    bool triangulated) {
+  const std::string registered = std::to_string(health.registered) + " of " +
+                                 std::to_string(health.images) +
+                                 " photos got a camera pose";
+  if (health.registered < options.min_registered) {
+    return {Reasons(health,
+                    registered + ", at least " +
+                        std::to_string(options.min_registered) + " are needed"),
+            Advice(health, kMoreOverlap)};
+  }
+  if (HasFinding(health, Severity::kFatal)) {
+    return {Reasons(health, ""), Advice(health, kMoreOverlap)};
+  }
+  if (health.registered_share() < options.min_registered_share) {
+    std::string advice = kMoreOverlap;
+    if (health.model_sizes.size() > 1) {
+      advice +=
           "; the photos fell into separate models, so add photos that connect "
           "them";
     }
-    return;
+    return {Reasons(health,
+                    registered + ", less than the share of " +
+                        Fixed(options.min_registered_share) +
+                        " (sfm.min_registered_share)"),
+            Advice(health, advice)};
   }
-  if (triangulated && health->num_points == 0) {
-    health->reason = "no points were triangulated";
-    health->advice = more_overlap;
-    return;
-  }
-  if (triangulated &&
-      health->median_triangulation_deg < options.min_triangulation_deg) {
-    health->reason = "the median triangulation angle is " +
-                     Fixed(health->median_triangulation_deg) +
-                     " degrees: the camera hardly moved, or only turned";
-    health->advice =
-        "walk around the scene instead of turning on the spot, so that each "
-        "part is seen from well apart positions";
-    return;
-  }
-  health->verdict = Verdict::kDegraded;
-  if (health->registered_share() < options.good_registered_share) {
-    health->reason = registered;
-    health->advice =
-        "the others are left out; for better coverage, " + more_overlap;
-    return;
+  if (triangulated && health.num_points == 0) {
+    return {Reasons(health, "no points were triangulated"),
+            Advice(health, kMoreOverlap)};
   }
   if (triangulated &&
-      health->mean_reprojection_error_px > options.good_reprojection_error_px) {
-    health->reason = "the mean reprojection error is " +
-                     Fixed(health->mean_reprojection_error_px) + " px";
-    health->advice =
-        "the lens may need another model: try --sfm.camera_model OPENCV "
-        "(OPENCV_FISHEYE for very wide lenses), or --sfm.camera per_image if "
-        "the zoom changed between photos";
-    return;
+      health.median_triangulation_deg < options.min_triangulation_deg) {
+    return {"the median triangulation angle is " +
+                Fixed(health.median_triangulation_deg) +
+                " degrees: the camera hardly moved, or only turned",
+            "walk around the scene instead of turning on the spot, so that "
+            "each part is seen from well apart positions"};
   }
-  if (health->contradictions > 0) {
-    health->reason = "the model contradicts " +
-                     std::to_string(health->contradictions) +
-                     " of the strongest matches between photos: parts of the "
-                     "scene that look alike may have been mixed up";
-    health->advice =
-        "add photos that show the parts that look alike together with what "
-        "tells them apart, or try another --sfm.max_features";
-    return;
+  return {};
+}
+
+// What a usable result lacks.
+Judgement FlawOf(const Health& health,
+                 const HealthOptions& options,
+                 bool triangulated) {
+  if (health.registered_share() < options.good_registered_share) {
+    return {Reasons(health,
+                    std::to_string(health.registered) + " of " +
+                        std::to_string(health.images) +
+                        " photos got a camera pose"),
+            Advice(health,
+                   std::string("the others are left out; for better "
+                               "coverage, ") +
+                       kMoreOverlap)};
   }
-  health->verdict = Verdict::kOk;
+  if (triangulated &&
+      health.mean_reprojection_error_px > options.good_reprojection_error_px) {
+    return {"the mean reprojection error is " +
+                Fixed(health.mean_reprojection_error_px) + " px",
+            "the lens may need another model: try --sfm.camera_model OPENCV "
+            "(OPENCV_FISHEYE for very wide lenses), or --sfm.camera per_image "
+            "if the zoom changed between photos"};
+  }
+  if (health.contradictions > 0) {
+    return {"the model contradicts " + std::to_string(health.contradictions) +
+                " of the strongest matches between photos: parts of the "
+                "scene that look alike may have been mixed up",
+            "add photos that show the parts that look alike together with "
+            "what tells them apart, or try another --sfm.max_features"};
+  }
+  if (HasFinding(health, Severity::kDegrading)) {
+    return {Reasons(health, ""), Advice(health, "")};
+  }
+  return {};
+}
+
+void Judge(const HealthOptions& options, bool triangulated, Health* health) {
+  Judgement judgement = FailureOf(*health, options, triangulated);
+  health->verdict = Verdict::kFailed;
+  if (judgement.reason.empty()) {
+    judgement = FlawOf(*health, options, triangulated);
+    health->verdict =
+        judgement.reason.empty() ? Verdict::kOk : Verdict::kDegraded;
+  }
+  health->reason = std::move(judgement.reason);
+  health->advice = std::move(judgement.advice);
+}
+
+nlohmann::json FindingsToJson(const std::vector<Finding>& findings) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const Finding& finding : findings) {
+    nlohmann::json evidence = nlohmann::json::object();
+    for (const auto& [name, value] : finding.evidence) {
+      evidence[name] = Rounded(value);
+    }
+    list.push_back({{"kind", FindingName(finding.kind)},
+                    {"severity", SeverityName(finding.severity)},
+                    {"evidence", evidence},
+                    {"message", finding.message},
+                    {"advice", finding.advice},
+                    {"photos", finding.photos}});
+  }
+  return list;
+}
+
+nlohmann::json AttemptsToJson(const std::vector<Attempt>& attempts) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const Attempt& attempt : attempts) {
+    list.push_back(
+        {{"name", attempt.name},
+         {"why", attempt.why},
+         {"registered", attempt.registered},
+         {"models", attempt.models},
+         {"points", attempt.points},
+         {"mean_reprojection_error_px", Rounded(attempt.mean_error_px)},
+         {"kept", attempt.kept},
+         {"problem", attempt.problem}});
+  }
+  return list;
 }
 
 }  // namespace
@@ -180,8 +273,10 @@ Health MeasureHealth(const std::vector<Reconstruction>& models,
                      const std::vector<std::string>& names,
                      bool triangulated,
                      const HealthOptions& options,
-                     size_t contradictions) {
+                     size_t contradictions,
+                     std::vector<Finding> findings) {
   Health health;
+  health.findings = std::move(findings);
   health.contradictions = contradictions;
   health.images = static_cast<int>(names.size());
   std::set<std::string_view> posed;
@@ -233,12 +328,6 @@ nlohmann::json HealthToJson(const Health& health) {
     names.push_back(name);
     if (!reason.empty()) reasons[name] = reason;
   }
-  nlohmann::json pairs;  // null: none were matched.
-  if (!health.pairs.strategy.empty()) {
-    pairs = {{"strategy", health.pairs.strategy},
-             {"pairs", health.pairs.pairs},
-             {"all_pairs", health.pairs.all_pairs}};
-  }
   return {
       {"verdict", VerdictName(health.verdict)},
       {"reason", health.reason},
@@ -255,7 +344,9 @@ nlohmann::json HealthToJson(const Health& health) {
       {"num_points", health.num_points},
       {"observations", health.observations},
       {"contradictions", health.contradictions},
-      {"pairs", pairs},
+      {"findings", FindingsToJson(health.findings)},
+      {"attempts", AttemptsToJson(health.attempts)},
+      {"pairs", MatchedPairsToJson(health.pairs)},
       {"image_size", health.image_size},
       {"unregistered", names},
       {"unregistered_reasons", reasons},

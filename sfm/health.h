@@ -13,7 +13,9 @@
 #include <nlohmann/json.hpp>
 
 #include "core/status.h"
+#include "sfm/attempt.h"
 #include "sfm/camera_selection.h"
+#include "sfm/diagnosis.h"
 #include "sfm/pair_selection.h"
 #include "sfm/reconstruction.h"
 
@@ -61,6 +63,10 @@ struct Health {
   // Strongest matches between photos that the model contradicts.
   size_t contradictions = 0;
 
+  // What was found out about the photos, worst first, and what was tried.
+  std::vector<Finding> findings;
+  std::vector<Attempt> attempts;
+
   // Which pairs of photos were matched.
   MatchedPairs pairs;
   int image_size = 0;  // Of the images that features were taken from; 0: none.
@@ -85,12 +91,14 @@ double TriangulationAngleDeg(const Eigen::Vector3d& point,
 
 // Measures models[0], the best one, and judges it; the others only count.
 // names: all photos given. triangulated: whether its points come from matches;
-// if not, only the registered share is judged.
+// if not, only the registered share is judged. findings: of Diagnose(); a fatal
+// one makes any result failed, a degrading one no better than degraded.
 Health MeasureHealth(const std::vector<Reconstruction>& models,
                      const std::vector<std::string>& names,
                      bool triangulated,
                      const HealthOptions& options,
-                     size_t contradictions = 0);
+                     size_t contradictions = 0,
+                     std::vector<Finding> findings = {});
 
 // health.json.
 nlohmann::json HealthToJson(const Health& health);

@@ -16,6 +16,11 @@ namespace {
 // COLMAP's id of a pair of images: smaller id times this, plus larger id.
 constexpr int64_t kMaxImageId = 2147483647;
 
+// COLMAP's TwoViewGeometry::ConfigurationType of motions that are homographies:
+// PLANAR, PANORAMIC, PLANAR_OR_PANORAMIC.
+constexpr int64_t kFirstHomography = 4;
+constexpr int64_t kLastHomography = 6;
+
 class Statement {
  public:
   Statement(sqlite3* database, const char* sql) {
@@ -166,27 +171,51 @@ StatusOr<std::vector<float>> MatchDatabase::FeatureScales(
   return scales;
 }
 
-StatusOr<std::vector<MatchDatabase::Verified>> MatchDatabase::VerifiedMatches()
-    const {
-  Statement statement(
-      database_.get(),
-      "SELECT pair_id, rows FROM two_view_geometries WHERE rows > 0");
-  if (!statement.ok()) return Error("cannot list its matches");
-  std::map<uint32_t, Verified> counts;
+bool MatchDatabase::HasColumn(const char* table, const char* column) const {
+  return sqlite3_table_column_metadata(database_.get(),
+                                       nullptr,
+                                       table,
+                                       column,
+                                       nullptr,
+                                       nullptr,
+                                       nullptr,
+                                       nullptr,
+                                       nullptr) == SQLITE_OK;
+}
+
+StatusOr<std::vector<MatchDatabase::VerifiedPair>>
+MatchDatabase::VerifiedPairs() const {
+  const bool detailed = HasColumn("two_view_geometries", "config") &&
+                        HasColumn("two_view_geometries", "H");
+  Statement statement(database_.get(),
+                      detailed ? "SELECT pair_id, rows, config, H FROM "
+                                 "two_view_geometries WHERE rows > 0 "
+                                 "ORDER BY pair_id"
+                               : "SELECT pair_id, rows, 0, NULL FROM "
+                                 "two_view_geometries WHERE rows > 0 "
+                                 "ORDER BY pair_id");
+  if (!statement.ok()) return Error("cannot list its pairs");
+  std::vector<VerifiedPair> pairs;
   int code;
   while ((code = statement.Step()) == SQLITE_ROW) {
-    const int64_t pair = statement.Integer(0);
-    for (const int64_t id : {pair / kMaxImageId, pair % kMaxImageId}) {
-      Verified& verified = counts[static_cast<uint32_t>(id)];
-      verified.photo_id = static_cast<uint32_t>(id);
-      ++verified.num_photos;
-      verified.num_matches += statement.Integer(1);
+    VerifiedPair pair;
+    pair.id1 = static_cast<uint32_t>(statement.Integer(0) / kMaxImageId);
+    pair.id2 = static_cast<uint32_t>(statement.Integer(0) % kMaxImageId);
+    pair.num_matches = statement.Integer(1);
+    const int64_t config = statement.Integer(2);
+    pair.is_homography =
+        config >= kFirstHomography && config <= kLastHomography;
+    const std::string data = statement.Text(3);
+    // Row by row.
+    Eigen::Matrix<double, 3, 3, Eigen::RowMajor> matrix;
+    if (pair.is_homography && data.size() == 9 * sizeof(double)) {
+      std::memcpy(matrix.data(), data.data(), data.size());
+      if (matrix.allFinite()) pair.homography = matrix;
     }
+    pairs.push_back(pair);
   }
-  if (code != SQLITE_DONE) return Error("cannot list its matches");
-  std::vector<Verified> result;
-  for (const auto& entry : counts) result.push_back(entry.second);
-  return result;
+  if (code != SQLITE_DONE) return Error("cannot list its pairs");
+  return pairs;
 }
 
 Status MatchDatabase::ForEachVerifiedPair(

@@ -8,11 +8,15 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "core/status.h"
 #include "sfm/descriptor_matching.h"
@@ -49,14 +53,21 @@ class MatchDatabase {
   // or the database does not say. Never NaN.
   StatusOr<std::vector<float>> FeatureScales(uint32_t photo_id) const;
 
-  // For every photo id, the number of other photos with verified matches, and
-  // the number of those matches.
-  struct Verified {
-    uint32_t photo_id = 0;
-    int64_t num_photos = 0;
+  // A pair of photos with verified matches, and the motion that fits them.
+  struct VerifiedPair {
+    uint32_t id1 = 0;  // Smaller than id2.
+    uint32_t id2 = 0;
     int64_t num_matches = 0;
+
+    // Whether a homography explains the matches as well as any motion: a plane
+    // was seen, or the camera only turned. homography maps pixels of id1 to
+    // pixels of id2; it may be missing.
+    bool is_homography = false;
+    std::optional<Eigen::Matrix3d> homography;
   };
-  StatusOr<std::vector<Verified>> VerifiedMatches() const;
+
+  // By ascending ids. Databases without such details give pairs without them.
+  StatusOr<std::vector<VerifiedPair>> VerifiedPairs() const;
 
   // Calls visit(id1, id2, matches) for each pair of photos with verified
   // matches, by ascending ids; id1 < id2.
@@ -88,6 +99,7 @@ class MatchDatabase {
     void operator()(sqlite3* database) const;
   };
   Status Execute(const std::string& sql) const;
+  bool HasColumn(const char* table, const char* column) const;
   Status Error(const std::string& what) const;
 
   std::filesystem::path path_;

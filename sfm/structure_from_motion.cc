@@ -4,103 +4,24 @@
 #include "sfm/structure_from_motion.h"
 
 #include <algorithm>
-#include <set>
+#include <cstdio>
 #include <system_error>
 #include <thread>
-
-#include <nlohmann/json.hpp>
 
 #include "core/files.h"
 #include "sfm/colmap_program.h"
 #include "sfm/colmap_steps.h"
+#include "sfm/ladder.h"
 #include "sfm/match_database.h"
+#include "sfm/reconcile.h"
+#include "sfm/separate_parts.h"
+#include "sfm/step_record.h"
 #include "sfm/view_graph.h"
 
 namespace freegs::sfm {
 namespace {
 
 namespace fs = std::filesystem;
-
-// What is finished, in work_folder/steps.json. A step is recorded after its
-// files are complete; a step that is not recorded is done again.
-class StepRecord {
- public:
-  explicit StepRecord(const fs::path& folder) : path_(folder / "steps.json") {
-    const StatusOr<std::string> text = ReadFile(path_, 1 << 20);
-    if (!text.ok()) return;
-    const auto json = nlohmann::json::parse(*text, nullptr, false);
-    if (!json.is_object()) return;
-    for (const auto& [key, values] : json.items()) {
-      if (key == "pairs") ReadPairs(values);
-      if (key == "image_size" && values.is_number_integer()) {
-        image_size_ = values.get<int>();
-      }
-      if (!values.is_array()) continue;
-      for (const auto& value : values) {
-        if (key == "done" && value.is_string()) done_.insert(value);
-        if (key == "matched_portions" && value.is_number_integer()) {
-          portions_.insert(value.get<int>());
-        }
-      }
-    }
-  }
-
-  bool Has(const std::string& step) const { return done_.contains(step); }
-  const std::set<int>& portions() const { return portions_; }
-  const MatchedPairs& pairs() const { return pairs_; }
-  int image_size() const { return image_size_; }
-
-  Status Add(const std::string& step) {
-    done_.insert(step);
-    return Save();
-  }
-  Status AddPortion(int portion) {
-    portions_.insert(portion);
-    return Save();
-  }
-  Status SetImageSize(int size) {
-    image_size_ = size;
-    return Save();
-  }
-  Status AddMatches(const MatchedPairs& pairs) {
-    pairs_ = pairs;
-    return Add("matches");
-  }
-
- private:
-  void ReadPairs(const nlohmann::json& json) {
-    if (!json.is_object()) return;
-    const auto strategy = json.find("strategy");
-    const auto pairs = json.find("pairs");
-    const auto all_pairs = json.find("all_pairs");
-    if (strategy == json.end() || !strategy->is_string() ||
-        pairs == json.end() || !pairs->is_number_unsigned() ||
-        all_pairs == json.end() || !all_pairs->is_number_unsigned()) {
-      return;
-    }
-    pairs_ = {strategy->get<std::string>(),
-              pairs->get<size_t>(),
-              all_pairs->get<size_t>()};
-  }
-
-  Status Save() const {
-    const nlohmann::json json = {{"done", done_},
-                                 {"matched_portions", portions_},
-                                 {"image_size", image_size_},
-                                 {"pairs",
-                                  {{"strategy", pairs_.strategy},
-                                   {"image_size", image_size_},
-                                   {"pairs", pairs_.pairs},
-                                   {"all_pairs", pairs_.all_pairs}}}};
-    return WriteFileAtomic(path_, json.dump(2) + "\n");
-  }
-
-  fs::path path_;
-  std::set<std::string> done_;
-  std::set<int> portions_;
-  MatchedPairs pairs_;
-  int image_size_ = 0;
-};
 
 Status CheckNames(const SfmInput& input) {
   for (const SfmPhoto& photo : input.photos) {
@@ -146,101 +67,6 @@ Status BuildDatabase(const StepContext& context,
   return {};
 }
 
-size_t NumRegistered(const std::vector<Reconstruction>& models) {
-  return models.empty() ? 0 : models[0].images.size();
-}
-
-fs::path MapperFolder(const StepContext& context) {
-  return context.input.work_folder / "mapper";
-}
-
-// Maps with COLMAP's thresholds, and with lower ones when they leave out many.
-Status MapBest(const StepContext& context,
-               const fs::path& database,
-               SfmResult* result) {
-  const fs::path folder = MapperFolder(context);
-  const size_t count = context.input.photos.size();
-  FREEGS_ASSIGN_OR_RETURN(
-      result->models, MapPhotos(context, database, folder, /*relaxed=*/false));
-  SortBySize(&result->models);
-  const size_t registered = NumRegistered(result->models);
-  if (registered * 10 < count * 9) {
-    FREEGS_ASSIGN_OR_RETURN(
-        std::vector<Reconstruction> relaxed,
-        MapPhotos(context, database, folder, /*relaxed=*/true));
-    SortBySize(&relaxed);
-    if (NumRegistered(relaxed) > registered) {
-      result->warnings.push_back(
-          "mapped with lower thresholds, as the usual ones registered only " +
-          std::to_string(registered) + " of " + std::to_string(count) +
-          " photos");
-      result->models = std::move(relaxed);
-    }
-  }
-  std::error_code ignored;
-  fs::remove_all(folder, ignored);
-  return {};
-}
-
-// Maps again without the matches that put photos in places which their
-// strongest matches contradict, as long as that helps.
-Status Reconcile(const StepContext& context,
-                 const fs::path& database_path,
-                 SfmResult* result) {
-  constexpr int kMaxRounds = 3;
-  if (result->models.empty()) return {};
-  const fs::path trusted_path = context.input.work_folder / "trusted.db";
-  Contradictions found;
-  {
-    FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
-                            MatchDatabase::Open(database_path));
-    FREEGS_ASSIGN_OR_RETURN(const std::vector<PairAgreement> pairs,
-                            MeasureAgreement(result->models[0], database));
-    found = FindContradictions(pairs);
-    if (found.strongest.empty()) return {};
-    RemoveDatabase(trusted_path);
-    FREEGS_RETURN_IF_ERROR(database.CopyTo(trusted_path));
-  }
-  const size_t before = found.strongest.size();
-  size_t removed = 0;
-  for (int round = 0; round < kMaxRounds && !found.suspects.empty(); ++round) {
-    Contradictions next;
-    SfmResult again;
-    {
-      FREEGS_ASSIGN_OR_RETURN(MatchDatabase trusted,
-                              MatchDatabase::Open(trusted_path));
-      FREEGS_RETURN_IF_ERROR(trusted.RemoveVerifiedPairs(found.suspects));
-    }
-    removed += found.suspects.size();
-    FREEGS_RETURN_IF_ERROR(MapBest(context, trusted_path, &again));
-    if (again.models.empty()) break;
-    {
-      // Against what is still trusted.
-      FREEGS_ASSIGN_OR_RETURN(const MatchDatabase trusted,
-                              MatchDatabase::Open(trusted_path));
-      FREEGS_ASSIGN_OR_RETURN(const std::vector<PairAgreement> pairs,
-                              MeasureAgreement(again.models[0], trusted));
-      next = FindContradictions(pairs);
-    }
-    const bool fewer = next.strongest.size() < found.strongest.size();
-    const bool as_many =
-        NumRegistered(again.models) * 10 >= NumRegistered(result->models) * 9;
-    if (!fewer || !as_many) break;
-    result->models = std::move(again.models);
-    result->warnings.insert(
-        result->warnings.end(), again.warnings.begin(), again.warnings.end());
-    found = std::move(next);
-  }
-  RemoveDatabase(trusted_path);
-  result->contradictions = found.strongest.size();
-  result->warnings.push_back(
-      "parts of the scene look alike: a first model contradicted " +
-      std::to_string(before) + " of the strongest matches; mapped again " +
-      "without " + std::to_string(removed) + " matching pairs, which leaves " +
-      std::to_string(found.strongest.size()) + " contradicted");
-  return {};
-}
-
 // Gives the best model the simplest cameras that explain it, and adjusts it.
 // COLMAP's estimate stays where there is too little to choose by.
 Status ChooseCameras(const StepContext& context, SfmResult* result) {
@@ -269,53 +95,84 @@ Status ChooseCameras(const StepContext& context, SfmResult* result) {
   return {};
 }
 
-// Why photos are not in the best model.
-Status ExplainUnregistered(const SfmInput& input,
-                           const fs::path& database_path,
-                           SfmResult* result) {
+// What the attempts beyond the first changed, for people.
+void WarnOfAttempts(const std::vector<Attempt>& attempts,
+                    size_t photos,
+                    std::vector<std::string>* warnings) {
+  std::string kept;
+  int registered = attempts[0].registered;
+  for (size_t i = 1; i < attempts.size(); ++i) {
+    if (!attempts[i].kept || attempts[i].registered <= registered) continue;
+    registered = attempts[i].registered;
+    kept += (kept.empty() ? "" : ", ") + attempts[i].name;
+  }
+  if (kept.empty()) return;
+  warnings->push_back("the usual way registered only " +
+                      std::to_string(attempts[0].registered) + " of " +
+                      std::to_string(photos) + " photos; what helped: " + kept);
+}
+
+// Replaces a model that turns out to be glued parts.
+Status TakeSeparated(const StepContext& context,
+                     AttemptStore* store,
+                     SceneEvidence* evidence,
+                     SfmResult* result) {
+  FREEGS_ASSIGN_OR_RETURN(
+      SeparatedParts parts,
+      SeparateParts(context,
+                    result->database,
+                    result->pairs.pairs >= result->pairs.all_pairs,
+                    result->models,
+                    store));
+  if (parts.models.empty()) return {};
+  result->models = std::move(parts.models);
+  for (Attempt& attempt : parts.attempts) {
+    result->attempts.push_back(std::move(attempt));
+  }
+  char score[16];
+  std::snprintf(score, sizeof(score), "%.2f", parts.score);
+  result->warnings.push_back(
+      "parts of the scene look alike: a first model had glued " +
+      std::to_string(parts.groups) +
+      " groups of photos, of the evidence between which only a share of " +
+      score + " supported it");
   FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
-                          MatchDatabase::Open(database_path));
-  FREEGS_ASSIGN_OR_RETURN(const auto photos, database.Photos());
-  FREEGS_ASSIGN_OR_RETURN(const auto verified, database.VerifiedMatches());
-  std::set<std::string> registered;
-  if (!result->models.empty()) {
-    for (const PosedImage& image : result->models[0].images) {
-      registered.insert(image.name);
-    }
+                          MatchDatabase::Open(parts.database));
+  if (result->database != parts.database) {
+    result->database = parts.database;
+    FREEGS_ASSIGN_OR_RETURN(*evidence,
+                            CollectEvidence(context.input.photos, database));
   }
-  for (const SfmPhoto& photo : input.photos) {
-    if (registered.contains(photo.name)) continue;
-    std::string& reason = result->unregistered[photo.name];
-    const auto row =
-        std::find_if(photos.begin(), photos.end(), [&](const auto& candidate) {
-          return candidate.name == photo.name;
-        });
-    if (row == photos.end()) {
-      reason = "COLMAP could not read it";
-      continue;
-    }
-    const auto match = std::find_if(
-        verified.begin(), verified.end(), [&](const auto& candidate) {
-          return candidate.photo_id == row->id;
-        });
-    reason = std::to_string(row->num_features) + " features; ";
-    if (match == verified.end()) {
-      reason += "matches no other photo";
-      continue;
-    }
-    reason += "matches " + std::to_string(match->num_photos) + " photos with " +
-              std::to_string(match->num_matches) + " features in all";
-    for (size_t k = 1; k < result->models.size(); ++k) {
-      const auto& images = result->models[k].images;
-      if (std::any_of(images.begin(), images.end(), [&](const auto& image) {
-            return image.name == photo.name;
-          })) {
-        reason += "; part of the separate model sparse/" + std::to_string(k);
-        break;
-      }
-    }
+  evidence->unplaced = std::move(parts.unplaced);
+  // Where look-alikes glue a model they are among the strongest matches: that a
+  // model contradicts some of these is then nothing against it, if all matches
+  // taken together are for it.
+  if (parts.one) {
+    result->contradictions = 0;
+    return {};
   }
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<PairAgreement> pairs,
+                          MeasureAgreement(result->models[0], database));
+  result->contradictions = FindContradictions(pairs).strongest.size();
   return {};
+}
+
+// What was done about look-alikes, if there was a need.
+void NoteReconciled(const Reconciled& reconciled,
+                    std::vector<Attempt>* attempts,
+                    std::vector<std::string>* warnings) {
+  if (reconciled.before == 0) return;
+  const std::string before = std::to_string(reconciled.before);
+  warnings->push_back(
+      "parts of the scene look alike: a first model contradicted " + before +
+      " of the strongest matches; mapped again without " +
+      std::to_string(reconciled.removed) + " matching pairs, which leaves " +
+      std::to_string(reconciled.contradictions) + " contradicted");
+  attempts->push_back(DescribeAttempt(
+      "without look-alikes",
+      "the model contradicts " + before + " of the strongest matches",
+      reconciled.models));
+  attempts->back().kept = !reconciled.models.empty();
 }
 
 }  // namespace
@@ -335,6 +192,9 @@ Status SfmOptions::Check() const {
     return InvalidArgumentError(
         "sfm.max_image_size (unless 0) and sfm.max_features must be at least "
         "64");
+  }
+  if (!(max_retry_cost >= 0)) {
+    return InvalidArgumentError("sfm.max_retry_cost must be at least 0");
   }
   return pairs.Check();
 }
@@ -376,21 +236,63 @@ StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
 
   SfmResult result;
   result.colmap_version = colmap.version();
-  result.pairs = record.pairs();
-  result.image_size = resolved.max_image_size;
   result.warnings = colmap.KnownFaults();
   if (record.Has("one extractor thread")) {
     result.warnings.push_back(
         "this COLMAP has no database_cleaner: features were taken by one "
         "thread, to stay repeatable");
   }
-  FREEGS_RETURN_IF_ERROR(MapBest(context, database, &result));
-  FREEGS_RETURN_IF_ERROR(Reconcile(context, database, &result));
+  DiagnosisOptions diagnosis;
+  // A low limit of features is no sign of little texture.
+  diagnosis.few_features =
+      std::min<int64_t>(diagnosis.few_features, options.max_features / 4);
+  AttemptStore store(input.work_folder, &record);
+  FREEGS_ASSIGN_OR_RETURN(
+      LadderResult best,
+      ClimbLadder(context, database, record.pairs(), diagnosis, &store));
+  WarnOfAttempts(best.attempts, input.photos.size(), &result.warnings);
+
+  FREEGS_ASSIGN_OR_RETURN(
+      Reconciled reconciled,
+      Reconcile(context, best.database, best.models, &store));
+  NoteReconciled(reconciled, &best.attempts, &result.warnings);
+  result.models =
+      std::move(reconciled.models.empty() ? best.models : reconciled.models);
+  result.database = std::move(best.database);
+  result.pairs = std::move(best.pairs);
+  result.image_size = best.image_size;
+  result.attempts = std::move(best.attempts);
+  result.contradictions = reconciled.contradictions;
+  FREEGS_RETURN_IF_ERROR(
+      TakeSeparated(context, &store, &best.evidence, &result));
   FREEGS_RETURN_IF_ERROR(ChooseCameras(context, &result));
+  best.evidence.contradictions = result.contradictions;
+  result.findings = Diagnose(best.evidence, result.models, diagnosis);
+  result.unregistered =
+      ExplainUnregistered(best.evidence, result.models, diagnosis);
   std::error_code ignored;
   fs::remove(input.work_folder / "image_list.txt", ignored);
-  FREEGS_RETURN_IF_ERROR(ExplainUnregistered(input, database, &result));
   return result;
+}
+
+Status TidyWorkFolder(const fs::path& work_folder, const SfmResult& result) {
+  std::error_code error;
+  // First of all: without it, a run that is killed here starts again.
+  fs::remove(work_folder / "steps.json", error);
+  const fs::path database = work_folder / "database.db";
+  if (result.database != database) {
+    RemoveDatabase(database);
+    for (const char* name : {"database.db", "pairs.txt"}) {
+      const fs::path file = result.database.parent_path() / name;
+      fs::rename(file, work_folder / name, error);
+      if (error) {
+        return InternalError(file.string() +
+                             ": cannot be moved: " + error.message());
+      }
+    }
+  }
+  AttemptStore::Remove(work_folder);
+  return {};
 }
 
 }  // namespace freegs::sfm

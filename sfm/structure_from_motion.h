@@ -13,7 +13,9 @@
 
 #include "core/cancellation.h"
 #include "core/status.h"
+#include "sfm/attempt.h"
 #include "sfm/camera_selection.h"
+#include "sfm/diagnosis.h"
 #include "sfm/pair_selection.h"
 #include "sfm/reconstruction.h"
 
@@ -27,6 +29,7 @@ struct SfmPhoto {
   int height = 0;        // Pixels.
   int camera_group = 0;  // Photos of equal number may share one camera.
   double focal_px = 0;   // What EXIF says; 0 when it says nothing.
+  double sharpness = 0;  // As ingest measured it; 0 is unknown.
 };
 
 struct SfmOptions {
@@ -51,6 +54,10 @@ struct SfmOptions {
 
   // Which pairs of photos are matched.
   PairSelectionOptions pairs;
+
+  // What all attempts beyond the first may cost together, as a multiple of what
+  // the first did, when it leaves out photos. 0 for no other attempts.
+  double max_retry_cost = 8;
 
   // Features on the graphics card (COLMAP must have been built for it).
   bool use_gpu = false;
@@ -94,10 +101,20 @@ struct SfmResult {
   // Strongest matches that models[0] contradicts (see view_graph.h).
   size_t contradictions = 0;
 
+  // The database that models were made from: that of the work folder, or of an
+  // attempt (see TidyWorkFolder).
+  std::filesystem::path database;
+
+  // What was tried, in order, and what was found out about the photos.
+  std::vector<Attempt> attempts;
+  std::vector<Finding> findings;
+
   // The cameras tried for models[0]; empty when there was no choice to make.
   std::vector<CameraCandidate> camera_models;
+
+  // What was matched for `database`, and max_image_size, or what was chosen.
   MatchedPairs pairs;
-  int image_size = 0;  // max_image_size, or what was chosen.
+  int image_size = 0;
 
   std::string colmap_version;
   std::vector<std::string> warnings;
@@ -119,6 +136,11 @@ struct SfmResult {
 // mapper. See docs/sfm.md.
 StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
                                            const SfmOptions& options);
+
+// Deletes what only an interrupted run needs from the work folder, and leaves
+// the database of the result there as database.db.
+Status TidyWorkFolder(const std::filesystem::path& work_folder,
+                      const SfmResult& result);
 
 // Orders models: most images first, then most points, then as they were.
 void SortBySize(std::vector<Reconstruction>* models);

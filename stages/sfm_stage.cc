@@ -2,6 +2,7 @@
 
 #include "stages/sfm_stage.h"
 
+#include <optional>
 #include <set>
 #include <system_error>
 #include <utility>
@@ -42,7 +43,8 @@ std::vector<sfm::SfmPhoto> UsablePhotos(const sfm::PhotoList& list) {
                       .width = photo.width,
                       .height = photo.height,
                       .camera_group = photo.camera_group,
-                      .focal_px = photo.focal_length_px.value_or(0)});
+                      .focal_px = photo.focal_length_px.value_or(0),
+                      .sharpness = photo.sharpness});
   }
   return photos;
 }
@@ -59,6 +61,7 @@ struct Outcome {
   int image_size = 0;
   std::vector<std::string> warnings;
   std::map<std::string, std::string> unregistered;
+  std::optional<sfm::SfmResult> run;  // Of COLMAP.
 };
 
 class SfmStage : public pipeline::Stage {
@@ -126,6 +129,7 @@ class SfmStage : public pipeline::Stage {
     outcome.image_size = result.image_size;
     outcome.warnings = std::move(result.warnings);
     outcome.unregistered = std::move(result.unregistered);
+    outcome.run = std::move(result);
     return outcome;
   }
 
@@ -181,16 +185,21 @@ class SfmStage : public pipeline::Stage {
         Some(differing) + ")");
   }
 
+  static inline const std::vector<sfm::Finding> kNoFindings;
+
   Status Finish(const std::vector<sfm::SfmPhoto>& photos,
                 Outcome& outcome,
                 StageContext& context) const {
     std::vector<std::string> names;
     for (const sfm::SfmPhoto& photo : photos) names.push_back(photo.name);
-    sfm::Health health = sfm::MeasureHealth(outcome.models,
-                                            names,
-                                            outcome.triangulated,
-                                            options_.health,
-                                            outcome.contradictions);
+    sfm::Health health =
+        sfm::MeasureHealth(outcome.models,
+                           names,
+                           outcome.triangulated,
+                           options_.health,
+                           outcome.contradictions,
+                           outcome.run ? outcome.run->findings : kNoFindings);
+    if (outcome.run) health.attempts = outcome.run->attempts;
     health.source = outcome.source;
     health.colmap_version = outcome.colmap_version;
     health.camera_models = outcome.camera_models;
@@ -236,7 +245,9 @@ class SfmStage : public pipeline::Stage {
                             "colmap_version"}) {
       context.summary[key] = json[key];
     }
-    return Report(health, context);
+    FREEGS_RETURN_IF_ERROR(Report(health, context));
+    return outcome.run ? sfm::TidyWorkFolder(context.output, *outcome.run)
+                       : Status();
   }
 
   Status Report(const sfm::Health& health, StageContext& context) const {
@@ -272,8 +283,6 @@ class SfmStage : public pipeline::Stage {
                     std::to_string(health.images) + " photos, " +
                     std::to_string(health.num_points) + " points (" +
                     health.source + ")");
-    std::error_code ignored;
-    fs::remove(context.output / "steps.json", ignored);
     return {};
   }
 
@@ -351,6 +360,12 @@ void RegisterSfmOptions(SfmStageOptions& options,
             {.help = "Photos in order: neighbours on each side that each is "
                      "matched with.",
              .min = 1,
+             .max = 1000});
+  table.Add("sfm.max_retry_cost",
+            &options.colmap.max_retry_cost,
+            {.help = "When photos are left out: what other attempts may cost "
+                     "together, as a multiple of the first. 0 for none.",
+             .min = 0,
              .max = 1000});
   table.Add("sfm.use_gpu",
             &options.colmap.use_gpu,

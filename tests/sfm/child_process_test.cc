@@ -52,6 +52,22 @@ TEST(RunChild, ArgumentsAndEnvironmentArriveUnchanged) {
   EXPECT_THAT(lines, ElementsAre("a b; echo 'x' $HOME", "\"ü\"", "some value"));
 }
 
+TEST(RunChild, EndsWhenItsTimeIsOver) {
+  ChildCommand command = Shell("echo begun; sleep 100 & sleep 100");
+  command.time_limit_s = 0.3;
+  const auto start = std::chrono::steady_clock::now();
+  const auto result = RunChild(command, {}, nullptr);
+  ASSERT_TRUE(result.ok());
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
+  EXPECT_FALSE(result->ok());
+  EXPECT_TRUE(result->timed_out);
+  EXPECT_THAT(result->Describe(), HasSubstr("no end within"));
+  EXPECT_EQ(result->tail, "begun\n");
+  command = Shell("true");
+  command.time_limit_s = 60;
+  EXPECT_TRUE(RunChild(command, {}, nullptr)->ok());
+}
+
 TEST(RunChild, ReportsExitCodeAndSignal) {
   const auto failed = RunChild(Shell("echo why; exit 3"), {}, nullptr);
   ASSERT_TRUE(failed.ok());

@@ -8,6 +8,7 @@
 //   FAKE_COLMAP_MODELS   photos of each model the mapper makes, "5,3"; empty
 //                        for none. Default: one of all.
 //   FAKE_COLMAP_RELAXED  the same when the mapper's thresholds were lowered.
+//   FAKE_COLMAP_RICH     the same when more features were taken.
 //   FAKE_COLMAP_FAIL     a command that fails with exit code 1.
 //   FAKE_COLMAP_HANG     a command that never ends.
 //   FAKE_COLMAP_ONCE     a file: commands fail while it exists, and delete it.
@@ -229,12 +230,15 @@ int Map(Options& options) {
   if (options["Mapper.init_min_num_inliers"] != "") {
     sizes = Setting("FAKE_COLMAP_RELAXED", sizes);
   }
+  if (options["database_path"].find("more_features") != std::string::npos) {
+    sizes = Setting("FAKE_COLMAP_RICH", sizes);
+  }
   std::istringstream list(sizes);
   int number = 0;
   auto next = images.begin();
   for (std::string size; std::getline(list, size, ',');) {
     Reconstruction model =
-        SyntheticModel(static_cast<int>(images.size()), 50 - number);
+        SyntheticModel(static_cast<int>(images.size()), 150 - number);
     Reconstruction kept = model;
     kept.images.clear();
     for (int i = 0; i < std::stoi(size) && next != images.end(); ++i, ++next) {

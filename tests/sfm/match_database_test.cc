@@ -103,12 +103,59 @@ TEST(MatchDatabase, ListsPhotosAndMatches) {
   EXPECT_EQ((*photos)[0].num_features, 100);
   EXPECT_EQ((*photos)[2].name, "c d.jpg");
   EXPECT_EQ((*photos)[2].num_features, 0);
-  const auto verified = database->VerifiedMatches();
-  ASSERT_TRUE(verified.ok());
-  ASSERT_EQ(verified->size(), 2u);
-  EXPECT_EQ((*verified)[0].photo_id, 1u);
-  EXPECT_EQ((*verified)[1].num_photos, 1);
-  EXPECT_EQ((*verified)[1].num_matches, 30);
+  // This database does not tell what motion it was.
+  const auto pairs = database->VerifiedPairs();
+  ASSERT_TRUE(pairs.ok());
+  ASSERT_EQ(pairs->size(), 1u);
+  EXPECT_EQ((*pairs)[0].id1, 1u);
+  EXPECT_EQ((*pairs)[0].id2, 2u);
+  EXPECT_EQ((*pairs)[0].num_matches, 30);
+  EXPECT_FALSE((*pairs)[0].is_homography);
+}
+
+// Doubles as COLMAP stores them, little endian.
+TEST(MatchDatabase, Motions) {
+  const TemporaryFolder folder;
+  const std::string one = "000000000000F03F";  // 1.0
+  const std::string two = "0000000000000040";  // 2.0
+  const std::string nan = "000000000000F87F";
+  const std::string zero = "0000000000000000";
+  const std::string diagonal =
+      one + two + zero + zero + one + zero + zero + zero + one;
+  RunSql(folder / "a.db",
+         "CREATE TABLE images(image_id INTEGER PRIMARY KEY, name TEXT);"
+         "CREATE TABLE two_view_geometries(pair_id INTEGER PRIMARY KEY, rows "
+         "INTEGER, cols INTEGER, data BLOB, config INTEGER, F BLOB, E BLOB, "
+         "H BLOB);");
+  RunSql(folder / "a.db",
+         "INSERT INTO two_view_geometries VALUES"
+         "(" +
+             std::to_string(kPair12) + ",30,2,NULL,6,NULL,NULL,x'" + diagonal +
+             "'),"
+             "(" +
+             std::to_string(kPair23) + ",20,2,NULL,3,NULL,NULL,x'" + diagonal +
+             "'),"
+             "(" +
+             std::to_string(kPair23 + 1) + ",20,2,NULL,4,NULL,NULL,x'" + nan +
+             diagonal.substr(16) +
+             "'),"
+             "(" +
+             std::to_string(kPair23 + 2) + ",20,2,NULL,5,NULL,NULL,x'00')");
+  const auto database = MatchDatabase::Open(folder / "a.db");
+  ASSERT_TRUE(database.ok()) << database.status().message();
+  const auto pairs = database->VerifiedPairs();
+  ASSERT_TRUE(pairs.ok());
+  ASSERT_EQ(pairs->size(), 4u);
+  EXPECT_TRUE((*pairs)[0].is_homography);
+  ASSERT_TRUE((*pairs)[0].homography.has_value());
+  EXPECT_EQ((*(*pairs)[0].homography)(0, 1), 2);
+  EXPECT_EQ((*(*pairs)[0].homography)(1, 0), 0);
+  EXPECT_FALSE((*pairs)[1].is_homography);
+  EXPECT_FALSE((*pairs)[1].homography.has_value());
+  // Not a number; cut short.
+  EXPECT_TRUE((*pairs)[2].is_homography);
+  EXPECT_FALSE((*pairs)[2].homography.has_value());
+  EXPECT_FALSE((*pairs)[3].homography.has_value());
 }
 
 TEST(MatchDatabase, CopiesMatchesBetweenCopies) {
@@ -134,11 +181,11 @@ TEST(MatchDatabase, CopiesMatchesBetweenCopies) {
   // Twice: after a crash a portion is copied again.
   EXPECT_TRUE(main->CopyMatchesFrom(copy_path).ok());
   EXPECT_TRUE(main->CopyMatchesFrom(copy_path).ok());
-  EXPECT_EQ((*main->VerifiedMatches())[0].num_matches, 9);
+  EXPECT_EQ((*main->VerifiedPairs())[0].num_matches, 9);
   EXPECT_EQ((*main->Photos())[2].name, "c d.jpg");
   EXPECT_EQ(main->Descriptors(2)->count(), 1u);
   EXPECT_TRUE(main->ClearMatchesAndDescriptors().ok());
-  EXPECT_TRUE(main->VerifiedMatches()->empty());
+  EXPECT_TRUE(main->VerifiedPairs()->empty());
   EXPECT_EQ(main->Descriptors(2)->count(), 0u);
 }
 

@@ -136,6 +136,96 @@ TEST_F(StructureFromMotionTest, LowerThresholdsWhenFewRegister) {
   EXPECT_THAT(result->warnings[0], HasSubstr("4 of 10"));
 }
 
+std::vector<std::string> NamesOf(const std::vector<Attempt>& attempts) {
+  std::vector<std::string> names;
+  for (const Attempt& attempt : attempts) names.push_back(attempt.name);
+  return names;
+}
+
+TEST_F(StructureFromMotionTest, GoodResultsNeedNoOtherAttempt) {
+  const auto result = Run();
+  ASSERT_TRUE(result.ok());
+  EXPECT_THAT(NamesOf(result->attempts), testing::ElementsAre("mapping"));
+  EXPECT_TRUE(result->attempts[0].kept);
+  EXPECT_EQ(result->attempts[0].registered, 10);
+  EXPECT_EQ(result->database, input_.work_folder / "database.db");
+}
+
+TEST_F(StructureFromMotionTest, ClimbsTheLadderInOrderAndOnce) {
+  const Settings settings = {{"FAKE_COLMAP_MODELS", "4"},
+                             {"FAKE_COLMAP_RELAXED", "6"},
+                             {"FAKE_COLMAP_RICH", "10"}};
+  const auto result = Run(settings);
+  ASSERT_TRUE(result.ok()) << result.status().message();
+  EXPECT_THAT(NamesOf(result->attempts),
+              testing::ElementsAre("mapping",
+                                   "lower thresholds",
+                                   "another seed",
+                                   "added photos",
+                                   "looser matches",
+                                   "more features"));
+  const std::vector<Attempt>& attempts = result->attempts;
+  EXPECT_THAT(attempts[1].why, HasSubstr("6 photos left out"));
+  EXPECT_TRUE(attempts[1].kept);
+  EXPECT_FALSE(attempts[2].kept);
+  EXPECT_EQ(attempts[2].registered, 4);
+  // The fake mapper cannot continue a model: noted, and no reason to give up.
+  EXPECT_THAT(attempts[3].problem, HasSubstr("input_path"));
+  EXPECT_FALSE(attempts[4].kept);
+  EXPECT_TRUE(attempts[5].kept);
+  EXPECT_EQ(result->models[0].images.size(), 10u);
+  EXPECT_TRUE(result->unregistered.empty());
+  EXPECT_THAT(result->warnings.at(0), HasSubstr("more features"));
+
+  // Nothing that is done is done again, and the result is the same.
+  const std::string mapper = Log("mapper");
+  const std::string extractor = Log("feature_extractor");
+  const auto again = Run(settings);
+  ASSERT_TRUE(again.ok()) << again.status().message();
+  EXPECT_EQ(Log("mapper"), mapper);
+  EXPECT_EQ(Log("feature_extractor"), extractor);
+  EXPECT_EQ(NamesOf(again->attempts), NamesOf(attempts));
+  EXPECT_EQ(PointsToBinary(again->models[0].points3d),
+            PointsToBinary(result->models[0].points3d));
+
+  // The database of the best attempt takes the place of the first.
+  EXPECT_NE(again->database, input_.work_folder / "database.db");
+  const std::string kept = ReadText(again->database);
+  ASSERT_TRUE(TidyWorkFolder(input_.work_folder, *again).ok());
+  EXPECT_TRUE(ReadText(input_.work_folder / "database.db") == kept);
+  EXPECT_FALSE(fs::exists(input_.work_folder / "attempts"));
+}
+
+TEST_F(StructureFromMotionTest, LadderStopsWhereTheCostsEnd) {
+  options_.max_retry_cost = 0.7;
+  const auto result = Run({{"FAKE_COLMAP_MODELS", "4"}});
+  ASSERT_TRUE(result.ok());
+  for (const Attempt& attempt : result->attempts) {
+    const bool dear =
+        attempt.name == "looser matches" || attempt.name == "more features";
+    EXPECT_EQ(attempt.problem.find("max_retry_cost") != std::string::npos, dear)
+        << attempt.name;
+  }
+  EXPECT_FALSE(fs::exists(input_.work_folder / "attempts" / "more_features"));
+}
+
+TEST_F(StructureFromMotionTest, AllPairsWhenNotAllWereCompared) {
+  options_.pairs.matcher = "retrieval";
+  options_.pairs.neighbours = 2;
+  const auto result = Run({{"FAKE_COLMAP_MODELS", "4"}});
+  ASSERT_TRUE(result.ok());
+  EXPECT_THAT(NamesOf(result->attempts), testing::Contains("all pairs"));
+}
+
+TEST_F(StructureFromMotionTest, TooFewPhotosAreNotTriedAgain) {
+  input_.photos.resize(2);
+  const auto result = Run({{"FAKE_COLMAP_MODELS", ""}});
+  ASSERT_TRUE(result.ok());
+  EXPECT_THAT(NamesOf(result->attempts), testing::ElementsAre("mapping"));
+  ASSERT_FALSE(result->findings.empty());
+  EXPECT_EQ(result->findings[0].kind, FindingKind::kTooFewPhotos);
+}
+
 TEST_F(StructureFromMotionTest, NoModelIsAResult) {
   const auto result = Run({{"FAKE_COLMAP_MODELS", ""}});
   ASSERT_TRUE(result.ok()) << result.status().message();
@@ -220,7 +310,13 @@ TEST_F(StructureFromMotionTest, MatchingContinuesAtItsPortion) {
   for (const auto& entry : fs::directory_iterator(input_.work_folder)) {
     EXPECT_THAT(
         entry.path().filename().string(),
-        testing::AnyOf("database.db", "steps.json", "logs", "pairs.txt"));
+        testing::AnyOf(
+            "database.db", "steps.json", "logs", "attempts", "pairs.txt"));
+  }
+  ASSERT_TRUE(TidyWorkFolder(input_.work_folder, *resumed).ok());
+  for (const auto& entry : fs::directory_iterator(input_.work_folder)) {
+    EXPECT_THAT(entry.path().filename().string(),
+                testing::AnyOf("database.db", "logs", "pairs.txt"));
   }
 }
 

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What is tried, in which order, when the plain way leaves photos out.
+
+#ifndef FREEGS_SFM_LADDER_H_
+#define FREEGS_SFM_LADDER_H_
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/status.h"
+#include "sfm/attempt.h"
+#include "sfm/colmap_steps.h"
+#include "sfm/diagnosis.h"
+#include "sfm/evidence.h"
+
+namespace freegs::sfm {
+
+struct LadderResult {
+  std::vector<Reconstruction> models;  // Best first; may be empty.
+  std::filesystem::path database;      // What they were made from.
+  MatchedPairs pairs;                  // Of that database.
+  int image_size = 0;                  // Likewise.
+  SceneEvidence evidence;              // Likewise.
+  std::vector<Attempt> attempts;       // In the order in which they were made.
+};
+
+// Maps the database and, as long as the result is not good, climbs the rungs
+// listed in ladder.cc: each is tried once, if what was seen so far says that it
+// may help and the costs allow, and kept if it is better. Ends early when the
+// diagnosis is that nothing helps. pairs: those matched for the database.
+//
+// Errors of the first mapping, kInterrupted and kInternal are returned; a rung
+// on which a command fails is only noted.
+StatusOr<LadderResult> ClimbLadder(const StepContext& context,
+                                   const std::filesystem::path& database,
+                                   const MatchedPairs& pairs,
+                                   const DiagnosisOptions& diagnosis,
+                                   AttemptStore* store);
+
+// Maps, and again with lower thresholds when that leaves out many photos; the
+// larger result. Uses `folder`, which it deletes.
+StatusOr<std::vector<Reconstruction>> MapBest(
+    const StepContext& context,
+    const std::filesystem::path& database,
+    const std::filesystem::path& folder);
+
+}  // namespace freegs::sfm
+
+#endif  // FREEGS_SFM_LADDER_H_

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Other ways to match and to map.
+
+#include "sfm/ladder_rungs.h"
+
+#include <algorithm>
+#include <set>
+#include <system_error>
+
+#include "sfm/ladder.h"
+#include "sfm/match_database.h"
+#include "sfm/model_io.h"
+
+namespace freegs::sfm {
+namespace {
+
+namespace fs = std::filesystem;
+using Models = std::vector<Reconstruction>;
+
+constexpr double kLooseRatio = 0.9;      // Instead of 0.8.
+constexpr double kLooseAngle = 0.9;      // Instead of 0.7, radians.
+constexpr double kLowContrast = 0.0025;  // COLMAP's default is 0.0067.
+
+fs::path Scratch(const RungInput& input) { return input.folder / "mapper"; }
+
+// As AttemptStore::Database.
+fs::path Database(const RungInput& input) {
+  return input.folder / "database.db";
+}
+
+StatusOr<AttemptResult> MapWith(const RungInput& input, Mapping mapping) {
+  mapping.step = "mapping, " + input.name;
+  AttemptResult result;
+  FREEGS_ASSIGN_OR_RETURN(
+      result.models,
+      MapPhotos(input.context, input.database, Scratch(input), mapping));
+  SortBySize(&result.models);
+  std::error_code ignored;
+  fs::remove_all(Scratch(input), ignored);
+  return result;
+}
+
+// Maps other matches. Lower thresholds take long on photos that do not belong
+// together, so they are for when there is nothing to lose.
+StatusOr<Models> MapAnew(const RungInput& input,
+                         const StepContext& context,
+                         const fs::path& database) {
+  if (input.models.empty()) return MapBest(context, database, Scratch(input));
+  FREEGS_ASSIGN_OR_RETURN(Models models,
+                          MapPhotos(context, database, Scratch(input), {}));
+  SortBySize(&models);
+  std::error_code ignored;
+  fs::remove_all(Scratch(input), ignored);
+  return models;
+}
+
+StatusOr<AttemptResult> MatchAgain(const RungInput& input,
+                                   const SfmOptions& options,
+                                   const DescriptorMatchingOptions& matching) {
+  StepContext context{input.context.input, options, input.context.colmap};
+  context.num_threads = input.context.num_threads;
+  context.matching = matching;
+  const fs::path database = Database(input);
+  {
+    FREEGS_ASSIGN_OR_RETURN(const MatchDatabase known,
+                            MatchDatabase::Open(input.database));
+    FREEGS_RETURN_IF_ERROR(known.CopyTo(database));
+  }
+  AttemptResult result;
+  result.has_database = true;
+  FREEGS_ASSIGN_OR_RETURN(
+      result.pairs,
+      MatchFeatures(context, database, {}, [](int) { return Status(); }));
+  FREEGS_ASSIGN_OR_RETURN(result.models, MapAnew(input, context, database));
+  return result;
+}
+
+}  // namespace
+
+StatusOr<std::vector<Reconstruction>> MapBest(const StepContext& context,
+                                              const fs::path& database,
+                                              const fs::path& folder) {
+  FREEGS_ASSIGN_OR_RETURN(Models models,
+                          MapPhotos(context, database, folder, {}));
+  SortBySize(&models);
+  if (NumRegistered(models) * 10 < context.input.photos.size() * 9) {
+    Mapping mapping;
+    mapping.step = "mapping, lower thresholds";
+    mapping.relaxed = true;
+    FREEGS_ASSIGN_OR_RETURN(Models relaxed,
+                            MapPhotos(context, database, folder, mapping));
+    SortBySize(&relaxed);
+    if (NumRegistered(relaxed) > NumRegistered(models)) {
+      models = std::move(relaxed);
+    }
+  }
+  std::error_code ignored;
+  fs::remove_all(folder, ignored);
+  return models;
+}
+
+size_t NumShared(const Reconstruction& a, const Reconstruction& b) {
+  std::set<std::string> names;
+  for (const PosedImage& image : a.images) names.insert(image.name);
+  return static_cast<size_t>(std::count_if(
+      b.images.begin(), b.images.end(), [&](const PosedImage& image) {
+        return names.contains(image.name);
+      }));
+}
+
+StatusOr<AttemptResult> MapRelaxed(const RungInput& input) {
+  Mapping mapping;
+  mapping.relaxed = true;
+  return MapWith(input, mapping);
+}
+
+StatusOr<AttemptResult> MapWithOtherSeed(const RungInput& input) {
+  Mapping mapping;
+  mapping.seed_offset = 1;
+  return MapWith(input, mapping);
+}
+
+// Merging leaves two versions of shared photos' points, and no adjustment: the
+// mapper then goes on from there, which does both.
+StatusOr<AttemptResult> MergeAll(const RungInput& input) {
+  const fs::path folder = input.folder;
+  fs::path merged = folder / "start";
+  FREEGS_RETURN_IF_ERROR(WriteModel(merged, input.models[0]));
+  bool any = false;
+  Reconstruction whole = input.models[0];
+  for (size_t k = 1; k < input.models.size(); ++k) {
+    if (NumShared(whole, input.models[k]) < kSharedPhotos) continue;
+    const fs::path other = folder / ("other" + std::to_string(k));
+    const fs::path both = folder / ("merged" + std::to_string(k));
+    FREEGS_RETURN_IF_ERROR(WriteModel(other, input.models[k]));
+    FREEGS_ASSIGN_OR_RETURN(const bool done,
+                            MergeModels(input.context, merged, other, both));
+    if (!done) continue;
+    FREEGS_ASSIGN_OR_RETURN(Reconstruction model, ReadModel(both));
+    if (model.images.size() <= whole.images.size()) continue;
+    whole = std::move(model);
+    merged = both;
+    any = true;
+  }
+  if (!any) return AttemptResult();
+  Mapping mapping;
+  mapping.start = merged;
+  return MapWith(input, mapping);
+}
+
+StatusOr<AttemptResult> AddPhotos(const RungInput& input) {
+  Mapping mapping;
+  mapping.relaxed = true;
+  mapping.start = input.folder / "start";
+  FREEGS_RETURN_IF_ERROR(WriteModel(mapping.start, input.models[0]));
+  return MapWith(input, mapping);
+}
+
+StatusOr<AttemptResult> MatchAllPairs(const RungInput& input) {
+  SfmOptions options = input.context.options;
+  options.pairs.matcher = "exhaustive";
+  return MatchAgain(input, options, input.context.matching);
+}
+
+StatusOr<AttemptResult> MatchLoosely(const RungInput& input) {
+  SfmOptions options = input.context.options;
+  if (input.all_pairs) options.pairs.matcher = "exhaustive";
+  return MatchAgain(input, options, {kLooseRatio, kLooseAngle});
+}
+
+int LargerImageSize(int size) {
+  return std::max(size + size / 2, std::min(2 * size, 1600));
+}
+
+StatusOr<AttemptResult> TakeMoreFeatures(const RungInput& input) {
+  SfmOptions options = input.context.options;
+  if (input.all_pairs) options.pairs.matcher = "exhaustive";
+  options.max_features *= kMoreFeatures;
+  options.max_image_size = LargerImageSize(options.max_image_size);
+  StepContext context{input.context.input, options, input.context.colmap};
+  context.num_threads = input.context.num_threads;
+  context.peak_threshold = kLowContrast;
+  const fs::path database = Database(input);
+  FREEGS_ASSIGN_OR_RETURN(const bool numbered,
+                          RegisterPhotos(context, database));
+  FREEGS_RETURN_IF_ERROR(
+      ExtractFeatures(context, database, numbered ? context.num_threads : 1));
+  AttemptResult result;
+  result.has_database = true;
+  result.image_size = options.max_image_size;
+  FREEGS_ASSIGN_OR_RETURN(
+      result.pairs,
+      MatchFeatures(context, database, {}, [](int) { return Status(); }));
+  FREEGS_ASSIGN_OR_RETURN(result.models, MapAnew(input, context, database));
+  return result;
+}
+
+// COLMAP 4's global mapper; for many photos, the hierarchical one that older
+// releases have.
+StatusOr<AttemptResult> MapOtherwise(const RungInput& input) {
+  Mapping mapping;
+  mapping.command = input.context.colmap.HasCommand("global_mapper")
+                        ? "global_mapper"
+                        : "hierarchical_mapper";
+  return MapWith(input, mapping);
+}
+
+}  // namespace freegs::sfm

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the rungs of the ladder do. Which is climbed when: see ladder.cc.
+
+#ifndef FREEGS_SFM_LADDER_RUNGS_H_
+#define FREEGS_SFM_LADDER_RUNGS_H_
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/status.h"
+#include "sfm/attempt.h"
+#include "sfm/colmap_steps.h"
+
+namespace freegs::sfm {
+
+// Two models need so many photos in common to be merged.
+inline constexpr size_t kSharedPhotos = 3;
+
+// "more features" takes so many times sfm.max_features.
+inline constexpr int kMoreFeatures = 2;
+
+// And images so large, in pixels, instead of `size`: half as large again, or
+// more, up to twice, where that is still no more than 1600.
+int LargerImageSize(int size);
+
+// What a rung starts from.
+struct RungInput {
+  const StepContext& context;
+  std::string name;
+  const std::vector<Reconstruction>& models;  // The best first.
+  std::filesystem::path database;             // What they were made from.
+  bool all_pairs = false;        // All pairs of photos were compared for it.
+  std::filesystem::path folder;  // For the rung's own files.
+};
+
+// Mapping the same matches: with lower thresholds; with other random draws;
+// with a mapper of another kind (COLMAP 4's global one, else the hierarchical).
+StatusOr<AttemptResult> MapRelaxed(const RungInput& input);
+StatusOr<AttemptResult> MapWithOtherSeed(const RungInput& input);
+StatusOr<AttemptResult> MapOtherwise(const RungInput& input);
+
+// Merges the models that share photos into the best one.
+StatusOr<AttemptResult> MergeAll(const RungInput& input);
+
+// Adds photos to the best model with low thresholds; COLMAP 4 also places them
+// by other photos alone, without points (its structure-less registration).
+StatusOr<AttemptResult> AddPhotos(const RungInput& input);
+
+// Other matches, into the database of the rung: of all pairs; of descriptors
+// that are less alike; of more, and fainter, features in larger images.
+StatusOr<AttemptResult> MatchAllPairs(const RungInput& input);
+StatusOr<AttemptResult> MatchLoosely(const RungInput& input);
+StatusOr<AttemptResult> TakeMoreFeatures(const RungInput& input);
+
+// How many photos the best of the models has; 0 without any.
+inline size_t NumRegistered(const std::vector<Reconstruction>& models) {
+  return models.empty() ? 0 : models[0].images.size();
+}
+
+// How many photos two models share.
+size_t NumShared(const Reconstruction& a, const Reconstruction& b);
+
+}  // namespace freegs::sfm
+
+#endif  // FREEGS_SFM_LADDER_RUNGS_H_
