@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "bench/training_modes.h"
+#include "core/median.h"
 #include "core/random.h"
 #include "pipeline/resource_usage.h"
 #include "splat/trainer.h"
@@ -62,12 +63,6 @@ splat::TrainerOptions BeginningOfTraining(int steps) {
   options.learning_rates.mean_decay_steps = options.schedule.iterations;
   options.seed = kSeed;
   return options;
-}
-
-double Median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const size_t n = values.size();
-  return 0.5 * (values[(n - 1) / 2] + values[n / 2]);
 }
 
 }  // namespace

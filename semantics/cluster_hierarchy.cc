@@ -7,6 +7,8 @@
 #include <limits>
 #include <numeric>
 
+#include "core/disjoint_sets.h"
+
 namespace freegs::semantics {
 namespace {
 
@@ -21,24 +23,21 @@ struct Merge {
 
 std::vector<Merge> SingleLinkage(std::span<const MstEdge> mst,
                                  size_t num_points) {
-  std::vector<uint32_t> parent(num_points);
-  std::iota(parent.begin(), parent.end(), 0u);
-  std::vector<uint32_t> node(parent);  // Dendrogram node of each set's root.
+  DisjointSets sets(num_points);
+  // Of each set, at its smallest member.
+  std::vector<uint32_t> node(num_points);  // Of the dendrogram.
+  std::iota(node.begin(), node.end(), 0u);
   std::vector<uint32_t> size(num_points, 1);
-  const auto find = [&](uint32_t x) {
-    while (parent[x] != x) x = parent[x] = parent[parent[x]];
-    return x;
-  };
   std::vector<Merge> merges;
   merges.reserve(mst.size());
   for (const MstEdge& edge : mst) {
-    uint32_t a = find(edge.a);
-    uint32_t b = find(edge.b);
+    const uint32_t a = sets.Find(edge.a);
+    const uint32_t b = sets.Find(edge.b);
     merges.push_back({node[a], node[b], edge.weight2, size[a] + size[b]});
-    if (size[a] < size[b]) std::swap(a, b);
-    parent[b] = a;
-    size[a] += size[b];
-    node[a] = static_cast<uint32_t>(num_points + merges.size() - 1);
+    sets.Join(a, b);
+    size[std::min(a, b)] = merges.back().size;
+    node[std::min(a, b)] =
+        static_cast<uint32_t>(num_points + merges.size() - 1);
   }
   return merges;
 }

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <utility>
 
 #include <Eigen/Core>
 
+#include "core/disjoint_sets.h"
 #include "semantics/kd_tree.h"
 
 namespace freegs::semantics {
@@ -81,12 +81,7 @@ void MergeClusters(std::span<const float> positions,
       ++contacts[{(*labels)[labelled[i]], other}];
     }
   }
-  std::vector<int32_t> parent(num_labels);
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto find = [&](int32_t x) {
-    while (parent[x] != x) x = parent[x] = parent[parent[x]];
-    return x;
-  };
+  DisjointSets merged(num_labels);
   for (const auto& [pair, contact] : contacts) {
     const auto [own, other] = pair;
     if (size[own] > size[other]) continue;
@@ -95,12 +90,10 @@ void MergeClusters(std::span<const float> positions,
         (mean[own] - mean[other]).norm() >= color_difference) {
       continue;
     }
-    const int32_t a = find(own);
-    const int32_t b = find(other);
-    parent[std::max(a, b)] = std::min(a, b);
+    merged.Join(own, other);
   }
   for (int32_t& label : *labels) {
-    if (label >= 0) label = find(label);
+    if (label >= 0) label = static_cast<int32_t>(merged.Find(label));
   }
 }
 

@@ -126,14 +126,14 @@ void AbsorbBehindPlanes(std::span<const float> positions,
 std::vector<float> OutwardNormals(std::span<const float> positions,
                                   std::vector<float> normals,
                                   std::span<const View> views,
-                                  const SceneFrame& frame) {
+                                  const SceneExtent& extent) {
   std::vector<Eigen::Vector3d> centers;
   for (const View& view : views) {
     centers.push_back(CameraCentre(view.cam_from_world));
   }
   for (size_t i = 0; i < positions.size(); i += 3) {
     const Eigen::Vector3d x(positions[i], positions[i + 1], positions[i + 2]);
-    Eigen::Vector3d outward = x - frame.center;
+    Eigen::Vector3d outward = x - extent.center;
     if (!centers.empty()) {
       outward = *std::min_element(centers.begin(),
                                   centers.end(),
@@ -247,12 +247,12 @@ StatusOr<InstanceLabels> ClusterInstances(
   InstanceLabels result;
   result.labels.assign(model.size(), -1);
 
-  const SceneFrame frame =
-      ComputeSceneFrame(model, views, options.min_opacity, pool);
-  result.scene_radius = frame.radius;
+  const SceneExtent extent =
+      ComputeSceneExtent(model, views, options.min_opacity, pool);
+  result.scene_radius = extent.radius;
   if (cancelled()) return Interrupted();
   const std::vector<uint32_t> rows = SelectMatter(
-      model, options.min_opacity, options.max_scale * frame.radius);
+      model, options.min_opacity, options.max_scale * extent.radius);
   result.num_clustered = rows.size();
   const std::vector<float> positions = Gather(model.means, rows);
   const std::vector<float> colors = Gather(BaseColors(model), rows);
@@ -262,8 +262,9 @@ StatusOr<InstanceLabels> ClusterInstances(
       ComputeNormals(tree, kGeometryNeighbors, pool);
   if (cancelled()) return Interrupted();
   PlaneSegmentation planes =
-      FindPlanes(positions, normals, frame.radius, options.planes, seed, pool);
-  AbsorbBehindPlanes(positions, views, kBehindDistance * frame.radius, &planes);
+      FindPlanes(positions, normals, extent.radius, options.planes, seed, pool);
+  AbsorbBehindPlanes(
+      positions, views, kBehindDistance * extent.radius, &planes);
   const auto num_planes = static_cast<int32_t>(planes.planes.size());
   result.planes = planes.planes;
   if (cancelled()) return Interrupted();
@@ -291,8 +292,12 @@ StatusOr<InstanceLabels> ClusterInstances(
                          options.semantic_components,
                          pool,
                          &components));
-  const std::vector<float> points = BuildUnionSpace(
-      rest_positions, smooth_colors, meaning, components, frame, options.space);
+  const std::vector<float> points = BuildUnionSpace(rest_positions,
+                                                    smooth_colors,
+                                                    meaning,
+                                                    components,
+                                                    extent,
+                                                    options.space);
   HdbscanOptions hdbscan = options.hdbscan;
   if (hdbscan.min_cluster_size == 0) {
     hdbscan.min_cluster_size = std::max(
@@ -313,19 +318,19 @@ StatusOr<InstanceLabels> ClusterInstances(
   if (options.merge_color > 0) {
     MergeClusters(rest_positions,
                   rest_colors,
-                  options.merge_distance * frame.radius,
+                  options.merge_distance * extent.radius,
                   options.merge_color,
                   pool,
                   &labels);
   }
   if (options.min_crease_contrast > 0) {
     const std::vector<float> outward =
-        OutwardNormals(rest_positions, Gather(normals, rest), views, frame);
+        OutwardNormals(rest_positions, Gather(normals, rest), views, extent);
     SplitAtCreases(rest_positions,
                    smooth_colors,
                    outward,
                    {.min_contrast = options.min_crease_contrast,
-                    .patch_size = options.crease_patch_size * frame.radius,
+                    .patch_size = options.crease_patch_size * extent.radius,
                     .min_part_size = hdbscan.min_cluster_size},
                    pool,
                    &labels);
@@ -355,7 +360,7 @@ StatusOr<InstanceLabels> ClusterInstances(
     if (!(std::abs(x) <= KdTree::kMaxCoordinate)) x = KdTree::kMaxCoordinate;
   }
   LabelNoise(all_positions,
-             options.noise_distance * frame.radius,
+             options.noise_distance * extent.radius,
              pool,
              &result.labels);
 

@@ -76,7 +76,7 @@ struct InstanceLabels {
   std::vector<double> scores;
   std::vector<uint8_t> is_plane;
 
-  double scene_radius = 0;  // See SceneFrame.
+  double scene_radius = 0;  // See SceneExtent.
 
   // The planes, in the order found: largest first.
   std::vector<Plane> planes;

@@ -11,6 +11,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
+#include "core/median.h"
 #include "semantics/kd_tree.h"
 
 namespace freegs::semantics {
@@ -144,10 +145,7 @@ std::vector<WeightedPoint> WithoutStrays(
         positions.data() + i * size_t{3}, kIsolationNeighbors, i, &neighbors);
     isolation[i] = neighbors.back().distance2;
   }
-  std::vector<double> sorted = isolation;
-  const auto middle = sorted.begin() + sorted.size() / 2;
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  const double limit = *middle * max_isolation * max_isolation;
+  const double limit = UpperMedian(isolation) * max_isolation * max_isolation;
   std::vector<WeightedPoint> kept;
   for (size_t i = 0; i < points.size(); ++i) {
     if (isolation[i] <= limit) kept.push_back(points[i]);

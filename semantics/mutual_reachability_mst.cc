@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/disjoint_sets.h"
 #include "semantics/component_edges.h"
 #include "semantics/component_filters.h"
 
@@ -267,30 +268,21 @@ class Boruvka {
     }
   }
 
-  uint32_t Find(std::vector<uint32_t>& parent, uint32_t x) const {
-    while (parent[x] != x) {
-      parent[x] = parent[parent[x]];
-      x = parent[x];
-    }
-    return x;
-  }
-
   void Merge(BestEdges& best, std::vector<MstEdge>& mst) {
-    std::vector<uint32_t> parent(num_components_);
-    std::iota(parent.begin(), parent.end(), 0u);
+    DisjointSets merged(num_components_);
     for (uint32_t c = 0; c < num_components_; ++c) {
       if (c == passive_) continue;
       const MstEdge edge = best.Get(c);
-      const uint32_t a = Find(parent, component_[position_of_row_[edge.a]]);
-      const uint32_t b = Find(parent, component_[position_of_row_[edge.b]]);
-      if (a == b) continue;  // The other side chose the same edge.
-      parent[std::max(a, b)] = std::min(a, b);
-      mst.push_back(edge);
+      // Else the other side chose the same edge.
+      if (merged.Join(component_[position_of_row_[edge.a]],
+                      component_[position_of_row_[edge.b]])) {
+        mst.push_back(edge);
+      }
     }
     std::vector<uint32_t> renumbered(num_components_);
     uint32_t next = 0;
     for (uint32_t c = 0; c < num_components_; ++c) {
-      const uint32_t root = Find(parent, c);
+      const uint32_t root = merged.Find(c);
       renumbered[c] = root == c ? next++ : renumbered[root];
     }
     num_components_ = next;

@@ -10,6 +10,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "core/median.h"
 #include "core/random.h"
 
 namespace freegs::semantics {
@@ -138,12 +139,11 @@ class PlaneFinder {
       for (const uint32_t row : support) {
         residuals.push_back(std::abs(plane->SignedDistance(Position(row))));
       }
-      const auto middle = residuals.begin() + residuals.size() / 2;
-      std::nth_element(residuals.begin(), middle, residuals.end());
       // Three standard deviations, by the median absolute residual.
       plane->distance =
           std::min(options_.max_distance * radius_,
-                   std::max(3 * 1.4826 * *middle, 1e-3 * radius_));
+                   std::max(3 * 1.4826 * UpperMedian(std::move(residuals)),
+                            1e-3 * radius_));
     }
     std::vector<uint32_t> members;
     for (const uint32_t row : free_) {
@@ -255,10 +255,7 @@ double MedianDistance(std::span<const float> positions,
     distances.push_back(std::abs(other.SignedDistance(
         {positions[i * 3], positions[i * 3 + 1], positions[i * 3 + 2]})));
   }
-  const auto middle = distances.begin() + distances.size() / 2;
-  if (middle == distances.end()) return 0;
-  std::nth_element(distances.begin(), middle, distances.end());
-  return *middle;
+  return UpperMedian(std::move(distances));
 }
 
 void JoinSheets(std::span<const float> positions,

@@ -24,7 +24,7 @@ struct PlaneOptions {
   double min_share = 0.02;
 
   // A plane's shorter side is at least this many times the scene radius (see
-  // SceneFrame), so that faces of objects are not taken for background.
+  // SceneExtent), so that faces of objects are not taken for background.
   double min_width = 1;
 
   // Farthest distance of a plane's points from it, in scene radii. The distance

@@ -36,7 +36,7 @@ std::vector<float> BuildUnionSpace(std::span<const float> positions,
                                    std::span<const float> colors,
                                    std::span<const float> semantics,
                                    int semantic_dim,
-                                   const SceneFrame& frame,
+                                   const SceneExtent& extent,
                                    const UnionSpaceOptions& options) {
   const size_t count = positions.size() / 3;
   const size_t dim = 6 + static_cast<size_t>(semantic_dim);
@@ -55,7 +55,7 @@ std::vector<float> BuildUnionSpace(std::span<const float> positions,
     float* out = points.data() + i * dim;
     for (int k = 0; k < 3; ++k) {
       const auto x = static_cast<float>(
-          (positions[i * 3 + k] - frame.center[k]) / frame.radius);
+          (positions[i * 3 + k] - extent.center[k]) / extent.radius);
       out[k] = position_weight * std::clamp(x, -kMaxRadii, kMaxRadii);
       out[3 + k] = color_weight * std::clamp(colors[i * 3 + k], 0.0f, 1.0f);
     }

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/status.h"
-#include "semantics/scene_frame.h"
+#include "semantics/scene_extent.h"
 
 namespace freegs::semantics {
 
@@ -35,7 +35,7 @@ struct UnionSpaceOptions {
 // FreeGS scales every block by its minimum and maximum. Real scenes have
 // Gaussians far outside, which would squash everything of interest, so blocks
 // are scaled robustly and as a whole (one factor, which keeps their shape):
-// positions by the scene frame and clamped to 10 radii, where only stray
+// positions by the scene extent and clamped to 10 radii, where only stray
 // Gaussians are; colours are in [0, 1] by nature and clamped to it; the
 // semantic block by its 0.5 and 99.5 % quantiles over all entries, clamped.
 //
@@ -44,7 +44,7 @@ std::vector<float> BuildUnionSpace(std::span<const float> positions,
                                    std::span<const float> colors,
                                    std::span<const float> semantics,
                                    int semantic_dim,
-                                   const SceneFrame& frame,
+                                   const SceneExtent& extent,
                                    const UnionSpaceOptions& options);
 
 }  // namespace freegs::semantics

@@ -44,10 +44,6 @@ fs::path AttemptStore::Folder(const std::string& name) const {
   return folder_ / file;
 }
 
-fs::path AttemptStore::Database(const std::string& name) const {
-  return Folder(name) / "database.db";
-}
-
 StatusOr<AttemptResult> AttemptStore::Run(
     const std::string& name,
     const std::function<StatusOr<AttemptResult>()>& run) {
@@ -63,6 +59,29 @@ StatusOr<AttemptResult> AttemptStore::Run(
   FREEGS_RETURN_IF_ERROR(Write(name, result));
   FREEGS_RETURN_IF_ERROR(record_->Add(StepName(name)));
   return result;
+}
+
+StatusOr<AttemptResult> AttemptStore::Try(
+    const std::string& name,
+    const std::function<StatusOr<AttemptResult>()>& run) {
+  StatusOr<AttemptResult> result = Run(name, run);
+  if (result.ok()) return result;
+  const StatusCode code = result.status().code();
+  if (code == StatusCode::kInterrupted || code == StatusCode::kInternal) {
+    return result;
+  }
+  AttemptResult nothing;
+  nothing.problem = result.status().message();
+  return nothing;
+}
+
+MatchedDatabase AttemptStore::DatabaseOf(const std::string& name,
+                                         const AttemptResult& result,
+                                         const MatchedDatabase& before) const {
+  if (!result.has_database) return before;
+  return {AttemptDatabase(Folder(name)),
+          result.pairs,
+          result.image_size > 0 ? result.image_size : before.image_size};
 }
 
 Status AttemptStore::Write(const std::string& name,
@@ -109,7 +128,7 @@ StatusOr<AttemptResult> AttemptStore::Read(const std::string& name) const {
 }
 
 void AttemptStore::RemoveDatabaseOf(const std::string& name) const {
-  RemoveDatabase(Database(name));
+  RemoveDatabase(AttemptDatabase(Folder(name)));
   std::error_code ignored;
   fs::remove(Folder(name) / "pairs.txt", ignored);
 }

@@ -38,6 +38,13 @@ Attempt DescribeAttempt(const std::string& name,
                         const std::string& why,
                         const std::vector<Reconstruction>& models);
 
+// A database of matches, and how it was filled.
+struct MatchedDatabase {
+  std::filesystem::path path;
+  MatchedPairs pairs;
+  int image_size = 0;  // max_image_size, or what was chosen.
+};
+
 // What an attempt made.
 struct AttemptResult {
   std::vector<Reconstruction> models;  // Best first; may be empty.
@@ -52,7 +59,15 @@ struct AttemptResult {
   int image_size = 0;
 
   std::map<std::string, int64_t> counts;  // Whatever else is to be kept.
+
+  std::string problem;  // Why there is nothing (see AttemptStore::Try).
 };
+
+// Where an attempt's own database is in its folder, if it has one.
+inline std::filesystem::path AttemptDatabase(
+    const std::filesystem::path& folder) {
+  return folder / "database.db";
+}
 
 // Runs attempts once: their results are kept in a folder each, until Remove().
 class AttemptStore {
@@ -61,8 +76,6 @@ class AttemptStore {
       : folder_(work_folder / "attempts"), record_(record) {}
 
   std::filesystem::path Folder(const std::string& name) const;
-  // Where the attempt's own database is, if it has one.
-  std::filesystem::path Database(const std::string& name) const;
 
   // The result of the attempt as it was recorded, or else of `run`, which may
   // write into the attempt's new, empty folder. Errors of run are returned, and
@@ -70,6 +83,18 @@ class AttemptStore {
   StatusOr<AttemptResult> Run(
       const std::string& name,
       const std::function<StatusOr<AttemptResult>()>& run);
+
+  // As Run; but errors other than kInterrupted and kInternal make a result
+  // without models that has the message, and which is not recorded either.
+  StatusOr<AttemptResult> Try(
+      const std::string& name,
+      const std::function<StatusOr<AttemptResult>()>& run);
+
+  // What the models of the attempt were made from: its own database, if it has
+  // one, or else `before`.
+  MatchedDatabase DatabaseOf(const std::string& name,
+                             const AttemptResult& result,
+                             const MatchedDatabase& before) const;
 
   // Deletes the database, and its list of pairs, of an attempt that was not
   // kept.

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/median.h"
 #include "core/parallel.h"
 #include "core/random.h"
 #include "sfm/bundle_adjustment.h"
@@ -173,12 +174,6 @@ Residuals Measure(const Reconstruction& model, const Sample& sample) {
   return residuals;
 }
 
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 double TruncatedRms(const std::vector<double>& values, double limit) {
   double sum = 0;
   for (const double value : values) {
@@ -204,7 +199,7 @@ void Estimate(const Sample& sample,
     return;
   }
   *residuals = Measure(model, sample);
-  candidate->held_out_median_px = Median(residuals->held_out);
+  candidate->held_out_median_px = UpperMedian(residuals->held_out);
   for (const Camera& camera : model.cameras) {
     const Status lens = CheckLens(camera);
     if (!lens.ok() && candidate->refused.empty()) {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The feature step: photos and their cameras into the database, then features.
 
-#include <algorithm>
 #include <charconv>
 #include <map>
 #include <system_error>
 #include <tuple>
 
 #include "core/files.h"
+#include "core/median.h"
 #include "sfm/colmap_output.h"
 #include "sfm/colmap_steps.h"
 
@@ -58,10 +58,7 @@ std::string StartParameters(const CameraGroup& group,
     if (photo->focal_px > 0) focal.push_back(photo->focal_px);
   }
   if (!group.shared || focal.size() * 2 <= group.photos.size()) return {};
-  std::nth_element(
-      focal.begin(), focal.begin() + focal.size() / 2, focal.end());
-  const double median = focal[focal.size() / 2];
-  std::string text = NumberText(median);
+  std::string text = NumberText(UpperMedian(std::move(focal)));
   if (model.num_focal == 2) text += "," + text;
   text += "," + NumberText(group.photos[0]->width / 2.0);
   text += "," + NumberText(group.photos[0]->height / 2.0);
@@ -87,14 +84,9 @@ StatusOr<ColmapArguments> ExtractorArguments(const StepContext& context,
                                              int num_threads,
                                              int max_image_size,
                                              int max_features) {
-  const std::string command = "feature_extractor";
   FREEGS_ASSIGN_OR_RETURN(
-      const std::set<std::string> options,
-      context.colmap.Options(command, context.input.cancellation));
-  ChildCommand child = context.colmap.Command(command);
-  child.log_file = context.LogFile(command);
-  child.time_limit_s = TimeLimit(context.input.photos.size());
-  ColmapArguments arguments(std::move(child), options);
+      ColmapArguments arguments,
+      context.Arguments("feature_extractor", context.input.photos.size()));
   arguments.Require("database_path", database.string());
   arguments.Require("image_path", context.input.photo_folder.string());
   arguments.Require("image_list_path", image_list.string());
@@ -180,12 +172,8 @@ StatusOr<bool> RegisterPhotos(const StepContext& context,
       ExtractGroups(context, database, "reading photos", 1, 64, 16));
 
   FREEGS_ASSIGN_OR_RETURN(
-      const std::set<std::string> options,
-      context.colmap.Options("database_cleaner", context.input.cancellation));
-  ChildCommand child = context.colmap.Command("database_cleaner");
-  child.log_file = context.LogFile("database_cleaner");
-  child.time_limit_s = TimeLimit(context.input.photos.size());
-  ColmapArguments arguments(std::move(child), options);
+      ColmapArguments arguments,
+      context.Arguments("database_cleaner", context.input.photos.size()));
   arguments.Require("database_path", database.string());
   arguments.Require("type", "features");
   FREEGS_ASSIGN_OR_RETURN(const ChildCommand command, arguments.Finish());

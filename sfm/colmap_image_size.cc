@@ -9,6 +9,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/median.h"
 #include "sfm/colmap_steps.h"
 #include "sfm/match_database.h"
 
@@ -65,9 +66,8 @@ StatusOr<int> ChooseImageSize(const StepContext& context) {
   if (longest <= kSmallest) return kLargest;
   FREEGS_ASSIGN_OR_RETURN(std::vector<int64_t> counts, CountFeatures(context));
   if (counts.empty()) return kLargest;
-  std::nth_element(
-      counts.begin(), counts.begin() + counts.size() / 2, counts.end());
-  return ImageSizeFor(counts[counts.size() / 2], context.options.max_features);
+  return ImageSizeFor(UpperMedian(std::move(counts)),
+                      context.options.max_features);
 }
 
 int ImageSizeFor(int64_t found, int max_features) {

@@ -33,10 +33,30 @@ StatusOr<std::vector<Reconstruction>> ReadModels(const fs::path& folder) {
   return models;
 }
 
+// Most images first, then most points, then as COLMAP made them.
+void SortBySize(std::vector<Reconstruction>* models) {
+  std::stable_sort(models->begin(),
+                   models->end(),
+                   [](const Reconstruction& a, const Reconstruction& b) {
+                     return std::pair(a.images.size(), a.points3d.size()) >
+                            std::pair(b.images.size(), b.points3d.size());
+                   });
+}
+
 }  // namespace
 
 fs::path StepContext::LogFile(const std::string& command) const {
   return input.work_folder / "logs" / (command + ".log");
+}
+
+StatusOr<ColmapArguments> StepContext::Arguments(const std::string& command,
+                                                 size_t photos) const {
+  FREEGS_ASSIGN_OR_RETURN(std::set<std::string> known,
+                          colmap.Options(command, input.cancellation));
+  ChildCommand child = colmap.Command(command);
+  child.log_file = LogFile(command);
+  child.time_limit_s = TimeLimit(photos);
+  return ColmapArguments(std::move(child), std::move(known));
 }
 
 void StepContext::Report(const std::string& step,
@@ -70,12 +90,8 @@ StatusOr<std::vector<Reconstruction>> MapPhotos(const StepContext& context,
   FREEGS_RETURN_IF_ERROR(CreateFolders(folder));
 
   FREEGS_ASSIGN_OR_RETURN(
-      const std::set<std::string> options,
-      context.colmap.Options(mapping.command, context.input.cancellation));
-  ChildCommand child = context.colmap.Command(mapping.command);
-  child.log_file = context.LogFile(mapping.command);
-  child.time_limit_s = TimeLimit(context.input.photos.size());
-  ColmapArguments arguments(std::move(child), options);
+      ColmapArguments arguments,
+      context.Arguments(mapping.command, context.input.photos.size()));
   arguments.Require("database_path", database.string());
   arguments.Require("image_path", context.input.photo_folder.string());
   arguments.Require("output_path", folder.string());
@@ -118,9 +134,28 @@ StatusOr<std::vector<Reconstruction>> MapPhotos(const StepContext& context,
                           RunChild(run, on_line, context.input.cancellation));
   FREEGS_ASSIGN_OR_RETURN(std::vector<Reconstruction> models,
                           ReadModels(folder));
+  fs::remove_all(folder, error);
   // COLMAP returns 1 when it made no model: that is a result, not a failure.
   if (result.exit_code == 1 && models.empty()) return models;
   FREEGS_RETURN_IF_ERROR(CheckEnded(context, mapping.command, result));
+  SortBySize(&models);
+  return models;
+}
+
+StatusOr<std::vector<Reconstruction>> MapBest(const StepContext& context,
+                                              const fs::path& database,
+                                              const fs::path& folder) {
+  FREEGS_ASSIGN_OR_RETURN(std::vector<Reconstruction> models,
+                          MapPhotos(context, database, folder, {}));
+  if (NumRegistered(models) * 10 >= context.input.photos.size() * 9) {
+    return models;
+  }
+  Mapping mapping;
+  mapping.step = "mapping, lower thresholds";
+  mapping.relaxed = true;
+  FREEGS_ASSIGN_OR_RETURN(std::vector<Reconstruction> relaxed,
+                          MapPhotos(context, database, folder, mapping));
+  if (NumRegistered(relaxed) > NumRegistered(models)) return relaxed;
   return models;
 }
 
@@ -128,17 +163,12 @@ StatusOr<bool> MergeModels(const StepContext& context,
                            const fs::path& model1,
                            const fs::path& model2,
                            const fs::path& merged) {
-  const std::string command = "model_merger";
   std::error_code error;
   fs::remove_all(merged, error);
   FREEGS_RETURN_IF_ERROR(CreateFolders(merged));
   FREEGS_ASSIGN_OR_RETURN(
-      const std::set<std::string> options,
-      context.colmap.Options(command, context.input.cancellation));
-  ChildCommand child = context.colmap.Command(command);
-  child.log_file = context.LogFile(command);
-  child.time_limit_s = TimeLimit(context.input.photos.size());
-  ColmapArguments arguments(std::move(child), options);
+      ColmapArguments arguments,
+      context.Arguments("model_merger", context.input.photos.size()));
   arguments.Require("input_path1", model1.string());
   arguments.Require("input_path2", model2.string());
   arguments.Require("output_path", merged.string());

@@ -229,14 +229,9 @@ StatusOr<ChildCommand> Matcher::StartPortion(const Portion& portion) {
     return InternalError(files.database.string() +
                          ": cannot be written: " + error.message());
   }
-  const std::string command = "matches_importer";
   FREEGS_ASSIGN_OR_RETURN(
-      const std::set<std::string> options,
-      context_.colmap.Options(command, context_.input.cancellation));
-  ChildCommand child = context_.colmap.Command(command);
-  child.log_file = context_.LogFile(command);
-  child.time_limit_s = TimeLimit(portion.pairs.size() / 20);
-  ColmapArguments arguments(std::move(child), options);
+      ColmapArguments arguments,
+      context_.Arguments("matches_importer", portion.pairs.size() / 20));
   arguments.Require("database_path", files.database.string());
   arguments.Require("match_list_path", files.matches.string());
   arguments.Require("match_type", "raw");

@@ -33,6 +33,10 @@ struct StepContext {
   double peak_threshold = 0;
 
   std::filesystem::path LogFile(const std::string& command) const;
+  // For the arguments of a command that writes its own log and is taken for
+  // stuck after TimeLimit(photos).
+  StatusOr<ColmapArguments> Arguments(const std::string& command,
+                                      size_t photos) const;
   void Report(const std::string& step,
               double done,
               double total,
@@ -91,12 +95,25 @@ struct Mapping {
   std::filesystem::path start;
 };
 
-// Maps into a new folder and reads the models that came of it (maybe none).
+// Maps, in a new folder that is deleted again: the models that came of it, the
+// largest first; maybe none.
 StatusOr<std::vector<Reconstruction>> MapPhotos(
     const StepContext& context,
     const std::filesystem::path& database,
     const std::filesystem::path& folder,
     const Mapping& mapping);
+
+// How many photos the largest of the models has; 0 without any.
+inline size_t NumRegistered(const std::vector<Reconstruction>& models) {
+  return models.empty() ? 0 : models[0].images.size();
+}
+
+// Maps, and again with lower thresholds when that leaves out many photos; the
+// larger result. Its folder as for MapPhotos.
+StatusOr<std::vector<Reconstruction>> MapBest(
+    const StepContext& context,
+    const std::filesystem::path& database,
+    const std::filesystem::path& folder);
 
 // Puts two models that share photos into one frame, without adjusting it, and
 // writes it to a folder. False when COLMAP finds no way to do so.

@@ -5,35 +5,17 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <unordered_map>
 
 #include <Eigen/LU>
 #include <Eigen/SVD>
 
+#include "core/disjoint_sets.h"
+#include "core/median.h"
 #include "sfm/structure_from_motion.h"
 
 namespace freegs::sfm {
 namespace {
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-size_t Root(std::vector<size_t>* parent, size_t i) {
-  while ((*parent)[i] != i) i = (*parent)[i] = (*parent)[(*parent)[i]];
-  return i;
-}
-
-void Join(std::vector<size_t>* parent, size_t a, size_t b) {
-  a = Root(parent, a);
-  b = Root(parent, b);
-  // The earlier photo leads, so that groups do not depend on the order of work.
-  if (a != b) (*parent)[std::max(a, b)] = std::min(a, b);
-}
 
 // Singular values' ratio of inv(K) H K.
 double Stretch(const Eigen::Matrix3d& homography,
@@ -82,7 +64,8 @@ StatusOr<SceneEvidence> CollectEvidence(const std::vector<SfmPhoto>& photos,
       const int side = std::max(photo.width, photo.height);
       if (scales.ok() && side > 0) {
         seen.feature_scale =
-            Median(std::vector<double>(scales->begin(), scales->end())) / side;
+            UpperMedian(std::vector<double>(scales->begin(), scales->end())) /
+            side;
       }
     }
     evidence.photos.push_back(std::move(seen));
@@ -108,10 +91,9 @@ PhotoGroups GroupByMatches(const SceneEvidence& evidence,
 
   PhotoGroups result;
   result.registered.assign(count, false);
-  std::vector<size_t> parent(count);
-  std::iota(parent.begin(), parent.end(), size_t{0});
+  DisjointSets groups(count);
   for (const PairEvidence& pair : evidence.pairs) {
-    if (pair.num_matches >= kMinLink) Join(&parent, pair.first, pair.second);
+    if (pair.num_matches >= kMinLink) groups.Join(pair.first, pair.second);
   }
   std::optional<size_t> main;  // A photo of the main group.
   for (size_t k = 0; k < models.size(); ++k) {
@@ -120,19 +102,19 @@ PhotoGroups GroupByMatches(const SceneEvidence& evidence,
       const auto it = place.find(image.name);
       if (it == place.end()) continue;
       if (!leader) leader = it->second;
-      Join(&parent, *leader, it->second);
+      groups.Join(*leader, it->second);
       if (k == 0) result.registered[it->second] = true;
     }
     if (k == 0) main = leader;
   }
 
   std::map<size_t, std::vector<size_t>> members;
-  for (size_t i = 0; i < count; ++i) members[Root(&parent, i)].push_back(i);
+  for (size_t i = 0; i < count; ++i) members[groups.Find(i)].push_back(i);
   for (auto& [root, photos] : members) {
     result.members.push_back(std::move(photos));
   }
   const auto is_main = [&](const std::vector<size_t>& photos) {
-    return main && Root(&parent, photos[0]) == Root(&parent, *main);
+    return main && groups.Find(photos[0]) == groups.Find(*main);
   };
   std::stable_sort(result.members.begin(),
                    result.members.end(),
@@ -174,7 +156,7 @@ TurningOnTheSpot MeasureTurning(const SceneEvidence& evidence) {
                                evidence.photos[sample[i]->second],
                                focal));
     }
-    const double median = Median(std::move(ratios));
+    const double median = UpperMedian(std::move(ratios));
     if (result.stretch == 0 || median < result.stretch) {
       result.stretch = median;
     }

@@ -8,16 +8,10 @@
 #include <numbers>
 #include <set>
 
+#include "core/median.h"
+
 namespace freegs::sfm {
 namespace {
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return (*middle + *std::max_element(values.begin(), middle)) / 2;
-}
 
 double Rounded(double value) { return std::round(value * 1e6) / 1e6; }
 

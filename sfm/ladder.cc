@@ -17,11 +17,6 @@ namespace {
 namespace fs = std::filesystem;
 using Models = std::vector<Reconstruction>;
 
-// Costs are multiples of what the plain way costs: features, matching, mapping.
-constexpr double kMapping = 0.2;
-constexpr double kMatching = 0.7;
-constexpr double kFeatures = 0.1;
-
 constexpr size_t kManyPhotos = 100;
 
 std::string Count(size_t count, const std::string& what) {
@@ -35,7 +30,7 @@ class Ladder {
          AttemptStore* store)
       : context_(context), diagnosis_(diagnosis), store_(store) {}
 
-  Status Start(const fs::path& database, const MatchedPairs& pairs);
+  Status Start(const MatchedDatabase& database);
   Status Climb();
   LadderResult Take();
 
@@ -59,12 +54,11 @@ class Ladder {
   std::string OtherMapperMayHelp() const;
 
   // What it costs.
-  double CostOfMapping() const { return kMapping; }
+  double CostOfMapping() const { return kMappingCost; }
   double CostOfAllPairs() const;
-  double CostOfMatching() const { return kMatching + 2 * kMapping; }
-  double CostOfFeatures() const;
+  double CostOfMatching() const { return kMatchingCost + 2 * kMappingCost; }
+  double CostOfFeatures() const { return kMoreFeaturesCost; }
 
-  bool AllPairsMatched() const { return pairs_.pairs >= pairs_.all_pairs; }
   bool IsGood() const;
   bool IsHopeless() const;
   Status Look();  // Brings evidence_ and the counts below up to date.
@@ -77,9 +71,7 @@ class Ladder {
   AttemptStore* store_;
 
   Models models_;
-  fs::path database_;
-  MatchedPairs pairs_;
-  int image_size_ = 0;
+  MatchedDatabase database_;
   std::vector<Attempt> attempts_;
 
   // What is known about models_ and database_.
@@ -144,7 +136,7 @@ std::string Ladder::ModelIsIncomplete() const {
 }
 
 std::string Ladder::PairsWereLeftOut() const {
-  if (AllPairsMatched()) return {};
+  if (database_.pairs.complete()) return {};
   return Count(missing_, "photo") + " left out, and not all pairs matched";
 }
 
@@ -167,14 +159,9 @@ std::string Ladder::OtherMapperMayHelp() const {
 }
 
 double Ladder::CostOfAllPairs() const {
-  return kMatching * static_cast<double>(pairs_.all_pairs) /
-             std::max(1.0, static_cast<double>(pairs_.pairs)) +
-         2 * kMapping;
-}
-
-double Ladder::CostOfFeatures() const {
-  return kFeatures * kMoreFeatures + kMatching * kMoreFeatures * kMoreFeatures +
-         2 * kMapping;
+  return kMatchingCost * static_cast<double>(database_.pairs.all_pairs) /
+             std::max(1.0, static_cast<double>(database_.pairs.pairs)) +
+         2 * kMappingCost;
 }
 
 bool Ladder::IsGood() const {
@@ -193,7 +180,7 @@ bool Ladder::IsHopeless() const {
 Status Ladder::Look() {
   {
     FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
-                            MatchDatabase::Open(database_));
+                            MatchDatabase::Open(database_.path));
     FREEGS_ASSIGN_OR_RETURN(evidence_,
                             CollectEvidence(context_.input.photos, database));
   }
@@ -232,35 +219,23 @@ StatusOr<bool> Ladder::IsBetter(const AttemptResult& result,
        then.mean_error_px > 1.2 * now.mean_error_px)) {
     return false;
   }
-  const auto contradictions = [](const Reconstruction& model,
-                                 const fs::path& path) -> StatusOr<size_t> {
-    FREEGS_ASSIGN_OR_RETURN(const MatchDatabase matches,
-                            MatchDatabase::Open(path));
-    FREEGS_ASSIGN_OR_RETURN(const std::vector<PairAgreement> pairs,
-                            MeasureAgreement(model, matches));
-    return FindContradictions(pairs).strongest.size();
-  };
-  FREEGS_ASSIGN_OR_RETURN(const size_t before,
-                          contradictions(models_[0], database_));
-  FREEGS_ASSIGN_OR_RETURN(const size_t after,
-                          contradictions(result.models[0], database));
-  return after <= before;
+  FREEGS_ASSIGN_OR_RETURN(const Contradictions before,
+                          FindContradictions(models_[0], database_.path));
+  FREEGS_ASSIGN_OR_RETURN(const Contradictions after,
+                          FindContradictions(result.models[0], database));
+  return after.strongest.size() <= before.strongest.size();
 }
 
-Status Ladder::Start(const fs::path& database, const MatchedPairs& pairs) {
+Status Ladder::Start(const MatchedDatabase& database) {
   database_ = database;
-  pairs_ = pairs;
-  image_size_ = context_.options.max_image_size;
   const std::string name = "mapping";
   FREEGS_ASSIGN_OR_RETURN(
       AttemptResult result, store_->Run(name, [&]() -> StatusOr<AttemptResult> {
-        const fs::path scratch = store_->Folder(name) / "mapper";
         AttemptResult made;
-        FREEGS_ASSIGN_OR_RETURN(made.models,
-                                MapPhotos(context_, database_, scratch, {}));
-        SortBySize(&made.models);
-        std::error_code ignored;
-        fs::remove_all(scratch, ignored);
+        FREEGS_ASSIGN_OR_RETURN(
+            made.models,
+            MapPhotos(
+                context_, database_.path, store_->Folder(name) / "mapper", {}));
         return made;
       }));
   models_ = std::move(result.models);
@@ -270,43 +245,25 @@ Status Ladder::Start(const fs::path& database, const MatchedPairs& pairs) {
 }
 
 Status Ladder::Try(const Rung& rung, const std::string& why) {
-  StatusOr<AttemptResult> result = store_->Run(rung.name, [&] {
-    return rung.run({context_,
-                     rung.name,
-                     models_,
-                     database_,
-                     AllPairsMatched(),
-                     store_->Folder(rung.name)});
-  });
-  if (!result.ok()) {
-    const StatusCode code = result.status().code();
-    if (code == StatusCode::kInterrupted || code == StatusCode::kInternal) {
-      return result.status();
-    }
-    attempts_.push_back(DescribeAttempt(rung.name, why, {}));
-    attempts_.back().problem = result.status().message();
+  FREEGS_ASSIGN_OR_RETURN(AttemptResult result, store_->Try(rung.name, [&] {
+    return rung.run(
+        {context_, rung.name, models_, database_, store_->Folder(rung.name)});
+  }));
+  attempts_.push_back(DescribeAttempt(rung.name, why, result.models));
+  attempts_.back().problem = result.problem;
+  MatchedDatabase database = store_->DatabaseOf(rung.name, result, database_);
+  bool better = false;
+  // The database of an attempt that was not kept is gone.
+  if (fs::exists(database.path)) {
+    FREEGS_ASSIGN_OR_RETURN(better, IsBetter(result, database.path));
+  }
+  if (!better) {
     store_->RemoveDatabaseOf(rung.name);
     return {};
   }
-  const fs::path database =
-      result->has_database ? store_->Database(rung.name) : database_;
-  attempts_.push_back(DescribeAttempt(rung.name, why, result->models));
-  bool better = false;
-  // The database of an attempt that was not kept is gone.
-  if (!result->has_database || fs::exists(database)) {
-    FREEGS_ASSIGN_OR_RETURN(better, IsBetter(*result, database));
-  }
-  if (!better) {
-    if (result->has_database) store_->RemoveDatabaseOf(rung.name);
-    return {};
-  }
   attempts_.back().kept = true;
-  models_ = std::move(result->models);
-  if (result->has_database) {
-    database_ = database;
-    pairs_ = std::move(result->pairs);
-    if (result->image_size > 0) image_size_ = result->image_size;
-  }
+  models_ = std::move(result.models);
+  database_ = std::move(database);
   return Look();
 }
 
@@ -334,8 +291,6 @@ Status Ladder::Climb() {
 LadderResult Ladder::Take() {
   return {std::move(models_),
           std::move(database_),
-          std::move(pairs_),
-          image_size_,
           std::move(evidence_),
           std::move(attempts_)};
 }
@@ -343,12 +298,11 @@ LadderResult Ladder::Take() {
 }  // namespace
 
 StatusOr<LadderResult> ClimbLadder(const StepContext& context,
-                                   const fs::path& database,
-                                   const MatchedPairs& pairs,
+                                   const MatchedDatabase& database,
                                    const DiagnosisOptions& diagnosis,
                                    AttemptStore* store) {
   Ladder ladder(context, diagnosis, store);
-  FREEGS_RETURN_IF_ERROR(ladder.Start(database, pairs));
+  FREEGS_RETURN_IF_ERROR(ladder.Start(database));
   FREEGS_RETURN_IF_ERROR(ladder.Climb());
   return ladder.Take();
 }

@@ -18,32 +18,22 @@ namespace freegs::sfm {
 
 struct LadderResult {
   std::vector<Reconstruction> models;  // Best first; may be empty.
-  std::filesystem::path database;      // What they were made from.
-  MatchedPairs pairs;                  // Of that database.
-  int image_size = 0;                  // Likewise.
-  SceneEvidence evidence;              // Likewise.
+  MatchedDatabase database;            // What they were made from.
+  SceneEvidence evidence;              // Of that database.
   std::vector<Attempt> attempts;       // In the order in which they were made.
 };
 
 // Maps the database and, as long as the result is not good, climbs the rungs
 // listed in ladder.cc: each is tried once, if what was seen so far says that it
 // may help and the costs allow, and kept if it is better. Ends early when the
-// diagnosis is that nothing helps. pairs: those matched for the database.
+// diagnosis is that nothing helps.
 //
 // Errors of the first mapping, kInterrupted and kInternal are returned; a rung
 // on which a command fails is only noted.
 StatusOr<LadderResult> ClimbLadder(const StepContext& context,
-                                   const std::filesystem::path& database,
-                                   const MatchedPairs& pairs,
+                                   const MatchedDatabase& database,
                                    const DiagnosisOptions& diagnosis,
                                    AttemptStore* store);
-
-// Maps, and again with lower thresholds when that leaves out many photos; the
-// larger result. Uses `folder`, which it deletes.
-StatusOr<std::vector<Reconstruction>> MapBest(
-    const StepContext& context,
-    const std::filesystem::path& database,
-    const std::filesystem::path& folder);
 
 }  // namespace freegs::sfm
 

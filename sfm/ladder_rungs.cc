@@ -5,9 +5,7 @@
 
 #include <algorithm>
 #include <set>
-#include <system_error>
 
-#include "sfm/ladder.h"
 #include "sfm/match_database.h"
 #include "sfm/model_io.h"
 
@@ -23,35 +21,32 @@ constexpr double kLowContrast = 0.0025;  // COLMAP's default is 0.0067.
 
 fs::path Scratch(const RungInput& input) { return input.folder / "mapper"; }
 
-// As AttemptStore::Database.
-fs::path Database(const RungInput& input) {
-  return input.folder / "database.db";
-}
-
 StatusOr<AttemptResult> MapWith(const RungInput& input, Mapping mapping) {
   mapping.step = "mapping, " + input.name;
   AttemptResult result;
   FREEGS_ASSIGN_OR_RETURN(
       result.models,
-      MapPhotos(input.context, input.database, Scratch(input), mapping));
-  SortBySize(&result.models);
-  std::error_code ignored;
-  fs::remove_all(Scratch(input), ignored);
+      MapPhotos(input.context, input.database.path, Scratch(input), mapping));
   return result;
 }
 
-// Maps other matches. Lower thresholds take long on photos that do not belong
-// together, so they are for when there is nothing to lose.
-StatusOr<Models> MapAnew(const RungInput& input,
-                         const StepContext& context,
-                         const fs::path& database) {
-  if (input.models.empty()) return MapBest(context, database, Scratch(input));
-  FREEGS_ASSIGN_OR_RETURN(Models models,
-                          MapPhotos(context, database, Scratch(input), {}));
-  SortBySize(&models);
-  std::error_code ignored;
-  fs::remove_all(Scratch(input), ignored);
-  return models;
+// Matches the features of the rung's own database, and maps. Lower thresholds
+// take long on photos that do not belong together, so they are for when there
+// is nothing to lose.
+StatusOr<AttemptResult> MatchAndMap(const RungInput& input,
+                                    const StepContext& context) {
+  const fs::path database = AttemptDatabase(input.folder);
+  AttemptResult result;
+  result.has_database = true;
+  FREEGS_ASSIGN_OR_RETURN(
+      result.pairs,
+      MatchFeatures(context, database, {}, [](int) { return Status(); }));
+  StatusOr<Models> models =
+      input.models.empty() ? MapBest(context, database, Scratch(input))
+                           : MapPhotos(context, database, Scratch(input), {});
+  if (!models.ok()) return models.status();
+  result.models = *std::move(models);
+  return result;
 }
 
 StatusOr<AttemptResult> MatchAgain(const RungInput& input,
@@ -60,44 +55,12 @@ StatusOr<AttemptResult> MatchAgain(const RungInput& input,
   StepContext context{input.context.input, options, input.context.colmap};
   context.num_threads = input.context.num_threads;
   context.matching = matching;
-  const fs::path database = Database(input);
-  {
-    FREEGS_ASSIGN_OR_RETURN(const MatchDatabase known,
-                            MatchDatabase::Open(input.database));
-    FREEGS_RETURN_IF_ERROR(known.CopyTo(database));
-  }
-  AttemptResult result;
-  result.has_database = true;
-  FREEGS_ASSIGN_OR_RETURN(
-      result.pairs,
-      MatchFeatures(context, database, {}, [](int) { return Status(); }));
-  FREEGS_ASSIGN_OR_RETURN(result.models, MapAnew(input, context, database));
-  return result;
+  FREEGS_RETURN_IF_ERROR(
+      CopyDatabase(input.database.path, AttemptDatabase(input.folder)));
+  return MatchAndMap(input, context);
 }
 
 }  // namespace
-
-StatusOr<std::vector<Reconstruction>> MapBest(const StepContext& context,
-                                              const fs::path& database,
-                                              const fs::path& folder) {
-  FREEGS_ASSIGN_OR_RETURN(Models models,
-                          MapPhotos(context, database, folder, {}));
-  SortBySize(&models);
-  if (NumRegistered(models) * 10 < context.input.photos.size() * 9) {
-    Mapping mapping;
-    mapping.step = "mapping, lower thresholds";
-    mapping.relaxed = true;
-    FREEGS_ASSIGN_OR_RETURN(Models relaxed,
-                            MapPhotos(context, database, folder, mapping));
-    SortBySize(&relaxed);
-    if (NumRegistered(relaxed) > NumRegistered(models)) {
-      models = std::move(relaxed);
-    }
-  }
-  std::error_code ignored;
-  fs::remove_all(folder, ignored);
-  return models;
-}
 
 size_t NumShared(const Reconstruction& a, const Reconstruction& b) {
   std::set<std::string> names;
@@ -164,7 +127,7 @@ StatusOr<AttemptResult> MatchAllPairs(const RungInput& input) {
 
 StatusOr<AttemptResult> MatchLoosely(const RungInput& input) {
   SfmOptions options = input.context.options;
-  if (input.all_pairs) options.pairs.matcher = "exhaustive";
+  if (input.database.pairs.complete()) options.pairs.matcher = "exhaustive";
   return MatchAgain(input, options, {kLooseRatio, kLooseAngle});
 }
 
@@ -174,24 +137,19 @@ int LargerImageSize(int size) {
 
 StatusOr<AttemptResult> TakeMoreFeatures(const RungInput& input) {
   SfmOptions options = input.context.options;
-  if (input.all_pairs) options.pairs.matcher = "exhaustive";
+  if (input.database.pairs.complete()) options.pairs.matcher = "exhaustive";
   options.max_features *= kMoreFeatures;
   options.max_image_size = LargerImageSize(options.max_image_size);
   StepContext context{input.context.input, options, input.context.colmap};
   context.num_threads = input.context.num_threads;
   context.peak_threshold = kLowContrast;
-  const fs::path database = Database(input);
+  const fs::path database = AttemptDatabase(input.folder);
   FREEGS_ASSIGN_OR_RETURN(const bool numbered,
                           RegisterPhotos(context, database));
   FREEGS_RETURN_IF_ERROR(
       ExtractFeatures(context, database, numbered ? context.num_threads : 1));
-  AttemptResult result;
-  result.has_database = true;
+  FREEGS_ASSIGN_OR_RETURN(AttemptResult result, MatchAndMap(input, context));
   result.image_size = options.max_image_size;
-  FREEGS_ASSIGN_OR_RETURN(
-      result.pairs,
-      MatchFeatures(context, database, {}, [](int) { return Status(); }));
-  FREEGS_ASSIGN_OR_RETURN(result.models, MapAnew(input, context, database));
   return result;
 }
 

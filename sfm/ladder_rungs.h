@@ -20,6 +20,14 @@ inline constexpr size_t kSharedPhotos = 3;
 // "more features" takes so many times sfm.max_features.
 inline constexpr int kMoreFeatures = 2;
 
+// What ways cost, as multiples of the plain way's features, matching, mapping.
+inline constexpr double kMappingCost = 0.2;
+inline constexpr double kMatchingCost = 0.7;
+inline constexpr double kFeaturesCost = 0.1;
+inline constexpr double kMoreFeaturesCost =
+    kFeaturesCost * kMoreFeatures +
+    kMatchingCost * kMoreFeatures * kMoreFeatures + 2 * kMappingCost;
+
 // And images so large, in pixels, instead of `size`: half as large again, or
 // more, up to twice, where that is still no more than 1600.
 int LargerImageSize(int size);
@@ -29,9 +37,8 @@ struct RungInput {
   const StepContext& context;
   std::string name;
   const std::vector<Reconstruction>& models;  // The best first.
-  std::filesystem::path database;             // What they were made from.
-  bool all_pairs = false;        // All pairs of photos were compared for it.
-  std::filesystem::path folder;  // For the rung's own files.
+  const MatchedDatabase& database;            // What they were made from.
+  std::filesystem::path folder;               // For the rung's own files.
 };
 
 // Mapping the same matches: with lower thresholds; with other random draws;
@@ -52,11 +59,6 @@ StatusOr<AttemptResult> AddPhotos(const RungInput& input);
 StatusOr<AttemptResult> MatchAllPairs(const RungInput& input);
 StatusOr<AttemptResult> MatchLoosely(const RungInput& input);
 StatusOr<AttemptResult> TakeMoreFeatures(const RungInput& input);
-
-// How many photos the best of the models has; 0 without any.
-inline size_t NumRegistered(const std::vector<Reconstruction>& models) {
-  return models.empty() ? 0 : models[0].images.size();
-}
 
 // How many photos two models share.
 size_t NumShared(const Reconstruction& a, const Reconstruction& b);

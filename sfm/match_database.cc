@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <map>
 #include <sqlite3.h>
 #include <system_error>
 
@@ -307,6 +306,21 @@ Status MatchDatabase::ClearMatchesAndDescriptors() {
   return Execute(
       "BEGIN IMMEDIATE; DELETE FROM matches; "
       "DELETE FROM two_view_geometries; DELETE FROM descriptors; COMMIT");
+}
+
+Status CopyDatabase(const std::filesystem::path& from,
+                    const std::filesystem::path& to) {
+  RemoveDatabase(to);
+  FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
+                          MatchDatabase::Open(from));
+  return database.CopyTo(to);
+}
+
+Status RemoveVerifiedPairs(
+    const std::filesystem::path& path,
+    const std::vector<std::pair<uint32_t, uint32_t>>& pairs) {
+  FREEGS_ASSIGN_OR_RETURN(MatchDatabase database, MatchDatabase::Open(path));
+  return database.RemoveVerifiedPairs(pairs);
 }
 
 void RemoveDatabase(const std::filesystem::path& path) {

@@ -106,6 +106,15 @@ class MatchDatabase {
   std::unique_ptr<sqlite3, Closer> database_;
 };
 
+// Copies a database into a new file; one that is there is replaced.
+Status CopyDatabase(const std::filesystem::path& from,
+                    const std::filesystem::path& to);
+
+// As MatchDatabase::RemoveVerifiedPairs.
+Status RemoveVerifiedPairs(
+    const std::filesystem::path& path,
+    const std::vector<std::pair<uint32_t, uint32_t>>& pairs);
+
 // Deletes a database file and what SQLite keeps beside it, if there.
 void RemoveDatabase(const std::filesystem::path& path);
 

@@ -9,6 +9,8 @@
 #include <numbers>
 #include <utility>
 
+#include "core/median.h"
+
 namespace freegs::sfm {
 namespace {
 
@@ -26,12 +28,6 @@ constexpr double kBorder = 0.02;  // Share of the image that does not count.
 constexpr size_t kMaxPoints = 300;
 
 constexpr double kDegrees = 180 / std::numbers::pi;
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 double AngleDeg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) * kDegrees;
@@ -136,7 +132,7 @@ std::array<double, kNumBins> UsualShares(const std::vector<SharedView>& views) {
   double least = 0;
   for (size_t bin = kNumBins; bin-- > 0;) {
     if (shares[bin].size() >= kMinPairs) {
-      least = std::max(least, Median(std::move(shares[bin])));
+      least = std::max(least, UpperMedian(std::move(shares[bin])));
     }
     usual[bin] = least;
   }
@@ -158,7 +154,8 @@ std::vector<SharedView> FindMissingCorrespondences(
       SharedView view;
       view.image_id1 = photos[i].id;
       view.image_id2 = photos[j].id;
-      view.angle_deg = (Median(there.angles) + Median(back.angles)) / 2;
+      view.angle_deg =
+          (UpperMedian(there.angles) + UpperMedian(back.angles)) / 2;
       if (view.angle_deg >= kAngles.back()) continue;
       view.claimed = (there.claimed + back.claimed) / 2;
       view.shared = (there.shared + back.shared) / 2;

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "core/disjoint_sets.h"
 #include "sfm/photo_sequence.h"
 
 namespace freegs::sfm {
@@ -26,39 +27,20 @@ constexpr int kMinPartners = 5;
 
 PhotoPair Ordered(int i, int j) { return {std::min(i, j), std::max(i, j)}; }
 
-// Which photos are connected (union by root, with path halving).
-class Components {
- public:
-  explicit Components(int count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), 0);
+// Photos that are connected; the largest set first, then by smallest member.
+std::vector<std::vector<int>> Members(DisjointSets* sets) {
+  std::map<uint32_t, std::vector<int>> by_first;
+  for (size_t i = 0; i < sets->size(); ++i) {
+    by_first[sets->Find(i)].push_back(static_cast<int>(i));
   }
-  int Root(int i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void Connect(int i, int j) {
-    // The smaller index is the root, whatever the order of calls.
-    const auto [a, b] = Ordered(Root(i), Root(j));
-    parent_[b] = a;
-  }
-  // Members of each component; the largest first, then by smallest member.
-  std::vector<std::vector<int>> Members() {
-    std::map<int, std::vector<int>> by_root;
-    for (int i = 0; i < static_cast<int>(parent_.size()); ++i) {
-      by_root[Root(i)].push_back(i);
-    }
-    std::vector<std::vector<int>> members;
-    for (auto& entry : by_root) members.push_back(std::move(entry.second));
-    std::stable_sort(
-        members.begin(), members.end(), [](const auto& a, const auto& b) {
-          return a.size() > b.size();
-        });
-    return members;
-  }
-
- private:
-  std::vector<int> parent_;
-};
+  std::vector<std::vector<int>> members;
+  for (auto& entry : by_first) members.push_back(std::move(entry.second));
+  std::stable_sort(
+      members.begin(), members.end(), [](const auto& a, const auto& b) {
+        return a.size() > b.size();
+      });
+  return members;
+}
 
 // The `limit` most alike pairs of a member and another photo, of those that
 // are not in `tried`.
@@ -89,9 +71,9 @@ void ConnectAll(const PhotoSimilarity& similarity,
                 int links_per_part,
                 std::set<PhotoPair>* pairs) {
   while (true) {
-    Components components(similarity.count());
-    for (const auto& [i, j] : *pairs) components.Connect(i, j);
-    const auto parts = components.Members();
+    DisjointSets components(similarity.count());
+    for (const auto& [i, j] : *pairs) components.Join(i, j);
+    const auto parts = Members(&components);
     if (parts.size() <= 1) return;
     for (size_t k = 1; k < parts.size(); ++k) {
       const auto links =
@@ -232,10 +214,10 @@ std::vector<PhotoPair> SelectMorePairs(const PhotoSimilarity& similarity,
                                        const std::vector<PhotoPair>& verified,
                                        const PairSelectionOptions& options) {
   if (similarity.count() == 0) return {};
-  Components components(similarity.count());
+  DisjointSets components(similarity.count());
   std::vector<int> partners(similarity.count());
   for (const auto& [i, j] : verified) {
-    components.Connect(i, j);
+    components.Join(i, j);
     ++partners[i];
     ++partners[j];
   }
@@ -250,7 +232,7 @@ std::vector<PhotoPair> SelectMorePairs(const PhotoSimilarity& similarity,
       ++added;
     }
   }
-  const auto parts = components.Members();
+  const auto parts = Members(&components);
   for (size_t k = 1; k < parts.size(); ++k) {
     const auto links =
         BestLinks(parts[k], similarity, tried, 2 * options.neighbours);

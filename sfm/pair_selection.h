@@ -65,6 +65,8 @@ struct MatchedPairs {
   std::string strategy;  // As in PairSelection; empty when nothing was matched.
   size_t pairs = 0;
   size_t all_pairs = 0;
+
+  bool complete() const { return pairs >= all_pairs; }
 };
 
 struct PairSelection {

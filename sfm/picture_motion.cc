@@ -9,6 +9,8 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
+#include "core/median.h"
+
 namespace freegs::sfm {
 namespace {
 
@@ -79,9 +81,7 @@ double PictureMotion::Add(const cv::Mat& grey) {
   first_.resize(kept.size());
   corners_.resize(kept.size());
   grey.copyTo(previous_);
-  const auto middle = lengths.begin() + lengths.size() / 2;
-  std::nth_element(lengths.begin(), middle, lengths.end());
-  const double moved = *middle;
+  const double moved = UpperMedian(std::move(lengths));
   reached_ = std::max(reached_, counted_ + moved);
   if (moved >= step_ || 2 * kept.size() < num_first_) {
     counted_ += moved;

@@ -10,6 +10,8 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 
+#include "core/median.h"
+
 namespace freegs::sfm {
 namespace {
 
@@ -75,12 +77,6 @@ Eigen::Matrix3d NearestRotation(const Eigen::Matrix3d& matrix) {
     signs.z() = -1;
   }
   return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
-}
-
-double Median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const size_t n = values.size();
-  return n % 2 == 1 ? values[n / 2] : (values[n / 2 - 1] + values[n / 2]) / 2;
 }
 
 double AngleDeg(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {

@@ -8,6 +8,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "core/median.h"
 #include "core/random.h"
 
 namespace freegs::sfm {
@@ -104,10 +105,7 @@ SceneFocus EstimateFocus(const Reconstruction& model) {
   for (const auto& centre : centres) {
     distances.push_back((centre - focus.centre).norm());
   }
-  std::nth_element(distances.begin(),
-                   distances.begin() + distances.size() / 2,
-                   distances.end());
-  const double distance = distances[distances.size() / 2];
+  const double distance = UpperMedian(std::move(distances));
   focus.distance = distance > 1e-9 ? distance : 1;
   return focus;
 }

@@ -5,7 +5,6 @@
 
 #include <utility>
 
-#include "sfm/ladder.h"
 #include "sfm/match_database.h"
 #include "sfm/view_graph.h"
 
@@ -17,28 +16,6 @@ namespace fs = std::filesystem;
 constexpr int kMaxRounds = 3;
 constexpr char kName[] = "without look-alikes";
 
-StatusOr<Contradictions> Contradicted(const Reconstruction& model,
-                                      const fs::path& path) {
-  FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
-                          MatchDatabase::Open(path));
-  FREEGS_ASSIGN_OR_RETURN(const std::vector<PairAgreement> pairs,
-                          MeasureAgreement(model, database));
-  return FindContradictions(pairs);
-}
-
-Status CopyDatabase(const fs::path& from, const fs::path& to) {
-  RemoveDatabase(to);
-  FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
-                          MatchDatabase::Open(from));
-  return database.CopyTo(to);
-}
-
-Status Distrust(const fs::path& path,
-                const std::vector<std::pair<uint32_t, uint32_t>>& pairs) {
-  FREEGS_ASSIGN_OR_RETURN(MatchDatabase database, MatchDatabase::Open(path));
-  return database.RemoveVerifiedPairs(pairs);
-}
-
 StatusOr<AttemptResult> MapWithout(const StepContext& context,
                                    const fs::path& database,
                                    const fs::path& folder,
@@ -49,14 +26,14 @@ StatusOr<AttemptResult> MapWithout(const StepContext& context,
   AttemptResult result;
   int64_t removed = 0;
   for (int round = 0; round < kMaxRounds && !found.suspects.empty(); ++round) {
-    FREEGS_RETURN_IF_ERROR(Distrust(trusted, found.suspects));
+    FREEGS_RETURN_IF_ERROR(RemoveVerifiedPairs(trusted, found.suspects));
     removed += static_cast<int64_t>(found.suspects.size());
     FREEGS_ASSIGN_OR_RETURN(std::vector<Reconstruction> again,
                             MapBest(context, trusted, folder / "mapper"));
     if (again.empty()) break;
     // Against what is still trusted.
     FREEGS_ASSIGN_OR_RETURN(Contradictions next,
-                            Contradicted(again[0], trusted));
+                            FindContradictions(again[0], trusted));
     const bool fewer = next.strongest.size() < found.strongest.size();
     const size_t now = again[0].images.size();
     if (!fewer || now * 10 < registered * 9) break;
@@ -80,7 +57,7 @@ StatusOr<Reconciled> Reconcile(const StepContext& context,
   Reconciled reconciled;
   if (models.empty()) return reconciled;
   FREEGS_ASSIGN_OR_RETURN(Contradictions found,
-                          Contradicted(models[0], database));
+                          FindContradictions(models[0], database));
   reconciled.before = reconciled.contradictions = found.strongest.size();
   if (found.strongest.empty()) return reconciled;
   FREEGS_ASSIGN_OR_RETURN(AttemptResult result, store->Run(kName, [&] {

@@ -8,7 +8,6 @@
 #include <set>
 #include <utility>
 
-#include "sfm/ladder.h"
 #include "sfm/ladder_rungs.h"
 #include "sfm/match_database.h"
 #include "sfm/view_groups.h"
@@ -22,14 +21,10 @@ using Models = std::vector<Reconstruction>;
 constexpr int kMaxRounds = 3;
 constexpr size_t kMinPart = 3;  // Photos of a part that makes a model.
 
-// As a multiple of the plain way (see ladder.cc): features, matches, mapping.
-constexpr double kCostOfFeatures =
-    0.1 * kMoreFeatures + 0.7 * kMoreFeatures * kMoreFeatures + 0.4;
-
 struct Candidate {
   Reconstruction model;
   ViewGroups groups;
-  fs::path database;
+  MatchedDatabase database;
 
   size_t largest() const { return groups.groups[0].size(); }
 };
@@ -48,8 +43,7 @@ class Separation {
   Separation(const StepContext& context, AttemptStore* store)
       : context_(context), store_(store) {}
 
-  StatusOr<SeparatedParts> Run(const fs::path& database,
-                               bool all_pairs,
+  StatusOr<SeparatedParts> Run(const MatchedDatabase& database,
                                const Models& models);
 
  private:
@@ -64,9 +58,9 @@ class Separation {
   Status Judge(const std::string& name,
                const std::string& why,
                const AttemptResult& result,
-               const fs::path& database);
+               const MatchedDatabase& database);
   Status Unglue(const std::string& name);
-  Status TakeFeatures(bool all_pairs, const Models& models);
+  Status TakeFeatures(const Models& models);
   void TakeApart(SeparatedParts* result) const;
 
   const StepContext& context_;
@@ -88,29 +82,20 @@ StatusOr<AttemptResult> Separation::MapWithout(const std::string& name,
                                                Candidate candidate) const {
   const fs::path folder = store_->Folder(name);
   const fs::path trusted = folder / "trusted.db";
-  RemoveDatabase(trusted);
-  {
-    FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
-                            MatchDatabase::Open(candidate.database));
-    FREEGS_RETURN_IF_ERROR(database.CopyTo(trusted));
-  }
+  FREEGS_RETURN_IF_ERROR(CopyDatabase(candidate.database.path, trusted));
   AttemptResult result;
   size_t largest = 0;
   for (int round = 0; round < kMaxRounds; ++round) {
     if (candidate.groups.suspects.empty()) break;
-    {
-      FREEGS_ASSIGN_OR_RETURN(MatchDatabase database,
-                              MatchDatabase::Open(trusted));
-      FREEGS_RETURN_IF_ERROR(
-          database.RemoveVerifiedPairs(candidate.groups.suspects));
-    }
+    FREEGS_RETURN_IF_ERROR(
+        RemoveVerifiedPairs(trusted, candidate.groups.suspects));
     result.counts["removed"] +=
         static_cast<int64_t>(candidate.groups.suspects.size());
     FREEGS_ASSIGN_OR_RETURN(Models again,
                             MapBest(context_, trusted, folder / "mapper"));
     if (again.empty()) break;
     FREEGS_ASSIGN_OR_RETURN(candidate.groups,
-                            Check(again[0], candidate.database));
+                            Check(again[0], candidate.database.path));
     if (candidate.largest() > largest) {
       largest = candidate.largest();
       result.models = std::move(again);
@@ -124,13 +109,14 @@ StatusOr<AttemptResult> Separation::MapWithout(const std::string& name,
 Status Separation::Judge(const std::string& name,
                          const std::string& why,
                          const AttemptResult& result,
-                         const fs::path& database) {
+                         const MatchedDatabase& database) {
   attempts_.push_back(DescribeAttempt(name, why, result.models));
-  if (result.models.empty() || !fs::exists(database)) return {};
+  attempts_.back().problem = result.problem;
+  if (result.models.empty() || !fs::exists(database.path)) return {};
   Candidate made;
   made.model = result.models[0];
   made.database = database;
-  FREEGS_ASSIGN_OR_RETURN(made.groups, Check(made.model, database));
+  FREEGS_ASSIGN_OR_RETURN(made.groups, Check(made.model, database.path));
   if (made.largest() > best_.largest()) {
     best_ = std::move(made);
     attempts_.back().kept = true;
@@ -142,43 +128,30 @@ Status Separation::Judge(const std::string& name,
 
 Status Separation::Unglue(const std::string& name) {
   const std::string why = Why();
-  const fs::path database = best_.database;
+  const MatchedDatabase database = best_.database;
   FREEGS_ASSIGN_OR_RETURN(const AttemptResult result, store_->Run(name, [&] {
     return MapWithout(name, best_);
   }));
   return Judge(name, why, result, database);
 }
 
-Status Separation::TakeFeatures(bool all_pairs, const Models& models) {
+Status Separation::TakeFeatures(const Models& models) {
   const std::string name = "more features against look-alikes";
   const std::string why = Why();
-  if (kCostOfFeatures > context_.options.max_retry_cost) {
+  if (kMoreFeaturesCost > context_.options.max_retry_cost) {
     attempts_.push_back(DescribeAttempt(name, why, {}));
     attempts_.back().problem =
         "not tried: it costs more than sfm.max_retry_cost allows";
     return {};
   }
-  const StatusOr<AttemptResult> result = store_->Run(name, [&] {
-    return TakeMoreFeatures({context_,
-                             name,
-                             models,
-                             best_.database,
-                             all_pairs,
-                             store_->Folder(name)});
-  });
-  if (!result.ok()) {
-    const StatusCode code = result.status().code();
-    if (code == StatusCode::kInterrupted || code == StatusCode::kInternal) {
-      return result.status();
-    }
-    attempts_.push_back(DescribeAttempt(name, why, {}));
-    attempts_.back().problem = result.status().message();
-    return {};
-  }
-  const fs::path database = store_->Database(name);
-  FREEGS_RETURN_IF_ERROR(Judge(name, why, *result, database));
+  FREEGS_ASSIGN_OR_RETURN(const AttemptResult result, store_->Try(name, [&] {
+    return TakeMoreFeatures(
+        {context_, name, models, best_.database, store_->Folder(name)});
+  }));
+  FREEGS_RETURN_IF_ERROR(Judge(
+      name, why, result, store_->DatabaseOf(name, result, best_.database)));
   // More features may glue as well; then they tell better what to leave out.
-  if (!IsGood() && best_.database == database && !best_.groups.consistent()) {
+  if (!IsGood() && attempts_.back().kept && !best_.groups.consistent()) {
     FREEGS_RETURN_IF_ERROR(Unglue("more features, without look-alike parts"));
   }
   return {};
@@ -192,20 +165,19 @@ void Separation::TakeApart(SeparatedParts* result) const {
   }
 }
 
-StatusOr<SeparatedParts> Separation::Run(const fs::path& database,
-                                         bool all_pairs,
+StatusOr<SeparatedParts> Separation::Run(const MatchedDatabase& database,
                                          const Models& models) {
   SeparatedParts result;
   registered_ = models[0].images.size();
   best_.model = models[0];
   best_.database = database;
-  FREEGS_ASSIGN_OR_RETURN(best_.groups, Check(models[0], database));
+  FREEGS_ASSIGN_OR_RETURN(best_.groups, Check(models[0], database.path));
   result.score = best_.groups.score;
   result.groups = best_.groups.groups.size();
   if (best_.groups.consistent()) return result;
 
   FREEGS_RETURN_IF_ERROR(Unglue("without look-alike parts"));
-  if (!IsGood()) FREEGS_RETURN_IF_ERROR(TakeFeatures(all_pairs, models));
+  if (!IsGood()) FREEGS_RETURN_IF_ERROR(TakeFeatures(models));
   TakeApart(&result);
   result.database = best_.database;
   result.one = best_.groups.consistent();
@@ -224,12 +196,11 @@ StatusOr<SeparatedParts> Separation::Run(const fs::path& database,
 }  // namespace
 
 StatusOr<SeparatedParts> SeparateParts(const StepContext& context,
-                                       const fs::path& database,
-                                       bool all_pairs_compared,
+                                       const MatchedDatabase& database,
                                        const Models& models,
                                        AttemptStore* store) {
   if (models.empty()) return SeparatedParts();
-  return Separation(context, store).Run(database, all_pairs_compared, models);
+  return Separation(context, store).Run(database, models);
 }
 
 }  // namespace freegs::sfm

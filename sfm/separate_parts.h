@@ -23,7 +23,7 @@ struct SeparatedParts {
   // What replaces the models given, when that was glued: a model that is one,
   // or its parts, the largest first.
   std::vector<Reconstruction> models;
-  std::filesystem::path database;  // What these were made from.
+  MatchedDatabase database;  // What these were made from.
 
   // Whether the first of these holds together, by all matches of the database.
   bool one = false;
@@ -42,8 +42,7 @@ struct SeparatedParts {
 // apart.
 StatusOr<SeparatedParts> SeparateParts(
     const StepContext& context,
-    const std::filesystem::path& database,
-    bool all_pairs_compared,
+    const MatchedDatabase& database,
     const std::vector<Reconstruction>& models,
     AttemptStore* store);
 

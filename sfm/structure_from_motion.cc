@@ -119,11 +119,7 @@ Status TakeSeparated(const StepContext& context,
                      SfmResult* result) {
   FREEGS_ASSIGN_OR_RETURN(
       SeparatedParts parts,
-      SeparateParts(context,
-                    result->database,
-                    result->pairs.pairs >= result->pairs.all_pairs,
-                    result->models,
-                    store));
+      SeparateParts(context, result->database, result->models, store));
   if (parts.models.empty()) return {};
   result->models = std::move(parts.models);
   for (Attempt& attempt : parts.attempts) {
@@ -136,10 +132,10 @@ Status TakeSeparated(const StepContext& context,
       std::to_string(parts.groups) +
       " groups of photos, of the evidence between which only a share of " +
       score + " supported it");
-  FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
-                          MatchDatabase::Open(parts.database));
-  if (result->database != parts.database) {
-    result->database = parts.database;
+  if (result->database.path != parts.database.path) {
+    result->database = std::move(parts.database);
+    FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
+                            MatchDatabase::Open(result->database.path));
     FREEGS_ASSIGN_OR_RETURN(*evidence,
                             CollectEvidence(context.input.photos, database));
   }
@@ -151,9 +147,10 @@ Status TakeSeparated(const StepContext& context,
     result->contradictions = 0;
     return {};
   }
-  FREEGS_ASSIGN_OR_RETURN(const std::vector<PairAgreement> pairs,
-                          MeasureAgreement(result->models[0], database));
-  result->contradictions = FindContradictions(pairs).strongest.size();
+  FREEGS_ASSIGN_OR_RETURN(
+      const Contradictions found,
+      FindContradictions(result->models[0], result->database.path));
+  result->contradictions = found.strongest.size();
   return {};
 }
 
@@ -199,15 +196,6 @@ Status SfmOptions::Check() const {
   return pairs.Check();
 }
 
-void SortBySize(std::vector<Reconstruction>* models) {
-  std::stable_sort(models->begin(),
-                   models->end(),
-                   [](const Reconstruction& a, const Reconstruction& b) {
-                     return std::pair(a.images.size(), a.points3d.size()) >
-                            std::pair(b.images.size(), b.points3d.size());
-                   });
-}
-
 StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
                                            const SfmOptions& options) {
   FREEGS_RETURN_IF_ERROR(options.Check());
@@ -249,18 +237,19 @@ StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
   AttemptStore store(input.work_folder, &record);
   FREEGS_ASSIGN_OR_RETURN(
       LadderResult best,
-      ClimbLadder(context, database, record.pairs(), diagnosis, &store));
+      ClimbLadder(context,
+                  {database, record.pairs(), resolved.max_image_size},
+                  diagnosis,
+                  &store));
   WarnOfAttempts(best.attempts, input.photos.size(), &result.warnings);
 
   FREEGS_ASSIGN_OR_RETURN(
       Reconciled reconciled,
-      Reconcile(context, best.database, best.models, &store));
+      Reconcile(context, best.database.path, best.models, &store));
   NoteReconciled(reconciled, &best.attempts, &result.warnings);
   result.models =
       std::move(reconciled.models.empty() ? best.models : reconciled.models);
   result.database = std::move(best.database);
-  result.pairs = std::move(best.pairs);
-  result.image_size = best.image_size;
   result.attempts = std::move(best.attempts);
   result.contradictions = reconciled.contradictions;
   FREEGS_RETURN_IF_ERROR(
@@ -280,10 +269,10 @@ Status TidyWorkFolder(const fs::path& work_folder, const SfmResult& result) {
   // First of all: without it, a run that is killed here starts again.
   fs::remove(work_folder / "steps.json", error);
   const fs::path database = work_folder / "database.db";
-  if (result.database != database) {
+  if (result.database.path != database) {
     RemoveDatabase(database);
     for (const char* name : {"database.db", "pairs.txt"}) {
-      const fs::path file = result.database.parent_path() / name;
+      const fs::path file = result.database.path.parent_path() / name;
       fs::rename(file, work_folder / name, error);
       if (error) {
         return InternalError(file.string() +

@@ -103,7 +103,7 @@ struct SfmResult {
 
   // The database that models were made from: that of the work folder, or of an
   // attempt (see TidyWorkFolder).
-  std::filesystem::path database;
+  MatchedDatabase database;
 
   // What was tried, in order, and what was found out about the photos.
   std::vector<Attempt> attempts;
@@ -111,10 +111,6 @@ struct SfmResult {
 
   // The cameras tried for models[0]; empty when there was no choice to make.
   std::vector<CameraCandidate> camera_models;
-
-  // What was matched for `database`, and max_image_size, or what was chosen.
-  MatchedPairs pairs;
-  int image_size = 0;
 
   std::string colmap_version;
   std::vector<std::string> warnings;
@@ -141,9 +137,6 @@ StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
 // the database of the result there as database.db.
 Status TidyWorkFolder(const std::filesystem::path& work_folder,
                       const SfmResult& result);
-
-// Orders models: most images first, then most points, then as they were.
-void SortBySize(std::vector<Reconstruction>* models);
 
 }  // namespace freegs::sfm
 

@@ -14,6 +14,7 @@
 #include <opencv2/videoio.hpp>
 #include <opencv2/videoio/registry.hpp>
 
+#include "core/median.h"
 #include "sfm/film_rotation.h"
 #include "sfm/photo_pixels.h"
 #include "sfm/picture_motion.h"
@@ -201,9 +202,8 @@ std::vector<VideoFrame> DropBlurred(const std::vector<VideoFrame>& chosen) {
     const size_t last = std::min(chosen.size(), i + kNeighbours + 1);
     std::vector<double> around;
     for (size_t k = first; k < last; ++k) around.push_back(chosen[k].sharpness);
-    const auto middle = around.begin() + around.size() / 2;
-    std::nth_element(around.begin(), middle, around.end());
-    if (chosen[i].sharpness >= kMinSharpnessShare * *middle) {
+    if (chosen[i].sharpness >=
+        kMinSharpnessShare * UpperMedian(std::move(around))) {
       kept.push_back(chosen[i]);
     }
   }

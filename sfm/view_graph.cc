@@ -93,4 +93,13 @@ Contradictions FindContradictions(const std::vector<PairAgreement>& pairs) {
   return result;
 }
 
+StatusOr<Contradictions> FindContradictions(const Reconstruction& model,
+                                            const std::filesystem::path& path) {
+  FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
+                          MatchDatabase::Open(path));
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<PairAgreement> pairs,
+                          MeasureAgreement(model, database));
+  return FindContradictions(pairs);
+}
+
 }  // namespace freegs::sfm

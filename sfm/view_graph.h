@@ -9,6 +9,7 @@
 #define FREEGS_SFM_VIEW_GRAPH_H_
 
 #include <cstdint>
+#include <filesystem>
 #include <utility>
 #include <vector>
 
@@ -49,6 +50,10 @@ struct Contradictions {
 };
 
 Contradictions FindContradictions(const std::vector<PairAgreement>& pairs);
+
+// The same from a database of matches.
+StatusOr<Contradictions> FindContradictions(
+    const Reconstruction& model, const std::filesystem::path& database);
 
 }  // namespace freegs::sfm
 

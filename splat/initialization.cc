@@ -9,6 +9,8 @@
 
 #include <flann/flann.hpp>
 
+#include "core/median.h"
+
 namespace freegs::splat {
 namespace {
 
@@ -185,12 +187,7 @@ double SceneExtent(std::span<const View> views,
     const double distance = (point - mean).norm();
     if (std::isfinite(distance)) distances.push_back(distance);
   }
-  double median = 0;
-  if (!distances.empty()) {
-    const auto middle = distances.begin() + distances.size() / 2;
-    std::nth_element(distances.begin(), middle, distances.end());
-    median = *middle;
-  }
+  const double median = UpperMedian(std::move(distances));
   // Coincident up to rounding, compared with what they look at.
   if (farthest > 1e-6 * median && farthest > 0) return 1.1 * farthest;
   return median > 0 ? median : 1.0;

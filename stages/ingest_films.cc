@@ -29,10 +29,6 @@ std::string Rounded(double value) {
   return text;
 }
 
-void Log(const StageContext& context, LogLevel level, const std::string& text) {
-  if (context.log) context.log(level, text);
-}
-
 StatusOr<std::vector<sfm::Photo>> TakeFrames(
     const StageContext& context,
     const fs::path& path,
@@ -54,11 +50,10 @@ StatusOr<std::vector<sfm::Photo>> TakeFrames(
   }
   if (static_cast<double>(survey.frames.size()) <
       0.9 * static_cast<double>(survey.claimed_frames)) {
-    Log(context,
-        LogLevel::kWarning,
-        film + ": only " + std::to_string(survey.frames.size()) + " of " +
-            std::to_string(survey.claimed_frames) +
-            " frames can be decoded; is the film complete?");
+    context.log(LogLevel::kWarning,
+                film + ": only " + std::to_string(survey.frames.size()) +
+                    " of " + std::to_string(survey.claimed_frames) +
+                    " frames can be decoded; is the film complete?");
   }
   FREEGS_RETURN_IF_ERROR(CreateFolders(folder / film));
   std::vector<sfm::Photo> photos;
@@ -81,11 +76,11 @@ StatusOr<std::vector<sfm::Photo>> TakeFrames(
   };
   FREEGS_RETURN_IF_ERROR(
       sfm::ReadVideoFrames(path, chosen, on_frame, context.cancellation));
-  Log(context,
-      LogLevel::kInfo,
-      film + ": " + std::to_string(photos.size()) + " of " +
-          std::to_string(survey.frames.size()) +
-          " frames taken; the picture moves by " + moved + " of its width");
+  context.log(LogLevel::kInfo,
+              film + ": " + std::to_string(photos.size()) + " of " +
+                  std::to_string(survey.frames.size()) +
+                  " frames taken; the picture moves by " + moved +
+                  " of its width");
   return photos;
 }
 

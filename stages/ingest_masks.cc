@@ -26,10 +26,6 @@ constexpr uint64_t kMaxMaskBytes = uint64_t{1} << 30;
 // Masks that leave less than this of their photos are probably inverted.
 constexpr double kLittle = 0.05;
 
-void Log(const StageContext& context, LogLevel level, const std::string& text) {
-  if (context.log) context.log(level, text);
-}
-
 // One mask's way into the workspace; the share of pixels it keeps. Nothing,
 // after a warning, if it cannot be used.
 StatusOr<std::optional<double>> PlaceMask(StageContext& context,
@@ -53,9 +49,8 @@ StatusOr<std::optional<double>> PlaceMask(StageContext& context,
     }
   }
   if (!fault.empty()) {
-    Log(context,
-        LogLevel::kWarning,
-        path.string() + ": mask not used: " + fault);
+    context.log(LogLevel::kWarning,
+                path.string() + ": mask not used: " + fault);
     return std::optional<double>();
   }
   const fs::path target =
@@ -91,11 +86,10 @@ void WarnOfUnused(const StageContext& context,
     if (++unused == 1) example = file;
   }
   if (unused == 0) return;
-  Log(context,
-      LogLevel::kWarning,
-      mask_folder.string() + ": " + std::to_string(unused) +
-          " files fit no photo, such as " + example +
-          "; the mask of a.jpg is a.jpg.png or a.png");
+  context.log(LogLevel::kWarning,
+              mask_folder.string() + ": " + std::to_string(unused) +
+                  " files fit no photo, such as " + example +
+                  "; the mask of a.jpg is a.jpg.png or a.png");
 }
 
 }  // namespace
@@ -149,17 +143,16 @@ Status PlaceMasks(StageContext& context,
   context.summary["masks"] = masks;
   context.summary["mask_kept_share"] = mean;
   const std::string percent = std::to_string(std::lround(100 * mean));
-  Log(context,
+  context.log(
       masks < usable ? LogLevel::kWarning : LogLevel::kInfo,
       std::to_string(masks) + " of " + std::to_string(usable) +
           " photos have a mask" +
           (masks > 0 ? "; they keep " + percent + " % of the pixels" : ""));
   if (masks > 0 && mean < kLittle) {
-    Log(context,
-        LogLevel::kWarning,
-        "the masks leave only " + percent +
-            " % of the pixels; if white is to be ignored, set "
-            "ingest.invert_masks");
+    context.log(LogLevel::kWarning,
+                "the masks leave only " + percent +
+                    " % of the pixels; if white is to be ignored, set "
+                    "ingest.invert_masks");
   }
   return Status();
 }

@@ -2,7 +2,6 @@
 
 #include "stages/sfm_stage.h"
 
-#include <optional>
 #include <set>
 #include <system_error>
 #include <utility>
@@ -51,17 +50,10 @@ std::vector<sfm::SfmPhoto> UsablePhotos(const sfm::PhotoList& list) {
 
 // What either way of getting poses leads to.
 struct Outcome {
-  std::vector<sfm::Reconstruction> models;  // Best first; may be empty.
-  bool triangulated = true;
   std::string source;
-  std::string colmap_version;
-  size_t contradictions = 0;
-  std::vector<sfm::CameraCandidate> camera_models;
-  sfm::MatchedPairs pairs;
-  int image_size = 0;
-  std::vector<std::string> warnings;
-  std::map<std::string, std::string> unregistered;
-  std::optional<sfm::SfmResult> run;  // Of COLMAP.
+  bool triangulated = true;
+  bool imported = false;
+  sfm::SfmResult result;  // Of an import: a model and warnings, nothing else.
 };
 
 class SfmStage : public pipeline::Stage {
@@ -117,19 +109,10 @@ class SfmStage : public pipeline::Stage {
     input.progress = context.progress;
     sfm::SfmOptions options = options_.colmap;
     options.num_threads = context.pool->num_threads();
-    FREEGS_ASSIGN_OR_RETURN(sfm::SfmResult result,
-                            sfm::RunStructureFromMotion(input, options));
     Outcome outcome;
-    outcome.models = std::move(result.models);
     outcome.source = "colmap";
-    outcome.colmap_version = std::move(result.colmap_version);
-    outcome.contradictions = result.contradictions;
-    outcome.camera_models = std::move(result.camera_models);
-    outcome.pairs = std::move(result.pairs);
-    outcome.image_size = result.image_size;
-    outcome.warnings = std::move(result.warnings);
-    outcome.unregistered = std::move(result.unregistered);
-    outcome.run = std::move(result);
+    FREEGS_ASSIGN_OR_RETURN(outcome.result,
+                            sfm::RunStructureFromMotion(input, options));
     return outcome;
   }
 
@@ -142,9 +125,11 @@ class SfmStage : public pipeline::Stage {
         sfm::ImportedModel imported,
         sfm::ImportModel(source, photos, {options_.random_points, seed_}));
     Outcome outcome;
+    outcome.imported = true;
     outcome.source = source.colmap_model.empty() ? "imported transforms.json"
                                                  : "imported COLMAP model";
-    outcome.warnings = std::move(imported.warnings);
+    std::vector<std::string>& warnings = outcome.result.warnings;
+    warnings = std::move(imported.warnings);
     if (imported.random_points) {
       outcome.source += ", points random";
       outcome.triangulated = false;
@@ -155,13 +140,13 @@ class SfmStage : public pipeline::Stage {
       }
     }
     if (!imported.unmatched.empty()) {
-      outcome.warnings.push_back(
+      warnings.push_back(
           std::to_string(imported.unmatched.size()) +
           " imported poses fit no photo: " + Some(imported.unmatched));
     }
-    WarnOfHoldout(imported.holdout, list, &outcome.warnings);
+    WarnOfHoldout(imported.holdout, list, &warnings);
     context.summary["imported_holdout"] = imported.holdout;
-    outcome.models.push_back(std::move(imported.model));
+    outcome.result.models.push_back(std::move(imported.model));
     return outcome;
   }
 
@@ -185,44 +170,41 @@ class SfmStage : public pipeline::Stage {
         Some(differing) + ")");
   }
 
-  static inline const std::vector<sfm::Finding> kNoFindings;
-
   Status Finish(const std::vector<sfm::SfmPhoto>& photos,
-                Outcome& outcome,
+                const Outcome& outcome,
                 StageContext& context) const {
     std::vector<std::string> names;
     for (const sfm::SfmPhoto& photo : photos) names.push_back(photo.name);
-    sfm::Health health =
-        sfm::MeasureHealth(outcome.models,
-                           names,
-                           outcome.triangulated,
-                           options_.health,
-                           outcome.contradictions,
-                           outcome.run ? outcome.run->findings : kNoFindings);
-    if (outcome.run) health.attempts = outcome.run->attempts;
+    const sfm::SfmResult& result = outcome.result;
+    sfm::Health health = sfm::MeasureHealth(result.models,
+                                            names,
+                                            outcome.triangulated,
+                                            options_.health,
+                                            result.contradictions,
+                                            result.findings);
     health.source = outcome.source;
-    health.colmap_version = outcome.colmap_version;
-    health.camera_models = outcome.camera_models;
-    health.pairs = outcome.pairs;
-    health.image_size = outcome.image_size;
+    health.attempts = result.attempts;
+    health.colmap_version = result.colmap_version;
+    health.camera_models = result.camera_models;
+    health.pairs = result.database.pairs;
+    health.image_size = result.database.image_size;
     for (auto& [name, reason] : health.unregistered) {
-      const auto it = outcome.unregistered.find(name);
-      if (it != outcome.unregistered.end()) reason = it->second;
+      const auto it = result.unregistered.find(name);
+      if (it != result.unregistered.end()) reason = it->second;
     }
-    health.warnings.insert(health.warnings.end(),
-                           outcome.warnings.begin(),
-                           outcome.warnings.end());
+    health.warnings.insert(
+        health.warnings.end(), result.warnings.begin(), result.warnings.end());
 
     const fs::path sparse = context.output / "sparse";
     std::error_code error;
     fs::remove_all(sparse, error);
-    for (size_t i = 0; i < outcome.models.size(); ++i) {
+    for (size_t i = 0; i < result.models.size(); ++i) {
       FREEGS_RETURN_IF_ERROR(
-          sfm::WriteModel(sparse / std::to_string(i), outcome.models[i]));
+          sfm::WriteModel(sparse / std::to_string(i), result.models[i]));
     }
-    if (!outcome.models.empty()) {
+    if (!result.models.empty()) {
       FREEGS_ASSIGN_OR_RETURN(const sfm::SceneFrame frame,
-                              sfm::EstimateSceneFrame(outcome.models[0]));
+                              sfm::EstimateSceneFrame(result.models[0]));
       FREEGS_RETURN_IF_ERROR(
           WriteFileAtomic(context.output / "frame.json",
                           sfm::SceneFrameToJson(frame).dump(2) + "\n"));
@@ -246,8 +228,8 @@ class SfmStage : public pipeline::Stage {
       context.summary[key] = json[key];
     }
     FREEGS_RETURN_IF_ERROR(Report(health, context));
-    return outcome.run ? sfm::TidyWorkFolder(context.output, *outcome.run)
-                       : Status();
+    return outcome.imported ? Status()
+                            : sfm::TidyWorkFolder(context.output, result);
   }
 
   Status Report(const sfm::Health& health, StageContext& context) const {

@@ -2,12 +2,11 @@
 
 #include "stages/datasets/scannet_mesh.h"
 
-#include <algorithm>
-#include <numeric>
 #include <optional>
 #include <unordered_map>
 #include <utility>
 
+#include "core/disjoint_sets.h"
 #include "splat/ply_header.h"
 
 namespace freegs::stages {
@@ -169,30 +168,19 @@ Status ReadFaces(const PlyElement& element,
   return Status();
 }
 
-// The smallest vertex of each one's piece: union-find that always keeps the
-// smaller root.
+// The smallest vertex of each one's piece.
 std::vector<uint32_t> Roots(const ScannetMesh& mesh) {
-  std::vector<uint32_t> parent(mesh.vertices.size());
-  std::iota(parent.begin(), parent.end(), 0u);
-  const auto find = [&parent](uint32_t v) {
-    while (parent[v] != v) {
-      parent[v] = parent[parent[v]];
-      v = parent[v];
-    }
-    return v;
-  };
+  DisjointSets pieces(mesh.vertices.size());
   for (const auto& triangle : mesh.triangles) {
     for (size_t k = 0; k < 3; ++k) {
       const uint32_t a = triangle[k];
       const uint32_t b = triangle[(k + 1) % 3];
-      if (mesh.labels[a] != mesh.labels[b]) continue;
-      const uint32_t root_a = find(a);
-      const uint32_t root_b = find(b);
-      parent[std::max(root_a, root_b)] = std::min(root_a, root_b);
+      if (mesh.labels[a] == mesh.labels[b]) pieces.Join(a, b);
     }
   }
-  for (uint32_t v = 0; v < parent.size(); ++v) parent[v] = find(v);
-  return parent;
+  std::vector<uint32_t> roots(pieces.size());
+  for (uint32_t v = 0; v < roots.size(); ++v) roots[v] = pieces.Find(v);
+  return roots;
 }
 
 }  // namespace

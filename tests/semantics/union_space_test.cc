@@ -18,15 +18,15 @@ using testing::Pointwise;
 TEST(UnionSpaceTest, BlocksAreScaledWeightedAndClamped) {
   const std::vector<float> positions = {2, 2, 2, 4, 2, 0, 1e9f, 2, -1e9f};
   const std::vector<float> colors = {0, 0.5f, 1, 2, -1, 0.25f, 1, 1, 1};
-  SceneFrame frame;
-  frame.center = {2, 2, 2};
-  frame.radius = 2;
+  SceneExtent extent;
+  extent.center = {2, 2, 2};
+  extent.radius = 2;
   const std::vector<float> points =
       BuildUnionSpace(positions,
                       colors,
                       {},
                       0,
-                      frame,
+                      extent,
                       {.position_weight = 3, .color_weight = 0.5});
   const std::vector<float> expected = {0,
                                        0,

@@ -38,7 +38,7 @@ class SeparatePartsTest : public testing::Test {
     const StepContext context{input_, options_, colmap};
     StepRecord record(input_.work_folder);
     AttemptStore store(input_.work_folder, &record);
-    return SeparateParts(context, folder_ / "a.db", true, {model}, &store);
+    return SeparateParts(context, {folder_ / "a.db", {}, 800}, {model}, &store);
   }
 
   TemporaryFolder folder_;

@@ -76,9 +76,9 @@ TEST_F(StructureFromMotionTest, BothDialects) {
     EXPECT_EQ(last["matching"], 45);
     EXPECT_EQ(last["mapping"], 10);
     EXPECT_EQ(result->colmap_version[0], dialect[0]);
-    EXPECT_EQ(result->pairs.strategy, "exhaustive");
-    EXPECT_EQ(result->pairs.pairs, 45u);
-    EXPECT_EQ(result->pairs.all_pairs, 45u);
+    EXPECT_EQ(result->database.pairs.strategy, "exhaustive");
+    EXPECT_EQ(result->database.pairs.pairs, 45u);
+    EXPECT_EQ(result->database.pairs.all_pairs, 45u);
     EXPECT_THAT(ReadText(input_.work_folder / "pairs.txt"),
                 testing::StartsWith(PhotoName(0) + " " + PhotoName(1) + "\n"));
     EXPECT_TRUE(fs::exists(input_.work_folder / "database.db"));
@@ -148,7 +148,7 @@ TEST_F(StructureFromMotionTest, GoodResultsNeedNoOtherAttempt) {
   EXPECT_THAT(NamesOf(result->attempts), testing::ElementsAre("mapping"));
   EXPECT_TRUE(result->attempts[0].kept);
   EXPECT_EQ(result->attempts[0].registered, 10);
-  EXPECT_EQ(result->database, input_.work_folder / "database.db");
+  EXPECT_EQ(result->database.path, input_.work_folder / "database.db");
 }
 
 TEST_F(StructureFromMotionTest, ClimbsTheLadderInOrderAndOnce) {
@@ -189,8 +189,8 @@ TEST_F(StructureFromMotionTest, ClimbsTheLadderInOrderAndOnce) {
             PointsToBinary(result->models[0].points3d));
 
   // The database of the best attempt takes the place of the first.
-  EXPECT_NE(again->database, input_.work_folder / "database.db");
-  const std::string kept = ReadText(again->database);
+  EXPECT_NE(again->database.path, input_.work_folder / "database.db");
+  const std::string kept = ReadText(again->database.path);
   ASSERT_TRUE(TidyWorkFolder(input_.work_folder, *again).ok());
   EXPECT_TRUE(ReadText(input_.work_folder / "database.db") == kept);
   EXPECT_FALSE(fs::exists(input_.work_folder / "attempts"));
@@ -324,14 +324,14 @@ TEST_F(StructureFromMotionTest, ImageSizeIsChosen) {
   // Small photos: taken as they are.
   const auto small = Run();
   ASSERT_TRUE(small.ok());
-  EXPECT_EQ(small->image_size, 1600);
+  EXPECT_EQ(small->database.image_size, 1600);
   EXPECT_EQ(Log("feature_extractor").find("[1/4]"), std::string::npos);
   // The fake finds 20 features at any size: by far too few.
   for (SfmPhoto& photo : input_.photos) photo.width = 4000;
   input_.work_folder = folder_ / "large";
   const auto large = Run();
   ASSERT_TRUE(large.ok()) << large.status().message();
-  EXPECT_EQ(large->image_size, 1600);
+  EXPECT_EQ(large->database.image_size, 1600);
   EXPECT_FALSE(fs::exists(input_.work_folder / "image_size.db"));
   EXPECT_THAT(ReadText(input_.work_folder / "steps.json"),
               HasSubstr("\"image_size\": 1600"));
@@ -339,7 +339,7 @@ TEST_F(StructureFromMotionTest, ImageSizeIsChosen) {
   input_.work_folder = folder_ / "given";
   const auto given = Run();
   ASSERT_TRUE(given.ok());
-  EXPECT_EQ(given->image_size, 900);
+  EXPECT_EQ(given->database.image_size, 900);
   options_.max_image_size = 63;
   EXPECT_EQ(Run().status().code(), StatusCode::kInvalidArgument);
 }
@@ -363,10 +363,10 @@ TEST_F(StructureFromMotionTest, ChosenPairsContinueAtTheirPortion) {
   options_.pairs.neighbours = 2;
   const auto straight = Run();
   ASSERT_TRUE(straight.ok()) << straight.status().message();
-  EXPECT_EQ(straight->pairs.strategy, "retrieval");
-  EXPECT_GE(straight->pairs.pairs, 20u);
-  EXPECT_LT(straight->pairs.pairs, 45u);
-  EXPECT_EQ(straight->pairs.all_pairs, 45u);
+  EXPECT_EQ(straight->database.pairs.strategy, "retrieval");
+  EXPECT_GE(straight->database.pairs.pairs, 20u);
+  EXPECT_LT(straight->database.pairs.pairs, 45u);
+  EXPECT_EQ(straight->database.pairs.all_pairs, 45u);
   const std::string log = Log("matches_importer");
   const std::string list = ReadText(input_.work_folder / "pairs.txt");
 
@@ -389,8 +389,9 @@ TEST_F(StructureFromMotionTest, ChosenPairsContinueAtTheirPortion) {
   input_.progress = nullptr;
   const auto resumed = Run();
   ASSERT_TRUE(resumed.ok()) << resumed.status().message();
-  EXPECT_EQ(resumed->pairs.strategy, straight->pairs.strategy);
-  EXPECT_EQ(resumed->pairs.pairs, straight->pairs.pairs);
+  EXPECT_EQ(resumed->database.pairs.strategy,
+            straight->database.pairs.strategy);
+  EXPECT_EQ(resumed->database.pairs.pairs, straight->database.pairs.pairs);
   EXPECT_EQ(ReadText(input_.work_folder / "pairs.txt"), list);
   const auto count = [](const std::string& text) {
     size_t runs = 0;
@@ -404,7 +405,7 @@ TEST_F(StructureFromMotionTest, ChosenPairsContinueAtTheirPortion) {
   // Asked again after matching is done.
   const auto again = Run();
   ASSERT_TRUE(again.ok());
-  EXPECT_EQ(again->pairs.pairs, straight->pairs.pairs);
+  EXPECT_EQ(again->database.pairs.pairs, straight->database.pairs.pairs);
 }
 
 TEST_F(StructureFromMotionTest, BrokenStepRecordStartsAgain) {
@@ -461,7 +462,7 @@ TEST(RealColmap, RegistersAndRepeats) {
     ASSERT_TRUE(result.ok()) << result.status().message();
     ASSERT_FALSE(result->models.empty());
     const Reconstruction& model = result->models[0];
-    EXPECT_EQ(result->pairs.strategy, "retrieval");
+    EXPECT_EQ(result->database.pairs.strategy, "retrieval");
     EXPECT_GE(model.images.size(), 6u);
     std::vector<std::string> names;
     for (const SfmPhoto& photo : input.photos) names.push_back(photo.name);

@@ -10,13 +10,13 @@
 #include <cstdint>
 #include <map>
 #include <numbers>
-#include <sqlite3.h>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/random.h"
 #include "sfm/reconstruction.h"
+#include "tests/sfm/match_database_writer.h"
 #include "tests/sfm/synthetic_model.h"
 
 namespace freegs::sfm {
@@ -91,15 +91,7 @@ class TwinScene {
   // where two cameras see the same, else those of twins. Both halves of
   // the ring match truly where they meet.
   void WriteMatches(const std::string& path) const {
-    sqlite3* database = nullptr;
-    sqlite3_open(path.c_str(), &database);
-    sqlite3_exec(database,
-                 "CREATE TABLE images(image_id, name);"
-                 "CREATE TABLE two_view_geometries(pair_id INTEGER PRIMARY "
-                 "KEY, rows INTEGER, data BLOB, config INTEGER, H BLOB);BEGIN",
-                 nullptr,
-                 nullptr,
-                 nullptr);
+    MatchDatabaseWriter database(path);
     for (int i = 0; i < num_cameras_; ++i) {
       for (int j = i + 1; j < num_cameras_; ++j) {
         std::vector<uint32_t> same = Matches(i, j, false);
@@ -107,11 +99,9 @@ class TwinScene {
         const bool planar = twins.size() > same.size();
         const std::vector<uint32_t>& data = planar ? twins : same;
         if (data.size() < 2 * 15) continue;
-        Insert(database, i + 1, j + 1, data, planar ? 6 : 2);
+        database.Add(i + 1, j + 1, data, planar ? 6 : 2);
       }
     }
-    sqlite3_exec(database, "COMMIT", nullptr, nullptr, nullptr);
-    sqlite3_close(database);
   }
 
  private:
@@ -153,30 +143,6 @@ class TwinScene {
       ++feature;
     }
     return data;
-  }
-
-  static void Insert(sqlite3* database,
-                     int64_t a,
-                     int64_t b,
-                     const std::vector<uint32_t>& data,
-                     int config) {
-    sqlite3_stmt* statement = nullptr;
-    sqlite3_prepare_v2(
-        database,
-        "INSERT INTO two_view_geometries VALUES(?, ?, ?, ?, NULL)",
-        -1,
-        &statement,
-        nullptr);
-    sqlite3_bind_int64(statement, 1, a * 2147483647 + b);
-    sqlite3_bind_int64(statement, 2, static_cast<int64_t>(data.size() / 2));
-    sqlite3_bind_blob(statement,
-                      3,
-                      data.data(),
-                      static_cast<int>(4 * data.size()),
-                      SQLITE_TRANSIENT);
-    sqlite3_bind_int(statement, 4, config);
-    sqlite3_step(statement);
-    sqlite3_finalize(statement);
   }
 
   int num_cameras_;

@@ -3,11 +3,10 @@
 
 #include "sfm/view_graph.h"
 
-#include <sqlite3.h>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/sfm/match_database_writer.h"
 #include "tests/sfm/synthetic_model.h"
 #include "tests/temporary_folder.h"
 
@@ -59,37 +58,13 @@ TEST(MeasureAgreement, CountsPointsThatFeaturesShare) {
   const Reconstruction model = SyntheticModel(3, 40);
   const TemporaryFolder folder;
   const std::string path = (folder / "a.db").string();
-  sqlite3* database = nullptr;
-  ASSERT_EQ(sqlite3_open(path.c_str(), &database), SQLITE_OK);
-  sqlite3_exec(database,
-               "CREATE TABLE images(image_id, name);"
-               "CREATE TABLE two_view_geometries(pair_id INTEGER PRIMARY KEY, "
-               "rows INTEGER, data BLOB)",
-               nullptr,
-               nullptr,
-               nullptr);
-  const auto insert = [&](int64_t a, int64_t b, std::vector<uint32_t> data) {
-    sqlite3_stmt* statement = nullptr;
-    sqlite3_prepare_v2(database,
-                       "INSERT INTO two_view_geometries VALUES(?,?,?)",
-                       -1,
-                       &statement,
-                       nullptr);
-    sqlite3_bind_int64(statement, 1, a * 2147483647 + b);
-    sqlite3_bind_int64(statement, 2, static_cast<int64_t>(data.size() / 2));
-    sqlite3_bind_blob(statement,
-                      3,
-                      data.data(),
-                      static_cast<int>(4 * data.size()),
-                      SQLITE_TRANSIENT);
-    EXPECT_EQ(sqlite3_step(statement), SQLITE_DONE);
-    sqlite3_finalize(statement);
-  };
-  // Feature k shows point k in all images; 40 shows none, 999 does not exist.
-  insert(1, 2, {0, 0, 5, 5, 7, 8, 40, 3, 3, 999});
-  insert(2, 3, {1, 2});
-  insert(3, 77, {1, 2});
-  sqlite3_close(database);
+  {
+    // Feature k shows point k in all images; 40 shows none, 999 does not exist.
+    MatchDatabaseWriter database(path);
+    database.Add(1, 2, {0, 0, 5, 5, 7, 8, 40, 3, 3, 999});
+    database.Add(2, 3, {1, 2});
+    database.Add(3, 77, {1, 2});
+  }
 
   auto opened = MatchDatabase::Open(path);
   ASSERT_TRUE(opened.ok());

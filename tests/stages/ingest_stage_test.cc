@@ -17,10 +17,8 @@
 
 #include "core/files.h"
 #include "core/image_io.h"
-#include "core/parallel.h"
 #include "sfm/photo_list.h"
-#include "tests/sfm/film_test_files.h"
-#include "tests/sfm/photo_test_files.h"
+#include "tests/stages/ingest_test_fixture.h"
 
 namespace freegs::stages {
 namespace {
@@ -34,74 +32,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-class IngestStageTest : public testing::Test {
- protected:
-  Status Run(int threads = 2) {
-    ThreadPool pool(threads);
-    pipeline::StageContext context;
-    context.workspace = workspace_.path();
-    context.output = workspace_.path() / "ingest.partial";
-    context.images = source_.empty() ? images_.path() : source_;
-    context.pool = &pool;
-    context.cancellation = &cancellation_;
-    context.progress = [this](const Progress& progress) {
-      last_progress_ = progress;
-      if (on_progress_) on_progress_();
-    };
-    context.log = [this](pipeline::LogLevel level, const std::string& text) {
-      if (level == pipeline::LogLevel::kWarning) warnings_.push_back(text);
-    };
-    warnings_.clear();
-    const Status status = MakeIngestStage(options_)->Run(context);
-    summary_ = context.summary;
-    return status;
-  }
-
-  sfm::PhotoList List() const {
-    auto list =
-        sfm::ReadPhotoList(workspace_.path() / "ingest.partial/images.json");
-    EXPECT_TRUE(list.ok()) << list.status().message();
-    return list.ok() ? *std::move(list) : sfm::PhotoList();
-  }
-
-  std::vector<std::string> Files(PhotoSplit split) const {
-    std::vector<std::string> files;
-    for (const Photo& photo : List().photos) {
-      if (photo.split == split) files.push_back(photo.file);
-    }
-    return files;
-  }
-
-  // Everything below photos/, sorted.
-  std::vector<std::string> Written() const {
-    const fs::path folder = workspace_.path() / "ingest.partial" / "photos";
-    std::vector<std::string> names;
-    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-      if (entry.is_regular_file()) {
-        names.push_back(fs::relative(entry.path(), folder).string());
-      }
-    }
-    std::sort(names.begin(), names.end());
-    return names;
-  }
-
-  void WritePhotos(int count) {
-    for (int i = 0; i < count; ++i) {
-      images_.Write("img" + std::to_string(i) + ".jpg",
-                    sfm::MakeJpeg(64, 48, 100 + i));
-    }
-  }
-
-  IngestStageOptions options_;
-  fs::path source_;  // Instead of images_.
-  TempFolder images_;
-  TempFolder workspace_;
-  CancellationToken cancellation_;
-  std::function<void()> on_progress_;
-  Progress last_progress_;
-  std::vector<std::string> warnings_;
-  nlohmann::json summary_;
-};
+using IngestStageTest = IngestTestFixture;
 
 TEST_F(IngestStageTest, PlainPhotosAreCopiedByteForByte) {
   WritePhotos(12);
@@ -422,133 +353,6 @@ TEST_F(IngestStageTest, PositionsAreIgnoredAndFocalLengthsKept) {
   for (const char* word : {"latitude", "longitude", "altitude", "position"}) {
     EXPECT_THAT(json, Not(HasSubstr(word)));
   }
-}
-
-TEST_F(IngestStageTest, FilmInsteadOfAFolder) {
-  sfm::WriteFilm(images_.path() / "my film.avi", sfm::MovingFrames(50));
-  source_ = images_.path() / "my film.avi";
-  const Status status = Run();
-  ASSERT_TRUE(status.ok()) << status.message();
-  EXPECT_THAT(warnings_, IsEmpty());
-  const sfm::PhotoList list = List();
-  EXPECT_GE(list.photos.size(), 20U);
-  EXPECT_LT(list.photos.size(), 40U);
-  int last = -1;
-  for (const Photo& photo : list.photos) {
-    EXPECT_EQ(photo.film, "my film.avi");
-    EXPECT_GT(photo.frame, last);
-    last = photo.frame;
-    EXPECT_NEAR(photo.time_s, photo.frame / 25.0, 0.05);
-    EXPECT_THAT(photo.file, testing::StartsWith("my film.avi/frame_0000"));
-    EXPECT_THAT(photo.name, testing::StartsWith("my_film.avi/frame_0000"));
-    EXPECT_EQ(photo.width, sfm::kFilmWidth);
-  }
-  EXPECT_EQ(Written().size(), list.photos.size());
-  EXPECT_FALSE(fs::exists(workspace_.path() / "ingest.partial/frames"));
-  // The same bytes again, and with another number of threads.
-  const std::string first =
-      *ReadFile(workspace_.path() / "ingest.partial/images.json");
-  ASSERT_TRUE(Run(1).ok());
-  EXPECT_EQ(*ReadFile(workspace_.path() / "ingest.partial/images.json"), first);
-}
-
-TEST_F(IngestStageTest, FolderOfFilms) {
-  sfm::WriteFilm(images_.path() / "a.avi", sfm::MovingFrames(30));
-  sfm::WriteFilm(images_.path() / "b.avi", sfm::MovingFrames(30, 400));
-  images_.Write("c.mp4", "no film");
-  ASSERT_TRUE(Run().ok());
-  const sfm::PhotoList list = List();
-  EXPECT_EQ(list.photos.front().film, "a.avi");
-  EXPECT_EQ(list.photos.back().file, "c.mp4");
-  EXPECT_FALSE(list.photos.back().usable());
-  EXPECT_EQ(summary_["camera_groups"], 1);
-  EXPECT_THAT(warnings_, ElementsAre(HasSubstr("c.mp4: not used: ")));
-}
-
-TEST_F(IngestStageTest, FilmsAmongPhotosAreNamed) {
-  WritePhotos(3);
-  sfm::WriteFilm(images_.path() / "a.avi", sfm::MovingFrames(30));
-  ASSERT_TRUE(Run().ok());
-  EXPECT_EQ(List().photos.size(), 3U);
-  EXPECT_THAT(warnings_, ElementsAre(HasSubstr("a.avi")));
-}
-
-TEST_F(IngestStageTest, UselessFilms) {
-  source_ = images_.path() / "film.avi";
-  sfm::WriteFilm(source_, std::vector<cv::Mat>(30, sfm::FilmFrame(0)));
-  Status status = Run();
-  EXPECT_EQ(status.code(), StatusCode::kBadInput);
-  EXPECT_THAT(status.message(), HasSubstr("film.avi: its picture moves by"));
-  images_.Write("film.avi", "text");
-  status = Run();
-  EXPECT_EQ(status.code(), StatusCode::kBadInput);
-  EXPECT_THAT(status.message(), HasSubstr("not a film"));
-}
-
-TEST_F(IngestStageTest, MasksBesidePhotos) {
-  WritePhotos(4);
-  cv::Mat mask(48, 64, CV_8UC1, cv::Scalar(0));
-  mask.colRange(0, 16).setTo(cv::Scalar(7));
-  const std::string png = sfm::Encode(".png", mask);
-  images_.Write("masks/img0.jpg.png", png);
-  images_.Write("masks/img1.png", png);
-  images_.Write("masks/img9.png", png);
-  images_.Write("masks/img2.png", sfm::MakePng(30, 48, 1));
-  ASSERT_TRUE(Run().ok());
-  const sfm::PhotoList list = List();
-  ASSERT_EQ(list.photos.size(), 4U);  // No mask is a photo.
-  EXPECT_TRUE(list.photos[0].has_mask);
-  EXPECT_TRUE(list.photos[1].has_mask);
-  EXPECT_FALSE(list.photos[2].has_mask);
-  EXPECT_FALSE(list.photos[3].has_mask);
-  EXPECT_EQ(summary_["masks"], 2);
-  EXPECT_DOUBLE_EQ(summary_["mask_kept_share"].get<double>(), 0.25);
-  EXPECT_THAT(warnings_,
-              testing::UnorderedElementsAre(
-                  testing::AllOf(HasSubstr("img2.png: mask not used"),
-                                 HasSubstr("30 x 48")),
-                  testing::AllOf(HasSubstr("1 files fit no photo"),
-                                 HasSubstr("img9.png")),
-                  HasSubstr("2 of 4 photos have a mask")));
-  const fs::path folder = workspace_.path() / "ingest.partial/masks";
-  const auto written = ReadLabels(folder / "img1.jpg.png");
-  ASSERT_TRUE(written.ok()) << written.status().message();
-  EXPECT_EQ((*written)(5, 5), 255);
-  EXPECT_EQ((*written)(20, 5), 0);
-  // Photos without a mask get a white one.
-  EXPECT_EQ((*ReadLabels(folder / "img3.jpg.png"))(5, 5), 255);
-
-  options_.masks.invert_masks = true;
-  ASSERT_TRUE(Run().ok());
-  EXPECT_EQ((*ReadLabels(folder / "img1.jpg.png"))(5, 5), 0);
-
-  // Without masks, the folder is one of photos.
-  options_.masks.use_masks = false;
-  ASSERT_TRUE(Run().ok());
-  EXPECT_GT(List().photos.size(), 4U);
-  EXPECT_FALSE(fs::exists(folder));
-}
-
-TEST_F(IngestStageTest, MasksElsewhere) {
-  WritePhotos(3);
-  const TempFolder masks;
-  options_.masks.masks = masks.path().string();
-  for (int i = 0; i < 3; ++i) {
-    masks.Write("img" + std::to_string(i) + ".jpg.png",
-                sfm::Encode(".png", cv::Mat(48, 64, CV_8UC1, cv::Scalar(0))));
-  }
-  // All black: not used, rather than a scene without features.
-  ASSERT_TRUE(Run().ok());
-  EXPECT_EQ(summary_["masks"], 0);
-  EXPECT_THAT(warnings_, testing::Contains(HasSubstr("ingest.invert_masks")));
-  EXPECT_FALSE(fs::exists(workspace_.path() / "ingest.partial/masks"));
-  pipeline::StageContext context;
-  context.images = images_.path();
-  EXPECT_THAT(MakeIngestStage(options_)->Inputs(context),
-              testing::Contains(masks.path()));
-
-  options_.masks.masks = "/nonexistent/masks";
-  EXPECT_EQ(Run().code(), StatusCode::kBadInput);
 }
 
 }  // namespace

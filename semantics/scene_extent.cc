@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "semantics/scene_frame.h"
+#include "semantics/scene_extent.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
 
+#include "core/median.h"
 #include "splat/renderer.h"
 
 namespace freegs::semantics {
@@ -15,37 +16,31 @@ namespace {
 constexpr size_t kMaxViews = 48;
 constexpr int kThumbnailSide = 96;  // Pixels.
 
-double Median(std::vector<double>& values) {
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
-SceneFrame ComputeSceneFrame(std::span<const float> positions) {
-  SceneFrame frame;
+SceneExtent ComputeSceneExtent(std::span<const float> positions) {
+  SceneExtent extent;
   const size_t count = positions.size() / 3;
-  if (count == 0) return frame;
+  if (count == 0) return extent;
   std::vector<double> values(count);
   for (int k = 0; k < 3; ++k) {
     for (size_t i = 0; i < count; ++i) values[i] = positions[i * 3 + k];
-    frame.center[k] = Median(values);
+    extent.center[k] = UpperMedian(values);
   }
   for (size_t i = 0; i < count; ++i) {
     const Eigen::Vector3d x(
         positions[i * 3], positions[i * 3 + 1], positions[i * 3 + 2]);
-    values[i] = (x - frame.center).norm();
+    values[i] = (x - extent.center).norm();
   }
-  const double radius = Median(values);
-  if (radius > 0 && std::isfinite(radius)) frame.radius = radius;
-  return frame;
+  const double radius = UpperMedian(values);
+  if (radius > 0 && std::isfinite(radius)) extent.radius = radius;
+  return extent;
 }
 
-SceneFrame ComputeSceneFrame(const splat::GaussianModel& model,
-                             std::span<const View> views,
-                             double min_opacity,
-                             ThreadPool& pool) {
+SceneExtent ComputeSceneExtent(const splat::GaussianModel& model,
+                               std::span<const View> views,
+                               double min_opacity,
+                               ThreadPool& pool) {
   std::array<std::vector<double>, 3> coordinates;
   std::vector<double> depths;
   const size_t step = views.size() / kMaxViews + 1;
@@ -75,10 +70,10 @@ SceneFrame ComputeSceneFrame(const splat::GaussianModel& model,
     }
   }
   if (!depths.empty()) {
-    SceneFrame frame;
-    for (int k = 0; k < 3; ++k) frame.center[k] = Median(coordinates[k]);
-    frame.radius = Median(depths) / 2;
-    return frame;
+    SceneExtent extent;
+    for (int k = 0; k < 3; ++k) extent.center[k] = UpperMedian(coordinates[k]);
+    extent.radius = UpperMedian(depths) / 2;
+    return extent;
   }
   std::vector<float> positions;
   for (size_t i = 0; i < model.size(); ++i) {
@@ -90,7 +85,7 @@ SceneFrame ComputeSceneFrame(const splat::GaussianModel& model,
       positions.insert(positions.end(), mean, mean + 3);
     }
   }
-  return ComputeSceneFrame(positions);
+  return ComputeSceneExtent(positions);
 }
 
 }  // namespace freegs::semantics
