@@ -76,8 +76,7 @@ void BM_EncodeDense(benchmark::State& state) {
   Time(state, [&] { return clip->EncodeDense(image, sizes[which]).ok(); });
 }
 BENCHMARK(BM_EncodeDense)
-    ->Arg(0)
-    ->Arg(1)
+    ->DenseRange(0, 5)
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 

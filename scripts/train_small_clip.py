@@ -45,8 +45,9 @@ import torch.nn.functional as F
 
 SECOND_STAGE = 0.85  # the share of training at 112 pixels
 PREFETCH = 6
-# Of place, and of caption and property for whole images, then for patches.
-WEIGHTS = [0.2, 1, 1, 0.3, 0.7]
+# Of place, and of caption and property for whole images, then for patches; of
+# the patches around things; of place and property in pictures of four.
+WEIGHTS = [0.2, 1, 1, 0.3, 0.7, 0.2, 0.2, 0.5]
 library = None  # of a worker process
 
 
@@ -213,6 +214,29 @@ def place_loss(scale, patches, covers, text_features):
     return (logits.logsumexp(1) - share)[seen].mean() if seen.any() else 0
 
 
+def around_loss(scale, around, said_features, backdrop):
+    """The patches that show no thing are like a word for what is behind
+    things, more than like any property: else nothing would keep the sides of
+    a picture from being red apples."""
+    words = torch.cat([backdrop[None], said_features])
+    logits = scale * (around @ words.t())
+    return F.cross_entropy(logits, torch.zeros(len(around), dtype=torch.long))
+
+
+def in_fours(images, covers):
+    """Pictures of four images at half their size, and where in its picture
+    each image's thing is: (n / 4, 3, S, S) and (n, g, g) of n images."""
+    half = F.avg_pool2d(images, 2)
+    rows = [torch.cat([half[i::4], half[i + 1::4]], 3) for i in (0, 2)]
+    grid = covers.shape[1] // 2
+    small = F.avg_pool2d(covers[:, None], 2)[:, 0]
+    places = torch.zeros_like(covers)
+    for i in range(4):
+        y, x = i // 2 * grid, i % 2 * grid
+        places[i::4, y:y + grid, x:x + grid] = small[i::4]
+    return torch.cat(rows, 2), places
+
+
 def make_optimizer(model, rate):
     plain = [p for p in model.parameters() if p.ndim < 2]
     decayed = [p for p in model.parameters() if p.ndim >= 2]
@@ -287,20 +311,36 @@ class Training:
         model = self.model
         pairs = [vocabulary.caption(rng, label) for label in labels]
         said = prompts(rng)
+        said_texts = [text for names in said.values() for text in names]
+        backdrop = str(rng.choice(vocabulary.BACKDROPS))
         texts, ends = pad([self.tokenizer(text, self.arch.context_length)
                            for text in [text for text, _ in pairs] +
-                           [text for names in said.values() for text in names]])
+                           said_texts + [backdrop]])
         words = model.encode_text(texts, ends)
-        captions, names = words[:len(pairs)], words[len(pairs):]
+        captions, names = words[:len(pairs)], words[len(pairs):-1]
         also_right = may_match(labels, [label for _, label in pairs])
-        features, patches = model.encode_patches(normalised(images))
-        covers = torch.from_numpy(
-            np.ascontiguousarray(covers)).flatten(1).float() / 255
+        images = normalised(images)
+        covers = torch.from_numpy(np.ascontiguousarray(covers)).float() / 255
+        features, patches = model.encode_patches(images)
+        places = covers.flatten(1)
         scale = model.logit_scale.exp()
-        parts = [place_loss(scale, patches, covers, captions)]
-        for vectors in (features, pooled(patches, covers)):
+        parts = [place_loss(scale, patches, places, captions)]
+        for vectors in (features, pooled(patches, places)):
             parts += [contrastive_loss(scale, vectors, captions, also_right),
                       prompt_loss(scale, vectors, said, names, labels)]
+        parts.append(around_loss(scale, pooled(patches, 1 - places), names,
+                                 words[-1]))
+        # Where patches of half the size are whole ones again.
+        if covers.shape[1] % 2 == 0 and len(images) % 4 == 0:
+            fours, places = in_fours(images, covers)
+            _, patches = model.encode_patches(fours)
+            patches = patches.repeat_interleave(4, 0)
+            places = places.flatten(1)
+            parts += [place_loss(scale, patches, places, captions),
+                      prompt_loss(scale, pooled(patches, places), said, names,
+                                  labels)]
+        else:
+            parts += [0, 0]
         return parts
 
     def train_step(self, ring, count):
@@ -365,7 +405,8 @@ def export(state, measured):
                   "BSD-3-Clause", "scripts/train_small_clip.py, seed "
                   f"{state.arguments.seed}, {state.step} steps",
                   vocabulary=[COLOUR_NAMES, MATERIALS[1:],
-                              [shape_name(i) for i in range(len(SHAPES))]])
+                              [shape_name(i) for i in range(len(SHAPES))]],
+                  dense_sizes=state.arguments.dense_size)
     (out / "README.md").write_text(model_card(state, measured, out))
     sizes = {path.name: path.stat().st_size for path in out.iterdir()}
     for name, size in sorted(sizes.items()):
@@ -387,6 +428,9 @@ def parse():
     parser.add_argument("--steps", type=int, help="instead of --minutes")
     parser.add_argument("--evaluate", action="store_true",
                         help="no training: measure and export")
+    parser.add_argument("--dense-size", type=int, action="append", default=[],
+                        help="a further image size for features of places; "
+                        "may be repeated")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--cache", type=Path, default=drawings.default_cache())
     for name, value in (("width", 144), ("layers", 3), ("heads", 3),
