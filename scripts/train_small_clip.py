@@ -43,7 +43,7 @@ import numpy as np
 import torch
 import torch.nn.functional as F
 
-SECOND_STAGE = 0.85  # the share of training at 112 pixels
+SECOND_STAGE = 0.9  # the share of training at 112 pixels
 PREFETCH = 6
 # Of place, and of caption and property for whole images, then for patches; of
 # the patches around things; of place and property in pictures of four.
