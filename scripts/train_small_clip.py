@@ -279,6 +279,7 @@ class Training:
         self.step, self.images_seen, self.seconds = 0, 0, 0.0
         if self.path.exists():
             self.load()
+        self.first = self.step
 
     @property
     def path(self):
@@ -302,9 +303,18 @@ class Training:
         part.replace(self.path)
 
     def progress(self):
+        if self.arguments.finish:
+            return SECOND_STAGE + (1 - SECOND_STAGE) * (
+                self.step - self.first) / self.arguments.finish
         if self.arguments.steps:
             return self.step / self.arguments.steps
         return self.seconds / (60 * self.arguments.minutes)
+
+    def rate(self):
+        if self.arguments.finish:
+            left = 1 - (self.step - self.first) / self.arguments.finish
+            return self.arguments.rate * (0.005 + 0.195 * left)
+        return rate_at(self.progress(), self.arguments.rate)
 
     def losses(self, rng, images, covers, labels):
         """Of whole images and of the patches that show the thing."""
@@ -346,7 +356,7 @@ class Training:
     def train_step(self, ring, count):
         rng = np.random.default_rng((self.arguments.seed, 3, self.step))
         for group in self.optimizer.param_groups:
-            group["lr"] = rate_at(self.progress(), self.arguments.rate)
+            group["lr"] = self.rate()
         parts = self.losses(rng, *ring.batch(rng, count))
         loss = sum(weight * part for weight, part in zip(WEIGHTS, parts))
         self.optimizer.zero_grad(set_to_none=True)
@@ -426,6 +436,9 @@ def parse():
                         help="model folder to write")
     parser.add_argument("--minutes", type=float, default=600)
     parser.add_argument("--steps", type=int, help="instead of --minutes")
+    parser.add_argument("--finish", type=int, default=0, metavar="STEPS",
+                        help="so many steps more, all at 224 pixels, at a "
+                        "rate that falls from a fifth of --rate")
     parser.add_argument("--evaluate", action="store_true",
                         help="no training: measure and export")
     parser.add_argument("--dense-size", type=int, action="append", default=[],

@@ -14,7 +14,8 @@ from PIL import Image, ImageFilter
 from . import solids
 from .backgrounds import CANVAS, draw_background
 from .solids import SHAPES
-from .textures import add_wear, any_colour, random_colour, shade, TEXTURES
+from .textures import (add_wear, any_colour, random_colour, shade, sheen,
+                       TEXTURES)
 from .vocabulary import (choose_label, COLOUR_NAMES, Label, MATERIALS,
                          NATURAL, NOTHING)
 
@@ -107,7 +108,8 @@ def paint(rng, library, label, view):
     part, p, n, rotation = library.view(label.shape, view)
     material = MATERIALS[label.material]
     color = TEXTURES[material](rng, p, n, palette_of(rng, label))
-    if label.colour != 11 or rng.random() < 0.5:
+    # Dirt on what mirrors looks like what it mirrors, or like plain things.
+    if material != "metal" or rng.random() < 0.3:
         color = add_wear(rng, p, n, color)
     inside = part[part > 0]
     for k in np.unique(inside):
@@ -116,11 +118,13 @@ def paint(rng, library, label, view):
                 0.75, 1.1)
     if SHAPES[label.shape] == "teddy bear":
         n = n + rng.normal(0, 0.25, n.shape).astype(np.float32)
-    if SHAPES[label.shape] in solids.FLAT:
-        color = color * rng.uniform(0.8, 1.0)
+    metal = material == "metal"
+    if SHAPES[label.shape] not in solids.FLAT:
+        color = shade(rng, color.astype(np.float32), p, n, rotation, metal)
+    elif metal:
+        color = sheen(rng, color.astype(np.float32), p)
     else:
-        color = shade(rng, color.astype(np.float32), n, rotation,
-                      material == "metal" or label.colour >= 11)
+        color = color * rng.uniform(0.8, 1.0)
     picture = np.zeros((*part.shape, 4), np.uint8)
     picture[part > 0, :3] = np.clip(color, 0, 255)
     picture[part > 0, 3] = 255

@@ -195,7 +195,17 @@ def add_wear(rng, p, n, color):
     return color
 
 
-def shade(rng, color, normal, rotation, metal):
+def sheen(rng, color, p):
+    """Sheet metal: bright and dark bands across."""
+    angle = rng.uniform(0, np.pi)
+    along = p[:, 0] * np.cos(angle) + p[:, 1] * np.sin(angle)
+    bands = sum(np.sin(k * rng.uniform(1, 2) * along + rng.uniform(0, 6.3)) / k
+                for k in (1, 2, 4)) / 1.75
+    glow = (np.clip(bands, 0, 1) ** 2 * rng.uniform(0.4, 0.8))[:, None]
+    return color * (0.8 + 0.4 * bands[:, None]) + glow * (color * 0.3 + 80)
+
+
+def shade(rng, color, p, normal, rotation, metal):
     """Light from one side and from everywhere, and highlights."""
     n = normal @ rotation.T
     light = np.array([rng.normal(0, 0.6), rng.uniform(0.2, 1.2),
@@ -208,9 +218,10 @@ def shade(rng, color, normal, rotation, metal):
     half /= np.linalg.norm(half)
     shine = np.clip(n @ half, 0, 1)
     if metal:
-        sky = noise_at(n[:, 0] * 0.2 + rng.random(),
-                       n[:, 1] * 0.35 + rng.random())
-        bright = bright * (0.45 + 0.9 * sky)
+        # What is mirrored changes across flat faces, too.
+        sky = noise_at(n[:, 0] * 0.2 + p[:, 0] * 0.1 + rng.random(),
+                       n[:, 1] * 0.35 + p[:, 1:].sum(1) * 0.1 + rng.random())
+        bright = bright * (0.4 + sky)
         glow = (shine ** 12)[:, None] * rng.uniform(0.3, 0.7)
         return color * bright[:, None] + glow * (color * 0.5 + 128)
     power = rng.uniform(10, 60)

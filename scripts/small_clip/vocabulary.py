@@ -87,10 +87,12 @@ def choose_label(rng):
         weights[4:] *= 0.4
     material = MATERIALS[rng.choice(9, p=weights / weights.sum())]
     colour = int(rng.integers(11))
-    if material == "metal":
+    if material == "plain" and rng.random() < 0.06:
+        material, colour = "metal", 11
+    elif material == "metal":
         colour = int(rng.choice([11, 11, 12, 12, rng.integers(11)]))
-    elif material == "plain" and rng.random() < 0.06:
-        colour = 11
+        # What is yellow, white or grey and mirrors has names of its own.
+        colour = {3: 11, 9: 12, 10: 12}.get(colour, colour)
     if material in ("striped", "checked") and colour in (8, 9, 10):
         colour = int(rng.integers(8))  # white is the second one
     if material in NATURAL or (material == "striped" and rng.random() < 0.4):
