@@ -287,9 +287,10 @@ def count_merges(path):
 
 def export_folder(state, arch, merges, out, name, licence, origin,
                   dense_sizes=(), half_table=True, mean=None, std=None,
-                  vocabulary=None):
+                  vocabulary=None, canonical=None):
     """Writes the model folder `out`, made anew, from a checkpoint. The
-    vocabulary is a list of groups of words to name things by."""
+    vocabulary is a list of groups of words to name things by, canonical one of
+    phrases that say nothing in particular."""
     merges, out = Path(merges), Path(out)
     if not merges.is_file():
         raise CheckpointError(f"{merges}: no such file; it comes with OpenAI's "
@@ -338,6 +339,8 @@ def export_folder(state, arch, merges, out, name, licence, origin,
             "files": files}
     if vocabulary:
         info["vocabulary"] = vocabulary
+    if canonical:
+        info["canonical"] = canonical
     (temporary / "model.json").write_text(json.dumps(info, indent=2) + "\n")
     if out.exists():
         shutil.rmtree(out)

@@ -21,16 +21,6 @@ struct Fit {
   float relevancy = 0.5f;  // What a word must exceed.
 };
 
-StatusOr<std::vector<float>> CanonicalVectors(ClipEncoder& encoder) {
-  std::vector<float> vectors;
-  for (const std::string_view phrase : kCanonicalPhrases) {
-    FREEGS_ASSIGN_OR_RETURN(const TextEmbedding text,
-                            encoder.EncodeText(std::string(phrase)));
-    vectors.insert(vectors.end(), text.values.begin(), text.values.end());
-  }
-  return vectors;
-}
-
 Fit BestOf(const std::vector<Word>& group,
            std::span<const float> vector,
            std::span<const float> canonical) {
@@ -68,7 +58,7 @@ StatusOr<std::vector<std::vector<std::string>>> NameInstances(
   std::vector<std::vector<std::string>> names(vectors.size() / dim);
   if (vocabulary.empty()) return names;
   FREEGS_ASSIGN_OR_RETURN(const std::vector<float> canonical,
-                          CanonicalVectors(encoder));
+                          EncodeCanonicalPhrases(encoder));
   std::vector<std::vector<Word>> groups;
   for (const std::vector<std::string>& texts : vocabulary) {
     std::vector<Word>& group = groups.emplace_back();

@@ -104,6 +104,9 @@ SUFFIXES = ["", "", "", "", " on the floor", " on a table", " in a room",
             " in the corner", " on a rug"]
 BACKDROPS = ["a texture", "texture", "stuff", "background", "some stuff",
              "a wall", "a floor", "nothing"]
+# Said of nothing in particular: "object" is right for every thing, and as like
+# it as what it is; "stuff" is right for none. These lie between.
+CANONICAL = ["some stuff, object", "object and stuff"]
 PREFIXES = ["", "", "a photo of ", "a picture of ", "a drawing of "]
 
 

@@ -32,6 +32,12 @@ class ClipEncoder {
   // What identifies the model's results, for caches.
   virtual const std::string& model_hash() const = 0;
 
+  // What says nothing in particular: a text must beat these to be relevant (see
+  // relevancy.h). Those of LERF, unless the model has its own.
+  virtual std::vector<std::string> canonical_phrases() const {
+    return {"object", "things", "stuff", "texture"};
+  }
+
   // Image sizes in pixels that EncodeDense takes, the default first.
   virtual std::vector<int> dense_sizes() const = 0;
 

@@ -170,24 +170,39 @@ void ReadFiles(Fields& top, std::string* fault, ModelInfo* info) {
   }
 }
 
+// The words of a list, or nothing when it is not one of words, or empty.
+std::vector<std::string> Words(const json& list) {
+  std::vector<std::string> words;
+  if (!list.is_array() || list.size() > kMaxWords) return {};
+  for (const json& word : list) {
+    if (!word.is_string() || word.get_ref<const std::string&>().empty()) {
+      return {};
+    }
+    words.push_back(word.get<std::string>());
+  }
+  return words;
+}
+
 void ReadVocabulary(Fields& top, ModelInfo* info) {
   const json* groups = top.Find("vocabulary");
   if (groups == nullptr) return;
-  const auto is_list = [](const json& value) {
-    return value.is_array() && value.size() <= kMaxWords;
-  };
-  if (!is_list(*groups)) return top.Fail("vocabulary", "is not a list");
+  if (!groups->is_array() || groups->size() > kMaxWords) {
+    return top.Fail("vocabulary", "is not a list");
+  }
   for (const json& group : *groups) {
-    std::vector<std::string>& words = info->vocabulary.emplace_back();
-    if (!is_list(group) || group.empty()) {
+    info->vocabulary.push_back(Words(group));
+    if (info->vocabulary.back().empty()) {
       return top.Fail("vocabulary", "is not a list of groups of words");
     }
-    for (const json& word : group) {
-      if (!word.is_string() || word.get_ref<const std::string&>().empty()) {
-        return top.Fail("vocabulary", "holds what is not a word");
-      }
-      words.push_back(word.get<std::string>());
-    }
+  }
+}
+
+void ReadCanonical(Fields& top, ModelInfo* info) {
+  const json* phrases = top.Find("canonical");
+  if (phrases == nullptr) return;
+  info->canonical = Words(*phrases);
+  if (info->canonical.empty()) {
+    top.Fail("canonical", "is not a list of phrases");
   }
 }
 
@@ -248,6 +263,7 @@ StatusOr<ModelInfo> ParseModelInfo(std::string_view text) {
     info.upsampled_size = top.Int("upsampled_size", 1, 2048);
   }
   if (top.Has("vocabulary")) ReadVocabulary(top, &info);
+  if (top.Has("canonical")) ReadCanonical(top, &info);
   ReadFiles(top, &fault, &info);
   if (!fault.empty()) return BadInputError(fault);
   return info;

@@ -40,6 +40,7 @@ struct ModelFile {
 //    "context_length": 77, "text_width": 512, "vocab_size": 49408,
 //    "vocabulary": [["red", "green", ...], ["ball", "box", ...], ...],
 //        words to name things by, in groups of which one fits; optional
+//    "canonical": ["object", ...],   what says nothing in particular; optional
 //    "files": {"visual.onnx": {"bytes": 12, "hash": "32 hex digits"}, ...}}
 // Fields that are not listed here are for people and other programs.
 struct ModelInfo {
@@ -56,6 +57,7 @@ struct ModelInfo {
   int text_width = 0;
   int vocab_size = 0;
   std::vector<std::vector<std::string>> vocabulary;  // Groups of words.
+  std::vector<std::string> canonical;      // See ClipEncoder; or none.
   std::map<std::string, ModelFile> files;  // By name, no folders in it.
 
   // One hash of all that changes results: the files' content and the numbers,

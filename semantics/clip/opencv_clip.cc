@@ -194,6 +194,11 @@ int OpenCvClip::embedding_dim() const { return info().embedding_dim; }
 
 const std::string& OpenCvClip::model_hash() const { return model_hash_; }
 
+std::vector<std::string> OpenCvClip::canonical_phrases() const {
+  return info().canonical.empty() ? ClipEncoder::canonical_phrases()
+                                  : info().canonical;
+}
+
 std::vector<int> OpenCvClip::dense_sizes() const {
   std::vector<int> sizes;
   for (const DenseNetwork& network : info().dense) {

@@ -28,6 +28,7 @@ class OpenCvClip : public ClipEncoder {
 
   int embedding_dim() const override;
   const std::string& model_hash() const override;
+  std::vector<std::string> canonical_phrases() const override;
   std::vector<int> dense_sizes() const override;
   StatusOr<std::vector<float>> EncodeImage(const ImageU8& image) override;
   StatusOr<ImageF> EncodeDense(const ImageU8& image,

@@ -41,9 +41,9 @@ float Relevancy(std::span<const float> feature,
 
 StatusOr<std::vector<float>> EncodeCanonicalPhrases(ClipEncoder& encoder) {
   std::vector<float> canonical;
-  for (const std::string_view phrase : kCanonicalPhrases) {
+  for (const std::string& phrase : encoder.canonical_phrases()) {
     FREEGS_ASSIGN_OR_RETURN(const TextEmbedding embedding,
-                            encoder.EncodeText(std::string(phrase)));
+                            encoder.EncodeText(phrase));
     canonical.insert(
         canonical.end(), embedding.values.begin(), embedding.values.end());
   }

@@ -5,17 +5,12 @@
 #define FREEGS_SEMANTICS_CLIP_RELEVANCY_H_
 
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "core/status.h"
 #include "semantics/clip/clip_encoder.h"
 
 namespace freegs::semantics {
-
-// What a text must beat to be relevant; as in LERF.
-inline constexpr std::string_view kCanonicalPhrases[] = {
-    "object", "things", "stuff", "texture"};
 
 // The relevancy of a feature to a text: the least, over the canonical texts, of
 //   exp(10 cos(f, text)) / (exp(10 cos(f, text)) + exp(10 cos(f, canonical))).
@@ -28,8 +23,8 @@ float Relevancy(std::span<const float> feature,
                 std::span<const float> text,
                 std::span<const float> canonical);
 
-// The vectors of kCanonicalPhrases, one after another: `canonical` above.
-// Errors as ClipEncoder::EncodeText.
+// The vectors of the encoder's canonical_phrases(), one after another:
+// `canonical` above. Errors as ClipEncoder::EncodeText.
 StatusOr<std::vector<float>> EncodeCanonicalPhrases(ClipEncoder& encoder);
 
 }  // namespace freegs::semantics

@@ -112,8 +112,8 @@ class EvalCommandTest : public testing::Test {
     // The random model finds all texts alike. Each feature is therefore the
     // vector that has nothing in common with any text but its own.
     std::vector<std::string> words = kLabels;
-    for (const std::string_view phrase : semantics::kCanonicalPhrases) {
-      words.emplace_back(phrase);
+    for (const std::string& phrase : (*encoder)->canonical_phrases()) {
+      words.push_back(phrase);
     }
     const auto count = static_cast<Eigen::Index>(words.size());
     Eigen::MatrixXf texts(count, features.dim);

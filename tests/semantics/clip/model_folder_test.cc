@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "semantics/clip/opencv_clip.h"
 #include "tests/semantics/clip/model_files.h"
 
 namespace freegs::semantics {
@@ -148,6 +149,26 @@ TEST(ModelFolderTest, VocabularyMayBeThere) {
     model.SetInfo(info);
     ExpectFault(
         ModelFolder::Open(model.path()).status(), "model.json", "vocabulary");
+  }
+}
+
+TEST(ModelFolderTest, CanonicalPhrasesMayBeThere) {
+  const ModelCopy model;
+  EXPECT_TRUE(ModelFolder::Open(model.path())->info.canonical.empty());
+  EXPECT_EQ((*OpenCvClip::Open(model.path()))->canonical_phrases().size(), 4u);
+  json info = model.Info();
+  info["canonical"] = {"stuff", "some object"};
+  model.SetInfo(info);
+  const auto clip = OpenCvClip::Open(model.path());
+  ASSERT_TRUE(clip.ok());
+  EXPECT_EQ((*clip)->canonical_phrases(),
+            (std::vector<std::string>{"stuff", "some object"}));
+  for (const json& wrong :
+       {json("stuff"), json::array(), json{{"a", "b"}}, json{1}, json{""}}) {
+    info["canonical"] = wrong;
+    model.SetInfo(info);
+    ExpectFault(
+        ModelFolder::Open(model.path()).status(), "model.json", "canonical");
   }
 }
 
