@@ -28,9 +28,8 @@ struct ExampleHit {
 
 struct TextQueryOptions {
   // Instances of less relevancy are not hits; without any, what was asked for
-  // is not here. One half has a meaning that does not depend on the model: the
-  // instance is more like the text than like each of the canonical phrases
-  // ("object", "things", "stuff", "texture"). It says no more than that:
+  // is not here. From one half on the instance is more like the text than like
+  // each of the encoder's canonical phrases. It says no more than that:
   // relevancies of a small encoder lie close together, so that something of the
   // wrong kind may pass, and a word that the encoder never learnt may be
   // relevant anywhere. What is known about an encoder's own answers is better

@@ -14,9 +14,9 @@ namespace freegs::stages {
 
 // Writes a picture of the image, upright, in grey, with the places that are
 // like the words in colour: dense features of the model, upsampled along the
-// image's edges, and their relevancy to the words against "object", "things",
-// "stuff" and "texture" as in LERF. Relevancy up to one half has no colour: the
-// place is no more like the words than like any thing. Prints the range of the
+// image's edges, and their relevancy to the words against the model's canonical
+// phrases as in LERF. Relevancy up to one half has no colour: the place is no
+// more like the words than like one of these. Prints the range of the
 // relevancy and where it is highest, in pixels of the picture.
 // --cache DIR keeps the features for other words.
 Status RunFeaturesCommand(const std::vector<std::string>& arguments,
