@@ -24,7 +24,7 @@ It knows drawn things and few words. For photographs of the world use
   beside its linear map of patches (scripts/small_clip/stem.py); text width {arch.text_width}, {arch.text_layers} layers, {arch.context_length} positions; {count} parameters, {megabytes:.1f} MB in all files.
 - Training: {state.images_seen} images in {state.step} steps, {state.seconds / 3600:.1f} h, seed
   {arguments.seed}, only procedural drawings by `scripts/small_clip/`; no photographs, no
-  other model's outputs. `scripts/train_small_clip.py` trains it again.
+  other model's outputs. `scripts/train_small_clip.py`; in which runs: docs/clip.md.
 - Licence: BSD-3-Clause, as the program.
 
 ## Vocabulary

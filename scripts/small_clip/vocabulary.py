@@ -25,6 +25,8 @@ COLOURS = {
     "silver": (0.5, 0.5, 0.0, 0.06, 0.62, 0.78),
 }
 COLOUR_NAMES = list(COLOURS)
+MIRRORING = {COLOUR_NAMES.index(a): COLOUR_NAMES.index(b) for a, b in (
+    ("yellow", "golden"), ("white", "silver"), ("grey", "silver"))}
 MATERIALS = ["plain", "striped", "dotted", "checked", "wooden", "brick",
              "marble", "cardboard", "metal"]
 # Materials with a colour of their own, and what one might call it: such
@@ -92,7 +94,7 @@ def choose_label(rng):
     elif material == "metal":
         colour = int(rng.choice([11, 11, 12, 12, rng.integers(11)]))
         # What is yellow, white or grey and mirrors has names of its own.
-        colour = {3: 11, 9: 12, 10: 12}.get(colour, colour)
+        colour = MIRRORING.get(colour, colour)
     if material in ("striped", "checked") and colour in (8, 9, 10):
         colour = int(rng.integers(8))  # white is the second one
     if material in NATURAL or (material == "striped" and rng.random() < 0.4):
