@@ -15,7 +15,7 @@ SCENE.csv for each; nothing else should run. A chart:
 
   bench/plot_curves.py OUT.svg TITLE SCENE=FOLDER/SCENE.csv ... --label size
       --x milliseconds --y text_miou --x-label "milliseconds per photograph"
-      --y-label "text mIoU of places alone"
+      --y-label "text mIoU of places alone" --low 0.2 --high 1 --step 0.2
 """
 import argparse
 import csv

@@ -61,14 +61,17 @@ def start_worker(cache, seed, views, backgrounds):
 
 def draw_chunk(job):
     """Images first .. first + count of a seed, where the things are in
-    them, and their labels."""
-    seed, first, count, size = job
+    them, and their labels. When finishing, every third has a colour that is
+    often mistaken."""
+    seed, first, count, size, finishing = job
     images = np.empty((count, size, size, 3), np.uint8)
     grid = size // drawings.PATCH
     covers, labels = np.empty((count, grid, grid), np.uint8), []
     for i in range(count):
+        label = vocabulary.choose_mistaken_label(np.random.default_rng(
+            (seed, 5, first + i))) if finishing and i % 3 == 0 else None
         images[i], label, covers[i] = drawings.draw_and_cover(
-            library, seed, first + i, size)
+            library, seed, first + i, size, label)
         labels.append(label)
     return images, covers, labels
 
@@ -79,6 +82,7 @@ class Ring:
 
     def __init__(self, pool, arguments, size, capacity, fresh, first):
         self.pool, self.seed, self.size = pool, arguments.seed, size
+        self.finishing = bool(arguments.finish)
         self.fresh, self.next_image = fresh, first
         self.images = np.zeros((capacity, size, size, 3), np.uint8)
         grid = size // drawings.PATCH
@@ -89,7 +93,8 @@ class Ring:
 
     def order(self):
         while len(self.waiting) < PREFETCH:
-            job = (self.seed, self.next_image, self.fresh, self.size)
+            job = (self.seed, self.next_image, self.fresh, self.size,
+                   self.finishing)
             self.waiting.append((job, self.ask(job)))
             self.next_image += self.fresh
 

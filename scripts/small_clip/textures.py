@@ -55,18 +55,25 @@ def plane_of(p, n):
     return u, v, axis
 
 
+def wide_axes(p):
+    """Along which axes a solid is more than a sheet: a pattern that changes
+    along another would not be seen."""
+    return np.ptp(p, axis=0) > 0.3
+
+
 def texture_plain(rng, p, n, colour):
     return np.repeat(colour[None], len(p), 0)
 
 
 def texture_striped(rng, p, n, colours):
-    kind = rng.random()
-    if kind < 0.55:
+    kind, wide = rng.random(), wide_axes(p)
+    if kind < 0.55 and wide[0] and wide[2]:
         count = int(rng.integers(3, 7)) * len(colours)
         t = (np.arctan2(p[:, 0], p[:, 2]) / (2 * np.pi) + 0.5) * count
     else:
-        axis = np.array([(0, 1, 0), (1, 0, 0), (0, 0, 1), (0.6, 0.6, 0.4)][
-            rng.integers(4)] if kind < 0.9 else rng.normal(size=3))
+        axes = [*np.eye(3)[wide], (0.6, 0.6, 0.4)]
+        axis = np.array(axes[rng.integers(len(axes))] if kind < 0.9
+                        else rng.normal(size=3))
         t = p @ (axis * rng.uniform(3, 7)).astype(np.float32)
     t = (t + rng.random()).astype(np.int32) % len(colours) if len(
         colours) > 2 else ((t + rng.random()) % 1 > 0.5).astype(np.int32)
@@ -75,7 +82,7 @@ def texture_striped(rng, p, n, colours):
 
 def texture_dotted(rng, p, n, colours):
     scale = rng.uniform(2.5, 5)
-    if rng.random() < 0.5:
+    if rng.random() < 0.5 or not wide_axes(p).all():
         u, v, _ = plane_of(p, n)
         q = np.stack([u, v], 1) * scale + rng.random(2)
         q[:, 0] += 0.5 * (np.floor(q[:, 1]) % 2)
@@ -90,7 +97,8 @@ def texture_dotted(rng, p, n, colours):
 def texture_checked(rng, p, n, colours):
     scale, shift = rng.uniform(2, 4.5), rng.random(2)
     u, v, _ = plane_of(p, n)
-    if rng.random() < 0.3:
+    wide = wide_axes(p)
+    if rng.random() < 0.3 and wide[0] and wide[2]:
         u = np.arctan2(p[:, 0], p[:, 2]) * int(
             rng.integers(3, 7)) / np.pi / scale
         v = p[:, 1]
@@ -175,8 +183,9 @@ def add_wear(rng, p, n, color):
     o = rng.random(2)
     if rng.random() < 0.5:
         t = noise_at(u * 0.7 + o[0] + 0.3 * axis, v * 0.7 + o[1])
-        color = color * (1 - rng.uniform(0.1, 0.6) * np.clip(
-            t * 2 - 0.8, 0, 1))[:, None]
+        amount = rng.uniform(0.1, 0.6) * np.clip(t * 2 - 0.8, 0, 1)
+        # Dirt is brown: with grey dirt a white thing looks like silver.
+        color = color * (1 - amount[:, None] * np.float32([0.75, 0.95, 1.2]))
     if rng.random() < 0.3:
         s = rng.uniform(2, 4)
         q = np.stack([u, v], 1) * s + o
@@ -199,10 +208,17 @@ def sheen(rng, color, p):
     """Sheet metal: bright and dark bands across."""
     angle = rng.uniform(0, np.pi)
     along = p[:, 0] * np.cos(angle) + p[:, 1] * np.sin(angle)
-    bands = sum(np.sin(k * rng.uniform(1, 2) * along + rng.uniform(0, 6.3)) / k
-                for k in (1, 2, 4)) / 1.75
+    bands = sum(np.sin(k * rng.uniform(1.5, 3) * along +
+                       rng.uniform(0, 6.3)) / k for k in (1, 2, 4)) / 1.75
     glow = (np.clip(bands, 0, 1) ** 2 * rng.uniform(0.4, 0.8))[:, None]
-    return color * (0.8 + 0.4 * bands[:, None]) + glow * (color * 0.3 + 80)
+    return (color * mirrored(0.5 + 0.5 * bands)[:, None] +
+            glow * (color * 0.3 + 80))
+
+
+def mirrored(t):
+    """What metal mirrors, of values about 0.5: a dark room and bright windows
+    with little between them, as nothing dull has."""
+    return 0.35 + 0.85 / (1 + np.exp(9 * (0.5 - t)))
 
 
 def shade(rng, color, p, normal, rotation, metal):
@@ -219,10 +235,11 @@ def shade(rng, color, p, normal, rotation, metal):
     shine = np.clip(n @ half, 0, 1)
     if metal:
         # What is mirrored changes across flat faces, too.
-        sky = noise_at(n[:, 0] * 0.2 + p[:, 0] * 0.1 + rng.random(),
-                       n[:, 1] * 0.35 + p[:, 1:].sum(1) * 0.1 + rng.random())
-        bright = bright * (0.4 + sky)
-        glow = (shine ** 12)[:, None] * rng.uniform(0.3, 0.7)
+        sky = mirrored(noise_at(
+            n[:, 0] * 0.2 + p[:, 0] * 0.35 + rng.random(),
+            n[:, 1] * 0.35 + p[:, 1:].sum(1) * 0.35 + rng.random()))
+        bright = bright * sky * 1.1
+        glow = (shine ** 12 * sky)[:, None] * rng.uniform(0.2, 0.5)
         return color * bright[:, None] + glow * (color * 0.5 + 128)
     power = rng.uniform(10, 60)
     glow = rng.uniform(0, 0.6) ** 2

@@ -90,9 +90,9 @@ def choose_label(rng):
     material = MATERIALS[rng.choice(9, p=weights / weights.sum())]
     colour = int(rng.integers(11))
     if material == "plain" and rng.random() < 0.06:
-        material, colour = "metal", 11
+        material, colour = "metal", int(rng.choice([11, 12]))
     elif material == "metal":
-        colour = int(rng.choice([11, 11, 12, 12, rng.integers(11)]))
+        colour = int(rng.choice([11, 11, 12, 12, 12, rng.integers(11)]))
         # What is yellow, white or grey and mirrors has names of its own.
         colour = MIRRORING.get(colour, colour)
     if material in ("striped", "checked") and colour in (8, 9, 10):
@@ -100,6 +100,19 @@ def choose_label(rng):
     if material in NATURAL or (material == "striped" and rng.random() < 0.4):
         colour = -1
     return Label(colour, MATERIALS.index(material), shape)
+
+
+OFTEN_MISTAKEN = ["silver", "silver", "white", "grey", "golden", "yellow"]
+
+
+def choose_mistaken_label(rng):
+    """A label with a colour that is easily taken for another."""
+    colour = COLOUR_NAMES.index(OFTEN_MISTAKEN[rng.integers(
+        len(OFTEN_MISTAKEN))])
+    while True:
+        label = choose_label(rng)
+        if label.colour == colour:
+            return label
 
 
 SUFFIXES = ["", "", "", "", " on the floor", " on a table", " in a room",
