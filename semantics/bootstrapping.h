@@ -49,7 +49,7 @@ struct BootstrappingOptions {
   // What an instance's vector is made of: this share of what the encoder makes
   // of the instance cut out, the rest the mean of its Gaussians' vectors. The
   // paper asks the Gaussians only, which training has drawn to both.
-  double instance_share = 1;
+  double instance_share = 0.5;
 
   // For kTrain.
   FieldTrainingOptions training;
