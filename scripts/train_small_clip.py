@@ -443,8 +443,9 @@ def parse():
     parser.add_argument("--minutes", type=float, default=600)
     parser.add_argument("--steps", type=int, help="instead of --minutes")
     parser.add_argument("--finish", type=int, default=0, metavar="STEPS",
-                        help="so many steps more, all at 224 pixels, at a "
-                        "rate that falls from a fifth of --rate")
+                        help="so many steps more, all at 224 pixels, with "
+                        "often mistaken colours more often, at a rate that "
+                        "falls from a fifth of --rate")
     parser.add_argument("--evaluate", action="store_true",
                         help="no training: measure and export")
     parser.add_argument("--dense-size", type=int, action="append", default=[],
