@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The matching step. Descriptors are compared here, exactly; COLMAP then keeps
-// the matches that fit a motion of the camera. It does so in fixed portions of
-// pairs, one single-threaded program each: its random draws, and so the result,
-// do not depend on how many run at once.
+// the matches that fit a motion of the camera. It may also look for more
+// matches once it knows that motion.
 
 #include <algorithm>
 #include <functional>
@@ -16,14 +15,12 @@
 #include "sfm/descriptor_matching.h"
 #include "sfm/match_database.h"
 #include "sfm/pair_selection.h"
+#include "sfm/portioned_import.h"
 
 namespace freegs::sfm {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr size_t kMaxPortions = 32;
-constexpr size_t kMinPairsPerPortion = 20;
 
 // How often pairs are chosen: to begin with, and where that connects too
 // little.
@@ -33,39 +30,13 @@ constexpr int kMaxRounds = 3;
 // (SiftMatching.min_num_inliers).
 constexpr size_t kMinMatches = 15;
 
-using IdPair = std::pair<uint32_t, uint32_t>;
 using Matches = std::vector<std::pair<uint32_t, uint32_t>>;
-
-struct Portion {
-  int number = 0;
-  std::vector<IdPair> pairs;
-};
-
-// Names in the copies that a portion works on. (COLMAP's match lists are
-// separated by spaces, which names of photos may have.)
-std::string PlainName(uint32_t id) { return "photo" + std::to_string(id); }
-
-struct PortionFiles {
-  fs::path database;
-  fs::path matches;
-
-  PortionFiles(const fs::path& folder, int number)
-      : database(folder / ("matches_" + std::to_string(number) + ".db")),
-        matches(folder / ("matches_" + std::to_string(number) + ".txt")) {}
-
-  void Remove() const {
-    RemoveDatabase(database);
-    std::error_code ignored;
-    fs::remove(matches, ignored);
-  }
-};
 
 class Matcher {
  public:
   Matcher(const StepContext& context, const fs::path& database)
       : context_(context),
         database_path_(database),
-        base_path_(context.input.work_folder / "matches.db"),
         pool_(context.num_threads) {}
 
   // Finds the photos that have features, and reads these.
@@ -81,25 +52,14 @@ class Matcher {
   StatusOr<std::vector<PhotoPair>> Verified(
       const std::set<PhotoPair>& tried) const;
   Status WritePairs(const std::set<PhotoPair>& pairs) const;
-  Status MatchRound(const std::vector<PhotoPair>& pairs,
-                    const std::set<int>& done,
-                    const std::function<Status(int)>& on_done);
-  Status MakeBase(const MatchDatabase& database);
-  StatusOr<std::string> MatchPairs(const Portion& portion);
-  StatusOr<ChildCommand> StartPortion(const Portion& portion);
-  Status FinishPortion(const Portion& portion, const ChildResult& result);
+  std::string MatchPairs(const std::vector<IdPair>& pairs);
 
   const StepContext& context_;
   const fs::path database_path_;
-  const fs::path base_path_;  // What each portion starts from.
   ThreadPool pool_;
   std::vector<uint32_t> ids_;  // Of photos with features, in the order given.
   std::vector<std::string> names_;  // Of the same.
-  int num_portions_ = 0;            // Of the rounds so far.
-  std::vector<Portion> todo_;
   std::map<uint32_t, SiftDescriptors> descriptors_;
-  double total_ = 0;
-  double matched_ = 0;
 };
 
 Status Matcher::Prepare() {
@@ -120,7 +80,7 @@ Status Matcher::Prepare() {
     FREEGS_ASSIGN_OR_RETURN(descriptors_[it->second],
                             database.Descriptors(it->second));
   }
-  return MakeBase(database);
+  return {};
 }
 
 // What was matched, as the list of names that COLMAP's matches_importer takes
@@ -171,36 +131,19 @@ StatusOr<std::vector<PhotoPair>> Matcher::Verified(
   return verified;
 }
 
-// A small copy of the database: photos and keypoints, under plain names.
-Status Matcher::MakeBase(const MatchDatabase& database) {
-  const fs::path whole = base_path_.string() + ".tmp";
-  RemoveDatabase(base_path_);
-  RemoveDatabase(whole);
-  FREEGS_RETURN_IF_ERROR(database.CopyTo(whole));
-  {
-    FREEGS_ASSIGN_OR_RETURN(MatchDatabase copy, MatchDatabase::Open(whole));
-    FREEGS_RETURN_IF_ERROR(copy.ClearMatchesAndDescriptors());
-    FREEGS_RETURN_IF_ERROR(copy.RenamePhotos(PlainName));
-    // Copying leaves the freed space behind.
-    FREEGS_RETURN_IF_ERROR(copy.CopyTo(base_path_));
-  }
-  RemoveDatabase(whole);
-  return {};
-}
-
 // The matches of all pairs as text that COLMAP reads: the two names, a line per
 // match, an empty line.
-StatusOr<std::string> Matcher::MatchPairs(const Portion& portion) {
-  std::vector<Matches> matches(portion.pairs.size());
+std::string Matcher::MatchPairs(const std::vector<IdPair>& pairs) {
+  std::vector<Matches> matches(pairs.size());
   const CancellationToken* cancellation = context_.input.cancellation;
   pool_.ParallelFor(
       0,
-      static_cast<int64_t>(portion.pairs.size()),
+      static_cast<int64_t>(pairs.size()),
       1,
       [&](int64_t first, int64_t last, int) {
         for (int64_t i = first; i < last; ++i) {
           if (cancellation != nullptr && cancellation->cancelled()) return;
-          const auto& [a, b] = portion.pairs[i];
+          const auto& [a, b] = pairs[i];
           matches[i] = MatchDescriptors(
               descriptors_.at(a), descriptors_.at(b), context_.matching);
         }
@@ -208,8 +151,8 @@ StatusOr<std::string> Matcher::MatchPairs(const Portion& portion) {
   std::string text;
   for (size_t i = 0; i < matches.size(); ++i) {
     if (matches[i].size() < kMinMatches) continue;
-    text += PlainName(portion.pairs[i].first) + " " +
-            PlainName(portion.pairs[i].second) + "\n";
+    text += PlainPhotoName(pairs[i].first) + " " +
+            PlainPhotoName(pairs[i].second) + "\n";
     for (const auto& [a, b] : matches[i]) {
       text += std::to_string(a) + " " + std::to_string(b) + "\n";
     }
@@ -218,97 +161,32 @@ StatusOr<std::string> Matcher::MatchPairs(const Portion& portion) {
   return text;
 }
 
-StatusOr<ChildCommand> Matcher::StartPortion(const Portion& portion) {
-  const PortionFiles files(context_.input.work_folder, portion.number);
-  files.Remove();
-  FREEGS_ASSIGN_OR_RETURN(const std::string matches, MatchPairs(portion));
-  FREEGS_RETURN_IF_ERROR(WriteFileAtomic(files.matches, matches));
-  std::error_code error;
-  fs::copy_file(base_path_, files.database, error);
-  if (error) {
-    return InternalError(files.database.string() +
-                         ": cannot be written: " + error.message());
-  }
-  FREEGS_ASSIGN_OR_RETURN(
-      ColmapArguments arguments,
-      context_.Arguments("matches_importer", portion.pairs.size() / 20));
-  arguments.Require("database_path", files.database.string());
-  arguments.Require("match_list_path", files.matches.string());
-  arguments.Require("match_type", "raw");
-  arguments.Prefer({"FeatureMatching.use_gpu", "SiftMatching.use_gpu"}, "0");
-  arguments.AddAll({"FeatureMatching.num_threads", "SiftMatching.num_threads"},
-                   "1");
-  arguments.AddAll(
-      {"random_seed", "default_random_seed", "TwoViewGeometry.random_seed"},
-      std::to_string(context_.input.seed % 2147483647));
-  return arguments.Finish();
-}
-
-Status Matcher::FinishPortion(const Portion& portion,
-                              const ChildResult& result) {
-  FREEGS_RETURN_IF_ERROR(CheckEnded(context_, "matches_importer", result));
-  const PortionFiles files(context_.input.work_folder, portion.number);
-  FREEGS_ASSIGN_OR_RETURN(MatchDatabase database,
-                          MatchDatabase::Open(database_path_));
-  FREEGS_RETURN_IF_ERROR(database.CopyMatchesFrom(files.database));
-  matched_ += static_cast<double>(portion.pairs.size());
-  context_.Report("matching", matched_, total_, "");
-  return {};
-}
-
-Status Matcher::MatchRound(const std::vector<PhotoPair>& pairs,
-                           const std::set<int>& done,
-                           const std::function<Status(int)>& on_done) {
-  total_ += static_cast<double>(pairs.size());
-  todo_.clear();
-  const size_t size = std::max(
-      kMinPairsPerPortion, (pairs.size() + kMaxPortions - 1) / kMaxPortions);
-  for (size_t first = 0; first < pairs.size(); first += size) {
-    Portion portion;
-    portion.number = num_portions_++;
-    const size_t end = std::min(first + size, pairs.size());
-    for (size_t k = first; k < end; ++k) {
-      portion.pairs.emplace_back(ids_[pairs[k].first], ids_[pairs[k].second]);
-    }
-    if (done.contains(portion.number)) {
-      matched_ += static_cast<double>(portion.pairs.size());
-      // Left behind when killed right after it was recorded.
-      PortionFiles(context_.input.work_folder, portion.number).Remove();
-    } else {
-      todo_.push_back(std::move(portion));
-    }
-  }
-  context_.Report("matching", matched_, total_, "");
-
-  ChildBatch batch;
-  batch.count = todo_.size();
-  batch.max_parallel = context_.num_threads;
-  batch.prepare = [&](size_t i) { return StartPortion(todo_[i]); };
-  batch.finished = [&](size_t i, const ChildResult& result) -> Status {
-    FREEGS_RETURN_IF_ERROR(FinishPortion(todo_[i], result));
-    // Only now: a portion is recorded when its matches are in the database.
-    FREEGS_RETURN_IF_ERROR(on_done(todo_[i].number));
-    PortionFiles(context_.input.work_folder, todo_[i].number).Remove();
-    return {};
-  };
-  return RunChildren(batch, context_.input.cancellation);
-}
-
 StatusOr<MatchedPairs> Matcher::Run(const std::set<int>& done,
                                     const std::function<Status(int)>& on_done) {
   FREEGS_ASSIGN_OR_RETURN(const PhotoSimilarity similarity, CompareLooks());
   PairSelection selection =
       SelectPairs(names_, similarity, context_.options.pairs);
+  PortionedImport import(
+      context_,
+      {.database = database_path_,
+       .prepare =
+           [](MatchDatabase& copy) {
+             return copy.ClearMatchesAndDescriptors();
+           },
+       .match_type = "raw",
+       .list = [this](const std::vector<IdPair>& pairs)
+           -> StatusOr<std::string> { return MatchPairs(pairs); }});
   std::set<PhotoPair> tried;
   std::vector<PhotoPair> next = std::move(selection.pairs);
   for (int round = 0; round < kMaxRounds && !next.empty(); ++round) {
-    FREEGS_RETURN_IF_ERROR(MatchRound(next, done, on_done));
+    std::vector<IdPair> pairs;
+    for (const auto& [i, j] : next) pairs.emplace_back(ids_[i], ids_[j]);
+    FREEGS_RETURN_IF_ERROR(import.Run(pairs, done, on_done));
     tried.insert(next.begin(), next.end());
     FREEGS_ASSIGN_OR_RETURN(const std::vector<PhotoPair> verified,
                             Verified(tried));
     next = SelectMorePairs(similarity, tried, verified, context_.options.pairs);
   }
-  RemoveDatabase(base_path_);
   FREEGS_RETURN_IF_ERROR(WritePairs(tried));
   const size_t count = ids_.size();
   return MatchedPairs{std::move(selection.strategy),
@@ -326,6 +204,29 @@ StatusOr<MatchedPairs> MatchFeatures(
   Matcher matcher(context, database_path);
   FREEGS_RETURN_IF_ERROR(matcher.Prepare());
   return matcher.Run(done, on_done);
+}
+
+Status MatchGuided(const StepContext& context,
+                   const fs::path& database,
+                   const std::vector<IdPair>& pairs) {
+  // COLMAP looks for more matches in pairs of which it has the matches, but not
+  // yet the motion. Its own search for the first ones, which is not repeatable,
+  // is so left out.
+  PortionedImport import(
+      context,
+      {.database = database,
+       .prepare = [](MatchDatabase& copy) { return copy.ClearVerified(); },
+       .match_type = "pairs",
+       .list = [](const std::vector<IdPair>& portion) -> StatusOr<std::string> {
+         std::string text;
+         for (const auto& [a, b] : portion) {
+           text += PlainPhotoName(a) + " " + PlainPhotoName(b) + "\n";
+         }
+         return text;
+       },
+       .guided = true,
+       .step = "guided matching"});
+  return import.Run(pairs, {}, [](int) { return Status(); });
 }
 
 }  // namespace freegs::sfm

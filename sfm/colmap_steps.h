@@ -10,6 +10,7 @@
 #include <functional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/status.h"
@@ -75,6 +76,13 @@ StatusOr<MatchedPairs> MatchFeatures(
     const std::filesystem::path& database,
     const std::set<int>& done,
     const std::function<Status(int portion)>& on_done);
+
+// Gives pairs that are matched, by ids of photos, the further matches that
+// COLMAP finds along their epipolar lines ("guided matching").
+// kMissingDependency when this COLMAP cannot.
+Status MatchGuided(const StepContext& context,
+                   const std::filesystem::path& database,
+                   const std::vector<std::pair<uint32_t, uint32_t>>& pairs);
 
 // A time after which a COLMAP command that works on so many photos, or twenty
 // times as many pairs, is taken for stuck; seconds.

@@ -42,7 +42,7 @@ class Ladder {
     std::string (Ladder::*why)() const;
     StatusOr<AttemptResult> (*run)(const RungInput&);
   };
-  static const std::array<Rung, 8> kRungs;
+  static const std::array<Rung, 9> kRungs;
 
   // When a rung may help.
   std::string LinkedPhotosMissing() const;
@@ -55,6 +55,7 @@ class Ladder {
 
   // What it costs.
   double CostOfMapping() const { return kMappingCost; }
+  double CostOfGuidedMatching() const;
   double CostOfAllPairs() const;
   double CostOfMatching() const { return kMatchingCost + 2 * kMappingCost; }
   double CostOfFeatures() const { return kMoreFeaturesCost; }
@@ -79,11 +80,12 @@ class Ladder {
   size_t missing_ = 0;  // Photos that the best model lacks, save blurred ones.
   size_t linked_ = 0;   // Of them, those that match photos of the model.
   size_t alone_ = 0;    // Of them, those that match none, nor one another.
+  size_t loose_pairs_ = 0;  // Matching pairs with photos that it lacks.
 };
 
 // The order is the order of costs, except that what needs a mapper of another
 // kind, which is less robust, comes last.
-const std::array<Ladder::Rung, 8> Ladder::kRungs = {{
+const std::array<Ladder::Rung, 9> Ladder::kRungs = {{
     {"lower thresholds",
      &Ladder::CostOfMapping,
      &Ladder::LinkedPhotosMissing,
@@ -97,6 +99,10 @@ const std::array<Ladder::Rung, 8> Ladder::kRungs = {{
      &Ladder::CostOfMapping,
      &Ladder::ModelIsIncomplete,
      &AddPhotos},
+    {"guided matching",
+     &Ladder::CostOfGuidedMatching,
+     &Ladder::LinkedPhotosMissing,
+     &MatchMoreGuided},
     {"all pairs",
      &Ladder::CostOfAllPairs,
      &Ladder::PairsWereLeftOut,
@@ -158,6 +164,12 @@ std::string Ladder::OtherMapperMayHelp() const {
   return LinkedPhotosMissing();
 }
 
+double Ladder::CostOfGuidedMatching() const {
+  return kGuidedMatchingCost * static_cast<double>(loose_pairs_) /
+             std::max(1.0, static_cast<double>(database_.pairs.pairs)) +
+         2 * kMappingCost;
+}
+
 double Ladder::CostOfAllPairs() const {
   return kMatchingCost * static_cast<double>(database_.pairs.all_pairs) /
              std::max(1.0, static_cast<double>(database_.pairs.pairs)) +
@@ -188,9 +200,13 @@ Status Ladder::Look() {
   const size_t count = evidence_.photos.size();
   // Even few matches with a photo of the model may be enough to place another.
   std::vector<bool> linked(count, false);
+  loose_pairs_ = 0;
   for (const PairEvidence& pair : evidence_.pairs) {
-    if (groups.registered[pair.first]) linked[pair.second] = true;
-    if (groups.registered[pair.second]) linked[pair.first] = true;
+    const bool first = groups.registered[pair.first];
+    const bool second = groups.registered[pair.second];
+    if (first) linked[pair.second] = true;
+    if (second) linked[pair.first] = true;
+    if (!first || !second) ++loose_pairs_;
   }
   const std::vector<bool> blurred = FindBlurredPhotos(evidence_, diagnosis_);
   missing_ = linked_ = alone_ = 0;

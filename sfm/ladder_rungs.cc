@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <set>
+#include <system_error>
+#include <utility>
 
 #include "sfm/match_database.h"
 #include "sfm/model_io.h"
@@ -30,23 +32,33 @@ StatusOr<AttemptResult> MapWith(const RungInput& input, Mapping mapping) {
   return result;
 }
 
-// Matches the features of the rung's own database, and maps. Lower thresholds
-// take long on photos that do not belong together, so they are for when there
-// is nothing to lose.
-StatusOr<AttemptResult> MatchAndMap(const RungInput& input,
-                                    const StepContext& context) {
+// Maps the rung's own database, in which so many pairs were matched. Lower
+// thresholds take long on photos that do not belong together, so they are for
+// when there is nothing to lose.
+StatusOr<AttemptResult> MapOwnDatabase(const RungInput& input,
+                                       const StepContext& context,
+                                       MatchedPairs pairs) {
   const fs::path database = AttemptDatabase(input.folder);
   AttemptResult result;
   result.has_database = true;
-  FREEGS_ASSIGN_OR_RETURN(
-      result.pairs,
-      MatchFeatures(context, database, {}, [](int) { return Status(); }));
+  result.pairs = std::move(pairs);
   StatusOr<Models> models =
       input.models.empty() ? MapBest(context, database, Scratch(input))
                            : MapPhotos(context, database, Scratch(input), {});
   if (!models.ok()) return models.status();
   result.models = *std::move(models);
   return result;
+}
+
+// Matches the features of the rung's own database, and maps.
+StatusOr<AttemptResult> MatchAndMap(const RungInput& input,
+                                    const StepContext& context) {
+  FREEGS_ASSIGN_OR_RETURN(
+      MatchedPairs pairs,
+      MatchFeatures(context, AttemptDatabase(input.folder), {}, [](int) {
+        return Status();
+      }));
+  return MapOwnDatabase(input, context, std::move(pairs));
 }
 
 StatusOr<AttemptResult> MatchAgain(const RungInput& input,
@@ -117,6 +129,42 @@ StatusOr<AttemptResult> AddPhotos(const RungInput& input) {
   mapping.start = input.folder / "start";
   FREEGS_RETURN_IF_ERROR(WriteModel(mapping.start, input.models[0]));
   return MapWith(input, mapping);
+}
+
+StatusOr<AttemptResult> MatchMoreGuided(const RungInput& input) {
+  std::set<std::string> registered;
+  if (!input.models.empty()) {
+    for (const PosedImage& image : input.models[0].images) {
+      registered.insert(image.name);
+    }
+  }
+  std::vector<std::pair<uint32_t, uint32_t>> pairs;
+  {
+    FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
+                            MatchDatabase::Open(input.database.path));
+    FREEGS_ASSIGN_OR_RETURN(const auto photos, database.Photos());
+    std::set<uint32_t> missing;
+    for (const MatchDatabase::Photo& photo : photos) {
+      if (!registered.contains(photo.name)) missing.insert(photo.id);
+    }
+    FREEGS_ASSIGN_OR_RETURN(const auto verified, database.VerifiedPairs());
+    for (const MatchDatabase::VerifiedPair& pair : verified) {
+      if (missing.contains(pair.id1) || missing.contains(pair.id2)) {
+        pairs.emplace_back(pair.id1, pair.id2);
+      }
+    }
+  }
+  if (pairs.empty()) return AttemptResult();
+  const fs::path database = AttemptDatabase(input.folder);
+  FREEGS_RETURN_IF_ERROR(CopyDatabase(input.database.path, database));
+  FREEGS_RETURN_IF_ERROR(MatchGuided(input.context, database, pairs));
+  // The same pairs of photos as before.
+  std::error_code error;
+  fs::copy_file(input.database.path.parent_path() / "pairs.txt",
+                input.folder / "pairs.txt",
+                error);
+  if (error) return InternalError("pairs.txt: " + error.message());
+  return MapOwnDatabase(input, input.context, input.database.pairs);
 }
 
 StatusOr<AttemptResult> MatchAllPairs(const RungInput& input) {

@@ -23,6 +23,7 @@ inline constexpr int kMoreFeatures = 2;
 // What ways cost, as multiples of the plain way's features, matching, mapping.
 inline constexpr double kMappingCost = 0.2;
 inline constexpr double kMatchingCost = 0.7;
+inline constexpr double kGuidedMatchingCost = 3 * kMatchingCost;
 inline constexpr double kFeaturesCost = 0.1;
 inline constexpr double kMoreFeaturesCost =
     kFeaturesCost * kMoreFeatures +
@@ -54,8 +55,11 @@ StatusOr<AttemptResult> MergeAll(const RungInput& input);
 // by other photos alone, without points (its structure-less registration).
 StatusOr<AttemptResult> AddPhotos(const RungInput& input);
 
-// Other matches, into the database of the rung: of all pairs; of descriptors
-// that are less alike; of more, and fainter, features in larger images.
+// Other matches, into the database of the rung: more of them for photos that
+// the best model lacks and that match others, along the epipolar lines of what
+// is known to match; of all pairs; of descriptors that are less alike; of more,
+// and fainter, features in larger images.
+StatusOr<AttemptResult> MatchMoreGuided(const RungInput& input);
 StatusOr<AttemptResult> MatchAllPairs(const RungInput& input);
 StatusOr<AttemptResult> MatchLoosely(const RungInput& input);
 StatusOr<AttemptResult> TakeMoreFeatures(const RungInput& input);

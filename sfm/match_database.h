@@ -75,9 +75,10 @@ class MatchDatabase {
       const std::function<void(
           uint32_t, uint32_t, std::span<const FeatureMatch>)>& visit) const;
 
-  // Deletes the verified matches of pairs of photos.
+  // Deletes the verified matches of pairs of photos; of all.
   Status RemoveVerifiedPairs(
       const std::vector<std::pair<uint32_t, uint32_t>>& pairs);
+  Status ClearVerified();
 
   // Copies all raw and verified matches of the database at `other`, which
   // holds the same photos under the same ids, into this one, in one
