@@ -23,7 +23,7 @@ inline constexpr int kMoreFeatures = 2;
 // What ways cost, as multiples of the plain way's features, matching, mapping.
 inline constexpr double kMappingCost = 0.2;
 inline constexpr double kMatchingCost = 0.7;
-inline constexpr double kGuidedMatchingCost = 3 * kMatchingCost;
+inline constexpr double kGuidedMatchingCost = 2 * kMatchingCost;
 inline constexpr double kFeaturesCost = 0.1;
 inline constexpr double kMoreFeaturesCost =
     kFeaturesCost * kMoreFeatures +
