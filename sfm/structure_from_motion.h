@@ -50,7 +50,7 @@ struct SfmOptions {
   int max_image_size = 0;
 
   // Features kept per photo (those of the largest scale).
-  int max_features = 2000;
+  int max_features = 3000;
 
   // Which pairs of photos are matched.
   PairSelectionOptions pairs;

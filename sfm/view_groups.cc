@@ -24,7 +24,7 @@ constexpr double kMisfitShare = 0.1;  // So few fit: the others all count.
 constexpr double kFitShare = 0.3;     // So many fit: the others count nothing.
 
 // Less evidence against a model proves nothing.
-constexpr double kMinAgainst = 50;
+constexpr double kMinAgainst = 30;
 constexpr size_t kMinPhotos = 4;
 
 using Pair = std::pair<uint32_t, uint32_t>;
@@ -207,9 +207,10 @@ StatusOr<std::vector<PairSupport>> MeasureSupport(
             (kFitShare - fitting / count) / (kFitShare - kMisfitShare),
             0.0,
             1.0);
-        if (2 * fitting > count) fits.insert({id1, id2});
+        const bool fit = 2 * fitting > count;
+        if (fit) fits.insert({id1, id2});
         evidence[{id1, id2}].Add(
-            {weight * fitting, weight * doubt * (count - fitting)});
+            {fit ? weight * fitting : 0, weight * doubt * (count - fitting)});
       }));
   for (const SharedView& view : FindMissingCorrespondences(model)) {
     evidence[{view.image_id1, view.image_id2}].Add(

@@ -21,8 +21,10 @@ namespace freegs::sfm {
 struct PairSupport {
   uint32_t image_id1 = 0;  // Smaller than image_id2.
   uint32_t image_id2 = 0;
-  double supporting = 0;  // Matches that fit the cameras of the model.
-  bool fits = false;      // More than half of the matches do.
+  // Matches that fit the cameras of the model, of a pair of which more than
+  // half do; else 0: some fit wrong places, too.
+  double supporting = 0;
+  bool fits = false;  // More than half do.
 
   // Matches that do not, of a pair of which hardly any fits; and points that
   // both should show and do not (missing_correspondences.h), which count half.
@@ -44,8 +46,8 @@ struct ViewGroups {
   std::vector<std::vector<uint32_t>> groups;
 
   // Where the evidence is weakest, the share of it that supports the model:
-  // 1 when nothing is against it. Models seen to be right had 0.56 or
-  // more, glued ones 0.35 or less (docs/sfm.md).
+  // 1 when nothing is against it. Models seen to be right had 0.49 or
+  // more, glued ones 0.44 or less (docs/sfm.md).
   double score = 1;
 
   // Pairs across groups whose matches fit the model: what glued them.

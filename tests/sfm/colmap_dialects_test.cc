@@ -180,7 +180,8 @@ class ColmapDialectsTest : public testing::Test {
                       const std::string& extraction_size,
                       const std::string& matching,
                       const std::vector<std::string>& match_seeds,
-                      const std::vector<std::string>& mapper_seeds) const {
+                      const std::vector<std::string>& mapper_seeds,
+                      const std::string& frames_ratio) const {
     const std::vector<Arguments> features = Calls("feature_extractor");
     ASSERT_THAT(features, SizeIs(2));  // Numbering and features.
     for (const Arguments& call : features) {
@@ -196,7 +197,7 @@ class ColmapDialectsTest : public testing::Test {
         features[1],
         AllOf(Contains(Pair(extraction + ".num_threads", "2")),
               Contains(Pair(extraction_size, "1600")),
-              Contains(Pair("SiftExtraction.max_num_features", "2000")),
+              Contains(Pair("SiftExtraction.max_num_features", "3000")),
               Contains(Pair("ImageReader.mask_path", HasSubstr("/masks")))));
     EXPECT_THAT(Calls("database_cleaner"), SizeIs(1));
     const std::vector<Arguments> matches = Calls("matches_importer");
@@ -215,7 +216,10 @@ class ColmapDialectsTest : public testing::Test {
     for (const std::string& seed : mapper_seeds) {
       EXPECT_THAT(maps[0], Contains(Pair(seed, "5")));
     }
-    EXPECT_THAT(maps[0], Contains(Pair("Mapper.num_threads", "1")));
+    EXPECT_THAT(maps[0],
+                AllOf(Contains(Pair("Mapper.num_threads", "1")),
+                      Contains(Pair(frames_ratio, "1.3")),
+                      Contains(Pair("Mapper.ba_global_points_ratio", "1.3"))));
   }
 
   // Positions in photos (GPS) are never asked for.
@@ -247,7 +251,8 @@ TEST_F(ColmapDialectsTest, OldNames) {
                    "SiftExtraction.max_image_size",
                    "SiftMatching",
                    {"random_seed"},
-                   {"random_seed"});
+                   {"random_seed"},
+                   "Mapper.ba_global_images_ratio");
     ExpectNoPositions();
   }
 }
@@ -276,7 +281,8 @@ TEST_F(ColmapDialectsTest, NewNames) {
                    size,
                    "FeatureMatching",
                    {"default_random_seed", "TwoViewGeometry.random_seed"},
-                   {"default_random_seed", "Mapper.random_seed"});
+                   {"default_random_seed", "Mapper.random_seed"},
+                   "Mapper.ba_global_frames_ratio");
     ExpectNoPositions();
   }
 }
@@ -301,7 +307,7 @@ TEST_F(ColmapDialectsTest, FutureReleaseIsAsked) {
   EXPECT_EQ(result->colmap_version, "9.0.1.dev2");
   EXPECT_THAT(result->warnings, IsEmpty());
   EXPECT_THAT(Calls("feature_extractor").at(1),
-              Contains(Pair("FeatureExtraction.max_num_features", "2000")));
+              Contains(Pair("FeatureExtraction.max_num_features", "3000")));
   ExpectNoPositions();
 }
 

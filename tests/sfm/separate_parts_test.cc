@@ -26,7 +26,6 @@ class SeparatePartsTest : public testing::Test {
       input_.photos.emplace_back().name = PhotoName(i);
     }
     scene_.WriteMatches((folder_ / "a.db").string());
-    options_.max_retry_cost = 0;
     // A mapper that makes no models.
     options_.colmap =
         MakeFakeColmap(folder_.path(), {{"FAKE_COLMAP_MODELS", ""}});
@@ -57,6 +56,7 @@ TEST_F(SeparatePartsTest, RightModelsAreLeftAlone) {
 }
 
 TEST_F(SeparatePartsTest, GluedModelsAreTakenApart) {
+  options_.max_retry_cost = 0;
   const auto parts = Run(scene_.Model(true));
   ASSERT_TRUE(parts.ok()) << parts.status().message();
   ASSERT_THAT(parts->models, SizeIs(2));
@@ -71,6 +71,28 @@ TEST_F(SeparatePartsTest, GluedModelsAreTakenApart) {
   EXPECT_FALSE(parts->attempts[0].kept);
   EXPECT_THAT(parts->attempts[0].why, HasSubstr("groups of 12 and 11 photos"));
   EXPECT_THAT(parts->attempts[1].problem, HasSubstr("max_retry_cost"));
+}
+
+// A model of more features is told of with the database that it was made from.
+TEST_F(SeparatePartsTest, MoreFeaturesComeWithTheirDatabase) {
+  options_.max_image_size = 800;
+  options_.colmap = MakeFakeColmap(
+      folder_.path(), {{"FAKE_COLMAP_MODELS", ""}, {"FAKE_COLMAP_RICH", "23"}});
+  const auto parts = Run(scene_.Model(true));
+  ASSERT_TRUE(parts.ok()) << parts.status().message();
+  ASSERT_THAT(parts->attempts, SizeIs(2));
+  EXPECT_EQ(parts->attempts[1].problem, "");
+  EXPECT_TRUE(parts->attempts[1].kept);
+  EXPECT_TRUE(parts->one);
+  ASSERT_THAT(parts->models, SizeIs(1));
+  EXPECT_THAT(parts->models[0].images, SizeIs(23));
+  EXPECT_THAT(parts->unplaced, SizeIs(0));
+  EXPECT_EQ(parts->database.path,
+            input_.work_folder / "attempts" /
+                "more_features_against_look-alikes" / "database.db");
+  EXPECT_EQ(parts->database.pairs.pairs, 253u);
+  EXPECT_EQ(parts->database.pairs.all_pairs, 253u);
+  EXPECT_EQ(parts->database.image_size, 1600);
 }
 
 }  // namespace

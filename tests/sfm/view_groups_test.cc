@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "sfm/missing_correspondences.h"
+#include "tests/sfm/match_database_writer.h"
 #include "tests/sfm/synthetic_model.h"
 #include "tests/sfm/twin_scene.h"
 #include "tests/temporary_folder.h"
@@ -108,6 +109,48 @@ TEST(ViewGroups, ForwardMotionIsWhole) {
   EXPECT_GT(found.score, 0.6);
 }
 
+// Of 100 matches so many are right, the others far off.
+PairSupport SupportOfPair(int right) {
+  const Reconstruction model = SyntheticModel(2, 100);
+  const TemporaryFolder folder;
+  const std::string path = (folder / "a.db").string();
+  {
+    std::vector<uint32_t> matches;
+    for (int i = 0; i < 100; ++i) {
+      const Eigen::Vector2d& pixel = model.images[1].points2d[i].xy;
+      int other = i;
+      // The photos are beside each other: height tells what is wrong.
+      while (i >= right && std::abs(model.images[1].points2d[other].xy.y() -
+                                    pixel.y()) < 60) {
+        other = (other + 1) % 100;
+      }
+      matches.push_back(i);
+      matches.push_back(other);
+    }
+    MatchDatabaseWriter(path).Add(1, 2, matches);
+  }
+  const auto database = MatchDatabase::Open(path);
+  EXPECT_TRUE(database.ok());
+  const auto pairs = MeasureSupport(model, *database);
+  EXPECT_TRUE(pairs.ok());
+  return pairs->at(0);
+}
+
+TEST(MeasureSupport, HalfRightPairsSayNothing) {
+  const PairSupport most = SupportOfPair(80);
+  EXPECT_TRUE(most.fits);
+  EXPECT_GE(most.supporting, 80);
+  EXPECT_LT(most.against, 5);
+  const PairSupport half = SupportOfPair(40);
+  EXPECT_FALSE(half.fits);
+  EXPECT_EQ(half.supporting, 0);
+  EXPECT_LT(half.against, 5);
+  const PairSupport wrong = SupportOfPair(0);
+  EXPECT_FALSE(wrong.fits);
+  EXPECT_EQ(wrong.supporting, 0);
+  EXPECT_GT(wrong.against, 80);
+}
+
 TEST(FindViewGroups, NoClaimWithoutEvidence) {
   const Reconstruction two = SyntheticModel(2, 10);
   EXPECT_TRUE(FindViewGroups(two, {{1, 2, 10, false, 900}}).consistent());
@@ -137,7 +180,7 @@ TEST(FindViewGroups, CutsWhereMoreIsAgainst) {
   EXPECT_TRUE(FindViewGroups(model,
                              {{1, 2, 300, true, 0},
                               {2, 3, 300, true, 0},
-                              {3, 4, 10, false, 45},
+                              {3, 4, 10, false, 25},
                               {4, 5, 300, true, 0},
                               {5, 6, 300, true, 0}})
                   .consistent());
