@@ -22,9 +22,9 @@ constexpr int kSamplePhotos = 4;
 constexpr int kSmallest = 800;
 constexpr int kLargest = 1600;
 
-// Features wanted in an image, times max_features: some photos have fewer than
-// the median, and those at the border of what is kept come and go.
-constexpr double kMargin = 1.25;
+// Features that are enough in an image, as a share of max_features: the last of
+// them are the finest, which cost most and are found again least.
+constexpr double kEnough = 0.8;
 
 // All features of a few of the photos, evenly chosen, at the smallest size.
 StatusOr<std::vector<int64_t>> CountFeatures(const StepContext& context) {
@@ -73,7 +73,7 @@ StatusOr<int> ChooseImageSize(const StepContext& context) {
 int ImageSizeFor(int64_t found, int max_features) {
   if (found <= 0) return kLargest;
   // Their number grows a little faster than the image's side.
-  const double size = kSmallest * kMargin * max_features / found;
+  const double size = kSmallest * kEnough * max_features / found;
   return static_cast<int>(
       std::clamp<double>(std::ceil(size / 100) * 100, kSmallest, kLargest));
 }

@@ -160,12 +160,11 @@ StatusOr<std::vector<Reconstruction>> MapPhotos(const StepContext& context,
 
 StatusOr<std::vector<Reconstruction>> MapBest(const StepContext& context,
                                               const fs::path& database,
-                                              const fs::path& folder) {
+                                              const fs::path& folder,
+                                              size_t wanted) {
   FREEGS_ASSIGN_OR_RETURN(std::vector<Reconstruction> models,
                           MapPhotos(context, database, folder, {}));
-  if (NumRegistered(models) * 10 >= context.input.photos.size() * 9) {
-    return models;
-  }
+  if (NumRegistered(models) * 10 >= wanted * 9) return models;
   Mapping mapping;
   mapping.step = "mapping, lower thresholds";
   mapping.relaxed = true;

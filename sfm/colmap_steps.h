@@ -116,12 +116,13 @@ inline size_t NumRegistered(const std::vector<Reconstruction>& models) {
   return models.empty() ? 0 : models[0].images.size();
 }
 
-// Maps, and again with lower thresholds when that leaves out many photos; the
-// larger result. Its folder as for MapPhotos.
+// Maps, and again with lower thresholds when that leaves out many of the photos
+// wanted; the larger result. Its folder as for MapPhotos.
 StatusOr<std::vector<Reconstruction>> MapBest(
     const StepContext& context,
     const std::filesystem::path& database,
-    const std::filesystem::path& folder);
+    const std::filesystem::path& folder,
+    size_t wanted);
 
 // Puts two models that share photos into one frame, without adjusting it, and
 // writes it to a folder. False when COLMAP finds no way to do so.

@@ -43,8 +43,10 @@ StatusOr<AttemptResult> MapOwnDatabase(const RungInput& input,
   result.has_database = true;
   result.pairs = std::move(pairs);
   StatusOr<Models> models =
-      input.models.empty() ? MapBest(context, database, Scratch(input))
-                           : MapPhotos(context, database, Scratch(input), {});
+      input.models.empty()
+          ? MapBest(
+                context, database, Scratch(input), context.input.photos.size())
+          : MapPhotos(context, database, Scratch(input), {});
   if (!models.ok()) return models.status();
   result.models = *std::move(models);
   return result;

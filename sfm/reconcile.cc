@@ -28,8 +28,9 @@ StatusOr<AttemptResult> MapWithout(const StepContext& context,
   for (int round = 0; round < kMaxRounds && !found.suspects.empty(); ++round) {
     FREEGS_RETURN_IF_ERROR(RemoveVerifiedPairs(trusted, found.suspects));
     removed += static_cast<int64_t>(found.suspects.size());
-    FREEGS_ASSIGN_OR_RETURN(std::vector<Reconstruction> again,
-                            MapBest(context, trusted, folder / "mapper"));
+    FREEGS_ASSIGN_OR_RETURN(
+        std::vector<Reconstruction> again,
+        MapBest(context, trusted, folder / "mapper", registered));
     if (again.empty()) break;
     // Against what is still trusted.
     FREEGS_ASSIGN_OR_RETURN(Contradictions next,

@@ -91,8 +91,9 @@ StatusOr<AttemptResult> Separation::MapWithout(const std::string& name,
         RemoveVerifiedPairs(trusted, candidate.groups.suspects));
     result.counts["removed"] +=
         static_cast<int64_t>(candidate.groups.suspects.size());
-    FREEGS_ASSIGN_OR_RETURN(Models again,
-                            MapBest(context_, trusted, folder / "mapper"));
+    FREEGS_ASSIGN_OR_RETURN(
+        Models again,
+        MapBest(context_, trusted, folder / "mapper", registered_));
     if (again.empty()) break;
     FREEGS_ASSIGN_OR_RETURN(candidate.groups,
                             Check(again[0], candidate.database.path));
