@@ -52,8 +52,8 @@ def place_labels(dots):
                for side in (10, -10 - width)]
         for at in near + far:
             box = (at[0], at[1] - 11, at[0] + width, at[1] + 3)
-            if (box[0] > LEFT and box[2] < WIDTH and box[1] > TOP - 4 and
-                    box[3] < HEIGHT - BOTTOM and
+            if (box[0] > LEFT and box[2] < WIDTH - RIGHT + 8 and
+                    box[1] > TOP - 4 and box[3] < HEIGHT - BOTTOM and
                     not any(overlap(box, other) for other in taken)):
                 break
         else:
