@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <functional>
 #include <map>
-#include <memory>
-#include <system_error>
 
 #include "core/files.h"
 #include "core/parallel.h"
