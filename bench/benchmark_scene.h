@@ -15,8 +15,8 @@
 #include "core/image.h"
 #include "core/parallel.h"
 #include "core/pinhole.h"
-#include "splat/rasterizer.h"
-#include "splat/spatial_order.h"
+#include "splat/render/rasterizer.h"
+#include "splat/scene/spatial_order.h"
 #include "tests/splat/test_scene.h"
 
 namespace freegs::splat {

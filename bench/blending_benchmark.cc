@@ -9,8 +9,8 @@
 #include <benchmark/benchmark.h>
 
 #include "bench/benchmark_scene.h"
-#include "splat/blending_products.h"
-#include "splat/pixel_weights.h"
+#include "splat/weights/blending_products.h"
+#include "splat/weights/pixel_weights.h"
 
 namespace freegs::splat {
 namespace {

@@ -7,7 +7,7 @@
 MODEL is a folder with images.bin or images.txt. TRUTH is another such folder,
 a gt/cameras.json of the scene maker, or a transforms.json of instant-ngp or
 nerfstudio. The similarity that best maps camera centres onto the truth's comes
-first (Umeyama 1991), as in sfm/pose_alignment.h and `freegs_pipeline eval`;
+first (Umeyama 1991), as in sfm/scene/pose_alignment.h and `freegs_pipeline eval`;
 then rotations are compared in degrees, and centres as a share of the scene's
 size: the largest distance of a true camera from the mean of all.
 """

@@ -14,7 +14,7 @@
 #include <benchmark/benchmark.h>
 
 #include "core/image.h"
-#include "core/image_io.h"
+#include "core/io/image_io.h"
 #include "core/parallel.h"
 #include "core/random.h"
 #include "semantics/clip/feature_cache.h"

@@ -8,13 +8,14 @@
 
 #include "bench/training_modes.h"
 #include "pipeline/resource_usage.h"
-#include "splat/holdout.h"
-#include "splat/resolution_schedule.h"
-#include "splat/trainer.h"
-#include "stages/pipeline_options.h"
-#include "stages/reconstruct_options.h"
-#include "stages/training_report.h"
-#include "stages/training_scene.h"
+#include "splat/images/holdout.h"
+#include "splat/images/resolution_schedule.h"
+#include "splat/search/budget_search.h"
+#include "splat/train/trainer.h"
+#include "stages/registry/pipeline_options.h"
+#include "stages/reconstruct/reconstruct_options.h"
+#include "stages/reconstruct/training_report.h"
+#include "stages/scene/training_scene.h"
 
 namespace freegs::bench {
 namespace {
@@ -131,17 +132,28 @@ Status RunCurve(const CurveOptions& options) {
     FREEGS_ASSIGN_OR_RETURN(training.schedule.resolution_steps,
                             splat::SpectrumResolutionSteps(&images));
   }
+  splat::Trainer trainer(
+      training, std::move(initial), scene.extent, &images, &pool);
   if (reconstruct.budget == "auto") {
-    training.judge = [&](const splat::GaussianModel& model,
-                         int level) -> StatusOr<double> {
+    const splat::QualityJudge judge =
+        [&](const splat::GaussianModel& model,
+            int level) -> StatusOr<double> {
       FREEGS_ASSIGN_OR_RETURN(
           const splat::HoldoutReport quality,
           splat::MeasureHoldout(model, render, &holdout, pool, level));
       return quality.mean_psnr;
     };
+    FREEGS_ASSIGN_OR_RETURN(splat::BudgetChoice choice,
+                            splat::SearchBudget({},
+                                                training,
+                                                trainer.model(),
+                                                scene.extent,
+                                                judge,
+                                                &images,
+                                                &pool,
+                                                /*cancellation=*/nullptr));
+    trainer.KeepTo(std::move(choice));
   }
-  splat::Trainer trainer(
-      training, std::move(initial), scene.extent, &images, &pool);
   std::printf(
       "iteration,seconds,cpu_seconds,gaussians,holdout_psnr,holdout_ssim\n");
   bool reached = false;

@@ -3,9 +3,9 @@
 #include <cstdio>
 
 #include "bench/training_modes.h"
-#include "splat/holdout.h"
-#include "splat/ply_io.h"
-#include "stages/training_scene.h"
+#include "splat/images/holdout.h"
+#include "splat/scene/ply_io.h"
+#include "stages/scene/training_scene.h"
 
 namespace freegs::bench {
 

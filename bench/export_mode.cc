@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "bench/training_modes.h"
-#include "core/files.h"
-#include "sfm/model_io.h"
-#include "stages/training_scene.h"
+#include "core/io/files.h"
+#include "sfm/scene/model_io.h"
+#include "stages/scene/training_scene.h"
 
 namespace freegs::bench {
 namespace {

@@ -17,10 +17,10 @@
 
 #include <boost/program_options.hpp>
 
-#include "core/files.h"
+#include "core/io/files.h"
 #include "core/parallel.h"
-#include "semantics/adjusted_rand_index.h"
-#include "semantics/hdbscan.h"
+#include "semantics/metrics/adjusted_rand_index.h"
+#include "semantics/hdbscan/hdbscan.h"
 
 namespace freegs::semantics {
 namespace {

@@ -6,8 +6,8 @@
 #include <benchmark/benchmark.h>
 
 #include "bench/benchmark_scene.h"
-#include "splat/projection.h"
-#include "splat/tile_bins.h"
+#include "splat/projection/projection.h"
+#include "splat/render/tile_bins.h"
 
 namespace freegs::splat {
 namespace {

@@ -10,10 +10,10 @@
 #include "core/image.h"
 #include "core/parallel.h"
 #include "core/random.h"
-#include "splat/adam.h"
-#include "splat/gaussian_model.h"
-#include "splat/learning_rates.h"
-#include "splat/loss.h"
+#include "splat/optim/adam.h"
+#include "splat/scene/gaussian_model.h"
+#include "splat/optim/learning_rates.h"
+#include "splat/optim/loss.h"
 
 namespace freegs::splat {
 namespace {

@@ -9,10 +9,10 @@
 
 #include "bench/benchmark_scene.h"
 #include "core/random.h"
-#include "splat/adam.h"
-#include "splat/learning_rates.h"
-#include "splat/loss.h"
-#include "splat/stability.h"
+#include "splat/optim/adam.h"
+#include "splat/optim/learning_rates.h"
+#include "splat/optim/loss.h"
+#include "splat/train/stability.h"
 
 namespace freegs::splat {
 namespace {

@@ -13,8 +13,8 @@
 #include "core/median.h"
 #include "core/random.h"
 #include "pipeline/resource_usage.h"
-#include "splat/trainer.h"
-#include "stages/training_scene.h"
+#include "splat/train/trainer.h"
+#include "stages/scene/training_scene.h"
 
 namespace freegs::bench {
 namespace {

@@ -7,7 +7,7 @@ get_property(freegs_libraries GLOBAL PROPERTY FREEGS_LIBRARIES)
 install(TARGETS ${freegs_libraries} EXPORT freegs_targets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS freegs_pipeline RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-foreach(folder core sfm splat semantics pipeline stages)
+foreach(folder core photos sfm splat semantics pipeline stages)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder}
     DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/freegs
     FILES_MATCHING PATTERN "*.h")

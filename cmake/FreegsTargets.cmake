@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# One library per folder, one test program per library.
+# One library per room (a folder of sources), a collection of rooms for each
+# top-level folder, and one test program per top-level folder.
 
 add_library(freegs_warnings INTERFACE)
 target_compile_options(freegs_warnings INTERFACE -Wall -Wextra -Werror)
@@ -14,9 +15,11 @@ if(FREEGS_SANITIZE)
   target_link_options(freegs_warnings INTERFACE -fsanitize=${FREEGS_SANITIZE})
 endif()
 
-# freegs_add_library(NAME SOURCES a.cc ... LINK libraries ...) makes freegs_NAME.
+# freegs_add_library(NAME SOURCES a.cc ... LINK libraries ... LINK_PRIVATE ...)
+# makes freegs_NAME. LINK is what the headers include, LINK_PRIVATE what only the
+# sources do.
 function(freegs_add_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;LINK_PRIVATE" ${ARGN})
   set(target freegs_${name})
   add_library(${target} STATIC ${ARG_SOURCES})
   add_library(freegs::${name} ALIAS ${target})
@@ -26,7 +29,21 @@ function(freegs_add_library name)
     $<INSTALL_INTERFACE:include/freegs>)
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_link_libraries(${target} PUBLIC ${ARG_LINK}
-    PRIVATE $<BUILD_INTERFACE:freegs_warnings>)
+    PRIVATE ${ARG_LINK_PRIVATE} $<BUILD_INTERFACE:freegs_warnings>)
+  set_property(GLOBAL APPEND PROPERTY FREEGS_LIBRARIES ${target})
+endfunction()
+
+# freegs_add_collection(NAME ROOMS a b ...) makes freegs::NAME, which links the
+# rooms freegs::a, freegs::b, ...
+function(freegs_add_collection name)
+  cmake_parse_arguments(ARG "" "" "ROOMS" ${ARGN})
+  set(target freegs_${name})
+  add_library(${target} INTERFACE)
+  add_library(freegs::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  foreach(room IN LISTS ARG_ROOMS)
+    target_link_libraries(${target} INTERFACE freegs::${room})
+  endforeach()
   set_property(GLOBAL APPEND PROPERTY FREEGS_LIBRARIES ${target})
 endfunction()
 

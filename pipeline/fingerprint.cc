@@ -11,7 +11,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/files.h"
+#include "core/io/files.h"
 #include "pipeline/json_text.h"
 #include "pipeline/workspace.h"
 

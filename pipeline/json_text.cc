@@ -2,7 +2,7 @@
 
 #include "pipeline/json_text.h"
 
-#include "core/files.h"
+#include "core/io/files.h"
 
 namespace freegs::pipeline {
 

@@ -25,7 +25,7 @@
 #include "stages/commands/render_command.h"
 #include "stages/commands/run_command.h"
 #include "stages/commands/status_command.h"
-#include "stages/pipeline_options.h"
+#include "stages/registry/pipeline_options.h"
 
 namespace freegs {
 namespace {

@@ -10,7 +10,7 @@
 
 #include <boost/program_options.hpp>
 
-#include "core/files.h"
+#include "core/io/files.h"
 #include "pipeline/option_value.h"
 
 namespace freegs::pipeline {

@@ -8,38 +8,15 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "core/status.h"
+#include "pipeline/option_spec.h"
 
 namespace freegs::pipeline {
-
-// What an option means and which values it may take.
-struct OptionSpec {
-  std::string help = {};  // One or two sentences, with the unit.
-
-  // Inclusive range of a number.
-  std::optional<double> min = std::nullopt;
-  std::optional<double> max = std::nullopt;
-
-  // If not empty, the only texts allowed.
-  std::vector<std::string> choices = {};
-
-  // Whether another value leads to another result, so that the stage must be
-  // redone. False for the number of threads and the like.
-  bool affects_result = true;
-
-  // A file or folder: a relative path on the command line is taken from the
-  // current folder, one in config.ini from config.ini's folder. An empty text
-  // stays empty. Its content counts as a stage's input, its name does not, so
-  // it does not affect the result by itself.
-  bool is_path = false;
-};
 
 // A value given to an option, and where: "command line", "preset fast" or the
 // path of a config.ini.
@@ -58,7 +35,7 @@ struct OptionSetting {
 // command line only; if its variable is a bool it is a switch without a value.
 class OptionTable {
  public:
-  using Target = std::variant<bool*, int*, int64_t*, double*, std::string*>;
+  using Target = OptionTarget;
 
   struct Option {
     std::string name;

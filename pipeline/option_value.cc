@@ -108,7 +108,7 @@ size_t EditDistance(const std::string& a, const std::string& b) {
 
 }  // namespace
 
-std::string OptionText(const OptionTable::Target& target) {
+std::string OptionText(const OptionTarget& target) {
   return std::visit(
       [](const auto* value) -> std::string {
         using T = std::remove_cvref_t<decltype(*value)>;
@@ -125,7 +125,7 @@ std::string OptionText(const OptionTable::Target& target) {
 
 Status ParseOptionText(const std::string& text,
                        const OptionSpec& spec,
-                       const OptionTable::Target& target,
+                       const OptionTarget& target,
                        bool store) {
   return std::visit(
       [&](auto* value) {
@@ -138,7 +138,7 @@ Status ParseOptionText(const std::string& text,
 }
 
 std::string AllowedText(const OptionSpec& spec,
-                        const OptionTable::Target& target) {
+                        const OptionTarget& target) {
   if (std::holds_alternative<bool*>(target)) return "true or false";
   if (std::holds_alternative<std::string*>(target)) {
     if (spec.choices.empty()) return spec.is_path ? "a path" : "text";

@@ -8,24 +8,24 @@
 #include <vector>
 
 #include "core/status.h"
-#include "pipeline/option_table.h"
+#include "pipeline/option_spec.h"
 
 namespace freegs::pipeline {
 
 // The shortest text that reads back as the same value.
-std::string OptionText(const OptionTable::Target& target);
+std::string OptionText(const OptionTarget& target);
 
 // Checks that `text` is of the target's type and allowed by `spec`; with
 // `store`, also sets the target. kInvalidArgument says what is wrong with the
 // text, without the option's name.
 Status ParseOptionText(const std::string& text,
                        const OptionSpec& spec,
-                       const OptionTable::Target& target,
+                       const OptionTarget& target,
                        bool store);
 
 // "0 .. 1", "true or false", ...: see OptionTable::Option::Allowed.
 std::string AllowedText(const OptionSpec& spec,
-                        const OptionTable::Target& target);
+                        const OptionTarget& target);
 
 // The candidate closest to `name` by edit distance, if it is close enough to
 // be a likely typo; otherwise empty.

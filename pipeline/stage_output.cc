@@ -7,7 +7,7 @@
 #include <system_error>
 #include <unistd.h>
 
-#include "core/files.h"
+#include "core/io/files.h"
 #include "pipeline/json_text.h"
 #include "pipeline/workspace.h"
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <utility>
 
-#include "core/files.h"
+#include "core/io/files.h"
 #include "pipeline/json_text.h"
 
 namespace freegs::pipeline {

@@ -12,7 +12,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/files.h"
+#include "core/io/files.h"
 #include "pipeline/json_text.h"
 
 namespace freegs::pipeline {

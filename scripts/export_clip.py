@@ -265,7 +265,7 @@ class Xxh128(ctypes.Structure):
 
 
 def hash_file(path):
-    """XXH3, 128 bits, as HashFile() of core/files.h."""
+    """XXH3, 128 bits, as HashFile() of core/io/files.h."""
     name = ctypes.util.find_library("xxhash")
     if name is None:
         raise CheckpointError("the xxHash library is missing: "

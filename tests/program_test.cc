@@ -13,7 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/parallel.h"
-#include "sfm/child_process.h"
+#include "sfm/colmap/child_process.h"
 #include "tests/scene_maker/scene.h"
 #include "tests/scene_maker/scene_files.h"
 #include "tests/temporary_folder.h"

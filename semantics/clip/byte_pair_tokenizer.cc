@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "core/files.h"
+#include "core/io/files.h"
 #include "semantics/clip/caption_text.h"
 #include "semantics/clip/gunzip.h"
 #include "semantics/clip/unicode_text.h"

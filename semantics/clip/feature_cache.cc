@@ -13,7 +13,7 @@
 #include <Eigen/Core>
 #include <xxhash.h>
 
-#include "core/files.h"
+#include "core/io/files.h"
 
 namespace freegs::semantics {
 namespace {

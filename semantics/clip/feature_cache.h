@@ -31,7 +31,7 @@ class FeatureCache {
   explicit FeatureCache(std::filesystem::path folder);
 
   // image_hash and model_hash say by content what image and model are (HashFile
-  // of core/files.h, ClipEncoder::model_hash()); kind says what was computed,
+  // of core/io/files.h, ClipEncoder::model_hash()); kind says what was computed,
   // such as "dense 224". Any text will do. Never fails: it has no features.
   CachedFeatures Find(const std::string& image_hash,
                       const std::string& model_hash,

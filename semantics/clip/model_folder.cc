@@ -5,7 +5,7 @@
 #include <system_error>
 #include <utility>
 
-#include "core/files.h"
+#include "core/io/files.h"
 
 namespace freegs::semantics {
 namespace {

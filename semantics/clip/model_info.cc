@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/files.h"
+#include "core/io/files.h"
 
 namespace freegs::semantics {
 namespace {

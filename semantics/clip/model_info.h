@@ -24,7 +24,7 @@ struct DenseNetwork {
 
 struct ModelFile {
   uint64_t bytes = 0;
-  std::string hash;  // HashFile() of core/files.h.
+  std::string hash;  // HashFile() of core/io/files.h.
 };
 
 // model.json:

@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include "core/files.h"
+#include "core/io/files.h"
 
 namespace freegs::semantics {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "splat/adam_simd.h"
+#include "splat/optim/adam_simd.h"
 
 namespace freegs::semantics {
 namespace {

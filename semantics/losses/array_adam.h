@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Adam (Kingma and Ba 2015) over one array of parameters. splat/adam.h is over
+// Adam (Kingma and Ba 2015) over one array of parameters. splat/optim/adam.h is over
 // a Gaussian model, where few Gaussians move in a step; here all do.
 
 #ifndef FREEGS_SEMANTICS_LOSSES_ARRAY_ADAM_H_
@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/parallel.h"
-#include "splat/adam.h"
+#include "splat/optim/adam.h"
 
 namespace freegs::semantics {
 

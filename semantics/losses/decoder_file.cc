@@ -9,8 +9,8 @@
 
 #include <xxhash.h>
 
-#include "core/files.h"
-#include "splat/checkpoint_bytes.h"
+#include "core/io/files.h"
+#include "splat/train/checkpoint_bytes.h"
 
 namespace freegs::semantics {
 namespace {

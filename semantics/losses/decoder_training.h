@@ -12,7 +12,7 @@
 #include "semantics/losses/array_adam.h"
 #include "semantics/losses/feature_decoder.h"
 #include "semantics/losses/mlp_gradients.h"
-#include "splat/adam.h"
+#include "splat/optim/adam.h"
 
 namespace freegs::semantics {
 

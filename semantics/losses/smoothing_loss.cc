@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/random.h"
-#include "semantics/kd_tree.h"
+#include "core/kd_tree.h"
 
 namespace freegs::semantics {
 namespace {

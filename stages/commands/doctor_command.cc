@@ -20,9 +20,9 @@
 
 #include "pipeline/system_info.h"
 #include "pipeline/version.h"
-#include "sfm/colmap_program.h"
-#include "stages/clip_input.h"
-#include "stages/pipeline_options.h"
+#include "sfm/colmap/colmap_program.h"
+#include "stages/scene/clip_input.h"
+#include "stages/registry/pipeline_options.h"
 
 namespace freegs::stages {
 namespace {

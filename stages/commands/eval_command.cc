@@ -11,20 +11,21 @@
 #include <system_error>
 #include <utility>
 
-#include "core/files.h"
+#include "core/io/files.h"
 #include "core/parallel.h"
 #include "pipeline/json_text.h"
-#include "stages/consistency_evaluation.h"
+#include "stages/evaluation/consistency_evaluation.h"
 #include "stages/datasets/layout.h"
-#include "stages/evaluation.h"
-#include "stages/evaluation_report.h"
-#include "stages/gaussian_answers.h"
-#include "stages/instance_evaluation.h"
-#include "stages/label_answers.h"
-#include "stages/pipeline_options.h"
-#include "stages/scene_instances.h"
-#include "stages/text_evaluation.h"
-#include "stages/workspace_scene.h"
+#include "stages/evaluation/evaluation.h"
+#include "stages/evaluation/evaluation_report.h"
+#include "stages/evaluation/gaussian_answers.h"
+#include "stages/evaluation/instance_evaluation.h"
+#include "stages/evaluation/label_answers.h"
+#include "stages/registry/pipeline_options.h"
+#include "stages/scene/scene_instances.h"
+#include "stages/evaluation/text_evaluation.h"
+#include "stages/scene/workspace_scene.h"
+#include "stages/scene/scene_alignment.h"
 
 namespace freegs::stages {
 namespace {
@@ -125,7 +126,7 @@ StatusOr<AlignedTruth> ReadAlignedTruth(const EvalRequest& request,
   GroundTruth& truth = aligned.truth;
   report->truth = truth.folder.string();
   if (truth.unposed.empty()) {
-    FREEGS_ASSIGN_OR_RETURN(report->poses, AlignWithTruth(scene, truth));
+    FREEGS_ASSIGN_OR_RETURN(report->poses, AlignWithViews(scene, truth.cameras.train, truth.folder.string()));
     report->num_true_poses = truth.cameras.train.size();
     report->camera_extent = CameraExtent(truth.cameras.train);
     aligned.truth_from_scene = report->poses->target_from_source;

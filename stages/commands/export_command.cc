@@ -7,12 +7,12 @@
 #include <filesystem>
 #include <system_error>
 
-#include "core/files.h"
+#include "core/io/files.h"
 #include "pipeline/option_table.h"
-#include "splat/ply_io.h"
-#include "splat/splat_format.h"
-#include "stages/scene_instances.h"
-#include "stages/workspace_scene.h"
+#include "splat/scene/ply_io.h"
+#include "splat/scene/splat_format.h"
+#include "stages/scene/scene_instances.h"
+#include "stages/scene/workspace_scene.h"
 
 namespace freegs::stages {
 namespace {

@@ -7,17 +7,17 @@
 #include <filesystem>
 #include <memory>
 
-#include "core/files.h"
-#include "core/image_io.h"
+#include "core/number_text.h"
+#include "core/io/files.h"
+#include "core/io/image_io.h"
 #include "core/parallel.h"
 #include "pipeline/option_table.h"
 #include "semantics/clip/feature_cache.h"
 #include "semantics/clip/opencv_clip.h"
 #include "semantics/clip/relevancy.h"
 #include "semantics/clip/relevancy_map.h"
-#include "stages/clip_input.h"
-#include "stages/heat_map.h"
-#include "stages/report/html.h"
+#include "stages/scene/clip_input.h"
+#include "stages/scene/heat_map.h"
 
 namespace freegs::stages {
 namespace {

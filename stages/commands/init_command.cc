@@ -5,10 +5,10 @@
 #include <filesystem>
 #include <system_error>
 
-#include "core/files.h"
+#include "core/io/files.h"
 #include "pipeline/workspace.h"
-#include "stages/pipeline_options.h"
-#include "stages/workspace_readme.h"
+#include "stages/registry/pipeline_options.h"
+#include "stages/commands/workspace_readme.h"
 
 namespace freegs::stages {
 

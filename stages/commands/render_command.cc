@@ -12,19 +12,19 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/files.h"
-#include "core/image_io.h"
+#include "core/io/files.h"
+#include "core/io/image_io.h"
 #include "core/parallel.h"
 #include "pipeline/json_text.h"
 #include "pipeline/logger.h"
 #include "pipeline/option_table.h"
 #include "pipeline/progress_line.h"
-#include "semantics/semantic_colors.h"
-#include "splat/renderer.h"
-#include "stages/depth_image.h"
-#include "stages/scene_instances.h"
-#include "stages/view_selection.h"
-#include "stages/workspace_scene.h"
+#include "semantics/field/semantic_colors.h"
+#include "splat/render/renderer.h"
+#include "stages/scene/depth_image.h"
+#include "stages/scene/scene_instances.h"
+#include "stages/scene/view_selection.h"
+#include "stages/scene/workspace_scene.h"
 
 namespace freegs::stages {
 namespace {

@@ -8,15 +8,15 @@
 #include <unistd.h>
 #include <utility>
 
-#include "core/files.h"
+#include "core/io/files.h"
 #include "pipeline/logger.h"
 #include "pipeline/stage_record.h"
 #include "pipeline/stage_runner.h"
 #include "pipeline/version.h"
 #include "pipeline/workspace.h"
-#include "sfm/photo_scan.h"
-#include "stages/pipeline_options.h"
-#include "stages/stage_registry.h"
+#include "photos/photo_scan.h"
+#include "stages/registry/pipeline_options.h"
+#include "stages/registry/stage_registry.h"
 
 namespace freegs::stages {
 namespace {
@@ -86,7 +86,7 @@ Status CheckImagesFolder(const fs::path& images, const fs::path& workspace) {
     }
     return Status();
   }
-  if (fs::is_regular_file(images, error) && sfm::HasFilmExtension(images)) {
+  if (fs::is_regular_file(images, error) && photos::HasFilmExtension(images)) {
     return Status();
   }
   // Once read, the photos are no longer needed.

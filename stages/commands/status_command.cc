@@ -14,8 +14,8 @@
 #include "pipeline/progress_line.h"
 #include "pipeline/stage_runner.h"
 #include "pipeline/workspace.h"
-#include "stages/pipeline_options.h"
-#include "stages/stage_registry.h"
+#include "stages/registry/pipeline_options.h"
+#include "stages/registry/stage_registry.h"
 
 namespace freegs::stages {
 namespace {

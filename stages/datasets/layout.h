@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "core/status.h"
-#include "stages/ground_truth.h"
-#include "stages/workspace_scene.h"
+#include "stages/evaluation/ground_truth.h"
+#include "stages/scene/workspace_scene.h"
 
 namespace freegs::stages {
 

@@ -8,7 +8,7 @@
 #include <filesystem>
 
 #include "core/status.h"
-#include "stages/ground_truth.h"
+#include "stages/evaluation/ground_truth.h"
 
 namespace freegs::stages {
 

@@ -8,7 +8,7 @@
 #include <set>
 #include <system_error>
 
-#include "sfm/model_io.h"
+#include "sfm/scene/model_io.h"
 
 namespace freegs::stages {
 namespace {

@@ -14,7 +14,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include "core/files.h"
+#include "core/io/files.h"
 #include "stages/datasets/mask_folders.h"
 #include "stages/datasets/scannet_mesh.h"
 #include "stages/datasets/scannet_objects.h"

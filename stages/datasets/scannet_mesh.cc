@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/disjoint_sets.h"
-#include "splat/ply_header.h"
+#include "splat/scene/ply_header.h"
 
 namespace freegs::stages {
 namespace {

@@ -12,7 +12,7 @@
 #include <Eigen/Core>
 
 #include "core/status.h"
-#include "stages/ground_truth.h"
+#include "stages/evaluation/ground_truth.h"
 
 namespace freegs::stages {
 

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/files.h"
+#include "core/io/files.h"
 #include "stages/datasets/mask_folders.h"
 
 namespace freegs::stages {

@@ -6,8 +6,8 @@
 #include <iomanip>
 #include <sstream>
 
-#include "semantics/instances_json.h"
-#include "stages/report/html.h"
+#include "core/number_text.h"
+#include "semantics/instances/instances_json.h"
 
 namespace freegs::stages {
 namespace {

@@ -13,7 +13,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "semantics/instances.h"
+#include "semantics/instances/instances.h"
 
 namespace freegs::stages {
 

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <string>
 
-#include "core/files.h"
-#include "core/image_io.h"
-#include "splat/renderer.h"
-#include "stages/scene_instances.h"
+#include "core/io/files.h"
+#include "core/io/image_io.h"
+#include "splat/render/renderer.h"
+#include "stages/scene/scene_instances.h"
 
 namespace freegs::stages {
 namespace {

@@ -14,7 +14,7 @@
 #include "core/parallel.h"
 #include "core/status.h"
 #include "stages/query/query_answer.h"
-#include "stages/workspace_scene.h"
+#include "stages/scene/workspace_scene.h"
 
 namespace freegs::stages {
 

@@ -8,7 +8,7 @@
 #include <system_error>
 
 #include "pipeline/option_table.h"
-#include "stages/pipeline_options.h"
+#include "stages/registry/pipeline_options.h"
 
 namespace freegs::stages {
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/status.h"
-#include "semantics/text_query.h"
+#include "semantics/queries/text_query.h"
 
 namespace freegs::stages {
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <system_error>
 
-#include "semantics/instances_json.h"
-#include "stages/scene_instances.h"
-#include "stages/view_selection.h"
+#include "semantics/instances/instances_json.h"
+#include "stages/scene/scene_instances.h"
+#include "stages/scene/view_selection.h"
 
 namespace freegs::stages {
 namespace {

@@ -11,10 +11,10 @@
 
 #include "core/pinhole.h"
 #include "core/status.h"
-#include "semantics/instance_features.h"
-#include "semantics/instances.h"
+#include "semantics/queries/instance_features.h"
+#include "semantics/instances/instances.h"
 #include "stages/query/query_request.h"
-#include "stages/workspace_scene.h"
+#include "stages/scene/workspace_scene.h"
 
 namespace freegs::stages {
 

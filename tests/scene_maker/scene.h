@@ -18,7 +18,7 @@
 
 #include "core/pinhole.h"
 #include "core/status.h"
-#include "semantics/boxes.h"
+#include "semantics/geometry/boxes.h"
 #include "tests/scene_maker/solid.h"
 
 namespace freegs::scene_maker {

@@ -8,8 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/files.h"
-#include "core/image_io.h"
+#include "core/io/files.h"
+#include "core/io/image_io.h"
 #include "tests/scene_maker/ray_caster.h"
 
 namespace freegs::scene_maker {

@@ -11,8 +11,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "core/files.h"
-#include "core/image_io.h"
+#include "core/io/files.h"
+#include "core/io/image_io.h"
 
 namespace freegs::scene_maker {
 namespace {

@@ -15,7 +15,7 @@
 
 #include "core/pinhole.h"
 #include "core/random.h"
-#include "splat/gaussian_model.h"
+#include "splat/scene/gaussian_model.h"
 
 namespace freegs::semantics {
 

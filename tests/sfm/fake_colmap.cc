@@ -28,7 +28,7 @@
 #include <unistd.h>
 #include <vector>
 
-#include "sfm/model_io.h"
+#include "sfm/scene/model_io.h"
 #include "tests/sfm/synthetic_model.h"
 
 namespace freegs::sfm {

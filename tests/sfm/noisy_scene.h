@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/random.h"
-#include "sfm/camera_conversion.h"
-#include "sfm/reconstruction.h"
+#include "sfm/scene/camera_conversion.h"
+#include "sfm/scene/reconstruction.h"
 #include "tests/sfm/synthetic_model.h"
 
 namespace freegs::sfm {

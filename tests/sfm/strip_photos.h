@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/random.h"
-#include "sfm/global_descriptor.h"
+#include "sfm/matching/global_descriptor.h"
 
 namespace freegs::sfm {
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/random.h"
-#include "sfm/reconstruction.h"
+#include "sfm/scene/reconstruction.h"
 
 namespace freegs::sfm {
 

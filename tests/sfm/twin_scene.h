@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "core/random.h"
-#include "sfm/reconstruction.h"
+#include "sfm/scene/reconstruction.h"
 #include "tests/sfm/match_database_writer.h"
 #include "tests/sfm/synthetic_model.h"
 

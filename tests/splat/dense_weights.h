@@ -8,8 +8,8 @@
 
 #include "core/parallel.h"
 #include "core/pinhole.h"
-#include "splat/gaussian_model.h"
-#include "splat/renderer.h"
+#include "splat/scene/gaussian_model.h"
+#include "splat/render/renderer.h"
 
 namespace freegs::splat {
 

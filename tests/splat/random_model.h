@@ -8,7 +8,7 @@
 #include <cstdint>
 
 #include "core/random.h"
-#include "splat/gaussian_model.h"
+#include "splat/scene/gaussian_model.h"
 #include "tests/splat/same_parameters.h"
 
 namespace freegs::splat {

@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "core/pinhole.h"
-#include "splat/ewa_projection-inl.h"
-#include "splat/gaussian_model.h"
-#include "splat/projection.h"
-#include "splat/spherical_harmonics-inl.h"
+#include "splat/projection/ewa_projection-inl.h"
+#include "splat/scene/gaussian_model.h"
+#include "splat/projection/projection.h"
+#include "splat/projection/spherical_harmonics-inl.h"
 
 namespace freegs::splat {
 

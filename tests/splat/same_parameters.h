@@ -4,7 +4,7 @@
 #ifndef FREEGS_TESTS_SPLAT_SAME_PARAMETERS_H_
 #define FREEGS_TESTS_SPLAT_SAME_PARAMETERS_H_
 
-#include "splat/gaussian_model.h"
+#include "splat/scene/gaussian_model.h"
 
 namespace freegs::splat {
 

@@ -12,8 +12,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/image_io.h"
-#include "splat/trainer.h"
+#include "core/io/image_io.h"
+#include "splat/train/trainer.h"
 #include "tests/splat/test_scene.h"
 
 namespace freegs::splat {

@@ -14,13 +14,13 @@
 #include <gtest/gtest.h>
 
 #include "core/cancellation.h"
-#include "core/files.h"
-#include "core/image_io.h"
+#include "core/io/files.h"
+#include "core/io/image_io.h"
 #include "core/parallel.h"
 #include "core/random.h"
-#include "splat/renderer.h"
-#include "stages/ground_truth.h"
-#include "stages/workspace_scene.h"
+#include "splat/render/renderer.h"
+#include "stages/evaluation/ground_truth.h"
+#include "stages/scene/workspace_scene.h"
 #include "tests/temporary_folder.h"
 
 namespace freegs::stages {

@@ -14,9 +14,9 @@
 #include <gtest/gtest.h>
 
 #include "core/parallel.h"
-#include "sfm/photo_list.h"
-#include "stages/ingest_stage.h"
-#include "tests/sfm/photo_test_files.h"
+#include "photos/photo_list.h"
+#include "stages/ingest/ingest_stage.h"
+#include "tests/photos/photo_test_files.h"
 
 namespace freegs::stages {
 
@@ -43,16 +43,16 @@ class IngestTestFixture : public testing::Test {
     return status;
   }
 
-  sfm::PhotoList List() const {
+  photos::PhotoList List() const {
     auto list =
-        sfm::ReadPhotoList(workspace_.path() / "ingest.partial/images.json");
+        photos::ReadPhotoList(workspace_.path() / "ingest.partial/images.json");
     EXPECT_TRUE(list.ok()) << list.status().message();
-    return list.ok() ? *std::move(list) : sfm::PhotoList();
+    return list.ok() ? *std::move(list) : photos::PhotoList();
   }
 
-  std::vector<std::string> Files(sfm::PhotoSplit split) const {
+  std::vector<std::string> Files(photos::PhotoSplit split) const {
     std::vector<std::string> files;
-    for (const sfm::Photo& photo : List().photos) {
+    for (const photos::Photo& photo : List().photos) {
       if (photo.split == split) files.push_back(photo.file);
     }
     return files;

@@ -10,7 +10,7 @@
 
 #include "core/parallel.h"
 #include "pipeline/stage.h"
-#include "sfm/photo_list.h"
+#include "photos/photo_list.h"
 #include "tests/sfm/synthetic_model.h"
 #include "tests/temporary_folder.h"
 
@@ -22,7 +22,7 @@ class SfmWorkspace {
   // of sfm::SyntheticModel.
   explicit SfmWorkspace(int num_photos) {
     for (int i = 0; i < num_photos; ++i) {
-      sfm::Photo photo;
+      photos::Photo photo;
       photo.name = sfm::PhotoName(i);
       photo.file = "my " + photo.name;
       photo.width = 640;
@@ -31,20 +31,20 @@ class SfmWorkspace {
       photo.file_hash = photo.hash;
       photo.camera_group = 0;
       photo.split =
-          i % 8 == 0 ? sfm::PhotoSplit::kHoldout : sfm::PhotoSplit::kTrain;
+          i % 8 == 0 ? photos::PhotoSplit::kHoldout : photos::PhotoSplit::kTrain;
       list.photos.push_back(photo);
       WriteText(path() / "ingest" / "photos" / photo.name, "pixels");
     }
-    sfm::Photo rejected;
+    photos::Photo rejected;
     rejected.file = "broken.jpg";
-    rejected.split = sfm::PhotoSplit::kRejected;
+    rejected.split = photos::PhotoSplit::kRejected;
     rejected.reason = "cannot be decoded";
     list.photos.push_back(rejected);
     WriteList();
   }
 
   void WriteList() {
-    written = sfm::WritePhotoList(path() / "ingest" / "images.json", list);
+    written = photos::WritePhotoList(path() / "ingest" / "images.json", list);
   }
 
   // Runs a stage into NAME.partial and, if it succeeded, moves that to NAME.
@@ -73,7 +73,7 @@ class SfmWorkspace {
 
   const std::filesystem::path& path() const { return folder_.path(); }
 
-  sfm::PhotoList list;
+  photos::PhotoList list;
   Status written;
   CancellationToken cancellation;
   std::vector<std::string> infos;

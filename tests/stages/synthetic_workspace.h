@@ -11,16 +11,16 @@
 
 #include <gtest/gtest.h>
 
-#include "core/image_io.h"
+#include "core/io/image_io.h"
 #include "core/parallel.h"
 #include "pipeline/stage_record.h"
-#include "semantics/idsf.h"
-#include "semantics/instances.h"
-#include "semantics/instances_json.h"
-#include "sfm/model_io.h"
-#include "sfm/photo_list.h"
-#include "splat/ply_io.h"
-#include "splat/renderer.h"
+#include "semantics/field/idsf.h"
+#include "semantics/instances/instances.h"
+#include "semantics/instances/instances_json.h"
+#include "sfm/scene/model_io.h"
+#include "photos/photo_list.h"
+#include "splat/scene/ply_io.h"
+#include "splat/render/renderer.h"
 #include "tests/splat/test_scene.h"
 #include "tests/temporary_folder.h"
 
@@ -46,7 +46,7 @@ class SyntheticWorkspace {
     const Pinhole pinhole = splat::TestCamera(kWidth, kHeight);
     camera.params = {pinhole.fx, pinhole.fy, pinhole.cx, pinhole.cy};
     sparse.cameras.push_back(camera);
-    sfm::PhotoList photos;
+    photos::PhotoList photos;
     for (int k = 0; k < num_photos; ++k) {
       View view;
       view.name =
@@ -70,20 +70,20 @@ class SyntheticWorkspace {
       std::filesystem::create_directories(file.parent_path());
       EXPECT_TRUE(WriteImage(file, ToU8(picture.color)).ok());
 
-      sfm::Photo photo;
+      photos::Photo photo;
       photo.file = photo.name = view.name;
       photo.width = kWidth;
       photo.height = kHeight;
       photo.camera_group = 0;
       photo.split =
-          k % 3 == 0 ? sfm::PhotoSplit::kHoldout : sfm::PhotoSplit::kTrain;
+          k % 3 == 0 ? photos::PhotoSplit::kHoldout : photos::PhotoSplit::kTrain;
       photos.photos.push_back(photo);
       views.push_back(view);
     }
     EXPECT_TRUE(sfm::WriteModel(path() / "undistort" / "sparse", sparse).ok());
     std::filesystem::create_directories(path() / "ingest");
     EXPECT_TRUE(
-        sfm::WritePhotoList(path() / "ingest" / "images.json", photos).ok());
+        photos::WritePhotoList(path() / "ingest" / "images.json", photos).ok());
     std::filesystem::create_directories(path() / "reconstruct");
     EXPECT_TRUE(
         splat::WritePly(path() / "reconstruct" / "point_cloud.ply", model)

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "core/files.h"
+#include "core/io/files.h"
 #include "core/random.h"
 #include "tests/semantics/clip/gzip.h"
 #include "tests/temporary_folder.h"

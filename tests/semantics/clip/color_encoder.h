@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/image_io.h"
+#include "core/io/image_io.h"
 #include "semantics/clip/clip_encoder.h"
 
 namespace freegs::semantics {

@@ -10,7 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/files.h"
+#include "core/io/files.h"
 #include "tests/temporary_folder.h"
 
 namespace freegs::semantics {

@@ -13,7 +13,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/image_io.h"
+#include "core/io/image_io.h"
 #include "tests/semantics/clip/model_files.h"
 
 namespace freegs::semantics {

@@ -10,14 +10,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sfm/model_io.h"
+#include "sfm/scene/model_io.h"
 #include "stages/datasets/layout.h"
 #include "stages/datasets/lerf_mask.h"
 #include "stages/datasets/three_d_ovs.h"
-#include "stages/evaluation.h"
-#include "stages/scene_instances.h"
-#include "stages/text_evaluation.h"
-#include "stages/true_masks.h"
+#include "stages/evaluation/evaluation.h"
+#include "stages/scene/scene_instances.h"
+#include "stages/evaluation/text_evaluation.h"
+#include "stages/evaluation/true_masks.h"
+#include "stages/scene/scene_alignment.h"
 #include "tests/stages/ball_scene.h"
 
 namespace freegs::stages {
@@ -149,7 +150,7 @@ TEST_F(MaskDatasetTest, LerfMaskIsEvaluated) {
   EXPECT_FALSE(truth->complete);
 
   const WorkspaceScene scene = MakeScene();
-  const auto poses = AlignWithTruth(scene, *truth);
+  const auto poses = AlignWithViews(scene, truth->cameras.train, "truth");
   ASSERT_TRUE(poses.ok());
   const TextQuality text =
       Judge(*truth, scene, poses->target_from_source, "left ball");

@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/files.h"
+#include "core/io/files.h"
 #include "core/random.h"
 #include "stages/datasets/layout.h"
 #include "stages/datasets/scannet_mesh.h"

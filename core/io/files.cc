@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "core/io/files.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <fcntl.h>
+#include <memory>
+#include <system_error>
+#include <unistd.h>
+#include <vector>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+namespace freegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct FileCloser {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using File = std::unique_ptr<std::FILE, FileCloser>;
+
+std::string Reason() { return std::strerror(errno); }
+
+// Opens a regular file for reading. Not a pipe or a device, which could block
+// or never end.
+StatusOr<File> OpenRegular(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status)) {
+    return BadInputError(path.string() + ": cannot read: no such file");
+  }
+  if (!fs::is_regular_file(status)) {
+    return BadInputError(path.string() + ": not a regular file");
+  }
+  File file(std::fopen(path.c_str(), "rb"));
+  if (file == nullptr) {
+    return BadInputError(path.string() + ": cannot read: " + Reason());
+  }
+  return file;
+}
+
+std::string HexDigest(XXH128_hash_t hash) {
+  char text[33];
+  std::snprintf(text,
+                sizeof(text),
+                "%016llx%016llx",
+                static_cast<unsigned long long>(hash.high64),
+                static_cast<unsigned long long>(hash.low64));
+  return text;
+}
+
+}  // namespace
+
+StatusOr<std::string> ReadFile(const fs::path& path, uint64_t max_bytes) {
+  FREEGS_ASSIGN_OR_RETURN(File file, OpenRegular(path));
+  std::string content;
+  std::vector<char> buffer(1 << 20);
+  for (;;) {
+    const size_t n = std::fread(buffer.data(), 1, buffer.size(), file.get());
+    content.append(buffer.data(), n);
+    if (content.size() > max_bytes) {
+      return BadInputError(path.string() + ": larger than " +
+                           std::to_string(max_bytes) + " bytes");
+    }
+    if (n < buffer.size()) break;
+  }
+  if (std::ferror(file.get()) != 0) {
+    return BadInputError(path.string() + ": read error: " + Reason());
+  }
+  return content;
+}
+
+Status WriteFileAtomic(const fs::path& path, std::string_view content) {
+  const fs::path temporary = path.string() + ".part";
+  const int descriptor =
+      open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  if (descriptor < 0) {
+    return InternalError(temporary.string() + ": cannot write: " + Reason());
+  }
+  bool good = true;
+  while (good && !content.empty()) {
+    const ssize_t n = write(descriptor, content.data(), content.size());
+    if (n < 0 && errno == EINTR) continue;
+    good = n > 0;
+    if (good) content.remove_prefix(static_cast<size_t>(n));
+  }
+  good = good && fsync(descriptor) == 0;
+  const std::string reason = Reason();
+  good = close(descriptor) == 0 && good;
+  if (!good) {
+    std::error_code ignored;
+    fs::remove(temporary, ignored);
+    return InternalError(temporary.string() + ": cannot write: " + reason);
+  }
+  std::error_code error;
+  fs::rename(temporary, path, error);
+  if (error) {
+    return InternalError(path.string() +
+                         ": cannot replace: " + error.message());
+  }
+  return Status();
+}
+
+Status CreateFolders(const fs::path& path) {
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (error) {
+    return InternalError(path.string() +
+                         ": cannot create folder: " + error.message());
+  }
+  return Status();
+}
+
+std::string HashBytes(std::string_view bytes) {
+  return HexDigest(XXH3_128bits(bytes.data(), bytes.size()));
+}
+
+StatusOr<std::string> HashFile(const fs::path& path) {
+  FREEGS_ASSIGN_OR_RETURN(File file, OpenRegular(path));
+  const std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(
+      XXH3_createState(), XXH3_freeState);
+  XXH3_128bits_reset(state.get());
+  std::vector<char> buffer(1 << 20);
+  size_t n = 0;
+  while ((n = std::fread(buffer.data(), 1, buffer.size(), file.get())) > 0) {
+    XXH3_128bits_update(state.get(), buffer.data(), n);
+  }
+  if (std::ferror(file.get()) != 0) {
+    return BadInputError(path.string() + ": read error: " + Reason());
+  }
+  return HexDigest(XXH3_128bits_digest(state.get()));
+}
+
+}  // namespace freegs

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "core/io/image_io.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "core/io/files.h"
+
+namespace freegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+// OpenCV refuses more pixels than this by default, with an exception; a bound
+// of our own keeps a lying header from allocating gigabytes first.
+constexpr uint64_t kMaxFileBytes = uint64_t{1} << 30;
+
+StatusOr<cv::Mat> Decode(const fs::path& path, int flags) {
+  FREEGS_ASSIGN_OR_RETURN(const std::string bytes,
+                          ReadFile(path, kMaxFileBytes));
+  if (bytes.empty()) return BadInputError(path.string() + ": empty file");
+  const cv::Mat buffer(1,
+                       static_cast<int>(bytes.size()),
+                       CV_8UC1,
+                       const_cast<char*>(bytes.data()));
+  try {
+    cv::Mat image = cv::imdecode(buffer, flags);
+    if (image.empty()) {
+      return BadInputError(path.string() + ": not a readable image");
+    }
+    return image;
+  } catch (const cv::Exception& e) {
+    return BadInputError(path.string() + ": not a readable image: " + e.err);
+  }
+}
+
+Status Encode(const fs::path& path, const cv::Mat& image) {
+  std::vector<uint8_t> bytes;
+  try {
+    const std::vector<int> parameters = {
+        cv::IMWRITE_JPEG_QUALITY, 95, cv::IMWRITE_PNG_COMPRESSION, 3};
+    if (!cv::imencode(path.extension().string(), image, bytes, parameters)) {
+      return InternalError(path.string() + ": cannot encode image");
+    }
+  } catch (const cv::Exception& e) {
+    return InternalError(path.string() + ": cannot encode image: " + e.err);
+  }
+  return WriteFileAtomic(
+      path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+}
+
+}  // namespace
+
+StatusOr<ImageU8> ReadRgb(const fs::path& path) {
+  FREEGS_ASSIGN_OR_RETURN(
+      cv::Mat bgr,
+      Decode(path, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION));
+  ImageU8 image(bgr.cols, bgr.rows, 3);
+  cv::Mat rgb(bgr.rows, bgr.cols, CV_8UC3, image.data());
+  cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
+  return image;
+}
+
+StatusOr<ImageU16> ReadLabels(const fs::path& path) {
+  FREEGS_ASSIGN_OR_RETURN(cv::Mat stored, Decode(path, cv::IMREAD_UNCHANGED));
+  if (stored.channels() != 1 ||
+      (stored.depth() != CV_8U && stored.depth() != CV_16U)) {
+    return BadInputError(path.string() +
+                         ": label images have one 8 or 16 bit channel");
+  }
+  ImageU16 labels(stored.cols, stored.rows, 1);
+  cv::Mat target(stored.rows, stored.cols, CV_16UC1, labels.data());
+  stored.convertTo(target, CV_16U);
+  return labels;
+}
+
+Status WriteImage(const fs::path& path, const ImageU8& image) {
+  const cv::Mat stored(image.height(),
+                       image.width(),
+                       CV_8UC(image.channels()),
+                       const_cast<uint8_t*>(image.data()));
+  cv::Mat bgr;
+  switch (image.channels()) {
+    case 1:
+      return Encode(path, stored);
+    case 3:
+      cv::cvtColor(stored, bgr, cv::COLOR_RGB2BGR);
+      return Encode(path, bgr);
+    case 4:
+      cv::cvtColor(stored, bgr, cv::COLOR_RGBA2BGRA);
+      return Encode(path, bgr);
+    default:
+      return InternalError(path.string() + ": images have 1, 3 or 4 channels");
+  }
+}
+
+Status WriteLabels(const fs::path& path, const ImageU16& labels) {
+  return Encode(path,
+                cv::Mat(labels.height(),
+                        labels.width(),
+                        CV_16UC1,
+                        const_cast<uint16_t*>(labels.data())));
+}
+
+ImageF ToFloat(const ImageU8& image) {
+  ImageF result(image.width(), image.height(), image.channels());
+  std::transform(
+      image.data(), image.data() + image.size(), result.data(), [](uint8_t v) {
+        return static_cast<float>(v) / 255.0f;
+      });
+  return result;
+}
+
+ImageU8 ToU8(const ImageF& image) {
+  ImageU8 result(image.width(), image.height(), image.channels());
+  std::transform(
+      image.data(), image.data() + image.size(), result.data(), [](float v) {
+        return static_cast<uint8_t>(
+            std::lround(std::clamp(v, 0.0f, 1.0f) * 255.0f));
+      });
+  return result;
+}
+
+ImageU8 Resize(const ImageU8& image, int width, int height) {
+  if (width == image.width() && height == image.height()) return image;
+  ImageU8 result(width, height, image.channels());
+  const cv::Mat source(image.height(),
+                       image.width(),
+                       CV_8UC(image.channels()),
+                       const_cast<uint8_t*>(image.data()));
+  cv::Mat target(height, width, CV_8UC(image.channels()), result.data());
+  const bool smaller = width < image.width() || height < image.height();
+  cv::resize(source,
+             target,
+             target.size(),
+             0,
+             0,
+             smaller ? cv::INTER_AREA : cv::INTER_LINEAR);
+  return result;
+}
+
+}  // namespace freegs

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A k-d tree over points of low dimension, with what exact clustering needs:
+// tight boxes, a unique answer to every query, and no trouble with duplicates.
+
+#ifndef FREEGS_CORE_KD_TREE_H_
+#define FREEGS_CORE_KD_TREE_H_
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "core/status.h"
+#include "core/kd_tree_simd.h"
+
+namespace freegs {
+
+// Neighbours are ordered by distance and then by index, so that the k nearest
+// are one well-defined list even among equal distances.
+struct Neighbor {
+  double distance2 = 0;  // Squared Euclidean distance.
+  uint32_t index = 0;    // Row of the point.
+
+  friend bool operator<(const Neighbor& a, const Neighbor& b) {
+    return a.distance2 != b.distance2 ? a.distance2 < b.distance2
+                                      : a.index < b.index;
+  }
+};
+
+// The children of a node that are within a limit, nearest first.
+class KdChildOrder {
+ public:
+  KdChildOrder(const float bounds[kKdBlockSize], uint32_t within) {
+    for (; within != 0; within &= within - 1) {
+      const int j = std::countr_zero(within);
+      int at = count_++;
+      for (; at > 0 && bounds[order_[at - 1]] > bounds[j]; --at) {
+        order_[at] = order_[at - 1];
+      }
+      order_[at] = static_cast<int8_t>(j);
+    }
+  }
+  // -1 at the end.
+  int Next() { return next_ < count_ ? order_[next_++] : -1; }
+
+ private:
+  int8_t order_[kKdBlockSize];
+  int count_ = 0;
+  int next_ = 0;
+};
+
+// Every node has kFanout children, every leaf as many points, but for the last
+// of each level: nodes are numbered along each level, leaves being level 0, and
+// node i of a level holds the tree positions [i, i + 1) * PointsPerNode(level).
+// Parts are split across the widest side of their box, near the median.
+//
+// Squared distances are summed in double from the float coordinates, in order
+// of dimension: symmetric in the two points, and the same wherever they are
+// computed. Box distances are computed alike, and because rounding is monotone
+// they never exceed the distance of a point inside. Searches use float bounds
+// first; distances below 1e-18, whose squares are no floats, are found right
+// but slowly.
+class KdTree {
+ public:
+  static constexpr int kFanout = kKdBlockSize;
+  // Larger coordinates are refused: their squares would overflow a float.
+  static constexpr float kMaxCoordinate = 1e15f;
+
+  // points: N x dim, row-major, N < 2^31. kInvalidArgument when the size is not
+  // a multiple of dim, or a coordinate is not finite or larger than
+  // kMaxCoordinate.
+  static StatusOr<KdTree> Build(std::span<const float> points, int dim);
+
+  size_t size() const { return order_.size(); }
+  int dim() const { return dim_; }
+
+  // The last level has one node, the root; no level without points.
+  int num_levels() const { return static_cast<int>(levels_.size()); }
+  uint32_t num_nodes(int level) const { return levels_[level].num_nodes; }
+  static size_t PointsPerNode(int level) {
+    return size_t{1} << (4 * (level + 1));
+  }
+  // Smallest row among the points of a node.
+  uint32_t MinRow(int level, uint32_t node) const {
+    return levels_[level].min_rows[node];
+  }
+
+  // Row of the point at a tree position, and its coordinates.
+  uint32_t Row(uint32_t position) const { return order_[position]; }
+  const float* Point(uint32_t position) const {
+    return rows_.data() + static_cast<size_t>(position) * dim_;
+  }
+
+  double Distance2(const float* a, const float* b) const {
+    double sum = 0;
+    for (int k = 0; k < dim_; ++k) {
+      const double difference = static_cast<double>(a[k]) - b[k];
+      sum += difference * difference;
+    }
+    return sum;
+  }
+
+  // Squared distance to the node's tight bounding box, 0 inside.
+  double BoxDistance2(int level, uint32_t node, const float* query) const;
+
+  // Fast lower bounds (see kd_tree_simd.h) of the squared distances from the
+  // query to the children of a node or the points of a leaf, and which of them
+  // are at most `limit2`.
+  uint32_t ChildBounds(int level,
+                       uint32_t node,
+                       const float* query,
+                       double limit2,
+                       float bounds[kFanout]) const {
+    return level == 0
+               ? KdPointBounds(
+                     Block(0, node), dim_, query, Limit(limit2), bounds)
+               : KdBoxBounds(
+                     Block(level, node), dim_, query, Limit(limit2), bounds);
+  }
+  KdBlockBounds ChildBounds(int level,
+                            uint32_t node,
+                            const float* query,
+                            const KdBlockFilter& filter,
+                            double limit2,
+                            float bounds[kFanout]) const {
+    return level == 0
+               ? KdPointBounds(
+                     Block(0, node), dim_, query, filter, Limit(limit2), bounds)
+               : KdBoxBounds(Block(level, node),
+                             dim_,
+                             query,
+                             filter,
+                             Limit(limit2),
+                             bounds);
+  }
+  // Whether a bound within the limit leaves open if what it bounds is as large.
+  bool MayTie(float bound, double limit2) const {
+    return bound >= limit2 * tie_factor_;
+  }
+
+  // The k nearest points to the query, nearest first; fewer when the tree is
+  // smaller. The point at row `skip` is left out (kNoRow for none). Above 0,
+  // max_leaves ends the search after as many leaves, nearest first as far as
+  // the tree knows, but not before k points are found: an approximation.
+  static constexpr uint32_t kNoRow = 0xffffffffu;
+  void Nearest(const float* query,
+               int k,
+               uint32_t skip,
+               std::vector<Neighbor>* result,
+               int max_leaves = 0) const;
+
+ private:
+  struct Level {
+    uint32_t num_nodes = 0;
+    std::vector<uint32_t> min_rows;
+    std::vector<float> blocks;  // Per node; layout in kd_tree_simd.h.
+  };
+  struct KnnQuery;
+
+  size_t BlockSize(int level) const {
+    return static_cast<size_t>(dim_) * kFanout * (level == 0 ? 1 : 2);
+  }
+  const float* Block(int level, uint32_t node) const {
+    return levels_[level].blocks.data() + node * BlockSize(level);
+  }
+  // Entries that do not exist are infinitely far and never within.
+  static float Limit(double limit2) {
+    constexpr float kMax = std::numeric_limits<float>::max();
+    return limit2 < kMax ? static_cast<float>(limit2) : kMax;
+  }
+  void Split(uint32_t begin, uint32_t end, std::span<const float> points);
+  void FillLeaves();
+  void FillLevel(int level);
+  void Search(int level, uint32_t node, KnnQuery& query) const;
+
+  int dim_ = 0;
+  double tie_factor_ = 0;
+  std::vector<uint32_t> order_;  // Row at each tree position.
+  std::vector<float> rows_;      // N x dim, tree order.
+  std::vector<Level> levels_;    // From the leaves up.
+};
+
+}  // namespace freegs
+
+#endif  // FREEGS_CORE_KD_TREE_H_

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// TIFF Revision 6.0 (Adobe, 1992), sections 2 to 8 and 18.
+
+#include <algorithm>
+#include <limits>
+#include <vector>
+
+#include "photos/photo_header.h"
+#include "photos/photo_tiff.h"
+
+namespace freegs::photos {
+namespace {
+
+constexpr uint16_t kImageWidth = 256;
+constexpr uint16_t kImageLength = 257;
+constexpr uint16_t kBitsPerSample = 258;
+constexpr uint16_t kCompression = 259;
+constexpr uint16_t kStripOffsets = 273;
+constexpr uint16_t kOrientation = 274;
+constexpr uint16_t kSamplesPerPixel = 277;
+constexpr uint16_t kStripByteCounts = 279;
+constexpr uint16_t kTileOffsets = 324;
+constexpr uint16_t kTileByteCounts = 325;
+constexpr uint16_t kExtraSamples = 338;
+constexpr uint16_t kSampleFormat = 339;
+
+constexpr uint32_t kUncompressed = 1;
+constexpr uint32_t kUnsignedInteger = 1;
+constexpr uint32_t kAssociatedAlpha = 1;
+
+using Tags = std::vector<TiffEntry>;
+
+uint32_t UnsignedTag(const TiffReader& reader,
+                     const Tags& tags,
+                     uint16_t tag,
+                     uint32_t missing) {
+  const TiffEntry* entry = FindTag(tags, tag);
+  return entry == nullptr ? missing : reader.Unsigned(*entry).value_or(missing);
+}
+
+// Adds up the strips (or tiles); false if one of them lies outside the file.
+bool AddStrips(const TiffReader& reader,
+               const Tags& tags,
+               uint16_t offsets_tag,
+               uint16_t counts_tag,
+               size_t file_size,
+               double* total) {
+  const TiffEntry* offsets = FindTag(tags, offsets_tag);
+  const TiffEntry* counts = FindTag(tags, counts_tag);
+  if (offsets == nullptr || counts == nullptr) return true;
+  for (uint32_t i = 0; i < std::min(offsets->count, counts->count); ++i) {
+    const uint64_t offset = reader.Unsigned(*offsets, i).value_or(0);
+    const uint64_t count = reader.Unsigned(*counts, i).value_or(0);
+    if (offset + count > file_size) return false;
+    *total += static_cast<double>(count);
+  }
+  return true;
+}
+
+}  // namespace
+
+StatusOr<PhotoHeader> ParseTiffHeader(std::string_view bytes) {
+  FREEGS_ASSIGN_OR_RETURN(const TiffReader reader, TiffReader::Open(bytes));
+  bool complete = true;
+  const StatusOr<Tags> directory =
+      reader.Directory(reader.first_directory(), &complete);
+  if (!directory.ok()) {
+    return BadInputError(directory.status().message() +
+                         "; copy the file again");
+  }
+  const Tags& tags = *directory;
+
+  PhotoHeader header;
+  header.format = PhotoFormat::kTiff;
+  header.width = UnsignedTag(reader, tags, kImageWidth, 0);
+  header.height = UnsignedTag(reader, tags, kImageLength, 0);
+  if (header.width == 0 || header.height == 0) {
+    return BadInputError("the TIFF header gives no size; copy the file again");
+  }
+  header.bits = static_cast<int>(
+      std::min(UnsignedTag(reader, tags, kBitsPerSample, 1), 255U));
+  header.samples = static_cast<int>(
+      std::min(UnsignedTag(reader, tags, kSamplesPerPixel, 1), 255U));
+  header.plain = false;
+  if (header.bits == 0 || header.samples == 0) {
+    return BadInputError("damaged TIFF header; copy the file again");
+  }
+  const uint32_t sample_format =
+      UnsignedTag(reader, tags, kSampleFormat, kUnsignedInteger);
+  if (sample_format != kUnsignedInteger || header.bits > 16) {
+    return BadInputError("a TIFF of floating-point, signed or " +
+                         std::to_string(header.bits) +
+                         "-bit samples; convert it to 8 or 16 bits");
+  }
+  header.has_alpha = header.samples == 2 || header.samples == 4;
+  header.premultiplied =
+      UnsignedTag(reader, tags, kExtraSamples, 0) == kAssociatedAlpha;
+  header.exif = ParseExif(bytes);
+
+  double data_bytes = 0;
+  complete = complete &&
+             AddStrips(reader,
+                       tags,
+                       kStripOffsets,
+                       kStripByteCounts,
+                       bytes.size(),
+                       &data_bytes) &&
+             AddStrips(reader,
+                       tags,
+                       kTileOffsets,
+                       kTileByteCounts,
+                       bytes.size(),
+                       &data_bytes);
+  header.truncated = !complete || (FindTag(tags, kStripOffsets) == nullptr &&
+                                   FindTag(tags, kTileOffsets) == nullptr);
+  // Compressed strips have no bound worth checking: the decoder reports strips
+  // that hold too little.
+  header.max_pixels = std::numeric_limits<double>::infinity();
+  if (UnsignedTag(reader, tags, kCompression, kUncompressed) == kUncompressed &&
+      FindTag(tags, kStripByteCounts) != nullptr) {
+    header.max_pixels = data_bytes * 8 / (header.bits * header.samples);
+  }
+  return header;
+}
+
+std::string NeutralTiff(std::string_view bytes) {
+  std::string neutral(bytes);
+  const StatusOr<TiffReader> reader = TiffReader::Open(bytes);
+  if (!reader.ok()) return neutral;
+  const StatusOr<Tags> tags = reader->Directory(reader->first_directory());
+  if (!tags.ok()) return neutral;
+  for (const uint16_t tag : {kOrientation, kExtraSamples}) {
+    const TiffEntry* entry = FindTag(*tags, tag);
+    if (entry == nullptr || !reader->Unsigned(*entry)) continue;
+    // A BYTE, SHORT or LONG: all bytes 0 but the least significant.
+    const size_t size = entry->type == 1 ? 1 : entry->type == 3 ? 2 : 4;
+    for (size_t i = 0; i < size; ++i) neutral[entry->offset + i] = 0;
+    const size_t least = reader->little_endian() ? 0 : size - 1;
+    neutral[entry->offset + least] = 1;
+  }
+  return neutral;
+}
+
+}  // namespace freegs::photos

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "photos/photo_mask.h"
+
+#include <algorithm>
+#include <cmath>
+#include <system_error>
+
+#include "photos/photo_header.h"
+#include "photos/photo_pixels.h"
+
+namespace freegs::photos {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Largest relative difference of two shapes that rounding explains.
+constexpr double kMaxShapeError = 0.01;
+
+constexpr uint8_t kIgnore = 0;
+constexpr uint8_t kKeep = 255;
+
+std::string SizeText(int width, int height) {
+  return std::to_string(width) + " x " + std::to_string(height);
+}
+
+bool SameShape(const ImageU8& mask, const Photo& photo) {
+  const double a = static_cast<double>(mask.width()) * photo.height;
+  const double b = static_cast<double>(mask.height()) * photo.width;
+  return std::abs(a - b) <= kMaxShapeError * std::max(a, b);
+}
+
+// The value of the pixel whose centre is nearest.
+ImageU8 ResizeNearest(const ImageU8& image, int width, int height) {
+  ImageU8 result(width, height, 1);
+  for (int y = 0; y < height; ++y) {
+    const int from_y = static_cast<int>((y + 0.5) * image.height() / height);
+    for (int x = 0; x < width; ++x) {
+      const int from_x = static_cast<int>((x + 0.5) * image.width() / width);
+      result(x, y) = image(std::min(from_x, image.width() - 1),
+                           std::min(from_y, image.height() - 1));
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+std::optional<std::string> FindMask(const fs::path& folder,
+                                    const std::string& photo_file) {
+  const std::string stem = fs::path(photo_file).replace_extension().string();
+  for (const std::string& name : {photo_file + ".png", stem + ".png"}) {
+    std::error_code error;
+    if (fs::is_regular_file(folder / name, error)) return name;
+  }
+  return std::nullopt;
+}
+
+StatusOr<ImageU8> DecodeMask(std::string_view bytes,
+                             const Photo& photo,
+                             bool invert,
+                             const PhotoDecodeOptions& options) {
+  PhotoDecodeOptions decode = options;
+  decode.background = "black";
+  FREEGS_ASSIGN_OR_RETURN(const PhotoHeader header, ParsePhotoHeader(bytes));
+  FREEGS_RETURN_IF_ERROR(CheckHeader(header, decode));
+  FREEGS_ASSIGN_OR_RETURN(const ImageU8 rgb,
+                          DecodePhoto(bytes, header, decode));
+  const int least = header.format == PhotoFormat::kJpeg ? 128 : 1;
+  ImageU8 mask(rgb.width(), rgb.height(), 1);
+  for (int y = 0; y < rgb.height(); ++y) {
+    for (int x = 0; x < rgb.width(); ++x) {
+      const int value = std::max({rgb(x, y, 0), rgb(x, y, 1), rgb(x, y, 2)});
+      mask(x, y) = (value >= least) != invert ? kKeep : kIgnore;
+    }
+  }
+  const bool on_its_side = photo.orientation >= 5;
+  if (!SameShape(mask, photo) && on_its_side) {
+    mask = Upright(mask, photo.orientation);
+  }
+  if (!SameShape(mask, photo)) {
+    return BadInputError("the mask has " + SizeText(rgb.width(), rgb.height()) +
+                         " pixels and the photo " +
+                         SizeText(photo.width, photo.height) +
+                         ": another shape; make it anew from this photo");
+  }
+  if (mask.width() == photo.width && mask.height() == photo.height) return mask;
+  return ResizeNearest(mask, photo.width, photo.height);
+}
+
+double KeptShare(const ImageU8& mask) {
+  if (mask.empty()) return 0;
+  const auto kept = std::count(mask.data(), mask.data() + mask.size(), kKeep);
+  return static_cast<double>(kept) / static_cast<double>(mask.size());
+}
+
+}  // namespace freegs::photos

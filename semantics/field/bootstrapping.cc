@@ -1,0 +1,360 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "semantics/field/bootstrapping.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "core/io/image_io.h"
+#include "core/random.h"
+#include "semantics/geometry/directions.h"
+
+namespace freegs::semantics {
+namespace {
+
+constexpr uint64_t kStartStream = 0x7374617274;
+constexpr size_t kDecodedRows = 4096;  // At a time.
+constexpr int64_t kStepsPerReport = 50;
+
+// Times parts and reports their progress.
+class PartClock {
+ public:
+  explicit PartClock(const ProgressFn& progress) : progress_(progress) {}
+
+  void Begin(const std::string& part, size_t total) {
+    End();
+    part_ = part;
+    total_ = total;
+    started_ = std::chrono::steady_clock::now();
+    Done(0);
+  }
+
+  void Done(size_t count, const std::string& detail = "") const {
+    if (!progress_) return;
+    progress_({part_,
+               static_cast<double>(count),
+               static_cast<double>(total_),
+               detail});
+  }
+
+  void End() {
+    if (part_.empty()) return;
+    const std::chrono::duration<double> elapsed =
+        std::chrono::steady_clock::now() - started_;
+    // A part that comes again, such as clustering, is one part.
+    const auto same =
+        std::find_if(seconds_.begin(), seconds_.end(), [&](const auto& entry) {
+          return entry.first == part_;
+        });
+    if (same != seconds_.end()) {
+      same->second += elapsed.count();
+    } else {
+      seconds_.emplace_back(part_, elapsed.count());
+    }
+    part_.clear();
+  }
+
+  std::vector<std::pair<std::string, double>> Take() {
+    End();
+    return std::move(seconds_);
+  }
+
+ private:
+  const ProgressFn& progress_;
+  std::string part_;
+  size_t total_ = 0;
+  std::chrono::steady_clock::time_point started_;
+  std::vector<std::pair<std::string, double>> seconds_;
+};
+
+LinearDecoder DecoderOfAxes(const PrincipalAxes& axes) {
+  LinearDecoder decoder;
+  decoder.latent_dim = axes.count;
+  decoder.feature_dim = axes.dim;
+  decoder.mean = axes.mean;
+  decoder.basis.resize(axes.axes.size());
+  for (int k = 0; k < axes.count; ++k) {
+    for (int c = 0; c < axes.dim; ++c) {
+      decoder.basis[static_cast<size_t>(c) * axes.count + k] =
+          axes.axes[static_cast<size_t>(k) * axes.dim + c];
+    }
+  }
+  return decoder;
+}
+
+std::vector<float> RandomVectors(size_t size, uint64_t seed) {
+  std::vector<float> vectors(size);
+  for (size_t i = 0; i < size; ++i) {
+    vectors[i] = static_cast<float>(RandomNormal(seed, kStartStream, i));
+  }
+  return vectors;
+}
+
+std::string Describe(const FieldTraining& training) {
+  if (training.history().empty()) return "";
+  std::string text =
+      "loss " + std::to_string(training.history().back().losses.pixel);
+  if (!training.rounds().empty()) {
+    text += ", " + std::to_string(training.rounds().back().num_instances) +
+            " instances";
+  }
+  return text;
+}
+
+class Bootstrapping {
+ public:
+  Bootstrapping(const PosedScene& scene,
+                ViewPhoto photo_of,
+                const BootstrappingOptions& options,
+                uint64_t seed,
+                const BootstrapTools& tools,
+                ViewWeightsStore store)
+      : scene_(scene),
+        photo_of_(photo_of),
+        options_(options),
+        seed_(seed),
+        tools_(tools),
+        pool_(tools.pool),
+        clock_(tools.progress),
+        weights_(std::move(store)) {}
+
+  StatusOr<SemanticField> Run() {
+    FREEGS_RETURN_IF_ERROR(Lift());
+    FeatureDecoder decoder(DecoderOfAxes(grids_.axes));
+    int64_t steps = 0;
+    std::vector<ClusteringRound> rounds;
+    std::vector<LossRecord> losses;
+    if (options_.method == FieldMethod::kTrain) {
+      FREEGS_ASSIGN_OR_RETURN(FieldState trained, Train());
+      lifted_.features = std::move(trained.features);
+      decoder = std::move(trained.decoder);
+      steps = trained.step;
+      rounds = std::move(trained.rounds);
+      losses = std::move(trained.history);
+    }
+    FREEGS_ASSIGN_OR_RETURN(InstanceLabels labels, Cluster(lifted_.features));
+    FREEGS_ASSIGN_OR_RETURN(InstanceVectors vectors, Look(labels));
+    FREEGS_ASSIGN_OR_RETURN(const std::vector<float> means,
+                            MeanInstanceVectors(lifted_.features,
+                                                lifted_.weights,
+                                                labels.labels,
+                                                labels.num_instances,
+                                                decoder,
+                                                pool_));
+    vectors.vectors = MixDirections(
+        vectors.vectors, means, vectors.dim, options_.instance_share);
+    return SemanticField{.features = std::move(lifted_.features),
+                         .num_unseen = lifted_.num_unseen,
+                         .decoder = std::move(decoder),
+                         .instances = std::move(labels),
+                         .vectors = std::move(vectors),
+                         .steps = steps,
+                         .rounds = std::move(rounds),
+                         .losses = std::move(losses),
+                         .seconds = clock_.Take()};
+  }
+
+ private:
+  bool cancelled() const {
+    return tools_.cancellation != nullptr && tools_.cancellation->cancelled();
+  }
+
+  // Features of photographs, and their averages on Gaussians.
+  Status Lift() {
+    clock_.Begin("features of photographs", scene_.views.size());
+    FREEGS_ASSIGN_OR_RETURN(
+        grids_,
+        ComputeFeatureGrids(scene_.views.size(),
+                            photo_of_,
+                            tools_.encoder,
+                            tools_.cache,
+                            options_.features,
+                            pool_,
+                            tools_.cancellation,
+                            [&](size_t count) { clock_.Done(count); }));
+    clock_.Begin("lifting features", scene_.views.size());
+    for (size_t view = 0; view < scene_.views.size(); ++view) {
+      FREEGS_ASSIGN_OR_RETURN(const ImageU8 photo, photo_of_(view));
+      const Pinhole& camera = weights_.camera(view);
+      guides_.push_back(ToFloat(Resize(photo, camera.width, camera.height)));
+    }
+    const auto features_of = [&](size_t view) -> StatusOr<ImageF> {
+      if (cancelled()) {
+        return InterruptedError("lifting features was interrupted");
+      }
+      clock_.Done(view);
+      return JointBilateralUpsample(
+          grids_.grids[view], guides_[view], options_.upsampling, pool_);
+    };
+    FREEGS_ASSIGN_OR_RETURN(lifted_,
+                            LiftFeatures(weights_, features_of, pool_));
+    return Status();
+  }
+
+  StatusOr<InstanceLabels> Cluster(std::span<const float> features) {
+    clock_.Begin("clustering", 0);
+    return ClusterInstances(scene_.model,
+                            {features, grids_.axes.count},
+                            scene_.all_views,
+                            options_.clustering,
+                            seed_,
+                            pool_,
+                            tools_.cancellation);
+  }
+
+  // Instances as the photographs show them.
+  StatusOr<InstanceVectors> Look(const InstanceLabels& labels) {
+    clock_.Begin("features of instances", scene_.views.size());
+    return EncodeInstances(scene_.model,
+                           scene_.views,
+                           scene_.render,
+                           labels.labels,
+                           labels.num_instances,
+                           photo_of_,
+                           tools_.encoder,
+                           options_.instances,
+                           pool_,
+                           tools_.cancellation,
+                           [&](size_t count) { clock_.Done(count); });
+  }
+
+  FieldState FirstState() const {
+    if (tools_.resume_from) return *tools_.resume_from;
+    return FieldTraining::InitialState(
+        options_.random_start ? RandomVectors(lifted_.features.size(), seed_)
+                              : lifted_.features,
+        grids_.axes.count,
+        grids_.axes.dim,
+        options_.training,
+        seed_);
+  }
+
+  StatusOr<FieldState> Train() {
+    FREEGS_ASSIGN_OR_RETURN(FieldTraining training,
+                            FieldTraining::Create({scene_.model,
+                                                   scene_.views,
+                                                   scene_.render,
+                                                   grids_,
+                                                   guides_,
+                                                   options_.upsampling,
+                                                   weights_},
+                                                  options_.training,
+                                                  seed_,
+                                                  FirstState(),
+                                                  pool_));
+    BeginTraining();
+    while (!training.finished()) {
+      if (cancelled()) {
+        if (tools_.save) FREEGS_RETURN_IF_ERROR(tools_.save(training, true));
+        return InterruptedError(
+            "training of the semantic field was interrupted at step " +
+            std::to_string(training.step()));
+      }
+      if (training.clusters_next()) {
+        const Status taught = ClusterAndTeach(training);
+        // Interrupted while clustering: the next turn saves and stops.
+        if (!taught.ok() && !cancelled()) return taught;
+        BeginTraining();
+        continue;
+      }
+      FREEGS_RETURN_IF_ERROR(training.Step(pool_));
+      if (training.step() % kStepsPerReport == 0) {
+        clock_.Done(training.step(), Describe(training));
+        if (tools_.save) FREEGS_RETURN_IF_ERROR(tools_.save(training, false));
+      }
+    }
+    return training.state();
+  }
+
+  void BeginTraining() {
+    clock_.Begin("training", options_.training.iterations);
+  }
+
+  Status ClusterAndTeach(FieldTraining& training) {
+    FREEGS_ASSIGN_OR_RETURN(InstanceLabels labels,
+                            Cluster(training.features()));
+    FREEGS_ASSIGN_OR_RETURN(InstanceVectors vectors, Look(labels));
+    return training.Teach({labels.num_instances,
+                           std::move(labels.labels),
+                           std::move(vectors.vectors)},
+                          pool_);
+  }
+
+  const PosedScene& scene_;
+  const ViewPhoto photo_of_;
+  const BootstrappingOptions& options_;
+  const uint64_t seed_;
+  const BootstrapTools& tools_;
+  ThreadPool& pool_;
+  PartClock clock_;
+  ViewWeightsStore weights_;
+  FeatureGrids grids_;
+  std::vector<ImageF> guides_;  // Photographs at the weights' size.
+  LiftedFeatures lifted_;
+};
+
+}  // namespace
+
+Status BootstrappingOptions::Check() const {
+  FREEGS_RETURN_IF_ERROR(features.Check());
+  FREEGS_RETURN_IF_ERROR(upsampling.Check());
+  FREEGS_RETURN_IF_ERROR(weights.Check());
+  FREEGS_RETURN_IF_ERROR(clustering.Check());
+  FREEGS_RETURN_IF_ERROR(instances.Check());
+  FREEGS_RETURN_IF_ERROR(training.Check());
+  if (!(instance_share >= 0 && instance_share <= 1)) {
+    return InvalidArgumentError("instance_share must lie in [0, 1]");
+  }
+  return Status();
+}
+
+StatusOr<std::vector<float>> MeanInstanceVectors(
+    std::span<const float> features,
+    std::span<const double> weights,
+    std::span<const int32_t> labels,
+    int num_instances,
+    const FeatureDecoder& decoder,
+    ThreadPool& pool) {
+  const auto dim = static_cast<size_t>(decoder.latent_dim());
+  const auto channels = static_cast<size_t>(decoder.feature_dim());
+  std::vector<double> sums(num_instances * channels, 0.0);
+  std::vector<float> decoded;
+  for (size_t first = 0; first < labels.size(); first += kDecodedRows) {
+    const size_t count = std::min(kDecodedRows, labels.size() - first);
+    decoded.resize(count * channels);
+    FREEGS_RETURN_IF_ERROR(decoder.Decode(
+        features.subspan(first * dim, count * dim), pool, decoded));
+    for (size_t k = 0; k < count; ++k) {
+      const int32_t label = labels[first + k];
+      if (label < 0 || !(weights[first + k] > 0)) continue;
+      AddDirection(std::span(decoded).subspan(k * channels, channels),
+                   weights[first + k],
+                   std::span(sums).subspan(label * channels, channels));
+    }
+  }
+  std::vector<float> means(sums.size());
+  for (size_t row = 0; row < sums.size(); row += channels) {
+    WriteDirection(std::span(sums).subspan(row, channels),
+                   std::span(means).subspan(row, channels));
+  }
+  return means;
+}
+
+StatusOr<SemanticField> BootstrapSemanticField(
+    const PosedScene& scene,
+    ViewPhoto photo_of,
+    const BootstrappingOptions& options,
+    uint64_t seed,
+    const BootstrapTools& tools) {
+  FREEGS_RETURN_IF_ERROR(options.Check());
+  FREEGS_ASSIGN_OR_RETURN(
+      ViewWeightsStore weights,
+      ViewWeightsStore::Create(
+          scene.model, scene.views, scene.render, options.weights));
+  return Bootstrapping(
+             scene, photo_of, options, seed, tools, std::move(weights))
+      .Run();
+}
+
+}  // namespace freegs::semantics

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "semantics/field/field_checkpoint.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include <xxhash.h>
+
+#include "core/io/files.h"
+#include "semantics/losses/decoder_file.h"
+#include "splat/train/checkpoint_bytes.h"
+
+namespace freegs::semantics {
+namespace {
+
+using splat::CheckpointReader;
+using splat::CheckpointWriter;
+
+constexpr std::string_view kMagic = "FREEGSFT";
+constexpr uint32_t kVersion = 1;
+constexpr size_t kChecksumSize = 8;
+
+template <typename T>
+void PutSized(const std::vector<T>& array, CheckpointWriter* writer) {
+  writer->Put<uint64_t>(array.size());
+  writer->PutArray(array);
+}
+
+template <typename T>
+bool GetSized(CheckpointReader* reader, std::vector<T>* array) {
+  uint64_t count = 0;
+  return reader->Get(&count) && reader->GetArray(count, array);
+}
+
+void PutLosses(const FieldLosses& losses, CheckpointWriter* writer) {
+  writer->Put(losses.pixel);
+  writer->Put(losses.instance);
+  writer->Put(losses.smoothing);
+  writer->Put(losses.contrastive);
+}
+
+bool GetLosses(CheckpointReader* reader, FieldLosses* losses) {
+  return reader->Get(&losses->pixel) && reader->Get(&losses->instance) &&
+         reader->Get(&losses->smoothing) && reader->Get(&losses->contrastive);
+}
+
+bool GetRounds(CheckpointReader* reader, std::vector<ClusteringRound>* rounds) {
+  uint64_t count = 0;
+  if (!reader->Get(&count)) return false;
+  for (uint64_t i = 0; i < count; ++i) {
+    ClusteringRound round;
+    if (!reader->Get(&round.step) || !reader->Get(&round.num_instances) ||
+        !reader->Get(&round.agreement)) {
+      return false;
+    }
+    rounds->push_back(round);
+  }
+  return true;
+}
+
+bool GetHistory(CheckpointReader* reader, std::vector<LossRecord>* history) {
+  uint64_t count = 0;
+  if (!reader->Get(&count)) return false;
+  for (uint64_t i = 0; i < count; ++i) {
+    LossRecord record;
+    if (!reader->Get(&record.step) || !GetLosses(reader, &record.losses)) {
+      return false;
+    }
+    history->push_back(record);
+  }
+  return true;
+}
+
+bool AllFinite(const std::vector<float>& values) {
+  return std::all_of(
+      values.begin(), values.end(), [](float x) { return std::isfinite(x); });
+}
+
+// Whether the parts are those of one scene and one decoder.
+bool Fits(const FieldState& state) {
+  const auto dim = static_cast<size_t>(state.dim());
+  const size_t size = state.features.size();
+  const InstanceTeachers& teachers = state.teachers;
+  const auto in_range = [&](int32_t label) {
+    return label >= -1 && label < teachers.num_instances;
+  };
+  return state.step >= 0 && size % dim == 0 && state.feature_adam.steps >= 0 &&
+         state.feature_adam.first_moments.size() == size &&
+         state.feature_adam.second_moments.size() == size &&
+         teachers.num_instances >= 0 &&
+         (teachers.labels.empty() || teachers.labels.size() == size / dim) &&
+         teachers.vectors.size() ==
+             static_cast<size_t>(teachers.num_instances) *
+                 state.decoder.feature_dim() &&
+         std::all_of(
+             teachers.labels.begin(), teachers.labels.end(), in_range) &&
+         AllFinite(state.features) && AllFinite(teachers.vectors);
+}
+
+}  // namespace
+
+StatusOr<std::string> SerializeFieldState(const FieldState& state) {
+  FREEGS_ASSIGN_OR_RETURN(
+      const std::string decoder,
+      SerializeDecoder({state.decoder, state.decoder_adam}));
+  CheckpointWriter writer;
+  writer.PutBytes(kMagic);
+  writer.Put(kVersion);
+  writer.PutText(decoder);
+  writer.Put(state.step);
+  PutSized(state.features, &writer);
+  writer.Put(state.feature_adam.steps);
+  PutSized(state.feature_adam.first_moments, &writer);
+  PutSized(state.feature_adam.second_moments, &writer);
+  writer.Put<int32_t>(state.teachers.num_instances);
+  PutSized(state.teachers.labels, &writer);
+  PutSized(state.teachers.vectors, &writer);
+  writer.Put<uint64_t>(state.rounds.size());
+  for (const ClusteringRound& round : state.rounds) {
+    writer.Put(round.step);
+    writer.Put(round.num_instances);
+    writer.Put(round.agreement);
+  }
+  writer.Put<uint64_t>(state.history.size());
+  for (const LossRecord& record : state.history) {
+    writer.Put(record.step);
+    PutLosses(record.losses, &writer);
+  }
+  PutLosses(state.sums, &writer);
+  PutLosses(state.counts, &writer);
+  writer.Put<uint64_t>(
+      XXH3_64bits(writer.content().data(), writer.content().size()));
+  return std::move(writer.content());
+}
+
+Status WriteFieldState(const std::filesystem::path& path,
+                       const FieldState& state) {
+  FREEGS_ASSIGN_OR_RETURN(const std::string content,
+                          SerializeFieldState(state));
+  return WriteFileAtomic(path, content);
+}
+
+StatusOr<FieldState> ParseFieldState(std::string_view content) {
+  const Status damaged = BadInputError(
+      "not a whole checkpoint of a semantic field; remove it to begin anew");
+  if (content.size() < kMagic.size() + kChecksumSize ||
+      !content.starts_with(kMagic)) {
+    return damaged;
+  }
+  const size_t end = content.size() - kChecksumSize;
+  uint64_t checksum = 0;
+  CheckpointReader(content.substr(end)).Get(&checksum);
+  if (XXH3_64bits(content.data(), end) != checksum) return damaged;
+  CheckpointReader reader(content.substr(0, end).substr(kMagic.size()));
+  uint32_t version = 0;
+  if (!reader.Get(&version) || version != kVersion) {
+    return BadInputError(
+        "a checkpoint of another version of the program; remove it to begin "
+        "anew");
+  }
+  std::string decoder_bytes;
+  if (!reader.GetText(&decoder_bytes)) return damaged;
+  FREEGS_ASSIGN_OR_RETURN(StoredDecoder decoder, ParseDecoder(decoder_bytes));
+  if (!decoder.adam) return damaged;
+  FieldState state{.step = 0,
+                   .features = {},
+                   .feature_adam = {},
+                   .decoder = std::move(decoder.decoder),
+                   .decoder_adam = *std::move(decoder.adam),
+                   .teachers = {},
+                   .rounds = {},
+                   .history = {},
+                   .sums = {},
+                   .counts = {}};
+  const bool complete =
+      reader.Get(&state.step) && GetSized(&reader, &state.features) &&
+      reader.Get(&state.feature_adam.steps) &&
+      GetSized(&reader, &state.feature_adam.first_moments) &&
+      GetSized(&reader, &state.feature_adam.second_moments) &&
+      reader.Get(&state.teachers.num_instances) &&
+      GetSized(&reader, &state.teachers.labels) &&
+      GetSized(&reader, &state.teachers.vectors) &&
+      GetRounds(&reader, &state.rounds) &&
+      GetHistory(&reader, &state.history) && GetLosses(&reader, &state.sums) &&
+      GetLosses(&reader, &state.counts) && reader.at_end();
+  if (!complete || !Fits(state)) return damaged;
+  return state;
+}
+
+StatusOr<FieldState> ReadFieldState(const std::filesystem::path& path) {
+  FREEGS_ASSIGN_OR_RETURN(const std::string content, ReadFile(path));
+  StatusOr<FieldState> state = ParseFieldState(content);
+  if (!state.ok()) return state.status().Annotated(path.string());
+  return state;
+}
+
+}  // namespace freegs::semantics

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The identity-coupled semantic field of FreeGS: for every Gaussian a semantic
+// vector and an instance index.
+
+#ifndef FREEGS_SEMANTICS_FIELD_IDSF_H_
+#define FREEGS_SEMANTICS_FIELD_IDSF_H_
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/status.h"
+
+namespace freegs::semantics {
+
+// In the order of the Gaussians of the scene it belongs to.
+struct Idsf {
+  int feature_dim = 0;             // D; 0 before there are semantics.
+  std::vector<float> features;     // N x D, row-major.
+  std::vector<int32_t> instances;  // N; -1 = none, else instance id - 1.
+};
+
+// The file, little-endian:
+//   8 bytes   "FREEGSID"
+//   uint32    version, 1
+//   uint32    D
+//   uint64    N
+//   int32     N instance indices, each >= -1
+//   float32   N x D features
+//   uint64    XXH3 of everything before
+// kInvalidArgument when the arrays' sizes disagree.
+Status WriteIdsf(const std::filesystem::path& path, const Idsf& idsf);
+StatusOr<std::string> SerializeIdsf(const Idsf& idsf);
+
+// kBadInput, naming the file and the fault, for anything but a complete file of
+// a known version with a matching checksum, and for features that are not
+// finite.
+StatusOr<Idsf> ReadIdsf(const std::filesystem::path& path);
+StatusOr<Idsf> ParseIdsf(std::string_view content);
+
+}  // namespace freegs::semantics
+
+#endif  // FREEGS_SEMANTICS_FIELD_IDSF_H_

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "semantics/field/view_weights_store.h"
+
+#include <array>
+
+#include "core/io/scratch_file.h"
+
+namespace freegs::semantics {
+namespace {
+
+constexpr int kMaxSide = 1 << 16;
+
+// The arrays of `weights` in a file, in the order of WeightMatrix.
+StatusOr<ViewWeights> MoveToDisk(const splat::WeightMatrix& weights,
+                                 const std::filesystem::path& folder) {
+  const std::array<std::span<const std::byte>, 3> parts = {
+      std::as_bytes(weights.pixel_begin),
+      std::as_bytes(weights.gaussians),
+      std::as_bytes(weights.weights)};
+  FREEGS_ASSIGN_OR_RETURN(ScratchFile file, ScratchFile::Write(folder, parts));
+  // All three are of 4 bytes a number: each begins where one may.
+  static_assert(sizeof(uint32_t) == sizeof(float));
+  const auto* begin = reinterpret_cast<const uint32_t*>(file.data());
+  const uint32_t* gaussians = begin + weights.pixel_begin.size();
+  const uint32_t* values = gaussians + weights.gaussians.size();
+  splat::WeightMatrix matrix = weights;
+  matrix.pixel_begin = {begin, weights.pixel_begin.size()};
+  matrix.gaussians = {gaussians, weights.gaussians.size()};
+  matrix.weights = {reinterpret_cast<const float*>(values),
+                    weights.weights.size()};
+  return ViewWeights(matrix,
+                     std::make_shared<const ScratchFile>(std::move(file)));
+}
+
+}  // namespace
+
+Status ViewWeightsOptions::Check() const {
+  if (max_side < 0 || max_side > kMaxSide) {
+    return InvalidArgumentError(
+        "the longest side of the images that features are blended onto must "
+        "lie in 0 .. " +
+        std::to_string(kMaxSide));
+  }
+  return Status();
+}
+
+StatusOr<ViewWeightsStore> ViewWeightsStore::Create(
+    const splat::GaussianModel& model,
+    std::span<const View> views,
+    const splat::RenderOptions& render,
+    const ViewWeightsOptions& options) {
+  FREEGS_RETURN_IF_ERROR(options.Check());
+  if (!options.scratch_folder.empty()) {
+    // Better now than after the time that fills the memory.
+    const StatusOr<ScratchFile> file =
+        ScratchFile::Write(options.scratch_folder, {});
+    if (!file.ok()) return file.status();
+  }
+  return ViewWeightsStore(model, views, render, options);
+}
+
+ViewWeightsStore::ViewWeightsStore(const splat::GaussianModel& model,
+                                   std::span<const View> views,
+                                   const splat::RenderOptions& render,
+                                   const ViewWeightsOptions& options)
+    : model_(&model),
+      views_(views.begin(), views.end()),
+      render_(render),
+      options_(options),
+      kept_(views.size()) {
+  for (View& view : views_)
+    view.camera = view.camera.LimitedTo(options.max_side);
+}
+
+StatusOr<ViewWeights> ViewWeightsStore::Weights(size_t view, ThreadPool& pool) {
+  if (view >= views_.size()) {
+    return InvalidArgumentError("there is no view " + std::to_string(view) +
+                                "; the scene has " +
+                                std::to_string(views_.size()));
+  }
+  if (kept_[view]) return *kept_[view];
+  StatusOr<splat::BlendingWeights> weights = splat::ComputeBlendingWeights(
+      *model_, views_[view].camera, views_[view].cam_from_world, render_, pool);
+  if (!weights.ok()) return weights.status().Annotated(views_[view].name);
+  ++usage_.computed;
+  return Keep(view, *std::move(weights));
+}
+
+ViewWeights ViewWeightsStore::Keep(size_t view,
+                                   splat::BlendingWeights weights) {
+  const auto owner =
+      std::make_shared<const splat::BlendingWeights>(std::move(weights));
+  const ViewWeights result(owner->matrix(), owner);
+  const uint64_t bytes = result.matrix().num_bytes();
+  if (bytes <= options_.max_memory_bytes - usage_.memory_bytes) {
+    usage_.memory_bytes += bytes;
+    ++usage_.views_in_memory;
+    kept_[view] = result;
+    return result;
+  }
+  if (options_.scratch_folder.empty() || !scratch_status_.ok() ||
+      bytes > options_.max_scratch_bytes - usage_.disk_bytes) {
+    return result;
+  }
+  StatusOr<ViewWeights> on_disk =
+      MoveToDisk(result.matrix(), options_.scratch_folder);
+  if (!on_disk.ok()) {
+    scratch_status_ = on_disk.status();
+    return result;
+  }
+  usage_.disk_bytes += bytes;
+  ++usage_.views_on_disk;
+  kept_[view] = *on_disk;
+  return *on_disk;
+}
+
+}  // namespace freegs::semantics

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "semantics/geometry/local_geometry.h"
+
+#include <algorithm>
+#include <functional>
+
+#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
+
+namespace freegs::semantics {
+namespace {
+
+// Calls body(row, neighbours) for all points; neighbours do not hold the point.
+void ForEachNeighborhood(
+    const KdTree& tree,
+    int num_neighbors,
+    ThreadPool& pool,
+    const std::function<void(uint32_t, const std::vector<Neighbor>&)>& body) {
+  pool.ParallelFor(0, tree.size(), 512, [&](int64_t first, int64_t last, int) {
+    std::vector<Neighbor> neighbors;
+    for (int64_t position = first; position < last; ++position) {
+      const auto p = static_cast<uint32_t>(position);
+      tree.Nearest(tree.Point(p), num_neighbors, tree.Row(p), &neighbors);
+      body(tree.Row(p), neighbors);
+    }
+  });
+}
+
+// Coordinates by row, for neighbours are named by row.
+std::vector<float> RowsOf(const KdTree& tree) {
+  std::vector<float> rows(tree.size() * tree.dim());
+  for (uint32_t p = 0; p < tree.size(); ++p) {
+    std::copy_n(tree.Point(p),
+                tree.dim(),
+                rows.data() + static_cast<size_t>(tree.Row(p)) * tree.dim());
+  }
+  return rows;
+}
+
+}  // namespace
+
+std::vector<float> ComputeNormals(const KdTree& tree,
+                                  int num_neighbors,
+                                  ThreadPool& pool) {
+  const std::vector<float> points = RowsOf(tree);
+  const auto point = [&](uint32_t row) {
+    return Eigen::Vector3d(
+        points[row * 3], points[row * 3 + 1], points[row * 3 + 2]);
+  };
+  std::vector<float> normals(tree.size() * 3);
+  ForEachNeighborhood(
+      tree,
+      num_neighbors,
+      pool,
+      [&](uint32_t row, const std::vector<Neighbor>& neighbors) {
+        const Eigen::Vector3d center = point(row);
+        Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+        Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
+        for (const Neighbor& neighbor : neighbors) {
+          const Eigen::Vector3d offset = point(neighbor.index) - center;
+          mean += offset;
+          moment += offset * offset.transpose();
+        }
+        const double count = static_cast<double>(neighbors.size()) + 1;
+        mean /= count;
+        const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(
+            moment / count - mean * mean.transpose());
+        // Eigenvalues ascend.
+        const Eigen::Vector3f normal =
+            solver.eigenvectors().col(0).cast<float>();
+        std::copy_n(normal.data(), 3, normals.data() + row * size_t{3});
+      });
+  return normals;
+}
+
+std::vector<float> SmoothOverNeighbors(const KdTree& tree,
+                                       std::span<const float> values,
+                                       int channels,
+                                       int num_neighbors,
+                                       ThreadPool& pool) {
+  std::vector<float> result(values.begin(), values.end());
+  if (num_neighbors <= 0) return result;
+  ForEachNeighborhood(
+      tree,
+      num_neighbors,
+      pool,
+      [&](uint32_t row, const std::vector<Neighbor>& neighbors) {
+        for (int c = 0; c < channels; ++c) {
+          double sum = values[static_cast<size_t>(row) * channels + c];
+          for (const Neighbor& neighbor : neighbors) {
+            sum += values[static_cast<size_t>(neighbor.index) * channels + c];
+          }
+          result[static_cast<size_t>(row) * channels + c] =
+              static_cast<float>(sum / (neighbors.size() + 1.0));
+        }
+      });
+  return result;
+}
+
+}  // namespace freegs::semantics

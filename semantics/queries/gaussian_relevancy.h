@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the field answers to a text without its instances: every Gaussian for
+// itself, as in language fields that know no objects (the ablation without
+// clustering of FreeGS, table 5).
+
+#ifndef FREEGS_SEMANTICS_QUERIES_GAUSSIAN_RELEVANCY_H_
+#define FREEGS_SEMANTICS_QUERIES_GAUSSIAN_RELEVANCY_H_
+
+#include <span>
+#include <vector>
+
+#include "core/parallel.h"
+#include "core/status.h"
+#include "semantics/field/idsf.h"
+#include "semantics/losses/feature_decoder.h"
+
+namespace freegs::semantics {
+
+// Relevancy (clip/relevancy.h) of each of T texts to each of N Gaussians, N x T
+// row-major. texts (T x C) and canonical hold vectors of length 1, one after
+// another. The same bytes for any number of threads. kInvalidArgument when
+// sizes disagree.
+StatusOr<std::vector<float>> GaussianRelevancy(const Idsf& field,
+                                               const FeatureDecoder& decoder,
+                                               std::span<const float> texts,
+                                               std::span<const float> canonical,
+                                               ThreadPool& pool);
+
+}  // namespace freegs::semantics
+
+#endif  // FREEGS_SEMANTICS_QUERIES_GAUSSIAN_RELEVANCY_H_

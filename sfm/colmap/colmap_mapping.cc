@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The mapping step, and what the steps share.
+
+#include <algorithm>
+#include <system_error>
+
+#include "core/io/files.h"
+#include "sfm/colmap/colmap_output.h"
+#include "sfm/colmap/colmap_steps.h"
+#include "sfm/scene/model_io.h"
+
+namespace freegs::sfm {
+namespace {
+
+namespace fs = std::filesystem;
+
+// COLMAP numbers its models 0, 1, ... in the order in which it made them. One
+// that was continued lies in the folder itself.
+StatusOr<std::vector<Reconstruction>> ReadModels(const fs::path& folder) {
+  std::vector<Reconstruction> models;
+  if (DetectModelFormat(folder)) {
+    FREEGS_ASSIGN_OR_RETURN(Reconstruction model, ReadModel(folder));
+    RemoveDanglingReferences(&model);
+    if (!model.images.empty()) models.push_back(std::move(model));
+    return models;
+  }
+  for (int i = 0; DetectModelFormat(folder / std::to_string(i)); ++i) {
+    FREEGS_ASSIGN_OR_RETURN(Reconstruction model,
+                            ReadModel(folder / std::to_string(i)));
+    RemoveDanglingReferences(&model);
+    if (!model.images.empty()) models.push_back(std::move(model));
+  }
+  return models;
+}
+
+// Most images first, then most points, then as COLMAP made them.
+void SortBySize(std::vector<Reconstruction>* models) {
+  std::stable_sort(models->begin(),
+                   models->end(),
+                   [](const Reconstruction& a, const Reconstruction& b) {
+                     return std::pair(a.images.size(), a.points3d.size()) >
+                            std::pair(b.images.size(), b.points3d.size());
+                   });
+}
+
+// COLMAP adjusts all cameras and points whenever the model has grown by a
+// tenth. That takes most of the mapper's time, and growing by a third in
+// between is as accurate. Further attempts, on photos that make difficulties,
+// leave it at the tenth.
+void AdjustLessOften(ColmapArguments* arguments) {
+  arguments->Prefer(
+      {"Mapper.ba_global_frames_ratio", "Mapper.ba_global_images_ratio"},
+      "1.3");
+  arguments->Prefer({"Mapper.ba_global_points_ratio"}, "1.3");
+  arguments->Prefer({"Mapper.ba_local_max_refinements"}, "1");
+  arguments->Prefer({"Mapper.ba_local_max_num_iterations"}, "15");
+}
+
+}  // namespace
+
+fs::path StepContext::LogFile(const std::string& command) const {
+  return input.work_folder / "logs" / (command + ".log");
+}
+
+StatusOr<ColmapArguments> StepContext::Arguments(const std::string& command,
+                                                 size_t photos) const {
+  FREEGS_ASSIGN_OR_RETURN(std::set<std::string> known,
+                          colmap.Options(command, input.cancellation));
+  ChildCommand child = colmap.Command(command);
+  child.log_file = LogFile(command);
+  child.time_limit_s = TimeLimit(photos);
+  return ColmapArguments(std::move(child), std::move(known));
+}
+
+void StepContext::Report(const std::string& step,
+                         double done,
+                         double total,
+                         const std::string& detail) const {
+  if (input.progress) input.progress({step, done, total, detail});
+}
+
+Status CheckEnded(const StepContext& context,
+                  const std::string& command,
+                  const ChildResult& result) {
+  if (result.ok()) return {};
+  return UnusableResultError("'" + context.colmap.program() + " " + command +
+                             "' failed with " + result.Describe() +
+                             "; log: " + context.LogFile(command).string() +
+                             "; its last lines:\n" + result.tail);
+}
+
+double TimeLimit(size_t photos) {
+  // Some hundred times what a slow machine needs.
+  return 1800 + 120 * static_cast<double>(photos);
+}
+
+StatusOr<std::vector<Reconstruction>> MapPhotos(const StepContext& context,
+                                                const fs::path& database,
+                                                const fs::path& folder,
+                                                const Mapping& mapping) {
+  std::error_code error;
+  fs::remove_all(folder, error);
+  FREEGS_RETURN_IF_ERROR(CreateFolders(folder));
+
+  FREEGS_ASSIGN_OR_RETURN(
+      ColmapArguments arguments,
+      context.Arguments(mapping.command, context.input.photos.size()));
+  arguments.Require("database_path", database.string());
+  arguments.Require("image_path", context.input.photo_folder.string());
+  arguments.Require("output_path", folder.string());
+  if (!mapping.start.empty()) {
+    arguments.Require("input_path", mapping.start.string());
+    arguments.Prefer({"Mapper.multiple_models"}, "0");
+  }
+  // One thread: sums of bundle adjustment are then always in the same order.
+  arguments.AddAll(
+      {"Mapper.num_threads", "GlobalMapper.num_threads", "num_workers"}, "1");
+  arguments.AddAll(
+      {"random_seed",
+       "default_random_seed",
+       "Mapper.random_seed",
+       "GlobalMapper.random_seed"},
+      std::to_string((context.input.seed + mapping.seed_offset) % 2147483647));
+  if (!mapping.relaxed && mapping.seed_offset == 0 && mapping.start.empty()) {
+    AdjustLessOften(&arguments);
+  }
+  if (mapping.relaxed) {
+    arguments.Prefer({"Mapper.init_min_num_inliers"}, "40");
+    arguments.Prefer({"Mapper.init_min_tri_angle"}, "4");
+    arguments.Prefer({"Mapper.abs_pose_min_num_inliers"}, "15");
+    arguments.Prefer({"Mapper.abs_pose_min_inlier_ratio"}, "0.15");
+  }
+  if (mapping.command == "hierarchical_mapper") {
+    arguments.Prefer({"leaf_max_num_images"}, "50");
+    arguments.Prefer({"image_overlap"}, "15");
+  }
+  FREEGS_ASSIGN_OR_RETURN(const ChildCommand run, arguments.Finish());
+
+  const double total = static_cast<double>(context.input.photos.size());
+  context.Report(mapping.step, 0, total, "");
+  const auto on_line = [&](std::string_view line) {
+    const auto progress = ParseColmapLine(line);
+    if (!progress || progress->kind != ColmapProgress::Kind::kPhotoRegistered) {
+      return;
+    }
+    context.Report(
+        mapping.step, std::min<double>(progress->done, total), total, "");
+  };
+  FREEGS_ASSIGN_OR_RETURN(const ChildResult result,
+                          RunChild(run, on_line, context.input.cancellation));
+  FREEGS_ASSIGN_OR_RETURN(std::vector<Reconstruction> models,
+                          ReadModels(folder));
+  fs::remove_all(folder, error);
+  // COLMAP returns 1 when it made no model: that is a result, not a failure.
+  if (result.exit_code == 1 && models.empty()) return models;
+  FREEGS_RETURN_IF_ERROR(CheckEnded(context, mapping.command, result));
+  SortBySize(&models);
+  return models;
+}
+
+StatusOr<std::vector<Reconstruction>> MapBest(const StepContext& context,
+                                              const fs::path& database,
+                                              const fs::path& folder,
+                                              size_t wanted) {
+  FREEGS_ASSIGN_OR_RETURN(std::vector<Reconstruction> models,
+                          MapPhotos(context, database, folder, {}));
+  if (NumRegistered(models) * 10 >= wanted * 9) return models;
+  Mapping mapping;
+  mapping.step = "mapping, lower thresholds";
+  mapping.relaxed = true;
+  FREEGS_ASSIGN_OR_RETURN(std::vector<Reconstruction> relaxed,
+                          MapPhotos(context, database, folder, mapping));
+  if (NumRegistered(relaxed) > NumRegistered(models)) return relaxed;
+  return models;
+}
+
+StatusOr<bool> MergeModels(const StepContext& context,
+                           const fs::path& model1,
+                           const fs::path& model2,
+                           const fs::path& merged) {
+  std::error_code error;
+  fs::remove_all(merged, error);
+  FREEGS_RETURN_IF_ERROR(CreateFolders(merged));
+  FREEGS_ASSIGN_OR_RETURN(
+      ColmapArguments arguments,
+      context.Arguments("model_merger", context.input.photos.size()));
+  arguments.Require("input_path1", model1.string());
+  arguments.Require("input_path2", model2.string());
+  arguments.Require("output_path", merged.string());
+  arguments.AddAll({"random_seed", "default_random_seed"},
+                   std::to_string(context.input.seed % 2147483647));
+  FREEGS_ASSIGN_OR_RETURN(const ChildCommand run, arguments.Finish());
+  FREEGS_ASSIGN_OR_RETURN(const ChildResult result,
+                          RunChild(run, {}, context.input.cancellation));
+  return result.ok() && DetectModelFormat(merged).has_value();
+}
+
+}  // namespace freegs::sfm

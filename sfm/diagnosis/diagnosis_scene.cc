@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the rules of diagnosis look at, and what is known of single photos.
+
+#include "sfm/diagnosis/diagnosis_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "sfm/scene/reconstruction_measures.h"
+
+namespace freegs::sfm {
+
+double Quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  const auto at =
+      values.begin() +
+      static_cast<ptrdiff_t>(std::floor(share * (values.size() - 1) + 0.5));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+std::string ShortText(double value) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.3g", value);
+  return text;
+}
+
+double SharpnessOfSharp(const SceneEvidence& evidence) {
+  std::vector<double> values;
+  for (const PhotoEvidence& photo : evidence.photos) {
+    if (photo.sharpness > 0) values.push_back(photo.sharpness);
+  }
+  return Quantile(std::move(values), 0.75);
+}
+
+DiagnosedScene::DiagnosedScene(const SceneEvidence& scene,
+                               const std::vector<Reconstruction>& made,
+                               const DiagnosisOptions& how)
+    : evidence(scene),
+      models(made),
+      options(how),
+      groups(GroupByMatches(scene, made)),
+      turning(MeasureTurning(scene)) {
+  registered = static_cast<size_t>(
+      std::count(groups.registered.begin(), groups.registered.end(), true));
+  sharp = SharpnessOfSharp(scene);
+}
+
+bool DiagnosedScene::LinkedPhotosMissing() const {
+  for (size_t i = 0; i < count(); ++i) {
+    if (groups.group[i] == 0 && !groups.registered[i] &&
+        !IsBlurred(evidence.photos[i])) {
+      return true;
+    }
+  }
+  return false;
+}
+
+bool DiagnosedScene::HasDepth() const {
+  if (!good() || models.empty()) return false;
+  const ReconstructionMeasures measures = MeasureReconstruction(models[0]);
+  return measures.median_triangulation_deg >= 3 &&
+         measures.mean_reprojection_error_px <= 2 &&
+         measures.observations >= 100 * registered;
+}
+
+std::vector<std::string> DiagnosedScene::Names(
+    const std::vector<size_t>& photos) const {
+  std::vector<std::string> names;
+  for (const size_t i : photos) names.push_back(evidence.photos[i].name);
+  return names;
+}
+
+}  // namespace freegs::sfm

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Names of findings, and lists of names.
+
+#include "sfm/diagnosis/finding.h"
+
+namespace freegs::sfm {
+
+std::string_view FindingName(FindingKind kind) {
+  switch (kind) {
+    case FindingKind::kTooFewPhotos:
+      return "too_few_photos";
+    case FindingKind::kTooLittleTexture:
+      return "too_little_texture";
+    case FindingKind::kBlurred:
+      return "blurred";
+    case FindingKind::kNoBaseline:
+      return "no_baseline";
+    case FindingKind::kSeparateScenes:
+      return "separate_scenes";
+    case FindingKind::kNoOverlap:
+      return "no_overlap";
+    case FindingKind::kPlanarScene:
+      return "planar_scene";
+    case FindingKind::kLookAlikes:
+      return "look_alikes";
+  }
+  return "";
+}
+
+std::string_view SeverityName(Severity severity) {
+  switch (severity) {
+    case Severity::kNote:
+      return "note";
+    case Severity::kDegrading:
+      return "degrading";
+    case Severity::kFatal:
+      return "fatal";
+  }
+  return "";
+}
+
+std::string SomeNames(const std::vector<std::string>& names) {
+  constexpr size_t kShown = 4;
+  std::string text;
+  const bool cut = names.size() > kShown + 1;
+  const size_t shown = cut ? kShown : names.size();
+  for (size_t i = 0; i < shown; ++i) {
+    const bool last = i + 1 == shown && !cut;
+    text += (i == 0 ? "" : last ? " and " : ", ") + names[i];
+  }
+  if (cut) text += " and " + std::to_string(names.size() - kShown) + " more";
+  return text;
+}
+
+}  // namespace freegs::sfm

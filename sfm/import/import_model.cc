@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Imports COLMAP models and transforms files.
+
+#include "sfm/import/import_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <system_error>
+#include <tuple>
+
+#include "core/io/files.h"
+#include "sfm/scene/model_io.h"
+#include "sfm/import/name_matching.h"
+#include "sfm/scene/random_points.h"
+#include "sfm/import/transforms_json.h"
+
+namespace freegs::sfm {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr uint64_t kMaxTransformsBytes = uint64_t{1} << 28;
+
+bool IsFile(const fs::path& path) {
+  std::error_code error;
+  return fs::is_regular_file(path, error);
+}
+
+Status NoMatch(const std::string& example, const SfmPhoto& photo) {
+  return BadInputError(
+      "none of its names fits a photo: it has, for example, '" + example +
+      "', and the photos are like '" + photo.name +
+      "'; give the photos that the poses belong to");
+}
+
+// Makes camera and features fit a photo of another size.
+Status FitToPhoto(const SfmPhoto& photo, Camera* camera, PosedImage* image) {
+  const double sx = static_cast<double>(photo.width) / camera->width;
+  const double sy = static_cast<double>(photo.height) / camera->height;
+  if (sx == 1 && sy == 1) return {};
+  if (!(std::abs(sx / sy - 1) < 0.01)) {
+    return BadInputError(
+        "'" + image->name + "' is " + std::to_string(camera->width) + " x " +
+        std::to_string(camera->height) + " pixels there and the photo '" +
+        photo.name + "' is " + std::to_string(photo.width) + " x " +
+        std::to_string(photo.height) +
+        ", another shape: the poses belong to other (rotated or cropped) "
+        "photos");
+  }
+  *camera = camera->Resized(photo.width, photo.height);
+  for (Point2D& point : image->points2d) {
+    point.xy = Eigen::Vector2d(point.xy.x() * sx, point.xy.y() * sy);
+  }
+  return {};
+}
+
+// Gives equal cameras one id.
+class CameraSet {
+ public:
+  uint32_t Add(Camera camera, uint64_t origin) {
+    const auto key = std::tuple(
+        origin, camera.model, camera.width, camera.height, camera.params);
+    const auto [it, added] =
+        ids_.emplace(key, static_cast<uint32_t>(cameras_.size() + 1));
+    if (added) {
+      camera.id = it->second;
+      cameras_.push_back(std::move(camera));
+    }
+    return it->second;
+  }
+  std::vector<Camera> Take() { return std::move(cameras_); }
+
+ private:
+  std::map<
+      std::
+          tuple<uint64_t, CameraModel, uint64_t, uint64_t, std::vector<double>>,
+      uint32_t>
+      ids_;
+  std::vector<Camera> cameras_;
+};
+
+StatusOr<ImportedModel> ImportColmap(const fs::path& folder,
+                                     const std::vector<SfmPhoto>& photos) {
+  FREEGS_ASSIGN_OR_RETURN(Reconstruction source, ReadModel(folder));
+  if (source.images.empty()) {
+    return BadInputError(folder.string() + ": the model has no images");
+  }
+  std::vector<std::string> names;
+  for (const PosedImage& image : source.images) names.push_back(image.name);
+  const std::vector<int> match = MatchNames(names, photos);
+  std::vector<int> image_of_photo(photos.size(), -1);
+  ImportedModel result;
+  for (size_t i = 0; i < match.size(); ++i) {
+    if (match[i] < 0) {
+      result.unmatched.push_back(names[i]);
+    } else {
+      image_of_photo[match[i]] = static_cast<int>(i);
+    }
+  }
+  if (result.unmatched.size() == names.size()) {
+    return NoMatch(names[0], photos[0]).Annotated(folder.string());
+  }
+
+  const auto camera_index = IndexCameras(source);
+  CameraSet cameras;
+  for (size_t p = 0; p < photos.size(); ++p) {
+    if (image_of_photo[p] < 0) continue;
+    PosedImage image = std::move(source.images[image_of_photo[p]]);
+    Camera camera = source.cameras[camera_index.at(image.camera_id)];
+    FREEGS_RETURN_IF_ERROR(
+        FitToPhoto(photos[p], &camera, &image).Annotated(folder.string()));
+    // Cameras that the source keeps apart stay apart.
+    image.camera_id = cameras.Add(std::move(camera), image.camera_id);
+    image.name = photos[p].name;
+    result.model.images.push_back(std::move(image));
+  }
+  result.model.cameras = cameras.Take();
+  result.model.points3d = std::move(source.points3d);
+
+  // Observations in images that were left out go without a word; others that
+  // point nowhere mean that the source is not quite consistent.
+  const size_t dangling = RemoveDanglingReferences(&result.model);
+  if (dangling > 0 && result.unmatched.empty()) {
+    result.warnings.push_back(
+        folder.string() + ": removed " + std::to_string(dangling) +
+        " references between features and points that did not agree");
+  }
+  return result;
+}
+
+struct NamedFrame {
+  TransformsFrame frame;
+  bool holdout = false;
+};
+
+Status ReadFrames(const fs::path& path,
+                  bool holdout,
+                  std::vector<NamedFrame>* frames) {
+  FREEGS_ASSIGN_OR_RETURN(const std::string text,
+                          ReadFile(path, kMaxTransformsBytes));
+  StatusOr<std::vector<TransformsFrame>> parsed = ParseTransforms(text);
+  if (!parsed.ok()) return parsed.status().Annotated(path.string());
+  for (TransformsFrame& frame : *parsed) {
+    frames->push_back({std::move(frame), holdout});
+  }
+  return {};
+}
+
+StatusOr<ImportedModel> ImportTransforms(const ImportSource& source,
+                                         const std::vector<SfmPhoto>& photos) {
+  std::vector<NamedFrame> frames;
+  FREEGS_RETURN_IF_ERROR(ReadFrames(source.transforms, false, &frames));
+  if (!source.test_transforms.empty()) {
+    FREEGS_RETURN_IF_ERROR(ReadFrames(source.test_transforms, true, &frames));
+  }
+  std::vector<std::string> names;
+  for (const NamedFrame& frame : frames) names.push_back(frame.frame.file_path);
+  const std::vector<int> match = MatchNames(names, photos);
+  std::vector<int> frame_of_photo(photos.size(), -1);
+  ImportedModel result;
+  for (size_t i = 0; i < match.size(); ++i) {
+    if (match[i] < 0) {
+      result.unmatched.push_back(names[i]);
+    } else {
+      frame_of_photo[match[i]] = static_cast<int>(i);
+    }
+  }
+  if (result.unmatched.size() == names.size()) {
+    return NoMatch(names[0], photos[0]).Annotated(source.transforms.string());
+  }
+
+  CameraSet cameras;
+  for (size_t p = 0; p < photos.size(); ++p) {
+    if (frame_of_photo[p] < 0) continue;
+    const NamedFrame& named = frames[frame_of_photo[p]];
+    StatusOr<Camera> camera =
+        MakeCamera(named.frame.intrinsics, photos[p].width, photos[p].height);
+    if (!camera.ok()) {
+      return camera.status().Annotated(source.transforms.string() + ": '" +
+                                       named.frame.file_path + "'");
+    }
+    PosedImage image;
+    image.id = static_cast<uint32_t>(result.model.images.size() + 1);
+    image.name = photos[p].name;
+    image.cam_from_world = named.frame.cam_from_world;
+    image.camera_id = cameras.Add(std::move(*camera), 0);
+    if (named.holdout) result.holdout.push_back(image.name);
+    result.model.images.push_back(std::move(image));
+  }
+  result.model.cameras = cameras.Take();
+  return result;
+}
+
+}  // namespace
+
+std::vector<fs::path> ImportSource::Files() const {
+  std::vector<fs::path> files;
+  if (!colmap_model.empty()) {
+    const bool binary = DetectModelFormat(colmap_model) == ModelFormat::kBinary;
+    for (const char* name : {"cameras", "images", "points3D"}) {
+      files.push_back(colmap_model /
+                      (std::string(name) + (binary ? ".bin" : ".txt")));
+    }
+  }
+  if (!transforms.empty()) files.push_back(transforms);
+  if (!test_transforms.empty()) files.push_back(test_transforms);
+  return files;
+}
+
+StatusOr<ImportSource> FindImportSource(const fs::path& path) {
+  ImportSource source;
+  std::error_code error;
+  fs::path file;
+  if (IsFile(path)) {
+    if (path.extension() == ".json") file = path;
+    // One file of a COLMAP model stands for its folder.
+    if (DetectModelFormat(path.parent_path())) {
+      if (path.extension() == ".bin" || path.extension() == ".txt") {
+        source.colmap_model = path.parent_path();
+        return source;
+      }
+    }
+  } else if (fs::is_directory(path, error)) {
+    for (const char* below : {"", "sparse/0", "sparse", "0"}) {
+      const fs::path folder = *below == '\0' ? path : path / below;
+      if (DetectModelFormat(folder)) {
+        source.colmap_model = folder;
+        return source;
+      }
+    }
+    for (const char* name : {"transforms.json", "transforms_train.json"}) {
+      if (file.empty() && IsFile(path / name)) file = path / name;
+    }
+  } else {
+    return BadInputError(path.string() +
+                         ": no such file or folder (sfm.import)");
+  }
+  if (file.empty()) {
+    return BadInputError(
+        path.string() +
+        ": neither a COLMAP model (cameras, images and points3D as .bin or "
+        ".txt, also in sparse/0, sparse or 0 below it) nor a transforms.json "
+        "or transforms_train.json (sfm.import)");
+  }
+  source.transforms = file;
+  const fs::path test = file.parent_path() / "transforms_test.json";
+  if (file.filename() == "transforms_train.json" && IsFile(test)) {
+    source.test_transforms = test;
+  }
+  return source;
+}
+
+StatusOr<ImportedModel> ImportModel(const ImportSource& source,
+                                    const std::vector<SfmPhoto>& photos,
+                                    const ImportOptions& options) {
+  if (photos.empty()) return BadInputError("there are no photos");
+  StatusOr<ImportedModel> imported =
+      source.colmap_model.empty() ? ImportTransforms(source, photos)
+                                  : ImportColmap(source.colmap_model, photos);
+  if (!imported.ok()) return imported.status();
+  ImportedModel result = std::move(*imported);
+  if (result.model.points3d.empty()) {
+    result.random_points = true;
+    FREEGS_ASSIGN_OR_RETURN(
+        result.model.points3d,
+        RandomPoints(result.model, options.random_points, options.seed));
+  }
+  return result;
+}
+
+}  // namespace freegs::sfm

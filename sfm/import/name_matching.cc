@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Names to photos.
+
+#include "sfm/import/name_matching.h"
+
+#include <algorithm>
+#include <string_view>
+#include <unordered_map>
+
+namespace freegs::sfm {
+namespace {
+
+struct PathParts {
+  std::vector<std::string> folders;  // Innermost first.
+  std::string stem;
+  std::string extension;
+};
+
+PathParts Split(std::string_view path) {
+  std::vector<std::string> parts;
+  size_t start = 0;
+  while (start <= path.size()) {
+    const size_t end = std::min(path.find_first_of("/\\", start), path.size());
+    const std::string_view part = path.substr(start, end - start);
+    if (!part.empty() && part != ".") parts.emplace_back(part);
+    start = end + 1;
+  }
+  PathParts result;
+  if (parts.empty()) return result;
+  result.stem = parts.back();
+  parts.pop_back();
+  // Only what looks like an extension: "r_0.5" keeps its ".5" by comparing
+  // stems with and without it (see Score).
+  const size_t dot = result.stem.rfind('.');
+  if (dot != std::string::npos && dot > 0) {
+    result.extension = result.stem.substr(dot);
+    result.stem.resize(dot);
+  }
+  result.folders.assign(parts.rbegin(), parts.rend());
+  return result;
+}
+
+// How well two paths fit; 0 is not at all.
+int Score(const PathParts& name, const PathParts& photo) {
+  const bool same_file = name.stem == photo.stem;
+  // A name without extension may contain a dot itself.
+  const bool bare = name.stem + name.extension == photo.stem;
+  if (name.stem.empty() || (!same_file && !bare)) return 0;
+  int score = 2;
+  if (same_file && name.extension == photo.extension) score += 1;
+  for (size_t i = 0; i < std::min(name.folders.size(), photo.folders.size());
+       ++i) {
+    if (name.folders[i] != photo.folders[i]) break;
+    score += 4;
+  }
+  // The same path from its beginning, not only from its end.
+  if (name.folders == photo.folders) score += 2;
+  return score;
+}
+
+}  // namespace
+
+std::vector<int> MatchNames(const std::vector<std::string>& names,
+                            const std::vector<SfmPhoto>& photos) {
+  std::vector<PathParts> photo_parts;
+  std::vector<int> photo_of_part;
+  std::unordered_multimap<std::string, size_t> by_stem;
+  for (size_t i = 0; i < photos.size(); ++i) {
+    std::vector<std::string> paths = {photos[i].name};
+    if (!photos[i].file.empty() && photos[i].file != photos[i].name) {
+      paths.push_back(photos[i].file);
+    }
+    for (const std::string& path : paths) {
+      photo_parts.push_back(Split(path));
+      photo_of_part.push_back(static_cast<int>(i));
+      by_stem.emplace(photo_parts.back().stem, photo_parts.size() - 1);
+    }
+  }
+
+  struct Claim {
+    int name = -1;
+    int score = 0;
+  };
+  std::vector<Claim> claims(photos.size());
+  for (size_t n = 0; n < names.size(); ++n) {
+    const PathParts parts = Split(names[n]);
+    int best = -1;
+    int best_score = 0;
+    bool ambiguous = false;
+    for (const std::string& stem : {parts.stem, parts.stem + parts.extension}) {
+      const auto [first, last] = by_stem.equal_range(stem);
+      for (auto it = first; it != last; ++it) {
+        const int photo = photo_of_part[it->second];
+        const int score = Score(parts, photo_parts[it->second]);
+        if (score > best_score) {
+          ambiguous = false;
+          best = photo;
+          best_score = score;
+        } else if (score == best_score && photo != best) {
+          ambiguous = true;
+        }
+      }
+    }
+    if (best < 0 || ambiguous) continue;
+    if (best_score > claims[best].score) {
+      claims[best] = {static_cast<int>(n), best_score};
+    }
+  }
+
+  std::vector<int> result(names.size(), -1);
+  for (size_t i = 0; i < photos.size(); ++i) {
+    if (claims[i].name >= 0) result[claims[i].name] = static_cast<int>(i);
+  }
+  return result;
+}
+
+}  // namespace freegs::sfm

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Parses transforms.json.
+
+#include "sfm/import/transforms_json.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include <Eigen/LU>
+#include <nlohmann/json.hpp>
+
+namespace freegs::sfm {
+namespace {
+
+using nlohmann::json;
+
+// Reads an optional number; an error if it is there and not a finite number.
+Status ReadNumber(const json& object, const char* key, double* value) {
+  const auto it = object.find(key);
+  if (it == object.end() || it->is_null()) return {};
+  if (!it->is_number() || !std::isfinite(it->get<double>())) {
+    return BadInputError(std::string("\"") + key + "\" is not a number");
+  }
+  *value = it->get<double>();
+  return {};
+}
+
+// Overwrites what `object` (the file or one frame) gives.
+Status ReadIntrinsics(const json& object, TransformsIntrinsics* result) {
+  const std::pair<const char*, double*> fields[] = {
+      {"w", &result->width},
+      {"h", &result->height},
+      {"camera_angle_x", &result->angle_x},
+      {"camera_angle_y", &result->angle_y},
+      {"fl_x", &result->fx},
+      {"fl_y", &result->fy},
+      {"cx", &result->cx},
+      {"cy", &result->cy},
+      {"k1", &result->k1},
+      {"k2", &result->k2},
+      {"k3", &result->k3},
+      {"k4", &result->k4},
+      {"p1", &result->p1},
+      {"p2", &result->p2},
+  };
+  for (const auto& [key, value] : fields) {
+    FREEGS_RETURN_IF_ERROR(ReadNumber(object, key, value));
+  }
+  if (object.contains("cx") && object.contains("cy")) {
+    result->has_centre = true;
+  }
+  const auto fisheye = object.find("is_fisheye");
+  if (fisheye != object.end()) {
+    if (!fisheye->is_boolean() && !fisheye->is_number_integer()) {
+      return BadInputError("\"is_fisheye\" is neither true nor false");
+    }
+    result->fisheye = fisheye->is_boolean() ? fisheye->get<bool>()
+                                            : fisheye->get<int64_t>() != 0;
+  }
+  const auto model = object.find("camera_model");
+  if (model != object.end()) {
+    const std::string name =
+        model->is_string() ? model->get<std::string>() : "";
+    const std::set<std::string> perspective = {"OPENCV",
+                                               "PINHOLE",
+                                               "SIMPLE_PINHOLE",
+                                               "SIMPLE_RADIAL",
+                                               "RADIAL",
+                                               "FULL_OPENCV",
+                                               "PERSPECTIVE"};
+    if (name == "OPENCV_FISHEYE") {
+      result->fisheye = true;
+    } else if (!perspective.contains(name)) {
+      return BadInputError("\"camera_model\" is '" + name.substr(0, 64) +
+                           "'; only perspective and OPENCV_FISHEYE cameras "
+                           "are supported");
+    }
+  }
+  return {};
+}
+
+Status ReadPose(const json& frame, Rigid3d* cam_from_world) {
+  const auto it = frame.find("transform_matrix");
+  if (it == frame.end()) return BadInputError("has no \"transform_matrix\"");
+  const auto malformed = [] {
+    return BadInputError(
+        "\"transform_matrix\" is not 4 rows (or 3) of 4 finite numbers");
+  };
+  if (!it->is_array() || (it->size() != 4 && it->size() != 3)) {
+    return malformed();
+  }
+  Eigen::Matrix4d world_from_gl = Eigen::Matrix4d::Identity();
+  for (size_t r = 0; r < it->size(); ++r) {
+    const json& row = (*it)[r];
+    if (!row.is_array() || row.size() != 4) return malformed();
+    for (size_t c = 0; c < 4; ++c) {
+      if (!row[c].is_number()) return malformed();
+      const double value = row[c].get<double>();
+      if (!std::isfinite(value) || std::abs(value) > 1e12) return malformed();
+      world_from_gl(static_cast<int>(r), static_cast<int>(c)) = value;
+    }
+  }
+  const Eigen::Matrix3d rotation = world_from_gl.topLeftCorner<3, 3>();
+  constexpr double kTolerance = 1e-2;
+  if ((rotation.transpose() * rotation - Eigen::Matrix3d::Identity())
+              .cwiseAbs()
+              .maxCoeff() > kTolerance ||
+      rotation.determinant() < 0 ||
+      (world_from_gl.row(3) - Eigen::RowVector4d(0, 0, 0, 1))
+              .cwiseAbs()
+              .maxCoeff() > 1e-6) {
+    return BadInputError(
+        "\"transform_matrix\" is not a rotation and translation");
+  }
+  const Eigen::DiagonalMatrix<double, 3> flip(1, -1, -1);
+  Rigid3d world_from_cam;
+  world_from_cam.rotation =
+      Eigen::Quaterniond(Eigen::Matrix3d(rotation * flip)).normalized();
+  world_from_cam.translation = world_from_gl.topRightCorner<3, 1>();
+  *cam_from_world = Inverse(world_from_cam);
+  return {};
+}
+
+}  // namespace
+
+StatusOr<std::vector<TransformsFrame>> ParseTransforms(std::string_view text) {
+  const json root = json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (root.is_discarded()) return BadInputError("is not valid JSON");
+  if (!root.is_object()) return BadInputError("is not a JSON object");
+  TransformsIntrinsics shared;
+  FREEGS_RETURN_IF_ERROR(ReadIntrinsics(root, &shared));
+  const auto list = root.find("frames");
+  if (list == root.end() || !list->is_array() || list->empty()) {
+    return BadInputError("has no list \"frames\" with at least one frame");
+  }
+  std::vector<TransformsFrame> frames;
+  std::set<std::string> names;
+  for (size_t i = 0; i < list->size(); ++i) {
+    const json& entry = (*list)[i];
+    std::string where = "frame " + std::to_string(i);
+    if (!entry.is_object()) return BadInputError(where + " is not an object");
+    TransformsFrame frame;
+    const auto path = entry.find("file_path");
+    if (path == entry.end() || !path->is_string() ||
+        path->get_ref<const std::string&>().empty()) {
+      return BadInputError(where + " has no \"file_path\"");
+    }
+    frame.file_path = path->get<std::string>();
+    where += " ('" + frame.file_path.substr(0, 200) + "')";
+    if (!names.insert(frame.file_path).second) {
+      return BadInputError(where + " appears twice");
+    }
+    frame.intrinsics = shared;
+    FREEGS_RETURN_IF_ERROR(
+        ReadIntrinsics(entry, &frame.intrinsics).Annotated(where));
+    FREEGS_RETURN_IF_ERROR(
+        ReadPose(entry, &frame.cam_from_world).Annotated(where));
+    frames.push_back(std::move(frame));
+  }
+  return frames;
+}
+
+StatusOr<Camera> MakeCamera(const TransformsIntrinsics& intrinsics,
+                            int width,
+                            int height) {
+  const TransformsIntrinsics& in = intrinsics;
+  const double w = in.width > 0 ? in.width : width;
+  const double h = in.height > 0 ? in.height : height;
+  const double sx = width / w;
+  const double sy = height / h;
+  if (!(std::abs(sx / sy - 1) < 0.01)) {
+    return BadInputError(
+        "the file gives an image size of " + std::to_string(std::lround(w)) +
+        " x " + std::to_string(std::lround(h)) + " and the photo has " +
+        std::to_string(width) + " x " + std::to_string(height) +
+        " pixels, which is another shape");
+  }
+  const auto focal = [](double side, double angle) {
+    return angle > 0 && angle < std::numbers::pi
+               ? side / 2 / std::tan(angle / 2)
+               : 0.0;
+  };
+  double fx = in.fx > 0 ? in.fx : focal(w, in.angle_x);
+  double fy = in.fy > 0                                 ? in.fy
+              : fx > 0 && in.fx <= 0 && in.angle_y <= 0 ? fx
+                                                        : focal(h, in.angle_y);
+  if (fy <= 0) fy = fx;
+  if (fx <= 0) fx = fy;
+  if (fx <= 0) {
+    return BadInputError("gives neither \"fl_x\" nor \"camera_angle_x\"");
+  }
+
+  Camera camera;
+  camera.width = static_cast<uint64_t>(width);
+  camera.height = static_cast<uint64_t>(height);
+  const double cx = in.has_centre ? in.cx : w / 2;
+  const double cy = in.has_centre ? in.cy : h / 2;
+  camera.params = {fx * sx, fy * sy, cx * sx, cy * sy};
+  const auto append = [&](std::initializer_list<double> values) {
+    camera.params.insert(camera.params.end(), values);
+  };
+  if (in.fisheye) {
+    camera.model = CameraModel::kOpenCvFisheye;
+    append({in.k1, in.k2, in.k3, in.k4});
+  } else if (in.k4 != 0) {
+    return BadInputError(
+        "gives \"k4\" for a camera that is not a fisheye, which no supported "
+        "camera model has");
+  } else if (in.k3 != 0) {
+    camera.model = CameraModel::kFullOpenCv;
+    append({in.k1, in.k2, in.p1, in.p2, in.k3, 0, 0, 0});
+  } else if (in.k1 != 0 || in.k2 != 0 || in.p1 != 0 || in.p2 != 0) {
+    camera.model = CameraModel::kOpenCv;
+    append({in.k1, in.k2, in.p1, in.p2});
+  } else {
+    camera.model = CameraModel::kPinhole;
+  }
+  FREEGS_RETURN_IF_ERROR(camera.Check());
+  return camera;
+}
+
+}  // namespace freegs::sfm

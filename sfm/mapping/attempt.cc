@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Attempts on disk.
+
+#include "sfm/mapping/attempt.h"
+
+#include <system_error>
+
+#include <nlohmann/json.hpp>
+
+#include "core/io/files.h"
+#include "sfm/matching/match_database.h"
+#include "sfm/scene/model_io.h"
+#include "sfm/scene/reconstruction_measures.h"
+
+namespace freegs::sfm {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string StepName(const std::string& name) { return "attempt: " + name; }
+
+}  // namespace
+
+Attempt DescribeAttempt(const std::string& name,
+                        const std::string& why,
+                        const std::vector<Reconstruction>& models) {
+  Attempt attempt;
+  attempt.name = name;
+  attempt.why = why;
+  attempt.models = static_cast<int>(models.size());
+  if (models.empty()) return attempt;
+  const ReconstructionMeasures measures = MeasureReconstruction(models[0]);
+  attempt.registered = static_cast<int>(models[0].images.size());
+  attempt.points = measures.num_points;
+  attempt.mean_error_px = measures.mean_reprojection_error_px;
+  return attempt;
+}
+
+fs::path AttemptStore::Folder(const std::string& name) const {
+  std::string file = name;
+  for (char& c : file) {
+    if (c == ' ') c = '_';
+  }
+  return folder_ / file;
+}
+
+StatusOr<AttemptResult> AttemptStore::Run(
+    const std::string& name,
+    const std::function<StatusOr<AttemptResult>()>& run) {
+  if (record_->Has(StepName(name))) {
+    StatusOr<AttemptResult> known = Read(name);
+    if (known.ok()) return known;
+    // Somebody meddled with the folder: once more.
+  }
+  std::error_code error;
+  fs::remove_all(Folder(name), error);
+  FREEGS_RETURN_IF_ERROR(CreateFolders(Folder(name)));
+  FREEGS_ASSIGN_OR_RETURN(AttemptResult result, run());
+  FREEGS_RETURN_IF_ERROR(Write(name, result));
+  FREEGS_RETURN_IF_ERROR(record_->Add(StepName(name)));
+  return result;
+}
+
+StatusOr<AttemptResult> AttemptStore::Try(
+    const std::string& name,
+    const std::function<StatusOr<AttemptResult>()>& run) {
+  StatusOr<AttemptResult> result = Run(name, run);
+  if (result.ok()) return result;
+  const StatusCode code = result.status().code();
+  if (code == StatusCode::kInterrupted || code == StatusCode::kInternal) {
+    return result;
+  }
+  AttemptResult nothing;
+  nothing.problem = result.status().message();
+  return nothing;
+}
+
+MatchedDatabase AttemptStore::DatabaseOf(const std::string& name,
+                                         const AttemptResult& result,
+                                         const MatchedDatabase& before) const {
+  if (!result.has_database) return before;
+  return {AttemptDatabase(Folder(name)),
+          result.pairs,
+          result.image_size > 0 ? result.image_size : before.image_size};
+}
+
+Status AttemptStore::Write(const std::string& name,
+                           const AttemptResult& result) {
+  const fs::path folder = Folder(name);
+  for (size_t i = 0; i < result.models.size(); ++i) {
+    FREEGS_RETURN_IF_ERROR(
+        WriteModel(folder / "models" / std::to_string(i), result.models[i]));
+  }
+  const nlohmann::json json = {{"models", result.models.size()},
+                               {"has_database", result.has_database},
+                               {"pairs", MatchedPairsToJson(result.pairs)},
+                               {"image_size", result.image_size},
+                               {"counts", result.counts}};
+  return WriteFileAtomic(folder / "result.json", json.dump(2) + "\n");
+}
+
+StatusOr<AttemptResult> AttemptStore::Read(const std::string& name) const {
+  const fs::path path = Folder(name) / "result.json";
+  FREEGS_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, 1 << 20));
+  const auto json = nlohmann::json::parse(text, nullptr, false);
+  if (!json.is_object() || !json.contains("models") ||
+      !json["models"].is_number_unsigned() || !json.contains("has_database") ||
+      !json["has_database"].is_boolean() || !json.contains("pairs") ||
+      !json.contains("image_size") || !json["image_size"].is_number_integer() ||
+      !json.contains("counts") || !json["counts"].is_object()) {
+    return BadInputError(path.string() + ": is not the result of an attempt");
+  }
+  AttemptResult result;
+  result.has_database = json["has_database"].get<bool>();
+  result.pairs = MatchedPairsFromJson(json["pairs"]);
+  result.image_size = json["image_size"].get<int>();
+  for (const auto& [key, value] : json["counts"].items()) {
+    if (value.is_number_integer()) result.counts[key] = value.get<int64_t>();
+  }
+  const size_t count = json["models"].get<size_t>();
+  for (size_t i = 0; i < count; ++i) {
+    FREEGS_ASSIGN_OR_RETURN(
+        Reconstruction model,
+        ReadModel(Folder(name) / "models" / std::to_string(i)));
+    result.models.push_back(std::move(model));
+  }
+  return result;
+}
+
+void AttemptStore::RemoveDatabaseOf(const std::string& name) const {
+  RemoveDatabase(AttemptDatabase(Folder(name)));
+  std::error_code ignored;
+  fs::remove(Folder(name) / "pairs.txt", ignored);
+}
+
+void AttemptStore::Remove(const fs::path& work_folder) {
+  std::error_code ignored;
+  fs::remove_all(work_folder / "attempts", ignored);
+}
+
+}  // namespace freegs::sfm

@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Measures and judges a reconstruction.
+
+#include "sfm/mapping/health.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace freegs::sfm {
+namespace {
+
+double Rounded(double value) { return std::round(value * 1e6) / 1e6; }
+
+std::string Fixed(double value) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.2f", value);
+  return text;
+}
+
+constexpr char kMoreOverlap[] =
+    "take more photos with at least two thirds overlap from neighbouring "
+    "positions, sharp and of a textured scene; or try --sfm.max_features "
+    "8192, --sfm.matcher exhaustive, --sfm.camera per_image";
+
+// What findings add to a reason, and their advice instead of the general one.
+constexpr size_t kFindingsTold = 2;
+
+std::string Reasons(const Health& health, std::string reason) {
+  size_t told = 0;
+  for (const Finding& finding : health.findings) {
+    if (told++ == kFindingsTold) break;
+    reason += (reason.empty() ? "" : "; ") + finding.message;
+  }
+  return reason;
+}
+
+std::string Advice(const Health& health, const std::string& otherwise) {
+  std::string advice;
+  size_t told = 0;
+  for (const Finding& finding : health.findings) {
+    if (told++ == kFindingsTold) break;
+    // Findings of one kind share their advice.
+    if (advice.find(finding.advice) != std::string::npos) continue;
+    advice += (advice.empty() ? "" : "; ") + finding.advice;
+  }
+  return advice.empty() ? otherwise : advice;
+}
+
+bool HasFinding(const Health& health, Severity least) {
+  return std::any_of(
+      health.findings.begin(),
+      health.findings.end(),
+      [least](const Finding& finding) { return finding.severity >= least; });
+}
+
+// Why the result cannot be used, and what to do, or nothing.
+struct Judgement {
+  std::string reason;
+  std::string advice;
+};
+
+Judgement FailureOf(const Health& health,
+                    const HealthOptions& options,
+                    bool triangulated) {
+  const std::string registered = std::to_string(health.registered) + " of " +
+                                 std::to_string(health.images) +
+                                 " photos got a camera pose";
+  if (health.registered < options.min_registered) {
+    return {Reasons(health,
+                    registered + ", at least " +
+                        std::to_string(options.min_registered) + " are needed"),
+            Advice(health, kMoreOverlap)};
+  }
+  if (HasFinding(health, Severity::kFatal)) {
+    return {Reasons(health, ""), Advice(health, kMoreOverlap)};
+  }
+  if (health.registered_share() < options.min_registered_share) {
+    std::string advice = kMoreOverlap;
+    if (health.model_sizes.size() > 1) {
+      advice +=
+          "; the photos fell into separate models, so add photos that connect "
+          "them";
+    }
+    return {Reasons(health,
+                    registered + ", less than the share of " +
+                        Fixed(options.min_registered_share) +
+                        " (sfm.min_registered_share)"),
+            Advice(health, advice)};
+  }
+  if (triangulated && health.measures.num_points == 0) {
+    return {Reasons(health, "no points were triangulated"),
+            Advice(health, kMoreOverlap)};
+  }
+  if (triangulated &&
+      health.measures.median_triangulation_deg < options.min_triangulation_deg) {
+    return {"the median triangulation angle is " +
+                Fixed(health.measures.median_triangulation_deg) +
+                " degrees: the camera hardly moved, or only turned",
+            "walk around the scene instead of turning on the spot, so that "
+            "each part is seen from well apart positions"};
+  }
+  return {};
+}
+
+// What a usable result lacks.
+Judgement FlawOf(const Health& health,
+                 const HealthOptions& options,
+                 bool triangulated) {
+  if (health.registered_share() < options.good_registered_share) {
+    return {Reasons(health,
+                    std::to_string(health.registered) + " of " +
+                        std::to_string(health.images) +
+                        " photos got a camera pose"),
+            Advice(health,
+                   std::string("the others are left out; for better "
+                               "coverage, ") +
+                       kMoreOverlap)};
+  }
+  if (triangulated &&
+      health.measures.mean_reprojection_error_px > options.good_reprojection_error_px) {
+    return {"the mean reprojection error is " +
+                Fixed(health.measures.mean_reprojection_error_px) + " px",
+            "the lens may need another model: try --sfm.camera_model OPENCV "
+            "(OPENCV_FISHEYE for very wide lenses), or --sfm.camera per_image "
+            "if the zoom changed between photos"};
+  }
+  if (health.contradictions > 0) {
+    return {"the model contradicts " + std::to_string(health.contradictions) +
+                " of the strongest matches between photos: parts of the "
+                "scene that look alike may have been mixed up",
+            "add photos that show the parts that look alike together with "
+            "what tells them apart, or try another --sfm.max_features"};
+  }
+  if (HasFinding(health, Severity::kDegrading)) {
+    return {Reasons(health, ""), Advice(health, "")};
+  }
+  return {};
+}
+
+void Judge(const HealthOptions& options, bool triangulated, Health* health) {
+  Judgement judgement = FailureOf(*health, options, triangulated);
+  health->verdict = Verdict::kFailed;
+  if (judgement.reason.empty()) {
+    judgement = FlawOf(*health, options, triangulated);
+    health->verdict =
+        judgement.reason.empty() ? Verdict::kOk : Verdict::kDegraded;
+  }
+  health->reason = std::move(judgement.reason);
+  health->advice = std::move(judgement.advice);
+}
+
+nlohmann::json FindingsToJson(const std::vector<Finding>& findings) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const Finding& finding : findings) {
+    nlohmann::json evidence = nlohmann::json::object();
+    for (const auto& [name, value] : finding.evidence) {
+      evidence[name] = Rounded(value);
+    }
+    list.push_back({{"kind", FindingName(finding.kind)},
+                    {"severity", SeverityName(finding.severity)},
+                    {"evidence", evidence},
+                    {"message", finding.message},
+                    {"advice", finding.advice},
+                    {"photos", finding.photos}});
+  }
+  return list;
+}
+
+nlohmann::json AttemptsToJson(const std::vector<Attempt>& attempts) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const Attempt& attempt : attempts) {
+    list.push_back(
+        {{"name", attempt.name},
+         {"why", attempt.why},
+         {"registered", attempt.registered},
+         {"models", attempt.models},
+         {"points", attempt.points},
+         {"mean_reprojection_error_px", Rounded(attempt.mean_error_px)},
+         {"kept", attempt.kept},
+         {"problem", attempt.problem}});
+  }
+  return list;
+}
+
+}  // namespace
+
+Status HealthOptions::Check() const {
+  if (!(min_registered_share >= 0 && min_registered_share <= 1) ||
+      !(good_registered_share >= 0 && good_registered_share <= 1)) {
+    return InvalidArgumentError(
+        "min_registered_share and good_registered_share must be between 0 and 1");
+  }
+  return {};
+}
+
+std::string_view VerdictName(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kOk:
+      return "ok";
+    case Verdict::kDegraded:
+      return "degraded";
+    case Verdict::kFailed:
+      return "failed";
+  }
+  return "failed";
+}
+
+Health MeasureHealth(const std::vector<Reconstruction>& models,
+                     const std::vector<std::string>& names,
+                     bool triangulated,
+                     const HealthOptions& options,
+                     size_t contradictions,
+                     std::vector<Finding> findings) {
+  Health health;
+  health.findings = std::move(findings);
+  health.contradictions = contradictions;
+  health.images = static_cast<int>(names.size());
+  std::set<std::string_view> posed;
+  if (!models.empty()) {
+    health.cameras = models[0].cameras;
+    for (const PosedImage& image : models[0].images) posed.insert(image.name);
+    health.measures = MeasureReconstruction(models[0]);
+  }
+  for (const std::string& name : names) {
+    if (posed.contains(name)) {
+      ++health.registered;
+    } else {
+      health.unregistered[name];
+    }
+  }
+  for (const Reconstruction& model : models) {
+    health.model_sizes.push_back(static_cast<int>(model.images.size()));
+  }
+  Judge(options, triangulated, &health);
+  return health;
+}
+
+nlohmann::json HealthToJson(const Health& health) {
+  nlohmann::ordered_json cameras = nlohmann::json::array();
+  for (const Camera& camera : health.cameras) {
+    cameras.push_back({{"id", camera.id},
+                       {"model", GetCameraModel(camera.model).name},
+                       {"width", camera.width},
+                       {"height", camera.height},
+                       {"params", camera.params}});
+  }
+  nlohmann::json camera_models = nlohmann::json::array();
+  for (const CameraCandidate& candidate : health.camera_models) {
+    nlohmann::json row = {
+        {"model", GetCameraModel(candidate.model).name},
+        {"sharing", CameraSharingName(candidate.sharing)},
+        {"parameters", candidate.parameters},
+        {"held_out_error_px", Rounded(candidate.held_out_error_px)},
+        {"held_out_median_px", Rounded(candidate.held_out_median_px)},
+        {"rms_px", Rounded(candidate.rms_px)},
+        {"bic", Rounded(candidate.bic)},
+        {"chosen", candidate.chosen}};
+    if (!candidate.refused.empty()) row["reason"] = candidate.refused;
+    camera_models.push_back(std::move(row));
+  }
+  nlohmann::json names = nlohmann::json::array();
+  nlohmann::json reasons = nlohmann::json::object();
+  for (const auto& [name, reason] : health.unregistered) {
+    names.push_back(name);
+    if (!reason.empty()) reasons[name] = reason;
+  }
+  return {
+      {"verdict", VerdictName(health.verdict)},
+      {"reason", health.reason},
+      {"advice", health.advice},
+      {"images", health.images},
+      {"registered", health.registered},
+      {"registered_share", Rounded(health.registered_share())},
+      {"models", health.model_sizes.size()},
+      {"model_sizes", health.model_sizes},
+      {"mean_reprojection_error_px",
+       Rounded(health.measures.mean_reprojection_error_px)},
+      {"median_track_length", health.measures.median_track_length},
+      {"median_triangulation_deg", Rounded(health.measures.median_triangulation_deg)},
+      {"num_points", health.measures.num_points},
+      {"observations", health.measures.observations},
+      {"contradictions", health.contradictions},
+      {"findings", FindingsToJson(health.findings)},
+      {"attempts", AttemptsToJson(health.attempts)},
+      {"pairs", MatchedPairsToJson(health.pairs)},
+      {"image_size", health.image_size},
+      {"unregistered", names},
+      {"unregistered_reasons", reasons},
+      {"warnings", health.warnings},
+      {"cameras", cameras},
+      {"camera_models", camera_models},
+      {"source", health.source},
+      {"colmap_version", health.colmap_version},
+  };
+}
+
+}  // namespace freegs::sfm

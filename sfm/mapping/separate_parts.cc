@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Mapping without what glued parts, with more features, or in parts.
+
+#include "sfm/mapping/separate_parts.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <set>
+#include <utility>
+
+#include "sfm/mapping/ladder_rungs.h"
+#include "sfm/matching/match_database.h"
+#include "sfm/lookalikes/view_groups.h"
+
+namespace freegs::sfm {
+namespace {
+
+namespace fs = std::filesystem;
+using Models = std::vector<Reconstruction>;
+
+constexpr int kMaxRounds = 3;
+constexpr size_t kMinPart = 3;  // Photos of a part that makes a model.
+
+struct Candidate {
+  Reconstruction model;
+  ViewGroups groups;
+  MatchedDatabase database;
+
+  size_t largest() const { return groups.groups[0].size(); }
+};
+
+// Against all matches, whichever were mapped.
+StatusOr<ViewGroups> Check(const Reconstruction& model, const fs::path& path) {
+  FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
+                          MatchDatabase::Open(path));
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<PairSupport> pairs,
+                          MeasureSupport(model, database));
+  return FindViewGroups(model, pairs);
+}
+
+class Separation {
+ public:
+  Separation(const StepContext& context, AttemptStore* store)
+      : context_(context), store_(store) {}
+
+  StatusOr<SeparatedParts> Run(const MatchedDatabase& database,
+                               const Models& models);
+
+ private:
+  bool IsGood() const {
+    return best_.groups.consistent() &&
+           best_.model.images.size() * 10 >= registered_ * 9;
+  }
+  std::string Why() const;
+  StatusOr<AttemptResult> MapWithout(const std::string& name,
+                                     Candidate candidate) const;
+  // Judges what an attempt made and keeps it if it is better.
+  Status Judge(const std::string& name,
+               const std::string& why,
+               const AttemptResult& result,
+               const MatchedDatabase& database);
+  Status Unglue(const std::string& name);
+  Status TakeFeatures(const Models& models);
+  void TakeApart(SeparatedParts* result) const;
+
+  const StepContext& context_;
+  AttemptStore* store_;
+  size_t registered_ = 0;  // Photos of the model given.
+  Candidate best_;
+  std::vector<Attempt> attempts_;
+};
+
+std::string Separation::Why() const {
+  char score[16];
+  std::snprintf(score, sizeof(score), "%.2f", best_.groups.score);
+  return "groups of " + std::to_string(best_.largest()) + " and " +
+         std::to_string(best_.model.images.size() - best_.largest()) +
+         " photos hold together by what looks alike (support " + score + ")";
+}
+
+StatusOr<AttemptResult> Separation::MapWithout(const std::string& name,
+                                               Candidate candidate) const {
+  const fs::path folder = store_->Folder(name);
+  const fs::path trusted = folder / "trusted.db";
+  FREEGS_RETURN_IF_ERROR(CopyDatabase(candidate.database.path, trusted));
+  AttemptResult result;
+  size_t largest = 0;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    if (candidate.groups.suspects.empty()) break;
+    FREEGS_RETURN_IF_ERROR(
+        RemoveVerifiedPairs(trusted, candidate.groups.suspects));
+    result.counts["removed"] +=
+        static_cast<int64_t>(candidate.groups.suspects.size());
+    FREEGS_ASSIGN_OR_RETURN(
+        Models again,
+        MapBest(context_, trusted, folder / "mapper", registered_));
+    if (again.empty()) break;
+    FREEGS_ASSIGN_OR_RETURN(candidate.groups,
+                            Check(again[0], candidate.database.path));
+    if (candidate.largest() > largest) {
+      largest = candidate.largest();
+      result.models = std::move(again);
+    }
+    if (candidate.groups.consistent()) break;
+  }
+  RemoveDatabase(trusted);
+  return result;
+}
+
+Status Separation::Judge(const std::string& name,
+                         const std::string& why,
+                         const AttemptResult& result,
+                         const MatchedDatabase& database) {
+  attempts_.push_back(DescribeAttempt(name, why, result.models));
+  attempts_.back().problem = result.problem;
+  if (result.models.empty() || !fs::exists(database.path)) return {};
+  Candidate made;
+  made.model = result.models[0];
+  made.database = database;
+  FREEGS_ASSIGN_OR_RETURN(made.groups, Check(made.model, database.path));
+  if (made.largest() > best_.largest()) {
+    best_ = std::move(made);
+    attempts_.back().kept = true;
+  } else if (!made.groups.consistent()) {
+    attempts_.back().problem = "its photos do not hold together either";
+  }
+  return {};
+}
+
+Status Separation::Unglue(const std::string& name) {
+  const std::string why = Why();
+  const MatchedDatabase database = best_.database;
+  FREEGS_ASSIGN_OR_RETURN(const AttemptResult result, store_->Run(name, [&] {
+    return MapWithout(name, best_);
+  }));
+  return Judge(name, why, result, database);
+}
+
+Status Separation::TakeFeatures(const Models& models) {
+  const std::string name = "more features against look-alikes";
+  const std::string why = Why();
+  if (kMoreFeaturesCost > context_.options.max_retry_cost) {
+    attempts_.push_back(DescribeAttempt(name, why, {}));
+    attempts_.back().problem =
+        "not tried: it costs more than sfm.max_retry_cost allows";
+    return {};
+  }
+  FREEGS_ASSIGN_OR_RETURN(const AttemptResult result, store_->Try(name, [&] {
+    return TakeMoreFeatures(
+        {context_, name, models, best_.database, store_->Folder(name)});
+  }));
+  FREEGS_RETURN_IF_ERROR(Judge(
+      name, why, result, store_->DatabaseOf(name, result, best_.database)));
+  // More features may glue as well; then they tell better what to leave out.
+  if (!IsGood() && attempts_.back().kept && !best_.groups.consistent()) {
+    FREEGS_RETURN_IF_ERROR(Unglue("more features, without look-alike parts"));
+  }
+  return {};
+}
+
+// Each group that is large enough becomes a model.
+void Separation::TakeApart(SeparatedParts* result) const {
+  for (const std::vector<uint32_t>& group : best_.groups.groups) {
+    if (!result->models.empty() && group.size() < kMinPart) continue;
+    result->models.push_back(RestrictTo(best_.model, group));
+  }
+}
+
+StatusOr<SeparatedParts> Separation::Run(const MatchedDatabase& database,
+                                         const Models& models) {
+  SeparatedParts result;
+  registered_ = models[0].images.size();
+  best_.model = models[0];
+  best_.database = database;
+  FREEGS_ASSIGN_OR_RETURN(best_.groups, Check(models[0], database.path));
+  result.score = best_.groups.score;
+  result.groups = best_.groups.groups.size();
+  if (best_.groups.consistent()) return result;
+
+  FREEGS_RETURN_IF_ERROR(Unglue("without look-alike parts"));
+  if (!IsGood()) FREEGS_RETURN_IF_ERROR(TakeFeatures(models));
+  TakeApart(&result);
+  result.database = best_.database;
+  result.one = best_.groups.consistent();
+  result.attempts = std::move(attempts_);
+  std::set<std::string> placed;
+  for (const PosedImage& image : result.models[0].images) {
+    placed.insert(image.name);
+  }
+  for (const PosedImage& image : models[0].images) {
+    if (!placed.contains(image.name)) result.unplaced.push_back(image.name);
+  }
+  std::sort(result.unplaced.begin(), result.unplaced.end());
+  return result;
+}
+
+}  // namespace
+
+StatusOr<SeparatedParts> SeparateParts(const StepContext& context,
+                                       const MatchedDatabase& database,
+                                       const Models& models,
+                                       AttemptStore* store) {
+  if (models.empty()) return SeparatedParts();
+  return Separation(context, store).Run(database, models);
+}
+
+}  // namespace freegs::sfm

@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The order of the steps, and which of them are done.
+
+#include "sfm/mapping/structure_from_motion.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <system_error>
+#include <thread>
+
+#include "sfm/diagnosis/photo_reasons.h"
+#include "core/io/files.h"
+#include "sfm/colmap/colmap_program.h"
+#include "sfm/colmap/colmap_steps.h"
+#include "sfm/mapping/ladder.h"
+#include "sfm/matching/match_database.h"
+#include "sfm/mapping/reconcile.h"
+#include "sfm/mapping/separate_parts.h"
+#include "sfm/mapping/step_record.h"
+#include "sfm/lookalikes/view_graph.h"
+
+namespace freegs::sfm {
+namespace {
+
+namespace fs = std::filesystem;
+
+Status CheckNames(const SfmInput& input) {
+  for (const SfmPhoto& photo : input.photos) {
+    const std::string& name = photo.name;
+    if (name.empty() || name.find_first_of("\r\n") != std::string::npos ||
+        name.front() == ' ' || name.back() == ' ') {
+      return BadInputError("photo '" + name +
+                           "': COLMAP cannot read a name that begins or ends "
+                           "with a space or has a line break; rename it");
+    }
+  }
+  return {};
+}
+
+// Features and matches into work_folder/database.db.
+Status BuildDatabase(const StepContext& context,
+                     const fs::path& database,
+                     StepRecord* record) {
+  if (!record->Has("photos")) {
+    RemoveDatabase(database);
+    FREEGS_ASSIGN_OR_RETURN(const bool numbered,
+                            RegisterPhotos(context, database));
+    if (!numbered) FREEGS_RETURN_IF_ERROR(record->Add("one extractor thread"));
+    FREEGS_RETURN_IF_ERROR(record->Add("photos"));
+  }
+  if (!record->Has("features")) {
+    // Photos that have their features already are skipped by COLMAP, which
+    // writes each photo's in one transaction.
+    FREEGS_RETURN_IF_ERROR(ExtractFeatures(
+        context,
+        database,
+        record->Has("one extractor thread") ? 1 : context.num_threads));
+    FREEGS_RETURN_IF_ERROR(record->Add("features"));
+  }
+  if (!record->Has("matches")) {
+    FREEGS_ASSIGN_OR_RETURN(
+        const MatchedPairs pairs,
+        MatchFeatures(context, database, record->portions(), [&](int portion) {
+          return record->AddPortion(portion);
+        }));
+    FREEGS_RETURN_IF_ERROR(record->AddMatches(pairs));
+  }
+  return {};
+}
+
+// Gives the best model the simplest cameras that explain it, and adjusts it.
+// COLMAP's estimate stays where there is too little to choose by.
+Status ChooseCameras(const StepContext& context, SfmResult* result) {
+  if (context.options.camera_model != "auto" || result->models.empty() ||
+      result->models[0].images.size() < 3) {
+    return {};
+  }
+  context.Report("camera model", 0, 1, "");
+  CameraSelectionOptions options;
+  options.shared = context.options.camera != "per_image";
+  options.per_group = options.per_photo = context.options.camera == "auto";
+  options.per_photo |= context.options.camera == "per_image";
+  options.num_threads = context.num_threads;
+  options.cancellation = context.input.cancellation;
+  auto selection = RefineCameras(options, &result->models[0]);
+  context.Report("camera model", 1, 1, "");
+  if (selection.ok()) {
+    result->camera_models = std::move(selection->candidates);
+    return {};
+  }
+  if (selection.status().code() != StatusCode::kUnusableResult) {
+    return selection.status();
+  }
+  result->warnings.push_back("COLMAP's RADIAL cameras are kept: " +
+                             selection.status().message());
+  return {};
+}
+
+// What the attempts beyond the first changed, for people.
+void WarnOfAttempts(const std::vector<Attempt>& attempts,
+                    size_t photos,
+                    std::vector<std::string>* warnings) {
+  std::string kept;
+  int registered = attempts[0].registered;
+  for (size_t i = 1; i < attempts.size(); ++i) {
+    if (!attempts[i].kept || attempts[i].registered <= registered) continue;
+    registered = attempts[i].registered;
+    kept += (kept.empty() ? "" : ", ") + attempts[i].name;
+  }
+  if (kept.empty()) return;
+  warnings->push_back("the usual way registered only " +
+                      std::to_string(attempts[0].registered) + " of " +
+                      std::to_string(photos) + " photos; what helped: " + kept);
+}
+
+// Replaces a model that turns out to be glued parts.
+Status TakeSeparated(const StepContext& context,
+                     AttemptStore* store,
+                     SceneEvidence* evidence,
+                     SfmResult* result) {
+  FREEGS_ASSIGN_OR_RETURN(
+      SeparatedParts parts,
+      SeparateParts(context, result->database, result->models, store));
+  if (parts.models.empty()) return {};
+  result->models = std::move(parts.models);
+  for (Attempt& attempt : parts.attempts) {
+    result->attempts.push_back(std::move(attempt));
+  }
+  char score[16];
+  std::snprintf(score, sizeof(score), "%.2f", parts.score);
+  result->warnings.push_back(
+      "parts of the scene look alike: a first model had glued " +
+      std::to_string(parts.groups) +
+      " groups of photos, of the evidence between which only a share of " +
+      score + " supported it");
+  if (result->database.path != parts.database.path) {
+    result->database = std::move(parts.database);
+    FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
+                            MatchDatabase::Open(result->database.path));
+    FREEGS_ASSIGN_OR_RETURN(*evidence,
+                            CollectEvidence(context.input.photos, database));
+  }
+  evidence->unplaced = std::move(parts.unplaced);
+  // Where look-alikes glue a model they are among the strongest matches: that a
+  // model contradicts some of these is then nothing against it, if all matches
+  // taken together are for it.
+  if (parts.one) {
+    result->contradictions = 0;
+    return {};
+  }
+  FREEGS_ASSIGN_OR_RETURN(
+      const Contradictions found,
+      FindContradictions(result->models[0], result->database.path));
+  result->contradictions = found.strongest.size();
+  return {};
+}
+
+// What was done about look-alikes, if there was a need.
+void NoteReconciled(const Reconciled& reconciled,
+                    std::vector<Attempt>* attempts,
+                    std::vector<std::string>* warnings) {
+  if (reconciled.before == 0) return;
+  const std::string before = std::to_string(reconciled.before);
+  warnings->push_back(
+      "parts of the scene look alike: a first model contradicted " + before +
+      " of the strongest matches; mapped again without " +
+      std::to_string(reconciled.removed) + " matching pairs, which leaves " +
+      std::to_string(reconciled.contradictions) + " contradicted");
+  attempts->push_back(DescribeAttempt(
+      "without look-alikes",
+      "the model contradicts " + before + " of the strongest matches",
+      reconciled.models));
+  attempts->back().kept = !reconciled.models.empty();
+}
+
+}  // namespace
+
+StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
+                                           const SfmOptions& options) {
+  FREEGS_RETURN_IF_ERROR(options.Check());
+  FREEGS_RETURN_IF_ERROR(CheckNames(input));
+  FREEGS_ASSIGN_OR_RETURN(
+      ColmapProgram colmap,
+      ColmapProgram::Find(options.colmap, input.cancellation));
+  FREEGS_RETURN_IF_ERROR(CreateFolders(input.work_folder / "logs"));
+
+  SfmOptions resolved = options;
+  StepContext context{input, resolved, colmap};
+  context.num_threads =
+      options.num_threads > 0
+          ? options.num_threads
+          : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const fs::path database = input.work_folder / "database.db";
+  StepRecord record(input.work_folder);
+  if (options.max_image_size == 0) {
+    if (!record.Has("features") || record.image_size() < 64) {
+      FREEGS_ASSIGN_OR_RETURN(const int size, ChooseImageSize(context));
+      FREEGS_RETURN_IF_ERROR(record.SetImageSize(size));
+    }
+    resolved.max_image_size = record.image_size();
+  }
+  FREEGS_RETURN_IF_ERROR(BuildDatabase(context, database, &record));
+
+  SfmResult result;
+  result.colmap_version = colmap.version();
+  result.warnings = colmap.KnownFaults();
+  if (record.Has("one extractor thread")) {
+    result.warnings.push_back(
+        "this COLMAP has no database_cleaner: features were taken by one "
+        "thread, to stay repeatable");
+  }
+  DiagnosisOptions diagnosis;
+  // A low limit of features is no sign of little texture.
+  diagnosis.few_features =
+      std::min<int64_t>(diagnosis.few_features, options.max_features / 4);
+  AttemptStore store(input.work_folder, &record);
+  FREEGS_ASSIGN_OR_RETURN(
+      LadderResult best,
+      ClimbLadder(context,
+                  {database, record.pairs(), resolved.max_image_size},
+                  diagnosis,
+                  &store));
+  WarnOfAttempts(best.attempts, input.photos.size(), &result.warnings);
+
+  FREEGS_ASSIGN_OR_RETURN(
+      Reconciled reconciled,
+      Reconcile(context, best.database.path, best.models, &store));
+  NoteReconciled(reconciled, &best.attempts, &result.warnings);
+  result.models =
+      std::move(reconciled.models.empty() ? best.models : reconciled.models);
+  result.database = std::move(best.database);
+  result.attempts = std::move(best.attempts);
+  result.contradictions = reconciled.contradictions;
+  FREEGS_RETURN_IF_ERROR(
+      TakeSeparated(context, &store, &best.evidence, &result));
+  FREEGS_RETURN_IF_ERROR(ChooseCameras(context, &result));
+  best.evidence.contradictions = result.contradictions;
+  result.findings = Diagnose(best.evidence, result.models, diagnosis);
+  result.unregistered =
+      ExplainUnregistered(best.evidence, result.models, diagnosis);
+  std::error_code ignored;
+  fs::remove(input.work_folder / "image_list.txt", ignored);
+  return result;
+}
+
+Status TidyWorkFolder(const fs::path& work_folder, const SfmResult& result) {
+  std::error_code error;
+  // First of all: without it, a run that is killed here starts again.
+  fs::remove(work_folder / "steps.json", error);
+  const fs::path database = work_folder / "database.db";
+  if (result.database.path != database) {
+    RemoveDatabase(database);
+    for (const char* name : {"database.db", "pairs.txt"}) {
+      const fs::path file = result.database.path.parent_path() / name;
+      fs::rename(file, work_folder / name, error);
+      if (error) {
+        return InternalError(file.string() +
+                             ": cannot be moved: " + error.message());
+      }
+    }
+  }
+  AttemptStore::Remove(work_folder);
+  return {};
+}
+
+}  // namespace freegs::sfm

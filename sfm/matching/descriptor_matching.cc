@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Exhaustive SIFT matching as a blocked matrix product.
+//
+// All sums are of integers below 2^24 in floats, hence exact in any order: the
+// result is the same for every vector width.
+
+#include "sfm/matching/descriptor_matching.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <hwy/aligned_allocator.h>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "sfm/matching/descriptor_matching.cc"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#ifndef FREEGS_SFM_DESCRIPTOR_MATCHING_CC_
+#define FREEGS_SFM_DESCRIPTOR_MATCHING_CC_
+
+namespace freegs::sfm {
+
+// The largest two products of a descriptor with those of the other photo.
+struct BestTwo {
+  float best = -1;
+  float second = -1;
+  uint32_t index = 0;
+};
+
+// Rows of `a` are handled in groups of this many; counts are padded to it.
+inline constexpr size_t kRows = 4;
+
+// Rows of `a` (of 512 bytes) that are worked on at a time.
+inline constexpr size_t kChunk = 256;
+
+// Running best two of a list of descriptors, with the index of the best.
+struct Running {
+  explicit Running(size_t count)
+      : best(hwy::AllocateAligned<float>(count)),
+        second(hwy::AllocateAligned<float>(count)),
+        index(hwy::AllocateAligned<float>(count)) {
+    std::fill_n(best.get(), count, -1.0f);
+    std::fill_n(second.get(), count, -1.0f);
+    std::fill_n(index.get(), count, 0.0f);
+  }
+  hwy::AlignedFreeUniquePtr<float[]> best;
+  hwy::AlignedFreeUniquePtr<float[]> second;
+  hwy::AlignedFreeUniquePtr<float[]> index;
+};
+
+}  // namespace freegs::sfm
+
+#endif  // FREEGS_SFM_DESCRIPTOR_MATCHING_CC_
+
+HWY_BEFORE_NAMESPACE();
+namespace freegs::sfm::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Enters a vector of products, at indices `index`, into running best values.
+template <typename V>
+HWY_INLINE void Enter(V product, V index, V& best, V& second, V& best_index) {
+  const auto better = hn::Gt(product, best);
+  second = hn::Max(second, hn::Min(product, best));
+  best = hn::Max(best, product);
+  best_index = hn::IfThenElse(better, index, best_index);
+}
+
+// The best two over the lanes. Equal bests in two lanes make the second equal
+// to the best, which no ratio test passes; so their order does not matter.
+BestTwo OverLanes(const float* best,
+                  const float* second,
+                  const float* index,
+                  size_t lanes) {
+  BestTwo result;
+  for (size_t i = 0; i < lanes; ++i) {
+    if (best[i] > result.best) {
+      result.second = std::max(result.best, second[i]);
+      result.best = best[i];
+      result.index = static_cast<uint32_t>(index[i]);
+    } else {
+      result.second = std::max(result.second, best[i]);
+    }
+  }
+  return result;
+}
+
+// a: num_a x 128 floats, num_a a multiple of kRows, padded with zero rows.
+// b: num_b x 128 floats. rows and columns receive the best two of each of the
+// first valid_a rows of a (among b), and of each of b (among those rows).
+void BestProducts(const float* HWY_RESTRICT a,
+                  size_t num_a,
+                  size_t valid_a,
+                  const float* HWY_RESTRICT b,
+                  size_t num_b,
+                  BestTwo* rows,
+                  BestTwo* columns) {
+  const hn::ScalableTag<float> d;
+  using V = hn::Vec<decltype(d)>;
+  const size_t lanes = hn::Lanes(d);
+  const size_t block = 2 * lanes;
+  const size_t padded_b = (num_b + block - 1) / block * block;
+  const V none = hn::Set(d, -1.0f);
+
+  // Blocks of `block` descriptors of b, each dimension by dimension.
+  const auto packed = hwy::AllocateAligned<float>(padded_b * kSiftDimensions);
+  for (size_t j = 0; j < padded_b; ++j) {
+    float* const to =
+        packed.get() + j / block * block * kSiftDimensions + j % block;
+    for (size_t k = 0; k < kSiftDimensions; ++k) {
+      to[k * block] = j < num_b ? b[j * kSiftDimensions + k] : 0.0f;
+    }
+  }
+  // Running bests: of each row of a one vector, of each of b one lane.
+  Running row(num_a * lanes);
+  Running column(padded_b);
+
+  // A chunk of a stays in the cache while all of b passes by.
+  for (size_t chunk = 0; chunk < num_a; chunk += kChunk) {
+    const size_t chunk_end = std::min(chunk + kChunk, num_a);
+    for (size_t first = 0; first < num_b; first += block) {
+      const float* const block_b = packed.get() + first * kSiftDimensions;
+      // Lanes beyond the end must not win: their products are made -1.
+      const V index0 = hn::Iota(d, static_cast<float>(first));
+      const V index1 = hn::Iota(d, static_cast<float>(first + lanes));
+      const V end = hn::Set(d, static_cast<float>(num_b));
+      const size_t second_half = first + lanes;
+      V best0 = hn::Load(d, column.best.get() + first);
+      V runner0 = hn::Load(d, column.second.get() + first);
+      V at0 = hn::Load(d, column.index.get() + first);
+      V best1 = hn::Load(d, column.best.get() + second_half);
+      V runner1 = hn::Load(d, column.second.get() + second_half);
+      V at1 = hn::Load(d, column.index.get() + second_half);
+
+      for (size_t i = chunk; i < chunk_end; i += kRows) {
+        const float* const row_a = a + i * kSiftDimensions;
+        V s00 = hn::Zero(d), s01 = s00, s10 = s00, s11 = s00;
+        V s20 = s00, s21 = s00, s30 = s00, s31 = s00;
+        for (size_t k = 0; k < kSiftDimensions; ++k) {
+          const V b0 = hn::Load(d, block_b + k * block);
+          const V b1 = hn::Load(d, block_b + k * block + lanes);
+          const V a0 = hn::Set(d, row_a[k]);
+          const V a1 = hn::Set(d, row_a[kSiftDimensions + k]);
+          const V a2 = hn::Set(d, row_a[2 * kSiftDimensions + k]);
+          const V a3 = hn::Set(d, row_a[3 * kSiftDimensions + k]);
+          s00 = hn::MulAdd(a0, b0, s00);
+          s01 = hn::MulAdd(a0, b1, s01);
+          s10 = hn::MulAdd(a1, b0, s10);
+          s11 = hn::MulAdd(a1, b1, s11);
+          s20 = hn::MulAdd(a2, b0, s20);
+          s21 = hn::MulAdd(a2, b1, s21);
+          s30 = hn::MulAdd(a3, b0, s30);
+          s31 = hn::MulAdd(a3, b1, s31);
+        }
+        const auto take = [&](size_t r, V p0, V p1) HWY_ATTR {
+          p0 = hn::IfThenElse(hn::Lt(index0, end), p0, none);
+          p1 = hn::IfThenElse(hn::Lt(index1, end), p1, none);
+          const size_t at = (i + r) * lanes;
+          V best = hn::Load(d, row.best.get() + at);
+          V second = hn::Load(d, row.second.get() + at);
+          V index = hn::Load(d, row.index.get() + at);
+          Enter(p0, index0, best, second, index);
+          Enter(p1, index1, best, second, index);
+          hn::Store(best, d, row.best.get() + at);
+          hn::Store(second, d, row.second.get() + at);
+          hn::Store(index, d, row.index.get() + at);
+          if (i + r >= valid_a) return;
+          const V here = hn::Set(d, static_cast<float>(i + r));
+          Enter(p0, here, best0, runner0, at0);
+          Enter(p1, here, best1, runner1, at1);
+        };
+        take(0, s00, s01);
+        take(1, s10, s11);
+        take(2, s20, s21);
+        take(3, s30, s31);
+      }
+      hn::Store(best0, d, column.best.get() + first);
+      hn::Store(runner0, d, column.second.get() + first);
+      hn::Store(at0, d, column.index.get() + first);
+      hn::Store(best1, d, column.best.get() + second_half);
+      hn::Store(runner1, d, column.second.get() + second_half);
+      hn::Store(at1, d, column.index.get() + second_half);
+    }
+  }
+  for (size_t i = 0; i < valid_a; ++i) {
+    rows[i] = OverLanes(row.best.get() + i * lanes,
+                        row.second.get() + i * lanes,
+                        row.index.get() + i * lanes,
+                        lanes);
+  }
+  for (size_t j = 0; j < num_b; ++j) {
+    columns[j] = {column.best[j],
+                  column.second[j],
+                  static_cast<uint32_t>(column.index[j])};
+  }
+}
+
+}  // namespace freegs::sfm::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace freegs::sfm {
+
+HWY_EXPORT(BestProducts);
+
+namespace {
+
+// Floats, padded to a multiple of kRows; and the length of each vector.
+struct Prepared {
+  hwy::AlignedFreeUniquePtr<float[]> values;
+  std::vector<double> lengths;
+  size_t padded = 0;
+};
+
+Prepared Prepare(const SiftDescriptors& descriptors) {
+  Prepared result;
+  const size_t count = descriptors.count();
+  result.padded = (count + kRows - 1) / kRows * kRows;
+  result.values = hwy::AllocateAligned<float>(result.padded * kSiftDimensions);
+  std::fill_n(result.values.get(), result.padded * kSiftDimensions, 0.0f);
+  result.lengths.resize(count);
+  for (size_t i = 0; i < count; ++i) {
+    int64_t squared = 0;
+    for (size_t k = 0; k < kSiftDimensions; ++k) {
+      const int value = descriptors.values[i * kSiftDimensions + k];
+      squared += int64_t{value} * value;
+      result.values[i * kSiftDimensions + k] = static_cast<float>(value);
+    }
+    result.lengths[i] = std::sqrt(static_cast<double>(squared));
+  }
+  return result;
+}
+
+}  // namespace
+
+Status DescriptorMatchingOptions::Check() const {
+  if (!(max_ratio > 0 && max_ratio <= 1) || !(max_angle > 0)) {
+    return InvalidArgumentError(
+        "descriptor matching needs a ratio in (0, 1] and a positive angle");
+  }
+  return {};
+}
+
+std::vector<std::pair<uint32_t, uint32_t>> MatchDescriptors(
+    const SiftDescriptors& a,
+    const SiftDescriptors& b,
+    const DescriptorMatchingOptions& options) {
+  std::vector<std::pair<uint32_t, uint32_t>> matches;
+  if (a.count() == 0 || b.count() == 0) return matches;
+  const Prepared pa = Prepare(a);
+  const Prepared pb = Prepare(b);
+  std::vector<BestTwo> rows(a.count());
+  std::vector<BestTwo> columns(b.count());
+  HWY_DYNAMIC_DISPATCH(BestProducts)
+  (pa.values.get(),
+   pa.padded,
+   a.count(),
+   pb.values.get(),
+   b.count(),
+   rows.data(),
+   columns.data());
+
+  // SIFT descriptors all have (nearly) the same length, so the largest product
+  // is the smallest angle.
+  const auto passes = [&](const BestTwo& two, double length, double other) {
+    if (two.best <= 0 || length == 0 || other == 0) return false;
+    const double scale = 1 / (length * other);
+    const double best = std::acos(std::min(1.0, two.best * scale));
+    const double second = std::acos(std::clamp(two.second * scale, -1.0, 1.0));
+    return best <= options.max_angle && best < options.max_ratio * second;
+  };
+  for (size_t i = 0; i < rows.size(); ++i) {
+    const uint32_t j = rows[i].index;
+    if (columns[j].index != i) continue;
+    if (passes(rows[i], pa.lengths[i], pb.lengths[j]) &&
+        passes(columns[j], pa.lengths[i], pb.lengths[j])) {
+      matches.emplace_back(static_cast<uint32_t>(i), j);
+    }
+  }
+  return matches;
+}
+
+}  // namespace freegs::sfm
+#endif  // HWY_ONCE

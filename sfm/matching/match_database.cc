@@ -1,0 +1,337 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// COLMAP's SQLite database.
+
+#include "sfm/matching/match_database.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <sqlite3.h>
+#include <system_error>
+
+namespace freegs::sfm {
+namespace {
+
+// COLMAP's id of a pair of images: smaller id times this, plus larger id.
+constexpr int64_t kMaxImageId = 2147483647;
+
+// COLMAP's TwoViewGeometry::ConfigurationType of motions that are homographies:
+// PLANAR, PANORAMIC, PLANAR_OR_PANORAMIC.
+constexpr int64_t kFirstHomography = 4;
+constexpr int64_t kLastHomography = 6;
+
+class Statement {
+ public:
+  Statement(sqlite3* database, const char* sql) {
+    result_ = sqlite3_prepare_v2(database, sql, -1, &statement_, nullptr);
+  }
+  ~Statement() { sqlite3_finalize(statement_); }
+  Statement(const Statement&) = delete;
+  Statement& operator=(const Statement&) = delete;
+
+  bool ok() const { return result_ == SQLITE_OK; }
+  void Bind(int index, const std::string& text) {
+    sqlite3_bind_text(statement_, index, text.c_str(), -1, SQLITE_TRANSIENT);
+  }
+  void Bind(int index, int64_t value) {
+    sqlite3_bind_int64(statement_, index, value);
+  }
+  // SQLITE_ROW, SQLITE_DONE or an error.
+  int Step() { return sqlite3_step(statement_); }
+  int64_t Integer(int column) const {
+    return sqlite3_column_int64(statement_, column);
+  }
+  // A text or blob.
+  std::string Text(int column) const {
+    const void* data = sqlite3_column_blob(statement_, column);
+    const int size = sqlite3_column_bytes(statement_, column);
+    return data == nullptr ? std::string()
+                           : std::string(static_cast<const char*>(data), size);
+  }
+
+ private:
+  sqlite3_stmt* statement_ = nullptr;
+  int result_;
+};
+
+}  // namespace
+
+void MatchDatabase::Closer::operator()(sqlite3* database) const {
+  sqlite3_close(database);
+}
+
+StatusOr<MatchDatabase> MatchDatabase::Open(const std::filesystem::path& path) {
+  MatchDatabase result;
+  result.path_ = path;
+  sqlite3* database = nullptr;
+  const int code =
+      sqlite3_open_v2(path.c_str(), &database, SQLITE_OPEN_READWRITE, nullptr);
+  result.database_.reset(database);
+  if (code != SQLITE_OK) return result.Error("cannot be opened");
+  sqlite3_busy_timeout(database, 10000);
+  // As COLMAP does itself: a killed process loses nothing, only a machine that
+  // loses power could.
+  FREEGS_RETURN_IF_ERROR(result.Execute("PRAGMA synchronous = OFF"));
+  // Makes SQLite look at the file, and finish what a killed writer left.
+  Statement probe(database, "SELECT COUNT(*) FROM images");
+  if (!probe.ok() || probe.Step() != SQLITE_ROW) {
+    return result.Error("is not a COLMAP database");
+  }
+  return result;
+}
+
+Status MatchDatabase::Error(const std::string& what) const {
+  return BadInputError(
+      path_.string() + ": " + what + " (" +
+      (database_ ? sqlite3_errmsg(database_.get()) : "out of memory") + ")");
+}
+
+Status MatchDatabase::Execute(const std::string& sql) const {
+  if (sqlite3_exec(database_.get(), sql.c_str(), nullptr, nullptr, nullptr) !=
+      SQLITE_OK) {
+    return Error("'" + sql + "' failed");
+  }
+  return {};
+}
+
+StatusOr<std::vector<MatchDatabase::Photo>> MatchDatabase::Photos() const {
+  Statement statement(
+      database_.get(),
+      "SELECT images.image_id, images.name, IFNULL(keypoints.rows, 0) "
+      "FROM images LEFT JOIN keypoints "
+      "ON keypoints.image_id = images.image_id ORDER BY images.image_id");
+  if (!statement.ok()) return Error("cannot list its photos");
+  std::vector<Photo> photos;
+  int code;
+  while ((code = statement.Step()) == SQLITE_ROW) {
+    photos.push_back({static_cast<uint32_t>(statement.Integer(0)),
+                      statement.Text(1),
+                      statement.Integer(2)});
+  }
+  if (code != SQLITE_DONE) return Error("cannot list its photos");
+  return photos;
+}
+
+StatusOr<SiftDescriptors> MatchDatabase::Descriptors(uint32_t photo_id) const {
+  Statement statement(
+      database_.get(),
+      "SELECT rows, cols, data FROM descriptors WHERE image_id = ?");
+  if (!statement.ok()) return Error("cannot read its descriptors");
+  statement.Bind(1, photo_id);
+  SiftDescriptors descriptors;
+  const int code = statement.Step();
+  if (code == SQLITE_DONE) return descriptors;
+  if (code != SQLITE_ROW) return Error("cannot read its descriptors");
+  const int64_t rows = statement.Integer(0);
+  const std::string data = statement.Text(2);
+  if (rows == 0) return descriptors;
+  constexpr int64_t kColumns = kSiftDimensions;
+  if (statement.Integer(1) != kColumns || rows < 0 ||
+      data.size() % kSiftDimensions != 0 ||
+      static_cast<int64_t>(data.size() / kSiftDimensions) != rows) {
+    return BadInputError(path_.string() + ": the descriptors of photo " +
+                         std::to_string(photo_id) +
+                         " are not 128 bytes each, as SIFT's");
+  }
+  descriptors.values.assign(data.begin(), data.end());
+  return descriptors;
+}
+
+StatusOr<std::vector<float>> MatchDatabase::FeatureScales(
+    uint32_t photo_id) const {
+  Statement statement(
+      database_.get(),
+      "SELECT rows, cols, data FROM keypoints WHERE image_id = ?");
+  if (!statement.ok()) return Error("cannot read its keypoints");
+  statement.Bind(1, photo_id);
+  std::vector<float> scales;
+  const int code = statement.Step();
+  if (code == SQLITE_DONE) return scales;
+  if (code != SQLITE_ROW) return Error("cannot read its keypoints");
+  const int64_t rows = statement.Integer(0);
+  const int64_t columns = statement.Integer(1);
+  const std::string data = statement.Text(2);
+  // x, y; x, y, scale, angle; or x, y and a 2 x 2 matrix.
+  if (columns != 4 && columns != 6) return scales;
+  const size_t row_bytes = static_cast<size_t>(columns) * sizeof(float);
+  if (rows < 0 || data.size() % row_bytes != 0 ||
+      static_cast<int64_t>(data.size() / row_bytes) != rows) {
+    return BadInputError(path_.string() + ": the keypoints of photo " +
+                         std::to_string(photo_id) + " are not of their size");
+  }
+  for (size_t at = 0; at < data.size(); at += row_bytes) {
+    float v[6] = {};
+    std::memcpy(v, data.data() + at, row_bytes);
+    const float scale =
+        columns == 4 ? v[2]
+                     : 0.5f * (std::hypot(v[2], v[4]) + std::hypot(v[3], v[5]));
+    scales.push_back(std::isfinite(scale) ? scale : 0.0f);
+  }
+  return scales;
+}
+
+bool MatchDatabase::HasColumn(const char* table, const char* column) const {
+  return sqlite3_table_column_metadata(database_.get(),
+                                       nullptr,
+                                       table,
+                                       column,
+                                       nullptr,
+                                       nullptr,
+                                       nullptr,
+                                       nullptr,
+                                       nullptr) == SQLITE_OK;
+}
+
+StatusOr<std::vector<MatchDatabase::VerifiedPair>>
+MatchDatabase::VerifiedPairs() const {
+  const bool detailed = HasColumn("two_view_geometries", "config") &&
+                        HasColumn("two_view_geometries", "H");
+  Statement statement(database_.get(),
+                      detailed ? "SELECT pair_id, rows, config, H FROM "
+                                 "two_view_geometries WHERE rows > 0 "
+                                 "ORDER BY pair_id"
+                               : "SELECT pair_id, rows, 0, NULL FROM "
+                                 "two_view_geometries WHERE rows > 0 "
+                                 "ORDER BY pair_id");
+  if (!statement.ok()) return Error("cannot list its pairs");
+  std::vector<VerifiedPair> pairs;
+  int code;
+  while ((code = statement.Step()) == SQLITE_ROW) {
+    VerifiedPair pair;
+    pair.id1 = static_cast<uint32_t>(statement.Integer(0) / kMaxImageId);
+    pair.id2 = static_cast<uint32_t>(statement.Integer(0) % kMaxImageId);
+    pair.num_matches = statement.Integer(1);
+    const int64_t config = statement.Integer(2);
+    pair.is_homography =
+        config >= kFirstHomography && config <= kLastHomography;
+    const std::string data = statement.Text(3);
+    // Row by row.
+    Eigen::Matrix<double, 3, 3, Eigen::RowMajor> matrix;
+    if (pair.is_homography && data.size() == 9 * sizeof(double)) {
+      std::memcpy(matrix.data(), data.data(), data.size());
+      if (matrix.allFinite()) pair.homography = matrix;
+    }
+    pairs.push_back(pair);
+  }
+  if (code != SQLITE_DONE) return Error("cannot list its pairs");
+  return pairs;
+}
+
+Status MatchDatabase::ForEachVerifiedPair(
+    const std::function<
+        void(uint32_t, uint32_t, std::span<const FeatureMatch>)>& visit) const {
+  Statement statement(database_.get(),
+                      "SELECT pair_id, rows, data FROM two_view_geometries "
+                      "WHERE rows > 0 ORDER BY pair_id");
+  if (!statement.ok()) return Error("cannot list its matches");
+  std::vector<FeatureMatch> matches;
+  int code;
+  while ((code = statement.Step()) == SQLITE_ROW) {
+    const int64_t pair = statement.Integer(0);
+    const std::string data = statement.Text(2);
+    static_assert(sizeof(FeatureMatch) == 8);
+    if (statement.Integer(1) != static_cast<int64_t>(data.size() / 8)) {
+      return BadInputError(path_.string() + ": the matches of pair " +
+                           std::to_string(pair) + " are not of their size");
+    }
+    matches.resize(data.size() / 8);
+    std::memcpy(matches.data(), data.data(), matches.size() * 8);
+    visit(static_cast<uint32_t>(pair / kMaxImageId),
+          static_cast<uint32_t>(pair % kMaxImageId),
+          matches);
+  }
+  return code == SQLITE_DONE ? Status() : Error("cannot list its matches");
+}
+
+Status MatchDatabase::RemoveVerifiedPairs(
+    const std::vector<std::pair<uint32_t, uint32_t>>& pairs) {
+  FREEGS_RETURN_IF_ERROR(Execute("BEGIN IMMEDIATE"));
+  for (const auto& [id1, id2] : pairs) {
+    Statement statement(database_.get(),
+                        "DELETE FROM two_view_geometries WHERE pair_id = ?");
+    if (!statement.ok()) return Error("cannot delete matches");
+    statement.Bind(1, std::min(id1, id2) * kMaxImageId + std::max(id1, id2));
+    if (statement.Step() != SQLITE_DONE) return Error("cannot delete matches");
+  }
+  return Execute("COMMIT");
+}
+
+Status MatchDatabase::ClearVerified() {
+  return Execute("DELETE FROM two_view_geometries");
+}
+
+Status MatchDatabase::CopyMatchesFrom(const std::filesystem::path& other) {
+  Statement attach(database_.get(), "ATTACH DATABASE ? AS other");
+  if (!attach.ok()) return Error("cannot attach another database");
+  attach.Bind(1, other.string());
+  if (attach.Step() != SQLITE_DONE)
+    return Error("cannot attach " + other.string());
+  Status status = Execute(
+      "BEGIN IMMEDIATE;"
+      "INSERT OR REPLACE INTO main.matches SELECT * FROM other.matches;"
+      "INSERT OR REPLACE INTO main.two_view_geometries "
+      "SELECT * FROM other.two_view_geometries;"
+      "COMMIT");
+  if (!status.ok() && sqlite3_get_autocommit(database_.get()) == 0) {
+    (void)Execute("ROLLBACK");
+  }
+  const Status detached = Execute("DETACH DATABASE other");
+  return status.ok() ? detached : status;
+}
+
+Status MatchDatabase::CopyTo(const std::filesystem::path& path) const {
+  Statement statement(database_.get(), "VACUUM INTO ?");
+  if (!statement.ok()) return Error("cannot be copied");
+  statement.Bind(1, path.string());
+  if (statement.Step() != SQLITE_DONE) {
+    return Error("cannot be copied to " + path.string());
+  }
+  return {};
+}
+
+Status MatchDatabase::RenamePhotos(
+    const std::function<std::string(uint32_t id)>& name) {
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<Photo> photos, Photos());
+  FREEGS_RETURN_IF_ERROR(Execute("BEGIN IMMEDIATE"));
+  for (const Photo& photo : photos) {
+    Statement statement(database_.get(),
+                        "UPDATE images SET name = ? WHERE image_id = ?");
+    if (!statement.ok()) return Error("cannot rename its photos");
+    statement.Bind(1, name(photo.id));
+    statement.Bind(2, photo.id);
+    if (statement.Step() != SQLITE_DONE) {
+      return Error("cannot rename its photos");
+    }
+  }
+  return Execute("COMMIT");
+}
+
+Status MatchDatabase::ClearMatchesAndDescriptors() {
+  return Execute(
+      "BEGIN IMMEDIATE; DELETE FROM matches; "
+      "DELETE FROM two_view_geometries; DELETE FROM descriptors; COMMIT");
+}
+
+Status CopyDatabase(const std::filesystem::path& from,
+                    const std::filesystem::path& to) {
+  RemoveDatabase(to);
+  FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
+                          MatchDatabase::Open(from));
+  return database.CopyTo(to);
+}
+
+Status RemoveVerifiedPairs(
+    const std::filesystem::path& path,
+    const std::vector<std::pair<uint32_t, uint32_t>>& pairs) {
+  FREEGS_ASSIGN_OR_RETURN(MatchDatabase database, MatchDatabase::Open(path));
+  return database.RemoveVerifiedPairs(pairs);
+}
+
+void RemoveDatabase(const std::filesystem::path& path) {
+  std::error_code ignored;
+  for (const char* suffix : {"", "-wal", "-shm", "-journal"}) {
+    std::filesystem::remove(path.string() + suffix, ignored);
+  }
+}
+
+}  // namespace freegs::sfm

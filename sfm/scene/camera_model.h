@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// COLMAP's camera models by number and name, and the parameters each one has.
+
+#ifndef FREEGS_SFM_SCENE_CAMERA_MODEL_H_
+#define FREEGS_SFM_SCENE_CAMERA_MODEL_H_
+
+#include <span>
+#include <string_view>
+
+namespace freegs::sfm {
+
+// The numbers are COLMAP's and appear in its binary files. Parameters, in
+// order (f: focal length, c: principal point, both in pixels):
+enum class CameraModel : int {
+  kSimplePinhole = 0,        // f cx cy
+  kPinhole = 1,              // fx fy cx cy
+  kSimpleRadial = 2,         // f cx cy k
+  kRadial = 3,               // f cx cy k1 k2
+  kOpenCv = 4,               // fx fy cx cy k1 k2 p1 p2
+  kOpenCvFisheye = 5,        // fx fy cx cy k1 k2 k3 k4
+  kFullOpenCv = 6,           // fx fy cx cy k1 k2 p1 p2 k3 k4 k5 k6
+  kFov = 7,                  // fx fy cx cy omega
+  kSimpleRadialFisheye = 8,  // f cx cy k
+  kRadialFisheye = 9,        // f cx cy k1 k2
+  kThinPrismFisheye = 10,    // fx fy cx cy k1 k2 p1 p2 k3 k4 sx1 sy1
+};
+
+struct CameraModelInfo {
+  CameraModel model;
+  std::string_view name;  // COLMAP's, as in text models: "SIMPLE_RADIAL".
+  int num_params;
+  int num_focal;  // 1 (shared by x and y) or 2.
+};
+
+// All models, ordered by number.
+std::span<const CameraModelInfo> CameraModels();
+
+// nullptr when COLMAP's number or name is unknown.
+const CameraModelInfo* FindCameraModel(int id);
+const CameraModelInfo* FindCameraModel(std::string_view name);
+const CameraModelInfo& GetCameraModel(CameraModel model);
+
+}  // namespace freegs::sfm
+
+#endif  // FREEGS_SFM_SCENE_CAMERA_MODEL_H_

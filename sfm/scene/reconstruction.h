@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A sparse reconstruction: cameras, posed images and triangulated points, with
+// the fields of COLMAP's model files.
+
+#ifndef FREEGS_SFM_SCENE_RECONSTRUCTION_H_
+#define FREEGS_SFM_SCENE_RECONSTRUCTION_H_
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/rigid3d.h"
+#include "core/status.h"
+#include "sfm/scene/camera.h"
+
+namespace freegs::sfm {
+
+inline constexpr uint64_t kNoPoint3D = std::numeric_limits<uint64_t>::max();
+
+// A detected feature, and the point it sees if any.
+struct Point2D {
+  Eigen::Vector2d xy = Eigen::Vector2d::Zero();  // Pixels.
+  uint64_t point3d_id = kNoPoint3D;
+};
+
+// An image with a pose.
+struct PosedImage {
+  uint32_t id = 0;
+  uint32_t camera_id = 0;
+  std::string name;  // Relative to the photo folder, '/' between folders.
+  Rigid3d cam_from_world;
+  std::vector<Point2D> points2d;
+};
+
+// One observation of a point: feature `point2d_index` of image `image_id`.
+struct TrackElement {
+  uint32_t image_id = 0;
+  uint32_t point2d_index = 0;
+};
+
+struct Point3D {
+  uint64_t id = 0;
+  Eigen::Vector3d xyz = Eigen::Vector3d::Zero();
+  std::array<uint8_t, 3> rgb = {0, 0, 0};
+  double error = -1;  // Mean reprojection error in pixels; < 0 is unknown.
+  std::vector<TrackElement> track;
+};
+
+// All lists are in the order of the file they came from, which writing keeps.
+struct Reconstruction {
+  std::vector<Camera> cameras;
+  std::vector<PosedImage> images;
+  std::vector<Point3D> points3d;
+};
+
+// Positions in the lists by id.
+std::unordered_map<uint32_t, size_t> IndexCameras(const Reconstruction& model);
+std::unordered_map<uint32_t, size_t> IndexImages(const Reconstruction& model);
+std::unordered_map<uint64_t, size_t> IndexPoints(const Reconstruction& model);
+
+// Errors on repeated ids or image names, images without a camera, and numbers
+// that are not finite.
+Status CheckReconstruction(const Reconstruction& model);
+
+// Makes tracks and features agree: drops track elements that point at no
+// feature, and clears features whose point is missing or does not list them.
+// (Models edited by other tools often have such.) Returns how many it removed.
+// model must pass CheckReconstruction.
+size_t RemoveDanglingReferences(Reconstruction* model);
+
+}  // namespace freegs::sfm
+
+#endif  // FREEGS_SFM_SCENE_RECONSTRUCTION_H_

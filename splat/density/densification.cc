@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "splat/density/densification.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "core/random.h"
+
+namespace freegs::splat {
+namespace {
+
+// Keeps the random numbers of splits apart from others of the same seed.
+constexpr uint64_t kSplitStream = 0x73706c69740000ULL;  // "split"
+constexpr int kChildren = 2;
+
+enum class Fate : uint8_t { kKeep, kClone, kSplit, kBlurSplit, kPrune };
+
+double Sigmoid(double logit) { return 1.0 / (1.0 + std::exp(-logit)); }
+double Logit(double p) { return std::log(p / (1.0 - p)); }
+
+double MaxScale(const GaussianModel& model, size_t i) {
+  const float* const s = &model.log_scales[3 * i];
+  return std::exp(static_cast<double>(std::max({s[0], s[1], s[2]})));
+}
+
+// Compared as floats, so that a share of exactly the limit does not exceed it.
+bool IsBlurred(const DensificationOptions& options,
+               const DensificationStatistics& statistics,
+               size_t i) {
+  return options.blur_split_share > 0 &&
+         statistics.max_dominant_share[i] >
+             static_cast<float>(options.blur_split_share);
+}
+
+// The blurred ones first, by share; the others by gradient.
+void SortByUrgency(const DensificationOptions& options,
+                   const DensificationStatistics& statistics,
+                   std::vector<uint32_t>* candidates) {
+  std::stable_sort(
+      candidates->begin(), candidates->end(), [&](uint32_t a, uint32_t b) {
+        const bool blurred_a = IsBlurred(options, statistics, a);
+        const bool blurred_b = IsBlurred(options, statistics, b);
+        if (blurred_a != blurred_b) return blurred_a;
+        if (blurred_a) {
+          return statistics.max_dominant_share[a] >
+                 statistics.max_dominant_share[b];
+        }
+        return statistics.MeanGradient(a) > statistics.MeanGradient(b);
+      });
+}
+
+// What becomes of each Gaussian. Conditions are written so that NaN is pruned.
+std::vector<Fate> DecideFates(const DensificationOptions& options,
+                              double scene_extent,
+                              const GaussianModel& model,
+                              const DensificationStatistics& statistics) {
+  const size_t count = model.size();
+  const double clone_max_scale = options.clone_max_scale * scene_extent;
+  const double max_scale = options.max_scale > 0
+                               ? options.max_scale * scene_extent
+                               : std::numeric_limits<double>::infinity();
+  std::vector<Fate> fates(count, Fate::kKeep);
+  std::vector<uint32_t> candidates;
+  size_t kept = 0;
+  for (size_t i = 0; i < count; ++i) {
+    const double scale = MaxScale(model, i);
+    const bool opaque = Sigmoid(model.opacity_logits[i]) >= options.min_opacity;
+    const bool small =
+        scale <= max_scale && (options.max_radius <= 0 ||
+                               statistics.max_radius[i] <= options.max_radius);
+    const bool wanting =
+        statistics.MeanGradient(i) >= options.gradient_threshold;
+    const bool blurred = IsBlurred(options, statistics, i);
+    const bool splits = opaque &&
+                        (blurred || (wanting && scale > clone_max_scale)) &&
+                        scale / options.split_shrink <= max_scale;
+    const bool clones =
+        opaque && !blurred && wanting && small && scale <= clone_max_scale;
+    if (splits || clones) candidates.push_back(static_cast<uint32_t>(i));
+    if (!opaque || !small) fates[i] = Fate::kPrune;
+    if (opaque && (small || splits)) ++kept;
+  }
+
+  size_t budget = candidates.size();
+  if (options.max_gaussians > 0) {
+    const auto most = static_cast<size_t>(options.max_gaussians);
+    budget = std::min(budget, most - std::min(most, kept));
+  }
+  SortByUrgency(options, statistics, &candidates);
+  candidates.resize(budget);
+  for (const uint32_t i : candidates) {
+    if (IsBlurred(options, statistics, i)) {
+      fates[i] = Fate::kBlurSplit;
+    } else {
+      fates[i] =
+          MaxScale(model, i) > clone_max_scale ? Fate::kSplit : Fate::kClone;
+    }
+  }
+  return fates;
+}
+
+// Appends two Gaussians drawn from Gaussian `index`, shrunk.
+void AppendChildren(const DensificationOptions& options,
+                    uint64_t seed,
+                    int64_t iteration,
+                    const GaussianModel& model,
+                    size_t index,
+                    GaussianModel* added) {
+  const float* const q = &model.rotations[4 * index];
+  const Eigen::Quaterniond rotation =
+      Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized();
+  const uint64_t stream =
+      MixBits(kSplitStream) ^ static_cast<uint64_t>(iteration);
+  const float shrink = static_cast<float>(std::log(options.split_shrink));
+  for (int child = 0; child < kChildren; ++child) {
+    Eigen::Vector3d offset;
+    for (int axis = 0; axis < 3; ++axis) {
+      const uint64_t counter = (index * kChildren + child) * 3 + axis;
+      offset[axis] =
+          std::exp(static_cast<double>(model.log_scales[3 * index + axis])) *
+          RandomNormal(seed, stream, counter);
+    }
+    offset = rotation * offset;
+    const size_t at = added->size();
+    added->AppendFrom(model, index);
+    for (int axis = 0; axis < 3; ++axis) {
+      added->means[3 * at + axis] += static_cast<float>(offset[axis]);
+      added->log_scales[3 * at + axis] -= shrink;
+    }
+  }
+}
+
+}  // namespace
+
+void DensificationStatistics::Reset(size_t count) {
+  gradient_sum.assign(count, 0.0f);
+  visible_steps.assign(count, 0u);
+  max_radius.assign(count, 0.0f);
+  max_dominant_share.assign(count, 0.0f);
+}
+
+void DensificationStatistics::AddView(std::span<const uint32_t> visible,
+                                      std::span<const float> pixel_gradients,
+                                      std::span<const float> radii,
+                                      int width,
+                                      int height) {
+  const float half_width = 0.5f * static_cast<float>(width);
+  const float half_height = 0.5f * static_cast<float>(height);
+  for (size_t k = 0; k < visible.size(); ++k) {
+    const uint32_t i = visible[k];
+    const float x = pixel_gradients[2 * k] * half_width;
+    const float y = pixel_gradients[2 * k + 1] * half_height;
+    gradient_sum[i] += std::sqrt(x * x + y * y);
+    ++visible_steps[i];
+    max_radius[i] = std::max(max_radius[i], radii[k]);
+  }
+}
+
+void DensificationStatistics::AddDominant(const Image<int32_t>& dominant) {
+  if (pixel_counts_.size() != size()) pixel_counts_.assign(size(), 0u);
+  const std::span<const int32_t> pixels(dominant.data(), dominant.size());
+  // -1 becomes a number beyond any model.
+  const auto index = [](int32_t pixel) { return static_cast<uint32_t>(pixel); };
+  for (const int32_t pixel : pixels) {
+    if (index(pixel) < size()) ++pixel_counts_[index(pixel)];
+  }
+  for (const int32_t pixel : pixels) {
+    const uint32_t i = index(pixel);
+    if (i >= size() || pixel_counts_[i] == 0) continue;  // Seen already.
+    const auto share =
+        static_cast<float>(static_cast<double>(pixel_counts_[i]) /
+                           static_cast<double>(pixels.size()));
+    max_dominant_share[i] = std::max(max_dominant_share[i], share);
+    pixel_counts_[i] = 0;
+  }
+}
+
+void DensificationStatistics::Select(std::span<const uint32_t> indices) {
+  const auto select = [&](auto& array) {
+    auto kept = array;
+    kept.resize(indices.size());
+    for (size_t i = 0; i < indices.size(); ++i) kept[i] = array[indices[i]];
+    array = std::move(kept);
+  };
+  select(gradient_sum);
+  select(visible_steps);
+  select(max_radius);
+  select(max_dominant_share);
+}
+
+Status DensificationOptions::Check() const {
+  if (!(gradient_threshold > 0)) {
+    return InvalidArgumentError("gradient_threshold must be > 0");
+  }
+  if (!(clone_max_scale > 0)) {
+    return InvalidArgumentError("clone_max_scale must be > 0");
+  }
+  if (!(split_shrink >= 1)) {
+    return InvalidArgumentError("split_shrink must be >= 1");
+  }
+  if (!(min_opacity >= 0 && min_opacity < 1)) {
+    return InvalidArgumentError("min_opacity must be in [0, 1)");
+  }
+  if (!(max_scale >= 0 && max_radius >= 0) || max_gaussians < 0) {
+    return InvalidArgumentError(
+        "max_scale, max_radius and max_gaussians must be >= 0");
+  }
+  if (!(blur_split_share >= 0 && blur_split_share < 1)) {
+    return InvalidArgumentError("blur_split_share must be in [0, 1)");
+  }
+  return Status();
+}
+
+DensificationSummary Densify(const DensificationOptions& options,
+                             double scene_extent,
+                             uint64_t seed,
+                             int64_t iteration,
+                             GaussianModel* model,
+                             Adam* adam,
+                             DensificationStatistics* statistics) {
+  const std::vector<Fate> fates =
+      DecideFates(options, scene_extent, *model, *statistics);
+  DensificationSummary summary;
+  std::vector<uint32_t> kept;
+  GaussianModel added;
+  added.sh_degree = model->sh_degree;
+  for (size_t i = 0; i < fates.size(); ++i) {
+    const bool keeps = fates[i] == Fate::kKeep || fates[i] == Fate::kClone;
+    if (keeps) kept.push_back(static_cast<uint32_t>(i));
+    if (fates[i] == Fate::kPrune) ++summary.pruned;
+    if (fates[i] == Fate::kClone) {
+      added.AppendFrom(*model, i);
+      ++summary.cloned;
+    }
+  }
+  for (size_t i = 0; i < fates.size(); ++i) {
+    const bool blurred = fates[i] == Fate::kBlurSplit;
+    if (!blurred && fates[i] != Fate::kSplit) continue;
+    AppendChildren(options, seed, iteration, *model, i, &added);
+    ++summary.split;
+    if (blurred) ++summary.blur_split;
+  }
+  model->Select(kept);
+  for (size_t k = 0; k < added.size(); ++k) model->AppendFrom(added, k);
+  adam->Select(kept);
+  adam->Append(added.size());
+  summary.total = model->size();
+  statistics->Reset(summary.total);
+  return summary;
+}
+
+void ResetOpacity(double max_opacity, GaussianModel* model, Adam* adam) {
+  const float most = static_cast<float>(Logit(max_opacity));
+  for (float& logit : model->opacity_logits) logit = std::min(logit, most);
+  adam->ZeroMoments(Parameter::kOpacityLogit);
+}
+
+}  // namespace freegs::splat

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "splat/density/mini_splatting.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+
+#include "core/random.h"
+#include "splat/density/depth_reinitialization.h"
+#include "splat/density/simplification.h"
+
+namespace freegs::splat {
+namespace {
+
+// Random number streams; see core/random.h.
+constexpr uint64_t kDepthStream = 0x6465707468;       // "depth"
+constexpr uint64_t kSimplifyStream = 0x73696d706c65;  // "simple"
+
+// Of the paper: 3.5 million points, at most 4.5 million Gaussians.
+constexpr double kDepthShareOfDense = 7.0 / 9;
+constexpr uint64_t kMaxDepthPoints = 3500000;
+constexpr uint64_t kPixelsPerDepthPoint = 32;
+
+uint64_t StreamOf(uint64_t purpose, const MiniSplattingContext& context) {
+  return MixBits(MixBits(purpose) ^ static_cast<uint64_t>(context.iteration));
+}
+
+void RenderContributions(const MiniSplattingContext& context,
+                         const GaussianModel& model,
+                         const View& view,
+                         ViewContributions* contributions) {
+  context.rasterizer->Contributions(model,
+                                    view.camera,
+                                    view.cam_from_world,
+                                    context.render,
+                                    *context.pool,
+                                    contributions);
+}
+
+Status NothingVisible(std::string_view what, size_t count) {
+  return UnusableResultError(
+      std::string(what) + ": none of the " + std::to_string(count) +
+      " Gaussians is visible in any training photo; check the camera poses and "
+      "the 3D points");
+}
+
+}  // namespace
+
+Status MiniSplattingOptions::Check() const {
+  if (!(blur_split_share >= 0 && blur_split_share < 1)) {
+    return InvalidArgumentError("blur_split_share must be in [0, 1)");
+  }
+  if (!(dense_factor >= 1 && std::isfinite(dense_factor))) {
+    return InvalidArgumentError("dense_factor must be at least 1");
+  }
+  if (!(simplify_slack >= 1 && std::isfinite(simplify_slack))) {
+    return InvalidArgumentError("simplify_slack must be at least 1");
+  }
+  if (depth_points < 0) {
+    return InvalidArgumentError("depth_points must not be negative");
+  }
+  if (!(simplify_keep > 0 && simplify_keep <= 1)) {
+    return InvalidArgumentError("simplify_keep must be in (0, 1]");
+  }
+  if (!(prune_importance_share >= 0 && prune_importance_share < 1)) {
+    return InvalidArgumentError("prune_importance_share must be in [0, 1)");
+  }
+  return Status();
+}
+
+std::vector<float> ComputeImportance(const MiniSplattingContext& context,
+                                     const GaussianModel& model,
+                                     ImportanceMetric metric) {
+  ImportanceAccumulator accumulator(model.size());
+  ViewContributions contributions;
+  for (size_t i = 0; i < context.images->size(); ++i) {
+    RenderContributions(
+        context, model, context.images->view(i, context.level), &contributions);
+    accumulator.AddView(contributions);
+  }
+  return accumulator.Importance(metric);
+}
+
+size_t NumDepthPoints(const MiniSplattingOptions& options,
+                      int64_t budget,
+                      size_t num_gaussians,
+                      uint64_t num_pixels) {
+  if (options.depth_points > 0) {
+    return static_cast<size_t>(options.depth_points);
+  }
+  if (budget > 0) {
+    const double dense = options.dense_factor * static_cast<double>(budget);
+    return static_cast<size_t>(std::ceil(kDepthShareOfDense * dense));
+  }
+  return std::min<uint64_t>(
+      kMaxDepthPoints,
+      std::max<uint64_t>(num_gaussians, num_pixels / kPixelsPerDepthPoint));
+}
+
+StatusOr<MiniSplattingSummary> ReinitializeFromDepth(
+    const MiniSplattingOptions& options,
+    int64_t budget,
+    const MiniSplattingContext& context,
+    GaussianModel* model,
+    Adam* adam) {
+  MiniSplattingSummary summary{model->size(), model->size()};
+  TrainingImages& images = *context.images;
+  ViewContributions contributions;
+  std::vector<double> opacity(images.size());
+  uint64_t num_pixels = 0;
+  for (size_t i = 0; i < images.size(); ++i) {
+    const View view = images.view(i, context.level);
+    RenderContributions(context, *model, view, &contributions);
+    opacity[i] = AccumulatedOpacity(contributions);
+    num_pixels += contributions.dominant.num_pixels();
+  }
+  // Each view is rendered again rather than held: a thousand photos of a
+  // megapixel would be 8 GB.
+  const std::vector<size_t> counts = PointsPerView(
+      opacity, NumDepthPoints(options, budget, model->size(), num_pixels));
+  DepthPoints points;
+  ImageF photo;
+  for (size_t i = 0; i < images.size(); ++i) {
+    if (counts[i] == 0) continue;
+    const View view = images.view(i, context.level);
+    RenderContributions(context, *model, view, &contributions);
+    FREEGS_RETURN_IF_ERROR(images.Fetch(i, context.level, &photo));
+    FREEGS_ASSIGN_OR_RETURN(
+        const DepthPoints drawn,
+        SampleDepthPoints(*model,
+                          view,
+                          contributions,
+                          photo,
+                          context.render.near_plane,
+                          counts[i],
+                          context.seed,
+                          MixBits(StreamOf(kDepthStream, context) ^ i)));
+    points.Append(drawn);
+  }
+  if (points.size() == 0) return summary;
+  FREEGS_ASSIGN_OR_RETURN(*model,
+                          RestartFromDepthPoints(points, context.scene_extent));
+  adam->Reset(*model);
+  summary.after = model->size();
+  return summary;
+}
+
+StatusOr<MiniSplattingSummary> Simplify(const MiniSplattingOptions& options,
+                                        int64_t budget,
+                                        ImportanceMetric metric,
+                                        bool restart,
+                                        const MiniSplattingContext& context,
+                                        GaussianModel* model,
+                                        Adam* adam) {
+  const std::vector<float> importance =
+      ComputeImportance(context, *model, metric);
+  const auto important = std::count_if(importance.begin(),
+                                       importance.end(),
+                                       [](float value) { return value > 0; });
+  if (important == 0) return NothingVisible("simplification", model->size());
+  const size_t count =
+      budget > 0 ? static_cast<size_t>(budget)
+                 : static_cast<size_t>(std::ceil(
+                       options.simplify_keep * static_cast<double>(important)));
+  const std::vector<uint32_t> kept =
+      options.sampling ? SampleByImportance(importance,
+                                            count,
+                                            context.seed,
+                                            StreamOf(kSimplifyStream, context))
+                       : MostImportant(importance, count);
+  MiniSplattingSummary summary{model->size(), kept.size()};
+  if (restart) {
+    FREEGS_ASSIGN_OR_RETURN(
+        *model, RestartFromMeans(*model, kept, context.scene_extent));
+    adam->Reset(*model);
+    summary.after = model->size();
+  } else {
+    model->Select(kept);
+    adam->Select(kept);
+  }
+  return summary;
+}
+
+StatusOr<MiniSplattingSummary> PruneByImportance(
+    const MiniSplattingOptions& options,
+    int64_t budget,
+    ImportanceMetric metric,
+    const MiniSplattingContext& context,
+    GaussianModel* model,
+    Adam* adam) {
+  const std::vector<float> importance =
+      ComputeImportance(context, *model, metric);
+  std::vector<uint32_t> kept =
+      KeepCumulativeImportance(importance, 1 - options.prune_importance_share);
+  if (budget > 0 && kept.size() > static_cast<size_t>(budget)) {
+    kept = MostImportant(importance, static_cast<size_t>(budget));
+  }
+  if (kept.empty()) return NothingVisible("pruning", model->size());
+  const MiniSplattingSummary summary{model->size(), kept.size()};
+  model->Select(kept);
+  adam->Select(kept);
+  return summary;
+}
+
+}  // namespace freegs::splat

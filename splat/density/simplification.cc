@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "splat/density/simplification.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include <Eigen/Core>
+
+#include "core/random.h"
+
+namespace freegs::splat {
+namespace {
+
+bool HasImportance(float importance) {
+  return importance > 0 && std::isfinite(importance);
+}
+
+}  // namespace
+
+std::vector<uint32_t> SampleByImportance(std::span<const float> importance,
+                                         size_t count,
+                                         uint64_t seed,
+                                         uint64_t stream) {
+  // Waiting times of independent events whose rates are the importances: the
+  // first to come are a draw without replacement.
+  std::vector<std::pair<double, uint32_t>> waits;
+  for (size_t i = 0; i < importance.size(); ++i) {
+    if (!HasImportance(importance[i])) continue;
+    const double u = 1.0 - RandomUniform(seed, stream, i);  // In (0, 1].
+    waits.emplace_back(-std::log(u) / importance[i], static_cast<uint32_t>(i));
+  }
+  if (count < waits.size()) {
+    const auto end = waits.begin() + static_cast<ptrdiff_t>(count);
+    std::nth_element(waits.begin(), end, waits.end());
+    waits.erase(end, waits.end());
+  }
+  std::vector<uint32_t> drawn;
+  drawn.reserve(waits.size());
+  for (const auto& [wait, index] : waits) drawn.push_back(index);
+  std::sort(drawn.begin(), drawn.end());
+  return drawn;
+}
+
+std::vector<uint32_t> KeepCumulativeImportance(
+    std::span<const float> importance, double share) {
+  std::vector<uint32_t> order;
+  for (size_t i = 0; i < importance.size(); ++i) {
+    if (HasImportance(importance[i])) order.push_back(static_cast<uint32_t>(i));
+  }
+  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+    return importance[a] > importance[b];
+  });
+  double total = 0;
+  for (const uint32_t i : order) total += importance[i];
+  // Rounding must not cost the smallest ones when all are asked for.
+  const double wanted =
+      share < 1 ? share * total : std::numeric_limits<double>::infinity();
+  double carried = 0;
+  size_t kept = 0;
+  while (kept < order.size() && carried < wanted) {
+    carried += importance[order[kept]];
+    ++kept;
+  }
+  order.resize(kept);
+  std::sort(order.begin(), order.end());
+  return order;
+}
+
+std::vector<uint32_t> MostImportant(std::span<const float> importance,
+                                    size_t count) {
+  std::vector<uint32_t> order;
+  for (size_t i = 0; i < importance.size(); ++i) {
+    if (HasImportance(importance[i])) order.push_back(static_cast<uint32_t>(i));
+  }
+  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+    return importance[a] > importance[b];
+  });
+  order.resize(std::min(order.size(), count));
+  std::sort(order.begin(), order.end());
+  return order;
+}
+
+StatusOr<GaussianModel> RestartFromMeans(const GaussianModel& model,
+                                         std::span<const uint32_t> kept,
+                                         double scene_extent,
+                                         const InitializationOptions& options) {
+  std::vector<Eigen::Vector3d> positions;
+  std::vector<std::array<float, 3>> sh_dc;
+  positions.reserve(kept.size());
+  sh_dc.reserve(kept.size());
+  for (const uint32_t i : kept) {
+    if (i >= model.size()) {
+      return InvalidArgumentError("the model has no Gaussian " +
+                                  std::to_string(i));
+    }
+    const float* const dc = &model.sh_dc[3 * size_t{i}];
+    positions.push_back(
+        Eigen::Vector3f::Map(&model.means[3 * size_t{i}]).cast<double>());
+    sh_dc.push_back({dc[0], dc[1], dc[2]});
+  }
+  return InitializeFromShDc(positions, sh_dc, scene_extent, options);
+}
+
+}  // namespace freegs::splat

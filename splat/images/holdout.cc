@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "splat/images/holdout.h"
+
+#include <utility>
+
+#include "core/io/image_io.h"
+#include "splat/optim/image_metrics.h"
+#include "splat/render/rasterizer.h"
+
+namespace freegs::splat {
+
+StatusOr<HoldoutReport> MeasureHoldout(const GaussianModel& model,
+                                       const RenderOptions& options,
+                                       TrainingImages* images,
+                                       ThreadPool& pool,
+                                       int level) {
+  HoldoutReport report;
+  Rasterizer rasterizer;
+  RasterImages rendered;
+  ImageF photo;
+  for (size_t i = 0; i < images->size(); ++i) {
+    const View view = images->view(i, level);
+    FREEGS_RETURN_IF_ERROR(images->Fetch(i, level, &photo));
+    rasterizer.Forward(
+        model, view.camera, view.cam_from_world, options, {}, pool, &rendered);
+    HoldoutView result;
+    result.name = view.name;
+    result.rendered = ToU8(rendered.color);
+    const ImageF quantised = ToFloat(result.rendered);
+    FREEGS_ASSIGN_OR_RETURN(result.psnr, Psnr(quantised, photo));
+    FREEGS_ASSIGN_OR_RETURN(result.ssim, Ssim(quantised, photo));
+    report.mean_psnr += result.psnr;
+    report.mean_ssim += result.ssim;
+    report.views.push_back(std::move(result));
+  }
+  report.mean_psnr /= static_cast<double>(report.views.size());
+  report.mean_ssim /= static_cast<double>(report.views.size());
+  return report;
+}
+
+}  // namespace freegs::splat

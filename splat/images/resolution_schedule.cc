@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "splat/images/resolution_schedule.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <opencv2/core.hpp>
+
+namespace freegs::splat {
+namespace {
+
+// Photos looked at, evenly spread, and the least useful side of a level.
+constexpr size_t kMaxPhotos = 8;
+constexpr int kMinSide = 32;
+
+// The share of the iterations that small images get when they carry all.
+constexpr double kCoarsePart = 0.25;
+
+// Amplitudes below this are rounding, in units of the sum over a flat image.
+constexpr double kNoise = 1e-5;
+
+double Hann(int i, int count) {
+  return 0.5 - 0.5 * std::cos(2 * std::numbers::pi * (i + 0.5) / count);
+}
+
+// Cycles per pixel of row or column i of a discrete Fourier transform.
+double Frequency(int i, int count) {
+  return static_cast<double>(std::min(i, count - i)) / count;
+}
+
+// Grey values less their mean, faded out towards the borders.
+cv::Mat WindowedGrey(const ImageF& image) {
+  cv::Mat grey(image.height(), image.width(), CV_32F);
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) {
+      grey.at<float>(y, x) = image(x, y, 0) + image(x, y, 1) + image(x, y, 2);
+    }
+  }
+  grey -= cv::mean(grey)[0];
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) {
+      grey.at<float>(y, x) *=
+          static_cast<float>(Hann(y, image.height()) * Hann(x, image.width()));
+    }
+  }
+  return grey;
+}
+
+}  // namespace
+
+std::vector<double> SpectrumShares(const ImageF& image, int num_levels) {
+  cv::Mat spectrum;
+  cv::dft(WindowedGrey(image), spectrum, cv::DFT_COMPLEX_OUTPUT);
+  std::vector<double> sums(num_levels, 0.0);
+  for (int y = 0; y < spectrum.rows; ++y) {
+    for (int x = 0; x < spectrum.cols; ++x) {
+      if (x == 0 && y == 0) continue;
+      const auto value = spectrum.at<cv::Vec2f>(y, x);
+      const double amplitude = std::hypot(value[0], value[1]);
+      const double frequency =
+          std::max(Frequency(y, spectrum.rows), Frequency(x, spectrum.cols));
+      for (int k = 0; k < num_levels && frequency <= 0.5 / (1 << k); ++k) {
+        sums[k] += amplitude;
+      }
+    }
+  }
+  // An image of one colour has no spectrum: any level carries all of it.
+  const double total = sums[0];
+  const double noise = kNoise * static_cast<double>(image.num_pixels());
+  for (double& sum : sums) sum = total > noise ? sum / total : 1.0;
+  return sums;
+}
+
+StatusOr<std::vector<double>> SpectrumResolutionSteps(TrainingImages* images) {
+  int num_levels = images->num_levels();
+  const size_t count = std::min(kMaxPhotos, images->size());
+  std::vector<double> means(num_levels, 0.0);
+  ImageF photo;
+  for (size_t i = 0; i < count; ++i) {
+    const size_t index = i * images->size() / count;
+    FREEGS_RETURN_IF_ERROR(images->Fetch(index, 0, &photo));
+    while (num_levels > 1 && (std::min(photo.width(), photo.height()) >>
+                              (num_levels - 1)) < kMinSide) {
+      --num_levels;
+    }
+    const std::vector<double> shares = SpectrumShares(photo, num_levels);
+    for (int k = 0; k < num_levels; ++k) {
+      means[k] += shares[k] / static_cast<double>(count);
+    }
+  }
+  std::vector<double> steps;
+  for (int k = num_levels - 1; k > 0; --k) {
+    steps.push_back(kCoarsePart * means[k]);
+  }
+  return steps;
+}
+
+}  // namespace freegs::splat

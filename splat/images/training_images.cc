@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "splat/images/training_images.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "core/io/image_io.h"
+
+namespace freegs::splat {
+namespace {
+
+uint64_t PyramidBytes(const std::vector<ImageU8>& pyramid) {
+  uint64_t bytes = 0;
+  for (const ImageU8& image : pyramid) bytes += image.size();
+  return bytes;
+}
+
+Pinhole AtLevel(const Pinhole& camera, int max_side, int level) {
+  const Pinhole full = camera.LimitedTo(max_side);
+  const auto side = [level](int full_side) {
+    const double scaled = std::ldexp(static_cast<double>(full_side), -level);
+    return std::max(1, static_cast<int>(std::lround(scaled)));
+  };
+  return full.Resized(side(full.width), side(full.height));
+}
+
+std::string SizeText(int width, int height) {
+  return std::to_string(width) + "x" + std::to_string(height);
+}
+
+}  // namespace
+
+Status TrainingImagesOptions::Check() const {
+  if (max_side < 0) {
+    return InvalidArgumentError("max_side of training images must be >= 0");
+  }
+  if (num_levels < 1 || num_levels > 16) {
+    return InvalidArgumentError("num_levels must be from 1 to 16");
+  }
+  return Status();
+}
+
+StatusOr<TrainingImages> TrainingImages::Load(
+    std::span<const View> views,
+    const std::filesystem::path& folder,
+    const TrainingImagesOptions& options,
+    ThreadPool& pool) {
+  FREEGS_RETURN_IF_ERROR(options.Check());
+  TrainingImages images;
+  images.options_ = options;
+  images.folder_ = folder;
+  images.entries_.resize(views.size());
+  for (size_t i = 0; i < views.size(); ++i) images.entries_[i].view = views[i];
+
+  // In batches, so that no more than a few photos beyond max_bytes are in
+  // memory.
+  const auto count = static_cast<int64_t>(views.size());
+  const int64_t batch = 4 * static_cast<int64_t>(pool.num_threads());
+  for (int64_t begin = 0; begin < count; begin += batch) {
+    const int64_t end = std::min(count, begin + batch);
+    std::vector<std::optional<StatusOr<std::vector<ImageU8>>>> read(end -
+                                                                    begin);
+    pool.ParallelFor(begin, end, 1, [&](int64_t first, int64_t last, int) {
+      for (int64_t i = first; i < last; ++i) {
+        read[i - begin] = images.ReadPyramid(static_cast<size_t>(i));
+      }
+    });
+    for (int64_t i = begin; i < end; ++i) {
+      FREEGS_ASSIGN_OR_RETURN(std::vector<ImageU8> pyramid,
+                              *std::move(read[i - begin]));
+      const uint64_t bytes = PyramidBytes(pyramid);
+      if (images.held_bytes_ + bytes > options.max_bytes) continue;
+      images.entries_[i].pyramid = std::move(pyramid);
+      images.held_bytes_ += bytes;
+    }
+  }
+  return images;
+}
+
+View TrainingImages::view(size_t index, int level) const {
+  View view = entries_[index].view;
+  view.camera = camera(index, level);
+  return view;
+}
+
+Pinhole TrainingImages::camera(size_t index, int level) const {
+  return AtLevel(entries_[index].view.camera, options_.max_side, level);
+}
+
+Status TrainingImages::Fetch(size_t index, int level, ImageF* image) {
+  Entry& entry = entries_[index];
+  entry.last_use = ++clock_;
+  if (entry.pyramid.empty()) {
+    FREEGS_ASSIGN_OR_RETURN(entry.pyramid, ReadPyramid(index));
+    held_bytes_ += PyramidBytes(entry.pyramid);
+    DropLeastRecent(index);
+  }
+  const ImageU8& stored = entry.pyramid[level];
+  image->Reshape(stored.width(), stored.height(), stored.channels());
+  std::transform(stored.data(),
+                 stored.data() + stored.size(),
+                 image->data(),
+                 [](uint8_t v) { return static_cast<float>(v) / 255.0f; });
+  return Status();
+}
+
+StatusOr<std::vector<ImageU8>> TrainingImages::ReadPyramid(size_t index) const {
+  const View& view = entries_[index].view;
+  const std::filesystem::path path = folder_ / view.name;
+  FREEGS_ASSIGN_OR_RETURN(const ImageU8 photo, ReadRgb(path));
+  if (photo.width() != view.camera.width ||
+      photo.height() != view.camera.height) {
+    return BadInputError(path.string() + ": is " +
+                         SizeText(photo.width(), photo.height()) +
+                         " pixels, its camera says " +
+                         SizeText(view.camera.width, view.camera.height));
+  }
+  std::vector<ImageU8> pyramid;
+  for (int level = 0; level < options_.num_levels; ++level) {
+    const Pinhole camera = AtLevel(view.camera, options_.max_side, level);
+    // From level 0, which is averaged from the photo: no error of rounding to
+    // 8 bits adds up along the pyramid.
+    pyramid.push_back(
+        Resize(level == 0 ? photo : pyramid[0], camera.width, camera.height));
+  }
+  return pyramid;
+}
+
+void TrainingImages::DropLeastRecent(size_t keep) {
+  while (held_bytes_ > options_.max_bytes) {
+    Entry* oldest = nullptr;
+    for (size_t i = 0; i < entries_.size(); ++i) {
+      Entry& entry = entries_[i];
+      if (i == keep || entry.pyramid.empty()) continue;
+      if (oldest == nullptr || entry.last_use < oldest->last_use) {
+        oldest = &entry;
+      }
+    }
+    if (oldest == nullptr) return;
+    held_bytes_ -= PyramidBytes(oldest->pyramid);
+    oldest->pyramid = {};
+  }
+}
+
+}  // namespace freegs::splat

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Learning rates of 3D Gaussian Splatting by parameter and iteration.
+
+#ifndef FREEGS_SPLAT_OPTIM_LEARNING_RATES_H_
+#define FREEGS_SPLAT_OPTIM_LEARNING_RATES_H_
+
+#include <array>
+
+#include "core/status.h"
+#include "splat/scene/gaussian_model.h"
+
+namespace freegs::splat {
+
+// By static_cast<int>(Parameter).
+using LearningRates = std::array<float, kNumParameters>;
+
+// The values of Kerbl et al. 2023.
+struct LearningRateOptions {
+  // Position, at the first and from the last step of the decay; per unit of
+  // scene extent.
+  double mean_initial = 1.6e-4;
+  double mean_final = 1.6e-6;
+
+  // Iterations over which the position's rate decays (exponentially).
+  int mean_decay_steps = 30000;
+
+  // The others do not change. Natural-log units for scales, logit for opacity.
+  double log_scale = 5e-3;
+  double rotation = 1e-3;
+  double opacity_logit = 0.05;
+  double sh_dc = 2.5e-3;
+  double sh_rest = 2.5e-3 / 20;
+
+  Status Check() const;
+};
+
+// The rates of an iteration; `iteration` may be fractional or past the end of
+// the decay. `scene_extent` is in world units, see SceneExtent.
+LearningRates LearningRatesAt(const LearningRateOptions& options,
+                              double scene_extent,
+                              double iteration);
+
+}  // namespace freegs::splat
+
+#endif  // FREEGS_SPLAT_OPTIM_LEARNING_RATES_H_

@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "splat/render/tile_kernels.h"
+
+#include <algorithm>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "splat/render/tile_kernels.cc"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "splat/render/tile_blending-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace freegs::splat::HWY_NAMESPACE {
+
+// 1 / x to about 23 bits, without the slow division.
+HWY_INLINE Vec Reciprocal(Tag d, Vec x) {
+  const Vec estimate = hn::ApproximateReciprocal(x);
+  return hn::Mul(estimate, hn::NegMulAdd(x, estimate, hn::Set(d, 2.0f)));
+}
+
+// Writes the sums over the lanes of a, b, c, e to out[0..3].
+template <class D, class V>
+HWY_INLINE void StoreSums(D d, V a, V b, V c, V e, float* out) {
+#if HWY_TARGET == HWY_SCALAR
+  hn::Store(a, d, out);
+  hn::Store(b, d, out + 1);
+  hn::Store(c, d, out + 2);
+  hn::Store(e, d, out + 3);
+#else
+  // Within each block of four lanes: transpose and add.
+  const hn::Repartition<uint64_t, D> pairs;
+  const auto ab = hn::BitCast(
+      pairs,
+      hn::Add(hn::InterleaveLower(d, a, b), hn::InterleaveUpper(d, a, b)));
+  const auto ce = hn::BitCast(
+      pairs,
+      hn::Add(hn::InterleaveLower(d, c, e), hn::InterleaveUpper(d, c, e)));
+  const V sums = hn::Add(hn::BitCast(d, hn::InterleaveLower(pairs, ab, ce)),
+                         hn::BitCast(d, hn::InterleaveUpper(pairs, ab, ce)));
+  // Then over the blocks.
+  const hn::CappedTag<float, 4> d4;
+  if constexpr (hn::MaxLanes(d) == 16) {
+    const hn::Half<D> d8;
+    const auto half = hn::Add(hn::LowerHalf(d8, sums), hn::UpperHalf(d8, sums));
+    hn::StoreU(
+        hn::Add(hn::LowerHalf(d4, half), hn::UpperHalf(d4, half)), d4, out);
+  } else if constexpr (hn::MaxLanes(d) == 8) {
+    hn::StoreU(
+        hn::Add(hn::LowerHalf(d4, sums), hn::UpperHalf(d4, sums)), d4, out);
+  } else {
+    static_assert(hn::MaxLanes(d) == 4);
+    hn::StoreU(sums, d4, out);
+  }
+#endif
+}
+
+// Remembers entry k where its weight is the largest so far.
+HWY_INLINE void KeepDominant(
+    Tag d, int pixel, Vec weight, int64_t k, TileDominance* dominance) {
+  const hn::RebindToSigned<Tag> di;
+  float* best = dominance->weight + pixel;
+  const Mask better = hn::Gt(weight, hn::Load(d, best));
+  hn::BlendedStore(weight, better, d, best);
+  hn::BlendedStore(hn::Set(di, static_cast<int32_t>(k)),
+                   hn::RebindMask(di, better),
+                   di,
+                   dominance->entry + pixel);
+}
+
+void ClearDominance(TileDominance* dominance) {
+  std::fill_n(dominance->weight, kTilePixels, 0.0f);
+  std::fill_n(dominance->entry, kTilePixels, -1);
+}
+
+template <bool kDominance>
+int64_t Blend(const TileTask& task,
+              TilePixels* pixels,
+              float* extras,
+              TileDominance* dominance) {
+  const Tag d;
+  float* HWY_RESTRICT transmittance = pixels->transmittance;
+  float* HWY_RESTRICT red = pixels->color[0];
+  float* HWY_RESTRICT green = pixels->color[1];
+  float* HWY_RESTRICT blue = pixels->color[2];
+  ClearTransmittance(task, transmittance);
+  std::fill_n(red, 3 * kTilePixels, 0.0f);
+  std::fill_n(extras, task.num_extras * kTilePixels, 0.0f);
+  if constexpr (kDominance) ClearDominance(dominance);
+  for (int64_t k = 0; k < task.count; ++k) {
+    if (k % kOpaqueTestInterval == 0 && Opaque(d, transmittance)) return k;
+    const Splat& splat = FetchSplat(task, k);
+    const float* splat_extras =
+        task.extras + static_cast<size_t>(task.entries[k]) * task.num_extras;
+    const Vec r = hn::Set(d, splat.color[0]);
+    const Vec g = hn::Set(d, splat.color[1]);
+    const Vec b = hn::Set(d, splat.color[2]);
+    ForEachBlended(
+        d,
+        task,
+        splat,
+        transmittance,
+        [&](int pixel, Vec, Vec alpha, Vec t, Mask mask) HWY_ATTR {
+          const Vec weight = hn::IfThenElseZero(mask, hn::Mul(alpha, t));
+          hn::Store(hn::Sub(t, weight), d, transmittance + pixel);
+          hn::Store(
+              hn::MulAdd(weight, r, hn::Load(d, red + pixel)), d, red + pixel);
+          hn::Store(hn::MulAdd(weight, g, hn::Load(d, green + pixel)),
+                    d,
+                    green + pixel);
+          hn::Store(hn::MulAdd(weight, b, hn::Load(d, blue + pixel)),
+                    d,
+                    blue + pixel);
+          for (int e = 0; e < task.num_extras; ++e) {
+            float* channel = extras + e * kTilePixels + pixel;
+            hn::Store(
+                hn::MulAdd(
+                    weight, hn::Set(d, splat_extras[e]), hn::Load(d, channel)),
+                d,
+                channel);
+          }
+          if constexpr (kDominance) {
+            KeepDominant(d, pixel, weight, k, dominance);
+          }
+        },
+        NoColumnEnd());
+  }
+  return task.count;
+}
+
+int64_t BlendTile(const TileTask& task,
+                  TilePixels* pixels,
+                  float* extras,
+                  TileDominance* dominance) {
+  return dominance != nullptr ? Blend<true>(task, pixels, extras, dominance)
+                              : Blend<false>(task, pixels, extras, nullptr);
+}
+
+void ContributeTile(const TileTask& task,
+                    float* transmittance,
+                    TileDominance* dominance,
+                    PairContribution* contributions) {
+  const Tag d;
+  const Vec one = hn::Set(d, 1.0f);
+  ClearTransmittance(task, transmittance);
+  ClearDominance(dominance);
+  for (int64_t k = 0; k < task.count; ++k) {
+    Vec weights = hn::Zero(d);
+    Vec pixels = hn::Zero(d);
+    ForEachBlended(
+        d,
+        task,
+        FetchSplat(task, k),
+        transmittance,
+        [&](int pixel, Vec, Vec alpha, Vec t, Mask mask) HWY_ATTR {
+          const Vec weight = hn::IfThenElseZero(mask, hn::Mul(alpha, t));
+          hn::Store(hn::Sub(t, weight), d, transmittance + pixel);
+          weights = hn::Add(weights, weight);
+          pixels = hn::Add(pixels, hn::IfThenElseZero(mask, one));
+          KeepDominant(d, pixel, weight, k, dominance);
+        },
+        NoColumnEnd());
+    contributions[k] = {hn::GetLane(hn::SumOfLanes(d, weights)),
+                        hn::GetLane(hn::SumOfLanes(d, pixels))};
+  }
+}
+
+void VoteTile(const TileTask& task, const int32_t* channels, float* votes) {
+  const Tag d;
+  alignas(64) float transmittance[kTilePixels];
+  ClearTransmittance(task, transmittance);
+  for (int64_t k = 0; k < task.count; ++k) {
+    if (k % kOpaqueTestInterval == 0 && Opaque(d, transmittance)) return;
+    const int32_t channel = channels[k];
+    ForEachBlended(
+        d,
+        task,
+        FetchSplat(task, k),
+        transmittance,
+        [&](int pixel, Vec, Vec alpha, Vec t, Mask mask) HWY_ATTR {
+          const Vec weight = hn::IfThenElseZero(mask, hn::Mul(alpha, t));
+          hn::Store(hn::Sub(t, weight), d, transmittance + pixel);
+          if (channel < 0) return;
+          float* vote = votes + channel * kTilePixels + pixel;
+          hn::Store(hn::Add(weight, hn::Load(d, vote)), d, vote);
+        },
+        NoColumnEnd());
+  }
+}
+
+void BackwardTile(const TileTask& task,
+                  int64_t visited,
+                  TileGradients* gradients,
+                  const float* extra_gradients,
+                  float* moments) {
+  const Tag d;
+  alignas(64) float transmittance[kTilePixels];
+  ClearTransmittance(task, transmittance);
+  const float* HWY_RESTRICT red = gradients->color[0];
+  const float* HWY_RESTRICT green = gradients->color[1];
+  const float* HWY_RESTRICT blue = gradients->color[2];
+  float* HWY_RESTRICT remaining = gradients->remaining;
+  const size_t stride = kMomentStride + task.num_extras;
+  const Vec one = hn::Set(d, 1.0f);
+  for (int64_t k = 0; k < visited; ++k) {
+    const Splat& splat = FetchSplat(task, k);
+    const float* splat_extras =
+        task.extras + static_cast<size_t>(task.entries[k]) * task.num_extras;
+    const Vec r = hn::Set(d, splat.color[0]);
+    const Vec g = hn::Set(d, splat.color[1]);
+    const Vec b = hn::Set(d, splat.color[2]);
+    float* sums = moments + k * stride;
+    for (int e = 0; e < task.num_extras; ++e) sums[kMomentStride + e] = 0.0f;
+    Vec sum_q = hn::Zero(d), sum_qx = hn::Zero(d), sum_qy = hn::Zero(d);
+    Vec sum_qxx = hn::Zero(d), sum_qxy = hn::Zero(d), sum_qyy = hn::Zero(d);
+    Vec sum_r = hn::Zero(d), sum_g = hn::Zero(d), sum_b = hn::Zero(d);
+    // dx does not change within a column: its powers wait for the column's end.
+    Vec column_q = hn::Zero(d), column_qy = hn::Zero(d);
+    bool touched = false;
+    ForEachBlended(
+        d,
+        task,
+        splat,
+        transmittance,
+        [&](int pixel, Vec dy, Vec alpha, Vec t, Mask mask) HWY_ATTR {
+          touched = true;
+          const Vec weight = hn::IfThenElseZero(mask, hn::Mul(alpha, t));
+          hn::Store(hn::Sub(t, weight), d, transmittance + pixel);
+          const Vec gr = hn::Load(d, red + pixel);
+          const Vec gg = hn::Load(d, green + pixel);
+          const Vec gb = hn::Load(d, blue + pixel);
+          sum_r = hn::MulAdd(weight, gr, sum_r);
+          sum_g = hn::MulAdd(weight, gg, sum_g);
+          sum_b = hn::MulAdd(weight, gb, sum_b);
+          // The splat's own value seen through dL/dpixel.
+          Vec value = hn::MulAdd(gr, r, hn::MulAdd(gg, g, hn::Mul(gb, b)));
+          for (int e = 0; e < task.num_extras; ++e) {
+            const Vec ge =
+                hn::Load(d, extra_gradients + e * kTilePixels + pixel);
+            value = hn::MulAdd(ge, hn::Set(d, splat_extras[e]), value);
+            sums[kMomentStride + e] +=
+                hn::GetLane(hn::SumOfLanes(d, hn::Mul(weight, ge)));
+          }
+          // What lies behind shrinks by (1 - alpha): with R the value still to
+          // come, dL/dalpha = T value - R / (1 - alpha).
+          const Vec behind =
+              hn::NegMulAdd(weight, value, hn::Load(d, remaining + pixel));
+          hn::Store(behind, d, remaining + pixel);
+          const Vec d_alpha = hn::NegMulAdd(
+              behind, Reciprocal(d, hn::Sub(one, alpha)), hn::Mul(t, value));
+          // A clamped alpha does not move.
+          const Mask free = hn::And(mask, hn::Lt(alpha, hn::Set(d, kMaxAlpha)));
+          const Vec q = hn::IfThenElseZero(free, hn::Mul(d_alpha, alpha));
+          const Vec qy = hn::Mul(q, dy);
+          column_q = hn::Add(column_q, q);
+          column_qy = hn::Add(column_qy, qy);
+          sum_qyy = hn::MulAdd(qy, dy, sum_qyy);
+        },
+        [&](Vec dx) HWY_ATTR {
+          const Vec qx = hn::Mul(column_q, dx);
+          sum_q = hn::Add(sum_q, column_q);
+          sum_qx = hn::Add(sum_qx, qx);
+          sum_qxx = hn::MulAdd(qx, dx, sum_qxx);
+          sum_qy = hn::Add(sum_qy, column_qy);
+          sum_qxy = hn::MulAdd(column_qy, dx, sum_qxy);
+          column_q = hn::Zero(d);
+          column_qy = hn::Zero(d);
+        });
+    if (!touched) {
+      std::fill_n(sums, kMomentStride, 0.0f);
+      continue;
+    }
+    StoreSums(d, sum_q, sum_qx, sum_qy, sum_qxx, sums);
+    StoreSums(d, sum_qxy, sum_qyy, sum_r, sum_g, sums + 4);
+    sums[8] = hn::GetLane(hn::SumOfLanes(d, sum_b));
+  }
+  // Entries behind an opaque tile get no gradient.
+  for (int64_t k = visited; k < task.count; ++k) {
+    std::fill_n(moments + k * stride, stride, 0.0f);
+  }
+}
+
+const char* TargetName() { return hwy::TargetName(HWY_TARGET); }
+
+}  // namespace freegs::splat::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace freegs::splat {
+
+HWY_EXPORT(BlendTile);
+HWY_EXPORT(ContributeTile);
+HWY_EXPORT(VoteTile);
+HWY_EXPORT(BackwardTile);
+HWY_EXPORT(TargetName);
+
+int64_t BlendTile(const TileTask& task,
+                  TilePixels* pixels,
+                  float* extras,
+                  TileDominance* dominance) {
+  return HWY_DYNAMIC_DISPATCH(BlendTile)(task, pixels, extras, dominance);
+}
+
+void ContributeTile(const TileTask& task,
+                    float* transmittance,
+                    TileDominance* dominance,
+                    PairContribution* contributions) {
+  HWY_DYNAMIC_DISPATCH(ContributeTile)
+  (task, transmittance, dominance, contributions);
+}
+
+void VoteTile(const TileTask& task, const int32_t* channels, float* votes) {
+  HWY_DYNAMIC_DISPATCH(VoteTile)(task, channels, votes);
+}
+
+void BackwardTile(const TileTask& task,
+                  int64_t visited,
+                  TileGradients* gradients,
+                  const float* extra_gradients,
+                  float* moments) {
+  HWY_DYNAMIC_DISPATCH(BackwardTile)
+  (task, visited, gradients, extra_gradients, moments);
+}
+
+const char* TileKernelTarget() { return HWY_DYNAMIC_DISPATCH(TargetName)(); }
+
+}  // namespace freegs::splat
+#endif  // HWY_ONCE

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The header of a PLY file, and a reader of the values behind it.
+
+#ifndef FREEGS_SPLAT_SCENE_PLY_HEADER_H_
+#define FREEGS_SPLAT_SCENE_PLY_HEADER_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/status.h"
+
+namespace freegs::splat {
+
+enum class PlyFormat { kAscii, kBinaryLittleEndian, kBinaryBigEndian };
+
+enum class PlyType {
+  kInt8,
+  kUint8,
+  kInt16,
+  kUint16,
+  kInt32,
+  kUint32,
+  kFloat32,
+  kFloat64
+};
+size_t PlyTypeSize(PlyType type);
+
+struct PlyProperty {
+  std::string name;
+  PlyType type = PlyType::kFloat32;
+  bool is_list = false;
+  PlyType count_type = PlyType::kUint8;  // Of a list's length.
+};
+
+struct PlyElement {
+  std::string name;
+  uint64_t count = 0;
+  std::vector<PlyProperty> properties;
+
+  // Fewest bytes one item can take in a file of this format.
+  uint64_t MinItemBytes(PlyFormat format) const;
+};
+
+struct PlyHeader {
+  PlyFormat format = PlyFormat::kAscii;
+  std::vector<PlyElement> elements;
+  size_t size = 0;  // Bytes up to and with the end_header line.
+};
+
+StatusOr<PlyHeader> ParsePlyHeader(std::string_view content);
+
+// Reads the values behind a header one after another.
+class PlyValueReader {
+ public:
+  PlyValueReader(PlyFormat format, std::string_view body)
+      : format_(format), rest_(body) {}
+
+  uint64_t remaining_bytes() const { return rest_.size(); }
+
+  // The next value; false at the end of the content or at a malformed token.
+  bool Read(PlyType type, double* value);
+
+  // Steps over a property, a list with all its values.
+  bool Skip(const PlyProperty& property);
+
+ private:
+  bool ReadToken(double* value);
+
+  PlyFormat format_;
+  std::string_view rest_;
+};
+
+}  // namespace freegs::splat
+
+#endif  // FREEGS_SPLAT_SCENE_PLY_HEADER_H_

@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "splat/scene/ply_io.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <vector>
+
+#include "core/io/files.h"
+#include "splat/scene/ply_header.h"
+
+namespace freegs::splat {
+namespace {
+
+static_assert(std::endian::native == std::endian::little,
+              "floats are copied to little-endian files as they are");
+
+// Where a file property goes: array `parameter`, float `offset` of its group.
+struct Target {
+  Parameter parameter = Parameter::kMean;
+  int offset = 0;
+};
+
+struct NamedTarget {
+  std::string_view name;
+  Target target;
+};
+
+constexpr std::array<NamedTarget, 14> kRequired = {{
+    {"x", {Parameter::kMean, 0}},
+    {"y", {Parameter::kMean, 1}},
+    {"z", {Parameter::kMean, 2}},
+    {"f_dc_0", {Parameter::kShDc, 0}},
+    {"f_dc_1", {Parameter::kShDc, 1}},
+    {"f_dc_2", {Parameter::kShDc, 2}},
+    {"opacity", {Parameter::kOpacityLogit, 0}},
+    {"scale_0", {Parameter::kLogScale, 0}},
+    {"scale_1", {Parameter::kLogScale, 1}},
+    {"scale_2", {Parameter::kLogScale, 2}},
+    {"rot_0", {Parameter::kRotation, 0}},
+    {"rot_1", {Parameter::kRotation, 1}},
+    {"rot_2", {Parameter::kRotation, 2}},
+    {"rot_3", {Parameter::kRotation, 3}},
+}};
+
+constexpr std::string_view kRestPrefix = "f_rest_";
+
+// The number of "f_rest_12", or -1 for another name.
+int RestNumber(std::string_view name) {
+  if (!name.starts_with(kRestPrefix)) return -1;
+  name.remove_prefix(kRestPrefix.size());
+  int number = -1;
+  const char* const end = name.data() + name.size();
+  const auto [stop, error] = std::from_chars(name.data(), end, number);
+  return error == std::errc() && stop == end ? number : -1;
+}
+
+// Float of sh_rest's group for f_rest_<number>: channel-major to
+// coefficient-major.
+int RestOffset(int number, int coefficients) {
+  const int channel = number / coefficients;
+  const int k = number % coefficients;
+  return k * 3 + channel;
+}
+
+StatusOr<int> DegreeOf(const PlyElement& vertex) {
+  const auto count = std::count_if(
+      vertex.properties.begin(),
+      vertex.properties.end(),
+      [](const PlyProperty& p) { return RestNumber(p.name) >= 0; });
+  for (int degree = 0; degree <= kMaxShDegree; ++degree) {
+    if (count == 3 * (NumShCoefficients(degree) - 1)) return degree;
+  }
+  return BadInputError("has " + std::to_string(count) +
+                       " f_rest properties; 0, 9, 24 or 45 are a whole SH "
+                       "degree");
+}
+
+// Per property of the vertices: its place in the model, and whether it has one.
+struct PropertyPlan {
+  bool wanted = false;
+  Target target;
+};
+
+StatusOr<std::vector<PropertyPlan>> PlanProperties(const PlyElement& vertex,
+                                                   int degree) {
+  const int coefficients = NumShCoefficients(degree) - 1;
+  std::vector<PropertyPlan> plan(vertex.properties.size());
+  std::vector<std::string> missing;
+  const auto place = [&](std::string_view name, const Target& target) {
+    bool found = false;
+    for (size_t i = 0; i < plan.size(); ++i) {
+      if (vertex.properties[i].name != name) continue;
+      if (vertex.properties[i].is_list) {
+        return BadInputError("property " + std::string(name) + " is a list");
+      }
+      if (found) {
+        return BadInputError("property " + std::string(name) +
+                             " appears twice");
+      }
+      found = true;
+      plan[i] = {true, target};
+    }
+    if (!found) missing.emplace_back(name);
+    return Status();
+  };
+  for (const NamedTarget& required : kRequired) {
+    FREEGS_RETURN_IF_ERROR(place(required.name, required.target));
+  }
+  for (int number = 0; number < 3 * coefficients; ++number) {
+    FREEGS_RETURN_IF_ERROR(
+        place(std::string(kRestPrefix) + std::to_string(number),
+              {Parameter::kShRest, RestOffset(number, coefficients)}));
+  }
+  if (missing.empty()) return plan;
+  std::string names;
+  for (const std::string& name : missing) names += " " + name;
+  return BadInputError("not a Gaussian splat: the vertices lack" + names);
+}
+
+Status TruncatedError(const PlyElement& element, uint64_t index) {
+  return BadInputError("content ends or is malformed in " + element.name + " " +
+                       std::to_string(index) + " of " +
+                       std::to_string(element.count));
+}
+
+Status SkipElement(const PlyElement& element, PlyValueReader* reader) {
+  if (element.properties.empty()) return Status();
+  for (uint64_t i = 0; i < element.count; ++i) {
+    for (const PlyProperty& property : element.properties) {
+      if (!reader->Skip(property)) return TruncatedError(element, i);
+    }
+  }
+  return Status();
+}
+
+StatusOr<GaussianModel> ReadVertices(PlyFormat format,
+                                     const PlyElement& vertex,
+                                     PlyValueReader* reader) {
+  FREEGS_ASSIGN_OR_RETURN(const int degree, DegreeOf(vertex));
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<PropertyPlan> plan,
+                          PlanProperties(vertex, degree));
+  // Before anything is allocated for a count that may be a lie. An ascii file
+  // may lack the last separator.
+  const uint64_t most =
+      (reader->remaining_bytes() + 1) / vertex.MinItemBytes(format);
+  if (vertex.count > most) {
+    return BadInputError("the header promises " + std::to_string(vertex.count) +
+                         " vertices, the content holds at most " +
+                         std::to_string(most));
+  }
+  GaussianModel model;
+  model.sh_degree = degree;
+  model.Resize(vertex.count);
+  std::array<float*, kNumParameters> arrays{};
+  std::array<int, kNumParameters> strides{};
+  for (const Parameter parameter : kAllParameters) {
+    arrays[static_cast<int>(parameter)] =
+        ParameterArray(model, parameter).data();
+    strides[static_cast<int>(parameter)] = ParameterStride(model, parameter);
+  }
+
+  uint64_t not_finite = 0;
+  for (uint64_t i = 0; i < vertex.count; ++i) {
+    bool finite = true;
+    for (size_t p = 0; p < plan.size(); ++p) {
+      const PlyProperty& property = vertex.properties[p];
+      if (!plan[p].wanted) {
+        if (!reader->Skip(property)) return TruncatedError(vertex, i);
+        continue;
+      }
+      double value = 0;
+      if (!reader->Read(property.type, &value)) {
+        return TruncatedError(vertex, i);
+      }
+      const float stored = static_cast<float>(value);
+      finite = finite && std::isfinite(stored);
+      const int kind = static_cast<int>(plan[p].target.parameter);
+      arrays[kind][i * strides[kind] + plan[p].target.offset] = stored;
+    }
+    if (!finite) ++not_finite;
+    float* const q = arrays[static_cast<int>(Parameter::kRotation)] + 4 * i;
+    if (q[0] == 0 && q[1] == 0 && q[2] == 0 && q[3] == 0) q[0] = 1;
+  }
+  if (not_finite > 0) {
+    return BadInputError(std::to_string(not_finite) + " of " +
+                         std::to_string(vertex.count) +
+                         " vertices have values that are NaN or infinite");
+  }
+  return model;
+}
+
+}  // namespace
+
+StatusOr<GaussianModel> ParsePly(std::string_view content) {
+  FREEGS_ASSIGN_OR_RETURN(const PlyHeader header, ParsePlyHeader(content));
+  PlyValueReader reader(header.format, content.substr(header.size));
+  for (const PlyElement& element : header.elements) {
+    if (element.name == "vertex") {
+      return ReadVertices(header.format, element, &reader);
+    }
+    FREEGS_RETURN_IF_ERROR(SkipElement(element, &reader));
+  }
+  return BadInputError("PLY header has no element vertex");
+}
+
+StatusOr<GaussianModel> ReadPly(const std::filesystem::path& path) {
+  FREEGS_ASSIGN_OR_RETURN(const std::string content, ReadFile(path));
+  StatusOr<GaussianModel> model = ParsePly(content);
+  if (!model.ok()) return model.status().Annotated(path.string());
+  return model;
+}
+
+std::string SerializePly(const GaussianModel& model) {
+  const int coefficients = NumShCoefficients(model.sh_degree) - 1;
+  std::vector<std::string> names = {"x", "y", "z", "nx", "ny", "nz"};
+  for (int c = 0; c < 3; ++c) names.push_back("f_dc_" + std::to_string(c));
+  for (int k = 0; k < 3 * coefficients; ++k) {
+    names.push_back(std::string(kRestPrefix) + std::to_string(k));
+  }
+  names.push_back("opacity");
+  for (int k = 0; k < 3; ++k) names.push_back("scale_" + std::to_string(k));
+  for (int k = 0; k < 4; ++k) names.push_back("rot_" + std::to_string(k));
+
+  std::string content =
+      "ply\nformat binary_little_endian 1.0\nelement vertex " +
+      std::to_string(model.size()) + "\n";
+  for (const std::string& name : names) {
+    content += "property float " + name + "\n";
+  }
+  content += "end_header\n";
+
+  size_t at = content.size();
+  content.resize(at + model.size() * names.size() * sizeof(float));
+  const auto put = [&](const float* values, int count) {
+    std::memcpy(content.data() + at, values, count * sizeof(float));
+    at += count * sizeof(float);
+  };
+  constexpr std::array<float, 3> kNormal = {0, 0, 0};
+  std::array<float, 3 * (NumShCoefficients(kMaxShDegree) - 1)> rest{};
+  for (size_t i = 0; i < model.size(); ++i) {
+    put(&model.means[3 * i], 3);
+    put(kNormal.data(), 3);
+    put(&model.sh_dc[3 * i], 3);
+    for (int number = 0; number < 3 * coefficients; ++number) {
+      rest[number] =
+          model
+              .sh_rest[i * 3 * coefficients + RestOffset(number, coefficients)];
+    }
+    put(rest.data(), 3 * coefficients);
+    put(&model.opacity_logits[i], 1);
+    put(&model.log_scales[3 * i], 3);
+    put(&model.rotations[4 * i], 4);
+  }
+  return content;
+}
+
+Status WritePly(const std::filesystem::path& path, const GaussianModel& model) {
+  return WriteFileAtomic(path, SerializePly(model));
+}
+
+}  // namespace freegs::splat

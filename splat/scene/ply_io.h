@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// PLY files in the layout that 3D Gaussian Splatting programs share.
+
+#ifndef FREEGS_SPLAT_SCENE_PLY_IO_H_
+#define FREEGS_SPLAT_SCENE_PLY_IO_H_
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "core/status.h"
+#include "splat/scene/gaussian_model.h"
+
+namespace freegs::splat {
+
+// The vertex properties are x y z nx ny nz f_dc_0..2 f_rest_* opacity
+// scale_0..2 rot_0..3: log scales, logit opacity, quaternion w x y z. f_rest is
+// channel-major in files, f_rest_[channel * (K - 1) + k] with K = (degree +
+// 1)^2; a GaussianModel is coefficient-major. Normals are ignored and written
+// as zeros.
+
+// Reads binary (either byte order) and ascii files. Properties may come in any
+// order and any numeric type; others, and other elements, are skipped. The SH
+// degree follows from the number of f_rest properties (0, 9, 24 or 45).
+// kBadInput, naming file and fault, when a property is missing, when the
+// content is shorter than the header says, or when values are not finite (the
+// message says in how many vertices).
+StatusOr<GaussianModel> ReadPly(const std::filesystem::path& path);
+
+// The same from a file's content; messages lack the file name.
+StatusOr<GaussianModel> ParsePly(std::string_view content);
+
+// Writes binary_little_endian float32, atomically.
+Status WritePly(const std::filesystem::path& path, const GaussianModel& model);
+
+// The content that WritePly writes.
+std::string SerializePly(const GaussianModel& model);
+
+}  // namespace freegs::splat
+
+#endif  // FREEGS_SPLAT_SCENE_PLY_IO_H_

@@ -1,0 +1,322 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "splat/train/checkpoint.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <system_error>
+#include <utility>
+
+#include "core/io/files.h"
+#include "splat/train/checkpoint_bytes.h"
+
+namespace freegs::splat {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kMagic = "FGSTRAIN";
+constexpr uint32_t kVersion =
+    4;  // 2: max_dominant_share. 3: history. 4: budget.
+constexpr size_t kHashBytes = 32;
+
+constexpr std::string_view kPrefix = "iteration_";
+constexpr std::string_view kSuffix = ".ckpt";
+constexpr std::string_view kPartSuffix = ".ckpt.part";
+
+bool Fits(const GaussianModel& moments, const GaussianModel& model) {
+  return moments.empty() || (moments.size() == model.size() &&
+                             moments.sh_degree == model.sh_degree);
+}
+
+// What is read one by one cannot exceed the file, whatever its count says.
+bool ReadMilestones(CheckpointReader* reader,
+                    std::vector<MilestoneRecord>* milestones) {
+  uint64_t count = 0;
+  if (!reader->Get(&count)) return false;
+  for (uint64_t i = 0; i < count; ++i) {
+    MilestoneRecord record;
+    uint8_t event = 0;
+    if (!reader->Get(&record.iteration) || !reader->Get(&event) ||
+        !reader->Get(&record.gaussians_before) ||
+        !reader->Get(&record.gaussians_after) || event >= kNumTrainingEvents) {
+      return false;
+    }
+    record.event = static_cast<TrainingEvent>(event);
+    milestones->push_back(record);
+  }
+  return true;
+}
+
+bool ReadRecoveries(CheckpointReader* reader,
+                    std::vector<Recovery>* recoveries) {
+  uint64_t count = 0;
+  if (!reader->Get(&count)) return false;
+  for (uint64_t i = 0; i < count; ++i) {
+    Recovery recovery;
+    if (!reader->Get(&recovery.iteration) ||
+        !reader->GetText(&recovery.reason) || !reader->Get(&recovery.back_to) ||
+        !reader->Get(&recovery.rate_factor)) {
+      return false;
+    }
+    recoveries->push_back(recovery);
+  }
+  return true;
+}
+
+bool ReadBudgetChoice(CheckpointReader* reader,
+                      std::optional<BudgetChoice>* choice) {
+  uint8_t present = 0;
+  if (!reader->Get(&present) || present > 1) return false;
+  if (present == 0) return true;
+  BudgetChoice& read = choice->emplace();
+  uint64_t count = 0;
+  if (!reader->Get(&read.budget) || !reader->Get(&read.sh_degree) ||
+      !reader->Get(&count) || read.budget < 1 || read.sh_degree < 0 ||
+      read.sh_degree > kMaxShDegree) {
+    return false;
+  }
+  for (uint64_t i = 0; i < count; ++i) {
+    BudgetTrial trial;
+    if (!reader->Get(&trial.budget) || !reader->Get(&trial.sh_degree) ||
+        !reader->Get(&trial.holdout_psnr)) {
+      return false;
+    }
+    read.trials.push_back(trial);
+  }
+  return true;
+}
+
+void WriteBudgetChoice(const std::optional<BudgetChoice>& choice,
+                       CheckpointWriter* writer) {
+  writer->Put<uint8_t>(choice ? 1 : 0);
+  if (!choice) return;
+  writer->Put(choice->budget);
+  writer->Put(choice->sh_degree);
+  writer->Put<uint64_t>(choice->trials.size());
+  for (const BudgetTrial& trial : choice->trials) {
+    writer->Put(trial.budget);
+    writer->Put(trial.sh_degree);
+    writer->Put(trial.holdout_psnr);
+  }
+}
+
+bool ReadHistory(CheckpointReader* reader, TrainingHistory* history) {
+  uint8_t has_last_good = 0;
+  if (!ReadMilestones(reader, &history->milestones) ||
+      !ReadRecoveries(reader, &history->recoveries) ||
+      !reader->Get(&history->rate_factor) ||
+      !reader->Get(&history->loss.steps) || !reader->Get(&history->loss.sum) ||
+      !reader->Get(&history->loss.best) ||
+      !ReadBudgetChoice(reader, &history->budget_choice) ||
+      !reader->Get(&has_last_good)) {
+    return false;
+  }
+  if (!(history->rate_factor > 0 && history->rate_factor <= 1) ||
+      history->loss.steps < 0 || !std::isfinite(history->loss.sum) ||
+      !std::isfinite(history->loss.best) || has_last_good > 1) {
+    return false;
+  }
+  if (has_last_good == 0) return true;
+  GoodState& good = history->last_good.emplace();
+  return reader->Get(&good.iteration) && reader->GetModel(&good.model);
+}
+
+void WriteHistory(const TrainingHistory& history, CheckpointWriter* writer) {
+  writer->Put<uint64_t>(history.milestones.size());
+  for (const MilestoneRecord& record : history.milestones) {
+    writer->Put(record.iteration);
+    writer->Put(static_cast<uint8_t>(record.event));
+    writer->Put(record.gaussians_before);
+    writer->Put(record.gaussians_after);
+  }
+  writer->Put<uint64_t>(history.recoveries.size());
+  for (const Recovery& recovery : history.recoveries) {
+    writer->Put(recovery.iteration);
+    writer->PutText(recovery.reason);
+    writer->Put(recovery.back_to);
+    writer->Put(recovery.rate_factor);
+  }
+  writer->Put(history.rate_factor);
+  writer->Put(history.loss.steps);
+  writer->Put(history.loss.sum);
+  writer->Put(history.loss.best);
+  WriteBudgetChoice(history.budget_choice, writer);
+  writer->Put<uint8_t>(history.last_good ? 1 : 0);
+  if (!history.last_good) return;
+  writer->Put(history.last_good->iteration);
+  writer->PutModel(history.last_good->model);
+}
+
+// A state to go back to lies behind, so that training ends.
+bool LiesBehind(const TrainingCheckpoint& checkpoint) {
+  const std::optional<GoodState>& good = checkpoint.history.last_good;
+  return !good ||
+         (good->iteration >= 0 && good->iteration <= checkpoint.iteration);
+}
+
+bool ReadPayload(CheckpointReader* reader, TrainingCheckpoint* checkpoint) {
+  DensificationStatistics& statistics = checkpoint->statistics;
+  uint64_t num_statistics = 0;
+  uint64_t num_facts = 0;
+  if (!reader->Get(&checkpoint->iteration) ||
+      !reader->Get(&checkpoint->elapsed_seconds) ||
+      !reader->GetModel(&checkpoint->model) ||
+      !reader->Get(&checkpoint->adam.steps) ||
+      !reader->GetModel(&checkpoint->adam.first_moments) ||
+      !reader->GetModel(&checkpoint->adam.second_moments) ||
+      !reader->Get(&num_statistics) ||
+      !reader->GetArray(num_statistics, &statistics.gradient_sum) ||
+      !reader->GetArray(num_statistics, &statistics.visible_steps) ||
+      !reader->GetArray(num_statistics, &statistics.max_radius) ||
+      !reader->GetArray(num_statistics, &statistics.max_dominant_share) ||
+      !ReadHistory(reader, &checkpoint->history) || !reader->Get(&num_facts)) {
+    return false;
+  }
+  for (uint64_t i = 0; i < num_facts; ++i) {
+    std::string name;
+    std::string value;
+    if (!reader->GetText(&name) || !reader->GetText(&value)) return false;
+    checkpoint->facts[name] = value;
+  }
+  return reader->at_end() && checkpoint->iteration >= 0 &&
+         LiesBehind(*checkpoint) &&
+         Fits(checkpoint->adam.first_moments, checkpoint->model) &&
+         Fits(checkpoint->adam.second_moments, checkpoint->model) &&
+         (num_statistics == 0 || num_statistics == checkpoint->model.size());
+}
+
+// Checkpoint files of a folder, the newest first.
+std::vector<std::pair<int64_t, fs::path>> ListCheckpoints(
+    const fs::path& folder) {
+  std::vector<std::pair<int64_t, fs::path>> found;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end;
+       it.increment(error)) {
+    const std::string name = it->path().filename().string();
+    if (!name.starts_with(kPrefix) || !name.ends_with(kSuffix)) continue;
+    const char* const first = name.data() + kPrefix.size();
+    const char* const last = name.data() + name.size() - kSuffix.size();
+    int64_t iteration = 0;
+    const auto [stop, failure] = std::from_chars(first, last, iteration);
+    if (failure != std::errc() || stop != last) continue;
+    found.emplace_back(iteration, it->path());
+  }
+  std::sort(found.begin(), found.end(), std::greater<>());
+  return found;
+}
+
+// What a killed writer left behind.
+void RemoveParts(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> parts;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end;
+       it.increment(error)) {
+    const std::string name = it->path().filename().string();
+    if (name.starts_with(kPrefix) && name.ends_with(kPartSuffix)) {
+      parts.push_back(it->path());
+    }
+  }
+  for (const fs::path& part : parts) fs::remove(part, error);
+}
+
+}  // namespace
+
+std::string SerializeCheckpoint(const TrainingCheckpoint& checkpoint) {
+  CheckpointWriter writer;
+  writer.PutBytes(kMagic);
+  writer.Put(kVersion);
+  writer.Put(checkpoint.iteration);
+  writer.Put(checkpoint.elapsed_seconds);
+  writer.PutModel(checkpoint.model);
+  writer.Put(checkpoint.adam.steps);
+  writer.PutModel(checkpoint.adam.first_moments);
+  writer.PutModel(checkpoint.adam.second_moments);
+  writer.Put<uint64_t>(checkpoint.statistics.size());
+  writer.PutArray(checkpoint.statistics.gradient_sum);
+  writer.PutArray(checkpoint.statistics.visible_steps);
+  writer.PutArray(checkpoint.statistics.max_radius);
+  writer.PutArray(checkpoint.statistics.max_dominant_share);
+  WriteHistory(checkpoint.history, &writer);
+  writer.Put<uint64_t>(checkpoint.facts.size());
+  for (const auto& [name, value] : checkpoint.facts) {
+    writer.PutText(name);
+    writer.PutText(value);
+  }
+  writer.PutBytes(HashBytes(writer.content()));
+  return std::move(writer.content());
+}
+
+StatusOr<TrainingCheckpoint> ParseCheckpoint(std::string_view content) {
+  if (!content.starts_with(kMagic)) {
+    return BadInputError("not a training checkpoint");
+  }
+  if (content.size() < kMagic.size() + sizeof(kVersion) + kHashBytes) {
+    return BadInputError("training checkpoint is cut short");
+  }
+  const std::string_view body = content.substr(0, content.size() - kHashBytes);
+  if (HashBytes(body) != content.substr(body.size())) {
+    return BadInputError(
+        "training checkpoint is damaged (its checksum does not match)");
+  }
+  CheckpointReader reader(body.substr(kMagic.size()));
+  uint32_t version = 0;
+  if (!reader.Get(&version) || version != kVersion) {
+    return BadInputError("training checkpoint is of format " +
+                         std::to_string(version) + ", this program reads " +
+                         std::to_string(kVersion) +
+                         ": go on with the program that wrote it, or start "
+                         "training afresh");
+  }
+  TrainingCheckpoint checkpoint;
+  if (!ReadPayload(&reader, &checkpoint)) {
+    return BadInputError("training checkpoint is malformed");
+  }
+  return checkpoint;
+}
+
+Status SaveCheckpoint(const fs::path& folder,
+                      const TrainingCheckpoint& checkpoint,
+                      int keep) {
+  FREEGS_RETURN_IF_ERROR(CreateFolders(folder));
+  char name[64];
+  std::snprintf(name,
+                sizeof(name),
+                "iteration_%08lld.ckpt",
+                static_cast<long long>(checkpoint.iteration));
+  FREEGS_RETURN_IF_ERROR(
+      WriteFileAtomic(folder / name, SerializeCheckpoint(checkpoint)));
+  RemoveParts(folder);
+  const auto found = ListCheckpoints(folder);
+  for (size_t i = static_cast<size_t>(std::max(1, keep)); i < found.size();
+       ++i) {
+    // A file that stays costs disk only.
+    std::error_code ignored;
+    fs::remove(found[i].second, ignored);
+  }
+  return Status();
+}
+
+StatusOr<TrainingCheckpoint> LoadCheckpoint(const fs::path& path) {
+  FREEGS_ASSIGN_OR_RETURN(const std::string content, ReadFile(path));
+  StatusOr<TrainingCheckpoint> checkpoint = ParseCheckpoint(content);
+  if (!checkpoint.ok()) return checkpoint.status().Annotated(path.string());
+  return checkpoint;
+}
+
+std::optional<TrainingCheckpoint> LatestCheckpoint(
+    const fs::path& folder, std::vector<std::string>* problems) {
+  for (const auto& [iteration, path] : ListCheckpoints(folder)) {
+    StatusOr<TrainingCheckpoint> checkpoint = LoadCheckpoint(path);
+    if (checkpoint.ok()) return std::move(checkpoint).value();
+    if (problems != nullptr) {
+      problems->push_back(checkpoint.status().message());
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace freegs::splat

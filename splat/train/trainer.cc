@@ -1,0 +1,377 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "splat/train/trainer.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <utility>
+
+#include "splat/scene/spatial_order.h"
+
+namespace freegs::splat {
+namespace {
+
+// All parameters are looked at for NaN and infinity this often.
+constexpr int64_t kFiniteTestInterval = 100;
+
+// A return to the last good state divides the learning rates.
+constexpr double kRecoveryRateFactor = 0.5;
+
+// Cameras are cleared until this share of the iterations.
+constexpr double kClearShare = 0.9;
+
+DensificationOptions EffectiveDensification(const TrainerOptions& options,
+                                            int64_t budget) {
+  DensificationOptions densification = options.densification;
+  const bool mini =
+      options.schedule.method == DensificationMethod::kMiniSplatting;
+  densification.blur_split_share =
+      mini ? options.mini_splatting.blur_split_share : 0;
+  if (budget > 0) {
+    const double factor = mini ? options.mini_splatting.dense_factor : 1;
+    densification.max_gaussians = static_cast<int64_t>(
+        std::llround(factor * static_cast<double>(budget)));
+  }
+  return densification;
+}
+
+std::vector<View> AllViews(const TrainingImages& images) {
+  std::vector<View> views;
+  for (size_t i = 0; i < images.size(); ++i) views.push_back(images.view(i));
+  return views;
+}
+
+}  // namespace
+
+Status TrainerOptions::Check() const {
+  if (budget < 0) return InvalidArgumentError("budget must not be negative");
+  if (snapshot_interval < 1 || clear_interval < 1 || max_recoveries < 0) {
+    return InvalidArgumentError(
+        "snapshot_interval and clear_interval must be positive, max_recoveries "
+        "not negative");
+  }
+  FREEGS_RETURN_IF_ERROR(clearance.Check());
+  FREEGS_RETURN_IF_ERROR(schedule.Check());
+  FREEGS_RETURN_IF_ERROR(mini_splatting.Check());
+  FREEGS_RETURN_IF_ERROR(densification.Check());
+  FREEGS_RETURN_IF_ERROR(learning_rates.Check());
+  return loss.Check();
+}
+
+Trainer::Trainer(const TrainerOptions& options,
+                 GaussianModel initial_model,
+                 double scene_extent,
+                 TrainingImages* images,
+                 ThreadPool* pool)
+    : options_(options),
+      densification_(EffectiveDensification(options, options.budget)),
+      schedule_(options.schedule),
+      scene_extent_(scene_extent),
+      images_(images),
+      pool_(pool),
+      importance_metric_(
+          options.importance
+              ? *options.importance
+              : ChooseImportanceMetric(AllViews(*images), initial_model)),
+      view_order_(options.seed, images->size()),
+      model_(std::move(initial_model)),
+      loss_monitor_(images->size()),
+      loss_(options.loss) {
+  if (options.schedule.method != DensificationMethod::kNone) {
+    clear_balls_ =
+        ClearBalls(options.clearance, AllViews(*images), model_, *pool);
+  }
+  adam_.Reset(model_);
+  statistics_.Reset(model_.size());
+}
+
+StatusOr<float> Trainer::GradientStep() {
+  const size_t view_index = view_order_.ViewOf(iteration_);
+  const int level =
+      schedule_.ResolutionLevel(iteration_, images_->num_levels());
+  const int sh_degree = ShDegree(iteration_);
+  if (model_.sh_degree < sh_degree) {
+    model_.SetShDegree(sh_degree);
+    adam_.SetShDegree(sh_degree);
+  }
+  // Only a densification to come reads the statistics, and only blur splits
+  // read who dominates where: other steps do without.
+  const bool collect = schedule_.CollectsStatistics(iteration_);
+  const bool dominant = collect && densification_.blur_split_share > 0;
+
+  const Pinhole camera = images_->camera(view_index, level);
+  FREEGS_RETURN_IF_ERROR(images_->Fetch(view_index, level, &target_));
+  rasterizer_.Forward(model_,
+                      camera,
+                      images_->cam_from_world(view_index),
+                      options_.render,
+                      {.dominant = dominant},
+                      *pool_,
+                      &rendered_);
+  const float loss =
+      loss_.Compute(rendered_.color, target_, *pool_, &loss_gradient_);
+  LearningRates rates =
+      LearningRatesAt(options_.learning_rates,
+                      scene_extent_,
+                      schedule_.PositionRateIteration(iteration_));
+  for (float& rate : rates) rate *= static_cast<float>(history_.rate_factor);
+  adam_.BeginStep(rates);
+  std::atomic<bool> touched_finite = true;
+  rasterizer_.BackwardInChunks(
+      model_,
+      {.color = &loss_gradient_},
+      rendered_,
+      *pool_,
+      [&](std::span<const uint32_t> visible, const GaussianGradients& rows) {
+        adam_.UpdateRows(visible, rows, &model_);
+        if (!BoundParameters(scene_extent_, visible, &model_)) {
+          touched_finite = false;
+        }
+      });
+  touched_finite_ = touched_finite;
+  const Projection& projection = rasterizer_.projection();
+  if (collect) {
+    radii_.resize(projection.size());
+    for (size_t k = 0; k < projection.size(); ++k) {
+      const Splat& splat = projection.splats[k];
+      radii_[k] = std::max(splat.extent_x, splat.extent_y);
+    }
+    statistics_.AddView(projection.model_index,
+                        rasterizer_.mean2d_gradients(),
+                        radii_,
+                        camera.width,
+                        camera.height);
+  }
+  if (dominant) statistics_.AddDominant(rendered_.dominant);
+  return loss;
+}
+
+StatusOr<StepReport> Trainer::Step() {
+  if (model_.empty()) {
+    return UnusableResultError(
+        "training: no Gaussian is left at iteration " +
+        std::to_string(iteration_) +
+        "; the photos show nothing in front of the background, or the camera "
+        "poses are wrong");
+  }
+  if (!history_.last_good) {
+    if (!model_.AllFinite()) {
+      return UnusableResultError(
+          "training: a parameter of the initial Gaussians is not a finite "
+          "number");
+    }
+    KeepAsGood();
+  }
+  if (iteration_ > 0 &&
+      schedule_.ResolutionLevel(iteration_ - 1, images_->num_levels()) !=
+          schedule_.ResolutionLevel(iteration_, images_->num_levels())) {
+    loss_monitor_.Reset();
+  }
+  StepReport report;
+  FREEGS_ASSIGN_OR_RETURN(report.loss, GradientStep());
+  ++iteration_;
+  const std::optional<std::string> trouble = FindTrouble(report.loss);
+  report.recovered = trouble.has_value();
+  if (trouble) {
+    FREEGS_RETURN_IF_ERROR(GoBack(*trouble));
+  } else {
+    FREEGS_RETURN_IF_ERROR(FollowSchedule());
+  }
+  report.iteration = iteration_;
+  report.num_gaussians = model_.size();
+  return report;
+}
+
+std::optional<std::string> Trainer::FindTrouble(float loss) {
+  if (const auto trouble = loss_monitor_.Add(loss)) return trouble;
+  const bool test_all = iteration_ % kFiniteTestInterval == 0 || done() ||
+                        iteration_ % options_.snapshot_interval == 0 ||
+                        schedule_.MilestoneAt(iteration_).has_value();
+  if (!touched_finite_ || (test_all && !model_.AllFinite())) {
+    return "a parameter is not a finite number";
+  }
+  return std::nullopt;
+}
+
+Status Trainer::GoBack(const std::string& reason) {
+  const GoodState& good = *history_.last_good;
+  if (history_.recoveries.size() >=
+      static_cast<size_t>(options_.max_recoveries)) {
+    return UnusableResultError(
+        "training diverged at iteration " + std::to_string(iteration_) + " (" +
+        reason + "), after " + std::to_string(history_.recoveries.size()) +
+        " returns to an earlier state at ever smaller learning rates; check "
+        "the camera poses and the photos, or lower the learning rates");
+  }
+  history_.rate_factor *= kRecoveryRateFactor;
+  history_.recoveries.push_back(
+      {iteration_, reason, good.iteration, history_.rate_factor});
+  iteration_ = good.iteration;
+  model_ = good.model;
+  adam_.Reset(model_);
+  statistics_.Reset(model_.size());
+  loss_monitor_.Reset();
+  return Status();
+}
+
+void Trainer::KeepAsGood() {
+  if (!history_.last_good) history_.last_good.emplace();
+  // Into the memory of the one before.
+  history_.last_good->iteration = iteration_;
+  history_.last_good->model = model_;
+}
+
+Status Trainer::FollowSchedule() {
+  if (const auto event = schedule_.MilestoneAt(iteration_)) {
+    return RunMilestone(*event);
+  }
+  if (schedule_.Densifies(iteration_)) {
+    Densify(densification_,
+            scene_extent_,
+            options_.seed,
+            iteration_,
+            &model_,
+            &adam_,
+            &statistics_);
+    SortInSpace();
+  }
+  if (iteration_ % options_.clear_interval == 0 &&
+      static_cast<double>(iteration_) <=
+          kClearShare * static_cast<double>(schedule_.iterations())) {
+    ClearCameras();
+  }
+  if (schedule_.ResetsOpacity(iteration_)) {
+    ResetOpacity(0.01, &model_, &adam_);
+    loss_monitor_.Reset();
+  }
+  if (iteration_ % options_.snapshot_interval == 0 && !model_.empty() &&
+      loss_monitor_.Healthy()) {
+    KeepAsGood();
+  }
+  return Status();
+}
+
+void Trainer::SortInSpace() {
+  const std::vector<uint32_t> order = MortonOrder(model_);
+  model_.Select(order);
+  adam_.Select(order);
+  statistics_.Select(order);
+}
+
+void Trainer::ClearCameras() {
+  const std::vector<uint32_t> kept = OutsideBalls(clear_balls_, model_, *pool_);
+  if (kept.empty() || kept.size() == model_.size()) return;
+  model_.Select(kept);
+  adam_.Select(kept);
+  statistics_.Select(kept);
+}
+
+int64_t Trainer::Budget() const {
+  return history_.budget_choice ? history_.budget_choice->budget
+                                : options_.budget;
+}
+
+int64_t Trainer::SimplificationBudget() const {
+  const std::vector<Milestone>& milestones = schedule_.milestones();
+  const bool pruned_later =
+      !milestones.empty() && milestones.back().event == TrainingEvent::kPruning;
+  const double slack =
+      pruned_later ? options_.mini_splatting.simplify_slack : 1.0;
+  return static_cast<int64_t>(static_cast<double>(Budget()) * slack);
+}
+
+int Trainer::ShDegree(int64_t done) const {
+  const int degree = schedule_.ShDegree(done);
+  return history_.budget_choice
+             ? std::min(degree, history_.budget_choice->sh_degree)
+             : degree;
+}
+
+void Trainer::KeepTo(BudgetChoice choice) {
+  history_.budget_choice = std::move(choice);
+  densification_ = EffectiveDensification(options_, Budget());
+}
+
+Status Trainer::RunMilestone(TrainingEvent event) {
+  MiniSplattingContext context;
+  context.images = images_;
+  context.level = schedule_.ResolutionLevel(iteration_, images_->num_levels());
+  context.render = options_.render;
+  context.scene_extent = scene_extent_;
+  context.seed = options_.seed;
+  context.iteration = iteration_;
+  context.rasterizer = &rasterizer_;
+  context.pool = pool_;
+  const MiniSplattingOptions& mini = options_.mini_splatting;
+  MiniSplattingSummary summary;
+  switch (event) {
+    case TrainingEvent::kDepthReinitialization: {
+      FREEGS_ASSIGN_OR_RETURN(
+          summary,
+          ReinitializeFromDepth(mini, Budget(), context, &model_, &adam_));
+      break;
+    }
+    case TrainingEvent::kSimplification: {
+      const bool restart = mini.restart_after_simplification &&
+                           schedule_.MayRestartAtSimplification();
+      FREEGS_ASSIGN_OR_RETURN(summary,
+                              Simplify(mini,
+                                       SimplificationBudget(),
+                                       importance_metric_,
+                                       restart,
+                                       context,
+                                       &model_,
+                                       &adam_));
+      break;
+    }
+    case TrainingEvent::kPruning: {
+      FREEGS_ASSIGN_OR_RETURN(
+          summary,
+          PruneByImportance(
+              mini, Budget(), importance_metric_, context, &model_, &adam_));
+      break;
+    }
+  }
+  history_.milestones.push_back(
+      {iteration_, event, summary.before, summary.after});
+  statistics_.Reset(model_.size());
+  loss_monitor_.Reset();
+  KeepAsGood();
+  return Status();
+}
+
+TrainingCheckpoint Trainer::Save() const {
+  TrainingCheckpoint checkpoint;
+  checkpoint.iteration = iteration_;
+  checkpoint.model = model_;
+  checkpoint.adam = adam_.state();
+  checkpoint.statistics = statistics_;
+  checkpoint.history = history_;
+  checkpoint.history.loss = loss_monitor_.state();
+  return checkpoint;
+}
+
+Status Trainer::Restore(TrainingCheckpoint checkpoint) {
+  const size_t count = checkpoint.model.size();
+  if (checkpoint.iteration < 0 ||
+      checkpoint.iteration > schedule_.iterations() ||
+      checkpoint.adam.first_moments.size() != count ||
+      checkpoint.adam.second_moments.size() != count ||
+      checkpoint.adam.first_moments.sh_degree != checkpoint.model.sh_degree ||
+      checkpoint.adam.second_moments.sh_degree != checkpoint.model.sh_degree ||
+      checkpoint.statistics.size() != count) {
+    return BadInputError(
+        "checkpoint: model, optimiser and statistics do not belong together");
+  }
+  iteration_ = checkpoint.iteration;
+  model_ = std::move(checkpoint.model);
+  adam_.set_state(std::move(checkpoint.adam));
+  statistics_ = std::move(checkpoint.statistics);
+  history_ = std::move(checkpoint.history);
+  loss_monitor_.set_state(history_.loss);
+  densification_ = EffectiveDensification(options_, Budget());
+  return Status();
+}
+
+}  // namespace freegs::splat

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/bootstrap/bootstrap_metrics.h"
+
+#include <sstream>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "core/io/files.h"
+
+namespace freegs::stages {
+namespace {
+
+Status WriteLosses(const std::vector<semantics::LossRecord>& losses,
+                   const pipeline::StageContext& context) {
+  std::ostringstream csv;
+  csv << "iteration,pixel,instance,smoothing,contrastive\n";
+  for (const semantics::LossRecord& record : losses) {
+    csv << record.step << ',' << record.losses.pixel << ','
+        << record.losses.instance << ',' << record.losses.smoothing << ','
+        << record.losses.contrastive << '\n';
+  }
+  return WriteFileAtomic(context.output / "progress.csv", csv.str());
+}
+
+}  // namespace
+
+Status WriteBootstrapMetrics(const BootstrapStageOptions& options,
+                             size_t num_gaussians,
+                             const semantics::SemanticField& field,
+                             const std::vector<semantics::Instance>& instances,
+                             const pipeline::ResourceMeter& meter,
+                             pipeline::StageContext& context) {
+  const semantics::InstanceLabels& labels = field.instances;
+  const semantics::InstanceClusteringOptions& clustering =
+      options.method.clustering;
+  int num_background = 0;
+  nlohmann::json sizes = nlohmann::json::array();
+  for (const semantics::Instance& instance : instances) {
+    num_background += instance.background;
+    sizes.push_back(instance.num_gaussians);
+  }
+  const pipeline::ResourceUsage usage = meter.Elapsed();
+  nlohmann::json metrics = {
+      {"mode", options.mode},
+      {"num_gaussians", num_gaussians},
+      {"num_instances", labels.num_instances},
+      {"num_background", num_background},
+      {"scene_radius", labels.scene_radius},
+      {"num_clustered", labels.num_clustered},
+      {"num_plane_points", labels.num_plane_points},
+      {"num_clusters", labels.num_clusters},
+      {"noise_before", labels.noise_before},
+      {"noise_after", labels.noise_after},
+      {"seconds", context.earlier_seconds + usage.wall_seconds},
+      {"cpu_seconds", usage.cpu_seconds},
+      {"peak_memory_bytes", usage.peak_memory_bytes},
+      {"hdbscan",
+       {{"min_cluster_size", labels.min_cluster_size},
+        {"min_samples", clustering.hdbscan.min_samples},
+        {"cluster_selection_epsilon",
+         clustering.hdbscan.cluster_selection_epsilon},
+        {"max_cluster_size", clustering.hdbscan.max_cluster_size},
+        {"method", options.selection}}}};
+  if (options.mode != "geometry") {
+    for (const auto& [step, seconds] : field.seconds) {
+      metrics["step_seconds"][step] = seconds;
+    }
+    metrics["feature_dim"] = field.decoder.latent_dim();
+    metrics["num_unseen"] = field.num_unseen;
+    metrics["num_crops"] = field.vectors.num_crops;
+  }
+  if (options.mode == "paper") {
+    metrics["iterations"] = field.steps;
+    metrics["clusterings"] = nlohmann::json::array();
+    for (const semantics::ClusteringRound& round : field.rounds) {
+      metrics["clusterings"].push_back({{"iteration", round.step},
+                                        {"num_instances", round.num_instances},
+                                        {"agreement", round.agreement}});
+    }
+  }
+  context.summary = metrics;
+  if (options.mode == "paper") {
+    FREEGS_RETURN_IF_ERROR(WriteLosses(field.losses, context));
+  }
+  metrics["instance_sizes"] = std::move(sizes);
+  return WriteFileAtomic(context.output / "metrics.json",
+                         metrics.dump(1) + "\n");
+}
+
+}  // namespace freegs::stages

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/bootstrap/bootstrap_stage.h"
+
+#include <chrono>
+#include <functional>
+#include <optional>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "core/io/files.h"
+#include "core/io/image_io.h"
+#include "pipeline/resource_usage.h"
+#include "semantics/field/bootstrapping.h"
+#include "semantics/field/field_checkpoint.h"
+#include "semantics/field/idsf.h"
+#include "semantics/queries/instance_features.h"
+#include "semantics/queries/instance_words.h"
+#include "semantics/instances/instances.h"
+#include "semantics/instances/instances_json.h"
+#include "semantics/losses/decoder_file.h"
+#include "stages/bootstrap/bootstrap_metrics.h"
+#include "stages/scene/clip_input.h"
+#include "stages/scene/instance_maps.h"
+#include "stages/scene/scene_instances.h"
+#include "stages/scene/shipped_model.h"
+#include "stages/scene/workspace_scene.h"
+
+namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct NamedField {
+  semantics::SemanticField field;
+  std::vector<std::vector<std::string>> words;  // Per instance; may be empty.
+};
+
+class BootstrapStage : public pipeline::Stage {
+ public:
+  BootstrapStage(const BootstrapStageOptions& options, uint64_t seed)
+      : options_(options), seed_(seed) {}
+
+  std::string_view name() const override { return "bootstrap"; }
+  int version() const override { return 2; }
+
+  std::vector<fs::path> Inputs(const pipeline::StageContext&) const override {
+    std::vector<fs::path> inputs = {"reconstruct/point_cloud.ply",
+                                    "undistort/sparse",
+                                    "undistort/images",
+                                    "ingest/images.json"};
+    if (with_semantics()) {
+      // Holds the hashes of the model's other files. Without it, Run says so.
+      const StatusOr<fs::path> model = options_.model.empty()
+                                           ? FindShippedModel()
+                                           : StatusOr<fs::path>(options_.model);
+      if (model.ok()) inputs.push_back(*model / "model.json");
+    }
+    return inputs;
+  }
+
+  Status Run(pipeline::StageContext& context) override {
+    const pipeline::ResourceMeter meter;
+    FREEGS_ASSIGN_OR_RETURN(semantics::BootstrappingOptions method,
+                            MakeBootstrappingOptions(options_));
+    FREEGS_ASSIGN_OR_RETURN(const WorkspaceScene scene,
+                            ReadWorkspaceScene(context.workspace));
+    std::vector<View> views = scene.train;
+    views.insert(views.end(), scene.holdout.begin(), scene.holdout.end());
+    FREEGS_ASSIGN_OR_RETURN(
+        const NamedField named,
+        MakeField(scene, views, std::move(method), context));
+    const semantics::SemanticField& field = named.field;
+    const semantics::InstanceLabels& labels = field.instances;
+    if (labels.num_instances == 0) {
+      return UnusableResultError(
+          "bootstrap: no instance was found among " +
+          std::to_string(scene.model.size()) +
+          " Gaussians; try a smaller bootstrap.min_cluster_size or "
+          "bootstrap.min_samples, or a better reconstruction");
+    }
+    std::vector<semantics::Instance> instances = semantics::BuildInstances(
+        scene.model,
+        labels.labels,
+        labels.num_instances,
+        labels.scores,
+        labels.is_plane,
+        semantics::EstimateVertical(views, labels.planes),
+        {},
+        *context.pool);
+    for (size_t i = 0; i < named.words.size(); ++i) {
+      instances[i].words = named.words[i];
+    }
+    FREEGS_RETURN_IF_ERROR(semantics::WriteIdsf(
+        context.output / "idsf.bin",
+        {.feature_dim = with_semantics() ? field.decoder.latent_dim() : 0,
+         .features = field.features,
+         .instances = labels.labels}));
+    FREEGS_RETURN_IF_ERROR(semantics::WriteInstances(
+        context.output / "instances.json", instances));
+    FREEGS_RETURN_IF_ERROR(
+        WriteInstanceMaps({options_.max_image_size, options_.num_previews},
+                          scene,
+                          views,
+                          labels.labels,
+                          context));
+    return WriteBootstrapMetrics(
+        options_, scene.model.size(), field, instances, meter, context);
+  }
+
+ private:
+  bool with_semantics() const { return options_.mode != "geometry"; }
+
+  StatusOr<NamedField> MakeField(const WorkspaceScene& scene,
+                                 const std::vector<View>& views,
+                                 semantics::BootstrappingOptions method,
+                                 pipeline::StageContext& context) const {
+    if (!with_semantics()) {
+      context.progress({"clustering", 0, 1, ""});
+      semantics::SemanticField field;
+      FREEGS_ASSIGN_OR_RETURN(
+          field.instances,
+          semantics::ClusterInstances(scene.model,
+                                      {},
+                                      views,
+                                      method.clustering,
+                                      seed_,
+                                      *context.pool,
+                                      context.cancellation));
+      return NamedField{std::move(field), {}};
+    }
+    FREEGS_ASSIGN_OR_RETURN(const auto encoder, OpenClipModel(options_.model));
+    method.weights.scratch_folder = context.output;
+    const semantics::FeatureCache cache(context.output / "features");
+    const auto photo_of = [&](size_t view) {
+      return ReadRgb(context.workspace / "undistort" / "images" /
+                     scene.train[view].name);
+    };
+    const fs::path checkpoint = context.output / "checkpoints" / "field.ckpt";
+    semantics::BootstrapTools tools{.encoder = *encoder,
+                                    .cache = cache,
+                                    .pool = *context.pool,
+                                    .cancellation = context.cancellation,
+                                    .progress = context.progress,
+                                    .resume_from = std::nullopt,
+                                    .save = nullptr};
+    if (method.method == semantics::FieldMethod::kTrain) {
+      tools.resume_from = CheckpointOf(checkpoint, context);
+      tools.save = SaverTo(checkpoint, context);
+    }
+    FREEGS_ASSIGN_OR_RETURN(semantics::SemanticField field,
+                            semantics::BootstrapSemanticField(
+                                {scene.model, scene.train, views, scene.render},
+                                photo_of,
+                                method,
+                                seed_,
+                                tools));
+    FREEGS_RETURN_IF_ERROR(semantics::WriteDecoder(
+        context.output / "decoder.bin", {field.decoder, std::nullopt}));
+    FREEGS_RETURN_IF_ERROR(semantics::WriteInstanceFeatures(
+        context.output / "instance_features.json",
+        {.dim = field.vectors.dim,
+         .model =
+             options_.model.empty() ? encoder->info().name : options_.model,
+         .model_hash = encoder->model_hash(),
+         .features = field.vectors.vectors}));
+    FREEGS_ASSIGN_OR_RETURN(
+        auto words,
+        semantics::NameInstances(
+            field.vectors.vectors, encoder->info().vocabulary, *encoder));
+    return NamedField{std::move(field), std::move(words)};
+  }
+
+  // What an interrupted run left. A damaged checkpoint costs time, no more.
+  static std::optional<semantics::FieldState> CheckpointOf(
+      const fs::path& path, const pipeline::StageContext& context) {
+    std::error_code error;
+    if (!context.resuming || !fs::exists(path, error)) return std::nullopt;
+    StatusOr<semantics::FieldState> state = semantics::ReadFieldState(path);
+    if (!state.ok()) {
+      context.log(pipeline::LogLevel::kWarning, state.status().message());
+      return std::nullopt;
+    }
+    context.log(pipeline::LogLevel::kInfo,
+                "going on from step " + std::to_string(state->step));
+    return *std::move(state);
+  }
+
+  static std::function<Status(const semantics::FieldTraining&, bool)> SaverTo(
+      const fs::path& path, const pipeline::StageContext& context) {
+    using Clock = std::chrono::steady_clock;
+    return [path,
+            interval = std::chrono::duration<double>(
+                context.checkpoint_interval_seconds),
+            last = Clock::now()](const semantics::FieldTraining& training,
+                                 bool stopping) mutable -> Status {
+      if (!stopping && Clock::now() - last < interval) return Status();
+      FREEGS_RETURN_IF_ERROR(CreateFolders(path.parent_path()));
+      FREEGS_RETURN_IF_ERROR(
+          semantics::WriteFieldState(path, training.state()));
+      last = Clock::now();
+      return Status();
+    };
+  }
+
+  BootstrapStageOptions options_;
+  uint64_t seed_;
+};
+
+}  // namespace
+
+std::unique_ptr<pipeline::Stage> MakeBootstrapStage(
+    const BootstrapStageOptions& options, uint64_t seed) {
+  return std::make_unique<BootstrapStage>(options, seed);
+}
+
+}  // namespace freegs::stages

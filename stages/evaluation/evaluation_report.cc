@@ -1,0 +1,348 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/evaluation/evaluation_report.h"
+
+#include <cstdio>
+#include <utility>
+
+namespace freegs::stages {
+namespace {
+
+using nlohmann::json;
+
+json OrNull(const std::optional<double>& value) {
+  return value ? json(*value) : json(nullptr);
+}
+
+json VectorJson(const Eigen::Vector3d& v) {
+  return json::array({v.x(), v.y(), v.z()});
+}
+
+json ViewsJson(const std::optional<ImageQuality>& quality) {
+  json views = json::array();
+  if (!quality) return views;
+  for (const ImageQuality::ViewQuality& view : quality->views) {
+    views.push_back(
+        {{"name", view.name}, {"psnr", view.psnr}, {"ssim", view.ssim}});
+  }
+  return views;
+}
+
+json IdJson(int instance) { return instance < 0 ? json() : json(instance + 1); }
+
+json BoxIouJson(const std::optional<BoxQuality>& boxes,
+                double BoxQuality::*figure) {
+  return boxes ? json(*boxes.*figure) : json();
+}
+
+json LabelJson(const LabelResult& label) {
+  return {{"label", label.label},
+          {"objects", label.num_objects},
+          {"views", label.num_views},
+          {"instance", IdJson(label.answer.instance)},
+          {"relevancy", label.answer.relevancy},
+          {"text_iou", OrNull(label.iou)},
+          {"text_boundary_iou", OrNull(label.boundary_iou)},
+          {"text_box_iou", OrNull(label.box_iou)}};
+}
+
+json PanopticJson(const semantics::PanopticQuality& quality) {
+  return {{"pq", OrNull(quality.Quality())},
+          {"sq", OrNull(quality.Segmentation())},
+          {"rq", OrNull(quality.Recognition())},
+          {"true_positives", quality.true_positives},
+          {"false_positives", quality.false_positives},
+          {"false_negatives", quality.false_negatives}};
+}
+
+// What its label got; null without text.
+json TextIou(const std::optional<TextQuality>& text, const std::string& label) {
+  if (!text) return nullptr;
+  for (const LabelResult& result : text->labels) {
+    if (result.label == label) return OrNull(result.iou);
+  }
+  return nullptr;
+}
+
+json ObjectJson(const ObjectResult& object,
+                const std::optional<TextQuality>& text) {
+  json box = nullptr;
+  if (object.box) {
+    box = {{"min", VectorJson(object.box->min)},
+           {"max", VectorJson(object.box->max)}};
+  }
+  return {{"id", object.id},
+          {"label", object.label},
+          {"views", object.num_views},
+          {"instance", IdJson(object.instance)},
+          {"instance_iou", OrNull(object.instance_iou)},
+          {"click_iou", OrNull(object.click_iou)},
+          {"text_iou", TextIou(text, object.label)},
+          {"box_iou", OrNull(object.box_iou)},
+          {"box", box}};
+}
+
+// Fixed-point text, or a dash.
+std::string Text(const std::optional<double>& value, int digits) {
+  if (!value) return "-";
+  char text[64];
+  std::snprintf(text, sizeof(text), "%.*f", digits, *value);
+  return text;
+}
+
+std::string IdText(int instance) {
+  return instance < 0 ? "-" : std::to_string(instance + 1);
+}
+
+void Row(std::ostream& out,
+         const std::string& name,
+         const std::string& value,
+         const std::string& note) {
+  char text[64];
+  std::snprintf(
+      text, sizeof(text), "  %-20s %10s  ", name.c_str(), value.c_str());
+  out << text << note << "\n";
+}
+
+void PrintObjects(const InstanceQuality& quality, std::ostream& out) {
+  char text[128];
+  std::snprintf(text,
+                sizeof(text),
+                "\n  %-24s %8s %8s %8s %8s\n",
+                "object",
+                "instance",
+                "mask IoU",
+                "click",
+                "box IoU");
+  out << text;
+  for (const ObjectResult& object : quality.objects) {
+    std::snprintf(text,
+                  sizeof(text),
+                  "  %-24.24s %8s %8s %8s %8s\n",
+                  object.label.c_str(),
+                  IdText(object.instance).c_str(),
+                  Text(object.instance_iou, 3).c_str(),
+                  Text(object.click_iou, 3).c_str(),
+                  Text(object.box_iou, 3).c_str());
+    out << text;
+  }
+}
+
+void PrintLabels(const TextQuality& quality, std::ostream& out) {
+  char text[128];
+  std::snprintf(text,
+                sizeof(text),
+                "\n  %-24s %8s %9s %8s %8s %8s\n",
+                "query",
+                "instance",
+                "relevancy",
+                "mask IoU",
+                "boundary",
+                "box IoU");
+  out << text;
+  for (const LabelResult& label : quality.labels) {
+    std::snprintf(text,
+                  sizeof(text),
+                  "  %-24.24s %8s %9.3f %8s %8s %8s\n",
+                  label.label.c_str(),
+                  IdText(label.answer.instance).c_str(),
+                  label.answer.relevancy,
+                  Text(label.iou, 3).c_str(),
+                  Text(label.boundary_iou, 3).c_str(),
+                  Text(label.box_iou, 3).c_str());
+    out << text;
+  }
+}
+
+void PrintBoxes(const std::string& name,
+                const std::string& note,
+                const std::optional<BoxQuality>& boxes,
+                std::ostream& out) {
+  if (!boxes) return;
+  Row(out, name + " mIoU", Text(boxes->miou, 4), note);
+  Row(out, name + " recall 0.25", Text(boxes->recall25, 4), "");
+  Row(out, name + " recall 0.50", Text(boxes->recall50, 4), "");
+}
+
+void PrintInstances(const InstanceQuality& instances, std::ostream& out) {
+  if (instances.instance_miou) {
+    Row(out,
+        "instance mIoU",
+        Text(instances.instance_miou, 4),
+        "each true mask against the best instance");
+    Row(out,
+        "click mIoU",
+        Text(instances.click_miou, 4),
+        "a click at the mask's innermost pixel");
+  }
+  if (!instances.panoptic.empty()) {
+    Row(out,
+        "panoptic quality",
+        Text(instances.panoptic_sum.Quality(), 4),
+        "segmentation " + Text(instances.panoptic_sum.Segmentation(), 3) +
+            " x recognition " + Text(instances.panoptic_sum.Recognition(), 3));
+  }
+  PrintBoxes("box", "axis-aligned", instances.boxes, out);
+}
+
+void PrintText(const EvaluationReport& report, std::ostream& out) {
+  const TextQuality& text = *report.text;
+  if (text.miou) {
+    Row(out,
+        "text mIoU",
+        Text(text.miou, 4),
+        "each label's best instance, mean over views, then labels");
+    Row(out,
+        "text boundary mIoU",
+        Text(text.mbiou, 4),
+        "2 % of the diagonal along the outline");
+  }
+  PrintBoxes("text box", "of each label's best instance", text.boxes, out);
+}
+
+// Figures of instances and words.
+void AddSemantics(const EvaluationReport& report, json* result) {
+  json& keys = *result;
+  if (report.consistency) {
+    keys["view_consistency"] = report.consistency->mean;
+    keys["view_consistency_pairs"] = report.consistency->num_pairs;
+  }
+  if (report.instances) {
+    const InstanceQuality& instances = *report.instances;
+    keys["instance_miou"] = OrNull(instances.instance_miou);
+    keys["click_miou"] = OrNull(instances.click_miou);
+    keys["box_miou"] = BoxIouJson(instances.boxes, &BoxQuality::miou);
+    keys["box_recall25"] = BoxIouJson(instances.boxes, &BoxQuality::recall25);
+    keys["box_recall50"] = BoxIouJson(instances.boxes, &BoxQuality::recall50);
+    if (!instances.panoptic.empty()) {
+      json panoptic = PanopticJson(instances.panoptic_sum);
+      keys["pq"] = panoptic["pq"];
+      panoptic["views"] = json::array();
+      for (const auto& [name, quality] : instances.panoptic) {
+        json of_view = PanopticJson(quality);
+        of_view["name"] = name;
+        panoptic["views"].push_back(std::move(of_view));
+      }
+      keys["panoptic"] = std::move(panoptic);
+    }
+    for (const ObjectResult& object : instances.objects) {
+      keys["objects"].push_back(ObjectJson(object, report.text));
+    }
+  }
+  if (report.text) {
+    const TextQuality& text = *report.text;
+    keys["text_miou"] = OrNull(text.miou);
+    keys["text_mbiou"] = OrNull(text.mbiou);
+    keys["text_box_miou"] = BoxIouJson(text.boxes, &BoxQuality::miou);
+    keys["text_box_recall25"] = BoxIouJson(text.boxes, &BoxQuality::recall25);
+    keys["text_box_recall50"] = BoxIouJson(text.boxes, &BoxQuality::recall50);
+    keys["text_model"] = report.text_model;
+    keys["text_threshold"] = OrNull(report.text_threshold);
+    for (const LabelResult& label : text.labels) {
+      keys["labels"].push_back(LabelJson(label));
+    }
+  }
+}
+
+}  // namespace
+
+json ToJson(const EvaluationReport& report) {
+  const std::optional<ImageQuality>& quality =
+      report.test ? report.test : report.holdout;
+  json result = {
+      {"psnr", quality ? json(quality->psnr) : json()},
+      {"ssim", quality ? json(quality->ssim) : json()},
+      {"psnr_views",
+       report.test ? json("test")
+       : quality   ? json("holdout")
+                   : json()},
+      {"holdout_psnr", report.holdout ? json(report.holdout->psnr) : json()},
+      {"holdout_ssim", report.holdout ? json(report.holdout->ssim) : json()},
+      {"pose_rotation_deg", nullptr},
+      {"pose_translation", nullptr},
+      {"instance_miou", nullptr},
+      {"click_miou", nullptr},
+      {"text_miou", nullptr},
+      {"text_mbiou", nullptr},
+      {"text_box_miou", nullptr},
+      {"text_box_recall25", nullptr},
+      {"text_box_recall50", nullptr},
+      {"pq", nullptr},
+      {"view_consistency", nullptr},
+      {"box_miou", nullptr},
+      {"box_recall25", nullptr},
+      {"box_recall50", nullptr},
+      {"num_gaussians", report.num_gaussians},
+      {"registered", report.num_photos},
+      {"workspace", report.workspace},
+      {"gt", report.truth.empty() ? json() : json(report.truth)},
+      {"test_views", ViewsJson(report.test)},
+      {"holdout_views", ViewsJson(report.holdout)},
+      {"objects", json::array()},
+      {"labels", json::array()},
+  };
+  if (report.poses) {
+    const sfm::PoseAlignment& poses = *report.poses;
+    result["pose_rotation_deg"] = poses.median_rotation_deg;
+    result["pose_rotation_deg_max"] = poses.max_rotation_deg;
+    result["pose_translation"] = poses.median_centre;
+    result["pose_translation_max"] = poses.max_centre;
+    result["pose_translation_relative"] =
+        report.camera_extent > 0
+            ? json(poses.median_centre / report.camera_extent)
+            : json();
+    result["poses_compared"] = poses.residuals.size();
+    result["poses_true"] = report.num_true_poses;
+    result["gt_units_per_scene_unit"] = poses.target_from_source.scale;
+  }
+  AddSemantics(report, &result);
+  return result;
+}
+
+void PrintTable(const EvaluationReport& report, std::ostream& out) {
+  const auto views = [](const std::optional<ImageQuality>& quality) {
+    return std::to_string(quality->views.size()) + " views";
+  };
+  out << report.workspace << ": " << report.num_photos << " photos, "
+      << report.num_gaussians << " Gaussians\n";
+  if (report.holdout) {
+    const std::string note = "dB, holdout photos, " + views(report.holdout);
+    Row(out, "holdout PSNR", Text(report.holdout->psnr, 2), note);
+    Row(out, "holdout SSIM", Text(report.holdout->ssim, 4), "");
+  }
+  if (report.test) {
+    Row(out,
+        "test PSNR",
+        Text(report.test->psnr, 2),
+        "dB, photos never given, " + views(report.test));
+    Row(out, "test SSIM", Text(report.test->ssim, 4), "");
+  }
+  if (!report.holdout && !report.test) {
+    out << "  no holdout photos and no photos of test views: no PSNR\n";
+  }
+  if (report.poses) {
+    const sfm::PoseAlignment& poses = *report.poses;
+    Row(out,
+        "pose rotation",
+        Text(poses.median_rotation_deg, 4),
+        "degrees, median of " + std::to_string(poses.residuals.size()) +
+            " cameras; largest " + Text(poses.max_rotation_deg, 4));
+    Row(out,
+        "pose translation",
+        Text(poses.median_centre, 5),
+        "units of the truth, median; largest " + Text(poses.max_centre, 5));
+  }
+  if (report.instances) PrintInstances(*report.instances, out);
+  if (report.consistency) {
+    Row(out,
+        "view consistency",
+        Text(report.consistency->mean, 4),
+        "instances in " + std::to_string(report.consistency->num_pairs) +
+            " pairs of neighbouring views");
+  }
+  if (report.text) PrintText(report, out);
+  if (report.instances) PrintObjects(*report.instances, out);
+  if (report.text) PrintLabels(*report.text, out);
+}
+
+}  // namespace freegs::stages

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/evaluation/gaussian_answers.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "semantics/clip/relevancy.h"
+#include "semantics/queries/gaussian_relevancy.h"
+#include "semantics/field/idsf.h"
+#include "semantics/losses/decoder_file.h"
+#include "stages/scene/clip_input.h"
+
+namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+
+// N x labels, as GaussianRelevancy().
+StatusOr<std::vector<float>> AskGaussians(const fs::path& workspace,
+                                          const std::set<std::string>& labels,
+                                          semantics::ClipEncoder& encoder,
+                                          ThreadPool& pool) {
+  const fs::path folder = workspace / "bootstrap";
+  FREEGS_ASSIGN_OR_RETURN(const semantics::Idsf field,
+                          semantics::ReadIdsf(folder / "idsf.bin"));
+  FREEGS_ASSIGN_OR_RETURN(const semantics::StoredDecoder stored,
+                          semantics::ReadDecoder(folder / "decoder.bin"));
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<float> canonical,
+                          semantics::EncodeCanonicalPhrases(encoder));
+  std::vector<float> texts;
+  for (const std::string& label : labels) {
+    FREEGS_ASSIGN_OR_RETURN(const semantics::TextEmbedding text,
+                            encoder.EncodeText(label));
+    texts.insert(texts.end(), text.values.begin(), text.values.end());
+  }
+  return semantics::GaussianRelevancy(
+      field, stored.decoder, texts, canonical, pool);
+}
+
+// The truth without the objects that are not called so.
+GroundTruth OnlyLabel(const GroundTruth& truth, const std::string& label) {
+  GroundTruth result = truth;
+  for (TrueObject& object : result.objects) {
+    if (object.label != label) object.label.clear();
+  }
+  return result;
+}
+
+}  // namespace
+
+StatusOr<GaussianTextQuality> MeasureGaussianText(
+    const fs::path& workspace,
+    const std::string& clip_model,
+    double min_relevancy,
+    const WorkspaceScene& scene,
+    const GroundTruth& truth,
+    const Sim3d& truth_from_scene,
+    const CancellationToken& cancellation,
+    ThreadPool& pool) {
+  FREEGS_ASSIGN_OR_RETURN(
+      const semantics::InstanceFeatures features,
+      semantics::ReadInstanceFeatures(workspace / "bootstrap" /
+                                      "instance_features.json"));
+  FREEGS_ASSIGN_OR_RETURN(const std::unique_ptr<semantics::OpenCvClip> encoder,
+                          OpenModelOfFeatures(features, workspace, clip_model));
+  const std::set<std::string> labels = Labels(truth.objects);
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<float> relevancy,
+                          AskGaussians(workspace, labels, *encoder, pool));
+  const size_t count = scene.model.size();
+  if (relevancy.size() != count * labels.size()) {
+    return BadInputError((workspace / "bootstrap" / "idsf.bin").string() +
+                         " is not of this scene's Gaussians");
+  }
+  GaussianTextQuality result;
+  result.model = encoder->info().name;
+  TextQuality quality;
+  size_t column = 0;
+  for (const std::string& label : labels) {
+    std::vector<int32_t> chosen(count, -1);
+    TextAnswer answer{0, 0};
+    for (size_t i = 0; i < count; ++i) {
+      const double value = relevancy[i * labels.size() + column];
+      answer.relevancy = std::max(answer.relevancy, value);
+      if (value >= min_relevancy) chosen[i] = 0;
+    }
+    ++column;
+    FREEGS_ASSIGN_OR_RETURN(std::optional<TextQuality> one,
+                            MeasureTextQuality(scene,
+                                               chosen,
+                                               {{label, answer}},
+                                               OnlyLabel(truth, label),
+                                               truth_from_scene,
+                                               EvaluationOptions(),
+                                               cancellation,
+                                               pool));
+    if (!one) continue;
+    for (LabelResult& of_label : one->labels) {
+      quality.labels.push_back(std::move(of_label));
+    }
+  }
+  SummariseLabels(&quality);
+  if (quality.miou || quality.boxes) result.text = std::move(quality);
+  return result;
+}
+
+}  // namespace freegs::stages

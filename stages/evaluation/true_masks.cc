@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/evaluation/true_masks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include "core/io/image_io.h"
+#include "splat/render/renderer.h"
+
+namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr size_t kMaxMasks = 256;
+constexpr double kShapeTolerance = 0.01;
+
+bool SameShape(double width_a,
+               double height_a,
+               double width_b,
+               double height_b) {
+  return std::abs(width_a * height_b - height_a * width_b) <=
+         kShapeTolerance * std::max(width_a, width_b) *
+             std::max(height_a, height_b);
+}
+
+// 1 where a file of one object marks it.
+StatusOr<ImageU16> ReadBright(const fs::path& path) {
+  constexpr int kThreshold = 128;
+  FREEGS_ASSIGN_OR_RETURN(const ImageU8 image, ReadRgb(path));
+  ImageU16 mask(image.width(), image.height(), 1);
+  int brightest = 0;
+  for (size_t i = 0; i < mask.num_pixels(); ++i) {
+    const uint8_t* rgb = image.data() + 3 * i;
+    // Luma as of ITU-R BT.601.
+    const int value = (299 * rgb[0] + 587 * rgb[1] + 114 * rgb[2]) / 1000;
+    mask.data()[i] = static_cast<uint16_t>(value);
+    brightest = std::max(brightest, value);
+  }
+  const int threshold = brightest <= 1 ? 0 : kThreshold;
+  for (size_t i = 0; i < mask.size(); ++i) {
+    mask.data()[i] = mask.data()[i] > threshold ? 1 : 0;
+  }
+  return mask;
+}
+
+// Pixels of `camera` from those of a file, whose lens may distort.
+class MaskSampler {
+ public:
+  MaskSampler(const Pinhole& camera, const sfm::Camera* lens)
+      : camera_(camera), lens_(lens) {}
+
+  StatusOr<ImageU16> Sample(const ImageU16& file,
+                            const std::string& name) const {
+    const double width =
+        lens_ != nullptr ? static_cast<double>(lens_->width) : camera_.width;
+    const double height =
+        lens_ != nullptr ? static_cast<double>(lens_->height) : camera_.height;
+    if (!SameShape(file.width(), file.height(), width, height)) {
+      return BadInputError(name + ": is of " + std::to_string(file.width()) +
+                           " x " + std::to_string(file.height()) +
+                           " pixels, its view of " +
+                           std::to_string(std::lround(width)) + " x " +
+                           std::to_string(std::lround(height)));
+    }
+    ImageU16 result(camera_.width, camera_.height, 1);
+    const double x_scale = file.width() / width;
+    const double y_scale = file.height() / height;
+    for (int y = 0; y < camera_.height; ++y) {
+      for (int x = 0; x < camera_.width; ++x) {
+        const std::optional<Eigen::Vector2d> pixel = InLens(x + 0.5, y + 0.5);
+        if (!pixel) continue;
+        const double u = std::floor(pixel->x() * x_scale);
+        const double v = std::floor(pixel->y() * y_scale);
+        if (u < 0 || v < 0 || u >= file.width() || v >= file.height()) continue;
+        result(x, y) = file(static_cast<int>(u), static_cast<int>(v));
+      }
+    }
+    return result;
+  }
+
+ private:
+  std::optional<Eigen::Vector2d> InLens(double x, double y) const {
+    if (lens_ == nullptr) return Eigen::Vector2d(x, y);
+    return sfm::Project(
+        *lens_,
+        {(x - camera_.cx) / camera_.fx, (y - camera_.cy) / camera_.fy, 1});
+  }
+
+  Pinhole camera_;
+  const sfm::Camera* lens_;
+};
+
+// Into the first layer where the object covers nobody.
+void AddObject(const ImageU16& mask, int object, MaskLayers* layers) {
+  const auto is_free = [&mask](const ImageU16& layer) {
+    for (size_t i = 0; i < mask.size(); ++i) {
+      if (mask.data()[i] != 0 && layer.data()[i] != 0) return false;
+    }
+    return true;
+  };
+  auto layer = std::find_if(layers->begin(), layers->end(), is_free);
+  if (layer == layers->end()) {
+    layers->emplace_back(mask.width(), mask.height(), 1);
+    layer = std::prev(layers->end());
+  }
+  for (size_t i = 0; i < mask.size(); ++i) {
+    if (mask.data()[i] != 0) layer->data()[i] = static_cast<uint16_t>(object);
+  }
+}
+
+}  // namespace
+
+StatusOr<MaskLayers> ReadTrueMasks(const GroundTruth& truth, const View& view) {
+  const std::vector<MaskFile>& files = truth.masks.at(view.name);
+  if (files.size() > kMaxMasks) {
+    return BadInputError(view.name + ": has " + std::to_string(files.size()) +
+                         " masks; more than " + std::to_string(kMaxMasks) +
+                         " are refused");
+  }
+  const auto lens = truth.lenses.find(view.name);
+  const MaskSampler sampler(
+      view.camera, lens == truth.lenses.end() ? nullptr : &lens->second);
+  MaskLayers layers;
+  for (const MaskFile& file : files) {
+    FREEGS_ASSIGN_OR_RETURN(
+        const ImageU16 stored,
+        file.object > 0 ? ReadBright(file.path) : ReadLabels(file.path));
+    FREEGS_ASSIGN_OR_RETURN(ImageU16 mask,
+                            sampler.Sample(stored, file.path.string()));
+    if (file.object > 0) {
+      AddObject(mask, file.object, &layers);
+    } else {
+      layers.push_back(std::move(mask));
+    }
+  }
+  return layers;
+}
+
+ImageU8 MaskOf(const MaskLayers& layers, const std::set<int>& objects) {
+  ImageU8 mask(layers[0].width(), layers[0].height(), 1);
+  for (const ImageU16& layer : layers) {
+    for (size_t i = 0; i < layer.size(); ++i) {
+      const int object = layer.data()[i];
+      if (object > 0 && objects.contains(object)) mask.data()[i] = 255;
+    }
+  }
+  return mask;
+}
+
+Status ForEachJudgedView(const WorkspaceScene& scene,
+                         std::span<const int32_t> instance_of_gaussian,
+                         const GroundTruth& truth,
+                         const std::vector<View>& truth_views,
+                         int max_side,
+                         const CancellationToken& cancellation,
+                         ThreadPool& pool,
+                         FunctionRef<Status(const JudgedView&)> body) {
+  if (instance_of_gaussian.size() != scene.model.size()) {
+    return BadInputError(
+        "instances of " + std::to_string(instance_of_gaussian.size()) +
+        " Gaussians for a scene of " + std::to_string(scene.model.size()));
+  }
+  for (View view : truth_views) {
+    const auto masks = truth.masks.find(view.name);
+    if (masks == truth.masks.end() || masks->second.empty()) continue;
+    if (cancellation.cancelled()) {
+      return InterruptedError("evaluation interrupted");
+    }
+    view.camera = view.camera.LimitedTo(max_side);
+    JudgedView judged;
+    judged.name = view.name;
+    FREEGS_ASSIGN_OR_RETURN(judged.truth, ReadTrueMasks(truth, view));
+    judged.rendered = splat::RenderLabels(scene.model,
+                                          view.camera,
+                                          view.cam_from_world,
+                                          scene.render,
+                                          pool,
+                                          instance_of_gaussian);
+    FREEGS_RETURN_IF_ERROR(body(judged));
+  }
+  return Status();
+}
+
+}  // namespace freegs::stages

@@ -1,0 +1,316 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/export/export_stage.h"
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "core/number_text.h"
+#include "core/io/files.h"
+#include "core/io/image_io.h"
+#include "pipeline/json_text.h"
+#include "semantics/instances/instances_json.h"
+#include "semantics/instances/palette.h"
+#include "splat/scene/ply_io.h"
+#include "splat/render/renderer.h"
+#include "splat/scene/splat_format.h"
+#include "stages/scene/depth_image.h"
+#include "stages/export/box_wireframe.h"
+#include "stages/export/html.h"
+#include "stages/export/report_data.h"
+#include "stages/export/report_page.h"
+#include "stages/export/report_views.h"
+#include "stages/scene/scene_instances.h"
+#include "stages/scene/workspace_scene.h"
+
+namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What bootstrap/ holds.
+struct SceneInstances {
+  std::vector<int32_t> labels;  // Per Gaussian.
+  std::vector<semantics::Instance> instances;
+};
+
+StatusOr<std::optional<SceneInstances>> ReadSceneInstances(
+    const fs::path& workspace, size_t num_gaussians) {
+  std::error_code error;
+  if (!fs::exists(workspace / "bootstrap" / "idsf.bin", error)) {
+    return std::optional<SceneInstances>();
+  }
+  SceneInstances result;
+  FREEGS_ASSIGN_OR_RETURN(result.labels,
+                          ReadInstanceLabels(workspace, num_gaussians));
+  FREEGS_ASSIGN_OR_RETURN(
+      result.instances,
+      semantics::ReadInstances(workspace / "bootstrap" / "instances.json"));
+  return std::optional<SceneInstances>(std::move(result));
+}
+
+std::array<uint8_t, 3> InstanceColor(const semantics::Instance& instance) {
+  return semantics::PaletteColor(instance.id - 1);
+}
+
+std::string InstanceName(const semantics::Instance& instance) {
+  return instance.words.empty() ? "instance " + std::to_string(instance.id)
+                                : instance.words.front();
+}
+
+// The same form as the objects of a truth file (see stages/evaluation/ground_truth.h).
+nlohmann::json BoxesJson(const std::vector<semantics::Instance>& instances) {
+  const auto vector = [](const Eigen::Vector3d& v) {
+    return nlohmann::json::array({v.x(), v.y(), v.z()});
+  };
+  nlohmann::json objects = nlohmann::json::array();
+  for (const semantics::Instance& instance : instances) {
+    nlohmann::json rotation = nlohmann::json::array();
+    for (int row = 0; row < 3; ++row) {
+      rotation.push_back(
+          vector(instance.obb.rotation.row(row).transpose().eval()));
+    }
+    objects.push_back({{"id", instance.id},
+                       {"label", InstanceName(instance)},
+                       {"background", instance.background},
+                       {"aabb",
+                        {{"min", vector(instance.aabb.min)},
+                         {"max", vector(instance.aabb.max)}}},
+                       {"obb",
+                        {{"center", vector(instance.obb.center)},
+                         {"size", vector(instance.obb.size)},
+                         {"rotation", std::move(rotation)}}}});
+  }
+  return {{"objects", std::move(objects)}};
+}
+
+class ExportStage : public pipeline::Stage {
+ public:
+  explicit ExportStage(const ExportStageOptions& options) : options_(options) {}
+
+  std::string_view name() const override { return "export"; }
+
+  std::vector<fs::path> Inputs(const pipeline::StageContext&) const override {
+    return {"ingest/images.json",
+            "sfm/health.json",
+            "undistort/images",
+            "undistort/sparse",
+            "reconstruct/point_cloud.ply",
+            "reconstruct/metrics.json",
+            "reconstruct/progress.csv",
+            "bootstrap/idsf.bin",
+            "bootstrap/instances.json"};
+  }
+
+  Status Run(pipeline::StageContext& context) override {
+    FREEGS_ASSIGN_OR_RETURN(const WorkspaceScene scene,
+                            ReadWorkspaceScene(context.workspace));
+    FREEGS_ASSIGN_OR_RETURN(
+        const std::optional<SceneInstances> found,
+        ReadSceneInstances(context.workspace, scene.model.size()));
+
+    FREEGS_RETURN_IF_ERROR(
+        splat::WritePly(context.output / "scene.ply", scene.model));
+    FREEGS_RETURN_IF_ERROR(
+        splat::WriteSplat(context.output / "scene.splat", scene.model));
+    if (found) {
+      FREEGS_RETURN_IF_ERROR(WriteInstances(scene, *found, context));
+      FREEGS_RETURN_IF_ERROR(WriteMasks(scene, *found, context));
+    } else {
+      context.log(pipeline::LogLevel::kWarning,
+                  "export: bootstrap/ has no instances; masks and boxes are "
+                  "left out");
+    }
+    return WriteReport(scene, found, context);
+  }
+
+ private:
+  static Status WriteInstances(const WorkspaceScene& scene,
+                               const SceneInstances& found,
+                               pipeline::StageContext& context) {
+    FREEGS_RETURN_IF_ERROR(
+        splat::WritePly(context.output / "instances.ply",
+                        ColorByInstance(scene.model, found.labels)));
+    FREEGS_RETURN_IF_ERROR(
+        WriteFileAtomic(context.output / "boxes.json",
+                        pipeline::JsonText(BoxesJson(found.instances))));
+    // A floor's box would hide the others.
+    std::vector<ColoredBox> boxes;
+    for (const semantics::Instance& instance : found.instances) {
+      if (instance.background) continue;
+      boxes.push_back({instance.obb, InstanceColor(instance)});
+    }
+    context.summary["instances"] = found.instances.size();
+    return WriteFileAtomic(context.output / "boxes.ply",
+                           SerializeBoxWireframes(boxes));
+  }
+
+  Status WriteMasks(const WorkspaceScene& scene,
+                    const SceneInstances& found,
+                    pipeline::StageContext& context) const {
+    std::vector<View> views = scene.holdout;
+    const std::vector<View> train =
+        SpreadViews(scene.train, options_.mask_views);
+    views.insert(views.end(), train.begin(), train.end());
+    FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> names,
+                            OutputNames(views, ""));
+    for (size_t i = 0; i < views.size(); ++i) {
+      FREEGS_RETURN_IF_ERROR(CheckCancelled(context));
+      context.progress({"masks",
+                        static_cast<double>(i),
+                        static_cast<double>(views.size()),
+                        ""});
+      const Image<int32_t> map = splat::RenderLabels(scene.model,
+                                                     views[i].camera,
+                                                     views[i].cam_from_world,
+                                                     scene.render,
+                                                     *context.pool,
+                                                     found.labels);
+      const std::set<int32_t> seen(map.data(), map.data() + map.size());
+      const fs::path folder = context.output / "masks" / names[i];
+      FREEGS_RETURN_IF_ERROR(CreateFolders(folder));
+      for (const int32_t label : seen) {
+        if (label < 0) continue;
+        FREEGS_RETURN_IF_ERROR(
+            WriteImage(folder / (std::to_string(label + 1) + ".png"),
+                       InstanceMask(map, label)));
+      }
+    }
+    context.summary["mask_views"] = views.size();
+    return Status();
+  }
+
+  Status WriteReport(const WorkspaceScene& scene,
+                     const std::optional<SceneInstances>& found,
+                     pipeline::StageContext& context) const {
+    ReportData data = GatherReportData(context.workspace);
+    if (found) FillInstances(found->instances, &data);
+    data.views_are_holdout = !scene.holdout.empty();
+    const std::vector<View> views =
+        SpreadViews(data.views_are_holdout ? scene.holdout : scene.train,
+                    options_.report_views);
+    const DepthRange depth_range = VisibleDepthRange(scene.model, views);
+    const std::map<std::string, ViewFigures> figures =
+        ReadHoldoutFigures(context.workspace);
+    const fs::path folder = context.output / "report" / "views";
+    FREEGS_RETURN_IF_ERROR(CreateFolders(folder));
+    std::span<const int32_t> labels;
+    if (found) labels = found->labels;
+    for (size_t i = 0; i < views.size(); ++i) {
+      FREEGS_RETURN_IF_ERROR(CheckCancelled(context));
+      context.progress({"report",
+                        static_cast<double>(i),
+                        static_cast<double>(views.size()),
+                        ""});
+      FREEGS_ASSIGN_OR_RETURN(ReportView view,
+                              WriteReportView(scene,
+                                              views[i],
+                                              depth_range,
+                                              labels,
+                                              context.workspace / "undistort" /
+                                                  "images" / views[i].name,
+                                              folder,
+                                              std::to_string(i + 1),
+                                              *context.pool));
+      const auto measured = figures.find(view.name);
+      if (measured != figures.end()) {
+        view.psnr = measured->second.psnr;
+        view.ssim = measured->second.ssim;
+      }
+      data.views.push_back(std::move(view));
+    }
+    ListFiles(context.output, &data);
+    context.summary["report_views"] = views.size();
+    return WriteFileAtomic(context.output / "report" / "index.html",
+                           RenderReportPage(data));
+  }
+
+  static void FillInstances(const std::vector<semantics::Instance>& instances,
+                            ReportData* data) {
+    data->has_instances = true;
+    int background = 0;
+    for (const semantics::Instance& instance : instances) {
+      ReportInstance row;
+      row.id = instance.id;
+      row.color = InstanceColor(instance);
+      row.num_gaussians = instance.num_gaussians;
+      const Eigen::Vector3d& size = instance.obb.size;
+      row.box_size = {size.x(), size.y(), size.z()};
+      for (const std::string& word : instance.words) {
+        row.words += (row.words.empty() ? "" : ", ") + word;
+      }
+      if (instance.background) {
+        row.words += row.words.empty() ? "background" : " (background)";
+        ++background;
+      }
+      data->instances.push_back(std::move(row));
+    }
+    for (ReportFigure& figure : data->figures) {
+      if (figure.name != kInstancesFigure) continue;
+      figure.value = FormatCount(std::ssize(instances));
+      if (background > 0) {
+        figure.note = std::to_string(background) + " of them background";
+      }
+    }
+  }
+
+  static void ListFiles(const fs::path& output, ReportData* data) {
+    const std::pair<const char*, const char*> known[] = {
+        {"scene.ply", "the scene, for any 3D Gaussian Splatting viewer"},
+        {"scene.splat", "the scene, for web viewers"},
+        {"instances.ply", "the scene in its instances' colours"},
+        {"boxes.json", "boxes of the instances"},
+        {"boxes.ply", "boxes as a mesh"}};
+    for (const auto& [name, what] : known) {
+      std::error_code error;
+      const uintmax_t bytes = fs::file_size(output / name, error);
+      if (error) continue;
+      data->files.push_back({std::string("../") + name, what, bytes});
+    }
+  }
+
+  static Status CheckCancelled(const pipeline::StageContext& context) {
+    return context.cancellation->cancelled()
+               ? InterruptedError("export: stopped")
+               : Status();
+  }
+
+  ExportStageOptions options_;
+};
+
+}  // namespace
+
+void RegisterExportOptions(ExportStageOptions& options,
+                           pipeline::OptionTable& table) {
+  table.AddSection("export",
+                   "PLY files, masks, boxes and a report for other programs "
+                   "and for people.");
+  table.Add("export.mask_views",
+            &options.mask_views,
+            {.help = "Training photos, evenly spread, that get instance masks "
+                     "besides the holdout photos.",
+             .min = 0});
+  table.Add("export.report_views",
+            &options.report_views,
+            {.help = "Photos shown in the report, evenly spread over the "
+                     "holdout photos.",
+             .min = 0});
+}
+
+std::unique_ptr<pipeline::Stage> MakeExportStage(
+    const ExportStageOptions& options) {
+  return std::make_unique<ExportStage>(options);
+}
+
+}  // namespace freegs::stages

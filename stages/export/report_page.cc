@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/export/report_page.h"
+
+#include <cstdio>
+
+#include "core/number_text.h"
+#include "stages/export/html.h"
+#include "stages/export/report_style.h"
+
+namespace freegs::stages {
+namespace {
+
+constexpr char kNotThere[] = "<span class=\"quiet\">not there</span>";
+
+void AppendFigures(const std::vector<ReportFigure>& figures,
+                   std::string* html) {
+  *html += "<dl class=\"figures\">\n";
+  for (const ReportFigure& figure : figures) {
+    *html +=
+        "<div><dt>" + EscapeHtml(figure.name) + "</dt><dd class=\"value\">" +
+        (figure.value.empty() ? kNotThere : EscapeHtml(figure.value)) + "</dd>";
+    if (!figure.note.empty()) {
+      *html += "<dd class=\"note\">" + EscapeHtml(figure.note) + "</dd>";
+    }
+    *html += "</div>\n";
+  }
+  *html += "</dl>\n";
+}
+
+void AppendPicture(const std::string& path,
+                   const std::string& caption,
+                   const std::string& view,
+                   std::string* html) {
+  *html += "<figure>";
+  if (path.empty()) {
+    *html += "<div class=\"nothing\">not there</div>";
+  } else {
+    const std::string url = EncodeUrlPath(path);
+    *html += "<a href=\"" + url + "\"><img loading=\"lazy\" src=\"" + url +
+             "\" alt=\"" + caption + " of " + EscapeHtml(view) + "\"></a>";
+  }
+  *html += "<figcaption>" + caption + "</figcaption></figure>\n";
+}
+
+void AppendViews(const ReportData& data, std::string* html) {
+  *html += "<h2>Views</h2>\n";
+  if (data.views.empty()) {
+    *html += "<p class=\"quiet\">No view to show.</p>\n";
+    return;
+  }
+  *html += data.views_are_holdout
+               ? "<p class=\"quiet\">Photographs that training never saw.</p>\n"
+               : "<p class=\"quiet\">Photographs that training saw: none were "
+                 "kept from it.</p>\n";
+  for (const ReportView& view : data.views) {
+    *html += "<section class=\"view\">\n<h3>" + EscapeHtml(view.name);
+    std::string quality;
+    if (view.psnr) quality += FormatFixed(*view.psnr, 2) + " dB";
+    if (view.ssim) {
+      quality += (quality.empty() ? "" : ", ") + std::string("SSIM ") +
+                 FormatFixed(*view.ssim, 3);
+    }
+    if (!quality.empty()) *html += " <span>\u00b7 " + quality + "</span>";
+    *html += "</h3>\n<div class=\"strip\">\n";
+    AppendPicture(view.photo, "Photo", view.name, html);
+    AppendPicture(view.render, "Render", view.name, html);
+    AppendPicture(view.difference, "Difference \u00d7 4", view.name, html);
+    AppendPicture(view.depth, "Depth", view.name, html);
+    AppendPicture(view.instances, "Instances", view.name, html);
+    *html += "</div>\n</section>\n";
+  }
+}
+
+void AppendCurves(const TrainingCurves& curves, std::string* html) {
+  *html += "<h2>Training</h2>\n";
+  const std::string charts =
+      LineChartSvg(curves.loss, "Loss", 4) +
+      LineChartSvg(curves.holdout_psnr, "Holdout PSNR, dB", 2) +
+      LineChartSvg(curves.num_gaussians, "Gaussians", 0);
+  *html += charts.empty()
+               ? "<p class=\"quiet\">The course of the training is not "
+                 "there.</p>\n"
+               : "<div class=\"charts\">\n" + charts +
+                     "</div>\n<p class=\"quiet\">Over iterations.</p>\n";
+}
+
+std::string Swatch(const std::array<uint8_t, 3>& color) {
+  char text[64];
+  std::snprintf(text,
+                sizeof(text),
+                "style=\"background:#%02x%02x%02x\"",
+                color[0],
+                color[1],
+                color[2]);
+  return std::string("<span class=\"swatch\" ") + text + "></span>";
+}
+
+void AppendInstances(const ReportData& data, std::string* html) {
+  *html += "<h2>Instances</h2>\n";
+  if (!data.has_instances) {
+    *html +=
+        "<p class=\"quiet\">Instances are not there: stage bootstrap has "
+        "not been run.</p>\n";
+    return;
+  }
+  if (data.instances.empty()) {
+    *html += "<p class=\"quiet\">No instance was found.</p>\n";
+    return;
+  }
+  bool words = false;
+  for (const ReportInstance& instance : data.instances) {
+    words = words || !instance.words.empty();
+  }
+  *html += "<div class=\"scroll\"><table>\n<tr><th>Instance</th>" +
+           std::string(words ? "<th>What</th>" : "") +
+           "<th class=\"number\">Gaussians</th>"
+           "<th class=\"number\">Box, world units</th></tr>\n";
+  for (const ReportInstance& instance : data.instances) {
+    *html += "<tr><td>" + Swatch(instance.color) + std::to_string(instance.id) +
+             "</td>";
+    if (words) *html += "<td>" + EscapeHtml(instance.words) + "</td>";
+    *html += "<td class=\"number\">" + FormatCount(instance.num_gaussians) +
+             "</td><td class=\"number\">";
+    if (instance.box_size) {
+      const std::array<double, 3>& size = *instance.box_size;
+      *html += FormatFixed(size[0], 2) + " \u00d7 " + FormatFixed(size[1], 2) +
+               " \u00d7 " + FormatFixed(size[2], 2);
+    } else {
+      *html += "\u2013";
+    }
+    *html += "</td></tr>\n";
+  }
+  *html += "</table></div>\n";
+}
+
+void AppendStages(const std::vector<ReportStage>& stages, std::string* html) {
+  *html +=
+      "<h2>Stages</h2>\n<div class=\"scroll\"><table>\n<tr><th>Stage</th>"
+      "<th class=\"number\">Time</th><th class=\"number\">CPU time</th>"
+      "<th class=\"number\">Peak memory</th></tr>\n";
+  for (const ReportStage& stage : stages) {
+    *html += "<tr><td>" + EscapeHtml(stage.name) + "</td>";
+    const auto cell = [html](const std::string& text) {
+      *html += "<td class=\"number\">" + text + "</td>";
+    };
+    cell(stage.wall_seconds ? FormatSeconds(*stage.wall_seconds) : kNotThere);
+    cell(stage.cpu_seconds ? FormatSeconds(*stage.cpu_seconds) : "");
+    cell(stage.peak_memory_bytes
+             ? FormatBytes(static_cast<double>(*stage.peak_memory_bytes))
+             : "");
+    *html += "</tr>\n";
+  }
+  *html += "</table></div>\n";
+}
+
+void AppendFiles(const std::vector<ReportFile>& files, std::string* html) {
+  if (files.empty()) return;
+  *html += "<h2>Files</h2>\n<div class=\"scroll\"><table>\n";
+  for (const ReportFile& file : files) {
+    const std::string name = file.path.substr(file.path.rfind('/') + 1);
+    *html += "<tr><td><a href=\"" + EncodeUrlPath(file.path) + "\">" +
+             EscapeHtml(name) + "</a></td><td>" + EscapeHtml(file.what) +
+             "</td><td class=\"number\">" +
+             FormatBytes(static_cast<double>(file.bytes)) + "</td></tr>\n";
+  }
+  *html += "</table></div>\n";
+}
+
+}  // namespace
+
+std::string RenderReportPage(const ReportData& data) {
+  std::string html =
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, "
+      "initial-scale=1\">\n<title>" +
+      EscapeHtml(data.title) + "</title>\n<style>" + std::string(kReportStyle) +
+      "</style>\n</head>\n<body>\n<main>\n<header>\n<h1>" +
+      EscapeHtml(data.title) + "</h1>\n";
+  if (!data.subtitle.empty()) {
+    html += "<p class=\"quiet\">" + EscapeHtml(data.subtitle) + "</p>\n";
+  }
+  for (const std::string& warning : data.warnings) {
+    html += "<p class=\"warning\">" + EscapeHtml(warning) + "</p>\n";
+  }
+  html += "</header>\n";
+  AppendFigures(data.figures, &html);
+  AppendViews(data, &html);
+  AppendCurves(data.curves, &html);
+  AppendInstances(data, &html);
+  AppendStages(data.stages, &html);
+  AppendFiles(data.files, &html);
+  html += "<footer>" + EscapeHtml(data.footer) +
+          "</footer>\n</main>\n</body>\n</html>\n";
+  return html;
+}
+
+}  // namespace freegs::stages

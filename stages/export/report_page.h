@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The report as HTML: one page without scripts or network.
+
+#ifndef FREEGS_STAGES_EXPORT_REPORT_PAGE_H_
+#define FREEGS_STAGES_EXPORT_REPORT_PAGE_H_
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "stages/export/training_curve.h"
+
+namespace freegs::stages {
+
+// A figure at the top of the page; an empty value is shown as "not there".
+struct ReportFigure {
+  std::string name;
+  std::string value;
+  std::string note;  // Small, below the value.
+};
+
+// How long a stage took; nothing when there is no stage.json.
+struct ReportStage {
+  std::string name;
+  std::optional<double> wall_seconds;
+  std::optional<double> cpu_seconds;
+  std::optional<int64_t> peak_memory_bytes;
+};
+
+// Pictures of one view: paths relative to the page, empty when not there.
+struct ReportView {
+  std::string name;
+  std::string photo;
+  std::string render;
+  std::string difference;
+  std::string depth;
+  std::string instances;
+  std::optional<double> psnr;  // dB
+  std::optional<double> ssim;
+};
+
+struct ReportInstance {
+  int id = 0;
+  std::array<uint8_t, 3> color = {0, 0, 0};
+  int64_t num_gaussians = 0;
+  std::optional<std::array<double, 3>> box_size;  // World units.
+  std::string words;
+};
+
+// A file to take along; path relative to the page.
+struct ReportFile {
+  std::string path;
+  std::string what;
+  uint64_t bytes = 0;
+};
+
+// Plain text throughout: the page escapes it.
+struct ReportData {
+  std::string title;
+  std::string subtitle;
+  std::vector<ReportFigure> figures;
+  std::vector<std::string> warnings;
+
+  bool views_are_holdout = true;
+  std::vector<ReportView> views;
+
+  TrainingCurves curves;
+
+  bool has_instances = false;  // Whether stage bootstrap left any result.
+  std::vector<ReportInstance> instances;
+
+  std::vector<ReportStage> stages;
+  std::vector<ReportFile> files;
+  std::string footer;
+};
+
+std::string RenderReportPage(const ReportData& data);
+
+}  // namespace freegs::stages
+
+#endif  // FREEGS_STAGES_EXPORT_REPORT_PAGE_H_

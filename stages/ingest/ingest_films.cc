@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/ingest/ingest_films.h"
+
+#include <cstdio>
+#include <utility>
+
+#include "core/io/files.h"
+#include "core/io/image_io.h"
+
+namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+using pipeline::LogLevel;
+using pipeline::StageContext;
+
+constexpr size_t kMinFrames = 3;
+
+std::string FrameName(int number) {
+  char name[32];
+  std::snprintf(name, sizeof(name), "frame_%06d.jpg", number);
+  return name;
+}
+
+std::string Rounded(double value) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.2f", value);
+  return text;
+}
+
+StatusOr<std::vector<photos::Photo>> TakeFrames(
+    const StageContext& context,
+    const fs::path& path,
+    const std::string& film,
+    const photos::VideoFrameOptions& options,
+    const fs::path& folder) {
+  FREEGS_ASSIGN_OR_RETURN(
+      const photos::VideoSurvey survey,
+      photos::SurveyVideo(path, options, context.progress, context.cancellation));
+  const std::vector<photos::VideoFrame> chosen =
+      photos::ChooseVideoFrames(survey.frames, options);
+  const std::string moved = Rounded(survey.frames.back().path);
+  if (chosen.size() < kMinFrames) {
+    return BadInputError(
+        path.string() + ": its picture moves by only " + moved +
+        " of its width in " + std::to_string(survey.frames.size()) +
+        " frames: too little to see the scene from several sides; move the "
+        "camera, or lower ingest.video_motion");
+  }
+  if (static_cast<double>(survey.frames.size()) <
+      0.9 * static_cast<double>(survey.claimed_frames)) {
+    context.log(LogLevel::kWarning,
+                film + ": only " + std::to_string(survey.frames.size()) +
+                    " of " + std::to_string(survey.claimed_frames) +
+                    " frames can be decoded; is the film complete?");
+  }
+  FREEGS_RETURN_IF_ERROR(CreateFolders(folder / film));
+  std::vector<photos::Photo> photos;
+  const auto on_frame = [&](const photos::VideoFrame& frame,
+                            const ImageU8& pixels) -> Status {
+    photos::Photo photo;
+    photo.file = film + "/" + FrameName(frame.number);
+    photo.film = film;
+    photo.frame = frame.number;
+    photo.time_s = frame.time_s;
+    FREEGS_RETURN_IF_ERROR(WriteImage(folder / photo.file, pixels));
+    photos.push_back(std::move(photo));
+    if (context.progress) {
+      context.progress({"taking frames",
+                        static_cast<double>(photos.size()),
+                        static_cast<double>(chosen.size()),
+                        ""});
+    }
+    return Status();
+  };
+  FREEGS_RETURN_IF_ERROR(
+      photos::ReadVideoFrames(path, chosen, on_frame, context.cancellation));
+  context.log(LogLevel::kInfo,
+              film + ": " + std::to_string(photos.size()) + " of " +
+                  std::to_string(survey.frames.size()) +
+                  " frames taken; the picture moves by " + moved +
+                  " of its width");
+  return photos;
+}
+
+}  // namespace
+
+StatusOr<std::vector<photos::Photo>> TakeFilmFrames(
+    const StageContext& context,
+    const fs::path& films_root,
+    const std::vector<std::string>& films,
+    const photos::VideoFrameOptions& options,
+    const fs::path& folder) {
+  std::vector<photos::Photo> photos;
+  for (const std::string& film : films) {
+    StatusOr<std::vector<photos::Photo>> frames =
+        TakeFrames(context, films_root / film, film, options, folder);
+    if (frames.ok()) {
+      photos.insert(photos.end(), frames->begin(), frames->end());
+      continue;
+    }
+    const bool about_film = frames.status().code() == StatusCode::kBadInput;
+    if (!about_film || films.size() == 1) return frames.status();
+    photos::Photo rejected;
+    rejected.file = film;
+    rejected.split = photos::PhotoSplit::kRejected;
+    rejected.reason = frames.status().message();
+    photos.push_back(std::move(rejected));
+  }
+  return photos;
+}
+
+}  // namespace freegs::stages

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The part of the stage ingest that makes photos of films.
+
+#ifndef FREEGS_STAGES_INGEST_INGEST_FILMS_H_
+#define FREEGS_STAGES_INGEST_INGEST_FILMS_H_
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/status.h"
+#include "pipeline/stage.h"
+#include "photos/photo_list.h"
+#include "photos/video_frames.h"
+
+namespace freegs::stages {
+
+// Writes the chosen frames of each film as folder/FILM/frame_NNNNNN.jpg (the
+// number counts all frames from 0) and returns one photo per frame, of which
+// only file, film, frame and time_s are set. A film that cannot be used becomes
+// one rejected photo. `films` are relative to films_root.
+StatusOr<std::vector<photos::Photo>> TakeFilmFrames(
+    const pipeline::StageContext& context,
+    const std::filesystem::path& films_root,
+    const std::vector<std::string>& films,
+    const photos::VideoFrameOptions& options,
+    const std::filesystem::path& folder);
+
+}  // namespace freegs::stages
+
+#endif  // FREEGS_STAGES_INGEST_INGEST_FILMS_H_

@@ -1,0 +1,368 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/ingest/ingest_stage.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "core/io/files.h"
+#include "core/io/image_io.h"
+#include "photos/photo_list.h"
+#include "photos/photo_scan.h"
+#include "photos/photo_selection.h"
+#include "stages/ingest/ingest_films.h"
+
+namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+using pipeline::LogLevel;
+using pipeline::StageContext;
+using photos::Photo;
+using photos::PhotoSplit;
+
+constexpr int kMinUsable = 3;
+
+// A file's name as part of one line of text.
+std::string OneLine(std::string name) {
+  for (char& c : name) {
+    if (static_cast<uint8_t>(c) < 0x20 || c == 0x7f) c = '?';
+  }
+  return name;
+}
+
+// Calls body for 0 <= i < count, one index at a time, reports progress, and
+// returns the error of the smallest index that has one. Stops early when
+// cancelled.
+Status ForEachPhoto(StageContext& context,
+                    const std::string& step,
+                    size_t count,
+                    const std::function<Status(size_t)>& body) {
+  const auto cancelled = [&context] {
+    return context.cancellation != nullptr && context.cancellation->cancelled();
+  };
+  std::vector<Status> results(count);
+  std::atomic<int64_t> done = 0;
+  context.pool->ParallelFor(
+      0,
+      static_cast<int64_t>(count),
+      1,
+      [&](int64_t first, int64_t last, int worker) {
+        for (int64_t i = first; i < last; ++i) {
+          if (cancelled()) return;
+          results[i] = body(static_cast<size_t>(i));
+          ++done;
+          // Only the calling thread reports: receivers need no locks.
+          if (worker == 0 && context.progress) {
+            context.progress({step,
+                              static_cast<double>(done.load()),
+                              static_cast<double>(count),
+                              ""});
+          }
+        }
+      });
+  if (cancelled()) return InterruptedError("stopped while " + step);
+  for (const Status& result : results) FREEGS_RETURN_IF_ERROR(result);
+  return Status();
+}
+
+class IngestStage : public pipeline::Stage {
+ public:
+  explicit IngestStage(const IngestStageOptions& options) : options_(options) {}
+
+  std::string_view name() const override { return "ingest"; }
+
+  std::vector<fs::path> Inputs(const StageContext& context) const override {
+    std::vector<fs::path> inputs = {context.images};
+    if (!options_.holdout_list.empty()) {
+      inputs.emplace_back(options_.holdout_list);
+    }
+    // A folder's hash does not follow links to folders; the scan does.
+    if (!options_.masks.masks.empty() && options_.masks.use_masks) {
+      inputs.emplace_back(options_.masks.masks);
+    }
+    const auto scan = Scan(context);
+    if (!scan.ok()) return inputs;
+    for (const std::string& link : scan->linked_folders) {
+      inputs.push_back(context.images / link / "");
+    }
+    return inputs;
+  }
+
+  Status Run(StageContext& context) override {
+    FREEGS_RETURN_IF_ERROR(options_.Check());
+    if (context.images.empty()) {
+      return BadInputError(
+          "no photo folder was given; name it once: freegs_pipeline run IMAGES "
+          "WORKSPACE");
+    }
+    FREEGS_ASSIGN_OR_RETURN(photos::HoldoutRule rule, ReadHoldoutRule());
+    FREEGS_RETURN_IF_ERROR(PrepareFolders(context));
+    photos::PhotoList list;
+    list.images_folder = context.images.string();
+    FREEGS_RETURN_IF_ERROR(Inspect(context, &list));
+    FREEGS_RETURN_IF_ERROR(Select(context, rule, &list));
+    FREEGS_RETURN_IF_ERROR(PlacePhotos(context, list));
+    FREEGS_ASSIGN_OR_RETURN(const fs::path masks,
+                            FindMaskFolder(context.images, options_.masks));
+    FREEGS_RETURN_IF_ERROR(
+        PlaceMasks(context, masks, options_.masks, options_.decode, &list));
+    FREEGS_RETURN_IF_ERROR(
+        WritePhotoList(context.output / "images.json", list));
+    Summarise(list, &context.summary);
+    return Status();
+  }
+
+ private:
+  StatusOr<photos::HoldoutRule> ReadHoldoutRule() const {
+    photos::HoldoutRule rule;
+    rule.every = options_.holdout_every;
+    rule.pattern = options_.holdout;
+    if (options_.holdout_list.empty()) return rule;
+    constexpr uint64_t kMaxListBytes = uint64_t{64} << 20;
+    const StatusOr<std::string> text =
+        ReadFile(options_.holdout_list, kMaxListBytes);
+    if (!text.ok()) return text.status().Annotated("ingest.holdout_list");
+    rule.names = photos::ParseNameList(*text);
+    // An empty list is a choice, too.
+    if (rule.names.empty()) rule.pattern = "none";
+    return rule;
+  }
+
+  // Re-encoded photos wait in pending/ until it is known which of them stay and
+  // under which name. Nothing of an interrupted run is used: the stage is
+  // short.
+  static Status PrepareFolders(const StageContext& context) {
+    for (const char* name : {"photos", "pending", "frames"}) {
+      std::error_code error;
+      fs::remove_all(context.output / name, error);
+      FREEGS_RETURN_IF_ERROR(CreateFolders(context.output / name));
+    }
+    return Status();
+  }
+
+  static fs::path PendingPath(const StageContext& context, size_t index) {
+    return context.output / "pending" / (std::to_string(index) + ".png");
+  }
+
+  // A film given by itself is a folder of one film.
+  StatusOr<photos::PhotoScan> Scan(const StageContext& context) const {
+    std::error_code error;
+    if (fs::is_regular_file(context.images, error)) {
+      photos::PhotoScan scan;
+      scan.films.push_back(context.images.filename().string());
+      return scan;
+    }
+    FREEGS_ASSIGN_OR_RETURN(const fs::path masks,
+                            FindMaskFolder(context.images, options_.masks));
+    std::vector<fs::path> excluded = {context.workspace};
+    if (!masks.empty()) excluded.push_back(masks);
+    return photos::ScanPhotos(context.images, excluded);
+  }
+
+  // Where the original of a photo lies: frames of films are in the workspace.
+  static fs::path SourceFolder(const StageContext& context,
+                               const Photo& photo) {
+    return photo.film.empty() ? context.images : context.output / "frames";
+  }
+
+  // Frames of films, when there are no photos. (Phones leave a short film
+  // beside each photo.)
+  StatusOr<std::vector<Photo>> TakeFilms(const StageContext& context,
+                                         const photos::PhotoScan& scan) const {
+    if (scan.films.empty()) return std::vector<Photo>();
+    if (!scan.files.empty()) {
+      Warn(context,
+           std::to_string(scan.films.size()) +
+               " films among the photos are not used, such as " +
+               OneLine(scan.films.front()) +
+               "; give a film, or a folder with films only");
+      return std::vector<Photo>();
+    }
+    std::error_code error;
+    photos::VideoFrameOptions film = options_.film;
+    film.max_megapixels = options_.decode.max_megapixels;
+    return TakeFilmFrames(context,
+                          fs::is_regular_file(context.images, error)
+                              ? context.images.parent_path()
+                              : context.images,
+                          scan.films,
+                          film,
+                          context.output / "frames");
+  }
+
+  Status Inspect(StageContext& context, photos::PhotoList* list) const {
+    FREEGS_ASSIGN_OR_RETURN(const photos::PhotoScan scan, Scan(context));
+    for (const std::string& warning : scan.warnings) {
+      Warn(context, OneLine(warning));
+    }
+    FREEGS_ASSIGN_OR_RETURN(list->photos, TakeFilms(context, scan));
+    for (const std::string& file : scan.files) {
+      list->photos.emplace_back().file = file;
+    }
+    photos::PhotoInspector inspector(options_.decode);
+    return ForEachPhoto(
+        context, "reading photos", list->photos.size(), [&](size_t i) {
+          Photo& photo = list->photos[i];
+          if (!photo.usable()) return Status();
+          const Photo known = photo;
+          photos::InspectedPhoto inspected =
+              inspector.Inspect(SourceFolder(context, known), known.file);
+          photo = std::move(inspected.photo);
+          photo.film = known.film;
+          photo.frame = known.frame;
+          photo.time_s = known.time_s;
+          if (inspected.pixels.empty()) return Status();
+          return WriteImage(PendingPath(context, i), inspected.pixels);
+        });
+  }
+
+  Status Select(const StageContext& context,
+                const photos::HoldoutRule& rule,
+                photos::PhotoList* list) const {
+    std::vector<Photo>& photos = list->photos;
+    photos::RejectDuplicates(&photos);
+    const size_t unreadable = WarnOfRejected(context, photos);
+    const size_t usable = photos.size() - unreadable;
+    if (usable < kMinUsable) return TooFewError(context, photos, usable);
+    photos::RejectBlurred(options_.keep_sharpest, &photos);
+    if (options_.keep_sharpest < 1 && context.log) {
+      const int rejected = list->Count(PhotoSplit::kRejected);
+      context.log(LogLevel::kInfo,
+                  "keeping the sharpest " +
+                      std::to_string(photos.size() - rejected) + " of " +
+                      std::to_string(usable) + " photos");
+    }
+    const auto unmatched = photos::AssignHoldout(rule, &photos);
+    if (!unmatched.ok()) {
+      return BadInputError(unmatched.status().message() +
+                           " (ingest.holdout_every, ingest.holdout, "
+                           "ingest.holdout_list)");
+    }
+    for (const std::string& name : *unmatched) {
+      Warn(context, "holdout: no usable photo is named " + OneLine(name));
+    }
+    photos::AssignCameraGroups(&photos);
+    photos::AssignNames(&photos);
+    return Status();
+  }
+
+  // Moves and copies the usable photos to photos/.
+  static Status PlacePhotos(StageContext& context, const photos::PhotoList& list) {
+    const fs::path folder = context.output / "photos";
+    std::vector<size_t> usable;
+    for (size_t i = 0; i < list.photos.size(); ++i) {
+      if (!list.photos[i].usable()) continue;
+      usable.push_back(i);
+      FREEGS_RETURN_IF_ERROR(
+          CreateFolders((folder / list.photos[i].name).parent_path()));
+    }
+    FREEGS_RETURN_IF_ERROR(ForEachPhoto(
+        context, "copying photos", usable.size(), [&](size_t k) -> Status {
+          const Photo& photo = list.photos[usable[k]];
+          const fs::path target = folder / photo.name;
+          if (!photo.converted) {
+            return CopyPhoto(
+                SourceFolder(context, photo) / photo.file, photo, target);
+          }
+          std::error_code error;
+          fs::rename(PendingPath(context, usable[k]), target, error);
+          if (!error) return Status();
+          return InternalError(target.string() +
+                               ": cannot write: " + error.message());
+        }));
+    std::error_code ignored;
+    fs::remove_all(context.output / "pending", ignored);
+    fs::remove_all(context.output / "frames", ignored);
+    return Status();
+  }
+
+  // A copy, not a link: who edits a file of the workspace must not change the
+  // original.
+  static Status CopyPhoto(const fs::path& source,
+                          const Photo& photo,
+                          const fs::path& target) {
+    FREEGS_ASSIGN_OR_RETURN(const std::string bytes, ReadFile(source));
+    if (HashBytes(bytes) != photo.file_hash) {
+      return BadInputError(source.string() +
+                           ": changed while it was being read; run again when "
+                           "it is complete");
+    }
+    return WriteFileAtomic(target, bytes);
+  }
+
+  static void Warn(const StageContext& context, const std::string& text) {
+    if (context.log) context.log(LogLevel::kWarning, text);
+  }
+
+  // One line per rejected photo; returns their number.
+  static size_t WarnOfRejected(const StageContext& context,
+                               const std::vector<Photo>& photos) {
+    size_t rejected = 0;
+    for (const Photo& photo : photos) {
+      if (photo.usable()) continue;
+      ++rejected;
+      Warn(context, OneLine(photo.file) + ": not used: " + photo.reason);
+    }
+    return rejected;
+  }
+
+  static Status TooFewError(const StageContext& context,
+                            const std::vector<Photo>& photos,
+                            size_t usable) {
+    const std::string folder = context.images.string();
+    if (photos.empty()) {
+      return BadInputError(folder +
+                           ": no JPEG, PNG or TIFF photos and no films here or "
+                           "below");
+    }
+    std::string message = folder + ": " + std::to_string(usable) + " of " +
+                          std::to_string(photos.size()) +
+                          " photos can be used, " + std::to_string(kMinUsable) +
+                          " are needed";
+    constexpr size_t kShown = 3;
+    size_t shown = 0;
+    for (const Photo& photo : photos) {
+      if (photo.usable() || shown == kShown) continue;
+      message += ". " + OneLine(photo.file) + ": " + photo.reason;
+      ++shown;
+    }
+    const size_t rejected = photos.size() - usable;
+    if (rejected > shown) {
+      message += ". And " + std::to_string(rejected - shown) + " more";
+    }
+    return BadInputError(message);
+  }
+
+  static void Summarise(const photos::PhotoList& list, nlohmann::json* summary) {
+    (*summary)["photos"] = list.photos.size();
+    (*summary)["train"] = list.Count(PhotoSplit::kTrain);
+    (*summary)["holdout"] = list.Count(PhotoSplit::kHoldout);
+    nlohmann::json rejected = nlohmann::json::array();
+    int groups = 0;
+    for (const Photo& photo : list.photos) {
+      groups = std::max(groups, photo.camera_group + 1);
+      if (!photo.usable()) {
+        rejected.push_back({{"file", photo.file}, {"reason", photo.reason}});
+      }
+    }
+    (*summary)["camera_groups"] = groups;
+    (*summary)["rejected"] = std::move(rejected);
+  }
+
+  IngestStageOptions options_;
+};
+
+}  // namespace
+
+std::unique_ptr<pipeline::Stage> MakeIngestStage(
+    const IngestStageOptions& options) {
+  return std::make_unique<IngestStage>(options);
+}
+
+}  // namespace freegs::stages

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/reconstruct/reconstruct_options.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <system_error>
+
+namespace freegs::stages {
+namespace {
+
+constexpr int64_t kMaxBudget = 1000000000;
+
+// Learning rates of 3DGS are made for 30000 steps. Short trainings gain from
+// larger ones: 1000 steps at twice the rates end 1 dB higher on real photos.
+double RateFactor(int iterations) {
+  return std::clamp(std::sqrt(8000.0 / iterations), 1.0, 2.0);
+}
+
+// A model begun anew from its depth maps needs thousands of steps to be as good
+// as it was: after 10000 it is still 0.2 dB behind, with 13 % fewer Gaussians.
+constexpr int kMinIterationsOfDepthReinit = 20000;
+
+StatusOr<int64_t> ParseBudget(const ReconstructStageOptions& options) {
+  const std::string& text = options.budget;
+  if (text == "auto") return options.budget_limit;
+  int64_t budget = 0;
+  const char* const last = text.data() + text.size();
+  const auto [stop, failure] = std::from_chars(text.data(), last, budget);
+  if (failure != std::errc() || stop != last || budget < 0 ||
+      budget > kMaxBudget) {
+    return InvalidArgumentError("reconstruct.budget is '" + text +
+                                "'; give auto or a number, 0 for no limit");
+  }
+  return budget;
+}
+
+splat::DensificationMethod ParseDensification(const std::string& text) {
+  if (text == "gradient") return splat::DensificationMethod::kGradient;
+  if (text == "none") return splat::DensificationMethod::kNone;
+  return splat::DensificationMethod::kMiniSplatting;
+}
+
+std::optional<splat::ImportanceMetric> ParseImportance(
+    const std::string& text) {
+  if (text == "indoor") return splat::ImportanceMetric::kIndoor;
+  if (text == "outdoor") return splat::ImportanceMetric::kOutdoor;
+  return std::nullopt;
+}
+
+}  // namespace
+
+splat::RenderOptions ReconstructRenderOptions(
+    const ReconstructStageOptions& options) {
+  splat::RenderOptions render;
+  if (options.background == "white") render.background = {1, 1, 1};
+  return render;
+}
+
+StatusOr<splat::TrainerOptions> MakeTrainerOptions(
+    const ReconstructStageOptions& options, uint64_t seed) {
+  splat::TrainerOptions training;
+  splat::ScheduleOptions& schedule = training.schedule;
+  schedule.iterations = options.iterations;
+  schedule.method = ParseDensification(options.densification);
+  schedule.sh_degree = options.sh_degree;
+  schedule.densify_interval = options.densify_interval;
+  schedule.opacity_reset_interval = options.opacity_reset_interval;
+  if (!options.coarse_to_fine) schedule.resolution_steps.clear();
+  const bool reinitialize = options.depth_reinit == "always" ||
+                            (options.depth_reinit == "auto" &&
+                             options.iterations >= kMinIterationsOfDepthReinit);
+  if (!reinitialize) schedule.depth_reinit_at.clear();
+  FREEGS_ASSIGN_OR_RETURN(training.budget, ParseBudget(options));
+  training.importance = ParseImportance(options.importance);
+  training.densification.gradient_threshold = options.densify_gradient;
+  splat::LearningRateOptions& rates = training.learning_rates;
+  rates.mean_decay_steps = options.iterations;
+  for (double* rate : {&rates.mean_initial,
+                       &rates.log_scale,
+                       &rates.rotation,
+                       &rates.opacity_logit,
+                       &rates.sh_dc,
+                       &rates.sh_rest}) {
+    *rate *= RateFactor(options.iterations);
+  }
+  training.render = ReconstructRenderOptions(options);
+  training.seed = seed;
+  FREEGS_RETURN_IF_ERROR(training.Check());
+  return training;
+}
+
+void RegisterReconstructOptions(ReconstructStageOptions& options,
+                                pipeline::OptionTable& table) {
+  table.AddSection("reconstruct",
+                   "Phase 1: Gaussians are fitted to the photographs.");
+  table.Add(
+      "reconstruct.iterations",
+      &options.iterations,
+      {.help = "Gradient steps, one photo each.", .min = 1, .max = 1000000});
+  table.Add("reconstruct.max_image_size",
+            &options.max_image_size,
+            {.help = "Longest side in pixels of the images the splats learn "
+                     "from; 0 keeps the photos' own size.",
+             .min = 0,
+             .max = 100000});
+  table.Add("reconstruct.sh_degree",
+            &options.sh_degree,
+            {.help = "Degree of the spherical harmonics that make colour "
+                     "depend on the viewing direction.",
+             .min = 0,
+             .max = 3});
+  table.Add("reconstruct.densification",
+            &options.densification,
+            {.help = "How Gaussians are placed. mini_splatting: many, then "
+                     "cut down to the important ones. gradient: cloned and "
+                     "split where the image asks "
+                     "for it (3DGS). none: the points of structure from "
+                     "motion.",
+             .choices = {"mini_splatting", "gradient", "none"}});
+  table.Add("reconstruct.budget",
+            &options.budget,
+            {.help = "Upper bound of the number of Gaussians of the result. "
+                     "auto: as many, of as high an SH degree, as the holdout "
+                     "photos still gain from, and no more than budget_limit; 0 "
+                     "is no bound."});
+  table.Add("reconstruct.budget_limit",
+            &options.budget_limit,
+            {.help = "The most Gaussians that budget = auto considers.",
+             .min = 1000,
+             .max = 100000000});
+  table.Add("reconstruct.depth_reinit",
+            &options.depth_reinit,
+            {.help = "Whether mini_splatting starts again from depth maps, "
+                     "twice before half of the iterations. auto: when there "
+                     "are 20000 or more.",
+             .choices = {"auto", "always", "never"}});
+  table.Add("reconstruct.importance",
+            &options.importance,
+            {.help = "How mini_splatting measures which Gaussians are "
+                     "important: indoor suits bounded scenes, outdoor those "
+                     "with a far background; auto looks at the points.",
+             .choices = {"auto", "indoor", "outdoor"}});
+  table.Add("reconstruct.densify_interval",
+            &options.densify_interval,
+            {.help = "Iterations between densifications; 0 never clones or "
+                     "splits.",
+             .min = 0});
+  table.Add("reconstruct.densify_gradient",
+            &options.densify_gradient,
+            {.help = "Gaussians whose mean gradient in the image (which spans "
+                     "-1 to 1) is larger are cloned or split.",
+             .min = 0});
+  table.Add("reconstruct.opacity_reset_interval",
+            &options.opacity_reset_interval,
+            {.help = "Opacities are set to 0.01 every so many iterations "
+                     "while densifying by gradient; 0 never does.",
+             .min = 0});
+  table.Add("reconstruct.coarse_to_fine",
+            &options.coarse_to_fine,
+            {.help = "Train on small images first, for as long as what is in "
+                     "the photos fits into them."});
+  table.Add("reconstruct.background",
+            &options.background,
+            {.help = "Colour behind the scene. White suits cut-out objects "
+                     "(see ingest.background).",
+             .choices = {"black", "white"}});
+  table.Add("reconstruct.holdout_interval",
+            &options.holdout_interval,
+            {.help = "Iterations between measurements on the holdout photos; "
+                     "0 measures only at the end.",
+             .min = 0,
+             .affects_result = false});
+  table.Add("reconstruct.image_cache_gb",
+            &options.image_cache_gb,
+            {.help = "Gigabytes of decoded photos kept in memory; more photos "
+                     "are read again when needed.",
+             .min = 0.01,
+             .affects_result = false});
+  table.Add("reconstruct.import",
+            &options.import,
+            {.help = "A 3DGS .ply to take instead of training, in the frame "
+                     "of the camera poses.",
+             .is_path = true});
+}
+
+}  // namespace freegs::stages

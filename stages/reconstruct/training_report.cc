@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/reconstruct/training_report.h"
+
+#include <cstdio>
+#include <utility>
+
+namespace freegs::stages {
+namespace {
+
+// Null where the number was given.
+nlohmann::json ChoiceJson(const std::optional<splat::BudgetChoice>& choice) {
+  if (!choice) return nullptr;
+  nlohmann::json trials = nlohmann::json::array();
+  for (const splat::BudgetTrial& trial : choice->trials) {
+    trials.push_back({{"budget", trial.budget},
+                      {"sh_degree", trial.sh_degree},
+                      {"holdout_psnr", trial.holdout_psnr}});
+  }
+  return {{"budget", choice->budget},
+          {"sh_degree", choice->sh_degree},
+          {"trials", std::move(trials)}};
+}
+
+}  // namespace
+
+nlohmann::json CourseJson(const std::string& densification,
+                          const splat::Trainer* trainer) {
+  nlohmann::json course = {{"densification", nullptr},
+                           {"budget_search", nullptr},
+                           {"importance_metric", nullptr},
+                           {"milestones", nlohmann::json::array()},
+                           {"recoveries", nlohmann::json::array()}};
+  if (trainer == nullptr) return course;
+  course["densification"] = densification;
+  course["budget_search"] = ChoiceJson(trainer->budget_choice());
+  if (densification == "mini_splatting") {
+    const bool outdoor =
+        trainer->importance_metric() == splat::ImportanceMetric::kOutdoor;
+    course["importance_metric"] = outdoor ? "outdoor" : "indoor";
+  }
+  for (const splat::MilestoneRecord& record : trainer->milestones()) {
+    course["milestones"].push_back(
+        {{"iteration", record.iteration},
+         {"event", splat::TrainingEventName(record.event)},
+         {"gaussians_before", record.gaussians_before},
+         {"gaussians_after", record.gaussians_after}});
+  }
+  for (const splat::Recovery& recovery : trainer->recoveries()) {
+    course["recoveries"].push_back({{"iteration", recovery.iteration},
+                                    {"reason", recovery.reason},
+                                    {"back_to", recovery.back_to},
+                                    {"rate_factor", recovery.rate_factor}});
+  }
+  return course;
+}
+
+std::string RecoveryText(const splat::Recovery& recovery) {
+  char factor[32];
+  std::snprintf(factor, sizeof(factor), "%g", recovery.rate_factor);
+  return "training diverged at iteration " +
+         std::to_string(recovery.iteration) + " (" + recovery.reason +
+         "); back to iteration " + std::to_string(recovery.back_to) +
+         ", learning rates now times " + factor;
+}
+
+std::string MilestoneText(const splat::MilestoneRecord& record) {
+  return std::string(splat::TrainingEventName(record.event)) +
+         " at iteration " + std::to_string(record.iteration) + ", " +
+         std::to_string(record.gaussians_before) + " -> " +
+         std::to_string(record.gaussians_after) + " Gaussians";
+}
+
+std::string TrialText(const splat::GaussianModel& model,
+                      double psnr,
+                      int level) {
+  char text[128];
+  std::snprintf(text,
+                sizeof(text),
+                "trial at 1/%d size, %zu Gaussians of SH degree %d: %.2f dB on "
+                "the holdout",
+                1 << level,
+                model.size(),
+                model.sh_degree,
+                psnr);
+  return text;
+}
+
+}  // namespace freegs::stages

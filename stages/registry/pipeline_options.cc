@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/registry/pipeline_options.h"
+
+#include <system_error>
+#include <utility>
+
+#include "stages/registry/presets.h"
+#include "stages/registry/query_options.h"
+
+namespace freegs::stages {
+
+using pipeline::OptionSetting;
+using pipeline::OptionTable;
+
+void RegisterGeneralOptions(GeneralOptions& options, OptionTable& table) {
+  table.AddSection("general", "What concerns more than one stage.");
+  table.Add("general.preset",
+            &options.preset,
+            {.help = "Set of option values to start from: how much time to "
+                     "spend on how good a result.",
+             .choices = PresetNames(),
+             .affects_result = false});
+  table.Add("general.threads",
+            &options.threads,
+            {.help = "Threads to work with; 0 takes one per available core. "
+                     "The result does not depend on it.",
+             .min = 0,
+             .max = 1024,
+             .affects_result = false});
+  table.Add("general.seed",
+            &options.seed,
+            {.help = "Start of every random sequence: the same seed gives the "
+                     "same result.",
+             .min = 0});
+  table.Add("general.checkpoint_interval",
+            &options.checkpoint_interval,
+            {.help = "Seconds between checkpoints of long stages.",
+             .min = 0,
+             .max = 86400,
+             .affects_result = false});
+  table.Add("general.verbose",
+            &options.verbose,
+            {.help = "Also log details.", .affects_result = false});
+  table.AddAlias("preset", "general.preset");
+  table.AddAlias("threads", "general.threads");
+  table.AddAlias("seed", "general.seed");
+  table.AddAlias("verbose", "general.verbose");
+}
+
+OptionTable MakeOptionTable(PipelineOptions* options) {
+  OptionTable table;
+  RegisterGeneralOptions(options->general, table);
+  RegisterIngestOptions(options->ingest, table);
+  RegisterSfmOptions(options->sfm, table);
+  RegisterUndistortOptions(options->undistort, table);
+  RegisterReconstructOptions(options->reconstruct, table);
+  RegisterBootstrapOptions(options->bootstrap, table);
+  RegisterExportOptions(options->export_, table);
+  RegisterQueryOptions(options->query, table);
+  return table;
+}
+
+Status ApplySettings(const std::filesystem::path& workspace,
+                     const std::vector<OptionSetting>& command_line,
+                     OptionTable& table) {
+  const std::filesystem::path path = pipeline::ConfigPath(workspace);
+  std::vector<OptionSetting> config;
+  std::error_code error;
+  if (std::filesystem::exists(path, error)) {
+    FREEGS_ASSIGN_OR_RETURN(config, table.ParseConfigFile(path));
+  }
+  OptionSetting preset{
+      "general.preset", table.Find("general.preset")->value(), "default"};
+  for (const auto* settings : {&std::as_const(config), &command_line}) {
+    for (const OptionSetting& setting : *settings) {
+      if (setting.name == preset.name) preset = setting;
+    }
+  }
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<OptionSetting> preset_settings,
+                          PresetSettings(preset.value));
+  FREEGS_RETURN_IF_ERROR(table.Apply(preset_settings));
+  FREEGS_RETURN_IF_ERROR(table.Apply(config));
+  return table.Apply(command_line);
+}
+
+std::vector<OptionSetting> RememberedSettings(
+    const std::filesystem::path& workspace,
+    const pipeline::WorkspaceInfo& info,
+    const OptionTable& table) {
+  std::vector<OptionSetting> settings;
+  for (const auto& [name, value] : info.settings) {
+    const OptionTable::Option* option = table.Find(name);
+    if (option == nullptr) continue;
+    OptionSetting setting{name, value, "settings of the last run"};
+    if (option->spec.is_path) {
+      setting.value = pipeline::PathInWorkspace(workspace, value);
+    }
+    settings.push_back(std::move(setting));
+  }
+  return settings;
+}
+
+}  // namespace freegs::stages

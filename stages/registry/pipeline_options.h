@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// All options of the pipeline in one struct, and the table that reads them.
+
+#ifndef FREEGS_STAGES_REGISTRY_PIPELINE_OPTIONS_H_
+#define FREEGS_STAGES_REGISTRY_PIPELINE_OPTIONS_H_
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/status.h"
+#include "pipeline/option_table.h"
+#include "pipeline/workspace.h"
+#include "semantics/queries/text_query.h"
+#include "stages/bootstrap/bootstrap_stage.h"
+#include "stages/export/export_stage.h"
+#include "stages/ingest/ingest_stage.h"
+#include "stages/reconstruct/reconstruct_stage.h"
+#include "stages/sfm/sfm_stage.h"
+#include "stages/sfm/undistort_stage.h"
+
+namespace freegs::stages {
+
+// What concerns more than one stage.
+struct GeneralOptions {
+  // A named set of option values (see presets.h).
+  std::string preset = "balanced";
+
+  // Threads to work with; 0 takes one per available core. Results do not
+  // depend on it.
+  int threads = 0;
+
+  // Start of every random sequence: the same seed gives the same bytes.
+  int64_t seed = 0;
+
+  // Seconds between checkpoints of long stages.
+  double checkpoint_interval = 60;
+
+  // Also logs details.
+  bool verbose = false;
+};
+
+void RegisterGeneralOptions(GeneralOptions& options,
+                            pipeline::OptionTable& table);
+
+struct PipelineOptions {
+  GeneralOptions general;
+  IngestStageOptions ingest;
+  SfmStageOptions sfm;
+  UndistortStageOptions undistort;
+  ReconstructStageOptions reconstruct;
+  BootstrapStageOptions bootstrap;
+  ExportStageOptions export_;  // "export" is a word of the language.
+  semantics::TextQueryOptions query;
+};
+
+// The table over `options`, which must outlive it. Commands may add words of
+// their own.
+pipeline::OptionTable MakeOptionTable(PipelineOptions* options);
+
+// Sets the options of a table from MakeOptionTable: first the preset (named on
+// the command line, else in config.ini, else the default), then
+// WORKSPACE/config.ini if there is one, then the command line.
+Status ApplySettings(const std::filesystem::path& workspace,
+                     const std::vector<pipeline::OptionSetting>& command_line,
+                     pipeline::OptionTable& table);
+
+// The settings of the last run's command line; those the table does not know
+// (any more) are left out.
+std::vector<pipeline::OptionSetting> RememberedSettings(
+    const std::filesystem::path& workspace,
+    const pipeline::WorkspaceInfo& info,
+    const pipeline::OptionTable& table);
+
+}  // namespace freegs::stages
+
+#endif  // FREEGS_STAGES_REGISTRY_PIPELINE_OPTIONS_H_

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/registry/presets.h"
+
+#include <map>
+#include <utility>
+
+namespace freegs::stages {
+namespace {
+
+using Values = std::vector<std::pair<std::string, std::string>>;
+
+// Preset -> {option, value}. Balanced is what the defaults are made for.
+const std::map<std::string, Values>& Presets() {
+  static const std::map<std::string, Values> presets = {
+      {"fast",
+       {{"sfm.max_features", "1200"},
+        {"reconstruct.iterations", "3000"},
+        {"reconstruct.max_image_size", "640"},
+        {"reconstruct.sh_degree", "2"},
+        {"reconstruct.budget", "50000"},
+        {"reconstruct.densify_gradient", "4e-4"}}},
+      {"balanced", {}},
+      {"quality",
+       {{"sfm.max_features", "4000"},
+        {"reconstruct.iterations", "10000"},
+        {"reconstruct.max_image_size", "1600"},
+        {"reconstruct.budget", "300000"}}},
+  };
+  return presets;
+}
+
+}  // namespace
+
+std::vector<std::string> PresetNames() {
+  return {"fast", "balanced", "quality"};
+}
+
+StatusOr<std::vector<pipeline::OptionSetting>> PresetSettings(
+    const std::string& name) {
+  const auto preset = Presets().find(name);
+  if (preset == Presets().end()) {
+    return InvalidArgumentError("unknown preset '" + name +
+                                "'; there are fast, balanced and quality");
+  }
+  std::vector<pipeline::OptionSetting> settings;
+  for (const auto& [option, value] : preset->second) {
+    settings.push_back({option, value, "preset " + name});
+  }
+  return settings;
+}
+
+}  // namespace freegs::stages

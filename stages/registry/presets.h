@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Named sets of option values. What a preset does not name stays at its
+// default; config.ini and the command line override both.
+
+#ifndef FREEGS_STAGES_REGISTRY_PRESETS_H_
+#define FREEGS_STAGES_REGISTRY_PRESETS_H_
+
+#include <string>
+#include <vector>
+
+#include "core/status.h"
+#include "pipeline/option_table.h"
+
+namespace freegs::stages {
+
+std::vector<std::string> PresetNames();
+
+// The options a preset sets; kInvalidArgument for an unknown name.
+StatusOr<std::vector<pipeline::OptionSetting>> PresetSettings(
+    const std::string& name);
+
+}  // namespace freegs::stages
+
+#endif  // FREEGS_STAGES_REGISTRY_PRESETS_H_

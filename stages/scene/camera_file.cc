@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/scene/camera_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include <Eigen/Geometry>
+#include <nlohmann/json.hpp>
+
+#include "core/io/files.h"
+#include "core/io/json_fields.h"
+
+namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr uint64_t kMaxFileBytes = uint64_t{1} << 28;
+
+StatusOr<Pinhole> ReadIntrinsics(const json* value, const std::string& source) {
+  if (value == nullptr || !value->is_object()) {
+    return BadInputError(source + ": \"intrinsics\" is missing");
+  }
+  const auto where = [&source](const char* key) {
+    return source + ": intrinsics." + key;
+  };
+  Pinhole camera;
+  FREEGS_ASSIGN_OR_RETURN(
+      camera.width, ReadInteger(FindField(*value, "w"), 1, 65535, where("w")));
+  FREEGS_ASSIGN_OR_RETURN(
+      camera.height, ReadInteger(FindField(*value, "h"), 1, 65535, where("h")));
+  FREEGS_ASSIGN_OR_RETURN(camera.fx,
+                          ReadNumber(FindField(*value, "fx"), where("fx")));
+  camera.fy = camera.fx;
+  camera.cx = 0.5 * camera.width;
+  camera.cy = 0.5 * camera.height;
+  for (const auto& [key, target] : {std::pair{"fy", &camera.fy},
+                                    std::pair{"cx", &camera.cx},
+                                    std::pair{"cy", &camera.cy}}) {
+    const json* field = FindField(*value, key);
+    if (field == nullptr) continue;
+    FREEGS_ASSIGN_OR_RETURN(*target, ReadNumber(field, where(key)));
+  }
+  if (camera.fx <= 0 || camera.fy <= 0) {
+    return BadInputError(source + ": focal lengths must be positive");
+  }
+  return camera;
+}
+
+// A name that stays in the folder it is appended to.
+bool IsPlainName(const std::string& name) {
+  const fs::path path(name);
+  if (!path.has_filename() || !path.is_relative()) return false;
+  return std::none_of(path.begin(), path.end(), [](const fs::path& part) {
+    return part == "..";
+  });
+}
+
+StatusOr<std::vector<View>> ReadViews(const json& poses,
+                                      const Pinhole& camera,
+                                      const std::string& where) {
+  if (!poses.is_object()) {
+    return BadInputError(where + ": must be an object of named matrices");
+  }
+  std::vector<View> views;
+  for (const auto& [name, value] : poses.items()) {
+    const std::string entry = where + "[\"" + name + "\"]";
+    if (!IsPlainName(name)) {
+      return BadInputError(entry + ": not the name of a photo");
+    }
+    const int rows = value.is_array() && value.size() == 3 ? 3 : 4;
+    FREEGS_ASSIGN_OR_RETURN(const Eigen::MatrixXd matrix,
+                            ReadMatrix(&value, rows, 4, entry));
+    const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
+    FREEGS_RETURN_IF_ERROR(CheckRotation(rotation, entry));
+    if (rows == 4 && matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1)) {
+      return BadInputError(entry + ": the last row must be 0 0 0 1");
+    }
+    View view;
+    view.name = name;
+    view.camera = camera;
+    view.cam_from_world.rotation = Eigen::Quaterniond(rotation).normalized();
+    view.cam_from_world.translation = matrix.topRightCorner<3, 1>();
+    views.push_back(std::move(view));
+  }
+  return views;
+}
+
+}  // namespace
+
+StatusOr<CameraSet> ParseCameraSet(std::string_view text,
+                                   const std::string& source) {
+  FREEGS_ASSIGN_OR_RETURN(const json document, ParseJsonObject(text, source));
+  FREEGS_ASSIGN_OR_RETURN(
+      const Pinhole camera,
+      ReadIntrinsics(FindField(document, "intrinsics"), source));
+  CameraSet cameras;
+  const json* train = FindField(document, "train");
+  const json* test = FindField(document, "test");
+  if (train == nullptr && test == nullptr) {
+    return BadInputError(source + ": neither \"train\" nor \"test\" views");
+  }
+  if (train != nullptr) {
+    FREEGS_ASSIGN_OR_RETURN(cameras.train,
+                            ReadViews(*train, camera, source + ": train"));
+  }
+  if (test != nullptr) {
+    FREEGS_ASSIGN_OR_RETURN(cameras.test,
+                            ReadViews(*test, camera, source + ": test"));
+  }
+  return cameras;
+}
+
+StatusOr<CameraSet> ReadCameraSet(const fs::path& path) {
+  FREEGS_ASSIGN_OR_RETURN(const std::string text,
+                          ReadFile(path, kMaxFileBytes));
+  return ParseCameraSet(text, path.string());
+}
+
+}  // namespace freegs::stages

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/scene/scene_alignment.h"
+
+#include <filesystem>
+#include <map>
+#include <utility>
+
+namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+
+}  // namespace
+
+StatusOr<sfm::PoseAlignment> AlignWithViews(const WorkspaceScene& scene,
+                                            const std::vector<View>& others,
+                                            const std::string& source_name) {
+  sfm::NamedPoses target;
+  std::map<std::string, std::vector<std::string>> names_by_stem;
+  for (const View& view : others) {
+    target[view.name] = view.cam_from_world;
+    names_by_stem[fs::path(view.name).stem().string()].push_back(view.name);
+  }
+  sfm::NamedPoses source;
+  std::vector<const View*> without_match;
+  for (const std::vector<View>* views : {&scene.train, &scene.holdout}) {
+    for (const View& view : *views) {
+      if (target.contains(view.name)) {
+        source[view.name] = view.cam_from_world;
+      } else {
+        without_match.push_back(&view);
+      }
+    }
+  }
+  for (const View* view : without_match) {
+    const auto found = names_by_stem.find(fs::path(view->name).stem().string());
+    // A stem that several photos share says nothing.
+    if (found != names_by_stem.end() && found->second.size() == 1) {
+      source.emplace(found->second[0], view->cam_from_world);
+    }
+  }
+  StatusOr<sfm::PoseAlignment> alignment = sfm::AlignPoses(source, target);
+  if (!alignment.ok()) {
+    return alignment.status().Annotated("aligning the scene with " +
+                                        source_name);
+  }
+  return alignment;
+}
+
+std::vector<View> MapViews(const std::vector<View>& others,
+                           const Sim3d& other_from_scene) {
+  const Sim3d scene_from_other = Inverse(other_from_scene);
+  std::vector<View> views = others;
+  for (View& view : views) {
+    view.cam_from_world =
+        TransformCamera(scene_from_other, view.cam_from_world);
+  }
+  return views;
+}
+
+}  // namespace freegs::stages

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/scene/training_scene.h"
+
+#include <set>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "sfm/scene/model_io.h"
+#include "photos/photo_list.h"
+#include "sfm/scene/views.h"
+#include "splat/scene/initialization.h"
+
+namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+
+// An empty list when the workspace has none: somebody else's cameras.
+StatusOr<photos::PhotoList> ReadPhotos(const fs::path& workspace) {
+  const fs::path path = workspace / "ingest" / "images.json";
+  std::error_code error;
+  if (!fs::exists(path, error)) return photos::PhotoList();
+  return photos::ReadPhotoList(path);
+}
+
+}  // namespace
+
+StatusOr<PosedPhotos> ReadPosedPhotos(const fs::path& workspace) {
+  const fs::path sparse = workspace / "undistort" / "sparse";
+  std::error_code error;
+  if (!fs::exists(sparse, error)) {
+    return BadInputError(sparse.string() +
+                         ": no such file or folder; run stage undistort first");
+  }
+  PosedPhotos posed;
+  FREEGS_ASSIGN_OR_RETURN(posed.sparse, sfm::ReadModel(sparse));
+  FREEGS_ASSIGN_OR_RETURN(std::vector<View> views,
+                          sfm::MakeViews(posed.sparse));
+  FREEGS_ASSIGN_OR_RETURN(const photos::PhotoList photos, ReadPhotos(workspace));
+  std::set<std::string> holdout_names;
+  for (const photos::Photo& photo : photos.photos) {
+    if (photo.split == photos::PhotoSplit::kHoldout) {
+      holdout_names.insert(photo.name);
+    }
+  }
+  for (View& view : views) {
+    const bool holdout = holdout_names.contains(view.name);
+    (holdout ? posed.holdout : posed.train).push_back(std::move(view));
+  }
+  return posed;
+}
+
+StatusOr<TrainingScene> ReadTrainingScene(const fs::path& workspace) {
+  TrainingScene scene;
+  scene.photo_folder = workspace / "undistort" / "images";
+  FREEGS_ASSIGN_OR_RETURN(scene.photos, ReadPosedPhotos(workspace));
+  if (scene.photos.train.empty()) {
+    return UnusableResultError(
+        "no posed photo is left to train on; choose fewer holdout photos "
+        "(ingest.holdout_every)");
+  }
+  for (const sfm::Point3D& point : scene.photos.sparse.points3d) {
+    scene.points.push_back(point.xyz);
+    scene.colors.push_back(point.rgb);
+  }
+  scene.extent = splat::SceneExtent(scene.photos.train, scene.points);
+  return scene;
+}
+
+StatusOr<splat::TrainingImages> LoadTrainingPhotos(
+    const TrainingScene& scene,
+    const splat::TrainingImagesOptions& options,
+    ThreadPool& pool) {
+  return splat::TrainingImages::Load(
+      scene.photos.train, scene.photo_folder, options, pool);
+}
+
+StatusOr<splat::TrainingImages> LoadHoldoutPhotos(
+    const TrainingScene& scene,
+    const splat::TrainingImagesOptions& options,
+    ThreadPool& pool) {
+  if (scene.photos.holdout.empty()) {
+    return BadInputError(
+        "the workspace has no holdout photo to measure quality on; choose "
+        "some with ingest.holdout_every");
+  }
+  return splat::TrainingImages::Load(
+      scene.photos.holdout, scene.photo_folder, options, pool);
+}
+
+StatusOr<splat::GaussianModel> InitialModel(const TrainingScene& scene) {
+  return splat::InitializeFromPoints(scene.points, scene.colors, scene.extent);
+}
+
+}  // namespace freegs::stages

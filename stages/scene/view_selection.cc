@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/scene/view_selection.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+
+#include "core/number_text.h"
+#include "pipeline/option_value.h"
+#include "stages/scene/camera_file.h"
+#include "stages/scene/scene_alignment.h"
+
+namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Larger pictures would take gigabytes: rather a mistake in a camera file.
+constexpr int64_t kMaxPixels = 100'000'000;
+
+// Names in an error message.
+constexpr size_t kMaxNames = 5;
+
+std::string Stem(const std::string& name) {
+  return fs::path(name).replace_extension().string();
+}
+
+// The names nearest to `name` in the order of the alphabet, its likely
+// misspelling first.
+std::string NamesLike(const std::vector<View>& views, const std::string& name) {
+  std::vector<std::string> names;
+  for (const View& view : views) names.push_back(view.name);
+  std::sort(names.begin(), names.end());
+  const std::string nearest = pipeline::NearestName(name, names);
+  const auto place =
+      std::lower_bound(names.begin(), names.end(), name) - names.begin();
+  const auto first = static_cast<size_t>(std::clamp<int64_t>(
+      place - static_cast<int64_t>(kMaxNames / 2),
+      0,
+      std::max<int64_t>(0,
+                        static_cast<int64_t>(names.size()) -
+                            static_cast<int64_t>(kMaxNames))));
+  std::string list = nearest;
+  for (size_t i = first; i < std::min(first + kMaxNames, names.size()); ++i) {
+    if (names[i] == nearest) continue;
+    list += (list.empty() ? "" : ", ") + names[i];
+  }
+  return list;
+}
+
+}  // namespace
+
+std::vector<View> PhotoViews(const WorkspaceScene& scene) {
+  std::vector<View> views = scene.train;
+  views.insert(views.end(), scene.holdout.begin(), scene.holdout.end());
+  std::sort(views.begin(), views.end(), [](const View& a, const View& b) {
+    return a.name < b.name;
+  });
+  return views;
+}
+
+StatusOr<std::vector<View>> FileViews(const fs::path& file,
+                                      bool align,
+                                      const WorkspaceScene& scene,
+                                      const std::string& command,
+                                      std::ostream& messages) {
+  FREEGS_ASSIGN_OR_RETURN(const CameraSet cameras, ReadCameraSet(file));
+  std::vector<View> views = cameras.train;
+  views.insert(views.end(), cameras.test.begin(), cameras.test.end());
+  if (!align) return views;
+
+  const StatusOr<sfm::PoseAlignment> alignment =
+      AlignWithViews(scene, cameras.train, file.string());
+  if (!alignment.ok()) {
+    return BadInputError(
+        file.string() +
+        ": cannot be aligned with the scene: " + alignment.status().message() +
+        "; its \"train\" section must name photos of the workspace. If its "
+        "poses are in the scene's own frame, give --no-align");
+  }
+  messages << command << ": aligned by " << alignment->residuals.size()
+           << " photos, rotation residual median "
+           << FormatFixed(alignment->median_rotation_deg, 3) << " deg\n";
+  return MapViews(views, alignment->target_from_source);
+}
+
+StatusOr<std::vector<View>> ViewsToRender(const WorkspaceScene& scene,
+                                          const ViewSelection& selection,
+                                          std::ostream& messages) {
+  std::vector<View> views;
+  int max_side = selection.max_side;
+  if (!selection.cameras.empty()) {
+    FREEGS_ASSIGN_OR_RETURN(views,
+                            FileViews(selection.cameras,
+                                      selection.align,
+                                      scene,
+                                      selection.command,
+                                      messages));
+  } else {
+    views = PhotoViews(scene);
+    max_side = selection.photo_max_side;
+  }
+  for (View& view : views) {
+    view.camera = view.camera.LimitedTo(max_side);
+    if (int64_t{view.camera.width} * view.camera.height > kMaxPixels) {
+      return BadInputError(selection.command + ": view " + view.name + " is " +
+                           std::to_string(view.camera.width) + " x " +
+                           std::to_string(view.camera.height) +
+                           " pixels; limit it with --size");
+    }
+  }
+  return views;
+}
+
+StatusOr<View> FindView(const std::vector<View>& views,
+                        const std::string& name) {
+  const View* found = nullptr;
+  int num_stems = 0;
+  for (const View& view : views) {
+    if (view.name == name) return view;
+    if (Stem(view.name) == name) {
+      found = &view;
+      ++num_stems;
+    }
+  }
+  if (num_stems == 1) return *found;
+  if (num_stems > 1) {
+    return InvalidArgumentError("view \"" + name +
+                                "\": several have this name; give the "
+                                "extension too");
+  }
+  return InvalidArgumentError(
+      "view \"" + name + "\": there is no such view of " +
+      std::to_string(views.size()) +
+      (views.empty() ? "" : "; there are " + NamesLike(views, name)));
+}
+
+}  // namespace freegs::stages

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/scene/workspace_scene.h"
+
+#include <cstdlib>
+#include <map>
+#include <system_error>
+#include <utility>
+
+#include "pipeline/stage_record.h"
+#include "splat/scene/ply_io.h"
+#include "stages/scene/training_scene.h"
+
+namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+
+// An error for a file of a stage that has not been run.
+Status RequireStageFile(const fs::path& workspace,
+                        const std::string& stage,
+                        const fs::path& file) {
+  std::error_code error;
+  const fs::path path = workspace / stage / file;
+  if (fs::exists(path, error)) return Status();
+  return BadInputError(path.string() + ": no such file or folder; run stage " +
+                       stage + " first");
+}
+
+void TakeTrainingOptions(const fs::path& workspace, WorkspaceScene* scene) {
+  const StatusOr<pipeline::StageRecord> record =
+      pipeline::ReadStageRecord(workspace / "reconstruct");
+  if (!record.ok()) return;  // Somebody else's model.
+  const auto& options = record->fingerprint.options;
+  const auto max_side = options.find("reconstruct.max_image_size");
+  if (max_side != options.end()) {
+    scene->training_max_side = std::atoi(max_side->second.c_str());
+  }
+  const auto background = options.find("reconstruct.background");
+  if (background != options.end() && background->second == "white") {
+    scene->render.background = {1, 1, 1};
+  }
+}
+
+}  // namespace
+
+StatusOr<splat::GaussianModel> ReadWorkspaceModel(const fs::path& workspace) {
+  FREEGS_RETURN_IF_ERROR(
+      RequireStageFile(workspace, "reconstruct", "point_cloud.ply"));
+  return splat::ReadPly(workspace / "reconstruct" / "point_cloud.ply");
+}
+
+StatusOr<WorkspaceScene> ReadWorkspaceScene(const fs::path& workspace) {
+  FREEGS_ASSIGN_OR_RETURN(PosedPhotos posed, ReadPosedPhotos(workspace));
+  WorkspaceScene scene;
+  scene.train = std::move(posed.train);
+  scene.holdout = std::move(posed.holdout);
+  FREEGS_ASSIGN_OR_RETURN(scene.model, ReadWorkspaceModel(workspace));
+  TakeTrainingOptions(workspace, &scene);
+  return scene;
+}
+
+StatusOr<std::vector<std::string>> OutputNames(const std::vector<View>& views,
+                                               const std::string& suffix) {
+  std::vector<std::string> names;
+  std::map<std::string, int> uses;
+  for (const View& view : views) {
+    const fs::path name(view.name);
+    bool usable = name.has_filename() && name.is_relative();
+    for (const fs::path& part : name) usable = usable && part != "..";
+    if (!usable) {
+      return BadInputError("view \"" + view.name +
+                           "\": not a file name inside a folder");
+    }
+    names.push_back(fs::path(name).replace_extension(suffix).string());
+    ++uses[names.back()];
+  }
+  for (size_t i = 0; i < names.size(); ++i) {
+    if (uses[names[i]] > 1) names[i] = views[i].name + suffix;
+  }
+  return names;
+}
+
+}  // namespace freegs::stages

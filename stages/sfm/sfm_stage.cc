@@ -1,0 +1,367 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/sfm/sfm_stage.h"
+
+#include <set>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "core/io/files.h"
+#include "sfm/import/import_model.h"
+#include "sfm/scene/model_io.h"
+#include "photos/photo_list.h"
+#include "sfm/scene/scene_frame.h"
+
+namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+using pipeline::LogLevel;
+using pipeline::StageContext;
+
+// Names for a message, cut after a few.
+std::string Some(const std::vector<std::string>& names) {
+  constexpr size_t kShown = 5;
+  std::string text;
+  for (size_t i = 0; i < names.size() && i < kShown; ++i) {
+    text += (i > 0 ? ", " : "") + names[i];
+  }
+  if (names.size() > kShown) {
+    text += " and " + std::to_string(names.size() - kShown) + " more";
+  }
+  return text;
+}
+
+std::vector<sfm::SfmPhoto> UsablePhotos(const photos::PhotoList& list) {
+  std::vector<sfm::SfmPhoto> photos;
+  for (const photos::Photo& photo : list.photos) {
+    if (!photo.usable()) continue;
+    photos.push_back({.name = photo.name,
+                      .file = photo.file,
+                      .width = photo.width,
+                      .height = photo.height,
+                      .camera_group = photo.camera_group,
+                      .focal_px = photo.focal_length_px.value_or(0),
+                      .sharpness = photo.sharpness});
+  }
+  return photos;
+}
+
+// What either way of getting poses leads to.
+struct Outcome {
+  std::string source;
+  bool triangulated = true;
+  bool imported = false;
+  sfm::SfmResult result;  // Of an import: a model and warnings, nothing else.
+};
+
+class SfmStage : public pipeline::Stage {
+ public:
+  SfmStage(const SfmStageOptions& options, uint64_t seed)
+      : options_(options), seed_(seed) {}
+
+  std::string_view name() const override { return "sfm"; }
+
+  std::vector<fs::path> Inputs(const StageContext& context) const override {
+    std::vector<fs::path> inputs = {"ingest/images.json", "ingest/photos"};
+    if (HasMasks(context)) inputs.emplace_back("ingest/masks");
+    if (options_.import.empty()) return inputs;
+    const auto source = sfm::FindImportSource(options_.import);
+    if (!source.ok()) {
+      inputs.emplace_back(options_.import);
+      return inputs;
+    }
+    for (const fs::path& file : source->Files()) inputs.push_back(file);
+    return inputs;
+  }
+
+  Status Run(StageContext& context) override {
+    FREEGS_RETURN_IF_ERROR(options_.health.Check());
+    FREEGS_ASSIGN_OR_RETURN(
+        const photos::PhotoList list,
+        photos::ReadPhotoList(context.workspace / "ingest" / "images.json"));
+    const std::vector<sfm::SfmPhoto> photos = UsablePhotos(list);
+    StatusOr<Outcome> outcome = options_.import.empty()
+                                    ? RunColmap(photos, context)
+                                    : Import(photos, list, context);
+    if (!outcome.ok()) return outcome.status();
+    return Finish(photos, *outcome, context);
+  }
+
+ private:
+  static bool HasMasks(const StageContext& context) {
+    std::error_code error;
+    return fs::is_directory(context.workspace / "ingest" / "masks", error);
+  }
+
+  StatusOr<Outcome> RunColmap(const std::vector<sfm::SfmPhoto>& photos,
+                              StageContext& context) const {
+    sfm::SfmInput input;
+    input.photo_folder = context.workspace / "ingest" / "photos";
+    input.photos = photos;
+    if (HasMasks(context)) {
+      input.mask_folder = context.workspace / "ingest" / "masks";
+    }
+    input.work_folder = context.output;
+    input.seed = seed_;
+    input.cancellation = context.cancellation;
+    input.progress = context.progress;
+    sfm::SfmOptions options = options_.colmap;
+    options.num_threads = context.pool->num_threads();
+    Outcome outcome;
+    outcome.source = "colmap";
+    FREEGS_ASSIGN_OR_RETURN(outcome.result,
+                            sfm::RunStructureFromMotion(input, options));
+    return outcome;
+  }
+
+  StatusOr<Outcome> Import(const std::vector<sfm::SfmPhoto>& photos,
+                           const photos::PhotoList& list,
+                           StageContext& context) const {
+    FREEGS_ASSIGN_OR_RETURN(const sfm::ImportSource source,
+                            sfm::FindImportSource(options_.import));
+    FREEGS_ASSIGN_OR_RETURN(
+        sfm::ImportedModel imported,
+        sfm::ImportModel(source, photos, {options_.random_points, seed_}));
+    Outcome outcome;
+    outcome.imported = true;
+    outcome.source = source.colmap_model.empty() ? "imported transforms.json"
+                                                 : "imported COLMAP model";
+    std::vector<std::string>& warnings = outcome.result.warnings;
+    warnings = std::move(imported.warnings);
+    if (imported.random_points) {
+      outcome.source += ", points random";
+      outcome.triangulated = false;
+    } else {
+      outcome.triangulated = false;
+      for (const sfm::Point3D& point : imported.model.points3d) {
+        if (point.track.size() >= 2) outcome.triangulated = true;
+      }
+    }
+    if (!imported.unmatched.empty()) {
+      warnings.push_back(
+          std::to_string(imported.unmatched.size()) +
+          " imported poses fit no photo: " + Some(imported.unmatched));
+    }
+    WarnOfHoldout(imported.holdout, list, &warnings);
+    context.summary["imported_holdout"] = imported.holdout;
+    outcome.result.models.push_back(std::move(imported.model));
+    return outcome;
+  }
+
+  // The split is ingest's to make; say so where the source wants another.
+  static void WarnOfHoldout(const std::vector<std::string>& holdout,
+                            const photos::PhotoList& list,
+                            std::vector<std::string>* warnings) {
+    if (holdout.empty()) return;
+    const std::set<std::string> wanted(holdout.begin(), holdout.end());
+    std::vector<std::string> differing;
+    for (const photos::Photo& photo : list.photos) {
+      if (photo.usable() && (photo.split == photos::PhotoSplit::kHoldout) !=
+                                wanted.contains(photo.name)) {
+        differing.push_back(photo.name);
+      }
+    }
+    if (differing.empty()) return;
+    warnings->push_back(
+        "transforms_test.json names other holdout photos than ingest chose; "
+        "choose them with the ingest.holdout options (differing: " +
+        Some(differing) + ")");
+  }
+
+  Status Finish(const std::vector<sfm::SfmPhoto>& photos,
+                const Outcome& outcome,
+                StageContext& context) const {
+    std::vector<std::string> names;
+    for (const sfm::SfmPhoto& photo : photos) names.push_back(photo.name);
+    const sfm::SfmResult& result = outcome.result;
+    sfm::Health health = sfm::MeasureHealth(result.models,
+                                            names,
+                                            outcome.triangulated,
+                                            options_.health,
+                                            result.contradictions,
+                                            result.findings);
+    health.source = outcome.source;
+    health.attempts = result.attempts;
+    health.colmap_version = result.colmap_version;
+    health.camera_models = result.camera_models;
+    health.pairs = result.database.pairs;
+    health.image_size = result.database.image_size;
+    for (auto& [name, reason] : health.unregistered) {
+      const auto it = result.unregistered.find(name);
+      if (it != result.unregistered.end()) reason = it->second;
+    }
+    health.warnings.insert(
+        health.warnings.end(), result.warnings.begin(), result.warnings.end());
+
+    const fs::path sparse = context.output / "sparse";
+    std::error_code error;
+    fs::remove_all(sparse, error);
+    for (size_t i = 0; i < result.models.size(); ++i) {
+      FREEGS_RETURN_IF_ERROR(
+          sfm::WriteModel(sparse / std::to_string(i), result.models[i]));
+    }
+    if (!result.models.empty()) {
+      FREEGS_ASSIGN_OR_RETURN(const sfm::SceneFrame frame,
+                              sfm::EstimateSceneFrame(result.models[0]));
+      FREEGS_RETURN_IF_ERROR(
+          WriteFileAtomic(context.output / "frame.json",
+                          sfm::SceneFrameToJson(frame).dump(2) + "\n"));
+    }
+    const nlohmann::json json = sfm::HealthToJson(health);
+    FREEGS_RETURN_IF_ERROR(WriteFileAtomic(
+        context.output / "health.json",
+        json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
+            "\n"));
+    for (const char* key : {"verdict",
+                            "images",
+                            "registered",
+                            "models",
+                            "mean_reprojection_error_px",
+                            "num_points",
+                            "warnings",
+                            "contradictions",
+                            "pairs",
+                            "source",
+                            "colmap_version"}) {
+      context.summary[key] = json[key];
+    }
+    FREEGS_RETURN_IF_ERROR(Report(health, context));
+    return outcome.imported ? Status()
+                            : sfm::TidyWorkFolder(context.output, result);
+  }
+
+  Status Report(const sfm::Health& health, StageContext& context) const {
+    for (const std::string& warning : health.warnings) {
+      context.log(LogLevel::kWarning, "sfm: " + warning);
+    }
+    if (!health.pairs.strategy.empty()) {
+      context.log(LogLevel::kInfo,
+                  "sfm: matched " + std::to_string(health.pairs.pairs) +
+                      " of " + std::to_string(health.pairs.all_pairs) +
+                      " pairs of photos (" + health.pairs.strategy + ")");
+    }
+    std::vector<std::string> missing;
+    for (const auto& entry : health.unregistered)
+      missing.push_back(entry.first);
+    if (!missing.empty()) {
+      context.log(
+          LogLevel::kWarning,
+          "sfm: " + std::to_string(missing.size()) +
+              " photos have no pose and are left out: " + Some(missing));
+    }
+    if (health.verdict == sfm::Verdict::kFailed) {
+      return UnusableResultError(
+          "sfm: " + health.reason + ". What to try: " + health.advice +
+          ". See health.json and logs/ in " + context.output.string());
+    }
+    if (health.verdict == sfm::Verdict::kDegraded) {
+      context.log(LogLevel::kWarning,
+                  "sfm: degraded: " + health.reason + "; " + health.advice);
+    }
+    context.log(LogLevel::kInfo,
+                "sfm: " + std::to_string(health.registered) + " of " +
+                    std::to_string(health.images) + " photos, " +
+                    std::to_string(health.measures.num_points) + " points (" +
+                    health.source + ")");
+    return {};
+  }
+
+  SfmStageOptions options_;
+  uint64_t seed_;
+};
+
+}  // namespace
+
+void RegisterSfmOptions(SfmStageOptions& options,
+                        pipeline::OptionTable& table) {
+  std::vector<std::string> models = {"auto"};
+  for (const sfm::CameraModelInfo& model : sfm::CameraModels()) {
+    models.emplace_back(model.name);
+  }
+  table.AddSection("sfm", "Camera poses and points from the photos (COLMAP).");
+  table.Add("sfm.import",
+            &options.import,
+            {.help = "Take poses from here instead of running COLMAP: a COLMAP "
+                     "model folder, or a transforms.json of nerfstudio, "
+                     "instant-ngp or NeRF-synthetic.",
+             .is_path = true});
+  table.Add("sfm.random_points",
+            &options.random_points,
+            {.help = "Random start points when an import has none.",
+             .min = 100,
+             .max = 1e7});
+  table.Add("sfm.colmap",
+            &options.colmap.colmap,
+            {.help = "The COLMAP program: a path, or a name in PATH.",
+             .affects_result = false});
+  table.Add("sfm.camera",
+            &options.colmap.camera,
+            {.help = "Photos that share intrinsics: auto (same size, camera "
+                     "and focal length), single (same size), or per_image.",
+             .choices = {"auto", "single", "per_image"}});
+  table.Add("sfm.camera_model",
+            &options.colmap.camera_model,
+            {.help = "Lens model to estimate; auto: the simplest that explains "
+                     "the matches, with as few cameras.",
+             .choices = models});
+  table.Add("sfm.max_image_size",
+            &options.colmap.max_image_size,
+            {.help = "Longest side in pixels of the images that features are "
+                     "taken from, at least 64. 0: the smallest from 800 to "
+                     "1600 that is enough for sfm.max_features.",
+             .min = 0,
+             .max = 100000});
+  table.Add("sfm.max_features",
+            &options.colmap.max_features,
+            {.help = "Features per photo, the largest ones. More connect more "
+                     "photos; matching time grows with the square.",
+             .min = 64,
+             .max = 100000});
+  table.Add(
+      "sfm.matcher",
+      &options.colmap.pairs.matcher,
+      {.help = "Pairs of photos to match: exhaustive (all), retrieval (each "
+               "photo with those most alike), sequential (these, and "
+               "neighbours in name order), or auto: exhaustive up to "
+               "sfm.max_exhaustive photos, then retrieval, with neighbours "
+               "where numbered photos prove to be in order.",
+       .choices = {"auto", "exhaustive", "sequential", "retrieval"}});
+  table.Add("sfm.max_exhaustive",
+            &options.colmap.pairs.max_exhaustive,
+            {.help = "Most photos that auto matches exhaustively.", .min = 0});
+  table.Add("sfm.neighbours",
+            &options.colmap.pairs.neighbours,
+            {.help = "Retrieval: photos most alike that each is matched with. "
+                     "Matching time grows in proportion.",
+             .min = 1,
+             .max = 10000});
+  table.Add("sfm.overlap",
+            &options.colmap.pairs.overlap,
+            {.help = "Photos in order: neighbours on each side that each is "
+                     "matched with.",
+             .min = 1,
+             .max = 1000});
+  table.Add("sfm.max_retry_cost",
+            &options.colmap.max_retry_cost,
+            {.help = "When photos are left out: what other attempts may cost "
+                     "together, as a multiple of the first. 0 for none.",
+             .min = 0,
+             .max = 1000});
+  table.Add("sfm.use_gpu",
+            &options.colmap.use_gpu,
+            {.help = "Take features on the graphics card, if COLMAP was built "
+                     "for it. Not repeatable to the byte."});
+  table.Add(
+      "sfm.min_registered_share",
+      &options.health.min_registered_share,
+      {.help = "Share of photos that must get a pose.", .min = 0, .max = 1});
+}
+
+std::unique_ptr<pipeline::Stage> MakeSfmStage(const SfmStageOptions& options,
+                                              uint64_t seed) {
+  return std::make_unique<SfmStage>(options, seed);
+}
+
+}  // namespace freegs::stages

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/sfm/undistort_stage.h"
+
+#include <vector>
+
+#include "sfm/scene/model_io.h"
+#include "sfm/colmap/undistortion.h"
+
+namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+using pipeline::StageContext;
+
+class UndistortStage : public pipeline::Stage {
+ public:
+  UndistortStage(const UndistortStageOptions& options, std::string colmap)
+      : options_(options), colmap_(std::move(colmap)) {}
+
+  std::string_view name() const override { return "undistort"; }
+
+  std::vector<fs::path> Inputs(const StageContext&) const override {
+    return {"ingest/photos", "sfm/sparse/0"};
+  }
+
+  Status Run(StageContext& context) override {
+    FREEGS_ASSIGN_OR_RETURN(
+        sfm::Reconstruction model,
+        sfm::ReadModel(context.workspace / "sfm" / "sparse" / "0"));
+    // A model that somebody else put there may disagree with itself.
+    sfm::RemoveDanglingReferences(&model);
+    sfm::UndistortionInput input;
+    input.photo_folder = context.workspace / "ingest" / "photos";
+    input.output = context.output;
+    input.colmap = colmap_;
+    input.max_image_size = options_.max_image_size;
+    input.cancellation = context.cancellation;
+    input.progress = context.progress;
+    FREEGS_ASSIGN_OR_RETURN(const sfm::UndistortionResult result,
+                            sfm::Undistort(model, input));
+    context.summary["undistorted"] = true;
+    context.summary["resampled"] = result.resampled;
+    context.summary["images"] = result.model.images.size();
+    context.log(pipeline::LogLevel::kInfo,
+                "undistort: " + std::to_string(result.model.images.size()) +
+                    (result.resampled
+                         ? " photos written without distortion"
+                         : " photos have no distortion and are kept as they "
+                           "are"));
+    return {};
+  }
+
+ private:
+  UndistortStageOptions options_;
+  std::string colmap_;
+};
+
+}  // namespace
+
+void RegisterUndistortOptions(UndistortStageOptions& options,
+                              pipeline::OptionTable& table) {
+  table.AddSection("undistort", "Photos and cameras without lens distortion.");
+  table.Add("undistort.max_image_size",
+            &options.max_image_size,
+            {.help = "Longest side in pixels of the written photos; 0 keeps "
+                     "their own.",
+             .min = 0,
+             .max = 100000});
+}
+
+std::unique_ptr<pipeline::Stage> MakeUndistortStage(
+    const UndistortStageOptions& options, const std::string& colmap) {
+  return std::make_unique<UndistortStage>(options, colmap);
+}
+
+}  // namespace freegs::stages

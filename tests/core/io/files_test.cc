@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "core/io/files.h"
+
+#include <filesystem>
+#include <string>
+#include <sys/stat.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/temporary_folder.h"
+
+namespace freegs {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+TEST(FilesTest, WriteThenRead) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "a b.bin";
+  const std::string content("\0\xff\n text", 8);
+  ASSERT_TRUE(WriteFileAtomic(path, content).ok());
+  EXPECT_EQ(*ReadFile(path), content);
+  ASSERT_TRUE(WriteFileAtomic(path, "").ok());
+  EXPECT_EQ(*ReadFile(path), "");
+  // Nothing is left beside it.
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 1);
+}
+
+TEST(FilesTest, LargeFileInSeveralPieces) {
+  const TemporaryFolder folder;
+  std::string content(size_t{3} << 20, 'x');
+  content[(size_t{2} << 20) + 5] = 'y';
+  ASSERT_TRUE(WriteFileAtomic(folder / "f", content).ok());
+  EXPECT_EQ(*ReadFile(folder / "f"), content);
+  EXPECT_EQ(*HashFile(folder / "f"), HashBytes(content));
+}
+
+TEST(FilesTest, ReadErrorsNameTheFile) {
+  const TemporaryFolder folder;
+  const auto code = [](const fs::path& path) {
+    EXPECT_THAT(ReadFile(path).status().message(),
+                HasSubstr(path.filename().string()));
+    EXPECT_EQ(HashFile(path).status().code(), ReadFile(path).status().code());
+    return ReadFile(path).status().code();
+  };
+  EXPECT_EQ(code(folder / "missing"), StatusCode::kBadInput);
+  fs::create_directory(folder / "folder");
+  EXPECT_EQ(code(folder / "folder"), StatusCode::kBadInput);
+  fs::create_symlink("loop", folder / "loop");
+  EXPECT_EQ(code(folder / "loop"), StatusCode::kBadInput);
+  // Opening a pipe nobody writes to would wait for ever.
+  ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
+  EXPECT_EQ(code(folder / "pipe"), StatusCode::kBadInput);
+}
+
+TEST(FilesTest, SizeLimit) {
+  const TemporaryFolder folder;
+  WriteText(folder / "f", "12345");
+  EXPECT_TRUE(ReadFile(folder / "f", 5).ok());
+  EXPECT_THAT(ReadFile(folder / "f", 4).status().message(),
+              HasSubstr("larger than 4"));
+}
+
+TEST(FilesTest, WriteIntoMissingFolderFails) {
+  const TemporaryFolder folder;
+  EXPECT_FALSE(WriteFileAtomic(folder / "no" / "f", "x").ok());
+  ASSERT_TRUE(CreateFolders(folder / "no" / "deeper").ok());
+  EXPECT_TRUE(WriteFileAtomic(folder / "no" / "f", "x").ok());
+  EXPECT_FALSE(CreateFolders(folder / "no" / "f" / "g").ok());
+}
+
+TEST(FilesTest, HashesTellContentsApart) {
+  EXPECT_EQ(HashBytes("").size(), 32u);
+  EXPECT_EQ(HashBytes("a"), HashBytes("a"));
+  EXPECT_NE(HashBytes("a"), HashBytes("b"));
+  // XXH3's published 128-bit value of the empty string.
+  EXPECT_EQ(HashBytes(""), "99aa06d3014798d86001c324468d497f");
+}
+
+}  // namespace
+}  // namespace freegs

@@ -1,0 +1,448 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "photos/photo_decode.h"
+
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/random.h"
+#include "photos/photo_pixels.h"
+#include "tests/photos/photo_test_files.h"
+
+namespace freegs::photos {
+namespace {
+
+using testing::HasSubstr;
+
+// Header and pixels in one call.
+StatusOr<ImageU8> Decode(const std::string& bytes,
+                         const PhotoDecodeOptions& options = {}) {
+  FREEGS_ASSIGN_OR_RETURN(const PhotoHeader header, ParsePhotoHeader(bytes));
+  FREEGS_RETURN_IF_ERROR(CheckHeader(header, options));
+  return DecodePhoto(bytes, header, options);
+}
+
+std::string Failure(const std::string& bytes,
+                    const PhotoDecodeOptions& options = {}) {
+  const auto image = Decode(bytes, options);
+  if (image.ok()) return "decoded";
+  EXPECT_EQ(image.status().code(), StatusCode::kBadInput);
+  return image.status().message();
+}
+
+ImageU8 RgbOf(const cv::Mat& bgr) {
+  ImageU8 image(bgr.cols, bgr.rows, 3);
+  cv::Mat target(bgr.rows, bgr.cols, CV_8UC3, image.data());
+  cv::cvtColor(bgr, target, cv::COLOR_BGR2RGB);
+  return image;
+}
+
+int LargestDifference(const ImageU8& a, const ImageU8& b) {
+  if (a.width() != b.width() || a.height() != b.height()) return 1000;
+  int largest = 0;
+  for (size_t i = 0; i < a.size(); ++i) {
+    largest = std::max(largest, std::abs(a.data()[i] - b.data()[i]));
+  }
+  return largest;
+}
+
+TEST(PhotoDecodeTest, LosslessFormatsGiveTheSamePixels) {
+  const cv::Mat picture = MakePicture(70, 50, 3);
+  const ImageU8 expected = RgbOf(picture);
+  for (const char* suffix : {".png", ".tif"}) {
+    const auto image = Decode(Encode(suffix, picture));
+    ASSERT_TRUE(image.ok()) << image.status().message();
+    EXPECT_EQ(LargestDifference(*image, expected), 0) << suffix;
+  }
+}
+
+TEST(PhotoDecodeTest, JpegAgreesWithOpenCv) {
+  for (const int progressive : {0, 1}) {
+    const std::string bytes =
+        Encode(".jpg",
+               MakePicture(70, 50, 3),
+               {cv::IMWRITE_JPEG_PROGRESSIVE, progressive});
+    const cv::Mat buffer(1,
+                         static_cast<int>(bytes.size()),
+                         CV_8UC1,
+                         const_cast<char*>(bytes.data()));
+    const auto image = Decode(bytes);
+    ASSERT_TRUE(image.ok()) << image.status().message();
+    EXPECT_LE(LargestDifference(*image,
+                                RgbOf(cv::imdecode(buffer, cv::IMREAD_COLOR))),
+              1);
+  }
+}
+
+TEST(PhotoDecodeTest, GreyIsRepeated) {
+  cv::Mat grey;
+  cv::cvtColor(MakePicture(40, 40, 3), grey, cv::COLOR_BGR2GRAY);
+  for (const char* suffix : {".png", ".tif", ".jpg"}) {
+    const auto image = Decode(Encode(suffix, grey));
+    ASSERT_TRUE(image.ok()) << suffix;
+    for (size_t i = 0; i < image->num_pixels(); ++i) {
+      ASSERT_EQ(image->data()[3 * i], image->data()[3 * i + 1]);
+      ASSERT_EQ(image->data()[3 * i], image->data()[3 * i + 2]);
+      ASSERT_NEAR(image->data()[3 * i], grey.data[i], 8);
+    }
+  }
+}
+
+TEST(PhotoDecodeTest, SixteenBitsAreScaledNotStretched) {
+  // Values of a narrow range must stay what they are.
+  cv::Mat deep(40, 40, CV_16UC3, cv::Scalar(0, 32768, 65535));
+  deep.at<cv::Vec3w>(0, 0) = {128, 129, 257};
+  for (const char* suffix : {".png", ".tif"}) {
+    const auto image = Decode(Encode(suffix, deep));
+    ASSERT_TRUE(image.ok()) << suffix;
+    EXPECT_EQ((*image)(5, 5, 0), 255);
+    EXPECT_EQ((*image)(5, 5, 1), 128);
+    EXPECT_EQ((*image)(5, 5, 2), 0);
+    EXPECT_EQ((*image)(0, 0, 0), 1);
+    EXPECT_EQ((*image)(0, 0, 1), 1);
+    EXPECT_EQ((*image)(0, 0, 2), 0);
+  }
+  cv::Mat grey(40, 40, CV_16UC1, cv::Scalar(30 * 257));
+  for (const char* suffix : {".png", ".tif"}) {
+    const auto image = Decode(Encode(suffix, grey));
+    ASSERT_TRUE(image.ok()) << suffix;
+    EXPECT_EQ((*image)(5, 5, 1), 30);
+  }
+}
+
+TEST(PhotoDecodeTest, AlphaIsLaidOverTheBackground) {
+  const struct {
+    int alpha;
+    int white;
+    int black;
+  } cases[] = {{255, 100, 100}, {0, 255, 0}, {128, 177, 50}};
+  for (const auto& c : cases) {
+    const cv::Mat shallow(40, 40, CV_8UC4, cv::Scalar(100, 100, 100, c.alpha));
+    const cv::Mat deep(
+        40, 40, CV_16UC4, cv::Scalar(100, 100, 100, c.alpha) * 257);
+    for (const auto& [suffix, picture] : {std::pair{".png", shallow},
+                                          {".png", deep},
+                                          {".tif", shallow},
+                                          {".tif", deep}}) {
+      const std::string bytes = Encode(suffix, picture);
+      const auto white = Decode(bytes, {.background = "white"});
+      const auto black = Decode(bytes, {.background = "black"});
+      ASSERT_TRUE(white.ok()) << white.status().message();
+      EXPECT_NEAR((*white)(3, 3, 0), c.white, 1) << suffix << picture.depth();
+      EXPECT_NEAR((*black)(3, 3, 2), c.black, 1) << suffix << picture.depth();
+    }
+  }
+}
+
+TEST(PhotoDecodeTest, UncommonPngKinds) {
+  constexpr int kSide = 32;
+  const auto rows = [](const std::string& row) {
+    std::string all;
+    for (int y = 0; y < kSide; ++y) all += std::string(1, '\0') + row;
+    return all;
+  };
+  const std::string palette = PngChunk("PLTE", "\x0a\x14\x1e\x28\x32\x3c");
+  const std::string index_one(kSide, '\x01');
+  const struct {
+    const char* what;
+    std::string bytes;
+    int red;
+    int blue;
+  } cases[] = {
+      {"palette", RawPng(kSide, kSide, 8, 3, rows(index_one), palette), 40, 60},
+      {"palette of 1 bit",
+       RawPng(kSide, kSide, 1, 3, rows("\xff\xff\xff\xff"), palette),
+       40,
+       60},
+      {"palette with a transparent colour",
+       RawPng(kSide,
+              kSide,
+              8,
+              3,
+              rows(index_one),
+              palette + PngChunk("tRNS", std::string("\xff\x00", 2))),
+       255,
+       255},
+      {"grey of 1 bit",
+       RawPng(kSide, kSide, 1, 0, rows("\xff\xff\xff\xff")),
+       255,
+       255},
+      {"grey of 2 bits", RawPng(kSide, kSide, 2, 0, rows("UUUUUUUU")), 85, 85},
+      {"grey of 4 bits",
+       RawPng(kSide, kSide, 4, 0, rows("3333333333333333")),
+       51,
+       51},
+      {"grey with alpha",
+       RawPng(kSide, kSide, 8, 4, rows([] {
+                std::string row;
+                for (int x = 0; x < kSide; ++x) row += std::string("d\x00", 2);
+                return row;
+              }())),
+       255,
+       255},
+  };
+  for (const auto& c : cases) {
+    const auto header = ParsePhotoHeader(c.bytes);
+    ASSERT_TRUE(header.ok()) << c.what << header.status().message();
+    EXPECT_FALSE(IsPlainPhoto(*header)) << c.what;
+    const auto image = Decode(c.bytes);
+    ASSERT_TRUE(image.ok()) << c.what << ": " << image.status().message();
+    EXPECT_EQ((*image)(3, 3, 0), c.red) << c.what;
+    EXPECT_EQ((*image)(3, 3, 2), c.blue) << c.what;
+  }
+}
+
+TEST(PhotoDecodeTest, TiffAlphaIsAppliedOnceWhateverItsKind) {
+  const struct {
+    int kind;  // 1 already multiplied, 2 not.
+    int white;
+    int black;
+  } cases[] = {{1, 227, 100}, {2, 177, 50}};
+  for (const auto& c : cases) {
+    const cv::Mat shallow(40, 40, CV_8UC4, cv::Scalar(100, 100, 100, 128));
+    const cv::Mat deep(40, 40, CV_16UC4, cv::Scalar(100, 100, 100, 128) * 257);
+    for (const cv::Mat& picture : {shallow, deep}) {
+      const std::string bytes =
+          WithTiffTag(Encode(".tif", picture), 338, c.kind);
+      const auto white = Decode(bytes);
+      const auto black = Decode(bytes, {.background = "black"});
+      ASSERT_TRUE(white.ok()) << white.status().message();
+      EXPECT_NEAR((*white)(3, 3, 0), c.white, 1)
+          << c.kind << " " << picture.depth();
+      EXPECT_NEAR((*black)(3, 3, 2), c.black, 1)
+          << c.kind << " " << picture.depth();
+    }
+  }
+}
+
+// Where the picture's corners (top left, top right, bottom right, bottom left)
+// lie after it is turned upright; EXIF's definition read off its figure.
+TEST(PhotoDecodeTest, OrientationTable) {
+  // Corners of the stored picture: red, green, blue, white.
+  cv::Mat stored(48, 64, CV_8UC3, cv::Scalar(90, 90, 90));
+  const cv::Rect corners[] = {
+      {0, 0, 16, 16}, {48, 0, 16, 16}, {48, 32, 16, 16}, {0, 32, 16, 16}};
+  const cv::Scalar colours[] = {
+      {0, 0, 255}, {0, 255, 0}, {255, 0, 0}, {255, 255, 255}};
+  for (int i = 0; i < 4; ++i) stored(corners[i]).setTo(colours[i]);
+
+  // Upright corners clockwise from the top left, by stored corner.
+  const char* const expected[] = {
+      "RGBW", "GRWB", "BWRG", "WBGR", "RWBG", "WRGB", "BGRW", "GBWR"};
+  for (int orientation = 1; orientation <= 8; ++orientation) {
+    const std::string exif = MakeExif({.orientation = orientation});
+    const std::string tiff =
+        WithTiffTag(Encode(".tif", stored), 274, orientation);
+
+    for (const std::string& bytes :
+         {WithExif(Encode(".jpg", stored, {cv::IMWRITE_JPEG_QUALITY, 100}),
+                   exif),
+          WithPngChunk(Encode(".png", stored), "eXIf", exif),
+          tiff}) {
+      const auto header = ParsePhotoHeader(bytes);
+      ASSERT_TRUE(header.ok());
+      EXPECT_EQ(header->exif.orientation, orientation);
+      EXPECT_EQ(IsPlainPhoto(*header),
+                orientation == 1 && header->format != PhotoFormat::kTiff);
+      const auto image = Decode(bytes);
+      ASSERT_TRUE(image.ok()) << image.status().message();
+      EXPECT_EQ(image->width(), orientation >= 5 ? 48 : 64);
+      EXPECT_EQ(image->height(), orientation >= 5 ? 64 : 48);
+      const int right = image->width() - 8;
+      const int bottom = image->height() - 8;
+      const std::pair<int, int> points[] = {
+          {8, 8}, {right, 8}, {right, bottom}, {8, bottom}};
+      std::string found;
+      for (const auto& [x, y] : points) {
+        const int red = (*image)(x, y, 0) > 150;
+        const int green = (*image)(x, y, 1) > 150;
+        const int blue = (*image)(x, y, 2) > 150;
+        found += red + green + blue == 3 ? 'W'
+                 : red                   ? 'R'
+                 : green                 ? 'G'
+                 : blue                  ? 'B'
+                                         : '?';
+      }
+      EXPECT_EQ(found, expected[orientation - 1])
+          << FormatName(header->format) << " orientation " << orientation;
+    }
+  }
+}
+
+TEST(PhotoDecodeTest, HostileFilesAreRefusedBeforeDecoding) {
+  const std::string jpeg = MakeJpeg(64, 48, 1);
+  const std::string png = MakePng(64, 48, 1);
+  const struct {
+    const char* what;
+    std::string bytes;
+    const char* message;
+  } cases[] = {
+      {"empty", "", "empty file"},
+      {"text", "hello, world\n", "not an image"},
+      {"half a JPEG", jpeg.substr(0, jpeg.size() / 2), "truncated JPEG"},
+      {"JPEG without its end",
+       jpeg.substr(0, jpeg.size() - 2),
+       "truncated JPEG"},
+      {"JPEG header only", jpeg.substr(0, 30), "truncated JPEG"},
+      {"half a PNG", png.substr(0, png.size() / 2), "truncated PNG"},
+      {"PNG without its end", png.substr(0, png.size() - 12), "truncated PNG"},
+      {"JPEG of 40000 x 1", WithJpegSize(jpeg, 40000, 1), "40000 x 1"},
+      {"JPEG of 60000 x 60000",
+       WithJpegSize(jpeg, 60000, 60000),
+       "more than the limit"},
+      {"JPEG of 19000 x 19000",
+       WithJpegSize(jpeg, 19000, 19000),
+       "more than its data can hold"},
+      {"JPEG of 300 x 300", WithJpegSize(jpeg, 300, 300), "damaged JPEG"},
+      {"JPEG of no height", WithJpegSize(jpeg, 64, 0), "gives no size"},
+      {"PNG of 60000 x 60000",
+       WithPngSize(png, 60000, 60000),
+       "more than the limit"},
+      {"PNG of 2^31 x 2^31",
+       WithPngSize(png, 1U << 31, 1U << 31),
+       "more than the limit"},
+      {"PNG of 20000 x 19000",
+       WithPngSize(png, 20000, 19000),
+       "more than its data can hold"},
+      {"PNG of 128 x 64", WithPngSize(png, 128, 64), "damaged PNG"},
+      {"PNG of no width", WithPngSize(png, 0, 10), "damaged PNG header"},
+      {"1 x 1", MakePng(1, 1, 1), "only 1 x 1 pixels"},
+      {"31 x 100", MakeJpeg(31, 100, 1), "shorter than 32"},
+  };
+  for (const auto& c : cases) {
+    EXPECT_THAT(Failure(c.bytes), HasSubstr(c.message)) << c.what;
+  }
+  EXPECT_EQ(Failure(MakeJpeg(32, 32, 1)), "decoded");
+}
+
+TEST(PhotoDecodeTest, JpegCutWithAnEndAddedIsDamaged) {
+  const std::string jpeg = MakeJpeg(200, 150, 1);
+  EXPECT_THAT(Failure(jpeg.substr(0, jpeg.size() * 2 / 3) + "\xff\xd9"),
+              HasSubstr("damaged JPEG"));
+}
+
+TEST(PhotoDecodeTest, TruncatedTiffIsRefused) {
+  const std::string tiff =
+      Encode(".tif", MakePicture(64, 48, 1), {cv::IMWRITE_TIFF_COMPRESSION, 1});
+  EXPECT_THAT(Failure(tiff.substr(0, tiff.size() / 2)),
+              HasSubstr("truncated TIFF"));
+  EXPECT_THAT(Failure(tiff.substr(0, tiff.size() - 40)),
+              HasSubstr("truncated TIFF"));
+}
+
+TEST(PhotoDecodeTest, LimitsAreOptions) {
+  const std::string jpeg = MakeJpeg(200, 150, 1);
+  EXPECT_THAT(Failure(jpeg, {.max_megapixels = 0.02}),
+              HasSubstr("0.02 megapixels"));
+  EXPECT_THAT(Failure(jpeg, {.min_side = 151}), HasSubstr("shorter than 151"));
+  EXPECT_EQ(Failure(MakePng(1, 1, 1), {.min_side = 1}), "decoded");
+  EXPECT_FALSE(PhotoDecodeOptions{.max_megapixels = 0}.Check().ok());
+  EXPECT_FALSE(PhotoDecodeOptions{.min_side = 0}.Check().ok());
+  EXPECT_FALSE(PhotoDecodeOptions{.background = "pink"}.Check().ok());
+  EXPECT_TRUE(PhotoDecodeOptions().Check().ok());
+}
+
+TEST(PhotoDecodeTest, FlippedBytesNeverCrash) {
+  const std::string exif = MakeExif({.orientation = 6});
+  const cv::Mat alpha(40, 40, CV_8UC4, cv::Scalar(1, 2, 3, 40));
+  for (const std::string& good : {WithExif(MakeJpeg(40, 33, 1), exif),
+                                  MakePng(40, 33, 1),
+                                  Encode(".tif", MakePicture(40, 33, 1)),
+                                  Encode(".tif", alpha)}) {
+    for (uint64_t trial = 0; trial < 300; ++trial) {
+      std::string bytes = good;
+      const size_t range =
+          trial % 2 == 0 ? std::min<size_t>(bytes.size(), 400) : bytes.size();
+      bytes[RandomIndex(9, trial, 0, range)] =
+          static_cast<char>(RandomBits(9, trial, 1));
+      const auto image = Decode(bytes, {.max_megapixels = 1});
+      if (image.ok()) {
+        EXPECT_EQ(image->channels(), 3);
+      }
+    }
+  }
+}
+
+TEST(PhotoDecodeTest, PlainPhotosNeedNoReencoding) {
+  cv::Mat grey(40, 40, CV_8UC1, cv::Scalar(9));
+  cv::Mat deep(40, 40, CV_16UC3, cv::Scalar(9));
+  cv::Mat alpha(40, 40, CV_8UC4, cv::Scalar(9));
+  const struct {
+    std::string bytes;
+    bool plain;
+  } cases[] = {{MakeJpeg(40, 40, 1), true},
+               {MakePng(40, 40, 1), true},
+               {Encode(".png", grey), true},
+               {Encode(".jpg", grey), true},
+               {Encode(".tif", grey), false},
+               {Encode(".png", deep), false},
+               {Encode(".png", alpha), false}};
+  for (const auto& c : cases) {
+    const auto header = ParsePhotoHeader(c.bytes);
+    ASSERT_TRUE(header.ok());
+    EXPECT_EQ(IsPlainPhoto(*header), c.plain);
+  }
+}
+
+TEST(PhotoPixelsTest, SharpnessFallsWithBlurAndIgnoresSize) {
+  cv::Mat noise(300, 400, CV_8UC3);
+  for (size_t i = 0; i < noise.total() * 3; ++i) {
+    noise.data[i] = static_cast<uint8_t>(RandomIndex(1, 2, i, 256));
+  }
+  cv::Mat picture;
+  cv::GaussianBlur(noise, picture, {}, 1.5);
+  cv::Mat blurred;
+  cv::GaussianBlur(picture, blurred, {}, 2.0);
+  const double sharp = Sharpness(RgbOf(picture));
+  EXPECT_GT(sharp, 2 * Sharpness(RgbOf(blurred)));
+  EXPECT_EQ(Sharpness(RgbOf(cv::Mat(50, 50, CV_8UC3, cv::Scalar(7, 7, 7)))), 0);
+  // Above 512 pixels the size makes little difference.
+  cv::Mat large;
+  cv::Mat larger;
+  cv::resize(picture, large, {1024, 768}, 0, 0, cv::INTER_CUBIC);
+  cv::resize(picture, larger, {2048, 1536}, 0, 0, cv::INTER_CUBIC);
+  EXPECT_NEAR(Sharpness(RgbOf(larger)) / Sharpness(RgbOf(large)), 1, 0.05);
+}
+
+TEST(PhotoPixelsTest, ContentHashKnowsShape) {
+  const ImageU8 wide(4, 2, 3, 5);
+  const ImageU8 tall(2, 4, 3, 5);
+  EXPECT_EQ(ContentHash(wide), ContentHash(ImageU8(4, 2, 3, 5)));
+  EXPECT_NE(ContentHash(wide), ContentHash(tall));
+  ImageU8 changed = wide;
+  changed(3, 1, 2) = 6;
+  EXPECT_NE(ContentHash(wide), ContentHash(changed));
+}
+
+TEST(PhotoInspectorTest, FillsTheRecord) {
+  const TempFolder folder;
+  const std::string exif =
+      MakeExif({.orientation = 6, .make = "A", .model = "B", .focal_35mm = 36});
+  folder.Write("a/b.jpg", WithExif(MakeJpeg(60, 40, 1), exif));
+  PhotoInspector inspector({});
+  const InspectedPhoto turned = inspector.Inspect(folder.path(), "a/b.jpg");
+  EXPECT_TRUE(turned.photo.usable());
+  EXPECT_EQ(turned.photo.format, "JPEG");
+  EXPECT_EQ(turned.photo.width, 40);
+  EXPECT_EQ(turned.photo.height, 60);
+  EXPECT_EQ(turned.photo.orientation, 6);
+  EXPECT_EQ(turned.photo.make, "A");
+  EXPECT_NEAR(turned.photo.focal_length_px.value_or(0), 60, 1e-6);
+  EXPECT_TRUE(turned.photo.converted);
+  EXPECT_EQ(turned.pixels.width(), 40);
+  EXPECT_EQ(turned.photo.hash.size(), 32U);
+
+  folder.Write("c.jpg", MakeJpeg(60, 40, 1));
+  const InspectedPhoto plain = inspector.Inspect(folder.path(), "c.jpg");
+  EXPECT_FALSE(plain.photo.converted);
+  EXPECT_TRUE(plain.pixels.empty());
+
+  const InspectedPhoto missing = inspector.Inspect(folder.path(), "none.jpg");
+  EXPECT_FALSE(missing.photo.usable());
+  EXPECT_THAT(missing.photo.reason, testing::StartsWith("cannot read"));
+}
+
+}  // namespace
+}  // namespace freegs::photos

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "photos/photo_scan.h"
+
+#include <algorithm>
+#include <string>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/photos/photo_test_files.h"
+
+namespace freegs::photos {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+TEST(NaturalLessTest, CountsAsPeopleDo) {
+  const std::vector<std::string> ordered = {"a/img2.jpg",
+                                            "a/img10.jpg",
+                                            "a b/img1.jpg",
+                                            "img.jpg",
+                                            "img1.jpg",
+                                            "img01.jpg",
+                                            "img002.jpg",
+                                            "img2a.jpg",
+                                            "img10.jpg",
+                                            "img99999999999999999999.jpg",
+                                            "img100000000000000000000.jpg",
+                                            "imga.jpg"};
+  for (size_t i = 0; i < ordered.size(); ++i) {
+    for (size_t j = 0; j < ordered.size(); ++j) {
+      if (ordered[i] == "img1.jpg" && ordered[j] == "img01.jpg") continue;
+      if (ordered[i] == "img01.jpg" && ordered[j] == "img1.jpg") continue;
+      EXPECT_EQ(NaturalLess(ordered[i], ordered[j]), i < j)
+          << ordered[i] << " " << ordered[j];
+    }
+  }
+  EXPECT_NE(NaturalLess("img1.jpg", "img01.jpg"),
+            NaturalLess("img01.jpg", "img1.jpg"));
+}
+
+TEST(ScanPhotosTest, FindsPhotosBelowInNaturalOrder) {
+  const TempFolder folder;
+  for (const char* name : {"img10.jpg",
+                           "img2.JPG",
+                           "deep/er/x.tiff",
+                           "deep/y.png",
+                           "notes.txt",
+                           "photo",
+                           ".hidden.jpg",
+                           ".thumbs/z.jpg",
+                           "z.heic",
+                           "it's \"quoted\".jpg",
+                           "größe 日本.png"}) {
+    folder.Write(name, "x");
+  }
+  const auto scan = ScanPhotos(folder.path());
+  ASSERT_TRUE(scan.ok());
+  EXPECT_THAT(scan->files,
+              ElementsAre("deep/er/x.tiff",
+                          "deep/y.png",
+                          "größe 日本.png",
+                          "img2.JPG",
+                          "img10.jpg",
+                          "it's \"quoted\".jpg",
+                          "z.heic"));
+  EXPECT_THAT(scan->warnings, IsEmpty());
+}
+
+TEST(ScanPhotosTest, LinkLoopsEndAndFoldersKeepTheirOwnNames) {
+  const TempFolder folder;
+  folder.Write("real/a.jpg", "x");
+  const fs::path root = folder.path();
+  fs::create_directory_symlink(root, root / "real" / "loop");
+  fs::create_directory_symlink("../real", root / "real" / "self");
+  fs::create_directory_symlink(root / "real", root / "also");
+  fs::create_symlink("nowhere", root / "broken.jpg");
+  fs::create_symlink("circle.jpg", root / "circle.jpg");
+  const TempFolder elsewhere;
+  elsewhere.Write("b.jpg", "x");
+  fs::create_directory_symlink(elsewhere.path(), root / "linked");
+  const auto scan = ScanPhotos(root);
+  ASSERT_TRUE(scan.ok());
+  EXPECT_THAT(
+      scan->files,
+      ElementsAre("broken.jpg", "circle.jpg", "linked/b.jpg", "real/a.jpg"));
+  EXPECT_THAT(scan->linked_folders, ElementsAre("linked"));
+}
+
+TEST(ScanPhotosTest, ExcludedFoldersAreNotEntered) {
+  const TempFolder folder;
+  folder.Write("a.jpg", "x");
+  folder.Write("workspace/ingest/photos/a.jpg", "x");
+  const auto scan = ScanPhotos(folder.path(), {folder.path() / "workspace"});
+  ASSERT_TRUE(scan.ok());
+  EXPECT_THAT(scan->files, ElementsAre("a.jpg"));
+}
+
+TEST(ScanPhotosTest, BadFolders) {
+  const TempFolder folder;
+  folder.Write("file.jpg", "x");
+  for (const char* name : {"missing", "file.jpg"}) {
+    const auto scan = ScanPhotos(folder.path() / name);
+    ASSERT_FALSE(scan.ok());
+    EXPECT_EQ(scan.status().code(), StatusCode::kBadInput);
+    EXPECT_THAT(scan.status().message(), HasSubstr(name));
+  }
+  const auto none = ScanPhotos("");
+  EXPECT_FALSE(none.ok());
+}
+
+TEST(ScanPhotosTest, ForbiddenFoldersAreReported) {
+  const TempFolder folder;
+  folder.Write("a.jpg", "x");
+  folder.Write("secret/b.jpg", "x");
+  fs::permissions(folder.path() / "secret", fs::perms::none);
+  StatusOr<PhotoScan> scan = PhotoScan();
+  {
+    const Unprivileged unprivileged({folder.path(), folder.path() / "secret"});
+    scan = ScanPhotos(folder.path());
+  }
+  fs::permissions(folder.path() / "secret", fs::perms::owner_all);
+  ASSERT_TRUE(scan.ok());
+  EXPECT_THAT(scan->files, ElementsAre("a.jpg"));
+  ASSERT_EQ(scan->warnings.size(), 1U);
+  EXPECT_THAT(scan->warnings[0], HasSubstr("secret"));
+}
+
+}  // namespace
+}  // namespace freegs::photos

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "photos/photo_selection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace freegs::photos {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+std::vector<Photo> MakePhotos(int count) {
+  std::vector<Photo> photos(count);
+  for (int i = 0; i < count; ++i) {
+    photos[i].file = "p" + std::to_string(i) + ".jpg";
+    photos[i].format = "JPEG";
+    photos[i].width = 40;
+    photos[i].height = 30;
+    photos[i].hash = std::to_string(i);
+    photos[i].sharpness = (i * 7) % 10;
+  }
+  return photos;
+}
+
+std::vector<int> With(PhotoSplit split, const std::vector<Photo>& photos) {
+  std::vector<int> indices;
+  for (size_t i = 0; i < photos.size(); ++i) {
+    if (photos[i].split == split) indices.push_back(static_cast<int>(i));
+  }
+  return indices;
+}
+
+TEST(RejectDuplicatesTest, TheFirstUsableOneStays) {
+  std::vector<Photo> photos = MakePhotos(5);
+  photos[0].split = PhotoSplit::kRejected;
+  photos[0].hash = "same";
+  photos[1].hash = photos[3].hash = photos[4].hash = "same";
+  RejectDuplicates(&photos);
+  EXPECT_THAT(With(PhotoSplit::kRejected, photos), ElementsAre(0, 3, 4));
+  EXPECT_THAT(photos[3].reason, HasSubstr("duplicate of p1.jpg"));
+}
+
+TEST(RejectBlurredTest, TheSharpestOfEachWindowStays) {
+  std::vector<Photo> photos = MakePhotos(20);
+  RejectBlurred(0.25, &photos);
+  // Windows of four; sharpness 0 7 4 1 | 8 5 2 9 | 6 3 0 7 | 4 1 8 5 | 2 9 6 3.
+  EXPECT_THAT(With(PhotoSplit::kTrain, photos), ElementsAre(1, 7, 11, 14, 17));
+  EXPECT_EQ(photos[0].reason, "blurrier than its neighbours");
+}
+
+TEST(RejectBlurredTest, TheBlurriestOfEachWindowGoes) {
+  std::vector<Photo> photos = MakePhotos(20);
+  RejectBlurred(0.75, &photos);
+  EXPECT_THAT(With(PhotoSplit::kRejected, photos),
+              ElementsAre(0, 6, 10, 13, 16));
+}
+
+TEST(RejectBlurredTest, KeepsTheFractionWithoutLongGaps) {
+  for (const int count : {3, 4, 7, 50, 101}) {
+    for (const double fraction : {0.01, 0.1, 0.3, 0.5, 0.51, 0.9, 0.99, 1.0}) {
+      std::vector<Photo> photos = MakePhotos(count);
+      RejectBlurred(fraction, &photos);
+      const std::vector<int> kept = With(PhotoSplit::kTrain, photos);
+      const int expected =
+          std::max(3, static_cast<int>(std::lround(fraction * count)));
+      EXPECT_EQ(kept.size(), std::min<size_t>(expected, count));
+      const int window = (count + expected - 1) / expected;
+      for (size_t i = 1; i < kept.size(); ++i) {
+        EXPECT_LE(kept[i] - kept[i - 1], 2 * std::max(window, 2));
+      }
+    }
+  }
+}
+
+TEST(RejectBlurredTest, EqualSharpnessKeepsTheFirst) {
+  std::vector<Photo> photos = MakePhotos(8);
+  for (Photo& photo : photos) photo.sharpness = 1;
+  RejectBlurred(0.5, &photos);
+  EXPECT_THAT(With(PhotoSplit::kTrain, photos), ElementsAre(0, 2, 4, 6));
+}
+
+TEST(AssignHoldoutTest, EveryEighthOfTheUsable) {
+  std::vector<Photo> photos = MakePhotos(20);
+  photos[3].split = PhotoSplit::kRejected;
+  const auto unmatched = AssignHoldout({}, &photos);
+  ASSERT_TRUE(unmatched.ok());
+  EXPECT_THAT(*unmatched, IsEmpty());
+  EXPECT_THAT(With(PhotoSplit::kHoldout, photos), ElementsAre(0, 9, 17));
+  EXPECT_THAT(With(PhotoSplit::kRejected, photos), ElementsAre(3));
+}
+
+TEST(AssignHoldoutTest, None) {
+  for (const HoldoutRule& rule :
+       {HoldoutRule{.every = 0}, HoldoutRule{.pattern = "none"}}) {
+    std::vector<Photo> photos = MakePhotos(20);
+    ASSERT_TRUE(AssignHoldout(rule, &photos).ok());
+    EXPECT_THAT(With(PhotoSplit::kHoldout, photos), IsEmpty());
+  }
+}
+
+TEST(AssignHoldoutTest, PatternMatchesWholeOrBaseName) {
+  std::vector<Photo> photos = MakePhotos(6);
+  photos[1].file = "val/a.jpg";
+  photos[2].file = "train/test_b.jpg";
+  photos[3].file = "test_c.jpg";
+  std::vector<Photo> again = photos;
+  ASSERT_TRUE(AssignHoldout({.pattern = "test_*"}, &photos).ok());
+  EXPECT_THAT(With(PhotoSplit::kHoldout, photos), ElementsAre(2, 3));
+  ASSERT_TRUE(AssignHoldout({.pattern = "val/*"}, &again).ok());
+  EXPECT_THAT(With(PhotoSplit::kHoldout, again), ElementsAre(1));
+  const auto unmatched = AssignHoldout({.pattern = "nothing*"}, &again);
+  ASSERT_TRUE(unmatched.ok());
+  EXPECT_THAT(*unmatched, ElementsAre("nothing*"));
+  EXPECT_THAT(With(PhotoSplit::kHoldout, again), IsEmpty());
+}
+
+TEST(AssignHoldoutTest, ListOfNames) {
+  std::vector<Photo> photos = MakePhotos(6);
+  photos[1].file = "val/a.jpg";
+  photos[2].file = "val/b.jpg";
+  const auto names =
+      ParseNameList("# held out\n\np0.jpg\r\nval/b.jpg\nmissing.jpg\n");
+  EXPECT_THAT(names, ElementsAre("p0.jpg", "val/b.jpg", "missing.jpg"));
+  const auto unmatched = AssignHoldout({.names = names}, &photos);
+  ASSERT_TRUE(unmatched.ok());
+  EXPECT_THAT(*unmatched, ElementsAre("missing.jpg"));
+  EXPECT_THAT(With(PhotoSplit::kHoldout, photos), ElementsAre(0, 2));
+}
+
+TEST(AssignHoldoutTest, TwoMustBeLeftForTraining) {
+  std::vector<Photo> photos = MakePhotos(3);
+  EXPECT_TRUE(AssignHoldout({}, &photos).ok());
+  for (const HoldoutRule& rule : {HoldoutRule{.every = 1},
+                                  HoldoutRule{.every = 2},
+                                  HoldoutRule{.pattern = "*"}}) {
+    const auto result = AssignHoldout(rule, &photos);
+    ASSERT_FALSE(result.ok());
+    EXPECT_EQ(result.status().code(), StatusCode::kBadInput);
+  }
+  EXPECT_FALSE(HoldoutRule{.every = -1}.Check().ok());
+}
+
+TEST(AssignCameraGroupsTest, GroupsBySizeCameraAndFocalLength) {
+  std::vector<Photo> photos = MakePhotos(7);
+  photos[1].width = 41;
+  photos[3].model = "M";
+  photos[4].focal_length_mm = 4.2;
+  photos[5].split = PhotoSplit::kRejected;
+  AssignCameraGroups(&photos);
+  std::vector<int> groups;
+  for (const Photo& photo : photos) groups.push_back(photo.camera_group);
+  EXPECT_THAT(groups, ElementsAre(0, 1, 0, 2, 3, -1, 0));
+}
+
+std::vector<std::string> NamesOf(
+    const std::vector<std::pair<std::string, bool>>& files) {
+  std::vector<Photo> photos(files.size());
+  for (size_t i = 0; i < files.size(); ++i) {
+    photos[i].file = files[i].first;
+    photos[i].converted = files[i].second;
+    photos[i].format = files[i].first.ends_with("png") ? "PNG" : "JPEG";
+  }
+  AssignNames(&photos);
+  std::vector<std::string> names;
+  for (const Photo& photo : photos) names.push_back(photo.name);
+  return names;
+}
+
+TEST(AssignNamesTest, KeepsSafeNamesAndReplacesOthers) {
+  EXPECT_THAT(NamesOf({{"a.jpg", false},
+                       {"sub/größe_日本.JPG", false},
+                       {"it's_\"q\".png", false},
+                       {" lead and trail .jpg", false},
+                       {"new\nline.jpg", false},
+                       {"#comment/#x.jpg", false},
+                       {"bad\xff\xfeutf8.jpg", false},
+                       {"turned.jpg", true},
+                       {"scan.tif", true},
+                       {"photo.heic", false}}),
+              ElementsAre("a.jpg",
+                          "sub/größe_日本.JPG",
+                          "it's_\"q\".png",
+                          "_lead_and_trail_.jpg",
+                          "new_line.jpg",
+                          "_comment/_x.jpg",
+                          "bad__utf8.jpg",
+                          "turned.png",
+                          "scan.png",
+                          "photo.jpg"));
+}
+
+TEST(AssignNamesTest, CollisionsGetNumbers) {
+  EXPECT_THAT(NamesOf({{"a b.jpg", false},
+                       {"a.jpg", true},
+                       {"a.png", false},
+                       {"a.tif", true},
+                       {"a\tb.jpg", false},
+                       {"a_b.jpg", false},
+                       {"x.tif", true},
+                       {"x.png/y.jpg", false}}),
+              ElementsAre("a_b_2.jpg",
+                          "a_2.png",
+                          "a.png",
+                          "a_3.png",
+                          "a_b_3.jpg",
+                          "a_b.jpg",
+                          "x_2.png",
+                          "x.png/y.jpg"));
+}
+
+TEST(AssignNamesTest, LongNamesAreCutBetweenCharacters) {
+  std::string longest;
+  for (int i = 0; i < 80; ++i) longest += "日";
+  const std::vector<std::string> names =
+      NamesOf({{longest + ".jpg", true}, {longest + "x.jpg", true}});
+  for (const std::string& name : names) {
+    EXPECT_LE(name.size(), 255U);
+    EXPECT_TRUE(name.ends_with(".png"));
+  }
+  EXPECT_NE(names[0], names[1]);
+  EXPECT_TRUE(names[0].starts_with("日日"));
+}
+
+}  // namespace
+}  // namespace freegs::photos

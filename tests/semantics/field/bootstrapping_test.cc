@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "semantics/field/bootstrapping.h"
+
+#include <cmath>
+#include <map>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "core/io/image_io.h"
+#include "semantics/field/field_checkpoint.h"
+#include "tests/semantics/clip/color_encoder.h"
+#include "tests/semantics/synthetic_gaussians.h"
+#include "tests/temporary_folder.h"
+
+namespace freegs::semantics {
+namespace {
+
+// The table scene, its pictures, and an encoder that sees colours.
+class BootstrappingTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    ThreadPool pool(2);
+    for (int k = 0; k < 8; ++k) {
+      views_.push_back(LookAtOrigin(0.785 * k));
+      views_.back().name = "view" + std::to_string(k);
+      photos_.push_back(ToU8(splat::RenderView(scene_.model,
+                                               views_.back().camera,
+                                               views_.back().cam_from_world,
+                                               {},
+                                               pool)
+                                 .color));
+    }
+    options_.instances.refine = false;
+    options_.instances.min_share = 0;
+  }
+
+  StatusOr<SemanticField> Lift(
+      int threads = 2, const CancellationToken* cancellation = nullptr) {
+    ThreadPool pool(threads);
+    const FeatureCache cache(folder_ / "cache");
+    return BootstrapSemanticField(
+        {scene_.model, views_, views_, splat::RenderOptions()},
+        [&](size_t view) -> StatusOr<ImageU8> { return photos_[view]; },
+        options_,
+        0,
+        {encoder_, cache, pool, cancellation, nullptr, resume_from_, save_});
+  }
+
+  // The label that most Gaussians of an object have.
+  int32_t LabelOf(const SemanticField& field, int32_t object) const {
+    std::map<int32_t, int> counts;
+    for (size_t i = 0; i < scene_.truth.size(); ++i) {
+      if (scene_.truth[i] == object) ++counts[field.instances.labels[i]];
+    }
+    return std::max_element(
+               counts.begin(),
+               counts.end(),
+               [](const auto& a, const auto& b) { return a.second < b.second; })
+        ->first;
+  }
+
+  static double Cosine(const InstanceVectors& vectors,
+                       int32_t label,
+                       const std::vector<float>& other) {
+    double sum = 0;
+    for (size_t c = 0; c < other.size(); ++c) {
+      sum += vectors.vectors[label * other.size() + c] * other[c];
+    }
+    return sum;
+  }
+
+  SyntheticGaussians scene_ = MakeTableScene();
+  std::vector<View> views_;
+  std::vector<ImageU8> photos_;
+  ColorEncoder encoder_;
+  TemporaryFolder folder_;
+  BootstrappingOptions options_;
+  std::optional<FieldState> resume_from_;
+  std::function<Status(const FieldTraining&, bool)> save_;
+};
+
+// Training that is over soon.
+FieldTrainingOptions ShortTraining() {
+  FieldTrainingOptions training;
+  training.iterations = 250;
+  training.pixels_per_step = 64;
+  training.hidden_dim = 16;
+  training.cluster_start = 100;
+  training.cluster_interval = 50;
+  training.smoothing_start = 20;
+  training.settled_index = 2;
+  training.decoder.learning_rate = 5e-3;
+  return training;
+}
+
+TEST_F(BootstrappingTest, InstancesMeanWhatThePhotographsShow) {
+  const auto field = Lift();
+  ASSERT_TRUE(field.ok()) << field.status().message();
+  EXPECT_EQ(field->instances.num_instances, 5);
+  EXPECT_EQ(field->vectors.dim, 8);
+  EXPECT_GT(field->vectors.num_crops, 20u);
+  EXPECT_LE(field->decoder.latent_dim(), 8);
+  EXPECT_EQ(field->seconds.size(), 4u);
+  const std::vector<float> red = ColorEncoder::Embed({0.7, 0.1, 0.1});
+  const std::vector<float> green = ColorEncoder::Embed({0.1, 0.6, 0.1});
+  const std::vector<float> blue = ColorEncoder::Embed({0.1, 0.2, 0.7});
+  const int32_t labels[] = {
+      LabelOf(*field, 1), LabelOf(*field, 2), LabelOf(*field, 3)};
+  const std::vector<float>* colors[] = {&red, &green, &blue};
+  for (int object = 0; object < 3; ++object) {
+    for (int color = 0; color < 3; ++color) {
+      if (color == object) continue;
+      EXPECT_GT(Cosine(field->vectors, labels[object], *colors[object]),
+                Cosine(field->vectors, labels[object], *colors[color]) + 0.1)
+          << object << " " << color;
+    }
+  }
+}
+
+TEST_F(BootstrappingTest, EveryVectorOfAnInstanceHasLengthOneOrZero) {
+  for (const double share : {0.0, 0.3, 1.0}) {
+    options_.instance_share = share;
+    const auto field = Lift();
+    ASSERT_TRUE(field.ok());
+    for (int i = 0; i < field->instances.num_instances; ++i) {
+      double square = 0;
+      for (int c = 0; c < 8; ++c) {
+        square += std::pow(field->vectors.vectors[i * 8 + c], 2);
+      }
+      EXPECT_NEAR(square, 1, 1e-5) << share;
+    }
+  }
+}
+
+TEST_F(BootstrappingTest, SameBytesForAnyNumberOfThreads) {
+  const auto a = Lift(1);
+  const auto b = Lift(3);
+  ASSERT_TRUE(a.ok() && b.ok());
+  EXPECT_EQ(a->features, b->features);
+  EXPECT_EQ(a->instances.labels, b->instances.labels);
+  EXPECT_EQ(a->vectors.vectors, b->vectors.vectors);
+}
+
+TEST_F(BootstrappingTest, PhotographsGoThroughTheNetworkOnce) {
+  ASSERT_TRUE(Lift().ok());
+  EXPECT_EQ(encoder_.num_dense, 8);
+  ASSERT_TRUE(Lift().ok());
+  EXPECT_EQ(encoder_.num_dense, 8);
+}
+
+TEST_F(BootstrappingTest, DimensionIsWhatIsAskedOrWhatTheSceneNeeds) {
+  options_.features.dim = 3;
+  const auto three = Lift();
+  ASSERT_TRUE(three.ok());
+  EXPECT_EQ(three->decoder.latent_dim(), 3);
+  options_.features.dim = 0;
+  options_.features.kept_energy = 1;
+  options_.features.max_dim = 5;
+  const auto five = Lift();
+  ASSERT_TRUE(five.ok());
+  EXPECT_EQ(five->decoder.latent_dim(), 5);
+}
+
+TEST_F(BootstrappingTest, TrainingLearnsWhatLiftingKnows) {
+  options_.method = FieldMethod::kTrain;
+  options_.training = ShortTraining();
+  const auto field = Lift();
+  ASSERT_TRUE(field.ok()) << field.status().message();
+  EXPECT_EQ(field->steps, 250);
+  ASSERT_EQ(field->rounds.size(), 3u);
+  EXPECT_EQ(field->rounds[0].step, 100);
+  EXPECT_EQ(field->rounds[0].num_instances, 5);
+  EXPECT_GT(field->rounds[2].agreement, 0.9);
+  ASSERT_EQ(field->losses.size(), 3u);
+  EXPECT_LT(field->losses.back().losses.pixel,
+            0.7 * field->losses.front().losses.pixel);
+  EXPECT_EQ(field->losses[0].losses.instance, 0);
+  EXPECT_GT(field->losses[1].losses.instance, 0);
+  EXPECT_GT(field->losses[1].losses.smoothing, 0);
+  EXPECT_NE(field->decoder.mlp(), nullptr);
+  EXPECT_EQ(field->instances.num_instances, 5);
+}
+
+TEST_F(BootstrappingTest, TrainingEndsWhenClusteringHasSettled) {
+  options_.method = FieldMethod::kTrain;
+  options_.training = ShortTraining();
+  options_.training.settled_index = 0.9;
+  const auto field = Lift();
+  ASSERT_TRUE(field.ok());
+  EXPECT_EQ(field->steps, 150);
+  EXPECT_EQ(field->rounds.size(), 2u);
+}
+
+TEST_F(BootstrappingTest, InterruptedTrainingGoesOnToTheSameBytes) {
+  options_.method = FieldMethod::kTrain;
+  options_.training = ShortTraining();
+  const auto whole = Lift(1);
+  ASSERT_TRUE(whole.ok());
+  for (const int64_t stop : {50, 100, 200}) {
+    CancellationToken cancellation;
+    std::optional<FieldState> saved;
+    save_ = [&](const FieldTraining& training, bool stopping) {
+      if (training.step() >= stop) cancellation.Cancel();
+      if (stopping) {
+        const auto bytes = SerializeFieldState(training.state());
+        EXPECT_TRUE(bytes.ok());
+        auto state = ParseFieldState(*bytes);
+        EXPECT_TRUE(state.ok()) << state.status().message();
+        saved = *std::move(state);
+      }
+      return Status();
+    };
+    EXPECT_EQ(Lift(2, &cancellation).status().code(), StatusCode::kInterrupted);
+    ASSERT_TRUE(saved.has_value()) << stop;
+    EXPECT_EQ(saved->step, stop);
+    save_ = nullptr;
+    resume_from_ = std::move(saved);
+    const auto rest = Lift(3);
+    resume_from_.reset();
+    ASSERT_TRUE(rest.ok());
+    EXPECT_EQ(rest->features, whole->features) << stop;
+    EXPECT_EQ(rest->instances.labels, whole->instances.labels);
+    EXPECT_EQ(rest->vectors.vectors, whole->vectors.vectors);
+    EXPECT_EQ(rest->rounds.size(), whole->rounds.size());
+    EXPECT_EQ(rest->losses.back().losses.pixel,
+              whole->losses.back().losses.pixel);
+  }
+}
+
+TEST_F(BootstrappingTest, EachLossCanBeLeftOut) {
+  options_.method = FieldMethod::kTrain;
+  options_.training = ShortTraining();
+  options_.training.iterations = 120;
+  options_.training.instance_weight = 0;
+  options_.training.smoothing_weight = 0;
+  options_.training.contrastive_weight = 0;
+  const auto field = Lift();
+  ASSERT_TRUE(field.ok());
+  EXPECT_EQ(field->losses.back().losses.instance, 0);
+  EXPECT_EQ(field->losses.back().losses.smoothing, 0);
+  EXPECT_EQ(field->losses.back().losses.contrastive, 0);
+  options_.training.cluster_start = 0;
+  const auto without = Lift();
+  ASSERT_TRUE(without.ok());
+  EXPECT_TRUE(without->rounds.empty());
+}
+
+TEST_F(BootstrappingTest, RandomStartIsAnotherStart) {
+  options_.method = FieldMethod::kTrain;
+  options_.training = ShortTraining();
+  options_.training.iterations = 1;
+  options_.random_start = true;
+  const auto a = Lift();
+  options_.random_start = false;
+  const auto b = Lift();
+  ASSERT_TRUE(a.ok() && b.ok());
+  EXPECT_NE(a->features, b->features);
+}
+
+TEST_F(BootstrappingTest, StopsWhenCancelled) {
+  CancellationToken cancellation;
+  cancellation.Cancel();
+  EXPECT_EQ(Lift(2, &cancellation).status().code(), StatusCode::kInterrupted);
+}
+
+TEST_F(BootstrappingTest, RefusesOptionsOutOfRange) {
+  options_.instance_share = 2;
+  EXPECT_EQ(Lift().status().code(), StatusCode::kInvalidArgument);
+}
+
+TEST(MeanInstanceVectorsTest, AveragesDirectionsByWhatIsSeen) {
+  ThreadPool pool(1);
+  LinearDecoder axes;
+  axes.latent_dim = axes.feature_dim = 2;
+  axes.mean = {0, 0};
+  axes.basis = {1, 0, 0, 1};
+  const std::vector<float> vectors = {5, 0, 0, 1, 0, 0, 3, 3};
+  const std::vector<double> weights = {1, 3, 9, 1};
+  const std::vector<int32_t> labels = {0, 0, 0, -1};
+  const auto result = MeanInstanceVectors(
+      vectors, weights, labels, 2, FeatureDecoder(axes), pool);
+  ASSERT_TRUE(result.ok());
+  const std::vector<float>& means = *result;
+  ASSERT_EQ(means.size(), 4u);
+  EXPECT_NEAR(means[0], 1 / std::sqrt(10.0), 1e-6);
+  EXPECT_NEAR(means[1], 3 / std::sqrt(10.0), 1e-6);
+  EXPECT_EQ(means[2], 0);  // An instance without Gaussians.
+}
+
+}  // namespace
+}  // namespace freegs::semantics

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "semantics/hdbscan/hdbscan.h"
+
+#include <cmath>
+#include <set>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/random.h"
+
+namespace freegs::semantics {
+namespace {
+
+// Appends a round blob in two dimensions.
+void AddBlob(
+    double x, double y, double sigma, int count, std::vector<float>* points) {
+  const uint64_t stream = points->size();
+  for (int i = 0; i < count; ++i) {
+    points->push_back(
+        static_cast<float>(x + sigma * RandomNormal(7, stream, 2 * i)));
+    points->push_back(
+        static_cast<float>(y + sigma * RandomNormal(7, stream, 2 * i + 1)));
+  }
+}
+
+TEST(HdbscanTest, TwoBlobsAndAStrayPoint) {
+  std::vector<float> points;
+  AddBlob(0, 0, 0.1, 100, &points);
+  AddBlob(5, 0, 0.3, 80, &points);
+  points.insert(points.end(), {2.5f, 40.0f});
+  ThreadPool pool(2);
+  const auto result = Hdbscan(
+      points, 2, {.min_cluster_size = 10, .min_samples = 5}, pool, nullptr);
+  ASSERT_TRUE(result.ok());
+  EXPECT_EQ(result->num_clusters, 2);
+  EXPECT_EQ(result->stabilities.size(), 2u);
+  EXPECT_EQ(result->labels[180], -1);
+  EXPECT_EQ(result->probabilities[180], 0);
+  EXPECT_NE(result->labels[0], result->labels[100]);
+  for (int i = 0; i < 180; ++i) {
+    EXPECT_EQ(result->labels[i], result->labels[i < 100 ? 0 : 100]);
+    EXPECT_GT(result->probabilities[i], 0);
+    EXPECT_LE(result->probabilities[i], 1);
+  }
+}
+
+// Three blobs of which two are close: a tree of two levels.
+std::vector<float> NestedBlobs() {
+  std::vector<float> points;
+  AddBlob(0, 0, 0.1, 60, &points);
+  AddBlob(1.2, 0, 0.1, 60, &points);
+  AddBlob(20, 0, 0.1, 60, &points);
+  return points;
+}
+
+int NumClusters(const std::vector<float>& points,
+                const HdbscanOptions& options) {
+  ThreadPool pool(1);
+  const auto result = Hdbscan(points, 2, options, pool, nullptr);
+  return result.ok() ? result->num_clusters : -1;
+}
+
+TEST(HdbscanTest, EpsilonMergesWhatIsCloser) {
+  HdbscanOptions options{.min_cluster_size = 20, .min_samples = 5};
+  EXPECT_EQ(NumClusters(NestedBlobs(), options), 3);
+  options.cluster_selection_epsilon = 2;
+  EXPECT_EQ(NumClusters(NestedBlobs(), options), 2);
+  // Never the root: the children of the root are the coarsest clusters.
+  options.cluster_selection_epsilon = 1000;
+  EXPECT_EQ(NumClusters(NestedBlobs(), options), 2);
+}
+
+TEST(HdbscanTest, MaxClusterSizeSplitsOrDropsLargeClusters) {
+  std::vector<float> points;
+  AddBlob(0, 0, 0.1, 60, &points);
+  AddBlob(0.6, 0, 0.1, 60, &points);
+  AddBlob(20, 0, 0.1, 60, &points);
+  HdbscanOptions options{.min_cluster_size = 20, .min_samples = 5};
+  options.cluster_selection_epsilon = 0;
+  const int free = NumClusters(points, options);
+  options.max_cluster_size = 100;
+  EXPECT_EQ(NumClusters(points, options), 3);
+  EXPECT_LE(free, 3);
+  // Leaves that are too large become noise.
+  options.max_cluster_size = 30;
+  EXPECT_EQ(NumClusters(points, options), 0);
+}
+
+// A square of 15 x 15 points, 0.1 apart, with its corner at (x, 0).
+void AddGrid(double x, std::vector<float>* points) {
+  for (int i = 0; i < 15 * 15; ++i) {
+    points->push_back(static_cast<float>(x + 0.1 * (i % 15)));
+    points->push_back(static_cast<float>(0.1 * (i / 15)));
+  }
+}
+
+TEST(HdbscanTest, ClearGapsSplitWhatExcessOfMassJoins) {
+  // Two squares 0.24 apart, and one far from both.
+  std::vector<float> points;
+  AddGrid(0, &points);
+  AddGrid(1.64, &points);
+  AddGrid(100, &points);
+  HdbscanOptions options{.min_cluster_size = 20, .min_samples = 5};
+  EXPECT_EQ(NumClusters(points, options), 2);
+  options.min_gap_ratio = 1.5;
+  EXPECT_EQ(NumClusters(points, options), 3);
+  options.min_gap_ratio = 2;
+  EXPECT_EQ(NumClusters(points, options), 2);
+}
+
+TEST(HdbscanTest, ApproximationsFindClearClusters) {
+  for (const int neighbors : {1, 5}) {
+    for (const int leaves : {0, 2}) {
+      EXPECT_EQ(NumClusters(NestedBlobs(),
+                            {.min_cluster_size = 20,
+                             .min_samples = 5,
+                             .graph_neighbors = neighbors,
+                             .max_leaves = leaves}),
+                3);
+    }
+  }
+}
+
+TEST(HdbscanTest, TooFewPointsAreNoise) {
+  for (const int count : {0, 1, 2, 19}) {
+    std::vector<float> points;
+    AddBlob(0, 0, 1, count, &points);
+    ThreadPool pool(1);
+    const auto result = Hdbscan(points, 2, {}, pool, nullptr);
+    ASSERT_TRUE(result.ok());
+    EXPECT_EQ(result->num_clusters, 0);
+    EXPECT_THAT(result->labels, testing::Each(-1));
+    EXPECT_EQ(result->labels.size(), static_cast<size_t>(count));
+  }
+}
+
+TEST(HdbscanTest, OneBlobIsNoCluster) {
+  // The root is never selected; a uniform grid has no other cluster.
+  std::vector<float> points;
+  for (int i = 0; i < 10; ++i) {
+    for (int j = 0; j < 10; ++j) {
+      points.push_back(static_cast<float>(i));
+      points.push_back(static_cast<float>(j));
+    }
+  }
+  EXPECT_EQ(NumClusters(points, {.min_cluster_size = 60, .min_samples = 3}), 0);
+}
+
+TEST(HdbscanTest, RefusesBadOptions) {
+  ThreadPool pool(1);
+  const std::vector<float> points(20, 0.0f);
+  for (const HdbscanOptions& options :
+       {HdbscanOptions{.min_cluster_size = 1},
+        HdbscanOptions{.min_samples = 0},
+        HdbscanOptions{.cluster_selection_epsilon = -1},
+        HdbscanOptions{.cluster_selection_epsilon = std::nan("")},
+        HdbscanOptions{.max_cluster_size = -1},
+        HdbscanOptions{.graph_neighbors = -1},
+        HdbscanOptions{.max_leaves = 8},
+        HdbscanOptions{.graph_neighbors = 4, .max_leaves = -1},
+        HdbscanOptions{.min_gap_ratio = std::nan("")}}) {
+    EXPECT_EQ(Hdbscan(points, 2, options, pool, nullptr).status().code(),
+              StatusCode::kInvalidArgument);
+  }
+  EXPECT_FALSE(Hdbscan(points, 3, {}, pool, nullptr).ok());
+}
+
+}  // namespace
+}  // namespace freegs::semantics

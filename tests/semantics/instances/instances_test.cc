@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "semantics/instances/instances.h"
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include "semantics/metrics/box_iou.h"
+#include "tests/semantics/synthetic_gaussians.h"
+
+namespace freegs::semantics {
+namespace {
+
+// The surface of an upright box turned by 25 degrees, and strays.
+SyntheticGaussians MakeBox(const OrientedBox& box, int num_strays) {
+  SyntheticGaussians scene;
+  for (int i = 0; i < 6000; ++i) {
+    Eigen::Vector3d x(
+        scene.Uniform() - 0.5, scene.Uniform() - 0.5, scene.Uniform() - 0.5);
+    x[i % 3] = i % 2 == 0 ? 0.5 : -0.5;
+    scene.Add(box.center + box.rotation * x.cwiseProduct(box.size),
+              {0.5, 0.5, 0.5},
+              0.002,
+              0.9,
+              0);
+  }
+  for (int i = 0; i < num_strays; ++i) {
+    scene.Add({8 * scene.Uniform() - 4, 8 * scene.Uniform() - 4, 4.0},
+              {0.5, 0.5, 0.5},
+              0.002,
+              0.9,
+              0);
+  }
+  return scene;
+}
+
+OrientedBox TrueBox() {
+  OrientedBox box;
+  box.center = {0.5, -0.2, 1};
+  box.size = {0.6, 0.3, 0.4};
+  box.rotation =
+      Eigen::AngleAxisd(25 * std::numbers::pi / 180, Eigen::Vector3d::UnitZ())
+          .toRotationMatrix();
+  return box;
+}
+
+TEST(InstancesTest, UprightBoxIgnoresStrays) {
+  const OrientedBox truth = TrueBox();
+  const SyntheticGaussians scene = MakeBox(truth, 40);
+  ThreadPool pool(2);
+  const std::vector<Instance> instances =
+      BuildInstances(scene.model,
+                     scene.truth,
+                     1,
+                     std::vector<double>{0.5},
+                     std::vector<uint8_t>{1},
+                     Eigen::Vector3d(0, 0, 1),
+                     {},
+                     pool);
+  ASSERT_EQ(instances.size(), 1u);
+  const Instance& instance = instances[0];
+  EXPECT_EQ(instance.id, 1);
+  EXPECT_EQ(instance.num_gaussians, 6040);
+  EXPECT_EQ(instance.score, 0.5);
+  EXPECT_TRUE(instance.background);
+  EXPECT_GT(BoxIou(instance.obb, truth), 0.93);
+  EXPECT_LT((instance.centre - truth.center).norm(), 0.01);
+  EXPECT_NEAR(instance.obb.rotation.determinant(), 1, 1e-9);
+  EXPECT_NEAR(instance.aabb.max.z(), 1.2, 0.01);
+  EXPECT_NEAR(instance.aabb.min.z(), 0.8, 0.01);
+}
+
+TEST(InstancesTest, PrincipalAxesWithoutAVertical) {
+  OrientedBox truth = TrueBox();
+  truth.rotation = Eigen::AngleAxisd(0.9, Eigen::Vector3d(1, 2, 3).normalized())
+                       .toRotationMatrix();
+  truth.size = {0.9, 0.2, 0.5};
+  const SyntheticGaussians scene = MakeBox(truth, 0);
+  ThreadPool pool(1);
+  const std::vector<Instance> instances = BuildInstances(
+      scene.model, scene.truth, 1, {}, {}, std::nullopt, {}, pool);
+  EXPECT_GT(BoxIou(instances[0].obb, truth), 0.85);
+  EXPECT_NEAR(instances[0].obb.rotation.determinant(), 1, 1e-9);
+}
+
+TEST(InstancesTest, LabelsWithFewOrNoMembers) {
+  SyntheticGaussians scene;
+  scene.Add({1, 2, 3}, {0, 0, 0}, 0.1, 0.05, 1);
+  scene.Add({std::nan(""), 2, 3}, {0, 0, 0}, 0.1, 0.9, 2);
+  scene.Add({5, 5, 5}, {0, 0, 0}, 0.1, 0.9, -1);
+  ThreadPool pool(1);
+  const std::vector<Instance> instances = BuildInstances(
+      scene.model, scene.truth, 3, {}, {}, Eigen::Vector3d(0, 0, 1), {}, pool);
+  ASSERT_EQ(instances.size(), 3u);
+  EXPECT_EQ(instances[0].num_gaussians, 0);
+  // Faint, but all there is.
+  EXPECT_LT((instances[1].centre - Eigen::Vector3d(1, 2, 3)).norm(), 1e-6);
+  EXPECT_LT((instances[1].obb.size - Eigen::Vector3d::Constant(0.2)).norm(),
+            1e-6);
+  EXPECT_EQ(instances[2].num_gaussians, 1);
+  EXPECT_TRUE(instances[2].centre.allFinite());
+}
+
+View LevelView(double heading, double pitch) {
+  View view;
+  // Camera axes in a world with z up: x right, y down, z forward.
+  Eigen::Matrix3d cam_from_world;
+  cam_from_world << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  view.cam_from_world.rotation = Eigen::Quaterniond(
+      Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitX()).toRotationMatrix() *
+      cam_from_world *
+      Eigen::AngleAxisd(heading, Eigen::Vector3d::UnitZ()).toRotationMatrix());
+  return view;
+}
+
+TEST(InstancesTest, VerticalComesFromCamerasAndAPlane) {
+  std::vector<View> views;
+  for (int i = 0; i < 5; ++i) views.push_back(LevelView(0.5 * i, -0.6));
+  const auto rough = EstimateVertical(views, {});
+  ASSERT_TRUE(rough.has_value());
+  EXPECT_GT(rough->z(), 0.7);
+  std::vector<Plane> planes(2);
+  planes[0].normal = Eigen::Vector3d(1, 0, 0);
+  planes[1].normal = Eigen::Vector3d(0, 0, -1);
+  const auto exact = EstimateVertical(views, planes);
+  ASSERT_TRUE(exact.has_value());
+  EXPECT_NEAR(exact->z(), 1, 1e-12);
+}
+
+TEST(InstancesTest, NoVerticalWithoutAgreement) {
+  EXPECT_FALSE(EstimateVertical({}, {}).has_value());
+  std::vector<View> views = {LevelView(0, 0), LevelView(0, std::numbers::pi)};
+  EXPECT_FALSE(EstimateVertical(views, {}).has_value());
+}
+
+}  // namespace
+}  // namespace freegs::semantics

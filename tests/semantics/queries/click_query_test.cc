@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "semantics/queries/click_query.h"
+
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/splat/test_scene.h"
+
+namespace freegs::semantics {
+namespace {
+
+using testing::ElementsAre;
+
+std::vector<int32_t> MixedLabels(size_t count) {
+  std::vector<int32_t> labels;
+  for (size_t i = 0; i < count; ++i) {
+    labels.push_back(static_cast<int32_t>(i % 5) - 1);
+  }
+  return labels;
+}
+
+TEST(ClickQueryTest, AnswersWhatTheLabelImageShows) {
+  ThreadPool pool(2);
+  const splat::GaussianModel model = splat::RandomModel(200, 0, 3);
+  const std::vector<int32_t> labels = MixedLabels(model.size());
+  const Pinhole camera = splat::TestCamera(40, 30);
+  const Image<int32_t> image =
+      splat::RenderLabels(model, camera, splat::TestPose(), {}, pool, labels);
+  std::set<int> seen;
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      const auto hits = QueryClick(
+          model, labels, camera, splat::TestPose(), {}, x, y, {}, pool);
+      ASSERT_TRUE(hits.ok());
+      EXPECT_EQ(hits->empty() ? -1 : (*hits)[0].id - 1, image(x, y))
+          << x << " " << y;
+      seen.insert(image(x, y));
+      for (size_t k = 1; k < hits->size(); ++k) {
+        EXPECT_LE((*hits)[k].weight, (*hits)[k - 1].weight);
+      }
+    }
+  }
+  EXPECT_EQ(seen.size(), 5u);  // Or the test says little.
+}
+
+TEST(ClickQueryTest, ThePointLiesOnTheRayAtTheInstancesDepth) {
+  ThreadPool pool(1);
+  splat::GaussianModel model;
+  model.Resize(1);
+  model.rotations[0] = 1;
+  model.opacity_logits[0] = 6;
+  for (float& scale : model.log_scales) scale = std::log(0.4f);
+  const Pinhole camera = splat::TestCamera(40, 30);
+  const Rigid3d pose = splat::TestPose();
+  const auto hits = QueryClick(
+      model, std::vector<int32_t>{6}, camera, pose, {}, 23, 11, {}, pool);
+  ASSERT_TRUE(hits.ok());
+  ASSERT_EQ(hits->size(), 1u);
+  EXPECT_EQ((*hits)[0].id, 7);
+  const Eigen::Vector3d seen = pose * (*hits)[0].point;
+  EXPECT_NEAR(camera.fx * seen.x() / seen.z() + camera.cx, 23.5, 1e-6);
+  EXPECT_NEAR(camera.fy * seen.y() / seen.z() + camera.cy, 11.5, 1e-6);
+  EXPECT_NEAR(seen.z(), pose.translation.z(), 1e-6);
+}
+
+TEST(ClickQueryTest, WrongArguments) {
+  ThreadPool pool(1);
+  const splat::GaussianModel model = splat::RandomModel(10, 0, 3);
+  const Pinhole camera = splat::TestCamera(40, 30);
+  const auto code = [&](const std::vector<int32_t>& labels,
+                        int x,
+                        const ClickQueryOptions& options) {
+    return QueryClick(model,
+                      labels,
+                      camera,
+                      splat::TestPose(),
+                      {},
+                      x,
+                      3,
+                      options,
+                      pool)
+        .status()
+        .code();
+  };
+  EXPECT_EQ(code(MixedLabels(9), 5, {}), StatusCode::kInvalidArgument);
+  EXPECT_EQ(code(MixedLabels(10), 40, {}), StatusCode::kInvalidArgument);
+  EXPECT_EQ(code(MixedLabels(10), 5, {.min_weight = 2}),
+            StatusCode::kInvalidArgument);
+  EXPECT_EQ(code(MixedLabels(10), 5, {}), StatusCode::kOk);
+}
+
+// A plane (0) with a block (1) of 4 x 4 on it, a thin diagonal (2) of 8, and
+// a stray pixel of the block far away.
+Image<int32_t> Picture() {
+  Image<int32_t> image(30, 20, 1, 0);
+  for (int y = 0; y < 20; ++y) image(29, y) = -1;
+  for (int y = 4; y < 8; ++y) {
+    for (int x = 5; x < 9; ++x) image(x, y) = 1;
+  }
+  for (int k = 0; k < 8; ++k) image(15 + k, 6 + k) = 2;
+  image(1, 18) = 1;
+  return image;
+}
+
+std::vector<int> Ids(const StatusOr<std::vector<BoxHit>>& hits) {
+  EXPECT_TRUE(hits.ok()) << hits.status().message();
+  std::vector<int> ids;
+  for (const BoxHit& hit : *hits) ids.push_back(hit.id);
+  return ids;
+}
+
+TEST(BoxQueryTest, TheInstanceThatTheBoxIsDrawnAround) {
+  const auto block = QueryBox(Picture(), {5, 4, 9, 8}, {.trim = 0.06});
+  EXPECT_THAT(Ids(block), ElementsAre(2));
+  EXPECT_NEAR((*block)[0].iou, 1, 1e-9);
+  // The plane fills the box, the diagonal only its own pixels.
+  const auto thin = QueryBox(Picture(), {23, 14, 15, 6}, {});
+  EXPECT_THAT(Ids(thin), ElementsAre(3, 1));
+  EXPECT_NEAR((*thin)[0].iou, 1, 1e-9);
+  EXPECT_NEAR((*thin)[1].iou, 64.0 / (29 * 20), 1e-9);
+}
+
+TEST(BoxQueryTest, LargePlanesOnlyWhenAskedFor) {
+  const std::vector<uint8_t> background = {1};
+  EXPECT_THAT(Ids(QueryBox(Picture(), {0, 0, 30, 20}, {}, background)),
+              ElementsAre(2, 3));
+  EXPECT_THAT(Ids(QueryBox(
+                  Picture(), {0, 0, 30, 20}, {.background = true}, background)),
+              ElementsAre(1, 2, 3));
+  EXPECT_THAT(Ids(QueryBox(Picture(), {10, 0, 12, 2}, {}, background)),
+              ElementsAre());
+}
+
+TEST(BoxQueryTest, BoxesAreCutAtTheImage) {
+  EXPECT_THAT(Ids(QueryBox(Picture(), {-1e300, -5, 9, 8}, {.trim = 0.06})),
+              ElementsAre(2, 1));
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double inf = std::numeric_limits<double>::infinity();
+  for (const PixelBox& box : {PixelBox{5, 4, 5, 8},
+                              PixelBox{30, 4, 40, 8},
+                              PixelBox{-9, 4, -1, 8},
+                              PixelBox{nan, 4, 9, 8},
+                              PixelBox{0, 4, inf, 8}}) {
+    EXPECT_EQ(QueryBox(Picture(), box, {}).status().code(),
+              StatusCode::kInvalidArgument);
+  }
+  EXPECT_FALSE(QueryBox(Image<int32_t>(), {0, 0, 1, 1}, {}).ok());
+  EXPECT_FALSE(QueryBox(Picture(), {5, 4, 9, 8}, {.trim = 0.5}).ok());
+}
+
+}  // namespace
+}  // namespace freegs::semantics

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Imported poses: where they are found, and how they fit the photos.
+
+#include "sfm/import/import_model.h"
+
+#include <cstdlib>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sfm/scene/model_io.h"
+#include "tests/sfm/synthetic_model.h"
+#include "tests/temporary_folder.h"
+
+namespace freegs::sfm {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+std::vector<SfmPhoto> Photos(int count, int width = 640, int height = 480) {
+  std::vector<SfmPhoto> photos;
+  for (int i = 0; i < count; ++i) {
+    SfmPhoto photo;
+    photo.name = PhotoName(i);
+    photo.width = width;
+    photo.height = height;
+    photos.push_back(photo);
+  }
+  return photos;
+}
+
+StatusOr<ImportedModel> Import(const fs::path& path,
+                               const std::vector<SfmPhoto>& photos) {
+  FREEGS_ASSIGN_OR_RETURN(const ImportSource source, FindImportSource(path));
+  return ImportModel(source, photos, {100, 0});
+}
+
+TEST(FindImportSource, ColmapFoldersAndParents) {
+  for (const char* below : {".", "sparse/0", "sparse", "0"}) {
+    for (const ModelFormat format :
+         {ModelFormat::kBinary, ModelFormat::kText}) {
+      const TemporaryFolder folder;
+      ASSERT_TRUE(
+          WriteModel(folder.path() / below, SyntheticModel(3, 2), format).ok());
+      const auto source = FindImportSource(folder.path());
+      ASSERT_TRUE(source.ok()) << source.status().message();
+      EXPECT_TRUE(fs::equivalent(source->colmap_model, folder.path() / below));
+      EXPECT_EQ(source->Files().size(), 3u);
+      for (const fs::path& file : source->Files()) EXPECT_TRUE(exists(file));
+    }
+  }
+}
+
+TEST(FindImportSource, TransformsFiles) {
+  const TemporaryFolder folder;
+  WriteText(folder / "transforms_train.json", "{}");
+  auto source = FindImportSource(folder.path());
+  ASSERT_TRUE(source.ok());
+  EXPECT_EQ(source->transforms, folder / "transforms_train.json");
+  EXPECT_TRUE(source->test_transforms.empty());
+  WriteText(folder / "transforms_test.json", "{}");
+  source = FindImportSource(folder / "transforms_train.json");
+  ASSERT_TRUE(source.ok());
+  EXPECT_EQ(source->test_transforms, folder / "transforms_test.json");
+  EXPECT_EQ(source->Files().size(), 2u);
+  WriteText(folder / "transforms.json", "{}");
+  EXPECT_EQ(FindImportSource(folder.path())->transforms,
+            folder / "transforms.json");
+}
+
+TEST(FindImportSource, NothingThere) {
+  const TemporaryFolder folder;
+  const auto empty = FindImportSource(folder.path());
+  ASSERT_FALSE(empty.ok());
+  EXPECT_THAT(empty.status().message(), HasSubstr("transforms.json"));
+  EXPECT_FALSE(FindImportSource(folder / "missing").ok());
+  WriteText(folder / "a.txt", "");
+  EXPECT_FALSE(FindImportSource(folder / "a.txt").ok());
+}
+
+TEST(ImportModel, ColmapModelUnderThePhotosNames) {
+  const TemporaryFolder folder;
+  Reconstruction model = SyntheticModel(5, 20);
+  for (PosedImage& image : model.images) image.name = "images/" + image.name;
+  model.images[4].name = "images/other.jpg";
+  std::swap(model.images[0], model.images[2]);
+  ASSERT_TRUE(WriteModel(folder.path(), model).ok());
+  const auto imported = Import(folder.path(), Photos(6));
+  ASSERT_TRUE(imported.ok()) << imported.status().message();
+  ASSERT_EQ(imported->model.images.size(), 4u);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_EQ(imported->model.images[i].name, PhotoName(i));
+    EXPECT_EQ(imported->model.images[i].id, static_cast<uint32_t>(i + 1));
+  }
+  EXPECT_THAT(imported->unmatched, ElementsAre("images/other.jpg"));
+  EXPECT_FALSE(imported->random_points);
+  EXPECT_EQ(imported->model.points3d.size(), 20u);
+  // The image that was left out is gone from the tracks.
+  EXPECT_EQ(imported->model.points3d[0].track.size(), 4u);
+  EXPECT_TRUE(imported->warnings.empty());
+  EXPECT_TRUE(CheckReconstruction(imported->model).ok());
+}
+
+TEST(ImportModel, PhotosOfAnotherSize) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(WriteModel(folder.path(), SyntheticModel(3, 10)).ok());
+  const auto half = Import(folder.path(), Photos(3, 320, 240));
+  ASSERT_TRUE(half.ok()) << half.status().message();
+  const Reconstruction& model = half->model;
+  EXPECT_EQ(model.cameras[0].width, 320u);
+  const auto pixel = Project(
+      model.cameras[0], model.images[0].cam_from_world * model.points3d[0].xyz);
+  EXPECT_NEAR((*pixel - model.images[0].points2d[0].xy).norm(), 0, 1e-9);
+  const auto rotated = Import(folder.path(), Photos(3, 480, 640));
+  ASSERT_FALSE(rotated.ok());
+  EXPECT_THAT(rotated.status().message(), HasSubstr("shape"));
+}
+
+TEST(ImportModel, NamesThatFitNothing) {
+  const TemporaryFolder folder;
+  Reconstruction model = SyntheticModel(3, 10);
+  for (PosedImage& image : model.images) image.name = "x" + image.name;
+  ASSERT_TRUE(WriteModel(folder.path(), model).ok());
+  const auto imported = Import(folder.path(), Photos(3));
+  ASSERT_FALSE(imported.ok());
+  EXPECT_EQ(imported.status().code(), StatusCode::kBadInput);
+  EXPECT_THAT(imported.status().message(), HasSubstr("xphoto_"));
+}
+
+std::string Transforms(const std::vector<std::string>& names) {
+  std::string text = R"({"camera_angle_x":0.69,"frames":[)";
+  for (size_t i = 0; i < names.size(); ++i) {
+    // On a line along x, looking along +y.
+    text += std::string(i > 0 ? "," : "") + R"({"file_path":")" + names[i] +
+            R"(","transform_matrix":[[1,0,0,)" + std::to_string(i) +
+            "],[0,0,-1,0],[0,1,0,0],[0,0,0,1]]}";
+  }
+  return text + "]}";
+}
+
+TEST(ImportModel, TransformsGetRandomPoints) {
+  const TemporaryFolder folder;
+  WriteText(folder / "transforms_train.json",
+            Transforms({"./train/photo_000", "./train/photo_001"}));
+  WriteText(folder / "transforms_test.json",
+            Transforms({"./test/photo_002", "./test/none"}));
+  auto photos = Photos(3);
+  const auto imported = Import(folder.path(), photos);
+  ASSERT_TRUE(imported.ok()) << imported.status().message();
+  EXPECT_TRUE(imported->random_points);
+  EXPECT_EQ(imported->model.points3d.size(), 100u);
+  EXPECT_EQ(imported->model.cameras.size(), 1u);
+  EXPECT_EQ(imported->model.images.size(), 3u);
+  EXPECT_THAT(imported->holdout, ElementsAre("photo_002.jpg"));
+  EXPECT_THAT(imported->unmatched, ElementsAre("./test/none"));
+  EXPECT_NEAR(
+      CameraCentre(imported->model.images[1].cam_from_world).x(), 1, 1e-12);
+}
+
+TEST(ImportModel, FaultsNameTheFile) {
+  const TemporaryFolder folder;
+  WriteText(folder / "transforms.json", "{");
+  const auto imported = Import(folder.path(), Photos(3));
+  ASSERT_FALSE(imported.ok());
+  EXPECT_THAT(imported.status().message(), HasSubstr("transforms.json"));
+}
+
+TEST(ImportModel, InstantNgpFox) {
+  const char* data = std::getenv("FREEGS_SHARED_DATA");
+  if (data == nullptr || !fs::exists(fs::path(data) / "fox")) {
+    GTEST_SKIP() << "FREEGS_SHARED_DATA has no fox";
+  }
+  std::vector<SfmPhoto> photos;
+  for (const auto& entry :
+       fs::directory_iterator(fs::path(data) / "fox" / "images")) {
+    SfmPhoto photo;
+    photo.name = entry.path().filename().string();
+    photo.width = 1080;
+    photo.height = 1920;
+    photos.push_back(photo);
+  }
+  const auto imported =
+      Import(fs::path(data) / "fox" / "transforms.json", photos);
+  ASSERT_TRUE(imported.ok()) << imported.status().message();
+  EXPECT_EQ(imported->model.images.size(), 50u);
+  ASSERT_EQ(imported->model.cameras.size(), 1u);
+  EXPECT_EQ(imported->model.cameras[0].model, CameraModel::kOpenCv);
+}
+
+}  // namespace
+}  // namespace freegs::sfm

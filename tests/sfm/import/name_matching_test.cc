@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Names to photos.
+
+#include "sfm/import/name_matching.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace freegs::sfm {
+namespace {
+
+using testing::ElementsAre;
+
+std::vector<SfmPhoto> Photos(const std::vector<std::string>& names) {
+  std::vector<SfmPhoto> photos;
+  for (const std::string& name : names) {
+    SfmPhoto photo;
+    photo.name = name;
+    photos.push_back(photo);
+  }
+  return photos;
+}
+
+TEST(MatchNames, FoldersAndExtensionsMayDiffer) {
+  const auto photos = Photos({"0001.jpg", "0002.jpg", "sub/0003.png"});
+  EXPECT_THAT(
+      MatchNames({"images/0002.jpg", "./0001", "a/b/sub/0003.jpg", "0004.jpg"},
+                 photos),
+      ElementsAre(1, 0, 2, -1));
+}
+
+TEST(MatchNames, TheUsersFileNameCountsToo) {
+  auto photos = Photos({"photo_1.jpg", "photo_2.jpg"});
+  photos[1].file = "my folder/IMG (2).tiff";
+  EXPECT_THAT(MatchNames({"IMG (2).tiff", "photo_1"}, photos),
+              ElementsAre(1, 0));
+}
+
+TEST(MatchNames, MoreFoldersWin) {
+  const auto photos = Photos({"train/r_0.png", "test/r_0.png"});
+  EXPECT_THAT(MatchNames({"./test/r_0", "./train/r_0", "val/r_0"}, photos),
+              ElementsAre(1, 0, -1));
+  EXPECT_THAT(MatchNames({"r_0"}, photos), ElementsAre(-1));
+}
+
+TEST(MatchNames, APhotoIsGivenOnce) {
+  // Only the training photos are there: test/r_0 must not take one of them.
+  const auto photos = Photos({"train/r_0.png", "train/r_1.png"});
+  EXPECT_THAT(MatchNames({"test/r_0", "train/r_0", "train/r_1"}, photos),
+              ElementsAre(-1, 0, 1));
+  const auto flat = Photos({"r_0.png"});
+  EXPECT_THAT(MatchNames({"train/r_0", "test/r_0"}, flat), ElementsAre(0, -1));
+}
+
+TEST(MatchNames, DotsAndExtensionsThatTellApart) {
+  const auto photos = Photos({"view.1.png", "view.2.png", "a.jpg", "a.png"});
+  EXPECT_THAT(MatchNames({"view.2", "view.1.png", "a.png", "a"}, photos),
+              ElementsAre(1, 0, 3, -1));
+}
+
+TEST(MatchNames, OddInput) {
+  EXPECT_THAT(MatchNames({"", "/", ".", "..", ".jpg"}, Photos({"a.jpg", ""})),
+              ElementsAre(-1, -1, -1, -1, -1));
+  EXPECT_THAT(MatchNames({}, {}), ElementsAre());
+  EXPECT_THAT(MatchNames({"C:\\data\\a.jpg"}, Photos({"a.jpg"})),
+              ElementsAre(0));
+}
+
+}  // namespace
+}  // namespace freegs::sfm

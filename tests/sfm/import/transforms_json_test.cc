@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// transforms.json: axes, intrinsics of all dialects, hostile files.
+
+#include "sfm/import/transforms_json.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/random.h"
+
+namespace freegs::sfm {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr char kValid[] = R"({
+  "camera_angle_x": 0.7, "fl_x": 1000, "fl_y": 1001, "cx": 500.5, "cy": 300,
+  "w": 1000, "h": 600, "k1": 0.05, "k2": -0.08, "p1": 0.001, "p2": 0.002,
+  "frames": [
+    {"file_path": "images/0001.jpg", "sharpness": 3,
+     "transform_matrix": [[1,0,0,1],[0,0,-1,2],[0,1,0,3],[0,0,0,1]]},
+    {"file_path": "images/0002.jpg", "fl_x": 900,
+     "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,5]]}
+  ]})";
+
+TEST(ParseTransforms, AxesAreFlipped) {
+  const auto frames = ParseTransforms(kValid);
+  ASSERT_TRUE(frames.ok()) << frames.status().message();
+  ASSERT_EQ(frames->size(), 2u);
+  // The camera looks along its -z, which in the first world is +y.
+  const Rigid3d& pose = (*frames)[0].cam_from_world;
+  EXPECT_NEAR((CameraCentre(pose) - Eigen::Vector3d(1, 2, 3)).norm(), 0, 1e-12);
+  const Eigen::Vector3d ahead = pose * Eigen::Vector3d(1, 2 + 5, 3);
+  EXPECT_NEAR((ahead - Eigen::Vector3d(0, 0, 5)).norm(), 0, 1e-12);
+  // World z is up; in the image that is -y.
+  const Eigen::Vector3d above = pose * Eigen::Vector3d(1, 2 + 5, 3 + 1);
+  EXPECT_NEAR((above - Eigen::Vector3d(0, -1, 5)).norm(), 0, 1e-12);
+}
+
+TEST(MakeCamera, DistortionChoosesTheModel) {
+  const auto frames = ParseTransforms(kValid);
+  ASSERT_TRUE(frames.ok());
+  const auto camera = MakeCamera((*frames)[0].intrinsics, 1000, 600);
+  ASSERT_TRUE(camera.ok());
+  EXPECT_EQ(camera->model, CameraModel::kOpenCv);
+  EXPECT_EQ(
+      camera->params,
+      (std::vector<double>{1000, 1001, 500.5, 300, 0.05, -0.08, 0.001, 0.002}));
+  // A frame's own value wins.
+  EXPECT_EQ(MakeCamera((*frames)[1].intrinsics, 1000, 600)->FocalX(), 900);
+
+  TransformsIntrinsics in;
+  in.fx = 100;
+  EXPECT_EQ(MakeCamera(in, 64, 48)->model, CameraModel::kPinhole);
+  in.k3 = 0.1;
+  EXPECT_EQ(MakeCamera(in, 64, 48)->model, CameraModel::kFullOpenCv);
+  in.fisheye = true;
+  in.k4 = 0.2;
+  EXPECT_EQ(MakeCamera(in, 64, 48)->model, CameraModel::kOpenCvFisheye);
+  in.fisheye = false;
+  EXPECT_FALSE(MakeCamera(in, 64, 48).ok());
+}
+
+TEST(MakeCamera, FieldOfViewAndDefaults) {
+  TransformsIntrinsics in;
+  in.angle_x = 0.6911112070083618;  // NeRF-synthetic.
+  const auto camera = MakeCamera(in, 800, 800);
+  ASSERT_TRUE(camera.ok());
+  EXPECT_NEAR(camera->FocalX(), 1111.111, 1e-2);
+  EXPECT_EQ(camera->FocalY(), camera->FocalX());
+  EXPECT_EQ(camera->PrincipalX(), 400);
+  in.angle_y = 0.5;
+  EXPECT_NEAR(MakeCamera(in, 800, 800)->FocalY(), 400 / std::tan(0.25), 1e-9);
+  TransformsIntrinsics none;
+  EXPECT_FALSE(MakeCamera(none, 800, 800).ok());
+}
+
+TEST(MakeCamera, ScalesToThePhoto) {
+  const auto frames = ParseTransforms(kValid);
+  const auto half = MakeCamera((*frames)[0].intrinsics, 500, 300);
+  ASSERT_TRUE(half.ok());
+  EXPECT_EQ(half->FocalX(), 500);
+  EXPECT_EQ(half->PrincipalX(), 250.25);
+  const auto rotated = MakeCamera((*frames)[0].intrinsics, 600, 1000);
+  ASSERT_FALSE(rotated.ok());
+  EXPECT_THAT(rotated.status().message(), HasSubstr("1000 x 600"));
+}
+
+std::string OneFrame(const std::string& matrix) {
+  return R"({"fl_x":1,"frames":[{"file_path":"a.png","transform_matrix":)" +
+         matrix + "}]}";
+}
+
+TEST(ParseTransforms, FaultsAreNamed) {
+  const std::pair<std::string, const char*> cases[] = {
+      {"", "JSON"},
+      {"[1]", "object"},
+      {"{}", "frames"},
+      {R"({"frames":[]})", "frames"},
+      {R"({"frames":[3]})", "frame 0"},
+      {R"({"frames":[{}]})", "file_path"},
+      {R"({"frames":[{"file_path":"a.png"}]})", "a.png"},
+      {R"({"fl_x":"3","frames":[{}]})", "fl_x"},
+      {R"({"camera_model":"EQUIRECTANGULAR","frames":[{}]})",
+       "EQUIRECTANGULAR"},
+      {OneFrame("[[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0]]"), "rows"},
+      {OneFrame("[[1,0,0,0],[0,1,0,0],[0,0,1,null],[0,0,0,1]]"), "finite"},
+      {OneFrame("[[1,0,0,0],[0,1,0,0],[0,0,1,1e300],[0,0,0,1]]"), "finite"},
+      {OneFrame("[[1,0,0,0],[0,1,0,0],[0,0,1,NaN],[0,0,0,1]]"), "JSON"},
+      {OneFrame("[[2,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]"), "rotation"},
+      {OneFrame("[[0,0,0,0],[0,0,0,0],[0,0,0,0],[0,0,0,1]]"), "rotation"},
+      {OneFrame("[[-1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]"), "rotation"},
+      {OneFrame("[[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,1,1]]"), "rotation"},
+  };
+  for (const auto& [text, fault] : cases) {
+    const auto frames = ParseTransforms(text);
+    ASSERT_FALSE(frames.ok()) << text;
+    EXPECT_EQ(frames.status().code(), StatusCode::kBadInput);
+    EXPECT_THAT(frames.status().message(), HasSubstr(fault)) << text;
+  }
+}
+
+TEST(ParseTransforms, SurvivesMutations) {
+  const std::string valid = kValid;
+  for (size_t size = 0; size < valid.size(); ++size) {
+    EXPECT_FALSE(ParseTransforms(valid.substr(0, size)).ok());
+  }
+  RandomStream random(2, 2);
+  for (int round = 0; round < 5000; ++round) {
+    std::string changed = valid;
+    for (int i = 0; i < 3; ++i) {
+      changed[random.Index(changed.size())] =
+          "0123456789-+.eE\"[]{},: \n\\unltrfa\xff"[random.Index(33)];
+    }
+    const auto frames = ParseTransforms(changed);
+    if (!frames.ok()) continue;
+    for (const TransformsFrame& frame : *frames) {
+      (void)MakeCamera(frame.intrinsics, 1000, 600);
+    }
+  }
+  // Very deep nesting.
+  EXPECT_FALSE(ParseTransforms(std::string(1 << 20, '[')).ok());
+}
+
+}  // namespace
+}  // namespace freegs::sfm

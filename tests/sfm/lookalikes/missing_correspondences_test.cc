@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Points that photos should share.
+
+#include "sfm/lookalikes/missing_correspondences.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/sfm/synthetic_model.h"
+#include "tests/sfm/twin_scene.h"
+
+namespace freegs::sfm {
+namespace {
+
+TEST(FindMissingCorrespondences, NoneWhereAllSeeAll) {
+  const auto views = FindMissingCorrespondences(SyntheticModel(24, 200));
+  EXPECT_FALSE(views.empty());
+  for (const SharedView& view : views) {
+    EXPECT_LT(view.image_id1, view.image_id2);
+    EXPECT_LT(view.angle_deg, 30);
+    EXPECT_EQ(view.claimed, view.shared);
+    EXPECT_EQ(view.missing, 0);
+  }
+}
+
+TEST(FindMissingCorrespondences, TwoPhotosAndNone) {
+  EXPECT_TRUE(FindMissingCorrespondences({}).empty());
+  for (const SharedView& view :
+       FindMissingCorrespondences(SyntheticModel(2, 50))) {
+    EXPECT_EQ(view.missing, 0);
+  }
+}
+
+TEST(FindMissingCorrespondences, BetweenGluedHalves) {
+  const TwinScene scene(23);
+  double within = 0;
+  double across = 0;
+  for (const SharedView& view : FindMissingCorrespondences(scene.Model(true))) {
+    const bool same = scene.InSecondHalf(view.image_id1 - 1) ==
+                      scene.InSecondHalf(view.image_id2 - 1);
+    (same ? within : across) += view.missing;
+  }
+  EXPECT_GT(across, 500);
+  EXPECT_GT(across, 5 * within);
+}
+
+}  // namespace
+}  // namespace freegs::sfm

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Measures of a reconstruction with known truth, and verdicts.
+
+#include "sfm/mapping/health.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/sfm/synthetic_model.h"
+
+namespace freegs::sfm {
+namespace {
+
+using testing::HasSubstr;
+
+std::vector<std::string> Names(int count) {
+  std::vector<std::string> names;
+  for (int i = 0; i < count; ++i) names.push_back(PhotoName(i));
+  return names;
+}
+
+TEST(MeasureHealth, PerfectModelIsOk) {
+  const Health health =
+      MeasureHealth({SyntheticModel(8, 100)}, Names(8), true, {});
+  EXPECT_EQ(health.verdict, Verdict::kOk);
+  EXPECT_EQ(health.registered, 8);
+  EXPECT_EQ(health.measures.observations, 800u);
+  EXPECT_NEAR(health.measures.mean_reprojection_error_px, 0, 1e-9);
+  EXPECT_EQ(health.measures.median_track_length, 8);
+  EXPECT_GT(health.measures.median_triangulation_deg, 90);
+  EXPECT_TRUE(health.reason.empty());
+}
+
+TEST(MeasureHealth, ReprojectionErrorIsMeasured) {
+  Reconstruction model = SyntheticModel(8, 100);
+  for (PosedImage& image : model.images) {
+    for (Point2D& point : image.points2d) point.xy += Eigen::Vector2d(3, 4);
+  }
+  const Health health = MeasureHealth({model}, Names(8), true, {});
+  EXPECT_NEAR(health.measures.mean_reprojection_error_px, 5, 1e-9);
+  EXPECT_EQ(health.verdict, Verdict::kDegraded);
+  EXPECT_THAT(health.reason, HasSubstr("reprojection"));
+  EXPECT_THAT(health.advice, HasSubstr("camera_model"));
+}
+
+TEST(MeasureHealth, FewRegistered) {
+  const Reconstruction model = SyntheticModel(8, 100);
+  EXPECT_EQ(MeasureHealth({model}, Names(9), true, {}).verdict,
+            Verdict::kDegraded);  // 89 %.
+  const Health health = MeasureHealth({model}, Names(17), true, {});
+  EXPECT_EQ(health.verdict, Verdict::kFailed);
+  EXPECT_THAT(health.reason, HasSubstr("8 of 17"));
+  EXPECT_FALSE(health.advice.empty());
+  EXPECT_EQ(health.unregistered.size(), 9u);
+  HealthOptions options;
+  options.min_registered_share = 0.4;
+  EXPECT_EQ(MeasureHealth({model}, Names(17), true, options).verdict,
+            Verdict::kDegraded);
+  EXPECT_EQ(MeasureHealth({SyntheticModel(2, 9)}, Names(2), true, {}).verdict,
+            Verdict::kFailed);
+  const Health none = MeasureHealth({}, Names(5), true, {});
+  EXPECT_EQ(none.verdict, Verdict::kFailed);
+  EXPECT_THAT(none.reason, HasSubstr("0 of 5"));
+}
+
+TEST(MeasureHealth, TurningOnTheSpotFails) {
+  Reconstruction model = SyntheticModel(8, 100);
+  for (PosedImage& image : model.images) {
+    const Eigen::Vector3d centre =
+        Eigen::Vector3d(50, 0, 0) + 0.01 * CameraCentre(image.cam_from_world);
+    image.cam_from_world.translation =
+        -(image.cam_from_world.rotation * centre);
+  }
+  const Health health = MeasureHealth({model}, Names(8), true, {});
+  EXPECT_EQ(health.verdict, Verdict::kFailed);
+  EXPECT_THAT(health.reason, HasSubstr("triangulation"));
+  // Points without matches have no angle that could be judged.
+  EXPECT_EQ(MeasureHealth({model}, Names(8), false, {}).verdict, Verdict::kOk);
+}
+
+TEST(MeasureHealth, ContradictedMatchesDegrade) {
+  const Health health =
+      MeasureHealth({SyntheticModel(8, 100)}, Names(8), true, {}, 2);
+  EXPECT_EQ(health.verdict, Verdict::kDegraded);
+  EXPECT_THAT(health.reason, HasSubstr("look alike"));
+  EXPECT_EQ(HealthToJson(health)["contradictions"], 2);
+}
+
+TEST(HealthToJson, HasTheAgreedNames) {
+  Health health = MeasureHealth(
+      {SyntheticModel(8, 10), SyntheticModel(3, 5)}, Names(20), true, {});
+  health.unregistered.begin()->second = "no matches";
+  EXPECT_TRUE(HealthToJson(health)["pairs"].is_null());
+  health.pairs = {"retrieval", 50, 190};
+  const nlohmann::json json = HealthToJson(health);
+  EXPECT_EQ(json["verdict"], "failed");
+  EXPECT_EQ(json["images"], 20);
+  EXPECT_EQ(json["pairs"]["strategy"], "retrieval");
+  EXPECT_EQ(json["pairs"]["pairs"], 50);
+  EXPECT_EQ(json["pairs"]["all_pairs"], 190);
+  EXPECT_EQ(json["registered"], 8);
+  EXPECT_EQ(json["models"], 2);
+  EXPECT_EQ(json["model_sizes"], (std::vector<int>{8, 3}));
+  EXPECT_EQ(json["unregistered"].size(), 12u);
+  EXPECT_EQ(json["unregistered_reasons"].size(), 1u);
+  EXPECT_EQ(json["cameras"][0]["model"], "RADIAL");
+  EXPECT_THAT(json["advice"].get<std::string>(), HasSubstr("separate models"));
+  for (const char* key : {"mean_reprojection_error_px",
+                          "median_track_length",
+                          "median_triangulation_deg",
+                          "registered_share",
+                          "num_points",
+                          "observations",
+                          "warnings",
+                          "reason"}) {
+    EXPECT_TRUE(json.contains(key)) << key;
+  }
+}
+
+TEST(HealthToJson, HasTheTableOfCameras) {
+  Health health = MeasureHealth({SyntheticModel(8, 10)}, Names(8), true, {});
+  EXPECT_TRUE(HealthToJson(health)["camera_models"].empty());
+  CameraCandidate candidate;
+  candidate.model = CameraModel::kSimpleRadial;
+  candidate.sharing = CameraSharing::kPerGroup;
+  candidate.parameters = 4;
+  candidate.held_out_error_px = 0.75;
+  candidate.bic = -12.5;
+  candidate.chosen = true;
+  health.camera_models = {candidate, {}};
+  health.camera_models[1].refused = "the distortion turns back";
+  const nlohmann::json json = HealthToJson(health);
+  const nlohmann::json& rows = json["camera_models"];
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[0]["model"], "SIMPLE_RADIAL");
+  EXPECT_EQ(rows[0]["sharing"], "per_group");
+  EXPECT_EQ(rows[0]["parameters"], 4);
+  EXPECT_EQ(rows[0]["held_out_error_px"], 0.75);
+  EXPECT_EQ(rows[0]["bic"], -12.5);
+  EXPECT_EQ(rows[0]["chosen"], true);
+  EXPECT_FALSE(rows[0].contains("reason"));
+  EXPECT_EQ(rows[1]["reason"], "the distortion turns back");
+}
+
+}  // namespace
+}  // namespace freegs::sfm

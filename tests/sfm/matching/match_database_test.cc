@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Questions to a COLMAP database, and copies of its matches.
+
+#include "sfm/matching/match_database.h"
+
+#include <cmath>
+#include <cstring>
+#include <sqlite3.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/temporary_folder.h"
+
+namespace freegs::sfm {
+namespace {
+
+namespace fs = std::filesystem;
+
+void RunSql(const fs::path& path, const std::string& sql) {
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open(path.c_str(), &database), SQLITE_OK);
+  char* message = nullptr;
+  EXPECT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, &message),
+            SQLITE_OK)
+      << message;
+  sqlite3_close(database);
+}
+
+// The columns of COLMAP 3.8 that matter here.
+void MakeDatabase(const fs::path& path) {
+  RunSql(path,
+         "CREATE TABLE images(image_id INTEGER PRIMARY KEY, name TEXT UNIQUE);"
+         "CREATE TABLE keypoints(image_id INTEGER PRIMARY KEY, rows INTEGER, "
+         "cols INTEGER, data BLOB);"
+         "CREATE TABLE descriptors(image_id INTEGER PRIMARY KEY, rows INTEGER, "
+         "cols INTEGER, data BLOB);"
+         "CREATE TABLE matches(pair_id INTEGER PRIMARY KEY, rows INTEGER, "
+         "data BLOB);"
+         "CREATE TABLE two_view_geometries(pair_id INTEGER PRIMARY KEY, rows "
+         "INTEGER, data BLOB);"
+         "INSERT INTO images VALUES(2,'b.jpg'),(1,'a.jpg'),(3,'c d.jpg');"
+         "INSERT INTO keypoints VALUES(1,100,2,NULL),(2,50,6,x'00');"
+         "INSERT INTO descriptors VALUES(2,1,128,CAST(REPLACE(HEX(ZEROBLOB("
+         "64)),'0',CHAR(1)) AS BLOB))");
+}
+
+constexpr int64_t kPair12 = int64_t{1} * 2147483647 + 2;
+constexpr int64_t kPair23 = int64_t{2} * 2147483647 + 3;
+
+std::string Hex(const std::vector<float>& values) {
+  std::string text;
+  for (const float value : values) {
+    uint8_t bytes[4];
+    std::memcpy(bytes, &value, 4);
+    for (const uint8_t byte : bytes) {
+      text += "0123456789abcdef"[byte >> 4];
+      text += "0123456789abcdef"[byte & 15];
+    }
+  }
+  return text;
+}
+
+TEST(MatchDatabase, ScalesOfFeatures) {
+  const TemporaryFolder folder;
+  MakeDatabase(folder / "a.db");
+  RunSql(folder / "a.db",
+         "INSERT INTO keypoints VALUES(4,2,4,x'" +
+             Hex({1, 2, 3, 4, 5, 6, std::nanf(""), 8}) + "'),(5,1,6,x'" +
+             Hex({1, 2, 3, 0, 4, 7}) + "'),(6,0,6,NULL),(7,-1,4,NULL)," +
+             "(8,3,4,x'" + Hex({1, 2, 3, 4}) + "')");
+  const auto database = MatchDatabase::Open(folder / "a.db");
+  ASSERT_TRUE(database.ok()) << database.status().message();
+  EXPECT_EQ(database->FeatureScales(4).value(), (std::vector<float>{3, 0}));
+  EXPECT_EQ(database->FeatureScales(5).value(), std::vector<float>{6});
+  // Positions only; a photo that is not there; no features.
+  for (const uint32_t id : {1, 9, 6}) {
+    const auto scales = database->FeatureScales(id);
+    ASSERT_TRUE(scales.ok()) << scales.status().message();
+    EXPECT_TRUE(scales->empty());
+  }
+  // Sizes that do not fit.
+  for (const uint32_t id : {2, 7, 8}) {
+    const auto scales = database->FeatureScales(id);
+    EXPECT_EQ(scales.status().code(), StatusCode::kBadInput);
+    EXPECT_THAT(scales.status().message(),
+                testing::HasSubstr("photo " + std::to_string(id)));
+  }
+}
+
+TEST(MatchDatabase, ListsPhotosAndMatches) {
+  const TemporaryFolder folder;
+  MakeDatabase(folder / "a.db");
+  RunSql(folder / "a.db",
+         "INSERT INTO two_view_geometries VALUES(" + std::to_string(kPair12) +
+             ",30,x'00'),(" + std::to_string(kPair23) + ",0,NULL)");
+  const auto database = MatchDatabase::Open(folder / "a.db");
+  ASSERT_TRUE(database.ok()) << database.status().message();
+  const auto photos = database->Photos();
+  ASSERT_TRUE(photos.ok());
+  ASSERT_EQ(photos->size(), 3u);
+  EXPECT_EQ((*photos)[0].name, "a.jpg");
+  EXPECT_EQ((*photos)[0].num_features, 100);
+  EXPECT_EQ((*photos)[2].name, "c d.jpg");
+  EXPECT_EQ((*photos)[2].num_features, 0);
+  // This database does not tell what motion it was.
+  const auto pairs = database->VerifiedPairs();
+  ASSERT_TRUE(pairs.ok());
+  ASSERT_EQ(pairs->size(), 1u);
+  EXPECT_EQ((*pairs)[0].id1, 1u);
+  EXPECT_EQ((*pairs)[0].id2, 2u);
+  EXPECT_EQ((*pairs)[0].num_matches, 30);
+  EXPECT_FALSE((*pairs)[0].is_homography);
+}
+
+// Doubles as COLMAP stores them, little endian.
+TEST(MatchDatabase, Motions) {
+  const TemporaryFolder folder;
+  const std::string one = "000000000000F03F";  // 1.0
+  const std::string two = "0000000000000040";  // 2.0
+  const std::string nan = "000000000000F87F";
+  const std::string zero = "0000000000000000";
+  const std::string diagonal =
+      one + two + zero + zero + one + zero + zero + zero + one;
+  RunSql(folder / "a.db",
+         "CREATE TABLE images(image_id INTEGER PRIMARY KEY, name TEXT);"
+         "CREATE TABLE two_view_geometries(pair_id INTEGER PRIMARY KEY, rows "
+         "INTEGER, cols INTEGER, data BLOB, config INTEGER, F BLOB, E BLOB, "
+         "H BLOB);");
+  RunSql(folder / "a.db",
+         "INSERT INTO two_view_geometries VALUES"
+         "(" +
+             std::to_string(kPair12) + ",30,2,NULL,6,NULL,NULL,x'" + diagonal +
+             "'),"
+             "(" +
+             std::to_string(kPair23) + ",20,2,NULL,3,NULL,NULL,x'" + diagonal +
+             "'),"
+             "(" +
+             std::to_string(kPair23 + 1) + ",20,2,NULL,4,NULL,NULL,x'" + nan +
+             diagonal.substr(16) +
+             "'),"
+             "(" +
+             std::to_string(kPair23 + 2) + ",20,2,NULL,5,NULL,NULL,x'00')");
+  const auto database = MatchDatabase::Open(folder / "a.db");
+  ASSERT_TRUE(database.ok()) << database.status().message();
+  const auto pairs = database->VerifiedPairs();
+  ASSERT_TRUE(pairs.ok());
+  ASSERT_EQ(pairs->size(), 4u);
+  EXPECT_TRUE((*pairs)[0].is_homography);
+  ASSERT_TRUE((*pairs)[0].homography.has_value());
+  EXPECT_EQ((*(*pairs)[0].homography)(0, 1), 2);
+  EXPECT_EQ((*(*pairs)[0].homography)(1, 0), 0);
+  EXPECT_FALSE((*pairs)[1].is_homography);
+  EXPECT_FALSE((*pairs)[1].homography.has_value());
+  // Not a number; cut short.
+  EXPECT_TRUE((*pairs)[2].is_homography);
+  EXPECT_FALSE((*pairs)[2].homography.has_value());
+  EXPECT_FALSE((*pairs)[3].homography.has_value());
+}
+
+TEST(MatchDatabase, CopiesMatchesBetweenCopies) {
+  const TemporaryFolder folder;
+  MakeDatabase(folder / "main.db");
+  auto main = MatchDatabase::Open(folder / "main.db");
+  ASSERT_TRUE(main.ok());
+  const fs::path copy_path = folder / "it's a copy.db";
+  ASSERT_TRUE(main->CopyTo(copy_path).ok());
+  EXPECT_FALSE(main->CopyTo(copy_path).ok());  // Never overwrites.
+  {
+    auto copy = MatchDatabase::Open(copy_path);
+    ASSERT_TRUE(copy.ok());
+    ASSERT_TRUE(
+        copy->RenamePhotos([](uint32_t id) { return std::to_string(id); })
+            .ok());
+    EXPECT_EQ((*copy->Photos())[2].name, "3");
+  }
+  RunSql(copy_path,
+         "INSERT INTO matches VALUES(" + std::to_string(kPair12) +
+             ",9,x'01');INSERT INTO two_view_geometries VALUES(" +
+             std::to_string(kPair12) + ",9,x'02')");
+  // Twice: after a crash a portion is copied again.
+  EXPECT_TRUE(main->CopyMatchesFrom(copy_path).ok());
+  EXPECT_TRUE(main->CopyMatchesFrom(copy_path).ok());
+  EXPECT_EQ((*main->VerifiedPairs())[0].num_matches, 9);
+  EXPECT_EQ((*main->Photos())[2].name, "c d.jpg");
+  EXPECT_EQ(main->Descriptors(2)->count(), 1u);
+  EXPECT_TRUE(main->ClearMatchesAndDescriptors().ok());
+  EXPECT_TRUE(main->VerifiedPairs()->empty());
+  EXPECT_EQ(main->Descriptors(2)->count(), 0u);
+}
+
+TEST(MatchDatabase, Descriptors) {
+  const TemporaryFolder folder;
+  MakeDatabase(folder / "a.db");
+  RunSql(folder / "a.db",
+         "INSERT INTO descriptors VALUES(1,3,128,zeroblob(384)),"
+         "(3,3,128,zeroblob(383)),(4,3,64,zeroblob(192)),(5,0,128,NULL),"
+         "(6,-1,128,x'')");
+  const auto database = MatchDatabase::Open(folder / "a.db");
+  ASSERT_TRUE(database.ok());
+  EXPECT_EQ(database->Descriptors(1)->count(), 3u);
+  EXPECT_EQ(database->Descriptors(2)->values[0], 1);
+  EXPECT_FALSE(database->Descriptors(3).ok());
+  EXPECT_FALSE(database->Descriptors(4).ok());
+  EXPECT_EQ(database->Descriptors(5)->count(), 0u);
+  EXPECT_FALSE(database->Descriptors(6).ok());
+  EXPECT_EQ(database->Descriptors(77)->count(), 0u);
+}
+
+TEST(MatchDatabase, OtherFilesAreRefused) {
+  const TemporaryFolder folder;
+  EXPECT_FALSE(MatchDatabase::Open(folder / "missing.db").ok());
+  WriteText(folder / "text.db", std::string(5000, 'x'));
+  EXPECT_FALSE(MatchDatabase::Open(folder / "text.db").ok());
+  RunSql(folder / "other.db", "CREATE TABLE t(x)");
+  const auto other = MatchDatabase::Open(folder / "other.db");
+  ASSERT_FALSE(other.ok());
+  EXPECT_EQ(other.status().code(), StatusCode::kBadInput);
+  EXPECT_THAT(other.status().message(), testing::HasSubstr("other.db"));
+  MakeDatabase(folder / "main.db");
+  auto main = MatchDatabase::Open(folder / "main.db");
+  EXPECT_FALSE(main->CopyMatchesFrom(folder / "other.db").ok());
+  EXPECT_TRUE(main->Photos().ok());  // Still usable.
+}
+
+}  // namespace
+}  // namespace freegs::sfm

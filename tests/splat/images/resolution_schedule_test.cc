@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "splat/images/resolution_schedule.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "core/random.h"
+#include "tests/splat/training_fixture.h"
+
+namespace freegs::splat {
+namespace {
+
+// A picture of waves of so many cycles per pixel along x.
+ImageF Waves(double frequency) {
+  ImageF image(128, 96, 3);
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) {
+      for (int c = 0; c < 3; ++c) {
+        image(x, y, c) = static_cast<float>(
+            0.5 + 0.3 * std::sin(2 * std::numbers::pi * frequency * x));
+      }
+    }
+  }
+  return image;
+}
+
+TEST(SpectrumShares, AWaveBelongsToTheLevelsThatCanCarryIt) {
+  // 0.2 cycles per pixel: half size carries up to 0.25, quarter size 0.125.
+  const std::vector<double> shares = SpectrumShares(Waves(0.2), 3);
+  ASSERT_EQ(shares.size(), 3u);
+  EXPECT_DOUBLE_EQ(shares[0], 1.0);
+  EXPECT_GT(shares[1], 0.95);
+  EXPECT_LT(shares[2], 0.05);
+}
+
+TEST(SpectrumShares, WhiteNoiseFillsAllFrequenciesAlike) {
+  ImageF image(128, 128, 3);
+  for (size_t i = 0; i < image.size(); ++i) {
+    image.data()[i] = static_cast<float>(RandomUniform(1, 2, i));
+  }
+  const std::vector<double> shares = SpectrumShares(image, 3);
+  EXPECT_NEAR(shares[1], 0.25, 0.03);
+  EXPECT_NEAR(shares[2], 0.0625, 0.02);
+}
+
+TEST(SpectrumShares, OneColourIsCarriedByEveryLevel) {
+  for (const double share : SpectrumShares(ImageF(40, 30, 3, 0.5f), 4)) {
+    EXPECT_DOUBLE_EQ(share, 1.0);
+  }
+}
+
+using SpectrumResolutionStepsTest = TrainingFixture;
+
+// 96 x 72 has one level more whose shorter side is at least 32.
+TEST_F(SpectrumResolutionStepsTest, AQuarterOfTheMeanShare) {
+  ThreadPool pool(2);
+  TrainingImages images = Images(pool);
+  double mean = 0;
+  for (size_t i = 0; i < images.size(); ++i) {
+    ImageF photo;
+    ASSERT_TRUE(images.Fetch(i, 0, &photo).ok());
+    mean += SpectrumShares(photo, 2)[1] / static_cast<double>(images.size());
+  }
+  const StatusOr<std::vector<double>> steps = SpectrumResolutionSteps(&images);
+  ASSERT_TRUE(steps.ok());
+  ASSERT_EQ(steps->size(), 1u);
+  EXPECT_NEAR(steps->front(), 0.25 * mean, 1e-12);
+}
+
+}  // namespace
+}  // namespace freegs::splat

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "splat/images/training_images.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/io/files.h"
+#include "core/io/image_io.h"
+#include "core/random.h"
+
+namespace freegs::splat {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+class TrainingImagesTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(::testing::TempDir()) /
+              (std::string("training_images_test_") +
+               ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(folder_);
+    ASSERT_TRUE(CreateFolders(folder_).ok());
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  // A photo of random pixels, and its view.
+  void AddPhoto(const std::string& name, int width, int height) {
+    ImageU8 photo(width, height, 3);
+    for (size_t i = 0; i < photo.size(); ++i) {
+      photo.data()[i] =
+          static_cast<uint8_t>(RandomBits(views_.size(), 0, i) & 255);
+    }
+    ASSERT_TRUE(WriteImage(folder_ / name, photo).ok());
+    View view;
+    view.name = name;
+    view.camera = {width, height, 100.0, 110.0, width / 2.0, height / 2.0};
+    views_.push_back(view);
+    photos_.push_back(photo);
+  }
+
+  StatusOr<TrainingImages> Load(const TrainingImagesOptions& options) {
+    return TrainingImages::Load(views_, folder_, options, pool_);
+  }
+
+  fs::path folder_;
+  std::vector<View> views_;
+  std::vector<ImageU8> photos_;
+  ThreadPool pool_{2};
+};
+
+TEST_F(TrainingImagesTest, LevelZeroIsThePhoto) {
+  AddPhoto("a.png", 12, 8);
+  AddPhoto("b c.png", 7, 9);
+  StatusOr<TrainingImages> images = Load({});
+  ASSERT_TRUE(images.ok()) << images.status().message();
+  ASSERT_EQ(images->size(), 2u);
+  ImageF image;
+  for (size_t i = 0; i < 2; ++i) {
+    ASSERT_TRUE(images->Fetch(i, 0, &image).ok());
+    const ImageF expected = ToFloat(photos_[i]);
+    ASSERT_EQ(image.size(), expected.size());
+    EXPECT_TRUE(
+        std::equal(image.data(), image.data() + image.size(), expected.data()));
+    EXPECT_EQ(images->view(i).camera.width, views_[i].camera.width);
+    EXPECT_EQ(images->view(i).name, views_[i].name);
+  }
+}
+
+TEST_F(TrainingImagesTest, LevelsAverageAndCamerasFollow) {
+  AddPhoto("a.png", 12, 8);
+  AddPhoto("odd.png", 7, 3);
+  StatusOr<TrainingImages> images = Load({});
+  ASSERT_TRUE(images.ok());
+  ImageF image;
+  ASSERT_TRUE(images->Fetch(0, 1, &image).ok());
+  ASSERT_EQ(image.width(), 6);
+  ASSERT_EQ(image.height(), 4);
+  const ImageU8& photo = photos_[0];
+  for (int c = 0; c < 3; ++c) {
+    const double mean =
+        (photo(4, 2, c) + photo(5, 2, c) + photo(4, 3, c) + photo(5, 3, c)) /
+        (4 * 255.0);
+    EXPECT_NEAR(image(2, 1, c), mean, 0.51 / 255);
+  }
+  const Pinhole camera = images->view(0, 1).camera;
+  EXPECT_EQ(camera.width, 6);
+  EXPECT_DOUBLE_EQ(camera.fx, 50.0);
+  EXPECT_DOUBLE_EQ(camera.fy, 55.0);
+  EXPECT_DOUBLE_EQ(camera.cx, 3.0);
+
+  for (int level = 0; level < images->num_levels(); ++level) {
+    ASSERT_TRUE(images->Fetch(1, level, &image).ok());
+    EXPECT_EQ(image.width(), images->view(1, level).camera.width);
+    EXPECT_EQ(image.height(), images->view(1, level).camera.height);
+  }
+  EXPECT_EQ(image.height(), 1);
+}
+
+TEST_F(TrainingImagesTest, LimitsTheLongestSide) {
+  AddPhoto("wide.png", 40, 20);
+  AddPhoto("tall.png", 30, 60);
+  AddPhoto("small.png", 10, 5);
+  StatusOr<TrainingImages> images = Load({.max_side = 20});
+  ASSERT_TRUE(images.ok());
+  EXPECT_EQ(images->view(0).camera.width, 20);
+  EXPECT_EQ(images->view(0).camera.height, 10);
+  EXPECT_EQ(images->view(1).camera.width, 10);
+  EXPECT_EQ(images->view(1, 1).camera.height, 10);
+  EXPECT_EQ(images->view(2).camera.width, 10);
+  EXPECT_DOUBLE_EQ(images->view(0).camera.fx, 50.0);
+}
+
+TEST_F(TrainingImagesTest, MemoryCapDoesNotChangeWhatIsFetched) {
+  for (int i = 0; i < 6; ++i) {
+    AddPhoto("photo" + std::to_string(i) + ".png", 16, 16 + i);
+  }
+  StatusOr<TrainingImages> all = Load({});
+  ASSERT_TRUE(all.ok());
+  for (const uint64_t cap : {uint64_t{0}, uint64_t{1}, uint64_t{3000}}) {
+    StatusOr<TrainingImages> capped = Load({.max_bytes = cap});
+    ASSERT_TRUE(capped.ok());
+    EXPECT_LE(capped->held_bytes(), cap);
+    ImageF expected;
+    ImageF image;
+    for (uint64_t step = 0; step < 40; ++step) {
+      const size_t index = RandomIndex(1, 2, step, 6);
+      const int level = static_cast<int>(step % 3);
+      ASSERT_TRUE(all->Fetch(index, level, &expected).ok());
+      ASSERT_TRUE(capped->Fetch(index, level, &image).ok());
+      ASSERT_EQ(image.size(), expected.size());
+      ASSERT_TRUE(std::equal(
+          image.data(), image.data() + image.size(), expected.data()));
+      EXPECT_LE(capped->held_bytes(), std::max<uint64_t>(cap, 1400));
+    }
+  }
+}
+
+TEST_F(TrainingImagesTest, KeepsTheRecentlyUsed) {
+  for (int i = 0; i < 3; ++i) {
+    AddPhoto("photo" + std::to_string(i) + ".png", 16, 16);
+  }
+  // 16 * 16 * 3 bytes and one level: room for two.
+  StatusOr<TrainingImages> images = Load({.num_levels = 1, .max_bytes = 1600});
+  ASSERT_TRUE(images.ok());
+  EXPECT_EQ(images->held_bytes(), 2u * 768);
+  ImageF image;
+  ASSERT_TRUE(images->Fetch(0, 0, &image).ok());
+  ASSERT_TRUE(images->Fetch(2, 0, &image).ok());  // Drops 1.
+  fs::remove(folder_ / "photo0.png");
+  EXPECT_TRUE(images->Fetch(0, 0, &image).ok());
+  fs::remove(folder_ / "photo1.png");
+  const Status gone = images->Fetch(1, 0, &image);
+  EXPECT_EQ(gone.code(), StatusCode::kBadInput);
+  EXPECT_THAT(gone.message(), HasSubstr("photo1.png"));
+}
+
+TEST_F(TrainingImagesTest, UnusablePhotosAreNamed) {
+  AddPhoto("good.png", 8, 8);
+  AddPhoto("other.png", 8, 8);
+  views_[1].camera.width = 9;
+  EXPECT_THAT(
+      Load({}).status().message(),
+      AllOf(HasSubstr("other.png"), HasSubstr("8x8"), HasSubstr("9x8")));
+  views_[1].camera.width = 8;
+  ASSERT_TRUE(WriteFileAtomic(folder_ / "other.png", "no picture").ok());
+  EXPECT_THAT(Load({}).status().message(), HasSubstr("other.png"));
+  views_[1].name = "missing.png";
+  EXPECT_THAT(Load({}).status().message(), HasSubstr("missing.png"));
+  EXPECT_EQ(Load({}).status().code(), StatusCode::kBadInput);
+}
+
+TEST_F(TrainingImagesTest, OptionsAreChecked) {
+  EXPECT_TRUE(Load({}).ok());  // No views is no error here.
+  EXPECT_FALSE(Load({.max_side = -1}).ok());
+  EXPECT_FALSE(Load({.num_levels = 0}).ok());
+}
+
+}  // namespace
+}  // namespace freegs::splat

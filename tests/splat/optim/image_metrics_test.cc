@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "splat/optim/image_metrics.h"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "core/random.h"
+
+namespace freegs::splat {
+namespace {
+
+ImageF RandomImage(int width, int height, int channels, uint64_t seed) {
+  ImageF image(width, height, channels);
+  for (size_t i = 0; i < image.size(); ++i) {
+    image.data()[i] = static_cast<float>(RandomUniform(seed, 1, i));
+  }
+  return image;
+}
+
+// The definition, window by window, with zeros outside the image.
+double BruteForceSsim(const ImageF& a, const ImageF& b) {
+  double total = 0;
+  for (int channel = 0; channel < a.channels(); ++channel) {
+    for (int y = 0; y < a.height(); ++y) {
+      for (int x = 0; x < a.width(); ++x) {
+        double weights = 0;
+        double ma = 0, mb = 0, aa = 0, bb = 0, ab = 0;
+        for (int dy = -5; dy <= 5; ++dy) {
+          for (int dx = -5; dx <= 5; ++dx) {
+            const double w = std::exp(-(dx * dx + dy * dy) / (2 * 1.5 * 1.5));
+            weights += w;
+            const int px = x + dx;
+            const int py = y + dy;
+            if (px < 0 || py < 0 || px >= a.width() || py >= a.height()) {
+              continue;
+            }
+            const double va = a(px, py, channel);
+            const double vb = b(px, py, channel);
+            ma += w * va;
+            mb += w * vb;
+            aa += w * va * va;
+            bb += w * vb * vb;
+            ab += w * va * vb;
+          }
+        }
+        ma /= weights;
+        mb /= weights;
+        const double sa = aa / weights - ma * ma;
+        const double sb = bb / weights - mb * mb;
+        const double sab = ab / weights - ma * mb;
+        total += (2 * ma * mb + 1e-4) * (2 * sab + 9e-4) /
+                 ((ma * ma + mb * mb + 1e-4) * (sa + sb + 9e-4));
+      }
+    }
+  }
+  return total / static_cast<double>(a.size());
+}
+
+TEST(Psnr, KnownDifference) {
+  const ImageF a(7, 5, 3, 0.5f);
+  const ImageF b(7, 5, 3, 0.6f);
+  EXPECT_NEAR(*Psnr(a, b), 20.0, 1e-5);
+  EXPECT_EQ(*Psnr(a, a), kMaxPsnr);
+}
+
+TEST(Psnr, ClampsAsAFileWould) {
+  const ImageF white(4, 4, 3, 1.0f);
+  const ImageF brighter(4, 4, 3, 7.0f);
+  EXPECT_EQ(*Psnr(white, brighter), kMaxPsnr);
+  const ImageF black(4, 4, 3, 0.0f);
+  EXPECT_NEAR(*Psnr(black, brighter), 0.0, 1e-12);
+}
+
+TEST(Ssim, MatchesTheDefinition) {
+  // Wider and narrower than the window.
+  const int sizes[][2] = {{23, 17}, {8, 30}, {3, 4}, {1, 1}};
+  for (const auto& [width, height] : sizes) {
+    const ImageF a = RandomImage(width, height, 3, 1);
+    ImageF b = RandomImage(width, height, 3, 2);
+    for (size_t i = 0; i < b.size(); ++i) {
+      b.data()[i] = 0.7f * a.data()[i] + 0.3f * b.data()[i];
+    }
+    EXPECT_NEAR(*Ssim(a, b), BruteForceSsim(a, b), 1e-12);
+  }
+}
+
+TEST(Ssim, IsOneForEqualImagesAndSymmetric) {
+  const ImageF a = RandomImage(20, 20, 3, 3);
+  const ImageF b = RandomImage(20, 20, 3, 4);
+  EXPECT_NEAR(*Ssim(a, a), 1.0, 1e-12);
+  EXPECT_NEAR(*Ssim(a, b), *Ssim(b, a), 1e-12);
+  EXPECT_LT(*Ssim(a, b), 0.3);
+}
+
+TEST(ImageMetrics, RefuseWhatCannotBeCompared) {
+  const ImageF a(4, 4, 3);
+  const ImageF b(4, 5, 3);
+  EXPECT_EQ(Psnr(a, b).status().code(), StatusCode::kInvalidArgument);
+  EXPECT_EQ(Ssim(a, b).status().code(), StatusCode::kInvalidArgument);
+  EXPECT_FALSE(Psnr(ImageF(), ImageF()).ok());
+  ImageF bad(4, 4, 3);
+  bad(1, 1, 0) = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_FALSE(Psnr(a, bad).ok());
+  EXPECT_FALSE(Ssim(bad, a).ok());
+}
+
+}  // namespace
+}  // namespace freegs::splat

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include <array>
+#include <cmath>
+
+#include <ceres/jet.h>
+#include <gtest/gtest.h>
+
+#include "core/random.h"
+#include "splat/projection/ewa_projection-inl.h"
+#include "splat/projection/projection.h"
+#include "tests/splat/test_scene.h"
+
+namespace freegs::splat {
+
+using HWY_NAMESPACE::BackwardProjectGaussian;
+using HWY_NAMESPACE::ProjectGaussian;
+namespace {
+
+constexpr int kInputs = 10;  // Mean, log scale, rotation.
+using Jet = ceres::Jet<double, kInputs>;
+
+template <typename T>
+ProjectionCamera<T> Camera(const ProjectionCamera<double>& from) {
+  ProjectionCamera<T> to;
+  for (int i = 0; i < 9; ++i) to.rotation[i] = T(from.rotation[i]);
+  for (int i = 0; i < 3; ++i) {
+    to.translation[i] = T(from.translation[i]);
+    to.centre[i] = T(from.centre[i]);
+  }
+  to.fx = T(from.fx), to.fy = T(from.fy), to.cx = T(from.cx),
+  to.cy = T(from.cy);
+  to.min_u = T(from.min_u), to.max_u = T(from.max_u);
+  to.min_v = T(from.min_v), to.max_v = T(from.max_v);
+  to.near_plane = T(from.near_plane), to.dilation = T(from.dilation);
+  return to;
+}
+
+// The hand-written derivative of a random linear functional of the projection,
+// against Ceres Jets, for Gaussians inside and far off the image.
+TEST(EwaProjection, BackwardMatchesJets) {
+  const auto camera = MakeProjectionCamera<double>(
+      TestCamera(160, 120), TestPose(), RenderOptions());
+  const ProjectionCamera<Jet> jet_camera = Camera<Jet>(camera);
+  RandomStream random(7, 1);
+  int checked = 0, bounded = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    std::array<double, kInputs> input;
+    for (int i = 0; i < 3; ++i) {
+      input[i] = (trial % 3 == 0 ? 6.0 : 2.0) * (random.Uniform() - 0.5);
+    }
+    for (int i = 3; i < 6; ++i) input[i] = -4 + 3 * random.Uniform();
+    for (int i = 6; i < 10; ++i) input[i] = random.Normal();
+    std::array<Jet, kInputs> jets;
+    for (int i = 0; i < kInputs; ++i) jets[i] = Jet(input[i], i);
+
+    ProjectedGaussian<double> projected;
+    ProjectionTerms<double> terms;
+    ProjectedGaussian<Jet> jet_projected;
+    ProjectionTerms<Jet> jet_terms;
+    const bool visible = ProjectGaussian(
+        camera, &input[0], &input[3], &input[6], &projected, &terms);
+    ASSERT_EQ(visible,
+              ProjectGaussian(jet_camera,
+                              &jets[0],
+                              &jets[3],
+                              &jets[6],
+                              &jet_projected,
+                              &jet_terms));
+    if (!visible) continue;
+    ++checked;
+    bounded += !terms.u_free || !terms.v_free;
+
+    ProjectedGradient<double> weights;
+    for (double& w : weights.mean) w = random.Normal();
+    for (double& w : weights.conic) w = random.Normal();
+    weights.depth = random.Normal();
+    Jet value = weights.depth * jet_projected.depth;
+    for (int i = 0; i < 2; ++i)
+      value += weights.mean[i] * jet_projected.mean[i];
+    for (int i = 0; i < 3; ++i) {
+      value += weights.conic[i] * jet_projected.conic[i];
+    }
+    std::array<double, kInputs> gradient{};
+    BackwardProjectGaussian(camera,
+                            projected,
+                            terms,
+                            weights,
+                            &gradient[0],
+                            &gradient[3],
+                            &gradient[6]);
+    const double scale = value.v.norm();
+    for (int i = 0; i < kInputs; ++i) {
+      EXPECT_NEAR(gradient[i], value.v[i], 1e-9 * scale + 1e-12)
+          << "input " << i;
+    }
+  }
+  EXPECT_GT(checked, 150);
+  EXPECT_GT(bounded, 20);
+}
+
+TEST(EwaProjection, SmallIsotropicGaussianOnTheAxis) {
+  ProjectionCamera<double> camera = MakeProjectionCamera<double>(
+      {100, 80, 50, 60, 50, 40}, Rigid3d(), RenderOptions());
+  const double mean[3] = {0, 0, 2};
+  const double s = std::log(0.1);
+  const double log_scale[3] = {s, s, s};
+  const double rotation[4] = {0.3, -2, 0.5, 1};
+  ProjectedGaussian<double> projected;
+  ProjectionTerms<double> terms;
+  ASSERT_TRUE(
+      ProjectGaussian(camera, mean, log_scale, rotation, &projected, &terms));
+  EXPECT_DOUBLE_EQ(projected.mean[0], 50);
+  EXPECT_DOUBLE_EQ(projected.mean[1], 40);
+  EXPECT_DOUBLE_EQ(projected.depth, 2);
+  // Standard deviation f s / z, plus the low-pass filter.
+  EXPECT_NEAR(projected.cov[0], std::pow(50 * 0.1 / 2, 2) + 0.3, 1e-9);
+  EXPECT_NEAR(projected.cov[2], std::pow(60 * 0.1 / 2, 2) + 0.3, 1e-9);
+  EXPECT_NEAR(projected.cov[1], 0, 1e-9);
+}
+
+TEST(EwaProjection, RejectsWhatCannotBeSeen) {
+  const ProjectionCamera<float> camera = MakeProjectionCamera<float>(
+      {100, 80, 50, 60, 50, 40}, Rigid3d(), RenderOptions());
+  ProjectedGaussian<float> projected;
+  ProjectionTerms<float> terms;
+  const float unit[4] = {1, 0, 0, 0};
+  const float zero_rotation[4] = {0, 0, 0, 0};
+  const float small[3] = {-3, -3, -3};
+  const float huge[3] = {80, 80, 80};
+  const float nan[3] = {NAN, 0, 0};
+  const float front[3] = {0, 0, 2};
+  const float behind[3] = {0, 0, -2};
+  const float at_centre[3] = {0, 0, 0};
+  const auto project = [&](const float* mean, const float* s, const float* q) {
+    return ProjectGaussian(camera, mean, s, q, &projected, &terms);
+  };
+  EXPECT_TRUE(project(front, small, unit));
+  EXPECT_FALSE(project(behind, small, unit));
+  EXPECT_FALSE(project(at_centre, small, unit));
+  EXPECT_FALSE(project(front, small, zero_rotation));
+  EXPECT_FALSE(project(front, huge, unit));
+  EXPECT_FALSE(project(front, nan, unit));
+}
+
+}  // namespace
+}  // namespace freegs::splat

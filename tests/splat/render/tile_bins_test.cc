@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "splat/render/tile_bins.h"
+
+#include <cmath>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "splat/projection/projection.h"
+#include "tests/splat/test_scene.h"
+
+namespace freegs::splat {
+namespace {
+
+// Tiles with a pixel centre where the splat's alpha reaches 1/255 (grown by
+// `slack` in the exponent).
+std::set<int> TouchedTiles(
+    const Splat& splat, int width, int height, int tiles_x, double slack) {
+  std::set<int> tiles;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const double dx = x + 0.5 - splat.mean_x, dy = y + 0.5 - splat.mean_y;
+      const double q = splat.conic_xx * dx * dx +
+                       2.0 * splat.conic_xy * dx * dy +
+                       splat.conic_yy * dy * dy;
+      const double log2_alpha = splat.log2_opacity - 0.5 * q / std::log(2.0);
+      if (log2_alpha + slack >= std::log2(1.0 / 255)) {
+        tiles.insert(y / kTileSize * tiles_x + x / kTileSize);
+      }
+    }
+  }
+  return tiles;
+}
+
+TEST(TileBins, HoldsEveryTouchedTileAndFewMore) {
+  const GaussianModel model = RandomModel(400, 0, 12);
+  const Pinhole camera = TestCamera(150, 110);
+  ThreadPool pool(3);
+  Projector projector;
+  Projection projection;
+  projector.Project(
+      model, camera, TestPose(), RenderOptions(), pool, &projection);
+  TileBins bins;
+  BinSplats(projection.splats, camera.width, camera.height, pool, &bins);
+  ASSERT_EQ(bins.tiles_x, 10);
+  ASSERT_EQ(bins.tiles_y, 7);
+
+  std::vector<std::set<int>> got(projection.size());
+  for (int t = 0; t < bins.tiles_x * bins.tiles_y; ++t) {
+    for (int64_t e = bins.tile_begin[t]; e < bins.tile_begin[t + 1]; ++e) {
+      const uint32_t s = bins.entries[e];
+      if (e > bins.tile_begin[t]) {
+        EXPECT_LT(bins.entries[e - 1], s);
+      }
+      EXPECT_TRUE(got[s].insert(t).second);
+    }
+  }
+  std::set<uint32_t> listed;
+  for (size_t s = 0; s < projection.size(); ++s) {
+    for (const uint32_t e : bins.EntriesOf(s)) {
+      EXPECT_EQ(bins.entries[e], s);
+      EXPECT_TRUE(listed.insert(e).second);
+    }
+  }
+  EXPECT_EQ(listed.size(), bins.num_pairs());
+  size_t needed = 0;
+  for (size_t s = 0; s < projection.size(); ++s) {
+    const std::set<int> want = TouchedTiles(
+        projection.splats[s], camera.width, camera.height, bins.tiles_x, -1e-4);
+    needed += want.size();
+    for (const int t : want) EXPECT_TRUE(got[s].contains(t)) << s << ' ' << t;
+  }
+  // The test is exact on tile rows up to the pixel grid.
+  EXPECT_LT(static_cast<double>(bins.num_pairs()), 1.12 * needed);
+}
+
+TEST(TileBins, DepthOrder) {
+  const GaussianModel model = RandomModel(500, 0, 13);
+  ThreadPool pool(2);
+  Projector projector;
+  Projection projection;
+  projector.Project(model,
+                    TestCamera(64, 64),
+                    TestPose(),
+                    RenderOptions(),
+                    pool,
+                    &projection);
+  ASSERT_GT(projection.size(), 100u);
+  for (size_t k = 1; k < projection.size(); ++k) {
+    EXPECT_LE(projection.splats[k - 1].depth, projection.splats[k].depth);
+  }
+}
+
+}  // namespace
+}  // namespace freegs::splat

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Round trips, foreign layouts, and damaged files.
+
+#include "splat/scene/ply_io.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/io/files.h"
+#include "tests/splat/random_model.h"
+
+namespace freegs::splat {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+constexpr std::array<const char*, 14> kNames = {"x",
+                                                "y",
+                                                "z",
+                                                "f_dc_0",
+                                                "f_dc_1",
+                                                "f_dc_2",
+                                                "opacity",
+                                                "scale_0",
+                                                "scale_1",
+                                                "scale_2",
+                                                "rot_0",
+                                                "rot_1",
+                                                "rot_2",
+                                                "rot_3"};
+
+// A header with the properties of degree 0 as `type`.
+std::string Header(const std::string& format,
+                   const std::string& type,
+                   const std::string& count) {
+  std::string text =
+      "ply\nformat " + format + " 1.0\nelement vertex " + count + "\n";
+  for (const char* name : kNames) {
+    text += "property " + type + " " + name + "\n";
+  }
+  return text + "end_header\n";
+}
+
+std::string MessageOf(const std::string& content) {
+  const StatusOr<GaussianModel> model = ParsePly(content);
+  EXPECT_FALSE(model.ok());
+  if (model.ok()) return "";
+  EXPECT_EQ(model.status().code(), StatusCode::kBadInput);
+  return model.status().message();
+}
+
+class PlyDegreeTest : public ::testing::TestWithParam<int> {};
+
+TEST_P(PlyDegreeTest, RoundTripKeepsEveryBit) {
+  const GaussianModel model = RandomModel(37, GetParam(), 5, 3.0);
+  const StatusOr<GaussianModel> read = ParsePly(SerializePly(model));
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  EXPECT_TRUE(SameParameters(model, *read));
+}
+
+INSTANTIATE_TEST_SUITE_P(AllDegrees, PlyDegreeTest, ::testing::Range(0, 4));
+
+TEST(PlyTest, FileRoundTripAndErrorsNameTheFile) {
+  const std::filesystem::path path =
+      std::filesystem::path(::testing::TempDir()) / "ply_io_test_model.ply";
+  const GaussianModel model = RandomModel(3, 1, 8);
+  ASSERT_TRUE(WritePly(path, model).ok());
+  const StatusOr<GaussianModel> read = ReadPly(path);
+  ASSERT_TRUE(read.ok());
+  EXPECT_TRUE(SameParameters(model, *read));
+  ASSERT_TRUE(WriteFileAtomic(path, "ply\n").ok());
+  EXPECT_THAT(ReadPly(path).status().message(),
+              HasSubstr("ply_io_test_model.ply"));
+  std::filesystem::remove(path);
+  EXPECT_FALSE(ReadPly(path).ok());
+}
+
+TEST(PlyTest, EmptyModel) {
+  const StatusOr<GaussianModel> read = ParsePly(SerializePly(GaussianModel()));
+  ASSERT_TRUE(read.ok());
+  EXPECT_TRUE(read->empty());
+}
+
+// The layout is shared with other programs: byte positions are fixed.
+TEST(PlyTest, LayoutOfTheCommonFormat) {
+  GaussianModel model = RandomModel(1, 1, 3);
+  for (int k = 0; k < 9; ++k) model.sh_rest[k] = static_cast<float>(k);
+  const std::string content = SerializePly(model);
+  EXPECT_THAT(content, HasSubstr("property float nz\nproperty float f_dc_0\n"));
+  EXPECT_THAT(content,
+              HasSubstr("property float f_rest_8\nproperty float opacity\n"));
+  std::array<float, 26> row;  // 3 + 3 + 3 + 9 + 1 + 3 + 4.
+  std::memcpy(
+      row.data(), content.data() + content.size() - sizeof(row), sizeof(row));
+  EXPECT_EQ(row[0], model.means[0]);
+  EXPECT_EQ(row[3], 0.0f);
+  EXPECT_EQ(row[6], model.sh_dc[0]);
+  // Channel-major: all of red first. Ours is [k][channel].
+  EXPECT_EQ(row[9], 0.0f);
+  EXPECT_EQ(row[10], 3.0f);
+  EXPECT_EQ(row[11], 6.0f);
+  EXPECT_EQ(row[12], 1.0f);
+  EXPECT_EQ(row[18], model.opacity_logits[0]);
+  EXPECT_EQ(row[19], model.log_scales[0]);
+  EXPECT_EQ(row[22], model.rotations[0]);
+}
+
+TEST(PlyTest, AsciiInAnyOrderWithForeignPropertiesAndElements) {
+  std::string text =
+      "ply\r\nformat ascii 1.0\r\ncomment by hand\r\n"
+      "element camera 1\nproperty list uchar int ids\nproperty double w\n"
+      "element vertex 2\nproperty float quality\n";
+  std::vector<std::string> reversed(kNames.rbegin(), kNames.rend());
+  for (const std::string& name : reversed) {
+    text += "property float " + name + "\n";
+  }
+  text +=
+      "property list uchar float extra\nelement face 1\n"
+      "property list uchar int vertex_indices\nend_header\n"
+      "3 7 8 9 0.5\n";
+  // rot_3..0, scale_2..0, opacity, f_dc_2..0, z y x.
+  text += "99 0.4 0.3 0.2 +0.1 -1 -2 -3 2.5 6 5 4 3 2 1e0 2 11 12\n";
+  text += "99 0 0 0 0 -1 -2 -3 2.5 6 5 4 3 2 1e-400 0";
+  text += "\n3 0 1 2\n";
+  const StatusOr<GaussianModel> model = ParsePly(text);
+  ASSERT_TRUE(model.ok()) << model.status().message();
+  ASSERT_EQ(model->size(), 2u);
+  EXPECT_EQ(model->sh_degree, 0);
+  EXPECT_THAT(model->means, ::testing::ElementsAre(1, 2, 3, 0, 2, 3));
+  EXPECT_THAT(model->sh_dc, ::testing::ElementsAre(4, 5, 6, 4, 5, 6));
+  EXPECT_THAT(model->log_scales,
+              ::testing::ElementsAre(-3, -2, -1, -3, -2, -1));
+  EXPECT_THAT(
+      model->rotations,
+      ::testing::ElementsAre(0.1f, 0.2f, 0.3f, 0.4f, 1.0f, 0.0f, 0.0f, 0.0f));
+}
+
+TEST(PlyTest, BigEndianDoubles) {
+  std::string content = Header("binary_big_endian", "double", "1");
+  for (int p = 0; p < 14; ++p) {
+    auto bytes = std::bit_cast<std::array<char, 8>>(p + 0.25);
+    std::reverse(bytes.begin(), bytes.end());
+    content.append(bytes.data(), bytes.size());
+  }
+  const StatusOr<GaussianModel> model = ParsePly(content);
+  ASSERT_TRUE(model.ok()) << model.status().message();
+  EXPECT_EQ(model->means[1], 1.25f);
+  EXPECT_EQ(model->rotations[3], 13.25f);
+}
+
+TEST(PlyTest, BinaryListsAreSkippedByTheirLength) {
+  std::string content =
+      "ply\nformat binary_little_endian 1.0\nelement face 2\n"
+      "property list uchar short v\n" +
+      Header("x", "char", "1").substr(std::strlen("ply\nformat x 1.0\n"));
+  content += std::string("\x02", 1) + std::string(4, '\0');
+  content += std::string("\x00", 1);
+  for (char p = 0; p < 14; ++p) content += p;
+  const StatusOr<GaussianModel> model = ParsePly(content);
+  ASSERT_TRUE(model.ok()) << model.status().message();
+  EXPECT_EQ(model->opacity_logits[0], 6.0f);
+}
+
+TEST(PlyTest, NamesWhatIsMissing) {
+  EXPECT_THAT(
+      MessageOf("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
+                "property float y\nproperty float z\nend_header\n1 2 3\n"),
+      AllOf(HasSubstr("f_dc_0"), HasSubstr("opacity"), HasSubstr("rot_3")));
+  std::string with_rest = SerializePly(RandomModel(1, 1, 1));
+  const size_t at = with_rest.find("f_rest_4");
+  EXPECT_THAT(MessageOf(std::string(with_rest).replace(at, 8, "f_rest_9")),
+              HasSubstr("f_rest_4"));
+  EXPECT_THAT(MessageOf(std::string(with_rest).replace(at, 8, "g_rest_4")),
+              HasSubstr("8 f_rest"));
+}
+
+TEST(PlyTest, RefusesCountsThatTheContentCannotHold) {
+  for (const char* count : {"18446744073709551615", "4000000000", "2"}) {
+    EXPECT_THAT(MessageOf(Header("binary_little_endian", "float", count) +
+                          std::string(56, '\0')),
+                HasSubstr("at most 1"));
+  }
+  EXPECT_THAT(MessageOf(Header("ascii", "float", "1000000000") + "1 2 3"),
+              HasSubstr("at most 0"));
+  MessageOf(Header("ascii", "float", "-1"));
+  MessageOf(Header("ascii", "float", "99999999999999999999999"));
+  // A list longer than the file, and many empty items.
+  MessageOf(
+      "ply\nformat binary_little_endian 1.0\nelement a 18446744073709551615\n"
+      "element b 18446744073709551615\nproperty list uint double v\n"
+      "end_header\n\xff\xff\xff\xff");
+}
+
+TEST(PlyTest, CountsVerticesThatAreNotFinite) {
+  GaussianModel model = RandomModel(10, 2, 1);
+  model.means[4] = std::numeric_limits<float>::quiet_NaN();
+  model.means[5] = std::numeric_limits<float>::infinity();
+  model.sh_rest[24 * 7] = -std::numeric_limits<float>::infinity();
+  EXPECT_THAT(MessageOf(SerializePly(model)), HasSubstr("2 of 10"));
+  EXPECT_THAT(MessageOf(Header("ascii", "float", "1") +
+                        "1e39 0 0 0 0 0 0 0 0 0 1 0 0 0\n"),
+              HasSubstr("1 of 1"));
+  EXPECT_THAT(MessageOf(Header("ascii", "float", "1") +
+                        "1e999 0 0 0 0 0 0 0 0 0 1 0 0 0\n"),
+              HasSubstr("1 of 1"));
+}
+
+TEST(PlyTest, EveryTruncationIsRefused) {
+  const std::string content = SerializePly(RandomModel(2, 1, 6));
+  for (size_t size = 0; size < content.size(); ++size) {
+    MessageOf(content.substr(0, size));
+  }
+}
+
+// Whatever a flipped byte does, it must not crash or hang.
+TEST(PlyTest, SurvivesMutations) {
+  std::string ascii = Header("ascii", "float", "1");
+  ascii += "0 0 0 0 0 0 0 0 0 0 1 0 0 0\n";
+  const std::array<std::string, 2> contents = {
+      SerializePly(RandomModel(2, 0, 6)), ascii};
+  for (const std::string& content : contents) {
+    for (size_t at = 0; at < content.size(); ++at) {
+      for (const char c : {'\0', '\n', ' ', '9', '-', 'x', '\xff'}) {
+        std::string mutated = content;
+        mutated[at] = c;
+        const StatusOr<GaussianModel> model = ParsePly(mutated);
+        if (model.ok()) {
+          EXPECT_TRUE(model->AllFinite());
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace freegs::splat

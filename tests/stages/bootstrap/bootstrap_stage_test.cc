@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/bootstrap/bootstrap_stage.h"
+
+#include <cmath>
+#include <filesystem>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/io/files.h"
+#include "core/io/image_io.h"
+#include "semantics/field/idsf.h"
+#include "semantics/queries/instance_features.h"
+#include "semantics/instances/instances_json.h"
+#include "sfm/scene/model_io.h"
+#include "photos/photo_list.h"
+#include "splat/scene/ply_io.h"
+#include "tests/semantics/clip/model_files.h"
+#include "tests/semantics/synthetic_gaussians.h"
+#include "tests/temporary_folder.h"
+
+namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A workspace as reconstruct leaves it: a table with four balls, seen by eight
+// cameras that look down on it from all around.
+class BootstrapStageTest : public testing::Test {
+ protected:
+  static constexpr int kNumPhotos = 8;
+
+  void SetUp() override {
+    scene_ = semantics::MakeTableScene();
+    sfm::Reconstruction sparse;
+    sfm::Camera camera;
+    camera.id = 1;
+    camera.model = sfm::CameraModel::kPinhole;
+    camera.width = 80;
+    camera.height = 60;
+    camera.params = {70, 70, 40, 30};
+    sparse.cameras.push_back(camera);
+    photos::PhotoList photos;
+    for (int k = 0; k < kNumPhotos; ++k) {
+      sfm::PosedImage image;
+      image.id = static_cast<uint32_t>(k + 1);
+      image.camera_id = 1;
+      // One in a folder of its own.
+      image.name =
+          (k == 3 ? "sub/photo" : "photo") + std::to_string(k) + ".png";
+      image.cam_from_world = semantics::LookAtOrigin(0.785 * k).cam_from_world;
+      sparse.images.push_back(image);
+      const fs::path file = workspace() / "undistort" / "images" / image.name;
+      fs::create_directories(file.parent_path());
+      ASSERT_TRUE(WriteImage(file, ImageU8(80, 60, 3, 128)).ok());
+      photos::Photo photo;
+      photo.file = photo.name = image.name;
+      photo.width = 80;
+      photo.height = 60;
+      photo.camera_group = 0;
+      photo.split =
+          k == 0 ? photos::PhotoSplit::kHoldout : photos::PhotoSplit::kTrain;
+      photos.photos.push_back(photo);
+    }
+    ASSERT_TRUE(
+        sfm::WriteModel(workspace() / "undistort" / "sparse", sparse).ok());
+    fs::create_directories(workspace() / "ingest");
+    ASSERT_TRUE(
+        photos::WritePhotoList(workspace() / "ingest" / "images.json", photos)
+            .ok());
+    fs::create_directories(workspace() / "reconstruct");
+    WriteModel(scene_.model);
+    options_.mode = "geometry";
+  }
+
+  void WriteModel(const splat::GaussianModel& model) {
+    ASSERT_TRUE(
+        splat::WritePly(workspace() / "reconstruct" / "point_cloud.ply", model)
+            .ok());
+  }
+
+  Status Run(const fs::path& output,
+             int threads = 2,
+             const CancellationToken* cancellation = nullptr,
+             bool resuming = false) {
+    ThreadPool pool(threads);
+    const CancellationToken never;
+    pipeline::StageContext context;
+    context.workspace = workspace();
+    context.output = output;
+    context.resuming = resuming;
+    context.pool = &pool;
+    context.cancellation = cancellation != nullptr ? cancellation : &never;
+    context.progress = [](const Progress&) {};
+    context.log = [](pipeline::LogLevel, const std::string&) {};
+    fs::create_directories(output);
+    const auto stage = MakeBootstrapStage(options_, /*seed=*/0);
+    EXPECT_EQ(stage->name(), "bootstrap");
+    return stage->Run(context);
+  }
+
+  const fs::path& workspace() const { return folder_.path(); }
+
+  TemporaryFolder folder_;
+  semantics::SyntheticGaussians scene_;
+  BootstrapStageOptions options_;
+};
+
+TEST_F(BootstrapStageTest, WritesInstancesMapsAndPreviews) {
+  const fs::path output = workspace() / "bootstrap";
+  const Status status = Run(output);
+  ASSERT_TRUE(status.ok()) << status.message();
+
+  const auto idsf = semantics::ReadIdsf(output / "idsf.bin");
+  ASSERT_TRUE(idsf.ok());
+  EXPECT_EQ(idsf->instances.size(), scene_.model.size());
+  EXPECT_EQ(idsf->feature_dim, 0);
+  const auto instances = semantics::ReadInstances(output / "instances.json");
+  ASSERT_TRUE(instances.ok());
+  ASSERT_EQ(instances->size(), 5u);
+  EXPECT_TRUE((*instances)[0].background);
+  for (int i = 0; i < 5; ++i) {
+    const semantics::Instance& instance = (*instances)[i];
+    EXPECT_EQ(instance.id, i + 1);
+    EXPECT_TRUE(instance.words.empty());
+    if (i == 0) continue;
+    EXPECT_LE(instance.num_gaussians, (*instances)[i - 1].num_gaussians);
+    // Balls of diameter 0.3 and 0.2, boxes upright.
+    EXPECT_NEAR(instance.obb.size.x(), i == 4 ? 0.2 : 0.3, 0.03);
+    EXPECT_NEAR(std::abs(instance.obb.rotation(2, 2)), 1, 1e-4);
+  }
+
+  const auto text = ReadFile(output / "metrics.json");
+  ASSERT_TRUE(text.ok());
+  const auto metrics = nlohmann::json::parse(*text);
+  EXPECT_EQ(metrics["num_instances"], 5);
+  EXPECT_EQ(metrics["num_background"], 1);
+  EXPECT_EQ(metrics["instance_sizes"].size(), 5u);
+  EXPECT_EQ(metrics["hdbscan"]["min_samples"],
+            options_.method.clustering.hdbscan.min_samples);
+
+  std::set<uint16_t> ids;
+  for (int k = 0; k < kNumPhotos; ++k) {
+    const std::string name =
+        (k == 3 ? "sub/photo" : "photo") + std::to_string(k) + ".png";
+    const auto map = ReadLabels(output / "instances" / name);
+    ASSERT_TRUE(map.ok()) << name;
+    EXPECT_EQ(map->width(), 80);
+    for (size_t i = 0; i < map->size(); ++i) ids.insert(map->data()[i]);
+  }
+  EXPECT_EQ(ids, (std::set<uint16_t>{0, 1, 2, 3, 4, 5}));
+  int num_previews = 0;
+  for (const auto& entry :
+       fs::recursive_directory_iterator(output / "preview")) {
+    num_previews += entry.is_regular_file();
+  }
+  EXPECT_EQ(num_previews, options_.num_previews);
+}
+
+TEST_F(BootstrapStageTest, LiftsSemantics) {
+  options_.mode = "lift";
+  options_.model = semantics::TinyClip().string();
+  const fs::path output = workspace() / "bootstrap";
+  const Status status = Run(output);
+  ASSERT_TRUE(status.ok()) << status.message();
+  const auto idsf = semantics::ReadIdsf(output / "idsf.bin");
+  ASSERT_TRUE(idsf.ok());
+  EXPECT_GT(idsf->feature_dim, 0);
+  const auto instances = semantics::ReadInstances(output / "instances.json");
+  const auto features =
+      semantics::ReadInstanceFeatures(output / "instance_features.json");
+  ASSERT_TRUE(instances.ok() && features.ok());
+  EXPECT_EQ(features->size(), instances->size());
+  EXPECT_EQ(features->dim, 8);
+  const auto text = ReadFile(output / "metrics.json");
+  ASSERT_TRUE(text.ok());
+  const auto metrics = nlohmann::json::parse(*text);
+  EXPECT_EQ(metrics["feature_dim"], idsf->feature_dim);
+  EXPECT_EQ(metrics["step_seconds"].size(), 4u);
+
+  // The same again from what an interrupted run has left.
+  ASSERT_TRUE(Run(output, 1, nullptr, /*resuming=*/true).ok());
+  EXPECT_EQ(semantics::ReadIdsf(output / "idsf.bin")->features, idsf->features);
+}
+
+TEST_F(BootstrapStageTest, MissingModelIsAMissingDependency) {
+  options_.mode = "lift";
+  options_.model = (workspace() / "no_such_model").string();
+  const Status status = Run(workspace() / "modelless");
+  EXPECT_EQ(status.code(), StatusCode::kMissingDependency);
+  EXPECT_NE(status.message().find("no_such_model"), std::string::npos);
+}
+
+TEST_F(BootstrapStageTest, SameFilesForAnyNumberOfThreads) {
+  ASSERT_TRUE(Run(workspace() / "one", 1).ok());
+  ASSERT_TRUE(Run(workspace() / "three", 3).ok());
+  for (const char* name :
+       {"idsf.bin", "instances.json", "instances/photo5.png"}) {
+    const auto a = ReadFile(workspace() / "one" / name);
+    const auto b = ReadFile(workspace() / "three" / name);
+    ASSERT_TRUE(a.ok() && b.ok()) << name;
+    EXPECT_EQ(*a, *b) << name;
+  }
+}
+
+TEST_F(BootstrapStageTest, ResumesToTheSameFiles) {
+  const fs::path output = workspace() / "resumed";
+  ASSERT_TRUE(Run(output).ok());
+  const auto map = ReadFile(output / "instances" / "photo6.png");
+  fs::remove(output / "instances" / "photo6.png");
+  fs::remove(output / "metrics.json");
+  ASSERT_TRUE(Run(output, 2, nullptr, /*resuming=*/true).ok());
+  EXPECT_EQ(*ReadFile(output / "instances" / "photo6.png"), *map);
+  EXPECT_TRUE(fs::exists(output / "metrics.json"));
+}
+
+TEST_F(BootstrapStageTest, LimitsTheSizeOfMaps) {
+  options_.max_image_size = 40;
+  options_.num_previews = 0;
+  const fs::path output = workspace() / "small";
+  ASSERT_TRUE(Run(output).ok());
+  const auto map = ReadLabels(output / "instances" / "photo1.png");
+  ASSERT_TRUE(map.ok());
+  EXPECT_EQ(map->width(), 40);
+  EXPECT_EQ(map->height(), 30);
+  EXPECT_FALSE(fs::exists(output / "preview"));
+}
+
+TEST_F(BootstrapStageTest, StopsWhenCancelled) {
+  CancellationToken cancellation;
+  cancellation.Cancel();
+  EXPECT_EQ(Run(workspace() / "stopped", 2, &cancellation).code(),
+            StatusCode::kInterrupted);
+}
+
+TEST_F(BootstrapStageTest, SaysWhatToDoWhenNothingIsFound) {
+  splat::GaussianModel few = scene_.model;
+  few.Resize(10);
+  WriteModel(few);
+  const Status status = Run(workspace() / "nothing");
+  EXPECT_EQ(status.code(), StatusCode::kUnusableResult);
+  EXPECT_NE(status.message().find("bootstrap.min_cluster_size"),
+            std::string::npos);
+}
+
+TEST_F(BootstrapStageTest, MissingSceneIsBadInput) {
+  fs::remove(workspace() / "reconstruct" / "point_cloud.ply");
+  EXPECT_EQ(Run(workspace() / "missing").code(), StatusCode::kBadInput);
+}
+
+TEST(BootstrapOptionsTest, DefaultsAreWithinTheirRanges) {
+  BootstrapStageOptions options;
+  pipeline::OptionTable table;
+  RegisterBootstrapOptions(options, table);
+  EXPECT_TRUE(table.Check().ok()) << table.Check().message();
+  EXPECT_TRUE(MakeBootstrappingOptions(options).ok());
+}
+
+}  // namespace
+}  // namespace freegs::stages

@@ -1,0 +1,389 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/commands/query_command.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/io/image_io.h"
+#include "pipeline/exit_code.h"
+#include "semantics/clip/opencv_clip.h"
+#include "semantics/queries/instance_features.h"
+#include "tests/semantics/clip/model_files.h"
+#include "tests/stages/synthetic_workspace.h"
+
+namespace freegs::stages {
+namespace {
+
+using semantics::ModelCopy;
+using semantics::TinyClip;
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr char kMissing[] = "run stage bootstrap";
+
+class QueryCommandTest : public testing::Test {
+ protected:
+  QueryCommandTest() { workspace_.AddInstances(); }
+
+  int Query(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), workspace_.path().string());
+    output_.str("");
+    messages_.str("");
+    CommandContext context{output_, messages_, cancellation_, "freegs"};
+    const Status status = RunQueryCommand(arguments, context);
+    message_ = status.message();
+    return pipeline::ExitCode(status.code());
+  }
+
+  nlohmann::json QueryJson(std::vector<std::string> arguments) {
+    arguments.push_back("--json");
+    const int code = Query(arguments);
+    EXPECT_EQ(code, 0) << message_;
+    return code == 0 ? nlohmann::json::parse(output_.str()) : nlohmann::json();
+  }
+
+  // Instance 1 means the words exactly, 2 other words, of 3 nothing is known.
+  void AddFeatures(const std::string& words, const std::string& other) {
+    const auto encoder = semantics::OpenCvClip::Open(TinyClip());
+    ASSERT_TRUE(encoder.ok()) << encoder.status().message();
+    semantics::InstanceFeatures features;
+    features.dim = (*encoder)->embedding_dim();
+    features.model = TinyClip().string();
+    features.model_hash = (*encoder)->model_hash();
+    for (const std::string& text : {words, other}) {
+      const auto vector = (*encoder)->EncodeText(text);
+      ASSERT_TRUE(vector.ok());
+      features.features.insert(features.features.end(),
+                               vector->values.begin(),
+                               vector->values.end());
+    }
+    features.features.resize(3 * static_cast<size_t>(features.dim));
+    Write(features);
+  }
+  void Write(const semantics::InstanceFeatures& features) {
+    ASSERT_TRUE(semantics::WriteInstanceFeatures(FeatureFile(), features).ok());
+  }
+  std::filesystem::path FeatureFile() const {
+    return workspace_ / "bootstrap" / "instance_features.json";
+  }
+
+  // What the renderer says about a view at its own size.
+  Image<int32_t> Labels(const View& view) {
+    splat::RenderOptions white;
+    white.background = {1, 1, 1};
+    return splat::RenderLabels(workspace_.model,
+                               view.camera,
+                               view.cam_from_world,
+                               white,
+                               pool_,
+                               workspace_.labels);
+  }
+
+  // A pixel of the view that shows the label.
+  static std::pair<int, int> PixelOf(const Image<int32_t>& labels,
+                                     int32_t label) {
+    for (int y = 0; y < labels.height(); ++y) {
+      for (int x = 0; x < labels.width(); ++x) {
+        if (labels(x, y) == label) return {x, y};
+      }
+    }
+    ADD_FAILURE() << "no pixel of " << label;
+    return {0, 0};
+  }
+
+  std::string out() const { return (out_.path() / "sub").string(); }
+
+  SyntheticWorkspace workspace_;
+  TemporaryFolder out_;
+  CancellationToken cancellation_;
+  std::ostringstream output_;
+  std::ostringstream messages_;
+  std::string message_;
+  ThreadPool pool_{2};
+};
+
+TEST_F(QueryCommandTest, TextFindsTheInstanceThatMeansIt) {
+  AddFeatures("red apple", "wooden box");
+  const nlohmann::json answer = QueryJson({"--text", "red apple"});
+  EXPECT_EQ(answer["found"], true);
+  ASSERT_EQ(answer["hits"].size(), 1u);
+  EXPECT_EQ(answer["hits"][0]["id"], 1);
+  EXPECT_NEAR(answer["hits"][0]["cosine"].get<double>(), 1, 1e-5);
+  EXPECT_GT(answer["hits"][0]["score"].get<double>(), 0.5);
+  EXPECT_EQ(answer["hits"][0]["num_gaussians"],
+            workspace_.instances[0].num_gaussians);
+  ASSERT_EQ(answer["others"].size(), 1u);
+  EXPECT_EQ(answer["others"][0]["id"], 2);
+  EXPECT_GT(answer["timings"]["encode_ms"].get<double>(), 0);
+
+  ASSERT_EQ(Query({"--text", "wooden box"}), 0) << message_;
+  EXPECT_THAT(
+      output_.str(),
+      AllOf(HasSubstr("found: text \"wooden box\""), HasSubstr("next: 1")));
+}
+
+TEST_F(QueryCommandTest, WhatIsNotThereIsAnAnswer) {
+  AddFeatures("red apple", "wooden box");
+  const nlohmann::json answer = QueryJson(
+      {"--text", "red apple", "--min-relevancy", "1", "--out", out()});
+  EXPECT_EQ(answer["found"], false);
+  EXPECT_TRUE(answer["hits"].empty());
+  EXPECT_EQ(answer["best_score"], answer["others"][0]["score"]);
+  for (const auto& mask : answer["masks"]) EXPECT_EQ(mask["pixels"], 0);
+  ASSERT_EQ(Query({"--text", "red apple", "--query.min_relevancy", "1"}), 0);
+  EXPECT_THAT(output_.str(), HasSubstr("not found"));
+  // As config.ini says.
+  WriteText(workspace_ / "config.ini", "[query]\nmin_relevancy = 1\n");
+  EXPECT_EQ(QueryJson({"--text", "red apple"})["found"], false);
+}
+
+TEST_F(QueryCommandTest, LargePlanesAnswerWhenAskedFor) {
+  AddFeatures("red apple", "wooden box");
+  workspace_.instances[0].background = true;
+  ASSERT_TRUE(
+      semantics::WriteInstances(workspace_ / "bootstrap" / "instances.json",
+                                workspace_.instances)
+          .ok());
+  const std::vector<std::string> text = {
+      "--text", "red apple", "--min-relevancy", "0"};
+  const nlohmann::json without = QueryJson(text);
+  EXPECT_EQ(without["hits"][0]["id"], 2);
+  EXPECT_EQ(without["plane"]["id"], 1);
+  ASSERT_EQ(Query(text), 0);
+  EXPECT_THAT(output_.str(), HasSubstr("--background"));
+  const nlohmann::json with = QueryJson(
+      {"--text", "red apple", "--min-relevancy", "0", "--background"});
+  EXPECT_EQ(with["hits"][0]["id"], 1);
+  EXPECT_TRUE(with["plane"].is_null());
+}
+
+TEST_F(QueryCommandTest, MasksShowTheHitsInEveryView) {
+  AddFeatures("red apple", "wooden box");
+  const nlohmann::json answer = QueryJson({"--text",
+                                           "red apple",
+                                           "--min-relevancy",
+                                           "0",
+                                           "--max-hits",
+                                           "2",
+                                           "--out",
+                                           out()});
+  ASSERT_EQ(answer["masks"].size(), workspace_.views.size());
+  ASSERT_EQ(answer["hits"].size(), 2u);
+  EXPECT_TRUE(
+      std::filesystem::exists(std::filesystem::path(out()) / "query.json"));
+  size_t overlays = 0;
+  for (const View& view : workspace_.views) {
+    const std::filesystem::path name(view.name);
+    const auto mask = ReadLabels(std::filesystem::path(out()) / "masks" / name);
+    ASSERT_TRUE(mask.ok()) << mask.status().message();
+    const Image<int32_t> labels = Labels(view);
+    ASSERT_EQ(mask->size(), labels.size());
+    for (size_t p = 0; p < labels.size(); ++p) {
+      const int32_t label = labels.data()[p];
+      EXPECT_EQ(mask->data()[p], label == 0 || label == 1 ? 255 : 0);
+    }
+    overlays += std::filesystem::exists(
+        std::filesystem::path(out()) / "overlay" /
+        std::filesystem::path(name).replace_extension(".jpg"));
+  }
+  EXPECT_GT(overlays, 0u);
+}
+
+TEST_F(QueryCommandTest, ClicksAnswerWithoutSemantics) {
+  const View& view = workspace_.views[2];
+  const Image<int32_t> labels = Labels(view);
+  for (int32_t label = 0; label < 3; ++label) {
+    const auto [x, y] = PixelOf(labels, label);
+    const nlohmann::json answer = QueryJson(
+        {"--click", "photo2", std::to_string(x), std::to_string(y) + ".7"});
+    ASSERT_EQ(answer["hits"].size(), 1u);
+    EXPECT_EQ(answer["hits"][0]["id"], label + 1);
+    EXPECT_TRUE(answer["hits"][0].contains("point"));
+    EXPECT_EQ(answer["query"]["view"], view.name);
+  }
+  const auto [x, y] = PixelOf(labels, -1);
+  ASSERT_EQ(Query({"--click", view.name, std::to_string(x), std::to_string(y)}),
+            0);
+  EXPECT_THAT(output_.str(), HasSubstr("not found"));
+}
+
+TEST_F(QueryCommandTest, BoxesAnswerWithoutSemantics) {
+  const Image<int32_t> labels = Labels(workspace_.views[1]);
+  int x0 = 64, x1 = 0, y0 = 48, y1 = 0;
+  for (int y = 0; y < labels.height(); ++y) {
+    for (int x = 0; x < labels.width(); ++x) {
+      if (labels(x, y) != 1) continue;
+      x0 = std::min(x0, x);
+      x1 = std::max(x1, x + 1);
+      y0 = std::min(y0, y);
+      y1 = std::max(y1, y + 1);
+    }
+  }
+  const nlohmann::json answer = QueryJson({"--box",
+                                           "photo1.png",
+                                           std::to_string(x0),
+                                           std::to_string(y0),
+                                           std::to_string(x1),
+                                           std::to_string(y1)});
+  ASSERT_FALSE(answer["hits"].empty());
+  EXPECT_GT(answer["hits"][0]["score"].get<double>(), 0.7);
+  EXPECT_EQ(Query({"--box", "photo1", "-9", "-9", "-1", "-1"}), 2);
+  EXPECT_THAT(message_, HasSubstr("no area"));
+}
+
+TEST_F(QueryCommandTest, ExamplesGoByTheImageNetwork) {
+  const auto encoder = semantics::OpenCvClip::Open(TinyClip());
+  ASSERT_TRUE(encoder.ok());
+  const std::string image = (TinyClip() / "reference.png").string();
+  const auto picture = ReadRgb(image);
+  const auto vector = (*encoder)->EncodeImage(*picture);
+  ASSERT_TRUE(vector.ok());
+  semantics::InstanceFeatures features;
+  features.dim = (*encoder)->embedding_dim();
+  features.model = "a model that has moved";
+  features.model_hash = (*encoder)->model_hash();
+  features.features.resize(features.dim);
+  for (const float value : *vector) features.features.push_back(-value);
+  features.features.insert(
+      features.features.end(), vector->begin(), vector->end());
+  Write(features);
+  const nlohmann::json answer =
+      QueryJson({"--example", image, "--model", TinyClip().string()});
+  ASSERT_EQ(answer["hits"].size(), 1u);
+  EXPECT_EQ(answer["hits"][0]["id"], 3);
+  EXPECT_NEAR(answer["hits"][0]["score"].get<double>(), 1, 1e-4);
+  EXPECT_EQ(answer["others"].size(), 1u);
+  EXPECT_EQ(Query({"--example", "none.png", "--model", TinyClip().string()}),
+            3);
+  EXPECT_THAT(message_, HasSubstr("none.png"));
+}
+
+TEST_F(QueryCommandTest, CamerasOfAFileWithoutAlignment) {
+  const Eigen::Matrix<double, 3, 4> pose =
+      workspace_.views[4].cam_from_world.Matrix3x4();
+  nlohmann::json rows;
+  for (int r = 0; r < 3; ++r) {
+    rows.push_back({pose(r, 0), pose(r, 1), pose(r, 2), pose(r, 3)});
+  }
+  rows.push_back({0, 0, 0, 1});
+  const Pinhole& camera = workspace_.views[4].camera;
+  nlohmann::json file;
+  file["intrinsics"] = {{"w", camera.width},
+                        {"h", camera.height},
+                        {"fx", camera.fx},
+                        {"fy", camera.fy},
+                        {"cx", camera.cx},
+                        {"cy", camera.cy}};
+  file["train"] = nlohmann::json::object();
+  file["test"]["new.png"] = rows;
+  const std::string path = (out_ / "cameras.json").string();
+  WriteText(path, file.dump());
+  const auto [x, y] = PixelOf(Labels(workspace_.views[4]), 1);
+  const nlohmann::json answer = QueryJson({"--click",
+                                           "new",
+                                           std::to_string(x),
+                                           std::to_string(y),
+                                           "--cameras",
+                                           path,
+                                           "--no-align",
+                                           "--out",
+                                           out()});
+  EXPECT_EQ(answer["hits"][0]["id"], 2);
+  ASSERT_EQ(answer["masks"].size(), 1u);
+  EXPECT_GT(answer["masks"][0]["pixels"], 0);
+  EXPECT_TRUE(std::filesystem::exists(out() + "/overlay/new.jpg"));
+}
+
+TEST_F(QueryCommandTest, WrongUsageIs2) {
+  AddFeatures("red apple", "wooden box");
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{},
+        {"--text", "a", "--click", "photo1", "1", "1"},
+        {"--text", " "},
+        {"--text"},
+        {"--click", "photo1", "1"},
+        {"--click", "photo1", "1", "y"},
+        {"--click", "photo1", "1", "nan"},
+        {"--click", "photo1", "1", "1", "--click", "photo1", "1", "1"},
+        {"--click", "photo1", "64", "1"},
+        {"--click", "photo1", "-1", "1"},
+        {"--click", "photo1", "1e300", "1"},
+        {"--box", "photo1", "1", "1", "2"},
+        {"--text", "a", "--min-relevancy", "2"},
+        {"--text", "a", "--max-hits", "-1"},
+        {"--text", "a", "--no-align"},
+        {"--text", "a", "second workspace"}}) {
+    EXPECT_EQ(Query(arguments), 2) << testing::PrintToString(arguments);
+  }
+  EXPECT_EQ(Query({"--click", "photo9", "1", "1"}), 2);
+  EXPECT_THAT(message_, AllOf(HasSubstr("photo9"), HasSubstr("photo5.png")));
+}
+
+TEST_F(QueryCommandTest, WithoutSemanticsTextSaysWhatToDo) {
+  EXPECT_EQ(Query({"--text", "red apple"}), 3);
+  EXPECT_THAT(message_,
+              AllOf(HasSubstr("instance_features.json"),
+                    HasSubstr("--click"),
+                    HasSubstr(kMissing)));
+}
+
+TEST_F(QueryCommandTest, WithoutBootstrapEveryQuestionNamesTheStage) {
+  std::filesystem::remove_all(workspace_ / "bootstrap");
+  EXPECT_EQ(Query({"--text", "red apple"}), 3);
+  EXPECT_THAT(message_, HasSubstr(kMissing));
+  EXPECT_EQ(Query({"--click", "photo1", "1", "1"}), 3);
+  EXPECT_THAT(message_, HasSubstr(kMissing));
+  std::filesystem::remove_all(workspace_.path());
+  EXPECT_EQ(Query({"--text", "red apple"}), 3);
+  EXPECT_THAT(message_, HasSubstr("no such workspace"));
+}
+
+TEST_F(QueryCommandTest, AnotherOrMissingModelIs5) {
+  AddFeatures("red apple", "wooden box");
+  EXPECT_EQ(Query({"--text", "a", "--model", (out_ / "none").string()}), 5);
+  EXPECT_THAT(message_, HasSubstr("none"));
+  const ModelCopy other;
+  nlohmann::json info = other.Info();
+  info["mean"][0] = 0.25;
+  other.SetInfo(info);
+  EXPECT_EQ(Query({"--text", "a", "--model", other.path().string()}), 5);
+  EXPECT_THAT(message_,
+              AllOf(HasSubstr("another model"),
+                    HasSubstr(other.path().string()),
+                    HasSubstr("--model")));
+}
+
+TEST_F(QueryCommandTest, FilesThatDisagreeAreBadInput) {
+  AddFeatures("red apple", "wooden box");
+  auto features = *semantics::ReadInstanceFeatures(FeatureFile());
+  features.features.resize(2 * static_cast<size_t>(features.dim));
+  Write(features);
+  EXPECT_EQ(Query({"--text", "a"}), 3);
+  EXPECT_THAT(message_, AllOf(HasSubstr("instance 3"), HasSubstr(kMissing)));
+  WriteText(FeatureFile(), "{\"dim\": 3}");
+  EXPECT_EQ(Query({"--text", "a"}), 3);
+  EXPECT_THAT(message_, HasSubstr("instance_features.json"));
+  // A label that instances.json does not have; ids cost no memory.
+  workspace_.instances[0].id = 0x7fffffff;
+  ASSERT_TRUE(
+      semantics::WriteInstances(workspace_ / "bootstrap" / "instances.json",
+                                workspace_.instances)
+          .ok());
+  const auto [x, y] = PixelOf(Labels(workspace_.views[1]), 0);
+  EXPECT_EQ(Query({"--click", "photo1", std::to_string(x), std::to_string(y)}),
+            3);
+  EXPECT_THAT(message_, HasSubstr("instances.json has not"));
+}
+
+TEST_F(QueryCommandTest, StopsWhenAsked) {
+  cancellation_.Cancel();
+  EXPECT_EQ(Query({"--click", "photo1", "1", "1"}), 130);
+}
+
+}  // namespace
+}  // namespace freegs::stages

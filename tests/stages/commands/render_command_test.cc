@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/commands/render_command.h"
+
+#include <cmath>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "stages/scene/scene_instances.h"
+#include "tests/stages/synthetic_workspace.h"
+
+namespace freegs::stages {
+namespace {
+
+using testing::HasSubstr;
+
+class RenderCommandTest : public testing::Test {
+ protected:
+  Status Render(std::vector<std::string> arguments) {
+    CommandContext context{output_, messages_, cancellation_, "freegs"};
+    return RunRenderCommand(arguments, context);
+  }
+
+  std::string out() const { return (out_.path() / "sub").string(); }
+  std::string workspace() const { return workspace_.path().string(); }
+
+  splat::RenderOptions WhiteBackground() const {
+    splat::RenderOptions options;
+    options.background = {1, 1, 1};
+    return options;
+  }
+
+  // A camera file of the workspace's views in a world that is scaled, turned
+  // and moved, and one more view; `rename` is put before the photos' names.
+  nlohmann::json MovedCameras(const std::string& rename) const {
+    Sim3d file_from_scene;
+    file_from_scene.scale = 2.5;
+    file_from_scene.rotation =
+        Eigen::AngleAxisd(1.1, Eigen::Vector3d(1, 2, 3).normalized());
+    file_from_scene.translation = Eigen::Vector3d(4, -5, 6);
+    const auto matrix = [&](const Rigid3d& cam_from_scene) {
+      const Eigen::Matrix<double, 3, 4> pose =
+          TransformCamera(file_from_scene, cam_from_scene).Matrix3x4();
+      nlohmann::json rows;
+      for (int r = 0; r < 3; ++r) {
+        rows.push_back({pose(r, 0), pose(r, 1), pose(r, 2), pose(r, 3)});
+      }
+      rows.push_back({0, 0, 0, 1});
+      return rows;
+    };
+    nlohmann::json file;
+    const Pinhole& camera = workspace_.views[0].camera;
+    file["intrinsics"] = {{"w", camera.width},
+                          {"h", camera.height},
+                          {"fx", camera.fx},
+                          {"fy", camera.fy},
+                          {"cx", camera.cx},
+                          {"cy", camera.cy}};
+    for (const View& view : workspace_.views) {
+      file["train"][rename + view.name] = matrix(view.cam_from_world);
+    }
+    file["test"]["new.png"] = matrix(workspace_.views[3].cam_from_world);
+    return file;
+  }
+
+  SyntheticWorkspace workspace_;
+  TemporaryFolder out_;
+  CancellationToken cancellation_;
+  std::ostringstream output_;
+  std::ostringstream messages_;
+  ThreadPool pool_{2};
+};
+
+TEST_F(RenderCommandTest, ColorIsTheRendererAtTrainingSize) {
+  const Status status = Render({workspace(), "--out", out()});
+  ASSERT_TRUE(status.ok()) << status.message();
+  EXPECT_THAT(output_.str(), HasSubstr("6 pictures"));
+  for (const View& view : workspace_.views) {
+    const auto picture = ReadRgb(out() + "/" + view.name);
+    ASSERT_TRUE(picture.ok()) << picture.status().message();
+    const Pinhole camera =
+        view.camera.LimitedTo(SyntheticWorkspace::kTrainingSide);
+    const ImageU8 expected = ToU8(splat::RenderView(workspace_.model,
+                                                    camera,
+                                                    view.cam_from_world,
+                                                    WhiteBackground(),
+                                                    pool_)
+                                      .color);
+    ASSERT_EQ(picture->size(), expected.size());
+    EXPECT_TRUE(std::equal(
+        expected.data(), expected.data() + expected.size(), picture->data()));
+  }
+}
+
+TEST_F(RenderCommandTest, SizeOverridesTrainingSize) {
+  ASSERT_TRUE(Render({workspace(), "--out", out(), "--size", "48"}).ok());
+  const auto picture = ReadRgb(out() + "/photo1.png");
+  ASSERT_TRUE(picture.ok());
+  EXPECT_EQ(picture->width(), 48);
+  EXPECT_EQ(picture->height(), 36);
+}
+
+TEST_F(RenderCommandTest, DepthInUnitsOfItsScale) {
+  ASSERT_TRUE(
+      Render({workspace(), "--out", out(), "--what", "depth", "--size", "64"})
+          .ok());
+  const auto scale = nlohmann::json::parse(ReadText(out() + "/depth.json"));
+  const double unit = scale["unit"].get<double>();
+  EXPECT_NEAR(std::log10(unit), std::round(std::log10(unit)), 1e-9);
+  const View& view = workspace_.views[2];
+  const auto stored = ReadLabels(out() + "/" + view.name);
+  ASSERT_TRUE(stored.ok());
+  const ImageF depth = splat::RenderView(workspace_.model,
+                                         view.camera,
+                                         view.cam_from_world,
+                                         WhiteBackground(),
+                                         pool_)
+                           .depth;
+  ASSERT_EQ(stored->size(), depth.size());
+  for (size_t k = 0; k < depth.size(); ++k) {
+    ASSERT_NEAR(stored->data()[k] * unit, depth.data()[k], 0.501 * unit);
+  }
+  EXPECT_TRUE(ReadRgb(out() + "/preview/" + view.name).ok());
+}
+
+TEST_F(RenderCommandTest, InstancesAreIds) {
+  workspace_.AddInstances();
+  const Status status =
+      Render({workspace(), "--out", out(), "--what", "instances"});
+  ASSERT_TRUE(status.ok()) << status.message();
+  const View& view = workspace_.views[1];
+  const auto stored = ReadLabels(out() + "/" + view.name);
+  ASSERT_TRUE(stored.ok());
+  const Image<int32_t> labels = splat::RenderLabels(
+      workspace_.model,
+      view.camera.LimitedTo(SyntheticWorkspace::kTrainingSide),
+      view.cam_from_world,
+      WhiteBackground(),
+      pool_,
+      workspace_.labels);
+  ASSERT_EQ(stored->size(), labels.size());
+  int found = 0;
+  for (size_t k = 0; k < labels.size(); ++k) {
+    ASSERT_EQ(stored->data()[k], labels.data()[k] + 1);
+    found += labels.data()[k] >= 0;
+  }
+  EXPECT_GT(found, 100);
+  EXPECT_TRUE(ReadRgb(out() + "/preview/" + view.name).ok());
+}
+
+TEST_F(RenderCommandTest, WithoutInstancesSaysWhatToRun) {
+  const Status status =
+      Render({workspace(), "--out", out(), "--what", "instances"});
+  EXPECT_EQ(status.code(), StatusCode::kBadInput);
+  EXPECT_THAT(status.message(), HasSubstr("run stage bootstrap"));
+}
+
+TEST_F(RenderCommandTest, InstancesOfAnotherModelAreRefused) {
+  workspace_.AddInstances();
+  semantics::Idsf other;
+  other.instances = {0, 1, 2};
+  ASSERT_TRUE(
+      semantics::WriteIdsf(workspace_ / "bootstrap" / "idsf.bin", other).ok());
+  const Status status =
+      Render({workspace(), "--out", out(), "--what", "instances"});
+  EXPECT_EQ(status.code(), StatusCode::kBadInput);
+  EXPECT_THAT(status.message(), HasSubstr("3 Gaussians, not 120"));
+}
+
+TEST_F(RenderCommandTest, CameraFileOfAnotherWorldIsAligned) {
+  WriteText(out_ / "cameras.json", MovedCameras("").dump());
+  const Status status = Render({workspace(),
+                                "--out",
+                                out(),
+                                "--cameras",
+                                (out_ / "cameras.json").string()});
+  ASSERT_TRUE(status.ok()) << status.message();
+  EXPECT_THAT(output_.str(), HasSubstr("7 pictures"));
+  const View& view = workspace_.views[3];
+  const auto picture = ReadRgb(out() + "/new.png");
+  ASSERT_TRUE(picture.ok());
+  const ImageU8 expected = ToU8(splat::RenderView(workspace_.model,
+                                                  view.camera,
+                                                  view.cam_from_world,
+                                                  WhiteBackground(),
+                                                  pool_)
+                                    .color);
+  ASSERT_EQ(picture->size(), expected.size());
+  for (size_t k = 0; k < expected.size(); ++k) {
+    ASSERT_NEAR(picture->data()[k], expected.data()[k], 1);
+  }
+}
+
+TEST_F(RenderCommandTest, CameraFileOfOtherPhotosNeedsNoAlign) {
+  WriteText(out_ / "cameras.json", MovedCameras("other_").dump());
+  const std::string file = (out_ / "cameras.json").string();
+  const Status status =
+      Render({workspace(), "--out", out(), "--cameras", file});
+  EXPECT_EQ(status.code(), StatusCode::kBadInput);
+  EXPECT_THAT(status.message(), HasSubstr("--no-align"));
+  EXPECT_TRUE(
+      Render({workspace(), "--out", out(), "--cameras", file, "--no-align"})
+          .ok());
+}
+
+TEST_F(RenderCommandTest, HugePicturesNeedASize) {
+  nlohmann::json cameras = MovedCameras("");
+  cameras["intrinsics"]["w"] = 60000;
+  cameras["intrinsics"]["h"] = 40000;
+  WriteText(out_ / "cameras.json", cameras.dump());
+  std::vector<std::string> arguments = {workspace(),
+                                        "--out",
+                                        out(),
+                                        "--cameras",
+                                        (out_ / "cameras.json").string()};
+  const Status status = Render(arguments);
+  EXPECT_EQ(status.code(), StatusCode::kBadInput);
+  EXPECT_THAT(status.message(), HasSubstr("--size"));
+  arguments.insert(arguments.end(), {"--size", "60"});
+  EXPECT_TRUE(Render(arguments).ok());
+}
+
+TEST_F(RenderCommandTest, SemanticsHaveOneColourPerMeaning) {
+  workspace_.AddInstances();
+  // Without vectors.
+  const Status none =
+      Render({workspace(), "--out", out(), "--what", "semantics"});
+  EXPECT_EQ(none.code(), StatusCode::kBadInput);
+  EXPECT_THAT(none.message(), HasSubstr("no semantic vectors"));
+
+  // The same for all of an instance; black would be nothing known.
+  semantics::Idsf idsf;
+  idsf.instances = workspace_.labels;
+  idsf.feature_dim = 4;
+  for (const int32_t label : workspace_.labels) {
+    for (int k = 0; k < 4; ++k) {
+      idsf.features.push_back(k == label + 1 ? 2.0f : 0.0f);
+    }
+  }
+  ASSERT_TRUE(
+      semantics::WriteIdsf(workspace_ / "bootstrap" / "idsf.bin", idsf).ok());
+  const Status status =
+      Render({workspace(), "--out", out(), "--what", "semantics"});
+  ASSERT_TRUE(status.ok()) << status.message();
+  const auto picture = ReadRgb(out() + "/photo1.png");
+  ASSERT_TRUE(picture.ok());
+  EXPECT_EQ(picture->width(), SyntheticWorkspace::kTrainingSide);
+  EXPECT_GT(
+      *std::max_element(picture->data(), picture->data() + picture->size()),
+      128);
+}
+
+TEST_F(RenderCommandTest, WrongUsage) {
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{},
+        {workspace()},
+        {workspace(), workspace(), "--out", out()},
+        {workspace(), "--out", out(), "--what", "normals"},
+        {workspace(), "--out", out(), "--size", "-1"},
+        {workspace(), "--out", out(), "--no-align"},
+        {workspace(), "--out", out(), "--only", "1"}}) {
+    EXPECT_EQ(Render(arguments).code(), StatusCode::kInvalidArgument);
+  }
+}
+
+TEST_F(RenderCommandTest, AWorkspaceWithoutAModelIsBadInput) {
+  std::filesystem::remove_all(workspace_ / "reconstruct");
+  const Status status = Render({workspace(), "--out", out()});
+  EXPECT_EQ(status.code(), StatusCode::kBadInput);
+  EXPECT_THAT(status.message(), HasSubstr("run stage reconstruct"));
+}
+
+TEST_F(RenderCommandTest, StopsWhenAsked) {
+  cancellation_.Cancel();
+  EXPECT_EQ(Render({workspace(), "--out", out()}).code(),
+            StatusCode::kInterrupted);
+}
+
+}  // namespace
+}  // namespace freegs::stages

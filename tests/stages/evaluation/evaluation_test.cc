@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/evaluation/evaluation.h"
+
+#include <filesystem>
+#include <sstream>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/io/files.h"
+#include "core/io/image_io.h"
+#include "stages/evaluation/evaluation_report.h"
+#include "stages/evaluation/instance_evaluation.h"
+#include "stages/scene/scene_alignment.h"
+#include "tests/stages/ball_scene.h"
+
+namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+
+using EvaluationTest = BallScene;
+
+TEST_F(EvaluationTest, APerfectSceneIsPerfect) {
+  const WorkspaceScene scene = MakeScene();
+  const auto poses = AlignWithViews(scene, truth_.cameras.train, "truth");
+  ASSERT_TRUE(poses.ok()) << poses.status().message();
+  EXPECT_EQ(poses->residuals.size(), 10u);
+  EXPECT_LT(poses->max_rotation_deg, 1e-5);
+  EXPECT_LT(poses->max_centre, 1e-9);
+  const Sim3d found = poses->target_from_source;
+  EXPECT_NEAR(found.scale, 0.4, 1e-9);
+
+  const auto test =
+      MeasureTestQuality(scene, truth_, found, cancellation_, pool_);
+  ASSERT_TRUE(test.ok() && test->has_value());
+  EXPECT_EQ((*test)->views.size(), 3u);
+  EXPECT_GT((*test)->psnr, 45);
+  EXPECT_GT((*test)->ssim, 0.995);
+
+  const auto instances = MeasureInstanceQuality(
+      scene, labels_, truth_, found, {}, cancellation_, pool_);
+  ASSERT_TRUE(instances.ok() && instances->has_value());
+  const InstanceQuality& quality = **instances;
+  EXPECT_GT(*quality.instance_miou, 0.97);
+  EXPECT_GT(*quality.click_miou, 0.97);
+  EXPECT_GT(quality.boxes->miou, 0.9);
+  EXPECT_EQ(quality.boxes->recall50, 1);
+  ASSERT_EQ(quality.objects.size(), 3u);
+  EXPECT_EQ(quality.objects[1].label, "ball 2");
+  EXPECT_EQ(quality.objects[1].instance, 1);
+  EXPECT_EQ(quality.objects[1].num_views, 3);
+  EXPECT_EQ(quality.panoptic.size(), 3u);
+  EXPECT_EQ(quality.panoptic_sum.true_positives, 9);
+  EXPECT_EQ(quality.panoptic_sum.false_positives, 0);
+  EXPECT_GT(*quality.panoptic_sum.Quality(), 0.97);
+}
+
+TEST_F(EvaluationTest, MergedObjectsCost) {
+  const WorkspaceScene scene = MakeScene();
+  std::vector<int32_t> merged = labels_;
+  for (int32_t& label : merged) label = label == 2 ? 1 : label;
+  const auto instances = MeasureInstanceQuality(
+      scene, merged, truth_, truth_from_scene_, {}, cancellation_, pool_);
+  ASSERT_TRUE(instances.ok() && instances->has_value());
+  const InstanceQuality& quality = **instances;
+  EXPECT_GT(*quality.objects[0].instance_iou, 0.95);
+  EXPECT_LT(*quality.objects[1].instance_iou, 0.9);
+  EXPECT_LT(*quality.objects[2].click_iou, 0.9);
+  EXPECT_NEAR(*quality.objects[2].box_iou, 0.4, 0.1);
+  EXPECT_EQ(quality.boxes->recall25, 1);
+  EXPECT_NEAR(quality.boxes->recall50, 1.0 / 3, 1e-9);
+}
+
+TEST_F(EvaluationTest, WithoutInstancesEverythingIsMissed) {
+  const WorkspaceScene scene = MakeScene();
+  const std::vector<int32_t> none(labels_.size(), -1);
+  const auto instances = MeasureInstanceQuality(
+      scene, none, truth_, truth_from_scene_, {}, cancellation_, pool_);
+  ASSERT_TRUE(instances.ok() && instances->has_value());
+  EXPECT_EQ(*(*instances)->instance_miou, 0);
+  EXPECT_EQ(*(*instances)->click_miou, 0);
+  EXPECT_EQ((*instances)->boxes->miou, 0);
+  EXPECT_EQ((*instances)->objects[0].instance, -1);
+  EXPECT_EQ(*(*instances)->panoptic_sum.Quality(), 0);
+}
+
+TEST_F(EvaluationTest, WithoutMasksBoxesFindTheirInstances) {
+  const WorkspaceScene scene = MakeScene();
+  truth_.masks.clear();
+  truth_.objects.back().aabb = semantics::AxisAlignedBox{
+      Eigen::Vector3d::Constant(50), Eigen::Vector3d::Constant(51)};
+  const auto instances = MeasureInstanceQuality(
+      scene, labels_, truth_, truth_from_scene_, {}, cancellation_, pool_);
+  ASSERT_TRUE(instances.ok() && instances->has_value());
+  const InstanceQuality& quality = **instances;
+  EXPECT_FALSE(quality.instance_miou.has_value());
+  EXPECT_TRUE(quality.panoptic.empty());
+  EXPECT_EQ(quality.objects[1].instance, 1);
+  EXPECT_GT(*quality.objects[1].box_iou, 0.9);
+  EXPECT_EQ(quality.objects[2].instance, -1);
+  EXPECT_EQ(*quality.objects[2].box_iou, 0);
+  EXPECT_NEAR(quality.boxes->recall50, 2.0 / 3, 1e-9);
+}
+
+TEST_F(EvaluationTest, LargeMasksAreComparedReduced) {
+  const WorkspaceScene scene = MakeScene();
+  const auto instances = MeasureInstanceQuality(scene,
+                                                labels_,
+                                                truth_,
+                                                truth_from_scene_,
+                                                {.max_mask_side = 48},
+                                                cancellation_,
+                                                pool_);
+  ASSERT_TRUE(instances.ok() && instances->has_value());
+  EXPECT_GT(*(*instances)->instance_miou, 0.85);
+}
+
+TEST_F(EvaluationTest, WithoutTruthThereIsNothing) {
+  const WorkspaceScene scene = MakeScene();
+  for (const View& view : truth_.cameras.test) {
+    fs::remove(truth_.photos[view.name]);
+    fs::remove(truth_.masks[view.name][0].path);
+  }
+  truth_.photos.clear();
+  truth_.masks.clear();
+  for (TrueObject& object : truth_.objects) object.aabb.reset();
+  const auto test = MeasureTestQuality(
+      scene, truth_, truth_from_scene_, cancellation_, pool_);
+  ASSERT_TRUE(test.ok());
+  EXPECT_FALSE(test->has_value());
+  const auto instances = MeasureInstanceQuality(
+      scene, labels_, truth_, truth_from_scene_, {}, cancellation_, pool_);
+  ASSERT_TRUE(instances.ok());
+  EXPECT_FALSE(instances->has_value());
+  const auto holdout = MeasureHoldoutQuality(scene, folder_, pool_);
+  ASSERT_TRUE(holdout.ok());
+  EXPECT_FALSE(holdout->has_value());
+}
+
+TEST_F(EvaluationTest, ReportsFaultsOfTheTruth) {
+  const WorkspaceScene scene = MakeScene();
+  const View& view = truth_.cameras.test[0];
+  ASSERT_TRUE(WriteImage(truth_.photos[view.name], ImageU8(5, 5, 3)).ok());
+  const auto wrong_size = MeasureTestQuality(
+      scene, truth_, truth_from_scene_, cancellation_, pool_);
+  EXPECT_EQ(wrong_size.status().code(), StatusCode::kBadInput);
+  ASSERT_TRUE(
+      WriteFileAtomic(truth_.masks[view.name][0].path, "no image").ok());
+  EXPECT_FALSE(
+      MeasureInstanceQuality(
+          scene, labels_, truth_, truth_from_scene_, {}, cancellation_, pool_)
+          .ok());
+  const std::vector<int32_t> too_few(5, 0);
+  EXPECT_FALSE(
+      MeasureInstanceQuality(
+          scene, too_few, truth_, truth_from_scene_, {}, cancellation_, pool_)
+          .ok());
+}
+
+TEST_F(EvaluationTest, StopsWhenCancelled) {
+  const WorkspaceScene scene = MakeScene();
+  cancellation_.Cancel();
+  EXPECT_EQ(
+      MeasureTestQuality(scene, truth_, truth_from_scene_, cancellation_, pool_)
+          .status()
+          .code(),
+      StatusCode::kInterrupted);
+}
+
+TEST_F(EvaluationTest, NamesMatchByStemWhenNotExactly) {
+  WorkspaceScene scene = MakeScene();
+  for (View& view : scene.train) {
+    view.name = fs::path("photos" / fs::path(view.name))
+                    .replace_extension(".png")
+                    .string();
+  }
+  scene.holdout = {scene.train.back()};
+  scene.train.pop_back();
+  const auto poses = AlignWithViews(scene, truth_.cameras.train, "truth");
+  ASSERT_TRUE(poses.ok());
+  EXPECT_EQ(poses->residuals.size(), 10u);
+  EXPECT_EQ(poses->residuals[0].name, "frame_0.jpg");
+
+  scene.train.resize(2);
+  scene.holdout.clear();
+  EXPECT_EQ(AlignWithViews(scene, truth_.cameras.train, "truth").status().code(),
+            StatusCode::kBadInput);
+}
+
+TEST_F(EvaluationTest, ReportHasEveryKey) {
+  EvaluationReport report;
+  report.workspace = "w";
+  nlohmann::json json = ToJson(report);
+  for (const char* key : {"psnr",
+                          "ssim",
+                          "pose_rotation_deg",
+                          "pose_translation",
+                          "instance_miou",
+                          "click_miou",
+                          "text_miou",
+                          "text_mbiou",
+                          "text_box_miou",
+                          "text_box_recall25",
+                          "text_box_recall50",
+                          "pq",
+                          "view_consistency",
+                          "box_miou",
+                          "box_recall25",
+                          "box_recall50"}) {
+    ASSERT_TRUE(json.contains(key)) << key;
+    EXPECT_TRUE(json[key].is_null()) << key;
+  }
+  const WorkspaceScene scene = MakeScene();
+  report.poses = *AlignWithViews(scene, truth_.cameras.train, "truth");
+  report.test = *MeasureTestQuality(
+      scene, truth_, truth_from_scene_, cancellation_, pool_);
+  report.instances = *MeasureInstanceQuality(
+      scene, labels_, truth_, truth_from_scene_, {}, cancellation_, pool_);
+  json = ToJson(report);
+  EXPECT_EQ(json["psnr_views"], "test");
+  EXPECT_GT(json["psnr"], 40);
+  EXPECT_LT(json["pose_rotation_deg"], 1e-3);
+  EXPECT_GT(json["box_recall50"], 0.9);
+  EXPECT_GT(json["pq"], 0.9);
+  EXPECT_EQ(json["panoptic"]["views"].size(), 3u);
+  EXPECT_TRUE(json["text_miou"].is_null());
+  EXPECT_TRUE(json["objects"][0]["text_iou"].is_null());
+  EXPECT_EQ(json["objects"].size(), 3u);
+  EXPECT_EQ(json["objects"][0]["instance"], 1);
+  std::ostringstream table;
+  PrintTable(report, table);
+  EXPECT_NE(table.str().find("instance mIoU"), std::string::npos);
+  EXPECT_NE(table.str().find("ball 3"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace freegs::stages

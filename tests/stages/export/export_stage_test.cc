@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/export/export_stage.h"
+
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "splat/scene/splat_format.h"
+#include "stages/evaluation/ground_truth.h"
+#include "stages/scene/scene_instances.h"
+#include "tests/stages/synthetic_workspace.h"
+
+namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::Not;
+
+class ExportStageTest : public testing::Test {
+ protected:
+  Status Run(const ExportStageOptions& options = {}) {
+    pipeline::StageContext context;
+    context.workspace = workspace_.path();
+    context.output = workspace_ / "export";
+    context.pool = &pool_;
+    context.cancellation = &cancellation_;
+    context.progress = [](const Progress&) {};
+    context.log = [this](pipeline::LogLevel, const std::string& line) {
+      log_ += line + "\n";
+    };
+    fs::create_directories(context.output);
+    const Status status = MakeExportStage(options)->Run(context);
+    summary_ = context.summary;
+    return status;
+  }
+
+  fs::path Out(const std::string& name) const {
+    return workspace_ / "export" / name;
+  }
+
+  // The values of all attributes src and href of the page.
+  std::set<std::string> Links() const {
+    const std::string page = ReadText(Out("report/index.html"));
+    std::set<std::string> links;
+    for (const std::string attribute : {"src=\"", "href=\""}) {
+      size_t at = 0;
+      while ((at = page.find(attribute, at)) != std::string::npos) {
+        at += attribute.size();
+        links.insert(page.substr(at, page.find('"', at) - at));
+      }
+    }
+    return links;
+  }
+
+  SyntheticWorkspace workspace_;
+  ThreadPool pool_{2};
+  CancellationToken cancellation_;
+  std::string log_;
+  nlohmann::json summary_;
+};
+
+TEST_F(ExportStageTest, WritesSceneInstancesMasksAndBoxes) {
+  workspace_.AddInstances();
+  ExportStageOptions options;
+  options.mask_views = 2;
+  const Status status = Run(options);
+  ASSERT_TRUE(status.ok()) << status.message();
+  EXPECT_EQ(ReadText(Out("scene.ply")), splat::SerializePly(workspace_.model));
+  EXPECT_EQ(ReadText(Out("scene.splat")),
+            splat::SerializeSplat(workspace_.model));
+  EXPECT_EQ(ReadText(Out("instances.ply")),
+            splat::SerializePly(
+                ColorByInstance(workspace_.model, workspace_.labels)));
+
+  // Boxes have the form of a truth file.
+  const auto objects = ReadTrueObjects(Out("boxes.json"));
+  ASSERT_TRUE(objects.ok()) << objects.status().message();
+  ASSERT_EQ(objects->size(), 3u);
+  for (size_t i = 0; i < 3; ++i) {
+    const semantics::Instance& instance = workspace_.instances[i];
+    EXPECT_EQ((*objects)[i].id, instance.id);
+    EXPECT_TRUE((*objects)[i].aabb->min.isApprox(instance.aabb.min));
+    EXPECT_TRUE((*objects)[i].obb->rotation.isApprox(instance.obb.rotation));
+  }
+  EXPECT_THAT(ReadText(Out("boxes.ply")), HasSubstr("element vertex 288\n"));
+
+  // Two holdout and two training photos, masks of the photos' size.
+  int folders = 0;
+  for (const auto& entry : fs::directory_iterator(Out("masks"))) {
+    EXPECT_TRUE(entry.is_directory());
+    ++folders;
+  }
+  EXPECT_EQ(folders, 4);
+  EXPECT_EQ(summary_["mask_views"], 4);
+  const View& view = workspace_.views[3];
+  const Image<int32_t> map = splat::RenderLabels(workspace_.model,
+                                                 view.camera,
+                                                 view.cam_from_world,
+                                                 splat::RenderOptions(),
+                                                 pool_,
+                                                 workspace_.labels);
+  for (int label = 0; label < 3; ++label) {
+    const auto mask =
+        ReadLabels(Out("masks/photo3/" + std::to_string(label + 1) + ".png"));
+    ASSERT_TRUE(mask.ok()) << mask.status().message();
+    ASSERT_EQ(mask->size(), map.size());
+    for (size_t k = 0; k < map.size(); ++k) {
+      ASSERT_EQ(mask->data()[k], map.data()[k] == label ? 255 : 0);
+    }
+  }
+}
+
+TEST_F(ExportStageTest, ReportLinksOnlyToFilesThatAreThere) {
+  workspace_.AddInstances();
+  WriteText(workspace_ / "reconstruct" / "progress.csv",
+            "iteration,seconds,loss,num_gaussians,holdout_psnr\n"
+            "50,1,0.2,100,\n100,2,0.1,120,21.5\n150,3,0.08,120,22.5\n");
+  WriteText(workspace_ / "reconstruct" / "metrics.json",
+            R"({"holdout_psnr": 26.125, "holdout_ssim": 0.8712,
+                "num_gaussians": 48211, "iterations": 7000, "holdout_views":
+                [{"name": "photo3.png", "psnr": 27.77, "ssim": 0.9}]})");
+  WriteText(workspace_ / "sfm" / "health.json",
+            R"({"verdict": "degraded", "reason": "Few <photos>.",
+                "advice": "Take more.", "images": 8, "registered": 6,
+                "mean_reprojection_error_px": 0.513})");
+  ASSERT_TRUE(Run().ok());
+  const std::string page = ReadText(Out("report/index.html"));
+  const std::set<std::string> links = Links();
+  EXPECT_GE(links.size(), 2u * 5 + 5);
+  for (const std::string& link : links) {
+    EXPECT_TRUE(fs::is_regular_file(Out("report") / link)) << link;
+  }
+  for (const char* text : {"26.12 dB",
+                           "SSIM 0.871",
+                           "48,211",
+                           "6 of 8",
+                           "0.51 px",
+                           "27.77 dB",
+                           "1 min 15 s",
+                           "Few &lt;photos&gt;.",
+                           "<svg class=\"chart\""}) {
+    EXPECT_THAT(page, HasSubstr(text));
+  }
+  // The awkward file name appears escaped only, and nothing is loaded from
+  // elsewhere.
+  EXPECT_THAT(page, HasSubstr("a &lt;b&gt;&amp;&#39;c#d.png"));
+  EXPECT_THAT(page, Not(HasSubstr("a <b>")));
+  EXPECT_THAT(page, Not(HasSubstr("http")));
+  EXPECT_THAT(page, Not(HasSubstr("<script")));
+}
+
+TEST_F(ExportStageTest, WithoutInstancesTheRestIsThere) {
+  const Status status = Run();
+  ASSERT_TRUE(status.ok()) << status.message();
+  EXPECT_TRUE(fs::exists(Out("scene.ply")));
+  EXPECT_FALSE(fs::exists(Out("masks")));
+  EXPECT_FALSE(fs::exists(Out("boxes.json")));
+  EXPECT_THAT(log_, HasSubstr("no instances"));
+  EXPECT_THAT(ReadText(Out("report/index.html")),
+              HasSubstr("Instances are not there"));
+}
+
+TEST_F(ExportStageTest, ReportOfABareWorkspaceSaysWhatIsMissing) {
+  fs::remove_all(workspace_ / "ingest");
+  fs::remove(workspace_ / "reconstruct" / "stage.json");
+  fs::remove_all(workspace_ / "undistort" / "images");
+  WriteText(workspace_ / "sfm" / "health.json", "[1, 2");
+  ASSERT_TRUE(Run().ok());
+  const std::string page = ReadText(Out("report/index.html"));
+  EXPECT_THAT(page, HasSubstr("not there"));
+  EXPECT_THAT(page, HasSubstr("Photographs that training saw"));
+}
+
+TEST_F(ExportStageTest, SameBytesForAnyNumberOfThreads) {
+  workspace_.AddInstances();
+  ASSERT_TRUE(Run().ok());
+  const std::string page = ReadText(Out("report/index.html"));
+  const std::string picture = ReadText(Out("report/views/1_render.jpg"));
+  fs::remove_all(Out(""));
+  ThreadPool single(1);
+  pipeline::StageContext context;
+  context.workspace = workspace_.path();
+  context.output = workspace_ / "export";
+  context.pool = &single;
+  context.cancellation = &cancellation_;
+  context.progress = [](const Progress&) {};
+  context.log = [](pipeline::LogLevel, const std::string&) {};
+  fs::create_directories(context.output);
+  ASSERT_TRUE(MakeExportStage({})->Run(context).ok());
+  EXPECT_EQ(ReadText(Out("report/index.html")), page);
+  EXPECT_EQ(ReadText(Out("report/views/1_render.jpg")), picture);
+}
+
+TEST_F(ExportStageTest, InstancesOfAnotherModelAreRefused) {
+  workspace_.AddInstances();
+  ASSERT_TRUE(splat::WritePly(workspace_ / "reconstruct" / "point_cloud.ply",
+                              splat::RandomModel(7, 0, 1))
+                  .ok());
+  EXPECT_EQ(Run().code(), StatusCode::kBadInput);
+}
+
+TEST_F(ExportStageTest, StopsWhenAsked) {
+  cancellation_.Cancel();
+  EXPECT_EQ(Run().code(), StatusCode::kInterrupted);
+}
+
+TEST_F(ExportStageTest, OptionsAreInTheTable) {
+  ExportStageOptions options;
+  pipeline::OptionTable table;
+  RegisterExportOptions(options, table);
+  ASSERT_TRUE(table.Check().ok());
+  const auto line = table.ParseCommandLine({"--export.mask_views", "3"});
+  ASSERT_TRUE(line.ok());
+  ASSERT_TRUE(table.Apply(line->settings).ok());
+  EXPECT_EQ(options.mask_views, 3);
+}
+
+}  // namespace
+}  // namespace freegs::stages

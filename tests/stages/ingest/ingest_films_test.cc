@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/ingest/ingest_films.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/io/files.h"
+#include "tests/photos/film_test_files.h"
+#include "tests/stages/ingest_test_fixture.h"
+
+namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+using photos::Photo;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+using IngestFilmsTest = IngestTestFixture;
+
+TEST_F(IngestFilmsTest, FilmInsteadOfAFolder) {
+  sfm::WriteFilm(images_.path() / "my film.avi", sfm::MovingFrames(50));
+  source_ = images_.path() / "my film.avi";
+  const Status status = Run();
+  ASSERT_TRUE(status.ok()) << status.message();
+  EXPECT_THAT(warnings_, IsEmpty());
+  const photos::PhotoList list = List();
+  EXPECT_GE(list.photos.size(), 20U);
+  EXPECT_LT(list.photos.size(), 40U);
+  int last = -1;
+  for (const Photo& photo : list.photos) {
+    EXPECT_EQ(photo.film, "my film.avi");
+    EXPECT_GT(photo.frame, last);
+    last = photo.frame;
+    EXPECT_NEAR(photo.time_s, photo.frame / 25.0, 0.05);
+    EXPECT_THAT(photo.file, testing::StartsWith("my film.avi/frame_0000"));
+    EXPECT_THAT(photo.name, testing::StartsWith("my_film.avi/frame_0000"));
+    EXPECT_EQ(photo.width, sfm::kFilmWidth);
+  }
+  EXPECT_EQ(Written().size(), list.photos.size());
+  EXPECT_FALSE(fs::exists(workspace_.path() / "ingest.partial/frames"));
+  // The same bytes again, and with another number of threads.
+  const std::string first =
+      *ReadFile(workspace_.path() / "ingest.partial/images.json");
+  ASSERT_TRUE(Run(1).ok());
+  EXPECT_EQ(*ReadFile(workspace_.path() / "ingest.partial/images.json"), first);
+}
+
+TEST_F(IngestFilmsTest, FolderOfFilms) {
+  sfm::WriteFilm(images_.path() / "a.avi", sfm::MovingFrames(30));
+  sfm::WriteFilm(images_.path() / "b.avi", sfm::MovingFrames(30, 400));
+  images_.Write("c.mp4", "no film");
+  ASSERT_TRUE(Run().ok());
+  const photos::PhotoList list = List();
+  EXPECT_EQ(list.photos.front().film, "a.avi");
+  EXPECT_EQ(list.photos.back().file, "c.mp4");
+  EXPECT_FALSE(list.photos.back().usable());
+  EXPECT_EQ(summary_["camera_groups"], 1);
+  EXPECT_THAT(warnings_, ElementsAre(HasSubstr("c.mp4: not used: ")));
+}
+
+TEST_F(IngestFilmsTest, FilmsAmongPhotosAreNamed) {
+  WritePhotos(3);
+  sfm::WriteFilm(images_.path() / "a.avi", sfm::MovingFrames(30));
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(List().photos.size(), 3U);
+  EXPECT_THAT(warnings_, ElementsAre(HasSubstr("a.avi")));
+}
+
+TEST_F(IngestFilmsTest, UselessFilms) {
+  source_ = images_.path() / "film.avi";
+  sfm::WriteFilm(source_, std::vector<cv::Mat>(30, sfm::FilmFrame(0)));
+  Status status = Run();
+  EXPECT_EQ(status.code(), StatusCode::kBadInput);
+  EXPECT_THAT(status.message(), HasSubstr("film.avi: its picture moves by"));
+  images_.Write("film.avi", "text");
+  status = Run();
+  EXPECT_EQ(status.code(), StatusCode::kBadInput);
+  EXPECT_THAT(status.message(), HasSubstr("not a film"));
+}
+
+}  // namespace
+}  // namespace freegs::stages

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/ingest/ingest_masks.h"
+
+#include <filesystem>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/io/image_io.h"
+#include "tests/stages/ingest_test_fixture.h"
+
+namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+using sfm::TempFolder;
+using testing::HasSubstr;
+
+using IngestMasksTest = IngestTestFixture;
+
+TEST_F(IngestMasksTest, MasksBesidePhotos) {
+  WritePhotos(4);
+  cv::Mat mask(48, 64, CV_8UC1, cv::Scalar(0));
+  mask.colRange(0, 16).setTo(cv::Scalar(7));
+  const std::string png = sfm::Encode(".png", mask);
+  images_.Write("masks/img0.jpg.png", png);
+  images_.Write("masks/img1.png", png);
+  images_.Write("masks/img9.png", png);
+  images_.Write("masks/img2.png", sfm::MakePng(30, 48, 1));
+  ASSERT_TRUE(Run().ok());
+  const photos::PhotoList list = List();
+  ASSERT_EQ(list.photos.size(), 4U);  // No mask is a photo.
+  EXPECT_TRUE(list.photos[0].has_mask);
+  EXPECT_TRUE(list.photos[1].has_mask);
+  EXPECT_FALSE(list.photos[2].has_mask);
+  EXPECT_FALSE(list.photos[3].has_mask);
+  EXPECT_EQ(summary_["masks"], 2);
+  EXPECT_DOUBLE_EQ(summary_["mask_kept_share"].get<double>(), 0.25);
+  EXPECT_THAT(warnings_,
+              testing::UnorderedElementsAre(
+                  testing::AllOf(HasSubstr("img2.png: mask not used"),
+                                 HasSubstr("30 x 48")),
+                  testing::AllOf(HasSubstr("1 files fit no photo"),
+                                 HasSubstr("img9.png")),
+                  HasSubstr("2 of 4 photos have a mask")));
+  const fs::path folder = workspace_.path() / "ingest.partial/masks";
+  const auto written = ReadLabels(folder / "img1.jpg.png");
+  ASSERT_TRUE(written.ok()) << written.status().message();
+  EXPECT_EQ((*written)(5, 5), 255);
+  EXPECT_EQ((*written)(20, 5), 0);
+  // Photos without a mask get a white one.
+  EXPECT_EQ((*ReadLabels(folder / "img3.jpg.png"))(5, 5), 255);
+
+  options_.masks.invert_masks = true;
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ((*ReadLabels(folder / "img1.jpg.png"))(5, 5), 0);
+
+  // Without masks, the folder is one of photos.
+  options_.masks.use_masks = false;
+  ASSERT_TRUE(Run().ok());
+  EXPECT_GT(List().photos.size(), 4U);
+  EXPECT_FALSE(fs::exists(folder));
+}
+
+TEST_F(IngestMasksTest, MasksElsewhere) {
+  WritePhotos(3);
+  const TempFolder masks;
+  options_.masks.masks = masks.path().string();
+  for (int i = 0; i < 3; ++i) {
+    masks.Write("img" + std::to_string(i) + ".jpg.png",
+                sfm::Encode(".png", cv::Mat(48, 64, CV_8UC1, cv::Scalar(0))));
+  }
+  // All black: not used, rather than a scene without features.
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(summary_["masks"], 0);
+  EXPECT_THAT(warnings_, testing::Contains(HasSubstr("ingest.invert_masks")));
+  EXPECT_FALSE(fs::exists(workspace_.path() / "ingest.partial/masks"));
+  pipeline::StageContext context;
+  context.images = images_.path();
+  EXPECT_THAT(MakeIngestStage(options_)->Inputs(context),
+              testing::Contains(masks.path()));
+
+  options_.masks.masks = "/nonexistent/masks";
+  EXPECT_EQ(Run().code(), StatusCode::kBadInput);
+}
+
+}  // namespace
+}  // namespace freegs::stages

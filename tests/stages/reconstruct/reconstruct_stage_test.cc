@@ -1,0 +1,380 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/reconstruct/reconstruct_stage.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/io/files.h"
+#include "core/io/image_io.h"
+#include "sfm/scene/model_io.h"
+#include "photos/photo_list.h"
+#include "splat/train/checkpoint.h"
+#include "splat/scene/ply_io.h"
+#include "splat/render/renderer.h"
+#include "tests/splat/test_scene.h"
+
+namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A workspace as undistort leaves it: ten small photos of a known model, two of
+// them held out, and the model's centres as points.
+class ReconstructStageTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern =
+        (fs::temp_directory_path() / "freegs_reconstruct_XXXXXX").string();
+    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+    workspace_ = pattern;
+    truth_ = splat::RandomModel(80, 0, 33);
+    ThreadPool pool(2);
+    sfm::Reconstruction model;
+    const Pinhole pinhole = splat::TestCamera(80, 60);
+    sfm::Camera camera;
+    camera.id = 1;
+    camera.model = sfm::CameraModel::kPinhole;
+    camera.width = pinhole.width;
+    camera.height = pinhole.height;
+    camera.params = {pinhole.fx, pinhole.fy, pinhole.cx, pinhole.cy};
+    model.cameras.push_back(camera);
+    photos::PhotoList photos;
+    for (int k = 0; k < 10; ++k) {
+      sfm::PosedImage image;
+      image.id = k + 1;
+      image.camera_id = 1;
+      image.name = "photo" + std::to_string(k) + ".png";
+      Rigid3d orbit;
+      orbit.rotation = Eigen::Quaterniond(
+          Eigen::AngleAxisd(0.1 * (k - 4.5), Eigen::Vector3d::UnitY()));
+      image.cam_from_world = splat::TestPose() * orbit;
+      const splat::RenderedView rendered = splat::RenderView(
+          truth_, pinhole, image.cam_from_world, splat::RenderOptions(), pool);
+      fs::create_directories(workspace_ / "undistort" / "images");
+      ASSERT_TRUE(WriteImage(workspace_ / "undistort" / "images" / image.name,
+                             ToU8(rendered.color))
+                      .ok());
+      model.images.push_back(image);
+      photos::Photo photo;
+      photo.file = photo.name = image.name;
+      photo.width = pinhole.width;
+      photo.height = pinhole.height;
+      photo.camera_group = 0;
+      photo.split =
+          k % 5 == 0 ? photos::PhotoSplit::kHoldout : photos::PhotoSplit::kTrain;
+      photos.photos.push_back(photo);
+    }
+    for (size_t i = 0; i < truth_.size(); ++i) {
+      sfm::Point3D point;
+      point.id = i + 1;
+      point.xyz = Eigen::Vector3d(truth_.means[3 * i],
+                                  truth_.means[3 * i + 1],
+                                  truth_.means[3 * i + 2]);
+      point.rgb = {128, 128, 128};
+      model.points3d.push_back(point);
+    }
+    ASSERT_TRUE(
+        sfm::WriteModel(workspace_ / "undistort" / "sparse", model).ok());
+    fs::create_directories(workspace_ / "ingest");
+    ASSERT_TRUE(
+        photos::WritePhotoList(workspace_ / "ingest" / "images.json", photos)
+            .ok());
+  }
+  void TearDown() override { fs::remove_all(workspace_); }
+
+  // Runs the stage into workspace / folder. Cancels at the first report of
+  // progress at or after `cancel_at` iterations.
+  Status Run(const ReconstructStageOptions& options,
+             const std::string& folder,
+             bool resuming = false,
+             double cancel_at = 1e9) {
+    ThreadPool pool(2);
+    CancellationToken cancellation;
+    pipeline::StageContext context;
+    context.workspace = workspace_;
+    context.output = workspace_ / folder;
+    context.resuming = resuming;
+    context.pool = &pool;
+    context.cancellation = &cancellation;
+    context.progress = [&](const Progress& progress) {
+      if (progress.done >= cancel_at) cancellation.Cancel();
+    };
+    context.log = [&](pipeline::LogLevel, const std::string& line) {
+      log_ += line + "\n";
+      if (!cancel_on_.empty() && line.find(cancel_on_) != std::string::npos) {
+        cancellation.Cancel();
+      }
+    };
+    fs::create_directories(context.output);
+    const auto stage = MakeReconstructStage(options, 3);
+    for (const fs::path& input : stage->Inputs(context)) {
+      EXPECT_TRUE(fs::exists(input.is_absolute() ? input : workspace_ / input))
+          << input;
+    }
+    return stage->Run(context);
+  }
+
+  static ReconstructStageOptions Short() {
+    ReconstructStageOptions options;
+    options.iterations = 200;
+    options.densify_interval = 20;
+    options.budget = "500";
+    options.holdout_interval = 100;
+    return options;
+  }
+
+  // A search for the budget.
+  static ReconstructStageOptions Auto() {
+    ReconstructStageOptions options = Short();
+    options.budget = "auto";
+    options.budget_limit = 400;
+    options.sh_degree = 1;
+    return options;
+  }
+
+  nlohmann::json Metrics(const std::string& folder) const {
+    return nlohmann::json::parse(Bytes(folder + "/metrics.json"));
+  }
+
+  std::string Bytes(const std::string& file) const {
+    StatusOr<std::string> content = ReadFile(workspace_ / file);
+    EXPECT_TRUE(content.ok()) << content.status().message();
+    return content.ok() ? *content : std::string();
+  }
+
+  fs::path workspace_;
+  std::string log_;        // Of all runs.
+  std::string cancel_on_;  // Text of the log line to cancel at, if any.
+  splat::GaussianModel truth_;
+};
+
+TEST_F(ReconstructStageTest, WritesTheContract) {
+  const Status status = Run(Short(), "out");
+  ASSERT_TRUE(status.ok()) << status.message();
+  const nlohmann::json metrics =
+      nlohmann::json::parse(Bytes("out/metrics.json"));
+  // Few steps are left after the last of four restarts.
+  EXPECT_GT(metrics["holdout_psnr"].get<double>(), 15);
+  EXPECT_GT(metrics["holdout_ssim"].get<double>(), 0.4);
+  EXPECT_EQ(metrics["iterations"], 200);
+  EXPECT_GT(metrics["peak_memory_bytes"].get<int64_t>(), 0);
+  const auto model = splat::ReadPly(workspace_ / "out" / "point_cloud.ply");
+  ASSERT_TRUE(model.ok());
+  EXPECT_EQ(metrics["num_gaussians"], model->size());
+  for (const char* name : {"photo0.png", "photo5.png"}) {
+    EXPECT_TRUE(fs::exists(workspace_ / "out" / "holdout" / name));
+  }
+  const std::string csv = Bytes("out/progress.csv");
+  EXPECT_EQ(csv.rfind("iteration,seconds,loss,num_gaussians,holdout_psnr\n", 0),
+            0u);
+  EXPECT_NE(csv.find("\n100,"), std::string::npos);
+  EXPECT_FALSE(fs::is_empty(workspace_ / "out" / "checkpoints"));
+}
+
+TEST_F(ReconstructStageTest, ReportsTheCourseOfEachMethod) {
+  for (const char* method : {"mini_splatting", "gradient", "none"}) {
+    ReconstructStageOptions options = Short();
+    options.densification = method;
+    options.depth_reinit = "always";
+    const Status status = Run(options, method);
+    ASSERT_TRUE(status.ok()) << status.message();
+    const nlohmann::json metrics =
+        nlohmann::json::parse(Bytes(std::string(method) + "/metrics.json"));
+    const bool mini = options.densification == "mini_splatting";
+    EXPECT_EQ(metrics["densification"], method);
+    EXPECT_EQ(metrics["importance_metric"].is_string(), mini);
+    EXPECT_TRUE(metrics["recoveries"].is_array());
+    EXPECT_TRUE(metrics["recoveries"].empty());
+    ASSERT_TRUE(metrics["milestones"].is_array());
+    EXPECT_LE(metrics["num_gaussians"].get<int>(), 500);
+    ASSERT_EQ(metrics["milestones"].size(), mini ? 4u : 0u);
+    const bool gradient = options.densification == "gradient";
+    EXPECT_GT(metrics["holdout_psnr"].get<double>(), gradient ? 18 : 14);
+    if (!mini) continue;
+    EXPECT_EQ(metrics["milestones"][2]["event"], "simplification");
+    EXPECT_EQ(metrics["milestones"][2]["iteration"], 100);
+    EXPECT_GE(metrics["milestones"][2]["gaussians_before"],
+              metrics["milestones"][2]["gaussians_after"]);
+    EXPECT_EQ(metrics["milestones"][3]["gaussians_after"],
+              metrics["num_gaussians"]);
+  }
+}
+
+TEST_F(ReconstructStageTest, ShortTrainingsKeepTheirModelUnlessTold) {
+  for (const char* depth_reinit : {"auto", "never"}) {
+    ReconstructStageOptions options = Short();
+    options.depth_reinit = depth_reinit;
+    ASSERT_TRUE(Run(options, depth_reinit).ok());
+    const nlohmann::json passed = Metrics(depth_reinit)["milestones"];
+    ASSERT_EQ(passed.size(), 2u);
+    EXPECT_EQ(passed[0]["event"], "simplification");
+    EXPECT_EQ(passed[1]["event"], "pruning");
+  }
+}
+
+TEST_F(ReconstructStageTest, ReportsTheSearchForTheBudget) {
+  const Status status = Run(Auto(), "out");
+  ASSERT_TRUE(status.ok()) << status.message();
+  const nlohmann::json metrics = Metrics("out");
+  const nlohmann::json& search = metrics["budget_search"];
+  ASSERT_TRUE(search.is_object());
+  const auto budget = search["budget"].get<int>();
+  EXPECT_GE(budget, 50);
+  EXPECT_LE(budget, 400);
+  EXPECT_LE(metrics["num_gaussians"].get<int>(), budget);
+  EXPECT_EQ(metrics["sh_degree"], search["sh_degree"]);
+  const nlohmann::json& trials = search["trials"];
+  ASSERT_GE(trials.size(), 3u);
+  // The first is of the limit, at half size: a quarter of the pixels.
+  EXPECT_EQ(trials[0]["budget"], 100);
+  EXPECT_EQ(trials[0]["sh_degree"], 1);
+  bool chosen = false;
+  for (const nlohmann::json& trial : trials) {
+    EXPECT_GT(trial["holdout_psnr"].get<double>(), 10);
+    chosen |= trial["budget"] == budget / 4 &&
+              trial["sh_degree"] == search["sh_degree"];
+  }
+  EXPECT_TRUE(chosen);
+  EXPECT_THAT(log_, testing::HasSubstr("trial at 1/2 size, "));
+  // A second run says the same.
+  ASSERT_TRUE(Run(Auto(), "again").ok());
+  EXPECT_EQ(Metrics("again")["budget_search"], search);
+  EXPECT_EQ(Bytes("again/point_cloud.ply"), Bytes("out/point_cloud.ply"));
+}
+
+TEST_F(ReconstructStageTest, StoppedWhileOrAfterSearching) {
+  ASSERT_TRUE(Run(Auto(), "whole").ok());
+  cancel_on_ = "trial at";
+  EXPECT_EQ(Run(Auto(), "parts").code(), StatusCode::kInterrupted);
+  cancel_on_.clear();
+  EXPECT_EQ(Run(Auto(), "parts", true, 50).code(), StatusCode::kInterrupted);
+  log_.clear();
+  ASSERT_TRUE(Run(Auto(), "parts", true).ok());
+  EXPECT_THAT(log_, testing::Not(testing::HasSubstr("trial at")));
+  EXPECT_EQ(Bytes("whole/point_cloud.ply"), Bytes("parts/point_cloud.ply"));
+  EXPECT_EQ(Metrics("whole")["budget_search"],
+            Metrics("parts")["budget_search"]);
+}
+
+TEST_F(ReconstructStageTest, NothingIsSearchedForWithoutNeedOrHoldout) {
+  ReconstructStageOptions options = Short();
+  ASSERT_TRUE(Run(options, "number").ok());
+  EXPECT_TRUE(Metrics("number").at("budget_search").is_null());
+  options = Auto();
+  options.densification = "gradient";
+  ASSERT_TRUE(Run(options, "gradient").ok());
+  EXPECT_TRUE(Metrics("gradient").at("budget_search").is_null());
+  // No holdout photos: up to the limit.
+  const fs::path list = workspace_ / "ingest" / "images.json";
+  StatusOr<photos::PhotoList> photos = photos::ReadPhotoList(list);
+  ASSERT_TRUE(photos.ok());
+  for (photos::Photo& photo : photos->photos) {
+    photo.split = photos::PhotoSplit::kTrain;
+  }
+  ASSERT_TRUE(photos::WritePhotoList(list, *photos).ok());
+  const Status status = Run(Auto(), "all");
+  ASSERT_TRUE(status.ok()) << status.message();
+  const nlohmann::json metrics = Metrics("all");
+  EXPECT_TRUE(metrics.at("budget_search").is_null());
+  EXPECT_TRUE(metrics.at("holdout_psnr").is_null());
+  EXPECT_LE(metrics["num_gaussians"].get<int>(), 400);
+}
+
+TEST_F(ReconstructStageTest, BudgetIsAutoOrANumber) {
+  for (const char* budget :
+       {"", "many", "-1", "1e5", "100 ", "0x10", "99999999999999999999"}) {
+    ReconstructStageOptions options = Short();
+    options.budget = budget;
+    const Status status = Run(options, "out");
+    EXPECT_EQ(status.code(), StatusCode::kInvalidArgument) << budget;
+    EXPECT_NE(status.message().find("reconstruct.budget"), std::string::npos);
+  }
+  ReconstructStageOptions options = Short();
+  options.iterations = 20;
+  for (const char* budget : {"auto", "0", "40"}) {
+    options.budget = budget;
+    EXPECT_TRUE(Run(options, "out").ok()) << budget;
+  }
+}
+
+TEST_F(ReconstructStageTest, InterruptedAndResumedGivesTheSameBytes) {
+  ASSERT_TRUE(Run(Short(), "whole").ok());
+  EXPECT_EQ(Run(Short(), "parts", false, 50).code(), StatusCode::kInterrupted);
+  EXPECT_EQ(Run(Short(), "parts", true, 150).code(), StatusCode::kInterrupted);
+  ASSERT_TRUE(Run(Short(), "parts", true).ok());
+  EXPECT_EQ(Bytes("whole/point_cloud.ply"), Bytes("parts/point_cloud.ply"));
+}
+
+TEST_F(ReconstructStageTest, BrokenCheckpointsStartAnew) {
+  ASSERT_TRUE(Run(Short(), "whole").ok());
+  EXPECT_EQ(Run(Short(), "parts", false, 50).code(), StatusCode::kInterrupted);
+  for (const auto& file :
+       fs::directory_iterator(workspace_ / "parts" / "checkpoints")) {
+    fs::resize_file(file.path(), fs::file_size(file.path()) / 2);
+  }
+  ASSERT_TRUE(Run(Short(), "parts", true).ok());
+  EXPECT_EQ(Bytes("whole/point_cloud.ply"), Bytes("parts/point_cloud.ply"));
+}
+
+TEST_F(ReconstructStageTest, TakesATrainedModel) {
+  ReconstructStageOptions options;
+  options.import = (workspace_ / "trained.ply").string();
+  ASSERT_TRUE(splat::WritePly(options.import, truth_).ok());
+  ASSERT_TRUE(Run(options, "out").ok());
+  const nlohmann::json metrics =
+      nlohmann::json::parse(Bytes("out/metrics.json"));
+  // The photos are renderings of this very model.
+  EXPECT_GT(metrics["holdout_psnr"].get<double>(), 50);
+  EXPECT_EQ(metrics["num_gaussians"], truth_.size());
+  EXPECT_TRUE(metrics.at("budget_search").is_null());
+}
+
+TEST_F(ReconstructStageTest, GoingBackIsLoggedAndListed) {
+  // A scene that a checkpoint with damaged numbers goes on with.
+  EXPECT_EQ(Run(Short(), "out", false, 150).code(), StatusCode::kInterrupted);
+  const fs::path folder = workspace_ / "out" / "checkpoints";
+  std::optional<splat::TrainingCheckpoint> checkpoint =
+      splat::LatestCheckpoint(folder);
+  ASSERT_TRUE(checkpoint.has_value());
+  for (float& value : checkpoint->model.sh_dc) value = NAN;
+  ASSERT_TRUE(splat::SaveCheckpoint(folder, *checkpoint).ok());
+  const Status status = Run(Short(), "out", true);
+  ASSERT_TRUE(status.ok()) << status.message();
+  EXPECT_THAT(log_, testing::HasSubstr("training diverged at iteration"));
+  const nlohmann::json metrics =
+      nlohmann::json::parse(Bytes("out/metrics.json"));
+  ASSERT_EQ(metrics["recoveries"].size(), 1u);
+  const nlohmann::json& recovery = metrics["recoveries"][0];
+  EXPECT_EQ(recovery["back_to"], 133);  // Where the last pruning was.
+  EXPECT_EQ(recovery["rate_factor"], 0.5);
+  EXPECT_FALSE(recovery["reason"].get<std::string>().empty());
+  EXPECT_EQ(metrics["iterations"], 200);
+  // progress.csv tells of one course only.
+  std::istringstream csv(Bytes("out/progress.csv"));
+  std::string line;
+  int64_t last = 0;
+  while (std::getline(csv, line)) {
+    const int64_t row = std::strtoll(line.c_str(), nullptr, 10);
+    EXPECT_TRUE(row > last || row == 0) << line;
+    last = row;
+  }
+  EXPECT_EQ(last, 200);
+}
+
+TEST_F(ReconstructStageTest, ErrorsNameTheFile) {
+  fs::remove(workspace_ / "undistort" / "images" / "photo3.png");
+  const Status missing = Run(Short(), "out");
+  EXPECT_EQ(missing.code(), StatusCode::kBadInput);
+  EXPECT_NE(missing.message().find("photo3.png"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace freegs::stages

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The sfm stage on a fake COLMAP: verdicts, files, imports.
+
+#include "stages/sfm/sfm_stage.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sfm/scene/model_io.h"
+#include "tests/sfm/fake_colmap.h"
+#include "tests/stages/sfm_workspace.h"
+
+namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+class SfmStageTest : public testing::Test {
+ protected:
+  using Settings = std::vector<std::pair<std::string, std::string>>;
+
+  Status Run(const Settings& settings = {}) {
+    options_.colmap.colmap = sfm::MakeFakeColmap(folder_.path(), settings);
+    return workspace_.Run(*MakeSfmStage(options_, 0));
+  }
+
+  nlohmann::json Health(const std::string& folder = "sfm") const {
+    return nlohmann::json::parse(
+        ReadText(workspace_.path() / folder / "health.json"));
+  }
+
+  TemporaryFolder folder_;
+  SfmWorkspace workspace_{10};
+  SfmStageOptions options_;
+};
+
+TEST_F(SfmStageTest, WritesModelHealthAndDatabase) {
+  const Status status = Run();
+  ASSERT_TRUE(status.ok()) << status.message();
+  const fs::path output = workspace_.path() / "sfm";
+  const auto model = sfm::ReadModel(output / "sparse" / "0");
+  ASSERT_TRUE(model.ok());
+  EXPECT_EQ(model->images.size(), 10u);
+  EXPECT_TRUE(fs::exists(output / "database.db"));
+  EXPECT_TRUE(fs::exists(output / "logs" / "mapper.log"));
+  EXPECT_FALSE(fs::exists(output / "steps.json"));
+  const nlohmann::json health = Health();
+  EXPECT_EQ(health["verdict"], "ok");
+  EXPECT_EQ(health["images"], 10);
+  EXPECT_EQ(health["registered"], 10);
+  EXPECT_EQ(health["models"], 1);
+  EXPECT_EQ(health["source"], "colmap");
+  EXPECT_EQ(health["colmap_version"], "3.8");
+  EXPECT_EQ(health["pairs"]["strategy"], "exhaustive");
+  EXPECT_EQ(health["pairs"]["pairs"], 45);
+  EXPECT_EQ(health["pairs"]["all_pairs"], 45);
+  EXPECT_THAT(health["unregistered"], IsEmpty());
+  EXPECT_THAT(workspace_.warnings, IsEmpty());
+  EXPECT_EQ(workspace_.summary["registered"], 10);
+}
+
+TEST_F(SfmStageTest, LargestModelComesFirst) {
+  ASSERT_TRUE(Run({{"FAKE_COLMAP_MODELS", "3,7"}}).ok());
+  const fs::path sparse = workspace_.path() / "sfm" / "sparse";
+  EXPECT_EQ(sfm::ReadModel(sparse / "0")->images.size(), 7u);
+  EXPECT_EQ(sfm::ReadModel(sparse / "1")->images.size(), 3u);
+  const nlohmann::json health = Health();
+  EXPECT_EQ(health["verdict"], "degraded");
+  EXPECT_EQ(health["models"], 2);
+  EXPECT_THAT(health["unregistered"], SizeIs(3));
+  EXPECT_THAT(workspace_.warnings, Contains(HasSubstr("7 of 10")));
+}
+
+TEST_F(SfmStageTest, FewRegisteredIsNotUsable) {
+  const Status status =
+      Run({{"FAKE_COLMAP_MODELS", "4"}, {"FAKE_COLMAP_RELAXED", "4"}});
+  EXPECT_EQ(status.code(), StatusCode::kUnusableResult);
+  EXPECT_THAT(status.message(), HasSubstr("4 of 10"));
+  EXPECT_THAT(status.message(), HasSubstr("What to try"));
+  EXPECT_EQ(Health("sfm.partial")["verdict"], "failed");
+  EXPECT_FALSE(fs::exists(workspace_.path() / "sfm"));
+
+  options_.health.min_registered_share = 0.3;
+  EXPECT_TRUE(
+      Run({{"FAKE_COLMAP_MODELS", "4"}, {"FAKE_COLMAP_RELAXED", "4"}}).ok());
+}
+
+TEST_F(SfmStageTest, NoModelIsNotUsable) {
+  const Status status = Run({{"FAKE_COLMAP_MODELS", ""}});
+  EXPECT_EQ(status.code(), StatusCode::kUnusableResult);
+  const nlohmann::json health = Health("sfm.partial");
+  EXPECT_EQ(health["models"], 0);
+  EXPECT_EQ(health["registered"], 0);
+  EXPECT_THAT(health["unregistered"], SizeIs(10));
+}
+
+TEST_F(SfmStageTest, MissingColmap) {
+  options_.colmap.colmap = "/nonexistent/colmap";
+  EXPECT_EQ(workspace_.Run(*MakeSfmStage(options_, 0)).code(),
+            StatusCode::kMissingDependency);
+}
+
+TEST_F(SfmStageTest, ImportsAColmapModel) {
+  sfm::Reconstruction model = sfm::SyntheticModel(10, 30);
+  // Under the names that the user knows.
+  for (sfm::PosedImage& image : model.images) image.name = "my " + image.name;
+  const fs::path source = folder_ / "model";
+  ASSERT_TRUE(
+      sfm::WriteModel(source / "sparse" / "0", model, sfm::ModelFormat::kText)
+          .ok());
+  options_.import = source.string();
+  options_.colmap.colmap = "/nonexistent/colmap";
+  const auto stage = MakeSfmStage(options_, 0);
+  EXPECT_THAT(stage->Inputs({}), SizeIs(5));
+  const Status status = workspace_.Run(*stage);
+  ASSERT_TRUE(status.ok()) << status.message();
+  const auto written =
+      sfm::ReadModel(workspace_.path() / "sfm" / "sparse" / "0");
+  ASSERT_TRUE(written.ok());
+  EXPECT_EQ(written->images[3].name, sfm::PhotoName(3));
+  EXPECT_EQ(Health()["source"], "imported COLMAP model");
+  EXPECT_EQ(Health()["verdict"], "ok");
+}
+
+TEST_F(SfmStageTest, ImportsTransformsWithRandomPoints) {
+  std::string frames;
+  for (int i = 0; i < 11; ++i) {
+    frames += std::string(i > 0 ? "," : "") + R"({"file_path":"./train/)" +
+              sfm::PhotoName(i).substr(0, 9) +
+              R"(","transform_matrix":[[1,0,0,)" + std::to_string(i) +
+              "],[0,0,-1,0],[0,1,0,0],[0,0,0,1]]}";
+  }
+  const std::string text =
+      R"({"camera_angle_x":0.69,"frames":[)" + frames + "]}";
+  WriteText(folder_ / "transforms_train.json", text);
+  WriteText(
+      folder_ / "transforms_test.json",
+      R"({"camera_angle_x":0.69,"frames":[{"file_path":"t",)"
+      R"("transform_matrix":[[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}]})");
+  options_.import = folder_.path().string();
+  options_.random_points = 123;
+  const Status status = workspace_.Run(*MakeSfmStage(options_, 0));
+  ASSERT_TRUE(status.ok()) << status.message();
+  EXPECT_EQ(Health()["source"], "imported transforms.json, points random");
+  EXPECT_EQ(Health()["num_points"], 123);
+  EXPECT_THAT(workspace_.warnings, Contains(HasSubstr("fit no photo")));
+}
+
+TEST_F(SfmStageTest, MissingImportIsBadInput) {
+  options_.import = (folder_ / "missing").string();
+  const auto stage = MakeSfmStage(options_, 0);
+  EXPECT_THAT(stage->Inputs({}), Contains(fs::path(options_.import)));
+  EXPECT_EQ(workspace_.Run(*stage).code(), StatusCode::kBadInput);
+}
+
+TEST(RegisterSfmOptions, TableIsConsistent) {
+  SfmStageOptions options;
+  pipeline::OptionTable table;
+  RegisterSfmOptions(options, table);
+  EXPECT_TRUE(table.Check().ok()) << table.Check().message();
+  EXPECT_TRUE(options.colmap.Check().ok());
+  for (const auto& option : table.options()) {
+    EXPECT_EQ(option.section(), "sfm");
+  }
+}
+
+}  // namespace
+}  // namespace freegs::stages
