@@ -28,6 +28,19 @@ function(freegs_add_library name)
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
     $<INSTALL_INTERFACE:include/freegs>)
   target_compile_features(${target} PUBLIC cxx_std_20)
+  # Files of Highway, which include themselves for every instruction set, and C
+  # libraries' macros do not bear company.
+  if(FREEGS_UNITY)
+    set_target_properties(${target} PROPERTIES
+      UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${FREEGS_UNITY_BATCH})
+    foreach(source IN LISTS ARG_SOURCES)
+      file(STRINGS ${source} alone REGEX "hwy/foreach_target.h" LIMIT_COUNT 1)
+      if(alone)
+        set_source_files_properties(${source} PROPERTIES
+          SKIP_UNITY_BUILD_INCLUSION ON)
+      endif()
+    endforeach()
+  endif()
   target_link_libraries(${target} PUBLIC ${ARG_LINK}
     PRIVATE ${ARG_LINK_PRIVATE} $<BUILD_INTERFACE:freegs_warnings>)
   set_property(GLOBAL APPEND PROPERTY FREEGS_LIBRARIES ${target})
