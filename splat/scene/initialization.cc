@@ -9,7 +9,7 @@
 
 #include <flann/flann.hpp>
 
-#include "core/median.h"
+#include "core/quantile.h"
 
 namespace freegs::splat {
 namespace {
