@@ -58,9 +58,6 @@ Status MiniSplattingOptions::Check() const {
   if (!(simplify_slack >= 1 && std::isfinite(simplify_slack))) {
     return InvalidArgumentError("simplify_slack must be at least 1");
   }
-  if (depth_points < 0) {
-    return InvalidArgumentError("depth_points must not be negative");
-  }
   if (!(simplify_keep > 0 && simplify_keep <= 1)) {
     return InvalidArgumentError("simplify_keep must be in (0, 1]");
   }
@@ -87,9 +84,6 @@ size_t NumDepthPoints(const MiniSplattingOptions& options,
                       int64_t budget,
                       size_t num_gaussians,
                       uint64_t num_pixels) {
-  if (options.depth_points > 0) {
-    return static_cast<size_t>(options.depth_points);
-  }
   if (budget > 0) {
     const double dense = options.dense_factor * static_cast<double>(budget);
     return static_cast<size_t>(std::ceil(kDepthShareOfDense * dense));
@@ -164,12 +158,8 @@ StatusOr<MiniSplattingSummary> Simplify(const MiniSplattingOptions& options,
       budget > 0 ? static_cast<size_t>(budget)
                  : static_cast<size_t>(std::ceil(
                        options.simplify_keep * static_cast<double>(important)));
-  const std::vector<uint32_t> kept =
-      options.sampling ? SampleByImportance(importance,
-                                            count,
-                                            context.seed,
-                                            StreamOf(kSimplifyStream, context))
-                       : MostImportant(importance, count);
+  const std::vector<uint32_t> kept = SampleByImportance(
+      importance, count, context.seed, StreamOf(kSimplifyStream, context));
   MiniSplattingSummary summary{model->size(), kept.size()};
   if (restart) {
     FREEGS_ASSIGN_OR_RETURN(

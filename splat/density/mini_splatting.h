@@ -11,12 +11,12 @@
 
 #include "core/parallel.h"
 #include "core/status.h"
-#include "splat/optim/adam.h"
-#include "splat/scene/gaussian_model.h"
 #include "splat/density/importance.h"
+#include "splat/images/training_images.h"
+#include "splat/optim/adam.h"
 #include "splat/render/rasterizer.h"
 #include "splat/render/renderer.h"
-#include "splat/images/training_images.h"
+#include "splat/scene/gaussian_model.h"
 
 namespace freegs::splat {
 
@@ -29,16 +29,9 @@ struct MiniSplattingOptions {
   // at most this many times as many.
   double dense_factor = 2.0;
 
-  // Points drawn from the depth maps of all views together; 0 chooses, see
-  // NumDepthPoints.
-  int64_t depth_points = 0;
-
   // Share of the Gaussians with any importance that simplification keeps when
   // there is no budget.
   double simplify_keep = 0.5;
-
-  // Drawn at random by importance (the paper); false takes the most important.
-  bool sampling = true;
 
   // Whether the Gaussians kept start again from position and colour, as in the
   // paper, or go on as they are. Starting again costs thousands of steps.
@@ -80,7 +73,7 @@ std::vector<float> ComputeImportance(const MiniSplattingContext& context,
                                      const GaussianModel& model,
                                      ImportanceMetric metric);
 
-// How many points the depth maps give when the options leave it open. With a
+// How many points are drawn from the depth maps of all views together. With a
 // budget: 7/9 of the largest dense model, as the 3.5 of 4.5 million of the
 // paper, which leaves blur splits the room to add detail. Without: one in 32
 // pixels of the photos but no fewer than there are Gaussians, at most 3.5

@@ -60,9 +60,6 @@ class TrainingImages {
   // unreadable or changed its size.
   Status Fetch(size_t index, int level, ImageF* image);
 
-  // Bytes of decoded photos held now.
-  uint64_t held_bytes() const { return held_bytes_; }
-
  private:
   struct Entry {
     View view;                     // As given, with the photo's own size.
@@ -77,7 +74,7 @@ class TrainingImages {
   TrainingImagesOptions options_;
   std::filesystem::path folder_;
   std::vector<Entry> entries_;
-  uint64_t held_bytes_ = 0;
+  uint64_t held_bytes_ = 0;  // Of all pyramids in entries_.
   uint64_t clock_ = 0;
 };
 

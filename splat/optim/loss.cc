@@ -110,8 +110,10 @@ float PhotometricLoss::Compute(const ImageF& rendered,
         });
       });
   const double count = static_cast<double>(plane);
-  l1_ = std::accumulate(row_l1_.begin(), row_l1_.end(), 0.0) / count;
-  ssim_ = std::accumulate(row_ssim_.begin(), row_ssim_.end(), 0.0) / count;
+  const double l1 =
+      std::accumulate(row_l1_.begin(), row_l1_.end(), 0.0) / count;
+  const double ssim =
+      std::accumulate(row_ssim_.begin(), row_ssim_.end(), 0.0) / count;
   const double weight = options_.ssim_weight;
 
   if (gradient != nullptr) {
@@ -136,7 +138,7 @@ float PhotometricLoss::Compute(const ImageF& rendered,
           });
         });
   }
-  return static_cast<float>((1 - weight) * l1_ + weight * (1 - ssim_));
+  return static_cast<float>((1 - weight) * l1 + weight * (1 - ssim));
 }
 
 }  // namespace freegs::splat

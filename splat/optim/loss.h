@@ -37,14 +37,8 @@ class PhotometricLoss {
                 ThreadPool& pool,
                 ImageF* gradient);
 
-  // The terms of the last Compute.
-  double l1() const { return l1_; }
-  double ssim() const { return ssim_; }
-
  private:
   PhotometricLossOptions options_;
-  double l1_ = 0;
-  double ssim_ = 0;
 
   // Maps and scratch rows, see loss.cc.
   std::vector<float> workspace_;

@@ -281,8 +281,6 @@ void BackwardTile(const TileTask& task,
   }
 }
 
-const char* TargetName() { return hwy::TargetName(HWY_TARGET); }
-
 }  // namespace freegs::splat::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -293,7 +291,6 @@ HWY_EXPORT(BlendTile);
 HWY_EXPORT(ContributeTile);
 HWY_EXPORT(VoteTile);
 HWY_EXPORT(BackwardTile);
-HWY_EXPORT(TargetName);
 
 int64_t BlendTile(const TileTask& task,
                   TilePixels* pixels,
@@ -322,8 +319,6 @@ void BackwardTile(const TileTask& task,
   HWY_DYNAMIC_DISPATCH(BackwardTile)
   (task, visited, gradients, extra_gradients, moments);
 }
-
-const char* TileKernelTarget() { return HWY_DYNAMIC_DISPATCH(TargetName)(); }
 
 }  // namespace freegs::splat
 #endif  // HWY_ONCE

@@ -39,16 +39,12 @@ void VoteTile(const TileTask& task, const int32_t* channels, float* votes);
 // Walks the list as BlendTile did (the first `visited` entries) and writes the
 // sums of list entry k to moments + k * (kMomentStride + num_extras).
 // extra_gradients is dL/dextra, [channel * 256 + TilePixel].
-// Clobbers
-// gradients->remaining.
+// Clobbers gradients->remaining.
 void BackwardTile(const TileTask& task,
                   int64_t visited,
                   TileGradients* gradients,
                   const float* extra_gradients,
                   float* moments);
-
-// The instruction set the kernels run with, such as "AVX3" or "NEON".
-const char* TileKernelTarget();
 
 }  // namespace freegs::splat
 
