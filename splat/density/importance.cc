@@ -26,7 +26,7 @@ Eigen::Vector3d MedianPoint(const std::vector<Eigen::Vector3d>& points) {
   return median;
 }
 
-// The finite ones.
+// The distances that are finite.
 std::vector<double> Distances(const Eigen::Vector3d& from,
                               const std::vector<Eigen::Vector3d>& points) {
   std::vector<double> distances;

@@ -18,7 +18,7 @@ namespace {
 constexpr uint64_t kDepthStream = 0x6465707468;       // "depth"
 constexpr uint64_t kSimplifyStream = 0x73696d706c65;  // "simple"
 
-// Of the paper: 3.5 million points, at most 4.5 million Gaussians.
+// The paper draws 3.5 million points and has at most 4.5 million Gaussians.
 constexpr double kDepthShareOfDense = 7.0 / 9;
 constexpr uint64_t kMaxDepthPoints = 3500000;
 constexpr uint64_t kPixelsPerDepthPoint = 32;
@@ -110,8 +110,8 @@ StatusOr<MiniSplattingSummary> ReinitializeFromDepth(
     opacity[i] = AccumulatedOpacity(contributions);
     num_pixels += contributions.dominant.num_pixels();
   }
-  // Each view is rendered again rather than held: a thousand photos of a
-  // megapixel would be 8 GB.
+  // Each view is rendered a second time instead of being kept: the renderings
+  // of a thousand photos of a megapixel would take 8 GB.
   const std::vector<size_t> counts = PointsPerView(
       opacity, NumDepthPoints(options, budget, model->size(), num_pixels));
   DepthPoints points;

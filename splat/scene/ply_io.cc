@@ -78,7 +78,7 @@ StatusOr<int> DegreeOf(const PlyElement& vertex) {
                        "degree");
 }
 
-// Per property of the vertices: its place in the model, and whether it has one.
+// For each property of the vertices, its place in the model if it has one.
 struct PropertyPlan {
   bool wanted = false;
   Target target;
@@ -142,8 +142,8 @@ StatusOr<GaussianModel> ReadVertices(PlyFormat format,
   FREEGS_ASSIGN_OR_RETURN(const int degree, DegreeOf(vertex));
   FREEGS_ASSIGN_OR_RETURN(const std::vector<PropertyPlan> plan,
                           PlanProperties(vertex, degree));
-  // Before anything is allocated for a count that may be a lie. An ascii file
-  // may lack the last separator.
+  // This comes before memory is allocated, because the count may be wrong. An
+  // ascii file may lack the last separator.
   const uint64_t most =
       (reader->remaining_bytes() + 1) / vertex.MinItemBytes(format);
   if (vertex.count > most) {

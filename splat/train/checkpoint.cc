@@ -56,7 +56,8 @@ bool GetModel(ByteReader* reader, GaussianModel* model) {
       });
 }
 
-// What is read one by one cannot exceed the file, whatever its count says.
+// Records are read one by one, so a wrong count takes no more memory than the
+// file has content.
 bool ReadMilestones(ByteReader* reader,
                     std::vector<MilestoneRecord>* milestones) {
   uint64_t count = 0;
@@ -173,7 +174,7 @@ void WriteHistory(const TrainingHistory& history, ByteWriter* writer) {
   PutModel(history.last_good->model, writer);
 }
 
-// A state to go back to lies behind, so that training ends.
+// The last good state must not be ahead of the checkpoint.
 bool LiesBehind(const TrainingCheckpoint& checkpoint) {
   const std::optional<GoodState>& good = checkpoint.history.last_good;
   return !good ||
@@ -211,7 +212,7 @@ bool ReadPayload(ByteReader* reader, TrainingCheckpoint* checkpoint) {
          (num_statistics == 0 || num_statistics == checkpoint->model.size());
 }
 
-// Checkpoint files of a folder, the newest first.
+// The checkpoint files of a folder, the newest first.
 std::vector<std::pair<int64_t, fs::path>> ListCheckpoints(
     const fs::path& folder) {
   std::vector<std::pair<int64_t, fs::path>> found;
@@ -231,7 +232,7 @@ std::vector<std::pair<int64_t, fs::path>> ListCheckpoints(
   return found;
 }
 
-// What a killed writer left behind.
+// Removes unfinished files of a program that was killed while writing.
 void RemoveParts(const fs::path& folder) {
   std::error_code error;
   std::vector<fs::path> parts;
@@ -315,7 +316,7 @@ Status SaveCheckpoint(const fs::path& folder,
   const auto found = ListCheckpoints(folder);
   for (size_t i = static_cast<size_t>(std::max(1, keep)); i < found.size();
        ++i) {
-    // A file that stays costs disk only.
+    // A file that cannot be removed does no harm but for the disk space.
     std::error_code ignored;
     fs::remove(found[i].second, ignored);
   }
