@@ -12,9 +12,9 @@
 #include "splat/images/resolution_schedule.h"
 #include "splat/search/budget_search.h"
 #include "splat/train/trainer.h"
-#include "stages/registry/pipeline_options.h"
 #include "stages/reconstruct/reconstruct_options.h"
 #include "stages/reconstruct/training_report.h"
+#include "stages/registry/pipeline_options.h"
 #include "stages/scene/training_scene.h"
 
 namespace freegs::bench {
@@ -93,6 +93,17 @@ void ReportCourse(const splat::Trainer& trainer) {
   }
 }
 
+splat::QualityJudge HoldoutJudge(const splat::RenderOptions& render,
+                                 splat::TrainingImages* holdout,
+                                 ThreadPool* pool) {
+  return [=](const splat::GaussianModel& model, int level) -> StatusOr<double> {
+    FREEGS_ASSIGN_OR_RETURN(
+        const splat::HoldoutReport quality,
+        splat::MeasureHoldout(model, render, holdout, *pool, level));
+    return quality.mean_psnr;
+  };
+}
+
 }  // namespace
 
 // The clock runs from the photos being in memory on: the first Gaussians, the
@@ -135,23 +146,16 @@ Status RunCurve(const CurveOptions& options) {
   splat::Trainer trainer(
       training, std::move(initial), scene.extent, &images, &pool);
   if (reconstruct.budget == "auto") {
-    const splat::QualityJudge judge =
-        [&](const splat::GaussianModel& model,
-            int level) -> StatusOr<double> {
-      FREEGS_ASSIGN_OR_RETURN(
-          const splat::HoldoutReport quality,
-          splat::MeasureHoldout(model, render, &holdout, pool, level));
-      return quality.mean_psnr;
-    };
-    FREEGS_ASSIGN_OR_RETURN(splat::BudgetChoice choice,
-                            splat::SearchBudget({},
-                                                training,
-                                                trainer.model(),
-                                                scene.extent,
-                                                judge,
-                                                &images,
-                                                &pool,
-                                                /*cancellation=*/nullptr));
+    FREEGS_ASSIGN_OR_RETURN(
+        splat::BudgetChoice choice,
+        splat::SearchBudget({},
+                            training,
+                            trainer.model(),
+                            scene.extent,
+                            HoldoutJudge(render, &holdout, &pool),
+                            &images,
+                            &pool,
+                            /*cancellation=*/nullptr));
     trainer.KeepTo(std::move(choice));
   }
   std::printf(

@@ -10,17 +10,17 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
-#include <cstring>
 #include <string>
 #include <sys/resource.h>
 #include <vector>
 
 #include <boost/program_options.hpp>
 
+#include "core/io/byte_stream.h"
 #include "core/io/files.h"
 #include "core/parallel.h"
-#include "semantics/metrics/adjusted_rand_index.h"
 #include "semantics/hdbscan/hdbscan.h"
+#include "semantics/metrics/adjusted_rand_index.h"
 
 namespace freegs::semantics {
 namespace {
@@ -46,8 +46,8 @@ StatusOr<Points> ReadPoints(const std::string& path,
                             size_t rows,
                             int columns) {
   FREEGS_ASSIGN_OR_RETURN(const auto bytes, ReadFile(path));
-  std::vector<float> all(bytes.size() / sizeof(float));
-  std::memcpy(all.data(), bytes.data(), all.size() * sizeof(float));
+  std::vector<float> all;
+  ByteReader(bytes).GetArray(bytes.size() / sizeof(float), &all);
   if (dim < 1 || all.size() % dim != 0) {
     return InvalidArgumentError(path + ": not a whole number of points");
   }

@@ -11,9 +11,9 @@
 #include "core/parallel.h"
 #include "core/random.h"
 #include "splat/optim/adam.h"
-#include "splat/scene/gaussian_model.h"
 #include "splat/optim/learning_rates.h"
 #include "splat/optim/loss.h"
+#include "splat/scene/gaussian_model.h"
 
 namespace freegs::splat {
 namespace {

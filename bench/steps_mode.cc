@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "bench/training_modes.h"
-#include "core/median.h"
+#include "core/quantile.h"
 #include "core/random.h"
 #include "pipeline/resource_usage.h"
 #include "splat/train/trainer.h"

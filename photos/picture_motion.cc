@@ -9,7 +9,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
-#include "core/median.h"
+#include "core/quantile.h"
 
 namespace freegs::photos {
 namespace {

@@ -14,7 +14,7 @@
 #include <opencv2/videoio.hpp>
 #include <opencv2/videoio/registry.hpp>
 
-#include "core/median.h"
+#include "core/quantile.h"
 #include "photos/film_rotation.h"
 #include "photos/photo_pixels.h"
 #include "photos/picture_motion.h"

@@ -2,26 +2,21 @@
 
 #include "semantics/clip/feature_cache.h"
 
-#include <bit>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <string_view>
 #include <system_error>
 #include <utility>
 
 #include <Eigen/Core>
-#include <xxhash.h>
 
+#include "core/io/byte_stream.h"
 #include "core/io/files.h"
 
 namespace freegs::semantics {
 namespace {
 
 namespace fs = std::filesystem;
-
-static_assert(std::endian::native == std::endian::little,
-              "numbers are copied to little-endian files as they are");
 
 // The file, little-endian:
 //   8 bytes   "FREEGSFC"
@@ -34,7 +29,6 @@ static_assert(std::endian::native == std::endian::little,
 constexpr std::string_view kMagic = "FREEGSFC";
 constexpr uint32_t kVersion = 1;
 constexpr size_t kHeaderSize = 8 + 5 * 4;
-constexpr size_t kChecksumSize = 8;
 constexpr uint32_t kMaxSide = 1 << 16;
 constexpr uint64_t kMaxFileBytes = uint64_t{1} << 32;
 
@@ -47,54 +41,46 @@ std::string KeyOf(const std::string& image_hash,
          model_hash + " " + kind;
 }
 
-template <typename T>
-void Append(const T& value, std::string* content) {
-  content->append(reinterpret_cast<const char*>(&value), sizeof(T));
-}
-
-template <typename T>
-T Take(std::string_view content, size_t offset) {
-  T value;
-  std::memcpy(&value, content.data() + offset, sizeof(T));
-  return value;
-}
-
 StatusOr<ImageF> ParseFeatures(std::string_view content, std::string_view key) {
-  if (content.size() < kHeaderSize + kChecksumSize ||
+  if (content.size() < kHeaderSize + kChecksumBytes ||
       !content.starts_with(kMagic)) {
     return BadInputError("not a file of features");
   }
-  if (Take<uint32_t>(content, 8) != kVersion) {
+  ByteReader reader(WithoutChecksum(content).substr(kMagic.size()));
+  uint32_t version = 0;
+  uint32_t width = 0;
+  uint32_t height = 0;
+  uint32_t channels = 0;
+  uint32_t key_size = 0;
+  // Cannot fail: the header is there.
+  reader.Get(&version);
+  reader.Get(&width);
+  reader.Get(&height);
+  reader.Get(&channels);
+  reader.Get(&key_size);
+  if (version != kVersion) {
     return BadInputError("written by another version of the program");
   }
-  const size_t end = content.size() - kChecksumSize;
-  if (XXH3_64bits(content.data(), end) != Take<uint64_t>(content, end)) {
-    return BadInputError("damaged or truncated");
-  }
-  const auto width = Take<uint32_t>(content, 12);
-  const auto height = Take<uint32_t>(content, 16);
-  const auto channels = Take<uint32_t>(content, 20);
-  const auto key_size = Take<uint32_t>(content, 24);
-  const uint64_t body = end - kHeaderSize;
+  if (!HasChecksum(content)) return BadInputError("damaged or truncated");
   for (const uint32_t side : {width, height, channels}) {
     if (side == 0 || side > kMaxSide) return BadInputError("damaged header");
   }
   // Of three sides up to 2^16 the product is below 2^48.
   const uint64_t values = uint64_t{width} * height * channels;
-  if (key_size > body || body - key_size != 2 * values) {
+  if (reader.remaining() != key_size + 2 * values) {
     return BadInputError("damaged header");
   }
-  if (content.substr(kHeaderSize, key_size) != key) {
+  if (key_size != key.size() || !reader.SkipBytes(key)) {
     return BadInputError("features of another image or model");
   }
   ImageF features(static_cast<int>(width),
                   static_cast<int>(height),
                   static_cast<int>(channels));
-  const char* data = content.data() + kHeaderSize + key_size;
   for (uint64_t i = 0; i < values; ++i) {
-    Eigen::half value;
-    std::memcpy(&value, data + 2 * i, 2);
-    features.data()[i] = static_cast<float>(value);
+    uint16_t bits = 0;
+    reader.Get(&bits);
+    features.data()[i] =
+        static_cast<float>(Eigen::numext::bit_cast<Eigen::half>(bits));
     if (!std::isfinite(features.data()[i])) {
       return BadInputError("features that are not finite");
     }
@@ -138,27 +124,28 @@ Status FeatureCache::Store(const std::string& image_hash,
   if (features.empty()) {
     return InvalidArgumentError("there are no features to keep");
   }
-  std::string content(kMagic);
-  content.reserve(kHeaderSize + key.size() + 2 * features.size() +
-                  kChecksumSize);
-  Append(kVersion, &content);
-  Append(static_cast<uint32_t>(features.width()), &content);
-  Append(static_cast<uint32_t>(features.height()), &content);
-  Append(static_cast<uint32_t>(features.channels()), &content);
-  Append(static_cast<uint32_t>(key.size()), &content);
-  content += key;
+  ByteWriter writer;
+  writer.Reserve(kHeaderSize + key.size() + 2 * features.size() +
+                 kChecksumBytes);
+  writer.PutBytes(kMagic);
+  writer.Put(kVersion);
+  writer.Put(static_cast<uint32_t>(features.width()));
+  writer.Put(static_cast<uint32_t>(features.height()));
+  writer.Put(static_cast<uint32_t>(features.channels()));
+  writer.Put(static_cast<uint32_t>(key.size()));
+  writer.PutBytes(key);
   for (size_t i = 0; i < features.size(); ++i) {
     const auto value = static_cast<Eigen::half>(features.data()[i]);
     if (!std::isfinite(static_cast<float>(value))) {
       return InvalidArgumentError("feature " + std::to_string(i) +
                                   " is not a number of half precision");
     }
-    Append(value, &content);
+    writer.Put(Eigen::numext::bit_cast<uint16_t>(value));
   }
-  Append(static_cast<uint64_t>(XXH3_64bits(content.data(), content.size())),
-         &content);
+  writer.PutChecksum();
   FREEGS_RETURN_IF_ERROR(CreateFolders(folder_));
-  return WriteFileAtomic(FileOf(image_hash, model_hash, kind), content);
+  return WriteFileAtomic(FileOf(image_hash, model_hash, kind),
+                         writer.content());
 }
 
 StatusOr<ImageF> EncodeDenseCached(ClipEncoder& encoder,

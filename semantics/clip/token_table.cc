@@ -2,38 +2,23 @@
 
 #include "semantics/clip/token_table.h"
 
-#include <bit>
 #include <cmath>
-#include <cstring>
+#include <cstdint>
 #include <utility>
 
 #include <Eigen/Core>
 
+#include "core/io/byte_stream.h"
 #include "core/io/files.h"
 
 namespace freegs::semantics {
 namespace {
-
-static_assert(std::endian::native == std::endian::little,
-              "numbers are copied to little-endian files as they are");
 
 constexpr std::string_view kMagic = "FREEGSTT";
 constexpr uint32_t kVersion = 1;
 constexpr size_t kHeaderSize = 8 + 4 * 4;
 constexpr uint32_t kMaxRows = 1 << 24;
 constexpr uint32_t kMaxColumns = 1 << 16;
-
-template <typename T>
-T Take(std::string_view content, size_t offset) {
-  T value;
-  std::memcpy(&value, content.data() + offset, sizeof(T));
-  return value;
-}
-
-template <typename T>
-void Append(T value, std::string* content) {
-  content->append(reinterpret_cast<const char*>(&value), sizeof(T));
-}
 
 size_t SizeOf(TokenTable::ElementType type) {
   return type == TokenTable::ElementType::kFloat16 ? 2 : 4;
@@ -42,17 +27,19 @@ size_t SizeOf(TokenTable::ElementType type) {
 }  // namespace
 
 StatusOr<TokenTable> TokenTable::Parse(std::string content) {
-  if (content.size() < kHeaderSize || !content.starts_with(kMagic)) {
+  ByteReader reader(content);
+  uint32_t version = 0;
+  uint32_t type = 0;
+  uint32_t rows = 0;
+  uint32_t columns = 0;
+  if (!reader.SkipBytes(kMagic) || !reader.Get(&version) ||
+      !reader.Get(&type) || !reader.Get(&rows) || !reader.Get(&columns)) {
     return BadInputError("this is not a table of token vectors");
   }
-  const auto version = Take<uint32_t>(content, 8);
   if (version != kVersion) {
     return BadInputError("version " + std::to_string(version) +
                          " of the file is not known; a newer program wrote it");
   }
-  const auto type = Take<uint32_t>(content, 12);
-  const auto rows = Take<uint32_t>(content, 16);
-  const auto columns = Take<uint32_t>(content, 20);
   if (type > 1) {
     return BadInputError("element type " + std::to_string(type) +
                          " is not known");
@@ -60,8 +47,7 @@ StatusOr<TokenTable> TokenTable::Parse(std::string content) {
   TokenTable table;
   table.type_ = static_cast<ElementType>(type);
   if (rows == 0 || rows > kMaxRows || columns == 0 || columns > kMaxColumns ||
-      content.size() - kHeaderSize !=
-          uint64_t{rows} * columns * SizeOf(table.type_)) {
+      reader.remaining() != uint64_t{rows} * columns * SizeOf(table.type_)) {
     return BadInputError("the file is truncated or its header is damaged");
   }
   table.rows_ = static_cast<int>(rows);
@@ -89,16 +75,16 @@ StatusOr<TokenTable> TokenTable::Load(const std::filesystem::path& path) {
 
 void TokenTable::CopyRow(int token, std::span<float> out) const {
   const auto columns = static_cast<size_t>(columns_);
-  const char* row = content_.data() + kHeaderSize +
-                    static_cast<size_t>(token) * columns * SizeOf(type_);
+  ByteReader reader(std::string_view(content_).substr(
+      kHeaderSize + static_cast<size_t>(token) * columns * SizeOf(type_)));
   if (type_ == ElementType::kFloat32) {
-    std::memcpy(out.data(), row, columns * sizeof(float));
+    reader.GetArray(columns, out.data());
     return;
   }
   for (size_t k = 0; k < columns; ++k) {
-    Eigen::half value;
-    std::memcpy(&value, row + 2 * k, 2);
-    out[k] = static_cast<float>(value);
+    uint16_t bits = 0;
+    reader.Get(&bits);
+    out[k] = static_cast<float>(Eigen::numext::bit_cast<Eigen::half>(bits));
   }
 }
 
@@ -106,20 +92,21 @@ std::string SerializeTokenTable(std::span<const float> values,
                                 int rows,
                                 int columns,
                                 TokenTable::ElementType type) {
-  std::string content(kMagic);
-  content.reserve(kHeaderSize + values.size() * SizeOf(type));
-  Append(kVersion, &content);
-  Append(type, &content);
-  Append(static_cast<uint32_t>(rows), &content);
-  Append(static_cast<uint32_t>(columns), &content);
+  ByteWriter writer;
+  writer.Reserve(kHeaderSize + values.size() * SizeOf(type));
+  writer.PutBytes(kMagic);
+  writer.Put(kVersion);
+  writer.Put(static_cast<uint32_t>(type));
+  writer.Put(static_cast<uint32_t>(rows));
+  writer.Put(static_cast<uint32_t>(columns));
   for (const float value : values) {
     if (type == TokenTable::ElementType::kFloat32) {
-      Append(value, &content);
+      writer.Put(value);
     } else {
-      Append(static_cast<Eigen::half>(value), &content);
+      writer.Put(Eigen::numext::bit_cast<uint16_t>(Eigen::half(value)));
     }
   }
-  return content;
+  return std::move(writer).content();
 }
 
 }  // namespace freegs::semantics

@@ -7,47 +7,41 @@
 #include <cstdint>
 #include <utility>
 
-#include <xxhash.h>
-
+#include "core/io/byte_stream.h"
 #include "core/io/files.h"
 #include "semantics/losses/decoder_file.h"
-#include "splat/train/checkpoint_bytes.h"
 
 namespace freegs::semantics {
 namespace {
 
-using splat::CheckpointReader;
-using splat::CheckpointWriter;
-
 constexpr std::string_view kMagic = "FREEGSFT";
 constexpr uint32_t kVersion = 1;
-constexpr size_t kChecksumSize = 8;
 
 template <typename T>
-void PutSized(const std::vector<T>& array, CheckpointWriter* writer) {
+void PutSized(const std::vector<T>& array, ByteWriter* writer) {
   writer->Put<uint64_t>(array.size());
   writer->PutArray(array);
 }
 
 template <typename T>
-bool GetSized(CheckpointReader* reader, std::vector<T>* array) {
+bool GetSized(ByteReader* reader, std::vector<T>* array) {
   uint64_t count = 0;
   return reader->Get(&count) && reader->GetArray(count, array);
 }
 
-void PutLosses(const FieldLosses& losses, CheckpointWriter* writer) {
+void PutLosses(const FieldLosses& losses, ByteWriter* writer) {
   writer->Put(losses.pixel);
   writer->Put(losses.instance);
   writer->Put(losses.smoothing);
   writer->Put(losses.contrastive);
 }
 
-bool GetLosses(CheckpointReader* reader, FieldLosses* losses) {
+bool GetLosses(ByteReader* reader, FieldLosses* losses) {
   return reader->Get(&losses->pixel) && reader->Get(&losses->instance) &&
          reader->Get(&losses->smoothing) && reader->Get(&losses->contrastive);
 }
 
-bool GetRounds(CheckpointReader* reader, std::vector<ClusteringRound>* rounds) {
+bool GetRounds(ByteReader* reader, std::vector<ClusteringRound>* rounds) {
   uint64_t count = 0;
   if (!reader->Get(&count)) return false;
   for (uint64_t i = 0; i < count; ++i) {
@@ -61,7 +55,7 @@ bool GetRounds(CheckpointReader* reader, std::vector<ClusteringRound>* rounds) {
   return true;
 }
 
-bool GetHistory(CheckpointReader* reader, std::vector<LossRecord>* history) {
+bool GetHistory(ByteReader* reader, std::vector<LossRecord>* history) {
   uint64_t count = 0;
   if (!reader->Get(&count)) return false;
   for (uint64_t i = 0; i < count; ++i) {
@@ -106,7 +100,7 @@ StatusOr<std::string> SerializeFieldState(const FieldState& state) {
   FREEGS_ASSIGN_OR_RETURN(
       const std::string decoder,
       SerializeDecoder({state.decoder, state.decoder_adam}));
-  CheckpointWriter writer;
+  ByteWriter writer;
   writer.PutBytes(kMagic);
   writer.Put(kVersion);
   writer.PutText(decoder);
@@ -131,9 +125,8 @@ StatusOr<std::string> SerializeFieldState(const FieldState& state) {
   }
   PutLosses(state.sums, &writer);
   PutLosses(state.counts, &writer);
-  writer.Put<uint64_t>(
-      XXH3_64bits(writer.content().data(), writer.content().size()));
-  return std::move(writer.content());
+  writer.PutChecksum();
+  return std::move(writer).content();
 }
 
 Status WriteFieldState(const std::filesystem::path& path,
@@ -146,15 +139,9 @@ Status WriteFieldState(const std::filesystem::path& path,
 StatusOr<FieldState> ParseFieldState(std::string_view content) {
   const Status damaged = BadInputError(
       "not a whole checkpoint of a semantic field; remove it to begin anew");
-  if (content.size() < kMagic.size() + kChecksumSize ||
-      !content.starts_with(kMagic)) {
-    return damaged;
-  }
-  const size_t end = content.size() - kChecksumSize;
-  uint64_t checksum = 0;
-  CheckpointReader(content.substr(end)).Get(&checksum);
-  if (XXH3_64bits(content.data(), end) != checksum) return damaged;
-  CheckpointReader reader(content.substr(0, end).substr(kMagic.size()));
+  if (!HasChecksum(content)) return damaged;
+  ByteReader reader(WithoutChecksum(content));
+  if (!reader.SkipBytes(kMagic)) return damaged;
   uint32_t version = 0;
   if (!reader.Get(&version) || version != kVersion) {
     return BadInputError(

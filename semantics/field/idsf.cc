@@ -2,38 +2,18 @@
 
 #include "semantics/field/idsf.h"
 
-#include <bit>
 #include <cmath>
-#include <cstring>
 
-#include <xxhash.h>
-
+#include "core/io/byte_stream.h"
 #include "core/io/files.h"
 
 namespace freegs::semantics {
 namespace {
 
-static_assert(std::endian::native == std::endian::little,
-              "numbers are copied to little-endian files as they are");
-
 constexpr std::string_view kMagic = "FREEGSID";
 constexpr uint32_t kVersion = 1;
 constexpr size_t kHeaderSize = 8 + 4 + 4 + 8;
-constexpr size_t kChecksumSize = 8;
 constexpr uint32_t kMaxFeatureDim = 1 << 16;
-
-template <typename T>
-void Append(const T* values, size_t count, std::string* content) {
-  if (count == 0) return;
-  content->append(reinterpret_cast<const char*>(values), count * sizeof(T));
-}
-
-template <typename T>
-T Take(std::string_view content, size_t offset) {
-  T value;
-  std::memcpy(&value, content.data() + offset, sizeof(T));
-  return value;
-}
 
 }  // namespace
 
@@ -47,18 +27,17 @@ StatusOr<std::string> SerializeIdsf(const Idsf& idsf) {
         " feature values, not " + std::to_string(count) + " x " +
         std::to_string(idsf.feature_dim));
   }
-  const auto dim = static_cast<uint32_t>(idsf.feature_dim);
-  std::string content(kMagic);
-  content.reserve(kHeaderSize + 4 * (count + idsf.features.size()) +
-                  kChecksumSize);
-  Append(&kVersion, 1, &content);
-  Append(&dim, 1, &content);
-  Append(&count, 1, &content);
-  Append(idsf.instances.data(), idsf.instances.size(), &content);
-  Append(idsf.features.data(), idsf.features.size(), &content);
-  const uint64_t checksum = XXH3_64bits(content.data(), content.size());
-  Append(&checksum, 1, &content);
-  return content;
+  ByteWriter writer;
+  writer.Reserve(kHeaderSize + 4 * (count + idsf.features.size()) +
+                 kChecksumBytes);
+  writer.PutBytes(kMagic);
+  writer.Put(kVersion);
+  writer.Put(static_cast<uint32_t>(idsf.feature_dim));
+  writer.Put(count);
+  writer.PutArray(idsf.instances);
+  writer.PutArray(idsf.features);
+  writer.PutChecksum();
+  return std::move(writer).content();
 }
 
 Status WriteIdsf(const std::filesystem::path& path, const Idsf& idsf) {
@@ -67,39 +46,32 @@ Status WriteIdsf(const std::filesystem::path& path, const Idsf& idsf) {
 }
 
 StatusOr<Idsf> ParseIdsf(std::string_view content) {
-  if (content.size() < kHeaderSize + kChecksumSize ||
-      content.substr(0, kMagic.size()) != kMagic) {
-    return BadInputError("this is not a semantic field (idsf.bin)");
-  }
-  const auto version = Take<uint32_t>(content, 8);
+  const Status not_idsf =
+      BadInputError("this is not a semantic field (idsf.bin)");
+  if (content.size() < kHeaderSize + kChecksumBytes) return not_idsf;
+  ByteReader reader(WithoutChecksum(content));
+  uint32_t version = 0;
+  uint32_t dim = 0;
+  uint64_t count = 0;
+  if (!reader.SkipBytes(kMagic) || !reader.Get(&version)) return not_idsf;
   if (version != kVersion) {
     return BadInputError("version " + std::to_string(version) +
                          " of the file is not known; a newer program wrote it");
   }
-  const auto dim = Take<uint32_t>(content, 12);
-  const auto count = Take<uint64_t>(content, 16);
-  const uint64_t body = content.size() - kHeaderSize - kChecksumSize;
-  // The sizes must match exactly; the divisions cannot overflow.
-  const uint64_t stride = 4 * (uint64_t{1} + dim);
-  if (dim > kMaxFeatureDim || body % stride != 0 || body / stride != count) {
+  Idsf idsf;
+  // Once `count` is known to fit, `count * dim` cannot overflow.
+  if (!reader.Get(&dim) || dim > kMaxFeatureDim ||
+      !reader.GetCount(4 * (size_t{1} + dim), &count) ||
+      reader.remaining() != 4 * count * (uint64_t{1} + dim)) {
     return BadInputError("the file is truncated or its header is damaged");
   }
-  const size_t end = content.size() - kChecksumSize;
-  if (XXH3_64bits(content.data(), end) != Take<uint64_t>(content, end)) {
+  if (!HasChecksum(content)) {
     return BadInputError("the checksum does not match; the file is damaged");
   }
-  Idsf idsf;
   idsf.feature_dim = static_cast<int>(dim);
-  idsf.instances.resize(count);
-  idsf.features.resize(count * dim);
-  const char* data = content.data() + kHeaderSize;
-  if (count > 0) {
-    std::memcpy(idsf.instances.data(), data, 4 * count);
-  }
-  if (!idsf.features.empty()) {
-    std::memcpy(
-        idsf.features.data(), data + 4 * count, 4 * idsf.features.size());
-  }
+  // Cannot fail: the sizes match.
+  reader.GetArray(count, &idsf.instances);
+  reader.GetArray(count * dim, &idsf.features);
   for (const int32_t instance : idsf.instances) {
     if (instance < -1) return BadInputError("an instance index is below -1");
   }

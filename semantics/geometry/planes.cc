@@ -10,7 +10,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "core/median.h"
+#include "core/quantile.h"
 #include "core/random.h"
 
 namespace freegs::semantics {

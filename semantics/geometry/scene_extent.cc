@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/median.h"
+#include "core/quantile.h"
 #include "splat/render/renderer.h"
 
 namespace freegs::semantics {

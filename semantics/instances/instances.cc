@@ -11,7 +11,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
-#include "core/median.h"
+#include "core/quantile.h"
 #include "core/kd_tree.h"
 
 namespace freegs::semantics {

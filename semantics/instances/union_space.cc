@@ -5,20 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/quantile.h"
+
 namespace freegs::semantics {
 namespace {
 
 constexpr float kMaxRadii = 10;
 constexpr double kQuantile = 0.005;
-
-// The element at the given share of the sorted values; 0 if there are none.
-double Quantile(std::vector<float> values, double share) {
-  if (values.empty()) return 0;
-  const auto index =
-      static_cast<size_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + index, values.end());
-  return values[index];
-}
 
 }  // namespace
 
@@ -47,8 +40,8 @@ std::vector<float> BuildUnionSpace(std::span<const float> positions,
   float scale = 0;
   if (semantic_dim > 0) {
     const std::vector<float> values(semantics.begin(), semantics.end());
-    low = static_cast<float>(Quantile(values, kQuantile));
-    const double range = Quantile(values, 1 - kQuantile) - low;
+    low = LowerQuantile(values, kQuantile);
+    const double range = double{LowerQuantile(values, 1 - kQuantile)} - low;
     scale = range > 0 ? static_cast<float>(1 / range) : 0.0f;
   }
   for (size_t i = 0; i < count; ++i) {

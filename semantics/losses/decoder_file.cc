@@ -7,21 +7,15 @@
 #include <cstdint>
 #include <utility>
 
-#include <xxhash.h>
-
+#include "core/io/byte_stream.h"
 #include "core/io/files.h"
-#include "splat/train/checkpoint_bytes.h"
 
 namespace freegs::semantics {
 namespace {
 
-using splat::CheckpointReader;
-using splat::CheckpointWriter;
-
 constexpr std::string_view kMagic = "FREEGSDC";
 constexpr uint32_t kVersion = 1;
 constexpr size_t kHeaderSize = 8 + 6 * 4;
-constexpr size_t kChecksumSize = 8;
 // What a double counts exactly; more than anyone takes.
 constexpr int64_t kMaxSteps = int64_t{1} << 53;
 
@@ -77,7 +71,7 @@ bool DimensionsInRange(const Header& header) {
 }
 
 std::optional<LinearDecoder> TakeLinear(const Header& header,
-                                        CheckpointReader& reader) {
+                                        ByteReader& reader) {
   LinearDecoder linear;
   linear.latent_dim = static_cast<int>(header.latent_dim);
   linear.feature_dim = static_cast<int>(header.feature_dim);
@@ -89,8 +83,7 @@ std::optional<LinearDecoder> TakeLinear(const Header& header,
   return linear;
 }
 
-std::optional<MlpDecoder> TakeMlp(const Header& header,
-                                  CheckpointReader& reader) {
+std::optional<MlpDecoder> TakeMlp(const Header& header, ByteReader& reader) {
   MlpDecoder mlp;
   mlp.shape = {.latent_dim = static_cast<int>(header.latent_dim),
                .hidden_dim = static_cast<int>(header.hidden_dim),
@@ -103,14 +96,14 @@ std::optional<MlpDecoder> TakeMlp(const Header& header,
   return mlp;
 }
 
-bool TakeAdam(size_t size, CheckpointReader& reader, ArrayAdamState* adam) {
+bool TakeAdam(size_t size, ByteReader& reader, ArrayAdamState* adam) {
   return reader.Get(&adam->steps) &&
          reader.GetArray(size, &adam->first_moments) &&
          reader.GetArray(size, &adam->second_moments);
 }
 
 std::optional<StoredDecoder> TakeDecoder(const Header& header,
-                                         CheckpointReader& reader) {
+                                         ByteReader& reader) {
   if (header.kind == kLinear) {
     std::optional<LinearDecoder> linear = TakeLinear(header, reader);
     if (!linear) return std::nullopt;
@@ -131,7 +124,7 @@ std::optional<StoredDecoder> TakeDecoder(const Header& header,
 StatusOr<std::string> SerializeDecoder(const StoredDecoder& stored) {
   FREEGS_RETURN_IF_ERROR(Check(stored));
   const MlpDecoder* mlp = stored.decoder.mlp();
-  CheckpointWriter writer;
+  ByteWriter writer;
   writer.PutBytes(kMagic);
   writer.Put(kVersion);
   writer.Put<uint32_t>(mlp ? kMlp : kLinear);
@@ -152,9 +145,8 @@ StatusOr<std::string> SerializeDecoder(const StoredDecoder& stored) {
     writer.PutArray(stored.adam->first_moments);
     writer.PutArray(stored.adam->second_moments);
   }
-  writer.Put<uint64_t>(
-      XXH3_64bits(writer.content().data(), writer.content().size()));
-  return std::move(writer.content());
+  writer.PutChecksum();
+  return std::move(writer).content();
 }
 
 Status WriteDecoder(const std::filesystem::path& path,
@@ -164,12 +156,11 @@ Status WriteDecoder(const std::filesystem::path& path,
 }
 
 StatusOr<StoredDecoder> ParseDecoder(std::string_view content) {
-  if (content.size() < kHeaderSize + kChecksumSize ||
-      content.substr(0, kMagic.size()) != kMagic) {
+  if (content.size() < kHeaderSize + kChecksumBytes ||
+      !content.starts_with(kMagic)) {
     return BadInputError("this is not a feature decoder");
   }
-  const size_t end = content.size() - kChecksumSize;
-  CheckpointReader reader(content.substr(kMagic.size(), end - kMagic.size()));
+  ByteReader reader(WithoutChecksum(content).substr(kMagic.size()));
   uint32_t version = 0;
   Header header;
   if (!reader.Get(&version)) return DamagedError();
@@ -186,10 +177,7 @@ StatusOr<StoredDecoder> ParseDecoder(std::string_view content) {
   }
   std::optional<StoredDecoder> stored = TakeDecoder(header, reader);
   if (!stored || !reader.at_end()) return DamagedError();
-  CheckpointReader checksum(content.substr(end));
-  uint64_t expected = 0;
-  if (!checksum.Get(&expected) ||
-      XXH3_64bits(content.data(), end) != expected) {
+  if (!HasChecksum(content)) {
     return BadInputError("the checksum does not match; the file is damaged");
   }
   const Status good = Check(*stored);

@@ -9,7 +9,7 @@
 #include <numeric>
 #include <utility>
 
-#include "core/median.h"
+#include "core/quantile.h"
 #include "core/parallel.h"
 #include "core/random.h"
 #include "sfm/calibration/bundle_adjustment.h"

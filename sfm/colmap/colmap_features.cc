@@ -7,7 +7,7 @@
 #include <tuple>
 
 #include "core/io/files.h"
-#include "core/median.h"
+#include "core/quantile.h"
 #include "sfm/colmap/colmap_output.h"
 #include "sfm/colmap/colmap_steps.h"
 

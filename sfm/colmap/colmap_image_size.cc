@@ -9,7 +9,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/median.h"
+#include "core/quantile.h"
 #include "sfm/colmap/colmap_steps.h"
 #include "sfm/matching/match_database.h"
 

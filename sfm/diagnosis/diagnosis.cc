@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/quantile.h"
 #include "sfm/diagnosis/diagnosis_scene.h"
 
 namespace freegs::sfm {
@@ -51,7 +52,7 @@ void FindBlur(const DiagnosedScene& scene, std::vector<Finding>* findings) {
   finding.kind = FindingKind::kBlurred;
   finding.advice =
       "take them again with a steady hand, focused and with more light";
-  const double scale = Quantile(scales, 0.5);
+  const double scale = UpperMedian(scales);
   if (scale > scene.options.blurred_scale) {
     finding.severity = Severity::kDegrading;
     finding.evidence = {{"median_feature_scale", scale},
@@ -94,7 +95,7 @@ void FindLittleTexture(const DiagnosedScene& scene,
       weak.push_back(i);
     }
   }
-  const double median = Quantile(counts, 0.5);
+  const double median = UpperMedian(counts);
   const bool all =
       median < static_cast<double>(scene.options.few_features) && !scene.good();
   if (!all && weak.empty()) return;

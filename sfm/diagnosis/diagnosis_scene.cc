@@ -4,21 +4,13 @@
 #include "sfm/diagnosis/diagnosis_scene.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
+#include <utility>
 
+#include "core/quantile.h"
 #include "sfm/scene/reconstruction_measures.h"
 
 namespace freegs::sfm {
-
-double Quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  const auto at =
-      values.begin() +
-      static_cast<ptrdiff_t>(std::floor(share * (values.size() - 1) + 0.5));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 std::string ShortText(double value) {
   char text[32];
@@ -31,7 +23,7 @@ double SharpnessOfSharp(const SceneEvidence& evidence) {
   for (const PhotoEvidence& photo : evidence.photos) {
     if (photo.sharpness > 0) values.push_back(photo.sharpness);
   }
-  return Quantile(std::move(values), 0.75);
+  return NearestQuantile(std::move(values), 0.75);
 }
 
 DiagnosedScene::DiagnosedScene(const SceneEvidence& scene,

@@ -11,7 +11,7 @@
 #include <Eigen/SVD>
 
 #include "core/disjoint_sets.h"
-#include "core/median.h"
+#include "core/quantile.h"
 #include "sfm/scene/sfm_photo.h"
 
 namespace freegs::sfm {

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <utility>
 
-#include "core/median.h"
+#include "core/quantile.h"
 
 namespace freegs::sfm {
 namespace {

@@ -8,30 +8,22 @@
 #include <span>
 #include <unordered_map>
 
+#include "core/disjoint_sets.h"
+
 namespace freegs::sfm {
 namespace {
 
-// Disjoint sets of image ids.
-class Parts {
- public:
-  uint32_t Find(uint32_t id) {
-    auto it = parent_.try_emplace(id, id).first;
-    while (it->second != it->first) it = parent_.find(it->second);
-    // Shortens the path for the next time.
-    return parent_[id] = it->first;
+// Image ids, which may be any numbers, numbered from 0.
+std::unordered_map<uint32_t, uint32_t> NumberImages(
+    const std::vector<PairAgreement>& pairs) {
+  std::unordered_map<uint32_t, uint32_t> number;
+  for (const PairAgreement& pair : pairs) {
+    for (const uint32_t id : {pair.image_id1, pair.image_id2}) {
+      number.try_emplace(id, static_cast<uint32_t>(number.size()));
+    }
   }
-  // False when both were in one set already.
-  bool Unite(uint32_t a, uint32_t b) {
-    a = Find(a);
-    b = Find(b);
-    if (a == b) return false;
-    parent_[b] = a;
-    return true;
-  }
-
- private:
-  std::unordered_map<uint32_t, uint32_t> parent_;
-};
+  return number;
+}
 
 }  // namespace
 
@@ -72,21 +64,26 @@ Contradictions FindContradictions(const std::vector<PairAgreement>& pairs) {
     return pairs[a].matches > pairs[b].matches;
   });
   Contradictions result;
-  Parts tree;   // Joined by the strongest pairs (Kruskal).
-  Parts parts;  // The same without those that the model contradicts.
+  const auto number = NumberImages(pairs);
+  // Kruskal's algorithm joins the images by the strongest pairs.
+  DisjointSets tree(number.size());
+  // The same without the pairs that the model contradicts.
+  DisjointSets parts(number.size());
   for (const size_t i : order) {
     const PairAgreement& pair = pairs[i];
-    if (!tree.Unite(pair.image_id1, pair.image_id2)) continue;
+    const uint32_t a = number.at(pair.image_id1);
+    const uint32_t b = number.at(pair.image_id2);
+    if (!tree.Join(a, b)) continue;
     if (pair.contradicts()) {
       result.strongest.emplace_back(pair.image_id1, pair.image_id2);
     } else {
-      parts.Unite(pair.image_id1, pair.image_id2);
+      parts.Join(a, b);
     }
   }
   if (result.strongest.empty()) return result;
   for (const PairAgreement& pair : pairs) {
-    if (pair.agrees() &&
-        parts.Find(pair.image_id1) != parts.Find(pair.image_id2)) {
+    if (pair.agrees() && parts.Find(number.at(pair.image_id1)) !=
+                             parts.Find(number.at(pair.image_id2))) {
       result.suspects.emplace_back(pair.image_id1, pair.image_id2);
     }
   }

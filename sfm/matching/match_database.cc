@@ -4,10 +4,12 @@
 #include "sfm/matching/match_database.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <cstring>
 #include <sqlite3.h>
 #include <system_error>
+
+#include "core/io/byte_stream.h"
 
 namespace freegs::sfm {
 namespace {
@@ -159,9 +161,9 @@ StatusOr<std::vector<float>> MatchDatabase::FeatureScales(
     return BadInputError(path_.string() + ": the keypoints of photo " +
                          std::to_string(photo_id) + " are not of their size");
   }
-  for (size_t at = 0; at < data.size(); at += row_bytes) {
-    float v[6] = {};
-    std::memcpy(v, data.data() + at, row_bytes);
+  ByteReader reader(data);
+  std::array<float, 6> v;
+  while (reader.GetArray(static_cast<size_t>(columns), v.data())) {
     const float scale =
         columns == 4 ? v[2]
                      : 0.5f * (std::hypot(v[2], v[4]) + std::hypot(v[3], v[5]));
@@ -207,9 +209,10 @@ MatchDatabase::VerifiedPairs() const {
     const std::string data = statement.Text(3);
     // Row by row.
     Eigen::Matrix<double, 3, 3, Eigen::RowMajor> matrix;
-    if (pair.is_homography && data.size() == 9 * sizeof(double)) {
-      std::memcpy(matrix.data(), data.data(), data.size());
-      if (matrix.allFinite()) pair.homography = matrix;
+    ByteReader reader(data);
+    if (pair.is_homography && reader.GetArray(9, matrix.data()) &&
+        reader.at_end() && matrix.allFinite()) {
+      pair.homography = matrix;
     }
     pairs.push_back(pair);
   }
@@ -229,13 +232,16 @@ Status MatchDatabase::ForEachVerifiedPair(
   while ((code = statement.Step()) == SQLITE_ROW) {
     const int64_t pair = statement.Integer(0);
     const std::string data = statement.Text(2);
-    static_assert(sizeof(FeatureMatch) == 8);
     if (statement.Integer(1) != static_cast<int64_t>(data.size() / 8)) {
       return BadInputError(path_.string() + ": the matches of pair " +
                            std::to_string(pair) + " are not of their size");
     }
     matches.resize(data.size() / 8);
-    std::memcpy(matches.data(), data.data(), matches.size() * 8);
+    ByteReader reader(data);
+    for (FeatureMatch& match : matches) {
+      reader.Get(&match.feature1);
+      reader.Get(&match.feature2);
+    }
     visit(static_cast<uint32_t>(pair / kMaxImageId),
           static_cast<uint32_t>(pair % kMaxImageId),
           matches);

@@ -10,7 +10,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 
-#include "core/median.h"
+#include "core/quantile.h"
 
 namespace freegs::sfm {
 namespace {

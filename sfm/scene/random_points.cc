@@ -8,7 +8,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "core/median.h"
+#include "core/quantile.h"
 #include "core/random.h"
 
 namespace freegs::sfm {

@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "core/median.h"
+#include "core/quantile.h"
 
 namespace freegs::sfm {
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/quantile.h"
 #include "core/rigid3d.h"
 
 namespace freegs::splat {
@@ -60,13 +61,9 @@ std::vector<ClearBall> ClearBalls(const CameraClearanceOptions& options,
         for (int64_t v = begin; v < end; ++v) {
           VisibleDistances(views[v], points, &distances);
           if (distances.empty()) continue;
-          const auto nth =
-              distances.begin() +
-              static_cast<ptrdiff_t>(options.near_quantile *
-                                     static_cast<double>(distances.size() - 1));
-          std::nth_element(distances.begin(), nth, distances.end());
           balls[v].centre = CameraCentre(views[v].cam_from_world).cast<float>();
-          balls[v].radius = static_cast<float>(options.factor * *nth);
+          balls[v].radius = static_cast<float>(
+              options.factor * LowerQuantile(distances, options.near_quantile));
         }
       });
   std::erase_if(balls, [](const ClearBall& ball) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The space around each camera that nothing stands in: a Gaussian there is a
-// floater, made up to please the few pictures that look through it.
+// Keeps the space around each camera free of Gaussians. Nothing stood there
+// when the photo was taken; a Gaussian there is a floater that training
+// invented to match a few photos.
 
 #ifndef FREEGS_SPLAT_DENSITY_CAMERA_CLEARANCE_H_
 #define FREEGS_SPLAT_DENSITY_CAMERA_CLEARANCE_H_
@@ -20,31 +21,35 @@
 namespace freegs::splat {
 
 struct CameraClearanceOptions {
-  // Radius of the empty ball around a camera, in terms of the distance that
-  // this share of the points in its picture are nearer than: matches on the
-  // wrong points put some of them anywhere. What has no texture may be nearer
-  // than all points; a quarter leaves it room. 0 keeps nothing clear.
+  // The radius of the empty ball around a camera is `factor` times a distance
+  // d. The share near_quantile of the points in the camera's picture is nearer
+  // than d: wrong matches put single points anywhere, so the nearest point says
+  // little. Surfaces without texture have no points and may be nearer than all
+  // of them; a factor of a quarter leaves room for these. 0 keeps no space
+  // clear.
   double factor = 0.25;
   double near_quantile = 0.02;
 
   Status Check() const;
 };
 
-// A ball that holds no Gaussian's centre.
+// A ball in which no Gaussian's centre is allowed.
 struct ClearBall {
   Eigen::Vector3f centre = Eigen::Vector3f::Zero();  // World frame.
   float radius = 0;                                  // World units.
 };
 
-// One ball for each view that shows any of the points, whatever may hide them.
-// `points` are the means of the Gaussians that training begins with.
+// Returns one ball for each view that has any of the points inside its image,
+// even if other things hide them. The points are the means of `points`, the
+// model that training begins with.
 std::vector<ClearBall> ClearBalls(const CameraClearanceOptions& options,
                                   std::span<const View> views,
                                   const GaussianModel& points,
                                   ThreadPool& pool);
 
-// The Gaussians outside all the balls, ascending. Time grows with Gaussians
-// times balls. The same for any number of threads.
+// Returns the indices of the Gaussians outside all balls, ascending. Takes time
+// in proportion to Gaussians times balls. The result is the same for any number
+// of threads.
 std::vector<uint32_t> OutsideBalls(std::span<const ClearBall> balls,
                                    const GaussianModel& model,
                                    ThreadPool& pool);

@@ -15,7 +15,7 @@
 namespace freegs::splat {
 namespace {
 
-// Keeps the random numbers of splits apart from others of the same seed.
+// The stream of the random numbers of splits; see core/random.h.
 constexpr uint64_t kSplitStream = 0x73706c69740000ULL;  // "split"
 constexpr int kChildren = 2;
 
@@ -29,7 +29,8 @@ double MaxScale(const GaussianModel& model, size_t i) {
   return std::exp(static_cast<double>(std::max({s[0], s[1], s[2]})));
 }
 
-// Compared as floats, so that a share of exactly the limit does not exceed it.
+// Both are compared as floats, so a share of exactly the limit does not exceed
+// it.
 bool IsBlurred(const DensificationOptions& options,
                const DensificationStatistics& statistics,
                size_t i) {
@@ -38,7 +39,8 @@ bool IsBlurred(const DensificationOptions& options,
              static_cast<float>(options.blur_split_share);
 }
 
-// The blurred ones first, by share; the others by gradient.
+// The order in which Gaussians are cloned or split while there is room: blur
+// splits first, by falling share, then the others, by falling gradient.
 void SortByUrgency(const DensificationOptions& options,
                    const DensificationStatistics& statistics,
                    std::vector<uint32_t>* candidates) {
@@ -165,7 +167,7 @@ void DensificationStatistics::AddView(std::span<const uint32_t> visible,
 void DensificationStatistics::AddDominant(const Image<int32_t>& dominant) {
   if (pixel_counts_.size() != size()) pixel_counts_.assign(size(), 0u);
   const std::span<const int32_t> pixels(dominant.data(), dominant.size());
-  // -1 becomes a number beyond any model.
+  // As an unsigned number -1 is larger than the size of any model.
   const auto index = [](int32_t pixel) { return static_cast<uint32_t>(pixel); };
   for (const int32_t pixel : pixels) {
     if (index(pixel) < size()) ++pixel_counts_[index(pixel)];

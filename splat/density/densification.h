@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Adaptive density control of 3D Gaussian Splatting (Kerbl et al. 2023, section
-// 5): clone, split, prune, and the reset of opacities. With the blur split of
-// Mini-Splatting (Fang and Wang 2024, section 4.1).
+// The adaptive density control of 3D Gaussian Splatting (Kerbl et al. 2023,
+// section 5), which clones, splits and prunes Gaussians and resets opacities,
+// and the blur split of Mini-Splatting (Fang and Wang 2024, section 4.1).
 
 #ifndef FREEGS_SPLAT_DENSITY_DENSIFICATION_H_
 #define FREEGS_SPLAT_DENSITY_DENSIFICATION_H_
@@ -18,87 +18,90 @@
 
 namespace freegs::splat {
 
-// What densification remembers of each Gaussian since it last ran.
+// What is known of each Gaussian from the steps since the last densification.
 struct DensificationStatistics {
-  // Sum over the steps that saw the Gaussian of |d loss / d projected mean|, in
-  // the units of 3DGS: image coordinates that span [-1, 1].
+  // The sum of |d loss / d projected mean| over the steps whose view showed the
+  // Gaussian. As in 3DGS image coordinates are in [-1, 1] here.
   std::vector<float> gradient_sum;
 
   // Number of those steps.
   std::vector<uint32_t> visible_steps;
 
-  // Largest projected radius in pixels.
+  // The largest projected radius in pixels.
   std::vector<float> max_radius;
 
-  // Largest share of a picture's pixels at which the Gaussian had the largest
-  // blending weight of all.
+  // The largest share of the pixels of one picture at which the Gaussian had
+  // the largest blending weight of all.
   std::vector<float> max_dominant_share;
 
   size_t size() const { return gradient_sum.size(); }
 
-  // Zeros for `count` Gaussians.
+  // Makes all arrays hold zeros for `count` Gaussians.
   void Reset(size_t count);
 
-  // Adds one step. `visible` lists the Gaussians seen (no repeats); entry k of
-  // the other arrays belongs to visible[k]. pixel_gradients is
-  // d loss / d projected mean in pixels, x and y interleaved; radii in pixels.
+  // Adds one step with a picture of width x height. `visible` lists the
+  // Gaussians seen (no repeats); entry k of the other arrays belongs to
+  // visible[k]. pixel_gradients is d loss / d(projected mean in pixels), x and
+  // y interleaved; radii are in pixels.
   void AddView(std::span<const uint32_t> visible,
                std::span<const float> pixel_gradients,
                std::span<const float> radii,
                int width,
                int height);
 
-  // Adds one picture. `dominant` holds per pixel, H x W, the Gaussian of the
-  // largest weight or -1, see ViewContributions. Time grows with the pixels,
-  // not with the Gaussians.
+  // Adds one picture. `dominant` is H x W: the Gaussian with the largest weight
+  // at each pixel or -1, see ViewContributions. Takes time in proportion to the
+  // pixels, not to the Gaussians.
   void AddDominant(const Image<int32_t>& dominant);
 
-  // gradient_sum / visible_steps, 0 for a Gaussian never seen.
+  // gradient_sum / visible_steps, or 0 for a Gaussian never seen.
   float MeanGradient(size_t index) const {
     return visible_steps[index] == 0
                ? 0.0f
                : gradient_sum[index] / static_cast<float>(visible_steps[index]);
   }
 
-  // Keeps the Gaussians listed; see GaussianModel::Select.
+  // Keeps only the Gaussians listed; see GaussianModel::Select.
   void Select(std::span<const uint32_t> indices);
 
  private:
-  std::vector<uint32_t> pixel_counts_;  // Scratch; zeros between calls.
+  std::vector<uint32_t> pixel_counts_;  // Scratch; all zeros between calls.
 };
 
 struct DensificationOptions {
-  // Gaussians whose mean gradient is at least this are cloned or split (units
-  // of DensificationStatistics::gradient_sum).
+  // Gaussians whose mean gradient is at least this are cloned or split, in the
+  // units of DensificationStatistics::gradient_sum.
   double gradient_threshold = 2e-4;
 
-  // Up to this largest standard deviation a Gaussian is cloned, above it is
-  // split; share of the scene extent.
+  // A Gaussian whose largest standard deviation is at most this is cloned, a
+  // larger one is split. A share of the scene extent.
   double clone_max_scale = 0.01;
 
-  // A split replaces a Gaussian by two drawn from it, this much smaller.
+  // A split replaces a Gaussian by two at positions drawn from it, with
+  // standard deviations divided by this.
   double split_shrink = 1.6;
 
-  // Gaussians of less opacity are removed.
+  // Gaussians with a lower opacity are removed.
   double min_opacity = 0.005;
 
-  // Gaussians with a larger standard deviation are removed; share of the scene
-  // extent, 0 removes none. 3DGS uses 0.1 once opacities were reset.
+  // Gaussians with a larger standard deviation are removed. A share of the
+  // scene extent; 0 removes none. 3DGS uses 0.1 after the first reset of
+  // opacities.
   double max_scale = 0;
 
-  // Gaussians that covered a larger radius in pixels are removed; 0 removes
-  // none.
+  // Gaussians whose projected radius was larger than this are removed. In
+  // pixels; 0 removes none.
   double max_radius = 0;
 
-  // Blur split: Gaussians that dominated more than this share of a picture's
-  // pixels are split, whatever their gradient and small as they may be, for
-  // they stand for detail that their own gradient does not ask for. 0 splits
-  // none; Mini-Splatting uses 1/5000.
+  // Blur split: a Gaussian that had the largest weight at more than this share
+  // of the pixels of one picture is split, whatever its gradient and size. Such
+  // a Gaussian blurs detail that its own gradient does not show. 0 splits none;
+  // Mini-Splatting uses 1/5000.
   double blur_split_share = 0;
 
-  // No clones or splits beyond this number of Gaussians: blur splits go first,
-  // those of the largest share leading, then those of the largest gradients. 0
-  // is no limit.
+  // The largest number of Gaussians that cloning and splitting may lead to; 0
+  // is no limit. When there is not room for all, blur splits come first, by
+  // falling share, then the others, by falling gradient.
   int64_t max_gaussians = 0;
 
   Status Check() const;
@@ -106,18 +109,19 @@ struct DensificationOptions {
 
 struct DensificationSummary {
   size_t cloned = 0;
-  size_t split = 0;       // Gaussians replaced, each by two.
-  size_t blur_split = 0;  // Those of them that were blur splits.
-  size_t pruned = 0;      // Removed; those replaced by a split do not count.
-  size_t total = 0;       // Gaussians afterwards.
+  size_t split = 0;       // Gaussians that were each replaced by two.
+  size_t blur_split = 0;  // How many of these were blur splits.
+  size_t pruned = 0;  // Gaussians removed, without those replaced by a split.
+  size_t total = 0;   // Gaussians afterwards.
 };
 
-// Edits model and optimiser together and resets the statistics. Afterwards come
-// the Gaussians kept, in their old order and with their moments, then the
-// clones, then the children of splits, both in the order of their originals,
-// with zero moments. Random numbers are a function of (seed, iteration, index
-// of the Gaussian before), so the result does not depend on threads or
-// interruptions. `scene_extent` is in world units, see SceneExtent.
+// Changes the model and the moments of the optimiser together, and resets the
+// statistics. The Gaussians that are kept come first, in their old order and
+// with their moments. The clones follow, then the parts of splits, both in the
+// order of their originals and with moments of zero. Random numbers are a
+// function of seed, iteration and the old index of the Gaussian, so the result
+// does not depend on threads or interruptions. `scene_extent` is in world
+// units, see SceneExtent.
 DensificationSummary Densify(const DensificationOptions& options,
                              double scene_extent,
                              uint64_t seed,
@@ -126,8 +130,9 @@ DensificationSummary Densify(const DensificationOptions& options,
                              Adam* adam,
                              DensificationStatistics* statistics);
 
-// Lowers opacities above `max_opacity` to it and forgets their moments (3DGS:
-// 0.01 every 3000 iterations, against floaters near the cameras).
+// Lowers opacities above `max_opacity` to it and sets the moments of all
+// opacities to zero. 3DGS does so with 0.01 every 3000 iterations, to get rid
+// of floaters near the cameras.
 void ResetOpacity(double max_opacity, GaussianModel* model, Adam* adam);
 
 }  // namespace freegs::splat

@@ -12,10 +12,11 @@
 namespace freegs::splat {
 namespace {
 
-// Smallest standard deviation, in terms of the largest.
+// The smallest standard deviation, as a share of the largest.
 constexpr double kMinFlatness = 1e-6;
 
-// sqrt(2 ln 255): in standard deviations, where an opaque Gaussian ends.
+// sqrt(2 ln 255): the distance in standard deviations at which the alpha of an
+// opaque Gaussian falls to 1/255.
 constexpr double kReach = 3.329;
 
 bool SameSize(const Pinhole& camera,
@@ -29,7 +30,8 @@ bool SameSize(const Pinhole& camera,
          fits(contributions.transmittance, 1) && fits(photo, 3);
 }
 
-// From the camera through the centre of a pixel; camera frame, z = 1.
+// The direction from the camera through the centre of a pixel, in the camera
+// frame with z = 1.
 Eigen::Vector3d CameraRay(const Pinhole& camera, int x, int y) {
   return {(x + 0.5 - camera.cx) / camera.fx,
           (y + 0.5 - camera.cy) / camera.fy,
@@ -51,8 +53,9 @@ std::optional<double> MidpointDistance(const GaussianModel& model,
   if (!(rotation.squaredNorm() > 1e-20)) return std::nullopt;
   rotation.normalize();
 
-  // The frame in which the Gaussian is a ball. Its size cancels, so lengths are
-  // in terms of the largest standard deviation and nothing overflows.
+  // In this frame the Gaussian is a ball. The size of the ball cancels in t, so
+  // lengths are divided by the largest standard deviation and nothing
+  // overflows.
   const double largest = log_scale.maxCoeff();
   const Eigen::Array3d scale =
       (log_scale.array() - largest).exp().max(kMinFlatness);
@@ -96,7 +99,7 @@ StatusOr<DepthPoints> SampleDepthPoints(const GaussianModel& model,
   std::vector<float> depths(num_pixels);  // z in the camera frame.
   std::vector<float> chances(num_pixels, 0.0f);
   for (size_t i = 0; i < num_pixels; ++i) {
-    // -1 becomes a number beyond any model.
+    // As an unsigned number -1 is larger than the size of any model.
     const auto dominant =
         static_cast<uint32_t>(contributions.dominant.data()[i]);
     if (dominant >= model.size()) continue;
@@ -159,7 +162,7 @@ std::vector<size_t> PointsPerView(std::span<const double> opacity,
   std::stable_sort(shown.begin(), shown.end(), [&](size_t a, size_t b) {
     return remainders[a] > remainders[b];
   });
-  // Rounding apart, fewer are left than views.
+  // But for rounding, fewer points than views are left.
   for (size_t k = 0; left > 0; ++k, --left) ++counts[shown[k % shown.size()]];
   return counts;
 }

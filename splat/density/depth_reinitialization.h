@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Points on the surfaces that the model shows, spread over the pictures evenly:
-// where to start the Gaussians again (Fang and Wang 2024, Mini-Splatting,
-// section 4.1, depth reinitialisation).
+// Draws points on the surfaces that the model shows, spread evenly over the
+// pictures, and starts the Gaussians again from them: the depth
+// reinitialisation of Mini-Splatting (Fang and Wang 2024, section 4.1).
 
 #ifndef FREEGS_SPLAT_DENSITY_DEPTH_REINITIALIZATION_H_
 #define FREEGS_SPLAT_DENSITY_DEPTH_REINITIALIZATION_H_
@@ -24,17 +24,20 @@
 
 namespace freegs::splat {
 
-// Distance along a ray (origin and unit direction in the world frame) of the
-// point of maximal density of a Gaussian, which is the middle between the two
-// intersections of the ray with its ellipsoid:
+// Returns the distance t along a ray, with origin o and unit direction d in the
+// world frame, at which the density of a Gaussian is largest. This is the
+// middle between the two intersections of the ray with its ellipsoid:
 //   t = d^T A (mu - o) / (d^T A d),  A = Sigma^-1.
-// Negative behind the origin. Standard deviations below a millionth of the
-// largest are taken as that. Also defined for a ray that passes beside the
-// ellipsoid, where the renderer's dilation lets it blend: t is then bounded to
-// the ball around the mean that holds the Gaussian (3.33 of the largest
-// standard deviation, where alpha falls to 1/255), for a ray that grazes a flat
-// Gaussian would meet its plane anywhere. Nothing when a parameter is not
-// finite or the rotation is zero.
+// t is negative behind the origin. Standard deviations below a millionth of the
+// largest count as a millionth of it.
+//
+// A ray that passes beside the ellipsoid has a t as well, for the renderer's
+// dilation blends the Gaussian there too. But a ray that grazes a flat Gaussian
+// meets its plane arbitrarily far away, so t is limited to the ball around the
+// mean that holds the Gaussian: its radius is 3.33 times the largest standard
+// deviation, where alpha falls to 1/255.
+//
+// Returns nothing when a parameter is not finite or the rotation is zero.
 std::optional<double> MidpointDistance(const GaussianModel& model,
                                        size_t index,
                                        const Eigen::Vector3d& origin,
@@ -47,20 +50,21 @@ struct DepthPoints {
 
   size_t size() const { return positions.size(); }
 
-  // Adds those of another view.
+  // Appends the points of another view.
   void Append(const DepthPoints& other);
 };
 
-// Draws `count` pixels of a view without replacement, with a probability
-// proportional to their accumulated opacity (1 - transmittance), and gives the
-// midpoint of the dominant Gaussian on the ray through the pixel's centre, in
-// the photo's colour there; in row-major order. Pixels without a dominant
-// Gaussian, and those whose midpoint is nearer than `near_plane` (z in the
-// camera frame, world units), are left out before drawing: fewer points than
-// `count` when fewer pixels remain. Random numbers are a function of
-// (seed, stream, pixel): give each view and restart a stream of its own.
-// kInvalidArgument unless the arrays of `contributions`, the RGB photo and the
-// view's camera are of one size.
+// Draws `count` pixels of a view without replacement, with a probability in
+// proportion to their accumulated opacity, 1 - transmittance. Returns, in
+// row-major order, one point per pixel drawn: the midpoint (see
+// MidpointDistance) of the pixel's dominant Gaussian on the ray through the
+// pixel's centre, in the colour that the photo has there. Pixels without a
+// dominant Gaussian, and those whose midpoint is nearer than `near_plane` (z in
+// the camera frame, world units), are left out before the draw; when fewer than
+// `count` pixels remain, all of them are taken. Random numbers are a function
+// of seed, stream and pixel, so each view and each restart needs a stream of
+// its own. Fails with kInvalidArgument unless the arrays of `contributions`,
+// the RGB photo and the view's camera have the same size.
 StatusOr<DepthPoints> SampleDepthPoints(const GaussianModel& model,
                                         const View& view,
                                         const ViewContributions& contributions,
@@ -70,18 +74,20 @@ StatusOr<DepthPoints> SampleDepthPoints(const GaussianModel& model,
                                         uint64_t seed,
                                         uint64_t stream);
 
-// Sum over the pixels with a dominant Gaussian of the accumulated opacity.
+// The sum of the accumulated opacity over the pixels that have a dominant
+// Gaussian.
 double AccumulatedOpacity(const ViewContributions& contributions);
 
-// Shares `total` points among views in proportion to `opacity`, the accumulated
-// opacity of each (largest remainders, ties to the first): as every pixel of
-// all views together had the same chance per opacity. Sums to `total`, unless
-// no view shows anything: all zeros then. Values that are negative or not
-// finite count as 0.
+// Divides `total` points among the views in proportion to their accumulated
+// opacity, as if the pixels were drawn from all views together. Rounds by the
+// method of largest remainders; of equal remainders the first view wins. The
+// numbers sum up to `total`, or are all zero when no view shows anything.
+// Values that are negative or not finite count as 0.
 std::vector<size_t> PointsPerView(std::span<const double> opacity,
                                   size_t total);
 
-// The model to go on with: InitializeFromPoints for these points.
+// Returns the model to go on with: what InitializeFromPoints makes of the
+// points.
 StatusOr<GaussianModel> RestartFromDepthPoints(
     const DepthPoints& points,
     double scene_extent,

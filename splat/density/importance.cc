@@ -7,6 +7,8 @@
 
 #include <Eigen/Core>
 
+#include "core/quantile.h"
+
 namespace freegs::splat {
 namespace {
 
@@ -14,26 +16,17 @@ constexpr double kFarFactor = 5;
 constexpr double kFarShare = 0.1;
 constexpr double kNearQuantile = 0.25;
 
-// The value that `share` of the values (one or more) do not exceed.
-double Quantile(std::vector<double> values, double share) {
-  const auto nth =
-      values.begin() +
-      static_cast<ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), nth, values.end());
-  return *nth;
-}
-
 Eigen::Vector3d MedianPoint(const std::vector<Eigen::Vector3d>& points) {
   Eigen::Vector3d median;
   std::vector<double> values(points.size());
   for (int axis = 0; axis < 3; ++axis) {
     for (size_t i = 0; i < points.size(); ++i) values[i] = points[i][axis];
-    median[axis] = Quantile(values, 0.5);
+    median[axis] = LowerQuantile(values, 0.5);
   }
   return median;
 }
 
-// The finite ones.
+// The distances that are finite.
 std::vector<double> Distances(const Eigen::Vector3d& from,
                               const std::vector<Eigen::Vector3d>& points) {
   std::vector<double> distances;
@@ -91,8 +84,8 @@ ImportanceMetric ChooseImportanceMetric(std::span<const View> views,
   const std::vector<double> distances = Distances(middle, means);
   if (distances.empty()) return ImportanceMetric::kIndoor;
 
-  const double length = std::max(Quantile(Distances(middle, centres), 0.5),
-                                 Quantile(distances, kNearQuantile));
+  const double length = std::max(LowerQuantile(Distances(middle, centres), 0.5),
+                                 LowerQuantile(distances, kNearQuantile));
   const auto num_far =
       std::count_if(distances.begin(), distances.end(), [&](double distance) {
         return distance > kFarFactor * length;

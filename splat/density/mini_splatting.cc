@@ -18,7 +18,7 @@ namespace {
 constexpr uint64_t kDepthStream = 0x6465707468;       // "depth"
 constexpr uint64_t kSimplifyStream = 0x73696d706c65;  // "simple"
 
-// Of the paper: 3.5 million points, at most 4.5 million Gaussians.
+// The paper draws 3.5 million points and has at most 4.5 million Gaussians.
 constexpr double kDepthShareOfDense = 7.0 / 9;
 constexpr uint64_t kMaxDepthPoints = 3500000;
 constexpr uint64_t kPixelsPerDepthPoint = 32;
@@ -58,9 +58,6 @@ Status MiniSplattingOptions::Check() const {
   if (!(simplify_slack >= 1 && std::isfinite(simplify_slack))) {
     return InvalidArgumentError("simplify_slack must be at least 1");
   }
-  if (depth_points < 0) {
-    return InvalidArgumentError("depth_points must not be negative");
-  }
   if (!(simplify_keep > 0 && simplify_keep <= 1)) {
     return InvalidArgumentError("simplify_keep must be in (0, 1]");
   }
@@ -87,9 +84,6 @@ size_t NumDepthPoints(const MiniSplattingOptions& options,
                       int64_t budget,
                       size_t num_gaussians,
                       uint64_t num_pixels) {
-  if (options.depth_points > 0) {
-    return static_cast<size_t>(options.depth_points);
-  }
   if (budget > 0) {
     const double dense = options.dense_factor * static_cast<double>(budget);
     return static_cast<size_t>(std::ceil(kDepthShareOfDense * dense));
@@ -116,8 +110,8 @@ StatusOr<MiniSplattingSummary> ReinitializeFromDepth(
     opacity[i] = AccumulatedOpacity(contributions);
     num_pixels += contributions.dominant.num_pixels();
   }
-  // Each view is rendered again rather than held: a thousand photos of a
-  // megapixel would be 8 GB.
+  // Each view is rendered a second time instead of being kept: the renderings
+  // of a thousand photos of a megapixel would take 8 GB.
   const std::vector<size_t> counts = PointsPerView(
       opacity, NumDepthPoints(options, budget, model->size(), num_pixels));
   DepthPoints points;
@@ -164,12 +158,8 @@ StatusOr<MiniSplattingSummary> Simplify(const MiniSplattingOptions& options,
       budget > 0 ? static_cast<size_t>(budget)
                  : static_cast<size_t>(std::ceil(
                        options.simplify_keep * static_cast<double>(important)));
-  const std::vector<uint32_t> kept =
-      options.sampling ? SampleByImportance(importance,
-                                            count,
-                                            context.seed,
-                                            StreamOf(kSimplifyStream, context))
-                       : MostImportant(importance, count);
+  const std::vector<uint32_t> kept = SampleByImportance(
+      importance, count, context.seed, StreamOf(kSimplifyStream, context));
   MiniSplattingSummary summary{model->size(), kept.size()};
   if (restart) {
     FREEGS_ASSIGN_OR_RETURN(

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The milestones of Mini-Splatting (Fang and Wang 2024) on a model and the
-// photos it learns from: depth reinitialisation, simplification, pruning.
+// The three operations of Mini-Splatting (Fang and Wang 2024) that change the
+// whole model during training: depth reinitialisation, simplification and
+// pruning.
 
 #ifndef FREEGS_SPLAT_DENSITY_MINI_SPLATTING_H_
 #define FREEGS_SPLAT_DENSITY_MINI_SPLATTING_H_
@@ -11,42 +12,36 @@
 
 #include "core/parallel.h"
 #include "core/status.h"
-#include "splat/optim/adam.h"
-#include "splat/scene/gaussian_model.h"
 #include "splat/density/importance.h"
+#include "splat/images/training_images.h"
+#include "splat/optim/adam.h"
 #include "splat/render/rasterizer.h"
 #include "splat/render/renderer.h"
-#include "splat/images/training_images.h"
+#include "splat/scene/gaussian_model.h"
 
 namespace freegs::splat {
 
 struct MiniSplattingOptions {
-  // See DensificationOptions. The paper has 1/5000 of pictures of a megapixel;
-  // on small ones that is a few pixels, and nearly everything would count.
+  // See DensificationOptions. The paper uses 1/5000 with pictures of about a
+  // megapixel. In a small picture that is a few pixels, so nearly every
+  // Gaussian would be split.
   double blur_split_share = 1.0 / 1000;
 
-  // With a budget, the Gaussians of the dense model, before simplification, are
-  // at most this many times as many.
+  // The model before the simplification may have this many times as many
+  // Gaussians as the budget allows afterwards.
   double dense_factor = 2.0;
 
-  // Points drawn from the depth maps of all views together; 0 chooses, see
-  // NumDepthPoints.
-  int64_t depth_points = 0;
-
-  // Share of the Gaussians with any importance that simplification keeps when
-  // there is no budget.
+  // When there is no budget, the simplification keeps this share of the
+  // Gaussians whose importance is not 0.
   double simplify_keep = 0.5;
 
-  // Drawn at random by importance (the paper); false takes the most important.
-  bool sampling = true;
-
-  // Whether the Gaussians kept start again from position and colour, as in the
-  // paper, or go on as they are. Starting again costs thousands of steps.
+  // Whether the Gaussians kept by the simplification start again from their
+  // position and colour, as in the paper, or go on with all their parameters.
+  // Starting again costs thousands of steps.
   bool restart_after_simplification = false;
 
-  // With a budget and a pruning still to come, the simplification keeps so many
-  // times as many Gaussians: the pruning takes the last step down to the
-  // budget.
+  // When a pruning follows, the simplification keeps this many times as many
+  // Gaussians as the budget allows, and the pruning removes the rest.
   double simplify_slack = 1.15;
 
   // Share of the total importance that the last pruning removes.
@@ -55,7 +50,7 @@ struct MiniSplattingOptions {
   Status Check() const;
 };
 
-// What the operations work with. Photos and views are taken at `level` of the
+// What all three operations need. Photos and views are taken at `level` of the
 // image pyramid.
 struct MiniSplattingContext {
   TrainingImages* images = nullptr;
@@ -68,31 +63,31 @@ struct MiniSplattingContext {
   ThreadPool* pool = nullptr;
 };
 
-// Gaussians before and after.
+// The number of Gaussians before and after an operation.
 struct MiniSplattingSummary {
   size_t before = 0;
   size_t after = 0;
 };
 
-// Importance of every Gaussian over all views; two renderings of one view are
-// never held at once.
+// Returns the importance of every Gaussian over all views.
 std::vector<float> ComputeImportance(const MiniSplattingContext& context,
                                      const GaussianModel& model,
                                      ImportanceMetric metric);
 
-// How many points the depth maps give when the options leave it open. With a
-// budget: 7/9 of the largest dense model, as the 3.5 of 4.5 million of the
-// paper, which leaves blur splits the room to add detail. Without: one in 32
-// pixels of the photos but no fewer than there are Gaussians, at most 3.5
-// million. Any number of pixels is a bound in itself.
+// Returns how many points to draw from the depth maps of all views together.
+// With a budget they are 7/9 of the largest dense model, like the 3.5 of 4.5
+// million in the paper; blur splits can add detail with the rest. Without a
+// budget they are one for 32 pixels of the photos, but no fewer than there are
+// Gaussians and no more than 3.5 million.
 size_t NumDepthPoints(const MiniSplattingOptions& options,
                       int64_t budget,
                       size_t num_gaussians,
                       uint64_t num_pixels);
 
-// The model starts again from points on the surfaces it shows, in the photos'
-// colours, with zero moments. It stays as it is, moments too, when no view
-// shows anything. Renders each view twice.
+// Replaces the model by one that starts again from points on the surfaces that
+// it shows, in the photos' colours and with moments of zero. Renders each view
+// twice. When no view shows anything the model and its moments stay as they
+// are.
 StatusOr<MiniSplattingSummary> ReinitializeFromDepth(
     const MiniSplattingOptions& options,
     int64_t budget,
@@ -100,10 +95,11 @@ StatusOr<MiniSplattingSummary> ReinitializeFromDepth(
     GaussianModel* model,
     Adam* adam);
 
-// Keeps `budget` Gaussians (0: the share simplify_keep) by importance.
-// `restart` starts them again with zero moments, see RestartFromMeans; else
-// they keep parameters and moments. kUnusableResult when no view shows any
-// Gaussian.
+// Keeps `budget` Gaussians, drawn at random in proportion to their importance
+// (SampleByImportance). A budget of 0 stands for the share simplify_keep. With
+// `restart` they start again with moments of zero (RestartFromMeans), else they
+// keep their parameters and moments. Fails with kUnusableResult when no view
+// shows any Gaussian.
 StatusOr<MiniSplattingSummary> Simplify(const MiniSplattingOptions& options,
                                         int64_t budget,
                                         ImportanceMetric metric,
@@ -112,10 +108,10 @@ StatusOr<MiniSplattingSummary> Simplify(const MiniSplattingOptions& options,
                                         GaussianModel* model,
                                         Adam* adam);
 
-// Removes the least important Gaussians that together carry
-// prune_importance_share of the importance, and more when that leaves more than
-// `budget` (0: no limit); the others keep parameters and moments.
-// kUnusableResult as above.
+// Removes the least important Gaussians, as many as together carry
+// prune_importance_share of the total importance, and more when more than
+// `budget` would be left (0 is no limit). The others keep their parameters and
+// moments. Fails with kUnusableResult when no view shows any Gaussian.
 StatusOr<MiniSplattingSummary> PruneByImportance(
     const MiniSplattingOptions& options,
     int64_t budget,

@@ -26,8 +26,8 @@ std::vector<uint32_t> SampleByImportance(std::span<const float> importance,
                                          size_t count,
                                          uint64_t seed,
                                          uint64_t stream) {
-  // Waiting times of independent events whose rates are the importances: the
-  // first to come are a draw without replacement.
+  // Each Gaussian gets the waiting time of an event whose rate is its
+  // importance. The `count` earliest events are a draw without replacement.
   std::vector<std::pair<double, uint32_t>> waits;
   for (size_t i = 0; i < importance.size(); ++i) {
     if (!HasImportance(importance[i])) continue;
@@ -57,7 +57,7 @@ std::vector<uint32_t> KeepCumulativeImportance(
   });
   double total = 0;
   for (const uint32_t i : order) total += importance[i];
-  // Rounding must not cost the smallest ones when all are asked for.
+  // A share of 1 must give all of them, whatever the rounding of the sum.
   const double wanted =
       share < 1 ? share * total : std::numeric_limits<double>::infinity();
   double carried = 0;

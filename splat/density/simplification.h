@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Fewer Gaussians for the same scene, chosen by importance (Fang and Wang 2024,
-// Mini-Splatting, section 4.2). What counts as important: splat/density/importance.h.
+// Chooses the Gaussians that a smaller model keeps by their importance (Fang
+// and Wang 2024, Mini-Splatting, section 4.2). importance.h says what is
+// important.
 
 #ifndef FREEGS_SPLAT_DENSITY_SIMPLIFICATION_H_
 #define FREEGS_SPLAT_DENSITY_SIMPLIFICATION_H_
@@ -16,37 +17,40 @@
 
 namespace freegs::splat {
 
-// In both functions an importance that is negative or not finite counts as 0,
-// and Gaussians of importance 0 are never chosen. Indices come out ascending.
+// The three functions that choose Gaussians return indices in ascending order.
+// They treat an importance that is negative or not finite as 0, and never
+// choose a Gaussian of importance 0.
 
-// Draws `count` indices without replacement, each draw with a probability
-// proportional to importance among those left (the exponential keys of
-// Efraimidis and Spirakis 2006). All that have importance when they are no more
-// than `count`. Random numbers are a function of (seed, stream, index).
-// Sampling keeps some of the less important, where taking the most important
-// would leave holes.
+// Draws `count` indices without replacement, with probabilities in proportion
+// to importance (the exponential keys of Efraimidis and Spirakis 2006). Returns
+// all Gaussians that have any importance when there are no more than `count`.
+// Random numbers are a function of seed, stream and index.
+//
+// A random choice keeps some of the less important Gaussians everywhere; the
+// most important ones alone would leave holes.
 std::vector<uint32_t> SampleByImportance(std::span<const float> importance,
                                          size_t count,
                                          uint64_t seed,
                                          uint64_t stream);
 
-// The fewest Gaussians, the most important ones (ties by index), that together
-// carry at least `share` of the total importance. All that have importance for
-// a share of 1 or more, none for 0 or less. Mini-Splatting's last pruning keeps
-// 0.99.
+// Returns the most important Gaussians (ties by index), as few as together
+// carry at least `share` of the total importance. A share of 1 or more gives
+// all that have any importance, a share of 0 or less gives none. The last
+// pruning of Mini-Splatting keeps 0.99.
 std::vector<uint32_t> KeepCumulativeImportance(
     std::span<const float> importance, double share);
 
-// The `count` most important (ties by index), or all that have importance when
-// they are no more.
+// Returns the `count` most important Gaussians (ties by index), or all that
+// have any importance when there are no more than that.
 std::vector<uint32_t> MostImportant(std::span<const float> importance,
                                     size_t count);
 
-// Starts afresh from the Gaussians listed: position and colour of degree 0 stay
-// to the last bit, the rest is set as InitializeFromPoints sets it (opacity,
-// isotropic scale from the neighbours among those kept, no rotation, no
-// coefficients above degree 0). Gaussians whose position or colour is not
-// finite are left out. kInvalidArgument for an index outside the model,
+// Returns a model of the Gaussians listed, in which position and colour of
+// degree 0 are the same bit for bit and everything else is as
+// InitializeFromPoints would set it: opacity, an isotropic scale from the
+// neighbours among those kept, no rotation, and SH coefficients of zero above
+// degree 0. Gaussians whose position or colour is not finite are left out.
+// Fails with kInvalidArgument when an index is outside the model, with
 // kBadInput when nothing remains.
 StatusOr<GaussianModel> RestartFromMeans(
     const GaussianModel& model,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Image quality on photographs that training never saw.
+// Measures image quality on photographs that training never saw.
 
 #ifndef FREEGS_SPLAT_IMAGES_HOLDOUT_H_
 #define FREEGS_SPLAT_IMAGES_HOLDOUT_H_
@@ -10,27 +10,27 @@
 #include "core/image.h"
 #include "core/parallel.h"
 #include "core/status.h"
-#include "splat/scene/gaussian_model.h"
-#include "splat/render/renderer.h"
 #include "splat/images/training_images.h"
+#include "splat/render/renderer.h"
+#include "splat/scene/gaussian_model.h"
 
 namespace freegs::splat {
 
 struct HoldoutView {
   std::string name;
-  double psnr = 0;  // dB, of the 8-bit rendering against the 8-bit photo.
+  double psnr = 0;  // In dB, of the 8-bit rendering against the 8-bit photo.
   double ssim = 0;
   ImageU8 rendered;
 };
 
 struct HoldoutReport {
-  double mean_psnr = 0;  // Mean over views of the per-view figure.
+  double mean_psnr = 0;  // The mean of the views' PSNR.
   double mean_ssim = 0;
   std::vector<HoldoutView> views;
 };
 
-// Renders every view of `images` at a level of its pyramid and compares. Fails
-// when a photo has become unreadable. `images` must not be empty.
+// Renders every view of `images` (one or more) at a level of the image pyramid
+// and compares it with the photo. Fails when a photo has become unreadable.
 StatusOr<HoldoutReport> MeasureHoldout(const GaussianModel& model,
                                        const RenderOptions& options,
                                        TrainingImages* images,

@@ -11,14 +11,17 @@
 namespace freegs::splat {
 namespace {
 
-// Photos looked at, evenly spread, and the least useful side of a level.
+// How many photos are looked at, spread evenly over all, and the shortest side
+// that a level may have.
 constexpr size_t kMaxPhotos = 8;
 constexpr int kMinSide = 32;
 
-// The share of the iterations that small images get when they carry all.
+// The share of the iterations that a level would get if it showed the whole
+// spectrum.
 constexpr double kCoarsePart = 0.25;
 
-// Amplitudes below this are rounding, in units of the sum over a flat image.
+// Sums of amplitudes below this share of the sum of an image of one colour are
+// rounding errors.
 constexpr double kNoise = 1e-5;
 
 double Hann(int i, int count) {
@@ -30,7 +33,7 @@ double Frequency(int i, int count) {
   return static_cast<double>(std::min(i, count - i)) / count;
 }
 
-// Grey values less their mean, faded out towards the borders.
+// Grey values minus their mean, faded out towards the borders.
 cv::Mat WindowedGrey(const ImageF& image) {
   cv::Mat grey(image.height(), image.width(), CV_32F);
   for (int y = 0; y < image.height(); ++y) {
@@ -66,7 +69,7 @@ std::vector<double> SpectrumShares(const ImageF& image, int num_levels) {
       }
     }
   }
-  // An image of one colour has no spectrum: any level carries all of it.
+  // An image of one colour has no spectrum, and every level shows all of it.
   const double total = sums[0];
   const double noise = kNoise * static_cast<double>(image.num_pixels());
   for (double& sum : sums) sum = total > noise ? sum / total : 1.0;

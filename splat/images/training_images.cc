@@ -56,8 +56,8 @@ StatusOr<TrainingImages> TrainingImages::Load(
   images.entries_.resize(views.size());
   for (size_t i = 0; i < views.size(); ++i) images.entries_[i].view = views[i];
 
-  // In batches, so that no more than a few photos beyond max_bytes are in
-  // memory.
+  // Photos are read in batches, so that memory holds no more than a few photos
+  // beyond max_bytes.
   const auto count = static_cast<int64_t>(views.size());
   const int64_t batch = 4 * static_cast<int64_t>(pool.num_threads());
   for (int64_t begin = 0; begin < count; begin += batch) {
@@ -122,8 +122,8 @@ StatusOr<std::vector<ImageU8>> TrainingImages::ReadPyramid(size_t index) const {
   std::vector<ImageU8> pyramid;
   for (int level = 0; level < options_.num_levels; ++level) {
     const Pinhole camera = AtLevel(view.camera, options_.max_side, level);
-    // From level 0, which is averaged from the photo: no error of rounding to
-    // 8 bits adds up along the pyramid.
+    // Every level is averaged from level 0, so that errors of rounding to 8
+    // bits do not add up along the pyramid.
     pyramid.push_back(
         Resize(level == 0 ? photo : pyramid[0], camera.width, camera.height));
   }

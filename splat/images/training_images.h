@@ -1,5 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The photographs that training compares against, at the sizes it asks for.
+// The photographs that training compares its renderings with, at several sizes.
+//
+//   FREEGS_ASSIGN_OR_RETURN(
+//       TrainingImages images,
+//       TrainingImages::Load(views, "scene/images", {.max_side = 1600}, pool));
+//   ImageF photo;
+//   FREEGS_RETURN_IF_ERROR(images.Fetch(0, 1, &photo));  // View 0, half size.
 
 #ifndef FREEGS_SPLAT_IMAGES_TRAINING_IMAGES_H_
 #define FREEGS_SPLAT_IMAGES_TRAINING_IMAGES_H_
@@ -18,26 +24,29 @@
 namespace freegs::splat {
 
 struct TrainingImagesOptions {
-  // Longest side of level 0 in pixels; 0 keeps the photos' own size.
+  // The longest side of level 0 in pixels; larger photos are reduced to it. 0
+  // keeps the photos' own size.
   int max_side = 0;
 
-  // Levels of the pyramid; level k has sides 1 / 2^k of level 0, rounded.
+  // Number of levels of the image pyramid. The sides of level k are those of
+  // level 0 divided by 2^k and rounded.
   int num_levels = 3;
 
-  // Bytes of decoded photos held in memory; beyond it the least recently used
-  // are dropped and read again when asked for. One photo is always held.
+  // The most bytes that decoded photos may take in memory. When there are more,
+  // the photos that were not used for longest are dropped, and read again when
+  // they are needed. One photo is always kept.
   uint64_t max_bytes = uint64_t{4} << 30;
 
   Status Check() const;
 };
 
-// Photos are held as 8-bit pyramids (area averaging). What Fetch returns does
-// not depend on max_bytes or on earlier calls.
+// Photos are kept as pyramids of 8-bit images that are reduced by averaging
+// areas. What Fetch returns does not depend on max_bytes or on earlier calls.
 class TrainingImages {
  public:
-  // Reads folder / view.name for every view, once, to find unreadable photos
-  // now and not in the middle of training. kBadInput when one cannot be read or
-  // is not of its camera's size.
+  // Reads folder / view.name for every view, to find unreadable photos now and
+  // not in the middle of training. Fails with kBadInput when a photo cannot be
+  // read or does not have its camera's size.
   static StatusOr<TrainingImages> Load(std::span<const View> views,
                                        const std::filesystem::path& folder,
                                        const TrainingImagesOptions& options,
@@ -46,26 +55,22 @@ class TrainingImages {
   size_t size() const { return entries_.size(); }
   int num_levels() const { return options_.num_levels; }
 
-  // The view with its camera resized to a level. index < size(),
+  // A view whose camera is resized to a level, and its parts. index < size(),
   // 0 <= level < num_levels().
   View view(size_t index, int level = 0) const;
-  // Its parts, without a copy of the name.
   Pinhole camera(size_t index, int level) const;
   const Rigid3d& cam_from_world(size_t index) const {
     return entries_[index].view.cam_from_world;
   }
 
-  // The photo at a level: H x W x 3 in [0, 1], of view(index, level)'s size.
-  // Not for concurrent calls. Fails only when a dropped photo has since become
-  // unreadable or changed its size.
+  // Writes the photo at a level to *image: H x W x 3 in [0, 1], of the size of
+  // view(index, level). Only one thread may call it at a time. Fails only when
+  // a dropped photo has become unreadable or changed its size since Load.
   Status Fetch(size_t index, int level, ImageF* image);
-
-  // Bytes of decoded photos held now.
-  uint64_t held_bytes() const { return held_bytes_; }
 
  private:
   struct Entry {
-    View view;                     // As given, with the photo's own size.
+    View view;                     // As given to Load: the photo's own size.
     std::vector<ImageU8> pyramid;  // Empty when dropped.
     uint64_t last_use = 0;
   };
@@ -77,7 +82,7 @@ class TrainingImages {
   TrainingImagesOptions options_;
   std::filesystem::path folder_;
   std::vector<Entry> entries_;
-  uint64_t held_bytes_ = 0;
+  uint64_t held_bytes_ = 0;  // Of all pyramids in entries_.
   uint64_t clock_ = 0;
 };
 

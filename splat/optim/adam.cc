@@ -8,7 +8,7 @@
 namespace freegs::splat {
 namespace {
 
-// Touched Gaussians per task.
+// How many touched Gaussians a task updates.
 constexpr int64_t kGrain = 2048;
 
 }  // namespace

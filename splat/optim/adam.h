@@ -11,71 +11,77 @@
 #include "core/parallel.h"
 #include "core/status.h"
 #include "splat/optim/adam_simd.h"
-#include "splat/scene/gaussian_model.h"
 #include "splat/optim/learning_rates.h"
+#include "splat/scene/gaussian_model.h"
 
 namespace freegs::splat {
 
 struct AdamOptions {
-  // Decay per step of the first and second moments.
+  // Factors by which the first and second moments decay per step.
   double beta1 = 0.9;
   double beta2 = 0.999;
 
-  // Added to the root of the second moment (1e-15 in 3DGS).
+  // Added to the square root of the second moment; 1e-15 as in 3DGS.
   double epsilon = 1e-15;
 
   Status Check() const;
 };
 
-// The constants of step t = 1, 2, ... at the learning rate `rate`.
+// The constants of step number `step` = 1, 2, ... at the learning rate `rate`.
 AdamCoefficients CoefficientsAt(const AdamOptions& options,
                                 int64_t step,
                                 double rate);
 
-// What Adam remembers; moments have the shapes of the model.
+// What Adam keeps from step to step. The moments have the shapes of the model.
 struct AdamState {
   int64_t steps = 0;
   GaussianModel first_moments;
   GaussianModel second_moments;
 };
 
-// Sparse Adam: only Gaussians that a step touched move. For the others neither
-// the moments decay nor does momentum carry the parameters on, while the bias
-// correction counts all steps. Dense Adam would move Gaussians in views that
-// cannot see them; on the touched ones both agree when every step touches them.
+// Sparse Adam: a step changes the parameters and moments of the Gaussians it
+// touched, and nothing else. Dense Adam would also move Gaussians that the view
+// of the step does not show, by their momentum. The bias correction counts all
+// steps, so a Gaussian that every step touches moves as with dense Adam.
+//
+//   Adam adam;
+//   adam.Reset(model);
+//   adam.Step(LearningRatesAt({}, scene_extent, 0), gradients, visible, pool,
+//             &model);
 class Adam {
  public:
   explicit Adam(const AdamOptions& options = {}) : options_(options) {}
 
-  // Zero moments of the shapes of `model`, zero steps.
+  // Begins anew: moments of zero in the shapes of `model`, and no steps.
   void Reset(const GaussianModel& model);
 
-  // One step. `gradients` has the model's shapes and is read at `touched` only
-  // (ascending, without repeats, each below model->size()). Runs of consecutive
-  // indices go through SIMD. The same bytes for any number of threads.
+  // Makes one step. `gradients` has the model's shapes; only the Gaussians in
+  // `touched` (ascending, without repeats, each below model->size()) are read
+  // and changed. The result is the same bytes for any number of threads.
   void Step(const LearningRates& rates,
             const GaussianGradients& gradients,
             std::span<const uint32_t> touched,
             ThreadPool& pool,
             GaussianModel* model);
 
-  // The same step in parts, for gradients that never are in one array:
-  // BeginStep once, then UpdateRows for every touched Gaussian once. Row j of
-  // `rows` belongs to Gaussian touched[j]. Concurrent calls may not share
-  // Gaussians.
+  // The same step in parts, for gradients that are computed in chunks. Call
+  // BeginStep once, then UpdateRows so that it gets every touched Gaussian
+  // once. Row j of `rows` belongs to Gaussian touched[j]. Several threads may
+  // call UpdateRows at the same time for different Gaussians.
   void BeginStep(const LearningRates& rates);
   void UpdateRows(std::span<const uint32_t> touched,
                   const GaussianGradients& rows,
                   GaussianModel* model);
 
-  // Follow the model's own edits: keep the Gaussians listed (same lists as
-  // GaussianModel::Select), append `count` with zero moments, or change the
-  // stored SH degree.
+  // To be called whenever the model changes in the same way, so that the
+  // moments keep its shapes: keep the Gaussians listed (see
+  // GaussianModel::Select), append `count` Gaussians with moments of zero,
+  // change the SH degree.
   void Select(std::span<const uint32_t> indices);
   void Append(size_t count);
   void SetShDegree(int degree);
 
-  // Forgets the moments of one kind of parameter.
+  // Sets the moments of one kind of parameter to zero.
   void ZeroMoments(Parameter parameter);
 
   size_t size() const { return state_.first_moments.size(); }
@@ -90,7 +96,7 @@ class Adam {
 
   AdamOptions options_;
   AdamState state_;
-  // Of the step begun last.
+  // The constants of the step that was begun last, by kind of parameter.
   std::array<AdamCoefficients, kNumParameters> coefficients_;
 };
 

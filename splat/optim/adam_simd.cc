@@ -47,7 +47,7 @@ void UpdateArray(const AdamCoefficients& coefficients,
   size_t i = 0;
   size_t end = 0;
   const float* gradient = nullptr;  // Of the run's first parameter.
-  // Whole vectors of this width from i on.
+  // Updates whole vectors of this width from i on.
   const auto update = [&](auto d) HWY_ATTR {
     const size_t lanes = hn::Lanes(d);
     for (; i + lanes <= end; i += lanes, gradient += lanes) {
@@ -70,8 +70,9 @@ void UpdateArray(const AdamCoefficients& coefficients,
     }
     i = run_begin * stride;
     end = run_end * stride;
-    // Runs are short when few Gaussians are in sight: the rest matters. No
-    // masked stores, which may write the neighbours of another thread.
+    // Runs of consecutive indices are short when a view shows few Gaussians, so
+    // the rest of a run must be fast too. Masked stores cannot do it: they may
+    // write to neighbouring floats, which belong to another thread.
     update(hn::ScalableTag<float>());
     update(hn::CappedTag<float, 4>());
     update(hn::CappedTag<float, 1>());

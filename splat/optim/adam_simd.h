@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The Adam update of one parameter array, vectorised.
+// The Adam update of one array of parameters, vectorised.
 
 #ifndef FREEGS_SPLAT_OPTIM_ADAM_SIMD_H_
 #define FREEGS_SPLAT_OPTIM_ADAM_SIMD_H_
@@ -9,7 +9,7 @@
 
 namespace freegs::splat {
 
-// The constants of one step:
+// The constants of one step. With g the gradient, m and v the moments it does
 //   m += (1 - beta1) (g - m),  v = beta2 v + (1 - beta2) g^2,
 //   parameter -= step_size m / (sqrt(v) root_correction + epsilon)
 // with step_size = rate / (1 - beta1^t), root_correction = 1/sqrt(1 - beta2^t).
@@ -22,11 +22,12 @@ struct AdamCoefficients {
   float epsilon;
 };
 
-// Where the gradient of Gaussian touched[j] is: in row touched[j], or in row j.
+// Whether the gradient of Gaussian touched[j] is in row touched[j] (kByIndex)
+// or in row j (kByPlace).
 enum class GradientRows { kByIndex, kByPlace };
 
-// Updates the groups of `stride` floats of the Gaussians listed (ascending).
-// Arrays are N x stride; `gradients` may be touched.size() x stride.
+// Updates the Gaussians in `touched` (ascending). The arrays are N x stride,
+// but `gradients` is touched.size() x stride for kByPlace.
 void UpdateAdamArray(const AdamCoefficients& coefficients,
                      std::span<const uint32_t> touched,
                      GradientRows rows,

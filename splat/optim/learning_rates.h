@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Learning rates of 3D Gaussian Splatting by parameter and iteration.
+// The learning rates of 3D Gaussian Splatting by kind of parameter and
+// iteration.
 
 #ifndef FREEGS_SPLAT_OPTIM_LEARNING_RATES_H_
 #define FREEGS_SPLAT_OPTIM_LEARNING_RATES_H_
@@ -11,20 +12,21 @@
 
 namespace freegs::splat {
 
-// By static_cast<int>(Parameter).
+// Indexed by static_cast<int>(Parameter).
 using LearningRates = std::array<float, kNumParameters>;
 
-// The values of Kerbl et al. 2023.
+// The defaults are those of Kerbl et al. 2023.
 struct LearningRateOptions {
-  // Position, at the first and from the last step of the decay; per unit of
-  // scene extent.
+  // Rate of the positions at the first step, and from the end of the decay on,
+  // in world units per unit of scene extent.
   double mean_initial = 1.6e-4;
   double mean_final = 1.6e-6;
 
-  // Iterations over which the position's rate decays (exponentially).
+  // Number of iterations over which it decays exponentially.
   int mean_decay_steps = 30000;
 
-  // The others do not change. Natural-log units for scales, logit for opacity.
+  // The other rates stay the same, in the units in which the model stores the
+  // parameters.
   double log_scale = 5e-3;
   double rotation = 1e-3;
   double opacity_logit = 0.05;
@@ -34,7 +36,7 @@ struct LearningRateOptions {
   Status Check() const;
 };
 
-// The rates of an iteration; `iteration` may be fractional or past the end of
+// Returns the rates of an iteration, which may be fractional or past the end of
 // the decay. `scene_extent` is in world units, see SceneExtent.
 LearningRates LearningRatesAt(const LearningRateOptions& options,
                               double scene_extent,

@@ -31,8 +31,8 @@ SsimWindow MakeWindow() {
   return window;
 }
 
-// The rows of a plane of `height` rows of `n` floats under the windows of the
-// block at row y.
+// The rows under the windows of the block that begins at row y, in a plane of
+// `height` rows of `n` floats.
 WindowRows RowsAround(
     const float* plane, const float* zeros, int height, size_t n, int y) {
   WindowRows rows;
@@ -71,9 +71,9 @@ float PhotometricLoss::Compute(const ImageF& rendered,
   const size_t plane = n * height;
   const size_t scratch_size = kSsimScratchRows * SsimScratchRow(n);
 
-  // A row of zeros, scratch rows per worker, and three maps of derivatives. Of
-  // the scratch rows only the padding must be zero, which other image sizes
-  // have written over.
+  // The workspace holds a row of zeros, the scratch rows of each worker, and
+  // three maps of derivatives. Of the scratch rows only the padding must be
+  // zero; a call with another image size has overwritten it.
   const size_t head = n + scratch_size * pool.num_threads();
   workspace_.resize(std::max(workspace_.size(), head + 3 * plane));
   std::fill_n(workspace_.begin(), head, 0.0f);
@@ -110,8 +110,10 @@ float PhotometricLoss::Compute(const ImageF& rendered,
         });
       });
   const double count = static_cast<double>(plane);
-  l1_ = std::accumulate(row_l1_.begin(), row_l1_.end(), 0.0) / count;
-  ssim_ = std::accumulate(row_ssim_.begin(), row_ssim_.end(), 0.0) / count;
+  const double l1 =
+      std::accumulate(row_l1_.begin(), row_l1_.end(), 0.0) / count;
+  const double ssim =
+      std::accumulate(row_ssim_.begin(), row_ssim_.end(), 0.0) / count;
   const double weight = options_.ssim_weight;
 
   if (gradient != nullptr) {
@@ -136,7 +138,7 @@ float PhotometricLoss::Compute(const ImageF& rendered,
           });
         });
   }
-  return static_cast<float>((1 - weight) * l1_ + weight * (1 - ssim_));
+  return static_cast<float>((1 - weight) * l1 + weight * (1 - ssim));
 }
 
 }  // namespace freegs::splat

@@ -13,40 +13,40 @@
 namespace freegs::splat {
 
 struct PhotometricLossOptions {
-  // Share of the structural term: loss = (1 - w) L1 + w (1 - SSIM).
+  // The weight w of the structural term: loss = (1 - w) L1 + w (1 - SSIM).
   double ssim_weight = 0.2;
 
   Status Check() const;
 };
 
-// Loss of a rendered against a photographed image, H x W x 3, values in [0, 1].
-// L1 is the mean absolute difference; SSIM (Wang et al. 2004) is the mean over
-// pixels and channels with an 11 x 11 Gaussian window of sigma 1.5,
-// C1 = 0.01^2, C2 = 0.03^2 and zeros outside the image (Kerbl et al. 2023).
-// Keeps its workspace between calls; one object serves one call at a time.
-// The same bytes for any number of threads.
+// The loss of a rendered image against a photograph, both H x W x 3 with values
+// in [0, 1]. L1 is the mean absolute difference. SSIM (Wang et al. 2004) is the
+// mean over pixels and channels, with an 11 x 11 Gaussian window of standard
+// deviation 1.5, C1 = 0.01^2, C2 = 0.03^2 and zeros outside the image (Kerbl et
+// al. 2023).
+//
+// An object keeps its workspace between calls, so it serves one call at a time.
+// The results are the same bytes for any number of threads.
+//
+//   PhotometricLoss loss;
+//   ImageF gradient;
+//   const float value = loss.Compute(rendered, photo, pool, &gradient);
 class PhotometricLoss {
  public:
   explicit PhotometricLoss(const PhotometricLossOptions& options = {});
 
-  // The loss, and d loss / d rendered in *gradient (H x W x 3, resized when of
-  // another size; null skips it). Images must be of the same size, 3 channels,
-  // not empty.
+  // Returns the loss and writes its derivative with respect to `rendered` to
+  // *gradient, which is made H x W x 3; null skips the derivative. The images
+  // must be of the same size, have 3 channels and not be empty.
   float Compute(const ImageF& rendered,
                 const ImageF& target,
                 ThreadPool& pool,
                 ImageF* gradient);
 
-  // The terms of the last Compute.
-  double l1() const { return l1_; }
-  double ssim() const { return ssim_; }
-
  private:
   PhotometricLossOptions options_;
-  double l1_ = 0;
-  double ssim_ = 0;
 
-  // Maps and scratch rows, see loss.cc.
+  // Rows of zeros, scratch rows and the maps of the derivative, see loss.cc.
   std::vector<float> workspace_;
   std::vector<double> row_l1_;
   std::vector<double> row_ssim_;

@@ -100,7 +100,8 @@ struct Moments {
   BlockSums<D> x, y, squares, product;
 };
 
-// Scratch rows lie kind by kind for one row of the block, then for the next.
+// The scratch rows of one row of the block, one for each kind of moment, lie
+// before those of the next.
 constexpr int kKinds = 4;
 
 // Blurs across rows: the moments of column i into the scratch rows.
@@ -160,7 +161,8 @@ HWY_INLINE hn::Vec<D> SsimAt(D d,
   return ssim;
 }
 
-// Calls body(tag, i) for i below n, by whole vectors, then by ones.
+// Calls body(tag, i) for i from 0 to n - 1: first vector by vector, then, where
+// no whole vector is left, float by float.
 template <class Body>
 HWY_INLINE void ForEachVector(size_t n, const Body& body) {
   const Wide wide;

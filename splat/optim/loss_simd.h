@@ -16,25 +16,26 @@ constexpr float kSsimC2 = 0.03f * 0.03f;
 
 using SsimWindow = std::array<float, kSsimWindowSize>;
 
-// Rows that a call computes together: they share most of the rows under their
-// windows, which are then read once.
+// Number of rows that one call computes together. Their windows overlap in most
+// rows, which are then read only once.
 constexpr int kSsimBlockRows = 4;
 constexpr int kSsimInputRows = kSsimWindowSize + kSsimBlockRows - 1;
 
-// The image rows under the windows of a block that begins at row y: from y - 5
-// on. Rows outside of the image point to zeros.
+// The image rows under the windows of a block of rows that begins at row y. The
+// first is row y - 5. Rows outside the image point to zeros.
 using WindowRows = std::array<const float*, kSsimInputRows>;
 
-// A row is 3 * width interleaved floats, in which a pixel's neighbour is 3
-// floats on: no need to separate the channels. Scratch rows have this many
-// zeros before and after, which the kernels rely on and keep.
+// A row is 3 * width interleaved floats. The neighbour of a pixel's channel is
+// 3 floats further, so the channels need not be separated. Scratch rows have
+// this many zeros before and after them; the kernels rely on these and do not
+// change them.
 constexpr size_t kSsimRowPadding = 3 * kSsimWindowRadius;
 constexpr size_t SsimScratchRow(size_t n) { return n + 2 * kSsimRowPadding; }
 constexpr int kSsimScratchRows = 4 * kSsimBlockRows;
 
-// What the gradient needs of a pixel. With m = E[x], e = E[x^2], c = E[xy]
-// under the window (x rendered, y target) these are the derivatives of SSIM
-// with respect to m, e and c, the others held.
+// What the second pass needs of each pixel: the partial derivatives of SSIM
+// with respect to the means m = E[x], e = E[x^2] and c = E[xy] under the
+// window, where x is the rendered image and y the target.
 struct SsimDerivativeRow {
   float* mean;
   float* square;
@@ -51,9 +52,9 @@ struct SsimRowSums {
   double ssim = 0;
 };
 
-// First pass over the first num_rows rows of a block, n floats each.
-// `scratch` holds kSsimScratchRows rows of SsimScratchRow(n) floats;
-// derivatives and sums have num_rows entries.
+// The first pass over num_rows rows of n floats each, at most kSsimBlockRows of
+// them. `scratch` has kSsimScratchRows rows of SsimScratchRow(n) floats. Fills
+// num_rows entries of `derivatives` and `sums`.
 void SsimForwardRows(const WindowRows& rendered,
                      const WindowRows& target,
                      const SsimWindow& window,
@@ -63,10 +64,12 @@ void SsimForwardRows(const WindowRows& rendered,
                      const SsimDerivativeRow* derivatives,
                      SsimRowSums* sums);
 
-// Second pass: gradient[i] = l1_factor * sign(x - y)
-//   + ssim_factor * d (sum of SSIM) / d x. The window is symmetric, so the
-// adjoint of the blur with zeros outside is that blur. rendered, target and
-// gradient are the block's first rows, one after the other in memory.
+// The second pass: gradient[i] = l1_factor * sign(x - y)
+//   + ssim_factor * d(sum of SSIM)/dx.
+// The derivative of a blur is the adjoint of that blur, which is the blur
+// itself, for the window is symmetric and the images are zero outside.
+// rendered, target and gradient point to the first row of the block; the others
+// follow it in memory.
 void SsimBackwardRows(const SsimDerivativeRows& derivatives,
                       const float* rendered,
                       const float* target,

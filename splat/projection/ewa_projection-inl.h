@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One Gaussian through one camera, and the derivative of that map. Templates,
-// so that one text serves SIMD vectors, doubles and, in tests, Ceres Jets.
+// The projection of one Gaussian into one camera, and its derivative. These are
+// templates so that the same code runs on SIMD vectors, on doubles and, in
+// tests, on the automatic derivatives of Ceres.
 //
-// EWA splatting (Zwicker et al. 2001) as used by 3DGS (Kerbl et al. 2023,
-// section 4): the covariance is carried through the affine approximation J of
-// the perspective projection at the mean, Sigma' = J W Sigma W^T J^T.
+// The method is EWA splatting (Zwicker et al. 2001) as used by 3DGS (Kerbl et
+// al. 2023, section 4). With W the rotation from world to camera and J the
+// affine approximation of the perspective projection at the mean, the
+// covariance in the image is Sigma' = J W Sigma W^T J^T.
 
 // Compiled anew for each instruction set: see hwy/highway.h on -inl.h files.
-#if defined(FREEGS_SPLAT_PROJECTION_EWA_PROJECTION_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#if defined(FREEGS_SPLAT_PROJECTION_EWA_PROJECTION_INL_H_) == \
+    defined(HWY_TARGET_TOGGLE)
 #ifdef FREEGS_SPLAT_PROJECTION_EWA_PROJECTION_INL_H_
 #undef FREEGS_SPLAT_PROJECTION_EWA_PROJECTION_INL_H_
 #else
@@ -23,8 +26,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace freegs::splat::HWY_NAMESPACE {
 
-// Control flow for numbers whose comparisons are plain; SIMD vectors bring
-// their own.
+// Logic for plain numbers, whose comparisons give a bool. SIMD vectors have
+// overloads of their own (simd_number-inl.h).
 inline bool And(bool a, bool b) { return a && b; }
 template <typename T>
 T Select(bool condition, const T& yes, const T& no) {
@@ -45,8 +48,8 @@ void RotationFromQuaternion(const T q[4], T r[9]) {
   r[8] = T(1) - T(2) * (x * x + y * y);
 }
 
-// False, with outputs undefined, when the Gaussian lies before the near plane
-// or its image is degenerate.
+// Returns false, with undefined outputs, when the Gaussian lies nearer than the
+// near plane or its image is degenerate.
 template <typename T>
 ComparisonOf<T> ProjectGaussian(const ProjectionCamera<T>& camera,
                                 const T mean[3],
@@ -116,8 +119,9 @@ ComparisonOf<T> ProjectGaussian(const ProjectionCamera<T>& camera,
              And(determinant > T(1e-12), T(1e30) > determinant));
 }
 
-// Adds dL/dmean, dL/dlog_scale and writes dL/drotation (of the unnormalised
-// quaternion) given dL/d(projected).
+// The derivative of ProjectGaussian: from dL/d(projected) it adds to dL/dmean
+// and dL/dlog_scale, and overwrites dL/drotation, the derivative with respect
+// to the quaternion before normalisation.
 template <typename T>
 void BackwardProjectGaussian(const ProjectionCamera<T>& camera,
                              const ProjectedGaussian<T>& projected,

@@ -9,25 +9,27 @@
 
 namespace freegs::splat {
 
-// What comparing two numbers of type T gives: bool, or a mask of lanes.
+// The type of a comparison of two numbers of type T: bool, or one bool per lane
+// of a SIMD vector.
 template <typename T>
 using ComparisonOf = decltype(std::declval<T>() > std::declval<T>());
 
-// The camera as the kernels want it: plain numbers of type T.
+// A camera and its pose as plain numbers of type T.
 template <typename T>
 struct ProjectionCamera {
   T rotation[9];     // World to camera, row-major.
   T translation[3];  // World to camera.
   T centre[3];       // Camera centre in the world.
   T fx, fy, cx, cy;  // Pixels.
-  // Bounds of x/z and y/z inside which J follows the mean. Outside (far off the
-  // image) the affine approximation explodes, so J is taken at the bound.
+  // J is taken at the mean as long as x/z and y/z are within these bounds, else
+  // at the bound: far outside the image the affine approximation would become
+  // arbitrarily large.
   T min_u, max_u, min_v, max_v;
   T near_plane;  // World units.
   T dilation;    // Variance in square pixels added to Sigma'.
 };
 
-// A Gaussian in the image.
+// The image of a Gaussian.
 template <typename T>
 struct ProjectedGaussian {
   T mean[2];   // Pixels; the top-left pixel's centre is (0.5, 0.5).
@@ -36,8 +38,9 @@ struct ProjectedGaussian {
   T conic[3];  // xx, xy, yy of its inverse.
 };
 
-// dL / d(ProjectedGaussian), as the rasteriser delivers it. conic[1] is the
-// derivative with respect to the one off-diagonal number.
+// The derivatives of the loss L with respect to a ProjectedGaussian. conic[1]
+// is the derivative with respect to the one number that stands at both
+// off-diagonal places.
 template <typename T>
 struct ProjectedGradient {
   T mean[2];
@@ -45,12 +48,12 @@ struct ProjectedGradient {
   T conic[3];
 };
 
-// What the backward pass needs again and would otherwise recompute.
+// Intermediate results of the projection that its derivative needs again.
 template <typename T>
 struct ProjectionTerms {
   T camera_point[3];               // Mean in the camera frame.
-  T u, v;                          // x/z and y/z, bounded.
-  ComparisonOf<T> u_free, v_free;  // Whether the bound was inactive.
+  T u, v;                          // x/z and y/z, within the bounds.
+  ComparisonOf<T> u_free, v_free;  // Whether they were within them already.
   T quaternion[4];                 // Normalised.
   T inverse_norm;                  // 1 / |q|.
   T rotation[9];                   // Of the Gaussian.

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int64_t kChunk = 1024;
 
-// Splats between asking for one and reading it.
+// A splat is requested from memory so many splats before it is read.
 constexpr int64_t kAhead = 16;
 
 // Stable radix sort by the upper 32 bits of the keys, 11 bits a pass.
@@ -128,7 +128,7 @@ void Projector::Project(const GaussianModel& model,
                    kChunk,
                    [&](int64_t begin, int64_t end, int) {
                      for (int64_t k = begin; k < end; ++k) {
-                       // In depth order they are all over memory.
+                       // In the order of depth they lie scattered in memory.
                        const auto ahead = static_cast<uint32_t>(
                            keys_[std::min(k + kAhead, end - 1)]);
                        hwy::Prefetch(&by_model_[projection->visible[ahead]]);

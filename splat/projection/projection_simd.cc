@@ -26,10 +26,10 @@ constexpr size_t kMaxLanes = 16;
 constexpr float kLn2 = 0.6931471805599453f;
 constexpr float kMinLog2Alpha = -7.994353436858858f;  // log2(1 / 255).
 
-// Added to the far ends of pixel boxes against rounding, pixels.
+// Added to the far ends of the pixel boxes, in pixels, to make up for rounding.
 constexpr float kSlack = 1e-3f;
 
-// Per Gaussian of a group, the numbers of one kind side by side.
+// Numbers of a group of Gaussians; those of one kind lie side by side.
 struct alignas(64) LaneArray {
   float values[kMaxLanes];
 };
@@ -163,7 +163,7 @@ HWY_INLINE void MakeBasis(int degree,
   }
 }
 
-// The members of Splat in order, those of one kind side by side.
+// The members of Splat in their order; those of one kind lie side by side.
 struct SplatLanes {
   LaneArray mean[2], conic[3], log2_opacity, extent[2], color[3], depth;
   LaneArray box[4];  // Whole numbers.
@@ -193,7 +193,8 @@ HWY_INLINE SimdNumber FirstPixel(SimdNumber edge, SimdNumber size) {
   return Min(Max(ceil(edge - SimdNumber(0.5f)), SimdNumber(0.0f)), size);
 }
 
-// Adds the view-dependent part and cuts at 0 (3DGS: 0.5 + SH, not below 0).
+// Adds the view-dependent part of the colour, and raises negative colours to 0
+// as 3DGS does.
 void FinishColor(const ProjectionTask& task,
                  size_t i,
                  const Basis& basis,
@@ -214,8 +215,8 @@ void FinishColor(const ProjectionTask& task,
   color[2] = std::max(blue, 0.0f);
 }
 
-// Everything about a group but the view-dependent colour; returns the lanes
-// that can touch a pixel.
+// Computes all of the splats of a group but the view-dependent colour. Returns
+// which lanes can touch a pixel.
 HWY_INLINE SimdMask ProjectGroup(const ProjectionTask& task,
                                  const ProjectionCamera<SimdNumber>& camera,
                                  const Group& group,
@@ -320,7 +321,7 @@ HWY_INLINE void GatherSums(const ProjectionBackwardTask& task,
   }
 }
 
-// The rows of sh_rest: writes their gradients, and dL/dbasis of every lane.
+// Writes the gradients of the rows of sh_rest, and dL/dbasis of every lane.
 void BackwardRest(const ProjectionBackwardTask& task,
                   const Group& group,
                   const Group& rows,
@@ -350,7 +351,7 @@ void BackwardRest(const ProjectionBackwardTask& task,
   }
 }
 
-// dL/dmean through the viewing direction.
+// Adds the part of dL/dmean that comes from the viewing direction.
 HWY_INLINE void BackwardDirection(int sh_degree,
                                   const Direction& direction,
                                   const Basis& basis_gradient,
@@ -394,7 +395,8 @@ void BackwardGroup(const ProjectionBackwardTask& task,
 
   ProjectedGaussian<SimdNumber> projected;
   ProjectionTerms<SimdNumber> terms;
-  // Succeeds: the forward pass did with the same numbers.
+  // Returns true in every lane, as it did in the forward pass with the same
+  // numbers.
   ProjectGaussian(camera, mean, log_scale, rotation, &projected, &terms);
 
   // ln(alpha) = ln(o) - (xx dx^2 + 2 xy dx dy + yy dy^2) / 2 with d = pixel -

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a view of a model depends on besides the model and the camera.
+// The settings of a rendering besides the model and the camera.
 
 #ifndef FREEGS_SPLAT_PROJECTION_RENDER_OPTIONS_H_
 #define FREEGS_SPLAT_PROJECTION_RENDER_OPTIONS_H_
@@ -12,22 +12,24 @@
 namespace freegs::splat {
 
 struct RenderOptions {
-  // Colour behind the scene, linear in the image's own values, [0, 1].
+  // RGB behind the scene, in [0, 1] like the values of the image.
   std::array<float, 3> background = {0, 0, 0};
 
-  // SH degree to evaluate; the model's own degree when higher.
+  // SH degree to evaluate; when the model has a lower degree, that one.
   int sh_degree = kMaxShDegree;
 
-  // Gaussians nearer than this along the optical axis are skipped (world
-  // units; the value of 3DGS).
+  // Gaussians whose centre is nearer than this along the optical axis are
+  // skipped. World units; 3DGS has the same value.
   double near_plane = 0.2;
 
-  // Radius in pixels of the low-pass filter added to each projected
-  // covariance, as a variance (0.3 in 3DGS).
+  // Variance in square pixels that is added to each projected covariance. It
+  // acts as a low-pass filter against Gaussians thinner than a pixel; 3DGS has
+  // the same value.
   double dilation = 0.3;
 };
 
-// Extra values per Gaussian to blend like colour: N x channels, row-major.
+// Further values of every Gaussian that are blended like its colour: an
+// N x channels matrix, row-major.
 struct FeatureChannels {
   std::span<const float> values;
   int channels = 0;

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A SIMD vector of floats that reads like one number, for templates that are
-// also run with double or Ceres Jets.
+// A SIMD vector of floats with the operators of a number, for templates that
+// also run on doubles and on the automatic derivatives of Ceres.
 
 // Compiled anew for each instruction set: see hwy/highway.h on -inl.h files.
-#if defined(FREEGS_SPLAT_PROJECTION_SIMD_NUMBER_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#if defined(FREEGS_SPLAT_PROJECTION_SIMD_NUMBER_INL_H_) == \
+    defined(HWY_TARGET_TOGGLE)
 #ifdef FREEGS_SPLAT_PROJECTION_SIMD_NUMBER_INL_H_
 #undef FREEGS_SPLAT_PROJECTION_SIMD_NUMBER_INL_H_
 #else

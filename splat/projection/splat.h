@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A projected Gaussian, as the kernels of projection and of the tiles share it.
+// A projected Gaussian, which the projection writes and the tiles read.
 
 #ifndef FREEGS_SPLAT_PROJECTION_SPLAT_H_
 #define FREEGS_SPLAT_PROJECTION_SPLAT_H_
@@ -8,11 +8,14 @@
 
 namespace freegs::splat {
 
+// Blending as in 3DGS: a splat is skipped at a pixel where its alpha is below
+// kMinAlpha, alpha is at most kMaxAlpha, and a pixel takes no more splats once
+// its transmittance is below kMinTransmittance.
 constexpr float kMinAlpha = 1.0f / 255.0f;
 constexpr float kMaxAlpha = 0.99f;
 constexpr float kMinTransmittance = 1e-4f;
 
-// A projected Gaussian as the kernels read it: one cache line.
+// A projected Gaussian in one cache line.
 struct alignas(64) Splat {
   float mean_x, mean_y;                // Pixels.
   float conic_xx, conic_xy, conic_yy;  // Inverse covariance, 1 / px^2.
@@ -21,14 +24,16 @@ struct alignas(64) Splat {
                                        // reach 1/255, pixels.
   float color[3];
   float depth;
-  // That box as pixels of the image: columns [x_begin, x_end) and rows.
+  // The pixels of the image in that box: columns [x_begin, x_end), rows
+  // [y_begin, y_end).
   int32_t x_begin, x_end, y_begin, y_end;
 };
 
-// Sums over the pixels of a tile that one splat contributes, in this order;
-// q = dL/dalpha * alpha and (dx, dy) = pixel centre - mean:
-// sum q, q dx, q dy, q dx^2, q dx dy, q dy^2, then dL/dcolor (3), then
-// dL/dextra (num_extras).
+// The derivative of the loss L with respect to a splat is kept as sums over the
+// pixels that the splat touches. With q = dL/dalpha * alpha and
+// (dx, dy) = pixel centre - mean they are, in this order: the sums of q, q dx,
+// q dy, q dx^2, q dx dy, q dy^2 (the moments), then dL/dcolor (3 numbers), then
+// dL/dextra (num_extras numbers).
 constexpr int kNumMoments = 6;
 constexpr int kMomentStride = kNumMoments + 3;  // + num_extras.
 

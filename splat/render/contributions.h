@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What each Gaussian gives to the picture of one view: the raw material of blur
-// split, depth reinitialisation and importance (Fang and Wang 2024, section 4).
+// How much each Gaussian contributes to the picture of one view. Blur split,
+// depth reinitialisation and importance are computed from it (Fang and Wang
+// 2024, Mini-Splatting, section 4).
 
 #ifndef FREEGS_SPLAT_RENDER_CONTRIBUTIONS_H_
 #define FREEGS_SPLAT_RENDER_CONTRIBUTIONS_H_
@@ -13,22 +14,23 @@
 namespace freegs::splat {
 
 struct ViewContributions {
-  // The Gaussians the view shows, nearest first; the next three arrays are
-  // parallel to it.
+  // The Gaussians that the view shows (indices into the model), nearest first.
+  // The next three arrays are parallel to it.
   std::vector<uint32_t> model_index;
 
-  // Sum over the pixels of the blending weight alpha T.
+  // The sum over the pixels of the blending weight alpha T.
   std::vector<float> weight_sum;
 
-  // Pixels blended into, and those where the weight was the largest of all.
+  // The number of pixels that the Gaussian was blended into, and of those where
+  // its weight was the largest of all Gaussians.
   std::vector<uint32_t> num_pixels;
   std::vector<uint32_t> num_dominant;
 
-  // Per pixel, H x W: the Gaussian (index into the model) of the largest
-  // weight, -1 where nothing was blended; ties go to the nearest.
+  // H x W: the Gaussian (index into the model) with the largest weight at each
+  // pixel, the nearest of several, or -1 where nothing was blended.
   Image<int32_t> dominant;
 
-  // Per pixel, H x W: what shines through all of them.
+  // H x W: the share of light that passes all Gaussians.
   ImageF transmittance;
 };
 

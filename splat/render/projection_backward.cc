@@ -9,7 +9,7 @@
 namespace freegs::splat {
 namespace {
 
-// Splats per task of a sum.
+// How many splats a task sums up.
 constexpr int64_t kGrain = 1024;
 
 constexpr auto kPlaces = [] {
@@ -18,8 +18,8 @@ constexpr auto kPlaces = [] {
   return places;
 }();
 
-// Adds up the pairs of a splat, each from its number `first` on, in the fixed
-// order of the tiles.
+// Adds up the numbers of the entries of a splat, from number `first` of each
+// entry on. The order is that of the tiles, so the sum is always the same.
 template <size_t kExtent>
 void AddPairs(const SplatDerivatives& from,
               int64_t splat,
@@ -48,7 +48,7 @@ SplatSums SumsOf(const SplatDerivatives& from, int64_t s) {
 
 }  // namespace
 
-// In depth order, in which the pairs of each tile are read one after another.
+// In the order of depth the entries of each tile are read one after another.
 void ProjectionBackward::SumPairs(const SplatDerivatives& from,
                                   ThreadPool& pool,
                                   std::span<float> feature_gradients) {

@@ -12,35 +12,36 @@
 #include "core/image.h"
 #include "core/parallel.h"
 #include "core/pinhole.h"
-#include "splat/render/contributions.h"
-#include "splat/scene/gaussian_model.h"
 #include "splat/projection/projection.h"
-#include "splat/render/projection_backward.h"
 #include "splat/projection/render_options.h"
+#include "splat/render/contributions.h"
+#include "splat/render/projection_backward.h"
 #include "splat/render/tile_bins.h"
+#include "splat/scene/gaussian_model.h"
 
 namespace freegs::splat {
 
-// What Forward produced; the images are H x W.
+// The results of Forward; all images are H x W.
 struct RasterImages {
   ImageF color;          // 3 channels, background blended in.
   ImageF transmittance;  // 1 channel.
-  // num_extras channels, no background: first depth (sum of weight * z) when
-  // asked for, then the features.
+  // Further blended channels, without background: depth (the sum of weight * z)
+  // when it was asked for, then the features.
   ImageF extras;
-  // Per pixel the Gaussian (index into the model) of the largest weight, -1
-  // where nothing is; when asked for, else left alone.
+  // The Gaussian (index into the model) with the largest weight at each pixel,
+  // -1 where nothing was blended. Left alone unless it was asked for.
   Image<int32_t> dominant;
 };
 
-// What Forward makes beside colour and transmittance.
+// What Forward is to compute besides colour and transmittance.
 struct RasterRequest {
-  bool depth = false;             // An extra channel.
+  bool depth = false;             // Depth, in RasterImages::extras.
   bool dominant = false;          // RasterImages::dominant.
-  FeatureChannels features = {};  // N x channels per Gaussian.
+  FeatureChannels features = {};  // Features, in RasterImages::extras.
 };
 
-// dL/d(images) for Backward; null counts as zero.
+// The derivatives of the loss L with respect to the images of Forward. Null
+// stands for zeros.
 struct RasterGradients {
   const ImageF* color = nullptr;
   const ImageF* transmittance = nullptr;
@@ -55,9 +56,9 @@ struct RasterGradients {
 //       [&](std::span<const uint32_t> visible, const GaussianGradients& rows) {
 //         ... update the Gaussians in `visible` ...
 //       });
-// Holds the intermediate results and scratch memory of the last view, so that
-// the large arrays are not allocated anew. The results are the same bytes for
-// any number of threads.
+// Keeps the intermediate results of the last view, which Backward needs, and
+// its scratch memory, so that rendering view after view allocates nothing. The
+// results are the same bytes for any number of threads.
 class Rasterizer {
  public:
   void Forward(const GaussianModel& model,
@@ -68,10 +69,10 @@ class Rasterizer {
                ThreadPool& pool,
                RasterImages* images);
 
-  // Derivatives of the last Forward, which must have had the same model. Rows
-  // of *gradients (shaped like the model) of Gaussians that the view shows are
-  // overwritten; the others are left alone. feature_gradients: N x channels,
-  // likewise, when not empty.
+  // The derivatives of the last Forward, which must have had the same model and
+  // have filled `images`. *gradients has the model's shapes; the rows of the
+  // Gaussians that the view shows are overwritten, all others are left alone.
+  // feature_gradients (N x channels) is treated likewise unless it is empty.
   void Backward(const GaussianModel& model,
                 const RasterGradients& image_gradients,
                 const RasterImages& images,
@@ -79,17 +80,18 @@ class Rasterizer {
                 GaussianGradients* gradients,
                 std::span<float> feature_gradients = {});
 
-  // The same gradients, handed over chunk by chunk while they are in the cache
-  // instead of being written to an array as large as the model. `sink` is
-  // called by several threads and may update the Gaussians of its chunk in
-  // *model, and only those; see ProjectionBackward::InChunks.
+  // Computes the same gradients, but hands them to `sink` chunk by chunk while
+  // they are in the cache, instead of writing an array as large as the model.
+  // Several threads call `sink`. It may update the Gaussians of its chunk in
+  // the model, and only those; see ProjectionBackward::InChunks.
   void BackwardInChunks(const GaussianModel& model,
                         const RasterGradients& image_gradients,
                         const RasterImages& images,
                         ThreadPool& pool,
                         GradientSink sink);
 
-  // What each Gaussian gives to a view. Afterwards Backward is not possible.
+  // Computes what each Gaussian contributes to a view. It replaces the results
+  // of the last Forward, so Backward must not follow.
   void Contributions(const GaussianModel& model,
                      const Pinhole& camera,
                      const Rigid3d& cam_from_world,
@@ -97,7 +99,7 @@ class Rasterizer {
                      ThreadPool& pool,
                      ViewContributions* contributions);
 
-  // The argmax of voted weights per pixel; see RenderLabels.
+  // See RenderLabels. It replaces the results of the last Forward as well.
   Image<int32_t> Labels(const GaussianModel& model,
                         const Pinhole& camera,
                         const Rigid3d& cam_from_world,
@@ -110,17 +112,17 @@ class Rasterizer {
   const Projection& projection() const { return projection_; }
   const TileBins& bins() const { return bins_; }
 
-  // After a backward pass: dL/d(2D mean) in pixels, 2 floats per splat.
+  // dL/d(mean in pixels) of the last backward pass, 2 floats per splat.
   std::span<const float> mean2d_gradients() const { return mean2d_gradients_; }
 
  private:
   TileTask MakeTask(int64_t tile) const;
-  // From derivatives of the images to those of the splats.
+  // Turns the derivatives of the images into those of the splats.
   SplatDerivatives BackwardPixels(const GaussianModel& model,
                                   const RasterGradients& image_gradients,
                                   const RasterImages& images,
                                   ThreadPool& pool);
-  // Projects and bins without evaluating view-dependent colour.
+  // Projects and bins. Colours are of degree 0 only: no caller looks at them.
   void PrepareWeights(const GaussianModel& model,
                       const Pinhole& camera,
                       const Rigid3d& cam_from_world,
@@ -142,9 +144,9 @@ class Rasterizer {
   int num_extras_ = 0;
 
   std::vector<float> splat_extras_;    // num_splats x num_extras.
-  std::vector<int64_t> tile_visited_;  // Per tile, see BlendTile.
+  std::vector<int64_t> tile_visited_;  // By tile, see BlendTile.
   std::vector<float> pair_moments_;    // By entry of the bins.
-  std::vector<PairContribution> pair_contributions_;  // Likewise.
+  std::vector<PairContribution> pair_contributions_;  // By entry of the bins.
   std::vector<float> mean2d_gradients_;
 };
 

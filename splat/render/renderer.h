@@ -1,6 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Renders a Gaussian model into a pinhole view: EWA projection, tiles, SIMD
-// over pixels. Forward only; training uses Rasterizer and Projection directly.
+// Renders pictures of a Gaussian model.
+//
+//   ThreadPool pool(4);
+//   const RenderedView view =
+//       RenderView(model, camera, cam_from_world, RenderOptions(), pool);
+//   WriteImage("view.png", ToU8(view.color));
+//
+// These functions allocate their memory anew at every call and cannot be
+// differentiated; training uses Rasterizer.
 
 #ifndef FREEGS_SPLAT_RENDER_RENDERER_H_
 #define FREEGS_SPLAT_RENDER_RENDERER_H_
@@ -17,14 +24,19 @@
 namespace freegs::splat {
 
 struct RenderedView {
-  ImageF color;          // H x W x 3; with the background blended in.
-  ImageF depth;          // H x W; z of the camera frame, blend-weighted mean of
-                         // the Gaussians' centres, 0 where nothing is.
-  ImageF transmittance;  // H x W; 1 where nothing is, 0 where opaque.
-  ImageF features;       // H x W x C; sum of weight * value, no background.
+  // H x W x 3, background blended in.
+  ImageF color;
+  // H x W: the mean of the z of the Gaussians' centres in the camera frame,
+  // weighted by their blending weights; 0 where nothing was blended.
+  ImageF depth;
+  // H x W: 1 where nothing was blended, towards 0 where the model is opaque.
+  ImageF transmittance;
+  // H x W x channels: the sum of weight * value, without background.
+  ImageF features;
 };
 
-// The same bytes for any number of threads.
+// Renders a view, and blends `features` like colour when there are any. The
+// result is the same bytes for any number of threads.
 RenderedView RenderView(const GaussianModel& model,
                         const Pinhole& camera,
                         const Rigid3d& cam_from_world,
@@ -32,11 +44,12 @@ RenderedView RenderView(const GaussianModel& model,
                         ThreadPool& pool,
                         const FeatureChannels& features = {});
 
-// The label with the largest summed blending weight at each pixel: the argmax
-// of rendered one-hot vectors (FreeGS eq. 5) without rendering the vectors.
-// labels holds one value per Gaussian; negative labels take no part in the
-// vote. Pixels where the voting Gaussians' weights sum to less than min_weight
-// get -1. Ties go to the smaller label.
+// Returns, for each pixel, the label whose Gaussians have the largest sum of
+// blending weights there. This is the argmax of rendered one-hot vectors
+// (FreeGS eq. 5), computed without rendering the vectors. `labels` holds one
+// value per Gaussian; Gaussians with a negative label do not vote. A pixel
+// where the weights of all votes sum to less than min_weight gets -1. Of
+// several labels with the same sum the smallest is taken.
 Image<int32_t> RenderLabels(const GaussianModel& model,
                             const Pinhole& camera,
                             const Rigid3d& cam_from_world,

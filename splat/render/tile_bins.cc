@@ -47,8 +47,8 @@ class Ellipse {
   float reach_;
 };
 
-// Slack in pixels for rounding in the chord: a tile too many costs little, a
-// tile missed shows as a seam.
+// Added to the chord, in pixels, to make up for rounding: one tile too many
+// costs little, but a missing tile shows as a seam.
 constexpr float kSlack = 0.01f;
 
 int TileOf(float pixel_centre, int tiles) {
@@ -75,7 +75,8 @@ void ForEachTileRun(const Splat& splat,
                TileOf(splat.mean_x + splat.extent_x + kSlack - 0.5f, tiles_x));
   if (column_begin > column_end) return;
   if (row_begin >= row_end || column_begin == column_end) {
-    // One row or one column of tiles: the box is as good as the ellipse.
+    // In a single row or column of tiles the box touches the same tiles as the
+    // ellipse.
     for (int ty = row_begin; ty <= row_end; ++ty) {
       visit(ty * tiles_x + column_begin, ty * tiles_x + column_end);
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which splats touch which tile, in depth order.
+// Lists, for each tile of the image, the splats that touch it in depth order.
 
 #ifndef FREEGS_SPLAT_RENDER_TILE_BINS_H_
 #define FREEGS_SPLAT_RENDER_TILE_BINS_H_
@@ -18,22 +18,23 @@ namespace freegs::splat {
 struct TileBins {
   int tiles_x = 0;
   int tiles_y = 0;
-  // Entries of tile t: [tile_begin[t], tile_begin[t + 1]).
+  // The entries of tile t are [tile_begin[t], tile_begin[t + 1]).
   std::vector<int64_t> tile_begin;
-  std::vector<uint32_t> entries;  // Splat numbers, ascending within a tile.
-  // The same pairs splat after splat: those of splat s are the entries
-  // entries_of_splats[splat_begin[s]] ... [splat_begin[s + 1] - 1], by tile.
+  // Splat numbers, ascending within a tile, which is from near to far.
+  std::vector<uint32_t> entries;
+  // The entries of splat s, by tile, are entries_of_splats[k] for k in
+  // [splat_begin[s], splat_begin[s + 1]); each is an index into `entries`.
   std::vector<uint32_t> entries_of_splats;
   std::vector<uint32_t> splat_begin;
 
-  // Memory of BinSplats, kept so that the next view need not ask for it.
+  // Scratch memory of BinSplats, kept so that the next view allocates none.
   struct Run {
     uint32_t splat;
-    int32_t first, last;  // Tiles, in one row.
+    int32_t first, last;  // Tiles of one row, both included.
   };
   struct Chunk {
     std::vector<Run> runs;
-    std::vector<uint32_t> places;  // Per tile, where its next pair goes.
+    std::vector<uint32_t> places;  // By tile, where its next entry goes.
   };
   std::vector<Chunk> chunks;
 
@@ -45,9 +46,9 @@ struct TileBins {
   size_t num_pairs() const { return entries.size(); }
 };
 
-// Fills *bins for an image of width x height. A splat enters exactly the tiles
-// that have a pixel centre inside its ellipse alpha >= 1/255 or come within
-// rounding of it: each tile row is cut with the ellipse.
+// Fills *bins for an image of width x height. A splat is listed in the tiles
+// that have a pixel centre inside its ellipse alpha >= 1/255, and in no others
+// but for rounding: each row of tiles is intersected with the ellipse.
 void BinSplats(std::span<const Splat> splats,
                int width,
                int height,

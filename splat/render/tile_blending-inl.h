@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the kernels that walk a tile's splats front to back have in common: how
-// alpha is evaluated, SIMD over the pixels of a tile.
+// The evaluation of alpha for the pixels of a tile, with one pixel per SIMD
+// lane. All kernels that walk the splats of a tile from front to back share it.
 
 // Compiled anew for each instruction set: see hwy/highway.h on -inl.h files.
-#if defined(FREEGS_SPLAT_RENDER_TILE_BLENDING_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#if defined(FREEGS_SPLAT_RENDER_TILE_BLENDING_INL_H_) == \
+    defined(HWY_TARGET_TOGGLE)
 #ifdef FREEGS_SPLAT_RENDER_TILE_BLENDING_INL_H_
 #undef FREEGS_SPLAT_RENDER_TILE_BLENDING_INL_H_
 #else
@@ -23,7 +24,7 @@ namespace freegs::splat::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// At most a block of the tile per vector.
+// A vector holds at most one block of the tile.
 using Tag = hn::CappedTag<float, kBlockSize * kBlockSize>;
 using Vec = hn::Vec<Tag>;
 using Mask = hn::Mask<Tag>;
@@ -31,9 +32,10 @@ using Mask = hn::Mask<Tag>;
 constexpr float kLog2E = 1.4426950408889634f;
 constexpr float kMinLog2Alpha = -7.994353436858858f;  // log2(1 / 255).
 
-// 2^x for x in [-126, 126], relative error below 2e-7; anything elsewhere. The
-// sum with 1.5 * 2^23 has the nearest integer in its lowest bits: shifted to
-// the exponent they scale a degree 5 Chebyshev interpolant of 2^f, |f| <= 1/2.
+// 2^x with a relative error below 2e-7 for x in [-126, 126]; any value for
+// other x. The sum of x and 1.5 * 2^23 has the integer nearest to x in its
+// lowest bits. Shifted to the exponent, these bits scale a polynomial of degree
+// 5 that interpolates 2^f, |f| <= 1/2, at the Chebyshev nodes.
 HWY_INLINE Vec FastExp2(Tag d, Vec x) {
   const hn::RebindToSigned<Tag> di;
   const Vec magic = hn::Set(d, 12582912.0f);
@@ -56,8 +58,8 @@ constexpr int kColumns = hn::MaxLanes(Tag()) < kBlockSize
                              : kBlockSize;
 constexpr int kRows = static_cast<int>(hn::MaxLanes(Tag())) / kColumns;
 
-// The pixels of a tile that a splat may touch: rows [y_begin, y_end), columns
-// [x_begin, x_end), both beginning with a vector.
+// The pixels of a tile that a splat may touch: rows [y_begin, y_end) and
+// columns [x_begin, x_end). Both begin where a vector begins.
 struct Span {
   int x_begin, x_end, y_begin, y_end;
 };
@@ -71,9 +73,9 @@ HWY_INLINE Span SplatSpan(const TileTask& task, const Splat& splat) {
   return span;
 }
 
-// Calls blend(pixel, dy, alpha, T, mask) for the vectors of pixels where the
-// splat may be blended, one column of vectors after another; after each column
-// column_end(dx), dx being the same in all of it.
+// Calls blend(pixel, dy, alpha, transmittance, mask) for each vector of pixels
+// where the splat may be blended, one column of vectors after another. After
+// each column it calls column_end(dx); dx is the same in the whole column.
 template <class Blend, class ColumnEnd>
 HWY_INLINE void ForEachBlended(Tag d,
                                const TileTask& task,
@@ -123,7 +125,8 @@ struct NoColumnEnd {
   HWY_INLINE void operator()(Vec) const {}
 };
 
-// A tile's splats lie scattered over the view's: ask for them ahead of time.
+// The splats of a tile lie scattered in memory, so they are requested so many
+// entries ahead.
 constexpr int64_t kPrefetchDistance = 8;
 HWY_INLINE const Splat& FetchSplat(const TileTask& task, int64_t k) {
   const int64_t ahead = std::min(k + kPrefetchDistance, task.count - 1);
@@ -131,7 +134,7 @@ HWY_INLINE const Splat& FetchSplat(const TileTask& task, int64_t k) {
   return task.splats[task.entries[k]];
 }
 
-// Whether no pixel can take more.
+// Whether every pixel is so opaque that nothing more is blended into it.
 HWY_INLINE bool Opaque(Tag d, const float* HWY_RESTRICT transmittance) {
   Vec most = hn::Zero(d);
   for (size_t i = 0; i < kTilePixels; i += hn::Lanes(d)) {
@@ -140,7 +143,8 @@ HWY_INLINE bool Opaque(Tag d, const float* HWY_RESTRICT transmittance) {
   return hn::AllTrue(d, hn::Lt(most, hn::Set(d, kMinTransmittance)));
 }
 
-// Testing for opacity costs a pass over the tile: do it now and then.
+// Testing for opacity costs a pass over the tile, so it is done once in so many
+// entries.
 constexpr int64_t kOpaqueTestInterval = 16;
 
 HWY_INLINE void ClearTransmittance(const TileTask& task, float* transmittance) {

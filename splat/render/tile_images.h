@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Colour between interleaved images and the planar memory of a tile (SIMD).
+// Copies colours between images, which are interleaved, and the memory of a
+// tile, which has one plane per channel.
 
 #ifndef FREEGS_SPLAT_RENDER_TILE_IMAGES_H_
 #define FREEGS_SPLAT_RENDER_TILE_IMAGES_H_
@@ -9,15 +10,15 @@
 
 namespace freegs::splat {
 
-// Writes colour + transmittance * background of the tile's pixels into *image
+// Writes color + transmittance * background of the tile's pixels to *image
 // (H x W x 3).
 void StoreColorTile(const TileTask& task,
                     const TilePixels& pixels,
                     const float background[3],
                     ImageF* image);
 
-// The tile's pixels of image (H x W x 3; null counts as zeros) as planes, 0
-// outside the image.
+// Copies the tile's pixels of `image` (H x W x 3; null stands for zeros) to
+// planes, with 0 for pixels outside the image.
 void LoadColorTile(const TileTask& task,
                    const ImageF* image,
                    float planes[3][kTilePixels]);

@@ -56,7 +56,8 @@ HWY_INLINE void StoreSums(D d, V a, V b, V c, V e, float* out) {
 #endif
 }
 
-// Remembers entry k where its weight is the largest so far.
+// Makes entry k the dominant one at pixels where its weight is the largest so
+// far.
 HWY_INLINE void KeepDominant(
     Tag d, int pixel, Vec weight, int64_t k, TileDominance* dominance) {
   const hn::RebindToSigned<Tag> di;
@@ -215,7 +216,8 @@ void BackwardTile(const TileTask& task,
     Vec sum_q = hn::Zero(d), sum_qx = hn::Zero(d), sum_qy = hn::Zero(d);
     Vec sum_qxx = hn::Zero(d), sum_qxy = hn::Zero(d), sum_qyy = hn::Zero(d);
     Vec sum_r = hn::Zero(d), sum_g = hn::Zero(d), sum_b = hn::Zero(d);
-    // dx does not change within a column: its powers wait for the column's end.
+    // dx is the same in a whole column, so products with its powers are taken
+    // once at the end of the column.
     Vec column_q = hn::Zero(d), column_qy = hn::Zero(d);
     bool touched = false;
     ForEachBlended(
@@ -233,7 +235,7 @@ void BackwardTile(const TileTask& task,
           sum_r = hn::MulAdd(weight, gr, sum_r);
           sum_g = hn::MulAdd(weight, gg, sum_g);
           sum_b = hn::MulAdd(weight, gb, sum_b);
-          // The splat's own value seen through dL/dpixel.
+          // The product of the splat's values with dL/dpixel.
           Vec value = hn::MulAdd(gr, r, hn::MulAdd(gg, g, hn::Mul(gb, b)));
           for (int e = 0; e < task.num_extras; ++e) {
             const Vec ge =
@@ -242,14 +244,15 @@ void BackwardTile(const TileTask& task,
             sums[kMomentStride + e] +=
                 hn::GetLane(hn::SumOfLanes(d, hn::Mul(weight, ge)));
           }
-          // What lies behind shrinks by (1 - alpha): with R the value still to
-          // come, dL/dalpha = T value - R / (1 - alpha).
+          // The splat dims everything behind it by 1 - alpha. With R the
+          // product of what lies behind with dL/dpixel, dL/dalpha = T value - R
+          // / (1 - alpha).
           const Vec behind =
               hn::NegMulAdd(weight, value, hn::Load(d, remaining + pixel));
           hn::Store(behind, d, remaining + pixel);
           const Vec d_alpha = hn::NegMulAdd(
               behind, Reciprocal(d, hn::Sub(one, alpha)), hn::Mul(t, value));
-          // A clamped alpha does not move.
+          // An alpha that was limited to kMaxAlpha has no derivative.
           const Mask free = hn::And(mask, hn::Lt(alpha, hn::Set(d, kMaxAlpha)));
           const Vec q = hn::IfThenElseZero(free, hn::Mul(d_alpha, alpha));
           const Vec qy = hn::Mul(q, dy);
@@ -275,13 +278,11 @@ void BackwardTile(const TileTask& task,
     StoreSums(d, sum_qxy, sum_qyy, sum_r, sum_g, sums + 4);
     sums[8] = hn::GetLane(hn::SumOfLanes(d, sum_b));
   }
-  // Entries behind an opaque tile get no gradient.
+  // Entries after the one at which the tile became opaque have no gradient.
   for (int64_t k = visited; k < task.count; ++k) {
     std::fill_n(moments + k * stride, stride, 0.0f);
   }
 }
-
-const char* TargetName() { return hwy::TargetName(HWY_TARGET); }
 
 }  // namespace freegs::splat::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -293,7 +294,6 @@ HWY_EXPORT(BlendTile);
 HWY_EXPORT(ContributeTile);
 HWY_EXPORT(VoteTile);
 HWY_EXPORT(BackwardTile);
-HWY_EXPORT(TargetName);
 
 int64_t BlendTile(const TileTask& task,
                   TilePixels* pixels,
@@ -322,8 +322,6 @@ void BackwardTile(const TileTask& task,
   HWY_DYNAMIC_DISPATCH(BackwardTile)
   (task, visited, gradients, extra_gradients, moments);
 }
-
-const char* TileKernelTarget() { return HWY_DYNAMIC_DISPATCH(TargetName)(); }
 
 }  // namespace freegs::splat
 #endif  // HWY_ONCE

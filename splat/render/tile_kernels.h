@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The inner loops of the rasteriser: alpha blending of depth-ordered splats in
-// one tile, forward and backward, SIMD over pixels. Compiled for several
-// instruction sets by Highway and chosen at run time.
+// The inner loops of the rasteriser: alpha blending of the depth-ordered splats
+// of one tile, and its derivative, with one pixel per SIMD lane. Highway
+// compiles them for several instruction sets and chooses one at run time.
 //
 // Blending (Kerbl et al. 2023, eq. 3): alpha_i = min(0.99, o_i exp(-q_i / 2)),
 // q_i = d^T conic d, weight w_i = alpha_i T_i, T_{i+1} = T_i (1 - alpha_i).
@@ -17,38 +17,37 @@
 namespace freegs::splat {
 
 // Blends the list front to back into *pixels and, when task.num_extras > 0,
-// into extras[channel * 256 + TilePixel] (64-byte aligned), both overwritten.
-// Also fills *dominance unless it is null. Returns how many list entries had
-// been visited when the tile was opaque.
+// into extras[channel * 256 + TilePixel] (64-byte aligned). Overwrites both,
+// and *dominance unless it is null. Stops when the tile is opaque, and returns
+// how many list entries it has visited.
 int64_t BlendTile(const TileTask& task,
                   TilePixels* pixels,
                   float* extras,
                   TileDominance* dominance = nullptr);
 
-// Blends weights only: overwrites transmittance (256 floats, 64-byte aligned)
-// and *dominance, and writes what list entry k gave to contributions[k].
+// Computes the blending weights without blending colours. Overwrites
+// transmittance (256 floats, 64-byte aligned) and *dominance, and writes what
+// list entry k contributed to contributions[k].
 void ContributeTile(const TileTask& task,
                     float* transmittance,
                     TileDominance* dominance,
                     PairContribution* contributions);
 
-// Adds to votes[channel * 256 + TilePixel] the weight of every splat, where
-// channel is channels[k] of list entry k (negative: none).
+// Adds the weight of list entry k at each pixel to
+// votes[channels[k] * 256 + TilePixel]. Entries whose channel is negative are
+// blended, but add no vote.
 void VoteTile(const TileTask& task, const int32_t* channels, float* votes);
 
-// Walks the list as BlendTile did (the first `visited` entries) and writes the
-// sums of list entry k to moments + k * (kMomentStride + num_extras).
-// extra_gradients is dL/dextra, [channel * 256 + TilePixel].
-// Clobbers
-// gradients->remaining.
+// The derivative of BlendTile, which visited the first `visited` entries.
+// Writes the sums of list entry k (see kMomentStride in splat.h) to moments + k
+// * (kMomentStride + num_extras). extra_gradients is dL/dextra at [channel *
+// 256 + TilePixel]. gradients->remaining is used as scratch memory and holds
+// other values afterwards.
 void BackwardTile(const TileTask& task,
                   int64_t visited,
                   TileGradients* gradients,
                   const float* extra_gradients,
                   float* moments);
-
-// The instruction set the kernels run with, such as "AVX3" or "NEON".
-const char* TileKernelTarget();
 
 }  // namespace freegs::splat
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the kernels of a tile read and write: its pixels, its list of splats,
-// its gradients.
+// The inputs and outputs of the kernels of one tile: its pixels, its list of
+// splats and its gradients.
 
 #ifndef FREEGS_SPLAT_RENDER_TILE_LAYOUT_H_
 #define FREEGS_SPLAT_RENDER_TILE_LAYOUT_H_
@@ -14,8 +14,9 @@ namespace freegs::splat {
 constexpr int kTileSize = 16;
 constexpr int kTilePixels = kTileSize * kTileSize;
 
-// A tile's pixels are kept in blocks of 4 x 4, row-major, and so are the pixels
-// of a block: a small splat meets fewer vectors than with long rows.
+// A tile's pixels are stored in blocks of 4 x 4. The blocks are in row-major
+// order, and so are the pixels of a block. A small splat touches fewer vectors
+// this way than if vectors were parts of long rows.
 constexpr int kBlockSize = 4;
 constexpr int TilePixel(unsigned x, unsigned y) {
   const unsigned block =
@@ -36,30 +37,32 @@ struct TileTask {
   int num_extras = 0;
 };
 
-// What a tile accumulates. Outside the image transmittance is 0.
+// What blending accumulates. Pixels outside the image have transmittance 0, so
+// nothing is blended into them.
 struct alignas(64) TilePixels {
   float transmittance[kTilePixels];
   float color[3][kTilePixels];
 };
 
-// Per pixel the largest weight of all splats and the list entry it belongs to
-// (0 and -1 where nothing was blended; ties go to the nearest).
+// The largest weight of all splats at each pixel and the list entry it belongs
+// to: the nearest of several, 0 and -1 where nothing was blended.
 struct alignas(64) TileDominance {
   float weight[kTilePixels];
   int32_t entry[kTilePixels];
 };
 
-// What one splat gives to one tile: the sum of its weights and the number of
-// pixels it was blended into.
+// What one splat contributes to one tile: the sum of its weights, and the
+// number of pixels it was blended into.
 struct PairContribution {
   float weight_sum;
   float num_pixels;
 };
 
+// The derivatives of the loss L with respect to a tile's pixels.
 struct alignas(64) TileGradients {
-  float color[3][kTilePixels];  // dL/dcolor per pixel, 0 outside the image.
-  // sum_c dL/dcolor_c * color_c + sum_e dL/dextra_e * extra_e +
-  // dL/dT * T of the finished pixel, background included.
+  float color[3][kTilePixels];  // dL/dcolor, 0 outside the image.
+  // sum_c dL/dcolor_c * color_c + sum_e dL/dextra_e * extra_e + dL/dT * T of
+  // the finished pixel, with the background in color_c.
   float remaining[kTilePixels];
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From a projected and binned view to the work of one tile.
+// The work of one tile of a projected and binned view.
 
 #ifndef FREEGS_SPLAT_RENDER_TILE_TASK_H_
 #define FREEGS_SPLAT_RENDER_TILE_TASK_H_
@@ -13,8 +13,9 @@
 
 namespace freegs::splat {
 
-// Tile number `tile` of `bins`, which hold the splats of `projection` for an
-// image of width x height. No extra values. Points into both.
+// Makes the task of tile number `tile`. `bins` must hold the splats of
+// `projection` for an image of width x height. The task points into both and
+// has no extra values.
 inline TileTask MakeTileTask(const Projection& projection,
                              const TileBins& bins,
                              int width,

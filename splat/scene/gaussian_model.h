@@ -1,5 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The scene: a set of 3D Gaussians with view-dependent colour.
+//
+//   GaussianModel model;
+//   model.sh_degree = 0;
+//   model.Resize(1);
+//   model.means = {0, 0, 2};           // Two world units along z.
+//   model.log_scales = {-3, -3, -3};   // Standard deviation e^-3.
+//   model.rotations = {1, 0, 0, 0};    // No rotation.
+//   model.opacity_logits = {4};        // Opacity 0.98.
+//   model.sh_dc = {1, 0, 0};           // Reddish; see kShC0.
 
 #ifndef FREEGS_SPLAT_SCENE_GAUSSIAN_MODEL_H_
 #define FREEGS_SPLAT_SCENE_GAUSSIAN_MODEL_H_
@@ -18,14 +27,14 @@ constexpr int NumShCoefficients(int degree) {
 }
 constexpr int kMaxShDegree = 3;
 
-// Colour = kShC0 * dc + 0.5 for a Gaussian of degree 0.
+// The colour of a Gaussian of degree 0 is kShC0 * sh_dc + 0.5 per channel.
 constexpr float kShC0 = 0.28209479177387814f;
 
-// The optimised parameters, one flat array per kind (structure of arrays, so
-// that an optimiser walks them linearly). Gaussian i owns the i-th group of
-// each array. World units are those of the camera poses.
+// The parameters that training optimises. Each kind has one flat array, which
+// an optimiser can walk from end to end; Gaussian i owns the i-th group of
+// numbers in each array. Lengths are in the units of the camera poses.
 struct GaussianModel {
-  int sh_degree = 0;  // Degree stored: sh_rest holds its coefficients.
+  int sh_degree = 0;  // Degree of the coefficients in sh_rest, 0 to 3.
 
   std::vector<float> means;           // N x 3, world frame.
   std::vector<float> log_scales;      // N x 3, natural log of the std. dev.
@@ -41,27 +50,30 @@ struct GaussianModel {
   // Floats of sh_rest per Gaussian.
   int sh_rest_stride() const { return 3 * (NumShCoefficients(sh_degree) - 1); }
 
-  // Grows with zeros or cuts, every array.
+  // Makes every array hold `count` Gaussians. New ones are all zeros.
   void Resize(size_t count);
 
-  // Keeps the Gaussians listed (ascending or any order), drops the others.
+  // Keeps only the Gaussians listed, in the order of the list.
   void Select(std::span<const uint32_t> indices);
 
-  // Appends a copy of Gaussian `index` of `other`, of the same SH degree.
+  // Appends a copy of Gaussian `index` of `other`, which must have the same SH
+  // degree.
   void AppendFrom(const GaussianModel& other, size_t index);
 
-  // Raises or lowers the stored SH degree; new coefficients are zero.
+  // Changes the stored SH degree. A higher degree adds coefficients of zero, a
+  // lower one drops coefficients.
   void SetShDegree(int degree);
 
   // True when no parameter is NaN or infinite.
   bool AllFinite() const;
 };
 
-// d loss / d parameter, in arrays of a model's shapes.
+// The derivatives of the loss with respect to every parameter, in arrays of the
+// same shapes as the model's.
 using GaussianGradients = GaussianModel;
 
-// The parameter arrays of a model by kind, for code that treats all alike
-// (optimiser, checkpoints).
+// The kinds of parameters, for code that treats all arrays alike, such as the
+// optimiser and the checkpoints.
 enum class Parameter {
   kMean,
   kLogScale,
@@ -82,7 +94,7 @@ constexpr std::array<Parameter, kNumParameters> kAllParameters = {
 std::vector<float>& ParameterArray(GaussianModel& model, Parameter parameter);
 const std::vector<float>& ParameterArray(const GaussianModel& model,
                                          Parameter parameter);
-// Floats per Gaussian.
+// How many floats of this kind each Gaussian has.
 int ParameterStride(const GaussianModel& model, Parameter parameter);
 
 }  // namespace freegs::splat

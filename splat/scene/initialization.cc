@@ -9,7 +9,7 @@
 
 #include <flann/flann.hpp>
 
-#include "core/median.h"
+#include "core/quantile.h"
 
 namespace freegs::splat {
 namespace {
@@ -29,7 +29,7 @@ std::vector<size_t> FiniteIndices(std::span<const Eigen::Vector3d> positions,
   return finite;
 }
 
-// Points without repeats, and where each input went.
+// The distinct points, and for each input the distinct point that it is.
 struct DistinctPoints {
   std::vector<Point> points;
   std::vector<size_t> index;  // Per input.
@@ -63,7 +63,7 @@ std::vector<double> NeighbourDistances(std::vector<Point>& points,
   flann::KDTreeSingleIndex<flann::L2_3D<float>> index(data);
   index.buildIndex();
 
-  // The nearest is the point itself: all are distinct.
+  // The first neighbour is the point itself, because all points are distinct.
   const size_t k = others + 1;
   std::vector<size_t> indices(points.size() * k);
   std::vector<float> squares(points.size() * k);
@@ -130,7 +130,8 @@ StatusOr<GaussianModel> InitializeFromShDc(
   if (finite.empty()) {
     return BadInputError("no 3D points to start the Gaussians from");
   }
-  // Around their centre: differences of floats far from the origin are coarse.
+  // The points are moved to their centre first: far from the origin,
+  // differences of floats are coarse.
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   for (const size_t i : finite) {
     centre += positions[i] / static_cast<double>(finite.size());
@@ -152,8 +153,8 @@ StatusOr<GaussianModel> InitializeFromShDc(
   const float logit =
       static_cast<float>(std::log(options.opacity / (1 - options.opacity)));
   for (size_t k = 0; k < finite.size(); ++k) {
-    // A point without neighbours: a hundredth of the scene, where 3DGS begins
-    // to split.
+    // A point without neighbours gets a hundredth of the scene extent, the size
+    // from which 3DGS splits Gaussians.
     const double distance =
         distances.empty() ? 0.01 * scene_extent : distances[distinct.index[k]];
     const float log_scale =
@@ -188,7 +189,8 @@ double SceneExtent(std::span<const View> views,
     if (std::isfinite(distance)) distances.push_back(distance);
   }
   const double median = UpperMedian(std::move(distances));
-  // Coincident up to rounding, compared with what they look at.
+  // The cameras coincide, but for rounding, when their spread is tiny beside
+  // the distance of the points.
   if (farthest > 1e-6 * median && farthest > 0) return 1.1 * farthest;
   return median > 0 ? median : 1.0;
 }

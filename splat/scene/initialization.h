@@ -20,44 +20,46 @@ struct InitializationOptions {
   // Opacity of every Gaussian, in (0, 1).
   double opacity = 0.1;
 
-  // Neighbours whose distance sets the size of a Gaussian.
+  // Number of nearest points whose distances set the size of a Gaussian.
   int num_neighbours = 3;
 
-  // Bounds of the standard deviations; shares of the scene extent. They catch
-  // points that coincide and lone points far outside.
+  // Smallest and largest standard deviation, as shares of the scene extent.
+  // Without them, points that coincide would give Gaussians of no size, and
+  // lone points far outside the scene would give huge ones.
   double min_scale = 1e-5;
   double max_scale = 1.0;
 
-  // SH degree stored; coefficients above degree 0 start at zero.
+  // SH degree of the model. Coefficients above degree 0 start at zero.
   int sh_degree = 0;
 
   Status Check() const;
 };
 
-// One isotropic Gaussian per point: its standard deviation is the root mean
-// square distance to the nearest neighbours at other positions (exact search),
-// its colour the point's. `positions` (world) and `colors` (RGB, 0..255) are
-// parallel. Points that are not finite are left out. kBadInput when no point
-// remains.
+// Makes one isotropic Gaussian per point, of the point's colour. Its standard
+// deviation is the root mean square distance to the nearest points at other
+// positions. `positions` are in the world frame; `colors` are RGB in 0..255 and
+// parallel to them. Points that are not finite are left out. Fails with
+// kBadInput when no point remains.
 StatusOr<GaussianModel> InitializeFromPoints(
     std::span<const Eigen::Vector3d> positions,
     std::span<const std::array<uint8_t, 3>> colors,
     double scene_extent,
     const InitializationOptions& options = {});
 
-// The same with colours as they are stored: SH coefficients of degree 0 (r g b,
-// see kShC0), kept to the last bit. Points whose colour is not finite are left
-// out as well.
+// Like InitializeFromPoints, but the colours are SH coefficients of degree 0
+// (r g b, see kShC0), which the model takes over bit for bit. Points whose
+// colour is not finite are left out as well.
 StatusOr<GaussianModel> InitializeFromShDc(
     std::span<const Eigen::Vector3d> positions,
     std::span<const std::array<float, 3>> sh_dc,
     double scene_extent,
     const InitializationOptions& options = {});
 
-// The length unit of the optimisation: 1.1 times the largest distance of a
-// camera from the mean camera centre (3DGS). Where all cameras coincide: the
-// median distance of the points from the mean camera centre, or 1 without
-// points. Positive and finite.
+// The size of the scene in world units, which learning rates and thresholds are
+// relative to: 1.1 times the largest distance of a camera from the mean camera
+// centre, as in 3DGS. When all cameras coincide it is the median distance of
+// the points from the mean camera centre, or 1 when there are no points. The
+// result is positive and finite.
 double SceneExtent(std::span<const View> views,
                    std::span<const Eigen::Vector3d> points);
 

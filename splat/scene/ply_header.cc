@@ -242,7 +242,8 @@ bool PlyValueReader::ReadToken(double* value) {
       std::from_chars(start, start + rest_.size(), *value);
   if (error == std::errc::invalid_argument) return false;
   if (error == std::errc::result_out_of_range) {
-    // from_chars does not say on which side; the exponent's sign does.
+    // from_chars does not tell whether the number is too large or too small;
+    // the sign of the exponent does.
     const std::string_view token(start, static_cast<size_t>(stop - start));
     const bool tiny = token.find("e-") != std::string_view::npos ||
                       token.find("E-") != std::string_view::npos;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The header of a PLY file, and a reader of the values behind it.
+// The header of a PLY file, and a reader of the values that follow it.
 
 #ifndef FREEGS_SPLAT_SCENE_PLY_HEADER_H_
 #define FREEGS_SPLAT_SCENE_PLY_HEADER_H_
@@ -32,7 +32,7 @@ struct PlyProperty {
   std::string name;
   PlyType type = PlyType::kFloat32;
   bool is_list = false;
-  PlyType count_type = PlyType::kUint8;  // Of a list's length.
+  PlyType count_type = PlyType::kUint8;  // The type of a list's length.
 };
 
 struct PlyElement {
@@ -40,19 +40,22 @@ struct PlyElement {
   uint64_t count = 0;
   std::vector<PlyProperty> properties;
 
-  // Fewest bytes one item can take in a file of this format.
+  // The fewest bytes that one item can take in a file of this format. A file
+  // that claims more items than fit is refused before memory is allocated.
   uint64_t MinItemBytes(PlyFormat format) const;
 };
 
 struct PlyHeader {
   PlyFormat format = PlyFormat::kAscii;
   std::vector<PlyElement> elements;
-  size_t size = 0;  // Bytes up to and with the end_header line.
+  size_t size = 0;  // Bytes of the header, including the end_header line.
 };
 
+// Parses the header at the beginning of a file's content. Fails with kBadInput
+// when it is malformed.
 StatusOr<PlyHeader> ParsePlyHeader(std::string_view content);
 
-// Reads the values behind a header one after another.
+// Reads the values that follow a header, one after another.
 class PlyValueReader {
  public:
   PlyValueReader(PlyFormat format, std::string_view body)
@@ -60,10 +63,12 @@ class PlyValueReader {
 
   uint64_t remaining_bytes() const { return rest_.size(); }
 
-  // The next value; false at the end of the content or at a malformed token.
+  // Reads the next value. Returns false at the end of the content, or when the
+  // next word of an ascii file is no number.
   bool Read(PlyType type, double* value);
 
-  // Steps over a property, a list with all its values.
+  // Steps over the value of a property, or over all values of a list. Returns
+  // false like Read.
   bool Skip(const PlyProperty& property);
 
  private:

@@ -4,21 +4,18 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
+#include <utility>
 #include <vector>
 
+#include "core/io/byte_stream.h"
 #include "core/io/files.h"
 #include "splat/scene/ply_header.h"
 
 namespace freegs::splat {
 namespace {
-
-static_assert(std::endian::native == std::endian::little,
-              "floats are copied to little-endian files as they are");
 
 // Where a file property goes: array `parameter`, float `offset` of its group.
 struct Target {
@@ -81,7 +78,7 @@ StatusOr<int> DegreeOf(const PlyElement& vertex) {
                        "degree");
 }
 
-// Per property of the vertices: its place in the model, and whether it has one.
+// For each property of the vertices, its place in the model if it has one.
 struct PropertyPlan {
   bool wanted = false;
   Target target;
@@ -145,8 +142,8 @@ StatusOr<GaussianModel> ReadVertices(PlyFormat format,
   FREEGS_ASSIGN_OR_RETURN(const int degree, DegreeOf(vertex));
   FREEGS_ASSIGN_OR_RETURN(const std::vector<PropertyPlan> plan,
                           PlanProperties(vertex, degree));
-  // Before anything is allocated for a count that may be a lie. An ascii file
-  // may lack the last separator.
+  // This comes before memory is allocated, because the count may be wrong. An
+  // ascii file may lack the last separator.
   const uint64_t most =
       (reader->remaining_bytes() + 1) / vertex.MinItemBytes(format);
   if (vertex.count > most) {
@@ -227,37 +224,33 @@ std::string SerializePly(const GaussianModel& model) {
   for (int k = 0; k < 3; ++k) names.push_back("scale_" + std::to_string(k));
   for (int k = 0; k < 4; ++k) names.push_back("rot_" + std::to_string(k));
 
-  std::string content =
-      "ply\nformat binary_little_endian 1.0\nelement vertex " +
-      std::to_string(model.size()) + "\n";
+  std::string header = "ply\nformat binary_little_endian 1.0\nelement vertex " +
+                       std::to_string(model.size()) + "\n";
   for (const std::string& name : names) {
-    content += "property float " + name + "\n";
+    header += "property float " + name + "\n";
   }
-  content += "end_header\n";
+  header += "end_header\n";
 
-  size_t at = content.size();
-  content.resize(at + model.size() * names.size() * sizeof(float));
-  const auto put = [&](const float* values, int count) {
-    std::memcpy(content.data() + at, values, count * sizeof(float));
-    at += count * sizeof(float);
-  };
+  ByteWriter writer;
+  writer.Reserve(header.size() + model.size() * names.size() * sizeof(float));
+  writer.PutBytes(header);
   constexpr std::array<float, 3> kNormal = {0, 0, 0};
   std::array<float, 3 * (NumShCoefficients(kMaxShDegree) - 1)> rest{};
   for (size_t i = 0; i < model.size(); ++i) {
-    put(&model.means[3 * i], 3);
-    put(kNormal.data(), 3);
-    put(&model.sh_dc[3 * i], 3);
+    writer.PutArray(&model.means[3 * i], 3);
+    writer.PutArray(kNormal);
+    writer.PutArray(&model.sh_dc[3 * i], 3);
     for (int number = 0; number < 3 * coefficients; ++number) {
       rest[number] =
           model
               .sh_rest[i * 3 * coefficients + RestOffset(number, coefficients)];
     }
-    put(rest.data(), 3 * coefficients);
-    put(&model.opacity_logits[i], 1);
-    put(&model.log_scales[3 * i], 3);
-    put(&model.rotations[4 * i], 4);
+    writer.PutArray(rest.data(), 3 * coefficients);
+    writer.Put(model.opacity_logits[i]);
+    writer.PutArray(&model.log_scales[3 * i], 3);
+    writer.PutArray(&model.rotations[4 * i], 4);
   }
-  return content;
+  return std::move(writer).content();
 }
 
 Status WritePly(const std::filesystem::path& path, const GaussianModel& model) {

@@ -14,26 +14,27 @@
 namespace freegs::splat {
 
 // The vertex properties are x y z nx ny nz f_dc_0..2 f_rest_* opacity
-// scale_0..2 rot_0..3: log scales, logit opacity, quaternion w x y z. f_rest is
-// channel-major in files, f_rest_[channel * (K - 1) + k] with K = (degree +
-// 1)^2; a GaussianModel is coefficient-major. Normals are ignored and written
-// as zeros.
+// scale_0..2 rot_0..3. Scales are natural logarithms, opacity is a logit, and
+// the quaternion is w x y z. In files f_rest is channel-major,
+// f_rest_[channel * (K - 1) + k] with K = (degree + 1)^2, while a GaussianModel
+// is coefficient-major. Normals are ignored when read and written as zeros.
 
-// Reads binary (either byte order) and ascii files. Properties may come in any
-// order and any numeric type; others, and other elements, are skipped. The SH
-// degree follows from the number of f_rest properties (0, 9, 24 or 45).
-// kBadInput, naming file and fault, when a property is missing, when the
-// content is shorter than the header says, or when values are not finite (the
-// message says in how many vertices).
+// Reads binary files of either byte order, and ascii files. The properties may
+// come in any order and have any numeric type. Other properties and other
+// elements are skipped. The SH degree follows from the number of f_rest
+// properties (0, 9, 24 or 45). Fails with kBadInput, naming the file and the
+// fault, when a property is missing, when the content is shorter than the
+// header says, or when values are not finite (the message says in how many
+// vertices).
 StatusOr<GaussianModel> ReadPly(const std::filesystem::path& path);
 
-// The same from a file's content; messages lack the file name.
+// Like ReadPly, but from the content of a file. Messages do not name the file.
 StatusOr<GaussianModel> ParsePly(std::string_view content);
 
-// Writes binary_little_endian float32, atomically.
+// Writes a binary_little_endian file of float32 properties, atomically.
 Status WritePly(const std::filesystem::path& path, const GaussianModel& model);
 
-// The content that WritePly writes.
+// Returns the content that WritePly writes.
 std::string SerializePly(const GaussianModel& model);
 
 }  // namespace freegs::splat

@@ -19,7 +19,8 @@ struct Range {
   float high = 0;
 };
 
-// The middle of the finite values of one axis.
+// The range of the finite values of one axis without the lowest and the highest
+// 2 %.
 Range MiddleRange(const GaussianModel& model, size_t axis) {
   std::vector<float> values;
   values.reserve(model.size());

@@ -12,10 +12,13 @@
 
 namespace freegs::splat {
 
-// The indices of all Gaussians along a Morton curve through the middle 96 % of
-// their means (the others at its faces); ties, and means that are not finite,
-// by index. Views see contiguous parts of a scene, so that what a step touches
-// then lies together.
+// Returns the indices of all Gaussians in the order of a Morton curve. The
+// curve fills the box that holds the middle 96 % of the means along each axis;
+// Gaussians outside count as lying on its faces. Gaussians in one cell of the
+// curve, and those whose mean is not finite, follow each other by index.
+//
+// A view shows a contiguous part of the scene, so in this order the parameters
+// that a training step touches lie close together in memory.
 std::vector<uint32_t> MortonOrder(const GaussianModel& model);
 
 }  // namespace freegs::splat

@@ -6,10 +6,11 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <numeric>
+#include <utility>
 #include <vector>
 
+#include "core/io/byte_stream.h"
 #include "core/io/files.h"
 
 namespace freegs::splat {
@@ -25,7 +26,7 @@ uint8_t ToByte(double value) {
   return static_cast<uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
 }
 
-void PutRecord(const GaussianModel& model, size_t i, char* record) {
+void PutRecord(const GaussianModel& model, size_t i, ByteWriter* writer) {
   std::array<float, 6> geometry;
   std::array<uint8_t, 8> bytes;
   double norm = 0;
@@ -44,8 +45,8 @@ void PutRecord(const GaussianModel& model, size_t i, char* record) {
     const double c = norm > 0 ? model.rotations[4 * i + k] / norm : identity;
     bytes[4 + k] = ToByte(c * 128.0 + 128.0);
   }
-  std::memcpy(record, geometry.data(), sizeof(geometry));
-  std::memcpy(record + sizeof(geometry), bytes.data(), sizeof(bytes));
+  writer->PutArray(geometry);
+  writer->PutArray(bytes);
 }
 
 }  // namespace
@@ -63,11 +64,10 @@ std::string SerializeSplat(const GaussianModel& model) {
   std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
     return importance[a] > importance[b];
   });
-  std::string content(model.size() * kRecordBytes, '\0');
-  for (size_t k = 0; k < order.size(); ++k) {
-    PutRecord(model, order[k], content.data() + k * kRecordBytes);
-  }
-  return content;
+  ByteWriter writer;
+  writer.Reserve(model.size() * kRecordBytes);
+  for (const uint32_t i : order) PutRecord(model, i, &writer);
+  return std::move(writer).content();
 }
 
 Status WriteSplat(const std::filesystem::path& path,

@@ -9,8 +9,8 @@
 namespace freegs::splat {
 namespace {
 
-// A training made short and small: milestones are shares and follow by
-// themselves, intervals do not.
+// The options of a trial. Milestones are shares of the iterations and adapt by
+// themselves; intervals must be shortened.
 TrainerOptions TrialOptions(const BudgetSearchOptions& options,
                             const TrainerOptions& training,
                             int level) {
@@ -72,8 +72,9 @@ StatusOr<BudgetChoice> SearchBudget(const BudgetSearchOptions& options,
         1, static_cast<int64_t>(pixels * static_cast<double>(budget)));
   };
   BudgetChoice choice;
-  // Tries a model, and says whether it is good enough beside the best so far.
-  // `most` is the largest number of Gaussians the trial ever had.
+  // Makes a trial, and returns whether its PSNR is good enough in comparison
+  // with the best so far. `most` becomes the largest number of Gaussians that
+  // the trial had at any time.
   size_t most = 0;
   double best = -std::numeric_limits<double>::infinity();
   const auto attempt =
@@ -102,7 +103,8 @@ StatusOr<BudgetChoice> SearchBudget(const BudgetSearchOptions& options,
   for (const double share : options.shares) {
     const auto budget =
         static_cast<int64_t>(share * static_cast<double>(training.budget));
-    // A bound that no model came near would give the same model again.
+    // A limit that the last trial never reached would lead to the same model
+    // again.
     if (!choice.trials.empty() &&
         static_cast<uint64_t>(at_level(budget)) >= most) {
       continue;
@@ -113,7 +115,7 @@ StatusOr<BudgetChoice> SearchBudget(const BudgetSearchOptions& options,
     if (!good) break;
     choice.budget = std::max<int64_t>(1, budget);
   }
-  // Lower degrees are measured against this number's own figure.
+  // Lower degrees are compared with the trial that had the chosen number.
   best = -std::numeric_limits<double>::infinity();
   for (const BudgetTrial& trial : choice.trials) {
     if (trial.budget == at_level(choice.budget)) best = trial.holdout_psnr;

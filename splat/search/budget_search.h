@@ -1,6 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How many Gaussians, and which SH degree, a scene needs: as many as
-// photographs that training never sees still gain from.
+// Chooses how many Gaussians and which SH degree a scene needs: the fewest with
+// which the photographs that training never sees still look about as good as
+// with more.
+//
+//   const QualityJudge judge = [&](const GaussianModel& model,
+//                                  int level) -> StatusOr<double> {
+//     FREEGS_ASSIGN_OR_RETURN(
+//         const HoldoutReport report,
+//         MeasureHoldout(model, RenderOptions(), &holdout, pool, level));
+//     return report.mean_psnr;
+//   };
+//   FREEGS_ASSIGN_OR_RETURN(
+//       BudgetChoice choice,
+//       SearchBudget({}, training, trainer.model(), extent, judge, &images,
+//                    &pool, nullptr));
+//   trainer.KeepTo(std::move(choice));
 
 #ifndef FREEGS_SPLAT_SEARCH_BUDGET_SEARCH_H_
 #define FREEGS_SPLAT_SEARCH_BUDGET_SEARCH_H_
@@ -12,31 +26,34 @@
 #include "core/cancellation.h"
 #include "core/parallel.h"
 #include "core/status.h"
-#include "splat/scene/gaussian_model.h"
 #include "splat/images/training_images.h"
+#include "splat/scene/gaussian_model.h"
 #include "splat/train/budget_choice.h"
 #include "splat/train/trainer.h"
 
 namespace freegs::splat {
 
-// Mean PSNR in dB of a model on the holdout photographs at a level of their
-// image pyramid. An error ends the search and is passed on.
+// Returns the mean PSNR in dB of a model on the holdout photographs, at a level
+// of their image pyramid. An error ends the search, which returns it.
 using QualityJudge =
     std::function<StatusOr<double>(const GaussianModel& model, int level)>;
 
 struct BudgetSearchOptions {
-  // Numbers of Gaussians tried, as shares of the limit; descending from 1.
+  // The numbers of Gaussians to try, as shares of the limit, descending from 1.
   std::vector<double> shares = {1, 0.7, 0.5, 0.35, 0.25, 0.175, 0.125};
 
-  // A smaller number is good enough while its PSNR is at most so many dB under
-  // the best so far; then a lower SH degree likewise.
+  // A smaller number of Gaussians is good enough if its PSNR is at most
+  // tolerance_db below the best so far. A lower SH degree is good enough if its
+  // PSNR is at most sh_tolerance_db below the best with that number of
+  // Gaussians.
   double tolerance_db = 0.1;
   double sh_tolerance_db = 0.05;
 
-  // Level of the image pyramid that the trials are made at.
+  // The level of the image pyramid with which the trials are made.
   int level = 1;
 
-  // Every trial trains for this share of the iterations, within bounds.
+  // A trial has this share of the iterations of the training, within the
+  // bounds.
   double trial_share = 0.25;
   int min_trial_steps = 200;
   int max_trial_steps = 1000;
@@ -44,16 +61,19 @@ struct BudgetSearchOptions {
   Status Check() const;
 };
 
-// Trains whole models, short and on small images, with ever fewer Gaussians
-// until the holdout suffers, then with ever lower SH degrees until it does.
-// Numbers that the training does not come near are passed over. An
-// image of a quarter of the pixels gets a quarter of the Gaussians, so a trial
-// is cheap, and the number found is carried over by the number of pixels. All
-// trials start from `initial` and see the same views in the same order.
-// `training` holds the limit as its budget and the SH degree to begin with;
-// `level` of the options is lowered where `images` has fewer. The result is a
-// function of the arguments: the same for any number of threads. kInvalidArgument
-// without a limit; kInterrupted when cancelled (null: never).
+// Makes short trainings on small images, the trials. They have fewer and fewer
+// Gaussians until the PSNR is no longer good enough, and then, with the last
+// number that was, lower and lower SH degrees until it is not. A number of
+// Gaussians that is no limit to the training, because the trial before never
+// had so many, is not tried. A trial on images with a quarter of the pixels has
+// a quarter of the Gaussians; the number chosen is that for full size. All
+// trials begin with `initial` and use the same views in the same order.
+//
+// training.budget is the limit, training.schedule.sh_degree the degree to begin
+// with. When `images` has too few levels for options.level, the coarsest is
+// used. The result is the same for any number of threads. Fails with
+// kInvalidArgument when there is no limit or the options are wrong, and with
+// kInterrupted when `cancellation` (null: never) asks to stop.
 StatusOr<BudgetChoice> SearchBudget(const BudgetSearchOptions& options,
                                     const TrainerOptions& training,
                                     const GaussianModel& initial,

@@ -10,8 +10,8 @@
 #include <system_error>
 #include <utility>
 
+#include "core/io/byte_stream.h"
 #include "core/io/files.h"
-#include "splat/train/checkpoint_bytes.h"
 
 namespace freegs::splat {
 namespace {
@@ -32,8 +32,33 @@ bool Fits(const GaussianModel& moments, const GaussianModel& model) {
                              moments.sh_degree == model.sh_degree);
 }
 
-// What is read one by one cannot exceed the file, whatever its count says.
-bool ReadMilestones(CheckpointReader* reader,
+void PutModel(const GaussianModel& model, ByteWriter* writer) {
+  writer->Put<uint64_t>(model.size());
+  writer->Put<int32_t>(model.sh_degree);
+  for (const Parameter parameter : kAllParameters) {
+    writer->PutArray(ParameterArray(model, parameter));
+  }
+}
+
+bool GetModel(ByteReader* reader, GaussianModel* model) {
+  uint64_t count = 0;
+  int32_t degree = 0;
+  // So small a count that the products below do not overflow.
+  if (!reader->GetCount(1, &count) || !reader->Get(&degree) || degree < 0 ||
+      degree > kMaxShDegree) {
+    return false;
+  }
+  model->sh_degree = degree;
+  return std::all_of(
+      kAllParameters.begin(), kAllParameters.end(), [&](Parameter p) {
+        const auto stride = static_cast<uint64_t>(ParameterStride(*model, p));
+        return reader->GetArray(count * stride, &ParameterArray(*model, p));
+      });
+}
+
+// Records are read one by one, so a wrong count takes no more memory than the
+// file has content.
+bool ReadMilestones(ByteReader* reader,
                     std::vector<MilestoneRecord>* milestones) {
   uint64_t count = 0;
   if (!reader->Get(&count)) return false;
@@ -51,8 +76,7 @@ bool ReadMilestones(CheckpointReader* reader,
   return true;
 }
 
-bool ReadRecoveries(CheckpointReader* reader,
-                    std::vector<Recovery>* recoveries) {
+bool ReadRecoveries(ByteReader* reader, std::vector<Recovery>* recoveries) {
   uint64_t count = 0;
   if (!reader->Get(&count)) return false;
   for (uint64_t i = 0; i < count; ++i) {
@@ -67,8 +91,7 @@ bool ReadRecoveries(CheckpointReader* reader,
   return true;
 }
 
-bool ReadBudgetChoice(CheckpointReader* reader,
-                      std::optional<BudgetChoice>* choice) {
+bool ReadBudgetChoice(ByteReader* reader, std::optional<BudgetChoice>* choice) {
   uint8_t present = 0;
   if (!reader->Get(&present) || present > 1) return false;
   if (present == 0) return true;
@@ -91,7 +114,7 @@ bool ReadBudgetChoice(CheckpointReader* reader,
 }
 
 void WriteBudgetChoice(const std::optional<BudgetChoice>& choice,
-                       CheckpointWriter* writer) {
+                       ByteWriter* writer) {
   writer->Put<uint8_t>(choice ? 1 : 0);
   if (!choice) return;
   writer->Put(choice->budget);
@@ -104,7 +127,7 @@ void WriteBudgetChoice(const std::optional<BudgetChoice>& choice,
   }
 }
 
-bool ReadHistory(CheckpointReader* reader, TrainingHistory* history) {
+bool ReadHistory(ByteReader* reader, TrainingHistory* history) {
   uint8_t has_last_good = 0;
   if (!ReadMilestones(reader, &history->milestones) ||
       !ReadRecoveries(reader, &history->recoveries) ||
@@ -122,10 +145,10 @@ bool ReadHistory(CheckpointReader* reader, TrainingHistory* history) {
   }
   if (has_last_good == 0) return true;
   GoodState& good = history->last_good.emplace();
-  return reader->Get(&good.iteration) && reader->GetModel(&good.model);
+  return reader->Get(&good.iteration) && GetModel(reader, &good.model);
 }
 
-void WriteHistory(const TrainingHistory& history, CheckpointWriter* writer) {
+void WriteHistory(const TrainingHistory& history, ByteWriter* writer) {
   writer->Put<uint64_t>(history.milestones.size());
   for (const MilestoneRecord& record : history.milestones) {
     writer->Put(record.iteration);
@@ -148,26 +171,26 @@ void WriteHistory(const TrainingHistory& history, CheckpointWriter* writer) {
   writer->Put<uint8_t>(history.last_good ? 1 : 0);
   if (!history.last_good) return;
   writer->Put(history.last_good->iteration);
-  writer->PutModel(history.last_good->model);
+  PutModel(history.last_good->model, writer);
 }
 
-// A state to go back to lies behind, so that training ends.
+// The last good state must not be ahead of the checkpoint.
 bool LiesBehind(const TrainingCheckpoint& checkpoint) {
   const std::optional<GoodState>& good = checkpoint.history.last_good;
   return !good ||
          (good->iteration >= 0 && good->iteration <= checkpoint.iteration);
 }
 
-bool ReadPayload(CheckpointReader* reader, TrainingCheckpoint* checkpoint) {
+bool ReadPayload(ByteReader* reader, TrainingCheckpoint* checkpoint) {
   DensificationStatistics& statistics = checkpoint->statistics;
   uint64_t num_statistics = 0;
   uint64_t num_facts = 0;
   if (!reader->Get(&checkpoint->iteration) ||
       !reader->Get(&checkpoint->elapsed_seconds) ||
-      !reader->GetModel(&checkpoint->model) ||
+      !GetModel(reader, &checkpoint->model) ||
       !reader->Get(&checkpoint->adam.steps) ||
-      !reader->GetModel(&checkpoint->adam.first_moments) ||
-      !reader->GetModel(&checkpoint->adam.second_moments) ||
+      !GetModel(reader, &checkpoint->adam.first_moments) ||
+      !GetModel(reader, &checkpoint->adam.second_moments) ||
       !reader->Get(&num_statistics) ||
       !reader->GetArray(num_statistics, &statistics.gradient_sum) ||
       !reader->GetArray(num_statistics, &statistics.visible_steps) ||
@@ -189,7 +212,7 @@ bool ReadPayload(CheckpointReader* reader, TrainingCheckpoint* checkpoint) {
          (num_statistics == 0 || num_statistics == checkpoint->model.size());
 }
 
-// Checkpoint files of a folder, the newest first.
+// The checkpoint files of a folder, the newest first.
 std::vector<std::pair<int64_t, fs::path>> ListCheckpoints(
     const fs::path& folder) {
   std::vector<std::pair<int64_t, fs::path>> found;
@@ -209,7 +232,7 @@ std::vector<std::pair<int64_t, fs::path>> ListCheckpoints(
   return found;
 }
 
-// What a killed writer left behind.
+// Removes unfinished files of a program that was killed while writing.
 void RemoveParts(const fs::path& folder) {
   std::error_code error;
   std::vector<fs::path> parts;
@@ -226,15 +249,15 @@ void RemoveParts(const fs::path& folder) {
 }  // namespace
 
 std::string SerializeCheckpoint(const TrainingCheckpoint& checkpoint) {
-  CheckpointWriter writer;
+  ByteWriter writer;
   writer.PutBytes(kMagic);
   writer.Put(kVersion);
   writer.Put(checkpoint.iteration);
   writer.Put(checkpoint.elapsed_seconds);
-  writer.PutModel(checkpoint.model);
+  PutModel(checkpoint.model, &writer);
   writer.Put(checkpoint.adam.steps);
-  writer.PutModel(checkpoint.adam.first_moments);
-  writer.PutModel(checkpoint.adam.second_moments);
+  PutModel(checkpoint.adam.first_moments, &writer);
+  PutModel(checkpoint.adam.second_moments, &writer);
   writer.Put<uint64_t>(checkpoint.statistics.size());
   writer.PutArray(checkpoint.statistics.gradient_sum);
   writer.PutArray(checkpoint.statistics.visible_steps);
@@ -247,7 +270,7 @@ std::string SerializeCheckpoint(const TrainingCheckpoint& checkpoint) {
     writer.PutText(value);
   }
   writer.PutBytes(HashBytes(writer.content()));
-  return std::move(writer.content());
+  return std::move(writer).content();
 }
 
 StatusOr<TrainingCheckpoint> ParseCheckpoint(std::string_view content) {
@@ -262,7 +285,7 @@ StatusOr<TrainingCheckpoint> ParseCheckpoint(std::string_view content) {
     return BadInputError(
         "training checkpoint is damaged (its checksum does not match)");
   }
-  CheckpointReader reader(body.substr(kMagic.size()));
+  ByteReader reader(body.substr(kMagic.size()));
   uint32_t version = 0;
   if (!reader.Get(&version) || version != kVersion) {
     return BadInputError("training checkpoint is of format " +
@@ -293,7 +316,7 @@ Status SaveCheckpoint(const fs::path& folder,
   const auto found = ListCheckpoints(folder);
   for (size_t i = static_cast<size_t>(std::max(1, keep)); i < found.size();
        ++i) {
-    // A file that stays costs disk only.
+    // A file that cannot be removed does no harm but for the disk space.
     std::error_code ignored;
     fs::remove(found[i].second, ignored);
   }

@@ -1,5 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Everything that training needs to go on as if it had not stopped.
+// Checkpoints: everything that training needs to go on as if it had not
+// stopped, written to files.
+//
+//   SaveCheckpoint("checkpoints", trainer.Save());
+//   ...
+//   if (auto checkpoint = LatestCheckpoint("checkpoints")) {
+//     FREEGS_RETURN_IF_ERROR(trainer.Restore(*std::move(checkpoint)));
+//   }
 
 #ifndef FREEGS_SPLAT_TRAIN_CHECKPOINT_H_
 #define FREEGS_SPLAT_TRAIN_CHECKPOINT_H_
@@ -13,44 +20,48 @@
 #include <vector>
 
 #include "core/status.h"
-#include "splat/optim/adam.h"
 #include "splat/density/densification.h"
+#include "splat/optim/adam.h"
 #include "splat/scene/gaussian_model.h"
 #include "splat/train/training_history.h"
 
 namespace freegs::splat {
 
-// Random numbers are counter-based, so no generator state is part of it.
+// There is no state of a random generator: random numbers are functions of seed
+// and iteration.
 struct TrainingCheckpoint {
-  int64_t iteration = 0;  // Iterations done.
+  int64_t iteration = 0;  // Number of steps made.
   double elapsed_seconds = 0;
   GaussianModel model;
   AdamState adam;
   DensificationStatistics statistics;
   TrainingHistory history;
 
-  // Whatever else the trainer wants back, as text.
+  // Further values by name, which the caller wants to have back.
   std::map<std::string, std::string> facts;
 };
 
-// The file's content: magic, version, payload of little-endian arrays, and a
-// hash of all before it, so that any damage is noticed. A file of another
-// version is refused: kBadInput, naming both.
+// Converts a checkpoint to the content of a file and back. The content is a
+// magic number, a version, the little-endian values, and a hash of all of these
+// that reveals any damage. ParseCheckpoint fails with kBadInput when the
+// content is damaged or of another version; the message names both versions.
 std::string SerializeCheckpoint(const TrainingCheckpoint& checkpoint);
 StatusOr<TrainingCheckpoint> ParseCheckpoint(std::string_view content);
 
-// Writes folder/iteration_NNNNNNNN.ckpt atomically, creates the folder when it
-// is missing, then removes all but the newest `keep` checkpoints in it.
+// Writes folder/iteration_NNNNNNNN.ckpt atomically, then removes all but the
+// newest `keep` checkpoints in the folder. Creates the folder when it is
+// missing.
 Status SaveCheckpoint(const std::filesystem::path& folder,
                       const TrainingCheckpoint& checkpoint,
                       int keep = 2);
 
-// kBadInput, naming file and fault, when the file is damaged.
+// Reads a checkpoint. Fails with kBadInput, naming the file and the fault, when
+// the file cannot be read or is damaged.
 StatusOr<TrainingCheckpoint> LoadCheckpoint(const std::filesystem::path& path);
 
-// The newest checkpoint in the folder that is whole; nothing when there is none
-// or no folder. What was wrong with newer ones is appended to `problems`, if
-// given.
+// Returns the newest undamaged checkpoint in the folder, or nothing when there
+// is none or no such folder. Appends what is wrong with newer checkpoints to
+// *problems unless that is null.
 std::optional<TrainingCheckpoint> LatestCheckpoint(
     const std::filesystem::path& folder,
     std::vector<std::string>* problems = nullptr);

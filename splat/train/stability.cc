@@ -11,7 +11,7 @@ namespace {
 
 // Gaussians per task.
 
-// Steps before the smoothed loss means anything.
+// The smoothed loss of fewer steps says nothing.
 constexpr int64_t kMinSteps = 5;
 constexpr double kSenselessLoss = 2;
 constexpr double kWorseFactor = 3;
@@ -21,7 +21,7 @@ double Limit(double best) {
   return std::max(kWorseFactor * best, best + kWorseBy);
 }
 
-// Leaves NaN.
+// Leaves NaN as it is.
 void Clamp(float lowest, float highest, float* value) {
   if (*value < lowest) *value = lowest;
   if (*value > highest) *value = highest;

@@ -12,13 +12,13 @@
 namespace freegs::splat {
 namespace {
 
-// All parameters are looked at for NaN and infinity this often.
+// All parameters are checked for NaN and infinity after so many iterations.
 constexpr int64_t kFiniteTestInterval = 100;
 
-// A return to the last good state divides the learning rates.
+// A return to the last good state multiplies the learning rates by this.
 constexpr double kRecoveryRateFactor = 0.5;
 
-// Cameras are cleared until this share of the iterations.
+// The space around cameras is cleared until this share of the iterations.
 constexpr double kClearShare = 0.9;
 
 DensificationOptions EffectiveDensification(const TrainerOptions& options,
@@ -95,8 +95,8 @@ StatusOr<float> Trainer::GradientStep() {
     model_.SetShDegree(sh_degree);
     adam_.SetShDegree(sh_degree);
   }
-  // Only a densification to come reads the statistics, and only blur splits
-  // read who dominates where: other steps do without.
+  // The statistics are for the next densification, and the dominant Gaussians
+  // for its blur splits. Steps that need neither do not compute them.
   const bool collect = schedule_.CollectsStatistics(iteration_);
   const bool dominant = collect && densification_.blur_split_share > 0;
 
@@ -217,7 +217,7 @@ Status Trainer::GoBack(const std::string& reason) {
 
 void Trainer::KeepAsGood() {
   if (!history_.last_good) history_.last_good.emplace();
-  // Into the memory of the one before.
+  // Assigning reuses the memory of the good state before.
   history_.last_good->iteration = iteration_;
   history_.last_good->model = model_;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Phase 1: fits Gaussians to posed photographs.
+// Fits Gaussians to photographs whose cameras are known: the first phase of the
+// method.
 
 #ifndef FREEGS_SPLAT_TRAIN_TRAINER_H_
 #define FREEGS_SPLAT_TRAIN_TRAINER_H_
@@ -11,47 +12,48 @@
 
 #include "core/parallel.h"
 #include "core/status.h"
-#include "splat/optim/adam.h"
-#include "splat/train/budget_choice.h"
 #include "splat/density/camera_clearance.h"
-#include "splat/train/checkpoint.h"
 #include "splat/density/densification.h"
-#include "splat/scene/gaussian_model.h"
 #include "splat/density/importance.h"
+#include "splat/density/mini_splatting.h"
+#include "splat/images/training_images.h"
+#include "splat/images/view_order.h"
+#include "splat/optim/adam.h"
 #include "splat/optim/learning_rates.h"
 #include "splat/optim/loss.h"
-#include "splat/density/mini_splatting.h"
 #include "splat/render/rasterizer.h"
 #include "splat/render/renderer.h"
+#include "splat/scene/gaussian_model.h"
+#include "splat/train/budget_choice.h"
+#include "splat/train/checkpoint.h"
 #include "splat/train/stability.h"
 #include "splat/train/training_history.h"
-#include "splat/images/training_images.h"
 #include "splat/train/training_schedule.h"
-#include "splat/images/view_order.h"
 
 namespace freegs::splat {
 
 struct TrainerOptions {
   ScheduleOptions schedule;
 
-  // Gaussians of the result, at most; 0 is no limit. kGradient stops adding at
-  // this number (initial points beyond it stay); kMiniSplatting keeps so many
-  // at the simplification, after having had up to dense_factor times as many.
+  // The largest number of Gaussians of the result; 0 is no limit. kGradient
+  // adds none beyond this number, but keeps all initial points. kMiniSplatting
+  // keeps so many at the simplification, and before that may have up to
+  // mini_splatting.dense_factor times as many.
   int64_t budget = 0;
 
   MiniSplattingOptions mini_splatting;
 
-  // How importance is measured; nothing chooses by how the initial points lie
-  // around the cameras, see ChooseImportanceMetric.
+  // How importance is measured. Without a value ChooseImportanceMetric decides
+  // by the cameras and the initial points.
   std::optional<ImportanceMetric> importance;
 
-  // A budget overrides max_gaussians; the method decides about
-  // blur_split_share.
+  // With a budget, max_gaussians follows from it. blur_split_share is that of
+  // mini_splatting for kMiniSplatting, else 0.
   DensificationOptions densification;
 
-  // Gaussians that come this near to a training camera are removed every
-  // clear_interval steps, but for the last tenth of them, which would leave no
-  // time to fill the holes. kNone removes none.
+  // Gaussians too near to a training camera are removed every clear_interval
+  // steps. The last tenth of the steps removes none, for it would be too short
+  // to fill the holes. DensificationMethod::kNone never removes any.
   CameraClearanceOptions clearance;
   int clear_interval = 50;
 
@@ -60,11 +62,11 @@ struct TrainerOptions {
   RenderOptions render;
   uint64_t seed = 0;
 
-  // The state to come back to when training diverges is renewed every so many
-  // iterations, and at milestones.
+  // The state to which training goes back when it diverges is renewed every so
+  // many iterations, and at milestones.
   int snapshot_interval = 500;
 
-  // Training gives up when it diverges once more than this.
+  // Training fails when it diverges more often than this.
   int max_recoveries = 5;
 
   Status Check() const;
@@ -72,27 +74,31 @@ struct TrainerOptions {
 
 // The result of one step.
 struct StepReport {
-  // Steps done. Smaller than before the step when `recovered`.
+  // Number of steps made. Smaller than before the step when `recovered`.
   int64_t iteration = 0;
-  float loss = 0;  // Of the step; perhaps not finite when `recovered`.
+  float loss = 0;  // May be not finite when `recovered`.
   size_t num_gaussians = 0;
-  bool recovered = false;  // Training had diverged and has gone back.
+  bool recovered = false;  // Training diverged and went back to a good state.
 };
 
-// Usage:
 //   Trainer trainer(options, initial_model, extent, &images, &pool);
-//   while (!trainer.done()) { trainer.Step(); ... }
-//   WritePly(path, trainer.model());
-// The state after k steps depends on the inputs, options and seed only: not on
-// the number of threads, nor on having been saved and restored in between.
+//   while (!trainer.done()) {
+//     FREEGS_RETURN_IF_ERROR(trainer.Step().status());
+//   }
+//   FREEGS_RETURN_IF_ERROR(WritePly("point_cloud.ply", trainer.model()));
 //
-// When a parameter or the loss is not finite, or the loss explodes, training
-// goes back to its last good state, with zero moments, and on from there with
-// all learning rates halved for good.
+// The state after k steps depends on the inputs, the options and the seed. It
+// does not depend on the number of threads, nor on whether the training was
+// saved and restored in between.
+//
+// When a parameter or the loss is not finite, or the loss grows far above its
+// best (LossMonitor), training has diverged. It then goes back to its last good
+// state, sets the moments of the optimiser to zero, halves all learning rates
+// for the rest of the training, and goes on.
 class Trainer {
  public:
   // `images` (one view or more) and `pool` must outlive the trainer.
-  // scene_extent in world units, see SceneExtent. The options must pass
+  // scene_extent is in world units, see SceneExtent. The options must pass
   // Check().
   Trainer(const TrainerOptions& options,
           GaussianModel initial_model,
@@ -106,7 +112,7 @@ class Trainer {
   const TrainingSchedule& schedule() const { return schedule_; }
   ImportanceMetric importance_metric() const { return importance_metric_; }
 
-  // What has happened so far, by iteration.
+  // The milestones and recoveries so far, in the order in which they happened.
   const std::vector<MilestoneRecord>& milestones() const {
     return history_.milestones;
   }
@@ -117,19 +123,20 @@ class Trainer {
     return history_.budget_choice;
   }
 
-  // Keeps training to the number of Gaussians and the SH degree that a search
-  // found (splat/search/budget_search.h), as if the options had named them.
+  // Limits training to the number of Gaussians and the SH degree that a search
+  // chose (splat/search/budget_search.h), as if the options had named them.
   // Call it before the first step. The choice becomes part of the history, so a
   // restored training keeps to it without another search.
   void KeepTo(BudgetChoice choice);
 
-  // One gradient step, and what the schedule wants after it. kUnusableResult
-  // when training keeps diverging or no Gaussian is left or visible, kBadInput
-  // when a photo has become unreadable.
+  // Makes one gradient step, and then what the schedule says. Fails with
+  // kUnusableResult when training diverges too often or no Gaussian is left or
+  // visible, and with kBadInput when a photo has become unreadable.
   StatusOr<StepReport> Step();
 
-  // Everything needed to go on later. Restore refuses a checkpoint whose arrays
-  // do not fit together.
+  // Save returns all that Restore needs to go on from here, in a trainer made
+  // with the same arguments. Restore fails with kBadInput when the arrays of
+  // the checkpoint do not fit together.
   TrainingCheckpoint Save() const;
   Status Restore(TrainingCheckpoint checkpoint);
 
@@ -142,12 +149,12 @@ class Trainer {
   int64_t Budget() const;
   int64_t SimplificationBudget() const;
   int ShDegree(int64_t done) const;
-  void SortInSpace();  // What lies together is stored together.
+  void SortInSpace();  // See MortonOrder.
   void ClearCameras();
   void KeepAsGood();
 
   TrainerOptions options_;
-  DensificationOptions densification_;  // With budget and method.
+  DensificationOptions densification_;  // Adapted to budget and method.
   TrainingSchedule schedule_;
   double scene_extent_;
   TrainingImages* images_;
@@ -161,9 +168,9 @@ class Trainer {
   Adam adam_;
   DensificationStatistics statistics_;
   LossMonitor loss_monitor_;
-  TrainingHistory history_;  // But for `loss`, which is in loss_monitor_.
+  TrainingHistory history_;  // Without `loss`, which is in loss_monitor_.
 
-  // Scratch of a step.
+  // Scratch memory of a step.
   Rasterizer rasterizer_;
   PhotometricLoss loss_;
   RasterImages rendered_;

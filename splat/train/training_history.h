@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What training remembers of its own course, to go back when it diverges and
-// to report in the end. Part of the checkpoint.
+// The record of a training: what it needs to go back when it diverges, and what
+// it reports in the end. It is part of the checkpoint.
 
 #ifndef FREEGS_SPLAT_TRAIN_TRAINING_HISTORY_H_
 #define FREEGS_SPLAT_TRAIN_TRAINING_HISTORY_H_
@@ -10,13 +10,13 @@
 #include <string>
 #include <vector>
 
-#include "splat/train/budget_choice.h"
 #include "splat/scene/gaussian_model.h"
+#include "splat/train/budget_choice.h"
 #include "splat/train/training_schedule.h"
 
 namespace freegs::splat {
 
-// A milestone passed.
+// A milestone that has taken place.
 struct MilestoneRecord {
   int64_t iteration = 0;
   TrainingEvent event = TrainingEvent::kSimplification;
@@ -27,27 +27,27 @@ struct MilestoneRecord {
                          const MilestoneRecord&) = default;
 };
 
-// A return to the last good state.
+// A return to the last good state after training had diverged.
 struct Recovery {
-  int64_t iteration = 0;  // At which divergence was found.
+  int64_t iteration = 0;  // Where the divergence was found.
   std::string reason;
-  int64_t back_to = 0;     // Iteration of the state taken up again.
-  double rate_factor = 1;  // Of all learning rates from then on.
+  int64_t back_to = 0;     // The iteration of the state gone back to.
+  double rate_factor = 1;  // Factor of all learning rates from then on.
 
   friend bool operator==(const Recovery&, const Recovery&) = default;
 };
 
-// A model that was found healthy.
+// A model from a time when training was healthy.
 struct GoodState {
   int64_t iteration = 0;
   GaussianModel model;
 };
 
-// See LossMonitor.
+// The state of a LossMonitor.
 struct LossMonitorState {
   int64_t steps = 0;
-  double sum = 0;   // Decaying, not yet normalised.
-  double best = 0;  // Smallest smoothed loss, once known.
+  double sum = 0;   // Exponentially weighted sum of the losses.
+  double best = 0;  // Smallest smoothed loss since the first epoch.
 
   friend bool operator==(const LossMonitorState&,
                          const LossMonitorState&) = default;
@@ -56,9 +56,9 @@ struct LossMonitorState {
 struct TrainingHistory {
   std::vector<MilestoneRecord> milestones;
   std::vector<Recovery> recoveries;
-  double rate_factor = 1;
+  double rate_factor = 1;  // Factor of all learning rates, see Recovery.
   LossMonitorState loss;
-  std::optional<BudgetChoice> budget_choice;  // Once searched for.
+  std::optional<BudgetChoice> budget_choice;  // Where there was a search.
   std::optional<GoodState> last_good;
 };
 

@@ -12,7 +12,7 @@ namespace {
 
 bool IsShare(double value) { return value >= 0 && value <= 1; }
 
-// The first iteration that is not before a share of all.
+// The first iteration at or after a share of all iterations.
 int64_t FirstFrom(double share, int64_t iterations) {
   return static_cast<int64_t>(
       std::ceil(share * static_cast<double>(iterations)));
@@ -146,7 +146,7 @@ double TrainingSchedule::PositionRateIteration(int64_t done) const {
 bool TrainingSchedule::CollectsStatistics(int64_t done) const {
   const int64_t interval = options_.densify_interval;
   if (densify_end_ <= done) return false;
-  // The next densification, not counting milestones.
+  // The next densification by the interval alone, whatever the milestones.
   const int64_t from = std::max(done + 1, std::max<int64_t>(densify_begin_, 1));
   const int64_t next = (from + interval - 1) / interval * interval;
   if (next >= densify_end_) return false;

@@ -12,14 +12,15 @@
 namespace freegs::splat {
 namespace {
 
-// Pixels of a tile share most of their Gaussians: their rows stay in the cache
-// when the image is walked tile by tile.
+// The pixels of a tile share most of their Gaussians, so going through the
+// image tile by tile keeps the rows of these Gaussians in the cache.
 constexpr int kTile = 16;
 
 constexpr int64_t kPixelGrain = 64;
 
-// Channels of one task of a transposed product. 16 x 16 pixels blend a few
-// hundred Gaussians: the sums of a tile stay near the core.
+// How many channels one task of a transposed product takes. 16 x 16 pixels
+// blend a few hundred Gaussians, whose sums over so many channels fit the
+// cache.
 constexpr int64_t kChannelSlice = 32;
 
 int TilesAcross(const WeightMatrix& weights) {
@@ -88,9 +89,10 @@ void ForEachSlice(int channels, ThreadPool& pool, const Body& body) {
       });
 }
 
-// W with the columns of each tile numbered anew, 0, 1, ... by first appearance:
-// sums over a tile then lie together in the cache, however far apart their
-// Gaussians' rows are, and sums of sums round less than long sums.
+// W in which the columns of each tile are numbered anew, 0, 1, ... in the order
+// of first appearance. The sums over a tile then lie together in the cache,
+// however far apart the rows of their Gaussians are. Besides, sums of sums have
+// a smaller rounding error than long sums.
 class TileColumns {
  public:
   TileColumns(const WeightMatrix& weights, ThreadPool& pool)
@@ -129,7 +131,7 @@ class TileColumns {
 
   int64_t num_tiles() const { return static_cast<int64_t>(gaussians_.size()); }
 
-  // W with a tile's own numbers in place of Gaussians.
+  // W with the tile's own numbers in the place of the Gaussians.
   const WeightMatrix& matrix() const { return matrix_; }
 
   // The Gaussians of a tile's numbers.

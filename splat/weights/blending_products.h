@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Products with the blending weights W of a view (blending_weights.h): what
-// Gaussians carry onto pixels, and what pixels say back to Gaussians. SIMD over
-// channels. The results are the same bytes for any number of threads.
+// Products with the matrix W of the blending weights of a view
+// (blending_weights.h). A product with W blends values of Gaussians onto
+// pixels; a product with its transpose sums values of pixels up for each
+// Gaussian. The results are the same bytes for any number of threads.
 //
-// All matrices are row-major: features and sums N x channels, one row per
-// Gaussian of the model; pixels P x channels, one row per row of W (an ImageF
-// of the view's size is one). Functions return kInvalidArgument when sizes
-// disagree, and then change nothing; the entries of W are trusted.
+// All matrices are row-major. features and sums are N x channels, with one row
+// per Gaussian of the model. pixels is P x channels, with one row per row of W;
+// an ImageF of the view's size has this layout. The functions fail with
+// kInvalidArgument when sizes disagree, and then change nothing. They do not
+// check the entries of W.
 
 #ifndef FREEGS_SPLAT_WEIGHTS_BLENDING_PRODUCTS_H_
 #define FREEGS_SPLAT_WEIGHTS_BLENDING_PRODUCTS_H_
@@ -20,16 +22,16 @@
 
 namespace freegs::splat {
 
-// pixels = W features: features blended front to back (FreeGS eq. 4 before the
-// MLP), what RenderView gives for FeatureChannels but for rounding.
+// pixels = W features. This blends the features front to back (FreeGS eq. 4
+// before the MLP), as RenderView does for FeatureChannels, but for rounding.
 Status Multiply(const WeightMatrix& weights,
                 std::span<const float> features,
                 int channels,
                 ThreadPool& pool,
                 std::span<float> pixels);
 
-// The same for some pixels only: row j of `pixels` is that of pixel rows[j],
-// in any order, repeated or not.
+// Computes some rows of W features only: row j of `pixels` becomes that of
+// pixel rows[j]. `rows` may be in any order and may repeat pixels.
 Status MultiplyAt(const WeightMatrix& weights,
                   std::span<const uint32_t> rows,
                   std::span<const float> features,
@@ -39,18 +41,19 @@ Status MultiplyAt(const WeightMatrix& weights,
 
 // sums += W^T pixels. With pixels = dL/d(W features) this adds dL/dfeatures.
 //
-// Sums are in float, over the pixels of each tile of 16 x 16 and then over the
-// tiles, in rows: relative to sum_p W(p, i) |pixels(p)| the error is below
-// (256 + tiles) 2^-24. Threads share out the channels, 32 at a time: fewer than
-// that keep one thread busy. Takes 4 bytes per weight while it runs.
+// The sums are of type float. They are taken first over the pixels of each tile
+// of 16 x 16, then over the tiles in row-major order, so the error is below
+// (256 + tiles) 2^-24 times sum_p W(p, i) |pixels(p)|. The threads divide the
+// channels among them, 32 at a time, so 32 channels or fewer keep only one
+// thread busy. Needs 4 bytes of memory per weight while it runs.
 Status AddMultiplyTransposed(const WeightMatrix& weights,
                              std::span<const float> pixels,
                              int channels,
                              ThreadPool& pool,
                              std::span<float> sums);
 
-// The same for some pixels only, summed in the order of `rows`: row j of
-// `pixels` belongs to pixel rows[j].
+// Like AddMultiplyTransposed, but for some pixels only: row j of `pixels`
+// belongs to pixel rows[j]. The sums are taken in the order of `rows`.
 Status AddMultiplyTransposedAt(const WeightMatrix& weights,
                                std::span<const uint32_t> rows,
                                std::span<const float> pixels,
@@ -58,8 +61,8 @@ Status AddMultiplyTransposedAt(const WeightMatrix& weights,
                                ThreadPool& pool,
                                std::span<float> sums);
 
-// sums[i] += sum_p W(p, i), the weight a Gaussian has in the whole view; one
-// number per Gaussian.
+// sums[i] += sum_p W(p, i), which is the weight of Gaussian i in the whole
+// view.
 Status AddGaussianWeights(const WeightMatrix& weights, std::span<double> sums);
 
 }  // namespace freegs::splat

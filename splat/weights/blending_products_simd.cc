@@ -14,7 +14,8 @@ namespace freegs::splat::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// The arrays of W by value: stores of vectors may alias anything in memory.
+// The pointers of W are copied to local variables: the compiler must assume
+// that a store of a vector changes anything in memory.
 struct RowPointers {
   explicit RowPointers(const WeightMatrix& w)
       : pixel_begin(w.pixel_begin.data()),
@@ -47,8 +48,8 @@ HWY_INLINE void MultiplyOne(D d,
   }
 }
 
-// Four vectors: the row of W is read once for all, and the sums of the four do
-// not wait for one another.
+// The same for four vectors: the row of W is read once for all of them, and
+// their sums do not wait for one another.
 template <class D>
 HWY_INLINE void MultiplyFour(D d,
                              RowPointers w,
@@ -79,8 +80,8 @@ HWY_INLINE void MultiplyFour(D d,
   }
 }
 
-// As above, to the sums. A row lists a Gaussian once: no vector is read while
-// it waits to be written.
+// The same for the transposed product. A row lists a Gaussian only once, so no
+// vector is read before it has been written.
 template <class D>
 HWY_INLINE void AddTransposedOne(D d,
                                  RowPointers w,
@@ -165,7 +166,8 @@ void AddTransposedChannels(const WeightMatrix& weights,
     AddTransposedTwo(
         full, w, first, last, pixels + c, pixel_stride, sums + c, sum_stride);
   }
-  // Whole vectors only: masked stores may write another thread's channels.
+  // Only whole vectors are stored: masked stores may write to the channels of
+  // another thread.
   const auto rest = [&](auto d) HWY_ATTR {
     for (; c + hn::Lanes(d) <= channels; c += hn::Lanes(d)) {
       AddTransposedOne(

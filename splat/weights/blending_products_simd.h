@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The inner loops of blending_products.h, SIMD over channels; compiled for
-// several instruction sets by Highway and chosen at run time.
+// The inner loops of blending_products.h, with one channel per SIMD lane.
+// Highway compiles them for several instruction sets and chooses one at run
+// time.
 
 #ifndef FREEGS_SPLAT_WEIGHTS_BLENDING_PRODUCTS_SIMD_H_
 #define FREEGS_SPLAT_WEIGHTS_BLENDING_PRODUCTS_SIMD_H_
@@ -20,9 +21,10 @@ void MultiplyRows(const WeightMatrix& weights,
                   size_t channels,
                   float* pixels);
 
-// Adds to row i of `sums` what the rows [first, last) give to row i of W^T
-// pixels. `pixels` points to the first channel of row `first`, `sums` to that
-// of row 0; rows are `channels` of them, a stride apart.
+// Adds the part of W^T pixels that comes from pixels [first, last) to `sums`.
+// `pixels` points to the row of pixel `first`, `sums` to the row of Gaussian 0.
+// Only the first `channels` numbers of each row take part; the strides are the
+// distances from one row to the next, in floats.
 void AddTransposedRows(const WeightMatrix& weights,
                        size_t first,
                        size_t last,

@@ -18,8 +18,8 @@ namespace {
 // One number per pixel of a tile, by TilePixel.
 using TileNumbers = std::array<uint32_t, kTilePixels>;
 
-// A view ready to be blended tile by tile, any number of times with the same
-// weights.
+// A view that is projected and binned. It can be blended tile by tile any
+// number of times, each time with the same weights.
 class WeightLister {
  public:
   WeightLister(const GaussianModel& model,
@@ -38,10 +38,10 @@ class WeightLister {
     BinSplats(projection_.splats, width_, height_, pool, &bins_);
   }
 
-  // For each tile, on several threads: begin_tile(task, &numbers), numbers
-  // being zeros, then add(list, gaussian_of, &numbers) for its weights batch by
-  // batch, where gaussian_of(place) is the Gaussian of a place in the list,
-  // then end_tile(task, numbers).
+  // Blends all tiles on several threads. For each tile it calls
+  // begin_tile(task, &numbers), where all numbers are zero; then add(list,
+  // gaussian_of, &numbers) for each batch of weights, where gaussian_of(place)
+  // is the Gaussian of a place in the list; then end_tile(task, numbers).
   template <typename BeginTile, typename Add, typename EndTile>
   void ForEachTile(const BeginTile& begin_tile,
                    const Add& add,

@@ -27,7 +27,7 @@ std::vector<CoveringSplat> FindCovering(const ProjectionTask& task,
                                         int y,
                                         ThreadPool& pool) {
   const auto count = static_cast<int64_t>(task.model->size());
-  // Only the splats of visible Gaussians are ever written.
+  // Uninitialised: only the splats of visible Gaussians are written and read.
   const auto splats = std::make_unique_for_overwrite<Splat[]>(count);
   const auto visible = std::make_unique_for_overwrite<uint32_t[]>(count);
   std::vector<std::vector<CoveringSplat>> chunks((count + kChunk - 1) / kChunk);
@@ -76,7 +76,7 @@ StatusOr<std::vector<PixelWeight>> ComputePixelWeights(
   const std::vector<CoveringSplat> covering = FindCovering(
       MakeProjectionTask(model, camera, cam_from_world, colorless), x, y, pool);
 
-  // The pixel's tile, with the splats that leave other pixels alone left out.
+  // The pixel's tile with only those splats that may touch the pixel.
   std::vector<Splat> splats(covering.size());
   for (size_t k = 0; k < covering.size(); ++k) splats[k] = covering[k].splat;
   std::vector<uint32_t> entries(covering.size());

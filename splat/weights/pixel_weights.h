@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The blending weights of one pixel, without rendering the others: what a click
-// asks for.
+// The blending weights of one pixel, computed without rendering the other
+// pixels. A click on an image asks for them.
 
 #ifndef FREEGS_SPLAT_WEIGHTS_PIXEL_WEIGHTS_H_
 #define FREEGS_SPLAT_WEIGHTS_PIXEL_WEIGHTS_H_
@@ -11,8 +11,8 @@
 #include "core/parallel.h"
 #include "core/pinhole.h"
 #include "core/status.h"
-#include "splat/scene/gaussian_model.h"
 #include "splat/render/renderer.h"
+#include "splat/scene/gaussian_model.h"
 
 namespace freegs::splat {
 
@@ -22,10 +22,11 @@ struct PixelWeight {
   float depth = 0;        // z of the Gaussian's centre in the camera frame.
 };
 
-// The row of pixel (x, y), front to back, of what ComputeBlendingWeights gives
-// for the whole view: the same Gaussians and the same bits. All Gaussians are
-// projected, but nothing is sorted or blended except what covers the pixel.
-// kInvalidArgument for a pixel outside the camera's image.
+// Returns the row of pixel (x, y), front to back. It holds the same Gaussians
+// and the same bits as the row that ComputeBlendingWeights computes for the
+// whole view. All Gaussians are projected, but only those that cover the pixel
+// are sorted and blended. Fails with kInvalidArgument when the pixel lies
+// outside the camera's image.
 StatusOr<std::vector<PixelWeight>> ComputePixelWeights(
     const GaussianModel& model,
     const Pinhole& camera,

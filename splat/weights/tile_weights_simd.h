@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The blending weights of one tile as a list, SIMD over pixels; compiled for
-// several instruction sets by Highway and chosen at run time.
+// The blending weights of one tile as a list, with one pixel per SIMD lane.
+// Highway compiles the code for several instruction sets and chooses one at run
+// time.
 
 #ifndef FREEGS_SPLAT_WEIGHTS_TILE_WEIGHTS_SIMD_H_
 #define FREEGS_SPLAT_WEIGHTS_TILE_WEIGHTS_SIMD_H_
@@ -11,17 +12,19 @@
 
 namespace freegs::splat {
 
-// Splats listed at a time: the list of a batch stays in the cache.
+// Splats per call of ListTileWeights. The list of so many stays in the cache.
 constexpr int kWeightBatch = 64;
 
-// Weights above 0 of up to kWeightBatch splats in one tile, splat after splat.
+// The weights above 0 of up to kWeightBatch splats in one tile, splat after
+// splat.
 struct alignas(64) TileWeightList {
-  // A store of the last vector may touch what lies beyond the list's end.
+  // Room for all weights, and for the lanes that the store of the last vector
+  // may write beyond the end of the list.
   static constexpr int kCapacity = kWeightBatch * kTilePixels + 64;
 
   int32_t count = 0;
   float weight[kCapacity];
-  // TilePixel of the pixel + kTilePixels * (list entry - batch's first entry).
+  // TilePixel of the pixel + kTilePixels * (entry - first entry of the batch).
   uint32_t place[kCapacity];
 
   static uint32_t PixelOf(uint32_t place) { return place % kTilePixels; }
@@ -29,11 +32,11 @@ struct alignas(64) TileWeightList {
 };
 
 // Blends the tile's entries [begin, begin + kWeightBatch) as BlendTile does and
-// lists their weights. transmittance (256 floats, 64-byte aligned) is carried
-// from call to call; begin = 0 overwrites it. Returns the entry to go on with,
-// task.count once nothing more is blended.
+// lists their weights. transmittance (256 floats, 64-byte aligned) must be kept
+// from one call to the next; a call with begin = 0 initialises it. Returns the
+// entry to go on with, or task.count when nothing more will be blended.
 //
-// The same task gives the same list, bit for bit, call after call.
+// The same task always gives the same list, bit for bit.
 int64_t ListTileWeights(const TileTask& task,
                         int64_t begin,
                         float* transmittance,

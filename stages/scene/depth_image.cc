@@ -11,6 +11,8 @@
 #include <Eigen/Core>
 #include <opencv2/imgproc.hpp>
 
+#include "core/quantile.h"
+
 namespace freegs::stages {
 
 DepthRange VisibleDepthRange(const splat::GaussianModel& model,
@@ -35,14 +37,7 @@ DepthRange VisibleDepthRange(const splat::GaussianModel& model,
     }
   }
   if (depths.empty()) return {};
-  const auto quantile = [&depths](double share) {
-    const auto nth =
-        depths.begin() + static_cast<std::ptrdiff_t>(
-                             share * static_cast<double>(depths.size() - 1));
-    std::nth_element(depths.begin(), nth, depths.end());
-    return static_cast<double>(*nth);
-  };
-  return {quantile(0.001), quantile(0.999)};
+  return {LowerQuantile(depths, 0.001), LowerQuantile(depths, 0.999)};
 }
 
 double DepthUnit(double far) {

@@ -3,21 +3,16 @@
 
 #include <array>
 #include <cstdint>
-#include <cstring>
 #include <string>
+#include <utility>
 
 #include <Eigen/Core>
 
+#include "core/io/byte_stream.h"
 #include "tests/scene_maker/scene_files.h"
 
 namespace freegs::scene_maker {
 namespace {
-
-void AppendLittleEndian(uint32_t value, int bytes, std::string* out) {
-  for (int i = 0; i < bytes; ++i) {
-    out->push_back(static_cast<char>(value >> (8 * i) & 255));
-  }
-}
 
 // CRC-32 as of zip, reflected polynomial 0xedb88320.
 uint32_t Crc32(const std::string& bytes) {
@@ -44,16 +39,14 @@ std::string EncodeNpyFloat16(const ImageF& values) {
   // of 64.
   header.resize((10 + header.size() + 1 + 63) / 64 * 64 - 10 - 1, ' ');
   header += '\n';
-  std::string out("\x93NUMPY\x01\x00", 8);
-  AppendLittleEndian(static_cast<uint32_t>(header.size()), 2, &out);
-  out += header;
+  ByteWriter out;
+  out.PutBytes({"\x93NUMPY\x01\x00", 8});
+  out.Put(static_cast<uint16_t>(header.size()));
+  out.PutBytes(header);
   for (size_t i = 0; i < values.size(); ++i) {
-    AppendLittleEndian(
-        Eigen::numext::bit_cast<uint16_t>(Eigen::half(values.data()[i])),
-        2,
-        &out);
+    out.Put(Eigen::numext::bit_cast<uint16_t>(Eigen::half(values.data()[i])));
   }
-  return out;
+  return std::move(out).content();
 }
 
 }  // namespace
@@ -63,40 +56,43 @@ std::string EncodeNpzFloat16(const std::string& key, const ImageF& values) {
   const std::string content = EncodeNpyFloat16(values);
   const uint32_t size = static_cast<uint32_t>(content.size());
 
-  std::string common;  // Shared by the local and the central header.
-  AppendLittleEndian(20, 2, &common);  // Version needed.
-  AppendLittleEndian(0, 2, &common);   // Flags.
-  AppendLittleEndian(0, 2, &common);   // Stored.
-  AppendLittleEndian(0, 2, &common);   // Time.
-  AppendLittleEndian(33, 2, &common);  // Date: 1980-01-01.
-  AppendLittleEndian(Crc32(content), 4, &common);
-  AppendLittleEndian(size, 4, &common);
-  AppendLittleEndian(size, 4, &common);
-  AppendLittleEndian(static_cast<uint32_t>(name.size()), 2, &common);
-  AppendLittleEndian(0, 2, &common);  // Extra field.
+  ByteWriter common;         // Shared by the local and the central header.
+  common.Put<uint16_t>(20);  // Version needed.
+  common.Put<uint16_t>(0);   // Flags.
+  common.Put<uint16_t>(0);   // Stored.
+  common.Put<uint16_t>(0);   // Time.
+  common.Put<uint16_t>(33);  // Date: 1980-01-01.
+  common.Put<uint32_t>(Crc32(content));
+  common.Put<uint32_t>(size);
+  common.Put<uint32_t>(size);
+  common.Put(static_cast<uint16_t>(name.size()));
+  common.Put<uint16_t>(0);  // Extra field.
 
-  std::string out("PK\x03\x04", 4);
-  out += common + name + content;
-  const uint32_t directory = static_cast<uint32_t>(out.size());
-  out += std::string("PK\x01\x02", 4);
-  AppendLittleEndian(20, 2, &out);  // Made by.
-  out += common;
-  AppendLittleEndian(0, 2, &out);  // Comment.
-  AppendLittleEndian(0, 2, &out);  // Disk.
-  AppendLittleEndian(0, 2, &out);  // Internal attributes.
-  AppendLittleEndian(0, 4, &out);  // External attributes.
-  AppendLittleEndian(0, 4, &out);  // Offset of the local header.
-  out += name;
-  const uint32_t end = static_cast<uint32_t>(out.size());
-  out += std::string("PK\x05\x06", 4);
-  AppendLittleEndian(0, 2, &out);
-  AppendLittleEndian(0, 2, &out);
-  AppendLittleEndian(1, 2, &out);
-  AppendLittleEndian(1, 2, &out);
-  AppendLittleEndian(end - directory, 4, &out);
-  AppendLittleEndian(directory, 4, &out);
-  AppendLittleEndian(0, 2, &out);
-  return out;
+  ByteWriter out;
+  out.PutBytes("PK\x03\x04");
+  out.PutBytes(common.content());
+  out.PutBytes(name);
+  out.PutBytes(content);
+  const auto directory = static_cast<uint32_t>(out.content().size());
+  out.PutBytes("PK\x01\x02");
+  out.Put<uint16_t>(20);  // Made by.
+  out.PutBytes(common.content());
+  out.Put<uint16_t>(0);  // Comment.
+  out.Put<uint16_t>(0);  // Disk.
+  out.Put<uint16_t>(0);  // Internal attributes.
+  out.Put<uint32_t>(0);  // External attributes.
+  out.Put<uint32_t>(0);  // Offset of the local header.
+  out.PutBytes(name);
+  const auto end = static_cast<uint32_t>(out.content().size());
+  out.PutBytes("PK\x05\x06");
+  out.Put<uint16_t>(0);
+  out.Put<uint16_t>(0);
+  out.Put<uint16_t>(1);
+  out.Put<uint16_t>(1);
+  out.Put<uint32_t>(end - directory);
+  out.Put<uint32_t>(directory);
+  out.Put<uint16_t>(0);
+  return std::move(out).content();
 }
 
 }  // namespace freegs::scene_maker

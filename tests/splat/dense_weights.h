@@ -8,8 +8,8 @@
 
 #include "core/parallel.h"
 #include "core/pinhole.h"
-#include "splat/scene/gaussian_model.h"
 #include "splat/render/renderer.h"
+#include "splat/scene/gaussian_model.h"
 
 namespace freegs::splat {
 

@@ -12,9 +12,9 @@
 
 #include "core/pinhole.h"
 #include "splat/projection/ewa_projection-inl.h"
-#include "splat/scene/gaussian_model.h"
 #include "splat/projection/projection.h"
 #include "splat/projection/spherical_harmonics-inl.h"
+#include "splat/scene/gaussian_model.h"
 
 namespace freegs::splat {
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -13,9 +12,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "core/io/byte_stream.h"
 #include "core/io/files.h"
-#include "semantics/metrics/adjusted_rand_index.h"
 #include "semantics/hdbscan/hdbscan.h"
+#include "semantics/metrics/adjusted_rand_index.h"
 
 namespace freegs::semantics {
 namespace {
@@ -24,8 +24,8 @@ template <typename T>
 std::vector<T> ReadRaw(const std::filesystem::path& path) {
   const auto bytes = ReadFile(path);
   if (!bytes.ok()) return {};
-  std::vector<T> values(bytes->size() / sizeof(T));
-  std::memcpy(values.data(), bytes->data(), values.size() * sizeof(T));
+  std::vector<T> values;
+  ByteReader(*bytes).GetArray(bytes->size() / sizeof(T), &values);
   return values;
 }
 

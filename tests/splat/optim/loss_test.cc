@@ -54,13 +54,15 @@ TEST_P(LossSizeTest, ValueMatchesTheDefinition) {
   const ImageF rendered = Pattern(width, height, 1, 0.3);
   const ImageF target = Pattern(width, height, 2, 0.1);
   ThreadPool pool(2);
-  PhotometricLoss loss;
-  const float value = loss.Compute(rendered, target, pool, nullptr);
+  const auto value = [&](double ssim_weight) {
+    PhotometricLoss loss({.ssim_weight = ssim_weight});
+    return loss.Compute(rendered, target, pool, nullptr);
+  };
   const ReferenceLoss<double> expected =
       ComputeReferenceLoss(ToDouble(rendered), ToDouble(target), 0.2);
-  EXPECT_NEAR(loss.l1(), expected.l1, 1e-6);
-  EXPECT_NEAR(loss.ssim(), expected.ssim, 2e-6);
-  EXPECT_NEAR(value, expected.loss, 1e-6);
+  EXPECT_NEAR(value(0), expected.l1, 1e-6);
+  EXPECT_NEAR(value(1), 1 - expected.ssim, 2e-6);
+  EXPECT_NEAR(value(0.2), expected.loss, 1e-6);
 }
 
 TEST_P(LossSizeTest, GradientMatchesCentralDifferences) {

@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
-#include "splat/scene/gaussian_model.h"
 #include "splat/projection/spherical_harmonics-inl.h"
+#include "splat/scene/gaussian_model.h"
 
 namespace freegs::splat {
 

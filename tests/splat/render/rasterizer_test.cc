@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
+#include "splat/render/renderer.h"
 #include "tests/splat/reference_renderer.h"
 #include "tests/splat/test_scene.h"
 

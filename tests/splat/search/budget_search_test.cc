@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The search stops where the judge says so; training keeps to what it found.
+// The search stops where the judge says so, and training keeps to what it
+// found.
 
 #include "splat/search/budget_search.h"
 
@@ -15,7 +16,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/cancellation.h"
 #include "splat/images/holdout.h"
+#include "splat/train/checkpoint.h"
 #include "splat/train/trainer.h"
 #include "tests/splat/training_fixture.h"
 
@@ -44,8 +47,6 @@ class BudgetSearchTest : public TrainingFixture {
         Options(iterations, DensificationMethod::kMiniSplatting);
     options.schedule.sh_degree = 2;
     options.budget = 200;
-    options.budget_search.min_trial_steps = 20;
-    options.budget_search.max_trial_steps = 20;
     return options;
   }
 
@@ -71,8 +72,11 @@ class BudgetSearchTest : public TrainingFixture {
     ThreadPool pool(threads);
     TrainingImages images = Images(pool);
     return SearchBudget(
-        training.budget_search, training, Start(), 2.0, judge, &images, &pool);
+        search_, training, Start(), 2.0, judge, &images, &pool, &cancellation_);
   }
+
+  BudgetSearchOptions search_{.min_trial_steps = 20, .max_trial_steps = 20};
+  CancellationToken cancellation_;
 
   std::vector<Seen> seen_;
 };
@@ -170,15 +174,16 @@ TEST_F(BudgetSearchTest, LevelIsOneThatTheImagesHave) {
   TrainerOptions options = Limits();
   options.budget = 50;
   options.schedule.sh_degree = 0;
-  options.budget_search.shares = {1, 0.5};
+  search_.shares = {1, 0.5};
   const StatusOr<BudgetChoice> choice =
-      SearchBudget(options.budget_search,
+      SearchBudget(search_,
                    options,
                    Start(),
                    2.0,
                    Judge([](size_t, int) { return 20.0; }),
                    &*images,
-                   &pool);
+                   &pool,
+                   nullptr);
   ASSERT_TRUE(choice.ok()) << choice.status().message();
   EXPECT_EQ(choice->budget, 25);
   EXPECT_THAT(choice->trials,
@@ -203,9 +208,7 @@ TEST_F(BudgetSearchTest, TrialsDensifyAsTrainingDoes) {
     options.schedule.sh_degree = 0;
     options.schedule.densify_interval = interval;
     options.densification.gradient_threshold = 1e-9;
-    options.budget_search.shares = {1};
-    options.budget_search.min_trial_steps = 60;
-    options.budget_search.max_trial_steps = 60;
+    search_ = {.shares = {1}, .min_trial_steps = 60, .max_trial_steps = 60};
     seen_.clear();
     const StatusOr<BudgetChoice> choice =
         Search(options, Judge([](size_t, int) { return 20.0; }));
@@ -227,18 +230,30 @@ TEST_F(BudgetSearchTest, PassesOnTheErrorOfTheJudge) {
   EXPECT_THAT(choice.status().message(), HasSubstr("the photo is gone"));
   EXPECT_EQ(calls, 2);
 
-  calls = 0;
-  ThreadPool pool(2);
-  TrainingImages images = Images(pool);
-  TrainerOptions options = Limits();
-  options.judge = judge;
-  Trainer trainer(options, Start(), 2.0, &images, &pool);
-  EXPECT_EQ(trainer.Step().status().code(), StatusCode::kBadInput);
-  EXPECT_EQ(trainer.iteration(), 0);
-  EXPECT_FALSE(trainer.budget_choice().has_value());
   // What comes after the error is a search of its own.
-  EXPECT_TRUE(Finish(&trainer).ok());
-  EXPECT_TRUE(trainer.budget_choice().has_value());
+  const StatusOr<BudgetChoice> again = Search(Limits(), judge);
+  ASSERT_TRUE(again.ok()) << again.status().message();
+  EXPECT_EQ(again->budget, 25);
+  EXPECT_EQ(again->trials.size(), 9u);
+}
+
+TEST_F(BudgetSearchTest, StopsWhenCancelled) {
+  // While the third model is judged; the fourth is not trained to its end.
+  const StatusOr<BudgetChoice> choice =
+      Search(Limits(), Judge([&](size_t, int) {
+               if (seen_.size() == 3) cancellation_.Cancel();
+               return 20.0;
+             }));
+  EXPECT_EQ(choice.status().code(), StatusCode::kInterrupted);
+  EXPECT_EQ(seen_.size(), 3u);
+}
+
+TEST_F(BudgetSearchTest, NeedsALimit) {
+  TrainerOptions options = Limits();
+  options.budget = 0;
+  EXPECT_EQ(Search(options, Plateau()).status().code(),
+            StatusCode::kInvalidArgument);
+  EXPECT_TRUE(seen_.empty());
 }
 
 TEST_F(BudgetSearchTest, SameChoiceForAnyNumberOfThreads) {
@@ -266,20 +281,22 @@ TEST_F(BudgetSearchTest, TrainingKeepsToTheChoice) {
   TrainingImages images = Images(pool);
   TrainerOptions options = Limits(120);
   options.mini_splatting.dense_factor = 2;
-  options.judge = Plateau();
   ASSERT_TRUE(options.Check().ok());
   Trainer trainer(options, Start(), 2.0, &images, &pool);
   EXPECT_FALSE(trainer.budget_choice().has_value());
+  const StatusOr<BudgetChoice> choice = Search(options, Plateau());
+  ASSERT_TRUE(choice.ok()) << choice.status().message();
+  trainer.KeepTo(*choice);
   size_t most = 0;
   while (!trainer.done()) {
     const StatusOr<StepReport> report = trainer.Step();
     ASSERT_TRUE(report.ok()) << report.status().message();
     most = std::max(most, report->num_gaussians);
   }
-  ASSERT_TRUE(trainer.budget_choice().has_value());
-  EXPECT_EQ(trainer.budget_choice()->budget, 100);
-  EXPECT_EQ(trainer.budget_choice()->sh_degree, 1);
-  EXPECT_EQ(seen_.size(), 6u);  // Once.
+  EXPECT_EQ(trainer.budget_choice(), *choice);
+  EXPECT_EQ(choice->budget, 100);
+  EXPECT_EQ(choice->sh_degree, 1);
+  EXPECT_EQ(seen_.size(), 6u);
   EXPECT_EQ(trainer.model().sh_degree, 1);
   EXPECT_LE(trainer.model().size(), 100u);
   EXPECT_LE(most, 200u);
@@ -298,51 +315,49 @@ TEST_F(BudgetSearchTest, TrainingKeepsToTheChoice) {
   EXPECT_EQ(AllParameters(plain.model()), AllParameters(trainer.model()));
 }
 
-TEST_F(BudgetSearchTest, NoSearchWithoutAJudgeOrMiniSplatting) {
+TEST_F(BudgetSearchTest, TrainingWithoutAChoiceGoesByItsOptions) {
   ThreadPool pool(2);
   TrainingImages images = Images(pool);
-  Trainer without(Limits(20), Start(), 2.0, &images, &pool);
-  ASSERT_TRUE(Finish(&without).ok());
-  EXPECT_FALSE(without.budget_choice().has_value());
-  EXPECT_EQ(without.model().sh_degree, 2);
   for (const DensificationMethod method :
-       {DensificationMethod::kNone, DensificationMethod::kGradient}) {
+       {DensificationMethod::kNone,
+        DensificationMethod::kGradient,
+        DensificationMethod::kMiniSplatting}) {
     TrainerOptions options = Limits(20);
     options.schedule.method = method;
-    options.judge = Plateau();
     Trainer trainer(options, Start(), 2.0, &images, &pool);
     ASSERT_TRUE(Finish(&trainer).ok());
     EXPECT_FALSE(trainer.budget_choice().has_value());
+    EXPECT_EQ(trainer.model().sh_degree, 2);
   }
-  EXPECT_TRUE(seen_.empty());
 }
 
-TEST_F(BudgetSearchTest, ARestoredTrainingDoesNotSearchAgain) {
+TEST_F(BudgetSearchTest, ARestoredTrainingKeepsToItsChoice) {
   ThreadPool pool(2);
   TrainingImages images = Images(pool);
   TrainerOptions options = Limits(120);
-  options.judge = Plateau();
+  const StatusOr<BudgetChoice> choice = Search(options, Plateau());
+  ASSERT_TRUE(choice.ok()) << choice.status().message();
   std::map<int64_t, std::string> saved;
   Trainer whole(options, Start(), 2.0, &images, &pool);
+  whole.KeepTo(*choice);
   while (!whole.done()) {
     ASSERT_TRUE(whole.Step().ok());
     saved[whole.iteration()] = SerializeCheckpoint(whole.Save());
   }
-  ASSERT_EQ(seen_.size(), 6u);
+  ASSERT_EQ(whole.budget_choice(), *choice);
   for (const int stop : {1, 19, 40, 59, 60, 61, 80, 119, 120}) {
     StatusOr<TrainingCheckpoint> checkpoint = ParseCheckpoint(saved[stop]);
     ASSERT_TRUE(checkpoint.ok());
-    EXPECT_EQ(checkpoint->history.budget_choice, whole.budget_choice());
+    EXPECT_EQ(checkpoint->history.budget_choice, *choice);
     Trainer trainer(options, Start(), 2.0, &images, &pool);
     ASSERT_TRUE(trainer.Restore(std::move(checkpoint).value()).ok());
-    EXPECT_EQ(trainer.budget_choice(), whole.budget_choice());
+    EXPECT_EQ(trainer.budget_choice(), *choice);
     ASSERT_TRUE(Finish(&trainer).ok());
     EXPECT_EQ(SerializeCheckpoint(trainer.Save()), saved[120]) << stop;
   }
-  EXPECT_EQ(seen_.size(), 6u);
 }
 
-TEST(BudgetSearchOptions, Check) {
+TEST_F(BudgetSearchTest, ChecksItsOptions) {
   EXPECT_TRUE(BudgetSearchOptions().Check().ok());
   EXPECT_TRUE(BudgetSearchOptions{.shares = {1}}.Check().ok());
   const double nan = std::nan("");
@@ -365,10 +380,12 @@ TEST(BudgetSearchOptions, Check) {
   };
   for (size_t k = 0; k < wrong.size(); ++k) {
     EXPECT_EQ(wrong[k].Check().code(), StatusCode::kInvalidArgument) << k;
-    TrainerOptions options;
-    options.budget_search = wrong[k];
-    EXPECT_FALSE(options.Check().ok()) << k;
+    search_ = wrong[k];
+    EXPECT_EQ(Search(Limits(), Plateau()).status().code(),
+              StatusCode::kInvalidArgument)
+        << k;
   }
+  EXPECT_TRUE(seen_.empty());
 }
 
 }  // namespace
