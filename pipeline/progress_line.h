@@ -16,10 +16,7 @@
 
 namespace freegs::pipeline {
 
-// "0.4s", "45s", "3m05s", "1h02m".
-std::string FormatDuration(double seconds);
-
-// "training 3200/7000 46% 52.1/s 1m13s left, loss 0.03". A rate of 0 means
+// "training 3200/7000 46% 52.1/s 1 min 13 s left, loss 0.03". A rate of 0 means
 // unknown: then neither rate nor time left is shown.
 std::string FormatProgress(const Progress& progress, double rate);
 

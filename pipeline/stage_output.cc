@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "core/io/files.h"
+#include "core/io/json_fields.h"
 #include "pipeline/json_text.h"
 #include "pipeline/workspace.h"
 
@@ -110,12 +111,10 @@ StatusOr<StageFingerprint> ReadPartialFingerprint(const fs::path& partial) {
 ResourceUsage ReadPartialUsage(const fs::path& partial) {
   ResourceUsage usage;
   const StatusOr<nlohmann::json> json = ReadJson(UsagePath(partial));
-  if (!json.ok() || !json->is_object()) return usage;
+  if (!json.ok()) return usage;
   const auto number = [&json](const char* key) {
-    const auto found = json->find(key);
-    const double value =
-        found != json->end() && found->is_number() ? found->get<double>() : 0.0;
-    return value >= 0 && value < 1e18 ? value : 0.0;
+    const auto value = ReadNumber(FindField(*json, key), 0, 1e18, key);
+    return value.ok() ? *value : 0.0;
   };
   usage.wall_seconds = number("wall_seconds");
   usage.cpu_seconds = number("cpu_seconds");

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "sfm/scene/reconstruction_measures.h"
 
@@ -18,12 +17,6 @@ double Quantile(std::vector<double> values, double share) {
       static_cast<ptrdiff_t>(std::floor(share * (values.size() - 1) + 0.5));
   std::nth_element(values.begin(), at, values.end());
   return *at;
-}
-
-std::string ShortText(double value) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.3g", value);
-  return text;
 }
 
 double SharpnessOfSharp(const SceneEvidence& evidence) {

@@ -16,9 +16,6 @@ namespace freegs::sfm {
 // The value below which `share` of them lie; 0 without any.
 double Quantile(std::vector<double> values, double share);
 
-// Three significant digits.
-std::string ShortText(double value);
-
 // Upper quartile of the photos' sharpness, where known.
 double SharpnessOfSharp(const SceneEvidence& evidence);
 
