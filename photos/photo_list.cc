@@ -129,9 +129,9 @@ StatusOr<PhotoList> ReadList(std::string_view text, const std::string& source) {
   PhotoList list;
   const int version = top.Integer("version", 0, 1 << 30);
   if (version != kVersion) {
-    top.Fail(
-        "version",
-        std::to_string(version) + " instead of " + std::to_string(kVersion));
+    top.Fail("version",
+             "is " + std::to_string(version) + " instead of " +
+                 std::to_string(kVersion));
   }
   list.images_folder = top.Text("images_folder");
   std::set<std::string> names;

@@ -12,11 +12,10 @@
 
 #include "core/io/files.h"
 #include "core/io/image_io.h"
-#include "core/number_text.h"
 #include "pipeline/resource_usage.h"
 #include "splat/images/holdout.h"
-#include "splat/images/resolution_schedule.h"
 #include "splat/scene/ply_io.h"
+#include "splat/images/resolution_schedule.h"
 #include "splat/search/budget_search.h"
 #include "splat/train/trainer.h"
 #include "stages/reconstruct/progress_csv.h"
@@ -262,9 +261,12 @@ class ReconstructStage : public pipeline::Stage {
   void ReportProgress(const splat::StepReport& report,
                       double loss,
                       pipeline::StageContext& context) const {
-    const std::string detail = "loss " + FormatFixed(loss, 4) + ", " +
-                               std::to_string(report.num_gaussians) +
-                               " Gaussians";
+    char detail[96];
+    std::snprintf(detail,
+                  sizeof(detail),
+                  "loss %.4f, %zu Gaussians",
+                  loss,
+                  report.num_gaussians);
     context.progress({"training",
                       static_cast<double>(report.iteration),
                       static_cast<double>(options_.iterations),
