@@ -17,11 +17,7 @@ namespace freegs::photos {
 // A strict total order of different names.
 bool NaturalLess(std::string_view a, std::string_view b);
 
-// True for names that end like an image of any kind, ours (jpg, png, tif, ...)
-// or others' (heic, cr2, ...): files that their owner may take for photos.
-bool HasImageExtension(const std::filesystem::path& path);
-
-// The same for films: mp4, mov, mkv, ...
+// True for names that end like a film: mp4, mov, mkv, ...
 bool HasFilmExtension(const std::filesystem::path& path);
 
 struct PhotoScan {

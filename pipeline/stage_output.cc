@@ -57,6 +57,21 @@ bool IsFinished(const fs::path& folder) {
   return record.ok() && record->outcome == StageOutcome::kDone;
 }
 
+// Deletes a folder. The files that make it count as a result go first, so that
+// what a killed deletion leaves counts as nothing.
+Status RemoveStageFolder(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::exists(fs::symlink_status(folder, error))) return Status();
+  FREEGS_RETURN_IF_ERROR(RemoveFile(RecordPath(folder)));
+  FREEGS_RETURN_IF_ERROR(RemoveFile(FingerprintPath(folder)));
+  fs::remove_all(folder, error);
+  if (error) {
+    return InternalError(folder.string() +
+                         ": cannot delete: " + error.message());
+  }
+  return Status();
+}
+
 // Steps 2 to 4.
 Status Swap(const fs::path& workspace, const std::string& stage) {
   const fs::path folder = StageFolder(workspace, stage);
@@ -76,19 +91,6 @@ Status Swap(const fs::path& workspace, const std::string& stage) {
 }
 
 }  // namespace
-
-Status RemoveStageFolder(const fs::path& folder) {
-  std::error_code error;
-  if (!fs::exists(fs::symlink_status(folder, error))) return Status();
-  FREEGS_RETURN_IF_ERROR(RemoveFile(RecordPath(folder)));
-  FREEGS_RETURN_IF_ERROR(RemoveFile(FingerprintPath(folder)));
-  fs::remove_all(folder, error);
-  if (error) {
-    return InternalError(folder.string() +
-                         ": cannot delete: " + error.message());
-  }
-  return Status();
-}
 
 Status BeginPartial(const fs::path& partial,
                     const StageFingerprint& fingerprint) {

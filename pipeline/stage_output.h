@@ -25,10 +25,6 @@
 
 namespace freegs::pipeline {
 
-// Deletes a folder; the files that make it count go first, so that what a
-// killed deletion leaves counts as nothing.
-Status RemoveStageFolder(const std::filesystem::path& folder);
-
 // Makes an empty STAGE.partial for the given fingerprint.
 Status BeginPartial(const std::filesystem::path& partial,
                     const StageFingerprint& fingerprint);

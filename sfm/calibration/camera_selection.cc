@@ -193,9 +193,9 @@ void Estimate(const Sample& sample,
   BundleAdjustmentOptions adjustment;
   adjustment.max_iterations = kSelectionIterations;
   adjustment.cancellation = cancellation;
-  const auto report = AdjustBundle(adjustment, &model);
-  if (!report.ok()) {
-    candidate->refused = report.status().message();
+  const Status adjusted = AdjustBundle(adjustment, &model);
+  if (!adjusted.ok()) {
+    candidate->refused = adjusted.message();
     return;
   }
   *residuals = Measure(model, sample);
@@ -369,10 +369,10 @@ StatusOr<CameraSelection> RefineCameras(const CameraSelectionOptions& options,
   AssignCameras(chosen.model, chosen.sharing, &refined);
   BundleAdjustmentOptions adjustment;
   adjustment.cancellation = options.cancellation;
-  FREEGS_RETURN_IF_ERROR(AdjustBundle(adjustment, &refined).status());
-  FilterTracks({}, &refined);
-  FREEGS_RETURN_IF_ERROR(AdjustBundle(adjustment, &refined).status());
-  FilterTracks({}, &refined);
+  FREEGS_RETURN_IF_ERROR(AdjustBundle(adjustment, &refined));
+  FilterTracks(&refined);
+  FREEGS_RETURN_IF_ERROR(AdjustBundle(adjustment, &refined));
+  FilterTracks(&refined);
   for (const Camera& camera : refined.cameras) {
     FREEGS_RETURN_IF_ERROR(CheckLens(camera));
   }
