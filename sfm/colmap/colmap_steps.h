@@ -117,7 +117,7 @@ struct Mapping {
 };
 
 // Makes models from a database and returns them, the largest first; there may
-// be none. `folder` must not exist; it is made and deleted again.
+// be none. `folder` is made anew for COLMAP's output and deleted at the end.
 StatusOr<std::vector<Reconstruction>> MapPhotos(
     const StepContext& context,
     const std::filesystem::path& database,
