@@ -30,25 +30,14 @@ struct CameraSelectionOptions {
 
   // A camera per photo is tried with SIMPLE_PINHOLE and SIMPLE_RADIAL only,
   // unless this is the only sharing. It is chosen over the others only when it
-  // is clearly better (see per_photo_gain).
+  // is clearly better: when it lowers the held-out
+  // error by at least a tenth.
   bool per_photo = true;
 
   // Estimation uses a random part of the points: so many that they have this
   // number of observations in all, and at least 40 observations in each image
   // that has 40.
   size_t max_observations = 10000;
-
-  // This share of the observations is held out from the estimation. They are
-  // taken from points that three or more images see.
-  double held_out_share = 0.15;
-
-  // A candidate is as good as another when its held-out error is larger by at
-  // most this share of it, or by at most so many pixels.
-  double tolerance = 0.01;
-  double tolerance_px = 0.01;
-
-  // A camera per photo must lower the held-out error by this share.
-  double per_photo_gain = 0.1;
 
   // How many candidates are estimated at the same time; <= 0 means one per
   // core. The result does not depend on it.
@@ -88,11 +77,13 @@ struct CameraSelection {
 };
 
 // Estimates every candidate by bundle adjustment on a part of the observations,
-// and measures it on those held out. One criterion prefers the candidate with
-// the fewest parameters whose held-out error is within the tolerance of the
-// smallest. The other prefers the candidate with the smallest BIC. The simpler
-// one of the two is chosen, so that a parameter must convince both criteria.
-// Candidates that no real lens can have (see CheckLens) are refused.
+// and measures it on others, which are held out: a random 15 % of those of
+// points that three or more images see. One criterion prefers the candidate
+// with the fewest parameters among those whose held-out error exceeds the
+// smallest one by at most 1 % or 0.01 pixels. The other prefers the candidate
+// with the smallest BIC. The simpler one of the two is chosen, so that a
+// parameter must convince both criteria. Candidates that no real lens can have
+// (see CheckLens) are refused.
 //
 // `model` must be triangulated and near its optimum. The result does not depend
 // on the number of threads. Returns kUnusableResult when there is too little to
