@@ -30,8 +30,7 @@ struct CameraSelectionOptions {
 
   // A camera per photo is tried with SIMPLE_PINHOLE and SIMPLE_RADIAL only,
   // unless this is the only sharing. It is chosen over the others only when it
-  // is clearly better: when it lowers the held-out
-  // error by at least a tenth.
+  // is clearly better: when it lowers the held-out error by at least a tenth.
   bool per_photo = true;
 
   // Estimation uses a random part of the points: so many that they have this
