@@ -61,9 +61,9 @@ class KdChildOrder {
 //
 // Every node has kFanout children and every leaf kFanout points; only the last
 // node of a level may have fewer. Leaves are level 0. The nodes of a level are
-// numbered from 0, and node i holds the tree positions [i *
-// PointsPerNode(level), (i + 1) * PointsPerNode(level)). Building splits points
-// across the widest side of their box, near the median.
+// numbered from 0, and node i holds the tree positions
+// [i * PointsPerNode(level), (i + 1) * PointsPerNode(level)). Building splits
+// points across the widest side of their box, near the median.
 //
 // Squared distances are sums in double over the float coordinates, in the order
 // of the dimensions. So they are symmetric in the two points and the same

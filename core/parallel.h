@@ -37,11 +37,11 @@ class ThreadPool {
   int num_threads() const { return static_cast<int>(workers_.size()) + 1; }
 
   // Calls body(first, last, worker) for ranges of `grain` indices that cover
-  // [begin, end); the last range may be shorter. Range k begins at begin + k *
-  // grain, whatever the number of threads. `worker`, in [0, num_threads()),
-  // tells which thread runs the range, for memory that each thread reuses. The
-  // calling thread works too, and the call returns when all ranges are done.
-  // body must neither throw nor call ParallelFor of this pool.
+  // [begin, end); the last range may be shorter. Range k begins at
+  // begin + k * grain, whatever the number of threads. `worker`, in
+  // [0, num_threads()), tells which thread runs the range, for memory that each
+  // thread reuses. The calling thread works too, and the call returns when all
+  // ranges are done. body must neither throw nor call ParallelFor of this pool.
   void ParallelFor(int64_t begin,
                    int64_t end,
                    int64_t grain,
