@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include <Eigen/Core>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "core/status.h"
 #include "sfm/scene/reconstruction.h"
