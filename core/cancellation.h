@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How a caller asks long work to stop, and how that work reports how far it is.
+// How a caller asks long work to stop, and how that work reports its progress.
 
 #ifndef FREEGS_CORE_CANCELLATION_H_
 #define FREEGS_CORE_CANCELLATION_H_
@@ -10,7 +10,12 @@
 
 namespace freegs {
 
-// Set from a signal handler or another thread; polled by long loops.
+// A flag that a caller sets, from a signal handler or another thread, to ask
+// long work to stop. The work reads it now and then and returns kInterrupted:
+//
+//   if (token != nullptr && token->cancelled()) {
+//     return InterruptedError("stopped on request");
+//   }
 class CancellationToken {
  public:
   void Cancel() { cancelled_.store(true, std::memory_order_relaxed); }
@@ -20,13 +25,12 @@ class CancellationToken {
   std::atomic<bool> cancelled_{false};
 };
 
-// One report of progress: done of total units, and a short free text such as
-// "loss 0.031, 48211 Gaussians". A total of 0 means unknown.
+// One report of progress.
 struct Progress {
-  std::string step;  // What is being done: "matching", "training".
-  double done = 0;
-  double total = 0;
-  std::string detail;
+  std::string step;    // The work that is going on: "matching", "training".
+  double done = 0;     // Units of work that are finished.
+  double total = 0;    // All units of work; 0 when it is not known.
+  std::string detail;  // A short free text: "loss 0.031, 48211 Gaussians".
 };
 using ProgressFn = std::function<void(const Progress&)>;
 

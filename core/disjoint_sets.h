@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which of n things are connected, as connections come to be known
+// Groups n things into connected sets while connections are added one by one
 // (union-find).
 
 #ifndef FREEGS_CORE_DISJOINT_SETS_H_
@@ -13,8 +13,14 @@
 
 namespace freegs {
 
-// The smallest member stands for its set, whatever the order of calls. Path
-// halving, without ranks: logarithmic, amortised.
+// Sets of the numbers 0 .. count - 1. At first each number is a set of its own:
+//
+//   DisjointSets sets(photos.size());
+//   for (const auto& [a, b] : matched_pairs) sets.Join(a, b);
+//   const bool connected = sets.Find(0) == sets.Find(1);
+//
+// The smallest member stands for its set, whatever the order of calls. A call
+// takes amortised logarithmic time (path halving, no ranks).
 class DisjointSets {
  public:
   explicit DisjointSets(size_t count) : parent_(count) {
@@ -29,7 +35,7 @@ class DisjointSets {
     return i;
   }
 
-  // Makes one set of two; false when they were one.
+  // Unites the sets of i and j. Returns false when they already were one set.
   bool Join(uint32_t i, uint32_t j) {
     const uint32_t a = Find(i);
     const uint32_t b = Find(j);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A reference to something callable, for functions that call it before they
-// return: unlike std::function it never allocates.
+// A reference to a callable object, for functions that only call it before they
+// return. Unlike std::function it never allocates memory.
 
 #ifndef FREEGS_CORE_FUNCTION_REF_H_
 #define FREEGS_CORE_FUNCTION_REF_H_
@@ -14,7 +14,8 @@ namespace freegs {
 template <typename Signature>
 class FunctionRef;
 
-// Must not outlive what it refers to; passing a lambda as an argument is fine.
+// The callable must live longer than the reference. A lambda that is passed as
+// an argument does: ForEachPixel([&](int x, int y) { ... }).
 template <typename Result, typename... Arguments>
 class FunctionRef<Result(Arguments...)> {
  public:

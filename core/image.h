@@ -22,8 +22,8 @@ class Image {
         channels_(channels),
         data_(static_cast<size_t>(width) * height * channels, fill) {}
 
-  // The image of another shape, with whatever values. Keeps the memory where it
-  // is large enough.
+  // Changes the shape. The values are unspecified afterwards. The memory is
+  // kept when it is large enough, so that a loop over images need not allocate.
   void Reshape(int width, int height, int channels) {
     width_ = width;
     height_ = height;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A k-d tree over points of low dimension, with what exact clustering needs:
-// tight boxes, a unique answer to every query, and no trouble with duplicates.
+// A k-d tree over points of low dimension. It serves exact clustering: boxes
+// are tight, every query has one right answer, and equal points are no special
+// case.
 
 #ifndef FREEGS_CORE_KD_TREE_H_
 #define FREEGS_CORE_KD_TREE_H_
@@ -12,8 +13,8 @@
 #include <span>
 #include <vector>
 
-#include "core/status.h"
 #include "core/kd_tree_simd.h"
+#include "core/status.h"
 
 namespace freegs {
 
@@ -29,7 +30,8 @@ struct Neighbor {
   }
 };
 
-// The children of a node that are within a limit, nearest first.
+// Iterates over the children of a node that are within a limit, nearest first.
+// `within` has a bit for each of them.
 class KdChildOrder {
  public:
   KdChildOrder(const float bounds[kKdBlockSize], uint32_t within) {
@@ -42,7 +44,7 @@ class KdChildOrder {
       order_[at] = static_cast<int8_t>(j);
     }
   }
-  // -1 at the end.
+  // The next child, or -1 at the end.
   int Next() { return next_ < count_ ? order_[next_++] : -1; }
 
  private:
@@ -51,32 +53,39 @@ class KdChildOrder {
   int next_ = 0;
 };
 
-// Every node has kFanout children, every leaf as many points, but for the last
-// of each level: nodes are numbered along each level, leaves being level 0, and
-// node i of a level holds the tree positions [i, i + 1) * PointsPerNode(level).
-// Parts are split across the widest side of their box, near the median.
+// A search tree over the rows of a matrix of points:
 //
-// Squared distances are summed in double from the float coordinates, in order
-// of dimension: symmetric in the two points, and the same wherever they are
-// computed. Box distances are computed alike, and because rounding is monotone
-// they never exceed the distance of a point inside. Searches use float bounds
-// first; distances below 1e-18, whose squares are no floats, are found right
-// but slowly.
+//   FREEGS_ASSIGN_OR_RETURN(const KdTree tree, KdTree::Build(points, 3));
+//   std::vector<Neighbor> nearest;
+//   tree.Nearest(query, /*k=*/8, KdTree::kNoRow, &nearest);
+//
+// Every node has kFanout children and every leaf kFanout points; only the last
+// node of a level may have fewer. Leaves are level 0. The nodes of a level are
+// numbered from 0, and node i holds the tree positions
+// [i * PointsPerNode(level), (i + 1) * PointsPerNode(level)). Building splits
+// points across the widest side of their box, near the median.
+//
+// Squared distances are sums in double over the float coordinates, in the order
+// of the dimensions. So they are symmetric in the two points and the same
+// wherever they are computed. Distances to boxes are computed in the same way,
+// and because rounding is monotone they never exceed the distance to a point
+// inside the box. Searches compare bounds in float first. Squares of distances
+// below 1e-18 are too small for that: such searches are right but slow.
 class KdTree {
  public:
   static constexpr int kFanout = kKdBlockSize;
   // Larger coordinates are refused: their squares would overflow a float.
   static constexpr float kMaxCoordinate = 1e15f;
 
-  // points: N x dim, row-major, N < 2^31. kInvalidArgument when the size is not
-  // a multiple of dim, or a coordinate is not finite or larger than
-  // kMaxCoordinate.
+  // `points` is an N x dim matrix, row by row, with N < 2^31. Returns
+  // kInvalidArgument when its size is not a multiple of dim, or when a
+  // coordinate is not finite or its absolute value exceeds kMaxCoordinate.
   static StatusOr<KdTree> Build(std::span<const float> points, int dim);
 
   size_t size() const { return order_.size(); }
   int dim() const { return dim_; }
 
-  // The last level has one node, the root; no level without points.
+  // The last level has one node, the root. A tree without points has no level.
   int num_levels() const { return static_cast<int>(levels_.size()); }
   uint32_t num_nodes(int level) const { return levels_[level].num_nodes; }
   static size_t PointsPerNode(int level) {
@@ -105,9 +114,9 @@ class KdTree {
   // Squared distance to the node's tight bounding box, 0 inside.
   double BoxDistance2(int level, uint32_t node, const float* query) const;
 
-  // Fast lower bounds (see kd_tree_simd.h) of the squared distances from the
-  // query to the children of a node or the points of a leaf, and which of them
-  // are at most `limit2`.
+  // Computes fast lower bounds (see kd_tree_simd.h) of the squared distances
+  // from the query to the children of a node, or to the points of a leaf.
+  // Returns a bit for each that is at most `limit2`.
   uint32_t ChildBounds(int level,
                        uint32_t node,
                        const float* query,
@@ -135,7 +144,8 @@ class KdTree {
                              Limit(limit2),
                              bounds);
   }
-  // Whether a bound within the limit leaves open if what it bounds is as large.
+  // Whether the exact value of a bound, which is within the limit, may be equal
+  // to the limit. If false, the exact value is smaller for sure.
   bool MayTie(float bound, double limit2) const {
     return bound >= limit2 * tie_factor_;
   }

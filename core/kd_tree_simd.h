@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Distances from one point to the sixteen entries of a k-d tree's node,
-// vectorised.
+// Distances from one point to the sixteen entries of a node of a k-d tree, for
+// all entries at once.
 
 #ifndef FREEGS_CORE_KD_TREE_SIMD_H_
 #define FREEGS_CORE_KD_TREE_SIMD_H_
@@ -9,48 +9,52 @@
 
 namespace freegs {
 
-// Entries of a block: the points of a leaf or the boxes of a node's children.
+// A block has so many entries: the points of a leaf, or the bounding boxes of a
+// node's children.
 constexpr int kKdBlockSize = 16;
 
-// What the kernels compute are lower bounds: float sums, made smaller by more
-// than their rounding error, of the exact squared distances (in double, from
-// the float coordinates), so that comparing one with the nearest float to a
-// double is safe too. The relative error of the sum is at most about (dim + 2)
-// * 2^-24, that of squares too small for a normal float is covered by
-// kKdSlack.
+// The kernels compute lower bounds of squared distances. They add squares in
+// float and then make the sum smaller, by more than its rounding error. So a
+// bound never exceeds the exact squared distance (the sum in double of the
+// float coordinates), not even when that is rounded to a float. The relative
+// rounding error is at most about (dim + 2) * 2^-24, and KdBoundFactor removes
+// more than that. kKdSlack covers squares that are too small for a normal
+// float.
 constexpr float kKdSlack = 0x1p-120f;
 constexpr float KdBoundFactor(int dim) {
   return 1.0f - static_cast<float>(dim < 64 ? 80 : dim + 16) * 0x1p-23f;
 }
 
-// Below this many times a distance a bound is less than it for sure; above, the
-// two may be equal.
+// A bound below this factor times a squared distance belongs to an entry that
+// is nearer than that distance for sure. Above the factor, the two may be
+// equal.
 constexpr double KdTieFactor(int dim) {
   return 1.0 - 2 * (1.0 - static_cast<double>(KdBoundFactor(dim)));
 }
 
-// A float that is not above a squared distance.
+// A float that is at most the given squared distance.
 constexpr float KdFloor(double distance2) {
   const float below = static_cast<float>(distance2 * (1 - 0x1p-22)) - kKdSlack;
   return below > 0 ? below : 0;
 }
 
-// Entries that do not count, and floors below which no entry's weight lies: a
-// bound is the larger one of distance and floor.
+// Leaves entries out, and raises the bounds of the others. Entries whose
+// component is `own` are left out. The bound of an entry becomes the larger one
+// of its distance bound and its floor. Both arrays have kKdBlockSize values.
 struct KdBlockFilter {
-  const uint32_t* components;  // kKdBlockSize; entries of `own` are left out.
+  const uint32_t* components;
   uint32_t own;
-  const float* floors;  // kKdBlockSize.
+  const float* floors;
 };
 
-// A bit per entry whose bound is at most the limit.
 struct KdBlockBounds {
-  uint32_t within = 0;
-  float least_beyond = 0;  // Least bound above the limit; only with a filter.
+  uint32_t within = 0;     // Bit i is set when bound i is at most the limit.
+  float least_beyond = 0;  // The least of the bounds above the limit.
 };
 
-// Bounds of the points of a leaf: block holds dim rows of kKdBlockSize
-// coordinates; missing points are infinite.
+// Computes the bounds of the points of a leaf. `block` holds dim rows of
+// kKdBlockSize coordinates; those of missing points are infinite. Without a
+// filter only the bits of KdBlockBounds::within are returned.
 uint32_t KdPointBounds(const float* block,
                        int dim,
                        const float* query,
@@ -63,8 +67,9 @@ KdBlockBounds KdPointBounds(const float* block,
                             float limit,
                             float bounds[kKdBlockSize]);
 
-// Bounds of boxes: block holds dim times kKdBlockSize lower and kKdBlockSize
-// upper ends; missing boxes are infinite from above and below.
+// Does the same for boxes. For each dimension `block` holds kKdBlockSize lower
+// ends and then kKdBlockSize upper ends; missing boxes have the lower end at
+// infinity and the upper end at minus infinity.
 uint32_t KdBoxBounds(const float* block,
                      int dim,
                      const float* query,

@@ -21,6 +21,18 @@ std::string FormatFixed(double value, int decimals) {
   return text;
 }
 
+std::string FormatSignificant(double value, int digits) {
+  if (!std::isfinite(value)) return kNothing;
+  char text[64];
+  std::snprintf(text, sizeof(text), "%.*g", digits, value);
+  return text;
+}
+
+std::string FormatPercent(double share) {
+  if (!(std::abs(share) < 1e15)) return kNothing;
+  return std::to_string(std::llround(100 * share)) + " %";
+}
+
 std::string FormatCount(int64_t count) {
   std::string digits = std::to_string(count);
   const std::ptrdiff_t first = digits[0] == '-' ? 1 : 0;
@@ -31,7 +43,8 @@ std::string FormatCount(int64_t count) {
 }
 
 std::string FormatSeconds(double seconds) {
-  if (!std::isfinite(seconds) || seconds < 0 || seconds > 1e9) return kNothing;
+  if (!std::isfinite(seconds) || seconds < 0) return kNothing;
+  if (seconds > 1e9) return "over 30 years";
   if (seconds < 9.95) return FormatFixed(seconds, 1) + " s";
   const int64_t total = std::llround(seconds);
   char text[64];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Numbers as a person reads them: fixed decimals, counts, durations, sizes.
+// Writes numbers as a person reads them.
 
 #ifndef FREEGS_CORE_NUMBER_TEXT_H_
 #define FREEGS_CORE_NUMBER_TEXT_H_
@@ -9,16 +9,26 @@
 
 namespace freegs {
 
-// Fixed decimals; "–" when the value is not finite.
+// The value with this many digits after the point, or "–" when it is not
+// finite.
 std::string FormatFixed(double value, int decimals);
 
-// 48211 -> "48,211".
+// At most this many significant digits, without trailing zeros: 0.0034567 with
+// 3 digits is "0.00346", 1e12 is "1e+12". "–" when the value is not finite.
+std::string FormatSignificant(double value, int digits);
+
+// A share of 1 in whole percent: 0.834 is "83 %". "–" when it is not finite.
+std::string FormatPercent(double share);
+
+// 48211 is "48,211".
 std::string FormatCount(int64_t count);
 
-// "1.4 s", "45 s", "3 min 05 s", "1 h 02 min".
+// "1.4 s", "45 s", "3 min 05 s", "1 h 02 min", "over 30 years"; "–" when the
+// duration is negative or not finite.
 std::string FormatSeconds(double seconds);
 
-// "812 B", "1.4 MB" (powers of 1000).
+// "812 B", "1.4 MB", in powers of 1000; "–" when the size is negative or not
+// finite.
 std::string FormatBytes(double bytes);
 
 }  // namespace freegs

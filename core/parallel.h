@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A small thread pool. Results must not depend on the number of threads: give
-// each index its own output, and reduce in index order afterwards.
+// A small pool of threads for loops over independent work.
 
 #ifndef FREEGS_CORE_PARALLEL_H_
 #define FREEGS_CORE_PARALLEL_H_
@@ -16,9 +15,20 @@
 
 namespace freegs {
 
+// Runs loops on several threads:
+//
+//   ThreadPool pool;  // One thread per core.
+//   std::vector<double> squares(n);
+//   pool.ParallelFor(0, n, 1024, [&](int64_t first, int64_t last, int) {
+//     for (int64_t i = first; i < last; ++i) squares[i] = i * i;
+//   });
+//
+// Results must not depend on the number of threads. So each index writes only
+// to its own output, and sums are taken afterwards, in the order of the
+// indices.
 class ThreadPool {
  public:
-  // num_threads <= 0 takes one per available core.
+  // num_threads <= 0 takes one thread per core that the process may use.
   explicit ThreadPool(int num_threads = 0);
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;
@@ -26,11 +36,12 @@ class ThreadPool {
 
   int num_threads() const { return static_cast<int>(workers_.size()) + 1; }
 
-  // Calls body(first, last, worker) for consecutive ranges of at most `grain`
-  // indices that cover [begin, end); the calling thread works too and the call
-  // returns when all ranges are done. worker is in [0, num_threads()). Ranges
-  // begin at begin + k * grain whatever the thread count. Not reentrant: body
-  // must not call ParallelFor of the same pool. body must not throw.
+  // Calls body(first, last, worker) for ranges of `grain` indices that cover
+  // [begin, end); the last range may be shorter. Range k begins at
+  // begin + k * grain, whatever the number of threads. `worker`, in
+  // [0, num_threads()), tells which thread runs the range, for memory that each
+  // thread reuses. The calling thread works too, and the call returns when all
+  // ranges are done. body must neither throw nor call ParallelFor of this pool.
   void ParallelFor(int64_t begin,
                    int64_t end,
                    int64_t grain,

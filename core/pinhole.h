@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A distortion-free camera: what the splat renderer sees.
+// A camera without lens distortion, as the splat renderer needs it.
 
 #ifndef FREEGS_CORE_PINHOLE_H_
 #define FREEGS_CORE_PINHOLE_H_
@@ -30,7 +30,8 @@ struct Pinhole {
     return {new_width, new_height, fx * sx, fy * sy, cx * sx, cy * sy};
   }
 
-  // The same camera with the longest side at most max_side pixels (<= 0 keeps).
+  // The same camera with the longest side reduced to max_side pixels if it is
+  // longer. max_side <= 0 sets no limit.
   Pinhole LimitedTo(int max_side) const {
     const int side = std::max(width, height);
     if (max_side <= 0 || side <= max_side) return *this;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Counter-based random numbers: a value is a pure function of (seed, stream,
-// counter), so it does not depend on thread count, order of calls, or on
-// whether a run was interrupted.
+// Random numbers that are pure functions of a seed, a stream and a counter. So
+// they do not depend on the number of threads, on the order of calls, or on
+// whether a run was interrupted and continued. Code that uses random numbers
+// for several purposes takes another stream for each.
 
 #ifndef FREEGS_CORE_RANDOM_H_
 #define FREEGS_CORE_RANDOM_H_
@@ -20,7 +21,7 @@ constexpr uint64_t MixBits(uint64_t x) {
   return x ^ (x >> 31);
 }
 
-// Uniform 64 bits for the given coordinates.
+// 64 independent random bits.
 constexpr uint64_t RandomBits(uint64_t seed,
                               uint64_t stream,
                               uint64_t counter) {
@@ -51,7 +52,11 @@ inline double RandomNormal(uint64_t seed, uint64_t stream, uint64_t counter) {
   return std::sqrt(-2.0 * std::log(u)) * std::cos(2.0 * std::numbers::pi * v);
 }
 
-// A sequence view of the same numbers, for code that draws one after another.
+// The numbers of one stream, one after another:
+//
+//   RandomStream random(seed, stream);
+//   const double x = random.Uniform();  // In [0, 1).
+//   const uint64_t i = random.Index(n);  // In [0, n).
 class RandomStream {
  public:
   RandomStream(uint64_t seed, uint64_t stream) : seed_(seed), stream_(stream) {}

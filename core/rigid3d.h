@@ -27,19 +27,19 @@ struct Rigid3d {
   }
 };
 
-// a_from_b of a given b_from_a.
+// Returns a_from_b.
 inline Rigid3d Inverse(const Rigid3d& b_from_a) {
   const Eigen::Quaterniond inverse = b_from_a.rotation.conjugate();
   return {inverse, inverse * -b_from_a.translation};
 }
 
-// c_from_a = c_from_b * b_from_a.
+// Returns c_from_a.
 inline Rigid3d operator*(const Rigid3d& c_from_b, const Rigid3d& b_from_a) {
   return {(c_from_b.rotation * b_from_a.rotation).normalized(),
           c_from_b.rotation * b_from_a.translation + c_from_b.translation};
 }
 
-// The camera centre in world coordinates, of a world-to-camera transform.
+// The centre of a camera in world coordinates.
 inline Eigen::Vector3d CameraCentre(const Rigid3d& cam_from_world) {
   return cam_from_world.rotation.conjugate() * -cam_from_world.translation;
 }
@@ -62,8 +62,8 @@ inline Sim3d Inverse(const Sim3d& b_from_a) {
           (inverse * -b_from_a.translation) / b_from_a.scale};
 }
 
-// The world-to-camera pose of the same camera in frame b, keeping the length
-// unit of b: x_cam(b units) = result * x_b.
+// The pose, in frame b, of a camera whose pose in frame a is known. The camera
+// frame takes the length unit of b: x_cam (in units of b) = result * x_b.
 inline Rigid3d TransformCamera(const Sim3d& b_from_a,
                                const Rigid3d& cam_from_a) {
   Rigid3d cam_from_b;

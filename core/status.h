@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Errors as values. No library of this project aborts, exits or prints.
+// Errors as values. No library of this project aborts, exits or prints: it
+// returns a Status, and the caller decides.
 
 #ifndef FREEGS_CORE_STATUS_H_
 #define FREEGS_CORE_STATUS_H_
@@ -22,8 +23,14 @@ enum class StatusCode {
   kInternal,           // A broken invariant or a failing system call.
 };
 
-// An outcome without a value. A message names the file or option, says what is
-// wrong with it, and what to do.
+// The outcome of a call that returns no value. The message of an error names
+// the file or option, says what is wrong with it, and what to do:
+//
+//   Status Save(const fs::path& path) {
+//     FREEGS_ASSIGN_OR_RETURN(const std::string text, Serialize());
+//     FREEGS_RETURN_IF_ERROR(CreateFolders(path.parent_path()));
+//     return WriteFileAtomic(path, text);
+//   }
 class [[nodiscard]] Status {
  public:
   Status() = default;
@@ -63,8 +70,8 @@ inline Status InternalError(std::string message) {
   return {StatusCode::kInternal, std::move(message)};
 }
 
-// A value of type T, or the error that prevented it. Reading the value of an
-// error is undefined: ask ok() first.
+// A value of type T, or the error that prevented it. Call ok() before reading
+// the value: reading it from an error throws std::bad_variant_access.
 template <typename T>
 class [[nodiscard]] StatusOr {
  public:

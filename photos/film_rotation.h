@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How a film has to be turned to be upright.
+// Reads from a film by how much its frames must be turned to be upright.
 
 #ifndef FREEGS_PHOTOS_FILM_ROTATION_H_
 #define FREEGS_PHOTOS_FILM_ROTATION_H_
@@ -9,13 +9,14 @@
 
 namespace freegs::photos {
 
-// The quarter turns, clockwise in degrees (0, 90, 180 or 270), that the first
-// video track of an MP4 or QuickTime file asks for; 0 for other files, damaged
-// ones and other angles. Read here because OpenCV 4.6 turns the wrong way.
-// Source: ISO 14496-12, 8.3.2 (tkhd) and 6.2.2 (matrix).
+// Returns the clockwise turn in degrees (0, 90, 180 or 270) that the first
+// video track of an MP4 or QuickTime file asks for. Returns 0 for other files,
+// for damaged ones and for other angles. The program reads the turn itself
+// because OpenCV 4.6 applies it in the wrong direction. Source: ISO
+// 14496-12, 8.3.2 (tkhd) and 6.2.2 (matrix).
 int FilmRotation(const std::filesystem::path& path);
 
-// The same from the content of the box "moov".
+// Does the same for the content of the box "moov" of such a file.
 int MovieRotation(std::string_view moov);
 
 }  // namespace freegs::photos

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <utility>
 
@@ -12,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/io/files.h"
+#include "core/number_text.h"
 #include "photos/photo_jpeg.h"
 #include "photos/photo_pixels.h"
 
@@ -27,13 +27,6 @@ constexpr int64_t kLargePhotoPixels = 50'000'000;
 std::string SizeText(const PhotoHeader& header) {
   return std::to_string(header.width) + " x " + std::to_string(header.height) +
          " pixels";
-}
-
-// 1500.5 -> "1500.5", 400 -> "400".
-std::string NumberText(double value) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%g", value);
-  return text;
 }
 
 Status DamagedError(const PhotoHeader& header) {
@@ -132,7 +125,7 @@ Status CheckHeader(const PhotoHeader& header,
   if (pixels > options.max_megapixels * 1e6) {
     return BadInputError("its header claims " + SizeText(header) +
                          ", more than the limit of " +
-                         NumberText(options.max_megapixels) +
+                         FormatSignificant(options.max_megapixels, 6) +
                          " megapixels (max_megapixels); reduce the photo or "
                          "raise the limit");
   }

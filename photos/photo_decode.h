@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Any photo file to upright 8-bit RGB pixels, or a reason why not.
+// Decodes photo files of any kind to upright 8-bit RGB pixels, or says why that
+// is not possible.
 
 #ifndef FREEGS_PHOTOS_PHOTO_DECODE_H_
 #define FREEGS_PHOTOS_PHOTO_DECODE_H_
@@ -17,11 +18,11 @@
 namespace freegs::photos {
 
 struct PhotoDecodeOptions {
-  // Larger photos are refused before memory is reserved for them (millions of
-  // pixels).
+  // Limit in millions of pixels. Larger photos are refused before memory is
+  // taken for them.
   double max_megapixels = 400;
 
-  // Photos with a shorter side than this are refused (pixels).
+  // Photos whose shorter side has fewer pixels than this are refused.
   int min_side = 32;
 
   // What transparent pixels show: "white" or "black".
@@ -30,42 +31,51 @@ struct PhotoDecodeOptions {
   Status Check() const;
 };
 
-// Whether a photo of this header is worth decoding: size within the limits,
-// data complete. kBadInput with a phrase that says what is wrong and what to
-// do.
+// Checks that a photo's size is within the limits and that its file is
+// complete, before it is decoded. The message of kBadInput is a phrase that
+// says what is wrong and what to do.
 Status CheckHeader(const PhotoHeader& header,
                    const PhotoDecodeOptions& options);
 
-// Pixels of a file whose header passed CheckHeader: 8-bit RGB, upright. 16-bit
-// samples are divided by 257 and rounded, grey is repeated, transparent pixels
-// are laid over options.background. kBadInput as above.
+// Decodes a file whose header passed CheckHeader to upright 8-bit RGB pixels.
+// 16-bit samples are divided by 257 and rounded, grey is repeated, and
+// transparent pixels are laid over options.background. Returns kBadInput as
+// CheckHeader does.
 StatusOr<ImageU8> DecodePhoto(std::string_view bytes,
                               const PhotoHeader& header,
                               const PhotoDecodeOptions& options);
 
-// True if every program reads the file as DecodePhoto does: a plain 8-bit JPEG
-// or PNG, upright and opaque.
+// Whether every program reads the file as DecodePhoto does. This holds for
+// plain 8-bit JPEG and PNG files that are upright and opaque.
 bool IsPlainPhoto(const PhotoHeader& header);
 
-// What inspection of one file found. `photo.split` is kRejected, with a reason,
-// if it cannot be used.
+// The result of the inspection of one file. When the file cannot be used,
+// photo.split is kRejected and photo.reason says why.
 struct InspectedPhoto {
   Photo photo;
-  // Pixels, if the file has to be re-encoded for others to read it the same
-  // way; otherwise empty.
+  // The pixels, when the file must be re-encoded because other programs might
+  // read it differently (see IsPlainPhoto). Empty otherwise.
   ImageU8 pixels;
 };
 
-// Reads photo files. Safe to use from several threads at once; photos so large
-// that two of them may not fit in memory are decoded one at a time.
+// Reads photo files:
+//
+//   PhotoDecodeOptions options;
+//   FREEGS_RETURN_IF_ERROR(options.Check());
+//   PhotoInspector inspector(options);
+//   const InspectedPhoto photo = inspector.Inspect(folder, "a/b.jpg");
+//   if (!photo.photo.usable()) Warn(photo.photo.reason);
+//
+// Several threads may use one inspector. Photos so large that two of them may
+// not fit in memory are decoded one at a time.
 class PhotoInspector {
  public:
-  // Options have been checked.
+  // `options` must have passed Check().
   explicit PhotoInspector(PhotoDecodeOptions options)
       : options_(std::move(options)) {}
 
-  // Fills everything of a Photo but name, camera_group and the choice between
-  // training and holdout. `file` is the photo's path below `folder`.
+  // Reads the file at folder / file. Fills in all fields of a Photo except
+  // name, camera_group, and the choice between training and holdout.
   InspectedPhoto Inspect(const std::filesystem::path& folder,
                          const std::string& file);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The few EXIF tags that matter to reconstruction.
+// The EXIF tags that reconstruction uses.
 
 #ifndef FREEGS_PHOTOS_PHOTO_EXIF_H_
 #define FREEGS_PHOTOS_PHOTO_EXIF_H_
@@ -17,21 +17,22 @@ struct ExifTags {
   std::optional<double> focal_length_mm;
   std::optional<double> focal_length_35mm;  // 35 mm equivalent.
 
-  // Image pixels per millimetre on the sensor, and the longest side in pixels
-  // of the image that they refer to.
+  // Pixels of the image per millimetre on the sensor, and the longest side, in
+  // pixels, of the image that this refers to.
   std::optional<double> focal_plane_pixels_per_mm;
   std::optional<double> focal_plane_longest_side;
 };
 
-// Tags of an EXIF block (a TIFF structure, without the "Exif\0\0" before it) or
-// of a whole TIFF file. Missing or damaged tags stay at their defaults: EXIF is
-// a hint, never a reason to refuse a photo.
+// Reads the tags of an EXIF block, which is a TIFF structure without the
+// "Exif\0\0" before it, or of a whole TIFF file. Missing and damaged tags keep
+// their defaults, because EXIF is a hint and no reason to refuse a photo.
 // Source: CIPA DC-008 (Exif 2.32), tables 4 and 7.
 ExifTags ParseExif(std::string_view block);
 
-// Focal length in pixels of a photo of width x height pixels (either way up)
-// that the tags imply, or nothing. The 35 mm equivalent relates the image
-// diagonal to that of a 36 x 24 mm film frame (CIPA DCG-001).
+// Returns the focal length in pixels that the tags imply for a photo of
+// width x height pixels, which may be turned; nothing when they do not tell.
+// The 35 mm equivalent relates the diagonal of the image to that of a film
+// frame of 36 x 24 mm (CIPA DCG-001).
 std::optional<double> FocalLengthPixels(const ExifTags& exif,
                                         int width,
                                         int height);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What an image file says about itself, read without decoding it: a header that
-// lies is found before memory is spent on it, and a file that ends early before
-// a decoder fills the rest with grey.
+// Reads what an image file says about itself without decoding it. So a header
+// that claims a false size is found before memory is taken for the pixels, and
+// a file that ends early is found before a decoder fills the rest with grey.
 
 #ifndef FREEGS_PHOTOS_PHOTO_HEADER_H_
 #define FREEGS_PHOTOS_PHOTO_HEADER_H_
@@ -28,46 +28,49 @@ struct PhotoHeader {
   int bits = 8;        // Per sample.
   int samples = 3;     // Per pixel: colours and alpha.
 
-  // True if there may be transparent pixels.
+  // Whether there may be transparent pixels.
   bool has_alpha = false;
-  // TIFF only: colours are already multiplied by alpha.
+  // Whether colours are already multiplied by alpha. Only TIFF files do so.
   bool premultiplied = false;
 
-  // Grey or RGB samples of 8 bits that any program reads the same way; false
-  // for palettes, CMYK and the like.
+  // Whether the samples are grey or RGB of 8 bits, which every program reads in
+  // the same way. False for palettes, CMYK and the like.
   bool plain = true;
 
-  // The file ends before the image data does.
+  // Whether the file ends before the image data does.
   bool truncated = false;
 
-  // An upper bound of the pixels that this much compressed data can hold; a
-  // header that claims more lies.
+  // An upper bound of the number of pixels that the file's compressed data can
+  // hold. A header that claims more is false.
   double max_pixels = 0;
 
   ExifTags exif;
 };
 
-// The format by the first bytes; kBadInput naming what the file seems to be
-// instead, with advice.
+// Returns the format that the first bytes tell. The message of kBadInput names
+// what the file seems to be instead, with advice.
 StatusOr<PhotoFormat> SniffFormat(std::string_view bytes);
 
-// Reads the header and walks the structure of a whole file. kBadInput when the
-// header itself is missing, damaged or of a kind that cannot be decoded; the
-// message is a phrase without the file's name.
+// Reads the header of a file, all of whose bytes are given, and walks through
+// its structure. Returns kBadInput when the header is missing, damaged or of a
+// kind that cannot be decoded; the message is a phrase without the file's name.
 StatusOr<PhotoHeader> ParsePhotoHeader(std::string_view bytes);
 
-// The formats, one by one; bytes begin with their signature.
+// Does the same for one format. `bytes` begins with the signature of the
+// format.
 StatusOr<PhotoHeader> ParseJpegHeader(std::string_view bytes);
 StatusOr<PhotoHeader> ParsePngHeader(std::string_view bytes);
 StatusOr<PhotoHeader> ParseTiffHeader(std::string_view bytes);
 
-// The same PNG with only the chunks its pixels need: no profiles or texts for
-// the decoder to stumble over. The header must have been parsed without error.
+// Returns the PNG with only those chunks that its pixels need, so that the
+// decoder does not fail on profiles or texts. The header must have been parsed
+// without error.
 std::string EssentialPng(std::string_view bytes);
 
-// The same TIFF declared upright and its alpha already applied (both have the
-// value 1), so that a decoder neither turns it nor multiplies colours: whether
-// they do depends on their version and on the sample type.
+// Returns the TIFF with its orientation set to upright and its alpha marked as
+// already applied; both tags get the value 1. So a decoder neither turns the
+// picture nor multiplies colours by alpha. Otherwise that would depend on the
+// version of the decoder and on the type of the samples.
 std::string NeutralTiff(std::string_view bytes);
 
 }  // namespace freegs::photos

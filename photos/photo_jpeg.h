@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// JPEG decoding that tells a damaged picture from a whole one.
+// Decodes JPEG files and tells damaged pictures from whole ones.
 
 #ifndef FREEGS_PHOTOS_PHOTO_JPEG_H_
 #define FREEGS_PHOTOS_PHOTO_JPEG_H_
@@ -11,10 +11,11 @@
 
 namespace freegs::photos {
 
-// Pixels as stored, 3 channels (grey is repeated, CMYK converted without a
-// profile). Uses libjpeg itself because OpenCV hides its warnings: data that
-// end early or make no sense are filled with grey without an error. kBadInput
-// for such data, as a phrase without the file's name. Never prints.
+// Returns the pixels as they are stored, in 3 channels. Grey is repeated, and
+// CMYK is converted without a profile. Returns kBadInput for data that end
+// early or make no sense; the message is a phrase without the file's name. This
+// uses libjpeg directly, because OpenCV hides libjpeg's warnings and fills such
+// pictures with grey without an error.
 StatusOr<ImageU8> DecodeJpeg(std::string_view bytes);
 
 }  // namespace freegs::photos

@@ -3,7 +3,6 @@
 #include "photos/photo_list.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <set>
 #include <utility>
@@ -11,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/io/files.h"
+#include "core/io/json_fields.h"
 
 namespace freegs::photos {
 namespace {
@@ -20,7 +20,6 @@ using nlohmann::ordered_json;
 
 constexpr int kVersion = 1;
 constexpr uint64_t kMaxFileBytes = uint64_t{256} << 20;
-constexpr int kMaxDepth = 4;  // Root, photos, photo; one to spare.
 constexpr int kMaxSide = 1 << 20;
 constexpr double kMaxNumber = 1e12;
 
@@ -60,84 +59,6 @@ ordered_json ToJson(const Photo& photo) {
   return object;
 }
 
-// Reads the fields of one object; keeps the first fault.
-class FieldReader {
- public:
-  FieldReader(const json& object, std::string where)
-      : object_(object), where_(std::move(where)) {
-    if (!object.is_object()) Fail("", "is not an object");
-  }
-
-  void Text(const char* key, std::string* value) {
-    const json* field = Find(key);
-    if (field == nullptr) return;
-    if (!field->is_string()) return Fail(key, "is not a text");
-    *value = field->get<std::string>();
-  }
-
-  void Bool(const char* key, bool* value) {
-    const json* field = Find(key);
-    if (field == nullptr) return;
-    if (!field->is_boolean()) return Fail(key, "is not true or false");
-    *value = field->get<bool>();
-  }
-
-  void Int(const char* key, int min, int max, int* value) {
-    const json* field = Find(key);
-    if (field == nullptr) return;
-    if (!field->is_number_integer()) return Fail(key, "is not a whole number");
-    // As double: exact in the allowed range, and safe for any 64-bit number.
-    const double number = field->get<double>();
-    if (!(number >= min && number <= max)) return Fail(key, "is out of range");
-    *value = static_cast<int>(number);
-  }
-
-  void Real(const char* key, double* value) {
-    const json* field = Find(key);
-    if (field == nullptr) return;
-    if (!field->is_number()) return Fail(key, "is not a number");
-    const double number = field->get<double>();
-    if (!(number >= 0 && number <= kMaxNumber)) {
-      return Fail(key, "is out of range");
-    }
-    *value = number;
-  }
-
-  void OptionalReal(const char* key, std::optional<double>* value) {
-    const json* field = Find(key);
-    if (field == nullptr || field->is_null()) return;
-    double number = 0;
-    Real(key, &number);
-    *value = number;
-  }
-
-  bool Has(const char* key) const {
-    return object_.is_object() && object_.contains(key);
-  }
-
-  void Fail(const std::string& key, const std::string& fault) {
-    if (!error_.empty()) return;
-    error_ = where_ + (key.empty() ? " " : "." + key + " ") + fault;
-  }
-
-  const std::string& error() const { return error_; }
-
- private:
-  const json* Find(const char* key) {
-    if (!error_.empty()) return nullptr;
-    const auto found = object_.find(key);
-    if (found == object_.end()) {
-      Fail(key, "is missing");
-      return nullptr;
-    }
-    return &*found;
-  }
-
-  const json& object_;
-  std::string where_;
-  std::string error_;
-};
-
 // A relative path that stays below its folder.
 bool IsNameBelowFolder(const std::string& name) {
   if (name.empty() || name.find('\0') != std::string::npos) return false;
@@ -148,40 +69,45 @@ bool IsNameBelowFolder(const std::string& name) {
   });
 }
 
-Photo ReadPhoto(FieldReader& reader) {
+Photo ReadPhoto(JsonObjectReader& reader) {
+  // A focal length may be null, which means unknown.
+  const auto optional_focal =
+      [&reader](const char* key) -> std::optional<double> {
+    if (reader.IsNull(key)) return std::nullopt;
+    return reader.Number(key, 0, kMaxNumber);
+  };
   Photo photo;
-  reader.Text("file", &photo.file);
-  reader.Text("name", &photo.name);
-  reader.Text("format", &photo.format);
-  reader.Bool("converted", &photo.converted);
-  reader.Int("width", 0, kMaxSide, &photo.width);
-  reader.Int("height", 0, kMaxSide, &photo.height);
-  reader.Int("orientation", 1, 8, &photo.orientation);
-  reader.Real("sharpness", &photo.sharpness);
-  reader.Text("hash", &photo.hash);
-  reader.Text("file_hash", &photo.file_hash);
-  reader.Int("camera_group", -1, 1 << 30, &photo.camera_group);
-  reader.Text("make", &photo.make);
-  reader.Text("model", &photo.model);
-  reader.OptionalReal("focal_length_mm", &photo.focal_length_mm);
-  reader.OptionalReal("focal_length_35mm", &photo.focal_length_35mm);
-  reader.OptionalReal("focal_length_px", &photo.focal_length_px);
+  photo.file = reader.Text("file");
+  photo.name = reader.Text("name");
+  photo.format = reader.Text("format");
+  photo.converted = reader.Bool("converted");
+  photo.width = reader.Integer("width", 0, kMaxSide);
+  photo.height = reader.Integer("height", 0, kMaxSide);
+  photo.orientation = reader.Integer("orientation", 1, 8);
+  photo.sharpness = reader.Number("sharpness", 0, kMaxNumber);
+  photo.hash = reader.Text("hash");
+  photo.file_hash = reader.Text("file_hash");
+  photo.camera_group = reader.Integer("camera_group", -1, 1 << 30);
+  photo.make = reader.Text("make");
+  photo.model = reader.Text("model");
+  photo.focal_length_mm = optional_focal("focal_length_mm");
+  photo.focal_length_35mm = optional_focal("focal_length_35mm");
+  photo.focal_length_px = optional_focal("focal_length_px");
   if (reader.Has("film")) {
-    reader.Text("film", &photo.film);
-    reader.Int("frame", 0, 1 << 30, &photo.frame);
-    reader.Real("time_s", &photo.time_s);
+    photo.film = reader.Text("film");
+    photo.frame = reader.Integer("frame", 0, 1 << 30);
+    photo.time_s = reader.Number("time_s", 0, kMaxNumber);
   }
-  if (reader.Has("mask")) reader.Bool("mask", &photo.has_mask);
-  reader.Text("reason", &photo.reason);
+  if (reader.Has("mask")) photo.has_mask = reader.Bool("mask");
+  photo.reason = reader.Text("reason");
 
-  std::string split;
-  reader.Text("split", &split);
+  const std::string split = reader.Text("split");
   const auto found = std::find_if(
       std::begin(kSplits), std::end(kSplits), [&split](PhotoSplit known) {
         return SplitName(known) == split;
       });
   if (found == std::end(kSplits)) {
-    reader.Fail("split", "is not train, holdout or rejected");
+    reader.Fail("split", "must be train, holdout or rejected");
     return photo;
   }
   photo.split = *found;
@@ -193,6 +119,35 @@ Photo ReadPhoto(FieldReader& reader) {
     reader.Fail("name", "is not the name of a file below the photo folder");
   }
   return photo;
+}
+
+// The list, or what is wrong with it.
+StatusOr<PhotoList> ReadList(std::string_view text, const std::string& source) {
+  FREEGS_ASSIGN_OR_RETURN(const json root, ParseJsonObject(text, source));
+  Status status;
+  JsonObjectReader top(root, source, "", &status);
+  PhotoList list;
+  const int version = top.Integer("version", 0, 1 << 30);
+  if (version != kVersion) {
+    top.Fail("version",
+             "is " + std::to_string(version) + " instead of " +
+                 std::to_string(kVersion));
+  }
+  list.images_folder = top.Text("images_folder");
+  std::set<std::string> names;
+  for (const json& value : top.List("photos")) {
+    const std::string path =
+        "photos[" + std::to_string(list.photos.size()) + "]";
+    JsonObjectReader reader(value, source, path, &status);
+    Photo photo = ReadPhoto(reader);
+    if (photo.usable() && !names.insert(photo.name).second) {
+      reader.Fail("name", "is used twice");
+    }
+    FREEGS_RETURN_IF_ERROR(status);
+    list.photos.push_back(std::move(photo));
+  }
+  FREEGS_RETURN_IF_ERROR(status);
+  return list;
 }
 
 }  // namespace
@@ -242,48 +197,10 @@ StatusOr<PhotoList> ReadPhotoList(const std::filesystem::path& path) {
 
 StatusOr<PhotoList> ParsePhotoList(std::string_view text,
                                    const std::string& source) {
-  const auto fault = [&source](const std::string& what) {
-    return BadInputError(source + ": " + what +
-                         "; run the ingest stage again to write it anew");
-  };
-  // What lies deeper than our own format is dropped while parsing, so that
-  // hostile nesting costs no memory.
-  bool too_deep = false;
-  const json root = json::parse(
-      text,
-      [&too_deep](int depth, json::parse_event_t, json&) {
-        too_deep = too_deep || depth > kMaxDepth;
-        return depth <= kMaxDepth;
-      },
-      /*allow_exceptions=*/false);
-  if (root.is_discarded()) return fault("not valid JSON");
-  if (too_deep) return fault("nested too deeply for a photo list");
-
-  FieldReader top(root, "the document");
-  int version = 0;
-  PhotoList list;
-  top.Int("version", 0, 1 << 30, &version);
-  top.Text("images_folder", &list.images_folder);
-  if (!top.error().empty()) return fault(top.error());
-  if (version != kVersion) {
-    return fault("version " + std::to_string(version) + " instead of " +
-                 std::to_string(kVersion));
-  }
-  const auto photos = root.find("photos");
-  if (photos == root.end() || !photos->is_array()) {
-    return fault("photos is not a list");
-  }
-  std::set<std::string> names;
-  for (size_t i = 0; i < photos->size(); ++i) {
-    FieldReader reader((*photos)[i], "photos[" + std::to_string(i) + "]");
-    Photo photo = ReadPhoto(reader);
-    if (photo.usable() && !names.insert(photo.name).second) {
-      reader.Fail("name", "is used twice");
-    }
-    if (!reader.error().empty()) return fault(reader.error());
-    list.photos.push_back(std::move(photo));
-  }
-  return list;
+  StatusOr<PhotoList> list = ReadList(text, source);
+  if (list.ok()) return list;
+  return BadInputError(list.status().message() +
+                       "; run the ingest stage again to write it anew");
 }
 
 }  // namespace freegs::photos

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is known about the photos of a scene, and the file that keeps it:
-// ingest/images.json.
+// The list of a scene's photos, and its file ingest/images.json.
 
 #ifndef FREEGS_PHOTOS_PHOTO_LIST_H_
 #define FREEGS_PHOTOS_PHOTO_LIST_H_
@@ -17,7 +16,7 @@ namespace freegs::photos {
 
 enum class PhotoSplit {
   kTrain,
-  kHoldout,   // Gets a pose like the others, but is never trained on.
+  kHoldout,   // Gets a pose like the others, but training never sees it.
   kRejected,  // Not used; Photo::reason says why.
 };
 
@@ -35,31 +34,33 @@ struct Photo {
   // files cannot carry. Unique. Empty for rejected photos.
   std::string name;
 
-  // What `file` is by its content: "JPEG", "PNG" or "TIFF". Empty if unknown.
+  // The format by the content of `file`: "JPEG", "PNG" or "TIFF". Empty if it
+  // is not known.
   std::string format;
 
-  // True if `name` holds re-encoded pixels instead of a copy of `file`.
+  // Whether `name` holds re-encoded pixels instead of a copy of `file`.
   bool converted = false;
 
-  // Pixels, after the EXIF orientation is applied. 0 if never decoded.
+  // Pixels of the upright photo. 0 if it was never decoded.
   int width = 0;
   int height = 0;
 
   // EXIF orientation of `file`, 1..8. The photo in the workspace is upright.
   int orientation = 1;
 
-  // Variance of the Laplacian of the grey photo reduced to at most 512 pixels
-  // (see Sharpness in photo_pixels.h).
+  // How sharp the photo is: see Sharpness in photo_pixels.h.
   double sharpness = 0;
 
-  // Hash of the upright 8-bit RGB pixels and their size: equal for equal
-  // pictures, however they are stored. And of the file's bytes. Empty if the
-  // photo could not be decoded or read.
+  // `hash` is the hash of the upright 8-bit RGB pixels and their size, so it is
+  // equal for equal pictures, however they are stored. `file_hash` is the hash
+  // of the file's bytes. They are empty if the photo could not be decoded or
+  // read.
   std::string hash;
   std::string file_hash;
 
-  // Photos of equal number have the same size, camera and focal length.
-  // Numbered from 0 in order of appearance; -1 for rejected photos.
+  // Photos of the same group have the same size, camera and focal length.
+  // Groups are numbered from 0 in the order of their first photos; rejected
+  // photos have -1.
   int camera_group = -1;
 
   // From EXIF.
@@ -71,13 +72,14 @@ struct Photo {
   // Focal length in pixels that EXIF implies.
   std::optional<double> focal_length_px;
 
-  // For a frame of a film: the film, relative to the user's folder, the number
-  // of the frame from 0, and its time in seconds. Empty and 0 for photos.
+  // Only for a frame of a film: the film's file relative to the user's folder,
+  // the number of the frame, counted from 0, and its time in seconds. Empty and
+  // 0 for photos.
   std::string film;
   int frame = 0;
   double time_s = 0;
 
-  // Whether ingest wrote a mask for it.
+  // Whether ingest wrote a mask for the photo.
   bool has_mask = false;
 
   PhotoSplit split = PhotoSplit::kTrain;
@@ -95,15 +97,17 @@ struct PhotoList {
   int Count(PhotoSplit split) const;
 };
 
-// File names that are not UTF-8 have their odd bytes replaced by U+FFFD.
+// Writes the list. In names that are not valid UTF-8, the bytes that are not
+// are replaced by U+FFFD.
 Status WritePhotoList(const std::filesystem::path& path, const PhotoList& list);
 
-// kBadInput, naming the file and the field, for anything that WritePhotoList
-// would not have written: missing fields, wrong types, values out of range,
-// names used twice or leading out of the photo folder.
+// Reads the list. Returns kBadInput, with the names of file and field, for
+// anything that WritePhotoList would not have written: missing fields, wrong
+// types, values out of range, and names that occur twice or lead out of the
+// photo folder.
 StatusOr<PhotoList> ReadPhotoList(const std::filesystem::path& path);
 
-// The same from text, for messages that name `source`.
+// Does the same for the text of such a file. Messages name `source`.
 StatusOr<PhotoList> ParsePhotoList(std::string_view json,
                                    const std::string& source);
 

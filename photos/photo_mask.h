@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Masks beside photos: which pixels to look at.
+// Masks tell which pixels of a photo to use and which to ignore.
 
 #ifndef FREEGS_PHOTOS_PHOTO_MASK_H_
 #define FREEGS_PHOTOS_PHOTO_MASK_H_
@@ -16,26 +16,27 @@
 
 namespace freegs::photos {
 
-// The mask of a photo in a folder of masks that is laid out as the folder of
-// photos: "a.jpg.png" (COLMAP's way) or "a.png" for the photo "a.jpg", relative
-// to the folder; nothing if there is neither.
+// Finds the mask of a photo in a folder that is laid out like the folder of
+// photos. For the photo "a.jpg" the mask is "a.jpg.png", as COLMAP wants it, or
+// "a.png". Returns its path relative to the folder, or nothing.
 std::optional<std::string> FindMask(const std::filesystem::path& folder,
                                     const std::string& photo_file);
 
-// Pixels of a mask file as 0 (ignore) and 255 (look at), one channel, of the
-// size of `photo` as ingest writes it (upright). In the file, black is ignored
-// and anything else looked at (in a JPEG, from 128); transparent pixels count
-// as black. `invert` exchanges the two.
+// Decodes a mask file to one channel of 0 (ignore) and 255 (use), with the size
+// of the upright photo. In the file, black pixels are to be ignored and all
+// others to be used; in a JPEG those from 128 on. Transparent pixels count as
+// black. `invert` exchanges the two.
 //
-// A mask of the photo's stored size is turned with the photo where EXIF turns
-// it onto its side; one of another size but the same shape is resized. Anything
-// else is kBadInput with a phrase that says what is wrong and what to do.
+// If EXIF turns the photo by 90 degrees, a mask of the photo's stored size is
+// turned with it. A mask of another size but the same shape is resized.
+// Anything else is kBadInput; the message is a phrase that says what is wrong
+// and what to do.
 StatusOr<ImageU8> DecodeMask(std::string_view bytes,
                              const Photo& photo,
                              bool invert,
                              const PhotoDecodeOptions& options);
 
-// Share of pixels that are looked at, 0..1.
+// The share of pixels to be used, in [0, 1].
 double KeptShare(const ImageU8& mask);
 
 }  // namespace freegs::photos

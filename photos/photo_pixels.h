@@ -11,20 +11,21 @@
 
 namespace freegs::photos {
 
-// The picture turned and mirrored upright, for an EXIF orientation of 1..8.
+// Turns and mirrors a picture so that it is upright. `orientation` is EXIF's, 1
+// to 8.
 // Source: CIPA DC-008 (Exif 2.32), tag 274.
 ImageU8 Upright(const ImageU8& image, int orientation);
 
-// How sharp an RGB photo is: the variance of the Laplacian (4-neighbour kernel)
-// of its grey version (0..255). Larger photos are first reduced to a longest
-// side of 512 pixels by area averaging: the value is then about structure that
-// the scene has and motion or focus took away, it compares between photos of
-// one scene whatever their size, and noise of single pixels does not count.
-// Source: Pech-Pacheco et al., "Diatom autofocusing in brightfield microscopy",
-// ICPR 2000.
+// Measures how sharp an RGB photo is: the variance of the Laplacian
+// (4-neighbour kernel) of its grey version (0..255). A photo whose longest side
+// exceeds 512 pixels is first reduced to that by area averaging. So the values
+// of photos of one scene can be compared whatever their sizes, noise of single
+// pixels does not count, and what counts is structure that motion or focus can
+// take away. Source: Pech-Pacheco et al., "Diatom autofocusing in brightfield
+// microscopy", ICPR 2000.
 double Sharpness(const ImageU8& rgb);
 
-// Hash of size, channels and pixels.
+// Hashes size, number of channels and pixels.
 std::string ContentHash(const ImageU8& image);
 
 }  // namespace freegs::photos

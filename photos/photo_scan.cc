@@ -92,6 +92,12 @@ bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 // Folders before what their names begin: '/' sorts first.
 int Rank(char c) { return c == '/' ? 0 : 1 + static_cast<uint8_t>(c); }
 
+// True for names that end like an image of any kind, those that we read and
+// those that we do not: files that their owner may take for photos.
+bool HasImageExtension(const fs::path& path) {
+  return IsOneOf(LowerExtension(path), kImageExtensions);
+}
+
 class Scanner {
  public:
   Scanner(fs::path root, PhotoScan* scan)
@@ -200,10 +206,6 @@ bool NaturalLess(std::string_view a, std::string_view b) {
   }
   if ((i < a.size()) != (j < b.size())) return j < b.size();
   return a < b;  // They differ in leading zeros at most.
-}
-
-bool HasImageExtension(const fs::path& path) {
-  return IsOneOf(LowerExtension(path), kImageExtensions);
 }
 
 bool HasFilmExtension(const fs::path& path) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which files of a folder are photos.
+// Finds the photos and films in a folder.
 
 #ifndef FREEGS_PHOTOS_PHOTO_SCAN_H_
 #define FREEGS_PHOTOS_PHOTO_SCAN_H_
@@ -13,37 +13,35 @@
 
 namespace freegs::photos {
 
-// Order of names as people count: img2 before img10, folder by folder.
-// A strict total order of different names.
+// Orders names as people count: img2 before img10, and folder by folder. Of two
+// different names one is always less.
 bool NaturalLess(std::string_view a, std::string_view b);
 
-// True for names that end like an image of any kind, ours (jpg, png, tif, ...)
-// or others' (heic, cr2, ...): files that their owner may take for photos.
-bool HasImageExtension(const std::filesystem::path& path);
-
-// The same for films: mp4, mov, mkv, ...
+// True for names that end like a film: mp4, mov, mkv, ...
 bool HasFilmExtension(const std::filesystem::path& path);
 
 struct PhotoScan {
-  // Files with an image's extension, in natural order, relative to the folder
-  // with '/' between names. They need not be readable, nor images.
+  // Files with the extension of an image, in natural order, relative to the
+  // folder, with '/' between names. They need not be readable, and their
+  // content need not be an image.
   std::vector<std::string> files;
 
-  // Files with a film's extension, likewise.
+  // The same for files with the extension of a film.
   std::vector<std::string> films;
 
   // Links to folders that were followed, relative to the folder.
   std::vector<std::string> linked_folders;
 
-  // What could not be looked into, one line each.
+  // One line for each file or folder that could not be read.
   std::vector<std::string> warnings;
 };
 
-// Finds photos in a folder and all folders below it. Hidden files and folders
-// (a leading dot) are left out. Links to files and folders are followed; no
-// folder is visited twice, so loops end and a folder that is linked to keeps
-// its own name. `excluded` folders are not entered: the workspace may lie among
-// the photos. kBadInput if `folder` is not a folder that can be read.
+// Finds photos and films in a folder and in all folders below it. Files and
+// folders whose names begin with a dot are left out. Links to files and folders
+// are followed. No folder is visited twice, so loops of links end; a folder
+// that lies below `folder` and is also linked to is listed under its own name.
+// `excluded` folders are not entered, because the workspace may lie among the
+// photos. Returns kBadInput if `folder` is not a folder that can be read.
 StatusOr<PhotoScan> ScanPhotos(
     const std::filesystem::path& folder,
     const std::vector<std::filesystem::path>& excluded = {});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which of the usable photos are used, and for what.
+// Decides which photos are used, and which of them are kept from training.
 
 #ifndef FREEGS_PHOTOS_PHOTO_SELECTION_H_
 #define FREEGS_PHOTOS_PHOTO_SELECTION_H_
@@ -12,54 +12,59 @@
 
 namespace freegs::photos {
 
-// All functions here take photos in the order of the sequence and leave
-// rejected ones as they are.
+// All functions here take the photos in the order in which they were taken, and
+// leave photos that are already rejected as they are.
 
-// Rejects photos whose content an earlier one has.
+// Rejects photos that have the same content as an earlier one.
 void RejectDuplicates(std::vector<Photo>* photos);
 
-// Keeps about `fraction` (0..1] of the photos, at least three: the sharp ones,
-// spread evenly over the sequence. Up to a half, the sequence is cut into as
-// many windows as photos shall stay, and the sharpest of each window stays;
-// above, into as many windows as photos shall go, and the blurriest of each
-// goes. Rejects the others.
+// Keeps about the share `fraction`, in (0, 1], of the photos, but at least
+// three, and rejects the others. The photos that stay are sharp and spread
+// evenly over the sequence. For a fraction up to 0.5 the sequence is cut into
+// as many windows as photos shall stay, and the sharpest photo of each window
+// stays. For a larger fraction it is cut into as many windows as photos shall
+// go, and the blurriest photo of each window goes.
 void RejectBlurred(double fraction, std::vector<Photo>* photos);
 
 // Which photos are kept from training to measure the result.
 struct HoldoutRule {
-  // Photos 0, N, 2N, ... of the usable ones, as in 3D Gaussian Splatting (Kerbl
-  // et al. 2023); 0 takes none. Only if nothing else is given below.
+  // Takes photos 0, N, 2N, ... of the usable ones, as 3D Gaussian Splatting
+  // does (Kerbl et al. 2023); 0 takes none. It counts only if `pattern` and
+  // `names` are empty.
   int every = 8;
 
-  // A shell pattern such as "test_*" or "val/*", matched with the whole name
-  // relative to the photo folder and with the name without folders; or "none".
+  // A shell pattern such as "test_*" or "val/*". It may match the name relative
+  // to the photo folder or the name without folders. "none" takes no photo.
   std::string pattern = {};
 
-  // Names, each either relative to the photo folder or without folders.
-  // Replaces the rules above if not empty.
+  // Names of photos, either relative to the photo folder or without folders. If
+  // there are any, they replace the rules above.
   std::vector<std::string> names = {};
 
   Status Check() const;
 };
 
-// The names in a text: one per line; empty lines, and lines that begin with
-// '#', do not count.
+// Returns the names in a text, one per line, without empty lines and without
+// lines that begin with '#'.
 std::vector<std::string> ParseNameList(const std::string& text);
 
-// Sets the split of usable photos. kBadInput if fewer than two are left to
-// train on. Names and patterns that match nothing come back, for a warning.
+// Sets the split of the usable photos. Returns those names and patterns that
+// match nothing, so that the caller can warn. Returns kBadInput if fewer than
+// two photos are left for training.
 StatusOr<std::vector<std::string>> AssignHoldout(const HoldoutRule& rule,
                                                  std::vector<Photo>* photos);
 
-// Numbers the groups of equal size, camera and focal length.
+// Sets camera_group: photos of equal size, camera and focal length get the same
+// number.
 void AssignCameraGroups(std::vector<Photo>* photos);
 
 // Gives every usable photo its name in the workspace's photo folder. Photos
-// that are not re-encoded keep their own names as far as possible; re-encoded
-// ones end in .png, and a suffix that belongs to another format is replaced,
-// because programs choose the format of what they write by it. White space,
-// control characters, bytes that are not UTF-8 and a leading '#' become '_':
-// COLMAP's text files split or skip them. Names already taken get a number.
+// that are not re-encoded keep their own names as far as possible. The names of
+// re-encoded photos end in .png. A suffix that belongs to another format is
+// replaced, because programs choose the format of what they write by the
+// suffix. White space, control characters, bytes that are not UTF-8 and a
+// leading '#' become '_', because COLMAP's text files would split or skip such
+// names. A name that is already taken gets a number.
 void AssignNames(std::vector<Photo>* photos);
 
 }  // namespace freegs::photos

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The directory structure of TIFF files, which EXIF blocks share. Reads tags
-// only, never pixels, and trusts no offset or count of the file.
+// Reads the tags of TIFF files and of EXIF blocks, which have the same
+// structure. It reads no pixels, and it checks every offset and count.
 
 #ifndef FREEGS_PHOTOS_PHOTO_TIFF_H_
 #define FREEGS_PHOTOS_PHOTO_TIFF_H_
@@ -24,40 +24,43 @@ struct TiffEntry {
   size_t offset = 0;  // Of the first value, from the start of the bytes.
 };
 
-// A view of bytes that outlive it. Source: TIFF Revision 6.0 (Adobe, 1992),
-// section 2.
+// Reads the directories of a file. The bytes must outlive the reader.
+// Source: TIFF Revision 6.0 (Adobe, 1992), section 2.
 class TiffReader {
  public:
-  // kBadInput when the bytes do not start with a classic TIFF header. BigTIFF
-  // (offsets of 64 bits) is refused with advice.
+  // Returns kBadInput when the bytes do not begin with a classic TIFF header.
+  // BigTIFF, whose offsets have 64 bits, is refused with advice.
   static StatusOr<TiffReader> Open(std::string_view bytes);
 
   size_t first_directory() const { return first_directory_; }
   bool little_endian() const { return little_endian_; }
 
-  // The tags of the directory at `offset`. Tags of unknown type, or whose
-  // values lie outside the file, are left out; the latter set `complete` to
-  // false. kBadInput when the directory itself does not lie inside the file.
+  // Returns the tags of the directory at `offset`. Tags of an unknown type and
+  // tags whose values lie outside the file are left out; the latter also set
+  // `complete`, if given, to false. Returns kBadInput when the directory itself
+  // does not lie inside the file.
   StatusOr<std::vector<TiffEntry>> Directory(size_t offset,
                                              bool* complete = nullptr) const;
 
-  // Value `index` of an entry of type BYTE, SHORT or LONG; nothing otherwise.
+  // Value `index` of an entry of type BYTE, SHORT or LONG; nothing for other
+  // types.
   std::optional<uint32_t> Unsigned(const TiffEntry& entry,
                                    uint32_t index = 0) const;
 
-  // First value of a RATIONAL, or of an unsigned type; nothing when the
-  // denominator is 0.
+  // The first value of an entry of type RATIONAL or of an unsigned type;
+  // nothing for other types and when the denominator is 0.
   std::optional<double> Real(const TiffEntry& entry) const;
 
-  // An ASCII value up to its first NUL, without surrounding spaces; bytes
-  // outside printable ASCII become '?'. Empty for other types.
+  // An ASCII value up to its first NUL, without spaces around it. Bytes outside
+  // printable ASCII become '?'. Empty for other types.
   std::string Text(const TiffEntry& entry) const;
 
  private:
   TiffReader(std::string_view bytes, bool little_endian)
       : bytes_(bytes), little_endian_(little_endian) {}
 
-  // Unsigned integer of `size` bytes; the caller has checked the range.
+  // Reads an unsigned integer of `size` bytes. The caller has checked the
+  // range.
   uint32_t Load(size_t offset, int size) const;
 
   std::string_view bytes_;
@@ -65,7 +68,7 @@ class TiffReader {
   size_t first_directory_ = 0;
 };
 
-// The entry of a tag, or null.
+// Returns the entry of a tag, or null.
 const TiffEntry* FindTag(const std::vector<TiffEntry>& directory, uint16_t tag);
 
 }  // namespace freegs::photos

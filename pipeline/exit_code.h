@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the program returns to the shell.
+// The exit codes of the program.
 
 #ifndef FREEGS_PIPELINE_EXIT_CODE_H_
 #define FREEGS_PIPELINE_EXIT_CODE_H_

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a file or folder holds, as one hash: the same content gives the same
-// hash wherever and whenever it was written.
+// Hashes the content of files and folders. The same content gives the same
+// hash, wherever and whenever it was written.
 
 #ifndef FREEGS_PIPELINE_FINGERPRINT_H_
 #define FREEGS_PIPELINE_FINGERPRINT_H_
@@ -16,7 +16,7 @@ namespace freegs::pipeline {
 
 // The content of one input of a stage.
 struct InputFingerprint {
-  // 32 hex digits, or "missing", or "unreadable".
+  // 32 hex digits, "missing", "unreadable" or "special".
   std::string hash;
   int64_t files = 0;  // Number of files below a folder; 1 for a file.
 
@@ -24,24 +24,31 @@ struct InputFingerprint {
   bool operator==(const InputFingerprint&) const = default;
 };
 
-// Hashes files, remembering the hash of files that did not change since (by
-// size, inode, times of modification and of status change). A file touched less
-// than two seconds ago is not remembered: it could change again without its
+// Hashes files and remembers the hashes of files that do not change:
+//
+//   FingerprintCache cache(workspace, FingerprintCachePath(workspace));
+//   const InputFingerprint photos = cache.Hash("/home/me/photos");
+//   FREEGS_RETURN_IF_ERROR(cache.Save());
+//
+// A file counts as unchanged while its size, inode, time of modification and
+// time of status change are the same. A file that was changed less than two
+// seconds ago is not remembered, because it could change again without its
 // times changing.
 class FingerprintCache {
  public:
-  // Starts from what Save() wrote at `path`; a missing or malformed file is the
-  // same as an empty one. Keys inside `workspace` are kept relative to it.
+  // Starts with what Save() wrote at `path`. A missing or malformed file counts
+  // as an empty one. Paths inside `workspace` are stored relative to it, so
+  // that the workspace can be moved.
   FingerprintCache(std::filesystem::path workspace, std::filesystem::path path);
 
-  // A file, or a folder: the names and contents of all files below it, in the
-  // order of their names. Links to files count as the files; links to folders
-  // are not followed and count with their target's name, so that loops end.
-  // What cannot be read counts as "unreadable", what is neither a file nor a
-  // folder as "special"; neither is opened. Never fails.
+  // Hashes a file, or a folder with the names and contents of all files below
+  // it, in the order of their names. A link to a file counts as the file. A
+  // link to a folder is not followed, so that loops end, and counts with the
+  // name of its target. What cannot be read counts as "unreadable", and what is
+  // neither a file nor a folder as "special". This never fails.
   InputFingerprint Hash(const std::filesystem::path& path);
 
-  // Writes what was learnt, if anything was.
+  // Writes the hashes, if there are new ones.
   Status Save();
 
  private:

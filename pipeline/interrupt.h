@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Ctrl-C and kill: the first signal asks for a checkpoint, the second ends the
-// program at once.
+// Handles Ctrl-C and kill: the first signal asks the program to save a
+// checkpoint and stop, the second ends it at once.
 
 #ifndef FREEGS_PIPELINE_INTERRUPT_H_
 #define FREEGS_PIPELINE_INTERRUPT_H_
@@ -11,9 +11,10 @@
 
 namespace freegs::pipeline {
 
-// While it lives, SIGINT and SIGTERM cancel `token`; a second signal exits with
-// 130 without cleaning up, which a workspace survives. At most one at a time;
-// the handlers that were there before come back at the end.
+// As long as the object lives, SIGINT and SIGTERM cancel `token`. A second
+// signal ends the program with exit code 130 and without cleaning up; a
+// workspace stays usable then. There may be one guard at a time. Its destructor
+// puts the earlier handlers back.
 class InterruptGuard {
  public:
   explicit InterruptGuard(CancellationToken* token);

@@ -2,7 +2,10 @@
 
 #include "pipeline/json_text.h"
 
+#include <nlohmann/json.hpp>
+
 #include "core/io/files.h"
+#include "core/io/json_fields.h"
 
 namespace freegs::pipeline {
 
@@ -22,11 +25,7 @@ std::string JsonText(const json& document, int indent) {
 StatusOr<json> ReadJson(const std::filesystem::path& path) {
   FREEGS_ASSIGN_OR_RETURN(const std::string text,
                           ReadFile(path, uint64_t{1} << 28));
-  json document = json::parse(text, nullptr, /*allow_exceptions=*/false);
-  if (document.is_discarded()) {
-    return BadInputError(path.string() + ": not valid JSON");
-  }
-  return document;
+  return ParseJson(text, path.string());
 }
 
 }  // namespace freegs::pipeline

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// JSON files of the workspace. File names need not be valid UTF-8; JSON must.
+// Reads and writes the JSON files of a workspace. JSON must be valid UTF-8, but
+// names of files need not be.
 
 #ifndef FREEGS_PIPELINE_JSON_TEXT_H_
 #define FREEGS_PIPELINE_JSON_TEXT_H_
@@ -7,20 +8,22 @@
 #include <filesystem>
 #include <string>
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "core/status.h"
 
 namespace freegs::pipeline {
 
-// The text with every byte that is not valid UTF-8 replaced by U+FFFD: what a
-// string becomes when written to JSON and read back.
+// Returns the text with every byte that is not valid UTF-8 replaced by U+FFFD.
+// A string becomes this when it is written to JSON and read back.
 std::string ValidUtf8(const std::string& text);
 
-// The document with a final line break; indent -1 puts it on one line.
+// Returns the text of the document, with a line break at its end. An indent of
+// -1 puts everything on one line.
 std::string JsonText(const nlohmann::json& json, int indent = 2);
 
-// Parses a file of at most 256 MB; kBadInput if it is not JSON.
+// Parses a file of at most 256 MB. Returns kBadInput if it is not JSON or if it
+// is nested too deeply (see ParseJson).
 StatusOr<nlohmann::json> ReadJson(const std::filesystem::path& path);
 
 }  // namespace freegs::pipeline

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Messages to the console and to WORKSPACE/log.txt, and the one line of a
-// terminal that is drawn over and over.
+// Writes messages to the console and to WORKSPACE/log.txt, and draws the line
+// of a terminal that shows progress.
 
 #ifndef FREEGS_PIPELINE_LOGGER_H_
 #define FREEGS_PIPELINE_LOGGER_H_
@@ -15,27 +15,30 @@
 
 namespace freegs::pipeline {
 
-// Thread-safe. Never fails: a log file that cannot be written is left out.
+// Several threads may use one logger. It never fails: a log file that cannot be
+// written to is left out.
 class Logger {
  public:
-  // `terminal`: whether `console` understands \r and an erase sequence. An
-  // empty `file` logs to the console only.
+  // `terminal` tells whether `console` is a terminal, on which a line can be
+  // drawn again. An empty `file` means that there is no log file.
   Logger(std::ostream& console,
          bool terminal,
          const std::filesystem::path& file);
 
-  // A line on the console and, with time and level, in the file. A transient
-  // line is erased first.
+  // Writes a line to the console, after erasing the transient line, and to the
+  // file, with time and level.
   void Log(LogLevel level, const std::string& text);
 
-  // Into the file only.
+  // Writes a line to the file only.
   void LogToFile(LogLevel level, const std::string& text);
 
-  // Replaces the transient line; an empty text erases it. Nothing happens when
-  // the console is not a terminal.
+  // Draws `text` in place of the line that shows progress; an empty text erases
+  // it. Does nothing when the console is not a terminal.
   void SetTransient(const std::string& text);
 
   bool terminal() const { return terminal_; }
+
+  // Log() as a function for those who know no Logger.
   LogFn function();
 
  private:

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What one option may hold and where its value lives.
+// The meaning of one option, the values it may have, and where its value is
+// stored.
 
 #ifndef FREEGS_PIPELINE_OPTION_SPEC_H_
 #define FREEGS_PIPELINE_OPTION_SPEC_H_
@@ -16,25 +17,25 @@ namespace freegs::pipeline {
 struct OptionSpec {
   std::string help = {};  // One or two sentences, with the unit.
 
-  // Inclusive range of a number.
+  // The least and the largest value of a number.
   std::optional<double> min = std::nullopt;
   std::optional<double> max = std::nullopt;
 
-  // If not empty, the only texts allowed.
+  // If there are any, the only texts that are allowed.
   std::vector<std::string> choices = {};
 
-  // Whether another value leads to another result, so that the stage must be
-  // redone. False for the number of threads and the like.
+  // Whether another value leads to another result, so that the stage must run
+  // again. False for the number of threads and the like.
   bool affects_result = true;
 
-  // A file or folder: a relative path on the command line is taken from the
-  // current folder, one in config.ini from config.ini's folder. An empty text
-  // stays empty. Its content counts as a stage's input, its name does not, so
-  // it does not affect the result by itself.
+  // Whether the value is the path of a file or folder. A relative path on the
+  // command line starts at the current folder, one in config.ini at the folder
+  // of config.ini. An empty text stays empty. The content of the file counts as
+  // an input of the stage, and so its name does not affect the result.
   bool is_path = false;
 };
 
-// The variable that holds an option's value.
+// Points to the variable that holds the value of an option.
 using OptionTarget = std::variant<bool*, int*, int64_t*, double*, std::string*>;
 
 }  // namespace freegs::pipeline

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One table defines every option: its place on the command line and in
-// config.ini, its default, range and help. Built on Boost.Program_options.
+// config.ini, its default, its range and its help. It uses
+// Boost.Program_options.
 
 #ifndef FREEGS_PIPELINE_OPTION_TABLE_H_
 #define FREEGS_PIPELINE_OPTION_TABLE_H_
@@ -18,21 +19,32 @@
 
 namespace freegs::pipeline {
 
-// A value given to an option, and where: "command line", "preset fast" or the
-// path of a config.ini.
+// A value that was given to an option. `source` tells where: "command line",
+// "preset fast" or the path of a config.ini.
 struct OptionSetting {
   std::string name;
   std::string value;
   std::string source;
 };
 
-// Options live in the callers' structs: the table holds pointers to them and
-// must not outlive them. Their defaults are what they hold when added.
+// All options of the program:
 //
-// A name is SECTION.KEY, given as "--SECTION.KEY VALUE" or
-// "--SECTION.KEY=VALUE" on the command line and as KEY = VALUE below [SECTION]
+//   OptionTable table;
+//   table.AddSection("sfm", "Structure from motion.");
+//   table.Add("sfm.max_features",
+//             &options.max_features,
+//             {.help = "Features kept per photo.", .min = 1});
+//   FREEGS_ASSIGN_OR_RETURN(const OptionTable::CommandLine line,
+//                           table.ParseCommandLine(arguments));
+//   FREEGS_RETURN_IF_ERROR(table.Apply(line.settings));
+//
+// The table holds pointers to variables of the caller, which must outlive it.
+// The default of an option is the value of its variable when it is added.
+//
+// A name is SECTION.KEY. It is given as "--SECTION.KEY VALUE" or
+// "--SECTION.KEY=VALUE" on the command line, and as KEY = VALUE below [SECTION]
 // in config.ini. A name without a section ("from", "json") exists on the
-// command line only; if its variable is a bool it is a switch without a value.
+// command line only. If its variable is a bool, it is a switch without a value.
 class OptionTable {
  public:
   using Target = OptionTarget;
@@ -45,10 +57,10 @@ class OptionTable {
 
     std::string section() const;  // Empty if the name has none.
     std::string key() const;
-    // The present value as text; reading it back gives the same value.
+    // The present value as text, which reads back as the same value.
     std::string value() const;
-    // "0 .. 1", "at least 0", "fast, balanced, quality", "true or false",
-    // "text": what is allowed, for help and error messages.
+    // What is allowed, for help and error messages: "0 .. 1", "at least 0",
+    // "fast, balanced, quality", "true or false" or "text".
     std::string Allowed() const;
   };
 
@@ -57,55 +69,60 @@ class OptionTable {
     std::vector<std::string> positional;
   };
 
-  // Adds an option. A name used twice or a default outside its own range is
-  // reported by Check() and by everything that reads settings.
+  // Adds an option. When its name is already used, or its default lies outside
+  // its range, Check() and all functions that read settings return an error.
   void Add(std::string name, Target target, OptionSpec spec);
 
-  // "--alias" means "--name" on the command line: --seed for --general.seed.
+  // Makes "--alias" mean "--name" on the command line, such as --seed for
+  // --general.seed.
   void AddAlias(std::string alias, std::string name);
 
-  // A sentence for the top of a section in config.ini and --help. Sections
-  // appear in the order in which they are first named.
+  // Adds a sentence that stands at the top of a section in config.ini and in
+  // --help. Sections appear in the order in which they are first named.
   void AddSection(std::string section, std::string help);
 
   Status Check() const;
 
-  // Splits arguments into settings and positional words. Unknown options,
-  // missing values and values that are not allowed are kInvalidArgument. An
-  // option may be repeated: the last one wins. Changes no option.
+  // Splits arguments into settings and positional words, and changes no option.
+  // Returns kInvalidArgument for unknown options, missing values and values
+  // that are not allowed. When an option is repeated, the last value wins.
   StatusOr<CommandLine> ParseCommandLine(
       const std::vector<std::string>& arguments) const;
 
-  // Reads a config.ini. Errors are kInvalidArgument and name the file; a file
-  // that cannot be read is kBadInput. Changes no option.
+  // Reads the settings in a config.ini, and changes no option. Returns
+  // kBadInput for a file that cannot be read and kInvalidArgument for wrong
+  // content; the message names the file.
   StatusOr<std::vector<OptionSetting>> ParseConfigFile(
       const std::filesystem::path& path) const;
 
-  // The same from text; relative paths are taken from `folder`, and messages
-  // name `source`.
+  // Does the same for the text of such a file. Relative paths start at
+  // `folder`, and messages name `source`.
   StatusOr<std::vector<OptionSetting>> ParseConfig(
       const std::string& text,
       const std::filesystem::path& folder,
       const std::string& source) const;
 
-  // Sets options in order: later settings override earlier ones, so apply
-  // preset, config.ini and command line one after another. Stops at the first
-  // error (kInvalidArgument naming option, fault and what is allowed).
+  // Sets options in the order of the settings, so that later ones override
+  // earlier ones: apply the preset first, then config.ini, then the command
+  // line. Stops at the first error, which is kInvalidArgument and names the
+  // option, the fault and what is allowed.
   Status Apply(const std::vector<OptionSetting>& settings);
 
   const std::vector<Option>& options() const { return options_; }
   const Option* Find(std::string_view name) const;
 
-  // Name -> present value of a section's options; with results_only, of those
-  // that affect the result.
+  // The present values of the options of a section, by name. With results_only
+  // these are only the options that affect the result.
   std::map<std::string, std::string> Values(std::string_view section,
                                             bool results_only) const;
 
-  // A config.ini with every option commented out at its default.
+  // The text of a config.ini in which every option stands as a comment with its
+  // default.
   std::string ConfigTemplate() const;
 
-  // Options with defaults, ranges and help, for a terminal. With a section,
-  // only that one; "" is the options without a section.
+  // The help text for a terminal: options with defaults, ranges and help.
+  // SectionHelp returns that of one section; "" names the options without a
+  // section.
   std::string Help() const;
   std::string SectionHelp(const std::string& section) const;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Option values to and from text.
+// Converts values of options to and from text.
 
 #ifndef FREEGS_PIPELINE_OPTION_VALUE_H_
 #define FREEGS_PIPELINE_OPTION_VALUE_H_
@@ -12,23 +12,22 @@
 
 namespace freegs::pipeline {
 
-// The shortest text that reads back as the same value.
+// Returns the shortest text that reads back as the same value.
 std::string OptionText(const OptionTarget& target);
 
-// Checks that `text` is of the target's type and allowed by `spec`; with
-// `store`, also sets the target. kInvalidArgument says what is wrong with the
-// text, without the option's name.
+// Checks that `text` has the type of the target and is allowed by `spec`. With
+// `store` it also sets the target. The message of kInvalidArgument says what is
+// wrong with the text, without the name of the option.
 Status ParseOptionText(const std::string& text,
                        const OptionSpec& spec,
                        const OptionTarget& target,
                        bool store);
 
-// "0 .. 1", "true or false", ...: see OptionTable::Option::Allowed.
-std::string AllowedText(const OptionSpec& spec,
-                        const OptionTarget& target);
+// What `spec` allows, as text: see OptionTable::Option::Allowed.
+std::string AllowedText(const OptionSpec& spec, const OptionTarget& target);
 
-// The candidate closest to `name` by edit distance, if it is close enough to
-// be a likely typo; otherwise empty.
+// Returns the candidate that is closest to `name` by edit distance, if it is so
+// close that `name` is probably a typing error. Otherwise the text is empty.
 std::string NearestName(const std::string& name,
                         const std::vector<std::string>& candidates);
 

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdint>
-#include <cstdio>
 #include <sys/ioctl.h>
 #include <unistd.h>
+
+#include "core/number_text.h"
 
 namespace freegs::pipeline {
 namespace {
@@ -24,16 +24,10 @@ double SteadySeconds() {
       .count();
 }
 
-std::string Formatted(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof(text), format, value);
-  return text;
-}
-
 // Whole numbers without a point, others with two places.
 std::string Count(double value) {
   const bool whole = std::abs(value - std::round(value)) < 1e-9;
-  return Formatted(whole ? "%.0f" : "%.2f", value);
+  return FormatFixed(value, whole ? 0 : 2);
 }
 
 size_t TerminalWidth() {
@@ -57,43 +51,18 @@ std::string Fit(const std::string& line, size_t width) {
 
 }  // namespace
 
-std::string FormatDuration(double seconds) {
-  if (!std::isfinite(seconds) || seconds < 0) return "?";
-  if (seconds > 1e9) return ">30y";
-  const int64_t total = std::llround(seconds);
-  char text[64];
-  if (seconds < 9.95) {
-    std::snprintf(text, sizeof(text), "%.1fs", seconds);
-  } else if (total < 60) {
-    std::snprintf(text, sizeof(text), "%ds", static_cast<int>(total));
-  } else if (total < 3600) {
-    std::snprintf(text,
-                  sizeof(text),
-                  "%dm%02ds",
-                  static_cast<int>(total / 60),
-                  static_cast<int>(total % 60));
-  } else {
-    std::snprintf(text,
-                  sizeof(text),
-                  "%dh%02dm",
-                  static_cast<int>(total / 3600),
-                  static_cast<int>(total / 60 % 60));
-  }
-  return text;
-}
-
 std::string FormatProgress(const Progress& progress, double rate) {
   std::string text = progress.step + " " + Count(progress.done);
   if (progress.total > 0) {
     const double share = std::clamp(progress.done / progress.total, 0.0, 1.0);
-    text += "/" + Count(progress.total) +
-            Formatted(" %.0f%%", std::floor(100 * share));
+    text += "/" + Count(progress.total) + " " +
+            FormatFixed(std::floor(100 * share), 0) + "%";
   }
   if (rate > 0) {
-    text += rate >= 0.1 ? Formatted(" %.1f/s", rate)
-                        : Formatted(" %.1f/min", 60 * rate);
+    text += " " + (rate >= 0.1 ? FormatFixed(rate, 1) + "/s"
+                               : FormatFixed(60 * rate, 1) + "/min");
     if (progress.total > progress.done) {
-      text += " " + FormatDuration((progress.total - progress.done) / rate) +
+      text += " " + FormatSeconds((progress.total - progress.done) / rate) +
               " left";
     }
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How far a long step is: one line with rate and time left on a terminal, a
-// plain line now and then otherwise.
+// Shows the progress of a long step. On a terminal this is one line with the
+// rate and the time left, which is drawn again and again. Elsewhere it is a
+// plain line now and then.
 
 #ifndef FREEGS_PIPELINE_PROGRESS_LINE_H_
 #define FREEGS_PIPELINE_PROGRESS_LINE_H_
@@ -16,19 +17,21 @@
 
 namespace freegs::pipeline {
 
-// "0.4s", "45s", "3m05s", "1h02m".
-std::string FormatDuration(double seconds);
-
-// "training 3200/7000 46% 52.1/s 1m13s left, loss 0.03". A rate of 0 means
-// unknown: then neither rate nor time left is shown.
+// Returns a text such as "training 3200/7000 46% 52.1/s 1 min 13 s left, loss
+// 0.03". `rate` is in units per second. When it is 0, which means unknown,
+// neither the rate nor the time left is shown.
 std::string FormatProgress(const Progress& progress, double rate);
 
+// The line of one stage:
+//
+//   ProgressLine line(&logger, "reconstruct");
+//   for (int i = 0; i < n; ++i) line.Report({"training", i, n, ""});
 class ProgressLine {
  public:
-  using Clock = std::function<double()>;  // Seconds, never going back.
+  using Clock = std::function<double()>;  // Seconds; never goes back.
 
-  // `prefix` begins every line: the stage's name. `logger` must outlive this.
-  // An empty clock takes the steady clock.
+  // Every line begins with `prefix`, the name of the stage. `logger` must
+  // outlive the object. Without a clock it uses the steady clock.
   ProgressLine(Logger* logger, std::string prefix, Clock clock = {});
 
   // Erases the line.
@@ -36,8 +39,9 @@ class ProgressLine {
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
-  // Thread-safe and cheap: redraws at most ten times a second, and without a
-  // terminal writes at most one line per ten seconds of a step.
+  // Several threads may call this, and often: the line is drawn at most ten
+  // times per second. Without a terminal, a step writes at most one line in ten
+  // seconds.
   void Report(const Progress& progress);
 
  private:
@@ -51,8 +55,8 @@ class ProgressLine {
   double last_shown_ = 0;
   bool shown_ = false;
 
-  // (time, done) of the recent past; the rate is taken over it, so that it
-  // follows a step that becomes slower.
+  // Pairs (time, done) of the last half minute. The rate is computed from them,
+  // so that it follows a step that becomes slower.
   std::deque<std::pair<double, double>> recent_;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How much time and memory a stretch of work took.
+// Measures how much time and memory some work took.
 
 #ifndef FREEGS_PIPELINE_RESOURCE_USAGE_H_
 #define FREEGS_PIPELINE_RESOURCE_USAGE_H_
@@ -15,11 +15,11 @@ struct ResourceUsage {
   int64_t peak_memory_bytes = 0;  // Largest resident size of one process.
 };
 
-// Measures from its construction on.
+// Measures the work since its construction.
 class ResourceMeter {
  public:
-  // Asks the kernel to start its record of the peak anew
-  // (/proc/self/clear_refs); where that is refused the peak is the process's.
+  // Asks the kernel to reset its record of the peak (/proc/self/clear_refs).
+  // Where the kernel refuses, the peak is that of the whole process so far.
   ResourceMeter();
 
   ResourceUsage Elapsed() const;

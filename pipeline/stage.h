@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a stage is to the runner: a name, what it reads, and a Run that fills a
-// folder. The runner owns everything else (fingerprints, skipping, the
-// temporary folder, stage.json, progress, interruption).
+// A stage, as the runner sees it: a name, the files it reads, and a function
+// that fills a folder. The runner does everything else: it compares
+// fingerprints, skips stages whose results hold, makes the temporary folder,
+// writes stage.json, shows progress and handles interruption.
 
 #ifndef FREEGS_PIPELINE_STAGE_H_
 #define FREEGS_PIPELINE_STAGE_H_
@@ -20,7 +21,8 @@
 
 namespace freegs::pipeline {
 
-// Severity of a log line. Lines go to stderr and to WORKSPACE/log.txt.
+// The severity of a line of the log, which goes to stderr and to
+// WORKSPACE/log.txt.
 enum class LogLevel { kInfo, kWarning, kError };
 using LogFn = std::function<void(LogLevel, const std::string&)>;
 
@@ -29,17 +31,17 @@ struct StageContext {
   // The workspace; earlier stages' finished output lies in workspace / NAME.
   std::filesystem::path workspace;
 
-  // Where this stage writes. A temporary folder beside the final one: the
-  // runner renames it to workspace / name() when Run succeeds. It is kept when
-  // a run is killed, and handed back unchanged to the next Run whose inputs and
-  // options are the same, so checkpoints written here are found again.
+  // Where this stage writes: a temporary folder, which the runner renames to
+  // workspace / name() when Run succeeds. When a run is killed the folder
+  // stays. The next run with the same inputs and options gets it back
+  // unchanged, so that it finds the checkpoints that were written here.
   std::filesystem::path output;
 
-  // True when `output` holds what an interrupted Run with the same inputs and
+  // Whether `output` holds what an interrupted run with the same inputs and
   // options left behind.
   bool resuming = false;
 
-  // Photo folder given on the command line (only ingest reads it).
+  // The folder of photos on the command line. Only ingest reads it.
   std::filesystem::path images;
 
   ThreadPool* pool = nullptr;
@@ -50,31 +52,44 @@ struct StageContext {
   // Seconds between checkpoints of long stages.
   double checkpoint_interval_seconds = 60;
 
-  // Wall seconds that earlier, interrupted Runs into this `output` took.
+  // Wall seconds that earlier, interrupted runs into this `output` took.
   double earlier_seconds = 0;
 
   // Free-form facts a stage wants to see in stage.json (counts, warnings).
   nlohmann::json summary = nlohmann::json::object();
 };
 
+// A stage of the pipeline:
+//
+//   class CountStage : public Stage {
+//    public:
+//     std::string_view name() const override { return "count"; }
+//     std::vector<std::filesystem::path> Inputs(
+//         const StageContext& context) const override {
+//       return {context.workspace / "ingest" / "images.json"};
+//     }
+//     Status Run(StageContext& context) override {
+//       return WriteFileAtomic(context.output / "count.txt", "7\n");
+//     }
+//   };
 class Stage {
  public:
   virtual ~Stage() = default;
 
-  // The folder in the workspace and the section of the options.
+  // The name of the folder in the workspace and of the section of options.
   virtual std::string_view name() const = 0;
 
-  // Raised when the code changes what it writes, so that results of older
-  // programs are redone.
+  // To be raised when the stage writes something else than before for the same
+  // inputs, so that results of older programs are made anew.
   virtual int version() const { return 1; }
 
-  // Files and folders whose content decides the result, relative to the
-  // workspace or absolute (photos, an imported model). Folders count with all
-  // files below them. The runner fingerprints them by content.
+  // The files and folders whose content decides the result. Paths are relative
+  // to the workspace, or absolute (photos, an imported model). A folder counts
+  // with all files below it.
   virtual std::vector<std::filesystem::path> Inputs(
       const StageContext& context) const = 0;
 
-  // Fills context.output. On cancellation: saves a checkpoint and returns
+  // Fills context.output. When cancelled, saves a checkpoint and returns
   // kInterrupted.
   virtual Status Run(StageContext& context) = 0;
 };

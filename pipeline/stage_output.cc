@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "core/io/files.h"
+#include "core/io/json_fields.h"
 #include "pipeline/json_text.h"
 #include "pipeline/workspace.h"
 
@@ -56,6 +57,21 @@ bool IsFinished(const fs::path& folder) {
   return record.ok() && record->outcome == StageOutcome::kDone;
 }
 
+// Deletes a folder. The files that make it count as a result go first, so that
+// what a killed deletion leaves counts as nothing.
+Status RemoveStageFolder(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::exists(fs::symlink_status(folder, error))) return Status();
+  FREEGS_RETURN_IF_ERROR(RemoveFile(RecordPath(folder)));
+  FREEGS_RETURN_IF_ERROR(RemoveFile(FingerprintPath(folder)));
+  fs::remove_all(folder, error);
+  if (error) {
+    return InternalError(folder.string() +
+                         ": cannot delete: " + error.message());
+  }
+  return Status();
+}
+
 // Steps 2 to 4.
 Status Swap(const fs::path& workspace, const std::string& stage) {
   const fs::path folder = StageFolder(workspace, stage);
@@ -75,19 +91,6 @@ Status Swap(const fs::path& workspace, const std::string& stage) {
 }
 
 }  // namespace
-
-Status RemoveStageFolder(const fs::path& folder) {
-  std::error_code error;
-  if (!fs::exists(fs::symlink_status(folder, error))) return Status();
-  FREEGS_RETURN_IF_ERROR(RemoveFile(RecordPath(folder)));
-  FREEGS_RETURN_IF_ERROR(RemoveFile(FingerprintPath(folder)));
-  fs::remove_all(folder, error);
-  if (error) {
-    return InternalError(folder.string() +
-                         ": cannot delete: " + error.message());
-  }
-  return Status();
-}
 
 Status BeginPartial(const fs::path& partial,
                     const StageFingerprint& fingerprint) {
@@ -110,12 +113,10 @@ StatusOr<StageFingerprint> ReadPartialFingerprint(const fs::path& partial) {
 ResourceUsage ReadPartialUsage(const fs::path& partial) {
   ResourceUsage usage;
   const StatusOr<nlohmann::json> json = ReadJson(UsagePath(partial));
-  if (!json.ok() || !json->is_object()) return usage;
+  if (!json.ok()) return usage;
   const auto number = [&json](const char* key) {
-    const auto found = json->find(key);
-    const double value =
-        found != json->end() && found->is_number() ? found->get<double>() : 0.0;
-    return value >= 0 && value < 1e18 ? value : 0.0;
+    const auto value = ReadNumber(FindField(*json, key), 0, 1e18, key);
+    return value.ok() ? *value : 0.0;
   };
   usage.wall_seconds = number("wall_seconds");
   usage.cpu_seconds = number("cpu_seconds");

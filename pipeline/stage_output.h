@@ -1,17 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The folders of a stage: begun as STAGE.partial, finished as STAGE, replaced
-// by way of STAGE.old. Whenever the program is killed, RecoverStage finds the
-// last finished result whole and what can be continued.
+// The folders of a stage. A running stage writes into STAGE.partial, a finished
+// result is STAGE, and a result that is being replaced is STAGE.old. Whenever
+// the program is killed, RecoverStage finds the last finished result complete,
+// and the folder that can be continued.
 //
-//   STAGE.partial/partial.json   what the output is being made from
-//   STAGE.partial/usage.json     time and memory it took so far
-//   STAGE.partial/stage.json     how the run ended, if it did
-//   STAGE/stage.json             always of outcome done
+//   STAGE.partial/partial.json   the fingerprint of the inputs and options
+//   STAGE.partial/usage.json     time and memory that it took so far
+//   STAGE.partial/stage.json     how the run ended, if it ended
+//   STAGE/stage.json             the record of a run that ended well
 //
-// Replacing: 1. stage.json (done) is written into STAGE.partial as its last
-// file, 2. STAGE -> STAGE.old, 3. STAGE.partial -> STAGE, 4. STAGE.old is
-// deleted. Killed before 1: STAGE stands and STAGE.partial can be continued.
-// Killed later: the remaining steps are done at the next start.
+// A result is replaced in four steps:
+//   1. stage.json, with the outcome done, is written into STAGE.partial.
+//   2. STAGE is renamed to STAGE.old.
+//   3. STAGE.partial is renamed to STAGE.
+//   4. STAGE.old is deleted.
+// When the program is killed before step 1, STAGE is untouched and
+// STAGE.partial can be continued. When it is killed later, the next start does
+// the steps that are left.
 
 #ifndef FREEGS_PIPELINE_STAGE_OUTPUT_H_
 #define FREEGS_PIPELINE_STAGE_OUTPUT_H_
@@ -25,22 +30,19 @@
 
 namespace freegs::pipeline {
 
-// Deletes a folder; the files that make it count go first, so that what a
-// killed deletion leaves counts as nothing.
-Status RemoveStageFolder(const std::filesystem::path& folder);
-
-// Makes an empty STAGE.partial for the given fingerprint.
+// Makes an empty STAGE.partial, and writes the fingerprint into it.
 Status BeginPartial(const std::filesystem::path& partial,
                     const StageFingerprint& fingerprint);
 
-// Makes STAGE.partial ready to be continued.
+// Prepares STAGE.partial for a run that continues it.
 Status ContinuePartial(const std::filesystem::path& partial);
 
-// kBadInput if there is none or it is malformed.
+// Returns kBadInput if there is none or if it is malformed.
 StatusOr<StageFingerprint> ReadPartialFingerprint(
     const std::filesystem::path& partial);
 
-// What earlier runs into STAGE.partial took; zeros if unknown.
+// The time and memory that earlier runs into STAGE.partial took; zeros if that
+// is not known.
 ResourceUsage ReadPartialUsage(const std::filesystem::path& partial);
 Status WritePartialUsage(const std::filesystem::path& partial,
                          const ResourceUsage& usage);
@@ -50,7 +52,7 @@ Status FinishPartial(const std::filesystem::path& workspace,
                      const std::string& stage,
                      const StageRecord& record);
 
-// Completes what a killed program left half done.
+// Does the steps that a killed program left undone.
 Status RecoverStage(const std::filesystem::path& workspace,
                     const std::string& stage);
 

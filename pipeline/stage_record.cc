@@ -3,15 +3,22 @@
 #include "pipeline/stage_record.h"
 
 #include <array>
+#include <climits>
 #include <utility>
 
+#include <nlohmann/json.hpp>
+
 #include "core/io/files.h"
+#include "core/io/json_fields.h"
 #include "pipeline/json_text.h"
 
 namespace freegs::pipeline {
 namespace {
 
 using nlohmann::json;
+
+constexpr int64_t kMaxCount = int64_t{1} << 62;
+constexpr double kMaxSeconds = 1e18;
 
 constexpr std::array<std::pair<StageOutcome, const char*>, 3> kOutcomes = {{
     {StageOutcome::kDone, "done"},
@@ -37,47 +44,31 @@ const char* NameOf(const Table& table, T value) {
   return "";
 }
 
-template <typename T, typename Table>
-StatusOr<T> ValueOf(const Table& table, const std::string& text) {
+// The value whose name is the text of the member; the first of the table after
+// a fault.
+template <typename Table>
+auto ValueOf(const Table& table, const char* key, JsonObjectReader& reader) {
+  const std::string text = reader.Text(key);
   for (const auto& [known, name] : table) {
     if (text == name) return known;
   }
-  return BadInputError("unknown word '" + text + "'");
+  reader.Fail(key, "is the unknown word '" + text + "'");
+  return table[0].first;
 }
 
-// json[key] if it is there and of type T.
-template <typename T>
-StatusOr<T> Field(const json& object, const char* key) {
-  const Status wrong =
-      BadInputError(std::string("no valid field '") + key + "'");
-  if (!object.is_object()) return wrong;
-  const auto found = object.find(key);
-  if (found == object.end()) return wrong;
-  if constexpr (std::is_same_v<T, std::string>) {
-    if (!found->is_string()) return wrong;
-  } else if constexpr (std::is_same_v<T, bool>) {
-    if (!found->is_boolean()) return wrong;
-  } else if constexpr (std::is_same_v<T, json>) {
-    if (!found->is_object()) return wrong;
-  } else if constexpr (std::is_integral_v<T>) {
-    if (!found->is_number_integer()) return wrong;
-  } else {
-    if (!found->is_number()) return wrong;
+// A fingerprint, which may be a part of a record.
+StageFingerprint ReadFingerprint(const json& object, Status* status) {
+  JsonObjectReader reader(object, "", "", status);
+  StageFingerprint fingerprint;
+  fingerprint.stage = reader.Text("stage");
+  fingerprint.version = reader.Integer("version", INT_MIN, INT_MAX);
+  fingerprint.options = reader.TextMap("options");
+  for (const auto& [name, value] : reader.Object("inputs").items()) {
+    JsonObjectReader input(value, "", "inputs." + name, status);
+    fingerprint.inputs[name] = {input.Text("hash"),
+                                input.Integer64("files", 0, kMaxCount)};
   }
-  return found->get<T>();
-}
-
-StatusOr<std::map<std::string, std::string>> TextMap(const json& object,
-                                                     const char* key) {
-  FREEGS_ASSIGN_OR_RETURN(const json map, Field<json>(object, key));
-  std::map<std::string, std::string> result;
-  for (const auto& [name, value] : map.items()) {
-    if (!value.is_string()) {
-      return BadInputError("no valid field '" + name + "'");
-    }
-    result[name] = value.get<std::string>();
-  }
-  return result;
+  return fingerprint;
 }
 
 std::string Files(int64_t n) {
@@ -157,47 +148,32 @@ json ToJson(const StageRecord& record) {
 }
 
 StatusOr<StageFingerprint> FingerprintFromJson(const json& object) {
-  StageFingerprint fingerprint;
-  FREEGS_ASSIGN_OR_RETURN(fingerprint.stage,
-                          Field<std::string>(object, "stage"));
-  FREEGS_ASSIGN_OR_RETURN(fingerprint.version, Field<int>(object, "version"));
-  FREEGS_ASSIGN_OR_RETURN(fingerprint.options, TextMap(object, "options"));
-  FREEGS_ASSIGN_OR_RETURN(const json inputs, Field<json>(object, "inputs"));
-  for (const auto& [name, value] : inputs.items()) {
-    InputFingerprint& input = fingerprint.inputs[name];
-    FREEGS_ASSIGN_OR_RETURN(input.hash, Field<std::string>(value, "hash"));
-    FREEGS_ASSIGN_OR_RETURN(input.files, Field<int64_t>(value, "files"));
-  }
+  Status status;
+  StageFingerprint fingerprint = ReadFingerprint(object, &status);
+  FREEGS_RETURN_IF_ERROR(status);
   return fingerprint;
 }
 
 StatusOr<StageRecord> RecordFromJson(const json& object) {
+  Status status;
   StageRecord record;
-  FREEGS_ASSIGN_OR_RETURN(record.fingerprint, FingerprintFromJson(object));
-  FREEGS_ASSIGN_OR_RETURN(const std::string status,
-                          Field<std::string>(object, "status"));
-  FREEGS_ASSIGN_OR_RETURN(record.outcome,
-                          ValueOf<StageOutcome>(kOutcomes, status));
-  FREEGS_ASSIGN_OR_RETURN(record.program_version,
-                          Field<std::string>(object, "program_version"));
-  FREEGS_ASSIGN_OR_RETURN(record.other_options,
-                          TextMap(object, "other_options"));
-  FREEGS_ASSIGN_OR_RETURN(record.wall_seconds,
-                          Field<double>(object, "wall_seconds"));
-  FREEGS_ASSIGN_OR_RETURN(record.cpu_seconds,
-                          Field<double>(object, "cpu_seconds"));
-  FREEGS_ASSIGN_OR_RETURN(record.peak_memory_bytes,
-                          Field<int64_t>(object, "peak_memory_bytes"));
-  FREEGS_ASSIGN_OR_RETURN(record.resumed, Field<bool>(object, "resumed"));
-  FREEGS_ASSIGN_OR_RETURN(record.summary, Field<json>(object, "summary"));
-  if (object.contains("error")) {
-    const json& error = object["error"];
-    FREEGS_ASSIGN_OR_RETURN(const std::string code,
-                            Field<std::string>(error, "code"));
-    FREEGS_ASSIGN_OR_RETURN(record.error_code,
-                            ValueOf<StatusCode>(kCodes, code));
-    FREEGS_ASSIGN_OR_RETURN(record.error, Field<std::string>(error, "message"));
+  record.fingerprint = ReadFingerprint(object, &status);
+  JsonObjectReader reader(object, "", "", &status);
+  record.outcome = ValueOf(kOutcomes, "status", reader);
+  record.program_version = reader.Text("program_version");
+  record.other_options = reader.TextMap("other_options");
+  record.wall_seconds = reader.Number("wall_seconds", 0, kMaxSeconds);
+  record.cpu_seconds = reader.Number("cpu_seconds", 0, kMaxSeconds);
+  record.peak_memory_bytes =
+      reader.Integer64("peak_memory_bytes", 0, kMaxCount);
+  record.resumed = reader.Bool("resumed");
+  record.summary = reader.Object("summary");
+  if (reader.Has("error")) {
+    JsonObjectReader error(reader.Object("error"), "", "error", &status);
+    record.error_code = ValueOf(kCodes, "code", error);
+    record.error = error.Text("message");
   }
+  FREEGS_RETURN_IF_ERROR(status);
   return record;
 }
 

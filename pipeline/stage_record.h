@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// STAGE/stage.json: how a stage's output came to be.
+// The file STAGE/stage.json, which tells how the output of a stage was made.
 
 #ifndef FREEGS_PIPELINE_STAGE_RECORD_H_
 #define FREEGS_PIPELINE_STAGE_RECORD_H_
@@ -16,20 +16,20 @@
 
 namespace freegs::pipeline {
 
-// All that decides a stage's result. Two runs with equal fingerprints write the
-// same output.
+// Everything that decides the result of a stage. Two runs with equal
+// fingerprints write the same output.
 struct StageFingerprint {
   std::string stage;
   int version = 1;
-  std::map<std::string, std::string> options;  // "reconstruct.iterations".
+  std::map<std::string, std::string> options;  // By name: "sfm.matcher".
   std::map<std::string, InputFingerprint> inputs;
 
   bool operator==(const StageFingerprint&) const = default;
 };
 
-// Why a result made under `then` does not hold under `now`, in a few words:
-// "option reconstruct.iterations changed 7000 -> 30000". Empty if they are
-// equal.
+// Says in a few words why a result with the fingerprint `then` does not hold
+// for `now`: "option reconstruct.iterations changed 7000 -> 30000". Empty if
+// the two are equal.
 std::string Difference(const StageFingerprint& then,
                        const StageFingerprint& now);
 
@@ -40,12 +40,12 @@ struct StageRecord {
   StageOutcome outcome = StageOutcome::kDone;
   std::string program_version;
 
-  // Options that do not change the result, for the reader.
+  // Options that do not change the result, for information.
   std::map<std::string, std::string> other_options;
 
-  // Over all runs that led to this output, interrupted ones included. The CPU
-  // time is that of all threads and child processes; the peak is the largest
-  // resident memory of this process or of one child.
+  // Sums over all runs that led to this output, including interrupted ones. CPU
+  // time counts all threads and child processes. The peak is the largest
+  // resident memory of this process or of one of its children.
   double wall_seconds = 0;
   double cpu_seconds = 0;
   int64_t peak_memory_bytes = 0;
@@ -53,10 +53,10 @@ struct StageRecord {
   // Whether the last run continued an earlier, interrupted one.
   bool resumed = false;
 
-  // What the stage wanted to be seen.
+  // Facts that the stage reports.
   nlohmann::json summary = nlohmann::json::object();
 
-  // Why it failed.
+  // Why the stage failed; kOk if it did not.
   StatusCode error_code = StatusCode::kOk;
   std::string error;
 };
@@ -64,13 +64,13 @@ struct StageRecord {
 nlohmann::json ToJson(const StageFingerprint& fingerprint);
 nlohmann::json ToJson(const StageRecord& record);
 
-// kBadInput when a field is missing or of the wrong type.
+// Return kBadInput when a field is missing or of the wrong type.
 StatusOr<StageFingerprint> FingerprintFromJson(const nlohmann::json& json);
 StatusOr<StageRecord> RecordFromJson(const nlohmann::json& json);
 
 std::filesystem::path RecordPath(const std::filesystem::path& folder);
 
-// folder/stage.json; kBadInput if it is missing or malformed.
+// Reads folder/stage.json. Returns kBadInput if it is missing or malformed.
 StatusOr<StageRecord> ReadStageRecord(const std::filesystem::path& folder);
 Status WriteStageRecord(const std::filesystem::path& folder,
                         const StageRecord& record);

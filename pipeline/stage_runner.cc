@@ -3,12 +3,12 @@
 #include "pipeline/stage_runner.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <exception>
 #include <mutex>
 #include <system_error>
 #include <utility>
 
+#include "core/number_text.h"
 #include "pipeline/progress_line.h"
 #include "pipeline/resource_usage.h"
 #include "pipeline/stage_output.h"
@@ -32,13 +32,9 @@ ResourceUsage Sum(const ResourceUsage& a, const ResourceUsage& b) {
 }
 
 std::string UsageText(const ResourceUsage& usage) {
-  char peak[32];
-  std::snprintf(peak,
-                sizeof(peak),
-                "%.0f",
-                static_cast<double>(usage.peak_memory_bytes) / (1 << 20));
-  return FormatDuration(usage.wall_seconds) + " (" +
-         FormatDuration(usage.cpu_seconds) + " CPU, peak " + peak + " MB)";
+  return FormatSeconds(usage.wall_seconds) + " (" +
+         FormatSeconds(usage.cpu_seconds) + " CPU, peak " +
+         FormatBytes(static_cast<double>(usage.peak_memory_bytes)) + ")";
 }
 
 // "sfm: text", unless the text already begins that way.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Runs stages in order, skips those whose result holds, and says why it redoes
-// the others.
+// Runs the stages of a pipeline in order. It skips stages whose results hold,
+// and says why it runs the others again.
 
 #ifndef FREEGS_PIPELINE_STAGE_RUNNER_H_
 #define FREEGS_PIPELINE_STAGE_RUNNER_H_
@@ -21,29 +21,37 @@ namespace freegs::pipeline {
 
 struct StageRunnerOptions {
   std::filesystem::path workspace;  // An existing folder, locked by the caller.
-  std::filesystem::path images;     // Photo folder; absolute.
+  std::filesystem::path images;     // The folder of photos; absolute.
 
-  // First and last stage to look at; empty takes the first and the last.
-  // Stages before `from` are used as they lie in the workspace.
+  // The first and the last stage to run; empty means the first and the last of
+  // all. The results of stages before `from` are used as they are.
   std::string from;
   std::string to;
 
-  // A stage to redo although its result holds; empty for none.
+  // A stage to run again although its result holds; empty for none.
   std::string forced;
 
   int num_threads = 0;  // 0 takes one per available core.
   double checkpoint_interval_seconds = 60;
 
-  // Seconds between notes of the time used so far, for a run that is killed.
+  // Seconds between writes of usage.json, which keeps the time used so far for
+  // the case that the program is killed.
   double usage_interval_seconds = 5;
 };
 
-// One line of a workspace's status.
+// The state of one stage in a workspace.
 struct StageReport {
   std::string stage;
   StageState state;
 };
 
+// Runs stages in a workspace:
+//
+//   FREEGS_ASSIGN_OR_RETURN(const WorkspaceLock lock,
+//                           WorkspaceLock::Acquire(options.workspace));
+//   StageRunner runner(std::move(stages), options, cancellation, logger);
+//   FREEGS_RETURN_IF_ERROR(runner.Recover());
+//   FREEGS_RETURN_IF_ERROR(runner.Run());
 class StageRunner {
  public:
   // `cancellation` and `logger` must outlive the runner.
@@ -52,16 +60,17 @@ class StageRunner {
               const CancellationToken& cancellation,
               Logger& logger);
 
-  // kInvalidArgument for an unknown stage name; kInterrupted after a checkpoint
-  // when cancelled; otherwise the first stage's error, its name before the
-  // message. What was finished or begun before an error stays.
+  // Returns kInvalidArgument for an unknown stage name, kInterrupted when
+  // cancelled (after a checkpoint), or else the error of the first stage that
+  // fails, with its name before the message. What was finished or begun before
+  // the error stays.
   Status Run();
 
-  // What Run would find, without running anything. A stage after one that is
-  // not done is reported as stale.
+  // Returns the state of each stage without running any. A stage that comes
+  // after one that is not done is reported as stale.
   StatusOr<std::vector<StageReport>> Inspect();
 
-  // Completes what a killed program left half done, in all stages.
+  // Calls RecoverStage for every stage.
   Status Recover();
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What lies in a workspace of one stage, and whether it still holds.
+// Finds out which results of a stage are in a workspace, and whether they hold.
 
 #ifndef FREEGS_PIPELINE_STAGE_STATE_H_
 #define FREEGS_PIPELINE_STAGE_STATE_H_
@@ -19,24 +19,25 @@
 
 namespace freegs::pipeline {
 
-// A stage with the options it was made from, as text.
+// A stage, and the options that it was made from as text.
 struct RunnerStage {
   std::unique_ptr<Stage> stage;
   std::map<std::string, std::string> options;  // Those that decide the result.
   std::map<std::string, std::string> other_options;
 };
 
-// What the stage would be run on now.
+// The inputs and options that a run of the stage would have now.
 struct CurrentInputs {
   StageFingerprint fingerprint;
-  // Names of inputs that lie outside the workspace. The workspace must remain
-  // usable without them once they were read.
+  // Names of inputs that lie outside the workspace. Once they have been read,
+  // the workspace must be usable without them.
   std::set<std::string> external;
 };
 
-// Inputs inside the workspace are named by their relative path, the photo
-// folder "photos", others by their file name: nothing depends on where the
-// workspace lies.
+// Computes the fingerprint of what the stage would read now. It does not depend
+// on where the workspace lies: inputs inside the workspace are named by their
+// relative paths, the folder of photos is "photos", and others are named by
+// their file names.
 CurrentInputs GatherInputs(const RunnerStage& stage,
                            const StageContext& context,
                            FingerprintCache& cache);
@@ -44,20 +45,20 @@ CurrentInputs GatherInputs(const RunnerStage& stage,
 enum class StageStatus {
   kMissing,      // Never run.
   kDone,         // The result holds.
-  kStale,        // There is a result, of other inputs or options.
+  kStale,        // There is a result, but of other inputs or options.
   kInterrupted,  // A run was killed or cancelled.
   kFailed,       // The last run ended with an error.
-  kForeign,      // A folder without stage.json: somebody else's result.
+  kForeign,  // A folder without stage.json, which this program did not make.
 };
 const char* StageStatusName(StageStatus status);
 
 struct StageState {
   StageStatus status = StageStatus::kMissing;
-  std::string reason;      // One line: why it is not done. Empty if it is.
-  std::string note;        // Something to tell about a result that is kept.
+  std::string reason;      // One line: why it is not done. Empty if it is done.
+  std::string note;        // A remark on a result that is kept.
   bool resumable = false;  // STAGE.partial can be continued.
   std::optional<StageRecord> result;   // Of STAGE/.
-  std::optional<StageRecord> attempt;  // Of STAGE.partial/, if it ended.
+  std::optional<StageRecord> attempt;  // Of STAGE.partial/, if that run ended.
 };
 
 StageState InspectStage(const std::filesystem::path& workspace,

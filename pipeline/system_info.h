@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the machine offers to this process.
+// The cores, memory and disk space that this process may use.
 
 #ifndef FREEGS_PIPELINE_SYSTEM_INFO_H_
 #define FREEGS_PIPELINE_SYSTEM_INFO_H_
@@ -10,25 +10,28 @@
 
 namespace freegs::pipeline {
 
-// Cores this process may run on (its affinity mask).
+// The number of cores in the affinity mask of this process.
 int CoresOfAffinity();
 
-// Cores' worth of time the control group allows (cgroup v2 cpu.max or v1
-// cpu.cfs_quota_us); nothing if it sets no limit.
+// The number of cores whose time the control group allows (cpu.max of cgroup v2
+// or cpu.cfs_quota_us of v1), which need not be whole; nothing if it sets no
+// limit.
 std::optional<double> CoresOfQuota();
 
-// How many threads are worth starting: the smaller of both, rounded up, at
-// least 1.
+// How many threads are worth starting: the smaller one of the two numbers
+// above, rounded up, but at least 1.
 int AvailableCores();
 
 struct MemoryInfo {
   int64_t total_bytes = 0;
   int64_t available_bytes = 0;  // Without swapping.
 };
-// The machine's memory, cut to the control group's limit.
+// The memory of the machine, or the limit of the control group if that is
+// lower.
 MemoryInfo Memory();
 
-// Free bytes for an ordinary user on the file system that holds `path`.
+// Bytes that an ordinary user can still write on the file system of `path`;
+// nothing when that cannot be found out.
 std::optional<int64_t> FreeDiskBytes(const std::filesystem::path& path);
 
 }  // namespace freegs::pipeline

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/io/files.h"
+#include "core/io/json_fields.h"
 #include "pipeline/json_text.h"
 
 namespace freegs::pipeline {
@@ -68,20 +69,16 @@ StatusOr<WorkspaceInfo> ReadWorkspaceInfo(const fs::path& workspace) {
   std::error_code error;
   if (!fs::exists(path, error)) return WorkspaceInfo();
   FREEGS_ASSIGN_OR_RETURN(const nlohmann::json json, ReadJson(path));
-  const Status malformed = BadInputError(
-      path.string() + ": malformed; delete it and give the photo folder again");
-  if (!json.is_object()) return malformed;
   WorkspaceInfo info;
-  if (const auto images = json.find("images"); images != json.end()) {
-    if (!images->is_string()) return malformed;
-    info.images = PathInWorkspace(workspace, images->get<std::string>());
+  Status status;
+  JsonObjectReader reader(json, path.string(), "", &status);
+  if (reader.Has("images")) {
+    info.images = PathInWorkspace(workspace, reader.Text("images"));
   }
-  if (const auto settings = json.find("settings"); settings != json.end()) {
-    if (!settings->is_object()) return malformed;
-    for (const auto& [name, value] : settings->items()) {
-      if (!value.is_string()) return malformed;
-      info.settings[name] = value.get<std::string>();
-    }
+  if (reader.Has("settings")) info.settings = reader.TextMap("settings");
+  if (!status.ok()) {
+    return BadInputError(status.message() +
+                         "; delete the file and give the photo folder again");
   }
   return info;
 }

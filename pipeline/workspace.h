@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where things lie in a workspace, and the lock that keeps two runs apart.
+// The paths in a workspace, and the lock that allows one run at a time.
 
 #ifndef FREEGS_PIPELINE_WORKSPACE_H_
 #define FREEGS_PIPELINE_WORKSPACE_H_
@@ -19,7 +19,7 @@ std::filesystem::path ConfigPath(const std::filesystem::path& workspace);
 // WORKSPACE/log.txt: every line that was logged.
 std::filesystem::path LogPath(const std::filesystem::path& workspace);
 
-// WORKSPACE/.fingerprints.json: hashes of files that did not change since.
+// WORKSPACE/.fingerprints.json: the hashes of a FingerprintCache.
 std::filesystem::path FingerprintCachePath(
     const std::filesystem::path& workspace);
 
@@ -31,41 +31,45 @@ std::filesystem::path StageFolder(const std::filesystem::path& workspace,
 std::filesystem::path PartialFolder(const std::filesystem::path& workspace,
                                     std::string_view stage);
 
-// WORKSPACE/STAGE.old: an output being replaced; deleted after the swap.
+// WORKSPACE/STAGE.old: an output that is being replaced. It is deleted when the
+// new one is in place.
 std::filesystem::path RetiredFolder(const std::filesystem::path& workspace,
                                     std::string_view stage);
 
-// The path relative to the workspace if it lies inside, else as it is.
+// Returns the path relative to the workspace if it lies inside, and the
+// absolute path otherwise.
 std::string DisplayPath(const std::filesystem::path& workspace,
                         const std::filesystem::path& path);
 
-// WORKSPACE/workspace.json: what a workspace remembers between runs.
+// What a workspace remembers between runs, in WORKSPACE/workspace.json.
 struct WorkspaceInfo {
   std::filesystem::path images;  // Absolute; empty if none was given yet.
 
-  // Option name -> value of the last run's command line.
+  // The options on the command line of the last run, by name.
   std::map<std::string, std::string> settings;
 };
 
-// The path as it is inside the workspace: a relative one is taken from there.
+// The inverse of DisplayPath: a relative path starts at the workspace.
 std::filesystem::path PathInWorkspace(const std::filesystem::path& workspace,
                                       const std::string& path);
 
-// An empty info if there is no file; kBadInput if it is malformed. Photos
-// inside the workspace are stored relative to it, so that it can be moved.
+// Reads workspace.json. Returns an empty info if there is no such file and
+// kBadInput if it is malformed. A photo folder inside the workspace is stored
+// with its relative path, so that the workspace can be moved.
 StatusOr<WorkspaceInfo> ReadWorkspaceInfo(
     const std::filesystem::path& workspace);
 Status WriteWorkspaceInfo(const std::filesystem::path& workspace,
                           const WorkspaceInfo& info);
 
-// Whether a run holds the workspace now. Changes nothing.
+// Whether some process holds the lock of the workspace now.
 bool IsLocked(const std::filesystem::path& workspace);
 
-// Holds the workspace (flock on WORKSPACE/.lock) until destroyed. The kernel
-// releases the lock of a killed process, so nothing needs to be cleaned up.
+// Holds the lock of a workspace (flock on WORKSPACE/.lock) as long as it lives.
+// The kernel releases the lock of a killed process, so nothing needs to be
+// cleaned up.
 class WorkspaceLock {
  public:
-  // kBadInput if another process holds it.
+  // Returns kBadInput if another process holds the lock.
   static StatusOr<WorkspaceLock> Acquire(
       const std::filesystem::path& workspace);
 

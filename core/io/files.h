@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whole-file reading and atomic writing.
+// Reads, writes and hashes whole files.
 
 #ifndef FREEGS_CORE_IO_FILES_H_
 #define FREEGS_CORE_IO_FILES_H_
@@ -13,21 +13,25 @@
 
 namespace freegs {
 
-// The whole file. Refuses files larger than max_bytes (a guard against hostile
-// or mistaken input) and anything that is not a regular file.
+// Reads a whole file. Returns kBadInput for a file that is larger than
+// max_bytes, which guards against hostile or mistaken input, and for anything
+// that is not a regular file.
 StatusOr<std::string> ReadFile(const std::filesystem::path& path,
                                uint64_t max_bytes = uint64_t{1} << 33);
 
-// Writes to a temporary file beside `path`, flushes it to disk and renames it:
-// a reader sees the old content or the new, never a part.
+// Writes a temporary file beside `path`, flushes it to disk and renames it. So
+// a reader sees either the old or the new content, never a part of it:
+//
+//   FREEGS_RETURN_IF_ERROR(CreateFolders(folder));
+//   FREEGS_RETURN_IF_ERROR(WriteFileAtomic(folder / "a.txt", text));
 Status WriteFileAtomic(const std::filesystem::path& path,
                        std::string_view content);
 
-// mkdir -p.
+// Makes the folder and all missing folders above it.
 Status CreateFolders(const std::filesystem::path& path);
 
-// 128-bit content hash as 32 hex digits (XXH3). Not cryptographic: it detects
-// change, not malice.
+// The 128-bit XXH3 hash of bytes or of a file's content, as 32 hex digits. It
+// detects changes, but it does not protect against forgery.
 std::string HashBytes(std::string_view bytes);
 StatusOr<std::string> HashFile(const std::filesystem::path& path);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Image files, through OpenCV.
+// Reads and writes image files with OpenCV.
 
 #ifndef FREEGS_CORE_IO_IMAGE_IO_H_
 #define FREEGS_CORE_IO_IMAGE_IO_H_
@@ -11,26 +11,28 @@
 
 namespace freegs {
 
-// Reads an 8-bit RGB image (grey is repeated, alpha dropped, 16 bits reduced).
-// EXIF orientation is ignored: pixels as stored, which is what camera
-// intrinsics refer to after ingest.
+// Reads an image as 8-bit RGB. Grey is repeated, alpha is dropped and 16-bit
+// samples are reduced. EXIF orientation is ignored: camera intrinsics refer to
+// pixels as they are stored.
 StatusOr<ImageU8> ReadRgb(const std::filesystem::path& path);
 
-// Reads a single-channel label image without any scaling, 8 or 16 bits.
+// Reads the values of a one-channel image of 8 or 16 bits, without scaling
+// them.
 StatusOr<ImageU16> ReadLabels(const std::filesystem::path& path);
 
-// Writes PNG, JPEG (quality 95) or TIFF by suffix, atomically; 1, 3 or 4
-// channels.
+// Writes an image of 1, 3 or 4 channels, atomically. The suffix of the path
+// decides between PNG, JPEG (quality 95) and TIFF.
 Status WriteImage(const std::filesystem::path& path, const ImageU8& image);
 
 // Writes a 16-bit grey PNG, atomically.
 Status WriteLabels(const std::filesystem::path& path, const ImageU16& labels);
 
-// [0, 1] floats of 8-bit values, and back with rounding and clamping.
+// Converts 8-bit values to floats in [0, 1], and back with clamping and
+// rounding.
 ImageF ToFloat(const ImageU8& image);
 ImageU8 ToU8(const ImageF& image);
 
-// Area-averaging when smaller, bilinear when larger.
+// Resizes by area averaging to a smaller size, bilinearly to a larger one.
 ImageU8 Resize(const ImageU8& image, int width, int height);
 
 }  // namespace freegs

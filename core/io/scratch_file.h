@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Memory that lies on disk, for arrays that would fill the machine's.
+// Read-only memory that lies on disk, for arrays that do not fit in memory.
 
 #ifndef FREEGS_CORE_IO_SCRATCH_FILE_H_
 #define FREEGS_CORE_IO_SCRATCH_FILE_H_
@@ -12,12 +12,17 @@
 
 namespace freegs {
 
-// Bytes written once and then read as if they were in memory. The system reads
-// them from the disk when needed and drops them when memory is short.
+// Bytes that are written once and then read as if they were in memory:
 //
-// The file loses its name before anything is written to it: nobody else can
-// open, change or cut it, and its space is free again when this goes away,
-// whatever ends the program.
+//   const std::span<const std::byte> parts[] = {std::as_bytes(values)};
+//   FREEGS_ASSIGN_OR_RETURN(const ScratchFile file,
+//                           ScratchFile::Write(folder, parts));
+//   const auto* stored = reinterpret_cast<const float*>(file.data());
+//
+// The system reads them from the disk when they are needed, and drops them from
+// memory when memory is short. The file loses its name before anything is
+// written to it. So nobody else can open, change or shorten it, and the disk
+// space is free again when the object or the program ends, for whatever reason.
 class ScratchFile {
  public:
   ScratchFile() = default;
@@ -28,13 +33,14 @@ class ScratchFile {
   ScratchFile& operator=(const ScratchFile&) = delete;
 
   // Writes the parts one after another to a new file in `folder`, which must
-  // exist. kInternal, naming the folder, when it cannot be written, is full or
-  // the file cannot be mapped; nothing is left behind then.
+  // exist. Returns kInternal, with the folder's name, when the folder cannot be
+  // written to, when the disk is full, or when the file cannot be mapped into
+  // memory. Nothing is left behind then.
   static StatusOr<ScratchFile> Write(
       const std::filesystem::path& folder,
       std::span<const std::span<const std::byte>> parts);
 
-  // At the beginning of a memory page. Not null unless size() is 0.
+  // Points to the beginning of a memory page; null when size() is 0.
   const std::byte* data() const { return data_; }
   size_t size() const { return size_; }
 

@@ -2,12 +2,13 @@
 
 #include "semantics/instances/instances_json.h"
 
-#include <cmath>
+#include <limits>
 #include <set>
 
 #include <nlohmann/json.hpp>
 
 #include "core/io/files.h"
+#include "core/io/json_fields.h"
 
 namespace freegs::semantics {
 namespace {
@@ -18,78 +19,36 @@ constexpr uint64_t kMaxFileSize = uint64_t{1} << 28;
 
 json ToJson(const Eigen::Vector3d& x) { return {x[0], x[1], x[2]}; }
 
-bool IsInteger(const json& value) { return value.is_number_integer(); }
-
-bool ReadNumber(const json& value, double* out) {
-  if (!value.is_number()) return false;
-  *out = value.get<double>();
-  return std::isfinite(*out);
-}
-
-bool ReadVector(const json& value, Eigen::Vector3d* out) {
-  if (!value.is_array() || value.size() != 3) return false;
-  for (int k = 0; k < 3; ++k) {
-    if (!ReadNumber(value[k], &(*out)[k])) return false;
+Instance ReadInstance(const json& entry,
+                      const std::string& path,
+                      Status* status) {
+  JsonObjectReader reader(entry, "", path, status);
+  Instance instance;
+  instance.id = reader.Integer("id", 1, 0x7fffffff);
+  instance.num_gaussians =
+      reader.Integer64("num_gaussians", 0, int64_t{1} << 40);
+  instance.centre = reader.Vector3("centre");
+  JsonObjectReader aabb(reader.Object("aabb"), "", path + ".aabb", status);
+  instance.aabb.min = aabb.Vector3("min");
+  instance.aabb.max = aabb.Vector3("max");
+  JsonObjectReader obb(reader.Object("obb"), "", path + ".obb", status);
+  instance.obb.center = obb.Vector3("center");
+  instance.obb.size = obb.Vector3("size");
+  instance.obb.rotation = obb.Matrix("rotation", 3, 3);
+  constexpr double kMaxScore = std::numeric_limits<double>::max();
+  instance.score = reader.Number("score", -kMaxScore, kMaxScore);
+  if (reader.Has("background") && !reader.IsNull("background")) {
+    instance.background = reader.Bool("background");
   }
-  return true;
-}
-
-// A member of an object, or null.
-json Member(const json& object, const char* name) {
-  if (!object.is_object()) return nullptr;
-  const auto it = object.find(name);
-  return it == object.end() ? json(nullptr) : *it;
-}
-
-Status ReadInstance(const json& entry, Instance* instance) {
-  const auto fault = [](const char* member) {
-    return BadInputError(std::string("\"") + member +
-                         "\" is missing or malformed");
-  };
-  const json id = Member(entry, "id");
-  if (!IsInteger(id) || id < 1 || id > 0x7fffffff) return fault("id");
-  instance->id = id.get<int>();
-  const json count = Member(entry, "num_gaussians");
-  if (!IsInteger(count) || count < 0 || count > int64_t{1} << 40) {
-    return fault("num_gaussians");
+  if (!reader.Has("words") || reader.IsNull("words")) return instance;
+  for (const json& word : reader.List("words")) {
+    if (word.is_string()) {
+      instance.words.push_back(word.get<std::string>());
+    } else {
+      reader.Fail("words", "must be a list of texts");
+    }
   }
-  instance->num_gaussians = count.get<int64_t>();
-  if (!ReadVector(Member(entry, "centre"), &instance->centre)) {
-    return fault("centre");
-  }
-  const json aabb = Member(entry, "aabb");
-  if (!ReadVector(Member(aabb, "min"), &instance->aabb.min) ||
-      !ReadVector(Member(aabb, "max"), &instance->aabb.max)) {
-    return fault("aabb");
-  }
-  const json obb = Member(entry, "obb");
-  const json rotation = Member(obb, "rotation");
-  if (!ReadVector(Member(obb, "center"), &instance->obb.center) ||
-      !ReadVector(Member(obb, "size"), &instance->obb.size) ||
-      !rotation.is_array() || rotation.size() != 3) {
-    return fault("obb");
-  }
-  for (int row = 0; row < 3; ++row) {
-    Eigen::Vector3d values;
-    if (!ReadVector(rotation[row], &values)) return fault("obb");
-    instance->obb.rotation.row(row) = values.transpose();
-  }
-  if (!ReadNumber(Member(entry, "score"), &instance->score)) {
-    return fault("score");
-  }
-  const json background = Member(entry, "background");
-  if (!background.is_null()) {
-    if (!background.is_boolean()) return fault("background");
-    instance->background = background.get<bool>();
-  }
-  const json words = Member(entry, "words");
-  if (words.is_null()) return {};
-  if (!words.is_array()) return fault("words");
-  for (const json& word : words) {
-    if (!word.is_string()) return fault("words");
-    instance->words.push_back(word.get<std::string>());
-  }
-  return {};
+  return instance;
 }
 
 }  // namespace
@@ -125,21 +84,21 @@ Status WriteInstances(const std::filesystem::path& path,
 }
 
 StatusOr<std::vector<Instance>> ParseInstances(std::string_view text) {
-  const json list = json::parse(text, nullptr, /*allow_exceptions=*/false);
-  if (!list.is_array()) return BadInputError("this is not a list in JSON");
+  FREEGS_ASSIGN_OR_RETURN(const json list, ParseJson(text));
+  if (!list.is_array()) {
+    return BadInputError("the top level must be a list");
+  }
   std::vector<Instance> instances;
   std::set<int> ids;
+  Status status;
   for (const json& entry : list) {
-    Instance instance;
-    const Status status = ReadInstance(entry, &instance);
-    if (!status.ok()) {
-      return status.Annotated("entry " + std::to_string(instances.size()));
+    const std::string path = "entry " + std::to_string(instances.size());
+    instances.push_back(ReadInstance(entry, path, &status));
+    FREEGS_RETURN_IF_ERROR(status);
+    const int id = instances.back().id;
+    if (!ids.insert(id).second) {
+      return BadInputError("id " + std::to_string(id) + " is used twice");
     }
-    if (!ids.insert(instance.id).second) {
-      return BadInputError("id " + std::to_string(instance.id) +
-                           " is used twice");
-    }
-    instances.push_back(std::move(instance));
   }
   return instances;
 }

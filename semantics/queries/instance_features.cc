@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/io/files.h"
+#include "core/io/json_fields.h"
 
 namespace freegs::semantics {
 namespace {
@@ -31,22 +32,6 @@ Status CheckRow(std::span<const float> row, size_t i) {
     return BadInputError("the feature of instance " + std::to_string(i + 1) +
                          " has neither length 1 nor 0");
   }
-  return Status();
-}
-
-// Null where there is no such member.
-const json* Member(const json& object, const char* name) {
-  const auto it = object.find(name);
-  return it == object.end() ? nullptr : &*it;
-}
-
-Status ReadText(const json& object, const char* name, std::string* text) {
-  const json* member = Member(object, name);
-  if (member == nullptr || !member->is_string()) {
-    return BadInputError(std::string("\"") + name +
-                         "\" is missing or not a text");
-  }
-  *text = member->get<std::string>();
   return Status();
 }
 
@@ -89,27 +74,16 @@ Status WriteInstanceFeatures(const std::filesystem::path& path,
 }
 
 StatusOr<InstanceFeatures> ParseInstanceFeatures(std::string_view text) {
-  const json file = json::parse(text, nullptr, /*allow_exceptions=*/false);
-  if (!file.is_object()) {
-    return BadInputError(
-        "this is not a file of instance features in JSON; run stage bootstrap "
-        "again");
-  }
+  FREEGS_ASSIGN_OR_RETURN(const json file, ParseJsonObject(text));
+  Status status;
+  JsonObjectReader reader(file, "", "", &status);
   InstanceFeatures features;
-  FREEGS_RETURN_IF_ERROR(ReadText(file, "model", &features.model));
-  FREEGS_RETURN_IF_ERROR(ReadText(file, "model_hash", &features.model_hash));
-  const json* dim = Member(file, "dim");
-  if (dim == nullptr || !dim->is_number_integer() || *dim < 1 ||
-      *dim > kMaxDim) {
-    return BadInputError("\"dim\" is missing or not a number from 1 to " +
-                         std::to_string(kMaxDim));
-  }
-  features.dim = dim->get<int>();
-  const json* rows = Member(file, "features");
-  if (rows == nullptr || !rows->is_array()) {
-    return BadInputError("\"features\" is missing or not a list");
-  }
-  for (const json& row : *rows) {
+  features.model = reader.Text("model");
+  features.model_hash = reader.Text("model_hash");
+  features.dim = reader.Integer("dim", 1, kMaxDim);
+  const json& rows = reader.List("features");
+  FREEGS_RETURN_IF_ERROR(status);
+  for (const json& row : rows) {
     const size_t i = features.size();
     if (!row.is_array() || row.size() != static_cast<size_t>(features.dim)) {
       return BadInputError("the feature of instance " + std::to_string(i + 1) +
@@ -132,8 +106,9 @@ StatusOr<InstanceFeatures> ReadInstanceFeatures(
     const std::filesystem::path& path) {
   FREEGS_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, kMaxFileSize));
   auto features = ParseInstanceFeatures(text);
-  if (!features.ok()) return features.status().Annotated(path.string());
-  return features;
+  if (features.ok()) return features;
+  return BadInputError(path.string() + ": " + features.status().message() +
+                       "; run stage bootstrap again");
 }
 
 }  // namespace freegs::semantics

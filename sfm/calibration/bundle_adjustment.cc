@@ -18,6 +18,12 @@
 namespace freegs::sfm {
 namespace {
 
+// Scale of the Cauchy loss: residuals well above it count less.
+constexpr double kLossScalePx = 1.0;
+
+// The solver stops when a step lowers the cost by less than this share.
+constexpr double kFunctionTolerance = 1e-5;
+
 // An image's pose as Ceres sees it: x_cam = exp(delta) * start * x + t, where
 // delta is an angle-axis vector that begins at 0.
 struct PoseBlock {
@@ -121,7 +127,6 @@ struct Blocks {
   std::vector<LensBlock> lenses;              // By camera.
   std::vector<std::array<double, 3>> points;  // By point.
   std::vector<Observation> observations;      // Of points seen twice.
-  size_t behind = 0;
 };
 
 Blocks MakeBlocks(const Reconstruction& model) {
@@ -154,7 +159,6 @@ Blocks MakeBlocks(const Reconstruction& model) {
       if (element.point2d_index >= image.points2d.size()) continue;
       const size_t camera = camera_index.at(image.camera_id);
       if (!Project(model.cameras[camera], image.cam_from_world * point.xyz)) {
-        ++blocks.behind;
         continue;
       }
       blocks.observations.push_back(
@@ -226,7 +230,7 @@ ceres::Solver::Options SolverOptions(const BundleAdjustmentOptions& options,
                                      const ceres::Problem& problem) {
   ceres::Solver::Options solver;
   solver.max_num_iterations = options.max_iterations;
-  solver.function_tolerance = options.function_tolerance;
+  solver.function_tolerance = kFunctionTolerance;
   solver.gradient_tolerance = 1e-10;
   solver.parameter_tolerance = 1e-8;
   solver.num_threads = 1;
@@ -312,11 +316,9 @@ Status Store(const Blocks& blocks,
 }  // namespace
 
 Status BundleAdjustmentOptions::Check() const {
-  if (!(loss_scale_px > 0) || max_iterations < 1 ||
-      !(function_tolerance >= 0)) {
+  if (max_iterations < 1) {
     return InvalidArgumentError(
-        "bundle adjustment needs a positive loss scale, at least one "
-        "iteration, and a tolerance that is not negative");
+        "bundle adjustment needs at least one iteration");
   }
   return {};
 }
@@ -327,8 +329,8 @@ bool CanAdjust(CameraModel model) {
              static_cast<int>(CameraModel::kOpenCvFisheye);
 }
 
-StatusOr<BundleAdjustmentReport> AdjustBundle(
-    const BundleAdjustmentOptions& options, Reconstruction* model) {
+Status AdjustBundle(const BundleAdjustmentOptions& options,
+                    Reconstruction* model) {
   FREEGS_RETURN_IF_ERROR(options.Check());
   FREEGS_RETURN_IF_ERROR(CheckReconstruction(*model));
   for (const Camera& camera : model->cameras) {
@@ -345,7 +347,7 @@ StatusOr<BundleAdjustmentReport> AdjustBundle(
         "cameras; there are none");
   }
 
-  ceres::CauchyLoss loss(options.loss_scale_px);
+  ceres::CauchyLoss loss(kLossScalePx);
   ceres::Problem::Options ownership;
   ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem problem(ownership);
@@ -360,9 +362,6 @@ StatusOr<BundleAdjustmentReport> AdjustBundle(
                              pose.values.data(),
                              blocks.points[observation.point].data(),
                              lens.values.data());
-    if (options.fixed_intrinsics) {
-      problem.SetParameterBlockConstant(lens.values.data());
-    }
   }
   FREEGS_RETURN_IF_ERROR(FixGauge(*model, &blocks, &problem));
 
@@ -378,15 +377,7 @@ StatusOr<BundleAdjustmentReport> AdjustBundle(
     return UnusableResultError("bundle adjustment found no solution: " +
                                summary.message);
   }
-  FREEGS_RETURN_IF_ERROR(Store(blocks, problem, model));
-  BundleAdjustmentReport report;
-  report.observations = blocks.observations.size();
-  report.behind = blocks.behind;
-  report.iterations = static_cast<int>(summary.iterations.size()) - 1;
-  report.converged = summary.termination_type == ceres::CONVERGENCE;
-  report.initial_cost = summary.initial_cost;
-  report.final_cost = summary.final_cost;
-  return report;
+  return Store(blocks, problem, model);
 }
 
 }  // namespace freegs::sfm

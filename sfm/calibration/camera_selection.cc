@@ -23,6 +23,17 @@ constexpr size_t kMinPerImage = 40;
 constexpr size_t kMinHeldOut = 50;
 constexpr int kSelectionIterations = 30;
 
+// Share of the observations that are held out from the estimation.
+constexpr double kHeldOutShare = 0.15;
+
+// A candidate is as good as another when its held-out error is larger by at
+// most this share of it, or by at most so many pixels.
+constexpr double kTolerance = 0.01;
+constexpr double kTolerancePx = 0.01;
+
+// A camera per photo must lower the held-out error by this share.
+constexpr double kPerPhotoGain = 0.1;
+
 // What all candidates are estimated from and measured on.
 struct Sample {
   Reconstruction training;  // Chosen points, without the held-out observations.
@@ -81,7 +92,7 @@ Sample DrawSample(const Reconstruction& model,
       const Eigen::Vector2d& xy =
           model.images[i].points2d[element.point2d_index].xy;
       // Two observations are left, or the point has no place.
-      if (left > 2 && RandomUniform(2, point.id, k) < options.held_out_share) {
+      if (left > 2 && RandomUniform(2, point.id, k) < kHeldOutShare) {
         sample.held_out.push_back({i, position, xy});
         --left;
         continue;
@@ -193,9 +204,9 @@ void Estimate(const Sample& sample,
   BundleAdjustmentOptions adjustment;
   adjustment.max_iterations = kSelectionIterations;
   adjustment.cancellation = cancellation;
-  const auto report = AdjustBundle(adjustment, &model);
-  if (!report.ok()) {
-    candidate->refused = report.status().message();
+  const Status adjusted = AdjustBundle(adjustment, &model);
+  if (!adjusted.ok()) {
+    candidate->refused = adjusted.message();
     return;
   }
   *residuals = Measure(model, sample);
@@ -240,7 +251,6 @@ constexpr size_t kNone = std::numeric_limits<size_t>::max();
 // takes, which are ordered by parameters.
 template <typename Predicate>
 size_t Choose(const std::vector<CameraCandidate>& candidates,
-              const CameraSelectionOptions& options,
               const Predicate& eligible) {
   double best_error = std::numeric_limits<double>::infinity();
   size_t by_bic = kNone;
@@ -252,8 +262,8 @@ size_t Choose(const std::vector<CameraCandidate>& candidates,
     }
   }
   if (by_bic == kNone) return kNone;
-  const double good_enough = std::max(best_error * (1 + options.tolerance),
-                                      best_error + options.tolerance_px);
+  const double good_enough =
+      std::max(best_error * (1 + kTolerance), best_error + kTolerancePx);
   size_t by_error = kNone;
   for (size_t i = 0; i < candidates.size(); ++i) {
     const CameraCandidate& candidate = candidates[i];
@@ -272,8 +282,7 @@ size_t Choose(const std::vector<CameraCandidate>& candidates,
              : by_error;
 }
 
-Status ChooseBest(const CameraSelectionOptions& options,
-                  CameraSelection* selection) {
+Status ChooseBest(CameraSelection* selection) {
   const std::vector<CameraCandidate>& candidates = selection->candidates;
   const auto usable = [](const CameraCandidate& candidate) {
     return candidate.refused.empty();
@@ -281,12 +290,12 @@ Status ChooseBest(const CameraSelectionOptions& options,
   const auto several = [&](const CameraCandidate& candidate) {
     return usable(candidate) && candidate.sharing != CameraSharing::kPerPhoto;
   };
-  size_t chosen = Choose(candidates, options, several);
-  const size_t any = Choose(candidates, options, usable);
-  if (chosen == kNone || (candidates[any].held_out_error_px <
-                              candidates[chosen].held_out_error_px *
-                                  (1 - options.per_photo_gain) &&
-                          candidates[any].bic < candidates[chosen].bic)) {
+  size_t chosen = Choose(candidates, several);
+  const size_t any = Choose(candidates, usable);
+  if (chosen == kNone ||
+      (candidates[any].held_out_error_px <
+           candidates[chosen].held_out_error_px * (1 - kPerPhotoGain) &&
+       candidates[any].bic < candidates[chosen].bic)) {
     chosen = any;
   }
   if (chosen == kNone) {
@@ -307,12 +316,6 @@ Status CameraSelectionOptions::Check() const {
     return InvalidArgumentError(
         "camera selection needs at least one sharing, and models that bundle "
         "adjustment knows");
-  }
-  if (!(held_out_share > 0 && held_out_share < 1) || !(tolerance >= 0) ||
-      !(tolerance_px >= 0) || !(per_photo_gain >= 0)) {
-    return InvalidArgumentError(
-        "camera selection needs a held-out share between 0 and 1 and "
-        "tolerances that are not negative");
   }
   return {};
 }
@@ -355,7 +358,7 @@ StatusOr<CameraSelection> SelectCameras(const Reconstruction& model,
     return InterruptedError("stopped on request");
   }
   Score(residuals, &selection.candidates);
-  FREEGS_RETURN_IF_ERROR(ChooseBest(options, &selection));
+  FREEGS_RETURN_IF_ERROR(ChooseBest(&selection));
   return selection;
 }
 
@@ -369,10 +372,10 @@ StatusOr<CameraSelection> RefineCameras(const CameraSelectionOptions& options,
   AssignCameras(chosen.model, chosen.sharing, &refined);
   BundleAdjustmentOptions adjustment;
   adjustment.cancellation = options.cancellation;
-  FREEGS_RETURN_IF_ERROR(AdjustBundle(adjustment, &refined).status());
-  FilterTracks({}, &refined);
-  FREEGS_RETURN_IF_ERROR(AdjustBundle(adjustment, &refined).status());
-  FilterTracks({}, &refined);
+  FREEGS_RETURN_IF_ERROR(AdjustBundle(adjustment, &refined));
+  FilterTracks(&refined);
+  FREEGS_RETURN_IF_ERROR(AdjustBundle(adjustment, &refined));
+  FilterTracks(&refined);
   for (const Camera& camera : refined.cameras) {
     FREEGS_RETURN_IF_ERROR(CheckLens(camera));
   }

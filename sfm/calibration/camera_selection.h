@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The simplest camera model that explains the tracks of a reconstruction.
+// Chooses the simplest camera model that explains the tracks of a
+// reconstruction.
 
 #ifndef FREEGS_SFM_CALIBRATION_CAMERA_SELECTION_H_
 #define FREEGS_SFM_CALIBRATION_CAMERA_SELECTION_H_
@@ -16,8 +17,8 @@
 namespace freegs::sfm {
 
 struct CameraSelectionOptions {
-  // Candidates: each model with each sharing. Those that come to the same
-  // cameras are tried once.
+  // The candidates are all combinations of these models with the sharings
+  // below. Combinations that give the same cameras are tried once.
   std::vector<CameraModel> models = {CameraModel::kSimplePinhole,
                                      CameraModel::kPinhole,
                                      CameraModel::kSimpleRadial,
@@ -27,28 +28,18 @@ struct CameraSelectionOptions {
   bool shared = true;
   bool per_group = true;
 
-  // SIMPLE_PINHOLE and SIMPLE_RADIAL only, unless neither of the others is
-  // tried; chosen over them only when clearly better (per_photo_gain).
+  // A camera per photo is tried with SIMPLE_PINHOLE and SIMPLE_RADIAL only,
+  // unless this is the only sharing. It is chosen over the others only when it
+  // is clearly better: when it lowers the held-out error by at least a tenth.
   bool per_photo = true;
 
-  // Points are drawn until they have so many observations, and until each
-  // image has at least 40 of its own, if it has.
+  // Estimation uses a random part of the points: so many that they have this
+  // number of observations in all, and at least 40 observations in each image
+  // that has 40.
   size_t max_observations = 10000;
 
-  // Share of the observations of points that three or more images see which
-  // are kept from the estimation.
-  double held_out_share = 0.15;
-
-  // A candidate is as good as another when its held-out error is at most so
-  // much larger: a share, or pixels.
-  double tolerance = 0.01;
-  double tolerance_px = 0.01;
-
-  // A camera per photo must lower the held-out error by this share.
-  double per_photo_gain = 0.1;
-
-  // Candidates estimated at the same time; <= 0: one per core. Changes nothing
-  // about the result.
+  // How many candidates are estimated at the same time; <= 0 means one per
+  // core. The result does not depend on it.
   int num_threads = 0;
 
   const CancellationToken* cancellation = nullptr;
@@ -56,23 +47,24 @@ struct CameraSelectionOptions {
   Status Check() const;
 };
 
-// One row of the table. Errors are in pixels and, unless they are medians,
-// root mean squares in which a residual counts at most three times the standard
-// deviation of the best candidate's.
+// A candidate and its figures. Errors are in pixels. An error that is not a
+// median is a root mean square in which larger residuals count as three times
+// the standard deviation of the best candidate's residuals.
 struct CameraCandidate {
   CameraModel model = CameraModel::kSimplePinhole;
   CameraSharing sharing = CameraSharing::kShared;
-  int parameters = 0;  // Intrinsics estimated, of all cameras.
+  int parameters = 0;  // Number of estimated intrinsics of all cameras.
   double held_out_error_px = 0;
   double held_out_median_px = 0;
   double rms_px = 0;  // Of the observations used for estimation.
 
-  // n log(rms^2) + k log n: n residuals, two per observation; k parameters. The
-  // poses and points, equally many for all, are left out. (Schwarz,
-  // "Estimating the dimension of a model", 1978.)
+  // The Bayesian information criterion n log(rms^2) + k log n (Schwarz,
+  // "Estimating the dimension of a model", 1978), with n residuals, two per
+  // observation, and k parameters. Poses and points do not count, because all
+  // candidates have equally many of them.
   double bic = 0;
   bool chosen = false;
-  std::string refused;  // Why it cannot be chosen; empty otherwise.
+  std::string refused;  // Why it cannot be chosen; empty if it can be.
   std::vector<Camera> cameras;
 };
 
@@ -83,23 +75,33 @@ struct CameraSelection {
   size_t held_out = 0;                      // Observations used for judging.
 };
 
-// Estimates every candidate by bundle adjustment on a part of the observations
-// and measures it on those held out. Two choices are made: the candidate with
-// fewest parameters whose held-out error is within the tolerance of the
-// smallest, and the one with the smallest BIC. The simpler of the two is
-// chosen: a parameter must convince both.
+// Estimates every candidate by bundle adjustment on a part of the observations,
+// and measures it on others, which are held out: a random 15 % of those of
+// points that three or more images see. One criterion prefers the candidate
+// with the fewest parameters among those whose held-out error exceeds the
+// smallest one by at most 1 % or 0.01 pixels. The other prefers the candidate
+// with the smallest BIC. The simpler one of the two is chosen, so that a
+// parameter must convince both criteria. Candidates that no real lens can have
+// (see CheckLens) are refused.
 //
-// Candidates that no real lens has (CheckLens) are refused. model is a
-// triangulated model near its optimum. The same for any number of threads.
-// kUnusableResult when there is too little to choose by: fewer than three
-// images, or fewer than 50 observations to hold out.
+// `model` must be triangulated and near its optimum. The result does not depend
+// on the number of threads. Returns kUnusableResult when there is too little to
+// choose by: fewer than three images, or fewer than 50 observations to hold
+// out.
 StatusOr<CameraSelection> SelectCameras(const Reconstruction& model,
                                         const CameraSelectionOptions& options);
 
-// Selects, then adjusts the whole model with the chosen cameras, removes bad
-// observations (FilterTracks) and adjusts again. Images keep their order; a
-// camera takes the id of the first image's old one, or new ids behind the
-// largest. On an error the model is untouched.
+// Selects cameras and refines the whole model with them:
+//
+//   CameraSelectionOptions options;
+//   options.per_photo = false;
+//   FREEGS_ASSIGN_OR_RETURN(const CameraSelection selection,
+//                           RefineCameras(options, &model));
+//
+// After the selection it adjusts the model with the chosen cameras, removes bad
+// observations (see FilterTracks) and adjusts again. Images keep their order. A
+// new camera takes the id of the old camera of its first image, or, if that is
+// taken, the next id after the largest. On an error the model is untouched.
 StatusOr<CameraSelection> RefineCameras(const CameraSelectionOptions& options,
                                         Reconstruction* model);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which images of a reconstruction have a camera in common.
+// Decides which images of a reconstruction have a camera in common.
 
 #ifndef FREEGS_SFM_CALIBRATION_CAMERA_SHARING_H_
 #define FREEGS_SFM_CALIBRATION_CAMERA_SHARING_H_
@@ -13,18 +13,20 @@ namespace freegs::sfm {
 
 // Which images share their intrinsics.
 enum class CameraSharing {
-  kShared,    // All of one size.
-  kPerGroup,  // Those that share a camera in the given model.
+  kShared,    // All images of equal size.
+  kPerGroup,  // Images that share a camera in the given model.
   kPerPhoto,  // None.
 };
-std::string_view CameraSharingName(CameraSharing sharing);  // "shared", ...
 
-// How many cameras the images then have.
+// "shared", "per_group" or "per_photo".
+std::string_view CameraSharingName(CameraSharing sharing);
+
+// The number of cameras that the images of the model have with this sharing.
 size_t NumCameras(const Reconstruction& model, CameraSharing sharing);
 
-// Gives the images cameras of another model and sharing, each the nearest
-// (ConvertCamera) to the one that most of its images had. Cameras of no image
-// are dropped.
+// Replaces the cameras of a reconstruction by cameras of the given model and
+// sharing. Each new camera is the one nearest (see ConvertCamera) to that which
+// most of its images had. Cameras without images are removed.
 void AssignCameras(CameraModel camera_model,
                    CameraSharing sharing,
                    Reconstruction* model);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Running other programs: no shell, output read line by line, and no way for
-// them to outlive us.
+// Runs other programs without a shell, reads their output line by line, and
+// makes sure that they end before or with this process.
 
 #ifndef FREEGS_SFM_COLMAP_CHILD_PROCESS_H_
 #define FREEGS_SFM_COLMAP_CHILD_PROCESS_H_
@@ -19,25 +19,25 @@
 namespace freegs::sfm {
 
 struct ChildCommand {
-  // The program (a path, or a name looked up in PATH) and its arguments. Never
-  // goes through a shell.
+  // The program, which is a path or a name in PATH, and its arguments.
   std::vector<std::string> argv;
 
   // Environment variables to set or replace.
   std::vector<std::pair<std::string, std::string>> environment;
 
-  // Where standard output and error are appended; empty for nowhere.
+  // The file to which standard output and error are appended; empty for none.
   std::filesystem::path log_file;
 
-  // Seconds after which the program and its children are killed; 0 for never.
+  // After so many seconds the program and its children are killed; 0 sets no
+  // limit.
   double time_limit_s = 0;
 };
 
 struct ChildResult {
   int exit_code = -1;  // -1 when a signal ended the program.
-  int signal = 0;      // That signal; 0 when it ended by itself.
+  int signal = 0;      // That signal; 0 when the program ended by itself.
 
-  // Whether it was killed because its time was over, and what that time was.
+  // Whether it was killed because of its time limit, and that limit.
   bool timed_out = false;
   double time_limit_s = 0;
 
@@ -45,42 +45,53 @@ struct ChildResult {
   std::string tail;
 
   bool ok() const { return exit_code == 0; }
-  // "exit code 1", "signal 11 (Segmentation fault)", "no end within 600 s".
+  // Says how the program ended: "exit code 1", "signal 11 (Segmentation fault)"
+  // or "no end within 600 s".
   std::string Describe() const;
 };
 
-// Called with each line of output, without its end ('\n' or '\r').
+// Called with each line of output, without the '\n' or '\r' at its end.
 using LineFn = std::function<void(std::string_view)>;
 
-// Runs a program to its end. Errors: kMissingDependency when it cannot be
-// started, kInterrupted when cancelled (the program and its children get
-// SIGTERM, and SIGKILL two seconds later), kInternal for failing system calls.
-// A program that ran is not an error, whatever its exit code.
+// Runs a program to its end:
 //
-// The program gets an empty standard input, a process group of its own, and
-// dies with the calling thread: when this process is killed, the kernel kills
-// it too.
+//   ChildCommand command;
+//   command.argv = {"colmap", "help"};
+//   FREEGS_ASSIGN_OR_RETURN(const ChildResult result,
+//                           RunChild(command, on_line, cancellation));
+//   if (!result.ok()) Warn(result.Describe() + "\n" + result.tail);
+//
+// Returns kMissingDependency when the program cannot be started, kInterrupted
+// when cancelled, and kInternal when a system call fails. A program that ran is
+// no error, whatever its exit code. On cancellation the program and its
+// children get SIGTERM, and two seconds later SIGKILL.
+//
+// The program has an empty standard input and a process group of its own. The
+// kernel kills it when the calling thread ends, so also when this process is
+// killed.
 StatusOr<ChildResult> RunChild(const ChildCommand& command,
                                const LineFn& on_line,
                                const CancellationToken* cancellation);
 
-// A number of programs, several at a time.
+// Several programs, some of which run at the same time.
 struct ChildBatch {
   size_t count = 0;
   int max_parallel = 1;
 
-  // Called, in order, right before program i starts.
+  // Makes the command of program i. Called right before the program starts, in
+  // the order of i.
   std::function<StatusOr<ChildCommand>(size_t i)> prepare;
 
-  // Called when program i ended, in the order in which they end.
+  // Called when program i has ended, in the order in which programs end.
   std::function<Status(size_t i, const ChildResult& result)> finished;
 
   // Called with each line that program i writes. May be empty.
   std::function<void(size_t i, std::string_view line)> on_line;
 };
 
-// Runs the batch on the calling thread. Stops at the first error that prepare,
-// finished or a start returns, after ending the programs still running.
+// Runs the batch; all functions are called on the calling thread. At the first
+// error of prepare, finished or the start of a program, it ends the programs
+// that are still running and returns the error.
 Status RunChildren(const ChildBatch& batch,
                    const CancellationToken* cancellation);
 

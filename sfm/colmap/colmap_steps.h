@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The single steps of structure from motion: features, matches, mapping. Used
-// by structure_from_motion.cc, which knows their order and what is done.
+// The steps of structure from motion that COLMAP does: features, matches and
+// mapping. The caller decides on their order and remembers what is done.
+//
+//   FREEGS_RETURN_IF_ERROR(ExtractFeatures(context, database, num_threads));
+//   FREEGS_ASSIGN_OR_RETURN(const MatchedPairs pairs,
+//                           MatchFeatures(context, database, {}, on_done));
+//   FREEGS_ASSIGN_OR_RETURN(const std::vector<Reconstruction> models,
+//                           MapPhotos(context, database, folder, Mapping()));
 
 #ifndef FREEGS_SFM_COLMAP_COLMAP_STEPS_H_
 #define FREEGS_SFM_COLMAP_COLMAP_STEPS_H_
@@ -15,118 +21,126 @@
 
 #include "core/status.h"
 #include "sfm/colmap/colmap_program.h"
-#include "sfm/matching/descriptor_matching.h"
 #include "sfm/colmap/sfm_options.h"
+#include "sfm/matching/descriptor_matching.h"
 #include "sfm/scene/reconstruction.h"
 
 namespace freegs::sfm {
 
-// What every step needs.
+// What every step needs. The references must outlive it.
 struct StepContext {
   const SfmInput& input;
   const SfmOptions& options;
   ColmapProgram& colmap;
   int num_threads = 1;
 
-  // How much alike descriptors must be (see descriptor_matching.h).
+  // How much alike the descriptors of a match must be.
   DescriptorMatchingOptions matching = {};
 
-  // SIFT's least contrast; 0 for COLMAP's default.
+  // The least contrast of a SIFT feature; 0 means COLMAP's default.
   double peak_threshold = 0;
 
+  // The log file of a COLMAP command, below the work folder.
   std::filesystem::path LogFile(const std::string& command) const;
-  // For the arguments of a command that writes its own log and is taken for
-  // stuck after TimeLimit(photos).
+
+  // Begins the arguments of a COLMAP command that writes to its LogFile() and
+  // is killed after TimeLimit(photos).
   StatusOr<ColmapArguments> Arguments(const std::string& command,
                                       size_t photos) const;
+
+  // Reports progress to the caller.
   void Report(const std::string& step,
               double done,
               double total,
               const std::string& detail) const;
 };
 
-// kUnusableResult with the last lines of output unless the program ended well.
+// Returns kUnusableResult, with the last lines of output, unless the program
+// ended well.
 Status CheckEnded(const StepContext& context,
                   const std::string& command,
                   const ChildResult& result);
 
-// Makes a new database that knows the photos, in the order given, and their
-// cameras, without features. Returns false, having done nothing, when this
-// COLMAP cannot do that; ExtractFeatures then runs with one thread.
+// Makes a new database that contains the photos, in the given order, and their
+// cameras, but no features. Returns false without doing anything when this
+// release of COLMAP cannot do that. ExtractFeatures must then use one thread.
 StatusOr<bool> RegisterPhotos(const StepContext& context,
                               const std::filesystem::path& database);
 
-// Adds the features of all photos that have none yet.
+// Adds the features of all photos that have none.
 Status ExtractFeatures(const StepContext& context,
                        const std::filesystem::path& database,
                        int num_threads);
 
-// The size of images, in pixels, that is enough for options.max_features: from
-// 800 to 1600, by the features that a few of the photos have at 800.
+// Chooses the longest side, from 800 to 1600 pixels, of images that have
+// options.max_features features. It extracts the features of a few photos at
+// 800 pixels and concludes from their number.
 StatusOr<int> ChooseImageSize(const StepContext& context);
 
-// The same for photos that have `found` features at 800.
+// Does the same for photos that have `found` features at 800 pixels.
 int ImageSizeFor(int64_t found, int max_features);
 
-// Matches the pairs that options.pairs choose into the database, in portions,
-// and writes pairs.txt, their list, beside it.
-// `done` are the numbers of portions that earlier calls finished; on_done is
-// told about each more.
+// Matches the pairs that options.pairs choose, writes the matches into the
+// database, and writes the list of pairs into pairs.txt beside it. It works in
+// portions. `done` has the numbers of those that earlier calls finished; they
+// are skipped. on_done is called with the number of each further portion.
 StatusOr<MatchedPairs> MatchFeatures(
     const StepContext& context,
     const std::filesystem::path& database,
     const std::set<int>& done,
     const std::function<Status(int portion)>& on_done);
 
-// Gives pairs that are matched, by ids of photos, the further matches that
-// COLMAP finds along their epipolar lines ("guided matching").
-// kMissingDependency when this COLMAP cannot.
+// Adds to pairs that are already matched, given by ids of photos, the matches
+// that COLMAP finds along their epipolar lines ("guided matching"). Returns
+// kMissingDependency when this release of COLMAP cannot do that.
 Status MatchGuided(const StepContext& context,
                    const std::filesystem::path& database,
                    const std::vector<std::pair<uint32_t, uint32_t>>& pairs);
 
-// A time after which a COLMAP command that works on so many photos, or twenty
-// times as many pairs, is taken for stuck; seconds.
+// The time in seconds after which a COLMAP command is considered stuck, when it
+// works on so many photos or on twenty times as many pairs.
 double TimeLimit(size_t photos);
 
-// One way to make models from a database.
+// How to make models from a database.
 struct Mapping {
-  std::string step = "mapping";    // What the user is told.
+  std::string step = "mapping";    // The name of the step in progress reports.
   std::string command = "mapper";  // Or hierarchical_mapper, global_mapper.
 
-  // With thresholds for few or weakly connected photos.
+  // Whether to lower COLMAP's thresholds, for few or weakly connected photos.
   bool relaxed = false;
 
-  // Other random draws.
+  // Added to the seed, for other random draws.
   uint64_t seed_offset = 0;
 
-  // Photos are added to this model, a folder, instead of starting anew.
+  // The folder of a model to which photos are added. Empty to begin a new one.
   std::filesystem::path start;
 };
 
-// Maps, in a new folder that is deleted again: the models that came of it, the
-// largest first; maybe none.
+// Makes models from a database and returns them, the largest first; there may
+// be none. `folder` is made anew for COLMAP's output and deleted at the end.
 StatusOr<std::vector<Reconstruction>> MapPhotos(
     const StepContext& context,
     const std::filesystem::path& database,
     const std::filesystem::path& folder,
     const Mapping& mapping);
 
-// How many photos the largest of the models has; 0 without any.
+// The number of photos in the largest of the models, which is the first; 0
+// without models.
 inline size_t NumRegistered(const std::vector<Reconstruction>& models) {
   return models.empty() ? 0 : models[0].images.size();
 }
 
-// Maps, and again with lower thresholds when that leaves out many of the photos
-// wanted; the larger result. Its folder as for MapPhotos.
+// Makes models as MapPhotos does. When the largest lacks many of the `wanted`
+// photos, it tries again with lower thresholds and returns the better result.
 StatusOr<std::vector<Reconstruction>> MapBest(
     const StepContext& context,
     const std::filesystem::path& database,
     const std::filesystem::path& folder,
     size_t wanted);
 
-// Puts two models that share photos into one frame, without adjusting it, and
-// writes it to a folder. False when COLMAP finds no way to do so.
+// Merges two models that share photos, without adjusting the result, and writes
+// it to the folder `merged`. The arguments are folders of models. Returns false
+// when COLMAP cannot merge them.
 StatusOr<bool> MergeModels(const StepContext& context,
                            const std::filesystem::path& model1,
                            const std::filesystem::path& model2,

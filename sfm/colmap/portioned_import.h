@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// COLMAP's matches_importer, run on fixed portions of the pairs of photos, one
-// single-threaded program each: its random draws, and so the result, do not
-// depend on how many run at once.
+// Runs COLMAP's matches_importer on fixed portions of the pairs of photos, each
+// in a program with one thread. So its random draws, and with them the result,
+// do not depend on how many programs run at the same time.
 
 #ifndef FREEGS_SFM_COLMAP_PORTIONED_IMPORT_H_
 #define FREEGS_SFM_COLMAP_PORTIONED_IMPORT_H_
@@ -23,30 +23,34 @@ namespace freegs::sfm {
 
 using IdPair = std::pair<uint32_t, uint32_t>;
 
-// The name of a photo in the copies that portions work on. (COLMAP's match
-// lists are separated by spaces, which names of photos may have.)
+// The name that a photo has in the copies of the database that portions work
+// on. It has no spaces, because COLMAP's match lists are separated by spaces.
 std::string PlainPhotoName(uint32_t id);
 
 struct PortionedImportOptions {
-  // Receives what the portions make of their pairs.
+  // The database that receives the matches.
   std::filesystem::path database;
 
-  // What `prepare` makes of a copy of it, with plain names; portions work on
-  // copies of that. Deleted in the end.
+  // Called with a copy of the database to delete what portions do not need.
+  // Portions then work on copies of that copy.
   std::function<Status(MatchDatabase&)> prepare;
 
-  // matches_importer's match_type, "raw" or "pairs", and the text of such a
-  // list for the pairs of a portion.
+  // The match_type of matches_importer, "raw" or "pairs", and a function that
+  // makes the text of such a match list for the pairs of a portion.
   std::string match_type;
   std::function<StatusOr<std::string>(const std::vector<IdPair>&)> list;
 
-  // With "pairs": more matches are looked for along the epipolar lines of what
-  // was verified (SiftMatching.guided_matching).
+  // With "pairs": whether to look for more matches along the epipolar lines of
+  // the verified ones (SiftMatching.guided_matching).
   bool guided = false;
 
-  std::string step = "matching";  // What the user is told.
+  std::string step = "matching";  // The name of the step in progress reports.
 };
 
+// An import into one database:
+//
+//   PortionedImport import(context, std::move(options));
+//   FREEGS_RETURN_IF_ERROR(import.Run(pairs, done, on_done));
 class PortionedImport {
  public:
   PortionedImport(const StepContext& context, PortionedImportOptions options);
@@ -54,9 +58,11 @@ class PortionedImport {
   PortionedImport(const PortionedImport&) = delete;
   PortionedImport& operator=(const PortionedImport&) = delete;
 
-  // Imports the pairs, by ids of photos. Portions are numbered through all
-  // calls; those in `done` are already in the database; on_done is told about
-  // each more. kMissingDependency when this COLMAP lacks an option.
+  // Imports the matches of the pairs, which are ids of photos. Portions are
+  // numbered from 0 on over all calls. Those in `done` are skipped, because the
+  // database has them already; on_done is called with the number of each
+  // further one. Returns kMissingDependency when this release of COLMAP lacks
+  // an option.
   Status Run(const std::vector<IdPair>& pairs,
              const std::set<int>& done,
              const std::function<Status(int portion)>& on_done);
@@ -73,9 +79,9 @@ class PortionedImport {
   const StepContext& context_;
   const PortionedImportOptions options_;
   const std::filesystem::path base_path_;
-  int num_portions_ = 0;  // Of the calls so far.
-  double total_ = 0;      // Pairs.
-  double imported_ = 0;
+  int num_portions_ = 0;  // Of all calls so far.
+  double total_ = 0;      // Pairs to import.
+  double imported_ = 0;   // Pairs imported.
 };
 
 }  // namespace freegs::sfm

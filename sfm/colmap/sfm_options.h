@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What structure from motion is given: photographs, folders and options.
+// The input of structure from motion: photos, folders and options.
 
 #ifndef FREEGS_SFM_COLMAP_SFM_OPTIONS_H_
 #define FREEGS_SFM_COLMAP_SFM_OPTIONS_H_
@@ -20,37 +20,39 @@ struct SfmOptions {
   // The COLMAP program: a path, or a name in PATH.
   std::string colmap = "colmap";
 
-  // Which photos share intrinsics: "auto" (those of a camera group), "single"
-  // (all of one size), or "per_image" (none).
+  // Which photos share intrinsics: "auto" (those of one camera group), "single"
+  // (all photos of equal size), or "per_image" (none).
   std::string camera = "auto";
 
-  // COLMAP's name of the lens model to estimate; or "auto": COLMAP estimates
-  // RADIAL, then the best model is adjusted with the simplest cameras that
-  // explain its tracks (camera_selection.h).
+  // COLMAP's name of the camera model to estimate, or "auto". With "auto"
+  // COLMAP estimates RADIAL, and the result is then adjusted with the simplest
+  // cameras that explain its tracks (camera_selection.h).
   std::string camera_model = "auto";
 
-  // Longest side, in pixels, of the images that features are taken from; 0
-  // takes the smallest, from 800 to 1600, that is enough for max_features.
+  // Longest side, in pixels, of the images from which features are taken. 0
+  // chooses the smallest size, from 800 to 1600, that gives max_features.
   int max_image_size = 0;
 
-  // Features kept per photo (those of the largest scale).
+  // How many features are kept per photo; those are the largest ones.
   int max_features = 3000;
 
   // Which pairs of photos are matched.
   PairSelectionOptions pairs;
 
-  // What all attempts beyond the first may cost together, as a multiple of what
-  // the first did, when it leaves out photos. 0 for no other attempts.
+  // When the first attempt leaves out photos, others follow. This limits the
+  // cost of all others together, as a multiple of the cost of the first. 0
+  // allows no others.
   double max_retry_cost = 8;
 
-  // Features on the graphics card (COLMAP must have been built for it).
+  // Whether features are extracted on the graphics card, for which COLMAP must
+  // have been built.
   bool use_gpu = false;
 
-  // Threads and parallel programs; <= 0 takes one per core. Changes nothing
-  // about the result.
+  // How many threads and programs run at the same time; <= 0 means one per
+  // core. The result does not depend on it.
   int num_threads = 0;
 
-  // What COLMAP is asked to estimate.
+  // The camera model that COLMAP estimates.
   const char* ColmapCameraModel() const {
     return camera_model == "auto" ? "RADIAL" : camera_model.c_str();
   }
@@ -62,14 +64,14 @@ struct SfmInput {
   std::filesystem::path photo_folder;
   std::vector<SfmPhoto> photos;  // In the order in which they were taken.
 
-  // Masks, as NAME.png for the photo NAME: features where they are 0 are not
-  // taken. Every photo has one (newer releases of COLMAP skip photos without).
-  // Empty for none.
+  // The folder of masks, NAME.png for the photo NAME, or empty. No features are
+  // taken where a mask is 0. Every photo must have a mask, because newer
+  // releases of COLMAP skip photos without one.
   std::filesystem::path mask_folder;
 
-  // Where the steps leave their files: database.db, logs/, steps.json. Calling
-  // again with the same input and options continues after the last finished
-  // step, whatever ended the earlier call.
+  // The folder for database.db, logs/, steps.json and other files of the steps.
+  // A call with the same input and options continues after the last finished
+  // step of an earlier call, whatever ended that.
   std::filesystem::path work_folder;
 
   uint64_t seed = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Photos and model without lens distortion.
+// Removes the lens distortion of photos and of a reconstruction.
 
 #ifndef FREEGS_SFM_COLMAP_UNDISTORTION_H_
 #define FREEGS_SFM_COLMAP_UNDISTORTION_H_
@@ -16,14 +16,15 @@ namespace freegs::sfm {
 struct UndistortionInput {
   std::filesystem::path photo_folder;
 
-  // Receives images/ (the photos, under their names) and sparse/ (the model,
-  // binary, PINHOLE cameras only). Created; what is in it is replaced.
+  // The output folder, which is created if it is missing. It receives images/,
+  // with the photos under their names, and sparse/, with the model as binary
+  // files with PINHOLE cameras only. Both replace what is there.
   std::filesystem::path output;
 
-  // The COLMAP program, run only when there is distortion to be removed.
+  // The COLMAP program. It runs only when a camera has distortion.
   std::string colmap = "colmap";
 
-  // Longest side in pixels of the written photos; 0 keeps their own.
+  // Longest side, in pixels, of the written photos; 0 keeps their sizes.
   int max_image_size = 0;
 
   const CancellationToken* cancellation = nullptr;
@@ -32,13 +33,21 @@ struct UndistortionInput {
 
 struct UndistortionResult {
   Reconstruction model;    // As written.
-  bool resampled = false;  // False: the photos are the input's own pixels.
+  bool resampled = false;  // If false, the photos have unchanged pixels.
 };
 
-// Removes the distortion of all images of `model`. When no camera has any,
-// photos are linked (or copied) unchanged, or resized if they are too large.
-// kBadInput when a posed photo has no file; kUnusableResult when COLMAP fails
-// or leaves distortion behind.
+// Removes the distortion of all images of `model`:
+//
+//   UndistortionInput input;
+//   input.photo_folder = workspace / "ingest" / "photos";
+//   input.output = workspace / "undistort";
+//   FREEGS_ASSIGN_OR_RETURN(const UndistortionResult result,
+//                           Undistort(model, input));
+//
+// When no camera has distortion, photos are linked, or copied, without change,
+// and those that are too large are resized. Returns kBadInput when a photo of
+// the model has no file, and kUnusableResult when COLMAP fails or when its
+// result still has distortion.
 StatusOr<UndistortionResult> Undistort(const Reconstruction& model,
                                        const UndistortionInput& input);
 

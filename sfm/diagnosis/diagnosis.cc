@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/number_text.h"
 #include "core/quantile.h"
 #include "sfm/diagnosis/diagnosis_scene.h"
 
@@ -15,10 +16,6 @@ namespace {
 // Points that a photo of a model must see on average. Models of blurred or bare
 // scenes have some 60 of mostly wrong ones, sound ones hundreds.
 constexpr double kFewObservations = 80;
-
-std::string Percent(double share) {
-  return std::to_string(static_cast<int>(std::round(100 * share))) + " %";
-}
 
 void FindTooFewPhotos(const DiagnosedScene& scene,
                       std::vector<Finding>* findings) {
@@ -61,7 +58,7 @@ void FindBlur(const DiagnosedScene& scene, std::vector<Finding>* findings) {
     finding.message =
         "the photos are blurred: half of what stands out in them is wider "
         "than " +
-        ShortText(100 * scale) + " % of the photo";
+        FormatSignificant(100 * scale, 3) + " % of the photo";
     findings->push_back(std::move(finding));
     return;
   }
@@ -75,10 +72,11 @@ void FindBlur(const DiagnosedScene& scene, std::vector<Finding>* findings) {
   finding.evidence = {{"photos", static_cast<double>(blurred.size())},
                       {"sharpness_at_most", worst},
                       {"sharpness_of_sharp_photos", scene.sharp}};
-  finding.message =
-      SomeNames(finding.photos) + (blurred.size() == 1 ? " is" : " are") +
-      " much more blurred than the others (sharpness at most " +
-      ShortText(worst) + ", theirs " + ShortText(scene.sharp) + ")";
+  finding.message = SomeNames(finding.photos) +
+                    (blurred.size() == 1 ? " is" : " are") +
+                    " much more blurred than the others (sharpness at most " +
+                    FormatSignificant(worst, 3) + ", theirs " +
+                    FormatSignificant(scene.sharp, 3) + ")";
   findings->push_back(std::move(finding));
 }
 
@@ -142,7 +140,7 @@ void FindThinModel(const DiagnosedScene& scene,
   finding.severity = Severity::kFatal;
   finding.evidence = {{"points_per_photo", each}, {"few", kFewObservations}};
   finding.message = "the model hangs on too little: a photo sees " +
-                    ShortText(each) +
+                    FormatSignificant(each, 3) +
                     " of its points on average, so that its poses cannot be "
                     "trusted";
   finding.advice =
@@ -163,7 +161,7 @@ void FindNoBaseline(const DiagnosedScene& scene,
     finding.hopeless = true;
     finding.message =
         "the camera only turned on the spot (a rotation explains " +
-        Percent(turning.homography_share) +
+        FormatPercent(turning.homography_share) +
         " of the matching pairs), so that depth cannot be measured";
     finding.advice =
         "walk around the scene instead, so that each part is seen from well "
@@ -179,7 +177,7 @@ void FindNoBaseline(const DiagnosedScene& scene,
   finding.kind = FindingKind::kPlanarScene;
   finding.severity = Severity::kDegrading;
   finding.message = "nearly everything seen lies in one plane (" +
-                    Percent(turning.homography_share) +
+                    FormatPercent(turning.homography_share) +
                     " of the matching pairs), which leaves the lens and the "
                     "depth uncertain";
   finding.advice =

@@ -4,19 +4,12 @@
 #include "sfm/diagnosis/diagnosis_scene.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <utility>
 
 #include "core/quantile.h"
 #include "sfm/scene/reconstruction_measures.h"
 
 namespace freegs::sfm {
-
-std::string ShortText(double value) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.3g", value);
-  return text;
-}
 
 double SharpnessOfSharp(const SceneEvidence& evidence) {
   std::vector<double> values;

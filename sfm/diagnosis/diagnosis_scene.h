@@ -13,8 +13,6 @@
 
 namespace freegs::sfm {
 
-// Three significant digits.
-std::string ShortText(double value);
 
 // Upper quartile of the photos' sharpness, where known.
 double SharpnessOfSharp(const SceneEvidence& evidence);

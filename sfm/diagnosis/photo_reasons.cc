@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/number_text.h"
 #include "sfm/diagnosis/diagnosis_scene.h"
 
 namespace freegs::sfm {
@@ -44,8 +45,8 @@ std::map<std::string, std::string> ExplainUnregistered(
     }
     reason = std::to_string(photo.num_features) + " features; ";
     if (scene.IsBlurred(photo)) {
-      reason += "blurred (sharpness " + ShortText(photo.sharpness) +
-                ", the others' " + ShortText(scene.sharp) + "); ";
+      reason += "blurred (sharpness " + FormatSignificant(photo.sharpness, 3) +
+                ", the others' " + FormatSignificant(scene.sharp, 3) + "); ";
     }
     if (partners[i] == 0) {
       reason += "matches no other photo";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Camera poses that somebody else computed.
+// Imports camera poses that another program computed.
 
 #ifndef FREEGS_SFM_IMPORT_IMPORT_MODEL_H_
 #define FREEGS_SFM_IMPORT_IMPORT_MODEL_H_
@@ -15,46 +15,53 @@
 
 namespace freegs::sfm {
 
-// What a path given for import turned out to be.
+// The files found at a path that the user gave for import.
 struct ImportSource {
-  // A COLMAP model folder; or empty and transforms files are given.
+  // The folder of a COLMAP model. If it is empty, `transforms` is not.
   std::filesystem::path colmap_model;
 
-  // transforms.json, or transforms_train.json and, if it is there,
+  // transforms.json; or transforms_train.json and, if it exists,
   // transforms_test.json, whose frames are meant for evaluation.
   std::filesystem::path transforms;
   std::filesystem::path test_transforms;
 
-  // All files that decide the result.
+  // All files whose content decides the result.
   std::vector<std::filesystem::path> Files() const;
 };
 
-// Looks at `path`: a COLMAP model folder (binary or text) or a folder above one
-// (PATH/sparse/0, PATH/sparse, PATH/0); a transforms file, or a folder with
-// transforms.json or transforms_train.json. kBadInput says what was looked for.
+// Finds what can be imported at `path`. It may be the folder of a COLMAP model
+// (binary or text), a folder that contains one as sparse/0, sparse or 0, a
+// transforms file, or a folder with transforms.json or transforms_train.json.
+// The message of kBadInput says what was looked for.
 StatusOr<ImportSource> FindImportSource(const std::filesystem::path& path);
 
 struct ImportedModel {
-  // Only images that are among the photos, under the photos' names, in the
-  // order of the photos; intrinsics and features in the photos' pixels.
+  // The images that are among the photos, with the names and in the order of
+  // the photos. Intrinsics and features are in pixels of the photos.
   Reconstruction model;
 
-  // The source has no points: these are random ones.
+  // Whether the points are random ones, because the source has none.
   bool random_points = false;
 
   std::vector<std::string> holdout;  // Photos the source means for evaluation.
-  std::vector<std::string> unmatched;  // Its names that fit no photo.
+  std::vector<std::string> unmatched;  // Names of the source that fit no photo.
   std::vector<std::string> warnings;
 };
 
 struct ImportOptions {
-  int random_points = 10000;  // How many, when the source has no points.
+  int random_points = 10000;  // Their number, when the source has no points.
   uint64_t seed = 0;
 };
 
-// Reads `source` for the given photos (see MatchNames for how names are
-// matched). kBadInput when it is malformed, when no name fits a photo, or when
-// a photo has another shape than the source's images.
+// Reads the poses of the given photos:
+//
+//   FREEGS_ASSIGN_OR_RETURN(const ImportSource source, FindImportSource(path));
+//   FREEGS_ASSIGN_OR_RETURN(const ImportedModel imported,
+//                           ImportModel(source, photos, ImportOptions()));
+//
+// MatchNames decides which image of the source is which photo. Returns
+// kBadInput when the source is malformed, when no name fits a photo, and when a
+// photo has another shape than its image in the source.
 StatusOr<ImportedModel> ImportModel(const ImportSource& source,
                                     const std::vector<SfmPhoto>& photos,
                                     const ImportOptions& options);

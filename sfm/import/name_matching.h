@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which photo a name in somebody else's file means.
+// Finds the photos that the names in a file of another program mean.
 
 #ifndef FREEGS_SFM_IMPORT_NAME_MATCHING_H_
 #define FREEGS_SFM_IMPORT_NAME_MATCHING_H_
@@ -11,11 +11,12 @@
 
 namespace freegs::sfm {
 
-// For each name the index of the photo it means, or -1. Paths are compared from
-// their ends: "images/0001.jpg" and "./0001" both mean the photo "0001.jpg".
-// More equal folders win over fewer, then an equal extension. A name that two
-// photos fit equally well means neither; a photo that two names fit goes to the
-// better, or the earlier.
+// Returns, for each name, the index of the photo that it means, or -1. Paths
+// are compared from their ends: "images/0001.jpg" and "./0001" both mean the
+// photo "0001.jpg". Of several photos that fit, the one with more equal folders
+// wins, and then one with an equal extension. A name that two photos fit
+// equally well means neither. When two names mean one photo, the better name
+// gets it, and of equally good ones the earlier; the other name means none.
 std::vector<int> MatchNames(const std::vector<std::string>& names,
                             const std::vector<SfmPhoto>& photos);
 

@@ -8,24 +8,16 @@
 #include <numbers>
 #include <set>
 
-#include <Eigen/LU>
 #include <nlohmann/json.hpp>
+
+#include "core/io/json_fields.h"
 
 namespace freegs::sfm {
 namespace {
 
 using nlohmann::json;
 
-// Reads an optional number; an error if it is there and not a finite number.
-Status ReadNumber(const json& object, const char* key, double* value) {
-  const auto it = object.find(key);
-  if (it == object.end() || it->is_null()) return {};
-  if (!it->is_number() || !std::isfinite(it->get<double>())) {
-    return BadInputError(std::string("\"") + key + "\" is not a number");
-  }
-  *value = it->get<double>();
-  return {};
-}
+constexpr double kMaxCoordinate = 1e12;
 
 // Overwrites what `object` (the file or one frame) gives.
 Status ReadIntrinsics(const json& object, TransformsIntrinsics* result) {
@@ -46,7 +38,9 @@ Status ReadIntrinsics(const json& object, TransformsIntrinsics* result) {
       {"p2", &result->p2},
   };
   for (const auto& [key, value] : fields) {
-    FREEGS_RETURN_IF_ERROR(ReadNumber(object, key, value));
+    const json* field = FindField(object, key);
+    if (field == nullptr || field->is_null()) continue;
+    FREEGS_ASSIGN_OR_RETURN(*value, ReadNumber(field, key));
   }
   if (object.contains("cx") && object.contains("cy")) {
     result->has_centre = true;
@@ -82,37 +76,27 @@ Status ReadIntrinsics(const json& object, TransformsIntrinsics* result) {
 }
 
 Status ReadPose(const json& frame, Rigid3d* cam_from_world) {
-  const auto it = frame.find("transform_matrix");
-  if (it == frame.end()) return BadInputError("has no \"transform_matrix\"");
-  const auto malformed = [] {
-    return BadInputError(
-        "\"transform_matrix\" is not 4 rows (or 3) of 4 finite numbers");
-  };
-  if (!it->is_array() || (it->size() != 4 && it->size() != 3)) {
-    return malformed();
-  }
+  constexpr char kKey[] = "transform_matrix";
+  const json* field = FindField(frame, kKey);
+  const int rows =
+      field != nullptr && field->is_array() && field->size() == 3 ? 3 : 4;
   Eigen::Matrix4d world_from_gl = Eigen::Matrix4d::Identity();
-  for (size_t r = 0; r < it->size(); ++r) {
-    const json& row = (*it)[r];
-    if (!row.is_array() || row.size() != 4) return malformed();
-    for (size_t c = 0; c < 4; ++c) {
-      if (!row[c].is_number()) return malformed();
-      const double value = row[c].get<double>();
-      if (!std::isfinite(value) || std::abs(value) > 1e12) return malformed();
-      world_from_gl(static_cast<int>(r), static_cast<int>(c)) = value;
-    }
-  }
+  FREEGS_ASSIGN_OR_RETURN(const Eigen::MatrixXd matrix,
+                          ReadMatrix(field, rows, 4, kKey));
+  world_from_gl.topRows(rows) = matrix;
   const Eigen::Matrix3d rotation = world_from_gl.topLeftCorner<3, 3>();
-  constexpr double kTolerance = 1e-2;
-  if ((rotation.transpose() * rotation - Eigen::Matrix3d::Identity())
-              .cwiseAbs()
-              .maxCoeff() > kTolerance ||
-      rotation.determinant() < 0 ||
-      (world_from_gl.row(3) - Eigen::RowVector4d(0, 0, 0, 1))
-              .cwiseAbs()
-              .maxCoeff() > 1e-6) {
+  constexpr double kRotationTolerance = 1e-2;  // Some tools write few digits.
+  FREEGS_RETURN_IF_ERROR(CheckRotation(rotation, kKey, kRotationTolerance));
+  const Eigen::RowVector4d last_row(0, 0, 0, 1);
+  if ((world_from_gl.row(3) - last_row).cwiseAbs().maxCoeff() > 1e-6) {
     return BadInputError(
-        "\"transform_matrix\" is not a rotation and translation");
+        "transform_matrix: the last row of a rotation and translation must be "
+        "0 0 0 1");
+  }
+  if (world_from_gl.cwiseAbs().maxCoeff() > kMaxCoordinate) {
+    return BadInputError(
+        "transform_matrix: the camera is not at a finite "
+        "distance, 1e12 at most");
   }
   const Eigen::DiagonalMatrix<double, 3> flip(1, -1, -1);
   Rigid3d world_from_cam;
@@ -126,9 +110,7 @@ Status ReadPose(const json& frame, Rigid3d* cam_from_world) {
 }  // namespace
 
 StatusOr<std::vector<TransformsFrame>> ParseTransforms(std::string_view text) {
-  const json root = json::parse(text, nullptr, /*allow_exceptions=*/false);
-  if (root.is_discarded()) return BadInputError("is not valid JSON");
-  if (!root.is_object()) return BadInputError("is not a JSON object");
+  FREEGS_ASSIGN_OR_RETURN(const json root, ParseJsonObject(text));
   TransformsIntrinsics shared;
   FREEGS_RETURN_IF_ERROR(ReadIntrinsics(root, &shared));
   const auto list = root.find("frames");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// transforms.json, the camera file of instant-ngp, nerfstudio and the
-// NeRF-synthetic scenes.
+// Reads transforms.json, the camera file of instant-ngp, of nerfstudio and of
+// the NeRF-synthetic scenes.
 
 #ifndef FREEGS_SFM_IMPORT_TRANSFORMS_JSON_H_
 #define FREEGS_SFM_IMPORT_TRANSFORMS_JSON_H_
@@ -15,7 +15,8 @@
 
 namespace freegs::sfm {
 
-// Intrinsics as the file gives them; 0 stands for a value it does not give.
+// Intrinsics as the file gives them. 0 stands for a value that it does not
+// give.
 struct TransformsIntrinsics {
   double width = 0;    // Pixels.
   double height = 0;   // Pixels.
@@ -34,20 +35,23 @@ struct TransformsFrame {
   std::string file_path;  // As written.
   TransformsIntrinsics intrinsics;
 
-  // In the world of the file. The file has camera-to-world matrices with
-  // OpenGL's camera axes (x right, y up, z backward): y and z are flipped here.
+  // The pose in the world of the file. The file has camera-to-world matrices
+  // with the camera axes of OpenGL (x right, y up, z backward); here the camera
+  // frame is that of the rest of the program (x right, y down, z forward).
   Rigid3d cam_from_world;
 };
 
-// Parses the text of a transforms file. kBadInput names the frame and the
-// fault: not JSON, missing fields, numbers that are not finite, a matrix that
-// is not a rotation and translation, an unknown kind of camera.
+// Parses the text of a transforms file. Returns kBadInput, with the frame and
+// the fault, for text that is not JSON, missing fields, numbers that are not
+// finite, matrices that are not a rotation and a translation, and unknown kinds
+// of cameras.
 StatusOr<std::vector<TransformsFrame>> ParseTransforms(std::string_view text);
 
-// The camera for an image of width x height pixels, the size of the photo: the
-// model is the simplest that holds the given distortion (PINHOLE, OPENCV,
-// FULL_OPENCV, OPENCV_FISHEYE). Intrinsics of another size are scaled.
-// kBadInput without a focal length or when the shapes differ by over 1 %.
+// Returns the camera for a photo of width x height pixels. Its model is the
+// simplest of PINHOLE, OPENCV, FULL_OPENCV and OPENCV_FISHEYE that has the
+// given distortion parameters. Intrinsics for another image size are scaled.
+// Returns kBadInput when there is no focal length, and when the aspect ratios
+// of the two sizes differ by more than 1 %.
 StatusOr<Camera> MakeCamera(const TransformsIntrinsics& intrinsics,
                             int width,
                             int height);

@@ -3,11 +3,13 @@
 
 #include "sfm/mapping/attempt.h"
 
+#include <climits>
 #include <system_error>
 
 #include <nlohmann/json.hpp>
 
 #include "core/io/files.h"
+#include "core/io/json_fields.h"
 #include "sfm/matching/match_database.h"
 #include "sfm/scene/model_io.h"
 #include "sfm/scene/reconstruction_measures.h"
@@ -102,23 +104,22 @@ Status AttemptStore::Write(const std::string& name,
 StatusOr<AttemptResult> AttemptStore::Read(const std::string& name) const {
   const fs::path path = Folder(name) / "result.json";
   FREEGS_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, 1 << 20));
-  const auto json = nlohmann::json::parse(text, nullptr, false);
-  if (!json.is_object() || !json.contains("models") ||
-      !json["models"].is_number_unsigned() || !json.contains("has_database") ||
-      !json["has_database"].is_boolean() || !json.contains("pairs") ||
-      !json.contains("image_size") || !json["image_size"].is_number_integer() ||
-      !json.contains("counts") || !json["counts"].is_object()) {
-    return BadInputError(path.string() + ": is not the result of an attempt");
-  }
+  FREEGS_ASSIGN_OR_RETURN(const nlohmann::json json,
+                          ParseJsonObject(text, path.string()));
+  Status status;
+  JsonObjectReader reader(json, path.string(), "", &status);
   AttemptResult result;
-  result.has_database = json["has_database"].get<bool>();
-  result.pairs = MatchedPairsFromJson(json["pairs"]);
-  result.image_size = json["image_size"].get<int>();
-  for (const auto& [key, value] : json["counts"].items()) {
+  const int count = reader.Integer("models", 0, INT_MAX);
+  result.has_database = reader.Bool("has_database");
+  result.image_size = reader.Integer("image_size", 0, INT_MAX);
+  if (const auto* pairs = FindField(json, "pairs")) {
+    result.pairs = MatchedPairsFromJson(*pairs);
+  }
+  for (const auto& [key, value] : reader.Object("counts").items()) {
     if (value.is_number_integer()) result.counts[key] = value.get<int64_t>();
   }
-  const size_t count = json["models"].get<size_t>();
-  for (size_t i = 0; i < count; ++i) {
+  FREEGS_RETURN_IF_ERROR(status);
+  for (int i = 0; i < count; ++i) {
     FREEGS_ASSIGN_OR_RETURN(
         Reconstruction model,
         ReadModel(Folder(name) / "models" / std::to_string(i)));

@@ -4,13 +4,13 @@
 #include "sfm/mapping/separate_parts.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <set>
 #include <utility>
 
+#include "core/number_text.h"
+#include "sfm/lookalikes/view_groups.h"
 #include "sfm/mapping/ladder_rungs.h"
 #include "sfm/matching/match_database.h"
-#include "sfm/lookalikes/view_groups.h"
 
 namespace freegs::sfm {
 namespace {
@@ -71,11 +71,10 @@ class Separation {
 };
 
 std::string Separation::Why() const {
-  char score[16];
-  std::snprintf(score, sizeof(score), "%.2f", best_.groups.score);
   return "groups of " + std::to_string(best_.largest()) + " and " +
          std::to_string(best_.model.images.size() - best_.largest()) +
-         " photos hold together by what looks alike (support " + score + ")";
+         " photos hold together by what looks alike (support " +
+         FormatFixed(best_.groups.score, 2) + ")";
 }
 
 StatusOr<AttemptResult> Separation::MapWithout(const std::string& name,

@@ -3,7 +3,12 @@
 
 #include "sfm/mapping/step_record.h"
 
+#include <climits>
+
+#include <nlohmann/json.hpp>
+
 #include "core/io/files.h"
+#include "core/io/json_fields.h"
 
 namespace freegs::sfm {
 
@@ -11,20 +16,23 @@ StepRecord::StepRecord(const std::filesystem::path& work_folder)
     : path_(work_folder / "steps.json") {
   const StatusOr<std::string> text = ReadFile(path_, 1 << 20);
   if (!text.ok()) return;
-  const auto json = nlohmann::json::parse(*text, nullptr, false);
-  if (!json.is_object()) return;
-  for (const auto& [key, values] : json.items()) {
-    if (key == "pairs") pairs_ = MatchedPairsFromJson(values);
-    if (key == "image_size" && values.is_number_integer()) {
-      image_size_ = values.get<int>();
+  const auto json = ParseJson(*text);
+  if (!json.ok()) return;
+  if (const auto* pairs = FindField(*json, "pairs")) {
+    pairs_ = MatchedPairsFromJson(*pairs);
+  }
+  const auto size = ReadInteger(FindField(*json, "image_size"), 0, INT_MAX, "");
+  if (size.ok()) image_size_ = *size;
+  if (const auto* done = FindField(*json, "done"); done && done->is_array()) {
+    for (const auto& value : *done) {
+      if (value.is_string()) done_.insert(value);
     }
-    if (!values.is_array()) continue;
-    for (const auto& value : values) {
-      if (key == "done" && value.is_string()) done_.insert(value);
-      if (key == "matched_portions" && value.is_number_integer()) {
-        portions_.insert(value.get<int>());
-      }
-    }
+  }
+  const auto* portions = FindField(*json, "matched_portions");
+  if (portions == nullptr || !portions->is_array()) return;
+  for (const auto& value : *portions) {
+    const auto portion = ReadInteger(&value, 0, INT_MAX, "");
+    if (portion.ok()) portions_.insert(*portion);
   }
 }
 
@@ -64,18 +72,15 @@ nlohmann::json MatchedPairsToJson(const MatchedPairs& pairs) {
 }
 
 MatchedPairs MatchedPairsFromJson(const nlohmann::json& json) {
-  if (!json.is_object()) return {};
-  const auto strategy = json.find("strategy");
-  const auto pairs = json.find("pairs");
-  const auto all_pairs = json.find("all_pairs");
-  if (strategy == json.end() || !strategy->is_string() || pairs == json.end() ||
-      !pairs->is_number_unsigned() || all_pairs == json.end() ||
-      !all_pairs->is_number_unsigned()) {
-    return {};
-  }
-  return {strategy->get<std::string>(),
-          pairs->get<size_t>(),
-          all_pairs->get<size_t>()};
+  Status status;
+  JsonObjectReader reader(json, "", "pairs", &status);
+  MatchedPairs pairs;
+  constexpr int64_t kMaxPairs = int64_t{1} << 52;
+  pairs.strategy = reader.Text("strategy");
+  pairs.pairs = static_cast<size_t>(reader.Integer64("pairs", 0, kMaxPairs));
+  pairs.all_pairs =
+      static_cast<size_t>(reader.Integer64("all_pairs", 0, kMaxPairs));
+  return status.ok() ? pairs : MatchedPairs();
 }
 
 }  // namespace freegs::sfm

@@ -4,20 +4,20 @@
 #include "sfm/mapping/structure_from_motion.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <system_error>
 #include <thread>
 
-#include "sfm/diagnosis/photo_reasons.h"
 #include "core/io/files.h"
+#include "core/number_text.h"
 #include "sfm/colmap/colmap_program.h"
 #include "sfm/colmap/colmap_steps.h"
+#include "sfm/diagnosis/photo_reasons.h"
+#include "sfm/lookalikes/view_graph.h"
 #include "sfm/mapping/ladder.h"
-#include "sfm/matching/match_database.h"
 #include "sfm/mapping/reconcile.h"
 #include "sfm/mapping/separate_parts.h"
 #include "sfm/mapping/step_record.h"
-#include "sfm/lookalikes/view_graph.h"
+#include "sfm/matching/match_database.h"
 
 namespace freegs::sfm {
 namespace {
@@ -126,13 +126,11 @@ Status TakeSeparated(const StepContext& context,
   for (Attempt& attempt : parts.attempts) {
     result->attempts.push_back(std::move(attempt));
   }
-  char score[16];
-  std::snprintf(score, sizeof(score), "%.2f", parts.score);
   result->warnings.push_back(
       "parts of the scene look alike: a first model had glued " +
       std::to_string(parts.groups) +
       " groups of photos, of the evidence between which only a share of " +
-      score + " supported it");
+      FormatFixed(parts.score, 2) + " supported it");
   if (result->database.path != parts.database.path) {
     result->database = std::move(parts.database);
     FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,

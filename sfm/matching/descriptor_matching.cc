@@ -87,9 +87,29 @@ BestTwo OverLanes(const float* best,
   return result;
 }
 
-// a: num_a x 128 floats, num_a a multiple of kRows, padded with zero rows.
-// b: num_b x 128 floats. rows and columns receive the best two of each of the
-// first valid_a rows of a (among b), and of each of b (among those rows).
+// Copies num_b descriptors into blocks of `block` descriptors, of which there
+// are padded_b with the zero ones at the end. Each block holds the first
+// dimension of all its descriptors, then the second, and so on.
+hwy::AlignedFreeUniquePtr<float[]> PackBlocks(const float* b,
+                                              size_t num_b,
+                                              size_t padded_b,
+                                              size_t block) {
+  auto packed = hwy::AllocateAligned<float>(padded_b * kSiftDimensions);
+  for (size_t j = 0; j < padded_b; ++j) {
+    float* const to =
+        packed.get() + j / block * block * kSiftDimensions + j % block;
+    for (size_t k = 0; k < kSiftDimensions; ++k) {
+      to[k * block] = j < num_b ? b[j * kSiftDimensions + k] : 0.0f;
+    }
+  }
+  return packed;
+}
+
+// Multiplies all descriptors of two photos. `a` is a num_a x 128 matrix, row by
+// row, where num_a is a multiple of kRows and rows from valid_a on are zero.
+// `b` is a num_b x 128 matrix. `rows` receives, for each of the first valid_a
+// rows of a, its best two products with rows of b; `columns` receives, for each
+// row of b, its best two products with those rows of a.
 void BestProducts(const float* HWY_RESTRICT a,
                   size_t num_a,
                   size_t valid_a,
@@ -104,15 +124,7 @@ void BestProducts(const float* HWY_RESTRICT a,
   const size_t padded_b = (num_b + block - 1) / block * block;
   const V none = hn::Set(d, -1.0f);
 
-  // Blocks of `block` descriptors of b, each dimension by dimension.
-  const auto packed = hwy::AllocateAligned<float>(padded_b * kSiftDimensions);
-  for (size_t j = 0; j < padded_b; ++j) {
-    float* const to =
-        packed.get() + j / block * block * kSiftDimensions + j % block;
-    for (size_t k = 0; k < kSiftDimensions; ++k) {
-      to[k * block] = j < num_b ? b[j * kSiftDimensions + k] : 0.0f;
-    }
-  }
+  const auto packed = PackBlocks(b, num_b, padded_b, block);
   // Running bests: of each row of a one vector, of each of b one lane.
   Running row(num_a * lanes);
   Running column(padded_b);

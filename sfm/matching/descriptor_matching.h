@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which features of two photos have the same SIFT descriptor. Exact: every
-// descriptor is compared with every other. (COLMAP on a CPU searches
-// approximately, with a forest of random trees seeded by the machine's entropy:
-// its matches differ from run to run.)
+// Matches the features of two photos by their SIFT descriptors. Every
+// descriptor of one photo is compared with every descriptor of the other.
+// COLMAP itself searches approximately on a CPU, with random trees that it
+// seeds with the machine's entropy, so that its matches differ from run to run.
 
 #ifndef FREEGS_SFM_MATCHING_DESCRIPTOR_MATCHING_H_
 #define FREEGS_SFM_MATCHING_DESCRIPTOR_MATCHING_H_
@@ -18,7 +18,7 @@ namespace freegs::sfm {
 
 inline constexpr size_t kSiftDimensions = 128;
 
-// Descriptors of one photo, one after another.
+// The descriptors of one photo, one after another.
 struct SiftDescriptors {
   std::vector<uint8_t> values;  // count() x kSiftDimensions.
   size_t count() const { return values.size() / kSiftDimensions; }
@@ -30,15 +30,16 @@ struct DescriptorMatchingOptions {
   // scale-invariant keypoints", IJCV 2004, section 7.1).
   double max_ratio = 0.8;
 
-  // Largest angle between two descriptors, radians.
+  // The largest angle between two matching descriptors, in radians.
   double max_angle = 0.7;
 
   Status Check() const;
 };
 
-// Pairs (i in a, j in b), by ascending i, whose descriptors are each other's
-// nearest, pass both tests in both directions, and have no equals. Angles are
-// those between the descriptors as vectors. The result does not depend on the
+// Returns the pairs (i in a, j in b), in the order of i, whose descriptors are
+// each other's nearest and pass both tests of the options in both directions. A
+// descriptor whose two nearest are equally near matches none. Distances are
+// angles between descriptors as vectors. The result does not depend on the
 // processor.
 std::vector<std::pair<uint32_t, uint32_t>> MatchDescriptors(
     const SiftDescriptors& a,

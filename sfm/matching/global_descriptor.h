@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How alike two photos look as a whole, without matching their features: one
-// vector per photo, made from its SIFT descriptors.
+// Describes each photo as a whole by one vector, made from its SIFT
+// descriptors. The vectors tell how alike two photos look without matching
+// their features.
 
 #ifndef FREEGS_SFM_MATCHING_GLOBAL_DESCRIPTOR_H_
 #define FREEGS_SFM_MATCHING_GLOBAL_DESCRIPTOR_H_
@@ -16,15 +17,16 @@
 namespace freegs::sfm {
 
 struct GlobalDescriptorOptions {
-  // Features of a photo that are used, the largest ones: those survive a change
-  // of distance, and there are fewer accidental ones among them.
+  // How many features of a photo are used. These are its largest ones, because
+  // they are found again from other distances and fewer of them are accidental.
   int max_features = 1000;
 
-  // Words of the vocabulary: cluster centres of the scene's own descriptors.
+  // Number of words of the vocabulary, which are cluster centres of the scene's
+  // own descriptors.
   int words = 128;
 
-  // Descriptors, of all photos together, that the vocabulary is learned from,
-  // and rounds of doing so.
+  // How many descriptors, of all photos together, the vocabulary is learned
+  // from, and how many rounds of clustering there are.
   int max_training = 10000;
   int iterations = 5;
 
@@ -37,13 +39,13 @@ struct GlobalDescriptorOptions {
 struct PhotoFeatures {
   const SiftDescriptors* descriptors = nullptr;
 
-  // The size of each in its image. Empty if unknown: features are then taken
-  // evenly from the list.
+  // The size of each feature in its image. Empty if it is not known; features
+  // are then taken evenly from the list.
   std::vector<float> scales;
 };
 
-// One row of `size` numbers per photo, of length 1, or all zero for a photo
-// without features.
+// A row of `size` numbers for each photo. As a vector it has length 1, or is
+// zero for a photo without features.
 struct GlobalDescriptors {
   size_t count = 0;
   size_t size = 0;
@@ -51,23 +53,24 @@ struct GlobalDescriptors {
 
   const float* row(size_t i) const { return values.data() + i * size; }
 
-  // The cosine of the angle between two photos' vectors: 1 for equal photos;
-  // about 0 for unrelated ones, if there are dozens of photos (the vectors of a
-  // scene sum to about 0, so of two photos one is the other's opposite); 0 when
-  // one has no features.
+  // The cosine of the angle between the vectors of two photos. It is 1 for
+  // equal photos and 0 when one has no features. For unrelated photos it is
+  // about 0 if there are dozens of photos; with few it is lower, because the
+  // vectors of a scene sum to about 0.
   float Similarity(size_t i, size_t j) const;
 };
 
-// VLAD: the differences between descriptors and their nearest word, summed per
-// word (Jegou, Douze, Schmid and Perez, "Aggregating local descriptors into a
-// compact image representation", CVPR 2010), each word's sum scaled to length
-// 1, so that none outweighs the others (Arandjelovic and Zisserman, "All about
-// VLAD", CVPR 2013); then the square root of every number, keeping its sign,
-// and length 1 for the whole.
+// Computes VLAD vectors (Jegou, Douze, Schmid and Perez, "Aggregating local
+// descriptors into a compact image representation", CVPR 2010): for each word
+// of the vocabulary, the sum of the differences between the word and those
+// descriptors to which it is the nearest. Each sum is scaled to length 1, so
+// that none outweighs the others (Arandjelovic and Zisserman, "All about VLAD",
+// CVPR 2013). Then each number is replaced by its square root with the same
+// sign, and the whole vector is scaled to length 1.
 //
-// SIFT descriptors are taken as COLMAP stores them, which is after the square
-// root that suits their kind of histogram (RootSIFT). The result is the same
-// whatever the number of threads. options must pass Check().
+// The descriptors are those in COLMAP's database, which are RootSIFT already.
+// The result does not depend on the number of threads. `options` must pass
+// Check().
 GlobalDescriptors DescribePhotos(const std::vector<PhotoFeatures>& photos,
                                  const GlobalDescriptorOptions& options,
                                  ThreadPool* pool);

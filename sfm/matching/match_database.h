@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The few things we ask of COLMAP's SQLite database beside what its own
-// commands do: which photos are in it, and moving matches between two copies.
+// Reads and changes COLMAP's SQLite database of features and matches, where the
+// commands of COLMAP do not suffice.
 
 #ifndef FREEGS_SFM_MATCHING_MATCH_DATABASE_H_
 #define FREEGS_SFM_MATCHING_MATCH_DATABASE_H_
@@ -25,12 +25,21 @@ struct sqlite3;
 
 namespace freegs::sfm {
 
-// Feature feature1 of one image shows what feature2 of another shows.
+// Feature number feature1 of one image and number feature2 of another show the
+// same thing.
 struct FeatureMatch {
   uint32_t feature1 = 0;
   uint32_t feature2 = 0;
 };
 
+// An open database:
+//
+//   FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
+//                           MatchDatabase::Open(work_folder / "database.db"));
+//   FREEGS_ASSIGN_OR_RETURN(const auto photos, database.Photos());
+//   FREEGS_ASSIGN_OR_RETURN(const auto pairs, database.VerifiedPairs());
+//
+// Errors name the file.
 class MatchDatabase {
  public:
   struct Photo {
@@ -39,18 +48,18 @@ class MatchDatabase {
     int64_t num_features = 0;
   };
 
-  // Opens an existing database that COLMAP wrote.
+  // Opens an existing database of COLMAP.
   static StatusOr<MatchDatabase> Open(const std::filesystem::path& path);
 
-  // Photos by ascending id.
+  // The photos in the order of their ids.
   StatusOr<std::vector<Photo>> Photos() const;
 
-  // The SIFT descriptors of a photo; empty when it has none. kBadInput when
-  // they are of another kind.
+  // The SIFT descriptors of a photo; none when it has no features. Returns
+  // kBadInput when they are of another kind.
   StatusOr<SiftDescriptors> Descriptors(uint32_t photo_id) const;
 
-  // The size of each feature of a photo in its image; empty when it has none,
-  // or the database does not say. Never NaN.
+  // The size, in pixels, of each feature of a photo; empty when the photo has
+  // no features or the database does not tell. Never NaN.
   StatusOr<std::vector<float>> FeatureScales(uint32_t photo_id) const;
 
   // A pair of photos with verified matches, and the motion that fits them.
@@ -59,40 +68,42 @@ class MatchDatabase {
     uint32_t id2 = 0;
     int64_t num_matches = 0;
 
-    // Whether a homography explains the matches as well as any motion: a plane
-    // was seen, or the camera only turned. homography maps pixels of id1 to
-    // pixels of id2; it may be missing.
+    // Whether a homography explains the matches as well as any motion does.
+    // Then both photos show one plane, or the camera only turned between them.
+    // `homography` maps pixels of id1 to pixels of id2; the database need not
+    // have it.
     bool is_homography = false;
     std::optional<Eigen::Matrix3d> homography;
   };
 
-  // By ascending ids. Databases without such details give pairs without them.
+  // All pairs with verified matches, in the order of their ids. Details that
+  // the database does not have are left out.
   StatusOr<std::vector<VerifiedPair>> VerifiedPairs() const;
 
-  // Calls visit(id1, id2, matches) for each pair of photos with verified
-  // matches, by ascending ids; id1 < id2.
+  // Calls visit(id1, id2, matches), where id1 < id2, for each pair of photos
+  // with verified matches, in the order of the ids.
   Status ForEachVerifiedPair(
       const std::function<void(
           uint32_t, uint32_t, std::span<const FeatureMatch>)>& visit) const;
 
-  // Deletes the verified matches of pairs of photos; of all.
+  // Deletes the verified matches of the given pairs, or of all pairs.
   Status RemoveVerifiedPairs(
       const std::vector<std::pair<uint32_t, uint32_t>>& pairs);
   Status ClearVerified();
 
-  // Copies all raw and verified matches of the database at `other`, which
-  // holds the same photos under the same ids, into this one, in one
-  // transaction. Those already here are replaced.
+  // Copies all raw and verified matches of the database at `other` into this
+  // one, in one transaction. Both must have the same photos with the same ids.
+  // Matches of a pair that is already here are replaced.
   Status CopyMatchesFrom(const std::filesystem::path& other);
 
-  // Copies this database as it is now into a new file.
+  // Writes the present content of this database into a new file.
   Status CopyTo(const std::filesystem::path& path) const;
 
-  // Gives every photo another name.
+  // Changes the name of every photo to name(id).
   Status RenamePhotos(const std::function<std::string(uint32_t id)>& name);
 
-  // Deletes what describes features and which match; photos, cameras and
-  // keypoints stay.
+  // Deletes all descriptors and matches. Photos, cameras and the positions of
+  // features stay.
   Status ClearMatchesAndDescriptors();
 
  private:
@@ -107,16 +118,16 @@ class MatchDatabase {
   std::unique_ptr<sqlite3, Closer> database_;
 };
 
-// Copies a database into a new file; one that is there is replaced.
+// Copies a database into a file, which is replaced if it exists.
 Status CopyDatabase(const std::filesystem::path& from,
                     const std::filesystem::path& to);
 
-// As MatchDatabase::RemoveVerifiedPairs.
+// Opens the database and calls MatchDatabase::RemoveVerifiedPairs.
 Status RemoveVerifiedPairs(
     const std::filesystem::path& path,
     const std::vector<std::pair<uint32_t, uint32_t>>& pairs);
 
-// Deletes a database file and what SQLite keeps beside it, if there.
+// Deletes a database and the files that SQLite keeps beside it, if they exist.
 void RemoveDatabase(const std::filesystem::path& path);
 
 }  // namespace freegs::sfm

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which pairs of photos are worth matching. Matching all of them takes a time
-// that grows with the square of their number, and each pair that shows
-// different places is a chance to be misled.
+// Chooses which pairs of photos to match. The time for all pairs grows with the
+// square of the number of photos, and each pair that shows different places may
+// give wrong matches.
 
 #ifndef FREEGS_SFM_MATCHING_PAIR_SELECTION_H_
 #define FREEGS_SFM_MATCHING_PAIR_SELECTION_H_
@@ -20,28 +20,28 @@ namespace freegs::sfm {
 
 struct PairSelectionOptions {
   // "exhaustive": all pairs.
-  // "retrieval": each photo with those most alike.
-  // "sequential": the same, and photos next to each other in the given order.
-  // "auto": exhaustive for up to max_exhaustive photos. Beyond, retrieval,
-  // together with photos next to each other in the order of the numbers in
-  // their names, where those turn out to look alike.
+  // "retrieval": each photo with those that look most alike.
+  // "sequential": as retrieval, and also photos that follow each other in the
+  // given order.
+  // "auto": as exhaustive for up to max_exhaustive photos. For more, as
+  // retrieval, and also photos that follow each other by the numbers in their
+  // names, where such photos turn out to look alike.
   std::string matcher = "auto";
   int max_exhaustive = 40;
 
-  // How many of the photos most alike each photo is matched with.
+  // Retrieval matches each photo with so many of those that look most alike.
   int neighbours = 15;
 
-  // How many photos on each side, in the order in which they were taken, each
-  // photo is matched with.
+  // In a sequence each photo is matched with so many before it and after it.
   int overlap = 5;
 
   Status Check() const;
 };
 
-// Two photos i < j.
+// The indices i < j of two photos.
 using PhotoPair = std::pair<int, int>;
 
-// How alike every two photos look.
+// How alike every two photos look: the similarity of their GlobalDescriptors.
 class PhotoSimilarity {
  public:
   PhotoSimilarity() = default;
@@ -52,7 +52,8 @@ class PhotoSimilarity {
     return values_[static_cast<size_t>(i) * count_ + j];
   }
 
-  // All other photos, the most alike first, of equals the smaller index.
+  // All other photos. The most alike comes first, and of equally alike ones
+  // that with the smaller index.
   std::vector<int> MostAlike(int photo) const;
 
  private:
@@ -60,9 +61,9 @@ class PhotoSimilarity {
   std::vector<float> values_;  // count_ x count_, symmetric.
 };
 
-// What was matched, for reports.
+// How many pairs were matched, for reports.
 struct MatchedPairs {
-  std::string strategy;  // As in PairSelection; empty when nothing was matched.
+  std::string strategy;  // See PairSelection; empty when nothing was matched.
   size_t pairs = 0;
   size_t all_pairs = 0;
 
@@ -75,20 +76,28 @@ struct PairSelection {
   std::vector<PhotoPair> pairs;  // Ascending, each once.
 };
 
-// True if the choice depends on what the photos look like.
+// Whether SelectPairs needs to know how alike the photos look.
 bool NeedsSimilarity(int num_photos, const PairSelectionOptions& options);
 
-// The pairs of the photos with the given names to begin with. Every two photos
-// are connected by a chain of these pairs. `similarity` is of the same photos;
-// it may be empty unless NeedsSimilarity().
+// Chooses the first pairs to match, among photos with the given names:
+//
+//   PhotoSimilarity similarity;
+//   if (NeedsSimilarity(num_photos, options)) {
+//     similarity = PhotoSimilarity(DescribePhotos(features, {}, &pool), &pool);
+//   }
+//   const PairSelection selection = SelectPairs(names, similarity, options);
+//
+// A chain of these pairs connects every two photos. `similarity` must be that
+// of the same photos; it may be empty unless NeedsSimilarity() is true.
 PairSelection SelectPairs(const std::vector<std::string>& names,
                           const PhotoSimilarity& similarity,
                           const PairSelectionOptions& options);
 
-// More pairs, for when those `tried` are matched: `verified` are those of them
-// whose matches fit a motion of the camera. They are for photos that too few
-// others confirm, and between parts that nothing connects. Empty when there is
-// neither, nothing left to try, or `similarity` is empty. Ascending.
+// Chooses more pairs, in ascending order, after the pairs `tried` were matched.
+// `verified` are those of them whose matches fit a motion of the camera. The
+// new pairs are for photos that have too few verified pairs, and between groups
+// of photos that no verified pair connects. The result is empty when there are
+// no such photos, when all pairs were tried, or when `similarity` is empty.
 std::vector<PhotoPair> SelectMorePairs(const PhotoSimilarity& similarity,
                                        const std::set<PhotoPair>& tried,
                                        const std::vector<PhotoPair>& verified,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// COLMAP's camera models: how a point of the camera frame becomes a pixel.
+// A camera with one of COLMAP's camera models, and the projection of points.
 
 #ifndef FREEGS_SFM_SCENE_CAMERA_H_
 #define FREEGS_SFM_SCENE_CAMERA_H_
@@ -16,14 +16,14 @@
 
 namespace freegs::sfm {
 
-// Intrinsics of one lens at one image size. The centre of the top-left pixel is
-// (0.5, 0.5).
+// The intrinsics of one lens at one image size. The centre of the top-left
+// pixel is (0.5, 0.5).
 struct Camera {
   uint32_t id = 0;
   CameraModel model = CameraModel::kPinhole;
-  uint64_t width = 0;   // Pixels.
-  uint64_t height = 0;  // Pixels.
-  std::vector<double> params;
+  uint64_t width = 0;          // Pixels.
+  uint64_t height = 0;         // Pixels.
+  std::vector<double> params;  // In the order given at CameraModel.
 
   double FocalX() const { return params[0]; }
   double FocalY() const { return params[GetCameraModel(model).num_focal - 1]; }
@@ -36,24 +36,27 @@ struct Camera {
     return std::span(params).subspan(GetCameraModel(model).num_focal + 2);
   }
 
-  // True for (SIMPLE_)PINHOLE and for any perspective model whose distortion
-  // parameters are all zero. (Fisheye models with zeros are not pinholes.)
+  // Whether this is a pinhole camera: true for SIMPLE_PINHOLE, PINHOLE and any
+  // perspective model whose distortion parameters are all zero. Fisheye models
+  // are never pinholes.
   bool IsUndistorted() const;
 
-  // The same lens with its image resized: focal lengths and principal point
-  // follow. When x and y scale differently, models with one focal length take
-  // the mean of both.
+  // Returns the camera of the resized image: focal lengths and principal point
+  // are scaled. When x and y scale differently, models with one focal length
+  // get the mean of both.
   Camera Resized(uint64_t new_width, uint64_t new_height) const;
 
-  // Parameter count, finite values, positive focal length and size.
+  // Checks the number of parameters, that they are finite, and that focal
+  // lengths and image size are positive.
   Status Check() const;
 };
 
-// The pixel of a point in the camera frame (x right, y down, z forward);
-// nothing when the point is not in front of the camera (z <= 0; fisheye models
-// too) or falls nowhere finite. camera must pass Check().
-// Models: Brown-Conrady as in OpenCV's calib3d, and Kannala-Brandt fisheye;
-// equations as in COLMAP's documentation of its camera models.
+// Returns the pixel on which a point of the camera frame (x right, y down,
+// z forward) falls. Returns nothing when the point is not in front of the
+// camera (z <= 0), for fisheye models too, or when the pixel is not finite.
+// `camera` must pass Check(). The equations are those in COLMAP's documentation
+// of its camera models: Brown-Conrady distortion as in OpenCV's calib3d, and
+// Kannala-Brandt for fisheye lenses.
 std::optional<Eigen::Vector2d> Project(const Camera& camera,
                                        const Eigen::Vector3d& point);
 

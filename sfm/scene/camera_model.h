@@ -9,8 +9,9 @@
 
 namespace freegs::sfm {
 
-// The numbers are COLMAP's and appear in its binary files. Parameters, in
-// order (f: focal length, c: principal point, both in pixels):
+// The numbers are those of COLMAP's binary files. The comments name the
+// parameters in order: f is a focal length and c the principal point, both in
+// pixels; the others are distortion parameters.
 enum class CameraModel : int {
   kSimplePinhole = 0,        // f cx cy
   kPinhole = 1,              // fx fy cx cy
@@ -27,15 +28,15 @@ enum class CameraModel : int {
 
 struct CameraModelInfo {
   CameraModel model;
-  std::string_view name;  // COLMAP's, as in text models: "SIMPLE_RADIAL".
+  std::string_view name;  // As in COLMAP's text models: "SIMPLE_RADIAL".
   int num_params;
-  int num_focal;  // 1 (shared by x and y) or 2.
+  int num_focal;  // 1, for x and y together, or 2.
 };
 
 // All models, ordered by number.
 std::span<const CameraModelInfo> CameraModels();
 
-// nullptr when COLMAP's number or name is unknown.
+// Return null when COLMAP's number or name is not known.
 const CameraModelInfo* FindCameraModel(int id);
 const CameraModelInfo* FindCameraModel(std::string_view name);
 const CameraModelInfo& GetCameraModel(CameraModel model);

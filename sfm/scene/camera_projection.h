@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Lens distortion of COLMAP's camera models for any scalar: double, or Ceres'
-// dual numbers, so that estimation and projection cannot disagree.
+// The lens distortion of COLMAP's camera models for any scalar type: double, or
+// the dual numbers of Ceres. So projection and estimation use the same
+// equations.
 
 #ifndef FREEGS_SFM_SCENE_CAMERA_PROJECTION_H_
 #define FREEGS_SFM_SCENE_CAMERA_PROJECTION_H_
@@ -16,7 +17,7 @@ namespace freegs::sfm {
 template <typename T>
 using Vector2 = Eigen::Matrix<T, 2, 1>;
 
-// Shift of the normalised point (u, v) by two tangential coefficients.
+// The shift of the normalised point (u, v) by two tangential coefficients.
 template <typename T>
 Vector2<T> Tangential(const Vector2<T>& uv, const T& p1, const T& p2) {
   const T r2 = uv.squaredNorm();
@@ -25,7 +26,8 @@ Vector2<T> Tangential(const Vector2<T>& uv, const T& p1, const T& p2) {
           2.0 * p2 * xy + p1 * (r2 + 2.0 * uv.y() * uv.y())};
 }
 
-// Moves a normalised point from distance tan(theta) of the centre to theta.
+// Moves a normalised point, whose distance from the centre is tan(theta), to
+// the distance theta.
 template <typename T>
 Vector2<T> Equidistant(const Vector2<T>& uv) {
   using std::atan;
@@ -36,9 +38,9 @@ Vector2<T> Equidistant(const Vector2<T>& uv) {
   return uv * T(atan(r) / r);
 }
 
-// The distorted point of normalised image coordinates (x / z, y / z).
-// distortion: the model's parameters after the principal point. Equations as
-// in COLMAP's documentation of its camera models.
+// Returns the distorted point of the normalised image coordinates (x / z, y /
+// z). `distortion` points to the parameters that follow the principal point.
+// The equations are those in COLMAP's documentation of its camera models.
 template <typename T>
 Vector2<T> Distort(CameraModel model,
                    const T* distortion,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sparse reconstructions in COLMAP's model folders, binary or text.
+// Reads and writes reconstructions as COLMAP's model folders, binary or text.
 
 #ifndef FREEGS_SFM_SCENE_MODEL_IO_H_
 #define FREEGS_SFM_SCENE_MODEL_IO_H_
@@ -14,19 +14,21 @@ namespace freegs::sfm {
 
 enum class ModelFormat { kBinary, kText };
 
-// The format of the model in `folder`: binary when cameras.bin, images.bin and
-// points3D.bin are there, else text when the three .txt files are; nothing
-// otherwise. Files of newer releases (rigs, frames) are ignored: the poses in
-// the images files stand for themselves.
+// Returns the format of the model in `folder`: binary when cameras.bin,
+// images.bin and points3D.bin exist, else text when the three .txt files exist,
+// else nothing. The rigs and frames files of newer releases are ignored,
+// because the images file has the poses.
 std::optional<ModelFormat> DetectModelFormat(
     const std::filesystem::path& folder);
 
-// Reads the model in `folder`. kBadInput names the file and the fault: missing,
-// truncated, inconsistent (see CheckReconstruction), or trailing bytes.
+// Reads the model in `folder`. Returns kBadInput, with the name of the file and
+// the fault, when a file is missing, truncated, has bytes left over, or is
+// inconsistent (see CheckReconstruction).
 StatusOr<Reconstruction> ReadModel(const std::filesystem::path& folder);
 
-// Writes the three files, each atomically, into `folder`, which is created. A
-// model read from COLMAP's binary files is written back byte for byte.
+// Writes the three files, each atomically, into `folder`, which is created if
+// it is missing. A model that was read from COLMAP's binary files is written
+// back byte for byte.
 Status WriteModel(const std::filesystem::path& folder,
                   const Reconstruction& model,
                   ModelFormat format = ModelFormat::kBinary);

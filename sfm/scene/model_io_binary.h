@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// COLMAP's binary model files (little-endian, packed), from and to memory.
+// Converts COLMAP's binary model files (little-endian, packed) from and to
+// memory.
 
 #ifndef FREEGS_SFM_SCENE_MODEL_IO_BINARY_H_
 #define FREEGS_SFM_SCENE_MODEL_IO_BINARY_H_
@@ -13,9 +14,10 @@
 
 namespace freegs::sfm {
 
-// Each parses a whole file and appends to an empty list. kBadInput when it is
-// truncated, has bytes left over, or promises more items than its size allows;
-// no more memory is taken than a small multiple of the size of `bytes`.
+// Each function parses a whole file into a list, which must be empty. Returns
+// kBadInput when the file is truncated, has bytes left over, or claims more
+// items than its size allows. It takes no more memory than a small multiple of
+// the size of `bytes`.
 Status ParseCamerasBinary(std::string_view bytes, std::vector<Camera>* cameras);
 Status ParseImagesBinary(std::string_view bytes,
                          std::vector<PosedImage>* images);

@@ -87,18 +87,6 @@ double AngleDeg(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
 
 }  // namespace
 
-StatusOr<Sim3d> AlignPoints(const std::vector<Eigen::Vector3d>& source,
-                            const std::vector<Eigen::Vector3d>& target) {
-  if (source.size() != target.size() || source.size() < 2) {
-    return BadInputError("alignment needs at least two pairs of points");
-  }
-  const Centred from = Centre(source);
-  const Centred to = Centre(target);
-  FREEGS_RETURN_IF_ERROR(CheckSpread(from, to));
-  return CompleteSimilarity(
-      NearestRotation(to.offsets * from.offsets.transpose()), from, to);
-}
-
 StatusOr<PoseAlignment> AlignPoses(const NamedPoses& source,
                                    const NamedPoses& target) {
   struct Common {

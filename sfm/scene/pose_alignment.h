@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The similarity between two worlds that hold the same cameras.
+// Finds the similarity between two worlds that contain the same cameras.
 
 #ifndef FREEGS_SFM_SCENE_POSE_ALIGNMENT_H_
 #define FREEGS_SFM_SCENE_POSE_ALIGNMENT_H_
@@ -7,8 +7,6 @@
 #include <map>
 #include <string>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "core/rigid3d.h"
 #include "core/status.h"
@@ -21,12 +19,14 @@ using NamedPoses = std::map<std::string, Rigid3d>;
 struct PoseAlignment {
   Sim3d target_from_source;
 
-  // Of each camera in both sets, by name, after alignment:
+  // What is left between the two poses of a camera after alignment.
   struct Residual {
     std::string name;
     double rotation_deg = 0;  // Angle between the two orientations.
-    double centre = 0;        // Distance of the centres, in target units.
+    double centre = 0;        // Distance of the two centres, in target units.
   };
+
+  // One for each camera that is in both sets, by name.
   std::vector<Residual> residuals;
   double median_rotation_deg = 0;
   double max_rotation_deg = 0;
@@ -34,17 +34,18 @@ struct PoseAlignment {
   double max_centre = 0;
 };
 
-// x_target = scale * R * x_source + t with the least sum of squared distances
-// (Umeyama, "Least-squares estimation of transformation parameters between two
-// point patterns", PAMI 1991). points: equal count, at least 2. The rotation is
-// not determined when the points lie on a line; kBadInput when they coincide.
-StatusOr<Sim3d> AlignPoints(const std::vector<Eigen::Vector3d>& source,
-                            const std::vector<Eigen::Vector3d>& target);
-
-// Aligns the cameras that both sets name: by their centres, or, when those lie
-// close to a line, with the mean of the relative rotations and then scale and
-// translation from the centres. kBadInput with fewer than three common names,
-// or coinciding centres.
+// Aligns the cameras that both sets name:
+//
+//   FREEGS_ASSIGN_OR_RETURN(const PoseAlignment alignment,
+//                           AlignPoses(estimated, truth));
+//   const Eigen::Vector3d x_truth = alignment.target_from_source * x_estimated;
+//
+// The similarity x_target = scale * R * x_source + t minimises the sum of the
+// squared distances between the camera centres (Umeyama, "Least-squares
+// estimation of transformation parameters between two point patterns", PAMI
+// 1991). Centres close to a line do not determine R: then R is the mean of the
+// relative rotations of the cameras. Returns kBadInput with fewer than three
+// common names, and when the centres coincide or are not finite.
 StatusOr<PoseAlignment> AlignPoses(const NamedPoses& source,
                                    const NamedPoses& target);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Start points for scenes whose cameras are known but whose points are not.
+// Makes start points for scenes whose cameras are known but whose points are
+// not.
 
 #ifndef FREEGS_SFM_SCENE_RANDOM_POINTS_H_
 #define FREEGS_SFM_SCENE_RANDOM_POINTS_H_
@@ -12,21 +13,22 @@
 
 namespace freegs::sfm {
 
-// Where the cameras look: the point nearest to all their axes (least squares,
-// held back towards the cameras where the axes are parallel), and the median
-// distance of the cameras from it.
+// The point that the cameras look at, and the median distance of the cameras
+// from it. The point is the nearest to all viewing axes by least squares. A
+// weak pull towards the cameras determines it where the axes are parallel.
 struct SceneFocus {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double distance = 1;
 };
 SceneFocus EstimateFocus(const Reconstruction& model);
 
-// `count` grey points without tracks, ids from 1, that at least one camera
-// sees. Even numbers: uniform in the ball around the focus with half its
-// distance, where an object that was walked around lies. Odd numbers: at a
-// random pixel of a random image, between 0.25 and 4 times the distance away,
-// uniform in inverse depth, which covers the surroundings. A pure function of
-// the model and the seed. kBadInput without images.
+// Returns `count` grey points without tracks, with ids from 1, each of which at
+// least one camera sees. Half of them are uniform in a ball around the focus,
+// whose radius is half the distance of the cameras: there lies an object that
+// somebody walked around. The other half covers the surroundings: each lies
+// behind a random pixel of a random image, 0.25 to 4 times that distance away,
+// uniform in inverse depth. The result depends on the model and the seed only.
+// Returns kBadInput when the model has no images.
 StatusOr<std::vector<Point3D>> RandomPoints(const Reconstruction& model,
                                             int count,
                                             uint64_t seed);

@@ -22,7 +22,7 @@ namespace freegs::sfm {
 
 inline constexpr uint64_t kNoPoint3D = std::numeric_limits<uint64_t>::max();
 
-// A detected feature, and the point it sees if any.
+// A feature of an image, and the point that it shows, if any.
 struct Point2D {
   Eigen::Vector2d xy = Eigen::Vector2d::Zero();  // Pixels.
   uint64_t point3d_id = kNoPoint3D;
@@ -51,26 +51,36 @@ struct Point3D {
   std::vector<TrackElement> track;
 };
 
-// All lists are in the order of the file they came from, which writing keeps.
+// Cameras, posed images and points:
+//
+//   FREEGS_ASSIGN_OR_RETURN(const Reconstruction model, ReadModel(folder));
+//   const auto cameras = IndexCameras(model);
+//   for (const PosedImage& image : model.images) {
+//     const Camera& camera = model.cameras[cameras.at(image.camera_id)];
+//     const auto pixel = Project(camera, image.cam_from_world * point);
+//   }
+//
+// Each list has the order of the file that it was read from, and writing keeps
+// this order.
 struct Reconstruction {
   std::vector<Camera> cameras;
   std::vector<PosedImage> images;
   std::vector<Point3D> points3d;
 };
 
-// Positions in the lists by id.
+// The position of each element in its list, by id.
 std::unordered_map<uint32_t, size_t> IndexCameras(const Reconstruction& model);
 std::unordered_map<uint32_t, size_t> IndexImages(const Reconstruction& model);
 std::unordered_map<uint64_t, size_t> IndexPoints(const Reconstruction& model);
 
-// Errors on repeated ids or image names, images without a camera, and numbers
-// that are not finite.
+// Returns kBadInput for repeated ids or image names, for images without a
+// camera, and for numbers that are not finite.
 Status CheckReconstruction(const Reconstruction& model);
 
-// Makes tracks and features agree: drops track elements that point at no
+// Makes tracks and features agree: drops track elements that name no existing
 // feature, and clears features whose point is missing or does not list them.
-// (Models edited by other tools often have such.) Returns how many it removed.
-// model must pass CheckReconstruction.
+// Models that other tools edited often need this. Returns how many references
+// were removed. `model` must pass CheckReconstruction.
 size_t RemoveDanglingReferences(Reconstruction* model);
 
 }  // namespace freegs::sfm

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How well the points of a reconstruction fit the photos that see them.
+// Measures how well the points of a reconstruction fit the photos that see
+// them.
 
 #ifndef FREEGS_SFM_SCENE_RECONSTRUCTION_MEASURES_H_
 #define FREEGS_SFM_SCENE_RECONSTRUCTION_MEASURES_H_
@@ -21,19 +22,20 @@ double TriangulationAngleDeg(const Eigen::Vector3d& point,
 // Figures over all points of a reconstruction; 0 where there is nothing to
 // measure.
 struct ReconstructionMeasures {
-  // Distance in pixels between an observation and its projected point, mean
-  // over all observations of points by registered photos. It is computed from
-  // poses, points and camera models, not read from the model's files.
+  // The mean distance in pixels between a feature and the projection of its
+  // point, over all observations whose point lies in front of the camera. It is
+  // computed from poses, points and cameras; the errors stored with the points
+  // are not used.
   double mean_reprojection_error_px = 0;
 
-  // Observations per point, and the largest angle between a point's rays
-  // (see TriangulationAngleDeg); medians over points with two observations or
-  // more.
+  // Medians over the points with two observations or more: of the number of
+  // observations, and of the largest angle between rays in degrees (see
+  // TriangulationAngleDeg).
   double median_track_length = 0;
   double median_triangulation_deg = 0;
 
   size_t num_points = 0;
-  size_t observations = 0;  // Those in front of their camera.
+  size_t observations = 0;  // Of points in front of the camera.
 };
 
 ReconstructionMeasures MeasureReconstruction(const Reconstruction& model);

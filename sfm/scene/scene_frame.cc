@@ -10,6 +10,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+#include <nlohmann/json.hpp>
 
 #include "core/random.h"
 #include "sfm/scene/random_points.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The photographs whose cameras are wanted.
+// One photo, as structure from motion and import need it.
 
 #ifndef FREEGS_SFM_SCENE_SFM_PHOTO_H_
 #define FREEGS_SFM_SCENE_SFM_PHOTO_H_
@@ -8,14 +8,14 @@
 
 namespace freegs::sfm {
 
-// A photo to be posed.
+// A photo whose camera pose is wanted.
 struct SfmPhoto {
-  std::string name;      // File, relative to the photo folder.
-  std::string file;      // As the user knows it, if that is another name.
+  std::string name;      // The file, relative to the photo folder.
+  std::string file;      // The name that the user knows, if it differs.
   int width = 0;         // Pixels.
   int height = 0;        // Pixels.
   int camera_group = 0;  // Photos of equal number may share one camera.
-  double focal_px = 0;   // What EXIF says; 0 when it says nothing.
+  double focal_px = 0;   // Focal length by EXIF, in pixels; 0 is unknown.
   double sharpness = 0;  // As ingest measured it; 0 is unknown.
 };
 

@@ -9,8 +9,14 @@
 #include "sfm/scene/reconstruction_measures.h"
 
 namespace freegs::sfm {
+namespace {
 
-size_t FilterTracks(const TrackFilter& filter, Reconstruction* model) {
+constexpr double kMaxErrorPx = 4.0;  // COLMAP's threshold.
+constexpr double kMinAngleDeg = 1.5;
+
+}  // namespace
+
+size_t FilterTracks(Reconstruction* model) {
   const auto image_index = IndexImages(*model);
   const auto camera_index = IndexCameras(*model);
   size_t removed = 0;
@@ -31,7 +37,7 @@ size_t FilterTracks(const TrackFilter& filter, Reconstruction* model) {
       const double error =
           pixel ? (*pixel - image.points2d[element.point2d_index].xy).norm()
                 : std::numeric_limits<double>::infinity();
-      if (!(error <= filter.max_error_px)) {
+      if (!(error <= kMaxErrorPx)) {
         forget(element);
         return true;
       }
@@ -40,7 +46,7 @@ size_t FilterTracks(const TrackFilter& filter, Reconstruction* model) {
       return false;
     });
     if (point.track.size() < 2 ||
-        TriangulationAngleDeg(point.xyz, centres) < filter.min_angle_deg) {
+        TriangulationAngleDeg(point.xyz, centres) < kMinAngleDeg) {
       for (const TrackElement& element : point.track) forget(element);
       return true;
     }

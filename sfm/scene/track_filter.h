@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Removes from a reconstruction what does not fit it.
+// Removes observations and points that do not fit a reconstruction.
 
 #ifndef FREEGS_SFM_SCENE_TRACK_FILTER_H_
 #define FREEGS_SFM_SCENE_TRACK_FILTER_H_
@@ -10,16 +10,13 @@
 
 namespace freegs::sfm {
 
-struct TrackFilter {
-  double max_error_px = 4.0;  // COLMAP's threshold.
-  double min_angle_deg = 1.5;
-};
-
-// Removes observations that fail to project or lie too far off, then points
-// with fewer than two observations or too small an angle between their rays;
-// sets the others' errors. Returns the number of observations removed. model
-// must pass CheckReconstruction and have no dangling references.
-size_t FilterTracks(const TrackFilter& filter, Reconstruction* model);
+// Removes observations whose point does not project into the image or projects
+// more than 4 pixels (COLMAP's threshold) from the feature. Then removes points
+// that have fewer than two observations left, or whose rays differ by less than
+// 1.5 degrees, and sets `error` of the points that stay. Returns how many
+// observations were removed. `model` must pass CheckReconstruction and must
+// have no dangling references (see RemoveDanglingReferences).
+size_t FilterTracks(Reconstruction* model);
 
 }  // namespace freegs::sfm
 

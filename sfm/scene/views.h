@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A reconstruction as the splat renderer wants it: posed pinhole cameras.
+// Converts a reconstruction to posed pinhole cameras for the splat renderer.
 
 #ifndef FREEGS_SFM_SCENE_VIEWS_H_
 #define FREEGS_SFM_SCENE_VIEWS_H_
@@ -12,8 +12,9 @@
 
 namespace freegs::sfm {
 
-// The images of a consistent model (see ReadModel) by ascending name. kBadInput
-// when a camera has lens distortion.
+// Returns the images of the model in the order of their names. The model must
+// pass CheckReconstruction. Returns kBadInput when a camera has lens
+// distortion.
 StatusOr<std::vector<View>> MakeViews(const Reconstruction& model);
 
 }  // namespace freegs::sfm

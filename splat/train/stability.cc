@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+
+#include "core/number_text.h"
 
 namespace freegs::splat {
 namespace {
@@ -93,13 +94,8 @@ std::optional<std::string> LossMonitor::Add(double loss) {
       (state_.steps >= kMinSteps && smoothed > kSenselessLoss) ||
       (known && smoothed > Limit(state_.best));
   if (exploded) {
-    char text[96];
-    std::snprintf(text,
-                  sizeof(text),
-                  "the loss rose to %.3g%s",
-                  smoothed,
-                  known ? ", far above its best" : "");
-    return text;
+    return "the loss rose to " + FormatSignificant(smoothed, 3) +
+           (known ? ", far above its best" : "");
   }
   if (state_.steps == horizon_) state_.best = smoothed;
   state_.best = std::min(state_.best, smoothed);

@@ -3,7 +3,6 @@
 #include "stages/commands/doctor_command.h"
 
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <optional>
 #include <system_error>
@@ -18,27 +17,23 @@
 #include <opencv2/core/version.hpp>
 #include <xxhash.h>
 
+#include "core/number_text.h"
 #include "pipeline/system_info.h"
 #include "pipeline/version.h"
 #include "sfm/colmap/colmap_program.h"
-#include "stages/scene/clip_input.h"
 #include "stages/registry/pipeline_options.h"
+#include "stages/scene/clip_input.h"
 
 namespace freegs::stages {
 namespace {
 
 // Below these a run of ordinary size is likely to fail.
-constexpr int64_t kGigabyte = int64_t{1} << 30;
+constexpr int64_t kGigabyte = 1'000'000'000;
 constexpr int64_t kLowMemoryBytes = 4 * kGigabyte;
 constexpr int64_t kLowDiskBytes = 5 * kGigabyte;
 
-std::string Gigabytes(int64_t bytes) {
-  char text[32];
-  std::snprintf(text,
-                sizeof(text),
-                "%.1f GB",
-                static_cast<double>(bytes) / static_cast<double>(kGigabyte));
-  return text;
+std::string SizeText(int64_t bytes) {
+  return FormatBytes(static_cast<double>(bytes));
 }
 
 void PrintLine(std::ostream& out,
@@ -69,21 +64,16 @@ std::string SimdTargets() {
 void PrintMachine(std::ostream& out) {
   std::string cores = std::to_string(pipeline::AvailableCores());
   if (const std::optional<double> quota = pipeline::CoresOfQuota()) {
-    char text[64];
-    std::snprintf(text,
-                  sizeof(text),
-                  " (%d allowed, %.1f by the control group)",
-                  pipeline::CoresOfAffinity(),
-                  *quota);
-    cores += text;
+    cores += " (" + std::to_string(pipeline::CoresOfAffinity()) + " allowed, " +
+             FormatFixed(*quota, 1) + " by the control group)";
   }
   PrintLine(out, "cores", cores);
   PrintLine(out, "SIMD", SimdTargets());
   const pipeline::MemoryInfo memory = pipeline::Memory();
   PrintLine(out,
             "memory",
-            Gigabytes(memory.available_bytes) + " available of " +
-                Gigabytes(memory.total_bytes) +
+            SizeText(memory.available_bytes) + " available of " +
+                SizeText(memory.total_bytes) +
                 (memory.available_bytes < kLowMemoryBytes
                      ? " - little: use a smaller reconstruct.max_image_size"
                      : ""));
@@ -92,7 +82,7 @@ void PrintMachine(std::ostream& out) {
   if (const auto disk = pipeline::FreeDiskBytes(here)) {
     PrintLine(out,
               "disk",
-              Gigabytes(*disk) + " free in " + here.string() +
+              SizeText(*disk) + " free in " + here.string() +
                   (*disk < kLowDiskBytes ? " - little for a workspace" : ""));
   }
 }

@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/number_text.h"
 #include "pipeline/json_text.h"
 #include "pipeline/logger.h"
 #include "pipeline/progress_line.h"
@@ -76,7 +77,7 @@ std::string SummaryText(const json& summary) {
     if (value.is_string()) {
       text << value.get<std::string>();
     } else if (value.is_number_float()) {
-      text << value.get<double>();
+      text << FormatSignificant(value.get<double>(), 6);
     } else {
       text << value.dump();
     }
@@ -92,8 +93,7 @@ void PrintReport(const StageReport& report, bool running, std::ostream& out) {
   const StageState& state = report.state;
   const StageRecord* record = RecordOf(state);
   out << column(report.stage, 11) << column(StatusName(state, running), 11)
-      << column(record ? pipeline::FormatDuration(record->wall_seconds) : "",
-                6);
+      << column(record ? FormatSeconds(record->wall_seconds) : "", 11);
   const bool is_running = running && state.status == StageStatus::kInterrupted;
   const std::string facts = record && state.status == StageStatus::kDone
                                 ? SummaryText(record->summary)

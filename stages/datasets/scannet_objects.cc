@@ -11,8 +11,9 @@
 #include <utility>
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <nlohmann/json.hpp>
+
+#include "core/io/json_fields.h"
 
 namespace freegs::stages {
 namespace {
@@ -21,6 +22,7 @@ using Eigen::Vector3d;
 using nlohmann::json;
 
 constexpr int kMaxObjects = 65535;
+constexpr int64_t kMaxSegment = int64_t{1} << 52;
 
 // What a scan's annotators call the room itself.
 bool IsStructure(const std::string& label) {
@@ -32,10 +34,7 @@ bool IsStructure(const std::string& label) {
 StatusOr<json> ParseList(std::string_view text,
                          const char* key,
                          const std::string& source) {
-  json document = json::parse(text, /*cb=*/nullptr, /*allow_exceptions=*/false);
-  if (document.is_discarded() || !document.is_object()) {
-    return BadInputError(source + ": not a JSON object");
-  }
+  FREEGS_ASSIGN_OR_RETURN(json document, ParseJsonObject(text, source));
   const auto found = document.find(key);
   if (found == document.end() || !found->is_array()) {
     return BadInputError(source + ": \"" + key + "\" must be a list");
@@ -48,10 +47,10 @@ StatusOr<std::vector<int64_t>> ReadIntegers(const json& list,
   std::vector<int64_t> values;
   values.reserve(list.size());
   for (const json& value : list) {
-    if (!value.is_number_integer()) {
-      return BadInputError(where + ": must be whole numbers");
-    }
-    values.push_back(value.get<int64_t>());
+    FREEGS_ASSIGN_OR_RETURN(
+        const int64_t number,
+        ReadInteger64(&value, -kMaxSegment, kMaxSegment, where));
+    values.push_back(number);
   }
   return values;
 }
@@ -73,32 +72,18 @@ StatusOr<std::vector<ScannetGroup>> ParseScannetGroups(
   std::set<int> ids;
   for (size_t i = 0; i < list.size(); ++i) {
     const json& value = list[i];
-    const std::string where = source + ": segGroups[" + std::to_string(i) + "]";
-    const auto field = [&value](const char* key) -> const json& {
-      static const json kNothing;
-      if (!value.is_object()) return kNothing;
-      const auto found = value.find(key);
-      return found == value.end() ? kNothing : *found;
-    };
-    const json& id = field("objectId");
-    if (!id.is_number_integer() || id.get<int64_t>() < 0 ||
-        id.get<int64_t>() >= kMaxObjects) {
-      return BadInputError(where + ".objectId: must be a whole number in 0.." +
-                           std::to_string(kMaxObjects - 1));
-    }
-    if (!field("label").is_string()) {
-      return BadInputError(where + ".label: must be a text");
-    }
-    if (!field("segments").is_array()) {
-      return BadInputError(where + ".segments: must be a list");
-    }
+    const std::string path = "segGroups[" + std::to_string(i) + "]";
+    Status status;
+    JsonObjectReader reader(value, source, path, &status);
     ScannetGroup group;
-    group.id = static_cast<int>(id.get<int64_t>()) + 1;
-    group.label = field("label").get<std::string>();
-    FREEGS_ASSIGN_OR_RETURN(
-        group.segments, ReadIntegers(field("segments"), where + ".segments"));
+    group.id = reader.Integer("objectId", 0, kMaxObjects - 1) + 1;
+    group.label = reader.Text("label");
+    const json& segments = reader.List("segments");
+    FREEGS_RETURN_IF_ERROR(status);
+    FREEGS_ASSIGN_OR_RETURN(group.segments,
+                            ReadIntegers(segments, reader.Where("segments")));
     if (!ids.insert(group.id).second) {
-      return BadInputError(where + ".objectId: used twice");
+      return BadInputError(reader.Where("objectId") + ": used twice");
     }
     groups.push_back(std::move(group));
   }
@@ -119,14 +104,9 @@ StatusOr<Eigen::Matrix4d> ParseScannetAlignment(std::string_view text,
       return BadInputError(source + ": axisAlignment must be 16 numbers");
     }
     const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
-    const double error =
-        (rotation * rotation.transpose() - Eigen::Matrix3d::Identity())
-            .cwiseAbs()
-            .maxCoeff();
     // The files have six digits.
-    constexpr double kTolerance = 1e-3;
-    if (!matrix.allFinite() || !(error <= kTolerance) ||
-        rotation.determinant() < 0 ||
+    FREEGS_RETURN_IF_ERROR(CheckRotation(rotation, source + ": axisAlignment"));
+    if (!matrix.allFinite() ||
         matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1)) {
       return BadInputError(source +
                            ": axisAlignment is not a rotation and "

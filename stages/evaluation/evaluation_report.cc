@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "core/number_text.h"
+
 namespace freegs::stages {
 namespace {
 
@@ -84,10 +86,7 @@ json ObjectJson(const ObjectResult& object,
 
 // Fixed-point text, or a dash.
 std::string Text(const std::optional<double>& value, int digits) {
-  if (!value) return "-";
-  char text[64];
-  std::snprintf(text, sizeof(text), "%.*f", digits, *value);
-  return text;
+  return value ? FormatFixed(*value, digits) : "-";
 }
 
 std::string IdText(int instance) {

@@ -9,12 +9,13 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/number_text.h"
 #include "core/io/files.h"
+#include "core/io/json_fields.h"
+#include "core/number_text.h"
+#include "photos/photo_list.h"
 #include "pipeline/json_text.h"
 #include "pipeline/stage_record.h"
 #include "pipeline/version.h"
-#include "photos/photo_list.h"
 #include "stages/export/html.h"
 
 namespace freegs::stages {
@@ -33,15 +34,13 @@ json ReadObject(const fs::path& path) {
 }
 
 std::optional<double> Number(const json& object, const char* key) {
-  const auto field = object.find(key);
-  if (field == object.end() || !field->is_number()) return std::nullopt;
-  return field->get<double>();
+  const StatusOr<double> number = ReadNumber(FindField(object, key), key);
+  return number.ok() ? std::optional(*number) : std::nullopt;
 }
 
 std::string Text(const json& object, const char* key) {
-  const auto field = object.find(key);
-  if (field == object.end() || !field->is_string()) return "";
-  return field->get<std::string>();
+  const StatusOr<std::string> text = ReadText(FindField(object, key), key);
+  return text.ok() ? *text : "";
 }
 
 std::string Count(std::optional<double> number) {
@@ -76,7 +75,7 @@ void AddSfmFigures(const json& health, ReportData* data) {
   if (images && registered) {
     figure.value = Count(registered) + " of " + Count(images);
     if (*images > 0) {
-      figure.note = FormatFixed(100 * *registered / *images, 0) + " %";
+      figure.note = FormatPercent(*registered / *images);
     }
   }
   data->figures.push_back(figure);
@@ -154,8 +153,8 @@ std::map<std::string, ViewFigures> ReadHoldoutFigures(
     const fs::path& workspace) {
   std::map<std::string, ViewFigures> figures;
   const json metrics = ReadObject(workspace / "reconstruct" / "metrics.json");
-  const auto views = metrics.find("holdout_views");
-  if (views == metrics.end() || !views->is_array()) return figures;
+  const json* views = FindField(metrics, "holdout_views");
+  if (views == nullptr || !views->is_array()) return figures;
   for (const json& view : *views) {
     if (!view.is_object()) continue;
     figures[Text(view, "name")] = {Number(view, "psnr"), Number(view, "ssim")};

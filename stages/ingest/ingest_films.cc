@@ -7,6 +7,7 @@
 
 #include "core/io/files.h"
 #include "core/io/image_io.h"
+#include "core/number_text.h"
 
 namespace freegs::stages {
 namespace {
@@ -23,12 +24,6 @@ std::string FrameName(int number) {
   return name;
 }
 
-std::string Rounded(double value) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.2f", value);
-  return text;
-}
-
 StatusOr<std::vector<photos::Photo>> TakeFrames(
     const StageContext& context,
     const fs::path& path,
@@ -37,10 +32,11 @@ StatusOr<std::vector<photos::Photo>> TakeFrames(
     const fs::path& folder) {
   FREEGS_ASSIGN_OR_RETURN(
       const photos::VideoSurvey survey,
-      photos::SurveyVideo(path, options, context.progress, context.cancellation));
+      photos::SurveyVideo(
+          path, options, context.progress, context.cancellation));
   const std::vector<photos::VideoFrame> chosen =
       photos::ChooseVideoFrames(survey.frames, options);
-  const std::string moved = Rounded(survey.frames.back().path);
+  const std::string moved = FormatFixed(survey.frames.back().path, 2);
   if (chosen.size() < kMinFrames) {
     return BadInputError(
         path.string() + ": its picture moves by only " + moved +

@@ -10,6 +10,7 @@
 
 #include "core/io/files.h"
 #include "core/io/image_io.h"
+#include "core/number_text.h"
 #include "photos/photo_mask.h"
 #include "photos/photo_scan.h"
 
@@ -17,9 +18,9 @@ namespace freegs::stages {
 namespace {
 
 namespace fs = std::filesystem;
+using photos::Photo;
 using pipeline::LogLevel;
 using pipeline::StageContext;
-using photos::Photo;
 
 constexpr uint64_t kMaxMaskBytes = uint64_t{1} << 30;
 
@@ -28,11 +29,12 @@ constexpr double kLittle = 0.05;
 
 // One mask's way into the workspace; the share of pixels it keeps. Nothing,
 // after a warning, if it cannot be used.
-StatusOr<std::optional<double>> PlaceMask(StageContext& context,
-                                          const fs::path& path,
-                                          const IngestMaskOptions& options,
-                                          const photos::PhotoDecodeOptions& decode,
-                                          const Photo& photo) {
+StatusOr<std::optional<double>> PlaceMask(
+    StageContext& context,
+    const fs::path& path,
+    const IngestMaskOptions& options,
+    const photos::PhotoDecodeOptions& decode,
+    const Photo& photo) {
   const StatusOr<std::string> bytes = ReadFile(path, kMaxMaskBytes);
   StatusOr<ImageU8> mask = bytes.status();
   if (bytes.ok()) {
@@ -61,7 +63,8 @@ StatusOr<std::optional<double>> PlaceMask(StageContext& context,
 }
 
 // COLMAP (from 3.12 on) skips photos without a mask if others have one.
-Status FillWithWhite(const StageContext& context, const photos::PhotoList& list) {
+Status FillWithWhite(const StageContext& context,
+                     const photos::PhotoList& list) {
   for (const Photo& photo : list.photos) {
     if (!photo.usable() || photo.has_mask) continue;
     const fs::path target =
@@ -142,16 +145,16 @@ Status PlaceMasks(StageContext& context,
   const double mean = masks > 0 ? kept / static_cast<double>(masks) : 1;
   context.summary["masks"] = masks;
   context.summary["mask_kept_share"] = mean;
-  const std::string percent = std::to_string(std::lround(100 * mean));
+  const std::string percent = FormatPercent(mean);
   context.log(
       masks < usable ? LogLevel::kWarning : LogLevel::kInfo,
       std::to_string(masks) + " of " + std::to_string(usable) +
           " photos have a mask" +
-          (masks > 0 ? "; they keep " + percent + " % of the pixels" : ""));
+          (masks > 0 ? "; they keep " + percent + " of the pixels" : ""));
   if (masks > 0 && mean < kLittle) {
     context.log(LogLevel::kWarning,
                 "the masks leave only " + percent +
-                    " % of the pixels; if white is to be ignored, set "
+                    " of the pixels; if white is to be ignored, set "
                     "ingest.invert_masks");
   }
   return Status();

@@ -2,8 +2,9 @@
 
 #include "stages/reconstruct/training_report.h"
 
-#include <cstdio>
 #include <utility>
+
+#include "core/number_text.h"
 
 namespace freegs::stages {
 namespace {
@@ -56,12 +57,11 @@ nlohmann::json CourseJson(const std::string& densification,
 }
 
 std::string RecoveryText(const splat::Recovery& recovery) {
-  char factor[32];
-  std::snprintf(factor, sizeof(factor), "%g", recovery.rate_factor);
   return "training diverged at iteration " +
          std::to_string(recovery.iteration) + " (" + recovery.reason +
          "); back to iteration " + std::to_string(recovery.back_to) +
-         ", learning rates now times " + factor;
+         ", learning rates now times " +
+         FormatSignificant(recovery.rate_factor, 6);
 }
 
 std::string MilestoneText(const splat::MilestoneRecord& record) {
@@ -74,16 +74,10 @@ std::string MilestoneText(const splat::MilestoneRecord& record) {
 std::string TrialText(const splat::GaussianModel& model,
                       double psnr,
                       int level) {
-  char text[128];
-  std::snprintf(text,
-                sizeof(text),
-                "trial at 1/%d size, %zu Gaussians of SH degree %d: %.2f dB on "
-                "the holdout",
-                1 << level,
-                model.size(),
-                model.sh_degree,
-                psnr);
-  return text;
+  return "trial at 1/" + std::to_string(1 << level) + " size, " +
+         std::to_string(model.size()) + " Gaussians of SH degree " +
+         std::to_string(model.sh_degree) + ": " + FormatFixed(psnr, 2) +
+         " dB on the holdout";
 }
 
 }  // namespace freegs::stages

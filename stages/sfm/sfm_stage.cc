@@ -7,10 +7,12 @@
 #include <utility>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "core/io/files.h"
+#include "photos/photo_list.h"
 #include "sfm/import/import_model.h"
 #include "sfm/scene/model_io.h"
-#include "photos/photo_list.h"
 #include "sfm/scene/scene_frame.h"
 
 namespace freegs::stages {

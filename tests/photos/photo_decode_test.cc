@@ -417,7 +417,7 @@ TEST(PhotoPixelsTest, ContentHashKnowsShape) {
 }
 
 TEST(PhotoInspectorTest, FillsTheRecord) {
-  const TempFolder folder;
+  const TemporaryFolder folder;
   const std::string exif =
       MakeExif({.orientation = 6, .make = "A", .model = "B", .focal_35mm = 36});
   folder.Write("a/b.jpg", WithExif(MakeJpeg(60, 40, 1), exif));

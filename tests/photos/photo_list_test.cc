@@ -52,7 +52,7 @@ PhotoList MakeList() {
 
 // The list as JSON, to be damaged.
 json MakeJson() {
-  const TempFolder folder;
+  const TemporaryFolder folder;
   EXPECT_TRUE(WritePhotoList(folder.path() / "images.json", MakeList()).ok());
   return json::parse(*ReadFile(folder.path() / "images.json"));
 }
@@ -66,7 +66,7 @@ std::string Fault(const std::string& text) {
 }
 
 TEST(PhotoListTest, RoundTrip) {
-  const TempFolder folder;
+  const TemporaryFolder folder;
   const PhotoList written = MakeList();
   ASSERT_TRUE(WritePhotoList(folder.path() / "images.json", written).ok());
   const auto read = ReadPhotoList(folder.path() / "images.json");
@@ -103,7 +103,7 @@ TEST(PhotoListTest, RoundTrip) {
 }
 
 TEST(PhotoListTest, NamesThatAreNotUtf8CanBeWritten) {
-  const TempFolder folder;
+  const TemporaryFolder folder;
   PhotoList list = MakeList();
   list.photos[0].file = "\xff\xfe.jpg";
   ASSERT_TRUE(WritePhotoList(folder.path() / "images.json", list).ok());
@@ -116,31 +116,31 @@ TEST(PhotoListTest, FaultsAreNamed) {
     json value;
     const char* message;
   } cases[] = {
-      {"/version", 2, "version 2"},
-      {"/version", "1", "version is not a whole number"},
-      {"/photos", json::object(), "photos is not a list"},
-      {"/photos/0", 7, "photos[0] is not an object"},
-      {"/photos/0/file", nullptr, "photos[0].file is not a text"},
-      {"/photos/0/width", 0, "photos[0].width is 0"},
-      {"/photos/0/width", -5, "out of range"},
-      {"/photos/0/width", 1e9, "not a whole number"},
-      {"/photos/0/width", 18446744073709551615U, "out of range"},
-      {"/photos/0/height", "300", "not a whole number"},
-      {"/photos/0/orientation", 9, "out of range"},
-      {"/photos/0/sharpness", nullptr, "not a number"},
-      {"/photos/0/sharpness", 1e300, "out of range"},
-      {"/photos/0/sharpness", -1, "out of range"},
-      {"/photos/0/camera_group", -1, "camera_group is negative"},
-      {"/photos/0/focal_length_px", "wide", "not a number"},
-      {"/photos/0/converted", 1, "not true or false"},
+      {"/version", 2, "version: is 2 instead of 1"},
+      {"/version", "1", "version: must be a whole number in 0..1073741824"},
+      {"/photos", json::object(), "photos: must be a list"},
+      {"/photos/0", 7, "photos[0]: must be an object"},
+      {"/photos/0/file", nullptr, "photos[0].file: must be a text"},
+      {"/photos/0/width", 0, "photos[0].width: is 0"},
+      {"/photos/0/width", -5, "0..1048576"},
+      {"/photos/0/width", 1e9, "0..1048576"},
+      {"/photos/0/width", 18446744073709551615U, "0..1048576"},
+      {"/photos/0/height", "300", "a whole number"},
+      {"/photos/0/orientation", 9, "1..8"},
+      {"/photos/0/sharpness", nullptr, "must be a number"},
+      {"/photos/0/sharpness", 1e300, "0..1e+12"},
+      {"/photos/0/sharpness", -1, "0..1e+12"},
+      {"/photos/0/camera_group", -1, "camera_group: is negative"},
+      {"/photos/0/focal_length_px", "wide", "must be a number"},
+      {"/photos/0/converted", 1, "must be true or false"},
       {"/photos/0/split", "test", "split"},
-      {"/photos/0/name", "", "name is not the name"},
-      {"/photos/0/name", "../outside.jpg", "name is not the name"},
-      {"/photos/0/name", "a/../../b.jpg", "name is not the name"},
-      {"/photos/0/name", "/etc/passwd", "name is not the name"},
-      {"/photos/0/name", "folder/", "name is not the name"},
-      {"/photos/0/name", std::string("a\0b", 3), "name is not the name"},
-      {"/photos/0/name", "sub/ü.png", "name is used twice"},
+      {"/photos/0/name", "", "name: is not the name"},
+      {"/photos/0/name", "../outside.jpg", "name: is not the name"},
+      {"/photos/0/name", "a/../../b.jpg", "name: is not the name"},
+      {"/photos/0/name", "/etc/passwd", "name: is not the name"},
+      {"/photos/0/name", "folder/", "name: is not the name"},
+      {"/photos/0/name", std::string("a\0b", 3), "name: is not the name"},
+      {"/photos/0/name", "sub/ü.png", "name: is used twice"},
   };
   for (const auto& c : cases) {
     json document = MakeJson();
@@ -154,7 +154,7 @@ TEST(PhotoListTest, EveryFieldIsNeeded) {
   for (const auto& [key, value] : document["photos"][0].items()) {
     json damaged = document;
     damaged["photos"][0].erase(key);
-    EXPECT_THAT(Fault(damaged.dump()), HasSubstr(key + " is missing"));
+    EXPECT_THAT(Fault(damaged.dump()), HasSubstr(key + ": is missing"));
   }
 }
 
@@ -164,15 +164,15 @@ TEST(PhotoListTest, HostileText) {
   for (size_t size = 0; size < good.size(); ++size) {
     EXPECT_NE(Fault(good.substr(0, size)), "read") << size;
   }
-  EXPECT_THAT(Fault(std::string(2'000'000, '[')), HasSubstr("JSON"));
+  EXPECT_THAT(Fault(std::string(2'000'000, '[')), HasSubstr("nested deeper"));
   const std::string deep =
       std::string(200'000, '[') + std::string(200'000, ']');
   EXPECT_THAT(Fault(deep), HasSubstr("images.json"));
   EXPECT_THAT(
       Fault(R"({"version":1,"images_folder":"","photos":)" + deep + "}"),
-      HasSubstr("nested too deeply"));
-  EXPECT_THAT(Fault("[]"), HasSubstr("not an object"));
-  EXPECT_THAT(Fault("null"), HasSubstr("not an object"));
+      HasSubstr("nested deeper"));
+  EXPECT_THAT(Fault("[]"), HasSubstr("must be an object"));
+  EXPECT_THAT(Fault("null"), HasSubstr("must be an object"));
   EXPECT_THAT(Fault(R"({"version":1e999})"), HasSubstr("images.json"));
   for (uint64_t trial = 0; trial < 2000; ++trial) {
     std::string text = good;
@@ -183,7 +183,7 @@ TEST(PhotoListTest, HostileText) {
 }
 
 TEST(PhotoListTest, MissingFile) {
-  const TempFolder folder;
+  const TemporaryFolder folder;
   EXPECT_EQ(ReadPhotoList(folder.path() / "none.json").status().code(),
             StatusCode::kBadInput);
 }

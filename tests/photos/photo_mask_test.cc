@@ -29,7 +29,7 @@ cv::Mat Halves(int width, int height, int value, int other = 0) {
 }
 
 TEST(FindMask, BothNames) {
-  const TempFolder folder;
+  const TemporaryFolder folder;
   folder.Write("a.jpg.png", "");
   folder.Write("a.png", "");
   folder.Write("sub/b.png", "");

@@ -47,7 +47,7 @@ TEST(NaturalLessTest, CountsAsPeopleDo) {
 }
 
 TEST(ScanPhotosTest, FindsPhotosBelowInNaturalOrder) {
-  const TempFolder folder;
+  const TemporaryFolder folder;
   for (const char* name : {"img10.jpg",
                            "img2.JPG",
                            "deep/er/x.tiff",
@@ -75,7 +75,7 @@ TEST(ScanPhotosTest, FindsPhotosBelowInNaturalOrder) {
 }
 
 TEST(ScanPhotosTest, LinkLoopsEndAndFoldersKeepTheirOwnNames) {
-  const TempFolder folder;
+  const TemporaryFolder folder;
   folder.Write("real/a.jpg", "x");
   const fs::path root = folder.path();
   fs::create_directory_symlink(root, root / "real" / "loop");
@@ -83,7 +83,7 @@ TEST(ScanPhotosTest, LinkLoopsEndAndFoldersKeepTheirOwnNames) {
   fs::create_directory_symlink(root / "real", root / "also");
   fs::create_symlink("nowhere", root / "broken.jpg");
   fs::create_symlink("circle.jpg", root / "circle.jpg");
-  const TempFolder elsewhere;
+  const TemporaryFolder elsewhere;
   elsewhere.Write("b.jpg", "x");
   fs::create_directory_symlink(elsewhere.path(), root / "linked");
   const auto scan = ScanPhotos(root);
@@ -95,7 +95,7 @@ TEST(ScanPhotosTest, LinkLoopsEndAndFoldersKeepTheirOwnNames) {
 }
 
 TEST(ScanPhotosTest, ExcludedFoldersAreNotEntered) {
-  const TempFolder folder;
+  const TemporaryFolder folder;
   folder.Write("a.jpg", "x");
   folder.Write("workspace/ingest/photos/a.jpg", "x");
   const auto scan = ScanPhotos(folder.path(), {folder.path() / "workspace"});
@@ -104,7 +104,7 @@ TEST(ScanPhotosTest, ExcludedFoldersAreNotEntered) {
 }
 
 TEST(ScanPhotosTest, BadFolders) {
-  const TempFolder folder;
+  const TemporaryFolder folder;
   folder.Write("file.jpg", "x");
   for (const char* name : {"missing", "file.jpg"}) {
     const auto scan = ScanPhotos(folder.path() / name);
@@ -117,7 +117,7 @@ TEST(ScanPhotosTest, BadFolders) {
 }
 
 TEST(ScanPhotosTest, ForbiddenFoldersAreReported) {
-  const TempFolder folder;
+  const TemporaryFolder folder;
   folder.Write("a.jpg", "x");
   folder.Write("secret/b.jpg", "x");
   fs::permissions(folder.path() / "secret", fs::perms::none);

@@ -89,8 +89,14 @@ TEST(StageRecordTest, EveryWrongOrMissingFieldIsRefused) {
 
 TEST(StageRecordTest, DeeplyNestedJsonIsRefused) {
   const TemporaryFolder folder;
-  WriteText(RecordPath(folder.path()), std::string(1 << 20, '['));
-  EXPECT_FALSE(ReadStageRecord(folder.path()).ok());
+  const std::string lists(1'000'000, '[');
+  for (const std::string& text :
+       {lists, "{\"stage\": " + lists, lists + std::string(1'000'000, ']')}) {
+    WriteText(RecordPath(folder.path()), text);
+    const auto record = ReadStageRecord(folder.path());
+    EXPECT_EQ(record.status().code(), StatusCode::kBadInput);
+    EXPECT_THAT(record.status().message(), HasSubstr("stage.json: nested"));
+  }
 }
 
 TEST(StageRecordTest, TextThatIsNotUtf8CanBeWritten) {

@@ -13,6 +13,7 @@
 
 #include "core/io/files.h"
 #include "core/io/image_io.h"
+#include "tests/temporary_folder.h"
 
 namespace freegs::scene_maker {
 namespace {
@@ -51,8 +52,8 @@ TEST(WriteScene, WritesTheLayout) {
   options.height = 48;
   options.objects = 4;
   const Scene scene = *BuildScene(options);
-  const fs::path folder = fs::path(testing::TempDir()) / "scene_files_test";
-  fs::remove_all(folder);
+  const TemporaryFolder temporary;
+  const fs::path folder = temporary / "scene";
   ThreadPool pool(2);
   int calls = 0;
   ASSERT_TRUE(WriteScene(scene, folder, pool, [&calls](int done, int total) {
@@ -88,7 +89,6 @@ TEST(WriteScene, WritesTheLayout) {
   for (size_t i = 0; i < ids.size(); ++i) {
     EXPECT_EQ(mask.data()[i], ids.data()[i] == 3 ? 255 : 0);
   }
-  fs::remove_all(folder);
 }
 
 }  // namespace

@@ -15,18 +15,14 @@
 #include "core/io/image_io.h"
 #include "splat/train/trainer.h"
 #include "tests/splat/test_scene.h"
+#include "tests/temporary_folder.h"
 
 namespace freegs::splat {
 
-// A folder of rendered views of a known model, removed at the end.
+// A temporary folder of rendered views of a known model.
 class TrainingFixture : public testing::Test {
  protected:
   void SetUp() override {
-    std::string pattern =
-        (std::filesystem::temp_directory_path() / "freegs_trainer_XXXXXX")
-            .string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
     truth_ = RandomModel(60, 0, 21);
     for (float& logit : truth_.opacity_logits) logit = 3;
     ThreadPool pool(2);
@@ -45,8 +41,6 @@ class TrainingFixture : public testing::Test {
       WritePhoto(k);
     }
   }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
   void WritePhoto(size_t k) const {
     ASSERT_TRUE(WriteImage(folder_ / views_[k].name, photos_[k]).ok());
   }
@@ -110,7 +104,8 @@ class TrainingFixture : public testing::Test {
     return status;
   }
 
-  std::filesystem::path folder_;
+  const TemporaryFolder temporary_;
+  const std::filesystem::path folder_ = temporary_.path();
   GaussianModel truth_;
   std::vector<View> views_;
   std::vector<ImageU8> photos_;

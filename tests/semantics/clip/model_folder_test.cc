@@ -113,14 +113,14 @@ TEST(ModelFolderTest, DenseNetworksAreChecked) {
        std::initializer_list<std::pair<json, std::string>>{
            {json::array(), "dense"},
            {{{{"file", "other.onnx"}, {"image_size", 16}, {"grid", 2}}},
-            "is not dense.onnx"},
+            "must be dense.onnx"},
            {{{{"file", "dense.onnx"}, {"image_size", 16}, {"grid", 17}}},
             "larger than the image"},
-           {{{{"file", "dense.onnx"}, {"image_size", 16}}}, "grid is missing"},
+           {{{{"file", "dense.onnx"}, {"image_size", 16}}}, "grid: is missing"},
            {{1}, "dense"},
            {{{{"file", "dense.onnx"}, {"image_size", 16}, {"grid", 2}},
              {{"file", "new.onnx"}, {"image_size", 16}, {"grid", 2}}},
-            "files.new.onnx is missing"}}) {
+            "files.new.onnx: is missing"}}) {
     const ModelCopy model;
     json info = model.Info();
     info["dense"] = dense;

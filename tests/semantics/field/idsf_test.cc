@@ -11,6 +11,8 @@
 #include <gtest/gtest.h>
 #include <xxhash.h>
 
+#include "tests/temporary_folder.h"
+
 namespace freegs::semantics {
 namespace {
 
@@ -46,7 +48,8 @@ TEST(IdsfTest, ComesBackAsWritten) {
 }
 
 TEST(IdsfTest, ComesBackFromAFile) {
-  const std::string path = testing::TempDir() + "/idsf_test.bin";
+  const TemporaryFolder folder;
+  const std::string path = folder / "idsf_test.bin";
   ASSERT_TRUE(WriteIdsf(path, MakeIdsf()).ok());
   const auto read = ReadIdsf(path);
   ASSERT_TRUE(read.ok());

@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/temporary_folder.h"
+
 namespace freegs::semantics {
 namespace {
 
@@ -27,7 +29,8 @@ Instance MakeInstance(int id) {
 }
 
 TEST(InstancesJsonTest, ComesBackAsWritten) {
-  const std::string path = testing::TempDir() + "/instances_json_test.json";
+  const TemporaryFolder folder;
+  const std::string path = folder / "instances_json_test.json";
   ASSERT_TRUE(WriteInstances(path, {MakeInstance(1), MakeInstance(2)}).ok());
   const auto read = ReadInstances(path);
   ASSERT_TRUE(read.ok()) << read.status().message();
@@ -111,10 +114,15 @@ TEST(InstancesJsonTest, RefusesRepeatedAndZeroIds) {
 }
 
 TEST(InstancesJsonTest, DeepNestingIsAnErrorNotACrash) {
-  EXPECT_FALSE(ParseInstances(std::string(100000, '[')).ok());
-  EXPECT_FALSE(ParseInstances("[" + std::string(20000, '[') +
-                              std::string(20000, ']') + "]")
-                   .ok());
+  const TemporaryFolder folder;
+  const std::string lists(1'000'000, '[');
+  for (const std::string& text : {lists, lists + std::string(1'000'000, ']')}) {
+    folder.Write("instances.json", text);
+    const auto read = ReadInstances(folder / "instances.json");
+    EXPECT_EQ(read.status().code(), StatusCode::kBadInput);
+    EXPECT_THAT(read.status().message(),
+                testing::HasSubstr("instances.json: nested deeper"));
+  }
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <xxhash.h>
 
 #include "tests/semantics/losses/gradient_check.h"
+#include "tests/temporary_folder.h"
 
 namespace freegs::semantics {
 namespace {
@@ -87,7 +88,8 @@ TEST(DecoderFileTest, MlpComesBackAsWritten) {
 }
 
 TEST(DecoderFileTest, ComesBackFromAFile) {
-  const std::string path = testing::TempDir() + "/decoder_file_test.bin";
+  const TemporaryFolder folder;
+  const std::string path = folder / "decoder_file_test.bin";
   ASSERT_TRUE(WriteDecoder(path, MlpWithAdam()).ok());
   EXPECT_TRUE(ReadDecoder(path).ok());
   const auto missing = ReadDecoder(path + ".none");

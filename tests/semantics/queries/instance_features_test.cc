@@ -10,6 +10,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/temporary_folder.h"
+
 namespace freegs::semantics {
 namespace {
 
@@ -25,7 +27,8 @@ InstanceFeatures MakeFeatures() {
 }
 
 TEST(InstanceFeaturesTest, ComesBackAsWritten) {
-  const std::string path = testing::TempDir() + "/instance_features_test.json";
+  const TemporaryFolder folder;
+  const std::string path = folder / "instance_features_test.json";
   const InstanceFeatures expected = MakeFeatures();
   ASSERT_TRUE(WriteInstanceFeatures(path, expected).ok());
   const auto read = ReadInstanceFeatures(path);
@@ -138,8 +141,8 @@ TEST(InstanceFeaturesTest, HugeNumbersAndDeepNestingAreErrors) {
 }
 
 TEST(InstanceFeaturesTest, ErrorsNameTheFile) {
-  const auto missing =
-      ReadInstanceFeatures(testing::TempDir() + "/no_such_features.json");
+  const TemporaryFolder folder;
+  const auto missing = ReadInstanceFeatures(folder / "no_such_features.json");
   EXPECT_EQ(missing.status().code(), StatusCode::kBadInput);
   EXPECT_THAT(missing.status().message(), HasSubstr("no_such_features"));
 }

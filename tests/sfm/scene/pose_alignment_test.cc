@@ -118,17 +118,20 @@ TEST(AlignPoses, RefusesWhatCannotBeAligned) {
   EXPECT_FALSE(AlignPoses(broken, Circle(5)).ok());
 }
 
-TEST(AlignPoints, NeverMirrors) {
-  std::vector<Eigen::Vector3d> source;
-  std::vector<Eigen::Vector3d> mirrored;
-  RandomStream random(1, 1);
-  for (int i = 0; i < 20; ++i) {
-    source.emplace_back(random.Normal(), random.Normal(), random.Normal());
-    mirrored.push_back(source.back().cwiseProduct(Eigen::Vector3d(-1, 1, 1)));
+TEST(AlignPoses, NeverMirrors) {
+  const NamedPoses source = Circle(10);
+  NamedPoses mirrored = source;
+  for (auto& [name, pose] : mirrored) {
+    const Eigen::Vector3d centre =
+        CameraCentre(pose).cwiseProduct(Eigen::Vector3d(1, 1, -1));
+    pose.translation = -(pose.rotation * centre);
   }
-  const auto result = AlignPoints(source, mirrored);
-  ASSERT_TRUE(result.ok());
-  EXPECT_NEAR(result->rotation.norm(), 1, 1e-12);
+  const auto result = AlignPoses(source, mirrored);
+  ASSERT_TRUE(result.ok()) << result.status().message();
+  const Eigen::Matrix3d rotation =
+      result->target_from_source.rotation.toRotationMatrix();
+  EXPECT_NEAR(rotation.determinant(), 1, 1e-9);
+  EXPECT_GT(result->target_from_source.scale, 0);
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ namespace {
 
 TEST(FilterTracks, KeepsAGoodModelAndSetsErrors) {
   Reconstruction model = SyntheticModel(5, 20);
-  EXPECT_EQ(FilterTracks({}, &model), 0u);
+  EXPECT_EQ(FilterTracks(&model), 0u);
   ASSERT_EQ(model.points3d.size(), 20u);
   EXPECT_NEAR(model.points3d[0].error, 0, 1e-9);
 }
@@ -26,7 +26,7 @@ TEST(FilterTracks, RemovesWhatIsFarOff) {
   feature(3, 2).xy.x() += 3;
   for (size_t k = 0; k < 4; ++k) feature(7, k).xy.y() += 100;
   const uint64_t lost = model.points3d[7].id;
-  EXPECT_EQ(FilterTracks({}, &model), 6u);
+  EXPECT_EQ(FilterTracks(&model), 6u);
   ASSERT_EQ(model.points3d.size(), 19u);
   EXPECT_EQ(model.points3d[3].track.size(), 4u);
   EXPECT_NEAR(model.points3d[3].error, 0.75, 1e-9);
@@ -40,12 +40,12 @@ TEST(FilterTracks, RemovesPointsWithoutDepthOrBehindCameras) {
   model.images[1].cam_from_world = model.images[0].cam_from_world;
   model.images[1].cam_from_world.translation.x() += 0.001;
   model.images[1].points2d = model.images[0].points2d;
-  EXPECT_EQ(FilterTracks({}, &model), 40u);
+  EXPECT_EQ(FilterTracks(&model), 40u);
   EXPECT_TRUE(model.points3d.empty());
 
   model = SyntheticModel(5, 20);
   model.images[2].cam_from_world.translation.z() = -100;
-  EXPECT_EQ(FilterTracks({}, &model), 20u);
+  EXPECT_EQ(FilterTracks(&model), 20u);
   EXPECT_EQ(model.points3d.size(), 20u);
 }
 

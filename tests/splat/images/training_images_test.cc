@@ -14,6 +14,7 @@
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/random.h"
+#include "tests/temporary_folder.h"
 
 namespace freegs::splat {
 namespace {
@@ -24,15 +25,6 @@ using ::testing::HasSubstr;
 
 class TrainingImagesTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(::testing::TempDir()) /
-              (std::string("training_images_test_") +
-               ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(folder_);
-    ASSERT_TRUE(CreateFolders(folder_).ok());
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   // A photo of random pixels, and its view.
   void AddPhoto(const std::string& name, int width, int height) {
     ImageU8 photo(width, height, 3);
@@ -52,7 +44,8 @@ class TrainingImagesTest : public ::testing::Test {
     return TrainingImages::Load(views_, folder_, options, pool_);
   }
 
-  fs::path folder_;
+  const TemporaryFolder temporary_;
+  const fs::path folder_ = temporary_.path();
   std::vector<View> views_;
   std::vector<ImageU8> photos_;
   ThreadPool pool_{2};

@@ -18,6 +18,7 @@
 
 #include "core/io/files.h"
 #include "tests/splat/random_model.h"
+#include "tests/temporary_folder.h"
 
 namespace freegs::splat {
 namespace {
@@ -72,8 +73,8 @@ TEST_P(PlyDegreeTest, RoundTripKeepsEveryBit) {
 INSTANTIATE_TEST_SUITE_P(AllDegrees, PlyDegreeTest, ::testing::Range(0, 4));
 
 TEST(PlyTest, FileRoundTripAndErrorsNameTheFile) {
-  const std::filesystem::path path =
-      std::filesystem::path(::testing::TempDir()) / "ply_io_test_model.ply";
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder / "ply_io_test_model.ply";
   const GaussianModel model = RandomModel(3, 1, 8);
   ASSERT_TRUE(WritePly(path, model).ok());
   const StatusOr<GaussianModel> read = ReadPly(path);

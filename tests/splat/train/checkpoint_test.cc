@@ -15,6 +15,7 @@
 
 #include "core/io/files.h"
 #include "tests/splat/random_model.h"
+#include "tests/temporary_folder.h"
 
 namespace freegs::splat {
 namespace {
@@ -84,15 +85,8 @@ std::string Resealed(std::string content) {
 
 class CheckpointFolderTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(::testing::TempDir()) /
-              (std::string("checkpoint_test_") +
-               ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  fs::path folder_;
+  const TemporaryFolder temporary_;
+  const fs::path folder_ = temporary_ / "checkpoints";  // Not there yet.
 };
 
 TEST(CheckpointTest, RoundTrip) {

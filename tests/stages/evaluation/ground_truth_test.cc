@@ -10,6 +10,7 @@
 
 #include "core/io/files.h"
 #include "core/random.h"
+#include "tests/temporary_folder.h"
 
 namespace freegs::stages {
 namespace {
@@ -158,9 +159,8 @@ TEST(ParseTrueObjects, RefusesMalformedObjects) {
 }
 
 TEST(ReadGroundTruth, TakesTheSceneFolderOrItsGtFolder) {
-  const fs::path scene =
-      fs::path(testing::TempDir()) / "ground_truth_test_scene";
-  fs::remove_all(scene);
+  const TemporaryFolder temporary;
+  const fs::path scene = temporary / "scene";
   EXPECT_EQ(ReadGroundTruth(scene).status().code(), StatusCode::kBadInput);
   ASSERT_TRUE(CreateFolders(scene / "gt").ok());
   ASSERT_TRUE(WriteFileAtomic(scene / "gt/cameras.json", Cameras(kPose)).ok());
@@ -183,7 +183,6 @@ TEST(ReadGroundTruth, TakesTheSceneFolderOrItsGtFolder) {
   }
   ASSERT_TRUE(WriteFileAtomic(scene / "gt/objects.json", "{").ok());
   EXPECT_FALSE(ReadGroundTruth(scene).ok());
-  fs::remove_all(scene);
 }
 
 TEST(ReadGroundTruth, ReadsTheSharedTabletop) {

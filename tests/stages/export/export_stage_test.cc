@@ -175,6 +175,15 @@ TEST_F(ExportStageTest, ReportOfABareWorkspaceSaysWhatIsMissing) {
   EXPECT_THAT(page, HasSubstr("Photographs that training saw"));
 }
 
+TEST_F(ExportStageTest, DeeplyNestedHealthCountsAsMissing) {
+  const std::string lists(1'000'000, '[');
+  for (const std::string& text : {lists, lists + std::string(1'000'000, ']')}) {
+    WriteText(workspace_ / "sfm" / "health.json", text);
+    fs::remove_all(Out(""));
+    EXPECT_TRUE(Run().ok());
+  }
+}
+
 TEST_F(ExportStageTest, SameBytesForAnyNumberOfThreads) {
   workspace_.AddInstances();
   ASSERT_TRUE(Run().ok());

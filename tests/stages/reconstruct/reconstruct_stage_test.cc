@@ -14,12 +14,13 @@
 
 #include "core/io/files.h"
 #include "core/io/image_io.h"
-#include "sfm/scene/model_io.h"
 #include "photos/photo_list.h"
-#include "splat/train/checkpoint.h"
-#include "splat/scene/ply_io.h"
+#include "sfm/scene/model_io.h"
 #include "splat/render/renderer.h"
+#include "splat/scene/ply_io.h"
+#include "splat/train/checkpoint.h"
 #include "tests/splat/test_scene.h"
+#include "tests/temporary_folder.h"
 
 namespace freegs::stages {
 namespace {
@@ -31,10 +32,6 @@ namespace fs = std::filesystem;
 class ReconstructStageTest : public testing::Test {
  protected:
   void SetUp() override {
-    std::string pattern =
-        (fs::temp_directory_path() / "freegs_reconstruct_XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    workspace_ = pattern;
     truth_ = splat::RandomModel(80, 0, 33);
     ThreadPool pool(2);
     sfm::Reconstruction model;
@@ -68,8 +65,8 @@ class ReconstructStageTest : public testing::Test {
       photo.width = pinhole.width;
       photo.height = pinhole.height;
       photo.camera_group = 0;
-      photo.split =
-          k % 5 == 0 ? photos::PhotoSplit::kHoldout : photos::PhotoSplit::kTrain;
+      photo.split = k % 5 == 0 ? photos::PhotoSplit::kHoldout
+                               : photos::PhotoSplit::kTrain;
       photos.photos.push_back(photo);
     }
     for (size_t i = 0; i < truth_.size(); ++i) {
@@ -88,8 +85,6 @@ class ReconstructStageTest : public testing::Test {
         photos::WritePhotoList(workspace_ / "ingest" / "images.json", photos)
             .ok());
   }
-  void TearDown() override { fs::remove_all(workspace_); }
-
   // Runs the stage into workspace / folder. Cancels at the first report of
   // progress at or after `cancel_at` iterations.
   Status Run(const ReconstructStageOptions& options,
@@ -150,7 +145,8 @@ class ReconstructStageTest : public testing::Test {
     return content.ok() ? *content : std::string();
   }
 
-  fs::path workspace_;
+  const TemporaryFolder temporary_;
+  const fs::path workspace_ = temporary_.path();
   std::string log_;        // Of all runs.
   std::string cancel_on_;  // Text of the log line to cancel at, if any.
   splat::GaussianModel truth_;
