@@ -11,8 +11,7 @@ StatusOr<CoreDistances> ComputeCoreDistances(
     const KdTree& tree,
     int min_samples,
     ThreadPool& pool,
-    const CancellationToken* cancellation,
-    int max_leaves) {
+    const CancellationToken* cancellation) {
   if (min_samples < 1) {
     return InvalidArgumentError("min_samples must be at least 1");
   }
@@ -39,8 +38,7 @@ StatusOr<CoreDistances> ComputeCoreDistances(
       tree.Nearest(tree.Point(position),
                    static_cast<int>(list_size),
                    tree.Row(position),
-                   &found,
-                   max_leaves);
+                   &found);
       uint32_t* list = result.neighbors.data() + position * list_size;
       for (int64_t j = 0; j < list_size; ++j) {
         list[j] = position_of_row[found[j].index];

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "semantics/hdbscan/core_distances.h"
 #include "core/kd_tree.h"
+#include "semantics/hdbscan/core_distances.h"
 #include "semantics/hdbscan/mutual_reachability_mst.h"
 
 namespace freegs::semantics {
@@ -27,13 +27,6 @@ Status HdbscanOptions::Check() const {
   if (max_cluster_size < 0) {
     return InvalidArgumentError("max_cluster_size must not be negative");
   }
-  if (graph_neighbors < 0 || max_leaves < 0) {
-    return InvalidArgumentError(
-        "graph_neighbors and max_leaves must not be negative");
-  }
-  if (max_leaves > 0 && graph_neighbors == 0) {
-    return InvalidArgumentError("max_leaves needs graph_neighbors");
-  }
   return {};
 }
 
@@ -46,14 +39,10 @@ StatusOr<HdbscanResult> Hdbscan(std::span<const float> points,
   FREEGS_ASSIGN_OR_RETURN(const KdTree tree, KdTree::Build(points, dim));
   FREEGS_ASSIGN_OR_RETURN(
       const CoreDistances cores,
-      ComputeCoreDistances(
-          tree, options.min_samples, pool, cancellation, options.max_leaves));
+      ComputeCoreDistances(tree, options.min_samples, pool, cancellation));
   FREEGS_ASSIGN_OR_RETURN(
       const std::vector<MstEdge> mst,
-      options.graph_neighbors > 0
-          ? NeighborGraphMst(
-                tree, cores, options.graph_neighbors, pool, cancellation)
-          : MutualReachabilityMst(tree, cores, pool, cancellation));
+      MutualReachabilityMst(tree, cores, pool, cancellation));
 
   const CondensedTree condensed =
       CondenseTree(mst, tree.size(), options.min_cluster_size);

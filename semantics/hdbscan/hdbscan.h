@@ -38,15 +38,6 @@ struct HdbscanOptions {
   // (see ClusterSelectionOptions).
   double min_gap_ratio = 0;
 
-  // Above 0 the spanning tree is approximate: edges join each point with this
-  // many of its nearest neighbours (at most min_samples + 1), and what these
-  // leave apart is joined exactly. Gains and errors: docs/clustering.md.
-  int graph_neighbors = 0;
-
-  // Above 0 the search of neighbours ends after this many leaves of 16 points,
-  // so that core distances may be too large. Needs graph_neighbors.
-  int max_leaves = 0;
-
   Status Check() const;
 };
 

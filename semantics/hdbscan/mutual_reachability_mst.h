@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "core/cancellation.h"
+#include "core/kd_tree.h"
 #include "core/parallel.h"
 #include "core/status.h"
 #include "semantics/hdbscan/core_distances.h"
-#include "core/kd_tree.h"
 #include "semantics/hdbscan/mst_edge.h"
 
 namespace freegs::semantics {
@@ -29,18 +29,6 @@ namespace freegs::semantics {
 StatusOr<std::vector<MstEdge>> MutualReachabilityMst(
     const KdTree& tree,
     const CoreDistances& cores,
-    ThreadPool& pool,
-    const CancellationToken* cancellation);
-
-// An approximation on a graph of neighbours: its edges join each point with the
-// graph_neighbors >= 1 nearest of its list (cut to the list's size). The result
-// is the graph's spanning forest, whose trees are then joined, in Boruvka's
-// rounds, by the least of all edges. Never lighter than the exact tree, of
-// which it may miss edges that are no graph edges.
-StatusOr<std::vector<MstEdge>> NeighborGraphMst(
-    const KdTree& tree,
-    const CoreDistances& cores,
-    int graph_neighbors,
     ThreadPool& pool,
     const CancellationToken* cancellation);
 
