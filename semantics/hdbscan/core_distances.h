@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "core/cancellation.h"
+#include "core/kd_tree.h"
 #include "core/parallel.h"
 #include "core/status.h"
-#include "core/kd_tree.h"
 
 namespace freegs::semantics {
 
@@ -25,22 +25,17 @@ struct CoreDistances {
   std::vector<uint32_t> neighbors;
 
   // Squared distance to the last point of the list; infinite when the list
-  // holds all other points. No point outside the list is nearer, unless the
-  // lists are approximate.
+  // holds all other points. No point outside the list is nearer.
   std::vector<double> last2;
 };
 
-// min_samples >= 1 is cut to N - 1 (Campello et al. 2013; the point itself does
-// not count). max_leaves > 0 approximates (see KdTree::Nearest): lists may miss
-// neighbours, and core distances be too large; MutualReachabilityMst then is no
-// longer exact, NeighborGraphMst asks nothing of the lists. kInterrupted when
-// cancelled.
+// min_samples >= 1 is cut to N - 1. The point itself does not count (Campello
+// et al. 2013). kInterrupted when cancelled.
 StatusOr<CoreDistances> ComputeCoreDistances(
     const KdTree& tree,
     int min_samples,
     ThreadPool& pool,
-    const CancellationToken* cancellation,
-    int max_leaves = 0);
+    const CancellationToken* cancellation);
 
 }  // namespace freegs::semantics
 
