@@ -17,8 +17,6 @@
 
 namespace freegs::semantics {
 
-inline constexpr int kClipContextLength = 77;
-
 struct TokenizedText {
   // Start token, the text's tokens, end token; at most context_length. Not
   // padded: CLIP pads with 0.
@@ -52,8 +50,8 @@ class BytePairTokenizer {
   // is done to it first. kInvalidArgument if the context has no room for a
   // token between start and end, or the text is longer than 10000 bytes: a
   // caption has 77 tokens.
-  StatusOr<TokenizedText> Tokenize(
-      std::string_view text, int context_length = kClipContextLength) const;
+  StatusOr<TokenizedText> Tokenize(std::string_view text,
+                                   int context_length) const;
 
  private:
   BytePairTokenizer() = default;

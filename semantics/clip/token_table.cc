@@ -30,15 +30,6 @@ T Take(std::string_view content, size_t offset) {
   return value;
 }
 
-template <typename T>
-void Append(T value, std::string* content) {
-  content->append(reinterpret_cast<const char*>(&value), sizeof(T));
-}
-
-size_t SizeOf(TokenTable::ElementType type) {
-  return type == TokenTable::ElementType::kFloat16 ? 2 : 4;
-}
-
 }  // namespace
 
 StatusOr<TokenTable> TokenTable::Parse(std::string content) {
@@ -61,7 +52,7 @@ StatusOr<TokenTable> TokenTable::Parse(std::string content) {
   table.type_ = static_cast<ElementType>(type);
   if (rows == 0 || rows > kMaxRows || columns == 0 || columns > kMaxColumns ||
       content.size() - kHeaderSize !=
-          uint64_t{rows} * columns * SizeOf(table.type_)) {
+          uint64_t{rows} * columns * table.ElementSize()) {
     return BadInputError("the file is truncated or its header is damaged");
   }
   table.rows_ = static_cast<int>(rows);
@@ -90,7 +81,7 @@ StatusOr<TokenTable> TokenTable::Load(const std::filesystem::path& path) {
 void TokenTable::CopyRow(int token, std::span<float> out) const {
   const auto columns = static_cast<size_t>(columns_);
   const char* row = content_.data() + kHeaderSize +
-                    static_cast<size_t>(token) * columns * SizeOf(type_);
+                    static_cast<size_t>(token) * columns * ElementSize();
   if (type_ == ElementType::kFloat32) {
     std::memcpy(out.data(), row, columns * sizeof(float));
     return;
@@ -100,26 +91,6 @@ void TokenTable::CopyRow(int token, std::span<float> out) const {
     std::memcpy(&value, row + 2 * k, 2);
     out[k] = static_cast<float>(value);
   }
-}
-
-std::string SerializeTokenTable(std::span<const float> values,
-                                int rows,
-                                int columns,
-                                TokenTable::ElementType type) {
-  std::string content(kMagic);
-  content.reserve(kHeaderSize + values.size() * SizeOf(type));
-  Append(kVersion, &content);
-  Append(type, &content);
-  Append(static_cast<uint32_t>(rows), &content);
-  Append(static_cast<uint32_t>(columns), &content);
-  for (const float value : values) {
-    if (type == TokenTable::ElementType::kFloat32) {
-      Append(value, &content);
-    } else {
-      Append(static_cast<Eigen::half>(value), &content);
-    }
-  }
-  return content;
 }
 
 }  // namespace freegs::semantics

@@ -25,8 +25,6 @@ namespace freegs::semantics {
 //   elements  rows x columns, row-major
 class TokenTable {
  public:
-  enum class ElementType : uint32_t { kFloat32 = 0, kFloat16 = 1 };
-
   // kBadInput, naming the fault, for anything but a complete file of a known
   // version, and for elements that are not finite. Keeps the file's content.
   static StatusOr<TokenTable> Parse(std::string content);
@@ -39,20 +37,17 @@ class TokenTable {
   void CopyRow(int token, std::span<float> out) const;
 
  private:
+  enum class ElementType : uint32_t { kFloat32 = 0, kFloat16 = 1 };
+
   TokenTable() = default;
+
+  size_t ElementSize() const { return type_ == ElementType::kFloat16 ? 2 : 4; }
 
   std::string content_;
   ElementType type_ = ElementType::kFloat32;
   int rows_ = 0;
   int columns_ = 0;
 };
-
-// The file's content for rows x columns values; numbers that float16 cannot
-// hold become infinite, which Parse refuses.
-std::string SerializeTokenTable(std::span<const float> values,
-                                int rows,
-                                int columns,
-                                TokenTable::ElementType type);
 
 }  // namespace freegs::semantics
 

@@ -210,7 +210,6 @@ StatusOr<DenseCrfResult> DenseCrf::Infer(const ImageF& unary,
             kernel.lattice.AddFiltered({probabilities, unary.size()},
                                        num_labels,
                                        kernel.weight,
-                                       BlurOrder::kForward,
                                        pool,
                                        &buffers,
                                        logits));

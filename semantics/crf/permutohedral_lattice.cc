@@ -119,14 +119,12 @@ void PermutohedralLattice::SplatBlock(const float* values,
 }
 
 void PermutohedralLattice::BlurBlock(const ChannelBlock& block,
-                                     BlurOrder order,
                                      ThreadPool& pool,
                                      LatticeBuffers* buffers) const {
   const auto num_vertices = static_cast<int64_t>(num_vertices_);
   buffers->blurred.resize(buffers->vertices.size());
   std::fill_n(buffers->blurred.end() - block.stride, block.stride, 0.0f);
-  for (int step = 0; step <= dim_; ++step) {
-    const int axis = order == BlurOrder::kForward ? step : dim_ - step;
+  for (int axis = 0; axis <= dim_; ++axis) {
     const NeighborPair* pairs = neighbors_.data() + axis * num_vertices_;
     const float* from = buffers->vertices.data();
     float* to = buffers->blurred.data();
@@ -180,7 +178,6 @@ void PermutohedralLattice::SliceBlock(const LatticeBuffers& buffers,
 Status PermutohedralLattice::AddFiltered(std::span<const float> values,
                                          int channels,
                                          float gain,
-                                         BlurOrder order,
                                          ThreadPool& pool,
                                          LatticeBuffers* buffers,
                                          std::span<float> result) const {
@@ -189,48 +186,10 @@ Status PermutohedralLattice::AddFiltered(std::span<const float> values,
   for (int first = 0; first < channels; first += kMaxBlockChannels) {
     const ChannelBlock block = BlockAt(channels, first);
     SplatBlock(values.data(), block, pool, buffers);
-    BlurBlock(block, order, pool, buffers);
+    BlurBlock(block, pool, buffers);
     SliceBlock(*buffers, block, gain * kernel_scale_, pool, result.data());
   }
   return Status();
-}
-
-StatusOr<std::vector<float>> PermutohedralLattice::Splat(
-    std::span<const float> values, int channels, ThreadPool& pool) const {
-  FREEGS_RETURN_IF_ERROR(CheckValues(values.size(), num_points_, channels));
-  std::vector<float> result(num_vertices_ * channels);
-  LatticeBuffers buffers;
-  for (int first = 0; first < channels; first += kMaxBlockChannels) {
-    const ChannelBlock block = BlockAt(channels, first);
-    SplatBlock(values.data(), block, pool, &buffers);
-    for (size_t v = 0; v < num_vertices_; ++v) {
-      std::copy_n(buffers.vertices.data() + v * block.stride,
-                  block.count,
-                  result.data() + v * channels + first);
-    }
-  }
-  return result;
-}
-
-StatusOr<std::vector<float>> PermutohedralLattice::Slice(
-    std::span<const float> vertex_values,
-    int channels,
-    ThreadPool& pool) const {
-  FREEGS_RETURN_IF_ERROR(
-      CheckValues(vertex_values.size(), num_vertices_, channels));
-  std::vector<float> result(num_points_ * channels);
-  LatticeBuffers buffers;
-  for (int first = 0; first < channels; first += kMaxBlockChannels) {
-    const ChannelBlock block = BlockAt(channels, first);
-    buffers.vertices.resize(num_vertices_ * block.stride);
-    for (size_t v = 0; v < num_vertices_; ++v) {
-      std::copy_n(vertex_values.data() + v * channels + first,
-                  block.count,
-                  buffers.vertices.data() + v * block.stride);
-    }
-    SliceBlock(buffers, block, 1, pool, result.data());
-  }
-  return result;
 }
 
 void PermutohedralLattice::NormalizeSymmetrically(ThreadPool& pool) {
@@ -239,7 +198,7 @@ void PermutohedralLattice::NormalizeSymmetrically(ThreadPool& pool) {
   const ChannelBlock block = BlockAt(1, 0);
   LatticeBuffers buffers;
   SplatBlock(ones.data(), block, pool, &buffers);
-  BlurBlock(block, BlurOrder::kForward, pool, &buffers);
+  BlurBlock(block, pool, &buffers);
   SliceBlock(buffers, block, kernel_scale_, pool, sums.data());
   // Never zero: every point is at least its own neighbour.
   const size_t corners = dim_ + 1;

@@ -17,10 +17,6 @@
 
 namespace freegs::semantics {
 
-// Blurs along different axes do not commute where neighbouring vertices are
-// missing: filtering in one order is the transpose of filtering in the other.
-enum class BlurOrder { kForward, kReverse };
-
 // Memory that filtering works in; one to keep from call to call per thread that
 // calls.
 struct LatticeBuffers {
@@ -68,20 +64,9 @@ class PermutohedralLattice {
   Status AddFiltered(std::span<const float> values,
                      int channels,
                      float gain,
-                     BlurOrder order,
                      ThreadPool& pool,
                      LatticeBuffers* buffers,
                      std::span<float> result) const;
-
-  // The two linear maps around the blur, which are each other's transpose.
-  // Splat: N x channels to num_vertices() x channels, keeps the sum of each
-  // channel. Slice: the way back, keeps constants. Errors as above.
-  StatusOr<std::vector<float>> Splat(std::span<const float> values,
-                                     int channels,
-                                     ThreadPool& pool) const;
-  StatusOr<std::vector<float>> Slice(std::span<const float> vertex_values,
-                                     int channels,
-                                     ThreadPool& pool) const;
 
   // Makes the filter D^(-1/2) K D^(-1/2) with D the diagonal of K 1 (sums over
   // all points, the point itself included): the symmetric normalisation of
@@ -113,7 +98,6 @@ class PermutohedralLattice {
                   ThreadPool& pool,
                   LatticeBuffers* buffers) const;
   void BlurBlock(const ChannelBlock& block,
-                 BlurOrder order,
                  ThreadPool& pool,
                  LatticeBuffers* buffers) const;
   void SliceBlock(const LatticeBuffers& buffers,

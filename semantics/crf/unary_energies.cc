@@ -49,22 +49,4 @@ StatusOr<ImageF> UnaryFromLabels(const ImageU16& labels,
   return unary;
 }
 
-StatusOr<ImageF> UnaryFromProbabilities(const ImageF& probabilities,
-                                        double floor) {
-  if (!(floor > 0 && floor <= 1)) {
-    return InvalidArgumentError(
-        "the least probability of a label must lie in (0, 1]");
-  }
-  ImageF unary = probabilities;
-  for (size_t i = 0; i < unary.size(); ++i) {
-    float& value = unary.data()[i];
-    if (!(value >= 0 && std::isfinite(value))) {
-      return InvalidArgumentError(
-          "probabilities of labels must be finite and not negative");
-    }
-    value = static_cast<float>(-std::log(std::max(double{value}, floor)));
-  }
-  return unary;
-}
-
 }  // namespace freegs::semantics

@@ -25,13 +25,6 @@ StatusOr<ImageF> UnaryFromLabels(const ImageU16& labels,
                                  int num_labels,
                                  double confidence);
 
-// Energies -log(p) of probabilities, W x H x L, which are kept from falling
-// below `floor`: whoever says zero may err. Need not sum to one.
-// kInvalidArgument when a probability is negative or not finite, or floor is
-// outside (0, 1].
-StatusOr<ImageF> UnaryFromProbabilities(const ImageF& probabilities,
-                                        double floor);
-
 }  // namespace freegs::semantics
 
 #endif  // FREEGS_SEMANTICS_CRF_UNARY_ENERGIES_H_

@@ -17,15 +17,15 @@
 #include "core/status.h"
 #include "semantics/clip/joint_bilateral_upsampling.h"
 #include "semantics/field/feature_grids.h"
+#include "semantics/field/view_weights_store.h"
 #include "semantics/losses/array_adam.h"
 #include "semantics/losses/decoder_training.h"
 #include "semantics/losses/feature_decoder.h"
 #include "semantics/losses/joint_contrastive_loss.h"
 #include "semantics/losses/smoothing_loss.h"
-#include "semantics/field/view_weights_store.h"
-#include "splat/scene/gaussian_model.h"
-#include "splat/render/renderer.h"
 #include "splat/images/view_order.h"
+#include "splat/render/renderer.h"
+#include "splat/scene/gaussian_model.h"
 
 namespace freegs::semantics {
 
@@ -47,12 +47,10 @@ struct FieldTrainingOptions {
 
   // Smoothing and contrastive loss are computed every so many steps, the former
   // from the first step on that the released code gives it.
-  int slow_interval = 10;
   int smoothing_start = 1000;
 
   SmoothingOptions smoothing;
   ContrastiveOptions contrastive;
-  int contrastive_gaussians = 2048;  // Sampled for a step.
 
   // Steps after which Gaussians are clustered, the first time and then again;
   // what needs instances begins with the first. 0 never clusters.

@@ -15,10 +15,9 @@
 #include "core/pinhole.h"
 #include "core/status.h"
 #include "semantics/clip/clip_encoder.h"
-#include "semantics/crf/dense_crf.h"
 #include "semantics/field/feature_grids.h"
-#include "splat/scene/gaussian_model.h"
 #include "splat/render/renderer.h"
+#include "splat/scene/gaussian_model.h"
 
 namespace freegs::semantics {
 
@@ -27,23 +26,8 @@ struct InstanceSemanticsOptions {
   // most of it. FreeGS takes all, every time it has clustered.
   int views_per_instance = 6;
 
-  // Longest side in pixels at which instances are looked for; 0 is the views'.
-  int max_side = 480;
-
-  // Share of a view's pixels below which an instance is too small to be
-  // recognised there. FreeGS: 300 pixels, whatever the resolution.
-  double min_share = 0.0005;
-
-  // Width on each side of what is cut out beside the instance, in its longer
-  // sides.
-  double margin = 0.1;
-
   // Borders of masks by a conditional random field, as FreeGS does.
   bool refine = true;
-  DenseCrfOptions crf;
-
-  // How sure the field's labels are before refinement.
-  double label_confidence = 0.7;
 
   Status Check() const;
 };

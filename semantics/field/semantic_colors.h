@@ -12,14 +12,6 @@
 
 namespace freegs::semantics {
 
-struct SemanticColorsOptions {
-  // Share of the vectors at each end of a channel's range that are cut to it,
-  // so that a few strays do not squash all others.
-  double trim = 0.02;
-
-  Status Check() const;
-};
-
 // N x 3 colours of [0, 1] for N x dim vectors, row-major: red, green and blue
 // are the coordinates of the vectors' directions (length left aside) along
 // their first three principal axes about the mean, each stretched over [0, 1].
@@ -27,11 +19,9 @@ struct SemanticColorsOptions {
 // which nothing varies gives one half. One scale for the whole scene, so that
 // views agree. kInvalidArgument where the numbers are not rows of dim, or not
 // finite.
-StatusOr<std::vector<float>> SemanticColors(
-    std::span<const float> features,
-    int dim,
-    const SemanticColorsOptions& options,
-    ThreadPool& pool);
+StatusOr<std::vector<float>> SemanticColors(std::span<const float> features,
+                                            int dim,
+                                            ThreadPool& pool);
 
 }  // namespace freegs::semantics
 

@@ -19,9 +19,9 @@
 #include "core/parallel.h"
 #include "core/pinhole.h"
 #include "core/status.h"
-#include "splat/weights/blending_weights.h"
-#include "splat/scene/gaussian_model.h"
 #include "splat/render/renderer.h"
+#include "splat/scene/gaussian_model.h"
+#include "splat/weights/blending_weights.h"
 
 namespace freegs::semantics {
 
@@ -84,19 +84,6 @@ class ViewWeightsStore {
   // be written is no error: see scratch_status.
   StatusOr<ViewWeights> Weights(size_t view, ThreadPool& pool);
 
-  // What is kept where, so far.
-  struct Usage {
-    size_t views_in_memory = 0;
-    size_t views_on_disk = 0;
-    uint64_t memory_bytes = 0;
-    uint64_t disk_bytes = 0;
-    int64_t computed = 0;  // Views computed, again included.
-  };
-  const Usage& usage() const { return usage_; }
-
-  // Why nothing goes to the disk any more (it is full, say); ok before that.
-  const Status& scratch_status() const { return scratch_status_; }
-
  private:
   ViewWeightsStore(const splat::GaussianModel& model,
                    std::span<const View> views,
@@ -112,8 +99,9 @@ class ViewWeightsStore {
   splat::RenderOptions render_;
   ViewWeightsOptions options_;
   std::vector<std::optional<ViewWeights>> kept_;
-  Usage usage_;
-  Status scratch_status_;
+  uint64_t memory_bytes_ = 0;  // Kept in memory.
+  uint64_t disk_bytes_ = 0;    // Kept in scratch files.
+  bool disk_full_ = false;     // A scratch file could not be written.
 };
 
 }  // namespace freegs::semantics

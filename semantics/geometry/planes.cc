@@ -20,10 +20,16 @@ constexpr double kMinNormalCosine = 0.9;
 // Of a part of a plane, at least this share must lie along it: less is a slice
 // through other things.
 constexpr double kMinAlongShare = 0.5;
+// A plane holds at least this share of all points.
+constexpr double kMinShare = 0.02;
+// Candidate planes tried per plane found.
+constexpr int kNumCandidates = 400;
 // Cell of the connectivity test, in scene radii.
 constexpr double kCellSize = 0.05;
 // Sheets of one surface: their normals differ by at most 15 degrees.
 constexpr double kSheetCosine = 0.966;
+// Their points lie this near to each other, in scene radii.
+constexpr double kSheetDistance = 0.05;
 
 class PlaneFinder {
  public:
@@ -46,7 +52,7 @@ class PlaneFinder {
     result.plane_index.assign(count, -1);
     free_.resize(count);
     std::iota(free_.begin(), free_.end(), 0u);
-    const double min_points = options_.min_share * static_cast<double>(count);
+    const double min_points = kMinShare * static_cast<double>(count);
     // The points of a failed attempt (too narrow a plane) are not tried again;
     // a few failures in a row end the search.
     int failures = 0;
@@ -93,21 +99,22 @@ class PlaneFinder {
   }
 
   Plane BestCandidate(uint64_t round) const {
-    const int count = std::max(1, options_.num_candidates);
-    std::vector<Plane> planes(count);
-    std::vector<int64_t> scores(count, 0);
-    pool_.ParallelFor(0, count, 1, [&](int64_t first, int64_t last, int) {
-      for (int64_t c = first; c < last; ++c) {
-        const uint32_t row = free_[RandomIndex(seed_, round, c, free_.size())];
-        planes[c].normal = Normal(row);
-        planes[c].offset = planes[c].normal.dot(Position(row));
-        // Every fourth point is enough to rank candidates.
-        for (size_t i = 0; i < free_.size(); i += 4) {
-          scores[c] +=
-              Supports(planes[c], free_[i], options_.max_distance * radius_);
-        }
-      }
-    });
+    std::vector<Plane> planes(kNumCandidates);
+    std::vector<int64_t> scores(kNumCandidates, 0);
+    pool_.ParallelFor(
+        0, kNumCandidates, 1, [&](int64_t first, int64_t last, int) {
+          for (int64_t c = first; c < last; ++c) {
+            const uint32_t row =
+                free_[RandomIndex(seed_, round, c, free_.size())];
+            planes[c].normal = Normal(row);
+            planes[c].offset = planes[c].normal.dot(Position(row));
+            // Every fourth point is enough to rank candidates.
+            for (size_t i = 0; i < free_.size(); i += 4) {
+              scores[c] += Supports(
+                  planes[c], free_[i], options_.max_distance * radius_);
+            }
+          }
+        });
     return planes[std::max_element(scores.begin(), scores.end()) -
                   scores.begin()];
   }
@@ -289,16 +296,9 @@ Status PlaneOptions::Check() const {
   if (max_planes < 0 || max_planes > 1000) {
     return InvalidArgumentError("max_planes must lie in 0 .. 1000");
   }
-  if (!(min_share > 0 && min_share <= 1)) {
-    return InvalidArgumentError("min_share must lie in (0, 1]");
-  }
-  if (!(min_width >= 0) || !(max_distance > 0) || !(sheet_distance >= 0)) {
+  if (!(min_width >= 0) || !(max_distance > 0)) {
     return InvalidArgumentError(
-        "min_width and sheet_distance must not be negative and max_distance "
-        "must be positive");
-  }
-  if (num_candidates < 1) {
-    return InvalidArgumentError("num_candidates must be at least 1");
+        "min_width must not be negative and max_distance must be positive");
   }
   return {};
 }
@@ -311,7 +311,7 @@ PlaneSegmentation FindPlanes(std::span<const float> positions,
                              ThreadPool& pool) {
   PlaneSegmentation planes =
       PlaneFinder(positions, normals, scene_radius, options, seed, pool).Run();
-  JoinSheets(positions, options.sheet_distance * scene_radius, &planes);
+  JoinSheets(positions, kSheetDistance * scene_radius, &planes);
   return planes;
 }
 

@@ -20,9 +20,6 @@ struct PlaneOptions {
   // At most this many planes; 0 finds none.
   int max_planes = 8;
 
-  // A plane holds at least this share of all points.
-  double min_share = 0.02;
-
   // A plane's shorter side is at least this many times the scene radius (see
   // SceneExtent), so that faces of objects are not taken for background.
   double min_width = 1;
@@ -30,14 +27,6 @@ struct PlaneOptions {
   // Farthest distance of a plane's points from it, in scene radii. The distance
   // used is smaller where the points lie closer.
   double max_distance = 0.03;
-
-  // Planes that are all but parallel (15 degrees) and whose points lie this
-  // near an earlier one, in scene radii, are sheets of the same thick or bumpy
-  // surface and become one with it.
-  double sheet_distance = 0.05;
-
-  // Candidate planes tried per plane found.
-  int num_candidates = 400;
 
   Status Check() const;
 };

@@ -58,13 +58,7 @@ StatusOr<HdbscanResult> Hdbscan(std::span<const float> points,
   result.num_clusters = static_cast<int>(selected.size());
   result.labels = std::move(membership.labels);
   result.probabilities = std::move(membership.probabilities);
-  for (const uint32_t id : selected) {
-    result.stabilities.push_back(condensed.clusters[id].stability);
-  }
   for (const MstEdge& edge : mst) result.mst_weight += std::sqrt(edge.weight2);
-  for (const double core2 : cores.core2) {
-    result.core_dist_sum += std::sqrt(core2);
-  }
   return result;
 }
 

@@ -45,10 +45,7 @@ struct HdbscanResult {
   int num_clusters = 0;
   std::vector<int32_t> labels;       // N; -1 is noise, else [0, num_clusters).
   std::vector<float> probabilities;  // N; in (0, 1], 0 for noise.
-  std::vector<double> stabilities;   // Per cluster; can be infinite where
-                                     // points coincide.
   double mst_weight = 0;  // Sum of mutual reachability over the tree's edges.
-  double core_dist_sum = 0;  // Sum of all core distances.
 };
 
 // points: N x dim, row-major, finite. Euclidean distances. The result does not

@@ -13,8 +13,8 @@
 #include "core/parallel.h"
 #include "core/pinhole.h"
 #include "core/status.h"
-#include "semantics/hdbscan/hdbscan.h"
 #include "semantics/geometry/planes.h"
+#include "semantics/hdbscan/hdbscan.h"
 #include "semantics/instances/union_space.h"
 #include "splat/scene/gaussian_model.h"
 
@@ -25,16 +25,12 @@ struct InstanceClusteringOptions {
   // larger (in scene radii), are not clustered: they are haze and backdrop.
   // They take the label of their neighbourhood afterwards.
   double min_opacity = 0.1;
-  double max_scale = 0.1;
 
   // Large planes become instances of their own before clustering.
   PlaneOptions planes;
 
   // Neighbours over which colours and semantics are averaged before clustering.
   int color_neighbors = 16;
-
-  // Principal components of the semantic vectors that are clustered (FreeGS).
-  int semantic_components = 6;
 
   UnionSpaceOptions space;
 
@@ -54,7 +50,6 @@ struct InstanceClusteringOptions {
   // Splits clusters in which things of different colour meet in concave creases
   // (see crease_split.h); 0 splits none. Patches of this many scene radii.
   double min_crease_contrast = 0.12;
-  double crease_patch_size = 0.1;
 
   // Noise takes the label of the nearest labelled Gaussian up to this far away,
   // in scene radii.

@@ -18,9 +18,6 @@ namespace freegs::semantics {
 
 struct DecoderTrainingOptions {
   double learning_rate = 1e-4;  // FreeGS, "CNN layers".
-  splat::AdamOptions adam = {.epsilon = 1e-8};
-  // What a batch counts for in the statistics that decode after training.
-  double statistics_momentum = 0.1;
 
   Status Check() const;
 };

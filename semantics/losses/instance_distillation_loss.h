@@ -34,7 +34,6 @@ StatusOr<double> InstanceDistillationLoss(std::span<const float> decoded,
                                           int channels,
                                           std::span<const int32_t> ids,
                                           const InstanceTargets& instances,
-                                          std::span<const float> row_weights,
                                           double weight,
                                           ThreadPool& pool,
                                           std::span<float> gradients);

@@ -178,8 +178,7 @@ double DifferentiateMember(const ContrastiveOptions& options,
   const double d =
       (static_cast<double>(largest[0]) - largest[1]) / options.temperature +
       std::log(sums[0]) - std::log(sums[1]);
-  const bool printed = options.form == ContrastiveForm::kAsPrinted;
-  const double slope = printed ? 1 : 1 / (1 + std::exp(-d));  // dl / dd
+  const double slope = 1 / (1 + std::exp(-d));  // dl / dd
   const auto negative_factor =
       static_cast<float>(slope / options.temperature / sums[0]);
   const auto positive_factor =
@@ -187,7 +186,7 @@ double DifferentiateMember(const ContrastiveOptions& options,
   for (size_t g = 0; g < cosines.size(); ++g) {
     cosines[g] *= positive[g] ? positive_factor : negative_factor;
   }
-  return printed ? d : std::max(d, 0.0) + std::log1p(std::exp(-std::abs(d)));
+  return std::max(d, 0.0) + std::log1p(std::exp(-std::abs(d)));
 }
 
 // Adds what of a slope turns the unit vector: a change along it does not.

@@ -13,26 +13,11 @@
 
 namespace freegs::semantics {
 
-// With P and N the sums of exp(cos / tau) of a member over positive and over
-// negative groups, and d = log(N / P):
-enum class ContrastiveForm {
-  // -log(P / (P + N)) = log(1 + exp(d)) >= 0, as in InfoNCE (van den Oord et
-  // al. 2018). A member that is where it should be is left alone: its gradient
-  // has the factor N / (P + N).
-  kInfoNce,
-  // -log(P / N) = d, as eq. 9 is printed. It is negative as soon as members
-  // are well placed, and only the cosines bound it, by about -2 / tau: however
-  // far members are from their negatives, they are driven on with full
-  // strength, and the loss can outweigh the others with nothing left to gain.
-  kAsPrinted,
-};
-
 struct ContrastiveOptions {
   double temperature = 0.1;  // tau
   // Groups whose means have a cosine above this are positives of each other:
   // fragments of one thing, that may merge when next clustered.
   double positive_cosine = 0.96;
-  ContrastiveForm form = ContrastiveForm::kInfoNce;
 
   Status Check() const;
 };

@@ -30,7 +30,6 @@ namespace freegs::semantics {
 StatusOr<double> PixelDistillationLoss(std::span<const float> decoded,
                                        std::span<const float> targets,
                                        int channels,
-                                       std::span<const float> row_weights,
                                        double weight,
                                        ThreadPool& pool,
                                        std::span<float> gradients);

@@ -11,12 +11,8 @@
 
 namespace freegs::semantics {
 
-// Share of the image's diagonal that a boundary is wide; the value of the paper
-// and of the LERF-Mask benchmark (Ye et al. 2024).
-inline constexpr double kBoundaryRatio = 0.02;
-
 // The boundary's width in whole pixels, at least 1, in an image of this size.
-int BoundaryWidth(int width, int height, double ratio = kBoundaryRatio);
+int BoundaryWidth(int width, int height);
 
 // The pixels of a mask (H x W x 1, non-zero is inside) from which at most
 // `distance` steps, diagonal ones allowed, lead out of it: what eroding it
@@ -28,9 +24,7 @@ StatusOr<ImageU8> MaskBoundary(const ImageU8& mask, int distance);
 
 // Intersection over union of the two masks' boundaries; 0 when both masks are
 // empty. kInvalidArgument for masks of different size or several channels.
-StatusOr<double> BoundaryIou(const ImageU8& a,
-                             const ImageU8& b,
-                             double ratio = kBoundaryRatio);
+StatusOr<double> BoundaryIou(const ImageU8& a, const ImageU8& b);
 
 }  // namespace freegs::semantics
 

@@ -15,8 +15,8 @@
 #include "core/parallel.h"
 #include "core/pinhole.h"
 #include "core/status.h"
-#include "splat/scene/gaussian_model.h"
 #include "splat/render/renderer.h"
+#include "splat/scene/gaussian_model.h"
 
 namespace freegs::semantics {
 
@@ -26,14 +26,6 @@ struct ClickHit {
   // Where the pixel's ray meets it: at the mean depth of its Gaussians there,
   // by weight. World frame.
   Eigen::Vector3d point = Eigen::Vector3d::Zero();
-};
-
-struct ClickQueryOptions {
-  // A pixel where the instances' weights sum to less has no instance, as in
-  // splat::RenderLabels.
-  double min_weight = 0.5;
-
-  Status Check() const;
 };
 
 // The instances at pixel (x, y) of the camera by descending weight, ties by id:
@@ -48,7 +40,6 @@ StatusOr<std::vector<ClickHit>> QueryClick(const splat::GaussianModel& model,
                                            const splat::RenderOptions& render,
                                            int x,
                                            int y,
-                                           const ClickQueryOptions& options,
                                            ThreadPool& pool);
 
 struct BoxHit {
@@ -63,14 +54,8 @@ struct PixelBox {
 };
 
 struct BoxQueryOptions {
-  // Share of an instance's pixels that may lie outside the box around it on
-  // each side, so that stray pixels do not count.
-  double trim = 0.01;
-
   // Whether large planes (floor, walls, table tops) may be meant too.
   bool background = false;
-
-  Status Check() const;
 };
 
 // The instances with a pixel in the box by descending IoU, ties by id. People

@@ -98,9 +98,6 @@ Status TextQueryOptions::Check() const {
 }
 
 Status ExampleQueryOptions::Check() const {
-  if (!(min_cosine >= -1 && min_cosine <= 1)) {
-    return InvalidArgumentError("min_cosine must be -1 .. 1");
-  }
   if (max_hits < 0) return InvalidArgumentError("max_hits must be at least 0");
   return Status();
 }
@@ -142,7 +139,7 @@ StatusOr<std::vector<ExampleHit>> QueryExample(
       is_background,
       options.background,
       options.max_hits,
-      options.min_cosine,
+      /*min_score=*/-HUGE_VAL,
       [&](size_t i) {
         return ExampleHit{static_cast<int>(i) + 1,
                           Cosine(features.row(i), image_vector)};

@@ -47,11 +47,6 @@ struct TextQueryOptions {
 };
 
 struct ExampleQueryOptions {
-  // Instances of less cosine are not hits. Cosines between pictures differ from
-  // model to model: there is no value that means the same for all, so that by
-  // default the instances are only put in order.
-  double min_cosine = -1;
-
   int max_hits = 0;         // As above.
   bool background = false;  // As above.
 
