@@ -24,7 +24,7 @@ StatusOr<ImageF> UnaryFromLabels(const ImageU16& labels,
     return InvalidArgumentError(
         "the confidence in labels must lie between 0 and 1");
   }
-  // There is nothing else to be than a single label.
+  // A single label is certain.
   const auto right =
       static_cast<float>(num_labels == 1 ? 0.0 : -std::log(confidence));
   const auto wrong =

@@ -27,7 +27,7 @@ constexpr int64_t kSlowInterval = 10;
 constexpr size_t kContrastiveGaussians = 2048;
 
 bool AllFinite(std::span<const float> values) {
-  bool finite = true;  // Without leaving the loop, which is then vectorised.
+  bool finite = true;  // No early exit, so that the loop is vectorised.
   for (const float value : values) finite &= std::isfinite(value);
   return finite;
 }
@@ -173,7 +173,7 @@ Status FieldTraining::Teach(InstanceTeachers teachers, ThreadPool& pool) {
   return Status();
 }
 
-// What is known of instances, and where they are in each view.
+// Finds which instances have a vector, and where they are in each view.
 void FieldTraining::ShowTeachers(ThreadPool& pool) {
   const size_t dim = scene_.grids.axes.dim;
   known_.assign(teachers_.num_instances, 0);

@@ -23,14 +23,14 @@ constexpr int kMaxSide = 480;
 // Share of a view's pixels below which an instance is too small to be
 // recognised there. FreeGS: 300 pixels, whatever the resolution.
 constexpr double kMinShare = 0.0005;
-// Width on each side of what is cut out beside the instance, in its longer
-// sides.
+// Width of the surroundings that are cut out on each side of an instance, in
+// units of its longer side.
 constexpr double kMargin = 0.1;
 // How sure the rendered labels are before refinement.
 constexpr double kLabelConfidence = 0.7;
 
-// The labels a conditional random field finds that trusts the given ones to
-// kLabelConfidence. Pixels of no label are a label of their own.
+// Refines labels by a conditional random field that trusts them with
+// probability kLabelConfidence. Having no label counts as a label.
 StatusOr<LabelImage> RefineLabels(const LabelImage& labels,
                                   const ImageU8& photo,
                                   ThreadPool& pool) {
@@ -58,7 +58,7 @@ StatusOr<LabelImage> RefineLabels(const LabelImage& labels,
   return refined;
 }
 
-// What is to be cut out of each view.
+// The instances to cut out of each view.
 std::vector<std::vector<int32_t>> InstancesByView(
     std::vector<std::vector<LabelSight>> sights,
     size_t num_views,
@@ -80,7 +80,7 @@ class Encoding {
     sums_.assign(static_cast<size_t>(num_instances) * result_.dim, 0.0);
   }
 
-  // A label that refinement has removed from the view is left out.
+  // Does nothing if refinement has removed the label from the view.
   Status Add(const ImageU8& photo, const LabelImage& labels, int32_t label) {
     const std::optional<InstanceCrop> crop =
         CropInstance(photo, labels, label, kMargin);

@@ -50,7 +50,7 @@ void Stretch(size_t channel, size_t stride, std::vector<float>* coordinates) {
       static_cast<size_t>(kTrim * static_cast<double>(sorted.size() - 1));
   const float low = sorted[spare];
   const float range = sorted[sorted.size() - 1 - spare] - low;
-  // Less is rounding: directions have length 1.
+  // A smaller range is rounding, since directions have length 1.
   constexpr float kNoRange = 1e-6f;
   for (size_t k = channel; k < coordinates->size(); k += stride) {
     float& value = (*coordinates)[k];

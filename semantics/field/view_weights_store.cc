@@ -19,7 +19,7 @@ StatusOr<ViewWeights> MoveToDisk(const splat::WeightMatrix& weights,
       std::as_bytes(weights.gaussians),
       std::as_bytes(weights.weights)};
   FREEGS_ASSIGN_OR_RETURN(ScratchFile file, ScratchFile::Write(folder, parts));
-  // All three are of 4 bytes a number: each begins where one may.
+  // The numbers of all three have 4 bytes, so that each array is aligned.
   static_assert(sizeof(uint32_t) == sizeof(float));
   const auto* begin = reinterpret_cast<const uint32_t*>(file.data());
   const uint32_t* gaussians = begin + weights.pixel_begin.size();
@@ -52,7 +52,7 @@ StatusOr<ViewWeightsStore> ViewWeightsStore::Create(
     const ViewWeightsOptions& options) {
   FREEGS_RETURN_IF_ERROR(options.Check());
   if (!options.scratch_folder.empty()) {
-    // Better now than after the time that fills the memory.
+    // Fail now, and not hours later when the memory is full.
     const StatusOr<ScratchFile> file =
         ScratchFile::Write(options.scratch_folder, {});
     if (!file.ok()) return file.status();

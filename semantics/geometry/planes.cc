@@ -17,8 +17,8 @@ namespace freegs::semantics {
 namespace {
 
 constexpr double kMinNormalCosine = 0.9;
-// Of a part of a plane, at least this share must lie along it: less is a slice
-// through other things.
+// At least this share of the points of a part must have the normal of the
+// plane. Otherwise the part is a slice through other things.
 constexpr double kMinAlongShare = 0.5;
 // A plane holds at least this share of all points.
 constexpr double kMinShare = 0.02;
@@ -53,8 +53,8 @@ class PlaneFinder {
     free_.resize(count);
     std::iota(free_.begin(), free_.end(), 0u);
     const double min_points = kMinShare * static_cast<double>(count);
-    // The points of a failed attempt (too narrow a plane) are not tried again;
-    // a few failures in a row end the search.
+    // The points of a plane that is too narrow are not tried again. A few such
+    // failures in a row end the search.
     int failures = 0;
     for (uint64_t round = 0;
          static_cast<int>(result.planes.size()) < options_.max_planes &&
@@ -120,8 +120,8 @@ class PlaneFinder {
   }
 
   // Least squares on the supporting points, with a distance that shrinks to
-  // their spread. Returns the points within it, whatever their normals: at the
-  // foot of an object normals are mixed.
+  // their spread. Returns the points within that distance, whatever their
+  // normals, because normals are mixed at the foot of an object.
   std::vector<uint32_t> Refine(Plane* plane) const {
     plane->distance = options_.max_distance * radius_;
     for (int iteration = 0; iteration < 6; ++iteration) {
@@ -161,9 +161,8 @@ class PlaneFinder {
     return members;
   }
 
-  // The connected parts that are wide enough and made of the plane's own
-  // points. What else lies in the plane is where other things happen to cross
-  // it.
+  // The connected parts that are wide enough, and most of whose points have the
+  // normal of the plane. Elsewhere other things cross the plane.
   std::vector<uint32_t> LargeParts(const Plane& plane,
                                    const std::vector<uint32_t>& members) const {
     const Eigen::Vector3d u = plane.normal.unitOrthogonal();
@@ -214,8 +213,8 @@ class PlaneFinder {
     return kept;
   }
 
-  // Side of the square-ish patch: the width of a uniform distribution with the
-  // patch's smaller in-plane standard deviation.
+  // The shorter side of a part: the width of a uniform distribution whose
+  // standard deviation is the smaller one of the part within the plane.
   double Width(const std::vector<uint32_t>& rows) const {
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     for (const uint32_t row : rows) mean += Position(row);
@@ -251,7 +250,7 @@ class PlaneFinder {
   std::vector<uint32_t> free_;  // Points of no plane yet, ascending.
 };
 
-// Half of the plane's points lie at most this far from another plane.
+// The distance from another plane within which half of the points lie.
 double MedianDistance(std::span<const float> positions,
                       const std::vector<int32_t>& plane_index,
                       int32_t plane,

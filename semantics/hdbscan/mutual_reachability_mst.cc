@@ -18,12 +18,12 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr uint32_t kNone = 0xffffffffu;
 constexpr int64_t kGrain = 128;
 
-// What is known of a point's least edges to other components, apart from those
-// to the points on its neighbour list.
+// What is known of the shortest edges from a point to other components, apart
+// from those to the points on its list of neighbours.
 struct PointState {
-  uint32_t candidate = kNone;  // Position of the point at the least edge found.
+  uint32_t candidate = kNone;  // Other end of the shortest edge found.
   double candidate2 = kInfinity;
-  double rest2 = 0;  // All other edges to other components weigh at least this.
+  double rest2 = 0;  // Lower bound of all other such edges.
 };
 
 class Boruvka {
@@ -71,8 +71,8 @@ class Boruvka {
                      tree_.Distance2(tree_.Point(p), tree_.Point(q))});
   }
 
-  // The least edge of a point to those on its list that are in other
-  // components.
+  // The shortest edge from a point to a point on its list that is in another
+  // component.
   MstEdge LeastListed(int64_t p) {
     if (list_done_[p]) return kNoEdge;
     const int size = cores_.list_size;
@@ -150,8 +150,8 @@ class Boruvka {
   struct Query {
     uint32_t position;
     uint32_t component;
-    double floor2;  // No unlisted edge is lighter, but for the candidate.
-    MstEdge found;  // The least edge known, of this point or its component.
+    double floor2;  // Lower bound of all edges but listed ones and candidate.
+    MstEdge found;  // The shortest edge known of this point or component.
     BestEdges& best;
     PointState state;
 
@@ -188,8 +188,8 @@ class Boruvka {
     }
   }
 
-  // Whether a node may hold an edge less than the best: equal weights are told
-  // apart by their rows.
+  // Whether an edge to a point of the node may come before the best edge. Rows
+  // decide between equal weights.
   bool CanImprove(int level, uint32_t node, float bound, Query& query) const {
     if (!tree_.MayTie(bound, query.Limit2())) return true;
     const float* point = tree_.Point(query.position);
@@ -224,7 +224,7 @@ class Boruvka {
     for (uint32_t c = 0; c < num_components_; ++c) {
       if (c == passive_) continue;
       const MstEdge edge = best.Get(c);
-      // Else the other side chose the same edge.
+      // The other component may have chosen the same edge.
       if (merged.Join(component_[position_of_row_[edge.a]],
                       component_[position_of_row_[edge.b]])) {
         mst.push_back(edge);
@@ -256,7 +256,7 @@ class Boruvka {
   std::vector<uint32_t> component_;
   std::vector<PointState> states_;
   std::vector<uint8_t> undecided_;
-  std::vector<uint8_t> list_done_;  // All on the list are in the component.
+  std::vector<uint8_t> list_done_;  // The whole list is in the component.
   std::vector<uint32_t> position_of_row_;
 
   uint32_t num_components_ = 0;

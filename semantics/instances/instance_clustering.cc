@@ -18,7 +18,8 @@ namespace freegs::semantics {
 namespace {
 
 constexpr int kGeometryNeighbors = 24;
-// Of the Gaussians that take part, where no min_cluster_size is given.
+// The min_cluster_size if none is given: this share of the Gaussians that take
+// part, and at least kMinClusterSize.
 constexpr double kMinClusterShare = 0.003;
 constexpr int kMinClusterSize = 30;
 // Gaussians whose second largest standard deviation is larger, in scene radii,
@@ -43,9 +44,9 @@ std::vector<float> Gather(std::span<const float> values,
   return result;
 }
 
-// What clustering sees of semantic vectors, N x dim: their directions, averaged
-// over neighbours, by their first principal components; N x *dim, which is
-// lowered to the number of these.
+// Reduces semantic vectors, N x *dim, for clustering: their directions are
+// averaged over neighbours and projected onto their first principal axes.
+// Returns N x *dim numbers, where *dim becomes the number of axes.
 StatusOr<std::vector<float>> SemanticComponents(std::vector<float> vectors,
                                                 const KdTree& tree,
                                                 int num_neighbors,
@@ -95,9 +96,9 @@ std::vector<uint32_t> SelectMatter(const splat::GaussianModel& model,
   return rows;
 }
 
-// A wall has nothing behind it that the photos show; what the reconstruction
-// put there is its own thickness. Points beyond the plane as most viewpoints
-// see it, but near, join it.
+// Points close behind a plane join it. Photographs show nothing behind a wall:
+// what the reconstruction has there is the thickness of the wall. "Behind" is
+// as most viewpoints see the plane.
 void AbsorbBehindPlanes(std::span<const float> positions,
                         std::span<const View> views,
                         double behind_distance,
@@ -110,7 +111,7 @@ void AbsorbBehindPlanes(std::span<const float> positions,
       in_front +=
           plane.SignedDistance(CameraCentre(view.cam_from_world)) > 0 ? 1 : -1;
     }
-    // Seen from both sides: no back.
+    // A plane that is seen from both sides has no back.
     if (std::abs(in_front) < 0.8 * static_cast<double>(views.size())) {
       continue;
     }
@@ -128,8 +129,8 @@ void AbsorbBehindPlanes(std::span<const float> positions,
   }
 }
 
-// The sign of a normal follows from the nearest camera: it sees the outside.
-// Without cameras, outward is away from the scene's centre.
+// Turns normals outward: towards the nearest camera, which sees the outside, or
+// away from the centre of the scene if there are no cameras.
 std::vector<float> OutwardNormals(std::span<const float> positions,
                                   std::vector<float> normals,
                                   std::span<const View> views,
@@ -173,7 +174,7 @@ void DissolveSmall(size_t min_size, std::vector<int32_t>* labels) {
   }
 }
 
-// Numbers labels by descending size; returns old label of each new one.
+// Numbers labels by descending size. Returns the old label of each new one.
 std::vector<int32_t> Renumber(std::vector<int32_t>* labels) {
   int32_t num_labels = 0;
   for (const int32_t label : *labels) {

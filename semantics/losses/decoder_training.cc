@@ -11,9 +11,9 @@
 namespace freegs::semantics {
 namespace {
 
-// What Adam squares must be a float.
+// The square of a gradient must fit in a float.
 constexpr float kMaxGradient = 1e18f;
-// What a batch counts for in the statistics that decode after training.
+// The weight of a batch in the running statistics, which decode after training.
 constexpr double kStatisticsMomentum = 0.1;
 
 }  // namespace

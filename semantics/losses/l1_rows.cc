@@ -12,7 +12,8 @@ namespace {
 
 constexpr int64_t kRowGrain = 32;
 
-// |feature - target|_1; adds step * sign(feature - target).
+// Returns |feature - target|_1 and adds step * sign(feature - target) to the
+// gradient.
 double AddRow(const float* feature,
               const float* target,
               int channels,

@@ -23,7 +23,7 @@ void ErodeLine(uint8_t* line,
                size_t stride,
                int distance,
                std::vector<int>* scratch) {
-  // Of each pixel the last 0 at or before it.
+  // For each pixel: the index of the last 0 at or before it.
   scratch->resize(static_cast<size_t>(count));
   int last = -1;
   for (int i = 0; i < count; ++i) {

@@ -119,7 +119,7 @@ StatusOr<std::vector<BoxHit>> QueryBox(const Image<int32_t>& label_image,
   const int height = label_image.height();
   const Interval box_x = Cut(box.x0, box.x1, width);
   const Interval box_y = Cut(box.y0, box.y1, height);
-  // The first is false for what is not a number.
+  // The sum is not finite if one of the numbers is not.
   const bool finite = std::isfinite(box.x0 + box.x1 + box.y0 + box.y1);
   if (!finite || !(box_x.length() > 0) || !(box_y.length() > 0)) {
     return InvalidArgumentError("the box has no area in an image of " +

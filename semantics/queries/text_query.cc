@@ -52,8 +52,8 @@ double Cosine(std::span<const float> a, std::span<const float> b) {
   return dot / std::sqrt(square_a * square_b);
 }
 
-// make(row) for the instances that may answer; those of which score(hit) is at
-// least min_score, best first.
+// Returns make(row) for the instances that may answer, by descending score, as
+// far as score(hit) is at least min_score.
 template <typename Hit, typename Make, typename Score>
 StatusOr<std::vector<Hit>> Best(const InstanceFeatures& features,
                                 std::span<const uint8_t> is_background,
@@ -76,7 +76,7 @@ StatusOr<std::vector<Hit>> Best(const InstanceFeatures& features,
     const Hit hit = make(i);
     if (score(hit) >= min_score) hits.push_back(hit);
   }
-  // In the order of the ids so far, which a stable sort keeps among equals.
+  // Hits are in the order of ids, which a stable sort keeps among equals.
   std::stable_sort(
       hits.begin(), hits.end(), [&score](const Hit& a, const Hit& b) {
         return score(a) > score(b);
