@@ -73,8 +73,8 @@ struct BootstrappingOptions {
 // What phase 2 looks at. The caller keeps everything that this refers to alive.
 struct PosedScene {
   const splat::GaussianModel& model;
-  std::span<const View> views;  // The views of the photographs that teach.
-  std::span<const View> all_views;
+  std::span<const View> views;      // The views of the photographs that teach.
+  std::span<const View> all_views;  // With the held-out ones; for clustering.
   splat::RenderOptions render;
 };
 

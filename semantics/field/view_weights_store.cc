@@ -52,7 +52,7 @@ StatusOr<ViewWeightsStore> ViewWeightsStore::Create(
     const ViewWeightsOptions& options) {
   FREEGS_RETURN_IF_ERROR(options.Check());
   if (!options.scratch_folder.empty()) {
-    // Fail now, and not hours later when the memory is full.
+    // Fail now, and not later when the memory is full.
     const StatusOr<ScratchFile> file =
         ScratchFile::Write(options.scratch_folder, {});
     if (!file.ok()) return file.status();
