@@ -92,8 +92,8 @@ void BM_LatticeFilter(benchmark::State& state) {
   std::vector<float> result(values.size());
   LatticeBuffers buffers;
   for (auto _ : state) {
-    const Status status = lattice->AddFiltered(
-        values, channels, 1, BlurOrder::kForward, pool, &buffers, result);
+    const Status status =
+        lattice->AddFiltered(values, channels, 1, pool, &buffers, result);
     if (!status.ok()) state.SkipWithError(status.message().c_str());
   }
 }

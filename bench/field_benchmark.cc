@@ -77,10 +77,10 @@ void BM_PixelDistillationLoss(benchmark::State& state) {
   const std::vector<float> targets = RandomValues(rows * kChannels, 2);
   std::vector<float> gradients(decoded.size(), 0.0f);
   for (auto _ : state) {
-    Expect(PixelDistillationLoss(
-               decoded, targets, kChannels, {}, 1.0, pool, gradients)
-               .status(),
-           state);
+    Expect(
+        PixelDistillationLoss(decoded, targets, kChannels, 1.0, pool, gradients)
+            .status(),
+        state);
   }
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Times HDBSCAN on a file of points, exact and approximate, as CSV.
+// Times HDBSCAN on a file of points and prints the figures as CSV.
 //
-//   freegs_hdbscan_benchmark POINTS.f32 DIM [--sweep] [--labels OUT.i32] ...
+//   freegs_hdbscan_benchmark POINTS.f32 DIM [--labels OUT.i32] ...
 //
 // POINTS.f32: raw little-endian floats, row by row. --rows and --columns take a
-// part of them. The Rand index is against the exact labels.
+// part of them.
 
 #include <algorithm>
 #include <chrono>
@@ -66,7 +66,6 @@ StatusOr<Points> ReadPoints(const std::string& path,
 StatusOr<std::vector<int32_t>> Measure(const Points& points,
                                        const HdbscanOptions& options,
                                        int repeats,
-                                       const std::vector<int32_t>* exact,
                                        ThreadPool& pool) {
   double wall = 1e30;
   double cpu = 1e30;
@@ -81,42 +80,18 @@ StatusOr<std::vector<int32_t>> Measure(const Points& points,
     wall = std::min(wall, taken.count());
     cpu = std::min(cpu, CpuSeconds() - cpu_begin);
   }
-  double ari = 1;
-  if (exact != nullptr) {
-    FREEGS_ASSIGN_OR_RETURN(ari, AdjustedRandIndex(*exact, result.labels));
-  }
-  std::printf("%zu,%d,%d,%d,%d,%d,%.4f,%.4f,%.12g,%d,%td,%.6f\n",
+  std::printf("%zu,%d,%d,%d,%.4f,%.4f,%.12g,%d,%td\n",
               result.labels.size(),
               points.dim,
               options.min_samples,
               pool.num_threads(),
-              options.graph_neighbors,
-              options.max_leaves,
               wall,
               cpu,
               result.mst_weight,
               result.num_clusters,
-              std::count(result.labels.begin(), result.labels.end(), -1),
-              ari);
+              std::count(result.labels.begin(), result.labels.end(), -1));
   std::fflush(stdout);
   return std::move(result.labels);
-}
-
-Status Sweep(const Points& points,
-             HdbscanOptions options,
-             int repeats,
-             const std::vector<int32_t>& exact,
-             ThreadPool& pool) {
-  for (const int leaves : {0, 256, 64, 32}) {
-    for (const int neighbors : {2, 8, 20}) {
-      if (leaves > 0 && neighbors != 20) continue;
-      options.graph_neighbors = neighbors;
-      options.max_leaves = leaves;
-      FREEGS_RETURN_IF_ERROR(
-          Measure(points, options, repeats, &exact, pool).status());
-    }
-  }
-  return {};
 }
 
 Status Run(const boost::program_options::variables_map& arguments) {
@@ -130,18 +105,17 @@ Status Run(const boost::program_options::variables_map& arguments) {
   const int repeats = std::max(1, arguments["repeats"].as<int>());
   const HdbscanOptions options{.min_cluster_size = size, .min_samples = size};
   std::printf(
-      "points,dim,min_samples,threads,graph_neighbors,max_leaves,seconds,"
-      "cpu_seconds,mst_weight,clusters,noise,ari\n");
-  FREEGS_ASSIGN_OR_RETURN(const std::vector<int32_t> exact,
-                          Measure(points, options, repeats, nullptr, pool));
+      "points,dim,min_samples,threads,seconds,cpu_seconds,mst_weight,clusters,"
+      "noise\n");
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<int32_t> labels,
+                          Measure(points, options, repeats, pool));
   if (arguments.count("labels") != 0) {
-    const std::string bytes(reinterpret_cast<const char*>(exact.data()),
-                            exact.size() * sizeof(int32_t));
+    const std::string bytes(reinterpret_cast<const char*>(labels.data()),
+                            labels.size() * sizeof(int32_t));
     FREEGS_RETURN_IF_ERROR(
         WriteFileAtomic(arguments["labels"].as<std::string>(), bytes));
   }
-  if (arguments.count("sweep") == 0) return {};
-  return Sweep(points, options, repeats, exact, pool);
+  return {};
 }
 
 }  // namespace
@@ -160,8 +134,7 @@ int main(int argc, char** argv) {
   add("repeats", po::value<int>()->default_value(1), "least time of as many");
   add("rows", po::value<size_t>()->default_value(0), "points to take, 0 = all");
   add("columns", po::value<int>()->default_value(0), "columns, 0 = all");
-  add("labels", po::value<std::string>(), "write the exact labels here");
-  add("sweep", "approximations too");
+  add("labels", po::value<std::string>(), "write the labels here");
   po::positional_options_description positional;
   positional.add("points", 1).add("dim", 1);
   po::variables_map arguments;

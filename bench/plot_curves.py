@@ -167,14 +167,11 @@ def parse_arguments():
     parser.add_argument("--low", type=float, help="of the chart; 14 or more dB")
     parser.add_argument("--high", type=float)
     parser.add_argument("--step", type=float, default=2, help="of the grid")
-    parser.add_argument("--dots", action="store_true",
-                        help="one per row instead of a line")
-    parser.add_argument("--label", help="column; implies --dots")
+    parser.add_argument("--label",
+                        help="column; a dot per row instead of a line")
     parser.add_argument("--log-y", action="store_true",
                         help="a log scale for y too; --step is not used")
-    args = parser.parse_args()
-    args.dots = args.dots or args.label is not None
-    return args
+    return parser.parse_args()
 
 
 def main():
@@ -187,7 +184,7 @@ def main():
                     for text in without]
         if args.log_y:
             rows = [row for row in rows if row[1] > 0]
-        if args.dots:
+        if args.label:
             rows.sort()
         if not rows:
             raise SystemExit(f"{path}: no row has both {args.x} and {args.y}")
@@ -202,15 +199,15 @@ def main():
     for (name, rows), color in zip(curves, COLORS * 3):
         at = [axes.place(x, y) for x, y, _ in rows]
         path = "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in at)
-        if not args.dots:
+        if not args.label:
             svg.append(f'<path d="{path}" fill="none" stroke="{color}" '
                        'stroke-width="2"/>')
-        for x, y in at if args.dots else at[-1:]:
+        for x, y in at if args.label else at[-1:]:
             svg.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" '
                        f'fill="{color}"/>')
         dots += [(*p, row[2], color) for p, row in zip(at, rows)]
         x, y = at[-1]
-        right.append((y, x, name if args.dots else f"{name} {rows[-1][1]:.1f}",
+        right.append((y, x, name if args.label else f"{name} {rows[-1][1]:.1f}",
                       color))
     if args.label:
         svg += draw_labels(dots)

@@ -160,16 +160,12 @@ double KdTree::BoxDistance2(int level,
 
 // The best k found so far, as a heap with the worst on top.
 struct KdTree::KnnQuery {
-  static constexpr int kAllLeaves = std::numeric_limits<int>::max();
-
   const float* point;
   size_t k;
   uint32_t skip;
   std::vector<Neighbor>& heap;
-  int leaves_left;
   double limit2 = std::numeric_limits<double>::infinity();
 
-  bool Exhausted() const { return leaves_left <= 0 && heap.size() == k; }
   bool CanImprove(double distance2, uint32_t row) const {
     return heap.size() < k || Neighbor{distance2, row} < heap.front();
   }
@@ -189,7 +185,6 @@ void KdTree::Search(int level, uint32_t node, KnnQuery& query) const {
   float bounds[kFanout];
   uint32_t within = ChildBounds(level, node, query.point, query.limit2, bounds);
   if (level == 0) {
-    --query.leaves_left;
     for (; within != 0; within &= within - 1) {
       const int j = std::countr_zero(within);
       if (bounds[j] > query.limit2) continue;
@@ -203,7 +198,7 @@ void KdTree::Search(int level, uint32_t node, KnnQuery& query) const {
   }
   KdChildOrder children(bounds, within);
   for (int j; (j = children.Next()) >= 0;) {
-    if (bounds[j] > query.limit2 || query.Exhausted()) return;
+    if (bounds[j] > query.limit2) return;
     const uint32_t child = node * kFanout + j;
     if (MayTie(bounds[j], query.limit2) &&
         !query.CanImprove(BoxDistance2(level - 1, child, query.point),
@@ -217,15 +212,10 @@ void KdTree::Search(int level, uint32_t node, KnnQuery& query) const {
 void KdTree::Nearest(const float* query,
                      int k,
                      uint32_t skip,
-                     std::vector<Neighbor>* result,
-                     int max_leaves) const {
+                     std::vector<Neighbor>* result) const {
   result->clear();
   if (k <= 0 || order_.empty()) return;
-  KnnQuery search{query,
-                  static_cast<size_t>(k),
-                  skip,
-                  *result,
-                  max_leaves > 0 ? max_leaves : KnnQuery::kAllLeaves};
+  KnnQuery search{query, static_cast<size_t>(k), skip, *result};
   Search(num_levels() - 1, 0, search);
   std::sort_heap(result->begin(), result->end());
 }

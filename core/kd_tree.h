@@ -151,15 +151,12 @@ class KdTree {
   }
 
   // The k nearest points to the query, nearest first; fewer when the tree is
-  // smaller. The point at row `skip` is left out (kNoRow for none). Above 0,
-  // max_leaves ends the search after as many leaves, nearest first as far as
-  // the tree knows, but not before k points are found: an approximation.
+  // smaller. The point at row `skip` is left out (kNoRow for none).
   static constexpr uint32_t kNoRow = 0xffffffffu;
   void Nearest(const float* query,
                int k,
                uint32_t skip,
-               std::vector<Neighbor>* result,
-               int max_leaves = 0) const;
+               std::vector<Neighbor>* result) const;
 
  private:
   struct Level {

@@ -21,13 +21,14 @@ double CubicKernel(double x) {
   return 0;
 }
 
-// What one resized pixel is made of: consecutive input pixels from `first`.
+// The weights of the input pixels that make one resized pixel. The input pixels
+// are consecutive and begin at `first`.
 struct Taps {
   int first = 0;
   std::vector<int64_t> weights;  // In units of 2^-kPrecisionBits.
 };
 
-// Of resized pixels begin .. begin + count - 1.
+// Returns the weights for the resized pixels begin .. begin + count - 1.
 std::vector<Taps> MakeTaps(int input_size,
                            int output_size,
                            int begin,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The resampling CLIP was trained with, to the bit: OpenCV's bicubic resize has
-// another kernel and does not widen it when an image shrinks.
+// The bicubic resampling that CLIP was trained with, to the bit. The bicubic
+// resize of OpenCV has another kernel, and it does not widen the kernel when an
+// image shrinks.
 
 #ifndef FREEGS_SEMANTICS_CLIP_BICUBIC_RESIZE_H_
 #define FREEGS_SEMANTICS_CLIP_BICUBIC_RESIZE_H_
@@ -9,7 +10,7 @@
 
 namespace freegs::semantics {
 
-// The part of a resized image that is wanted, in pixels of the resized image.
+// A part of a resized image, in pixels of the resized image.
 struct ResizeWindow {
   int x = 0;
   int y = 0;
@@ -17,18 +18,20 @@ struct ResizeWindow {
   int height = 0;
 };
 
-// The window of `image` resized to width x height: Keys's bicubic kernel with
-// a = -0.5, as wide as a pixel of the smaller image, clipped at the borders and
-// normalised; horizontal before vertical, rounded to 8 bits after each, with
-// coefficients of 22 bits, as the Python Imaging Library does. Costs nothing
-// for what lies outside the window, which must lie within width x height. Any
-// number of channels; the image must not be empty.
+// Returns the window of `image` resized to width x height. The window must lie
+// within width x height; what lies outside of it costs no time. The image must
+// not be empty and may have any number of channels.
+//
+// As in the Python Imaging Library, the kernel is that of Keys with a = -0.5,
+// as wide as a pixel of the smaller image, clipped at the borders and
+// normalised. Rows are resized before columns; coefficients have 22 bits, and
+// values are rounded to 8 bits after each of the two steps.
 ImageU8 ResizeBicubic(const ImageU8& image,
                       int width,
                       int height,
                       const ResizeWindow& window);
 
-// The whole of it.
+// Returns the whole resized image.
 ImageU8 ResizeBicubic(const ImageU8& image, int width, int height);
 
 }  // namespace freegs::semantics

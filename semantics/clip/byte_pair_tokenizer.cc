@@ -77,7 +77,7 @@ StatusOr<BytePairTokenizer> BytePairTokenizer::Load(
 }
 
 StatusOr<BytePairTokenizer> BytePairTokenizer::Parse(std::string_view text) {
-  // Only needed while reading: afterwards tokens are numbers.
+  // Pieces are needed while reading only; later, tokens are numbers.
   std::unordered_map<std::string, int32_t> tokens;
   const ByteAlphabet alphabet = MakeByteAlphabet();
   for (int32_t i = 0; i < kNumBytes; ++i) {
@@ -174,7 +174,7 @@ StatusOr<TokenizedText> BytePairTokenizer::Tokenize(std::string_view text,
   result.ids.push_back(start_token());
   const auto limit = static_cast<size_t>(context_length);
   for (const std::u32string_view word : SplitCaption(caption)) {
-    // What does not fit need not be encoded.
+    // Words that do not fit are not encoded.
     if (result.ids.size() >= limit) break;
     if (word == kStartOfText) {
       result.ids.push_back(start_token());

@@ -23,8 +23,8 @@ constexpr NamedReference kNamedReferences[] = {{U"amp", U'&'},
                                                {U"apos", U'\''},
                                                {U"nbsp", 0xA0}};
 
-// What HTML makes of the numbers 0x80 .. 0x9F: Windows-1252, except the five it
-// leaves free.
+// HTML reads the numbers 0x80 .. 0x9F as Windows-1252, except the five that
+// Windows-1252 does not use.
 constexpr char32_t kWindows1252[] = {
     0x20AC, 0x81,   0x201A, 0x0192, 0x201E, 0x2026, 0x2020, 0x2021,
     0x02C6, 0x2030, 0x0160, 0x2039, 0x0152, 0x8D,   0x017D, 0x8F,
@@ -82,7 +82,7 @@ size_t ResolveReference(std::u32string_view text,
     const size_t first_digit = end;
     uint32_t number = 0;
     for (; end < text.size() && DigitValue(text[end], base) >= 0; ++end) {
-      // Past the largest code point the exact number does not matter.
+      // Beyond the largest code point all numbers are alike.
       number = std::min<uint32_t>(number * base + DigitValue(text[end], base),
                                   0x110000);
     }
@@ -111,8 +111,8 @@ std::u32string ResolveReferences(std::u32string_view text) {
   return result;
 }
 
-// Python's str.strip() takes four control characters for white space that
-// regular expressions do not.
+// For str.strip() of Python four control characters are white space that are
+// none in regular expressions.
 bool IsStripped(char32_t c) {
   return IsWhiteSpace(c) || (c >= 0x1C && c <= 0x1F);
 }
@@ -132,8 +132,9 @@ bool BeginsWith(std::u32string_view text, std::u32string_view words) {
              });
 }
 
-// What the reference's expression matches nowhere: white space and, because it
-// ignores case and iota is its capital, the combining iota.
+// Characters that the expression of the reference matches nowhere: white space
+// and the combining iota. The latter is due to ignoring case, since its capital
+// is iota.
 bool IsSeparator(char32_t c) { return IsWhiteSpace(c) || c == 0x345; }
 
 size_t LengthOfFirst(std::u32string_view text) {

@@ -1,7 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Images and words as vectors of one space (CLIP; Radford et al. 2021), and the
-// same for every part of an image (MaskCLIP; Zhou et al. 2022). The one place
-// that other engines than OpenCV would have to fill.
+// The interface to a CLIP model. It turns images and words into vectors of one
+// space (Radford et al. 2021), and also every part of an image (MaskCLIP; Zhou
+// et al. 2022). Another inference engine than OpenCV would implement this
+// interface.
+//
+//   FREEGS_ASSIGN_OR_RETURN(const std::unique_ptr<OpenCvClip> encoder,
+//                           OpenCvClip::Open(folder));
+//   FREEGS_ASSIGN_OR_RETURN(const ImageF places, encoder->EncodeDense(image));
+//   FREEGS_ASSIGN_OR_RETURN(const TextEmbedding text,
+//                           encoder->EncodeText("a red mug"));
+//   // The cosine of a place and text.values says how well they match.
 
 #ifndef FREEGS_SEMANTICS_CLIP_CLIP_ENCODER_H_
 #define FREEGS_SEMANTICS_CLIP_CLIP_ENCODER_H_
@@ -19,48 +27,52 @@ struct TextEmbedding {
   bool truncated = false;     // True if the text was too long and was cut.
 };
 
-// Not thread-safe: networks keep buffers from call to call. Images are RGB,
-// 8 bits, not empty, else kInvalidArgument. A model that cannot be loaded or
-// gives what it should not is kMissingDependency, naming the file.
+// Not thread-safe, because networks keep buffers from call to call. Images are
+// RGB with 8 bits and not empty, else the error is kInvalidArgument. A model
+// that cannot be loaded, or whose output has the wrong shape, gives
+// kMissingDependency with the name of the file.
 class ClipEncoder {
  public:
   virtual ~ClipEncoder() = default;
 
-  // D: how many numbers an image, a place or a text is.
+  // D, the size of the vectors of images, places and texts.
   virtual int embedding_dim() const = 0;
 
-  // What identifies the model's results, for caches.
+  // Identifies what the model computes. Caches use it as a key.
   virtual const std::string& model_hash() const = 0;
 
-  // What says nothing in particular: a text must beat these to be relevant (see
-  // relevancy.h). Those of LERF, unless the model has its own.
+  // Phrases that say nothing in particular. A text is relevant if it beats
+  // these (see relevancy.h). The phrases are those of LERF unless the model has
+  // its own.
   virtual std::vector<std::string> canonical_phrases() const {
     return {"object", "things", "stuff", "texture"};
   }
 
-  // Image sizes in pixels that EncodeDense takes, the default first.
+  // The image sizes in pixels that EncodeDense takes, the default first.
   virtual std::vector<int> dense_sizes() const = 0;
 
-  // D numbers of length 1 for the image's central square: its short side is
-  // resized to the network's and the long side cropped, as CLIP was trained.
+  // Returns D numbers of length 1 for the central square of the image. The
+  // short side is resized to the size of the network and the long side is
+  // cropped, as in CLIP's training.
   virtual StatusOr<std::vector<float>> EncodeImage(const ImageU8& image) = 0;
 
-  // grid x grid x D features of the whole image, not normalised: their length
-  // says how much there is to see. The image is stretched to a square, so that
-  // cell (x, y) covers the same share of width and height in the image as in
-  // the grid. dense_size is one of dense_sizes(), else kInvalidArgument; 0
-  // takes the default.
+  // Returns features of the whole image, grid x grid x D. They are not
+  // normalised; their length says how much there is to see. The image is
+  // stretched to a square, so that cell (x, y) covers the same share of the
+  // width and height of the image as of the grid. dense_size is one of
+  // dense_sizes(), else the error is kInvalidArgument; 0 takes the default.
   virtual StatusOr<ImageF> EncodeDense(const ImageU8& image,
                                        int dense_size = 0) = 0;
 
-  // Width and height of what Upsample gives; 0 when the model brings no
-  // upsampler of its own.
+  // Width and height of what Upsample() returns. 0 if the model has no
+  // upsampler.
   virtual int upsampled_size() const = 0;
 
-  // Features in the detail of the image by an upsampler that the model brings
-  // (such as FeatUp's): upsampled_size() x upsampled_size() x D. `features` are
-  // what EncodeDense gave for the same image at the default size.
-  // kInvalidArgument for features of another shape and without an upsampler.
+  // Brings features to the detail of the image by an upsampler that comes with
+  // the model (such as FeatUp). Returns upsampled_size() x upsampled_size() x
+  // D. `features` is what EncodeDense gave for the same image at the default
+  // size. kInvalidArgument for features of another shape and for a model
+  // without an upsampler.
   virtual StatusOr<ImageF> Upsample(const ImageF& features,
                                     const ImageU8& image) = 0;
 

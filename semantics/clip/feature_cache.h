@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Dense features of images on disk, so that a network sees each image once.
+// Keeps dense features of images on disk, so that a network sees each image
+// only once.
 
 #ifndef FREEGS_SEMANTICS_CLIP_FEATURE_CACHE_H_
 #define FREEGS_SEMANTICS_CLIP_FEATURE_CACHE_H_
@@ -17,35 +18,36 @@ namespace freegs::semantics {
 struct CachedFeatures {
   std::optional<ImageF> features;
 
-  // Why there are none, for people: not kept yet, or a file that is damaged or
-  // of something else, which counts as not kept.
+  // If there are none: why, in words. The features were never stored, or the
+  // file is damaged or holds something else, which counts as not stored.
   std::string reason;
 };
 
 // One file per image, model and kind of features, in half precision. Files are
-// written whole or not at all. A folder may serve any number of models; what a
-// model left behind stays until somebody removes the folder.
+// written completely or not at all. Several models may share a folder. Files of
+// models that are no longer used stay until somebody removes the folder.
 class FeatureCache {
  public:
-  // The folder is made when something is kept.
+  // The folder is created when features are stored for the first time.
   explicit FeatureCache(std::filesystem::path folder);
 
-  // image_hash and model_hash say by content what image and model are (HashFile
-  // of core/io/files.h, ClipEncoder::model_hash()); kind says what was computed,
-  // such as "dense 224". Any text will do. Never fails: it has no features.
+  // image_hash and model_hash identify image and model by their content
+  // (HashFile() of core/io/files.h, ClipEncoder::model_hash()). kind says what
+  // was computed, for example "dense 224". Each may be any text. There are no
+  // errors, only missing features.
   CachedFeatures Find(const std::string& image_hash,
                       const std::string& model_hash,
                       const std::string& kind) const;
 
-  // Keeps features rounded to half precision. kInvalidArgument if they are
-  // empty or not numbers of half precision, up to 65504; kInternal if the file
-  // cannot be written.
+  // Stores features, rounded to half precision. kInvalidArgument if they are
+  // empty or hold values that half precision cannot (beyond 65504, or not
+  // finite); kInternal if the file cannot be written.
   Status Store(const std::string& image_hash,
                const std::string& model_hash,
                const std::string& kind,
                const ImageF& features) const;
 
-  // Where Find looks.
+  // The file in which Find() looks.
   std::filesystem::path FileOf(const std::string& image_hash,
                                const std::string& model_hash,
                                const std::string& kind) const;
@@ -54,9 +56,9 @@ class FeatureCache {
   const std::filesystem::path folder_;
 };
 
-// encoder.EncodeDense by way of the cache. `image` is what image_hash names; it
-// is looked at only if the features are not kept yet. The result is rounded to
-// half precision either way: it does not depend on what the cache holds.
+// Returns encoder.EncodeDense(image, dense_size) from the cache, or computes
+// and stores it. image_hash identifies `image`. The result is rounded to half
+// precision in both cases, so that it does not depend on what the cache holds.
 StatusOr<ImageF> EncodeDenseCached(ClipEncoder& encoder,
                                    const FeatureCache& cache,
                                    const std::string& image_hash,

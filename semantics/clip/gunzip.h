@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Reading gzip data held in memory.
+// Unpacks gzip data in memory.
 
 #ifndef FREEGS_SEMANTICS_CLIP_GUNZIP_H_
 #define FREEGS_SEMANTICS_CLIP_GUNZIP_H_
@@ -12,11 +12,12 @@
 
 namespace freegs::semantics {
 
-// True if the bytes begin as a gzip file does.
+// True if the bytes begin like a gzip file.
 bool IsGzip(std::string_view bytes);
 
-// The content of a gzip file of one member. kBadInput if it is damaged,
-// truncated, followed by more, or larger than max_bytes once unpacked.
+// Returns the content of a gzip file of one member. kBadInput if the file is
+// damaged, truncated, followed by other bytes, or larger than max_bytes when
+// unpacked.
 StatusOr<std::string> Gunzip(std::string_view bytes, uint64_t max_bytes);
 
 }  // namespace freegs::semantics

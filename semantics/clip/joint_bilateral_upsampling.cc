@@ -79,8 +79,8 @@ class Upsampler {
         largest = std::max(largest, exponent);
       }
     }
-    // Relative to the largest, so that a colour unlike all around does not
-    // lose all weight to rounding.
+    // Weights are relative to the largest. Otherwise all of them would be
+    // rounded to zero for a colour that is unlike all around it.
     double sum = 0;
     for (int k = 0; k < count; ++k) {
       weights[k] = std::exp(weights[k] - largest);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The files that make a CLIP model, whichever it is. scripts/export_clip.py
-// writes such a folder from a checkpoint.
+// The folder of files that make up a CLIP model. scripts/export_clip.py writes
+// such a folder from a checkpoint.
 
 #ifndef FREEGS_SEMANTICS_CLIP_MODEL_FOLDER_H_
 #define FREEGS_SEMANTICS_CLIP_MODEL_FOLDER_H_
@@ -35,16 +35,17 @@ struct ModelFolder {
   std::filesystem::path path;
   ModelInfo info;
 
-  // Reads model.json and compares size and hash of every file that it lists.
-  // Whatever is missing or wrong is kMissingDependency: the message names the
-  // file, the fault, and what to do.
+  // Reads model.json and compares the size and hash of every file that it
+  // lists. Everything that is missing or wrong is kMissingDependency; the
+  // message names the file and the fault, and says what to do.
   static StatusOr<ModelFolder> Open(const std::filesystem::path& path);
 
-  // What belongs to the folder, checked against model.json; errors as above.
+  // Loads a file of the folder and checks that it fits model.json. Errors as
+  // Open().
   StatusOr<BytePairTokenizer> LoadTokenizer() const;
   StatusOr<TokenTable> LoadTokenTable() const;
 
-  // The error of a file of this folder.
+  // The error for a fault in a file of this folder.
   Status FileError(const std::string& name, const std::string& fault) const;
 };
 

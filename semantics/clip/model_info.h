@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a model folder says about itself: model.json.
+// The file model.json, in which a model folder describes itself.
 
 #ifndef FREEGS_SEMANTICS_CLIP_MODEL_INFO_H_
 #define FREEGS_SEMANTICS_CLIP_MODEL_INFO_H_
@@ -15,11 +15,11 @@
 
 namespace freegs::semantics {
 
-// A network for dense features at one image size.
+// A network that computes dense features at one image size.
 struct DenseNetwork {
   std::string file;
-  int image_size = 0;  // Pixels, width and height.
-  int grid = 0;        // Features, width and height.
+  int image_size = 0;  // Width and height of the image in pixels.
+  int grid = 0;        // Width and height of the features.
 };
 
 struct ModelFile {
@@ -60,13 +60,13 @@ struct ModelInfo {
   std::vector<std::string> canonical;      // See ClipEncoder; or none.
   std::map<std::string, ModelFile> files;  // By name, no folders in it.
 
-  // One hash of all that changes results: the files' content and the numbers,
-  // but not the words about the model.
+  // Returns a hash of everything that changes results: the content of the
+  // files, and the numbers. Names and other words about the model do not count.
   std::string Hash() const;
 };
 
-// kBadInput, naming the field and the fault. The files that a model folder must
-// have (see model_folder.h) are all in `files`.
+// kBadInput names the field and the fault. All files that a model folder must
+// have (see model_folder.h) are listed in `files`.
 StatusOr<ModelInfo> ParseModelInfo(std::string_view json);
 
 }  // namespace freegs::semantics

@@ -17,8 +17,8 @@
 namespace freegs::semantics {
 namespace {
 
-// OpenCV writes what it finds wrong with a network to stderr as well; a library
-// must not. The level is the process's own, so it is put back.
+// Keeps OpenCV from writing errors of a network to stderr, which a library must
+// not do. The level belongs to the process, so it is restored.
 class QuietOpenCv {
  public:
   QuietOpenCv()
@@ -32,7 +32,7 @@ class QuietOpenCv {
   const cv::utils::logging::LogLevel level_;
 };
 
-// The first line of what OpenCV has to say.
+// The first line of the message of an OpenCV exception.
 std::string Reason(const std::exception& error) {
   const std::string text = error.what();
   return text.substr(0, text.find('\n'));
@@ -120,7 +120,7 @@ ImageU8 CenterSquare(const ImageU8& image, int size) {
   };
   const int width = resized(image.width());
   const int height = resized(image.height());
-  // Half pixels go to the even side.
+  // Half a pixel is rounded to the even number.
   const auto offset = [size](int side) {
     return static_cast<int>(std::nearbyint((side - size) / 2.0));
   };
@@ -131,7 +131,7 @@ ImageU8 CenterSquare(const ImageU8& image, int size) {
 struct OpenCvClip::Networks {
   std::map<std::string, cv::dnn::Net> loaded;
 
-  // Runs a network of the folder, which it loads if this has not been done.
+  // Runs a network of the folder. Loads it first if it is not loaded yet.
   StatusOr<cv::Mat> Forward(const ModelFolder& folder,
                             const std::string& name,
                             const std::vector<NetworkInput>& inputs,
@@ -156,7 +156,7 @@ struct OpenCvClip::Networks {
       for (const NetworkInput& input : inputs) {
         network->second.setInput(input.blob, input.name);
       }
-      // A copy: the network overwrites its own at the next call.
+      // A copy, because the network overwrites its output at the next call.
       output = network->second.forward().clone();
     } catch (const std::exception& error) {
       return folder.FileError(name, "OpenCV cannot run it: " + Reason(error));
@@ -289,8 +289,8 @@ StatusOr<TextEmbedding> OpenCvClip::EncodeText(const std::string& text) {
   const int context = info().context_length;
   FREEGS_ASSIGN_OR_RETURN(const TokenizedText tokens,
                           text_->tokenizer.Tokenize(text, context));
-  // CLIP pads with token 0. The encoder's attention is causal, so that what
-  // follows the end token does not matter; it is padded all the same.
+  // CLIP pads with token 0. Attention in the text encoder is causal, so that
+  // what follows the end token does not change the result.
   const int width = info().text_width;
   const int shape[] = {1, context, width};
   cv::Mat input(3, shape, CV_32F);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// CLIP by OpenCV's DNN module, on the processor.
+// Runs CLIP with OpenCV's DNN module on the processor.
 
 #ifndef FREEGS_SEMANTICS_CLIP_OPENCV_CLIP_H_
 #define FREEGS_SEMANTICS_CLIP_OPENCV_CLIP_H_
@@ -16,10 +16,11 @@
 
 namespace freegs::semantics {
 
+// See clip_encoder.h for an example.
 class OpenCvClip : public ClipEncoder {
  public:
-  // Checks the folder (see ModelFolder::Open); a network is loaded when it is
-  // first used, so that a query of text costs no image network.
+  // Checks the folder (see ModelFolder::Open). Each network is loaded when it
+  // is first used, so that a text query does not load an image network.
   static StatusOr<std::unique_ptr<OpenCvClip>> Open(
       const std::filesystem::path& folder);
   ~OpenCvClip() override;
@@ -39,7 +40,7 @@ class OpenCvClip : public ClipEncoder {
   StatusOr<TextEmbedding> EncodeText(const std::string& text) override;
 
  private:
-  struct Networks;  // Keeps OpenCV's header out of ours.
+  struct Networks;  // Keeps OpenCV's headers out of this one.
   struct TextParts {
     BytePairTokenizer tokenizer;
     TokenTable table;
@@ -53,8 +54,9 @@ class OpenCvClip : public ClipEncoder {
   std::unique_ptr<TextParts> text_;
 };
 
-// The square CLIP sees of an image: its short side resized to `size`, the
-// centre cropped; to the pixel as torchvision does it. The image is not empty.
+// Returns the square of an image that CLIP sees: the short side is resized to
+// `size` and the centre is cropped, to the same pixels as in torchvision. The
+// image must not be empty.
 ImageU8 CenterSquare(const ImageU8& image, int size);
 
 }  // namespace freegs::semantics

@@ -9,8 +9,8 @@
 namespace freegs::semantics {
 namespace {
 
-// CLIP's scores are cosines times a learnt factor of about 100; LERF takes 10,
-// which leaves shades between yes and no.
+// CLIP multiplies cosines by a learnt factor of about 100. LERF takes 10, so
+// that there are values between yes and no.
 constexpr double kTemperature = 10;
 
 double Dot(std::span<const float> a, std::span<const float> b) {

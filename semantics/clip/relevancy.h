@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How much a feature is like a text (LERF; Kerr et al. 2023).
+// How well a feature matches a text (LERF; Kerr et al. 2023).
 
 #ifndef FREEGS_SEMANTICS_CLIP_RELEVANCY_H_
 #define FREEGS_SEMANTICS_CLIP_RELEVANCY_H_
@@ -12,19 +12,21 @@
 
 namespace freegs::semantics {
 
-// The relevancy of a feature to a text: the least, over the canonical texts, of
+// Returns the relevancy of a feature to a text: the least value, over the
+// canonical texts, of
 //   exp(10 cos(f, text)) / (exp(10 cos(f, text)) + exp(10 cos(f, canonical))).
-// Above one half the feature is more like the text than like any of them.
+// If it is above one half, the feature is more like the text than like any of
+// the canonical texts.
 //
-// All are vectors of the feature's size; `canonical` holds one after another.
-// Texts are of length 1, the feature of any length; one of length zero has
-// relevancy one half. Without canonical texts it is 1.
+// All vectors have the size of the feature; `canonical` holds one after
+// another. Texts have length 1; the feature has any length. A feature of length
+// zero has relevancy one half. Without canonical texts the result is 1.
 float Relevancy(std::span<const float> feature,
                 std::span<const float> text,
                 std::span<const float> canonical);
 
-// The vectors of the encoder's canonical_phrases(), one after another:
-// `canonical` above. Errors as ClipEncoder::EncodeText.
+// Returns the vectors of encoder.canonical_phrases(), one after another, as
+// Relevancy() takes them. Errors as ClipEncoder::EncodeText.
 StatusOr<std::vector<float>> EncodeCanonicalPhrases(ClipEncoder& encoder);
 
 }  // namespace freegs::semantics

@@ -11,7 +11,7 @@
 namespace freegs::semantics {
 namespace {
 
-// Upsampled values held at a time.
+// The number of upsampled values that are in memory at a time.
 constexpr size_t kBlockValues = size_t{1} << 22;
 constexpr int64_t kPixelGrain = 256;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where in an image a text is.
+// Shows where in an image a text is.
 
 #ifndef FREEGS_SEMANTICS_CLIP_RELEVANCY_MAP_H_
 #define FREEGS_SEMANTICS_CLIP_RELEVANCY_MAP_H_
@@ -13,11 +13,11 @@
 
 namespace freegs::semantics {
 
-// The relevancy (see Relevancy) of every pixel of the guide, W x H x 1, by
-// dense features, w x h x D, that are upsampled to it. `text` holds D numbers,
-// `canonical` any multiple of D. Needs little memory beside the result,
-// whatever the guide's size. kInvalidArgument as JointBilateralUpsample, and if
-// the texts' sizes do not fit.
+// Returns the relevancy (see Relevancy()) of every pixel of the guide, W x H x
+// 1. The dense features, w x h x D, are upsampled to the guide. `text` holds D
+// numbers, `canonical` a multiple of D. Needs little memory beside the result,
+// whatever the size of the guide. kInvalidArgument as JointBilateralUpsample,
+// and for texts of the wrong size.
 StatusOr<ImageF> RelevancyMap(const ImageF& features,
                               const ImageF& guide,
                               std::span<const float> text,

@@ -20,10 +20,6 @@ constexpr size_t kHeaderSize = 8 + 4 * 4;
 constexpr uint32_t kMaxRows = 1 << 24;
 constexpr uint32_t kMaxColumns = 1 << 16;
 
-size_t SizeOf(TokenTable::ElementType type) {
-  return type == TokenTable::ElementType::kFloat16 ? 2 : 4;
-}
-
 }  // namespace
 
 StatusOr<TokenTable> TokenTable::Parse(std::string content) {
@@ -47,7 +43,8 @@ StatusOr<TokenTable> TokenTable::Parse(std::string content) {
   TokenTable table;
   table.type_ = static_cast<ElementType>(type);
   if (rows == 0 || rows > kMaxRows || columns == 0 || columns > kMaxColumns ||
-      reader.remaining() != uint64_t{rows} * columns * SizeOf(table.type_)) {
+      reader.remaining() !=
+          uint64_t{rows} * columns * table.ElementSize()) {
     return BadInputError("the file is truncated or its header is damaged");
   }
   table.rows_ = static_cast<int>(rows);
@@ -76,7 +73,7 @@ StatusOr<TokenTable> TokenTable::Load(const std::filesystem::path& path) {
 void TokenTable::CopyRow(int token, std::span<float> out) const {
   const auto columns = static_cast<size_t>(columns_);
   ByteReader reader(std::string_view(content_).substr(
-      kHeaderSize + static_cast<size_t>(token) * columns * SizeOf(type_)));
+      kHeaderSize + static_cast<size_t>(token) * columns * ElementSize()));
   if (type_ == ElementType::kFloat32) {
     reader.GetArray(columns, out.data());
     return;
@@ -86,27 +83,6 @@ void TokenTable::CopyRow(int token, std::span<float> out) const {
     reader.Get(&bits);
     out[k] = static_cast<float>(Eigen::numext::bit_cast<Eigen::half>(bits));
   }
-}
-
-std::string SerializeTokenTable(std::span<const float> values,
-                                int rows,
-                                int columns,
-                                TokenTable::ElementType type) {
-  ByteWriter writer;
-  writer.Reserve(kHeaderSize + values.size() * SizeOf(type));
-  writer.PutBytes(kMagic);
-  writer.Put(kVersion);
-  writer.Put(static_cast<uint32_t>(type));
-  writer.Put(static_cast<uint32_t>(rows));
-  writer.Put(static_cast<uint32_t>(columns));
-  for (const float value : values) {
-    if (type == TokenTable::ElementType::kFloat32) {
-      writer.Put(value);
-    } else {
-      writer.Put(Eigen::numext::bit_cast<uint16_t>(Eigen::half(value)));
-    }
-  }
-  return std::move(writer).content();
 }
 
 }  // namespace freegs::semantics

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The vectors that a text encoder starts from, one per token of the vocabulary:
-// OpenCV's networks cannot look them up by themselves.
+// The vectors that the text encoder starts from, one per token of the
+// vocabulary. They are a file of their own because OpenCV's networks cannot
+// look them up.
 
 #ifndef FREEGS_SEMANTICS_CLIP_TOKEN_TABLE_H_
 #define FREEGS_SEMANTICS_CLIP_TOKEN_TABLE_H_
@@ -25,34 +26,31 @@ namespace freegs::semantics {
 //   elements  rows x columns, row-major
 class TokenTable {
  public:
-  enum class ElementType : uint32_t { kFloat32 = 0, kFloat16 = 1 };
-
-  // kBadInput, naming the fault, for anything but a complete file of a known
-  // version, and for elements that are not finite. Keeps the file's content.
+  // kBadInput, which names the fault, for anything but a complete file of a
+  // known version, and for elements that are not finite. Keeps the content of
+  // the file.
   static StatusOr<TokenTable> Parse(std::string content);
   static StatusOr<TokenTable> Load(const std::filesystem::path& path);
 
   int rows() const { return rows_; }
   int columns() const { return columns_; }
 
-  // Copies row `token`, in [0, rows()), to `out`, which holds columns().
+  // Copies row `token`, which lies in [0, rows()), to `out`, which holds
+  // columns() numbers.
   void CopyRow(int token, std::span<float> out) const;
 
  private:
+  enum class ElementType : uint32_t { kFloat32 = 0, kFloat16 = 1 };
+
   TokenTable() = default;
+
+  size_t ElementSize() const { return type_ == ElementType::kFloat16 ? 2 : 4; }
 
   std::string content_;
   ElementType type_ = ElementType::kFloat32;
   int rows_ = 0;
   int columns_ = 0;
 };
-
-// The file's content for rows x columns values; numbers that float16 cannot
-// hold become infinite, which Parse refuses.
-std::string SerializeTokenTable(std::span<const float> values,
-                                int rows,
-                                int columns,
-                                TokenTable::ElementType type);
 
 }  // namespace freegs::semantics
 

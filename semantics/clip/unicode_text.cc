@@ -36,7 +36,7 @@ bool IsIn(std::span<const unicode_tables::Range> ranges, char32_t c) {
 }
 
 char32_t Lower(char32_t c) {
-  // Ranges with a step interleave with others, so several can span c.
+  // Ranges with a step interleave, so that several of them can span c.
   for (const unicode_tables::LowerMapping& mapping : unicode_tables::kLower) {
     if (mapping.first > c) break;
     if (c <= mapping.last && (c - mapping.first) % mapping.step == 0) {
@@ -46,7 +46,8 @@ char32_t Lower(char32_t c) {
   return c;
 }
 
-// The first cased letter from `begin` to `end`, past what is ignored, decides.
+// Whether the first character of [begin, end) that is not ignored is a cased
+// letter.
 template <typename Iterator>
 bool FindsCased(Iterator begin, Iterator end) {
   const Iterator found = std::find_if(begin, end, [](char32_t c) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// As much of Unicode as CLIP's tokeniser needs, without the locale: results are
-// the same on every machine.
+// The part of Unicode that the tokeniser of CLIP needs. It does not use the
+// locale, so that results are the same on every machine.
 
 #ifndef FREEGS_SEMANTICS_CLIP_UNICODE_TEXT_H_
 #define FREEGS_SEMANTICS_CLIP_UNICODE_TEXT_H_
@@ -10,19 +10,20 @@
 
 namespace freegs::semantics {
 
-// Code points of UTF-8 text. Every byte that is not part of a valid sequence
-// (also of an overlong one, a surrogate, or one past U+10FFFF) becomes U+FFFD.
+// Returns the code points of UTF-8 text. Every byte that is not part of a valid
+// sequence becomes U+FFFD. Overlong sequences, surrogates and code points
+// beyond U+10FFFF are not valid.
 std::u32string DecodeUtf8(std::string_view text);
 
-// Surrogates and what lies past U+10FFFF become U+FFFD.
+// Surrogates and code points beyond U+10FFFF become U+FFFD.
 std::string EncodeUtf8(std::u32string_view text);
 
 bool IsLetter(char32_t c);      // \p{L}
 bool IsNumber(char32_t c);      // \p{N}
 bool IsWhiteSpace(char32_t c);  // The property White_Space.
 
-// Full lower-casing, with U+0130 becoming two code points and the final form of
-// sigma, as Python's str.lower().
+// Lower-cases like str.lower() of Python: U+0130 becomes two code points, and a
+// sigma at the end of a word takes its final form.
 std::u32string LowerCase(std::u32string_view text);
 
 }  // namespace freegs::semantics

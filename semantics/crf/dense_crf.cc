@@ -16,12 +16,13 @@ constexpr int64_t kPixelGrain = 2048;
 constexpr int kMaxLabels = 65535;
 constexpr uint64_t kMaxValues = uint64_t{1} << 31;
 
-// e^x for x <= 0, minus infinity too, to 3e-7 relative; exactly zero from e^-88
-// on. A plain expression, so that loops over it become vectors.
+// e^x for x <= 0 including minus infinity, with a relative error of 3e-7;
+// exactly zero for x <= -88. It has no branches, so that the compiler
+// vectorises loops over it.
 inline float ExpOfNegative(float x) {
-  constexpr float kLowest = -88.0f;  // Whose power of two has no bits.
+  constexpr float kLowest = -88.0f;  // Its power of two has zero bits only.
   constexpr float kLog2E = 1.44269504f;
-  // ln 2 in two parts, the first exact in products with small integers.
+  // ln 2 in two parts. Products of the first with small integers are exact.
   constexpr float kLn2High = 0.693359375f;
   constexpr float kLn2Low = -2.12194440e-4f;
   const float y = x > kLowest ? x : kLowest;
@@ -46,7 +47,7 @@ void Softmax(const float* logits, int num_labels, float* probabilities) {
   for (int l = 0; l < num_labels; ++l) {
     probabilities[l] = ExpOfNegative(logits[l] - largest);
   }
-  float sum = 0;  // At least the one of the largest.
+  float sum = 0;  // At least 1, the term of the largest logit.
   for (int l = 0; l < num_labels; ++l) sum += probabilities[l];
   const float scale = 1 / sum;
   for (int l = 0; l < num_labels; ++l) probabilities[l] *= scale;
@@ -194,8 +195,8 @@ StatusOr<DenseCrfResult> DenseCrf::Infer(const ImageF& unary,
   std::vector<float> logits(unary.size());
   LatticeBuffers buffers;
   for (int iteration = 0; iteration <= iterations_; ++iteration) {
-    // What speaks for each label: its energy is small, pixels alike have it,
-    // but not the pixel itself. With Potts' compatibility, energy from other
+    // A label gains from a small energy and from similar pixels that have it,
+    // without the pixel itself. Under the Potts model the penalty for other
     // labels is the same up to a constant per pixel.
     ForPixels(num_pixels, pool, [&](size_t pixel) {
       const size_t row = pixel * num_labels;
@@ -210,7 +211,6 @@ StatusOr<DenseCrfResult> DenseCrf::Infer(const ImageF& unary,
             kernel.lattice.AddFiltered({probabilities, unary.size()},
                                        num_labels,
                                        kernel.weight,
-                                       BlurOrder::kForward,
                                        pool,
                                        &buffers,
                                        logits));

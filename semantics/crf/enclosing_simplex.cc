@@ -8,7 +8,8 @@
 namespace freegs::semantics {
 namespace {
 
-// std::lround, and std::floor without SSE 4.1, are calls.
+// Faster than std::lround, and than std::floor without SSE 4.1, which are
+// function calls.
 int32_t RoundToNearest(double value) {
   const double shifted = value + 0.5;
   const auto truncated = static_cast<int32_t>(shifted);
@@ -29,7 +30,7 @@ SimplexLocator::SimplexLocator(int dim) : dim_(dim), scale_() {
 }
 
 void SimplexLocator::Elevate(const float* feature, double* elevated) const {
-  double sum = 0;  // Of the basis vectors' leading ones.
+  double sum = 0;  // Of the leading ones of the basis vectors.
   for (int j = dim_; j >= 1; --j) {
     const double coordinate = feature[j - 1] * scale_[j - 1];
     elevated[j] = sum - j * coordinate;
@@ -44,8 +45,8 @@ void SimplexLocator::Locate(const float* feature,
   double elevated[kMaxLatticeDim + 1];
   Elevate(feature, elevated);
 
-  // The nearest point whose coordinates are multiples of d + 1; those may not
-  // sum to zero.
+  // Round each coordinate to a multiple of d + 1. The sum of these may differ
+  // from zero.
   double beyond[kMaxLatticeDim + 1];
   int excess = 0;
   for (int i = 0; i <= d; ++i) {
@@ -54,7 +55,8 @@ void SimplexLocator::Locate(const float* feature,
     beyond[i] = elevated[i] - simplex->origin[i];
     excess += multiple;
   }
-  // Equal distances in order of coordinates, so that ranks are a permutation.
+  // Equal distances rank in the order of coordinates, so that ranks are a
+  // permutation.
   std::fill(simplex->rank.begin(), simplex->rank.begin() + d + 1, 0);
   for (int i = 0; i < d; ++i) {
     for (int j = i + 1; j <= d; ++j) {
@@ -63,9 +65,9 @@ void SimplexLocator::Locate(const float* feature,
       simplex->rank[j] += j_first ? 0 : 1;
     }
   }
-  // Back to the hyperplane by the coordinates that were rounded most: down for
-  // the last ones when the sum is too large, up for the first ones when it is
-  // too small. Ranks turn with them.
+  // Move back to the hyperplane by the coordinates that were rounded most. If
+  // the sum is too large, the last ones go down; if it is too small, the first
+  // ones go up. Their ranks change with them.
   for (int i = 0; i <= d; ++i) {
     int32_t rank = simplex->rank[i] + excess;
     int32_t step = 0;
@@ -84,7 +86,7 @@ void SimplexLocator::Locate(const float* feature,
   }
   weights[0] += 1.0 + weights[d + 1];
   for (int k = 0; k <= d; ++k) {
-    // Rounding may leave less than nothing.
+    // Rounding may make a weight negative.
     simplex->weights[k] = std::max(0.0, weights[k]);
   }
 }

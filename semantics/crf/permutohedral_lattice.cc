@@ -14,9 +14,9 @@ constexpr int64_t kVertexGrain = 2048;
 constexpr int64_t kPointGrain = 2048;
 constexpr int kVector = 4;  // Floats of the smallest vector of all targets.
 
-// Calls body(c) with c the constant `stride`, a multiple of kVector: innermost
-// loops over so many channels become straight vector code with sums in
-// registers.
+// Calls body(c), where c is `stride` as a compile-time constant. The compiler
+// turns inner loops over so many channels into vector code with sums in
+// registers. stride: a multiple of kVector.
 template <typename Body>
 void WithStride(int stride, const Body& body) {
   static_assert(PermutohedralLattice::kMaxBlockChannels == 8 * kVector);
@@ -40,7 +40,7 @@ void WithStride(int stride, const Body& body) {
   }
 }
 
-// out += weight in.
+// out += weight * in.
 template <int kStride>
 inline void AddScaled(const float* __restrict in,
                       float weight,
@@ -68,15 +68,15 @@ Status PermutohedralLattice::CheckValues(size_t values,
   return Status();
 }
 
-// Two steps, so that threads share no sum: every chunk adds its points to its
-// own slots, then every vertex adds its slots.
+// Works in two steps, so that no sum is shared by threads: every chunk adds its
+// points to its own slots, and then every vertex adds up its slots.
 void PermutohedralLattice::SplatBlock(const float* values,
                                       const ChannelBlock& block,
                                       ThreadPool& pool,
                                       LatticeBuffers* buffers) const {
   const size_t corners = dim_ + 1;
   buffers->slots.resize(slot_vertex_.size() * block.stride);
-  // One row more, of zeros, stands for all missing neighbours.
+  // The last row is zero. It stands for all missing neighbours.
   buffers->vertices.resize((num_vertices_ + 1) * block.stride);
   float* slots = buffers->slots.data();
   float* vertices = buffers->vertices.data();
@@ -119,14 +119,12 @@ void PermutohedralLattice::SplatBlock(const float* values,
 }
 
 void PermutohedralLattice::BlurBlock(const ChannelBlock& block,
-                                     BlurOrder order,
                                      ThreadPool& pool,
                                      LatticeBuffers* buffers) const {
   const auto num_vertices = static_cast<int64_t>(num_vertices_);
   buffers->blurred.resize(buffers->vertices.size());
   std::fill_n(buffers->blurred.end() - block.stride, block.stride, 0.0f);
-  for (int step = 0; step <= dim_; ++step) {
-    const int axis = order == BlurOrder::kForward ? step : dim_ - step;
+  for (int axis = 0; axis <= dim_; ++axis) {
     const NeighborPair* pairs = neighbors_.data() + axis * num_vertices_;
     const float* from = buffers->vertices.data();
     float* to = buffers->blurred.data();
@@ -180,7 +178,6 @@ void PermutohedralLattice::SliceBlock(const LatticeBuffers& buffers,
 Status PermutohedralLattice::AddFiltered(std::span<const float> values,
                                          int channels,
                                          float gain,
-                                         BlurOrder order,
                                          ThreadPool& pool,
                                          LatticeBuffers* buffers,
                                          std::span<float> result) const {
@@ -189,48 +186,10 @@ Status PermutohedralLattice::AddFiltered(std::span<const float> values,
   for (int first = 0; first < channels; first += kMaxBlockChannels) {
     const ChannelBlock block = BlockAt(channels, first);
     SplatBlock(values.data(), block, pool, buffers);
-    BlurBlock(block, order, pool, buffers);
+    BlurBlock(block, pool, buffers);
     SliceBlock(*buffers, block, gain * kernel_scale_, pool, result.data());
   }
   return Status();
-}
-
-StatusOr<std::vector<float>> PermutohedralLattice::Splat(
-    std::span<const float> values, int channels, ThreadPool& pool) const {
-  FREEGS_RETURN_IF_ERROR(CheckValues(values.size(), num_points_, channels));
-  std::vector<float> result(num_vertices_ * channels);
-  LatticeBuffers buffers;
-  for (int first = 0; first < channels; first += kMaxBlockChannels) {
-    const ChannelBlock block = BlockAt(channels, first);
-    SplatBlock(values.data(), block, pool, &buffers);
-    for (size_t v = 0; v < num_vertices_; ++v) {
-      std::copy_n(buffers.vertices.data() + v * block.stride,
-                  block.count,
-                  result.data() + v * channels + first);
-    }
-  }
-  return result;
-}
-
-StatusOr<std::vector<float>> PermutohedralLattice::Slice(
-    std::span<const float> vertex_values,
-    int channels,
-    ThreadPool& pool) const {
-  FREEGS_RETURN_IF_ERROR(
-      CheckValues(vertex_values.size(), num_vertices_, channels));
-  std::vector<float> result(num_points_ * channels);
-  LatticeBuffers buffers;
-  for (int first = 0; first < channels; first += kMaxBlockChannels) {
-    const ChannelBlock block = BlockAt(channels, first);
-    buffers.vertices.resize(num_vertices_ * block.stride);
-    for (size_t v = 0; v < num_vertices_; ++v) {
-      std::copy_n(vertex_values.data() + v * channels + first,
-                  block.count,
-                  buffers.vertices.data() + v * block.stride);
-    }
-    SliceBlock(buffers, block, 1, pool, result.data());
-  }
-  return result;
 }
 
 void PermutohedralLattice::NormalizeSymmetrically(ThreadPool& pool) {
@@ -239,9 +198,9 @@ void PermutohedralLattice::NormalizeSymmetrically(ThreadPool& pool) {
   const ChannelBlock block = BlockAt(1, 0);
   LatticeBuffers buffers;
   SplatBlock(ones.data(), block, pool, &buffers);
-  BlurBlock(block, BlurOrder::kForward, pool, &buffers);
+  BlurBlock(block, pool, &buffers);
   SliceBlock(buffers, block, kernel_scale_, pool, sums.data());
-  // Never zero: every point is at least its own neighbour.
+  // Sums are never zero, because every point is its own neighbour.
   const size_t corners = dim_ + 1;
   const auto num_points = static_cast<int64_t>(num_points_);
   pool.ParallelFor(
@@ -256,9 +215,9 @@ void PermutohedralLattice::NormalizeSymmetrically(ThreadPool& pool) {
 }
 
 double PermutohedralLattice::SelfResponse(size_t point) const {
-  // Vertices of successive remainders are neighbours along an axis, the last
-  // and the first too. A path between these, or from one to itself, stays on
-  // them; it has 1/2 for each of the d + 1 blurs that stand still.
+  // Vertices of successive remainders are neighbours along an axis; so are the
+  // last and the first. Counted are the paths from such a vertex to itself or
+  // to its neighbour. Each of the d + 1 blurs halves what stays on a vertex.
   const float* weights = point_weights_.data() + point * (dim_ + 1);
   double sum = 0;
   for (int k = 0; k <= dim_; ++k) {

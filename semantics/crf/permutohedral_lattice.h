@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Gaussian filtering of values at points of several dimensions, such as pixels
-// with position and colour, in time linear in the number of points (Adams, Baek
-// and Davis, "Fast High-Dimensional Filtering Using the Permutohedral Lattice",
-// Eurographics 2010).
+// Gaussian filtering of values at points of several dimensions, for example at
+// pixels with position and colour. The time is linear in the number of points
+// (Adams, Baek and Davis, "Fast High-Dimensional Filtering Using the
+// Permutohedral Lattice", Eurographics 2010).
 
 #ifndef FREEGS_SEMANTICS_CRF_PERMUTOHEDRAL_LATTICE_H_
 #define FREEGS_SEMANTICS_CRF_PERMUTOHEDRAL_LATTICE_H_
@@ -17,43 +17,39 @@
 
 namespace freegs::semantics {
 
-// Blurs along different axes do not commute where neighbouring vertices are
-// missing: filtering in one order is the transpose of filtering in the other.
-enum class BlurOrder { kForward, kReverse };
-
-// Memory that filtering works in; one to keep from call to call per thread that
-// calls.
+// The memory that filtering works in. A thread that filters many times keeps
+// one of these from call to call.
 struct LatticeBuffers {
   std::vector<float> slots;
   std::vector<float> vertices;
   std::vector<float> blurred;
 };
 
-// K v with K_ij = exp(-|f_i - f_j|^2 / 2), about: values are splatted onto the
-// vertices of the simplex around each point, blurred over the lattice, and
-// sliced at the points again. Errors are in docs/crf.md.
+// Computes about K v with K_ij = exp(-|f_i - f_j|^2 / 2). Values are splatted
+// onto the vertices of the simplex around each point, blurred over the lattice,
+// and sliced at the points again. docs/crf.md has the measured errors.
 //
-// Built once for some features, it filters any number of values. The result is
-// a function of the input only, whatever the number of threads: vertices are
-// numbered by their first use in order of points, and every sum has a fixed
-// order.
+// A lattice is built once for some features and filters any number of values.
+// The result does not depend on the number of threads: vertices are numbered by
+// their first use in the order of points, and every sum has a fixed order.
 //
-// Memory, with N points of dimension d, M <= S <= N (d + 1) vertices in use and
-// S <= N (d + 1) slots, which are vertices counted once per kChunkPoints
-// points: 8 N (d + 1) + 8 M (d + 1) + 8 S + 4 M bytes, while built 4 d (2 M +
-// S) + 32 M more. Filtering takes 4 (S + 2 M) bytes for each of at most
-// kMaxBlockChannels channels at a time. M is far below N (d + 1) where many
-// points are within a standard deviation of each other.
+// Memory: let there be N points of dimension d. M is the number of vertices in
+// use, and S is the number of slots, where each chunk of kChunkPoints points
+// has its own slots for its vertices; M <= S <= N (d + 1). The lattice takes 8
+// N (d + 1) + 8 M (d + 1) + 8 S + 4 M bytes, and 4 d (2 M + S) + 32 M bytes
+// more while it is built. Filtering takes 4 (S + 2 M) bytes for each of at most
+// kMaxBlockChannels channels at a time. M is far below N (d + 1) if many points
+// are within a standard deviation of each other.
 class PermutohedralLattice {
  public:
-  // Points of one chunk are splatted by one thread, one after another.
+  // The points of a chunk are splatted by one thread, one after another.
   static constexpr size_t kChunkPoints = 4096;
   static constexpr int kMaxBlockChannels = 32;
 
   // features: N x dim, row-major, in standard deviations of the Gaussian.
-  // Points that are near each other should follow each other, as pixels do in
-  // rows. kInvalidArgument when dim is outside 1 .. 16, the size is not a
-  // multiple of dim or zero, N (dim + 1) exceeds 2^31 - 1, or a feature is not
+  // Points that are near each other should follow each other, as the pixels of
+  // a row do. kInvalidArgument if dim is outside 1 .. 16, the size is zero or
+  // no multiple of dim, N (dim + 1) exceeds 2^31 - 1, or a feature is not
   // finite or larger than 1e6.
   static StatusOr<PermutohedralLattice> Build(std::span<const float> features,
                                               int dim,
@@ -63,40 +59,31 @@ class PermutohedralLattice {
   size_t num_points() const { return num_points_; }
   size_t num_vertices() const { return num_vertices_; }
 
-  // *result += gain * K values. values and *result: N x channels, row-major;
-  // not the same memory. kInvalidArgument for other sizes and no channels.
+  // Adds gain * K values to `result`. values, result: N x channels, row-major,
+  // not the same memory. kInvalidArgument for other sizes and for no channels.
   Status AddFiltered(std::span<const float> values,
                      int channels,
                      float gain,
-                     BlurOrder order,
                      ThreadPool& pool,
                      LatticeBuffers* buffers,
                      std::span<float> result) const;
 
-  // The two linear maps around the blur, which are each other's transpose.
-  // Splat: N x channels to num_vertices() x channels, keeps the sum of each
-  // channel. Slice: the way back, keeps constants. Errors as above.
-  StatusOr<std::vector<float>> Splat(std::span<const float> values,
-                                     int channels,
-                                     ThreadPool& pool) const;
-  StatusOr<std::vector<float>> Slice(std::span<const float> vertex_values,
-                                     int channels,
-                                     ThreadPool& pool) const;
-
-  // Makes the filter D^(-1/2) K D^(-1/2) with D the diagonal of K 1 (sums over
-  // all points, the point itself included): the symmetric normalisation of
-  // Kraehenbuehl and Koltun, "Parameter Learning and Convergent Inference for
-  // Dense Random Fields", 2013. Splat and Slice then carry D^(-1/2) too. Once.
+  // Turns the filter into D^(-1/2) K D^(-1/2), where D is the diagonal matrix
+  // of the sums K 1 over all points, the point itself included. This is the
+  // symmetric normalisation of Kraehenbuehl and Koltun, "Parameter Learning and
+  // Convergent Inference for Dense Random Fields", 2013. Call it once at most.
   void NormalizeSymmetrically(ThreadPool& pool);
 
-  // What a point surely gets of its own value, K_ii from below: without paths
-  // over vertices other than those around it, which may be missing. Times D^-1
-  // after normalisation.
+  // Returns a lower bound of K_ii, the share of its own value that a point
+  // surely gets back. Paths over vertices that are not around the point are
+  // left out, because such vertices may not exist. After normalisation the
+  // bound is that of K_ii / D_i.
   double SelfResponse(size_t point) const;
 
  private:
-  // Channels [first, first + count) of rows of `channels`; rows of `stride` in
-  // the buffers, a multiple of four, so that inner loops are whole vectors.
+  // Channels [first, first + count) of rows of `channels`. In the buffers a row
+  // has `stride` numbers, a multiple of four, so that inner loops work on whole
+  // vectors.
   struct ChannelBlock {
     int channels;
     int first;
@@ -113,7 +100,6 @@ class PermutohedralLattice {
                   ThreadPool& pool,
                   LatticeBuffers* buffers) const;
   void BlurBlock(const ChannelBlock& block,
-                 BlurOrder order,
                  ThreadPool& pool,
                  LatticeBuffers* buffers) const;
   void SliceBlock(const LatticeBuffers& buffers,
@@ -124,7 +110,7 @@ class PermutohedralLattice {
 
   struct Builder;
 
-  // Both neighbours of a vertex along an axis; num_vertices_ where missing.
+  // The neighbours of a vertex along an axis; num_vertices_ if there is none.
   struct NeighborPair {
     uint32_t before;
     uint32_t after;
@@ -135,13 +121,14 @@ class PermutohedralLattice {
   size_t num_vertices_ = 0;
   float kernel_scale_ = 1;  // Makes the peak of the kernel one.
 
-  // N x (d + 1): the vertices around each point, in order of remainder, as
-  // slots, and their barycentric weights.
+  // N x (d + 1): the slots of the vertices around each point, in order of
+  // remainder, and their barycentric weights.
   std::vector<uint32_t> point_slots_;
   std::vector<float> point_weights_;
-  // A slot is a vertex as one chunk of points sees it. Slots of a chunk are
-  // [chunk_slots_[c], chunk_slots_[c + 1]); every slot has a vertex, and every
-  // vertex v the slots vertex_slots_[vertex_begin_[v] .. [v + 1]), ascending.
+  // A slot is a vertex as one chunk of points sees it. Chunk c has the slots
+  // chunk_slots_[c] .. chunk_slots_[c + 1] - 1. Slot s belongs to vertex
+  // slot_vertex_[s]. Vertex v has the slots vertex_slots_[k], ascending, for k
+  // from vertex_begin_[v] to vertex_begin_[v + 1] - 1.
   std::vector<uint32_t> chunk_slots_;
   std::vector<uint32_t> slot_vertex_;
   std::vector<uint32_t> vertex_begin_;

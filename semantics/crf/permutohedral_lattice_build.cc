@@ -93,7 +93,7 @@ struct PermutohedralLattice::Builder {
     return same(a.origin, b.origin) && same(a.rank, b.rank);
   }
 
-  // Numbers vertices by first use, since chunks number theirs so too.
+  // Vertices get numbers by first use, because chunks number theirs so too.
   void MergeChunks(VertexTable& table, PermutohedralLattice* lattice) {
     lattice->chunk_slots_.assign(1, 0);
     size_t num_slots = 0;
@@ -159,7 +159,7 @@ StatusOr<PermutohedralLattice> PermutohedralLattice::Build(
                      }
                    });
 
-  // The slots of each vertex, by counting.
+  // Sort the slots by vertex, by counting.
   const size_t vertices = lattice.num_vertices_;
   std::vector<uint32_t>& begins = lattice.vertex_begin_;
   begins.assign(vertices + 2, 0);
@@ -172,8 +172,8 @@ StatusOr<PermutohedralLattice> PermutohedralLattice::Build(
   }
   begins.pop_back();
 
-  // The vertex after another along an axis is its only predecessor's successor:
-  // no two threads write the same value.
+  // A vertex has one predecessor along an axis, so that no two threads write
+  // the same value.
   const auto missing = static_cast<uint32_t>(vertices);
   lattice.neighbors_.assign(vertices * (dim + 1), {missing, missing});
   pool.ParallelFor(0,

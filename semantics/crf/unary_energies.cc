@@ -24,7 +24,7 @@ StatusOr<ImageF> UnaryFromLabels(const ImageU16& labels,
     return InvalidArgumentError(
         "the confidence in labels must lie between 0 and 1");
   }
-  // There is nothing else to be than a single label.
+  // A single label is certain.
   const auto right =
       static_cast<float>(num_labels == 1 ? 0.0 : -std::log(confidence));
   const auto wrong =
@@ -45,24 +45,6 @@ StatusOr<ImageF> UnaryFromLabels(const ImageU16& labels,
     }
     std::fill_n(energies, num_labels, wrong);
     energies[label] = right;
-  }
-  return unary;
-}
-
-StatusOr<ImageF> UnaryFromProbabilities(const ImageF& probabilities,
-                                        double floor) {
-  if (!(floor > 0 && floor <= 1)) {
-    return InvalidArgumentError(
-        "the least probability of a label must lie in (0, 1]");
-  }
-  ImageF unary = probabilities;
-  for (size_t i = 0; i < unary.size(); ++i) {
-    float& value = unary.data()[i];
-    if (!(value >= 0 && std::isfinite(value))) {
-      return InvalidArgumentError(
-          "probabilities of labels must be finite and not negative");
-    }
-    value = static_cast<float>(-std::log(std::max(double{value}, floor)));
   }
   return unary;
 }

@@ -11,26 +11,21 @@
 
 namespace freegs::semantics {
 
-// A pixel whose label nobody knows.
+// The label of a pixel of which nothing is known.
 constexpr uint16_t kUnknownLabel = 0xffff;
 
-// Energies, W x H x num_labels, of labels, W x H, that are right with
-// probability `confidence` and otherwise any other label alike: -log of
-// confidence for the label, -log((1 - confidence) / (num_labels - 1)) for the
-// others, and log(num_labels) for all where the label is kUnknownLabel.
-// kInvalidArgument when there are no labels, labels has other than one channel
-// or one outside [0, num_labels), num_labels is outside 1 .. 65535, or
-// confidence is outside (0, 1).
+// Returns energies, W x H x num_labels. A label of `labels`, W x H, is right
+// with probability `confidence`; all other labels are equally probable. So the
+// energy is -log(confidence) for the given label and -log((1 - confidence) /
+// (num_labels - 1)) for the others. It is log(num_labels) for all labels where
+// the given one is kUnknownLabel.
+//
+// kInvalidArgument for an empty image or one of several channels, for a label
+// that is not in 0 .. num_labels - 1, for num_labels outside 1 .. 65535, and
+// for a confidence outside (0, 1).
 StatusOr<ImageF> UnaryFromLabels(const ImageU16& labels,
                                  int num_labels,
                                  double confidence);
-
-// Energies -log(p) of probabilities, W x H x L, which are kept from falling
-// below `floor`: whoever says zero may err. Need not sum to one.
-// kInvalidArgument when a probability is negative or not finite, or floor is
-// outside (0, 1].
-StatusOr<ImageF> UnaryFromProbabilities(const ImageF& probabilities,
-                                        double floor);
 
 }  // namespace freegs::semantics
 

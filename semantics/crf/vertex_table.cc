@@ -19,8 +19,8 @@ void VertexTable::Clear() {
 }
 
 uint32_t VertexTable::Hash(const int32_t* key) const {
-  // Neighbouring vertices differ by a few units in all coordinates: every step
-  // has to spread all bits.
+  // Neighbouring vertices differ by a few units in all coordinates, so that
+  // every step has to spread all bits.
   uint64_t hash = 0;
   for (int i = 0; i < dim_; ++i) {
     hash = (hash ^ static_cast<uint32_t>(key[i])) * 0x9e3779b97f4a7c15ULL;

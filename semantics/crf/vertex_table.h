@@ -11,14 +11,13 @@
 
 namespace freegs::semantics {
 
-// Vertices are numbered in the order of their first insertion: a function of
-// the sequence of insertions only. Not for several threads at once, but for
-// Find.
+// Vertices are numbered in the order of their first insertion. Several threads
+// may call Find() at the same time, but no other method.
 class VertexTable {
  public:
   static constexpr uint32_t kMissing = 0xffffffffu;
 
-  // Keys are `dim` integers; dim > 0.
+  // A key is `dim` integers; dim > 0.
   explicit VertexTable(int dim);
 
   size_t size() const { return keys_.size() / dim_; }
@@ -26,24 +25,25 @@ class VertexTable {
     return keys_.data() + vertex * dim_;
   }
 
-  // Forgets the vertices, keeps the memory.
+  // Removes all vertices and keeps the memory.
   void Clear();
 
-  // The number of the vertex with this key, a new one if need be. At most
-  // 2^31 vertices. The key must not lie within this table.
+  // Returns the number of the vertex with this key, which is inserted if it is
+  // new. There are at most 2^31 vertices. The key must not lie in the memory of
+  // this table.
   uint32_t FindOrInsert(const int32_t* key);
 
-  // The same, or kMissing.
+  // Returns the number of the vertex with this key, or kMissing.
   uint32_t Find(const int32_t* key) const;
 
  private:
   struct Slot {
     uint32_t vertex = kMissing;
-    uint32_t hash = 0;  // Spares most comparisons of keys, and growing any.
+    uint32_t hash = 0;  // Spares most comparisons of keys.
   };
 
   uint32_t Hash(const int32_t* key) const;
-  // Where the key is, or the free slot where it would go.
+  // Returns the slot of the key, or the free slot where it would go.
   size_t SlotOf(const int32_t* key, uint32_t hash) const;
   void Grow();
 

@@ -14,7 +14,7 @@ namespace freegs::semantics {
 namespace {
 
 constexpr uint64_t kStartStream = 0x7374617274;
-constexpr size_t kDecodedRows = 4096;  // At a time.
+constexpr size_t kDecodedRows = 4096;  // Rows decoded at a time.
 constexpr int64_t kStepsPerReport = 50;
 
 // Times parts and reports their progress.
@@ -42,7 +42,7 @@ class PartClock {
     if (part_.empty()) return;
     const std::chrono::duration<double> elapsed =
         std::chrono::steady_clock::now() - started_;
-    // A part that comes again, such as clustering, is one part.
+    // The times of a part that comes again, such as clustering, are added up.
     const auto same =
         std::find_if(seconds_.begin(), seconds_.end(), [&](const auto& entry) {
           return entry.first == part_;
@@ -253,7 +253,7 @@ class Bootstrapping {
       }
       if (training.clusters_next()) {
         const Status taught = ClusterAndTeach(training);
-        // Interrupted while clustering: the next turn saves and stops.
+        // If clustering was cancelled, the next turn saves and stops.
         if (!taught.ok() && !cancelled()) return taught;
         BeginTraining();
         continue;

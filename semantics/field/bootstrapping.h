@@ -1,6 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Phase 2 of FreeGS: a semantic vector and an instance index for every
-// Gaussian, learned from photographs without labels. The geometry is frozen.
+// Phase 2 of FreeGS: gives every Gaussian a semantic vector and an instance
+// index, learnt from photographs without labels. The geometry is frozen.
+//
+//   const PosedScene scene{model, train_views, all_views, render};
+//   const FeatureCache cache(folder);
+//   const BootstrapTools tools{*encoder, cache, pool, nullptr, nullptr,
+//                              std::nullopt, nullptr};
+//   FREEGS_ASSIGN_OR_RETURN(
+//       const SemanticField field,
+//       BootstrapSemanticField(
+//           scene, photo_of, BootstrappingOptions(), seed, tools));
+//   // field.features, field.instances.labels and field.vectors are the result.
 
 #ifndef FREEGS_SEMANTICS_FIELD_BOOTSTRAPPING_H_
 #define FREEGS_SEMANTICS_FIELD_BOOTSTRAPPING_H_
@@ -24,18 +34,18 @@
 #include "semantics/field/feature_grids.h"
 #include "semantics/field/feature_lifting.h"
 #include "semantics/field/field_training.h"
-#include "semantics/instances/instance_clustering.h"
 #include "semantics/field/instance_semantics.h"
 #include "semantics/field/view_weights_store.h"
-#include "splat/scene/gaussian_model.h"
+#include "semantics/instances/instance_clustering.h"
 #include "splat/render/renderer.h"
+#include "splat/scene/gaussian_model.h"
 
 namespace freegs::semantics {
 
-// Where semantic vectors come from.
+// Where the semantic vectors come from.
 enum class FieldMethod {
-  kLift,   // Averages of the photographs' features, in one pass.
-  kTrain,  // From there, or from random vectors, by gradient descent.
+  kLift,   // Averages of the features of photographs, in one pass.
+  kTrain,  // By gradient descent, from these or from random ones.
 };
 
 struct BootstrappingOptions {
@@ -46,27 +56,29 @@ struct BootstrappingOptions {
   InstanceClusteringOptions clustering;
   InstanceSemanticsOptions instances;
 
-  // What an instance's vector is made of: this share of what the encoder makes
-  // of the instance cut out, the rest the mean of its Gaussians' vectors. The
-  // paper asks the Gaussians only, which training has drawn to both.
+  // The share that the encoder's view of the whole instance, cut out of the
+  // photographs, has in the vector of an instance. The rest is the mean of the
+  // vectors of its Gaussians. FreeGS takes the Gaussians alone, since training
+  // has drawn them to both.
   double instance_share = 0.5;
 
-  // For kTrain.
+  // For kTrain. random_start: training begins with random vectors, as in
+  // FreeGS, and not with the lifted ones.
   FieldTrainingOptions training;
-  bool random_start = false;  // As FreeGS; otherwise from what was lifted.
+  bool random_start = false;
 
   Status Check() const;
 };
 
-// What phase 2 looks at. Everything referred to outlives it.
+// What phase 2 looks at. The caller keeps everything that this refers to alive.
 struct PosedScene {
   const splat::GaussianModel& model;
-  std::span<const View> views;  // Of the photographs that teach.
-  std::span<const View> all_views;
+  std::span<const View> views;      // The views of the photographs that teach.
+  std::span<const View> all_views;  // With the held-out ones; for clustering.
   splat::RenderOptions render;
 };
 
-// What it works with.
+// What phase 2 works with.
 struct BootstrapTools {
   ClipEncoder& encoder;
   const FeatureCache& cache;
@@ -74,39 +86,42 @@ struct BootstrapTools {
   const CancellationToken* cancellation;  // May be null.
   ProgressFn progress;
 
-  // Training goes on from this state, if there is one, and gives its own to
-  // `save` when it thinks fit (null: never): often, and before it stops because
-  // it was cancelled. A save that fails ends the training.
+  // If set, training continues from this state. `save`, if not null, gets the
+  // training every 50 steps, and once more with stopping = true before training
+  // stops because it was cancelled. If it returns an error, training ends with
+  // that error.
   std::optional<FieldState> resume_from;
   std::function<Status(const FieldTraining& training, bool stopping)> save;
 };
 
+// The result of phase 2.
 struct SemanticField {
-  // Of each Gaussian, N x D; zero where no view shows it.
+  // The vectors of the Gaussians, N x D. A vector is zero if no view shows the
+  // Gaussian; num_unseen counts these.
   std::vector<float> features;
   size_t num_unseen = 0;
-  // From D to CLIP's numbers.
+  // From vectors of D numbers to CLIP's features.
   FeatureDecoder decoder{LinearDecoder()};
   InstanceLabels instances;
 
-  // Of each instance, in CLIP's space, of length 1 or zero: what words and
-  // images are compared with.
+  // One vector per instance, in CLIP's space, of length 1 or zero. Words and
+  // images are compared with it.
   InstanceVectors vectors;
 
-  // Of training.
+  // The course of training.
   int64_t steps = 0;
   std::vector<ClusteringRound> rounds;
   std::vector<LossRecord> losses;
 
-  // Wall seconds of each part, in order.
+  // The wall time of each part in seconds, in the order of the parts.
   std::vector<std::pair<std::string, double>> seconds;
 };
 
-// The features of all photographs are averaged onto the Gaussians by the
-// weights with which these are blended; training, if asked for, goes on from
-// there, in turn with clustering. Gaussians are clustered by geometry, colour
-// and semantics, and every instance is looked at in the photographs that show
-// it best. Errors of its parts.
+// The features of all photographs are averaged onto the Gaussians, with the
+// weights with which these are blended. If asked for, training continues from
+// there, in turn with clustering. Then the Gaussians are clustered by geometry,
+// colour and semantics, and every instance is encoded in the photographs that
+// show it best. kInterrupted when cancelled; errors of the parts.
 StatusOr<SemanticField> BootstrapSemanticField(
     const PosedScene& scene,
     ViewPhoto photo_of,
@@ -114,10 +129,10 @@ StatusOr<SemanticField> BootstrapSemanticField(
     uint64_t seed,
     const BootstrapTools& tools);
 
-// The mean feature of each instance's Gaussians, in CLIP's space and of length
-// 1, or zero for an instance that no view shows: of the directions of their
-// decoded vectors, weighted by how much is seen of them (FreeGS, "Testing").
-// features: N x D; weights: N.
+// Returns the mean feature of the Gaussians of each instance in CLIP's space,
+// of length 1. It is zero for an instance that no view shows. The mean is over
+// the directions of the decoded vectors, weighted by how much the views show of
+// each Gaussian (FreeGS, "Testing"). features: N x D. weights: N.
 StatusOr<std::vector<float>> MeanInstanceVectors(
     std::span<const float> features,
     std::span<const double> weights,

@@ -21,7 +21,7 @@ std::string HashPixels(const ImageU8& image) {
          " " + std::to_string(image.width());
 }
 
-// Appends every so many-th cell of all views' cells.
+// Collects an even sample of the cells of all views.
 class CellSample {
  public:
   explicit CellSample(size_t num_views) : num_views_(num_views) {}
@@ -30,8 +30,8 @@ class CellSample {
     const size_t cells = features.num_pixels();
     const size_t stride = std::max<size_t>(
         1, (cells * num_views_ + kSampledCells - 1) / kSampledCells);
-    // Views' samples are shifted against each other: a stride that divides
-    // the grid's width would always meet the same columns.
+    // The samples of views are shifted against each other. Otherwise a stride
+    // that divides the width of the grid would always meet the same columns.
     for (size_t i = seen_++ % stride; i < cells; i += stride) {
       const float* cell = features.data() + i * features.channels();
       rows_.insert(rows_.end(), cell, cell + features.channels());

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What CLIP sees at each place of each photograph, in as few numbers as the
-// scene needs: F_pix of FreeGS ("Pixel-level Feature Distillation") before it
-// is brought to the resolution of an image.
+// scene needs. This is F_pix of FreeGS ("Pixel-level Feature Distillation"),
+// before it is brought to the resolution of an image.
 
 #ifndef FREEGS_SEMANTICS_FIELD_FEATURE_GRIDS_H_
 #define FREEGS_SEMANTICS_FIELD_FEATURE_GRIDS_H_
@@ -22,11 +22,12 @@
 namespace freegs::semantics {
 
 struct FeatureGridOptions {
-  // Image size in pixels that the network sees; 0 is the model's default.
+  // The image size in pixels that the network sees. 0 is the model's default.
   int dense_size = 0;
 
-  // Numbers per place, D; 0 takes as many as keep this share of what varies
-  // between the scene's places, up to max_dim. FreeGS: 128, whatever the scene.
+  // D, the numbers per place. With 0, D is as small as it can be to keep the
+  // share kept_energy of the variation between the places of the scene, and at
+  // most max_dim. FreeGS uses 128 for every scene.
   int dim = 0;
   double kept_energy = 0.95;
   int max_dim = 128;
@@ -35,26 +36,27 @@ struct FeatureGridOptions {
 };
 
 struct FeatureGrids {
-  // From CLIP's C numbers to D, about the origin: inner products of features
-  // are kept but for what the dropped axes held.
+  // From CLIP's C numbers to D. The axes go through the origin, so that inner
+  // products are kept, except for what the dropped axes held.
   PrincipalAxes axes;
 
-  // Per view, grid x grid x D: the coordinates of the cells' features, which
-  // were of length 1 before axes were dropped.
+  // For each view, grid x grid x D: the features of the cells in these axes.
+  // They had length 1 before axes were dropped.
   std::vector<ImageF> grids;
 };
 
-// The photograph of a view, RGB.
+// Returns the photograph of a view, RGB.
 using ViewPhoto = FunctionRef<StatusOr<ImageU8>(size_t view)>;
 
-// Called after each of the views has been encoded.
+// Called after each view with the number of views that are done.
 using ViewsDone = FunctionRef<void(size_t count)>;
 
-// Each photograph goes through the network once, or never if the cache knows
-// it. The axes are those of 16384 cells evenly spread over all views. Errors of
-// the callback, the encoder and the cache; kInvalidArgument without views or
-// for options out of range; kInterrupted when cancelled (`cancellation` may be
-// null): what was encoded is in the cache.
+// Each photograph goes through the network once, or not at all if the cache has
+// its features. The axes are those of about 16384 cells that are spread evenly
+// over all views. Errors of photo_of, the encoder and the cache.
+// kInvalidArgument for no views and for options out of range. kInterrupted when
+// cancelled (`cancellation` may be null); then the cache keeps what was
+// encoded.
 StatusOr<FeatureGrids> ComputeFeatureGrids(
     size_t num_views,
     ViewPhoto photo_of,

@@ -18,7 +18,7 @@ std::string ShapeOf(int width, int height, int channels) {
          std::to_string(channels);
 }
 
-// channels: what the views before had, 0 for none.
+// channels: the number of channels of the views before, or 0.
 Status CheckFeatures(const ImageF& features,
                      const Pinhole& camera,
                      int channels) {
@@ -31,7 +31,7 @@ Status CheckFeatures(const ImageF& features,
         " where " + ShapeOf(camera.width, camera.height, channels) +
         " are lifted");
   }
-  bool finite = true;  // Without leaving the loop, which is then vectorised.
+  bool finite = true;  // No early exit, so that the loop is vectorised.
   for (size_t k = 0; k < features.size(); ++k) {
     finite &= std::isfinite(features.data()[k]);
   }
@@ -75,7 +75,7 @@ StatusOr<LiftedFeatures> LiftFeatures(ViewWeightsStore& store,
   pool.ParallelFor(
       0, count, kGaussianGrain, [&](int64_t first, int64_t last, int) {
         for (int64_t i = first; i < last; ++i) {
-          if (!lifted.seen(i)) continue;  // Sums of nothing are zero already.
+          if (!lifted.seen(i)) continue;  // The feature is zero.
           float* feature = lifted.features.data() + i * channels;
           const double scale = 1 / lifted.weights[i];
           for (size_t c = 0; c < channels; ++c) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Image features onto Gaussians in one pass and closed form: where FreeGS
-// starts from random features and optimises (section "Multi-level 2D Semantic
-// Distillation"), this is a start near the end, or an end in itself.
+// Averages image features onto Gaussians in one pass, in closed form. FreeGS
+// starts from random vectors and optimises them ("Multi-level 2D Semantic
+// Distillation"). This is a start that is close to the end, and it can serve as
+// the result.
 
 #ifndef FREEGS_SEMANTICS_FIELD_FEATURE_LIFTING_H_
 #define FREEGS_SEMANTICS_FIELD_FEATURE_LIFTING_H_
@@ -20,34 +21,36 @@ namespace freegs::semantics {
 struct LiftedFeatures {
   int channels = 0;
   std::vector<float> features;  // N x channels, row-major.
-  std::vector<double> weights;  // N: sum of the blending weights, in pixels.
-  size_t num_unseen = 0;        // Gaussians of weight 0.
+  std::vector<double> weights;  // N: sums of the blending weights over pixels.
+  size_t num_unseen = 0;        // Number of Gaussians of weight 0.
 
-  // False for a Gaussian that is blended onto no pixel of any view; its feature
-  // is zero.
+  // False for a Gaussian that no view blends onto any pixel. Its feature is
+  // zero.
   bool seen(size_t gaussian) const { return weights[gaussian] > 0; }
 };
 
-// The image that a view's features are, at the size of its weights
-// (store.camera(view)), H x W x channels. An error ends the lifting.
+// Returns the feature image of a view, H x W x channels, at the size of its
+// weights (store.camera(view)). An error ends the lifting.
 using ViewFeatures = FunctionRef<StatusOr<ImageF>(size_t view)>;
 
-// f_i = sum_v sum_p W_v(p, i) F_v(p) / sum_v sum_p W_v(p, i): the mean of the
-// features F of the pixels that Gaussian i is blended onto, by its blending
-// weights W there, the least of
+// Returns, for each Gaussian i,
+//   f_i = sum_v sum_p W_v(p, i) F_v(p) / sum_v sum_p W_v(p, i),
+// the mean of the features F at the pixels onto which Gaussian i is blended, by
+// its blending weights W there. It minimises
 //   sum_v sum_p sum_i W_v(p, i) |F_v(p) - f_i|^2.
-// By convexity that bounds the squared error of the blended features, F - W f,
-// from above where rows of W sum to 1. (Uplifting by aggregation: LUDVIG,
-// Marrie et al. 2024; no part of FreeGS, whose features it initialises.)
+// By convexity this sum bounds the squared error of the blended features, F - W
+// f, if the rows of W sum to 1. (The method is the aggregation of LUDVIG,
+// Marrie et al. 2024. It is no part of FreeGS.)
 //
-// Each view is asked for once, in order, so that the callback may compute,
-// upsample and forget. Beside one view's features this takes N x channels
-// floats. Numerators are summed in float (see AddMultiplyTransposed for the
-// error), denominators in double. The same bytes for any number of threads.
+// features_of is called once for each view in order, so that it may compute
+// features and forget them. Beside the features of one view this takes N x
+// channels floats. Numerators are summed in float (see AddMultiplyTransposed
+// for the error), denominators in double. The result has the same bytes for any
+// number of threads.
 //
-// kInvalidArgument without views, and for features of another size than the
-// view's weights, of differing channels or not finite; errors of the store and
-// the callback.
+// kInvalidArgument for no views, and for features that are not finite, differ
+// in channels, or have another size than the weights of their view. Errors of
+// the store and of features_of.
 StatusOr<LiftedFeatures> LiftFeatures(ViewWeightsStore& store,
                                       ViewFeatures features_of,
                                       ThreadPool& pool);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A semantic field in training, on disk.
+// The file of a semantic field in training.
 
 #ifndef FREEGS_SEMANTICS_FIELD_FIELD_CHECKPOINT_H_
 #define FREEGS_SEMANTICS_FIELD_FIELD_CHECKPOINT_H_
@@ -13,15 +13,15 @@
 
 namespace freegs::semantics {
 
-// Every bit of the state, so that training goes on as if it had not stopped.
-// The file, little-endian: "FREEGSFT", uint32 version, the parts of FieldState
-// one after another, uint64 XXH3 of everything before.
+// The file holds the complete state, so that training continues as if it had
+// not stopped. Little-endian: "FREEGSFT", uint32 version, the parts of
+// FieldState one after another, uint64 XXH3 of everything before.
 StatusOr<std::string> SerializeFieldState(const FieldState& state);
 Status WriteFieldState(const std::filesystem::path& path,
                        const FieldState& state);
 
-// kBadInput, naming the file and the fault, for anything but a complete file of
-// a known version with a matching checksum whose parts fit each other.
+// kBadInput, which names the file and the fault, for anything but a complete
+// file of a known version with a matching checksum, whose parts fit each other.
 StatusOr<FieldState> ParseFieldState(std::string_view content);
 StatusOr<FieldState> ReadFieldState(const std::filesystem::path& path);
 

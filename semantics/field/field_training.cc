@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "core/random.h"
-#include "semantics/metrics/adjusted_rand_index.h"
 #include "semantics/losses/instance_distillation_loss.h"
 #include "semantics/losses/pixel_distillation_loss.h"
+#include "semantics/metrics/adjusted_rand_index.h"
 #include "splat/weights/blending_products.h"
 
 namespace freegs::semantics {
@@ -21,9 +21,13 @@ constexpr uint64_t kPixelStream = 0x7069786c;
 constexpr uint64_t kGaussianStream = 0x67617573;
 
 constexpr int64_t kStepsPerRecord = 100;
+// Smoothing and contrastive loss are computed every so many steps.
+constexpr int64_t kSlowInterval = 10;
+// Gaussians that the contrastive loss samples for a step.
+constexpr size_t kContrastiveGaussians = 2048;
 
 bool AllFinite(std::span<const float> values) {
-  bool finite = true;  // Without leaving the loop, which is then vectorised.
+  bool finite = true;  // No early exit, so that the loop is vectorised.
   for (const float value : values) finite &= std::isfinite(value);
   return finite;
 }
@@ -43,11 +47,11 @@ Status FieldTrainingOptions::Check() const {
         "iterations must not be negative and pixels_per_step must lie in 1 .. "
         "1048576");
   }
-  if (hidden_dim < 1 || slow_interval < 1 || smoothing_start < 0 ||
-      contrastive_gaussians < 1 || cluster_start < 0 || cluster_interval < 1) {
+  if (hidden_dim < 1 || smoothing_start < 0 || cluster_start < 0 ||
+      cluster_interval < 1) {
     return InvalidArgumentError(
-        "hidden_dim, slow_interval, contrastive_gaussians and cluster_interval "
-        "must be positive, smoothing_start and cluster_start not negative");
+        "hidden_dim and cluster_interval must be positive, smoothing_start and "
+        "cluster_start not negative");
   }
   for (const double value : {learning_rate,
                              instance_weight,
@@ -169,7 +173,7 @@ Status FieldTraining::Teach(InstanceTeachers teachers, ThreadPool& pool) {
   return Status();
 }
 
-// What is known of instances, and where they are in each view.
+// Finds which instances have a vector, and where they are in each view.
 void FieldTraining::ShowTeachers(ThreadPool& pool) {
   const size_t dim = scene_.grids.axes.dim;
   known_.assign(teachers_.num_instances, 0);
@@ -261,8 +265,7 @@ Status FieldTraining::Distil(const Batch& batch, ThreadPool& pool) {
   std::vector<float> gradients(decoded.size(), 0.0f);
   FREEGS_ASSIGN_OR_RETURN(
       const double pixel,
-      PixelDistillationLoss(
-          decoded, targets, channels, {}, 1.0, pool, gradients));
+      PixelDistillationLoss(decoded, targets, channels, 1.0, pool, gradients));
   Count(pixel, &sums_.pixel, &counts_.pixel);
   if (options_.instance_weight > 0 && !batch.instances.empty()) {
     FREEGS_ASSIGN_OR_RETURN(
@@ -271,7 +274,6 @@ Status FieldTraining::Distil(const Batch& batch, ThreadPool& pool) {
                                  channels,
                                  batch.instances,
                                  {teachers_.vectors, known_},
-                                 {},
                                  options_.instance_weight,
                                  pool,
                                  gradients));
@@ -282,7 +284,7 @@ Status FieldTraining::Distil(const Batch& batch, ThreadPool& pool) {
 
 Status FieldTraining::Contrast(const Batch& batch, ThreadPool& pool) {
   const auto dim = static_cast<size_t>(decoder_->latent_dim());
-  const auto count = static_cast<size_t>(options_.contrastive_gaussians);
+  const auto count = kContrastiveGaussians;
   const uint64_t stream =
       MixBits(kGaussianStream ^ static_cast<uint64_t>(step_));
   std::vector<uint32_t> rows(count);
@@ -335,7 +337,7 @@ Status FieldTraining::Step(ThreadPool& pool) {
   feature_gradients_.assign(features_.size(), 0.0f);
 
   FREEGS_RETURN_IF_ERROR(Distil(batch, pool));
-  const bool slow_step = step_ % options_.slow_interval == 0;
+  const bool slow_step = step_ % kSlowInterval == 0;
   if (slow_step && options_.contrastive_weight > 0 &&
       !batch.instances.empty()) {
     FREEGS_RETURN_IF_ERROR(Contrast(batch, pool));

@@ -1,7 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The semantic field learnt by gradient descent, in turn with clustering
-// (FreeGS, "Training and Testing"): pixel and instance distillation (eq. 8),
-// smoothing (eq. 3) and the joint contrastive loss (eq. 9).
+// Trains the semantic field by gradient descent, in turn with clustering
+// (FreeGS, "Training and Testing"). The losses are pixel and instance
+// distillation (eq. 8), smoothing (eq. 3) and the joint contrastive loss (eq.
+// 9).
+//
+//   FREEGS_ASSIGN_OR_RETURN(
+//       FieldTraining training,
+//       FieldTraining::Create(scene, options, seed,
+//                             FieldTraining::InitialState(
+//                                 features, dim, feature_dim, options, seed),
+//                             pool));
+//   while (!training.finished()) {
+//     if (training.clusters_next()) {
+//       // Cluster training.features() and encode the instances.
+//       FREEGS_RETURN_IF_ERROR(training.Teach(teachers, pool));
+//     } else {
+//       FREEGS_RETURN_IF_ERROR(training.Step(pool));
+//     }
+//   }
 
 #ifndef FREEGS_SEMANTICS_FIELD_FIELD_TRAINING_H_
 #define FREEGS_SEMANTICS_FIELD_FIELD_TRAINING_H_
@@ -17,50 +33,50 @@
 #include "core/status.h"
 #include "semantics/clip/joint_bilateral_upsampling.h"
 #include "semantics/field/feature_grids.h"
+#include "semantics/field/view_weights_store.h"
 #include "semantics/losses/array_adam.h"
 #include "semantics/losses/decoder_training.h"
 #include "semantics/losses/feature_decoder.h"
 #include "semantics/losses/joint_contrastive_loss.h"
 #include "semantics/losses/smoothing_loss.h"
-#include "semantics/field/view_weights_store.h"
-#include "splat/scene/gaussian_model.h"
-#include "splat/render/renderer.h"
 #include "splat/images/view_order.h"
+#include "splat/render/renderer.h"
+#include "splat/scene/gaussian_model.h"
 
 namespace freegs::semantics {
 
 struct FieldTrainingOptions {
   int iterations = 7000;
 
-  // Pixels of one view whose features are compared in a step. FreeGS: all.
+  // The number of pixels of one view whose features are compared in a step.
+  // FreeGS compares all pixels.
   int pixels_per_step = 512;
 
-  // Of the semantic vectors; the decoder has its own.
+  // The learning rate of the semantic vectors. The decoder has its own.
   double learning_rate = 2.5e-3;
   DecoderTrainingOptions decoder;
   int hidden_dim = 256;
 
-  // Weights of the losses; 0 leaves one out. Pixel distillation has weight 1.
+  // The weights of the losses. 0 leaves a loss out. Pixel distillation has
+  // weight 1.
   double instance_weight = 0.3;      // gamma
   double smoothing_weight = 0.1;     // lambda_S
   double contrastive_weight = 0.05;  // lambda_C
 
-  // Smoothing and contrastive loss are computed every so many steps, the former
-  // from the first step on that the released code gives it.
-  int slow_interval = 10;
+  // The first step with a smoothing loss, as in the released code of FreeGS.
   int smoothing_start = 1000;
 
   SmoothingOptions smoothing;
   ContrastiveOptions contrastive;
-  int contrastive_gaussians = 2048;  // Sampled for a step.
 
-  // Steps after which Gaussians are clustered, the first time and then again;
-  // what needs instances begins with the first. 0 never clusters.
+  // The Gaussians are clustered before step cluster_start, and then every
+  // cluster_interval steps. The losses that need instances begin with the first
+  // clustering. A start of 0 never clusters.
   int cluster_start = 3000;
   int cluster_interval = 2000;
 
-  // Training ends when two clusterings in a row agree to this adjusted Rand
-  // index; above 1, never before its last step.
+  // Training ends when two clusterings in a row have at least this adjusted
+  // Rand index. Above 1 it always runs to the last step.
   double settled_index = 0.98;
 
   Status Check() const;
@@ -69,7 +85,7 @@ struct FieldTrainingOptions {
 // What the instances of a clustering look like in the training views.
 struct InstanceTeachers {
   int num_instances = 0;
-  std::vector<int32_t> labels;  // Of Gaussians; -1 for none.
+  std::vector<int32_t> labels;  // For each Gaussian; -1 for none.
   std::vector<float> vectors;   // num_instances x C; zero where unknown.
 };
 
@@ -77,10 +93,10 @@ struct InstanceTeachers {
 struct ClusteringRound {
   int64_t step = 0;
   int32_t num_instances = 0;
-  double agreement = 0;  // Adjusted Rand index with the one before; 0 without.
+  double agreement = 0;  // Adjusted Rand index with the one before, or 0.
 };
 
-// Mean values of the losses, without their weights.
+// The values of the losses without their weights.
 struct FieldLosses {
   double pixel = 0;
   double instance = 0;
@@ -88,13 +104,14 @@ struct FieldLosses {
   double contrastive = 0;
 };
 
-// Those of the steps up to `step` since the entry before.
+// The mean losses of the steps since the record before, up to `step`.
 struct LossRecord {
   int64_t step = 0;
   FieldLosses losses;
 };
 
-// What changes while the field is trained: enough to go on from.
+// Everything that changes while the field is trained. Training can continue
+// from it.
 struct FieldState {
   int64_t step = 0;
   std::vector<float> features;  // f, N x D
@@ -104,53 +121,55 @@ struct FieldState {
   InstanceTeachers teachers;  // Of the last clustering.
   std::vector<ClusteringRound> rounds;
   std::vector<LossRecord> history;
-  FieldLosses sums;    // Since the last entry of the history:
-  FieldLosses counts;  // and of how many values.
+  FieldLosses sums;    // Sums of the losses since the last record,
+  FieldLosses counts;  // and how many values each sum has.
 
   int dim() const { return decoder.latent_dim(); }
 };
 
 class FieldTraining {
  public:
-  // What it learns from; all referred to outlives this.
+  // What the field is trained on. Everything that this refers to must outlive
+  // the training.
   struct Scene {
     const splat::GaussianModel& model;
     std::span<const View> views;
     splat::RenderOptions render;
     const FeatureGrids& grids;       // Per view.
-    std::span<const ImageF> guides;  // Photographs at the weights' size.
+    std::span<const ImageF> guides;  // Photographs at the size of the weights.
     const JointBilateralOptions& upsampling;
     ViewWeightsStore& weights;
   };
 
-  // A state to begin with: the given vectors, N x D, and a random decoder.
+  // Returns a state to begin with: the given vectors, N x dim, and a random
+  // decoder to feature_dim numbers.
   static FieldState InitialState(std::vector<float> features,
                                  int dim,
                                  int feature_dim,
                                  const FieldTrainingOptions& options,
                                  uint64_t seed);
 
-  // Takes up the state. kInvalidArgument for options out of range and for a
-  // state of another scene.
+  // Continues from `state`. kInvalidArgument for options out of range, and for
+  // a state of another scene.
   static StatusOr<FieldTraining> Create(const Scene& scene,
                                         const FieldTrainingOptions& options,
                                         uint64_t seed,
                                         FieldState state,
                                         ThreadPool& pool);
 
-  // One step. The same bytes for any number of threads, and whether or not
-  // training was interrupted. kUnusableResult when values are not finite any
-  // more.
+  // Takes one step. The result has the same bytes for any number of threads,
+  // and whether or not training was interrupted. kUnusableResult if gradients
+  // are not finite.
   Status Step(ThreadPool& pool);
 
-  // After the last step, or when two clusterings in a row were alike.
+  // True after the last step, and after two clusterings in a row that agree.
   bool finished() const;
 
-  // Whether Gaussians are to be clustered before the next step.
+  // True if the Gaussians are to be clustered before the next step.
   bool clusters_next() const;
 
-  // The outcome of that: what instances and their pixels are taught from now.
-  // kInvalidArgument for labels of another number of Gaussians.
+  // Takes the outcome of a clustering. Instances and their pixels are taught by
+  // it from now on. kInvalidArgument for labels of another number of Gaussians.
   Status Teach(InstanceTeachers teachers, ThreadPool& pool);
 
   int64_t step() const { return step_; }
@@ -162,7 +181,7 @@ class FieldTraining {
   FieldState state() const;
 
  private:
-  // Pixels of one view.
+  // The sampled pixels of one view.
   struct Batch {
     size_t view = 0;
     std::vector<uint32_t> rows;      // S: pixels, as rows of the weights.
@@ -175,16 +194,17 @@ class FieldTraining {
                 uint64_t seed,
                 FieldState state);
 
-  // Pixels of this step's view and what is blended onto them.
+  // Draws pixels from this step's view and blends the vectors there.
   StatusOr<Batch> Sample(const splat::WeightMatrix& weights, ThreadPool& pool);
-  // F_pix of eq. 8 at the batch's pixels, S x C.
+  // Returns F_pix of eq. 8 at the pixels of the batch, S x C.
   StatusOr<std::vector<float>> PixelTargets(const Batch& batch,
                                             ThreadPool& pool) const;
-  // Each adds its loss' gradients and counts its value.
+  // Each of these adds the gradients of its loss and counts its value.
   Status Distil(const Batch& batch, ThreadPool& pool);
   Status Contrast(const Batch& batch, ThreadPool& pool);
   Status Smooth(ThreadPool& pool);
   void RecordLosses();
+  // Renders the instances of teachers_ in every view.
   void ShowTeachers(ThreadPool& pool);
 
   Scene scene_;
@@ -201,7 +221,7 @@ class FieldTraining {
   std::vector<Image<int32_t>> instance_maps_;  // Per view, at weights' size.
   std::vector<uint8_t> known_;                 // Per instance.
 
-  // Of the step in progress.
+  // Gradients of the step in progress.
   std::vector<float> latent_gradients_;   // S x D
   std::vector<float> feature_gradients_;  // N x D
   std::vector<ClusteringRound> rounds_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The identity-coupled semantic field of FreeGS: for every Gaussian a semantic
-// vector and an instance index.
+// The identity-coupled semantic field (IDSF) of FreeGS: a semantic vector and
+// an instance index for every Gaussian.
 
 #ifndef FREEGS_SEMANTICS_FIELD_IDSF_H_
 #define FREEGS_SEMANTICS_FIELD_IDSF_H_
@@ -15,11 +15,11 @@
 
 namespace freegs::semantics {
 
-// In the order of the Gaussians of the scene it belongs to.
+// Entries are in the order of the Gaussians of the scene.
 struct Idsf {
-  int feature_dim = 0;             // D; 0 before there are semantics.
+  int feature_dim = 0;             // D; 0 if there are no semantics.
   std::vector<float> features;     // N x D, row-major.
-  std::vector<int32_t> instances;  // N; -1 = none, else instance id - 1.
+  std::vector<int32_t> instances;  // N; -1 for none, else instance id - 1.
 };
 
 // The file, little-endian:
@@ -34,9 +34,9 @@ struct Idsf {
 Status WriteIdsf(const std::filesystem::path& path, const Idsf& idsf);
 StatusOr<std::string> SerializeIdsf(const Idsf& idsf);
 
-// kBadInput, naming the file and the fault, for anything but a complete file of
-// a known version with a matching checksum, and for features that are not
-// finite.
+// kBadInput, which names the file and the fault, for anything but a complete
+// file of a known version with a matching checksum, and for features that are
+// not finite.
 StatusOr<Idsf> ReadIdsf(const std::filesystem::path& path);
 StatusOr<Idsf> ParseIdsf(std::string_view content);
 

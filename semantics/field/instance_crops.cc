@@ -9,7 +9,7 @@
 namespace freegs::semantics {
 namespace {
 
-// CLIP's mean colour: what its networks see as nothing at all.
+// The mean colour of CLIP's training images, which its networks see as zero.
 constexpr std::array<uint8_t, 3> kGrey = {123, 117, 104};
 constexpr int kMinSide = 8;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Instances cut out of photographs, for an encoder that sees squares (FreeGS,
+// Cuts instances out of photographs, for an encoder that sees squares (FreeGS,
 // "Instance-level Feature Distillation").
 
 #ifndef FREEGS_SEMANTICS_FIELD_INSTANCE_CROPS_H_
@@ -17,12 +17,13 @@ namespace freegs::semantics {
 
 struct InstanceCrop {
   ImageU8 in_place;  // A square of the photograph around the instance.
-  ImageU8 alone;     // The same with all that is not the instance in grey.
+  ImageU8 alone;     // The same, but grey outside of the instance.
 };
 
-// The square around the pixels of `label` in `labels` (W x H), `margin` times
-// its longer side wider on each side; grey where it leaves the photograph,
-// W x H x 3. Nothing when no pixel has the label.
+// Cuts out the square around the pixels of `label` in `labels` (W x H). On each
+// side it is wider by `margin` times the longer side of the instance. It is
+// grey where it leaves the photograph, W x H x 3. Nothing if no pixel has the
+// label.
 std::optional<InstanceCrop> CropInstance(const ImageU8& photo,
                                          const Image<int32_t>& labels,
                                          int32_t label,
@@ -32,18 +33,19 @@ std::optional<InstanceCrop> CropInstance(const ImageU8& photo,
 struct LabelSight {
   size_t view = 0;
   int64_t pixels = 0;
-  bool cut = false;  // It touches the border of the image.
+  bool cut = false;  // The label touches the border of the image.
 };
 
-// Of labels 0 .. num_labels - 1 in one view's label image: entries of `sights`
-// (one list per label) for those of at least min_pixels.
+// Adds an entry to sights[label] for each label 0 .. sights.size() - 1 that has
+// at least min_pixels pixels in the label image of a view.
 void CollectSights(size_t view,
                    const Image<int32_t>& labels,
                    int64_t min_pixels,
                    std::span<std::vector<LabelSight>> sights);
 
-// The `count` best of them: many pixels, where a label that the border cuts
-// counts half. Descending; ties to the earlier view.
+// Returns the `count` best sights, the best first. A sight is better if it has
+// more pixels; the pixels of a label that the border cuts count half. Among
+// equals the earlier one comes first.
 std::vector<LabelSight> BestSights(std::vector<LabelSight> sights,
                                    size_t count);
 

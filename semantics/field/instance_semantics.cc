@@ -7,9 +7,10 @@
 #include <utility>
 
 #include "core/io/image_io.h"
+#include "semantics/crf/dense_crf.h"
 #include "semantics/crf/unary_energies.h"
-#include "semantics/geometry/directions.h"
 #include "semantics/field/instance_crops.h"
+#include "semantics/geometry/directions.h"
 
 namespace freegs::semantics {
 namespace {
@@ -17,11 +18,21 @@ namespace {
 // Labels of a view's pixels; -1 for none.
 using LabelImage = Image<int32_t>;
 
-// The labels a conditional random field finds when it trusts the given ones to
-// `confidence`. Pixels of no label are a label of their own.
+// Longest side in pixels at which instances are looked for.
+constexpr int kMaxSide = 480;
+// Share of a view's pixels below which an instance is too small to be
+// recognised there. FreeGS: 300 pixels, whatever the resolution.
+constexpr double kMinShare = 0.0005;
+// Width of the surroundings that are cut out on each side of an instance, in
+// units of its longer side.
+constexpr double kMargin = 0.1;
+// How sure the rendered labels are before refinement.
+constexpr double kLabelConfidence = 0.7;
+
+// Refines labels by a conditional random field that trusts them with
+// probability kLabelConfidence. Having no label counts as a label.
 StatusOr<LabelImage> RefineLabels(const LabelImage& labels,
                                   const ImageU8& photo,
-                                  const InstanceSemanticsOptions& options,
                                   ThreadPool& pool) {
   std::vector<int32_t> present(labels.data(), labels.data() + labels.size());
   std::sort(present.begin(), present.end());
@@ -36,9 +47,9 @@ StatusOr<LabelImage> RefineLabels(const LabelImage& labels,
   FREEGS_ASSIGN_OR_RETURN(
       const ImageF unary,
       UnaryFromLabels(
-          numbers, static_cast<int>(present.size()), options.label_confidence));
+          numbers, static_cast<int>(present.size()), kLabelConfidence));
   FREEGS_ASSIGN_OR_RETURN(const DenseCrf crf,
-                          DenseCrf::Build(ToFloat(photo), options.crf, pool));
+                          DenseCrf::Build(ToFloat(photo), {}, pool));
   FREEGS_ASSIGN_OR_RETURN(const DenseCrfResult result, crf.Infer(unary, pool));
   LabelImage refined(labels.width(), labels.height(), 1);
   for (size_t i = 0; i < refined.size(); ++i) {
@@ -47,7 +58,7 @@ StatusOr<LabelImage> RefineLabels(const LabelImage& labels,
   return refined;
 }
 
-// What is to be cut out of each view.
+// The instances to cut out of each view.
 std::vector<std::vector<int32_t>> InstancesByView(
     std::vector<std::vector<LabelSight>> sights,
     size_t num_views,
@@ -64,16 +75,15 @@ std::vector<std::vector<int32_t>> InstancesByView(
 
 class Encoding {
  public:
-  Encoding(ClipEncoder& encoder, int num_instances, double margin)
-      : encoder_(encoder), margin_(margin) {
+  Encoding(ClipEncoder& encoder, int num_instances) : encoder_(encoder) {
     result_.dim = encoder.embedding_dim();
     sums_.assign(static_cast<size_t>(num_instances) * result_.dim, 0.0);
   }
 
-  // A label that refinement has removed from the view is left out.
+  // Does nothing if refinement has removed the label from the view.
   Status Add(const ImageU8& photo, const LabelImage& labels, int32_t label) {
     const std::optional<InstanceCrop> crop =
-        CropInstance(photo, labels, label, margin_);
+        CropInstance(photo, labels, label, kMargin);
     if (!crop) return Status();
     for (const ImageU8* image : {&crop->in_place, &crop->alone}) {
       FREEGS_ASSIGN_OR_RETURN(const std::vector<float> vector,
@@ -101,7 +111,6 @@ class Encoding {
   }
 
   ClipEncoder& encoder_;
-  const double margin_;
   std::vector<double> sums_;  // Of each instance's directions.
   InstanceVectors result_;
 };
@@ -109,20 +118,10 @@ class Encoding {
 }  // namespace
 
 Status InstanceSemanticsOptions::Check() const {
-  if (views_per_instance < 1 || max_side < 0) {
-    return InvalidArgumentError(
-        "views_per_instance must be positive and max_side not negative");
+  if (views_per_instance < 1) {
+    return InvalidArgumentError("views_per_instance must be positive");
   }
-  if (!(min_share >= 0 && min_share <= 1)) {
-    return InvalidArgumentError("min_share must lie in [0, 1]");
-  }
-  if (!(margin >= 0 && margin <= 10)) {
-    return InvalidArgumentError("margin must lie in [0, 10]");
-  }
-  if (!(label_confidence > 0 && label_confidence < 1)) {
-    return InvalidArgumentError("label_confidence must lie in (0, 1)");
-  }
-  return crf.Check();
+  return Status();
 }
 
 StatusOr<InstanceVectors> EncodeInstances(
@@ -141,17 +140,17 @@ StatusOr<InstanceVectors> EncodeInstances(
   std::vector<LabelImage> maps;
   std::vector<std::vector<LabelSight>> sights(num_instances);
   for (size_t view = 0; view < views.size(); ++view) {
-    const Pinhole camera = views[view].camera.LimitedTo(options.max_side);
+    const Pinhole camera = views[view].camera.LimitedTo(kMaxSide);
     maps.push_back(splat::RenderLabels(
         model, camera, views[view].cam_from_world, render, pool, labels));
     const auto min_pixels = static_cast<int64_t>(
-        options.min_share * static_cast<double>(maps.back().num_pixels()));
+        kMinShare * static_cast<double>(maps.back().num_pixels()));
     CollectSights(view, maps.back(), min_pixels, sights);
   }
   const std::vector<std::vector<int32_t>> wanted = InstancesByView(
       std::move(sights), views.size(), options.views_per_instance);
 
-  Encoding encoding(encoder, num_instances, options.margin);
+  Encoding encoding(encoder, num_instances);
   for (size_t view = 0; view < views.size(); ++view) {
     if (cancellation != nullptr && cancellation->cancelled()) {
       return InterruptedError("encoding instances was interrupted");
@@ -164,8 +163,7 @@ StatusOr<InstanceVectors> EncodeInstances(
       }
       LabelImage refined = map;
       if (options.refine) {
-        FREEGS_ASSIGN_OR_RETURN(refined,
-                                RefineLabels(map, photo, options, pool));
+        FREEGS_ASSIGN_OR_RETURN(refined, RefineLabels(map, photo, pool));
       }
       for (const int32_t label : wanted[view]) {
         FREEGS_RETURN_IF_ERROR(encoding.Add(photo, refined, label));

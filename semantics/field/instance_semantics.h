@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A vector of CLIP's space for every instance: F_ins of FreeGS ("Instance-level
-// Feature Distillation"), and what is told apart by words.
+// A vector in CLIP's space for every instance: F_ins of FreeGS ("Instance-level
+// Feature Distillation"). Words are compared with it.
 
 #ifndef FREEGS_SEMANTICS_FIELD_INSTANCE_SEMANTICS_H_
 #define FREEGS_SEMANTICS_FIELD_INSTANCE_SEMANTICS_H_
@@ -15,52 +15,41 @@
 #include "core/pinhole.h"
 #include "core/status.h"
 #include "semantics/clip/clip_encoder.h"
-#include "semantics/crf/dense_crf.h"
 #include "semantics/field/feature_grids.h"
-#include "splat/scene/gaussian_model.h"
 #include "splat/render/renderer.h"
+#include "splat/scene/gaussian_model.h"
 
 namespace freegs::semantics {
 
 struct InstanceSemanticsOptions {
-  // Photographs of each instance that go through the network: those that show
-  // most of it. FreeGS takes all, every time it has clustered.
+  // How many photographs of each instance are encoded: those that show most of
+  // it. FreeGS encodes all, after every clustering.
   int views_per_instance = 6;
 
-  // Longest side in pixels at which instances are looked for; 0 is the views'.
-  int max_side = 480;
-
-  // Share of a view's pixels below which an instance is too small to be
-  // recognised there. FreeGS: 300 pixels, whatever the resolution.
-  double min_share = 0.0005;
-
-  // Width on each side of what is cut out beside the instance, in its longer
-  // sides.
-  double margin = 0.1;
-
-  // Borders of masks by a conditional random field, as FreeGS does.
+  // Whether a conditional random field refines the borders of the masks, as in
+  // FreeGS.
   bool refine = true;
-  DenseCrfOptions crf;
-
-  // How sure the field's labels are before refinement.
-  double label_confidence = 0.7;
 
   Status Check() const;
 };
 
 struct InstanceVectors {
   int dim = 0;
+  // Instances x dim. A row has length 1, or is zero if no view shows enough of
+  // the instance.
   std::vector<float> vectors;  // Instances x dim; of length 1, or zero where no
-                               // view shows enough of an instance.
-  size_t num_crops = 0;        // Cut out and encoded.
+  // How many pieces of photographs were cut out and encoded.
+  size_t num_crops = 0;  // Cut out and encoded.
 };
 
-// The mean, of length 1, of what the encoder makes of an instance in its best
-// views: cut out with what is around it, and alone. One vector whatever the
-// view, where FreeGS has one for each: they are told apart by their instance
-// only, and a view that shows little of it would teach what is not there.
+// Returns, for each instance, the mean direction of what the encoder makes of
+// it in its best views. In each view the instance is cut out once with its
+// surroundings and once alone. FreeGS has a vector for each instance and view.
+// One vector for all views is used here, because vectors need to tell apart
+// instances only, and a view that shows little of an instance would teach what
+// is not there.
 //
-// labels: of each Gaussian, -1 or an instance below num_instances. Errors as
+// labels: for each Gaussian, -1 or an instance below num_instances. Errors as
 // ComputeFeatureGrids.
 StatusOr<InstanceVectors> EncodeInstances(
     const splat::GaussianModel& model,

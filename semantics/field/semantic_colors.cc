@@ -13,6 +13,9 @@ namespace freegs::semantics {
 namespace {
 
 constexpr size_t kColors = 3;
+// Share of the vectors at each end of a channel's range that are cut to it, so
+// that a few strays do not squash all others.
+constexpr double kTrim = 0.02;
 
 // The directions of the vectors that are not zero.
 struct Directions {
@@ -37,20 +40,17 @@ Directions NonZeroDirections(std::span<const float> features, size_t dim) {
 }
 
 // Maps one channel of `coordinates` (rows of `stride`) onto [0, 1].
-void Stretch(size_t channel,
-             size_t stride,
-             double trim,
-             std::vector<float>* coordinates) {
+void Stretch(size_t channel, size_t stride, std::vector<float>* coordinates) {
   std::vector<float> sorted;
   for (size_t k = channel; k < coordinates->size(); k += stride) {
     sorted.push_back((*coordinates)[k]);
   }
   std::sort(sorted.begin(), sorted.end());
   const auto spare =
-      static_cast<size_t>(trim * static_cast<double>(sorted.size() - 1));
+      static_cast<size_t>(kTrim * static_cast<double>(sorted.size() - 1));
   const float low = sorted[spare];
   const float range = sorted[sorted.size() - 1 - spare] - low;
-  // Less is rounding: directions have length 1.
+  // A smaller range is rounding, since directions have length 1.
   constexpr float kNoRange = 1e-6f;
   for (size_t k = channel; k < coordinates->size(); k += stride) {
     float& value = (*coordinates)[k];
@@ -61,19 +61,9 @@ void Stretch(size_t channel,
 
 }  // namespace
 
-Status SemanticColorsOptions::Check() const {
-  if (!(trim >= 0 && trim < 0.5)) {
-    return InvalidArgumentError("trim must be at least 0 and less than 0.5");
-  }
-  return Status();
-}
-
-StatusOr<std::vector<float>> SemanticColors(
-    std::span<const float> features,
-    int dim,
-    const SemanticColorsOptions& options,
-    ThreadPool& pool) {
-  FREEGS_RETURN_IF_ERROR(options.Check());
+StatusOr<std::vector<float>> SemanticColors(std::span<const float> features,
+                                            int dim,
+                                            ThreadPool& pool) {
   if (dim < 1 || features.size() % static_cast<size_t>(dim) != 0) {
     return InvalidArgumentError(std::to_string(features.size()) +
                                 " numbers are no semantic vectors of " +
@@ -91,7 +81,7 @@ StatusOr<std::vector<float>> SemanticColors(
   axes.Keep(static_cast<int>(channels));
   std::vector<float> coordinates = ProjectOntoAxes(axes, directions.rows, pool);
   for (size_t c = 0; c < channels; ++c) {
-    Stretch(c, channels, options.trim, &coordinates);
+    Stretch(c, channels, &coordinates);
   }
   for (size_t r = 0; r < directions.indices.size(); ++r) {
     float* color = &colors[directions.indices[r] * kColors];

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Semantic vectors as colours: like meanings look alike.
+// Shows semantic vectors as colours: what has a similar meaning has a similar
+// colour.
 
 #ifndef FREEGS_SEMANTICS_FIELD_SEMANTIC_COLORS_H_
 #define FREEGS_SEMANTICS_FIELD_SEMANTIC_COLORS_H_
@@ -12,26 +13,18 @@
 
 namespace freegs::semantics {
 
-struct SemanticColorsOptions {
-  // Share of the vectors at each end of a channel's range that are cut to it,
-  // so that a few strays do not squash all others.
-  double trim = 0.02;
-
-  Status Check() const;
-};
-
-// N x 3 colours of [0, 1] for N x dim vectors, row-major: red, green and blue
-// are the coordinates of the vectors' directions (length left aside) along
-// their first three principal axes about the mean, each stretched over [0, 1].
-// Vectors of zeros take no part and are black; an axis that is missing or along
-// which nothing varies gives one half. One scale for the whole scene, so that
-// views agree. kInvalidArgument where the numbers are not rows of dim, or not
-// finite.
-StatusOr<std::vector<float>> SemanticColors(
-    std::span<const float> features,
-    int dim,
-    const SemanticColorsOptions& options,
-    ThreadPool& pool);
+// Returns N x 3 colours in [0, 1] for N x dim vectors, row-major. Red, green
+// and blue are the coordinates of the directions of the vectors along their
+// first three principal axes about the mean. Each coordinate is stretched over
+// [0, 1]; 2 % of the vectors at each end are cut off. The scale is that of the
+// whole scene, so that all views agree.
+//
+// Zero vectors do not take part and are black. A channel is one half if its
+// axis is missing or nothing varies along it. kInvalidArgument if the numbers
+// are not rows of dim, or not finite.
+StatusOr<std::vector<float>> SemanticColors(std::span<const float> features,
+                                            int dim,
+                                            ThreadPool& pool);
 
 }  // namespace freegs::semantics
 

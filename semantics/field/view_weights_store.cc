@@ -19,7 +19,7 @@ StatusOr<ViewWeights> MoveToDisk(const splat::WeightMatrix& weights,
       std::as_bytes(weights.gaussians),
       std::as_bytes(weights.weights)};
   FREEGS_ASSIGN_OR_RETURN(ScratchFile file, ScratchFile::Write(folder, parts));
-  // All three are of 4 bytes a number: each begins where one may.
+  // The numbers of all three have 4 bytes, so that each array is aligned.
   static_assert(sizeof(uint32_t) == sizeof(float));
   const auto* begin = reinterpret_cast<const uint32_t*>(file.data());
   const uint32_t* gaussians = begin + weights.pixel_begin.size();
@@ -52,7 +52,7 @@ StatusOr<ViewWeightsStore> ViewWeightsStore::Create(
     const ViewWeightsOptions& options) {
   FREEGS_RETURN_IF_ERROR(options.Check());
   if (!options.scratch_folder.empty()) {
-    // Better now than after the time that fills the memory.
+    // Fail now, and not later when the memory is full.
     const StatusOr<ScratchFile> file =
         ScratchFile::Write(options.scratch_folder, {});
     if (!file.ok()) return file.status();
@@ -83,7 +83,6 @@ StatusOr<ViewWeights> ViewWeightsStore::Weights(size_t view, ThreadPool& pool) {
   StatusOr<splat::BlendingWeights> weights = splat::ComputeBlendingWeights(
       *model_, views_[view].camera, views_[view].cam_from_world, render_, pool);
   if (!weights.ok()) return weights.status().Annotated(views_[view].name);
-  ++usage_.computed;
   return Keep(view, *std::move(weights));
 }
 
@@ -93,24 +92,22 @@ ViewWeights ViewWeightsStore::Keep(size_t view,
       std::make_shared<const splat::BlendingWeights>(std::move(weights));
   const ViewWeights result(owner->matrix(), owner);
   const uint64_t bytes = result.matrix().num_bytes();
-  if (bytes <= options_.max_memory_bytes - usage_.memory_bytes) {
-    usage_.memory_bytes += bytes;
-    ++usage_.views_in_memory;
+  if (bytes <= options_.max_memory_bytes - memory_bytes_) {
+    memory_bytes_ += bytes;
     kept_[view] = result;
     return result;
   }
-  if (options_.scratch_folder.empty() || !scratch_status_.ok() ||
-      bytes > options_.max_scratch_bytes - usage_.disk_bytes) {
+  if (options_.scratch_folder.empty() || disk_full_ ||
+      bytes > options_.max_scratch_bytes - disk_bytes_) {
     return result;
   }
   StatusOr<ViewWeights> on_disk =
       MoveToDisk(result.matrix(), options_.scratch_folder);
   if (!on_disk.ok()) {
-    scratch_status_ = on_disk.status();
+    disk_full_ = true;
     return result;
   }
-  usage_.disk_bytes += bytes;
-  ++usage_.views_on_disk;
+  disk_bytes_ += bytes;
   kept_[view] = *on_disk;
   return *on_disk;
 }

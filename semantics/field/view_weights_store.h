@@ -1,7 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The blending weights of all views of a scene within bounds on memory and disk
-// space. With the geometry frozen (FreeGS, second phase of training) they are
-// constants, read again by every step that blends features.
+// Keeps the blending weights of all views of a scene, within limits on memory
+// and disk space. Since the geometry is frozen in the second phase of FreeGS,
+// the weights are constants, which every step that blends features reads again.
+//
+//   FREEGS_ASSIGN_OR_RETURN(
+//       ViewWeightsStore store,
+//       ViewWeightsStore::Create(model, views, render, ViewWeightsOptions()));
+//   FREEGS_ASSIGN_OR_RETURN(const ViewWeights weights,
+//                           store.Weights(view, pool));
+//   // weights.matrix() blends features of Gaussians onto the view's pixels.
 
 #ifndef FREEGS_SEMANTICS_FIELD_VIEW_WEIGHTS_STORE_H_
 #define FREEGS_SEMANTICS_FIELD_VIEW_WEIGHTS_STORE_H_
@@ -19,32 +26,33 @@
 #include "core/parallel.h"
 #include "core/pinhole.h"
 #include "core/status.h"
-#include "splat/weights/blending_weights.h"
-#include "splat/scene/gaussian_model.h"
 #include "splat/render/renderer.h"
+#include "splat/scene/gaussian_model.h"
+#include "splat/weights/blending_weights.h"
 
 namespace freegs::semantics {
 
 struct ViewWeightsOptions {
-  // Longest side, in pixels, of the images that features are blended onto;
-  // smaller views stay as they are, and so do all with 0. FreeGS distils
-  // features of 224 x 224.
+  // The longest side, in pixels, of the images onto which features are blended.
+  // Smaller views keep their size, and with 0 all do. FreeGS distils features
+  // of 224 x 224.
   int max_side = 224;
 
-  // What the store itself may keep. Beside it there is what callers hold: most
-  // often the one view they work on.
+  // The memory that the store may use for weights. Callers hold more: usually
+  // the one view that they work on.
   uint64_t max_memory_bytes = uint64_t{1} << 30;
 
-  // Where weights go that memory has no room for, and how many bytes of them.
-  // Without a folder, and beyond that, they are computed again on every use.
+  // Weights that do not fit in memory are written to this folder, up to
+  // max_scratch_bytes. Without a folder, and beyond that limit, weights are
+  // computed again each time.
   std::filesystem::path scratch_folder;
   uint64_t max_scratch_bytes = uint64_t{1} << 34;
 
   Status Check() const;
 };
 
-// The weights of one view. A light handle: copies share the arrays, which live
-// as long as any copy does, whatever becomes of the store.
+// The weights of one view. Copies are cheap and share the arrays, which live as
+// long as any copy, even if the store is gone.
 class ViewWeights {
  public:
   ViewWeights(const splat::WeightMatrix& matrix,
@@ -58,15 +66,16 @@ class ViewWeights {
   std::shared_ptr<const void> owner_;  // Of the matrix's arrays.
 };
 
-// Computes the weights of a view when it is first asked for. Where they are
-// kept changes how long the next call takes, never their bytes. Views asked for
-// first stay in memory: when all are used in turn, as training does, throwing
-// out the oldest would keep none that is needed next.
+// Computes the weights of a view when they are first asked for. Where weights
+// are kept changes how long the next call takes, but never their bytes. The
+// views asked for first stay in memory: if all views are used in turn, as in
+// training, a store that dropped the oldest would never have the view that is
+// needed next.
 class ViewWeightsStore {
  public:
-  // Keeps a reference to the model, which must outlive the store and not
-  // change. kInvalidArgument for options out of range; kInternal when the
-  // scratch folder does not exist or cannot be written.
+  // Keeps a pointer to the model, which must outlive the store and must not
+  // change. kInvalidArgument for options out of range; kInternal if the scratch
+  // folder does not exist or cannot be written.
   static StatusOr<ViewWeightsStore> Create(const splat::GaussianModel& model,
                                            std::span<const View> views,
                                            const splat::RenderOptions& render,
@@ -75,27 +84,15 @@ class ViewWeightsStore {
   size_t num_views() const { return views_.size(); }
   size_t num_gaussians() const { return model_->size(); }
 
-  // The camera of a view at the size of its weights.
+  // The camera of a view, at the size of its weights.
   const Pinhole& camera(size_t view) const { return views_[view].camera; }
   const std::string& name(size_t view) const { return views_[view].name; }
 
-  // One call at a time. kInvalidArgument for a view that there is not; errors
-  // of ComputeBlendingWeights, with the view's name. A scratch file that cannot
-  // be written is no error: see scratch_status.
+  // Only one thread may call this at a time. kInvalidArgument for a view that
+  // does not exist; errors of ComputeBlendingWeights, with the name of the
+  // view. If a scratch file cannot be written, the store goes on without the
+  // disk.
   StatusOr<ViewWeights> Weights(size_t view, ThreadPool& pool);
-
-  // What is kept where, so far.
-  struct Usage {
-    size_t views_in_memory = 0;
-    size_t views_on_disk = 0;
-    uint64_t memory_bytes = 0;
-    uint64_t disk_bytes = 0;
-    int64_t computed = 0;  // Views computed, again included.
-  };
-  const Usage& usage() const { return usage_; }
-
-  // Why nothing goes to the disk any more (it is full, say); ok before that.
-  const Status& scratch_status() const { return scratch_status_; }
 
  private:
   ViewWeightsStore(const splat::GaussianModel& model,
@@ -103,8 +100,8 @@ class ViewWeightsStore {
                    const splat::RenderOptions& render,
                    const ViewWeightsOptions& options);
 
-  // Makes a place in the store for what has just been computed, if there is
-  // any, and returns the weights from there.
+  // Stores weights that were just computed, if there is room, and returns them
+  // from where they are now.
   ViewWeights Keep(size_t view, splat::BlendingWeights weights);
 
   const splat::GaussianModel* model_;
@@ -112,8 +109,9 @@ class ViewWeightsStore {
   splat::RenderOptions render_;
   ViewWeightsOptions options_;
   std::vector<std::optional<ViewWeights>> kept_;
-  Usage usage_;
-  Status scratch_status_;
+  uint64_t memory_bytes_ = 0;  // Kept in memory.
+  uint64_t disk_bytes_ = 0;    // Kept in scratch files.
+  bool disk_full_ = false;     // A scratch file could not be written.
 };
 
 }  // namespace freegs::semantics

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Vectors of which only the direction counts, as features of CLIP are compared.
+// Sums and mixtures of vectors of which only the direction counts. Features of
+// CLIP are such vectors: they are compared by their cosine.
 
 #ifndef FREEGS_SEMANTICS_GEOMETRY_DIRECTIONS_H_
 #define FREEGS_SEMANTICS_GEOMETRY_DIRECTIONS_H_
@@ -10,19 +11,22 @@
 
 namespace freegs::semantics {
 
-// sum += weight v / |v|; nothing of a vector of no length. All of one size.
+// Adds weight * v / |v| to `sum`, or nothing if v is zero. Both have the same
+// size.
 void AddDirection(std::span<const float> v,
                   double weight,
                   std::span<double> sum);
 
-// out = sum / |sum|, or zero where the sum is.
+// Writes sum / |sum| to `out`, or zeros if `sum` is zero. Both have the same
+// size.
 void WriteDirection(std::span<const double> sum, std::span<float> out);
 
-// Makes rows of `dim` numbers each of length 1; zero rows stay.
+// Scales each row of `dim` numbers to length 1. Rows of zeros stay as they are.
 void MakeUnitRows(size_t dim, std::span<float> rows);
 
-// Rows of length 1, or zero: `share` of the directions of a's, the rest of b's.
-// The same number of rows of `dim` numbers in both.
+// Mixes two tables row by row: share * a / |a| + (1 - share) * b / |b|, scaled
+// to length 1. A row is zero if its mixture is zero. Both tables have rows of
+// `dim` numbers, and as many rows.
 std::vector<float> MixDirections(std::span<const float> a,
                                  std::span<const float> b,
                                  size_t dim,

@@ -27,7 +27,7 @@ void ForEachNeighborhood(
   });
 }
 
-// Coordinates by row, for neighbours are named by row.
+// Coordinates in the order of rows, because neighbours are given as rows.
 std::vector<float> RowsOf(const KdTree& tree) {
   std::vector<float> rows(tree.size() * tree.dim());
   for (uint32_t p = 0; p < tree.size(); ++p) {

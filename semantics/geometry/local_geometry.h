@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the neighbourhood of a point looks like.
+// Properties of a point that its nearest neighbours tell: the normal of the
+// surface, and mean values.
 
 #ifndef FREEGS_SEMANTICS_GEOMETRY_LOCAL_GEOMETRY_H_
 #define FREEGS_SEMANTICS_GEOMETRY_LOCAL_GEOMETRY_H_
@@ -7,21 +8,23 @@
 #include <span>
 #include <vector>
 
-#include "core/parallel.h"
 #include "core/kd_tree.h"
+#include "core/parallel.h"
 
 namespace freegs::semantics {
 
-// tree: over N x 3 positions. The unit normal at each point, N x 3 by row (not
-// by tree position), of unknown sign: the direction of least spread of its
-// num_neighbors nearest points and itself.
+// Returns a unit normal for each of N points, N x 3 in the order of rows (not
+// of tree positions). A normal is the direction in which the point and its
+// num_neighbors nearest neighbours spread least; its sign means nothing. `tree`
+// holds positions, N x 3.
 std::vector<float> ComputeNormals(const KdTree& tree,
                                   int num_neighbors,
                                   ThreadPool& pool);
 
-// values: N x channels, by row. The mean over each point's num_neighbors
-// nearest points in `tree` and itself: blurs texture, which otherwise tears
-// textured objects apart in colour.
+// Returns, for each of N points, the mean of `values` over the point and its
+// num_neighbors nearest neighbours in `tree`. values: N x channels in the order
+// of rows, like the result. This blurs texture, which would otherwise break a
+// textured object into colours.
 std::vector<float> SmoothOverNeighbors(const KdTree& tree,
                                        std::span<const float> values,
                                        int channels,

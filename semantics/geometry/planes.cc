@@ -17,13 +17,19 @@ namespace freegs::semantics {
 namespace {
 
 constexpr double kMinNormalCosine = 0.9;
-// Of a part of a plane, at least this share must lie along it: less is a slice
-// through other things.
+// At least this share of the points of a part must have the normal of the
+// plane. Otherwise the part is a slice through other things.
 constexpr double kMinAlongShare = 0.5;
+// A plane holds at least this share of all points.
+constexpr double kMinShare = 0.02;
+// Candidate planes tried per plane found.
+constexpr int kNumCandidates = 400;
 // Cell of the connectivity test, in scene radii.
 constexpr double kCellSize = 0.05;
 // Sheets of one surface: their normals differ by at most 15 degrees.
 constexpr double kSheetCosine = 0.966;
+// Their points lie this near to each other, in scene radii.
+constexpr double kSheetDistance = 0.05;
 
 class PlaneFinder {
  public:
@@ -46,9 +52,9 @@ class PlaneFinder {
     result.plane_index.assign(count, -1);
     free_.resize(count);
     std::iota(free_.begin(), free_.end(), 0u);
-    const double min_points = options_.min_share * static_cast<double>(count);
-    // The points of a failed attempt (too narrow a plane) are not tried again;
-    // a few failures in a row end the search.
+    const double min_points = kMinShare * static_cast<double>(count);
+    // The points of a plane that is too narrow are not tried again. A few such
+    // failures in a row end the search.
     int failures = 0;
     for (uint64_t round = 0;
          static_cast<int>(result.planes.size()) < options_.max_planes &&
@@ -93,28 +99,29 @@ class PlaneFinder {
   }
 
   Plane BestCandidate(uint64_t round) const {
-    const int count = std::max(1, options_.num_candidates);
-    std::vector<Plane> planes(count);
-    std::vector<int64_t> scores(count, 0);
-    pool_.ParallelFor(0, count, 1, [&](int64_t first, int64_t last, int) {
-      for (int64_t c = first; c < last; ++c) {
-        const uint32_t row = free_[RandomIndex(seed_, round, c, free_.size())];
-        planes[c].normal = Normal(row);
-        planes[c].offset = planes[c].normal.dot(Position(row));
-        // Every fourth point is enough to rank candidates.
-        for (size_t i = 0; i < free_.size(); i += 4) {
-          scores[c] +=
-              Supports(planes[c], free_[i], options_.max_distance * radius_);
-        }
-      }
-    });
+    std::vector<Plane> planes(kNumCandidates);
+    std::vector<int64_t> scores(kNumCandidates, 0);
+    pool_.ParallelFor(
+        0, kNumCandidates, 1, [&](int64_t first, int64_t last, int) {
+          for (int64_t c = first; c < last; ++c) {
+            const uint32_t row =
+                free_[RandomIndex(seed_, round, c, free_.size())];
+            planes[c].normal = Normal(row);
+            planes[c].offset = planes[c].normal.dot(Position(row));
+            // Every fourth point is enough to rank candidates.
+            for (size_t i = 0; i < free_.size(); i += 4) {
+              scores[c] += Supports(
+                  planes[c], free_[i], options_.max_distance * radius_);
+            }
+          }
+        });
     return planes[std::max_element(scores.begin(), scores.end()) -
                   scores.begin()];
   }
 
   // Least squares on the supporting points, with a distance that shrinks to
-  // their spread. Returns the points within it, whatever their normals: at the
-  // foot of an object normals are mixed.
+  // their spread. Returns the points within that distance, whatever their
+  // normals, because normals are mixed at the foot of an object.
   std::vector<uint32_t> Refine(Plane* plane) const {
     plane->distance = options_.max_distance * radius_;
     for (int iteration = 0; iteration < 6; ++iteration) {
@@ -154,9 +161,8 @@ class PlaneFinder {
     return members;
   }
 
-  // The connected parts that are wide enough and made of the plane's own
-  // points. What else lies in the plane is where other things happen to cross
-  // it.
+  // The connected parts that are wide enough, and most of whose points have the
+  // normal of the plane. Elsewhere other things cross the plane.
   std::vector<uint32_t> LargeParts(const Plane& plane,
                                    const std::vector<uint32_t>& members) const {
     const Eigen::Vector3d u = plane.normal.unitOrthogonal();
@@ -207,8 +213,8 @@ class PlaneFinder {
     return kept;
   }
 
-  // Side of the square-ish patch: the width of a uniform distribution with the
-  // patch's smaller in-plane standard deviation.
+  // The shorter side of a part: the width of a uniform distribution whose
+  // standard deviation is the smaller one of the part within the plane.
   double Width(const std::vector<uint32_t>& rows) const {
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     for (const uint32_t row : rows) mean += Position(row);
@@ -244,7 +250,7 @@ class PlaneFinder {
   std::vector<uint32_t> free_;  // Points of no plane yet, ascending.
 };
 
-// Half of the plane's points lie at most this far from another plane.
+// The distance from another plane within which half of the points lie.
 double MedianDistance(std::span<const float> positions,
                       const std::vector<int32_t>& plane_index,
                       int32_t plane,
@@ -289,16 +295,9 @@ Status PlaneOptions::Check() const {
   if (max_planes < 0 || max_planes > 1000) {
     return InvalidArgumentError("max_planes must lie in 0 .. 1000");
   }
-  if (!(min_share > 0 && min_share <= 1)) {
-    return InvalidArgumentError("min_share must lie in (0, 1]");
-  }
-  if (!(min_width >= 0) || !(max_distance > 0) || !(sheet_distance >= 0)) {
+  if (!(min_width >= 0) || !(max_distance > 0)) {
     return InvalidArgumentError(
-        "min_width and sheet_distance must not be negative and max_distance "
-        "must be positive");
-  }
-  if (num_candidates < 1) {
-    return InvalidArgumentError("num_candidates must be at least 1");
+        "min_width must not be negative and max_distance must be positive");
   }
   return {};
 }
@@ -311,7 +310,7 @@ PlaneSegmentation FindPlanes(std::span<const float> positions,
                              ThreadPool& pool) {
   PlaneSegmentation planes =
       PlaneFinder(positions, normals, scene_radius, options, seed, pool).Run();
-  JoinSheets(positions, options.sheet_distance * scene_radius, &planes);
+  JoinSheets(positions, kSheetDistance * scene_radius, &planes);
   return planes;
 }
 

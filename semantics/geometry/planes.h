@@ -1,6 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Finds the large planes of a scene: floor, walls, table tops. Objects stand on
-// them and would be joined through them.
+// Finds the large planes of a scene: floor, walls and table tops. They are
+// taken out before objects are clustered, because the objects that stand on a
+// plane would be joined through it.
+//
+//   const KdTree tree = ...;  // Over the positions, N x 3.
+//   const std::vector<float> normals = ComputeNormals(tree, 24, pool);
+//   const PlaneSegmentation planes = FindPlanes(
+//       positions, normals, extent.radius, PlaneOptions(), seed, pool);
+//   // planes.plane_index[i] is the plane of point i, or -1.
 
 #ifndef FREEGS_SEMANTICS_GEOMETRY_PLANES_H_
 #define FREEGS_SEMANTICS_GEOMETRY_PLANES_H_
@@ -17,37 +24,28 @@
 namespace freegs::semantics {
 
 struct PlaneOptions {
-  // At most this many planes; 0 finds none.
+  // The largest number of planes. 0 finds none.
   int max_planes = 8;
 
-  // A plane holds at least this share of all points.
-  double min_share = 0.02;
-
-  // A plane's shorter side is at least this many times the scene radius (see
-  // SceneExtent), so that faces of objects are not taken for background.
+  // The shorter side of a plane is at least this long, in scene radii (see
+  // SceneExtent). Smaller faces belong to objects.
   double min_width = 1;
 
-  // Farthest distance of a plane's points from it, in scene radii. The distance
-  // used is smaller where the points lie closer.
+  // The points of a plane lie at most this far from it, in scene radii. Where
+  // the points lie closer to the plane, the distance is chosen smaller.
   double max_distance = 0.03;
-
-  // Planes that are all but parallel (15 degrees) and whose points lie this
-  // near an earlier one, in scene radii, are sheets of the same thick or bumpy
-  // surface and become one with it.
-  double sheet_distance = 0.05;
-
-  // Candidate planes tried per plane found.
-  int num_candidates = 400;
 
   Status Check() const;
 };
 
-// n . x = offset, |n| = 1.
+// The plane of the points x with normal . x = offset, in world units. |normal|
+// = 1.
 struct Plane {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
   double offset = 0;
-  double distance = 0;  // Points up to here belong to it, world units; sheets
-                        // that joined it may be farther.
+  // Points up to this far from the plane belong to it. The points of a parallel
+  // sheet that was joined to the plane may be farther away.
+  double distance = 0;
 
   double SignedDistance(const Eigen::Vector3d& x) const {
     return normal.dot(x) - offset;
@@ -55,15 +53,20 @@ struct Plane {
 };
 
 struct PlaneSegmentation {
-  std::vector<Plane> planes;         // In the order found: largest first.
-  std::vector<int32_t> plane_index;  // N; -1 where none.
+  std::vector<Plane> planes;         // In the order in which they were found.
+  std::vector<int32_t> plane_index;  // N; -1 for a point in no plane.
 };
 
-// positions, normals: N x 3, normals unit and of any sign (see
-// ComputeNormals). Greedy RANSAC (Fischler and Bolles 1981) in which a single
-// point and the normal of its neighbourhood make a candidate; the one with most
-// points near it and normals along it is refined by least squares, cut to its
-// large connected parts, and taken out. Same seed, same result.
+// positions, normals: N x 3; the normals have length 1 and any sign (see
+// ComputeNormals). scene_radius: in the units of the positions.
+//
+// Planes are found one after another by RANSAC (Fischler and Bolles 1981). A
+// single point and its normal make a candidate. The candidate with the most
+// points that lie near it and have its normal is fitted by least squares. Its
+// large connected parts become a plane and are taken out of the search. At the
+// end, planes that are parallel within 15 degrees and lie on top of each other
+// are joined: they are sheets of one thick or bumpy surface. The result depends
+// on the input and the seed only, not on the number of threads.
 PlaneSegmentation FindPlanes(std::span<const float> positions,
                              std::span<const float> normals,
                              double scene_radius,

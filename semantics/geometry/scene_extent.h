@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where the subject of a scene is, and how large.
+// Where the subject of a scene is, and how large it is. The radius is the unit
+// of most lengths in this library, so that options do not depend on the scale
+// of the camera poses.
 
 #ifndef FREEGS_SEMANTICS_GEOMETRY_SCENE_EXTENT_H_
 #define FREEGS_SEMANTICS_GEOMETRY_SCENE_EXTENT_H_
@@ -19,15 +21,17 @@ struct SceneExtent {
   double radius = 1;                                 // World units; > 0.
 };
 
-// From positions alone, N x 3: their per-axis median, and the median distance
-// from it. Far Gaussians do not matter, but a background of many does.
+// From positions alone, N x 3: the centre is the median of each coordinate, the
+// radius is the median distance from it. A few points far away do not matter,
+// but a background of many points does.
 SceneExtent ComputeSceneExtent(std::span<const float> positions);
 
-// From what the photographs show: the points seen in the middle half of the
-// pictures (a few thumbnails are rendered). Their per-axis median, and half the
-// median depth at which they are seen: photographers stand off a subject in
-// proportion to its size, whatever surrounds it. Without views, or when they
-// show nothing, from the positions of Gaussians of at least min_opacity.
+// From what the photographs show. Thumbnails of at most 48 views are rendered,
+// and the points that are seen in the middle half of each are collected. The
+// centre is the median of each coordinate; the radius is half the median depth,
+// because photographers stand off a subject in proportion to its size. If there
+// are no views, or they show nothing, the extent is taken from the positions of
+// the Gaussians with at least min_opacity.
 SceneExtent ComputeSceneExtent(const splat::GaussianModel& model,
                                std::span<const View> views,
                                double min_opacity,

@@ -24,8 +24,9 @@ struct Merge {
 std::vector<Merge> SingleLinkage(std::span<const MstEdge> mst,
                                  size_t num_points) {
   DisjointSets sets(num_points);
-  // Of each set, at its smallest member.
-  std::vector<uint32_t> node(num_points);  // Of the dendrogram.
+  // The dendrogram node and the size of each set, stored at the smallest
+  // member of the set.
+  std::vector<uint32_t> node(num_points);
   std::iota(node.begin(), node.end(), 0u);
   std::vector<uint32_t> size(num_points, 1);
   std::vector<Merge> merges;
@@ -178,7 +179,7 @@ std::vector<double> GapRatios(const CondensedTree& tree) {
     const CondensedTree::Cluster& cluster = tree.clusters[id];
     distance_sum[cluster.parent] += distance_sum[id];
     count[cluster.parent] += count[id];
-    // Infinite for points that coincide: as clear as a gap can be.
+    // Infinite if all points coincide: no gap could be clearer.
     ratios[id] = count[id] / (cluster.birth_lambda * distance_sum[id]);
   }
   return ratios;
@@ -221,7 +222,7 @@ std::vector<uint32_t> SelectClusters(const CondensedTree& tree,
     };
     for (uint32_t id = 1; id < tree.clusters.size(); ++id) {
       if (!selected[id] || !born_below_epsilon(id)) continue;
-      // An ancestor born exactly at epsilon does not stop the climb.
+      // The climb goes on past an ancestor that was born exactly at epsilon.
       uint32_t top = id;
       while (tree.clusters[top].parent != 0) {
         top = tree.clusters[top].parent;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From a minimum spanning tree to flat clusters: single linkage, condensed
-// tree, stability, selection (Campello, Moulavi and Sander 2013; McInnes and
-// Healy 2017), with the conventions of scikit-learn-contrib/hdbscan.
+// From a minimum spanning tree to flat clusters, in the steps of HDBSCAN:
+// single linkage, condensed tree, stability and selection (Campello, Moulavi
+// and Sander 2013; McInnes and Healy 2017). The conventions are those of
+// scikit-learn-contrib/hdbscan.
 
 #ifndef FREEGS_SEMANTICS_HDBSCAN_CLUSTER_HIERARCHY_H_
 #define FREEGS_SEMANTICS_HDBSCAN_CLUSTER_HIERARCHY_H_
@@ -14,64 +15,70 @@
 
 namespace freegs::semantics {
 
-// The dendrogram without splits that shed fewer than min_cluster_size points.
-// Clusters are numbered so that parents come before children; 0 is the root,
-// which holds all points.
+// The tree of clusters that single linkage makes. A lambda is the inverse of a
+// distance: as lambda grows, clusters lose points and split. A split counts
+// only if both parts have min_cluster_size points; otherwise the smaller part
+// leaves the cluster as single points. Parents come before their children;
+// cluster 0 is the root, which holds all points.
 struct CondensedTree {
   struct Cluster {
     uint32_t parent = 0;      // The root is its own parent.
-    double birth_lambda = 0;  // 1 / distance at which it split off.
-    double max_lambda = 0;    // When its last point or child left it.
-    uint32_t size = 0;        // Points at birth.
+    double birth_lambda = 0;  // Lambda at which it split off its parent.
+    double max_lambda = 0;    // Lambda at which its last point or child left.
+    uint32_t size = 0;        // Number of points at birth.
     double stability = 0;     // Sum over points of (leaving - birth) lambda.
     std::vector<uint32_t> children;  // None or two.
   };
   std::vector<Cluster> clusters;
 
-  // Per point: the cluster it left as a single point, and at what lambda.
+  // For each point: the cluster that it left as a single point, and the lambda
+  // at which it left.
   std::vector<uint32_t> point_cluster;
   std::vector<double> point_lambda;
 };
 
-// mst: the num_points - 1 edges in ascending order. min_cluster_size >= 2.
-// Lambdas of edges of length 0 are infinite.
+// mst: the num_points - 1 edges in ascending order. min_cluster_size: at least
+// 2. The lambda of an edge of length 0 is infinite.
 CondensedTree CondenseTree(std::span<const MstEdge> mst,
                            size_t num_points,
                            int min_cluster_size);
 
 enum class ClusterSelection {
-  kExcessOfMass,  // The set of clusters with the largest total stability.
-  kLeaf,          // The leaves of the condensed tree: finer, more even.
+  kExcessOfMass,  // The clusters of largest total stability.
+  kLeaf,          // The leaves of the condensed tree: smaller clusters.
 };
 
 struct ClusterSelectionOptions {
   ClusterSelection method = ClusterSelection::kExcessOfMass;
 
-  // Clusters that split off below this distance are merged into the first
-  // ancestor that did not (below the root). 0 merges nothing.
+  // A cluster that split off at less than this distance is replaced by its
+  // first ancestor that split off farther away, but never by the root. 0
+  // replaces none.
   double epsilon = 0;
 
-  // Excess of mass splits clusters larger than this; epsilon may still exceed
-  // it. 0 means no limit.
+  // Excess of mass splits clusters of more points. `epsilon` may still make
+  // larger ones. 0 is no limit.
   int64_t max_cluster_size = 0;
 
-  // Excess of mass prefers two neighbours as one cluster when all else is far
-  // away, however clear the gap between them. Where this is above 0, selected
-  // clusters are split further as long as both parts are farther from each
-  // other than this many times the mean distance within them (the mean over
-  // points of the distance at which they leave the cluster or its descendants).
-  // Not part of HDBSCAN.
+  // Excess of mass prefers two neighbours as one cluster when everything else
+  // is far away, however clear the gap between them. If this is above 0, a
+  // selected cluster is split as long as both parts are farther from each other
+  // than min_gap_ratio times the mean distance within them. The mean distance
+  // within a part is that of the distances at which its points leave it or its
+  // descendants. This is not part of HDBSCAN.
   double min_gap_ratio = 0;
 };
 
-// Ids of the selected clusters, ascending; disjoint, and never the root. A
-// cluster is split only if the stabilities of its children, summed and rounded
-// to float, exceed its own in double: a convention of the reference.
+// Returns the ids of the selected clusters, ascending. They are disjoint, and
+// the root is never one of them. Under excess of mass a cluster is split only
+// if the stabilities of its children, summed and rounded to float, exceed its
+// own stability in double; the reference does the same.
 std::vector<uint32_t> SelectClusters(const CondensedTree& tree,
                                      const ClusterSelectionOptions& options);
 
-// Per point: index into `selected` of the cluster that holds it, or -1; and how
-// firmly (point lambda over the cluster's largest, at most 1; 0 for -1).
+// For each point: the index into `selected` of the cluster that holds it, or
+// -1; and how firmly it belongs there. The probability is the lambda of the
+// point over the largest of the cluster, at most 1; it is 0 for label -1.
 struct ClusterMembership {
   std::vector<int32_t> labels;
   std::vector<float> probabilities;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The least edges of components in a round of Boruvka's algorithm.
+// The shortest edges of components in a round of Boruvka's algorithm.
 
 #ifndef FREEGS_SEMANTICS_HDBSCAN_COMPONENT_EDGES_H_
 #define FREEGS_SEMANTICS_HDBSCAN_COMPONENT_EDGES_H_
@@ -23,8 +23,10 @@ inline MstEdge MakeEdge(double weight2, uint32_t a, uint32_t b) {
   return a < b ? MstEdge{weight2, a, b} : MstEdge{weight2, b, a};
 }
 
-// The least edge each component has found so far in a round. The weight alone
-// is read without a lock: a stale value only prunes less.
+// For each component, the shortest edge to another component that a round has
+// found so far. Any thread may call any method. Weight2() reads without a lock:
+// a stale value is too large, so that a search skips less than it could, and
+// never too much.
 class BestEdges {
  public:
   explicit BestEdges(size_t num_components)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a search for the nearest point of another component may skip in a k-d
-// tree.
+// Tells a search for the nearest point of another component which parts of a
+// k-d tree it may skip.
 
 #ifndef FREEGS_SEMANTICS_HDBSCAN_COMPONENT_FILTERS_H_
 #define FREEGS_SEMANTICS_HDBSCAN_COMPONENT_FILTERS_H_
@@ -14,21 +14,22 @@
 
 namespace freegs::semantics {
 
-// For the children of each node, or the points of each leaf: the component that
-// holds them all, and the least squared core distance among them.
+// Holds, for each child of each node and for each point of each leaf, the
+// component that contains all of its points (kMixed if there are several), and
+// a lower bound of their squared core distances.
 class ComponentFilters {
  public:
   static constexpr uint32_t kMixed = 0xffffffffu;
 
   // core2: squared core distances by tree position. The tree must outlive this
-  // object and not be empty. Components are unknown before Update().
+  // object and have at least one point. Call Update() before At().
   ComponentFilters(const KdTree& tree, std::span<const double> core2);
 
-  // components: by tree position, padded to whole leaves; must outlive its use
-  // by At().
+  // components: by tree position, with RoundUp(size) entries. The vector must
+  // outlive the calls of At(), which reads it.
   void Update(const std::vector<uint32_t>& components);
 
-  // For a search from component `own`.
+  // The filter of a node for a search that starts in component `own`.
   KdBlockFilter At(int level, uint32_t node, uint32_t own) const {
     const size_t first = static_cast<size_t>(node) * KdTree::kFanout;
     return {.components =
@@ -37,6 +38,7 @@ class ComponentFilters {
             .floors = floors_[level].data() + first};
   }
 
+  // The number of entries of whole leaves that hold `count` points.
   static size_t RoundUp(size_t count) {
     return (count + KdTree::kFanout - 1) / KdTree::kFanout * KdTree::kFanout;
   }
@@ -46,7 +48,7 @@ class ComponentFilters {
 
   const KdTree& tree_;
   const uint32_t* points_ = nullptr;
-  // By level and child of its nodes; floors are rounded down.
+  // By level, and then by child of the nodes of that level.
   std::vector<std::vector<uint32_t>> components_;
   std::vector<std::vector<float>> floors_;
 };

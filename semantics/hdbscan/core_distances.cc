@@ -11,8 +11,7 @@ StatusOr<CoreDistances> ComputeCoreDistances(
     const KdTree& tree,
     int min_samples,
     ThreadPool& pool,
-    const CancellationToken* cancellation,
-    int max_leaves) {
+    const CancellationToken* cancellation) {
   if (min_samples < 1) {
     return InvalidArgumentError("min_samples must be at least 1");
   }
@@ -22,8 +21,8 @@ StatusOr<CoreDistances> ComputeCoreDistances(
   result.last2.assign(count, std::numeric_limits<double>::infinity());
   if (count < 2) return result;
   const int64_t k = std::min<int64_t>(min_samples, count - 1);
-  // One neighbour more than asked: its distance bounds everything outside the
-  // list, strictly unless distances tie.
+  // The list has one neighbour more than asked, because no point outside of the
+  // list is nearer than its last point.
   const int64_t list_size = std::min<int64_t>(k + 1, count - 1);
   result.list_size = static_cast<int>(list_size);
   result.neighbors.resize(count * list_size);
@@ -39,8 +38,7 @@ StatusOr<CoreDistances> ComputeCoreDistances(
       tree.Nearest(tree.Point(position),
                    static_cast<int>(list_size),
                    tree.Row(position),
-                   &found,
-                   max_leaves);
+                   &found);
       uint32_t* list = result.neighbors.data() + position * list_size;
       for (int64_t j = 0; j < list_size; ++j) {
         list[j] = position_of_row[found[j].index];

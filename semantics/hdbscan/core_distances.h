@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Core distances of HDBSCAN and the neighbour lists they come from.
+// Core distances of HDBSCAN, and the lists of neighbours that they come from.
 
 #ifndef FREEGS_SEMANTICS_HDBSCAN_CORE_DISTANCES_H_
 #define FREEGS_SEMANTICS_HDBSCAN_CORE_DISTANCES_H_
@@ -8,39 +8,35 @@
 #include <vector>
 
 #include "core/cancellation.h"
+#include "core/kd_tree.h"
 #include "core/parallel.h"
 #include "core/status.h"
-#include "core/kd_tree.h"
 
 namespace freegs::semantics {
 
-// All arrays are in the tree's order of positions.
+// Entry p of every array belongs to the point at position p of the tree.
 struct CoreDistances {
   // Squared distance to the min_samples-th nearest other point.
   std::vector<double> core2;
 
-  // The min_samples nearest other points of each and, where there is one, the
-  // next: N x list_size tree positions, nearest first.
+  // N x list_size tree positions: the min_samples nearest other points of each
+  // point, and the next one if there is one. Nearest first.
   int list_size = 0;
   std::vector<uint32_t> neighbors;
 
-  // Squared distance to the last point of the list; infinite when the list
-  // holds all other points. No point outside the list is nearer, unless the
-  // lists are approximate.
+  // Squared distance to the last point of the list: no point outside of the
+  // list is nearer. Infinite if the list holds all other points.
   std::vector<double> last2;
 };
 
-// min_samples >= 1 is cut to N - 1 (Campello et al. 2013; the point itself does
-// not count). max_leaves > 0 approximates (see KdTree::Nearest): lists may miss
-// neighbours, and core distances be too large; MutualReachabilityMst then is no
-// longer exact, NeighborGraphMst asks nothing of the lists. kInterrupted when
-// cancelled.
+// min_samples: at least 1; N - 1 is used if it is larger. A point is not its
+// own neighbour (Campello et al. 2013). kInterrupted when cancelled;
+// `cancellation` may be null.
 StatusOr<CoreDistances> ComputeCoreDistances(
     const KdTree& tree,
     int min_samples,
     ThreadPool& pool,
-    const CancellationToken* cancellation,
-    int max_leaves = 0);
+    const CancellationToken* cancellation);
 
 }  // namespace freegs::semantics
 

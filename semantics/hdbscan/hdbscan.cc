@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "semantics/hdbscan/core_distances.h"
 #include "core/kd_tree.h"
+#include "semantics/hdbscan/core_distances.h"
 #include "semantics/hdbscan/mutual_reachability_mst.h"
 
 namespace freegs::semantics {
@@ -27,13 +27,6 @@ Status HdbscanOptions::Check() const {
   if (max_cluster_size < 0) {
     return InvalidArgumentError("max_cluster_size must not be negative");
   }
-  if (graph_neighbors < 0 || max_leaves < 0) {
-    return InvalidArgumentError(
-        "graph_neighbors and max_leaves must not be negative");
-  }
-  if (max_leaves > 0 && graph_neighbors == 0) {
-    return InvalidArgumentError("max_leaves needs graph_neighbors");
-  }
   return {};
 }
 
@@ -46,14 +39,10 @@ StatusOr<HdbscanResult> Hdbscan(std::span<const float> points,
   FREEGS_ASSIGN_OR_RETURN(const KdTree tree, KdTree::Build(points, dim));
   FREEGS_ASSIGN_OR_RETURN(
       const CoreDistances cores,
-      ComputeCoreDistances(
-          tree, options.min_samples, pool, cancellation, options.max_leaves));
+      ComputeCoreDistances(tree, options.min_samples, pool, cancellation));
   FREEGS_ASSIGN_OR_RETURN(
       const std::vector<MstEdge> mst,
-      options.graph_neighbors > 0
-          ? NeighborGraphMst(
-                tree, cores, options.graph_neighbors, pool, cancellation)
-          : MutualReachabilityMst(tree, cores, pool, cancellation));
+      MutualReachabilityMst(tree, cores, pool, cancellation));
 
   const CondensedTree condensed =
       CondenseTree(mst, tree.size(), options.min_cluster_size);
@@ -69,13 +58,7 @@ StatusOr<HdbscanResult> Hdbscan(std::span<const float> points,
   result.num_clusters = static_cast<int>(selected.size());
   result.labels = std::move(membership.labels);
   result.probabilities = std::move(membership.probabilities);
-  for (const uint32_t id : selected) {
-    result.stabilities.push_back(condensed.clusters[id].stability);
-  }
   for (const MstEdge& edge : mst) result.mst_weight += std::sqrt(edge.weight2);
-  for (const double core2 : cores.core2) {
-    result.core_dist_sum += std::sqrt(core2);
-  }
   return result;
 }
 

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Hierarchical density-based clustering with noise, exact unless asked for
-// less.
+// HDBSCAN: hierarchical clustering by density, with noise (Campello, Moulavi
+// and Sander 2013; McInnes and Healy 2017). The clustering is exact.
+//
+//   FREEGS_ASSIGN_OR_RETURN(
+//       const HdbscanResult clusters,
+//       Hdbscan(points, dim, {.min_cluster_size = 50}, pool, nullptr));
+//   // clusters.labels[i] is the cluster of point i, or -1 for noise.
 
 #ifndef FREEGS_SEMANTICS_HDBSCAN_HDBSCAN_H_
 #define FREEGS_SEMANTICS_HDBSCAN_HDBSCAN_H_
@@ -17,35 +22,28 @@
 namespace freegs::semantics {
 
 struct HdbscanOptions {
-  // Fewest points of a cluster; at least 2.
+  // The smallest number of points of a cluster, at least 2.
   int min_cluster_size = 20;
 
-  // A point's core distance reaches its min_samples-th nearest other point
-  // (cut to N - 1); at least 1. More makes clusters rounder and more points
-  // noise. FreeGS: 20, or 60 for large scenes.
+  // The core distance of a point is its distance to the min_samples-th nearest
+  // other point, or to the farthest one if there are fewer. At least 1. A
+  // larger number makes clusters rounder and more points noise. FreeGS uses 20,
+  // or 60 for large scenes.
   int min_samples = 20;
 
-  // Clusters that split off below this distance are not split (units of the
-  // points). 0 always splits.
+  // Clusters that split off at less than this distance are not split. In the
+  // units of the points; 0 always splits.
   double cluster_selection_epsilon = 0;
 
-  // Larger clusters are split where excess of mass would keep them; 0 = never.
+  // Clusters of more points are split although excess of mass would keep them.
+  // 0 is no limit.
   int64_t max_cluster_size = 0;
 
   ClusterSelection method = ClusterSelection::kExcessOfMass;
 
-  // Splits selected clusters further across clear gaps; 0 is HDBSCAN proper
-  // (see ClusterSelectionOptions).
+  // Splits selected clusters further where there is a clear gap. 0 gives plain
+  // HDBSCAN. See ClusterSelectionOptions.
   double min_gap_ratio = 0;
-
-  // Above 0 the spanning tree is approximate: edges join each point with this
-  // many of its nearest neighbours (at most min_samples + 1), and what these
-  // leave apart is joined exactly. Gains and errors: docs/clustering.md.
-  int graph_neighbors = 0;
-
-  // Above 0 the search of neighbours ends after this many leaves of 16 points,
-  // so that core distances may be too large. Needs graph_neighbors.
-  int max_leaves = 0;
 
   Status Check() const;
 };
@@ -54,15 +52,12 @@ struct HdbscanResult {
   int num_clusters = 0;
   std::vector<int32_t> labels;       // N; -1 is noise, else [0, num_clusters).
   std::vector<float> probabilities;  // N; in (0, 1], 0 for noise.
-  std::vector<double> stabilities;   // Per cluster; can be infinite where
-                                     // points coincide.
-  double mst_weight = 0;  // Sum of mutual reachability over the tree's edges.
-  double core_dist_sum = 0;  // Sum of all core distances.
+  double mst_weight = 0;  // Sum of the distances along the spanning tree.
 };
 
-// points: N x dim, row-major, finite. Euclidean distances. The result does not
-// depend on the number of threads. kInvalidArgument for bad points or options,
-// kInterrupted when cancelled (`cancellation` may be null).
+// points: N x dim, row-major, finite; distances are Euclidean. The result does
+// not depend on the number of threads. kInvalidArgument for bad points or
+// options, kInterrupted when cancelled. `cancellation` may be null.
 StatusOr<HdbscanResult> Hdbscan(std::span<const float> points,
                                 int dim,
                                 const HdbscanOptions& options,

@@ -18,26 +18,18 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr uint32_t kNone = 0xffffffffu;
 constexpr int64_t kGrain = 128;
 
-// What is known of a point's least edges to other components, apart from those
-// to the points on its neighbour list.
+// What is known of the shortest edges from a point to other components, apart
+// from those to the points on its list of neighbours.
 struct PointState {
-  uint32_t candidate = kNone;  // Position of the point at the least edge found.
+  uint32_t candidate = kNone;  // Other end of the shortest edge found.
   double candidate2 = kInfinity;
-  double rest2 = 0;  // All other edges to other components weigh at least this.
+  double rest2 = 0;  // Lower bound of all other such edges.
 };
 
 class Boruvka {
  public:
-  // graph_neighbors: 0 for the exact tree, see NeighborGraphMst.
-  Boruvka(const KdTree& tree,
-          const CoreDistances& cores,
-          int graph_neighbors,
-          ThreadPool& pool)
-      : tree_(tree),
-        cores_(cores),
-        graph_neighbors_(std::min(graph_neighbors, cores.list_size)),
-        pool_(pool),
-        filters_(tree, cores.core2) {
+  Boruvka(const KdTree& tree, const CoreDistances& cores, ThreadPool& pool)
+      : tree_(tree), cores_(cores), pool_(pool), filters_(tree, cores.core2) {
     const size_t count = tree.size();
     component_.resize(ComponentFilters::RoundUp(count));
     std::iota(component_.begin(), component_.end(), 0u);
@@ -46,7 +38,7 @@ class Boruvka {
     states_.resize(count);
     for (size_t p = 0; p < count; ++p) {
       position_of_row_[tree.Row(p)] = static_cast<uint32_t>(p);
-      states_[p].rest2 = graph_neighbors > 0 ? cores.core2[p] : cores.last2[p];
+      states_[p].rest2 = cores.last2[p];
     }
     undecided_.resize(count);
     list_done_.resize(count);
@@ -59,11 +51,7 @@ class Boruvka {
     while (num_components_ > 1) {
       BestEdges best(num_components_);
       filters_.Update(component_);
-      if (graph_neighbors_ > 0) {
-        SearchGraph(best);
-      } else {
-        SearchLists(best);
-      }
+      SearchLists(best);
       SearchTree(best);
       if (Cancelled()) return InterruptedError("clustering was interrupted");
       Merge(best, mst);
@@ -83,8 +71,8 @@ class Boruvka {
                      tree_.Distance2(tree_.Point(p), tree_.Point(q))});
   }
 
-  // The least edge of a point to those on its list that are in other
-  // components.
+  // The shortest edge from a point to a point on its list that is in another
+  // component.
   MstEdge LeastListed(int64_t p) {
     if (list_done_[p]) return kNoEdge;
     const int size = cores_.list_size;
@@ -114,43 +102,6 @@ class Boruvka {
       return kNoEdge;
     }
     return MakeEdge(state.candidate2, tree_.Row(p), tree_.Row(state.candidate));
-  }
-
-  // Offers the graph's edges to both ends. Only where a component has none left
-  // its points may search the tree.
-  void SearchGraph(BestEdges& best) {
-    pool_.ParallelFor(
-        0, tree_.size(), 1024, [&](int64_t first, int64_t last, int) {
-          for (int64_t p = first; p < last; ++p) OfferGraphEdges(p, best);
-        });
-    std::vector<uint8_t> lonely(num_components_);
-    for (uint32_t c = 0; c < num_components_; ++c) {
-      lonely[c] = c != passive_ && best.Weight2(c) == kInfinity;
-    }
-    pool_.ParallelFor(
-        0, tree_.size(), 1024, [&](int64_t first, int64_t last, int) {
-          for (int64_t p = first; p < last; ++p) {
-            undecided_[p] = lonely[component_[p]];
-            if (!undecided_[p]) continue;
-            const MstEdge least = Candidate(p);
-            if (least.weight2 < kInfinity) best.Offer(component_[p], least);
-            undecided_[p] = !(least.weight2 < states_[p].rest2);
-          }
-        });
-  }
-
-  void OfferGraphEdges(uint32_t p, BestEdges& best) {
-    if (list_done_[p]) return;
-    list_done_[p] = 1;
-    const size_t first = static_cast<size_t>(p) * cores_.list_size;
-    for (int j = 0; j < graph_neighbors_; ++j) {
-      const uint32_t q = cores_.neighbors[first + j];
-      if (component_[q] == component_[p]) continue;
-      list_done_[p] = 0;
-      const MstEdge edge = MakeEdge(Weight2(p, q), tree_.Row(p), tree_.Row(q));
-      best.Offer(component_[p], edge);
-      best.Offer(component_[q], edge);
-    }
   }
 
   // Offers the best edge that every point knows, and notes which points may
@@ -199,8 +150,8 @@ class Boruvka {
   struct Query {
     uint32_t position;
     uint32_t component;
-    double floor2;  // No unlisted edge is lighter, but for the candidate.
-    MstEdge found;  // The least edge known, of this point or its component.
+    double floor2;  // Lower bound of all edges but listed ones and candidate.
+    MstEdge found;  // The shortest edge known of this point or component.
     BestEdges& best;
     PointState state;
 
@@ -237,8 +188,8 @@ class Boruvka {
     }
   }
 
-  // Whether a node may hold an edge less than the best: equal weights are told
-  // apart by their rows.
+  // Whether an edge to a point of the node may come before the best edge. Rows
+  // decide between equal weights.
   bool CanImprove(int level, uint32_t node, float bound, Query& query) const {
     if (!tree_.MayTie(bound, query.Limit2())) return true;
     const float* point = tree_.Point(query.position);
@@ -273,7 +224,7 @@ class Boruvka {
     for (uint32_t c = 0; c < num_components_; ++c) {
       if (c == passive_) continue;
       const MstEdge edge = best.Get(c);
-      // Else the other side chose the same edge.
+      // The other component may have chosen the same edge.
       if (merged.Join(component_[position_of_row_[edge.a]],
                       component_[position_of_row_[edge.b]])) {
         mst.push_back(edge);
@@ -297,7 +248,6 @@ class Boruvka {
 
   const KdTree& tree_;
   const CoreDistances& cores_;
-  const int graph_neighbors_;
   ThreadPool& pool_;
   ComponentFilters filters_;
   const CancellationToken* cancellation_ = nullptr;
@@ -306,7 +256,7 @@ class Boruvka {
   std::vector<uint32_t> component_;
   std::vector<PointState> states_;
   std::vector<uint8_t> undecided_;
-  std::vector<uint8_t> list_done_;  // All on the list are in the component.
+  std::vector<uint8_t> list_done_;  // The whole list is in the component.
   std::vector<uint32_t> position_of_row_;
 
   uint32_t num_components_ = 0;
@@ -322,20 +272,7 @@ StatusOr<std::vector<MstEdge>> MutualReachabilityMst(
     ThreadPool& pool,
     const CancellationToken* cancellation) {
   if (tree.size() < 2) return std::vector<MstEdge>();
-  return Boruvka(tree, cores, 0, pool).Run(cancellation);
-}
-
-StatusOr<std::vector<MstEdge>> NeighborGraphMst(
-    const KdTree& tree,
-    const CoreDistances& cores,
-    int graph_neighbors,
-    ThreadPool& pool,
-    const CancellationToken* cancellation) {
-  if (graph_neighbors < 1) {
-    return InvalidArgumentError("graph_neighbors must be at least 1");
-  }
-  if (tree.size() < 2) return std::vector<MstEdge>();
-  return Boruvka(tree, cores, graph_neighbors, pool).Run(cancellation);
+  return Boruvka(tree, cores, pool).Run(cancellation);
 }
 
 }  // namespace freegs::semantics

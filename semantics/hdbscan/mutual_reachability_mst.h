@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The exact minimum spanning tree under mutual reachability distance.
+// The exact minimum spanning tree of mutual reachability distances.
 
 #ifndef FREEGS_SEMANTICS_HDBSCAN_MUTUAL_REACHABILITY_MST_H_
 #define FREEGS_SEMANTICS_HDBSCAN_MUTUAL_REACHABILITY_MST_H_
@@ -8,39 +8,29 @@
 #include <vector>
 
 #include "core/cancellation.h"
+#include "core/kd_tree.h"
 #include "core/parallel.h"
 #include "core/status.h"
 #include "semantics/hdbscan/core_distances.h"
-#include "core/kd_tree.h"
 #include "semantics/hdbscan/mst_edge.h"
 
 namespace freegs::semantics {
 
-// Boruvka's algorithm with a k-d tree (March, Ram and Gray 2010, in single-tree
-// form): in each round every component but the largest, to which the others
-// come, finds its least edge to another one. A round first looks at the
-// neighbour lists and at the edges that points found before; only points for
-// which these do not settle the matter search the tree, which skips subtrees of
-// one's own component and anything beyond the component's best edge so far.
-// What was skipped bounds the point's later rounds.
+// Returns the N - 1 edges in ascending order, or none if N < 2. kInterrupted
+// when cancelled; `cancellation` may be null.
 //
-// The N - 1 edges in ascending order (none for N < 2). kInterrupted when
-// cancelled.
+// The method is Boruvka's algorithm on a k-d tree (March, Ram and Gray 2010, in
+// its form with a single tree). In each round every component finds its
+// shortest edge to another component. The largest component does not search:
+// the others find their edges to it. A round first looks at the lists of
+// neighbours and at the edges that points found in earlier rounds. Only points
+// for which these leave the question open search the tree. That search skips
+// subtrees of the point's own component and everything that is farther than the
+// best edge of the component so far. It keeps a lower bound of what it skipped,
+// which may spare the point a search in later rounds.
 StatusOr<std::vector<MstEdge>> MutualReachabilityMst(
     const KdTree& tree,
     const CoreDistances& cores,
-    ThreadPool& pool,
-    const CancellationToken* cancellation);
-
-// An approximation on a graph of neighbours: its edges join each point with the
-// graph_neighbors >= 1 nearest of its list (cut to the list's size). The result
-// is the graph's spanning forest, whose trees are then joined, in Boruvka's
-// rounds, by the least of all edges. Never lighter than the exact tree, of
-// which it may miss edges that are no graph edges.
-StatusOr<std::vector<MstEdge>> NeighborGraphMst(
-    const KdTree& tree,
-    const CoreDistances& cores,
-    int graph_neighbors,
     ThreadPool& pool,
     const CancellationToken* cancellation);
 

@@ -116,8 +116,8 @@ void LabelNoise(std::span<const float> positions,
       0, labels->size(), 512, [&](int64_t first, int64_t last, int) {
         std::vector<Neighbor> nearest;
         for (int64_t i = first; i < last; ++i) {
-          // Labels are only written where they are -1, and only read where they
-          // were not.
+          // No race: threads write labels of points that had -1, and read
+          // labels of points that had another.
           if ((*labels)[i] >= 0) continue;
           tree->Nearest(positions.data() + i * 3, 1, KdTree::kNoRow, &nearest);
           if (nearest[0].distance2 <= distance * distance) {

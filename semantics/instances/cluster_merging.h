@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Joins fragments of one thing.
+// Joins clusters that are fragments of one thing, and gives labels to noise.
 
 #ifndef FREEGS_SEMANTICS_INSTANCES_CLUSTER_MERGING_H_
 #define FREEGS_SEMANTICS_INSTANCES_CLUSTER_MERGING_H_
@@ -12,11 +12,15 @@
 
 namespace freegs::semantics {
 
-// positions, colors: N x 3; labels: N, -1 for none, changed in place (labels of
-// joined clusters become the smallest of them). Two clusters are joined when at
-// least 0.5 % of the smaller one's points (and at least one) have a point of
-// the other within `distance`, and the mean colours differ by less than
-// `color_difference`. Joins are transitive; means are those before any join.
+// Joins two clusters if both of these are true:
+// - at least 0.5 % of the points of the smaller cluster, and at least one, have
+// a
+//   point of the other cluster within `distance`;
+// - the mean colours of the clusters differ by less than `color_difference`.
+// Joins are transitive; mean colours are those before any join.
+//
+// positions, colors: N x 3. labels: N, -1 for none; changed in place. A joined
+// cluster has the smallest label of its parts.
 void MergeClusters(std::span<const float> positions,
                    std::span<const float> colors,
                    double distance,
@@ -24,8 +28,8 @@ void MergeClusters(std::span<const float> positions,
                    ThreadPool& pool,
                    std::vector<int32_t>* labels);
 
-// Points with label -1 take the label of the nearest point that has one, if it
-// is within `distance`.
+// A point with label -1 takes the label of the nearest point that has one, if
+// that point is within `distance`.
 void LabelNoise(std::span<const float> positions,
                 double distance,
                 ThreadPool& pool,

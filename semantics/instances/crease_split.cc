@@ -19,10 +19,11 @@ namespace {
 
 constexpr int kNumNeighbors = 10;
 constexpr int kPatchIterations = 5;
-// Patches per cluster at most (about): larger clusters get larger patches.
+// About the largest number of patches of a cluster. Larger clusters get larger
+// patches.
 constexpr double kMaxPatchesPerSide = 24;
-// How much a difference of one in colour or normal counts beside one of a patch
-// in position.
+// Weight of a difference of one in colour or normal, where a distance of one
+// patch size in position has weight one.
 constexpr double kColorWeight = 1.5;
 constexpr double kNormalWeight = 1.0;
 
@@ -36,7 +37,7 @@ struct Patch {
 // The contact of two patches or parts.
 struct Contact {
   double length = 0;     // Pairs of neighbouring points.
-  double concavity = 0;  // Sum over these.
+  double concavity = 0;  // Sum over these pairs.
 };
 
 // One cluster: its points, cut into parts.
@@ -78,7 +79,8 @@ class ClusterCutter {
            (kNormalWeight * (a.normal - b.normal)).squaredNorm();
   }
 
-  // Cells of a grid, moved like k-means among the cells around.
+  // Patches begin as the cells of a grid. Then points move to the nearest of
+  // the patches around them, as in k-means.
   void MakePatches() {
     Eigen::Vector3d low = points_[0].position;
     Eigen::Vector3d high = low;
@@ -180,8 +182,8 @@ class ClusterCutter {
   }
 
   double Contrast(int32_t a, int32_t b, const Contact& contact) const {
-    // Never quite 0: of pairs that are not concave, those of like colour go
-    // first.
+    // Never quite 0, so that among pairs that are not concave those of similar
+    // colour are joined first.
     const double concavity = std::max(contact.concavity / contact.length, 0.01);
     return concavity * (patches_[a].color - patches_[b].color).norm();
   }
@@ -208,8 +210,9 @@ class ClusterCutter {
     }
   }
 
-  // The touching pair of least contrast: below the limit, or, when only_small,
-  // any in which `a` is too small a part. (-1, -1) if there is none.
+  // The pair of touching parts with the least contrast. The contrast is below
+  // the limit or, with only_small, part `a` is too small. (-1, -1) if there is
+  // no such pair.
   std::pair<int32_t, int32_t> LeastContrast(bool only_small) const {
     double least = only_small ? std::numeric_limits<double>::infinity()
                               : options_.min_contrast;
@@ -245,7 +248,7 @@ class ClusterCutter {
     std::stable_sort(order.begin(), order.end(), [&](int32_t a, int32_t b) {
       return patches_[a].count > patches_[b].count;
     });
-    // What touches nothing and is too small belongs to the largest part.
+    // A part that is too small and touches no other joins the largest part.
     std::vector<int32_t> part(patches_.size(), 0);
     int32_t next = 0;
     for (const int32_t p : order) {

@@ -7,20 +7,28 @@
 #include <cmath>
 #include <numeric>
 
-#include "semantics/instances/cluster_merging.h"
-#include "semantics/instances/crease_split.h"
-#include "semantics/geometry/directions.h"
 #include "core/kd_tree.h"
+#include "semantics/geometry/directions.h"
 #include "semantics/geometry/local_geometry.h"
 #include "semantics/geometry/principal_axes.h"
+#include "semantics/instances/cluster_merging.h"
+#include "semantics/instances/crease_split.h"
 
 namespace freegs::semantics {
 namespace {
 
 constexpr int kGeometryNeighbors = 24;
-// Of the Gaussians that take part, where no min_cluster_size is given.
+// The min_cluster_size if none is given: this share of the Gaussians that take
+// part, and at least kMinClusterSize.
 constexpr double kMinClusterShare = 0.003;
 constexpr int kMinClusterSize = 30;
+// Gaussians whose second largest standard deviation is larger, in scene radii,
+// are haze and backdrop.
+constexpr double kMaxScale = 0.1;
+// Principal components of the semantic vectors that are clustered (FreeGS).
+constexpr int kSemanticComponents = 6;
+// Size of the patches that parts of clusters are made of, in scene radii.
+constexpr double kCreasePatchSize = 0.1;
 // What is behind a plane belongs to it up to this many scene radii.
 constexpr double kBehindDistance = 0.1;
 
@@ -36,9 +44,9 @@ std::vector<float> Gather(std::span<const float> values,
   return result;
 }
 
-// What clustering sees of semantic vectors, N x dim: their directions, averaged
-// over neighbours, by their first principal components; N x *dim, which is
-// lowered to the number of these.
+// Reduces semantic vectors, N x *dim, for clustering: their directions are
+// averaged over neighbours and projected onto their first principal axes.
+// Returns N x *dim numbers, where *dim becomes the number of axes.
 StatusOr<std::vector<float>> SemanticComponents(std::vector<float> vectors,
                                                 const KdTree& tree,
                                                 int num_neighbors,
@@ -88,9 +96,9 @@ std::vector<uint32_t> SelectMatter(const splat::GaussianModel& model,
   return rows;
 }
 
-// A wall has nothing behind it that the photos show; what the reconstruction
-// put there is its own thickness. Points beyond the plane as most viewpoints
-// see it, but near, join it.
+// Points close behind a plane join it. Photographs show nothing behind a wall:
+// what the reconstruction has there is the thickness of the wall. "Behind" is
+// as most viewpoints see the plane.
 void AbsorbBehindPlanes(std::span<const float> positions,
                         std::span<const View> views,
                         double behind_distance,
@@ -103,7 +111,7 @@ void AbsorbBehindPlanes(std::span<const float> positions,
       in_front +=
           plane.SignedDistance(CameraCentre(view.cam_from_world)) > 0 ? 1 : -1;
     }
-    // Seen from both sides: no back.
+    // A plane that is seen from both sides has no back.
     if (std::abs(in_front) < 0.8 * static_cast<double>(views.size())) {
       continue;
     }
@@ -121,8 +129,8 @@ void AbsorbBehindPlanes(std::span<const float> positions,
   }
 }
 
-// The sign of a normal follows from the nearest camera: it sees the outside.
-// Without cameras, outward is away from the scene's centre.
+// Turns normals outward: towards the nearest camera, which sees the outside, or
+// away from the centre of the scene if there are no cameras.
 std::vector<float> OutwardNormals(std::span<const float> positions,
                                   std::vector<float> normals,
                                   std::span<const View> views,
@@ -166,7 +174,7 @@ void DissolveSmall(size_t min_size, std::vector<int32_t>* labels) {
   }
 }
 
-// Numbers labels by descending size; returns old label of each new one.
+// Numbers labels by descending size. Returns the old label of each new one.
 std::vector<int32_t> Renumber(std::vector<int32_t>* labels) {
   int32_t num_labels = 0;
   for (const int32_t label : *labels) {
@@ -193,6 +201,222 @@ std::vector<int32_t> Renumber(std::vector<int32_t>* labels) {
   return order;
 }
 
+// The steps from a model to its instances; each uses what those before left.
+class InstanceClusterer {
+ public:
+  InstanceClusterer(const splat::GaussianModel& model,
+                    const SemanticVectors& semantics,
+                    std::span<const View> views,
+                    const InstanceClusteringOptions& options,
+                    uint64_t seed,
+                    ThreadPool& pool,
+                    const CancellationToken* cancellation)
+      : model_(model),
+        semantics_(semantics),
+        views_(views),
+        options_(options),
+        seed_(seed),
+        pool_(pool),
+        cancellation_(cancellation) {}
+
+  StatusOr<InstanceLabels> Run() {
+    extent_ = ComputeSceneExtent(model_, views_, options_.min_opacity, pool_);
+    result_.scene_radius = extent_.radius;
+    if (cancelled()) return Interrupted();
+    FREEGS_RETURN_IF_ERROR(CollectMatter());
+    if (cancelled()) return Interrupted();
+    TakeOutPlanes();
+    if (cancelled()) return Interrupted();
+    FREEGS_ASSIGN_OR_RETURN(const std::vector<float> points, UnionSpace());
+    FREEGS_RETURN_IF_ERROR(FindClusters(points));
+    RegroupClusters();
+    LabelAll();
+    NumberBySize();
+    return std::move(result_);
+  }
+
+ private:
+  bool cancelled() const {
+    return cancellation_ != nullptr && cancellation_->cancelled();
+  }
+
+  Status CollectMatter() {
+    rows_ =
+        SelectMatter(model_, options_.min_opacity, kMaxScale * extent_.radius);
+    result_.num_clustered = rows_.size();
+    positions_ = Gather(model_.means, rows_);
+    colors_ = Gather(BaseColors(model_), rows_);
+    FREEGS_ASSIGN_OR_RETURN(const KdTree tree, KdTree::Build(positions_, 3));
+    normals_ = ComputeNormals(tree, kGeometryNeighbors, pool_);
+    return Status();
+  }
+
+  void TakeOutPlanes() {
+    planes_ = FindPlanes(
+        positions_, normals_, extent_.radius, options_.planes, seed_, pool_);
+    AbsorbBehindPlanes(
+        positions_, views_, kBehindDistance * extent_.radius, &planes_);
+    result_.planes = planes_.planes;
+    for (uint32_t i = 0; i < rows_.size(); ++i) {
+      if (planes_.plane_index[i] < 0) rest_.push_back(i);
+    }
+    result_.num_plane_points = rows_.size() - rest_.size();
+    rest_positions_ = Gather(positions_, rest_);
+  }
+
+  // What is left, as rows for HDBSCAN.
+  StatusOr<std::vector<float>> UnionSpace() {
+    FREEGS_ASSIGN_OR_RETURN(const KdTree tree,
+                            KdTree::Build(rest_positions_, 3));
+    smooth_colors_ = SmoothOverNeighbors(
+        tree, Gather(colors_, rest_), 3, options_.color_neighbors, pool_);
+    std::vector<uint32_t> model_rows;
+    for (const uint32_t i : rest_) model_rows.push_back(rows_[i]);
+    int components = semantics_.dim;
+    FREEGS_ASSIGN_OR_RETURN(
+        const std::vector<float> meaning,
+        SemanticComponents(
+            Gather(semantics_.values, model_rows, semantics_.dim),
+            tree,
+            options_.color_neighbors,
+            kSemanticComponents,
+            pool_,
+            &components));
+    space_dim_ = 6 + components;
+    return BuildUnionSpace(rest_positions_,
+                           smooth_colors_,
+                           meaning,
+                           components,
+                           extent_,
+                           options_.space);
+  }
+
+  Status FindClusters(const std::vector<float>& points) {
+    HdbscanOptions hdbscan = options_.hdbscan;
+    if (hdbscan.min_cluster_size == 0) {
+      hdbscan.min_cluster_size =
+          std::max(kMinClusterSize,
+                   static_cast<int>(kMinClusterShare *
+                                    static_cast<double>(rows_.size())));
+    }
+    result_.min_cluster_size = hdbscan.min_cluster_size;
+    FREEGS_ASSIGN_OR_RETURN(
+        HdbscanResult clusters,
+        Hdbscan(points, space_dim_, hdbscan, pool_, cancellation_));
+    result_.num_clusters = clusters.num_clusters;
+    size_t noise = 0;
+    for (const int32_t label : clusters.labels) noise += label < 0;
+    result_.noise_before =
+        rows_.empty() ? 0.0 : static_cast<double>(noise) / rows_.size();
+    labels_ = std::move(clusters.labels);
+    probabilities_ = std::move(clusters.probabilities);
+    return Status();
+  }
+
+  // Joins fragments of one thing and separates things that touch.
+  void RegroupClusters() {
+    if (options_.merge_color > 0) {
+      MergeClusters(rest_positions_,
+                    Gather(colors_, rest_),
+                    options_.merge_distance * extent_.radius,
+                    options_.merge_color,
+                    pool_,
+                    &labels_);
+    }
+    if (options_.min_crease_contrast > 0) {
+      SplitAtCreases(
+          rest_positions_,
+          smooth_colors_,
+          OutwardNormals(
+              rest_positions_, Gather(normals_, rest_), views_, extent_),
+          {.min_contrast = options_.min_crease_contrast,
+           .patch_size = kCreasePatchSize * extent_.radius,
+           .min_part_size = result_.min_cluster_size},
+          pool_,
+          &labels_);
+    }
+    DissolveSmall(options_.min_instance_size, &labels_);
+  }
+
+  // Back to all Gaussians. Planes have the first labels, then come clusters.
+  void LabelAll() {
+    result_.labels.assign(model_.size(), -1);
+    for (size_t i = 0; i < rows_.size(); ++i) {
+      result_.labels[rows_[i]] = planes_.plane_index[i];
+    }
+    int32_t num_labels = 0;
+    for (const int32_t label : labels_) {
+      num_labels = std::max(num_labels, label + 1);
+    }
+    score_sum_.assign(planes_.planes.size() + num_labels, 0.0);
+    score_count_.assign(score_sum_.size(), 0);
+    for (size_t i = 0; i < rest_.size(); ++i) {
+      if (labels_[i] < 0) continue;
+      const auto label =
+          static_cast<int32_t>(planes_.planes.size()) + labels_[i];
+      result_.labels[rows_[rest_[i]]] = label;
+      score_sum_[label] += probabilities_[i];
+      ++score_count_[label];
+    }
+    std::vector<float> all_positions = model_.means;
+    for (float& x : all_positions) {
+      // A Gaussian that is nowhere finds no neighbour, and nobody finds it.
+      if (!(std::abs(x) <= KdTree::kMaxCoordinate)) x = KdTree::kMaxCoordinate;
+    }
+    LabelNoise(all_positions,
+               options_.noise_distance * extent_.radius,
+               pool_,
+               &result_.labels);
+  }
+
+  void NumberBySize() {
+    const std::vector<int32_t> order = Renumber(&result_.labels);
+    result_.num_instances = static_cast<int>(order.size());
+    for (const int32_t label : order) {
+      result_.is_plane.push_back(static_cast<size_t>(label) <
+                                 planes_.planes.size());
+      result_.scores.push_back(score_count_[label] > 0
+                                   ? score_sum_[label] / score_count_[label]
+                                   : 1.0);
+    }
+    size_t none = 0;
+    for (const int32_t label : result_.labels) none += label < 0;
+    result_.noise_after = result_.labels.empty() ? 0.0
+                                                 : static_cast<double>(none) /
+                                                       result_.labels.size();
+  }
+
+  const splat::GaussianModel& model_;
+  const SemanticVectors& semantics_;
+  const std::span<const View> views_;
+  const InstanceClusteringOptions& options_;
+  const uint64_t seed_;
+  ThreadPool& pool_;
+  const CancellationToken* const cancellation_;
+
+  InstanceLabels result_;
+  SceneExtent extent_;
+
+  // The M Gaussians that take part: rows of the model, and M x 3 numbers each.
+  std::vector<uint32_t> rows_;
+  std::vector<float> positions_;
+  std::vector<float> colors_;
+  std::vector<float> normals_;
+  PlaneSegmentation planes_;
+
+  // The R of them that are in no plane: indices into rows_, and R x 3 numbers.
+  std::vector<uint32_t> rest_;
+  std::vector<float> rest_positions_;
+  std::vector<float> smooth_colors_;  // Averaged over neighbours.
+  int space_dim_ = 0;                 // Of the union space.
+  std::vector<int32_t> labels_;       // R; -1 for noise.
+  std::vector<float> probabilities_;  // R
+
+  // Per label before numbering by size.
+  std::vector<double> score_sum_;
+  std::vector<size_t> score_count_;
+};
+
 }  // namespace
 
 Status InstanceClusteringOptions::Check() const {
@@ -204,9 +428,6 @@ Status InstanceClusteringOptions::Check() const {
   if (!(min_opacity >= 0 && min_opacity < 1)) {
     return InvalidArgumentError("min_opacity must lie in [0, 1)");
   }
-  if (!(max_scale > 0)) {
-    return InvalidArgumentError("max_scale must be positive");
-  }
   if (color_neighbors < 0 || color_neighbors > 1000) {
     return InvalidArgumentError("color_neighbors must lie in 0 .. 1000");
   }
@@ -214,14 +435,8 @@ Status InstanceClusteringOptions::Check() const {
     return InvalidArgumentError(
         "merge_color, merge_distance and noise_distance must not be negative");
   }
-  if (!(min_crease_contrast >= 0) || !(crease_patch_size > 0)) {
-    return InvalidArgumentError(
-        "min_crease_contrast must not be negative and crease_patch_size must "
-        "be "
-        "positive");
-  }
-  if (semantic_components < 0 || semantic_components > 1000) {
-    return InvalidArgumentError("semantic_components must lie in 0 .. 1000");
+  if (!(min_crease_contrast >= 0)) {
+    return InvalidArgumentError("min_crease_contrast must not be negative");
   }
   if (min_instance_size < 1) {
     return InvalidArgumentError("min_instance_size must be at least 1");
@@ -241,142 +456,9 @@ StatusOr<InstanceLabels> ClusterInstances(
   if (semantics.values.size() != model.size() * semantics.dim) {
     return InvalidArgumentError("semantic vectors of another model");
   }
-  const auto cancelled = [&] {
-    return cancellation != nullptr && cancellation->cancelled();
-  };
-  InstanceLabels result;
-  result.labels.assign(model.size(), -1);
-
-  const SceneExtent extent =
-      ComputeSceneExtent(model, views, options.min_opacity, pool);
-  result.scene_radius = extent.radius;
-  if (cancelled()) return Interrupted();
-  const std::vector<uint32_t> rows = SelectMatter(
-      model, options.min_opacity, options.max_scale * extent.radius);
-  result.num_clustered = rows.size();
-  const std::vector<float> positions = Gather(model.means, rows);
-  const std::vector<float> colors = Gather(BaseColors(model), rows);
-
-  FREEGS_ASSIGN_OR_RETURN(const KdTree tree, KdTree::Build(positions, 3));
-  const std::vector<float> normals =
-      ComputeNormals(tree, kGeometryNeighbors, pool);
-  if (cancelled()) return Interrupted();
-  PlaneSegmentation planes =
-      FindPlanes(positions, normals, extent.radius, options.planes, seed, pool);
-  AbsorbBehindPlanes(
-      positions, views, kBehindDistance * extent.radius, &planes);
-  const auto num_planes = static_cast<int32_t>(planes.planes.size());
-  result.planes = planes.planes;
-  if (cancelled()) return Interrupted();
-
-  // Cluster what is left, in the union space.
-  std::vector<uint32_t> rest;  // Into rows.
-  for (uint32_t i = 0; i < rows.size(); ++i) {
-    if (planes.plane_index[i] < 0) rest.push_back(i);
-  }
-  result.num_plane_points = rows.size() - rest.size();
-  const std::vector<float> rest_positions = Gather(positions, rest);
-  const std::vector<float> rest_colors = Gather(colors, rest);
-  FREEGS_ASSIGN_OR_RETURN(const KdTree rest_tree,
-                          KdTree::Build(rest_positions, 3));
-  const std::vector<float> smooth_colors = SmoothOverNeighbors(
-      rest_tree, rest_colors, 3, options.color_neighbors, pool);
-  std::vector<uint32_t> rest_rows;  // Into the model.
-  for (const uint32_t i : rest) rest_rows.push_back(rows[i]);
-  int components = semantics.dim;
-  FREEGS_ASSIGN_OR_RETURN(
-      const std::vector<float> meaning,
-      SemanticComponents(Gather(semantics.values, rest_rows, semantics.dim),
-                         rest_tree,
-                         options.color_neighbors,
-                         options.semantic_components,
-                         pool,
-                         &components));
-  const std::vector<float> points = BuildUnionSpace(rest_positions,
-                                                    smooth_colors,
-                                                    meaning,
-                                                    components,
-                                                    extent,
-                                                    options.space);
-  HdbscanOptions hdbscan = options.hdbscan;
-  if (hdbscan.min_cluster_size == 0) {
-    hdbscan.min_cluster_size = std::max(
-        kMinClusterSize,
-        static_cast<int>(kMinClusterShare * static_cast<double>(rows.size())));
-  }
-  result.min_cluster_size = hdbscan.min_cluster_size;
-  FREEGS_ASSIGN_OR_RETURN(
-      HdbscanResult clusters,
-      Hdbscan(points, 6 + components, hdbscan, pool, cancellation));
-  result.num_clusters = clusters.num_clusters;
-  size_t noise = 0;
-  for (const int32_t label : clusters.labels) noise += label < 0;
-  result.noise_before =
-      rows.empty() ? 0.0 : static_cast<double>(noise) / rows.size();
-
-  std::vector<int32_t> labels = clusters.labels;
-  if (options.merge_color > 0) {
-    MergeClusters(rest_positions,
-                  rest_colors,
-                  options.merge_distance * extent.radius,
-                  options.merge_color,
-                  pool,
-                  &labels);
-  }
-  if (options.min_crease_contrast > 0) {
-    const std::vector<float> outward =
-        OutwardNormals(rest_positions, Gather(normals, rest), views, extent);
-    SplitAtCreases(rest_positions,
-                   smooth_colors,
-                   outward,
-                   {.min_contrast = options.min_crease_contrast,
-                    .patch_size = options.crease_patch_size * extent.radius,
-                    .min_part_size = hdbscan.min_cluster_size},
-                   pool,
-                   &labels);
-  }
-  DissolveSmall(options.min_instance_size, &labels);
-
-  // Back to all Gaussians: planes are labels 0 .. num_planes - 1 for now.
-  for (size_t i = 0; i < rows.size(); ++i) {
-    result.labels[rows[i]] = planes.plane_index[i];
-  }
-  int32_t num_labels = 0;
-  for (const int32_t label : labels) {
-    num_labels = std::max(num_labels, label + 1);
-  }
-  std::vector<double> score_sum(num_planes + num_labels, 0.0);
-  std::vector<size_t> score_count(score_sum.size(), 0);
-  for (size_t i = 0; i < rest.size(); ++i) {
-    if (labels[i] < 0) continue;
-    const int32_t label = num_planes + labels[i];
-    result.labels[rows[rest[i]]] = label;
-    score_sum[label] += clusters.probabilities[i];
-    ++score_count[label];
-  }
-  std::vector<float> all_positions = model.means;
-  for (float& x : all_positions) {
-    // Not to be found: a Gaussian that is nowhere has no neighbours.
-    if (!(std::abs(x) <= KdTree::kMaxCoordinate)) x = KdTree::kMaxCoordinate;
-  }
-  LabelNoise(all_positions,
-             options.noise_distance * extent.radius,
-             pool,
-             &result.labels);
-
-  const std::vector<int32_t> order = Renumber(&result.labels);
-  result.num_instances = static_cast<int>(order.size());
-  for (const int32_t label : order) {
-    result.is_plane.push_back(label < num_planes);
-    result.scores.push_back(
-        score_count[label] > 0 ? score_sum[label] / score_count[label] : 1.0);
-  }
-  size_t none = 0;
-  for (const int32_t label : result.labels) none += label < 0;
-  result.noise_after = result.labels.empty()
-                           ? 0.0
-                           : static_cast<double>(none) / result.labels.size();
-  return result;
+  return InstanceClusterer(
+             model, semantics, views, options, seed, pool, cancellation)
+      .Run();
 }
 
 }  // namespace freegs::semantics

@@ -18,7 +18,8 @@ namespace freegs::semantics {
 namespace {
 
 constexpr int kIsolationNeighbors = 8;
-// Enough to find the best angle of a box; its sides use all points.
+// So many points are enough to find the best angle of a box. Its sides use all
+// points.
 constexpr size_t kMaxAnglePoints = 4000;
 
 struct WeightedPoint {
@@ -33,8 +34,8 @@ double Sigma(const WeightedPoint& point, const Eigen::Vector3d& direction) {
 }
 
 // The interval along a direction that leaves `trim` of the weight outside on
-// each side. A Gaussian reaches one standard deviation to either side: about
-// where an opaque one stops to hide what is behind it.
+// each side. A Gaussian reaches one standard deviation to either side, about as
+// far as an opaque Gaussian hides what is behind it.
 std::pair<double, double> TrimmedRange(const std::vector<WeightedPoint>& points,
                                        const Eigen::Vector3d& direction,
                                        double trim,

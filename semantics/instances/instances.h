@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Instances: what a set of Gaussians with one label amounts to.
+// What is known of an instance besides its Gaussians: position, boxes, score
+// and names.
 
 #ifndef FREEGS_SEMANTICS_INSTANCES_INSTANCES_H_
 #define FREEGS_SEMANTICS_INSTANCES_INSTANCES_H_
@@ -20,36 +21,38 @@
 
 namespace freegs::semantics {
 
-// Everything in the world frame of the camera poses, in its units.
+// Lengths and positions are in the world frame of the camera poses.
 struct Instance {
-  int id = 0;  // 1, 2, ... = label + 1; 0 in images means no instance.
+  int id = 0;  // Label + 1. In images of ids, 0 means no instance.
   int64_t num_gaussians = 0;
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // Opacity-weighted mean.
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // Mean by opacity.
   AxisAlignedBox aabb;
   OrientedBox obb;
-  double score = 0;         // How firmly its Gaussians belong to it, 0 .. 1.
-  bool background = false;  // One of the scene's large planes.
-  std::vector<std::string> words;  // What it is called, best first.
+  double score = 0;                // Mean membership probability, 0 .. 1.
+  bool background = false;         // True for a large plane of the scene.
+  std::vector<std::string> words;  // Names, the best first.
 };
 
 struct InstanceBoxOptions {
-  // Gaussians fainter than this do not count for boxes.
+  // Gaussians of less opacity do not count for boxes.
   double min_opacity = 0.1;
 
-  // Gaussians whose 8th nearest neighbour in the instance is farther away than
-  // this many times the median are strays and do not count.
+  // A Gaussian is a stray, and does not count, if its 8th nearest neighbour in
+  // the instance is farther away than this many times the median.
   double max_isolation = 4;
 
-  // Share of the opacity that may lie outside on each side of a box, where a
+  // The share of the opacity that may lie outside of a box on each side. A
   // Gaussian ends one standard deviation from its centre.
   double trim = 0.005;
 };
 
-// One instance per label 0 .. num_labels - 1, boxes and all but the words.
-// labels: per Gaussian, -1 for none. scores, background: per label, may be
-// empty. With a vertical (unit vector) the oriented box stands upright and its
-// base is the rectangle of least area, found in steps of one degree; without,
-// its sides are the principal axes.
+// Returns one instance per label 0 .. num_labels - 1, with everything but the
+// words.
+//
+// labels: for each Gaussian, -1 for none. scores, background: per label, or
+// empty. vertical: a unit vector. With it the oriented box stands upright, and
+// its base is the rectangle of least area, found in steps of one degree.
+// Without it the sides of the box are the principal axes of the Gaussians.
 std::vector<Instance> BuildInstances(
     const splat::GaussianModel& model,
     std::span<const int32_t> labels,
@@ -60,10 +63,11 @@ std::vector<Instance> BuildInstances(
     const InstanceBoxOptions& options,
     ThreadPool& pool);
 
-// The upward direction of the scene: photographers hold cameras upright on
-// average, and the normal of a large plane within 30 degrees of that (floor,
-// table top; `planes` by descending size) is more exact. Nothing when the
-// cameras point all ways.
+// Returns the upward direction of the scene. People hold cameras upright on
+// average, which gives a first direction. If the normal of a plane is within 30
+// degrees of it (floor or table top; the first such plane in `planes`), the
+// normal is taken, since it is more exact. Nothing if the cameras point in all
+// directions.
 std::optional<Eigen::Vector3d> EstimateVertical(std::span<const View> views,
                                                 std::span<const Plane> planes);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// instances.json: the list of instances for programs and people.
+// The file instances.json: the list of instances, for programs and people.
 
 #ifndef FREEGS_SEMANTICS_INSTANCES_INSTANCES_JSON_H_
 #define FREEGS_SEMANTICS_INSTANCES_INSTANCES_JSON_H_
@@ -21,12 +21,13 @@ namespace freegs::semantics {
 //   "score": 0.83, "background": false, "words": ["red apple"]}, ...]
 // World frame of the camera poses.
 std::string SerializeInstances(const std::vector<Instance>& instances);
+// The file holds the text of SerializeInstances().
 Status WriteInstances(const std::filesystem::path& path,
                       const std::vector<Instance>& instances);
 
-// kBadInput, naming the fault, for malformed JSON, missing or non-finite
-// numbers, ids below 1 or used twice. "background" and "words" may be missing;
-// unknown members are ignored.
+// kBadInput, which names the fault, for malformed JSON, for numbers that are
+// missing or not finite, and for ids below 1 or used twice. The members
+// "background" and "words" may be missing; unknown members are ignored.
 StatusOr<std::vector<Instance>> ParseInstances(std::string_view text);
 StatusOr<std::vector<Instance>> ReadInstances(
     const std::filesystem::path& path);

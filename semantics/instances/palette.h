@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Colours for labels.
+// Colours to draw labels in.
 
 #ifndef FREEGS_SEMANTICS_INSTANCES_PALETTE_H_
 #define FREEGS_SEMANTICS_INSTANCES_PALETTE_H_
@@ -9,10 +9,10 @@
 
 namespace freegs::semantics {
 
-// 8-bit RGB. Successive labels differ strongly: hues advance by the golden
-// angle, brightness and saturation change every few labels. Dark grey for
-// negative labels. A fixed function: the same label has the same colour in
-// every view and file.
+// Returns an 8-bit RGB colour, dark grey for negative labels. Successive labels
+// differ strongly: hues advance by the golden angle, and brightness and
+// saturation change every few labels. A label has the same colour in every view
+// and file.
 std::array<uint8_t, 3> PaletteColor(int32_t label);
 
 }  // namespace freegs::semantics

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The space Gaussians are clustered in: position, colour and, later, semantics
+// The space in which Gaussians are clustered: position, colour and semantics
 // side by side (FreeGS, "Union-space Clustering").
 
 #ifndef FREEGS_SEMANTICS_INSTANCES_UNION_SPACE_H_
@@ -14,32 +14,34 @@
 namespace freegs::semantics {
 
 struct UnionSpaceOptions {
-  // Factor on positions once they are divided by the scene radius.
+  // Factor on positions, which are divided by the scene radius first.
   double position_weight = 1;
 
-  // Factor on colours of [0, 1].
+  // Factor on colours, which lie in [0, 1].
   double color_weight = 0.1;
 
-  // Factor on the semantic block once it is normalised. 0 leaves it out: the
-  // places that a small CLIP tells apart are as often parts of one thing (the
-  // seat and the legs of a stool) as things that touch. See the table in
-  // docs/semantic_field.md.
+  // Factor on the semantic block, which is scaled to [0, 1] first. The default
+  // 0 leaves it out: a small CLIP as often tells apart the parts of one thing
+  // (the seat and the legs of a stool) as it tells apart things that touch.
+  // docs/semantic_field.md has the measurements.
   double semantic_weight = 0;
 
   Status Check() const;
 };
 
-// N x (6 + semantic_dim) points for clustering, row-major: each block
-// normalised and weighted.
+// Returns points for clustering, N x (6 + semantic_dim), row-major. Each block
+// is scaled as a whole, so that it keeps its shape, and then weighted:
+// - positions by the scene extent, clamped to 10 radii;
+// - colours are in [0, 1] already and are clamped to it;
+// - semantics so that the 0.5 % and 99.5 % quantiles of all entries become 0
+// and
+//   1, clamped.
+// FreeGS scales every block by its minimum and maximum. Real scenes have a few
+// Gaussians far outside, which would squash everything of interest into a
+// point.
 //
-// FreeGS scales every block by its minimum and maximum. Real scenes have
-// Gaussians far outside, which would squash everything of interest, so blocks
-// are scaled robustly and as a whole (one factor, which keeps their shape):
-// positions by the scene extent and clamped to 10 radii, where only stray
-// Gaussians are; colours are in [0, 1] by nature and clamped to it; the
-// semantic block by its 0.5 and 99.5 % quantiles over all entries, clamped.
-//
-// positions, colors: N x 3; semantics: N x semantic_dim, or empty with 0.
+// positions, colors: N x 3. semantics: N x semantic_dim, or empty if
+// semantic_dim is 0.
 std::vector<float> BuildUnionSpace(std::span<const float> positions,
                                    std::span<const float> colors,
                                    std::span<const float> semantics,

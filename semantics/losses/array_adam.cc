@@ -22,7 +22,7 @@ void StepArrayAdam(const splat::AdamOptions& options,
   ++state->steps;
   const splat::AdamCoefficients coefficients =
       splat::CoefficientsAt(options, state->steps, rate);
-  // A piece of the array is to UpdateAdamArray the one group that is touched.
+  // For UpdateAdamArray a piece of the array is one group of parameters.
   constexpr std::array<uint32_t, 1> kFirst = {0};
   pool.ParallelFor(0,
                    static_cast<int64_t>(parameters.size()),

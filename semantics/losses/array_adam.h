@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Adam (Kingma and Ba 2015) over one array of parameters. splat/optim/adam.h is over
-// a Gaussian model, where few Gaussians move in a step; here all do.
+// Adam (Kingma and Ba 2015) over one array of parameters, all of which move in
+// every step. splat/optim/adam.h is the one for Gaussian models, where only the
+// Gaussians in sight move.
 
 #ifndef FREEGS_SEMANTICS_LOSSES_ARRAY_ADAM_H_
 #define FREEGS_SEMANTICS_LOSSES_ARRAY_ADAM_H_
@@ -15,20 +16,20 @@
 
 namespace freegs::semantics {
 
-// What Adam remembers; moments are of the parameters' size.
+// What Adam remembers. The moments have the size of the parameters.
 struct ArrayAdamState {
   int64_t steps = 0;
   std::vector<float> first_moments;
   std::vector<float> second_moments;
 
-  // Before the first step.
+  // The state before the first step.
   static ArrayAdamState OfSize(size_t size) {
     return {0, std::vector<float>(size, 0.0f), std::vector<float>(size, 0.0f)};
   }
 };
 
-// One step at the learning rate `rate`. All arrays are of one size. The same
-// bytes for any number of threads.
+// Takes one step with learning rate `rate`. All arrays have the same size. The
+// result has the same bytes for any number of threads.
 void StepArrayAdam(const splat::AdamOptions& options,
                    double rate,
                    std::span<const float> gradients,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Feature decoders on disk.
+// The file of a feature decoder.
 
 #ifndef FREEGS_SEMANTICS_LOSSES_DECODER_FILE_H_
 #define FREEGS_SEMANTICS_LOSSES_DECODER_FILE_H_
@@ -15,7 +15,7 @@
 
 namespace freegs::semantics {
 
-// A decoder and, when its training is to go on, the state of its Adam.
+// A decoder, and the state of its Adam if its training is to go on.
 struct StoredDecoder {
   FeatureDecoder decoder;
   std::optional<ArrayAdamState> adam;
@@ -38,8 +38,8 @@ Status WriteDecoder(const std::filesystem::path& path,
                     const StoredDecoder& stored);
 StatusOr<std::string> SerializeDecoder(const StoredDecoder& stored);
 
-// kBadInput, naming the file and the fault, for anything but a complete file of
-// a known version with a matching checksum and values that a decoder can have.
+// kBadInput, which names the file and the fault, for anything but a complete
+// file of a known version with a matching checksum and valid values.
 StatusOr<StoredDecoder> ReadDecoder(const std::filesystem::path& path);
 StatusOr<StoredDecoder> ParseDecoder(std::string_view content);
 

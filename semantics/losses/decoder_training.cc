@@ -11,8 +11,10 @@
 namespace freegs::semantics {
 namespace {
 
-// What Adam squares must be a float.
+// The square of a gradient must fit in a float.
 constexpr float kMaxGradient = 1e18f;
+// The weight of a batch in the running statistics, which decode after training.
+constexpr double kStatisticsMomentum = 0.1;
 
 }  // namespace
 
@@ -20,11 +22,7 @@ Status DecoderTrainingOptions::Check() const {
   if (!(learning_rate >= 0 && std::isfinite(learning_rate))) {
     return InvalidArgumentError("the decoder's learning rate must be >= 0");
   }
-  if (!(statistics_momentum > 0 && statistics_momentum <= 1)) {
-    return InvalidArgumentError(
-        "the momentum of the decoder's statistics must be in (0, 1]");
-  }
-  return adam.Check();
+  return Status();
 }
 
 DecoderTraining::DecoderTraining(const DecoderTrainingOptions& options,
@@ -51,7 +49,7 @@ StatusOr<std::span<const float>> DecoderTraining::Forward(
       return InvalidArgumentError(
           "latents to decode are not finite or too large");
     }
-    UpdateRunningStatistics(batch_, options_.statistics_momentum, mlp);
+    UpdateRunningStatistics(batch_, kStatisticsMomentum, mlp);
   } else {
     FREEGS_RETURN_IF_ERROR(decoder_->Decode(latents, pool, features_));
   }
@@ -87,7 +85,7 @@ Status DecoderTraining::Step(ThreadPool& pool) {
         return std::abs(value) <= kMaxGradient;
       });
   if (usable) {
-    StepArrayAdam(options_.adam,
+    StepArrayAdam({.epsilon = 1e-8},
                   options_.learning_rate,
                   gradients_,
                   pool,

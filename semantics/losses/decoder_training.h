@@ -1,5 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A FeatureDecoder while it and the latents are learnt.
+// Trains a FeatureDecoder together with the latents that it decodes.
+//
+//   DecoderTraining training({.learning_rate = 1e-4}, &decoder);
+//   // In every step of training:
+//   FREEGS_ASSIGN_OR_RETURN(const std::span<const float> features,
+//                           training.Forward(latents, pool));
+//   // Losses write dL/dfeatures to feature_gradients.
+//   FREEGS_RETURN_IF_ERROR(
+//       training.Backward(feature_gradients, pool, latent_gradients));
+//   FREEGS_RETURN_IF_ERROR(training.Step(pool));
 
 #ifndef FREEGS_SEMANTICS_LOSSES_DECODER_TRAINING_H_
 #define FREEGS_SEMANTICS_LOSSES_DECODER_TRAINING_H_
@@ -18,45 +27,43 @@ namespace freegs::semantics {
 
 struct DecoderTrainingOptions {
   double learning_rate = 1e-4;  // FreeGS, "CNN layers".
-  splat::AdamOptions adam = {.epsilon = 1e-8};
-  // What a batch counts for in the statistics that decode after training.
-  double statistics_momentum = 0.1;
 
   Status Check() const;
 };
 
-// Per step: Forward, the losses on its features, Backward, Step. A linear
-// decoder takes part all the same: gradients go through it to the latents, and
-// Step changes nothing.
+// A linear decoder takes part as well: gradients pass through it to the
+// latents, and Step() does nothing.
 class DecoderTraining {
  public:
-  // Keeps a reference to the decoder, which must outlive this.
+  // Keeps a pointer to the decoder, which must outlive this object.
   DecoderTraining(const DecoderTrainingOptions& options,
                   FeatureDecoder* decoder);
 
-  // The features (S x C) of a batch of latents (S x D), valid until the next
-  // call. The MLP normalises with the statistics of the batch, and takes them
-  // into its running ones. kInvalidArgument for a size that is no multiple of D
-  // and, from the MLP, for latents that are not finite; the decoder is then as
-  // before.
+  // Returns the features (S x C) of a batch of latents (S x D). They are valid
+  // until the next call. The MLP normalises with the statistics of the batch
+  // and adds them to its running statistics. kInvalidArgument for a size that
+  // is no multiple of D and, from the MLP, for latents that are not finite;
+  // then the decoder is unchanged.
   StatusOr<std::span<const float>> Forward(std::span<const float> latents,
                                            ThreadPool& pool);
 
-  // Given dL/dfeatures of the batch of the last Forward, adds dL/dlatents, and
-  // dL/dparameters to what the next Step takes. kInvalidArgument for other
-  // sizes than the batch's.
+  // feature_gradients: dL/dfeatures for the batch of the last Forward(). Adds
+  // dL/dlatents to `latent_gradients`, and collects dL/dparameters for the next
+  // Step(). kInvalidArgument for sizes that do not fit the batch.
   Status Backward(std::span<const float> feature_gradients,
                   ThreadPool& pool,
                   std::span<float> latent_gradients);
 
-  // One step of Adam over the decoder's parameters, with the gradients added
-  // since the last. kUnusableResult when they are not finite, or beyond 1e18:
-  // they are then forgotten, and the decoder is as before.
+  // One step of Adam over the parameters of the decoder, with the gradients
+  // collected since the last step. kUnusableResult if a gradient is not finite
+  // or exceeds 1e18; then the gradients are dropped and the decoder is
+  // unchanged.
   Status Step(ThreadPool& pool);
 
-  // To go on where another left off; of no size for a linear decoder.
+  // The state of Adam, to continue training later. It is empty for a linear
+  // decoder.
   const ArrayAdamState& adam() const { return adam_; }
-  // kInvalidArgument for one of another size.
+  // kInvalidArgument for a state of another size.
   Status set_adam(ArrayAdamState state);
 
  private:

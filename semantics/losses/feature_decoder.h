@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Latents, as they are blended or as Gaussians carry them, to CLIP's features
-// (the MLP of FreeGS eq. 4): by that MLP, or by a linear map where latents are
-// principal components of lifted features.
+// Decodes latents to the features of CLIP. Latents are what Gaussians carry, or
+// what is blended from them at a pixel. The decoder is the MLP of FreeGS (eq.
+// 4), or a linear map if the latents are principal components of features.
+//
+//   const FeatureDecoder decoder(RandomMlpDecoder(shape, seed));
+//   std::vector<float> features(n * decoder.feature_dim());
+//   FREEGS_RETURN_IF_ERROR(decoder.Decode(latents, pool, features));
 
 #ifndef FREEGS_SEMANTICS_LOSSES_FEATURE_DECODER_H_
 #define FREEGS_SEMANTICS_LOSSES_FEATURE_DECODER_H_
@@ -19,24 +23,23 @@ namespace freegs::semantics {
 
 class FeatureDecoder {
  public:
-  // The decoder's own Check() must be ok.
+  // The Check() of the given decoder must be ok.
   explicit FeatureDecoder(LinearDecoder linear) : decoder_(std::move(linear)) {}
   explicit FeatureDecoder(MlpDecoder mlp) : decoder_(std::move(mlp)) {}
 
   int latent_dim() const;   // D
   int feature_dim() const;  // C
 
-  // The one it is; null for the other.
+  // Null unless the decoder is of that kind.
   const LinearDecoder* linear() const {
     return std::get_if<LinearDecoder>(&decoder_);
   }
   const MlpDecoder* mlp() const { return std::get_if<MlpDecoder>(&decoder_); }
   MlpDecoder* mlp() { return std::get_if<MlpDecoder>(&decoder_); }
 
-  // features (n x C) of latents (n x D), row-major, any number of rows. Every
-  // row is decoded for itself: what it becomes does not depend on the others.
-  // The same bytes for any number of threads. kInvalidArgument when sizes
-  // disagree.
+  // Writes features (n x C) of latents (n x D), row-major, for any number of
+  // rows. A row does not depend on the other rows, and has the same bytes for
+  // any number of threads. kInvalidArgument if sizes disagree.
   Status Decode(std::span<const float> latents,
                 ThreadPool& pool,
                 std::span<float> features) const;

@@ -34,7 +34,6 @@ StatusOr<double> InstanceDistillationLoss(std::span<const float> decoded,
                                           int channels,
                                           std::span<const int32_t> ids,
                                           const InstanceTargets& instances,
-                                          std::span<const float> row_weights,
                                           double weight,
                                           ThreadPool& pool,
                                           std::span<float> gradients) {
@@ -44,15 +43,13 @@ StatusOr<double> InstanceDistillationLoss(std::span<const float> decoded,
                                 std::to_string(ids.size()) + " instance ids");
   }
   FREEGS_RETURN_IF_ERROR(CheckInstances(ids, instances, channels));
-  FREEGS_RETURN_IF_ERROR(CheckRowWeights(row_weights, ids.size()));
   return L1OfRows(
       decoded,
       channels,
-      [&](size_t row) -> TargetRow {
+      [&](size_t row) -> const float* {
         const int32_t id = ids[row];
-        if (id < 0 || !instances.known[id]) return {};
-        return {instances.features.data() + static_cast<size_t>(id) * channels,
-                row_weights.empty() ? 1.0f : row_weights[row]};
+        if (id < 0 || !instances.known[id]) return nullptr;
+        return instances.features.data() + static_cast<size_t>(id) * channels;
       },
       weight,
       pool,

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int64_t kMemberGrain = 256;
 constexpr double kMinLength = 1e-12;
-// All are compared with all.
+// Every group is compared with every other.
 constexpr size_t kMaxGroups = 4096;
 
 struct Member {
@@ -26,7 +26,8 @@ struct Member {
   double length = 0;
 };
 
-// Unit vectors of the groups' means, and who is whose positive.
+// Unit vectors of the mean features of groups, and which groups are positives
+// of each other.
 struct Prototypes {
   RowMatrix directions;            // G x D
   std::vector<uint8_t> positives;  // G x G
@@ -54,8 +55,8 @@ double Length(const float* feature, int dim) {
   return std::sqrt(sum);
 }
 
-// Those of a group and with a direction, in order, with their group's number as
-// it came, and their length.
+// The members that have a group and a direction, in order. `group` is the
+// number that the caller gave.
 std::vector<Member> CollectMembers(const ContrastiveMembers& gaussians,
                                    const ContrastiveMembers& pixels,
                                    int dim,
@@ -96,8 +97,8 @@ size_t NumberGroups(std::vector<Member>* members) {
   return groups.size();
 }
 
-// G x D sums of the members' features: their directions are the means'. Threads
-// share out the channels.
+// G x D sums of the members' features, whose directions are those of the means.
+// Threads share out the channels.
 std::vector<double> SumGroups(const std::vector<Member>& members,
                               size_t num_groups,
                               int dim,
@@ -159,12 +160,12 @@ double DifferentiateMember(const ContrastiveOptions& options,
                            std::span<const uint8_t> positive,
                            std::span<float> cosines) {
   constexpr float kNone = -2;  // Less than any cosine.
-  // Of negatives and of positives, in this order.
+  // The first entry is that of negatives, the second that of positives.
   float largest[2] = {kNone, kNone};
   for (size_t g = 0; g < cosines.size(); ++g) {
     largest[positive[g]] = std::max(largest[positive[g]], cosines[g]);
   }
-  if (largest[0] == kNone) {  // Nothing to tell it from.
+  if (largest[0] == kNone) {  // There are no negatives.
     std::fill(cosines.begin(), cosines.end(), 0.0f);
     return 0;
   }
@@ -178,8 +179,7 @@ double DifferentiateMember(const ContrastiveOptions& options,
   const double d =
       (static_cast<double>(largest[0]) - largest[1]) / options.temperature +
       std::log(sums[0]) - std::log(sums[1]);
-  const bool printed = options.form == ContrastiveForm::kAsPrinted;
-  const double slope = printed ? 1 : 1 / (1 + std::exp(-d));  // dl / dd
+  const double slope = 1 / (1 + std::exp(-d));  // dl / dd
   const auto negative_factor =
       static_cast<float>(slope / options.temperature / sums[0]);
   const auto positive_factor =
@@ -187,10 +187,11 @@ double DifferentiateMember(const ContrastiveOptions& options,
   for (size_t g = 0; g < cosines.size(); ++g) {
     cosines[g] *= positive[g] ? positive_factor : negative_factor;
   }
-  return printed ? d : std::max(d, 0.0) + std::log1p(std::exp(-std::abs(d)));
+  return std::max(d, 0.0) + std::log1p(std::exp(-std::abs(d)));
 }
 
-// Adds what of a slope turns the unit vector: a change along it does not.
+// Adds the part of a slope that turns the unit vector. The part along the
+// vector only changes its length.
 void AddTurn(std::span<const float> slope,
              std::span<const float> unit,
              double scale,
@@ -204,7 +205,8 @@ void AddTurn(std::span<const float> slope,
   }
 }
 
-// The sum of a block's losses, by their shares; adds to their gradients.
+// Returns the sum of the losses of a block of members, weighted by their
+// shares, and adds to their gradients.
 double AddBlock(const ContrastiveOptions& options,
                 std::span<const Member> members,
                 const Prototypes& prototypes,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The 2D-3D joint contrastive loss (FreeGS eq. 9): features of one instance
-// come together, on Gaussians and on pixels, and those of others move away.
+// The 2D-3D joint contrastive loss (FreeGS eq. 9). It draws together the
+// features of one instance, on Gaussians and on pixels, and drives apart those
+// of different instances.
 
 #ifndef FREEGS_SEMANTICS_LOSSES_JOINT_CONTRASTIVE_LOSS_H_
 #define FREEGS_SEMANTICS_LOSSES_JOINT_CONTRASTIVE_LOSS_H_
@@ -13,53 +14,44 @@
 
 namespace freegs::semantics {
 
-// With P and N the sums of exp(cos / tau) of a member over positive and over
-// negative groups, and d = log(N / P):
-enum class ContrastiveForm {
-  // -log(P / (P + N)) = log(1 + exp(d)) >= 0, as in InfoNCE (van den Oord et
-  // al. 2018). A member that is where it should be is left alone: its gradient
-  // has the factor N / (P + N).
-  kInfoNce,
-  // -log(P / N) = d, as eq. 9 is printed. It is negative as soon as members
-  // are well placed, and only the cosines bound it, by about -2 / tau: however
-  // far members are from their negatives, they are driven on with full
-  // strength, and the loss can outweigh the others with nothing left to gain.
-  kAsPrinted,
-};
-
 struct ContrastiveOptions {
   double temperature = 0.1;  // tau
-  // Groups whose means have a cosine above this are positives of each other:
-  // fragments of one thing, that may merge when next clustered.
+  // Groups whose mean features have a larger cosine are positives of each
+  // other: they may be fragments of one thing that merge in the next
+  // clustering.
   double positive_cosine = 0.96;
-  ContrastiveForm form = ContrastiveForm::kInfoNce;
 
   Status Check() const;
 };
 
-// Features of Gaussians or of pixels, and the groups that they belong to.
+// Features of Gaussians or of pixels, and the groups to which they belong.
 struct ContrastiveMembers {
   std::span<const float> features;  // M x D, row-major.
-  std::span<const int32_t> groups;  // M; negative: of no group, left out.
-  std::span<float> gradients;       // M x D; what is added to.
+  // M; members of negative groups do not count.
+  std::span<const int32_t> groups;
+  std::span<float> gradients;  // M x D; gradients are added to it.
 };
 
-// Returns L = mean over groups i of the mean over members j of i of l_j, l_j as
-// the form says, and adds weight dL/df to the gradients of both.
+// Returns L, the mean over groups of the mean over their members of l, and adds
+// weight dL/df to the gradients of both kinds of members. For a member with
+// feature f let P and N be the sums of exp(cos(f, m) / tau) over the mean
+// features m of the positive and of the negative groups. Then
+//   l = -log(P / (P + N)) >= 0,
+// as in InfoNCE (van den Oord et al. 2018). Eq. 9 is printed as -log(P / N).
+// That form falls below zero to about -2 / tau, and drives members on with full
+// strength when they are well placed already.
 //
-// The mean feature of a group is over its members of both kinds, here given;
-// the group itself is a positive of its own. Without negatives (one group, or
-// all alike) l_j is 0. Groups whose mean, and members whose feature, is of
-// length 0 (below 1e-12) have no direction and do not count. 0 for no members.
+// The mean feature of a group is over its members of both kinds. A group is a
+// positive of itself. Without negatives l is 0. Members whose feature has no
+// length (below 1e-12) do not count, and neither do groups whose mean has none.
+// L is 0 for no members.
 //
-// Means are held constant in the derivative, as class prototypes are: they
-// follow their members by themselves, and a member is not moved for the sake of
-// how others stand to its mean. Equation 9 sums over members; the mean keeps
-// the balance of groups, and of the losses, free of their sizes and of how many
-// members are sampled.
+// The means are constants in the derivative, like class prototypes. Eq. 9 sums
+// over members; the mean makes the weight of a group independent of how many of
+// its members were sampled.
 //
 // kInvalidArgument for sizes that disagree, features that are not finite and
-// more than 4096 groups; then the gradients are as before.
+// more than 4096 groups; then the gradients are unchanged.
 StatusOr<double> JointContrastiveLoss(const ContrastiveOptions& options,
                                       int dim,
                                       const ContrastiveMembers& gaussians,

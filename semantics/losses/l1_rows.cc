@@ -12,7 +12,8 @@ namespace {
 
 constexpr int64_t kRowGrain = 32;
 
-// |feature - target|_1; adds step * sign(feature - target).
+// Returns |feature - target|_1 and adds step * sign(feature - target) to the
+// gradient.
 double AddRow(const float* feature,
               const float* target,
               int channels,
@@ -32,7 +33,7 @@ double AddRow(const float* feature,
 
 StatusOr<double> L1OfRows(std::span<const float> features,
                           int channels,
-                          FunctionRef<TargetRow(size_t row)> target_of,
+                          FunctionRef<const float*(size_t row)> target_of,
                           double weight,
                           ThreadPool& pool,
                           std::span<float> gradients) {
@@ -44,33 +45,27 @@ StatusOr<double> L1OfRows(std::span<const float> features,
         std::to_string(channels));
   }
   const size_t num_rows = features.size() / channels;
-  double total = 0;
-  std::vector<TargetRow> targets(num_rows);
+  double count = 0;
+  std::vector<const float*> targets(num_rows);
   for (size_t row = 0; row < num_rows; ++row) {
     targets[row] = target_of(row);
-    if (!(targets[row].weight >= 0) || !std::isfinite(targets[row].weight)) {
-      return InvalidArgumentError("the weight of row " + std::to_string(row) +
-                                  " is negative or not finite");
-    }
-    total += targets[row].weight;
+    count += targets[row] != nullptr;
   }
-  if (!(total > 0)) return 0.0;
+  if (count == 0) return 0.0;
 
-  const double scale = 1 / (total * channels);
+  const double scale = 1 / (count * channels);
   std::vector<double> losses(num_rows, 0.0);
   pool.ParallelFor(0,
                    static_cast<int64_t>(num_rows),
                    kRowGrain,
                    [&](int64_t first, int64_t last, int) {
                      for (int64_t row = first; row < last; ++row) {
-                       const TargetRow& target = targets[row];
-                       if (target.weight == 0) continue;
-                       const double share = scale * target.weight;
+                       if (targets[row] == nullptr) continue;
                        losses[row] =
-                           share * AddRow(features.data() + row * channels,
-                                          target.values,
+                           scale * AddRow(features.data() + row * channels,
+                                          targets[row],
                                           channels,
-                                          static_cast<float>(weight * share),
+                                          static_cast<float>(weight * scale),
                                           gradients.data() + row * channels);
                      }
                    });
@@ -80,13 +75,6 @@ StatusOr<double> L1OfRows(std::span<const float> features,
     return InvalidArgumentError("features or targets are not finite");
   }
   return loss;
-}
-
-Status CheckRowWeights(std::span<const float> row_weights, size_t rows) {
-  if (row_weights.empty() || row_weights.size() == rows) return Status();
-  return InvalidArgumentError(std::to_string(row_weights.size()) +
-                              " row weights for " + std::to_string(rows) +
-                              " rows");
 }
 
 }  // namespace freegs::semantics

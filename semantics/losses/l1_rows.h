@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The weighted mean absolute difference of rows to their targets: both terms
-// of FreeGS eq. 8 are one.
+// The mean absolute difference between rows and their targets. Both terms of
+// FreeGS eq. 8 are of this form.
 
 #ifndef FREEGS_SEMANTICS_LOSSES_L1_ROWS_H_
 #define FREEGS_SEMANTICS_LOSSES_L1_ROWS_H_
@@ -14,30 +14,21 @@
 
 namespace freegs::semantics {
 
-// What a row is compared with. One of weight 0 does not count, and its values
-// are not read.
-struct TargetRow {
-  const float* values = nullptr;
-  float weight = 0;
-};
-
-// Returns L = sum_p w_p |F_p - T_p|_1 / (C sum_p w_p), 0 when no row counts,
-// and adds weight dL/dF to `gradients`; where F equals T the derivative is 0.
-//   features   S x C, row-major
+// Returns L = sum_p |F_p - T_p|_1 / (C P), where the sum is over the P rows
+// that have a target, and adds weight dL/dF to `gradients`. The derivative is 0
+// where F equals T. L is 0 when no row has a target.
+//   features   F, S x C, row-major
+//   target_of  T_p, C numbers, or null for a row that does not count
 //   gradients  S x C
-// kInvalidArgument for sizes that disagree, for row weights that are negative
-// or not finite, and for features or targets that are not finite, after which
-// `gradients` are finite still but mean nothing.
+// kInvalidArgument for sizes that disagree, and for features or targets that
+// are not finite; in the latter case the values added to `gradients` mean
+// nothing.
 StatusOr<double> L1OfRows(std::span<const float> features,
                           int channels,
-                          FunctionRef<TargetRow(size_t row)> target_of,
+                          FunctionRef<const float*(size_t row)> target_of,
                           double weight,
                           ThreadPool& pool,
                           std::span<float> gradients);
-
-// The check that callers of the function above make of their row weights: one
-// for each row, or none at all.
-Status CheckRowWeights(std::span<const float> row_weights, size_t rows);
 
 }  // namespace freegs::semantics
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Latents that are coordinates in a linear basis of the features, as principal
-// components are, decoded by that basis.
+// Decodes latents that are coordinates in a linear basis of the features, such
+// as principal components.
 
 #ifndef FREEGS_SEMANTICS_LOSSES_LINEAR_DECODER_H_
 #define FREEGS_SEMANTICS_LOSSES_LINEAR_DECODER_H_
@@ -13,7 +13,7 @@
 
 namespace freegs::semantics {
 
-// F = B r + mean. Not learnt: the basis stays what it was computed to be.
+// F = B r + mean. The basis is not trained.
 struct LinearDecoder {
   int latent_dim = 0;        // D
   int feature_dim = 0;       // C
@@ -25,13 +25,13 @@ struct LinearDecoder {
   Status Check() const;
 };
 
-// features (n x C) of latents (n x D), both row-major.
+// Writes features (n x C) of latents (n x D), both row-major.
 void DecodeLinear(const LinearDecoder& decoder,
                   std::span<const float> latents,
                   ThreadPool& pool,
                   std::span<float> features);
 
-// latent_gradients (n x D) += feature_gradients (n x C) B.
+// Adds feature_gradients (n x C) times B to latent_gradients (n x D).
 void AddLinearGradients(const LinearDecoder& decoder,
                         std::span<const float> feature_gradients,
                         ThreadPool& pool,

@@ -10,7 +10,7 @@
 namespace freegs::semantics {
 namespace {
 
-// Columns of the result per task: at least a panel of the kernel's.
+// Columns of the result per task, at least a panel of the kernel.
 constexpr int64_t kColumnGrain = 32;
 
 Strided Plain(const AnyRows& matrix) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Products of dense row-major float matrices, shared over threads by fixed
-// blocks of columns of the result: the same bytes for any number of threads,
-// and a row of the result the same among others as alone. Eigen holds the
-// matrices; its own products take three times as long when compiled for any
-// x86-64, and cannot choose the instructions at run time.
+// Products of dense row-major float matrices. Threads share out fixed blocks of
+// columns of the result, so that it has the same bytes for any number of
+// threads, and a row is the same among others as alone. Eigen only holds the
+// matrices: its own products, compiled for any x86-64, take three times as
+// long, and cannot choose instructions at run time.
 
 #ifndef FREEGS_SEMANTICS_LOSSES_MATRIX_PRODUCTS_H_
 #define FREEGS_SEMANTICS_LOSSES_MATRIX_PRODUCTS_H_
@@ -22,9 +22,11 @@ using RowMatrix =
     Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Rows = Eigen::Map<RowMatrix>;
 using ConstRows = Eigen::Map<const RowMatrix>;
-using AnyRows = Eigen::Ref<const RowMatrix>;  // Of both, without a copy.
+// Refers to either, without a copy.
+using AnyRows = Eigen::Ref<const RowMatrix>;
 
-// Rows of `cols` numbers each; the size of `values` is a multiple of cols > 0.
+// Views numbers as rows of `cols` > 0 numbers each. The size of `values` is a
+// multiple of cols.
 inline ConstRows AsRows(std::span<const float> values, int64_t cols) {
   return {values.data(), static_cast<int64_t>(values.size()) / cols, cols};
 }
@@ -40,8 +42,8 @@ inline ConstRows AsRows(const std::vector<float>& values, int64_t cols) {
 
 enum class Activation { kNone, kRelu };
 
-// outputs = activation(inputs weights^T + biases): n x m from n x k and m x k;
-// biases are m numbers, or none.
+// outputs = activation(inputs weights^T + biases), with inputs n x k, weights m
+// x k and outputs n x m. biases: m numbers, or empty for none.
 void ApplyLayer(const AnyRows& inputs,
                 const AnyRows& weights,
                 std::span<const float> biases,
@@ -49,20 +51,20 @@ void ApplyLayer(const AnyRows& inputs,
                 ThreadPool& pool,
                 Rows outputs);
 
-// result += a b: n x m from n x k and k x m.
+// result += a b, with a n x k, b k x m and result n x m.
 void AddProduct(const AnyRows& a,
                 const AnyRows& b,
                 ThreadPool& pool,
                 Rows result);
 
-// result += a^T b: n x m from k x n and k x m.
+// result += a^T b, with a k x n, b k x m and result n x m.
 void AddTransposedProduct(const AnyRows& a,
                           const AnyRows& b,
                           ThreadPool& pool,
                           Rows result);
 
-// For every column the sum over rows, in their order, of value(row, column), in
-// double. Threads share out the columns.
+// Returns, for each column, the sum of value(row, column) over all rows in
+// their order, in double. Threads share out the columns.
 template <typename Value>
 std::vector<double> ColumnSums(int64_t rows,
                                int64_t cols,

@@ -16,8 +16,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using Tag = hn::CappedTag<float, 16>;
 
-// Terms at a time: a panel of b, two vectors wide, then stays in the first
-// level of the cache while all rows of a pass by.
+// The number of terms at a time. A panel of b with so many rows, two vectors
+// wide, stays in the first level of the cache while all rows of a are read.
 constexpr size_t kTerms = 256;
 constexpr size_t kMaxPanelWidth = 2 * 16;
 
@@ -42,8 +42,8 @@ void Pack(const Strided& b,
   }
 }
 
-// Four rows of a times a panel, added to a tile of the result. Eight sums: as
-// many as it takes for none to wait for itself.
+// Adds the product of four rows of a with a panel to a tile of the result. It
+// has eight independent sums, so that no addition waits for the one before.
 HWY_INLINE void AddFourRows(const Strided& a,
                             size_t terms,
                             const float* HWY_RESTRICT panel,
@@ -92,8 +92,8 @@ HWY_INLINE void AddFourRows(const Strided& a,
   add(left3, right3, 3);
 }
 
-// Rows and columns beyond the edges of the result: the same on a copy, where
-// missing rows repeat the last.
+// The same for a tile at the edges of the result. It works on a copy, in which
+// the last row stands for the missing ones.
 void AddEdge(const Strided& a,
              size_t rows,
              size_t terms,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The kernel of the products in matrix_products.h, vectorised.
+// The vectorised kernel of the products in matrix_products.h.
 
 #ifndef FREEGS_SEMANTICS_LOSSES_MATRIX_PRODUCTS_SIMD_H_
 #define FREEGS_SEMANTICS_LOSSES_MATRIX_PRODUCTS_SIMD_H_
@@ -8,16 +8,18 @@
 
 namespace freegs::semantics {
 
-// A matrix or its transpose: entry (i, j) is data[i * row_step + j * col_step].
+// A matrix or the transpose of one: entry (i, j) is data[i * row_step + j *
+// col_step].
 struct Strided {
   const float* data;
   size_t row_step;
   size_t col_step;
 };
 
-// result(i, j) += sum_k a(i, k) b(k, j) for all rows i and for the columns j in
-// [first, last) of a row-major result of `cols` columns. The terms are summed
-// in order, 256 at a time, whatever rows and columns are asked for.
+// Adds sum_k a(i, k) b(k, j) to result(i, j), for all rows i and for the
+// columns j in [first, last). The result is row-major with `cols` columns.
+// Terms are summed in order, 256 at a time, whatever rows and columns are asked
+// for.
 void AddProductColumns(const Strided& a,
                        const Strided& b,
                        size_t rows,

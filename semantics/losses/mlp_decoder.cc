@@ -31,7 +31,7 @@ void FillNormal(uint64_t seed,
   }
 }
 
-// The first layer with the normalisation in it: relu(weights r + biases).
+// The first layer together with the normalisation: relu(weights r + biases).
 struct HiddenLayer {
   std::vector<float> weights;  // H x D
   std::vector<float> biases;   // H

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The MLP that decodes blended latents to CLIP's features (FreeGS eq. 4).
+// The MLP that decodes blended latents to the features of CLIP (FreeGS eq. 4).
 
 #ifndef FREEGS_SEMANTICS_LOSSES_MLP_DECODER_H_
 #define FREEGS_SEMANTICS_LOSSES_MLP_DECODER_H_
@@ -26,8 +26,8 @@ struct MlpShape {
 // kInvalidArgument unless 1 <= size <= 65536.
 Status CheckDecoderSize(int size);
 
-// The parameters (or their gradients, or moments) in one array. T is float or
-// const float.
+// Where the parameters lie in one array. Gradients and moments have the same
+// layout. T is float or const float.
 template <typename T>
 struct MlpParts {
   std::span<T> hidden_weights;  // W1, H x D, row-major.
@@ -55,14 +55,14 @@ MlpParts<T> PartsOf(const MlpShape& shape, std::span<T> values) {
 }
 
 // F = W2 relu(scale (W1 r - mean) / sqrt(variance + epsilon) + shift) + bias.
-// The first layer has no bias of its own: the mean would take it out again.
+// The first layer has no bias, because the mean would cancel it.
 struct MlpDecoder {
   static constexpr double kEpsilon = 1e-5;  // Added to variances.
 
   MlpShape shape;
   std::vector<float> parameters;         // See PartsOf.
   std::vector<float> running_means;      // H, of W1 r over past batches.
-  std::vector<float> running_variances;  // H, likewise, >= 0.
+  std::vector<float> running_variances;  // H, likewise; at least 0.
 
   MlpParts<const float> parts() const {
     return PartsOf(shape, std::span<const float>(parameters));
@@ -70,19 +70,20 @@ struct MlpDecoder {
   MlpParts<float> parts() { return PartsOf(shape, std::span(parameters)); }
 
   // kInvalidArgument for sizes that disagree or are out of range, for values
-  // that are not finite, and for variances below 0.
+  // that are not finite, and for negative variances.
   Status Check() const;
 };
 
-// Weights from normal distributions (He et al. 2015): of variance 2 / D in the
-// first layer; 2 / (H C) in the second, where 2 / H would give rows of length
-// sqrt(C), so that the first decoded rows are about as long as CLIP's features,
-// which are of length 1. A function of shape and seed alone. The shape is
-// valid.
+// Draws weights from normal distributions (He et al. 2015). The variance is 2 /
+// D in the first layer and 2 / (H C) in the second. With the usual 2 / H the
+// decoded rows would have length sqrt(C); now they have about length 1, like
+// the features of CLIP. The result depends on shape and seed only. The shape
+// must be valid.
 MlpDecoder RandomMlpDecoder(const MlpShape& shape, uint64_t seed);
 
-// features (n x C) of latents (n x D), with the running statistics. Rows go
-// through in blocks: beside the result this takes little memory.
+// Writes features (n x C) of latents (n x D), normalised with the running
+// statistics. Works in blocks of rows and needs little memory beside the
+// result.
 void DecodeWithMlp(const MlpDecoder& decoder,
                    std::span<const float> latents,
                    ThreadPool& pool,

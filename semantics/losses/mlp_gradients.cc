@@ -25,7 +25,7 @@ void ForEachValue(int64_t rows,
   });
 }
 
-// Of `values`, S x H, into the batch.
+// Writes the statistics of `values`, S x H, into the batch.
 void MeasureStatistics(const std::vector<float>& values,
                        int64_t cols,
                        ThreadPool& pool,
@@ -111,7 +111,7 @@ void MlpForward(const MlpDecoder& decoder,
   batch->latents.assign(latents.begin(), latents.end());
   batch->normalized.resize(batch->rows * cols);
   batch->hidden.resize(batch->rows * cols);
-  std::vector<float>& values = batch->normalized;  // Until it is.
+  std::vector<float>& values = batch->normalized;  // Normalised below.
   ApplyLayer(AsRows(latents, shape.latent_dim),
              AsRows(parts.hidden_weights, shape.latent_dim),
              {},
@@ -174,7 +174,8 @@ void MlpBackward(const MlpDecoder& decoder,
                        pool,
                        AsRows(gradients.output_weights, cols));
 
-  std::vector<float> hidden(batch.rows * cols, 0.0f);  // dL/dhidden, then on.
+  std::vector<float> hidden(batch.rows * cols,
+                            0.0f);  // dL/dhidden, then dL/d(W1 r).
   AddProduct(
       output, AsRows(parts.output_weights, cols), pool, AsRows(hidden, cols));
   BackwardThroughNormalization(batch, parts.scales, pool, gradients, &hidden);

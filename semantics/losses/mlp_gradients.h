@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The MLP decoder in training: with the statistics of the batch, and backwards.
+// The MLP decoder in training: forward with the statistics of the batch, and
+// backward.
 
 #ifndef FREEGS_SEMANTICS_LOSSES_MLP_GRADIENTS_H_
 #define FREEGS_SEMANTICS_LOSSES_MLP_GRADIENTS_H_
@@ -13,7 +14,7 @@
 
 namespace freegs::semantics {
 
-// What the way back needs to know of the way forward. S rows.
+// What MlpBackward needs to know of the forward pass, for S rows.
 struct MlpBatch {
   int64_t rows = 0;
   std::vector<float> latents;          // S x D
@@ -23,28 +24,30 @@ struct MlpBatch {
   std::vector<double> variances;       // H, the mean square about the mean
   std::vector<double> inv_deviations;  // H: 1 / sqrt(variance + epsilon)
 
-  // False when the latents were not, or so large that floats cannot hold the
-  // statistics.
+  // False if the latents were not finite, or so large that the statistics do
+  // not fit in floats.
   bool statistics_finite() const;
 };
 
-// features (S x C) of latents (S x D), normalised by the mean and variance of
-// this batch. A batch of one row has variance 0 and normalises to 0.
+// Writes features (S x C) of latents (S x D), normalised by the mean and
+// variance of this batch. A batch of one row has variance 0, and normalises to
+// 0.
 void MlpForward(const MlpDecoder& decoder,
                 std::span<const float> latents,
                 ThreadPool& pool,
                 MlpBatch* batch,
                 std::span<float> features);
 
-// running += momentum (statistics of the batch - running), with the variance's
-// unbiased estimate, as batch normalisation does it (Ioffe and Szegedy 2015).
-// From one row there is no such estimate, and from none nothing at all.
+// Sets running += momentum * (statistics of the batch - running), with the
+// unbiased estimate of the variance, as batch normalisation does (Ioffe and
+// Szegedy 2015). A batch of one row leaves the running variance as it is,
+// because it has no such estimate; an empty batch changes nothing.
 void UpdateRunningStatistics(const MlpBatch& batch,
                              double momentum,
                              MlpDecoder* decoder);
 
 // Adds dL/dparameters (see PartsOf) and dL/dlatents (S x D), given dL/dfeatures
-// (S x C) and the batch of MlpForward with the same parameters.
+// (S x C) and the batch that MlpForward filled with the same parameters.
 void MlpBackward(const MlpDecoder& decoder,
                  const MlpBatch& batch,
                  std::span<const float> feature_gradients,

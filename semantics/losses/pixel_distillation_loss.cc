@@ -11,7 +11,6 @@ namespace freegs::semantics {
 StatusOr<double> PixelDistillationLoss(std::span<const float> decoded,
                                        std::span<const float> targets,
                                        int channels,
-                                       std::span<const float> row_weights,
                                        double weight,
                                        ThreadPool& pool,
                                        std::span<float> gradients) {
@@ -20,15 +19,10 @@ StatusOr<double> PixelDistillationLoss(std::span<const float> decoded,
                                 " decoded values for " +
                                 std::to_string(targets.size()) + " targets");
   }
-  FREEGS_RETURN_IF_ERROR(
-      CheckRowWeights(row_weights, decoded.size() / channels));
   return L1OfRows(
       decoded,
       channels,
-      [&](size_t row) -> TargetRow {
-        return {targets.data() + row * channels,
-                row_weights.empty() ? 1.0f : row_weights[row]};
-      },
+      [&](size_t row) { return targets.data() + row * channels; },
       weight,
       pool,
       gradients);

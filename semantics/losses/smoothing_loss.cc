@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
-#include "core/random.h"
 #include "core/kd_tree.h"
+#include "core/random.h"
 
 namespace freegs::semantics {
 namespace {
@@ -42,7 +42,7 @@ void Compare(const float* features, int dim, Pair* pair) {
   const float* b = features + static_cast<size_t>(pair->j) * dim;
   const double aa = Dot(a, a, dim);
   const double bb = Dot(b, b, dim);
-  // False for what is not finite too, which the caller finds by the cosine.
+  // Also false if a number is not finite; the caller sees that in the cosine.
   if (aa < kMinLength * kMinLength || bb < kMinLength * kMinLength) return;
   pair->counts = true;
   pair->cross = -1 / (std::sqrt(aa) * std::sqrt(bb));
@@ -51,8 +51,8 @@ void Compare(const float* features, int dim, Pair* pair) {
   pair->own_j = pair->cosine / bb;
 }
 
-// Pair by pair in order, a block of channels per task: every sum is one
-// thread's.
+// Each task goes through all pairs in order and adds a block of channels, so
+// that every sum belongs to one thread.
 void AddGradients(const std::vector<Pair>& pairs,
                   std::span<const float> features,
                   int dim,

@@ -9,8 +9,8 @@
 namespace freegs::semantics {
 namespace {
 
-// The number of pairs of equal keys. Exact in double up to 2^53 pairs, and far
-// more precise than needed above.
+// The number of pairs of equal keys. It is exact up to 2^53 pairs, and precise
+// enough beyond.
 double EqualPairs(std::vector<uint64_t>& keys) {
   std::sort(keys.begin(), keys.end());
   double pairs = 0;

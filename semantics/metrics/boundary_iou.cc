@@ -11,6 +11,10 @@
 namespace freegs::semantics {
 namespace {
 
+// Share of the image's diagonal that a boundary is wide: the value of the paper
+// and of the LERF-Mask benchmark (Ye et al. 2024).
+constexpr double kBoundaryRatio = 0.02;
+
 // Sets to 0 what is within `distance` pixels of a 0 along one line of the
 // image: `count` pixels `stride` apart, with zeros beyond both ends. `scratch`
 // is memory to reuse.
@@ -19,7 +23,7 @@ void ErodeLine(uint8_t* line,
                size_t stride,
                int distance,
                std::vector<int>* scratch) {
-  // Of each pixel the last 0 at or before it.
+  // For each pixel: the index of the last 0 at or before it.
   scratch->resize(static_cast<size_t>(count));
   int last = -1;
   for (int i = 0; i < count; ++i) {
@@ -37,10 +41,10 @@ void ErodeLine(uint8_t* line,
 
 }  // namespace
 
-int BoundaryWidth(int width, int height, double ratio) {
+int BoundaryWidth(int width, int height) {
   const double diagonal =
       std::hypot(static_cast<double>(width), static_cast<double>(height));
-  return std::max(1, static_cast<int>(std::lround(ratio * diagonal)));
+  return std::max(1, static_cast<int>(std::lround(kBoundaryRatio * diagonal)));
 }
 
 StatusOr<ImageU8> MaskBoundary(const ImageU8& mask, int distance) {
@@ -70,8 +74,8 @@ StatusOr<ImageU8> MaskBoundary(const ImageU8& mask, int distance) {
   return inner;
 }
 
-StatusOr<double> BoundaryIou(const ImageU8& a, const ImageU8& b, double ratio) {
-  const int distance = BoundaryWidth(a.width(), a.height(), ratio);
+StatusOr<double> BoundaryIou(const ImageU8& a, const ImageU8& b) {
+  const int distance = BoundaryWidth(a.width(), a.height());
   FREEGS_ASSIGN_OR_RETURN(const ImageU8 boundary_a, MaskBoundary(a, distance));
   FREEGS_ASSIGN_OR_RETURN(const ImageU8 boundary_b, MaskBoundary(b, distance));
   return MaskIou(boundary_a, boundary_b);

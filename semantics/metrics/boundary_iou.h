@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How well the outlines of two masks agree (Boundary IoU; Cheng et al. 2021).
-// The IoU of large masks says little about their edges; this one says nothing
-// about the rest.
+// The plain IoU of large masks says little about their edges.
 
 #ifndef FREEGS_SEMANTICS_METRICS_BOUNDARY_IOU_H_
 #define FREEGS_SEMANTICS_METRICS_BOUNDARY_IOU_H_
@@ -11,26 +10,21 @@
 
 namespace freegs::semantics {
 
-// Share of the image's diagonal that a boundary is wide; the value of the paper
-// and of the LERF-Mask benchmark (Ye et al. 2024).
-inline constexpr double kBoundaryRatio = 0.02;
+// The width of a boundary in an image of this size: 2 % of the diagonal in
+// whole pixels, at least 1.
+int BoundaryWidth(int width, int height);
 
-// The boundary's width in whole pixels, at least 1, in an image of this size.
-int BoundaryWidth(int width, int height, double ratio = kBoundaryRatio);
-
-// The pixels of a mask (H x W x 1, non-zero is inside) from which at most
-// `distance` steps, diagonal ones allowed, lead out of it: what eroding it
-// `distance` times by a 3 x 3 square takes away. What lies beyond the image is
-// outside, so that a mask cut off by the image's border has a boundary there.
-// 255 on the boundary, else 0; empty only for an empty mask. kInvalidArgument
-// for several channels or a distance below 1.
+// Returns the boundary of a mask (H x W x 1, non-zero is inside): 255 on the
+// boundary, else 0. The boundary is what erosion by a 3 x 3 square, `distance`
+// times, takes away. Everything beyond the image is outside, so that a mask
+// that the border of the image cuts has a boundary there. kInvalidArgument for
+// several channels and for a distance below 1.
 StatusOr<ImageU8> MaskBoundary(const ImageU8& mask, int distance);
 
-// Intersection over union of the two masks' boundaries; 0 when both masks are
-// empty. kInvalidArgument for masks of different size or several channels.
-StatusOr<double> BoundaryIou(const ImageU8& a,
-                             const ImageU8& b,
-                             double ratio = kBoundaryRatio);
+// Returns the intersection over union of the two masks' boundaries, 0 if both
+// masks are empty. kInvalidArgument for masks of different sizes or several
+// channels.
+StatusOr<double> BoundaryIou(const ImageU8& a, const ImageU8& b);
 
 }  // namespace freegs::semantics
 

@@ -56,7 +56,7 @@ Polygon SortedAround(Polygon points, const Vector3d& normal) {
 
 // Keeps the part of a convex body where normal . x <= offset (Sutherland and
 // Hodgman 1974 on each face) and closes it with the cut. A body that touches
-// the plane from inside has a face or edge there already and needs no cut.
+// the plane from inside already has a face or edge there and gets no new one.
 std::vector<Polygon> Clip(const std::vector<Polygon>& faces,
                           const Vector3d& normal,
                           double offset,
@@ -88,7 +88,7 @@ std::vector<Polygon> Clip(const std::vector<Polygon>& faces,
   return kept;
 }
 
-// Cones from an inner point over the faces.
+// The sum of the cones from an inner point over the faces.
 double ConvexVolume(const std::vector<Polygon>& faces) {
   Vector3d apex = Vector3d::Zero();
   size_t count = 0;
@@ -129,8 +129,8 @@ double IntersectionVolume(const AxisAlignedBox& a, const AxisAlignedBox& b) {
 
 double IntersectionVolume(const OrientedBox& a, const OrientedBox& b) {
   if (Volume(a) <= 0 || Volume(b) <= 0) return 0;
-  // In a frame where b is centred and of size 1, so that tolerances are
-  // relative; volumes scale back by b's volume.
+  // Work in a frame in which b is centred and has size 1, so that tolerances
+  // are relative. The volume is scaled back by that of b.
   const Vector3d inverse_size = b.size.cwiseInverse();
   const Eigen::Matrix3d to_b =
       inverse_size.asDiagonal() * b.rotation.transpose();

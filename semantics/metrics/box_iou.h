@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Overlap of 3D boxes.
+// The overlap of 3D boxes.
 
 #ifndef FREEGS_SEMANTICS_METRICS_BOX_IOU_H_
 #define FREEGS_SEMANTICS_METRICS_BOX_IOU_H_
@@ -8,14 +8,14 @@
 
 namespace freegs::semantics {
 
-// Volumes in cubic world units; 0 for boxes with a negative side.
+// Volumes in cubic world units. A box with a negative side has volume 0.
 double Volume(const AxisAlignedBox& box);
 double Volume(const OrientedBox& box);
 double IntersectionVolume(const AxisAlignedBox& a, const AxisAlignedBox& b);
 double IntersectionVolume(const OrientedBox& a, const OrientedBox& b);
 
-// Volume of the intersection over that of the union, in [0, 1]; 0 when the
-// union has no volume. Values must be finite.
+// The volume of the intersection over that of the union, in [0, 1]. 0 if the
+// union has no volume. All numbers of the boxes must be finite.
 double BoxIou(const AxisAlignedBox& a, const AxisAlignedBox& b);
 double BoxIou(const OrientedBox& a, const OrientedBox& b);
 

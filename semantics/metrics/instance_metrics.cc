@@ -66,7 +66,7 @@ std::optional<InstanceMatch> BestMatch(const InstanceOverlap& overlap,
 }
 
 std::optional<Eigen::Vector2i> ClickPoint(const ImageU16& truth, int id) {
-  // A ring of background stands for what is outside the image.
+  // A ring of background stands for the outside of the image.
   cv::Mat mask = cv::Mat::zeros(truth.height() + 2, truth.width() + 2, CV_8UC1);
   bool found = false;
   for (int y = 0; y < truth.height(); ++y) {

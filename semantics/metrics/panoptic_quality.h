@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Panoptic quality (Kirillov et al. 2019) of rendered instances: one number for
-// finding objects and for outlining them.
+// Panoptic quality (Kirillov et al. 2019): one number for how well objects are
+// found and outlined.
 
 #ifndef FREEGS_SEMANTICS_METRICS_PANOPTIC_QUALITY_H_
 #define FREEGS_SEMANTICS_METRICS_PANOPTIC_QUALITY_H_
@@ -21,8 +21,8 @@ struct PanopticQuality {
 
   void Add(const PanopticQuality& other);
 
-  // Each in [0, 1]; nothing when there is neither object nor instance.
-  // SQ, mean IoU of the pairs; 0 without a pair.
+  // SQ, the mean IoU of the pairs; 0 without a pair. Like the two below in [0,
+  // 1], and nothing if there is neither an object nor an instance.
   std::optional<double> Segmentation() const;
   // RQ = TP / (TP + FP / 2 + FN / 2).
   std::optional<double> Recognition() const;
@@ -30,15 +30,15 @@ struct PanopticQuality {
   std::optional<double> Quality() const;
 };
 
-// Matches the objects and instances of one view, all of one class. Pairs of an
-// IoU above one half are unique when neither objects nor instances overlap each
-// other, which is required.
+// Matches the objects and instances of one view, which are all of one class.
+// Objects must not overlap each other, and neither may instances; then an
+// object and an instance with an IoU above one half belong to no other pair.
 //
-// Truth 0 is pixels that belong to no known object. They count in the IoU of an
-// instance that covers them, but an instance that lies mostly (by more than one
-// half) on them, or on objects too small to be judged, is no false positive:
-// nothing is known about what is there. Objects and instances of fewer than
-// min_pixels are not judged.
+// Truth 0 stands for pixels that belong to no known object. They count in the
+// IoU of an instance that covers them. But an instance of which more than one
+// half lies on them, or on objects that are too small to be judged, is no false
+// positive, because nothing is known of what is there. Objects and instances of
+// fewer than min_pixels pixels are not judged.
 PanopticQuality MatchSegments(const InstanceOverlap& overlap, int min_pixels);
 
 }  // namespace freegs::semantics

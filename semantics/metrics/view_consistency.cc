@@ -30,8 +30,8 @@ Status CheckSizes(const LabelledView& view) {
                               ": labels or depth are not of the camera's size");
 }
 
-// The label that `to` has where it sees `point`, a point of its camera frame;
-// nothing where it doesn't see it.
+// The label of `to` at the pixel where it sees `point`, which is given in the
+// camera frame of `to`. Nothing if it does not see the point.
 std::optional<int32_t> LabelSeen(const LabelledView& to,
                                  const Vector3d& point,
                                  double tolerance) {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whether the instances that two views show are the same where both see the
-// same surface.
+// Whether two views show the same instances where both see the same surface.
 
 #ifndef FREEGS_SEMANTICS_METRICS_VIEW_CONSISTENCY_H_
 #define FREEGS_SEMANTICS_METRICS_VIEW_CONSISTENCY_H_
@@ -16,40 +15,41 @@
 
 namespace freegs::semantics {
 
-// What one view shows, all images of its camera's size.
+// What one view shows. All images have the size of its camera.
 struct LabelledView {
   View view;
-  Image<int32_t> labels;  // H x W; negative = none.
-  ImageF depth;           // H x W; z of the camera frame, 0 where nothing is.
+  Image<int32_t> labels;  // H x W; negative for none.
+  ImageF depth;           // H x W: z in the camera frame, 0 where nothing is.
 };
 
 struct ViewConsistencyOptions {
-  // A surface point of one view is seen by the other when the depths there
-  // agree within this share of the depth; else it is hidden, or its depth is
-  // not that of a surface, as where depths blend at an outline.
+  // A surface point of one view is seen by the other view if the depths there
+  // differ by at most this share of the depth. Otherwise the point is hidden,
+  // or its depth is not that of a surface, for example where depths blend at an
+  // outline.
   double depth_tolerance = 0.02;
 
-  // Instances with fewer pixels than this in both views together, of those that
-  // both views see, are not judged.
+  // Instances with fewer pixels than this are not judged. The pixels of both
+  // views count together, as far as both views see them.
   int min_pixels = 30;
 
   Status Check() const;
 };
 
-// Instance -> IoU of its masks in the two views. Every pixel of `from` is taken
-// to its surface point by the depth there and from that into `to`; the pixels
-// whose point both views see are the ground on which the masks of `from` and
-// `to` are compared, in the pixels of `from`. Instances that neither view shows
-// there are left out. kInvalidArgument for images of the wrong size or options
-// that don't pass Check().
+// Returns, for each instance, the IoU of its masks in the two views. Every
+// pixel of `from` is taken to its surface point by its depth, and from there
+// into `to`. The masks are compared on the pixels of `from` whose point both
+// views see. Instances that neither view shows there are left out.
+// kInvalidArgument for images of the wrong size and for options out of range.
 StatusOr<std::map<int, double>> CompareViews(
     const LabelledView& from,
     const LabelledView& to,
     const ViewConsistencyOptions& options);
 
-// Pairs (i, j), i < j, of views that are neighbours: j's camera centre is the
-// nearest to i's, or i's to j's, among those that look the same way (axes less
-// than 60 degrees apart). Each pair once, ascending.
+// Returns the pairs (i, j), i < j, of neighbouring views: among the views that
+// look the same way (optical axes less than 60 degrees apart), the camera
+// centre of j is the nearest to that of i, or the other way round. Each pair
+// comes once, in ascending order.
 std::vector<std::pair<size_t, size_t>> NeighbouringViews(
     const std::vector<View>& views);
 

@@ -12,24 +12,31 @@
 namespace freegs::semantics {
 namespace {
 
+// A pixel where the instances' weights sum to less has no instance, as in
+// splat::RenderLabels.
+constexpr float kMinWeight = 0.5f;
+// Share of an instance's pixels that may lie outside the box around it on each
+// side, so that stray pixels do not count.
+constexpr double kTrim = 0.01;
+
 // What one label gives to a pixel.
 struct LabelVote {
   float weight = 0;
   double weighted_depth = 0;
 };
 
-// The interval that holds all but a share `trim` of the counts on each side.
+// The interval that holds all but a share kTrim of the counts on each side.
 struct Interval {
   double begin = 0;
   double end = 0;
   double length() const { return end - begin; }
 };
 
-Interval TrimmedInterval(std::span<const int64_t> counts, double trim) {
+Interval TrimmedInterval(std::span<const int64_t> counts) {
   int64_t total = 0;
   for (const int64_t count : counts) total += count;
   const auto spare =
-      static_cast<int64_t>(std::floor(trim * static_cast<double>(total)));
+      static_cast<int64_t>(std::floor(kTrim * static_cast<double>(total)));
   size_t first = 0;
   for (int64_t left = spare; first + 1 < counts.size(); ++first) {
     left -= counts[first];
@@ -61,20 +68,6 @@ Interval Cut(double a, double b, int size) {
 
 }  // namespace
 
-Status ClickQueryOptions::Check() const {
-  if (!(min_weight >= 0 && min_weight <= 1)) {
-    return InvalidArgumentError("min_weight must be 0 .. 1");
-  }
-  return Status();
-}
-
-Status BoxQueryOptions::Check() const {
-  if (!(trim >= 0 && trim < 0.5)) {
-    return InvalidArgumentError("trim must be at least 0 and less than 0.5");
-  }
-  return Status();
-}
-
 StatusOr<std::vector<ClickHit>> QueryClick(const splat::GaussianModel& model,
                                            std::span<const int32_t> labels,
                                            const Pinhole& camera,
@@ -82,9 +75,7 @@ StatusOr<std::vector<ClickHit>> QueryClick(const splat::GaussianModel& model,
                                            const splat::RenderOptions& render,
                                            int x,
                                            int y,
-                                           const ClickQueryOptions& options,
                                            ThreadPool& pool) {
-  FREEGS_RETURN_IF_ERROR(options.Check());
   if (labels.size() != model.size()) {
     return InvalidArgumentError(std::to_string(labels.size()) + " labels for " +
                                 std::to_string(model.size()) + " Gaussians");
@@ -104,7 +95,7 @@ StatusOr<std::vector<ClickHit>> QueryClick(const splat::GaussianModel& model,
     total += entry.weight;
   }
   std::vector<ClickHit> hits;
-  if (total < static_cast<float>(options.min_weight)) return hits;
+  if (total < kMinWeight) return hits;
 
   const Eigen::Vector3d ray(
       (x + 0.5 - camera.cx) / camera.fx, (y + 0.5 - camera.cy) / camera.fy, 1);
@@ -124,12 +115,11 @@ StatusOr<std::vector<BoxHit>> QueryBox(const Image<int32_t>& label_image,
                                        const PixelBox& box,
                                        const BoxQueryOptions& options,
                                        std::span<const uint8_t> is_background) {
-  FREEGS_RETURN_IF_ERROR(options.Check());
   const int width = label_image.width();
   const int height = label_image.height();
   const Interval box_x = Cut(box.x0, box.x1, width);
   const Interval box_y = Cut(box.y0, box.y1, height);
-  // The first is false for what is not a number.
+  // The sum is not finite if one of the numbers is not.
   const bool finite = std::isfinite(box.x0 + box.x1 + box.y0 + box.y1);
   if (!finite || !(box_x.length() > 0) || !(box_y.length() > 0)) {
     return InvalidArgumentError("the box has no area in an image of " +
@@ -162,8 +152,8 @@ StatusOr<std::vector<BoxHit>> QueryBox(const Image<int32_t>& label_image,
   }
   std::vector<BoxHit> hits;
   for (const auto& [label, extent] : extents) {
-    const Interval x = TrimmedInterval(extent.columns, options.trim);
-    const Interval y = TrimmedInterval(extent.rows, options.trim);
+    const Interval x = TrimmedInterval(extent.columns);
+    const Interval y = TrimmedInterval(extent.rows);
     const double both = Overlap(x, box_x) * Overlap(y, box_y);
     const double either =
         x.length() * y.length() + box_x.length() * box_y.length() - both;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which instance a click or a drawn box means (FreeGS, "Testing": interactive
-// prompts). No network takes part: the answer is the label that lies there.
+// Finds the instance that a click or a drawn box means (FreeGS, "Testing":
+// interactive prompts). No network takes part: the answer is the label at that
+// place.
 
 #ifndef FREEGS_SEMANTICS_QUERIES_CLICK_QUERY_H_
 #define FREEGS_SEMANTICS_QUERIES_CLICK_QUERY_H_
@@ -15,32 +16,25 @@
 #include "core/parallel.h"
 #include "core/pinhole.h"
 #include "core/status.h"
-#include "splat/scene/gaussian_model.h"
 #include "splat/render/renderer.h"
+#include "splat/scene/gaussian_model.h"
 
 namespace freegs::semantics {
 
 struct ClickHit {
-  int id = 0;         // Instance.
+  int id = 0;         // Id of the instance.
   double weight = 0;  // Summed blending weight of its Gaussians at the pixel.
-  // Where the pixel's ray meets it: at the mean depth of its Gaussians there,
-  // by weight. World frame.
+  // Where the ray of the pixel meets the instance, in the world frame: at the
+  // mean depth of its Gaussians at the pixel, by weight.
   Eigen::Vector3d point = Eigen::Vector3d::Zero();
 };
 
-struct ClickQueryOptions {
-  // A pixel where the instances' weights sum to less has no instance, as in
-  // splat::RenderLabels.
-  double min_weight = 0.5;
-
-  Status Check() const;
-};
-
-// The instances at pixel (x, y) of the camera by descending weight, ties by id:
-// the first is the pixel's label in splat::RenderLabels. Only that pixel is
-// blended. labels: per Gaussian, -1 for none, else id - 1. kInvalidArgument for
-// a pixel outside the image and for labels of another number than the
-// Gaussians.
+// Returns the instances at pixel (x, y) of the camera by descending weight, the
+// smaller id first among equals. The first one is the label that
+// splat::RenderLabels gives to the pixel. Only this pixel is rendered. There
+// are no hits if the weights of all instances sum to less than one half.
+// labels: for each Gaussian, -1 for none, else id - 1. kInvalidArgument for a
+// pixel outside of the image, and for labels of another number of Gaussians.
 StatusOr<std::vector<ClickHit>> QueryClick(const splat::GaussianModel& model,
                                            std::span<const int32_t> labels,
                                            const Pinhole& camera,
@@ -48,40 +42,36 @@ StatusOr<std::vector<ClickHit>> QueryClick(const splat::GaussianModel& model,
                                            const splat::RenderOptions& render,
                                            int x,
                                            int y,
-                                           const ClickQueryOptions& options,
                                            ThreadPool& pool);
 
 struct BoxHit {
-  int id = 0;      // Instance.
-  double iou = 0;  // Of the drawn box and the box around the instance's pixels.
+  int id = 0;      // Id of the instance.
+  double iou = 0;  // Of the drawn box and the box around the instance.
 };
 
-// Corners in pixels: pixel (x, y) covers [x, x + 1) x [y, y + 1).
+// The corners of a box in pixels. Pixel (x, y) covers [x, x + 1) x [y, y + 1).
 struct PixelBox {
   double x0 = 0, y0 = 0;
   double x1 = 0, y1 = 0;
 };
 
 struct BoxQueryOptions {
-  // Share of an instance's pixels that may lie outside the box around it on
-  // each side, so that stray pixels do not count.
-  double trim = 0.01;
-
-  // Whether large planes (floor, walls, table tops) may be meant too.
+  // Whether large planes (floor, walls, table tops) may be hits.
   bool background = false;
-
-  Status Check() const;
 };
 
-// The instances with a pixel in the box by descending IoU, ties by id. People
-// draw boxes tightly around what they mean; how much of the box it fills says
-// little (a fork fills none of it), and what lies behind fills it too, but is
-// larger. What is partly hidden is compared as far as it is seen.
+// Returns the instances with a pixel in the box, by descending IoU of the box
+// and the box around the instance's pixels; the smaller id first among equals.
+// People draw boxes tightly around what they mean. How much of the box an
+// instance fills is no good measure: a fork fills almost nothing of it, and
+// what lies behind fills it too. The box around an instance is that of its
+// visible pixels, and leaves out 1 % of them on each side as strays.
 //
-// label_image: of the view, as splat::RenderLabels gives it. The box may be
-// drawn from any corner and is cut at the image's edges; kInvalidArgument when
-// nothing is left of it or a number is not finite. is_background: by label;
-// empty where no instance is, and labels beyond its end are not.
+// label_image: the labels of the view, as splat::RenderLabels returns them.
+// box: may be drawn from any corner and is cut at the borders of the image.
+// is_background: by label; labels beyond its end are no background.
+// kInvalidArgument if nothing of the box lies in the image, or a number is not
+// finite.
 StatusOr<std::vector<BoxHit>> QueryBox(
     const Image<int32_t>& label_image,
     const PixelBox& box,

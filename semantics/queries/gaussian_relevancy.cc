@@ -15,7 +15,7 @@ StatusOr<std::vector<float>> GaussianRelevancy(const Idsf& field,
                                                std::span<const float> texts,
                                                std::span<const float> canonical,
                                                ThreadPool& pool) {
-  // Decoded features of more Gaussians than this are never held at once.
+  // Decoded features of at most this many Gaussians are in memory at a time.
   constexpr size_t kRows = 8192;
   const auto latent_dim = static_cast<size_t>(decoder.latent_dim());
   const auto dim = static_cast<size_t>(decoder.feature_dim());

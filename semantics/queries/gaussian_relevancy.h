@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the field answers to a text without its instances: every Gaussian for
-// itself, as in language fields that know no objects (the ablation without
-// clustering of FreeGS, table 5).
+// Answers a text without instances: each Gaussian answers for itself, as in
+// language fields that know no objects (the ablation without clustering in
+// table 5 of FreeGS).
 
 #ifndef FREEGS_SEMANTICS_QUERIES_GAUSSIAN_RELEVANCY_H_
 #define FREEGS_SEMANTICS_QUERIES_GAUSSIAN_RELEVANCY_H_
@@ -16,10 +16,10 @@
 
 namespace freegs::semantics {
 
-// Relevancy (clip/relevancy.h) of each of T texts to each of N Gaussians, N x T
-// row-major. texts (T x C) and canonical hold vectors of length 1, one after
-// another. The same bytes for any number of threads. kInvalidArgument when
-// sizes disagree.
+// Returns the relevancy (clip/relevancy.h) of each of N Gaussians to each of T
+// texts, N x T, row-major. texts (T x C) and canonical hold vectors of length
+// 1, one after another. The result has the same bytes for any number of
+// threads. kInvalidArgument if sizes disagree.
 StatusOr<std::vector<float>> GaussianRelevancy(const Idsf& field,
                                                const FeatureDecoder& decoder,
                                                std::span<const float> texts,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What each instance looks like in CLIP's space: the proposals' mean features
-// that queries are matched against (FreeGS, "Testing").
+// The vectors of the instances in CLIP's space, with which queries are
+// compared: the mean features of proposals in FreeGS ("Testing").
 
 #ifndef FREEGS_SEMANTICS_QUERIES_INSTANCE_FEATURES_H_
 #define FREEGS_SEMANTICS_QUERIES_INSTANCE_FEATURES_H_
@@ -21,11 +21,11 @@ struct InstanceFeatures {
   std::string model;       // Its folder, or its name where that is enough.
   std::string model_hash;  // ClipEncoder::model_hash() of it.
 
-  // count x dim, row-major; row = instance id - 1. Each of length 1, or all
-  // zero where nothing is known of the instance.
+  // Instances x dim, row-major; row i belongs to instance id i + 1. A row has
+  // length 1, or is zero if nothing is known of the instance.
   std::vector<float> features;
 
-  // Number of instances.
+  // The number of instances.
   size_t size() const {
     return dim > 0 ? features.size() / static_cast<size_t>(dim) : 0;
   }
@@ -33,7 +33,7 @@ struct InstanceFeatures {
     return std::span(features).subspan(i * static_cast<size_t>(dim),
                                        static_cast<size_t>(dim));
   }
-  // False for a row of zeros.
+  // False if row i is zero.
   bool known(size_t i) const;
 };
 
@@ -46,9 +46,9 @@ Status WriteInstanceFeatures(const std::filesystem::path& path,
 StatusOr<std::string> SerializeInstanceFeatures(
     const InstanceFeatures& features);
 
-// kBadInput, naming the file and the fault, for malformed JSON, missing
-// members, rows of another size than dim, and what writing refuses. Unknown
-// members are ignored.
+// kBadInput, which names the file and the fault, for malformed JSON, missing
+// members, rows of another size than dim, and everything that writing refuses.
+// Unknown members are ignored.
 StatusOr<InstanceFeatures> ReadInstanceFeatures(
     const std::filesystem::path& path);
 StatusOr<InstanceFeatures> ParseInstanceFeatures(std::string_view text);

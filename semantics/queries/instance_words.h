@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What instances are called, where an encoder brings words to name things by.
+// Names instances, with the words that come with an encoder.
 
 #ifndef FREEGS_SEMANTICS_QUERIES_INSTANCE_WORDS_H_
 #define FREEGS_SEMANTICS_QUERIES_INSTANCE_WORDS_H_
@@ -13,13 +13,14 @@
 
 namespace freegs::semantics {
 
-// Words for each instance, best first: the words of each group that fit it
-// best, said together ("red wooden box"), then each for itself. A group of
-// which no word is more relevant to the instance than the canonical phrases
-// (see Relevancy) says nothing. None for an instance whose vector is zero, and
+// Returns words for each instance, the best first. From each group of the
+// vocabulary the word that fits best is taken; these words are first said
+// together ("red wooden box"), and then each alone. A group is left out if none
+// of its words is more relevant to the instance than the canonical phrases (see
+// Relevancy()). There are no words for an instance whose vector is zero, and
 // without a vocabulary.
 //
-// vectors: instances x dim, of length 1 or zero, in the encoder's space.
+// vectors: instances x dim, of length 1 or zero, in the space of the encoder.
 // vocabulary: groups of words of which one fits (colours, materials, things).
 // Errors of the encoder.
 StatusOr<std::vector<std::vector<std::string>>> NameInstances(

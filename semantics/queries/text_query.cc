@@ -52,8 +52,8 @@ double Cosine(std::span<const float> a, std::span<const float> b) {
   return dot / std::sqrt(square_a * square_b);
 }
 
-// make(row) for the instances that may answer; those of which score(hit) is at
-// least min_score, best first.
+// Returns make(row) for the instances that may answer, by descending score, as
+// far as score(hit) is at least min_score.
 template <typename Hit, typename Make, typename Score>
 StatusOr<std::vector<Hit>> Best(const InstanceFeatures& features,
                                 std::span<const uint8_t> is_background,
@@ -76,7 +76,7 @@ StatusOr<std::vector<Hit>> Best(const InstanceFeatures& features,
     const Hit hit = make(i);
     if (score(hit) >= min_score) hits.push_back(hit);
   }
-  // In the order of the ids so far, which a stable sort keeps among equals.
+  // Hits are in the order of ids, which a stable sort keeps among equals.
   std::stable_sort(
       hits.begin(), hits.end(), [&score](const Hit& a, const Hit& b) {
         return score(a) > score(b);
@@ -98,9 +98,6 @@ Status TextQueryOptions::Check() const {
 }
 
 Status ExampleQueryOptions::Check() const {
-  if (!(min_cosine >= -1 && min_cosine <= 1)) {
-    return InvalidArgumentError("min_cosine must be -1 .. 1");
-  }
   if (max_hits < 0) return InvalidArgumentError("max_hits must be at least 0");
   return Status();
 }
@@ -142,7 +139,7 @@ StatusOr<std::vector<ExampleHit>> QueryExample(
       is_background,
       options.background,
       options.max_hits,
-      options.min_cosine,
+      /*min_score=*/-HUGE_VAL,
       [&](size_t i) {
         return ExampleHit{static_cast<int>(i) + 1,
                           Cosine(features.row(i), image_vector)};

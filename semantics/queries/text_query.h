@@ -1,7 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which instances a text or an example picture means: match by proposal
-// (FreeGS, "Testing"). A query is compared once with one feature per instance,
-// whatever the number of views.
+// Finds the instances that a text or an example picture means (FreeGS,
+// "Testing": match by proposal). A query is compared with one vector per
+// instance, whatever the number of views.
+//
+//   FREEGS_ASSIGN_OR_RETURN(const InstanceFeatures features,
+//                           ReadInstanceFeatures(path));
+//   FREEGS_ASSIGN_OR_RETURN(const TextEmbedding text,
+//                           encoder.EncodeText("a red mug"));
+//   FREEGS_ASSIGN_OR_RETURN(const std::vector<float> canonical,
+//                           EncodeCanonicalPhrases(encoder));
+//   FREEGS_ASSIGN_OR_RETURN(
+//       const std::vector<TextHit> hits,
+//       QueryText(features, text.values, canonical, TextQueryOptions()));
 
 #ifndef FREEGS_SEMANTICS_QUERIES_TEXT_QUERY_H_
 #define FREEGS_SEMANTICS_QUERIES_TEXT_QUERY_H_
@@ -16,55 +26,52 @@
 namespace freegs::semantics {
 
 struct TextHit {
-  int id = 0;            // Instance.
-  double relevancy = 0;  // See clip/relevancy.h; one half is indifference.
-  double cosine = 0;     // Of feature and text.
+  int id = 0;            // Id of the instance.
+  double relevancy = 0;  // See clip/relevancy.h.
+  double cosine = 0;     // Of the vectors of instance and text.
 };
 
 struct ExampleHit {
-  int id = 0;         // Instance.
-  double cosine = 0;  // Of feature and picture.
+  int id = 0;         // Id of the instance.
+  double cosine = 0;  // Of the vectors of instance and picture.
 };
 
 struct TextQueryOptions {
-  // Instances of less relevancy are not hits; without any, what was asked for
-  // is not here. From one half on the instance is more like the text than like
-  // each of the encoder's canonical phrases. It says no more than that:
-  // relevancies of a small encoder lie close together, so that something of the
-  // wrong kind may pass, and a word that the encoder never learnt may be
-  // relevant anywhere. What is known about an encoder's own answers is better
-  // said with another threshold.
+  // Instances of less relevancy are not hits. If there is no hit, the scene
+  // does not have what the text says. From one half on, an instance is more
+  // like the text than like each of the canonical phrases of the encoder. This
+  // says no more than it does: the relevancies of a small encoder lie close
+  // together, so that a wrong thing may pass, and a word that the encoder never
+  // learnt may be relevant to anything. Another threshold may suit a particular
+  // encoder better.
   double min_relevancy = 0.5;
 
-  // At most so many hits, the best; 0 is no limit.
+  // The largest number of hits; the best ones are returned. 0 is no limit.
   int max_hits = 0;
 
-  // Whether instances that are large planes (floor, walls, table tops) may
-  // answer too.
+  // Whether large planes (floor, walls, table tops) may be hits.
   bool background = false;
 
   Status Check() const;
 };
 
+// As in TextQueryOptions. There is no threshold: cosines between pictures
+// differ from model to model, so that instances are only put in order.
 struct ExampleQueryOptions {
-  // Instances of less cosine are not hits. Cosines between pictures differ from
-  // model to model: there is no value that means the same for all, so that by
-  // default the instances are only put in order.
-  double min_cosine = -1;
-
-  int max_hits = 0;         // As above.
-  bool background = false;  // As above.
+  int max_hits = 0;
+  bool background = false;
 
   Status Check() const;
 };
 
-// The instances by descending relevancy of their features to the text; ties by
-// id. Instances of which nothing is known are left out.
+// Returns the instances by descending relevancy of their vectors to the text;
+// the smaller id first among equals. Instances of which nothing is known are
+// left out.
 //
-// text: of size features.dim and length 1. canonical: texts likewise, one after
-// another; as the phrases of clip/relevancy.h. is_background: per instance (row
-// of the features); empty where no instance is. kInvalidArgument for sizes that
-// disagree and for vectors that are not finite.
+// text: features.dim numbers, of length 1. canonical: likewise, one vector
+// after another; the phrases of clip/relevancy.h. is_background: per instance,
+// or empty if none is. kInvalidArgument for sizes that disagree and for vectors
+// that are zero or not finite.
 StatusOr<std::vector<TextHit>> QueryText(
     const InstanceFeatures& features,
     std::span<const float> text,
@@ -72,8 +79,8 @@ StatusOr<std::vector<TextHit>> QueryText(
     const TextQueryOptions& options,
     std::span<const uint8_t> is_background = {});
 
-// The same by descending cosine with a picture's vector (not zero, of any
-// length).
+// The same by descending cosine with the vector of a picture, which has any
+// length but zero.
 StatusOr<std::vector<ExampleHit>> QueryExample(
     const InstanceFeatures& features,
     std::span<const float> image_vector,

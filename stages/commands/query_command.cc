@@ -13,20 +13,20 @@
 #include <unistd.h>
 #include <utility>
 
-#include "core/number_text.h"
 #include "core/io/files.h"
+#include "core/number_text.h"
 #include "core/parallel.h"
 #include "pipeline/json_text.h"
 #include "pipeline/logger.h"
 #include "pipeline/progress_line.h"
-#include "semantics/queries/click_query.h"
 #include "semantics/clip/relevancy.h"
+#include "semantics/queries/click_query.h"
 #include "semantics/queries/instance_features.h"
-#include "stages/scene/clip_input.h"
 #include "stages/query/query_answer.h"
 #include "stages/query/query_masks.h"
 #include "stages/query/query_request.h"
 #include "stages/query/query_scene.h"
+#include "stages/scene/clip_input.h"
 #include "stages/scene/view_selection.h"
 
 namespace freegs::stages {
@@ -180,7 +180,6 @@ Status AnswerClick(const QueryRequest& request,
                                 std::to_string(view.camera.height) + " pixels");
   }
   Lap lap;
-  const semantics::ClickQueryOptions options;
   FREEGS_ASSIGN_OR_RETURN(const std::vector<semantics::ClickHit> all,
                           semantics::QueryClick(scene.scene->model,
                                                 scene.labels,
@@ -189,7 +188,6 @@ Status AnswerClick(const QueryRequest& request,
                                                 scene.scene->render,
                                                 static_cast<int>(x),
                                                 static_cast<int>(y),
-                                                options,
                                                 pool));
   answer->query_ms = lap.Milliseconds();
   answer->question = {{"kind", "click"},

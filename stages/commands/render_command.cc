@@ -214,7 +214,7 @@ StatusOr<std::vector<float>> ReadSemanticColors(const fs::path& workspace,
                          ": holds instances but no semantic vectors; run stage "
                          "bootstrap again with semantics");
   }
-  return semantics::SemanticColors(idsf.features, idsf.feature_dim, {}, pool);
+  return semantics::SemanticColors(idsf.features, idsf.feature_dim, pool);
 }
 
 StatusOr<std::unique_ptr<Renderer>> MakeRenderer(const RenderRequest& request,

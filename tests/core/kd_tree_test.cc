@@ -46,31 +46,6 @@ TEST(KdTreeTest, NearestEqualsBruteForceIncludingTies) {
   }
 }
 
-TEST(KdTreeTest, FewLeavesStillGiveAllNeighbors) {
-  std::vector<float> points(2000 * 3);
-  for (size_t i = 0; i < points.size(); ++i) {
-    points[i] = static_cast<float>(RandomUniform(9, 0, i));
-  }
-  const auto tree = KdTree::Build(points, 3);
-  ASSERT_TRUE(tree.ok());
-  std::vector<Neighbor> exact;
-  std::vector<Neighbor> found;
-  int equal = 0;
-  for (uint32_t i = 0; i < 2000; i += 10) {
-    tree->Nearest(&points[i * 3], 20, i, &exact);
-    tree->Nearest(&points[i * 3], 20, i, &found, 1);
-    ASSERT_EQ(found.size(), 20u);
-    for (int k = 0; k < 20; ++k) {
-      EXPECT_GE(found[k].distance2, exact[k].distance2);
-    }
-    tree->Nearest(&points[i * 3], 20, i, &found, 8);
-    equal += found.back().distance2 == exact.back().distance2;
-    tree->Nearest(&points[i * 3], 20, i, &found, 125);
-    EXPECT_EQ(found.back().distance2, exact.back().distance2);
-  }
-  EXPECT_GT(equal, 20);
-}
-
 TEST(KdTreeTest, FewerPointsThanAsked) {
   const std::vector<float> points = {0, 0, 1, 0, 5, 0};
   const auto tree = KdTree::Build(points, 2);

@@ -16,6 +16,8 @@
 namespace freegs::semantics {
 namespace {
 
+constexpr int kContext = 77;  // Of CLIP.
+
 using testing::ElementsAre;
 using testing::HasSubstr;
 
@@ -34,7 +36,7 @@ constexpr int32_t LastLetter(char c) { return 256 + c - '!'; }
 BytePairTokenizer Make() { return *BytePairTokenizer::Parse(kMerges); }
 
 std::vector<int32_t> Ids(const std::string& text) {
-  return Make().Tokenize(text)->ids;
+  return Make().Tokenize(text, kContext)->ids;
 }
 
 TEST(BytePairTokenizerTest, NumbersItsTokens) {
@@ -75,17 +77,19 @@ TEST(BytePairTokenizerTest, TruncatesAndSaysSo) {
 
 TEST(BytePairTokenizerTest, HostileText) {
   const BytePairTokenizer tokenizer = Make();
-  EXPECT_EQ(tokenizer.Tokenize(std::string(10001, 'a')).status().code(),
-            StatusCode::kInvalidArgument);
+  EXPECT_EQ(
+      tokenizer.Tokenize(std::string(10001, 'a'), kContext).status().code(),
+      StatusCode::kInvalidArgument);
   EXPECT_EQ(tokenizer.Tokenize("a", 2).status().code(),
             StatusCode::kInvalidArgument);
-  EXPECT_EQ(tokenizer.Tokenize(std::string(10000, 'a'))->ids.size(), 77u);
+  EXPECT_EQ(tokenizer.Tokenize(std::string(10000, 'a'), kContext)->ids.size(),
+            77u);
   for (uint64_t round = 0; round < 200; ++round) {
     std::string text;
     for (uint64_t i = 0; i < 300; ++i) {
       text.push_back(static_cast<char>(RandomBits(7, round, i)));
     }
-    const auto tokens = tokenizer.Tokenize(text);
+    const auto tokens = tokenizer.Tokenize(text, kContext);
     ASSERT_TRUE(tokens.ok());
     ASSERT_LE(tokens->ids.size(), 77u);
     for (const int32_t id : tokens->ids) {
@@ -123,7 +127,8 @@ TEST(BytePairTokenizerTest, ReadsPlainAndGzipFiles) {
   for (const char* name : {"plain", "packed"}) {
     const auto tokenizer = BytePairTokenizer::Load(folder / name);
     ASSERT_TRUE(tokenizer.ok()) << tokenizer.status().message();
-    EXPECT_EQ(tokenizer->Tokenize("red apple")->ids, Ids("red apple"));
+    EXPECT_EQ(tokenizer->Tokenize("red apple", kContext)->ids,
+              Ids("red apple"));
   }
   for (const char* name : {"damaged", "missing"}) {
     const auto tokenizer = BytePairTokenizer::Load(folder / name);
@@ -150,7 +155,7 @@ TEST(BytePairTokenizerTest, MatchesTheReference) {
   EXPECT_GE(cases.size(), 172u);
   for (const nlohmann::json& reference : cases) {
     const auto caption = reference["text"].get<std::string>();
-    const auto tokens = tokenizer->Tokenize(caption);
+    const auto tokens = tokenizer->Tokenize(caption, kContext);
     ASSERT_TRUE(tokens.ok()) << tokens.status().message();
     EXPECT_EQ(tokens->ids, reference["ids"].get<std::vector<int32_t>>())
         << caption;

@@ -7,6 +7,7 @@
 
 #include "semantics/clip/opencv_clip.h"
 #include "tests/semantics/clip/model_files.h"
+#include "tests/semantics/clip/token_table_file.h"
 
 namespace freegs::semantics {
 namespace {
@@ -195,8 +196,7 @@ TEST(ModelFolderTest, FilesMustFitTogether) {
   ExpectFault(folder->LoadTokenizer().status(), "vocab", "merges");
   model.Replace(
       "text_embedding",
-      SerializeTokenTable(
-          std::vector<float>(6), 3, 2, TokenTable::ElementType::kFloat32));
+      TokenTableFile(std::vector<float>(6), 3, 2, TokenNumbers::kFloat32));
   ExpectFault(
       folder->LoadTokenTable().status(), "text_embedding", "3 x 2 numbers");
   model.Replace("text_embedding", "x");

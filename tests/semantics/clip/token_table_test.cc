@@ -9,18 +9,19 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/semantics/clip/token_table_file.h"
+
 namespace freegs::semantics {
 namespace {
 
 using testing::ElementsAre;
-using Type = TokenTable::ElementType;
+using Type = TokenNumbers;
 
 const std::vector<float> kValues = {0.5f, -1, 2, 3, 0.25f, 0};
 
 TEST(TokenTableTest, ComesBackAsWritten) {
   for (const Type type : {Type::kFloat32, Type::kFloat16}) {
-    const auto table =
-        TokenTable::Parse(SerializeTokenTable(kValues, 3, 2, type));
+    const auto table = TokenTable::Parse(TokenTableFile(kValues, 3, 2, type));
     ASSERT_TRUE(table.ok()) << table.status().message();
     EXPECT_EQ(table->rows(), 3);
     EXPECT_EQ(table->columns(), 2);
@@ -34,7 +35,7 @@ TEST(TokenTableTest, ComesBackAsWritten) {
 
 TEST(TokenTableTest, RefusesEveryTruncationAndExtension) {
   for (const Type type : {Type::kFloat32, Type::kFloat16}) {
-    const std::string content = SerializeTokenTable(kValues, 3, 2, type);
+    const std::string content = TokenTableFile(kValues, 3, 2, type);
     for (size_t size = 0; size < content.size(); ++size) {
       EXPECT_EQ(TokenTable::Parse(content.substr(0, size)).status().code(),
                 StatusCode::kBadInput);
@@ -44,8 +45,7 @@ TEST(TokenTableTest, RefusesEveryTruncationAndExtension) {
 }
 
 TEST(TokenTableTest, RefusesLyingHeaders) {
-  const std::string content =
-      SerializeTokenTable(kValues, 3, 2, Type::kFloat32);
+  const std::string content = TokenTableFile(kValues, 3, 2, Type::kFloat32);
   for (const size_t offset : {0, 8, 12, 16, 20}) {
     for (const uint32_t value :
          {0u, 7u, 0x10000u, 0x7fffffffu, 0x80000000u, 0xffffffffu}) {
@@ -56,7 +56,7 @@ TEST(TokenTableTest, RefusesLyingHeaders) {
     }
   }
   // Sizes whose product overflows to the right number of bytes.
-  std::string damaged = SerializeTokenTable({}, 0, 0, Type::kFloat32);
+  std::string damaged = TokenTableFile({}, 0, 0, Type::kFloat32);
   for (const size_t offset : {16, 20}) {
     const uint32_t value = 1u << 31;
     std::memcpy(damaged.data() + offset, &value, 4);
@@ -70,15 +70,13 @@ TEST(TokenTableTest, RefusesWhatIsNotFinite) {
                           std::numeric_limits<float>::infinity()}) {
     values[3] = bad;
     for (const Type type : {Type::kFloat32, Type::kFloat16}) {
-      const auto table =
-          TokenTable::Parse(SerializeTokenTable(values, 3, 2, type));
+      const auto table = TokenTable::Parse(TokenTableFile(values, 3, 2, type));
       EXPECT_THAT(table.status().message(), testing::HasSubstr("token 1"));
     }
   }
   values[3] = 1e6f;  // Too large for 16 bits.
   EXPECT_FALSE(
-      TokenTable::Parse(SerializeTokenTable(values, 3, 2, Type::kFloat16))
-          .ok());
+      TokenTable::Parse(TokenTableFile(values, 3, 2, Type::kFloat16)).ok());
 }
 
 TEST(TokenTableTest, MissingFileIsNamed) {

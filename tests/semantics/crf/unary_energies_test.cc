@@ -27,15 +27,6 @@ TEST(UnaryEnergiesTest, OfLabels) {
   EXPECT_EQ((*single)(1, 1), 0);
 }
 
-TEST(UnaryEnergiesTest, OfProbabilities) {
-  ImageF probabilities(1, 1, 2);
-  probabilities(0, 0, 0) = 0.25f;
-  const auto unary = UnaryFromProbabilities(probabilities, 0.01);
-  ASSERT_TRUE(unary.ok());
-  EXPECT_NEAR((*unary)(0, 0, 0), -std::log(0.25), 1e-6);
-  EXPECT_NEAR((*unary)(0, 0, 1), -std::log(0.01), 1e-6);
-}
-
 TEST(UnaryEnergiesTest, RefusesWhatMakesNoSense) {
   constexpr auto kRefused = StatusCode::kInvalidArgument;
   const ImageU16 labels(2, 2, 1, 3);
@@ -47,15 +38,6 @@ TEST(UnaryEnergiesTest, RefusesWhatMakesNoSense) {
   EXPECT_EQ(UnaryFromLabels(labels, 65536, 0.5).status().code(), kRefused);
   for (const double confidence : {0.0, 1.0, std::nan("")}) {
     EXPECT_EQ(UnaryFromLabels(labels, 4, confidence).status().code(), kRefused);
-  }
-  for (const float bad : {-0.1f, std::nanf(""), HUGE_VALF}) {
-    EXPECT_EQ(UnaryFromProbabilities(ImageF(1, 1, 1, bad), 0.1).status().code(),
-              kRefused);
-  }
-  for (const double floor : {0.0, 1.1, std::nan("")}) {
-    EXPECT_EQ(
-        UnaryFromProbabilities(ImageF(1, 1, 1, 0.5f), floor).status().code(),
-        kRefused);
   }
 }
 

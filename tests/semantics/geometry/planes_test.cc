@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/random.h"
 #include "core/kd_tree.h"
+#include "core/random.h"
 #include "semantics/geometry/local_geometry.h"
 
 namespace freegs::semantics {
@@ -68,9 +68,6 @@ TEST(PlanesTest, SheetsOfOneSurfaceAreOnePlane) {
   EXPECT_EQ(MakeSheets(0.04).Find({.max_distance = 0.005}).planes.size(), 1u);
   const PlaneSegmentation apart = MakeSheets(0.2).Find({.max_distance = 0.005});
   EXPECT_EQ(apart.planes.size(), 2u);
-  const PlaneSegmentation kept =
-      MakeSheets(0.04).Find({.max_distance = 0.005, .sheet_distance = 0});
-  EXPECT_EQ(kept.planes.size(), 2u);
   // All points of both, but for a few.
   const PlaneSegmentation joined =
       MakeSheets(0.04).Find({.max_distance = 0.005});

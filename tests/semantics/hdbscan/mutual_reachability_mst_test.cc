@@ -148,52 +148,6 @@ TEST(MstTest, ManyIdenticalPointsStayFast) {
   EXPECT_EQ((*mst)[199999 - 200].weight2, 0);
 }
 
-TEST(MstTest, GraphOfAllNeighborsGivesTheExactTree) {
-  const std::vector<float> points = MakePoints(80, 3, 4, 0.1);
-  const auto tree = KdTree::Build(points, 3);
-  ASSERT_TRUE(tree.ok());
-  ThreadPool pool(2);
-  const auto cores = ComputeCoreDistances(*tree, 79, pool, nullptr);
-  ASSERT_TRUE(cores.ok());
-  const auto exact = MutualReachabilityMst(*tree, *cores, pool, nullptr);
-  const auto graph = NeighborGraphMst(*tree, *cores, 79, pool, nullptr);
-  ASSERT_TRUE(exact.ok() && graph.ok());
-  EXPECT_EQ(*exact, *graph);
-  EXPECT_FALSE(NeighborGraphMst(*tree, *cores, 0, pool, nullptr).ok());
-}
-
-TEST(MstTest, NeighborGraphIsJoinedAndHardlyHeavier) {
-  // Four blobs: no list leads from one to another.
-  for (const double grid : {0.0, 0.05}) {
-    const std::vector<float> points = MakePoints(3000, 6, 2, grid);
-    const auto tree = KdTree::Build(points, 6);
-    ASSERT_TRUE(tree.ok());
-    ThreadPool pool(1);
-    const auto cores = ComputeCoreDistances(*tree, 8, pool, nullptr);
-    ASSERT_TRUE(cores.ok());
-    const auto exact = MutualReachabilityMst(*tree, *cores, pool, nullptr);
-    ASSERT_TRUE(exact.ok());
-    const auto weight = [](const std::vector<MstEdge>& edges) {
-      double sum = 0;
-      for (const MstEdge& edge : edges) sum += std::sqrt(edge.weight2);
-      return sum;
-    };
-    for (const int neighbors : {1, 3, 8, 100}) {
-      const auto graph =
-          NeighborGraphMst(*tree, *cores, neighbors, pool, nullptr);
-      ASSERT_TRUE(graph.ok());
-      EXPECT_EQ(graph->size(), 2999u);
-      EXPECT_GE(weight(*graph), weight(*exact) * (1 - 1e-12));
-      EXPECT_LE(weight(*graph), weight(*exact) * 1.05);
-      ThreadPool three(3);
-      const auto again =
-          NeighborGraphMst(*tree, *cores, neighbors, three, nullptr);
-      ASSERT_TRUE(again.ok());
-      EXPECT_EQ(*again, *graph);
-    }
-  }
-}
-
 TEST(MstTest, NoPointsAndOnePoint) {
   ThreadPool pool(1);
   for (const int count : {0, 1}) {

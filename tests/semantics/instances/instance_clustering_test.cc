@@ -120,7 +120,7 @@ TEST(InstanceClusteringTest, RefusesBadOptions) {
   options.space.color_weight = std::nan("");
   EXPECT_FALSE(ClusterInstances(model, {}, {}, options, 0, pool, nullptr).ok());
   options = {};
-  options.planes.min_share = 0;
+  options.planes.min_width = -1;
   EXPECT_FALSE(ClusterInstances(model, {}, {}, options, 0, pool, nullptr).ok());
 }
 

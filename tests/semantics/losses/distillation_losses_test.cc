@@ -17,17 +17,16 @@ constexpr int kChannels = 5;
 constexpr size_t kRows = 9;
 const float kNan = std::numeric_limits<float>::quiet_NaN();
 
-// sum_p w_p |F_p - T_p|_1 / (C sum_p w_p) over rows that have a target.
+// sum_p |F_p - T_p|_1 / (C P) over the P rows that have a target.
 double Reference(const std::vector<double>& features,
-                 const std::vector<const float*>& targets,
-                 const std::vector<float>& weights) {
+                 const std::vector<const float*>& targets) {
   double sum = 0;
   double total = 0;
   for (size_t p = 0; p < targets.size(); ++p) {
     if (!targets[p]) continue;
-    total += weights[p];
+    total += 1;
     for (int c = 0; c < kChannels; ++c) {
-      sum += weights[p] * std::abs(features[p * kChannels + c] - targets[p][c]);
+      sum += std::abs(features[p * kChannels + c] - targets[p][c]);
     }
   }
   return sum / (total * kChannels);
@@ -38,56 +37,40 @@ class DistillationLosses : public testing::Test {
   ThreadPool pool_{2};
   std::vector<float> decoded_ = RandomValues(kRows * kChannels, 1);
   std::vector<float> gradients_ = std::vector<float>(decoded_.size(), 0.0f);
-  std::vector<float> row_weights_ = {1, 0.5f, 0, 2, 0.1f, 1, 1, 0.3f, 0.7f};
 };
 
 TEST_F(DistillationLosses, PixelGradientIsThatOfTheFormula) {
   const std::vector<float> targets = RandomValues(decoded_.size(), 2);
   std::vector<const float*> rows;
   for (size_t p = 0; p < kRows; ++p) rows.push_back(&targets[p * kChannels]);
-  for (const bool weighted : {false, true}) {
-    const std::vector<float> weights =
-        weighted ? row_weights_ : std::vector<float>(kRows, 1.0f);
-    std::vector<float> gradients(decoded_.size(), 1.0f);  // Added to.
-    const StatusOr<double> loss = PixelDistillationLoss(
-        decoded_,
-        targets,
-        kChannels,
-        weighted ? std::span<const float>(weights) : std::span<const float>(),
-        3.0,
-        pool_,
-        gradients);
-    ASSERT_TRUE(loss.ok()) << loss.status().message();
-    EXPECT_NEAR(*loss, Reference(ToDouble(decoded_), rows, weights), 1e-6);
-    for (float& g : gradients) g -= 1;
-    ExpectSameGradient(gradients,
-                       CentralDifferences(
-                           [&](const std::vector<double>& x) {
-                             return 3.0 * Reference(x, rows, weights);
-                           },
-                           ToDouble(decoded_)));
-  }
+  std::vector<float> gradients(decoded_.size(), 1.0f);  // Added to.
+  const StatusOr<double> loss = PixelDistillationLoss(
+      decoded_, targets, kChannels, 3.0, pool_, gradients);
+  ASSERT_TRUE(loss.ok()) << loss.status().message();
+  EXPECT_NEAR(*loss, Reference(ToDouble(decoded_), rows), 1e-6);
+  for (float& g : gradients) g -= 1;
+  ExpectSameGradient(gradients,
+                     CentralDifferences(
+                         [&](const std::vector<double>& x) {
+                           return 3.0 * Reference(x, rows);
+                         },
+                         ToDouble(decoded_)));
 }
 
 TEST_F(DistillationLosses, PixelLossOfEqualFeaturesIsZeroAndStill) {
   const StatusOr<double> loss = PixelDistillationLoss(
-      decoded_, decoded_, kChannels, {}, 1.0, pool_, gradients_);
+      decoded_, decoded_, kChannels, 1.0, pool_, gradients_);
   EXPECT_EQ(*loss, 0);
   EXPECT_TRUE(AllZero(gradients_));
 }
 
 TEST_F(DistillationLosses, NothingToCompareIsZero) {
-  const std::vector<float> targets = RandomValues(decoded_.size(), 2);
-  const std::vector<float> none(kRows, 0.0f);
-  EXPECT_EQ(*PixelDistillationLoss(
-                decoded_, targets, kChannels, none, 1.0, pool_, gradients_),
+  EXPECT_EQ(*PixelDistillationLoss({}, {}, kChannels, 1.0, pool_, {}), 0);
+  EXPECT_EQ(*InstanceDistillationLoss({}, kChannels, {}, {}, 1.0, pool_, {}),
             0);
-  EXPECT_EQ(*PixelDistillationLoss({}, {}, kChannels, {}, 1.0, pool_, {}), 0);
-  EXPECT_EQ(
-      *InstanceDistillationLoss({}, kChannels, {}, {}, {}, 1.0, pool_, {}), 0);
   const std::vector<int32_t> ids(kRows, -1);
   EXPECT_EQ(*InstanceDistillationLoss(
-                decoded_, kChannels, ids, {}, {}, 1.0, pool_, gradients_),
+                decoded_, kChannels, ids, {}, 1.0, pool_, gradients_),
             0);
   EXPECT_TRUE(AllZero(gradients_));
 }
@@ -101,32 +84,21 @@ TEST_F(DistillationLosses, InstanceGradientIsThatOfTheFormula) {
   for (const int32_t id : ids) {
     rows.push_back(id < 0 || !known[id] ? nullptr : &table[id * kChannels]);
   }
-  for (const bool weighted : {false, true}) {
-    const std::vector<float> weights =
-        weighted ? row_weights_ : std::vector<float>(kRows, 1.0f);
-    std::vector<float> gradients(decoded_.size(), 0.0f);
-    const StatusOr<double> loss = InstanceDistillationLoss(
-        decoded_,
-        kChannels,
-        ids,
-        {table, known},
-        weighted ? std::span<const float>(weights) : std::span<const float>(),
-        0.3,
-        pool_,
-        gradients);
-    ASSERT_TRUE(loss.ok()) << loss.status().message();
-    EXPECT_NEAR(*loss, Reference(ToDouble(decoded_), rows, weights), 1e-6);
-    ExpectSameGradient(gradients,
-                       CentralDifferences(
-                           [&](const std::vector<double>& x) {
-                             return 0.3 * Reference(x, rows, weights);
-                           },
-                           ToDouble(decoded_)));
-    for (size_t p = 0; p < kRows; ++p) {
-      if (rows[p]) continue;
-      EXPECT_TRUE(
-          AllZero(std::span(gradients).subspan(p * kChannels, kChannels)));
-    }
+  std::vector<float> gradients(decoded_.size(), 0.0f);
+  const StatusOr<double> loss = InstanceDistillationLoss(
+      decoded_, kChannels, ids, {table, known}, 0.3, pool_, gradients);
+  ASSERT_TRUE(loss.ok()) << loss.status().message();
+  EXPECT_NEAR(*loss, Reference(ToDouble(decoded_), rows), 1e-6);
+  ExpectSameGradient(gradients,
+                     CentralDifferences(
+                         [&](const std::vector<double>& x) {
+                           return 0.3 * Reference(x, rows);
+                         },
+                         ToDouble(decoded_)));
+  for (size_t p = 0; p < kRows; ++p) {
+    if (rows[p]) continue;
+    EXPECT_TRUE(
+        AllZero(std::span(gradients).subspan(p * kChannels, kChannels)));
   }
 }
 
@@ -137,25 +109,18 @@ TEST_F(DistillationLosses, RefuseWhatDoesNotFit) {
   std::vector<float> targets = RandomValues(decoded_.size(), 2);
   const auto pixel = [&](std::span<const float> target,
                          int channels,
-                         std::span<const float> weights,
                          std::span<float> gradients) {
     return PixelDistillationLoss(
-        decoded_, target, channels, weights, 1.0, pool_, gradients);
+        decoded_, target, channels, 1.0, pool_, gradients);
   };
   const std::span<const float> all = targets;
   const std::span<float> out = gradients_;
-  EXPECT_TRUE(refused(pixel(all.first(5), kChannels, {}, out)));
-  EXPECT_TRUE(refused(pixel(all, 0, {}, out)));
-  EXPECT_TRUE(refused(pixel(all, 7, {}, out)));
-  EXPECT_TRUE(refused(pixel(all, kChannels, {}, out.first(3))));
-  EXPECT_TRUE(refused(pixel(all, kChannels, all.first(2), out)));
-  for (const float bad :
-       {-1.0f, kNan, std::numeric_limits<float>::infinity()}) {
-    row_weights_[3] = bad;
-    EXPECT_TRUE(refused(pixel(all, kChannels, row_weights_, out)));
-  }
+  EXPECT_TRUE(refused(pixel(all.first(5), kChannels, out)));
+  EXPECT_TRUE(refused(pixel(all, 0, out)));
+  EXPECT_TRUE(refused(pixel(all, 7, out)));
+  EXPECT_TRUE(refused(pixel(all, kChannels, out.first(3))));
   targets[7] = kNan;
-  EXPECT_TRUE(refused(pixel(all, kChannels, {}, out)));
+  EXPECT_TRUE(refused(pixel(all, kChannels, out)));
   for (const float g : gradients_) EXPECT_TRUE(std::isfinite(g));
 
   const std::vector<float> table = RandomValues(2 * kChannels, 3);
@@ -164,7 +129,7 @@ TEST_F(DistillationLosses, RefuseWhatDoesNotFit) {
   const auto instance = [&](std::span<const float> features,
                             std::span<const int32_t> of) {
     return InstanceDistillationLoss(
-        decoded_, kChannels, of, {features, known}, {}, 1.0, pool_, gradients_);
+        decoded_, kChannels, of, {features, known}, 1.0, pool_, gradients_);
   };
   EXPECT_TRUE(instance(table, ids).ok());
   EXPECT_TRUE(refused(instance(std::span(table).first(7), ids)));
@@ -185,7 +150,7 @@ TEST_F(DistillationLosses, AreTheSameBytesForAnyNumberOfThreads) {
     ThreadPool pool(threads);
     std::vector<float> gradients(decoded.size(), 0.0f);
     losses.push_back(*PixelDistillationLoss(
-        decoded, targets, kChannels, {}, 1.0, pool, gradients));
+        decoded, targets, kChannels, 1.0, pool, gradients));
     results.push_back(gradients);
   }
   for (size_t k = 1; k < losses.size(); ++k) {

@@ -28,7 +28,6 @@ TEST(BoundaryWidth, IsTwoPercentOfTheDiagonal) {
   EXPECT_EQ(BoundaryWidth(640, 480), 16);
   EXPECT_EQ(BoundaryWidth(100, 100), 3);  // 2.83.
   EXPECT_EQ(BoundaryWidth(4, 3), 1);
-  EXPECT_EQ(BoundaryWidth(4, 3, 0.4), 2);
 }
 
 TEST(MaskBoundary, CountsByHand) {

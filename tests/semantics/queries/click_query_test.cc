@@ -34,8 +34,8 @@ TEST(ClickQueryTest, AnswersWhatTheLabelImageShows) {
   std::set<int> seen;
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
-      const auto hits = QueryClick(
-          model, labels, camera, splat::TestPose(), {}, x, y, {}, pool);
+      const auto hits =
+          QueryClick(model, labels, camera, splat::TestPose(), {}, x, y, pool);
       ASSERT_TRUE(hits.ok());
       EXPECT_EQ(hits->empty() ? -1 : (*hits)[0].id - 1, image(x, y))
           << x << " " << y;
@@ -58,7 +58,7 @@ TEST(ClickQueryTest, ThePointLiesOnTheRayAtTheInstancesDepth) {
   const Pinhole camera = splat::TestCamera(40, 30);
   const Rigid3d pose = splat::TestPose();
   const auto hits = QueryClick(
-      model, std::vector<int32_t>{6}, camera, pose, {}, 23, 11, {}, pool);
+      model, std::vector<int32_t>{6}, camera, pose, {}, 23, 11, pool);
   ASSERT_TRUE(hits.ok());
   ASSERT_EQ(hits->size(), 1u);
   EXPECT_EQ((*hits)[0].id, 7);
@@ -72,38 +72,28 @@ TEST(ClickQueryTest, WrongArguments) {
   ThreadPool pool(1);
   const splat::GaussianModel model = splat::RandomModel(10, 0, 3);
   const Pinhole camera = splat::TestCamera(40, 30);
-  const auto code = [&](const std::vector<int32_t>& labels,
-                        int x,
-                        const ClickQueryOptions& options) {
-    return QueryClick(model,
-                      labels,
-                      camera,
-                      splat::TestPose(),
-                      {},
-                      x,
-                      3,
-                      options,
-                      pool)
+  const auto code = [&](const std::vector<int32_t>& labels, int x) {
+    return QueryClick(model, labels, camera, splat::TestPose(), {}, x, 3, pool)
         .status()
         .code();
   };
-  EXPECT_EQ(code(MixedLabels(9), 5, {}), StatusCode::kInvalidArgument);
-  EXPECT_EQ(code(MixedLabels(10), 40, {}), StatusCode::kInvalidArgument);
-  EXPECT_EQ(code(MixedLabels(10), 5, {.min_weight = 2}),
-            StatusCode::kInvalidArgument);
-  EXPECT_EQ(code(MixedLabels(10), 5, {}), StatusCode::kOk);
+  EXPECT_EQ(code(MixedLabels(9), 5), StatusCode::kInvalidArgument);
+  EXPECT_EQ(code(MixedLabels(10), 40), StatusCode::kInvalidArgument);
+  EXPECT_EQ(code(MixedLabels(10), 5), StatusCode::kOk);
 }
 
-// A plane (0) with a block (1) of 4 x 4 on it, a thin diagonal (2) of 8, and
+// A plane (0) with a block (1) of 12 x 12 on it, a thin diagonal (2) of 24, and
 // a stray pixel of the block far away.
 Image<int32_t> Picture() {
-  Image<int32_t> image(30, 20, 1, 0);
-  for (int y = 0; y < 20; ++y) image(29, y) = -1;
-  for (int y = 4; y < 8; ++y) {
-    for (int x = 5; x < 9; ++x) image(x, y) = 1;
+  Image<int32_t> image(90, 60, 1, 0);
+  for (int y = 0; y < 60; ++y) {
+    for (int x = 87; x < 90; ++x) image(x, y) = -1;
   }
-  for (int k = 0; k < 8; ++k) image(15 + k, 6 + k) = 2;
-  image(1, 18) = 1;
+  for (int y = 12; y < 24; ++y) {
+    for (int x = 15; x < 27; ++x) image(x, y) = 1;
+  }
+  for (int k = 0; k < 24; ++k) image(45 + k, 18 + k) = 2;
+  image(3, 54) = 1;
   return image;
 }
 
@@ -115,42 +105,41 @@ std::vector<int> Ids(const StatusOr<std::vector<BoxHit>>& hits) {
 }
 
 TEST(BoxQueryTest, TheInstanceThatTheBoxIsDrawnAround) {
-  const auto block = QueryBox(Picture(), {5, 4, 9, 8}, {.trim = 0.06});
+  const auto block = QueryBox(Picture(), {15, 12, 27, 24}, {});
   EXPECT_THAT(Ids(block), ElementsAre(2));
   EXPECT_NEAR((*block)[0].iou, 1, 1e-9);
   // The plane fills the box, the diagonal only its own pixels.
-  const auto thin = QueryBox(Picture(), {23, 14, 15, 6}, {});
+  const auto thin = QueryBox(Picture(), {69, 42, 45, 18}, {});
   EXPECT_THAT(Ids(thin), ElementsAre(3, 1));
   EXPECT_NEAR((*thin)[0].iou, 1, 1e-9);
-  EXPECT_NEAR((*thin)[1].iou, 64.0 / (29 * 20), 1e-9);
+  EXPECT_NEAR((*thin)[1].iou, 576.0 / (87 * 60), 1e-9);
 }
 
 TEST(BoxQueryTest, LargePlanesOnlyWhenAskedFor) {
   const std::vector<uint8_t> background = {1};
-  EXPECT_THAT(Ids(QueryBox(Picture(), {0, 0, 30, 20}, {}, background)),
-              ElementsAre(2, 3));
+  EXPECT_THAT(Ids(QueryBox(Picture(), {0, 0, 90, 60}, {}, background)),
+              ElementsAre(3, 2));
   EXPECT_THAT(Ids(QueryBox(
-                  Picture(), {0, 0, 30, 20}, {.background = true}, background)),
-              ElementsAre(1, 2, 3));
-  EXPECT_THAT(Ids(QueryBox(Picture(), {10, 0, 12, 2}, {}, background)),
+                  Picture(), {0, 0, 90, 60}, {.background = true}, background)),
+              ElementsAre(1, 3, 2));
+  EXPECT_THAT(Ids(QueryBox(Picture(), {30, 0, 36, 6}, {}, background)),
               ElementsAre());
 }
 
 TEST(BoxQueryTest, BoxesAreCutAtTheImage) {
-  EXPECT_THAT(Ids(QueryBox(Picture(), {-1e300, -5, 9, 8}, {.trim = 0.06})),
+  EXPECT_THAT(Ids(QueryBox(Picture(), {-1e300, -15, 27, 24}, {})),
               ElementsAre(2, 1));
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double inf = std::numeric_limits<double>::infinity();
-  for (const PixelBox& box : {PixelBox{5, 4, 5, 8},
-                              PixelBox{30, 4, 40, 8},
-                              PixelBox{-9, 4, -1, 8},
-                              PixelBox{nan, 4, 9, 8},
-                              PixelBox{0, 4, inf, 8}}) {
+  for (const PixelBox& box : {PixelBox{15, 12, 15, 24},
+                              PixelBox{90, 12, 120, 24},
+                              PixelBox{-27, 12, -3, 24},
+                              PixelBox{nan, 12, 27, 24},
+                              PixelBox{0, 12, inf, 24}}) {
     EXPECT_EQ(QueryBox(Picture(), box, {}).status().code(),
               StatusCode::kInvalidArgument);
   }
   EXPECT_FALSE(QueryBox(Image<int32_t>(), {0, 0, 1, 1}, {}).ok());
-  EXPECT_FALSE(QueryBox(Picture(), {5, 4, 9, 8}, {.trim = 0.5}).ok());
 }
 
 }  // namespace

@@ -74,12 +74,13 @@ TEST(TextQueryTest, ExamplesGoByCosine) {
   const auto hits = QueryExample(MakeFeatures(), image, options);
   EXPECT_THAT(Ids(hits), ElementsAre(3, 2, 1, 5));
   EXPECT_NEAR((*hits)[0].cosine, 1, 1e-6);
-  options.min_cosine = 0.5;
+  options.max_hits = 2;
   EXPECT_THAT(Ids(QueryExample(MakeFeatures(), image, options)),
               ElementsAre(3, 2));
+  options.max_hits = 0;
   const std::vector<uint8_t> background = {0, 0, 1, 0, 0};
   EXPECT_THAT(Ids(QueryExample(MakeFeatures(), image, options, background)),
-              ElementsAre(2));
+              ElementsAre(2, 1, 5));
 }
 
 TEST(TextQueryTest, NoInstancesNoHits) {
@@ -121,7 +122,7 @@ TEST(TextQueryTest, OptionsHaveRanges) {
   text.max_hits = -1;
   EXPECT_FALSE(text.Check().ok());
   ExampleQueryOptions example;
-  example.min_cosine = 2;
+  example.max_hits = -1;
   EXPECT_FALSE(QueryExample(MakeFeatures(), kX, example).ok());
 }
 
