@@ -50,6 +50,56 @@ std::optional<splat::ImportanceMetric> ParseImportance(
   return std::nullopt;
 }
 
+void RegisterDensificationOptions(ReconstructStageOptions& options,
+                                  pipeline::OptionTable& table) {
+  table.Add("reconstruct.densification",
+            &options.densification,
+            {.help = "How Gaussians are placed. mini_splatting: many, then "
+                     "cut down to the important ones. gradient: cloned and "
+                     "split where the image asks "
+                     "for it (3DGS). none: the points of structure from "
+                     "motion.",
+             .choices = {"mini_splatting", "gradient", "none"}});
+  table.Add("reconstruct.budget",
+            &options.budget,
+            {.help = "Upper bound of the number of Gaussians of the result. "
+                     "auto: as many, of as high an SH degree, as the holdout "
+                     "photos still gain from, and no more than budget_limit; 0 "
+                     "is no bound."});
+  table.Add("reconstruct.budget_limit",
+            &options.budget_limit,
+            {.help = "The most Gaussians that budget = auto considers.",
+             .min = 1000,
+             .max = 100000000});
+  table.Add("reconstruct.depth_reinit",
+            &options.depth_reinit,
+            {.help = "Whether mini_splatting starts again from depth maps, "
+                     "twice before half of the iterations. auto: when there "
+                     "are 20000 or more.",
+             .choices = {"auto", "always", "never"}});
+  table.Add("reconstruct.importance",
+            &options.importance,
+            {.help = "How mini_splatting measures which Gaussians are "
+                     "important: indoor suits bounded scenes, outdoor those "
+                     "with a far background; auto looks at the points.",
+             .choices = {"auto", "indoor", "outdoor"}});
+  table.Add("reconstruct.densify_interval",
+            &options.densify_interval,
+            {.help = "Iterations between densifications; 0 never clones or "
+                     "splits.",
+             .min = 0});
+  table.Add("reconstruct.densify_gradient",
+            &options.densify_gradient,
+            {.help = "Gaussians whose mean gradient in the image (which spans "
+                     "-1 to 1) is larger are cloned or split.",
+             .min = 0});
+  table.Add("reconstruct.opacity_reset_interval",
+            &options.opacity_reset_interval,
+            {.help = "Opacities are set to 0.01 every so many iterations "
+                     "while densifying by gradient; 0 never does.",
+             .min = 0});
+}
+
 }  // namespace
 
 splat::RenderOptions ReconstructRenderOptions(
@@ -112,52 +162,7 @@ void RegisterReconstructOptions(ReconstructStageOptions& options,
                      "depend on the viewing direction.",
              .min = 0,
              .max = 3});
-  table.Add("reconstruct.densification",
-            &options.densification,
-            {.help = "How Gaussians are placed. mini_splatting: many, then "
-                     "cut down to the important ones. gradient: cloned and "
-                     "split where the image asks "
-                     "for it (3DGS). none: the points of structure from "
-                     "motion.",
-             .choices = {"mini_splatting", "gradient", "none"}});
-  table.Add("reconstruct.budget",
-            &options.budget,
-            {.help = "Upper bound of the number of Gaussians of the result. "
-                     "auto: as many, of as high an SH degree, as the holdout "
-                     "photos still gain from, and no more than budget_limit; 0 "
-                     "is no bound."});
-  table.Add("reconstruct.budget_limit",
-            &options.budget_limit,
-            {.help = "The most Gaussians that budget = auto considers.",
-             .min = 1000,
-             .max = 100000000});
-  table.Add("reconstruct.depth_reinit",
-            &options.depth_reinit,
-            {.help = "Whether mini_splatting starts again from depth maps, "
-                     "twice before half of the iterations. auto: when there "
-                     "are 20000 or more.",
-             .choices = {"auto", "always", "never"}});
-  table.Add("reconstruct.importance",
-            &options.importance,
-            {.help = "How mini_splatting measures which Gaussians are "
-                     "important: indoor suits bounded scenes, outdoor those "
-                     "with a far background; auto looks at the points.",
-             .choices = {"auto", "indoor", "outdoor"}});
-  table.Add("reconstruct.densify_interval",
-            &options.densify_interval,
-            {.help = "Iterations between densifications; 0 never clones or "
-                     "splits.",
-             .min = 0});
-  table.Add("reconstruct.densify_gradient",
-            &options.densify_gradient,
-            {.help = "Gaussians whose mean gradient in the image (which spans "
-                     "-1 to 1) is larger are cloned or split.",
-             .min = 0});
-  table.Add("reconstruct.opacity_reset_interval",
-            &options.opacity_reset_interval,
-            {.help = "Opacities are set to 0.01 every so many iterations "
-                     "while densifying by gradient; 0 never does.",
-             .min = 0});
+  RegisterDensificationOptions(options, table);
   table.Add("reconstruct.coarse_to_fine",
             &options.coarse_to_fine,
             {.help = "Train on small images first, for as long as what is in "

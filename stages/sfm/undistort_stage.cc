@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "sfm/scene/model_io.h"
 #include "sfm/colmap/undistortion.h"
+#include "sfm/scene/model_io.h"
 
 namespace freegs::stages {
 namespace {
