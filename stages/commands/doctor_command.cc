@@ -21,8 +21,8 @@
 #include "pipeline/system_info.h"
 #include "pipeline/version.h"
 #include "sfm/colmap/colmap_program.h"
-#include "stages/scene/clip_input.h"
 #include "stages/registry/pipeline_options.h"
+#include "stages/scene/clip_input.h"
 
 namespace freegs::stages {
 namespace {

@@ -14,18 +14,18 @@
 #include "core/io/files.h"
 #include "core/parallel.h"
 #include "pipeline/json_text.h"
-#include "stages/evaluation/consistency_evaluation.h"
 #include "stages/datasets/layout.h"
+#include "stages/evaluation/consistency_evaluation.h"
 #include "stages/evaluation/evaluation.h"
 #include "stages/evaluation/evaluation_report.h"
 #include "stages/evaluation/gaussian_answers.h"
 #include "stages/evaluation/instance_evaluation.h"
 #include "stages/evaluation/label_answers.h"
-#include "stages/registry/pipeline_options.h"
-#include "stages/scene/scene_instances.h"
 #include "stages/evaluation/text_evaluation.h"
-#include "stages/scene/workspace_scene.h"
+#include "stages/registry/pipeline_options.h"
 #include "stages/scene/scene_alignment.h"
+#include "stages/scene/scene_instances.h"
+#include "stages/scene/workspace_scene.h"
 
 namespace freegs::stages {
 namespace {
@@ -126,7 +126,9 @@ StatusOr<AlignedTruth> ReadAlignedTruth(const EvalRequest& request,
   GroundTruth& truth = aligned.truth;
   report->truth = truth.folder.string();
   if (truth.unposed.empty()) {
-    FREEGS_ASSIGN_OR_RETURN(report->poses, AlignWithViews(scene, truth.cameras.train, truth.folder.string()));
+    FREEGS_ASSIGN_OR_RETURN(
+        report->poses,
+        AlignWithViews(scene, truth.cameras.train, truth.folder.string()));
     report->num_true_poses = truth.cameras.train.size();
     report->camera_extent = CameraExtent(truth.cameras.train);
     aligned.truth_from_scene = report->poses->target_from_source;
@@ -283,12 +285,9 @@ Status RunEvalCommand(const std::vector<std::string>& arguments,
   FREEGS_ASSIGN_OR_RETURN(const auto instances,
                           ReadInstances(request.workspace, scene, context));
   if (instances) {
-    FREEGS_ASSIGN_OR_RETURN(report.consistency,
-                            MeasureViewConsistency(scene,
-                                                   *instances,
-                                                   ConsistencyOptions(),
-                                                   context.cancellation,
-                                                   pool));
+    FREEGS_ASSIGN_OR_RETURN(
+        report.consistency,
+        MeasureViewConsistency(scene, *instances, context.cancellation, pool));
   }
   if (!request.truth.empty()) {
     FREEGS_RETURN_IF_ERROR(

@@ -12,10 +12,11 @@
 
 namespace freegs::stages {
 
-// The suffix of FILE (in any case) says the format: .ply (see splat/scene/ply_io.h)
-// or .splat (see splat/scene/splat_format.h). --what instances exports the Gaussians
-// in their instances' colours instead of their own. --only 3,17 writes the
-// Gaussians of those instances only, --without 3,17 all others.
+// The suffix of FILE (in any case) says the format: .ply (see
+// splat/scene/ply_io.h) or .splat (see splat/scene/splat_format.h). --what
+// instances exports the Gaussians in their instances' colours instead of their
+// own. --only 3,17 writes the Gaussians of those instances only, --without 3,17
+// all others.
 Status RunExportCommand(const std::vector<std::string>& arguments,
                         CommandContext& context);
 

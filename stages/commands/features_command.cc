@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <memory>
 
-#include "core/number_text.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
+#include "core/number_text.h"
 #include "core/parallel.h"
 #include "pipeline/option_table.h"
 #include "semantics/clip/feature_cache.h"

@@ -13,20 +13,20 @@
 #include <unistd.h>
 #include <utility>
 
-#include "core/number_text.h"
 #include "core/io/files.h"
+#include "core/number_text.h"
 #include "core/parallel.h"
 #include "pipeline/json_text.h"
 #include "pipeline/logger.h"
 #include "pipeline/progress_line.h"
-#include "semantics/queries/click_query.h"
 #include "semantics/clip/relevancy.h"
+#include "semantics/queries/click_query.h"
 #include "semantics/queries/instance_features.h"
-#include "stages/scene/clip_input.h"
 #include "stages/query/query_answer.h"
 #include "stages/query/query_masks.h"
 #include "stages/query/query_request.h"
 #include "stages/query/query_scene.h"
+#include "stages/scene/clip_input.h"
 #include "stages/scene/view_selection.h"
 
 namespace freegs::stages {

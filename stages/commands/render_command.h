@@ -21,9 +21,9 @@ namespace freegs::stages {
 //              pictures;
 //   instances  16-bit, instance id, 0 is none; DIR/preview/ likewise;
 //   semantics  8-bit RGB, the first principal axes of the semantic vectors.
-// FILE (cameras.json, see stages/evaluation/ground_truth.h) may be in another world frame:
-// it is aligned by the similarity between the poses of the photos that both
-// name, unless --no-align is given.
+// FILE (cameras.json, see stages/evaluation/ground_truth.h) may be in another
+// world frame: it is aligned by the similarity between the poses of the photos
+// that both name, unless --no-align is given.
 Status RunRenderCommand(const std::vector<std::string>& arguments,
                         CommandContext& context);
 

@@ -9,12 +9,12 @@
 #include <utility>
 
 #include "core/io/files.h"
+#include "photos/photo_scan.h"
 #include "pipeline/logger.h"
 #include "pipeline/stage_record.h"
 #include "pipeline/stage_runner.h"
 #include "pipeline/version.h"
 #include "pipeline/workspace.h"
-#include "photos/photo_scan.h"
 #include "stages/registry/pipeline_options.h"
 #include "stages/registry/stage_registry.h"
 

@@ -6,8 +6,8 @@
 #include <system_error>
 #include <utility>
 
-#include "sfm/scene/model_io.h"
 #include "sfm/import/name_matching.h"
+#include "sfm/scene/model_io.h"
 #include "stages/datasets/lerf_mask.h"
 #include "stages/datasets/mask_folders.h"
 #include "stages/datasets/scannet.h"

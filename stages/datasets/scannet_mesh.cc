@@ -19,6 +19,9 @@ using splat::PlyValueReader;
 
 constexpr size_t kMaxPieces = 65535;
 
+// Smaller pieces are scraps of the scan rather than objects.
+constexpr int64_t kMinVertices = 50;
+
 // NYU40's classes (Gupta et al. 2013), from 1.
 constexpr std::array<const char*, 40> kClasses = {"wall",
                                                   "floor",
@@ -205,8 +208,7 @@ StatusOr<ScannetMesh> ParseScannetMesh(std::string_view ply,
   return mesh;
 }
 
-StatusOr<ScannetPieces> FindPieces(const ScannetMesh& mesh,
-                                   int64_t min_vertices) {
+StatusOr<ScannetPieces> FindPieces(const ScannetMesh& mesh) {
   if (mesh.labels.size() != mesh.vertices.size()) {
     return InvalidArgumentError("a mesh without labels");
   }
@@ -217,7 +219,7 @@ StatusOr<ScannetPieces> FindPieces(const ScannetMesh& mesh,
   for (const uint32_t root : roots) ++sizes[root];
   for (uint32_t v = 0; v < roots.size(); ++v) {
     const int label = mesh.labels[v];
-    if (roots[v] != v || sizes[v] < min_vertices || label < 1 ||
+    if (roots[v] != v || sizes[v] < kMinVertices || label < 1 ||
         label > static_cast<int>(kClasses.size())) {
       continue;
     }

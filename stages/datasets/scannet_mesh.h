@@ -41,8 +41,7 @@ struct ScannetPieces {
 // of them, in the order of their first vertices. Things of one class that touch
 // are one piece: the annotation is better where there is one. kInvalidArgument
 // for a mesh without labels.
-StatusOr<ScannetPieces> FindPieces(const ScannetMesh& mesh,
-                                   int64_t min_vertices = 50);
+StatusOr<ScannetPieces> FindPieces(const ScannetMesh& mesh);
 
 }  // namespace freegs::stages
 

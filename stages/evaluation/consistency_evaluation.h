@@ -12,28 +12,13 @@
 #include "core/cancellation.h"
 #include "core/parallel.h"
 #include "core/status.h"
-#include "semantics/metrics/view_consistency.h"
 #include "stages/scene/workspace_scene.h"
 
 namespace freegs::stages {
 
-struct ConsistencyOptions {
-  // So many of the scene's photographs are compared, spread evenly over them,
-  // each with its neighbour among the others.
-  int num_views = 16;
-
-  // Longest side in pixels of what is rendered.
-  int max_side = 640;
-
-  semantics::ViewConsistencyOptions compare = {};
-
-  Status Check() const;
-};
-
 struct ViewConsistency {
-  double mean = 0;    // IoU over all instances of all pairs.
-  int num_pairs = 0;  // Pairs of views, each compared both ways.
-  int num_comparisons = 0;
+  double mean = 0;                  // IoU over all instances of all pairs.
+  int num_pairs = 0;                // Pairs of views, each compared both ways.
   std::map<int, double> instances;  // Means by instance, as in idsf.bin.
 };
 
@@ -43,7 +28,6 @@ struct ViewConsistency {
 StatusOr<std::optional<ViewConsistency>> MeasureViewConsistency(
     const WorkspaceScene& scene,
     std::span<const int32_t> instance_of_gaussian,
-    const ConsistencyOptions& options,
     const CancellationToken& cancellation,
     ThreadPool& pool);
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "stages/evaluation/evaluation.h"
-#include "stages/scene/scene_alignment.h"
 
 #include <filesystem>
 #include <map>
@@ -9,9 +8,10 @@
 
 #include "core/io/image_io.h"
 #include "splat/images/holdout.h"
+#include "splat/images/training_images.h"
 #include "splat/optim/image_metrics.h"
 #include "splat/render/renderer.h"
-#include "splat/images/training_images.h"
+#include "stages/scene/scene_alignment.h"
 
 namespace freegs::stages {
 namespace {

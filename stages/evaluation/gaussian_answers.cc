@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "semantics/clip/relevancy.h"
-#include "semantics/queries/gaussian_relevancy.h"
 #include "semantics/field/idsf.h"
 #include "semantics/losses/decoder_file.h"
+#include "semantics/queries/gaussian_relevancy.h"
 #include "stages/scene/clip_input.h"
 
 namespace freegs::stages {

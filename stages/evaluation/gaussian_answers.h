@@ -24,8 +24,8 @@ struct GaussianTextQuality {
 
 // As AnswerLabels() and MeasureTextQuality() in one, but a label's answer is
 // all Gaussians that it is relevant to, by at least min_relevancy; see
-// semantics/queries/gaussian_relevancy.h. A label's relevancy is its greatest. Errors
-// as theirs.
+// semantics/queries/gaussian_relevancy.h. A label's relevancy is its greatest.
+// Errors as theirs.
 StatusOr<GaussianTextQuality> MeasureGaussianText(
     const std::filesystem::path& workspace,
     const std::string& clip_model,

@@ -32,7 +32,8 @@ struct TrueObject {
 // Reads an object file, JSON: {"objects": [{"id", "label", "aabb": {"min",
 // "max"}, "obb": {"center", "size", "rotation"}}, ...]}, "obb" optional,
 // columns of the rotation the box's axes. Objects come by ascending id.
-// kBadInput, naming the entry, for missing fields, repeated ids and boxes with min > max.
+// kBadInput, naming the entry, for missing fields, repeated ids and boxes with
+// min > max.
 StatusOr<std::vector<TrueObject>> ReadTrueObjects(
     const std::filesystem::path& path);
 StatusOr<std::vector<TrueObject>> ParseTrueObjects(std::string_view json,

@@ -10,8 +10,8 @@
 
 #include "semantics/clip/opencv_clip.h"
 #include "semantics/clip/relevancy.h"
-#include "semantics/queries/instance_features.h"
 #include "semantics/instances/instances_json.h"
+#include "semantics/queries/instance_features.h"
 #include "semantics/queries/text_query.h"
 #include "stages/scene/clip_input.h"
 

@@ -9,9 +9,9 @@
 #include "semantics/metrics/box_iou.h"
 #include "semantics/metrics/instance_metrics.h"
 #include "stages/evaluation/evaluation.h"
-#include "stages/scene/scene_instances.h"
 #include "stages/evaluation/true_masks.h"
 #include "stages/scene/scene_alignment.h"
+#include "stages/scene/scene_instances.h"
 
 namespace freegs::stages {
 namespace {

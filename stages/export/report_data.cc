@@ -9,12 +9,12 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/number_text.h"
 #include "core/io/files.h"
+#include "core/number_text.h"
+#include "photos/photo_list.h"
 #include "pipeline/json_text.h"
 #include "pipeline/stage_record.h"
 #include "pipeline/version.h"
-#include "photos/photo_list.h"
 #include "stages/export/html.h"
 
 namespace freegs::stages {

@@ -8,24 +8,15 @@
 #include <filesystem>
 #include <span>
 #include <string>
-#include <vector>
 
-#include "core/image.h"
 #include "core/parallel.h"
 #include "core/pinhole.h"
 #include "core/status.h"
-#include "stages/scene/depth_image.h"
 #include "stages/export/report_page.h"
+#include "stages/scene/depth_image.h"
 #include "stages/scene/workspace_scene.h"
 
 namespace freegs::stages {
-
-// `count` of the views, evenly spread; all when there are not more.
-std::vector<View> SpreadViews(const std::vector<View>& views, int count);
-
-// 4 x the mean absolute difference of the channels, as grey. Both H x W x 3 of
-// the same size.
-ImageU8 DifferenceImage(const ImageU8& a, const ImageU8& b);
 
 // Renders `view` at the size training used and writes photo, render,
 // difference, depth and, when there are labels (one per Gaussian), instances to

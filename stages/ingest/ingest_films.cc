@@ -37,7 +37,8 @@ StatusOr<std::vector<photos::Photo>> TakeFrames(
     const fs::path& folder) {
   FREEGS_ASSIGN_OR_RETURN(
       const photos::VideoSurvey survey,
-      photos::SurveyVideo(path, options, context.progress, context.cancellation));
+      photos::SurveyVideo(
+          path, options, context.progress, context.cancellation));
   const std::vector<photos::VideoFrame> chosen =
       photos::ChooseVideoFrames(survey.frames, options);
   const std::string moved = Rounded(survey.frames.back().path);

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "core/status.h"
-#include "pipeline/stage.h"
 #include "photos/photo_list.h"
 #include "photos/video_frames.h"
+#include "pipeline/stage.h"
 
 namespace freegs::stages {
 

@@ -17,9 +17,9 @@ namespace freegs::stages {
 namespace {
 
 namespace fs = std::filesystem;
+using photos::Photo;
 using pipeline::LogLevel;
 using pipeline::StageContext;
-using photos::Photo;
 
 constexpr uint64_t kMaxMaskBytes = uint64_t{1} << 30;
 
@@ -28,11 +28,12 @@ constexpr double kLittle = 0.05;
 
 // One mask's way into the workspace; the share of pixels it keeps. Nothing,
 // after a warning, if it cannot be used.
-StatusOr<std::optional<double>> PlaceMask(StageContext& context,
-                                          const fs::path& path,
-                                          const IngestMaskOptions& options,
-                                          const photos::PhotoDecodeOptions& decode,
-                                          const Photo& photo) {
+StatusOr<std::optional<double>> PlaceMask(
+    StageContext& context,
+    const fs::path& path,
+    const IngestMaskOptions& options,
+    const photos::PhotoDecodeOptions& decode,
+    const Photo& photo) {
   const StatusOr<std::string> bytes = ReadFile(path, kMaxMaskBytes);
   StatusOr<ImageU8> mask = bytes.status();
   if (bytes.ok()) {
@@ -61,7 +62,8 @@ StatusOr<std::optional<double>> PlaceMask(StageContext& context,
 }
 
 // COLMAP (from 3.12 on) skips photos without a mask if others have one.
-Status FillWithWhite(const StageContext& context, const photos::PhotoList& list) {
+Status FillWithWhite(const StageContext& context,
+                     const photos::PhotoList& list) {
   for (const Photo& photo : list.photos) {
     if (!photo.usable() || photo.has_mask) continue;
     const fs::path target =

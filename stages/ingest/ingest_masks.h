@@ -8,9 +8,9 @@
 #include <string>
 
 #include "core/status.h"
-#include "pipeline/stage.h"
 #include "photos/photo_decode.h"
 #include "photos/photo_list.h"
+#include "pipeline/stage.h"
 
 namespace freegs::stages {
 

@@ -21,10 +21,10 @@ namespace freegs::stages {
 namespace {
 
 namespace fs = std::filesystem;
-using pipeline::LogLevel;
-using pipeline::StageContext;
 using photos::Photo;
 using photos::PhotoSplit;
+using pipeline::LogLevel;
+using pipeline::StageContext;
 
 constexpr int kMinUsable = 3;
 
@@ -253,7 +253,8 @@ class IngestStage : public pipeline::Stage {
   }
 
   // Moves and copies the usable photos to photos/.
-  static Status PlacePhotos(StageContext& context, const photos::PhotoList& list) {
+  static Status PlacePhotos(StageContext& context,
+                            const photos::PhotoList& list) {
     const fs::path folder = context.output / "photos";
     std::vector<size_t> usable;
     for (size_t i = 0; i < list.photos.size(); ++i) {
@@ -339,7 +340,8 @@ class IngestStage : public pipeline::Stage {
     return BadInputError(message);
   }
 
-  static void Summarise(const photos::PhotoList& list, nlohmann::json* summary) {
+  static void Summarise(const photos::PhotoList& list,
+                        nlohmann::json* summary) {
     (*summary)["photos"] = list.photos.size();
     (*summary)["train"] = list.Count(PhotoSplit::kTrain);
     (*summary)["holdout"] = list.Count(PhotoSplit::kHoldout);

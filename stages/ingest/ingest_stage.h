@@ -10,10 +10,10 @@
 #include <string>
 
 #include "core/status.h"
-#include "pipeline/option_table.h"
-#include "pipeline/stage.h"
 #include "photos/photo_decode.h"
 #include "photos/video_frames.h"
+#include "pipeline/option_table.h"
+#include "pipeline/stage.h"
 #include "stages/ingest/ingest_masks.h"
 
 namespace freegs::stages {
@@ -49,9 +49,9 @@ struct IngestStageOptions {
 void RegisterIngestOptions(IngestStageOptions& options,
                            pipeline::OptionTable& table);
 
-// Writes images.json (see photos/photo_list.h), photos/ and, if there are masks,
-// masks/. A photo that cannot be
-// used is rejected with a warning; fewer than three usable ones are kBadInput.
+// Writes images.json (see photos/photo_list.h), photos/ and, if there are
+// masks, masks/. A photo that cannot be used is rejected with a warning; fewer
+// than three usable ones are kBadInput.
 std::unique_ptr<pipeline::Stage> MakeIngestStage(
     const IngestStageOptions& options);
 

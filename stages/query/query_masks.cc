@@ -15,6 +15,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Views that get an overlay; they are evenly spread over those that see an
+// instance of the answer.
+constexpr size_t kMaxOverlays = 6;
+
 Status WritePicture(const fs::path& path, const ImageU8& image) {
   FREEGS_RETURN_IF_ERROR(CreateFolders(path.parent_path()));
   return WriteImage(path, image);
@@ -72,8 +76,7 @@ Status WriteOverlays(const QueryMasksTask& task,
   for (size_t i = 0; i < masks.size(); ++i) {
     if (masks[i].pixels > 0) seeing.push_back(i);
   }
-  const size_t count = std::min<size_t>(
-      seeing.size(), static_cast<size_t>(std::max(0, task.num_overlays)));
+  const size_t count = std::min(seeing.size(), kMaxOverlays);
   for (size_t k = 0; k < count; ++k) {
     const size_t i = seeing[k * seeing.size() / count];
     FREEGS_ASSIGN_OR_RETURN(const ImageU16 mask,

@@ -27,7 +27,6 @@ struct QueryMasksTask {
   // Folder of photographs by view name for overlays; empty to render them.
   std::filesystem::path photos;
   std::filesystem::path out;
-  int num_overlays = 6;  // At most, evenly spread over the views that see any.
 };
 
 // Writes out/masks/VIEW.png for every view (8-bit grey, 255 where one of the

@@ -11,8 +11,8 @@
 
 #include "core/pinhole.h"
 #include "core/status.h"
-#include "semantics/queries/instance_features.h"
 #include "semantics/instances/instances.h"
+#include "semantics/queries/instance_features.h"
 #include "stages/query/query_request.h"
 #include "stages/scene/workspace_scene.h"
 

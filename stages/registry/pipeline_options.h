@@ -41,9 +41,6 @@ struct GeneralOptions {
   bool verbose = false;
 };
 
-void RegisterGeneralOptions(GeneralOptions& options,
-                            pipeline::OptionTable& table);
-
 struct PipelineOptions {
   GeneralOptions general;
   IngestStageOptions ingest;

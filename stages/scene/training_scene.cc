@@ -7,8 +7,8 @@
 #include <system_error>
 #include <utility>
 
-#include "sfm/scene/model_io.h"
 #include "photos/photo_list.h"
+#include "sfm/scene/model_io.h"
 #include "sfm/scene/views.h"
 #include "splat/scene/initialization.h"
 
@@ -38,7 +38,8 @@ StatusOr<PosedPhotos> ReadPosedPhotos(const fs::path& workspace) {
   FREEGS_ASSIGN_OR_RETURN(posed.sparse, sfm::ReadModel(sparse));
   FREEGS_ASSIGN_OR_RETURN(std::vector<View> views,
                           sfm::MakeViews(posed.sparse));
-  FREEGS_ASSIGN_OR_RETURN(const photos::PhotoList photos, ReadPhotos(workspace));
+  FREEGS_ASSIGN_OR_RETURN(const photos::PhotoList photos,
+                          ReadPhotos(workspace));
   std::set<std::string> holdout_names;
   for (const photos::Photo& photo : photos.photos) {
     if (photo.split == photos::PhotoSplit::kHoldout) {

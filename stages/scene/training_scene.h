@@ -16,8 +16,8 @@
 #include "core/pinhole.h"
 #include "core/status.h"
 #include "sfm/scene/reconstruction.h"
-#include "splat/scene/gaussian_model.h"
 #include "splat/images/training_images.h"
+#include "splat/scene/gaussian_model.h"
 
 namespace freegs::stages {
 

@@ -4,7 +4,6 @@
 #ifndef FREEGS_STAGES_SCENE_VIEW_SELECTION_H_
 #define FREEGS_STAGES_SCENE_VIEW_SELECTION_H_
 
-#include <filesystem>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -18,16 +17,9 @@ namespace freegs::stages {
 // The views of all photos by name, at the photographs' own size.
 std::vector<View> PhotoViews(const WorkspaceScene& scene);
 
-// The views of a camera file (see stages/evaluation/ground_truth.h) in the scene's world
-// frame. Its poses may be in another: with `align` they are mapped by the
-// similarity between the poses of the photos that both name, and `messages` is
-// told how well these agree, in a line that begins with `command`. kBadInput
-// names the file and the fault.
-StatusOr<std::vector<View>> FileViews(const std::filesystem::path& file,
-                                      bool align,
-                                      const WorkspaceScene& scene,
-                                      const std::string& command,
-                                      std::ostream& messages);
+// `count` of the views, evenly spread, in their order. All of them when there
+// are not more.
+std::vector<View> SpreadViews(const std::vector<View>& views, int count);
 
 struct ViewSelection {
   std::string cameras = {};  // Camera file; empty for the photos' views.

@@ -10,8 +10,8 @@
 
 #include "core/pinhole.h"
 #include "core/status.h"
-#include "splat/scene/gaussian_model.h"
 #include "splat/render/renderer.h"
+#include "splat/scene/gaussian_model.h"
 
 namespace freegs::stages {
 

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "stages/export/html.h"
-#include "core/number_text.h"
 
 #include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
+
+#include "core/number_text.h"
 
 namespace freegs::stages {
 namespace {

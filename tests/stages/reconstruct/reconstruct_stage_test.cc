@@ -14,11 +14,11 @@
 
 #include "core/io/files.h"
 #include "core/io/image_io.h"
-#include "sfm/scene/model_io.h"
 #include "photos/photo_list.h"
-#include "splat/train/checkpoint.h"
-#include "splat/scene/ply_io.h"
+#include "sfm/scene/model_io.h"
 #include "splat/render/renderer.h"
+#include "splat/scene/ply_io.h"
+#include "splat/train/checkpoint.h"
 #include "tests/splat/test_scene.h"
 
 namespace freegs::stages {
@@ -68,8 +68,8 @@ class ReconstructStageTest : public testing::Test {
       photo.width = pinhole.width;
       photo.height = pinhole.height;
       photo.camera_group = 0;
-      photo.split =
-          k % 5 == 0 ? photos::PhotoSplit::kHoldout : photos::PhotoSplit::kTrain;
+      photo.split = k % 5 == 0 ? photos::PhotoSplit::kHoldout
+                               : photos::PhotoSplit::kTrain;
       photos.photos.push_back(photo);
     }
     for (size_t i = 0; i < truth_.size(); ++i) {
