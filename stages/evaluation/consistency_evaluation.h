@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whether a scene's instances are the same from view to view. Needs no truth.
+// Measures whether a scene shows the same instances from view to view. It needs
+// no truth.
 
 #ifndef FREEGS_STAGES_EVALUATION_CONSISTENCY_EVALUATION_H_
 #define FREEGS_STAGES_EVALUATION_CONSISTENCY_EVALUATION_H_
@@ -19,12 +20,15 @@ namespace freegs::stages {
 struct ViewConsistency {
   double mean = 0;                  // IoU over all instances of all pairs.
   int num_pairs = 0;                // Pairs of views, each compared both ways.
-  std::map<int, double> instances;  // Means by instance, as in idsf.bin.
+  std::map<int, double> instances;  // Mean IoU by label, as in idsf.bin.
 };
 
-// instance_of_gaussian: one value per Gaussian of the scene, negative = none.
-// Nothing with fewer than two neighbouring photographs or without instances in
-// them. kInterrupted when cancelled.
+// Compares at most 16 photographs of the scene, rendered at a longest side of
+// at most 640 pixels, each with its nearest neighbour among them; the protocol
+// is in docs/evaluation.md. `instance_of_gaussian` has one label per Gaussian
+// of the scene, negative for none. The result is empty when fewer than two
+// photographs are neighbours or no instance is seen in them. kBadInput for
+// another number of labels, kInterrupted when cancelled.
 StatusOr<std::optional<ViewConsistency>> MeasureViewConsistency(
     const WorkspaceScene& scene,
     std::span<const int32_t> instance_of_gaussian,
