@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The pictures of one view in the report.
+// Writes the pictures of one view for the report.
 
 #ifndef FREEGS_STAGES_EXPORT_REPORT_VIEWS_H_
 #define FREEGS_STAGES_EXPORT_REPORT_VIEWS_H_
@@ -18,11 +18,11 @@
 
 namespace freegs::stages {
 
-// Renders `view` at the size training used and writes photo, render,
-// difference, depth and, when there are labels (one per Gaussian), instances to
-// folder/PREFIX_photo.jpg and so on. The paths of the result are relative to
-// the folder's parent. A photo that cannot be read leaves photo and difference
-// empty.
+// Renders `view` at the size of training and writes folder/PREFIX_photo.jpg,
+// PREFIX_render.jpg, PREFIX_difference.jpg, PREFIX_depth.jpg and, when `labels`
+// has one label per Gaussian and is not empty, PREFIX_instances.jpg. The paths
+// of the result are relative to the folder's parent. A photo that cannot be
+// read leaves `photo` and `difference` empty.
 StatusOr<ReportView> WriteReportView(const WorkspaceScene& scene,
                                      const View& view,
                                      const DepthRange& depth_range,
