@@ -189,7 +189,7 @@ void RegisterClusteringOptions(BootstrapStageOptions& options,
              .max = 1000});
 }
 
-// What makes instances of clusters.
+// How clusters become instances.
 void RegisterInstanceOptions(BootstrapStageOptions& options,
                              pipeline::OptionTable& table) {
   semantics::InstanceClusteringOptions& clustering = options.method.clustering;

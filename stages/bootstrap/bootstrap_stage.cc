@@ -51,7 +51,8 @@ class BootstrapStage : public pipeline::Stage {
                                     "undistort/images",
                                     "ingest/images.json"};
     if (with_semantics()) {
-      // Holds the hashes of the model's other files. Without it, Run says so.
+      // model.json holds the hashes of the model's other files. When the model
+      // is missing, Run reports that.
       const StatusOr<fs::path> model = options_.model.empty()
                                            ? FindShippedModel()
                                            : StatusOr<fs::path>(options_.model);
@@ -172,7 +173,8 @@ class BootstrapStage : public pipeline::Stage {
     return NamedField{std::move(field), std::move(words)};
   }
 
-  // What an interrupted run left. A damaged checkpoint costs time, no more.
+  // The checkpoint of an interrupted run. A damaged one only costs time: the
+  // training starts anew.
   static std::optional<semantics::FieldState> CheckpointOf(
       const fs::path& path, const pipeline::StageContext& context) {
     std::error_code error;

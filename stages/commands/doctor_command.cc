@@ -27,7 +27,7 @@
 namespace freegs::stages {
 namespace {
 
-// Below these a run of ordinary size is likely to fail.
+// With less than this a run of ordinary size is likely to fail.
 constexpr int64_t kGigabyte = int64_t{1} << 30;
 constexpr int64_t kLowMemoryBytes = 4 * kGigabyte;
 constexpr int64_t kLowDiskBytes = 5 * kGigabyte;
@@ -48,7 +48,7 @@ void PrintLine(std::ostream& out,
       << text << "\n";
 }
 
-// "a.b.c" of a number in which minor and patch take `base` each.
+// The version "a.b.c" of the number (a * base + b) * base + c.
 std::string Dotted(int64_t number, int64_t base) {
   return std::to_string(number / base / base) + "." +
          std::to_string(number / base % base) + "." +

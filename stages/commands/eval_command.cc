@@ -110,7 +110,7 @@ StatusOr<EvalRequest> ParseRequest(const std::vector<std::string>& arguments) {
   return request;
 }
 
-// The truth, and how its frame follows from the scene's.
+// The truth, and the similarity from the scene's frame to the truth's.
 struct AlignedTruth {
   GroundTruth truth;
   Sim3d truth_from_scene;
@@ -150,7 +150,8 @@ StatusOr<AlignedTruth> ReadAlignedTruth(const EvalRequest& request,
   return aligned;
 }
 
-// Nothing, and a message, when the workspace has no instances.
+// The label of each Gaussian. Returns nothing, after a message, when the
+// workspace has no instances.
 StatusOr<std::optional<std::vector<int32_t>>> ReadInstances(
     const fs::path& workspace,
     const WorkspaceScene& scene,
@@ -190,7 +191,8 @@ Status MeasureTextOfGaussians(const EvalRequest& request,
   return Status();
 }
 
-// Leaves the text figures out, and says why, when there is nobody to answer.
+// Measures the answers to words. When the workspace cannot answer, the figures
+// are left out and a message says why.
 Status MeasureText(const EvalRequest& request,
                    const WorkspaceScene& scene,
                    const std::vector<int32_t>& instances,
@@ -202,7 +204,7 @@ Status MeasureText(const EvalRequest& request,
   if (labels.empty()) return Status();
   LabelQuestionOptions questions;
   questions.model = request.model;
-  // 3D-OVS asks for what lies below and behind things, too.
+  // 3D-OVS also asks for table tops and walls.
   const std::optional<std::string> layout =
       request.layout == "auto" ? DetectLayout(request.truth) : request.layout;
   questions.background = request.background || layout == "3dovs";
@@ -212,7 +214,7 @@ Status MeasureText(const EvalRequest& request,
   const StatusOr<LabelAnswers> answers =
       AnswerLabels(request.workspace, labels, questions);
   if (!answers.ok()) {
-    // Who names a model wants its figures.
+    // A user who names a model wants its figures, so a fault is an error then.
     if (answers.status().code() != StatusCode::kMissingDependency ||
         !request.model.empty()) {
       return answers.status();

@@ -94,7 +94,7 @@ class Renderer {
   virtual Status Render(const View& view, const std::string& name) = 0;
 
  protected:
-  // Where a picture goes; creates the folder.
+  // The path of a picture. Creates its folder.
   StatusOr<fs::path> File(const fs::path& name) const {
     const fs::path path = out_ / name;
     FREEGS_RETURN_IF_ERROR(CreateFolders(path.parent_path()));

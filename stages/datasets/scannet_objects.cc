@@ -22,13 +22,13 @@ using nlohmann::json;
 
 constexpr int kMaxObjects = 65535;
 
-// What a scan's annotators call the room itself.
+// The labels that annotators give to the room itself.
 bool IsStructure(const std::string& label) {
   static const std::set<std::string> kLabels = {"wall", "floor", "ceiling"};
   return kLabels.contains(label);
 }
 
-// The list under `key` of the object that `text` is.
+// Parses a JSON object and returns the list under `key`.
 StatusOr<json> ParseList(std::string_view text,
                          const char* key,
                          const std::string& source) {
@@ -123,7 +123,7 @@ StatusOr<Eigen::Matrix4d> ParseScannetAlignment(std::string_view text,
         (rotation * rotation.transpose() - Eigen::Matrix3d::Identity())
             .cwiseAbs()
             .maxCoeff();
-    // The files have six digits.
+    // The numbers in the files have six digits.
     constexpr double kTolerance = 1e-3;
     if (!matrix.allFinite() || !(error <= kTolerance) ||
         rotation.determinant() < 0 ||

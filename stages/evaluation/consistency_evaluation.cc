@@ -13,8 +13,7 @@
 namespace freegs::stages {
 namespace {
 
-// So many of the scene's photographs are compared, each with its neighbour
-// among the others.
+// At most so many of the scene's photographs are compared.
 constexpr int kNumViews = 16;
 
 // Longest side in pixels of what is rendered.
@@ -40,7 +39,7 @@ semantics::LabelledView Label(const WorkspaceScene& scene,
                                         instance_of_gaussian);
   splat::RenderedView rendered = splat::RenderView(
       scene.model, view.camera, view.cam_from_world, scene.render, pool);
-  // What is more than half transparent is no surface.
+  // A pixel that is more than half transparent shows no surface.
   constexpr float kMaxTransmittance = 0.5f;
   for (size_t i = 0; i < rendered.depth.size(); ++i) {
     if (rendered.transmittance.data()[i] > kMaxTransmittance) {

@@ -18,8 +18,8 @@
 namespace freegs::stages {
 
 struct ViewConsistency {
-  double mean = 0;                  // IoU over all instances of all pairs.
-  int num_pairs = 0;                // Pairs of views, each compared both ways.
+  double mean = 0;                  // Mean IoU over all instances of all pairs.
+  int num_pairs = 0;                // Each pair is compared in both directions.
   std::map<int, double> instances;  // Mean IoU by label, as in idsf.bin.
 };
 

@@ -68,7 +68,7 @@ StatusOr<std::optional<ImageQuality>> MeasureTestQuality(
     FREEGS_ASSIGN_OR_RETURN(const ImageU8 photo, ReadRgb(path));
     const splat::RenderedView rendered = splat::RenderView(
         scene.model, view.camera, view.cam_from_world, scene.render, pool);
-    // As a file would have it.
+    // PSNR is defined on 8-bit pictures.
     const ImageF picture = ToFloat(ToU8(rendered.color));
     const StatusOr<double> psnr = splat::Psnr(picture, ToFloat(photo));
     if (!psnr.ok()) {

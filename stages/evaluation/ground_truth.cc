@@ -103,7 +103,7 @@ StatusOr<GroundTruth> ReadGroundTruth(const fs::path& folder) {
   truth.folder = folder;
   if (!fs::exists(folder / "gt" / "cameras.json", error) &&
       fs::exists(folder / "cameras.json", error)) {
-    // The gt folder itself; "gt/" and "gt" alike.
+    // `folder` is the gt folder itself, written "gt/" or "gt".
     fs::path inner = fs::absolute(folder, error).lexically_normal();
     if (!inner.has_filename()) inner = inner.parent_path();
     truth.folder = inner.parent_path();

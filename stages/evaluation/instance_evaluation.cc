@@ -48,7 +48,8 @@ Status AddView(const JudgedView& view,
       of_object.click_ious.push_back(
           clicked < 0 ? 0 : of_layer->Iou(object, clicked));
     }
-    // Each layer has counted the pixels of all instances.
+    // Every layer counts the pixels of all instances; they must enter the sum
+    // only once.
     if (&layer != &view.truth.front()) of_layer->instance_pixels.clear();
     overlap.Add(*of_layer);
   }

@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of each instance, by id - 1, whether it is one of the large planes.
+// For each instance, by id - 1, whether it is a large plane.
 StatusOr<std::vector<uint8_t>> PlaneFlags(const fs::path& workspace,
                                           size_t count) {
   FREEGS_ASSIGN_OR_RETURN(

@@ -40,7 +40,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What bootstrap/ holds.
+// The instances of bootstrap/.
 struct SceneInstances {
   std::vector<int32_t> labels;  // Per Gaussian.
   std::vector<semantics::Instance> instances;
@@ -70,8 +70,7 @@ std::string InstanceName(const semantics::Instance& instance) {
                                 : instance.words.front();
 }
 
-// The same form as the objects of a truth file (see
-// stages/evaluation/ground_truth.h).
+// The boxes in the form of an object file (stages/evaluation/ground_truth.h).
 nlohmann::json BoxesJson(const std::vector<semantics::Instance>& instances) {
   const auto vector = [](const Eigen::Vector3d& v) {
     return nlohmann::json::array({v.x(), v.y(), v.z()});
@@ -147,7 +146,7 @@ class ExportStage : public pipeline::Stage {
     FREEGS_RETURN_IF_ERROR(
         WriteFileAtomic(context.output / "boxes.json",
                         pipeline::JsonText(BoxesJson(found.instances))));
-    // A floor's box would hide the others.
+    // The box of a floor would hide all others.
     std::vector<ColoredBox> boxes;
     for (const semantics::Instance& instance : found.instances) {
       if (instance.background) continue;

@@ -23,10 +23,10 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-// Larger files are not a table of a few hundred rows.
+// A larger file cannot be a table of a few hundred rows.
 constexpr uint64_t kMaxCsvBytes = 64 << 20;
 
-// An empty object when the file is missing or malformed.
+// Reads a JSON file; an empty object when it is missing or malformed.
 json ReadObject(const fs::path& path) {
   const StatusOr<json> document = pipeline::ReadJson(path);
   return document.ok() && document->is_object() ? *document : json::object();

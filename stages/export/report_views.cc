@@ -56,7 +56,7 @@ StatusOr<ReportView> WriteReportView(const WorkspaceScene& scene,
   FREEGS_RETURN_IF_ERROR(
       write("depth", ColorDepth(rendered.depth, depth_range), &result.depth));
 
-  // What instances are drawn over: the photo, or its rendering.
+  // Instances are drawn over the photo, or over the rendering without a photo.
   ImageU8 ground = render;
   const StatusOr<ImageU8> photo = ReadRgb(photo_path);
   if (photo.ok()) {

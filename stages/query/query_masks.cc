@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Views that get an overlay; they are evenly spread over those that see an
+// At most so many views get an overlay, evenly spread over those that see an
 // instance of the answer.
 constexpr size_t kMaxOverlays = 6;
 
@@ -24,7 +24,7 @@ Status WritePicture(const fs::path& path, const ImageU8& image) {
   return WriteImage(path, image);
 }
 
-// 255 where one of the instances is in front.
+// 255 where one of the instances has the largest weight.
 ImageU8 MaskOf(const QueryMasksTask& task, const View& view, ThreadPool& pool) {
   ImageU8 mask(view.camera.width, view.camera.height, 1);
   if (task.ids.empty()) return mask;
@@ -66,7 +66,7 @@ StatusOr<ImageU8> PictureOf(const QueryMasksTask& task,
   return Resize(photo, view.camera.width, view.camera.height);
 }
 
-// Over the views that see something.
+// Writes overlays for some of the views whose mask is not empty.
 Status WriteOverlays(const QueryMasksTask& task,
                      const std::vector<MaskedView>& masks,
                      ThreadPool& pool) {

@@ -13,14 +13,16 @@ namespace {
 
 constexpr int64_t kMaxBudget = 1000000000;
 
-// Learning rates of 3DGS are made for 30000 steps. Short trainings gain from
-// larger ones: 1000 steps at twice the rates end 1 dB higher on real photos.
+// What the learning rates of 3DGS, which suit 30000 steps, are multiplied by.
+// Short trainings gain from larger rates: 1000 steps at twice the rates end 1
+// dB higher on real photos.
 double RateFactor(int iterations) {
   return std::clamp(std::sqrt(8000.0 / iterations), 1.0, 2.0);
 }
 
-// A model begun anew from its depth maps needs thousands of steps to be as good
-// as it was: after 10000 it is still 0.2 dB behind, with 13 % fewer Gaussians.
+// A model that starts again from depth maps needs thousands of steps to become
+// as good as before: after 10000 steps it is still 0.2 dB worse, with 13 %
+// fewer Gaussians.
 constexpr int kMinIterationsOfDepthReinit = 20000;
 
 StatusOr<int64_t> ParseBudget(const ReconstructStageOptions& options) {

@@ -51,7 +51,7 @@ StatusOr<Pinhole> ReadIntrinsics(const json* value, const std::string& source) {
   return camera;
 }
 
-// A name that stays in the folder it is appended to.
+// Whether folder / name lies inside the folder.
 bool IsPlainName(const std::string& name) {
   const fs::path path(name);
   if (!path.has_filename() || !path.is_relative()) return false;

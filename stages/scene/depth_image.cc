@@ -16,7 +16,7 @@ namespace freegs::stages {
 DepthRange VisibleDepthRange(const splat::GaussianModel& model,
                              std::span<const View> views) {
   std::vector<float> depths;
-  // About a million samples say enough about two quantiles.
+  // About a million samples are enough for two quantiles.
   const size_t stride =
       std::max<size_t>(1, model.size() * views.size() / 1'000'000);
   size_t offset = 0;
@@ -77,7 +77,8 @@ ImageU8 ColorDepth(const ImageF& depth, const DepthRange& range) {
     const double z = depth.data()[k];
     if (!(z > 0)) continue;
     const double nearness = (1 / z - 1 / far) / span;
-    // The darkest tenth of the ramp is kept apart from "nothing".
+    // The darkest tenth of the ramp is left out, so that far things differ from
+    // black, which means nothing.
     const int index = static_cast<int>(
         std::lround(25 + 230 * std::clamp(nearness, 0.0, 1.0)));
     const cv::Vec3b& entry = bgr.at<cv::Vec3b>(0, index);

@@ -28,7 +28,7 @@ ImageU8 HeatMap(const ImageU8& picture,
         std::clamp((values.data()[k] - low) / (high - low), 0.0, 1.0);
     const int index = static_cast<int>(std::lround(255 * share));
     const cv::Vec3b& color = bgr.at<cv::Vec3b>(0, index);
-    // A share of the picture stays visible, so that one sees what is hot.
+    // The picture always shines through, so that one sees what is hot.
     const double opacity = 0.8 * std::sqrt(share);
     for (int c = 0; c < 3; ++c) {
       heat.data()[3 * k + c] = static_cast<uint8_t>(

@@ -17,7 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// An empty list when the workspace has none: somebody else's cameras.
+// The photo list of stage ingest. Empty when the workspace has none, as with
+// cameras that somebody else put there.
 StatusOr<photos::PhotoList> ReadPhotos(const fs::path& workspace) {
   const fs::path path = workspace / "ingest" / "images.json";
   std::error_code error;

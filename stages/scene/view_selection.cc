@@ -16,18 +16,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Larger pictures would take gigabytes: rather a mistake in a camera file.
+// A larger picture would take gigabytes; it is more likely a mistake in a
+// camera file.
 constexpr int64_t kMaxPixels = 100'000'000;
 
-// Names in an error message.
+// So many names are listed in an error message.
 constexpr size_t kMaxNames = 5;
 
 std::string Stem(const std::string& name) {
   return fs::path(name).replace_extension().string();
 }
 
-// The names nearest to `name` in the order of the alphabet, its likely
-// misspelling first.
+// Names to suggest for `name`: the one with the most similar spelling first,
+// then its neighbours in the alphabet.
 std::string NamesLike(const std::vector<View>& views, const std::string& name) {
   std::vector<std::string> names;
   for (const View& view : views) names.push_back(view.name);

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 using pipeline::LogLevel;
 using pipeline::StageContext;
 
-// Names for a message, cut after a few.
+// Joins names for a message and leaves out all but the first few.
 std::string Some(const std::vector<std::string>& names) {
   constexpr size_t kShown = 5;
   std::string text;
@@ -48,7 +48,7 @@ std::vector<sfm::SfmPhoto> UsablePhotos(const photos::PhotoList& list) {
   return photos;
 }
 
-// What either way of getting poses leads to.
+// The poses, from COLMAP or from an import.
 struct Outcome {
   std::string source;
   bool triangulated = true;
@@ -150,7 +150,8 @@ class SfmStage : public pipeline::Stage {
     return outcome;
   }
 
-  // The split is ingest's to make; say so where the source wants another.
+  // Stage ingest decides which photos are holdout. Warns when the import names
+  // others.
   static void WarnOfHoldout(const std::vector<std::string>& holdout,
                             const photos::PhotoList& list,
                             std::vector<std::string>* warnings) {
