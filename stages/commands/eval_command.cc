@@ -11,6 +11,8 @@
 #include <system_error>
 #include <utility>
 
+#include <nlohmann/json.hpp>
+
 #include "core/io/files.h"
 #include "core/parallel.h"
 #include "pipeline/json_text.h"

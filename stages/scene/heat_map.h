@@ -4,9 +4,16 @@
 #ifndef FREEGS_STAGES_SCENE_HEAT_MAP_H_
 #define FREEGS_STAGES_SCENE_HEAT_MAP_H_
 
+#include <array>
+#include <cstdint>
+
 #include "core/image.h"
 
 namespace freegs::stages {
+
+// The inferno scale as RGB, from dark to bright.
+using ColorScale = std::array<std::array<uint8_t, 3>, 256>;
+ColorScale InfernoScale();
 
 // The picture is grey where `values` is `low` or less. Above that it takes the
 // colours of the inferno scale, which reach their brightest at `high`.
