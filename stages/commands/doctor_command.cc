@@ -27,7 +27,7 @@
 namespace freegs::stages {
 namespace {
 
-// With less than this a run of ordinary size is likely to fail.
+// Below these a run of ordinary size is likely to fail.
 constexpr int64_t kGigabyte = int64_t{1} << 30;
 constexpr int64_t kLowMemoryBytes = 4 * kGigabyte;
 constexpr int64_t kLowDiskBytes = 5 * kGigabyte;

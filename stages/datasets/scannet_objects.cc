@@ -123,7 +123,7 @@ StatusOr<Eigen::Matrix4d> ParseScannetAlignment(std::string_view text,
         (rotation * rotation.transpose() - Eigen::Matrix3d::Identity())
             .cwiseAbs()
             .maxCoeff();
-    // The numbers in the files have six digits.
+    // The files have six digits.
     constexpr double kTolerance = 1e-3;
     if (!matrix.allFinite() || !(error <= kTolerance) ||
         rotation.determinant() < 0 ||

@@ -9,12 +9,12 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/io/files.h"
 #include "core/number_text.h"
-#include "photos/photo_list.h"
+#include "core/io/files.h"
 #include "pipeline/json_text.h"
 #include "pipeline/stage_record.h"
 #include "pipeline/version.h"
+#include "photos/photo_list.h"
 #include "stages/export/html.h"
 
 namespace freegs::stages {
@@ -23,10 +23,10 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-// A larger file cannot be a table of a few hundred rows.
+// Larger files are not a table of a few hundred rows.
 constexpr uint64_t kMaxCsvBytes = 64 << 20;
 
-// Reads a JSON file; an empty object when it is missing or malformed.
+// An empty object when the file is missing or malformed.
 json ReadObject(const fs::path& path) {
   const StatusOr<json> document = pipeline::ReadJson(path);
   return document.ok() && document->is_object() ? *document : json::object();

@@ -3,10 +3,7 @@
 #include "stages/reconstruct/training_report.h"
 
 #include <cstdio>
-#include <optional>
 #include <utility>
-
-#include <nlohmann/json.hpp>
 
 namespace freegs::stages {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
 
 #include "splat/scene/gaussian_model.h"
 #include "splat/train/trainer.h"
