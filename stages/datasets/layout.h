@@ -22,10 +22,10 @@ namespace freegs::stages {
 std::vector<std::string> LayoutNames();
 
 // Recognises the layout of `folder` by what lies in it, in this order:
-//   gt/cameras.json or cameras.json                        scene
-//   test_mask/                                             lerf_mask
-//   segmentations/                                         3dovs
-//   pose/ and *.aggregation.json or *_vh_clean_2.labels.ply   scannet
+//   scene      gt/cameras.json or cameras.json
+//   lerf_mask  test_mask/
+//   3dovs      segmentations/
+//   scannet    pose/ with *.aggregation.json or *_vh_clean_2.labels.ply
 // Returns nothing when none of these exists.
 std::optional<std::string> DetectLayout(const std::filesystem::path& folder);
 
