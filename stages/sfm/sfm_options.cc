@@ -5,15 +5,16 @@
 #include <vector>
 
 #include "pipeline/option_table.h"
-#include "sfm/matching/pair_selection.h"
 #include "sfm/scene/camera_model.h"
 #include "stages/sfm/sfm_stage.h"
 
 namespace freegs::stages {
 namespace {
 
-void RegisterPairOptions(sfm::PairSelectionOptions& pairs,
+// Which pairs of photos are matched.
+void RegisterPairOptions(SfmStageOptions& options,
                          pipeline::OptionTable& table) {
+  auto& pairs = options.colmap.pairs;
   table.Add(
       "sfm.matcher",
       &pairs.matcher,
@@ -87,7 +88,7 @@ void RegisterSfmOptions(SfmStageOptions& options,
                      "photos; matching time grows with the square.",
              .min = 64,
              .max = 100000});
-  RegisterPairOptions(options.colmap.pairs, table);
+  RegisterPairOptions(options, table);
   table.Add("sfm.max_retry_cost",
             &options.colmap.max_retry_cost,
             {.help = "When photos are left out: what other attempts may cost "
