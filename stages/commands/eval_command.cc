@@ -58,7 +58,8 @@ struct EvalRequest {
   int threads = 0;
 };
 
-StatusOr<EvalRequest> ParseRequest(const std::vector<std::string>& arguments) {
+StatusOr<EvalRequest> ParseEvalRequest(
+    const std::vector<std::string>& arguments) {
   PipelineOptions options;
   pipeline::OptionTable table = MakeOptionTable(&options);
   EvalRequest request;
@@ -274,7 +275,8 @@ Status CompareWithTruth(const EvalRequest& request,
 
 Status RunEvalCommand(const std::vector<std::string>& arguments,
                       CommandContext& context) {
-  FREEGS_ASSIGN_OR_RETURN(const EvalRequest request, ParseRequest(arguments));
+  FREEGS_ASSIGN_OR_RETURN(const EvalRequest request,
+                          ParseEvalRequest(arguments));
   ThreadPool pool(request.threads);
   FREEGS_ASSIGN_OR_RETURN(const WorkspaceScene scene,
                           ReadWorkspaceScene(request.workspace));

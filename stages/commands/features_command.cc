@@ -42,7 +42,8 @@ struct FeaturesRequest {
   semantics::JointBilateralOptions upsampling;
 };
 
-StatusOr<FeaturesRequest> ParseRequest(std::vector<std::string> arguments) {
+StatusOr<FeaturesRequest> ParseFeaturesRequest(
+    std::vector<std::string> arguments) {
   // -o is accepted because many programs have it.
   std::replace(arguments.begin(),
                arguments.end(),
@@ -117,7 +118,7 @@ ImageU8 LimitedTo(const ImageU8& image, int longest_side) {
 Status RunFeaturesCommand(const std::vector<std::string>& arguments,
                           CommandContext& context) {
   FREEGS_ASSIGN_OR_RETURN(const FeaturesRequest request,
-                          ParseRequest(arguments));
+                          ParseFeaturesRequest(arguments));
   FREEGS_ASSIGN_OR_RETURN(const UprightPhoto photo,
                           ReadUprightPhoto(request.image));
   FREEGS_ASSIGN_OR_RETURN(const std::unique_ptr<semantics::OpenCvClip> encoder,

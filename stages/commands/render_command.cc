@@ -41,7 +41,7 @@ struct RenderRequest {
   bool no_align = false;
 };
 
-StatusOr<RenderRequest> ParseRequest(
+StatusOr<RenderRequest> ParseRenderRequest(
     const std::vector<std::string>& arguments) {
   RenderRequest request;
   pipeline::OptionTable table;
@@ -249,7 +249,8 @@ StatusOr<std::unique_ptr<Renderer>> MakeRenderer(const RenderRequest& request,
 
 Status RunRenderCommand(const std::vector<std::string>& arguments,
                         CommandContext& context) {
-  FREEGS_ASSIGN_OR_RETURN(const RenderRequest request, ParseRequest(arguments));
+  FREEGS_ASSIGN_OR_RETURN(const RenderRequest request,
+                          ParseRenderRequest(arguments));
   FREEGS_ASSIGN_OR_RETURN(const WorkspaceScene scene,
                           ReadWorkspaceScene(request.workspace));
   FREEGS_ASSIGN_OR_RETURN(
