@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A folder that goes away with the test.
+// A folder for the files of a test, and the files in it.
 
 #ifndef FREEGS_TESTS_TEMPORARY_FOLDER_H_
 #define FREEGS_TESTS_TEMPORARY_FOLDER_H_
@@ -9,10 +9,23 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <system_error>
 
 namespace freegs {
 
+// Writes a file, making its folders.
+inline void WriteText(const std::filesystem::path& path,
+                      std::string_view text) {
+  std::filesystem::create_directories(path.parent_path());
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+// A new, empty folder that is deleted with the object:
+//
+//   const TemporaryFolder folder;
+//   folder.Write("photos/a.jpg", bytes);
+//   ReadSomething(folder / "photos/a.jpg");
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -34,16 +47,14 @@ class TemporaryFolder {
     return path_ / name;
   }
 
+  // Writes a file of the folder and makes the folders above it.
+  void Write(const std::string& name, std::string_view bytes) const {
+    WriteText(path_ / name, bytes);
+  }
+
  private:
   std::filesystem::path path_;
 };
-
-// Writes a file, making its folders.
-inline void WriteText(const std::filesystem::path& path,
-                      const std::string& text) {
-  std::filesystem::create_directories(path.parent_path());
-  std::ofstream(path, std::ios::binary) << text;
-}
 
 // The content of a file; empty if there is none.
 inline std::string ReadText(const std::filesystem::path& path) {

@@ -5,12 +5,9 @@
 #define FREEGS_TESTS_PHOTOS_PHOTO_TEST_FILES_H_
 
 #include <cstdint>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <unistd.h>
 #include <utility>
 #include <vector>
@@ -21,38 +18,9 @@
 
 #include "core/image.h"
 #include "core/random.h"
+#include "tests/temporary_folder.h"
 
 namespace freegs::photos {
-
-// A folder that lives as long as the object.
-class TempFolder {
- public:
-  TempFolder() {
-    std::string pattern =
-        (std::filesystem::temp_directory_path() / "freegs_test_XXXXXX")
-            .string();
-    path_ = mkdtemp(pattern.data());
-  }
-  ~TempFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TempFolder(const TempFolder&) = delete;
-  TempFolder& operator=(const TempFolder&) = delete;
-
-  const std::filesystem::path& path() const { return path_; }
-
-  // Writes a file, with the folders above it.
-  void Write(const std::string& name, std::string_view bytes) const {
-    const std::filesystem::path path = path_ / name;
-    std::filesystem::create_directories(path.parent_path());
-    std::ofstream(path, std::ios::binary) << bytes;
-    ASSERT_TRUE(std::filesystem::exists(path)) << path;
-  }
-
- private:
-  std::filesystem::path path_;
-};
 
 // Root may read everything: gives up its rights while the object lives, after
 // giving the folders to nobody. Does nothing for other users.

@@ -17,6 +17,7 @@
 #include "photos/photo_list.h"
 #include "stages/ingest/ingest_stage.h"
 #include "tests/photos/photo_test_files.h"
+#include "tests/temporary_folder.h"
 
 namespace freegs::stages {
 
@@ -77,14 +78,14 @@ class IngestTestFixture : public testing::Test {
   void WritePhotos(int count) {
     for (int i = 0; i < count; ++i) {
       images_.Write("img" + std::to_string(i) + ".jpg",
-                    sfm::MakeJpeg(64, 48, 100 + i));
+                    photos::MakeJpeg(64, 48, 100 + i));
     }
   }
 
   IngestStageOptions options_;
   std::filesystem::path source_;  // Instead of images_.
-  sfm::TempFolder images_;
-  sfm::TempFolder workspace_;
+  TemporaryFolder images_;
+  TemporaryFolder workspace_;
   CancellationToken cancellation_;
   std::function<void()> on_progress_;
   Progress last_progress_;

@@ -25,7 +25,7 @@ using testing::IsEmpty;
 using IngestFilmsTest = IngestTestFixture;
 
 TEST_F(IngestFilmsTest, FilmInsteadOfAFolder) {
-  sfm::WriteFilm(images_.path() / "my film.avi", sfm::MovingFrames(50));
+  photos::WriteFilm(images_.path() / "my film.avi", photos::MovingFrames(50));
   source_ = images_.path() / "my film.avi";
   const Status status = Run();
   ASSERT_TRUE(status.ok()) << status.message();
@@ -41,7 +41,7 @@ TEST_F(IngestFilmsTest, FilmInsteadOfAFolder) {
     EXPECT_NEAR(photo.time_s, photo.frame / 25.0, 0.05);
     EXPECT_THAT(photo.file, testing::StartsWith("my film.avi/frame_0000"));
     EXPECT_THAT(photo.name, testing::StartsWith("my_film.avi/frame_0000"));
-    EXPECT_EQ(photo.width, sfm::kFilmWidth);
+    EXPECT_EQ(photo.width, photos::kFilmWidth);
   }
   EXPECT_EQ(Written().size(), list.photos.size());
   EXPECT_FALSE(fs::exists(workspace_.path() / "ingest.partial/frames"));
@@ -53,8 +53,8 @@ TEST_F(IngestFilmsTest, FilmInsteadOfAFolder) {
 }
 
 TEST_F(IngestFilmsTest, FolderOfFilms) {
-  sfm::WriteFilm(images_.path() / "a.avi", sfm::MovingFrames(30));
-  sfm::WriteFilm(images_.path() / "b.avi", sfm::MovingFrames(30, 400));
+  photos::WriteFilm(images_.path() / "a.avi", photos::MovingFrames(30));
+  photos::WriteFilm(images_.path() / "b.avi", photos::MovingFrames(30, 400));
   images_.Write("c.mp4", "no film");
   ASSERT_TRUE(Run().ok());
   const photos::PhotoList list = List();
@@ -67,7 +67,7 @@ TEST_F(IngestFilmsTest, FolderOfFilms) {
 
 TEST_F(IngestFilmsTest, FilmsAmongPhotosAreNamed) {
   WritePhotos(3);
-  sfm::WriteFilm(images_.path() / "a.avi", sfm::MovingFrames(30));
+  photos::WriteFilm(images_.path() / "a.avi", photos::MovingFrames(30));
   ASSERT_TRUE(Run().ok());
   EXPECT_EQ(List().photos.size(), 3U);
   EXPECT_THAT(warnings_, ElementsAre(HasSubstr("a.avi")));
@@ -75,7 +75,7 @@ TEST_F(IngestFilmsTest, FilmsAmongPhotosAreNamed) {
 
 TEST_F(IngestFilmsTest, UselessFilms) {
   source_ = images_.path() / "film.avi";
-  sfm::WriteFilm(source_, std::vector<cv::Mat>(30, sfm::FilmFrame(0)));
+  photos::WriteFilm(source_, std::vector<cv::Mat>(30, photos::FilmFrame(0)));
   Status status = Run();
   EXPECT_EQ(status.code(), StatusCode::kBadInput);
   EXPECT_THAT(status.message(), HasSubstr("film.avi: its picture moves by"));

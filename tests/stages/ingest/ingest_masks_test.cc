@@ -15,7 +15,6 @@ namespace freegs::stages {
 namespace {
 
 namespace fs = std::filesystem;
-using sfm::TempFolder;
 using testing::HasSubstr;
 
 using IngestMasksTest = IngestTestFixture;
@@ -24,11 +23,11 @@ TEST_F(IngestMasksTest, MasksBesidePhotos) {
   WritePhotos(4);
   cv::Mat mask(48, 64, CV_8UC1, cv::Scalar(0));
   mask.colRange(0, 16).setTo(cv::Scalar(7));
-  const std::string png = sfm::Encode(".png", mask);
+  const std::string png = photos::Encode(".png", mask);
   images_.Write("masks/img0.jpg.png", png);
   images_.Write("masks/img1.png", png);
   images_.Write("masks/img9.png", png);
-  images_.Write("masks/img2.png", sfm::MakePng(30, 48, 1));
+  images_.Write("masks/img2.png", photos::MakePng(30, 48, 1));
   ASSERT_TRUE(Run().ok());
   const photos::PhotoList list = List();
   ASSERT_EQ(list.photos.size(), 4U);  // No mask is a photo.
@@ -66,11 +65,12 @@ TEST_F(IngestMasksTest, MasksBesidePhotos) {
 
 TEST_F(IngestMasksTest, MasksElsewhere) {
   WritePhotos(3);
-  const TempFolder masks;
+  const TemporaryFolder masks;
   options_.masks.masks = masks.path().string();
   for (int i = 0; i < 3; ++i) {
-    masks.Write("img" + std::to_string(i) + ".jpg.png",
-                sfm::Encode(".png", cv::Mat(48, 64, CV_8UC1, cv::Scalar(0))));
+    masks.Write(
+        "img" + std::to_string(i) + ".jpg.png",
+        photos::Encode(".png", cv::Mat(48, 64, CV_8UC1, cv::Scalar(0))));
   }
   // All black: not used, rather than a scene without features.
   ASSERT_TRUE(Run().ok());

@@ -26,7 +26,6 @@ namespace {
 namespace fs = std::filesystem;
 using photos::Photo;
 using photos::PhotoSplit;
-using sfm::TempFolder;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -57,14 +56,16 @@ TEST_F(IngestStageTest, PlainPhotosAreCopiedByteForByte) {
 }
 
 TEST_F(IngestStageTest, OthersAreRewrittenUprightAndLossless) {
-  const cv::Mat picture = sfm::MakePicture(64, 48, 7);
+  const cv::Mat picture = photos::MakePicture(64, 48, 7);
   const std::string exif =
-      sfm::MakeExif({.orientation = 6, .model = "M", .focal_35mm = 30});
-  images_.Write("a.png",
-                sfm::WithPngChunk(sfm::Encode(".png", picture), "eXIf", exif));
-  images_.Write("b.tif", sfm::Encode(".tif", sfm::MakePicture(64, 48, 8)));
-  images_.Write("c/b.jpg", sfm::MakeJpeg(40, 40, 9));
-  images_.Write("d d.png", sfm::MakePng(50, 40, 10));
+      photos::MakeExif({.orientation = 6, .model = "M", .focal_35mm = 30});
+  images_.Write(
+      "a.png",
+      photos::WithPngChunk(photos::Encode(".png", picture), "eXIf", exif));
+  images_.Write("b.tif",
+                photos::Encode(".tif", photos::MakePicture(64, 48, 8)));
+  images_.Write("c/b.jpg", photos::MakeJpeg(40, 40, 9));
+  images_.Write("d d.png", photos::MakePng(50, 40, 10));
   ASSERT_TRUE(Run().ok());
   EXPECT_THAT(Written(), ElementsAre("a.png", "b.png", "c/b.jpg", "d_d.png"));
   const auto upright =
@@ -86,9 +87,9 @@ TEST_F(IngestStageTest, OthersAreRewrittenUprightAndLossless) {
 
 TEST_F(IngestStageTest, DuplicatesByContent) {
   WritePhotos(3);
-  const cv::Mat picture = sfm::MakePicture(64, 48, 7);
-  images_.Write("copy.png", sfm::Encode(".png", picture));
-  images_.Write("copy of copy.tif", sfm::Encode(".tif", picture));
+  const cv::Mat picture = photos::MakePicture(64, 48, 7);
+  images_.Write("copy.png", photos::Encode(".png", picture));
+  images_.Write("copy of copy.tif", photos::Encode(".tif", picture));
   images_.Write("other.jpg", *ReadFile(images_.path() / "img1.jpg"));
   ASSERT_TRUE(Run().ok());
   EXPECT_THAT(Files(PhotoSplit::kRejected),
@@ -102,38 +103,39 @@ TEST_F(IngestStageTest, DuplicatesByContent) {
 
 // Everything that is wrong with somebody's photo folder, at once.
 TEST_F(IngestStageTest, HostileFolder) {
-  const std::string jpeg = sfm::MakeJpeg(64, 48, 1);
+  const std::string jpeg = photos::MakeJpeg(64, 48, 1);
   const fs::path root = images_.path();
   images_.Write("truncated.jpg", jpeg.substr(0, jpeg.size() / 2));
   images_.Write("text.jpg", "this is a text renamed to a photo\n");
   images_.Write("empty.jpg", "");
-  images_.Write("pixel.png", sfm::MakePng(1, 1, 1));
-  images_.Write("lie_40000x1.jpg", sfm::WithJpegSize(jpeg, 40000, 1));
-  images_.Write("lie_60000x60000.jpg", sfm::WithJpegSize(jpeg, 60000, 60000));
+  images_.Write("pixel.png", photos::MakePng(1, 1, 1));
+  images_.Write("lie_40000x1.jpg", photos::WithJpegSize(jpeg, 40000, 1));
+  images_.Write("lie_60000x60000.jpg",
+                photos::WithJpegSize(jpeg, 60000, 60000));
   images_.Write("lie.png",
-                sfm::WithPngSize(sfm::MakePng(64, 48, 1), 20000, 19000));
+                photos::WithPngSize(photos::MakePng(64, 48, 1), 20000, 19000));
   images_.Write("phone.heic", std::string("\0\0\0\x18", 4) + "ftypheic");
   images_.Write("notes.txt", "not a photo, and not called one");
   images_.Write(".hidden.jpg", "junk");
-  images_.Write("with space.jpg", sfm::MakeJpeg(64, 48, 2));
-  images_.Write("it's \"quoted\".jpg", sfm::MakeJpeg(64, 48, 3));
-  images_.Write("größe 日本.png", sfm::MakePng(64, 48, 4));
-  images_.Write("new\nline.jpg", sfm::MakeJpeg(64, 48, 5));
-  images_.Write("nested/deeper/photo.jpg", sfm::MakeJpeg(64, 48, 6));
-  images_.Write("bytes\xff\xfe.jpg", sfm::MakeJpeg(64, 48, 7));
-  images_.Write("$(reboot); rm -rf.jpg", sfm::MakeJpeg(64, 48, 8));
+  images_.Write("with space.jpg", photos::MakeJpeg(64, 48, 2));
+  images_.Write("it's \"quoted\".jpg", photos::MakeJpeg(64, 48, 3));
+  images_.Write("größe 日本.png", photos::MakePng(64, 48, 4));
+  images_.Write("new\nline.jpg", photos::MakeJpeg(64, 48, 5));
+  images_.Write("nested/deeper/photo.jpg", photos::MakeJpeg(64, 48, 6));
+  images_.Write("bytes\xff\xfe.jpg", photos::MakeJpeg(64, 48, 7));
+  images_.Write("$(reboot); rm -rf.jpg", photos::MakeJpeg(64, 48, 8));
   fs::create_directory_symlink(root, root / "nested" / "loop");
   fs::create_directory_symlink("..", root / "nested" / "up");
   fs::create_symlink("nowhere.jpg", root / "broken.jpg");
   fs::create_symlink("self.jpg", root / "self.jpg");
   fs::create_directory(root / "folder.jpg");
   ASSERT_EQ(mkfifo((root / "pipe.jpg").c_str(), 0600), 0);
-  images_.Write("secret.jpg", sfm::MakeJpeg(64, 48, 9));
+  images_.Write("secret.jpg", photos::MakeJpeg(64, 48, 9));
   ASSERT_EQ(chmod((root / "secret.jpg").c_str(), 0), 0);
 
   Status status;
   {
-    const sfm::Unprivileged unprivileged({root, workspace_.path()});
+    const photos::Unprivileged unprivileged({root, workspace_.path()});
     status = Run();
   }
   ASSERT_TRUE(status.ok()) << status.message();
@@ -197,7 +199,7 @@ TEST_F(IngestStageTest, FewerThanThreeUsablePhotos) {
   EXPECT_THAT(status.message(), HasSubstr("2 of 3 photos can be used"));
   EXPECT_THAT(status.message(), HasSubstr("bad.jpg: empty file"));
 
-  images_.Write("img2.jpg", sfm::MakeJpeg(64, 48, 500));
+  images_.Write("img2.jpg", photos::MakeJpeg(64, 48, 500));
   EXPECT_TRUE(Run().ok());
 }
 
@@ -216,13 +218,13 @@ TEST_F(IngestStageTest, NoPhotosOrNoFolder) {
 TEST_F(IngestStageTest, SameResultForAnyThreadCountAndAfterLeftovers) {
   WritePhotos(9);
   images_.Write("turned.jpg",
-                sfm::WithExif(sfm::MakeJpeg(64, 48, 50),
-                              sfm::MakeExif({.orientation = 3})));
+                photos::WithExif(photos::MakeJpeg(64, 48, 50),
+                                 photos::MakeExif({.orientation = 3})));
   ASSERT_TRUE(Run(1).ok());
   const fs::path output = workspace_.path() / "ingest.partial";
   const std::string json = *ReadFile(output / "images.json");
   const std::string turned = *ReadFile(output / "photos/turned.png");
-  sfm::TempFolder leftovers;
+  TemporaryFolder leftovers;
   fs::create_directories(output / "pending");
   fs::copy(output / "photos/img1.jpg", output / "photos/stale.jpg");
   ASSERT_TRUE(Run(4).ok());
@@ -263,7 +265,8 @@ TEST_F(IngestStageTest, KeepSharpest) {
     }
     // Every third photo is sharper than its neighbours.
     if (i % 3 != 1) cv::GaussianBlur(noise, noise, {}, 2);
-    images_.Write("f" + std::to_string(i) + ".png", sfm::Encode(".png", noise));
+    images_.Write("f" + std::to_string(i) + ".png",
+                  photos::Encode(".png", noise));
   }
   options_.keep_sharpest = 1.0 / 3;
   options_.holdout_every = 0;
@@ -283,8 +286,8 @@ TEST_F(IngestStageTest, CancellationStops) {
 
 TEST_F(IngestStageTest, InputsAreThePhotosAndTheList) {
   WritePhotos(3);
-  TempFolder elsewhere;
-  elsewhere.Write("x.jpg", sfm::MakeJpeg(64, 48, 77));
+  TemporaryFolder elsewhere;
+  elsewhere.Write("x.jpg", photos::MakeJpeg(64, 48, 77));
   fs::create_directory_symlink(elsewhere.path(), images_.path() / "linked");
   options_.holdout_list = "list.txt";
   pipeline::StageContext context;
@@ -329,15 +332,15 @@ TEST(IngestStageOptionsTest, DefaultsAreInRange) {
 // The position in a photo changes nothing but the file.
 TEST_F(IngestStageTest, PositionsAreIgnoredAndFocalLengthsKept) {
   for (int i = 0; i < 3; ++i) {
-    const std::string jpeg = sfm::MakeJpeg(64, 48, 20 + i);
-    const sfm::ExifFields plain = {.model = "M", .focal_35mm = 26};
-    sfm::ExifFields gps = plain;
+    const std::string jpeg = photos::MakeJpeg(64, 48, 20 + i);
+    const photos::ExifFields plain = {.model = "M", .focal_35mm = 26};
+    photos::ExifFields gps = plain;
     gps.gps = true;
     images_.Write("plain" + std::to_string(i) + ".jpg",
-                  sfm::WithExif(jpeg, sfm::MakeExif(plain)));
+                  photos::WithExif(jpeg, photos::MakeExif(plain)));
     images_.Write("a/gps" + std::to_string(i) + ".jpg",
-                  sfm::WithExif(sfm::MakeJpeg(64, 48, 30 + i),
-                                sfm::MakeExif(gps, i % 2 == 0)));
+                  photos::WithExif(photos::MakeJpeg(64, 48, 30 + i),
+                                   photos::MakeExif(gps, i % 2 == 0)));
   }
   ASSERT_TRUE(Run().ok());
   EXPECT_THAT(warnings_, IsEmpty());
