@@ -137,8 +137,7 @@ Status ParseOptionText(const std::string& text,
       target);
 }
 
-std::string AllowedText(const OptionSpec& spec,
-                        const OptionTarget& target) {
+std::string AllowedText(const OptionSpec& spec, const OptionTarget& target) {
   if (std::holds_alternative<bool*>(target)) return "true or false";
   if (std::holds_alternative<std::string*>(target)) {
     if (spec.choices.empty()) return spec.is_path ? "a path" : "text";

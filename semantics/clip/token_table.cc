@@ -43,8 +43,7 @@ StatusOr<TokenTable> TokenTable::Parse(std::string content) {
   TokenTable table;
   table.type_ = static_cast<ElementType>(type);
   if (rows == 0 || rows > kMaxRows || columns == 0 || columns > kMaxColumns ||
-      reader.remaining() !=
-          uint64_t{rows} * columns * table.ElementSize()) {
+      reader.remaining() != uint64_t{rows} * columns * table.ElementSize()) {
     return BadInputError("the file is truncated or its header is damaged");
   }
   table.rows_ = static_cast<int>(rows);

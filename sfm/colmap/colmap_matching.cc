@@ -10,10 +10,10 @@
 #include "core/io/files.h"
 #include "core/parallel.h"
 #include "sfm/colmap/colmap_steps.h"
+#include "sfm/colmap/portioned_import.h"
 #include "sfm/matching/descriptor_matching.h"
 #include "sfm/matching/match_database.h"
 #include "sfm/matching/pair_selection.h"
-#include "sfm/colmap/portioned_import.h"
 
 namespace freegs::sfm {
 namespace {

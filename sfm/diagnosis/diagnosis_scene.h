@@ -13,7 +13,6 @@
 
 namespace freegs::sfm {
 
-
 // Upper quartile of the photos' sharpness, where known.
 double SharpnessOfSharp(const SceneEvidence& evidence);
 

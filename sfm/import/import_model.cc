@@ -10,10 +10,10 @@
 #include <tuple>
 
 #include "core/io/files.h"
-#include "sfm/scene/model_io.h"
 #include "sfm/import/name_matching.h"
-#include "sfm/scene/random_points.h"
 #include "sfm/import/transforms_json.h"
+#include "sfm/scene/model_io.h"
+#include "sfm/scene/random_points.h"
 
 namespace freegs::sfm {
 namespace {

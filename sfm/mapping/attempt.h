@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "core/status.h"
+#include "sfm/mapping/step_record.h"
 #include "sfm/matching/pair_selection.h"
 #include "sfm/scene/reconstruction.h"
-#include "sfm/mapping/step_record.h"
 
 namespace freegs::sfm {
 

@@ -13,9 +13,9 @@
 #include <nlohmann/json.hpp>
 
 #include "core/status.h"
-#include "sfm/mapping/attempt.h"
 #include "sfm/calibration/camera_selection.h"
 #include "sfm/diagnosis/finding.h"
+#include "sfm/mapping/attempt.h"
 #include "sfm/matching/pair_selection.h"
 #include "sfm/scene/reconstruction.h"
 #include "sfm/scene/reconstruction_measures.h"

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "core/status.h"
-#include "sfm/mapping/attempt.h"
 #include "sfm/colmap/colmap_steps.h"
 #include "sfm/diagnosis/diagnosis.h"
 #include "sfm/diagnosis/evidence.h"
+#include "sfm/mapping/attempt.h"
 
 namespace freegs::sfm {
 

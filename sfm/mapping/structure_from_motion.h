@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "core/status.h"
-#include "sfm/mapping/attempt.h"
 #include "sfm/calibration/camera_selection.h"
-#include "sfm/diagnosis/diagnosis.h"
 #include "sfm/colmap/sfm_options.h"
+#include "sfm/diagnosis/diagnosis.h"
+#include "sfm/mapping/attempt.h"
 #include "sfm/scene/reconstruction.h"
 #include "sfm/scene/sfm_photo.h"
 

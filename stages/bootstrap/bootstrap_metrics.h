@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The figures that stage bootstrap leaves behind.
+// Writes the figures of stage bootstrap.
 
 #ifndef FREEGS_STAGES_BOOTSTRAP_BOOTSTRAP_METRICS_H_
 #define FREEGS_STAGES_BOOTSTRAP_BOOTSTRAP_METRICS_H_
@@ -16,8 +16,9 @@
 
 namespace freegs::stages {
 
-// metrics.json and, of a trained field, progress.csv below the stage's output;
-// docs/outputs.md says what is in them. Sets context.summary.
+// Writes metrics.json below context.output, and progress.csv when the field was
+// trained (mode paper). docs/outputs.md describes both. `meter` was started
+// with the stage. Sets context.summary.
 Status WriteBootstrapMetrics(const BootstrapStageOptions& options,
                              size_t num_gaussians,
                              const semantics::SemanticField& field,

@@ -127,21 +127,10 @@ void RegisterTrainingOptions(BootstrapStageOptions& options,
              .max = 2});
 }
 
-}  // namespace
-
-void RegisterBootstrapOptions(BootstrapStageOptions& options,
-                              pipeline::OptionTable& table) {
+// How Gaussians are compared, and which of them are a cluster.
+void RegisterClusteringOptions(BootstrapStageOptions& options,
+                               pipeline::OptionTable& table) {
   semantics::InstanceClusteringOptions& clustering = options.method.clustering;
-  table.AddSection("bootstrap",
-                   "Phase 2: what Gaussians mean, and which belong together.");
-  table.Add("bootstrap.mode",
-            &options.mode,
-            {.help = "Semantics averaged from the photographs' features in one "
-                     "pass (lift), trained from there (paper), or none: "
-                     "geometry and colour only (geometry).",
-             .choices = {"lift", "paper", "geometry"}});
-  RegisterSemanticOptions(options, table);
-  RegisterTrainingOptions(options, table);
   table.Add("bootstrap.min_samples",
             &clustering.hdbscan.min_samples,
             {.help = "Neighbours that make a neighbourhood dense: more gives "
@@ -198,6 +187,12 @@ void RegisterBootstrapOptions(BootstrapStageOptions& options,
                      "first.",
              .min = 0,
              .max = 1000});
+}
+
+// How clusters become instances.
+void RegisterInstanceOptions(BootstrapStageOptions& options,
+                             pipeline::OptionTable& table) {
+  semantics::InstanceClusteringOptions& clustering = options.method.clustering;
   table.Add("bootstrap.max_planes",
             &clustering.planes.max_planes,
             {.help = "Large planes (floor, walls, table tops) that become "
@@ -245,6 +240,24 @@ void RegisterBootstrapOptions(BootstrapStageOptions& options,
                      "neighbour's instance.",
              .min = 0,
              .max = 0.99});
+}
+
+}  // namespace
+
+void RegisterBootstrapOptions(BootstrapStageOptions& options,
+                              pipeline::OptionTable& table) {
+  table.AddSection("bootstrap",
+                   "Phase 2: what Gaussians mean, and which belong together.");
+  table.Add("bootstrap.mode",
+            &options.mode,
+            {.help = "Semantics averaged from the photographs' features in one "
+                     "pass (lift), trained from there (paper), or none: "
+                     "geometry and colour only (geometry).",
+             .choices = {"lift", "paper", "geometry"}});
+  RegisterSemanticOptions(options, table);
+  RegisterTrainingOptions(options, table);
+  RegisterClusteringOptions(options, table);
+  RegisterInstanceOptions(options, table);
   table.Add("bootstrap.max_image_size",
             &options.max_image_size,
             {.help = "Longest side in pixels of the instance maps; 0 is the "

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Options of stage bootstrap.
+// The options of stage bootstrap, and how the method is told them.
 
 #ifndef FREEGS_STAGES_BOOTSTRAP_BOOTSTRAP_OPTIONS_H_
 #define FREEGS_STAGES_BOOTSTRAP_BOOTSTRAP_OPTIONS_H_
@@ -13,26 +13,30 @@
 namespace freegs::stages {
 
 struct BootstrapStageOptions {
-  // lift, paper or geometry.
+  // lift: semantic vectors are averaged from the photographs' features.
+  // paper: they are trained from there. geometry: there are none.
   std::string mode = "lift";
   // Folder of a CLIP model; empty for the one that comes with the program.
   std::string model;
+  // What the method is told, except for what the members here decide.
   semantics::BootstrappingOptions method;
-  // eom or leaf: method.clustering.hdbscan.method.
+  // eom or leaf; becomes method.clustering.hdbscan.method.
   std::string selection = "eom";
-  // Memory for blending weights, and disk space for those beyond.
+  // Memory and disk space for blending weights, in GiB.
   double weights_memory_gb = 1;
   double weights_disk_gb = 16;
   // Longest side in pixels of the instance maps; 0 is the photographs' size.
   int max_image_size = 0;
-  // Photographs, evenly spread, that get a coloured preview.
+  // So many photographs, evenly spread, get a coloured preview.
   int num_previews = 6;
 };
 
+// Adds section [bootstrap] to the table, which keeps pointers to `options`.
 void RegisterBootstrapOptions(BootstrapStageOptions& options,
                               pipeline::OptionTable& table);
 
-// What the method is told; kInvalidArgument when a value makes no sense.
+// Translates the options for the method. kInvalidArgument for a value that is
+// not allowed.
 StatusOr<semantics::BootstrappingOptions> MakeBootstrappingOptions(
     const BootstrapStageOptions& options);
 

@@ -15,11 +15,11 @@
 #include "semantics/field/bootstrapping.h"
 #include "semantics/field/field_checkpoint.h"
 #include "semantics/field/idsf.h"
-#include "semantics/queries/instance_features.h"
-#include "semantics/queries/instance_words.h"
 #include "semantics/instances/instances.h"
 #include "semantics/instances/instances_json.h"
 #include "semantics/losses/decoder_file.h"
+#include "semantics/queries/instance_features.h"
+#include "semantics/queries/instance_words.h"
 #include "stages/bootstrap/bootstrap_metrics.h"
 #include "stages/scene/clip_input.h"
 #include "stages/scene/instance_maps.h"
@@ -51,7 +51,8 @@ class BootstrapStage : public pipeline::Stage {
                                     "undistort/images",
                                     "ingest/images.json"};
     if (with_semantics()) {
-      // Holds the hashes of the model's other files. Without it, Run says so.
+      // model.json holds the hashes of the model's other files. When the model
+      // is missing, Run reports that.
       const StatusOr<fs::path> model = options_.model.empty()
                                            ? FindShippedModel()
                                            : StatusOr<fs::path>(options_.model);
@@ -172,7 +173,8 @@ class BootstrapStage : public pipeline::Stage {
     return NamedField{std::move(field), std::move(words)};
   }
 
-  // What an interrupted run left. A damaged checkpoint costs time, no more.
+  // The checkpoint of an interrupted run. A damaged one only costs time: the
+  // training starts anew.
   static std::optional<semantics::FieldState> CheckpointOf(
       const fs::path& path, const pipeline::StageContext& context) {
     std::error_code error;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// reconstruct/ -> bootstrap/: phase 2, a semantic vector and an instance index
-// for every Gaussian.
+// Stage bootstrap, reconstruct/ -> bootstrap/: a semantic vector and an
+// instance for every Gaussian. This is phase 2 of the method.
+// MakeBootstrapStage makes the stage; stages/registry/stage_registry.h shows
+// who runs it. The work itself is done by semantics/field/bootstrapping.h.
 
 #ifndef FREEGS_STAGES_BOOTSTRAP_BOOTSTRAP_STAGE_H_
 #define FREEGS_STAGES_BOOTSTRAP_BOOTSTRAP_STAGE_H_
@@ -13,11 +15,19 @@
 
 namespace freegs::stages {
 
-// Reads reconstruct/point_cloud.ply and undistort/; writes idsf.bin,
-// instances.json, instance_features.json (with semantics), metrics.json,
-// instances/VIEW.png (16-bit grey, instance id, 0 = none) for every view,
-// preview/VIEW.png for a few, and features/, what the network made of the
-// photographs.
+// Reads reconstruct/point_cloud.ply, undistort/ and the split from
+// ingest/images.json. Writes (docs/outputs.md has the formats)
+//   idsf.bin             instance and semantic vector of each Gaussian
+//   instances.json       the instances: boxes, sizes, words
+//   metrics.json         figures of the stage
+//   instances/VIEW.png   instance ids of every view, 16-bit grey, 0 for none
+//   preview/VIEW.png     a few photographs tinted by instance
+// and, unless the mode is geometry,
+//   decoder.bin, instance_features.json   what words are compared with
+//   features/                             the CLIP features of the photographs
+// Features of places are brought to the resolution of the images by joint
+// bilateral upsampling, also when the CLIP model has an upsampler.onnx: only
+// the command `features` uses that file.
 std::unique_ptr<pipeline::Stage> MakeBootstrapStage(
     const BootstrapStageOptions& options, uint64_t seed);
 

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a command of the program is given: `freegs_pipeline NAME ARGUMENTS...`.
-// Every command is a function
+// The commands of the program: `freegs_pipeline NAME ARGUMENTS...`. Each
+// command is a function in stages/commands/NAME_command.h,
 //   Status RunNameCommand(const std::vector<std::string>& arguments,
 //                         CommandContext& context);
-// in stages/commands/NAME_command.h. The program prints the message of an error
-// Status on stderr and turns its code into the exit code.
+// pipeline/main.cc lists them and calls the one that is named:
+//   CommandContext context{std::cout, std::cerr, cancellation, argv0};
+//   const Status status = RunStatusCommand({"workspace"}, context);
+// It prints the message of an error on stderr and turns its code into the exit
+// code.
 
 #ifndef FREEGS_STAGES_COMMANDS_COMMAND_H_
 #define FREEGS_STAGES_COMMANDS_COMMAND_H_
@@ -19,13 +22,14 @@
 namespace freegs::stages {
 
 struct CommandContext {
-  std::ostream& out;  // Results: what a caller's script reads.
+  std::ostream& out;  // Results, which a caller's script reads.
   std::ostream& err;  // Messages and progress.
 
-  // Set by Ctrl-C. Long commands save what they have and return kInterrupted.
+  // Ctrl-C cancels it. Long commands then save what they have and return
+  // kInterrupted.
   const CancellationToken& cancellation;
 
-  std::string argv0;  // The program as it was called, for messages.
+  std::string argv0;  // The path by which the program was called.
 };
 
 using CommandFn = Status (*)(const std::vector<std::string>& arguments,

@@ -43,7 +43,7 @@ void PrintLine(std::ostream& out,
       << text << "\n";
 }
 
-// "a.b.c" of a number in which minor and patch take `base` each.
+// The version "a.b.c" of the number (a * base + b) * base + c.
 std::string Dotted(int64_t number, int64_t base) {
   return std::to_string(number / base / base) + "." +
          std::to_string(number / base % base) + "." +

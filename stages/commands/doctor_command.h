@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `doctor`: what this machine offers and what is missing.
+// `doctor`: lists what this machine offers and what it lacks.
 
 #ifndef FREEGS_STAGES_COMMANDS_DOCTOR_COMMAND_H_
 #define FREEGS_STAGES_COMMANDS_DOCTOR_COMMAND_H_
@@ -12,8 +12,8 @@
 
 namespace freegs::stages {
 
-// kMissingDependency, naming the package, when something the pipeline cannot do
-// without is missing.
+// kMissingDependency, naming the package, when something is missing that the
+// pipeline cannot do without.
 Status RunDoctorCommand(const std::vector<std::string>& arguments,
                         CommandContext& context);
 

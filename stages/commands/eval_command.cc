@@ -11,21 +11,23 @@
 #include <system_error>
 #include <utility>
 
+#include <nlohmann/json.hpp>
+
 #include "core/io/files.h"
 #include "core/parallel.h"
 #include "pipeline/json_text.h"
-#include "stages/evaluation/consistency_evaluation.h"
 #include "stages/datasets/layout.h"
+#include "stages/evaluation/consistency_evaluation.h"
 #include "stages/evaluation/evaluation.h"
 #include "stages/evaluation/evaluation_report.h"
 #include "stages/evaluation/gaussian_answers.h"
 #include "stages/evaluation/instance_evaluation.h"
 #include "stages/evaluation/label_answers.h"
-#include "stages/registry/pipeline_options.h"
-#include "stages/scene/scene_instances.h"
 #include "stages/evaluation/text_evaluation.h"
-#include "stages/scene/workspace_scene.h"
+#include "stages/registry/pipeline_options.h"
 #include "stages/scene/scene_alignment.h"
+#include "stages/scene/scene_instances.h"
+#include "stages/scene/workspace_scene.h"
 
 namespace freegs::stages {
 namespace {
@@ -56,7 +58,8 @@ struct EvalRequest {
   int threads = 0;
 };
 
-StatusOr<EvalRequest> ParseRequest(const std::vector<std::string>& arguments) {
+StatusOr<EvalRequest> ParseEvalRequest(
+    const std::vector<std::string>& arguments) {
   PipelineOptions options;
   pipeline::OptionTable table = MakeOptionTable(&options);
   EvalRequest request;
@@ -110,7 +113,7 @@ StatusOr<EvalRequest> ParseRequest(const std::vector<std::string>& arguments) {
   return request;
 }
 
-// The truth, and how its frame follows from the scene's.
+// The truth, and the similarity from the scene's frame to the truth's.
 struct AlignedTruth {
   GroundTruth truth;
   Sim3d truth_from_scene;
@@ -126,7 +129,9 @@ StatusOr<AlignedTruth> ReadAlignedTruth(const EvalRequest& request,
   GroundTruth& truth = aligned.truth;
   report->truth = truth.folder.string();
   if (truth.unposed.empty()) {
-    FREEGS_ASSIGN_OR_RETURN(report->poses, AlignWithViews(scene, truth.cameras.train, truth.folder.string()));
+    FREEGS_ASSIGN_OR_RETURN(
+        report->poses,
+        AlignWithViews(scene, truth.cameras.train, truth.folder.string()));
     report->num_true_poses = truth.cameras.train.size();
     report->camera_extent = CameraExtent(truth.cameras.train);
     aligned.truth_from_scene = report->poses->target_from_source;
@@ -148,7 +153,8 @@ StatusOr<AlignedTruth> ReadAlignedTruth(const EvalRequest& request,
   return aligned;
 }
 
-// Nothing, and a message, when the workspace has no instances.
+// The label of each Gaussian. Returns nothing, after a message, when the
+// workspace has no instances.
 StatusOr<std::optional<std::vector<int32_t>>> ReadInstances(
     const fs::path& workspace,
     const WorkspaceScene& scene,
@@ -188,7 +194,8 @@ Status MeasureTextOfGaussians(const EvalRequest& request,
   return Status();
 }
 
-// Leaves the text figures out, and says why, when there is nobody to answer.
+// Measures the answers to words. When the workspace cannot answer, the figures
+// are left out and a message says why.
 Status MeasureText(const EvalRequest& request,
                    const WorkspaceScene& scene,
                    const std::vector<int32_t>& instances,
@@ -200,7 +207,7 @@ Status MeasureText(const EvalRequest& request,
   if (labels.empty()) return Status();
   LabelQuestionOptions questions;
   questions.model = request.model;
-  // 3D-OVS asks for what lies below and behind things, too.
+  // 3D-OVS also asks for table tops and walls.
   const std::optional<std::string> layout =
       request.layout == "auto" ? DetectLayout(request.truth) : request.layout;
   questions.background = request.background || layout == "3dovs";
@@ -210,7 +217,7 @@ Status MeasureText(const EvalRequest& request,
   const StatusOr<LabelAnswers> answers =
       AnswerLabels(request.workspace, labels, questions);
   if (!answers.ok()) {
-    // Who names a model wants its figures.
+    // A user who names a model wants its figures, so a fault is an error then.
     if (answers.status().code() != StatusCode::kMissingDependency ||
         !request.model.empty()) {
       return answers.status();
@@ -268,7 +275,8 @@ Status CompareWithTruth(const EvalRequest& request,
 
 Status RunEvalCommand(const std::vector<std::string>& arguments,
                       CommandContext& context) {
-  FREEGS_ASSIGN_OR_RETURN(const EvalRequest request, ParseRequest(arguments));
+  FREEGS_ASSIGN_OR_RETURN(const EvalRequest request,
+                          ParseEvalRequest(arguments));
   ThreadPool pool(request.threads);
   FREEGS_ASSIGN_OR_RETURN(const WorkspaceScene scene,
                           ReadWorkspaceScene(request.workspace));
@@ -283,12 +291,9 @@ Status RunEvalCommand(const std::vector<std::string>& arguments,
   FREEGS_ASSIGN_OR_RETURN(const auto instances,
                           ReadInstances(request.workspace, scene, context));
   if (instances) {
-    FREEGS_ASSIGN_OR_RETURN(report.consistency,
-                            MeasureViewConsistency(scene,
-                                                   *instances,
-                                                   ConsistencyOptions(),
-                                                   context.cancellation,
-                                                   pool));
+    FREEGS_ASSIGN_OR_RETURN(
+        report.consistency,
+        MeasureViewConsistency(scene, *instances, context.cancellation, pool));
   }
   if (!request.truth.empty()) {
     FREEGS_RETURN_IF_ERROR(

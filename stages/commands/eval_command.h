@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `eval WORKSPACE [--gt DIR [--layout NAME]] [--model DIR] [--text-threshold R]
-// [--json FILE]`.
+// `eval WORKSPACE [--gt DIR [--layout NAME]] [--model DIR]
+//       [--text-from instances|gaussians] [--text-threshold R] [--json FILE]`:
+// measures a scene.
 
 #ifndef FREEGS_STAGES_COMMANDS_EVAL_COMMAND_H_
 #define FREEGS_STAGES_COMMANDS_EVAL_COMMAND_H_
@@ -13,9 +14,10 @@
 
 namespace freegs::stages {
 
-// Measures the workspace's scene: on its holdout photographs, and with --gt
-// against the truth in DIR (see datasets/layout.h). Prints a table, and writes
-// the figures to FILE as JSON ("-" is standard output instead of the table).
+// Measures the workspace's scene on its holdout photographs, and with --gt
+// against the truth in DIR (stages/datasets/layout.h). Prints a table and
+// writes the figures as JSON to FILE; with FILE "-" the JSON goes to standard
+// output and there is no table.
 Status RunEvalCommand(const std::vector<std::string>& arguments,
                       CommandContext& context);
 

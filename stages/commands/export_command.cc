@@ -41,7 +41,7 @@ StatusOr<Format> FormatOf(const fs::path& path) {
       path.string() + ": the suffix says the format; known are " + known);
 }
 
-// "3,17" as numbers.
+// Parses a list of instance ids such as "3,17".
 StatusOr<std::vector<int>> ParseIds(const std::string& option,
                                     const std::string& text) {
   std::vector<int> ids;
@@ -67,7 +67,7 @@ struct ExportRequest {
   std::string without;
 };
 
-// What the request keeps of the model, in the colours it asks for.
+// The Gaussians that the request asks for, in the colours it asks for.
 Status Prepare(const ExportRequest& request,
                const fs::path& workspace,
                splat::GaussianModel* model) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `export WORKSPACE --out FILE`: the scene in one file for other programs.
+// `export WORKSPACE --out FILE`: writes the scene to one file for other
+// programs.
 
 #ifndef FREEGS_STAGES_COMMANDS_EXPORT_COMMAND_H_
 #define FREEGS_STAGES_COMMANDS_EXPORT_COMMAND_H_
@@ -12,10 +13,10 @@
 
 namespace freegs::stages {
 
-// The suffix of FILE (in any case) says the format: .ply (see splat/scene/ply_io.h)
-// or .splat (see splat/scene/splat_format.h). --what instances exports the Gaussians
-// in their instances' colours instead of their own. --only 3,17 writes the
-// Gaussians of those instances only, --without 3,17 all others.
+// The suffix of FILE, in upper or lower case, chooses the format: .ply
+// (splat/scene/ply_io.h) or .splat (splat/scene/splat_format.h). With --what
+// instances the Gaussians get the colours of their instances. --only 3,17
+// writes only the Gaussians of these instances, --without 3,17 all others.
 Status RunExportCommand(const std::vector<std::string>& arguments,
                         CommandContext& context);
 

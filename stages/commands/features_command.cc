@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <memory>
 
-#include "core/number_text.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
+#include "core/number_text.h"
 #include "core/parallel.h"
 #include "pipeline/option_table.h"
 #include "semantics/clip/feature_cache.h"
@@ -24,9 +24,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Colours begin where a place is as much like the words as like any thing, and
-// end no lower than this, so that an image without what was asked for stays
-// dark.
+// Colours begin at the relevancy at which a place is as much like the words as
+// like a canonical phrase. They never reach their brightest below the second
+// value, so that an image that does not show the words stays dark.
 constexpr double kNoRelevancy = 0.5;
 constexpr double kFullRelevancy = 0.6;
 
@@ -42,8 +42,9 @@ struct FeaturesRequest {
   semantics::JointBilateralOptions upsampling;
 };
 
-StatusOr<FeaturesRequest> ParseRequest(std::vector<std::string> arguments) {
-  // The one short option of the program, from habit.
+StatusOr<FeaturesRequest> ParseFeaturesRequest(
+    std::vector<std::string> arguments) {
+  // -o is accepted because many programs have it.
   std::replace(arguments.begin(),
                arguments.end(),
                std::string("-o"),
@@ -117,7 +118,7 @@ ImageU8 LimitedTo(const ImageU8& image, int longest_side) {
 Status RunFeaturesCommand(const std::vector<std::string>& arguments,
                           CommandContext& context) {
   FREEGS_ASSIGN_OR_RETURN(const FeaturesRequest request,
-                          ParseRequest(arguments));
+                          ParseFeaturesRequest(arguments));
   FREEGS_ASSIGN_OR_RETURN(const UprightPhoto photo,
                           ReadUprightPhoto(request.image));
   FREEGS_ASSIGN_OR_RETURN(const std::unique_ptr<semantics::OpenCvClip> encoder,
@@ -144,7 +145,7 @@ Status RunFeaturesCommand(const std::vector<std::string>& arguments,
                                          photo.pixels,
                                          request.dense_size));
 
-  // A network for other sizes has no upsampler.
+  // The upsampler belongs to dense.onnx; networks of other sizes have none.
   if (encoder->upsampled_size() > 0 &&
       (request.dense_size == 0 ||
        request.dense_size == encoder->dense_sizes()[0])) {

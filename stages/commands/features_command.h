@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `features IMAGE --text WORDS --model DIR --out FILE`: what CLIP sees where.
+// `features IMAGE --text WORDS [--model DIR] [--out FILE]`: draws where in an
+// image CLIP sees the words.
 
 #ifndef FREEGS_STAGES_COMMANDS_FEATURES_COMMAND_H_
 #define FREEGS_STAGES_COMMANDS_FEATURES_COMMAND_H_
@@ -12,12 +13,13 @@
 
 namespace freegs::stages {
 
-// Writes a picture of the image, upright, in grey, with the places that are
-// like the words in colour: dense features of the model, upsampled along the
-// image's edges, and their relevancy to the words against the model's canonical
-// phrases as in LERF. Relevancy up to one half has no colour: the place is no
-// more like the words than like one of these. Prints the range of the
-// relevancy and where it is highest, in pixels of the picture.
+// Writes the upright image in grey, with the places that are like the words in
+// colour. The model's dense features are upsampled along the edges of the
+// image, by the model's upsampler.onnx if it has one and by joint bilateral
+// upsampling otherwise. Their relevancy to the words is that of LERF, against
+// the model's canonical phrases. Relevancy up to 0.5 has no colour: the place
+// is at least as much like a canonical phrase as like the words. Prints the
+// range of the relevancy and where it is highest, in pixels of the picture.
 // --cache DIR keeps the features for other words.
 Status RunFeaturesCommand(const std::vector<std::string>& arguments,
                           CommandContext& context);

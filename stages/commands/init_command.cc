@@ -7,8 +7,8 @@
 
 #include "core/io/files.h"
 #include "pipeline/workspace.h"
-#include "stages/registry/pipeline_options.h"
 #include "stages/commands/workspace_readme.h"
+#include "stages/registry/pipeline_options.h"
 
 namespace freegs::stages {
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `init WORKSPACE`: a config.ini with every option explained, and a README.
+// `init WORKSPACE`: writes a config.ini that explains every option, and a
+// README.
 
 #ifndef FREEGS_STAGES_COMMANDS_INIT_COMMAND_H_
 #define FREEGS_STAGES_COMMANDS_INIT_COMMAND_H_
@@ -12,13 +13,13 @@
 
 namespace freegs::stages {
 
-// What init writes. The texts are part of the program: an installed one needs
-// no other file.
+// The texts that init writes. They are part of the program, so that an
+// installed program needs no other file.
 std::string ConfigTemplate();
 std::string WorkspaceReadme();
 
-// Makes the folder if need be and writes the files it lacks; files that are
-// there stay as they are.
+// Makes the folder if it does not exist and writes those of the files that it
+// lacks. Existing files stay as they are.
 Status RunInitCommand(const std::vector<std::string>& arguments,
                       CommandContext& context);
 

@@ -34,7 +34,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Milliseconds since the last call.
+// Measures the milliseconds since its last call.
 class Lap {
  public:
   double Milliseconds() {
@@ -49,8 +49,9 @@ class Lap {
       std::chrono::steady_clock::now();
 };
 
-// Fills the answer from all instances by descending score, large planes too:
-// these answer only when asked to, but the best of all is told.
+// Fills the answer from the scores of all instances, in descending order. Large
+// planes become hits only when they are asked for; otherwise the answer
+// mentions one that is better than all hits.
 template <typename Hit, typename Score>
 void FillFrom(const std::vector<Hit>& all,
               const QueryScene& scene,
@@ -139,7 +140,7 @@ Status AnswerExample(const QueryRequest& request,
   return Status();
 }
 
-// One of the views to show, else of the photos.
+// Finds the view by name among the views to show, else among the photos.
 StatusOr<View> ViewOf(const QueryScene& scene, const std::string& name) {
   StatusOr<View> view = FindView(scene.photos, name);
   if (view.ok()) return view;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `query WORKSPACE --text WORDS`: which instance is meant, in space and in
-// every view.
+// `query WORKSPACE --text WORDS`: finds the instance that is meant, in space
+// and in every view.
 
 #ifndef FREEGS_STAGES_COMMANDS_QUERY_COMMAND_H_
 #define FREEGS_STAGES_COMMANDS_QUERY_COMMAND_H_
@@ -13,20 +13,20 @@
 
 namespace freegs::stages {
 
-// Asks one of
-//   --text WORDS             the instances most relevant to the words;
-//   --example IMAGE          those most like the picture;
-//   --click VIEW X Y         the one at a pixel of a view;
-//   --box VIEW X0 Y0 X1 Y1   the one that the box is drawn around.
+// One of these asks the question:
+//   --text WORDS             the instances most relevant to the words
+//   --example IMAGE          the instances most like the picture
+//   --click VIEW X Y         the instance at a pixel of a view
+//   --box VIEW X0 Y0 X1 Y1   the instance that the box is drawn around
 // Prints a table, or with --json the answer as JSON. With --out DIR also writes
 // DIR/query.json, DIR/masks/VIEW.png and DIR/overlay/VIEW.jpg for the views of
-// the photos or of --cameras FILE. That nothing is found is an answer, not an
-// error. See docs/queries.md.
+// the photos or of --cameras FILE. Finding nothing is an answer, not an error.
+// See docs/queries.md.
 //
-// kBadInput when a stage has not been run or the scene knows no semantics;
-// kMissingDependency when the CLIP model is missing or not the one that the
-// scene's features are of; kInvalidArgument for unknown views and for pixels
-// outside of theirs.
+// kBadInput when a stage has not been run or the scene has no semantics;
+// kMissingDependency when the CLIP model is missing or is not the one that the
+// scene's features were made with; kInvalidArgument for an unknown view and for
+// a pixel outside the view.
 Status RunQueryCommand(const std::vector<std::string>& arguments,
                        CommandContext& context);
 

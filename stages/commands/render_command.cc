@@ -41,7 +41,7 @@ struct RenderRequest {
   bool no_align = false;
 };
 
-StatusOr<RenderRequest> ParseRequest(
+StatusOr<RenderRequest> ParseRenderRequest(
     const std::vector<std::string>& arguments) {
   RenderRequest request;
   pipeline::OptionTable table;
@@ -94,7 +94,7 @@ class Renderer {
   virtual Status Render(const View& view, const std::string& name) = 0;
 
  protected:
-  // Where a picture goes; creates the folder.
+  // The path of a picture. Creates its folder.
   StatusOr<fs::path> File(const fs::path& name) const {
     const fs::path path = out_ / name;
     FREEGS_RETURN_IF_ERROR(CreateFolders(path.parent_path()));
@@ -249,7 +249,8 @@ StatusOr<std::unique_ptr<Renderer>> MakeRenderer(const RenderRequest& request,
 
 Status RunRenderCommand(const std::vector<std::string>& arguments,
                         CommandContext& context) {
-  FREEGS_ASSIGN_OR_RETURN(const RenderRequest request, ParseRequest(arguments));
+  FREEGS_ASSIGN_OR_RETURN(const RenderRequest request,
+                          ParseRenderRequest(arguments));
   FREEGS_ASSIGN_OR_RETURN(const WorkspaceScene scene,
                           ReadWorkspaceScene(request.workspace));
   FREEGS_ASSIGN_OR_RETURN(

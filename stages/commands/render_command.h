@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `render WORKSPACE --out DIR`: pictures of the scene from any camera.
+// `render WORKSPACE --out DIR`: renders the scene from any camera.
 
 #ifndef FREEGS_STAGES_COMMANDS_RENDER_COMMAND_H_
 #define FREEGS_STAGES_COMMANDS_RENDER_COMMAND_H_
@@ -12,18 +12,18 @@
 
 namespace freegs::stages {
 
-// Renders the views of undistort/sparse at the size training used, or those of
-// --cameras FILE at their own size, into DIR/NAME.png:
-//   color      8-bit RGB;
-//   depth      16-bit, z in the camera frame; DIR/depth.json says how many
-//   world
-//              units one step is; 0 is nothing; DIR/preview/ has colour
-//              pictures;
-//   instances  16-bit, instance id, 0 is none; DIR/preview/ likewise;
-//   semantics  8-bit RGB, the first principal axes of the semantic vectors.
-// FILE (cameras.json, see stages/evaluation/ground_truth.h) may be in another world frame:
-// it is aligned by the similarity between the poses of the photos that both
-// name, unless --no-align is given.
+// Renders the views of the photos at the size of training, or those of
+// --cameras FILE at their own size, into DIR/NAME.png. --what chooses the
+// picture:
+//   color      8-bit RGB
+//   depth      16-bit, z in the camera frame; DIR/depth.json holds the world
+//              units per step, and 0 means that nothing is there
+//   instances  16-bit, instance id, 0 for none
+//   semantics  8-bit RGB, the first principal axes of the semantic vectors
+// Depth and instances also get colour pictures in DIR/preview/.
+// FILE is a camera file (stages/scene/camera_file.h). Its poses may be in
+// another world frame: they are aligned by the poses of the photos that the
+// file and the workspace both name, unless --no-align is given.
 Status RunRenderCommand(const std::vector<std::string>& arguments,
                         CommandContext& context);
 

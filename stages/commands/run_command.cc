@@ -9,12 +9,12 @@
 #include <utility>
 
 #include "core/io/files.h"
+#include "photos/photo_scan.h"
 #include "pipeline/logger.h"
 #include "pipeline/stage_record.h"
 #include "pipeline/stage_runner.h"
 #include "pipeline/version.h"
 #include "pipeline/workspace.h"
-#include "photos/photo_scan.h"
 #include "stages/registry/pipeline_options.h"
 #include "stages/registry/stage_registry.h"
 
@@ -29,12 +29,12 @@ using pipeline::WorkspaceInfo;
 fs::path Absolute(const std::string& path) {
   std::error_code error;
   fs::path absolute = fs::absolute(path, error).lexically_normal();
-  // "photos/" and "photos" are the same folder.
+  // "photos/" and "photos" shall be the same path.
   if (!absolute.has_filename()) absolute = absolute.parent_path();
   return absolute;
 }
 
-// Whether `inner` is `outer` or lies below it, links resolved.
+// Whether `inner` is `outer` or lies below it, after links are resolved.
 bool IsWithin(const fs::path& inner, const fs::path& outer) {
   std::error_code error;
   const fs::path relative =
@@ -43,7 +43,7 @@ bool IsWithin(const fs::path& inner, const fs::path& outer) {
   return !relative.empty() && *relative.begin() != "..";
 }
 
-// A mistaken argument must not fill somebody's folder with stages.
+// A mistyped argument must not fill a folder of other files with stages.
 Status CheckWorkspaceFolder(const fs::path& workspace) {
   std::error_code error;
   if (!fs::exists(workspace, error)) return Status();
@@ -89,7 +89,7 @@ Status CheckImagesFolder(const fs::path& images, const fs::path& workspace) {
   if (fs::is_regular_file(images, error) && photos::HasFilmExtension(images)) {
     return Status();
   }
-  // Once read, the photos are no longer needed.
+  // Once stage ingest has read the photos, they are no longer needed.
   if (pipeline::ReadStageRecord(pipeline::StageFolder(workspace, "ingest"))
           .ok()) {
     return Status();
@@ -102,7 +102,7 @@ Status CheckImagesFolder(const fs::path& images, const fs::path& workspace) {
            : ": no such folder of photos"));
 }
 
-// How a run was asked for.
+// What the command line asks for.
 struct Request {
   fs::path workspace;
   WorkspaceInfo info;
@@ -145,7 +145,8 @@ Status Execute(const Request& request,
   return runner.Run();
 }
 
-// The options of the command line, as the workspace remembers them.
+// Notes the options of the command line for workspace.json. Paths are stored as
+// DisplayPath writes them.
 void Remember(const fs::path& workspace,
               const OptionTable& table,
               const std::vector<OptionSetting>& settings,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `run IMAGES WORKSPACE` and `stage STAGE WORKSPACE`.
+// `run IMAGES WORKSPACE` and `stage STAGE WORKSPACE`: run the stages.
 
 #ifndef FREEGS_STAGES_COMMANDS_RUN_COMMAND_H_
 #define FREEGS_STAGES_COMMANDS_RUN_COMMAND_H_
@@ -12,12 +12,14 @@
 
 namespace freegs::stages {
 
-// Brings all stages from --from to --to up to date. IMAGES may be left out when
-// the workspace knows its photos from an earlier run.
+// Brings all stages from --from to --to up to date. IMAGES is a folder of
+// photos or a film. It may be left out when the workspace knows its photos from
+// an earlier run.
 Status RunRunCommand(const std::vector<std::string>& arguments,
                      CommandContext& context);
 
-// Redoes one stage, with the settings of the last run and those given here.
+// Redoes one stage with the settings of the last run and those given here, even
+// if its result still holds.
 Status RunStageCommand(const std::vector<std::string>& arguments,
                        CommandContext& context);
 

@@ -28,14 +28,15 @@ using pipeline::StageReport;
 using pipeline::StageState;
 using pipeline::StageStatus;
 
-// "running" instead of "interrupted" while a run holds the workspace.
+// The name of the status. An interrupted stage is called "running" while a run
+// holds the workspace.
 std::string StatusName(const StageState& state, bool running) {
   if (running && state.status == StageStatus::kInterrupted) return "running";
   return pipeline::StageStatusName(state.status);
 }
 
-// The record that tells about the stage as it is: of its result, or of the
-// attempt that failed.
+// The record that describes the stage as it is now: that of its result, or that
+// of the attempt that failed.
 const StageRecord* RecordOf(const StageState& state) {
   if (state.status == StageStatus::kFailed && state.attempt) {
     return &*state.attempt;
@@ -60,14 +61,14 @@ json ReportJson(const StageReport& report, bool running) {
   return object;
 }
 
-// "registered 50, verdict good": numbers and short texts of a summary.
+// The numbers and short texts of a summary, as "registered 50, verdict good".
 std::string SummaryText(const json& summary) {
   constexpr int kMaxFacts = 6;
   std::ostringstream text;
   int facts = 0;
   for (const auto& [name, value] : summary.items()) {
     if (value.is_structured() || value.is_null()) continue;
-    // Those of the stage are in the record itself.
+    // The stage's own time and memory are shown from the record.
     if (name.ends_with("seconds") || name.ends_with("_bytes")) continue;
     if (value.is_string() && value.get_ref<const std::string&>().size() > 40) {
       continue;
@@ -139,7 +140,7 @@ Status RunStatusCommand(const std::vector<std::string>& arguments,
                                logger);
   const bool running = pipeline::IsLocked(workspace);
   if (!running) {
-    // What a killed run left half done is completed, where that is possible.
+    // Completes what a killed run has left half done.
     const auto lock = pipeline::WorkspaceLock::Acquire(workspace);
     if (lock.ok()) (void)runner.Recover();
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `status WORKSPACE [--json]`: what is done, what is not, and why.
+// `status WORKSPACE [--json]`: says what is done, what is not, and why.
 
 #ifndef FREEGS_STAGES_COMMANDS_STATUS_COMMAND_H_
 #define FREEGS_STAGES_COMMANDS_STATUS_COMMAND_H_
@@ -12,8 +12,8 @@
 
 namespace freegs::stages {
 
-// Says what the last run's command would do if given again. Options here
-// count as if that run had had them.
+// Says what `run` would do now with the settings of the last run and those
+// given here.
 Status RunStatusCommand(const std::vector<std::string>& arguments,
                         CommandContext& context);
 

@@ -6,8 +6,8 @@
 #include <system_error>
 #include <utility>
 
-#include "sfm/scene/model_io.h"
 #include "sfm/import/name_matching.h"
+#include "sfm/scene/model_io.h"
 #include "stages/datasets/lerf_mask.h"
 #include "stages/datasets/mask_folders.h"
 #include "stages/datasets/scannet.h"
@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Which of `views` each name means; -1 for none.
+// For each name the index of the view that it means, -1 for none.
 std::vector<int> MatchViews(const std::vector<std::string>& names,
                             const std::vector<View>& views) {
   std::vector<sfm::SfmPhoto> photos;
@@ -30,8 +30,8 @@ std::vector<int> MatchViews(const std::vector<std::string>& names,
   return sfm::MatchNames(names, photos);
 }
 
-// The lenses of the photographs before undistortion, those that distort;
-// empty without that model.
+// The lenses that distort, by photograph, before undistortion. Empty when the
+// workspace has no sfm/sparse/0.
 StatusOr<std::map<std::string, sfm::Camera>> ReadLenses(
     const fs::path& workspace) {
   std::map<std::string, sfm::Camera> lenses;

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A whole number and nothing else.
+// Parses text that is a whole number and nothing else.
 std::optional<size_t> ParseIndex(const std::string& text) {
   size_t value = 0;
   const char* const end = text.data() + text.size();
@@ -26,8 +26,8 @@ std::optional<size_t> ParseIndex(const std::string& text) {
   return value;
 }
 
-// Indices of the photographs that are not for training; nothing when nobody
-// says which are.
+// The indices of the photographs that are not for training. Nothing when
+// images_train does not say which ones are.
 std::optional<std::vector<size_t>> TestPhotos(const fs::path& scene,
                                               const DatasetPhotos& photos) {
   std::set<std::string> train;
@@ -46,8 +46,9 @@ StatusOr<size_t> FindPhoto(const fs::path& scene,
                            const std::string& folder,
                            const DatasetPhotos& photos,
                            const std::optional<std::vector<size_t>>& test) {
-  // A photograph's own name goes before a number, but not when it is one to
-  // train on: masks 0, 1, ... of photographs 0.jpg, 1.jpg, ...
+  // A folder name can be both a photograph's name and a number when photographs
+  // are called 0.jpg, 1.jpg, ... It is taken as a name unless that photograph
+  // is one to train on.
   for (size_t i = 0; i < photos.names.size(); ++i) {
     if (PhotoStem(photos.names[i]) != folder) continue;
     if (!test || std::binary_search(test->begin(), test->end(), i)) return i;

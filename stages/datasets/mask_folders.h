@@ -22,9 +22,9 @@ struct MaskFolder {
   std::vector<std::pair<std::string, std::filesystem::path>> masks;
 };
 
-// All folders in `root` that hold masks, by name. kBadInput when there is none,
-// for phrases of more than 200 bytes or with control characters, and for more
-// than 10000 folders.
+// Lists the folders in `root` that hold masks, sorted by name. kBadInput when
+// there is none, for phrases of more than 200 bytes or with control characters,
+// and for more than 10000 folders.
 StatusOr<std::vector<MaskFolder>> ListMaskFolders(
     const std::filesystem::path& root);
 
@@ -33,21 +33,23 @@ StatusOr<std::vector<MaskFolder>> ListMaskFolders(
 struct DatasetPhotos {
   std::vector<std::string> names;
   std::vector<View> views;  // One for each name, or empty without a model.
-  std::map<std::string, sfm::Camera> lenses;  // Of those that distort, by name.
+  std::map<std::string, sfm::Camera> lenses;  // Those that distort, by name.
 };
 
-// From SCENE/sparse/0 or SCENE/sparse, else the files of SCENE/images, without
-// poses. kBadInput when there is neither, or the model is malformed.
+// Reads the photographs' names and cameras from SCENE/sparse/0 or SCENE/sparse.
+// Without such a model only the names are known, from SCENE/images. kBadInput
+// when neither exists or the model is malformed.
 StatusOr<DatasetPhotos> ReadDatasetPhotos(const std::filesystem::path& scene);
 
-// File names in `folder`, sorted; none when it is no folder.
+// The file names in `folder`, sorted; empty when it is not a folder.
 std::vector<std::string> FilesIn(const std::filesystem::path& folder);
 
-// A name without folders, up to its first dot.
+// The name without its folders, up to its first dot.
 std::string PhotoStem(const std::string& name);
 
-// The truth of masks alone. test_views: index into photos.names, and its masks.
-// Objects are the distinct phrases, by name. kBadInput when a view has two
+// Builds a truth that has masks but no boxes. `test_views` pairs an index into
+// photos.names with the masks of that photograph. Each distinct phrase becomes
+// an object; ids follow the order of the phrases. kBadInput when a view has two
 // masks of one phrase, and for more than 65535 phrases.
 StatusOr<GroundTruth> TruthOfMasks(
     const std::filesystem::path& scene,

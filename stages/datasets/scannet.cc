@@ -27,8 +27,9 @@ namespace fs = std::filesystem;
 constexpr uint64_t kMaxFileBytes = uint64_t{1} << 31;
 constexpr uint64_t kMaxPoseBytes = 4096;
 
-// The one file that ends so, the shortest name among several: SCAN_vh_clean
-// .aggregation.json, of the fine mesh, goes after SCAN.aggregation.json.
+// The file whose name ends with one of the suffixes. Of several it is the one
+// with the shortest name: SCAN.aggregation.json is preferred to
+// SCAN_vh_clean.aggregation.json, which belongs to the fine mesh.
 StatusOr<fs::path> FindBySuffix(const fs::path& folder,
                                 const std::vector<std::string>& suffixes) {
   const std::vector<std::string> files = FilesIn(folder);
@@ -45,7 +46,7 @@ StatusOr<fs::path> FindBySuffix(const fs::path& folder,
                        ": no such file; it belongs to the scan's download");
 }
 
-// Nothing for a frame whose pose was lost.
+// Reads a pose; nothing for a frame whose pose was lost.
 StatusOr<std::optional<Eigen::Matrix4d>> ReadPose(const fs::path& path) {
   FREEGS_ASSIGN_OR_RETURN(const std::string text,
                           ReadFile(path, kMaxPoseBytes));
@@ -53,7 +54,7 @@ StatusOr<std::optional<Eigen::Matrix4d>> ReadPose(const fs::path& path) {
   const char* rest = text.c_str();
   for (int k = 0; k < 16; ++k) {
     char* end = nullptr;
-    // Reads "-inf", too.
+    // strtod also reads "-inf".
     world_from_cam(k / 4, k % 4) = std::strtod(rest, &end);
     if (end == rest) {
       return BadInputError(path.string() + ": must be 16 numbers");

@@ -19,7 +19,10 @@ using splat::PlyValueReader;
 
 constexpr size_t kMaxPieces = 65535;
 
-// NYU40's classes (Gupta et al. 2013), from 1.
+// Smaller pieces are scraps of the scan rather than objects.
+constexpr int64_t kMinVertices = 50;
+
+// The classes of NYU40 (Gupta et al. 2013); the first one is class 1.
 constexpr std::array<const char*, 40> kClasses = {"wall",
                                                   "floor",
                                                   "cabinet",
@@ -65,7 +68,8 @@ Status Truncated(const std::string& source, const std::string& where) {
   return BadInputError(source + ": ends, or is malformed, in its " + where);
 }
 
-// Where in the element the property is; nothing when it has none, or a list.
+// The index of a property in the element. Nothing when the element has no such
+// property or when it is a list.
 std::optional<size_t> Find(const PlyElement& element, const char* name) {
   for (size_t i = 0; i < element.properties.size(); ++i) {
     const PlyProperty& property = element.properties[i];
@@ -105,7 +109,7 @@ Status ReadVertices(const PlyElement& element,
           mesh->vertices[v][axis] = value;
         }
       }
-      // Labels are whole numbers; others are no class.
+      // A label that is not a whole number is no class.
       if (label == i) {
         mesh->labels[v] =
             value >= 0 && value <= 65535 ? static_cast<int>(value) : -1;
@@ -118,7 +122,8 @@ Status ReadVertices(const PlyElement& element,
   return Status();
 }
 
-// A face's corners, when there are three.
+// Reads a face. *corners is empty when it has other than three corners. Returns
+// false when the data end too early.
 bool ReadFace(const PlyProperty& property,
               PlyValueReader* reader,
               std::optional<std::array<double, 3>>* corners) {
@@ -168,7 +173,7 @@ Status ReadFaces(const PlyElement& element,
   return Status();
 }
 
-// The smallest vertex of each one's piece.
+// For each vertex the smallest vertex of its piece.
 std::vector<uint32_t> Roots(const ScannetMesh& mesh) {
   DisjointSets pieces(mesh.vertices.size());
   for (const auto& triangle : mesh.triangles) {
@@ -205,8 +210,7 @@ StatusOr<ScannetMesh> ParseScannetMesh(std::string_view ply,
   return mesh;
 }
 
-StatusOr<ScannetPieces> FindPieces(const ScannetMesh& mesh,
-                                   int64_t min_vertices) {
+StatusOr<ScannetPieces> FindPieces(const ScannetMesh& mesh) {
   if (mesh.labels.size() != mesh.vertices.size()) {
     return InvalidArgumentError("a mesh without labels");
   }
@@ -217,7 +221,7 @@ StatusOr<ScannetPieces> FindPieces(const ScannetMesh& mesh,
   for (const uint32_t root : roots) ++sizes[root];
   for (uint32_t v = 0; v < roots.size(); ++v) {
     const int label = mesh.labels[v];
-    if (roots[v] != v || sizes[v] < min_vertices || label < 1 ||
+    if (roots[v] != v || sizes[v] < kMinVertices || label < 1 ||
         label > static_cast<int>(kClasses.size())) {
       continue;
     }

@@ -24,13 +24,13 @@ using nlohmann::json;
 constexpr int kMaxObjects = 65535;
 constexpr int64_t kMaxSegment = int64_t{1} << 52;
 
-// What a scan's annotators call the room itself.
+// The labels that annotators give to the room itself.
 bool IsStructure(const std::string& label) {
   static const std::set<std::string> kLabels = {"wall", "floor", "ceiling"};
   return kLabels.contains(label);
 }
 
-// The list under `key` of the object that `text` is.
+// Parses a JSON object and returns the list under `key`.
 StatusOr<json> ParseList(std::string_view text,
                          const char* key,
                          const std::string& source) {

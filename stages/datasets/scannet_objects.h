@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The annotated objects of a ScanNet scan (Dai et al. 2017), as boxes.
+// Reads the annotated objects of a ScanNet scan (Dai et al. 2017) as boxes.
 
 #ifndef FREEGS_STAGES_DATASETS_SCANNET_OBJECTS_H_
 #define FREEGS_STAGES_DATASETS_SCANNET_OBJECTS_H_
@@ -16,11 +16,12 @@
 
 namespace freegs::stages {
 
-// All parsers: kBadInput names `source` and the fault, for truncated or
-// malformed text, numbers out of range or not finite.
+// The parsers below return kBadInput, naming `source` and the fault, for
+// truncated or malformed text and for numbers that are out of range or not
+// finite.
 
-// The segment of each vertex: "segIndices" of SCAN_vh_clean_2.0.010000
-// .segs.json.
+// Parses the segment of each vertex: "segIndices" of
+// SCAN_vh_clean_2.0.010000.segs.json.
 StatusOr<std::vector<int64_t>> ParseScannetSegments(std::string_view json,
                                                     const std::string& source);
 
@@ -33,15 +34,16 @@ struct ScannetGroup {
 StatusOr<std::vector<ScannetGroup>> ParseScannetGroups(
     std::string_view json, const std::string& source);
 
-// "axisAlignment = 16 numbers" of SCAN.txt: rows of the transformation that
-// turns walls and floor along the axes. The identity when there is no such
-// line; kBadInput when it is not a rotation and translation.
+// Parses "axisAlignment = 16 numbers" of SCAN.txt: the rows of the matrix that
+// turns walls and floor parallel to the axes. Returns the identity when there
+// is no such line; kBadInput when it is not a rotation and a translation.
 StatusOr<Eigen::Matrix4d> ParseScannetAlignment(std::string_view text,
                                                 const std::string& source);
 
-// Box around each group's vertices, axis-aligned after `alignment`, by id.
-// Walls, floors and ceilings are no objects; groups without a vertex are left
-// out. kInvalidArgument when there is not one segment for each vertex.
+// Puts a box around the vertices of each group, axis-aligned after `alignment`,
+// and returns the objects by ascending id. Walls, floors, ceilings and groups
+// without a vertex are left out. kInvalidArgument when `segments` and
+// `vertices` differ in length.
 StatusOr<std::vector<TrueObject>> ScannetBoxes(
     const std::vector<Eigen::Vector3d>& vertices,
     const std::vector<int64_t>& segments,

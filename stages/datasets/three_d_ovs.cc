@@ -29,7 +29,7 @@ std::string Trimmed(const std::string& text) {
   return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
 }
 
-// What class names are compared by.
+// The form in which class names are compared.
 std::string Folded(std::string text) {
   for (char& c : text) {
     c = c == '_'
@@ -39,7 +39,7 @@ std::string Folded(std::string text) {
   return text;
 }
 
-// Numbers are compared by value.
+// The form in which photograph names are compared: without leading zeros.
 std::string WithoutLeadingZeros(const std::string& name) {
   const bool number =
       !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
@@ -49,7 +49,8 @@ std::string WithoutLeadingZeros(const std::string& name) {
   return name.substr(std::min(name.find_first_not_of('0'), name.size() - 1));
 }
 
-// The classes of classes.txt by what they are compared by; none without it.
+// The classes of classes.txt by the form in which they are compared. Empty
+// without that file.
 StatusOr<std::map<std::string, std::string>> ReadClasses(const fs::path& path) {
   std::map<std::string, std::string> classes;
   std::error_code error;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// 3D-OVS (Liu et al., "Weakly Supervised 3D Open-vocabulary Segmentation",
-// 2023): masks of classes in test views.
+// Reads 3D-OVS (Liu et al., "Weakly Supervised 3D Open-vocabulary
+// Segmentation", 2023), which has masks of classes in test views.
 
 #ifndef FREEGS_STAGES_DATASETS_THREE_D_OVS_H_
 #define FREEGS_STAGES_DATASETS_THREE_D_OVS_H_
@@ -18,11 +18,11 @@ namespace freegs::stages {
 //   segmentations/classes.txt            one class per line
 //   segmentations/NAME/CLASS.png         where the class is, white on black
 //   sparse/0/                            optional
-// NAME may have other leading zeros than the photograph's. CLASS is a line of
-// classes.txt, in whatever case and with '_' for blanks; masks of other names
-// are classes of their own. Without a model the test views are `unposed`; the
-// original's poses_bounds.npy is not read. kBadInput says what is missing or
-// does not fit together.
+// NAME may have other leading zeros than the photograph's name. CLASS is a line
+// of classes.txt, in upper or lower case and with '_' for blanks; a mask with
+// another name is a class of its own. Without the model, the test views are
+// `unposed`; poses_bounds.npy of the release is not read. kBadInput says what
+// is missing or does not fit together.
 StatusOr<GroundTruth> ReadThreeDOvs(const std::filesystem::path& scene);
 
 }  // namespace freegs::stages

@@ -2,31 +2,26 @@
 
 #include "stages/evaluation/consistency_evaluation.h"
 
-#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "semantics/metrics/view_consistency.h"
 #include "splat/render/renderer.h"
+#include "stages/scene/view_selection.h"
 
 namespace freegs::stages {
 namespace {
 
-// At most `count` views of the scene, by name, spread evenly.
-std::vector<View> ChooseViews(const WorkspaceScene& scene,
-                              int count,
-                              int max_side) {
-  std::vector<View> all = scene.train;
-  all.insert(all.end(), scene.holdout.begin(), scene.holdout.end());
-  std::sort(all.begin(), all.end(), [](const View& a, const View& b) {
-    return a.name < b.name;
-  });
-  const size_t wanted = std::min(all.size(), static_cast<size_t>(count));
-  std::vector<View> chosen;
-  for (size_t k = 0; k < wanted; ++k) {
-    chosen.push_back(all[k * all.size() / wanted]);
-    chosen.back().camera = chosen.back().camera.LimitedTo(max_side);
-  }
+// At most so many of the scene's photographs are compared.
+constexpr int kNumViews = 16;
+
+// Longest side in pixels of what is rendered.
+constexpr int kMaxSide = 640;
+
+std::vector<View> ChooseViews(const WorkspaceScene& scene) {
+  std::vector<View> chosen = SpreadViews(PhotoViews(scene), kNumViews);
+  for (View& view : chosen) view.camera = view.camera.LimitedTo(kMaxSide);
   return chosen;
 }
 
@@ -44,7 +39,7 @@ semantics::LabelledView Label(const WorkspaceScene& scene,
                                         instance_of_gaussian);
   splat::RenderedView rendered = splat::RenderView(
       scene.model, view.camera, view.cam_from_world, scene.render, pool);
-  // What is more than half transparent is no surface.
+  // A pixel that is more than half transparent shows no surface.
   constexpr float kMaxTransmittance = 0.5f;
   for (size_t i = 0; i < rendered.depth.size(); ++i) {
     if (rendered.transmittance.data()[i] > kMaxTransmittance) {
@@ -57,27 +52,17 @@ semantics::LabelledView Label(const WorkspaceScene& scene,
 
 }  // namespace
 
-Status ConsistencyOptions::Check() const {
-  if (num_views < 2)
-    return InvalidArgumentError("num_views must be at least 2");
-  if (max_side < 1) return InvalidArgumentError("max_side must be at least 1");
-  return compare.Check();
-}
-
 StatusOr<std::optional<ViewConsistency>> MeasureViewConsistency(
     const WorkspaceScene& scene,
     std::span<const int32_t> instance_of_gaussian,
-    const ConsistencyOptions& options,
     const CancellationToken& cancellation,
     ThreadPool& pool) {
-  FREEGS_RETURN_IF_ERROR(options.Check());
   if (instance_of_gaussian.size() != scene.model.size()) {
     return BadInputError(
         "instances of " + std::to_string(instance_of_gaussian.size()) +
         " Gaussians for a scene of " + std::to_string(scene.model.size()));
   }
-  const std::vector<View> views =
-      ChooseViews(scene, options.num_views, options.max_side);
+  const std::vector<View> views = ChooseViews(scene);
   std::vector<semantics::LabelledView> labelled;
   for (const View& view : views) {
     if (cancellation.cancelled()) {
@@ -92,8 +77,7 @@ StatusOr<std::optional<ViewConsistency>> MeasureViewConsistency(
     for (const auto& [from, to] : {std::pair(i, j), std::pair(j, i)}) {
       FREEGS_ASSIGN_OR_RETURN(
           const auto ious,
-          semantics::CompareViews(
-              labelled[from], labelled[to], options.compare));
+          semantics::CompareViews(labelled[from], labelled[to], {}));
       for (const auto& [instance, iou] : ious) {
         sums[instance].first += iou;
         ++sums[instance].second;
@@ -101,16 +85,17 @@ StatusOr<std::optional<ViewConsistency>> MeasureViewConsistency(
     }
   }
   double sum = 0;
+  int num_comparisons = 0;
   for (const auto& [instance, of_instance] : sums) {
     const auto& [ious, count] = of_instance;
     consistency.instances[instance] = ious / count;
     sum += ious;
-    consistency.num_comparisons += count;
+    num_comparisons += count;
   }
-  if (consistency.num_comparisons == 0) {
+  if (num_comparisons == 0) {
     return std::optional<ViewConsistency>();
   }
-  consistency.mean = sum / consistency.num_comparisons;
+  consistency.mean = sum / num_comparisons;
   return std::optional(std::move(consistency));
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whether a scene's instances are the same from view to view. Needs no truth.
+// Measures whether a scene shows the same instances from view to view. It needs
+// no truth.
 
 #ifndef FREEGS_STAGES_EVALUATION_CONSISTENCY_EVALUATION_H_
 #define FREEGS_STAGES_EVALUATION_CONSISTENCY_EVALUATION_H_
@@ -12,38 +13,25 @@
 #include "core/cancellation.h"
 #include "core/parallel.h"
 #include "core/status.h"
-#include "semantics/metrics/view_consistency.h"
 #include "stages/scene/workspace_scene.h"
 
 namespace freegs::stages {
 
-struct ConsistencyOptions {
-  // So many of the scene's photographs are compared, spread evenly over them,
-  // each with its neighbour among the others.
-  int num_views = 16;
-
-  // Longest side in pixels of what is rendered.
-  int max_side = 640;
-
-  semantics::ViewConsistencyOptions compare = {};
-
-  Status Check() const;
-};
-
 struct ViewConsistency {
-  double mean = 0;    // IoU over all instances of all pairs.
-  int num_pairs = 0;  // Pairs of views, each compared both ways.
-  int num_comparisons = 0;
-  std::map<int, double> instances;  // Means by instance, as in idsf.bin.
+  double mean = 0;                  // Mean IoU over all instances of all pairs.
+  int num_pairs = 0;                // Each pair is compared in both directions.
+  std::map<int, double> instances;  // Mean IoU by label, as in idsf.bin.
 };
 
-// instance_of_gaussian: one value per Gaussian of the scene, negative = none.
-// Nothing with fewer than two neighbouring photographs or without instances in
-// them. kInterrupted when cancelled.
+// Compares at most 16 photographs of the scene, rendered at a longest side of
+// at most 640 pixels, each with its nearest neighbour among them; the protocol
+// is in docs/evaluation.md. `instance_of_gaussian` has one label per Gaussian
+// of the scene, negative for none. The result is empty when fewer than two
+// photographs are neighbours or no instance is seen in them. kBadInput for
+// another number of labels, kInterrupted when cancelled.
 StatusOr<std::optional<ViewConsistency>> MeasureViewConsistency(
     const WorkspaceScene& scene,
     std::span<const int32_t> instance_of_gaussian,
-    const ConsistencyOptions& options,
     const CancellationToken& cancellation,
     ThreadPool& pool);
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "stages/evaluation/evaluation.h"
-#include "stages/scene/scene_alignment.h"
 
 #include <filesystem>
 #include <map>
@@ -9,9 +8,10 @@
 
 #include "core/io/image_io.h"
 #include "splat/images/holdout.h"
+#include "splat/images/training_images.h"
 #include "splat/optim/image_metrics.h"
 #include "splat/render/renderer.h"
-#include "splat/images/training_images.h"
+#include "stages/scene/scene_alignment.h"
 
 namespace freegs::stages {
 namespace {
@@ -68,7 +68,7 @@ StatusOr<std::optional<ImageQuality>> MeasureTestQuality(
     FREEGS_ASSIGN_OR_RETURN(const ImageU8 photo, ReadRgb(path));
     const splat::RenderedView rendered = splat::RenderView(
         scene.model, view.camera, view.cam_from_world, scene.render, pool);
-    // As a file would have it.
+    // PSNR is defined on 8-bit pictures.
     const ImageF picture = ToFloat(ToU8(rendered.color));
     const StatusOr<double> psnr = splat::Psnr(picture, ToFloat(photo));
     if (!psnr.ok()) {

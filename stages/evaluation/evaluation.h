@@ -1,6 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Cameras and pictures of a workspace's scene against the truth; the protocol
-// is in docs/evaluation.md.
+// Measures the picture quality of a workspace's scene; the protocol is in
+// docs/evaluation.md. The command `eval` (stages/commands/eval_command.cc) does
+//
+//   ReadTruth(folder, "auto")                     the truth, datasets/layout.h
+//   AlignWithViews(scene, truth.cameras.train,    its frame,
+//                  name)                          scene/scene_alignment.h
+//   MeasureHoldoutQuality(...), MeasureTestQuality(...)
+//   MeasureInstanceQuality(...)                   instance_evaluation.h
+//   AnswerLabels(...), MeasureTextQuality(...)    label_answers.h,
+//                                                 text_evaluation.h
+//   MeasureViewConsistency(...)                   consistency_evaluation.h
+//   ToJson(report), PrintTable(report, out)       evaluation_report.h
 
 #ifndef FREEGS_STAGES_EVALUATION_EVALUATION_H_
 #define FREEGS_STAGES_EVALUATION_EVALUATION_H_
@@ -18,27 +28,29 @@
 
 namespace freegs::stages {
 
-// Picture quality of a set of views, means over views.
+// The picture quality of a set of views; psnr and ssim are means over them.
 struct ImageQuality {
   struct ViewQuality {
     std::string name;
     double psnr = 0;  // dB.
     double ssim = 0;
   };
-  double psnr = 0;
+  double psnr = 0;  // dB.
   double ssim = 0;
   std::vector<ViewQuality> views;
 };
 
-// Renders the holdout photographs of photos_folder at the size of training.
-// Nothing without holdout photographs.
+// Renders the holdout views at the size of training and compares them with
+// their photographs in photos_folder. The result is empty without holdout
+// views.
 StatusOr<std::optional<ImageQuality>> MeasureHoldoutQuality(
     const WorkspaceScene& scene,
     const std::filesystem::path& photos_folder,
     ThreadPool& pool);
 
-// Renders the truth's test views at their full size and compares with its
-// photographs. Nothing when it has none; kInterrupted when cancelled.
+// Renders the truth's test views at their full size and compares them with the
+// truth's photographs. The result is empty when the truth has none.
+// kInterrupted when cancelled.
 StatusOr<std::optional<ImageQuality>> MeasureTestQuality(
     const WorkspaceScene& scene,
     const GroundTruth& truth,

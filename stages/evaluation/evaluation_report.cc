@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <utility>
 
+#include <nlohmann/json.hpp>
+
 #include "core/number_text.h"
 
 namespace freegs::stages {
@@ -57,7 +59,7 @@ json PanopticJson(const semantics::PanopticQuality& quality) {
           {"false_negatives", quality.false_negatives}};
 }
 
-// What its label got; null without text.
+// The IoU of the label; null when words were not measured.
 json TextIou(const std::optional<TextQuality>& text, const std::string& label) {
   if (!text) return nullptr;
   for (const LabelResult& result : text->labels) {
@@ -84,7 +86,7 @@ json ObjectJson(const ObjectResult& object,
           {"box", box}};
 }
 
-// Fixed-point text, or a dash.
+// The value in fixed point, or a dash for none.
 std::string Text(const std::optional<double>& value, int digits) {
   return value ? FormatFixed(*value, digits) : "-";
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The figures of an evaluation, for programs and for people.
+// The figures of an evaluation as JSON and as a table.
 
 #ifndef FREEGS_STAGES_EVALUATION_EVALUATION_REPORT_H_
 #define FREEGS_STAGES_EVALUATION_EVALUATION_REPORT_H_
@@ -8,7 +8,7 @@
 #include <ostream>
 #include <string>
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "sfm/scene/pose_alignment.h"
 #include "stages/evaluation/consistency_evaluation.h"
@@ -20,29 +20,31 @@ namespace freegs::stages {
 
 struct EvaluationReport {
   std::string workspace;
-  std::string truth;  // Empty without one.
+  std::string truth;  // Folder of the truth; empty without one.
   size_t num_gaussians = 0;
-  size_t num_photos = 0;  // With a pose.
+  size_t num_photos = 0;  // Photos that have a pose.
   std::optional<ImageQuality> holdout;
   std::optional<ImageQuality> test;
   std::optional<sfm::PoseAlignment> poses;
   size_t num_true_poses = 0;
-  // Largest distance of a true training camera from their mean, truth's units.
+  // The largest distance of a true training camera from the mean of all, in
+  // units of the truth.
   double camera_extent = 0;
   std::optional<InstanceQuality> instances;
   std::optional<ViewConsistency> consistency;
   std::optional<TextQuality> text;
-  std::string text_model;                // The CLIP model that was asked.
-  std::optional<double> text_threshold;  // Relevancy below which nothing is
-                                         // answered, if one was asked for.
+  std::string text_model;  // Name of the CLIP model that was asked.
+  // A label whose best relevancy is smaller has no answer; nothing when the
+  // best instance always answers.
+  std::optional<double> text_threshold;
 };
 
-// The keys of docs/evaluation.md (psnr, ssim, pose_rotation_deg, ...), each
-// null where there is no truth for it, and the details. "psnr" and "ssim" are
-// of the test views, or of the holdout photographs when there are none;
-// "psnr_views" says which.
+// The keys of docs/evaluation.md. A figure without truth is null. "psnr" and
+// "ssim" are those of the test views, or of the holdout photographs when there
+// are no test views; "psnr_views" says which.
 nlohmann::json ToJson(const EvaluationReport& report);
 
+// The same figures for people.
 void PrintTable(const EvaluationReport& report, std::ostream& out);
 
 }  // namespace freegs::stages

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "semantics/clip/relevancy.h"
-#include "semantics/queries/gaussian_relevancy.h"
 #include "semantics/field/idsf.h"
 #include "semantics/losses/decoder_file.h"
+#include "semantics/queries/gaussian_relevancy.h"
 #include "stages/scene/clip_input.h"
 
 namespace freegs::stages {
@@ -20,7 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// N x labels, as GaussianRelevancy().
+// The relevancy of each Gaussian to each label, N x L, as GaussianRelevancy
+// returns it.
 StatusOr<std::vector<float>> AskGaussians(const fs::path& workspace,
                                           const std::set<std::string>& labels,
                                           semantics::ClipEncoder& encoder,
@@ -42,7 +43,7 @@ StatusOr<std::vector<float>> AskGaussians(const fs::path& workspace,
       field, stored.decoder, texts, canonical, pool);
 }
 
-// The truth without the objects that are not called so.
+// The truth with the labels of all other objects removed.
 GroundTruth OnlyLabel(const GroundTruth& truth, const std::string& label) {
   GroundTruth result = truth;
   for (TrueObject& object : result.objects) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The figures of text when every Gaussian answers for itself.
+// Measures answers to the truth's labels when there are no instances: every
+// Gaussian answers for itself, as in the paper's ablation without clustering.
 
 #ifndef FREEGS_STAGES_EVALUATION_GAUSSIAN_ANSWERS_H_
 #define FREEGS_STAGES_EVALUATION_GAUSSIAN_ANSWERS_H_
@@ -19,13 +20,15 @@ namespace freegs::stages {
 
 struct GaussianTextQuality {
   std::optional<TextQuality> text;
-  std::string model;  // What the CLIP model is called.
+  std::string model;  // Name of the CLIP model.
 };
 
-// As AnswerLabels() and MeasureTextQuality() in one, but a label's answer is
-// all Gaussians that it is relevant to, by at least min_relevancy; see
-// semantics/queries/gaussian_relevancy.h. A label's relevancy is its greatest. Errors
-// as theirs.
+// Asks the workspace for each label of the truth and measures the answers. The
+// answer to a label is all Gaussians whose relevancy to it is at least
+// `min_relevancy` (semantics/queries/gaussian_relevancy.h), and the relevancy
+// that is reported is the greatest of all Gaussians. `clip_model` is the folder
+// of the CLIP model; empty takes the one of the workspace's features. The
+// errors are those of AnswerLabels and MeasureTextQuality.
 StatusOr<GaussianTextQuality> MeasureGaussianText(
     const std::filesystem::path& workspace,
     const std::string& clip_model,

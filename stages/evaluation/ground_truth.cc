@@ -26,8 +26,8 @@ constexpr double kRotationTolerance = 1e-3;
 StatusOr<TrueObject> ReadTrueObject(const json& value,
                                     const std::string& where) {
   TrueObject object;
-  FREEGS_ASSIGN_OR_RETURN(object.id,
-                          ReadInteger(FindField(value, "id"), 1, 65535, where + ".id"));
+  FREEGS_ASSIGN_OR_RETURN(
+      object.id, ReadInteger(FindField(value, "id"), 1, 65535, where + ".id"));
   const json* label = FindField(value, "label");
   if (label == nullptr || !label->is_string()) {
     return BadInputError(where + ".label: must be a text");
@@ -36,10 +36,10 @@ StatusOr<TrueObject> ReadTrueObject(const json& value,
   const json* aabb = FindField(value, "aabb");
   if (aabb == nullptr) return BadInputError(where + ".aabb: is missing");
   semantics::AxisAlignedBox bounds;
-  FREEGS_ASSIGN_OR_RETURN(bounds.min,
-                          ReadVector3(FindField(*aabb, "min"), where + ".aabb.min"));
-  FREEGS_ASSIGN_OR_RETURN(bounds.max,
-                          ReadVector3(FindField(*aabb, "max"), where + ".aabb.max"));
+  FREEGS_ASSIGN_OR_RETURN(
+      bounds.min, ReadVector3(FindField(*aabb, "min"), where + ".aabb.min"));
+  FREEGS_ASSIGN_OR_RETURN(
+      bounds.max, ReadVector3(FindField(*aabb, "max"), where + ".aabb.max"));
   if ((bounds.max - bounds.min).minCoeff() < 0) {
     return BadInputError(where + ".aabb: min is larger than max");
   }
@@ -48,18 +48,16 @@ StatusOr<TrueObject> ReadTrueObject(const json& value,
   if (obb == nullptr || obb->is_null()) return object;
   semantics::OrientedBox box;
   FREEGS_ASSIGN_OR_RETURN(
-      box.center, ReadVector3(FindField(*obb, "center"), where + ".obb.center"));
-  FREEGS_ASSIGN_OR_RETURN(box.size,
-                          ReadVector3(FindField(*obb, "size"), where + ".obb.size"));
+      box.center,
+      ReadVector3(FindField(*obb, "center"), where + ".obb.center"));
+  FREEGS_ASSIGN_OR_RETURN(
+      box.size, ReadVector3(FindField(*obb, "size"), where + ".obb.size"));
   if (box.size.minCoeff() < 0) {
     return BadInputError(where + ".obb.size: must not be negative");
   }
   const json* rotation = FindField(*obb, "rotation");
   FREEGS_ASSIGN_OR_RETURN(const Eigen::MatrixXd matrix,
-                          ReadMatrix(rotation,
-                                     3,
-                                     3,
-                                     where + ".obb.rotation"));
+                          ReadMatrix(rotation, 3, 3, where + ".obb.rotation"));
   box.rotation = matrix;
   FREEGS_RETURN_IF_ERROR(CheckRotation(box.rotation, where + ".obb.rotation"));
   object.obb = box;
@@ -105,7 +103,7 @@ StatusOr<GroundTruth> ReadGroundTruth(const fs::path& folder) {
   truth.folder = folder;
   if (!fs::exists(folder / "gt" / "cameras.json", error) &&
       fs::exists(folder / "cameras.json", error)) {
-    // The gt folder itself; "gt/" and "gt" alike.
+    // `folder` is the gt folder itself, written "gt/" or "gt".
     fs::path inner = fs::absolute(folder, error).lexically_normal();
     if (!inner.has_filename()) inner = inner.parent_path();
     truth.folder = inner.parent_path();

@@ -48,7 +48,8 @@ Status AddView(const JudgedView& view,
       of_object.click_ious.push_back(
           clicked < 0 ? 0 : of_layer->Iou(object, clicked));
     }
-    // Each layer has counted the pixels of all instances.
+    // Every layer counts the pixels of all instances; they must enter the sum
+    // only once.
     if (&layer != &view.truth.front()) of_layer->instance_pixels.clear();
     overlap.Add(*of_layer);
   }
@@ -62,7 +63,7 @@ Status AddView(const JudgedView& view,
   return Status();
 }
 
-// The instance whose box fits best; -1 without one that touches.
+// The instance whose box has the highest IoU; -1 when no box overlaps.
 int BestBox(const semantics::AxisAlignedBox& box,
             const std::vector<semantics::Instance>& instances) {
   int best = -1;
@@ -78,7 +79,7 @@ int BestBox(const semantics::AxisAlignedBox& box,
   return best;
 }
 
-// Whom each object of the truth is, and the boxes.
+// Finds the instance of each true object and compares their boxes.
 void FillObjects(const std::vector<TrueObject>& objects,
                  const Tally& tally,
                  const std::vector<semantics::Instance>& instances,
@@ -164,8 +165,8 @@ std::vector<semantics::Instance> InstancesInTruth(
     const Sim3d& truth_from_scene,
     const semantics::InstanceBoxOptions& options,
     ThreadPool& pool) {
-  splat::GaussianModel
-      moved;  // All but the colours: boxes do not ask for them.
+  // Boxes do not depend on colours, so these are left out.
+  splat::GaussianModel moved;
   moved.Resize(model.size());
   moved.opacity_logits = model.opacity_logits;
   const auto log_scale = static_cast<float>(std::log(truth_from_scene.scale));

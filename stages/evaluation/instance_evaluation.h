@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A scene's instances against the truth, whatever they are called; the protocol
-// is in docs/evaluation.md.
+// Compares a scene's instances with the true objects, without regard to names;
+// the protocol is in docs/evaluation.md.
 
 #ifndef FREEGS_STAGES_EVALUATION_INSTANCE_EVALUATION_H_
 #define FREEGS_STAGES_EVALUATION_INSTANCE_EVALUATION_H_
@@ -24,48 +24,51 @@
 namespace freegs::stages {
 
 struct EvaluationOptions {
-  // Objects with fewer pixels in a view are not judged there.
+  // An object with fewer pixels in a view is not judged in that view.
   int min_mask_pixels = 30;
 
-  // Longest side in pixels at which masks are compared; larger ones are
-  // reduced.
+  // Longest side in pixels at which masks are compared. Larger masks are
+  // reduced to it.
   int max_mask_side = 1600;
 
-  // How boxes are put around instances: as in bootstrap/instances.json.
+  // How boxes are put around instances. The default is that of
+  // bootstrap/instances.json.
   semantics::InstanceBoxOptions boxes = {};
 
   Status Check() const;
 };
 
-// An object of the truth and the instance that answers to it.
+// An object of the truth and the instance that is compared with it.
 struct ObjectResult {
   int id = 0;
   std::string label;
   int num_views = 0;  // Test views in which it is judged.
 
-  // The instance of highest IoU over all test views together, as in
-  // idsf.bin; -1 without one. Where the truth has no masks at all, the instance
-  // whose box fits best.
+  // The label (as in idsf.bin) of the instance with the highest IoU over all
+  // test views together; where the truth has no masks at all, of the instance
+  // whose box has the highest IoU. -1 when no instance overlaps the object.
   int instance = -1;
 
-  // Means over its views: IoU of the view's best instance, and of the instance
-  // clicked.
+  // Means over the object's views: the IoU of the view's best instance, and the
+  // IoU of the instance at the innermost pixel of the object's mask.
   std::optional<double> instance_iou;
   std::optional<double> click_iou;
 
-  // Of the boxes, axis-aligned in the truth's frame; `box` is the instance's.
+  // The IoU of the boxes, axis-aligned in the truth's frame, and the box of the
+  // instance.
   std::optional<double> box_iou;
   std::optional<semantics::AxisAlignedBox> box;
 };
 
-// IoU of boxes: their mean, and the shares that reach 0.25 and 0.5.
+// Summary of the IoUs of boxes: their mean, and the shares of boxes that reach
+// an IoU of 0.25 and of 0.5.
 struct BoxQuality {
   double miou = 0;
   double recall25 = 0;
   double recall50 = 0;
 };
 
-// Nothing without any.
+// Returns nothing for an empty list.
 std::optional<BoxQuality> SummariseBoxes(const std::vector<double>& ious);
 
 struct InstanceQuality {
@@ -74,17 +77,19 @@ struct InstanceQuality {
   std::optional<double> click_miou;
   // Over all objects of the truth that have a box.
   std::optional<BoxQuality> boxes;
-  // By view, and over all; empty when the truth is not complete.
+  // Panoptic quality of each view, and of all views together. Both are empty
+  // when the truth is not complete (GroundTruth::complete).
   std::vector<std::pair<std::string, semantics::PanopticQuality>> panoptic;
   semantics::PanopticQuality panoptic_sum;
   std::vector<ObjectResult> objects;
 };
 
-// The mean, nothing of nothing.
+// The mean of the values; nothing for an empty list.
 std::optional<double> MeanOrNothing(const std::vector<double>& values);
 
-// The box of each instance in the truth's frame: element k is instance k's.
-// instance_of_gaussian: one value per Gaussian of the model, negative = none.
+// Puts boxes around the instances in the truth's frame; element k belongs to
+// label k. `instance_of_gaussian` has one label per Gaussian of the model,
+// negative for none.
 std::vector<semantics::Instance> InstancesInTruth(
     const splat::GaussianModel& model,
     std::span<const int32_t> instance_of_gaussian,
@@ -92,8 +97,10 @@ std::vector<semantics::Instance> InstancesInTruth(
     const semantics::InstanceBoxOptions& options,
     ThreadPool& pool);
 
-// instance_of_gaussian as above. Nothing when the truth has neither masks of
-// test views nor boxes. Errors as ForEachJudgedView.
+// Compares the instances with the truth. `instance_of_gaussian` has one label
+// per Gaussian of the scene, negative for none. The result is empty when the
+// truth has neither masks of test views nor boxes. The errors are those of
+// ForEachJudgedView.
 StatusOr<std::optional<InstanceQuality>> MeasureInstanceQuality(
     const WorkspaceScene& scene,
     std::span<const int32_t> instance_of_gaussian,

@@ -10,8 +10,8 @@
 
 #include "semantics/clip/opencv_clip.h"
 #include "semantics/clip/relevancy.h"
-#include "semantics/queries/instance_features.h"
 #include "semantics/instances/instances_json.h"
+#include "semantics/queries/instance_features.h"
 #include "semantics/queries/text_query.h"
 #include "stages/scene/clip_input.h"
 
@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of each instance, by id - 1, whether it is one of the large planes.
+// For each instance, by id - 1, whether it is a large plane.
 StatusOr<std::vector<uint8_t>> PlaneFlags(const fs::path& workspace,
                                           size_t count) {
   FREEGS_ASSIGN_OR_RETURN(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Asks a workspace for the instances that labels mean.
+// Asks a workspace which instance the words of a label mean.
 
 #ifndef FREEGS_STAGES_EVALUATION_LABEL_ANSWERS_H_
 #define FREEGS_STAGES_EVALUATION_LABEL_ANSWERS_H_
@@ -16,28 +16,27 @@
 namespace freegs::stages {
 
 struct LabelQuestionOptions {
-  // Folder of the CLIP model; empty takes the one that the workspace's instance
-  // features name, else, when they are of it, the one that comes with the
-  // program.
+  // Folder of the CLIP model. Empty takes the model that the workspace's
+  // instance features were made with; see OpenModelOfFeatures.
   std::string model;
 
-  // Whether large planes (floor, walls, table tops) may answer.
+  // Whether large planes (floor, walls, table tops) can be an answer.
   bool background = false;
 
-  // An instance of less relevancy is no answer. By default the best is always
-  // one, as in the paper.
+  // An instance of smaller relevancy is no answer. Without this value the best
+  // instance always answers, as in the paper.
   std::optional<double> min_relevancy;
 };
 
 struct LabelAnswers {
   std::map<std::string, TextAnswer> answers;  // One per label.
-  std::string model;                          // What it is called.
+  std::string model;                          // Name of the CLIP model.
 };
 
-// The best instance of WORKSPACE/bootstrap/instance_features.json for each
-// label (semantics::QueryText). kMissingDependency without these features,
-// without the model, and for one of another hash than theirs; kBadInput for
-// malformed files.
+// Finds for each label the best instance of bootstrap/instance_features.json by
+// semantics::QueryText. kMissingDependency when this file or the CLIP model is
+// missing, or when the model's hash differs from the one in the file; kBadInput
+// for malformed files.
 StatusOr<LabelAnswers> AnswerLabels(const std::filesystem::path& workspace,
                                     const std::set<std::string>& labels,
                                     const LabelQuestionOptions& options);

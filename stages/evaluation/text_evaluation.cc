@@ -9,9 +9,9 @@
 #include "semantics/metrics/box_iou.h"
 #include "semantics/metrics/instance_metrics.h"
 #include "stages/evaluation/evaluation.h"
-#include "stages/scene/scene_instances.h"
 #include "stages/evaluation/true_masks.h"
 #include "stages/scene/scene_alignment.h"
+#include "stages/scene/scene_instances.h"
 
 namespace freegs::stages {
 namespace {
@@ -46,7 +46,8 @@ Status AddView(const JudgedView& view, int min_pixels, LabelTally* tally) {
   const auto pixels =
       std::count(truth.data(), truth.data() + truth.size(), uint8_t{255});
   if (pixels < min_pixels) return Status();
-  // No instance leaves an empty mask: -1 is also the label of nobody's pixels.
+  // Without an answer the mask is empty. InstanceMask(-1) would mark the pixels
+  // that belong to no instance.
   const ImageU8 found =
       tally->answer.instance < 0
           ? ImageU8(truth.width(), truth.height(), 1)
@@ -59,7 +60,7 @@ Status AddView(const JudgedView& view, int min_pixels, LabelTally* tally) {
   return Status();
 }
 
-// Of the label's box that fits best; nothing when none is known.
+// The IoU of the label's box that fits best; nothing when the label has no box.
 std::optional<double> BoxIouOf(
     const LabelTally& tally,
     const std::vector<semantics::Instance>& instances) {

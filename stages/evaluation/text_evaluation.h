@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a scene answers to the truth's labels, against the truth; the protocol
-// is in docs/evaluation.md.
+// Compares what a scene answers to the truth's labels with the truth; the
+// protocol is in docs/evaluation.md.
 
 #ifndef FREEGS_STAGES_EVALUATION_TEXT_EVALUATION_H_
 #define FREEGS_STAGES_EVALUATION_TEXT_EVALUATION_H_
@@ -22,33 +22,35 @@
 
 namespace freegs::stages {
 
-// The instance that a scene gives for some words.
+// The instance that a scene answers some words with.
 struct TextAnswer {
-  int instance = -1;     // As in idsf.bin; -1 for none.
-  double relevancy = 0;  // Of the instance, or of the best one refused.
+  int instance = -1;     // Label as in idsf.bin; -1 when nothing answers.
+  double relevancy = 0;  // Of the best instance, even if it was refused.
 };
 
-// The distinct labels of the truth's objects, in order.
+// The distinct labels of the objects.
 std::set<std::string> Labels(const std::vector<TrueObject>& objects);
 
-// A label and what became of it. Objects that share it are one: the union of
-// their masks, and whichever of their boxes fits best.
+// A label and how well it was answered. Objects that share the label count as
+// one: the answer is compared with the union of their masks, and with that box
+// of theirs that fits best.
 struct LabelResult {
   std::string label;
   int num_objects = 0;
   int num_views = 0;  // Test views in which it is judged.
   TextAnswer answer;
 
-  // Means over its views, of masks and of their boundaries (BoundaryIou).
+  // Means over the label's views: the IoU of masks, and the IoU of their
+  // boundaries (semantics::BoundaryIou).
   std::optional<double> iou;
   std::optional<double> boundary_iou;
 
-  // Axis-aligned, in the truth's frame.
+  // The IoU of boxes, axis-aligned in the truth's frame.
   std::optional<double> box_iou;
 };
 
 struct TextQuality {
-  // Means over labels of their means over views (as on LERF-Mask).
+  // Means over labels of their means over views, as in LERF-Mask.
   std::optional<double> miou;
   std::optional<double> mbiou;
   // Over the labels that have a box.
@@ -56,12 +58,13 @@ struct TextQuality {
   std::vector<LabelResult> labels;
 };
 
-// The means, from labels.
+// Computes miou, mbiou and boxes from labels.
 void SummariseLabels(TextQuality* quality);
 
-// answers: one for each of Labels(truth.objects); a missing one is none, and
-// its mask empty. Nothing when the truth has no labels, or neither masks of
-// test views nor boxes for them. Errors as ForEachJudgedView.
+// Compares the answers with the truth. `answers` are by label; a label of the
+// truth without an answer counts as an empty mask. The result is empty when the
+// truth has no labels, or neither masks of test views nor boxes for them. The
+// errors are those of ForEachJudgedView.
 StatusOr<std::optional<TextQuality>> MeasureTextQuality(
     const WorkspaceScene& scene,
     std::span<const int32_t> instance_of_gaussian,

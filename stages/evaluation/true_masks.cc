@@ -28,7 +28,7 @@ bool SameShape(double width_a,
              std::max(height_a, height_b);
 }
 
-// 1 where a file of one object marks it.
+// Reads a file of one object: 1 where the object is, else 0.
 StatusOr<ImageU16> ReadBright(const fs::path& path) {
   constexpr int kThreshold = 128;
   FREEGS_ASSIGN_OR_RETURN(const ImageU8 image, ReadRgb(path));
@@ -36,7 +36,7 @@ StatusOr<ImageU16> ReadBright(const fs::path& path) {
   int brightest = 0;
   for (size_t i = 0; i < mask.num_pixels(); ++i) {
     const uint8_t* rgb = image.data() + 3 * i;
-    // Luma as of ITU-R BT.601.
+    // Luma of ITU-R BT.601.
     const int value = (299 * rgb[0] + 587 * rgb[1] + 114 * rgb[2]) / 1000;
     mask.data()[i] = static_cast<uint16_t>(value);
     brightest = std::max(brightest, value);
@@ -48,7 +48,7 @@ StatusOr<ImageU16> ReadBright(const fs::path& path) {
   return mask;
 }
 
-// Pixels of `camera` from those of a file, whose lens may distort.
+// Resamples a mask file, whose lens may distort, to the pixels of `camera`.
 class MaskSampler {
  public:
   MaskSampler(const Pinhole& camera, const sfm::Camera* lens)
@@ -95,7 +95,7 @@ class MaskSampler {
   const sfm::Camera* lens_;
 };
 
-// Into the first layer where the object covers nobody.
+// Adds the object to the first layer in which it covers no other object.
 void AddObject(const ImageU16& mask, int object, MaskLayers* layers) {
   const auto is_free = [&mask](const ImageU16& layer) {
     for (size_t i = 0; i < mask.size(); ++i) {

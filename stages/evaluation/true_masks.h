@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The truth's masks of a test view, and the instances that are judged by them.
+// Reads the truth's masks of test views and renders the instances that are
+// compared with them.
 
 #ifndef FREEGS_STAGES_EVALUATION_TRUE_MASKS_H_
 #define FREEGS_STAGES_EVALUATION_TRUE_MASKS_H_
@@ -20,35 +21,35 @@
 
 namespace freegs::stages {
 
-// What a test view shows. Masks of different objects may overlap, therefore
-// they lie in layers: object id per pixel, 0 for none, each object in one layer
-// only.
+// The true objects in a test view: images of object ids, 0 for none. Masks of
+// different objects may overlap, so there can be several layers; each object
+// lies in one layer only.
 using MaskLayers = std::vector<ImageU16>;
 
-// The masks of `view` (one of truth.masks) as its camera sees them: of
-// view.camera's size, without lens distortion, by nearest pixel. A file of a
-// single object marks the pixels brighter than 128 (or, when none is brighter
-// than 1, those that are not 0). kBadInput, naming the file, for images that
-// cannot be read or are of another shape than the camera (by over 1 %), and for
-// more than 256 masks.
+// Reads the masks of `view`, which is one of truth.masks, as its camera sees
+// them: of view.camera's size, without lens distortion, by nearest pixel. A
+// file of a single object marks the pixels brighter than 128; if no pixel is
+// brighter than 1 it marks those that are not 0. kBadInput, naming the file,
+// for images that cannot be read or whose aspect differs from the camera's by
+// more than 1 %, and for more than 256 masks.
 StatusOr<MaskLayers> ReadTrueMasks(const GroundTruth& truth, const View& view);
 
-// 255 where a layer has one of `objects`, else 0. All layers of the same size,
-// at least one.
+// 255 where some layer has one of `objects`, else 0. There must be at least one
+// layer, and all must be of the same size.
 ImageU8 MaskOf(const MaskLayers& layers, const std::set<int>& objects);
 
-// A test view with masks, and the instances that the scene shows there: label
-// per pixel, negative for none, of the same size.
+// A test view that has masks, and what the scene shows there.
 struct JudgedView {
   std::string name;
   MaskLayers truth;
-  Image<int32_t> rendered;
+  Image<int32_t> rendered;  // Label per pixel, negative for none; same size.
 };
 
-// Calls `body` for each test view that has masks, in order, at a longest side
-// of at most max_side pixels, and returns the first error. truth_views: the
-// test views in the scene's world. instance_of_gaussian: one value per
-// Gaussian, negative for none. kInterrupted when cancelled.
+// Calls `body` for each of truth_views that has masks, in order, and returns
+// the first error. truth_views are the truth's test views in the scene's world
+// frame; they are rendered at a longest side of at most max_side pixels.
+// `instance_of_gaussian` has one label per Gaussian of the scene, negative for
+// none; kBadInput for another number. kInterrupted when cancelled.
 Status ForEachJudgedView(const WorkspaceScene& scene,
                          std::span<const int32_t> instance_of_gaussian,
                          const GroundTruth& truth,

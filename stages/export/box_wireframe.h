@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Boxes as a mesh that any PLY viewer shows: twelve thin bars each.
+// Draws boxes as a mesh of thin bars, which any PLY viewer shows.
 
 #ifndef FREEGS_STAGES_EXPORT_BOX_WIREFRAME_H_
 #define FREEGS_STAGES_EXPORT_BOX_WIREFRAME_H_
@@ -18,9 +18,9 @@ struct ColoredBox {
   std::array<uint8_t, 3> color = {0, 0, 0};  // RGB.
 };
 
-// An ascii PLY with coloured vertices and triangles, world units. A bar along
-// each of the twelve edges, centred on it, 0.4 % of the box's diagonal wide:
-// lines of one pixel ("edge" elements) are shown by few programs.
+// Returns an ascii PLY of coloured vertices and triangles in world units. Each
+// box is twelve bars, centred on its edges and 0.4 % of its diagonal wide. Bars
+// are used because few programs show the "edge" elements of a PLY.
 std::string SerializeBoxWireframes(std::span<const ColoredBox> boxes);
 
 }  // namespace freegs::stages

@@ -16,22 +16,23 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/number_text.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
+#include "core/number_text.h"
 #include "pipeline/json_text.h"
 #include "semantics/instances/instances_json.h"
 #include "semantics/instances/palette.h"
-#include "splat/scene/ply_io.h"
 #include "splat/render/renderer.h"
+#include "splat/scene/ply_io.h"
 #include "splat/scene/splat_format.h"
-#include "stages/scene/depth_image.h"
 #include "stages/export/box_wireframe.h"
 #include "stages/export/html.h"
 #include "stages/export/report_data.h"
 #include "stages/export/report_page.h"
 #include "stages/export/report_views.h"
+#include "stages/scene/depth_image.h"
 #include "stages/scene/scene_instances.h"
+#include "stages/scene/view_selection.h"
 #include "stages/scene/workspace_scene.h"
 
 namespace freegs::stages {
@@ -39,7 +40,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What bootstrap/ holds.
+// The instances of bootstrap/.
 struct SceneInstances {
   std::vector<int32_t> labels;  // Per Gaussian.
   std::vector<semantics::Instance> instances;
@@ -69,7 +70,7 @@ std::string InstanceName(const semantics::Instance& instance) {
                                 : instance.words.front();
 }
 
-// The same form as the objects of a truth file (see stages/evaluation/ground_truth.h).
+// The boxes in the form of an object file (stages/evaluation/ground_truth.h).
 nlohmann::json BoxesJson(const std::vector<semantics::Instance>& instances) {
   const auto vector = [](const Eigen::Vector3d& v) {
     return nlohmann::json::array({v.x(), v.y(), v.z()});
@@ -145,7 +146,7 @@ class ExportStage : public pipeline::Stage {
     FREEGS_RETURN_IF_ERROR(
         WriteFileAtomic(context.output / "boxes.json",
                         pipeline::JsonText(BoxesJson(found.instances))));
-    // A floor's box would hide the others.
+    // The box of a floor would hide all others.
     std::vector<ColoredBox> boxes;
     for (const semantics::Instance& instance : found.instances) {
       if (instance.background) continue;

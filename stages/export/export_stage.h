@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// bootstrap/ -> export/: the results in forms that others use.
+// Stage export, bootstrap/ -> export/: the results in forms that other programs
+// and people use. MakeExportStage makes the stage;
+// stages/registry/stage_registry.h shows who runs it.
 
 #ifndef FREEGS_STAGES_EXPORT_EXPORT_STAGE_H_
 #define FREEGS_STAGES_EXPORT_EXPORT_STAGE_H_
@@ -12,25 +14,26 @@
 namespace freegs::stages {
 
 struct ExportStageOptions {
-  // Training views, evenly spread, that get masks besides the holdout views.
+  // So many training views, evenly spread, get masks besides the holdout views.
   int mask_views = 8;
 
-  // Views shown in the report.
+  // So many views are shown in the report.
   int report_views = 6;
 };
 
+// Adds section [export] to the table, which keeps pointers to `options`.
 void RegisterExportOptions(ExportStageOptions& options,
                            pipeline::OptionTable& table);
 
-// Reads undistort/, reconstruct/ and, if there, bootstrap/; for the report also
-// what the other stages say about themselves. Writes (docs/outputs.md has the
-// formats)
+// Reads undistort/, reconstruct/ and, if it exists, bootstrap/; for the report
+// also the stage.json and other files of all stages. Writes (docs/outputs.md
+// has the formats)
 //   scene.ply, scene.splat      the Gaussians
-//   instances.ply               in their instances' colours
+//   instances.ply               the Gaussians in their instances' colours
 //   masks/VIEW/ID.png           0 or 255, of the photo's size
-//   boxes.json, boxes.ply       of the instances
+//   boxes.json, boxes.ply       the boxes of the instances
 //   report/index.html           a page about the result, and its pictures
-// Without bootstrap/ there are no instances, masks or boxes.
+// Without bootstrap/ there are no instances, masks and boxes.
 std::unique_ptr<pipeline::Stage> MakeExportStage(
     const ExportStageOptions& options);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Text for an HTML page.
+// Makes text safe for an HTML page.
 
 #ifndef FREEGS_STAGES_EXPORT_HTML_H_
 #define FREEGS_STAGES_EXPORT_HTML_H_
@@ -9,13 +9,13 @@
 
 namespace freegs::stages {
 
-// Replaces & < > " ' by entities, control characters and bytes that are not
-// UTF-8 by U+FFFD: safe as text and inside quoted attributes.
+// Replaces & < > " ' by entities, and control characters and bytes that are not
+// UTF-8 by U+FFFD. The result is safe as text and inside quoted attributes.
 std::string EscapeHtml(std::string_view text);
 
-// A relative path as a URL: every byte that is not unreserved (RFC 3986,
-// section 2.3) or '/' is percent-encoded. Needs no further escaping, and a
-// first part with a colon cannot be taken for a scheme.
+// Turns a relative path into a URL: every byte that is neither unreserved (RFC
+// 3986, section 2.3) nor '/' is percent-encoded. The result needs no further
+// escaping. A colon in its first part cannot be taken for the end of a scheme.
 std::string EncodeUrlPath(std::string_view path);
 
 }  // namespace freegs::stages

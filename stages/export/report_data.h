@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the report says, gathered from the JSON and CSV files of a workspace.
+// Gathers what the report says from the JSON and CSV files of a workspace.
 
 #ifndef FREEGS_STAGES_EXPORT_REPORT_DATA_H_
 #define FREEGS_STAGES_EXPORT_REPORT_DATA_H_
@@ -13,19 +13,22 @@
 
 namespace freegs::stages {
 
-// The figure that is left empty for the number of instances.
+// The name of the figure that GatherReportData leaves empty: the caller knows
+// the number of instances.
 inline constexpr char kInstancesFigure[] = "Instances";
 
-// Title, figures, warnings, training curves and stages. Views, instances and
-// files are left empty. Files that are missing or malformed leave their figures
-// empty; nothing fails.
+// Fills in title, figures, warnings, training curves and stages; views,
+// instances and files stay empty. A file that is missing or malformed leaves
+// its figures empty: a report is written in any case.
 ReportData GatherReportData(const std::filesystem::path& workspace);
 
-// PSNR and SSIM of the holdout views by name, from reconstruct/metrics.json.
 struct ViewFigures {
-  std::optional<double> psnr;
+  std::optional<double> psnr;  // dB.
   std::optional<double> ssim;
 };
+
+// Reads the figures of the holdout views, by name, from
+// reconstruct/metrics.json. The map is empty when that file cannot be read.
 std::map<std::string, ViewFigures> ReadHoldoutFigures(
     const std::filesystem::path& workspace);
 

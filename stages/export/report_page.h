@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The report as HTML: one page without scripts or network.
+// Renders the report as one HTML page that needs no scripts and no network.
+//
+//   ReportData data = GatherReportData(workspace);   // report_data.h
+//   data.views.push_back(view);                      // from report_views.h
+//   const std::string html = RenderReportPage(data);
 
 #ifndef FREEGS_STAGES_EXPORT_REPORT_PAGE_H_
 #define FREEGS_STAGES_EXPORT_REPORT_PAGE_H_
@@ -14,14 +18,14 @@
 
 namespace freegs::stages {
 
-// A figure at the top of the page; an empty value is shown as "not there".
+// A figure at the top of the page. An empty value is shown as "not there".
 struct ReportFigure {
   std::string name;
   std::string value;
   std::string note;  // Small, below the value.
 };
 
-// How long a stage took; nothing when there is no stage.json.
+// How long a stage took. The members are empty when it has no stage.json.
 struct ReportStage {
   std::string name;
   std::optional<double> wall_seconds;
@@ -29,7 +33,8 @@ struct ReportStage {
   std::optional<int64_t> peak_memory_bytes;
 };
 
-// Pictures of one view: paths relative to the page, empty when not there.
+// The pictures of one view. The paths are relative to the page; a path is empty
+// when there is no such picture.
 struct ReportView {
   std::string name;
   std::string photo;
@@ -49,26 +54,27 @@ struct ReportInstance {
   std::string words;
 };
 
-// A file to take along; path relative to the page.
+// A file that the page links to.
 struct ReportFile {
-  std::string path;
+  std::string path;  // Relative to the page.
   std::string what;
   uint64_t bytes = 0;
 };
 
-// Plain text throughout: the page escapes it.
+// All strings are plain text; RenderReportPage escapes them.
 struct ReportData {
   std::string title;
   std::string subtitle;
   std::vector<ReportFigure> figures;
   std::vector<std::string> warnings;
 
+  // Whether the views are holdout views; else they are training views.
   bool views_are_holdout = true;
   std::vector<ReportView> views;
 
   TrainingCurves curves;
 
-  bool has_instances = false;  // Whether stage bootstrap left any result.
+  bool has_instances = false;  // Whether stage bootstrap has left a result.
   std::vector<ReportInstance> instances;
 
   std::vector<ReportStage> stages;

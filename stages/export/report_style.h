@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The style sheet of the report.
+// The style sheet of the report; it has a light and a dark variant.
 
 #ifndef FREEGS_STAGES_EXPORT_REPORT_STYLE_H_
 #define FREEGS_STAGES_EXPORT_REPORT_STYLE_H_

@@ -14,18 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-}  // namespace
-
-std::vector<View> SpreadViews(const std::vector<View>& views, int count) {
-  const size_t wanted =
-      std::min(views.size(), static_cast<size_t>(std::max(0, count)));
-  std::vector<View> chosen;
-  for (size_t i = 0; i < wanted; ++i) {
-    chosen.push_back(views[i * views.size() / wanted]);
-  }
-  return chosen;
-}
-
+// 4 x the mean absolute difference of the channels, as grey. Both pictures are
+// H x W x 3 and of the same size.
 ImageU8 DifferenceImage(const ImageU8& a, const ImageU8& b) {
   ImageU8 difference(a.width(), a.height(), 1);
   for (size_t k = 0; k < difference.size(); ++k) {
@@ -37,6 +27,8 @@ ImageU8 DifferenceImage(const ImageU8& a, const ImageU8& b) {
   }
   return difference;
 }
+
+}  // namespace
 
 StatusOr<ReportView> WriteReportView(const WorkspaceScene& scene,
                                      const View& view,
@@ -64,7 +56,7 @@ StatusOr<ReportView> WriteReportView(const WorkspaceScene& scene,
   FREEGS_RETURN_IF_ERROR(
       write("depth", ColorDepth(rendered.depth, depth_range), &result.depth));
 
-  // What instances are drawn over: the photo, or its rendering.
+  // Instances are drawn over the photo, or over the rendering without a photo.
   ImageU8 ground = render;
   const StatusOr<ImageU8> photo = ReadRgb(photo_path);
   if (photo.ok()) {

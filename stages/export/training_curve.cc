@@ -83,7 +83,7 @@ struct Axis {
   }
 };
 
-// An axis whose ends are the data's, widened when they coincide.
+// An axis from the least to the greatest value, widened when these coincide.
 Axis MakeAxis(double low, double high, double from, double to) {
   if (!(high > low)) {
     const double margin = std::max(1e-6, 0.05 * std::abs(high));

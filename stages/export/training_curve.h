@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The course of the training as small line charts.
+// Draws the course of the training as small line charts.
 
 #ifndef FREEGS_STAGES_EXPORT_TRAINING_CURVE_H_
 #define FREEGS_STAGES_EXPORT_TRAINING_CURVE_H_
@@ -15,22 +15,22 @@ struct CurvePoint {
   double y = 0;
 };
 
-// What reconstruct/progress.csv says, by iteration.
+// The columns of reconstruct/progress.csv; x is the iteration.
 struct TrainingCurves {
   std::vector<CurvePoint> loss;
   std::vector<CurvePoint> num_gaussians;
-  std::vector<CurvePoint> holdout_psnr;  // Fewer points: measured now and then.
+  std::vector<CurvePoint> holdout_psnr;  // dB; not measured in every row.
 };
 
-// Reads the columns by their names in the first line, in any order. Rows and
-// fields that are no finite numbers are left out; so is a column that is not
-// there. Never fails.
+// Reads the columns by the names in the first line, in any order. Fields that
+// are not finite numbers are left out, and a column that is missing stays
+// empty.
 TrainingCurves ParseTrainingCurves(std::string_view csv);
 
-// An <svg> element of one line over iterations: three round numbers on either
-// axis, the last value written at its end, colours from the page's CSS
-// variables. Empty for fewer than two points.
-// title: what y is; decimals: of the last value.
+// Returns an <svg> element with one line over iterations. Each axis has three
+// round numbers, the last value is written at the end of the line with so many
+// `decimals`, and colours come from the page's CSS variables. `title` says what
+// y is. The text is empty for fewer than two points.
 std::string LineChartSvg(const std::vector<CurvePoint>& points,
                          const std::string& title,
                          int decimals);

@@ -24,11 +24,11 @@ using pipeline::StageContext;
 
 constexpr uint64_t kMaxMaskBytes = uint64_t{1} << 30;
 
-// Masks that leave less than this of their photos are probably inverted.
+// Masks that keep less than this share of their photos are probably inverted.
 constexpr double kLittle = 0.05;
 
-// One mask's way into the workspace; the share of pixels it keeps. Nothing,
-// after a warning, if it cannot be used.
+// Writes one mask to the workspace and returns the share of pixels that it
+// keeps. Returns nothing, after a warning, for a mask that cannot be used.
 StatusOr<std::optional<double>> PlaceMask(
     StageContext& context,
     const fs::path& path,
@@ -62,7 +62,8 @@ StatusOr<std::optional<double>> PlaceMask(
   return std::optional<double>(kept);
 }
 
-// COLMAP (from 3.12 on) skips photos without a mask if others have one.
+// Gives the other photos a white mask: COLMAP from 3.12 on skips photos without
+// a mask if some photos have one.
 Status FillWithWhite(const StageContext& context,
                      const photos::PhotoList& list) {
   for (const Photo& photo : list.photos) {
@@ -76,7 +77,7 @@ Status FillWithWhite(const StageContext& context,
   return Status();
 }
 
-// Masks of photos that are not there: often a sign of other names.
+// Warns of masks that fit no photo, which are often misnamed.
 void WarnOfUnused(const StageContext& context,
                   const fs::path& mask_folder,
                   const std::set<std::string>& used) {

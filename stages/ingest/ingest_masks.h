@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The part of the stage ingest that takes over masks.
+// The part of stage ingest that brings masks into the workspace.
 
 #ifndef FREEGS_STAGES_INGEST_INGEST_MASKS_H_
 #define FREEGS_STAGES_INGEST_INGEST_MASKS_H_
@@ -8,34 +8,36 @@
 #include <string>
 
 #include "core/status.h"
-#include "pipeline/stage.h"
 #include "photos/photo_decode.h"
 #include "photos/photo_list.h"
+#include "pipeline/stage.h"
 
 namespace freegs::stages {
 
 struct IngestMaskOptions {
-  // Whether masks are used. If not, a folder `masks` among the photos is a
-  // folder of photos like any other.
+  // Whether masks are used. When they are not, a folder `masks` among the
+  // photos is a folder of photos like any other.
   bool use_masks = true;
 
-  // The folder of masks; empty for `masks` in the photo folder, if there is
-  // one.
+  // The folder of masks. Empty takes the folder `masks` in the photo folder if
+  // it exists.
   std::string masks;
 
-  // True if white is what shall be ignored.
+  // True when white marks what is ignored, false when black does.
   bool invert_masks = false;
 };
 
-// The folder of masks for these photos, or empty if there is none. kBadInput
-// if the one that the options name is not a folder.
+// Returns the folder of masks for the photos in `images`, or an empty path when
+// there is none. kBadInput when the folder that the options name does not
+// exist.
 StatusOr<std::filesystem::path> FindMaskFolder(
     const std::filesystem::path& images, const IngestMaskOptions& options);
 
-// Writes the masks of usable photos as output/masks/NAME.png (0: ignore, 255:
-// look at; the photo's size), sets has_mask, warns of masks that cannot be used
-// and adds counts to the context's summary. If any photo has a mask, the others
-// get a white one. Nothing if mask_folder is empty.
+// Writes the mask of each usable photo as masks/NAME.png below context.output:
+// the photo's size, 255 where the photo is looked at and 0 where it is ignored.
+// When at least one photo has a mask, the photos without one get a white mask.
+// Sets has_mask of the photos, warns of masks that cannot be used, and adds
+// counts to context.summary. Does nothing when mask_folder is empty.
 Status PlaceMasks(pipeline::StageContext& context,
                   const std::filesystem::path& mask_folder,
                   const IngestMaskOptions& options,

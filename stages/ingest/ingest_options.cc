@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The options of the stage ingest.
+// The options of stage ingest: names, help texts and ranges.
 
 #include "stages/ingest/ingest_stage.h"
 

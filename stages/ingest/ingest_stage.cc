@@ -21,14 +21,14 @@ namespace freegs::stages {
 namespace {
 
 namespace fs = std::filesystem;
-using pipeline::LogLevel;
-using pipeline::StageContext;
 using photos::Photo;
 using photos::PhotoSplit;
+using pipeline::LogLevel;
+using pipeline::StageContext;
 
 constexpr int kMinUsable = 3;
 
-// A file's name as part of one line of text.
+// The name of a file, safe to print within one line.
 std::string OneLine(std::string name) {
   for (char& c : name) {
     if (static_cast<uint8_t>(c) < 0x20 || c == 0x7f) c = '?';
@@ -36,8 +36,8 @@ std::string OneLine(std::string name) {
   return name;
 }
 
-// Calls body for 0 <= i < count, one index at a time, reports progress, and
-// returns the error of the smallest index that has one. Stops early when
+// Calls body(i) for 0 <= i < count on all threads, reports progress, and
+// returns the error of the smallest i that has one. kInterrupted when
 // cancelled.
 Status ForEachPhoto(StageContext& context,
                     const std::string& step,
@@ -57,7 +57,7 @@ Status ForEachPhoto(StageContext& context,
           if (cancelled()) return;
           results[i] = body(static_cast<size_t>(i));
           ++done;
-          // Only the calling thread reports: receivers need no locks.
+          // Only the calling thread reports, so that receivers need no locks.
           if (worker == 0 && context.progress) {
             context.progress({step,
                               static_cast<double>(done.load()),
@@ -129,7 +129,7 @@ class IngestStage : public pipeline::Stage {
         ReadFile(options_.holdout_list, kMaxListBytes);
     if (!text.ok()) return text.status().Annotated("ingest.holdout_list");
     rule.names = photos::ParseNameList(*text);
-    // An empty list is a choice, too.
+    // An empty list means that no photo is kept from training.
     if (rule.names.empty()) rule.pattern = "none";
     return rule;
   }
@@ -150,7 +150,7 @@ class IngestStage : public pipeline::Stage {
     return context.output / "pending" / (std::to_string(index) + ".png");
   }
 
-  // A film given by itself is a folder of one film.
+  // A film that is given by itself is treated as a folder with one film.
   StatusOr<photos::PhotoScan> Scan(const StageContext& context) const {
     std::error_code error;
     if (fs::is_regular_file(context.images, error)) {
@@ -165,14 +165,14 @@ class IngestStage : public pipeline::Stage {
     return photos::ScanPhotos(context.images, excluded);
   }
 
-  // Where the original of a photo lies: frames of films are in the workspace.
+  // The folder of the original photo. Frames of films lie in the workspace.
   static fs::path SourceFolder(const StageContext& context,
                                const Photo& photo) {
     return photo.film.empty() ? context.images : context.output / "frames";
   }
 
-  // Frames of films, when there are no photos. (Phones leave a short film
-  // beside each photo.)
+  // Takes frames from films, but only when there are no photos: phones leave a
+  // short film beside each photo.
   StatusOr<std::vector<Photo>> TakeFilms(const StageContext& context,
                                          const photos::PhotoScan& scan) const {
     if (scan.films.empty()) return std::vector<Photo>();
@@ -253,7 +253,8 @@ class IngestStage : public pipeline::Stage {
   }
 
   // Moves and copies the usable photos to photos/.
-  static Status PlacePhotos(StageContext& context, const photos::PhotoList& list) {
+  static Status PlacePhotos(StageContext& context,
+                            const photos::PhotoList& list) {
     const fs::path folder = context.output / "photos";
     std::vector<size_t> usable;
     for (size_t i = 0; i < list.photos.size(); ++i) {
@@ -282,8 +283,8 @@ class IngestStage : public pipeline::Stage {
     return Status();
   }
 
-  // A copy, not a link: who edits a file of the workspace must not change the
-  // original.
+  // Copies instead of linking, so that editing a file of the workspace does not
+  // change the original.
   static Status CopyPhoto(const fs::path& source,
                           const Photo& photo,
                           const fs::path& target) {
@@ -300,7 +301,7 @@ class IngestStage : public pipeline::Stage {
     if (context.log) context.log(LogLevel::kWarning, text);
   }
 
-  // One line per rejected photo; returns their number.
+  // Logs one line per rejected photo and returns their number.
   static size_t WarnOfRejected(const StageContext& context,
                                const std::vector<Photo>& photos) {
     size_t rejected = 0;
@@ -339,7 +340,8 @@ class IngestStage : public pipeline::Stage {
     return BadInputError(message);
   }
 
-  static void Summarise(const photos::PhotoList& list, nlohmann::json* summary) {
+  static void Summarise(const photos::PhotoList& list,
+                        nlohmann::json* summary) {
     (*summary)["photos"] = list.photos.size();
     (*summary)["train"] = list.Count(PhotoSplit::kTrain);
     (*summary)["holdout"] = list.Count(PhotoSplit::kHoldout);

@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-// Instances named after the hits.
+// So many instances are listed after the hits.
 constexpr size_t kMaxOthers = 5;
 
 const semantics::Instance& InstanceOf(
@@ -30,8 +30,8 @@ json Brief(const ScoredInstance& scored) {
   return {{"id", scored.id}, {"score", scored.score}};
 }
 
-// As in instances.json, but for the score: that is the answer's, and the
-// instance's own is "instance_score".
+// The instance as in instances.json, except that "score" is that of the answer
+// and the instance's own score is "instance_score".
 json HitToJson(const ScoredInstance& hit, const semantics::Instance& instance) {
   json entry = json::parse(semantics::SerializeInstances({instance}))[0];
   entry["instance_score"] = entry["score"];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The answer of a query: which instances, how sure, and in which views they are
-// seen; as JSON and as a table.
+// The answer of a query: which instances were found, their scores, and the
+// views in which they are seen. It is printed as JSON or as a table.
 
 #ifndef FREEGS_STAGES_QUERY_QUERY_ANSWER_H_
 #define FREEGS_STAGES_QUERY_QUERY_ANSWER_H_
@@ -19,48 +19,50 @@ namespace freegs::stages {
 
 struct ScoredInstance {
   int id = 0;
-  double score = 0;
-  std::optional<double> cosine;  // Of text and example.
-  // Of a click: where it meets the instance, world frame.
+  double score = 0;              // What it is says QueryAnswer::score_name.
+  std::optional<double> cosine;  // For questions by text and by example.
+  // For a click: the surface point that was clicked, in the world frame.
   std::optional<Eigen::Vector3d> point;
 };
 
 struct MaskedView {
-  std::string name;  // Of the view.
-  std::string mask;  // File, relative to the folder of the answer.
-  int64_t pixels = 0;
+  std::string name;    // The view's name.
+  std::string mask;    // The file, relative to the folder of the answer.
+  int64_t pixels = 0;  // Number of pixels in the mask.
 };
 
 struct QueryAnswer {
   nlohmann::json question;  // {"kind": "text", "text": "red apple"}
-  std::string words;        // The same for people: text "red apple"
+  std::string words;        // The question for people: text "red apple"
   std::string score_name;   // "relevancy", "cosine", "weight" or "iou".
-  double threshold = 0;     // Scores below are no hits.
+  double threshold = 0;     // An instance of a smaller score is no hit.
 
-  // By descending score: the hits are at least the threshold, at most as many
-  // as were asked for; others follow them.
+  // Both by descending score. The hits reach the threshold and are at most as
+  // many as were asked for; the others are the next best instances.
   std::vector<ScoredInstance> hits;
   std::vector<ScoredInstance> others;
-  // A large plane, not asked for, of a higher score than all.
+  // A large plane with a better score than all hits, when planes were not asked
+  // for.
   std::optional<ScoredInstance> plane;
 
-  std::optional<std::vector<MaskedView>> masks;  // Where they were written.
+  std::optional<std::vector<MaskedView>> masks;  // Nothing without --out.
 
-  // Milliseconds: reading files; the network, with loading it; finding the
-  // answer; drawing masks.
-  double load_ms = 0;
-  double encode_ms = 0;
-  double query_ms = 0;
-  double masks_ms = 0;
+  // Times in milliseconds.
+  double load_ms = 0;    // Reading the workspace.
+  double encode_ms = 0;  // Loading and running the CLIP model.
+  double query_ms = 0;   // Finding the answer.
+  double masks_ms = 0;   // Drawing and writing masks.
 };
 
-// Cuts a list by descending score into hits and others: at most max_hits (0: no
-// limit) of at least answer->threshold, and the next few.
+// Divides `scored`, which is sorted by descending score, into answer->hits and
+// answer->others. Hits are the first instances that reach answer->threshold, at
+// most max_hits of them (0 is no limit); others are the next few.
 void SplitHits(const std::vector<ScoredInstance>& scored,
                int max_hits,
                QueryAnswer* answer);
 
-// The fields are in docs/queries.md. `instances` holds every hit.
+// docs/queries.md describes the fields. `instances` are those of the workspace
+// and must hold every hit.
 nlohmann::json ToJson(const QueryAnswer& answer,
                       const std::vector<semantics::Instance>& instances);
 

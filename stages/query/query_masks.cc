@@ -15,12 +15,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// At most so many views get an overlay, evenly spread over those that see an
+// instance of the answer.
+constexpr size_t kMaxOverlays = 6;
+
 Status WritePicture(const fs::path& path, const ImageU8& image) {
   FREEGS_RETURN_IF_ERROR(CreateFolders(path.parent_path()));
   return WriteImage(path, image);
 }
 
-// 255 where one of the instances is in front.
+// 255 where one of the instances has the largest weight.
 ImageU8 MaskOf(const QueryMasksTask& task, const View& view, ThreadPool& pool) {
   ImageU8 mask(view.camera.width, view.camera.height, 1);
   if (task.ids.empty()) return mask;
@@ -62,7 +66,7 @@ StatusOr<ImageU8> PictureOf(const QueryMasksTask& task,
   return Resize(photo, view.camera.width, view.camera.height);
 }
 
-// Over the views that see something.
+// Writes overlays for some of the views whose mask is not empty.
 Status WriteOverlays(const QueryMasksTask& task,
                      const std::vector<MaskedView>& masks,
                      ThreadPool& pool) {
@@ -72,8 +76,7 @@ Status WriteOverlays(const QueryMasksTask& task,
   for (size_t i = 0; i < masks.size(); ++i) {
     if (masks[i].pixels > 0) seeing.push_back(i);
   }
-  const size_t count = std::min<size_t>(
-      seeing.size(), static_cast<size_t>(std::max(0, task.num_overlays)));
+  const size_t count = std::min(seeing.size(), kMaxOverlays);
   for (size_t k = 0; k < count; ++k) {
     const size_t i = seeing[k * seeing.size() / count];
     FREEGS_ASSIGN_OR_RETURN(const ImageU16 mask,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The answer of a query as pictures: the same instances in every view.
+// Writes the answer of a query as pictures: the found instances in every view.
 
 #ifndef FREEGS_STAGES_QUERY_QUERY_MASKS_H_
 #define FREEGS_STAGES_QUERY_QUERY_MASKS_H_
@@ -20,18 +20,19 @@ namespace freegs::stages {
 
 struct QueryMasksTask {
   const WorkspaceScene& scene;
-  std::span<const int32_t> labels;  // Per Gaussian, -1 for none.
+  std::span<const int32_t> labels;  // One per Gaussian, -1 for none.
   const std::vector<View>& views;
-  std::vector<int> ids;  // Instances to show; none gives empty masks.
+  std::vector<int> ids;  // Instances to show; without any, masks are empty.
 
-  // Folder of photographs by view name for overlays; empty to render them.
+  // The folder with the photographs that overlays are drawn on; empty draws
+  // them on renderings.
   std::filesystem::path photos;
-  std::filesystem::path out;
-  int num_overlays = 6;  // At most, evenly spread over the views that see any.
+  std::filesystem::path out;  // The folder to write to.
 };
 
-// Writes out/masks/VIEW.png for every view (8-bit grey, 255 where one of the
-// instances has the largest weight, else 0) and out/overlay/VIEW.jpg for a few.
+// Writes out/masks/VIEW.png for every view: 8-bit grey, 255 where one of the
+// instances has the largest sum of blending weights, else 0. Also writes
+// out/overlay/VIEW.jpg for at most six of the views that see an instance.
 // `progress` is told how many views are done. kInterrupted when cancelled.
 StatusOr<std::vector<MaskedView>> WriteQueryMasks(
     const QueryMasksTask& task,

@@ -29,8 +29,8 @@ StatusOr<double> ParseNumber(const std::string& word,
   return value;
 }
 
-// Takes "--click VIEW X Y" and the like out of the arguments: options of more
-// than one value, which the option table does not know.
+// Takes an option of several values, such as "--click VIEW X Y", out of the
+// arguments. The option table only knows options of one value.
 StatusOr<std::optional<ViewPlace>> TakePlace(
     const std::string& option,
     size_t num_numbers,

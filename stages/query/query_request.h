@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The words of `query`, understood.
+// Parses the command line of `query`.
 
 #ifndef FREEGS_STAGES_QUERY_QUERY_REQUEST_H_
 #define FREEGS_STAGES_QUERY_QUERY_REQUEST_H_
@@ -14,7 +14,7 @@
 
 namespace freegs::stages {
 
-// A place in a view, in pixels of its image.
+// A point or a box in a view, in pixels of its image.
 struct ViewPlace {
   std::string view;
   std::vector<double> numbers;  // X Y, or X0 Y0 X1 Y1.
@@ -23,26 +23,26 @@ struct ViewPlace {
 struct QueryRequest {
   std::filesystem::path workspace;
 
-  // Exactly one is given.
+  // The question; exactly one of the four is set.
   std::optional<std::string> text;
   std::optional<std::filesystem::path> example;
   std::optional<ViewPlace> click;
   std::optional<ViewPlace> box;
 
-  std::string out;
-  bool json = false;
-  std::string cameras;
+  std::string out;      // Folder for masks and overlays; empty writes none.
+  bool json = false;    // Whether the answer is printed as JSON.
+  std::string cameras;  // See ViewSelection.
   bool no_align = false;
-  int size = 0;
-  std::string model;
-  int max_hits = 1;
-  double min_cosine = -1;
+  int size = 0;            // Longest side in pixels of views; 0 is no bound.
+  std::string model;       // CLIP model folder; see OpenModelOfFeatures.
+  int max_hits = 1;        // 0 is no limit.
+  double min_cosine = -1;  // Threshold for questions by example.
   semantics::TextQueryOptions text_options;
-  int threads = 0;
+  int threads = 0;  // 0 takes one per available core.
 };
 
-// kInvalidArgument says what is wrong and how it should be; errors of the
-// workspace's config.ini likewise.
+// kInvalidArgument says what is wrong and how it should be, also for errors in
+// the workspace's config.ini.
 StatusOr<QueryRequest> ParseQueryRequest(
     const std::vector<std::string>& arguments);
 

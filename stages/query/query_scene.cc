@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The file of stage bootstrap.
+// The path of a file that stage bootstrap writes.
 StatusOr<fs::path> BootstrapFile(const QueryRequest& request,
                                  const std::string& name,
                                  const std::string& advice) {
@@ -28,7 +28,7 @@ StatusOr<fs::path> BootstrapFile(const QueryRequest& request,
   return path;
 }
 
-// For every id that the features or the labels know.
+// One flag per instance id that the features or the labels contain.
 std::vector<uint8_t> BackgroundFlags(const QueryScene& scene) {
   size_t count = scene.features ? scene.features->size() : 0;
   for (const int32_t label : scene.labels) {

@@ -1,5 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a workspace knows about its instances, as far as a question needs it.
+// Loads from a workspace what a question needs. The command `query`
+// (stages/commands/query_command.cc) does
+//
+//   ParseQueryRequest(arguments)         query_request.h
+//   LoadQueryScene(request, messages)
+//   semantics::QueryText(...) and others semantics/queries/
+//   SplitHits(scored, max_hits, &answer) query_answer.h
+//   WriteQueryMasks(task, ...)           query_masks.h
+//   ToJson(answer, scene.instances)      query_answer.h
 
 #ifndef FREEGS_STAGES_QUERY_QUERY_SCENE_H_
 #define FREEGS_STAGES_QUERY_QUERY_SCENE_H_
@@ -11,8 +19,8 @@
 
 #include "core/pinhole.h"
 #include "core/status.h"
-#include "semantics/queries/instance_features.h"
 #include "semantics/instances/instances.h"
+#include "semantics/queries/instance_features.h"
 #include "stages/query/query_request.h"
 #include "stages/scene/workspace_scene.h"
 
@@ -20,19 +28,21 @@ namespace freegs::stages {
 
 struct QueryScene {
   std::vector<semantics::Instance> instances;
-  std::vector<uint8_t> is_background;  // By id - 1.
+  std::vector<uint8_t> is_background;  // By id - 1; 1 for large planes.
 
-  std::optional<semantics::InstanceFeatures> features;  // Text and example.
+  // Loaded for questions by text and by example.
+  std::optional<semantics::InstanceFeatures> features;
 
-  // Of click and box, and for masks.
+  // Loaded for questions by click and by box, and for masks.
   std::optional<WorkspaceScene> scene;
-  std::vector<int32_t> labels;  // Per Gaussian.
-  std::vector<View> views;      // To show; clicks and boxes name one of them,
-  std::vector<View> photos;     // or one of these.
+  std::vector<int32_t> labels;  // One per Gaussian, -1 for none.
+  std::vector<View> views;      // The views to show.
+  std::vector<View> photos;  // Clicks and boxes are in one of these or those.
 };
 
-// kBadInput names the file that is missing, malformed or at odds with another,
-// and the stage that writes it. `messages` as ViewsToRender.
+// kBadInput names the file that is missing, malformed or does not fit another
+// one, and the stage that writes it. `messages` is told what ViewsToRender
+// says.
 StatusOr<QueryScene> LoadQueryScene(const QueryRequest& request,
                                     std::ostream& messages);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// reconstruct/progress.csv: one row per report of the training.
+// Writes reconstruct/progress.csv, the course of the training as a table.
 
 #ifndef FREEGS_STAGES_RECONSTRUCT_PROGRESS_CSV_H_
 #define FREEGS_STAGES_RECONSTRUCT_PROGRESS_CSV_H_
@@ -16,22 +16,24 @@ namespace freegs::stages {
 
 struct ProgressRow {
   int64_t iteration = 0;
-  double seconds = 0;  // Since training began, interruptions not counted.
-  double loss = 0;
+  double seconds = 0;  // Since training began, without pauses between runs.
+  double loss = 0;     // Mean over the steps since the row before.
   size_t num_gaussians = 0;
-  std::optional<double> holdout_psnr;  // Empty where not measured.
+  std::optional<double> holdout_psnr;  // dB; nothing where not measured.
 };
 
-// Rows are kept in memory and the whole file is rewritten atomically: there are
-// a few hundred.
+// Keeps all rows in memory and rewrites the whole file atomically, which is
+// cheap: a training has a few hundred rows.
 class ProgressCsv {
  public:
   explicit ProgressCsv(std::filesystem::path path) : path_(std::move(path)) {}
 
-  // Takes over the rows of an earlier file up to `iteration`, the one training
-  // resumes at (0 starts anew). An unreadable file is started anew.
+  // Begins the file. A training that resumes at `iteration` keeps the rows up
+  // to there of the file that an earlier run has left; with 0, or when that
+  // file cannot be read, the table begins empty. Writes the file.
   Status Open(int64_t iteration);
 
+  // Adds a row in memory; Flush writes the file.
   void Add(const ProgressRow& row);
   Status Flush() const;
 

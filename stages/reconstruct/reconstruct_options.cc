@@ -13,14 +13,16 @@ namespace {
 
 constexpr int64_t kMaxBudget = 1000000000;
 
-// Learning rates of 3DGS are made for 30000 steps. Short trainings gain from
-// larger ones: 1000 steps at twice the rates end 1 dB higher on real photos.
+// What the learning rates of 3DGS, which suit 30000 steps, are multiplied by.
+// Short trainings gain from larger rates: 1000 steps at twice the rates end 1
+// dB higher on real photos.
 double RateFactor(int iterations) {
   return std::clamp(std::sqrt(8000.0 / iterations), 1.0, 2.0);
 }
 
-// A model begun anew from its depth maps needs thousands of steps to be as good
-// as it was: after 10000 it is still 0.2 dB behind, with 13 % fewer Gaussians.
+// A model that starts again from depth maps needs thousands of steps to become
+// as good as before: after 10000 steps it is still 0.2 dB worse, with 13 %
+// fewer Gaussians.
 constexpr int kMinIterationsOfDepthReinit = 20000;
 
 StatusOr<int64_t> ParseBudget(const ReconstructStageOptions& options) {
@@ -48,6 +50,56 @@ std::optional<splat::ImportanceMetric> ParseImportance(
   if (text == "indoor") return splat::ImportanceMetric::kIndoor;
   if (text == "outdoor") return splat::ImportanceMetric::kOutdoor;
   return std::nullopt;
+}
+
+void RegisterDensificationOptions(ReconstructStageOptions& options,
+                                  pipeline::OptionTable& table) {
+  table.Add("reconstruct.densification",
+            &options.densification,
+            {.help = "How Gaussians are placed. mini_splatting: many, then "
+                     "cut down to the important ones. gradient: cloned and "
+                     "split where the image asks "
+                     "for it (3DGS). none: the points of structure from "
+                     "motion.",
+             .choices = {"mini_splatting", "gradient", "none"}});
+  table.Add("reconstruct.budget",
+            &options.budget,
+            {.help = "Upper bound of the number of Gaussians of the result. "
+                     "auto: as many, of as high an SH degree, as the holdout "
+                     "photos still gain from, and no more than budget_limit; 0 "
+                     "is no bound."});
+  table.Add("reconstruct.budget_limit",
+            &options.budget_limit,
+            {.help = "The most Gaussians that budget = auto considers.",
+             .min = 1000,
+             .max = 100000000});
+  table.Add("reconstruct.depth_reinit",
+            &options.depth_reinit,
+            {.help = "Whether mini_splatting starts again from depth maps, "
+                     "twice before half of the iterations. auto: when there "
+                     "are 20000 or more.",
+             .choices = {"auto", "always", "never"}});
+  table.Add("reconstruct.importance",
+            &options.importance,
+            {.help = "How mini_splatting measures which Gaussians are "
+                     "important: indoor suits bounded scenes, outdoor those "
+                     "with a far background; auto looks at the points.",
+             .choices = {"auto", "indoor", "outdoor"}});
+  table.Add("reconstruct.densify_interval",
+            &options.densify_interval,
+            {.help = "Iterations between densifications; 0 never clones or "
+                     "splits.",
+             .min = 0});
+  table.Add("reconstruct.densify_gradient",
+            &options.densify_gradient,
+            {.help = "Gaussians whose mean gradient in the image (which spans "
+                     "-1 to 1) is larger are cloned or split.",
+             .min = 0});
+  table.Add("reconstruct.opacity_reset_interval",
+            &options.opacity_reset_interval,
+            {.help = "Opacities are set to 0.01 every so many iterations "
+                     "while densifying by gradient; 0 never does.",
+             .min = 0});
 }
 
 }  // namespace
@@ -112,52 +164,7 @@ void RegisterReconstructOptions(ReconstructStageOptions& options,
                      "depend on the viewing direction.",
              .min = 0,
              .max = 3});
-  table.Add("reconstruct.densification",
-            &options.densification,
-            {.help = "How Gaussians are placed. mini_splatting: many, then "
-                     "cut down to the important ones. gradient: cloned and "
-                     "split where the image asks "
-                     "for it (3DGS). none: the points of structure from "
-                     "motion.",
-             .choices = {"mini_splatting", "gradient", "none"}});
-  table.Add("reconstruct.budget",
-            &options.budget,
-            {.help = "Upper bound of the number of Gaussians of the result. "
-                     "auto: as many, of as high an SH degree, as the holdout "
-                     "photos still gain from, and no more than budget_limit; 0 "
-                     "is no bound."});
-  table.Add("reconstruct.budget_limit",
-            &options.budget_limit,
-            {.help = "The most Gaussians that budget = auto considers.",
-             .min = 1000,
-             .max = 100000000});
-  table.Add("reconstruct.depth_reinit",
-            &options.depth_reinit,
-            {.help = "Whether mini_splatting starts again from depth maps, "
-                     "twice before half of the iterations. auto: when there "
-                     "are 20000 or more.",
-             .choices = {"auto", "always", "never"}});
-  table.Add("reconstruct.importance",
-            &options.importance,
-            {.help = "How mini_splatting measures which Gaussians are "
-                     "important: indoor suits bounded scenes, outdoor those "
-                     "with a far background; auto looks at the points.",
-             .choices = {"auto", "indoor", "outdoor"}});
-  table.Add("reconstruct.densify_interval",
-            &options.densify_interval,
-            {.help = "Iterations between densifications; 0 never clones or "
-                     "splits.",
-             .min = 0});
-  table.Add("reconstruct.densify_gradient",
-            &options.densify_gradient,
-            {.help = "Gaussians whose mean gradient in the image (which spans "
-                     "-1 to 1) is larger are cloned or split.",
-             .min = 0});
-  table.Add("reconstruct.opacity_reset_interval",
-            &options.opacity_reset_interval,
-            {.help = "Opacities are set to 0.01 every so many iterations "
-                     "while densifying by gradient; 0 never does.",
-             .min = 0});
+  RegisterDensificationOptions(options, table);
   table.Add("reconstruct.coarse_to_fine",
             &options.coarse_to_fine,
             {.help = "Train on small images first, for as long as what is in "

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The options of reconstruct, and what they mean to the trainer.
+// The options of stage reconstruct, and how the trainer is told them.
 
 #ifndef FREEGS_STAGES_RECONSTRUCT_RECONSTRUCT_OPTIONS_H_
 #define FREEGS_STAGES_RECONSTRUCT_RECONSTRUCT_OPTIONS_H_
@@ -16,44 +16,51 @@ namespace freegs::stages {
 
 struct ReconstructStageOptions {
   int iterations = 5000;
-  // Longest side in pixels of the images the splats learn from; 0 keeps the
+  // Longest side in pixels of the images that training sees; 0 keeps the
   // photos' own size.
   int max_image_size = 800;
   int sh_degree = 3;
   // mini_splatting, gradient or none.
   std::string densification = "mini_splatting";
-  // Upper bound of the number of Gaussians of the result, "auto" or a number; 0
-  // is none.
+  // Upper bound of the number of Gaussians of the result: a number, where 0 is
+  // no bound, or "auto", which searches for one (splat/search/budget_search.h).
   std::string budget = "auto";
-  // The most that "auto" considers.
+  // The largest number that "auto" considers.
   int budget_limit = 100000;
-  // Whether Mini-Splatting starts again from depth maps: auto, always, never.
+  // Whether Mini-Splatting starts again from depth maps: auto, always or never.
   std::string depth_reinit = "auto";
   // How Mini-Splatting measures importance: auto, indoor or outdoor.
   std::string importance = "auto";
   // Iterations between densifications; 0 never densifies.
   int densify_interval = 100;
+  // A Gaussian whose mean gradient in the image (which spans -1 to 1) is larger
+  // is cloned or split.
   double densify_gradient = 2e-4;
-  // For densification = gradient only.
+  // Iterations between resets of opacity; 0 never resets. It has an effect with
+  // densification = gradient only.
   int opacity_reset_interval = 0;
+  // Whether training begins with small images.
   bool coarse_to_fine = true;
-  std::string background = "black";
-  // Iterations between measurements on the holdout photos; 0: only at the end.
+  std::string background = "black";  // black or white.
+  // Iterations between measurements on the holdout photos; 0 measures only at
+  // the end.
   int holdout_interval = 1000;
-  // Memory for decoded photos.
+  // Memory for decoded photos, in 1e9 bytes.
   double image_cache_gb = 4;
-  // A .ply to take instead of training.
+  // A .ply file to take instead of training; empty trains.
   std::string import;
 };
 
+// Adds section [reconstruct] to the table, which keeps pointers to `options`.
 void RegisterReconstructOptions(ReconstructStageOptions& options,
                                 pipeline::OptionTable& table);
 
-// How pictures of the scene are rendered.
+// The background as the renderer takes it.
 splat::RenderOptions ReconstructRenderOptions(
     const ReconstructStageOptions& options);
 
-// kInvalidArgument, naming the option, when a value makes no sense.
+// Translates the options for the trainer. kInvalidArgument, naming the option,
+// for a value that is not allowed.
 StatusOr<splat::TrainerOptions> MakeTrainerOptions(
     const ReconstructStageOptions& options, uint64_t seed);
 

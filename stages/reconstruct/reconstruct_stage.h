@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// undistort/ -> reconstruct/: phase 1, a Gaussian scene from posed photos.
+// Stage reconstruct, undistort/ -> reconstruct/: fits Gaussians to the posed
+// photographs. This is phase 1 of the method. MakeReconstructStage makes the
+// stage; stages/registry/stage_registry.h shows who runs it.
 
 #ifndef FREEGS_STAGES_RECONSTRUCT_RECONSTRUCT_STAGE_H_
 #define FREEGS_STAGES_RECONSTRUCT_RECONSTRUCT_STAGE_H_
@@ -12,6 +14,12 @@
 
 namespace freegs::stages {
 
+// Reads undistort/ and the split from ingest/images.json. Writes
+//   point_cloud.ply   the trained or imported Gaussians
+//   metrics.json      quality on the holdout photos, size and time
+//   holdout/VIEW.png  the holdout photos as the model shows them
+//   progress.csv      the course of the training
+//   checkpoints/      what an interrupted training goes on from
 std::unique_ptr<pipeline::Stage> MakeReconstructStage(
     const ReconstructStageOptions& options, uint64_t seed);
 

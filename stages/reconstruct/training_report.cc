@@ -9,7 +9,7 @@
 namespace freegs::stages {
 namespace {
 
-// Null where the number was given.
+// Null when there was no search.
 nlohmann::json ChoiceJson(const std::optional<splat::BudgetChoice>& choice) {
   if (!choice) return nullptr;
   nlohmann::json trials = nlohmann::json::array();

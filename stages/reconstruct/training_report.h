@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How the course of a training is told: in metrics.json and in log lines.
+// Describes the course of a training, for metrics.json and for log lines.
 
 #ifndef FREEGS_STAGES_RECONSTRUCT_TRAINING_REPORT_H_
 #define FREEGS_STAGES_RECONSTRUCT_TRAINING_REPORT_H_
@@ -14,16 +14,18 @@
 
 namespace freegs::stages {
 
-// The members "densification" (the option), "budget_search",
-// "importance_metric", "milestones" and "recoveries" of metrics.json; null or
-// empty without a trainer.
+// The members "densification" (the option's value), "budget_search",
+// "importance_metric", "milestones" and "recoveries" of metrics.json. They are
+// null or empty when `trainer` is null, as for an imported model.
 nlohmann::json CourseJson(const std::string& densification,
                           const splat::Trainer* trainer);
 
+// One line each, without the stage's name.
 std::string RecoveryText(const splat::Recovery& recovery);
 std::string MilestoneText(const splat::MilestoneRecord& record);
 
-// A trial of the search for a budget, at 1 / 2^level of the image size.
+// One line about a trial of the search for a budget. The trial's images have
+// 1 / 2^level of the width and height; `psnr` is in dB.
 std::string TrialText(const splat::GaussianModel& model,
                       double psnr,
                       int level);

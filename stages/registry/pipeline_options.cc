@@ -9,6 +9,7 @@
 #include "stages/registry/query_options.h"
 
 namespace freegs::stages {
+namespace {
 
 using pipeline::OptionSetting;
 using pipeline::OptionTable;
@@ -47,6 +48,8 @@ void RegisterGeneralOptions(GeneralOptions& options, OptionTable& table) {
   table.AddAlias("seed", "general.seed");
   table.AddAlias("verbose", "general.verbose");
 }
+
+}  // namespace
 
 OptionTable MakeOptionTable(PipelineOptions* options) {
   OptionTable table;

@@ -1,5 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // All options of the pipeline in one struct, and the table that reads them.
+//
+//   PipelineOptions options;
+//   pipeline::OptionTable table = MakeOptionTable(&options);
+//   FREEGS_ASSIGN_OR_RETURN(const pipeline::OptionTable::CommandLine line,
+//                           table.ParseCommandLine(arguments));
+//   FREEGS_RETURN_IF_ERROR(ApplySettings(workspace, line.settings, table));
+//   options.reconstruct.iterations;   // from preset, config.ini, command line
 
 #ifndef FREEGS_STAGES_REGISTRY_PIPELINE_OPTIONS_H_
 #define FREEGS_STAGES_REGISTRY_PIPELINE_OPTIONS_H_
@@ -22,27 +29,24 @@
 
 namespace freegs::stages {
 
-// What concerns more than one stage.
+// Options that concern more than one stage.
 struct GeneralOptions {
-  // A named set of option values (see presets.h).
+  // A named set of option values; see presets.h.
   std::string preset = "balanced";
 
-  // Threads to work with; 0 takes one per available core. Results do not
-  // depend on it.
+  // Number of threads; 0 takes one per available core. Results do not depend on
+  // it.
   int threads = 0;
 
-  // Start of every random sequence: the same seed gives the same bytes.
+  // The start of every random sequence. The same seed gives the same bytes.
   int64_t seed = 0;
 
   // Seconds between checkpoints of long stages.
   double checkpoint_interval = 60;
 
-  // Also logs details.
+  // Whether details are logged, too.
   bool verbose = false;
 };
-
-void RegisterGeneralOptions(GeneralOptions& options,
-                            pipeline::OptionTable& table);
 
 struct PipelineOptions {
   GeneralOptions general;
@@ -55,19 +59,20 @@ struct PipelineOptions {
   semantics::TextQueryOptions query;
 };
 
-// The table over `options`, which must outlive it. Commands may add words of
-// their own.
+// Makes the table of all options; `options` must outlive it. A command adds the
+// words of its own command line ("from", "json") to the table.
 pipeline::OptionTable MakeOptionTable(PipelineOptions* options);
 
-// Sets the options of a table from MakeOptionTable: first the preset (named on
-// the command line, else in config.ini, else the default), then
-// WORKSPACE/config.ini if there is one, then the command line.
+// Sets the options of a table from MakeOptionTable. Later sources override
+// earlier ones: the preset (named on the command line, else in config.ini, else
+// the default one), then WORKSPACE/config.ini if it exists, then the command
+// line. kInvalidArgument names the option and the fault.
 Status ApplySettings(const std::filesystem::path& workspace,
                      const std::vector<pipeline::OptionSetting>& command_line,
                      pipeline::OptionTable& table);
 
-// The settings of the last run's command line; those the table does not know
-// (any more) are left out.
+// Returns the settings of the last run's command line, which workspace.json
+// keeps. Settings that the table does not know any more are left out.
 std::vector<pipeline::OptionSetting> RememberedSettings(
     const std::filesystem::path& workspace,
     const pipeline::WorkspaceInfo& info,

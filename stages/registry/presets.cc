@@ -10,7 +10,7 @@ namespace {
 
 using Values = std::vector<std::pair<std::string, std::string>>;
 
-// Preset -> {option, value}. Balanced is what the defaults are made for.
+// Preset -> {option, value}. Preset balanced changes no default.
 const std::map<std::string, Values>& Presets() {
   static const std::map<std::string, Values> presets = {
       {"fast",

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Named sets of option values. What a preset does not name stays at its
-// default; config.ini and the command line override both.
+// Named sets of option values. An option that a preset does not name stays at
+// its default; config.ini and the command line override presets.
 
 #ifndef FREEGS_STAGES_REGISTRY_PRESETS_H_
 #define FREEGS_STAGES_REGISTRY_PRESETS_H_
@@ -15,7 +15,7 @@ namespace freegs::stages {
 
 std::vector<std::string> PresetNames();
 
-// The options a preset sets; kInvalidArgument for an unknown name.
+// Returns the settings of a preset; kInvalidArgument for an unknown name.
 StatusOr<std::vector<pipeline::OptionSetting>> PresetSettings(
     const std::string& name);
 

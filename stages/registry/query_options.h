@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// [query] of config.ini: how text is answered, by `query` and wherever else
-// texts are asked.
+// Section [query] of config.ini: how words are answered, by the commands
+// `query` and `eval`.
 
 #ifndef FREEGS_STAGES_REGISTRY_QUERY_OPTIONS_H_
 #define FREEGS_STAGES_REGISTRY_QUERY_OPTIONS_H_
@@ -10,7 +10,8 @@
 
 namespace freegs::stages {
 
-// query.min_relevancy and query.background.
+// Adds query.min_relevancy and query.background to the table, which keeps
+// pointers to `options`.
 void RegisterQueryOptions(semantics::TextQueryOptions& options,
                           pipeline::OptionTable& table);
 

@@ -1,5 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The stages of the pipeline, in their order.
+// The stages of the pipeline, in their order. The commands `run` and `stage`
+// make and run them like this (stages/commands/run_command.cc):
+//
+//   PipelineOptions options;
+//   pipeline::OptionTable table = MakeOptionTable(&options);
+//   FREEGS_RETURN_IF_ERROR(ApplySettings(workspace, settings, table));
+//   pipeline::StageRunner runner(MakeStages(options, table),
+//                                {.workspace = workspace, .images = photos},
+//                                cancellation,
+//                                logger);
+//   FREEGS_RETURN_IF_ERROR(runner.Run());
+//
+// The runner calls Stage::Run with a StageContext (pipeline/stage.h) for each
+// stage whose result is missing or does not hold any more.
 
 #ifndef FREEGS_STAGES_REGISTRY_STAGE_REGISTRY_H_
 #define FREEGS_STAGES_REGISTRY_STAGE_REGISTRY_H_
@@ -12,8 +25,8 @@
 
 namespace freegs::stages {
 
-// Makes the stages from the options; `table` is the table over the same
-// options, from which stage.json gets their text.
+// Makes the stages from `options`. `table` is the table over the same options;
+// it gives the options' text for stage.json and for the fingerprints.
 std::vector<pipeline::RunnerStage> MakeStages(
     const PipelineOptions& options, const pipeline::OptionTable& table);
 

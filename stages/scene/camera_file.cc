@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr uint64_t kMaxFileBytes = uint64_t{1} << 28;
+constexpr uint64_t kMaxCameraFileBytes = uint64_t{1} << 28;
 
 StatusOr<Pinhole> ReadIntrinsics(const json* value, const std::string& source) {
   if (value == nullptr || !value->is_object()) {
@@ -51,7 +51,7 @@ StatusOr<Pinhole> ReadIntrinsics(const json* value, const std::string& source) {
   return camera;
 }
 
-// A name that stays in the folder it is appended to.
+// Whether folder / name lies inside the folder.
 bool IsPlainName(const std::string& name) {
   const fs::path path(name);
   if (!path.has_filename() || !path.is_relative()) return false;
@@ -117,7 +117,7 @@ StatusOr<CameraSet> ParseCameraSet(std::string_view text,
 
 StatusOr<CameraSet> ReadCameraSet(const fs::path& path) {
   FREEGS_ASSIGN_OR_RETURN(const std::string text,
-                          ReadFile(path, kMaxFileBytes));
+                          ReadFile(path, kMaxCameraFileBytes));
   return ParseCameraSet(text, path.string());
 }
 

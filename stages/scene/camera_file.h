@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A camera file: views by name, as the program reads them for rendering and for
-// evaluation.
+// Reads camera files. `render --cameras`, `query --cameras` and the truth of
+// `eval` use them.
 
 #ifndef FREEGS_STAGES_SCENE_CAMERA_FILE_H_
 #define FREEGS_STAGES_SCENE_CAMERA_FILE_H_
@@ -15,21 +15,26 @@
 
 namespace freegs::stages {
 
-// Cameras of the photos to reconstruct from, and of further views.
+// The views of a camera file, in the file's world frame, by ascending name.
+// "train" are the photos that a scene is reconstructed from; "test" are further
+// views.
 struct CameraSet {
   std::vector<View> train;
   std::vector<View> test;
 };
 
-// Reads a camera file, JSON:
+// A camera file is JSON:
 //   {"intrinsics": {"w", "h", "fx", "fy", "cx", "cy"},
-//    "train": {"frame_0001.jpg": world_to_camera, ...}, "test": {...}}
-// with 4x4 (or 3x4) row-major world_to_camera, axes x right, y down, z forward,
-// pixel centres at +0.5. "fy", "cx" and "cy" default to fx and the image's
-// middle; "train" or "test" may be missing, not both. Views come by ascending
-// name. kBadInput, naming `source` and the entry, for missing or non-numeric
-// fields, sizes outside 1..65535, matrices that are not a rotation and a
-// translation (tolerance 1e-3), and names that lead out of a folder.
+//    "train": {"frame_0001.jpg": cam_from_world, ...}, "test": {...}}
+// Intrinsics are in pixels, and all views share them. "fy" defaults to fx, and
+// "cx" and "cy" to the middle of the image. cam_from_world is a 4x4 or 3x4
+// matrix, row by row; the camera looks along +z, x points right and y down. One
+// of "train" and "test" may be missing.
+//
+// The error is kBadInput for missing or non-numeric fields, sizes outside
+// 1..65535, matrices that are not a rotation and a translation (tolerance
+// 1e-3), and names that lead out of their folder. Its message names `source`,
+// which is the file in ReadCameraSet, and the entry.
 StatusOr<CameraSet> ReadCameraSet(const std::filesystem::path& path);
 StatusOr<CameraSet> ParseCameraSet(std::string_view json,
                                    const std::string& source);

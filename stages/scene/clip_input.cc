@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr uint64_t kMaxFileBytes = uint64_t{1} << 30;
+constexpr uint64_t kMaxPhotoBytes = uint64_t{1} << 30;
 
 }  // namespace
 
@@ -53,7 +53,7 @@ StatusOr<std::unique_ptr<semantics::OpenCvClip>> OpenModelOfFeatures(
 
 StatusOr<UprightPhoto> ReadUprightPhoto(const fs::path& path) {
   FREEGS_ASSIGN_OR_RETURN(const std::string bytes,
-                          ReadFile(path, kMaxFileBytes));
+                          ReadFile(path, kMaxPhotoBytes));
   photos::PhotoDecodeOptions options;
   options.min_side = 1;
   const StatusOr<photos::PhotoHeader> header = photos::ParsePhotoHeader(bytes);

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What commands give to CLIP: a model folder, words and photo files.
+// Opens what stage bootstrap and the commands give to CLIP: model folders and
+// photo files.
+//
+//   FREEGS_ASSIGN_OR_RETURN(const auto encoder, OpenClipModel(""));
+//   FREEGS_ASSIGN_OR_RETURN(const auto text, encoder->EncodeText("red apple"));
 
 #ifndef FREEGS_STAGES_SCENE_CLIP_INPUT_H_
 #define FREEGS_STAGES_SCENE_CLIP_INPUT_H_
@@ -15,27 +19,29 @@
 
 namespace freegs::stages {
 
-// The model in that folder; the one that comes with the program when empty.
-// Errors as OpenCvClip::Open and FindShippedModel.
+// Opens the model in `folder`, or the one that comes with the program when
+// `folder` is empty. The errors are those of OpenCvClip::Open and
+// FindShippedModel.
 StatusOr<std::unique_ptr<semantics::OpenCvClip>> OpenClipModel(
     const std::string& folder);
 
-// The model that a workspace's instance features were made with: in the folder
-// `given`, else in the one that the features name (relative to the workspace or
-// not) if it is still there, else the one that comes with the program.
-// kMissingDependency also for a model of another hash than theirs.
+// Opens the model that a workspace's instance features were made with. It is
+// taken from the folder `given`; when that is empty, from the folder that the
+// features name (absolute or relative to the workspace) if it still exists;
+// else it is the model that comes with the program. kMissingDependency when
+// there is no model or its hash differs from the one in the features.
 StatusOr<std::unique_ptr<semantics::OpenCvClip>> OpenModelOfFeatures(
     const semantics::InstanceFeatures& features,
     const std::filesystem::path& workspace,
     const std::string& given);
 
 struct UprightPhoto {
-  ImageU8 pixels;    // RGB, turned as its EXIF orientation says.
-  std::string hash;  // Of the file's bytes.
+  ImageU8 pixels;    // H x W x 3, RGB, after the EXIF orientation is applied.
+  std::string hash;  // HashBytes of the file's content.
 };
 
-// A photograph of any size and format that ingest takes. kBadInput names the
-// file and the fault.
+// Reads a photograph of any size in a format that stage ingest accepts.
+// kBadInput names the file and the fault.
 StatusOr<UprightPhoto> ReadUprightPhoto(const std::filesystem::path& path);
 
 }  // namespace freegs::stages

@@ -9,16 +9,16 @@
 #include <vector>
 
 #include <Eigen/Core>
-#include <opencv2/imgproc.hpp>
 
 #include "core/quantile.h"
+#include "stages/scene/heat_map.h"
 
 namespace freegs::stages {
 
 DepthRange VisibleDepthRange(const splat::GaussianModel& model,
                              std::span<const View> views) {
   std::vector<float> depths;
-  // About a million samples say enough about two quantiles.
+  // About a million samples are enough for two quantiles.
   const size_t stride =
       std::max<size_t>(1, model.size() * views.size() / 1'000'000);
   size_t offset = 0;
@@ -58,12 +58,7 @@ ImageU16 EncodeDepth(const ImageF& depth, double unit) {
 }
 
 ImageU8 ColorDepth(const ImageF& depth, const DepthRange& range) {
-  cv::Mat ramp(1, 256, CV_8UC1);
-  for (int i = 0; i < 256; ++i)
-    ramp.at<uint8_t>(0, i) = static_cast<uint8_t>(i);
-  cv::Mat bgr;
-  cv::applyColorMap(ramp, bgr, cv::COLORMAP_INFERNO);
-
+  const ColorScale inferno = InfernoScale();
   const double near = std::max(range.near, 1e-9);
   const double far = std::max(range.far, 1.0001 * near);
   const double span = 1 / near - 1 / far;
@@ -72,11 +67,12 @@ ImageU8 ColorDepth(const ImageF& depth, const DepthRange& range) {
     const double z = depth.data()[k];
     if (!(z > 0)) continue;
     const double nearness = (1 / z - 1 / far) / span;
-    // The darkest tenth of the ramp is kept apart from "nothing".
-    const int index = static_cast<int>(
+    // The darkest tenth of the ramp is left out, so that far things differ from
+    // black, which means nothing.
+    const auto index = static_cast<size_t>(
         std::lround(25 + 230 * std::clamp(nearness, 0.0, 1.0)));
-    const cv::Vec3b& entry = bgr.at<cv::Vec3b>(0, index);
-    for (int c = 0; c < 3; ++c) color.data()[3 * k + c] = entry[2 - c];
+    std::copy(
+        inferno[index].begin(), inferno[index].end(), color.data() + 3 * k);
   }
   return color;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Depth as 16-bit and as colour images.
+// Turns rendered depth into 16-bit images and into colour previews.
 
 #ifndef FREEGS_STAGES_SCENE_DEPTH_IMAGE_H_
 #define FREEGS_STAGES_SCENE_DEPTH_IMAGE_H_
@@ -12,27 +12,30 @@
 
 namespace freegs::stages {
 
-// Nearest and farthest depth that matter, world units.
+// The depths that a picture has to show, in world units along the camera's z.
 struct DepthRange {
   double near = 0;
   double far = 1;
 };
 
-// The range of z in the camera frame over the Gaussians' centres that lie in
-// the images of the views, without the nearest and farthest 1 in 1000 (stray
-// Gaussians can be anywhere). {0, 1} when no view sees any.
+// The range of z in the camera frame over the centres of all Gaussians that
+// project into the images of the views. The nearest and the farthest 0.1 % are
+// left out, because stray Gaussians can lie anywhere. The result is {0, 1} when
+// no view sees a Gaussian.
 DepthRange VisibleDepthRange(const splat::GaussianModel& model,
                              std::span<const View> views);
 
-// World units per step of a 16-bit image that reaches `far`: the smallest power
-// of ten that is enough, so that a value is readable without a calculator.
+// World units per step of a 16-bit image that has to reach `far`. It is the
+// smallest power of ten that is large enough: powers of ten let people read
+// depths off the pixel values.
 double DepthUnit(double far);
 
-// round(depth / unit); 0 where depth is 0, 65535 where it is farther.
+// round(depth / unit) per pixel, at most 65535. 0 means that nothing is there.
 ImageU16 EncodeDepth(const ImageF& depth, double unit);
 
-// A colour preview: bright is near, dark is far, black is nothing. Scaled by
-// 1 / depth, which spreads the near part of a deep scene.
+// A colour preview, H x W x 3 RGB: bright is near, dark is far, and black means
+// that nothing is there. Brightness follows 1 / depth, so that near things of a
+// deep scene still differ from each other.
 ImageU8 ColorDepth(const ImageF& depth, const DepthRange& range);
 
 }  // namespace freegs::stages

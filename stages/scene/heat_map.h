@@ -1,16 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Numbers per pixel as colours over the picture they belong to.
+// Shows one number per pixel as colours over the picture it belongs to.
 
 #ifndef FREEGS_STAGES_SCENE_HEAT_MAP_H_
 #define FREEGS_STAGES_SCENE_HEAT_MAP_H_
+
+#include <array>
+#include <cstdint>
 
 #include "core/image.h"
 
 namespace freegs::stages {
 
-// The picture in grey where values (W x H x 1) are at `low` or below, turning
-// to ever brighter colours of the inferno scale up to `high` and above.
-// `picture` is W x H x 3; low < high.
+// The inferno scale as RGB, from dark to bright.
+using ColorScale = std::array<std::array<uint8_t, 3>, 256>;
+ColorScale InfernoScale();
+
+// The picture is grey where `values` is `low` or less. Above that it takes the
+// colours of the inferno scale, which reach their brightest at `high`.
+// `picture` is H x W x 3 RGB and `values` is H x W x 1; low < high.
 ImageU8 HeatMap(const ImageU8& picture,
                 const ImageF& values,
                 double low,

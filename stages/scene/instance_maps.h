@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pictures of which instance is where, written by stage bootstrap.
+// The pictures that stage bootstrap writes: which instance each pixel shows.
 
 #ifndef FREEGS_STAGES_SCENE_INSTANCE_MAPS_H_
 #define FREEGS_STAGES_SCENE_INSTANCE_MAPS_H_
@@ -14,14 +14,16 @@
 namespace freegs::stages {
 
 struct InstanceMapOptions {
-  int max_image_size = 0;  // Longest side in pixels; 0 is the view's own.
-  int num_previews = 6;    // Views, evenly spread, that get a coloured one.
+  int max_image_size = 0;  // Longest side in pixels; 0 keeps the view's size.
+  int num_previews = 6;    // So many views, evenly spread, get a preview.
 };
 
-// instances/VIEW.png and preview/VIEW.png below the stage's output. They are
-// written atomically and depend on inputs and options only: those that an
-// interrupted run left are kept. Errors: kInterrupted, and what reading
-// photographs and writing files fail with.
+// Writes instances/VIEW.png (16-bit instance ids, 0 for none) for every view
+// and preview/VIEW.png (the photo tinted by instance) for some of them below
+// context.output. `instance_of_gaussian` has one label per Gaussian, -1 for
+// none. Files are written atomically, and files that an interrupted run with
+// the same inputs and options has left are kept. The errors are kInterrupted
+// and those of reading photographs and writing files.
 Status WriteInstanceMaps(const InstanceMapOptions& options,
                          const WorkspaceScene& scene,
                          const std::vector<View>& views,

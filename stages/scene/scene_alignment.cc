@@ -35,7 +35,7 @@ StatusOr<sfm::PoseAlignment> AlignWithViews(const WorkspaceScene& scene,
   }
   for (const View* view : without_match) {
     const auto found = names_by_stem.find(fs::path(view->name).stem().string());
-    // A stem that several photos share says nothing.
+    // A stem that several photos share is ambiguous.
     if (found != names_by_stem.end() && found->second.size() == 1) {
       source.emplace(found->second[0], view->cam_from_world);
     }

@@ -1,5 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The workspace's world and that of other cameras of the same photographs.
+// Relates the world frame of a workspace to that of other cameras which show
+// the same photographs, such as the true ones.
+//
+//   FREEGS_ASSIGN_OR_RETURN(const sfm::PoseAlignment alignment,
+//                           AlignWithViews(scene, cameras.train,
+//                           "truth.json"));
+//   views = MapViews(cameras.test, alignment.target_from_source);
 
 #ifndef FREEGS_STAGES_SCENE_SCENE_ALIGNMENT_H_
 #define FREEGS_STAGES_SCENE_SCENE_ALIGNMENT_H_
@@ -14,15 +20,16 @@
 
 namespace freegs::stages {
 
-// Aligns the workspace's cameras with the cameras of the same name in `others`:
-// equal, or, for those without, equal but for folder and suffix. The result
-// maps the workspace's world to that of `others`. kBadInput with fewer than
-// three in common; `source` names the others in the message.
+// Aligns the workspace's cameras with the cameras of the same name in `others`.
+// A camera whose name is not found is paired by its name without folder and
+// extension, if only one of `others` has that name. The result maps the
+// workspace's world frame (source) to that of `others` (target). kBadInput when
+// fewer than three cameras are paired; the message calls the others `source`.
 StatusOr<sfm::PoseAlignment> AlignWithViews(const WorkspaceScene& scene,
                                             const std::vector<View>& others,
                                             const std::string& source);
 
-// The views of another world as cameras of the workspace's world.
+// Brings views from another world frame into that of the workspace.
 std::vector<View> MapViews(const std::vector<View>& others,
                            const Sim3d& other_from_scene);
 

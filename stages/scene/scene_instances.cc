@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Share of an instance's colour in an overlay.
+// The share of the instance's colour in an overlay.
 constexpr float kTint = 0.6f;
 constexpr float kDarkened = 0.45f;  // Brightness where there is no instance.
 constexpr uint8_t kBorder = 245;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The instances of a workspace's scene, as colours and pictures. Labels are -1
-// for none, else instance id - 1.
+// The instances of a workspace's scene, and their colours and pictures. A label
+// is the instance's id - 1, or -1 for no instance; ids begin at 1.
 
 #ifndef FREEGS_STAGES_SCENE_SCENE_INSTANCES_H_
 #define FREEGS_STAGES_SCENE_SCENE_INSTANCES_H_
@@ -18,43 +18,44 @@
 
 namespace freegs::stages {
 
-// bootstrap/idsf.bin. kBadInput when there is none, or when it belongs to
-// another model: not of num_gaussians.
+// Reads bootstrap/idsf.bin. kBadInput when the file is missing or malformed, or
+// when it belongs to a model of another number of Gaussians.
 StatusOr<semantics::Idsf> ReadSemanticField(
     const std::filesystem::path& workspace, size_t num_gaussians);
 
-// Only the label of each Gaussian.
+// Reads the same file and returns only the label of each Gaussian.
 StatusOr<std::vector<int32_t>> ReadInstanceLabels(
     const std::filesystem::path& workspace, size_t num_gaussians);
 
-// The Gaussians of the instances with these ids, or (`without`) all others,
-// those of no instance among them. kInvalidArgument, naming the ids there are,
-// for an id that no Gaussian has.
+// Returns the Gaussians of the instances with these ids. With `without` it
+// returns all other Gaussians, also those that belong to no instance.
+// kInvalidArgument for an id that no Gaussian has; the message lists the ids
+// that exist.
 StatusOr<splat::GaussianModel> SelectInstances(
     const splat::GaussianModel& model,
     std::span<const int32_t> labels,
     const std::vector<int>& ids,
     bool without);
 
-// The model with every Gaussian in the flat colour of its label
-// (semantics::PaletteColor): same geometry and opacity, spherical harmonics of
-// degree 0. labels: one per Gaussian.
+// Returns the model with each Gaussian in the flat colour of its label
+// (semantics::PaletteColor). Geometry and opacity stay; the spherical harmonics
+// are reduced to degree 0. `labels` has one label per Gaussian.
 splat::GaussianModel ColorByInstance(const splat::GaussianModel& model,
                                      std::span<const int32_t> labels);
 
-// Label images as files carry them: instance ids, 0 for none and for ids beyond
-// 65535.
+// Converts labels to the instance ids that files hold: 0 stands for no instance
+// and for ids above 65535, which 16 bits cannot hold.
 ImageU16 EncodeInstances(const Image<int32_t>& labels);
 
-// H x W x 3: each pixel in its label's colour.
+// Paints each pixel in the colour of its label, H x W x 3 RGB.
 ImageU8 ColorInstances(const Image<int32_t>& labels);
 
-// The photo mixed with the labels' colours, with a light line where two labels
-// meet. The photo is only darkened where there is no instance. Both of the same
-// size.
+// Mixes the photo (H x W x 3) with the colours of the labels (H x W x 1). A
+// light line separates different labels, and the photo is only darkened where
+// there is no instance.
 ImageU8 OverlayInstances(const ImageU8& photo, const Image<int32_t>& labels);
 
-// 255 where the image has `label`, else 0.
+// 255 where the pixel has this label, else 0.
 ImageU8 InstanceMask(const Image<int32_t>& labels, int32_t label);
 
 }  // namespace freegs::stages

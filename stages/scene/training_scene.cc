@@ -7,8 +7,8 @@
 #include <system_error>
 #include <utility>
 
-#include "sfm/scene/model_io.h"
 #include "photos/photo_list.h"
+#include "sfm/scene/model_io.h"
 #include "sfm/scene/views.h"
 #include "splat/scene/initialization.h"
 
@@ -17,7 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// An empty list when the workspace has none: somebody else's cameras.
+// The photo list of stage ingest. Empty when the workspace has none, as with
+// cameras that somebody else put there.
 StatusOr<photos::PhotoList> ReadPhotos(const fs::path& workspace) {
   const fs::path path = workspace / "ingest" / "images.json";
   std::error_code error;
@@ -38,7 +39,8 @@ StatusOr<PosedPhotos> ReadPosedPhotos(const fs::path& workspace) {
   FREEGS_ASSIGN_OR_RETURN(posed.sparse, sfm::ReadModel(sparse));
   FREEGS_ASSIGN_OR_RETURN(std::vector<View> views,
                           sfm::MakeViews(posed.sparse));
-  FREEGS_ASSIGN_OR_RETURN(const photos::PhotoList photos, ReadPhotos(workspace));
+  FREEGS_ASSIGN_OR_RETURN(const photos::PhotoList photos,
+                          ReadPhotos(workspace));
   std::set<std::string> holdout_names;
   for (const photos::Photo& photo : photos.photos) {
     if (photo.split == photos::PhotoSplit::kHoldout) {

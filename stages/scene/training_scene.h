@@ -1,6 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What training needs from a workspace: posed photographs, split into those to
-// learn from and those to be measured on, and points to start from.
+// What training needs from a workspace: photographs with poses, split into
+// those that are trained on and the holdout that measures quality, and the
+// points that the first Gaussians are made of.
+//
+//   FREEGS_ASSIGN_OR_RETURN(const TrainingScene scene,
+//                           ReadTrainingScene(workspace));
+//   FREEGS_ASSIGN_OR_RETURN(splat::TrainingImages images,
+//                           LoadTrainingPhotos(scene, image_options, pool));
+//   FREEGS_ASSIGN_OR_RETURN(splat::GaussianModel model, InitialModel(scene));
 
 #ifndef FREEGS_STAGES_SCENE_TRAINING_SCENE_H_
 #define FREEGS_STAGES_SCENE_TRAINING_SCENE_H_
@@ -16,37 +23,40 @@
 #include "core/pinhole.h"
 #include "core/status.h"
 #include "sfm/scene/reconstruction.h"
-#include "splat/scene/gaussian_model.h"
 #include "splat/images/training_images.h"
+#include "splat/scene/gaussian_model.h"
 
 namespace freegs::stages {
 
-// The views of undistort/ at the photographs' own size, each list in the order
-// of the sparse model.
+// The views of undistort/ at the photographs' own size. Each list is in the
+// order of the sparse model.
 struct PosedPhotos {
   sfm::Reconstruction sparse;
   std::vector<View> train;
   std::vector<View> holdout;
 };
 
-// Reads undistort/sparse and, for the split, ingest/images.json; without that
-// file all are training photographs. kBadInput names the file that is missing
-// or malformed and the stage that writes it.
+// Reads undistort/sparse, and the split from ingest/images.json. Without that
+// file all photographs are for training. kBadInput names the file that is
+// missing or malformed; for a missing one also the stage that writes it.
 StatusOr<PosedPhotos> ReadPosedPhotos(const std::filesystem::path& workspace);
 
 struct TrainingScene {
   std::filesystem::path photo_folder;
   PosedPhotos photos;
-  std::vector<Eigen::Vector3d> points;  // World frame.
-  std::vector<std::array<uint8_t, 3>> colors;
-  double extent = 1;  // World units, see SceneExtent.
+  std::vector<Eigen::Vector3d> points;         // World frame.
+  std::vector<std::array<uint8_t, 3>> colors;  // RGB, one per point.
+  double extent = 1;  // World units; see splat::SceneExtent.
 };
 
-// kUnusableResult when no photograph is left to train on.
+// Reads the posed photographs and the points of undistort/sparse. The errors
+// are those of ReadPosedPhotos, and kUnusableResult when no photograph is left
+// to train on.
 StatusOr<TrainingScene> ReadTrainingScene(
     const std::filesystem::path& workspace);
 
-// kBadInput when a photograph cannot be read, or when there is no holdout.
+// Loads the pixels of the training photographs, or of the holdout. kBadInput
+// when a photograph cannot be read, and when the holdout is empty.
 StatusOr<splat::TrainingImages> LoadTrainingPhotos(
     const TrainingScene& scene,
     const splat::TrainingImagesOptions& options,
@@ -56,7 +66,7 @@ StatusOr<splat::TrainingImages> LoadHoldoutPhotos(
     const splat::TrainingImagesOptions& options,
     ThreadPool& pool);
 
-// One Gaussian per point.
+// Makes one Gaussian per point; see splat::InitializeFromPoints.
 StatusOr<splat::GaussianModel> InitialModel(const TrainingScene& scene);
 
 }  // namespace freegs::stages

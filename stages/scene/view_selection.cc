@@ -16,18 +16,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Larger pictures would take gigabytes: rather a mistake in a camera file.
+// A larger picture would take gigabytes; it is more likely a mistake in a
+// camera file.
 constexpr int64_t kMaxPixels = 100'000'000;
 
-// Names in an error message.
+// So many names are listed in an error message.
 constexpr size_t kMaxNames = 5;
 
 std::string Stem(const std::string& name) {
   return fs::path(name).replace_extension().string();
 }
 
-// The names nearest to `name` in the order of the alphabet, its likely
-// misspelling first.
+// Names to suggest for `name`: the one with the most similar spelling first,
+// then its neighbours in the alphabet.
 std::string NamesLike(const std::vector<View>& views, const std::string& name) {
   std::vector<std::string> names;
   for (const View& view : views) names.push_back(view.name);
@@ -49,6 +50,34 @@ std::string NamesLike(const std::vector<View>& views, const std::string& name) {
   return list;
 }
 
+// The views of a camera file in the scene's world frame. With selection.align
+// the file's poses are mapped there by the similarity between the poses of the
+// photos that the file and the scene both name.
+StatusOr<std::vector<View>> FileViews(const WorkspaceScene& scene,
+                                      const ViewSelection& selection,
+                                      std::ostream& messages) {
+  FREEGS_ASSIGN_OR_RETURN(const CameraSet cameras,
+                          ReadCameraSet(selection.cameras));
+  std::vector<View> views = cameras.train;
+  views.insert(views.end(), cameras.test.begin(), cameras.test.end());
+  if (!selection.align) return views;
+
+  const StatusOr<sfm::PoseAlignment> alignment =
+      AlignWithViews(scene, cameras.train, selection.cameras);
+  if (!alignment.ok()) {
+    return BadInputError(
+        selection.cameras +
+        ": cannot be aligned with the scene: " + alignment.status().message() +
+        "; its \"train\" section must name photos of the workspace. If its "
+        "poses are in the scene's own frame, give --no-align");
+  }
+  messages << selection.command << ": aligned by "
+           << alignment->residuals.size()
+           << " photos, rotation residual median "
+           << FormatFixed(alignment->median_rotation_deg, 3) << " deg\n";
+  return MapViews(views, alignment->target_from_source);
+}
+
 }  // namespace
 
 std::vector<View> PhotoViews(const WorkspaceScene& scene) {
@@ -60,29 +89,14 @@ std::vector<View> PhotoViews(const WorkspaceScene& scene) {
   return views;
 }
 
-StatusOr<std::vector<View>> FileViews(const fs::path& file,
-                                      bool align,
-                                      const WorkspaceScene& scene,
-                                      const std::string& command,
-                                      std::ostream& messages) {
-  FREEGS_ASSIGN_OR_RETURN(const CameraSet cameras, ReadCameraSet(file));
-  std::vector<View> views = cameras.train;
-  views.insert(views.end(), cameras.test.begin(), cameras.test.end());
-  if (!align) return views;
-
-  const StatusOr<sfm::PoseAlignment> alignment =
-      AlignWithViews(scene, cameras.train, file.string());
-  if (!alignment.ok()) {
-    return BadInputError(
-        file.string() +
-        ": cannot be aligned with the scene: " + alignment.status().message() +
-        "; its \"train\" section must name photos of the workspace. If its "
-        "poses are in the scene's own frame, give --no-align");
+std::vector<View> SpreadViews(const std::vector<View>& views, int count) {
+  const size_t wanted =
+      std::min(views.size(), static_cast<size_t>(std::max(0, count)));
+  std::vector<View> chosen;
+  for (size_t i = 0; i < wanted; ++i) {
+    chosen.push_back(views[i * views.size() / wanted]);
   }
-  messages << command << ": aligned by " << alignment->residuals.size()
-           << " photos, rotation residual median "
-           << FormatFixed(alignment->median_rotation_deg, 3) << " deg\n";
-  return MapViews(views, alignment->target_from_source);
+  return chosen;
 }
 
 StatusOr<std::vector<View>> ViewsToRender(const WorkspaceScene& scene,
@@ -91,12 +105,7 @@ StatusOr<std::vector<View>> ViewsToRender(const WorkspaceScene& scene,
   std::vector<View> views;
   int max_side = selection.max_side;
   if (!selection.cameras.empty()) {
-    FREEGS_ASSIGN_OR_RETURN(views,
-                            FileViews(selection.cameras,
-                                      selection.align,
-                                      scene,
-                                      selection.command,
-                                      messages));
+    FREEGS_ASSIGN_OR_RETURN(views, FileViews(scene, selection, messages));
   } else {
     views = PhotoViews(scene);
     max_side = selection.photo_max_side;

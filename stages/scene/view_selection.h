@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The views that a command shows: those of the photos, or those of a file.
+// Chooses the views that a command renders: those of the photos, or those of a
+// camera file.
 
 #ifndef FREEGS_STAGES_SCENE_VIEW_SELECTION_H_
 #define FREEGS_STAGES_SCENE_VIEW_SELECTION_H_
 
-#include <filesystem>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -15,39 +15,41 @@
 
 namespace freegs::stages {
 
-// The views of all photos by name, at the photographs' own size.
+// The views of all photos, sorted by name, at the photographs' own size.
 std::vector<View> PhotoViews(const WorkspaceScene& scene);
 
-// The views of a camera file (see stages/evaluation/ground_truth.h) in the scene's world
-// frame. Its poses may be in another: with `align` they are mapped by the
-// similarity between the poses of the photos that both name, and `messages` is
-// told how well these agree, in a line that begins with `command`. kBadInput
-// names the file and the fault.
-StatusOr<std::vector<View>> FileViews(const std::filesystem::path& file,
-                                      bool align,
-                                      const WorkspaceScene& scene,
-                                      const std::string& command,
-                                      std::ostream& messages);
+// Picks `count` of the views, evenly spread over the list and in its order.
+// Returns all of them when there are not more.
+std::vector<View> SpreadViews(const std::vector<View>& views, int count);
 
 struct ViewSelection {
-  std::string cameras = {};  // Camera file; empty for the photos' views.
-  bool align = true;         // See FileViews.
+  // A camera file (stages/scene/camera_file.h); empty takes the photos' views.
+  std::string cameras = {};
 
-  // Longest side in pixels at most of the file's and of the photos' views; 0 is
-  // their own size.
+  // The poses of a camera file may be in another world frame. With `align` they
+  // are mapped into the scene's frame by the similarity between the poses of
+  // the photos that the file's "train" section and the workspace both name.
+  bool align = true;
+
+  // Upper bounds of the longest side in pixels: the first holds for views of a
+  // file, the second for the photos' views. 0 is no bound.
   int max_side = 0;
   int photo_max_side = 0;
 
-  std::string command = {};  // For messages.
+  std::string command = {};  // The command's name, which begins messages.
 };
 
-// kBadInput also for pictures of more than 100 million pixels.
+// Returns the selected views in the scene's world frame. `messages` receives a
+// line that says how well the poses of an aligned file agree with the scene's.
+// kBadInput names the file and the fault; it is also the error for a view of
+// more than 100 million pixels.
 StatusOr<std::vector<View>> ViewsToRender(const WorkspaceScene& scene,
                                           const ViewSelection& selection,
                                           std::ostream& messages);
 
-// The view of that name, or the only one of that name without its extension.
-// kInvalidArgument, with names like it, when there is none.
+// Finds the view with this name, or else the only view that has this name when
+// extensions are ignored. kInvalidArgument when there is no such view (the
+// message lists similar names) or when several match without extension.
 StatusOr<View> FindView(const std::vector<View>& views,
                         const std::string& name);
 

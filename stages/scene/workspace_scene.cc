@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// An error for a file of a stage that has not been run.
+// kBadInput, naming the stage, when a file of that stage is missing.
 Status RequireStageFile(const fs::path& workspace,
                         const std::string& stage,
                         const fs::path& file) {

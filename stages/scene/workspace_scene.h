@@ -1,5 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a workspace knows about its scene, for those that render it again.
+// The finished scene of a workspace: the model, its cameras, and how to render
+// it. Stage bootstrap, stage export and most commands begin with it:
+//
+//   FREEGS_ASSIGN_OR_RETURN(const WorkspaceScene scene,
+//                           ReadWorkspaceScene(workspace));
+//   const splat::RenderedView picture =
+//       splat::RenderView(scene.model, scene.train[0].camera,
+//                         scene.train[0].cam_from_world, scene.render, pool);
 
 #ifndef FREEGS_STAGES_SCENE_WORKSPACE_SCENE_H_
 #define FREEGS_STAGES_SCENE_WORKSPACE_SCENE_H_
@@ -10,41 +17,43 @@
 
 #include "core/pinhole.h"
 #include "core/status.h"
-#include "splat/scene/gaussian_model.h"
 #include "splat/render/renderer.h"
+#include "splat/scene/gaussian_model.h"
 
 namespace freegs::stages {
 
 struct WorkspaceScene {
   splat::GaussianModel model;
 
-  // The photographs of undistort/ at their own size, those that training saw
-  // and those kept from it, each in the order of the sparse model.
+  // The views of undistort/ at the photographs' own size: those that training
+  // saw, and those it never saw. Each list is in the order of the sparse model.
   std::vector<View> train;
   std::vector<View> holdout;
 
-  // Longest side in pixels of the images the model was trained on; 0 is the
-  // photographs' own size. From reconstruct/stage.json, 0 without one.
+  // Longest side in pixels of the images that the model was trained on, from
+  // reconstruct/stage.json. 0 means the photographs' own size. It is also the
+  // value without that file, when somebody else put the model there.
   int training_max_side = 0;
 
-  // With the background the model was trained on.
+  // Has the background colour that the model was trained with.
   splat::RenderOptions render;
 };
 
-// Reads undistort/, reconstruct/ and, for the split, ingest/ (all photographs
-// count as training photographs without it). kBadInput names the file that is
-// missing or malformed and the stage that writes it.
+// Reads undistort/, reconstruct/, and the split into training and holdout from
+// ingest/. Without ingest/ all photographs count as training photographs.
+// kBadInput names the file that is missing or malformed; for a missing one also
+// the stage that writes it.
 StatusOr<WorkspaceScene> ReadWorkspaceScene(
     const std::filesystem::path& workspace);
 
-// Only the model: the same without cameras.
+// Reads only the model, reconstruct/point_cloud.ply. Errors as above.
 StatusOr<splat::GaussianModel> ReadWorkspaceModel(
     const std::filesystem::path& workspace);
 
-// A file name with the extension `suffix` (".png") for each view: its own name
-// with the extension replaced, or, where that would give two views the same
-// file, with the suffix appended. kBadInput when a name is empty, absolute or
-// leaves the folder it is put in ("../x").
+// Makes a file name with the extension `suffix` (".png") for each view. It is
+// the view's name with its extension replaced. Where two views would get the
+// same file, the suffix is appended to the whole name instead. kBadInput when a
+// name is empty, absolute, or leaves its folder ("../x").
 StatusOr<std::vector<std::string>> OutputNames(const std::vector<View>& views,
                                                const std::string& suffix);
 

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 using pipeline::LogLevel;
 using pipeline::StageContext;
 
-// Names for a message, cut after a few.
+// Joins names for a message and leaves out all but the first few.
 std::string Some(const std::vector<std::string>& names) {
   constexpr size_t kShown = 5;
   std::string text;
@@ -50,7 +50,7 @@ std::vector<sfm::SfmPhoto> UsablePhotos(const photos::PhotoList& list) {
   return photos;
 }
 
-// What either way of getting poses leads to.
+// The poses, from COLMAP or from an import.
 struct Outcome {
   std::string source;
   bool triangulated = true;
@@ -152,7 +152,8 @@ class SfmStage : public pipeline::Stage {
     return outcome;
   }
 
-  // The split is ingest's to make; say so where the source wants another.
+  // Stage ingest decides which photos are holdout. Warns when the import names
+  // others.
   static void WarnOfHoldout(const std::vector<std::string>& holdout,
                             const photos::PhotoList& list,
                             std::vector<std::string>* warnings) {
@@ -275,91 +276,6 @@ class SfmStage : public pipeline::Stage {
 };
 
 }  // namespace
-
-void RegisterSfmOptions(SfmStageOptions& options,
-                        pipeline::OptionTable& table) {
-  std::vector<std::string> models = {"auto"};
-  for (const sfm::CameraModelInfo& model : sfm::CameraModels()) {
-    models.emplace_back(model.name);
-  }
-  table.AddSection("sfm", "Camera poses and points from the photos (COLMAP).");
-  table.Add("sfm.import",
-            &options.import,
-            {.help = "Take poses from here instead of running COLMAP: a COLMAP "
-                     "model folder, or a transforms.json of nerfstudio, "
-                     "instant-ngp or NeRF-synthetic.",
-             .is_path = true});
-  table.Add("sfm.random_points",
-            &options.random_points,
-            {.help = "Random start points when an import has none.",
-             .min = 100,
-             .max = 1e7});
-  table.Add("sfm.colmap",
-            &options.colmap.colmap,
-            {.help = "The COLMAP program: a path, or a name in PATH.",
-             .affects_result = false});
-  table.Add("sfm.camera",
-            &options.colmap.camera,
-            {.help = "Photos that share intrinsics: auto (same size, camera "
-                     "and focal length), single (same size), or per_image.",
-             .choices = {"auto", "single", "per_image"}});
-  table.Add("sfm.camera_model",
-            &options.colmap.camera_model,
-            {.help = "Lens model to estimate; auto: the simplest that explains "
-                     "the matches, with as few cameras.",
-             .choices = models});
-  table.Add("sfm.max_image_size",
-            &options.colmap.max_image_size,
-            {.help = "Longest side in pixels of the images that features are "
-                     "taken from, at least 64. 0: the smallest from 800 to "
-                     "1600 that is enough for sfm.max_features.",
-             .min = 0,
-             .max = 100000});
-  table.Add("sfm.max_features",
-            &options.colmap.max_features,
-            {.help = "Features per photo, the largest ones. More connect more "
-                     "photos; matching time grows with the square.",
-             .min = 64,
-             .max = 100000});
-  table.Add(
-      "sfm.matcher",
-      &options.colmap.pairs.matcher,
-      {.help = "Pairs of photos to match: exhaustive (all), retrieval (each "
-               "photo with those most alike), sequential (these, and "
-               "neighbours in name order), or auto: exhaustive up to "
-               "sfm.max_exhaustive photos, then retrieval, with neighbours "
-               "where numbered photos prove to be in order.",
-       .choices = {"auto", "exhaustive", "sequential", "retrieval"}});
-  table.Add("sfm.max_exhaustive",
-            &options.colmap.pairs.max_exhaustive,
-            {.help = "Most photos that auto matches exhaustively.", .min = 0});
-  table.Add("sfm.neighbours",
-            &options.colmap.pairs.neighbours,
-            {.help = "Retrieval: photos most alike that each is matched with. "
-                     "Matching time grows in proportion.",
-             .min = 1,
-             .max = 10000});
-  table.Add("sfm.overlap",
-            &options.colmap.pairs.overlap,
-            {.help = "Photos in order: neighbours on each side that each is "
-                     "matched with.",
-             .min = 1,
-             .max = 1000});
-  table.Add("sfm.max_retry_cost",
-            &options.colmap.max_retry_cost,
-            {.help = "When photos are left out: what other attempts may cost "
-                     "together, as a multiple of the first. 0 for none.",
-             .min = 0,
-             .max = 1000});
-  table.Add("sfm.use_gpu",
-            &options.colmap.use_gpu,
-            {.help = "Take features on the graphics card, if COLMAP was built "
-                     "for it. Not repeatable to the byte."});
-  table.Add(
-      "sfm.min_registered_share",
-      &options.health.min_registered_share,
-      {.help = "Share of photos that must get a pose.", .min = 0, .max = 1});
-}
 
 std::unique_ptr<pipeline::Stage> MakeSfmStage(const SfmStageOptions& options,
                                               uint64_t seed) {

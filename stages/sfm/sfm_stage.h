@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// ingest/ -> sfm/: cameras and points, by COLMAP or imported.
+// Stage sfm, ingest/ -> sfm/: cameras and points of the photos, found by COLMAP
+// or imported. MakeSfmStage makes the stage; stages/registry/stage_registry.h
+// shows who runs it. The work itself is done by the library sfm
+// (sfm/mapping/structure_from_motion.h, sfm/import/import_model.h).
 
 #ifndef FREEGS_STAGES_SFM_SFM_STAGE_H_
 #define FREEGS_STAGES_SFM_SFM_STAGE_H_
@@ -16,20 +19,26 @@
 namespace freegs::stages {
 
 struct SfmStageOptions {
-  // num_threads is set from the stage's thread pool.
-  sfm::SfmOptions colmap;
-  sfm::HealthOptions health;
+  sfm::SfmOptions colmap;     // The stage sets num_threads to its pool's.
+  sfm::HealthOptions health;  // What the result is judged by.
 
   // A COLMAP model folder or a transforms.json to take instead of running
-  // COLMAP; empty for none.
+  // COLMAP; empty runs COLMAP.
   std::string import;
 
-  // Points to start from when the import has none.
+  // So many random points are made when an import has no points.
   int random_points = 10000;
 };
 
+// Adds section [sfm] to the table, which keeps pointers to `options`.
 void RegisterSfmOptions(SfmStageOptions& options, pipeline::OptionTable& table);
 
+// Reads ingest/. Writes
+//   sparse/0/, sparse/1/, ...   models in COLMAP's binary format, best first
+//   health.json                 how far the result can be trusted, and why
+//   frame.json                  a guess of the scene's up, middle and size
+// and, unless imported, COLMAP's database.db, pairs.txt and logs/.
+// kUnusableResult when the health verdict is "failed".
 std::unique_ptr<pipeline::Stage> MakeSfmStage(const SfmStageOptions& options,
                                               uint64_t seed);
 

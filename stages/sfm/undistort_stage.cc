@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "sfm/scene/model_io.h"
 #include "sfm/colmap/undistortion.h"
+#include "sfm/scene/model_io.h"
 
 namespace freegs::stages {
 namespace {
@@ -28,7 +28,7 @@ class UndistortStage : public pipeline::Stage {
     FREEGS_ASSIGN_OR_RETURN(
         sfm::Reconstruction model,
         sfm::ReadModel(context.workspace / "sfm" / "sparse" / "0"));
-    // A model that somebody else put there may disagree with itself.
+    // A model that somebody else put there may be inconsistent.
     sfm::RemoveDanglingReferences(&model);
     sfm::UndistortionInput input;
     input.photo_folder = context.workspace / "ingest" / "photos";

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/parallel.h"
-#include "pipeline/stage.h"
 #include "photos/photo_list.h"
+#include "pipeline/stage.h"
 #include "tests/sfm/synthetic_model.h"
 #include "tests/temporary_folder.h"
 
@@ -30,8 +30,8 @@ class SfmWorkspace {
       photo.hash = "hash" + std::to_string(i);
       photo.file_hash = photo.hash;
       photo.camera_group = 0;
-      photo.split =
-          i % 8 == 0 ? photos::PhotoSplit::kHoldout : photos::PhotoSplit::kTrain;
+      photo.split = i % 8 == 0 ? photos::PhotoSplit::kHoldout
+                               : photos::PhotoSplit::kTrain;
       list.photos.push_back(photo);
       WriteText(path() / "ingest" / "photos" / photo.name, "pixels");
     }

@@ -13,14 +13,14 @@
 
 #include "core/io/image_io.h"
 #include "core/parallel.h"
+#include "photos/photo_list.h"
 #include "pipeline/stage_record.h"
 #include "semantics/field/idsf.h"
 #include "semantics/instances/instances.h"
 #include "semantics/instances/instances_json.h"
 #include "sfm/scene/model_io.h"
-#include "photos/photo_list.h"
-#include "splat/scene/ply_io.h"
 #include "splat/render/renderer.h"
+#include "splat/scene/ply_io.h"
 #include "tests/splat/test_scene.h"
 #include "tests/temporary_folder.h"
 
@@ -75,8 +75,8 @@ class SyntheticWorkspace {
       photo.width = kWidth;
       photo.height = kHeight;
       photo.camera_group = 0;
-      photo.split =
-          k % 3 == 0 ? photos::PhotoSplit::kHoldout : photos::PhotoSplit::kTrain;
+      photo.split = k % 3 == 0 ? photos::PhotoSplit::kHoldout
+                               : photos::PhotoSplit::kTrain;
       photos.photos.push_back(photo);
       views.push_back(view);
     }

@@ -2,7 +2,6 @@
 // Each kind of finding on a scene made to have it, and not on others.
 
 #include "sfm/diagnosis/diagnosis.h"
-#include "sfm/diagnosis/photo_reasons.h"
 
 #include <cmath>
 
@@ -11,6 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "sfm/diagnosis/photo_reasons.h"
 #include "sfm/mapping/health.h"
 #include "tests/sfm/synthetic_model.h"
 

@@ -8,8 +8,8 @@
 
 #include "sfm/colmap/colmap_program.h"
 #include "sfm/mapping/health.h"
-#include "sfm/scene/model_io_binary.h"
 #include "sfm/mapping/structure_from_motion.h"
+#include "sfm/scene/model_io_binary.h"
 #include "tests/temporary_folder.h"
 
 namespace freegs::sfm {

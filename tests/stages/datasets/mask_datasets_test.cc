@@ -15,10 +15,10 @@
 #include "stages/datasets/lerf_mask.h"
 #include "stages/datasets/three_d_ovs.h"
 #include "stages/evaluation/evaluation.h"
-#include "stages/scene/scene_instances.h"
 #include "stages/evaluation/text_evaluation.h"
 #include "stages/evaluation/true_masks.h"
 #include "stages/scene/scene_alignment.h"
+#include "stages/scene/scene_instances.h"
 #include "tests/stages/ball_scene.h"
 
 namespace freegs::stages {

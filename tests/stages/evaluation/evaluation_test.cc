@@ -186,8 +186,9 @@ TEST_F(EvaluationTest, NamesMatchByStemWhenNotExactly) {
 
   scene.train.resize(2);
   scene.holdout.clear();
-  EXPECT_EQ(AlignWithViews(scene, truth_.cameras.train, "truth").status().code(),
-            StatusCode::kBadInput);
+  EXPECT_EQ(
+      AlignWithViews(scene, truth_.cameras.train, "truth").status().code(),
+      StatusCode::kBadInput);
 }
 
 TEST_F(EvaluationTest, ReportHasEveryKey) {

@@ -128,7 +128,7 @@ using ConsistencyTest = BallScene;
 
 TEST_F(ConsistencyTest, WholeBallsAreConsistent) {
   const auto consistency =
-      MeasureViewConsistency(MakeScene(), labels_, {}, cancellation_, pool_);
+      MeasureViewConsistency(MakeScene(), labels_, cancellation_, pool_);
   ASSERT_TRUE(consistency.ok()) << consistency.status().message();
   ASSERT_TRUE(consistency->has_value());
   EXPECT_GE((*consistency)->num_pairs, 5);
@@ -142,9 +142,9 @@ TEST_F(ConsistencyTest, IntermingledInstancesAreLess) {
     mixed[i] = static_cast<int32_t>(RandomIndex(5, i, 0, 3));
   }
   const auto whole =
-      MeasureViewConsistency(MakeScene(), labels_, {}, cancellation_, pool_);
+      MeasureViewConsistency(MakeScene(), labels_, cancellation_, pool_);
   const auto parts =
-      MeasureViewConsistency(MakeScene(), mixed, {}, cancellation_, pool_);
+      MeasureViewConsistency(MakeScene(), mixed, cancellation_, pool_);
   ASSERT_TRUE(whole.ok() && parts.ok() && parts->has_value());
   EXPECT_LT((*parts)->mean, (*whole)->mean - 0.05);
 }
@@ -152,25 +152,21 @@ TEST_F(ConsistencyTest, IntermingledInstancesAreLess) {
 TEST_F(ConsistencyTest, NothingWithoutInstancesOrNeighbours) {
   WorkspaceScene scene = MakeScene();
   const std::vector<int32_t> none(labels_.size(), -1);
-  EXPECT_FALSE(MeasureViewConsistency(scene, none, {}, cancellation_, pool_)
-                   ->has_value());
   EXPECT_FALSE(
-      MeasureViewConsistency(scene, {}, {}, cancellation_, pool_).ok());
+      MeasureViewConsistency(scene, none, cancellation_, pool_)->has_value());
+  EXPECT_FALSE(MeasureViewConsistency(scene, {}, cancellation_, pool_).ok());
   scene.train.resize(1);
-  EXPECT_FALSE(MeasureViewConsistency(scene, labels_, {}, cancellation_, pool_)
+  EXPECT_FALSE(MeasureViewConsistency(scene, labels_, cancellation_, pool_)
                    ->has_value());
   scene.train.clear();
-  EXPECT_FALSE(MeasureViewConsistency(scene, labels_, {}, cancellation_, pool_)
+  EXPECT_FALSE(MeasureViewConsistency(scene, labels_, cancellation_, pool_)
                    ->has_value());
 }
 
-TEST_F(ConsistencyTest, RefusesBadOptionsAndStops) {
+TEST_F(ConsistencyTest, StopsWhenCancelled) {
   const WorkspaceScene scene = MakeScene();
-  EXPECT_FALSE(MeasureViewConsistency(
-                   scene, labels_, {.num_views = 1}, cancellation_, pool_)
-                   .ok());
   cancellation_.Cancel();
-  EXPECT_EQ(MeasureViewConsistency(scene, labels_, {}, cancellation_, pool_)
+  EXPECT_EQ(MeasureViewConsistency(scene, labels_, cancellation_, pool_)
                 .status()
                 .code(),
             StatusCode::kInterrupted);

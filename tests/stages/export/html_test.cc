@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/number_text.h"
+
 namespace freegs::stages {
 namespace {
 

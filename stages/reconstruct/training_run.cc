@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/reconstruct/training_run.h"
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/io/files.h"
+#include "pipeline/resource_usage.h"
+#include "splat/images/holdout.h"
+#include "splat/images/resolution_schedule.h"
+#include "splat/search/budget_search.h"
+#include "splat/train/checkpoint.h"
+#include "stages/reconstruct/progress_csv.h"
+
+namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+using pipeline::LogLevel;
+
+constexpr int64_t kProgressInterval = 50;
+
+// Drives a trainer from its first or its last saved step to the end.
+class TrainingRun {
+ public:
+  TrainingRun(const ReconstructStageOptions& options,
+              splat::Trainer* trainer,
+              splat::TrainingImages* holdout,
+              pipeline::StageContext* context)
+      : options_(options),
+        trainer_(trainer),
+        holdout_(holdout),
+        context_(context),
+        checkpoints_(context->output / "checkpoints"),
+        progress_(context->output / "progress.csv") {}
+
+  // Takes up what an interrupted run has left, if there is any.
+  Status Begin() {
+    FREEGS_RETURN_IF_ERROR(CreateFolders(checkpoints_));
+    if (context_->resuming) FREEGS_RETURN_IF_ERROR(Resume());
+    return progress_.Open(trainer_->iteration());
+  }
+
+  // The judge that the search for a budget asks. It must not outlive this run.
+  splat::QualityJudge Judge() {
+    return [this](const splat::GaussianModel& model,
+                  int level) -> StatusOr<double> {
+      FREEGS_ASSIGN_OR_RETURN(const double psnr, HoldoutPsnr(model, level));
+      context_->log(LogLevel::kInfo,
+                    "reconstruct: " + TrialText(model, psnr, level));
+      return psnr;
+    };
+  }
+
+  Status Train() {
+    while (!trainer_->done()) {
+      if (context_->cancellation->cancelled()) {
+        FREEGS_RETURN_IF_ERROR(SaveCheckpoint());
+        return InterruptedError("reconstruct: stopped at iteration " +
+                                std::to_string(trainer_->iteration()) +
+                                "; the checkpoint is saved");
+      }
+      FREEGS_ASSIGN_OR_RETURN(const splat::StepReport report, trainer_->Step());
+      if (report.recovered) {
+        FREEGS_RETURN_IF_ERROR(ForgetWhatDiverged());
+        continue;
+      }
+      FREEGS_RETURN_IF_ERROR(Record(report));
+      if (SecondsSinceCheckpoint() >= context_->checkpoint_interval_seconds) {
+        FREEGS_RETURN_IF_ERROR(SaveCheckpoint());
+      }
+    }
+    return SaveCheckpoint();
+  }
+
+  TrainedModel Result() const {
+    return {.model = trainer_->model(),
+            .iterations = trainer_->iteration(),
+            .earlier_seconds = earlier_seconds_,
+            .earlier_cpu_seconds = earlier_cpu_seconds_,
+            .course = CourseJson(options_.densification, trainer_)};
+  }
+
+ private:
+  Status Resume() {
+    std::vector<std::string> problems;
+    std::optional<splat::TrainingCheckpoint> checkpoint =
+        splat::LatestCheckpoint(checkpoints_, &problems);
+    for (const std::string& problem : problems) {
+      context_->log(LogLevel::kWarning, problem);
+    }
+    if (!checkpoint) return Status();
+    earlier_seconds_ = checkpoint->elapsed_seconds;
+    const auto cpu = checkpoint->facts.find("cpu_seconds");
+    if (cpu != checkpoint->facts.end()) {
+      earlier_cpu_seconds_ = std::strtod(cpu->second.c_str(), nullptr);
+    }
+    context_->log(LogLevel::kInfo,
+                  "reconstruct: resuming at iteration " +
+                      std::to_string(checkpoint->iteration));
+    return trainer_->Restore(*std::move(checkpoint));
+  }
+
+  Status SaveCheckpoint() {
+    splat::TrainingCheckpoint checkpoint = trainer_->Save();
+    const pipeline::ResourceUsage usage = meter_.Elapsed();
+    checkpoint.elapsed_seconds = earlier_seconds_ + usage.wall_seconds;
+    checkpoint.facts["cpu_seconds"] =
+        std::to_string(earlier_cpu_seconds_ + usage.cpu_seconds);
+    FREEGS_RETURN_IF_ERROR(progress_.Flush());
+    last_checkpoint_ = std::chrono::steady_clock::now();
+    return splat::SaveCheckpoint(checkpoints_, checkpoint);
+  }
+
+  double SecondsSinceCheckpoint() const {
+    const std::chrono::duration<double> since =
+        std::chrono::steady_clock::now() - last_checkpoint_;
+    return since.count();
+  }
+
+  // The trainer has gone back to an earlier state. The rows of progress.csv
+  // beyond that state, and the losses since the last row, tell of steps that no
+  // longer count.
+  Status ForgetWhatDiverged() {
+    context_->log(
+        LogLevel::kWarning,
+        "reconstruct: " + RecoveryText(trainer_->recoveries().back()));
+    loss_sum_ = 0;
+    loss_count_ = 0;
+    FREEGS_RETURN_IF_ERROR(progress_.Flush());
+    return progress_.Open(trainer_->iteration());
+  }
+
+  // Logs the step's milestone, and at every kProgressInterval-th step and every
+  // measurement adds a row to progress.csv.
+  Status Record(const splat::StepReport& report) {
+    LogMilestone(report);
+    loss_sum_ += report.loss;
+    ++loss_count_;
+    const bool measure = holdout_ != nullptr && !trainer_->done() &&
+                         options_.holdout_interval > 0 &&
+                         report.iteration % options_.holdout_interval == 0;
+    if (report.iteration % kProgressInterval != 0 && !measure &&
+        !trainer_->done()) {
+      return Status();
+    }
+    std::optional<double> psnr;
+    if (measure) {
+      FREEGS_ASSIGN_OR_RETURN(psnr, HoldoutPsnr(trainer_->model(), 0));
+    }
+    const double loss = loss_sum_ / loss_count_;
+    loss_sum_ = 0;
+    loss_count_ = 0;
+    progress_.Add({report.iteration,
+                   earlier_seconds_ + meter_.Elapsed().wall_seconds,
+                   loss,
+                   report.num_gaussians,
+                   psnr});
+    ShowProgress(report, loss);
+    return Status();
+  }
+
+  // Mean PSNR in dB over the holdout photos at a level of their pyramid.
+  StatusOr<double> HoldoutPsnr(const splat::GaussianModel& model, int level) {
+    FREEGS_ASSIGN_OR_RETURN(
+        const splat::HoldoutReport quality,
+        splat::MeasureHoldout(model,
+                              ReconstructRenderOptions(options_),
+                              holdout_,
+                              *context_->pool,
+                              level));
+    return quality.mean_psnr;
+  }
+
+  // Does nothing for a step that ended at no milestone.
+  void LogMilestone(const splat::StepReport& report) const {
+    if (trainer_->milestones().empty()) return;
+    const splat::MilestoneRecord& record = trainer_->milestones().back();
+    if (record.iteration != report.iteration) return;
+    context_->log(LogLevel::kInfo, "reconstruct: " + MilestoneText(record));
+  }
+
+  void ShowProgress(const splat::StepReport& report, double loss) const {
+    char detail[96];
+    std::snprintf(detail,
+                  sizeof(detail),
+                  "loss %.4f, %zu Gaussians",
+                  loss,
+                  report.num_gaussians);
+    context_->progress({"training",
+                        static_cast<double>(report.iteration),
+                        static_cast<double>(options_.iterations),
+                        detail});
+  }
+
+  const ReconstructStageOptions& options_;
+  splat::Trainer* trainer_;
+  splat::TrainingImages* holdout_;  // Null without holdout photos.
+  pipeline::StageContext* context_;
+  fs::path checkpoints_;
+  ProgressCsv progress_;
+  pipeline::ResourceMeter meter_;
+  std::chrono::steady_clock::time_point last_checkpoint_ =
+      std::chrono::steady_clock::now();
+  double earlier_seconds_ = 0;
+  double earlier_cpu_seconds_ = 0;
+
+  // Of the steps since the last row of progress.csv.
+  double loss_sum_ = 0;
+  int loss_count_ = 0;
+};
+
+// A budget is searched for when the option says auto, the method is one that
+// keeps to a budget, and there are photos to judge by.
+bool SearchesBudget(const ReconstructStageOptions& options,
+                    const splat::TrainerOptions& training,
+                    const splat::TrainingImages* holdout) {
+  return options.budget == "auto" && holdout != nullptr &&
+         training.schedule.method == splat::DensificationMethod::kMiniSplatting;
+}
+
+}  // namespace
+
+StatusOr<TrainedModel> TrainModel(const ReconstructStageOptions& options,
+                                  const splat::TrainerOptions& training,
+                                  const TrainingScene& scene,
+                                  splat::TrainingImages* images,
+                                  splat::TrainingImages* holdout,
+                                  pipeline::StageContext& context) {
+  FREEGS_ASSIGN_OR_RETURN(splat::GaussianModel initial, InitialModel(scene));
+  splat::TrainerOptions trainer_options = training;
+  if (options.coarse_to_fine) {
+    FREEGS_ASSIGN_OR_RETURN(trainer_options.schedule.resolution_steps,
+                            splat::SpectrumResolutionSteps(images));
+  }
+  splat::Trainer trainer(
+      trainer_options, std::move(initial), scene.extent, images, context.pool);
+  TrainingRun run(options, &trainer, holdout, &context);
+  FREEGS_RETURN_IF_ERROR(run.Begin());
+  // A checkpoint carries the choice of an earlier search, so that a resumed
+  // training needs no search of its own.
+  if (SearchesBudget(options, trainer_options, holdout) &&
+      trainer.iteration() == 0) {
+    FREEGS_ASSIGN_OR_RETURN(splat::BudgetChoice choice,
+                            splat::SearchBudget({},
+                                                trainer_options,
+                                                trainer.model(),
+                                                scene.extent,
+                                                run.Judge(),
+                                                images,
+                                                context.pool,
+                                                context.cancellation));
+    trainer.KeepTo(std::move(choice));
+  }
+  FREEGS_RETURN_IF_ERROR(run.Train());
+  return run.Result();
+}
+
+}  // namespace freegs::stages

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The training inside stage reconstruct, with its checkpoints, measurements and
+// log lines.
+
+#ifndef FREEGS_STAGES_RECONSTRUCT_TRAINING_RUN_H_
+#define FREEGS_STAGES_RECONSTRUCT_TRAINING_RUN_H_
+
+#include <cstdint>
+
+#include <nlohmann/json.hpp>
+
+#include "core/status.h"
+#include "pipeline/stage.h"
+#include "splat/images/training_images.h"
+#include "splat/scene/gaussian_model.h"
+#include "splat/train/trainer.h"
+#include "stages/reconstruct/reconstruct_options.h"
+#include "stages/reconstruct/training_report.h"
+#include "stages/scene/training_scene.h"
+
+namespace freegs::stages {
+
+struct TrainedModel {
+  splat::GaussianModel model;
+  int64_t iterations = 0;
+
+  // Time that interrupted runs spent before this one. The time of this run is
+  // not part of it.
+  double earlier_seconds = 0;
+  double earlier_cpu_seconds = 0;
+
+  // What CourseJson says about the training.
+  nlohmann::json course = CourseJson("", nullptr);
+};
+
+// Trains a model of the scene. Writes progress.csv and checkpoints/ below
+// context.output, and starts from the newest whole checkpoint there when
+// context.resuming is true: the model has the same bytes as after a run without
+// interruption. `holdout` is null for a scene without holdout photos: then
+// nothing is measured, and no search for a budget takes place. The errors are
+// kInterrupted on cancellation, after a checkpoint has been saved, and those of
+// splat::Trainer and splat::SearchBudget.
+StatusOr<TrainedModel> TrainModel(const ReconstructStageOptions& options,
+                                  const splat::TrainerOptions& training,
+                                  const TrainingScene& scene,
+                                  splat::TrainingImages* images,
+                                  splat::TrainingImages* holdout,
+                                  pipeline::StageContext& context);
+
+}  // namespace freegs::stages
+
+#endif  // FREEGS_STAGES_RECONSTRUCT_TRAINING_RUN_H_
