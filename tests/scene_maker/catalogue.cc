@@ -212,4 +212,29 @@ std::vector<CatalogueItem> MakeCatalogue(bool textured, uint32_t seed) {
   return build.Take();
 }
 
+CatalogueItem MakeChair(bool textured, uint32_t seed) {
+  Builder build(textured);
+  const Texture wood =
+      WoodPlanks(FromSrgb(0xc08a52), FromSrgb(0x5a3418), 0.11f, seed);
+  const Texture cloth =
+      Checks(FromSrgb(0xd8c8a0), FromSrgb(0x7a2f36), 0.045f, seed + 1);
+  const auto board = [&](const Vector3d& half, const Vector3d& centre) {
+    build.Part(Shape::kBox, half, centre, wood, 0xa9794a, 0);
+  };
+  build.Item("chair", "chair");
+  for (const double x : {-0.19, 0.19}) {
+    for (const double y : {-0.19, 0.19}) {
+      board({0.02, 0.02, 0.22}, {x, y, 0.22});
+    }
+  }
+  board({0.22, 0.22, 0.015}, {0, 0, 0.455});
+  build.Part(Shape::kBox, {0.2, 0.2, 0.015}, {0, 0, 0.485}, cloth, 0x8a4a4a, 0);
+  for (const double y : {-0.19, 0.19}) {
+    board({0.018, 0.018, 0.195}, {-0.2, y, 0.665});
+  }
+  board({0.012, 0.19, 0.06}, {-0.2, 0, 0.79});
+  board({0.012, 0.19, 0.035}, {-0.2, 0, 0.62});
+  return build.Take()[0];
+}
+
 }  // namespace freegs::scene_maker

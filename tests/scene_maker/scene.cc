@@ -64,6 +64,7 @@ void AddRoom(Scene* scene) {
     scene->solids.push_back(std::move(solid));
   };
 
+  const bool table = options.subject == Subject::kTable;
   constexpr double kThick = 0.05;
   const double middle = 0.5 * kRoomHeight;
   const float half_x = static_cast<float>(kRoomX);
@@ -73,7 +74,7 @@ void AddRoom(Scene* scene) {
       {kRoomX, kRoomY, kThick},
       {0, 0, -kThick},
       "floor",
-      FloorWithRug(1.75f, seed),
+      FloorWithRug(table ? 1.75f : 0.0f, seed),
       0xb8a890);
   add(Shape::kBox,
       {kRoomX, kRoomY, kThick},
@@ -81,12 +82,17 @@ void AddRoom(Scene* scene) {
       "wall",
       Plain(FromSrgb(0xe8e4dc)),
       0xe8e4dc);
-  const Texture pictures =
-      PictureWall(FromSrgb(0x8fa39a), half_y, half_z, seed + 1);
-  const Texture more_pictures =
+  Texture pictures = PictureWall(FromSrgb(0x8fa39a), half_y, half_z, seed + 1);
+  Texture more_pictures =
       PictureWall(FromSrgb(0xc9a97c), half_x, half_z, seed + 2);
-  const Texture shelves = BookShelves(half_y, half_z, seed + 3);
-  const Texture more_shelves = BookShelves(half_x, half_z, seed + 4);
+  Texture shelves = BookShelves(half_y, half_z, seed + 3);
+  Texture more_shelves = BookShelves(half_x, half_z, seed + 4);
+  if (!table) {
+    const Texture wall = options.subject == Subject::kTiles
+                             ? Tiles(0.3f, seed + 9)
+                             : Plain(FromSrgb(0xd8d4cc));
+    pictures = more_pictures = shelves = more_shelves = wall;
+  }
   add(Shape::kBox,
       {kThick, kRoomY, middle},
       {kRoomX + kThick, 0, middle},
@@ -112,6 +118,7 @@ void AddRoom(Scene* scene) {
       more_shelves,
       0xd8d4cc);
 
+  if (!table) return;
   constexpr double kTop = 0.018;  // Half thickness of the table top.
   const Texture top =
       WoodPlanks(FromSrgb(0xc99a66), FromSrgb(0x6f4324), 0.115f, seed + 6);
