@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the rungs of the ladder do. Which is climbed when: see ladder.cc.
+// What the rungs of the ladder do. ladder.cc decides which of them is tried
+// when.
 
 #ifndef FREEGS_SFM_MAPPING_LADDER_RUNGS_H_
 #define FREEGS_SFM_MAPPING_LADDER_RUNGS_H_
@@ -9,18 +10,20 @@
 #include <vector>
 
 #include "core/status.h"
-#include "sfm/mapping/attempt.h"
 #include "sfm/colmap/colmap_steps.h"
+#include "sfm/mapping/attempt.h"
 
 namespace freegs::sfm {
 
-// Two models need so many photos in common to be merged.
+// Two models need at least this many photos in common to be merged.
 inline constexpr size_t kSharedPhotos = 3;
 
-// "more features" takes so many times sfm.max_features.
+// TakeMoreFeatures multiplies sfm.max_features by this.
 inline constexpr int kMoreFeatures = 2;
 
-// What ways cost, as multiples of the plain way's features, matching, mapping.
+// Estimated CPU times, as multiples of what the plain way takes in all for its
+// features, matching and mapping. Times of matching grow with the square of the
+// number of features.
 inline constexpr double kMappingCost = 0.2;
 inline constexpr double kMatchingCost = 0.7;
 inline constexpr double kGuidedMatchingCost = 2 * kMatchingCost;
@@ -29,18 +32,21 @@ inline constexpr double kMoreFeaturesCost =
     kFeaturesCost * kMoreFeatures +
     kMatchingCost * kMoreFeatures * kMoreFeatures + 2 * kMappingCost;
 
-// And images so large, in pixels, instead of `size`: half as large again, or
-// more, up to twice, where that is still no more than 1600.
+// The longest side, in pixels, of the images that TakeMoreFeatures uses instead
+// of `size`: twice as large but no more than 1600, or at least 1.5 times
+// `size`.
 int LargerImageSize(int size);
 
 // What a rung starts from.
 struct RungInput {
   const StepContext& context;
-  std::string name;
-  const std::vector<Reconstruction>& models;  // The best first.
-  const MatchedDatabase& database;            // What they were made from.
-  std::filesystem::path folder;               // For the rung's own files.
+  std::string name;                           // Of the attempt, for the user.
+  const std::vector<Reconstruction>& models;  // The best first; may be empty.
+  const MatchedDatabase& database;            // The database they come from.
+  std::filesystem::path folder;  // An empty folder for the rung's own files.
 };
+
+// All functions below return the errors of the COLMAP commands that they run.
 
 // Mapping the same matches: with lower thresholds; with other random draws;
 // with a mapper of another kind (COLMAP 4's global one, else the hierarchical).

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/status.h"
-#include "sfm/mapping/attempt.h"
 #include "sfm/colmap/colmap_steps.h"
+#include "sfm/mapping/attempt.h"
 
 namespace freegs::sfm {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Mapping without what glued parts, with more features, or in parts.
+// The repairs of a glued model, in order.
 
 #include "sfm/mapping/separate_parts.h"
 
