@@ -48,29 +48,42 @@ struct RungInput {
 
 // All functions below return the errors of the COLMAP commands that they run.
 
-// Mapping the same matches: with lower thresholds; with other random draws;
-// with a mapper of another kind (COLMAP 4's global one, else the hierarchical).
+// The first five map the matches that are there.
+
+// Lowers the mapper's thresholds: weaker start pairs, fewer inliers.
 StatusOr<AttemptResult> MapRelaxed(const RungInput& input);
+
+// Repeats the plain mapping with other random draws.
 StatusOr<AttemptResult> MapWithOtherSeed(const RungInput& input);
+
+// Uses another mapper: COLMAP 4's global one, else the hierarchical one.
 StatusOr<AttemptResult> MapOtherwise(const RungInput& input);
 
-// Merges the models that share photos into the best one.
+// Merges models that share kSharedPhotos photos or more into the best one.
 StatusOr<AttemptResult> MergeAll(const RungInput& input);
 
-// Adds photos to the best model with low thresholds; COLMAP 4 also places them
-// by other photos alone, without points (its structure-less registration).
+// Adds photos to the best model, with low thresholds. COLMAP 4 can also place a
+// photo by its matches with other photos alone, without points ("structure-less
+// registration").
 StatusOr<AttemptResult> AddPhotos(const RungInput& input);
 
-// Other matches, into the database of the rung: more of them for photos that
-// the best model lacks and that match others, along the epipolar lines of what
-// is known to match; of all pairs; of descriptors that are less alike; of more,
-// and fainter, features in larger images.
+// The others match anew, into a database of the rung, and map that.
+
+// Looks for more matches, along the epipolar lines of those that are known, in
+// the matching pairs of photos of which the best model lacks one or both.
 StatusOr<AttemptResult> MatchMoreGuided(const RungInput& input);
+
+// Matches all pairs of photos.
 StatusOr<AttemptResult> MatchAllPairs(const RungInput& input);
+
+// Also accepts descriptors that are less alike.
 StatusOr<AttemptResult> MatchLoosely(const RungInput& input);
+
+// Takes kMoreFeatures times as many features, fainter ones too, from larger
+// images, and matches them.
 StatusOr<AttemptResult> TakeMoreFeatures(const RungInput& input);
 
-// How many photos two models share.
+// How many photos, by name, two models share.
 size_t NumShared(const Reconstruction& a, const Reconstruction& b);
 
 }  // namespace freegs::sfm
