@@ -23,12 +23,12 @@ struct PairSupport {
   uint32_t image_id1 = 0;  // Smaller than image_id2.
   uint32_t image_id2 = 0;
 
-  // True if more than half of the verified matches fit the poses.
-  bool fits = false;
-
   // Number of fitting matches if `fits`. Otherwise 0, because some matches fit
   // by chance even where the poses are wrong.
   double supporting = 0;
+
+  // True if more than half of the verified matches fit the poses.
+  bool fits = false;
 
   // Number of matches that do not fit, counted only where hardly any match
   // fits (see MeasureSupport); and half the number of missing points (see
