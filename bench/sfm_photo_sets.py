@@ -152,6 +152,12 @@ SETS = {
                       scene("tabletop", first=3)),
     "three_apart": PhotoSet("3 photos of tabletop, a third of a turn apart",
                             {FAILED}, scene("tabletop", every=20)),
+    "chairs": PhotoSet("30 made photos of two equal chairs", ANY,
+                       made("--scene", "chairs", "--views", "30")),
+    "tiles": PhotoSet("30 made photos of a wall of equal tiles", ANY,
+                      made("--scene", "tiles", "--views", "30")),
+    "bonsai": PhotoSet("292 photos, six of which COLMAP alone misplaces",
+                       {OK, DEGRADED}, scene("bonsai")),
     "views_300": PhotoSet("300 made photos", {OK},
                           made("--views", "300")),
 }

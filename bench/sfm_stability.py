@@ -7,11 +7,12 @@ alone says, what our stage sfm says, and whether that is right.
       [--make-scene FILE] [--limit 1800] [--again ours|colmap|both] [--list]
 
 PROGRAM is freegs_pipeline; DATA holds fox, tabletop, playroom and plainwall,
-each with images/ and gt/cameras.json or transforms.json. The sets are made in
+each with images/ and gt/cameras.json or transforms.json, and bonsai, which has
+images/ only. The sets are made in
 OUT/sets, runs leave logs and models in OUT/runs. What was measured is kept in
 OUT/results, one file per set and program, and not measured again unless
 --again says so; so the script can be run in pieces. Prints a table in Markdown
-of all that is there, and writes it to OUT/table.md. Blurred and darkened photos
+of all that is there, with what each attempt did, and writes it to OUT/table.md. Blurred and darkened photos
 need Pillow (Debian: python3-pil, /usr/bin/python3).
 
 A run is wrong when its verdict is not among those allowed for the set, its exit
@@ -172,6 +173,45 @@ def brief(value):
     return text + (f" ({value['problem']})" if value.get("problem") else "")
 
 
+def share_verdict(registered, total):
+    """The verdict by the share of registered photos alone."""
+    if registered < 3 or registered < 0.5 * total:
+        return FAILED
+    return OK if registered >= GOOD_SHARE * total else DEGRADED
+
+
+def attempts_table(rows):
+    """What each attempt after the plain one did, over all sets, as Markdown.
+
+    An attempt helped when it was kept and made a better verdict, as far as the
+    share of registered photos decides.
+    """
+    tried = {}  # Of each attempt: (set, kept, before, after), photos and verdict.
+    for name, row in rows:
+        best = 0
+        for attempt in row.get("attempts", []):
+            after = attempt["registered"] if attempt["kept"] else best
+            if attempt["why"] and not attempt["problem"].startswith(
+                    "not tried"):
+                tried.setdefault(attempt["name"], []).append(
+                    (name, attempt["kept"], best, after, row["total"]))
+            best = after
+    lines = ["| attempt | tried on | kept on | better verdict on |",
+             "|---|---|---|---|"]
+    for attempt, uses in tried.items():
+        better = [f"{name} ({share_verdict(before, total)} to "
+                  f"{share_verdict(after, total)})"
+                  for name, kept, before, after, total in uses
+                  if share_verdict(before, total) != share_verdict(after, total)
+                  and after > before]
+        kept = [f"{name} ({before} to {after} of {total})"
+                for name, kept, before, after, total in uses if kept]
+        lines.append(f"| {attempt} | {len(uses)} sets: "
+                     + ", ".join(use[0] for use in uses) + " | "
+                     + ", ".join(kept) + " | " + ", ".join(better) + " |")
+    return lines
+
+
 def load(arguments, name, program):
     path = Path(arguments.out, "results", f"{name}.{program}.json")
     if not path.is_file():
@@ -219,6 +259,7 @@ def table(arguments):
                 text = value if isinstance(value, str) else "; ".join(
                     brief(item) for item in value)
                 lines.append(f"  - {title}: {text}")
+    lines += ["", "Attempts after the plain one:", "", *attempts_table(said)]
     if len(programs) > 1:
         lines += ["", "Ours was measured with more than one build: see "
                   "program_md5 in OUT/results; --again ours."]

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Why structure from motion failed, or how far its result can be trusted, in
-// words that tell what to do about it.
+// Finds out why structure from motion failed, or what its result lacks, and
+// says it in sentences that tell the user what to do. docs/sfm.md lists the
+// rules and their limits.
 
 #ifndef FREEGS_SFM_DIAGNOSIS_DIAGNOSIS_H_
 #define FREEGS_SFM_DIAGNOSIS_DIAGNOSIS_H_
@@ -13,7 +14,13 @@
 
 namespace freegs::sfm {
 
-// The findings, worst first. models: what was reconstructed, the best first.
+// Applies all rules and returns what they find, the worst first. `models` is
+// what was reconstructed, the best first; it may be empty.
+//
+//   const auto evidence = CollectEvidence(photos, database);
+//   for (const Finding& finding : Diagnose(*evidence, models, {})) {
+//     Show(finding.message, finding.advice);
+//   }
 std::vector<Finding> Diagnose(const SceneEvidence& evidence,
                               const std::vector<Reconstruction>& models,
                               const DiagnosisOptions& options);

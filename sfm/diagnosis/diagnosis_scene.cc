@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the rules of diagnosis look at, and what is known of single photos.
+// Derives from the evidence what several rules need.
 
 #include "sfm/diagnosis/diagnosis_scene.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Evidence from COLMAP's database.
+// Collects evidence from COLMAP's database.
 
 #include "sfm/diagnosis/evidence.h"
 
@@ -17,7 +17,8 @@
 namespace freegs::sfm {
 namespace {
 
-// Singular values' ratio of inv(K) H K.
+// The ratio of the largest to the smallest singular value of inv(K2) H K1, for a
+// focal length given as a share of the photo's longest side.
 double Stretch(const Eigen::Matrix3d& homography,
                const PhotoEvidence& from,
                const PhotoEvidence& to,
@@ -59,7 +60,7 @@ StatusOr<SceneEvidence> CollectEvidence(const std::vector<SfmPhoto>& photos,
     if (seen.readable) {
       seen.num_features = row->second->num_features;
       index[row->second->id] = evidence.photos.size();
-      // Not knowing the scales, for whatever reason, is no reason to give up.
+      // The scales only help to tell blur; the diagnosis works without them.
       const auto scales = database.FeatureScales(row->second->id);
       const int side = std::max(photo.width, photo.height);
       if (scales.ok() && side > 0) {

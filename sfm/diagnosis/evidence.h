@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What photos and their verified matches tell about a scene, whether or not a
-// reconstruction came of it.
+// Evidence for a diagnosis: what the photos and their verified matches tell
+// about a scene, whether or not a model could be made from them.
 
 #ifndef FREEGS_SFM_DIAGNOSIS_EVIDENCE_H_
 #define FREEGS_SFM_DIAGNOSIS_EVIDENCE_H_
@@ -26,17 +26,25 @@ struct PhotoEvidence {
   int height = 0;
   bool readable = true;  // COLMAP could read it.
   int64_t num_features = 0;
-  double sharpness = 0;      // As ingest measured it; 0 is unknown.
-  double feature_scale = 0;  // Median, as a share of the longest side; or 0.
+  double sharpness = 0;  // As ingest measured it; 0 if unknown.
+
+  // Median size of its features, as a share of the photo's longest side; 0 if
+  // unknown.
+  double feature_scale = 0;
 };
 
-// Two photos with verified matches, by their places in SceneEvidence::photos.
+// Two photos with verified matches.
 struct PairEvidence {
-  size_t first = 0;
-  size_t second = 0;
+  size_t first = 0;   // Index into SceneEvidence::photos.
+  size_t second = 0;  // Likewise.
   int64_t num_matches = 0;
+
+  // COLMAP found that a homography explains the matches as well as a general
+  // motion does: the camera only turned, or what both photos show is a plane.
   bool is_homography = false;
-  std::optional<Eigen::Matrix3d> homography;  // Pixels of first to second.
+
+  // Maps pixels of the first photo to pixels of the second, if it is known.
+  std::optional<Eigen::Matrix3d> homography;
 };
 
 struct SceneEvidence {
@@ -44,51 +52,58 @@ struct SceneEvidence {
   std::vector<PairEvidence> pairs;
   size_t contradictions = 0;  // See view_graph.h.
 
-  // Photos that a first model had, and that are not in the best one because
-  // only what looks alike held them to it (separate_parts.h).
+  // Names of photos that were in a first model and are not in the final one,
+  // because only look-alikes tied them to it (see separate_parts.h).
   std::vector<std::string> unplaced;
 };
 
+// Reads the evidence from a database. Photos that it does not know count as not
+// readable; `unplaced` stays empty. Errors: those of the database.
 StatusOr<SceneEvidence> CollectEvidence(const std::vector<SfmPhoto>& photos,
                                         const MatchDatabase& database);
 
-// Which photos belong together, as far as matches tell.
+// The photos in groups, so that photos which show the same scene are in one.
 struct PhotoGroups {
-  // For each photo the number of its group. Group 0 is the main one: that of
-  // the best model if there is one, else the largest. The others follow by
-  // size.
+  // For each photo the number of its group. Group 0 is the main one: the group
+  // of the best model, or without a model the largest. The others follow by
+  // descending size.
   std::vector<int> group;
-  std::vector<std::vector<size_t>> members;  // Of each group, ascending.
 
-  // For each photo, whether the best model has it.
+  // For each group its photos, as ascending indices.
+  std::vector<std::vector<size_t>> members;
+
+  // For each photo, whether it has a pose in the best model.
   std::vector<bool> registered;
 };
 
-// Pairs with fewer verified matches do not join groups: two photos of
-// different places get that far by chance.
+// Fewer verified matches than these do not join two photos: photos of different
+// places can have that many by chance.
 inline constexpr int64_t kMinLink = 20;
 
-// A group of so many photos is a part of its own and no stray photo.
+// From this number of photos on a group counts as a part of its own; smaller
+// groups are stray photos.
 inline constexpr size_t kMinGroup = 3;
 
-// Photos are in one group when a chain of links, or a model of models (best
-// first), joins them.
+// Two photos are in one group if a chain of pairs with kMinLink matches or more
+// connects them, or if one of the models has both. `models`: the best first.
 PhotoGroups GroupByMatches(const SceneEvidence& evidence,
                            const std::vector<Reconstruction>& models);
 
-// How far pairs of photos are from having been taken by a camera that only
-// turned.
+// Tells whether the camera only turned on the spot. Then a homography H
+// explains every pair, and with the calibration matrices K1 and K2 of the two
+// photos inv(K2) H K1 is a rotation up to scale.
 struct TurningOnTheSpot {
-  int64_t pairs = 0;            // Verified pairs.
-  double homography_share = 0;  // Of them, those that a homography explains.
+  int64_t pairs = 0;            // Number of pairs with verified matches.
+  double homography_share = 0;  // Share of them that a homography explains.
 
-  // Of the homographies H, the median ratio of the largest to the smallest
-  // singular value of inv(K) H K: 1 for a rotation. K has the focal length, out
-  // of 0.5 to 1.6 times the longest side, for which this is least. 0 when there
-  // are none. (With longer lenses a step along a wall looks like a turn.)
+  // The ratio of the largest to the smallest singular value of inv(K2) H K1,
+  // median over the pairs: 1 for a rotation. The focal length is not known, so
+  // 0.5 to 1.6 times the photo's longest side are tried, and the least median
+  // counts. (Longer lenses are left out because through them a step along a
+  // wall looks like a turn.) 0 if there is no homography.
   double stretch = 0;
 
-  // The camera only turned: nothing can be triangulated.
+  // True if the camera only turned, so that nothing can be triangulated.
   bool certain() const {
     return pairs >= 3 && homography_share >= 0.85 && stretch > 0 &&
            stretch <= 1.08;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a diagnosis may find out about the photos, and from which limits on.
+// What a diagnosis can find out about the photos, and the limits of its rules.
 
 #ifndef FREEGS_SFM_DIAGNOSIS_FINDING_H_
 #define FREEGS_SFM_DIAGNOSIS_FINDING_H_
@@ -25,9 +25,9 @@ enum class FindingKind {
 std::string_view FindingName(FindingKind kind);  // "too_few_photos" ...
 
 enum class Severity {
-  kNote,       // Worth knowing; explains what else went wrong.
-  kDegrading,  // The result lacks something.
-  kFatal,      // There is no usable result, whatever the mapper made.
+  kNote,       // Worth knowing; does not change the verdict.
+  kDegrading,  // The verdict is no better than degraded.
+  kFatal,      // The verdict is failed, whatever the mapper made.
 };
 std::string_view SeverityName(Severity severity);  // "note" ...
 
@@ -35,37 +35,39 @@ struct Finding {
   FindingKind kind = FindingKind::kTooFewPhotos;
   Severity severity = Severity::kNote;
 
-  // Trying other ways to match and map the same photos cannot help.
+  // True if no other way of matching and mapping these photos can help.
   bool hopeless = false;
 
-  // The numbers behind it.
+  // The measured values that led to it, with their names, and the limits.
   std::vector<std::pair<std::string, double>> evidence;
 
-  std::string message;  // What was seen, a sentence without its full stop.
-  std::string advice;   // What to do about it, likewise.
-  std::vector<std::string> photos;  // Those it is about; empty for all.
+  std::string message;  // What was seen; a sentence without its full stop.
+  std::string advice;   // What the user can do about it, likewise.
+  std::vector<std::string> photos;  // Names; empty if it is about all photos.
 };
 
+// The defaults were chosen on the photo sets of docs/sfm.md.
 struct DiagnosisOptions {
-  // Fewer features in a photo are too few to match it.
+  // A photo with fewer features than these cannot be matched reliably.
   int64_t few_features = 250;
 
   // A photo is blurred when its sharpness is below this share of the upper
   // quartile of all photos.
   double blurred_share = 0.1;
 
-  // All photos are blurred when the median feature is larger than this share
-  // of the longest side.
+  // All photos count as blurred when the median size of their features exceeds
+  // this share of a photo's longest side.
   double blurred_scale = 0.008;
 
-  // Fewer photos leave most of a scene unseen.
+  // Fewer photos than these leave most of a scene unseen.
   int few_photos = 8;
 
-  // Share of registered photos above which a result is good.
+  // From this share of registered photos on a result is good.
   double good_share = 0.9;
 };
 
-// Names for a message, cut after a few: "a.jpg, b.jpg and 7 more".
+// The names for use in a message. Long lists are cut after four names:
+// "a.jpg, b.jpg, c.jpg, d.jpg and 7 more".
 std::string SomeNames(const std::vector<std::string>& names);
 
 }  // namespace freegs::sfm

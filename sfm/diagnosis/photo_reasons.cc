@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Reasons, photo by photo.
 
 #include "sfm/diagnosis/photo_reasons.h"
 

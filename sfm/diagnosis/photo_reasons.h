@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is known about single photos: which are blurred, and why some have no
+// Says about single photos whether they are blurred, and why they have no
 // camera pose.
 
 #ifndef FREEGS_SFM_DIAGNOSIS_PHOTO_REASONS_H_
@@ -15,12 +15,13 @@
 
 namespace freegs::sfm {
 
-// For each photo whether it is much more blurred than the others. Such photos
-// are not worth another attempt.
+// For each photo of the evidence, whether it is much more blurred than the
+// others. Such photos are not worth another attempt.
 std::vector<bool> FindBlurredPhotos(const SceneEvidence& evidence,
                                     const DiagnosisOptions& options);
 
-// For each photo that the best model lacks: why, as far as is known.
+// For each photo without a pose in models[0], by name, a sentence that tells
+// what is known about the reason. `models`: the best first; may be empty.
 std::map<std::string, std::string> ExplainUnregistered(
     const SceneEvidence& evidence,
     const std::vector<Reconstruction>& models,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Projects the points of each photo into the others.
+// Projects the points of each photo into the other photos.
 
 #include "sfm/lookalikes/missing_correspondences.h"
 
@@ -87,7 +87,8 @@ bool IsInside(const Camera& camera, const Eigen::Vector2d& pixel) {
          pixel.y() > kBorder * height && pixel.y() < (1 - kBorder) * height;
 }
 
-// Points of `from` that `to` should see.
+// How many points of one photo another one should see, and how many of these it
+// does; with the angles between the rays, in degrees.
 struct Claim {
   double claimed = 0;
   double shared = 0;
@@ -96,7 +97,7 @@ struct Claim {
 
 Claim Compare(const Reconstruction& model, const Photo& from, const Photo& to) {
   Claim claim;
-  // Most pairs look from elsewhere altogether.
+  // A quick test: most pairs look from quite different sides.
   if (AngleDeg(from.centre - from.middle, to.centre - from.middle) >
       2 * kAngles.back()) {
     return claim;
@@ -122,7 +123,8 @@ size_t Bin(double angle) {
   return bin;
 }
 
-// The share of points that is usual at angles within each bin.
+// The share of points that is usual for pairs in each bin of angles (see the
+// header).
 std::array<double, kNumBins> UsualShares(const std::vector<SharedView>& views) {
   std::array<std::vector<double>, kNumBins> shares;
   for (const SharedView& view : views) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Evidence between photos, and groups of photos that it holds together.
+// Measures the evidence between photos and joins them in groups.
 
 #include "sfm/lookalikes/view_groups.h"
 
@@ -20,10 +20,14 @@ namespace {
 constexpr double kMaxErrorPx = 4;
 constexpr double kPlanarWeight = 0.1;
 constexpr double kMissingWeight = 0.5;
-constexpr double kMisfitShare = 0.1;  // So few fit: the others all count.
-constexpr double kFitShare = 0.3;     // So many fit: the others count nothing.
 
-// Less evidence against a model proves nothing.
+// If at most the first share of a pair's matches fits, the others count in full
+// against the model; from the second share on they do not count at all.
+constexpr double kMisfitShare = 0.1;
+constexpr double kFitShare = 0.3;
+
+// With less evidence than this against them, two groups hold together, whatever
+// supports them.
 constexpr double kMinAgainst = 30;
 constexpr size_t kMinPhotos = 4;
 
@@ -126,12 +130,14 @@ class Contraction {
     }
   }
 
-  // The two groups with the largest surplus of support.
+  // Two groups, and the evidence between them.
   struct Link {
     uint32_t a = 0;  // Smaller than b.
     uint32_t b = 0;
     Evidence evidence;
   };
+  // Finds the two groups with the largest surplus of support. False if no two
+  // groups have any evidence between them.
   bool Strongest(Link* strongest) const {
     bool any = false;
     for (const auto& [a, neighbours] : links_) {
@@ -239,7 +245,8 @@ ViewGroups FindViewGroups(const Reconstruction& model,
   Contraction contraction(pairs);
   Contraction::Link link;
   bool held = true;
-  // Goes on when nothing holds groups together any more, to measure the score.
+  // The groups are final as soon as nothing holds two of them together. Joining
+  // goes on all the same, because the score is the least share met on the way.
   while (contraction.Strongest(&link)) {
     if (held && !link.evidence.HoldsTogether()) {
       held = false;
@@ -256,7 +263,7 @@ ViewGroups FindViewGroups(const Reconstruction& model,
     for (const auto& [leader, members] : contraction.members()) {
       result.groups.emplace_back(members.begin(), members.end());
     }
-    // Without evidence between them, none is against the model either.
+    // Groups without any evidence between them do not speak against the model.
     for (size_t g = 1; g < result.groups.size(); ++g) {
       result.groups[0].insert(result.groups[0].end(),
                               result.groups[g].begin(),

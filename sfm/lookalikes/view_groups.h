@@ -17,55 +17,72 @@
 
 namespace freegs::sfm {
 
-// What speaks for and against the places of two photos relative to each other.
+// The evidence for and against the relative pose of two photos in a model, in
+// (weighted) numbers of matches.
 struct PairSupport {
   uint32_t image_id1 = 0;  // Smaller than image_id2.
   uint32_t image_id2 = 0;
-  // Matches that fit the cameras of the model, of a pair of which more than
-  // half do; else 0: some fit wrong places, too.
-  double supporting = 0;
-  bool fits = false;  // More than half do.
 
-  // Matches that do not, of a pair of which hardly any fits; and points that
-  // both should show and do not (missing_correspondences.h), which count half.
+  // Number of fitting matches if `fits`. Otherwise 0, because some matches fit
+  // by chance even where the poses are wrong.
+  double supporting = 0;
+
+  // True if more than half of the verified matches fit the poses.
+  bool fits = false;
+
+  // Number of matches that do not fit, counted only where hardly any match
+  // fits (see MeasureSupport); and half the number of missing points (see
+  // missing_correspondences.h).
   double against = 0;
 };
 
-// Verified matches fit when they lie within 4 pixels of the epipolar lines of
-// the model's cameras and in front of both. Where a homography explains all
-// matches of a pair they count a tenth: patterns on a plane repeat more often
-// than shapes. When from 10 to 30 % of a pair's matches fit, those that do not
-// count ever less: photos that show a pattern twice have matches of both kinds.
-// model must pass CheckReconstruction.
+// Measures the evidence for all pairs of photos of the model. A verified match
+// fits when both features lie within 4 pixels of the epipolar lines of the
+// model's cameras, and the point lies in front of both cameras.
+//
+// Matches of pairs that a homography explains count a tenth: patterns on a
+// plane repeat more often than shapes do. Matches that do not fit count in full
+// if at most 10 % of the pair's matches fit, less and less up to 30 %, and not
+// at all beyond: photos that show a pattern twice have matches of both kinds.
+//
+// The model must pass CheckReconstruction. Errors: those of the database.
 StatusOr<std::vector<PairSupport>> MeasureSupport(
     const Reconstruction& model, const MatchDatabase& database);
 
 struct ViewGroups {
-  // Image ids; the largest group first, ascending within. One group when
-  // nothing speaks against the model. Photos without evidence are in group 0.
+  // Image ids, ascending in each group; the largest group comes first. There is
+  // a single group when the model holds together. Photos without any evidence
+  // are in group 0.
   std::vector<std::vector<uint32_t>> groups;
 
-  // Where the evidence is weakest, the share of it that supports the model:
-  // 1 when nothing is against it. Models seen to be right had 0.49 or
+  // The share of the evidence that supports the model, where this share is
+  // least: 1 when nothing is against it. Models that were right had 0.49 or
   // more, glued ones 0.44 or less (docs/sfm.md).
   double score = 1;
 
-  // Pairs across groups whose matches fit the model: what glued them.
+  // Pairs of photos in different groups whose matches fit the model. They are
+  // what glued the groups together.
   std::vector<std::pair<uint32_t, uint32_t>> suspects;
 
   bool consistent() const { return groups.size() <= 1; }
 };
 
-// Below this score a model is held to be glued.
+// A model with a score below this one counts as glued.
 inline constexpr double kMinSupport = 0.45;
 
-// Joins, again and again, the two groups with the largest surplus of support,
-// until no surplus is left (greedy additive edge contraction for correlation
-// clustering: Keuper et al. 2015). Fewer than four photos are one group.
+// Starts with each photo as a group of its own and keeps joining the two groups
+// between which support exceeds what is against them by most, until no two are
+// left where it does (greedy additive edge contraction for correlation
+// clustering, Keuper et al. 2015). Fewer than four photos are always one group.
+//
+//   const auto pairs = MeasureSupport(model, database);
+//   const ViewGroups found = FindViewGroups(model, *pairs);
+//   if (!found.consistent()) ...  // found.groups[0] can be trusted.
 ViewGroups FindViewGroups(const Reconstruction& model,
                           const std::vector<PairSupport>& pairs);
 
-// The model with these images only, and the points that two of them observe.
+// A copy of the model with these images only, their cameras, and the points
+// that at least two of them observe.
 Reconstruction RestrictTo(const Reconstruction& model,
                           const std::vector<uint32_t>& image_ids);
 

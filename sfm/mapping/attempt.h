@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One way that was tried to get a model, and what came of it.
+// An attempt is one way of making models from the photos: the plain mapping, a
+// rung of the ladder (ladder.h) or a repair (separate_parts.h). This header has
+// what is reported about attempts, and keeps their results on disk, so that a
+// killed run does not repeat them.
 
 #ifndef FREEGS_SFM_MAPPING_ATTEMPT_H_
 #define FREEGS_SFM_MAPPING_ATTEMPT_H_
@@ -18,89 +21,107 @@
 
 namespace freegs::sfm {
 
-// For health.json.
+// What health.json says about an attempt.
 struct Attempt {
   std::string name;  // "mapping", "lower thresholds" ...
-  std::string why;   // What had been seen that made it worth trying.
+  std::string why;   // The reason for trying it; empty for the plain mapping.
 
-  // About the best model there is after it, of those it made.
-  int registered = 0;
-  int models = 0;  // How many it made.
-  size_t points = 0;
-  double mean_error_px = 0;
+  int models = 0;  // Number of models that it made.
+
+  // The best of these models; 0 if there is none.
+  int registered = 0;        // Photos with a pose.
+  size_t points = 0;         // 3D points.
+  double mean_error_px = 0;  // Mean reprojection error over observations.
 
   bool kept = false;    // Its models replaced the ones before.
-  std::string problem;  // Why it ended without models, or was not begun.
+  std::string problem;  // Why it made no models, or why it was not tried.
 };
 
-// An attempt that made the models, the best first, with their measures.
+// The report on an attempt that made these models (the best first). kept and
+// problem are left for the caller to fill in.
 Attempt DescribeAttempt(const std::string& name,
                         const std::string& why,
                         const std::vector<Reconstruction>& models);
 
-// A database of matches, and how it was filled.
+// A COLMAP database with features and matches.
 struct MatchedDatabase {
   std::filesystem::path path;
-  MatchedPairs pairs;
-  int image_size = 0;  // max_image_size, or what was chosen.
+  MatchedPairs pairs;  // The pairs of photos that were compared for it.
+
+  // Longest side, in pixels, to which photos were reduced before features were
+  // taken from them.
+  int image_size = 0;
 };
 
 // What an attempt made.
 struct AttemptResult {
-  std::vector<Reconstruction> models;  // Best first; may be empty.
+  std::vector<Reconstruction> models;  // The best first; may be empty.
 
-  // The database that the models were made from, when it is another one than
-  // before: it lies in the attempt's folder.
+  // True if the attempt matched anew, into a database in its own folder (see
+  // AttemptDatabase). False if it mapped the matches that were there.
   bool has_database = false;
 
-  // With a database: the pairs of photos that were matched for it, and the size
-  // of the images that features were taken from, if it was another one; else 0.
+  // As in MatchedDatabase, for its own database. image_size is 0 if the
+  // features are those of the database that the attempt started from.
   MatchedPairs pairs;
   int image_size = 0;
 
-  std::map<std::string, int64_t> counts;  // Whatever else is to be kept.
+  // Further numbers about the attempt, by name, that are kept with it.
+  std::map<std::string, int64_t> counts;
 
-  std::string problem;  // Why there is nothing (see AttemptStore::Try).
+  // Set by AttemptStore::Try only: the message of the error that ended it.
+  std::string problem;
 };
 
-// Where an attempt's own database is in its folder, if it has one.
+// The place of an attempt's own database, given the attempt's folder.
 inline std::filesystem::path AttemptDatabase(
     const std::filesystem::path& folder) {
   return folder / "database.db";
 }
 
-// Runs attempts once: their results are kept in a folder each, until Remove().
+// Runs each attempt at most once and keeps its result in a folder of its own,
+// until Remove() is called:
+//
+//   AttemptStore store(work_folder, &record);
+//   const StatusOr<AttemptResult> result = store.Try("all pairs", [&] {
+//     return MatchAllPairs(
+//         {context, "all pairs", models, database, store.Folder("all pairs")});
+//   });
+//
+// A later run in the same work folder gets the recorded result at once.
 class AttemptStore {
  public:
   AttemptStore(const std::filesystem::path& work_folder, StepRecord* record)
       : folder_(work_folder / "attempts"), record_(record) {}
 
+  // The folder of the attempt of this name. It exists from Run() or Try() on.
   std::filesystem::path Folder(const std::string& name) const;
 
-  // The result of the attempt as it was recorded, or else of `run`, which may
-  // write into the attempt's new, empty folder. Errors of run are returned, and
-  // not recorded.
+  // Returns the recorded result of the attempt if there is one. Otherwise makes
+  // the attempt's folder anew, calls `run`, which may write there, and records
+  // what it returns. An error of `run` is returned and not recorded.
   StatusOr<AttemptResult> Run(
       const std::string& name,
       const std::function<StatusOr<AttemptResult>()>& run);
 
-  // As Run; but errors other than kInterrupted and kInternal make a result
-  // without models that has the message, and which is not recorded either.
+  // The same, but an error of `run` becomes a result without models whose
+  // `problem` is the message. Such a result is not recorded either. Only
+  // kInterrupted and kInternal are still returned as errors.
   StatusOr<AttemptResult> Try(
       const std::string& name,
       const std::function<StatusOr<AttemptResult>()>& run);
 
-  // What the models of the attempt were made from: its own database, if it has
-  // one, or else `before`.
+  // The database that the models of the attempt were made from: its own one if
+  // it has one, otherwise `before`, the database that it started from.
   MatchedDatabase DatabaseOf(const std::string& name,
                              const AttemptResult& result,
                              const MatchedDatabase& before) const;
 
-  // Deletes the database, and its list of pairs, of an attempt that was not
-  // kept.
+  // Deletes the attempt's own database and list of pairs, if it has them. For
+  // attempts that were not kept: databases are large.
   void RemoveDatabaseOf(const std::string& name) const;
 
-  // Deletes all that is kept in a work folder.
+  // Deletes the folders of all attempts in a work folder.
   static void Remove(const std::filesystem::path& work_folder);
 
  private:

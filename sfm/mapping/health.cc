@@ -21,9 +21,10 @@ constexpr char kMoreOverlap[] =
     "positions, sharp and of a textured scene; or try --sfm.max_features "
     "8192, --sfm.matcher exhaustive, --sfm.camera per_image";
 
-// What findings add to a reason, and their advice instead of the general one.
+// So many findings, the worst ones, are told in the reason and the advice.
 constexpr size_t kFindingsTold = 2;
 
+// The reason, followed by what the findings say.
 std::string Reasons(const Health& health, std::string reason) {
   size_t told = 0;
   for (const Finding& finding : health.findings) {
@@ -33,6 +34,7 @@ std::string Reasons(const Health& health, std::string reason) {
   return reason;
 }
 
+// The advice of the findings, or the other one if there are none.
 std::string Advice(const Health& health, const std::string& otherwise) {
   std::string advice;
   size_t told = 0;
@@ -52,12 +54,14 @@ bool HasFinding(const Health& health, Severity least) {
       [least](const Finding& finding) { return finding.severity >= least; });
 }
 
-// Why the result cannot be used, and what to do, or nothing.
+// What is wrong with a result, and what to do about it. Both are empty if
+// nothing is wrong.
 struct Judgement {
   std::string reason;
   std::string advice;
 };
 
+// Why the result cannot be used.
 Judgement FailureOf(const Health& health,
                     const HealthOptions& options,
                     bool triangulated) {

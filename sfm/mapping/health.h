@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whether a reconstruction is good enough to go on with. COLMAP ends without
-// an error when two of six hundred photos were registered; we do not.
+// Judges whether a reconstruction is good enough to go on with. COLMAP ends
+// without an error even if it registered two of six hundred photos; the verdict
+// here tells such a result from a good one.
 
 #ifndef FREEGS_SFM_MAPPING_HEALTH_H_
 #define FREEGS_SFM_MAPPING_HEALTH_H_
@@ -23,21 +24,23 @@
 namespace freegs::sfm {
 
 struct HealthOptions {
-  // Below this share of registered photos the result is not usable.
+  // Below this share of registered photos the verdict is failed.
   double min_registered_share = 0.5;
 
-  // Below this share a usable result is called degraded.
+  // Below this share of registered photos it is degraded.
   double good_registered_share = 0.9;
 
-  // Fewer registered photos are never usable.
+  // With fewer registered photos it is failed, whatever their share.
   int min_registered = 3;
 
-  // Below this median triangulation angle, in degrees, depth is guesswork.
+  // Below this median triangulation angle, in degrees, it is failed: depth
+  // would be guesswork.
   double min_triangulation_deg = 1.0;
 
-  // Above this mean reprojection error, in pixels, a result is degraded.
+  // Above this mean reprojection error, in pixels, it is degraded.
   double good_reprojection_error_px = 2.0;
 
+  // kInvalidArgument unless the shares lie in 0..1.
   Status Check() const;
 };
 
@@ -47,7 +50,7 @@ std::string_view VerdictName(Verdict verdict);  // "ok", "degraded", "failed".
 struct Health {
   Verdict verdict = Verdict::kFailed;
   std::string reason;  // One sentence; empty when ok.
-  std::string advice;  // What to try; empty when ok.
+  std::string advice;  // What the user can try; empty when ok.
 
   int images = 0;                // Photos given.
   int registered = 0;            // Photos with a pose.
@@ -59,31 +62,45 @@ struct Health {
   // Strongest matches between photos that the model contradicts.
   size_t contradictions = 0;
 
-  // What was found out about the photos, worst first, and what was tried.
+  // What was found out about the photos, the worst first.
   std::vector<Finding> findings;
+
+  // What was tried, in order.
   std::vector<Attempt> attempts;
 
-  // Which pairs of photos were matched.
+  // The pairs of photos that were matched, and the longest side, in pixels, of
+  // the images that features were taken from. Empty and 0 without COLMAP.
   MatchedPairs pairs;
-  int image_size = 0;  // Of the images that features were taken from; 0: none.
+  int image_size = 0;
 
-  // Photos without a pose, and why if known.
+  // The names of the photos without a pose, each with the reason, or with an
+  // empty string if none is known.
   std::map<std::string, std::string> unregistered;
   std::vector<std::string> warnings;
-  std::vector<Camera> cameras;
-  std::vector<CameraCandidate> camera_models;  // Those tried, if any.
-  std::string source;                          // "colmap", "import" ...
-  std::string colmap_version;                  // Empty when COLMAP was not run.
+  std::vector<Camera> cameras;  // Of models[0].
+
+  // The cameras among which one was chosen; empty if there was no choice.
+  std::vector<CameraCandidate> camera_models;
+  std::string source;          // "colmap", "import" ...
+  std::string colmap_version;  // Empty if COLMAP was not run.
 
   double registered_share() const {
     return images > 0 ? static_cast<double>(registered) / images : 0;
   }
 };
 
-// Measures models[0], the best one, and judges it; the others only count.
-// names: all photos given. triangulated: whether its points come from matches;
-// if not, only the registered share is judged. findings: of Diagnose(); a fatal
-// one makes any result failed, a degrading one no better than degraded.
+// Measures models[0], which must be the best model, and judges it. Of the other
+// models only the sizes are noted.
+//
+// names: all photos given. triangulated: whether the points come from matches;
+// if not (imported poses with random points), errors and angles are not judged.
+// findings: those of Diagnose(); a fatal one makes the verdict failed, a
+// degrading one makes it no better than degraded. The caller fills in attempts
+// and all that follows them in Health, except unregistered and cameras.
+//
+//   Health health = MeasureHealth(result.models, names, true, options, 0,
+//                                 result.findings);
+//   if (health.verdict == Verdict::kFailed) Show(health.reason, health.advice);
 Health MeasureHealth(const std::vector<Reconstruction>& models,
                      const std::vector<std::string>& names,
                      bool triangulated,
@@ -91,7 +108,7 @@ Health MeasureHealth(const std::vector<Reconstruction>& models,
                      size_t contradictions = 0,
                      std::vector<Finding> findings = {});
 
-// health.json.
+// The content of health.json.
 nlohmann::json HealthToJson(const Health& health);
 
 }  // namespace freegs::sfm

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The rungs, from cheap to dear.
+// The rungs in the order in which they are tried, and when each is worth
+// trying.
 
 #include "sfm/mapping/ladder.h"
 
@@ -38,14 +39,15 @@ class Ladder {
  private:
   struct Rung {
     const char* name;
+    // Its estimated costs; see ladder_rungs.h for the unit.
     double (Ladder::*cost)() const;
-    // Why it may help, or nothing.
+    // Returns why it may help, or an empty string if it cannot.
     std::string (Ladder::*why)() const;
     StatusOr<AttemptResult> (*run)(const RungInput&);
   };
   static const std::array<Rung, 9> kRungs;
 
-  // When a rung may help.
+  // Reasons for trying a rung; empty if there is none.
   std::string LinkedPhotosMissing() const;
   std::string ModelsShare() const;
   std::string ModelIsIncomplete() const;
@@ -54,7 +56,7 @@ class Ladder {
   std::string WeakPhotosMissing() const;
   std::string OtherMapperMayHelp() const;
 
-  // What it costs.
+  // Estimated costs of a rung.
   double CostOfMapping() const { return kMappingCost; }
   double CostOfGuidedMatching() const;
   double CostOfAllPairs() const;
@@ -63,7 +65,7 @@ class Ladder {
 
   bool IsGood() const;
   bool IsHopeless() const;
-  Status Look();  // Brings evidence_ and the counts below up to date.
+  Status Look();  // Call it whenever models_ or database_ have changed.
   Status Try(const Rung& rung, const std::string& why);
   StatusOr<bool> IsBetter(const AttemptResult& result,
                           const fs::path& database) const;
@@ -76,16 +78,20 @@ class Ladder {
   MatchedDatabase database_;
   std::vector<Attempt> attempts_;
 
-  // What is known about models_ and database_.
+  // Look() derives these from models_ and database_. Blurred photos are in none
+  // of the three counts.
   SceneEvidence evidence_;
-  size_t missing_ = 0;  // Photos that the best model lacks, save blurred ones.
-  size_t linked_ = 0;   // Of them, those that match photos of the model.
-  size_t alone_ = 0;    // Of them, those that match none, nor one another.
-  size_t loose_pairs_ = 0;  // Matching pairs with photos that it lacks.
+  size_t missing_ = 0;  // Photos that the best model lacks.
+  size_t linked_ = 0;   // Of these, those that match photos of the model.
+  size_t alone_ = 0;    // Of these, those in no group of kMinGroup photos.
+
+  // Pairs of photos with verified matches of which the model lacks at least
+  // one.
+  size_t loose_pairs_ = 0;
 };
 
-// The order is the order of costs, except that what needs a mapper of another
-// kind, which is less robust, comes last.
+// Cheap rungs come first. "another mapper" is last, although it is cheap,
+// because the other mappers are less robust.
 const std::array<Ladder::Rung, 9> Ladder::kRungs = {{
     {"lower thresholds",
      &Ladder::CostOfMapping,
@@ -153,7 +159,7 @@ std::string Ladder::PhotosMissing() const {
 
 std::string Ladder::WeakPhotosMissing() const {
   if (models_.empty()) return "there is no model yet";
-  // A group of its own has enough features: it found its members.
+  // Photos of a separate group need no more features: they match each other.
   if (linked_ + alone_ == 0) return {};
   return Count(linked_ + alone_, "photo") + " with too few matches";
 }

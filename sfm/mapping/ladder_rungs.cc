@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Other ways to match and to map.
+// Other ways of matching and mapping.
 
 #include "sfm/mapping/ladder_rungs.h"
 
@@ -32,9 +32,9 @@ StatusOr<AttemptResult> MapWith(const RungInput& input, Mapping mapping) {
   return result;
 }
 
-// Maps the rung's own database, in which so many pairs were matched. Lower
-// thresholds take long on photos that do not belong together, so they are for
-// when there is nothing to lose.
+// Maps the rung's own database, for which these pairs were matched. As long as
+// there is no model at all, lower thresholds are tried as well; otherwise not,
+// because they take long on photos that do not belong together.
 StatusOr<AttemptResult> MapOwnDatabase(const RungInput& input,
                                        const StepContext& context,
                                        MatchedPairs pairs) {

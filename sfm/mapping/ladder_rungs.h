@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the rungs of the ladder do. Which is climbed when: see ladder.cc.
+// What the rungs of the ladder do. ladder.cc decides which of them is tried
+// when.
 
 #ifndef FREEGS_SFM_MAPPING_LADDER_RUNGS_H_
 #define FREEGS_SFM_MAPPING_LADDER_RUNGS_H_
@@ -14,13 +15,15 @@
 
 namespace freegs::sfm {
 
-// Two models need so many photos in common to be merged.
+// Two models need at least this many photos in common to be merged.
 inline constexpr size_t kSharedPhotos = 3;
 
-// "more features" takes so many times sfm.max_features.
+// TakeMoreFeatures multiplies sfm.max_features by this.
 inline constexpr int kMoreFeatures = 2;
 
-// What ways cost, as multiples of the plain way's features, matching, mapping.
+// Estimated CPU times, as multiples of what the plain way takes in all for its
+// features, matching and mapping. Times of matching grow with the square of the
+// number of features.
 inline constexpr double kMappingCost = 0.2;
 inline constexpr double kMatchingCost = 0.7;
 inline constexpr double kGuidedMatchingCost = 2 * kMatchingCost;
@@ -29,42 +32,58 @@ inline constexpr double kMoreFeaturesCost =
     kFeaturesCost * kMoreFeatures +
     kMatchingCost * kMoreFeatures * kMoreFeatures + 2 * kMappingCost;
 
-// And images so large, in pixels, instead of `size`: half as large again, or
-// more, up to twice, where that is still no more than 1600.
+// The longest side, in pixels, of the images that TakeMoreFeatures uses instead
+// of `size`: twice as large but no more than 1600, or at least 1.5 times
+// `size`.
 int LargerImageSize(int size);
 
 // What a rung starts from.
 struct RungInput {
   const StepContext& context;
-  std::string name;
-  const std::vector<Reconstruction>& models;  // The best first.
-  const MatchedDatabase& database;            // What they were made from.
-  std::filesystem::path folder;               // For the rung's own files.
+  std::string name;                           // Of the attempt, for the user.
+  const std::vector<Reconstruction>& models;  // The best first; may be empty.
+  const MatchedDatabase& database;            // The database they come from.
+  std::filesystem::path folder;  // An empty folder for the rung's own files.
 };
 
-// Mapping the same matches: with lower thresholds; with other random draws;
-// with a mapper of another kind (COLMAP 4's global one, else the hierarchical).
+// All functions below return the errors of the COLMAP commands that they run.
+
+// The first five map the matches that are there.
+
+// Lowers the mapper's thresholds: weaker start pairs, fewer inliers.
 StatusOr<AttemptResult> MapRelaxed(const RungInput& input);
+
+// Repeats the plain mapping with other random draws.
 StatusOr<AttemptResult> MapWithOtherSeed(const RungInput& input);
+
+// Uses another mapper: COLMAP 4's global one, else the hierarchical one.
 StatusOr<AttemptResult> MapOtherwise(const RungInput& input);
 
-// Merges the models that share photos into the best one.
+// Merges models that share kSharedPhotos photos or more into the best one.
 StatusOr<AttemptResult> MergeAll(const RungInput& input);
 
-// Adds photos to the best model with low thresholds; COLMAP 4 also places them
-// by other photos alone, without points (its structure-less registration).
+// Adds photos to the best model, with low thresholds. COLMAP 4 can also place a
+// photo by its matches with other photos alone, without points ("structure-less
+// registration").
 StatusOr<AttemptResult> AddPhotos(const RungInput& input);
 
-// Other matches, into the database of the rung: more of them for photos that
-// the best model lacks and that match others, along the epipolar lines of what
-// is known to match; of all pairs; of descriptors that are less alike; of more,
-// and fainter, features in larger images.
+// The others match anew, into a database of the rung, and map that.
+
+// Looks for more matches, along the epipolar lines of those that are known, in
+// the matching pairs of photos of which the best model lacks one or both.
 StatusOr<AttemptResult> MatchMoreGuided(const RungInput& input);
+
+// Matches all pairs of photos.
 StatusOr<AttemptResult> MatchAllPairs(const RungInput& input);
+
+// Also accepts descriptors that are less alike.
 StatusOr<AttemptResult> MatchLoosely(const RungInput& input);
+
+// Takes kMoreFeatures times as many features, fainter ones too, from larger
+// images, and matches them.
 StatusOr<AttemptResult> TakeMoreFeatures(const RungInput& input);
 
-// How many photos two models share.
+// How many photos, by name, two models share.
 size_t NumShared(const Reconstruction& a, const Reconstruction& b);
 
 }  // namespace freegs::sfm

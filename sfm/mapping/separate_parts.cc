@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Mapping without what glued parts, with more features, or in parts.
+// The repairs of a glued model, in order.
 
 #include "sfm/mapping/separate_parts.h"
 
@@ -54,7 +54,7 @@ class Separation {
   std::string Why() const;
   StatusOr<AttemptResult> MapWithout(const std::string& name,
                                      Candidate candidate) const;
-  // Judges what an attempt made and keeps it if it is better.
+  // Keeps what an attempt made if its largest group is larger than before.
   Status Judge(const std::string& name,
                const std::string& why,
                const AttemptResult& result,
@@ -150,14 +150,14 @@ Status Separation::TakeFeatures(const Models& models) {
   }));
   FREEGS_RETURN_IF_ERROR(Judge(
       name, why, result, store_->DatabaseOf(name, result, best_.database)));
-  // More features may glue as well; then they tell better what to leave out.
+  // More features may glue parts, too; but they tell better which pairs did.
   if (!IsGood() && attempts_.back().kept && !best_.groups.consistent()) {
     FREEGS_RETURN_IF_ERROR(Unglue("more features, without look-alike parts"));
   }
   return {};
 }
 
-// Each group that is large enough becomes a model.
+// Makes a model of each group that is large enough.
 void Separation::TakeApart(SeparatedParts* result) const {
   for (const std::vector<uint32_t>& group : best_.groups.groups) {
     if (!result->models.empty() && group.size() < kMinPart) continue;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is done about models that consist of glued parts (see view_groups.h).
+// Repairs models in which parts of the scene that look alike were glued
+// together (see view_groups.h), or takes them apart.
 
 #ifndef FREEGS_SFM_MAPPING_SEPARATE_PARTS_H_
 #define FREEGS_SFM_MAPPING_SEPARATE_PARTS_H_
@@ -16,30 +17,38 @@
 namespace freegs::sfm {
 
 struct SeparatedParts {
-  // As ViewGroups::score, and the number of groups, of the best model given.
+  // The score of the first model given (see ViewGroups), and in how many groups
+  // of photos it falls.
   double score = 1;
   size_t groups = 1;
 
-  // What replaces the models given, when that was glued: a model that is one,
-  // or its parts, the largest first.
+  // The models to be used instead of those given: one that holds together, or
+  // the parts into which the best one was taken apart, the largest first. Empty
+  // if the first model given holds together and nothing needs to be done.
   std::vector<Reconstruction> models;
-  MatchedDatabase database;  // What these were made from.
+  MatchedDatabase database;  // The database that these were made from.
 
   // Whether the first of these holds together, by all matches of the database.
   bool one = false;
 
-  // Photos of the model given whose places relative to the first of these are
-  // unknown.
+  // Names of the photos that the first model given has and models[0] lacks,
+  // ascending. Where they belong is unknown.
   std::vector<std::string> unplaced;
 
   std::vector<Attempt> attempts;
 };
 
-// Checks models[0] (the others are ignored, models may be empty). If it is
-// glued, maps again without the pairs that glued it, and then with more
-// features if sfm.max_retry_cost allows; when no way gives one consistent model
-// of nearly all its photos, the one with the largest consistent part is taken
-// apart.
+// Checks models[0] against all verified matches of the database. If it is
+// glued:
+// 1. maps again without the pairs of photos that glued it, up to three times;
+// 2. if that does not give a model that holds together and has at least 90 % of
+//    the photos, takes more features and maps again, as far as
+//    options.max_retry_cost allows;
+// 3. takes the model with the largest consistent group apart: each group of
+//    three photos or more becomes a model.
+//
+// `models` are the best first; all but the first are ignored, and none is fine.
+// Errors: those of COLMAP's commands, except in step 2, and of the database.
 StatusOr<SeparatedParts> SeparateParts(
     const StepContext& context,
     const MatchedDatabase& database,

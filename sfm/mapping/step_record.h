@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which steps of structure from motion are finished, kept in a file so that a
-// killed run goes on where it was.
+// Remembers on disk which steps of structure from motion are finished, so that
+// a killed run goes on where it was.
 
 #ifndef FREEGS_SFM_MAPPING_STEP_RECORD_H_
 #define FREEGS_SFM_MAPPING_STEP_RECORD_H_
@@ -16,22 +16,31 @@
 
 namespace freegs::sfm {
 
-// steps.json in a work folder. A step is recorded after its files are complete;
-// a step that is not recorded is done again. A file that cannot be understood
-// counts as empty.
+// The file steps.json in a work folder. A step is recorded only after its files
+// are complete; a step that is not recorded is done again.
+//
+//   StepRecord record(work_folder);
+//   if (!record.Has("features")) {
+//     ...  // Takes the features.
+//     FREEGS_RETURN_IF_ERROR(record.Add("features"));
+//   }
 class StepRecord {
  public:
+  // Reads the file. One that is missing or not understood counts as empty.
   explicit StepRecord(const std::filesystem::path& work_folder);
 
   bool Has(const std::string& step) const { return done_.contains(step); }
+  // Numbers of the finished portions of the matching.
   const std::set<int>& portions() const { return portions_; }
+  // The pairs of photos that were matched; known once "matches" is finished.
   const MatchedPairs& pairs() const { return pairs_; }
-  int image_size() const { return image_size_; }  // 0: none was chosen.
+  // The image size chosen for feature extraction, in pixels; 0 before that.
+  int image_size() const { return image_size_; }
 
+  // Each of these writes the file. They return the errors of writing.
   Status Add(const std::string& step);
-  // A portion of the matching.
   Status AddPortion(int portion);
-  // The step "matches", and what was matched.
+  // Records the step "matches" together with what was matched.
   Status AddMatches(const MatchedPairs& pairs);
   Status SetImageSize(int size);
 
@@ -45,8 +54,8 @@ class StepRecord {
   int image_size_ = 0;
 };
 
-// For files. Null when nothing was matched; anything that cannot be understood
-// counts as that.
+// What was matched, as JSON and back. Null stands for "nothing was matched";
+// MatchedPairsFromJson also reads anything that it does not understand as that.
 nlohmann::json MatchedPairsToJson(const MatchedPairs& pairs);
 MatchedPairs MatchedPairsFromJson(const nlohmann::json& json);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The order of the steps, and which of them are done.
+// Runs the steps in order and leaves out those that are done.
 
 #include "sfm/mapping/structure_from_motion.h"
 
@@ -37,7 +37,7 @@ Status CheckNames(const SfmInput& input) {
   return {};
 }
 
-// Features and matches into work_folder/database.db.
+// Fills the database with photos, features and matches.
 Status BuildDatabase(const StepContext& context,
                      const fs::path& database,
                      StepRecord* record) {
@@ -68,8 +68,8 @@ Status BuildDatabase(const StepContext& context,
   return {};
 }
 
-// Gives the best model the simplest cameras that explain it, and adjusts it.
-// COLMAP's estimate stays where there is too little to choose by.
+// Gives the best model the simplest cameras that explain it, and adjusts it
+// with them. If the model has too little to choose by, COLMAP's cameras stay.
 Status ChooseCameras(const StepContext& context, SfmResult* result) {
   if (context.options.camera_model != "auto" || result->models.empty() ||
       result->models[0].images.size() < 3) {
@@ -96,7 +96,7 @@ Status ChooseCameras(const StepContext& context, SfmResult* result) {
   return {};
 }
 
-// What the attempts beyond the first changed, for people.
+// Tells the user which attempts beyond the first one placed more photos.
 void WarnOfAttempts(const std::vector<Attempt>& attempts,
                     size_t photos,
                     std::vector<std::string>* warnings) {

@@ -1,6 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Photographs to cameras and points, by running the installed COLMAP step by
-// step.
+// Reconstructs cameras and points from photos, by running the installed COLMAP
+// step by step and checking what it makes.
+//
+//   SfmInput input;
+//   input.photo_folder = "photos";
+//   input.photos = photos;  // Names and sizes, as stage ingest finds them.
+//   input.work_folder = "work";
+//   StatusOr<SfmResult> result = RunStructureFromMotion(input, SfmOptions());
+//   if (!result.ok()) return result.status();
+//   FREEGS_RETURN_IF_ERROR(TidyWorkFolder(input.work_folder, *result));
+//   if (!result->models.empty()) Use(result->models[0]);
+//
+// Whether the best model is good enough is for health.h to say.
 
 #ifndef FREEGS_SFM_MAPPING_STRUCTURE_FROM_MOTION_H_
 #define FREEGS_SFM_MAPPING_STRUCTURE_FROM_MOTION_H_
@@ -21,47 +32,51 @@
 namespace freegs::sfm {
 
 struct SfmResult {
-  // The reconstructions that COLMAP made; the one with most images, then most
-  // points, first. May be empty.
+  // The models, the best one first: that with most images, and of those with
+  // equally many the one with most points. May be empty.
   std::vector<Reconstruction> models;
 
   // Strongest matches that models[0] contradicts (see view_graph.h).
   size_t contradictions = 0;
 
-  // The database that models were made from: that of the work folder, or of an
-  // attempt (see TidyWorkFolder).
+  // The database that the models were made from. It lies in the work folder, or
+  // in the folder of an attempt (see TidyWorkFolder).
   MatchedDatabase database;
 
-  // What was tried, in order, and what was found out about the photos.
-  std::vector<Attempt> attempts;
-  std::vector<Finding> findings;
+  std::vector<Attempt> attempts;  // What was tried, in order.
+  std::vector<Finding> findings;  // What was found out, the worst first.
 
-  // The cameras tried for models[0]; empty when there was no choice to make.
+  // The cameras among which that of models[0] was chosen; empty if there was no
+  // choice.
   std::vector<CameraCandidate> camera_models;
 
   std::string colmap_version;
   std::vector<std::string> warnings;
 
-  // For photos not in models[0]: why, as far as the matches tell.
+  // For each photo without a pose in models[0], by name: why, as far as the
+  // matches tell.
   std::map<std::string, std::string> unregistered;
 };
 
-// Runs COLMAP. Finding no model at all is not an error here (see health.h).
-// Errors: kMissingDependency (no usable COLMAP), kInterrupted (finished steps
-// are kept), kBadInput, kUnusableResult (a COLMAP command failed; the message
-// has its last lines and names the log).
+// Runs COLMAP. It is not an error if no model at all comes of it.
 //
-// Repeatable: the same photos, options and seed with the same COLMAP give the
-// same models, byte for byte, whatever the number of threads. COLMAP itself
-// numbers photos, and draws random numbers, in an order that depends on its
-// threads; so photos are numbered in a first pass by one thread, matching runs
-// in fixed portions of one thread each, several at a time, and so does the
-// mapper. See docs/sfm.md.
+// Errors: kMissingDependency (no usable COLMAP), kInterrupted (a later call
+// goes on after the last finished step), kBadInput (names or options), and
+// kUnusableResult (a COLMAP command failed; the message has its last lines and
+// names the log).
+//
+// The same photos, options and seed with the same COLMAP give the same models,
+// byte for byte, whatever the number of threads. COLMAP alone does not promise
+// this: it numbers photos and draws random numbers in an order that depends on
+// its threads. So one thread numbers the photos in a first pass, matches are
+// verified in fixed portions with one thread each, and the mapper has one
+// thread. See docs/sfm.md.
 StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
                                            const SfmOptions& options);
 
-// Deletes what only an interrupted run needs from the work folder, and leaves
-// the database of the result there as database.db.
+// Moves the database of the result and its list of pairs to the work folder, as
+// database.db and pairs.txt, and deletes what only an interrupted run needs.
+// kInternal if the files cannot be moved.
 Status TidyWorkFolder(const std::filesystem::path& work_folder,
                       const SfmResult& result);
 

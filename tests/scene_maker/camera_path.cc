@@ -34,6 +34,50 @@ Rigid3d LookAt(const Vector3d& eye, const Vector3d& target) {
   return pose;
 }
 
+// Around one chair after the other, from the side that looks past it at the
+// other one.
+Rigid3d PoseAtChairs(const SceneMakerOptions& options,
+                     double index,
+                     RandomStream* shake) {
+  const auto around = [shake](double half_range) {
+    return half_range * (2 * shake->Uniform() - 1);
+  };
+  constexpr double kArc = 200 * kDegree;
+  const int first = (options.views + 1) / 2;
+  const bool second = index > first - 0.5;
+  const int count = second ? options.views - first : first;
+  const double share = count < 2 ? 0.5
+                                 : (second ? index - first : index) /
+                                       static_cast<double>(count - 1);
+  const double azimuth =
+      (second ? 0 : std::numbers::pi) + (share - 0.5) * kArc + around(0.02);
+  const double elevation =
+      (30 + 6 * std::sin(9 * share) + around(1.5)) * kDegree;
+  const Vector3d target(
+      kChairs[second ? 1 : 0].x + around(0.02), around(0.02), 0.45);
+  const double distance = 1.4 + around(0.05);
+  return LookAt(
+      target + distance * Vector3d(std::cos(elevation) * std::cos(azimuth),
+                                   std::cos(elevation) * std::sin(azimuth),
+                                   std::sin(elevation)),
+      target);
+}
+
+// Along the wall at y = 2.5, of which the lowest 1.2 metres and a strip of the
+// floor are in the picture.
+Rigid3d PoseAtWall(const SceneMakerOptions& options,
+                   double index,
+                   RandomStream* shake) {
+  const auto around = [shake](double half_range) {
+    return half_range * (2 * shake->Uniform() - 1);
+  };
+  const double share = options.views < 2 ? 0.5 : index / (options.views - 1);
+  const Vector3d eye(-1.9 + 3.8 * share + around(0.03),
+                     0.9 + around(0.1),
+                     1.2 + 0.15 * std::sin(9 * share));
+  return LookAt(eye, {eye.x() + 0.3 * std::sin(7 * share), 2.5, 0.52});
+}
+
 // Number `index` of a path whose photos are `step` apart; fractions are between
 // photos. `stream` decides how the hand shakes.
 Rigid3d PoseOnPath(const SceneMakerOptions& options,
@@ -53,6 +97,12 @@ Rigid3d PoseOnPath(const SceneMakerOptions& options,
                   eye + Vector3d(std::cos(tilt) * std::cos(heading),
                                  std::cos(tilt) * std::sin(heading),
                                  std::sin(tilt)));
+  }
+  if (options.subject == Subject::kChairs) {
+    return PoseAtChairs(options, index, &shake);
+  }
+  if (options.subject == Subject::kTiles) {
+    return PoseAtWall(options, index, &shake);
   }
   // Up and down three times on the way around, so that neighbours stay close
   // and every side is seen from several heights.

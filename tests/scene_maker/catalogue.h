@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The objects that can stand on the table.
+// The objects that can stand on the table, and the chair.
 
 #ifndef FREEGS_TESTS_SCENE_MAKER_CATALOGUE_H_
 #define FREEGS_TESTS_SCENE_MAKER_CATALOGUE_H_
@@ -30,6 +30,9 @@ struct CatalogueItem {
 
 // All kMaxObjects of them, in the order in which scenes take them.
 std::vector<CatalogueItem> MakeCatalogue(bool textured, uint32_t seed);
+
+// A wooden chair, 0.86 metres high, whose front points to +x.
+CatalogueItem MakeChair(bool textured, uint32_t seed);
 
 }  // namespace freegs::scene_maker
 

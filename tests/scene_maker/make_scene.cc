@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// freegs_make_scene: writes a made-up table-top scene with its truth.
+// freegs_make_scene: writes a made-up scene with its truth.
 
 #include <cstdio>
 #include <iostream>
@@ -15,6 +15,7 @@ namespace {
 
 namespace po = boost::program_options;
 using freegs::scene_maker::Motion;
+using freegs::scene_maker::Subject;
 
 int Fail(const std::string& message) {
   std::cerr << "freegs_make_scene: " << message << "\n";
@@ -26,8 +27,9 @@ int Run(int argc, char** argv) {
   std::string folder;
   std::string texture;
   std::string motion;
+  std::string subject;
   int threads = 0;
-  po::options_description description("Draws a table-top scene. Options");
+  po::options_description description("Draws a made-up scene. Options");
   // clang-format off
   description.add_options()
       ("help,h", "this text")
@@ -45,6 +47,8 @@ int Run(int argc, char** argv) {
        "decides placement, textures and the camera's shake")
       ("objects", po::value(&options.objects)->default_value(options.objects),
        "objects on the table, 1 to 12")
+      ("scene", po::value(&subject)->default_value("table"),
+       "table; chairs: two equal ones; tiles: a wall of equal ones")
       ("texture", po::value(&texture)->default_value("rich"), "rich or none")
       ("motion", po::value(&motion)->default_value("orbit"),
        "orbit, or rotation: turning on the spot")
@@ -66,6 +70,13 @@ int Run(int argc, char** argv) {
   }
   if (motion != "orbit" && motion != "rotation") {
     return Fail("--motion is orbit or rotation");
+  }
+  if (subject == "chairs") {
+    options.subject = Subject::kChairs;
+  } else if (subject == "tiles") {
+    options.subject = Subject::kTiles;
+  } else if (subject != "table") {
+    return Fail("--scene is table, chairs or tiles");
   }
   options.textured = texture == "rich";
   options.motion = motion == "orbit" ? Motion::kOrbit : Motion::kRotation;

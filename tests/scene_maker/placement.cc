@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <string>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -131,10 +132,64 @@ bool PlaceGroups(std::vector<Group>* groups, uint64_t seed, int attempt) {
   return true;
 }
 
+// Stands an item at `origin`, and measures it.
+void PutDown(const CatalogueItem& item,
+             const Eigen::Matrix3d& rotation,
+             const Vector3d& origin,
+             int id,
+             SceneObject* object,
+             std::vector<Solid>* solids) {
+  object->id = id;
+  object->label = item.label;
+  object->kind = item.kind;
+  object->obb.rotation = rotation;
+  CatalogueItem posed = item;
+  double volume = 0;
+  for (Solid& part : posed.parts) {
+    part.rotation = rotation * part.rotation;
+    part.centre = rotation * part.centre + origin;
+    part.object_id = id;
+    volume += Volume(part);
+    object->centroid += Volume(part) * Centroid(part);
+    solids->push_back(part);
+  }
+  object->centroid /= volume;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vector3d unit = Vector3d::Unit(axis);
+    object->aabb.max[axis] = ItemSupport(posed, unit);
+    object->aabb.min[axis] = -ItemSupport(posed, -unit);
+    const Vector3d own = rotation * unit;
+    const double high = ItemSupport(posed, own);
+    const double low = -ItemSupport(posed, -own);
+    object->obb.size[axis] = high - low;
+    object->obb.center += 0.5 * (high + low) * own;
+  }
+}
+
+void AddChairs(Scene* scene) {
+  CatalogueItem chair =
+      MakeChair(scene->options.textured,
+                static_cast<uint32_t>(scene->options.seed) * 131u + 17u);
+  const std::string label = chair.label;
+  for (size_t i = 0; i < kChairs.size(); ++i) {
+    chair.label = (i == 0 ? "left " : "right ") + label;
+    scene->objects.emplace_back();
+    PutDown(chair,
+            Eigen::AngleAxisd(kChairs[i].heading, Vector3d::UnitZ())
+                .toRotationMatrix(),
+            {kChairs[i].x, 0, 0},
+            static_cast<int>(i) + 1,
+            &scene->objects.back(),
+            &scene->solids);
+  }
+}
+
 }  // namespace
 
 Status AddObjects(Scene* scene) {
   const SceneMakerOptions& options = scene->options;
+  if (options.subject == Subject::kChairs) AddChairs(scene);
+  if (options.subject != Subject::kTable) return Status();
   std::vector<CatalogueItem> items = MakeCatalogue(
       options.textured, static_cast<uint32_t>(options.seed) * 131u + 17u);
   items.resize(static_cast<size_t>(options.objects));
@@ -162,32 +217,12 @@ Status AddObjects(Scene* scene) {
           Vector3d(group.position.x(), group.position.y(), kTableHeight) +
           group_rotation * member.offset;
 
-      SceneObject& object = scene->objects[member.item];
-      object.id = static_cast<int>(member.item) + 1;
-      object.label = item.label;
-      object.kind = item.kind;
-      object.obb.rotation = rotation;
-      CatalogueItem posed = item;
-      double volume = 0;
-      for (Solid& part : posed.parts) {
-        part.rotation = rotation * part.rotation;
-        part.centre = rotation * part.centre + origin;
-        part.object_id = object.id;
-        volume += Volume(part);
-        object.centroid += Volume(part) * Centroid(part);
-        scene->solids.push_back(part);
-      }
-      object.centroid /= volume;
-      for (int axis = 0; axis < 3; ++axis) {
-        const Vector3d unit = Vector3d::Unit(axis);
-        object.aabb.max[axis] = ItemSupport(posed, unit);
-        object.aabb.min[axis] = -ItemSupport(posed, -unit);
-        const Vector3d own = rotation * unit;
-        const double high = ItemSupport(posed, own);
-        const double low = -ItemSupport(posed, -own);
-        object.obb.size[axis] = high - low;
-        object.obb.center += 0.5 * (high + low) * own;
-      }
+      PutDown(item,
+              rotation,
+              origin,
+              static_cast<int>(member.item) + 1,
+              &scene->objects[member.item],
+              &scene->solids);
     }
     for (size_t k = 1; k < group.members.size(); ++k) {
       scene->touching.emplace_back(items[group.members[k - 1].item].label,

@@ -14,13 +14,13 @@ namespace freegs::scene_maker {
 
 struct Photo {
   ImageU8 color;  // H x W x 3, sRGB.
-  // From the one ray through each pixel's centre:
+  // These come from a single ray through the centre of each pixel.
   ImageU16 instances;   // Object id, 0 = background.
   ImageU16 background;  // 1 + index into kBackgroundClasses, 0 = object.
   ImageF depth;         // z of the camera frame, metres.
 };
 
-// The same bytes for any number of threads.
+// Draws the photo of a view. It has the same bytes for any number of threads.
 Photo CastRays(const Scene& scene, const View& view, ThreadPool& pool);
 
 }  // namespace freegs::scene_maker

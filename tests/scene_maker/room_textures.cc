@@ -208,4 +208,28 @@ Texture BookShelves(float half_width, float half_height, uint32_t seed) {
   };
 }
 
+Texture Tiles(float size, uint32_t seed) {
+  const Color glaze = FromSrgb(0xe9e4d6);
+  const Color grout = FromSrgb(0x8d887e);
+  return [=](const SurfacePoint& s) -> Color {
+    const Vector2f grid = s.uv / size;
+    const Vector2f in(grid.x() - std::floor(grid.x()) - 0.5f,
+                      grid.y() - std::floor(grid.y()) - 0.5f);
+    SurfacePoint own = s;  // The noise below repeats from tile to tile, too.
+    own.position = Vector3f(in.x() * size, in.y() * size, 0);
+    const float edge = (0.5f - in.cwiseAbs().maxCoeff()) * size;
+    if (edge < 0.004f) return grout;
+    const CellHit cell = CellNoise(in.x() * 5, in.y() * 5, seed);
+    const float blot =
+        FractalNoise(own.position, 0.08f, 5, s.footprint, seed + 1);
+    Color color = glaze * (0.9f + 0.25f * blot);
+    if (cell.id % 3 != 0) {
+      color = Mix(color,
+                  PaletteColor(cell.id >> 4),
+                  SmoothStep(0.03f, 0.1f, cell.border));
+    }
+    return color;
+  };
+}
+
 }  // namespace freegs::scene_maker

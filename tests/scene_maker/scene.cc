@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The room, and the whole scene.
 
 #include "tests/scene_maker/scene.h"
 
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "tests/scene_maker/textures.h"
 
@@ -45,95 +48,115 @@ Status SceneMakerOptions::Check() const {
   return Status();
 }
 
-void AddRoom(Scene* scene) {
-  const SceneMakerOptions& options = scene->options;
-  const uint32_t seed = static_cast<uint32_t>(options.seed) * 977u + 5u;
-  const auto add = [&](Shape shape,
-                       const Vector3d& size,
-                       const Vector3d& centre,
-                       const char* background,
-                       Texture texture,
-                       uint32_t plain) {
+namespace {
+
+constexpr double kThick = 0.05;  // Half thickness of floor, ceiling and walls.
+
+// Adds furniture to a scene, each piece with its rich texture or, in a plain
+// scene, in one colour.
+class Furnisher {
+ public:
+  explicit Furnisher(Scene* scene) : scene_(scene) {}
+
+  void Add(Shape shape,
+           const Vector3d& size,
+           const Vector3d& centre,
+           const char* background,
+           Texture texture,
+           uint32_t plain) {
     Solid solid;
     solid.shape = shape;
     solid.size = size;
     solid.centre = centre;
     solid.background = BackgroundClass(background);
     solid.texture =
-        options.textured ? std::move(texture) : Plain(FromSrgb(plain));
-    scene->solids.push_back(std::move(solid));
-  };
+        scene_->options.textured ? std::move(texture) : Plain(FromSrgb(plain));
+    scene_->solids.push_back(std::move(solid));
+  }
 
-  constexpr double kThick = 0.05;
-  const double middle = 0.5 * kRoomHeight;
-  const float half_x = static_cast<float>(kRoomX);
-  const float half_y = static_cast<float>(kRoomY);
-  const float half_z = static_cast<float>(middle);
-  add(Shape::kBox,
-      {kRoomX, kRoomY, kThick},
-      {0, 0, -kThick},
-      "floor",
-      FloorWithRug(1.75f, seed),
-      0xb8a890);
-  add(Shape::kBox,
-      {kRoomX, kRoomY, kThick},
-      {0, 0, kRoomHeight + kThick},
-      "wall",
-      Plain(FromSrgb(0xe8e4dc)),
-      0xe8e4dc);
-  const Texture pictures =
-      PictureWall(FromSrgb(0x8fa39a), half_y, half_z, seed + 1);
-  const Texture more_pictures =
-      PictureWall(FromSrgb(0xc9a97c), half_x, half_z, seed + 2);
-  const Texture shelves = BookShelves(half_y, half_z, seed + 3);
-  const Texture more_shelves = BookShelves(half_x, half_z, seed + 4);
-  add(Shape::kBox,
-      {kThick, kRoomY, middle},
-      {kRoomX + kThick, 0, middle},
-      "wall",
-      pictures,
-      0xd8d4cc);
-  add(Shape::kBox,
-      {kThick, kRoomY, middle},
-      {-kRoomX - kThick, 0, middle},
-      "wall",
-      shelves,
-      0xd8d4cc);
-  add(Shape::kBox,
-      {kRoomX, kThick, middle},
-      {0, kRoomY + kThick, middle},
-      "wall",
-      more_pictures,
-      0xd8d4cc);
-  add(Shape::kBox,
-      {kRoomX, kThick, middle},
-      {0, -kRoomY - kThick, middle},
-      "wall",
-      more_shelves,
-      0xd8d4cc);
+ private:
+  Scene* scene_;
+};
 
+// Walls at +x, -x, +y and -y.
+std::array<Texture, 4> WallTextures(Subject subject, uint32_t seed) {
+  constexpr auto kHalfX = static_cast<float>(kRoomX);
+  constexpr auto kHalfY = static_cast<float>(kRoomY);
+  constexpr auto kHalfZ = static_cast<float>(0.5 * kRoomHeight);
+  if (subject == Subject::kTable) {
+    return {PictureWall(FromSrgb(0x8fa39a), kHalfY, kHalfZ, seed + 1),
+            BookShelves(kHalfY, kHalfZ, seed + 3),
+            PictureWall(FromSrgb(0xc9a97c), kHalfX, kHalfZ, seed + 2),
+            BookShelves(kHalfX, kHalfZ, seed + 4)};
+  }
+  const Texture wall = subject == Subject::kTiles ? Tiles(0.3f, seed + 9)
+                                                  : Plain(FromSrgb(0xd8d4cc));
+  return {wall, wall, wall, wall};
+}
+
+void AddTable(uint32_t seed, Furnisher* room) {
   constexpr double kTop = 0.018;  // Half thickness of the table top.
-  const Texture top =
-      WoodPlanks(FromSrgb(0xc99a66), FromSrgb(0x6f4324), 0.115f, seed + 6);
-  add(Shape::kFrustum,
+  room->Add(
+      Shape::kFrustum,
       {kTableRadius - 0.006, kTableRadius, kTop},
       {0, 0, kTableHeight - kTop},
       "table",
-      top,
+      WoodPlanks(FromSrgb(0xc99a66), FromSrgb(0x6f4324), 0.115f, seed + 6),
       0xa9835c);
   const double leg = 0.5 * (kTableHeight - 2 * kTop);
-  add(Shape::kFrustum,
-      {0.09, 0.055, leg},
-      {0, 0, leg},
-      "table",
-      WoodPlanks(FromSrgb(0x9a6a40), FromSrgb(0x50301a), 0.3f, seed + 7),
-      0xa9835c);
-  add(Shape::kFrustum,
-      {0.34, 0.3, 0.02},
-      {0, 0, 0.02},
-      "table",
-      WoodPlanks(FromSrgb(0x9a6a40), FromSrgb(0x50301a), 0.1f, seed + 8),
-      0xa9835c);
+  room->Add(Shape::kFrustum,
+            {0.09, 0.055, leg},
+            {0, 0, leg},
+            "table",
+            WoodPlanks(FromSrgb(0x9a6a40), FromSrgb(0x50301a), 0.3f, seed + 7),
+            0xa9835c);
+  room->Add(Shape::kFrustum,
+            {0.34, 0.3, 0.02},
+            {0, 0, 0.02},
+            "table",
+            WoodPlanks(FromSrgb(0x9a6a40), FromSrgb(0x50301a), 0.1f, seed + 8),
+            0xa9835c);
+}
+
+}  // namespace
+
+void AddRoom(Scene* scene) {
+  const Subject subject = scene->options.subject;
+  const uint32_t seed = static_cast<uint32_t>(scene->options.seed) * 977u + 5u;
+  constexpr double kMiddle = 0.5 * kRoomHeight;
+  Furnisher room(scene);
+  room.Add(Shape::kBox,
+           {kRoomX, kRoomY, kThick},
+           {0, 0, -kThick},
+           "floor",
+           FloorWithRug(subject == Subject::kTable ? 1.75f : 0.0f, seed),
+           0xb8a890);
+  room.Add(Shape::kBox,
+           {kRoomX, kRoomY, kThick},
+           {0, 0, kRoomHeight + kThick},
+           "wall",
+           Plain(FromSrgb(0xe8e4dc)),
+           0xe8e4dc);
+  const std::array<Texture, 4> walls = WallTextures(subject, seed);
+  for (const int side : {0, 1}) {
+    const double sign = side == 0 ? 1 : -1;
+    room.Add(Shape::kBox,
+             {kThick, kRoomY, kMiddle},
+             {sign * (kRoomX + kThick), 0, kMiddle},
+             "wall",
+             walls[static_cast<size_t>(side)],
+             0xd8d4cc);
+  }
+  for (const int side : {0, 1}) {
+    const double sign = side == 0 ? 1 : -1;
+    room.Add(Shape::kBox,
+             {kRoomX, kThick, kMiddle},
+             {0, sign * (kRoomY + kThick), kMiddle},
+             "wall",
+             walls[static_cast<size_t>(2 + side)],
+             0xd8d4cc);
+  }
+  if (subject == Subject::kTable) AddTable(seed, &room);
 }
 
 StatusOr<Scene> BuildScene(const SceneMakerOptions& options) {

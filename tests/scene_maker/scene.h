@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A made-up room with a table of objects, and the cameras that photograph it.
-// Everything about it is known, so it serves tests and the demonstration.
+// A made-up room and the cameras that photograph it. It holds a table of
+// objects, or two equal chairs, or nothing but a tiled wall. Everything about
+// it is known, so it serves tests and the demonstration.
 //
 //   const StatusOr<Scene> scene = BuildScene({.objects = 5});
 //   const Photo photo = CastRays(*scene, scene->train[0], pool);
@@ -23,14 +24,23 @@
 
 namespace freegs::scene_maker {
 
+// What is photographed.
+enum class Subject {
+  kTable,   // A table of objects that all differ.
+  kChairs,  // Two equal chairs far apart on boards, between plain walls.
+  kTiles,   // A wall of equal tiles above a floor of boards.
+};
+
 enum class Motion {
-  kOrbit,     // Around the table, looking at it.
+  kOrbit,     // Around the table, around one chair after the other, or along
+              // the tiled wall.
   kRotation,  // On the spot, turning: no parallax.
 };
 
 struct SceneMakerOptions {
-  // Photographs to reconstruct from. In an orbit they are at most 9 degrees
-  // apart; fewer than 40 cover a part of the circle.
+  // Photographs to reconstruct from. Around the table they are at most 9
+  // degrees apart; fewer than 40 cover a part of the circle. Around each chair
+  // half of them cover 200 degrees; along the wall they cover 3.8 metres.
   int views = 40;
 
   // Photographs from other places on the way, for evaluation.
@@ -46,12 +56,13 @@ struct SceneMakerOptions {
   // Places objects, draws textures and shakes the camera.
   uint64_t seed = 1;
 
-  // Objects on the table, at most kMaxObjects.
+  // Objects on the table, at most kMaxObjects; unused without a table.
   int objects = 10;
 
   // False paints everything in one plain colour each.
   bool textured = true;
 
+  Subject subject = Subject::kTable;
   Motion motion = Motion::kOrbit;
 
   Status Check() const;
@@ -86,11 +97,11 @@ struct Scene {
 
 StatusOr<Scene> BuildScene(const SceneMakerOptions& options);
 
-// Furnishes the room: floor, walls, table.
+// Adds floor and walls, and the table if it is the subject.
 void AddRoom(Scene* scene);
 
-// Puts options.objects of the catalogue on the table top; kInternal when they
-// find no room there.
+// Puts options.objects of the catalogue on the table top, or the chairs on the
+// floor. Error: kInternal when the objects find no room on the table.
 Status AddObjects(Scene* scene);
 
 // Fills train and test.
@@ -99,6 +110,15 @@ void AddViews(Scene* scene);
 // Height and radius of the table top.
 inline constexpr double kTableHeight = 0.75;
 inline constexpr double kTableRadius = 0.66;
+
+// Where a chair stands, and where its front points to: an angle around z, in
+// radians from the x axis.
+struct ChairPlace {
+  double x = 0;  // Metres; y is 0.
+  double heading = 0;
+};
+inline constexpr std::array<ChairPlace, 2> kChairs = {
+    {{-1.15, 0.4}, {1.15, 4.2}}};
 
 }  // namespace freegs::scene_maker
 

@@ -107,11 +107,23 @@ json ObjectsJson(const Scene& scene,
            "center + rotation @ (size * u), u in [-0.5, 0.5]"}};
 }
 
+std::string What(const Scene& scene) {
+  switch (scene.options.subject) {
+    case Subject::kChairs:
+      return "Two equal chairs";
+    case Subject::kTiles:
+      return "A wall of equal tiles";
+    case Subject::kTable:
+      break;
+  }
+  return std::to_string(scene.objects.size()) + " objects on a round table";
+}
+
 std::string Readme(const Scene& scene) {
   const SceneMakerOptions& options = scene.options;
   std::string text =
-      "# A made-up table-top\n\n" + std::to_string(options.objects) +
-      " objects on a round table in a room, drawn by freegs_make_scene (seed " +
+      "# A made-up scene\n\n" + What(scene) +
+      " in a room, drawn by freegs_make_scene (seed " +
       std::to_string(options.seed) + ").\n\n" + "* `images/` " +
       std::to_string(options.views) + " training photos, " +
       std::to_string(options.width) + "x" + std::to_string(options.height) +

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A scene as a folder of photographs and truth.
+// Writes a scene as a folder of photographs with their truth.
 
 #ifndef FREEGS_TESTS_SCENE_MAKER_SCENE_FILES_H_
 #define FREEGS_TESTS_SCENE_MAKER_SCENE_FILES_H_

@@ -105,6 +105,44 @@ TEST(BuildScene, RotationHasNoParallax) {
   EXPECT_GT(Angle(scene.train[0], scene.train[1]), 3);
 }
 
+TEST(BuildScene, TheChairsAreEqualAndEachIsSeenByHalfOfThePhotos) {
+  SceneMakerOptions options = Small();
+  options.subject = Subject::kChairs;
+  const Scene scene = *BuildScene(options);
+  ASSERT_EQ(scene.objects.size(), 2u);
+  EXPECT_NE(scene.objects[0].label, scene.objects[1].label);
+  EXPECT_LT((scene.objects[0].obb.size - scene.objects[1].obb.size).norm(),
+            1e-9);
+  EXPECT_GT((scene.objects[0].centroid - scene.objects[1].centroid).norm(), 2);
+  for (size_t i = 0; i < scene.train.size(); ++i) {
+    const Vector3d p =
+        scene.train[i].cam_from_world * scene.objects[i / 4].centroid;
+    EXPECT_GT(p.z(), 1);
+    EXPECT_LT(std::hypot(p.x(), p.y()) / p.z(), 0.3);
+  }
+}
+
+TEST(BuildScene, TheTilesRepeat) {
+  SceneMakerOptions options = Small();
+  options.subject = Subject::kTiles;
+  const Scene scene = *BuildScene(options);
+  EXPECT_TRUE(scene.objects.empty());
+  EXPECT_GT((CameraCentre(scene.train.back().cam_from_world) -
+             CameraCentre(scene.train[0].cam_from_world))
+                .norm(),
+            3);
+  const auto wall = std::find_if(
+      scene.solids.begin(), scene.solids.end(), [](const Solid& solid) {
+        return solid.centre.y() > 2;
+      });
+  ASSERT_NE(wall, scene.solids.end());
+  SurfacePoint here;
+  here.uv = {0.11f, 0.17f};
+  SurfacePoint there = here;
+  there.uv += Eigen::Vector2f(3 * 0.3f, -2 * 0.3f);
+  EXPECT_LT((wall->texture(here) - wall->texture(there)).norm(), 1e-3);
+}
+
 TEST(CastRays, IsTheSameForAnyNumberOfThreads) {
   const Scene scene = *BuildScene(Small());
   ThreadPool one(1);

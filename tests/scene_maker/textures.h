@@ -72,6 +72,10 @@ Texture PictureWall(Color paint,
                     uint32_t seed);
 Texture BookShelves(float half_width, float half_height, uint32_t seed);
 
+// Square tiles of `size` with grout between them. They carry the same painting,
+// to the last speck.
+Texture Tiles(float size, uint32_t seed);
+
 // One random bit of a made-up 5 x 7 letter; x in 0..4, y in 0..6.
 bool LetterBit(uint32_t letter, int x, int y);
 
