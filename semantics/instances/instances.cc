@@ -11,8 +11,8 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
-#include "core/quantile.h"
 #include "core/kd_tree.h"
+#include "core/quantile.h"
 
 namespace freegs::semantics {
 namespace {

@@ -9,8 +9,8 @@
 #include <numeric>
 #include <utility>
 
-#include "core/quantile.h"
 #include "core/parallel.h"
+#include "core/quantile.h"
 #include "core/random.h"
 #include "sfm/calibration/bundle_adjustment.h"
 #include "sfm/scene/camera_conversion.h"
