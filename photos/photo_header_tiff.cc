@@ -16,7 +16,7 @@ constexpr uint16_t kImageLength = 257;
 constexpr uint16_t kBitsPerSample = 258;
 constexpr uint16_t kCompression = 259;
 constexpr uint16_t kStripOffsets = 273;
-constexpr uint16_t kOrientation = 274;
+constexpr uint16_t kOrientationTag = 274;
 constexpr uint16_t kSamplesPerPixel = 277;
 constexpr uint16_t kStripByteCounts = 279;
 constexpr uint16_t kTileOffsets = 324;
@@ -129,7 +129,7 @@ std::string NeutralTiff(std::string_view bytes) {
   if (!reader.ok()) return neutral;
   const StatusOr<Tags> tags = reader->Directory(reader->first_directory());
   if (!tags.ok()) return neutral;
-  for (const uint16_t tag : {kOrientation, kExtraSamples}) {
+  for (const uint16_t tag : {kOrientationTag, kExtraSamples}) {
     const TiffEntry* entry = FindTag(*tags, tag);
     if (entry == nullptr || !reader->Unsigned(*entry)) continue;
     // A BYTE, SHORT or LONG: all bytes 0 but the least significant.

@@ -19,7 +19,7 @@ using nlohmann::json;
 using nlohmann::ordered_json;
 
 constexpr int kVersion = 1;
-constexpr uint64_t kMaxFileBytes = uint64_t{256} << 20;
+constexpr uint64_t kMaxListBytes = uint64_t{256} << 20;
 constexpr int kMaxSide = 1 << 20;
 constexpr double kMaxNumber = 1e12;
 
@@ -191,7 +191,7 @@ Status WritePhotoList(const std::filesystem::path& path,
 
 StatusOr<PhotoList> ReadPhotoList(const std::filesystem::path& path) {
   FREEGS_ASSIGN_OR_RETURN(const std::string text,
-                          ReadFile(path, kMaxFileBytes));
+                          ReadFile(path, kMaxListBytes));
   return ParsePhotoList(text, path.string());
 }
 

@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kSignatureBytes = 400;
+constexpr size_t kFilmSignatureBytes = 400;
 constexpr int kMotionWidth = 320;    // Of the grey picture that is followed.
 constexpr double kStepShare = 0.25;  // Of VideoFrameOptions::motion.
 constexpr int kMaxDecoded = 1 << 24;
@@ -47,7 +47,7 @@ Status CheckSignature(const fs::path& path) {
     return Fault(path, "empty file (0 bytes); copy the film again");
   }
   std::ifstream file(path, std::ios::binary);
-  std::string bytes(kSignatureBytes, '\0');
+  std::string bytes(kFilmSignatureBytes, '\0');
   file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   if (file.gcount() <= 0) {
     return Fault(path, "cannot be read; make it readable");

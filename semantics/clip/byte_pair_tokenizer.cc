@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kNumBytes = 256;
 constexpr int kMaxMerges = 49152 - kNumBytes - 2;
-constexpr uint64_t kMaxFileBytes = 64 << 20;
+constexpr uint64_t kMaxVocabularyBytes = 64 << 20;
 constexpr size_t kMaxTextBytes = 10000;
 constexpr std::string_view kEndOfWord = "</w>";
 
@@ -65,9 +65,10 @@ std::string_view NextLine(std::string_view* text) {
 
 StatusOr<BytePairTokenizer> BytePairTokenizer::Load(
     const std::filesystem::path& path) {
-  FREEGS_ASSIGN_OR_RETURN(std::string content, ReadFile(path, kMaxFileBytes));
+  FREEGS_ASSIGN_OR_RETURN(std::string content,
+                          ReadFile(path, kMaxVocabularyBytes));
   if (IsGzip(content)) {
-    StatusOr<std::string> unpacked = Gunzip(content, kMaxFileBytes);
+    StatusOr<std::string> unpacked = Gunzip(content, kMaxVocabularyBytes);
     if (!unpacked.ok()) return unpacked.status().Annotated(path.string());
     content = *std::move(unpacked);
   }

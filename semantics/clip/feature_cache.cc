@@ -26,11 +26,11 @@ namespace fs = std::filesystem;
 //   bytes     key: what the features are of, to find files that were renamed
 //   float16   height x width x channels features
 //   uint64    XXH3 of everything before
-constexpr std::string_view kMagic = "FREEGSFC";
-constexpr uint32_t kVersion = 1;
-constexpr size_t kHeaderSize = 8 + 5 * 4;
+constexpr std::string_view kEntryMagic = "FREEGSFC";
+constexpr uint32_t kEntryVersion = 1;
+constexpr size_t kEntryHeaderSize = 8 + 5 * 4;
 constexpr uint32_t kMaxSide = 1 << 16;
-constexpr uint64_t kMaxFileBytes = uint64_t{1} << 32;
+constexpr uint64_t kMaxEntryBytes = uint64_t{1} << 32;
 
 std::string KeyOf(const std::string& image_hash,
                   const std::string& model_hash,
@@ -42,11 +42,11 @@ std::string KeyOf(const std::string& image_hash,
 }
 
 StatusOr<ImageF> ParseFeatures(std::string_view content, std::string_view key) {
-  if (content.size() < kHeaderSize + kChecksumBytes ||
-      !content.starts_with(kMagic)) {
+  if (content.size() < kEntryHeaderSize + kChecksumBytes ||
+      !content.starts_with(kEntryMagic)) {
     return BadInputError("not a file of features");
   }
-  ByteReader reader(WithoutChecksum(content).substr(kMagic.size()));
+  ByteReader reader(WithoutChecksum(content).substr(kEntryMagic.size()));
   uint32_t version = 0;
   uint32_t width = 0;
   uint32_t height = 0;
@@ -58,7 +58,7 @@ StatusOr<ImageF> ParseFeatures(std::string_view content, std::string_view key) {
   reader.Get(&height);
   reader.Get(&channels);
   reader.Get(&key_size);
-  if (version != kVersion) {
+  if (version != kEntryVersion) {
     return BadInputError("written by another version of the program");
   }
   if (!HasChecksum(content)) return BadInputError("damaged or truncated");
@@ -106,7 +106,7 @@ CachedFeatures FeatureCache::Find(const std::string& image_hash,
   const fs::path path = FileOf(image_hash, model_hash, kind);
   std::error_code error;
   if (!fs::exists(path, error)) return {std::nullopt, "not kept yet"};
-  const StatusOr<std::string> content = ReadFile(path, kMaxFileBytes);
+  const StatusOr<std::string> content = ReadFile(path, kMaxEntryBytes);
   if (!content.ok()) return {std::nullopt, content.status().message()};
   StatusOr<ImageF> features =
       ParseFeatures(*content, KeyOf(image_hash, model_hash, kind));
@@ -125,10 +125,10 @@ Status FeatureCache::Store(const std::string& image_hash,
     return InvalidArgumentError("there are no features to keep");
   }
   ByteWriter writer;
-  writer.Reserve(kHeaderSize + key.size() + 2 * features.size() +
+  writer.Reserve(kEntryHeaderSize + key.size() + 2 * features.size() +
                  kChecksumBytes);
-  writer.PutBytes(kMagic);
-  writer.Put(kVersion);
+  writer.PutBytes(kEntryMagic);
+  writer.Put(kEntryVersion);
   writer.Put(static_cast<uint32_t>(features.width()));
   writer.Put(static_cast<uint32_t>(features.height()));
   writer.Put(static_cast<uint32_t>(features.channels()));

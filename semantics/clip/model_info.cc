@@ -18,9 +18,9 @@ namespace {
 using nlohmann::json;
 
 constexpr std::string_view kFormat = "FreeGS CLIP";
-constexpr int kVersion = 1;
+constexpr int kModelVersion = 1;
 constexpr size_t kMaxWords = 10000;  // And groups of them.
-constexpr int64_t kMaxFileBytes = 10'000'000'000'000;
+constexpr int64_t kMaxModelFileBytes = 10'000'000'000'000;
 
 std::array<float, 3> ReadColor(JsonObjectReader& reader,
                                const char* key,
@@ -74,7 +74,7 @@ void ReadFiles(JsonObjectReader& top, Status* status, ModelInfo* info) {
     if (!IsFileName(name)) fields.Fail("", "is not the name of a file");
     ModelFile& file = info->files[name];
     file.bytes =
-        static_cast<uint64_t>(fields.Integer64("bytes", 0, kMaxFileBytes));
+        static_cast<uint64_t>(fields.Integer64("bytes", 0, kMaxModelFileBytes));
     file.hash = fields.Text("hash");
     if (!IsHash(file.hash)) fields.Fail("hash", "must be 32 hex digits");
   }
@@ -152,9 +152,9 @@ StatusOr<ModelInfo> ParseModelInfo(std::string_view text) {
   if (top.Text("format") != kFormat) {
     top.Fail("format", "is not \"" + std::string(kFormat) + "\"");
   }
-  if (top.Integer("version", 0, 1 << 30) != kVersion) {
+  if (top.Integer("version", 0, 1 << 30) != kModelVersion) {
     top.Fail("version",
-             "is not " + std::to_string(kVersion) +
+             "is not " + std::to_string(kModelVersion) +
                  "; the folder is of another version of the program");
   }
   info.name = top.Text("name");

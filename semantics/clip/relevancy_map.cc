@@ -13,7 +13,7 @@ namespace {
 
 // The number of upsampled values that are in memory at a time.
 constexpr size_t kBlockValues = size_t{1} << 22;
-constexpr int64_t kPixelGrain = 256;
+constexpr int64_t kMapPixelGrain = 256;
 
 }  // namespace
 
@@ -46,7 +46,7 @@ StatusOr<ImageF> RelevancyMap(const ImageF& features,
     pool.ParallelFor(
         0,
         static_cast<int64_t>(pixels.size()),
-        kPixelGrain,
+        kMapPixelGrain,
         [&](int64_t begin, int64_t end, int) {
           for (auto k = static_cast<size_t>(begin);
                k < static_cast<size_t>(end);

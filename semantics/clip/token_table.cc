@@ -14,8 +14,8 @@
 namespace freegs::semantics {
 namespace {
 
-constexpr std::string_view kMagic = "FREEGSTT";
-constexpr uint32_t kVersion = 1;
+constexpr std::string_view kTableMagic = "FREEGSTT";
+constexpr uint32_t kTableVersion = 1;
 constexpr size_t kHeaderSize = 8 + 4 * 4;
 constexpr uint32_t kMaxRows = 1 << 24;
 constexpr uint32_t kMaxColumns = 1 << 16;
@@ -28,11 +28,11 @@ StatusOr<TokenTable> TokenTable::Parse(std::string content) {
   uint32_t type = 0;
   uint32_t rows = 0;
   uint32_t columns = 0;
-  if (!reader.SkipBytes(kMagic) || !reader.Get(&version) ||
+  if (!reader.SkipBytes(kTableMagic) || !reader.Get(&version) ||
       !reader.Get(&type) || !reader.Get(&rows) || !reader.Get(&columns)) {
     return BadInputError("this is not a table of token vectors");
   }
-  if (version != kVersion) {
+  if (version != kTableVersion) {
     return BadInputError("version " + std::to_string(version) +
                          " of the file is not known; a newer program wrote it");
   }

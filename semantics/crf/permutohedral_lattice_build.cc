@@ -15,7 +15,7 @@
 namespace freegs::semantics {
 namespace {
 
-constexpr int64_t kVertexGrain = 2048;
+constexpr int64_t kBuildGrain = 2048;
 
 Status CheckFeatures(std::span<const float> features, int dim) {
   if (dim < 1 || dim > kMaxLatticeDim) {
@@ -178,7 +178,7 @@ StatusOr<PermutohedralLattice> PermutohedralLattice::Build(
   lattice.neighbors_.assign(vertices * (dim + 1), {missing, missing});
   pool.ParallelFor(0,
                    static_cast<int64_t>(vertices),
-                   kVertexGrain,
+                   kBuildGrain,
                    [&](int64_t first, int64_t last, int) {
                      int32_t key[kMaxLatticeDim] = {};
                      for (int64_t v = first; v < last; ++v) {

@@ -14,8 +14,8 @@
 namespace freegs::semantics {
 namespace {
 
-constexpr std::string_view kMagic = "FREEGSFT";
-constexpr uint32_t kVersion = 1;
+constexpr std::string_view kCheckpointMagic = "FREEGSFT";
+constexpr uint32_t kCheckpointVersion = 1;
 
 template <typename T>
 void PutSized(const std::vector<T>& array, ByteWriter* writer) {
@@ -101,8 +101,8 @@ StatusOr<std::string> SerializeFieldState(const FieldState& state) {
       const std::string decoder,
       SerializeDecoder({state.decoder, state.decoder_adam}));
   ByteWriter writer;
-  writer.PutBytes(kMagic);
-  writer.Put(kVersion);
+  writer.PutBytes(kCheckpointMagic);
+  writer.Put(kCheckpointVersion);
   writer.PutText(decoder);
   writer.Put(state.step);
   PutSized(state.features, &writer);
@@ -141,9 +141,9 @@ StatusOr<FieldState> ParseFieldState(std::string_view content) {
       "not a whole checkpoint of a semantic field; remove it to begin anew");
   if (!HasChecksum(content)) return damaged;
   ByteReader reader(WithoutChecksum(content));
-  if (!reader.SkipBytes(kMagic)) return damaged;
+  if (!reader.SkipBytes(kCheckpointMagic)) return damaged;
   uint32_t version = 0;
-  if (!reader.Get(&version) || version != kVersion) {
+  if (!reader.Get(&version) || version != kCheckpointVersion) {
     return BadInputError(
         "a checkpoint of another version of the program; remove it to begin "
         "anew");

@@ -9,7 +9,7 @@
 namespace freegs::semantics {
 namespace {
 
-constexpr int kMaxSide = 1 << 16;
+constexpr int kMaxStoredSide = 1 << 16;
 
 // The arrays of `weights` in a file, in the order of WeightMatrix.
 StatusOr<ViewWeights> MoveToDisk(const splat::WeightMatrix& weights,
@@ -36,11 +36,11 @@ StatusOr<ViewWeights> MoveToDisk(const splat::WeightMatrix& weights,
 }  // namespace
 
 Status ViewWeightsOptions::Check() const {
-  if (max_side < 0 || max_side > kMaxSide) {
+  if (max_side < 0 || max_side > kMaxStoredSide) {
     return InvalidArgumentError(
         "the longest side of the images that features are blended onto must "
         "lie in 0 .. " +
-        std::to_string(kMaxSide));
+        std::to_string(kMaxStoredSide));
   }
   return Status();
 }

@@ -17,7 +17,7 @@
 namespace freegs::semantics {
 namespace {
 
-constexpr int kNumNeighbors = 10;
+constexpr int kNumContactNeighbors = 10;
 constexpr int kPatchIterations = 5;
 // About the largest number of patches of a cluster. Larger clusters get larger
 // patches.
@@ -158,8 +158,10 @@ class ClusterCutter {
     contacts_.resize(patches_.size());
     std::vector<Neighbor> neighbors;
     for (uint32_t i = 0; i < points_.size(); ++i) {
-      tree.Nearest(
-          flat_positions_.data() + i * size_t{3}, kNumNeighbors, i, &neighbors);
+      tree.Nearest(flat_positions_.data() + i * size_t{3},
+                   kNumContactNeighbors,
+                   i,
+                   &neighbors);
       for (const Neighbor& neighbor : neighbors) {
         const int32_t a = patch_of_point_[i];
         const int32_t b = patch_of_point_[neighbor.index];

@@ -101,7 +101,7 @@ Eigen::Matrix3d UprightAxes(const std::vector<WeightedPoint>& points,
   return best;
 }
 
-Eigen::Matrix3d PrincipalAxes(const std::vector<WeightedPoint>& points) {
+Eigen::Matrix3d BoxAxes(const std::vector<WeightedPoint>& points) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const WeightedPoint& point : points) mean += point.position;
   mean /= static_cast<double>(points.size());
@@ -212,7 +212,7 @@ std::vector<Instance> BuildInstances(
       instance.obb =
           BoxAlong(points,
                    vertical ? UprightAxes(points, *vertical, options.trim)
-                            : PrincipalAxes(points),
+                            : BoxAxes(points),
                    options.trim);
     }
   });

@@ -10,7 +10,7 @@
 namespace freegs::semantics {
 namespace {
 
-constexpr int64_t kRowGrain = 32;
+constexpr int64_t kMlpRowGrain = 32;
 
 // Calls body(k, column) for every value of a matrix of `cols` columns.
 template <typename Body>
@@ -18,11 +18,12 @@ void ForEachValue(int64_t rows,
                   int64_t cols,
                   ThreadPool& pool,
                   const Body& body) {
-  pool.ParallelFor(0, rows, kRowGrain, [&](int64_t first, int64_t last, int) {
-    for (int64_t row = first; row < last; ++row) {
-      for (int64_t col = 0; col < cols; ++col) body(row * cols + col, col);
-    }
-  });
+  pool.ParallelFor(
+      0, rows, kMlpRowGrain, [&](int64_t first, int64_t last, int) {
+        for (int64_t row = first; row < last; ++row) {
+          for (int64_t col = 0; col < cols; ++col) body(row * cols + col, col);
+        }
+      });
 }
 
 // Writes the statistics of `values`, S x H, into the batch.

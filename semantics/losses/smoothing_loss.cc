@@ -16,7 +16,7 @@ namespace {
 constexpr int64_t kQueryGrain = 512;
 constexpr int64_t kPairGrain = 256;
 constexpr int64_t kChannelGrain = 32;
-constexpr double kMinLength = 1e-12;
+constexpr double kMinFeatureLength = 1e-12;
 
 // A sample and one of its neighbours. With unit vectors u, v of f_i, f_j,
 //   d cos / df_i = (v - cos u) / |f_i|, and likewise for j,
@@ -43,7 +43,9 @@ void Compare(const float* features, int dim, Pair* pair) {
   const double aa = Dot(a, a, dim);
   const double bb = Dot(b, b, dim);
   // Also false if a number is not finite; the caller sees that in the cosine.
-  if (aa < kMinLength * kMinLength || bb < kMinLength * kMinLength) return;
+  if (aa < kMinFeatureLength * kMinFeatureLength ||
+      bb < kMinFeatureLength * kMinFeatureLength)
+    return;
   pair->counts = true;
   pair->cross = -1 / (std::sqrt(aa) * std::sqrt(bb));
   pair->cosine = -pair->cross * Dot(a, b, dim);

@@ -57,15 +57,15 @@ Eigen::Vector3d Unproject(const Camera& camera, const Eigen::Vector2d& pixel) {
   return ray;
 }
 
-struct Photo {
+struct GroupedPhoto {
   const PosedImage* image = nullptr;
   double focal = 0;
   std::vector<Eigen::Vector3d> rays;  // Of the features.
 };
 
 // Counts matches that fit two photos' poses.
-int64_t CountFitting(const Photo& photo1,
-                     const Photo& photo2,
+int64_t CountFitting(const GroupedPhoto& photo1,
+                     const GroupedPhoto& photo2,
                      std::span<const FeatureMatch> matches) {
   const Rigid3d motion =
       photo2.image->cam_from_world * Inverse(photo1.image->cam_from_world);
@@ -182,10 +182,10 @@ class Contraction {
 StatusOr<std::vector<PairSupport>> MeasureSupport(
     const Reconstruction& model, const MatchDatabase& database) {
   const auto camera_index = IndexCameras(model);
-  std::unordered_map<uint32_t, Photo> photos;
+  std::unordered_map<uint32_t, GroupedPhoto> photos;
   for (const PosedImage& image : model.images) {
     const Camera& camera = model.cameras[camera_index.at(image.camera_id)];
-    Photo& photo = photos[image.id];
+    GroupedPhoto& photo = photos[image.id];
     photo.image = &image;
     photo.focal = std::sqrt(camera.FocalX() * camera.FocalY());
     photo.rays.reserve(image.points2d.size());

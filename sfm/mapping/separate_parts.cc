@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Models = std::vector<Reconstruction>;
 
-constexpr int kMaxRounds = 3;
+constexpr int kMaxPartRounds = 3;
 constexpr size_t kMinPart = 3;  // Photos of a part that makes a model.
 
 struct Candidate {
@@ -84,7 +84,7 @@ StatusOr<AttemptResult> Separation::MapWithout(const std::string& name,
   FREEGS_RETURN_IF_ERROR(CopyDatabase(candidate.database.path, trusted));
   AttemptResult result;
   size_t largest = 0;
-  for (int round = 0; round < kMaxRounds; ++round) {
+  for (int round = 0; round < kMaxPartRounds; ++round) {
     if (candidate.groups.suspects.empty()) break;
     FREEGS_RETURN_IF_ERROR(
         RemoveVerifiedPairs(trusted, candidate.groups.suspects));
