@@ -33,7 +33,6 @@ class BootstrappingTest : public testing::Test {
                                  .color));
     }
     options_.instances.refine = false;
-    options_.instances.min_share = 0;
   }
 
   StatusOr<SemanticField> Lift(
