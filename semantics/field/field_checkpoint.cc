@@ -68,7 +68,7 @@ bool GetHistory(ByteReader* reader, std::vector<LossRecord>* history) {
   return true;
 }
 
-bool AllFinite(const std::vector<float>& values) {
+bool IsFinite(const std::vector<float>& values) {
   return std::all_of(
       values.begin(), values.end(), [](float x) { return std::isfinite(x); });
 }
@@ -91,7 +91,7 @@ bool Fits(const FieldState& state) {
                  state.decoder.feature_dim() &&
          std::all_of(
              teachers.labels.begin(), teachers.labels.end(), in_range) &&
-         AllFinite(state.features) && AllFinite(teachers.vectors);
+         IsFinite(state.features) && AllFinite(teachers.vectors);
 }
 
 }  // namespace
