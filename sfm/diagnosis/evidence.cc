@@ -17,8 +17,8 @@
 namespace freegs::sfm {
 namespace {
 
-// The ratio of the largest to the smallest singular value of inv(K2) H K1, for a
-// focal length given as a share of the photo's longest side.
+// The ratio of the largest to the smallest singular value of inv(K2) H K1, for
+// a focal length given as a share of the photo's longest side.
 double Stretch(const Eigen::Matrix3d& homography,
                const PhotoEvidence& from,
                const PhotoEvidence& to,

@@ -96,8 +96,8 @@ Judgement FailureOf(const Health& health,
     return {Reasons(health, "no points were triangulated"),
             Advice(health, kMoreOverlap)};
   }
-  if (triangulated &&
-      health.measures.median_triangulation_deg < options.min_triangulation_deg) {
+  if (triangulated && health.measures.median_triangulation_deg <
+                          options.min_triangulation_deg) {
     return {"the median triangulation angle is " +
                 Fixed(health.measures.median_triangulation_deg) +
                 " degrees: the camera hardly moved, or only turned",
@@ -121,8 +121,8 @@ Judgement FlawOf(const Health& health,
                                "coverage, ") +
                        kMoreOverlap)};
   }
-  if (triangulated &&
-      health.measures.mean_reprojection_error_px > options.good_reprojection_error_px) {
+  if (triangulated && health.measures.mean_reprojection_error_px >
+                          options.good_reprojection_error_px) {
     return {"the mean reprojection error is " +
                 Fixed(health.measures.mean_reprojection_error_px) + " px",
             "the lens may need another model: try --sfm.camera_model OPENCV "
@@ -193,7 +193,8 @@ Status HealthOptions::Check() const {
   if (!(min_registered_share >= 0 && min_registered_share <= 1) ||
       !(good_registered_share >= 0 && good_registered_share <= 1)) {
     return InvalidArgumentError(
-        "min_registered_share and good_registered_share must be between 0 and 1");
+        "min_registered_share and good_registered_share must be between 0 and "
+        "1");
   }
   return {};
 }
@@ -281,7 +282,8 @@ nlohmann::json HealthToJson(const Health& health) {
       {"mean_reprojection_error_px",
        Rounded(health.measures.mean_reprojection_error_px)},
       {"median_track_length", health.measures.median_track_length},
-      {"median_triangulation_deg", Rounded(health.measures.median_triangulation_deg)},
+      {"median_triangulation_deg",
+       Rounded(health.measures.median_triangulation_deg)},
       {"num_points", health.measures.num_points},
       {"observations", health.measures.observations},
       {"contradictions", health.contradictions},

@@ -9,9 +9,9 @@
 #include <cmath>
 
 #include "sfm/diagnosis/photo_reasons.h"
+#include "sfm/lookalikes/view_graph.h"
 #include "sfm/mapping/ladder_rungs.h"
 #include "sfm/matching/match_database.h"
-#include "sfm/lookalikes/view_graph.h"
 
 namespace freegs::sfm {
 namespace {

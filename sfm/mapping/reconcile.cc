@@ -5,8 +5,8 @@
 
 #include <utility>
 
-#include "sfm/matching/match_database.h"
 #include "sfm/lookalikes/view_graph.h"
+#include "sfm/matching/match_database.h"
 
 namespace freegs::sfm {
 namespace {

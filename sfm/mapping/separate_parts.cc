@@ -8,9 +8,9 @@
 #include <set>
 #include <utility>
 
+#include "sfm/lookalikes/view_groups.h"
 #include "sfm/mapping/ladder_rungs.h"
 #include "sfm/matching/match_database.h"
-#include "sfm/lookalikes/view_groups.h"
 
 namespace freegs::sfm {
 namespace {

@@ -8,16 +8,16 @@
 #include <system_error>
 #include <thread>
 
-#include "sfm/diagnosis/photo_reasons.h"
 #include "core/io/files.h"
 #include "sfm/colmap/colmap_program.h"
 #include "sfm/colmap/colmap_steps.h"
+#include "sfm/diagnosis/photo_reasons.h"
+#include "sfm/lookalikes/view_graph.h"
 #include "sfm/mapping/ladder.h"
-#include "sfm/matching/match_database.h"
 #include "sfm/mapping/reconcile.h"
 #include "sfm/mapping/separate_parts.h"
 #include "sfm/mapping/step_record.h"
-#include "sfm/lookalikes/view_graph.h"
+#include "sfm/matching/match_database.h"
 
 namespace freegs::sfm {
 namespace {
