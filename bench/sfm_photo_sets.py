@@ -113,6 +113,8 @@ ANY = {OK, DEGRADED, FAILED}  # As long as it is true.
 SETS = {
     "plainwall": PhotoSet("40 photos, untextured walls and floor",
                           {OK, DEGRADED}, scene("plainwall")),
+    "tabletop": PhotoSet("60 photos, a table whose grain repeats",
+                         {OK, DEGRADED}, scene("tabletop")),
     "every_2nd": PhotoSet("every 2nd photo of tabletop", {OK, DEGRADED},
                           scene("tabletop", every=2)),
     "every_4th": PhotoSet("every 4th photo of tabletop", ANY,
