@@ -91,7 +91,7 @@ bool Fits(const FieldState& state) {
                  state.decoder.feature_dim() &&
          std::all_of(
              teachers.labels.begin(), teachers.labels.end(), in_range) &&
-         IsFinite(state.features) && AllFinite(teachers.vectors);
+         IsFinite(state.features) && IsFinite(teachers.vectors);
 }
 
 }  // namespace
