@@ -15,11 +15,35 @@ if(FREEGS_SANITIZE)
   target_link_options(freegs_warnings INTERFACE -fsanitize=${FREEGS_SANITIZE})
 endif()
 
+# Large headers of the standard library, Eigen and GoogleTest, compiled once for
+# all files of one optimisation level. Headers of ours are not among them: every
+# file still includes what it uses (a build with FREEGS_PCH=OFF shows it).
+function(freegs_add_precompiled_headers target)
+  file(WRITE ${CMAKE_BINARY_DIR}/generated/${target}.cc "")
+  add_library(${target} OBJECT ${CMAKE_BINARY_DIR}/generated/${target}.cc)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  target_link_libraries(${target} PRIVATE Eigen3::Eigen freegs_warnings)
+  target_precompile_headers(${target} PRIVATE
+    <algorithm> <array> <atomic> <cmath> <cstdint> <filesystem> <functional>
+    <map> <memory> <mutex> <optional> <set> <span> <sstream> <string>
+    <string_view> <thread> <utility> <variant> <vector>
+    <Eigen/Core> <Eigen/Geometry> ${ARGN})
+endfunction()
+if(FREEGS_PCH)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_LAUNCHER)
+    add_compile_options(-fpch-preprocess)  # Else ccache keeps nothing.
+  endif()
+  freegs_add_precompiled_headers(freegs_pch)
+  freegs_add_precompiled_headers(freegs_pch_cold)
+  target_compile_options(freegs_pch_cold PRIVATE $<$<CONFIG:Release>:-O2>)
+endif()
+
 # freegs_add_library(NAME SOURCES a.cc ... LINK libraries ... LINK_PRIVATE ...)
 # makes freegs_NAME. LINK is what the headers include, LINK_PRIVATE what only the
-# sources do.
+# sources do. With COLD it is compiled with -O2 instead of -O3: code that waits for
+# files and other programs, or calls rooms that do the work.
 function(freegs_add_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;LINK_PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "COLD" "" "SOURCES;LINK;LINK_PRIVATE" ${ARGN})
   set(target freegs_${name})
   add_library(${target} STATIC ${ARG_SOURCES})
   add_library(freegs::${name} ALIAS ${target})
@@ -28,6 +52,14 @@ function(freegs_add_library name)
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
     $<INSTALL_INTERFACE:include/freegs>)
   target_compile_features(${target} PUBLIC cxx_std_20)
+  set(pch freegs_pch)
+  if(ARG_COLD)
+    target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O2>)
+    set(pch freegs_pch_cold)
+  endif()
+  if(FREEGS_PCH)
+    target_precompile_headers(${target} REUSE_FROM ${pch})
+  endif()
   # Files of Highway, which include themselves for every instruction set, and C
   # libraries' macros do not bear company.
   if(FREEGS_UNITY)
@@ -37,7 +69,7 @@ function(freegs_add_library name)
       file(STRINGS ${source} alone REGEX "hwy/foreach_target.h" LIMIT_COUNT 1)
       if(alone)
         set_source_files_properties(${source} PROPERTIES
-          SKIP_UNITY_BUILD_INCLUSION ON)
+          SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON)
       endif()
     endforeach()
   endif()
@@ -69,6 +101,9 @@ function(freegs_add_test name)
     GTest::gmock GTest::gtest GTest::gtest_main)
   # Tests are compiled more often than they run.
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+  if(FREEGS_PCH)
+    target_precompile_headers(${name} REUSE_FROM freegs_pch_tests)
+  endif()
   include(GoogleTest)
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST
     PROPERTIES TIMEOUT 600)

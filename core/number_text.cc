@@ -37,7 +37,7 @@ std::string FormatCount(int64_t count) {
   std::string digits = std::to_string(count);
   const std::ptrdiff_t first = digits[0] == '-' ? 1 : 0;
   for (std::ptrdiff_t at = std::ssize(digits) - 3; at > first; at -= 3) {
-    digits.insert(static_cast<size_t>(at), ",");
+    digits.insert(static_cast<size_t>(at), 1, ',');
   }
   return digits;
 }

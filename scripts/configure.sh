@@ -14,6 +14,7 @@ if [[ ! -f $build/CMakeCache.txt ]] && command -v ninja >/dev/null; then
   arguments+=(-G Ninja)
 fi
 if command -v ccache >/dev/null; then
-  arguments+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+  # ccache keeps what was compiled with precompiled headers only with these.
+  arguments+=("-DCMAKE_CXX_COMPILER_LAUNCHER=env;CCACHE_SLOPPINESS=pch_defines,time_macros;ccache")
 fi
 cmake -S . -B "$build" "${arguments[@]}" "$@"

@@ -4,6 +4,7 @@
 #include "sfm/colmap/colmap_program.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 
 namespace freegs::sfm {
@@ -51,22 +52,19 @@ std::string VersionIn(std::string_view line) {
   return std::string(line.substr(start, end - start));
 }
 
-// The first `count` numbers of "4.1.0" or "3.9-dev"; missing ones are 0.
-std::vector<int> VersionNumbers(const std::string& version, size_t count) {
-  std::vector<int> numbers;
+// The first three numbers of "4.1.0" or "3.9-dev"; missing ones are 0.
+std::array<int, 3> VersionNumbers(const std::string& version) {
+  std::array<int, 3> numbers = {};
   size_t at = 0;
-  while (numbers.size() < count && at < version.size() &&
-         std::isdigit(static_cast<unsigned char>(version[at])) != 0) {
-    int number = 0;
+  for (int& number : numbers) {
     for (; at < version.size() &&
            std::isdigit(static_cast<unsigned char>(version[at])) != 0;
          ++at) {
       number = std::min(number * 10 + (version[at] - '0'), 1 << 20);
     }
-    numbers.push_back(number);
-    if (at < version.size() && version[at] == '.') ++at;
+    if (at == version.size() || version[at] != '.') break;
+    ++at;
   }
-  numbers.resize(count);
   return numbers;
 }
 
@@ -75,14 +73,14 @@ std::vector<int> VersionNumbers(const std::string& version, size_t count) {
 std::vector<std::string> ColmapProgram::KnownFaults() const {
   std::vector<std::string> faults;
   if (version_ == "unknown") return faults;
-  const std::vector<int> number = VersionNumbers(version_, 3);
-  if (number < std::vector{3, 8, 0}) {
+  const std::array<int, 3> number = VersionNumbers(version_);
+  if (number < std::array{3, 8, 0}) {
     faults.push_back("COLMAP " + version_ +
                      " is older than 3.8, the oldest release that is tested; "
                      "install a newer one");
   }
   // Source: COLMAP's CHANGELOG.rst, release 4.1.1.
-  if (number >= std::vector{4, 0, 0} && number < std::vector{4, 1, 1}) {
+  if (number >= std::array{4, 0, 0} && number < std::array{4, 1, 1}) {
     faults.push_back("COLMAP " + version_ +
                      " verifies matches 4 to 6 times slower than other "
                      "releases; install 4.1.1 or newer");

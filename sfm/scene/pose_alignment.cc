@@ -52,8 +52,13 @@ Status CheckSpread(const Centred& source, const Centred& target) {
 }
 
 bool AreCollinear(const Centred& points) {
-  const Eigen::JacobiSVD<Eigen::Matrix3Xd> svd(points.offsets);
-  return svd.singularValues()(1) < kMinSpreadRatio * svd.singularValues()(0);
+  // Eigenvalues of the scatter matrix are the squares of the spreads along the
+  // principal axes; they come in ascending order.
+  const Eigen::Matrix3d scatter = points.offsets * points.offsets.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(
+      scatter, Eigen::EigenvaluesOnly);
+  return axes.eigenvalues()(1) <
+         kMinSpreadRatio * kMinSpreadRatio * axes.eigenvalues()(2);
 }
 
 // Scale and translation for a known rotation, by least squares.
