@@ -60,19 +60,21 @@ function(freegs_add_library name)
   if(FREEGS_PCH)
     target_precompile_headers(${target} REUSE_FROM ${pch})
   endif()
-  # Files of Highway, which include themselves for every instruction set, and C
-  # libraries' macros do not bear company.
   if(FREEGS_UNITY)
     set_target_properties(${target} PROPERTIES
       UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${FREEGS_UNITY_BATCH})
-    foreach(source IN LISTS ARG_SOURCES)
-      file(STRINGS ${source} alone REGEX "hwy/foreach_target.h" LIMIT_COUNT 1)
-      if(alone)
-        set_source_files_properties(${source} PROPERTIES
-          SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON)
-      endif()
-    endforeach()
   endif()
+  # Files that Highway compiles once for each instruction set include themselves,
+  # so they stay alone. SSSE3 is left out: processors that have it but not SSE4
+  # date from before 2008, and use the scalar code.
+  foreach(source IN LISTS ARG_SOURCES)
+    file(STRINGS ${source} alone REGEX "hwy/foreach_target.h" LIMIT_COUNT 1)
+    if(alone)
+      set_source_files_properties(${source} PROPERTIES
+        SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON
+        COMPILE_DEFINITIONS HWY_DISABLED_TARGETS=HWY_SSSE3)
+    endif()
+  endforeach()
   target_link_libraries(${target} PUBLIC ${ARG_LINK}
     PRIVATE ${ARG_LINK_PRIVATE} $<BUILD_INTERFACE:freegs_warnings>)
   set_property(GLOBAL APPEND PROPERTY FREEGS_LIBRARIES ${target})
@@ -103,6 +105,8 @@ function(freegs_add_test name)
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   if(FREEGS_PCH)
     target_precompile_headers(${name} REUSE_FROM freegs_pch_tests)
+    # As the headers were compiled: an executable's flags differ otherwise.
+    set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE OFF)
   endif()
   include(GoogleTest)
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST

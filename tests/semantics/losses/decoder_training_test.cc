@@ -39,8 +39,7 @@ double Learn(int steps,
     EXPECT_TRUE(features.ok());
     std::vector<float> gradients(features->size(), 0.0f);
     std::vector<float> latent_gradients(latents->size(), 0.0f);
-    loss =
-        *PixelDistillationLoss(*features, targets, 8, {}, 1.0, pool, gradients);
+    loss = *PixelDistillationLoss(*features, targets, 8, 1.0, pool, gradients);
     EXPECT_TRUE(training->Backward(gradients, pool, latent_gradients).ok());
     EXPECT_TRUE(training->Step(pool).ok());
     StepArrayAdam({}, 0.02, latent_gradients, pool, &adam, *latents);
