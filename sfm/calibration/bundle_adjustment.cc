@@ -21,9 +21,6 @@ namespace {
 // Scale of the Cauchy loss: residuals well above it count less.
 constexpr double kLossScalePx = 1.0;
 
-// The solver stops when a step lowers the cost by less than this share.
-constexpr double kFunctionTolerance = 1e-5;
-
 // An image's pose as Ceres sees it: x_cam = exp(delta) * start * x + t, where
 // delta is an angle-axis vector that begins at 0.
 struct PoseBlock {
@@ -230,7 +227,7 @@ ceres::Solver::Options SolverOptions(const BundleAdjustmentOptions& options,
                                      const ceres::Problem& problem) {
   ceres::Solver::Options solver;
   solver.max_num_iterations = options.max_iterations;
-  solver.function_tolerance = kFunctionTolerance;
+  solver.function_tolerance = options.function_tolerance;
   solver.gradient_tolerance = 1e-10;
   solver.parameter_tolerance = 1e-8;
   solver.num_threads = 1;
@@ -316,9 +313,10 @@ Status Store(const Blocks& blocks,
 }  // namespace
 
 Status BundleAdjustmentOptions::Check() const {
-  if (max_iterations < 1) {
+  if (max_iterations < 1 || !(function_tolerance >= 0)) {
     return InvalidArgumentError(
-        "bundle adjustment needs at least one iteration");
+        "bundle adjustment needs at least one iteration and a tolerance that "
+        "is not negative");
   }
   return {};
 }

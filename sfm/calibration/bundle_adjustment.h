@@ -15,6 +15,9 @@ namespace freegs::sfm {
 struct BundleAdjustmentOptions {
   int max_iterations = 50;
 
+  // Stop when a step lowers the cost by less than this share of it.
+  double function_tolerance = 1e-5;
+
   const CancellationToken* cancellation = nullptr;
 
   Status Check() const;
@@ -29,7 +32,7 @@ struct BundleAdjustmentOptions {
 //
 // It minimises the sum of the Cauchy loss, of scale 1 pixel, over the
 // reprojection errors, so that observations far off count little, and stops
-// after max_iterations or when a step lowers the sum by less than 1e-5 of it.
+// as the options say.
 // CanAdjust must hold for the model of every camera. Images that name the same
 // camera share its intrinsics.
 //

@@ -93,11 +93,12 @@ TEST_P(AdjustBundleTest, FindsTheExactSceneAgain) {
   const Rigid3d first = model.images[0].cam_from_world;
   BundleAdjustmentOptions options;
   options.max_iterations = 200;
+  options.function_tolerance = 1e-14;
   const double error = MeanError(model);
   const Status adjusted = AdjustBundle(options, &model);
   ASSERT_TRUE(adjusted.ok()) << adjusted.message();
   EXPECT_GT(error, 0.1);
-  EXPECT_LT(MeanError(model), 1e-3);
+  EXPECT_LT(MeanError(model), 1e-4);
   const double scale = GetParam().FocalX();
   for (size_t i = 0; i < GetParam().params.size(); ++i) {
     const bool pixels =
