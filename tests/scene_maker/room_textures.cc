@@ -14,9 +14,11 @@ namespace {
 using Eigen::Vector2f;
 using Eigen::Vector3f;
 
-constexpr float kPi = std::numbers::pi_v<float>;
+constexpr float kRoomPi = std::numbers::pi_v<float>;
 
-Color Mix(const Color& a, const Color& b, float t) { return a + t * (b - a); }
+Color MixShades(const Color& a, const Color& b, float t) {
+  return a + t * (b - a);
+}
 
 // A colour for a random number: warm and cool hues of equal weight.
 Color PaletteColor(uint32_t id) {
@@ -41,10 +43,12 @@ Color Painting(Vector2f p, const SurfacePoint& s, uint32_t seed) {
   const CellHit cell = CellNoise(p.x() * 6 + warp, p.y() * 6 - warp, seed);
   const CellHit fine = CellNoise(p.x() * 19 + warp, p.y() * 19, seed + 1);
   Color color = PaletteColor(cell.id >> 3);
-  if (fine.id % 3 == 0) color = Mix(color, PaletteColor(fine.id >> 4), 0.7f);
+  if (fine.id % 3 == 0)
+    color = MixShades(color, PaletteColor(fine.id >> 4), 0.7f);
   color *=
       0.85f + 0.35f * FractalNoise(s.position, 0.05f, 4, s.footprint, seed + 2);
-  return Mix(FromSrgb(0x1d1d22), color, SmoothStep(0.02f, 0.06f, cell.border));
+  return MixShades(
+      FromSrgb(0x1d1d22), color, SmoothStep(0.02f, 0.06f, cell.border));
 }
 
 }  // namespace
@@ -68,7 +72,7 @@ Texture FloorWithRug(float rug_radius, uint32_t seed) {
     const float level = radius / rug_radius * 9;
     const int ring = static_cast<int>(level);
     const int petals = 5 + 4 * ring;
-    const float turn = (std::atan2(p.y(), p.x()) / (2 * kPi) + 0.5f) *
+    const float turn = (std::atan2(p.y(), p.x()) / (2 * kRoomPi) + 0.5f) *
                        static_cast<float>(petals);
     const int petal = static_cast<int>(turn);
     const Vector2f in(turn - static_cast<float>(petal) - 0.5f,
@@ -116,7 +120,7 @@ Texture PictureWall(Color paint,
     const float leaves = 3 + static_cast<float>(blotch.id % 3);
     const float size = 0.2f + 0.0009f * static_cast<float>(blotch.id % 200);
     if (blotch.nearest < size * (0.55f + 0.45f * std::cos(leaves * angle))) {
-      color = Mix(color, PaletteColor(blotch.id >> 4), 0.55f);
+      color = MixShades(color, PaletteColor(blotch.id >> 4), 0.55f);
     }
     // Three pictures side by side.
     const float slot = 2 * half_width / 3;
@@ -196,7 +200,7 @@ Texture BookShelves(float half_width, float half_height, uint32_t seed) {
       const int y = static_cast<int>((level - 0.2f) * 46);
       if (y % 4 != 3 &&
           LetterBit(book + static_cast<uint32_t>(y / 4), x, y % 4)) {
-        color = Mix(color, style == 1 ? FromSrgb(0x1c1a18) : gold, 0.8f);
+        color = MixShades(color, style == 1 ? FromSrgb(0x1c1a18) : gold, 0.8f);
       }
     }
     // Round spines catch the light in the middle.
@@ -224,9 +228,9 @@ Texture Tiles(float size, uint32_t seed) {
         FractalNoise(own.position, 0.08f, 5, s.footprint, seed + 1);
     Color color = glaze * (0.9f + 0.25f * blot);
     if (cell.id % 3 != 0) {
-      color = Mix(color,
-                  PaletteColor(cell.id >> 4),
-                  SmoothStep(0.03f, 0.1f, cell.border));
+      color = MixShades(color,
+                        PaletteColor(cell.id >> 4),
+                        SmoothStep(0.03f, 0.1f, cell.border));
     }
     return color;
   };
