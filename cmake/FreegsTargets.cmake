@@ -22,13 +22,12 @@ function(freegs_add_precompiled_headers target)
   file(WRITE ${CMAKE_BINARY_DIR}/generated/${target}.cc "")
   add_library(${target} OBJECT ${CMAKE_BINARY_DIR}/generated/${target}.cc)
   target_compile_features(${target} PUBLIC cxx_std_20)
-  target_link_libraries(${target} PRIVATE
-    Eigen3::Eigen nlohmann_json::nlohmann_json freegs_warnings)
+  target_link_libraries(${target} PRIVATE Eigen3::Eigen freegs_warnings)
   target_precompile_headers(${target} PRIVATE
     <algorithm> <array> <atomic> <cmath> <cstdint> <filesystem> <functional>
     <map> <memory> <mutex> <optional> <set> <span> <sstream> <string>
     <string_view> <thread> <utility> <variant> <vector>
-    <Eigen/Core> <Eigen/Geometry> <nlohmann/json.hpp> ${ARGN})
+    <Eigen/Core> <Eigen/Geometry> ${ARGN})
 endfunction()
 if(FREEGS_PCH)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_LAUNCHER)
