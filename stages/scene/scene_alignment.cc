@@ -13,9 +13,10 @@ namespace fs = std::filesystem;
 
 }  // namespace
 
-StatusOr<sfm::PoseAlignment> AlignWithViews(const WorkspaceScene& scene,
-                                            const std::vector<View>& others,
-                                            const std::string& source_name) {
+StatusOr<sfm::PoseAlignment> AlignWithViews(
+    const WorkspaceScene& scene,
+    const std::vector<View>& others,
+    const std::string& source_of_others) {
   sfm::NamedPoses target;
   std::map<std::string, std::vector<std::string>> names_by_stem;
   for (const View& view : others) {
@@ -43,7 +44,7 @@ StatusOr<sfm::PoseAlignment> AlignWithViews(const WorkspaceScene& scene,
   StatusOr<sfm::PoseAlignment> alignment = sfm::AlignPoses(source, target);
   if (!alignment.ok()) {
     return alignment.status().Annotated("aligning the scene with " +
-                                        source_name);
+                                        source_of_others);
   }
   return alignment;
 }
