@@ -11,12 +11,12 @@
 
 #include "core/io/files.h"
 #include "core/io/json_fields.h"
+#include "core/io/json_text.h"
 
 namespace freegs::photos {
 namespace {
 
 using nlohmann::json;
-using nlohmann::ordered_json;
 
 constexpr int kVersion = 1;
 constexpr uint64_t kMaxListBytes = uint64_t{256} << 20;
@@ -26,12 +26,12 @@ constexpr double kMaxNumber = 1e12;
 constexpr PhotoSplit kSplits[] = {
     PhotoSplit::kTrain, PhotoSplit::kHoldout, PhotoSplit::kRejected};
 
-ordered_json OrNull(const std::optional<double>& value) {
-  return value ? ordered_json(*value) : ordered_json(nullptr);
+json OrNull(const std::optional<double>& value) {
+  return value ? json(*value) : json(nullptr);
 }
 
-ordered_json ToJson(const Photo& photo) {
-  ordered_json object;
+json ToJson(const Photo& photo) {
+  json object;
   object["file"] = photo.file;
   object["name"] = photo.name;
   object["format"] = photo.format;
@@ -173,20 +173,18 @@ int PhotoList::Count(PhotoSplit split) const {
 
 Status WritePhotoList(const std::filesystem::path& path,
                       const PhotoList& list) {
-  ordered_json root;
+  json root;
   root["version"] = kVersion;
   root["images_folder"] = list.images_folder;
-  ordered_json counts;
+  json counts;
   for (const PhotoSplit split : kSplits) {
     counts[std::string(SplitName(split))] = list.Count(split);
   }
   root["counts"] = std::move(counts);
-  root["photos"] = ordered_json::array();
+  root["photos"] = json::array();
   for (const Photo& photo : list.photos)
     root["photos"].push_back(ToJson(photo));
-  return WriteFileAtomic(
-      path,
-      root.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n");
+  return WriteFileAtomic(path, JsonText(root));
 }
 
 StatusOr<PhotoList> ReadPhotoList(const std::filesystem::path& path) {

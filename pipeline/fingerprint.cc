@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/io/files.h"
-#include "pipeline/json_text.h"
+#include "core/io/json_text.h"
 #include "pipeline/workspace.h"
 
 namespace freegs::pipeline {

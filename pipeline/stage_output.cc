@@ -9,7 +9,7 @@
 
 #include "core/io/files.h"
 #include "core/io/json_fields.h"
-#include "pipeline/json_text.h"
+#include "core/io/json_text.h"
 #include "pipeline/workspace.h"
 
 namespace freegs::pipeline {

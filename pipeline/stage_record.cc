@@ -10,7 +10,7 @@
 
 #include "core/io/files.h"
 #include "core/io/json_fields.h"
-#include "pipeline/json_text.h"
+#include "core/io/json_text.h"
 
 namespace freegs::pipeline {
 namespace {

@@ -5,7 +5,7 @@
 #include <system_error>
 #include <utility>
 
-#include "pipeline/json_text.h"
+#include "core/io/json_text.h"
 #include "pipeline/stage_output.h"
 #include "pipeline/workspace.h"
 

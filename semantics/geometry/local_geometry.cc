@@ -6,7 +6,8 @@
 #include <functional>
 
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
+
+#include "core/decompositions.h"
 
 namespace freegs::semantics {
 namespace {
@@ -64,11 +65,9 @@ std::vector<float> ComputeNormals(const KdTree& tree,
         }
         const double count = static_cast<double>(neighbors.size()) + 1;
         mean /= count;
-        const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(
-            moment / count - mean * mean.transpose());
-        // Eigenvalues ascend.
-        const Eigen::Vector3f normal =
-            solver.eigenvectors().col(0).cast<float>();
+        const SymmetricEigen3 spread =
+            DecomposeSymmetric(moment / count - mean * mean.transpose());
+        const Eigen::Vector3f normal = spread.vectors.col(0).cast<float>();
         std::copy_n(normal.data(), 3, normals.data() + row * size_t{3});
       });
   return normals;

@@ -8,8 +8,7 @@
 #include <numeric>
 #include <utility>
 
-#include <Eigen/Eigenvalues>
-
+#include "core/decompositions.h"
 #include "core/quantile.h"
 #include "core/random.h"
 
@@ -138,9 +137,7 @@ class PlaneFinder {
         const Eigen::Vector3d offset = Position(row) - mean;
         moment += offset * offset.transpose();
       }
-      plane->normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(moment)
-                          .eigenvectors()
-                          .col(0);
+      plane->normal = DecomposeSymmetric(moment).vectors.col(0);
       plane->offset = plane->normal.dot(mean);
       std::vector<double> residuals;
       for (const uint32_t row : support) {
@@ -225,8 +222,7 @@ class PlaneFinder {
       moment += offset * offset.transpose();
     }
     moment /= static_cast<double>(rows.size());
-    const double variance =
-        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(moment).eigenvalues()[1];
+    const double variance = DecomposeSymmetric(moment).values[1];
     return std::sqrt(12 * std::max(0.0, variance));
   }
 

@@ -9,7 +9,7 @@
 #include <string>
 
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
+#include <opencv2/core.hpp>
 
 namespace freegs::semantics {
 namespace {
@@ -21,6 +21,12 @@ using Rows = Eigen::Map<RowMatrix>;
 
 constexpr int64_t kRowBlock = 1024;
 constexpr int64_t kColumnBlock = 32;
+
+// out = a b. All products of this file are this one function, because each
+// shape of a product that Eigen compiles takes seconds.
+void Multiply(const RowMatrix& a, ConstRows b, Rows out) {
+  out.noalias() = a * b;
+}
 
 std::vector<float> MeanOf(ConstRows rows, ThreadPool& pool) {
   std::vector<float> mean(rows.cols());
@@ -45,11 +51,15 @@ Eigen::MatrixXd SecondMoments(ConstRows rows,
   for (int64_t begin = 0; begin < rows.rows(); begin += kRowBlock) {
     const int64_t count = std::min(kRowBlock, rows.rows() - begin);
     block = rows.middleRows(begin, count).rowwise() - center;
+    const ConstRows all(block.data(), count, rows.cols());
     pool.ParallelFor(
         0, rows.cols(), kColumnBlock, [&](int64_t first, int64_t last, int) {
-          const Eigen::MatrixXf product =
-              block.transpose() * block.middleCols(first, last - first);
-          moments.middleCols(first, last - first) += product.cast<double>();
+          const int64_t size = last - first;
+          RowMatrix product(size, rows.cols());
+          Multiply(block.middleCols(first, size).transpose(),
+                   all,
+                   Rows(product.data(), size, rows.cols()));
+          moments.middleCols(first, size) += product.transpose().cast<double>();
         });
   }
   return moments / static_cast<double>(rows.rows());
@@ -84,19 +94,22 @@ StatusOr<PrincipalAxes> ComputePrincipalAxes(std::span<const float> rows,
   result.dim = result.count = dim;
   result.mean =
       about_mean ? MeanOf(matrix, pool) : std::vector<float>(dim, 0.0f);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
-      SecondMoments(matrix, result.mean, pool));
-  if (solver.info() != Eigen::Success) {
+  Eigen::MatrixXd moments = SecondMoments(matrix, result.mean, pool);
+  // OpenCV's eigenvalues descend, and its eigenvectors are rows.
+  cv::Mat energies;
+  cv::Mat axes;
+  if (!cv::eigen(cv::Mat(dim, dim, CV_64F, moments.data()), energies, axes)) {
     return InternalError("the axes of a covariance did not converge");
   }
   result.axes.resize(static_cast<size_t>(dim) * dim);
   for (int k = 0; k < dim; ++k) {
-    const int column = dim - 1 - k;  // Eigen's are ascending.
-    result.energies.push_back(std::max(0.0, solver.eigenvalues()[column]));
-    const Eigen::VectorXd axis = solver.eigenvectors().col(column);
-    Eigen::Index largest = 0;
-    axis.cwiseAbs().maxCoeff(&largest);
-    const double sign = axis[largest] < 0 ? -1 : 1;
+    result.energies.push_back(std::max(0.0, energies.at<double>(k)));
+    const double* axis = axes.ptr<double>(k);
+    const double* largest =
+        std::max_element(axis, axis + dim, [](double a, double b) {
+          return std::abs(a) < std::abs(b);
+        });
+    const double sign = *largest < 0 ? -1 : 1;
     for (int c = 0; c < dim; ++c) {
       result.axes[static_cast<size_t>(k) * dim + c] =
           static_cast<float>(sign * axis[c]);
@@ -124,13 +137,16 @@ std::vector<float> ProjectOntoAxes(const PrincipalAxes& axes,
                                    ThreadPool& pool) {
   const auto count = static_cast<int64_t>(rows.size()) / axes.dim;
   std::vector<float> result(static_cast<size_t>(count) * axes.count);
-  const ConstRows basis(axes.axes.data(), axes.count, axes.dim);
+  const RowMatrix columns =
+      ConstRows(axes.axes.data(), axes.count, axes.dim).transpose();
+  const ConstRows basis(columns.data(), axes.dim, axes.count);
   const Eigen::Map<const Eigen::RowVectorXf> mean(axes.mean.data(), axes.dim);
   pool.ParallelFor(0, count, kRowBlock, [&](int64_t first, int64_t last, int) {
     const int64_t size = last - first;
     const ConstRows in(rows.data() + first * axes.dim, size, axes.dim);
-    Rows out(result.data() + first * axes.count, size, axes.count);
-    out.noalias() = (in.rowwise() - mean) * basis.transpose();
+    Multiply(in.rowwise() - mean,
+             basis,
+             Rows(result.data() + first * axes.count, size, axes.count));
   });
   return result;
 }
@@ -147,7 +163,7 @@ std::vector<float> ExpandFromAxes(const PrincipalAxes& axes,
     const ConstRows in(
         coordinates.data() + first * axes.count, size, axes.count);
     Rows out(result.data() + first * axes.dim, size, axes.dim);
-    out.noalias() = in * basis;
+    Multiply(in, basis, out);
     out.rowwise() += mean;
   });
   return result;

@@ -8,9 +8,9 @@
 #include <numbers>
 #include <utility>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
+#include "core/decompositions.h"
 #include "core/kd_tree.h"
 #include "core/quantile.h"
 
@@ -110,8 +110,7 @@ Eigen::Matrix3d BoxAxes(const std::vector<WeightedPoint>& points) {
     const Eigen::Vector3d offset = point.position - mean;
     moment += offset * offset.transpose();
   }
-  Eigen::Matrix3d axes =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(moment).eigenvectors();
+  Eigen::Matrix3d axes = DecomposeSymmetric(moment).vectors;
   if (axes.determinant() < 0) axes.col(0) = -axes.col(0);
   return axes;
 }

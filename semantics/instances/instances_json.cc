@@ -9,6 +9,7 @@
 
 #include "core/io/files.h"
 #include "core/io/json_fields.h"
+#include "core/io/json_text.h"
 
 namespace freegs::semantics {
 namespace {
@@ -53,29 +54,32 @@ Instance ReadInstance(const json& entry,
 
 }  // namespace
 
+json InstanceToJson(const Instance& instance) {
+  json rotation = json::array();
+  for (int row = 0; row < 3; ++row) {
+    rotation.push_back(ToJson(instance.obb.rotation.row(row).transpose()));
+  }
+  return {{"id", instance.id},
+          {"num_gaussians", instance.num_gaussians},
+          {"centre", ToJson(instance.centre)},
+          {"aabb",
+           {{"min", ToJson(instance.aabb.min)},
+            {"max", ToJson(instance.aabb.max)}}},
+          {"obb",
+           {{"center", ToJson(instance.obb.center)},
+            {"size", ToJson(instance.obb.size)},
+            {"rotation", std::move(rotation)}}},
+          {"score", instance.score},
+          {"background", instance.background},
+          {"words", instance.words}};
+}
+
 std::string SerializeInstances(const std::vector<Instance>& instances) {
   json list = json::array();
   for (const Instance& instance : instances) {
-    json rotation = json::array();
-    for (int row = 0; row < 3; ++row) {
-      rotation.push_back(ToJson(instance.obb.rotation.row(row).transpose()));
-    }
-    list.push_back({{"id", instance.id},
-                    {"num_gaussians", instance.num_gaussians},
-                    {"centre", ToJson(instance.centre)},
-                    {"aabb",
-                     {{"min", ToJson(instance.aabb.min)},
-                      {"max", ToJson(instance.aabb.max)}}},
-                    {"obb",
-                     {{"center", ToJson(instance.obb.center)},
-                      {"size", ToJson(instance.obb.size)},
-                      {"rotation", std::move(rotation)}}},
-                    {"score", instance.score},
-                    {"background", instance.background},
-                    {"words", instance.words}});
+    list.push_back(InstanceToJson(instance));
   }
-  // Words are user-visible text: anything that is not UTF-8 is replaced.
-  return list.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
+  return JsonText(list, 1);
 }
 
 Status WriteInstances(const std::filesystem::path& path,

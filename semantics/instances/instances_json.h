@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "core/status.h"
 #include "semantics/instances/instances.h"
 
@@ -21,6 +23,10 @@ namespace freegs::semantics {
 //   "score": 0.83, "background": false, "words": ["red apple"]}, ...]
 // World frame of the camera poses.
 std::string SerializeInstances(const std::vector<Instance>& instances);
+
+// One entry of that list.
+nlohmann::json InstanceToJson(const Instance& instance);
+
 // The file holds the text of SerializeInstances().
 Status WriteInstances(const std::filesystem::path& path,
                       const std::vector<Instance>& instances);

@@ -11,6 +11,7 @@
 
 #include "core/io/files.h"
 #include "core/io/json_fields.h"
+#include "core/io/json_text.h"
 
 namespace freegs::semantics {
 namespace {
@@ -63,7 +64,7 @@ StatusOr<std::string> SerializeInstanceFeatures(
                      {"dim", features.dim},
                      {"features", std::move(rows)}};
   // A folder's name need not be UTF-8.
-  return file.dump(-1, ' ', false, json::error_handler_t::replace) + "\n";
+  return JsonText(file, -1);
 }
 
 Status WriteInstanceFeatures(const std::filesystem::path& path,

@@ -8,8 +8,8 @@
 #include <unordered_map>
 
 #include <Eigen/LU>
-#include <Eigen/SVD>
 
+#include "core/decompositions.h"
 #include "core/disjoint_sets.h"
 #include "core/quantile.h"
 #include "sfm/scene/sfm_photo.h"
@@ -33,8 +33,7 @@ double Stretch(const Eigen::Matrix3d& homography,
   };
   const Eigen::Matrix3d normalised =
       intrinsics(to).inverse() * homography * intrinsics(from);
-  const Eigen::Vector3d values =
-      Eigen::JacobiSVD<Eigen::Matrix3d>(normalised).singularValues();
+  const Eigen::Vector3d values = SingularValues(normalised);
   return values(2) > 0 ? values(0) / values(2) : 1e9;
 }
 

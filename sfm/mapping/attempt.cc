@@ -10,6 +10,7 @@
 
 #include "core/io/files.h"
 #include "core/io/json_fields.h"
+#include "core/io/json_text.h"
 #include "sfm/matching/match_database.h"
 #include "sfm/scene/model_io.h"
 #include "sfm/scene/reconstruction_measures.h"
@@ -98,7 +99,7 @@ Status AttemptStore::Write(const std::string& name,
                                {"pairs", MatchedPairsToJson(result.pairs)},
                                {"image_size", result.image_size},
                                {"counts", result.counts}};
-  return WriteFileAtomic(folder / "result.json", json.dump(2) + "\n");
+  return WriteFileAtomic(folder / "result.json", JsonText(json));
 }
 
 StatusOr<AttemptResult> AttemptStore::Read(const std::string& name) const {

@@ -9,6 +9,7 @@
 
 #include "core/io/files.h"
 #include "core/io/json_fields.h"
+#include "core/io/json_text.h"
 
 namespace freegs::sfm {
 
@@ -61,7 +62,7 @@ Status StepRecord::Save() const {
                                {"matched_portions", portions_},
                                {"image_size", image_size_},
                                {"pairs", MatchedPairsToJson(pairs_)}};
-  return WriteFileAtomic(path_, json.dump(2) + "\n");
+  return WriteFileAtomic(path_, JsonText(json));
 }
 
 nlohmann::json MatchedPairsToJson(const MatchedPairs& pairs) {

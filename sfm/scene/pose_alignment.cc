@@ -7,9 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
-
+#include "core/decompositions.h"
 #include "core/quantile.h"
 
 namespace freegs::sfm {
@@ -55,10 +53,8 @@ bool AreCollinear(const Centred& points) {
   // Eigenvalues of the scatter matrix are the squares of the spreads along the
   // principal axes; they come in ascending order.
   const Eigen::Matrix3d scatter = points.offsets * points.offsets.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(
-      scatter, Eigen::EigenvaluesOnly);
-  return axes.eigenvalues()(1) <
-         kMinSpreadRatio * kMinSpreadRatio * axes.eigenvalues()(2);
+  const Eigen::Vector3d spreads = DecomposeSymmetric(scatter).values;
+  return spreads(1) < kMinSpreadRatio * kMinSpreadRatio * spreads(2);
 }
 
 // Scale and translation for a known rotation, by least squares.
@@ -72,16 +68,6 @@ Sim3d CompleteSimilarity(const Eigen::Matrix3d& rotation,
   result.scale = overlap / source.offsets.squaredNorm();
   result.translation = target.mean - result.scale * (rotation * source.mean);
   return result;
-}
-
-Eigen::Matrix3d NearestRotation(const Eigen::Matrix3d& matrix) {
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(
-      matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Vector3d signs(1, 1, 1);
-  if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0) {
-    signs.z() = -1;
-  }
-  return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
 }
 
 double AngleDeg(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {

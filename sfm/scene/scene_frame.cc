@@ -8,10 +8,10 @@
 #include <numbers>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
+#include "core/decompositions.h"
 #include "core/random.h"
 #include "sfm/scene/random_points.h"
 
@@ -128,10 +128,10 @@ LevelFit FitLevel(const std::vector<Eigen::Vector3d>& axes,
     }
     if (level < 2) break;
     scatter /= static_cast<double>(level);
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter);
-    fit.normal = solver.eigenvectors().col(0);
-    fit.rms = std::asin(std::sqrt(std::clamp(solver.eigenvalues()[0], 0., 1.)));
-    fit.fan = std::asin(std::sqrt(std::clamp(solver.eigenvalues()[1], 0., 1.)));
+    const SymmetricEigen3 eigen = DecomposeSymmetric(scatter);
+    fit.normal = eigen.vectors.col(0);
+    fit.rms = std::asin(std::sqrt(std::clamp(eigen.values[0], 0., 1.)));
+    fit.fan = std::asin(std::sqrt(std::clamp(eigen.values[1], 0., 1.)));
     fit.share = static_cast<double>(level) / static_cast<double>(axes.size());
   }
   return fit;

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/io/files.h"
+#include "core/io/json_text.h"
 
 namespace freegs::stages {
 namespace {
@@ -85,8 +86,7 @@ Status WriteBootstrapMetrics(const BootstrapStageOptions& options,
     FREEGS_RETURN_IF_ERROR(WriteLosses(field.losses, context));
   }
   metrics["instance_sizes"] = std::move(sizes);
-  return WriteFileAtomic(context.output / "metrics.json",
-                         metrics.dump(1) + "\n");
+  return WriteFileAtomic(context.output / "metrics.json", JsonText(metrics, 1));
 }
 
 }  // namespace freegs::stages

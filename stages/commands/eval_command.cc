@@ -14,8 +14,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/io/files.h"
+#include "core/io/json_text.h"
 #include "core/parallel.h"
-#include "pipeline/json_text.h"
 #include "stages/datasets/layout.h"
 #include "stages/evaluation/consistency_evaluation.h"
 #include "stages/evaluation/evaluation.h"
@@ -300,12 +300,12 @@ Status RunEvalCommand(const std::vector<std::string>& arguments,
         CompareWithTruth(request, scene, instances, context, pool, &report));
   }
   if (request.json_file == "-") {
-    context.out << pipeline::JsonText(ToJson(report));
+    context.out << JsonText(ToJson(report));
     return Status();
   }
   PrintTable(report, context.out);
   if (request.json_file.empty()) return Status();
-  return WriteFileAtomic(request.json_file, pipeline::JsonText(ToJson(report)));
+  return WriteFileAtomic(request.json_file, JsonText(ToJson(report)));
 }
 
 }  // namespace freegs::stages

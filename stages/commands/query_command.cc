@@ -14,9 +14,9 @@
 #include <utility>
 
 #include "core/io/files.h"
+#include "core/io/json_text.h"
 #include "core/number_text.h"
 #include "core/parallel.h"
-#include "pipeline/json_text.h"
 #include "pipeline/logger.h"
 #include "pipeline/progress_line.h"
 #include "semantics/clip/relevancy.h"
@@ -306,10 +306,10 @@ Status RunQueryCommand(const std::vector<std::string>& arguments,
     FREEGS_RETURN_IF_ERROR(WriteMasks(request, scene, context, pool, &answer));
     FREEGS_RETURN_IF_ERROR(
         WriteFileAtomic(fs::path(request.out) / "query.json",
-                        pipeline::JsonText(ToJson(answer, scene.instances))));
+                        JsonText(ToJson(answer, scene.instances))));
   }
   if (request.json) {
-    context.out << pipeline::JsonText(ToJson(answer, scene.instances));
+    context.out << JsonText(ToJson(answer, scene.instances));
   } else {
     PrintAnswer(answer, scene.instances, context.out);
   }

@@ -14,8 +14,8 @@
 
 #include "core/io/files.h"
 #include "core/io/image_io.h"
+#include "core/io/json_text.h"
 #include "core/parallel.h"
-#include "pipeline/json_text.h"
 #include "pipeline/logger.h"
 #include "pipeline/option_table.h"
 #include "pipeline/progress_line.h"
@@ -137,7 +137,7 @@ class DepthRenderer : public Renderer {
                                   {"beyond", 65535},
                                   {"near", range_.near},
                                   {"far", range_.far}};
-    return WriteFileAtomic(out_ / "depth.json", pipeline::JsonText(scale));
+    return WriteFileAtomic(out_ / "depth.json", JsonText(scale));
   }
 
   Status Render(const View& view, const std::string& name) override {

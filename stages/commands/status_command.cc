@@ -9,8 +9,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/io/json_text.h"
 #include "core/number_text.h"
-#include "pipeline/json_text.h"
 #include "pipeline/logger.h"
 #include "pipeline/progress_line.h"
 #include "pipeline/stage_runner.h"
@@ -79,8 +79,10 @@ std::string SummaryText(const json& summary) {
       text << value.get<std::string>();
     } else if (value.is_number_float()) {
       text << FormatSignificant(value.get<double>(), 6);
+    } else if (value.is_boolean()) {
+      text << (value.get<bool>() ? "true" : "false");
     } else {
-      text << value.dump();
+      text << value.get<int64_t>();
     }
   }
   return text.str();
@@ -152,10 +154,10 @@ Status RunStatusCommand(const std::vector<std::string>& arguments,
     for (const StageReport& report : reports) {
       stages.push_back(ReportJson(report, running));
     }
-    context.out << pipeline::JsonText({{"workspace", workspace.string()},
-                                       {"photos", info.images.string()},
-                                       {"running", running},
-                                       {"stages", std::move(stages)}});
+    context.out << JsonText({{"workspace", workspace.string()},
+                             {"photos", info.images.string()},
+                             {"running", running},
+                             {"stages", std::move(stages)}});
     return Status();
   }
   context.out << "workspace " << workspace.string()

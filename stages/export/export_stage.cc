@@ -18,8 +18,8 @@
 
 #include "core/io/files.h"
 #include "core/io/image_io.h"
+#include "core/io/json_text.h"
 #include "core/number_text.h"
-#include "pipeline/json_text.h"
 #include "semantics/instances/instances_json.h"
 #include "semantics/instances/palette.h"
 #include "splat/render/renderer.h"
@@ -143,9 +143,8 @@ class ExportStage : public pipeline::Stage {
     FREEGS_RETURN_IF_ERROR(
         splat::WritePly(context.output / "instances.ply",
                         ColorByInstance(scene.model, found.labels)));
-    FREEGS_RETURN_IF_ERROR(
-        WriteFileAtomic(context.output / "boxes.json",
-                        pipeline::JsonText(BoxesJson(found.instances))));
+    FREEGS_RETURN_IF_ERROR(WriteFileAtomic(
+        context.output / "boxes.json", JsonText(BoxesJson(found.instances))));
     // The box of a floor would hide all others.
     std::vector<ColoredBox> boxes;
     for (const semantics::Instance& instance : found.instances) {

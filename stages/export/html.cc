@@ -4,12 +4,12 @@
 
 #include <cstdio>
 
-#include "pipeline/json_text.h"
+#include "core/io/json_text.h"
 
 namespace freegs::stages {
 std::string EscapeHtml(std::string_view text) {
   std::string escaped;
-  for (const char c : pipeline::ValidUtf8(std::string(text))) {
+  for (const char c : ValidUtf8(std::string(text))) {
     switch (c) {
       case '&':
         escaped += "&amp;";

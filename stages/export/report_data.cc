@@ -11,9 +11,9 @@
 
 #include "core/io/files.h"
 #include "core/io/json_fields.h"
+#include "core/io/json_text.h"
 #include "core/number_text.h"
 #include "photos/photo_list.h"
-#include "pipeline/json_text.h"
 #include "pipeline/stage_record.h"
 #include "pipeline/version.h"
 #include "stages/export/html.h"
@@ -29,7 +29,7 @@ constexpr uint64_t kMaxCsvBytes = 64 << 20;
 
 // An empty object when the file is missing or malformed.
 json ReadObject(const fs::path& path) {
-  const StatusOr<json> document = pipeline::ReadJson(path);
+  const StatusOr<json> document = ReadJson(path);
   return document.ok() && document->is_object() ? *document : json::object();
 }
 

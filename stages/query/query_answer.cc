@@ -33,7 +33,7 @@ json Brief(const ScoredInstance& scored) {
 // The instance as in instances.json, except that "score" is that of the answer
 // and the instance's own score is "instance_score".
 json HitToJson(const ScoredInstance& hit, const semantics::Instance& instance) {
-  json entry = json::parse(semantics::SerializeInstances({instance}))[0];
+  json entry = semantics::InstanceToJson(instance);
   entry["instance_score"] = entry["score"];
   entry["score"] = hit.score;
   if (hit.cosine) entry["cosine"] = *hit.cosine;

@@ -13,6 +13,7 @@
 
 #include "core/io/files.h"
 #include "core/io/image_io.h"
+#include "core/io/json_text.h"
 #include "pipeline/resource_usage.h"
 #include "splat/images/holdout.h"
 #include "splat/scene/ply_io.h"
@@ -122,7 +123,7 @@ class ReconstructStage : public pipeline::Stage {
       context.summary["budget_search"].erase("trials");
     }
     return WriteFileAtomic(context.output / "metrics.json",
-                           metrics.dump(1) + "\n");
+                           JsonText(metrics, 1));
   }
 
   ReconstructStageOptions options_;

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/io/files.h"
+#include "core/io/json_text.h"
 #include "photos/photo_list.h"
 #include "sfm/import/import_model.h"
 #include "sfm/scene/model_io.h"
@@ -210,13 +211,11 @@ class SfmStage : public pipeline::Stage {
                               sfm::EstimateSceneFrame(result.models[0]));
       FREEGS_RETURN_IF_ERROR(
           WriteFileAtomic(context.output / "frame.json",
-                          sfm::SceneFrameToJson(frame).dump(2) + "\n"));
+                          JsonText(sfm::SceneFrameToJson(frame))));
     }
     const nlohmann::json json = sfm::HealthToJson(health);
-    FREEGS_RETURN_IF_ERROR(WriteFileAtomic(
-        context.output / "health.json",
-        json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
-            "\n"));
+    FREEGS_RETURN_IF_ERROR(
+        WriteFileAtomic(context.output / "health.json", JsonText(json)));
     for (const char* key : {"verdict",
                             "images",
                             "registered",

@@ -10,6 +10,7 @@
 
 #include "core/io/files.h"
 #include "core/io/image_io.h"
+#include "core/io/json_text.h"
 #include "tests/scene_maker/ray_caster.h"
 
 namespace freegs::scene_maker {
@@ -225,10 +226,10 @@ Status WriteScene(const Scene& scene,
     }
   }
   FREEGS_RETURN_IF_ERROR(WriteFileAtomic(folder / "gt/cameras.json",
-                                         CamerasJson(scene).dump(1) + "\n"));
+                                         JsonText(CamerasJson(scene), 1)));
   FREEGS_RETURN_IF_ERROR(
       WriteFileAtomic(folder / "gt/objects.json",
-                      ObjectsJson(scene, train, test).dump(1) + "\n"));
+                      JsonText(ObjectsJson(scene, train, test), 1)));
   return WriteFileAtomic(folder / "README.md", Readme(scene));
 }
 

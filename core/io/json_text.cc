@@ -1,20 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "pipeline/json_text.h"
+#include "core/io/json_text.h"
 
 #include <nlohmann/json.hpp>
 
 #include "core/io/files.h"
 #include "core/io/json_fields.h"
 
-namespace freegs::pipeline {
+namespace freegs {
 
 using nlohmann::json;
 
 std::string ValidUtf8(const std::string& text) {
-  return json::parse(
-             json(text).dump(-1, ' ', false, json::error_handler_t::replace))
-      .get<std::string>();
+  return ParseJson(JsonText(text, -1))->get<std::string>();
 }
 
 std::string JsonText(const json& document, int indent) {
@@ -28,4 +26,4 @@ StatusOr<json> ReadJson(const std::filesystem::path& path) {
   return ParseJson(text, path.string());
 }
 
-}  // namespace freegs::pipeline
+}  // namespace freegs

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Reads and writes the JSON files of a workspace. JSON must be valid UTF-8, but
-// names of files need not be.
+// Reads and writes JSON. It must be valid UTF-8, but names of files need not
+// be. A file that parses or writes JSON by itself takes seconds longer to
+// compile than one that calls these functions.
 
-#ifndef FREEGS_PIPELINE_JSON_TEXT_H_
-#define FREEGS_PIPELINE_JSON_TEXT_H_
+#ifndef FREEGS_CORE_IO_JSON_TEXT_H_
+#define FREEGS_CORE_IO_JSON_TEXT_H_
 
 #include <filesystem>
 #include <string>
@@ -12,7 +13,7 @@
 
 #include "core/status.h"
 
-namespace freegs::pipeline {
+namespace freegs {
 
 // Returns the text with every byte that is not valid UTF-8 replaced by U+FFFD.
 // A string becomes this when it is written to JSON and read back.
@@ -26,6 +27,6 @@ std::string JsonText(const nlohmann::json& json, int indent = 2);
 // is nested too deeply (see ParseJson).
 StatusOr<nlohmann::json> ReadJson(const std::filesystem::path& path);
 
-}  // namespace freegs::pipeline
+}  // namespace freegs
 
-#endif  // FREEGS_PIPELINE_JSON_TEXT_H_
+#endif  // FREEGS_CORE_IO_JSON_TEXT_H_
