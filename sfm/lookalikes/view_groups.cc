@@ -293,6 +293,15 @@ ViewGroups FindViewGroups(const Reconstruction& model,
   return result;
 }
 
+StatusOr<ViewGroups> GroupViews(const Reconstruction& model,
+                                const std::filesystem::path& path) {
+  FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
+                          MatchDatabase::Open(path));
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<PairSupport> pairs,
+                          MeasureSupport(model, database));
+  return FindViewGroups(model, pairs);
+}
+
 Reconstruction RestrictTo(const Reconstruction& model,
                           const std::vector<uint32_t>& image_ids) {
   const std::set<uint32_t> kept(image_ids.begin(), image_ids.end());

@@ -29,15 +29,6 @@ struct Candidate {
   size_t largest() const { return groups.groups[0].size(); }
 };
 
-// Against all matches, whichever were mapped.
-StatusOr<ViewGroups> Check(const Reconstruction& model, const fs::path& path) {
-  FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
-                          MatchDatabase::Open(path));
-  FREEGS_ASSIGN_OR_RETURN(const std::vector<PairSupport> pairs,
-                          MeasureSupport(model, database));
-  return FindViewGroups(model, pairs);
-}
-
 class Separation {
  public:
   Separation(const StepContext& context, AttemptStore* store)
@@ -52,6 +43,8 @@ class Separation {
            best_.model.images.size() * 10 >= registered_ * 9;
   }
   std::string Why() const;
+  // Maps without the pairs that glued the candidate, in several rounds. What is
+  // made is always checked against all matches of the candidate's database.
   StatusOr<AttemptResult> MapWithout(const std::string& name,
                                      Candidate candidate) const;
   // Keeps what an attempt made if its largest group is larger than before.
@@ -88,14 +81,12 @@ StatusOr<AttemptResult> Separation::MapWithout(const std::string& name,
     if (candidate.groups.suspects.empty()) break;
     FREEGS_RETURN_IF_ERROR(
         RemoveVerifiedPairs(trusted, candidate.groups.suspects));
-    result.counts["removed"] +=
-        static_cast<int64_t>(candidate.groups.suspects.size());
     FREEGS_ASSIGN_OR_RETURN(
         Models again,
         MapBest(context_, trusted, folder / "mapper", registered_));
     if (again.empty()) break;
     FREEGS_ASSIGN_OR_RETURN(candidate.groups,
-                            Check(again[0], candidate.database.path));
+                            GroupViews(again[0], candidate.database.path));
     if (candidate.largest() > largest) {
       largest = candidate.largest();
       result.models = std::move(again);
@@ -116,7 +107,7 @@ Status Separation::Judge(const std::string& name,
   Candidate made;
   made.model = result.models[0];
   made.database = database;
-  FREEGS_ASSIGN_OR_RETURN(made.groups, Check(made.model, database.path));
+  FREEGS_ASSIGN_OR_RETURN(made.groups, GroupViews(made.model, database.path));
   if (made.largest() > best_.largest()) {
     best_ = std::move(made);
     attempts_.back().kept = true;
@@ -171,7 +162,7 @@ StatusOr<SeparatedParts> Separation::Run(const MatchedDatabase& database,
   registered_ = models[0].images.size();
   best_.model = models[0];
   best_.database = database;
-  FREEGS_ASSIGN_OR_RETURN(best_.groups, Check(models[0], database.path));
+  FREEGS_ASSIGN_OR_RETURN(best_.groups, GroupViews(models[0], database.path));
   result.score = best_.groups.score;
   result.groups = best_.groups.groups.size();
   if (best_.groups.consistent()) return result;
@@ -180,7 +171,6 @@ StatusOr<SeparatedParts> Separation::Run(const MatchedDatabase& database,
   if (!IsGood()) FREEGS_RETURN_IF_ERROR(TakeFeatures(models));
   TakeApart(&result);
   result.database = best_.database;
-  result.one = best_.groups.consistent();
   result.attempts = std::move(attempts_);
   std::set<std::string> placed;
   for (const PosedImage& image : result.models[0].images) {

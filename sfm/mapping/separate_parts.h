@@ -28,9 +28,6 @@ struct SeparatedParts {
   std::vector<Reconstruction> models;
   MatchedDatabase database;  // The database that these were made from.
 
-  // Whether the first of these holds together, by all matches of the database.
-  bool one = false;
-
   // Names of the photos that the first model given has and models[0] lacks,
   // ascending. Where they belong is unknown.
   std::vector<std::string> unplaced;

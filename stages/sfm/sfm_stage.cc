@@ -183,7 +183,6 @@ class SfmStage : public pipeline::Stage {
                                             names,
                                             outcome.triangulated,
                                             options_.health,
-                                            result.contradictions,
                                             result.findings);
     health.source = outcome.source;
     health.attempts = result.attempts;
@@ -224,7 +223,6 @@ class SfmStage : public pipeline::Stage {
                             "mean_reprojection_error_px",
                             "num_points",
                             "warnings",
-                            "contradictions",
                             "pairs",
                             "source",
                             "colmap_version"}) {

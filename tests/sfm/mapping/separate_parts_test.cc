@@ -60,7 +60,6 @@ TEST_F(SeparatePartsTest, GluedModelsAreTakenApart) {
   const auto parts = Run(scene_.Model(true));
   ASSERT_TRUE(parts.ok()) << parts.status().message();
   ASSERT_THAT(parts->models, SizeIs(2));
-  EXPECT_FALSE(parts->one);
   EXPECT_LT(parts->score, 0.4);
   // The second half of 23 has one photo more.
   EXPECT_THAT(parts->models[0].images, SizeIs(12));
@@ -83,7 +82,6 @@ TEST_F(SeparatePartsTest, MoreFeaturesComeWithTheirDatabase) {
   ASSERT_THAT(parts->attempts, SizeIs(2));
   EXPECT_EQ(parts->attempts[1].problem, "");
   EXPECT_TRUE(parts->attempts[1].kept);
-  EXPECT_TRUE(parts->one);
   ASSERT_THAT(parts->models, SizeIs(1));
   EXPECT_THAT(parts->models[0].images, SizeIs(23));
   EXPECT_THAT(parts->unplaced, SizeIs(0));
