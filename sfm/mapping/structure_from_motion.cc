@@ -118,24 +118,15 @@ Status TakeSeparated(const StepContext& context,
                      SfmResult* result) {
   FREEGS_ASSIGN_OR_RETURN(
       SeparatedParts parts,
-      SeparateParts(context, result->database, result->models, store));
+      SeparateParts(context, result->database.path, result->models, store));
   if (parts.models.empty()) return {};
   result->models = std::move(parts.models);
-  for (Attempt& attempt : parts.attempts) {
-    result->attempts.push_back(std::move(attempt));
-  }
+  result->attempts.push_back(std::move(parts.attempt));
   result->warnings.push_back(
       "parts of the scene look alike: a first model had glued " +
       std::to_string(parts.groups) +
       " groups of photos, of the evidence between which only a share of " +
       FormatFixed(parts.score, 2) + " supported it");
-  if (result->database.path != parts.database.path) {
-    result->database = std::move(parts.database);
-    FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
-                            MatchDatabase::Open(result->database.path));
-    FREEGS_ASSIGN_OR_RETURN(*evidence,
-                            CollectEvidence(context.input.photos, database));
-  }
   evidence->unplaced = std::move(parts.unplaced);
   return {};
 }
