@@ -163,3 +163,11 @@ SETS = {
     "views_300": PhotoSet("300 made photos", {OK},
                           made("--views", "300")),
 }
+# Few photos of real scenes, so far apart that the plain way may lose some.
+for _name, _steps in (("fox", (3, 5, 8)), ("real/desk", (2, 4)),
+                      ("real/fruit", (6, 12)), ("real/kumamon", (6, 12)),
+                      ("real/flower", (3, 6)), ("bonsai", (12, 24))):
+    for _step in _steps:
+        SETS[f"{_name.removeprefix('real/')}_by_{_step}"] = PhotoSet(
+            f"photos 1, {1 + _step}, {1 + 2 * _step} ... of {_name}", ANY,
+            scene(_name, every=_step))

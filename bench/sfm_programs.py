@@ -148,7 +148,7 @@ def run_ours(program, photos, folder, limit, options=()):
     """Stage sfm in a new workspace; ingest is not in the times.
 
     Adds verdict, reason, advice, message (the last line said), warnings,
-    contradictions, unregistered, attempts, findings as far as they are there.
+    unregistered, attempts, findings as far as they are there.
     """
     folder = fresh(folder)
     workspace = folder / "workspace"
@@ -187,7 +187,7 @@ def run_ours(program, photos, folder, limit, options=()):
             continue
         value = json.loads(health.read_text(encoding="utf-8"))
         for key in ("verdict", "reason", "advice", "warnings", "registered",
-                    "contradictions", "unregistered", "attempts", "findings"):
+                    "unregistered", "attempts", "findings"):
             if key in value:
                 row[key] = value[key]
         row["models"] = value.get("model_sizes", [])

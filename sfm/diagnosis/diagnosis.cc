@@ -259,10 +259,6 @@ void FindNoOverlap(const DiagnosedScene& scene,
   findings->push_back(std::move(finding));
 }
 
-constexpr char kTellApart[] =
-    "add photos that show the parts that look alike together with what tells "
-    "them apart";
-
 void FindUnplaced(const DiagnosedScene& scene, std::vector<Finding>* findings) {
   if (scene.evidence.unplaced.empty()) return;
   Finding finding;
@@ -275,23 +271,9 @@ void FindUnplaced(const DiagnosedScene& scene, std::vector<Finding>* findings) {
                     " belong relative to the other photos is uncertain: parts "
                     "of the scene look alike, and more speaks against the one "
                     "model that joined them than for it";
-  finding.advice = kTellApart;
-  findings->push_back(std::move(finding));
-}
-
-void FindLookAlikes(const DiagnosedScene& scene,
-                    std::vector<Finding>* findings) {
-  if (scene.evidence.contradictions == 0) return;
-  Finding finding;
-  finding.kind = FindingKind::kLookAlikes;
-  finding.severity = Severity::kDegrading;
-  finding.evidence = {{"contradicted_matches",
-                       static_cast<double>(scene.evidence.contradictions)}};
-  finding.message = "the model contradicts " +
-                    std::to_string(scene.evidence.contradictions) +
-                    " of the strongest matches between photos: parts of the "
-                    "scene that look alike may have been mixed up";
-  finding.advice = kTellApart;
+  finding.advice =
+      "add photos that show the parts that look alike together with what tells "
+      "them apart";
   findings->push_back(std::move(finding));
 }
 
@@ -311,7 +293,6 @@ std::vector<Finding> Diagnose(const SceneEvidence& evidence,
   FindSeparateScenes(scene, &findings);
   FindNoOverlap(scene, &findings);
   FindUnplaced(scene, &findings);
-  FindLookAlikes(scene, &findings);
   std::stable_sort(
       findings.begin(), findings.end(), [](const Finding& a, const Finding& b) {
         return a.severity > b.severity;

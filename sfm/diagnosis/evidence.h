@@ -50,7 +50,6 @@ struct PairEvidence {
 struct SceneEvidence {
   std::vector<PhotoEvidence> photos;  // In the order of the input.
   std::vector<PairEvidence> pairs;
-  size_t contradictions = 0;  // See view_graph.h.
 
   // Names of photos that were in a first model and are not in the final one,
   // because only look-alikes tied them to it (see separate_parts.h).

@@ -20,7 +20,7 @@ enum class FindingKind {
   kSeparateScenes,  // Groups of photos without links between them.
   kNoOverlap,       // Photos without links to any other.
   kPlanarScene,
-  kLookAlikes,  // Repeated structure: see view_graph.h.
+  kLookAlikes,  // Repeated structure: see view_groups.h.
 };
 std::string_view FindingName(FindingKind kind);  // "too_few_photos" ...
 

@@ -144,11 +144,13 @@ std::array<double, kNumBins> UsualShares(const std::vector<SharedView>& views) {
 }  // namespace
 
 std::vector<SharedView> FindMissingCorrespondences(
-    const Reconstruction& model) {
+    const Reconstruction& model,
+    const std::set<std::pair<uint32_t, uint32_t>>& compared) {
   const std::vector<Photo> photos = MakePhotos(model);
   std::vector<SharedView> views;
   for (size_t i = 0; i < photos.size(); ++i) {
     for (size_t j = i + 1; j < photos.size(); ++j) {
+      if (!compared.contains({photos[i].id, photos[j].id})) continue;
       const Claim there = Compare(model, photos[i], photos[j]);
       if (there.claimed < kMinClaimed) continue;
       const Claim back = Compare(model, photos[j], photos[i]);

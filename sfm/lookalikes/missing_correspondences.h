@@ -10,6 +10,8 @@
 #define FREEGS_SFM_LOOKALIKES_MISSING_CORRESPONDENCES_H_
 
 #include <cstdint>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "sfm/scene/reconstruction.h"
@@ -34,8 +36,11 @@ struct SharedView {
   double missing = 0;
 };
 
-// Compares all pairs of photos. Returns those whose rays meet at less than 30
-// degrees and that should share at least 20 points, by ascending ids.
+// Examines the pairs of photos in `compared` (ids, the smaller one first):
+// those whose features were compared with each other. A pair that was not
+// compared shares few points even where the model is right. Returns the pairs
+// whose rays meet at less than 30 degrees and that should share at least 20
+// points, by ascending ids.
 //
 // The share of points that is usual is measured in the model itself: it is the
 // median over the pairs of similar angle, or the usual share at larger angles
@@ -43,7 +48,9 @@ struct SharedView {
 // very small angle, which would otherwise pull the median down.
 //
 // The model must pass CheckReconstruction.
-std::vector<SharedView> FindMissingCorrespondences(const Reconstruction& model);
+std::vector<SharedView> FindMissingCorrespondences(
+    const Reconstruction& model,
+    const std::set<std::pair<uint32_t, uint32_t>>& compared);
 
 }  // namespace freegs::sfm
 

@@ -218,7 +218,8 @@ StatusOr<std::vector<PairSupport>> MeasureSupport(
         evidence[{id1, id2}].Add(
             {fit ? weight * fitting : 0, weight * doubt * (count - fitting)});
       }));
-  for (const SharedView& view : FindMissingCorrespondences(model)) {
+  FREEGS_ASSIGN_OR_RETURN(const auto compared, database.ComparedPairs());
+  for (const SharedView& view : FindMissingCorrespondences(model, compared)) {
     evidence[{view.image_id1, view.image_id2}].Add(
         {0, kMissingWeight * view.missing});
   }
@@ -291,6 +292,15 @@ ViewGroups FindViewGroups(const Reconstruction& model,
     }
   }
   return result;
+}
+
+StatusOr<ViewGroups> GroupViews(const Reconstruction& model,
+                                const std::filesystem::path& path) {
+  FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
+                          MatchDatabase::Open(path));
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<PairSupport> pairs,
+                          MeasureSupport(model, database));
+  return FindViewGroups(model, pairs);
 }
 
 Reconstruction RestrictTo(const Reconstruction& model,

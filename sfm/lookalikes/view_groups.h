@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whether a model is one, or parts that were glued together by things that look
-// alike. view_graph.h asks whether photos contradict their strongest matches;
-// here all evidence between groups of photos is weighed. It is needed where the
-// strongest matches are those that mislead.
+// Tells whether a model holds together, or consists of parts that were glued
+// together by things that look alike: two equal chairs, or a table whose grain
+// repeats after half a turn. Photos of such things match well and show
+// different places. A mapper that trusts one such match puts photos where they
+// never were, and its reprojection error stays low. So all evidence between
+// groups of photos is weighed here.
 
 #ifndef FREEGS_SFM_LOOKALIKES_VIEW_GROUPS_H_
 #define FREEGS_SFM_LOOKALIKES_VIEW_GROUPS_H_
 
 #include <cstdint>
+#include <filesystem>
 #include <utility>
 #include <vector>
 
@@ -74,12 +77,17 @@ inline constexpr double kMinSupport = 0.45;
 // between which support exceeds what is against them by most, until no two are
 // left where it does (greedy additive edge contraction for correlation
 // clustering, Keuper et al. 2015). Fewer than four photos are always one group.
-//
-//   const auto pairs = MeasureSupport(model, database);
-//   const ViewGroups found = FindViewGroups(model, *pairs);
-//   if (!found.consistent()) ...  // found.groups[0] can be trusted.
 ViewGroups FindViewGroups(const Reconstruction& model,
                           const std::vector<PairSupport>& pairs);
+
+// Opens the database, measures the support and finds the groups. Errors: those
+// of the database.
+//
+//   const auto found = GroupViews(model, work_folder / "database.db");
+//   if (!found.ok()) return found.status();
+//   if (!found->consistent()) ...  // Only found->groups[0] can be trusted.
+StatusOr<ViewGroups> GroupViews(const Reconstruction& model,
+                                const std::filesystem::path& database);
 
 // A copy of the model with these images only, their cameras, and the points
 // that at least two of them observe.

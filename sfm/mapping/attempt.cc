@@ -97,8 +97,7 @@ Status AttemptStore::Write(const std::string& name,
   const nlohmann::json json = {{"models", result.models.size()},
                                {"has_database", result.has_database},
                                {"pairs", MatchedPairsToJson(result.pairs)},
-                               {"image_size", result.image_size},
-                               {"counts", result.counts}};
+                               {"image_size", result.image_size}};
   return WriteFileAtomic(folder / "result.json", JsonText(json));
 }
 
@@ -115,9 +114,6 @@ StatusOr<AttemptResult> AttemptStore::Read(const std::string& name) const {
   result.image_size = reader.Integer("image_size", 0, INT_MAX);
   if (const auto* pairs = FindField(json, "pairs")) {
     result.pairs = MatchedPairsFromJson(*pairs);
-  }
-  for (const auto& [key, value] : reader.Object("counts").items()) {
-    if (value.is_number_integer()) result.counts[key] = value.get<int64_t>();
   }
   FREEGS_RETURN_IF_ERROR(status);
   for (int i = 0; i < count; ++i) {

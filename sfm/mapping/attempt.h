@@ -10,7 +10,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -65,9 +64,6 @@ struct AttemptResult {
   // features are those of the database that the attempt started from.
   MatchedPairs pairs;
   int image_size = 0;
-
-  // Further numbers about the attempt, by name, that are kept with it.
-  std::map<std::string, int64_t> counts;
 
   // Set by AttemptStore::Try only: the message of the error that ended it.
   std::string problem;

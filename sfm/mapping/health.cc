@@ -127,13 +127,6 @@ Judgement FlawOf(const Health& health,
             "(OPENCV_FISHEYE for very wide lenses), or --sfm.camera per_image "
             "if the zoom changed between photos"};
   }
-  if (health.contradictions > 0) {
-    return {"the model contradicts " + std::to_string(health.contradictions) +
-                " of the strongest matches between photos: parts of the "
-                "scene that look alike may have been mixed up",
-            "add photos that show the parts that look alike together with "
-            "what tells them apart, or try another --sfm.max_features"};
-  }
   if (HasFinding(health, Severity::kDegrading)) {
     return {Reasons(health, ""), Advice(health, "")};
   }
@@ -213,11 +206,9 @@ Health MeasureHealth(const std::vector<Reconstruction>& models,
                      const std::vector<std::string>& names,
                      bool triangulated,
                      const HealthOptions& options,
-                     size_t contradictions,
                      std::vector<Finding> findings) {
   Health health;
   health.findings = std::move(findings);
-  health.contradictions = contradictions;
   health.images = static_cast<int>(names.size());
   std::set<std::string_view> posed;
   if (!models.empty()) {
@@ -284,7 +275,6 @@ nlohmann::json HealthToJson(const Health& health) {
        Rounded(health.measures.median_triangulation_deg)},
       {"num_points", health.measures.num_points},
       {"observations", health.measures.observations},
-      {"contradictions", health.contradictions},
       {"findings", FindingsToJson(health.findings)},
       {"attempts", AttemptsToJson(health.attempts)},
       {"pairs", MatchedPairsToJson(health.pairs)},

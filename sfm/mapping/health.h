@@ -59,9 +59,6 @@ struct Health {
   // How well the points of models[0] fit its photos.
   ReconstructionMeasures measures;
 
-  // Strongest matches between photos that the model contradicts.
-  size_t contradictions = 0;
-
   // What was found out about the photos, the worst first.
   std::vector<Finding> findings;
 
@@ -98,14 +95,13 @@ struct Health {
 // degrading one makes it no better than degraded. The caller fills in attempts
 // and all that follows them in Health, except unregistered and cameras.
 //
-//   Health health = MeasureHealth(result.models, names, true, options, 0,
-//                                 result.findings);
+//   Health health =
+//       MeasureHealth(result.models, names, true, options, result.findings);
 //   if (health.verdict == Verdict::kFailed) Show(health.reason, health.advice);
 Health MeasureHealth(const std::vector<Reconstruction>& models,
                      const std::vector<std::string>& names,
                      bool triangulated,
                      const HealthOptions& options,
-                     size_t contradictions = 0,
                      std::vector<Finding> findings = {});
 
 // The content of health.json.

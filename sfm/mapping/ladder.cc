@@ -9,7 +9,7 @@
 #include <cmath>
 
 #include "sfm/diagnosis/photo_reasons.h"
-#include "sfm/lookalikes/view_graph.h"
+#include "sfm/lookalikes/view_groups.h"
 #include "sfm/mapping/ladder_rungs.h"
 #include "sfm/matching/match_database.h"
 
@@ -228,8 +228,9 @@ Status Ladder::Look() {
   return {};
 }
 
-// More photos; or as many, and clearly more points that fit as well. Never at
-// the price of matches that it contradicts.
+// A result is better with more photos, or with as many and clearly more points
+// that fit as well. A model that look-alikes glued never replaces one that
+// holds together.
 StatusOr<bool> Ladder::IsBetter(const AttemptResult& result,
                                 const fs::path& database) const {
   if (result.models.empty()) return false;
@@ -242,11 +243,12 @@ StatusOr<bool> Ladder::IsBetter(const AttemptResult& result,
        then.mean_error_px > 1.2 * now.mean_error_px)) {
     return false;
   }
-  FREEGS_ASSIGN_OR_RETURN(const Contradictions before,
-                          FindContradictions(models_[0], database_.path));
-  FREEGS_ASSIGN_OR_RETURN(const Contradictions after,
-                          FindContradictions(result.models[0], database));
-  return after.strongest.size() <= before.strongest.size();
+  FREEGS_ASSIGN_OR_RETURN(const ViewGroups after,
+                          GroupViews(result.models[0], database));
+  if (after.consistent()) return true;
+  FREEGS_ASSIGN_OR_RETURN(const ViewGroups before,
+                          GroupViews(models_[0], database_.path));
+  return !before.consistent();
 }
 
 Status Ladder::Start(const MatchedDatabase& database) {

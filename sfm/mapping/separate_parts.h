@@ -26,32 +26,24 @@ struct SeparatedParts {
   // the parts into which the best one was taken apart, the largest first. Empty
   // if the first model given holds together and nothing needs to be done.
   std::vector<Reconstruction> models;
-  MatchedDatabase database;  // The database that these were made from.
-
-  // Whether the first of these holds together, by all matches of the database.
-  bool one = false;
 
   // Names of the photos that the first model given has and models[0] lacks,
   // ascending. Where they belong is unknown.
   std::vector<std::string> unplaced;
 
-  std::vector<Attempt> attempts;
+  Attempt attempt;  // How it was mapped again; nameless if it was not.
 };
 
 // Checks models[0] against all verified matches of the database. If it is
-// glued:
-// 1. maps again without the pairs of photos that glued it, up to three times;
-// 2. if that does not give a model that holds together and has at least 90 % of
-//    the photos, takes more features and maps again, as far as
-//    options.max_retry_cost allows;
-// 3. takes the model with the largest consistent group apart: each group of
-//    three photos or more becomes a model.
+// glued, maps again without the pairs of photos that glued it, up to three
+// times. Of both models it takes the one with the larger consistent group, and
+// takes it apart: each group of three photos or more becomes a model.
 //
 // `models` are the best first; all but the first are ignored, and none is fine.
-// Errors: those of COLMAP's commands, except in step 2, and of the database.
+// Errors: those of COLMAP's commands and of the database.
 StatusOr<SeparatedParts> SeparateParts(
     const StepContext& context,
-    const MatchedDatabase& database,
+    const std::filesystem::path& database,
     const std::vector<Reconstruction>& models,
     AttemptStore* store);
 

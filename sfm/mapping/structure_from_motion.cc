@@ -12,9 +12,7 @@
 #include "sfm/colmap/colmap_program.h"
 #include "sfm/colmap/colmap_steps.h"
 #include "sfm/diagnosis/photo_reasons.h"
-#include "sfm/lookalikes/view_graph.h"
 #include "sfm/mapping/ladder.h"
-#include "sfm/mapping/reconcile.h"
 #include "sfm/mapping/separate_parts.h"
 #include "sfm/mapping/step_record.h"
 #include "sfm/matching/match_database.h"
@@ -113,62 +111,24 @@ void WarnOfAttempts(const std::vector<Attempt>& attempts,
                       std::to_string(photos) + " photos; what helped: " + kept);
 }
 
-// Replaces a model that turns out to be glued parts.
+// Replaces the models if the best one turns out to consist of glued parts.
 Status TakeSeparated(const StepContext& context,
                      AttemptStore* store,
                      SceneEvidence* evidence,
                      SfmResult* result) {
   FREEGS_ASSIGN_OR_RETURN(
       SeparatedParts parts,
-      SeparateParts(context, result->database, result->models, store));
+      SeparateParts(context, result->database.path, result->models, store));
   if (parts.models.empty()) return {};
   result->models = std::move(parts.models);
-  for (Attempt& attempt : parts.attempts) {
-    result->attempts.push_back(std::move(attempt));
-  }
+  result->attempts.push_back(std::move(parts.attempt));
   result->warnings.push_back(
       "parts of the scene look alike: a first model had glued " +
       std::to_string(parts.groups) +
       " groups of photos, of the evidence between which only a share of " +
       FormatFixed(parts.score, 2) + " supported it");
-  if (result->database.path != parts.database.path) {
-    result->database = std::move(parts.database);
-    FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
-                            MatchDatabase::Open(result->database.path));
-    FREEGS_ASSIGN_OR_RETURN(*evidence,
-                            CollectEvidence(context.input.photos, database));
-  }
   evidence->unplaced = std::move(parts.unplaced);
-  // Where look-alikes glue a model they are among the strongest matches: that a
-  // model contradicts some of these is then nothing against it, if all matches
-  // taken together are for it.
-  if (parts.one) {
-    result->contradictions = 0;
-    return {};
-  }
-  FREEGS_ASSIGN_OR_RETURN(
-      const Contradictions found,
-      FindContradictions(result->models[0], result->database.path));
-  result->contradictions = found.strongest.size();
   return {};
-}
-
-// What was done about look-alikes, if there was a need.
-void NoteReconciled(const Reconciled& reconciled,
-                    std::vector<Attempt>* attempts,
-                    std::vector<std::string>* warnings) {
-  if (reconciled.before == 0) return;
-  const std::string before = std::to_string(reconciled.before);
-  warnings->push_back(
-      "parts of the scene look alike: a first model contradicted " + before +
-      " of the strongest matches; mapped again without " +
-      std::to_string(reconciled.removed) + " matching pairs, which leaves " +
-      std::to_string(reconciled.contradictions) + " contradicted");
-  attempts->push_back(DescribeAttempt(
-      "without look-alikes",
-      "the model contradicts " + before + " of the strongest matches",
-      reconciled.models));
-  attempts->back().kept = !reconciled.models.empty();
 }
 
 }  // namespace
@@ -220,19 +180,12 @@ StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
                   &store));
   WarnOfAttempts(best.attempts, input.photos.size(), &result.warnings);
 
-  FREEGS_ASSIGN_OR_RETURN(
-      Reconciled reconciled,
-      Reconcile(context, best.database.path, best.models, &store));
-  NoteReconciled(reconciled, &best.attempts, &result.warnings);
-  result.models =
-      std::move(reconciled.models.empty() ? best.models : reconciled.models);
+  result.models = std::move(best.models);
   result.database = std::move(best.database);
   result.attempts = std::move(best.attempts);
-  result.contradictions = reconciled.contradictions;
   FREEGS_RETURN_IF_ERROR(
       TakeSeparated(context, &store, &best.evidence, &result));
   FREEGS_RETURN_IF_ERROR(ChooseCameras(context, &result));
-  best.evidence.contradictions = result.contradictions;
   result.findings = Diagnose(best.evidence, result.models, diagnosis);
   result.unregistered =
       ExplainUnregistered(best.evidence, result.models, diagnosis);

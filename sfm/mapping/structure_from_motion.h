@@ -36,9 +36,6 @@ struct SfmResult {
   // equally many the one with most points. May be empty.
   std::vector<Reconstruction> models;
 
-  // Strongest matches that models[0] contradicts (see view_graph.h).
-  size_t contradictions = 0;
-
   // The database that the models were made from. It lies in the work folder, or
   // in the folder of an attempt (see TidyWorkFolder).
   MatchedDatabase database;

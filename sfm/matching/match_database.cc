@@ -220,6 +220,22 @@ MatchDatabase::VerifiedPairs() const {
   return pairs;
 }
 
+StatusOr<std::set<std::pair<uint32_t, uint32_t>>> MatchDatabase::ComparedPairs()
+    const {
+  // COLMAP leaves a row without matches for a pair of which none are verified.
+  Statement statement(database_.get(),
+                      "SELECT pair_id FROM two_view_geometries");
+  if (!statement.ok()) return Error("cannot list its pairs");
+  std::set<std::pair<uint32_t, uint32_t>> pairs;
+  int code;
+  while ((code = statement.Step()) == SQLITE_ROW) {
+    pairs.emplace(static_cast<uint32_t>(statement.Integer(0) / kMaxImageId),
+                  static_cast<uint32_t>(statement.Integer(0) % kMaxImageId));
+  }
+  if (code != SQLITE_DONE) return Error("cannot list its pairs");
+  return pairs;
+}
+
 Status MatchDatabase::ForEachVerifiedPair(
     const std::function<
         void(uint32_t, uint32_t, std::span<const FeatureMatch>)>& visit) const {

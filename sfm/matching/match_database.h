@@ -11,6 +11,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -79,6 +80,10 @@ class MatchDatabase {
   // All pairs with verified matches, in the order of their ids. Details that
   // the database does not have are left out.
   StatusOr<std::vector<VerifiedPair>> VerifiedPairs() const;
+
+  // The ids, the smaller one first, of all pairs of photos that were compared,
+  // whether any matches of theirs were verified or not.
+  StatusOr<std::set<std::pair<uint32_t, uint32_t>>> ComparedPairs() const;
 
   // Calls visit(id1, id2, matches), where id1 < id2, for each pair of photos
   // with verified matches, in the order of the ids.

@@ -184,7 +184,6 @@ class SfmStage : public pipeline::Stage {
                                             names,
                                             outcome.triangulated,
                                             options_.health,
-                                            result.contradictions,
                                             result.findings);
     health.source = outcome.source;
     health.attempts = result.attempts;
@@ -223,7 +222,6 @@ class SfmStage : public pipeline::Stage {
                             "mean_reprojection_error_px",
                             "num_points",
                             "warnings",
-                            "contradictions",
                             "pairs",
                             "source",
                             "colmap_version"}) {

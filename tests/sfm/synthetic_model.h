@@ -7,7 +7,9 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/random.h"
@@ -34,6 +36,15 @@ inline std::string PhotoName(int i) {
   char name[32];
   std::snprintf(name, sizeof(name), "photo_%03d.jpg", i);
   return name;
+}
+
+// The ids of all pairs of the first 50 photos, the smaller one first.
+inline std::set<std::pair<uint32_t, uint32_t>> AllPairs() {
+  std::set<std::pair<uint32_t, uint32_t>> pairs;
+  for (uint32_t i = 1; i <= 50; ++i) {
+    for (uint32_t j = i + 1; j <= 50; ++j) pairs.emplace(i, j);
+  }
+  return pairs;
 }
 
 // num_images cameras on a circle of radius 4 around the origin, which look at

@@ -98,8 +98,11 @@ class TwinScene {
         std::vector<uint32_t> twins = Matches(i, j, true);
         const bool planar = twins.size() > same.size();
         const std::vector<uint32_t>& data = planar ? twins : same;
-        if (data.size() < 2 * 15) continue;
-        database.Add(i + 1, j + 1, data, planar ? 6 : 2);
+        if (data.size() < 2 * 15) {
+          database.Add(i + 1, j + 1, {}, 0);
+        } else {
+          database.Add(i + 1, j + 1, data, planar ? 6 : 2);
+        }
       }
     }
   }

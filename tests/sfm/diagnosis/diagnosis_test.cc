@@ -252,13 +252,6 @@ TEST(Diagnose, UnplacedPhotosAreNamed) {
   }
 }
 
-TEST(Diagnose, LookAlikes) {
-  SceneEvidence evidence = Chain(12);
-  evidence.contradictions = 3;
-  const auto findings = Diagnose(evidence, ModelOf(12, 12), {});
-  EXPECT_THAT(Kinds(findings), ElementsAre(FindingKind::kLookAlikes));
-}
-
 TEST(GroupByMatches, MainGroupFirst) {
   SceneEvidence evidence = Chain(12);
   DropPairsBetween(&evidence, 8);
@@ -313,7 +306,7 @@ TEST(Verdict, Table) {
     }
     const auto models = test.registered > 0 ? ModelOf(test.registered, 10)
                                             : std::vector<Reconstruction>();
-    const Health health = MeasureHealth(models, names, true, {}, 0, findings);
+    const Health health = MeasureHealth(models, names, true, {}, findings);
     EXPECT_EQ(health.verdict, test.verdict) << test.registered;
     EXPECT_EQ(health.reason.empty(), test.verdict == Verdict::kOk);
     if (test.verdict == Verdict::kOk) continue;

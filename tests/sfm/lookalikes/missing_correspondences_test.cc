@@ -12,7 +12,8 @@ namespace freegs::sfm {
 namespace {
 
 TEST(FindMissingCorrespondences, NoneWhereAllSeeAll) {
-  const auto views = FindMissingCorrespondences(SyntheticModel(24, 200));
+  const auto views =
+      FindMissingCorrespondences(SyntheticModel(24, 200), AllPairs());
   EXPECT_FALSE(views.empty());
   for (const SharedView& view : views) {
     EXPECT_LT(view.image_id1, view.image_id2);
@@ -23,9 +24,9 @@ TEST(FindMissingCorrespondences, NoneWhereAllSeeAll) {
 }
 
 TEST(FindMissingCorrespondences, TwoPhotosAndNone) {
-  EXPECT_TRUE(FindMissingCorrespondences({}).empty());
+  EXPECT_TRUE(FindMissingCorrespondences({}, AllPairs()).empty());
   for (const SharedView& view :
-       FindMissingCorrespondences(SyntheticModel(2, 50))) {
+       FindMissingCorrespondences(SyntheticModel(2, 50), AllPairs())) {
     EXPECT_EQ(view.missing, 0);
   }
 }
@@ -34,13 +35,32 @@ TEST(FindMissingCorrespondences, BetweenGluedHalves) {
   const TwinScene scene(23);
   double within = 0;
   double across = 0;
-  for (const SharedView& view : FindMissingCorrespondences(scene.Model(true))) {
+  for (const SharedView& view :
+       FindMissingCorrespondences(scene.Model(true), AllPairs())) {
     const bool same = scene.InSecondHalf(view.image_id1 - 1) ==
                       scene.InSecondHalf(view.image_id2 - 1);
     (same ? within : across) += view.missing;
   }
   EXPECT_GT(across, 500);
   EXPECT_GT(across, 5 * within);
+}
+
+// Two rings of photos of which no pair across was compared share no points,
+// though both see the same place.
+TEST(FindMissingCorrespondences, NotWhereNothingWasCompared) {
+  const TwinScene scene(23);
+  std::set<std::pair<uint32_t, uint32_t>> within;
+  for (const auto& [id1, id2] : AllPairs()) {
+    if (scene.InSecondHalf(static_cast<int>(id1) - 1) ==
+        scene.InSecondHalf(static_cast<int>(id2) - 1)) {
+      within.insert({id1, id2});
+    }
+  }
+  const auto views = FindMissingCorrespondences(scene.Model(true), within);
+  EXPECT_FALSE(views.empty());
+  for (const SharedView& view : views) {
+    EXPECT_TRUE(within.contains({view.image_id1, view.image_id2}));
+  }
 }
 
 }  // namespace

@@ -96,7 +96,7 @@ TEST(ViewGroups, ForwardMotionIsWhole) {
   }
   // All that is shared was matched.
   std::vector<PairSupport> pairs;
-  for (const SharedView& view : FindMissingCorrespondences(model)) {
+  for (const SharedView& view : FindMissingCorrespondences(model, AllPairs())) {
     pairs.push_back({view.image_id1,
                      view.image_id2,
                      view.shared,

@@ -78,14 +78,6 @@ TEST(MeasureHealth, TurningOnTheSpotFails) {
   EXPECT_EQ(MeasureHealth({model}, Names(8), false, {}).verdict, Verdict::kOk);
 }
 
-TEST(MeasureHealth, ContradictedMatchesDegrade) {
-  const Health health =
-      MeasureHealth({SyntheticModel(8, 100)}, Names(8), true, {}, 2);
-  EXPECT_EQ(health.verdict, Verdict::kDegraded);
-  EXPECT_THAT(health.reason, HasSubstr("look alike"));
-  EXPECT_EQ(HealthToJson(health)["contradictions"], 2);
-}
-
 TEST(HealthToJson, HasTheAgreedNames) {
   Health health = MeasureHealth(
       {SyntheticModel(8, 10), SyntheticModel(3, 5)}, Names(20), true, {});

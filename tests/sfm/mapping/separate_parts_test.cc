@@ -37,7 +37,7 @@ class SeparatePartsTest : public testing::Test {
     const StepContext context{input_, options_, colmap};
     StepRecord record(input_.work_folder);
     AttemptStore store(input_.work_folder, &record);
-    return SeparateParts(context, {folder_ / "a.db", {}, 800}, {model}, &store);
+    return SeparateParts(context, folder_ / "a.db", {model}, &store);
   }
 
   TemporaryFolder folder_;
@@ -50,49 +50,23 @@ TEST_F(SeparatePartsTest, RightModelsAreLeftAlone) {
   const auto parts = Run(scene_.Model(false));
   ASSERT_TRUE(parts.ok()) << parts.status().message();
   EXPECT_THAT(parts->models, SizeIs(0));
-  EXPECT_THAT(parts->attempts, SizeIs(0));
+  EXPECT_EQ(parts->attempt.name, "");
   EXPECT_EQ(parts->groups, 1u);
   EXPECT_GT(parts->score, 0.6);
 }
 
 TEST_F(SeparatePartsTest, GluedModelsAreTakenApart) {
-  options_.max_retry_cost = 0;
   const auto parts = Run(scene_.Model(true));
   ASSERT_TRUE(parts.ok()) << parts.status().message();
   ASSERT_THAT(parts->models, SizeIs(2));
-  EXPECT_FALSE(parts->one);
   EXPECT_LT(parts->score, 0.4);
   // The second half of 23 has one photo more.
   EXPECT_THAT(parts->models[0].images, SizeIs(12));
   EXPECT_THAT(parts->models[1].images, SizeIs(11));
   ASSERT_THAT(parts->unplaced, SizeIs(11));
   EXPECT_EQ(parts->unplaced[0], PhotoName(0));
-  ASSERT_THAT(parts->attempts, SizeIs(2));
-  EXPECT_FALSE(parts->attempts[0].kept);
-  EXPECT_THAT(parts->attempts[0].why, HasSubstr("groups of 12 and 11 photos"));
-  EXPECT_THAT(parts->attempts[1].problem, HasSubstr("max_retry_cost"));
-}
-
-// A model of more features is told of with the database that it was made from.
-TEST_F(SeparatePartsTest, MoreFeaturesComeWithTheirDatabase) {
-  options_.max_image_size = 800;
-  options_.colmap = MakeFakeColmap(
-      folder_.path(), {{"FAKE_COLMAP_MODELS", ""}, {"FAKE_COLMAP_RICH", "23"}});
-  const auto parts = Run(scene_.Model(true));
-  ASSERT_TRUE(parts.ok()) << parts.status().message();
-  ASSERT_THAT(parts->attempts, SizeIs(2));
-  EXPECT_EQ(parts->attempts[1].problem, "");
-  EXPECT_TRUE(parts->attempts[1].kept);
-  EXPECT_TRUE(parts->one);
-  ASSERT_THAT(parts->models, SizeIs(1));
-  EXPECT_THAT(parts->models[0].images, SizeIs(23));
-  EXPECT_THAT(parts->unplaced, SizeIs(0));
-  EXPECT_EQ(parts->database.path,
-            input_.work_folder / "attempts" /
-                "more_features_against_look-alikes" / "database.db");
-  EXPECT_EQ(parts->database.pairs.pairs, 253u);
-  EXPECT_EQ(parts->database.pairs.all_pairs, 253u);
-  EXPECT_EQ(parts->database.image_size, 1600);
+  EXPECT_FALSE(parts->attempt.kept);
+  EXPECT_THAT(parts->attempt.why, HasSubstr("groups of 12 and 11 photos"));
 }
 
 }  // namespace

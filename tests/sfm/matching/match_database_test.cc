@@ -111,6 +111,9 @@ TEST(MatchDatabase, ListsPhotosAndMatches) {
   EXPECT_EQ((*pairs)[0].id2, 2u);
   EXPECT_EQ((*pairs)[0].num_matches, 30);
   EXPECT_FALSE((*pairs)[0].is_homography);
+  // The second pair was compared in vain.
+  EXPECT_THAT(*database->ComparedPairs(),
+              testing::ElementsAre(testing::Pair(1, 2), testing::Pair(2, 3)));
 }
 
 // Doubles as COLMAP stores them, little endian.
