@@ -104,35 +104,21 @@ StatusOr<std::vector<Reconstruction>> MapPhotos(const StepContext& context,
 
   FREEGS_ASSIGN_OR_RETURN(
       ColmapArguments arguments,
-      context.Arguments(mapping.command, context.input.photos.size()));
+      context.Arguments("mapper", context.input.photos.size()));
   arguments.Require("database_path", database.string());
   arguments.Require("image_path", context.input.photo_folder.string());
   arguments.Require("output_path", folder.string());
-  if (!mapping.start.empty()) {
-    arguments.Require("input_path", mapping.start.string());
-    arguments.Prefer({"Mapper.multiple_models"}, "0");
-  }
   // One thread: sums of bundle adjustment are then always in the same order.
-  arguments.AddAll(
-      {"Mapper.num_threads", "GlobalMapper.num_threads", "num_workers"}, "1");
-  arguments.AddAll(
-      {"random_seed",
-       "default_random_seed",
-       "Mapper.random_seed",
-       "GlobalMapper.random_seed"},
-      std::to_string((context.input.seed + mapping.seed_offset) % 2147483647));
-  if (!mapping.relaxed && mapping.seed_offset == 0 && mapping.start.empty()) {
+  arguments.AddAll({"Mapper.num_threads"}, "1");
+  arguments.AddAll({"random_seed", "default_random_seed", "Mapper.random_seed"},
+                   std::to_string(context.input.seed % 2147483647));
+  if (!mapping.relaxed) {
     AdjustLessOften(&arguments);
-  }
-  if (mapping.relaxed) {
+  } else {
     arguments.Prefer({"Mapper.init_min_num_inliers"}, "40");
     arguments.Prefer({"Mapper.init_min_tri_angle"}, "4");
     arguments.Prefer({"Mapper.abs_pose_min_num_inliers"}, "15");
     arguments.Prefer({"Mapper.abs_pose_min_inlier_ratio"}, "0.15");
-  }
-  if (mapping.command == "hierarchical_mapper") {
-    arguments.Prefer({"leaf_max_num_images"}, "50");
-    arguments.Prefer({"image_overlap"}, "15");
   }
   FREEGS_ASSIGN_OR_RETURN(const ChildCommand run, arguments.Finish());
 
@@ -153,7 +139,7 @@ StatusOr<std::vector<Reconstruction>> MapPhotos(const StepContext& context,
   fs::remove_all(folder, error);
   // COLMAP returns 1 when it made no model: that is a result, not a failure.
   if (result.exit_code == 1 && models.empty()) return models;
-  FREEGS_RETURN_IF_ERROR(CheckEnded(context, mapping.command, result));
+  FREEGS_RETURN_IF_ERROR(CheckEnded(context, "mapper", result));
   SortBySize(&models);
   return models;
 }
@@ -172,27 +158,6 @@ StatusOr<std::vector<Reconstruction>> MapBest(const StepContext& context,
                           MapPhotos(context, database, folder, mapping));
   if (NumRegistered(relaxed) > NumRegistered(models)) return relaxed;
   return models;
-}
-
-StatusOr<bool> MergeModels(const StepContext& context,
-                           const fs::path& model1,
-                           const fs::path& model2,
-                           const fs::path& merged) {
-  std::error_code error;
-  fs::remove_all(merged, error);
-  FREEGS_RETURN_IF_ERROR(CreateFolders(merged));
-  FREEGS_ASSIGN_OR_RETURN(
-      ColmapArguments arguments,
-      context.Arguments("model_merger", context.input.photos.size()));
-  arguments.Require("input_path1", model1.string());
-  arguments.Require("input_path2", model2.string());
-  arguments.Require("output_path", merged.string());
-  arguments.AddAll({"random_seed", "default_random_seed"},
-                   std::to_string(context.input.seed % 2147483647));
-  FREEGS_ASSIGN_OR_RETURN(const ChildCommand run, arguments.Finish());
-  FREEGS_ASSIGN_OR_RETURN(const ChildResult result,
-                          RunChild(run, {}, context.input.cancellation));
-  return result.ok() && DetectModelFormat(merged).has_value();
 }
 
 }  // namespace freegs::sfm

@@ -142,8 +142,8 @@ std::string Matcher::MatchPairs(const std::vector<IdPair>& pairs) {
         for (int64_t i = first; i < last; ++i) {
           if (cancellation != nullptr && cancellation->cancelled()) return;
           const auto& [a, b] = pairs[i];
-          matches[i] = MatchDescriptors(
-              descriptors_.at(a), descriptors_.at(b), context_.matching);
+          matches[i] =
+              MatchDescriptors(descriptors_.at(a), descriptors_.at(b), {});
         }
       });
   std::string text;
@@ -167,11 +167,6 @@ StatusOr<MatchedPairs> Matcher::Run(const std::set<int>& done,
   PortionedImport import(
       context_,
       {.database = database_path_,
-       .prepare =
-           [](MatchDatabase& copy) {
-             return copy.ClearMatchesAndDescriptors();
-           },
-       .match_type = "raw",
        .list = [this](const std::vector<IdPair>& pairs)
            -> StatusOr<std::string> { return MatchPairs(pairs); }});
   std::set<PhotoPair> tried;
@@ -202,29 +197,6 @@ StatusOr<MatchedPairs> MatchFeatures(
   Matcher matcher(context, database_path);
   FREEGS_RETURN_IF_ERROR(matcher.Prepare());
   return matcher.Run(done, on_done);
-}
-
-Status MatchGuided(const StepContext& context,
-                   const fs::path& database,
-                   const std::vector<IdPair>& pairs) {
-  // COLMAP looks for more matches in pairs of which it has the matches, but not
-  // yet the motion. Its own search for the first ones, which is not repeatable,
-  // is so left out.
-  PortionedImport import(
-      context,
-      {.database = database,
-       .prepare = [](MatchDatabase& copy) { return copy.ClearVerified(); },
-       .match_type = "pairs",
-       .list = [](const std::vector<IdPair>& portion) -> StatusOr<std::string> {
-         std::string text;
-         for (const auto& [a, b] : portion) {
-           text += PlainPhotoName(a) + " " + PlainPhotoName(b) + "\n";
-         }
-         return text;
-       },
-       .guided = true,
-       .step = "guided matching"});
-  return import.Run(pairs, {}, [](int) { return Status(); });
 }
 
 }  // namespace freegs::sfm

@@ -22,7 +22,6 @@
 #include "core/status.h"
 #include "sfm/colmap/colmap_program.h"
 #include "sfm/colmap/sfm_options.h"
-#include "sfm/matching/descriptor_matching.h"
 #include "sfm/scene/reconstruction.h"
 
 namespace freegs::sfm {
@@ -33,9 +32,6 @@ struct StepContext {
   const SfmOptions& options;
   ColmapProgram& colmap;
   int num_threads = 1;
-
-  // How much alike the descriptors of a match must be.
-  DescriptorMatchingOptions matching = {};
 
   // The least contrast of a SIFT feature; 0 means COLMAP's default.
   double peak_threshold = 0;
@@ -90,30 +86,16 @@ StatusOr<MatchedPairs> MatchFeatures(
     const std::set<int>& done,
     const std::function<Status(int portion)>& on_done);
 
-// Adds to pairs that are already matched, given by ids of photos, the matches
-// that COLMAP finds along their epipolar lines ("guided matching"). Returns
-// kMissingDependency when this release of COLMAP cannot do that.
-Status MatchGuided(const StepContext& context,
-                   const std::filesystem::path& database,
-                   const std::vector<std::pair<uint32_t, uint32_t>>& pairs);
-
 // The time in seconds after which a COLMAP command is considered stuck, when it
 // works on so many photos or on twenty times as many pairs.
 double TimeLimit(size_t photos);
 
 // How to make models from a database.
 struct Mapping {
-  std::string step = "mapping";    // The name of the step in progress reports.
-  std::string command = "mapper";  // Or hierarchical_mapper, global_mapper.
+  std::string step = "mapping";  // The name of the step in progress reports.
 
   // Whether to lower COLMAP's thresholds, for few or weakly connected photos.
   bool relaxed = false;
-
-  // Added to the seed, for other random draws.
-  uint64_t seed_offset = 0;
-
-  // The folder of a model to which photos are added. Empty to begin a new one.
-  std::filesystem::path start;
 };
 
 // Makes models from a database and returns them, the largest first; there may
@@ -137,14 +119,6 @@ StatusOr<std::vector<Reconstruction>> MapBest(
     const std::filesystem::path& database,
     const std::filesystem::path& folder,
     size_t wanted);
-
-// Merges two models that share photos, without adjusting the result, and writes
-// it to the folder `merged`. The arguments are folders of models. Returns false
-// when COLMAP cannot merge them.
-StatusOr<bool> MergeModels(const StepContext& context,
-                           const std::filesystem::path& model1,
-                           const std::filesystem::path& model2,
-                           const std::filesystem::path& merged);
 
 }  // namespace freegs::sfm
 

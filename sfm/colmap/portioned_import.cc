@@ -49,7 +49,7 @@ Status PortionedImport::MakeBase() {
   FREEGS_RETURN_IF_ERROR(CopyDatabase(options_.database, whole));
   {
     FREEGS_ASSIGN_OR_RETURN(MatchDatabase copy, MatchDatabase::Open(whole));
-    FREEGS_RETURN_IF_ERROR(options_.prepare(copy));
+    FREEGS_RETURN_IF_ERROR(copy.ClearMatchesAndDescriptors());
     FREEGS_RETURN_IF_ERROR(copy.RenamePhotos(PlainPhotoName));
     // Copying leaves the freed space behind.
     FREEGS_RETURN_IF_ERROR(copy.CopyTo(base_path_));
@@ -74,13 +74,8 @@ StatusOr<ChildCommand> PortionedImport::Start(const Portion& portion) {
       context_.Arguments("matches_importer", portion.pairs.size() / 20));
   arguments.Require("database_path", files.database.string());
   arguments.Require("match_list_path", files.list.string());
-  arguments.Require("match_type", options_.match_type);
+  arguments.Require("match_type", "raw");
   arguments.Prefer({"FeatureMatching.use_gpu", "SiftMatching.use_gpu"}, "0");
-  if (options_.guided && !arguments.Prefer({"FeatureMatching.guided_matching",
-                                            "SiftMatching.guided_matching"},
-                                           "1")) {
-    return MissingDependencyError("this COLMAP has no guided matching");
-  }
   arguments.AddAll({"FeatureMatching.num_threads", "SiftMatching.num_threads"},
                    "1");
   arguments.AddAll(
@@ -97,7 +92,7 @@ Status PortionedImport::Finish(const Portion& portion,
                           MatchDatabase::Open(options_.database));
   FREEGS_RETURN_IF_ERROR(database.CopyMatchesFrom(files.database));
   imported_ += static_cast<double>(portion.pairs.size());
-  context_.Report(options_.step, imported_, total_, "");
+  context_.Report("matching", imported_, total_, "");
   return {};
 }
 
@@ -121,7 +116,7 @@ Status PortionedImport::Run(const std::vector<IdPair>& pairs,
       todo.push_back(std::move(portion));
     }
   }
-  context_.Report(options_.step, imported_, total_, "");
+  context_.Report("matching", imported_, total_, "");
 
   ChildBatch batch;
   batch.count = todo.size();

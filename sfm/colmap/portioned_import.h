@@ -31,20 +31,9 @@ struct PortionedImportOptions {
   // The database that receives the matches.
   std::filesystem::path database;
 
-  // Called with a copy of the database to delete what portions do not need.
-  // Portions then work on copies of that copy.
-  std::function<Status(MatchDatabase&)> prepare;
-
-  // The match_type of matches_importer, "raw" or "pairs", and a function that
-  // makes the text of such a match list for the pairs of a portion.
-  std::string match_type;
+  // Makes the text of the match list (match_type "raw" of matches_importer) for
+  // the pairs of a portion.
   std::function<StatusOr<std::string>(const std::vector<IdPair>&)> list;
-
-  // With "pairs": whether to look for more matches along the epipolar lines of
-  // the verified ones (SiftMatching.guided_matching).
-  bool guided = false;
-
-  std::string step = "matching";  // The name of the step in progress reports.
 };
 
 // An import into one database:

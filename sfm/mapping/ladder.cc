@@ -19,8 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 using Models = std::vector<Reconstruction>;
 
-constexpr size_t kManyPhotos = 100;
-
 std::string Count(size_t count, const std::string& what) {
   return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
@@ -45,22 +43,16 @@ class Ladder {
     std::string (Ladder::*why)() const;
     StatusOr<AttemptResult> (*run)(const RungInput&);
   };
-  static const std::array<Rung, 9> kRungs;
+  static const std::array<Rung, 3> kRungs;
 
   // Reasons for trying a rung; empty if there is none.
   std::string LinkedPhotosMissing() const;
-  std::string ModelsShare() const;
-  std::string ModelIsIncomplete() const;
   std::string PairsWereLeftOut() const;
-  std::string PhotosMissing() const;
   std::string WeakPhotosMissing() const;
-  std::string OtherMapperMayHelp() const;
 
   // Estimated costs of a rung.
   double CostOfMapping() const { return kMappingCost; }
-  double CostOfGuidedMatching() const;
   double CostOfAllPairs() const;
-  double CostOfMatching() const { return kMatchingCost + 2 * kMappingCost; }
   double CostOfFeatures() const { return kMoreFeaturesCost; }
 
   bool IsGood() const;
@@ -84,48 +76,22 @@ class Ladder {
   size_t missing_ = 0;  // Photos that the best model lacks.
   size_t linked_ = 0;   // Of these, those that match photos of the model.
   size_t alone_ = 0;    // Of these, those in no group of kMinGroup photos.
-
-  // Pairs of photos with verified matches of which the model lacks at least
-  // one.
-  size_t loose_pairs_ = 0;
 };
 
-// Cheap rungs come first. "another mapper" is last, although it is cheap,
-// because the other mappers are less robust.
-const std::array<Ladder::Rung, 9> Ladder::kRungs = {{
+// Cheap rungs come first.
+const std::array<Ladder::Rung, 3> Ladder::kRungs = {{
     {"lower thresholds",
      &Ladder::CostOfMapping,
      &Ladder::LinkedPhotosMissing,
      &MapRelaxed},
-    {"another seed",
-     &Ladder::CostOfMapping,
-     &Ladder::LinkedPhotosMissing,
-     &MapWithOtherSeed},
-    {"merged models", &Ladder::CostOfMapping, &Ladder::ModelsShare, &MergeAll},
-    {"added photos",
-     &Ladder::CostOfMapping,
-     &Ladder::ModelIsIncomplete,
-     &AddPhotos},
-    {"guided matching",
-     &Ladder::CostOfGuidedMatching,
-     &Ladder::LinkedPhotosMissing,
-     &MatchMoreGuided},
     {"all pairs",
      &Ladder::CostOfAllPairs,
      &Ladder::PairsWereLeftOut,
      &MatchAllPairs},
-    {"looser matches",
-     &Ladder::CostOfMatching,
-     &Ladder::PhotosMissing,
-     &MatchLoosely},
     {"more features",
      &Ladder::CostOfFeatures,
      &Ladder::WeakPhotosMissing,
      &TakeMoreFeatures},
-    {"another mapper",
-     &Ladder::CostOfMapping,
-     &Ladder::OtherMapperMayHelp,
-     &MapOtherwise},
 }};
 
 std::string Ladder::LinkedPhotosMissing() const {
@@ -134,27 +100,9 @@ std::string Ladder::LinkedPhotosMissing() const {
   return Count(linked_, "photo") + " left out, though matching the model";
 }
 
-std::string Ladder::ModelsShare() const {
-  for (size_t k = 1; k < models_.size(); ++k) {
-    const size_t shared = NumShared(models_[0], models_[k]);
-    if (shared >= kSharedPhotos && shared < models_[k].images.size()) {
-      return "models share " + Count(shared, "photo");
-    }
-  }
-  return {};
-}
-
-std::string Ladder::ModelIsIncomplete() const {
-  return models_.empty() ? std::string() : LinkedPhotosMissing();
-}
-
 std::string Ladder::PairsWereLeftOut() const {
   if (database_.pairs.complete()) return {};
   return Count(missing_, "photo") + " left out, and not all pairs matched";
-}
-
-std::string Ladder::PhotosMissing() const {
-  return Count(missing_, "photo") + " left out";
 }
 
 std::string Ladder::WeakPhotosMissing() const {
@@ -162,19 +110,6 @@ std::string Ladder::WeakPhotosMissing() const {
   // Photos of a separate group need no more features: they match each other.
   if (linked_ + alone_ == 0) return {};
   return Count(linked_ + alone_, "photo") + " with too few matches";
-}
-
-std::string Ladder::OtherMapperMayHelp() const {
-  const bool hierarchical = context_.input.photos.size() >= kManyPhotos &&
-                            context_.colmap.HasCommand("hierarchical_mapper");
-  if (!hierarchical && !context_.colmap.HasCommand("global_mapper")) return {};
-  return LinkedPhotosMissing();
-}
-
-double Ladder::CostOfGuidedMatching() const {
-  return kGuidedMatchingCost * static_cast<double>(loose_pairs_) /
-             std::max(1.0, static_cast<double>(database_.pairs.pairs)) +
-         2 * kMappingCost;
 }
 
 double Ladder::CostOfAllPairs() const {
@@ -207,13 +142,11 @@ Status Ladder::Look() {
   const size_t count = evidence_.photos.size();
   // Even few matches with a photo of the model may be enough to place another.
   std::vector<bool> linked(count, false);
-  loose_pairs_ = 0;
   for (const PairEvidence& pair : evidence_.pairs) {
     const bool first = groups.registered[pair.first];
     const bool second = groups.registered[pair.second];
     if (first) linked[pair.second] = true;
     if (second) linked[pair.first] = true;
-    if (!first || !second) ++loose_pairs_;
   }
   const std::vector<bool> blurred = FindBlurredPhotos(evidence_, diagnosis_);
   missing_ = linked_ = alone_ = 0;

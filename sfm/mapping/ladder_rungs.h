@@ -15,9 +15,6 @@
 
 namespace freegs::sfm {
 
-// Two models need at least this many photos in common to be merged.
-inline constexpr size_t kSharedPhotos = 3;
-
 // TakeMoreFeatures multiplies sfm.max_features by this.
 inline constexpr int kMoreFeatures = 2;
 
@@ -26,7 +23,6 @@ inline constexpr int kMoreFeatures = 2;
 // number of features.
 inline constexpr double kMappingCost = 0.2;
 inline constexpr double kMatchingCost = 0.7;
-inline constexpr double kGuidedMatchingCost = 2 * kMatchingCost;
 inline constexpr double kFeaturesCost = 0.1;
 inline constexpr double kMoreFeaturesCost =
     kFeaturesCost * kMoreFeatures +
@@ -48,43 +44,18 @@ struct RungInput {
 
 // All functions below return the errors of the COLMAP commands that they run.
 
-// The first five map the matches that are there.
-
-// Lowers the mapper's thresholds: weaker start pairs, fewer inliers.
+// Maps the matches that are there with lower thresholds: weaker start pairs,
+// fewer inliers.
 StatusOr<AttemptResult> MapRelaxed(const RungInput& input);
 
-// Repeats the plain mapping with other random draws.
-StatusOr<AttemptResult> MapWithOtherSeed(const RungInput& input);
-
-// Uses another mapper: COLMAP 4's global one, else the hierarchical one.
-StatusOr<AttemptResult> MapOtherwise(const RungInput& input);
-
-// Merges models that share kSharedPhotos photos or more into the best one.
-StatusOr<AttemptResult> MergeAll(const RungInput& input);
-
-// Adds photos to the best model, with low thresholds. COLMAP 4 can also place a
-// photo by its matches with other photos alone, without points ("structure-less
-// registration").
-StatusOr<AttemptResult> AddPhotos(const RungInput& input);
-
 // The others match anew, into a database of the rung, and map that.
-
-// Looks for more matches, along the epipolar lines of those that are known, in
-// the matching pairs of photos of which the best model lacks one or both.
-StatusOr<AttemptResult> MatchMoreGuided(const RungInput& input);
 
 // Matches all pairs of photos.
 StatusOr<AttemptResult> MatchAllPairs(const RungInput& input);
 
-// Also accepts descriptors that are less alike.
-StatusOr<AttemptResult> MatchLoosely(const RungInput& input);
-
 // Takes kMoreFeatures times as many features, fainter ones too, from larger
 // images, and matches them.
 StatusOr<AttemptResult> TakeMoreFeatures(const RungInput& input);
-
-// How many photos, by name, two models share.
-size_t NumShared(const Reconstruction& a, const Reconstruction& b);
 
 }  // namespace freegs::sfm
 

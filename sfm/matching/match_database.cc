@@ -278,10 +278,6 @@ Status MatchDatabase::RemoveVerifiedPairs(
   return Execute("COMMIT");
 }
 
-Status MatchDatabase::ClearVerified() {
-  return Execute("DELETE FROM two_view_geometries");
-}
-
 Status MatchDatabase::CopyMatchesFrom(const std::filesystem::path& other) {
   Statement attach(database_.get(), "ATTACH DATABASE ? AS other");
   if (!attach.ok()) return Error("cannot attach another database");

@@ -91,10 +91,9 @@ class MatchDatabase {
       const std::function<void(
           uint32_t, uint32_t, std::span<const FeatureMatch>)>& visit) const;
 
-  // Deletes the verified matches of the given pairs, or of all pairs.
+  // Deletes the verified matches of the given pairs.
   Status RemoveVerifiedPairs(
       const std::vector<std::pair<uint32_t, uint32_t>>& pairs);
-  Status ClearVerified();
 
   // Copies all raw and verified matches of the database at `other` into this
   // one, in one transaction. Both must have the same photos with the same ids.

@@ -9,7 +9,6 @@
 //                        for none. Default: one of all.
 //   FAKE_COLMAP_RELAXED  the same when the mapper's thresholds were lowered.
 //   FAKE_COLMAP_RICH     the same when more features were taken.
-//   FAKE_COLMAP_GUIDED   the same when photos were matched with guidance.
 //   FAKE_COLMAP_FAIL     a command that fails with exit code 1.
 //   FAKE_COLMAP_HANG     a command that never ends.
 //   FAKE_COLMAP_ONCE     a file: commands fail while it exists, and delete it.
@@ -204,25 +203,9 @@ std::string PairId(const std::map<std::string, int>& images,
   return std::to_string(first * 2147483647 + second);
 }
 
-// Every pair must have matches, and no geometry yet; gets one match more.
-int MatchGuided(Options& options, Database& database) {
-  const std::string prefix = IsNew() ? "FeatureMatching." : "SiftMatching.";
-  if (options[prefix + "guided_matching"] != "1") return 9;
-  const auto images = database.Images();
-  for (const std::string& line : ReadLines(options["match_list_path"])) {
-    database.Run(
-        "INSERT INTO two_view_geometries SELECT pair_id, rows + 1, "
-        "zeroblob(8 * (rows + 1)) FROM matches WHERE pair_id = " +
-        PairId(images, line));
-  }
-  Print("Matching block [1/1] in 0.1s");
-  return 0;
-}
-
 int MatchPairs(Options& options) {
   Database database(options["database_path"]);
   const auto images = database.Images();
-  if (options["match_type"] == "pairs") return MatchGuided(options, database);
   if (options["match_type"] != "raw") return 9;
   // Blocks: two names, lines of two numbers, an empty line.
   std::string pair;
@@ -255,9 +238,6 @@ int Map(Options& options) {
   }
   if (options["database_path"].find("more_features") != std::string::npos) {
     sizes = Setting("FAKE_COLMAP_RICH", sizes);
-  }
-  if (options["database_path"].find("guided_matching") != std::string::npos) {
-    sizes = Setting("FAKE_COLMAP_GUIDED", sizes);
   }
   std::istringstream list(sizes);
   int number = 0;

@@ -15,19 +15,5 @@ TEST(LargerImageSizeTest, GrowsByHalfAndUpTo1600ByMore) {
   EXPECT_EQ(LargerImageSize(1600), 2400);
 }
 
-TEST(NumSharedTest, CountsNames) {
-  Reconstruction a;
-  Reconstruction b;
-  for (const char* name : {"1.jpg", "2.jpg", "3.jpg"}) {
-    a.images.emplace_back().name = name;
-  }
-  for (const char* name : {"3.jpg", "4.jpg", "1.jpg", "5.jpg"}) {
-    b.images.emplace_back().name = name;
-  }
-  EXPECT_EQ(NumShared(a, b), 2u);
-  EXPECT_EQ(NumShared(b, a), 2u);
-  EXPECT_EQ(NumShared(a, {}), 0u);
-}
-
 }  // namespace
 }  // namespace freegs::sfm
