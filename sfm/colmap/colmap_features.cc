@@ -105,10 +105,6 @@ StatusOr<ColmapArguments> ExtractorArguments(const StepContext& context,
   arguments.Prefer(
       {"SiftExtraction.max_num_features", "FeatureExtraction.max_num_features"},
       std::to_string(max_features));
-  if (context.peak_threshold > 0) {
-    arguments.Prefer({"SiftExtraction.peak_threshold"},
-                     NumberText(context.peak_threshold));
-  }
   return arguments;
 }
 

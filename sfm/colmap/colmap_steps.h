@@ -33,9 +33,6 @@ struct StepContext {
   ColmapProgram& colmap;
   int num_threads = 1;
 
-  // The least contrast of a SIFT feature; 0 means COLMAP's default.
-  double peak_threshold = 0;
-
   // The log file of a COLMAP command, below the work folder.
   std::filesystem::path LogFile(const std::string& command) const;
 

@@ -24,9 +24,6 @@ Status SfmOptions::Check() const {
         "sfm.max_image_size (unless 0) and sfm.max_features must be at least "
         "64");
   }
-  if (!(max_retry_cost >= 0)) {
-    return InvalidArgumentError("sfm.max_retry_cost must be at least 0");
-  }
   return pairs.Check();
 }
 

@@ -39,11 +39,6 @@ struct SfmOptions {
   // Which pairs of photos are matched.
   PairSelectionOptions pairs;
 
-  // When the first attempt leaves out photos, others follow. This limits the
-  // cost of all others together, as a multiple of the cost of the first. 0
-  // allows no others.
-  double max_retry_cost = 8;
-
   // Whether features are extracted on the graphics card, for which COLMAP must
   // have been built.
   bool use_gpu = false;

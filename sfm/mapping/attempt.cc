@@ -11,7 +11,6 @@
 #include "core/io/files.h"
 #include "core/io/json_fields.h"
 #include "core/io/json_text.h"
-#include "sfm/matching/match_database.h"
 #include "sfm/scene/model_io.h"
 #include "sfm/scene/reconstruction_measures.h"
 
@@ -78,15 +77,6 @@ StatusOr<AttemptResult> AttemptStore::Try(
   return nothing;
 }
 
-MatchedDatabase AttemptStore::DatabaseOf(const std::string& name,
-                                         const AttemptResult& result,
-                                         const MatchedDatabase& before) const {
-  if (!result.has_database) return before;
-  return {AttemptDatabase(Folder(name)),
-          result.pairs,
-          result.image_size > 0 ? result.image_size : before.image_size};
-}
-
 Status AttemptStore::Write(const std::string& name,
                            const AttemptResult& result) {
   const fs::path folder = Folder(name);
@@ -94,10 +84,7 @@ Status AttemptStore::Write(const std::string& name,
     FREEGS_RETURN_IF_ERROR(
         WriteModel(folder / "models" / std::to_string(i), result.models[i]));
   }
-  const nlohmann::json json = {{"models", result.models.size()},
-                               {"has_database", result.has_database},
-                               {"pairs", MatchedPairsToJson(result.pairs)},
-                               {"image_size", result.image_size}};
+  const nlohmann::json json = {{"models", result.models.size()}};
   return WriteFileAtomic(folder / "result.json", JsonText(json));
 }
 
@@ -110,11 +97,6 @@ StatusOr<AttemptResult> AttemptStore::Read(const std::string& name) const {
   JsonObjectReader reader(json, path.string(), "", &status);
   AttemptResult result;
   const int count = reader.Integer("models", 0, INT_MAX);
-  result.has_database = reader.Bool("has_database");
-  result.image_size = reader.Integer("image_size", 0, INT_MAX);
-  if (const auto* pairs = FindField(json, "pairs")) {
-    result.pairs = MatchedPairsFromJson(*pairs);
-  }
   FREEGS_RETURN_IF_ERROR(status);
   for (int i = 0; i < count; ++i) {
     FREEGS_ASSIGN_OR_RETURN(
@@ -123,12 +105,6 @@ StatusOr<AttemptResult> AttemptStore::Read(const std::string& name) const {
     result.models.push_back(std::move(model));
   }
   return result;
-}
-
-void AttemptStore::RemoveDatabaseOf(const std::string& name) const {
-  RemoveDatabase(AttemptDatabase(Folder(name)));
-  std::error_code ignored;
-  fs::remove(Folder(name) / "pairs.txt", ignored);
 }
 
 void AttemptStore::Remove(const fs::path& work_folder) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An attempt is one way of making models from the photos: the plain mapping, a
-// rung of the ladder (ladder.h) or a repair (separate_parts.h). This header has
-// what is reported about attempts, and keeps their results on disk, so that a
-// killed run does not repeat them.
+// An attempt is one way of making models from the photos: the plain mapping,
+// one with lower thresholds (map_scene.h) or a repair (separate_parts.h). It
+// has what is reported about attempts, and keeps their results on disk, so that
+// a killed run does not repeat them.
 
 #ifndef FREEGS_SFM_MAPPING_ATTEMPT_H_
 #define FREEGS_SFM_MAPPING_ATTEMPT_H_
@@ -15,7 +15,6 @@
 
 #include "core/status.h"
 #include "sfm/mapping/step_record.h"
-#include "sfm/matching/pair_selection.h"
 #include "sfm/scene/reconstruction.h"
 
 namespace freegs::sfm {
@@ -33,7 +32,7 @@ struct Attempt {
   double mean_error_px = 0;  // Mean reprojection error over observations.
 
   bool kept = false;    // Its models replaced the ones before.
-  std::string problem;  // Why it made no models, or why it was not tried.
+  std::string problem;  // Why it made no models, or none that were kept.
 };
 
 // The report on an attempt that made these models (the best first). kept and
@@ -42,46 +41,20 @@ Attempt DescribeAttempt(const std::string& name,
                         const std::string& why,
                         const std::vector<Reconstruction>& models);
 
-// A COLMAP database with features and matches.
-struct MatchedDatabase {
-  std::filesystem::path path;
-  MatchedPairs pairs;  // The pairs of photos that were compared for it.
-
-  // Longest side, in pixels, to which photos were reduced before features were
-  // taken from them.
-  int image_size = 0;
-};
-
 // What an attempt made.
 struct AttemptResult {
   std::vector<Reconstruction> models;  // The best first; may be empty.
-
-  // True if the attempt matched anew, into a database in its own folder (see
-  // AttemptDatabase). False if it mapped the matches that were there.
-  bool has_database = false;
-
-  // As in MatchedDatabase, for its own database. image_size is 0 if the
-  // features are those of the database that the attempt started from.
-  MatchedPairs pairs;
-  int image_size = 0;
 
   // Set by AttemptStore::Try only: the message of the error that ended it.
   std::string problem;
 };
 
-// The place of an attempt's own database, given the attempt's folder.
-inline std::filesystem::path AttemptDatabase(
-    const std::filesystem::path& folder) {
-  return folder / "database.db";
-}
-
 // Runs each attempt at most once and keeps its result in a folder of its own,
 // until Remove() is called:
 //
 //   AttemptStore store(work_folder, &record);
-//   const StatusOr<AttemptResult> result = store.Try("all pairs", [&] {
-//     return MatchAllPairs(
-//         {context, "all pairs", models, database, store.Folder("all pairs")});
+//   const StatusOr<AttemptResult> result = store.Try("lower thresholds", [&] {
+//     return MapWithLowerThresholds(store.Folder("lower thresholds"));
 //   });
 //
 // A later run in the same work folder gets the recorded result at once.
@@ -106,16 +79,6 @@ class AttemptStore {
   StatusOr<AttemptResult> Try(
       const std::string& name,
       const std::function<StatusOr<AttemptResult>()>& run);
-
-  // The database that the models of the attempt were made from: its own one if
-  // it has one, otherwise `before`, the database that it started from.
-  MatchedDatabase DatabaseOf(const std::string& name,
-                             const AttemptResult& result,
-                             const MatchedDatabase& before) const;
-
-  // Deletes the attempt's own database and list of pairs, if it has them. For
-  // attempts that were not kept: databases are large.
-  void RemoveDatabaseOf(const std::string& name) const;
 
   // Deletes the folders of all attempts in a work folder.
   static void Remove(const std::filesystem::path& work_folder);

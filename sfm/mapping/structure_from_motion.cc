@@ -12,7 +12,7 @@
 #include "sfm/colmap/colmap_program.h"
 #include "sfm/colmap/colmap_steps.h"
 #include "sfm/diagnosis/photo_reasons.h"
-#include "sfm/mapping/ladder.h"
+#include "sfm/mapping/map_scene.h"
 #include "sfm/mapping/separate_parts.h"
 #include "sfm/mapping/step_record.h"
 #include "sfm/matching/match_database.h"
@@ -113,12 +113,13 @@ void WarnOfAttempts(const std::vector<Attempt>& attempts,
 
 // Replaces the models if the best one turns out to consist of glued parts.
 Status TakeSeparated(const StepContext& context,
+                     const fs::path& database,
                      AttemptStore* store,
                      SceneEvidence* evidence,
                      SfmResult* result) {
   FREEGS_ASSIGN_OR_RETURN(
       SeparatedParts parts,
-      SeparateParts(context, result->database.path, result->models, store));
+      SeparateParts(context, database, result->models, store));
   if (parts.models.empty()) return {};
   result->models = std::move(parts.models);
   result->attempts.push_back(std::move(parts.attempt));
@@ -172,46 +173,30 @@ StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
   diagnosis.few_features =
       std::min<int64_t>(diagnosis.few_features, options.max_features / 4);
   AttemptStore store(input.work_folder, &record);
-  FREEGS_ASSIGN_OR_RETURN(
-      LadderResult best,
-      ClimbLadder(context,
-                  {database, record.pairs(), resolved.max_image_size},
-                  diagnosis,
-                  &store));
-  WarnOfAttempts(best.attempts, input.photos.size(), &result.warnings);
+  FREEGS_ASSIGN_OR_RETURN(MappedScene scene,
+                          MapScene(context, database, diagnosis, &store));
+  WarnOfAttempts(scene.attempts, input.photos.size(), &result.warnings);
 
-  result.models = std::move(best.models);
-  result.database = std::move(best.database);
-  result.attempts = std::move(best.attempts);
+  result.models = std::move(scene.models);
+  result.pairs = record.pairs();
+  result.image_size = resolved.max_image_size;
+  result.attempts = std::move(scene.attempts);
   FREEGS_RETURN_IF_ERROR(
-      TakeSeparated(context, &store, &best.evidence, &result));
+      TakeSeparated(context, database, &store, &scene.evidence, &result));
   FREEGS_RETURN_IF_ERROR(ChooseCameras(context, &result));
-  result.findings = Diagnose(best.evidence, result.models, diagnosis);
+  result.findings = Diagnose(scene.evidence, result.models, diagnosis);
   result.unregistered =
-      ExplainUnregistered(best.evidence, result.models, diagnosis);
+      ExplainUnregistered(scene.evidence, result.models, diagnosis);
   std::error_code ignored;
   fs::remove(input.work_folder / "image_list.txt", ignored);
   return result;
 }
 
-Status TidyWorkFolder(const fs::path& work_folder, const SfmResult& result) {
-  std::error_code error;
+void TidyWorkFolder(const fs::path& work_folder) {
+  std::error_code ignored;
   // First of all: without it, a run that is killed here starts again.
-  fs::remove(work_folder / "steps.json", error);
-  const fs::path database = work_folder / "database.db";
-  if (result.database.path != database) {
-    RemoveDatabase(database);
-    for (const char* name : {"database.db", "pairs.txt"}) {
-      const fs::path file = result.database.path.parent_path() / name;
-      fs::rename(file, work_folder / name, error);
-      if (error) {
-        return InternalError(file.string() +
-                             ": cannot be moved: " + error.message());
-      }
-    }
-  }
+  fs::remove(work_folder / "steps.json", ignored);
   AttemptStore::Remove(work_folder);
-  return {};
 }
 
 }  // namespace freegs::sfm

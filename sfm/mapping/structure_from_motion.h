@@ -8,7 +8,7 @@
 //   input.work_folder = "work";
 //   StatusOr<SfmResult> result = RunStructureFromMotion(input, SfmOptions());
 //   if (!result.ok()) return result.status();
-//   FREEGS_RETURN_IF_ERROR(TidyWorkFolder(input.work_folder, *result));
+//   TidyWorkFolder(input.work_folder);
 //   if (!result->models.empty()) Use(result->models[0]);
 //
 // Whether the best model is good enough is for health.h to say.
@@ -26,6 +26,7 @@
 #include "sfm/colmap/sfm_options.h"
 #include "sfm/diagnosis/diagnosis.h"
 #include "sfm/mapping/attempt.h"
+#include "sfm/matching/pair_selection.h"
 #include "sfm/scene/reconstruction.h"
 #include "sfm/scene/sfm_photo.h"
 
@@ -36,9 +37,11 @@ struct SfmResult {
   // equally many the one with most points. May be empty.
   std::vector<Reconstruction> models;
 
-  // The database that the models were made from. It lies in the work folder, or
-  // in the folder of an attempt (see TidyWorkFolder).
-  MatchedDatabase database;
+  MatchedPairs pairs;  // The pairs of photos that were compared.
+
+  // Longest side, in pixels, to which photos were reduced before features were
+  // taken from them.
+  int image_size = 0;
 
   std::vector<Attempt> attempts;  // What was tried, in order.
   std::vector<Finding> findings;  // What was found out, the worst first.
@@ -71,11 +74,9 @@ struct SfmResult {
 StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
                                            const SfmOptions& options);
 
-// Moves the database of the result and its list of pairs to the work folder, as
-// database.db and pairs.txt, and deletes what only an interrupted run needs.
-// kInternal if the files cannot be moved.
-Status TidyWorkFolder(const std::filesystem::path& work_folder,
-                      const SfmResult& result);
+// Deletes what only an interrupted run needs. The database and its list of
+// pairs stay, as database.db and pairs.txt.
+void TidyWorkFolder(const std::filesystem::path& work_folder);
 
 }  // namespace freegs::sfm
 

@@ -89,12 +89,6 @@ void RegisterSfmOptions(SfmStageOptions& options,
              .min = 64,
              .max = 100000});
   RegisterPairOptions(options, table);
-  table.Add("sfm.max_retry_cost",
-            &options.colmap.max_retry_cost,
-            {.help = "When photos are left out: what other attempts may cost "
-                     "together, as a multiple of the first. 0 for none.",
-             .min = 0,
-             .max = 1000});
   table.Add("sfm.use_gpu",
             &options.colmap.use_gpu,
             {.help = "Take features on the graphics card, if COLMAP was built "

@@ -189,8 +189,8 @@ class SfmStage : public pipeline::Stage {
     health.attempts = result.attempts;
     health.colmap_version = result.colmap_version;
     health.camera_models = result.camera_models;
-    health.pairs = result.database.pairs;
-    health.image_size = result.database.image_size;
+    health.pairs = result.pairs;
+    health.image_size = result.image_size;
     for (auto& [name, reason] : health.unregistered) {
       const auto it = result.unregistered.find(name);
       if (it != result.unregistered.end()) reason = it->second;
@@ -228,8 +228,8 @@ class SfmStage : public pipeline::Stage {
       context.summary[key] = json[key];
     }
     FREEGS_RETURN_IF_ERROR(Report(health, context));
-    return outcome.imported ? Status()
-                            : sfm::TidyWorkFolder(context.output, result);
+    if (!outcome.imported) sfm::TidyWorkFolder(context.output);
+    return {};
   }
 
   Status Report(const sfm::Health& health, StageContext& context) const {

@@ -8,7 +8,6 @@
 //   FAKE_COLMAP_MODELS   photos of each model the mapper makes, "5,3"; empty
 //                        for none. Default: one of all.
 //   FAKE_COLMAP_RELAXED  the same when the mapper's thresholds were lowered.
-//   FAKE_COLMAP_RICH     the same when more features were taken.
 //   FAKE_COLMAP_FAIL     a command that fails with exit code 1.
 //   FAKE_COLMAP_HANG     a command that never ends.
 //   FAKE_COLMAP_ONCE     a file: commands fail while it exists, and delete it.
@@ -235,9 +234,6 @@ int Map(Options& options) {
       Setting("FAKE_COLMAP_MODELS", std::to_string(images.size()));
   if (options["Mapper.init_min_num_inliers"] != "") {
     sizes = Setting("FAKE_COLMAP_RELAXED", sizes);
-  }
-  if (options["database_path"].find("more_features") != std::string::npos) {
-    sizes = Setting("FAKE_COLMAP_RICH", sizes);
   }
   std::istringstream list(sizes);
   int number = 0;

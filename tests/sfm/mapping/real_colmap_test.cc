@@ -50,7 +50,7 @@ TEST(RealColmap, RegistersAndRepeats) {
     ASSERT_TRUE(result.ok()) << result.status().message();
     ASSERT_FALSE(result->models.empty());
     const Reconstruction& model = result->models[0];
-    EXPECT_EQ(result->database.pairs.strategy, "retrieval");
+    EXPECT_EQ(result->pairs.strategy, "retrieval");
     EXPECT_GE(model.images.size(), 6u);
     std::vector<std::string> names;
     for (const SfmPhoto& photo : input.photos) names.push_back(photo.name);

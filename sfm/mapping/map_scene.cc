@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "sfm/mapping/map_scene.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "sfm/diagnosis/photo_reasons.h"
+#include "sfm/lookalikes/view_groups.h"
+#include "sfm/matching/match_database.h"
+
+namespace freegs::sfm {
+namespace {
+
+namespace fs = std::filesystem;
+using Models = std::vector<Reconstruction>;
+
+// Photos that the best model lacks. Blurred ones are not counted.
+struct LeftOut {
+  size_t photos = 0;
+  size_t matching = 0;  // Of these, those that match photos of the model.
+};
+
+LeftOut CountLeftOut(const SceneEvidence& evidence,
+                     const Models& models,
+                     const DiagnosisOptions& diagnosis) {
+  const PhotoGroups groups = GroupByMatches(evidence, models);
+  // Even few matches with a photo of the model may be enough to place another.
+  std::vector<bool> linked(evidence.photos.size(), false);
+  for (const PairEvidence& pair : evidence.pairs) {
+    if (groups.registered[pair.first]) linked[pair.second] = true;
+    if (groups.registered[pair.second]) linked[pair.first] = true;
+  }
+  const std::vector<bool> blurred = FindBlurredPhotos(evidence, diagnosis);
+  LeftOut left_out;
+  for (size_t i = 0; i < evidence.photos.size(); ++i) {
+    if (groups.registered[i] || blurred[i]) continue;
+    ++left_out.photos;
+    const size_t size = groups.members[groups.group[i]].size();
+    const bool main = groups.group[i] == 0 && !models.empty();
+    if (!main && size >= kMinGroup) continue;  // A part of its own.
+    if (main || linked[i]) ++left_out.matching;
+  }
+  return left_out;
+}
+
+// Why lower thresholds may help; empty if they cannot or need not.
+std::string WhyAgain(const SceneEvidence& evidence,
+                     const Models& models,
+                     const DiagnosisOptions& diagnosis) {
+  const LeftOut left_out = CountLeftOut(evidence, models, diagnosis);
+  const auto got = static_cast<double>(NumRegistered(models));
+  const auto wanted = got + static_cast<double>(left_out.photos);
+  if (got > 0 && got >= diagnosis.good_share * wanted) return {};
+  const auto findings = Diagnose(evidence, models, diagnosis);
+  if (std::any_of(findings.begin(), findings.end(), [](const Finding& finding) {
+        return finding.hopeless;
+      })) {
+    return {};
+  }
+  if (models.empty()) return "there is no model yet";
+  if (left_out.matching == 0) return {};
+  return std::to_string(left_out.matching) +
+         (left_out.matching == 1 ? " photo" : " photos") +
+         " left out, though matching the model";
+}
+
+StatusOr<bool> IsBetter(const Models& after,
+                        const Models& before,
+                        const fs::path& database) {
+  if (after.empty()) return false;
+  if (before.empty()) return true;
+  const Attempt now = DescribeAttempt("", "", before);
+  const Attempt then = DescribeAttempt("", "", after);
+  if (then.registered < now.registered) return false;
+  if (then.registered == now.registered &&
+      (then.points * 10 < now.points * 12 ||
+       then.mean_error_px > 1.2 * now.mean_error_px)) {
+    return false;
+  }
+  FREEGS_ASSIGN_OR_RETURN(const ViewGroups parts,
+                          GroupViews(after[0], database));
+  if (parts.consistent()) return true;
+  FREEGS_ASSIGN_OR_RETURN(const ViewGroups parts_before,
+                          GroupViews(before[0], database));
+  return !parts_before.consistent();
+}
+
+}  // namespace
+
+StatusOr<MappedScene> MapScene(const StepContext& context,
+                               const fs::path& database,
+                               const DiagnosisOptions& diagnosis,
+                               AttemptStore* store) {
+  const auto map = [&](const std::string& name,
+                       const Mapping& mapping) -> StatusOr<AttemptResult> {
+    AttemptResult made;
+    FREEGS_ASSIGN_OR_RETURN(
+        made.models,
+        MapPhotos(context, database, store->Folder(name) / "mapper", mapping));
+    return made;
+  };
+  MappedScene scene;
+  const std::string plain = "mapping";
+  FREEGS_ASSIGN_OR_RETURN(AttemptResult first,
+                          store->Run(plain, [&] { return map(plain, {}); }));
+  scene.models = std::move(first.models);
+  scene.attempts.push_back(DescribeAttempt(plain, "", scene.models));
+  scene.attempts.back().kept = !scene.models.empty();
+  {
+    FREEGS_ASSIGN_OR_RETURN(const MatchDatabase matches,
+                            MatchDatabase::Open(database));
+    FREEGS_ASSIGN_OR_RETURN(scene.evidence,
+                            CollectEvidence(context.input.photos, matches));
+  }
+  const std::string why = WhyAgain(scene.evidence, scene.models, diagnosis);
+  if (why.empty()) return scene;
+
+  const std::string name = "lower thresholds";
+  const Mapping relaxed = {.step = "mapping, " + name, .relaxed = true};
+  FREEGS_ASSIGN_OR_RETURN(AttemptResult second,
+                          store->Try(name, [&] { return map(name, relaxed); }));
+  Attempt attempt = DescribeAttempt(name, why, second.models);
+  attempt.problem = std::move(second.problem);
+  FREEGS_ASSIGN_OR_RETURN(attempt.kept,
+                          IsBetter(second.models, scene.models, database));
+  if (attempt.kept) scene.models = std::move(second.models);
+  scene.attempts.push_back(std::move(attempt));
+  return scene;
+}
+
+}  // namespace freegs::sfm

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Maps a scene in the plain way, and once more with lower thresholds when that
+// leaves photos without a pose.
+
+#ifndef FREEGS_SFM_MAPPING_MAP_SCENE_H_
+#define FREEGS_SFM_MAPPING_MAP_SCENE_H_
+
+#include <filesystem>
+#include <vector>
+
+#include "core/status.h"
+#include "sfm/colmap/colmap_steps.h"
+#include "sfm/diagnosis/diagnosis.h"
+#include "sfm/diagnosis/evidence.h"
+#include "sfm/mapping/attempt.h"
+
+namespace freegs::sfm {
+
+struct MappedScene {
+  std::vector<Reconstruction> models;  // The best first; may be empty.
+  SceneEvidence evidence;              // What the matches tell.
+  std::vector<Attempt> attempts;       // In the order in which they were made.
+};
+
+// Maps the database. If there is no model, or too few photos have a pose and
+// some of the others match photos of the model, maps it again with lower
+// thresholds (weaker start pairs, fewer inliers) and keeps the better result:
+// the one with more photos, or with as many and a fifth more points that fit as
+// well. A model that look-alikes glued (view_groups.h) never replaces one that
+// holds together. Nothing is tried when a finding says that nothing helps.
+//
+//   AttemptStore store(work_folder, &record);
+//   const StatusOr<MappedScene> scene =
+//       MapScene(context, work_folder / "database.db", {}, &store);
+//
+// Errors: those of the plain mapping and of the database, kInterrupted and
+// kInternal. Another error of the second attempt is written into its Attempt.
+StatusOr<MappedScene> MapScene(const StepContext& context,
+                               const std::filesystem::path& database,
+                               const DiagnosisOptions& diagnosis,
+                               AttemptStore* store);
+
+}  // namespace freegs::sfm
+
+#endif  // FREEGS_SFM_MAPPING_MAP_SCENE_H_
