@@ -27,8 +27,7 @@ TEST(Decompositions, SymmetricMatrix) {
 TEST(Decompositions, SingularValuesAreNotSigned) {
   const Eigen::Matrix3d matrix =
       kRotation * Eigen::Vector3d(-2, 0, 5).asDiagonal();
-  EXPECT_TRUE(
-      SingularValues(matrix).isApprox(Eigen::Vector3d(5, 2, 0), 1e-12));
+  EXPECT_TRUE(SingularValues(matrix).isApprox(Eigen::Vector3d(5, 2, 0), 1e-12));
 }
 
 TEST(Decompositions, NearestRotation) {
