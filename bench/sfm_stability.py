@@ -7,8 +7,8 @@ alone says, what our stage sfm says, and whether that is right.
       [--make-scene FILE] [--limit 1800] [--again ours|colmap|both] [--list]
 
 PROGRAM is freegs_pipeline; DATA holds fox, tabletop, playroom and plainwall,
-each with images/ and gt/cameras.json or transforms.json, and bonsai, which has
-images/ only. The sets are made in
+each with images/ and gt/cameras.json or transforms.json, and bonsai, real/desk,
+real/fruit, real/kumamon and real/flower, which have images/ only. The sets are made in
 OUT/sets, runs leave logs and models in OUT/runs. What was measured is kept in
 OUT/results, one file per set and program, and not measured again unless
 --again says so; so the script can be run in pieces. Prints a table in Markdown

@@ -66,8 +66,6 @@ struct MatchedPairs {
   std::string strategy;  // See PairSelection; empty when nothing was matched.
   size_t pairs = 0;
   size_t all_pairs = 0;
-
-  bool complete() const { return pairs >= all_pairs; }
 };
 
 struct PairSelection {

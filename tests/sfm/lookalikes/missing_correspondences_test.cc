@@ -45,8 +45,7 @@ TEST(FindMissingCorrespondences, BetweenGluedHalves) {
   EXPECT_GT(across, 5 * within);
 }
 
-// Two rings of photos of which no pair across was compared share no points,
-// though both see the same place.
+// Pairs of photos that were not compared are not examined.
 TEST(FindMissingCorrespondences, NotWhereNothingWasCompared) {
   const TwinScene scene(23);
   std::set<std::pair<uint32_t, uint32_t>> within;
