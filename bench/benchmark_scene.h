@@ -27,7 +27,7 @@ namespace freegs::splat {
 struct BenchmarkScene {
   explicit BenchmarkScene(const benchmark::State& state)
       : pool(static_cast<int>(state.range(3))),
-        model(RandomModel(static_cast<size_t>(state.range(0)), 3, 1)),
+        model(RandomSceneModel(static_cast<size_t>(state.range(0)), 3, 1)),
         camera(TestCamera(static_cast<int>(state.range(1)),
                           static_cast<int>(state.range(2)))),
         pose(TestPose()) {

@@ -28,3 +28,6 @@ cmake --build "$build" --parallel "$jobs"
 
 echo "== tests"
 ctest --test-dir "$build" --output-on-failure --parallel "$jobs"
+
+echo "== skipped"
+sed -n 's/^\[  SKIPPED \] \(.*\) (.*/\1/p' "$build/Testing/Temporary/LastTest.log"

@@ -62,16 +62,17 @@ Vector3d RandomVector(RandomStream* random) {
 TEST(Intersect, FindsTheFirstSurfacePoint) {
   for (const Solid& solid : SomeSolids()) {
     int hits = 0;
-    for (uint64_t i = 0; i < 2000; ++i) {
+    for (uint64_t i = 0; i < 500; ++i) {
       RandomStream random(3, i);
       Ray ray;
       ray.origin = solid.centre + 2 * RandomVector(&random).normalized();
       ray.direction = (solid.centre + 0.4 * RandomVector(&random) - ray.origin)
                           .normalized();
-      // Walks along the ray to see where it enters.
+      // Walks along the ray to see where it enters. The solid lies within 0.5
+      // of its centre, and the ray starts at a distance of 2 from there.
       double entry = kNoHit;
-      constexpr double kStep = 2e-3;
-      for (double t = 0; t < 3; t += kStep) {
+      constexpr double kStep = 4e-3;
+      for (double t = 1.4; t < 2.6; t += kStep) {
         if (Side(solid, ray.origin + t * ray.direction) < 0) {
           entry = t;
           break;
@@ -97,7 +98,7 @@ TEST(Intersect, FindsTheFirstSurfacePoint) {
       // The normal leads out of the solid.
       EXPECT_GT(Side(solid, point + 1e-3 * hit.normal), 0);
     }
-    EXPECT_GT(hits, 200);
+    EXPECT_GT(hits, 50);
   }
 }
 

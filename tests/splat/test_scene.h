@@ -14,7 +14,9 @@ namespace freegs::splat {
 
 // `count` Gaussians in front of the camera of TestCamera, some partly outside
 // the image, of mixed size, anisotropy and opacity.
-inline GaussianModel RandomModel(size_t count, int sh_degree, uint64_t seed) {
+inline GaussianModel RandomSceneModel(size_t count,
+                                      int sh_degree,
+                                      uint64_t seed) {
   GaussianModel model;
   model.sh_degree = sh_degree;
   model.Resize(count);

@@ -23,7 +23,7 @@ namespace freegs::splat {
 class TrainingFixture : public testing::Test {
  protected:
   void SetUp() override {
-    truth_ = RandomModel(60, 0, 21);
+    truth_ = RandomSceneModel(60, 0, 21);
     for (float& logit : truth_.opacity_logits) logit = 3;
     ThreadPool pool(2);
     for (int k = 0; k < 8; ++k) {

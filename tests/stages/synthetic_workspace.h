@@ -35,7 +35,7 @@ class SyntheticWorkspace {
   // `num_photos` photos, every third one held out; the first has a name that is
   // awkward in HTML and URLs.
   explicit SyntheticWorkspace(int num_photos = 6)
-      : model(splat::RandomModel(120, 1, 5)) {
+      : model(splat::RandomSceneModel(120, 1, 5)) {
     ThreadPool pool(2);
     sfm::Reconstruction sparse;
     sfm::Camera camera;

@@ -17,7 +17,7 @@ namespace freegs::semantics {
 namespace {
 
 using splat::GaussianModel;
-using splat::RandomModel;
+using splat::RandomSceneModel;
 using splat::TestCamera;
 using splat::TestPose;
 
@@ -48,7 +48,7 @@ ImageF RandomFeatures(const Pinhole& camera, int channels, uint64_t seed) {
 }
 
 TEST(FeatureLifting, ConstantFeaturesStayConstant) {
-  GaussianModel model = RandomModel(300, 0, 5);
+  GaussianModel model = RandomSceneModel(300, 0, 5);
   model.means[2] = -50;  // Behind every camera.
   ViewWeightsStore store = StoreOf(model, TestViews());
   ThreadPool pool(2);
@@ -124,7 +124,7 @@ TEST(FeatureLifting, OfTwoGaussiansByHand) {
 
 TEST(FeatureLifting, AgreesWithTheFormulaInDouble) {
   constexpr int kChannels = 37;
-  const GaussianModel model = RandomModel(80, 0, 9);
+  const GaussianModel model = RandomSceneModel(80, 0, 9);
   const std::vector<View> views = TestViews();
   ViewWeightsStore store = StoreOf(model, views);
   ThreadPool pool(2);
@@ -162,7 +162,7 @@ TEST(FeatureLifting, AgreesWithTheFormulaInDouble) {
 }
 
 TEST(FeatureLifting, SameBytesForAnyNumberOfThreadsAndAnyStore) {
-  const GaussianModel model = RandomModel(500, 0, 6);
+  const GaussianModel model = RandomSceneModel(500, 0, 6);
   std::vector<float> expected;
   for (const int threads : {1, 2, 5}) {
     ViewWeightsOptions options;
@@ -182,7 +182,7 @@ TEST(FeatureLifting, SameBytesForAnyNumberOfThreadsAndAnyStore) {
 }
 
 TEST(FeatureLifting, NamesTheViewWhoseFeaturesAreWrong) {
-  const GaussianModel model = RandomModel(20, 0, 2);
+  const GaussianModel model = RandomSceneModel(20, 0, 2);
   ViewWeightsStore store = StoreOf(model, TestViews());
   ThreadPool pool(1);
   // View 1 has features of the given shape and value.

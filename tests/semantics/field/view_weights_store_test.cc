@@ -18,7 +18,7 @@
 namespace freegs::semantics {
 namespace {
 
-using splat::RandomModel;
+using splat::RandomSceneModel;
 using splat::TestCamera;
 using splat::TestPose;
 
@@ -99,7 +99,7 @@ class ViewWeightsStoreTest : public testing::Test {
   }
 
   ThreadPool pool_{2};
-  const splat::GaussianModel model_ = RandomModel(300, 0, 3);
+  const splat::GaussianModel model_ = RandomSceneModel(300, 0, 3);
   const std::vector<View> views_ = TestViews(4);
   const TemporaryFolder folder_;
 };

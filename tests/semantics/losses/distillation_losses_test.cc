@@ -14,7 +14,7 @@ namespace freegs::semantics {
 namespace {
 
 constexpr int kChannels = 5;
-constexpr size_t kRows = 9;
+constexpr size_t kSampleRows = 9;
 const float kNan = std::numeric_limits<float>::quiet_NaN();
 
 // sum_p |F_p - T_p|_1 / (C P) over the P rows that have a target.
@@ -35,14 +35,15 @@ double Reference(const std::vector<double>& features,
 class DistillationLosses : public testing::Test {
  protected:
   ThreadPool pool_{2};
-  std::vector<float> decoded_ = RandomValues(kRows * kChannels, 1);
+  std::vector<float> decoded_ = RandomValues(kSampleRows * kChannels, 1);
   std::vector<float> gradients_ = std::vector<float>(decoded_.size(), 0.0f);
 };
 
 TEST_F(DistillationLosses, PixelGradientIsThatOfTheFormula) {
   const std::vector<float> targets = RandomValues(decoded_.size(), 2);
   std::vector<const float*> rows;
-  for (size_t p = 0; p < kRows; ++p) rows.push_back(&targets[p * kChannels]);
+  for (size_t p = 0; p < kSampleRows; ++p)
+    rows.push_back(&targets[p * kChannels]);
   std::vector<float> gradients(decoded_.size(), 1.0f);  // Added to.
   const StatusOr<double> loss = PixelDistillationLoss(
       decoded_, targets, kChannels, 3.0, pool_, gradients);
@@ -68,7 +69,7 @@ TEST_F(DistillationLosses, NothingToCompareIsZero) {
   EXPECT_EQ(*PixelDistillationLoss({}, {}, kChannels, 1.0, pool_, {}), 0);
   EXPECT_EQ(*InstanceDistillationLoss({}, kChannels, {}, {}, 1.0, pool_, {}),
             0);
-  const std::vector<int32_t> ids(kRows, -1);
+  const std::vector<int32_t> ids(kSampleRows, -1);
   EXPECT_EQ(*InstanceDistillationLoss(
                 decoded_, kChannels, ids, {}, 1.0, pool_, gradients_),
             0);
@@ -95,7 +96,7 @@ TEST_F(DistillationLosses, InstanceGradientIsThatOfTheFormula) {
                            return 0.3 * Reference(x, rows);
                          },
                          ToDouble(decoded_)));
-  for (size_t p = 0; p < kRows; ++p) {
+  for (size_t p = 0; p < kSampleRows; ++p) {
     if (rows[p]) continue;
     EXPECT_TRUE(
         AllZero(std::span(gradients).subspan(p * kChannels, kChannels)));
@@ -125,7 +126,7 @@ TEST_F(DistillationLosses, RefuseWhatDoesNotFit) {
 
   const std::vector<float> table = RandomValues(2 * kChannels, 3);
   const std::vector<uint8_t> known = {1, 1};
-  std::vector<int32_t> ids(kRows, 1);
+  std::vector<int32_t> ids(kSampleRows, 1);
   const auto instance = [&](std::span<const float> features,
                             std::span<const int32_t> of) {
     return InstanceDistillationLoss(

@@ -14,7 +14,7 @@
 namespace freegs::semantics {
 namespace {
 
-LinearDecoder TestLinear() {
+LinearDecoder RandomLinearDecoder() {
   return {.latent_dim = 2,
           .feature_dim = 3,
           .basis = {1, 2, 3, 4, 5, 6},
@@ -23,7 +23,7 @@ LinearDecoder TestLinear() {
 
 TEST(FeatureDecoderTest, LinearIsBasisTimesLatentsPlusMean) {
   ThreadPool pool(2);
-  const FeatureDecoder decoder(TestLinear());
+  const FeatureDecoder decoder(RandomLinearDecoder());
   EXPECT_EQ(decoder.latent_dim(), 2);
   EXPECT_EQ(decoder.feature_dim(), 3);
   EXPECT_TRUE(decoder.linear());
@@ -89,7 +89,7 @@ TEST(FeatureDecoderTest, FirstFeaturesAreAboutAsLongAsThoseOfClip) {
 
 TEST(FeatureDecoderTest, RefusesSizesThatDisagree) {
   ThreadPool pool(1);
-  const FeatureDecoder decoder(TestLinear());
+  const FeatureDecoder decoder(RandomLinearDecoder());
   std::vector<float> features(6);
   const auto code = [&](size_t latents, size_t size) {
     return decoder
@@ -105,11 +105,11 @@ TEST(FeatureDecoderTest, RefusesSizesThatDisagree) {
 }
 
 TEST(FeatureDecoderTest, PartsAreChecked) {
-  EXPECT_TRUE(TestLinear().Check().ok());
-  LinearDecoder linear = TestLinear();
+  EXPECT_TRUE(RandomLinearDecoder().Check().ok());
+  LinearDecoder linear = RandomLinearDecoder();
   linear.mean.pop_back();
   EXPECT_FALSE(linear.Check().ok());
-  linear = TestLinear();
+  linear = RandomLinearDecoder();
   linear.basis[2] = std::numeric_limits<float>::infinity();
   EXPECT_FALSE(linear.Check().ok());
   EXPECT_FALSE(LinearDecoder().Check().ok());

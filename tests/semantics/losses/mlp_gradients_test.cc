@@ -12,12 +12,13 @@
 namespace freegs::semantics {
 namespace {
 
-constexpr MlpShape kShape{.latent_dim = 4, .hidden_dim = 9, .feature_dim = 6};
-constexpr size_t kRows = 11;
+constexpr MlpShape kSmallShape{
+    .latent_dim = 4, .hidden_dim = 9, .feature_dim = 6};
+constexpr size_t kBatchRows = 11;
 
 // A decoder none of whose parameters is 0 or 1.
 MlpDecoder TestDecoder() {
-  MlpDecoder decoder = RandomMlpDecoder(kShape, 5);
+  MlpDecoder decoder = RandomMlpDecoder(kSmallShape, 5);
   const std::vector<float> noise = RandomValues(decoder.parameters.size(), 6);
   for (size_t k = 0; k < noise.size(); ++k) {
     decoder.parameters[k] += 0.3f * noise[k];
@@ -28,7 +29,7 @@ MlpDecoder TestDecoder() {
 // The MLP as its definition reads, with the statistics of the batch.
 std::vector<double> Reference(const std::vector<double>& parameters,
                               const std::vector<double>& latents) {
-  const auto [dim, hidden, channels] = kShape;
+  const auto [dim, hidden, channels] = kSmallShape;
   const double* w1 = parameters.data();
   const double* scales = w1 + hidden * dim;
   const double* shifts = scales + hidden;
@@ -67,8 +68,8 @@ class MlpGradientsTest : public testing::Test {
   void Run(int threads, size_t rows) {
     ThreadPool pool(threads);
     const std::span<const float> latents =
-        std::span(latents_).first(rows * kShape.latent_dim);
-    features_.assign(rows * kShape.feature_dim, 0.0f);
+        std::span(latents_).first(rows * kSmallShape.latent_dim);
+    features_.assign(rows * kSmallShape.feature_dim, 0.0f);
     parameter_gradients_.assign(decoder_.parameters.size(), 0.0f);
     latent_gradients_.assign(latents.size(), 0.0f);
     MlpForward(decoder_, latents, pool, &batch_, features_);
@@ -116,9 +117,10 @@ class MlpGradientsTest : public testing::Test {
   }
 
   MlpDecoder decoder_ = TestDecoder();
-  std::vector<float> latents_ = RandomValues(kRows * kShape.latent_dim, 1);
+  std::vector<float> latents_ =
+      RandomValues(kBatchRows * kSmallShape.latent_dim, 1);
   std::vector<float> feature_gradients_ =
-      RandomValues(kRows * kShape.feature_dim, 2);
+      RandomValues(kBatchRows * kSmallShape.feature_dim, 2);
   MlpBatch batch_;
   std::vector<float> features_;
   std::vector<float> parameter_gradients_;
@@ -126,18 +128,18 @@ class MlpGradientsTest : public testing::Test {
 };
 
 TEST_F(MlpGradientsTest, AreThoseOfTheFormula) {
-  Run(2, kRows);
+  Run(2, kBatchRows);
   ExpectAsByFormula(1e-5);
 }
 
 TEST_F(MlpGradientsTest, AreThoseOfTheFormulaFarFromTheOrigin) {
   for (float& value : latents_) value += 10;  // The mean takes it out.
-  Run(2, kRows);
+  Run(2, kBatchRows);
   ExpectAsByFormula(1e-4);
 }
 
 TEST_F(MlpGradientsTest, AreAddedToWhatIsThere) {
-  Run(1, kRows);
+  Run(1, kBatchRows);
   ThreadPool pool(1);
   std::vector<float> twice = parameter_gradients_;
   std::vector<float> latents_twice = latent_gradients_;
@@ -169,16 +171,16 @@ TEST_F(MlpGradientsTest, AreFiniteForDegenerateBatches) {
   EXPECT_EQ(decoder_.running_variances, std::vector<float>(9, 1.0f));
 
   std::fill(latents_.begin(), latents_.end(), 0.0f);  // What nothing covers.
-  Run(2, kRows);
+  Run(2, kBatchRows);
   EXPECT_TRUE(finite(features_) && finite(parameter_gradients_) &&
               finite(latent_gradients_));
 }
 
 TEST_F(MlpGradientsTest, RunningStatisticsAreThoseOfPastBatches) {
-  Run(2, kRows);
+  Run(2, kBatchRows);
   UpdateRunningStatistics(batch_, 0.25, &decoder_);
-  for (int h = 0; h < kShape.hidden_dim; ++h) {
-    const double unbiased = batch_.variances[h] * kRows / (kRows - 1);
+  for (int h = 0; h < kSmallShape.hidden_dim; ++h) {
+    const double unbiased = batch_.variances[h] * kBatchRows / (kBatchRows - 1);
     EXPECT_NEAR(decoder_.running_means[h], 0.25 * batch_.means[h], 1e-6);
     EXPECT_NEAR(decoder_.running_variances[h], 0.75 + 0.25 * unbiased, 1e-6);
   }

@@ -15,13 +15,13 @@
 namespace freegs::semantics {
 namespace {
 
-constexpr int kDim = 6;
+constexpr int kFeatureDim = 6;
 constexpr size_t kCount = 30;
 
-double Cosine(const double* a, const double* b) {
-  const double ab = std::inner_product(a, a + kDim, b, 0.0);
-  const double aa = std::inner_product(a, a + kDim, a, 0.0);
-  const double bb = std::inner_product(b, b + kDim, b, 0.0);
+double CosineSimilarity(const double* a, const double* b) {
+  const double ab = std::inner_product(a, a + kFeatureDim, b, 0.0);
+  const double aa = std::inner_product(a, a + kFeatureDim, a, 0.0);
+  const double bb = std::inner_product(b, b + kFeatureDim, b, 0.0);
   return aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : 2;  // 2: none.
 }
 
@@ -34,7 +34,8 @@ double Reference(const std::vector<double>& features,
   for (const uint32_t i : samples) {
     for (int k = 0; k < table.neighbors; ++k) {
       const uint32_t j = table.indices[i * table.neighbors + k];
-      const double cosine = Cosine(&features[i * kDim], &features[j * kDim]);
+      const double cosine = CosineSimilarity(&features[i * kFeatureDim],
+                                             &features[j * kFeatureDim]);
       if (cosine > 1.5) continue;
       sum += 1 - cosine;
       ++count;
@@ -46,8 +47,9 @@ double Reference(const std::vector<double>& features,
 class SmoothingLossTest : public testing::Test {
  protected:
   ThreadPool pool_{2};
-  std::vector<float> features_ = RandomValues(kCount * kDim, 1);
-  std::vector<float> gradients_ = std::vector<float>(kCount * kDim, 0.0f);
+  std::vector<float> features_ = RandomValues(kCount * kFeatureDim, 1);
+  std::vector<float> gradients_ =
+      std::vector<float>(kCount * kFeatureDim, 0.0f);
   NeighborTable table_ =
       *BuildNeighborTable(RandomValues(3 * kCount, 2), 5, pool_);
   // Some are each other's neighbours, one comes twice.
@@ -55,8 +57,8 @@ class SmoothingLossTest : public testing::Test {
 };
 
 TEST_F(SmoothingLossTest, GradientIsThatOfTheFormula) {
-  const StatusOr<double> loss =
-      SmoothingLoss(features_, kDim, table_, samples_, 0.1, pool_, gradients_);
+  const StatusOr<double> loss = SmoothingLoss(
+      features_, kFeatureDim, table_, samples_, 0.1, pool_, gradients_);
   ASSERT_TRUE(loss.ok()) << loss.status().message();
   EXPECT_NEAR(*loss, Reference(ToDouble(features_), table_, samples_), 1e-9);
   ExpectSameGradient(gradients_,
@@ -69,29 +71,32 @@ TEST_F(SmoothingLossTest, GradientIsThatOfTheFormula) {
 
 TEST_F(SmoothingLossTest, ZeroVectorsDoNotCount) {
   for (const uint32_t zero : {3u, table_.indices[0]}) {
-    std::fill_n(features_.begin() + zero * kDim, kDim, 0.0f);
+    std::fill_n(features_.begin() + zero * kFeatureDim, kFeatureDim, 0.0f);
   }
-  const StatusOr<double> loss =
-      SmoothingLoss(features_, kDim, table_, samples_, 1.0, pool_, gradients_);
+  const StatusOr<double> loss = SmoothingLoss(
+      features_, kFeatureDim, table_, samples_, 1.0, pool_, gradients_);
   EXPECT_NEAR(*loss, Reference(ToDouble(features_), table_, samples_), 1e-9);
-  EXPECT_TRUE(AllZero(std::span(gradients_).subspan(3 * kDim, kDim)));
+  EXPECT_TRUE(
+      AllZero(std::span(gradients_).subspan(3 * kFeatureDim, kFeatureDim)));
   for (const float g : gradients_) EXPECT_TRUE(std::isfinite(g));
 
   const std::vector<float> zeros(features_.size(), 0.0f);
   std::vector<float> gradients(features_.size(), 0.0f);
-  EXPECT_EQ(
-      *SmoothingLoss(zeros, kDim, table_, samples_, 1.0, pool_, gradients), 0);
+  EXPECT_EQ(*SmoothingLoss(
+                zeros, kFeatureDim, table_, samples_, 1.0, pool_, gradients),
+            0);
   EXPECT_TRUE(AllZero(gradients));
 }
 
 TEST_F(SmoothingLossTest, AlikeIsSmoothHoweverLong) {
   for (size_t i = 0; i < kCount; ++i) {
-    for (int k = 0; k < kDim; ++k) {
-      features_[i * kDim + k] = static_cast<float>((i + 1) * (k + 1));
+    for (int k = 0; k < kFeatureDim; ++k) {
+      features_[i * kFeatureDim + k] = static_cast<float>((i + 1) * (k + 1));
     }
   }
   EXPECT_NEAR(
-      *SmoothingLoss(features_, kDim, table_, samples_, 1.0, pool_, gradients_),
+      *SmoothingLoss(
+          features_, kFeatureDim, table_, samples_, 1.0, pool_, gradients_),
       0,
       1e-12);
   for (const float g : gradients_) EXPECT_NEAR(g, 0, 1e-8);
@@ -109,27 +114,29 @@ TEST_F(SmoothingLossTest, RefusesWhatDoesNotFit) {
   const auto bad = StatusCode::kInvalidArgument;
   const std::span<float> out = gradients_;
   EXPECT_EQ(code(features_, 0, samples_, out), bad);
-  EXPECT_EQ(code(features_, kDim + 1, samples_, out), bad);
-  EXPECT_EQ(code(features_, kDim, samples_, out.first(6)), bad);
-  EXPECT_EQ(code(features_, kDim, std::vector<uint32_t>{kCount}, out), bad);
+  EXPECT_EQ(code(features_, kFeatureDim + 1, samples_, out), bad);
+  EXPECT_EQ(code(features_, kFeatureDim, samples_, out.first(6)), bad);
+  EXPECT_EQ(code(features_, kFeatureDim, std::vector<uint32_t>{kCount}, out),
+            bad);
   for (const float value : {std::numeric_limits<float>::quiet_NaN(),
                             std::numeric_limits<float>::infinity()}) {
-    features_[4 * kDim] = value;
-    EXPECT_EQ(code(features_, kDim, samples_, out), bad);
+    features_[4 * kFeatureDim] = value;
+    EXPECT_EQ(code(features_, kFeatureDim, samples_, out), bad);
   }
   EXPECT_TRUE(AllZero(gradients_));
 }
 
 TEST_F(SmoothingLossTest, NothingToSmoothIsZero) {
-  EXPECT_EQ(*SmoothingLoss(features_, kDim, table_, {}, 1.0, pool_, gradients_),
+  EXPECT_EQ(*SmoothingLoss(
+                features_, kFeatureDim, table_, {}, 1.0, pool_, gradients_),
             0);
   const NeighborTable alone =
       *BuildNeighborTable(std::vector<float>{1, 2, 3}, 5, pool_);
   EXPECT_EQ(alone.size(), 0u);
-  EXPECT_EQ(*SmoothingLoss({}, kDim, alone, {}, 1.0, pool_, {}), 0);
-  std::vector<float> one(kDim, 0.0f);
-  EXPECT_EQ(*SmoothingLoss(std::span(features_).first(kDim),
-                           kDim,
+  EXPECT_EQ(*SmoothingLoss({}, kFeatureDim, alone, {}, 1.0, pool_, {}), 0);
+  std::vector<float> one(kFeatureDim, 0.0f);
+  EXPECT_EQ(*SmoothingLoss(std::span(features_).first(kFeatureDim),
+                           kFeatureDim,
                            alone,
                            std::vector<uint32_t>{0},
                            1.0,

@@ -26,7 +26,7 @@ std::vector<int32_t> MixedLabels(size_t count) {
 
 TEST(ClickQueryTest, AnswersWhatTheLabelImageShows) {
   ThreadPool pool(2);
-  const splat::GaussianModel model = splat::RandomModel(200, 0, 3);
+  const splat::GaussianModel model = splat::RandomSceneModel(200, 0, 3);
   const std::vector<int32_t> labels = MixedLabels(model.size());
   const Pinhole camera = splat::TestCamera(40, 30);
   const Image<int32_t> image =
@@ -70,7 +70,7 @@ TEST(ClickQueryTest, ThePointLiesOnTheRayAtTheInstancesDepth) {
 
 TEST(ClickQueryTest, WrongArguments) {
   ThreadPool pool(1);
-  const splat::GaussianModel model = splat::RandomModel(10, 0, 3);
+  const splat::GaussianModel model = splat::RandomSceneModel(10, 0, 3);
   const Pinhole camera = splat::TestCamera(40, 30);
   const auto code = [&](const std::vector<int32_t>& labels, int x) {
     return QueryClick(model, labels, camera, splat::TestPose(), {}, x, 3, pool)

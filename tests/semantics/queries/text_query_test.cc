@@ -14,7 +14,7 @@ namespace {
 using testing::ElementsAre;
 
 // Instances along x, between x and y, along y; unknown; along x again.
-InstanceFeatures MakeFeatures() {
+InstanceFeatures MakeQueryFeatures() {
   const float half = std::sqrt(0.5f);
   return {.dim = 2,
           .model = "",
@@ -36,7 +36,7 @@ std::vector<int> Ids(const StatusOr<std::vector<Hit>>& hits) {
 TEST(TextQueryTest, BestFirstAndEqualsById) {
   TextQueryOptions options;
   options.min_relevancy = 0;
-  const auto hits = QueryText(MakeFeatures(), kX, kY, options);
+  const auto hits = QueryText(MakeQueryFeatures(), kX, kY, options);
   EXPECT_THAT(Ids(hits), ElementsAre(1, 5, 2, 3));
   EXPECT_NEAR((*hits)[0].relevancy, 1 / (1 + std::exp(-10)), 1e-6);
   EXPECT_NEAR((*hits)[2].relevancy, 0.5, 1e-6);
@@ -47,12 +47,12 @@ TEST(TextQueryTest, BestFirstAndEqualsById) {
 
 TEST(TextQueryTest, WhatIsNoMoreLikeTheTextThanLikeAnyThingIsNotHere) {
   TextQueryOptions options;
-  EXPECT_THAT(Ids(QueryText(MakeFeatures(), kY, kX, options)),
+  EXPECT_THAT(Ids(QueryText(MakeQueryFeatures(), kY, kX, options)),
               ElementsAre(3, 2));
   const std::vector<float> away = {-1, 0};
   std::vector<float> canonical = kY;
   canonical.insert(canonical.end(), kX.begin(), kX.end());
-  EXPECT_THAT(Ids(QueryText(MakeFeatures(), away, canonical, options)),
+  EXPECT_THAT(Ids(QueryText(MakeQueryFeatures(), away, canonical, options)),
               ElementsAre());
 }
 
@@ -61,26 +61,27 @@ TEST(TextQueryTest, LimitsAndBackground) {
   options.min_relevancy = 0;
   options.max_hits = 2;
   const std::vector<uint8_t> background = {1, 0, 0, 0, 0};
-  EXPECT_THAT(Ids(QueryText(MakeFeatures(), kX, kY, options, background)),
+  EXPECT_THAT(Ids(QueryText(MakeQueryFeatures(), kX, kY, options, background)),
               ElementsAre(5, 2));
   options.background = true;
-  EXPECT_THAT(Ids(QueryText(MakeFeatures(), kX, kY, options, background)),
+  EXPECT_THAT(Ids(QueryText(MakeQueryFeatures(), kX, kY, options, background)),
               ElementsAre(1, 5));
 }
 
 TEST(TextQueryTest, ExamplesGoByCosine) {
   ExampleQueryOptions options;
   const std::vector<float> image = {0, 7};  // Length does not matter.
-  const auto hits = QueryExample(MakeFeatures(), image, options);
+  const auto hits = QueryExample(MakeQueryFeatures(), image, options);
   EXPECT_THAT(Ids(hits), ElementsAre(3, 2, 1, 5));
   EXPECT_NEAR((*hits)[0].cosine, 1, 1e-6);
   options.max_hits = 2;
-  EXPECT_THAT(Ids(QueryExample(MakeFeatures(), image, options)),
+  EXPECT_THAT(Ids(QueryExample(MakeQueryFeatures(), image, options)),
               ElementsAre(3, 2));
   options.max_hits = 0;
   const std::vector<uint8_t> background = {0, 0, 1, 0, 0};
-  EXPECT_THAT(Ids(QueryExample(MakeFeatures(), image, options, background)),
-              ElementsAre(2, 1, 5));
+  EXPECT_THAT(
+      Ids(QueryExample(MakeQueryFeatures(), image, options, background)),
+      ElementsAre(2, 1, 5));
 }
 
 TEST(TextQueryTest, NoInstancesNoHits) {
@@ -92,7 +93,7 @@ TEST(TextQueryTest, NoInstancesNoHits) {
 }
 
 TEST(TextQueryTest, RefusesSizesThatDisagreeAndWhatIsNotFinite) {
-  const InstanceFeatures features = MakeFeatures();
+  const InstanceFeatures features = MakeQueryFeatures();
   const TextQueryOptions options;
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (const std::vector<float>& wrong :
@@ -115,7 +116,7 @@ TEST(TextQueryTest, RefusesSizesThatDisagreeAndWhatIsNotFinite) {
 TEST(TextQueryTest, OptionsHaveRanges) {
   TextQueryOptions text;
   text.min_relevancy = 1.5;
-  EXPECT_FALSE(QueryText(MakeFeatures(), kX, kY, text).ok());
+  EXPECT_FALSE(QueryText(MakeQueryFeatures(), kX, kY, text).ok());
   text.min_relevancy = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(text.Check().ok());
   text = TextQueryOptions();
@@ -123,7 +124,7 @@ TEST(TextQueryTest, OptionsHaveRanges) {
   EXPECT_FALSE(text.Check().ok());
   ExampleQueryOptions example;
   example.max_hits = -1;
-  EXPECT_FALSE(QueryExample(MakeFeatures(), kX, example).ok());
+  EXPECT_FALSE(QueryExample(MakeQueryFeatures(), kX, example).ok());
 }
 
 }  // namespace

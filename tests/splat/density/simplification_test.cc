@@ -18,7 +18,7 @@ namespace {
 
 using Indices = std::vector<uint32_t>;
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNotANumber = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 // How often each of the importances is among `count` drawn.
@@ -86,7 +86,7 @@ TEST(SampleByImportanceTest, AscendingDistinctAndRepeatable) {
 
 TEST(SampleByImportanceTest, WithoutImportanceNeverDrawn) {
   const std::vector<float> importance = {
-      0, kNan, 1, -1, 1e-45f, kInfinity, -kInfinity, -0.0f, 1e38f};
+      0, kNotANumber, 1, -1, 1e-45f, kInfinity, -kInfinity, -0.0f, 1e38f};
   EXPECT_EQ(SampleByImportance(importance, 9, 1, 1), (Indices{2, 4, 8}));
   EXPECT_EQ(SampleByImportance(importance, 3, 1, 1), (Indices{2, 4, 8}));
   EXPECT_EQ(SampleByImportance(importance, 1, 1, 1), (Indices{8}));
@@ -97,7 +97,8 @@ TEST(SampleByImportanceTest, WithoutImportanceNeverDrawn) {
 }
 
 TEST(KeepCumulativeImportanceTest, TheFewestThatCarryTheShare) {
-  const std::vector<float> importance = {4, 0, 16, 4, 8, kNan, -9, kInfinity};
+  const std::vector<float> importance = {
+      4, 0, 16, 4, 8, kNotANumber, -9, kInfinity};
   EXPECT_EQ(KeepCumulativeImportance(importance, 0.5), (Indices{2}));
   EXPECT_EQ(KeepCumulativeImportance(importance, 0.51), (Indices{2, 4}));
   EXPECT_EQ(KeepCumulativeImportance(importance, 0.75), (Indices{2, 4}));
@@ -116,7 +117,8 @@ TEST(KeepCumulativeImportanceTest, TheFewestThatCarryTheShare) {
 }
 
 TEST(MostImportantTest, TheLargestTiesByIndex) {
-  const std::vector<float> importance = {4, 0, 16, 4, 8, kNan, -9, kInfinity};
+  const std::vector<float> importance = {
+      4, 0, 16, 4, 8, kNotANumber, -9, kInfinity};
   EXPECT_TRUE(MostImportant(importance, 0).empty());
   EXPECT_EQ(MostImportant(importance, 1), (Indices{2}));
   EXPECT_EQ(MostImportant(importance, 2), (Indices{2, 4}));
@@ -124,7 +126,7 @@ TEST(MostImportantTest, TheLargestTiesByIndex) {
   EXPECT_EQ(MostImportant(importance, 4), (Indices{0, 2, 3, 4}));
   EXPECT_EQ(MostImportant(importance, 99), (Indices{0, 2, 3, 4}));
   EXPECT_TRUE(MostImportant({}, 3).empty());
-  EXPECT_TRUE(MostImportant(std::vector<float>{0, kNan}, 3).empty());
+  EXPECT_TRUE(MostImportant(std::vector<float>{0, kNotANumber}, 3).empty());
 }
 
 TEST(RestartFromMeansTest, KeepsPositionAndColourOnly) {
@@ -171,7 +173,7 @@ TEST(RestartFromMeansTest, OneNoneAndWrongOnes) {
   EXPECT_EQ(one->sh_rest, std::vector<float>(9, 0.0f));
   EXPECT_NEAR(std::exp(one->log_scales[0]), 0.1, 1e-6);
 
-  model.means[3] = kNan;
+  model.means[3] = kNotANumber;
   EXPECT_EQ(RestartFromMeans(model, Indices{0, 1}, 10.0)->size(), 1u);
   EXPECT_EQ(RestartFromMeans(model, Indices{1}, 10.0).status().code(),
             StatusCode::kBadInput);

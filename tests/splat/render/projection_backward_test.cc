@@ -18,7 +18,8 @@
 namespace freegs::splat {
 namespace {
 
-constexpr LearningRates kRates = {1e-3f, 5e-3f, 2e-3f, 5e-2f, 2.5e-3f, 1e-4f};
+constexpr LearningRates kLearningRates = {
+    1e-3f, 5e-3f, 2e-3f, 5e-2f, 2.5e-3f, 1e-4f};
 constexpr double kExtent = 2;
 
 // Bytes, not values: memcmp also tells -0 from 0.
@@ -36,7 +37,7 @@ bool SameBytes(const GaussianModel& a, const GaussianModel& b) {
 
 // Single Gaussians, short runs and whole chunks are out of sight.
 GaussianModel ModelWithGaps() {
-  GaussianModel model = RandomModel(1500, 3, 8);
+  GaussianModel model = RandomSceneModel(1500, 3, 8);
   for (size_t i = 0; i < model.size(); ++i) {
     const bool hidden = i % 11 == 3 || i / 5 % 7 == 2 || i / 300 == 1;
     if (hidden) model.opacity_logits[i] = -20;
@@ -86,7 +87,8 @@ TEST(ProjectionBackward, ChunksGiveTheBytesOfSeparatePasses) {
         separate.rasterizer.projection().visible;
     ASSERT_GT(visible.size(), 500u);
     ASSERT_LT(visible.size(), 1200u);
-    separate.adam.Step(kRates, gradients, visible, pool, &separate.model);
+    separate.adam.Step(
+        kLearningRates, gradients, visible, pool, &separate.model);
     EXPECT_TRUE(BoundParameters(kExtent, visible, &separate.model));
   }
   ASSERT_FALSE(SameBytes(separate.model, ModelWithGaps()));
@@ -96,7 +98,7 @@ TEST(ProjectionBackward, ChunksGiveTheBytesOfSeparatePasses) {
     Training fused;
     for (int step = 0; step < kSteps; ++step) {
       fused.Forward(own_pool);
-      fused.adam.BeginStep(kRates);
+      fused.adam.BeginStep(kLearningRates);
       std::atomic<size_t> updated = 0;
       fused.rasterizer.BackwardInChunks(
           fused.model,

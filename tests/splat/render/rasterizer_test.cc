@@ -31,7 +31,7 @@ RenderOptions TestOptions() {
 }
 
 TEST(Rasterizer, ForwardMatchesReference) {
-  const GaussianModel model = RandomModel(200, 3, 1);
+  const GaussianModel model = RandomSceneModel(200, 3, 1);
   const std::vector<float> features = RandomFeatures(model.size());
   const Pinhole camera = TestCamera(75, 53);  // Partial tiles on both sides.
   ReferenceModel reference(model);
@@ -69,7 +69,7 @@ TEST(Rasterizer, ForwardMatchesReference) {
 // L = <random image, rendered image>, whose derivative with respect to every
 // parameter is compared with central differences of the reference in double.
 TEST(Rasterizer, BackwardMatchesCentralDifferences) {
-  const GaussianModel model = RandomModel(40, 3, 2);
+  const GaussianModel model = RandomSceneModel(40, 3, 2);
   const std::vector<float> features = RandomFeatures(model.size());
   const Pinhole camera = TestCamera(52, 37);
   const int channels = 5 + kFeatures;
@@ -170,7 +170,7 @@ TEST(Rasterizer, BackwardMatchesCentralDifferences) {
 }
 
 TEST(Rasterizer, SameBytesForAnyNumberOfThreads) {
-  const GaussianModel model = RandomModel(3000, 2, 3);
+  const GaussianModel model = RandomSceneModel(3000, 2, 3);
   const Pinhole camera = TestCamera(203, 131);
   ImageF d_color(camera.width, camera.height, 3);
   RandomStream random(9, 9);
@@ -217,7 +217,7 @@ TEST(Rasterizer, SameBytesForAnyNumberOfThreads) {
 }
 
 TEST(Rasterizer, LabelsAreTheArgmaxOfRenderedOneHotVectors) {
-  const GaussianModel model = RandomModel(300, 0, 4);
+  const GaussianModel model = RandomSceneModel(300, 0, 4);
   constexpr int kLabels = 7;
   std::vector<int32_t> labels(model.size());
   std::vector<float> one_hot(model.size() * kLabels, 0.0f);
@@ -252,7 +252,7 @@ TEST(Rasterizer, LabelsAreTheArgmaxOfRenderedOneHotVectors) {
 TEST(Rasterizer, EmptyAndInvisibleModelsGiveTheBackground) {
   ThreadPool pool(2);
   const Pinhole camera = TestCamera(40, 30);
-  GaussianModel behind = RandomModel(50, 1, 6);
+  GaussianModel behind = RandomSceneModel(50, 1, 6);
   for (size_t i = 0; i < behind.size(); ++i) behind.means[3 * i + 2] = -10;
   for (const GaussianModel& model : {GaussianModel(), behind}) {
     const RenderedView view =
@@ -268,7 +268,7 @@ TEST(Rasterizer, EmptyAndInvisibleModelsGiveTheBackground) {
 // NaN, infinities, coincident cameras and enormous splats must neither crash
 // nor poison the picture.
 TEST(Rasterizer, DegenerateGaussiansLeaveFinitePictures) {
-  GaussianModel model = RandomModel(60, 3, 8);
+  GaussianModel model = RandomSceneModel(60, 3, 8);
   const Rigid3d pose = TestPose();
   const Eigen::Vector3f centre = CameraCentre(pose).cast<float>();
   for (size_t i = 0; i < model.size(); ++i) {
@@ -301,7 +301,7 @@ TEST(Rasterizer, DegenerateGaussiansLeaveFinitePictures) {
 }
 
 TEST(Rasterizer, ContributionsAgreeWithTheRenderedPicture) {
-  const GaussianModel model = RandomModel(200, 1, 21);
+  const GaussianModel model = RandomSceneModel(200, 1, 21);
   const Pinhole camera = TestCamera(75, 50);
   ThreadPool pool(2);
   Rasterizer rasterizer;
@@ -345,7 +345,7 @@ TEST(Rasterizer, ContributionsAgreeWithTheRenderedPicture) {
 TEST(Rasterizer, TheDominantGaussianHasTheLargestWeight) {
   // One behind the other on the optical axis: the nearer is nearly
   // transparent, so the farther one has the larger weight where both are.
-  GaussianModel model = RandomModel(2, 0, 3);
+  GaussianModel model = RandomSceneModel(2, 0, 3);
   const Pinhole camera = TestCamera(40, 30);
   for (int i = 0; i < 2; ++i) {
     for (int k = 0; k < 3; ++k) {

@@ -34,7 +34,7 @@ std::set<int> TouchedTiles(
 }
 
 TEST(TileBins, HoldsEveryTouchedTileAndFewMore) {
-  const GaussianModel model = RandomModel(400, 0, 12);
+  const GaussianModel model = RandomSceneModel(400, 0, 12);
   const Pinhole camera = TestCamera(150, 110);
   ThreadPool pool(3);
   Projector projector;
@@ -76,7 +76,7 @@ TEST(TileBins, HoldsEveryTouchedTileAndFewMore) {
 }
 
 TEST(TileBins, DepthOrder) {
-  const GaussianModel model = RandomModel(500, 0, 13);
+  const GaussianModel model = RandomSceneModel(500, 0, 13);
   ThreadPool pool(2);
   Projector projector;
   Projection projection;

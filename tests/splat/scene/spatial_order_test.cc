@@ -30,7 +30,7 @@ double MeanStep(const GaussianModel& model) {
 }
 
 TEST(MortonOrder, NeighboursComeTogether) {
-  GaussianModel model = RandomModel(2000, 0, 7);
+  GaussianModel model = RandomSceneModel(2000, 0, 7);
   const std::vector<uint32_t> order = MortonOrder(model);
   std::vector<uint32_t> all(model.size());
   std::iota(all.begin(), all.end(), 0);

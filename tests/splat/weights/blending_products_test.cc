@@ -51,7 +51,7 @@ class BlendingProducts : public testing::Test {
  protected:
   BlendingProducts()
       : pool_(2),
-        model_(RandomModel(400, 0, 7)),
+        model_(RandomSceneModel(400, 0, 7)),
         camera_(TestCamera(75, 53)),
         weights_(*ComputeBlendingWeights(
             model_, camera_, TestPose(), RenderOptions(), pool_)),

@@ -66,19 +66,19 @@ void ExpectTheRenderersWeights(const GaussianModel& model,
 
 TEST(BlendingWeights, AreThoseOfTheRenderer) {
   // Partial tiles on both sides.
-  ExpectTheRenderersWeights(RandomModel(200, 1, 1), TestCamera(75, 53));
+  ExpectTheRenderersWeights(RandomSceneModel(200, 1, 1), TestCamera(75, 53));
 }
 
 TEST(BlendingWeights, OfASmallerImageAreThoseOfRenderingAtThatSize) {
   const Pinhole camera = TestCamera(320, 200).LimitedTo(48);
   EXPECT_EQ(camera.width, 48);
   EXPECT_EQ(camera.height, 30);
-  ExpectTheRenderersWeights(RandomModel(200, 0, 2), camera);
+  ExpectTheRenderersWeights(RandomSceneModel(200, 0, 2), camera);
 }
 
 TEST(BlendingWeights, StopWhereTheRendererDoes) {
   // Hundreds of opaque Gaussians, one behind the other.
-  GaussianModel model = RandomModel(300, 0, 3);
+  GaussianModel model = RandomSceneModel(300, 0, 3);
   for (float& scale : model.log_scales) scale = std::log(0.8f);
   for (float& logit : model.opacity_logits) logit = 3;
   const Pinhole camera = TestCamera(40, 33);
@@ -89,7 +89,7 @@ TEST(BlendingWeights, StopWhereTheRendererDoes) {
 }
 
 TEST(BlendingWeights, SameBytesForAnyNumberOfThreads) {
-  const GaussianModel model = RandomModel(3000, 0, 4);
+  const GaussianModel model = RandomSceneModel(3000, 0, 4);
   const Pinhole camera = TestCamera(203, 131);
   ThreadPool one(1);
   const BlendingWeights expected = WeightsOf(model, camera, one);
@@ -114,7 +114,7 @@ TEST(BlendingWeights, OfNothingAreEmptyRows) {
 }
 
 TEST(BlendingWeights, OfDegenerateGaussiansAreInRange) {
-  GaussianModel model = RandomModel(60, 0, 8);
+  GaussianModel model = RandomSceneModel(60, 0, 8);
   for (size_t i = 0; i < model.size(); i += 3) {
     model.log_scales[3 * i] = 60;
     model.opacity_logits[i + 1] = NAN;
@@ -131,7 +131,7 @@ TEST(BlendingWeights, OfDegenerateGaussiansAreInRange) {
 TEST(BlendingWeights, NeedPixels) {
   ThreadPool pool(1);
   const StatusOr<BlendingWeights> weights = ComputeBlendingWeights(
-      RandomModel(3, 0, 1), Pinhole(), TestPose(), RenderOptions(), pool);
+      RandomSceneModel(3, 0, 1), Pinhole(), TestPose(), RenderOptions(), pool);
   ASSERT_FALSE(weights.ok());
   EXPECT_EQ(weights.status().code(), StatusCode::kInvalidArgument);
 }

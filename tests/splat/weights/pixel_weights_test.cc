@@ -36,12 +36,12 @@ void ExpectTheMatrixRows(const GaussianModel& model, const Pinhole& camera) {
 }
 
 TEST(PixelWeightsTest, AreTheRowsOfTheWholeView) {
-  ExpectTheMatrixRows(RandomModel(300, 1, 7), TestCamera(41, 35));
+  ExpectTheMatrixRows(RandomSceneModel(300, 1, 7), TestCamera(41, 35));
 }
 
 TEST(PixelWeightsTest, LongListsAndManyChunks) {
   // More than a batch of splats at a pixel; faint ones, so that all count.
-  GaussianModel model = RandomModel(9000, 0, 8);
+  GaussianModel model = RandomSceneModel(9000, 0, 8);
   for (float& logit : model.opacity_logits) logit = -4.5f;
   ExpectTheMatrixRows(model, TestCamera(18, 5));
 }
@@ -61,7 +61,7 @@ TEST(PixelWeightsTest, NoGaussiansNoWeights) {
 
 TEST(PixelWeightsTest, PixelsOutsideTheImageAreErrors) {
   ThreadPool pool(1);
-  const GaussianModel model = RandomModel(3, 0, 9);
+  const GaussianModel model = RandomSceneModel(3, 0, 9);
   for (const auto& [x, y] :
        {std::pair{-1, 0}, {0, -1}, {20, 0}, {0, 10}, {1 << 30, 1}}) {
     const auto row = ComputePixelWeights(

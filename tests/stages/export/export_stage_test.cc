@@ -207,7 +207,7 @@ TEST_F(ExportStageTest, SameBytesForAnyNumberOfThreads) {
 TEST_F(ExportStageTest, InstancesOfAnotherModelAreRefused) {
   workspace_.AddInstances();
   ASSERT_TRUE(splat::WritePly(workspace_ / "reconstruct" / "point_cloud.ply",
-                              splat::RandomModel(7, 0, 1))
+                              splat::RandomSceneModel(7, 0, 1))
                   .ok());
   EXPECT_EQ(Run().code(), StatusCode::kBadInput);
 }

@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 class ReconstructStageTest : public testing::Test {
  protected:
   void SetUp() override {
-    truth_ = splat::RandomModel(80, 0, 33);
+    truth_ = splat::RandomSceneModel(80, 0, 33);
     ThreadPool pool(2);
     sfm::Reconstruction model;
     const Pinhole pinhole = splat::TestCamera(80, 60);
