@@ -53,7 +53,7 @@ WAYS = {
 EVAL_OPTIONS = {"no clustering": ["--text-from", "gaussians"]}
 METRICS = ["instance_miou", "click_miou", "text_miou", "text_mbiou",
            "box_miou", "box_recall25", "box_recall50", "view_consistency",
-           "pq"]
+           "pq", "instances_per_object", "objects_per_instance", "crumbs"]
 
 
 def borrowed(workspace, folder):

@@ -72,13 +72,14 @@ function(freegs_add_library name)
   endif()
   # Files that Highway compiles once for each instruction set include themselves,
   # so they stay alone. SSSE3 is left out: processors that have it but not SSE4
-  # date from before 2008, and use the scalar code.
+  # date from before 2008, and use the scalar code. They get -O3 in cold rooms too.
   foreach(source IN LISTS ARG_SOURCES)
     file(STRINGS ${source} alone REGEX "hwy/foreach_target.h" LIMIT_COUNT 1)
     if(alone)
       set_source_files_properties(${source} PROPERTIES
         SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON
-        COMPILE_DEFINITIONS HWY_DISABLED_TARGETS=HWY_SSSE3)
+        COMPILE_DEFINITIONS HWY_DISABLED_TARGETS=HWY_SSSE3
+        COMPILE_OPTIONS $<$<CONFIG:Release>:-O3>)
     endif()
   endforeach()
   target_link_libraries(${target} PUBLIC ${ARG_LINK}

@@ -56,9 +56,13 @@ constexpr Command kCommands[] = {
      "--box VIEW X0 Y0 X1 Y1) [--out DIR] [--json] [--cameras FILE] "
      "[--model DIR] [--min-relevancy R] [--max-hits N] [--background]",
      stages::RunQueryCommand},
-    {"eval", "eval WORKSPACE --gt DIR [--json FILE]", stages::RunEvalCommand},
+    {"eval",
+     "eval WORKSPACE [--gt DIR] [--layout NAME] [--model DIR] "
+     "[--text-from instances|gaussians] [--text-threshold R] [--json FILE]",
+     stages::RunEvalCommand},
     {"features",
-     "features IMAGE --text WORDS --model DIR --out FILE [--cache DIR]",
+     "features IMAGE --text WORDS [--model DIR] [--out FILE] [--cache DIR] "
+     "[--dense-size N] [--size N]",
      stages::RunFeaturesCommand},
     {"export",
      "export WORKSPACE --out FILE [--what color|instances] "

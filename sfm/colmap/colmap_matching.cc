@@ -142,8 +142,7 @@ std::string Matcher::MatchPairs(const std::vector<IdPair>& pairs) {
         for (int64_t i = first; i < last; ++i) {
           if (cancellation != nullptr && cancellation->cancelled()) return;
           const auto& [a, b] = pairs[i];
-          matches[i] =
-              MatchDescriptors(descriptors_.at(a), descriptors_.at(b), {});
+          matches[i] = MatchDescriptors(descriptors_.at(a), descriptors_.at(b));
         }
       });
   std::string text;

@@ -29,8 +29,6 @@ std::string_view FindingName(FindingKind kind) {
 
 std::string_view SeverityName(Severity severity) {
   switch (severity) {
-    case Severity::kNote:
-      return "note";
     case Severity::kDegrading:
       return "degrading";
     case Severity::kFatal:

@@ -25,15 +25,14 @@ enum class FindingKind {
 std::string_view FindingName(FindingKind kind);  // "too_few_photos" ...
 
 enum class Severity {
-  kNote,       // Worth knowing; does not change the verdict.
   kDegrading,  // The verdict is no better than degraded.
   kFatal,      // The verdict is failed, whatever the mapper made.
 };
-std::string_view SeverityName(Severity severity);  // "note" ...
+std::string_view SeverityName(Severity severity);  // "degrading" or "fatal".
 
 struct Finding {
   FindingKind kind = FindingKind::kTooFewPhotos;
-  Severity severity = Severity::kNote;
+  Severity severity = Severity::kDegrading;
 
   // True if no other way of matching and mapping these photos can help.
   bool hopeless = false;

@@ -245,20 +245,17 @@ Prepared Prepare(const SiftDescriptors& descriptors) {
   return result;
 }
 
+// The angle to the nearest descriptor must be below this share of the angle to
+// the second nearest.
+constexpr double kMaxRatio = 0.8;
+
+// The largest angle between two matching descriptors, in radians.
+constexpr double kMaxAngle = 0.7;
+
 }  // namespace
 
-Status DescriptorMatchingOptions::Check() const {
-  if (!(max_ratio > 0 && max_ratio <= 1) || !(max_angle > 0)) {
-    return InvalidArgumentError(
-        "descriptor matching needs a ratio in (0, 1] and a positive angle");
-  }
-  return {};
-}
-
 std::vector<std::pair<uint32_t, uint32_t>> MatchDescriptors(
-    const SiftDescriptors& a,
-    const SiftDescriptors& b,
-    const DescriptorMatchingOptions& options) {
+    const SiftDescriptors& a, const SiftDescriptors& b) {
   std::vector<std::pair<uint32_t, uint32_t>> matches;
   if (a.count() == 0 || b.count() == 0) return matches;
   const Prepared pa = Prepare(a);
@@ -281,7 +278,7 @@ std::vector<std::pair<uint32_t, uint32_t>> MatchDescriptors(
     const double scale = 1 / (length * other);
     const double best = std::acos(std::min(1.0, two.best * scale));
     const double second = std::acos(std::clamp(two.second * scale, -1.0, 1.0));
-    return best <= options.max_angle && best < options.max_ratio * second;
+    return best <= kMaxAngle && best < kMaxRatio * second;
   };
   for (size_t i = 0; i < rows.size(); ++i) {
     const uint32_t j = rows[i].index;

@@ -24,27 +24,15 @@ struct SiftDescriptors {
   size_t count() const { return values.size() / kSiftDimensions; }
 };
 
-struct DescriptorMatchingOptions {
-  // The angle to the nearest descriptor must be below this share of the angle
-  // to the second nearest (Lowe, "Distinctive image features from
-  // scale-invariant keypoints", IJCV 2004, section 7.1).
-  double max_ratio = 0.8;
-
-  // The largest angle between two matching descriptors, in radians.
-  double max_angle = 0.7;
-
-  Status Check() const;
-};
-
 // Returns the pairs (i in a, j in b), in the order of i, whose descriptors are
-// each other's nearest and pass both tests of the options in both directions. A
-// descriptor whose two nearest are equally near matches none. Distances are
+// each other's nearest and, in both directions, near enough and clearly nearer
+// than the second nearest (Lowe, "Distinctive image features from
+// scale-invariant keypoints", IJCV 2004, section 7.1). A descriptor whose two
+// nearest are equally near matches none. Distances are
 // angles between descriptors as vectors. The result does not depend on the
 // processor.
 std::vector<std::pair<uint32_t, uint32_t>> MatchDescriptors(
-    const SiftDescriptors& a,
-    const SiftDescriptors& b,
-    const DescriptorMatchingOptions& options);
+    const SiftDescriptors& a, const SiftDescriptors& b);
 
 }  // namespace freegs::sfm
 

@@ -234,7 +234,6 @@ Status MeasureText(const EvalRequest& request,
                                              answers->answers,
                                              aligned.truth,
                                              aligned.truth_from_scene,
-                                             EvaluationOptions(),
                                              context.cancellation,
                                              pool));
   return Status();
@@ -260,7 +259,6 @@ Status CompareWithTruth(const EvalRequest& request,
                                                  *instances,
                                                  aligned.truth,
                                                  aligned.truth_from_scene,
-                                                 EvaluationOptions(),
                                                  context.cancellation,
                                                  pool));
   if (request.text_from == "gaussians") {

@@ -176,6 +176,23 @@ void PrintInstances(const InstanceQuality& instances, std::ostream& out) {
         Text(instances.click_miou, 4),
         "a click at the mask's innermost pixel");
   }
+  if (instances.balance) {
+    const semantics::SegmentationBalance& balance = *instances.balance;
+    Row(out,
+        "instances per object",
+        Text(balance.instances_per_object, 2),
+        "with a tenth of it or more; 1 is best");
+    Row(out,
+        "objects per instance",
+        Text(balance.objects_per_instance, 2),
+        "of which it covers more than half; 1 is best");
+    Row(out,
+        "crumbs",
+        std::to_string(balance.num_crumbs),
+        "of " + std::to_string(balance.num_instances) +
+            " instances seen; objects without an instance: " +
+            Text(balance.uncovered, 3) + " of their pixels");
+  }
   if (!instances.panoptic.empty()) {
     Row(out,
         "panoptic quality",
@@ -215,6 +232,14 @@ void AddSemantics(const EvaluationReport& report, json* result) {
     keys["box_miou"] = BoxIouJson(instances.boxes, &BoxQuality::miou);
     keys["box_recall25"] = BoxIouJson(instances.boxes, &BoxQuality::recall25);
     keys["box_recall50"] = BoxIouJson(instances.boxes, &BoxQuality::recall50);
+    if (instances.balance) {
+      const semantics::SegmentationBalance& balance = *instances.balance;
+      keys["instances_per_object"] = OrNull(balance.instances_per_object);
+      keys["objects_per_instance"] = OrNull(balance.objects_per_instance);
+      keys["instances_seen"] = balance.num_instances;
+      keys["crumbs"] = balance.num_crumbs;
+      keys["uncovered"] = OrNull(balance.uncovered);
+    }
     if (!instances.panoptic.empty()) {
       json panoptic = PanopticJson(instances.panoptic_sum);
       keys["pq"] = panoptic["pq"];
@@ -227,7 +252,11 @@ void AddSemantics(const EvaluationReport& report, json* result) {
       keys["panoptic"] = std::move(panoptic);
     }
     for (const ObjectResult& object : instances.objects) {
-      keys["objects"].push_back(ObjectJson(object, report.text));
+      json of_object = ObjectJson(object, report.text);
+      if (instances.balance && instances.balance->pieces.contains(object.id)) {
+        of_object["pieces"] = instances.balance->pieces.at(object.id);
+      }
+      keys["objects"].push_back(std::move(of_object));
     }
   }
   if (report.text) {

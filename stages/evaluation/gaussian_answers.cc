@@ -96,7 +96,6 @@ StatusOr<GaussianTextQuality> MeasureGaussianText(
                                                {{label, answer}},
                                                OnlyLabel(truth, label),
                                                truth_from_scene,
-                                               EvaluationOptions(),
                                                cancellation,
                                                pool));
     if (!one) continue;

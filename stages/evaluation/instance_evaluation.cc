@@ -132,16 +132,6 @@ void FillMasks(const Tally& tally,
 
 }  // namespace
 
-Status EvaluationOptions::Check() const {
-  if (min_mask_pixels < 1) {
-    return InvalidArgumentError("min_mask_pixels must be at least 1");
-  }
-  if (max_mask_side < 1) {
-    return InvalidArgumentError("max_mask_side must be at least 1");
-  }
-  return Status();
-}
-
 std::optional<double> MeanOrNothing(const std::vector<double>& values) {
   if (values.empty()) return std::nullopt;
   double sum = 0;
@@ -163,7 +153,6 @@ std::vector<semantics::Instance> InstancesInTruth(
     const splat::GaussianModel& model,
     std::span<const int32_t> instance_of_gaussian,
     const Sim3d& truth_from_scene,
-    const semantics::InstanceBoxOptions& options,
     ThreadPool& pool) {
   // Boxes do not depend on colours, so these are left out.
   splat::GaussianModel moved;
@@ -198,7 +187,7 @@ std::vector<semantics::Instance> InstancesInTruth(
                                    /*scores=*/{},
                                    /*background=*/{},
                                    /*vertical=*/std::nullopt,
-                                   options,
+                                   semantics::InstanceBoxOptions(),
                                    pool);
 }
 
@@ -207,10 +196,8 @@ StatusOr<std::optional<InstanceQuality>> MeasureInstanceQuality(
     std::span<const int32_t> instance_of_gaussian,
     const GroundTruth& truth,
     const Sim3d& truth_from_scene,
-    const EvaluationOptions& options,
     const CancellationToken& cancellation,
     ThreadPool& pool) {
-  FREEGS_RETURN_IF_ERROR(options.Check());
   InstanceQuality quality;
   Tally tally;
   FREEGS_RETURN_IF_ERROR(ForEachJudgedView(
@@ -218,12 +205,11 @@ StatusOr<std::optional<InstanceQuality>> MeasureInstanceQuality(
       instance_of_gaussian,
       truth,
       MapViews(truth.cameras.test, truth_from_scene),
-      options.max_mask_side,
+      kMaxMaskSide,
       cancellation,
       pool,
       [&](const JudgedView& view) {
-        return AddView(
-            view, options.min_mask_pixels, truth.complete, &tally, &quality);
+        return AddView(view, kMinMaskPixels, truth.complete, &tally, &quality);
       }));
   const bool any_box = std::any_of(
       truth.objects.begin(), truth.objects.end(), [](const TrueObject& object) {
@@ -233,13 +219,13 @@ StatusOr<std::optional<InstanceQuality>> MeasureInstanceQuality(
 
   std::map<int, ObjectResult> results;
   FillMasks(tally, &results, &quality);
+  if (tally.any_view) {
+    quality.balance = semantics::MeasureSegmentationBalance(tally.overlap);
+  }
   FillObjects(truth.objects,
               tally,
-              InstancesInTruth(scene.model,
-                               instance_of_gaussian,
-                               truth_from_scene,
-                               options.boxes,
-                               pool),
+              InstancesInTruth(
+                  scene.model, instance_of_gaussian, truth_from_scene, pool),
               &results,
               &quality);
   for (auto& [id, result] : results) {

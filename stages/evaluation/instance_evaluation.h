@@ -18,25 +18,18 @@
 #include "semantics/geometry/boxes.h"
 #include "semantics/instances/instances.h"
 #include "semantics/metrics/panoptic_quality.h"
+#include "semantics/metrics/segmentation_balance.h"
 #include "stages/evaluation/ground_truth.h"
 #include "stages/scene/workspace_scene.h"
 
 namespace freegs::stages {
 
-struct EvaluationOptions {
-  // An object with fewer pixels in a view is not judged in that view.
-  int min_mask_pixels = 30;
+// An object with fewer pixels in a view is not judged in that view.
+inline constexpr int kMinMaskPixels = 30;
 
-  // Longest side in pixels at which masks are compared. Larger masks are
-  // reduced to it.
-  int max_mask_side = 1600;
-
-  // How boxes are put around instances. The default is that of
-  // bootstrap/instances.json.
-  semantics::InstanceBoxOptions boxes = {};
-
-  Status Check() const;
-};
+// Longest side in pixels at which masks are compared. Larger masks are reduced
+// to it.
+inline constexpr int kMaxMaskSide = 1600;
 
 // An object of the truth and the instance that is compared with it.
 struct ObjectResult {
@@ -77,6 +70,8 @@ struct InstanceQuality {
   std::optional<double> click_miou;
   // Over all objects of the truth that have a box.
   std::optional<BoxQuality> boxes;
+  // Over all test views together; empty without masks.
+  std::optional<semantics::SegmentationBalance> balance;
   // Panoptic quality of each view, and of all views together. Both are empty
   // when the truth is not complete (GroundTruth::complete).
   std::vector<std::pair<std::string, semantics::PanopticQuality>> panoptic;
@@ -94,7 +89,6 @@ std::vector<semantics::Instance> InstancesInTruth(
     const splat::GaussianModel& model,
     std::span<const int32_t> instance_of_gaussian,
     const Sim3d& truth_from_scene,
-    const semantics::InstanceBoxOptions& options,
     ThreadPool& pool);
 
 // Compares the instances with the truth. `instance_of_gaussian` has one label
@@ -106,7 +100,6 @@ StatusOr<std::optional<InstanceQuality>> MeasureInstanceQuality(
     std::span<const int32_t> instance_of_gaussian,
     const GroundTruth& truth,
     const Sim3d& truth_from_scene,
-    const EvaluationOptions& options,
     const CancellationToken& cancellation,
     ThreadPool& pool);
 

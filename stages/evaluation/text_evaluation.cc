@@ -122,10 +122,8 @@ StatusOr<std::optional<TextQuality>> MeasureTextQuality(
     const std::map<std::string, TextAnswer>& answers,
     const GroundTruth& truth,
     const Sim3d& truth_from_scene,
-    const EvaluationOptions& options,
     const CancellationToken& cancellation,
     ThreadPool& pool) {
-  FREEGS_RETURN_IF_ERROR(options.Check());
   LabelTallies tallies = Prepare(truth.objects, answers);
   if (tallies.empty()) return std::optional<TextQuality>();
   FREEGS_RETURN_IF_ERROR(ForEachJudgedView(
@@ -133,22 +131,20 @@ StatusOr<std::optional<TextQuality>> MeasureTextQuality(
       instance_of_gaussian,
       truth,
       MapViews(truth.cameras.test, truth_from_scene),
-      options.max_mask_side,
+      kMaxMaskSide,
       cancellation,
       pool,
       [&](const JudgedView& view) {
         for (auto& [label, tally] : tallies) {
-          const Status status = AddView(view, options.min_mask_pixels, &tally);
+          const Status status = AddView(view, kMinMaskPixels, &tally);
           if (!status.ok()) return status.Annotated(view.name);
         }
         return Status();
       }));
-  TextQuality quality = Summarise(tallies,
-                                  InstancesInTruth(scene.model,
-                                                   instance_of_gaussian,
-                                                   truth_from_scene,
-                                                   options.boxes,
-                                                   pool));
+  TextQuality quality =
+      Summarise(tallies,
+                InstancesInTruth(
+                    scene.model, instance_of_gaussian, truth_from_scene, pool));
   if (!quality.miou && !quality.boxes) return std::optional<TextQuality>();
   return std::optional(std::move(quality));
 }

@@ -71,7 +71,6 @@ StatusOr<std::optional<TextQuality>> MeasureTextQuality(
     const std::map<std::string, TextAnswer>& answers,
     const GroundTruth& truth,
     const Sim3d& truth_from_scene,
-    const EvaluationOptions& options,
     const CancellationToken& cancellation,
     ThreadPool& pool);
 

@@ -290,14 +290,13 @@ TEST(Verdict, Table) {
   };
   for (const Case& test : std::vector<Case>{
            {10, {}, Verdict::kOk},
-           {10, {Severity::kNote}, Verdict::kOk},
            {10, {Severity::kDegrading}, Verdict::kDegraded},
            {10, {Severity::kFatal}, Verdict::kFailed},
            {9, {}, Verdict::kOk},
            {8, {}, Verdict::kDegraded},
            {8, {Severity::kDegrading}, Verdict::kDegraded},
-           {8, {Severity::kFatal, Severity::kNote}, Verdict::kFailed},
-           {4, {Severity::kNote}, Verdict::kFailed},
+           {8, {Severity::kFatal, Severity::kDegrading}, Verdict::kFailed},
+           {4, {}, Verdict::kFailed},
            {0, {Severity::kDegrading}, Verdict::kFailed},
        }) {
     std::vector<Finding> findings;

@@ -101,7 +101,7 @@ TEST(MatchDescriptors, AgreesWithPlainSearch) {
     SiftDescriptors b = Shuffled(a, 8);
     const SiftDescriptors other = RandomDescriptors(count / 2, 1000 + count);
     b.values.insert(b.values.end(), other.values.begin(), other.values.end());
-    const Matches matches = MatchDescriptors(a, b, {});
+    const Matches matches = MatchDescriptors(a, b);
     const Matches expected = PlainMatches(a, b);
     // Lengths differ by rounding only, so hardly any order changes.
     Matches common;
@@ -117,7 +117,7 @@ TEST(MatchDescriptors, AgreesWithPlainSearch) {
       EXPECT_EQ((j * 7 + 3) % count, i);
     }
     // The same the other way round.
-    Matches swapped = MatchDescriptors(b, a, {});
+    Matches swapped = MatchDescriptors(b, a);
     for (auto& match : swapped) std::swap(match.first, match.second);
     std::sort(swapped.begin(), swapped.end());
     EXPECT_EQ(swapped, matches);
@@ -126,13 +126,13 @@ TEST(MatchDescriptors, AgreesWithPlainSearch) {
 
 TEST(MatchDescriptors, UnrelatedAndEqualDescriptorsDoNotMatch) {
   const SiftDescriptors a = RandomDescriptors(50, 1);
-  EXPECT_LT(MatchDescriptors(a, RandomDescriptors(60, 2), {}).size(), 3u);
+  EXPECT_LT(MatchDescriptors(a, RandomDescriptors(60, 2)).size(), 3u);
   // Each twice: the nearest is not the only one.
   SiftDescriptors twice = a;
   twice.values.insert(twice.values.end(), a.values.begin(), a.values.end());
-  EXPECT_TRUE(MatchDescriptors(a, twice, {}).empty());
-  EXPECT_TRUE(MatchDescriptors(twice, a, {}).empty());
-  EXPECT_EQ(MatchDescriptors(a, a, {}).size(), 50u);
+  EXPECT_TRUE(MatchDescriptors(a, twice).empty());
+  EXPECT_TRUE(MatchDescriptors(twice, a).empty());
+  EXPECT_EQ(MatchDescriptors(a, a).size(), 50u);
 }
 
 TEST(MatchDescriptors, EmptyAndExtremeValues) {
@@ -140,11 +140,11 @@ TEST(MatchDescriptors, EmptyAndExtremeValues) {
   zeros.values.assign(5 * kSiftDimensions, 0);
   SiftDescriptors full;
   full.values.assign(kSiftDimensions, 255);
-  EXPECT_TRUE(MatchDescriptors({}, {}, {}).empty());
-  EXPECT_TRUE(MatchDescriptors({}, full, {}).empty());
-  EXPECT_TRUE(MatchDescriptors(zeros, zeros, {}).empty());
-  EXPECT_TRUE(MatchDescriptors(zeros, full, {}).empty());
-  EXPECT_EQ(MatchDescriptors(full, full, {}).size(), 1u);
+  EXPECT_TRUE(MatchDescriptors({}, {}).empty());
+  EXPECT_TRUE(MatchDescriptors({}, full).empty());
+  EXPECT_TRUE(MatchDescriptors(zeros, zeros).empty());
+  EXPECT_TRUE(MatchDescriptors(zeros, full).empty());
+  EXPECT_EQ(MatchDescriptors(full, full).size(), 1u);
 }
 
 }  // namespace

@@ -125,7 +125,6 @@ class MaskDatasetTest : public BallScene {
                            {{left, {0, 0.9}}, {"right ball", {2, 0.9}}},
                            truth,
                            truth_from_scene,
-                           {},
                            cancellation_,
                            pool_);
     EXPECT_TRUE(text.ok()) << text.status().message();
@@ -186,13 +185,8 @@ TEST_F(MaskDatasetTest, OverlappingMasksAreAllJudged) {
   // Phrases by name: balls, left ball, right ball.
   EXPECT_GT(count(1), count(2) + count(3));
   EXPECT_GT(count(2), 100);
-  const auto instances = MeasureInstanceQuality(MakeScene(),
-                                                labels_,
-                                                *truth,
-                                                truth_from_scene_,
-                                                {},
-                                                cancellation_,
-                                                pool_);
+  const auto instances = MeasureInstanceQuality(
+      MakeScene(), labels_, *truth, truth_from_scene_, cancellation_, pool_);
   ASSERT_TRUE(instances.ok() && instances->has_value());
   EXPECT_GT(*(*instances)->objects[1].instance_iou, 0.97);
   EXPECT_LT(*(*instances)->objects[0].instance_iou, 0.7);

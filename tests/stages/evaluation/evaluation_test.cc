@@ -41,7 +41,7 @@ TEST_F(EvaluationTest, APerfectSceneIsPerfect) {
   EXPECT_GT((*test)->ssim, 0.995);
 
   const auto instances = MeasureInstanceQuality(
-      scene, labels_, truth_, found, {}, cancellation_, pool_);
+      scene, labels_, truth_, found, cancellation_, pool_);
   ASSERT_TRUE(instances.ok() && instances->has_value());
   const InstanceQuality& quality = **instances;
   EXPECT_GT(*quality.instance_miou, 0.97);
@@ -63,7 +63,7 @@ TEST_F(EvaluationTest, MergedObjectsCost) {
   std::vector<int32_t> merged = labels_;
   for (int32_t& label : merged) label = label == 2 ? 1 : label;
   const auto instances = MeasureInstanceQuality(
-      scene, merged, truth_, truth_from_scene_, {}, cancellation_, pool_);
+      scene, merged, truth_, truth_from_scene_, cancellation_, pool_);
   ASSERT_TRUE(instances.ok() && instances->has_value());
   const InstanceQuality& quality = **instances;
   EXPECT_GT(*quality.objects[0].instance_iou, 0.95);
@@ -78,7 +78,7 @@ TEST_F(EvaluationTest, WithoutInstancesEverythingIsMissed) {
   const WorkspaceScene scene = MakeScene();
   const std::vector<int32_t> none(labels_.size(), -1);
   const auto instances = MeasureInstanceQuality(
-      scene, none, truth_, truth_from_scene_, {}, cancellation_, pool_);
+      scene, none, truth_, truth_from_scene_, cancellation_, pool_);
   ASSERT_TRUE(instances.ok() && instances->has_value());
   EXPECT_EQ(*(*instances)->instance_miou, 0);
   EXPECT_EQ(*(*instances)->click_miou, 0);
@@ -93,7 +93,7 @@ TEST_F(EvaluationTest, WithoutMasksBoxesFindTheirInstances) {
   truth_.objects.back().aabb = semantics::AxisAlignedBox{
       Eigen::Vector3d::Constant(50), Eigen::Vector3d::Constant(51)};
   const auto instances = MeasureInstanceQuality(
-      scene, labels_, truth_, truth_from_scene_, {}, cancellation_, pool_);
+      scene, labels_, truth_, truth_from_scene_, cancellation_, pool_);
   ASSERT_TRUE(instances.ok() && instances->has_value());
   const InstanceQuality& quality = **instances;
   EXPECT_FALSE(quality.instance_miou.has_value());
@@ -132,7 +132,7 @@ TEST_F(EvaluationTest, WithoutTruthThereIsNothing) {
   ASSERT_TRUE(test.ok());
   EXPECT_FALSE(test->has_value());
   const auto instances = MeasureInstanceQuality(
-      scene, labels_, truth_, truth_from_scene_, {}, cancellation_, pool_);
+      scene, labels_, truth_, truth_from_scene_, cancellation_, pool_);
   ASSERT_TRUE(instances.ok());
   EXPECT_FALSE(instances->has_value());
   const auto holdout = MeasureHoldoutQuality(scene, folder_, pool_);
@@ -151,12 +151,12 @@ TEST_F(EvaluationTest, ReportsFaultsOfTheTruth) {
       WriteFileAtomic(truth_.masks[view.name][0].path, "no image").ok());
   EXPECT_FALSE(
       MeasureInstanceQuality(
-          scene, labels_, truth_, truth_from_scene_, {}, cancellation_, pool_)
+          scene, labels_, truth_, truth_from_scene_, cancellation_, pool_)
           .ok());
   const std::vector<int32_t> too_few(5, 0);
   EXPECT_FALSE(
       MeasureInstanceQuality(
-          scene, too_few, truth_, truth_from_scene_, {}, cancellation_, pool_)
+          scene, too_few, truth_, truth_from_scene_, cancellation_, pool_)
           .ok());
 }
 
@@ -219,7 +219,7 @@ TEST_F(EvaluationTest, ReportHasEveryKey) {
   report.test = *MeasureTestQuality(
       scene, truth_, truth_from_scene_, cancellation_, pool_);
   report.instances = *MeasureInstanceQuality(
-      scene, labels_, truth_, truth_from_scene_, {}, cancellation_, pool_);
+      scene, labels_, truth_, truth_from_scene_, cancellation_, pool_);
   json = ToJson(report);
   EXPECT_EQ(json["psnr_views"], "test");
   EXPECT_GT(json["psnr"], 40);

@@ -23,7 +23,6 @@ class TextEvaluationTest : public BallScene {
                               answers,
                               truth_,
                               truth_from_scene_,
-                              {},
                               cancellation_,
                               pool_);
   }
@@ -98,13 +97,8 @@ TEST_F(TextEvaluationTest, AnswersOutOfRangeAreHarmless) {
 TEST_F(TextEvaluationTest, ReportHasATableOfLabels) {
   EvaluationReport report;
   report.text = *Measure({{"ball 1", {0, 0.9}}});
-  report.instances = *MeasureInstanceQuality(MakeScene(),
-                                             labels_,
-                                             truth_,
-                                             truth_from_scene_,
-                                             {},
-                                             cancellation_,
-                                             pool_);
+  report.instances = *MeasureInstanceQuality(
+      MakeScene(), labels_, truth_, truth_from_scene_, cancellation_, pool_);
   report.text_model = "models/x";
   const nlohmann::json json = ToJson(report);
   EXPECT_GT(json["text_miou"], 0.3);
