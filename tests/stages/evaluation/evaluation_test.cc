@@ -2,6 +2,7 @@
 
 #include "stages/evaluation/evaluation.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <sstream>
 #include <string>
@@ -13,6 +14,7 @@
 #include "core/io/image_io.h"
 #include "stages/evaluation/evaluation_report.h"
 #include "stages/evaluation/instance_evaluation.h"
+#include "stages/evaluation/true_masks.h"
 #include "stages/scene/scene_alignment.h"
 #include "tests/stages/ball_scene.h"
 
@@ -52,6 +54,9 @@ TEST_F(EvaluationTest, APerfectSceneIsPerfect) {
   EXPECT_EQ(quality.objects[1].label, "ball 2");
   EXPECT_EQ(quality.objects[1].instance, 1);
   EXPECT_EQ(quality.objects[1].num_views, 3);
+  ASSERT_TRUE(quality.balance);
+  EXPECT_EQ(*quality.balance->instances_per_object, 1);
+  EXPECT_EQ(*quality.balance->objects_per_instance, 1);
   EXPECT_EQ(quality.panoptic.size(), 3u);
   EXPECT_EQ(quality.panoptic_sum.true_positives, 9);
   EXPECT_EQ(quality.panoptic_sum.false_positives, 0);
@@ -107,15 +112,33 @@ TEST_F(EvaluationTest, WithoutMasksBoxesFindTheirInstances) {
 
 TEST_F(EvaluationTest, LargeMasksAreComparedReduced) {
   const WorkspaceScene scene = MakeScene();
-  const auto instances = MeasureInstanceQuality(scene,
-                                                labels_,
-                                                truth_,
-                                                truth_from_scene_,
-                                                {.max_mask_side = 48},
-                                                cancellation_,
-                                                pool_);
-  ASSERT_TRUE(instances.ok() && instances->has_value());
-  EXPECT_GT(*(*instances)->instance_miou, 0.85);
+  int num_views = 0;
+  const auto compare = [&](const JudgedView& view) {
+    ++num_views;
+    EXPECT_EQ(std::max(view.rendered.width(), view.rendered.height()), 48);
+    for (const ImageU16& layer : view.truth) {
+      EXPECT_EQ(layer.width(), view.rendered.width());
+      const auto overlap = semantics::CountOverlap(layer, view.rendered);
+      EXPECT_TRUE(overlap.ok());
+      if (!overlap.ok()) return overlap.status();
+      for (const auto& [object, pixels] : overlap->truth_pixels) {
+        if (pixels < kMinMaskPixels) continue;
+        EXPECT_GT(semantics::BestMatch(*overlap, object)->iou, 0.7);
+      }
+    }
+    return Status();
+  };
+  EXPECT_TRUE(
+      ForEachJudgedView(scene,
+                        labels_,
+                        truth_,
+                        MapViews(truth_.cameras.test, truth_from_scene_),
+                        48,
+                        cancellation_,
+                        pool_,
+                        compare)
+          .ok());
+  EXPECT_EQ(num_views, 3);
 }
 
 TEST_F(EvaluationTest, WithoutTruthThereIsNothing) {
