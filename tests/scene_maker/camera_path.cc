@@ -129,7 +129,9 @@ void AddViews(Scene* scene) {
   camera.cx = 0.5 * options.width;
   camera.cy = 0.5 * options.height;
   const double step =
-      std::min(kLargestStep, 2 * std::numbers::pi / options.views);
+      options.arc > 0
+          ? options.arc * kDegree / options.views
+          : std::min(kLargestStep, 2 * std::numbers::pi / options.views);
   char name[32];
   for (int i = 0; i < options.views; ++i) {
     std::snprintf(name, sizeof(name), "frame_%04d.jpg", i + 1);

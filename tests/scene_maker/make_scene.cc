@@ -48,7 +48,10 @@ int Run(int argc, char** argv) {
       ("objects", po::value(&options.objects)->default_value(options.objects),
        "objects on the table, 1 to 12")
       ("scene", po::value(&subject)->default_value("table"),
-       "table; chairs: two equal ones; tiles: a wall of equal ones")
+       "table; clutter: random things; chairs: two equal ones; tiles: a wall "
+       "of equal ones")
+      ("arc", po::value(&options.arc)->default_value(options.arc),
+       "degrees that the photographs cover; 0: as many as there are photos")
       ("texture", po::value(&texture)->default_value("rich"), "rich or none")
       ("motion", po::value(&motion)->default_value("orbit"),
        "orbit, or rotation: turning on the spot")
@@ -75,8 +78,10 @@ int Run(int argc, char** argv) {
     options.subject = Subject::kChairs;
   } else if (subject == "tiles") {
     options.subject = Subject::kTiles;
+  } else if (subject == "clutter") {
+    options.subject = Subject::kClutter;
   } else if (subject != "table") {
-    return Fail("--scene is table, chairs or tiles");
+    return Fail("--scene is table, clutter, chairs or tiles");
   }
   options.textured = texture == "rich";
   options.motion = motion == "orbit" ? Motion::kOrbit : Motion::kRotation;

@@ -280,6 +280,7 @@ Photo CastRays(const Scene& scene, const View& view, ThreadPool& pool) {
   Photo photo{ImageU8(width, height, 3),
               ImageU16(width, height, 1),
               ImageU16(width, height, 1),
+              ImageU16(width, height, 1),
               ImageF(width, height, 1)};
   const Caster caster(scene, view);
   const Vector3d forward =
@@ -295,6 +296,9 @@ Photo CastRays(const Scene& scene, const View& view, ThreadPool& pool) {
           photo.instances(x, y) = static_cast<uint16_t>(solid.object_id);
           photo.background(x, y) = static_cast<uint16_t>(
               solid.object_id > 0 ? 0 : solid.background + 1);
+          photo.surfaces(x, y) = static_cast<uint16_t>(
+              solid.object_id > 0 ? solid.object_id
+                                  : kFirstSurface + solid.surface);
           photo.depth(x, y) =
               static_cast<float>(hit.distance * forward.dot(ray.direction));
         }

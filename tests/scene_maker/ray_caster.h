@@ -17,8 +17,12 @@ struct Photo {
   // These come from a single ray through the centre of each pixel.
   ImageU16 instances;   // Object id, 0 = background.
   ImageU16 background;  // 1 + index into kBackgroundClasses, 0 = object.
+  ImageU16 surfaces;    // Object id, or 200 + Solid::surface.
   ImageF depth;         // z of the camera frame, metres.
 };
+
+// Added to the number of a surface that is no object.
+inline constexpr int kFirstSurface = 200;
 
 // Draws the photo of a view. It has the same bytes for any number of threads.
 Photo CastRays(const Scene& scene, const View& view, ThreadPool& pool);

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <utility>
 
+#include "tests/scene_maker/clutter.h"
 #include "tests/scene_maker/textures.h"
 
 namespace freegs::scene_maker {
@@ -40,6 +41,9 @@ Status SceneMakerOptions::Check() const {
   }
   if (!(field_of_view >= 10 && field_of_view <= 120)) {
     return InvalidArgumentError("field_of_view must be in 10..120 degrees");
+  }
+  if (!(arc >= 0 && arc <= 360)) {
+    return InvalidArgumentError("arc must be in 0..360 degrees");
   }
   if (objects < 1 || objects > kMaxObjects) {
     return InvalidArgumentError("objects must be in 1.." +
@@ -163,8 +167,13 @@ StatusOr<Scene> BuildScene(const SceneMakerOptions& options) {
   FREEGS_RETURN_IF_ERROR(options.Check());
   Scene scene;
   scene.options = options;
-  AddRoom(&scene);
-  FREEGS_RETURN_IF_ERROR(AddObjects(&scene));
+  if (options.subject == Subject::kClutter) {
+    AddRandomRoom(&scene);
+    FREEGS_RETURN_IF_ERROR(AddClutter(&scene));
+  } else {
+    AddRoom(&scene);
+    FREEGS_RETURN_IF_ERROR(AddObjects(&scene));
+  }
   AddViews(&scene);
   return scene;
 }

@@ -26,9 +26,10 @@ namespace freegs::scene_maker {
 
 // What is photographed.
 enum class Subject {
-  kTable,   // A table of objects that all differ.
-  kChairs,  // Two equal chairs far apart on boards, between plain walls.
-  kTiles,   // A wall of equal tiles above a floor of boards.
+  kTable,    // A table of objects that all differ.
+  kChairs,   // Two equal chairs far apart on boards, between plain walls.
+  kClutter,  // A table of random things in a random room; see clutter.h.
+  kTiles,    // A wall of equal tiles above a floor of boards.
 };
 
 enum class Motion {
@@ -42,6 +43,10 @@ struct SceneMakerOptions {
   // degrees apart; fewer than 40 cover a part of the circle. Around each chair
   // half of them cover 200 degrees; along the wall they cover 3.8 metres.
   int views = 40;
+
+  // Degrees around the table that the photographs cover; 0 for as many as there
+  // are photographs.
+  double arc = 0;
 
   // Photographs from other places on the way, for evaluation.
   int test_views = 8;

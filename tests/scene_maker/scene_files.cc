@@ -114,6 +114,7 @@ std::string What(const Scene& scene) {
       return "Two equal chairs";
     case Subject::kTiles:
       return "A wall of equal tiles";
+    case Subject::kClutter:
     case Subject::kTable:
       break;
   }
@@ -146,6 +147,15 @@ std::string Readme(const Scene& scene) {
     text += "* " + std::to_string(object.id) + ": " + object.label + "\n";
   }
   return text;
+}
+
+ImageU8 Narrow(const ImageU16& ids) {
+  ImageU8 narrow(ids.width(), ids.height(), 1);
+  std::transform(
+      ids.data(), ids.data() + ids.size(), narrow.data(), [](uint16_t v) {
+        return static_cast<uint8_t>(v);
+      });
+  return narrow;
 }
 
 ImageU8 MaskOf(const ImageU16& labels, int label) {
@@ -195,7 +205,7 @@ Status WriteScene(const Scene& scene,
                   ThreadPool& pool,
                   const std::function<void(int, int)>& progress) {
   for (const char* name :
-       {"images", "test/images", "gt/instance", "gt/depth"}) {
+       {"images", "test/images", "gt/instance", "gt/surfaces", "gt/depth"}) {
     FREEGS_RETURN_IF_ERROR(CreateFolders(folder / name));
   }
   const size_t num_labels = scene.objects.size() + 1;
@@ -209,14 +219,13 @@ Status WriteScene(const Scene& scene,
       const Photo photo = CastRays(scene, view, pool);
       const std::vector<int> counts = CountPixels(photo.instances, num_labels);
       const std::string stem = fs::path(view.name).stem();
-      ImageU8 ids(photo.instances.width(), photo.instances.height(), 1);
-      std::transform(photo.instances.data(),
-                     photo.instances.data() + photo.instances.size(),
-                     ids.data(),
-                     [](uint16_t v) { return static_cast<uint8_t>(v); });
       FREEGS_RETURN_IF_ERROR(WriteImage(photos / view.name, photo.color));
-      FREEGS_RETURN_IF_ERROR(
-          WriteImage(folder / "gt/instance" / (stem + ".png"), ids));
+      FREEGS_RETURN_IF_ERROR(WriteImage(
+          folder / "gt/instance" / (stem + ".png"), Narrow(photo.instances)));
+      if (scene.options.subject == Subject::kClutter) {
+        FREEGS_RETURN_IF_ERROR(WriteImage(
+            folder / "gt/surfaces" / (stem + ".png"), Narrow(photo.surfaces)));
+      }
       if (is_test) {
         FREEGS_RETURN_IF_ERROR(
             WriteTestTruth(scene, photo, counts, folder, stem));

@@ -23,6 +23,8 @@ namespace freegs::scene_maker {
 //   gt/cameras.json                           intrinsics, world_to_camera
 //   gt/objects.json                           labels and boxes
 //   gt/instance/<view>.png                    8-bit object ids, train and test
+//   gt/surfaces/<view>.png                    of clutter: 8-bit object ids, and
+//                                             200 + number of a surface
 //   gt/depth/<test view>.npz                  key depth, float16 metres
 //   README.md
 // Calls progress(done, total) after each view, if given.

@@ -54,6 +54,7 @@ struct Solid {
   float gloss = 0;     // Strength of the highlight, 0..1.
   int object_id = 0;   // 1.. of an object, 0 for furniture and room.
   int background = 0;  // Index of the background class when object_id is 0.
+  int surface = 0;     // Tells apart floor, table and walls; see scene_files.h.
 };
 
 struct Hit {

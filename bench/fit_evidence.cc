@@ -1,0 +1,571 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Learns how evidence speaks for or against one object, from scenes whose truth
+// is known, and says how well it segments others.
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <boost/program_options.hpp>
+#include <opencv2/ml.hpp>
+
+#include "core/io/files.h"
+#include "core/io/image_io.h"
+#include "semantics/geometry/scene_extent.h"
+#include "semantics/patches/evidence.h"
+#include "semantics/patches/region_merging.h"
+#include "semantics/patches/scene_patches.h"
+#include "splat/weights/blending_weights.h"
+#include "stages/scene/workspace_scene.h"
+
+namespace freegs {
+namespace {
+
+namespace fs = std::filesystem;
+namespace po = boost::program_options;
+using semantics::Evidence;
+using semantics::kNumEvidences;
+using semantics::RegionGraph;
+using semantics::RegionTree;
+
+// What of each patch, in pixels, is in which true segment. Segments may overlap
+// where masks of parts do.
+struct LearningScene {
+  std::string name;
+  RegionGraph graph;
+  std::vector<std::map<int, double>> votes;  // Of each patch.
+  std::vector<double> mass;                  // Pixels of each patch.
+  std::map<int, double> segment_mass;
+  bool objects_only = false;  // Real photographs: the rest has no truth.
+  double Purity() const;
+};
+
+// The true segments of a view at a size: (number, mask).
+using Masks = std::vector<std::pair<int, ImageU8>>;
+
+StatusOr<Masks> MasksOf(const fs::path& truth,
+                        const std::string& name,
+                        std::map<std::string, int>* labels) {
+  Masks masks;
+  const std::string stem = fs::path(name).stem();
+  const fs::path surfaces = truth / "gt/surfaces" / (stem + ".png");
+  const fs::path instances = truth / "gt/instance" / (stem + ".png");
+  const fs::path drawn = fs::exists(surfaces) ? surfaces : instances;
+  if (fs::exists(drawn)) {
+    FREEGS_ASSIGN_OR_RETURN(const ImageU16 ids, ReadLabels(drawn));
+    std::map<int, ImageU8> by_id;
+    for (size_t i = 0; i < ids.size(); ++i) {
+      const int id = ids.data()[i];
+      if (id == 0) continue;
+      auto [it, added] = by_id.try_emplace(id);
+      if (added) it->second = ImageU8(ids.width(), ids.height(), 1);
+      it->second.data()[i] = 255;
+    }
+    for (auto& [id, mask] : by_id) masks.emplace_back(id, std::move(mask));
+    return masks;
+  }
+  const fs::path folder = truth / "test_mask" / stem;
+  if (!fs::exists(folder)) return masks;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    FREEGS_ASSIGN_OR_RETURN(const ImageU16 read, ReadLabels(entry.path()));
+    ImageU8 mask(read.width(), read.height(), 1);
+    for (size_t i = 0; i < read.size(); ++i) {
+      mask.data()[i] = read.data()[i] > 0 ? 255 : 0;
+    }
+    const int id = labels
+                       ->try_emplace(entry.path().stem().string(),
+                                     static_cast<int>(labels->size()) + 1)
+                       .first->second;
+    masks.emplace_back(id, std::move(mask));
+  }
+  std::sort(masks.begin(), masks.end(), [](const auto& a, const auto& b) {
+    return a.first < b.first;
+  });
+  return masks;
+}
+
+StatusOr<LearningScene> LoadScene(const fs::path& workspace,
+                                  const fs::path& truth,
+                                  const semantics::PatchOptions& options,
+                                  ThreadPool& pool) {
+  FREEGS_ASSIGN_OR_RETURN(const stages::WorkspaceScene scene,
+                          stages::ReadWorkspaceScene(workspace));
+  std::vector<View> views = scene.train;
+  views.insert(views.end(), scene.holdout.begin(), scene.holdout.end());
+  const auto extent =
+      semantics::ComputeSceneExtent(scene.model, views, 0.1, pool);
+  const semantics::PatchScene input{.model = scene.model,
+                                    .views = scene.train,
+                                    .render = scene.render,
+                                    .photo_of =
+                                        [&](size_t v) {
+                                          return ReadRgb(workspace /
+                                                         "undistort/images" /
+                                                         scene.train[v].name);
+                                        },
+                                    .semantics = {},
+                                    .scene_radius = extent.radius};
+  const auto started = std::chrono::steady_clock::now();
+  FREEGS_ASSIGN_OR_RETURN(
+      semantics::ScenePatches patches,
+      semantics::BuildScenePatches(input, options, pool, nullptr));
+  const std::chrono::duration<double> took =
+      std::chrono::steady_clock::now() - started;
+  LearningScene result;
+  result.name = workspace.filename();
+  result.graph = std::move(patches.graph);
+  const size_t count = result.graph.regions.size();
+  result.votes.resize(count);
+  result.mass.assign(count, 0);
+  std::map<std::string, int> labels;
+  for (View view : views) {
+    FREEGS_ASSIGN_OR_RETURN(const Masks masks,
+                            MasksOf(truth, view.name, &labels));
+    if (masks.empty()) continue;
+    result.objects_only =
+        result.objects_only || !fs::exists(truth / "gt/surfaces");
+    view.camera = view.camera.LimitedTo(options.max_side);
+    FREEGS_ASSIGN_OR_RETURN(
+        const splat::BlendingWeights weights,
+        splat::ComputeBlendingWeights(
+            scene.model, view.camera, view.cam_from_world, scene.render, pool));
+    for (int y = 0; y < weights.height; ++y) {
+      for (int x = 0; x < weights.width; ++x) {
+        const size_t p = static_cast<size_t>(y) * weights.width + x;
+        std::vector<int> ids;
+        for (const auto& [id, mask] : masks) {
+          if (mask((2 * x + 1) * mask.width() / (2 * weights.width),
+                   (2 * y + 1) * mask.height() / (2 * weights.height)) > 127) {
+            ids.push_back(id);
+            result.segment_mass[id] += 1;
+          }
+        }
+        // The patch that a pixel shows most of.
+        std::map<int32_t, float> shares;
+        for (uint32_t e = weights.pixel_begin[p];
+             e < weights.pixel_begin[p + 1];
+             ++e) {
+          const int32_t patch = patches.patch_of_gaussian[weights.gaussians[e]];
+          if (patch >= 0) shares[patch] += weights.weights[e];
+        }
+        const auto most = std::max_element(
+            shares.begin(), shares.end(), [](const auto& a, const auto& b) {
+              return a.second < b.second;
+            });
+        float all = 0;
+        for (const auto& [patch, share] : shares) all += share;
+        if (all < 0.5f) continue;
+        result.mass[most->first] += 1;
+        for (const int id : ids) result.votes[most->first][id] += 1;
+      }
+    }
+  }
+  std::cerr << result.name << ": " << count << " patches, "
+            << result.graph.contacts.size() << " contacts, " << took.count()
+            << " s\n";
+  return result;
+}
+
+// A classifier of evidence.
+class Learner {
+ public:
+  virtual ~Learner() = default;
+  // Log-odds of being two things.
+  virtual double Difference(const Evidence& evidence) const = 0;
+};
+
+struct Example {
+  Evidence evidence;
+  bool different = false;
+  float weight = 1;
+};
+
+class LogisticLearner : public Learner {
+ public:
+  explicit LogisticLearner(const std::vector<Example>& examples) {
+    const size_t n = kNumEvidences;
+    Eigen::VectorXd mean = Eigen::VectorXd::Zero(n);
+    Eigen::VectorXd square = Eigen::VectorXd::Zero(n);
+    for (const Example& example : examples) {
+      for (size_t k = 0; k < n; ++k) {
+        mean[k] += example.evidence[k];
+        square[k] += example.evidence[k] * example.evidence[k];
+      }
+    }
+    mean /= examples.size();
+    scale_ = (square / examples.size() - mean.cwiseAbs2()).cwiseMax(1e-8);
+    scale_ = scale_.cwiseSqrt().cwiseInverse();
+    mean_ = mean;
+    weights_ = Eigen::VectorXd::Zero(n + 1);
+    for (int iteration = 0; iteration < 25; ++iteration) {
+      Eigen::MatrixXd hessian = 1.0 * Eigen::MatrixXd::Identity(n + 1, n + 1);
+      Eigen::VectorXd gradient = weights_;
+      for (const Example& example : examples) {
+        const Eigen::VectorXd x = Row(example.evidence);
+        const double p = 1 / (1 + std::exp(-weights_.dot(x)));
+        gradient += example.weight * (p - (example.different ? 1 : 0)) * x;
+        hessian.selfadjointView<Eigen::Lower>().rankUpdate(
+            x, example.weight * p * (1 - p));
+      }
+      hessian.triangularView<Eigen::StrictlyUpper>() =
+          hessian.transpose().triangularView<Eigen::StrictlyUpper>();
+      weights_ -= hessian.ldlt().solve(gradient);
+    }
+  }
+  Eigen::VectorXd Row(const Evidence& evidence) const {
+    Eigen::VectorXd x(kNumEvidences + 1);
+    for (size_t k = 0; k < kNumEvidences; ++k) {
+      x[k] = (evidence[k] - mean_[k]) * scale_[k];
+    }
+    x[kNumEvidences] = 1;
+    return x;
+  }
+  double Difference(const Evidence& evidence) const override {
+    return weights_.dot(Row(evidence));
+  }
+  void Print() const {
+    for (size_t k = 0; k < kNumEvidences; ++k) {
+      std::cerr << "  " << semantics::kEvidenceNames[k] << " " << weights_[k]
+                << "\n";
+    }
+    std::cerr << "  bias " << weights_[kNumEvidences] << "\n";
+  }
+
+ private:
+  Eigen::VectorXd mean_, scale_, weights_;
+};
+
+class BoostLearner : public Learner {
+ public:
+  BoostLearner(const std::vector<Example>& examples, int depth, int count) {
+    cv::Mat rows(static_cast<int>(examples.size()),
+                 static_cast<int>(kNumEvidences),
+                 CV_32F);
+    cv::Mat responses(static_cast<int>(examples.size()), 1, CV_32S);
+    for (int i = 0; i < rows.rows; ++i) {
+      std::copy_n(
+          examples[i].evidence.data(), kNumEvidences, rows.ptr<float>(i));
+      responses.at<int>(i) = examples[i].different ? 1 : 0;
+    }
+    boost_ = cv::ml::Boost::create();
+    boost_->setBoostType(cv::ml::Boost::REAL);
+    boost_->setMaxDepth(depth);
+    boost_->setWeakCount(count);
+    boost_->setWeightTrimRate(0.95);
+    boost_->train(
+        cv::ml::TrainData::create(rows, cv::ml::ROW_SAMPLE, responses));
+    // Platt: log-odds = a * sum + b.
+    std::vector<std::pair<double, bool>> sums;
+    for (const Example& example : examples) {
+      sums.emplace_back(Sum(example.evidence), example.different);
+    }
+    for (int iteration = 0; iteration < 30; ++iteration) {
+      double g0 = 0, g1 = 0, h00 = 1e-6, h01 = 0, h11 = 1e-6;
+      for (const auto& [sum, different] : sums) {
+        const double p = 1 / (1 + std::exp(-(slope_ * sum + offset_)));
+        const double r = p - (different ? 1 : 0);
+        const double v = p * (1 - p);
+        g0 += r * sum;
+        g1 += r;
+        h00 += v * sum * sum;
+        h01 += v * sum;
+        h11 += v;
+      }
+      const double det = h00 * h11 - h01 * h01;
+      slope_ -= (h11 * g0 - h01 * g1) / det;
+      offset_ -= (h00 * g1 - h01 * g0) / det;
+    }
+  }
+  double Sum(const Evidence& evidence) const {
+    const cv::Mat row(1,
+                      static_cast<int>(kNumEvidences),
+                      CV_32F,
+                      const_cast<float*>(evidence.data()));
+    return boost_->predict(row, cv::noArray(), cv::ml::StatModel::RAW_OUTPUT);
+  }
+  double Difference(const Evidence& evidence) const override {
+    return slope_ * Sum(evidence) + offset_;
+  }
+
+ private:
+  cv::Ptr<cv::ml::Boost> boost_;
+  double slope_ = 0.1;
+  double offset_ = 0;
+};
+
+// The true segment of a region that is mostly one, or -1.
+int TrueSegment(const std::map<int, double>& votes, double mass) {
+  int best = -1;
+  double most = 0;
+  for (const auto& [id, count] : votes) {
+    if (count > most) {
+      most = count;
+      best = id;
+    }
+  }
+  return most >= 0.65 * mass && mass > 0 ? best : -1;
+}
+
+// Merges as the learner says, but only what belongs together; what it asks on
+// the way are the examples.
+void Collect(const LearningScene& scene,
+             const semantics::DifferenceFn& difference,
+             std::vector<Example>* examples) {
+  std::vector<std::map<int, double>> votes = scene.votes;
+  std::vector<double> mass = scene.mass;
+  // Votes of merged regions are built on demand, in the order of merges.
+  semantics::AllowFn allow = [&](int32_t a, int32_t b, const Evidence& e) {
+    const int sa = TrueSegment(votes[a], mass[a]);
+    const int sb = TrueSegment(votes[b], mass[b]);
+    bool join = false;
+    if (sa < 0 || sb < 0) {
+      // Nobody knows; small ones of nothing are joined to go on.
+      join = sa < 0 && sb < 0;
+    } else {
+      join = sa == sb;
+      examples->push_back({e, !join, 1});
+    }
+    if (join) {
+      std::map<int, double> sum = votes[a];
+      for (const auto& [id, count] : votes[b]) sum[id] += count;
+      votes.push_back(std::move(sum));
+      mass.push_back(mass[a] + mass[b]);
+    }
+    return join;
+  };
+  semantics::MergeRegions(scene.graph, difference, 1e300, allow);
+}
+
+struct Quality {
+  double miou = 0;
+  double pieces = 0;
+};
+
+// Mean over segments of the best IoU with a region of `region_of_patch`.
+Quality Judge(const LearningScene& scene,
+              const std::vector<int32_t>& region_of_patch,
+              bool objects = true) {
+  std::map<int32_t, double> mass;
+  std::map<std::pair<int, int32_t>, double> both;
+  for (size_t p = 0; p < region_of_patch.size(); ++p) {
+    mass[region_of_patch[p]] += scene.mass[p];
+    for (const auto& [id, count] : scene.votes[p]) {
+      both[{id, region_of_patch[p]}] += count;
+    }
+  }
+  Quality quality;
+  int count = 0;
+  for (const auto& [id, total] : scene.segment_mass) {
+    if (total < 100 || (objects && id >= 200)) continue;
+    double best = 0;
+    double covered = 0;
+    for (const auto& [region, m] : mass) {
+      const auto it = both.find({id, region});
+      if (it == both.end()) continue;
+      best = std::max(best, it->second / (m + total - it->second));
+      covered += it->second;
+    }
+    for (const auto& [region, m] : mass) {
+      const auto it = both.find({id, region});
+      if (it != both.end() && it->second > 0.1 * covered) quality.pieces += 1;
+    }
+    quality.miou += best;
+    ++count;
+  }
+  if (count > 0) {
+    quality.miou /= count;
+    quality.pieces /= count;
+  }
+  return quality;
+}
+
+// For every segment: its best region, and what else is in that.
+void Explain(const LearningScene& scene,
+             const std::vector<int32_t>& region_of_patch) {
+  std::map<int32_t, double> mass;
+  std::map<int32_t, std::map<int, double>> inside;
+  for (size_t p = 0; p < region_of_patch.size(); ++p) {
+    mass[region_of_patch[p]] += scene.mass[p];
+    for (const auto& [id, count] : scene.votes[p]) {
+      inside[region_of_patch[p]][id] += count;
+    }
+  }
+  for (const auto& [id, total] : scene.segment_mass) {
+    double best = -1;
+    int32_t region = 0;
+    int pieces = 0;
+    for (const auto& [r, m] : mass) {
+      const auto it = inside[r].find(id);
+      if (it == inside[r].end()) continue;
+      const double iou = it->second / (m + total - it->second);
+      if (iou > best) {
+        best = iou;
+        region = r;
+      }
+      pieces += it->second > 0.1 * total;
+    }
+    std::printf("  segment %d: %.0f px, IoU %.3f, %d pieces, region %.0f px:",
+                id,
+                total,
+                best,
+                pieces,
+                mass[region]);
+    for (const auto& [other, count] : inside[region]) {
+      if (count > 0.03 * mass[region]) std::printf(" %d:%.0f", other, count);
+    }
+    std::printf("\n");
+  }
+}
+
+// The best level per object.
+double BestLevel(const LearningScene& scene, const RegionTree& tree) {
+  std::vector<std::map<int, double>> votes = scene.votes;
+  std::vector<double> mass = scene.mass;
+  std::map<int, double> best;
+  const auto look = [&](size_t region) {
+    for (const auto& [id, count] : votes[region]) {
+      const double iou =
+          count / (mass[region] + scene.segment_mass.at(id) - count);
+      best[id] = std::max(best[id], iou);
+    }
+  };
+  for (size_t p = 0; p < votes.size(); ++p) look(p);
+  for (const auto& merge : tree.merges) {
+    std::map<int, double> sum = votes[merge.a];
+    for (const auto& [id, count] : votes[merge.b]) sum[id] += count;
+    votes.push_back(std::move(sum));
+    mass.push_back(mass[merge.a] + mass[merge.b]);
+    look(votes.size() - 1);
+  }
+  double sum = 0;
+  int count = 0;
+  for (const auto& [id, total] : scene.segment_mass) {
+    if (total < 100 || id >= 200) continue;
+    sum += best[id];
+    ++count;
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+// The patches that are mostly in a segment, taken together.
+double Oracle(const LearningScene& scene) {
+  std::vector<int32_t> best(scene.votes.size(), 0);
+  double sum = 0;
+  int n = 0;
+  for (const auto& [id, total] : scene.segment_mass) {
+    if (total < 100 || id >= 200) continue;
+    double in = 0;
+    double all = 0;
+    for (size_t p = 0; p < scene.votes.size(); ++p) {
+      const auto it = scene.votes[p].find(id);
+      if (it == scene.votes[p].end() || it->second < 0.5 * scene.mass[p]) {
+        continue;
+      }
+      in += it->second;
+      all += scene.mass[p];
+    }
+    sum += in / (all + total - in);
+    ++n;
+  }
+  return n > 0 ? sum / n : 0;
+}
+
+int Run(int argc, char** argv) {
+  std::vector<std::string> train;
+  std::vector<std::string> test;
+  std::string learner_name = "logistic";
+  int depth = 3;
+  int count = 150;
+  int rounds = 2;
+  bool explain = false;
+  semantics::PatchOptions options;
+  po::options_description description("Options");
+  description.add_options()(
+      "train", po::value(&train)->multitoken(), "WORKSPACE TRUTH ...")(
+      "test", po::value(&test)->multitoken(), "WORKSPACE TRUTH ...")(
+      "learner", po::value(&learner_name))("depth", po::value(&depth))(
+      "count", po::value(&count))("rounds", po::value(&rounds))(
+      "explain", po::bool_switch(&explain))(
+      "pixels", po::value(&options.patch_pixels))("side",
+                                                  po::value(&options.max_side));
+  po::variables_map values;
+  po::store(po::parse_command_line(argc, argv, description), values);
+  po::notify(values);
+  ThreadPool pool;
+  const auto load = [&](const std::vector<std::string>& names) {
+    std::vector<LearningScene> scenes;
+    for (size_t i = 0; i + 1 < names.size(); i += 2) {
+      auto scene = LoadScene(names[i], names[i + 1], options, pool);
+      if (!scene.ok()) {
+        std::cerr << names[i] << ": " << scene.status().message() << "\n";
+        continue;
+      }
+      scenes.push_back(*std::move(scene));
+    }
+    return scenes;
+  };
+  const std::vector<LearningScene> taught = load(train);
+  const std::vector<LearningScene> tested = load(test);
+  std::vector<Example> examples;
+  std::unique_ptr<Learner> learner;
+  for (int round = 0; round < rounds; ++round) {
+    for (const LearningScene& scene : taught) {
+      Collect(
+          scene,
+          [&](const Evidence& e) {
+            return learner ? learner->Difference(e) : e[1] + e[8] + e[6];
+          },
+          &examples);
+    }
+    size_t different = 0;
+    for (const Example& example : examples) different += example.different;
+    std::cerr << examples.size() << " examples, " << different
+              << " of two things\n";
+    if (learner_name == "logistic") {
+      auto logistic = std::make_unique<LogisticLearner>(examples);
+      if (round + 1 == rounds) logistic->Print();
+      learner = std::move(logistic);
+    } else {
+      learner = std::make_unique<BoostLearner>(examples, depth, count);
+    }
+  }
+  const std::vector<double> cuts = {-3, -2, -1, -0.5, 0, 0.5, 1, 2, 3};
+  for (const auto* scenes : {&taught, &tested}) {
+    std::map<double, double> mean;
+    double best = 0;
+    double oracle = 0;
+    for (const LearningScene& scene : *scenes) {
+      const RegionTree tree = semantics::MergeRegions(
+          scene.graph,
+          [&](const Evidence& e) { return learner->Difference(e); },
+          1e300);
+      if (explain) Explain(scene, tree.Cut(0));
+      std::printf("%-14s", scene.name.c_str());
+      for (const double cut : cuts) {
+        const Quality quality = Judge(scene, tree.Cut(cut));
+        std::printf(" %.3f/%.1f", quality.miou, quality.pieces);
+        mean[cut] += quality.miou / scenes->size();
+      }
+      const double level = BestLevel(scene, tree);
+      const double most = Oracle(scene);
+      std::printf("  level %.3f oracle %.3f\n", level, most);
+      best += level / scenes->size();
+      oracle += most / scenes->size();
+    }
+    std::printf("%-14s", "mean");
+    for (const double cut : cuts) std::printf(" %.3f    ", mean[cut]);
+    std::printf("  level %.3f oracle %.3f\n", best, oracle);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace freegs
+
+int main(int argc, char** argv) { return freegs::Run(argc, argv); }

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Looks at patches in the photographs and in space, and makes a RegionGraph of
+// them.
+//
+//   PatchGraphBuilder builder(model, patch_of_gaussian, size_of_patch);
+//   for (...) FREEGS_RETURN_IF_ERROR(builder.AddView(weights, view, photo,
+//   pool)); FREEGS_ASSIGN_OR_RETURN(const RegionGraph graph,
+//   builder.Finish(pool));
+
+#ifndef FREEGS_SEMANTICS_PATCHES_PATCH_GRAPH_H_
+#define FREEGS_SEMANTICS_PATCHES_PATCH_GRAPH_H_
+
+#include <cstdint>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/image.h"
+#include "core/parallel.h"
+#include "core/pinhole.h"
+#include "core/status.h"
+#include "semantics/patches/region_graph.h"
+#include "splat/scene/gaussian_model.h"
+#include "splat/weights/blending_weights.h"
+
+namespace freegs::semantics {
+
+class PatchGraphBuilder {
+ public:
+  // patch_of_gaussian: for each Gaussian of the model, -1 for none.
+  // normals: of each Gaussian, N x 3, of any sign. size_of_patch: the usual
+  // extent of each patch in world units. The model must outlive the builder.
+  PatchGraphBuilder(const splat::GaussianModel& model,
+                    std::vector<int32_t> patch_of_gaussian,
+                    std::vector<float> normals,
+                    std::vector<float> size_of_patch);
+
+  // weights: of the view at the size of `photo`, RGB in [0, 1]. The result is
+  // the same for any number of threads. kInvalidArgument for sizes that differ.
+  Status AddView(const splat::WeightMatrix& weights,
+                 const Rigid3d& cam_from_world,
+                 const ImageF& photo,
+                 ThreadPool& pool);
+
+  // To be called once, after all views. semantics: a vector of `dim` numbers
+  // for each Gaussian, or empty.
+  StatusOr<RegionGraph> Finish(std::span<const float> semantics,
+                               int dim,
+                               ThreadPool& pool);
+
+ private:
+  // The patch that is most of what a pixel shows, and its depth there.
+  struct PixelLabel {
+    int32_t patch = -1;
+    float depth = 0;
+  };
+  struct Crossing {
+    int32_t a = 0;
+    int32_t b = 0;
+    ContactStats stats;
+  };
+
+  void AddPixels(const std::vector<PixelLabel>& labels, const ImageF& lab);
+  void AddCrossings(const std::vector<Crossing>& crossings);
+  ContactStats& ContactOf(int32_t a, int32_t b);
+  Status AddGaussians(std::span<const float> semantics,
+                      int dim,
+                      ThreadPool& pool);
+
+  const splat::GaussianModel& model_;
+  std::vector<int32_t> patch_of_gaussian_;
+  std::vector<float> normals_;
+  std::vector<float> size_of_patch_;
+  std::vector<double> seen_;  // Sum of the weights of each Gaussian.
+  std::vector<Eigen::Vector3d> towards_camera_;  // Of each patch.
+  std::vector<Eigen::Vector3d> middle_;          // Mean position of each patch.
+  std::unordered_map<uint64_t, size_t> contact_index_;
+  RegionGraph graph_;
+};
+
+}  // namespace freegs::semantics
+
+#endif  // FREEGS_SEMANTICS_PATCHES_PATCH_GRAPH_H_

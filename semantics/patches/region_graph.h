@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Regions of a scene's surfaces, what is known of each, and what was seen where
+// two of them meet. Regions begin as patches and are joined to larger ones; all
+// that is kept of them are sums, so that joining them is adding.
+
+#ifndef FREEGS_SEMANTICS_PATCHES_REGION_GRAPH_H_
+#define FREEGS_SEMANTICS_PATCHES_REGION_GRAPH_H_
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace freegs::semantics {
+
+inline constexpr int kColorBins = 10;  // Of each channel of L*a*b*.
+
+struct RegionStats {
+  // Over the pixels of all views that show the region.
+  double pixels = 0;
+  double perimeter = 0;  // Pairs of neighbouring pixels across its outline.
+  Eigen::Vector3d color = Eigen::Vector3d::Zero();   // Sum of L*a*b* / 100.
+  Eigen::Vector3d color2 = Eigen::Vector3d::Zero();  // Sum of its squares.
+  std::array<std::array<float, kColorBins>, 3> histogram = {};
+
+  // Over its Gaussians, weighted by the pixels that they cover.
+  double weight = 0;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // World units.
+  Eigen::Matrix3d position2 = Eigen::Matrix3d::Zero();
+  std::vector<float> semantics;  // Sum of unit vectors; may be empty.
+
+  void Add(const RegionStats& other);
+};
+
+struct ContactStats {
+  // Over the pairs of neighbouring pixels, one in each region, in all views.
+  double pixels = 0;         // Where the depth does not jump.
+  double hidden = 0;         // Where it does: one region is in front.
+  double contrast_near = 0;  // Sums over `pixels` of LocalContrast ...
+  double contrast_far = 0;   // ... with a small and a large window.
+  double difference = 0;     // Of colours, in the small window.
+  double depth_step = 0;     // In sizes of patches.
+
+  // Over the pairs of neighbouring Gaussians, one in each region.
+  double points = 0;
+  double concavity = 0;  // Positive in a concave crease (Stein et al. 2014).
+  double bend = 0;       // 1 - cosine between the normals.
+
+  void Add(const ContactStats& other);
+};
+
+struct Contact {
+  int32_t a = 0;  // a < b.
+  int32_t b = 0;
+  ContactStats stats;
+};
+
+struct RegionGraph {
+  std::vector<RegionStats> regions;
+  std::vector<Contact> contacts;  // Sorted by (a, b), each pair once.
+  double total_pixels = 0;        // Of all views together.
+};
+
+}  // namespace freegs::semantics
+
+#endif  // FREEGS_SEMANTICS_PATCHES_REGION_GRAPH_H_
