@@ -18,6 +18,7 @@
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "semantics/geometry/scene_extent.h"
+#include "semantics/instances/palette.h"
 #include "semantics/patches/evidence.h"
 #include "semantics/patches/region_merging.h"
 #include "semantics/patches/scene_patches.h"
@@ -42,6 +43,7 @@ struct LearningScene {
   std::vector<std::map<int, double>> votes;  // Of each patch.
   std::vector<double> mass;                  // Pixels of each patch.
   std::map<int, double> segment_mass;
+  std::vector<std::pair<std::string, Image<int32_t>>> pictures;  // Patches.
   bool objects_only = false;  // Real photographs: the rest has no truth.
   double Purity() const;
 };
@@ -128,6 +130,7 @@ StatusOr<LearningScene> LoadScene(const fs::path& workspace,
     FREEGS_ASSIGN_OR_RETURN(const Masks masks,
                             MasksOf(truth, view.name, &labels));
     if (masks.empty()) continue;
+    Image<int32_t> picture;
     result.objects_only =
         result.objects_only || !fs::exists(truth / "gt/surfaces");
     view.camera = view.camera.LimitedTo(options.max_side);
@@ -135,6 +138,7 @@ StatusOr<LearningScene> LoadScene(const fs::path& workspace,
         const splat::BlendingWeights weights,
         splat::ComputeBlendingWeights(
             scene.model, view.camera, view.cam_from_world, scene.render, pool));
+    picture = Image<int32_t>(weights.width, weights.height, 1, -1);
     for (int y = 0; y < weights.height; ++y) {
       for (int x = 0; x < weights.width; ++x) {
         const size_t p = static_cast<size_t>(y) * weights.width + x;
@@ -161,9 +165,14 @@ StatusOr<LearningScene> LoadScene(const fs::path& workspace,
         float all = 0;
         for (const auto& [patch, share] : shares) all += share;
         if (all < 0.5f) continue;
+        picture(x, y) = most->first;
         result.mass[most->first] += 1;
         for (const int id : ids) result.votes[most->first][id] += 1;
       }
+    }
+    if (result.pictures.size() < 3) {
+      result.pictures.emplace_back(fs::path(view.name).stem(),
+                                   std::move(picture));
     }
   }
   std::cerr << result.name << ": " << count << " patches, "
@@ -287,10 +296,10 @@ class BoostLearner : public Learner {
                       static_cast<int>(kNumEvidences),
                       CV_32F,
                       const_cast<float*>(evidence.data()));
-    return boost_->predict(row, cv::noArray(), cv::ml::StatModel::RAW_OUTPUT);
+    return boost_->predict(row, cv::noArray(), cv::ml::DTrees::PREDICT_SUM);
   }
   double Difference(const Evidence& evidence) const override {
-    return slope_ * Sum(evidence) + offset_;
+    return Sum(evidence) * 0.5;
   }
 
  private:
@@ -316,6 +325,7 @@ int TrueSegment(const std::map<int, double>& votes, double mass) {
 // the way are the examples.
 void Collect(const LearningScene& scene,
              const semantics::DifferenceFn& difference,
+             bool own_mistakes,
              std::vector<Example>* examples) {
   std::vector<std::map<int, double>> votes = scene.votes;
   std::vector<double> mass = scene.mass;
@@ -330,6 +340,7 @@ void Collect(const LearningScene& scene,
     } else {
       join = sa == sb;
       examples->push_back({e, !join, 1});
+      if (own_mistakes) join = difference(e) <= 0;
     }
     if (join) {
       std::map<int, double> sum = votes[a];
@@ -423,6 +434,65 @@ void Explain(const LearningScene& scene,
   }
 }
 
+// The longest contacts that are left, and their evidence.
+void ExplainContacts(const LearningScene& scene,
+                     const std::vector<int32_t>& region_of_patch,
+                     const Learner& learner) {
+  std::map<int32_t, semantics::RegionStats> regions;
+  std::map<int32_t, std::map<int, double>> votes;
+  std::map<int32_t, double> mass;
+  for (size_t p = 0; p < region_of_patch.size(); ++p) {
+    regions[region_of_patch[p]].Add(scene.graph.regions[p]);
+    mass[region_of_patch[p]] += scene.mass[p];
+    for (const auto& [id, n] : scene.votes[p])
+      votes[region_of_patch[p]][id] += n;
+  }
+  std::map<std::pair<int32_t, int32_t>, semantics::ContactStats> contacts;
+  for (const auto& contact : scene.graph.contacts) {
+    const auto key =
+        std::minmax(region_of_patch[contact.a], region_of_patch[contact.b]);
+    if (key.first != key.second) contacts[key].Add(contact.stats);
+  }
+  std::vector<std::pair<double, std::pair<int32_t, int32_t>>> order;
+  for (const auto& [key, stats] : contacts)
+    order.emplace_back(-stats.pixels, key);
+  std::sort(order.begin(), order.end());
+  for (size_t i = 0; i < std::min<size_t>(order.size(), 25); ++i) {
+    const auto [a, b] = order[i].second;
+    const Evidence e = semantics::MeasureEvidence(regions[a],
+                                                  regions[b],
+                                                  contacts[order[i].second],
+                                                  scene.graph.total_pixels);
+    std::printf("  %d(%d) %d(%d) %.0f px, difference %.2f:",
+                a,
+                TrueSegment(votes[a], mass[a]),
+                b,
+                TrueSegment(votes[b], mass[b]),
+                -order[i].first,
+                learner.Difference(e));
+    for (size_t k = 0; k < kNumEvidences; ++k) {
+      std::printf(" %s %.2f", semantics::kEvidenceNames[k], e[k]);
+    }
+    std::printf("\n");
+  }
+}
+
+void Draw(const LearningScene& scene,
+          const std::vector<int32_t>& region_of_patch,
+          const fs::path& folder) {
+  fs::create_directories(folder);
+  for (const auto& [name, picture] : scene.pictures) {
+    ImageU8 drawn(picture.width(), picture.height(), 3);
+    for (size_t i = 0; i < picture.size(); ++i) {
+      const int32_t patch = picture.data()[i];
+      const auto color = semantics::PaletteColor(
+          patch < 0 ? -1 : (region_of_patch[patch] * 7919) % 1000003);
+      std::copy_n(color.data(), 3, drawn.data() + i * 3);
+    }
+    (void)WriteImage(folder / (scene.name + "_" + name + ".png"), drawn);
+  }
+}
+
 // The best level per object.
 double BestLevel(const LearningScene& scene, const RegionTree& tree) {
   std::vector<std::map<int, double>> votes = scene.votes;
@@ -484,6 +554,9 @@ int Run(int argc, char** argv) {
   int count = 150;
   int rounds = 2;
   bool explain = false;
+  bool mistakes = false;
+  std::string draw;
+  double draw_cut = 0;
   semantics::PatchOptions options;
   po::options_description description("Options");
   description.add_options()(
@@ -491,7 +564,8 @@ int Run(int argc, char** argv) {
       "test", po::value(&test)->multitoken(), "WORKSPACE TRUTH ...")(
       "learner", po::value(&learner_name))("depth", po::value(&depth))(
       "count", po::value(&count))("rounds", po::value(&rounds))(
-      "explain", po::bool_switch(&explain))(
+      "mistakes", po::bool_switch(&mistakes))("draw", po::value(&draw))(
+      "cut", po::value(&draw_cut))("explain", po::bool_switch(&explain))(
       "pixels", po::value(&options.patch_pixels))("side",
                                                   po::value(&options.max_side));
   po::variables_map values;
@@ -516,11 +590,19 @@ int Run(int argc, char** argv) {
   std::unique_ptr<Learner> learner;
   for (int round = 0; round < rounds; ++round) {
     for (const LearningScene& scene : taught) {
+      if (learner && mistakes) {
+        Collect(
+            scene,
+            [&](const Evidence& e) { return learner->Difference(e); },
+            true,
+            &examples);
+      }
       Collect(
           scene,
           [&](const Evidence& e) {
             return learner ? learner->Difference(e) : e[1] + e[8] + e[6];
           },
+          false,
           &examples);
     }
     size_t different = 0;
@@ -545,7 +627,11 @@ int Run(int argc, char** argv) {
           scene.graph,
           [&](const Evidence& e) { return learner->Difference(e); },
           1e300);
-      if (explain) Explain(scene, tree.Cut(0));
+      if (explain) {
+        Explain(scene, tree.Cut(draw_cut));
+        ExplainContacts(scene, tree.Cut(draw_cut), *learner);
+      }
+      if (!draw.empty()) Draw(scene, tree.Cut(draw_cut), draw);
       std::printf("%-14s", scene.name.c_str());
       for (const double cut : cuts) {
         const Quality quality = Judge(scene, tree.Cut(cut));

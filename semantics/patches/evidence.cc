@@ -11,7 +11,7 @@
 namespace freegs::semantics {
 namespace {
 
-constexpr double kColorNoise = 4e-4;  // Variance, L*a*b* / 100.
+constexpr double kColorNoise = 2.5e-3;  // Variance, L*a*b* / 100.
 
 // Plane and extents of a region.
 struct Extent {
@@ -42,13 +42,16 @@ Extent ExtentOf(double weight,
   return extent;
 }
 
-double HistogramDistance(const RegionStats& a, const RegionStats& b) {
-  if (!(a.pixels > 0) || !(b.pixels > 0)) return 0;
+double HistogramDistance(const ColorHistogram& a,
+                         double pixels_a,
+                         const ColorHistogram& b,
+                         double pixels_b) {
+  if (!(pixels_a > 0) || !(pixels_b > 0)) return 0;
   double sum = 0;
   for (size_t c = 0; c < 3; ++c) {
     for (size_t k = 0; k < kColorBins; ++k) {
-      const double p = a.histogram[c][k] / a.pixels;
-      const double q = b.histogram[c][k] / b.pixels;
+      const double p = a[c][k] / pixels_a;
+      const double q = b[c][k] / pixels_b;
       if (p + q > 0) sum += (p - q) * (p - q) / (p + q);
     }
   }
@@ -70,9 +73,7 @@ Evidence MeasureEvidence(const RegionStats& first,
     e[0] = static_cast<float>(contact.contrast_near / seen);
     e[1] = static_cast<float>(contact.contrast_far / seen);
     e[2] = static_cast<float>(std::min(1.0, 3 * contact.difference / seen));
-    e[4] = static_cast<float>(contact.depth_step / seen / 2.5);
-  } else {
-    e[3] = 1;
+    e[4] = static_cast<float>(contact.depth_step / seen);
   }
   if (seen + contact.hidden > 0) {
     e[5] = static_cast<float>(contact.hidden / (seen + contact.hidden));
@@ -88,7 +89,10 @@ Evidence MeasureEvidence(const RegionStats& first,
     e[6] = static_cast<float>(std::min(1.0, 2 * std::sqrt(difference2)));
     e[7] = static_cast<float>(
         difference2 / (difference2 + variance_a + variance_b + kColorNoise));
-    e[8] = static_cast<float>(HistogramDistance(a, b));
+    e[8] = static_cast<float>(
+        HistogramDistance(a.histogram, a.pixels, b.histogram, b.pixels));
+    e[3] = static_cast<float>(HistogramDistance(
+        a.context, a.context_pixels, b.context, b.context_pixels));
     e[9] = static_cast<float>(std::min(
         1.0, 4 * std::abs(std::sqrt(variance_a) - std::sqrt(variance_b))));
   }
@@ -97,13 +101,15 @@ Evidence MeasureEvidence(const RegionStats& first,
     e[10] = static_cast<float>(std::max(0.0, concavity));
     e[11] = static_cast<float>(std::max(0.0, -concavity));
     e[12] = static_cast<float>(contact.bend / contact.points);
-  } else {
-    e[13] = 1;
   }
   const double total = std::max(1.0, total_pixels);
   e[14] = static_cast<float>(std::log10((a.pixels + 1) / total));
   e[15] = static_cast<float>(std::log10((b.pixels + 1) / total));
   const double outline = std::max(1.0, std::min(a.perimeter, b.perimeter));
+  const double larger_outline =
+      std::max(1.0, std::max(a.perimeter, b.perimeter));
+  e[13] = static_cast<float>(
+      std::min(1.0, (seen + contact.hidden) / larger_outline));
   e[16] = static_cast<float>(std::min(1.0, (seen + contact.hidden) / outline));
   const Extent small = ExtentOf(a.weight, a.position, a.position2);
   const Extent large = ExtentOf(b.weight, b.position, b.position2);

@@ -16,7 +16,7 @@ inline constexpr std::array<const char*, 22> kEvidenceNames = {
     "contrast_near",   // Boundary in the photographs, narrow windows.
     "contrast_far",    // The same, wide windows.
     "step",            // Difference of colour across the boundary.
-    "unseen",          // 1 where no photograph shows the boundary.
+    "context",         // Distance of the colour histograms around them.
     "depth_step",      // Steps of depth along it.
     "hidden",          // Share of it where one region hides the other.
     "color",           // Difference of the mean colours.
@@ -26,7 +26,7 @@ inline constexpr std::array<const char*, 22> kEvidenceNames = {
     "concave",         // Crease that is concave, as where things touch.
     "convex",          // Crease that is convex, as on a box.
     "bend",            // Angle between the surfaces.
-    "gap",             // 1 where no Gaussians touch.
+    "interleaved",     // Share of the longer outline that is shared.
     "size_small",      // log10 of the share of all pixels.
     "size_large",
     "enclosed",    // Share of the small region's outline that is shared.

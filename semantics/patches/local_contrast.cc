@@ -11,8 +11,8 @@
 namespace freegs::semantics {
 namespace {
 
-// Noise of photographs: a variance of colour that says nothing. (0.02)^2.
-constexpr double kNoise = 4e-4;
+// Noise of photographs: a variance of colour that says nothing. (0.05)^2.
+constexpr double kNoise = 2.5e-3;
 
 }  // namespace
 

@@ -16,7 +16,7 @@ namespace {
 // this much of its weight.
 constexpr float kMinPixelWeight = 0.5f;
 // Depths that differ by more than this many patch sizes are apart.
-constexpr double kDepthJump = 2.5;
+constexpr double kDepthJump = 1;
 // Depth of the windows on both sides of a boundary, in pixels of images of
 // which the longer side has kReferenceSide.
 constexpr int kReferenceSide = 400;
@@ -26,6 +26,7 @@ constexpr double kFarReach = 8;
 // many patch sizes.
 constexpr int kNeighbors = 8;
 constexpr double kMaxDistance = 1.5;
+constexpr int kContextSteps = 2;
 // Contacts of fewer pixels in all views together are chance.
 constexpr double kMinCrossings = 3;
 constexpr int64_t kPixelRowGrain = 4;
@@ -64,97 +65,130 @@ Eigen::Vector3d RowOf3(std::span<const float> rows, size_t i) {
 PatchGraphBuilder::PatchGraphBuilder(const splat::GaussianModel& model,
                                      std::vector<int32_t> patch_of_gaussian,
                                      std::vector<float> normals,
-                                     std::vector<float> size_of_patch)
+                                     std::vector<float> size_of_patch,
+                                     std::vector<float> depth_scale)
     : model_(model),
       patch_of_gaussian_(std::move(patch_of_gaussian)),
       normals_(std::move(normals)),
       size_of_patch_(std::move(size_of_patch)),
+      depth_scale_(std::move(depth_scale)),
       seen_(model.size(), 0.0),
       towards_camera_(size_of_patch_.size(), Eigen::Vector3d::Zero()),
-      middle_(size_of_patch_.size(), Eigen::Vector3d::Zero()) {
+      middle_(size_of_patch_.size(), Eigen::Vector3d::Zero()),
+      normal_(size_of_patch_.size(), Eigen::Vector3d::Zero()) {
   graph_.regions.resize(size_of_patch_.size());
   std::vector<double> count(size_of_patch_.size(), 0.0);
   for (size_t g = 0; g < patch_of_gaussian_.size(); ++g) {
     const int32_t patch = patch_of_gaussian_[g];
     if (patch < 0) continue;
     middle_[patch] += RowOf3(model_.means, g);
+    const Eigen::Vector3d normal = RowOf3(normals_, g);
+    normal_[patch] +=
+        normal.dot(normal_[patch]) < 0 ? Eigen::Vector3d(-normal) : normal;
     count[patch] += 1;
   }
   for (size_t p = 0; p < middle_.size(); ++p) {
     middle_[p] /= std::max(1.0, count[p]);
+    if (normal_[p].norm() > 0) normal_[p].normalize();
   }
 }
 
+class PatchGraphBuilder::PatchDepths {
+ public:
+  PatchDepths(const PatchGraphBuilder& builder, const View& view)
+      : builder_(builder), camera_(view.camera) {
+    for (size_t p = 0; p < builder.middle_.size(); ++p) {
+      middle_.emplace_back(view.cam_from_world * builder.middle_[p]);
+      normal_.emplace_back(view.cam_from_world.rotation * builder.normal_[p]);
+    }
+  }
+
+  // Where the ray through a point of the image meets the plane of a patch, but
+  // not farther from its middle than the patch is large.
+  double At(int32_t patch, double u, double v) const {
+    const Eigen::Vector3d ray(
+        (u - camera_.cx) / camera_.fx, (v - camera_.cy) / camera_.fy, 1);
+    const Eigen::Vector3d& normal = normal_[patch];
+    const double middle = middle_[patch].z();
+    const double size = builder_.size_of_patch_[patch];
+    const double slope = normal.dot(ray);
+    if (std::abs(slope) < 1e-6) return middle;
+    return std::clamp(
+        normal.dot(middle_[patch]) / slope, middle - size, middle + size);
+  }
+
+  // The step in depth between two patches, in sizes of patches.
+  double Step(int32_t a, int32_t b, double u, double v) const {
+    return std::abs(At(a, u, v) - At(b, u, v)) /
+           (0.5 * (builder_.depth_scale_[a] + builder_.depth_scale_[b]));
+  }
+
+ private:
+  const PatchGraphBuilder& builder_;
+  const Pinhole camera_;
+  std::vector<Eigen::Vector3d> middle_;
+  std::vector<Eigen::Vector3d> normal_;
+};
+
+std::vector<int32_t> PatchGraphBuilder::LabelPixels(
+    const splat::WeightMatrix& weights, ThreadPool& pool) const {
+  const int width = weights.width;
+  std::vector<int32_t> labels(weights.num_pixels(), -1);
+  pool.ParallelFor(
+      0, weights.height, kPixelRowGrain, [&](int64_t first, int64_t last, int) {
+        std::vector<std::pair<int32_t, float>> shares;
+        for (int64_t p = first * width; p < last * width; ++p) {
+          shares.clear();
+          float total = 0;
+          for (uint32_t e = weights.pixel_begin[p];
+               e < weights.pixel_begin[p + 1];
+               ++e) {
+            const int32_t patch = patch_of_gaussian_[weights.gaussians[e]];
+            if (patch < 0) continue;
+            const float weight = weights.weights[e];
+            total += weight;
+            const auto same = std::find_if(
+                shares.begin(), shares.end(), [&](const auto& share) {
+                  return share.first == patch;
+                });
+            if (same != shares.end()) {
+              same->second += weight;
+            } else {
+              shares.emplace_back(patch, weight);
+            }
+          }
+          if (total < kMinPixelWeight) continue;
+          labels[p] = std::max_element(shares.begin(),
+                                       shares.end(),
+                                       [](const auto& a, const auto& b) {
+                                         return a.second < b.second;
+                                       })
+                          ->first;
+        }
+      });
+  return labels;
+}
+
 Status PatchGraphBuilder::AddView(const splat::WeightMatrix& weights,
-                                  const Rigid3d& cam_from_world,
+                                  const View& view,
                                   const ImageF& photo,
                                   ThreadPool& pool) {
   const int width = weights.width;
   const int height = weights.height;
   if (photo.width() != width || photo.height() != height ||
+      view.camera.width != width || view.camera.height != height ||
       weights.num_gaussians != model_.size()) {
     return InvalidArgumentError(
-        "weights and photograph of a view differ in size");
+        "weights, camera and photograph of a view differ in size");
   }
-  const Eigen::Matrix<double, 3, 4> pose = cam_from_world.Matrix3x4();
-  std::vector<float> depth(model_.size());
-  pool.ParallelFor(
-      0,
-      static_cast<int64_t>(depth.size()),
-      kGaussianGrain,
-      [&](int64_t first, int64_t last, int) {
-        for (int64_t g = first; g < last; ++g) {
-          depth[g] = static_cast<float>(
-              pose.row(2).head<3>().dot(RowOf3(model_.means, g)) + pose(2, 3));
-        }
-      });
-  std::vector<PixelLabel> labels(weights.num_pixels());
-  pool.ParallelFor(
-      0, height, kPixelRowGrain, [&](int64_t first, int64_t last, int) {
-        struct Share {
-          int32_t patch;
-          float weight;
-          float depth;
-        };
-        std::vector<Share> shares;
-        for (int64_t p = first * width; p < last * width; ++p) {
-          shares.clear();
-          for (uint32_t e = weights.pixel_begin[p];
-               e < weights.pixel_begin[p + 1];
-               ++e) {
-            const uint32_t g = weights.gaussians[e];
-            const int32_t patch = patch_of_gaussian_[g];
-            if (patch < 0) continue;
-            const float weight = weights.weights[e];
-            const auto same =
-                std::find_if(shares.begin(), shares.end(), [&](const Share& s) {
-                  return s.patch == patch;
-                });
-            if (same != shares.end()) {
-              same->weight += weight;
-              same->depth += weight * depth[g];
-            } else {
-              shares.push_back({patch, weight, weight * depth[g]});
-            }
-          }
-          const auto most = std::max_element(
-              shares.begin(), shares.end(), [](const Share& a, const Share& b) {
-                return a.weight < b.weight;
-              });
-          float total = 0;
-          for (const Share& share : shares) total += share.weight;
-          if (total >= kMinPixelWeight) {
-            labels[p] = {most->patch, most->depth / most->weight};
-          }
-        }
-      });
+  const std::vector<int32_t> labels = LabelPixels(weights, pool);
   for (size_t e = 0; e < weights.gaussians.size(); ++e) {
     seen_[weights.gaussians[e]] += weights.weights[e];
   }
-
   const ImageF lab = ToLab(photo);
   AddPixels(labels, lab);
   const LocalContrast contrast(lab);
+  const PatchDepths depths(*this, view);
   const int near = Reach(kNearReach, photo);
   const int far = Reach(kFarReach, photo);
   std::vector<std::vector<Crossing>> crossings(height);
@@ -162,21 +196,18 @@ Status PatchGraphBuilder::AddView(const splat::WeightMatrix& weights,
       0, height, kPixelRowGrain, [&](int64_t first, int64_t last, int) {
         for (int y = static_cast<int>(first); y < last; ++y) {
           for (int x = 0; x < width; ++x) {
-            const PixelLabel& here = labels[static_cast<size_t>(y) * width + x];
-            if (here.patch < 0) continue;
+            const int32_t here = labels[static_cast<size_t>(y) * width + x];
+            if (here < 0) continue;
             for (const bool horizontal : {true, false}) {
               const int nx = horizontal ? x + 1 : x;
               const int ny = horizontal ? y : y + 1;
               if (nx >= width || ny >= height) continue;
-              const PixelLabel& next =
-                  labels[static_cast<size_t>(ny) * width + nx];
-              if (next.patch < 0 || next.patch == here.patch) continue;
+              const int32_t next = labels[static_cast<size_t>(ny) * width + nx];
+              if (next < 0 || next == here) continue;
               Crossing crossing;
-              std::tie(crossing.a, crossing.b) =
-                  std::minmax(here.patch, next.patch);
-              const double step = std::abs(double{here.depth} - next.depth) /
-                                  (0.5 * (size_of_patch_[here.patch] +
-                                          size_of_patch_[next.patch]));
+              std::tie(crossing.a, crossing.b) = std::minmax(here, next);
+              const double step = depths.Step(
+                  here, next, 0.5 * (x + nx) + 0.5, 0.5 * (y + ny) + 0.5);
               if (step > kDepthJump) {
                 crossing.stats.hidden = 1;
               } else {
@@ -195,22 +226,20 @@ Status PatchGraphBuilder::AddView(const splat::WeightMatrix& weights,
       });
   for (const std::vector<Crossing>& row : crossings) AddCrossings(row);
 
-  const Eigen::Vector3d camera =
-      -(cam_from_world.rotation.conjugate() * cam_from_world.translation);
-  for (const PixelLabel& label : labels) {
-    if (label.patch < 0) continue;
-    towards_camera_[label.patch] +=
-        (camera - middle_[label.patch]).normalized();
+  const Eigen::Vector3d camera = CameraCentre(view.cam_from_world);
+  for (const int32_t patch : labels) {
+    if (patch < 0) continue;
+    towards_camera_[patch] += (camera - middle_[patch]).normalized();
   }
   graph_.total_pixels += static_cast<double>(labels.size());
   return Status();
 }
 
-void PatchGraphBuilder::AddPixels(const std::vector<PixelLabel>& labels,
+void PatchGraphBuilder::AddPixels(const std::vector<int32_t>& labels,
                                   const ImageF& lab) {
   for (size_t p = 0; p < labels.size(); ++p) {
-    if (labels[p].patch < 0) continue;
-    RegionStats& region = graph_.regions[labels[p].patch];
+    if (labels[p] < 0) continue;
+    RegionStats& region = graph_.regions[labels[p]];
     region.pixels += 1;
     for (int c = 0; c < 3; ++c) {
       const double value = lab.data()[p * 3 + c];
@@ -243,8 +272,6 @@ Status PatchGraphBuilder::AddGaussians(std::span<const float> semantics,
                                        ThreadPool& pool) {
   std::vector<uint32_t> rows;
   std::vector<float> positions;
-  std::vector<Eigen::Vector3d> normal(size_of_patch_.size(),
-                                      Eigen::Vector3d::Zero());
   for (uint32_t g = 0; g < patch_of_gaussian_.size(); ++g) {
     const int32_t patch = patch_of_gaussian_[g];
     if (patch < 0) continue;
@@ -252,8 +279,6 @@ Status PatchGraphBuilder::AddGaussians(std::span<const float> semantics,
     for (size_t k = 0; k < 3; ++k) {
       positions.push_back(model_.means[g * size_t{3} + k]);
     }
-    const Eigen::Vector3d n = RowOf3(normals_, g);
-    normal[patch] += n.dot(normal[patch]) < 0 ? Eigen::Vector3d(-n) : n;
     RegionStats& region = graph_.regions[patch];
     const Eigen::Vector3d x = RowOf3(model_.means, g);
     region.weight += seen_[g];
@@ -270,9 +295,8 @@ Status PatchGraphBuilder::AddGaussians(std::span<const float> semantics,
       region.semantics[k] += static_cast<float>(scale * vector[k]);
     }
   }
-  for (size_t p = 0; p < normal.size(); ++p) {
-    if (normal[p].norm() > 0) normal[p].normalize();
-    if (normal[p].dot(towards_camera_[p]) < 0) normal[p] = -normal[p];
+  for (size_t p = 0; p < normal_.size(); ++p) {
+    if (normal_[p].dot(towards_camera_[p]) < 0) normal_[p] = -normal_[p];
   }
   FREEGS_ASSIGN_OR_RETURN(const KdTree tree, KdTree::Build(positions, 3));
   std::vector<std::array<int32_t, kNeighbors>> touching(rows.size());
@@ -291,9 +315,8 @@ Status PatchGraphBuilder::AddGaussians(std::span<const float> semantics,
                        &nearest);
           for (size_t k = 0; k < nearest.size(); ++k) {
             const int32_t other = patch_of_gaussian_[rows[nearest[k].index]];
-            const double reach =
-                kMaxDistance * 0.5 *
-                (size_of_patch_[patch] + size_of_patch_[other]);
+            const double reach = kMaxDistance * 0.5 *
+                                 (depth_scale_[patch] + depth_scale_[other]);
             if (other != patch && nearest[k].distance2 <= reach * reach) {
               touching[i][k] = other;
             }
@@ -311,12 +334,35 @@ Status PatchGraphBuilder::AddGaussians(std::span<const float> semantics,
       contact.points += 1;
       if (distance > 0) {
         contact.concavity +=
-            (normal[other] - normal[patch]).dot(between) / distance;
+            (normal_[other] - normal_[patch]).dot(between) / distance;
       }
-      contact.bend += 1 - normal[patch].dot(normal[other]);
+      contact.bend += 1 - normal_[patch].dot(normal_[other]);
     }
   }
   return Status();
+}
+
+void PatchGraphBuilder::AddContext() {
+  for (RegionStats& region : graph_.regions) {
+    region.context = region.histogram;
+    region.context_pixels = region.pixels;
+  }
+  for (int step = 0; step < kContextSteps; ++step) {
+    std::vector<ColorHistogram> around;
+    std::vector<double> pixels;
+    for (const RegionStats& region : graph_.regions) {
+      around.push_back(region.context);
+      pixels.push_back(region.context_pixels);
+    }
+    for (const Contact& contact : graph_.contacts) {
+      RegionStats& a = graph_.regions[contact.a];
+      RegionStats& b = graph_.regions[contact.b];
+      AddHistogram(around[contact.b], &a.context);
+      AddHistogram(around[contact.a], &b.context);
+      a.context_pixels += pixels[contact.b];
+      b.context_pixels += pixels[contact.a];
+    }
+  }
 }
 
 StatusOr<RegionGraph> PatchGraphBuilder::Finish(
@@ -331,6 +377,7 @@ StatusOr<RegionGraph> PatchGraphBuilder::Finish(
             [](const Contact& x, const Contact& y) {
               return std::pair(x.a, x.b) < std::pair(y.a, y.b);
             });
+  AddContext();
   return std::move(graph_);
 }
 

@@ -31,16 +31,19 @@ class PatchGraphBuilder {
  public:
   // patch_of_gaussian: for each Gaussian of the model, -1 for none.
   // normals: of each Gaussian, N x 3, of any sign. size_of_patch: the usual
-  // extent of each patch in world units. The model must outlive the builder.
+  // extent of each patch in world units. depth_scale: depths that differ by
+  // less than this say nothing. The model must outlive the builder.
   PatchGraphBuilder(const splat::GaussianModel& model,
                     std::vector<int32_t> patch_of_gaussian,
                     std::vector<float> normals,
-                    std::vector<float> size_of_patch);
+                    std::vector<float> size_of_patch,
+                    std::vector<float> depth_scale);
 
-  // weights: of the view at the size of `photo`, RGB in [0, 1]. The result is
+  // weights: of the view at the size of `photo`, RGB in [0, 1]; the camera has
+  // this size, too. The result is
   // the same for any number of threads. kInvalidArgument for sizes that differ.
   Status AddView(const splat::WeightMatrix& weights,
-                 const Rigid3d& cam_from_world,
+                 const View& view,
                  const ImageF& photo,
                  ThreadPool& pool);
 
@@ -51,20 +54,22 @@ class PatchGraphBuilder {
                                ThreadPool& pool);
 
  private:
-  // The patch that is most of what a pixel shows, and its depth there.
-  struct PixelLabel {
-    int32_t patch = -1;
-    float depth = 0;
-  };
+  // Planes of the patches in the camera frame of a view.
+  class PatchDepths;
+
   struct Crossing {
     int32_t a = 0;
     int32_t b = 0;
     ContactStats stats;
   };
 
-  void AddPixels(const std::vector<PixelLabel>& labels, const ImageF& lab);
+  // The patch that each pixel shows most of, -1 for none.
+  std::vector<int32_t> LabelPixels(const splat::WeightMatrix& weights,
+                                   ThreadPool& pool) const;
+  void AddPixels(const std::vector<int32_t>& labels, const ImageF& lab);
   void AddCrossings(const std::vector<Crossing>& crossings);
   ContactStats& ContactOf(int32_t a, int32_t b);
+  void AddContext();
   Status AddGaussians(std::span<const float> semantics,
                       int dim,
                       ThreadPool& pool);
@@ -73,9 +78,11 @@ class PatchGraphBuilder {
   std::vector<int32_t> patch_of_gaussian_;
   std::vector<float> normals_;
   std::vector<float> size_of_patch_;
+  std::vector<float> depth_scale_;
   std::vector<double> seen_;  // Sum of the weights of each Gaussian.
   std::vector<Eigen::Vector3d> towards_camera_;  // Of each patch.
   std::vector<Eigen::Vector3d> middle_;          // Mean position of each patch.
+  std::vector<Eigen::Vector3d> normal_;          // Mean normal, of any sign.
   std::unordered_map<uint64_t, size_t> contact_index_;
   RegionGraph graph_;
 };

@@ -97,7 +97,7 @@ std::vector<int32_t> GridCells(const SurfacePoints& points,
   std::map<std::array<int64_t, 4>, int32_t> cells;
   std::vector<int32_t> cell_of_point(sizes.size());
   for (size_t i = 0; i < sizes.size(); ++i) {
-    const int level = std::ilogb(sizes[i]);
+    const int level = std::ilogb(sizes[i]) + 1;
     std::array<int64_t, 4> key;
     key[3] = level;
     for (size_t k = 0; k < 3; ++k) {

@@ -4,16 +4,20 @@
 
 namespace freegs::semantics {
 
+void AddHistogram(const ColorHistogram& from, ColorHistogram* to) {
+  for (size_t c = 0; c < from.size(); ++c) {
+    for (size_t k = 0; k < from[c].size(); ++k) (*to)[c][k] += from[c][k];
+  }
+}
+
 void RegionStats::Add(const RegionStats& other) {
   pixels += other.pixels;
   perimeter += other.perimeter;
   color += other.color;
   color2 += other.color2;
-  for (size_t c = 0; c < histogram.size(); ++c) {
-    for (size_t k = 0; k < histogram[c].size(); ++k) {
-      histogram[c][k] += other.histogram[c][k];
-    }
-  }
+  AddHistogram(other.histogram, &histogram);
+  AddHistogram(other.context, &context);
+  context_pixels += other.context_pixels;
   weight += other.weight;
   position += other.position;
   position2 += other.position2;

@@ -16,13 +16,19 @@ namespace freegs::semantics {
 
 inline constexpr int kColorBins = 10;  // Of each channel of L*a*b*.
 
+using ColorHistogram = std::array<std::array<float, kColorBins>, 3>;
+
 struct RegionStats {
   // Over the pixels of all views that show the region.
   double pixels = 0;
   double perimeter = 0;  // Pairs of neighbouring pixels across its outline.
   Eigen::Vector3d color = Eigen::Vector3d::Zero();   // Sum of L*a*b* / 100.
   Eigen::Vector3d color2 = Eigen::Vector3d::Zero();  // Sum of its squares.
-  std::array<std::array<float, kColorBins>, 3> histogram = {};
+  ColorHistogram histogram = {};
+  // Colours of the region's patches and of those two steps around them, so that
+  // the light and the dark parts of one texture look alike.
+  ColorHistogram context = {};
+  double context_pixels = 0;
 
   // Over its Gaussians, weighted by the pixels that they cover.
   double weight = 0;
@@ -32,6 +38,8 @@ struct RegionStats {
 
   void Add(const RegionStats& other);
 };
+
+void AddHistogram(const ColorHistogram& from, ColorHistogram* to);
 
 struct ContactStats {
   // Over the pairs of neighbouring pixels, one in each region, in all views.

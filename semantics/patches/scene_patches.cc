@@ -18,6 +18,7 @@ namespace freegs::semantics {
 namespace {
 
 constexpr int kNormalNeighbors = 16;
+constexpr double kDisparity = 3;  // Pixels.
 
 // Finite Gaussians that are opaque and small enough to be matter.
 std::vector<uint32_t> SelectMatter(const splat::GaussianModel& model,
@@ -46,6 +47,40 @@ std::vector<size_t> ChooseViews(size_t count, int max_views) {
   std::vector<size_t> views;
   for (size_t i = 0; i < chosen; ++i) views.push_back(i * count / chosen);
   return views;
+}
+
+// How far apart two patches must be for it to show: the size of the patch or,
+// where the cameras stand close together, the difference in depth that moves a
+// point by kDisparity pixels between them.
+std::vector<float> DepthScale(const std::vector<float>& positions,
+                              const Patches& patches,
+                              const std::vector<float>& size_of_patch,
+                              std::span<const View> views) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const View& view : views) mean += CameraCentre(view.cam_from_world);
+  mean /= static_cast<double>(views.size());
+  double spread2 = 0;
+  for (const View& view : views) {
+    spread2 += (CameraCentre(view.cam_from_world) - mean).squaredNorm();
+  }
+  const double baseline =
+      2 * std::sqrt(spread2 / static_cast<double>(views.size()));
+  std::vector<Eigen::Vector3d> middle(patches.count, Eigen::Vector3d::Zero());
+  std::vector<double> count(patches.count, 0.0);
+  for (size_t i = 0; i < patches.patch_of_point.size(); ++i) {
+    middle[patches.patch_of_point[i]] += Eigen::Vector3d(
+        positions[i * 3], positions[i * 3 + 1], positions[i * 3 + 2]);
+    count[patches.patch_of_point[i]] += 1;
+  }
+  std::vector<float> scale = size_of_patch;
+  for (size_t p = 0; p < scale.size(); ++p) {
+    const double distance = (middle[p] / count[p] - mean).norm();
+    const double unsure = baseline > 0 ? kDisparity * distance * distance /
+                                             (views[0].camera.fx * baseline)
+                                       : distance;
+    scale[p] = std::max(scale[p], static_cast<float>(unsure));
+  }
+  return scale;
 }
 
 }  // namespace
@@ -101,10 +136,13 @@ StatusOr<ScenePatches> BuildScenePatches(
     std::copy_n(
         points.normals.data() + i * 3, 3, normals.data() + size_t{rows[i]} * 3);
   }
+  std::vector<float> depth_scale =
+      DepthScale(points.positions, patches, size_of_patch, views);
   PatchGraphBuilder builder(model,
                             result.patch_of_gaussian,
                             std::move(normals),
-                            std::move(size_of_patch));
+                            std::move(size_of_patch),
+                            std::move(depth_scale));
   for (const size_t v : ChooseViews(views.size(), options.max_views)) {
     if (cancellation != nullptr && cancellation->cancelled()) {
       return InterruptedError("comparing patches was interrupted");
@@ -119,8 +157,8 @@ StatusOr<ScenePatches> BuildScenePatches(
     FREEGS_ASSIGN_OR_RETURN(const ImageU8 photo, scene.photo_of(v));
     const ImageF small =
         ToFloat(Resize(photo, views[v].camera.width, views[v].camera.height));
-    FREEGS_RETURN_IF_ERROR(builder.AddView(
-        weights.matrix(), views[v].cam_from_world, small, pool));
+    FREEGS_RETURN_IF_ERROR(
+        builder.AddView(weights.matrix(), views[v], small, pool));
   }
   FREEGS_ASSIGN_OR_RETURN(result.graph,
                           builder.Finish(scene.semantics, scene.dim, pool));
