@@ -9,6 +9,7 @@
 #include <iostream>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,7 @@
 #include "semantics/geometry/scene_extent.h"
 #include "semantics/instances/palette.h"
 #include "semantics/patches/evidence.h"
+#include "semantics/patches/evidence_model.h"
 #include "semantics/patches/region_merging.h"
 #include "semantics/patches/scene_patches.h"
 #include "splat/weights/blending_weights.h"
@@ -181,6 +183,67 @@ StatusOr<LearningScene> LoadScene(const fs::path& workspace,
   return result;
 }
 
+// CACHE-BEGIN
+template <typename T>
+void Put(std::ofstream& file, const T& value) {
+  file.write(reinterpret_cast<const char*>(&value), sizeof(value));
+}
+template <typename T>
+void Get(std::ifstream& file, T* value) {
+  file.read(reinterpret_cast<char*>(value), sizeof(*value));
+}
+template <typename File, typename Fn>
+void EachField(File& file, LearningScene& s, Fn fn) {
+  for (auto& r : s.graph.regions) {
+    fn(file, r.pixels); fn(file, r.perimeter); fn(file, r.color);
+    fn(file, r.color2); fn(file, r.histogram); fn(file, r.context);
+    fn(file, r.context_pixels); fn(file, r.weight); fn(file, r.position);
+    fn(file, r.position2);
+  }
+  for (auto& c : s.graph.contacts) { fn(file, c.a); fn(file, c.b); fn(file, c.stats); }
+  fn(file, s.graph.total_pixels); fn(file, s.objects_only);
+  for (auto& m : s.mass) fn(file, m);
+}
+void PutMap(std::ofstream& file, const std::map<int, double>& map) {
+  Put(file, map.size());
+  for (const auto& [k, v] : map) { Put(file, k); Put(file, v); }
+}
+void GetMap(std::ifstream& file, std::map<int, double>* map) {
+  size_t n = 0; Get(file, &n);
+  for (size_t i = 0; i < n; ++i) { int k; double v; Get(file, &k); Get(file, &v); (*map)[k] = v; }
+}
+void SaveScene(LearningScene& s, const fs::path& path) {
+  std::ofstream file(path, std::ios::binary);
+  Put(file, s.graph.regions.size()); Put(file, s.graph.contacts.size());
+  EachField(file, s, [](std::ofstream& f, const auto& v) { Put(f, v); });
+  for (const auto& v : s.votes) PutMap(file, v);
+  PutMap(file, s.segment_mass);
+  Put(file, s.pictures.size());
+  for (const auto& [name, p] : s.pictures) {
+    Put(file, name.size()); file.write(name.data(), name.size());
+    Put(file, p.width()); Put(file, p.height());
+    file.write(reinterpret_cast<const char*>(p.data()), p.size() * 4);
+  }
+}
+bool LoadCached(const fs::path& path, LearningScene* s) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return false;
+  size_t a = 0, b = 0; Get(file, &a); Get(file, &b);
+  s->graph.regions.resize(a); s->graph.contacts.resize(b); s->mass.resize(a); s->votes.resize(a);
+  EachField(file, *s, [](std::ifstream& f, auto& v) { Get(f, &v); });
+  for (auto& v : s->votes) GetMap(file, &v);
+  GetMap(file, &s->segment_mass);
+  size_t n = 0; Get(file, &n);
+  for (size_t i = 0; i < n; ++i) {
+    size_t l = 0; Get(file, &l); std::string name(l, ' '); file.read(name.data(), l);
+    int w = 0, h = 0; Get(file, &w); Get(file, &h);
+    Image<int32_t> p(w, h, 1); file.read(reinterpret_cast<char*>(p.data()), p.size() * 4);
+    s->pictures.emplace_back(name, std::move(p));
+  }
+  return true;
+}
+// CACHE-END
+
 // A classifier of evidence.
 class Learner {
  public:
@@ -197,7 +260,10 @@ struct Example {
 
 class LogisticLearner : public Learner {
  public:
-  explicit LogisticLearner(const std::vector<Example>& examples) {
+  std::set<std::string> without;
+  LogisticLearner(const std::vector<Example>& examples,
+                  std::set<std::string> left_out)
+      : without(std::move(left_out)) {
     const size_t n = kNumEvidences;
     Eigen::VectorXd mean = Eigen::VectorXd::Zero(n);
     Eigen::VectorXd square = Eigen::VectorXd::Zero(n);
@@ -230,13 +296,25 @@ class LogisticLearner : public Learner {
   Eigen::VectorXd Row(const Evidence& evidence) const {
     Eigen::VectorXd x(kNumEvidences + 1);
     for (size_t k = 0; k < kNumEvidences; ++k) {
-      x[k] = (evidence[k] - mean_[k]) * scale_[k];
+      x[k] = without.count(semantics::kEvidenceNames[k]) > 0
+                 ? 0
+                 : (evidence[k] - mean_[k]) * scale_[k];
     }
     x[kNumEvidences] = 1;
     return x;
   }
   double Difference(const Evidence& evidence) const override {
     return weights_.dot(Row(evidence));
+  }
+  semantics::EvidenceModel Model() const {
+    semantics::EvidenceModel model;
+    for (size_t k = 0; k < kNumEvidences; ++k) {
+      model.mean[k] = mean_[k];
+      model.deviation[k] = 1 / scale_[k];
+      model.weight[k] = weights_[k];
+    }
+    model.bias = weights_[kNumEvidences];
+    return model;
   }
   void Print() const {
     for (size_t k = 0; k < kNumEvidences; ++k) {
@@ -546,6 +624,25 @@ double Oracle(const LearningScene& scene) {
   return n > 0 ? sum / n : 0;
 }
 
+void WriteModel(const semantics::EvidenceModel& model,
+                double cut,
+                size_t num_scenes,
+                size_t num_examples,
+                const fs::path& path) {
+  std::ofstream file(path);
+  file << "{\n \"learnt_from\": {\"scenes\": " << num_scenes
+       << ", \"pairs\": " << num_examples << "},\n \"cut\": " << cut
+       << ",\n \"bias\": " << model.bias << ",\n \"evidence\": [\n";
+  for (size_t k = 0; k < kNumEvidences; ++k) {
+    file << "  {\"name\": \"" << semantics::kEvidenceNames[k]
+         << "\", \"mean\": " << model.mean[k]
+         << ", \"deviation\": " << model.deviation[k]
+         << ", \"weight\": " << model.weight[k] << "}"
+         << (k + 1 < kNumEvidences ? ",\n" : "\n");
+  }
+  file << " ]\n}\n";
+}
+
 int Run(int argc, char** argv) {
   std::vector<std::string> train;
   std::vector<std::string> test;
@@ -556,6 +653,10 @@ int Run(int argc, char** argv) {
   bool explain = false;
   bool mistakes = false;
   std::string draw;
+  std::vector<std::string> without;
+  std::string cache;
+  std::string out;
+  double cut = 0;
   double draw_cut = 0;
   semantics::PatchOptions options;
   po::options_description description("Options");
@@ -564,7 +665,9 @@ int Run(int argc, char** argv) {
       "test", po::value(&test)->multitoken(), "WORKSPACE TRUTH ...")(
       "learner", po::value(&learner_name))("depth", po::value(&depth))(
       "count", po::value(&count))("rounds", po::value(&rounds))(
-      "mistakes", po::bool_switch(&mistakes))("draw", po::value(&draw))(
+      "mistakes", po::bool_switch(&mistakes))("cache", po::value(&cache))(
+      "without", po::value(&without)->multitoken())("out", po::value(&out))("keep-cut", po::value(&cut))(
+      "draw", po::value(&draw))(
       "cut", po::value(&draw_cut))("explain", po::bool_switch(&explain))(
       "pixels", po::value(&options.patch_pixels))("side",
                                                   po::value(&options.max_side));
@@ -575,7 +678,15 @@ int Run(int argc, char** argv) {
   const auto load = [&](const std::vector<std::string>& names) {
     std::vector<LearningScene> scenes;
     for (size_t i = 0; i + 1 < names.size(); i += 2) {
+      LearningScene kept;
+      kept.name = fs::path(names[i]).filename();
+      const fs::path file = fs::path(cache) / (kept.name + ".bin");
+      if (!cache.empty() && LoadCached(file, &kept)) {
+        scenes.push_back(std::move(kept));
+        continue;
+      }
       auto scene = LoadScene(names[i], names[i + 1], options, pool);
+      if (!cache.empty() && scene.ok()) SaveScene(*scene, file);
       if (!scene.ok()) {
         std::cerr << names[i] << ": " << scene.status().message() << "\n";
         continue;
@@ -600,7 +711,8 @@ int Run(int argc, char** argv) {
       Collect(
           scene,
           [&](const Evidence& e) {
-            return learner ? learner->Difference(e) : e[1] + e[8] + e[6];
+            return learner ? learner->Difference(e) : e[semantics::kContrastFar] + e[semantics::kHistogram] +
+                             e[semantics::kColor];
           },
           false,
           &examples);
@@ -610,8 +722,14 @@ int Run(int argc, char** argv) {
     std::cerr << examples.size() << " examples, " << different
               << " of two things\n";
     if (learner_name == "logistic") {
-      auto logistic = std::make_unique<LogisticLearner>(examples);
-      if (round + 1 == rounds) logistic->Print();
+      auto logistic = std::make_unique<LogisticLearner>(
+          examples, std::set<std::string>(without.begin(), without.end()));
+      if (round + 1 == rounds) {
+        logistic->Print();
+        if (!out.empty()) {
+          WriteModel(logistic->Model(), cut, taught.size(), examples.size(), out);
+        }
+      }
       learner = std::move(logistic);
     } else {
       learner = std::make_unique<BoostLearner>(examples, depth, count);

@@ -35,7 +35,7 @@ struct Patch {
 };
 
 // The contact of two patches or parts.
-struct Contact {
+struct PartContact {
   double length = 0;     // Pairs of neighbouring points.
   double concavity = 0;  // Sum over these pairs.
 };
@@ -175,7 +175,7 @@ class ClusterCutter {
                       distance
                 : 0;
         for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)}) {
-          Contact& contact = contacts_[from][to];
+          PartContact& contact = contacts_[from][to];
           contact.length += 1;
           contact.concavity += concavity;
         }
@@ -183,7 +183,7 @@ class ClusterCutter {
     }
   }
 
-  double Contrast(int32_t a, int32_t b, const Contact& contact) const {
+  double Contrast(int32_t a, int32_t b, const PartContact& contact) const {
     // Never quite 0, so that among pairs that are not concave those of similar
     // colour are joined first.
     const double concavity = std::max(contact.concavity / contact.length, 0.01);
@@ -268,7 +268,7 @@ class ClusterCutter {
   std::vector<float> flat_positions_;
   std::vector<Patch> patches_;
   std::vector<int32_t> patch_of_point_;
-  std::vector<std::map<int32_t, Contact>> contacts_;  // By patch, symmetric.
+  std::vector<std::map<int32_t, PartContact>> contacts_;  // By patch, symmetric.
 };
 
 }  // namespace

@@ -207,6 +207,7 @@ class InstanceClusterer {
   InstanceClusterer(const splat::GaussianModel& model,
                     const SemanticVectors& semantics,
                     std::span<const View> views,
+                    const PhotoViews& photos,
                     const InstanceClusteringOptions& options,
                     uint64_t seed,
                     ThreadPool& pool,
@@ -214,6 +215,7 @@ class InstanceClusterer {
       : model_(model),
         semantics_(semantics),
         views_(views),
+        photos_(photos),
         options_(options),
         seed_(seed),
         pool_(pool),
@@ -223,6 +225,10 @@ class InstanceClusterer {
     extent_ = ComputeSceneExtent(model_, views_, options_.min_opacity, pool_);
     result_.scene_radius = extent_.radius;
     if (cancelled()) return Interrupted();
+    if (options_.method == ClusteringMethod::kEvidence) {
+      FREEGS_RETURN_IF_ERROR(Evidence());
+      return std::move(result_);
+    }
     FREEGS_RETURN_IF_ERROR(CollectMatter());
     if (cancelled()) return Interrupted();
     TakeOutPlanes();
@@ -236,6 +242,37 @@ class InstanceClusterer {
   }
 
  private:
+  Status Evidence() {
+    FREEGS_ASSIGN_OR_RETURN(const EvidenceModel evidence,
+                            DefaultEvidenceModel());
+    FREEGS_ASSIGN_OR_RETURN(
+        EvidenceClusters clusters,
+        ClusterByEvidence({.model = model_,
+                           .views = photos_.views,
+                           .render = photos_.render,
+                           .photo_of = photos_.photo_of,
+                           .semantics = semantics_.values,
+                           .dim = semantics_.dim,
+                           .scene_radius = extent_.radius},
+                          evidence,
+                          options_.evidence,
+                          pool_,
+                          cancellation_));
+    result_.labels = std::move(clusters.labels);
+    result_.planes = std::move(clusters.planes);
+    for (const int32_t label : result_.labels) {
+      result_.num_clustered += label >= 0;
+    }
+    LabelRest();
+    const std::vector<int32_t> order = Renumber(&result_.labels);
+    result_.num_instances = static_cast<int>(order.size());
+    for (const int32_t label : order) {
+      result_.is_plane.push_back(clusters.is_plane[label]);
+      result_.scores.push_back(clusters.scores[label]);
+    }
+    return Status();
+  }
+
   bool cancelled() const {
     return cancellation_ != nullptr && cancellation_->cancelled();
   }
@@ -358,6 +395,11 @@ class InstanceClusterer {
       score_sum_[label] += probabilities_[i];
       ++score_count_[label];
     }
+    LabelRest();
+  }
+
+  // Gaussians without a label take that of the nearest one.
+  void LabelRest() {
     std::vector<float> all_positions = model_.means;
     for (float& x : all_positions) {
       // A Gaussian that is nowhere finds no neighbour, and nobody finds it.
@@ -389,6 +431,7 @@ class InstanceClusterer {
   const splat::GaussianModel& model_;
   const SemanticVectors& semantics_;
   const std::span<const View> views_;
+  const PhotoViews& photos_;
   const InstanceClusteringOptions& options_;
   const uint64_t seed_;
   ThreadPool& pool_;
@@ -420,6 +463,7 @@ class InstanceClusterer {
 }  // namespace
 
 Status InstanceClusteringOptions::Check() const {
+  FREEGS_RETURN_IF_ERROR(evidence.Check());
   FREEGS_RETURN_IF_ERROR(planes.Check());
   FREEGS_RETURN_IF_ERROR(space.Check());
   HdbscanOptions effective = hdbscan;
@@ -448,6 +492,7 @@ StatusOr<InstanceLabels> ClusterInstances(
     const splat::GaussianModel& model,
     const SemanticVectors& semantics,
     std::span<const View> views,
+    const PhotoViews& photos,
     const InstanceClusteringOptions& options,
     uint64_t seed,
     ThreadPool& pool,
@@ -457,7 +502,7 @@ StatusOr<InstanceLabels> ClusterInstances(
     return InvalidArgumentError("semantic vectors of another model");
   }
   return InstanceClusterer(
-             model, semantics, views, options, seed, pool, cancellation)
+             model, semantics, views, photos, options, seed, pool, cancellation)
       .Run();
 }
 

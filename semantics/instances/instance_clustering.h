@@ -13,21 +13,33 @@
 #define FREEGS_SEMANTICS_INSTANCES_INSTANCE_CLUSTERING_H_
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
 #include "core/cancellation.h"
+#include "core/image.h"
 #include "core/parallel.h"
 #include "core/pinhole.h"
 #include "core/status.h"
 #include "semantics/geometry/planes.h"
 #include "semantics/hdbscan/hdbscan.h"
+#include "semantics/instances/evidence_clustering.h"
 #include "semantics/instances/union_space.h"
+#include "splat/render/renderer.h"
 #include "splat/scene/gaussian_model.h"
 
 namespace freegs::semantics {
 
+enum class ClusteringMethod {
+  kEvidence,  // What speaks for or against one thing; see evidence_clustering.h.
+  kChain,     // Planes, HDBSCAN and rules; docs/clustering.md.
+};
+
 struct InstanceClusteringOptions {
+  ClusteringMethod method = ClusteringMethod::kChain;
+  EvidenceClusteringOptions evidence;
+
   // Gaussians of less opacity are not clustered: they are haze. They take the
   // label of their neighbourhood at the end.
   double min_opacity = 0.1;
@@ -102,6 +114,13 @@ struct SemanticVectors {
   int dim = 0;
 };
 
+// The views whose photographs are looked at, and these.
+struct PhotoViews {
+  std::span<const View> views;
+  std::function<StatusOr<ImageU8>(size_t view)> photo_of;
+  splat::RenderOptions render;
+};
+
 // views: the cameras of the photographs, may be empty. They tell the size of
 // the subject, what lies behind a plane, and which side of a surface is
 // outside. The same input and seed give the same labels for any number of
@@ -112,6 +131,7 @@ StatusOr<InstanceLabels> ClusterInstances(
     const splat::GaussianModel& model,
     const SemanticVectors& semantics,
     std::span<const View> views,
+    const PhotoViews& photos,
     const InstanceClusteringOptions& options,
     uint64_t seed,
     ThreadPool& pool,

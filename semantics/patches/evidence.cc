@@ -5,42 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Core>
-#include <Eigen/Eigenvalues>
-
 namespace freegs::semantics {
 namespace {
 
 constexpr double kColorNoise = 2.5e-3;  // Variance, L*a*b* / 100.
-
-// Plane and extents of a region.
-struct Extent {
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
-  double thickness = 0;  // Standard deviations along the three axes.
-  double width = 0;
-  double length = 0;
-
-  double Flatness() const { return width > 0 ? thickness / width : 0; }
-};
-
-Extent ExtentOf(double weight,
-                const Eigen::Vector3d& position,
-                const Eigen::Matrix3d& position2) {
-  Extent extent;
-  if (!(weight > 0)) return extent;
-  extent.centre = position / weight;
-  const Eigen::Matrix3d covariance =
-      position2 / weight - extent.centre * extent.centre.transpose();
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(covariance);
-  const Eigen::Vector3d spread = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
-  extent.normal = solver.eigenvectors().col(0);
-  extent.thickness = spread[0];
-  extent.width = spread[1];
-  extent.length = spread[2];
-  return extent;
-}
 
 double HistogramDistance(const ColorHistogram& a,
                          double pixels_a,
@@ -70,13 +38,13 @@ Evidence MeasureEvidence(const RegionStats& first,
   Evidence e = {};
   const double seen = contact.pixels;
   if (seen > 0) {
-    e[0] = static_cast<float>(contact.contrast_near / seen);
-    e[1] = static_cast<float>(contact.contrast_far / seen);
-    e[2] = static_cast<float>(std::min(1.0, 3 * contact.difference / seen));
-    e[4] = static_cast<float>(contact.depth_step / seen);
+    e[kContrastNear] = static_cast<float>(contact.contrast_near / seen);
+    e[kContrastFar] = static_cast<float>(contact.contrast_far / seen);
+    e[kStep] = static_cast<float>(std::min(1.0, 3 * contact.difference / seen));
+    e[kDepthStep] = static_cast<float>(contact.depth_step / seen);
   }
   if (seen + contact.hidden > 0) {
-    e[5] = static_cast<float>(contact.hidden / (seen + contact.hidden));
+    e[kHidden] = static_cast<float>(contact.hidden / (seen + contact.hidden));
   }
   if (a.pixels > 0 && b.pixels > 0) {
     const Eigen::Vector3d mean_a = a.color / a.pixels;
@@ -86,41 +54,40 @@ Evidence MeasureEvidence(const RegionStats& first,
     const double variance_b =
         std::max(0.0, (b.color2 / b.pixels - mean_b.cwiseAbs2()).sum());
     const double difference2 = (mean_a - mean_b).squaredNorm();
-    e[6] = static_cast<float>(std::min(1.0, 2 * std::sqrt(difference2)));
-    e[7] = static_cast<float>(
+    e[kColor] = static_cast<float>(std::min(1.0, 2 * std::sqrt(difference2)));
+    e[kColorContrast] = static_cast<float>(
         difference2 / (difference2 + variance_a + variance_b + kColorNoise));
-    e[8] = static_cast<float>(
+    e[kHistogram] = static_cast<float>(
         HistogramDistance(a.histogram, a.pixels, b.histogram, b.pixels));
-    e[3] = static_cast<float>(HistogramDistance(
+    e[kContext] = static_cast<float>(HistogramDistance(
         a.context, a.context_pixels, b.context, b.context_pixels));
-    e[9] = static_cast<float>(std::min(
+    e[kSpread] = static_cast<float>(std::min(
         1.0, 4 * std::abs(std::sqrt(variance_a) - std::sqrt(variance_b))));
   }
   if (contact.points > 0) {
     const double concavity = contact.concavity / contact.points;
-    e[10] = static_cast<float>(std::max(0.0, concavity));
-    e[11] = static_cast<float>(std::max(0.0, -concavity));
-    e[12] = static_cast<float>(contact.bend / contact.points);
+    e[kConcave] = static_cast<float>(std::max(0.0, concavity));
+    e[kConvex] = static_cast<float>(std::max(0.0, -concavity));
+    e[kBend] = static_cast<float>(contact.bend / contact.points);
   }
   const double total = std::max(1.0, total_pixels);
-  e[14] = static_cast<float>(std::log10((a.pixels + 1) / total));
-  e[15] = static_cast<float>(std::log10((b.pixels + 1) / total));
+  e[kSize] = static_cast<float>(std::log10((a.pixels + 1) / total));
   const double outline = std::max(1.0, std::min(a.perimeter, b.perimeter));
   const double larger_outline =
       std::max(1.0, std::max(a.perimeter, b.perimeter));
-  e[13] = static_cast<float>(
+  e[kInterleaved] = static_cast<float>(
       std::min(1.0, (seen + contact.hidden) / larger_outline));
-  e[16] = static_cast<float>(std::min(1.0, (seen + contact.hidden) / outline));
-  const Extent small = ExtentOf(a.weight, a.position, a.position2);
-  const Extent large = ExtentOf(b.weight, b.position, b.position2);
-  const Extent both = ExtentOf(
+  e[kEnclosed] = static_cast<float>(std::min(1.0, (seen + contact.hidden) / outline));
+  const RegionExtent small = ExtentOf(a.weight, a.position, a.position2);
+  const RegionExtent large = ExtentOf(b.weight, b.position, b.position2);
+  const RegionExtent both = ExtentOf(
       a.weight + b.weight, a.position + b.position, a.position2 + b.position2);
-  e[17] = static_cast<float>(small.Flatness());
-  e[18] = static_cast<float>(large.Flatness());
-  e[19] = static_cast<float>(both.Flatness());
+  e[kFlatSmall] = static_cast<float>(small.Flatness());
+  e[kFlatLarge] = static_cast<float>(large.Flatness());
+  e[kFlatBoth] = static_cast<float>(both.Flatness());
   const double off = std::abs(large.normal.dot(small.centre - large.centre));
   const double scale = large.thickness + 0.05 * large.width;
-  e[20] = static_cast<float>(scale > 0 ? std::min(1.0, off / scale / 4) : 1);
+  e[kOffPlane] = static_cast<float>(scale > 0 ? std::min(1.0, off / scale / 4) : 1);
   if (!a.semantics.empty() && a.semantics.size() == b.semantics.size()) {
     double product = 0;
     double norm_a = 0;
@@ -131,7 +98,7 @@ Evidence MeasureEvidence(const RegionStats& first,
       norm_b += double{b.semantics[k]} * b.semantics[k];
     }
     if (norm_a > 0 && norm_b > 0) {
-      e[21] = static_cast<float>(
+      e[kSemantics] = static_cast<float>(
           1 - product / (std::sqrt(norm_a) * std::sqrt(norm_b)));
     }
   }

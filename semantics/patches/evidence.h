@@ -5,39 +5,48 @@
 #define FREEGS_SEMANTICS_PATCHES_EVIDENCE_H_
 
 #include <array>
+#include <cstddef>
 
 #include "semantics/patches/region_graph.h"
 
 namespace freegs::semantics {
 
 // All are pure numbers, mostly in [0, 1], and do not depend on the scale of the
-// scene, the size of the images or the number of views.
-inline constexpr std::array<const char*, 22> kEvidenceNames = {
-    "contrast_near",   // Boundary in the photographs, narrow windows.
-    "contrast_far",    // The same, wide windows.
-    "step",            // Difference of colour across the boundary.
-    "context",         // Distance of the colour histograms around them.
-    "depth_step",      // Steps of depth along it.
-    "hidden",          // Share of it where one region hides the other.
-    "color",           // Difference of the mean colours.
-    "color_contrast",  // The same, relative to the spread of colours.
-    "histogram",       // Distance of the colour histograms.
-    "spread",          // Difference of the spreads of colours.
-    "concave",         // Crease that is concave, as where things touch.
-    "convex",          // Crease that is convex, as on a box.
-    "bend",            // Angle between the surfaces.
-    "interleaved",     // Share of the longer outline that is shared.
-    "size_small",      // log10 of the share of all pixels.
-    "size_large",
-    "enclosed",    // Share of the small region's outline that is shared.
-    "flat_small",  // Flatness: 0 for a plane, 1 for a ball.
-    "flat_large",
-    "flat_both",  // Of both together.
-    "off_plane",  // The small region's distance from the large one's
-                  // plane.
-    "semantics",  // 1 - cosine of the mean semantic vectors.
+// scene, the size of the images or the number of views. "Small" and "large" are
+// the two regions by the pixels that show them.
+enum EvidenceKind : size_t {
+  kContrastNear,   // Boundary in the photographs, narrow windows.
+  kContrastFar,    // The same, wide windows.
+  kStep,           // Difference of colour across the boundary.
+  kContext,        // Distance of the colour histograms around the regions.
+  kDepthStep,      // Steps of depth along the boundary.
+  kHidden,         // Share of it where one region hides the other.
+  kColor,          // Difference of the mean colours.
+  kColorContrast,  // The same, relative to the spread of colours.
+  kHistogram,      // Distance of the regions' own colour histograms.
+  kSpread,         // Difference of the spreads of colours.
+  kConcave,        // Crease that is concave, as where things touch.
+  kConvex,         // Crease that is convex, as on a box.
+  kBend,           // Angle between the surfaces.
+  kInterleaved,    // Share of the longer outline that both have in common.
+  kEnclosed,       // Share of the shorter outline that both have in common.
+  kSize,           // log10 of the small region's share of all pixels.
+  kFlatSmall,      // Flatness: 0 for a plane, 1 for a ball.
+  kFlatLarge,
+  kFlatBoth,   // Of both together.
+  kOffPlane,   // Distance of the small region from the plane of the large one.
+  kSemantics,  // 1 - cosine of the mean semantic vectors.
+  kNumEvidences,
 };
-inline constexpr size_t kNumEvidences = kEvidenceNames.size();
+
+// Names in files, in this order.
+inline constexpr std::array<const char*, kNumEvidences> kEvidenceNames = {
+    "contrast_near", "contrast_far",   "step",       "context",
+    "depth_step",    "hidden",         "color",      "color_contrast",
+    "histogram",     "spread",         "concave",    "convex",
+    "bend",          "interleaved",    "enclosed",   "size",
+    "flat_small",    "flat_large",     "flat_both",  "off_plane",
+    "semantics"};
 
 using Evidence = std::array<float, kNumEvidences>;
 

@@ -2,7 +2,27 @@
 
 #include "semantics/patches/region_graph.h"
 
+#include <Eigen/Eigenvalues>
+
 namespace freegs::semantics {
+
+RegionExtent ExtentOf(double weight,
+                const Eigen::Vector3d& position,
+                const Eigen::Matrix3d& position2) {
+  RegionExtent extent;
+  if (!(weight > 0)) return extent;
+  extent.centre = position / weight;
+  const Eigen::Matrix3d covariance =
+      position2 / weight - extent.centre * extent.centre.transpose();
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(covariance);
+  const Eigen::Vector3d spread = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  extent.normal = solver.eigenvectors().col(0);
+  extent.thickness = spread[0];
+  extent.width = spread[1];
+  extent.length = spread[2];
+  return extent;
+}
 
 void AddHistogram(const ColorHistogram& from, ColorHistogram* to) {
   for (size_t c = 0; c < from.size(); ++c) {

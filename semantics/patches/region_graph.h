@@ -39,6 +39,23 @@ struct RegionStats {
   void Add(const RegionStats& other);
 };
 
+// The best plane of a region's Gaussians, and standard deviations along its
+// principal axes. Zeros for a region that nothing was seen of.
+struct RegionExtent {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
+  double thickness = 0;  // World units; thickness <= width <= length.
+  double width = 0;
+  double length = 0;
+
+  // 0 for a plane, 1 for a ball.
+  double Flatness() const { return width > 0 ? thickness / width : 0; }
+};
+
+RegionExtent ExtentOf(double weight,
+                      const Eigen::Vector3d& position,
+                      const Eigen::Matrix3d& position2);
+
 void AddHistogram(const ColorHistogram& from, ColorHistogram* to);
 
 struct ContactStats {

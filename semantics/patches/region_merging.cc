@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <map>
+#include <limits>
 #include <queue>
+#include <set>
 #include <tuple>
 #include <utility>
 
@@ -135,6 +137,80 @@ RegionTree MergeRegions(RegionGraph graph,
                         double max_height,
                         const AllowFn& allow) {
   return RegionMerger(std::move(graph), difference, max_height, allow).Run();
+}
+
+std::vector<int32_t> AbsorbSmallRegions(
+    const RegionGraph& graph,
+    const std::vector<int32_t>& region_of_patch,
+    const DifferenceFn& difference,
+    double min_pixels) {
+  // Regions as patches of a graph of their own.
+  std::map<int32_t, int32_t> number;
+  std::vector<int32_t> region(region_of_patch.size());
+  for (size_t p = 0; p < region.size(); ++p) {
+    region[p] =
+        number
+            .try_emplace(region_of_patch[p], static_cast<int32_t>(number.size()))
+            .first->second;
+  }
+  std::vector<RegionStats> regions(number.size());
+  for (size_t p = 0; p < region.size(); ++p) {
+    regions[region[p]].Add(graph.regions[p]);
+  }
+  std::vector<std::map<int32_t, ContactStats>> contacts(regions.size());
+  for (const Contact& contact : graph.contacts) {
+    const int32_t a = region[contact.a];
+    const int32_t b = region[contact.b];
+    if (a == b) continue;
+    contacts[a][b].Add(contact.stats);
+    contacts[b][a].Add(contact.stats);
+  }
+  std::vector<int32_t> into(regions.size());
+  std::set<std::pair<double, int32_t>> small;
+  for (int32_t r = 0; r < static_cast<int32_t>(regions.size()); ++r) {
+    into[r] = r;
+    if (regions[r].pixels < min_pixels) small.insert({regions[r].pixels, r});
+  }
+  while (!small.empty()) {
+    const int32_t r = small.begin()->second;
+    small.erase(small.begin());
+    double least = std::numeric_limits<double>::infinity();
+    int32_t best = -1;
+    for (const auto& [other, contact] : contacts[r]) {
+      const double d = difference(MeasureEvidence(
+          regions[r], regions[other], contact, graph.total_pixels));
+      if (d < least) {
+        least = d;
+        best = other;
+      }
+    }
+    if (best < 0) continue;
+    if (regions[best].pixels < min_pixels) {
+      small.erase({regions[best].pixels, best});
+    }
+    regions[best].Add(regions[r]);
+    const ContactStats& inner = contacts[r][best];
+    regions[best].perimeter -= 2 * (inner.pixels + inner.hidden);
+    if (regions[best].pixels < min_pixels) {
+      small.insert({regions[best].pixels, best});
+    }
+    for (const auto& [other, contact] : contacts[r]) {
+      contacts[other].erase(r);
+      if (other == best) continue;
+      contacts[best][other].Add(contact);
+      contacts[other][best].Add(contact);
+    }
+    contacts[r].clear();
+    into[r] = best;
+  }
+  for (int32_t& r : region) {
+    while (into[r] != r) r = into[r];
+  }
+  std::map<int32_t, int32_t> left;
+  for (int32_t& r : region) {
+    r = left.try_emplace(r, static_cast<int32_t>(left.size())).first->second;
+  }
+  return region;
 }
 
 }  // namespace freegs::semantics

@@ -45,6 +45,15 @@ RegionTree MergeRegions(RegionGraph graph,
                         double max_height,
                         const AllowFn& allow = nullptr);
 
+// Joins regions of fewer pixels than this to the neighbour from which they
+// differ least, whatever speaks against it, the smallest first.
+// region_of_patch: any numbers; returns numbers 0 .. n - 1 in their place.
+std::vector<int32_t> AbsorbSmallRegions(
+    const RegionGraph& graph,
+    const std::vector<int32_t>& region_of_patch,
+    const DifferenceFn& difference,
+    double min_pixels);
+
 }  // namespace freegs::semantics
 
 #endif  // FREEGS_SEMANTICS_PATCHES_REGION_MERGING_H_

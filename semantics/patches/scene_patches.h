@@ -35,7 +35,7 @@ struct PatchOptions {
   int max_views = 40;
 
   // Extent of a patch in these photographs, in pixels.
-  double patch_pixels = 10;
+  double patch_pixels = 8;
 
   Status Check() const;
 };

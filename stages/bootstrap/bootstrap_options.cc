@@ -254,6 +254,17 @@ void RegisterBootstrapOptions(BootstrapStageOptions& options,
                      "pass (lift), trained from there (paper), or none: "
                      "geometry and colour only (geometry).",
              .choices = {"lift", "paper", "geometry"}});
+  table.Add("bootstrap.clustering",
+            &options.clustering,
+            {.help = "Instances by a chain of rules, or from evidence in "
+                     "photographs and space.",
+             .choices = {"chain", "evidence"}});
+  table.Add("bootstrap.granularity",
+            &options.method.clustering.evidence.granularity,
+            {.help = "Above 0 more and smaller instances, below 0 fewer and "
+                     "larger ones.",
+             .min = -100,
+             .max = 100});
   RegisterSemanticOptions(options, table);
   RegisterTrainingOptions(options, table);
   RegisterClusteringOptions(options, table);
@@ -277,6 +288,9 @@ StatusOr<semantics::BootstrappingOptions> MakeBootstrappingOptions(
   semantics::BootstrappingOptions method = options.method;
   method.method = options.mode == "paper" ? semantics::FieldMethod::kTrain
                                           : semantics::FieldMethod::kLift;
+  method.clustering.method = options.clustering == "chain"
+                                 ? semantics::ClusteringMethod::kChain
+                                 : semantics::ClusteringMethod::kEvidence;
   method.clustering.hdbscan.method =
       options.selection == "leaf" ? semantics::ClusterSelection::kLeaf
                                   : semantics::ClusterSelection::kExcessOfMass;

@@ -117,6 +117,10 @@ class BootstrapStage : public pipeline::Stage {
                                  const std::vector<View>& views,
                                  semantics::BootstrappingOptions method,
                                  pipeline::StageContext& context) const {
+    const auto photo_of = [&](size_t view) {
+      return ReadRgb(context.workspace / "undistort" / "images" /
+                     scene.train[view].name);
+    };
     if (!with_semantics()) {
       context.progress({"clustering", 0, 1, ""});
       semantics::SemanticField field;
@@ -125,6 +129,9 @@ class BootstrapStage : public pipeline::Stage {
           semantics::ClusterInstances(scene.model,
                                       {},
                                       views,
+                                      {.views = scene.train,
+                                       .photo_of = photo_of,
+                                       .render = scene.render},
                                       method.clustering,
                                       seed_,
                                       *context.pool,
@@ -134,10 +141,6 @@ class BootstrapStage : public pipeline::Stage {
     FREEGS_ASSIGN_OR_RETURN(const auto encoder, OpenClipModel(options_.model));
     method.weights.scratch_folder = context.output;
     const semantics::FeatureCache cache(context.output / "features");
-    const auto photo_of = [&](size_t view) {
-      return ReadRgb(context.workspace / "undistort" / "images" /
-                     scene.train[view].name);
-    };
     const fs::path checkpoint = context.output / "checkpoints" / "field.ckpt";
     semantics::BootstrapTools tools{.encoder = *encoder,
                                     .cache = cache,

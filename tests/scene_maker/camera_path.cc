@@ -17,6 +17,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kDegree = std::numbers::pi / 180;
+constexpr uint64_t kClutterStream = 9000;
 constexpr double kLargestStep = 9 * kDegree;
 
 // A camera at `eye` that sees `target` in its middle, upright.
@@ -108,8 +109,15 @@ Rigid3d PoseOnPath(const SceneMakerOptions& options,
   // and every side is seen from several heights.
   const double elevation =
       (31 + 13 * std::sin(3 * azimuth + 0.6) + around(1.5)) * kDegree;
-  const double distance = 1.32 + 0.08 * std::sin(2 * azimuth) + around(0.03);
-  const Vector3d target(around(0.02), around(0.02), kTableHeight + 0.05);
+  double distance = 1.32 + 0.08 * std::sin(2 * azimuth) + around(0.03);
+  Vector3d target(around(0.02), around(0.02), kTableHeight + 0.05);
+  if (options.subject == Subject::kClutter) {
+    // Every scene is seen from another distance, and not always in the middle.
+    RandomStream choice(options.seed, kClutterStream);
+    distance *= 0.45 + 0.65 * choice.Uniform();
+    target.x() += 0.3 * choice.Uniform() - 0.15;
+    target.y() += 0.3 * choice.Uniform() - 0.15;
+  }
   const Vector3d eye =
       target + distance * Vector3d(std::cos(elevation) * std::cos(azimuth),
                                    std::cos(elevation) * std::sin(azimuth),
