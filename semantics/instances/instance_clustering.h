@@ -37,7 +37,7 @@ enum class ClusteringMethod {
 };
 
 struct InstanceClusteringOptions {
-  ClusteringMethod method = ClusteringMethod::kChain;
+  ClusteringMethod method = ClusteringMethod::kEvidence;
   EvidenceClusteringOptions evidence;
 
   // Gaussians of less opacity are not clustered: they are haze. They take the

@@ -64,11 +64,11 @@ Evidence MeasureEvidence(const RegionStats& first,
     e[kSpread] = static_cast<float>(std::min(
         1.0, 4 * std::abs(std::sqrt(variance_a) - std::sqrt(variance_b))));
   }
-  if (contact.points > 0) {
-    const double concavity = contact.concavity / contact.points;
+  if (seen > 0) {
+    const double concavity = contact.concavity / seen;
     e[kConcave] = static_cast<float>(std::max(0.0, concavity));
     e[kConvex] = static_cast<float>(std::max(0.0, -concavity));
-    e[kBend] = static_cast<float>(contact.bend / contact.points);
+    e[kBend] = static_cast<float>(contact.bend / seen);
   }
   const double total = std::max(1.0, total_pixels);
   e[kSize] = static_cast<float>(std::log10((a.pixels + 1) / total));

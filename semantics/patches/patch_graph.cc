@@ -27,6 +27,10 @@ constexpr double kFarReach = 8;
 constexpr int kNeighbors = 8;
 constexpr double kMaxDistance = 1.5;
 constexpr int kContextSteps = 2;
+// Normals and positions at creases are means over patches so many steps around,
+// of colours that differ by less than about this (L*a*b* / 100).
+constexpr int kCreaseSteps = 3;
+constexpr double kAlikeColor = 0.06;
 // Contacts of fewer pixels in all views together are chance.
 constexpr double kMinCrossings = 3;
 constexpr int64_t kPixelRowGrain = 4;
@@ -327,19 +331,59 @@ Status PatchGraphBuilder::AddGaussians(std::span<const float> semantics,
     const int32_t patch = patch_of_gaussian_[rows[i]];
     for (const int32_t other : touching[i]) {
       if (other < 0) continue;
-      const Eigen::Vector3d between = middle_[patch] - middle_[other];
-      const double distance = between.norm();
       ContactStats& contact =
           ContactOf(std::min(patch, other), std::max(patch, other));
       contact.points += 1;
-      if (distance > 0) {
-        contact.concavity +=
-            (normal_[other] - normal_[patch]).dot(between) / distance;
-      }
-      contact.bend += 1 - normal_[patch].dot(normal_[other]);
     }
   }
   return Status();
+}
+
+void PatchGraphBuilder::AddCreases() {
+  // Means over neighbours of similar colour, which lie on the same side.
+  std::vector<Eigen::Vector3d> position = middle_;
+  std::vector<Eigen::Vector3d> normal = normal_;
+  for (int step = 0; step < kCreaseSteps; ++step) {
+    std::vector<Eigen::Vector3d> position_sum;
+    std::vector<Eigen::Vector3d> normal_sum;
+    std::vector<double> weight(position.size());
+    for (size_t p = 0; p < position.size(); ++p) {
+      weight[p] = graph_.regions[p].pixels;
+      position_sum.push_back(weight[p] * position[p]);
+      normal_sum.push_back(weight[p] * normal[p]);
+    }
+    for (const Contact& contact : graph_.contacts) {
+      const RegionStats& a = graph_.regions[contact.a];
+      const RegionStats& b = graph_.regions[contact.b];
+      if (!(a.pixels > 0) || !(b.pixels > 0)) continue;
+      const double difference =
+          (a.color / a.pixels - b.color / b.pixels).norm();
+      const double alike = std::exp(-difference / kAlikeColor);
+      position_sum[contact.a] += alike * b.pixels * position[contact.b];
+      position_sum[contact.b] += alike * a.pixels * position[contact.a];
+      normal_sum[contact.a] += alike * b.pixels * normal[contact.b];
+      normal_sum[contact.b] += alike * a.pixels * normal[contact.a];
+      weight[contact.a] += alike * b.pixels;
+      weight[contact.b] += alike * a.pixels;
+    }
+    for (size_t p = 0; p < position.size(); ++p) {
+      if (!(weight[p] > 0)) continue;
+      position[p] = position_sum[p] / weight[p];
+      if (normal_sum[p].norm() > 0) normal[p] = normal_sum[p].normalized();
+    }
+  }
+  for (Contact& contact : graph_.contacts) {
+    const Eigen::Vector3d between = position[contact.a] - position[contact.b];
+    const double distance = between.norm();
+    const double pixels = contact.stats.pixels;
+    if (distance > 0) {
+      contact.stats.concavity =
+          pixels *
+          (normal[contact.b] - normal[contact.a]).dot(between) / distance;
+    }
+    contact.stats.bend =
+        pixels * (1 - normal[contact.a].dot(normal[contact.b]));
+  }
 }
 
 void PatchGraphBuilder::AddContext() {
@@ -378,6 +422,7 @@ StatusOr<RegionGraph> PatchGraphBuilder::Finish(
               return std::pair(x.a, x.b) < std::pair(y.a, y.b);
             });
   AddContext();
+  AddCreases();
   return std::move(graph_);
 }
 

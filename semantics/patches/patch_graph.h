@@ -70,6 +70,7 @@ class PatchGraphBuilder {
   void AddCrossings(const std::vector<Crossing>& crossings);
   ContactStats& ContactOf(int32_t a, int32_t b);
   void AddContext();
+  void AddCreases();
   Status AddGaussians(std::span<const float> semantics,
                       int dim,
                       ThreadPool& pool);

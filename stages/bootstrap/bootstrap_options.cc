@@ -258,7 +258,7 @@ void RegisterBootstrapOptions(BootstrapStageOptions& options,
             &options.clustering,
             {.help = "Instances by a chain of rules, or from evidence in "
                      "photographs and space.",
-             .choices = {"chain", "evidence"}});
+             .choices = {"evidence", "chain"}});
   table.Add("bootstrap.granularity",
             &options.method.clustering.evidence.granularity,
             {.help = "Above 0 more and smaller instances, below 0 fewer and "

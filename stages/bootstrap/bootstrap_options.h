@@ -17,7 +17,7 @@ struct BootstrapStageOptions {
   // paper: they are trained from there. geometry: there are none.
   std::string mode = "lift";
   // chain or evidence; becomes method.clustering.method.
-  std::string clustering = "chain";
+  std::string clustering = "evidence";
   // Folder of a CLIP model; empty for the one that comes with the program.
   std::string model;
   // What the method is told, except for what the members here decide.
