@@ -3,18 +3,22 @@
 // is known, and says how well it segments others.
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <boost/program_options.hpp>
-#include <opencv2/ml.hpp>
 
 #include "core/io/files.h"
 #include "core/io/image_io.h"
@@ -46,8 +50,6 @@ struct LearningScene {
   std::vector<double> mass;                  // Pixels of each patch.
   std::map<int, double> segment_mass;
   std::vector<std::pair<std::string, Image<int32_t>>> pictures;  // Patches.
-  bool objects_only = false;  // Real photographs: the rest has no truth.
-  double Purity() const;
 };
 
 // The true segments of a view at a size: (number, mask).
@@ -133,8 +135,6 @@ StatusOr<LearningScene> LoadScene(const fs::path& workspace,
                             MasksOf(truth, view.name, &labels));
     if (masks.empty()) continue;
     Image<int32_t> picture;
-    result.objects_only =
-        result.objects_only || !fs::exists(truth / "gt/surfaces");
     view.camera = view.camera.LimitedTo(options.max_side);
     FREEGS_ASSIGN_OR_RETURN(
         const splat::BlendingWeights weights,
@@ -183,87 +183,18 @@ StatusOr<LearningScene> LoadScene(const fs::path& workspace,
   return result;
 }
 
-// CACHE-BEGIN
-template <typename T>
-void Put(std::ofstream& file, const T& value) {
-  file.write(reinterpret_cast<const char*>(&value), sizeof(value));
-}
-template <typename T>
-void Get(std::ifstream& file, T* value) {
-  file.read(reinterpret_cast<char*>(value), sizeof(*value));
-}
-template <typename File, typename Fn>
-void EachField(File& file, LearningScene& s, Fn fn) {
-  for (auto& r : s.graph.regions) {
-    fn(file, r.pixels); fn(file, r.perimeter); fn(file, r.color);
-    fn(file, r.color2); fn(file, r.histogram); fn(file, r.context);
-    fn(file, r.context_pixels); fn(file, r.weight); fn(file, r.position);
-    fn(file, r.position2);
-  }
-  for (auto& c : s.graph.contacts) { fn(file, c.a); fn(file, c.b); fn(file, c.stats); }
-  fn(file, s.graph.total_pixels); fn(file, s.objects_only);
-  for (auto& m : s.mass) fn(file, m);
-}
-void PutMap(std::ofstream& file, const std::map<int, double>& map) {
-  Put(file, map.size());
-  for (const auto& [k, v] : map) { Put(file, k); Put(file, v); }
-}
-void GetMap(std::ifstream& file, std::map<int, double>* map) {
-  size_t n = 0; Get(file, &n);
-  for (size_t i = 0; i < n; ++i) { int k; double v; Get(file, &k); Get(file, &v); (*map)[k] = v; }
-}
-void SaveScene(LearningScene& s, const fs::path& path) {
-  std::ofstream file(path, std::ios::binary);
-  Put(file, s.graph.regions.size()); Put(file, s.graph.contacts.size());
-  EachField(file, s, [](std::ofstream& f, const auto& v) { Put(f, v); });
-  for (const auto& v : s.votes) PutMap(file, v);
-  PutMap(file, s.segment_mass);
-  Put(file, s.pictures.size());
-  for (const auto& [name, p] : s.pictures) {
-    Put(file, name.size()); file.write(name.data(), name.size());
-    Put(file, p.width()); Put(file, p.height());
-    file.write(reinterpret_cast<const char*>(p.data()), p.size() * 4);
-  }
-}
-bool LoadCached(const fs::path& path, LearningScene* s) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return false;
-  size_t a = 0, b = 0; Get(file, &a); Get(file, &b);
-  s->graph.regions.resize(a); s->graph.contacts.resize(b); s->mass.resize(a); s->votes.resize(a);
-  EachField(file, *s, [](std::ifstream& f, auto& v) { Get(f, &v); });
-  for (auto& v : s->votes) GetMap(file, &v);
-  GetMap(file, &s->segment_mass);
-  size_t n = 0; Get(file, &n);
-  for (size_t i = 0; i < n; ++i) {
-    size_t l = 0; Get(file, &l); std::string name(l, ' '); file.read(name.data(), l);
-    int w = 0, h = 0; Get(file, &w); Get(file, &h);
-    Image<int32_t> p(w, h, 1); file.read(reinterpret_cast<char*>(p.data()), p.size() * 4);
-    s->pictures.emplace_back(name, std::move(p));
-  }
-  return true;
-}
-// CACHE-END
-
-// A classifier of evidence.
-class Learner {
- public:
-  virtual ~Learner() = default;
-  // Log-odds of being two things.
-  virtual double Difference(const Evidence& evidence) const = 0;
-};
-
 struct Example {
   Evidence evidence;
   bool different = false;
   float weight = 1;
 };
 
-class LogisticLearner : public Learner {
+// Logistic regression by Newton steps. Evidence that is left out has weight 0.
+class LogisticLearner {
  public:
-  std::set<std::string> without;
   LogisticLearner(const std::vector<Example>& examples,
                   std::set<std::string> left_out)
-      : without(std::move(left_out)) {
+      : without_(std::move(left_out)) {
     const size_t n = kNumEvidences;
     Eigen::VectorXd mean = Eigen::VectorXd::Zero(n);
     Eigen::VectorXd square = Eigen::VectorXd::Zero(n);
@@ -296,14 +227,15 @@ class LogisticLearner : public Learner {
   Eigen::VectorXd Row(const Evidence& evidence) const {
     Eigen::VectorXd x(kNumEvidences + 1);
     for (size_t k = 0; k < kNumEvidences; ++k) {
-      x[k] = without.count(semantics::kEvidenceNames[k]) > 0
+      x[k] = without_.count(semantics::kEvidenceNames[k]) > 0
                  ? 0
                  : (evidence[k] - mean_[k]) * scale_[k];
     }
     x[kNumEvidences] = 1;
     return x;
   }
-  double Difference(const Evidence& evidence) const override {
+  // Log-odds of being two things.
+  double Difference(const Evidence& evidence) const {
     return weights_.dot(Row(evidence));
   }
   semantics::EvidenceModel Model() const {
@@ -325,65 +257,8 @@ class LogisticLearner : public Learner {
   }
 
  private:
+  std::set<std::string> without_;
   Eigen::VectorXd mean_, scale_, weights_;
-};
-
-class BoostLearner : public Learner {
- public:
-  BoostLearner(const std::vector<Example>& examples, int depth, int count) {
-    cv::Mat rows(static_cast<int>(examples.size()),
-                 static_cast<int>(kNumEvidences),
-                 CV_32F);
-    cv::Mat responses(static_cast<int>(examples.size()), 1, CV_32S);
-    for (int i = 0; i < rows.rows; ++i) {
-      std::copy_n(
-          examples[i].evidence.data(), kNumEvidences, rows.ptr<float>(i));
-      responses.at<int>(i) = examples[i].different ? 1 : 0;
-    }
-    boost_ = cv::ml::Boost::create();
-    boost_->setBoostType(cv::ml::Boost::REAL);
-    boost_->setMaxDepth(depth);
-    boost_->setWeakCount(count);
-    boost_->setWeightTrimRate(0.95);
-    boost_->train(
-        cv::ml::TrainData::create(rows, cv::ml::ROW_SAMPLE, responses));
-    // Platt: log-odds = a * sum + b.
-    std::vector<std::pair<double, bool>> sums;
-    for (const Example& example : examples) {
-      sums.emplace_back(Sum(example.evidence), example.different);
-    }
-    for (int iteration = 0; iteration < 30; ++iteration) {
-      double g0 = 0, g1 = 0, h00 = 1e-6, h01 = 0, h11 = 1e-6;
-      for (const auto& [sum, different] : sums) {
-        const double p = 1 / (1 + std::exp(-(slope_ * sum + offset_)));
-        const double r = p - (different ? 1 : 0);
-        const double v = p * (1 - p);
-        g0 += r * sum;
-        g1 += r;
-        h00 += v * sum * sum;
-        h01 += v * sum;
-        h11 += v;
-      }
-      const double det = h00 * h11 - h01 * h01;
-      slope_ -= (h11 * g0 - h01 * g1) / det;
-      offset_ -= (h00 * g1 - h01 * g0) / det;
-    }
-  }
-  double Sum(const Evidence& evidence) const {
-    const cv::Mat row(1,
-                      static_cast<int>(kNumEvidences),
-                      CV_32F,
-                      const_cast<float*>(evidence.data()));
-    return boost_->predict(row, cv::noArray(), cv::ml::DTrees::PREDICT_SUM);
-  }
-  double Difference(const Evidence& evidence) const override {
-    return Sum(evidence) * 0.5;
-  }
-
- private:
-  cv::Ptr<cv::ml::Boost> boost_;
-  double slope_ = 0.1;
-  double offset_ = 0;
 };
 
 // The true segment of a region that is mostly one, or -1.
@@ -417,7 +292,10 @@ void Collect(const LearningScene& scene,
       join = sa < 0 && sb < 0;
     } else {
       join = sa == sb;
-      examples->push_back({e, !join, 1});
+      // Joining large regions wrongly does more harm: the root of the small
+      // region's pixels.
+      const double root = std::pow(10.0, 0.5 * (e[semantics::kSize] + 4));
+      examples->push_back({e, !join, static_cast<float>(root)});
       if (own_mistakes) join = difference(e) <= 0;
     }
     if (join) {
@@ -512,49 +390,6 @@ void Explain(const LearningScene& scene,
   }
 }
 
-// The longest contacts that are left, and their evidence.
-void ExplainContacts(const LearningScene& scene,
-                     const std::vector<int32_t>& region_of_patch,
-                     const Learner& learner) {
-  std::map<int32_t, semantics::RegionStats> regions;
-  std::map<int32_t, std::map<int, double>> votes;
-  std::map<int32_t, double> mass;
-  for (size_t p = 0; p < region_of_patch.size(); ++p) {
-    regions[region_of_patch[p]].Add(scene.graph.regions[p]);
-    mass[region_of_patch[p]] += scene.mass[p];
-    for (const auto& [id, n] : scene.votes[p])
-      votes[region_of_patch[p]][id] += n;
-  }
-  std::map<std::pair<int32_t, int32_t>, semantics::ContactStats> contacts;
-  for (const auto& contact : scene.graph.contacts) {
-    const auto key =
-        std::minmax(region_of_patch[contact.a], region_of_patch[contact.b]);
-    if (key.first != key.second) contacts[key].Add(contact.stats);
-  }
-  std::vector<std::pair<double, std::pair<int32_t, int32_t>>> order;
-  for (const auto& [key, stats] : contacts)
-    order.emplace_back(-stats.pixels, key);
-  std::sort(order.begin(), order.end());
-  for (size_t i = 0; i < std::min<size_t>(order.size(), 25); ++i) {
-    const auto [a, b] = order[i].second;
-    const Evidence e = semantics::MeasureEvidence(regions[a],
-                                                  regions[b],
-                                                  contacts[order[i].second],
-                                                  scene.graph.total_pixels);
-    std::printf("  %d(%d) %d(%d) %.0f px, difference %.2f:",
-                a,
-                TrueSegment(votes[a], mass[a]),
-                b,
-                TrueSegment(votes[b], mass[b]),
-                -order[i].first,
-                learner.Difference(e));
-    for (size_t k = 0; k < kNumEvidences; ++k) {
-      std::printf(" %s %.2f", semantics::kEvidenceNames[k], e[k]);
-    }
-    std::printf("\n");
-  }
-}
-
 void Draw(const LearningScene& scene,
           const std::vector<int32_t>& region_of_patch,
           const fs::path& folder) {
@@ -625,14 +460,13 @@ double Oracle(const LearningScene& scene) {
 }
 
 void WriteModel(const semantics::EvidenceModel& model,
-                double cut,
                 size_t num_scenes,
                 size_t num_examples,
                 const fs::path& path) {
   std::ofstream file(path);
   file << "{\n \"learnt_from\": {\"scenes\": " << num_scenes
-       << ", \"pairs\": " << num_examples << "},\n \"cut\": " << cut
-       << ",\n \"bias\": " << model.bias << ",\n \"evidence\": [\n";
+       << ", \"pairs\": " << num_examples << "},\n \"bias\": " << model.bias
+       << ",\n \"evidence\": [\n";
   for (size_t k = 0; k < kNumEvidences; ++k) {
     file << "  {\"name\": \"" << semantics::kEvidenceNames[k]
          << "\", \"mean\": " << model.mean[k]
@@ -643,129 +477,122 @@ void WriteModel(const semantics::EvidenceModel& model,
   file << " ]\n}\n";
 }
 
+// As many rounds as there are, each with the examples that the learner of the
+// one before came across, its own mistakes included.
+LogisticLearner Learn(const std::vector<LearningScene>& scenes,
+                      const std::vector<std::string>& without,
+                      size_t* num_examples) {
+  constexpr int kRounds = 3;
+  const std::set<std::string> left_out(without.begin(), without.end());
+  std::vector<Example> examples;
+  std::optional<LogisticLearner> learner;
+  for (int round = 0; round < kRounds; ++round) {
+    const semantics::DifferenceFn difference = [&](const Evidence& e) {
+      return learner ? learner->Difference(e)
+                     : double{e[semantics::kContrastFar]} +
+                           e[semantics::kHistogram] + e[semantics::kColor];
+    };
+    for (const LearningScene& scene : scenes) {
+      if (learner) Collect(scene, difference, true, &examples);
+      Collect(scene, difference, false, &examples);
+    }
+    learner.emplace(examples, left_out);
+  }
+  *num_examples = examples.size();
+  return *std::move(learner);
+}
+
+void Report(const std::vector<LearningScene>& scenes,
+            const LogisticLearner& learner,
+            const std::string& draw,
+            bool explain) {
+  constexpr double kCuts[] = {-2, -1, -0.5, 0, 0.5, 1, 2};
+  std::map<double, double> mean;
+  double best = 0;
+  double oracle = 0;
+  const auto share = 1 / static_cast<double>(scenes.size());
+  std::printf("%-14s", "cut at");
+  for (const double cut : kCuts) std::printf("   %6.1f", cut);
+  std::printf("  best level  patches\n");
+  for (const LearningScene& scene : scenes) {
+    const RegionTree tree = semantics::MergeRegions(
+        scene.graph,
+        [&](const Evidence& e) { return learner.Difference(e); },
+        std::numeric_limits<double>::infinity());
+    if (explain) Explain(scene, tree.Cut(0));
+    if (!draw.empty()) Draw(scene, tree.Cut(0), draw);
+    std::printf("%-14s", scene.name.c_str());
+    for (const double cut : kCuts) {
+      const Quality quality = Judge(scene, tree.Cut(cut));
+      std::printf(" %.3f/%2.0f", quality.miou, quality.pieces);
+      mean[cut] += quality.miou * share;
+    }
+    const double level = BestLevel(scene, tree);
+    const double most = Oracle(scene);
+    std::printf("  %10.3f  %7.3f\n", level, most);
+    best += level * share;
+    oracle += most * share;
+  }
+  std::printf("%-14s", "mean");
+  for (const double cut : kCuts) std::printf(" %.3f   ", mean[cut]);
+  std::printf("  %10.3f  %7.3f\n", best, oracle);
+}
+
 int Run(int argc, char** argv) {
   std::vector<std::string> train;
   std::vector<std::string> test;
-  std::string learner_name = "logistic";
-  int depth = 3;
-  int count = 150;
-  int rounds = 2;
-  bool explain = false;
-  bool mistakes = false;
-  std::string draw;
   std::vector<std::string> without;
-  std::string cache;
+  bool explain = false;
+  std::string draw;
   std::string out;
-  double cut = 0;
-  double draw_cut = 0;
-  semantics::PatchOptions options;
-  po::options_description description("Options");
-  description.add_options()(
-      "train", po::value(&train)->multitoken(), "WORKSPACE TRUTH ...")(
-      "test", po::value(&test)->multitoken(), "WORKSPACE TRUTH ...")(
-      "learner", po::value(&learner_name))("depth", po::value(&depth))(
-      "count", po::value(&count))("rounds", po::value(&rounds))(
-      "mistakes", po::bool_switch(&mistakes))("cache", po::value(&cache))(
-      "without", po::value(&without)->multitoken())("out", po::value(&out))("keep-cut", po::value(&cut))(
-      "draw", po::value(&draw))(
-      "cut", po::value(&draw_cut))("explain", po::bool_switch(&explain))(
-      "pixels", po::value(&options.patch_pixels))("side",
-                                                  po::value(&options.max_side));
+  po::options_description description(
+      "Learns what evidence is worth. Tables: mean IoU of objects and in how "
+      "many pieces they are, at several cuts");
+  // clang-format off
+  description.add_options()
+      ("help,h", "this text")
+      ("train", po::value(&train)->multitoken()->required(),
+       "WORKSPACE TRUTH ...: scenes of freegs_make_scene --scene clutter")
+      ("test", po::value(&test)->multitoken(), "WORKSPACE TRUTH ...")
+      ("out", po::value(&out), "JSON file to write")
+      ("without", po::value(&without)->multitoken(), "evidence to leave out")
+      ("draw", po::value(&draw), "folder for pictures of the regions")
+      ("explain", po::bool_switch(&explain), "a line for every object");
+  // clang-format on
   po::variables_map values;
-  po::store(po::parse_command_line(argc, argv, description), values);
-  po::notify(values);
+  try {
+    po::store(po::parse_command_line(argc, argv, description), values);
+    if (values.count("help") != 0) {
+      std::cout << description;
+      return 0;
+    }
+    po::notify(values);
+  } catch (const po::error& error) {
+    std::cerr << "freegs_fit_evidence: " << error.what() << "\n";
+    return 2;
+  }
   ThreadPool pool;
-  const auto load = [&](const std::vector<std::string>& names) {
-    std::vector<LearningScene> scenes;
+  std::vector<LearningScene> taught;
+  std::vector<LearningScene> tested;
+  for (const bool is_test : {false, true}) {
+    const std::vector<std::string>& names = is_test ? test : train;
     for (size_t i = 0; i + 1 < names.size(); i += 2) {
-      LearningScene kept;
-      kept.name = fs::path(names[i]).filename();
-      const fs::path file = fs::path(cache) / (kept.name + ".bin");
-      if (!cache.empty() && LoadCached(file, &kept)) {
-        scenes.push_back(std::move(kept));
-        continue;
-      }
-      auto scene = LoadScene(names[i], names[i + 1], options, pool);
-      if (!cache.empty() && scene.ok()) SaveScene(*scene, file);
+      auto scene = LoadScene(names[i], names[i + 1], {}, pool);
       if (!scene.ok()) {
         std::cerr << names[i] << ": " << scene.status().message() << "\n";
-        continue;
+        return 1;
       }
-      scenes.push_back(*std::move(scene));
-    }
-    return scenes;
-  };
-  const std::vector<LearningScene> taught = load(train);
-  const std::vector<LearningScene> tested = load(test);
-  std::vector<Example> examples;
-  std::unique_ptr<Learner> learner;
-  for (int round = 0; round < rounds; ++round) {
-    for (const LearningScene& scene : taught) {
-      if (learner && mistakes) {
-        Collect(
-            scene,
-            [&](const Evidence& e) { return learner->Difference(e); },
-            true,
-            &examples);
-      }
-      Collect(
-          scene,
-          [&](const Evidence& e) {
-            return learner ? learner->Difference(e) : e[semantics::kContrastFar] + e[semantics::kHistogram] +
-                             e[semantics::kColor];
-          },
-          false,
-          &examples);
-    }
-    size_t different = 0;
-    for (const Example& example : examples) different += example.different;
-    std::cerr << examples.size() << " examples, " << different
-              << " of two things\n";
-    if (learner_name == "logistic") {
-      auto logistic = std::make_unique<LogisticLearner>(
-          examples, std::set<std::string>(without.begin(), without.end()));
-      if (round + 1 == rounds) {
-        logistic->Print();
-        if (!out.empty()) {
-          WriteModel(logistic->Model(), cut, taught.size(), examples.size(), out);
-        }
-      }
-      learner = std::move(logistic);
-    } else {
-      learner = std::make_unique<BoostLearner>(examples, depth, count);
+      (is_test ? tested : taught).push_back(*std::move(scene));
     }
   }
-  const std::vector<double> cuts = {-3, -2, -1, -0.5, 0, 0.5, 1, 2, 3};
-  for (const auto* scenes : {&taught, &tested}) {
-    std::map<double, double> mean;
-    double best = 0;
-    double oracle = 0;
-    for (const LearningScene& scene : *scenes) {
-      const RegionTree tree = semantics::MergeRegions(
-          scene.graph,
-          [&](const Evidence& e) { return learner->Difference(e); },
-          1e300);
-      if (explain) {
-        Explain(scene, tree.Cut(draw_cut));
-        ExplainContacts(scene, tree.Cut(draw_cut), *learner);
-      }
-      if (!draw.empty()) Draw(scene, tree.Cut(draw_cut), draw);
-      std::printf("%-14s", scene.name.c_str());
-      for (const double cut : cuts) {
-        const Quality quality = Judge(scene, tree.Cut(cut));
-        std::printf(" %.3f/%.1f", quality.miou, quality.pieces);
-        mean[cut] += quality.miou / scenes->size();
-      }
-      const double level = BestLevel(scene, tree);
-      const double most = Oracle(scene);
-      std::printf("  level %.3f oracle %.3f\n", level, most);
-      best += level / scenes->size();
-      oracle += most / scenes->size();
-    }
-    std::printf("%-14s", "mean");
-    for (const double cut : cuts) std::printf(" %.3f    ", mean[cut]);
-    std::printf("  level %.3f oracle %.3f\n", best, oracle);
+  size_t num_examples = 0;
+  const LogisticLearner learner = Learn(taught, without, &num_examples);
+  learner.Print();
+  if (!out.empty()) {
+    WriteModel(learner.Model(), taught.size(), num_examples, out);
   }
+  Report(taught, learner, draw, explain);
+  if (!tested.empty()) Report(tested, learner, draw, explain);
   return 0;
 }
 

@@ -268,7 +268,8 @@ class ClusterCutter {
   std::vector<float> flat_positions_;
   std::vector<Patch> patches_;
   std::vector<int32_t> patch_of_point_;
-  std::vector<std::map<int32_t, PartContact>> contacts_;  // By patch, symmetric.
+  std::vector<std::map<int32_t, PartContact>>
+      contacts_;  // By patch, symmetric.
 };
 
 }  // namespace

@@ -53,16 +53,11 @@ StatusOr<EvidenceClusters> ClusterByEvidence(
   const auto difference = [&model](const Evidence& evidence) {
     return model.Difference(evidence);
   };
-  result.tree = MergeRegions(patches.graph,
-                             difference,
-                             std::numeric_limits<double>::infinity());
-  const std::vector<int32_t> cut =
-      result.tree.Cut(model.cut - options.granularity);
-  const std::vector<int32_t> region_of_patch =
-      AbsorbSmallRegions(patches.graph,
-                         cut,
-                         difference,
-                         kCrumbShare * patches.graph.total_pixels);
+  result.tree = MergeRegions(
+      patches.graph, difference, std::numeric_limits<double>::infinity());
+  const std::vector<int32_t> cut = result.tree.Cut(-options.granularity);
+  const std::vector<int32_t> region_of_patch = AbsorbSmallRegions(
+      patches.graph, cut, difference, kCrumbShare * patches.graph.total_pixels);
   // What stood against joining the regions that others were absorbed by.
   const std::vector<double> join_heights = JoinHeights(result.tree);
   std::vector<double> heights(region_of_patch.size(),
@@ -83,8 +78,8 @@ StatusOr<EvidenceClusters> ClusterByEvidence(
     }
     label_of_region[r] = static_cast<int32_t>(result.scores.size());
     result.scores.push_back(1 / (1 + std::exp(-heights[r])));
-    const RegionExtent extent = ExtentOf(
-        regions[r].weight, regions[r].position, regions[r].position2);
+    const RegionExtent extent =
+        ExtentOf(regions[r].weight, regions[r].position, regions[r].position2);
     const bool background =
         extent.Flatness() <= kBackgroundFlatness &&
         extent.width >= kBackgroundWidth * scene.scene_radius;

@@ -225,7 +225,8 @@ class InstanceClusterer {
     extent_ = ComputeSceneExtent(model_, views_, options_.min_opacity, pool_);
     result_.scene_radius = extent_.radius;
     if (cancelled()) return Interrupted();
-    if (options_.method == ClusteringMethod::kEvidence) {
+    if (options_.method == ClusteringMethod::kEvidence &&
+        !photos_.views.empty()) {
       FREEGS_RETURN_IF_ERROR(Evidence());
       return std::move(result_);
     }
@@ -245,19 +246,18 @@ class InstanceClusterer {
   Status Evidence() {
     FREEGS_ASSIGN_OR_RETURN(const EvidenceModel evidence,
                             DefaultEvidenceModel());
-    FREEGS_ASSIGN_OR_RETURN(
-        EvidenceClusters clusters,
-        ClusterByEvidence({.model = model_,
-                           .views = photos_.views,
-                           .render = photos_.render,
-                           .photo_of = photos_.photo_of,
-                           .semantics = semantics_.values,
-                           .dim = semantics_.dim,
-                           .scene_radius = extent_.radius},
-                          evidence,
-                          options_.evidence,
-                          pool_,
-                          cancellation_));
+    FREEGS_ASSIGN_OR_RETURN(EvidenceClusters clusters,
+                            ClusterByEvidence({.model = model_,
+                                               .views = photos_.views,
+                                               .render = photos_.render,
+                                               .photo_of = photos_.photo_of,
+                                               .semantics = semantics_.values,
+                                               .dim = semantics_.dim,
+                                               .scene_radius = extent_.radius},
+                                              evidence,
+                                              options_.evidence,
+                                              pool_,
+                                              cancellation_));
     result_.labels = std::move(clusters.labels);
     result_.planes = std::move(clusters.planes);
     for (const int32_t label : result_.labels) {

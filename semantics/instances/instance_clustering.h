@@ -32,8 +32,10 @@
 namespace freegs::semantics {
 
 enum class ClusteringMethod {
-  kEvidence,  // What speaks for or against one thing; see evidence_clustering.h.
-  kChain,     // Planes, HDBSCAN and rules; docs/clustering.md.
+  // What speaks for or against one thing; see evidence_clustering.h. Without
+  // photographs the chain takes its place.
+  kEvidence,
+  kChain,  // Planes, HDBSCAN and rules; docs/clustering.md.
 };
 
 struct InstanceClusteringOptions {

@@ -77,7 +77,8 @@ Evidence MeasureEvidence(const RegionStats& first,
       std::max(1.0, std::max(a.perimeter, b.perimeter));
   e[kInterleaved] = static_cast<float>(
       std::min(1.0, (seen + contact.hidden) / larger_outline));
-  e[kEnclosed] = static_cast<float>(std::min(1.0, (seen + contact.hidden) / outline));
+  e[kEnclosed] =
+      static_cast<float>(std::min(1.0, (seen + contact.hidden) / outline));
   const RegionExtent small = ExtentOf(a.weight, a.position, a.position2);
   const RegionExtent large = ExtentOf(b.weight, b.position, b.position2);
   const RegionExtent both = ExtentOf(
@@ -87,7 +88,8 @@ Evidence MeasureEvidence(const RegionStats& first,
   e[kFlatBoth] = static_cast<float>(both.Flatness());
   const double off = std::abs(large.normal.dot(small.centre - large.centre));
   const double scale = large.thickness + 0.05 * large.width;
-  e[kOffPlane] = static_cast<float>(scale > 0 ? std::min(1.0, off / scale / 4) : 1);
+  e[kOffPlane] =
+      static_cast<float>(scale > 0 ? std::min(1.0, off / scale / 4) : 1);
   if (!a.semantics.empty() && a.semantics.size() == b.semantics.size()) {
     double product = 0;
     double norm_a = 0;

@@ -41,11 +41,11 @@ enum EvidenceKind : size_t {
 
 // Names in files, in this order.
 inline constexpr std::array<const char*, kNumEvidences> kEvidenceNames = {
-    "contrast_near", "contrast_far",   "step",       "context",
-    "depth_step",    "hidden",         "color",      "color_contrast",
-    "histogram",     "spread",         "concave",    "convex",
-    "bend",          "interleaved",    "enclosed",   "size",
-    "flat_small",    "flat_large",     "flat_both",  "off_plane",
+    "contrast_near", "contrast_far", "step",      "context",
+    "depth_step",    "hidden",       "color",     "color_contrast",
+    "histogram",     "spread",       "concave",   "convex",
+    "bend",          "interleaved",  "enclosed",  "size",
+    "flat_small",    "flat_large",   "flat_both", "off_plane",
     "semantics"};
 
 using Evidence = std::array<float, kNumEvidences>;

@@ -30,8 +30,6 @@ StatusOr<EvidenceModel> ParseEvidenceModel(std::string_view text) {
   EvidenceModel model;
   FREEGS_ASSIGN_OR_RETURN(model.bias,
                           number(document, "bias", -kMaxNumber, "evidence"));
-  FREEGS_ASSIGN_OR_RETURN(model.cut,
-                          number(document, "cut", -kMaxNumber, "evidence"));
   const nlohmann::json* rows = FindField(document, "evidence");
   if (rows == nullptr || !rows->is_array() || rows->size() != kNumEvidences) {
     return BadInputError("evidence: \"evidence\" must be a list of " +
@@ -39,9 +37,8 @@ StatusOr<EvidenceModel> ParseEvidenceModel(std::string_view text) {
   }
   std::array<bool, kNumEvidences> known = {};
   for (const nlohmann::json& row : *rows) {
-    FREEGS_ASSIGN_OR_RETURN(
-        const std::string name,
-        ReadText(FindField(row, "name"), "evidence: name"));
+    FREEGS_ASSIGN_OR_RETURN(const std::string name,
+                            ReadText(FindField(row, "name"), "evidence: name"));
     const auto at =
         std::find(kEvidenceNames.begin(), kEvidenceNames.end(), name);
     const auto k = static_cast<size_t>(at - kEvidenceNames.begin());

@@ -20,8 +20,6 @@ struct EvidenceModel {
   std::array<double, kNumEvidences> deviation = {};
   std::array<double, kNumEvidences> weight = {};
   double bias = 0;
-  // Log-odds below which two regions are one thing.
-  double cut = 0;
 
   // Log-odds of being two things.
   double Difference(const Evidence& evidence) const {
@@ -33,7 +31,7 @@ struct EvidenceModel {
   }
 };
 
-// {"bias": -5.5, "cut": 0, "evidence": [{"name": "contrast_near", "mean": 0.31,
+// {"bias": -5.5, "evidence": [{"name": "contrast_near", "mean": 0.31,
 // "deviation": 0.2, "weight": 0.47}, ...]}; other members are ignored.
 // kBadInput for malformed text, for evidence that is missing or unknown, and
 // for deviations that are not positive.

@@ -7,8 +7,8 @@
 namespace freegs::semantics {
 
 RegionExtent ExtentOf(double weight,
-                const Eigen::Vector3d& position,
-                const Eigen::Matrix3d& position2) {
+                      const Eigen::Vector3d& position,
+                      const Eigen::Matrix3d& position2) {
   RegionExtent extent;
   if (!(weight > 0)) return extent;
   extent.centre = position / weight;

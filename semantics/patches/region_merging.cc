@@ -3,8 +3,8 @@
 #include "semantics/patches/region_merging.h"
 
 #include <algorithm>
-#include <map>
 #include <limits>
+#include <map>
 #include <queue>
 #include <set>
 #include <tuple>
@@ -148,10 +148,10 @@ std::vector<int32_t> AbsorbSmallRegions(
   std::map<int32_t, int32_t> number;
   std::vector<int32_t> region(region_of_patch.size());
   for (size_t p = 0; p < region.size(); ++p) {
-    region[p] =
-        number
-            .try_emplace(region_of_patch[p], static_cast<int32_t>(number.size()))
-            .first->second;
+    region[p] = number
+                    .try_emplace(region_of_patch[p],
+                                 static_cast<int32_t>(number.size()))
+                    .first->second;
   }
   std::vector<RegionStats> regions(number.size());
   for (size_t p = 0; p < region.size(); ++p) {

@@ -32,7 +32,7 @@ struct PatchOptions {
   int max_side = 400;
 
   // Photographs that are looked at: at most so many, evenly chosen.
-  int max_views = 40;
+  int max_views = 24;
 
   // Extent of a patch in these photographs, in pixels.
   double patch_pixels = 8;

@@ -41,7 +41,7 @@ TEST(InstanceClusteringTest, SeparatesObjectsOnATable) {
   for (int i = 0; i < 3; ++i) views[i] = LookAtOrigin(2.1 * i);
   ThreadPool pool(2);
   const auto result =
-      ClusterInstances(scene.model, {}, views, {}, 0, pool, nullptr);
+      ClusterInstances(scene.model, {}, views, {}, {}, 0, pool, nullptr);
   ASSERT_TRUE(result.ok());
   for (int object = 0; object <= 4; ++object) {
     EXPECT_GT(BestIou(scene.truth, result->labels, object), 0.9) << object;
@@ -61,8 +61,9 @@ TEST(InstanceClusteringTest, SameLabelsForAnyNumberOfThreads) {
   const SyntheticGaussians scene = MakeTableScene();
   ThreadPool one(1);
   ThreadPool three(3);
-  const auto a = ClusterInstances(scene.model, {}, {}, {}, 5, one, nullptr);
-  const auto b = ClusterInstances(scene.model, {}, {}, {}, 5, three, nullptr);
+  const auto a = ClusterInstances(scene.model, {}, {}, {}, {}, 5, one, nullptr);
+  const auto b =
+      ClusterInstances(scene.model, {}, {}, {}, {}, 5, three, nullptr);
   ASSERT_TRUE(a.ok() && b.ok());
   EXPECT_EQ(a->labels, b->labels);
   EXPECT_EQ(a->scores, b->scores);
@@ -78,7 +79,7 @@ TEST(InstanceClusteringTest, BrokenGaussiansTakeNoPart) {
   scene.Add({1e9, 1e9, 0}, {nan, 0, 0}, 0.1, 0.9, -1);
   ThreadPool pool(1);
   const auto result =
-      ClusterInstances(scene.model, {}, {}, {}, 0, pool, nullptr);
+      ClusterInstances(scene.model, {}, {}, {}, {}, 0, pool, nullptr);
   ASSERT_TRUE(result.ok()) << result.status().message();
   EXPECT_EQ(result->num_instances, 5);
   for (size_t i = scene.truth.size() - 4; i < scene.truth.size(); ++i) {
@@ -91,7 +92,7 @@ TEST(InstanceClusteringTest, EmptyAndTinyModels) {
   SyntheticGaussians scene;
   for (int count = 0; count < 4; ++count) {
     const auto result =
-        ClusterInstances(scene.model, {}, {}, {}, 0, pool, nullptr);
+        ClusterInstances(scene.model, {}, {}, {}, {}, 0, pool, nullptr);
     ASSERT_TRUE(result.ok()) << result.status().message();
     EXPECT_EQ(result->num_instances, 0);
     EXPECT_EQ(result->labels.size(), static_cast<size_t>(count));
@@ -104,10 +105,11 @@ TEST(InstanceClusteringTest, StopsWhenCancelled) {
   ThreadPool pool(1);
   CancellationToken cancellation;
   cancellation.Cancel();
-  EXPECT_EQ(ClusterInstances(scene.model, {}, {}, {}, 0, pool, &cancellation)
-                .status()
-                .code(),
-            StatusCode::kInterrupted);
+  EXPECT_EQ(
+      ClusterInstances(scene.model, {}, {}, {}, {}, 0, pool, &cancellation)
+          .status()
+          .code(),
+      StatusCode::kInterrupted);
 }
 
 TEST(InstanceClusteringTest, RefusesBadOptions) {
@@ -115,13 +117,16 @@ TEST(InstanceClusteringTest, RefusesBadOptions) {
   const splat::GaussianModel model;
   InstanceClusteringOptions options;
   options.min_opacity = 1;
-  EXPECT_FALSE(ClusterInstances(model, {}, {}, options, 0, pool, nullptr).ok());
+  EXPECT_FALSE(
+      ClusterInstances(model, {}, {}, {}, options, 0, pool, nullptr).ok());
   options = {};
   options.space.color_weight = std::nan("");
-  EXPECT_FALSE(ClusterInstances(model, {}, {}, options, 0, pool, nullptr).ok());
+  EXPECT_FALSE(
+      ClusterInstances(model, {}, {}, {}, options, 0, pool, nullptr).ok());
   options = {};
   options.planes.min_width = -1;
-  EXPECT_FALSE(ClusterInstances(model, {}, {}, options, 0, pool, nullptr).ok());
+  EXPECT_FALSE(
+      ClusterInstances(model, {}, {}, {}, options, 0, pool, nullptr).ok());
 }
 
 }  // namespace

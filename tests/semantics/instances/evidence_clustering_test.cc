@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "semantics/instances/evidence_clustering.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "splat/render/renderer.h"
+#include "tests/semantics/synthetic_gaussians.h"
+
+namespace freegs::semantics {
+namespace {
+
+// The table scene, photographed by the renderer itself.
+class EvidenceClusteringTest : public testing::Test {
+ protected:
+  EvidenceClusteringTest() : scene_(MakeTableScene()) {
+    for (int i = 0; i < 6; ++i) {
+      View view = LookAtOrigin(1.05 * i);
+      view.camera = view.camera.Resized(160, 120);
+      views_.push_back(view);
+    }
+  }
+
+  StatusOr<EvidenceClusters> Cluster(int threads, double granularity) {
+    ThreadPool pool(threads);
+    const PatchScene scene{
+        .model = scene_.model,
+        .views = views_,
+        .render = render_,
+        .photo_of = [&](size_t v) -> StatusOr<ImageU8> {
+          const splat::RenderedView picture =
+              splat::RenderView(scene_.model,
+                                views_[v].camera,
+                                views_[v].cam_from_world,
+                                render_,
+                                pool);
+          ImageU8 photo(160, 120, 3);
+          for (size_t i = 0; i < photo.size(); ++i) {
+            photo.data()[i] = static_cast<uint8_t>(
+                255 * std::clamp(picture.color.data()[i], 0.0f, 1.0f));
+          }
+          return photo;
+        },
+        .semantics = {},
+        .scene_radius = 1};
+    FREEGS_ASSIGN_OR_RETURN(const EvidenceModel model, DefaultEvidenceModel());
+    return ClusterByEvidence(scene,
+                             model,
+                             {.patches = {}, .granularity = granularity},
+                             pool,
+                             nullptr);
+  }
+
+  const SyntheticGaussians scene_;
+  const splat::RenderOptions render_;
+  std::vector<View> views_;
+};
+
+size_t NumLabels(const std::vector<int32_t>& labels) {
+  std::set<int32_t> distinct(labels.begin(), labels.end());
+  distinct.erase(-1);
+  return distinct.size();
+}
+
+TEST_F(EvidenceClusteringTest, SameBytesForAnyNumberOfThreads) {
+  const auto one = Cluster(1, 0);
+  const auto three = Cluster(3, 0);
+  ASSERT_TRUE(one.ok() && three.ok());
+  EXPECT_EQ(one->labels, three->labels);
+  EXPECT_EQ(one->scores, three->scores);
+  EXPECT_EQ(one->patch_of_gaussian, three->patch_of_gaussian);
+}
+
+TEST_F(EvidenceClusteringTest, GranularityMakesMoreInstances) {
+  const auto coarse = Cluster(2, -100);
+  const auto normal = Cluster(2, 0);
+  const auto fine = Cluster(2, 100);
+  ASSERT_TRUE(coarse.ok() && normal.ok() && fine.ok());
+  EXPECT_LE(NumLabels(coarse->labels), NumLabels(normal->labels));
+  EXPECT_LT(NumLabels(normal->labels), NumLabels(fine->labels));
+  for (const double score : normal->scores) {
+    EXPECT_GE(score, 0.0);
+    EXPECT_LE(score, 1.0);
+  }
+}
+
+TEST_F(EvidenceClusteringTest, FailsWhereAPhotographDoes) {
+  ThreadPool pool(1);
+  const PatchScene scene{.model = scene_.model,
+                         .views = views_,
+                         .render = render_,
+                         .photo_of = [](size_t) -> StatusOr<ImageU8> {
+                           return BadInputError("no such photograph");
+                         },
+                         .semantics = {},
+                         .scene_radius = 1};
+  EXPECT_EQ(ClusterByEvidence(scene, EvidenceModel(), {}, pool, nullptr)
+                .status()
+                .code(),
+            StatusCode::kBadInput);
+}
+
+}  // namespace
+}  // namespace freegs::semantics

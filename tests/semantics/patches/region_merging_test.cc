@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "semantics/patches/region_merging.h"
+
+#include <limits>
+#include <set>
+
+#include <gtest/gtest.h>
+
+namespace freegs::semantics {
+namespace {
+
+constexpr double kAll = std::numeric_limits<double>::infinity();
+
+// A row of regions, of the given pixels, that touch their neighbours with the
+// given steps of colour.
+RegionGraph Row(const std::vector<double>& pixels,
+                const std::vector<double>& steps) {
+  RegionGraph graph;
+  for (const double count : pixels) {
+    RegionStats region;
+    region.pixels = count;
+    region.perimeter = 20;
+    graph.regions.push_back(region);
+    graph.total_pixels += count;
+  }
+  for (size_t i = 0; i < steps.size(); ++i) {
+    ContactStats contact;
+    contact.pixels = 10;
+    contact.contrast_near = 10 * steps[i];
+    graph.contacts.push_back(
+        {static_cast<int32_t>(i), static_cast<int32_t>(i + 1), contact});
+  }
+  return graph;
+}
+
+double ByContrast(const Evidence& evidence) { return evidence[kContrastNear]; }
+
+TEST(RegionMergingTest, JoinsTheMostAlikeFirst) {
+  const RegionGraph graph = Row({9, 9, 9, 9}, {0.5, 0.1, 0.9});
+  const RegionTree tree = MergeRegions(graph, ByContrast, kAll);
+  ASSERT_EQ(tree.merges.size(), 3u);
+  EXPECT_EQ(tree.merges[0].a, 1);
+  EXPECT_EQ(tree.merges[0].b, 2);
+  EXPECT_NEAR(tree.merges[0].height, 0.1, 1e-6);
+  const std::vector<int32_t> cut = tree.Cut(0.7);
+  EXPECT_EQ(cut[0], cut[1]);
+  EXPECT_EQ(cut[1], cut[2]);
+  EXPECT_NE(cut[2], cut[3]);
+  const std::vector<int32_t> leaves = tree.Cut(0);
+  EXPECT_EQ(std::set<int32_t>(leaves.begin(), leaves.end()).size(), 4u);
+}
+
+TEST(RegionMergingTest, HeightsNeverDescend) {
+  const RegionTree tree = MergeRegions(
+      Row({9, 9, 9, 9, 9}, {0.5, 0.4, 0.3, 0.2}), ByContrast, kAll);
+  for (size_t k = 1; k < tree.merges.size(); ++k) {
+    EXPECT_GE(tree.merges[k].height, tree.merges[k - 1].height);
+  }
+}
+
+TEST(RegionMergingTest, NothingAboveTheLimit) {
+  EXPECT_EQ(
+      MergeRegions(Row({9, 9, 9}, {0.2, 0.8}), ByContrast, 0.5).merges.size(),
+      1u);
+}
+
+TEST(RegionMergingTest, RefusedPairsStayApart) {
+  const RegionTree tree =
+      MergeRegions(Row({9, 9, 9}, {0.2, 0.8}),
+                   ByContrast,
+                   kAll,
+                   [](int32_t, int32_t, const Evidence&) { return false; });
+  EXPECT_TRUE(tree.merges.empty());
+}
+
+TEST(RegionMergingTest, SmallRegionsAreAbsorbedByTheMostAlike) {
+  const RegionGraph graph = Row({100, 2, 100, 1}, {0.6, 0.2, 0.9});
+  const std::vector<int32_t> regions =
+      AbsorbSmallRegions(graph, {7, 5, 3, 1}, ByContrast, 10);
+  EXPECT_EQ(regions, (std::vector<int32_t>{0, 1, 1, 1}));
+}
+
+TEST(RegionMergingTest, ARegionWithoutNeighboursStaysSmall) {
+  RegionGraph graph = Row({100, 100}, {0.1});
+  graph.regions.push_back(RegionStats());
+  EXPECT_EQ(AbsorbSmallRegions(graph, {0, 1, 2}, ByContrast, 10),
+            (std::vector<int32_t>{0, 1, 2}));
+}
+
+}  // namespace
+}  // namespace freegs::semantics
