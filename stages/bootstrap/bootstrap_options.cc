@@ -256,8 +256,8 @@ void RegisterBootstrapOptions(BootstrapStageOptions& options,
              .choices = {"lift", "paper", "geometry"}});
   table.Add("bootstrap.clustering",
             &options.clustering,
-            {.help = "Instances by a chain of rules, or from evidence in "
-                     "photographs and space.",
+            {.help = "Instances from evidence in photographs and space, or by "
+                     "a chain of rules about geometry and colour.",
              .choices = {"evidence", "chain"}});
   table.Add("bootstrap.granularity",
             &options.method.clustering.evidence.granularity,

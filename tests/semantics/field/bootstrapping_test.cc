@@ -18,6 +18,12 @@ namespace freegs::semantics {
 namespace {
 
 // The table scene, its pictures, and an encoder that sees colours.
+BootstrappingOptions WithChain() {
+  BootstrappingOptions options;
+  options.clustering.method = ClusteringMethod::kChain;
+  return options;
+}
+
 class BootstrappingTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -75,7 +81,8 @@ class BootstrappingTest : public testing::Test {
   std::vector<ImageU8> photos_;
   ColorEncoder encoder_;
   TemporaryFolder folder_;
-  BootstrappingOptions options_;
+  // The scene is made of points, which show no surfaces.
+  BootstrappingOptions options_ = WithChain();
   std::optional<FieldState> resume_from_;
   std::function<Status(const FieldTraining&, bool)> save_;
 };

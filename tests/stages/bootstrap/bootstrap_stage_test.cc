@@ -75,6 +75,8 @@ class BootstrapStageTest : public testing::Test {
     fs::create_directories(workspace() / "reconstruct");
     WriteModel(scene_.model);
     options_.mode = "geometry";
+    // The photographs are grey and show no evidence.
+    options_.clustering = "chain";
   }
 
   void WriteModel(const splat::GaussianModel& model) {
