@@ -194,16 +194,15 @@ class Bootstrapping {
 
   StatusOr<InstanceLabels> Cluster(std::span<const float> features) {
     clock_.Begin("clustering", 0);
-    return ClusterInstances(scene_.model,
-                            {features, grids_.axes.count},
-                            scene_.all_views,
-                            {.views = scene_.views,
-                             .photo_of = photo_of_,
-                             .render = scene_.render},
-                            options_.clustering,
-                            seed_,
-                            pool_,
-                            tools_.cancellation);
+    return ClusterInstances(
+        scene_.model,
+        {features, grids_.axes.count},
+        scene_.all_views,
+        {.views = scene_.views, .photo_of = photo_of_, .render = scene_.render},
+        options_.clustering,
+        seed_,
+        pool_,
+        tools_.cancellation);
   }
 
   // Instances as the photographs show them.

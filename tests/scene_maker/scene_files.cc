@@ -21,6 +21,8 @@ using nlohmann::json;
 
 constexpr int kMinMaskPixels = 30;
 
+using Eigen::Vector3d;
+
 json VectorJson(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 json MatrixJson(const Eigen::Matrix3d& m) {
@@ -60,6 +62,34 @@ json CamerasJson(const Scene& scene) {
             {"cy", camera.cy}}},
           {"train", PosesJson(scene.train)},
           {"test", PosesJson(scene.test)}};
+}
+
+// The training cameras as nerfstudio writes them, for --sfm.import.
+json TransformsJson(const Scene& scene) {
+  const Pinhole& camera = scene.train.front().camera;
+  json frames = json::array();
+  for (const View& view : scene.train) {
+    // Camera to world, with y up and z backward.
+    const Eigen::Matrix3d rotation =
+        view.cam_from_world.rotation.conjugate().toRotationMatrix() *
+        Vector3d(1, -1, -1).asDiagonal();
+    const Vector3d centre = CameraCentre(view.cam_from_world);
+    json rows = json::array();
+    for (int r = 0; r < 3; ++r) {
+      rows.push_back(json::array(
+          {rotation(r, 0), rotation(r, 1), rotation(r, 2), centre[r]}));
+    }
+    rows.push_back(json::array({0.0, 0.0, 0.0, 1.0}));
+    frames.push_back(
+        {{"file_path", "images/" + view.name}, {"transform_matrix", rows}});
+  }
+  return {{"w", camera.width},
+          {"h", camera.height},
+          {"fl_x", camera.fx},
+          {"fl_y", camera.fy},
+          {"cx", camera.cx},
+          {"cy", camera.cy},
+          {"frames", frames}};
 }
 
 // Pixels of each object, by id, in each view.
@@ -205,8 +235,11 @@ Status WriteScene(const Scene& scene,
                   ThreadPool& pool,
                   const std::function<void(int, int)>& progress) {
   for (const char* name :
-       {"images", "test/images", "gt/instance", "gt/surfaces", "gt/depth"}) {
+       {"images", "test/images", "gt/instance", "gt/depth"}) {
     FREEGS_RETURN_IF_ERROR(CreateFolders(folder / name));
+  }
+  if (scene.options.subject == Subject::kClutter) {
+    FREEGS_RETURN_IF_ERROR(CreateFolders(folder / "gt/surfaces"));
   }
   const size_t num_labels = scene.objects.size() + 1;
   const int total = static_cast<int>(scene.train.size() + scene.test.size());
@@ -236,6 +269,8 @@ Status WriteScene(const Scene& scene,
   }
   FREEGS_RETURN_IF_ERROR(WriteFileAtomic(folder / "gt/cameras.json",
                                          JsonText(CamerasJson(scene), 1)));
+  FREEGS_RETURN_IF_ERROR(WriteFileAtomic(folder / "gt/transforms.json",
+                                         JsonText(TransformsJson(scene), 1)));
   FREEGS_RETURN_IF_ERROR(
       WriteFileAtomic(folder / "gt/objects.json",
                       JsonText(ObjectsJson(scene, train, test), 1)));

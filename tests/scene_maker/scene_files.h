@@ -21,6 +21,7 @@ namespace freegs::scene_maker {
 //   test/masks/<view>/<label>.png             objects with >= 30 pixels, 0/255
 //   test/masks_background/<view>/<class>.png  table, floor, wall
 //   gt/cameras.json                           intrinsics, world_to_camera
+//   gt/transforms.json                        training cameras for --sfm.import
 //   gt/objects.json                           labels and boxes
 //   gt/instance/<view>.png                    8-bit object ids, train and test
 //   gt/surfaces/<view>.png                    of clutter: 8-bit object ids, and

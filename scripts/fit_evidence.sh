@@ -1,0 +1,39 @@
+#!/bin/sh
+# SPDX-License-Identifier: BSD-3-Clause
+# Learns anew what evidence for instances is worth (semantics/patches/evidence.json)
+# from scenes that the scene maker draws:
+#
+#   scripts/fit_evidence.sh BUILD FOLDER [FIRST_SEED [LAST_SEED]]
+#
+# BUILD has the programs (FREEGS_BUILD_BENCHMARKS=ON). A scene takes two to four
+# minutes on 2 cores; those that are already in FOLDER are not made again.
+set -eu
+bin=$1/bin
+out=$2
+first=${3:-1}
+last=${4:-12}
+mkdir -p "$out"
+scenes=
+seed=$first
+while [ "$seed" -le "$last" ]; do
+  scene=$out/scene_$seed
+  workspace=$out/workspace_$seed
+  # All around the table, a part of it, few photographs.
+  case $((seed % 3)) in
+    0) views=40 arc=0 ;;
+    1) views=20 arc=90 ;;
+    *) views=30 arc=360 ;;
+  esac
+  if [ ! -f "$scene/gt/transforms.json" ]; then
+    "$bin/freegs_make_scene" --scene clutter --out "$scene" --seed "$seed" \
+      --views $views --arc $arc --test_views 4 --width 480 --height 360
+  fi
+  "$bin/freegs_pipeline" run "$scene/images" "$workspace" \
+    --sfm.import "$scene/gt/transforms.json" --reconstruct.iterations 2000 \
+    --to reconstruct
+  scenes="$scenes $workspace $scene"
+  seed=$((seed + 1))
+done
+# shellcheck disable=SC2086
+"$bin/freegs_fit_evidence" --train $scenes --out "$out/evidence.json"
+echo "$out/evidence.json: compare, then copy to semantics/patches/evidence.json"
