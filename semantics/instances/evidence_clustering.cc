@@ -10,10 +10,9 @@
 namespace freegs::semantics {
 namespace {
 
-// Regions of a smaller share of all pixels are crumbs of their neighbours.
+// Regions of a smaller share of all pixels are crumbs: they join a neighbour
+// or, if they have none, belong to nobody.
 constexpr double kCrumbShare = 2e-4;
-// What is left of a smaller share of all pixels is hardly seen.
-constexpr double kMinPixelShare = 2e-4;
 // A region is background if it is this flat (RegionExtent::Flatness) and its
 // width, a standard deviation, is this many scene radii.
 constexpr double kBackgroundFlatness = 0.2;
@@ -73,7 +72,7 @@ StatusOr<EvidenceClusters> ClusterByEvidence(
   }
   std::vector<int32_t> label_of_region(heights.size(), -1);
   for (size_t r = 0; r < regions.size(); ++r) {
-    if (!(regions[r].pixels > kMinPixelShare * patches.graph.total_pixels)) {
+    if (!(regions[r].pixels > kCrumbShare * patches.graph.total_pixels)) {
       continue;
     }
     label_of_region[r] = static_cast<int32_t>(result.scores.size());

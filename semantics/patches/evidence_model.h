@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What evidence is worth: a logistic regression, learnt from drawn scenes whose
-// truth is known (scripts/fit_evidence.py).
+// truth is known (scripts/fit_evidence.sh).
 
 #ifndef FREEGS_SEMANTICS_PATCHES_EVIDENCE_MODEL_H_
 #define FREEGS_SEMANTICS_PATCHES_EVIDENCE_MODEL_H_

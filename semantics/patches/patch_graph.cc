@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
-#include "core/kd_tree.h"
 #include "semantics/patches/local_contrast.h"
 
 namespace freegs::semantics {
@@ -22,10 +22,7 @@ constexpr double kDepthJump = 1;
 constexpr int kReferenceSide = 400;
 constexpr double kNearReach = 3;
 constexpr double kFarReach = 8;
-// Gaussians touch if they are among the nearest and not farther apart than so
-// many patch sizes.
-constexpr int kNeighbors = 8;
-constexpr double kMaxDistance = 1.5;
+// The context of a patch reaches over so many neighbours.
 constexpr int kContextSteps = 2;
 // Normals and positions at creases are means over patches so many steps around,
 // of colours that differ by less than about this (L*a*b* / 100).
@@ -273,18 +270,11 @@ void PatchGraphBuilder::AddCrossings(const std::vector<Crossing>& crossings) {
   }
 }
 
-Status PatchGraphBuilder::AddGaussians(std::span<const float> semantics,
-                                       int dim,
-                                       ThreadPool& pool) {
-  std::vector<uint32_t> rows;
-  std::vector<float> positions;
+void PatchGraphBuilder::AddGaussians(std::span<const float> semantics,
+                                     int dim) {
   for (uint32_t g = 0; g < patch_of_gaussian_.size(); ++g) {
     const int32_t patch = patch_of_gaussian_[g];
     if (patch < 0) continue;
-    rows.push_back(g);
-    for (size_t k = 0; k < 3; ++k) {
-      positions.push_back(model_.means[g * size_t{3} + k]);
-    }
     RegionStats& region = graph_.regions[patch];
     const Eigen::Vector3d x = RowOf3(model_.means, g);
     region.weight += seen_[g];
@@ -304,41 +294,6 @@ Status PatchGraphBuilder::AddGaussians(std::span<const float> semantics,
   for (size_t p = 0; p < normal_.size(); ++p) {
     if (normal_[p].dot(towards_camera_[p]) < 0) normal_[p] = -normal_[p];
   }
-  FREEGS_ASSIGN_OR_RETURN(const KdTree tree, KdTree::Build(positions, 3));
-  std::vector<std::array<int32_t, kNeighbors>> touching(rows.size());
-  pool.ParallelFor(
-      0,
-      static_cast<int64_t>(rows.size()),
-      kGaussianGrain,
-      [&](int64_t first, int64_t last, int) {
-        std::vector<Neighbor> nearest;
-        for (int64_t i = first; i < last; ++i) {
-          touching[i].fill(-1);
-          const int32_t patch = patch_of_gaussian_[rows[i]];
-          tree.Nearest(positions.data() + i * 3,
-                       kNeighbors,
-                       static_cast<uint32_t>(i),
-                       &nearest);
-          for (size_t k = 0; k < nearest.size(); ++k) {
-            const int32_t other = patch_of_gaussian_[rows[nearest[k].index]];
-            const double reach = kMaxDistance * 0.5 *
-                                 (depth_scale_[patch] + depth_scale_[other]);
-            if (other != patch && nearest[k].distance2 <= reach * reach) {
-              touching[i][k] = other;
-            }
-          }
-        }
-      });
-  for (size_t i = 0; i < rows.size(); ++i) {
-    const int32_t patch = patch_of_gaussian_[rows[i]];
-    for (const int32_t other : touching[i]) {
-      if (other < 0) continue;
-      ContactStats& contact =
-          ContactOf(std::min(patch, other), std::max(patch, other));
-      contact.points += 1;
-    }
-  }
-  return Status();
 }
 
 void PatchGraphBuilder::AddCreases() {
@@ -411,10 +366,9 @@ void PatchGraphBuilder::AddContext() {
   }
 }
 
-StatusOr<RegionGraph> PatchGraphBuilder::Finish(
-    std::span<const float> semantics, int dim, ThreadPool& pool) {
-  FREEGS_RETURN_IF_ERROR(AddGaussians(semantics, dim, pool));
-  // What no photograph shows is not compared.
+RegionGraph PatchGraphBuilder::Finish(std::span<const float> semantics,
+                                      int dim) {
+  AddGaussians(semantics, dim);
   std::erase_if(graph_.contacts, [](const Contact& contact) {
     return contact.stats.pixels < kMinCrossings;
   });

@@ -2,10 +2,10 @@
 // Looks at patches in the photographs and in space, and makes a RegionGraph of
 // them.
 //
-//   PatchGraphBuilder builder(model, patch_of_gaussian, size_of_patch);
-//   for (...) FREEGS_RETURN_IF_ERROR(builder.AddView(weights, view, photo,
-//   pool)); FREEGS_ASSIGN_OR_RETURN(const RegionGraph graph,
-//   builder.Finish(pool));
+//   PatchGraphBuilder builder(
+//       model, patch_of_gaussian, normals, size_of_patch, depth_scale);
+//   FREEGS_RETURN_IF_ERROR(builder.AddView(weights, view, photo, pool));
+//   const RegionGraph graph = builder.Finish({}, 0);
 
 #ifndef FREEGS_SEMANTICS_PATCHES_PATCH_GRAPH_H_
 #define FREEGS_SEMANTICS_PATCHES_PATCH_GRAPH_H_
@@ -39,9 +39,9 @@ class PatchGraphBuilder {
                     std::vector<float> size_of_patch,
                     std::vector<float> depth_scale);
 
-  // weights: of the view at the size of `photo`, RGB in [0, 1]; the camera has
-  // this size, too. The result is
-  // the same for any number of threads. kInvalidArgument for sizes that differ.
+  // photo: RGB in [0, 1]. Weights, photo and the view's camera have the same
+  // size; kInvalidArgument if they do not. The result does not depend on the
+  // number of threads.
   Status AddView(const splat::WeightMatrix& weights,
                  const View& view,
                  const ImageF& photo,
@@ -49,9 +49,7 @@ class PatchGraphBuilder {
 
   // To be called once, after all views. semantics: a vector of `dim` numbers
   // for each Gaussian, or empty.
-  StatusOr<RegionGraph> Finish(std::span<const float> semantics,
-                               int dim,
-                               ThreadPool& pool);
+  RegionGraph Finish(std::span<const float> semantics, int dim);
 
  private:
   // Planes of the patches in the camera frame of a view.
@@ -71,9 +69,7 @@ class PatchGraphBuilder {
   ContactStats& ContactOf(int32_t a, int32_t b);
   void AddContext();
   void AddCreases();
-  Status AddGaussians(std::span<const float> semantics,
-                      int dim,
-                      ThreadPool& pool);
+  void AddGaussians(std::span<const float> semantics, int dim);
 
   const splat::GaussianModel& model_;
   std::vector<int32_t> patch_of_gaussian_;

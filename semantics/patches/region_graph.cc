@@ -2,6 +2,8 @@
 
 #include "semantics/patches/region_graph.h"
 
+#include <algorithm>
+
 #include <Eigen/Eigenvalues>
 
 namespace freegs::semantics {
@@ -41,7 +43,8 @@ void RegionStats::Add(const RegionStats& other) {
   weight += other.weight;
   position += other.position;
   position2 += other.position2;
-  for (size_t k = 0; k < semantics.size(); ++k) {
+  semantics.resize(std::max(semantics.size(), other.semantics.size()), 0.0f);
+  for (size_t k = 0; k < other.semantics.size(); ++k) {
     semantics[k] += other.semantics[k];
   }
 }
@@ -53,7 +56,6 @@ void ContactStats::Add(const ContactStats& other) {
   contrast_far += other.contrast_far;
   difference += other.difference;
   depth_step += other.depth_step;
-  points += other.points;
   concavity += other.concavity;
   bend += other.bend;
 }

@@ -160,8 +160,7 @@ StatusOr<ScenePatches> BuildScenePatches(
     FREEGS_RETURN_IF_ERROR(
         builder.AddView(weights.matrix(), views[v], small, pool));
   }
-  FREEGS_ASSIGN_OR_RETURN(result.graph,
-                          builder.Finish(scene.semantics, scene.dim, pool));
+  result.graph = builder.Finish(scene.semantics, scene.dim);
   return result;
 }
 
