@@ -11,25 +11,28 @@ set -eu
 bin=$1/bin
 out=$2
 first=${3:-1}
-last=${4:-12}
+last=${4:-24}
 mkdir -p "$out"
 scenes=
 seed=$first
 while [ "$seed" -le "$last" ]; do
   scene=$out/scene_$seed
   workspace=$out/workspace_$seed
-  # All around the table, a part of it, few photographs.
-  case $((seed % 3)) in
+  # All around the table, a part of it, few photographs, hardly any parallax;
+  # and reconstructions of more than one quality.
+  case $((seed % 4)) in
     0) views=40 arc=0 ;;
     1) views=20 arc=90 ;;
-    *) views=30 arc=360 ;;
+    2) views=30 arc=360 ;;
+    *) views=16 arc=25 ;;
   esac
+  iterations=$((1000 + 500 * (seed % 3)))
   if [ ! -f "$scene/gt/transforms.json" ]; then
     "$bin/freegs_make_scene" --scene clutter --out "$scene" --seed "$seed" \
       --views $views --arc $arc --test_views 4 --width 480 --height 360
   fi
   "$bin/freegs_pipeline" run "$scene/images" "$workspace" \
-    --sfm.import "$scene/gt/transforms.json" --reconstruct.iterations 2000 \
+    --sfm.import "$scene/gt/transforms.json" --reconstruct.iterations $iterations \
     --to reconstruct
   scenes="$scenes $workspace $scene"
   seed=$((seed + 1))

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "core/random.h"
+#include "tests/scene_maker/clutter.h"
 #include "tests/scene_maker/scene.h"
 
 namespace freegs::scene_maker {
@@ -114,9 +115,10 @@ Rigid3d PoseOnPath(const SceneMakerOptions& options,
   if (options.subject == Subject::kClutter) {
     // Every scene is seen from another distance, and not always in the middle.
     RandomStream choice(options.seed, kClutterStream);
-    distance *= 0.45 + 0.65 * choice.Uniform();
-    target.x() += 0.3 * choice.Uniform() - 0.15;
-    target.y() += 0.3 * choice.Uniform() - 0.15;
+    const double scale = ClutterScale(options.seed);
+    distance *= scale * (0.45 + 0.65 * choice.Uniform());
+    target.x() += scale * (0.3 * choice.Uniform() - 0.15);
+    target.y() += scale * (0.3 * choice.Uniform() - 0.15);
   }
   const Vector3d eye =
       target + distance * Vector3d(std::cos(elevation) * std::cos(azimuth),

@@ -25,6 +25,7 @@ constexpr double kWallThickness = 0.05;
 constexpr int kThrows = 60;  // Places that are tried for a thing.
 constexpr uint64_t kRoomStream = 9100;
 constexpr uint64_t kThingStream = 9200;
+constexpr uint64_t kScaleStream = 9300;
 
 // Where a thing was put.
 struct Standing {
@@ -124,6 +125,12 @@ void HangPicture(bool on_y, double along, RandomStream* random, Scene* scene) {
 
 }  // namespace
 
+double ClutterScale(uint64_t seed) {
+  RandomStream random(seed, kScaleStream);
+  const bool large = random.Index(3) == 0;
+  return large ? 1.4 + random.Uniform() : 1;
+}
+
 void AddRandomRoom(Scene* scene) {
   RandomStream random(scene->options.seed, kRoomStream);
   const auto add = [&](Shape shape,
@@ -171,17 +178,18 @@ void AddRandomRoom(Scene* scene) {
         random.Index(2) == 0 ? walls : RandomMaterial(0.6, &random));
   }
   constexpr double kHalfTop = 0.018;
+  const double radius = kTableRadius * ClutterScale(scene->options.seed);
   const Texture top = RandomMaterial(0.5, &random);
   if (random.Index(2) == 0) {
     add(Shape::kFrustum,
-        {kTableRadius, kTableRadius, kHalfTop},
+        {radius, radius, kHalfTop},
         {0, 0, kTableHeight - kHalfTop},
         0,
         7,
         top);
   } else {
     add(Shape::kBox,
-        {kTableRadius, kTableRadius * (0.6 + 0.4 * random.Uniform()), kHalfTop},
+        {radius, radius * (0.6 + 0.4 * random.Uniform()), kHalfTop},
         {0, 0, kTableHeight - kHalfTop},
         0,
         7,
@@ -194,65 +202,87 @@ void AddRandomRoom(Scene* scene) {
                           2.2 + 0.5 * random.Uniform());
 }
 
+namespace {
+
+// Looks for a place that is free, on top of a flat thing or, sometimes, right
+// beside another. Returns false if there is none.
+bool FindPlace(const CatalogueItem& item,
+               bool flat,
+               double table_radius,
+               const std::vector<Standing>& places,
+               RandomStream* random,
+               Standing* place,
+               double* height) {
+  const double reach = Reach(item);
+  // Closer than this to another thing is touching it or being on it.
+  const bool touching = random->Index(3) == 0;
+  for (int dart = 0; dart < kThrows; ++dart) {
+    const double angle = 2 * std::numbers::pi * random->Uniform();
+    const double from_middle =
+        0.55 * table_radius * std::sqrt(random->Uniform());
+    *place = {.x = from_middle * std::cos(angle),
+              .y = from_middle * std::sin(angle),
+              .radius = reach,
+              .top = 0,
+              .flat = flat};
+    *height = kTableHeight;
+    const Standing* near = nullptr;
+    for (const Standing& other : places) {
+      const double distance =
+          std::hypot(place->x - other.x, place->y - other.y);
+      if (other.flat && distance + 0.5 * reach < 0.6 * other.radius) {
+        *height = std::max(*height, other.top);  // On top of it.
+      } else if (distance < reach + other.radius) {
+        near = &other;
+      }
+    }
+    if (near == nullptr) return true;
+    if (!touching || near->flat || flat) continue;
+    // Moved out until it touches.
+    const double away = std::atan2(place->y - near->y, place->x - near->x);
+    const double distance = 0.93 * (reach + near->radius);
+    place->x = near->x + distance * std::cos(away);
+    place->y = near->y + distance * std::sin(away);
+    *height = kTableHeight;
+    const bool free =
+        std::all_of(places.begin(), places.end(), [&](const Standing& other) {
+          return &other == near ||
+                 std::hypot(place->x - other.x, place->y - other.y) >=
+                     reach + other.radius;
+        });
+    if (free) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
 Status AddClutter(Scene* scene) {
   RandomStream random(scene->options.seed, kThingStream);
+  const double scale = ClutterScale(scene->options.seed);
   std::vector<Standing> places;
   const int wanted = scene->options.objects;
   for (int i = 0; i < wanted; ++i) {
     // Flat things come first, so that others come to stand on them.
     const bool flat = i < wanted / 3;
-    const double size =
-        flat ? 0.15 + 0.18 * random.Uniform() : 0.06 + 0.09 * random.Uniform();
+    const double size = scale * (flat ? 0.15 + 0.18 * random.Uniform()
+                                      : 0.06 + 0.09 * random.Uniform());
     const CatalogueItem item = RandomThing(size, flat, &random);
-    const double reach = Reach(item);
     const double turn = 2 * std::numbers::pi * random.Uniform();
-    // Closer than this to another thing is touching it or being on it.
-    const bool touching = random.Index(3) == 0;
-    for (int dart = 0; dart < kThrows; ++dart) {
-      const double angle = 2 * std::numbers::pi * random.Uniform();
-      const double from_middle =
-          (0.55 * kTableRadius) * std::sqrt(random.Uniform());
-      Standing place{.x = from_middle * std::cos(angle),
-                     .y = from_middle * std::sin(angle),
-                     .radius = reach,
-                     .top = 0,
-                     .flat = flat};
-      double height = kTableHeight;
-      bool free = true;
-      const Standing* touched = nullptr;
-      for (const Standing& other : places) {
-        const double distance =
-            std::hypot(place.x - other.x, place.y - other.y);
-        if (other.flat && distance + 0.5 * reach < 0.6 * other.radius) {
-          height = std::max(height, other.top);  // On top of it.
-        } else if (distance < reach + other.radius) {
-          free = false;
-          touched = &other;
-        }
-      }
-      if (!free && touching && touched != nullptr && !touched->flat && !flat) {
-        // Moved out until it touches.
-        const double away =
-            std::atan2(place.y - touched->y, place.x - touched->x);
-        const double distance = 0.93 * (reach + touched->radius);
-        place.x = touched->x + distance * std::cos(away);
-        place.y = touched->y + distance * std::sin(away);
-        free = true;
-        height = kTableHeight;
-        for (const Standing& other : places) {
-          if (&other != touched &&
-              std::hypot(place.x - other.x, place.y - other.y) <
-                  reach + other.radius) {
-            free = false;
-          }
-        }
-      }
-      if (!free) continue;
-      place.top = height + Height(item);
-      PutThing(item, place, height, turn, scene);
-      places.push_back(place);
-      break;
+    Standing place;
+    double height = 0;
+    if (!FindPlace(item,
+                   flat,
+                   scale * kTableRadius,
+                   places,
+                   &random,
+                   &place,
+                   &height)) {
+      continue;
     }
+    place.top = height + Height(item);
+    PutThing(item, place, height, turn, scene);
+    places.push_back(place);
   }
   if (scene->objects.empty()) {
     return InternalError("nothing fits on the table");

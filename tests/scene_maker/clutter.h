@@ -16,6 +16,20 @@
 
 namespace freegs::scene_maker {
 
+inline double Between(double low, double high, RandomStream* random) {
+  return low + (high - low) * random->Uniform();
+}
+
+// Colours as things have them: greys and pale ones as often as strong ones.
+Color RandomColor(RandomStream* random);
+
+// One colour with the faint blotches that all real surfaces have. scale:
+// metres.
+Texture Worn(Color color, float strength, float scale, uint32_t seed);
+
+// Fur of one or two colours, for a part of about `size` metres.
+Texture RandomFur(double size, RandomStream* random);
+
 // A material of any kind and colours, for a part of about `size` metres.
 Texture RandomMaterial(double size, RandomStream* random);
 
@@ -23,6 +37,11 @@ Texture RandomMaterial(double size, RandomStream* random);
 // a bottle, a cup, a figure of several colours, a plant of thin leaves, ...
 // `flat` asks for a sheet, a mat or a book, on which others can stand.
 CatalogueItem RandomThing(double reach, bool flat, RandomStream* random);
+
+// How large table, things and distances of this scene are, relative to those of
+// a table of small things: 1, or up to 2.4, where the table is rather a carpet
+// between the walls, on which pieces of furniture stand.
+double ClutterScale(uint64_t seed);
 
 // Walls, floor and table of random materials; pictures hang on the walls.
 void AddRandomRoom(Scene* scene);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Random materials, and the things that are made of them.
+// Things of random shapes.
 
 #include <algorithm>
 #include <cmath>
@@ -16,58 +16,6 @@ namespace freegs::scene_maker {
 namespace {
 
 using Eigen::Vector3d;
-
-double Between(double low, double high, RandomStream* random) {
-  return low + (high - low) * random->Uniform();
-}
-
-// Colours as things have them: greys and pale ones as often as strong ones.
-Color RandomColor(RandomStream* random) {
-  const double hue = 6 * random->Uniform();
-  const double saturation = random->Index(3) == 0
-                                ? 0.1 * random->Uniform()
-                                : 0.85 * std::pow(random->Uniform(), 1.3);
-  const double value = Between(0.15, 0.9, random);
-  Color color;
-  for (int c = 0; c < 3; ++c) {
-    const double k = std::fmod(5 - 2 * c + hue, 6);
-    const double v =
-        value * (1 - saturation * std::clamp(std::min(k, 4 - k), 0.0, 1.0));
-    color[c] = static_cast<float>(std::pow(v, 2.2));
-  }
-  return color;
-}
-
-// One colour with the faint blotches that all real surfaces have.
-Texture Worn(Color color, float strength, float scale, uint32_t seed) {
-  return [=](const SurfacePoint& s) -> Color {
-    const float blotch = FractalNoise(s.position, scale, 5, s.footprint, seed);
-    return color * std::max(0.1f, 1 + strength * blotch);
-  };
-}
-
-// Stripes across any direction, of two colours.
-Texture Stripes(Color first, Color second, float width, float angle) {
-  return [=](const SurfacePoint& s) -> Color {
-    const float along = std::cos(angle) * s.position.x() +
-                        std::sin(angle) * s.position.y() +
-                        0.7f * s.position.z();
-    const float phase = along / width - std::floor(along / width);
-    return phase < 0.5f ? first : second;
-  };
-}
-
-// Shreds of fur: strong grain along z at the size of hairs.
-Texture Fur(Color color, uint32_t seed) {
-  return [=](const SurfacePoint& s) -> Color {
-    const Eigen::Vector3f hair(
-        s.position.x(), s.position.y(), 0.25f * s.position.z());
-    const float grain = FractalNoise(hair, 0.006f, 4, s.footprint, seed, 0.8f);
-    const float tuft =
-        FractalNoise(s.position, 0.03f, 3, s.footprint, seed + 1);
-    return color * std::max(0.08f, 1 + 0.9f * grain + 0.4f * tuft);
-  };
-}
 
 // Builds a thing part by part.
 class ThingBuilder {
@@ -99,9 +47,8 @@ class ThingBuilder {
 void AddFigure(double reach, RandomStream* random, ThingBuilder* build) {
   const double body = reach * Between(0.6, 0.8, random);
   const double head = body * Between(0.6, 0.9, random);
-  const Texture coat = random->Index(2) == 0
-                           ? Fur(RandomColor(random), 1 + random->Index(999))
-                           : RandomMaterial(body, random);
+  const Texture coat = random->Index(3) != 0 ? RandomFur(body, random)
+                                             : RandomMaterial(body, random);
   const Texture face =
       random->Index(2) == 0 ? coat : RandomMaterial(head, random);
   build->Part(
@@ -212,6 +159,36 @@ void AddTray(double reach, RandomStream* random, ThingBuilder* build) {
   }
 }
 
+// A seat on thin legs, of which some are joined by rungs.
+void AddStool(double reach, RandomStream* random, ThingBuilder* build) {
+  const double seat = reach * Between(0.5, 0.7, random);
+  const double height = reach * Between(0.9, 1.6, random);
+  const double half = 0.08 * reach;
+  const double leg = reach * Between(0.05, 0.09, random);
+  const Texture wood = RandomMaterial(seat, random);
+  const Texture legs =
+      random->Index(2) == 0 ? wood : RandomMaterial(leg, random);
+  if (random->Index(2) == 0) {
+    build->Part(Shape::kFrustum, {seat, seat, half}, {0, 0, height}, wood);
+  } else {
+    build->Part(Shape::kBox, {seat, seat, half}, {0, 0, height}, wood);
+  }
+  const bool rungs = random->Index(2) == 0;
+  const double out = 0.62 * seat;
+  for (const double x : {-out, out}) {
+    for (const double y : {-out, out}) {
+      build->Part(Shape::kFrustum,
+                  {leg, leg, 0.5 * height},
+                  {x, y, 0.5 * height},
+                  legs);
+    }
+    if (rungs) {
+      build->Part(
+          Shape::kBox, {0.5 * leg, out, 0.5 * leg}, {x, 0, 0.4 * height}, legs);
+    }
+  }
+}
+
 void AddFlat(double reach, RandomStream* random, ThingBuilder* build) {
   const double a = reach * Between(0.6, 0.85, random);
   const double b = reach * Between(0.4, 0.6, random);
@@ -309,64 +286,31 @@ void AddSolid(double reach, RandomStream* random, ThingBuilder* build) {
 
 }  // namespace
 
-Texture RandomMaterial(double size, RandomStream* random) {
-  const auto seed = static_cast<uint32_t>(random->Index(100000));
-  const Color a = RandomColor(random);
-  const Color b = RandomColor(random);
-  const auto scale = static_cast<float>(size * Between(0.15, 0.6, random));
-  switch (random->Index(14)) {
-    case 0:
-      return Plain(a);
-    case 1:
-    case 2:
-    case 3:
-    case 4:
-      return Worn(a,
-                  static_cast<float>(Between(0.05, 0.5, random)),
-                  static_cast<float>(size * Between(0.1, 1, random)),
-                  seed);
-    case 5:
-      return Checks(a, b, scale, seed);
-    case 6:
-      return Marble(a, b, seed);
-    case 7:
-      return Porcelain(a, seed);
-    case 8:
-      return Blossoms(a, b, RandomColor(random), seed);
-    case 9:
-      return Bricks(seed);
-    case 10:
-      return WoodPlanks(a, b * 0.4f, scale, seed);
-    case 11:
-      return Stripes(a, b, scale, static_cast<float>(3.1 * random->Uniform()));
-    case 12:
-      return Fur(a, seed);
-    default:
-      return BandedCone(a, b, 2 * scale, seed);
-  }
-}
-
 CatalogueItem RandomThing(double reach, bool flat, RandomStream* random) {
   ThingBuilder build(random);
   if (flat) {
     AddFlat(reach, random, &build);
     return std::move(build.item);
   }
-  switch (random->Index(8)) {
+  switch (random->Index(10)) {
     case 0:
+    case 1:
       AddFigure(0.7 * reach, random, &build);
       break;
-    case 1:
+    case 2:
       AddBottle(reach, random, &build);
       break;
-    case 2:
+    case 3:
       AddCup(reach, random, &build);
       break;
-    case 3:
+    case 4:
       AddPlant(reach, random, &build);
       break;
-    case 4:
+    case 5:
       AddTray(reach, random, &build);
+      break;
+    case 6:
+      AddStool(reach, random, &build);
       break;
     default:
       AddSolid(reach, random, &build);
