@@ -2,31 +2,60 @@
 
 #include "semantics/instances/evidence_clustering.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <utility>
+
+#include "core/kd_tree.h"
+#include "semantics/instances/cluster_merging.h"
+#include "semantics/patches/region_merging.h"
 
 namespace freegs::semantics {
 namespace {
 
-// Regions of a smaller share of all pixels are crumbs: they join a neighbour
-// or, if they have none, belong to nobody.
-constexpr double kCrumbShare = 2e-4;
+// A Gaussian without a patch takes that of the nearest one within this
+// distance, in scene radii.
+constexpr double kHazeDistance = 0.2;
 // A region is background if it is this flat (RegionExtent::Flatness) and its
 // width, a standard deviation, is this many scene radii.
 constexpr double kBackgroundFlatness = 0.2;
 constexpr double kBackgroundWidth = 0.4;
 
-// For each region of the tree: the height at which it is joined to another.
-std::vector<double> JoinHeights(const RegionTree& tree) {
-  std::vector<double> heights(tree.num_leaves + tree.merges.size(),
+// For each region: the height at which it is joined to one that is not a crumb.
+std::vector<double> JoinHeights(const Hierarchy& hierarchy) {
+  const RegionTree& tree = hierarchy.tree;
+  const std::vector<double> sizes = tree.Sums(hierarchy.part_pixels);
+  std::vector<double> heights(sizes.size(),
                               std::numeric_limits<double>::infinity());
-  for (const RegionTree::Merge& merge : tree.merges) {
-    heights[merge.a] = merge.height;
-    heights[merge.b] = merge.height;
+  for (size_t k = tree.merges.size(); k-- > 0;) {
+    const RegionTree::Merge& merge = tree.merges[k];
+    const double whole = heights[tree.num_leaves + k];
+    heights[merge.a] = hierarchy.IsCrumb(sizes[merge.b]) ? whole : merge.height;
+    heights[merge.b] = hierarchy.IsCrumb(sizes[merge.a]) ? whole : merge.height;
   }
   return heights;
+}
+
+// Gaussians of crumbs that touch nothing, and those in no patch, take the part
+// of the nearest other one.
+void AddHaze(const splat::GaussianModel& model,
+             double distance,
+             ThreadPool& pool,
+             Hierarchy* hierarchy) {
+  const std::vector<int32_t> whole =
+      hierarchy->tree.Cut(std::numeric_limits<double>::infinity());
+  const std::vector<double> sizes =
+      hierarchy->tree.Sums(hierarchy->part_pixels);
+  for (int32_t& part : hierarchy->part_of_gaussian) {
+    if (part >= 0 && hierarchy->IsCrumb(sizes[whole[part]])) part = -1;
+  }
+  std::vector<float> positions = model.means;
+  for (float& x : positions) {
+    // A Gaussian that is nowhere finds no neighbour, and nobody finds it.
+    if (!(std::abs(x) <= KdTree::kMaxCoordinate)) x = KdTree::kMaxCoordinate;
+  }
+  LabelNoise(positions, distance, pool, &hierarchy->part_of_gaussian);
 }
 
 }  // namespace
@@ -52,33 +81,29 @@ StatusOr<EvidenceClusters> ClusterByEvidence(
   const auto difference = [&model](const Evidence& evidence) {
     return model.Difference(evidence);
   };
-  result.tree = MergeRegions(
+  Hierarchy& hierarchy = result.hierarchy;
+  hierarchy.tree = MergeRegions(
       patches.graph, difference, std::numeric_limits<double>::infinity());
-  const std::vector<int32_t> cut = result.tree.Cut(-options.granularity);
-  const std::vector<int32_t> region_of_patch = AbsorbSmallRegions(
-      patches.graph, cut, difference, kCrumbShare * patches.graph.total_pixels);
-  // What stood against joining the regions that others were absorbed by.
-  const std::vector<double> join_heights = JoinHeights(result.tree);
-  std::vector<double> heights(region_of_patch.size(),
-                              -std::numeric_limits<double>::infinity());
-  for (size_t p = 0; p < cut.size(); ++p) {
-    double& height = heights[region_of_patch[p]];
-    height = std::max(height, join_heights[cut[p]]);
+  for (const RegionStats& region : patches.graph.regions) {
+    hierarchy.part_pixels.push_back(region.pixels);
   }
+  hierarchy.total_pixels = patches.graph.total_pixels;
+  hierarchy.granularity = options.granularity;
+  hierarchy.part_of_gaussian = std::move(patches.patch_of_gaussian);
+  AddHaze(scene.model, kHazeDistance * scene.scene_radius, pool, &hierarchy);
+  HierarchyCut cut = CutHierarchy(hierarchy, options.granularity);
+  result.labels = std::move(cut.label_of_gaussian);
 
-  std::vector<RegionStats> regions(heights.size());
-  for (size_t p = 0; p < region_of_patch.size(); ++p) {
-    regions[region_of_patch[p]].Add(patches.graph.regions[p]);
+  std::map<int32_t, RegionStats> regions;
+  for (size_t p = 0; p < cut.region_of_part.size(); ++p) {
+    regions[cut.region_of_part[p]].Add(patches.graph.regions[p]);
   }
-  std::vector<int32_t> label_of_region(heights.size(), -1);
-  for (size_t r = 0; r < regions.size(); ++r) {
-    if (!(regions[r].pixels > kCrumbShare * patches.graph.total_pixels)) {
-      continue;
-    }
-    label_of_region[r] = static_cast<int32_t>(result.scores.size());
+  const std::vector<double> heights = JoinHeights(hierarchy);
+  for (const int32_t r : cut.region_of_label) {
     result.scores.push_back(1 / (1 + std::exp(-heights[r])));
+    const RegionStats& region = regions[r];
     const RegionExtent extent =
-        ExtentOf(regions[r].weight, regions[r].position, regions[r].position2);
+        ExtentOf(region.weight, region.position, region.position2);
     const bool background =
         extent.Flatness() <= kBackgroundFlatness &&
         extent.width >= kBackgroundWidth * scene.scene_radius;
@@ -89,14 +114,6 @@ StatusOr<EvidenceClusters> ClusterByEvidence(
                                .distance = 2 * extent.thickness});
     }
   }
-  result.labels.assign(patches.patch_of_gaussian.size(), -1);
-  for (size_t g = 0; g < result.labels.size(); ++g) {
-    const int32_t patch = patches.patch_of_gaussian[g];
-    if (patch >= 0) {
-      result.labels[g] = label_of_region[region_of_patch[patch]];
-    }
-  }
-  result.patch_of_gaussian = std::move(patches.patch_of_gaussian);
   return result;
 }
 

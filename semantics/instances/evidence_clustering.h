@@ -12,8 +12,8 @@
 #include "core/parallel.h"
 #include "core/status.h"
 #include "semantics/geometry/planes.h"
+#include "semantics/instances/hierarchy.h"
 #include "semantics/patches/evidence_model.h"
-#include "semantics/patches/region_merging.h"
 #include "semantics/patches/scene_patches.h"
 
 namespace freegs::semantics {
@@ -29,21 +29,21 @@ struct EvidenceClusteringOptions {
   Status Check() const;
 };
 
-// The instance of each Gaussian, and the tree it was cut from.
 struct EvidenceClusters {
-  std::vector<int32_t> labels;  // Of Gaussians; -1 for none. Not numbered by
-                                // size.
-  // Of each label: the probability that it is a thing of its own, whether it is
-  // flat and as large as the scene, and then its plane.
+  Hierarchy hierarchy;
+
+  // The instances at options.granularity, by descending size.
+  std::vector<int32_t> labels;  // Of Gaussians; -1 for none.
+  // Of each instance: the probability that it is a thing of its own, and
+  // whether it is flat and as large as the scene.
   std::vector<double> scores;
   std::vector<uint8_t> is_plane;
-  std::vector<Plane> planes;
-
-  std::vector<int32_t> patch_of_gaussian;  // -1 for none.
-  RegionTree tree;
+  std::vector<Plane> planes;  // Of those that are.
 };
 
-// Regions that are hardly seen have no label. Errors of BuildScenePatches.
+// Gaussians in no patch, haze above all, are in the part of the nearest
+// Gaussian that is in one, if that is within PatchScene::scene_radius times
+// 0.2. Errors of BuildScenePatches.
 StatusOr<EvidenceClusters> ClusterByEvidence(
     const PatchScene& scene,
     const EvidenceModel& model,

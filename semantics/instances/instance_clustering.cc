@@ -258,17 +258,14 @@ class InstanceClusterer {
                                               options_.evidence,
                                               pool_,
                                               cancellation_));
+    result_.num_instances = static_cast<int>(clusters.scores.size());
     result_.labels = std::move(clusters.labels);
+    result_.scores = std::move(clusters.scores);
+    result_.is_plane = std::move(clusters.is_plane);
     result_.planes = std::move(clusters.planes);
+    result_.hierarchy = std::move(clusters.hierarchy);
     for (const int32_t label : result_.labels) {
       result_.num_clustered += label >= 0;
-    }
-    LabelRest();
-    const std::vector<int32_t> order = Renumber(&result_.labels);
-    result_.num_instances = static_cast<int>(order.size());
-    for (const int32_t label : order) {
-      result_.is_plane.push_back(clusters.is_plane[label]);
-      result_.scores.push_back(clusters.scores[label]);
     }
     return Status();
   }

@@ -14,6 +14,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -25,6 +26,7 @@
 #include "semantics/geometry/planes.h"
 #include "semantics/hdbscan/hdbscan.h"
 #include "semantics/instances/evidence_clustering.h"
+#include "semantics/instances/hierarchy.h"
 #include "semantics/instances/union_space.h"
 #include "splat/render/renderer.h"
 #include "splat/scene/gaussian_model.h"
@@ -98,6 +100,9 @@ struct InstanceLabels {
 
   // The large planes, in the order in which they were found.
   std::vector<Plane> planes;
+
+  // What the instances were cut from, if they were.
+  std::optional<Hierarchy> hierarchy;
 
   // Counts for people.
   size_t num_clustered = 0;     // Gaussians that took part.

@@ -6,7 +6,6 @@
 #include <limits>
 #include <map>
 #include <queue>
-#include <set>
 #include <tuple>
 #include <utility>
 
@@ -115,18 +114,48 @@ class RegionMerger {
 
 }  // namespace
 
-std::vector<int32_t> RegionTree::Cut(double height) const {
-  std::vector<int32_t> parent(num_leaves + merges.size(), -1);
-  for (size_t k = 0; k < merges.size(); ++k) {
-    if (merges[k].height > height) break;
-    const auto joined = static_cast<int32_t>(num_leaves + k);
-    parent[merges[k].a] = joined;
-    parent[merges[k].b] = joined;
+std::vector<double> RegionTree::Sums(std::span<const double> of_leaves) const {
+  std::vector<double> sums(of_leaves.begin(), of_leaves.end());
+  for (const Merge& merge : merges) {
+    sums.push_back(sums[merge.a] + sums[merge.b]);
   }
-  // Parents have larger numbers than their parts.
-  std::vector<int32_t> top(parent.size());
-  for (size_t k = parent.size(); k-- > 0;) {
-    top[k] = parent[k] < 0 ? static_cast<int32_t>(k) : top[parent[k]];
+  return sums;
+}
+
+std::vector<int32_t> RegionTree::Cut(double height) const {
+  return Cut(height, std::vector<double>(num_leaves, 0.0), 0);
+}
+
+std::vector<int32_t> RegionTree::Cut(double height,
+                                     std::span<const double> leaf_sizes,
+                                     double min_size) const {
+  const std::vector<double> sizes = Sums(leaf_sizes);
+  const auto num_regions = static_cast<int32_t>(sizes.size());
+  // The region of the cut that the largest part of each region is in or has.
+  std::vector<int32_t> main(num_regions);
+  for (int32_t r = 0; r < num_regions; ++r) {
+    main[r] = r;
+    if (r < num_leaves) continue;
+    const Merge& merge = merges[r - num_leaves];
+    if (merge.height > height) {
+      main[r] = main[sizes[merge.a] < sizes[merge.b] ? merge.b : merge.a];
+    }
+  }
+  // From the root down; -1 for what the cut goes through.
+  std::vector<int32_t> top(num_regions, -1);
+  for (int32_t r = num_regions; r-- > 0;) {
+    if (top[r] < 0 && main[r] == r) top[r] = r;
+    if (r < num_leaves) continue;
+    const Merge& merge = merges[r - num_leaves];
+    if (top[r] >= 0) {
+      top[merge.a] = top[merge.b] = top[r];
+      continue;
+    }
+    const bool b_is_smaller = sizes[merge.b] <= sizes[merge.a];
+    const int32_t smaller = b_is_smaller ? merge.b : merge.a;
+    if (sizes[smaller] < min_size) {
+      top[smaller] = main[b_is_smaller ? merge.a : merge.b];
+    }
   }
   top.resize(num_leaves);
   return top;
@@ -137,80 +166,6 @@ RegionTree MergeRegions(RegionGraph graph,
                         double max_height,
                         const AllowFn& allow) {
   return RegionMerger(std::move(graph), difference, max_height, allow).Run();
-}
-
-std::vector<int32_t> AbsorbSmallRegions(
-    const RegionGraph& graph,
-    const std::vector<int32_t>& region_of_patch,
-    const DifferenceFn& difference,
-    double min_pixels) {
-  // Regions as patches of a graph of their own.
-  std::map<int32_t, int32_t> number;
-  std::vector<int32_t> region(region_of_patch.size());
-  for (size_t p = 0; p < region.size(); ++p) {
-    region[p] = number
-                    .try_emplace(region_of_patch[p],
-                                 static_cast<int32_t>(number.size()))
-                    .first->second;
-  }
-  std::vector<RegionStats> regions(number.size());
-  for (size_t p = 0; p < region.size(); ++p) {
-    regions[region[p]].Add(graph.regions[p]);
-  }
-  std::vector<std::map<int32_t, ContactStats>> contacts(regions.size());
-  for (const Contact& contact : graph.contacts) {
-    const int32_t a = region[contact.a];
-    const int32_t b = region[contact.b];
-    if (a == b) continue;
-    contacts[a][b].Add(contact.stats);
-    contacts[b][a].Add(contact.stats);
-  }
-  std::vector<int32_t> into(regions.size());
-  std::set<std::pair<double, int32_t>> small;
-  for (int32_t r = 0; r < static_cast<int32_t>(regions.size()); ++r) {
-    into[r] = r;
-    if (regions[r].pixels < min_pixels) small.insert({regions[r].pixels, r});
-  }
-  while (!small.empty()) {
-    const int32_t r = small.begin()->second;
-    small.erase(small.begin());
-    double least = std::numeric_limits<double>::infinity();
-    int32_t best = -1;
-    for (const auto& [other, contact] : contacts[r]) {
-      const double d = difference(MeasureEvidence(
-          regions[r], regions[other], contact, graph.total_pixels));
-      if (d < least) {
-        least = d;
-        best = other;
-      }
-    }
-    if (best < 0) continue;
-    if (regions[best].pixels < min_pixels) {
-      small.erase({regions[best].pixels, best});
-    }
-    regions[best].Add(regions[r]);
-    const ContactStats& inner = contacts[r][best];
-    regions[best].perimeter -= 2 * (inner.pixels + inner.hidden);
-    if (regions[best].pixels < min_pixels) {
-      small.insert({regions[best].pixels, best});
-    }
-    for (const auto& [other, contact] : contacts[r]) {
-      contacts[other].erase(r);
-      if (other == best) continue;
-      contacts[best][other].Add(contact);
-      contacts[other][best].Add(contact);
-    }
-    contacts[r].clear();
-    into[r] = best;
-  }
-  for (int32_t& r : region) {
-    while (into[r] != r) r = into[r];
-  }
-  std::map<int32_t, int32_t> left;
-  for (int32_t& r : region) {
-    r = left.try_emplace(r, static_cast<int32_t>(left.size())).first->second;
-  }
-  return region;
 }
 
 }  // namespace freegs::semantics

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "semantics/patches/evidence.h"
@@ -20,12 +21,24 @@ struct RegionTree {
     int32_t a = 0;
     int32_t b = 0;
     double height = 0;
+
+    friend bool operator==(const Merge&, const Merge&) = default;
   };
   int num_leaves = 0;
   std::vector<Merge> merges;
 
   // Applies the merges of at most this height. Returns the region of each leaf.
   std::vector<int32_t> Cut(double height) const;
+
+  // The same without crumbs: a region of less than min_size in all, the sum of
+  // its leaves' sizes, is not separated from what it was joined to, or from the
+  // largest part of that. One that was joined to nothing stays a crumb.
+  std::vector<int32_t> Cut(double height,
+                           std::span<const double> leaf_sizes,
+                           double min_size) const;
+
+  // Sums of what the leaves have, for all regions.
+  std::vector<double> Sums(std::span<const double> of_leaves) const;
 };
 
 // How much speaks against two regions being one thing, from -infinity to
@@ -44,15 +57,6 @@ RegionTree MergeRegions(RegionGraph graph,
                         const DifferenceFn& difference,
                         double max_height,
                         const AllowFn& allow = nullptr);
-
-// Joins regions of fewer pixels than this to the neighbour from which they
-// differ least, whatever speaks against it, the smallest first.
-// region_of_patch: any numbers; returns numbers 0 .. n - 1 in their place.
-std::vector<int32_t> AbsorbSmallRegions(
-    const RegionGraph& graph,
-    const std::vector<int32_t>& region_of_patch,
-    const DifferenceFn& difference,
-    double min_pixels);
 
 }  // namespace freegs::semantics
 

@@ -15,6 +15,7 @@
 #include "semantics/field/bootstrapping.h"
 #include "semantics/field/field_checkpoint.h"
 #include "semantics/field/idsf.h"
+#include "semantics/instances/hierarchy.h"
 #include "semantics/instances/instances.h"
 #include "semantics/instances/instances_json.h"
 #include "semantics/losses/decoder_file.h"
@@ -43,7 +44,7 @@ class BootstrapStage : public pipeline::Stage {
       : options_(options), seed_(seed) {}
 
   std::string_view name() const override { return "bootstrap"; }
-  int version() const override { return 3; }
+  int version() const override { return 4; }
 
   std::vector<fs::path> Inputs(const pipeline::StageContext&) const override {
     std::vector<fs::path> inputs = {"reconstruct/point_cloud.ply",
@@ -100,6 +101,10 @@ class BootstrapStage : public pipeline::Stage {
          .instances = labels.labels}));
     FREEGS_RETURN_IF_ERROR(semantics::WriteInstances(
         context.output / "instances.json", instances));
+    if (labels.hierarchy) {
+      FREEGS_RETURN_IF_ERROR(semantics::WriteHierarchy(
+          context.output / "hierarchy.json", *labels.hierarchy));
+    }
     FREEGS_RETURN_IF_ERROR(
         WriteInstanceMaps({options_.max_image_size, options_.num_previews},
                           scene,

@@ -19,6 +19,7 @@ namespace freegs::stages {
 // ingest/images.json. Writes (docs/outputs.md has the formats)
 //   idsf.bin             instance and semantic vector of each Gaussian
 //   instances.json       the instances: boxes, sizes, words
+//   hierarchy.json       parts, things and groups that they were cut from
 //   metrics.json         figures of the stage
 //   instances/VIEW.png   instance ids of every view, 16-bit grey, 0 for none
 //   preview/VIEW.png     a few photographs tinted by instance

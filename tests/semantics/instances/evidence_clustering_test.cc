@@ -73,7 +73,8 @@ TEST_F(EvidenceClusteringTest, SameBytesForAnyNumberOfThreads) {
   ASSERT_TRUE(one.ok() && three.ok());
   EXPECT_EQ(one->labels, three->labels);
   EXPECT_EQ(one->scores, three->scores);
-  EXPECT_EQ(one->patch_of_gaussian, three->patch_of_gaussian);
+  EXPECT_EQ(one->hierarchy.tree.merges, three->hierarchy.tree.merges);
+  EXPECT_EQ(one->hierarchy.part_of_gaussian, three->hierarchy.part_of_gaussian);
 }
 
 TEST_F(EvidenceClusteringTest, GranularityMakesMoreInstances) {
@@ -87,6 +88,17 @@ TEST_F(EvidenceClusteringTest, GranularityMakesMoreInstances) {
     EXPECT_GE(score, 0.0);
     EXPECT_LE(score, 1.0);
   }
+}
+
+TEST_F(EvidenceClusteringTest, TheHierarchyGivesTheSameInstances) {
+  const auto clusters = Cluster(2, 0.5);
+  ASSERT_TRUE(clusters.ok());
+  EXPECT_EQ(CutHierarchy(clusters->hierarchy, 0.5).label_of_gaussian,
+            clusters->labels);
+  const auto coarse = Cluster(2, -1);
+  ASSERT_TRUE(coarse.ok());
+  EXPECT_EQ(CutHierarchy(clusters->hierarchy, -1).label_of_gaussian,
+            coarse->labels);
 }
 
 TEST_F(EvidenceClusteringTest, FailsWhereAPhotographDoes) {

@@ -74,18 +74,33 @@ TEST(RegionMergingTest, RefusedPairsStayApart) {
   EXPECT_TRUE(tree.merges.empty());
 }
 
-TEST(RegionMergingTest, SmallRegionsAreAbsorbedByTheMostAlike) {
-  const RegionGraph graph = Row({100, 2, 100, 1}, {0.6, 0.2, 0.9});
-  const std::vector<int32_t> regions =
-      AbsorbSmallRegions(graph, {7, 5, 3, 1}, ByContrast, 10);
-  EXPECT_EQ(regions, (std::vector<int32_t>{0, 1, 1, 1}));
+// Leaves 0 to 3; 4 is {0, 1}, 5 is {4, 2}, 6 is {5, 3}.
+RegionTree Comb() {
+  return {.num_leaves = 4, .merges = {{0, 1, 1}, {4, 2, 2}, {5, 3, 3}}};
 }
 
-TEST(RegionMergingTest, ARegionWithoutNeighboursStaysSmall) {
-  RegionGraph graph = Row({100, 100}, {0.1});
-  graph.regions.push_back(RegionStats());
-  EXPECT_EQ(AbsorbSmallRegions(graph, {0, 1, 2}, ByContrast, 10),
-            (std::vector<int32_t>{0, 1, 2}));
+TEST(RegionMergingTest, SumsGoUpTheTree) {
+  EXPECT_EQ(Comb().Sums(std::vector<double>{1, 2, 4, 8}),
+            (std::vector<double>{1, 2, 4, 8, 3, 7, 15}));
+}
+
+TEST(RegionMergingTest, CrumbsStayWithTheLargestPartOfWhatTheyWereJoinedTo) {
+  const std::vector<double> sizes = {100, 200, 1, 100};
+  EXPECT_EQ(Comb().Cut(0, sizes, 0), (std::vector<int32_t>{0, 1, 2, 3}));
+  EXPECT_EQ(Comb().Cut(0, sizes, 10), (std::vector<int32_t>{0, 1, 1, 3}));
+  EXPECT_EQ(Comb().Cut(1, sizes, 10), (std::vector<int32_t>{4, 4, 4, 3}));
+  EXPECT_EQ(Comb().Cut(3, sizes, 10), (std::vector<int32_t>{6, 6, 6, 6}));
+}
+
+TEST(RegionMergingTest, CrumbsOfCrumbsGoTheSameWay) {
+  EXPECT_EQ(Comb().Cut(0, std::vector<double>{1, 2, 3, 100}, 10),
+            (std::vector<int32_t>{3, 3, 3, 3}));
+}
+
+TEST(RegionMergingTest, WhatTouchesNothingStaysACrumb) {
+  const RegionTree tree = {.num_leaves = 2, .merges = {}};
+  EXPECT_EQ(tree.Cut(0, std::vector<double>{1, 100}, 10),
+            (std::vector<int32_t>{0, 1}));
 }
 
 }  // namespace

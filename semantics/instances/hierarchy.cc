@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "semantics/instances/hierarchy.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+namespace freegs::semantics {
+namespace {
+
+// Neighbouring levels differ in size by this factor at least.
+constexpr double kLevelRatio = 1.25;
+
+std::vector<int32_t> RegionsAt(const Hierarchy& hierarchy, double granularity) {
+  return hierarchy.tree.Cut(
+      -granularity, hierarchy.part_pixels, hierarchy.CrumbSize());
+}
+
+}  // namespace
+
+HierarchyCut CutHierarchy(const Hierarchy& hierarchy, double granularity) {
+  HierarchyCut cut;
+  cut.region_of_part = RegionsAt(hierarchy, granularity);
+  std::map<int32_t, double> pixels;
+  for (size_t p = 0; p < cut.region_of_part.size(); ++p) {
+    pixels[cut.region_of_part[p]] += hierarchy.part_pixels[p];
+  }
+  for (int32_t& region : cut.region_of_part) {
+    if (hierarchy.IsCrumb(pixels[region])) region = -1;
+  }
+
+  std::map<int32_t, size_t> gaussians;  // By region.
+  for (const int32_t part : hierarchy.part_of_gaussian) {
+    if (part >= 0 && cut.region_of_part[part] >= 0) {
+      ++gaussians[cut.region_of_part[part]];
+    }
+  }
+  for (const auto& [region, count] : gaussians) {
+    cut.region_of_label.push_back(region);
+  }
+  std::stable_sort(
+      cut.region_of_label.begin(),
+      cut.region_of_label.end(),
+      [&](int32_t a, int32_t b) { return gaussians[a] > gaussians[b]; });
+  std::map<int32_t, int32_t> label;
+  for (size_t k = 0; k < cut.region_of_label.size(); ++k) {
+    label[cut.region_of_label[k]] = static_cast<int32_t>(k);
+  }
+  for (const int32_t part : hierarchy.part_of_gaussian) {
+    const int32_t region = part < 0 ? -1 : cut.region_of_part[part];
+    cut.label_of_gaussian.push_back(region < 0 ? -1 : label[region]);
+  }
+  return cut;
+}
+
+int32_t RegionAround(const Hierarchy& hierarchy, int32_t leaf, int steps) {
+  const RegionTree& tree = hierarchy.tree;
+  const std::vector<double> sizes = tree.Sums(hierarchy.part_pixels);
+  std::vector<int32_t> parent(sizes.size(), -1);
+  for (size_t k = 0; k < tree.merges.size(); ++k) {
+    parent[tree.merges[k].a] = parent[tree.merges[k].b] =
+        tree.num_leaves + static_cast<int32_t>(k);
+  }
+  // From the leaf to the root.
+  std::vector<int32_t> path = {leaf};
+  while (parent[path.back()] >= 0) path.push_back(parent[path.back()]);
+  const int32_t own = RegionsAt(hierarchy, hierarchy.granularity)[leaf];
+  auto at = std::find(path.begin(), path.end(), own);
+  // A crumb is not below the region that it was given to.
+  if (at == path.end()) {
+    at = std::find_if(path.begin(), path.end(), [&](int32_t region) {
+      return sizes[region] >= sizes[own];
+    });
+    if (at == path.end()) --at;
+  }
+  for (; steps > 0; --steps) {
+    const double size = sizes[*at];
+    const auto next = std::find_if(at, path.end(), [&](int32_t region) {
+      return sizes[region] >= kLevelRatio * size;
+    });
+    at = next == path.end() ? path.end() - 1 : next;
+  }
+  for (; steps < 0; ++steps) {
+    const double size = sizes[*at];
+    while (at != path.begin() && sizes[*at] * kLevelRatio > size) --at;
+  }
+  return *at;
+}
+
+std::vector<uint8_t> GaussiansOf(const Hierarchy& hierarchy, int32_t region) {
+  const RegionTree& tree = hierarchy.tree;
+  std::vector<uint8_t> inside(tree.num_leaves + tree.merges.size(), 0);
+  inside[region] = 1;
+  for (size_t k = tree.merges.size(); k-- > 0;) {
+    if (inside[tree.num_leaves + k] == 0) continue;
+    inside[tree.merges[k].a] = inside[tree.merges[k].b] = 1;
+  }
+  std::vector<uint8_t> result;
+  for (const int32_t part : hierarchy.part_of_gaussian) {
+    result.push_back(part >= 0 ? inside[part] : 0);
+  }
+  return result;
+}
+
+}  // namespace freegs::semantics

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Parts, things and groups of things: the tree that instances are cut from. It
+// answers what belongs to a thing as a whole, and what parts it has.
+
+#ifndef FREEGS_SEMANTICS_INSTANCES_HIERARCHY_H_
+#define FREEGS_SEMANTICS_INSTANCES_HIERARCHY_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/status.h"
+#include "semantics/patches/region_merging.h"
+
+namespace freegs::semantics {
+
+struct Hierarchy {
+  // Leaves are the smallest parts. A region is a leaf or a merge, numbered as
+  // in RegionTree. Heights are log-odds of being two things.
+  RegionTree tree;
+
+  std::vector<double> part_pixels;  // Of each leaf, in all photographs.
+  double total_pixels = 0;          // Of these photographs.
+
+  // The leaf of each Gaussian, -1 for none.
+  std::vector<int32_t> part_of_gaussian;
+
+  double granularity = 0;  // Where the instances were cut.
+
+  // Crumbs, regions of so few pixels, belong to what they were joined to or, if
+  // that is nothing, to nobody.
+  double CrumbSize() const { return 2e-4 * total_pixels; }
+  bool IsCrumb(double pixels) const { return !(pixels > CrumbSize()); }
+};
+
+// The regions at a granularity: 0 cuts where it is as likely as not that there
+// are two things, larger numbers give more and smaller regions.
+struct HierarchyCut {
+  std::vector<int32_t> region_of_part;  // Of each leaf; -1 if hardly seen.
+  // Labels 0 .. n - 1, by descending number of Gaussians; -1 for none.
+  std::vector<int32_t> label_of_gaussian;
+  std::vector<int32_t> region_of_label;
+};
+HierarchyCut CutHierarchy(const Hierarchy& hierarchy, double granularity);
+
+// The region around a leaf that is `steps` levels above the one it is in at the
+// hierarchy's own granularity, or below it for negative steps. Levels differ in
+// size by a quarter at least. Ends at the root and at the leaf.
+int32_t RegionAround(const Hierarchy& hierarchy, int32_t leaf, int steps);
+
+// For each Gaussian, whether it is in a region.
+std::vector<uint8_t> GaussiansOf(const Hierarchy& hierarchy, int32_t region);
+
+// {"granularity": 0, "total_pixels": 921600, "part_pixels": [12, ...],
+//  "merges": [[a, b, height], ...], "part_of_gaussian": [-1, 7, ...]}
+std::string SerializeHierarchy(const Hierarchy& hierarchy);
+
+// kBadInput, which names the fault, for malformed JSON, numbers out of range,
+// merges of a region that is not there yet or merged already, and heights that
+// descend.
+StatusOr<Hierarchy> ParseHierarchy(std::string_view text);
+
+Status WriteHierarchy(const std::filesystem::path& path,
+                      const Hierarchy& hierarchy);
+
+// kBadInput also if the file is of another number of Gaussians.
+StatusOr<Hierarchy> ReadHierarchy(const std::filesystem::path& path,
+                                  size_t num_gaussians);
+
+}  // namespace freegs::semantics
+
+#endif  // FREEGS_SEMANTICS_INSTANCES_HIERARCHY_H_

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "semantics/instances/hierarchy.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/temporary_folder.h"
+
+namespace freegs::semantics {
+namespace {
+
+// An eye and its head (5), the body and both (6), the table, a crumb on the
+// table (7), all (8). Gaussian k is in part k, and two more are in the body,
+// one nowhere.
+Hierarchy Duck() {
+  Hierarchy hierarchy;
+  hierarchy.tree = {.num_leaves = 5,
+                    .merges = {{0, 1, -2}, {5, 2, -1}, {3, 4, 0.5}, {6, 7, 3}}};
+  hierarchy.part_pixels = {1000, 9000, 30000, 60000, 1};
+  hierarchy.total_pixels = 100001;
+  hierarchy.part_of_gaussian = {0, 1, 2, 3, 4, 2, 2, -1};
+  return hierarchy;
+}
+
+TEST(HierarchyTest, CutsAtTheGranularity) {
+  const HierarchyCut whole = CutHierarchy(Duck(), 0);
+  EXPECT_EQ(whole.region_of_part, (std::vector<int32_t>{6, 6, 6, 3, 3}));
+  EXPECT_EQ(whole.region_of_label, (std::vector<int32_t>{6, 3}));
+  EXPECT_EQ(whole.label_of_gaussian,
+            (std::vector<int32_t>{0, 0, 0, 1, 1, 0, 0, -1}));
+  const HierarchyCut parts = CutHierarchy(Duck(), 1.5);
+  EXPECT_EQ(parts.region_of_part, (std::vector<int32_t>{5, 5, 2, 3, 3}));
+  const HierarchyCut all = CutHierarchy(Duck(), -3);
+  EXPECT_EQ(all.region_of_label, (std::vector<int32_t>{8}));
+}
+
+TEST(HierarchyTest, WhatIsHardlySeenIsNobodys) {
+  Hierarchy hierarchy = Duck();
+  hierarchy.tree.merges.erase(hierarchy.tree.merges.begin() + 2,
+                              hierarchy.tree.merges.end());
+  EXPECT_EQ(CutHierarchy(hierarchy, 0).region_of_part,
+            (std::vector<int32_t>{6, 6, 6, 3, -1}));
+}
+
+TEST(HierarchyTest, LevelsLeadFromThePartToTheWhole) {
+  const Hierarchy hierarchy = Duck();
+  EXPECT_EQ(RegionAround(hierarchy, 0, 0), 6);   // The duck.
+  EXPECT_EQ(RegionAround(hierarchy, 0, -1), 5);  // Its head.
+  EXPECT_EQ(RegionAround(hierarchy, 0, -2), 0);  // Its eye.
+  EXPECT_EQ(RegionAround(hierarchy, 0, -9), 0);
+  EXPECT_EQ(RegionAround(hierarchy, 0, 1), 8);
+  EXPECT_EQ(RegionAround(hierarchy, 0, 9), 8);
+  // The crumb begins where it was put.
+  EXPECT_EQ(RegionAround(hierarchy, 4, 1), 8);
+}
+
+TEST(HierarchyTest, GaussiansOfARegionAreThoseOfItsParts) {
+  EXPECT_EQ(GaussiansOf(Duck(), 5),
+            (std::vector<uint8_t>{1, 1, 0, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(GaussiansOf(Duck(), 8),
+            (std::vector<uint8_t>{1, 1, 1, 1, 1, 1, 1, 0}));
+}
+
+TEST(HierarchyTest, ComesBackAsWritten) {
+  const TemporaryFolder folder;
+  Hierarchy hierarchy = Duck();
+  hierarchy.granularity = 0.1;
+  const std::string path = folder / "hierarchy.json";
+  ASSERT_TRUE(WriteHierarchy(path, hierarchy).ok());
+  const StatusOr<Hierarchy> read = ReadHierarchy(path, 8);
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  EXPECT_EQ(read->tree.num_leaves, 5);
+  EXPECT_EQ(read->tree.merges, hierarchy.tree.merges);
+  EXPECT_EQ(read->part_pixels, hierarchy.part_pixels);
+  EXPECT_EQ(read->total_pixels, hierarchy.total_pixels);
+  EXPECT_EQ(read->part_of_gaussian, hierarchy.part_of_gaussian);
+  EXPECT_EQ(read->granularity, hierarchy.granularity);
+  EXPECT_EQ(ReadHierarchy(path, 9).status().code(), StatusCode::kBadInput);
+}
+
+TEST(HierarchyTest, TruncatedTextIsAnErrorEverywhere) {
+  const std::string text = SerializeHierarchy(Duck());
+  for (size_t length = 0; length + 2 < text.size(); ++length) {
+    EXPECT_EQ(ParseHierarchy(text.substr(0, length)).status().code(),
+              StatusCode::kBadInput)
+        << length;
+  }
+}
+
+TEST(HierarchyTest, HostileTreesAreErrors) {
+  const std::string head = R"({"granularity": 0, "total_pixels": 9, )";
+  for (const char* rest :
+       {R"("part_pixels": [1, 2], "merges": [[0, 0, 1]],
+           "part_of_gaussian": []})",
+        R"("part_pixels": [1, 2], "merges": [[0, 2, 1]],
+           "part_of_gaussian": []})",
+        R"("part_pixels": [1, 2, 3], "merges": [[0, 1, 1], [0, 2, 2]],
+           "part_of_gaussian": []})",
+        R"("part_pixels": [1, 2, 3], "merges": [[0, 1, 2], [3, 2, 1]],
+           "part_of_gaussian": []})",
+        R"("part_pixels": [1, -2], "merges": [], "part_of_gaussian": []})",
+        R"("part_pixels": [1, 2], "merges": [], "part_of_gaussian": [2]})",
+        R"("part_pixels": [1], "merges": [[0, 0, 1], [0, 0, 1]],
+           "part_of_gaussian": []})",
+        R"("part_pixels": {}, "merges": [], "part_of_gaussian": []})"}) {
+    EXPECT_EQ(ParseHierarchy(head + rest).status().code(),
+              StatusCode::kBadInput)
+        << rest;
+  }
+}
+
+}  // namespace
+}  // namespace freegs::semantics
