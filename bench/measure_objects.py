@@ -24,7 +24,7 @@ from measure_semantics import said
 REAL = {"fox": "fox", "desk": "real/desk", "fruit": "real/fruit",
         "kumamon": "real/kumamon", "flower": "real/flower"}
 DRAWN = {"tabletop": "tabletop", "playroom": "playroom"}
-METRICS = ["instance_miou", "click_miou", "pq", "instances_per_object",
+METRICS = ["instance_miou", "best_level_miou", "click_miou", "pq", "instances_per_object",
            "objects_per_instance", "instances_seen", "crumbs", "uncovered",
            "text_miou", "box_miou", "holdout_psnr"]
 

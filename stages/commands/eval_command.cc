@@ -23,6 +23,7 @@
 #include "stages/evaluation/gaussian_answers.h"
 #include "stages/evaluation/instance_evaluation.h"
 #include "stages/evaluation/label_answers.h"
+#include "stages/evaluation/level_evaluation.h"
 #include "stages/evaluation/text_evaluation.h"
 #include "stages/registry/pipeline_options.h"
 #include "stages/scene/scene_alignment.h"
@@ -261,6 +262,19 @@ Status CompareWithTruth(const EvalRequest& request,
                                                  aligned.truth_from_scene,
                                                  context.cancellation,
                                                  pool));
+  std::error_code error;
+  if (fs::exists(request.workspace / "bootstrap" / "hierarchy.json", error)) {
+    FREEGS_ASSIGN_OR_RETURN(
+        const semantics::Hierarchy hierarchy,
+        ReadSceneHierarchy(request.workspace, scene.model.size()));
+    FREEGS_ASSIGN_OR_RETURN(report->best_level_miou,
+                            MeasureBestLevels(scene,
+                                              hierarchy,
+                                              aligned.truth,
+                                              aligned.truth_from_scene,
+                                              context.cancellation,
+                                              pool));
+  }
   if (request.text_from == "gaussians") {
     return MeasureTextOfGaussians(
         request, scene, aligned, context, pool, report);

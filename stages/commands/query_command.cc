@@ -2,6 +2,7 @@
 
 #include "stages/commands/query_command.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -12,6 +13,7 @@
 #include <system_error>
 #include <unistd.h>
 #include <utility>
+#include <vector>
 
 #include "core/io/files.h"
 #include "core/io/json_text.h"
@@ -23,6 +25,7 @@
 #include "semantics/queries/click_query.h"
 #include "semantics/queries/instance_features.h"
 #include "stages/query/query_answer.h"
+#include "stages/query/query_level.h"
 #include "stages/query/query_masks.h"
 #include "stages/query/query_request.h"
 #include "stages/query/query_scene.h"
@@ -166,12 +169,54 @@ std::string Place(const ViewPlace& place) {
   return text;
 }
 
-Status AnswerClick(const QueryRequest& request,
-                   const QueryScene& scene,
+StatusOr<std::vector<semantics::ClickHit>> InstancesAt(
+    const QueryScene& scene, const View& view, int x, int y, ThreadPool& pool) {
+  return semantics::QueryClick(scene.scene->model,
+                               scene.labels,
+                               view.camera,
+                               view.cam_from_world,
+                               scene.scene->render,
+                               x,
+                               y,
+                               pool);
+}
+
+// Another level of the hierarchy takes the place of the best hit.
+Status ChangeLevel(const QueryRequest& request,
+                   const View& view,
+                   int x,
+                   int y,
                    ThreadPool& pool,
+                   QueryScene* scene,
+                   std::vector<semantics::ClickHit>* hits,
+                   QueryAnswer* answer) {
+  const int clicked = (*hits)[0].id;
+  const int level = *request.level;
+  FREEGS_ASSIGN_OR_RETURN(
+      const int id,
+      AddLevel(request.workspace,
+               {.view = view, .x = x, .y = y, .id = clicked},
+               level,
+               pool,
+               scene));
+  FREEGS_ASSIGN_OR_RETURN(*hits, InstancesAt(*scene, view, x, y, pool));
+  std::stable_partition(hits->begin(), hits->end(), [id](const auto& hit) {
+    return hit.id == id;
+  });
+  answer->question["level"] = level;
+  answer->question["instance"] = clicked;
+  answer->words += level > 0 ? ", " + std::to_string(level) + " wider"
+                             : ", " + std::to_string(-level) + " narrower";
+  answer->words += " than instance " + std::to_string(clicked);
+  return Status();
+}
+
+Status AnswerClick(const QueryRequest& request,
+                   ThreadPool& pool,
+                   QueryScene* scene,
                    QueryAnswer* answer) {
   const ViewPlace& place = *request.click;
-  FREEGS_ASSIGN_OR_RETURN(const View view, ViewOf(scene, place.view));
+  FREEGS_ASSIGN_OR_RETURN(const View view, ViewOf(*scene, place.view));
   const double x = std::floor(place.numbers[0]);
   const double y = std::floor(place.numbers[1]);
   if (x < 0 || y < 0 || x >= view.camera.width || y >= view.camera.height) {
@@ -181,25 +226,24 @@ Status AnswerClick(const QueryRequest& request,
                                 std::to_string(view.camera.height) + " pixels");
   }
   Lap lap;
-  FREEGS_ASSIGN_OR_RETURN(const std::vector<semantics::ClickHit> all,
-                          semantics::QueryClick(scene.scene->model,
-                                                scene.labels,
-                                                view.camera,
-                                                view.cam_from_world,
-                                                scene.scene->render,
-                                                static_cast<int>(x),
-                                                static_cast<int>(y),
-                                                pool));
-  answer->query_ms = lap.Milliseconds();
   answer->question = {{"kind", "click"},
                       {"view", view.name},
                       {"x", place.numbers[0]},
                       {"y", place.numbers[1]}};
   answer->words = "click " + Place(place);
   answer->score_name = "weight";
+  const int px = static_cast<int>(x);
+  const int py = static_cast<int>(y);
+  FREEGS_ASSIGN_OR_RETURN(std::vector<semantics::ClickHit> all,
+                          InstancesAt(*scene, view, px, py, pool));
+  if (request.level && !all.empty()) {
+    FREEGS_RETURN_IF_ERROR(
+        ChangeLevel(request, view, px, py, pool, scene, &all, answer));
+  }
+  answer->query_ms = lap.Milliseconds();
   std::vector<ScoredInstance> scored;
   for (const semantics::ClickHit& hit : all) {
-    FREEGS_RETURN_IF_ERROR(CheckListed(scene, hit.id));
+    FREEGS_RETURN_IF_ERROR(CheckListed(*scene, hit.id));
     scored.push_back({hit.id, hit.weight, std::nullopt, hit.point});
   }
   SplitHits(scored, request.max_hits, answer);
@@ -240,14 +284,14 @@ Status AnswerBox(const QueryRequest& request,
 }
 
 Status FindAnswer(const QueryRequest& request,
-                  const QueryScene& scene,
                   CommandContext& context,
                   ThreadPool& pool,
+                  QueryScene* scene,
                   QueryAnswer* answer) {
-  if (request.text) return AnswerText(request, scene, context, answer);
-  if (request.example) return AnswerExample(request, scene, answer);
-  if (request.click) return AnswerClick(request, scene, pool, answer);
-  return AnswerBox(request, scene, pool, answer);
+  if (request.text) return AnswerText(request, *scene, context, answer);
+  if (request.example) return AnswerExample(request, *scene, answer);
+  if (request.click) return AnswerClick(request, pool, scene, answer);
+  return AnswerBox(request, *scene, pool, answer);
 }
 
 Status WriteMasks(const QueryRequest& request,
@@ -294,14 +338,14 @@ Status RunQueryCommand(const std::vector<std::string>& arguments,
                           ParseQueryRequest(arguments));
   ThreadPool pool(request.threads);
   Lap lap;
-  FREEGS_ASSIGN_OR_RETURN(const QueryScene scene,
+  FREEGS_ASSIGN_OR_RETURN(QueryScene scene,
                           LoadQueryScene(request, context.err));
   QueryAnswer answer;
   answer.load_ms = lap.Milliseconds();
   if (context.cancellation.cancelled()) {
     return InterruptedError("query: stopped");
   }
-  FREEGS_RETURN_IF_ERROR(FindAnswer(request, scene, context, pool, &answer));
+  FREEGS_RETURN_IF_ERROR(FindAnswer(request, context, pool, &scene, &answer));
   if (!request.out.empty()) {
     FREEGS_RETURN_IF_ERROR(WriteMasks(request, scene, context, pool, &answer));
     FREEGS_RETURN_IF_ERROR(

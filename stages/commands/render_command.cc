@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string_view>
 #include <unistd.h>
 
@@ -20,6 +21,7 @@
 #include "pipeline/option_table.h"
 #include "pipeline/progress_line.h"
 #include "semantics/field/semantic_colors.h"
+#include "semantics/instances/hierarchy.h"
 #include "splat/render/renderer.h"
 #include "stages/scene/depth_image.h"
 #include "stages/scene/scene_instances.h"
@@ -36,6 +38,7 @@ struct RenderRequest {
   std::string out;
   std::string cameras;
   std::string what = "color";
+  std::optional<double> granularity;
   int size = 0;
   int threads = 0;
   bool no_align = false;
@@ -44,6 +47,7 @@ struct RenderRequest {
 StatusOr<RenderRequest> ParseRenderRequest(
     const std::vector<std::string>& arguments) {
   RenderRequest request;
+  double granularity = 0;
   pipeline::OptionTable table;
   table.Add("out", &request.out, {.help = "Folder for the pictures."});
   table.Add("cameras",
@@ -53,6 +57,13 @@ StatusOr<RenderRequest> ParseRenderRequest(
             &request.what,
             {.help = "What to render.",
              .choices = {"color", "depth", "instances", "semantics"}});
+  table.Add("granularity",
+            &granularity,
+            {.help = "With --what instances: instances of another granularity "
+                     "than bootstrap.granularity, without running the stage "
+                     "again.",
+             .min = -100,
+             .max = 100});
   table.Add(
       "size",
       &request.size,
@@ -77,6 +88,12 @@ StatusOr<RenderRequest> ParseRenderRequest(
   if (request.out.empty()) {
     return InvalidArgumentError(
         "render needs a folder for the pictures: --out DIR");
+  }
+  for (const pipeline::OptionSetting& setting : line.settings) {
+    if (setting.name == "granularity") request.granularity = granularity;
+  }
+  if (request.granularity && request.what != "instances") {
+    return InvalidArgumentError("--granularity is for --what instances only");
   }
   if (request.no_align && request.cameras.empty()) {
     return InvalidArgumentError("--no-align is for --cameras FILE only");
@@ -217,6 +234,17 @@ StatusOr<std::vector<float>> ReadSemanticColors(const fs::path& workspace,
   return semantics::SemanticColors(idsf.features, idsf.feature_dim, pool);
 }
 
+StatusOr<std::vector<int32_t>> LabelsToRender(const RenderRequest& request,
+                                              size_t num_gaussians) {
+  if (!request.granularity) {
+    return ReadInstanceLabels(request.workspace, num_gaussians);
+  }
+  FREEGS_ASSIGN_OR_RETURN(const semantics::Hierarchy hierarchy,
+                          ReadSceneHierarchy(request.workspace, num_gaussians));
+  return semantics::CutHierarchy(hierarchy, *request.granularity)
+      .label_of_gaussian;
+}
+
 StatusOr<std::unique_ptr<Renderer>> MakeRenderer(const RenderRequest& request,
                                                  const WorkspaceScene& scene,
                                                  const std::vector<View>& views,
@@ -228,9 +256,8 @@ StatusOr<std::unique_ptr<Renderer>> MakeRenderer(const RenderRequest& request,
     return std::unique_ptr<Renderer>(std::move(renderer));
   }
   if (request.what == "instances") {
-    FREEGS_ASSIGN_OR_RETURN(
-        std::vector<int32_t> labels,
-        ReadInstanceLabels(request.workspace, scene.model.size()));
+    FREEGS_ASSIGN_OR_RETURN(std::vector<int32_t> labels,
+                            LabelsToRender(request, scene.model.size()));
     return std::unique_ptr<Renderer>(std::make_unique<InstanceRenderer>(
         scene, request.out, pool, std::move(labels)));
   }

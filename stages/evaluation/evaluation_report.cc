@@ -165,12 +165,17 @@ void PrintBoxes(const std::string& name,
   Row(out, name + " recall 0.50", Text(boxes->recall50, 4), "");
 }
 
-void PrintInstances(const InstanceQuality& instances, std::ostream& out) {
+void PrintInstances(const EvaluationReport& report, std::ostream& out) {
+  const InstanceQuality& instances = *report.instances;
   if (instances.instance_miou) {
     Row(out,
         "instance mIoU",
         Text(instances.instance_miou, 4),
         "each true mask against the best instance");
+    Row(out,
+        "best level mIoU",
+        Text(report.best_level_miou, 4),
+        "each object against the best part or whole");
     Row(out,
         "click mIoU",
         Text(instances.click_miou, 4),
@@ -291,6 +296,7 @@ json ToJson(const EvaluationReport& report) {
       {"pose_rotation_deg", nullptr},
       {"pose_translation", nullptr},
       {"instance_miou", nullptr},
+      {"best_level_miou", OrNull(report.best_level_miou)},
       {"click_miou", nullptr},
       {"text_miou", nullptr},
       {"text_mbiou", nullptr},
@@ -362,7 +368,7 @@ void PrintTable(const EvaluationReport& report, std::ostream& out) {
         Text(poses.median_centre, 5),
         "units of the truth, median; largest " + Text(poses.max_centre, 5));
   }
-  if (report.instances) PrintInstances(*report.instances, out);
+  if (report.instances) PrintInstances(report, out);
   if (report.consistency) {
     Row(out,
         "view consistency",

@@ -31,6 +31,9 @@ struct EvaluationReport {
   // units of the truth.
   double camera_extent = 0;
   std::optional<InstanceQuality> instances;
+  // With the best level of the hierarchy for each object; see
+  // level_evaluation.h.
+  std::optional<double> best_level_miou;
   std::optional<ViewConsistency> consistency;
   std::optional<TextQuality> text;
   std::string text_model;  // Name of the CLIP model that was asked.

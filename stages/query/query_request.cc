@@ -14,8 +14,9 @@ namespace freegs::stages {
 namespace {
 
 constexpr char kUsage[] =
-    "query WORKSPACE (--text WORDS | --example IMAGE | --click VIEW X Y | "
-    "--box VIEW X0 Y0 X1 Y1)";
+    "query WORKSPACE (--text WORDS | --example IMAGE | --click VIEW X Y "
+    "[--wider N | --narrower N] | --box VIEW X0 Y0 X1 Y1)";
+constexpr int kMaxLevels = 1000;
 
 StatusOr<double> ParseNumber(const std::string& word,
                              const std::string& option) {
@@ -59,12 +60,30 @@ StatusOr<std::optional<ViewPlace>> TakePlace(
   return std::optional(std::move(place));
 }
 
+struct Levels {
+  int wider = 1;
+  int narrower = 1;
+};
+
 void AddWords(QueryRequest* request,
               std::string* text,
               std::string* example,
+              Levels* levels,
               pipeline::OptionTable* table) {
   table->Add("text", text, {.help = "Words for what is looked for."});
   table->Add("example", example, {.help = "Picture of what is looked for."});
+  table->Add("wider",
+             &levels->wider,
+             {.help = "So many levels above the instance that is clicked: what "
+                      "it is a part of.",
+              .min = 1,
+              .max = kMaxLevels});
+  table->Add("narrower",
+             &levels->narrower,
+             {.help = "So many levels below the instance that is clicked: its "
+                      "part that was clicked.",
+              .min = 1,
+              .max = kMaxLevels});
   table->Add("out", &request->out, {.help = "Folder for masks."});
   table->Add("json", &request->json, {.help = "Print JSON."});
   table->Add(
@@ -108,7 +127,8 @@ StatusOr<QueryRequest> ParseQueryRequest(
   pipeline::OptionTable table = MakeOptionTable(&options);
   std::string text;
   std::string example;
-  AddWords(&request, &text, &example, &table);
+  Levels levels;
+  AddWords(&request, &text, &example, &levels, &table);
   FREEGS_ASSIGN_OR_RETURN(const pipeline::OptionTable::CommandLine line,
                           table.ParseCommandLine(arguments));
   if (line.positional.size() != 1) {
@@ -129,6 +149,14 @@ StatusOr<QueryRequest> ParseQueryRequest(
   for (const pipeline::OptionSetting& setting : line.settings) {
     if (setting.name == "text") request.text = text;
     if (setting.name == "example") request.example = example;
+    const bool wider = setting.name == "wider";
+    if (wider || setting.name == "narrower") {
+      if (request.level) {
+        return InvalidArgumentError(
+            "--wider and --narrower exclude one another");
+      }
+      request.level = wider ? levels.wider : -levels.narrower;
+    }
   }
   const int questions = request.text.has_value() + request.example.has_value() +
                         request.click.has_value() + request.box.has_value();
@@ -139,6 +167,9 @@ StatusOr<QueryRequest> ParseQueryRequest(
   if (request.text &&
       request.text->find_first_not_of(" \t\r\n") == std::string::npos) {
     return InvalidArgumentError("--text needs words");
+  }
+  if (request.level && !request.click) {
+    return InvalidArgumentError("--wider and --narrower are for --click only");
   }
   if (request.no_align && request.cameras.empty()) {
     return InvalidArgumentError("--no-align is for --cameras FILE only");

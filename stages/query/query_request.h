@@ -29,6 +29,10 @@ struct QueryRequest {
   std::optional<ViewPlace> click;
   std::optional<ViewPlace> box;
 
+  // For clicks: levels of the hierarchy above the instance that was clicked, or
+  // below it where negative. Nothing: the instance itself.
+  std::optional<int> level;
+
   std::string out;      // Folder for masks and overlays; empty writes none.
   bool json = false;    // Whether the answer is printed as JSON.
   std::string cameras;  // See ViewSelection.

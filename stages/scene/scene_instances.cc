@@ -48,6 +48,19 @@ StatusOr<std::vector<int32_t>> ReadInstanceLabels(const fs::path& workspace,
   return std::move(idsf.instances);
 }
 
+StatusOr<semantics::Hierarchy> ReadSceneHierarchy(const fs::path& workspace,
+                                                  size_t num_gaussians) {
+  const fs::path path = workspace / "bootstrap" / "hierarchy.json";
+  std::error_code error;
+  if (!fs::exists(path, error)) {
+    return BadInputError(path.string() +
+                         ": no such file; run stage bootstrap with "
+                         "bootstrap.clustering evidence to have parts and "
+                         "wholes");
+  }
+  return semantics::ReadHierarchy(path, num_gaussians);
+}
+
 StatusOr<splat::GaussianModel> SelectInstances(
     const splat::GaussianModel& model,
     std::span<const int32_t> labels,

@@ -14,6 +14,7 @@
 #include "core/image.h"
 #include "core/status.h"
 #include "semantics/field/idsf.h"
+#include "semantics/instances/hierarchy.h"
 #include "splat/scene/gaussian_model.h"
 
 namespace freegs::stages {
@@ -25,6 +26,10 @@ StatusOr<semantics::Idsf> ReadSemanticField(
 
 // Reads the same file and returns only the label of each Gaussian.
 StatusOr<std::vector<int32_t>> ReadInstanceLabels(
+    const std::filesystem::path& workspace, size_t num_gaussians);
+
+// Reads bootstrap/hierarchy.json. kBadInput as above.
+StatusOr<semantics::Hierarchy> ReadSceneHierarchy(
     const std::filesystem::path& workspace, size_t num_gaussians);
 
 // Returns the Gaussians of the instances with these ids. With `without` it

@@ -16,6 +16,7 @@
 #include "photos/photo_list.h"
 #include "pipeline/stage_record.h"
 #include "semantics/field/idsf.h"
+#include "semantics/instances/hierarchy.h"
 #include "semantics/instances/instances.h"
 #include "semantics/instances/instances_json.h"
 #include "sfm/scene/model_io.h"
@@ -122,6 +123,24 @@ class SyntheticWorkspace {
                                           pool);
     EXPECT_TRUE(semantics::WriteInstances(
                     path() / "bootstrap" / "instances.json", instances)
+                    .ok());
+  }
+
+  // Instance k has parts 2 k and 2 k + 1; instances 0 and 1 are a group, then
+  // all three.
+  void AddHierarchy() const {
+    semantics::Hierarchy hierarchy;
+    hierarchy.tree = {
+        .num_leaves = 6,
+        .merges = {{0, 1, -2}, {2, 3, -2}, {4, 5, -2}, {6, 7, 1}, {8, 9, 2}}};
+    hierarchy.part_pixels = {100, 90, 80, 70, 60, 50};
+    hierarchy.total_pixels = 450;
+    for (size_t i = 0; i < model.size(); ++i) {
+      hierarchy.part_of_gaussian.push_back(
+          i % 4 == 3 ? -1 : static_cast<int32_t>(2 * (i % 4) + i / 4 % 2));
+    }
+    EXPECT_TRUE(semantics::WriteHierarchy(
+                    path() / "bootstrap" / "hierarchy.json", hierarchy)
                     .ok());
   }
 

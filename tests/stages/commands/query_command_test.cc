@@ -212,6 +212,43 @@ TEST_F(QueryCommandTest, ClicksAnswerWithoutSemantics) {
   EXPECT_THAT(output_.str(), HasSubstr("not found"));
 }
 
+TEST_F(QueryCommandTest, ClicksReachPartsAndWholes) {
+  const auto [x, y] = PixelOf(Labels(workspace_.views[2]), 1);
+  const auto click = [x = x, y = y](std::vector<std::string> more) {
+    std::vector<std::string> all = {
+        "--click", "photo2", std::to_string(x), std::to_string(y)};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  };
+  EXPECT_EQ(Query(click({"--wider", "1"})), 3);
+  EXPECT_THAT(message_, HasSubstr("hierarchy.json: no such file"));
+  workspace_.AddHierarchy();
+  const auto count = [](const nlohmann::json& answer) {
+    return answer["hits"][0]["num_gaussians"].get<int>();
+  };
+  const nlohmann::json thing = QueryJson(click({}));
+  EXPECT_EQ(count(thing), 30);
+  const nlohmann::json part = QueryJson(click({"--narrower", "1"}));
+  EXPECT_EQ(count(part), 15);
+  EXPECT_EQ(part["hits"][0]["id"], 4);
+  EXPECT_EQ(part["query"]["level"], -1);
+  EXPECT_EQ(part["query"]["instance"], 2);
+  EXPECT_EQ(count(QueryJson(click({"--wider", "1"}))), 60);
+  EXPECT_EQ(count(QueryJson(click({"--wider", "5"}))), 90);
+
+  const TemporaryFolder masks;
+  const nlohmann::json shown =
+      QueryJson(click({"--wider", "2", "--out", (masks / "answer").string()}));
+  int64_t pixels = 0;
+  for (const nlohmann::json& view : shown["masks"]) {
+    pixels += view["pixels"].get<int64_t>();
+  }
+  EXPECT_GT(pixels, 0);
+  EXPECT_EQ(Query(click({"--wider", "1", "--narrower", "1"})), 2);
+  EXPECT_EQ(Query(click({"--wider", "0"})), 2);
+  EXPECT_EQ(Query({"--box", "photo1", "0", "0", "9", "9", "--wider", "1"}), 2);
+}
+
 TEST_F(QueryCommandTest, BoxesAnswerWithoutSemantics) {
   const Image<int32_t> labels = Labels(workspace_.views[1]);
   int x0 = 64, x1 = 0, y0 = 48, y1 = 0;

@@ -279,5 +279,38 @@ TEST_F(RenderCommandTest, StopsWhenAsked) {
             StatusCode::kInterrupted);
 }
 
+TEST_F(RenderCommandTest, InstancesOfAnotherGranularity) {
+  workspace_.AddInstances();
+  EXPECT_EQ(Render({workspace(), "--out", out(), "--granularity", "1"}).code(),
+            StatusCode::kInvalidArgument);
+  const std::vector<std::string> ask = {
+      workspace(), "--out", out(), "--what", "instances", "--granularity"};
+  const auto largest_id = [&](const std::string& granularity) {
+    std::vector<std::string> arguments = ask;
+    arguments.push_back(granularity);
+    const Status status = Render(arguments);
+    EXPECT_TRUE(status.ok()) << status.message();
+    int largest = 0;
+    for (int k = 1; k < 6; ++k) {
+      const auto ids = ReadLabels(std::filesystem::path(out()) /
+                                  ("photo" + std::to_string(k) + ".png"));
+      EXPECT_TRUE(ids.ok());
+      for (size_t i = 0; ids.ok() && i < ids->size(); ++i) {
+        largest = std::max(largest, static_cast<int>(ids->data()[i]));
+      }
+    }
+    return largest;
+  };
+  std::vector<std::string> arguments = ask;
+  arguments.push_back("0");
+  EXPECT_THAT(Render(arguments).message(),
+              HasSubstr("hierarchy.json: no such file"));
+  workspace_.AddHierarchy();
+  EXPECT_EQ(largest_id("0"), 3);
+  EXPECT_EQ(largest_id("-1.5"), 2);
+  EXPECT_EQ(largest_id("-3"), 1);
+  EXPECT_EQ(largest_id("3"), 6);
+}
+
 }  // namespace
 }  // namespace freegs::stages

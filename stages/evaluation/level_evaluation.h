@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How well the objects of the truth could be met if each of them were asked for
+// at the level of the hierarchy, whole or part, that fits it best.
+
+#ifndef FREEGS_STAGES_EVALUATION_LEVEL_EVALUATION_H_
+#define FREEGS_STAGES_EVALUATION_LEVEL_EVALUATION_H_
+
+#include <optional>
+
+#include "core/cancellation.h"
+#include "core/parallel.h"
+#include "core/status.h"
+#include "semantics/instances/hierarchy.h"
+#include "stages/evaluation/ground_truth.h"
+#include "stages/scene/workspace_scene.h"
+
+namespace freegs::stages {
+
+// The mean IoU over all pairs of view and object, as in
+// InstanceQuality::instance_miou. Each object is compared with one region of
+// the hierarchy, in all views: that of the highest IoU over all of them
+// together. Nothing when the truth has no masks of test views. The errors are
+// those of ForEachJudgedView.
+StatusOr<std::optional<double>> MeasureBestLevels(
+    const WorkspaceScene& scene,
+    const semantics::Hierarchy& hierarchy,
+    const GroundTruth& truth,
+    const Sim3d& truth_from_scene,
+    const CancellationToken& cancellation,
+    ThreadPool& pool);
+
+}  // namespace freegs::stages
+
+#endif  // FREEGS_STAGES_EVALUATION_LEVEL_EVALUATION_H_

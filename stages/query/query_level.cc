@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/query/query_level.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "semantics/instances/hierarchy.h"
+#include "semantics/queries/click_query.h"
+#include "stages/scene/scene_instances.h"
+
+namespace freegs::stages {
+
+namespace fs = std::filesystem;
+
+StatusOr<int> AddLevel(const fs::path& workspace,
+                       const ClickedInstance& clicked,
+                       int level,
+                       ThreadPool& pool,
+                       QueryScene* scene) {
+  const splat::GaussianModel& model = scene->scene->model;
+  FREEGS_ASSIGN_OR_RETURN(const semantics::Hierarchy hierarchy,
+                          ReadSceneHierarchy(workspace, model.size()));
+  // The part of the instance that the pixel shows most of.
+  std::vector<int32_t> parts = hierarchy.part_of_gaussian;
+  for (size_t g = 0; g < parts.size(); ++g) {
+    if (scene->labels[g] != clicked.id - 1) parts[g] = -1;
+  }
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<semantics::ClickHit> hits,
+                          semantics::QueryClick(model,
+                                                parts,
+                                                clicked.view.camera,
+                                                clicked.view.cam_from_world,
+                                                scene->scene->render,
+                                                clicked.x,
+                                                clicked.y,
+                                                pool));
+  if (hits.empty()) {
+    return BadInputError(
+        "bootstrap/hierarchy.json: knows no part of instance " +
+        std::to_string(clicked.id) + " there; run stage bootstrap again");
+  }
+  const std::vector<uint8_t> inside = semantics::GaussiansOf(
+      hierarchy, semantics::RegionAround(hierarchy, hits[0].id - 1, level));
+
+  int id = 0;
+  for (const semantics::Instance& instance : scene->instances) {
+    id = std::max(id, instance.id + 1);
+  }
+  std::vector<int32_t> region(inside.size(), -1);
+  for (size_t g = 0; g < inside.size(); ++g) {
+    if (inside[g] == 0) continue;
+    region[g] = 0;
+    scene->labels[g] = id - 1;
+  }
+  semantics::Instance instance =
+      semantics::BuildInstances(model,
+                                region,
+                                1,
+                                /*scores=*/{},
+                                /*background=*/{},
+                                semantics::EstimateVertical(scene->photos, {}),
+                                {},
+                                pool)[0];
+  instance.id = id;
+  scene->instances.push_back(std::move(instance));
+  return id;
+}
+
+}  // namespace freegs::stages
