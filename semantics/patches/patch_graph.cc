@@ -63,6 +63,47 @@ Eigen::Vector3d RowOf3(std::span<const float> rows, size_t i) {
 
 }  // namespace
 
+Image<int32_t> PatchOfPixels(const splat::WeightMatrix& weights,
+                             std::span<const int32_t> patch_of_gaussian,
+                             ThreadPool& pool) {
+  const int width = weights.width;
+  Image<int32_t> patches(width, weights.height, 1, -1);
+  pool.ParallelFor(
+      0, weights.height, kPixelRowGrain, [&](int64_t first, int64_t last, int) {
+        std::vector<std::pair<int32_t, float>> shares;
+        for (int64_t p = first * width; p < last * width; ++p) {
+          shares.clear();
+          float total = 0;
+          for (uint32_t e = weights.pixel_begin[p];
+               e < weights.pixel_begin[p + 1];
+               ++e) {
+            const int32_t patch = patch_of_gaussian[weights.gaussians[e]];
+            if (patch < 0) continue;
+            const float weight = weights.weights[e];
+            total += weight;
+            const auto same = std::find_if(
+                shares.begin(), shares.end(), [&](const auto& share) {
+                  return share.first == patch;
+                });
+            if (same != shares.end()) {
+              same->second += weight;
+            } else {
+              shares.emplace_back(patch, weight);
+            }
+          }
+          if (total < kMinPixelWeight) continue;
+          patches.data()[p] =
+              std::max_element(shares.begin(),
+                               shares.end(),
+                               [](const auto& a, const auto& b) {
+                                 return a.second < b.second;
+                               })
+                  ->first;
+        }
+      });
+  return patches;
+}
+
 PatchGraphBuilder::PatchGraphBuilder(const splat::GaussianModel& model,
                                      std::vector<int32_t> patch_of_gaussian,
                                      std::vector<float> normals,
@@ -131,45 +172,6 @@ class PatchGraphBuilder::PatchDepths {
   std::vector<Eigen::Vector3d> normal_;
 };
 
-std::vector<int32_t> PatchGraphBuilder::LabelPixels(
-    const splat::WeightMatrix& weights, ThreadPool& pool) const {
-  const int width = weights.width;
-  std::vector<int32_t> labels(weights.num_pixels(), -1);
-  pool.ParallelFor(
-      0, weights.height, kPixelRowGrain, [&](int64_t first, int64_t last, int) {
-        std::vector<std::pair<int32_t, float>> shares;
-        for (int64_t p = first * width; p < last * width; ++p) {
-          shares.clear();
-          float total = 0;
-          for (uint32_t e = weights.pixel_begin[p];
-               e < weights.pixel_begin[p + 1];
-               ++e) {
-            const int32_t patch = patch_of_gaussian_[weights.gaussians[e]];
-            if (patch < 0) continue;
-            const float weight = weights.weights[e];
-            total += weight;
-            const auto same = std::find_if(
-                shares.begin(), shares.end(), [&](const auto& share) {
-                  return share.first == patch;
-                });
-            if (same != shares.end()) {
-              same->second += weight;
-            } else {
-              shares.emplace_back(patch, weight);
-            }
-          }
-          if (total < kMinPixelWeight) continue;
-          labels[p] = std::max_element(shares.begin(),
-                                       shares.end(),
-                                       [](const auto& a, const auto& b) {
-                                         return a.second < b.second;
-                                       })
-                          ->first;
-        }
-      });
-  return labels;
-}
-
 Status PatchGraphBuilder::AddView(const splat::WeightMatrix& weights,
                                   const View& view,
                                   const ImageF& photo,
@@ -182,7 +184,8 @@ Status PatchGraphBuilder::AddView(const splat::WeightMatrix& weights,
     return InvalidArgumentError(
         "weights, camera and photograph of a view differ in size");
   }
-  const std::vector<int32_t> labels = LabelPixels(weights, pool);
+  const Image<int32_t> labels =
+      PatchOfPixels(weights, patch_of_gaussian_, pool);
   for (size_t e = 0; e < weights.gaussians.size(); ++e) {
     seen_[weights.gaussians[e]] += weights.weights[e];
   }
@@ -199,13 +202,13 @@ Status PatchGraphBuilder::AddView(const splat::WeightMatrix& weights,
           for (int x = 0; x < width; ++x) {
             // Every second pixel, as on a chessboard, tells enough.
             if ((x + y) % 2 != 0) continue;
-            const int32_t here = labels[static_cast<size_t>(y) * width + x];
+            const int32_t here = labels(x, y);
             if (here < 0) continue;
             for (const bool horizontal : {true, false}) {
               const int nx = horizontal ? x + 1 : x;
               const int ny = horizontal ? y : y + 1;
               if (nx >= width || ny >= height) continue;
-              const int32_t next = labels[static_cast<size_t>(ny) * width + nx];
+              const int32_t next = labels(nx, ny);
               if (next < 0 || next == here) continue;
               Crossing crossing;
               std::tie(crossing.a, crossing.b) = std::minmax(here, next);
@@ -230,7 +233,8 @@ Status PatchGraphBuilder::AddView(const splat::WeightMatrix& weights,
   for (const std::vector<Crossing>& row : crossings) AddCrossings(row);
 
   const Eigen::Vector3d camera = CameraCentre(view.cam_from_world);
-  for (const int32_t patch : labels) {
+  for (size_t p = 0; p < labels.size(); ++p) {
+    const int32_t patch = labels.data()[p];
     if (patch < 0) continue;
     towards_camera_[patch] += (camera - middle_[patch]).normalized();
   }
@@ -238,11 +242,12 @@ Status PatchGraphBuilder::AddView(const splat::WeightMatrix& weights,
   return Status();
 }
 
-void PatchGraphBuilder::AddPixels(const std::vector<int32_t>& labels,
+void PatchGraphBuilder::AddPixels(const Image<int32_t>& labels,
                                   const ImageF& lab) {
   for (size_t p = 0; p < labels.size(); ++p) {
-    if (labels[p] < 0) continue;
-    RegionStats& region = graph_.regions[labels[p]];
+    const int32_t patch = labels.data()[p];
+    if (patch < 0) continue;
+    RegionStats& region = graph_.regions[patch];
     region.pixels += 1;
     for (int c = 0; c < 3; ++c) {
       const double value = lab.data()[p * 3 + c];

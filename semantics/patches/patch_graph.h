@@ -27,6 +27,12 @@
 
 namespace freegs::semantics {
 
+// The patch that each pixel of a view shows most of, -1 where all patches
+// together have less than half of its weight.
+Image<int32_t> PatchOfPixels(const splat::WeightMatrix& weights,
+                             std::span<const int32_t> patch_of_gaussian,
+                             ThreadPool& pool);
+
 class PatchGraphBuilder {
  public:
   // patch_of_gaussian: for each Gaussian of the model, -1 for none.
@@ -62,9 +68,7 @@ class PatchGraphBuilder {
   };
 
   // The patch that each pixel shows most of, -1 for none.
-  std::vector<int32_t> LabelPixels(const splat::WeightMatrix& weights,
-                                   ThreadPool& pool) const;
-  void AddPixels(const std::vector<int32_t>& labels, const ImageF& lab);
+  void AddPixels(const Image<int32_t>& labels, const ImageF& lab);
   void AddCrossings(const std::vector<Crossing>& crossings);
   ContactStats& ContactOf(int32_t a, int32_t b);
   void AddContext();

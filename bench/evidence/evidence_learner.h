@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Learns how evidence speaks for or against one thing.
+
+#ifndef FREEGS_BENCH_EVIDENCE_EVIDENCE_LEARNER_H_
+#define FREEGS_BENCH_EVIDENCE_EVIDENCE_LEARNER_H_
+
+#include <cstddef>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "bench/evidence/learning_scene.h"
+#include "core/parallel.h"
+#include "semantics/patches/evidence_model.h"
+
+namespace freegs::evidence {
+
+struct LearnerOptions {
+  std::set<std::string> without;  // Evidence that gets no weight.
+  bool pairs = false;
+};
+
+struct LearntEvidence {
+  semantics::EvidenceModel model;
+  size_t num_examples = 0;
+};
+
+// Merges each scene's patches several times, as the model of the round before
+// says: once only as far as the truth allows and, from the second round on,
+// once as its own mistakes lead (Nunez-Iglesias et al. 2013). Every pair that
+// is asked about on the way is an example for a logistic regression. The same
+// scenes give the same model for any number of threads.
+LearntEvidence LearnEvidence(std::span<const LearningScene> scenes,
+                             const LearnerOptions& options,
+                             ThreadPool& pool);
+
+}  // namespace freegs::evidence
+
+#endif  // FREEGS_BENCH_EVIDENCE_EVIDENCE_LEARNER_H_

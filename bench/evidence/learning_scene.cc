@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "bench/evidence/learning_scene.h"
+
+#include <algorithm>
+
+#include "core/io/image_io.h"
+#include "semantics/geometry/scene_extent.h"
+#include "semantics/patches/patch_graph.h"
+#include "semantics/patches/scene_patches.h"
+#include "splat/weights/blending_weights.h"
+#include "stages/scene/workspace_scene.h"
+
+namespace freegs::evidence {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kMinOpacity = 0.1;
+constexpr size_t kMaxPictures = 3;
+
+// The true segments of a view: (number, mask).
+using Masks = std::vector<std::pair<int, ImageU8>>;
+
+StatusOr<Masks> SplitIds(const fs::path& path) {
+  FREEGS_ASSIGN_OR_RETURN(const ImageU16 ids, ReadLabels(path));
+  std::map<int, ImageU8> by_id;
+  for (size_t i = 0; i < ids.size(); ++i) {
+    const int id = ids.data()[i];
+    if (id == 0) continue;
+    auto [it, added] = by_id.try_emplace(id);
+    if (added) it->second = ImageU8(ids.width(), ids.height(), 1);
+    it->second.data()[i] = 255;
+  }
+  Masks masks;
+  for (auto& [id, mask] : by_id) masks.emplace_back(id, std::move(mask));
+  return masks;
+}
+
+StatusOr<Masks> ReadMasks(const fs::path& truth,
+                          const std::string& name,
+                          std::map<std::string, int>* numbers) {
+  const std::string stem = fs::path(name).stem();
+  for (const char* folder : {"gt/surfaces", "gt/instance"}) {
+    const fs::path drawn = truth / folder / (stem + ".png");
+    if (fs::exists(drawn)) return SplitIds(drawn);
+  }
+  Masks masks;
+  const fs::path folder = truth / "test_mask" / stem;
+  if (!fs::exists(folder)) return masks;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    FREEGS_ASSIGN_OR_RETURN(const ImageU16 read, ReadLabels(entry.path()));
+    ImageU8 mask(read.width(), read.height(), 1);
+    for (size_t i = 0; i < read.size(); ++i) {
+      mask.data()[i] = read.data()[i] > 0 ? 255 : 0;
+    }
+    const int number = numbers
+                           ->try_emplace(entry.path().stem().string(),
+                                         static_cast<int>(numbers->size()) + 1)
+                           .first->second;
+    masks.emplace_back(number, std::move(mask));
+  }
+  return masks;
+}
+
+void CountVotes(const Image<int32_t>& patches,
+                const Masks& masks,
+                LearningScene* scene) {
+  const int width = patches.width();
+  const int height = patches.height();
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const int32_t patch = patches(x, y);
+      if (patch >= 0) scene->pixels[patch] += 1;
+      for (const auto& [id, mask] : masks) {
+        if (mask((2 * x + 1) * mask.width() / (2 * width),
+                 (2 * y + 1) * mask.height() / (2 * height)) <= 127) {
+          continue;
+        }
+        scene->segment_pixels[id] += 1;
+        if (patch >= 0) scene->votes[patch][id] += 1;
+      }
+    }
+  }
+}
+
+}  // namespace
+
+StatusOr<LearningScene> LoadLearningScene(const fs::path& workspace,
+                                          const fs::path& truth,
+                                          ThreadPool& pool) {
+  FREEGS_ASSIGN_OR_RETURN(const stages::WorkspaceScene scene,
+                          stages::ReadWorkspaceScene(workspace));
+  std::vector<View> views = scene.train;
+  views.insert(views.end(), scene.holdout.begin(), scene.holdout.end());
+  const semantics::PatchOptions options;
+  const auto photo_of = [&](size_t v) {
+    return ReadRgb(workspace / "undistort/images" / scene.train[v].name);
+  };
+  FREEGS_ASSIGN_OR_RETURN(
+      semantics::ScenePatches patches,
+      semantics::BuildScenePatches(
+          {.model = scene.model,
+           .views = scene.train,
+           .render = scene.render,
+           .photo_of = photo_of,
+           .semantics = {},
+           .scene_radius = semantics::ComputeSceneExtent(
+                               scene.model, views, kMinOpacity, pool)
+                               .radius},
+          options,
+          pool,
+          nullptr));
+  LearningScene result;
+  result.name = workspace.filename();
+  result.graph = std::move(patches.graph);
+  result.votes.resize(result.graph.regions.size());
+  result.pixels.assign(result.graph.regions.size(), 0);
+  std::map<std::string, int> numbers;
+  for (View view : views) {
+    FREEGS_ASSIGN_OR_RETURN(const Masks masks,
+                            ReadMasks(truth, view.name, &numbers));
+    if (masks.empty()) continue;
+    view.camera = view.camera.LimitedTo(options.max_side);
+    FREEGS_ASSIGN_OR_RETURN(
+        const splat::BlendingWeights weights,
+        splat::ComputeBlendingWeights(
+            scene.model, view.camera, view.cam_from_world, scene.render, pool));
+    Image<int32_t> shown = semantics::PatchOfPixels(
+        weights.matrix(), patches.patch_of_gaussian, pool);
+    CountVotes(shown, masks, &result);
+    if (result.pictures.size() < kMaxPictures) {
+      result.pictures.emplace_back(fs::path(view.name).stem(),
+                                   std::move(shown));
+    }
+  }
+  return result;
+}
+
+}  // namespace freegs::evidence

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A reconstructed scene, its patches, and what is known of them.
+
+#ifndef FREEGS_BENCH_EVIDENCE_LEARNING_SCENE_H_
+#define FREEGS_BENCH_EVIDENCE_LEARNING_SCENE_H_
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/image.h"
+#include "core/parallel.h"
+#include "core/status.h"
+#include "semantics/patches/region_graph.h"
+
+namespace freegs::evidence {
+
+// Numbers of true segments below this one are objects, others are surfaces of
+// the room.
+inline constexpr int kFirstSurface = 200;
+
+struct LearningScene {
+  std::string name;
+  semantics::RegionGraph graph;  // A region for each patch.
+
+  // In the views that have true masks: the pixels of each patch, those that are
+  // in each true segment, and all of each segment. Segments may overlap, as
+  // masks of parts do.
+  std::vector<double> pixels;
+  std::vector<std::map<int, double>> votes;
+  std::map<int, double> segment_pixels;
+
+  // The patch of each pixel in a few of these views, -1 for none.
+  std::vector<std::pair<std::string, Image<int32_t>>> pictures;
+};
+
+// truth: a folder of freegs_make_scene, or one with test_mask/VIEW/LABEL.png.
+StatusOr<LearningScene> LoadLearningScene(
+    const std::filesystem::path& workspace,
+    const std::filesystem::path& truth,
+    ThreadPool& pool);
+
+}  // namespace freegs::evidence
+
+#endif  // FREEGS_BENCH_EVIDENCE_LEARNING_SCENE_H_
