@@ -98,7 +98,6 @@ StatusOr<Masks> MasksOf(const fs::path& truth,
 
 StatusOr<LearningScene> LoadScene(const fs::path& workspace,
                                   const fs::path& truth,
-                                  const semantics::PatchOptions& options,
                                   ThreadPool& pool) {
   FREEGS_ASSIGN_OR_RETURN(const stages::WorkspaceScene scene,
                           stages::ReadWorkspaceScene(workspace));
@@ -115,12 +114,10 @@ StatusOr<LearningScene> LoadScene(const fs::path& workspace,
                                                          "undistort/images" /
                                                          scene.train[v].name);
                                         },
-                                    .semantics = {},
                                     .scene_radius = extent.radius};
   const auto started = std::chrono::steady_clock::now();
-  FREEGS_ASSIGN_OR_RETURN(
-      semantics::ScenePatches patches,
-      semantics::BuildScenePatches(input, options, pool, nullptr));
+  FREEGS_ASSIGN_OR_RETURN(semantics::ScenePatches patches,
+                          semantics::BuildScenePatches(input, pool, nullptr));
   const std::chrono::duration<double> took =
       std::chrono::steady_clock::now() - started;
   LearningScene result;
@@ -135,7 +132,7 @@ StatusOr<LearningScene> LoadScene(const fs::path& workspace,
                             MasksOf(truth, view.name, &labels));
     if (masks.empty()) continue;
     Image<int32_t> picture;
-    view.camera = view.camera.LimitedTo(options.max_side);
+    view.camera = view.camera.LimitedTo(semantics::kPatchImageSide);
     FREEGS_ASSIGN_OR_RETURN(
         const splat::BlendingWeights weights,
         splat::ComputeBlendingWeights(
@@ -306,7 +303,7 @@ void Collect(const LearningScene& scene,
     }
     return join;
   };
-  semantics::MergeRegions(scene.graph, difference, 1e300, allow);
+  semantics::MergeRegions(scene.graph, difference, allow);
 }
 
 struct Quality {
@@ -516,9 +513,7 @@ void Report(const std::vector<LearningScene>& scenes,
   std::printf("  best level  patches\n");
   for (const LearningScene& scene : scenes) {
     const RegionTree tree = semantics::MergeRegions(
-        scene.graph,
-        [&](const Evidence& e) { return learner.Difference(e); },
-        std::numeric_limits<double>::infinity());
+        scene.graph, [&](const Evidence& e) { return learner.Difference(e); });
     if (explain) Explain(scene, tree.Cut(0));
     if (!draw.empty()) Draw(scene, tree.Cut(0), draw);
     std::printf("%-14s", scene.name.c_str());
@@ -577,7 +572,7 @@ int Run(int argc, char** argv) {
   for (const bool is_test : {false, true}) {
     const std::vector<std::string>& names = is_test ? test : train;
     for (size_t i = 0; i + 1 < names.size(); i += 2) {
-      auto scene = LoadScene(names[i], names[i + 1], {}, pool);
+      auto scene = LoadScene(names[i], names[i + 1], pool);
       if (!scene.ok()) {
         std::cerr << names[i] << ": " << scene.status().message() << "\n";
         return 1;

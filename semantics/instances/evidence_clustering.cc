@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
+
+#include "semantics/patches/region_merging.h"
 
 namespace freegs::semantics {
 namespace {
@@ -35,30 +36,25 @@ Status EvidenceClusteringOptions::Check() const {
   if (!std::isfinite(granularity)) {
     return InvalidArgumentError("granularity must be a number");
   }
-  return patches.Check();
+  return Status();
 }
 
 StatusOr<EvidenceClusters> ClusterByEvidence(
-    const PatchScene& scene,
+    const ScenePatches& patches,
+    double scene_radius,
     const EvidenceModel& model,
-    const EvidenceClusteringOptions& options,
-    ThreadPool& pool,
-    const CancellationToken* cancellation) {
+    const EvidenceClusteringOptions& options) {
   FREEGS_RETURN_IF_ERROR(options.Check());
-  FREEGS_ASSIGN_OR_RETURN(
-      ScenePatches patches,
-      BuildScenePatches(scene, options.patches, pool, cancellation));
   EvidenceClusters result;
   const auto difference = [&model](const Evidence& evidence) {
     return model.Difference(evidence);
   };
-  result.tree = MergeRegions(
-      patches.graph, difference, std::numeric_limits<double>::infinity());
-  const std::vector<int32_t> cut = result.tree.Cut(-options.granularity);
+  const RegionTree tree = MergeRegions(patches.graph, difference);
+  const std::vector<int32_t> cut = tree.Cut(-options.granularity);
   const std::vector<int32_t> region_of_patch = AbsorbSmallRegions(
       patches.graph, cut, difference, kCrumbShare * patches.graph.total_pixels);
   // What stood against joining the regions that others were absorbed by.
-  const std::vector<double> join_heights = JoinHeights(result.tree);
+  const std::vector<double> join_heights = JoinHeights(tree);
   std::vector<double> heights(region_of_patch.size(),
                               -std::numeric_limits<double>::infinity());
   for (size_t p = 0; p < cut.size(); ++p) {
@@ -79,14 +75,12 @@ StatusOr<EvidenceClusters> ClusterByEvidence(
     result.scores.push_back(1 / (1 + std::exp(-heights[r])));
     const RegionExtent extent =
         ExtentOf(regions[r].weight, regions[r].position, regions[r].position2);
-    const bool background =
-        extent.Flatness() <= kBackgroundFlatness &&
-        extent.width >= kBackgroundWidth * scene.scene_radius;
+    const bool background = extent.Flatness() <= kBackgroundFlatness &&
+                            extent.width >= kBackgroundWidth * scene_radius;
     result.is_plane.push_back(background);
     if (background) {
-      result.planes.push_back({.normal = extent.normal,
-                               .offset = extent.normal.dot(extent.centre),
-                               .distance = 2 * extent.thickness});
+      result.planes.push_back(
+          {extent.normal, extent.normal.dot(extent.centre)});
     }
   }
   result.labels.assign(patches.patch_of_gaussian.size(), -1);
@@ -96,7 +90,6 @@ StatusOr<EvidenceClusters> ClusterByEvidence(
       result.labels[g] = label_of_region[region_of_patch[patch]];
     }
   }
-  result.patch_of_gaussian = std::move(patches.patch_of_gaussian);
   return result;
 }
 

@@ -8,19 +8,14 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/cancellation.h"
-#include "core/parallel.h"
 #include "core/status.h"
-#include "semantics/geometry/planes.h"
+#include "semantics/geometry/plane.h"
 #include "semantics/patches/evidence_model.h"
-#include "semantics/patches/region_merging.h"
 #include "semantics/patches/scene_patches.h"
 
 namespace freegs::semantics {
 
 struct EvidenceClusteringOptions {
-  PatchOptions patches;
-
   // 0 cuts where it is as likely as not that there are two things; 1 already
   // where that is e times less likely, which makes more and smaller instances,
   // and -1 the other way round.
@@ -29,7 +24,7 @@ struct EvidenceClusteringOptions {
   Status Check() const;
 };
 
-// The instance of each Gaussian, and the tree it was cut from.
+// The instance of each Gaussian.
 struct EvidenceClusters {
   std::vector<int32_t> labels;  // Of Gaussians; -1 for none. Not numbered by
                                 // size.
@@ -38,18 +33,15 @@ struct EvidenceClusters {
   std::vector<double> scores;
   std::vector<uint8_t> is_plane;
   std::vector<Plane> planes;
-
-  std::vector<int32_t> patch_of_gaussian;  // -1 for none.
-  RegionTree tree;
 };
 
-// Regions that are hardly seen have no label. Errors of BuildScenePatches.
+// Regions that are hardly seen have no label. scene_radius: world units.
+// kInvalidArgument for options out of range.
 StatusOr<EvidenceClusters> ClusterByEvidence(
-    const PatchScene& scene,
+    const ScenePatches& patches,
+    double scene_radius,
     const EvidenceModel& model,
-    const EvidenceClusteringOptions& options,
-    ThreadPool& pool,
-    const CancellationToken* cancellation);
+    const EvidenceClusteringOptions& options);
 
 }  // namespace freegs::semantics
 

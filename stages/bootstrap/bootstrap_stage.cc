@@ -43,7 +43,7 @@ class BootstrapStage : public pipeline::Stage {
       : options_(options), seed_(seed) {}
 
   std::string_view name() const override { return "bootstrap"; }
-  int version() const override { return 3; }
+  int version() const override { return 4; }
 
   std::vector<fs::path> Inputs(const pipeline::StageContext&) const override {
     std::vector<fs::path> inputs = {"reconstruct/point_cloud.ply",
@@ -78,8 +78,9 @@ class BootstrapStage : public pipeline::Stage {
       return UnusableResultError(
           "bootstrap: no instance was found among " +
           std::to_string(scene.model.size()) +
-          " Gaussians; try a smaller bootstrap.min_cluster_size or "
-          "bootstrap.min_samples, or a better reconstruction");
+          " Gaussians; try a better reconstruction or, with "
+          "bootstrap.clustering union, a smaller bootstrap.min_cluster_size or "
+          "bootstrap.min_samples");
     }
     std::vector<semantics::Instance> instances = semantics::BuildInstances(
         scene.model,
@@ -125,17 +126,18 @@ class BootstrapStage : public pipeline::Stage {
       context.progress({"clustering", 0, 1, ""});
       semantics::SemanticField field;
       FREEGS_ASSIGN_OR_RETURN(
+          semantics::InstanceClusterer clusterer,
+          semantics::InstanceClusterer::Create(scene.model,
+                                               views,
+                                               {.views = scene.train,
+                                                .photo_of = photo_of,
+                                                .render = scene.render},
+                                               method.clustering,
+                                               *context.pool,
+                                               context.cancellation));
+      FREEGS_ASSIGN_OR_RETURN(
           field.instances,
-          semantics::ClusterInstances(scene.model,
-                                      {},
-                                      views,
-                                      {.views = scene.train,
-                                       .photo_of = photo_of,
-                                       .render = scene.render},
-                                      method.clustering,
-                                      seed_,
-                                      *context.pool,
-                                      context.cancellation));
+          clusterer.Cluster({}, *context.pool, context.cancellation));
       return NamedField{std::move(field), {}};
     }
     FREEGS_ASSIGN_OR_RETURN(const auto encoder, OpenClipModel(options_.model));

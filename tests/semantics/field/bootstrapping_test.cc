@@ -18,11 +18,6 @@ namespace freegs::semantics {
 namespace {
 
 // The table scene, its pictures, and an encoder that sees colours.
-BootstrappingOptions WithChain() {
-  BootstrappingOptions options;
-  options.clustering.method = ClusteringMethod::kChain;
-  return options;
-}
 
 class BootstrappingTest : public testing::Test {
  protected:
@@ -38,7 +33,6 @@ class BootstrappingTest : public testing::Test {
                                                pool)
                                  .color));
     }
-    options_.instances.refine = false;
   }
 
   StatusOr<SemanticField> Lift(
@@ -81,8 +75,7 @@ class BootstrappingTest : public testing::Test {
   std::vector<ImageU8> photos_;
   ColorEncoder encoder_;
   TemporaryFolder folder_;
-  // The scene is made of points, which show no surfaces.
-  BootstrappingOptions options_ = WithChain();
+  BootstrappingOptions options_;
   std::optional<FieldState> resume_from_;
   std::function<Status(const FieldTraining&, bool)> save_;
 };

@@ -46,14 +46,12 @@ class EvidenceClusteringTest : public testing::Test {
           }
           return photo;
         },
-        .semantics = {},
         .scene_radius = 1};
     FREEGS_ASSIGN_OR_RETURN(const EvidenceModel model, DefaultEvidenceModel());
-    return ClusterByEvidence(scene,
-                             model,
-                             {.patches = {}, .granularity = granularity},
-                             pool,
-                             nullptr);
+    FREEGS_ASSIGN_OR_RETURN(const ScenePatches patches,
+                            BuildScenePatches(scene, pool, nullptr));
+    return ClusterByEvidence(
+        patches, scene.scene_radius, model, {.granularity = granularity});
   }
 
   const SyntheticGaussians scene_;
@@ -73,7 +71,6 @@ TEST_F(EvidenceClusteringTest, SameBytesForAnyNumberOfThreads) {
   ASSERT_TRUE(one.ok() && three.ok());
   EXPECT_EQ(one->labels, three->labels);
   EXPECT_EQ(one->scores, three->scores);
-  EXPECT_EQ(one->patch_of_gaussian, three->patch_of_gaussian);
 }
 
 TEST_F(EvidenceClusteringTest, GranularityMakesMoreInstances) {
@@ -89,20 +86,10 @@ TEST_F(EvidenceClusteringTest, GranularityMakesMoreInstances) {
   }
 }
 
-TEST_F(EvidenceClusteringTest, FailsWhereAPhotographDoes) {
-  ThreadPool pool(1);
-  const PatchScene scene{.model = scene_.model,
-                         .views = views_,
-                         .render = render_,
-                         .photo_of = [](size_t) -> StatusOr<ImageU8> {
-                           return BadInputError("no such photograph");
-                         },
-                         .semantics = {},
-                         .scene_radius = 1};
-  EXPECT_EQ(ClusterByEvidence(scene, EvidenceModel(), {}, pool, nullptr)
-                .status()
-                .code(),
-            StatusCode::kBadInput);
+TEST_F(EvidenceClusteringTest, RefusesAGranularityThatIsNoNumber) {
+  EXPECT_EQ(
+      ClusterByEvidence({}, 1, EvidenceModel(), {std::nan("")}).status().code(),
+      StatusCode::kInvalidArgument);
 }
 
 }  // namespace
