@@ -27,30 +27,17 @@ WAYS = {
     "geometry": ["--bootstrap.mode", "geometry"],
     "lift": ["--bootstrap.mode", "lift"],
     "paper": ["--bootstrap.mode", "paper"],
-    # Nothing that needs instances; Gaussians answer to words, each for itself.
-    "no clustering": ["--bootstrap.mode", "paper",
-                      "--bootstrap.cluster_start", "0",
-                      "--bootstrap.contrastive_weight", "0",
-                      "--bootstrap.instance_weight", "0"],
-    "no alternation": ["--bootstrap.mode", "paper",
-                       "--bootstrap.cluster_start", "0"],
     "no L_C": ["--bootstrap.mode", "paper",
                "--bootstrap.contrastive_weight", "0"],
     "no F_ins": ["--bootstrap.mode", "paper",
-                 "--bootstrap.instance_weight", "0",
-                 "--bootstrap.instance_share", "0"],
+                 "--bootstrap.instance_weight", "0"],
     "no smoothing": ["--bootstrap.mode", "paper",
                      "--bootstrap.smoothing_weight", "0"],
     "random start": ["--bootstrap.mode", "paper",
                      "--bootstrap.random_start", "true"],
-    "no words from crops": ["--bootstrap.mode", "lift",
-                            "--bootstrap.instance_share", "0"],
-    "words from crops only": ["--bootstrap.mode", "lift",
-                              "--bootstrap.instance_share", "1"],
-    "no CRF": ["--bootstrap.mode", "lift",
-               "--bootstrap.refine_masks", "false"],
+    "union space": ["--bootstrap.mode", "lift",
+                    "--bootstrap.clustering", "union"],
 }
-EVAL_OPTIONS = {"no clustering": ["--text-from", "gaussians"]}
 METRICS = ["instance_miou", "click_miou", "text_miou", "text_mbiou",
            "box_miou", "box_recall25", "box_recall50", "view_consistency",
            "pq", "instances_per_object", "objects_per_instance", "crumbs"]
@@ -75,7 +62,7 @@ def measure(program, workspace, truth, way, seed, extra):
             sys.exit(f"{' '.join(command)}: {done.stderr[-2000:]}")
         result = os.path.join(folder, "eval.json")
         subprocess.run([program, "eval", folder, "--gt", truth,
-                        "--json", result, *EVAL_OPTIONS.get(way, [])],
+                        "--json", result],
                        check=True, capture_output=True)
         quality = json.loads(Path(result).read_text())
         stage = json.loads(

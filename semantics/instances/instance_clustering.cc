@@ -13,7 +13,7 @@ namespace freegs::semantics {
 namespace {
 
 // Fainter Gaussians do not tell where the scene is.
-constexpr double kMinOpacity = 0.1;
+constexpr double kSceneOpacity = 0.1;
 // A Gaussian without a label takes that of the nearest labelled Gaussian, if it
 // is within this many scene radii.
 constexpr double kNoiseDistance = 0.2;
@@ -78,7 +78,7 @@ StatusOr<InstanceClusterer> InstanceClusterer::Create(
     const CancellationToken* cancellation) {
   FREEGS_RETURN_IF_ERROR(options.Check());
   InstanceClusterer clusterer(
-      model, ComputeSceneExtent(model, views, kMinOpacity, pool), options);
+      model, ComputeSceneExtent(model, views, kSceneOpacity, pool), options);
   if (Cancelled(cancellation)) return Interrupted();
   if (options.method != ClusteringMethod::kEvidence) return clusterer;
   if (photos.views.empty()) {
