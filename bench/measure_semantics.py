@@ -37,7 +37,10 @@ WAYS = {
                      "--bootstrap.random_start", "true"],
     "union space": ["--bootstrap.mode", "lift",
                     "--bootstrap.clustering", "union"],
+    # Gaussians answer to words, each for itself.
+    "places alone": ["--bootstrap.mode", "lift"],
 }
+EVAL_OPTIONS = {"places alone": ["--text-from", "gaussians"]}
 METRICS = ["instance_miou", "click_miou", "text_miou", "text_mbiou",
            "box_miou", "box_recall25", "box_recall50", "view_consistency",
            "pq", "instances_per_object", "objects_per_instance", "crumbs"]
@@ -62,7 +65,7 @@ def measure(program, workspace, truth, way, seed, extra):
             sys.exit(f"{' '.join(command)}: {done.stderr[-2000:]}")
         result = os.path.join(folder, "eval.json")
         subprocess.run([program, "eval", folder, "--gt", truth,
-                        "--json", result],
+                        "--json", result, *EVAL_OPTIONS.get(way, [])],
                        check=True, capture_output=True)
         quality = json.loads(Path(result).read_text())
         stage = json.loads(
