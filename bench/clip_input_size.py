@@ -9,7 +9,7 @@ PROGRAM is freegs_pipeline, BENCHMARK freegs_clip_benchmark. MODEL is a folder
 with several dense networks (--dense-size of scripts/export_clip.py or
 scripts/train_small_clip.py). For each of its sizes: milliseconds of one image,
 and text mIoU of phase 2 (mode lift) when words are compared with the lifted
-features of places alone (bootstrap.instance_share 0), on reconstructed
+features of each Gaussian alone (eval --text-from gaussians), on reconstructed
 WORKSPACEs with known TRUTH as for bench/measure_semantics.py. Writes one
 SCENE.csv for each; nothing else should run. A chart:
 
@@ -60,7 +60,7 @@ def main():
                              "text_mbiou", "stage_seconds"])
             for size in sorted(milliseconds):
                 row = measure(arguments.program, workspace, truth,
-                              "no words from crops", "1",
+                              "places alone", "1",
                               ["--bootstrap.model", arguments.model,
                                "--bootstrap.dense_size", str(size)])
                 line = [size, f"{milliseconds[size]:.2f}", row["text_miou"],

@@ -47,8 +47,7 @@ semantics::Hierarchy HierarchyOf(const LearningScene& scene,
   semantics::Hierarchy hierarchy;
   hierarchy.tree = semantics::MergeRegions(
       scene.graph,
-      [&](const semantics::Evidence& e) { return model.Difference(e); },
-      std::numeric_limits<double>::infinity());
+      [&](const semantics::Evidence& e) { return model.Difference(e); });
   for (const semantics::RegionStats& region : scene.graph.regions) {
     hierarchy.part_pixels.push_back(region.pixels);
   }

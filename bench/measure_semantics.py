@@ -27,30 +27,20 @@ WAYS = {
     "geometry": ["--bootstrap.mode", "geometry"],
     "lift": ["--bootstrap.mode", "lift"],
     "paper": ["--bootstrap.mode", "paper"],
-    # Nothing that needs instances; Gaussians answer to words, each for itself.
-    "no clustering": ["--bootstrap.mode", "paper",
-                      "--bootstrap.cluster_start", "0",
-                      "--bootstrap.contrastive_weight", "0",
-                      "--bootstrap.instance_weight", "0"],
-    "no alternation": ["--bootstrap.mode", "paper",
-                       "--bootstrap.cluster_start", "0"],
     "no L_C": ["--bootstrap.mode", "paper",
                "--bootstrap.contrastive_weight", "0"],
     "no F_ins": ["--bootstrap.mode", "paper",
-                 "--bootstrap.instance_weight", "0",
-                 "--bootstrap.instance_share", "0"],
+                 "--bootstrap.instance_weight", "0"],
     "no smoothing": ["--bootstrap.mode", "paper",
                      "--bootstrap.smoothing_weight", "0"],
     "random start": ["--bootstrap.mode", "paper",
                      "--bootstrap.random_start", "true"],
-    "no words from crops": ["--bootstrap.mode", "lift",
-                            "--bootstrap.instance_share", "0"],
-    "words from crops only": ["--bootstrap.mode", "lift",
-                              "--bootstrap.instance_share", "1"],
-    "no CRF": ["--bootstrap.mode", "lift",
-               "--bootstrap.refine_masks", "false"],
+    "union space": ["--bootstrap.mode", "lift",
+                    "--bootstrap.clustering", "union"],
+    # Gaussians answer to words, each for itself.
+    "places alone": ["--bootstrap.mode", "lift"],
 }
-EVAL_OPTIONS = {"no clustering": ["--text-from", "gaussians"]}
+EVAL_OPTIONS = {"places alone": ["--text-from", "gaussians"]}
 METRICS = ["instance_miou", "click_miou", "text_miou", "text_mbiou",
            "box_miou", "box_recall25", "box_recall50", "view_consistency",
            "pq", "instances_per_object", "objects_per_instance", "crumbs"]

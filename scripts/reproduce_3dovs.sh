@@ -47,8 +47,7 @@ for scene in "${scenes[@]}"; do
   # The original has no COLMAP model; then the program finds the poses.
   if [[ -n $sparse ]]; then poses=(--sfm.import "$sparse"); fi
   reproduce "$scene" "$folder/images" "$folder" 3dovs \
-    --ingest.holdout_list "$out/$scene/holdout.txt" "${poses[@]}" \
-    --bootstrap.min_samples 60
+    --ingest.holdout_list "$out/$scene/holdout.txt" "${poses[@]}"
 done
 
 # shellcheck disable=SC2034  # By name.

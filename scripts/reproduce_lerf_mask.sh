@@ -40,8 +40,7 @@ for scene in "${scenes[@]}"; do
   # With the poses of the data set, as everybody.
   if [[ -n $sparse ]]; then poses=(--sfm.import "$sparse"); fi
   reproduce "$scene" "$folder/images" "$folder" lerf_mask \
-    --ingest.holdout_list "$out/$scene/holdout.txt" "${poses[@]}" \
-    --bootstrap.min_samples 20
+    --ingest.holdout_list "$out/$scene/holdout.txt" "${poses[@]}"
 done
 
 # shellcheck disable=SC2034  # By name.

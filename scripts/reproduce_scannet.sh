@@ -66,7 +66,7 @@ for scene in "${scenes[@]}"; do
   mkdir -p -- "$out/$scene"
   choose_frames "$folder" "$out/$scene"
   reproduce "$scene" "$out/$scene/images" "$folder" scannet \
-    --sfm.import "$out/$scene/transforms.json" --bootstrap.min_samples 60
+    --sfm.import "$out/$scene/transforms.json"
 done
 
 # shellcheck disable=SC2034  # By name.

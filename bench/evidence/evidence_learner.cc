@@ -71,7 +71,7 @@ void Collect(const LearningScene& scene,
         }
         return join;
       };
-  semantics::MergeRegions(scene.graph, difference, 1e300, allow);
+  semantics::MergeRegions(scene.graph, difference, allow);
 }
 
 // Mean and deviation of each evidence.

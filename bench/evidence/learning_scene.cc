@@ -93,7 +93,6 @@ StatusOr<LearningScene> LoadLearningScene(const fs::path& workspace,
                           stages::ReadWorkspaceScene(workspace));
   std::vector<View> views = scene.train;
   views.insert(views.end(), scene.holdout.begin(), scene.holdout.end());
-  const semantics::PatchOptions options;
   const auto photo_of = [&](size_t v) {
     return ReadRgb(workspace / "undistort/images" / scene.train[v].name);
   };
@@ -104,11 +103,9 @@ StatusOr<LearningScene> LoadLearningScene(const fs::path& workspace,
            .views = scene.train,
            .render = scene.render,
            .photo_of = photo_of,
-           .semantics = {},
            .scene_radius = semantics::ComputeSceneExtent(
                                scene.model, views, kMinOpacity, pool)
                                .radius},
-          options,
           pool,
           nullptr));
   LearningScene result;
@@ -121,7 +118,7 @@ StatusOr<LearningScene> LoadLearningScene(const fs::path& workspace,
     FREEGS_ASSIGN_OR_RETURN(const Masks masks,
                             ReadMasks(truth, view.name, &numbers));
     if (masks.empty()) continue;
-    view.camera = view.camera.LimitedTo(options.max_side);
+    view.camera = view.camera.LimitedTo(semantics::kPatchImageSide);
     FREEGS_ASSIGN_OR_RETURN(
         const splat::BlendingWeights weights,
         splat::ComputeBlendingWeights(

@@ -194,15 +194,22 @@ class Bootstrapping {
 
   StatusOr<InstanceLabels> Cluster(std::span<const float> features) {
     clock_.Begin("clustering", 0);
-    return ClusterInstances(
-        scene_.model,
-        {features, grids_.axes.count},
-        scene_.all_views,
-        {.views = scene_.views, .photo_of = photo_of_, .render = scene_.render},
-        options_.clustering,
-        seed_,
-        pool_,
-        tools_.cancellation);
+    // Photographs are looked at before the first clustering; the others only
+    // bring new semantics.
+    if (!clusterer_) {
+      FREEGS_ASSIGN_OR_RETURN(
+          clusterer_,
+          InstanceClusterer::Create(scene_.model,
+                                    scene_.all_views,
+                                    {.views = scene_.views,
+                                     .photo_of = photo_of_,
+                                     .render = scene_.render},
+                                    options_.clustering,
+                                    pool_,
+                                    tools_.cancellation));
+    }
+    return clusterer_->Cluster(
+        {features, grids_.axes.count}, pool_, tools_.cancellation);
   }
 
   // Instances as the photographs show them.
@@ -294,6 +301,7 @@ class Bootstrapping {
   FeatureGrids grids_;
   std::vector<ImageF> guides_;  // Photographs at the weights' size.
   LiftedFeatures lifted_;
+  std::optional<InstanceClusterer> clusterer_;
 };
 
 }  // namespace

@@ -28,7 +28,7 @@ struct InstanceSemanticsOptions {
 
   // Whether a conditional random field refines the borders of the masks, as in
   // FreeGS.
-  bool refine = true;
+  bool refine = false;
 
   Status Check() const;
 };

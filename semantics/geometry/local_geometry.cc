@@ -73,28 +73,4 @@ std::vector<float> ComputeNormals(const KdTree& tree,
   return normals;
 }
 
-std::vector<float> SmoothOverNeighbors(const KdTree& tree,
-                                       std::span<const float> values,
-                                       int channels,
-                                       int num_neighbors,
-                                       ThreadPool& pool) {
-  std::vector<float> result(values.begin(), values.end());
-  if (num_neighbors <= 0) return result;
-  ForEachNeighborhood(
-      tree,
-      num_neighbors,
-      pool,
-      [&](uint32_t row, const std::vector<Neighbor>& neighbors) {
-        for (int c = 0; c < channels; ++c) {
-          double sum = values[static_cast<size_t>(row) * channels + c];
-          for (const Neighbor& neighbor : neighbors) {
-            sum += values[static_cast<size_t>(neighbor.index) * channels + c];
-          }
-          result[static_cast<size_t>(row) * channels + c] =
-              static_cast<float>(sum / (neighbors.size() + 1.0));
-        }
-      });
-  return result;
-}
-
 }  // namespace freegs::semantics

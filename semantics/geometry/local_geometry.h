@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Properties of a point that its nearest neighbours tell: the normal of the
-// surface, and mean values.
+// What its nearest neighbours tell of a point: the normal of the surface.
 
 #ifndef FREEGS_SEMANTICS_GEOMETRY_LOCAL_GEOMETRY_H_
 #define FREEGS_SEMANTICS_GEOMETRY_LOCAL_GEOMETRY_H_
 
-#include <span>
 #include <vector>
 
 #include "core/kd_tree.h"
@@ -20,16 +18,6 @@ namespace freegs::semantics {
 std::vector<float> ComputeNormals(const KdTree& tree,
                                   int num_neighbors,
                                   ThreadPool& pool);
-
-// Returns, for each of N points, the mean of `values` over the point and its
-// num_neighbors nearest neighbours in `tree`. values: N x channels in the order
-// of rows, like the result. This blurs texture, which would otherwise break a
-// textured object into colours.
-std::vector<float> SmoothOverNeighbors(const KdTree& tree,
-                                       std::span<const float> values,
-                                       int channels,
-                                       int num_neighbors,
-                                       ThreadPool& pool);
 
 }  // namespace freegs::semantics
 

@@ -140,8 +140,7 @@ void DeselectBelow(const CondensedTree& tree,
   }
 }
 
-std::vector<uint8_t> SelectExcessOfMass(const CondensedTree& tree,
-                                        int64_t max_cluster_size) {
+std::vector<uint8_t> SelectExcessOfMass(const CondensedTree& tree) {
   std::vector<uint8_t> selected(tree.clusters.size(), 1);
   std::vector<double> best(tree.clusters.size());
   selected[0] = 0;
@@ -150,9 +149,7 @@ std::vector<uint8_t> SelectExcessOfMass(const CondensedTree& tree,
     double sum = 0;
     for (const uint32_t child : cluster.children) sum += best[child];
     const float children_stability = static_cast<float>(sum);
-    const bool too_large =
-        max_cluster_size > 0 && cluster.size > max_cluster_size;
-    if (children_stability > cluster.stability || too_large) {
+    if (children_stability > cluster.stability) {
       selected[id] = 0;
       best[id] = children_stability;
     } else {
@@ -166,50 +163,13 @@ std::vector<uint8_t> SelectExcessOfMass(const CondensedTree& tree,
   return selected;
 }
 
-// Per cluster: its birth distance over the mean leaving distance of its points.
-std::vector<double> GapRatios(const CondensedTree& tree) {
-  std::vector<double> distance_sum(tree.clusters.size(), 0.0);
-  std::vector<double> count(tree.clusters.size(), 0.0);
-  for (size_t i = 0; i < tree.point_cluster.size(); ++i) {
-    distance_sum[tree.point_cluster[i]] += 1 / tree.point_lambda[i];
-    count[tree.point_cluster[i]] += 1;
-  }
-  std::vector<double> ratios(tree.clusters.size(), 0.0);
-  for (size_t id = tree.clusters.size(); id-- > 1;) {
-    const CondensedTree::Cluster& cluster = tree.clusters[id];
-    distance_sum[cluster.parent] += distance_sum[id];
-    count[cluster.parent] += count[id];
-    // Infinite if all points coincide: no gap could be clearer.
-    ratios[id] = count[id] / (cluster.birth_lambda * distance_sum[id]);
-  }
-  return ratios;
-}
-
-// Replaces selected clusters by their children across clear gaps.
-void SplitAcrossGaps(const CondensedTree& tree,
-                     double min_ratio,
-                     std::vector<uint8_t>* selected) {
-  const std::vector<double> ratios = GapRatios(tree);
-  for (size_t id = 1; id < tree.clusters.size(); ++id) {
-    const auto& children = tree.clusters[id].children;
-    if (!(*selected)[id] || children.empty()) continue;
-    const bool clear =
-        std::all_of(children.begin(), children.end(), [&](uint32_t child) {
-          return ratios[child] >= min_ratio;
-        });
-    if (!clear) continue;
-    (*selected)[id] = 0;
-    for (const uint32_t child : children) (*selected)[child] = 1;
-  }
-}
-
 }  // namespace
 
 std::vector<uint32_t> SelectClusters(const CondensedTree& tree,
                                      const ClusterSelectionOptions& options) {
   std::vector<uint8_t> selected;
   if (options.method == ClusterSelection::kExcessOfMass) {
-    selected = SelectExcessOfMass(tree, options.max_cluster_size);
+    selected = SelectExcessOfMass(tree);
   } else {
     selected.resize(tree.clusters.size());
     for (size_t id = 1; id < tree.clusters.size(); ++id) {
@@ -231,9 +191,6 @@ std::vector<uint32_t> SelectClusters(const CondensedTree& tree,
       selected[top] = 1;
       DeselectBelow(tree, top, &selected);
     }
-  }
-  if (options.min_gap_ratio > 0) {
-    SplitAcrossGaps(tree, options.min_gap_ratio, &selected);
   }
   std::vector<uint32_t> ids;
   for (uint32_t id = 1; id < selected.size(); ++id) {

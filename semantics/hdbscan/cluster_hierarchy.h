@@ -55,18 +55,6 @@ struct ClusterSelectionOptions {
   // first ancestor that split off farther away, but never by the root. 0
   // replaces none.
   double epsilon = 0;
-
-  // Excess of mass splits clusters of more points. `epsilon` may still make
-  // larger ones. 0 is no limit.
-  int64_t max_cluster_size = 0;
-
-  // Excess of mass prefers two neighbours as one cluster when everything else
-  // is far away, however clear the gap between them. If this is above 0, a
-  // selected cluster is split as long as both parts are farther from each other
-  // than min_gap_ratio times the mean distance within them. The mean distance
-  // within a part is that of the distances at which its points leave it or its
-  // descendants. This is not part of HDBSCAN.
-  double min_gap_ratio = 0;
 };
 
 // Returns the ids of the selected clusters, ascending. They are disjoint, and

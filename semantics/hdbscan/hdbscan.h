@@ -35,15 +35,7 @@ struct HdbscanOptions {
   // units of the points; 0 always splits.
   double cluster_selection_epsilon = 0;
 
-  // Clusters of more points are split although excess of mass would keep them.
-  // 0 is no limit.
-  int64_t max_cluster_size = 0;
-
   ClusterSelection method = ClusterSelection::kExcessOfMass;
-
-  // Splits selected clusters further where there is a clear gap. 0 gives plain
-  // HDBSCAN. See ClusterSelectionOptions.
-  double min_gap_ratio = 0;
 
   Status Check() const;
 };

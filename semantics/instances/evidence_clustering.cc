@@ -7,16 +7,12 @@
 #include <map>
 #include <utility>
 
-#include "core/kd_tree.h"
-#include "semantics/instances/cluster_merging.h"
+#include "semantics/instances/label_noise.h"
 #include "semantics/patches/region_merging.h"
 
 namespace freegs::semantics {
 namespace {
 
-// A Gaussian without a patch takes that of the nearest one within this
-// distance, in scene radii.
-constexpr double kHazeDistance = 0.2;
 // A region is background if it is this flat (RegionExtent::Flatness) and its
 // width, a standard deviation, is this many scene radii.
 constexpr double kBackgroundFlatness = 0.2;
@@ -37,12 +33,8 @@ std::vector<double> JoinHeights(const Hierarchy& hierarchy) {
   return heights;
 }
 
-// Gaussians of crumbs that touch nothing, and those in no patch, take the part
-// of the nearest other one.
-void AddHaze(const splat::GaussianModel& model,
-             double distance,
-             ThreadPool& pool,
-             Hierarchy* hierarchy) {
+// Gaussians of crumbs that touch nothing get no part.
+void DropLonelyCrumbs(Hierarchy* hierarchy) {
   const std::vector<int32_t> whole =
       hierarchy->tree.Cut(std::numeric_limits<double>::infinity());
   const std::vector<double> sizes =
@@ -50,12 +42,6 @@ void AddHaze(const splat::GaussianModel& model,
   for (int32_t& part : hierarchy->part_of_gaussian) {
     if (part >= 0 && hierarchy->IsCrumb(sizes[whole[part]])) part = -1;
   }
-  std::vector<float> positions = model.means;
-  for (float& x : positions) {
-    // A Gaussian that is nowhere finds no neighbour, and nobody finds it.
-    if (!(std::abs(x) <= KdTree::kMaxCoordinate)) x = KdTree::kMaxCoordinate;
-  }
-  LabelNoise(positions, distance, pool, &hierarchy->part_of_gaussian);
 }
 
 }  // namespace
@@ -64,33 +50,31 @@ Status EvidenceClusteringOptions::Check() const {
   if (!std::isfinite(granularity)) {
     return InvalidArgumentError("granularity must be a number");
   }
-  return patches.Check();
+  return Status();
 }
 
 StatusOr<EvidenceClusters> ClusterByEvidence(
-    const PatchScene& scene,
-    const EvidenceModel& model,
+    const splat::GaussianModel& model,
+    const ScenePatches& patches,
+    double scene_radius,
+    double haze_distance,
+    const EvidenceModel& evidence,
     const EvidenceClusteringOptions& options,
-    ThreadPool& pool,
-    const CancellationToken* cancellation) {
+    ThreadPool& pool) {
   FREEGS_RETURN_IF_ERROR(options.Check());
-  FREEGS_ASSIGN_OR_RETURN(
-      ScenePatches patches,
-      BuildScenePatches(scene, options.patches, pool, cancellation));
   EvidenceClusters result;
-  const auto difference = [&model](const Evidence& evidence) {
-    return model.Difference(evidence);
-  };
   Hierarchy& hierarchy = result.hierarchy;
-  hierarchy.tree = MergeRegions(
-      patches.graph, difference, std::numeric_limits<double>::infinity());
+  hierarchy.tree = MergeRegions(patches.graph, [&evidence](const Evidence& e) {
+    return evidence.Difference(e);
+  });
   for (const RegionStats& region : patches.graph.regions) {
     hierarchy.part_pixels.push_back(region.pixels);
   }
   hierarchy.total_pixels = patches.graph.total_pixels;
   hierarchy.granularity = options.granularity;
-  hierarchy.part_of_gaussian = std::move(patches.patch_of_gaussian);
-  AddHaze(scene.model, kHazeDistance * scene.scene_radius, pool, &hierarchy);
+  hierarchy.part_of_gaussian = patches.patch_of_gaussian;
+  DropLonelyCrumbs(&hierarchy);
+  LabelNoise(model, haze_distance, pool, &hierarchy.part_of_gaussian);
   HierarchyCut cut = CutHierarchy(hierarchy, options.granularity);
   result.labels = std::move(cut.label_of_gaussian);
 
@@ -104,14 +88,12 @@ StatusOr<EvidenceClusters> ClusterByEvidence(
     const RegionStats& region = regions[r];
     const RegionExtent extent =
         ExtentOf(region.weight, region.position, region.position2);
-    const bool background =
-        extent.Flatness() <= kBackgroundFlatness &&
-        extent.width >= kBackgroundWidth * scene.scene_radius;
+    const bool background = extent.Flatness() <= kBackgroundFlatness &&
+                            extent.width >= kBackgroundWidth * scene_radius;
     result.is_plane.push_back(background);
     if (background) {
-      result.planes.push_back({.normal = extent.normal,
-                               .offset = extent.normal.dot(extent.centre),
-                               .distance = 2 * extent.thickness});
+      result.planes.push_back(
+          {extent.normal, extent.normal.dot(extent.centre)});
     }
   }
   return result;

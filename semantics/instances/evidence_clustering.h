@@ -8,19 +8,17 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/cancellation.h"
 #include "core/parallel.h"
 #include "core/status.h"
-#include "semantics/geometry/planes.h"
+#include "semantics/geometry/plane.h"
 #include "semantics/instances/hierarchy.h"
 #include "semantics/patches/evidence_model.h"
 #include "semantics/patches/scene_patches.h"
+#include "splat/scene/gaussian_model.h"
 
 namespace freegs::semantics {
 
 struct EvidenceClusteringOptions {
-  PatchOptions patches;
-
   // 0 cuts where it is as likely as not that there are two things; 1 already
   // where that is e times less likely, which makes more and smaller instances,
   // and -1 the other way round.
@@ -41,15 +39,18 @@ struct EvidenceClusters {
   std::vector<Plane> planes;  // Of those that are.
 };
 
-// Gaussians in no patch, haze above all, are in the part of the nearest
-// Gaussian that is in one, if that is within PatchScene::scene_radius times
-// 0.2. Errors of BuildScenePatches.
+// Gaussians in no patch, haze above all, and those of crumbs that touch nothing
+// are in the part of the nearest other Gaussian, if that is within
+// haze_distance. scene_radius and haze_distance: world units.
+// kInvalidArgument for options out of range.
 StatusOr<EvidenceClusters> ClusterByEvidence(
-    const PatchScene& scene,
-    const EvidenceModel& model,
+    const splat::GaussianModel& model,
+    const ScenePatches& patches,
+    double scene_radius,
+    double haze_distance,
+    const EvidenceModel& evidence,
     const EvidenceClusteringOptions& options,
-    ThreadPool& pool,
-    const CancellationToken* cancellation);
+    ThreadPool& pool);
 
 }  // namespace freegs::semantics
 

@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Gives every Gaussian the index of an instance, from geometry, colour and
-// semantics (FreeGS, "Union-space Clustering"). docs/clustering.md describes
-// the steps.
+// Gives every Gaussian the index of an instance.
 //
 //   FREEGS_ASSIGN_OR_RETURN(
+//       InstanceClusterer clusterer,
+//       InstanceClusterer::Create(model, views, photos,
+//                                 InstanceClusteringOptions(), pool, nullptr));
+//   FREEGS_ASSIGN_OR_RETURN(
 //       const InstanceLabels instances,
-//       ClusterInstances(model, SemanticVectors(), views,
-//                        InstanceClusteringOptions(), seed, pool, nullptr));
+//       clusterer.Cluster(SemanticVectors(), pool, nullptr));
 //   // instances.labels[i] is the instance of Gaussian i, or -1.
 
 #ifndef FREEGS_SEMANTICS_INSTANCES_INSTANCE_CLUSTERING_H_
 #define FREEGS_SEMANTICS_INSTANCES_INSTANCE_CLUSTERING_H_
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -23,64 +25,27 @@
 #include "core/parallel.h"
 #include "core/pinhole.h"
 #include "core/status.h"
-#include "semantics/geometry/planes.h"
-#include "semantics/hdbscan/hdbscan.h"
+#include "semantics/geometry/plane.h"
+#include "semantics/geometry/scene_extent.h"
 #include "semantics/instances/evidence_clustering.h"
 #include "semantics/instances/hierarchy.h"
-#include "semantics/instances/union_space.h"
+#include "semantics/instances/union_clustering.h"
+#include "semantics/patches/evidence_model.h"
+#include "semantics/patches/scene_patches.h"
 #include "splat/render/renderer.h"
 #include "splat/scene/gaussian_model.h"
 
 namespace freegs::semantics {
 
 enum class ClusteringMethod {
-  // What speaks for or against one thing; see evidence_clustering.h. Without
-  // photographs the chain takes its place.
-  kEvidence,
-  kChain,  // Planes, HDBSCAN and rules; docs/clustering.md.
+  kEvidence,  // What speaks for or against one thing; docs/instances.md.
+  kUnion,     // The paper's union space; docs/clustering.md.
 };
 
 struct InstanceClusteringOptions {
   ClusteringMethod method = ClusteringMethod::kEvidence;
   EvidenceClusteringOptions evidence;
-
-  // Gaussians of less opacity are not clustered: they are haze. They take the
-  // label of their neighbourhood at the end.
-  double min_opacity = 0.1;
-
-  // Large planes are taken out before clustering; each is an instance.
-  PlaneOptions planes;
-
-  // Colours and semantic vectors are averaged over this many neighbours before
-  // clustering.
-  int color_neighbors = 16;
-
-  UnionSpaceOptions space;
-
-  // A min_cluster_size of 0 stands for 0.3 % of the Gaussians that take part,
-  // and at least 30. A model with twice as many Gaussians then has the same
-  // objects.
-  HdbscanOptions hdbscan = {
-      .min_cluster_size = 0, .min_samples = 15, .min_gap_ratio = 1.25};
-
-  // Two clusters that touch are joined if their mean colours differ by less
-  // than this (Euclidean distance, RGB in [0, 1]). 0 joins none.
-  double merge_color = 0.1;
-
-  // Two clusters touch if 0.5 % of the points of the smaller one lie within
-  // this distance of the other. In scene radii.
-  double merge_distance = 0.02;
-
-  // Clusters are split where things of different colour meet in concave creases
-  // (see CreaseSplitOptions::min_contrast). 0 splits none.
-  double min_crease_contrast = 0.12;
-
-  // A Gaussian without a label takes that of the nearest labelled Gaussian, if
-  // it is within this distance. In scene radii.
-  double noise_distance = 0.2;
-
-  // Instances of fewer Gaussians are dissolved into their neighbours.
-  int min_instance_size = 50;
+  UnionClusteringOptions union_space;
 
   Status Check() const;
 };
@@ -91,34 +56,22 @@ struct InstanceLabels {
   std::vector<int32_t> labels;
   int num_instances = 0;
 
-  // For each instance: the mean membership probability of its clustered
-  // Gaussians (1 for planes), and whether it is a large plane.
+  // For each instance: how sure it is one (see EvidenceClusters and
+  // UnionClusters), and whether it is flat and as large as the scene. The union
+  // space tells no planes.
   std::vector<double> scores;
   std::vector<uint8_t> is_plane;
+  std::vector<Plane> planes;  // Those of the planes, in any order.
+
+  // What the instances were cut from, with evidence.
+  std::optional<Hierarchy> hierarchy;
 
   double scene_radius = 0;  // See SceneExtent.
 
-  // The large planes, in the order in which they were found.
-  std::vector<Plane> planes;
-
-  // What the instances were cut from, if they were.
-  std::optional<Hierarchy> hierarchy;
-
   // Counts for people.
-  size_t num_clustered = 0;     // Gaussians that took part.
-  size_t num_plane_points = 0;  // Those of them that lie in large planes.
-  int min_cluster_size = 0;     // What HDBSCAN was given.
-  int num_clusters = 0;         // What HDBSCAN found.
-  double noise_before = 0;      // Share of the clustered that were noise.
-  double noise_after = 0;       // Share of all Gaussians without an instance.
-};
-
-// The semantic vectors of a field, N x dim, row-major. A vector is zero if
-// nothing is known of the Gaussian. With dim 0 geometry and colour decide
-// alone, which is how FreeGS begins.
-struct SemanticVectors {
-  std::span<const float> values;
-  int dim = 0;
+  size_t num_clustered = 0;  // Gaussians that did not take a neighbour's label.
+  double noise_after = 0;    // Share of all Gaussians without an instance.
+  int min_cluster_size = 0;  // What HDBSCAN was given; 0 for evidence.
 };
 
 // The views whose photographs are looked at, and these.
@@ -128,21 +81,42 @@ struct PhotoViews {
   splat::RenderOptions render;
 };
 
-// views: the cameras of the photographs, may be empty. They tell the size of
-// the subject, what lies behind a plane, and which side of a surface is
-// outside. The same input and seed give the same labels for any number of
-// threads. kInvalidArgument for options out of range and for vectors of another
-// number of Gaussians; kInterrupted when cancelled (`cancellation` may be
-// null).
-StatusOr<InstanceLabels> ClusterInstances(
-    const splat::GaussianModel& model,
-    const SemanticVectors& semantics,
-    std::span<const View> views,
-    const PhotoViews& photos,
-    const InstanceClusteringOptions& options,
-    uint64_t seed,
-    ThreadPool& pool,
-    const CancellationToken* cancellation);
+class InstanceClusterer {
+ public:
+  // views: the cameras of all photographs, which tell the size of the subject;
+  // may be empty. With kEvidence the photographs are looked at here, once,
+  // however often Gaussians are clustered. The model must outlive the
+  // clusterer. kInvalidArgument for options out of range and for kEvidence
+  // without photographs; kInterrupted when cancelled (`cancellation` may be
+  // null); errors of photo_of.
+  static StatusOr<InstanceClusterer> Create(
+      const splat::GaussianModel& model,
+      std::span<const View> views,
+      const PhotoViews& photos,
+      const InstanceClusteringOptions& options,
+      ThreadPool& pool,
+      const CancellationToken* cancellation);
+
+  // Gaussians that were not clustered take the label of the nearest that was,
+  // if one is near. The same input gives the same labels for any number of
+  // threads. kInvalidArgument for vectors of another number of Gaussians.
+  StatusOr<InstanceLabels> Cluster(const SemanticVectors& semantics,
+                                   ThreadPool& pool,
+                                   const CancellationToken* cancellation);
+
+ private:
+  InstanceClusterer(const splat::GaussianModel& model,
+                    const SceneExtent& extent,
+                    const InstanceClusteringOptions& options)
+      : model_(&model), extent_(extent), options_(options) {}
+
+  const splat::GaussianModel* model_;
+  SceneExtent extent_;
+  InstanceClusteringOptions options_;
+  // For kEvidence.
+  EvidenceModel evidence_;
+  ScenePatches patches_;
+};
 
 }  // namespace freegs::semantics
 

@@ -16,7 +16,7 @@
 #include "core/parallel.h"
 #include "core/pinhole.h"
 #include "semantics/geometry/boxes.h"
-#include "semantics/geometry/planes.h"
+#include "semantics/geometry/plane.h"
 #include "splat/scene/gaussian_model.h"
 
 namespace freegs::semantics {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <tuple>
 #include <utility>
 
@@ -275,8 +276,7 @@ void PatchGraphBuilder::AddCrossings(const std::vector<Crossing>& crossings) {
   }
 }
 
-void PatchGraphBuilder::AddGaussians(std::span<const float> semantics,
-                                     int dim) {
+void PatchGraphBuilder::AddGaussians() {
   for (uint32_t g = 0; g < patch_of_gaussian_.size(); ++g) {
     const int32_t patch = patch_of_gaussian_[g];
     if (patch < 0) continue;
@@ -285,16 +285,6 @@ void PatchGraphBuilder::AddGaussians(std::span<const float> semantics,
     region.weight += seen_[g];
     region.position += seen_[g] * x;
     region.position2 += seen_[g] * x * x.transpose();
-    if (dim == 0) continue;
-    region.semantics.resize(dim, 0.0f);
-    const float* vector = semantics.data() + static_cast<size_t>(g) * dim;
-    double norm2 = 0;
-    for (int k = 0; k < dim; ++k) norm2 += double{vector[k]} * vector[k];
-    if (!(norm2 > 0)) continue;
-    const double scale = seen_[g] / std::sqrt(norm2);
-    for (int k = 0; k < dim; ++k) {
-      region.semantics[k] += static_cast<float>(scale * vector[k]);
-    }
   }
   for (size_t p = 0; p < normal_.size(); ++p) {
     if (normal_[p].dot(towards_camera_[p]) < 0) normal_[p] = -normal_[p];
@@ -371,9 +361,8 @@ void PatchGraphBuilder::AddContext() {
   }
 }
 
-RegionGraph PatchGraphBuilder::Finish(std::span<const float> semantics,
-                                      int dim) {
-  AddGaussians(semantics, dim);
+RegionGraph PatchGraphBuilder::Finish() {
+  AddGaussians();
   std::erase_if(graph_.contacts, [](const Contact& contact) {
     return contact.stats.pixels < kMinCrossings;
   });

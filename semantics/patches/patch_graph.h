@@ -5,13 +5,12 @@
 //   PatchGraphBuilder builder(
 //       model, patch_of_gaussian, normals, size_of_patch, depth_scale);
 //   FREEGS_RETURN_IF_ERROR(builder.AddView(weights, view, photo, pool));
-//   const RegionGraph graph = builder.Finish({}, 0);
+//   const RegionGraph graph = builder.Finish();
 
 #ifndef FREEGS_SEMANTICS_PATCHES_PATCH_GRAPH_H_
 #define FREEGS_SEMANTICS_PATCHES_PATCH_GRAPH_H_
 
 #include <cstdint>
-#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -53,9 +52,11 @@ class PatchGraphBuilder {
                  const ImageF& photo,
                  ThreadPool& pool);
 
-  // To be called once, after all views. semantics: a vector of `dim` numbers
-  // for each Gaussian, or empty.
-  RegionGraph Finish(std::span<const float> semantics, int dim);
+  // To be called once, after all views. No region has semantics.
+  RegionGraph Finish();
+
+  // For each Gaussian: how many pixels of the views so far it covers.
+  const std::vector<double>& seen() const { return seen_; }
 
  private:
   // Planes of the patches in the camera frame of a view.
@@ -73,7 +74,7 @@ class PatchGraphBuilder {
   ContactStats& ContactOf(int32_t a, int32_t b);
   void AddContext();
   void AddCreases();
-  void AddGaussians(std::span<const float> semantics, int dim);
+  void AddGaussians();
 
   const splat::GaussianModel& model_;
   std::vector<int32_t> patch_of_gaussian_;

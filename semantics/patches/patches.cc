@@ -8,8 +8,10 @@
 #include <limits>
 #include <map>
 #include <tuple>
+#include <utility>
 
 #include "core/kd_tree.h"
+#include "core/quantile.h"
 
 namespace freegs::semantics {
 namespace {
@@ -144,12 +146,7 @@ std::vector<float> LengthOfPixels(std::span<const float> positions,
             seen.push_back(static_cast<float>(pixels * in.z() / camera.fx));
           }
           if (seen.empty()) continue;
-          const auto nth =
-              seen.begin() +
-              static_cast<std::ptrdiff_t>(kNearestShare *
-                                          static_cast<double>(seen.size() - 1));
-          std::nth_element(seen.begin(), nth, seen.end());
-          lengths[i] = *nth;
+          lengths[i] = LowerQuantile(seen, kNearestShare);
         }
       });
   std::vector<float> known;
@@ -157,11 +154,9 @@ std::vector<float> LengthOfPixels(std::span<const float> positions,
     if (length > 0) known.push_back(length);
   }
   if (known.empty()) return lengths;
-  const auto middle =
-      known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
-  std::nth_element(known.begin(), middle, known.end());
+  const float median = UpperMedian(std::move(known));
   for (float& length : lengths) {
-    if (!(length > 0)) length = *middle;
+    if (!(length > 0)) length = median;
   }
   return lengths;
 }

@@ -3,6 +3,7 @@
 #include "semantics/patches/region_merging.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <queue>
@@ -27,10 +28,8 @@ class RegionMerger {
  public:
   RegionMerger(RegionGraph graph,
                const DifferenceFn& difference,
-               double max_height,
                const AllowFn& allow)
       : difference_(difference),
-        max_height_(max_height),
         allow_(allow),
         total_pixels_(graph.total_pixels),
         regions_(std::move(graph.regions)),
@@ -71,9 +70,9 @@ class RegionMerger {
 
   void Offer(int32_t a, int32_t b, const ContactStats& contact) {
     const double difference = difference_(EvidenceOf(a, b, contact));
-    if (difference <= max_height_) {
-      queue_.push({difference, std::min(a, b), std::max(a, b)});
-    }
+    // What is not a number has no place in the order.
+    if (std::isnan(difference)) return;
+    queue_.push({difference, std::min(a, b), std::max(a, b)});
   }
 
   void Join(int32_t a, int32_t b) {
@@ -102,7 +101,6 @@ class RegionMerger {
   }
 
   const DifferenceFn& difference_;
-  const double max_height_;
   const AllowFn& allow_;
   const double total_pixels_;
   std::vector<RegionStats> regions_;
@@ -163,9 +161,8 @@ std::vector<int32_t> RegionTree::Cut(double height,
 
 RegionTree MergeRegions(RegionGraph graph,
                         const DifferenceFn& difference,
-                        double max_height,
                         const AllowFn& allow) {
-  return RegionMerger(std::move(graph), difference, max_height, allow).Run();
+  return RegionMerger(std::move(graph), difference, allow).Run();
 }
 
 }  // namespace freegs::semantics

@@ -52,10 +52,9 @@ using AllowFn =
 
 // Greedy: of all pairs that touch, those of the smallest difference are joined
 // first; the evidence is measured anew for what grew (Nunez-Iglesias et al.
-// 2013). Pairs above max_height are not joined.
+// 2013).
 RegionTree MergeRegions(RegionGraph graph,
                         const DifferenceFn& difference,
-                        double max_height,
                         const AllowFn& allow = nullptr);
 
 }  // namespace freegs::semantics

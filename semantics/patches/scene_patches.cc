@@ -3,13 +3,13 @@
 #include "semantics/patches/scene_patches.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
 #include "core/io/image_io.h"
 #include "core/kd_tree.h"
 #include "semantics/geometry/local_geometry.h"
+#include "semantics/geometry/matter.h"
 #include "semantics/patches/patch_graph.h"
 #include "semantics/patches/patches.h"
 #include "splat/weights/blending_weights.h"
@@ -17,33 +17,19 @@
 namespace freegs::semantics {
 namespace {
 
+// Gaussians of less opacity are haze and belong to no patch. So do those whose
+// second largest standard deviation is larger, in scene radii (SceneExtent).
+constexpr double kMinOpacity = 0.1;
+constexpr double kMaxScale = 1;
+// Photographs that are looked at: at most so many, evenly chosen.
+constexpr size_t kMaxViews = 24;
+// Extent of a patch in these photographs, in pixels.
+constexpr double kPatchPixels = 8;
 constexpr int kNormalNeighbors = 16;
 constexpr double kDisparity = 3;  // Pixels.
 
-// Finite Gaussians that are opaque and small enough to be matter.
-std::vector<uint32_t> SelectMatter(const splat::GaussianModel& model,
-                                   double min_opacity,
-                                   double max_scale) {
-  std::vector<uint32_t> rows;
-  for (uint32_t i = 0; i < model.size(); ++i) {
-    const float* mean = model.means.data() + i * size_t{3};
-    const double opacity = 1 / (1 + std::exp(-double{model.opacity_logits[i]}));
-    std::array<float, 3> scales;
-    std::copy_n(model.log_scales.data() + i * size_t{3}, 3, scales.begin());
-    std::nth_element(scales.begin(), scales.begin() + 1, scales.end());
-    const bool finite = std::all_of(mean, mean + 3, [](float x) {
-      return std::abs(x) <= KdTree::kMaxCoordinate;
-    });
-    if (finite && opacity >= min_opacity && std::exp(scales[1]) <= max_scale) {
-      rows.push_back(i);
-    }
-  }
-  return rows;
-}
-
-// Evenly chosen views, with their cameras at the size of the comparison.
-std::vector<size_t> ChooseViews(size_t count, int max_views) {
-  const size_t chosen = std::min(count, static_cast<size_t>(max_views));
+std::vector<size_t> ChooseViews(size_t count) {
+  const size_t chosen = std::min(count, kMaxViews);
   std::vector<size_t> views;
   for (size_t i = 0; i < chosen; ++i) views.push_back(i * count / chosen);
   return views;
@@ -85,32 +71,17 @@ std::vector<float> DepthScale(const std::vector<float>& positions,
 
 }  // namespace
 
-Status PatchOptions::Check() const {
-  if (!(min_opacity >= 0) || !(max_scale > 0) || max_side < 16 ||
-      max_views < 1 || !(patch_pixels > 0)) {
-    return InvalidArgumentError(
-        "options of patches must be positive, and max_side at least 16");
-  }
-  return Status();
-}
-
 StatusOr<ScenePatches> BuildScenePatches(
     const PatchScene& scene,
-    const PatchOptions& options,
     ThreadPool& pool,
     const CancellationToken* cancellation) {
-  FREEGS_RETURN_IF_ERROR(options.Check());
   const splat::GaussianModel& model = scene.model;
-  const std::vector<uint32_t> rows = SelectMatter(
-      model, options.min_opacity, options.max_scale * scene.scene_radius);
-  SurfacePoints points;
-  for (const uint32_t row : rows) {
-    for (size_t k = 0; k < 3; ++k) {
-      points.positions.push_back(model.means[row * size_t{3} + k]);
-      points.colors.push_back(std::clamp(
-          splat::kShC0 * model.sh_dc[row * size_t{3} + k] + 0.5f, 0.0f, 1.0f));
-    }
-  }
+  Matter matter =
+      SelectMatter(model, kMinOpacity, kMaxScale * scene.scene_radius);
+  const std::vector<uint32_t>& rows = matter.rows;
+  SurfacePoints points{.positions = std::move(matter.positions),
+                       .normals = {},
+                       .colors = std::move(matter.colors)};
   {
     FREEGS_ASSIGN_OR_RETURN(const KdTree tree,
                             KdTree::Build(points.positions, 3));
@@ -118,12 +89,13 @@ StatusOr<ScenePatches> BuildScenePatches(
   }
   std::vector<View> views(scene.views.begin(), scene.views.end());
   for (View& view : views) {
-    view.camera = view.camera.LimitedTo(options.max_side);
+    view.camera = view.camera.LimitedTo(kPatchImageSide);
   }
   const std::vector<float> sizes =
-      LengthOfPixels(points.positions, views, options.patch_pixels, pool);
+      LengthOfPixels(points.positions, views, kPatchPixels, pool);
   ScenePatches result;
   result.patch_of_gaussian.assign(model.size(), -1);
+  result.seen.assign(model.size(), 0.0);
   if (sizes.empty() || !(sizes[0] > 0)) return result;
   FREEGS_ASSIGN_OR_RETURN(const Patches patches,
                           MakePatches(points, sizes, pool));
@@ -143,7 +115,7 @@ StatusOr<ScenePatches> BuildScenePatches(
                             std::move(normals),
                             std::move(size_of_patch),
                             std::move(depth_scale));
-  for (const size_t v : ChooseViews(views.size(), options.max_views)) {
+  for (const size_t v : ChooseViews(views.size())) {
     if (cancellation != nullptr && cancellation->cancelled()) {
       return InterruptedError("comparing patches was interrupted");
     }
@@ -160,8 +132,30 @@ StatusOr<ScenePatches> BuildScenePatches(
     FREEGS_RETURN_IF_ERROR(
         builder.AddView(weights.matrix(), views[v], small, pool));
   }
-  result.graph = builder.Finish(scene.semantics, scene.dim);
+  result.graph = builder.Finish();
+  result.seen = builder.seen();
   return result;
+}
+
+void SetSemantics(std::span<const float> semantics,
+                  int dim,
+                  ScenePatches* patches) {
+  for (RegionStats& region : patches->graph.regions) {
+    region.semantics.assign(dim, 0.0f);
+  }
+  for (size_t g = 0; g < patches->patch_of_gaussian.size(); ++g) {
+    const int32_t patch = patches->patch_of_gaussian[g];
+    if (patch < 0) continue;
+    const std::span<const float> vector = semantics.subspan(g * dim, dim);
+    double norm2 = 0;
+    for (const float value : vector) norm2 += double{value} * value;
+    if (!(norm2 > 0)) continue;
+    const double scale = patches->seen[g] / std::sqrt(norm2);
+    std::vector<float>& sum = patches->graph.regions[patch].semantics;
+    for (int k = 0; k < dim; ++k) {
+      sum[k] += static_cast<float>(scale * vector[k]);
+    }
+  }
 }
 
 }  // namespace freegs::semantics

@@ -20,50 +20,39 @@
 
 namespace freegs::semantics {
 
-struct PatchOptions {
-  // Gaussians of less opacity are haze and belong to no patch.
-  double min_opacity = 0.1;
-
-  // So do those whose second largest standard deviation is larger than this,
-  // in scene radii (see SceneExtent).
-  double max_scale = 1;
-
-  // Longest side in pixels of the photographs in which patches are compared.
-  int max_side = 400;
-
-  // Photographs that are looked at: at most so many, evenly chosen.
-  int max_views = 24;
-
-  // Extent of a patch in these photographs, in pixels.
-  double patch_pixels = 8;
-
-  Status Check() const;
-};
+// Longest side in pixels of the photographs in which patches are compared.
+inline constexpr int kPatchImageSide = 400;
 
 struct ScenePatches {
   std::vector<int32_t> patch_of_gaussian;  // -1 for none.
-  RegionGraph graph;                       // A region for each patch.
+  // For each Gaussian: how many pixels of the photographs it covers.
+  std::vector<double> seen;
+  RegionGraph graph;  // A region for each patch.
 };
 
 // What the patches are made from. `photo_of` returns the photograph of a view,
-// of any size. semantics: `dim` numbers for each Gaussian, or empty.
+// of any size.
 struct PatchScene {
   const splat::GaussianModel& model;
   std::span<const View> views;
   const splat::RenderOptions& render;
   std::function<StatusOr<ImageU8>(size_t view)> photo_of;
-  std::span<const float> semantics;
-  int dim = 0;
   double scene_radius = 1;  // World units.
 };
 
-// The same input gives the same result for any number of threads.
-// kInvalidArgument for options out of range; kInterrupted when cancelled
+// Patches know no semantics; SetSemantics adds them. The same input gives the
+// same result for any number of threads. kInterrupted when cancelled
 // (`cancellation` may be null); errors of photo_of.
 StatusOr<ScenePatches> BuildScenePatches(const PatchScene& scene,
-                                         const PatchOptions& options,
                                          ThreadPool& pool,
                                          const CancellationToken* cancellation);
+
+// Gives each region the sum of the unit vectors of its Gaussians, weighted by
+// the pixels that they cover, in place of what it had. semantics: `dim` numbers
+// for each Gaussian, zero where nothing is known.
+void SetSemantics(std::span<const float> semantics,
+                  int dim,
+                  ScenePatches* patches);
 
 }  // namespace freegs::semantics
 

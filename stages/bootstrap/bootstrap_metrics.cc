@@ -34,8 +34,6 @@ Status WriteBootstrapMetrics(const BootstrapStageOptions& options,
                              const pipeline::ResourceMeter& meter,
                              pipeline::StageContext& context) {
   const semantics::InstanceLabels& labels = field.instances;
-  const semantics::InstanceClusteringOptions& clustering =
-      options.method.clustering;
   int num_background = 0;
   nlohmann::json sizes = nlohmann::json::array();
   for (const semantics::Instance& instance : instances) {
@@ -45,25 +43,22 @@ Status WriteBootstrapMetrics(const BootstrapStageOptions& options,
   const pipeline::ResourceUsage usage = meter.Elapsed();
   nlohmann::json metrics = {
       {"mode", options.mode},
+      {"clustering", options.clustering},
       {"num_gaussians", num_gaussians},
       {"num_instances", labels.num_instances},
       {"num_background", num_background},
       {"scene_radius", labels.scene_radius},
       {"num_clustered", labels.num_clustered},
-      {"num_plane_points", labels.num_plane_points},
-      {"num_clusters", labels.num_clusters},
-      {"noise_before", labels.noise_before},
       {"noise_after", labels.noise_after},
       {"seconds", context.earlier_seconds + usage.wall_seconds},
       {"cpu_seconds", usage.cpu_seconds},
-      {"peak_memory_bytes", usage.peak_memory_bytes},
-      {"hdbscan",
-       {{"min_cluster_size", labels.min_cluster_size},
-        {"min_samples", clustering.hdbscan.min_samples},
-        {"cluster_selection_epsilon",
-         clustering.hdbscan.cluster_selection_epsilon},
-        {"max_cluster_size", clustering.hdbscan.max_cluster_size},
-        {"method", options.selection}}}};
+      {"peak_memory_bytes", usage.peak_memory_bytes}};
+  if (options.clustering == "union") {
+    metrics["hdbscan"] = {
+        {"min_cluster_size", labels.min_cluster_size},
+        {"min_samples",
+         options.method.clustering.union_space.hdbscan.min_samples}};
+  }
   if (options.mode != "geometry") {
     for (const auto& [step, seconds] : field.seconds) {
       metrics["step_seconds"][step] = seconds;

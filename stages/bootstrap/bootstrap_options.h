@@ -16,14 +16,12 @@ struct BootstrapStageOptions {
   // lift: semantic vectors are averaged from the photographs' features.
   // paper: they are trained from there. geometry: there are none.
   std::string mode = "lift";
-  // chain or evidence; becomes method.clustering.method.
+  // evidence or union; becomes method.clustering.method.
   std::string clustering = "evidence";
   // Folder of a CLIP model; empty for the one that comes with the program.
   std::string model;
   // What the method is told, except for what the members here decide.
   semantics::BootstrappingOptions method;
-  // eom or leaf; becomes method.clustering.hdbscan.method.
-  std::string selection = "eom";
   // Memory and disk space for blending weights, in GiB.
   double weights_memory_gb = 1;
   double weights_disk_gb = 16;

@@ -79,8 +79,9 @@ class BootstrapStage : public pipeline::Stage {
       return UnusableResultError(
           "bootstrap: no instance was found among " +
           std::to_string(scene.model.size()) +
-          " Gaussians; try a smaller bootstrap.min_cluster_size or "
-          "bootstrap.min_samples, or a better reconstruction");
+          " Gaussians; try a better reconstruction or, with "
+          "bootstrap.clustering union, a smaller bootstrap.min_cluster_size or "
+          "bootstrap.min_samples");
     }
     std::vector<semantics::Instance> instances = semantics::BuildInstances(
         scene.model,
@@ -130,17 +131,18 @@ class BootstrapStage : public pipeline::Stage {
       context.progress({"clustering", 0, 1, ""});
       semantics::SemanticField field;
       FREEGS_ASSIGN_OR_RETURN(
+          semantics::InstanceClusterer clusterer,
+          semantics::InstanceClusterer::Create(scene.model,
+                                               views,
+                                               {.views = scene.train,
+                                                .photo_of = photo_of,
+                                                .render = scene.render},
+                                               method.clustering,
+                                               *context.pool,
+                                               context.cancellation));
+      FREEGS_ASSIGN_OR_RETURN(
           field.instances,
-          semantics::ClusterInstances(scene.model,
-                                      {},
-                                      views,
-                                      {.views = scene.train,
-                                       .photo_of = photo_of,
-                                       .render = scene.render},
-                                      method.clustering,
-                                      seed_,
-                                      *context.pool,
-                                      context.cancellation));
+          clusterer.Cluster({}, *context.pool, context.cancellation));
       return NamedField{std::move(field), {}};
     }
     FREEGS_ASSIGN_OR_RETURN(const auto encoder, OpenClipModel(options_.model));

@@ -18,11 +18,6 @@ namespace freegs::semantics {
 namespace {
 
 // The table scene, its pictures, and an encoder that sees colours.
-BootstrappingOptions WithChain() {
-  BootstrappingOptions options;
-  options.clustering.method = ClusteringMethod::kChain;
-  return options;
-}
 
 class BootstrappingTest : public testing::Test {
  protected:
@@ -30,6 +25,7 @@ class BootstrappingTest : public testing::Test {
     ThreadPool pool(2);
     for (int k = 0; k < 8; ++k) {
       views_.push_back(LookAtOrigin(0.785 * k));
+      views_.back().camera = views_.back().camera.Resized(240, 180);
       views_.back().name = "view" + std::to_string(k);
       photos_.push_back(ToU8(splat::RenderView(scene_.model,
                                                views_.back().camera,
@@ -38,7 +34,6 @@ class BootstrappingTest : public testing::Test {
                                                pool)
                                  .color));
     }
-    options_.instances.refine = false;
   }
 
   StatusOr<SemanticField> Lift(
@@ -81,8 +76,7 @@ class BootstrappingTest : public testing::Test {
   std::vector<ImageU8> photos_;
   ColorEncoder encoder_;
   TemporaryFolder folder_;
-  // The scene is made of points, which show no surfaces.
-  BootstrappingOptions options_ = WithChain();
+  BootstrappingOptions options_;
   std::optional<FieldState> resume_from_;
   std::function<Status(const FieldTraining&, bool)> save_;
 };

@@ -45,15 +45,5 @@ TEST(LocalGeometryTest, NormalsOfDegenerateNeighbourhoodsAreUnit) {
   }
 }
 
-TEST(LocalGeometryTest, SmoothingAveragesNeighboursAndThePoint) {
-  const std::vector<float> points = {0, 0, 0, 1, 0, 0, 10, 0, 0, 11, 0, 0};
-  const std::vector<float> values = {0, 5, 2, 7, 10, 1, 20, 3};
-  ThreadPool pool(1);
-  const auto tree = KdTree::Build(points, 3);
-  EXPECT_EQ(SmoothOverNeighbors(*tree, values, 2, 1, pool),
-            (std::vector<float>{1, 6, 1, 6, 15, 2, 15, 2}));
-  EXPECT_EQ(SmoothOverNeighbors(*tree, values, 2, 0, pool), values);
-}
-
 }  // namespace
 }  // namespace freegs::semantics

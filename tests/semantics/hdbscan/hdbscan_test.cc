@@ -72,44 +72,6 @@ TEST(HdbscanTest, EpsilonMergesWhatIsCloser) {
   EXPECT_EQ(NumClusters(NestedBlobs(), options), 2);
 }
 
-TEST(HdbscanTest, MaxClusterSizeSplitsOrDropsLargeClusters) {
-  std::vector<float> points;
-  AddBlob(0, 0, 0.1, 60, &points);
-  AddBlob(0.6, 0, 0.1, 60, &points);
-  AddBlob(20, 0, 0.1, 60, &points);
-  HdbscanOptions options{.min_cluster_size = 20, .min_samples = 5};
-  options.cluster_selection_epsilon = 0;
-  const int free = NumClusters(points, options);
-  options.max_cluster_size = 100;
-  EXPECT_EQ(NumClusters(points, options), 3);
-  EXPECT_LE(free, 3);
-  // Leaves that are too large become noise.
-  options.max_cluster_size = 30;
-  EXPECT_EQ(NumClusters(points, options), 0);
-}
-
-// A square of 15 x 15 points, 0.1 apart, with its corner at (x, 0).
-void AddGrid(double x, std::vector<float>* points) {
-  for (int i = 0; i < 15 * 15; ++i) {
-    points->push_back(static_cast<float>(x + 0.1 * (i % 15)));
-    points->push_back(static_cast<float>(0.1 * (i / 15)));
-  }
-}
-
-TEST(HdbscanTest, ClearGapsSplitWhatExcessOfMassJoins) {
-  // Two squares 0.24 apart, and one far from both.
-  std::vector<float> points;
-  AddGrid(0, &points);
-  AddGrid(1.64, &points);
-  AddGrid(100, &points);
-  HdbscanOptions options{.min_cluster_size = 20, .min_samples = 5};
-  EXPECT_EQ(NumClusters(points, options), 2);
-  options.min_gap_ratio = 1.5;
-  EXPECT_EQ(NumClusters(points, options), 3);
-  options.min_gap_ratio = 2;
-  EXPECT_EQ(NumClusters(points, options), 2);
-}
-
 TEST(HdbscanTest, TooFewPointsAreNoise) {
   for (const int count : {0, 1, 2, 19}) {
     std::vector<float> points;
@@ -142,9 +104,7 @@ TEST(HdbscanTest, RefusesBadOptions) {
        {HdbscanOptions{.min_cluster_size = 1},
         HdbscanOptions{.min_samples = 0},
         HdbscanOptions{.cluster_selection_epsilon = -1},
-        HdbscanOptions{.cluster_selection_epsilon = std::nan("")},
-        HdbscanOptions{.max_cluster_size = -1},
-        HdbscanOptions{.min_gap_ratio = std::nan("")}}) {
+        HdbscanOptions{.cluster_selection_epsilon = std::nan("")}}) {
     EXPECT_EQ(Hdbscan(points, 2, options, pool, nullptr).status().code(),
               StatusCode::kInvalidArgument);
   }

@@ -46,14 +46,17 @@ class EvidenceClusteringTest : public testing::Test {
           }
           return photo;
         },
-        .semantics = {},
         .scene_radius = 1};
     FREEGS_ASSIGN_OR_RETURN(const EvidenceModel model, DefaultEvidenceModel());
-    return ClusterByEvidence(scene,
+    FREEGS_ASSIGN_OR_RETURN(const ScenePatches patches,
+                            BuildScenePatches(scene, pool, nullptr));
+    return ClusterByEvidence(scene_.model,
+                             patches,
+                             scene.scene_radius,
+                             0.2,
                              model,
-                             {.patches = {}, .granularity = granularity},
-                             pool,
-                             nullptr);
+                             {.granularity = granularity},
+                             pool);
   }
 
   const SyntheticGaussians scene_;
@@ -101,20 +104,9 @@ TEST_F(EvidenceClusteringTest, TheHierarchyGivesTheSameInstances) {
             coarse->labels);
 }
 
-TEST_F(EvidenceClusteringTest, FailsWhereAPhotographDoes) {
-  ThreadPool pool(1);
-  const PatchScene scene{.model = scene_.model,
-                         .views = views_,
-                         .render = render_,
-                         .photo_of = [](size_t) -> StatusOr<ImageU8> {
-                           return BadInputError("no such photograph");
-                         },
-                         .semantics = {},
-                         .scene_radius = 1};
-  EXPECT_EQ(ClusterByEvidence(scene, EvidenceModel(), {}, pool, nullptr)
-                .status()
-                .code(),
-            StatusCode::kBadInput);
+TEST_F(EvidenceClusteringTest, RefusesAGranularityThatIsNoNumber) {
+  EXPECT_EQ(Cluster(1, std::nan("")).status().code(),
+            StatusCode::kInvalidArgument);
 }
 
 }  // namespace

@@ -3,130 +3,169 @@
 #include "semantics/instances/instance_clustering.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <map>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "splat/render/renderer.h"
 #include "tests/semantics/synthetic_gaussians.h"
 
 namespace freegs::semantics {
 namespace {
 
-// Best intersection over union of any label with an object.
-double BestIou(const std::vector<int32_t>& truth,
-               const std::vector<int32_t>& labels,
-               int32_t object) {
-  std::map<int32_t, double> shared;
-  std::map<int32_t, double> size;
-  double count = 0;
-  for (size_t i = 0; i < truth.size(); ++i) {
-    count += truth[i] == object;
-    if (labels[i] < 0) continue;
-    size[labels[i]] += 1;
-    shared[labels[i]] += truth[i] == object;
+// The table scene, photographed by the renderer itself.
+class InstanceClusteringTest : public testing::Test {
+ protected:
+  InstanceClusteringTest() {
+    for (int i = 0; i < 6; ++i) {
+      View view = LookAtOrigin(1.05 * i);
+      view.camera = view.camera.Resized(160, 120);
+      views_.push_back(view);
+    }
+    options_.method = ClusteringMethod::kUnion;
   }
-  double best = 0;
-  for (const auto& [label, both] : shared) {
-    best = std::max(best, both / (count + size[label] - both));
+
+  StatusOr<InstanceClusterer> Clusterer(
+      int threads = 2, const CancellationToken* cancellation = nullptr) {
+    ThreadPool pool(threads);
+    const auto photo_of = [&](size_t v) -> StatusOr<ImageU8> {
+      ++num_photos_;
+      const splat::RenderedView picture =
+          splat::RenderView(scene_.model,
+                            views_[v].camera,
+                            views_[v].cam_from_world,
+                            splat::RenderOptions(),
+                            pool);
+      ImageU8 photo(160, 120, 3);
+      for (size_t i = 0; i < photo.size(); ++i) {
+        photo.data()[i] = static_cast<uint8_t>(
+            255 * std::clamp(picture.color.data()[i], 0.0f, 1.0f));
+      }
+      return photo;
+    };
+    return InstanceClusterer::Create(scene_.model,
+                                     views_,
+                                     {.views = views_,
+                                      .photo_of = photo_of,
+                                      .render = splat::RenderOptions()},
+                                     options_,
+                                     pool,
+                                     cancellation);
   }
-  return best;
+
+  StatusOr<InstanceLabels> Cluster(
+      int threads = 2, const CancellationToken* cancellation = nullptr) {
+    FREEGS_ASSIGN_OR_RETURN(InstanceClusterer clusterer,
+                            Clusterer(threads, cancellation));
+    ThreadPool pool(threads);
+    return clusterer.Cluster({}, pool, cancellation);
+  }
+
+  SyntheticGaussians scene_ = MakeTableScene();
+  std::vector<View> views_;
+  InstanceClusteringOptions options_;
+  int num_photos_ = 0;
+};
+
+TEST_F(InstanceClusteringTest, LabelsAreNumberedBySizeForAnyNumberOfThreads) {
+  for (const auto method :
+       {ClusteringMethod::kEvidence, ClusteringMethod::kUnion}) {
+    options_.method = method;
+    const auto one = Cluster(1);
+    const auto three = Cluster(3);
+    ASSERT_TRUE(one.ok() && three.ok()) << one.status().message();
+    EXPECT_EQ(one->labels, three->labels);
+    EXPECT_EQ(one->scores, three->scores);
+    ASSERT_GT(one->num_instances, 1);
+    EXPECT_EQ(one->scores.size(), static_cast<size_t>(one->num_instances));
+    EXPECT_EQ(one->is_plane.size(), one->scores.size());
+    std::vector<size_t> size(one->num_instances, 0);
+    for (const int32_t label : one->labels) {
+      if (label >= 0) ++size[label];
+    }
+    EXPECT_TRUE(std::is_sorted(size.rbegin(), size.rend()));
+    EXPECT_GT(size.back(), 0u);
+    EXPECT_GT(one->num_clustered, 0u);
+    EXPECT_LT(one->noise_after, 0.1);
+  }
 }
 
-TEST(InstanceClusteringTest, SeparatesObjectsOnATable) {
-  const SyntheticGaussians scene = MakeTableScene();
-  std::vector<View> views(3);
-  for (int i = 0; i < 3; ++i) views[i] = LookAtOrigin(2.1 * i);
+TEST_F(InstanceClusteringTest, PhotographsAreLookedAtOnce) {
+  options_.method = ClusteringMethod::kEvidence;
+  auto clusterer = Clusterer();
+  ASSERT_TRUE(clusterer.ok());
+  EXPECT_EQ(num_photos_, 6);
   ThreadPool pool(2);
-  const auto result =
-      ClusterInstances(scene.model, {}, views, {}, {}, 0, pool, nullptr);
-  ASSERT_TRUE(result.ok());
-  for (int object = 0; object <= 4; ++object) {
-    EXPECT_GT(BestIou(scene.truth, result->labels, object), 0.9) << object;
-  }
-  EXPECT_EQ(result->num_instances, 5);
-  EXPECT_EQ(result->scores.size(), 5u);
-  // Labels by descending size: the table is first, and the only plane.
-  EXPECT_EQ(result->labels[0], 0);
-  EXPECT_EQ(result->is_plane, (std::vector<uint8_t>{1, 0, 0, 0, 0}));
-  ASSERT_EQ(result->planes.size(), 1u);
-  EXPECT_NEAR(std::abs(result->planes[0].normal.z()), 1, 1e-3);
-  // Haze took no part but got labels where it is near something.
-  EXPECT_EQ(result->num_clustered, scene.truth.size() - 150);
+  const auto plain = clusterer->Cluster({}, pool, nullptr);
+  const std::vector<float> vectors(scene_.model.size() * 2, 1.0f);
+  ASSERT_TRUE(clusterer->Cluster({vectors, 2}, pool, nullptr).ok());
+  const auto again = clusterer->Cluster({}, pool, nullptr);
+  ASSERT_TRUE(plain.ok() && again.ok());
+  EXPECT_EQ(again->labels, plain->labels);
+  EXPECT_EQ(num_photos_, 6);
 }
 
-TEST(InstanceClusteringTest, SameLabelsForAnyNumberOfThreads) {
-  const SyntheticGaussians scene = MakeTableScene();
-  ThreadPool one(1);
-  ThreadPool three(3);
-  const auto a = ClusterInstances(scene.model, {}, {}, {}, {}, 5, one, nullptr);
-  const auto b =
-      ClusterInstances(scene.model, {}, {}, {}, {}, 5, three, nullptr);
-  ASSERT_TRUE(a.ok() && b.ok());
-  EXPECT_EQ(a->labels, b->labels);
-  EXPECT_EQ(a->scores, b->scores);
+TEST_F(InstanceClusteringTest, EvidenceNeedsPhotographs) {
+  options_.method = ClusteringMethod::kEvidence;
+  ThreadPool pool(1);
+  const auto clusterer = InstanceClusterer::Create(
+      scene_.model, views_, {}, options_, pool, nullptr);
+  EXPECT_EQ(clusterer.status().code(), StatusCode::kInvalidArgument);
+  EXPECT_NE(clusterer.status().message().find("photographs"),
+            std::string::npos);
 }
 
-TEST(InstanceClusteringTest, BrokenGaussiansTakeNoPart) {
-  SyntheticGaussians scene = MakeTableScene();
+TEST_F(InstanceClusteringTest, BrokenGaussiansTakeNoPart) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float inf = std::numeric_limits<float>::infinity();
-  scene.Add({nan, 0, 0}, {0, 0, 0}, 0.1, 0.9, -1);
-  scene.Add({0, inf, 0}, {0, 0, 0}, 0.1, 0.9, -1);
-  scene.Add({1e20, 0, 0}, {0, 0, 0}, 0.1, 0.9, -1);
-  scene.Add({1e9, 1e9, 0}, {nan, 0, 0}, 0.1, 0.9, -1);
-  ThreadPool pool(1);
-  const auto result =
-      ClusterInstances(scene.model, {}, {}, {}, {}, 0, pool, nullptr);
+  scene_.Add({nan, 0, 0}, {0, 0, 0}, 0.1, 0.9, -1);
+  scene_.Add({0, inf, 0}, {0, 0, 0}, 0.1, 0.9, -1);
+  scene_.Add({1e20, 0, 0}, {0, 0, 0}, 0.1, 0.9, -1);
+  scene_.Add({1e9, 1e9, 0}, {nan, 0, 0}, 0.1, 0.9, -1);
+  const auto result = Cluster();
   ASSERT_TRUE(result.ok()) << result.status().message();
-  EXPECT_EQ(result->num_instances, 5);
-  for (size_t i = scene.truth.size() - 4; i < scene.truth.size(); ++i) {
+  for (size_t i = scene_.truth.size() - 4; i < scene_.truth.size(); ++i) {
     EXPECT_EQ(result->labels[i], -1);
   }
 }
 
-TEST(InstanceClusteringTest, EmptyAndTinyModels) {
-  ThreadPool pool(1);
-  SyntheticGaussians scene;
+TEST_F(InstanceClusteringTest, EmptyAndTinyModels) {
+  scene_ = SyntheticGaussians();
   for (int count = 0; count < 4; ++count) {
-    const auto result =
-        ClusterInstances(scene.model, {}, {}, {}, {}, 0, pool, nullptr);
-    ASSERT_TRUE(result.ok()) << result.status().message();
-    EXPECT_EQ(result->num_instances, 0);
-    EXPECT_EQ(result->labels.size(), static_cast<size_t>(count));
-    scene.Add({0, 0, static_cast<double>(count)}, {1, 0, 0}, 0.1, 0.5, 0);
+    for (const auto method :
+         {ClusteringMethod::kEvidence, ClusteringMethod::kUnion}) {
+      options_.method = method;
+      const auto result = Cluster();
+      ASSERT_TRUE(result.ok()) << result.status().message();
+      EXPECT_EQ(result->labels.size(), static_cast<size_t>(count));
+    }
+    scene_.Add({0, 0, 0.1 * count}, {1, 0, 0}, 0.1, 0.5, 0);
   }
 }
 
-TEST(InstanceClusteringTest, StopsWhenCancelled) {
-  const SyntheticGaussians scene = MakeTableScene();
-  ThreadPool pool(1);
+TEST_F(InstanceClusteringTest, StopsWhenCancelled) {
   CancellationToken cancellation;
   cancellation.Cancel();
-  EXPECT_EQ(
-      ClusterInstances(scene.model, {}, {}, {}, {}, 0, pool, &cancellation)
-          .status()
-          .code(),
-      StatusCode::kInterrupted);
+  for (const auto method :
+       {ClusteringMethod::kEvidence, ClusteringMethod::kUnion}) {
+    options_.method = method;
+    EXPECT_EQ(Cluster(1, &cancellation).status().code(),
+              StatusCode::kInterrupted);
+  }
 }
 
-TEST(InstanceClusteringTest, RefusesBadOptions) {
+TEST_F(InstanceClusteringTest, RefusesBadOptionsAndVectorsOfAnotherModel) {
+  options_.union_space.hdbscan.min_samples = 0;
+  EXPECT_FALSE(Clusterer().ok());
+  options_ = InstanceClusteringOptions();
+  options_.method = ClusteringMethod::kUnion;
+  auto clusterer = Clusterer();
+  ASSERT_TRUE(clusterer.ok());
   ThreadPool pool(1);
-  const splat::GaussianModel model;
-  InstanceClusteringOptions options;
-  options.min_opacity = 1;
-  EXPECT_FALSE(
-      ClusterInstances(model, {}, {}, {}, options, 0, pool, nullptr).ok());
-  options = {};
-  options.space.color_weight = std::nan("");
-  EXPECT_FALSE(
-      ClusterInstances(model, {}, {}, {}, options, 0, pool, nullptr).ok());
-  options = {};
-  options.planes.min_width = -1;
-  EXPECT_FALSE(
-      ClusterInstances(model, {}, {}, {}, options, 0, pool, nullptr).ok());
+  const std::vector<float> vectors(7, 1.0f);
+  EXPECT_EQ(clusterer->Cluster({vectors, 7}, pool, nullptr).status().code(),
+            StatusCode::kInvalidArgument);
 }
 
 }  // namespace

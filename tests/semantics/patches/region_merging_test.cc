@@ -2,15 +2,12 @@
 
 #include "semantics/patches/region_merging.h"
 
-#include <limits>
 #include <set>
 
 #include <gtest/gtest.h>
 
 namespace freegs::semantics {
 namespace {
-
-constexpr double kAll = std::numeric_limits<double>::infinity();
 
 // A row of regions, of the given pixels, that touch their neighbours with the
 // given steps of colour.
@@ -38,7 +35,7 @@ double ByContrast(const Evidence& evidence) { return evidence[kContrastNear]; }
 
 TEST(RegionMergingTest, JoinsTheMostAlikeFirst) {
   const RegionGraph graph = Row({9, 9, 9, 9}, {0.5, 0.1, 0.9});
-  const RegionTree tree = MergeRegions(graph, ByContrast, kAll);
+  const RegionTree tree = MergeRegions(graph, ByContrast);
   ASSERT_EQ(tree.merges.size(), 3u);
   EXPECT_EQ(tree.merges[0].a, 1);
   EXPECT_EQ(tree.merges[0].b, 2);
@@ -52,24 +49,17 @@ TEST(RegionMergingTest, JoinsTheMostAlikeFirst) {
 }
 
 TEST(RegionMergingTest, HeightsNeverDescend) {
-  const RegionTree tree = MergeRegions(
-      Row({9, 9, 9, 9, 9}, {0.5, 0.4, 0.3, 0.2}), ByContrast, kAll);
+  const RegionTree tree =
+      MergeRegions(Row({9, 9, 9, 9, 9}, {0.5, 0.4, 0.3, 0.2}), ByContrast);
   for (size_t k = 1; k < tree.merges.size(); ++k) {
     EXPECT_GE(tree.merges[k].height, tree.merges[k - 1].height);
   }
-}
-
-TEST(RegionMergingTest, NothingAboveTheLimit) {
-  EXPECT_EQ(
-      MergeRegions(Row({9, 9, 9}, {0.2, 0.8}), ByContrast, 0.5).merges.size(),
-      1u);
 }
 
 TEST(RegionMergingTest, RefusedPairsStayApart) {
   const RegionTree tree =
       MergeRegions(Row({9, 9, 9}, {0.2, 0.8}),
                    ByContrast,
-                   kAll,
                    [](int32_t, int32_t, const Evidence&) { return false; });
   EXPECT_TRUE(tree.merges.empty());
 }
