@@ -38,7 +38,6 @@ struct Arguments {
   std::string draw;
   bool explain = false;
   bool in_turn = false;
-  bool pairs = false;
   int threads = 0;
 };
 
@@ -184,12 +183,11 @@ void LeaveOutInTurn(const std::vector<LearningScene>& taught,
                     ThreadPool& pool) {
   std::vector<std::pair<std::string, double>> means;
   for (const char* name : semantics::kEvidenceNames) {
-    LearnerOptions options{
-        .without = {arguments.without.begin(), arguments.without.end()},
-        .pairs = arguments.pairs};
-    if (!options.without.insert(name).second) continue;
+    std::set<std::string> without(arguments.without.begin(),
+                                  arguments.without.end());
+    if (!without.insert(name).second) continue;
     std::printf("without %s\n", name);
-    const EvidenceModel model = LearnEvidence(taught, options, pool).model;
+    const EvidenceModel model = LearnEvidence(taught, without, pool).model;
     means.emplace_back(name, Report(tested, model, arguments, pool));
   }
   std::printf("\n%-16s  mean IoU  difference\n%-16s  %8.3f\n",
@@ -230,10 +228,7 @@ Status FitEvidence(const Arguments& arguments) {
   FREEGS_ASSIGN_OR_RETURN(const std::vector<LearningScene> taught,
                           LoadScenes(arguments.train, pool));
   const LearntEvidence learnt = LearnEvidence(
-      taught,
-      {.without = {arguments.without.begin(), arguments.without.end()},
-       .pairs = arguments.pairs},
-      pool);
+      taught, {arguments.without.begin(), arguments.without.end()}, pool);
   if (!arguments.out.empty()) {
     FREEGS_RETURN_IF_ERROR(WriteModel(learnt, taught.size(), arguments.out));
   }
@@ -264,7 +259,6 @@ int Run(int argc, char** argv) {
        "evidence to leave out")
       ("in-turn", po::bool_switch(&arguments.in_turn),
        "also learn with each evidence left out in turn")
-      ("pairs", po::bool_switch(&arguments.pairs), "products of evidence too")
       ("draw", po::value(&arguments.draw), "folder for pictures of the regions")
       ("explain", po::bool_switch(&arguments.explain), "a line for every object")
       ("threads", po::value(&arguments.threads)->default_value(0),

@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
-#include <optional>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -92,38 +90,18 @@ EvidenceModel Normalised(const std::vector<Example>& examples) {
   return model;
 }
 
-// Which products of evidence the regression sees, besides all of them alone.
-std::vector<std::pair<size_t, size_t>> Pairs(const LearnerOptions& options) {
-  std::vector<std::pair<size_t, size_t>> pairs;
-  if (!options.pairs) return pairs;
-  for (size_t i = 0; i < kNumEvidences; ++i) {
-    for (size_t j = i; j < kNumEvidences; ++j) {
-      if (!options.without.contains(semantics::kEvidenceNames[i]) &&
-          !options.without.contains(semantics::kEvidenceNames[j])) {
-        pairs.emplace_back(i, j);
-      }
-    }
-  }
-  return pairs;
-}
-
 // Logistic regression by Newton's method.
 EvidenceModel Fit(const std::vector<Example>& examples,
-                  const LearnerOptions& options,
+                  const std::set<std::string>& without,
                   ThreadPool& pool) {
   EvidenceModel model = Normalised(examples);
-  const auto pairs = Pairs(options);
-  const auto n = static_cast<Eigen::Index>(kNumEvidences + pairs.size() + 1);
+  constexpr Eigen::Index n = kNumEvidences + 1;
   const auto row = [&](const Evidence& evidence) {
     Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
     for (size_t k = 0; k < kNumEvidences; ++k) {
-      if (!options.without.contains(semantics::kEvidenceNames[k])) {
+      if (!without.contains(semantics::kEvidenceNames[k])) {
         x[k] = (evidence[k] - model.mean[k]) / model.deviation[k];
       }
-    }
-    for (size_t p = 0; p < pairs.size(); ++p) {
-      x[kNumEvidences + p] =
-          std::clamp(x[pairs[p].first] * x[pairs[p].second], -9.0, 9.0);
     }
     x[n - 1] = 1;
     return x;
@@ -162,10 +140,6 @@ EvidenceModel Fit(const std::vector<Example>& examples,
     weights -= hessian.ldlt().solve(gradient);
   }
   for (size_t k = 0; k < kNumEvidences; ++k) model.weight[k] = weights[k];
-  for (size_t p = 0; p < pairs.size(); ++p) {
-    model.pairs.push_back(
-        {pairs[p].first, pairs[p].second, weights[kNumEvidences + p]});
-  }
   model.bias = weights[n - 1];
   return model;
 }
@@ -173,7 +147,7 @@ EvidenceModel Fit(const std::vector<Example>& examples,
 }  // namespace
 
 LearntEvidence LearnEvidence(std::span<const LearningScene> scenes,
-                             const LearnerOptions& options,
+                             const std::set<std::string>& without,
                              ThreadPool& pool) {
   LearntEvidence learnt;
   std::vector<Example> examples;
@@ -204,7 +178,7 @@ LearntEvidence LearnEvidence(std::span<const LearningScene> scenes,
     for (size_t i = 0; i < examples.size(); i += step) {
       share.push_back(examples[i]);
     }
-    learnt.model = Fit(share, options, pool);
+    learnt.model = Fit(share, without, pool);
   }
   learnt.num_examples = examples.size();
   return learnt;

@@ -16,11 +16,6 @@
 
 namespace freegs::evidence {
 
-struct LearnerOptions {
-  std::set<std::string> without;  // Evidence that gets no weight.
-  bool pairs = false;
-};
-
 struct LearntEvidence {
   semantics::EvidenceModel model;
   size_t num_examples = 0;
@@ -30,9 +25,10 @@ struct LearntEvidence {
 // says: once only as far as the truth allows and, from the second round on,
 // once as its own mistakes lead (Nunez-Iglesias et al. 2013). Every pair that
 // is asked about on the way is an example for a logistic regression. The same
-// scenes give the same model for any number of threads.
+// scenes give the same model for any number of threads. `without` names
+// evidence that gets no weight.
 LearntEvidence LearnEvidence(std::span<const LearningScene> scenes,
-                             const LearnerOptions& options,
+                             const std::set<std::string>& without,
                              ThreadPool& pool);
 
 }  // namespace freegs::evidence

@@ -140,7 +140,8 @@ void DeselectBelow(const CondensedTree& tree,
   }
 }
 
-std::vector<uint8_t> SelectExcessOfMass(const CondensedTree& tree) {
+std::vector<uint8_t> SelectExcessOfMass(const CondensedTree& tree,
+                                        int64_t max_cluster_size) {
   std::vector<uint8_t> selected(tree.clusters.size(), 1);
   std::vector<double> best(tree.clusters.size());
   selected[0] = 0;
@@ -149,7 +150,9 @@ std::vector<uint8_t> SelectExcessOfMass(const CondensedTree& tree) {
     double sum = 0;
     for (const uint32_t child : cluster.children) sum += best[child];
     const float children_stability = static_cast<float>(sum);
-    if (children_stability > cluster.stability) {
+    const bool too_large =
+        max_cluster_size > 0 && cluster.size > max_cluster_size;
+    if (children_stability > cluster.stability || too_large) {
       selected[id] = 0;
       best[id] = children_stability;
     } else {
@@ -169,7 +172,7 @@ std::vector<uint32_t> SelectClusters(const CondensedTree& tree,
                                      const ClusterSelectionOptions& options) {
   std::vector<uint8_t> selected;
   if (options.method == ClusterSelection::kExcessOfMass) {
-    selected = SelectExcessOfMass(tree);
+    selected = SelectExcessOfMass(tree, options.max_cluster_size);
   } else {
     selected.resize(tree.clusters.size());
     for (size_t id = 1; id < tree.clusters.size(); ++id) {

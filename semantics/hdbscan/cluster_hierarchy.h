@@ -55,6 +55,10 @@ struct ClusterSelectionOptions {
   // first ancestor that split off farther away, but never by the root. 0
   // replaces none.
   double epsilon = 0;
+
+  // Excess of mass splits clusters of more points. `epsilon` may still make
+  // larger ones. 0 is no limit.
+  int64_t max_cluster_size = 0;
 };
 
 // Returns the ids of the selected clusters, ascending. They are disjoint, and

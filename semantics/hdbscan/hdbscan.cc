@@ -21,6 +21,9 @@ Status HdbscanOptions::Check() const {
     return InvalidArgumentError(
         "cluster_selection_epsilon must not be negative");
   }
+  if (max_cluster_size < 0) {
+    return InvalidArgumentError("max_cluster_size must not be negative");
+  }
   return {};
 }
 
@@ -40,9 +43,11 @@ StatusOr<HdbscanResult> Hdbscan(std::span<const float> points,
 
   const CondensedTree condensed =
       CondenseTree(mst, tree.size(), options.min_cluster_size);
-  const std::vector<uint32_t> selected = SelectClusters(
-      condensed,
-      {.method = options.method, .epsilon = options.cluster_selection_epsilon});
+  const std::vector<uint32_t> selected =
+      SelectClusters(condensed,
+                     {.method = options.method,
+                      .epsilon = options.cluster_selection_epsilon,
+                      .max_cluster_size = options.max_cluster_size});
   ClusterMembership membership = LabelPoints(condensed, selected);
 
   HdbscanResult result;

@@ -35,6 +35,10 @@ struct HdbscanOptions {
   // units of the points; 0 always splits.
   double cluster_selection_epsilon = 0;
 
+  // Clusters of more points are split although excess of mass would keep them.
+  // 0 is no limit.
+  int64_t max_cluster_size = 0;
+
   ClusterSelection method = ClusterSelection::kExcessOfMass;
 
   Status Check() const;

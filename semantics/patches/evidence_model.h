@@ -5,11 +5,9 @@
 #ifndef FREEGS_SEMANTICS_PATCHES_EVIDENCE_MODEL_H_
 #define FREEGS_SEMANTICS_PATCHES_EVIDENCE_MODEL_H_
 
-#include <algorithm>
 #include <array>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "core/status.h"
 #include "semantics/patches/evidence.h"
@@ -22,23 +20,12 @@ struct EvidenceModel {
   std::array<double, kNumEvidences> deviation = {};
   std::array<double, kNumEvidences> weight = {};
   double bias = 0;
-  struct Pair {
-    size_t a = 0;
-    size_t b = 0;
-    double weight = 0;
-  };
-  std::vector<Pair> pairs;
 
   // Log-odds of being two things.
   double Difference(const Evidence& evidence) const {
     double sum = bias;
-    std::array<double, kNumEvidences> z;
     for (size_t k = 0; k < kNumEvidences; ++k) {
-      z[k] = (evidence[k] - mean[k]) / deviation[k];
-      sum += weight[k] * z[k];
-    }
-    for (const Pair& pair : pairs) {
-      sum += pair.weight * std::clamp(z[pair.a] * z[pair.b], -9.0, 9.0);
+      sum += weight[k] * (evidence[k] - mean[k]) / deviation[k];
     }
     return sum;
   }

@@ -49,6 +49,7 @@ void CompareSet(const std::filesystem::path& folder, const std::string& set) {
   options.min_cluster_size = params["min_cluster_size"];
   options.min_samples = params["min_samples"];
   options.cluster_selection_epsilon = params["cluster_selection_epsilon"];
+  options.max_cluster_size = params["max_cluster_size"];
   options.method = params["cluster_selection_method"] == "leaf"
                        ? ClusterSelection::kLeaf
                        : ClusterSelection::kExcessOfMass;
@@ -82,7 +83,7 @@ void CompareSet(const std::filesystem::path& folder, const std::string& set) {
   const double ari = *AdjustedRandIndex(result->labels, labels);
   const int fewest = spread["n_clusters"][0];
   const int most = spread["n_clusters"][1];
-  if (set == "leaf20") {
+  if (set == "leaf20" || set == "epsmax") {
     EXPECT_GE(ari, 0.93);
     EXPECT_GE(result->num_clusters, fewest - std::max(1.0, 0.03 * fewest));
     EXPECT_LE(result->num_clusters, most + std::max(1.0, 0.03 * most));
@@ -103,7 +104,7 @@ TEST_P(HdbscanReferenceTest, MatchesTheReference) {
   if (!std::filesystem::exists(folder)) {
     GTEST_SKIP() << "no reference set " << folder;
   }
-  for (const char* set : {"a20", "b60", "c200", "leaf20"}) {
+  for (const char* set : {"a20", "b60", "c200", "leaf20", "epsmax"}) {
     if (!std::filesystem::exists(folder /
                                  ("result_" + std::string(set) + ".json"))) {
       continue;

@@ -72,6 +72,22 @@ TEST(HdbscanTest, EpsilonMergesWhatIsCloser) {
   EXPECT_EQ(NumClusters(NestedBlobs(), options), 2);
 }
 
+TEST(HdbscanTest, MaxClusterSizeSplitsOrDropsLargeClusters) {
+  std::vector<float> points;
+  AddBlob(0, 0, 0.1, 60, &points);
+  AddBlob(0.6, 0, 0.1, 60, &points);
+  AddBlob(20, 0, 0.1, 60, &points);
+  HdbscanOptions options{.min_cluster_size = 20, .min_samples = 5};
+  options.cluster_selection_epsilon = 0;
+  const int free = NumClusters(points, options);
+  options.max_cluster_size = 100;
+  EXPECT_EQ(NumClusters(points, options), 3);
+  EXPECT_LE(free, 3);
+  // Leaves that are too large become noise.
+  options.max_cluster_size = 30;
+  EXPECT_EQ(NumClusters(points, options), 0);
+}
+
 TEST(HdbscanTest, TooFewPointsAreNoise) {
   for (const int count : {0, 1, 2, 19}) {
     std::vector<float> points;
@@ -104,7 +120,8 @@ TEST(HdbscanTest, RefusesBadOptions) {
        {HdbscanOptions{.min_cluster_size = 1},
         HdbscanOptions{.min_samples = 0},
         HdbscanOptions{.cluster_selection_epsilon = -1},
-        HdbscanOptions{.cluster_selection_epsilon = std::nan("")}}) {
+        HdbscanOptions{.cluster_selection_epsilon = std::nan("")},
+        HdbscanOptions{.max_cluster_size = -1}}) {
     EXPECT_EQ(Hdbscan(points, 2, options, pool, nullptr).status().code(),
               StatusCode::kInvalidArgument);
   }
