@@ -18,11 +18,11 @@ namespace freegs::semantics {
 
 struct ClipExportOptions {
   // A .safetensors file or the folder of one, see ClipCheckpoint::Open.
-  std::filesystem::path checkpoint;
+  std::filesystem::path checkpoint = {};
 
   // Byte-pair merges, see BytePairTokenizer; empty for merges.txt beside the
   // weights.
-  std::filesystem::path merges;
+  std::filesystem::path merges = {};
 
   // Another image size in pixels for dense features, beside the model's own; a
   // multiple of its patch. 0 for none.
