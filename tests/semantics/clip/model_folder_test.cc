@@ -22,7 +22,9 @@ void ExpectFault(const Status& status,
                  const std::string& fault) {
   EXPECT_EQ(status.code(), StatusCode::kMissingDependency);
   EXPECT_THAT(status.message(),
-              AllOf(HasSubstr(file), HasSubstr(fault), HasSubstr("export")));
+              AllOf(HasSubstr(file),
+                    HasSubstr(fault),
+                    HasSubstr("freegs_pipeline model")));
 }
 
 TEST(ModelFolderTest, Opens) {
