@@ -287,10 +287,11 @@ def count_merges(path):
 
 def export_folder(state, arch, merges, out, name, licence, origin,
                   dense_sizes=(), half_table=True, mean=None, std=None,
-                  vocabulary=None, canonical=None):
+                  vocabulary=None, canonical=None, min_word_confidence=None):
     """Writes the model folder `out`, made anew, from a checkpoint. The
     vocabulary is a list of groups of words to name things by, canonical one of
-    phrases that say nothing in particular."""
+    phrases that say nothing in particular; min_word_confidence says how
+    relevant the word of the last group must be (docs/clip.md)."""
     merges, out = Path(merges), Path(out)
     if not merges.is_file():
         raise CheckpointError(f"{merges}: no such file; it comes with OpenAI's "
@@ -341,6 +342,8 @@ def export_folder(state, arch, merges, out, name, licence, origin,
         info["vocabulary"] = vocabulary
     if canonical:
         info["canonical"] = canonical
+    if min_word_confidence is not None:
+        info["min_word_confidence"] = min_word_confidence
     (temporary / "model.json").write_text(json.dumps(info, indent=2) + "\n")
     if out.exists():
         shutil.rmtree(out)

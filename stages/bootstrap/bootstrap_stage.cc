@@ -34,7 +34,7 @@ namespace fs = std::filesystem;
 
 struct NamedField {
   semantics::SemanticField field;
-  std::vector<std::vector<std::string>> words;  // Per instance; may be empty.
+  semantics::InstanceNames names;
 };
 
 class BootstrapStage : public pipeline::Stage {
@@ -90,8 +90,8 @@ class BootstrapStage : public pipeline::Stage {
         semantics::EstimateVertical(views, labels.planes),
         {},
         *context.pool);
-    for (size_t i = 0; i < named.words.size(); ++i) {
-      instances[i].words = named.words[i];
+    for (size_t i = 0; i < named.names.words.size(); ++i) {
+      instances[i].words = named.names.words[i];
     }
     FREEGS_RETURN_IF_ERROR(semantics::WriteIdsf(
         context.output / "idsf.bin",
@@ -106,8 +106,13 @@ class BootstrapStage : public pipeline::Stage {
                           views,
                           labels.labels,
                           context));
-    return WriteBootstrapMetrics(
-        options_, scene.model.size(), field, instances, meter, context);
+    return WriteBootstrapMetrics(options_,
+                                 scene.model.size(),
+                                 field,
+                                 instances,
+                                 named.names.num_withheld,
+                                 meter,
+                                 context);
   }
 
  private:
@@ -170,10 +175,12 @@ class BootstrapStage : public pipeline::Stage {
          .model_hash = encoder->model_hash(),
          .features = field.vectors.vectors}));
     FREEGS_ASSIGN_OR_RETURN(
-        auto words,
-        semantics::NameInstances(
-            field.vectors.vectors, encoder->info().vocabulary, *encoder));
-    return NamedField{std::move(field), std::move(words)};
+        semantics::InstanceNames names,
+        semantics::NameInstances(field.vectors.vectors,
+                                 encoder->info().vocabulary,
+                                 encoder->info().min_word_confidence,
+                                 *encoder));
+    return NamedField{std::move(field), std::move(names)};
   }
 
   // The checkpoint of an interrupted run. A damaged one only costs time: the

@@ -175,6 +175,22 @@ TEST(ModelFolderTest, CanonicalPhrasesMayBeThere) {
   }
 }
 
+TEST(ModelFolderTest, ConfidenceOfWordsMayBeThere) {
+  const ModelCopy model;
+  EXPECT_EQ(ModelFolder::Open(model.path())->info.min_word_confidence, 0);
+  json info = model.Info();
+  info["min_word_confidence"] = 0.75;
+  model.SetInfo(info);
+  EXPECT_EQ(ModelFolder::Open(model.path())->info.min_word_confidence, 0.75);
+  for (const json& wrong : {json(-0.1), json(1.5), json("high"), json()}) {
+    info["min_word_confidence"] = wrong;
+    model.SetInfo(info);
+    ExpectFault(ModelFolder::Open(model.path()).status(),
+                "model.json",
+                "min_word_confidence");
+  }
+}
+
 TEST(ModelFolderTest, HostileJson) {
   const ModelCopy model;
   for (const std::string& text : {std::string(),
