@@ -26,6 +26,7 @@ constexpr int kMaxImageSize = 4096;
 constexpr int kMaxGrid = 1024;
 constexpr int kMaxContext = 4096;
 constexpr int kMaxLayers = 1000;
+constexpr int64_t kMaxNetworkElements = int64_t{1} << 29;
 
 // The file of weights that `path` means.
 StatusOr<fs::path> WeightsFile(const fs::path& path) {
@@ -58,72 +59,8 @@ StatusOr<fs::path> WeightsFile(const fs::path& path) {
 
 }  // namespace
 
-// Names of tensors; those of norms and linear layers without ".weight" and
-// ".bias".
-struct ClipCheckpoint::Layout {
-  const char* patches;
-  const char* class_token;
-  const char* image_positions;
-  const char* text_positions;
-  const char* tokens;
-  const char* first_norm;
-  const char* last_norms[2];   // By Tower, like the next two.
-  const char* projections[2];  // With everything that belongs to the name.
-  const char* blocks[2];       // Before the number of the layer.
-  bool projections_have_rows;  // D x width, else width x D.
-  const char* norms[2];        // By BlockNorm, within a block.
-  const char* linears[6];      // By BlockLinear; joint_qkv for the first three.
-  const char* joint_qkv;       // Query, key, value above one another, or null.
-  // Tensors of no use here: what training needs, and numbers that shapes tell.
-  std::vector<const char*> unused;
-};
-
-const ClipCheckpoint::Layout ClipCheckpoint::kHuggingFace = {
-    .patches = "vision_model.embeddings.patch_embedding.weight",
-    .class_token = "vision_model.embeddings.class_embedding",
-    .image_positions = "vision_model.embeddings.position_embedding.weight",
-    .text_positions = "text_model.embeddings.position_embedding.weight",
-    .tokens = "text_model.embeddings.token_embedding.weight",
-    .first_norm = "vision_model.pre_layrnorm",  // Their spelling.
-    .last_norms = {"vision_model.post_layernorm",
-                   "text_model.final_layer_norm"},
-    .projections = {"visual_projection.weight", "text_projection.weight"},
-    .blocks = {"vision_model.encoder.layers.", "text_model.encoder.layers."},
-    .projections_have_rows = true,
-    .norms = {"layer_norm1", "layer_norm2"},
-    .linears = {"self_attn.q_proj",
-                "self_attn.k_proj",
-                "self_attn.v_proj",
-                "self_attn.out_proj",
-                "mlp.fc1",
-                "mlp.fc2"},
-    .joint_qkv = nullptr,
-    .unused = {"logit_scale",
-               "vision_model.embeddings.position_ids",
-               "text_model.embeddings.position_ids"}};
-
-const ClipCheckpoint::Layout ClipCheckpoint::kOpenClip = {
-    .patches = "visual.conv1.weight",
-    .class_token = "visual.class_embedding",
-    .image_positions = "visual.positional_embedding",
-    .text_positions = "positional_embedding",
-    .tokens = "token_embedding.weight",
-    .first_norm = "visual.ln_pre",
-    .last_norms = {"visual.ln_post", "ln_final"},
-    .projections = {"visual.proj", "text_projection"},
-    .blocks = {"visual.transformer.resblocks.", "transformer.resblocks."},
-    .projections_have_rows = false,
-    .norms = {"ln_1", "ln_2"},
-    .linears = {"", "", "", "attn.out_proj", "mlp.c_fc", "mlp.c_proj"},
-    .joint_qkv = "attn.in_proj_",
-    .unused = {"logit_scale",
-               "attn_mask",
-               "input_resolution",
-               "context_length",
-               "vocab_size"}};
-
 std::string ClipCheckpoint::BlockName(Tower tower, int layer) const {
-  return layout_->blocks[static_cast<int>(tower)] + std::to_string(layer) + ".";
+  return layout_->BlockName(static_cast<int>(tower), layer);
 }
 
 StatusOr<std::vector<int>> ClipCheckpoint::Sides(const std::string& name,
@@ -206,8 +143,14 @@ Status ClipCheckpoint::CheckSizes() const {
       {"image size", a.image_size, 8, kMaxImageSize},
       {"context length", a.text.positions, 3, kMaxContext},
       {"vocabulary", a.vocab_size, 515, 49408},
-      {"number of layers of the image network", a.visual.layers, 1, 999},
-      {"number of layers of the text network", a.text.layers, 1, 999}};
+      {"number of layers of the image network",
+       a.visual.layers,
+       1,
+       kMaxLayers - 1},
+      {"number of layers of the text network",
+       a.text.layers,
+       1,
+       kMaxLayers - 1}};
   for (const auto& [what, value, min, max] : limits) {
     if (value < min || value > max) {
       return file_.Error("the " + std::string(what) + " is " +
@@ -222,6 +165,15 @@ Status ClipCheckpoint::CheckSizes() const {
                          "divide the width of " +
                          std::to_string(tower->width));
     }
+    // Matrices of attention and MLP; anything else is small beside them.
+    if (int64_t{12} * tower->layers * tower->width * tower->width >
+        kMaxNetworkElements) {
+      return file_.Error(
+          "a network of " + std::to_string(tower->layers) +
+          " layers of width " + std::to_string(tower->width) +
+          " is larger than the 2 GB that an ONNX file can hold; take a smaller "
+          "model");
+    }
   }
   return Status();
 }
@@ -229,42 +181,17 @@ Status ClipCheckpoint::CheckSizes() const {
 // All tensors that the networks need are there, and no others: a network with
 // further parts would be another one without them.
 Status ClipCheckpoint::CheckNames() const {
-  const Layout& l = *layout_;
-  std::set<std::string> wanted = {l.patches,
-                                  l.class_token,
-                                  l.image_positions,
-                                  l.text_positions,
-                                  l.tokens,
-                                  l.projections[0],
-                                  l.projections[1]};
-  const auto want = [&wanted](const std::string& name) {
-    wanted.insert(name + ".weight");
-    wanted.insert(name + ".bias");
-  };
-  want(l.first_norm);
-  for (const Tower tower : {Tower::kVisual, Tower::kText}) {
-    want(l.last_norms[static_cast<int>(tower)]);
-    for (int i = 0; i < Shape(tower).layers; ++i) {
-      const std::string block = BlockName(tower, i);
-      for (const char* norm : l.norms) want(block + norm);
-      for (const char* linear : l.linears) {
-        if (*linear != '\0') want(block + linear);
-      }
-      if (l.joint_qkv != nullptr) {
-        wanted.insert(block + l.joint_qkv + "weight");
-        wanted.insert(block + l.joint_qkv + "bias");
-      }
-    }
-  }
+  const std::set<std::string> wanted = TensorNames(
+      *layout_, architecture_.visual.layers, architecture_.text.layers);
   for (const std::string& name : wanted) {
     if (file_.tensors().count(name) == 0) {
       return file_.Error("it has no tensor " + name);
     }
   }
+  const std::set<std::string> unused(layout_->unused.begin(),
+                                     layout_->unused.end());
   for (const auto& [name, entry] : file_.tensors()) {
-    const auto same = [&name](const char* other) { return name == other; };
-    if (wanted.count(name) == 0 &&
-        std::none_of(l.unused.begin(), l.unused.end(), same)) {
+    if (wanted.count(name) == 0 && unused.count(name) == 0) {
       return file_.Error("its tensor " + name +
                          " belongs to no CLIP that this program knows");
     }
@@ -277,14 +204,14 @@ StatusOr<ClipCheckpoint> ClipCheckpoint::Open(const fs::path& path) {
   FREEGS_ASSIGN_OR_RETURN(SafetensorsFile file, SafetensorsFile::Open(weights));
   ClipCheckpoint checkpoint(std::move(file));
   const auto& tensors = checkpoint.file_.tensors();
-  const bool open_clip = tensors.count(kOpenClip.patches) > 0;
-  if (!open_clip && tensors.count(kHuggingFace.patches) == 0) {
+  const bool open_clip = tensors.count(OpenClipLayout().patches) > 0;
+  if (!open_clip && tensors.count(HuggingFaceLayout().patches) == 0) {
     return checkpoint.file_.Error(
-        std::string("it has neither ") + kHuggingFace.patches +
-        " (Hugging Face) nor " + kOpenClip.patches +
+        std::string("it has neither ") + HuggingFaceLayout().patches +
+        " (Hugging Face) nor " + OpenClipLayout().patches +
         " (OpenCLIP): not a CLIP with a vision transformer");
   }
-  checkpoint.layout_ = open_clip ? &kOpenClip : &kHuggingFace;
+  checkpoint.layout_ = open_clip ? &OpenClipLayout() : &HuggingFaceLayout();
   FREEGS_RETURN_IF_ERROR(checkpoint.ReadSizes());
 
   ClipArchitecture& a = checkpoint.architecture_;

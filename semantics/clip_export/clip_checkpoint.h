@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/status.h"
+#include "semantics/clip_export/clip_layout.h"
 #include "semantics/clip_export/safetensors.h"
 
 namespace freegs::semantics {
@@ -90,10 +91,6 @@ class ClipCheckpoint {
   StatusOr<LinearLayer> Linear(Tower tower, int layer, BlockLinear part) const;
 
  private:
-  struct Layout;
-  static const Layout kHuggingFace;
-  static const Layout kOpenClip;
-
   explicit ClipCheckpoint(SafetensorsFile file) : file_(std::move(file)) {}
 
   const TransformerShape& Shape(Tower tower) const {
@@ -108,7 +105,7 @@ class ClipCheckpoint {
   StatusOr<LayerNorm> ReadNorm(const std::string& name, int width) const;
 
   SafetensorsFile file_;
-  const Layout* layout_ = nullptr;
+  const ClipLayout* layout_ = nullptr;
   ClipArchitecture architecture_;
 };
 

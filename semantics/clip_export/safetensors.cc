@@ -25,6 +25,8 @@ constexpr uint64_t kMaxHeaderBytes = uint64_t{1} << 24;
 // Keeps products of sides, and offsets, far from overflow.
 constexpr int64_t kMaxElements = int64_t{1} << 40;
 constexpr size_t kMaxSides = 8;
+// As many as fit into an ONNX file, whose size is below 2 GB.
+constexpr uint64_t kMaxReadElements = uint64_t{1} << 29;
 
 // Bytes of an element of the types that the format knows, 0 for others.
 uint64_t ElementBytes(const std::string& dtype) {
@@ -207,8 +209,11 @@ StatusOr<std::vector<float>> SafetensorsFile::Read(
     return Error("tensor " + name + " has the type " + entry.dtype +
                  "; known are F32, F16 and BF16");
   }
-  // No allocation is larger than the file, whose size Open() compared.
-  std::string bytes(entry.end - entry.begin, '\0');
+  const uint64_t size = entry.end - entry.begin;
+  if (size / ElementBytes(entry.dtype) > kMaxReadElements) {
+    return Error("tensor " + name + " is larger than a network can be");
+  }
+  std::string bytes(size, '\0');
   std::ifstream stream(path_, std::ios::binary);
   stream.seekg(static_cast<std::streamoff>(data_begin_ + entry.begin));
   if (!stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()))) {

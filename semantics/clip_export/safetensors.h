@@ -41,7 +41,7 @@ class SafetensorsFile {
 
   // Returns the numbers of a tensor of type F32, F16 or BF16, row-major.
   // kMissingDependency if there is no such tensor, if its type or its shape is
-  // another, or if a number is not finite.
+  // another, if it has more than 2^29 numbers, or if one is not finite.
   StatusOr<std::vector<float>> Read(const std::string& name,
                                     const std::vector<int64_t>& shape) const;
 

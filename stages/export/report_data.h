@@ -18,8 +18,8 @@ namespace freegs::stages {
 inline constexpr char kInstancesFigure[] = "Instances";
 
 // Fills in title, figures, warnings, training curves, stages and the number of
-// withheld words; views, instances and files stay empty. A file that is missing or malformed leaves
-// its figures empty: a report is written in any case.
+// withheld words; views, instances and files stay empty. A file that is missing
+// or malformed leaves its figures empty: a report is written in any case.
 ReportData GatherReportData(const std::filesystem::path& workspace);
 
 struct ViewFigures {

@@ -78,6 +78,21 @@ TEST_F(SafetensorsTest, NumbersMustBeFinite) {
   EXPECT_THAT(file->Read("a", {1}).status().message(), HasSubstr("finite"));
 }
 
+TEST_F(SafetensorsTest, HugeTensorsAreNotRead) {
+  const std::string header = SafetensorsBytes(
+      R"({"a":{"dtype":"F16","shape":[1073741824],
+          "data_offsets":[0,2147483648]}})",
+      "");
+  folder_.Write("a.safetensors", header);
+  // The rest is a hole, which takes no space.
+  std::filesystem::resize_file(folder_ / "a.safetensors",
+                               header.size() + 2147483648);
+  const auto file = SafetensorsFile::Open(folder_ / "a.safetensors");
+  ASSERT_TRUE(file.ok()) << file.status().message();
+  EXPECT_THAT(file->Read("a", {1073741824}).status().message(),
+              AllOf(HasSubstr("a.safetensors"), HasSubstr("larger than")));
+}
+
 TEST_F(SafetensorsTest, RefusesDamage) {
   const std::string good =
       SafetensorsBytes({{"a", {{2}, {1, 2}}}, {"b", {{1}, {3}}}});
