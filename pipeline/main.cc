@@ -21,6 +21,7 @@
 #include "stages/commands/export_command.h"
 #include "stages/commands/features_command.h"
 #include "stages/commands/init_command.h"
+#include "stages/commands/model_command.h"
 #include "stages/commands/query_command.h"
 #include "stages/commands/render_command.h"
 #include "stages/commands/run_command.h"
@@ -68,6 +69,10 @@ constexpr Command kCommands[] = {
      "export WORKSPACE --out FILE [--what color|instances] "
      "[--only ID,... | --without ID,...]",
      stages::RunExportCommand},
+    {"model",
+     "model FILE.safetensors|FOLDER --out DIR [--merges FILE] "
+     "[--dense-size N]",
+     stages::RunModelCommand},
 };
 
 void PrintHelp() {

@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """CLIP checkpoints as dictionaries of float32 tensors with the names of
-OpenAI's release: read from its TorchScript files, from Hugging Face's
-safetensors, or drawn at random. Only vision transformers, no ResNets."""
-import json
-import struct
+OpenAI's release: read from its TorchScript files, or drawn at random. Only
+vision transformers, no ResNets."""
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -45,9 +43,9 @@ def count_layers(state, prefix):
                 for name in state if name.startswith(prefix)})
 
 
-def architecture_of(state, config=None):
-    """Sizes from the tensors' shapes; what shapes do not tell from `config`
-    (Hugging Face's config.json), else as OpenAI's models have it."""
+def architecture_of(state):
+    """Sizes from the tensors' shapes; what shapes do not tell is as OpenAI's
+    models have it."""
     for name in ("visual.conv1.weight", "visual.proj", "text_projection",
                  "visual.transformer.resblocks.0.ln_1.weight"):
         if name not in state:
@@ -60,124 +58,36 @@ def architecture_of(state, config=None):
     if grid * grid + 1 != tokens:
         raise CheckpointError(f"{tokens} image positions are not a square grid")
     text_width = state["text_projection"].shape[0]
-    config = config or {}
-    vision = config.get("vision_config", {})
-    text = config.get("text_config", {})
     return Architecture(
         image_size=grid * patch,
         patch=patch,
         width=width,
         layers=count_layers(state, "visual.transformer.resblocks."),
-        heads=vision.get("num_attention_heads", max(1, width // 64)),
+        heads=max(1, width // 64),
         embedding_dim=state["visual.proj"].shape[1],
         text_width=text_width,
         text_layers=count_layers(state, "transformer.resblocks."),
-        text_heads=text.get("num_attention_heads", max(1, text_width // 64)),
+        text_heads=max(1, text_width // 64),
         context_length=state["positional_embedding"].shape[0],
-        vocab_size=state["token_embedding.weight"].shape[0],
-        activation=vision.get("hidden_act", "quick_gelu"))
-
-
-SAFETENSORS_TYPES = {"F64": torch.float64, "F32": torch.float32,
-                     "F16": torch.float16, "BF16": torch.bfloat16,
-                     "I64": torch.int64, "I32": torch.int32}
-
-
-def read_safetensors(path):
-    """8 bytes length, a JSON header, then the tensors' bytes."""
-    data = Path(path).read_bytes()
-    if len(data) < 8:
-        raise CheckpointError(f"{path}: not a safetensors file")
-    length, = struct.unpack("<Q", data[:8])
-    if length > len(data) - 8:
-        raise CheckpointError(f"{path}: truncated, or not a safetensors file")
-    try:
-        header = json.loads(data[8:8 + length])
-    except ValueError as error:
-        raise CheckpointError(f"{path}: not a safetensors file: {error}")
-    body = memoryview(bytearray(data[8 + length:]))
-    state = {}
-    for name, entry in header.items():
-        if name == "__metadata__":
-            continue
-        kind = SAFETENSORS_TYPES.get(entry["dtype"])
-        if kind is None:
-            continue
-        begin, end = entry["data_offsets"]
-        if not 0 <= begin <= end <= len(body):
-            raise CheckpointError(f"{path}: {name} lies outside the file; "
-                                  "download it again")
-        count = (end - begin) // torch.empty(0, dtype=kind).element_size()
-        state[name] = torch.frombuffer(
-            body, dtype=kind, count=count, offset=begin).reshape(
-                entry["shape"]) if count else torch.empty(entry["shape"])
-    return state
-
-
-def from_hugging_face(tensors):
-    """OpenAI's names for the tensors of transformers' CLIPModel."""
-    state = {
-        "visual.class_embedding":
-            tensors["vision_model.embeddings.class_embedding"].reshape(-1),
-        "visual.conv1.weight":
-            tensors["vision_model.embeddings.patch_embedding.weight"],
-        "visual.positional_embedding":
-            tensors["vision_model.embeddings.position_embedding.weight"],
-        "visual.proj": tensors["visual_projection.weight"].t(),
-        "text_projection": tensors["text_projection.weight"].t(),
-        "token_embedding.weight":
-            tensors["text_model.embeddings.token_embedding.weight"],
-        "positional_embedding":
-            tensors["text_model.embeddings.position_embedding.weight"],
-    }
-    # "pre_layrnorm" is their spelling.
-    norms = {"vision_model.pre_layrnorm": "visual.ln_pre",
-             "vision_model.post_layernorm": "visual.ln_post",
-             "text_model.final_layer_norm": "ln_final"}
-    parts = {"layer_norm1": "ln_1", "layer_norm2": "ln_2",
-             "mlp.fc1": "mlp.c_fc", "mlp.fc2": "mlp.c_proj",
-             "self_attn.out_proj": "attn.out_proj"}
-    for theirs, ours in (("vision_model", "visual.transformer"),
-                         ("text_model", "transformer")):
-        for i in range(count_layers(tensors, f"{theirs}.encoder.layers.")):
-            block = f"{theirs}.encoder.layers.{i}."
-            target = f"{ours}.resblocks.{i}."
-            for part, name in parts.items():
-                norms[block + part] = target + name
-            for kind in ("weight", "bias"):
-                state[target + f"attn.in_proj_{kind}"] = torch.cat(
-                    [tensors[block + f"self_attn.{q}_proj.{kind}"]
-                     for q in "qkv"])
-    for theirs, ours in norms.items():
-        for kind in ("weight", "bias"):
-            state[f"{ours}.{kind}"] = tensors[f"{theirs}.{kind}"]
-    return state
+        vocab_size=state["token_embedding.weight"].shape[0])
 
 
 def read_checkpoint(path):
-    """(state, Architecture) of a file, or of a folder of Hugging Face's."""
+    """(state, Architecture) of OpenAI's file, or of a pickled state."""
     path = Path(path)
-    config = None
-    if path.is_dir():
-        path = path / "model.safetensors"
+    if path.is_dir() or path.suffix == ".safetensors":
+        raise CheckpointError(
+            f"{path}: this script reads OpenAI's .pt files; for safetensors "
+            f"there is: freegs_pipeline model {path} --out FOLDER")
     if not path.is_file():
         raise CheckpointError(f"{path}: no such file")
     try:
-        if path.suffix == ".safetensors":
-            if (path.parent / "config.json").is_file():
-                config = json.loads((path.parent / "config.json").read_text())
-            state = from_hugging_face(read_safetensors(path))
-        else:
-            try:
-                state = torch.jit.load(str(path), map_location="cpu")
-                state = state.state_dict()
-            except RuntimeError:
-                state = torch.load(str(path), map_location="cpu")
-                state = state.get("state_dict", state)
-    except KeyError as error:
-        raise CheckpointError(f"{path}: it has no {error}: not a CLIP model")
+        state = torch.jit.load(str(path), map_location="cpu").state_dict()
+    except RuntimeError:
+        state = torch.load(str(path), map_location="cpu")
+        state = state.get("state_dict", state)
     state = {name: tensor.detach().float() for name, tensor in state.items()}
-    return state, architecture_of(state, config)
+    return state, architecture_of(state)
 
 
 def random_checkpoint(arch, seed):

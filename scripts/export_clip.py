@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Turns a CLIP checkpoint into a model folder for freegs_pipeline.
+"""Turns OpenAI's CLIP checkpoints into a model folder for freegs_pipeline.
 
   scripts/export_clip.py ViT-B-16.pt --merges bpe_simple_vocab_16e6.txt.gz \\
       --out FOLDER [--dense-size 448]
-  scripts/export_clip.py HUGGING_FACE_FOLDER --out FOLDER
   scripts/export_clip.py --random ViT-B/16 --seed 1 --merges ... --out FOLDER
 
-Reads OpenAI's TorchScript files and Hugging Face's model.safetensors (with
-config.json and merges.txt beside it). Needs Debian's python3-torch and nothing
-else. What the files of the folder are: semantics/clip/model_folder.h.
+Reads OpenAI's TorchScript files. Needs Debian's python3-torch and nothing else.
+`freegs_pipeline model` does the same with safetensors of Hugging Face and
+OpenCLIP, without Python; its graphs (semantics/clip_export/clip_networks.h) are
+these. What the files of the folder are: semantics/clip/model_folder.h.
 
 OpenCV 4.6 loads few of the graphs that PyTorch writes. The networks here are
 CLIP's, said in other words:
@@ -287,10 +287,11 @@ def count_merges(path):
 
 def export_folder(state, arch, merges, out, name, licence, origin,
                   dense_sizes=(), half_table=True, mean=None, std=None,
-                  vocabulary=None, canonical=None):
+                  vocabulary=None, canonical=None, min_word_confidence=None):
     """Writes the model folder `out`, made anew, from a checkpoint. The
     vocabulary is a list of groups of words to name things by, canonical one of
-    phrases that say nothing in particular."""
+    phrases that say nothing in particular; min_word_confidence says how
+    relevant the word of the last group must be (docs/clip.md)."""
     merges, out = Path(merges), Path(out)
     if not merges.is_file():
         raise CheckpointError(f"{merges}: no such file; it comes with OpenAI's "
@@ -341,6 +342,8 @@ def export_folder(state, arch, merges, out, name, licence, origin,
         info["vocabulary"] = vocabulary
     if canonical:
         info["canonical"] = canonical
+    if min_word_confidence is not None:
+        info["min_word_confidence"] = min_word_confidence
     (temporary / "model.json").write_text(json.dumps(info, indent=2) + "\n")
     if out.exists():
         shutil.rmtree(out)
@@ -350,10 +353,9 @@ def export_folder(state, arch, merges, out, name, licence, origin,
 def add_source_options(parser):
     """The options that say which checkpoint; see source_checkpoint."""
     parser.add_argument("checkpoint", nargs="?",
-                        help="OpenAI's .pt, a .safetensors or its folder")
+                        help="OpenAI's .pt")
     parser.add_argument("--merges", type=Path,
-                        help="byte-pair merges, plain or .gz; by default "
-                        "merges.txt beside a Hugging Face checkpoint")
+                        help="byte-pair merges, plain or .gz")
     parser.add_argument("--random", metavar="NAME",
                         help="instead of a checkpoint, random numbers in the "
                         "architecture of ViT-B/16, ViT-B/32 or ViT-L/14")
@@ -369,11 +371,6 @@ def source_checkpoint(arguments):
     if (arguments.checkpoint is None) == (arguments.random is None):
         raise CheckpointError("give either a checkpoint or --random NAME")
     merges = arguments.merges
-    if arguments.random is None:
-        path = Path(arguments.checkpoint)
-        beside = (path if path.is_dir() else path.parent) / "merges.txt"
-        if merges is None and beside.is_file():
-            merges = beside
     if merges is None:
         raise CheckpointError("give the byte-pair merges: --merges FILE")
     if arguments.random is None:
@@ -408,8 +405,7 @@ def main():
         if origin is None and random:
             origin = f"random numbers, seed {arguments.seed}"
         elif origin is None:
-            path = Path(arguments.checkpoint)
-            file = path / "model.safetensors" if path.is_dir() else path
+            file = Path(arguments.checkpoint)
             digest = hashlib.sha256(file.read_bytes()).hexdigest()
             origin = f"{file.name}, SHA-256 {digest}"
         name = arguments.name or arguments.random or (

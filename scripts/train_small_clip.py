@@ -422,6 +422,7 @@ def export(state, measured):
                   vocabulary=[COLOUR_NAMES, MATERIALS[1:],
                               [shape_name(i) for i in range(len(SHAPES))]],
                   canonical=vocabulary.CANONICAL,
+                  min_word_confidence=vocabulary.MIN_WORD_CONFIDENCE,
                   dense_sizes=state.arguments.dense_size)
     (out / "README.md").write_text(model_card(state, measured, out))
     sizes = {path.name: path.stat().st_size for path in out.iterdir()}

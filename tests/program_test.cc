@@ -60,6 +60,8 @@ TEST(ProgramTest, ExitCodes) {
   EXPECT_EQ(Call({"run", workspace + "_photos", workspace}).code, 3);
   EXPECT_EQ(Call({"status", workspace}).code, 3);
   EXPECT_EQ(Call({"doctor", "--sfm.colmap", workspace}).code, 5);
+  EXPECT_EQ(Call({"model"}).code, 2);
+  EXPECT_EQ(Call({"model", "ViT-B-16.pt", "--out", workspace}).code, 5);
   // Fewer than three usable photos.
   WriteText(folder / "photos" / "a.jpg", "not a photo");
   const Outcome outcome =

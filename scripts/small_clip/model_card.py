@@ -18,7 +18,7 @@ def model_card(state, measured, folder):
 A very small CLIP for machines without the official weights: two transformers
 that put pictures and words into one space of {arch.embedding_dim} dimensions.
 It knows drawn things and few words. For photographs of the world use
-`scripts/export_clip.py` with official weights.
+the official weights (`freegs_pipeline model`, docs/clip.md).
 
 - Architecture: CLIP's ViT/{arch.patch}, width {arch.width}, {arch.layers} layers, and small convolutions
   beside its linear map of patches (scripts/small_clip/stem.py); text width {arch.text_width}, {arch.text_layers} layers, {arch.context_length} positions; {count} parameters, {megabytes:.1f} MB in all files.

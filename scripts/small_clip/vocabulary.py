@@ -122,6 +122,9 @@ BACKDROPS = ["a texture", "texture", "stuff", "background", "some stuff",
 # Said of nothing in particular: "object" is right for every thing, and as like
 # it as what it is; "stuff" is right for none. These lie between.
 CANONICAL = ["some stuff, object", "object and stuff"]
+# Relevancy of the word of a thing from which on it names the thing; measured
+# with the model that comes with the program (docs/clip.md).
+MIN_WORD_CONFIDENCE = 0.72
 PREFIXES = ["", "", "a photo of ", "a picture of ", "a drawing of "]
 
 

@@ -18,8 +18,8 @@ constexpr uint64_t kMaxInfoBytes = 1 << 20;
 Status ModelError(const std::string& what) {
   return MissingDependencyError(
       what +
-      "; write it anew with scripts/export_clip.py, or name another "
-      "model folder");
+      "; write it anew with freegs_pipeline model, or name another model "
+      "folder");
 }
 
 Status CheckFile(const ModelFolder& folder,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The folder of files that make up a CLIP model. scripts/export_clip.py writes
-// such a folder from a checkpoint.
+// The folder of files that make up a CLIP model. semantics/clip_export writes
+// such a folder from the weights of a CLIP.
 
 #ifndef FREEGS_SEMANTICS_CLIP_MODEL_FOLDER_H_
 #define FREEGS_SEMANTICS_CLIP_MODEL_FOLDER_H_

@@ -173,6 +173,9 @@ StatusOr<ModelInfo> ParseModelInfo(std::string_view text) {
   }
   if (top.Has("vocabulary")) ReadVocabulary(top, &info);
   if (top.Has("canonical")) ReadCanonical(top, &info);
+  if (top.Has("min_word_confidence")) {
+    info.min_word_confidence = top.Number("min_word_confidence", 0, 1);
+  }
   ReadFiles(top, &status, &info);
   FREEGS_RETURN_IF_ERROR(status);
   return info;

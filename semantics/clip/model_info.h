@@ -41,6 +41,8 @@ struct ModelFile {
 //    "vocabulary": [["red", "green", ...], ["ball", "box", ...], ...],
 //        words to name things by, in groups of which one fits; optional
 //    "canonical": ["object", ...],   what says nothing in particular; optional
+//    "min_word_confidence": 0.8,     of words that name things; optional, see
+//                                    semantics/queries/instance_words.h
 //    "files": {"visual.onnx": {"bytes": 12, "hash": "32 hex digits"}, ...}}
 // Fields that are not listed here are for people and other programs.
 struct ModelInfo {
@@ -58,6 +60,7 @@ struct ModelInfo {
   int vocab_size = 0;
   std::vector<std::vector<std::string>> vocabulary;  // Groups of words.
   std::vector<std::string> canonical;      // See ClipEncoder; or none.
+  double min_word_confidence = 0;          // 0: every word may name a thing.
   std::map<std::string, ModelFile> files;  // By name, no folders in it.
 
   // Returns a hash of everything that changes results: the content of the

@@ -184,8 +184,8 @@ class Bootstrapping {
         return InterruptedError("lifting features was interrupted");
       }
       clock_.Done(view);
-      return JointBilateralUpsample(
-          grids_.grids[view], guides_[view], options_.upsampling, pool_);
+      return UpsampleView(
+          grids_, view, guides_[view], options_.upsampling, pool_);
     };
     FREEGS_ASSIGN_OR_RETURN(lifted_,
                             LiftFeatures(weights_, features_of, pool_));

@@ -46,6 +46,53 @@ class CellSample {
   std::vector<float> rows_;
 };
 
+ImageF ProjectCells(const PrincipalAxes& axes,
+                    const ImageF& cells,
+                    ThreadPool& pool) {
+  const std::vector<float> reduced =
+      ProjectOntoAxes(axes, std::span(cells.data(), cells.size()), pool);
+  ImageF small(cells.width(), cells.height(), axes.count);
+  std::copy(reduced.begin(), reduced.end(), small.data());
+  return small;
+}
+
+// The cells on both sides of a pixel's centre, and how near the second one is.
+struct BilinearTap {
+  int first = 0;
+  int second = 0;
+  float share = 0;
+};
+
+BilinearTap TapOf(int pixel, int pixels, int cells) {
+  const double place =
+      std::clamp((pixel + 0.5) * cells / pixels - 0.5, 0.0, cells - 1.0);
+  const auto first = static_cast<int>(place);
+  return {
+      first, std::min(first + 1, cells - 1), static_cast<float>(place - first)};
+}
+
+void SampleCells(const ImageF& grid,
+                 const BilinearTap& x,
+                 const BilinearTap& y,
+                 float* out) {
+  const auto cell = [&grid](int column, int row) {
+    const size_t index = static_cast<size_t>(row) * grid.width() + column;
+    return grid.data() + index * grid.channels();
+  };
+  const float* corners[] = {cell(x.first, y.first),
+                            cell(x.second, y.first),
+                            cell(x.first, y.second),
+                            cell(x.second, y.second)};
+  const float weights[] = {(1 - x.share) * (1 - y.share),
+                           x.share * (1 - y.share),
+                           (1 - x.share) * y.share,
+                           x.share * y.share};
+  for (int c = 0; c < grid.channels(); ++c) {
+    out[c] = 0;
+    for (int k = 0; k < 4; ++k) out[c] += weights[k] * corners[k][c];
+  }
+}
+
 }  // namespace
 
 Status FeatureGridOptions::Check() const {
@@ -75,6 +122,9 @@ StatusOr<FeatureGrids> ComputeFeatureGrids(
     return InvalidArgumentError("there are no views to compute features of");
   }
   FeatureGrids result;
+  result.upsampled = encoder.upsampled_size() > 0 &&
+                     (options.dense_size == 0 ||
+                      options.dense_size == encoder.dense_sizes().front());
   CellSample sample(num_views);
   for (size_t view = 0; view < num_views; ++view) {
     if (cancellation != nullptr && cancellation->cancelled()) {
@@ -85,10 +135,12 @@ StatusOr<FeatureGrids> ComputeFeatureGrids(
         ImageF features,
         EncodeDenseCached(
             encoder, cache, HashPixels(photo), photo, options.dense_size));
+    // The upsampler takes features as the network gives them.
+    if (result.upsampled) result.grids.push_back(features);
     MakeUnitRows(features.channels(),
                  std::span(features.data(), features.size()));
     sample.Add(features);
-    result.grids.push_back(std::move(features));
+    if (!result.upsampled) result.grids.push_back(std::move(features));
     done(view + 1);
   }
   const int channels = result.grids.front().channels();
@@ -99,12 +151,63 @@ StatusOr<FeatureGrids> ComputeFeatureGrids(
           ? std::min(options.dim, channels)
           : AxesForEnergy(
                 result.axes.energies, 1, options.kept_energy, options.max_dim));
-  for (ImageF& grid : result.grids) {
-    const std::vector<float> reduced =
-        ProjectOntoAxes(result.axes, std::span(grid.data(), grid.size()), pool);
-    ImageF small(grid.width(), grid.height(), result.axes.count);
-    std::copy(reduced.begin(), reduced.end(), small.data());
-    grid = std::move(small);
+  for (size_t view = 0; view < num_views; ++view) {
+    ImageF& grid = result.grids[view];
+    if (result.upsampled) {
+      if (cancellation != nullptr && cancellation->cancelled()) {
+        return InterruptedError("upsampling features was interrupted");
+      }
+      FREEGS_ASSIGN_OR_RETURN(const ImageU8 photo, photo_of(view));
+      FREEGS_ASSIGN_OR_RETURN(grid, encoder.Upsample(grid, photo));
+      MakeUnitRows(grid.channels(), std::span(grid.data(), grid.size()));
+    }
+    grid = ProjectCells(result.axes, grid, pool);
+  }
+  return result;
+}
+
+StatusOr<ImageF> UpsampleView(const FeatureGrids& grids,
+                              size_t view,
+                              const ImageF& guide,
+                              const JointBilateralOptions& options,
+                              ThreadPool& pool) {
+  const ImageF& grid = grids.grids[view];
+  if (!grids.upsampled) {
+    return JointBilateralUpsample(grid, guide, options, pool);
+  }
+  ImageF result(guide.width(), guide.height(), grid.channels());
+  pool.ParallelFor(0, guide.height(), 8, [&](int64_t first, int64_t last, int) {
+    float* out = result.data() +
+                 static_cast<size_t>(first) * guide.width() * grid.channels();
+    for (auto y = static_cast<int>(first); y < last; ++y) {
+      const BilinearTap rows = TapOf(y, guide.height(), grid.height());
+      for (int x = 0; x < guide.width(); ++x, out += grid.channels()) {
+        SampleCells(grid, TapOf(x, guide.width(), grid.width()), rows, out);
+      }
+    }
+  });
+  return result;
+}
+
+StatusOr<std::vector<float>> UpsampleViewAt(
+    const FeatureGrids& grids,
+    size_t view,
+    const ImageF& guide,
+    std::span<const PixelIndex> pixels,
+    const JointBilateralOptions& options,
+    ThreadPool& pool) {
+  const ImageF& grid = grids.grids[view];
+  if (!grids.upsampled) {
+    return JointBilateralUpsampleAt(grid, guide, pixels, options, pool);
+  }
+  std::vector<float> result(pixels.size() * grid.channels());
+  float* out = result.data();
+  for (const PixelIndex& pixel : pixels) {
+    SampleCells(grid,
+                TapOf(pixel.x, guide.width(), grid.width()),
+                TapOf(pixel.y, guide.height(), grid.height()),
+                out);
+    out += grid.channels();
   }
   return result;
 }

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What CLIP sees at each place of each photograph, in as few numbers as the
 // scene needs. This is F_pix of FreeGS ("Pixel-level Feature Distillation"),
-// before it is brought to the resolution of an image.
+// before and after it is brought to the resolution of an image.
 
 #ifndef FREEGS_SEMANTICS_FIELD_FEATURE_GRIDS_H_
 #define FREEGS_SEMANTICS_FIELD_FEATURE_GRIDS_H_
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/cancellation.h"
@@ -17,6 +18,7 @@
 #include "core/status.h"
 #include "semantics/clip/clip_encoder.h"
 #include "semantics/clip/feature_cache.h"
+#include "semantics/clip/joint_bilateral_upsampling.h"
 #include "semantics/geometry/principal_axes.h"
 
 namespace freegs::semantics {
@@ -41,8 +43,10 @@ struct FeatureGrids {
   PrincipalAxes axes;
 
   // For each view, grid x grid x D: the features of the cells in these axes.
-  // They had length 1 before axes were dropped.
+  // They had length 1 before axes were dropped. If `upsampled`, the cells are
+  // those that the model's own upsampler gave.
   std::vector<ImageF> grids;
+  bool upsampled = false;
 };
 
 // Returns the photograph of a view, RGB.
@@ -53,7 +57,11 @@ using ViewsDone = FunctionRef<void(size_t count)>;
 
 // Each photograph goes through the network once, or not at all if the cache has
 // its features. The axes are those of about 16384 cells that are spread evenly
-// over all views. Errors of photo_of, the encoder and the cache.
+// over all views. A model that brings an upsampler for this dense_size has each
+// grid upsampled by it; the axes are still those of the cells before that, and
+// photo_of is called a second time. Beside the grids, upsampled_size^2 x C
+// numbers of one view are held then. Errors of photo_of, the encoder and the
+// cache.
 // kInvalidArgument for no views and for options out of range. kInterrupted when
 // cancelled (`cancellation` may be null); then the cache keeps what was
 // encoded.
@@ -66,6 +74,25 @@ StatusOr<FeatureGrids> ComputeFeatureGrids(
     ThreadPool& pool,
     const CancellationToken* cancellation,
     ViewsDone done);
+
+// The features of a view at the size of the guide, W x H x D: by joint
+// bilateral upsampling, or bilinearly where the model's upsampler has found the
+// borders. guide: the photograph, RGB in [0, 1]. The result has the same bytes
+// for any number of threads. Errors as JointBilateralUpsample.
+StatusOr<ImageF> UpsampleView(const FeatureGrids& grids,
+                              size_t view,
+                              const ImageF& guide,
+                              const JointBilateralOptions& options,
+                              ThreadPool& pool);
+
+// The same at some pixels of the guide: pixels.size() x D, row-major.
+StatusOr<std::vector<float>> UpsampleViewAt(
+    const FeatureGrids& grids,
+    size_t view,
+    const ImageF& guide,
+    std::span<const PixelIndex> pixels,
+    const JointBilateralOptions& options,
+    ThreadPool& pool);
 
 }  // namespace freegs::semantics
 

@@ -248,11 +248,8 @@ StatusOr<std::vector<float>> FieldTraining::PixelTargets(
   }
   FREEGS_ASSIGN_OR_RETURN(
       const std::vector<float> coordinates,
-      JointBilateralUpsampleAt(scene_.grids.grids[batch.view],
-                               guide,
-                               pixels,
-                               scene_.upsampling,
-                               pool));
+      UpsampleViewAt(
+          scene_.grids, batch.view, guide, pixels, scene_.upsampling, pool));
   return ExpandFromAxes(scene_.grids.axes, coordinates, pool);
 }
 

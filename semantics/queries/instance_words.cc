@@ -32,6 +32,11 @@ Fit BestOf(const std::vector<Word>& group,
   return best;
 }
 
+bool IsNonzero(std::span<const float> vector) {
+  return std::any_of(
+      vector.begin(), vector.end(), [](float value) { return value != 0; });
+}
+
 // The words of all groups together, then alone, the most relevant first.
 std::vector<std::string> Say(std::vector<Fit> fits) {
   std::vector<std::string> words;
@@ -50,12 +55,14 @@ std::vector<std::string> Say(std::vector<Fit> fits) {
 
 }  // namespace
 
-StatusOr<std::vector<std::vector<std::string>>> NameInstances(
+StatusOr<InstanceNames> NameInstances(
     std::span<const float> vectors,
     const std::vector<std::vector<std::string>>& vocabulary,
+    double min_confidence,
     ClipEncoder& encoder) {
   const auto dim = static_cast<size_t>(encoder.embedding_dim());
-  std::vector<std::vector<std::string>> names(vectors.size() / dim);
+  InstanceNames names;
+  names.words.resize(vectors.size() / dim);
   if (vocabulary.empty()) return names;
   FREEGS_ASSIGN_OR_RETURN(const std::vector<float> canonical,
                           EncodeCanonicalPhrases(encoder));
@@ -68,13 +75,20 @@ StatusOr<std::vector<std::vector<std::string>>> NameInstances(
       group.push_back({text, std::move(embedding.values)});
     }
   }
-  for (size_t i = 0; i < names.size(); ++i) {
+  for (size_t i = 0; i < names.words.size(); ++i) {
+    const std::span<const float> vector = vectors.subspan(i * dim, dim);
     std::vector<Fit> fits;
+    double confidence = 0;  // Ends as that of the last group.
     for (const std::vector<Word>& group : groups) {
-      const Fit fit = BestOf(group, vectors.subspan(i * dim, dim), canonical);
+      const Fit fit = BestOf(group, vector, canonical);
       if (fit.word != nullptr) fits.push_back(fit);
+      confidence = fit.word != nullptr ? fit.relevancy : 0;
     }
-    names[i] = Say(std::move(fits));
+    if (confidence < min_confidence && IsNonzero(vector)) {
+      fits.clear();
+      ++names.num_withheld;
+    }
+    names.words[i] = Say(std::move(fits));
   }
   return names;
 }

@@ -31,6 +31,7 @@ Status WriteBootstrapMetrics(const BootstrapStageOptions& options,
                              size_t num_gaussians,
                              const semantics::SemanticField& field,
                              const std::vector<semantics::Instance>& instances,
+                             int num_words_withheld,
                              const pipeline::ResourceMeter& meter,
                              pipeline::StageContext& context) {
   const semantics::InstanceLabels& labels = field.instances;
@@ -66,6 +67,7 @@ Status WriteBootstrapMetrics(const BootstrapStageOptions& options,
     metrics["feature_dim"] = field.decoder.latent_dim();
     metrics["num_unseen"] = field.num_unseen;
     metrics["num_crops"] = field.vectors.num_crops;
+    metrics["num_words_withheld"] = num_words_withheld;
   }
   if (options.mode == "paper") {
     metrics["iterations"] = field.steps;

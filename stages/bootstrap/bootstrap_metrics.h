@@ -23,6 +23,7 @@ Status WriteBootstrapMetrics(const BootstrapStageOptions& options,
                              size_t num_gaussians,
                              const semantics::SemanticField& field,
                              const std::vector<semantics::Instance>& instances,
+                             int num_words_withheld,
                              const pipeline::ResourceMeter& meter,
                              pipeline::StageContext& context);
 

@@ -10,11 +10,12 @@ namespace {
 void RegisterSemanticOptions(BootstrapStageOptions& options,
                              pipeline::OptionTable& table) {
   semantics::BootstrappingOptions& method = options.method;
-  table.Add("bootstrap.model",
-            &options.model,
-            {.help = "Folder of a CLIP model (scripts/export_clip.py); empty "
-                     "for the small one that comes with the program.",
-             .is_path = true});
+  table.Add(
+      "bootstrap.model",
+      &options.model,
+      {.help = "Folder of a CLIP model as the command model makes it; empty "
+               "for the small one that comes with the program.",
+       .is_path = true});
   table.Add("bootstrap.dense_size",
             &method.features.dense_size,
             {.help = "Image size in pixels of the features of places; 0 is the "

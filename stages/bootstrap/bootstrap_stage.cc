@@ -35,7 +35,7 @@ namespace fs = std::filesystem;
 
 struct NamedField {
   semantics::SemanticField field;
-  std::vector<std::vector<std::string>> words;  // Per instance; may be empty.
+  semantics::InstanceNames names;
 };
 
 class BootstrapStage : public pipeline::Stage {
@@ -44,7 +44,7 @@ class BootstrapStage : public pipeline::Stage {
       : options_(options), seed_(seed) {}
 
   std::string_view name() const override { return "bootstrap"; }
-  int version() const override { return 4; }
+  int version() const override { return 5; }
 
   std::vector<fs::path> Inputs(const pipeline::StageContext&) const override {
     std::vector<fs::path> inputs = {"reconstruct/point_cloud.ply",
@@ -92,8 +92,8 @@ class BootstrapStage : public pipeline::Stage {
         semantics::EstimateVertical(views, labels.planes),
         {},
         *context.pool);
-    for (size_t i = 0; i < named.words.size(); ++i) {
-      instances[i].words = named.words[i];
+    for (size_t i = 0; i < named.names.words.size(); ++i) {
+      instances[i].words = named.names.words[i];
     }
     FREEGS_RETURN_IF_ERROR(semantics::WriteIdsf(
         context.output / "idsf.bin",
@@ -112,8 +112,13 @@ class BootstrapStage : public pipeline::Stage {
                           views,
                           labels.labels,
                           context));
-    return WriteBootstrapMetrics(
-        options_, scene.model.size(), field, instances, meter, context);
+    return WriteBootstrapMetrics(options_,
+                                 scene.model.size(),
+                                 field,
+                                 instances,
+                                 named.names.num_withheld,
+                                 meter,
+                                 context);
   }
 
  private:
@@ -177,10 +182,12 @@ class BootstrapStage : public pipeline::Stage {
          .model_hash = encoder->model_hash(),
          .features = field.vectors.vectors}));
     FREEGS_ASSIGN_OR_RETURN(
-        auto words,
-        semantics::NameInstances(
-            field.vectors.vectors, encoder->info().vocabulary, *encoder));
-    return NamedField{std::move(field), std::move(words)};
+        semantics::InstanceNames names,
+        semantics::NameInstances(field.vectors.vectors,
+                                 encoder->info().vocabulary,
+                                 encoder->info().min_word_confidence,
+                                 *encoder));
+    return NamedField{std::move(field), std::move(names)};
   }
 
   // The checkpoint of an interrupted run. A damaged one only costs time: the

@@ -55,7 +55,7 @@ StatusOr<FeaturesRequest> ParseFeaturesRequest(
   table.Add(
       "model",
       &request.model,
-      {.help = "Folder of a CLIP model (scripts/export_clip.py); the small "
+      {.help = "Folder of a CLIP model (freegs_pipeline model); the small "
                "one that comes with the program when not given."});
   table.Add("out",
             &request.out,

@@ -30,6 +30,7 @@
 #include "stages/query/query_request.h"
 #include "stages/query/query_scene.h"
 #include "stages/scene/clip_input.h"
+#include "stages/scene/shipped_model.h"
 #include "stages/scene/view_selection.h"
 
 namespace freegs::stages {
@@ -74,6 +75,16 @@ void FillFrom(const std::vector<Hit>& all,
   SplitHits(scored, request.max_hits, answer);
 }
 
+// False for an instance that the model had no word for, or none that it was
+// sure of.
+bool HasWords(const QueryScene& scene, int id) {
+  return std::any_of(scene.instances.begin(),
+                     scene.instances.end(),
+                     [id](const semantics::Instance& instance) {
+                       return instance.id == id && !instance.words.empty();
+                     });
+}
+
 Status AnswerText(const QueryRequest& request,
                   const QueryScene& scene,
                   CommandContext& context,
@@ -109,6 +120,12 @@ Status AnswerText(const QueryRequest& request,
       [](const semantics::TextHit& hit) { return hit.relevancy; },
       answer);
   answer->query_ms = lap.Milliseconds();
+  if (!answer->hits.empty() && encoder->info().min_word_confidence > 0 &&
+      !HasWords(scene, answer->hits[0].id)) {
+    context.err << "query: the model does not know what instance "
+                << answer->hits[0].id << " is, so this answer is a guess. "
+                << kOfficialModelAdvice << "\n";
+  }
   return Status();
 }
 

@@ -138,6 +138,10 @@ ReportData GatherReportData(const fs::path& workspace) {
     data.stages.push_back(row);
   }
   data.figures.push_back({kInstancesFigure, "", ""});
+  const json bootstrap = ReadObject(workspace / "bootstrap" / "metrics.json");
+  const StatusOr<int> withheld =
+      ReadInteger(FindField(bootstrap, "num_words_withheld"), 0, 1 << 30, "");
+  data.num_words_withheld = withheld.ok() ? *withheld : 0;
   data.figures.push_back(
       {"Time", seconds > 0 ? FormatSeconds(seconds) : "", "without export"});
 

@@ -17,9 +17,9 @@ namespace freegs::stages {
 // the number of instances.
 inline constexpr char kInstancesFigure[] = "Instances";
 
-// Fills in title, figures, warnings, training curves and stages; views,
-// instances and files stay empty. A file that is missing or malformed leaves
-// its figures empty: a report is written in any case.
+// Fills in title, figures, warnings, training curves, stages and the number of
+// withheld words; views, instances and files stay empty. A file that is missing
+// or malformed leaves its figures empty: a report is written in any case.
 ReportData GatherReportData(const std::filesystem::path& workspace);
 
 struct ViewFigures {

@@ -7,6 +7,7 @@
 #include "core/number_text.h"
 #include "stages/export/html.h"
 #include "stages/export/report_style.h"
+#include "stages/scene/shipped_model.h"
 
 namespace freegs::stages {
 namespace {
@@ -132,6 +133,13 @@ void AppendInstances(const ReportData& data, std::string* html) {
     *html += "</td></tr>\n";
   }
   *html += "</table></div>\n";
+  if (data.num_words_withheld > 0) {
+    *html += "<p class=\"quiet\">" + FormatCount(data.num_words_withheld) +
+             (data.num_words_withheld == 1 ? " instance has no words: "
+                                           : " instances have no words: ") +
+             "the CLIP model does not know what that is. " +
+             EscapeHtml(std::string(kOfficialModelAdvice)) + "</p>\n";
+  }
 }
 
 void AppendStages(const std::vector<ReportStage>& stages, std::string* html) {

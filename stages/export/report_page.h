@@ -76,6 +76,7 @@ struct ReportData {
 
   bool has_instances = false;  // Whether stage bootstrap has left a result.
   std::vector<ReportInstance> instances;
+  int num_words_withheld = 0;  // Instances that the model does not know.
 
   std::vector<ReportStage> stages;
   std::vector<ReportFile> files;

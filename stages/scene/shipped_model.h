@@ -5,10 +5,17 @@
 #define FREEGS_STAGES_SCENE_SHIPPED_MODEL_H_
 
 #include <filesystem>
+#include <string_view>
 
 #include "core/status.h"
 
 namespace freegs::stages {
+
+// What to do when the small model does not know what it sees.
+inline constexpr std::string_view kOfficialModelAdvice =
+    "The official CLIP knows more: download it as docs/clip.md says, run "
+    "freegs_pipeline model clip-vit-base-patch16 --out clip_vitb16, then use "
+    "--bootstrap.model clip_vitb16 and query --text.";
 
 // Returns the folder models/small_clip of the installed program, which is
 // ../share/freegs_pipeline/models/small_clip as seen from the folder of the

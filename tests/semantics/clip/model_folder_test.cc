@@ -22,7 +22,9 @@ void ExpectFault(const Status& status,
                  const std::string& fault) {
   EXPECT_EQ(status.code(), StatusCode::kMissingDependency);
   EXPECT_THAT(status.message(),
-              AllOf(HasSubstr(file), HasSubstr(fault), HasSubstr("export")));
+              AllOf(HasSubstr(file),
+                    HasSubstr(fault),
+                    HasSubstr("freegs_pipeline model")));
 }
 
 TEST(ModelFolderTest, Opens) {
@@ -170,6 +172,22 @@ TEST(ModelFolderTest, CanonicalPhrasesMayBeThere) {
     model.SetInfo(info);
     ExpectFault(
         ModelFolder::Open(model.path()).status(), "model.json", "canonical");
+  }
+}
+
+TEST(ModelFolderTest, ConfidenceOfWordsMayBeThere) {
+  const ModelCopy model;
+  EXPECT_EQ(ModelFolder::Open(model.path())->info.min_word_confidence, 0);
+  json info = model.Info();
+  info["min_word_confidence"] = 0.75;
+  model.SetInfo(info);
+  EXPECT_EQ(ModelFolder::Open(model.path())->info.min_word_confidence, 0.75);
+  for (const json& wrong : {json(-0.1), json(1.5), json("high"), json()}) {
+    info["min_word_confidence"] = wrong;
+    model.SetInfo(info);
+    ExpectFault(ModelFolder::Open(model.path()).status(),
+                "model.json",
+                "min_word_confidence");
   }
 }
 

@@ -119,6 +119,63 @@ TEST_F(BootstrappingTest, InstancesMeanWhatThePhotographsShow) {
   }
 }
 
+// Sees the colours of an image at four times the resolution of its grid.
+class UpsamplingEncoder : public ColorEncoder {
+ public:
+  static constexpr int kSize = 4 * kGrid;
+
+  int upsampled_size() const override { return kSize; }
+  StatusOr<ImageF> Upsample(const ImageF& features,
+                            const ImageU8& image) override {
+    EXPECT_EQ(features.width(), kGrid);
+    ++num_upsampled;
+    const ImageU8 small = Resize(image, kSize, kSize);
+    ImageF result(kSize, kSize, 8);
+    for (size_t i = 0; i < small.num_pixels(); ++i) {
+      const uint8_t* rgb = small.data() + 3 * i;
+      const std::vector<float> vector =
+          Embed({rgb[0] / 255.0, rgb[1] / 255.0, rgb[2] / 255.0});
+      std::copy(vector.begin(), vector.end(), result.data() + 8 * i);
+    }
+    return result;
+  }
+
+  int num_upsampled = 0;
+};
+
+TEST_F(BootstrappingTest, TheModelMayBringItsUpsampler) {
+  options_.instance_share = 0;
+  const auto without = Lift();
+  ASSERT_TRUE(without.ok());
+  UpsamplingEncoder encoder;
+  const FeatureCache cache(folder_ / "cache");
+  const auto lift = [&](int threads) {
+    ThreadPool pool(threads);
+    return BootstrapSemanticField(
+        {scene_.model, views_, views_, splat::RenderOptions()},
+        [&](size_t view) -> StatusOr<ImageU8> { return photos_[view]; },
+        options_,
+        0,
+        {encoder, cache, pool, nullptr, nullptr, resume_from_, save_});
+  };
+  const auto with = lift(2);
+  ASSERT_TRUE(with.ok()) << with.status().message();
+  EXPECT_EQ(encoder.num_upsampled, 8);
+  EXPECT_NE(with->features, without->features);
+  EXPECT_EQ(lift(1)->features, with->features);
+  // A small thing keeps its colour where cells mix it with what is around.
+  const std::vector<float> red = ColorEncoder::Embed({0.7, 0.1, 0.1});
+  EXPECT_GT(Cosine(with->vectors, LabelOf(*with, 1), red),
+            Cosine(without->vectors, LabelOf(*without, 1), red));
+
+  // Training looks at the same features.
+  options_.method = FieldMethod::kTrain;
+  options_.training = ShortTraining();
+  const auto trained = lift(2);
+  ASSERT_TRUE(trained.ok()) << trained.status().message();
+  EXPECT_LT(trained->losses.back().losses.pixel, 0.5);
+}
+
 TEST_F(BootstrappingTest, EveryVectorOfAnInstanceHasLengthOneOrZero) {
   for (const double share : {0.0, 0.3, 1.0}) {
     options_.instance_share = share;

@@ -24,28 +24,63 @@ TEST(InstanceWordsTest, TheBestWordOfEachGroupThatFits) {
   ColorEncoder encoder;
   const auto names = NameInstances(Vectors({{0.7, 0.1, 0.1}, {0.1, 0.3, 0.9}}),
                                    {{"red", "blue"}, {"thing"}, {"blue"}},
+                                   0,
                                    encoder);
   ASSERT_TRUE(names.ok());
-  ASSERT_EQ(names->size(), 2u);
+  ASSERT_EQ(names->words.size(), 2u);
   // "thing" is as grey as all phrases.
-  EXPECT_EQ((*names)[0], (Words{"red blue", "red", "blue"}));
-  EXPECT_EQ((*names)[1], (Words{"blue blue", "blue", "blue"}));
+  EXPECT_EQ(names->words[0], (Words{"red blue", "red", "blue"}));
+  EXPECT_EQ(names->words[1], (Words{"blue blue", "blue", "blue"}));
+  EXPECT_EQ(names->num_withheld, 0);
+}
+
+TEST(InstanceWordsTest, WordsThatAreNotCertainAreWithheld) {
+  ColorEncoder encoder;
+  const std::vector<float> vectors =
+      Vectors({{0.8, 0.1, 0.1}, {0.7, 0.4, 0.4}});
+  const auto count = [&](double min_confidence) {
+    const auto names =
+        NameInstances(vectors, {{"red", "blue"}}, min_confidence, encoder);
+    EXPECT_TRUE(names.ok());
+    EXPECT_EQ(names->words.size(), 2u);
+    return names->num_withheld;
+  };
+  const auto all = NameInstances(vectors, {{"red", "blue"}}, 0, encoder);
+  ASSERT_TRUE(all.ok());
+  EXPECT_EQ(all->words, (std::vector<Words>{{"red"}, {"red"}}));
+  EXPECT_EQ(count(0.501), 0);
+  const auto some = NameInstances(vectors, {{"red", "blue"}}, 0.97, encoder);
+  ASSERT_TRUE(some.ok());
+  EXPECT_EQ(some->words, (std::vector<Words>{{"red"}, {}}));
+  EXPECT_EQ(some->num_withheld, 1);
+  EXPECT_EQ(count(1), 2);
+}
+
+TEST(InstanceWordsTest, TheLastGroupIsThatOfThings) {
+  ColorEncoder encoder;
+  const std::vector<float> vectors = Vectors({{0.8, 0.1, 0.1}});
+  const auto names = NameInstances(vectors, {{"red"}, {"thing"}}, 0.6, encoder);
+  ASSERT_TRUE(names.ok());
+  EXPECT_TRUE(names->words[0].empty()) << "Red, but what is it?";
+  EXPECT_EQ(names->num_withheld, 1);
 }
 
 TEST(InstanceWordsTest, NothingIsKnownOfAZeroVector) {
   ColorEncoder encoder;
   const auto names =
-      NameInstances(std::vector<float>(8, 0.0f), {{"red"}}, encoder);
+      NameInstances(std::vector<float>(8, 0.0f), {{"red"}}, 0.5, encoder);
   ASSERT_TRUE(names.ok());
-  ASSERT_EQ(names->size(), 1u);
-  EXPECT_TRUE((*names)[0].empty());
+  ASSERT_EQ(names->words.size(), 1u);
+  EXPECT_TRUE(names->words[0].empty());
+  EXPECT_EQ(names->num_withheld, 0);
 }
 
 TEST(InstanceWordsTest, WithoutVocabularyThereAreNoWords) {
   ColorEncoder encoder;
-  const auto names = NameInstances(Vectors({{1, 0, 0}}), {}, encoder);
+  const auto names = NameInstances(Vectors({{1, 0, 0}}), {}, 0.5, encoder);
   ASSERT_TRUE(names.ok());
-  EXPECT_TRUE((*names)[0].empty());
+  EXPECT_TRUE(names->words[0].empty());
+  EXPECT_EQ(names->num_withheld, 0);
 }
 
 }  // namespace

@@ -191,6 +191,7 @@ TEST_F(BootstrapStageTest, LiftsSemantics) {
   ASSERT_TRUE(text.ok());
   const auto metrics = nlohmann::json::parse(*text);
   EXPECT_EQ(metrics["feature_dim"], idsf->feature_dim);
+  EXPECT_TRUE(metrics["num_words_withheld"].is_number_integer());
   EXPECT_EQ(metrics["step_seconds"].size(), 4u);
 
   // The same again from what an interrupted run has left.

@@ -145,7 +145,7 @@ TEST_F(FeaturesCommandTest, MissingAndWrongModelsAre5) {
     WriteText(model.path() / name, "other content");
     EXPECT_EQ(Features(arguments), 5);
     EXPECT_THAT(message_, HasSubstr(name));
-    EXPECT_THAT(message_, HasSubstr("export_clip.py"));
+    EXPECT_THAT(message_, HasSubstr("freegs_pipeline model"));
   }
   EXPECT_FALSE(std::filesystem::exists(out()));
 }

@@ -12,6 +12,7 @@
 #include "core/io/image_io.h"
 #include "pipeline/exit_code.h"
 #include "semantics/clip/opencv_clip.h"
+#include "semantics/instances/instances_json.h"
 #include "semantics/queries/instance_features.h"
 #include "tests/semantics/clip/model_files.h"
 #include "tests/stages/synthetic_workspace.h"
@@ -125,6 +126,32 @@ TEST_F(QueryCommandTest, TextFindsTheInstanceThatMeansIt) {
   EXPECT_THAT(
       output_.str(),
       AllOf(HasSubstr("found: text \"wooden box\""), HasSubstr("next: 1")));
+}
+
+TEST_F(QueryCommandTest, SaysWhenTheModelDoesNotKnowTheAnswer) {
+  AddFeatures("red apple", "wooden box");
+  const ModelCopy model;
+  const std::vector<std::string> question = {
+      "--text", "red apple", "--model", model.path().string()};
+  // A model without a threshold has no opinion on what it knows.
+  ASSERT_EQ(Query(question), 0) << message_;
+  EXPECT_EQ(messages_.str(), "");
+  nlohmann::json info = model.Info();
+  info["min_word_confidence"] = 0.75;
+  model.SetInfo(info);
+  ASSERT_EQ(Query(question), 0) << message_;
+  EXPECT_THAT(output_.str(), HasSubstr("found: text \"red apple\""));
+  EXPECT_THAT(messages_.str(),
+              AllOf(HasSubstr("instance 1"),
+                    HasSubstr("freegs_pipeline model"),
+                    HasSubstr("docs/clip.md")));
+  // An instance that has words is one that the model knows.
+  workspace_.instances[0].words = {"red apple"};
+  ASSERT_TRUE(semantics::WriteInstances(workspace_ / "bootstrap/instances.json",
+                                        workspace_.instances)
+                  .ok());
+  ASSERT_EQ(Query(question), 0) << message_;
+  EXPECT_EQ(messages_.str(), "");
 }
 
 TEST_F(QueryCommandTest, WhatIsNotThereIsAnAnswer) {

@@ -153,6 +153,19 @@ TEST_F(ExportStageTest, ReportLinksOnlyToFilesThatAreThere) {
   EXPECT_THAT(page, Not(HasSubstr("<script")));
 }
 
+TEST_F(ExportStageTest, ReportSaysWhenWordsAreWithheld) {
+  workspace_.AddInstances();
+  ASSERT_TRUE(Run().ok());
+  EXPECT_THAT(ReadText(Out("report/index.html")),
+              Not(HasSubstr("freegs_pipeline model")));
+  WriteText(workspace_ / "bootstrap" / "metrics.json",
+            R"({"num_words_withheld": 2})");
+  ASSERT_TRUE(Run().ok());
+  const std::string page = ReadText(Out("report/index.html"));
+  EXPECT_THAT(page, HasSubstr("2 instances have no words"));
+  EXPECT_THAT(page, HasSubstr("freegs_pipeline model"));
+}
+
 TEST_F(ExportStageTest, WithoutInstancesTheRestIsThere) {
   const Status status = Run();
   ASSERT_TRUE(status.ok()) << status.message();
