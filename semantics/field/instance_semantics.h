@@ -24,7 +24,7 @@ namespace freegs::semantics {
 struct InstanceSemanticsOptions {
   // How many photographs of each instance are encoded: those that show most of
   // it. FreeGS encodes all, after every clustering.
-  int views_per_instance = 6;
+  int views_per_instance = 3;
 
   // Whether a conditional random field refines the borders of the masks, as in
   // FreeGS.
@@ -37,9 +37,9 @@ struct InstanceVectors {
   int dim = 0;
   // Instances x dim. A row has length 1, or is zero if no view shows enough of
   // the instance.
-  std::vector<float> vectors;  // Instances x dim; of length 1, or zero where no
+  std::vector<float> vectors;
   // How many pieces of photographs were cut out and encoded.
-  size_t num_crops = 0;  // Cut out and encoded.
+  size_t num_crops = 0;
 };
 
 // Returns, for each instance, the mean direction of what the encoder makes of

@@ -32,7 +32,7 @@ struct Hierarchy {
 
   // Crumbs, regions of so few pixels, belong to what they were joined to or, if
   // that is nothing, to nobody.
-  double CrumbSize() const { return 2e-4 * total_pixels; }
+  double CrumbSize() const { return 1e-3 * total_pixels; }
   bool IsCrumb(double pixels) const { return !(pixels > CrumbSize()); }
 };
 
