@@ -36,6 +36,7 @@ struct Arguments {
   std::string weights;
   std::string out;
   std::string draw;
+  bool semantics = false;
   bool explain = false;
   bool in_turn = false;
   int threads = 0;
@@ -200,12 +201,14 @@ void LeaveOutInTurn(const std::vector<LearningScene>& taught,
 }
 
 StatusOr<std::vector<LearningScene>> LoadScenes(
-    const std::vector<std::string>& folders, ThreadPool& pool) {
+    const std::vector<std::string>& folders,
+    bool with_semantics,
+    ThreadPool& pool) {
   std::vector<LearningScene> scenes;
   for (size_t i = 0; i + 1 < folders.size(); i += 2) {
     FREEGS_ASSIGN_OR_RETURN(
         LearningScene scene,
-        LoadLearningScene(folders[i], folders[i + 1], pool));
+        LoadLearningScene(folders[i], folders[i + 1], with_semantics, pool));
     std::cerr << scene.name << ": " << scene.graph.regions.size()
               << " patches, " << scene.graph.contacts.size() << " contacts\n";
     scenes.push_back(std::move(scene));
@@ -215,8 +218,9 @@ StatusOr<std::vector<LearningScene>> LoadScenes(
 
 Status FitEvidence(const Arguments& arguments) {
   ThreadPool pool(arguments.threads);
-  FREEGS_ASSIGN_OR_RETURN(const std::vector<LearningScene> tested,
-                          LoadScenes(arguments.test, pool));
+  FREEGS_ASSIGN_OR_RETURN(
+      const std::vector<LearningScene> tested,
+      LoadScenes(arguments.test, arguments.semantics, pool));
   if (!arguments.weights.empty()) {
     FREEGS_ASSIGN_OR_RETURN(const std::string text,
                             ReadFile(arguments.weights, 1 << 20));
@@ -225,8 +229,9 @@ Status FitEvidence(const Arguments& arguments) {
     Report(tested, model, arguments, pool);
     return Status();
   }
-  FREEGS_ASSIGN_OR_RETURN(const std::vector<LearningScene> taught,
-                          LoadScenes(arguments.train, pool));
+  FREEGS_ASSIGN_OR_RETURN(
+      const std::vector<LearningScene> taught,
+      LoadScenes(arguments.train, arguments.semantics, pool));
   const LearntEvidence learnt = LearnEvidence(
       taught, {arguments.without.begin(), arguments.without.end()}, pool);
   if (!arguments.out.empty()) {
@@ -257,6 +262,8 @@ int Run(int argc, char** argv) {
       ("out", po::value(&arguments.out), "JSON file to write")
       ("without", po::value(&arguments.without)->multitoken(),
        "evidence to leave out")
+      ("semantics", po::bool_switch(&arguments.semantics),
+       "semantics are evidence: bootstrap/idsf.bin of the workspaces")
       ("in-turn", po::bool_switch(&arguments.in_turn),
        "also learn with each evidence left out in turn")
       ("draw", po::value(&arguments.draw), "folder for pictures of the regions")

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/io/image_io.h"
+#include "semantics/field/idsf.h"
 #include "semantics/geometry/scene_extent.h"
 #include "semantics/patches/patch_graph.h"
 #include "semantics/patches/scene_patches.h"
@@ -88,6 +89,7 @@ void CountVotes(const Image<int32_t>& patches,
 
 StatusOr<LearningScene> LoadLearningScene(const fs::path& workspace,
                                           const fs::path& truth,
+                                          bool with_semantics,
                                           ThreadPool& pool) {
   FREEGS_ASSIGN_OR_RETURN(const stages::WorkspaceScene scene,
                           stages::ReadWorkspaceScene(workspace));
@@ -108,6 +110,17 @@ StatusOr<LearningScene> LoadLearningScene(const fs::path& workspace,
                                .radius},
           pool,
           nullptr));
+  if (with_semantics) {
+    FREEGS_ASSIGN_OR_RETURN(
+        const semantics::Idsf field,
+        semantics::ReadIdsf(workspace / "bootstrap/idsf.bin"));
+    if (field.features.empty() ||
+        field.instances.size() != scene.model.size()) {
+      return BadInputError(workspace.string() +
+                           ": bootstrap has no semantics for these Gaussians");
+    }
+    semantics::SetSemantics(field.features, field.feature_dim, &patches);
+  }
   LearningScene result;
   result.name = workspace.filename();
   result.graph = std::move(patches.graph);

@@ -38,9 +38,12 @@ struct LearningScene {
 };
 
 // truth: a folder of freegs_make_scene, or one with test_mask/VIEW/LABEL.png.
+// with_semantics: patches get the vectors of the workspace's
+// bootstrap/idsf.bin.
 StatusOr<LearningScene> LoadLearningScene(
     const std::filesystem::path& workspace,
     const std::filesystem::path& truth,
+    bool with_semantics,
     ThreadPool& pool);
 
 }  // namespace freegs::evidence

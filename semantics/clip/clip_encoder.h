@@ -27,10 +27,10 @@ struct TextEmbedding {
   bool truncated = false;     // True if the text was too long and was cut.
 };
 
-// Not thread-safe, because networks keep buffers from call to call. Images are
-// RGB with 8 bits and not empty, else the error is kInvalidArgument. A model
-// that cannot be loaded, or whose output has the wrong shape, gives
-// kMissingDependency with the name of the file.
+// Several threads may encode images at once, with the same results; texts only
+// one at a time. Images are RGB with 8 bits and not empty, else the error is
+// kInvalidArgument. A model that cannot be loaded, or whose output has the
+// wrong shape, gives kMissingDependency with the name of the file.
 class ClipEncoder {
  public:
   virtual ~ClipEncoder() = default;

@@ -4,9 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <condition_variable>
+#include <cstdint>
 #include <exception>
+#include <filesystem>
 #include <map>
+#include <mutex>
+#include <optional>
 #include <span>
+#include <system_error>
 #include <utility>
 
 #include <opencv2/core/utils/logger.hpp>
@@ -17,20 +23,9 @@
 namespace freegs::semantics {
 namespace {
 
-// Keeps OpenCV from writing errors of a network to stderr, which a library must
-// not do. The level belongs to the process, so it is restored.
-class QuietOpenCv {
- public:
-  QuietOpenCv()
-      : level_(cv::utils::logging::setLogLevel(
-            cv::utils::logging::LOG_LEVEL_SILENT)) {}
-  ~QuietOpenCv() { cv::utils::logging::setLogLevel(level_); }
-  QuietOpenCv(const QuietOpenCv&) = delete;
-  QuietOpenCv& operator=(const QuietOpenCv&) = delete;
-
- private:
-  const cv::utils::logging::LogLevel level_;
-};
+// Copies of a network, for threads that use it at once, may need about this
+// many bytes together.
+constexpr uintmax_t kMaxCopiedBytes = 256 << 20;
 
 // The first line of the message of an OpenCV exception.
 std::string Reason(const std::exception& error) {
@@ -128,24 +123,101 @@ ImageU8 CenterSquare(const ImageU8& image, int size) {
       image, width, height, {offset(width), offset(height), size, size});
 }
 
-struct OpenCvClip::Networks {
-  std::map<std::string, cv::dnn::Net> loaded;
-
-  // Runs a network of the folder. Loads it first if it is not loaded yet.
+// The networks of a folder. Each use has a network of its own, since networks
+// keep buffers; OpenCV runs small ones on one thread.
+class OpenCvClip::Networks {
+ public:
+  // Runs a network of the folder. Loads it first if it is not loaded yet. Waits
+  // if all copies that there may be are in use.
   StatusOr<cv::Mat> Forward(const ModelFolder& folder,
                             const std::string& name,
                             const std::vector<NetworkInput>& inputs,
                             const std::vector<int>& output_shape) {
-    const QuietOpenCv quiet;
-    auto network = loaded.find(name);
-    if (network == loaded.end()) {
+    std::optional<cv::dnn::Net> network = Take(folder, name);
+    StatusOr<cv::Mat> output =
+        Run(folder, name, inputs, output_shape, &network);
+    GiveBack(name, std::move(network));
+    return output;
+  }
+
+ private:
+  // Keeps OpenCV from writing errors of networks to stderr, which a library
+  // must not do, while at least one network is in use. The level belongs to the
+  // process, so it is restored. The caller keeps threads apart.
+  class QuietOpenCv {
+   public:
+    void Begin() {
+      if (users_++ > 0) return;
+      level_ =
+          cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+    }
+    void End() {
+      if (--users_ == 0) cv::utils::logging::setLogLevel(level_);
+    }
+
+   private:
+    int users_ = 0;
+    cv::utils::logging::LogLevel level_ = cv::utils::logging::LOG_LEVEL_INFO;
+  };
+
+  struct Copies {
+    std::vector<cv::dnn::Net> free;
+    size_t count = 0;  // Also those in use.
+    size_t max_count = 1;
+  };
+
+  // Nothing if the network has yet to be loaded.
+  std::optional<cv::dnn::Net> Take(const ModelFolder& folder,
+                                   const std::string& name) {
+    std::unique_lock lock(mutex_);
+    Copies& copies = copies_[name];
+    if (copies.count == 0) {
+      std::error_code error;
+      const uintmax_t bytes =
+          std::filesystem::file_size(folder.path / name, error);
+      if (!error && bytes > 0) {
+        copies.max_count = std::max<size_t>(1, kMaxCopiedBytes / bytes);
+      }
+    }
+    given_back_.wait(lock, [&copies] {
+      return !copies.free.empty() || copies.count < copies.max_count;
+    });
+    quiet_.Begin();
+    if (copies.free.empty()) {
+      ++copies.count;
+      return std::nullopt;
+    }
+    cv::dnn::Net network = std::move(copies.free.back());
+    copies.free.pop_back();
+    return network;
+  }
+
+  void GiveBack(const std::string& name, std::optional<cv::dnn::Net> network) {
+    const std::lock_guard lock(mutex_);
+    quiet_.End();
+    Copies& copies = copies_[name];
+    if (network) {
+      copies.free.push_back(*std::move(network));
+    } else {
+      --copies.count;
+    }
+    given_back_.notify_all();
+  }
+
+  // Empties `network` if it cannot be loaded.
+  static StatusOr<cv::Mat> Run(const ModelFolder& folder,
+                               const std::string& name,
+                               const std::vector<NetworkInput>& inputs,
+                               const std::vector<int>& output_shape,
+                               std::optional<cv::dnn::Net>* network) {
+    if (!*network) {
       try {
         cv::dnn::Net net =
             cv::dnn::readNetFromONNX((folder.path / name).string());
         if (net.empty()) return folder.FileError(name, "no network in it");
         net.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
         net.setPreferableTarget(cv::dnn::DNN_TARGET_CPU);
-        network = loaded.emplace(name, std::move(net)).first;
+        *network = std::move(net);
       } catch (const std::exception& error) {
         return folder.FileError(name,
                                 "OpenCV cannot load it: " + Reason(error));
@@ -154,10 +226,10 @@ struct OpenCvClip::Networks {
     cv::Mat output;
     try {
       for (const NetworkInput& input : inputs) {
-        network->second.setInput(input.blob, input.name);
+        (*network)->setInput(input.blob, input.name);
       }
       // A copy, because the network overwrites its output at the next call.
-      output = network->second.forward().clone();
+      output = (*network)->forward().clone();
     } catch (const std::exception& error) {
       return folder.FileError(name, "OpenCV cannot run it: " + Reason(error));
     }
@@ -175,6 +247,11 @@ struct OpenCvClip::Networks {
     }
     return output;
   }
+
+  std::mutex mutex_;
+  std::condition_variable given_back_;
+  std::map<std::string, Copies> copies_;
+  QuietOpenCv quiet_;
 };
 
 OpenCvClip::OpenCvClip(ModelFolder folder)

@@ -40,7 +40,7 @@ class OpenCvClip : public ClipEncoder {
   StatusOr<TextEmbedding> EncodeText(const std::string& text) override;
 
  private:
-  struct Networks;  // Keeps OpenCV's headers out of this one.
+  class Networks;  // Keeps OpenCV's headers out of this one.
   struct TextParts {
     BytePairTokenizer tokenizer;
     TokenTable table;

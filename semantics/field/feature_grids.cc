@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/io/files.h"
+#include "semantics/field/view_loop.h"
 #include "semantics/geometry/directions.h"
 
 namespace freegs::semantics {
@@ -125,23 +126,29 @@ StatusOr<FeatureGrids> ComputeFeatureGrids(
   result.upsampled = encoder.upsampled_size() > 0 &&
                      (options.dense_size == 0 ||
                       options.dense_size == encoder.dense_sizes().front());
+  result.grids.resize(num_views);
+  FREEGS_RETURN_IF_ERROR(ForEachView(
+      "computing features of views",
+      num_views,
+      pool,
+      cancellation,
+      done,
+      [&](size_t view) -> Status {
+        FREEGS_ASSIGN_OR_RETURN(const ImageU8 photo, photo_of(view));
+        FREEGS_ASSIGN_OR_RETURN(
+            result.grids[view],
+            EncodeDenseCached(
+                encoder, cache, HashPixels(photo), photo, options.dense_size));
+        return Status();
+      }));
   CellSample sample(num_views);
-  for (size_t view = 0; view < num_views; ++view) {
-    if (cancellation != nullptr && cancellation->cancelled()) {
-      return InterruptedError("computing features of views was interrupted");
-    }
-    FREEGS_ASSIGN_OR_RETURN(const ImageU8 photo, photo_of(view));
-    FREEGS_ASSIGN_OR_RETURN(
-        ImageF features,
-        EncodeDenseCached(
-            encoder, cache, HashPixels(photo), photo, options.dense_size));
+  for (ImageF& grid : result.grids) {
     // The upsampler takes features as the network gives them.
-    if (result.upsampled) result.grids.push_back(features);
+    ImageF features = grid;
     MakeUnitRows(features.channels(),
                  std::span(features.data(), features.size()));
     sample.Add(features);
-    if (!result.upsampled) result.grids.push_back(std::move(features));
-    done(view + 1);
+    if (!result.upsampled) grid = std::move(features);
   }
   const int channels = result.grids.front().channels();
   FREEGS_ASSIGN_OR_RETURN(

@@ -12,13 +12,13 @@
 #include <vector>
 
 #include "core/cancellation.h"
-#include "core/function_ref.h"
 #include "core/image.h"
 #include "core/parallel.h"
 #include "core/status.h"
 #include "semantics/clip/clip_encoder.h"
 #include "semantics/clip/feature_cache.h"
 #include "semantics/clip/joint_bilateral_upsampling.h"
+#include "semantics/field/view_loop.h"
 #include "semantics/geometry/principal_axes.h"
 
 namespace freegs::semantics {
@@ -48,12 +48,6 @@ struct FeatureGrids {
   std::vector<ImageF> grids;
   bool upsampled = false;
 };
-
-// Returns the photograph of a view, RGB.
-using ViewPhoto = FunctionRef<StatusOr<ImageU8>(size_t view)>;
-
-// Called after each view with the number of views that are done.
-using ViewsDone = FunctionRef<void(size_t count)>;
 
 // Each photograph goes through the network once, or not at all if the cache has
 // its features. The axes are those of about 16384 cells that are spread evenly

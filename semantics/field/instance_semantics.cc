@@ -10,6 +10,7 @@
 #include "semantics/crf/dense_crf.h"
 #include "semantics/crf/unary_energies.h"
 #include "semantics/field/instance_crops.h"
+#include "semantics/field/view_loop.h"
 #include "semantics/geometry/directions.h"
 
 namespace freegs::semantics {
@@ -73,47 +74,60 @@ std::vector<std::vector<int32_t>> InstancesByView(
   return result;
 }
 
-class Encoding {
- public:
-  Encoding(ClipEncoder& encoder, int num_instances) : encoder_(encoder) {
-    result_.dim = encoder.embedding_dim();
-    sums_.assign(static_cast<size_t>(num_instances) * result_.dim, 0.0);
-  }
+// What the encoder makes of the instances that are cut out of one view.
+struct ViewVectors {
+  std::vector<int32_t> labels;
+  std::vector<float> vectors;  // Two for each label.
+};
 
-  // Does nothing if refinement has removed the label from the view.
-  Status Add(const ImageU8& photo, const LabelImage& labels, int32_t label) {
+// Leaves out labels that refinement has removed from the view.
+StatusOr<ViewVectors> EncodeView(ImageU8 photo,
+                                 const LabelImage& map,
+                                 const std::vector<int32_t>& wanted,
+                                 ClipEncoder& encoder) {
+  if (photo.width() != map.width() || photo.height() != map.height()) {
+    photo = Resize(photo, map.width(), map.height());
+  }
+  ViewVectors result;
+  for (const int32_t label : wanted) {
     const std::optional<InstanceCrop> crop =
-        CropInstance(photo, labels, label, kMargin);
-    if (!crop) return Status();
+        CropInstance(photo, map, label, kMargin);
+    if (!crop) continue;
+    result.labels.push_back(label);
     for (const ImageU8* image : {&crop->in_place, &crop->alone}) {
       FREEGS_ASSIGN_OR_RETURN(const std::vector<float> vector,
-                              encoder_.EncodeImage(*image));
-      AddDirection(vector, 1, Sum(label));
+                              encoder.EncodeImage(*image));
+      result.vectors.insert(result.vectors.end(), vector.begin(), vector.end());
     }
-    ++result_.num_crops;
-    return Status();
   }
+  return result;
+}
 
-  InstanceVectors Take() {
-    result_.vectors.resize(sums_.size());
-    const size_t dim = result_.dim;
-    for (size_t first = 0; first < sums_.size(); first += dim) {
-      WriteDirection(std::span(sums_).subspan(first, dim),
-                     std::span(result_.vectors).subspan(first, dim));
+// The mean direction of each instance's vectors, added in the order of views.
+InstanceVectors MeanDirections(const std::vector<ViewVectors>& views,
+                               int num_instances,
+                               int dim) {
+  InstanceVectors result;
+  result.dim = dim;
+  const auto width = static_cast<size_t>(dim);
+  std::vector<double> sums(num_instances * width, 0.0);
+  for (const ViewVectors& view : views) {
+    result.num_crops += view.labels.size();
+    for (size_t i = 0; i < view.labels.size(); ++i) {
+      const std::span sum =
+          std::span(sums).subspan(view.labels[i] * width, width);
+      for (const size_t k : {2 * i, 2 * i + 1}) {
+        AddDirection(std::span(view.vectors).subspan(k * width, width), 1, sum);
+      }
     }
-    return std::move(result_);
   }
-
- private:
-  std::span<double> Sum(int32_t label) {
-    const auto dim = static_cast<size_t>(result_.dim);
-    return std::span(sums_).subspan(label * dim, dim);
+  result.vectors.resize(sums.size());
+  for (size_t first = 0; first < sums.size(); first += width) {
+    WriteDirection(std::span(sums).subspan(first, width),
+                   std::span(result.vectors).subspan(first, width));
   }
-
-  ClipEncoder& encoder_;
-  std::vector<double> sums_;  // Of each instance's directions.
-  InstanceVectors result_;
-};
+  return result;
+}
 
 }  // namespace
 
@@ -150,28 +164,31 @@ StatusOr<InstanceVectors> EncodeInstances(
   const std::vector<std::vector<int32_t>> wanted = InstancesByView(
       std::move(sights), views.size(), options.views_per_instance);
 
-  Encoding encoding(encoder, num_instances);
-  for (size_t view = 0; view < views.size(); ++view) {
-    if (cancellation != nullptr && cancellation->cancelled()) {
-      return InterruptedError("encoding instances was interrupted");
-    }
-    if (!wanted[view].empty()) {
+  if (options.refine) {
+    for (size_t view = 0; view < views.size(); ++view) {
+      if (wanted[view].empty()) continue;
       FREEGS_ASSIGN_OR_RETURN(ImageU8 photo, photo_of(view));
       const LabelImage& map = maps[view];
-      if (photo.width() != map.width() || photo.height() != map.height()) {
-        photo = Resize(photo, map.width(), map.height());
-      }
-      LabelImage refined = map;
-      if (options.refine) {
-        FREEGS_ASSIGN_OR_RETURN(refined, RefineLabels(map, photo, pool));
-      }
-      for (const int32_t label : wanted[view]) {
-        FREEGS_RETURN_IF_ERROR(encoding.Add(photo, refined, label));
-      }
+      photo = Resize(photo, map.width(), map.height());
+      FREEGS_ASSIGN_OR_RETURN(maps[view], RefineLabels(map, photo, pool));
     }
-    done(view + 1);
   }
-  return encoding.Take();
+  std::vector<ViewVectors> encoded(views.size());
+  FREEGS_RETURN_IF_ERROR(ForEachView(
+      "encoding instances",
+      views.size(),
+      pool,
+      cancellation,
+      done,
+      [&](size_t view) -> Status {
+        if (wanted[view].empty()) return Status();
+        FREEGS_ASSIGN_OR_RETURN(ImageU8 photo, photo_of(view));
+        FREEGS_ASSIGN_OR_RETURN(
+            encoded[view],
+            EncodeView(std::move(photo), maps[view], wanted[view], encoder));
+        return Status();
+      }));
+  return MeanDirections(encoded, num_instances, encoder.embedding_dim());
 }
 
 }  // namespace freegs::semantics

@@ -10,6 +10,7 @@
 #include "core/kd_tree.h"
 #include "semantics/geometry/local_geometry.h"
 #include "semantics/geometry/matter.h"
+#include "semantics/geometry/view_choice.h"
 #include "semantics/patches/patch_graph.h"
 #include "semantics/patches/patches.h"
 #include "splat/weights/blending_weights.h"
@@ -21,19 +22,10 @@ namespace {
 // second largest standard deviation is larger, in scene radii (SceneExtent).
 constexpr double kMinOpacity = 0.1;
 constexpr double kMaxScale = 1;
-// Photographs that are looked at: at most so many, evenly chosen.
-constexpr size_t kMaxViews = 24;
 // Extent of a patch in these photographs, in pixels.
 constexpr double kPatchPixels = 8;
 constexpr int kNormalNeighbors = 16;
 constexpr double kDisparity = 3;  // Pixels.
-
-std::vector<size_t> ChooseViews(size_t count) {
-  const size_t chosen = std::min(count, kMaxViews);
-  std::vector<size_t> views;
-  for (size_t i = 0; i < chosen; ++i) views.push_back(i * count / chosen);
-  return views;
-}
 
 // How far apart two patches must be for it to show: the size of the patch or,
 // where the cameras stand close together, the difference in depth that moves a
@@ -115,7 +107,7 @@ StatusOr<ScenePatches> BuildScenePatches(
                             std::move(normals),
                             std::move(size_of_patch),
                             std::move(depth_scale));
-  for (const size_t v : ChooseViews(views.size())) {
+  for (const size_t v : ChooseViews(views.size(), kMaxPatchViews)) {
     if (cancellation != nullptr && cancellation->cancelled()) {
       return InterruptedError("comparing patches was interrupted");
     }

@@ -4,6 +4,7 @@
 #ifndef FREEGS_SEMANTICS_PATCHES_SCENE_PATCHES_H_
 #define FREEGS_SEMANTICS_PATCHES_SCENE_PATCHES_H_
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -22,6 +23,8 @@ namespace freegs::semantics {
 
 // Longest side in pixels of the photographs in which patches are compared.
 inline constexpr int kPatchImageSide = 400;
+// At most so many of them are looked at, evenly chosen.
+inline constexpr size_t kMaxPatchViews = 24;
 
 struct ScenePatches {
   std::vector<int32_t> patch_of_gaussian;  // -1 for none.

@@ -15,6 +15,7 @@
 #include "semantics/field/bootstrapping.h"
 #include "semantics/field/field_checkpoint.h"
 #include "semantics/field/idsf.h"
+#include "semantics/geometry/view_choice.h"
 #include "semantics/instances/hierarchy.h"
 #include "semantics/instances/instances.h"
 #include "semantics/instances/instances_json.h"
@@ -32,6 +33,9 @@ namespace freegs::stages {
 namespace {
 
 namespace fs = std::filesystem;
+
+// Views whose features are averaged, and in which instances are looked at.
+constexpr size_t kMaxLiftedViews = 24;
 
 struct NamedField {
   semantics::SemanticField field;
@@ -124,27 +128,39 @@ class BootstrapStage : public pipeline::Stage {
  private:
   bool with_semantics() const { return options_.mode != "geometry"; }
 
+  // The views that teach. A few see all that an average needs; training takes
+  // all.
+  std::vector<View> Teachers(const WorkspaceScene& scene) const {
+    if (options_.mode == "paper") return scene.train;
+    std::vector<View> chosen;
+    for (const size_t view :
+         semantics::ChooseViews(scene.train.size(), kMaxLiftedViews)) {
+      chosen.push_back(scene.train[view]);
+    }
+    return chosen;
+  }
+
   StatusOr<NamedField> MakeField(const WorkspaceScene& scene,
                                  const std::vector<View>& views,
                                  semantics::BootstrappingOptions method,
                                  pipeline::StageContext& context) const {
+    const std::vector<View> teachers = Teachers(scene);
     const auto photo_of = [&](size_t view) {
       return ReadRgb(context.workspace / "undistort" / "images" /
-                     scene.train[view].name);
+                     teachers[view].name);
     };
     if (!with_semantics()) {
       context.progress({"clustering", 0, 1, ""});
       semantics::SemanticField field;
       FREEGS_ASSIGN_OR_RETURN(
           semantics::InstanceClusterer clusterer,
-          semantics::InstanceClusterer::Create(scene.model,
-                                               views,
-                                               {.views = scene.train,
-                                                .photo_of = photo_of,
-                                                .render = scene.render},
-                                               method.clustering,
-                                               *context.pool,
-                                               context.cancellation));
+          semantics::InstanceClusterer::Create(
+              scene.model,
+              views,
+              {.views = teachers, .photo_of = photo_of, .render = scene.render},
+              method.clustering,
+              *context.pool,
+              context.cancellation));
       FREEGS_ASSIGN_OR_RETURN(
           field.instances,
           clusterer.Cluster({}, *context.pool, context.cancellation));
@@ -167,7 +183,7 @@ class BootstrapStage : public pipeline::Stage {
     }
     FREEGS_ASSIGN_OR_RETURN(semantics::SemanticField field,
                             semantics::BootstrapSemanticField(
-                                {scene.model, scene.train, views, scene.render},
+                                {scene.model, teachers, views, scene.render},
                                 photo_of,
                                 method,
                                 seed_,

@@ -9,11 +9,13 @@
 #include <cstdlib>
 #include <iostream>
 #include <span>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/io/image_io.h"
+#include "core/parallel.h"
 #include "tests/semantics/clip/model_files.h"
 
 namespace freegs::semantics {
@@ -111,6 +113,28 @@ TEST(OpenCvClipTest, CallsDoNotDisturbEachOther) {
   ASSERT_TRUE((*clip)->EncodeText("photo").ok());
   EXPECT_EQ(*(*clip)->EncodeImage(*image), *first);
   EXPECT_EQ((*clip)->EncodeText("red apple")->values, text->values);
+}
+
+TEST(OpenCvClipTest, ThreadsGetTheSameVectors) {
+  const auto clip = OpenCvClip::Open(TinyClip());
+  ASSERT_TRUE(clip.ok()) << clip.status().message();
+  const auto picture = [](int k) { return ImageU8(40 + k, 30, 3, 5 * k); };
+  constexpr int kPictures = 24;
+  std::vector<std::vector<float>> alone;
+  for (int k = 0; k < kPictures; ++k) {
+    const auto vector = (*clip)->EncodeImage(picture(k));
+    ASSERT_TRUE(vector.ok()) << vector.status().message();
+    alone.push_back(*vector);
+  }
+  std::vector<std::vector<float>> together(kPictures);
+  ThreadPool pool(4);
+  pool.ParallelFor(0, kPictures, 1, [&](int64_t first, int64_t last, int) {
+    for (int64_t k = first; k < last; ++k) {
+      const auto vector = (*clip)->EncodeImage(picture(static_cast<int>(k)));
+      if (vector.ok()) together[k] = *vector;
+    }
+  });
+  EXPECT_EQ(alone, together);
 }
 
 TEST(OpenCvClipTest, WhatIsAskedIsChecked) {
