@@ -134,16 +134,19 @@ class Bootstrapping {
       losses = std::move(trained.history);
     }
     FREEGS_ASSIGN_OR_RETURN(InstanceLabels labels, Cluster(lifted_.features));
-    FREEGS_ASSIGN_OR_RETURN(InstanceVectors vectors, Look(labels));
-    FREEGS_ASSIGN_OR_RETURN(const std::vector<float> means,
-                            MeanInstanceVectors(lifted_.features,
-                                                lifted_.weights,
-                                                labels.labels,
-                                                labels.num_instances,
-                                                decoder,
-                                                pool_));
-    vectors.vectors = MixDirections(
-        vectors.vectors, means, vectors.dim, options_.instance_share);
+    InstanceVectors vectors;
+    if (options_.method == FieldMethod::kTrain) {
+      vectors.dim = decoder.feature_dim();
+      FREEGS_ASSIGN_OR_RETURN(vectors.vectors,
+                              MeanInstanceVectors(lifted_.features,
+                                                  lifted_.weights,
+                                                  labels.labels,
+                                                  labels.num_instances,
+                                                  decoder,
+                                                  pool_));
+    } else {
+      FREEGS_ASSIGN_OR_RETURN(vectors, Look(labels));
+    }
     return SemanticField{.features = std::move(lifted_.features),
                          .num_unseen = lifted_.num_unseen,
                          .decoder = std::move(decoder),
@@ -313,9 +316,6 @@ Status BootstrappingOptions::Check() const {
   FREEGS_RETURN_IF_ERROR(clustering.Check());
   FREEGS_RETURN_IF_ERROR(instances.Check());
   FREEGS_RETURN_IF_ERROR(training.Check());
-  if (!(instance_share >= 0 && instance_share <= 1)) {
-    return InvalidArgumentError("instance_share must lie in [0, 1]");
-  }
   return Status();
 }
 

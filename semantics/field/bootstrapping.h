@@ -56,12 +56,6 @@ struct BootstrappingOptions {
   InstanceClusteringOptions clustering;
   InstanceSemanticsOptions instances;
 
-  // The share that the encoder's view of the whole instance, cut out of the
-  // photographs, has in the vector of an instance. The rest is the mean of the
-  // vectors of its Gaussians. FreeGS takes the Gaussians alone, since training
-  // has drawn them to both.
-  double instance_share = 0.5;
-
   // For kTrain. random_start: training begins with random vectors, as in
   // FreeGS, and not with the lifted ones.
   FieldTrainingOptions training;
@@ -105,7 +99,9 @@ struct SemanticField {
   InstanceLabels instances;
 
   // One vector per instance, in CLIP's space, of length 1 or zero. Words and
-  // images are compared with it.
+  // images are compared with it. Of a trained field it is the mean of the
+  // Gaussians' vectors, as in FreeGS, else what the encoder says of pictures of
+  // the instance.
   InstanceVectors vectors;
 
   // The course of training.

@@ -41,19 +41,4 @@ void MakeUnitRows(size_t dim, std::span<float> rows) {
   }
 }
 
-std::vector<float> MixDirections(std::span<const float> a,
-                                 std::span<const float> b,
-                                 size_t dim,
-                                 double share) {
-  std::vector<float> mixed(a.size());
-  std::vector<double> sum(dim);
-  for (size_t row = 0; row < a.size(); row += dim) {
-    std::fill(sum.begin(), sum.end(), 0.0);
-    AddDirection(a.subspan(row, dim), share, sum);
-    AddDirection(b.subspan(row, dim), 1 - share, sum);
-    WriteDirection(sum, std::span(mixed).subspan(row, dim));
-  }
-  return mixed;
-}
-
 }  // namespace freegs::semantics

@@ -24,14 +24,6 @@ void WriteDirection(std::span<const double> sum, std::span<float> out);
 // Scales each row of `dim` numbers to length 1. Rows of zeros stay as they are.
 void MakeUnitRows(size_t dim, std::span<float> rows);
 
-// Mixes two tables row by row: share * a / |a| + (1 - share) * b / |b|, scaled
-// to length 1. A row is zero if its mixture is zero. Both tables have rows of
-// `dim` numbers, and as many rows.
-std::vector<float> MixDirections(std::span<const float> a,
-                                 std::span<const float> b,
-                                 size_t dim,
-                                 double share);
-
 }  // namespace freegs::semantics
 
 #endif  // FREEGS_SEMANTICS_GEOMETRY_DIRECTIONS_H_

@@ -31,15 +31,5 @@ TEST(DirectionsTest, ZeroStaysZero) {
   EXPECT_EQ(out, (std::vector<float>{0, 0}));
 }
 
-TEST(DirectionsTest, MixesByShare) {
-  const std::vector<float> a = {2, 0, 0, 0};
-  const std::vector<float> b = {0, 5, 0, 1};
-  EXPECT_EQ(MixDirections(a, b, 2, 1), (std::vector<float>{1, 0, 0, 0}));
-  const std::vector<float> mixed = MixDirections(a, b, 2, 0.5);
-  EXPECT_NEAR(mixed[0], std::sqrt(0.5), 1e-6);
-  EXPECT_NEAR(mixed[1], std::sqrt(0.5), 1e-6);
-  EXPECT_NEAR(mixed[3], 1, 1e-6);  // Of b alone, where a knows nothing.
-}
-
 }  // namespace
 }  // namespace freegs::semantics
