@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <utility>
 
@@ -51,14 +52,15 @@ std::pair<double, double> TrimmedRange(const std::vector<WeightedPoint>& points,
     total += points[i].weight;
   }
   const auto end = [&](std::vector<std::pair<double, double>>& ends) {
-    std::sort(ends.begin(), ends.end());
+    // Only the few outermost are wanted in order.
+    std::make_heap(ends.begin(), ends.end(), std::greater<>());
     double outside = 0;
-    size_t first = 0;
-    while (first + 1 < ends.size() &&
-           outside + ends[first].second <= trim * total) {
-      outside += ends[first++].second;
+    while (ends.size() > 1 && outside + ends.front().second <= trim * total) {
+      outside += ends.front().second;
+      std::pop_heap(ends.begin(), ends.end(), std::greater<>());
+      ends.pop_back();
     }
-    return ends[first].first;
+    return ends.front().first;
   };
   return {end(lows), -end(highs)};
 }

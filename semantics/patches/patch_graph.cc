@@ -52,6 +52,38 @@ void AddToHistogram(double value,
   (*bins)[bin + 1] += share;
 }
 
+using PatchShares = std::vector<std::pair<int32_t, float>>;
+
+// The patch that has most of a pixel's weight; -1 if all have too little. The
+// caller keeps `shares`, so that not every pixel takes memory anew.
+int32_t PatchShown(std::span<const uint32_t> gaussians,
+                   std::span<const float> weights,
+                   std::span<const int32_t> patch_of_gaussian,
+                   PatchShares* shares) {
+  shares->clear();
+  float total = 0;
+  for (size_t e = 0; e < gaussians.size(); ++e) {
+    const int32_t patch = patch_of_gaussian[gaussians[e]];
+    if (patch < 0) continue;
+    total += weights[e];
+    auto share = std::find_if(shares->begin(),
+                              shares->end(),
+                              [&](const auto& s) { return s.first == patch; });
+    if (share == shares->end()) {
+      share = shares->emplace(share, patch, 0.0f);
+    }
+    share->second += weights[e];
+    // The weights of a pixel sum to 1 at most: no other can have more.
+    if (share->second > 0.5f) return patch;
+  }
+  if (total < kMinPixelWeight) return -1;
+  return std::max_element(
+             shares->begin(),
+             shares->end(),
+             [](const auto& a, const auto& b) { return a.second < b.second; })
+      ->first;
+}
+
 int Reach(double at_reference, const ImageF& image) {
   const int side = std::max(image.width(), image.height());
   return std::max(
@@ -71,35 +103,15 @@ Image<int32_t> PatchOfPixels(const splat::WeightMatrix& weights,
   Image<int32_t> patches(width, weights.height, 1, -1);
   pool.ParallelFor(
       0, weights.height, kPixelRowGrain, [&](int64_t first, int64_t last, int) {
-        std::vector<std::pair<int32_t, float>> shares;
+        PatchShares shares;
         for (int64_t p = first * width; p < last * width; ++p) {
-          shares.clear();
-          float total = 0;
-          for (uint32_t e = weights.pixel_begin[p];
-               e < weights.pixel_begin[p + 1];
-               ++e) {
-            const int32_t patch = patch_of_gaussian[weights.gaussians[e]];
-            if (patch < 0) continue;
-            const float weight = weights.weights[e];
-            total += weight;
-            const auto same = std::find_if(
-                shares.begin(), shares.end(), [&](const auto& share) {
-                  return share.first == patch;
-                });
-            if (same != shares.end()) {
-              same->second += weight;
-            } else {
-              shares.emplace_back(patch, weight);
-            }
-          }
-          if (total < kMinPixelWeight) continue;
+          const uint32_t begin = weights.pixel_begin[p];
+          const size_t count = weights.pixel_begin[p + 1] - begin;
           patches.data()[p] =
-              std::max_element(shares.begin(),
-                               shares.end(),
-                               [](const auto& a, const auto& b) {
-                                 return a.second < b.second;
-                               })
-                  ->first;
+              PatchShown(std::span(weights.gaussians).subspan(begin, count),
+                         std::span(weights.weights).subspan(begin, count),
+                         patch_of_gaussian,
+                         &shares);
         }
       });
   return patches;
