@@ -24,7 +24,7 @@ namespace freegs::semantics {
 struct InstanceSemanticsOptions {
   // How many photographs of each instance are encoded: those that show most of
   // it. FreeGS encodes all, after every clustering.
-  int views_per_instance = 3;
+  int views_per_instance = 2;
 
   // Whether a conditional random field refines the borders of the masks, as in
   // FreeGS.
