@@ -176,8 +176,9 @@ Status WriteModel(const LearntEvidence& learnt,
   return WriteFileAtomic(path, text.str());
 }
 
-// Learns without each evidence and says what becomes of the other scenes.
-void LeaveOutInTurn(const std::vector<LearningScene>& taught,
+// Fits the same examples without each evidence and says what becomes of the
+// scenes.
+void LeaveOutInTurn(const LearntEvidence& learnt,
                     const std::vector<LearningScene>& tested,
                     double all,
                     const Arguments& arguments,
@@ -188,7 +189,7 @@ void LeaveOutInTurn(const std::vector<LearningScene>& taught,
                                   arguments.without.end());
     if (!without.insert(name).second) continue;
     std::printf("without %s\n", name);
-    const EvidenceModel model = LearnEvidence(taught, without, pool).model;
+    const EvidenceModel model = FitEvidence(learnt.share, without, pool);
     means.emplace_back(name, Report(tested, model, arguments, pool));
   }
   std::printf("\n%-16s  mean IoU  difference\n%-16s  %8.3f\n",
@@ -216,7 +217,7 @@ StatusOr<std::vector<LearningScene>> LoadScenes(
   return scenes;
 }
 
-Status FitEvidence(const Arguments& arguments) {
+Status Learn(const Arguments& arguments) {
   ThreadPool pool(arguments.threads);
   FREEGS_ASSIGN_OR_RETURN(
       const std::vector<LearningScene> tested,
@@ -241,7 +242,7 @@ Status FitEvidence(const Arguments& arguments) {
   if (tested.empty()) return Status();
   const double all = Report(tested, learnt.model, arguments, pool);
   if (arguments.in_turn) {
-    LeaveOutInTurn(taught, tested, all, arguments, pool);
+    LeaveOutInTurn(learnt, tested, all, arguments, pool);
   }
   return Status();
 }
@@ -265,7 +266,7 @@ int Run(int argc, char** argv) {
       ("semantics", po::bool_switch(&arguments.semantics),
        "semantics are evidence: bootstrap/idsf.bin of the workspaces")
       ("in-turn", po::bool_switch(&arguments.in_turn),
-       "also learn with each evidence left out in turn")
+       "also fit with each evidence left out in turn")
       ("draw", po::value(&arguments.draw), "folder for pictures of the regions")
       ("explain", po::bool_switch(&arguments.explain), "a line for every object")
       ("threads", po::value(&arguments.threads)->default_value(0),
@@ -283,7 +284,7 @@ int Run(int argc, char** argv) {
     std::cout << description;
     return 0;
   }
-  const Status status = FitEvidence(arguments);
+  const Status status = Learn(arguments);
   if (!status.ok()) {
     std::cerr << "freegs_fit_evidence: " << status.message() << "\n";
     return 1;

@@ -10,7 +10,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
-#include "semantics/patches/evidence.h"
 #include "semantics/patches/region_merging.h"
 
 namespace freegs::evidence {
@@ -26,12 +25,6 @@ constexpr int kNewtonSteps = 8;
 constexpr size_t kMaxExamples = 200000;
 // A region is of a true segment if this share of its pixels is.
 constexpr double kPure = 0.65;
-
-struct Example {
-  Evidence evidence;
-  bool different = false;
-  double weight = 1;
-};
 
 int TrueSegment(const std::map<int, double>& votes, double pixels) {
   for (const auto& [id, count] : votes) {
@@ -73,7 +66,7 @@ void Collect(const LearningScene& scene,
 }
 
 // Mean and deviation of each evidence.
-EvidenceModel Normalised(const std::vector<Example>& examples) {
+EvidenceModel Normalised(std::span<const Example> examples) {
   EvidenceModel model;
   const auto count = static_cast<double>(examples.size());
   for (size_t k = 0; k < kNumEvidences; ++k) {
@@ -90,10 +83,12 @@ EvidenceModel Normalised(const std::vector<Example>& examples) {
   return model;
 }
 
-// Logistic regression by Newton's method.
-EvidenceModel Fit(const std::vector<Example>& examples,
-                  const std::set<std::string>& without,
-                  ThreadPool& pool) {
+}  // namespace
+
+EvidenceModel FitEvidence(std::span<const Example> examples,
+                          const std::set<std::string>& without,
+                          ThreadPool& pool) {
+  // Newton's method.
   EvidenceModel model = Normalised(examples);
   constexpr Eigen::Index n = kNumEvidences + 1;
   const auto row = [&](const Evidence& evidence) {
@@ -144,8 +139,6 @@ EvidenceModel Fit(const std::vector<Example>& examples,
   return model;
 }
 
-}  // namespace
-
 LearntEvidence LearnEvidence(std::span<const LearningScene> scenes,
                              const std::set<std::string>& without,
                              ThreadPool& pool) {
@@ -178,7 +171,8 @@ LearntEvidence LearnEvidence(std::span<const LearningScene> scenes,
     for (size_t i = 0; i < examples.size(); i += step) {
       share.push_back(examples[i]);
     }
-    learnt.model = Fit(share, without, pool);
+    learnt.model = FitEvidence(share, without, pool);
+    learnt.share = std::move(share);
   }
   learnt.num_examples = examples.size();
   return learnt;

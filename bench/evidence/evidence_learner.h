@@ -12,13 +12,22 @@
 
 #include "bench/evidence/learning_scene.h"
 #include "core/parallel.h"
+#include "semantics/patches/evidence.h"
 #include "semantics/patches/evidence_model.h"
 
 namespace freegs::evidence {
 
+// Two regions that touch, and whether they are of different things.
+struct Example {
+  semantics::Evidence evidence;
+  bool different = false;
+  double weight = 1;
+};
+
 struct LearntEvidence {
   semantics::EvidenceModel model;
   size_t num_examples = 0;
+  std::vector<Example> share;  // Those of them that the model was fitted to.
 };
 
 // Merges each scene's patches several times, as the model of the round before
@@ -30,6 +39,11 @@ struct LearntEvidence {
 LearntEvidence LearnEvidence(std::span<const LearningScene> scenes,
                              const std::set<std::string>& without,
                              ThreadPool& pool);
+
+// The regression alone.
+semantics::EvidenceModel FitEvidence(std::span<const Example> examples,
+                                     const std::set<std::string>& without,
+                                     ThreadPool& pool);
 
 }  // namespace freegs::evidence
 

@@ -52,37 +52,44 @@ void AddToHistogram(double value,
   (*bins)[bin + 1] += share;
 }
 
-using PatchShares = std::vector<std::pair<int32_t, float>>;
+// Finds the patch that has most of a pixel's weight.
+class PatchVote {
+ public:
+  explicit PatchVote(size_t num_patches) : share_(num_patches, 0.0f) {}
 
-// The patch that has most of a pixel's weight; -1 if all have too little. The
-// caller keeps `shares`, so that not every pixel takes memory anew.
-int32_t PatchShown(std::span<const uint32_t> gaussians,
-                   std::span<const float> weights,
-                   std::span<const int32_t> patch_of_gaussian,
-                   PatchShares* shares) {
-  shares->clear();
-  float total = 0;
-  for (size_t e = 0; e < gaussians.size(); ++e) {
-    const int32_t patch = patch_of_gaussian[gaussians[e]];
-    if (patch < 0) continue;
-    total += weights[e];
-    auto share = std::find_if(shares->begin(),
-                              shares->end(),
-                              [&](const auto& s) { return s.first == patch; });
-    if (share == shares->end()) {
-      share = shares->emplace(share, patch, 0.0f);
+  // -1 if all patches together have too little. Of equals the front one.
+  int32_t PatchShown(std::span<const uint32_t> gaussians,
+                     std::span<const float> weights,
+                     std::span<const int32_t> patch_of_gaussian) {
+    float total = 0;
+    int32_t shown = -1;
+    for (size_t e = 0; e < gaussians.size(); ++e) {
+      const int32_t patch = patch_of_gaussian[gaussians[e]];
+      if (patch < 0) continue;
+      total += weights[e];
+      if (share_[patch] == 0) found_.push_back(patch);
+      share_[patch] += weights[e];
+      // The weights of a pixel sum to 1 at most: no other can have more.
+      if (share_[patch] > 0.5f) {
+        shown = patch;
+        break;
+      }
     }
-    share->second += weights[e];
-    // The weights of a pixel sum to 1 at most: no other can have more.
-    if (share->second > 0.5f) return patch;
+    if (shown < 0 && total >= kMinPixelWeight) {
+      shown = *std::max_element(
+          found_.begin(), found_.end(), [this](int32_t a, int32_t b) {
+            return share_[a] < share_[b];
+          });
+    }
+    for (const int32_t patch : found_) share_[patch] = 0;
+    found_.clear();
+    return shown;
   }
-  if (total < kMinPixelWeight) return -1;
-  return std::max_element(
-             shares->begin(),
-             shares->end(),
-             [](const auto& a, const auto& b) { return a.second < b.second; })
-      ->first;
-}
+
+ private:
+  std::vector<float> share_;    // Of each patch; 0 between pixels.
+  std::vector<int32_t> found_;  // Patches with a share, front to back.
+};
 
 int Reach(double at_reference, const ImageF& image) {
   const int side = std::max(image.width(), image.height());
@@ -101,17 +108,21 @@ Image<int32_t> PatchOfPixels(const splat::WeightMatrix& weights,
                              ThreadPool& pool) {
   const int width = weights.width;
   Image<int32_t> patches(width, weights.height, 1, -1);
+  int32_t last_patch = -1;
+  for (const int32_t patch : patch_of_gaussian) {
+    last_patch = std::max(last_patch, patch);
+  }
+  const auto num_patches = static_cast<size_t>(last_patch + 1);
   pool.ParallelFor(
       0, weights.height, kPixelRowGrain, [&](int64_t first, int64_t last, int) {
-        PatchShares shares;
+        PatchVote vote(num_patches);
         for (int64_t p = first * width; p < last * width; ++p) {
           const uint32_t begin = weights.pixel_begin[p];
           const size_t count = weights.pixel_begin[p + 1] - begin;
-          patches.data()[p] =
-              PatchShown(std::span(weights.gaussians).subspan(begin, count),
-                         std::span(weights.weights).subspan(begin, count),
-                         patch_of_gaussian,
-                         &shares);
+          patches.data()[p] = vote.PatchShown(
+              std::span(weights.gaussians).subspan(begin, count),
+              std::span(weights.weights).subspan(begin, count),
+              patch_of_gaussian);
         }
       });
   return patches;
