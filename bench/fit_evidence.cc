@@ -21,6 +21,7 @@
 #include "core/io/image_io.h"
 #include "semantics/instances/hierarchy.h"
 #include "semantics/instances/palette.h"
+#include "semantics/patches/tree_consensus.h"
 
 namespace freegs::evidence {
 namespace {
@@ -45,9 +46,13 @@ struct Arguments {
 semantics::Hierarchy HierarchyOf(const LearningScene& scene,
                                  const EvidenceModel& model) {
   semantics::Hierarchy hierarchy;
-  hierarchy.tree = semantics::MergeRegions(
+  ThreadPool alone(1);
+  StatusOr<semantics::RegionTree> tree = semantics::MergeByConsensus(
       scene.graph,
-      [&](const semantics::Evidence& e) { return model.Difference(e); });
+      [&](const semantics::Evidence& e) { return model.Difference(e); },
+      {},
+      alone);
+  if (tree.ok()) hierarchy.tree = *std::move(tree);
   for (const semantics::RegionStats& region : scene.graph.regions) {
     hierarchy.part_pixels.push_back(region.pixels);
   }
