@@ -21,7 +21,6 @@
 #include "core/io/image_io.h"
 #include "semantics/instances/hierarchy.h"
 #include "semantics/instances/palette.h"
-#include "semantics/patches/tree_consensus.h"
 
 namespace freegs::evidence {
 namespace {
@@ -46,13 +45,9 @@ struct Arguments {
 semantics::Hierarchy HierarchyOf(const LearningScene& scene,
                                  const EvidenceModel& model) {
   semantics::Hierarchy hierarchy;
-  ThreadPool alone(1);
-  StatusOr<semantics::RegionTree> tree = semantics::MergeByConsensus(
+  hierarchy.tree = semantics::MergeRegions(
       scene.graph,
-      [&](const semantics::Evidence& e) { return model.Difference(e); },
-      {},
-      alone);
-  if (tree.ok()) hierarchy.tree = *std::move(tree);
+      [&](const semantics::Evidence& e) { return model.Difference(e); });
   for (const semantics::RegionStats& region : scene.graph.regions) {
     hierarchy.part_pixels.push_back(region.pixels);
   }

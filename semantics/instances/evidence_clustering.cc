@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "semantics/instances/label_noise.h"
-#include "semantics/patches/tree_consensus.h"
+#include "semantics/patches/region_merging.h"
 
 namespace freegs::semantics {
 namespace {
@@ -64,13 +64,9 @@ StatusOr<EvidenceClusters> ClusterByEvidence(
   FREEGS_RETURN_IF_ERROR(options.Check());
   EvidenceClusters result;
   Hierarchy& hierarchy = result.hierarchy;
-  FREEGS_ASSIGN_OR_RETURN(
-      hierarchy.tree,
-      MergeByConsensus(
-          patches.graph,
-          [&evidence](const Evidence& e) { return evidence.Difference(e); },
-          {},
-          pool));
+  hierarchy.tree = MergeRegions(patches.graph, [&evidence](const Evidence& e) {
+    return evidence.Difference(e);
+  });
   for (const RegionStats& region : patches.graph.regions) {
     hierarchy.part_pixels.push_back(region.pixels);
   }
