@@ -79,9 +79,12 @@ StatusOr<ScenePatches> BuildScenePatches(
                             KdTree::Build(points.positions, 3));
     points.normals = ComputeNormals(tree, kNormalNeighbors, pool);
   }
-  std::vector<View> views(scene.views.begin(), scene.views.end());
-  for (View& view : views) {
-    view.camera = view.camera.LimitedTo(kPatchImageSide);
+  const std::vector<size_t> chosen =
+      ChooseViews(scene.views.size(), kMaxPatchViews);
+  std::vector<View> views;
+  for (const size_t v : chosen) {
+    views.push_back(scene.views[v]);
+    views.back().camera = views.back().camera.LimitedTo(kPatchImageSide);
   }
   const std::vector<float> sizes =
       LengthOfPixels(points.positions, views, kPatchPixels, pool);
@@ -107,7 +110,7 @@ StatusOr<ScenePatches> BuildScenePatches(
                             std::move(normals),
                             std::move(size_of_patch),
                             std::move(depth_scale));
-  for (const size_t v : ChooseViews(views.size(), kMaxPatchViews)) {
+  for (size_t v = 0; v < chosen.size(); ++v) {
     if (cancellation != nullptr && cancellation->cancelled()) {
       return InterruptedError("comparing patches was interrupted");
     }
@@ -118,7 +121,7 @@ StatusOr<ScenePatches> BuildScenePatches(
                                       views[v].cam_from_world,
                                       scene.render,
                                       pool));
-    FREEGS_ASSIGN_OR_RETURN(const ImageU8 photo, scene.photo_of(v));
+    FREEGS_ASSIGN_OR_RETURN(const ImageU8 photo, scene.photo_of(chosen[v]));
     const ImageF small =
         ToFloat(Resize(photo, views[v].camera.width, views[v].camera.height));
     FREEGS_RETURN_IF_ERROR(

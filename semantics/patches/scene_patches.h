@@ -23,7 +23,8 @@ namespace freegs::semantics {
 
 // Longest side in pixels of the photographs in which patches are compared.
 inline constexpr int kPatchImageSide = 400;
-// At most so many of them are looked at, evenly chosen.
+// At most so many of them are looked at, evenly chosen. Nothing depends on the
+// others, so that few views and all of them can give the same patches.
 inline constexpr size_t kMaxPatchViews = 24;
 
 struct ScenePatches {
@@ -33,8 +34,8 @@ struct ScenePatches {
   RegionGraph graph;  // A region for each patch.
 };
 
-// What the patches are made from. `photo_of` returns the photograph of a view,
-// of any size.
+// What the patches are made from. `photo_of` returns the photograph of
+// views[view], of any size.
 struct PatchScene {
   const splat::GaussianModel& model;
   std::span<const View> views;

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "semantics/patches/scene_patches.h"
+
+#include <algorithm>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "semantics/geometry/view_choice.h"
+#include "tests/semantics/synthetic_gaussians.h"
+
+namespace freegs::semantics {
+namespace {
+
+StatusOr<ScenePatches> PatchesOf(const splat::GaussianModel& model,
+                                 const std::vector<View>& views) {
+  ThreadPool pool(2);
+  const splat::RenderOptions render;
+  return BuildScenePatches(
+      {.model = model,
+       .views = views,
+       .render = render,
+       .photo_of = [&](size_t v) -> StatusOr<ImageU8> {
+         ImageU8 photo(views[v].camera.width, views[v].camera.height, 3);
+         for (size_t i = 0; i < photo.size(); ++i) {
+           photo.data()[i] = static_cast<uint8_t>(i % 251);
+         }
+         return photo;
+       },
+       .scene_radius = 1},
+      pool,
+      nullptr);
+}
+
+TEST(ScenePatchesTest, NothingDependsOnViewsThatAreNotChosen) {
+  const SyntheticGaussians scene = MakeTableScene();
+  constexpr size_t kNumViews = kMaxPatchViews + 6;
+  const std::vector<size_t> chosen = ChooseViews(kNumViews, kMaxPatchViews);
+  std::vector<View> all;
+  std::vector<View> few;
+  for (size_t v = 0; v < kNumViews; ++v) {
+    View view = LookAtOrigin(0.2 * static_cast<double>(v));
+    view.camera = view.camera.Resized(80, 60);
+    if (std::find(chosen.begin(), chosen.end(), v) != chosen.end()) {
+      few.push_back(view);
+    } else {
+      view.camera.fx *= 4;  // Would make patches smaller.
+      view.camera.fy *= 4;
+    }
+    all.push_back(view);
+  }
+  const auto of_all = PatchesOf(scene.model, all);
+  const auto of_few = PatchesOf(scene.model, few);
+  ASSERT_TRUE(of_all.ok() && of_few.ok());
+  EXPECT_GT(of_all->graph.regions.size(), 1u);
+  EXPECT_EQ(of_all->patch_of_gaussian, of_few->patch_of_gaussian);
+  EXPECT_EQ(of_all->seen, of_few->seen);
+  EXPECT_EQ(of_all->graph.contacts.size(), of_few->graph.contacts.size());
+}
+
+}  // namespace
+}  // namespace freegs::semantics
