@@ -32,7 +32,6 @@ constexpr double kAlikeColor = 0.06;
 // Contacts of fewer pixels in all views together are chance.
 constexpr double kMinCrossings = 2;
 constexpr int64_t kPixelRowGrain = 4;
-constexpr int64_t kGaussianGrain = 1024;
 
 // Ranges of L*a*b* / 100 that the histograms cover.
 constexpr double kLowest[3] = {0, -0.6, -0.6};
