@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
 #include <tuple>
 #include <utility>
@@ -209,12 +210,22 @@ Status PatchGraphBuilder::AddView(const splat::WeightMatrix& weights,
   }
   const Image<int32_t> labels =
       PatchOfPixels(weights, patch_of_gaussian_, pool);
-  for (size_t e = 0; e < weights.gaussians.size(); ++e) {
-    seen_[weights.gaussians[e]] += weights.weights[e];
-  }
-  const ImageF lab = ToLab(photo);
-  AddPixels(labels, lab);
-  const LocalContrast contrast(lab);
+  // Two sums that are each one thread's, in one order, and know nothing of each
+  // other.
+  std::optional<LocalContrast> contrast;
+  pool.ParallelFor(0, 2, 1, [&](int64_t first, int64_t last, int) {
+    for (int64_t task = first; task < last; ++task) {
+      if (task == 0) {
+        for (size_t e = 0; e < weights.gaussians.size(); ++e) {
+          seen_[weights.gaussians[e]] += weights.weights[e];
+        }
+      } else {
+        const ImageF lab = ToLab(photo);
+        AddPixels(labels, lab);
+        contrast.emplace(lab);
+      }
+    }
+  });
   const PatchDepths depths(*this, view);
   const int near = Reach(kNearReach, photo);
   const int far = Reach(kFarReach, photo);
@@ -240,8 +251,8 @@ Status PatchGraphBuilder::AddView(const splat::WeightMatrix& weights,
               if (step > kDepthJump) {
                 crossing.stats.hidden = 1;
               } else {
-                const auto fine = contrast.Across(x, y, horizontal, near);
-                const auto coarse = contrast.Across(x, y, horizontal, far);
+                const auto fine = contrast->Across(x, y, horizontal, near);
+                const auto coarse = contrast->Across(x, y, horizontal, far);
                 crossing.stats.pixels = 1;
                 crossing.stats.contrast_near = fine.contrast;
                 crossing.stats.contrast_far = coarse.contrast;
