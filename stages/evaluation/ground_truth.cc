@@ -21,7 +21,6 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr uint64_t kMaxFileBytes = uint64_t{1} << 28;
-constexpr double kRotationTolerance = 1e-3;
 
 StatusOr<TrueObject> ReadTrueObject(const json& value,
                                     const std::string& where) {
