@@ -210,8 +210,8 @@ Status PatchGraphBuilder::AddView(const splat::WeightMatrix& weights,
   }
   const Image<int32_t> labels =
       PatchOfPixels(weights, patch_of_gaussian_, pool);
-  // Two sums that are each one thread's, in one order, and know nothing of each
-  // other.
+  // The two tasks run at the same time. Neither reads what the other writes,
+  // and each adds in one order, so the result does not depend on the threads.
   std::optional<LocalContrast> contrast;
   pool.ParallelFor(0, 2, 1, [&](int64_t first, int64_t last, int) {
     for (int64_t task = first; task < last; ++task) {
