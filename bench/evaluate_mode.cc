@@ -12,8 +12,10 @@ namespace freegs::bench {
 Status RunEvaluate(const EvaluateOptions& options) {
   FREEGS_ASSIGN_OR_RETURN(const stages::TrainingScene scene,
                           stages::ReadTrainingScene(options.workspace));
-  FREEGS_ASSIGN_OR_RETURN(const splat::GaussianModel model,
+  FREEGS_ASSIGN_OR_RETURN(const splat::PlacedModel world,
                           splat::ReadPly(options.ply));
+  const splat::GaussianModel model =
+      splat::ToFrame(world, scene.photos.frame);
   ThreadPool pool(options.threads);
   splat::TrainingImagesOptions image_options;
   image_options.max_side = options.max_image_size;

@@ -55,6 +55,14 @@ struct Sim3d {
   }
 };
 
+// Returns c_from_a.
+inline Sim3d operator*(const Sim3d& c_from_b, const Sim3d& b_from_a) {
+  return {c_from_b.scale * b_from_a.scale,
+          (c_from_b.rotation * b_from_a.rotation).normalized(),
+          c_from_b * b_from_a.translation};
+}
+
+// Returns a_from_b.
 inline Sim3d Inverse(const Sim3d& b_from_a) {
   const Eigen::Quaterniond inverse = b_from_a.rotation.conjugate();
   return {1.0 / b_from_a.scale,

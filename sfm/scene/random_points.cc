@@ -82,15 +82,17 @@ SceneFocus EstimateFocus(const Reconstruction& model) {
     mean_axis += image.cam_from_world.rotation.conjugate() *
                  Eigen::Vector3d::UnitZ() / n;
   }
+  // From here on relative to the mean centre, which may be far away.
   double extent = 0;
-  for (const auto& centre : centres) {
-    extent = std::max(extent, (centre - mean_centre).norm());
+  for (Eigen::Vector3d& centre : centres) {
+    centre -= mean_centre;
+    extent = std::max(extent, centre.norm());
   }
   // Sum of the projections across each axis, plus a weak pull towards a place
   // in front of the cameras.
   constexpr double kPull = 1e-3;
   Eigen::Matrix3d a = kPull * n * Eigen::Matrix3d::Identity();
-  Eigen::Vector3d b = kPull * n * (mean_centre + extent * mean_axis);
+  Eigen::Vector3d b = kPull * n * extent * mean_axis;
   for (size_t i = 0; i < centres.size(); ++i) {
     const Eigen::Vector3d axis =
         model.images[i].cam_from_world.rotation.conjugate() *
@@ -100,13 +102,17 @@ SceneFocus EstimateFocus(const Reconstruction& model) {
     a += across;
     b += across * centres[i];
   }
-  focus.centre = a.ldlt().solve(b);
+  const Eigen::Vector3d centre = a.ldlt().solve(b);
   std::vector<double> distances;
-  for (const auto& centre : centres) {
-    distances.push_back((centre - focus.centre).norm());
+  for (const Eigen::Vector3d& camera : centres) {
+    distances.push_back((camera - centre).norm());
   }
+  focus.centre = mean_centre + centre;
   const double distance = UpperMedian(std::move(distances));
-  focus.distance = distance > 1e-9 ? distance : 1;
+  // Cameras in one place know no length. Rounding moves them apart by about
+  // 1e-16 of their distance from the origin.
+  const bool one_place = extent <= 1e-12 * mean_centre.norm();
+  focus.distance = !one_place && distance > 1e-9 * extent ? distance : 1;
   return focus;
 }
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <bit>
 #include <charconv>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <optional>
@@ -128,6 +129,21 @@ Status ParseProperty(const std::vector<std::string_view>& words,
   return Status();
 }
 
+// Other comments, and those whose numbers are not numbers, mean nothing.
+void TakeOffset(const std::vector<std::string_view>& words, PlyHeader* header) {
+  if (words.size() != 5 || words[1] != "offset") return;
+  std::array<double, 3> offset{};
+  for (size_t k = 0; k < 3; ++k) {
+    const std::string_view word = words[2 + k];
+    const char* const end = word.data() + word.size();
+    const auto [stop, error] = std::from_chars(word.data(), end, offset[k]);
+    if (error != std::errc() || stop != end || !std::isfinite(offset[k])) {
+      return;
+    }
+  }
+  header->offset = offset;
+}
+
 template <typename T>
 double Load(const char* bytes, bool swap) {
   std::array<char, sizeof(T)> value;
@@ -206,7 +222,9 @@ StatusOr<PlyHeader> ParsePlyHeader(std::string_view content) {
     const std::string_view line = content.substr(at, end - at);
     at = end + 1;
     const std::vector<std::string_view> words = Words(line);
-    if (words.empty() || words[0] == "comment" || words[0] == "obj_info") {
+    if (words.empty() || words[0] == "obj_info") continue;
+    if (words[0] == "comment") {
+      TakeOffset(words, &header);
       continue;
     }
     if (number == 0) {

@@ -4,6 +4,7 @@
 #ifndef FREEGS_SPLAT_SCENE_PLY_HEADER_H_
 #define FREEGS_SPLAT_SCENE_PLY_HEADER_H_
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -47,6 +48,10 @@ struct PlyElement {
 
 struct PlyHeader {
   PlyFormat format = PlyFormat::kAscii;
+
+  // Of a line "comment offset X Y Z": what was subtracted from all positions.
+  std::array<double, 3> offset = {0, 0, 0};
+
   std::vector<PlyElement> elements;
   size_t size = 0;  // Bytes of the header, including the end_header line.
 };

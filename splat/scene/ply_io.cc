@@ -12,6 +12,7 @@
 
 #include "core/io/byte_stream.h"
 #include "core/io/files.h"
+#include "core/number_text.h"
 #include "splat/scene/ply_header.h"
 
 namespace freegs::splat {
@@ -194,26 +195,38 @@ StatusOr<GaussianModel> ReadVertices(PlyFormat format,
 
 }  // namespace
 
-StatusOr<GaussianModel> ParsePly(std::string_view content) {
+StatusOr<PlacedModel> ParsePly(std::string_view content) {
   FREEGS_ASSIGN_OR_RETURN(const PlyHeader header, ParsePlyHeader(content));
   PlyValueReader reader(header.format, content.substr(header.size));
   for (const PlyElement& element : header.elements) {
     if (element.name == "vertex") {
-      return ReadVertices(header.format, element, &reader);
+      PlacedModel placed;
+      placed.offset = Eigen::Map<const Eigen::Vector3d>(header.offset.data());
+      FREEGS_ASSIGN_OR_RETURN(placed.model,
+                              ReadVertices(header.format, element, &reader));
+      return placed;
     }
     FREEGS_RETURN_IF_ERROR(SkipElement(element, &reader));
   }
   return BadInputError("PLY header has no element vertex");
 }
 
-StatusOr<GaussianModel> ReadPly(const std::filesystem::path& path) {
+StatusOr<PlacedModel> ReadPly(const std::filesystem::path& path) {
   FREEGS_ASSIGN_OR_RETURN(const std::string content, ReadFile(path));
-  StatusOr<GaussianModel> model = ParsePly(content);
+  StatusOr<PlacedModel> model = ParsePly(content);
   if (!model.ok()) return model.status().Annotated(path.string());
   return model;
 }
 
-std::string SerializePly(const GaussianModel& model) {
+std::string PlyOffsetLine(const Eigen::Vector3d& offset) {
+  if (offset.isZero(0)) return "";
+  return "comment offset " + FormatSignificant(offset.x(), 17) + " " +
+         FormatSignificant(offset.y(), 17) + " " +
+         FormatSignificant(offset.z(), 17) + "\n";
+}
+
+std::string SerializePly(const GaussianModel& model,
+                         const Eigen::Vector3d& offset) {
   const int coefficients = NumShCoefficients(model.sh_degree) - 1;
   std::vector<std::string> names = {"x", "y", "z", "nx", "ny", "nz"};
   for (int c = 0; c < 3; ++c) names.push_back("f_dc_" + std::to_string(c));
@@ -224,7 +237,8 @@ std::string SerializePly(const GaussianModel& model) {
   for (int k = 0; k < 3; ++k) names.push_back("scale_" + std::to_string(k));
   for (int k = 0; k < 4; ++k) names.push_back("rot_" + std::to_string(k));
 
-  std::string header = "ply\nformat binary_little_endian 1.0\nelement vertex " +
+  std::string header = "ply\nformat binary_little_endian 1.0\n" +
+                       PlyOffsetLine(offset) + "element vertex " +
                        std::to_string(model.size()) + "\n";
   for (const std::string& name : names) {
     header += "property float " + name + "\n";
@@ -253,8 +267,10 @@ std::string SerializePly(const GaussianModel& model) {
   return std::move(writer).content();
 }
 
-Status WritePly(const std::filesystem::path& path, const GaussianModel& model) {
-  return WriteFileAtomic(path, SerializePly(model));
+Status WritePly(const std::filesystem::path& path,
+                const GaussianModel& model,
+                const Eigen::Vector3d& offset) {
+  return WriteFileAtomic(path, SerializePly(model, offset));
 }
 
 }  // namespace freegs::splat

@@ -8,8 +8,11 @@
 #include <string>
 #include <string_view>
 
+#include <Eigen/Core>
+
 #include "core/status.h"
 #include "splat/scene/gaussian_model.h"
+#include "splat/scene/model_frame.h"
 
 namespace freegs::splat {
 
@@ -17,7 +20,9 @@ namespace freegs::splat {
 // scale_0..2 rot_0..3. Scales are natural logarithms, opacity is a logit, and
 // the quaternion is w x y z. In files f_rest is channel-major,
 // f_rest_[channel * (K - 1) + k] with K = (degree + 1)^2, while a GaussianModel
-// is coefficient-major. Normals are ignored when read and written as zeros.
+// is coefficient-major. Normals are ignored when read and written as zeros. An
+// offset other than zero (see PlacedModel) is a header line "comment offset X Y
+// Z", which other programs ignore: to them the scene lies near the origin.
 
 // Reads binary files of either byte order, and ascii files. The properties may
 // come in any order and have any numeric type. Other properties and other
@@ -26,16 +31,23 @@ namespace freegs::splat {
 // fault, when a property is missing, when the content is shorter than the
 // header says, or when values are not finite (the message says in how many
 // vertices).
-StatusOr<GaussianModel> ReadPly(const std::filesystem::path& path);
+StatusOr<PlacedModel> ReadPly(const std::filesystem::path& path);
 
 // Like ReadPly, but from the content of a file. Messages do not name the file.
-StatusOr<GaussianModel> ParsePly(std::string_view content);
+StatusOr<PlacedModel> ParsePly(std::string_view content);
 
 // Writes a binary_little_endian file of float32 properties, atomically.
-Status WritePly(const std::filesystem::path& path, const GaussianModel& model);
+Status WritePly(const std::filesystem::path& path,
+                const GaussianModel& model,
+                const Eigen::Vector3d& offset = Eigen::Vector3d::Zero());
+
+// The header line that names the offset, or nothing for zero.
+std::string PlyOffsetLine(const Eigen::Vector3d& offset);
 
 // Returns the content that WritePly writes.
-std::string SerializePly(const GaussianModel& model);
+std::string SerializePly(
+    const GaussianModel& model,
+    const Eigen::Vector3d& offset = Eigen::Vector3d::Zero());
 
 }  // namespace freegs::splat
 

@@ -27,6 +27,7 @@
 #include "stages/scene/instance_maps.h"
 #include "stages/scene/scene_instances.h"
 #include "stages/scene/shipped_model.h"
+#include "stages/scene/working_frame.h"
 #include "stages/scene/workspace_scene.h"
 
 namespace freegs::stages {
@@ -48,7 +49,7 @@ class BootstrapStage : public pipeline::Stage {
       : options_(options), seed_(seed) {}
 
   std::string_view name() const override { return "bootstrap"; }
-  int version() const override { return 7; }
+  int version() const override { return 8; }
 
   std::vector<fs::path> Inputs(const pipeline::StageContext&) const override {
     std::vector<fs::path> inputs = {"reconstruct/point_cloud.ply",
@@ -74,6 +75,8 @@ class BootstrapStage : public pipeline::Stage {
                             ReadWorkspaceScene(context.workspace));
     std::vector<View> views = scene.train;
     views.insert(views.end(), scene.holdout.begin(), scene.holdout.end());
+    FREEGS_RETURN_IF_ERROR(CheckVisible(
+        scene.model, views, scene.render, "bootstrap", *context.pool));
     FREEGS_ASSIGN_OR_RETURN(
         const NamedField named,
         MakeField(scene, views, std::move(method), context));
@@ -96,6 +99,9 @@ class BootstrapStage : public pipeline::Stage {
         semantics::EstimateVertical(views, labels.planes),
         {},
         *context.pool);
+    for (semantics::Instance& instance : instances) {
+      instance = InWorld(scene.frame, std::move(instance));
+    }
     for (size_t i = 0; i < named.names.words.size(); ++i) {
       instances[i].words = named.names.words[i];
     }

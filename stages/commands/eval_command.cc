@@ -136,6 +136,9 @@ StatusOr<AlignedTruth> ReadAlignedTruth(const EvalRequest& request,
     report->num_true_poses = truth.cameras.train.size();
     report->camera_extent = CameraExtent(truth.cameras.train);
     aligned.truth_from_scene = report->poses->target_from_source;
+    // What is reported is about the world of the workspace's files.
+    report->poses->target_from_source =
+        aligned.truth_from_scene * scene.frame.FrameFromWorld();
   } else {
     FREEGS_ASSIGN_OR_RETURN(
         const std::vector<std::string> missing,

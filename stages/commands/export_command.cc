@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "core/io/files.h"
+#include "core/number_text.h"
 #include "pipeline/option_table.h"
 #include "splat/scene/ply_io.h"
 #include "splat/scene/splat_format.h"
@@ -19,13 +20,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// The format cannot say where the model lies in the world.
+Status WriteSplat(const fs::path& path,
+                  const splat::GaussianModel& model,
+                  const Eigen::Vector3d& /*offset*/) {
+  return splat::WriteSplat(path, model);
+}
+
 struct Format {
   std::string_view suffix;
-  Status (*write)(const fs::path& path, const splat::GaussianModel& model);
+  Status (*write)(const fs::path& path,
+                  const splat::GaussianModel& model,
+                  const Eigen::Vector3d& offset);
 };
 
 constexpr Format kFormats[] = {{".ply", splat::WritePly},
-                               {".splat", splat::WriteSplat}};
+                               {".splat", WriteSplat}};
 
 StatusOr<Format> FormatOf(const fs::path& path) {
   std::string suffix = path.extension().string();
@@ -125,14 +135,22 @@ Status RunExportCommand(const std::vector<std::string>& arguments,
   FREEGS_ASSIGN_OR_RETURN(const Format format, FormatOf(path));
 
   const fs::path workspace(line.positional[0]);
-  FREEGS_ASSIGN_OR_RETURN(splat::GaussianModel model,
+  FREEGS_ASSIGN_OR_RETURN(splat::PlacedModel world,
                           ReadWorkspaceModel(workspace));
+  splat::GaussianModel& model = world.model;
   FREEGS_RETURN_IF_ERROR(Prepare(request, workspace, &model));
   if (path.has_parent_path()) {
     FREEGS_RETURN_IF_ERROR(CreateFolders(path.parent_path()));
   }
-  FREEGS_RETURN_IF_ERROR(format.write(path, model));
+  FREEGS_RETURN_IF_ERROR(format.write(path, model, world.offset));
   context.out << model.size() << " Gaussians in " << request.out << "\n";
+  if (!world.offset.isZero(0)) {
+    context.out << "its positions count from "
+                << FormatSignificant(world.offset.x(), 17) << " "
+                << FormatSignificant(world.offset.y(), 17) << " "
+                << FormatSignificant(world.offset.z(), 17)
+                << ", since float32 numbers of the world would be too coarse\n";
+  }
   return Status();
 }
 

@@ -261,7 +261,10 @@ Status AnswerClick(const QueryRequest& request,
   std::vector<ScoredInstance> scored;
   for (const semantics::ClickHit& hit : all) {
     FREEGS_RETURN_IF_ERROR(CheckListed(*scene, hit.id));
-    scored.push_back({hit.id, hit.weight, std::nullopt, hit.point});
+    scored.push_back({hit.id,
+                      hit.weight,
+                      std::nullopt,
+                      scene->scene->frame.WorldFromFrame() * hit.point});
   }
   SplitHits(scored, request.max_hits, answer);
   return Status();

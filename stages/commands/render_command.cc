@@ -26,6 +26,7 @@
 #include "stages/scene/depth_image.h"
 #include "stages/scene/scene_instances.h"
 #include "stages/scene/view_selection.h"
+#include "stages/scene/working_frame.h"
 #include "stages/scene/workspace_scene.h"
 
 namespace freegs::stages {
@@ -145,7 +146,7 @@ class DepthRenderer : public Renderer {
                 ThreadPool* pool,
                 const std::vector<View>& views)
       : Renderer(scene, std::move(out), pool),
-        range_(VisibleDepthRange(scene.model, views)),
+        range_(InWorldUnits(VisibleDepthRange(scene.model, views))),
         unit_(DepthUnit(range_.far)) {}
 
   Status WriteScale() const {
@@ -158,7 +159,10 @@ class DepthRenderer : public Renderer {
   }
 
   Status Render(const View& view, const std::string& name) override {
-    const ImageF depth = RenderView(view).depth;
+    ImageF depth = RenderView(view).depth;
+    for (size_t k = 0; k < depth.size(); ++k) {
+      depth.data()[k] *= static_cast<float>(scene_.frame.unit);
+    }
     FREEGS_ASSIGN_OR_RETURN(const fs::path path, File(name));
     FREEGS_RETURN_IF_ERROR(WriteLabels(path, EncodeDepth(depth, unit_)));
     FREEGS_ASSIGN_OR_RETURN(const fs::path preview,
@@ -167,6 +171,10 @@ class DepthRenderer : public Renderer {
   }
 
  private:
+  DepthRange InWorldUnits(const DepthRange& range) const {
+    return {range.near * scene_.frame.unit, range.far * scene_.frame.unit};
+  }
+
   const DepthRange range_;
   const double unit_;
 };
@@ -297,6 +305,8 @@ Status RunRenderCommand(const std::vector<std::string>& arguments,
   ThreadPool pool(request.threads);
   FREEGS_ASSIGN_OR_RETURN(const std::unique_ptr<Renderer> renderer,
                           MakeRenderer(request, scene, views, &pool));
+  FREEGS_RETURN_IF_ERROR(
+      CheckVisible(scene.model, views, scene.render, "render", pool));
 
   const bool terminal =
       &context.err == &std::cerr && isatty(STDERR_FILENO) != 0;

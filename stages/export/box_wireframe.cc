@@ -7,6 +7,8 @@
 
 #include <Eigen/Core>
 
+#include "splat/scene/ply_io.h"
+
 namespace freegs::stages {
 namespace {
 
@@ -37,7 +39,7 @@ void AppendVertex(const Eigen::Vector3d& point,
   char line[128];
   std::snprintf(line,
                 sizeof(line),
-                "%.7g %.7g %.7g %d %d %d\n",
+                "%.9g %.9g %.9g %d %d %d\n",
                 point.x(),
                 point.y(),
                 point.z(),
@@ -47,7 +49,9 @@ void AppendVertex(const Eigen::Vector3d& point,
   *ply += line;
 }
 
-void AppendBars(const ColoredBox& colored, std::string* ply) {
+void AppendBars(const ColoredBox& colored,
+                const Eigen::Vector3d& offset,
+                std::string* ply) {
   const semantics::OrientedBox& box = colored.box;
   const double half_width = 0.5 * kBarWidth * box.size.norm();
   for (int bar = 0; bar < kNumBars; ++bar) {
@@ -63,24 +67,26 @@ void AppendBars(const ColoredBox& colored, std::string* ply) {
     for (int corner = 0; corner < kCornersPerBar; ++corner) {
       Eigen::Vector3d local = center;
       for (int k = 0; k < 3; ++k) local[k] += Sign(corner, k) * half[k];
-      AppendVertex(box.center + box.rotation * local, colored.color, ply);
+      AppendVertex(
+          box.center - offset + box.rotation * local, colored.color, ply);
     }
   }
 }
 
 }  // namespace
 
-std::string SerializeBoxWireframes(std::span<const ColoredBox> boxes) {
+std::string SerializeBoxWireframes(std::span<const ColoredBox> boxes,
+                                   const Eigen::Vector3d& offset) {
   const size_t num_bars = kNumBars * boxes.size();
   std::string ply =
-      "ply\nformat ascii 1.0\nelement vertex " +
-      std::to_string(kCornersPerBar * num_bars) +
+      "ply\nformat ascii 1.0\n" + splat::PlyOffsetLine(offset) +
+      "element vertex " + std::to_string(kCornersPerBar * num_bars) +
       "\nproperty float x\nproperty float y\nproperty float z\n"
       "property uchar red\nproperty uchar green\nproperty uchar blue\n"
       "element face " +
       std::to_string(std::size(kTriangles) * num_bars) +
       "\nproperty list uchar int vertex_indices\nend_header\n";
-  for (const ColoredBox& box : boxes) AppendBars(box, &ply);
+  for (const ColoredBox& box : boxes) AppendBars(box, offset, &ply);
   for (size_t bar = 0; bar < num_bars; ++bar) {
     for (const auto& triangle : kTriangles) {
       ply += "3";

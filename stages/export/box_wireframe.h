@@ -9,6 +9,8 @@
 #include <span>
 #include <string>
 
+#include <Eigen/Core>
+
 #include "semantics/geometry/boxes.h"
 
 namespace freegs::stages {
@@ -20,8 +22,11 @@ struct ColoredBox {
 
 // Returns an ascii PLY of coloured vertices and triangles in world units. Each
 // box is twelve bars, centred on its edges and 0.4 % of its diagonal wide. Bars
-// are used because few programs show the "edge" elements of a PLY.
-std::string SerializeBoxWireframes(std::span<const ColoredBox> boxes);
+// are used because few programs show the "edge" elements of a PLY. Positions
+// count from `offset`, as in splat::WritePly.
+std::string SerializeBoxWireframes(
+    std::span<const ColoredBox> boxes,
+    const Eigen::Vector3d& offset = Eigen::Vector3d::Zero());
 
 }  // namespace freegs::stages
 

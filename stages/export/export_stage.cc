@@ -33,6 +33,7 @@
 #include "stages/scene/depth_image.h"
 #include "stages/scene/scene_instances.h"
 #include "stages/scene/view_selection.h"
+#include "stages/scene/working_frame.h"
 #include "stages/scene/workspace_scene.h"
 
 namespace freegs::stages {
@@ -121,12 +122,18 @@ class ExportStage : public pipeline::Stage {
         const std::optional<SceneInstances> found,
         ReadSceneInstances(context.workspace, scene.model.size()));
 
+    FREEGS_ASSIGN_OR_RETURN(const splat::PlacedModel world,
+                            ReadWorkspaceModel(context.workspace));
+    const std::string note = FarAwayNote(scene.frame);
+    if (!note.empty()) {
+      context.log(pipeline::LogLevel::kWarning, "export: " + note);
+    }
+    FREEGS_RETURN_IF_ERROR(splat::WritePly(
+        context.output / "scene.ply", world.model, world.offset));
     FREEGS_RETURN_IF_ERROR(
-        splat::WritePly(context.output / "scene.ply", scene.model));
-    FREEGS_RETURN_IF_ERROR(
-        splat::WriteSplat(context.output / "scene.splat", scene.model));
+        splat::WriteSplat(context.output / "scene.splat", world.model));
     if (found) {
-      FREEGS_RETURN_IF_ERROR(WriteInstances(scene, *found, context));
+      FREEGS_RETURN_IF_ERROR(WriteInstances(world, *found, context));
       FREEGS_RETURN_IF_ERROR(WriteMasks(scene, *found, context));
     } else {
       context.log(pipeline::LogLevel::kWarning,
@@ -137,12 +144,13 @@ class ExportStage : public pipeline::Stage {
   }
 
  private:
-  static Status WriteInstances(const WorkspaceScene& scene,
+  static Status WriteInstances(const splat::PlacedModel& world,
                                const SceneInstances& found,
                                pipeline::StageContext& context) {
     FREEGS_RETURN_IF_ERROR(
         splat::WritePly(context.output / "instances.ply",
-                        ColorByInstance(scene.model, found.labels)));
+                        ColorByInstance(world.model, found.labels),
+                        world.offset));
     FREEGS_RETURN_IF_ERROR(WriteFileAtomic(
         context.output / "boxes.json", JsonText(BoxesJson(found.instances))));
     // The box of a floor would hide all others.
@@ -153,7 +161,7 @@ class ExportStage : public pipeline::Stage {
     }
     context.summary["instances"] = found.instances.size();
     return WriteFileAtomic(context.output / "boxes.ply",
-                           SerializeBoxWireframes(boxes));
+                           SerializeBoxWireframes(boxes, world.offset));
   }
 
   Status WriteMasks(const WorkspaceScene& scene,

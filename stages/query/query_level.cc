@@ -9,6 +9,7 @@
 #include "semantics/instances/hierarchy.h"
 #include "semantics/queries/click_query.h"
 #include "stages/scene/scene_instances.h"
+#include "stages/scene/working_frame.h"
 
 namespace freegs::stages {
 
@@ -63,6 +64,7 @@ StatusOr<int> AddLevel(const fs::path& workspace,
                                 semantics::EstimateVertical(scene->photos, {}),
                                 {},
                                 pool)[0];
+  instance = InWorld(scene->scene->frame, std::move(instance));
   instance.id = id;
   scene->instances.push_back(std::move(instance));
   return id;

@@ -20,6 +20,7 @@
 #include "splat/train/trainer.h"
 #include "stages/reconstruct/training_run.h"
 #include "stages/scene/training_scene.h"
+#include "stages/scene/working_frame.h"
 
 namespace freegs::stages {
 namespace {
@@ -32,6 +33,7 @@ class ReconstructStage : public pipeline::Stage {
       : options_(options), seed_(seed) {}
 
   std::string_view name() const override { return "reconstruct"; }
+  int version() const override { return 2; }
 
   std::vector<fs::path> Inputs(const pipeline::StageContext&) const override {
     std::vector<fs::path> inputs = {
@@ -57,7 +59,9 @@ class ReconstructStage : public pipeline::Stage {
     }
     splat::TrainingImages* holdout_images = holdout ? &*holdout : nullptr;
 
+    const splat::ModelFrame& frame = scene.photos.frame;
     TrainedModel trained;
+    splat::PlacedModel world;
     if (options_.import.empty()) {
       image_options.num_levels = 4;
       image_options.max_bytes =
@@ -69,15 +73,28 @@ class ReconstructStage : public pipeline::Stage {
           trained,
           TrainModel(
               options_, training, scene, &images, holdout_images, context));
+      // So that the model that is measured is the one that later stages read.
+      splat::RoundToGrid(&trained.model);
+      world = splat::ToWorld(trained.model, frame);
     } else {
-      FREEGS_ASSIGN_OR_RETURN(trained.model, splat::ReadPly(options_.import));
+      FREEGS_ASSIGN_OR_RETURN(world, splat::ReadPly(options_.import));
+      trained.model = splat::ToFrame(world, frame);
       context.log(pipeline::LogLevel::kInfo,
                   "reconstruct: imported " +
                       std::to_string(trained.model.size()) +
                       " Gaussians from " + options_.import);
     }
-    FREEGS_RETURN_IF_ERROR(
-        splat::WritePly(context.output / "point_cloud.ply", trained.model));
+    FREEGS_RETURN_IF_ERROR(CheckVisible(trained.model,
+                                        scene.photos.train,
+                                        training.render,
+                                        "reconstruct",
+                                        *context.pool));
+    const std::string note = FarAwayNote(frame);
+    if (!note.empty()) {
+      context.log(pipeline::LogLevel::kWarning, "reconstruct: " + note);
+    }
+    FREEGS_RETURN_IF_ERROR(splat::WritePly(
+        context.output / "point_cloud.ply", world.model, world.offset));
     return WriteMetrics(trained, holdout_images, meter, context);
   }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Relates the world frame of a workspace to that of other cameras which show
+// Relates the frame of a scene to the world of other cameras which show
 // the same photographs, such as the true ones.
 //
 //   FREEGS_ASSIGN_OR_RETURN(const sfm::PoseAlignment alignment,
@@ -23,13 +23,13 @@ namespace freegs::stages {
 // Aligns the workspace's cameras with the cameras of the same name in `others`.
 // A camera whose name is not found is paired by its name without folder and
 // extension, if only one of `others` has that name. The result maps the
-// workspace's world frame (source) to that of `others` (target). kBadInput when
+// scene's frame (source) to that of `others` (target). kBadInput when
 // fewer than three cameras are paired; the message calls the others `source`.
 StatusOr<sfm::PoseAlignment> AlignWithViews(const WorkspaceScene& scene,
                                             const std::vector<View>& others,
                                             const std::string& source);
 
-// Brings views from another world frame into that of the workspace.
+// Brings views from another frame into that of the scene.
 std::vector<View> MapViews(const std::vector<View>& others,
                            const Sim3d& other_from_scene);
 

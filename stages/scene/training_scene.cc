@@ -11,6 +11,7 @@
 #include "sfm/scene/model_io.h"
 #include "sfm/scene/views.h"
 #include "splat/scene/initialization.h"
+#include "stages/scene/working_frame.h"
 
 namespace freegs::stages {
 namespace {
@@ -39,6 +40,9 @@ StatusOr<PosedPhotos> ReadPosedPhotos(const fs::path& workspace) {
   FREEGS_ASSIGN_OR_RETURN(posed.sparse, sfm::ReadModel(sparse));
   FREEGS_ASSIGN_OR_RETURN(std::vector<View> views,
                           sfm::MakeViews(posed.sparse));
+  posed.frame = ChooseFrame(posed.sparse, views);
+  MoveToFrame(posed.frame, &posed.sparse);
+  FREEGS_ASSIGN_OR_RETURN(views, sfm::MakeViews(posed.sparse));
   FREEGS_ASSIGN_OR_RETURN(const photos::PhotoList photos,
                           ReadPhotos(workspace));
   std::set<std::string> holdout_names;

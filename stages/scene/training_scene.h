@@ -25,12 +25,14 @@
 #include "sfm/scene/reconstruction.h"
 #include "splat/images/training_images.h"
 #include "splat/scene/gaussian_model.h"
+#include "splat/scene/model_frame.h"
 
 namespace freegs::stages {
 
 // The views of undistort/ at the photographs' own size. Each list is in the
-// order of the sparse model.
+// order of the sparse model. Poses and points are in `frame`, not in the world.
 struct PosedPhotos {
+  splat::ModelFrame frame;
   sfm::Reconstruction sparse;
   std::vector<View> train;
   std::vector<View> holdout;
@@ -44,9 +46,9 @@ StatusOr<PosedPhotos> ReadPosedPhotos(const std::filesystem::path& workspace);
 struct TrainingScene {
   std::filesystem::path photo_folder;
   PosedPhotos photos;
-  std::vector<Eigen::Vector3d> points;         // World frame.
+  std::vector<Eigen::Vector3d> points;         // In photos.frame.
   std::vector<std::array<uint8_t, 3>> colors;  // RGB, one per point.
-  double extent = 1;  // World units; see splat::SceneExtent.
+  double extent = 1;  // In units of photos.frame; see splat::SceneExtent.
 };
 
 // Reads the posed photographs and the points of undistort/sparse. The errors

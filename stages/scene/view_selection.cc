@@ -60,7 +60,7 @@ StatusOr<std::vector<View>> FileViews(const WorkspaceScene& scene,
                           ReadCameraSet(selection.cameras));
   std::vector<View> views = cameras.train;
   views.insert(views.end(), cameras.test.begin(), cameras.test.end());
-  if (!selection.align) return views;
+  if (!selection.align) return MapViews(views, scene.frame.WorldFromFrame());
 
   const StatusOr<sfm::PoseAlignment> alignment =
       AlignWithViews(scene, cameras.train, selection.cameras);

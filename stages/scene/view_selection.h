@@ -29,6 +29,7 @@ struct ViewSelection {
   // The poses of a camera file may be in another world frame. With `align` they
   // are mapped into the scene's frame by the similarity between the poses of
   // the photos that the file's "train" section and the workspace both name.
+  // Without it they are in the workspace's world frame.
   bool align = true;
 
   // Upper bounds of the longest side in pixels: the first holds for views of a
@@ -39,7 +40,7 @@ struct ViewSelection {
   std::string command = {};  // The command's name, which begins messages.
 };
 
-// Returns the selected views in the scene's world frame. `messages` receives a
+// Returns the selected views in the frame of the scene. `messages` receives a
 // line that says how well the poses of an aligned file agree with the scene's.
 // kBadInput names the file and the fault; it is also the error for a view of
 // more than 100 million pixels.

@@ -44,7 +44,7 @@ void TakeTrainingOptions(const fs::path& workspace, WorkspaceScene* scene) {
 
 }  // namespace
 
-StatusOr<splat::GaussianModel> ReadWorkspaceModel(const fs::path& workspace) {
+StatusOr<splat::PlacedModel> ReadWorkspaceModel(const fs::path& workspace) {
   FREEGS_RETURN_IF_ERROR(
       RequireStageFile(workspace, "reconstruct", "point_cloud.ply"));
   return splat::ReadPly(workspace / "reconstruct" / "point_cloud.ply");
@@ -55,7 +55,16 @@ StatusOr<WorkspaceScene> ReadWorkspaceScene(const fs::path& workspace) {
   WorkspaceScene scene;
   scene.train = std::move(posed.train);
   scene.holdout = std::move(posed.holdout);
-  FREEGS_ASSIGN_OR_RETURN(scene.model, ReadWorkspaceModel(workspace));
+  scene.frame = posed.frame;
+  FREEGS_ASSIGN_OR_RETURN(const splat::PlacedModel model,
+                          ReadWorkspaceModel(workspace));
+  scene.model = splat::ToFrame(model, scene.frame);
+  if (!scene.model.AllFinite()) {
+    return BadInputError(
+        (workspace / "reconstruct" / "point_cloud.ply").string() +
+        ": Gaussians are too large, or too far from the cameras of undistort/, "
+        "for float32");
+  }
   TakeTrainingOptions(workspace, &scene);
   return scene;
 }

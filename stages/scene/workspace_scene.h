@@ -19,10 +19,15 @@
 #include "core/status.h"
 #include "splat/render/renderer.h"
 #include "splat/scene/gaussian_model.h"
+#include "splat/scene/model_frame.h"
 
 namespace freegs::stages {
 
 struct WorkspaceScene {
+  // The model and the views are in this frame (stages/scene/working_frame.h),
+  // not in the world.
+  splat::ModelFrame frame;
+
   splat::GaussianModel model;
 
   // The views of undistort/ at the photographs' own size: those that training
@@ -46,8 +51,9 @@ struct WorkspaceScene {
 StatusOr<WorkspaceScene> ReadWorkspaceScene(
     const std::filesystem::path& workspace);
 
-// Reads only the model, reconstruct/point_cloud.ply. Errors as above.
-StatusOr<splat::GaussianModel> ReadWorkspaceModel(
+// Reads only the model, reconstruct/point_cloud.ply, in the world frame. Errors
+// as above.
+StatusOr<splat::PlacedModel> ReadWorkspaceModel(
     const std::filesystem::path& workspace);
 
 // Makes a file name with the extension `suffix` (".png") for each view. It is

@@ -54,7 +54,7 @@ std::string Header(const std::string& format,
 }
 
 std::string MessageOf(const std::string& content) {
-  const StatusOr<GaussianModel> model = ParsePly(content);
+  const StatusOr<PlacedModel> model = ParsePly(content);
   EXPECT_FALSE(model.ok());
   if (model.ok()) return "";
   EXPECT_EQ(model.status().code(), StatusCode::kBadInput);
@@ -65,9 +65,9 @@ class PlyDegreeTest : public ::testing::TestWithParam<int> {};
 
 TEST_P(PlyDegreeTest, RoundTripKeepsEveryBit) {
   const GaussianModel model = RandomModel(37, GetParam(), 5, 3.0);
-  const StatusOr<GaussianModel> read = ParsePly(SerializePly(model));
+  const StatusOr<PlacedModel> read = ParsePly(SerializePly(model));
   ASSERT_TRUE(read.ok()) << read.status().message();
-  EXPECT_TRUE(SameParameters(model, *read));
+  EXPECT_TRUE(SameParameters(model, read->model));
 }
 
 INSTANTIATE_TEST_SUITE_P(AllDegrees, PlyDegreeTest, ::testing::Range(0, 4));
@@ -77,9 +77,9 @@ TEST(PlyTest, FileRoundTripAndErrorsNameTheFile) {
   const std::filesystem::path path = folder / "ply_io_test_model.ply";
   const GaussianModel model = RandomModel(3, 1, 8);
   ASSERT_TRUE(WritePly(path, model).ok());
-  const StatusOr<GaussianModel> read = ReadPly(path);
+  const StatusOr<PlacedModel> read = ReadPly(path);
   ASSERT_TRUE(read.ok());
-  EXPECT_TRUE(SameParameters(model, *read));
+  EXPECT_TRUE(SameParameters(model, read->model));
   ASSERT_TRUE(WriteFileAtomic(path, "ply\n").ok());
   EXPECT_THAT(ReadPly(path).status().message(),
               HasSubstr("ply_io_test_model.ply"));
@@ -88,9 +88,9 @@ TEST(PlyTest, FileRoundTripAndErrorsNameTheFile) {
 }
 
 TEST(PlyTest, EmptyModel) {
-  const StatusOr<GaussianModel> read = ParsePly(SerializePly(GaussianModel()));
+  const StatusOr<PlacedModel> read = ParsePly(SerializePly(GaussianModel()));
   ASSERT_TRUE(read.ok());
-  EXPECT_TRUE(read->empty());
+  EXPECT_TRUE(read->model.empty());
 }
 
 // The layout is shared with other programs: byte positions are fixed.
@@ -134,16 +134,16 @@ TEST(PlyTest, AsciiInAnyOrderWithForeignPropertiesAndElements) {
   text += "99 0.4 0.3 0.2 +0.1 -1 -2 -3 2.5 6 5 4 3 2 1e0 2 11 12\n";
   text += "99 0 0 0 0 -1 -2 -3 2.5 6 5 4 3 2 1e-400 0";
   text += "\n3 0 1 2\n";
-  const StatusOr<GaussianModel> model = ParsePly(text);
+  const StatusOr<PlacedModel> model = ParsePly(text);
   ASSERT_TRUE(model.ok()) << model.status().message();
-  ASSERT_EQ(model->size(), 2u);
-  EXPECT_EQ(model->sh_degree, 0);
-  EXPECT_THAT(model->means, ::testing::ElementsAre(1, 2, 3, 0, 2, 3));
-  EXPECT_THAT(model->sh_dc, ::testing::ElementsAre(4, 5, 6, 4, 5, 6));
-  EXPECT_THAT(model->log_scales,
+  ASSERT_EQ(model->model.size(), 2u);
+  EXPECT_EQ(model->model.sh_degree, 0);
+  EXPECT_THAT(model->model.means, ::testing::ElementsAre(1, 2, 3, 0, 2, 3));
+  EXPECT_THAT(model->model.sh_dc, ::testing::ElementsAre(4, 5, 6, 4, 5, 6));
+  EXPECT_THAT(model->model.log_scales,
               ::testing::ElementsAre(-3, -2, -1, -3, -2, -1));
   EXPECT_THAT(
-      model->rotations,
+      model->model.rotations,
       ::testing::ElementsAre(0.1f, 0.2f, 0.3f, 0.4f, 1.0f, 0.0f, 0.0f, 0.0f));
 }
 
@@ -154,10 +154,10 @@ TEST(PlyTest, BigEndianDoubles) {
     std::reverse(bytes.begin(), bytes.end());
     content.append(bytes.data(), bytes.size());
   }
-  const StatusOr<GaussianModel> model = ParsePly(content);
+  const StatusOr<PlacedModel> model = ParsePly(content);
   ASSERT_TRUE(model.ok()) << model.status().message();
-  EXPECT_EQ(model->means[1], 1.25f);
-  EXPECT_EQ(model->rotations[3], 13.25f);
+  EXPECT_EQ(model->model.means[1], 1.25f);
+  EXPECT_EQ(model->model.rotations[3], 13.25f);
 }
 
 TEST(PlyTest, BinaryListsAreSkippedByTheirLength) {
@@ -168,9 +168,9 @@ TEST(PlyTest, BinaryListsAreSkippedByTheirLength) {
   content += std::string("\x02", 1) + std::string(4, '\0');
   content += std::string("\x00", 1);
   for (char p = 0; p < 14; ++p) content += p;
-  const StatusOr<GaussianModel> model = ParsePly(content);
+  const StatusOr<PlacedModel> model = ParsePly(content);
   ASSERT_TRUE(model.ok()) << model.status().message();
-  EXPECT_EQ(model->opacity_logits[0], 6.0f);
+  EXPECT_EQ(model->model.opacity_logits[0], 6.0f);
 }
 
 TEST(PlyTest, NamesWhatIsMissing) {
@@ -235,9 +235,9 @@ TEST(PlyTest, SurvivesMutations) {
       for (const char c : {'\0', '\n', ' ', '9', '-', 'x', '\xff'}) {
         std::string mutated = content;
         mutated[at] = c;
-        const StatusOr<GaussianModel> model = ParsePly(mutated);
+        const StatusOr<PlacedModel> model = ParsePly(mutated);
         if (model.ok()) {
-          EXPECT_TRUE(model->AllFinite());
+          EXPECT_TRUE(model->model.AllFinite());
         }
       }
     }

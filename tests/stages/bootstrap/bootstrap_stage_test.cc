@@ -22,6 +22,7 @@
 #include "splat/scene/ply_io.h"
 #include "tests/semantics/clip/model_files.h"
 #include "tests/semantics/synthetic_gaussians.h"
+#include "tests/stages/moved_world.h"
 #include "tests/temporary_folder.h"
 
 namespace freegs::stages {
@@ -228,6 +229,38 @@ TEST_F(BootstrapStageTest, ResumesToTheSameFiles) {
   ASSERT_TRUE(Run(output, 2, nullptr, /*resuming=*/true).ok());
   EXPECT_EQ(*ReadFile(output / "instances" / "photo6.png"), *map);
   EXPECT_TRUE(fs::exists(output / "metrics.json"));
+}
+
+TEST_F(BootstrapStageTest, SameInstancesInAnyUnit) {
+  RoundModel(workspace());
+  ASSERT_TRUE(Run(workspace() / "plain").ok());
+  const auto plain =
+      semantics::ReadInstances(workspace() / "plain" / "instances.json");
+  ASSERT_TRUE(plain.ok());
+  const Eigen::Vector3d shift(0.05, -0.1, 0.2);
+  MoveWorld(workspace(), 0.01, shift);
+  const Status status = Run(workspace() / "small");
+  ASSERT_TRUE(status.ok()) << status.message();
+  EXPECT_EQ(ReadText(workspace() / "small" / "idsf.bin"),
+            ReadText(workspace() / "plain" / "idsf.bin"));
+  const auto small =
+      semantics::ReadInstances(workspace() / "small" / "instances.json");
+  ASSERT_TRUE(small.ok());
+  ASSERT_EQ(small->size(), plain->size());
+  for (size_t i = 0; i < small->size(); ++i) {
+    const semantics::Instance& a = (*small)[i];
+    const semantics::Instance& b = (*plain)[i];
+    EXPECT_NEAR((a.centre - 0.01 * b.centre - shift).norm(), 0, 1e-7);
+    EXPECT_NEAR((a.aabb.max - 0.01 * b.aabb.max - shift).norm(), 0, 1e-7);
+    EXPECT_NEAR((a.obb.size - 0.01 * b.obb.size).norm(), 0, 1e-7);
+  }
+}
+
+TEST_F(BootstrapStageTest, RefusesAModelThatNoPhotoShows) {
+  splat::GaussianModel elsewhere = scene_.model;
+  for (float& x : elsewhere.means) x += 1e4f;
+  WriteModel(elsewhere);
+  EXPECT_EQ(Run(workspace() / "out").code(), StatusCode::kUnusableResult);
 }
 
 TEST_F(BootstrapStageTest, LimitsTheSizeOfMaps) {

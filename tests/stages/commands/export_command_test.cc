@@ -48,8 +48,9 @@ TEST_F(ExportCommandTest, InstancesHaveFlatColoursAndTheSameShape) {
   ASSERT_TRUE(
       Export({workspace(), "--out", File("i.ply"), "--what", "instances"})
           .ok());
-  const auto model = splat::ReadPly(File("i.ply"));
-  ASSERT_TRUE(model.ok()) << model.status().message();
+  const auto file = splat::ReadPly(File("i.ply"));
+  ASSERT_TRUE(file.ok()) << file.status().message();
+  const splat::GaussianModel* const model = &file->model;
   EXPECT_EQ(model->sh_degree, 0);
   EXPECT_EQ(model->means, workspace_.model.means);
   EXPECT_EQ(model->log_scales, workspace_.model.log_scales);
@@ -79,15 +80,15 @@ TEST_F(ExportCommandTest, OnlyAndWithoutPartTheScene) {
   size_t num_rest = 0;
   for (size_t i = 0; i < workspace_.model.size(); ++i) {
     const int32_t label = workspace_.labels[i];
-    const auto& model = label == 0 || label == 2 ? *only : *rest;
+    const auto& model = label == 0 || label == 2 ? only->model : rest->model;
     size_t& k = label == 0 || label == 2 ? num_only : num_rest;
     ASSERT_LT(k, model.size());
     EXPECT_EQ(model.means[3 * k], workspace_.model.means[3 * i]);
     EXPECT_EQ(model.sh_dc[3 * k + 2], workspace_.model.sh_dc[3 * i + 2]);
     ++k;
   }
-  EXPECT_EQ(num_only, only->size());
-  EXPECT_EQ(num_rest, rest->size());
+  EXPECT_EQ(num_only, only->model.size());
+  EXPECT_EQ(num_rest, rest->model.size());
 }
 
 TEST_F(ExportCommandTest, InstancesThatAreNotThere) {

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "stages/scene/scene_instances.h"
+#include "tests/stages/moved_world.h"
 #include "tests/stages/synthetic_workspace.h"
 
 namespace freegs::stages {
@@ -41,6 +42,11 @@ class RenderCommandTest : public testing::Test {
     file_from_scene.rotation =
         Eigen::AngleAxisd(1.1, Eigen::Vector3d(1, 2, 3).normalized());
     file_from_scene.translation = Eigen::Vector3d(4, -5, 6);
+    return Cameras(rename, file_from_scene);
+  }
+
+  nlohmann::json Cameras(const std::string& rename,
+                         const Sim3d& file_from_scene) const {
     const auto matrix = [&](const Rigid3d& cam_from_scene) {
       const Eigen::Matrix<double, 3, 4> pose =
           TransformCamera(file_from_scene, cam_from_scene).Matrix3x4();
@@ -90,8 +96,26 @@ TEST_F(RenderCommandTest, ColorIsTheRendererAtTrainingSize) {
                                                     pool_)
                                       .color);
     ASSERT_EQ(picture->size(), expected.size());
-    EXPECT_TRUE(std::equal(
-        expected.data(), expected.data() + expected.size(), picture->data()));
+    for (size_t k = 0; k < expected.size(); ++k) {
+      ASSERT_NEAR(picture->data()[k], expected.data()[k], 1);
+    }
+  }
+}
+
+TEST_F(RenderCommandTest, SamePicturesInAnyUnitAndDepthInIt) {
+  RoundModel(workspace_.path());
+  ASSERT_TRUE(Render({workspace(), "--out", out()}).ok());
+  const std::string color = ReadText(out() + "/photo1.png");
+  ASSERT_TRUE(Render({workspace(), "--out", out(), "--what", "depth"}).ok());
+  const auto depth = nlohmann::json::parse(ReadText(out() + "/depth.json"));
+  MoveWorld(workspace_.path(), 1000, {7000, 0, -2000});
+  ASSERT_TRUE(Render({workspace(), "--out", out()}).ok());
+  EXPECT_EQ(ReadText(out() + "/photo1.png"), color);
+  ASSERT_TRUE(Render({workspace(), "--out", out(), "--what", "depth"}).ok());
+  const auto larger = nlohmann::json::parse(ReadText(out() + "/depth.json"));
+  for (const char* key : {"near", "far", "unit"}) {
+    EXPECT_NEAR(larger[key].get<double>() / depth[key].get<double>(), 1000, 0.1)
+        << key;
   }
 }
 
@@ -121,7 +145,7 @@ TEST_F(RenderCommandTest, DepthInUnitsOfItsScale) {
                            .depth;
   ASSERT_EQ(stored->size(), depth.size());
   for (size_t k = 0; k < depth.size(); ++k) {
-    ASSERT_NEAR(stored->data()[k] * unit, depth.data()[k], 0.501 * unit);
+    ASSERT_NEAR(stored->data()[k] * unit, depth.data()[k], 3 * unit);
   }
   EXPECT_TRUE(ReadRgb(out() + "/preview/" + view.name).ok());
 }
@@ -143,11 +167,14 @@ TEST_F(RenderCommandTest, InstancesAreIds) {
       workspace_.labels);
   ASSERT_EQ(stored->size(), labels.size());
   int found = 0;
+  int different = 0;
   for (size_t k = 0; k < labels.size(); ++k) {
-    ASSERT_EQ(stored->data()[k], labels.data()[k] + 1);
+    different += stored->data()[k] != labels.data()[k] + 1;
     found += labels.data()[k] >= 0;
   }
   EXPECT_GT(found, 100);
+  // Positions are rounded when they are read.
+  EXPECT_LE(different, 2);
   EXPECT_TRUE(ReadRgb(out() + "/preview/" + view.name).ok());
 }
 
@@ -201,9 +228,12 @@ TEST_F(RenderCommandTest, CameraFileOfOtherPhotosNeedsNoAlign) {
       Render({workspace(), "--out", out(), "--cameras", file});
   EXPECT_EQ(status.code(), StatusCode::kBadInput);
   EXPECT_THAT(status.message(), HasSubstr("--no-align"));
-  EXPECT_TRUE(
-      Render({workspace(), "--out", out(), "--cameras", file, "--no-align"})
-          .ok());
+  // Where these cameras look, nothing is.
+  const std::vector<std::string> no_align = {
+      workspace(), "--out", out(), "--cameras", file, "--no-align"};
+  EXPECT_EQ(Render(no_align).code(), StatusCode::kUnusableResult);
+  WriteText(out_ / "cameras.json", Cameras("other_", {}).dump());
+  EXPECT_TRUE(Render(no_align).ok());
 }
 
 TEST_F(RenderCommandTest, HugePicturesNeedASize) {

@@ -20,6 +20,7 @@
 #include "splat/scene/ply_io.h"
 #include "splat/train/checkpoint.h"
 #include "tests/splat/test_scene.h"
+#include "tests/stages/moved_world.h"
 #include "tests/temporary_folder.h"
 
 namespace freegs::stages {
@@ -164,7 +165,7 @@ TEST_F(ReconstructStageTest, WritesTheContract) {
   EXPECT_GT(metrics["peak_memory_bytes"].get<int64_t>(), 0);
   const auto model = splat::ReadPly(workspace_ / "out" / "point_cloud.ply");
   ASSERT_TRUE(model.ok());
-  EXPECT_EQ(metrics["num_gaussians"], model->size());
+  EXPECT_EQ(metrics["num_gaussians"], model->model.size());
   for (const char* name : {"photo0.png", "photo5.png"}) {
     EXPECT_TRUE(fs::exists(workspace_ / "out" / "holdout" / name));
   }
@@ -331,6 +332,41 @@ TEST_F(ReconstructStageTest, TakesATrainedModel) {
   EXPECT_GT(metrics["holdout_psnr"].get<double>(), 50);
   EXPECT_EQ(metrics["num_gaussians"], truth_.size());
   EXPECT_TRUE(metrics.at("budget_search").is_null());
+}
+
+TEST_F(ReconstructStageTest, SameQualityInAnyUnitAndPlace) {
+  ASSERT_TRUE(Run(Short(), "plain").ok());
+  const nlohmann::json expected = Metrics("plain");
+  double scale = 1;
+  for (const double step : {1e-3, 1e7}) {
+    MoveWorld(workspace_, step, {});
+    scale *= step;
+    const Status status = Run(Short(), "scaled");
+    ASSERT_TRUE(status.ok()) << status.message();
+    EXPECT_EQ(Metrics("scaled")["holdout_psnr"], expected["holdout_psnr"]);
+    EXPECT_EQ(Metrics("scaled")["num_gaussians"], expected["num_gaussians"]);
+  }
+  // Poses far from the origin are themselves rounded.
+  MoveWorld(workspace_, 1, Eigen::Vector3d(3, -5, 2) * 1000 * scale);
+  ASSERT_TRUE(Run(Short(), "far").ok());
+  EXPECT_NEAR(Metrics("far")["holdout_psnr"].get<double>(),
+              expected["holdout_psnr"].get<double>(),
+              0.3);
+  const auto model = splat::ReadPly(workspace_ / "far" / "point_cloud.ply");
+  ASSERT_TRUE(model.ok());
+  EXPECT_NEAR(model->offset.x(), 3000 * scale, 10 * scale);
+  EXPECT_THAT(log_, testing::HasSubstr("comment offset"));
+}
+
+TEST_F(ReconstructStageTest, RefusesAModelThatNoPhotoShows) {
+  ReconstructStageOptions options = Short();
+  options.import = (workspace_ / "elsewhere.ply").string();
+  splat::GaussianModel elsewhere = truth_;
+  for (float& x : elsewhere.means) x += 1e4f;
+  ASSERT_TRUE(splat::WritePly(options.import, elsewhere).ok());
+  const Status status = Run(options, "out");
+  EXPECT_EQ(status.code(), StatusCode::kUnusableResult);
+  EXPECT_THAT(status.message(), testing::HasSubstr("is visible"));
 }
 
 TEST_F(ReconstructStageTest, GoingBackIsLoggedAndListed) {
