@@ -2,6 +2,7 @@
 
 #include "core/io/files.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -114,6 +115,17 @@ Status CreateFolders(const fs::path& path) {
                          ": cannot create folder: " + error.message());
   }
   return Status();
+}
+
+bool IsNameBelowFolder(std::string_view name) {
+  // The system would take what stands before a NUL for the whole name.
+  if (name.find('\0') != std::string_view::npos) return false;
+  const fs::path path(name);
+  if (!path.is_relative() || !path.has_filename()) return false;
+  return path.filename() != "." &&
+         std::none_of(path.begin(), path.end(), [](const fs::path& part) {
+           return part == "..";
+         });
 }
 
 std::string HashBytes(std::string_view bytes) {

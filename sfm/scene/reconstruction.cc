@@ -8,6 +8,8 @@
 #include <string_view>
 #include <unordered_set>
 
+#include "core/io/files.h"
+
 namespace freegs::sfm {
 namespace {
 
@@ -49,6 +51,11 @@ Status CheckReconstruction(const Reconstruction& model) {
   for (const PosedImage& image : model.images) {
     const std::string where = "image '" + image.name + "'";
     if (image.name.empty()) return BadInputError("an image has no name");
+    if (!IsNameBelowFolder(image.name)) {
+      return BadInputError(where +
+                           " does not name a file below the photo folder; "
+                           "names must be relative to it and without '..'");
+    }
     if (!names.insert(image.name).second) {
       return BadInputError(where + " appears twice");
     }

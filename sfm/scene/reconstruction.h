@@ -73,8 +73,9 @@ std::unordered_map<uint32_t, size_t> IndexCameras(const Reconstruction& model);
 std::unordered_map<uint32_t, size_t> IndexImages(const Reconstruction& model);
 std::unordered_map<uint64_t, size_t> IndexPoints(const Reconstruction& model);
 
-// Returns kBadInput for repeated ids or image names, for images without a
-// camera, and for numbers that are not finite.
+// Returns kBadInput for repeated ids or image names, for image names that lead
+// out of the photo folder, for images without a camera, and for numbers that
+// are not finite.
 Status CheckReconstruction(const Reconstruction& model);
 
 // Makes tracks and features agree: drops track elements that name no existing

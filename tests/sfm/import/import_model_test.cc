@@ -159,6 +159,18 @@ TEST(ImportModel, TransformsGetRandomPoints) {
       CameraCentre(imported->model.images[1].cam_from_world).x(), 1, 1e-12);
 }
 
+// The paths of a transforms file lead from its own folder and may well go up.
+// They are only compared: what is imported has the names of the photos.
+TEST(ImportModel, PathsOfATransformsFileAreNotKept) {
+  const TemporaryFolder folder;
+  WriteText(folder / "transforms.json",
+            Transforms({"../../photo_000.jpg", "/elsewhere/photo_001.jpg"}));
+  const auto imported = Import(folder.path(), Photos(2));
+  ASSERT_TRUE(imported.ok()) << imported.status().message();
+  EXPECT_EQ(imported->model.images[0].name, PhotoName(0));
+  EXPECT_EQ(imported->model.images[1].name, PhotoName(1));
+}
+
 TEST(ImportModel, FaultsNameTheFile) {
   const TemporaryFolder folder;
   WriteText(folder / "transforms.json", "{");

@@ -177,6 +177,25 @@ TEST(ModelIo, InconsistentModelsAreRefused) {
   refuses(model, "focal length");
 }
 
+TEST(ModelIo, NamesThatLeaveTheFolderAreRefused) {
+  const TemporaryFolder folder;
+  for (const ModelFormat format : {ModelFormat::kBinary, ModelFormat::kText}) {
+    const fs::path path =
+        folder.path() / (format == ModelFormat::kText ? "text" : "binary");
+    for (const char* name :
+         {"../a.jpg", "/a.jpg", "a/../../b.jpg", "..", "a/"}) {
+      Reconstruction model = SmallModel();
+      model.images[1].name = name;
+      ASSERT_TRUE(WriteModel(path, model, format).ok());
+      const auto read = ReadModel(path);
+      ASSERT_FALSE(read.ok()) << name;
+      EXPECT_EQ(read.status().code(), StatusCode::kBadInput);
+      EXPECT_THAT(read.status().message(), HasSubstr(path.string()));
+      EXPECT_THAT(read.status().message(), HasSubstr(name));
+    }
+  }
+}
+
 // A count far beyond the file must be refused before memory is taken for it.
 TEST(ModelIo, LyingCountsTakeNoMemory) {
   for (const uint64_t count :
