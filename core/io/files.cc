@@ -59,15 +59,17 @@ std::string HexDigest(XXH128_hash_t hash) {
 
 StatusOr<std::string> ReadFile(const fs::path& path, uint64_t max_bytes) {
   FREEGS_ASSIGN_OR_RETURN(File file, OpenRegular(path));
+  const Status too_large = BadInputError(path.string() + ": larger than " +
+                                         std::to_string(max_bytes) + " bytes");
+  std::error_code error;
+  const uintmax_t size = fs::file_size(path, error);
+  if (!error && size > max_bytes) return too_large;
   std::string content;
   std::vector<char> buffer(1 << 20);
   for (;;) {
     const size_t n = std::fread(buffer.data(), 1, buffer.size(), file.get());
     content.append(buffer.data(), n);
-    if (content.size() > max_bytes) {
-      return BadInputError(path.string() + ": larger than " +
-                           std::to_string(max_bytes) + " bytes");
-    }
+    if (content.size() > max_bytes) return too_large;  // It is growing.
     if (n < buffer.size()) break;
   }
   if (std::ferror(file.get()) != 0) {
