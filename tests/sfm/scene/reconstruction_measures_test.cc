@@ -2,6 +2,9 @@
 
 #include "sfm/scene/reconstruction_measures.h"
 
+#include <cmath>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 namespace freegs::sfm {
@@ -19,6 +22,20 @@ TEST(TriangulationAngleDeg, KnownAngles) {
               1e-9);
   EXPECT_EQ(TriangulationAngleDeg({0, 0, 0}, {{1, 0, 0}}), 0);
   EXPECT_EQ(TriangulationAngleDeg({0, 0, 0}, {{0, 0, 0}, {0, 0, 0}}), 0);
+}
+
+// Rays on a cone of 20 degrees around z: comparing all pairs of a track that
+// somebody made up would take minutes.
+TEST(TriangulationAngleDeg, LongTracksTakeNoLonger) {
+  std::vector<Eigen::Vector3d> centres;
+  constexpr int kCount = 200'000;
+  for (int i = 0; i < kCount; ++i) {
+    const double turn = 2 * M_PI * i / kCount;
+    centres.emplace_back(std::sin(M_PI / 9) * std::cos(turn),
+                         std::sin(M_PI / 9) * std::sin(turn),
+                         std::cos(M_PI / 9));
+  }
+  EXPECT_NEAR(TriangulationAngleDeg({0, 0, 0}, centres), 40, 0.01);
 }
 
 }  // namespace
