@@ -9,6 +9,7 @@
 #include <unordered_set>
 
 #include "core/io/files.h"
+#include "core/number_text.h"
 
 namespace freegs::sfm {
 namespace {
@@ -19,6 +20,15 @@ std::unordered_map<Id, size_t> IndexById(const std::vector<Item>& items) {
   index.reserve(items.size());
   for (size_t i = 0; i < items.size(); ++i) index.emplace(items[i].id, i);
   return index;
+}
+
+bool IsTooFar(const Eigen::Vector3d& position) {
+  return position.cwiseAbs().maxCoeff() > kMaxCoordinate;
+}
+
+std::string TooFar() {
+  return " is farther than " + FormatSignificant(kMaxCoordinate, 6) +
+         " from the origin; choose another unit";
 }
 
 }  // namespace
@@ -71,6 +81,9 @@ Status CheckReconstruction(const Reconstruction& model) {
                            " has a pose that is not a rotation and "
                            "translation");
     }
+    if (IsTooFar(pose.translation)) {
+      return BadInputError(where + TooFar());
+    }
     for (const Point2D& point : image.points2d) {
       if (!point.xy.allFinite()) {
         return BadInputError(where + " has a feature that is not a number");
@@ -88,6 +101,9 @@ Status CheckReconstruction(const Reconstruction& model) {
     if (!point.xyz.allFinite() || !std::isfinite(point.error)) {
       return BadInputError("point " + std::to_string(point.id) +
                            " is not a number");
+    }
+    if (IsTooFar(point.xyz)) {
+      return BadInputError("point " + std::to_string(point.id) + TooFar());
     }
   }
   return {};

@@ -175,6 +175,15 @@ TEST(ModelIo, InconsistentModelsAreRefused) {
   model = SmallModel();
   model.cameras[0].params[0] = -1;
   refuses(model, "focal length");
+  // A whole model in an absurd unit, of which squares would be infinite.
+  for (const double scale : {1e14, 1e200, 1e300}) {
+    model = SmallModel();
+    model.images[0].cam_from_world.translation *= scale;
+    refuses(model, "image 'photo_000.jpg' is farther than");
+    model = SmallModel();
+    model.points3d[0].xyz *= scale;
+    refuses(model, "point 10 is farther than");
+  }
 }
 
 TEST(ModelIo, NamesThatLeaveTheFolderAreRefused) {
