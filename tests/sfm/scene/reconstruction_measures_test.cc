@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/random.h"
+
 namespace freegs::sfm {
 namespace {
 
@@ -36,6 +38,21 @@ TEST(TriangulationAngleDeg, LongTracksTakeNoLonger) {
                          std::cos(M_PI / 9));
   }
   EXPECT_NEAR(TriangulationAngleDeg({0, 0, 0}, centres), 40, 0.01);
+}
+
+TEST(TriangulationAngleDeg, EvenlySpreadRaysStandForALongTrack) {
+  RandomStream random(3, 1);
+  std::vector<Eigen::Vector3d> centres;
+  std::vector<Eigen::Vector3d> fourths;
+  for (int i = 0; i < 1024; ++i) {
+    centres.emplace_back(random.Uniform(), random.Uniform(), 5);
+    if (i % 4 == 0) fourths.push_back(centres.back());
+  }
+  // The two centres that are farthest apart are none of these.
+  centres[1] = {-1, -1, 5};
+  centres[1022] = {2, 2, 5};
+  EXPECT_EQ(TriangulationAngleDeg({0, 0, 0}, centres),
+            TriangulationAngleDeg({0, 0, 0}, fourths));
 }
 
 }  // namespace
