@@ -151,7 +151,7 @@ StatusOr<ImageU8> DecodePhoto(std::string_view bytes,
                               const PhotoDecodeOptions& options) {
   ImageU8 stored;
   if (header.format == PhotoFormat::kJpeg) {
-    FREEGS_ASSIGN_OR_RETURN(stored, DecodeJpeg(bytes));
+    FREEGS_ASSIGN_OR_RETURN(stored, DecodeJpeg(bytes, header));
   } else {
     FREEGS_ASSIGN_OR_RETURN(cv::Mat mat, DecodeStored(bytes, header));
     FREEGS_ASSIGN_OR_RETURN(

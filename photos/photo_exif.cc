@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/focal_ratio.h"
 #include "core/status.h"
 #include "photos/photo_tiff.h"
 
@@ -24,11 +25,6 @@ constexpr uint16_t kPixelYDimension = 0xa003;
 constexpr uint16_t kFocalPlaneXResolution = 0xa20e;
 constexpr uint16_t kFocalPlaneResolutionUnit = 0xa210;
 constexpr uint16_t kFocalLengthIn35mmFilm = 0xa405;
-
-// A prior outside these multiples of the longest side is a wrong tag: no
-// photograph has a field of view above 150 degrees or below a fifth of one.
-constexpr double kMinFocalRatio = 0.13;
-constexpr double kMaxFocalRatio = 300;
 
 using Tags = std::vector<TiffEntry>;
 
@@ -105,6 +101,7 @@ std::optional<double> FocalLengthPixels(const ExifTags& exif,
             std::max(width, height) / *exif.focal_plane_longest_side;
   }
   if (!focal) return std::nullopt;
+  // A length that no photograph has comes from a wrong tag.
   const double ratio = *focal / std::max(width, height);
   if (!(ratio >= kMinFocalRatio && ratio <= kMaxFocalRatio)) {
     return std::nullopt;

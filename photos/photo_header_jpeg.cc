@@ -113,6 +113,11 @@ StatusOr<PhotoHeader> ParseJpegHeader(std::string_view bytes) {
     if (bytes.size() - at < length) break;
     const std::string_view segment = bytes.substr(at + 2, length - 2);
     if (IsFrame(marker)) {
+      // Decoders take the first one, and the limits must hold for that one.
+      if (header.width != 0) {
+        return BadInputError(
+            "damaged JPEG: it has two frame headers; copy the file again");
+      }
       FREEGS_RETURN_IF_ERROR(ReadFrame(segment, marker, &header));
     } else if (marker == kExifSegment && !has_exif &&
                segment.starts_with(kExifPrefix)) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "photos/photo_header.h"
@@ -25,6 +26,10 @@ constexpr uint16_t kExtraSamples = 338;
 constexpr uint16_t kSampleFormat = 339;
 
 constexpr uint32_t kUncompressed = 1;
+constexpr uint32_t kLzw = 5;
+constexpr uint32_t kDeflate = 8;
+constexpr uint32_t kOldDeflate = 32946;
+constexpr uint32_t kPackBits = 32773;
 constexpr uint32_t kUnsignedInteger = 1;
 constexpr uint32_t kAssociatedAlpha = 1;
 
@@ -36,6 +41,24 @@ uint32_t UnsignedTag(const TiffReader& reader,
                      uint32_t missing) {
   const TiffEntry* entry = FindTag(tags, tag);
   return entry == nullptr ? missing : reader.Unsigned(*entry).value_or(missing);
+}
+
+// How many bytes one byte of the file becomes at most, where the compression
+// has such a bound.
+std::optional<double> MaxRatio(uint32_t compression) {
+  switch (compression) {
+    case kUncompressed:
+      return 1;
+    case kLzw:
+      return 4096 * 8 / 12;  // A code of 12 bits stands for one table entry.
+    case kDeflate:
+    case kOldDeflate:
+      return 1032;
+    case kPackBits:
+      return 64;  // Two bytes become 128.
+    default:
+      return std::nullopt;
+  }
 }
 
 // Adds up the strips (or tiles); false if one of them lies outside the file.
@@ -113,12 +136,13 @@ StatusOr<PhotoHeader> ParseTiffHeader(std::string_view bytes) {
                        &data_bytes);
   header.truncated = !complete || (FindTag(tags, kStripOffsets) == nullptr &&
                                    FindTag(tags, kTileOffsets) == nullptr);
-  // Compressed strips have no bound worth checking: the decoder reports strips
-  // that hold too little.
   header.max_pixels = std::numeric_limits<double>::infinity();
-  if (UnsignedTag(reader, tags, kCompression, kUncompressed) == kUncompressed &&
-      FindTag(tags, kStripByteCounts) != nullptr) {
-    header.max_pixels = data_bytes * 8 / (header.bits * header.samples);
+  const std::optional<double> ratio =
+      MaxRatio(UnsignedTag(reader, tags, kCompression, kUncompressed));
+  if (ratio && (FindTag(tags, kStripByteCounts) != nullptr ||
+                FindTag(tags, kTileByteCounts) != nullptr)) {
+    header.max_pixels =
+        *ratio * data_bytes * 8 / (header.bits * header.samples);
   }
   return header;
 }

@@ -33,7 +33,8 @@ class Decompressor {
   Decompressor(const Decompressor&) = delete;
   Decompressor& operator=(const Decompressor&) = delete;
 
-  bool Start(std::string_view bytes) {
+  // Reads what stands before the pixels, and takes no memory for them yet.
+  bool ReadHeader(std::string_view bytes) {
     if (setjmp(jump_) != 0) return false;
     jpeg_create_decompress(&info_);
     info_.client_data = this;
@@ -42,6 +43,15 @@ class Decompressor {
                  reinterpret_cast<const unsigned char*>(bytes.data()),
                  static_cast<unsigned long>(bytes.size()));
     jpeg_read_header(&info_, TRUE);
+    return true;
+  }
+
+  bool HasSize(int64_t width, int64_t height) const {
+    return info_.image_width == width && info_.image_height == height;
+  }
+
+  bool Start() {
+    if (setjmp(jump_) != 0) return false;
     const bool cmyk = info_.num_components == 4;
     info_.out_color_space = cmyk ? JCS_CMYK : JCS_RGB;
     jpeg_start_decompress(&info_);
@@ -132,9 +142,15 @@ void CmykToRgb(const std::vector<uint8_t>& cmyk, bool inverted, uint8_t* rgb) {
 
 }  // namespace
 
-StatusOr<ImageU8> DecodeJpeg(std::string_view bytes) {
+StatusOr<ImageU8> DecodeJpeg(std::string_view bytes,
+                             const PhotoHeader& header) {
   Decompressor decompressor;
-  if (!decompressor.Start(bytes)) return Damaged(decompressor);
+  if (!decompressor.ReadHeader(bytes)) return Damaged(decompressor);
+  if (!decompressor.HasSize(header.width, header.height)) {
+    return BadInputError(
+        "damaged JPEG: it says two sizes of itself; copy the file again");
+  }
+  if (!decompressor.Start()) return Damaged(decompressor);
   ImageU8 image(decompressor.width(), decompressor.height(), 3);
   std::vector<uint8_t> cmyk;
   if (decompressor.samples() == 4) cmyk.resize(size_t{4} * image.width());

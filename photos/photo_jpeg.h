@@ -8,6 +8,7 @@
 
 #include "core/image.h"
 #include "core/status.h"
+#include "photos/photo_header.h"
 
 namespace freegs::photos {
 
@@ -16,7 +17,10 @@ namespace freegs::photos {
 // early or make no sense; the message is a phrase without the file's name. This
 // uses libjpeg directly, because OpenCV hides libjpeg's warnings and fills such
 // pictures with grey without an error.
-StatusOr<ImageU8> DecodeJpeg(std::string_view bytes);
+//
+// `header` is what ParseJpegHeader says of the bytes. A file whose size libjpeg
+// reads otherwise is refused before memory is taken for its pixels.
+StatusOr<ImageU8> DecodeJpeg(std::string_view bytes, const PhotoHeader& header);
 
 }  // namespace freegs::photos
 

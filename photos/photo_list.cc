@@ -59,16 +59,6 @@ json ToJson(const Photo& photo) {
   return object;
 }
 
-// A relative path that stays below its folder.
-bool IsNameBelowFolder(const std::string& name) {
-  if (name.empty() || name.find('\0') != std::string::npos) return false;
-  const std::filesystem::path path(name);
-  if (path.is_absolute() || !path.has_filename()) return false;
-  return std::none_of(path.begin(), path.end(), [](const auto& part) {
-    return part == ".." || part == ".";
-  });
-}
-
 Photo ReadPhoto(JsonObjectReader& reader) {
   // A focal length may be null, which means unknown.
   const auto optional_focal =

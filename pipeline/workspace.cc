@@ -3,6 +3,8 @@
 #include "pipeline/workspace.h"
 
 #include <cerrno>
+#include <charconv>
+#include <cstdint>
 #include <cstring>
 #include <fcntl.h>
 #include <sys/file.h>
@@ -20,6 +22,48 @@ namespace freegs::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
+
+// JSON holds UTF-8 only, and a path may be of any bytes. Such a text becomes
+// {"percent": "caf%E9"}, with the bytes beyond ASCII, and '%', as hex digits.
+constexpr char kPercent[] = "percent";
+
+nlohmann::json BytesToJson(const std::string& bytes) {
+  if (ValidUtf8(bytes) == bytes) return bytes;
+  constexpr char kDigits[] = "0123456789ABCDEF";
+  std::string text;
+  for (const char c : bytes) {
+    const auto byte = static_cast<uint8_t>(c);
+    if (byte < 0x80 && c != '%') {
+      text += c;
+    } else {
+      text += {'%', kDigits[byte >> 4], kDigits[byte & 15]};
+    }
+  }
+  return {{kPercent, text}};
+}
+
+StatusOr<std::string> ReadBytes(const nlohmann::json& value,
+                                const std::string& where) {
+  const nlohmann::json* escaped = FindField(value, kPercent);
+  if (escaped == nullptr) return ReadText(&value, where);
+  FREEGS_ASSIGN_OR_RETURN(const std::string text, ReadText(escaped, where));
+  std::string bytes;
+  for (size_t at = 0; at < text.size(); ++at) {
+    if (text[at] != '%') {
+      bytes += text[at];
+      continue;
+    }
+    uint8_t byte = 0;
+    const char* const digits = text.data() + at + 1;
+    if (text.size() - at < 3 ||
+        std::from_chars(digits, digits + 2, byte, 16).ptr != digits + 2) {
+      return BadInputError(where + ": a '%' without two hex digits");
+    }
+    bytes += static_cast<char>(byte);
+    at += 2;
+  }
+  return bytes;
+}
 
 fs::path InfoPath(const fs::path& workspace) {
   return workspace / "workspace.json";
@@ -72,10 +116,22 @@ StatusOr<WorkspaceInfo> ReadWorkspaceInfo(const fs::path& workspace) {
   WorkspaceInfo info;
   Status status;
   JsonObjectReader reader(json, path.string(), "", &status);
-  if (reader.Has("images")) {
-    info.images = PathInWorkspace(workspace, reader.Text("images"));
+  const auto read = [&status](const nlohmann::json& value,
+                              const std::string& where) {
+    StatusOr<std::string> bytes = ReadBytes(value, where);
+    if (bytes.ok()) return *std::move(bytes);
+    if (status.ok()) status = bytes.status();
+    return std::string();
+  };
+  if (const nlohmann::json* images = FindField(json, "images")) {
+    info.images =
+        PathInWorkspace(workspace, read(*images, reader.Where("images")));
   }
-  if (reader.Has("settings")) info.settings = reader.TextMap("settings");
+  if (reader.Has("settings")) {
+    for (const auto& [name, value] : reader.Object("settings").items()) {
+      info.settings[name] = read(value, reader.Where("settings." + name));
+    }
+  }
   if (!status.ok()) {
     return BadInputError(status.message() +
                          "; delete the file and give the photo folder again");
@@ -86,9 +142,12 @@ StatusOr<WorkspaceInfo> ReadWorkspaceInfo(const fs::path& workspace) {
 Status WriteWorkspaceInfo(const fs::path& workspace,
                           const WorkspaceInfo& info) {
   nlohmann::json json = nlohmann::json::object();
-  json["images"] =
-      info.images.empty() ? "" : DisplayPath(workspace, info.images);
-  json["settings"] = info.settings;
+  json["images"] = BytesToJson(
+      info.images.empty() ? "" : DisplayPath(workspace, info.images));
+  json["settings"] = nlohmann::json::object();
+  for (const auto& [name, value] : info.settings) {
+    json["settings"][name] = BytesToJson(value);
+  }
   return WriteFileAtomic(InfoPath(workspace), JsonText(json));
 }
 

@@ -14,6 +14,7 @@
 
 #include "core/parallel.h"
 #include "sfm/colmap/child_process.h"
+#include "sfm/scene/model_io.h"
 #include "tests/scene_maker/scene.h"
 #include "tests/scene_maker/scene_files.h"
 #include "tests/temporary_folder.h"
@@ -70,18 +71,70 @@ TEST(ProgramTest, ExitCodes) {
   EXPECT_THAT(outcome.text, HasSubstr("ingest"));
 }
 
-TEST(ProgramTest, FromPhotosToReport) {
-  if (Call({"doctor"}).code != 0) GTEST_SKIP() << "COLMAP is not installed";
-  const TemporaryFolder folder;
+// A scene of 12 small photos in `folder`.
+Status MakeScene(const fs::path& folder, int width, int height) {
   scene_maker::SceneMakerOptions options;
   options.views = 12;
   options.test_views = 2;
-  options.width = 320;
-  options.height = 240;
-  const auto scene = scene_maker::BuildScene(options);
-  ASSERT_TRUE(scene.ok());
+  options.width = width;
+  options.height = height;
+  FREEGS_ASSIGN_OR_RETURN(const scene_maker::Scene scene,
+                          scene_maker::BuildScene(options));
   ThreadPool pool;
-  ASSERT_TRUE(scene_maker::WriteScene(*scene, folder / "scene", pool, {}).ok());
+  return scene_maker::WriteScene(scene, folder, pool, {});
+}
+
+// A model that somebody else put into the workspace names a photo outside of
+// it.
+TEST(ProgramTest, NothingOutsideOfTheWorkspaceIsWritten) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(MakeScene(folder / "scene", 80, 60).ok());
+  const fs::path workspace = folder / "a" / "w";
+  const std::vector<std::string> run = {
+      "run",
+      (folder / "scene" / "images").string(),
+      workspace.string(),
+      "--sfm.import",
+      (folder / "scene" / "gt" / "transforms.json").string()};
+  std::vector<std::string> sfm = run;
+  sfm.insert(sfm.end(), {"--to", "sfm"});
+  Outcome outcome = Call(sfm);
+  ASSERT_EQ(outcome.code, 0) << outcome.text;
+
+  const fs::path sparse = workspace / "sfm" / "sparse" / "0";
+  const auto model = sfm::ReadModel(sparse);
+  ASSERT_TRUE(model.ok());
+  const fs::path victim = folder / "victim.jpg";
+  const fs::path photo = folder / "scene" / "images" / model->images[0].name;
+  fs::copy_file(photo, victim);
+  std::vector<std::string> undistort = run;
+  undistort.insert(undistort.end(),
+                   {"--from",
+                    "undistort",
+                    "--to",
+                    "undistort",
+                    "--undistort.max_image_size",
+                    "32"});
+  for (const sfm::ModelFormat format :
+       {sfm::ModelFormat::kBinary, sfm::ModelFormat::kText}) {
+    fs::remove_all(sparse);
+    for (const std::string& name :
+         {std::string("../../../../victim.jpg"), victim.string()}) {
+      sfm::Reconstruction foreign = *model;
+      foreign.images[0].name = name;
+      ASSERT_TRUE(sfm::WriteModel(sparse, foreign, format).ok());
+      outcome = Call(undistort);
+      EXPECT_EQ(outcome.code, 3) << outcome.text;
+      EXPECT_THAT(outcome.text, HasSubstr(name));
+      EXPECT_TRUE(ReadText(victim) == ReadText(photo));
+    }
+  }
+}
+
+TEST(ProgramTest, FromPhotosToReport) {
+  if (Call({"doctor"}).code != 0) GTEST_SKIP() << "COLMAP is not installed";
+  const TemporaryFolder folder;
+  ASSERT_TRUE(MakeScene(folder / "scene", 320, 240).ok());
   const std::string photos = (folder / "scene" / "images").string();
   const std::string workspace = (folder / "w").string();
   const std::vector<std::string> run = {

@@ -2,6 +2,7 @@
 
 #include "core/io/files.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -58,15 +59,17 @@ std::string HexDigest(XXH128_hash_t hash) {
 
 StatusOr<std::string> ReadFile(const fs::path& path, uint64_t max_bytes) {
   FREEGS_ASSIGN_OR_RETURN(File file, OpenRegular(path));
+  const Status too_large = BadInputError(path.string() + ": larger than " +
+                                         std::to_string(max_bytes) + " bytes");
+  std::error_code error;
+  const uintmax_t size = fs::file_size(path, error);
+  if (!error && size > max_bytes) return too_large;
   std::string content;
   std::vector<char> buffer(1 << 20);
   for (;;) {
     const size_t n = std::fread(buffer.data(), 1, buffer.size(), file.get());
     content.append(buffer.data(), n);
-    if (content.size() > max_bytes) {
-      return BadInputError(path.string() + ": larger than " +
-                           std::to_string(max_bytes) + " bytes");
-    }
+    if (content.size() > max_bytes) return too_large;  // It is growing.
     if (n < buffer.size()) break;
   }
   if (std::ferror(file.get()) != 0) {
@@ -114,6 +117,17 @@ Status CreateFolders(const fs::path& path) {
                          ": cannot create folder: " + error.message());
   }
   return Status();
+}
+
+bool IsNameBelowFolder(std::string_view name) {
+  // The system would take what stands before a NUL for the whole name.
+  if (name.find('\0') != std::string_view::npos) return false;
+  const fs::path path(name);
+  if (!path.is_relative() || !path.has_filename()) return false;
+  return path.filename() != "." &&
+         std::none_of(path.begin(), path.end(), [](const fs::path& part) {
+           return part == "..";
+         });
 }
 
 std::string HashBytes(std::string_view bytes) {

@@ -30,6 +30,11 @@ Status WriteFileAtomic(const std::filesystem::path& path,
 // Makes the folder and all missing folders above it.
 Status CreateFolders(const std::filesystem::path& path);
 
+// Whether folder / name is a file below the folder, for a name that somebody
+// else wrote: relative, without "..", and not the name of a folder. Links are
+// not followed.
+bool IsNameBelowFolder(std::string_view name);
+
 // The 128-bit XXH3 hash of bytes or of a file's content, as 32 hex digits. It
 // detects changes, but it does not protect against forgery.
 std::string HashBytes(std::string_view bytes);

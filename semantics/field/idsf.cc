@@ -73,7 +73,12 @@ StatusOr<Idsf> ParseIdsf(std::string_view content) {
   reader.GetArray(count, &idsf.instances);
   reader.GetArray(count * dim, &idsf.features);
   for (const int32_t instance : idsf.instances) {
-    if (instance < -1) return BadInputError("an instance index is below -1");
+    if (instance < -1 ||
+        (instance >= 0 && static_cast<uint64_t>(instance) >= count)) {
+      return BadInputError("an instance index is " + std::to_string(instance) +
+                           " and there are " + std::to_string(count) +
+                           " Gaussians; it must be -1 or below that");
+    }
   }
   for (const float value : idsf.features) {
     if (!std::isfinite(value)) {

@@ -17,9 +17,11 @@ namespace freegs::semantics {
 
 // Entries are in the order of the Gaussians of the scene.
 struct Idsf {
-  int feature_dim = 0;             // D; 0 if there are no semantics.
-  std::vector<float> features;     // N x D, row-major.
-  std::vector<int32_t> instances;  // N; -1 for none, else instance id - 1.
+  int feature_dim = 0;          // D; 0 if there are no semantics.
+  std::vector<float> features;  // N x D, row-major.
+  // N; -1 for none, else instance id - 1, which is below N: an instance has one
+  // Gaussian at least.
+  std::vector<int32_t> instances;
 };
 
 // The file, little-endian:
@@ -27,7 +29,7 @@ struct Idsf {
 //   uint32    version, 1
 //   uint32    D
 //   uint64    N
-//   int32     N instance indices, each >= -1
+//   int32     N instance indices, each in -1 .. N - 1
 //   float32   N x D features
 //   uint64    XXH3 of everything before
 // kInvalidArgument when the arrays' sizes disagree.

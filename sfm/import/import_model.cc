@@ -260,12 +260,19 @@ StatusOr<ImportedModel> ImportModel(const ImportSource& source,
                                   : ImportColmap(source.colmap_model, photos);
   if (!imported.ok()) return imported.status();
   ImportedModel result = std::move(*imported);
+  const std::string name =
+      (source.colmap_model.empty() ? source.transforms : source.colmap_model)
+          .string();
   if (result.model.points3d.empty()) {
     result.random_points = true;
-    FREEGS_ASSIGN_OR_RETURN(
-        result.model.points3d,
-        RandomPoints(result.model, options.random_points, options.seed));
+    StatusOr<std::vector<Point3D>> points =
+        RandomPoints(result.model, options.random_points, options.seed);
+    if (!points.ok()) return points.status().Annotated(name);
+    result.model.points3d = *std::move(points);
   }
+  // What was computed from the source's numbers may be out of range although
+  // they were not.
+  FREEGS_RETURN_IF_ERROR(CheckReconstruction(result.model).Annotated(name));
   return result;
 }
 

@@ -11,13 +11,13 @@
 #include <nlohmann/json.hpp>
 
 #include "core/io/json_fields.h"
+#include "core/number_text.h"
+#include "sfm/scene/reconstruction.h"
 
 namespace freegs::sfm {
 namespace {
 
 using nlohmann::json;
-
-constexpr double kMaxCoordinate = 1e12;
 
 // Overwrites what `object` (the file or one frame) gives.
 Status ReadIntrinsics(const json& object, TransformsIntrinsics* result) {
@@ -154,8 +154,8 @@ StatusOr<Camera> MakeCamera(const TransformsIntrinsics& intrinsics,
   const double sy = height / h;
   if (!(std::abs(sx / sy - 1) < 0.01)) {
     return BadInputError(
-        "the file gives an image size of " + std::to_string(std::lround(w)) +
-        " x " + std::to_string(std::lround(h)) + " and the photo has " +
+        "the file gives an image size of " + FormatSignificant(w, 6) + " x " +
+        FormatSignificant(h, 6) + " and the photo has " +
         std::to_string(width) + " x " + std::to_string(height) +
         " pixels, which is another shape");
   }

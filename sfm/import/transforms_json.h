@@ -32,7 +32,9 @@ struct TransformsIntrinsics {
 };
 
 struct TransformsFrame {
-  std::string file_path;  // As written.
+  // As written, from the folder of the file; it may lead anywhere. Only to be
+  // compared with names of photos, never to be opened.
+  std::string file_path;
   TransformsIntrinsics intrinsics;
 
   // The pose in the world of the file. The file has camera-to-world matrices

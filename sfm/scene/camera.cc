@@ -9,6 +9,8 @@
 #include <limits>
 #include <string>
 
+#include "core/focal_ratio.h"
+#include "core/number_text.h"
 #include "sfm/scene/camera_projection.h"
 
 namespace freegs::sfm {
@@ -80,6 +82,21 @@ Status Camera::Check() const {
     return BadInputError(where + " has an image size of " +
                          std::to_string(width) + " x " +
                          std::to_string(height) + " pixels");
+  }
+  // An image without distortion is up to twice as wide as the photograph that
+  // it was made from (COLMAP's max_scale) and has its focal length.
+  constexpr double kWidened = 2;
+  const auto side = static_cast<double>(std::max(width, height));
+  for (const double focal : {FocalX(), FocalY()}) {
+    if (focal >= kMinFocalRatio / kWidened * side &&
+        focal <= kMaxFocalRatio * side) {
+      continue;
+    }
+    return BadInputError(
+        where + " has a focal length of " + FormatSignificant(focal, 6) +
+        " pixels for " + std::to_string(width) + " x " +
+        std::to_string(height) +
+        " pixels, which no photograph has; check its intrinsics");
   }
   return {};
 }

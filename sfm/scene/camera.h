@@ -46,8 +46,8 @@ struct Camera {
   // get the mean of both.
   Camera Resized(uint64_t new_width, uint64_t new_height) const;
 
-  // Checks the number of parameters, that they are finite, and that focal
-  // lengths and image size are positive.
+  // Checks the number of parameters, that they are finite, that the image size
+  // is one, and that the focal lengths are those of a photograph of this size.
   Status Check() const;
 };
 

@@ -8,6 +8,9 @@
 #include <string_view>
 #include <unordered_set>
 
+#include "core/io/files.h"
+#include "core/number_text.h"
+
 namespace freegs::sfm {
 namespace {
 
@@ -17,6 +20,15 @@ std::unordered_map<Id, size_t> IndexById(const std::vector<Item>& items) {
   index.reserve(items.size());
   for (size_t i = 0; i < items.size(); ++i) index.emplace(items[i].id, i);
   return index;
+}
+
+bool IsTooFar(const Eigen::Vector3d& position) {
+  return position.cwiseAbs().maxCoeff() > kMaxCoordinate;
+}
+
+std::string TooFar() {
+  return " is farther than " + FormatSignificant(kMaxCoordinate, 6) +
+         " from the origin; choose another unit";
 }
 
 }  // namespace
@@ -49,6 +61,11 @@ Status CheckReconstruction(const Reconstruction& model) {
   for (const PosedImage& image : model.images) {
     const std::string where = "image '" + image.name + "'";
     if (image.name.empty()) return BadInputError("an image has no name");
+    if (!IsNameBelowFolder(image.name)) {
+      return BadInputError(where +
+                           " does not name a file below the photo folder; "
+                           "names must be relative to it and without '..'");
+    }
     if (!names.insert(image.name).second) {
       return BadInputError(where + " appears twice");
     }
@@ -63,6 +80,9 @@ Status CheckReconstruction(const Reconstruction& model) {
       return BadInputError(where +
                            " has a pose that is not a rotation and "
                            "translation");
+    }
+    if (IsTooFar(pose.translation)) {
+      return BadInputError(where + TooFar());
     }
     for (const Point2D& point : image.points2d) {
       if (!point.xy.allFinite()) {
@@ -81,6 +101,9 @@ Status CheckReconstruction(const Reconstruction& model) {
     if (!point.xyz.allFinite() || !std::isfinite(point.error)) {
       return BadInputError("point " + std::to_string(point.id) +
                            " is not a number");
+    }
+    if (IsTooFar(point.xyz)) {
+      return BadInputError("point " + std::to_string(point.id) + TooFar());
     }
   }
   return {};

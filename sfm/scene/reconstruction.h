@@ -20,6 +20,10 @@
 
 namespace freegs::sfm {
 
+// Cameras and points lie within this of the origin, in whatever unit. Squares
+// of distances stay far from the largest float.
+inline constexpr double kMaxCoordinate = 1e12;
+
 inline constexpr uint64_t kNoPoint3D = std::numeric_limits<uint64_t>::max();
 
 // A feature of an image, and the point that it shows, if any.
@@ -73,8 +77,9 @@ std::unordered_map<uint32_t, size_t> IndexCameras(const Reconstruction& model);
 std::unordered_map<uint32_t, size_t> IndexImages(const Reconstruction& model);
 std::unordered_map<uint64_t, size_t> IndexPoints(const Reconstruction& model);
 
-// Returns kBadInput for repeated ids or image names, for images without a
-// camera, and for numbers that are not finite.
+// Returns kBadInput for repeated ids or image names, for image names that lead
+// out of the photo folder, for images without a camera, for numbers that are
+// not finite, and for cameras and points beyond kMaxCoordinate.
 Status CheckReconstruction(const Reconstruction& model);
 
 // Makes tracks and features agree: drops track elements that name no existing

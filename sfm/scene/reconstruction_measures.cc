@@ -11,12 +11,20 @@
 #include "core/quantile.h"
 
 namespace freegs::sfm {
+namespace {
+
+// All pairs of rays are compared. Of a longer track so many rays, evenly spread
+// over it, stand for all.
+constexpr size_t kMaxRays = 256;
+
+}  // namespace
 
 double TriangulationAngleDeg(const Eigen::Vector3d& point,
                              const std::vector<Eigen::Vector3d>& centres) {
   std::vector<Eigen::Vector3d> rays;
-  for (const Eigen::Vector3d& centre : centres) {
-    const Eigen::Vector3d ray = centre - point;
+  const size_t count = std::min(centres.size(), kMaxRays);
+  for (size_t i = 0; i < count; ++i) {
+    const Eigen::Vector3d ray = centres[i * centres.size() / count] - point;
     if (ray.norm() > 0) rays.push_back(ray.normalized());
   }
   double largest = 0;

@@ -93,6 +93,12 @@ Status ParseElement(const std::vector<std::string_view>& words,
   }
   PlyElement element;
   element.name = words[1];
+  // Indices into the items of an element would be into which one?
+  for (const PlyElement& other : header->elements) {
+    if (other.name == element.name) {
+      return BadInputError("PLY header has two elements " + Quoted(words[1]));
+    }
+  }
   const char* const end = words[2].data() + words[2].size();
   const auto [stop, error] =
       std::from_chars(words[2].data(), end, element.count);

@@ -56,9 +56,10 @@ StatusOr<std::optional<SceneInstances>> ReadSceneInstances(
   SceneInstances result;
   FREEGS_ASSIGN_OR_RETURN(result.labels,
                           ReadInstanceLabels(workspace, num_gaussians));
-  FREEGS_ASSIGN_OR_RETURN(
-      result.instances,
-      semantics::ReadInstances(workspace / "bootstrap" / "instances.json"));
+  const fs::path path = workspace / "bootstrap" / "instances.json";
+  FREEGS_ASSIGN_OR_RETURN(result.instances, semantics::ReadInstances(path));
+  FREEGS_RETURN_IF_ERROR(
+      CheckInstanceIds(result.instances, num_gaussians, path));
   return std::optional<SceneInstances>(std::move(result));
 }
 

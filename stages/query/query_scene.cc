@@ -105,6 +105,8 @@ StatusOr<QueryScene> LoadQueryScene(const QueryRequest& request,
   }
   if (request.click || request.box || !request.out.empty()) {
     FREEGS_RETURN_IF_ERROR(LoadViews(request, messages, &scene));
+    FREEGS_RETURN_IF_ERROR(
+        CheckInstanceIds(scene.instances, scene.labels.size(), path));
   }
   scene.is_background = BackgroundFlags(scene);
   return scene;

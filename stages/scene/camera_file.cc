@@ -2,7 +2,6 @@
 
 #include "stages/scene/camera_file.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <utility>
@@ -51,15 +50,6 @@ StatusOr<Pinhole> ReadIntrinsics(const json* value, const std::string& source) {
   return camera;
 }
 
-// Whether folder / name lies inside the folder.
-bool IsPlainName(const std::string& name) {
-  const fs::path path(name);
-  if (!path.has_filename() || !path.is_relative()) return false;
-  return std::none_of(path.begin(), path.end(), [](const fs::path& part) {
-    return part == "..";
-  });
-}
-
 StatusOr<std::vector<View>> ReadViews(const json& poses,
                                       const Pinhole& camera,
                                       const std::string& where) {
@@ -69,7 +59,7 @@ StatusOr<std::vector<View>> ReadViews(const json& poses,
   std::vector<View> views;
   for (const auto& [name, value] : poses.items()) {
     const std::string entry = where + "[\"" + name + "\"]";
-    if (!IsPlainName(name)) {
+    if (!IsNameBelowFolder(name)) {
       return BadInputError(entry + ": not the name of a photo");
     }
     const int rows = value.is_array() && value.size() == 3 ? 3 : 4;

@@ -48,6 +48,19 @@ StatusOr<std::vector<int32_t>> ReadInstanceLabels(const fs::path& workspace,
   return std::move(idsf.instances);
 }
 
+Status CheckInstanceIds(std::span<const semantics::Instance> instances,
+                        size_t num_gaussians,
+                        const fs::path& path) {
+  for (const semantics::Instance& instance : instances) {
+    if (static_cast<size_t>(instance.id) <= num_gaussians) continue;
+    return BadInputError(path.string() + ": has an instance " +
+                         std::to_string(instance.id) + " of a scene with " +
+                         std::to_string(num_gaussians) +
+                         " Gaussians; run stage bootstrap again");
+  }
+  return Status();
+}
+
 StatusOr<semantics::Hierarchy> ReadSceneHierarchy(const fs::path& workspace,
                                                   size_t num_gaussians) {
   const fs::path path = workspace / "bootstrap" / "hierarchy.json";

@@ -15,6 +15,7 @@
 #include "core/status.h"
 #include "semantics/field/idsf.h"
 #include "semantics/instances/hierarchy.h"
+#include "semantics/instances/instances.h"
 #include "splat/scene/gaussian_model.h"
 
 namespace freegs::stages {
@@ -27,6 +28,12 @@ StatusOr<semantics::Idsf> ReadSemanticField(
 // Reads the same file and returns only the label of each Gaussian.
 StatusOr<std::vector<int32_t>> ReadInstanceLabels(
     const std::filesystem::path& workspace, size_t num_gaussians);
+
+// kBadInput, which names `path`, for an id above the number of Gaussians: no
+// scene has more instances.
+Status CheckInstanceIds(std::span<const semantics::Instance> instances,
+                        size_t num_gaussians,
+                        const std::filesystem::path& path);
 
 // Reads bootstrap/hierarchy.json. kBadInput as above.
 StatusOr<semantics::Hierarchy> ReadSceneHierarchy(

@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include "core/io/files.h"
 #include "pipeline/stage_record.h"
 #include "splat/scene/ply_io.h"
 #include "stages/scene/training_scene.h"
@@ -74,14 +75,11 @@ StatusOr<std::vector<std::string>> OutputNames(const std::vector<View>& views,
   std::vector<std::string> names;
   std::map<std::string, int> uses;
   for (const View& view : views) {
-    const fs::path name(view.name);
-    bool usable = name.has_filename() && name.is_relative();
-    for (const fs::path& part : name) usable = usable && part != "..";
-    if (!usable) {
+    if (!IsNameBelowFolder(view.name)) {
       return BadInputError("view \"" + view.name +
                            "\": not a file name inside a folder");
     }
-    names.push_back(fs::path(name).replace_extension(suffix).string());
+    names.push_back(fs::path(view.name).replace_extension(suffix).string());
     ++uses[names.back()];
   }
   for (size_t i = 0; i < names.size(); ++i) {

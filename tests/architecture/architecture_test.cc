@@ -121,6 +121,21 @@ TEST_F(ArchitectureTest, TheArrowsAreThoseOfTheTable) {
   }
 }
 
+// The one reader of JSON limits the depth. Files come from anywhere, and code
+// that frees a document calls itself once per level.
+TEST_F(ArchitectureTest, JsonIsParsedInOnePlace) {
+  for (const auto& [file, arrows] : files_) {
+    for (const char* suffix : {".cc", ".h"}) {
+      const fs::path path = fs::path(FREEGS_SOURCE_DIR) / (file + suffix);
+      if (!fs::exists(path) || file == "core/io/json_fields") continue;
+      const StatusOr<std::string> text = ReadFile(path, uint64_t{1} << 24);
+      ASSERT_TRUE(text.ok()) << text.status().message();
+      EXPECT_EQ(text->find("json::parse("), std::string::npos)
+          << path << ": call ParseJson of core/io/json_fields.h";
+    }
+  }
+}
+
 // The library of a room links what its files include, and nothing else of ours.
 TEST_F(ArchitectureTest, LibrariesLinkWhatTheTableSays) {
   const auto target = [](const std::string& room) {

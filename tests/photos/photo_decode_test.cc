@@ -274,6 +274,10 @@ TEST(PhotoDecodeTest, OrientationTable) {
 TEST(PhotoDecodeTest, HostileFilesAreRefusedBeforeDecoding) {
   const std::string jpeg = MakeJpeg(64, 48, 1);
   const std::string png = MakePng(64, 48, 1);
+  const std::string tiff =
+      Encode(".tif", MakePicture(64, 48, 1), {cv::IMWRITE_TIFF_COMPRESSION, 1});
+  const std::string lzw =
+      Encode(".tif", MakePicture(64, 48, 1), {cv::IMWRITE_TIFF_COMPRESSION, 5});
   const struct {
     const char* what;
     std::string bytes;
@@ -297,6 +301,12 @@ TEST(PhotoDecodeTest, HostileFilesAreRefusedBeforeDecoding) {
        "more than its data can hold"},
       {"JPEG of 300 x 300", WithJpegSize(jpeg, 300, 300), "damaged JPEG"},
       {"JPEG of no height", WithJpegSize(jpeg, 64, 0), "gives no size"},
+      {"JPEG of 65500 x 65500, then of 64 x 48",
+       WithSecondJpegFrame(WithJpegSize(jpeg, 65500, 65500), 64, 48),
+       "two frame headers"},
+      {"JPEG of 64 x 48, then of 65500 x 65500",
+       WithSecondJpegFrame(jpeg, 65500, 65500),
+       "two frame headers"},
       {"PNG of 60000 x 60000",
        WithPngSize(png, 60000, 60000),
        "more than the limit"},
@@ -305,6 +315,15 @@ TEST(PhotoDecodeTest, HostileFilesAreRefusedBeforeDecoding) {
        "more than the limit"},
       {"PNG of 20000 x 19000",
        WithPngSize(png, 20000, 19000),
+       "more than its data can hold"},
+      {"TIFF of 60000 x 60000",
+       WithTiffSize(tiff, 60000, 60000),
+       "more than the limit"},
+      {"TIFF of 20000 x 19000",
+       WithTiffSize(tiff, 20000, 19000),
+       "more than its data can hold"},
+      {"compressed TIFF of 20000 x 19000",
+       WithTiffSize(lzw, 20000, 19000),
        "more than its data can hold"},
       {"PNG of 128 x 64", WithPngSize(png, 128, 64), "damaged PNG"},
       {"PNG of no width", WithPngSize(png, 0, 10), "damaged PNG header"},

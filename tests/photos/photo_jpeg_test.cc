@@ -50,6 +50,11 @@ std::string MakeCmykJpeg(const std::vector<uint8_t>& ink, bool adobe) {
   return bytes;
 }
 
+StatusOr<ImageU8> DecodeAny(std::string_view bytes) {
+  FREEGS_ASSIGN_OR_RETURN(const PhotoHeader header, ParseJpegHeader(bytes));
+  return DecodeJpeg(bytes, header);
+}
+
 TEST(PhotoJpegTest, CmykIsConverted) {
   // Full yellow ink and a fifth of black: dark yellow.
   for (const bool adobe : {false, true}) {
@@ -60,7 +65,7 @@ TEST(PhotoJpegTest, CmykIsConverted) {
     const auto header = ParseJpegHeader(bytes);
     ASSERT_TRUE(header.ok());
     EXPECT_FALSE(header->plain);
-    const auto image = DecodeJpeg(bytes);
+    const auto image = DecodeJpeg(bytes, *header);
     ASSERT_TRUE(image.ok()) << image.status().message();
     EXPECT_NEAR((*image)(20, 20, 0), 204, 2);
     EXPECT_NEAR((*image)(20, 20, 1), 204, 2);
@@ -78,8 +83,8 @@ TEST(PhotoJpegTest, TooManyScansAreRefused) {
   std::string bomb = jpeg.substr(0, jpeg.size() - 2);
   for (int i = 0; i < 1000; ++i) bomb += last;
   bomb += "\xff\xd9";
-  EXPECT_TRUE(DecodeJpeg(jpeg).ok());
-  const auto image = DecodeJpeg(bomb);
+  EXPECT_TRUE(DecodeAny(jpeg).ok());
+  const auto image = DecodeAny(bomb);
   ASSERT_FALSE(image.ok());
   EXPECT_THAT(image.status().message(), HasSubstr("too many scans"));
 }
@@ -87,18 +92,28 @@ TEST(PhotoJpegTest, TooManyScansAreRefused) {
 TEST(PhotoJpegTest, EveryTruncationIsAnError) {
   const std::string jpeg = MakeJpeg(40, 33, 1);
   for (size_t size = 0; size + 2 < jpeg.size(); size += 7) {
-    EXPECT_FALSE(DecodeJpeg(std::string_view(jpeg).substr(0, size)).ok())
+    EXPECT_FALSE(DecodeAny(std::string_view(jpeg).substr(0, size)).ok())
         << size << " of " << jpeg.size();
   }
 }
 
+TEST(PhotoJpegTest, AnotherSizeThanTheHeadersIsRefused) {
+  const std::string jpeg = MakeJpeg(40, 33, 1);
+  auto header = ParseJpegHeader(jpeg);
+  ASSERT_TRUE(header.ok());
+  header->width = 41;
+  const auto image = DecodeJpeg(jpeg, *header);
+  ASSERT_FALSE(image.ok());
+  EXPECT_THAT(image.status().message(), HasSubstr("two sizes"));
+}
+
 TEST(PhotoJpegTest, OddButHarmlessBytesAreAccepted) {
   const std::string jpeg = MakeJpeg(40, 33, 1);
-  EXPECT_TRUE(DecodeJpeg(jpeg + "trailing bytes").ok());
+  EXPECT_TRUE(DecodeAny(jpeg + "trailing bytes").ok());
   // A comment segment, and fill bytes before a marker.
   const std::string comment = "\xff\xfe" + Bytes(7, 2) + "hello";
   EXPECT_TRUE(
-      DecodeJpeg(jpeg.substr(0, 2) + comment + "\xff\xff" + jpeg.substr(2))
+      DecodeAny(jpeg.substr(0, 2) + comment + "\xff\xff" + jpeg.substr(2))
           .ok());
 }
 

@@ -193,6 +193,19 @@ inline std::string WithJpegSize(std::string jpeg, int width, int height) {
   return jpeg;
 }
 
+// The JPEG with a second frame header, for another size, before its end: a
+// decoder has taken memory for the first one when it gets there.
+inline std::string WithSecondJpegFrame(const std::string& jpeg,
+                                       int width,
+                                       int height) {
+  const std::string other = WithJpegSize(jpeg, width, height);
+  const size_t frame = other.find("\xff\xc0");
+  const size_t length = 2 + (static_cast<uint8_t>(other[frame + 2]) << 8 |
+                             static_cast<uint8_t>(other[frame + 3]));
+  return jpeg.substr(0, jpeg.size() - 2) + other.substr(frame, length) +
+         jpeg.substr(jpeg.size() - 2);
+}
+
 // The little-endian TIFF with one more tag of type SHORT, in a new copy of its
 // first directory at the end.
 inline std::string WithTiffTag(std::string tiff, int tag, int value) {
@@ -222,6 +235,13 @@ inline std::string WithTiffTag(std::string tiff, int tag, int value) {
   tiff.replace(4, 4, Bytes(tiff.size(), 4, true));
   return tiff + Bytes(entries.size() / 12, 2, true) + entries +
          Bytes(0, 4, true);
+}
+
+// The TIFF with another size in its header.
+inline std::string WithTiffSize(const std::string& tiff,
+                                int width,
+                                int height) {
+  return WithTiffTag(WithTiffTag(tiff, 256, width), 257, height);
 }
 
 inline uint32_t PngCrc(std::string_view bytes) {

@@ -47,11 +47,31 @@ TEST(WorkspaceTest, InfoRoundTripAndMove) {
   EXPECT_EQ(ReadWorkspaceInfo(folder / "moved")->images, "/elsewhere/photos");
 }
 
+// JSON holds UTF-8 only.
+TEST(WorkspaceTest, InfoKeepsNamesOfAnyBytes) {
+  const TemporaryFolder folder;
+  for (const char* name :
+       {"/ph\xffotos", "/100%", "/100%41\xe9%", "/\xc3\xa9"}) {
+    const WorkspaceInfo info{name, {{"sfm.import", name}}};
+    ASSERT_TRUE(WriteWorkspaceInfo(folder.path(), info).ok());
+    const StatusOr<WorkspaceInfo> read = ReadWorkspaceInfo(folder.path());
+    ASSERT_TRUE(read.ok()) << read.status().message();
+    EXPECT_EQ(read->images, name);
+    EXPECT_EQ(read->settings, info.settings);
+  }
+}
+
 TEST(WorkspaceTest, MalformedInfoIsBadInput) {
   const TemporaryFolder folder;
   for (const char* text : {"",
                            "3",
                            "{\"images\": 3}",
+                           "{\"images\": {}}",
+                           "{\"images\": {\"percent\": 3}}",
+                           "{\"images\": {\"percent\": \"a%\"}}",
+                           "{\"images\": {\"percent\": \"a%f\"}}",
+                           "{\"images\": {\"percent\": \"a%fg\"}}",
+                           "{\"images\": {\"percent\": \"a%-1\"}}",
                            "{\"settings\": []}",
                            "{\"settings\": {\"a\": 1}}"}) {
     WriteText(folder / "workspace.json", text);

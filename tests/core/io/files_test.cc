@@ -29,6 +29,27 @@ TEST(FilesTest, WriteThenRead) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 1);
 }
 
+TEST(FilesTest, NamesBelowAFolder) {
+  for (const char* name :
+       {"a.jpg", "a/b.jpg", "./a", "...", "..a/b..", "a b"}) {
+    EXPECT_TRUE(IsNameBelowFolder(name)) << name;
+  }
+  for (const char* name : {"",
+                           "/",
+                           "/a",
+                           "//a",
+                           "..",
+                           "../a",
+                           "a/../../b",
+                           "a/..",
+                           "a/",
+                           ".",
+                           "a/."}) {
+    EXPECT_FALSE(IsNameBelowFolder(name)) << name;
+  }
+  EXPECT_FALSE(IsNameBelowFolder(std::string_view("a\0b", 3)));
+}
+
 TEST(FilesTest, LargeFileInSeveralPieces) {
   const TemporaryFolder folder;
   std::string content(size_t{3} << 20, 'x');

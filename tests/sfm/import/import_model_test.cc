@@ -159,6 +159,52 @@ TEST(ImportModel, TransformsGetRandomPoints) {
       CameraCentre(imported->model.images[1].cam_from_world).x(), 1, 1e-12);
 }
 
+// The paths of a transforms file lead from its own folder and may well go up.
+// They are only compared: what is imported has the names of the photos.
+TEST(ImportModel, PathsOfATransformsFileAreNotKept) {
+  const TemporaryFolder folder;
+  WriteText(folder / "transforms.json",
+            Transforms({"../../photo_000.jpg", "/elsewhere/photo_001.jpg"}));
+  const auto imported = Import(folder.path(), Photos(2));
+  ASSERT_TRUE(imported.ok()) << imported.status().message();
+  EXPECT_EQ(imported->model.images[0].name, PhotoName(0));
+  EXPECT_EQ(imported->model.images[1].name, PhotoName(1));
+}
+
+// A focal length that makes points infinite, and sizes that make one.
+TEST(ImportModel, AbsurdIntrinsicsAreTheFilesFault) {
+  const TemporaryFolder folder;
+  for (const char* numbers : {R"("fl_x":1e-320)",
+                              R"("fl_x":1e-300,"fl_y":1e-300)",
+                              R"("fl_x":1e300)",
+                              R"("fl_x":600,"fl_y":1e-9)",
+                              R"("fl_x":600,"w":1e300,"h":7.5e299)",
+                              R"("fl_x":600,"w":1e300,"h":1e300)"}) {
+    std::string text = Transforms({"photo_000.jpg", "photo_001.jpg"});
+    text.replace(1, 0, std::string(numbers) + ",");
+    WriteText(folder / "transforms.json", text);
+    const auto imported = Import(folder.path(), Photos(2));
+    ASSERT_FALSE(imported.ok()) << numbers;
+    EXPECT_EQ(imported.status().code(), StatusCode::kBadInput);
+    EXPECT_THAT(imported.status().message(),
+                HasSubstr((folder / "transforms.json").string()));
+  }
+}
+
+// The points lie farther away than the cameras, which are within the limit.
+TEST(ImportModel, ComputedPointsAreCheckedToo) {
+  const TemporaryFolder folder;
+  std::string text = Transforms({"photo_000.jpg", "photo_001.jpg"});
+  const std::string place = "[1,0,0,1]";
+  text.replace(text.find(place), place.size(), "[1,0,0,9e11]");
+  WriteText(folder / "transforms.json", text);
+  const auto imported = Import(folder.path(), Photos(2));
+  ASSERT_FALSE(imported.ok());
+  EXPECT_EQ(imported.status().code(), StatusCode::kBadInput);
+  EXPECT_THAT(imported.status().message(),
+              HasSubstr((folder / "transforms.json").string() + ": point"));
+}
+
 TEST(ImportModel, FaultsNameTheFile) {
   const TemporaryFolder folder;
   WriteText(folder / "transforms.json", "{");

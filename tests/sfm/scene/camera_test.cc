@@ -5,6 +5,7 @@
 
 #include <limits>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/calib3d.hpp>
 
@@ -158,6 +159,23 @@ TEST(Camera, CheckFindsFaults) {
   bad = good;
   bad.width = uint64_t{1} << 40;
   EXPECT_FALSE(bad.Check().ok());
+}
+
+TEST(Camera, FocalLengthsAreThoseOfPhotographs) {
+  for (const CameraModel model :
+       {CameraModel::kSimplePinhole, CameraModel::kPinhole}) {
+    Camera camera = SyntheticModel(1, 0, model).cameras[0];
+    for (const double focal : {50.0, 640.0, 150000.0}) {
+      camera.params[0] = focal;
+      EXPECT_TRUE(camera.Check().ok()) << focal;
+    }
+    for (const double focal : {1e-320, 1e-300, 20.0, 300000.0, 1e300}) {
+      camera.params[0] = focal;
+      const Status status = camera.Check();
+      EXPECT_EQ(status.code(), StatusCode::kBadInput) << focal;
+      EXPECT_THAT(status.message(), testing::HasSubstr("focal length of"));
+    }
+  }
 }
 
 TEST(Camera, UndistortedMeansPerspectiveWithZeros) {

@@ -175,6 +175,34 @@ TEST(ModelIo, InconsistentModelsAreRefused) {
   model = SmallModel();
   model.cameras[0].params[0] = -1;
   refuses(model, "focal length");
+  // A whole model in an absurd unit, of which squares would be infinite.
+  for (const double scale : {1e14, 1e200, 1e300}) {
+    model = SmallModel();
+    model.images[0].cam_from_world.translation *= scale;
+    refuses(model, "image 'photo_000.jpg' is farther than");
+    model = SmallModel();
+    model.points3d[0].xyz *= scale;
+    refuses(model, "point 10 is farther than");
+  }
+}
+
+TEST(ModelIo, NamesThatLeaveTheFolderAreRefused) {
+  const TemporaryFolder folder;
+  for (const ModelFormat format : {ModelFormat::kBinary, ModelFormat::kText}) {
+    const fs::path path =
+        folder.path() / (format == ModelFormat::kText ? "text" : "binary");
+    for (const char* name :
+         {"../a.jpg", "/a.jpg", "a/../../b.jpg", "..", "a/"}) {
+      Reconstruction model = SmallModel();
+      model.images[1].name = name;
+      ASSERT_TRUE(WriteModel(path, model, format).ok());
+      const auto read = ReadModel(path);
+      ASSERT_FALSE(read.ok()) << name;
+      EXPECT_EQ(read.status().code(), StatusCode::kBadInput);
+      EXPECT_THAT(read.status().message(), HasSubstr(path.string()));
+      EXPECT_THAT(read.status().message(), HasSubstr(name));
+    }
+  }
 }
 
 // A count far beyond the file must be refused before memory is taken for it.

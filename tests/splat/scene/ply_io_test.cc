@@ -203,6 +203,13 @@ TEST(PlyTest, RefusesCountsThatTheContentCannotHold) {
       "end_header\n\xff\xff\xff\xff");
 }
 
+TEST(PlyTest, RefusesTwoElementsOfOneName) {
+  EXPECT_THAT(MessageOf("ply\nformat ascii 1.0\nelement vertex 1\n"
+                        "property float x\nelement vertex 1\n"
+                        "property float x\nend_header\n1\n2\n"),
+              HasSubstr("two elements \"vertex\""));
+}
+
 TEST(PlyTest, CountsVerticesThatAreNotFinite) {
   GaussianModel model = RandomModel(10, 2, 1);
   model.means[4] = std::numeric_limits<float>::quiet_NaN();

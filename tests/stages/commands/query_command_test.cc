@@ -432,16 +432,24 @@ TEST_F(QueryCommandTest, FilesThatDisagreeAreBadInput) {
   WriteText(FeatureFile(), "{\"dim\": 3}");
   EXPECT_EQ(Query({"--text", "a"}), 3);
   EXPECT_THAT(message_, HasSubstr("instance_features.json"));
-  // A label that instances.json does not have; ids cost no memory.
-  workspace_.instances[0].id = 0x7fffffff;
-  ASSERT_TRUE(
-      semantics::WriteInstances(workspace_ / "bootstrap" / "instances.json",
-                                workspace_.instances)
-          .ok());
+  // A label that instances.json does not have, and one that no scene of so few
+  // Gaussians can have.
   const auto [x, y] = PixelOf(Labels(workspace_.views[1]), 0);
-  EXPECT_EQ(Query({"--click", "photo1", std::to_string(x), std::to_string(y)}),
-            3);
-  EXPECT_THAT(message_, HasSubstr("instances.json has not"));
+  const std::vector<std::string> click = {
+      "--click", "photo1", std::to_string(x), std::to_string(y)};
+  const int last = static_cast<int>(workspace_.labels.size());
+  for (const auto& [id, message] :
+       {std::pair(last, "instances.json has not"),
+        std::pair(last + 1, "instances.json: has an instance"),
+        std::pair(0x7fffffff, "instances.json: has an instance 2147483647")}) {
+    workspace_.instances[0].id = id;
+    ASSERT_TRUE(
+        semantics::WriteInstances(workspace_ / "bootstrap" / "instances.json",
+                                  workspace_.instances)
+            .ok());
+    EXPECT_EQ(Query(click), 3);
+    EXPECT_THAT(message_, HasSubstr(message));
+  }
 }
 
 TEST_F(QueryCommandTest, StopsWhenAsked) {

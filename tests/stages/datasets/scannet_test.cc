@@ -189,7 +189,13 @@ TEST(ScannetObjects, RefuseWhatIsMalformed) {
                  "property float z\nelement face 1\nproperty list uchar int "
                  "vertex_indices\nend_header\n1 2 3\n3 0 0 1\n",
         header + "element vertex 1\nproperty float x\nproperty float y\n"
-                 "property float z\nend_header\n1 nan 2\n"}) {
+                 "property float z\nend_header\n1 nan 2\n",
+        // The corners would be checked against the first one.
+        header + "element vertex 3\nproperty float x\nproperty float y\n"
+                 "property float z\nelement face 1\nproperty list uchar int "
+                 "vertex_indices\nelement vertex 1\nproperty float x\n"
+                 "property float y\nproperty float z\nend_header\n"
+                 "1 2 3\n1 2 4\n1 2 5\n3 0 1 2\n6 7 8\n"}) {
     const auto mesh = ParseScannetMesh(ply, "m.ply");
     EXPECT_EQ(mesh.status().code(), StatusCode::kBadInput);
     EXPECT_THAT(mesh.status().message(), HasSubstr("m.ply"));
