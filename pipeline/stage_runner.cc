@@ -263,11 +263,21 @@ Status StageRunner::RunStage(RunnerStage& stage,
   (void)WriteStageRecord(context.output, record);
   logger_.LogToFile(LogLevel::kError, Prefixed(name, status.message()));
   if (interrupted) {
-    return InterruptedError("interrupted in stage " + name +
-                            "; what it has is saved, the same command goes on "
-                            "from there");
+    const bool saved = status.code() == StatusCode::kInterrupted;
+    return InterruptedError(
+        "interrupted in stage " + name +
+        (saved ? "; what it has is saved, the same command goes on from there"
+               : "; the same command goes on from what it saved before (" +
+                     status.message() + ")"));
   }
-  return Status(status.code(), Prefixed(name, status.message()));
+  std::string message = Prefixed(name, status.message());
+  if (resume && IsWorthContinuing(record)) {
+    message +=
+        "\nwhat the stage saved earlier is kept, the same command goes "
+        "on from there; to begin the stage anew, delete " +
+        context.output.string();
+  }
+  return Status(status.code(), message);
 }
 
 }  // namespace freegs::pipeline

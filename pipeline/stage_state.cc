@@ -31,15 +31,6 @@ std::string KeepGoneInputs(const StageRecord& result, CurrentInputs* now) {
   return note;
 }
 
-// A run that failed for a reason outside the stage (a full disk, a missing
-// program) can go on from its checkpoints; but only once, in case it fails
-// because of them.
-bool WorthContinuing(const StageRecord& failed) {
-  return !failed.resumed &&
-         (failed.error_code == StatusCode::kMissingDependency ||
-          failed.error_code == StatusCode::kInternal);
-}
-
 }  // namespace
 
 CurrentInputs GatherInputs(const RunnerStage& stage,
@@ -89,6 +80,15 @@ const char* StageStatusName(StageStatus status) {
       return "foreign";
   }
   return "";
+}
+
+// A run that failed for a reason outside the stage (a full disk, no memory, a
+// missing program) goes on from what it saved, however often that happens: a
+// stage itself leaves out checkpoints that it cannot read. Other failures are
+// verdicts of the stage, which may come from what it saved.
+bool IsWorthContinuing(const StageRecord& failed) {
+  return failed.error_code == StatusCode::kMissingDependency ||
+         failed.error_code == StatusCode::kInternal;
 }
 
 StageState InspectStage(const fs::path& workspace,
@@ -148,7 +148,7 @@ StageState InspectStage(const fs::path& workspace,
   } else if (failed) {
     state.status = StageStatus::kFailed;
     state.reason = state.attempt->error;
-    state.resumable = continuable && WorthContinuing(*state.attempt);
+    state.resumable = continuable && IsWorthContinuing(*state.attempt);
   } else if (finished) {
     state.status = StageStatus::kStale;
     state.reason = result_difference;

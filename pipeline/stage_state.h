@@ -52,6 +52,9 @@ enum class StageStatus {
 };
 const char* StageStatusName(StageStatus status);
 
+// Whether the next run goes on from what a failed one saved.
+bool IsWorthContinuing(const StageRecord& failed);
+
 struct StageState {
   StageStatus status = StageStatus::kMissing;
   std::string reason;      // One line: why it is not done. Empty if it is done.

@@ -83,9 +83,20 @@ StatusOr<MatchDatabase> MatchDatabase::Open(const std::filesystem::path& path) {
 }
 
 Status MatchDatabase::Error(const std::string& what) const {
-  return BadInputError(
+  const std::string message =
       path_.string() + ": " + what + " (" +
-      (database_ ? sqlite3_errmsg(database_.get()) : "out of memory") + ")");
+      (database_ ? sqlite3_errmsg(database_.get()) : "out of memory") + ")";
+  // A full disk or a lack of memory says nothing about the file.
+  switch (database_ ? sqlite3_errcode(database_.get()) & 0xff : SQLITE_NOMEM) {
+    case SQLITE_FULL:
+    case SQLITE_IOERR:
+    case SQLITE_NOMEM:
+    case SQLITE_READONLY:
+    case SQLITE_BUSY:
+      return InternalError(message);
+    default:
+      return BadInputError(message);
+  }
 }
 
 Status MatchDatabase::Execute(const std::string& sql) const {

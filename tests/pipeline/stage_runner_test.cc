@@ -284,17 +284,42 @@ TEST_F(StageRunnerTest, StageNameIsNotRepeated) {
   EXPECT_THAT(log_, HasSubstr("\nb: one\nb: two\n"));
 }
 
-TEST_F(StageRunnerTest, FailureOfTheMachineIsContinuedOnce) {
-  b_.act = [](StageContext& context) {
+// Trained for a while, interrupted, and then the disk is full for two runs.
+TEST_F(StageRunnerTest, FailuresOfTheMachineKeepWhatWasSaved) {
+  b_.act = [this](StageContext& context) {
     WriteText(context.output / "checkpoint", "half");
-    return InternalError("disk full");
+    cancellation_->Cancel();
+    return InterruptedError("stopped");
   };
-  EXPECT_EQ(Run().code(), StatusCode::kInternal);
-  EXPECT_FALSE(b_.resumed);
-  EXPECT_EQ(Run().code(), StatusCode::kInternal);
+  EXPECT_EQ(Run().code(), StatusCode::kInterrupted);
+  b_.act = [](StageContext&) { return InternalError("disk full"); };
+  for (int i = 0; i < 2; ++i) {
+    const Status status = Run();
+    EXPECT_EQ(status.code(), StatusCode::kInternal);
+    EXPECT_THAT(status.message(), HasSubstr("disk full\n"));
+    EXPECT_THAT(status.message(), HasSubstr("b.partial"));
+    EXPECT_TRUE(b_.resumed);
+    EXPECT_TRUE(Inspect()[1].state.resumable);
+  }
+  b_.act = nullptr;
+  ASSERT_TRUE(Run().ok());
   EXPECT_TRUE(b_.resumed);
-  EXPECT_EQ(Run().code(), StatusCode::kInternal);
-  EXPECT_FALSE(b_.resumed);
+  EXPECT_THAT(log_, HasSubstr("b: trying again where it failed\n"));
+  EXPECT_EQ(ReadText(workspace() / "b" / "checkpoint"), "half");
+}
+
+TEST_F(StageRunnerTest, VerdictsStartAnew) {
+  for (const Status& verdict :
+       {BadInputError("a damaged database"), UnusableResultError("no model")}) {
+    b_.act = [&](StageContext& context) {
+      EXPECT_FALSE(fs::exists(context.output / "rest"));
+      WriteText(context.output / "rest", "");
+      return verdict;
+    };
+    EXPECT_EQ(Run().code(), verdict.code());
+    EXPECT_EQ(Run().code(), verdict.code());
+    EXPECT_FALSE(b_.resumed);
+  }
 }
 
 TEST_F(StageRunnerTest, ThrowingStageIsAnError) {
@@ -347,7 +372,9 @@ TEST_F(StageRunnerTest, AnyErrorOfACancelledStageIsAnInterruption) {
     cancellation_->Cancel();
     return UnusableResultError("a child process died");
   };
-  EXPECT_EQ(Run().code(), StatusCode::kInterrupted);
+  const Status status = Run();
+  EXPECT_EQ(status.code(), StatusCode::kInterrupted);
+  EXPECT_THAT(status.message(), HasSubstr("a child process died"));
 }
 
 TEST_F(StageRunnerTest, CancelledBetweenStages) {
