@@ -116,6 +116,30 @@ Status CreateFolders(const fs::path& path) {
   return Status();
 }
 
+Status PrepareOutputFolder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error == std::errc::no_space_on_device) return CreateFolders(folder);
+  std::string fault;
+  if (error) {
+    fault = "cannot create folder: " + error.message();
+  } else if (access(folder.c_str(), W_OK | X_OK) != 0) {
+    fault = "cannot write here: " + Reason();
+  } else {
+    return Status();
+  }
+  return BadInputError(folder.string() + ": " + fault +
+                       "; give a folder that can be written to");
+}
+
+Status PrepareOutputFile(const fs::path& file) {
+  std::error_code error;
+  if (!file.has_filename() || fs::is_directory(file, error)) {
+    return BadInputError(file.string() + ": is a folder; give a file");
+  }
+  return PrepareOutputFolder(file.has_parent_path() ? file.parent_path() : ".");
+}
+
 std::string HashBytes(std::string_view bytes) {
   return HexDigest(XXH3_128bits(bytes.data(), bytes.size()));
 }

@@ -30,6 +30,12 @@ Status WriteFileAtomic(const std::filesystem::path& path,
 // Makes the folder and all missing folders above it.
 Status CreateFolders(const std::filesystem::path& path);
 
+// Makes a folder that the user named for results, or the folder of such a file.
+// Returns kBadInput when the path cannot be written to, before work is spent on
+// what would be lost.
+Status PrepareOutputFolder(const std::filesystem::path& folder);
+Status PrepareOutputFile(const std::filesystem::path& file);
+
 // The 128-bit XXH3 hash of bytes or of a file's content, as 32 hex digits. It
 // detects changes, but it does not protect against forgery.
 std::string HashBytes(std::string_view bytes);

@@ -109,6 +109,9 @@ StatusOr<EvalRequest> ParseEvalRequest(
   }
   FREEGS_RETURN_IF_ERROR(
       ApplySettings(request.workspace, line.settings, table));
+  if (!request.json_file.empty() && request.json_file != "-") {
+    FREEGS_RETURN_IF_ERROR(PrepareOutputFile(request.json_file));
+  }
   request.threads = options.general.threads;
   request.background = options.query.background;
   return request;

@@ -353,6 +353,9 @@ Status RunQueryCommand(const std::vector<std::string>& arguments,
                        CommandContext& context) {
   FREEGS_ASSIGN_OR_RETURN(const QueryRequest request,
                           ParseQueryRequest(arguments));
+  if (!request.out.empty()) {
+    FREEGS_RETURN_IF_ERROR(PrepareOutputFolder(request.out));
+  }
   ThreadPool pool(request.threads);
   Lap lap;
   FREEGS_ASSIGN_OR_RETURN(QueryScene scene,

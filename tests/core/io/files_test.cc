@@ -80,5 +80,25 @@ TEST(FilesTest, HashesTellContentsApart) {
   EXPECT_EQ(HashBytes(""), "99aa06d3014798d86001c324468d497f");
 }
 
+TEST(FilesTest, OutputPathsOfTheUser) {
+  const TemporaryFolder folder;
+  folder.Write("file", "");
+  EXPECT_TRUE(PrepareOutputFolder(folder / "new/folder").ok());
+  EXPECT_TRUE(std::filesystem::is_directory(folder / "new/folder"));
+  EXPECT_TRUE(PrepareOutputFolder(folder.path()).ok());
+  EXPECT_TRUE(PrepareOutputFile(folder / "file").ok());
+  EXPECT_TRUE(PrepareOutputFile(folder / "other/file").ok());
+  EXPECT_TRUE(PrepareOutputFile("file").ok());
+  for (const Status& status : {PrepareOutputFolder(folder / "file/below"),
+                               PrepareOutputFolder(folder / "file"),
+                               PrepareOutputFile(folder / "file/below/a"),
+                               PrepareOutputFile(folder.path()),
+                               PrepareOutputFile(folder / "new/"),
+                               PrepareOutputFolder("/proc/1/freegs")}) {
+    EXPECT_EQ(status.code(), StatusCode::kBadInput);
+    EXPECT_THAT(status.message(), testing::HasSubstr("; give a"));
+  }
+}
+
 }  // namespace
 }  // namespace freegs

@@ -191,6 +191,7 @@ TEST_F(EvalCommandTest, SaysWhyThereIsNoText) {
   EXPECT_THAT(messages_.str(), HasSubstr("instance_features.json"));
   // Who asks for a model wants its figures.
   EXPECT_EQ(Eval({"--gt", truth_.path().string(), "--model", "nowhere"}), 5);
+  EXPECT_EQ(Eval({"--json", (gt() / "cameras.json" / "a").string()}), 3);
 }
 
 TEST_F(EvalCommandTest, RefusesFeaturesOfAnotherModel) {
