@@ -31,6 +31,26 @@ std::string KeepGoneInputs(const StageRecord& result, CurrentInputs* now) {
   return note;
 }
 
+// Returns why the stage must write its output again, because somebody deleted
+// files; empty if it need not. Notes files that somebody replaced.
+std::string CheckOutput(const fs::path& workspace,
+                        const std::string& stage,
+                        const StageRecord& result,
+                        const std::vector<fs::path>& read_later,
+                        std::string* note) {
+  if (result.outputs.empty()) return "";
+  const OutputChange change = CompareOutputFiles(
+      result.outputs,
+      ListOutputFiles(StageFolder(workspace, stage), read_later));
+  if (!change.replaced.empty()) {
+    *note += (note->empty() ? "" : "; ") + change.replaced +
+             ": not as the stage wrote it, used as it is ('freegs_pipeline "
+             "stage " +
+             stage + " " + workspace.string() + "' makes it again)";
+  }
+  return change.missing.empty() ? "" : change.missing + ": missing or empty";
+}
+
 }  // namespace
 
 CurrentInputs GatherInputs(const RunnerStage& stage,
@@ -93,7 +113,8 @@ bool IsWorthContinuing(const StageRecord& failed) {
 
 StageState InspectStage(const fs::path& workspace,
                         const std::string& stage,
-                        const CurrentInputs& now) {
+                        const CurrentInputs& now,
+                        const std::vector<fs::path>& read_later) {
   StageState state;
   std::error_code error;
   const fs::path folder = StageFolder(workspace, stage);
@@ -136,6 +157,11 @@ StageState InspectStage(const fs::path& workspace,
       CurrentInputs expected = now;
       state.note = KeepGoneInputs(*result, &expected);
       result_difference = Difference(result->fingerprint, expected.fingerprint);
+      if (result_difference.empty()) {
+        result_difference =
+            CheckOutput(workspace, stage, *result, read_later, &state.note);
+        state.lacks_files = !result_difference.empty();
+      }
       state.result = *std::move(result);
     } else {
       result_difference = "its stage.json is damaged";

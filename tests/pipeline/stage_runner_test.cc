@@ -194,7 +194,45 @@ TEST_F(StageRunnerTest, SwappedOutputRedoesWhatFollows) {
   WriteText(workspace() / "b" / "out.txt", "somebody else's");
   ASSERT_TRUE(Run().ok());
   EXPECT_EQ(Runs(), "112");
+  EXPECT_THAT(log_, HasSubstr("warning: b: out.txt: not as the stage wrote"));
   EXPECT_THAT(log_, HasSubstr("c: input b/out.txt changed\n"));
+}
+
+TEST_F(StageRunnerTest, DeletedOutputIsMadeAgain) {
+  ASSERT_TRUE(Run().ok());
+  fs::remove(workspace() / "b" / "out.txt");
+  EXPECT_EQ(Inspect()[1].state.status, StageStatus::kStale);
+  ASSERT_TRUE(Run().ok());
+  // The same content again: what follows still holds.
+  EXPECT_EQ(Runs(), "121");
+  EXPECT_THAT(log_, HasSubstr("b: out.txt: missing or empty\n"));
+  WriteText(workspace() / "a" / "out.txt", "");
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(Runs(), "221");
+  // No later stage reads it.
+  WriteText(workspace() / "c" / "checkpoint", "");
+  fs::remove(workspace() / "c" / "out.txt");
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(Runs(), "221");
+}
+
+// Somebody else's result in another format.
+TEST_F(StageRunnerTest, ReplacedFilesAreNotOverwritten) {
+  c_.inputs = {"b/out.txt", "b/model"};
+  b_.act = [](StageContext& context) {
+    WriteText(context.output / "model" / "a.bin", "own");
+    return Status();
+  };
+  ASSERT_TRUE(Run().ok());
+  fs::rename(workspace() / "b" / "model" / "a.bin",
+             workspace() / "b" / "model" / "a.txt");
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(Runs(), "112");
+  EXPECT_THAT(log_, HasSubstr("b: model/a.txt: not as the stage wrote it"));
+  EXPECT_THAT(log_, HasSubstr("'freegs_pipeline stage b "));
+  fs::remove(workspace() / "b" / "model" / "a.txt");
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(Runs(), "123");
 }
 
 TEST_F(StageRunnerTest, ForeignFolderIsNeverOverwritten) {
