@@ -100,10 +100,23 @@ Status WriteFileAtomic(const fs::path& path, std::string_view content) {
   std::error_code error;
   fs::rename(temporary, path, error);
   if (error) {
+    std::error_code ignored;
+    fs::remove(temporary, ignored);
     return InternalError(path.string() +
                          ": cannot replace: " + error.message());
   }
-  return Status();
+  return FlushToDisk(path.has_parent_path() ? path.parent_path() : ".");
+}
+
+Status FlushToDisk(const fs::path& path) {
+  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return Status();
+  // Some file systems cannot flush folders.
+  const bool good = fsync(descriptor) == 0 || errno == EINVAL;
+  const std::string reason = Reason();
+  close(descriptor);
+  return good ? Status()
+              : InternalError(path.string() + ": cannot write: " + reason);
 }
 
 Status CreateFolders(const fs::path& path) {

@@ -20,12 +20,17 @@ StatusOr<std::string> ReadFile(const std::filesystem::path& path,
                                uint64_t max_bytes = uint64_t{1} << 33);
 
 // Writes a temporary file beside `path`, flushes it to disk and renames it. So
-// a reader sees either the old or the new content, never a part of it:
+// a reader sees either the old or the new content, never a part of it, and a
+// power cut after the call does not bring the old content back:
 //
 //   FREEGS_RETURN_IF_ERROR(CreateFolders(folder));
 //   FREEGS_RETURN_IF_ERROR(WriteFileAtomic(folder / "a.txt", text));
 Status WriteFileAtomic(const std::filesystem::path& path,
                        std::string_view content);
+
+// Puts the content of a file that another program or library wrote on disk, or
+// the names in a folder. Does nothing if it does not exist.
+Status FlushToDisk(const std::filesystem::path& path);
 
 // Makes the folder and all missing folders above it.
 Status CreateFolders(const std::filesystem::path& path);

@@ -72,7 +72,7 @@ StatusOr<MatchDatabase> MatchDatabase::Open(const std::filesystem::path& path) {
   if (code != SQLITE_OK) return result.Error("cannot be opened");
   sqlite3_busy_timeout(database, 10000);
   // As COLMAP does itself: a killed process loses nothing, only a machine that
-  // loses power could.
+  // loses power could. Who records a step as done flushes the file first.
   FREEGS_RETURN_IF_ERROR(result.Execute("PRAGMA synchronous = OFF"));
   // Makes SQLite look at the file, and finish what a killed writer left.
   Statement probe(database, "SELECT COUNT(*) FROM images");

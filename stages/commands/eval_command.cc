@@ -292,6 +292,7 @@ Status RunEvalCommand(const std::vector<std::string>& arguments,
                       CommandContext& context) {
   FREEGS_ASSIGN_OR_RETURN(const EvalRequest request,
                           ParseEvalRequest(arguments));
+  WarnOfRun(request.workspace, context);
   ThreadPool pool(request.threads);
   FREEGS_ASSIGN_OR_RETURN(const WorkspaceScene scene,
                           ReadWorkspaceScene(request.workspace));

@@ -126,6 +126,7 @@ Status RunExportCommand(const std::vector<std::string>& arguments,
   FREEGS_RETURN_IF_ERROR(PrepareOutputFile(path));
 
   const fs::path workspace(line.positional[0]);
+  WarnOfRun(workspace, context);
   FREEGS_ASSIGN_OR_RETURN(splat::GaussianModel model,
                           ReadWorkspaceModel(workspace));
   FREEGS_RETURN_IF_ERROR(Prepare(request, workspace, &model));

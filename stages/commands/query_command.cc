@@ -353,6 +353,7 @@ Status RunQueryCommand(const std::vector<std::string>& arguments,
                        CommandContext& context) {
   FREEGS_ASSIGN_OR_RETURN(const QueryRequest request,
                           ParseQueryRequest(arguments));
+  WarnOfRun(request.workspace, context);
   if (!request.out.empty()) {
     FREEGS_RETURN_IF_ERROR(PrepareOutputFolder(request.out));
   }

@@ -278,6 +278,7 @@ Status RunRenderCommand(const std::vector<std::string>& arguments,
                         CommandContext& context) {
   FREEGS_ASSIGN_OR_RETURN(const RenderRequest request,
                           ParseRenderRequest(arguments));
+  WarnOfRun(request.workspace, context);
   FREEGS_ASSIGN_OR_RETURN(const WorkspaceScene scene,
                           ReadWorkspaceScene(request.workspace));
   FREEGS_ASSIGN_OR_RETURN(

@@ -532,6 +532,26 @@ TEST_F(StageRunnerTest, RetiredResultComesBackIfTheNewOneIsLost) {
   EXPECT_EQ(Runs(), "122");
 }
 
+// As with a file of another user in it: a folder cannot be deleted as a file.
+TEST_F(StageRunnerTest, OldResultThatCannotBeDeleted) {
+  ASSERT_TRUE(Run().ok());
+  WriteText(workspace() / "b.old" / "stage.json" / "file", "");
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(Runs(), "111");
+  b_.option = "2";
+  for (int i = 0; i < 2; ++i) {
+    const Status status = Run();
+    EXPECT_EQ(status.code(), StatusCode::kInternal);
+    EXPECT_THAT(status.message(), HasSubstr("b.old"));
+    EXPECT_THAT(status.message(), HasSubstr("delete it yourself"));
+    EXPECT_EQ(ReadText(workspace() / "b" / "out.txt"), "b1");
+  }
+  fs::remove_all(workspace() / "b.old");
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(Runs(), "122");
+  EXPECT_EQ(ReadText(workspace() / "b" / "out.txt"), "b2");
+}
+
 TEST_F(StageRunnerTest, DamagedRecordRedoes) {
   ASSERT_TRUE(Run().ok());
   for (const char* content : {"", "null", "{\"status\": \"done\"}", "[[[["}) {

@@ -72,6 +72,21 @@ TEST(FilesTest, WriteIntoMissingFolderFails) {
   EXPECT_FALSE(CreateFolders(folder / "no" / "f" / "g").ok());
 }
 
+TEST(FilesTest, FailedReplacementLeavesNothing) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(CreateFolders(folder / "f" / "deeper").ok());
+  EXPECT_FALSE(WriteFileAtomic(folder / "f", "x").ok());
+  EXPECT_FALSE(fs::exists(folder / "f.part"));
+}
+
+TEST(FilesTest, FlushesWhatIsThere) {
+  const TemporaryFolder folder;
+  WriteText(folder / "f", "12345");
+  EXPECT_TRUE(FlushToDisk(folder / "f").ok());
+  EXPECT_TRUE(FlushToDisk(folder.path()).ok());
+  EXPECT_TRUE(FlushToDisk(folder / "missing").ok());
+}
+
 TEST(FilesTest, HashesTellContentsApart) {
   EXPECT_EQ(HashBytes("").size(), 32u);
   EXPECT_EQ(HashBytes("a"), HashBytes("a"));
