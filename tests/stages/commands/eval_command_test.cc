@@ -191,7 +191,16 @@ TEST_F(EvalCommandTest, SaysWhyThereIsNoText) {
   EXPECT_THAT(messages_.str(), HasSubstr("instance_features.json"));
   // Who asks for a model wants its figures.
   EXPECT_EQ(Eval({"--gt", truth_.path().string(), "--model", "nowhere"}), 5);
-  EXPECT_EQ(Eval({"--json", (gt() / "cameras.json" / "a").string()}), 3);
+}
+
+TEST_F(EvalCommandTest, AFileThatCannotBeWrittenIsBadInput) {
+  CommandContext context{output_, messages_, cancellation_, "freegs"};
+  const Status status = RunEvalCommand({workspace_.path().string(),
+                                        "--json",
+                                        (gt() / "cameras.json" / "a").string()},
+                                       context);
+  EXPECT_EQ(status.code(), StatusCode::kBadInput) << status.message();
+  EXPECT_EQ(output_.str(), "");
 }
 
 TEST_F(EvalCommandTest, RefusesFeaturesOfAnotherModel) {
