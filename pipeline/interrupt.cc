@@ -33,16 +33,20 @@ void OnSignal(int) {
 InterruptGuard::InterruptGuard(CancellationToken* token) {
   current_token.store(token, std::memory_order_relaxed);
   struct sigaction action = {};
-  action.sa_handler = OnSignal;
   sigemptyset(&action.sa_mask);
   // Without SA_RESTART: a wait for a child or a read wakes up to see the token.
-  sigaction(SIGINT, &action, &old_int_);
-  sigaction(SIGTERM, &action, &old_term_);
+  for (size_t i = 0; i < kSignals.size(); ++i) {
+    action.sa_handler = kSignals[i] == SIGPIPE ? SIG_IGN : OnSignal;
+    sigaction(kSignals[i], nullptr, &old_[i]);
+    if (kSignals[i] == SIGHUP && old_[i].sa_handler == SIG_IGN) continue;
+    sigaction(kSignals[i], &action, nullptr);
+  }
 }
 
 InterruptGuard::~InterruptGuard() {
-  sigaction(SIGINT, &old_int_, nullptr);
-  sigaction(SIGTERM, &old_term_, nullptr);
+  for (size_t i = 0; i < kSignals.size(); ++i) {
+    sigaction(kSignals[i], &old_[i], nullptr);
+  }
   current_token.store(nullptr, std::memory_order_relaxed);
 }
 

@@ -1,20 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Handles Ctrl-C and kill: the first signal asks the program to save a
-// checkpoint and stop, the second ends it at once.
+// Handles Ctrl-C, kill and a closed terminal: the first signal asks the program
+// to save a checkpoint and stop, the second ends it at once.
 
 #ifndef FREEGS_PIPELINE_INTERRUPT_H_
 #define FREEGS_PIPELINE_INTERRUPT_H_
 
+#include <array>
 #include <csignal>
 
 #include "core/cancellation.h"
 
 namespace freegs::pipeline {
 
-// As long as the object lives, SIGINT and SIGTERM cancel `token`. A second
-// signal ends the program with exit code 130 and without cleaning up; a
-// workspace stays usable then. There may be one guard at a time. Its destructor
-// puts the earlier handlers back.
+// As long as the object lives, SIGINT, SIGTERM and SIGHUP cancel `token`. A
+// second signal ends the program with exit code 130 and without cleaning up; a
+// workspace stays usable then. A SIGHUP that was ignored before (nohup) stays
+// ignored. SIGPIPE is ignored: output that nobody reads must not end a run.
+// There may be one guard at a time. Its destructor puts the earlier handlers
+// back.
 class InterruptGuard {
  public:
   explicit InterruptGuard(CancellationToken* token);
@@ -23,8 +26,8 @@ class InterruptGuard {
   InterruptGuard& operator=(const InterruptGuard&) = delete;
 
  private:
-  struct sigaction old_int_;
-  struct sigaction old_term_;
+  static constexpr std::array kSignals = {SIGINT, SIGTERM, SIGHUP, SIGPIPE};
+  std::array<struct sigaction, kSignals.size()> old_;
 };
 
 }  // namespace freegs::pipeline

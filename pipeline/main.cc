@@ -81,7 +81,8 @@ void PrintHelp() {
   for (const Command& command : kCommands) {
     std::cout << "  freegs_pipeline " << command.usage << "\n";
   }
-  std::cout << "\nExit codes: 0 done; 1 program or system fault; 2 wrong "
+  std::cout << "\nfreegs_pipeline COMMAND --help tells more about a command.\n"
+               "\nExit codes: 0 done; 1 program or system fault; 2 wrong "
                "usage; 3 bad input;\n4 no usable result; 5 a missing program "
                "or model file; 130 interrupted.\n\nOptions, also in "
                "WORKSPACE/config.ini:\n";
@@ -89,10 +90,7 @@ void PrintHelp() {
   std::cout << stages::MakeOptionTable(&options).Help();
 }
 
-Status Run(const std::vector<std::string>& words,
-           const CancellationToken& cancellation,
-           const std::string& argv0) {
-  const std::string& name = words[0];
+StatusOr<Command> FindCommand(const std::string& name) {
   const auto command = std::find_if(
       std::begin(kCommands), std::end(kCommands), [&](const Command& c) {
         return c.name == name;
@@ -106,32 +104,55 @@ Status Run(const std::vector<std::string>& words,
         (nearest.empty() ? "" : "; did you mean " + nearest + "?") +
         "; see freegs_pipeline --help");
   }
-  const std::vector<std::string> arguments(words.begin() + 1, words.end());
-  if (std::find(arguments.begin(), arguments.end(), "--help") !=
-      arguments.end()) {
-    std::cout << "freegs_pipeline " << command->usage << "\n";
-    return Status();
-  }
-  stages::CommandContext context{std::cout, std::cerr, cancellation, argv0};
-  return command->run(arguments, context);
+  return *command;
 }
 
-int Main(int argc, char** argv) {
-  const std::vector<std::string> words(argv + 1, argv + argc);
-  if (words.empty() || words[0] == "--help" || words[0] == "-h" ||
-      words[0] == "help") {
+// What a command says about itself: its usage and all its options.
+Status PrintCommandHelp(const std::string& name) {
+  FREEGS_ASSIGN_OR_RETURN(const Command command, FindCommand(name));
+  const CancellationToken never;
+  stages::CommandContext context{std::cout, std::cerr, never, ""};
+  std::cout << "freegs_pipeline " << command.usage << "\n\n"
+            << command.run({"--help"}, context).message() << "\n";
+  return Status();
+}
+
+Status RunCommand(const std::vector<std::string>& words,
+                  const std::string& argv0) {
+  FREEGS_ASSIGN_OR_RETURN(const Command command, FindCommand(words[0]));
+  CancellationToken cancellation;
+  const pipeline::InterruptGuard guard(&cancellation);
+  stages::CommandContext context{std::cout, std::cerr, cancellation, argv0};
+  return command.run({words.begin() + 1, words.end()}, context);
+}
+
+Status Run(const std::vector<std::string>& words, const std::string& argv0) {
+  const auto asks_for_help = [](const std::string& word) {
+    return word == "--help" || word == "-h";
+  };
+  if (words.empty() || asks_for_help(words[0]) ||
+      words == std::vector<std::string>{"help"}) {
     PrintHelp();
-    return pipeline::ExitCode(words.empty() ? StatusCode::kInvalidArgument
-                                            : StatusCode::kOk);
+    return words.empty() ? InvalidArgumentError("give a command") : Status();
   }
   if (words[0] == "--version") {
     std::cout << "freegs_pipeline " << pipeline::kProgramVersion << "\n";
-    return 0;
+    return Status();
   }
-  CancellationToken cancellation;
-  const pipeline::InterruptGuard guard(&cancellation);
-  const Status status = Run(words, cancellation, argv[0]);
-  std::cout.flush();
+  if (words[0] == "help") return PrintCommandHelp(words[1]);
+  if (std::any_of(words.begin() + 1, words.end(), asks_for_help)) {
+    return PrintCommandHelp(words[0]);
+  }
+  return RunCommand(words, argv0);
+}
+
+int Main(int argc, char** argv) {
+  Status status = Run({argv + 1, argv + argc}, argv[0]);
+  if (!std::cout.flush() && status.ok()) {
+    status = InternalError(
+        "standard output: not all of it could be written; is the disk full, or "
+        "has its reader gone?");
+  }
   if (!status.ok()) {
     std::cerr << "freegs_pipeline: " << status.message() << "\n";
   }

@@ -113,6 +113,10 @@ Status OptionTable::Check() const { return error_; }
 StatusOr<OptionTable::CommandLine> OptionTable::ParseCommandLine(
     const std::vector<std::string>& arguments) const {
   FREEGS_RETURN_IF_ERROR(error_);
+  if (std::find(arguments.begin(), arguments.end(), "--help") !=
+      arguments.end()) {
+    return InvalidArgumentError(Help());
+  }
   const std::string source = "command line";
   po::options_description description;
   const auto describe = [&description](const std::string& name,
@@ -144,6 +148,11 @@ StatusOr<OptionTable::CommandLine> OptionTable::ParseCommandLine(
             .run();
     for (const po::option& given : parsed.options) {
       if (given.position_key >= 0) {
+        for (const std::string& word : given.value) {
+          if (!word.empty()) continue;
+          return InvalidArgumentError(
+              "an argument is empty; is a variable of a script not set?");
+        }
         line.positional.insert(
             line.positional.end(), given.value.begin(), given.value.end());
         continue;
@@ -327,8 +336,10 @@ std::string OptionTable::ConfigTemplate() const {
 }
 
 std::string OptionTable::Help() const {
-  std::string text;
-  for (const auto& [section, help] : sections_) text += SectionHelp(section);
+  std::string text = SectionHelp("");
+  for (const auto& [section, help] : sections_) {
+    if (!section.empty()) text += SectionHelp(section);
+  }
   return text;
 }
 

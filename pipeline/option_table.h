@@ -84,8 +84,9 @@ class OptionTable {
   Status Check() const;
 
   // Splits arguments into settings and positional words, and changes no option.
-  // Returns kInvalidArgument for unknown options, missing values and values
-  // that are not allowed. When an option is repeated, the last value wins.
+  // Returns kInvalidArgument for unknown options, missing values, values that
+  // are not allowed and empty words. When an option is repeated, the last value
+  // wins. When --help is among the arguments, the error's message is Help().
   StatusOr<CommandLine> ParseCommandLine(
       const std::vector<std::string>& arguments) const;
 
@@ -120,9 +121,9 @@ class OptionTable {
   // default.
   std::string ConfigTemplate() const;
 
-  // The help text for a terminal: options with defaults, ranges and help.
-  // SectionHelp returns that of one section; "" names the options without a
-  // section.
+  // The help text for a terminal: options with defaults, ranges and help, those
+  // without a section first. SectionHelp returns that of one section; "" names
+  // the options without a section.
   std::string Help() const;
   std::string SectionHelp(const std::string& section) const;
 

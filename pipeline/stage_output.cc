@@ -83,11 +83,19 @@ Status Swap(const fs::path& workspace, const std::string& stage) {
   FREEGS_RETURN_IF_ERROR(RemoveFile(UsagePath(partial).string() + ".part"));
   std::error_code error;
   if (fs::exists(folder, error)) {
-    FREEGS_RETURN_IF_ERROR(RemoveStageFolder(retired));
+    const Status removed = RemoveStageFolder(retired);
+    if (!removed.ok()) {
+      return InternalError(removed.message() +
+                           "; delete it yourself and run again, the new result "
+                           "is complete and then takes its place");
+    }
     FREEGS_RETURN_IF_ERROR(Rename(folder, retired));
   }
   FREEGS_RETURN_IF_ERROR(Rename(partial, folder));
-  return RemoveStageFolder(retired);
+  FREEGS_RETURN_IF_ERROR(FlushToDisk(workspace));
+  // What cannot be deleted now is deleted later; the new result is in place.
+  (void)RemoveStageFolder(retired);
+  return Status();
 }
 
 }  // namespace
@@ -152,7 +160,9 @@ Status RecoverStage(const fs::path& workspace, const std::string& stage) {
   if (!fs::exists(folder, error) && IsFinished(retired)) {
     return Rename(retired, folder);
   }
-  return RemoveStageFolder(retired);
+  // It is in nobody's way before the stage runs again.
+  (void)RemoveStageFolder(retired);
+  return Status();
 }
 
 }  // namespace freegs::pipeline

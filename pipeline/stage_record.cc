@@ -140,6 +140,7 @@ json ToJson(const StageRecord& record) {
   object["peak_memory_bytes"] = record.peak_memory_bytes;
   object["resumed"] = record.resumed;
   object["summary"] = record.summary;
+  object["outputs"] = record.outputs;
   if (record.error_code != StatusCode::kOk) {
     object["error"] = {{"code", NameOf(kCodes, record.error_code)},
                        {"message", record.error}};
@@ -168,6 +169,12 @@ StatusOr<StageRecord> RecordFromJson(const json& object) {
       reader.Integer64("peak_memory_bytes", 0, kMaxCount);
   record.resumed = reader.Bool("resumed");
   record.summary = reader.Object("summary");
+  if (reader.Has("outputs")) {
+    JsonObjectReader outputs(reader.Object("outputs"), "", "outputs", &status);
+    for (const auto& [name, size] : reader.Object("outputs").items()) {
+      record.outputs[name] = outputs.Integer64(name.c_str(), 0, kMaxCount);
+    }
+  }
   if (reader.Has("error")) {
     JsonObjectReader error(reader.Object("error"), "", "error", &status);
     record.error_code = ValueOf(kCodes, "code", error);

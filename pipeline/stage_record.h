@@ -13,6 +13,7 @@
 
 #include "core/status.h"
 #include "pipeline/fingerprint.h"
+#include "pipeline/output_files.h"
 
 namespace freegs::pipeline {
 
@@ -55,6 +56,9 @@ struct StageRecord {
 
   // Facts that the stage reports.
   nlohmann::json summary = nlohmann::json::object();
+
+  // The files that later stages read.
+  OutputFiles outputs;
 
   // Why the stage failed; kOk if it did not.
   StatusCode error_code = StatusCode::kOk;

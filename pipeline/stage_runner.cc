@@ -111,6 +111,21 @@ StageContext StageRunner::MakeContext(const RunnerStage& stage) const {
   return context;
 }
 
+std::vector<fs::path> StageRunner::ReadLater(const std::string& stage) const {
+  std::vector<fs::path> parts;
+  for (size_t i = IndexOf(stage) + 1; i < stages_.size(); ++i) {
+    const StageContext context = MakeContext(stages_[i]);
+    for (const fs::path& input : stages_[i].stage->Inputs(context)) {
+      const fs::path path =
+          DisplayPath(options_.workspace, options_.workspace / input);
+      if (!input.empty() && *path.begin() == stage) {
+        parts.push_back(path.lexically_relative(stage));
+      }
+    }
+  }
+  return parts;
+}
+
 Status StageRunner::Recover() {
   for (const RunnerStage& stage : stages_) {
     FREEGS_RETURN_IF_ERROR(RecoverStage(options_.workspace, NameOf(stage)));
@@ -123,8 +138,10 @@ StatusOr<std::vector<StageReport>> StageRunner::Inspect() {
   std::string unfinished;
   for (const RunnerStage& stage : stages_) {
     const CurrentInputs now = GatherInputs(stage, MakeContext(stage), cache_);
-    StageReport report{NameOf(stage),
-                       InspectStage(options_.workspace, NameOf(stage), now)};
+    StageReport report{
+        NameOf(stage),
+        InspectStage(
+            options_.workspace, NameOf(stage), now, ReadLater(NameOf(stage)))};
     if (report.state.status == StageStatus::kDone && !unfinished.empty()) {
       report.state.status = StageStatus::kStale;
       report.state.reason = "stage " + unfinished + " is not done";
@@ -166,7 +183,8 @@ Status StageRunner::Run() {
                               "; the same command goes on from there");
     }
     const CurrentInputs now = GatherInputs(stage, MakeContext(stage), cache_);
-    StageState state = InspectStage(options_.workspace, name, now);
+    StageState state =
+        InspectStage(options_.workspace, name, now, ReadLater(name));
     if (!state.note.empty()) {
       logger_.Log(LogLevel::kWarning, name + ": " + state.note);
     }
@@ -190,7 +208,9 @@ Status StageRunner::Run() {
     logger_.Log(LogLevel::kInfo, name + ": " + state.reason);
     FREEGS_RETURN_IF_ERROR(
         RunStage(stage, now.fingerprint, state.resumable, pool));
-    if (redone.empty()) redone = name;
+    // Files that are made again are the same as before, or the fingerprints of
+    // what follows tell.
+    if (redone.empty() && !state.lacks_files) redone = name;
     (void)cache_.Save();
   }
   (void)cache_.Save();
@@ -244,6 +264,7 @@ Status StageRunner::RunStage(RunnerStage& stage,
   record.resumed = resume;
   if (context.summary.is_object()) record.summary = context.summary;
   if (status.ok()) {
+    record.outputs = ListOutputFiles(context.output, ReadLater(name));
     logger_.SetTransient("");
     FREEGS_RETURN_IF_ERROR(FinishPartial(options_.workspace, name, record));
     logger_.Log(LogLevel::kInfo, name + ": done in " + UsageText(usage));
@@ -263,11 +284,21 @@ Status StageRunner::RunStage(RunnerStage& stage,
   (void)WriteStageRecord(context.output, record);
   logger_.LogToFile(LogLevel::kError, Prefixed(name, status.message()));
   if (interrupted) {
-    return InterruptedError("interrupted in stage " + name +
-                            "; what it has is saved, the same command goes on "
-                            "from there");
+    const bool saved = status.code() == StatusCode::kInterrupted;
+    return InterruptedError(
+        "interrupted in stage " + name +
+        (saved ? "; what it has is saved, the same command goes on from there"
+               : "; the same command goes on from what it saved before (" +
+                     status.message() + ")"));
   }
-  return Status(status.code(), Prefixed(name, status.message()));
+  std::string message = Prefixed(name, status.message());
+  if (resume && IsWorthContinuing(record)) {
+    message +=
+        "\nwhat the stage saved earlier is kept, the same command goes "
+        "on from there; to begin the stage anew, delete " +
+        context.output.string();
+  }
+  return Status(status.code(), message);
 }
 
 }  // namespace freegs::pipeline

@@ -76,6 +76,8 @@ class StageRunner {
  private:
   Status CheckOptions() const;
   StageContext MakeContext(const RunnerStage& stage) const;
+  // What stages after this one read of its output, relative to its folder.
+  std::vector<std::filesystem::path> ReadLater(const std::string& stage) const;
   Status RunStage(RunnerStage& stage,
                   const StageFingerprint& fingerprint,
                   bool resume,

@@ -31,13 +31,24 @@ std::string KeepGoneInputs(const StageRecord& result, CurrentInputs* now) {
   return note;
 }
 
-// A run that failed for a reason outside the stage (a full disk, a missing
-// program) can go on from its checkpoints; but only once, in case it fails
-// because of them.
-bool WorthContinuing(const StageRecord& failed) {
-  return !failed.resumed &&
-         (failed.error_code == StatusCode::kMissingDependency ||
-          failed.error_code == StatusCode::kInternal);
+// Returns why the stage must write its output again, because somebody deleted
+// files; empty if it need not. Notes files that somebody replaced.
+std::string CheckOutput(const fs::path& workspace,
+                        const std::string& stage,
+                        const StageRecord& result,
+                        const std::vector<fs::path>& read_later,
+                        std::string* note) {
+  if (result.outputs.empty()) return "";
+  const OutputChange change = CompareOutputFiles(
+      result.outputs,
+      ListOutputFiles(StageFolder(workspace, stage), read_later));
+  if (!change.replaced.empty()) {
+    *note += (note->empty() ? "" : "; ") + change.replaced +
+             ": not as the stage wrote it, used as it is ('freegs_pipeline "
+             "stage " +
+             stage + " " + workspace.string() + "' makes it again)";
+  }
+  return change.missing.empty() ? "" : change.missing + ": missing or empty";
 }
 
 }  // namespace
@@ -91,9 +102,19 @@ const char* StageStatusName(StageStatus status) {
   return "";
 }
 
+// A run that failed for a reason outside the stage (a full disk, no memory, a
+// missing program) goes on from what it saved, however often that happens: a
+// stage itself leaves out checkpoints that it cannot read. Other failures are
+// verdicts of the stage, which may come from what it saved.
+bool IsWorthContinuing(const StageRecord& failed) {
+  return failed.error_code == StatusCode::kMissingDependency ||
+         failed.error_code == StatusCode::kInternal;
+}
+
 StageState InspectStage(const fs::path& workspace,
                         const std::string& stage,
-                        const CurrentInputs& now) {
+                        const CurrentInputs& now,
+                        const std::vector<fs::path>& read_later) {
   StageState state;
   std::error_code error;
   const fs::path folder = StageFolder(workspace, stage);
@@ -136,6 +157,11 @@ StageState InspectStage(const fs::path& workspace,
       CurrentInputs expected = now;
       state.note = KeepGoneInputs(*result, &expected);
       result_difference = Difference(result->fingerprint, expected.fingerprint);
+      if (result_difference.empty()) {
+        result_difference =
+            CheckOutput(workspace, stage, *result, read_later, &state.note);
+        state.lacks_files = !result_difference.empty();
+      }
       state.result = *std::move(result);
     } else {
       result_difference = "its stage.json is damaged";
@@ -148,7 +174,7 @@ StageState InspectStage(const fs::path& workspace,
   } else if (failed) {
     state.status = StageStatus::kFailed;
     state.reason = state.attempt->error;
-    state.resumable = continuable && WorthContinuing(*state.attempt);
+    state.resumable = continuable && IsWorthContinuing(*state.attempt);
   } else if (finished) {
     state.status = StageStatus::kStale;
     state.reason = result_difference;

@@ -52,18 +52,26 @@ enum class StageStatus {
 };
 const char* StageStatusName(StageStatus status);
 
+// Whether the next run goes on from what a failed one saved.
+bool IsWorthContinuing(const StageRecord& failed);
+
 struct StageState {
   StageStatus status = StageStatus::kMissing;
   std::string reason;      // One line: why it is not done. Empty if it is done.
   std::string note;        // A remark on a result that is kept.
   bool resumable = false;  // STAGE.partial can be continued.
+  // The result would hold, but somebody deleted files of it.
+  bool lacks_files = false;
   std::optional<StageRecord> result;   // Of STAGE/.
   std::optional<StageRecord> attempt;  // Of STAGE.partial/, if that run ended.
 };
 
+// `read_later` are the files and folders of the stage's output that later
+// stages read, relative to its folder.
 StageState InspectStage(const std::filesystem::path& workspace,
                         const std::string& stage,
-                        const CurrentInputs& now);
+                        const CurrentInputs& now,
+                        const std::vector<std::filesystem::path>& read_later);
 
 }  // namespace freegs::pipeline
 

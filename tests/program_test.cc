@@ -30,26 +30,85 @@ struct Outcome {
   std::string text;  // Standard output and error.
 };
 
-Outcome Call(std::vector<std::string> arguments,
-             const CancellationToken* cancellation = nullptr) {
+Outcome CallProgram(std::vector<std::string> argv) {
   sfm::ChildCommand command;
-  command.argv = {FREEGS_PROGRAM};
-  command.argv.insert(command.argv.end(), arguments.begin(), arguments.end());
+  command.argv = std::move(argv);
   Outcome outcome;
   const StatusOr<sfm::ChildResult> result = sfm::RunChild(
       command,
       [&](std::string_view line) { outcome.text += std::string(line) + "\n"; },
-      cancellation);
+      nullptr);
   if (result.ok()) outcome.code = result->exit_code;
   return outcome;
+}
+
+Outcome Call(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), FREEGS_PROGRAM);
+  return CallProgram(std::move(arguments));
+}
+
+// Runs a command line of the shell in which $0 is the program.
+Outcome Shell(const std::string& line) {
+  return CallProgram({"/bin/sh", "-c", line, FREEGS_PROGRAM});
 }
 
 TEST(ProgramTest, HelpAndVersion) {
   EXPECT_EQ(Call({"--help"}).code, 0);
   EXPECT_THAT(Call({"--help"}).text, HasSubstr("--reconstruct.iterations"));
   EXPECT_EQ(Call({"--version"}).code, 0);
-  EXPECT_EQ(Call({"run", "--help"}).code, 0);
   EXPECT_EQ(Call({}).code, 2);
+}
+
+TEST(ProgramTest, EveryCommandHasItsHelp) {
+  const std::pair<const char*, const char*> commands[] = {
+      {"run", "--from"},
+      {"run", "--reconstruct.iterations"},
+      {"stage", "--reconstruct.iterations"},
+      {"init", "init WORKSPACE"},
+      {"status", "--json"},
+      {"doctor", "--sfm.colmap"},
+      {"render", "--no-align"},
+      {"query", "--max-hits"},
+      {"eval", "--text-threshold"},
+      {"features", "--dense-size"},
+      {"export", "--without"},
+      {"model", "--merges"}};
+  for (const auto& [command, option] : commands) {
+    const Outcome outcome = Call({command, "--help"});
+    EXPECT_EQ(outcome.code, 0) << command;
+    EXPECT_THAT(outcome.text,
+                testing::StartsWith(std::string("freegs_pipeline ") + command));
+    EXPECT_THAT(outcome.text, HasSubstr(option));
+    EXPECT_EQ(Call({"help", command}).text, outcome.text);
+  }
+  EXPECT_EQ(Call({"help", "rnu"}).code, 2);
+}
+
+TEST(ProgramTest, LostOutputIsAnError) {
+  for (const char* arguments : {"--version", "--help", "run --help"}) {
+    const Outcome outcome =
+        Shell("\"$0\" " + std::string(arguments) + " >/dev/full");
+    EXPECT_EQ(outcome.code, 1) << arguments;
+    EXPECT_THAT(outcome.text, HasSubstr("standard output"));
+  }
+  const TemporaryFolder folder;
+  EXPECT_EQ(
+      Shell("\"$0\" init '" + folder.path().string() + "' >/dev/full").code, 1);
+}
+
+TEST(ProgramTest, OutputsThatCannotBeWritten) {
+  const TemporaryFolder folder;
+  folder.Write("file", "");
+  folder.Write("photos/a.jpg", "not a photo");
+  const std::string photos = (folder / "photos").string();
+  const std::string below = (folder / "file/w").string();
+  EXPECT_EQ(Call({"run", photos, below}).code, 3);
+  EXPECT_EQ(Call({"run", photos, ""}).code, 2);
+  EXPECT_EQ(Call({"run", "", (folder / "w").string()}).code, 2);
+  EXPECT_EQ(Call({"status", ""}).code, 2);
+  EXPECT_EQ(Call({"init", ""}).code, 2);
+  EXPECT_EQ(Call({"init", below}).code, 3);
+  EXPECT_EQ(Call({"export", photos, "--out", below + ".ply"}).code, 3);
 }
 
 TEST(ProgramTest, ExitCodes) {

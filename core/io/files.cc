@@ -103,10 +103,23 @@ Status WriteFileAtomic(const fs::path& path, std::string_view content) {
   std::error_code error;
   fs::rename(temporary, path, error);
   if (error) {
+    std::error_code ignored;
+    fs::remove(temporary, ignored);
     return InternalError(path.string() +
                          ": cannot replace: " + error.message());
   }
-  return Status();
+  return FlushToDisk(path.has_parent_path() ? path.parent_path() : ".");
+}
+
+Status FlushToDisk(const fs::path& path) {
+  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return Status();
+  // Some file systems cannot flush folders.
+  const bool good = fsync(descriptor) == 0 || errno == EINVAL;
+  const std::string reason = Reason();
+  close(descriptor);
+  return good ? Status()
+              : InternalError(path.string() + ": cannot write: " + reason);
 }
 
 Status CreateFolders(const fs::path& path) {
@@ -128,6 +141,30 @@ bool IsNameBelowFolder(std::string_view name) {
          std::none_of(path.begin(), path.end(), [](const fs::path& part) {
            return part == "..";
          });
+}
+
+Status PrepareOutputFolder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error == std::errc::no_space_on_device) return CreateFolders(folder);
+  std::string fault;
+  if (error) {
+    fault = "cannot create folder: " + error.message();
+  } else if (access(folder.c_str(), W_OK | X_OK) != 0) {
+    fault = "cannot write here: " + Reason();
+  } else {
+    return Status();
+  }
+  return BadInputError(folder.string() + ": " + fault +
+                       "; give a folder that can be written to");
+}
+
+Status PrepareOutputFile(const fs::path& file) {
+  std::error_code error;
+  if (!file.has_filename() || fs::is_directory(file, error)) {
+    return BadInputError(file.string() + ": is a folder; give a file");
+  }
+  return PrepareOutputFolder(file.has_parent_path() ? file.parent_path() : ".");
 }
 
 std::string HashBytes(std::string_view bytes) {

@@ -20,12 +20,17 @@ StatusOr<std::string> ReadFile(const std::filesystem::path& path,
                                uint64_t max_bytes = uint64_t{1} << 33);
 
 // Writes a temporary file beside `path`, flushes it to disk and renames it. So
-// a reader sees either the old or the new content, never a part of it:
+// a reader sees either the old or the new content, never a part of it, and a
+// power cut after the call does not bring the old content back:
 //
 //   FREEGS_RETURN_IF_ERROR(CreateFolders(folder));
 //   FREEGS_RETURN_IF_ERROR(WriteFileAtomic(folder / "a.txt", text));
 Status WriteFileAtomic(const std::filesystem::path& path,
                        std::string_view content);
+
+// Puts the content of a file that another program or library wrote on disk, or
+// the names in a folder. Does nothing if it does not exist.
+Status FlushToDisk(const std::filesystem::path& path);
 
 // Makes the folder and all missing folders above it.
 Status CreateFolders(const std::filesystem::path& path);
@@ -34,6 +39,12 @@ Status CreateFolders(const std::filesystem::path& path);
 // else wrote: relative, without "..", and not the name of a folder. Links are
 // not followed.
 bool IsNameBelowFolder(std::string_view name);
+
+// Makes a folder that the user named for results, or the folder of such a file.
+// Returns kBadInput when the path cannot be written to, before work is spent on
+// what would be lost.
+Status PrepareOutputFolder(const std::filesystem::path& folder);
+Status PrepareOutputFile(const std::filesystem::path& file);
 
 // The 128-bit XXH3 hash of bytes or of a file's content, as 32 hex digits. It
 // detects changes, but it does not protect against forgery.

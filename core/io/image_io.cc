@@ -101,6 +101,10 @@ Status WriteImage(const fs::path& path, const ImageU8& image) {
   }
 }
 
+bool CanWriteImage(const fs::path& path) {
+  return path.has_extension() && cv::haveImageWriter(path.extension().string());
+}
+
 Status WriteLabels(const fs::path& path, const ImageU16& labels) {
   return Encode(path,
                 cv::Mat(labels.height(),

@@ -24,6 +24,9 @@ StatusOr<ImageU16> ReadLabels(const std::filesystem::path& path);
 // decides between PNG, JPEG (quality 95) and TIFF.
 Status WriteImage(const std::filesystem::path& path, const ImageU8& image);
 
+// Whether the suffix of the path is one that WriteImage knows.
+bool CanWriteImage(const std::filesystem::path& path);
+
 // Writes a 16-bit grey PNG, atomically.
 Status WriteLabels(const std::filesystem::path& path, const ImageU16& labels);
 

@@ -69,11 +69,32 @@ struct Launch {
   int stdout_fd = -1;
   int error_fd = -1;  // Tells the parent errno when exec fails.
   pid_t parent = 0;
+  pid_t group = 0;
 };
+
+// The guard of a program: leads its process group, and kills the group when
+// this process ends in whatever way. `lifeline` is the end of a pipe that this
+// process holds open at the other end. As long as the guard has not been waited
+// for, no other group can get its number.
+[[noreturn]] void GuardGroup(int lifeline) {
+  setpgid(0, 0);
+  // Signals for the group are not meant for the guard.
+  sigset_t all;
+  sigfillset(&all);
+  sigprocmask(SIG_SETMASK, &all, nullptr);
+  prctl(PR_SET_NAME, "freegs_guard");
+  dup2(lifeline, STDIN_FILENO);
+  close_range(STDIN_FILENO + 1, ~0U, 0);
+  char byte;
+  while (read(STDIN_FILENO, &byte, 1) < 0 && errno == EINTR) {
+  }
+  kill(-getpid(), SIGKILL);
+  _exit(0);
+}
 
 [[noreturn]] void ExecChild(const Launch& launch) {
   // The group is ours to kill; a terminal's Ctrl-C reaches only the parent.
-  setpgid(0, 0);
+  setpgid(0, launch.group);
   // Killed with the parent. If the parent died before this call, nobody would
   // tell: so look.
   prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -136,14 +157,14 @@ class Child {
   bool Reap(bool wait);
 
   void Signal(int signal) {
-    if (pid_ > 0) kill(-pid_, signal);
+    if (group_ > 0) kill(-group_, signal);
   }
 
   // Ends the program and all of its group at once.
   void Kill() {
-    if (pid_ <= 0) return;
     Signal(SIGKILL);
     Reap(true);
+    EndGroup();
   }
 
   // Ends the program when its time is over.
@@ -159,9 +180,13 @@ class Child {
   const ChildResult& result() const { return result_; }
 
  private:
+  Status StartGuard();
+  void EndGroup();
   void TakeLine(const LineFn& on_line);
 
   pid_t pid_ = -1;
+  pid_t group_ = -1;     // Of the program; also the process id of its guard.
+  Descriptor lifeline_;  // Closed by the kernel when this process ends.
   Descriptor output_;
   Descriptor log_;
   std::string line_;
@@ -169,6 +194,16 @@ class Child {
   ChildResult result_;
   std::chrono::steady_clock::time_point start_;
 };
+
+Status Child::StartGuard() {
+  Descriptor read_end;
+  FREEGS_RETURN_IF_ERROR(MakePipe(&read_end, &lifeline_));
+  group_ = fork();
+  if (group_ < 0) return InternalError(ErrorText("fork"));
+  if (group_ == 0) GuardGroup(read_end.get());
+  setpgid(group_, group_);  // Also here, so that it holds before the next fork.
+  return {};
+}
 
 Status Child::Start(const ChildCommand& command) {
   if (command.argv.empty()) return InternalError("no program to run");
@@ -206,11 +241,13 @@ Status Child::Start(const ChildCommand& command) {
   launch.stdout_fd = output_write.get();
   launch.error_fd = error_write.get();
   launch.parent = getpid();
+  FREEGS_RETURN_IF_ERROR(StartGuard());
+  launch.group = group_;
 
   pid_ = fork();
   if (pid_ < 0) return InternalError(ErrorText("fork"));
   if (pid_ == 0) ExecChild(launch);
-  setpgid(pid_, pid_);  // Also here, so that it holds before the next line.
+  setpgid(pid_, group_);  // Also here, so that it holds before the next line.
 
   error_write.Close();
   output_write.Close();
@@ -262,17 +299,30 @@ bool Child::ReadOutput(const LineFn& on_line) {
   }
 }
 
+// waitpid, whatever signals arrive.
+pid_t WaitFor(pid_t pid, int* status, int options) {
+  pid_t result;
+  do {
+    result = waitpid(pid, status, options);
+  } while (result < 0 && errno == EINTR);
+  return result;
+}
+
+// Kills what is left of the group: it would keep writing into the same folder.
+// Among it is the guard, which is waited for only after that.
+void Child::EndGroup() {
+  if (group_ <= 0) return;
+  Signal(SIGKILL);
+  WaitFor(group_, nullptr, 0);
+  group_ = -1;
+}
+
 bool Child::Reap(bool wait) {
   if (pid_ <= 0) return true;
   int status = 0;
-  pid_t pid;
-  do {
-    pid = waitpid(pid_, &status, wait ? 0 : WNOHANG);
-  } while (pid < 0 && errno == EINTR);
-  if (pid == 0) return false;
-  // Leftovers of its group would keep writing into the same folder.
-  kill(-pid_, SIGKILL);
+  if (WaitFor(pid_, &status, wait ? 0 : WNOHANG) == 0) return false;
   pid_ = -1;
+  EndGroup();
   if (WIFEXITED(status)) result_.exit_code = WEXITSTATUS(status);
   if (WIFSIGNALED(status)) result_.signal = WTERMSIG(status);
   for (const std::string& line : tail_) result_.tail += line + "\n";

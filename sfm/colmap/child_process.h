@@ -67,8 +67,8 @@ using LineFn = std::function<void(std::string_view)>;
 // children get SIGTERM, and two seconds later SIGKILL.
 //
 // The program has an empty standard input and a process group of its own. The
-// kernel kills it when the calling thread ends, so also when this process is
-// killed.
+// kernel kills it when the calling thread ends. When this process ends, even by
+// SIGKILL, a guard process kills the whole group.
 StatusOr<ChildResult> RunChild(const ChildCommand& command,
                                const LineFn& on_line,
                                const CancellationToken* cancellation);

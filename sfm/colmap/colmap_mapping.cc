@@ -2,6 +2,7 @@
 // The mapping step, and what the steps share.
 
 #include <algorithm>
+#include <csignal>
 #include <system_error>
 
 #include "core/io/files.h"
@@ -56,6 +57,12 @@ void AdjustLessOften(ColmapArguments* arguments) {
   arguments->Prefer({"Mapper.ba_local_max_num_iterations"}, "15");
 }
 
+// Whether a program brings the signal upon itself by an error in it.
+bool IsFault(int signal) {
+  return signal == SIGSEGV || signal == SIGABRT || signal == SIGBUS ||
+         signal == SIGFPE || signal == SIGILL;
+}
+
 }  // namespace
 
 fs::path StepContext::LogFile(const std::string& command) const {
@@ -79,14 +86,30 @@ void StepContext::Report(const std::string& step,
   if (input.progress) input.progress({step, done, total, detail});
 }
 
+Status CheckEnded(const std::string& program,
+                  const std::string& command,
+                  const fs::path& log,
+                  const ChildResult& result) {
+  if (result.ok()) return {};
+  std::string message =
+      "'" + program + " " + command + "' failed with " + result.Describe();
+  if (result.signal == SIGKILL && !result.timed_out) {
+    message +=
+        ", as the system does when memory runs out (end other programs, use "
+        "fewer threads, or lower sfm.max_image_size or sfm.max_features)";
+  }
+  message += "; log: " + log.string();
+  if (!result.tail.empty()) message += "; its last lines:\n" + result.tail;
+  // A signal is no verdict on the photos.
+  return result.signal != 0 && !result.timed_out ? InternalError(message)
+                                                 : UnusableResultError(message);
+}
+
 Status CheckEnded(const StepContext& context,
                   const std::string& command,
                   const ChildResult& result) {
-  if (result.ok()) return {};
-  return UnusableResultError("'" + context.colmap.program() + " " + command +
-                             "' failed with " + result.Describe() +
-                             "; log: " + context.LogFile(command).string() +
-                             "; its last lines:\n" + result.tail);
+  return CheckEnded(
+      context.colmap.program(), command, context.LogFile(command), result);
 }
 
 double TimeLimit(size_t photos) {
@@ -134,14 +157,24 @@ StatusOr<std::vector<Reconstruction>> MapPhotos(const StepContext& context,
   };
   FREEGS_ASSIGN_OR_RETURN(const ChildResult result,
                           RunChild(run, on_line, context.input.cancellation));
-  FREEGS_ASSIGN_OR_RETURN(std::vector<Reconstruction> models,
-                          ReadModels(folder));
-  fs::remove_all(folder, error);
   // COLMAP returns 1 when it made no model: that is a result, not a failure.
-  if (result.exit_code == 1 && models.empty()) return models;
-  FREEGS_RETURN_IF_ERROR(CheckEnded(context, "mapper", result));
-  SortBySize(&models);
-  return models;
+  const Status ended = CheckEnded(context, "mapper", result);
+  if (!ended.ok() && result.exit_code != 1) {
+    // A further attempt that makes COLMAP crash would do so again: the result
+    // of the first must do.
+    return mapping.relaxed && IsFault(result.signal)
+               ? UnusableResultError(ended.message())
+               : ended;
+  }
+  StatusOr<std::vector<Reconstruction>> read = ReadModels(folder);
+  if (!read.ok()) {
+    return InternalError("COLMAP's model cannot be read (is the disk full?): " +
+                         read.status().message());
+  }
+  fs::remove_all(folder, error);
+  if (!ended.ok() && !read->empty()) return ended;
+  SortBySize(&*read);
+  return read;
 }
 
 StatusOr<std::vector<Reconstruction>> MapBest(const StepContext& context,

@@ -48,8 +48,13 @@ struct StepContext {
               const std::string& detail) const;
 };
 
-// Returns kUnusableResult, with the last lines of output, unless the program
-// ended well.
+// Returns an error with the last lines of output unless the program ended well:
+// kInternal when a signal ended it, from which the next run goes on, else
+// kUnusableResult.
+Status CheckEnded(const std::string& program,
+                  const std::string& command,
+                  const std::filesystem::path& log,
+                  const ChildResult& result);
 Status CheckEnded(const StepContext& context,
                   const std::string& command,
                   const ChildResult& result);

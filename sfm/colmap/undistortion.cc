@@ -6,11 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <system_error>
+#include <utility>
 
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "sfm/colmap/colmap_output.h"
 #include "sfm/colmap/colmap_program.h"
+#include "sfm/colmap/colmap_steps.h"
 #include "sfm/scene/model_io.h"
 
 namespace freegs::sfm {
@@ -145,6 +147,7 @@ Status RunUndistorter(const Reconstruction& model,
                           colmap.Options(command, input.cancellation));
   ChildCommand child = colmap.Command(command);
   child.log_file = input.output / "logs" / (command + ".log");
+  child.time_limit_s = TimeLimit(model.images.size());
   ColmapArguments arguments(std::move(child), options);
   arguments.Require("image_path", input.photo_folder.string());
   arguments.Require("input_path", input_model.string());
@@ -171,12 +174,7 @@ Status RunUndistorter(const Reconstruction& model,
                             ""});
           },
           input.cancellation));
-  if (!result.ok()) {
-    return UnusableResultError("'" + input.colmap + " " + command +
-                               "' failed with " + result.Describe() +
-                               "; its last lines:\n" + result.tail);
-  }
-  return {};
+  return CheckEnded(input.colmap, command, run.log_file, result);
 }
 
 }  // namespace
@@ -201,8 +199,14 @@ StatusOr<UndistortionResult> Undistort(const Reconstruction& model,
   FREEGS_RETURN_IF_ERROR(CreateFolders(scratch / "output"));
   FREEGS_RETURN_IF_ERROR(
       RunUndistorter(model, input, scratch / "input", scratch / "output"));
-  FREEGS_ASSIGN_OR_RETURN(result.model,
-                          ReadUndistorted(scratch / "output", model));
+  StatusOr<Reconstruction> undistorted =
+      ReadUndistorted(scratch / "output", model);
+  if (undistorted.status().code() == StatusCode::kBadInput) {
+    return InternalError(
+        "what COLMAP wrote is incomplete (is the disk full?): " +
+        undistorted.status().message());
+  }
+  FREEGS_ASSIGN_OR_RETURN(result.model, std::move(undistorted));
   fs::remove_all(input.output / "images", error);
   fs::rename(scratch / "output" / "images", input.output / "images", error);
   if (error) {

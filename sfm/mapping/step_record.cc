@@ -62,6 +62,11 @@ Status StepRecord::Save() const {
                                {"matched_portions", portions_},
                                {"image_size", image_size_},
                                {"pairs", MatchedPairsToJson(pairs_)}};
+  // COLMAP does not wait until its database is on disk; but a step must not
+  // count as done before its results are.
+  for (const char* name : {"database.db", "database.db-wal"}) {
+    FREEGS_RETURN_IF_ERROR(FlushToDisk(path_.parent_path() / name));
+  }
   return WriteFileAtomic(path_, JsonText(json));
 }
 

@@ -72,7 +72,7 @@ StatusOr<MatchDatabase> MatchDatabase::Open(const std::filesystem::path& path) {
   if (code != SQLITE_OK) return result.Error("cannot be opened");
   sqlite3_busy_timeout(database, 10000);
   // As COLMAP does itself: a killed process loses nothing, only a machine that
-  // loses power could.
+  // loses power could. Who records a step as done flushes the file first.
   FREEGS_RETURN_IF_ERROR(result.Execute("PRAGMA synchronous = OFF"));
   // Makes SQLite look at the file, and finish what a killed writer left.
   Statement probe(database, "SELECT COUNT(*) FROM images");
@@ -83,9 +83,20 @@ StatusOr<MatchDatabase> MatchDatabase::Open(const std::filesystem::path& path) {
 }
 
 Status MatchDatabase::Error(const std::string& what) const {
-  return BadInputError(
+  const std::string message =
       path_.string() + ": " + what + " (" +
-      (database_ ? sqlite3_errmsg(database_.get()) : "out of memory") + ")");
+      (database_ ? sqlite3_errmsg(database_.get()) : "out of memory") + ")";
+  // A full disk or a lack of memory says nothing about the file.
+  switch (database_ ? sqlite3_errcode(database_.get()) & 0xff : SQLITE_NOMEM) {
+    case SQLITE_FULL:
+    case SQLITE_IOERR:
+    case SQLITE_NOMEM:
+    case SQLITE_READONLY:
+    case SQLITE_BUSY:
+      return InternalError(message);
+    default:
+      return BadInputError(message);
+  }
 }
 
 Status MatchDatabase::Execute(const std::string& sql) const {

@@ -12,6 +12,7 @@
 #ifndef FREEGS_STAGES_COMMANDS_COMMAND_H_
 #define FREEGS_STAGES_COMMANDS_COMMAND_H_
 
+#include <filesystem>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -31,6 +32,10 @@ struct CommandContext {
 
   std::string argv0;  // The path by which the program was called.
 };
+
+// For commands that read a workspace: warns when a run is working there, which
+// may replace files while they are read.
+void WarnOfRun(const std::filesystem::path& workspace, CommandContext& context);
 
 using CommandFn = Status (*)(const std::vector<std::string>& arguments,
                              CommandContext& context);

@@ -109,6 +109,9 @@ StatusOr<EvalRequest> ParseEvalRequest(
   }
   FREEGS_RETURN_IF_ERROR(
       ApplySettings(request.workspace, line.settings, table));
+  if (!request.json_file.empty() && request.json_file != "-") {
+    FREEGS_RETURN_IF_ERROR(PrepareOutputFile(request.json_file));
+  }
   request.threads = options.general.threads;
   request.background = options.query.background;
   return request;
@@ -292,6 +295,7 @@ Status RunEvalCommand(const std::vector<std::string>& arguments,
                       CommandContext& context) {
   FREEGS_ASSIGN_OR_RETURN(const EvalRequest request,
                           ParseEvalRequest(arguments));
+  WarnOfRun(request.workspace, context);
   ThreadPool pool(request.threads);
   FREEGS_ASSIGN_OR_RETURN(const WorkspaceScene scene,
                           ReadWorkspaceScene(request.workspace));

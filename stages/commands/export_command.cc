@@ -133,15 +133,14 @@ Status RunExportCommand(const std::vector<std::string>& arguments,
   }
   const fs::path path(request.out);
   FREEGS_ASSIGN_OR_RETURN(const Format format, FormatOf(path));
+  FREEGS_RETURN_IF_ERROR(PrepareOutputFile(path));
 
   const fs::path workspace(line.positional[0]);
+  WarnOfRun(workspace, context);
   FREEGS_ASSIGN_OR_RETURN(splat::PlacedModel world,
                           ReadWorkspaceModel(workspace));
   splat::GaussianModel& model = world.model;
   FREEGS_RETURN_IF_ERROR(Prepare(request, workspace, &model));
-  if (path.has_parent_path()) {
-    FREEGS_RETURN_IF_ERROR(CreateFolders(path.parent_path()));
-  }
   FREEGS_RETURN_IF_ERROR(format.write(path, model, world.offset));
   context.out << model.size() << " Gaussians in " << request.out << "\n";
   if (!world.offset.isZero(0)) {

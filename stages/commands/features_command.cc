@@ -99,6 +99,12 @@ StatusOr<FeaturesRequest> ParseFeaturesRequest(
   if (request.out.empty()) {
     request.out = request.image.stem().string() + "_heat.png";
   }
+  if (!CanWriteImage(request.out)) {
+    return InvalidArgumentError(
+        "--out " + request.out +
+        ": the suffix says the format; give .png or .jpg");
+  }
+  FREEGS_RETURN_IF_ERROR(PrepareOutputFile(request.out));
   return request;
 }
 
@@ -165,9 +171,6 @@ Status RunFeaturesCommand(const std::vector<std::string>& arguments,
   const auto [least, most] = std::minmax_element(
       relevancy.data(), relevancy.data() + relevancy.size());
   const fs::path out(request.out);
-  if (out.has_parent_path()) {
-    FREEGS_RETURN_IF_ERROR(CreateFolders(out.parent_path()));
-  }
   const double high = std::max<double>(kFullRelevancy, *most);
   FREEGS_RETURN_IF_ERROR(
       WriteImage(out, HeatMap(picture, relevancy, kNoRelevancy, high)));

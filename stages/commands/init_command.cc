@@ -23,7 +23,8 @@ std::string WorkspaceReadme() { return kWorkspaceReadme; }
 
 Status RunInitCommand(const std::vector<std::string>& arguments,
                       CommandContext& context) {
-  if (arguments.size() != 1 || arguments[0].starts_with("--")) {
+  if (arguments.size() != 1 || arguments[0].empty() ||
+      arguments[0].starts_with("--")) {
     return InvalidArgumentError("init takes one folder: init WORKSPACE");
   }
   const fs::path workspace = arguments[0];
@@ -31,7 +32,7 @@ Status RunInitCommand(const std::vector<std::string>& arguments,
   if (fs::exists(workspace, error) && !fs::is_directory(workspace, error)) {
     return BadInputError(workspace.string() + ": not a folder");
   }
-  FREEGS_RETURN_IF_ERROR(CreateFolders(workspace));
+  FREEGS_RETURN_IF_ERROR(PrepareOutputFolder(workspace));
   const std::pair<fs::path, std::string> files[] = {
       {pipeline::ConfigPath(workspace), ConfigTemplate()},
       {workspace / "README.md", WorkspaceReadme()},

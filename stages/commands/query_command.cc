@@ -356,6 +356,10 @@ Status RunQueryCommand(const std::vector<std::string>& arguments,
                        CommandContext& context) {
   FREEGS_ASSIGN_OR_RETURN(const QueryRequest request,
                           ParseQueryRequest(arguments));
+  WarnOfRun(request.workspace, context);
+  if (!request.out.empty()) {
+    FREEGS_RETURN_IF_ERROR(PrepareOutputFolder(request.out));
+  }
   ThreadPool pool(request.threads);
   Lap lap;
   FREEGS_ASSIGN_OR_RETURN(QueryScene scene,

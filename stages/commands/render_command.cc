@@ -286,6 +286,7 @@ Status RunRenderCommand(const std::vector<std::string>& arguments,
                         CommandContext& context) {
   FREEGS_ASSIGN_OR_RETURN(const RenderRequest request,
                           ParseRenderRequest(arguments));
+  WarnOfRun(request.workspace, context);
   FREEGS_ASSIGN_OR_RETURN(const WorkspaceScene scene,
                           ReadWorkspaceScene(request.workspace));
   FREEGS_ASSIGN_OR_RETURN(
@@ -301,7 +302,7 @@ Status RunRenderCommand(const std::vector<std::string>& arguments,
           context.err));
   FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> names,
                           OutputNames(views, ".png"));
-  FREEGS_RETURN_IF_ERROR(CreateFolders(request.out));
+  FREEGS_RETURN_IF_ERROR(PrepareOutputFolder(request.out));
   ThreadPool pool(request.threads);
   FREEGS_ASSIGN_OR_RETURN(const std::unique_ptr<Renderer> renderer,
                           MakeRenderer(request, scene, views, &pool));

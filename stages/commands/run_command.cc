@@ -196,7 +196,7 @@ Status RunRunCommand(const std::vector<std::string>& arguments,
       CheckImagesFolder(request.info.images, request.workspace));
   FREEGS_RETURN_IF_ERROR(
       ApplySettings(request.workspace, line.settings, table));
-  FREEGS_RETURN_IF_ERROR(CreateFolders(request.workspace));
+  FREEGS_RETURN_IF_ERROR(PrepareOutputFolder(request.workspace));
   FREEGS_ASSIGN_OR_RETURN(const pipeline::WorkspaceLock lock,
                           pipeline::WorkspaceLock::Acquire(request.workspace));
   request.info.settings.clear();

@@ -194,7 +194,45 @@ TEST_F(StageRunnerTest, SwappedOutputRedoesWhatFollows) {
   WriteText(workspace() / "b" / "out.txt", "somebody else's");
   ASSERT_TRUE(Run().ok());
   EXPECT_EQ(Runs(), "112");
+  EXPECT_THAT(log_, HasSubstr("warning: b: out.txt: not as the stage wrote"));
   EXPECT_THAT(log_, HasSubstr("c: input b/out.txt changed\n"));
+}
+
+TEST_F(StageRunnerTest, DeletedOutputIsMadeAgain) {
+  ASSERT_TRUE(Run().ok());
+  fs::remove(workspace() / "b" / "out.txt");
+  EXPECT_EQ(Inspect()[1].state.status, StageStatus::kStale);
+  ASSERT_TRUE(Run().ok());
+  // The same content again: what follows still holds.
+  EXPECT_EQ(Runs(), "121");
+  EXPECT_THAT(log_, HasSubstr("b: out.txt: missing or empty\n"));
+  WriteText(workspace() / "a" / "out.txt", "");
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(Runs(), "221");
+  // No later stage reads it.
+  WriteText(workspace() / "c" / "checkpoint", "");
+  fs::remove(workspace() / "c" / "out.txt");
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(Runs(), "221");
+}
+
+// Somebody else's result in another format.
+TEST_F(StageRunnerTest, ReplacedFilesAreNotOverwritten) {
+  c_.inputs = {"b/out.txt", "b/model"};
+  b_.act = [](StageContext& context) {
+    WriteText(context.output / "model" / "a.bin", "own");
+    return Status();
+  };
+  ASSERT_TRUE(Run().ok());
+  fs::rename(workspace() / "b" / "model" / "a.bin",
+             workspace() / "b" / "model" / "a.txt");
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(Runs(), "112");
+  EXPECT_THAT(log_, HasSubstr("b: model/a.txt: not as the stage wrote it"));
+  EXPECT_THAT(log_, HasSubstr("'freegs_pipeline stage b "));
+  fs::remove(workspace() / "b" / "model" / "a.txt");
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(Runs(), "123");
 }
 
 TEST_F(StageRunnerTest, ForeignFolderIsNeverOverwritten) {
@@ -284,17 +322,42 @@ TEST_F(StageRunnerTest, StageNameIsNotRepeated) {
   EXPECT_THAT(log_, HasSubstr("\nb: one\nb: two\n"));
 }
 
-TEST_F(StageRunnerTest, FailureOfTheMachineIsContinuedOnce) {
-  b_.act = [](StageContext& context) {
+// Trained for a while, interrupted, and then the disk is full for two runs.
+TEST_F(StageRunnerTest, FailuresOfTheMachineKeepWhatWasSaved) {
+  b_.act = [this](StageContext& context) {
     WriteText(context.output / "checkpoint", "half");
-    return InternalError("disk full");
+    cancellation_->Cancel();
+    return InterruptedError("stopped");
   };
-  EXPECT_EQ(Run().code(), StatusCode::kInternal);
-  EXPECT_FALSE(b_.resumed);
-  EXPECT_EQ(Run().code(), StatusCode::kInternal);
+  EXPECT_EQ(Run().code(), StatusCode::kInterrupted);
+  b_.act = [](StageContext&) { return InternalError("disk full"); };
+  for (int i = 0; i < 2; ++i) {
+    const Status status = Run();
+    EXPECT_EQ(status.code(), StatusCode::kInternal);
+    EXPECT_THAT(status.message(), HasSubstr("disk full\n"));
+    EXPECT_THAT(status.message(), HasSubstr("b.partial"));
+    EXPECT_TRUE(b_.resumed);
+    EXPECT_TRUE(Inspect()[1].state.resumable);
+  }
+  b_.act = nullptr;
+  ASSERT_TRUE(Run().ok());
   EXPECT_TRUE(b_.resumed);
-  EXPECT_EQ(Run().code(), StatusCode::kInternal);
-  EXPECT_FALSE(b_.resumed);
+  EXPECT_THAT(log_, HasSubstr("b: trying again where it failed\n"));
+  EXPECT_EQ(ReadText(workspace() / "b" / "checkpoint"), "half");
+}
+
+TEST_F(StageRunnerTest, VerdictsStartAnew) {
+  for (const Status& verdict :
+       {BadInputError("a damaged database"), UnusableResultError("no model")}) {
+    b_.act = [&](StageContext& context) {
+      EXPECT_FALSE(fs::exists(context.output / "rest"));
+      WriteText(context.output / "rest", "");
+      return verdict;
+    };
+    EXPECT_EQ(Run().code(), verdict.code());
+    EXPECT_EQ(Run().code(), verdict.code());
+    EXPECT_FALSE(b_.resumed);
+  }
 }
 
 TEST_F(StageRunnerTest, ThrowingStageIsAnError) {
@@ -347,7 +410,9 @@ TEST_F(StageRunnerTest, AnyErrorOfACancelledStageIsAnInterruption) {
     cancellation_->Cancel();
     return UnusableResultError("a child process died");
   };
-  EXPECT_EQ(Run().code(), StatusCode::kInterrupted);
+  const Status status = Run();
+  EXPECT_EQ(status.code(), StatusCode::kInterrupted);
+  EXPECT_THAT(status.message(), HasSubstr("a child process died"));
 }
 
 TEST_F(StageRunnerTest, CancelledBetweenStages) {
@@ -465,6 +530,26 @@ TEST_F(StageRunnerTest, RetiredResultComesBackIfTheNewOneIsLost) {
   fs::remove(workspace() / "b.old" / "stage.json");
   ASSERT_TRUE(Run().ok());
   EXPECT_EQ(Runs(), "122");
+}
+
+// As with a file of another user in it: a folder cannot be deleted as a file.
+TEST_F(StageRunnerTest, OldResultThatCannotBeDeleted) {
+  ASSERT_TRUE(Run().ok());
+  WriteText(workspace() / "b.old" / "stage.json" / "file", "");
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(Runs(), "111");
+  b_.option = "2";
+  for (int i = 0; i < 2; ++i) {
+    const Status status = Run();
+    EXPECT_EQ(status.code(), StatusCode::kInternal);
+    EXPECT_THAT(status.message(), HasSubstr("b.old"));
+    EXPECT_THAT(status.message(), HasSubstr("delete it yourself"));
+    EXPECT_EQ(ReadText(workspace() / "b" / "out.txt"), "b1");
+  }
+  fs::remove_all(workspace() / "b.old");
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(Runs(), "122");
+  EXPECT_EQ(ReadText(workspace() / "b" / "out.txt"), "b2");
 }
 
 TEST_F(StageRunnerTest, DamagedRecordRedoes) {

@@ -9,11 +9,13 @@
 //                        for none. Default: one of all.
 //   FAKE_COLMAP_RELAXED  the same when the mapper's thresholds were lowered.
 //   FAKE_COLMAP_FAIL     a command that fails with exit code 1.
+//   FAKE_COLMAP_SIGNAL   the number of a signal that ends it instead.
 //   FAKE_COLMAP_HANG     a command that never ends.
 //   FAKE_COLMAP_ONCE     a file: commands fail while it exists, and delete it.
 //   FAKE_COLMAP_LENIENT  take any option; who starts it has checked them.
 //   FAKE_COLMAP_KEEP     leave distortion in undistorted models.
 
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -323,6 +325,8 @@ int Run(int argc, char** argv) {
   if (Setting("FAKE_COLMAP_FAIL") == command &&
       (once.empty() || fs::remove(once))) {
     std::cerr << "something went wrong" << std::endl;
+    const std::string signal = Setting("FAKE_COLMAP_SIGNAL");
+    if (!signal.empty()) kill(getpid(), std::stoi(signal));
     return 1;
   }
   if (command == "feature_extractor") return ExtractFeatures(options);

@@ -93,12 +93,47 @@ TEST(FilesTest, WriteIntoMissingFolderFails) {
   EXPECT_FALSE(CreateFolders(folder / "no" / "f" / "g").ok());
 }
 
+TEST(FilesTest, FailedReplacementLeavesNothing) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(CreateFolders(folder / "f" / "deeper").ok());
+  EXPECT_FALSE(WriteFileAtomic(folder / "f", "x").ok());
+  EXPECT_FALSE(fs::exists(folder / "f.part"));
+}
+
+TEST(FilesTest, FlushesWhatIsThere) {
+  const TemporaryFolder folder;
+  WriteText(folder / "f", "12345");
+  EXPECT_TRUE(FlushToDisk(folder / "f").ok());
+  EXPECT_TRUE(FlushToDisk(folder.path()).ok());
+  EXPECT_TRUE(FlushToDisk(folder / "missing").ok());
+}
+
 TEST(FilesTest, HashesTellContentsApart) {
   EXPECT_EQ(HashBytes("").size(), 32u);
   EXPECT_EQ(HashBytes("a"), HashBytes("a"));
   EXPECT_NE(HashBytes("a"), HashBytes("b"));
   // XXH3's published 128-bit value of the empty string.
   EXPECT_EQ(HashBytes(""), "99aa06d3014798d86001c324468d497f");
+}
+
+TEST(FilesTest, OutputPathsOfTheUser) {
+  const TemporaryFolder folder;
+  folder.Write("file", "");
+  EXPECT_TRUE(PrepareOutputFolder(folder / "new/folder").ok());
+  EXPECT_TRUE(std::filesystem::is_directory(folder / "new/folder"));
+  EXPECT_TRUE(PrepareOutputFolder(folder.path()).ok());
+  EXPECT_TRUE(PrepareOutputFile(folder / "file").ok());
+  EXPECT_TRUE(PrepareOutputFile(folder / "other/file").ok());
+  EXPECT_TRUE(PrepareOutputFile("file").ok());
+  for (const Status& status : {PrepareOutputFolder(folder / "file/below"),
+                               PrepareOutputFolder(folder / "file"),
+                               PrepareOutputFile(folder / "file/below/a"),
+                               PrepareOutputFile(folder.path()),
+                               PrepareOutputFile(folder / "new/"),
+                               PrepareOutputFolder("/proc/1/freegs")}) {
+    EXPECT_EQ(status.code(), StatusCode::kBadInput);
+    EXPECT_THAT(status.message(), testing::HasSubstr("; give a"));
+  }
 }
 
 }  // namespace

@@ -189,5 +189,13 @@ TEST(ImageIoTest, ResizeKeepsTheMean) {
   EXPECT_TRUE(Same(Resize(image, 64, 48), image));
 }
 
+TEST(ImageIoTest, SuffixesThatCanBeWritten) {
+  EXPECT_TRUE(CanWriteImage("a.png"));
+  EXPECT_TRUE(CanWriteImage("folder/a.JPG"));
+  EXPECT_FALSE(CanWriteImage("heat"));
+  EXPECT_FALSE(CanWriteImage("heat.txt"));
+  EXPECT_FALSE(CanWriteImage("folder.png/heat"));
+}
+
 }  // namespace
 }  // namespace freegs

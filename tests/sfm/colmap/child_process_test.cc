@@ -6,6 +6,7 @@
 #include <chrono>
 #include <csignal>
 #include <fstream>
+#include <sstream>
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
@@ -142,14 +143,15 @@ TEST(RunChild, CancellationEndsTheWholeGroup) {
   for (const pid_t pid : pids) EXPECT_TRUE(Vanishes(pid));
 }
 
-TEST(RunChild, ChildDiesWhenTheParentIsKilled) {
+// As when colmap is a script that starts the program.
+TEST(RunChild, TheGroupDiesWhenTheParentIsKilled) {
   int ends[2];
   ASSERT_EQ(pipe(ends), 0);
   const pid_t parent = fork();
   ASSERT_GE(parent, 0);
   if (parent == 0) {
     (void)RunChild(
-        Shell("echo $$; exec sleep 100"),
+        Shell("trap '' INT TERM; sleep 100 & echo $! $$; wait"),
         [&](std::string_view line) {
           [[maybe_unused]] const ssize_t written =
               write(ends[1], line.data(), line.size());
@@ -158,14 +160,30 @@ TEST(RunChild, ChildDiesWhenTheParentIsKilled) {
     _exit(0);
   }
   close(ends[1]);
-  char text[32] = {};
+  char text[64] = {};
   ASSERT_GT(read(ends[0], text, sizeof(text) - 1), 0);
   close(ends[0]);
-  const pid_t child = std::stoi(text);
+  pid_t grandchild = 0;
+  pid_t child = 0;
+  ASSERT_TRUE(std::istringstream(text) >> grandchild >> child);
   EXPECT_EQ(kill(child, 0), 0);
+  EXPECT_EQ(kill(grandchild, 0), 0);
   kill(parent, SIGKILL);
   waitpid(parent, nullptr, 0);
   EXPECT_TRUE(Vanishes(child));
+  EXPECT_TRUE(Vanishes(grandchild));
+}
+
+TEST(RunChild, LeavesNothingOfTheGroup) {
+  pid_t grandchild = 0;
+  const auto result = RunChild(
+      Shell("sleep 100 & echo $!"),
+      [&](std::string_view line) { grandchild = std::stoi(std::string(line)); },
+      nullptr);
+  ASSERT_TRUE(result.ok());
+  EXPECT_EQ(result->exit_code, 0);
+  EXPECT_TRUE(Vanishes(grandchild));
+  EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1);  // Nor of its guard.
 }
 
 TEST(RunChildren, RunsAllSeveralAtATime) {

@@ -115,6 +115,10 @@ TEST_F(UndistortionTest, FailuresAndMissingPhotos) {
                                  {{"FAKE_COLMAP_FAIL", "image_undistorter"}});
   EXPECT_EQ(Undistort(model, input_).status().code(),
             StatusCode::kUnusableResult);
+  input_.colmap = MakeFakeColmap(
+      folder_.path(),
+      {{"FAKE_COLMAP_FAIL", "image_undistorter"}, {"FAKE_COLMAP_SIGNAL", "9"}});
+  EXPECT_EQ(Undistort(model, input_).status().code(), StatusCode::kInternal);
   fs::remove(input_.photo_folder / PhotoName(4));
   const auto missing = Undistort(model, input_);
   EXPECT_EQ(missing.status().code(), StatusCode::kBadInput);

@@ -4,6 +4,7 @@
 #include "sfm/mapping/structure_from_motion.h"
 
 #include <algorithm>
+#include <csignal>
 #include <set>
 #include <thread>
 
@@ -225,6 +226,44 @@ TEST_F(StructureFromMotionTest, FailingCommandsNameTheLog) {
                 HasSubstr(std::string(command) + ".log"));
     EXPECT_THAT(Log(command), HasSubstr("something went wrong"));
   }
+}
+
+// The machine killed it, or it crashed: the photos may still do.
+TEST_F(StructureFromMotionTest, ASignalIsNoVerdict) {
+  for (const int signal : {SIGKILL, SIGSEGV}) {
+    for (const char* command : {"feature_extractor",
+                                "database_cleaner",
+                                "matches_importer",
+                                "mapper"}) {
+      if (signal != SIGKILL && command != std::string("mapper")) continue;
+      fs::remove_all(input_.work_folder);
+      const auto result = Run({{"FAKE_COLMAP_FAIL", command},
+                               {"FAKE_COLMAP_SIGNAL", std::to_string(signal)}});
+      EXPECT_EQ(result.status().code(), StatusCode::kInternal);
+      EXPECT_THAT(result.status().message(),
+                  HasSubstr("signal " + std::to_string(signal)));
+      EXPECT_EQ(result.status().message().find("memory") != std::string::npos,
+                signal == SIGKILL);
+    }
+    const std::string features = Log("feature_extractor");
+    EXPECT_TRUE(Run().ok());
+    EXPECT_EQ(Log("feature_extractor"), features);
+  }
+}
+
+TEST_F(StructureFromMotionTest, ACrashOfAFurtherAttemptKeepsTheFirst) {
+  const fs::path once = folder_ / "once";
+  input_.progress = [&](const Progress& progress) {
+    if (progress.step == "mapping, lower thresholds") WriteText(once, "");
+  };
+  const auto result = Run({{"FAKE_COLMAP_MODELS", "4"},
+                           {"FAKE_COLMAP_FAIL", "mapper"},
+                           {"FAKE_COLMAP_SIGNAL", std::to_string(SIGABRT)},
+                           {"FAKE_COLMAP_ONCE", once.string()}});
+  ASSERT_TRUE(result.ok()) << result.status().message();
+  EXPECT_EQ(result->models[0].images.size(), 4u);
+  ASSERT_EQ(result->attempts.size(), 2u);
+  EXPECT_THAT(result->attempts[1].problem, HasSubstr("signal 6"));
 }
 
 TEST_F(StructureFromMotionTest, CancellationWhileAProgramHangs) {

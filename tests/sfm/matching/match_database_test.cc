@@ -4,8 +4,10 @@
 #include "sfm/matching/match_database.h"
 
 #include <cmath>
+#include <csignal>
 #include <cstring>
 #include <sqlite3.h>
+#include <sys/resource.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -224,6 +226,25 @@ TEST(MatchDatabase, OtherFilesAreRefused) {
   auto main = MatchDatabase::Open(folder / "main.db");
   EXPECT_FALSE(main->CopyMatchesFrom(folder / "other.db").ok());
   EXPECT_TRUE(main->Photos().ok());  // Still usable.
+}
+
+// As on a full disk: no file can grow beyond a limit.
+TEST(MatchDatabase, AFullDiskIsNoDamage) {
+  const TemporaryFolder folder;
+  MakeDatabase(folder / "a.db");
+  rlimit old = {};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &old), 0);
+  const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small = {4096, old.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+  const Status status = CopyDatabase(folder / "a.db", folder / "b.db");
+  setrlimit(RLIMIT_FSIZE, &old);
+  std::signal(SIGXFSZ, old_handler);
+  EXPECT_EQ(status.code(), StatusCode::kInternal) << status.message();
+
+  WriteText(folder / "c.db", std::string(5000, 'x'));
+  EXPECT_EQ(MatchDatabase::Open(folder / "c.db").status().code(),
+            StatusCode::kBadInput);
 }
 
 }  // namespace

@@ -193,6 +193,16 @@ TEST_F(EvalCommandTest, SaysWhyThereIsNoText) {
   EXPECT_EQ(Eval({"--gt", truth_.path().string(), "--model", "nowhere"}), 5);
 }
 
+TEST_F(EvalCommandTest, AFileThatCannotBeWrittenIsBadInput) {
+  CommandContext context{output_, messages_, cancellation_, "freegs"};
+  const Status status = RunEvalCommand({workspace_.path().string(),
+                                        "--json",
+                                        (gt() / "cameras.json" / "a").string()},
+                                       context);
+  EXPECT_EQ(status.code(), StatusCode::kBadInput) << status.message();
+  EXPECT_EQ(output_.str(), "");
+}
+
 TEST_F(EvalCommandTest, RefusesFeaturesOfAnotherModel) {
   WriteFeatures("another");
   ASSERT_EQ(Eval({"--gt", truth_.path().string()}), 0) << message_;

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "pipeline/workspace.h"
 #include "semantics/instances/palette.h"
 #include "splat/scene/splat_format.h"
 #include "tests/stages/synthetic_workspace.h"
@@ -147,6 +148,15 @@ TEST_F(ExportCommandTest, ADamagedModelIsBadInput) {
   WriteText(workspace_ / "reconstruct" / "point_cloud.ply", "ply\nformat");
   EXPECT_EQ(Export({workspace(), "--out", File("scene.ply")}).code(),
             StatusCode::kBadInput);
+}
+
+TEST_F(ExportCommandTest, WarnsWhileARunIsWorking) {
+  EXPECT_TRUE(Export({workspace(), "--out", File("scene.ply")}).ok());
+  EXPECT_EQ(messages_.str(), "");
+  const auto lock = pipeline::WorkspaceLock::Acquire(workspace_.path());
+  ASSERT_TRUE(lock.ok());
+  EXPECT_TRUE(Export({workspace(), "--out", File("scene.ply")}).ok());
+  EXPECT_THAT(messages_.str(), HasSubstr("a run is working in"));
 }
 
 }  // namespace

@@ -166,5 +166,14 @@ TEST(HeatMapTest, IsGreyWhereThereIsNothing) {
   EXPECT_GT(heat(1, 0, 0), 150);
 }
 
+TEST_F(FeaturesCommandTest, PictureThatCannotBeWritten) {
+  std::vector<std::string> arguments = Good();
+  arguments.back() = (TinyClip() / "heat").string();
+  EXPECT_EQ(Features(arguments), 2);
+  EXPECT_THAT(message_, HasSubstr(".png"));
+  arguments.back() = (TinyClip() / "reference.png/heat.png").string();
+  EXPECT_EQ(Features(arguments), 3);
+}
+
 }  // namespace
 }  // namespace freegs::stages

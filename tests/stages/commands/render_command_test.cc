@@ -342,5 +342,12 @@ TEST_F(RenderCommandTest, InstancesOfAnotherGranularity) {
   EXPECT_EQ(largest_id("3"), 6);
 }
 
+TEST_F(RenderCommandTest, FolderThatCannotBeMade) {
+  out_.Write("file", "");
+  const Status status =
+      Render({workspace(), "--out", (out_ / "file/below").string()});
+  EXPECT_EQ(status.code(), StatusCode::kBadInput) << status.message();
+}
+
 }  // namespace
 }  // namespace freegs::stages

@@ -1,0 +1,227 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Tries on a small drawn scene what can go wrong around a run: full disks,
+# signals, a COLMAP that hangs, lies, forks or is killed, two runs at once, and
+# files that somebody deletes or damages. Prints one line per fault, and fails
+# when something is lost or when a run cannot be taken up again.
+#
+#   tests/faults.sh BIN FOLDER
+#
+# BIN is the folder of the built programs. FOLDER is made anew. Needs COLMAP, and
+# for the full disks the right to mount a tmpfs; they are left out without it.
+# Not part of the test suite: it takes some ten minutes.
+set -uo pipefail
+
+program=$(realpath "$1")/freegs_pipeline
+maker=$(realpath "$1")/freegs_make_scene
+mkdir -p "$2"
+cd "$2" || exit 1
+folder=$PWD
+failures=0
+options=(--reconstruct.iterations 300 --reconstruct.budget 2000 --threads 2
+  --general.checkpoint_interval 1 --bootstrap.mode geometry)
+poses=(--sfm.import scene/gt/transforms.json)
+
+run() { "$program" run scene/images "$@" >out.txt 2>&1; }
+
+# report NAME TRUE|FALSE-COMMAND...: one line, and the log of what went wrong.
+report() {
+  local name=$1
+  shift
+  if "$@"; then
+    echo "held  $name"
+  else
+    echo "LOST  $name"
+    tail -n 5 out.txt | sed 's/^/      /'
+    failures=$((failures + 1))
+  fi
+}
+
+# Starts a run and waits until a file appears: begin WORKSPACE PATTERN OPTION ...
+begin() {
+  local pattern=$2 workspace=$1
+  shift 2
+  "$program" run scene/images "$workspace" "$@" >out.txt 2>&1 &
+  pid=$!
+  until compgen -G "$pattern" >/dev/null || ! kill -0 "$pid" 2>/dev/null; do sleep 0.05; done
+}
+
+# end SIGNAL CODE: sends the signal and expects the exit code.
+end() {
+  kill "-$1" "$pid"
+  wait "$pid" 2>/dev/null
+  [ $? = "$2" ]
+}
+
+same_scene() {
+  cmp -s "$1/reconstruct/point_cloud.ply" ref/reconstruct/point_cloud.ply &&
+    cmp -s "$1/bootstrap/idsf.bin" ref/bootstrap/idsf.bin
+}
+runs_on() { run "$@" && same_scene "$1"; }
+
+# A new workspace in which the first stages are done: fresh NAME STAGE ...
+fresh() {
+  local workspace=$1
+  shift
+  rm -rf "$workspace" && mkdir "$workspace"
+  cp -a ref/workspace.json "$workspace/"
+  for stage in "$@"; do cp -a "ref/$stage" "$workspace/"; done
+}
+
+# colmap NAME: a stand-in for COLMAP whose script comes from standard input.
+colmap() {
+  { echo '#!/bin/bash'; cat; echo 'exec colmap "$@"'; } >"$1"
+  chmod +x "$1"
+}
+
+rm -rf scene ref w small
+"$maker" --out scene --views 12 --width 240 --height 180 >/dev/null 2>&1 || exit 1
+run ref "${poses[@]}" "${options[@]}" || { cat out.txt; exit 1; }
+all=("${poses[@]}" "${options[@]}")
+
+# Signals while training.
+for signal in INT TERM HUP; do
+  if [ $signal = HUP ] && [ -n "$(trap -p HUP)" ]; then
+    echo "left out: SIGHUP, which nohup ignores"
+    continue
+  fi
+  fresh w ingest sfm undistort
+  begin w 'w/reconstruct.partial/checkpoints/*.ckpt' "${all[@]}"
+  stop_and_go() { end "$signal" 130 && runs_on w "${all[@]}"; }
+  report "SIG$signal while training" stop_and_go
+done
+fresh w ingest sfm undistort
+begin w w/reconstruct.partial "${all[@]}"
+sleep 2
+twice() { kill -INT "$pid"; end INT 130 && runs_on w "${all[@]}"; }
+report "SIGINT twice" twice
+fresh w ingest sfm undistort
+begin w w/reconstruct.partial "${all[@]}"
+sleep 2
+report "a lock left by kill -9" eval 'end KILL 137; runs_on w "${all[@]}"'
+fresh w ingest sfm undistort
+"$program" run scene/images w "${all[@]}" 2>&1 | head -n 4 >out.txt
+report "SIGPIPE: the reader of the log is gone" same_scene w
+
+# Two runs at once.
+fresh w ingest sfm undistort
+begin w w/reconstruct.partial "${all[@]}"
+second() {
+  "$program" run scene/images w "${all[@]}" >out.txt 2>&1
+  [ $? = 3 ] && grep -q "another freegs_pipeline" out.txt && wait "$pid" &&
+    same_scene w
+}
+report "two runs on one workspace" second
+
+# Checkpoints.
+fresh w ingest sfm undistort
+begin w w/reconstruct.partial "${all[@]}"
+sleep 4
+end INT 130
+for file in w/reconstruct.partial/checkpoints/*; do
+  printf damaged | dd of="$file" bs=1 seek=2000 conv=notrunc 2>/dev/null
+done
+report "every checkpoint damaged" runs_on w "${all[@]}"
+
+# Outputs.
+for file in ingest/photos/frame_0002.jpg undistort/images/frame_0003.jpg \
+  sfm/sparse/0/points3D.bin reconstruct/point_cloud.ply \
+  bootstrap/idsf.bin; do
+  rm -rf w && cp -a ref w && rm "w/$file"
+  report "$file deleted" runs_on w "${all[@]}"
+done
+rm -rf w && cp -a ref w && truncate -s 3000 w/reconstruct/point_cloud.ply
+told() { ! run w "${all[@]}" && grep -q "stage reconstruct" out.txt &&
+  "$program" stage reconstruct w >out.txt 2>&1 && runs_on w "${all[@]}"; }
+report "point_cloud.ply cut short: told how to make it again" told
+
+# COLMAP. Its own results are compared with those of an undisturbed run.
+sfm=("${options[@]}" --to sfm)
+run plain "${sfm[@]}" || { cat out.txt; exit 1; }
+same_poses() { cmp -s w/sfm/sparse/0/images.bin plain/sfm/sparse/0/images.bin; }
+extracted() { stat -c %Y w/sfm*/logs/feature_extractor.log; }
+for command in feature_extractor matches_importer mapper; do
+  for signal in KILL SEGV; do
+    colmap killed <<<"[ \$1 = $command ] && [ \"\$2\" != --help ] &&
+      rm $folder/once 2>/dev/null && kill -$signal \$\$"
+    rm -rf w && touch once
+    killed() {
+      run w "${sfm[@]}" --sfm.colmap "$folder/killed"
+      [ $? = 1 ] || return 1
+      local before
+      before=$(extracted)
+      run w "${sfm[@]}" --sfm.colmap "$folder/killed" && same_poses &&
+        { [ $command = feature_extractor ] || [ "$before" = "$(extracted)" ]; }
+    }
+    report "colmap $command ended by SIG$signal" killed
+  done
+done
+colmap hangs <<<'[ $1 = mapper ] && [ "$2" != --help ] && sleep 1000'
+rm -rf w
+begin w w/sfm.partial/logs/mapper.log "${sfm[@]}" --sfm.colmap "$folder/hangs"
+sleep 1
+report "colmap hangs: Ctrl-C" eval 'end INT 130 && run w "${sfm[@]}" && same_poses'
+colmap forks <<<"[ \$1 = mapper ] && [ \"\$2\" != --help ] &&
+  { sleep 1000 & echo \$! >$folder/grandchild; wait; }"
+for signal in KILL INT; do
+  rm -rf w grandchild
+  begin w grandchild "${sfm[@]}" --sfm.colmap "$folder/forks"
+  sleep 0.3
+  kill "-$signal" "$pid"
+  kill "-$signal" "$pid" 2>/dev/null
+  wait "$pid" 2>/dev/null
+  sleep 0.5
+  gone() { ! grep -qs sleep "/proc/$(cat grandchild)/cmdline"; }
+  report "colmap forks: nothing lives on after SIG$signal twice" gone
+done
+colmap lies <<<'[ $1 = mapper ] && [ "$2" != --help ] && {
+  while [ $# -gt 0 ]; do [ "$1" = --output_path ] && out=$2; shift; done
+  mkdir "$out/0" && for f in cameras images points3D; do
+    head -c 100 /dev/urandom >"$out/0/$f.bin"; done; exit 0; }'
+rm -rf w
+lied() { ! run w "${sfm[@]}" --sfm.colmap "$folder/lies" &&
+  [ ! -e w/sfm ] && run w "${sfm[@]}" && same_poses; }
+report "colmap lies: its model is noise" lied
+
+# A workspace that cannot be written; root may write everywhere but there.
+mkdir -p small
+if mount -t tmpfs -o size=64m tmpfs small 2>/dev/null; then
+  cp -a ref small/w && mount -o remount,ro small
+  read_only() { run small/w "${all[@]}"
+    [ $? = 3 ] && "$program" status small/w >out.txt 2>&1; }
+  report "read-only workspace" read_only
+  umount small
+  # The disk is full at ever later moments; then there is room again.
+  # Twice each, the second time after the run was taken up.
+  for stage in ingest sfm undistort reconstruct bootstrap export; do
+    before=()
+    for done in ingest sfm undistort reconstruct bootstrap export; do
+      [ "$done" = "$stage" ] && break
+      before+=("$done")
+    done
+    for free in 20 150 1500 4000; do
+      mount -t tmpfs -o size=120m tmpfs small
+      fresh small/w "${before[@]}"
+      available=$(df -k --output=avail small | tail -n 1)
+      dd if=/dev/zero of=small/fill bs=1k count=$((available - free)) 2>/dev/null
+      full() {
+        local code
+        run small/w "${all[@]}"
+        code=$?
+        [ $code = 0 ] || [ $code = 1 ] || return 1
+        run small/w "${all[@]}"
+        code=$?
+        [ $code = 0 ] || [ $code = 1 ] || return 1
+        for done in "${before[@]}"; do [ -e "small/w/$done/stage.json" ] || return 1; done
+        rm small/fill
+        runs_on small/w "${all[@]}"
+      }
+      report "disk full in $stage with $free kB left" full
+      umount small
+    done
+  done
+else
+  echo "left out: full disks and a read-only workspace need mount"
+fi
+[ $failures = 0 ] || { echo "$failures faults cost something"; exit 1; }
+echo "nothing is lost"

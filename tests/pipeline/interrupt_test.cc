@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Which signals stop a run, and which do not.
+
+#include "pipeline/interrupt.h"
+
+#include <cerrno>
+#include <csignal>
+#include <unistd.h>
+
+#include <gtest/gtest.h>
+
+namespace freegs::pipeline {
+namespace {
+
+TEST(InterruptGuardTest, SignalsCancel) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    CancellationToken token;
+    const InterruptGuard guard(&token);
+    EXPECT_FALSE(token.cancelled());
+    std::raise(signal);
+    EXPECT_TRUE(token.cancelled()) << signal;
+  }
+}
+
+TEST(InterruptGuardTest, ASecondSignalEndsTheProgram) {
+  const auto twice = [] {
+    CancellationToken token;
+    const InterruptGuard guard(&token);
+    std::raise(SIGHUP);
+    std::raise(SIGINT);
+  };
+  EXPECT_EXIT(twice(), testing::ExitedWithCode(130), "interrupted");
+}
+
+// As under nohup.
+TEST(InterruptGuardTest, AnIgnoredHangUpStaysIgnored) {
+  const auto old = std::signal(SIGHUP, SIG_IGN);
+  CancellationToken token;
+  {
+    const InterruptGuard guard(&token);
+    std::raise(SIGHUP);
+  }
+  EXPECT_FALSE(token.cancelled());
+  EXPECT_EQ(std::signal(SIGHUP, old), SIG_IGN);
+}
+
+TEST(InterruptGuardTest, OutputWithoutReaderIsNoEnd) {
+  int ends[2];
+  ASSERT_EQ(pipe(ends), 0);
+  close(ends[0]);
+  CancellationToken token;
+  {
+    const InterruptGuard guard(&token);
+    EXPECT_EQ(write(ends[1], "a", 1), -1);
+    EXPECT_EQ(errno, EPIPE);
+  }
+  close(ends[1]);
+  EXPECT_FALSE(token.cancelled());
+  EXPECT_EQ(std::signal(SIGPIPE, SIG_DFL), SIG_DFL);
+}
+
+}  // namespace
+}  // namespace freegs::pipeline
