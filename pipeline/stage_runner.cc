@@ -155,8 +155,7 @@ Status StageRunner::Run() {
                            " to start from; run it first");
     }
   }
-  ThreadPool pool(options_.num_threads > 0 ? options_.num_threads
-                                           : AvailableCores());
+  ThreadPool pool(WorkingThreads(options_.num_threads));
   std::string redone;
   for (size_t i = first; i < last; ++i) {
     RunnerStage& stage = stages_[i];

@@ -16,6 +16,7 @@
 #include "core/io/files.h"
 #include "core/io/json_text.h"
 #include "core/parallel.h"
+#include "pipeline/system_info.h"
 #include "stages/datasets/layout.h"
 #include "stages/evaluation/consistency_evaluation.h"
 #include "stages/evaluation/evaluation.h"
@@ -289,7 +290,7 @@ Status RunEvalCommand(const std::vector<std::string>& arguments,
                       CommandContext& context) {
   FREEGS_ASSIGN_OR_RETURN(const EvalRequest request,
                           ParseEvalRequest(arguments));
-  ThreadPool pool(request.threads);
+  ThreadPool pool(pipeline::WorkingThreads(request.threads));
   FREEGS_ASSIGN_OR_RETURN(const WorkspaceScene scene,
                           ReadWorkspaceScene(request.workspace));
   EvaluationReport report;

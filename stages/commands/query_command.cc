@@ -21,6 +21,7 @@
 #include "core/parallel.h"
 #include "pipeline/logger.h"
 #include "pipeline/progress_line.h"
+#include "pipeline/system_info.h"
 #include "semantics/clip/relevancy.h"
 #include "semantics/queries/click_query.h"
 #include "semantics/queries/instance_features.h"
@@ -353,7 +354,7 @@ Status RunQueryCommand(const std::vector<std::string>& arguments,
                        CommandContext& context) {
   FREEGS_ASSIGN_OR_RETURN(const QueryRequest request,
                           ParseQueryRequest(arguments));
-  ThreadPool pool(request.threads);
+  ThreadPool pool(pipeline::WorkingThreads(request.threads));
   Lap lap;
   FREEGS_ASSIGN_OR_RETURN(QueryScene scene,
                           LoadQueryScene(request, context.err));
