@@ -12,6 +12,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/io/files.h"
+#include "core/out_of_memory.h"
 
 namespace freegs {
 namespace {
@@ -37,6 +38,7 @@ StatusOr<cv::Mat> Decode(const fs::path& path, int flags) {
     }
     return image;
   } catch (const cv::Exception& e) {
+    if (IsOutOfMemory(e)) throw;
     return BadInputError(path.string() + ": not a readable image: " + e.err);
   }
 }
@@ -50,6 +52,7 @@ Status Encode(const fs::path& path, const cv::Mat& image) {
       return InternalError(path.string() + ": cannot encode image");
     }
   } catch (const cv::Exception& e) {
+    if (IsOutOfMemory(e)) throw;
     return InternalError(path.string() + ": cannot encode image: " + e.err);
   }
   return WriteFileAtomic(
