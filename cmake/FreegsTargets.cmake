@@ -77,18 +77,19 @@ function(freegs_add_library name)
   # Files that Highway compiles once for each instruction set include themselves,
   # so they stay alone. SSSE3 is left out: processors that have it but not SSE4
   # date from before 2008, and use the scalar code. They get -O3 in cold rooms too.
-  # Readers of files need no more than one, which saves most of the fuzzers' build.
-  set(instruction_sets HWY_DISABLED_TARGETS=HWY_SSSE3)
+  # No file is read in them, and Clang needs up to ten minutes for one of them with
+  # sanitizers, so fuzzers are built without.
+  set(options $<$<CONFIG:Release>:-O3>)
   if(FREEGS_FUZZ)
-    set(instruction_sets HWY_COMPILE_ONLY_STATIC)
+    list(APPEND options -fno-sanitize=all)
   endif()
   foreach(source IN LISTS ARG_SOURCES)
     file(STRINGS ${source} alone REGEX "hwy/foreach_target.h" LIMIT_COUNT 1)
     if(alone)
       set_source_files_properties(${source} PROPERTIES
         SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON
-        COMPILE_DEFINITIONS "${instruction_sets}"
-        COMPILE_OPTIONS $<$<CONFIG:Release>:-O3>)
+        COMPILE_DEFINITIONS HWY_DISABLED_TARGETS=HWY_SSSE3
+        COMPILE_OPTIONS "${options}")
     endif()
   endforeach()
   target_link_libraries(${target} PUBLIC ${ARG_LINK}
