@@ -107,7 +107,6 @@ Reader Film() {
           },
           [] {
             photos::WriteFilm(Scratch() / "seed.avi", photos::MovingFrames(2));
-            std::string moov(108, '\0');
             return std::vector<std::string>{ReadText(Scratch() / "seed.avi"),
                                             std::string("\0\0\0\x14"
                                                         "ftypisom\0\0\0\0isom"
