@@ -20,6 +20,10 @@ if(FREEGS_SANITIZE)
     -fno-sanitize-recover=all)
   target_link_options(freegs_warnings INTERFACE -fsanitize=${FREEGS_SANITIZE})
 endif()
+if(FREEGS_FUZZ)
+  # Coverage of the libraries guides the fuzzer, which only its targets link.
+  target_compile_options(freegs_warnings INTERFACE -fsanitize=fuzzer-no-link)
+endif()
 
 # Large headers of the standard library, Eigen and GoogleTest, compiled once for
 # all files of one optimisation level. Headers of ours are not among them: every
@@ -73,13 +77,19 @@ function(freegs_add_library name)
   # Files that Highway compiles once for each instruction set include themselves,
   # so they stay alone. SSSE3 is left out: processors that have it but not SSE4
   # date from before 2008, and use the scalar code. They get -O3 in cold rooms too.
+  # No file is read in them, and Clang needs up to ten minutes for one of them with
+  # sanitizers, so fuzzers are built without.
+  set(options $<$<CONFIG:Release>:-O3>)
+  if(FREEGS_FUZZ)
+    list(APPEND options -fno-sanitize=all)
+  endif()
   foreach(source IN LISTS ARG_SOURCES)
     file(STRINGS ${source} alone REGEX "hwy/foreach_target.h" LIMIT_COUNT 1)
     if(alone)
       set_source_files_properties(${source} PROPERTIES
         SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON
         COMPILE_DEFINITIONS HWY_DISABLED_TARGETS=HWY_SSSE3
-        COMPILE_OPTIONS $<$<CONFIG:Release>:-O3>)
+        COMPILE_OPTIONS "${options}")
     endif()
   endforeach()
   target_link_libraries(${target} PUBLIC ${ARG_LINK}

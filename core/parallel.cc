@@ -3,6 +3,7 @@
 #include "core/parallel.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace freegs {
 
@@ -12,8 +13,13 @@ ThreadPool::ThreadPool(int num_threads) {
         static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   }
   workers_.reserve(num_threads - 1);
-  for (int worker = 1; worker < num_threads; ++worker) {
-    workers_.emplace_back([this, worker] { WorkerLoop(worker); });
+  try {
+    for (int worker = 1; worker < num_threads; ++worker) {
+      workers_.emplace_back([this, worker] { WorkerLoop(worker); });
+    }
+  } catch (const std::exception&) {
+    // A limit on threads, or no memory for one more stack. Results do not
+    // depend on the number of threads, so those that were started will do.
   }
 }
 
@@ -52,14 +58,23 @@ void ThreadPool::ParallelFor(int64_t begin,
   RunRanges(0);
   std::unique_lock lock(mutex_);
   done_.wait(lock, [this] { return active_ == 0; });
+  if (thrown_) std::rethrow_exception(std::exchange(thrown_, nullptr));
 }
 
-void ThreadPool::RunRanges(int worker) {
-  for (;;) {
-    const int64_t index = next_.fetch_add(1, std::memory_order_relaxed);
-    const int64_t first = begin_ + index * grain_;
-    if (first >= end_) return;
-    (*body_)(first, std::min(end_, first + grain_), worker);
+void ThreadPool::RunRanges(int worker) noexcept {
+  try {
+    for (;;) {
+      const int64_t index = next_.fetch_add(1, std::memory_order_relaxed);
+      const int64_t first = begin_ + index * grain_;
+      if (first >= end_) return;
+      (*body_)(first, std::min(end_, first + grain_), worker);
+    }
+  } catch (...) {
+    const std::lock_guard lock(mutex_);
+    if (!thrown_) thrown_ = std::current_exception();
+    // The other threads find no range left.
+    next_.store((end_ - begin_ + grain_ - 1) / grain_,
+                std::memory_order_relaxed);
   }
 }
 

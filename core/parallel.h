@@ -7,6 +7,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
+#include <exception>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -28,7 +29,8 @@ namespace freegs {
 // indices.
 class ThreadPool {
  public:
-  // num_threads <= 0 takes one thread per core that the process may use.
+  // num_threads <= 0 takes one thread per core that the process may use. Where
+  // the system does not start as many, the pool has those that it did start.
   explicit ThreadPool(int num_threads = 0);
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;
@@ -41,7 +43,11 @@ class ThreadPool {
   // begin + k * grain, whatever the number of threads. `worker`, in
   // [0, num_threads()), tells which thread runs the range, for memory that each
   // thread reuses. The calling thread works too, and the call returns when all
-  // ranges are done. body must neither throw nor call ParallelFor of this pool.
+  // ranges are done. body must not call ParallelFor of this pool.
+  //
+  // Code of this project returns errors, but memory can run out in `body`. No
+  // range begins after one has thrown; what was thrown first leaves this call
+  // when no thread is at work any more.
   void ParallelFor(int64_t begin,
                    int64_t end,
                    int64_t grain,
@@ -49,7 +55,7 @@ class ThreadPool {
 
  private:
   void WorkerLoop(int worker);
-  void RunRanges(int worker);
+  void RunRanges(int worker) noexcept;
 
   std::vector<std::thread> workers_;
   std::mutex mutex_;
@@ -64,7 +70,8 @@ class ThreadPool {
   int64_t begin_ = 0;
   int64_t end_ = 0;
   int64_t grain_ = 1;
-  std::atomic<int64_t> next_{0};
+  std::atomic<int64_t> next_{0};  // The number of the next range.
+  std::exception_ptr thrown_;     // Guarded by mutex_.
 };
 
 }  // namespace freegs

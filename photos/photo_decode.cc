@@ -12,6 +12,7 @@
 
 #include "core/io/files.h"
 #include "core/number_text.h"
+#include "core/out_of_memory.h"
 #include "photos/photo_jpeg.h"
 #include "photos/photo_pixels.h"
 
@@ -47,7 +48,8 @@ StatusOr<cv::Mat> DecodeStored(std::string_view bytes,
   cv::Mat stored;
   try {
     stored = cv::imdecode(buffer, cv::IMREAD_UNCHANGED);
-  } catch (const cv::Exception&) {
+  } catch (const cv::Exception& error) {
+    if (IsOutOfMemory(error)) throw;
     return DamagedError(header);
   }
   if (stored.empty() || stored.cols != header.width ||

@@ -5,6 +5,7 @@
 #include <csetjmp>
 #include <cstdio>
 #include <jpeglib.h>
+#include <new>
 #include <string>
 #include <vector>
 // After jpeglib.h, which it needs.
@@ -76,6 +77,7 @@ class Decompressor {
   // Adobe's programs store ink as 255 - ink.
   bool inverted_cmyk() const { return info_.saw_Adobe_marker != 0; }
   bool damaged() const { return damaged_; }
+  bool out_of_memory() const { return errors_.msg_code == JERR_OUT_OF_MEMORY; }
   const char* message() const { return message_; }
 
  private:
@@ -124,6 +126,7 @@ class Decompressor {
 };
 
 Status Damaged(const Decompressor& decompressor) {
+  if (decompressor.out_of_memory()) throw std::bad_alloc();
   return BadInputError("damaged JPEG (" + std::string(decompressor.message()) +
                        "); copy the file again");
 }

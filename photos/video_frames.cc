@@ -14,6 +14,7 @@
 #include <opencv2/videoio.hpp>
 #include <opencv2/videoio/registry.hpp>
 
+#include "core/out_of_memory.h"
 #include "core/quantile.h"
 #include "photos/film_rotation.h"
 #include "photos/photo_pixels.h"
@@ -115,6 +116,7 @@ Status Guarded(const fs::path& path, const std::function<Status()>& decode) {
   try {
     return decode();
   } catch (const std::exception& error) {
+    if (IsOutOfMemory(error)) throw;
     return Fault(path,
                  std::string("cannot be decoded (") + error.what() +
                      "); convert it or copy it again");

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/cancellation.h"
+#include "core/out_of_memory.h"
 #include "core/status.h"
 #include "pipeline/exit_code.h"
 #include "pipeline/interrupt.h"
@@ -168,7 +169,11 @@ int main(int argc, char** argv) {
   try {
     return freegs::Main(argc, argv);
   } catch (const std::exception& e) {
-    std::cerr << "freegs_pipeline: internal error: " << e.what() << "\n";
+    std::cerr << "freegs_pipeline: "
+              << (freegs::IsOutOfMemory(e)
+                      ? freegs::OutOfMemoryError().message()
+                      : std::string("internal error: ") + e.what())
+              << "\n";
     return freegs::pipeline::ExitCode(freegs::StatusCode::kInternal);
   }
 }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/number_text.h"
+#include "core/out_of_memory.h"
 #include "pipeline/progress_line.h"
 #include "pipeline/resource_usage.h"
 #include "pipeline/stage_output.h"
@@ -48,10 +49,8 @@ std::string Prefixed(const std::string& name, const std::string& text) {
 Status RunCatching(Stage& stage, StageContext& context) {
   try {
     return stage.Run(context);
-  } catch (const std::bad_alloc&) {
-    return InternalError(
-        "out of memory; try smaller images or a faster preset");
   } catch (const std::exception& e) {
+    if (IsOutOfMemory(e)) return OutOfMemoryError();
     return InternalError(std::string("unexpected error: ") + e.what());
   }
 }
@@ -172,8 +171,7 @@ Status StageRunner::Run() {
                            " to start from; run it first");
     }
   }
-  ThreadPool pool(options_.num_threads > 0 ? options_.num_threads
-                                           : AvailableCores());
+  ThreadPool pool(WorkingThreads(options_.num_threads));
   std::string redone;
   for (size_t i = first; i < last; ++i) {
     RunnerStage& stage = stages_[i];

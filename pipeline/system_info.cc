@@ -55,6 +55,10 @@ int AvailableCores() {
   return std::max(1, cores);
 }
 
+int WorkingThreads(int option) {
+  return option > 0 ? option : AvailableCores();
+}
+
 MemoryInfo Memory() {
   MemoryInfo info;
   std::ifstream meminfo("/proc/meminfo");

@@ -22,6 +22,10 @@ std::optional<double> CoresOfQuota();
 // above, rounded up, but at least 1.
 int AvailableCores();
 
+// The number of threads that an option asks for: 0 means one per available
+// core.
+int WorkingThreads(int option);
+
 struct MemoryInfo {
   int64_t total_bytes = 0;
   int64_t available_bytes = 0;  // Without swapping.

@@ -6,26 +6,52 @@
 #include <cmath>
 #include <cstring>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "core/io/files.h"
+#include "core/out_of_memory.h"
 
 namespace freegs {
 namespace {
 
 namespace fs = std::filesystem;
 
-// OpenCV refuses more pixels than this by default, with an exception; a bound
-// of our own keeps a lying header from allocating gigabytes first.
 constexpr uint64_t kMaxFileBytes = uint64_t{1} << 30;
+
+// OpenCV takes memory for all pixels that a header claims, up to 2^30, before
+// it looks for them. A pixel of a PNG has at least one bit, and Deflate makes
+// at most 1032 bytes of one.
+Status CheckPngSize(const fs::path& path, std::string_view bytes) {
+  constexpr size_t kWidthAt = 16;
+  constexpr size_t kEndOfSize = 24;
+  constexpr uint64_t kMaxPixelsPerByte = 1032 * 8;
+  if (!bytes.starts_with("\x89PNG") || bytes.size() < kEndOfSize) {
+    return Status();
+  }
+  const auto side = [bytes](size_t at) {
+    uint64_t value = 0;
+    for (size_t i = at; i < at + 4; ++i) {
+      value = value << 8 | static_cast<uint8_t>(bytes[i]);
+    }
+    return value;
+  };
+  const uint64_t width = side(kWidthAt);
+  const uint64_t height = side(kWidthAt + 4);
+  if (width * height <= kMaxPixelsPerByte * bytes.size()) return Status();
+  return BadInputError(path.string() + ": its header claims " +
+                       std::to_string(width) + " x " + std::to_string(height) +
+                       " pixels, more than its data can hold");
+}
 
 StatusOr<cv::Mat> Decode(const fs::path& path, int flags) {
   FREEGS_ASSIGN_OR_RETURN(const std::string bytes,
                           ReadFile(path, kMaxFileBytes));
   if (bytes.empty()) return BadInputError(path.string() + ": empty file");
+  FREEGS_RETURN_IF_ERROR(CheckPngSize(path, bytes));
   const cv::Mat buffer(1,
                        static_cast<int>(bytes.size()),
                        CV_8UC1,
@@ -37,6 +63,7 @@ StatusOr<cv::Mat> Decode(const fs::path& path, int flags) {
     }
     return image;
   } catch (const cv::Exception& e) {
+    if (IsOutOfMemory(e)) throw;
     return BadInputError(path.string() + ": not a readable image: " + e.err);
   }
 }
@@ -50,6 +77,7 @@ Status Encode(const fs::path& path, const cv::Mat& image) {
       return InternalError(path.string() + ": cannot encode image");
     }
   } catch (const cv::Exception& e) {
+    if (IsOutOfMemory(e)) throw;
     return InternalError(path.string() + ": cannot encode image: " + e.err);
   }
   return WriteFileAtomic(

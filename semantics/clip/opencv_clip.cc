@@ -18,6 +18,7 @@
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/dnn.hpp>
 
+#include "core/out_of_memory.h"
 #include "semantics/clip/bicubic_resize.h"
 
 namespace freegs::semantics {
@@ -219,6 +220,7 @@ class OpenCvClip::Networks {
         net.setPreferableTarget(cv::dnn::DNN_TARGET_CPU);
         *network = std::move(net);
       } catch (const std::exception& error) {
+        if (IsOutOfMemory(error)) return OutOfMemoryError();
         return folder.FileError(name,
                                 "OpenCV cannot load it: " + Reason(error));
       }
@@ -231,6 +233,7 @@ class OpenCvClip::Networks {
       // A copy, because the network overwrites its output at the next call.
       output = (*network)->forward().clone();
     } catch (const std::exception& error) {
+      if (IsOutOfMemory(error)) return OutOfMemoryError();
       return folder.FileError(name, "OpenCV cannot run it: " + Reason(error));
     }
     const std::vector<int> shape(output.size.p, output.size.p + output.dims);

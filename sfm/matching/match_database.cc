@@ -8,6 +8,7 @@
 #include <cmath>
 #include <sqlite3.h>
 #include <system_error>
+#include <tuple>
 
 #include "core/io/byte_stream.h"
 
@@ -57,6 +58,18 @@ class Statement {
 };
 
 }  // namespace
+
+StatusOr<std::pair<uint32_t, uint32_t>> MatchDatabase::IdsOf(
+    int64_t pair) const {
+  const int64_t id1 = pair / kMaxImageId;
+  const int64_t id2 = pair % kMaxImageId;
+  if (id1 < 1 || id1 >= id2) {
+    return BadInputError(path_.string() + ": " + std::to_string(pair) +
+                         " is not the number of a pair of photos; the database "
+                         "is damaged");
+  }
+  return std::make_pair(static_cast<uint32_t>(id1), static_cast<uint32_t>(id2));
+}
 
 void MatchDatabase::Closer::operator()(sqlite3* database) const {
   sqlite3_close(database);
@@ -211,8 +224,8 @@ MatchDatabase::VerifiedPairs() const {
   int code;
   while ((code = statement.Step()) == SQLITE_ROW) {
     VerifiedPair pair;
-    pair.id1 = static_cast<uint32_t>(statement.Integer(0) / kMaxImageId);
-    pair.id2 = static_cast<uint32_t>(statement.Integer(0) % kMaxImageId);
+    FREEGS_ASSIGN_OR_RETURN(std::tie(pair.id1, pair.id2),
+                            IdsOf(statement.Integer(0)));
     pair.num_matches = statement.Integer(1);
     const int64_t config = statement.Integer(2);
     pair.is_homography =
@@ -240,8 +253,8 @@ StatusOr<std::set<std::pair<uint32_t, uint32_t>>> MatchDatabase::ComparedPairs()
   std::set<std::pair<uint32_t, uint32_t>> pairs;
   int code;
   while ((code = statement.Step()) == SQLITE_ROW) {
-    pairs.emplace(static_cast<uint32_t>(statement.Integer(0) / kMaxImageId),
-                  static_cast<uint32_t>(statement.Integer(0) % kMaxImageId));
+    FREEGS_ASSIGN_OR_RETURN(const auto ids, IdsOf(statement.Integer(0)));
+    pairs.insert(ids);
   }
   if (code != SQLITE_DONE) return Error("cannot list its pairs");
   return pairs;
@@ -257,11 +270,13 @@ Status MatchDatabase::ForEachVerifiedPair(
   std::vector<FeatureMatch> matches;
   int code;
   while ((code = statement.Step()) == SQLITE_ROW) {
-    const int64_t pair = statement.Integer(0);
+    FREEGS_ASSIGN_OR_RETURN(const auto ids, IdsOf(statement.Integer(0)));
     const std::string data = statement.Text(2);
     if (statement.Integer(1) != static_cast<int64_t>(data.size() / 8)) {
-      return BadInputError(path_.string() + ": the matches of pair " +
-                           std::to_string(pair) + " are not of their size");
+      return BadInputError(path_.string() + ": the matches of photos " +
+                           std::to_string(ids.first) + " and " +
+                           std::to_string(ids.second) +
+                           " are not of their size");
     }
     matches.resize(data.size() / 8);
     ByteReader reader(data);
@@ -269,9 +284,7 @@ Status MatchDatabase::ForEachVerifiedPair(
       reader.Get(&match.feature1);
       reader.Get(&match.feature2);
     }
-    visit(static_cast<uint32_t>(pair / kMaxImageId),
-          static_cast<uint32_t>(pair % kMaxImageId),
-          matches);
+    visit(ids.first, ids.second, matches);
   }
   return code == SQLITE_DONE ? Status() : Error("cannot list its matches");
 }

@@ -115,6 +115,9 @@ class MatchDatabase {
     void operator()(sqlite3* database) const;
   };
   Status Execute(const std::string& sql) const;
+  // The two photos of a pair by its number; kBadInput if it is none that COLMAP
+  // writes.
+  StatusOr<std::pair<uint32_t, uint32_t>> IdsOf(int64_t pair) const;
   bool HasColumn(const char* table, const char* column) const;
   Status Error(const std::string& what) const;
 

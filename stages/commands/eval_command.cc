@@ -16,6 +16,7 @@
 #include "core/io/files.h"
 #include "core/io/json_text.h"
 #include "core/parallel.h"
+#include "pipeline/system_info.h"
 #include "stages/datasets/layout.h"
 #include "stages/evaluation/consistency_evaluation.h"
 #include "stages/evaluation/evaluation.h"
@@ -296,7 +297,7 @@ Status RunEvalCommand(const std::vector<std::string>& arguments,
   FREEGS_ASSIGN_OR_RETURN(const EvalRequest request,
                           ParseEvalRequest(arguments));
   WarnOfRun(request.workspace, context);
-  ThreadPool pool(request.threads);
+  ThreadPool pool(pipeline::WorkingThreads(request.threads));
   FREEGS_ASSIGN_OR_RETURN(const WorkspaceScene scene,
                           ReadWorkspaceScene(request.workspace));
   EvaluationReport report;

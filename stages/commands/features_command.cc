@@ -12,6 +12,7 @@
 #include "core/number_text.h"
 #include "core/parallel.h"
 #include "pipeline/option_table.h"
+#include "pipeline/system_info.h"
 #include "semantics/clip/feature_cache.h"
 #include "semantics/clip/opencv_clip.h"
 #include "semantics/clip/relevancy.h"
@@ -160,7 +161,7 @@ Status RunFeaturesCommand(const std::vector<std::string>& arguments,
   }
 
   const ImageU8 picture = LimitedTo(photo.pixels, request.size);
-  ThreadPool pool(request.threads);
+  ThreadPool pool(pipeline::WorkingThreads(request.threads));
   FREEGS_ASSIGN_OR_RETURN(const ImageF relevancy,
                           semantics::RelevancyMap(features,
                                                   ToFloat(picture),

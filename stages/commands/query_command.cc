@@ -21,6 +21,7 @@
 #include "core/parallel.h"
 #include "pipeline/logger.h"
 #include "pipeline/progress_line.h"
+#include "pipeline/system_info.h"
 #include "semantics/clip/relevancy.h"
 #include "semantics/queries/click_query.h"
 #include "semantics/queries/instance_features.h"
@@ -360,7 +361,7 @@ Status RunQueryCommand(const std::vector<std::string>& arguments,
   if (!request.out.empty()) {
     FREEGS_RETURN_IF_ERROR(PrepareOutputFolder(request.out));
   }
-  ThreadPool pool(request.threads);
+  ThreadPool pool(pipeline::WorkingThreads(request.threads));
   Lap lap;
   FREEGS_ASSIGN_OR_RETURN(QueryScene scene,
                           LoadQueryScene(request, context.err));

@@ -20,6 +20,7 @@
 #include "pipeline/logger.h"
 #include "pipeline/option_table.h"
 #include "pipeline/progress_line.h"
+#include "pipeline/system_info.h"
 #include "semantics/field/semantic_colors.h"
 #include "semantics/instances/hierarchy.h"
 #include "splat/render/renderer.h"
@@ -303,7 +304,7 @@ Status RunRenderCommand(const std::vector<std::string>& arguments,
   FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> names,
                           OutputNames(views, ".png"));
   FREEGS_RETURN_IF_ERROR(PrepareOutputFolder(request.out));
-  ThreadPool pool(request.threads);
+  ThreadPool pool(pipeline::WorkingThreads(request.threads));
   FREEGS_ASSIGN_OR_RETURN(const std::unique_ptr<Renderer> renderer,
                           MakeRenderer(request, scene, views, &pool));
   FREEGS_RETURN_IF_ERROR(

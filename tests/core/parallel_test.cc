@@ -5,10 +5,18 @@
 #include "core/parallel.h"
 
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <mutex>
+#include <new>
+#include <optional>
+#include <pthread.h>
 #include <set>
+#include <sys/resource.h>
+#include <thread>
+#include <unistd.h>
 #include <utility>
 #include <vector>
 
@@ -52,6 +60,92 @@ TEST(ThreadPoolTest, RangesDoNotDependOnThreads) {
   EXPECT_EQ(*one.begin(), std::make_pair(int64_t{5}, int64_t{13}));
   EXPECT_EQ(one, ranges(2));
   EXPECT_EQ(one, ranges(4));
+}
+
+// One thread throws while the others are at work. The call must not return
+// before they are done with what the caller owns.
+TEST(ThreadPoolTest, WhatARangeThrowsLeavesOnTheCaller) {
+  constexpr int kThreads = 3;
+  ThreadPool pool(kThreads);
+  for (int thrower = 0; thrower < kThreads; ++thrower) {
+    std::atomic<int> begun{0};
+    std::atomic<int> at_work{0};
+    std::atomic<bool> thrown{false};
+    const auto loop = [&] {
+      pool.ParallelFor(0, 1000, 1, [&](int64_t, int64_t, int worker) {
+        ++begun;
+        if (worker == thrower) {
+          while (begun < kThreads) std::this_thread::yield();
+          thrown = true;
+          throw std::bad_alloc();
+        }
+        ++at_work;
+        while (!thrown) std::this_thread::yield();
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        --at_work;
+      });
+    };
+    EXPECT_THROW(loop(), std::bad_alloc);
+    EXPECT_EQ(at_work, 0);
+    EXPECT_LE(begun, 2 * kThreads);  // No range begins any more.
+    std::atomic<int> count{0};
+    pool.ParallelFor(0, 100, 1, [&](int64_t, int64_t, int) { ++count; });
+    EXPECT_EQ(count, 100);
+  }
+}
+
+TEST(ThreadPoolTest, OneThreadThrowsToo) {
+  ThreadPool pool(1);
+  const auto loop = [&] {
+    pool.ParallelFor(
+        0, 10, 1, [](int64_t, int64_t, int) { throw std::bad_alloc(); });
+  };
+  EXPECT_THROW(loop(), std::bad_alloc);
+}
+
+// Limits the address space of this process while it lives.
+class AddressSpaceLimit {
+ public:
+  explicit AddressSpaceLimit(rlim_t more_bytes) {
+    getrlimit(RLIMIT_AS, &usual_);
+    rlim_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    const rlim_t page_bytes = static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
+    const rlimit limit = {pages * page_bytes + more_bytes, usual_.rlim_max};
+    EXPECT_EQ(setrlimit(RLIMIT_AS, &limit), 0);
+  }
+  ~AddressSpaceLimit() { setrlimit(RLIMIT_AS, &usual_); }
+
+ private:
+  rlimit usual_ = {};
+};
+
+// There is room for the stacks of some of the threads.
+TEST(ThreadPoolTest, TakesTheThreadsThatTheSystemGives) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers need the whole address space";
+#endif
+  constexpr size_t kStackBytes = size_t{1} << 28;
+  pthread_attr_t usual;
+  ASSERT_EQ(pthread_getattr_default_np(&usual), 0);
+  pthread_attr_t large;
+  ASSERT_EQ(pthread_getattr_default_np(&large), 0);
+  ASSERT_EQ(pthread_attr_setstacksize(&large, kStackBytes), 0);
+  ASSERT_EQ(pthread_setattr_default_np(&large), 0);
+  std::optional<AddressSpaceLimit> limit(4 * kStackBytes);
+  ThreadPool pool(16);
+  limit.reset();
+  EXPECT_EQ(pthread_setattr_default_np(&usual), 0);
+  EXPECT_GT(pool.num_threads(), 1);
+  EXPECT_LT(pool.num_threads(), 16);
+  std::atomic<int> count{0};
+  pool.ParallelFor(0, 100, 1, [&](int64_t, int64_t, int worker) {
+    EXPECT_LT(worker, pool.num_threads());
+    ++count;
+  });
+  EXPECT_EQ(count, 100);
+  pthread_attr_destroy(&large);
+  pthread_attr_destroy(&usual);
 }
 
 TEST(ThreadPoolTest, EmptyRangeCallsNothing) {

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <string>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/io/files.h"
@@ -151,6 +152,24 @@ TEST(ImageIoTest, HeaderThatClaimsAHugeImageIsRefused) {
   bytes.replace(16, 8, std::string("\x7f\xff\xff\xff\x7f\xff\xff\xff", 8));
   WriteText(folder / "a.png", bytes);
   EXPECT_EQ(ReadRgb(folder / "a.png").status().code(), StatusCode::kBadInput);
+}
+
+TEST(ImageIoTest, PngThatClaimsMorePixelsThanItHoldsIsRefusedUnread) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(WriteImage(folder / "a.png", Noise(4, 4, 3)).ok());
+  std::string bytes = *ReadFile(folder / "a.png");
+  bytes.replace(16, 8, std::string("\0\0\x7f\xff\0\0\x80\0", 8));
+  WriteText(folder / "a.png", bytes);
+  for (const Status& status : {ReadRgb(folder / "a.png").status(),
+                               ReadLabels(folder / "a.png").status()}) {
+    EXPECT_EQ(status.code(), StatusCode::kBadInput);
+    EXPECT_THAT(status.message(),
+                testing::HasSubstr("claims 32767 x 32768 pixels"));
+  }
+  // One colour packs well.
+  const ImageU16 plain(5000, 4000, 1);
+  ASSERT_TRUE(WriteLabels(folder / "b.png", plain).ok());
+  EXPECT_TRUE(ReadLabels(folder / "b.png").ok());
 }
 
 TEST(ImageIoTest, WriteErrors) {

@@ -240,6 +240,43 @@ TEST(OpenCvClipTest, BadNetworksAreNamedAndSilent) {
   }
 }
 
+// A field of an ONNX file (Protocol Buffers) of up to 127 bytes.
+std::string Field(int number, const std::string& bytes) {
+  return std::string{static_cast<char>(number << 3 | 2),
+                     static_cast<char>(bytes.size())} +
+         bytes;
+}
+
+std::string Field(int number, char value) {
+  return {static_cast<char>(number << 3), value};
+}
+
+// A network whose one output is a constant of 2^45 numbers, more than an
+// address space holds.
+std::string HugeNetwork() {
+  std::string sides;
+  for (int i = 0; i < 3; ++i) sides += std::string("\0\x80\0\0\0\0\0\0", 8);
+  const std::string shape =
+      Field(1, 3) + Field(2, 7) + Field(8, "shape") + Field(9, sides);
+  const std::string node = Field(1, "shape") + Field(2, "y") + Field(3, "n") +
+                           Field(4, "ConstantOfShape");
+  const std::string type = Field(1, Field(1, 1) + Field(2, ""));
+  const std::string graph = Field(1, node) + Field(2, "g") + Field(5, shape) +
+                            Field(12, Field(1, "y") + Field(2, type));
+  return Field(1, 7) + Field(7, graph) + Field(8, Field(2, 13));
+}
+
+TEST(OpenCvClipTest, NoMemoryIsNoFaultOfTheModel) {
+  const ModelCopy model;
+  model.Replace("visual.onnx", HugeNetwork());
+  const auto clip = OpenCvClip::Open(model.path());
+  ASSERT_TRUE(clip.ok()) << clip.status().message();
+  const auto result = (*clip)->EncodeImage(ImageU8(20, 20, 3, 100));
+  EXPECT_EQ(result.status().code(), StatusCode::kInternal);
+  EXPECT_THAT(result.status().message(), HasSubstr("out of memory"));
+  EXPECT_TRUE((*clip)->EncodeDense(ImageU8(20, 20, 3, 100)).ok());
+}
+
 TEST(CenterSquareTest, CutsTheLongSide) {
   ImageU8 image(40, 20, 1);
   for (int y = 0; y < 20; ++y) {

@@ -118,6 +118,27 @@ TEST(MatchDatabase, ListsPhotosAndMatches) {
               testing::ElementsAre(testing::Pair(1, 2), testing::Pair(2, 3)));
 }
 
+TEST(MatchDatabase, NumbersThatAreNoPairsAreRefused) {
+  constexpr int64_t kMax = 2147483647;
+  for (const int64_t pair :
+       {int64_t{-5}, int64_t{0}, int64_t{2}, 2 * kMax + 1, 2 * kMax + 2}) {
+    const TemporaryFolder folder;
+    MakeDatabase(folder / "a.db");
+    RunSql(folder / "a.db",
+           "INSERT INTO two_view_geometries VALUES(" + std::to_string(pair) +
+               ",1,x'0000000000000000')");
+    const auto database = MatchDatabase::Open(folder / "a.db");
+    ASSERT_TRUE(database.ok()) << database.status().message();
+    EXPECT_EQ(database->VerifiedPairs().status().code(), StatusCode::kBadInput);
+    EXPECT_EQ(database->ComparedPairs().status().code(), StatusCode::kBadInput);
+    const Status status = database->ForEachVerifiedPair(
+        [](uint32_t, uint32_t, std::span<const FeatureMatch>) { FAIL(); });
+    EXPECT_EQ(status.code(), StatusCode::kBadInput);
+    EXPECT_THAT(status.message(),
+                testing::HasSubstr("not the number of a pair"));
+  }
+}
+
 // Doubles as COLMAP stores them, little endian.
 TEST(MatchDatabase, Motions) {
   const TemporaryFolder folder;
