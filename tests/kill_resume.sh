@@ -7,12 +7,14 @@
 #
 #   tests/kill_resume.sh PROGRAM IMAGES FOLDER [KILLS_PER_STAGE] [OPTION ...]
 #
-# FOLDER is made and holds the two workspaces. Not part of the test suite: it
-# takes as long as several runs.
+# FOLDER is made and holds the two workspaces. WITHIN is how many seconds into a
+# stage a kill comes at most (default: 20); take the length of the longest. Not
+# part of the test suite: it takes as long as several runs.
 set -euo pipefail
 
 program=$1 images=$2 folder=$3 kills=${4:-7}
 shift $(($# < 4 ? $# : 4))
+within=${WITHIN:-20}
 stages=(sfm reconstruct bootstrap)
 workspace=$folder/killed
 log=$folder/runs.log
@@ -32,10 +34,9 @@ for stage in "${stages[@]}"; do
     while kill -0 "$pid" 2>/dev/null && [ ! -e "$workspace/$stage.partial" ]; do
       sleep 0.02
     done
-    # A random moment: up to 20 s into the stage, in the first kills less, so
-    # that short stages are hit as well.
-    sleep "$(awk -v r=$RANDOM -v k="$k" \
-      'BEGIN { print r / 32768 * (k < 3 ? 0.4 * (k + 1) : 20) }')"
+    # A random moment, in the first kills an early one.
+    sleep "$(awk -v r=$RANDOM -v k="$k" -v within="$within" \
+      'BEGIN { print r / 32768 * (k < 3 ? 0.4 * (k + 1) : within) }')"
     before=$(finished)
     if [ -e "$workspace/$stage.partial" ] && kill -9 "$pid" 2>/dev/null; then
       killed=$((killed + 1))
@@ -48,7 +49,7 @@ for stage in "${stages[@]}"; do
       exit 1
     fi
     # A stage that ended before the kill is done again from the start.
-    if [ ! -e "$workspace/$stage.partial" ] && [ "$stage" != sfm ]; then
+    if [ ! -e "$workspace/$stage.partial" ]; then
       rm -rf "${workspace:?}/$stage"
     fi
   done
