@@ -128,9 +128,10 @@ endfunction()
 
 # freegs_add_test(NAME SOURCES a_test.cc ... LINK libraries ...) makes NAME. Its
 # tests run in portions, NAME.0, NAME.1, ...: the loader needs up to 0.4 s for a
-# program that uses OpenCV, too much for a process per test.
+# program that uses OpenCV, too much for a process per test. There is a portion for
+# every three files, or as many as PORTIONS says.
 function(freegs_add_test name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "" "PORTIONS" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${ARG_LINK} freegs_warnings
@@ -148,6 +149,9 @@ function(freegs_add_test name)
   endif()
   list(LENGTH ARG_SOURCES num_files)
   math(EXPR num_portions "(${num_files} + 2) / 3")
+  if(ARG_PORTIONS)
+    set(num_portions ${ARG_PORTIONS})
+  endif()
   math(EXPR last "${num_portions} - 1")
   foreach(portion RANGE ${last})
     add_test(NAME ${name}.${portion} COMMAND ${name})

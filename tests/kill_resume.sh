@@ -39,15 +39,16 @@ for stage in "${stages[@]}"; do
       'BEGIN { print r / 32768 * (k < 3 ? 0.4 * (k + 1) : within) }')"
     before=$(finished)
     if [ -e "$workspace/$stage.partial" ] && kill -9 "$pid" 2>/dev/null; then
+      wait "$pid" 2>/dev/null || true
       killed=$((killed + 1))
       echo "killed during $stage ($killed)"
+      lost=$(comm -23 <(echo "$before") <(finished))
+      if [ -n "$lost" ]; then
+        echo "LOST after a kill during $stage: $lost" >&2
+        exit 1
+      fi
     fi
     wait "$pid" 2>/dev/null || true
-    lost=$(comm -23 <(echo "$before") <(finished))
-    if [ -n "$lost" ]; then
-      echo "LOST after a kill during $stage: $lost" >&2
-      exit 1
-    fi
     # A stage that ended before the kill is done again from the start.
     if [ ! -e "$workspace/$stage.partial" ]; then
       rm -rf "${workspace:?}/$stage"

@@ -18,8 +18,10 @@
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/dnn.hpp>
 
+#include "core/io/files.h"
 #include "core/out_of_memory.h"
 #include "semantics/clip/bicubic_resize.h"
+#include "semantics/clip/network_check.h"
 
 namespace freegs::semantics {
 namespace {
@@ -212,6 +214,10 @@ class OpenCvClip::Networks {
                                const std::vector<int>& output_shape,
                                std::optional<cv::dnn::Net>* network) {
     if (!*network) {
+      FREEGS_ASSIGN_OR_RETURN(const std::string content,
+                              ReadFile(folder.path / name));
+      const std::string fault = FaultOfNetwork(content);
+      if (!fault.empty()) return folder.FileError(name, fault);
       try {
         cv::dnn::Net net =
             cv::dnn::readNetFromONNX((folder.path / name).string());

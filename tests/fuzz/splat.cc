@@ -27,7 +27,9 @@ Reader Ply() {
   return {[](std::string_view bytes) {
             const auto model = splat::ParsePly(bytes);
             if (model.ok()) {
-              Require(splat::ParsePly(splat::SerializePly(*model)).ok());
+              Require(splat::ParsePly(
+                          splat::SerializePly(model->model, model->offset))
+                          .ok());
             }
           },
           [] {
