@@ -61,13 +61,22 @@ splat::ModelFrame ChooseFrame(const sfm::Reconstruction& sparse,
 }
 
 void MoveToFrame(const splat::ModelFrame& frame, sfm::Reconstruction* sparse) {
+  // What double precision loses far from the origin is taken out again, so that
+  // the same scene trains the same way wherever it lies. The step is less than
+  // a thousandth of a pixel.
+  const auto rounded = [](const Eigen::Vector3d& x) -> Eigen::Vector3d {
+    constexpr double kStep = 1.0 / (1 << 18);
+    return (x / kStep).array().round() * kStep;
+  };
   const Sim3d frame_from_world = frame.FrameFromWorld();
   for (sfm::PosedImage& image : sparse->images) {
     image.cam_from_world =
         TransformCamera(frame_from_world, image.cam_from_world);
+    image.cam_from_world.translation =
+        rounded(image.cam_from_world.translation);
   }
   for (sfm::Point3D& point : sparse->points3d) {
-    point.xyz = (point.xyz - frame.origin) / frame.unit;
+    point.xyz = rounded((point.xyz - frame.origin) / frame.unit);
   }
 }
 

@@ -29,7 +29,8 @@ namespace freegs::stages {
 splat::ModelFrame ChooseFrame(const sfm::Reconstruction& sparse,
                               std::span<const View> views);
 
-// Brings the poses and points of a reconstruction into the frame.
+// Brings the poses and points of a reconstruction into the frame, rounded to
+// multiples of 2^-18.
 void MoveToFrame(const splat::ModelFrame& frame, sfm::Reconstruction* sparse);
 
 // Brings the position and the boxes of an instance back into the world.
