@@ -61,7 +61,7 @@ runs_on() { run "$@" && same_scene "$1"; }
 
 # A new workspace in which the first stages are done: fresh NAME STAGE ...
 fresh() {
-  local workspace=$1
+  local workspace=$1 stage
   shift
   rm -rf "$workspace" && mkdir "$workspace"
   cp -a ref/workspace.json "$workspace/"
