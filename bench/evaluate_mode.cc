@@ -14,8 +14,7 @@ Status RunEvaluate(const EvaluateOptions& options) {
                           stages::ReadTrainingScene(options.workspace));
   FREEGS_ASSIGN_OR_RETURN(const splat::PlacedModel world,
                           splat::ReadPly(options.ply));
-  const splat::GaussianModel model =
-      splat::ToFrame(world, scene.photos.frame);
+  const splat::GaussianModel model = splat::ToFrame(world, scene.photos.frame);
   ThreadPool pool(options.threads);
   splat::TrainingImagesOptions image_options;
   image_options.max_side = options.max_image_size;
