@@ -60,6 +60,10 @@ struct StageContext {
   nlohmann::json summary = nlohmann::json::object();
 };
 
+// What the program takes before a stage does anything: itself, and the
+// libraries it is linked with (OpenCV above all).
+inline constexpr int64_t kProgramMemory = 80'000'000;
+
 // What a stage is going to need of the machine's memory.
 struct MemoryNeed {
   // Resident bytes of its largest process at the peak; 0 when nothing is known.

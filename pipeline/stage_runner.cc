@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <malloc.h>
 #include <mutex>
 #include <system_error>
 #include <utility>
@@ -53,6 +54,14 @@ Status RunCatching(Stage& stage, StageContext& context) {
     if (IsOutOfMemory(e)) return OutOfMemoryError();
     return InternalError(std::string("unexpected error: ") + e.what());
   }
+}
+
+// The allocator keeps much of what the stage before has freed, which would
+// count as memory of this one.
+void GiveBackFreedMemory() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
 }
 
 // Nothing is known when a library throws, for one because of a damaged input,
@@ -258,6 +267,7 @@ Status StageRunner::RunStage(RunnerStage& stage,
   }
 
   context.pool = &pool;
+  GiveBackFreedMemory();
   const MemoryNeed need = ExpectedCatching(*stage.stage, context);
   TellMemory(name, need, logger_);
   const ResourceMeter meter;
