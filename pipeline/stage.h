@@ -7,6 +7,7 @@
 #ifndef FREEGS_PIPELINE_STAGE_H_
 #define FREEGS_PIPELINE_STAGE_H_
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -59,6 +60,20 @@ struct StageContext {
   nlohmann::json summary = nlohmann::json::object();
 };
 
+// What the program takes before a stage does anything: itself, and the
+// libraries it is linked with (OpenCV above all).
+inline constexpr int64_t kProgramMemory = 80'000'000;
+
+// What a stage is going to need of the machine's memory.
+struct MemoryNeed {
+  // Resident bytes of its largest process at the peak; 0 when nothing is known.
+  int64_t bytes = 0;
+
+  // The options to change when that is too much, in words that follow "To need
+  // less, ".
+  std::string advice;
+};
+
 // A stage of the pipeline:
 //
 //   class CountStage : public Stage {
@@ -88,6 +103,12 @@ class Stage {
   // with all files below it.
   virtual std::vector<std::filesystem::path> Inputs(
       const StageContext& context) const = 0;
+
+  // Foretells the memory that Run is going to need, from the options, the
+  // context (its workspace and pool) and the output of earlier stages. It is
+  // asked when Run is about to begin, takes no more than a moment, and reports
+  // no errors: of inputs that Run cannot use either, nothing is known.
+  virtual MemoryNeed ExpectedMemory(const StageContext&) const { return {}; }
 
   // Fills context.output. When cancelled, saves a checkpoint and returns
   // kInterrupted.

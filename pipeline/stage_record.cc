@@ -138,6 +138,7 @@ json ToJson(const StageRecord& record) {
   object["wall_seconds"] = record.wall_seconds;
   object["cpu_seconds"] = record.cpu_seconds;
   object["peak_memory_bytes"] = record.peak_memory_bytes;
+  object["expected_memory_bytes"] = record.expected_memory_bytes;
   object["resumed"] = record.resumed;
   object["summary"] = record.summary;
   object["outputs"] = record.outputs;
@@ -167,6 +168,11 @@ StatusOr<StageRecord> RecordFromJson(const json& object) {
   record.cpu_seconds = reader.Number("cpu_seconds", 0, kMaxSeconds);
   record.peak_memory_bytes =
       reader.Integer64("peak_memory_bytes", 0, kMaxCount);
+  // Records of older programs do not have it.
+  if (reader.Has("expected_memory_bytes")) {
+    record.expected_memory_bytes =
+        reader.Integer64("expected_memory_bytes", 0, kMaxCount);
+  }
   record.resumed = reader.Bool("resumed");
   record.summary = reader.Object("summary");
   if (reader.Has("outputs")) {

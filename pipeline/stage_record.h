@@ -51,6 +51,10 @@ struct StageRecord {
   double cpu_seconds = 0;
   int64_t peak_memory_bytes = 0;
 
+  // What the last run was expected to need at its peak (Stage::ExpectedMemory);
+  // 0 when nothing was known.
+  int64_t expected_memory_bytes = 0;
+
   // Whether the last run continued an earlier, interrupted one.
   bool resumed = false;
 

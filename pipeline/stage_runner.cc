@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <malloc.h>
 #include <mutex>
 #include <system_error>
 #include <utility>
@@ -53,6 +54,42 @@ Status RunCatching(Stage& stage, StageContext& context) {
     if (IsOutOfMemory(e)) return OutOfMemoryError();
     return InternalError(std::string("unexpected error: ") + e.what());
   }
+}
+
+// The allocator keeps much of what the stage before has freed, which would
+// count as memory of this one.
+void GiveBackFreedMemory() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+}
+
+// Nothing is known when a library throws, for one because of a damaged input,
+// which Run will report.
+MemoryNeed ExpectedCatching(const Stage& stage, const StageContext& context) {
+  try {
+    return stage.ExpectedMemory(context);
+  } catch (const std::exception&) {
+    return {};
+  }
+}
+
+// Says what the stage will need, and warns when there is less.
+void TellMemory(const std::string& name,
+                const MemoryNeed& need,
+                Logger& logger) {
+  if (need.bytes <= 0) return;
+  const int64_t available = Memory().available_bytes;
+  const bool enough = need.bytes <= available;
+  std::string text =
+      name + ": needs about " + FormatBytes(static_cast<double>(need.bytes)) +
+      " of memory, " + (enough ? "" : "but only ") +
+      FormatBytes(static_cast<double>(available)) + " are available";
+  if (!enough) {
+    text += "; the system may end it or become very slow";
+    if (!need.advice.empty()) text += ". To need less, " + need.advice;
+  }
+  logger.Log(enough ? LogLevel::kInfo : LogLevel::kWarning, text);
 }
 
 }  // namespace
@@ -229,13 +266,16 @@ Status StageRunner::RunStage(RunnerStage& stage,
     FREEGS_RETURN_IF_ERROR(BeginPartial(context.output, fingerprint));
   }
 
+  context.pool = &pool;
+  GiveBackFreedMemory();
+  const MemoryNeed need = ExpectedCatching(*stage.stage, context);
+  TellMemory(name, need, logger_);
   const ResourceMeter meter;
   ProgressLine line(&logger_, name);
   std::mutex usage_mutex;
   double usage_noted = 0;
   context.resuming = resume;
   context.earlier_seconds = earlier.wall_seconds;
-  context.pool = &pool;
   context.log = [this, name](LogLevel level, const std::string& text) {
     logger_.Log(level, Prefixed(name, text));
   };
@@ -259,6 +299,7 @@ Status StageRunner::RunStage(RunnerStage& stage,
   record.wall_seconds = usage.wall_seconds;
   record.cpu_seconds = usage.cpu_seconds;
   record.peak_memory_bytes = usage.peak_memory_bytes;
+  record.expected_memory_bytes = need.bytes;
   record.resumed = resume;
   if (context.summary.is_object()) record.summary = context.summary;
   if (status.ok()) {

@@ -16,11 +16,83 @@ namespace {
 namespace fs = std::filesystem;
 
 // The number at the start of a one-line file; nothing if there is none ("max").
-std::optional<double> ReadNumber(const char* path) {
+std::optional<double> ReadNumber(const fs::path& path) {
   std::ifstream file(path);
   double value = 0;
   if (!(file >> value)) return std::nullopt;
   return value;
+}
+
+// The number that follows a word of a file.
+std::optional<int64_t> NumberAfter(const fs::path& path,
+                                   const std::string& name) {
+  std::ifstream file(path);
+  std::string word;
+  while (file >> word) {
+    int64_t value = 0;
+    if (word == name && file >> value) return value;
+  }
+  return std::nullopt;
+}
+
+// Where and under which names control groups tell of their memory.
+struct GroupFiles {
+  const char* controllers;  // In /proc/self/cgroup.
+  const char* folder;       // Of the topmost group.
+  const char* limit;
+  const char* usage;
+  const char* droppable;  // In memory.stat.
+};
+constexpr GroupFiles kGroupFilesV2 = {
+    "", "sys/fs/cgroup", "memory.max", "memory.current", "inactive_file"};
+constexpr GroupFiles kGroupFilesV1 = {"memory",
+                                      "sys/fs/cgroup/memory",
+                                      "memory.limit_in_bytes",
+                                      "memory.usage_in_bytes",
+                                      "total_inactive_file"};
+
+// The path of this process's group below the topmost one. A line of
+// /proc/self/cgroup is NUMBER:CONTROLLERS:/PATH.
+fs::path OwnGroup(const fs::path& root, const std::string& controllers) {
+  std::ifstream file(root / "proc" / "self" / "cgroup");
+  std::string line;
+  while (std::getline(file, line)) {
+    const size_t first = line.find(':');
+    const size_t second = line.find(':', first + 1);
+    if (first == std::string::npos || second == std::string::npos) continue;
+    if (line.substr(first + 1, second - first - 1) != controllers) continue;
+    return fs::path(line.substr(second + 1)).relative_path();
+  }
+  return {};
+}
+
+// Lowers *info to what the group of this process and those above it allow. A
+// container may see its own group as the topmost one but be told the path from
+// outside; folders that are not there set no limit.
+void LimitByGroups(const fs::path& root,
+                   const GroupFiles& files,
+                   MemoryInfo* info) {
+  const fs::path top = root / files.folder;
+  fs::path group = OwnGroup(root, files.controllers);
+  while (true) {
+    const fs::path folder = top / group;
+    // v1 writes about 2^63 for no limit.
+    const auto limit = ReadNumber(folder / files.limit);
+    if (limit && *limit < static_cast<double>(info->total_bytes)) {
+      info->total_bytes = std::llround(*limit);
+    }
+    if (limit && *limit < 1e18) {
+      const double used = ReadNumber(folder / files.usage).value_or(0);
+      const auto droppable = static_cast<double>(
+          NumberAfter(folder / "memory.stat", files.droppable).value_or(0));
+      const double left =
+          std::clamp(*limit - used + std::min(droppable, used), 0.0, *limit);
+      info->available_bytes =
+          std::min<int64_t>(info->available_bytes, std::llround(left));
+    }
+    if (group.empty()) return;
+    group = group.parent_path();
+  }
 }
 
 }  // namespace
@@ -59,29 +131,17 @@ int WorkingThreads(int option) {
   return option > 0 ? option : AvailableCores();
 }
 
-MemoryInfo Memory() {
+MemoryInfo Memory() { return MemoryOf("/"); }
+
+MemoryInfo MemoryOf(const fs::path& root) {
   MemoryInfo info;
-  std::ifstream meminfo("/proc/meminfo");
-  std::string word;
-  while (meminfo >> word) {
-    int64_t kilobytes = 0;
-    if (word == "MemTotal:" && meminfo >> kilobytes) {
-      info.total_bytes = kilobytes * 1024;
-    } else if (word == "MemAvailable:" && meminfo >> kilobytes) {
-      info.available_bytes = kilobytes * 1024;
-    }
-  }
-  auto limit = ReadNumber("/sys/fs/cgroup/memory.max");
-  auto used = ReadNumber("/sys/fs/cgroup/memory.current");
-  if (!limit) {
-    limit = ReadNumber("/sys/fs/cgroup/memory/memory.limit_in_bytes");
-    used = ReadNumber("/sys/fs/cgroup/memory/memory.usage_in_bytes");
-  }
-  if (limit && *limit < static_cast<double>(info.total_bytes)) {
-    info.total_bytes = std::llround(*limit);
-    info.available_bytes =
-        std::min(info.available_bytes,
-                 std::max<int64_t>(0, std::llround(*limit - used.value_or(0))));
+  const fs::path meminfo = root / "proc" / "meminfo";
+  constexpr int64_t kUnit = 1024;  // The kernel counts in kilobytes.
+  info.total_bytes = NumberAfter(meminfo, "MemTotal:").value_or(0) * kUnit;
+  info.available_bytes =
+      NumberAfter(meminfo, "MemAvailable:").value_or(0) * kUnit;
+  for (const GroupFiles& files : {kGroupFilesV2, kGroupFilesV1}) {
+    LimitByGroups(root, files, &info);
   }
   return info;
 }

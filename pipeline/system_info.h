@@ -30,9 +30,13 @@ struct MemoryInfo {
   int64_t total_bytes = 0;
   int64_t available_bytes = 0;  // Without swapping.
 };
-// The memory of the machine, or the limit of the control group if that is
-// lower.
+// The memory of the machine, or what the control groups of this process
+// (memory.max of cgroup v2 or memory.limit_in_bytes of v1) leave of it, if that
+// is less. Files in the cache of a group that it can drop count as available.
 MemoryInfo Memory();
+
+// The same for a system whose folders proc and sys lie in `root`.
+MemoryInfo MemoryOf(const std::filesystem::path& root);
 
 // Bytes that an ordinary user can still write on the file system of `path`;
 // nothing when that cannot be found out.

@@ -22,11 +22,14 @@
 #include "semantics/losses/decoder_file.h"
 #include "semantics/queries/instance_features.h"
 #include "semantics/queries/instance_words.h"
+#include "stages/bootstrap/bootstrap_memory.h"
 #include "stages/bootstrap/bootstrap_metrics.h"
 #include "stages/scene/clip_input.h"
 #include "stages/scene/instance_maps.h"
 #include "stages/scene/scene_instances.h"
+#include "stages/scene/scene_size.h"
 #include "stages/scene/shipped_model.h"
+#include "stages/scene/training_scene.h"
 #include "stages/scene/working_frame.h"
 #include "stages/scene/workspace_scene.h"
 
@@ -37,6 +40,10 @@ namespace fs = std::filesystem;
 
 // Views whose features are averaged, and in which instances are looked at.
 constexpr size_t kMaxLiftedViews = 24;
+
+// Longest side in pixels at which patches are compared, as
+// semantics/patches/scene_patches.h has it.
+constexpr int kPatchSide = 400;
 
 struct NamedField {
   semantics::SemanticField field;
@@ -65,6 +72,26 @@ class BootstrapStage : public pipeline::Stage {
       if (model.ok()) inputs.push_back(*model / "model.json");
     }
     return inputs;
+  }
+
+  pipeline::MemoryNeed ExpectedMemory(
+      const pipeline::StageContext& context) const override {
+    const auto posed = ReadPosedPhotos(context.workspace);
+    const auto gaussians =
+        CountGaussians(context.workspace / "reconstruct" / "point_cloud.ply");
+    if (!posed.ok() || !gaussians) return {};
+    const std::vector<View> teachers = Teachers(posed->train);
+    BootstrapSize size;
+    size.weight_pixels =
+        CountPixels(teachers, options_.method.weights.max_side).total;
+    size.patch_pixels = CountPixels(teachers, kPatchSide).largest;
+    size.photo_pixels = CountPixels(teachers, 0).largest;
+    size.gaussians = *gaussians;
+    size.model_bytes = ModelBytes();
+    size.threads = context.pool->num_threads();
+    return {BootstrapMemory(options_, size),
+            "lower bootstrap.weights_memory_gb, general.threads or the number "
+            "of Gaussians (reconstruct.budget_limit)"};
   }
 
   Status Run(pipeline::StageContext& context) override {
@@ -136,21 +163,39 @@ class BootstrapStage : public pipeline::Stage {
 
   // The views that teach. A few see all that an average needs; training takes
   // all.
-  std::vector<View> Teachers(const WorkspaceScene& scene) const {
-    if (options_.mode == "paper") return scene.train;
+  std::vector<View> Teachers(const std::vector<View>& train) const {
+    if (options_.mode == "paper") return train;
     std::vector<View> chosen;
     for (const size_t view :
-         semantics::ChooseViews(scene.train.size(), kMaxLiftedViews)) {
-      chosen.push_back(scene.train[view]);
+         semantics::ChooseViews(train.size(), kMaxLiftedViews)) {
+      chosen.push_back(train[view]);
     }
     return chosen;
+  }
+
+  // The networks of the CLIP model. A model that is missing has none.
+  int64_t ModelBytes() const {
+    const StatusOr<fs::path> model = options_.model.empty()
+                                         ? FindShippedModel()
+                                         : StatusOr<fs::path>(options_.model);
+    int64_t bytes = 0;
+    std::error_code error;
+    if (!model.ok()) return bytes;
+    for (fs::directory_iterator file(*model, error), end; file != end;
+         file.increment(error)) {
+      if (file->path().extension() != ".onnx") continue;
+      std::error_code unreadable;
+      const uintmax_t size = file->file_size(unreadable);
+      if (!unreadable) bytes += static_cast<int64_t>(size);
+    }
+    return bytes;
   }
 
   StatusOr<NamedField> MakeField(const WorkspaceScene& scene,
                                  const std::vector<View>& views,
                                  semantics::BootstrappingOptions method,
                                  pipeline::StageContext& context) const {
-    const std::vector<View> teachers = Teachers(scene);
+    const std::vector<View> teachers = Teachers(scene.train);
     const auto photo_of = [&](size_t view) {
       return ReadRgb(context.workspace / "undistort" / "images" /
                      teachers[view].name);

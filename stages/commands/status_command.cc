@@ -54,6 +54,7 @@ json ReportJson(const StageReport& report, bool running) {
     object["wall_seconds"] = record->wall_seconds;
     object["cpu_seconds"] = record->cpu_seconds;
     object["peak_memory_bytes"] = record->peak_memory_bytes;
+    object["expected_memory_bytes"] = record->expected_memory_bytes;
     object["summary"] = record->summary;
     const json full = pipeline::ToJson(*record);
     if (full.contains("error")) object["error"] = full["error"];

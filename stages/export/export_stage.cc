@@ -2,6 +2,7 @@
 
 #include "stages/export/export_stage.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <filesystem>
@@ -32,6 +33,8 @@
 #include "stages/export/report_views.h"
 #include "stages/scene/depth_image.h"
 #include "stages/scene/scene_instances.h"
+#include "stages/scene/scene_size.h"
+#include "stages/scene/training_scene.h"
 #include "stages/scene/view_selection.h"
 #include "stages/scene/working_frame.h"
 #include "stages/scene/workspace_scene.h"
@@ -40,6 +43,10 @@ namespace freegs::stages {
 namespace {
 
 namespace fs = std::filesystem;
+
+// Of a view that is drawn: colour (3 floats), transmittance, depth and label (4
+// bytes each), and two 8-bit pictures.
+constexpr int64_t kBytesPerPixel = 30;
 
 // The instances of bootstrap/.
 struct SceneInstances {
@@ -114,6 +121,20 @@ class ExportStage : public pipeline::Stage {
             "reconstruct/progress.csv",
             "bootstrap/idsf.bin",
             "bootstrap/instances.json"};
+  }
+
+  pipeline::MemoryNeed ExpectedMemory(
+      const pipeline::StageContext& context) const override {
+    const auto posed = ReadPosedPhotos(context.workspace);
+    const auto gaussians =
+        CountGaussians(context.workspace / "reconstruct" / "point_cloud.ply");
+    if (!posed.ok() || !gaussians) return {};
+    const int64_t pixels = std::max(CountPixels(posed->train, 0).largest,
+                                    CountPixels(posed->holdout, 0).largest);
+    return {pipeline::kProgramMemory + kBytesPerPixel * pixels +
+                kBytesPerReadGaussian * *gaussians,
+            "lower undistort.max_image_size or the number of Gaussians "
+            "(reconstruct.budget_limit)"};
   }
 
   Status Run(pipeline::StageContext& context) override {

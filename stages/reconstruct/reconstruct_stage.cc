@@ -2,6 +2,7 @@
 
 #include "stages/reconstruct/reconstruct_stage.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -18,7 +19,9 @@
 #include "splat/images/holdout.h"
 #include "splat/scene/ply_io.h"
 #include "splat/train/trainer.h"
+#include "stages/reconstruct/reconstruct_memory.h"
 #include "stages/reconstruct/training_run.h"
+#include "stages/scene/scene_size.h"
 #include "stages/scene/training_scene.h"
 #include "stages/scene/working_frame.h"
 
@@ -40,6 +43,33 @@ class ReconstructStage : public pipeline::Stage {
         "undistort/images", "undistort/sparse", "ingest/images.json"};
     if (!options_.import.empty()) inputs.emplace_back(options_.import);
     return inputs;
+  }
+
+  pipeline::MemoryNeed ExpectedMemory(
+      const pipeline::StageContext& context) const override {
+    const auto training = MakeTrainerOptions(options_, seed_);
+    const auto posed = ReadPosedPhotos(context.workspace);
+    if (!training.ok() || !posed.ok()) return {};
+    const int side = options_.max_image_size;
+    const ViewPixels train = CountPixels(posed->train, side);
+    const ViewPixels holdout = CountPixels(posed->holdout, side);
+    ReconstructSize size;
+    size.train_pixels = train.total;
+    size.holdout_pixels = holdout.total;
+    size.view_pixels = std::max(train.largest, holdout.largest);
+    size.photo_pixels = std::max(CountPixels(posed->train, 0).largest,
+                                 CountPixels(posed->holdout, 0).largest);
+    size.points = std::ssize(posed->sparse.points3d);
+    size.threads = context.pool->num_threads();
+    if (!options_.import.empty()) {
+      const auto gaussians = CountGaussians(options_.import);
+      if (!gaussians) return {};
+      size.imported_gaussians = *gaussians;
+    }
+    return {ReconstructMemory(options_, *training, size),
+            "lower reconstruct.budget_limit (or reconstruct.budget), "
+            "reconstruct.max_image_size, reconstruct.image_cache_gb or "
+            "general.threads"};
   }
 
   Status Run(pipeline::StageContext& context) override {

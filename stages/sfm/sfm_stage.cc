@@ -15,6 +15,7 @@
 #include "sfm/import/import_model.h"
 #include "sfm/scene/model_io.h"
 #include "sfm/scene/scene_frame.h"
+#include "stages/sfm/sfm_memory.h"
 
 namespace freegs::stages {
 namespace {
@@ -77,6 +78,17 @@ class SfmStage : public pipeline::Stage {
     }
     for (const fs::path& file : source->Files()) inputs.push_back(file);
     return inputs;
+  }
+
+  // Of imported models nothing is known.
+  pipeline::MemoryNeed ExpectedMemory(
+      const StageContext& context) const override {
+    const auto list =
+        photos::ReadPhotoList(context.workspace / "ingest" / "images.json");
+    if (!list.ok() || !options_.import.empty()) return {};
+    return {SfmMemory(options_.colmap, *list, context.pool->num_threads()),
+            "lower sfm.max_image_size, sfm.max_features or general.threads, or "
+            "take fewer photos (ingest.keep_sharpest)"};
   }
 
   Status Run(StageContext& context) override {

@@ -4,8 +4,10 @@
 
 #include <vector>
 
+#include "pipeline/system_info.h"
 #include "sfm/colmap/undistortion.h"
 #include "sfm/scene/model_io.h"
+#include "stages/sfm/sfm_memory.h"
 
 namespace freegs::stages {
 namespace {
@@ -22,6 +24,16 @@ class UndistortStage : public pipeline::Stage {
 
   std::vector<fs::path> Inputs(const StageContext&) const override {
     return {"ingest/photos", "sfm/sparse/0"};
+  }
+
+  pipeline::MemoryNeed ExpectedMemory(
+      const StageContext& context) const override {
+    const auto list =
+        photos::ReadPhotoList(context.workspace / "ingest" / "images.json");
+    if (!list.ok()) return {};
+    // COLMAP's undistorter takes all cores.
+    return {UndistortMemory(*list, pipeline::AvailableCores()),
+            "give smaller photos"};
   }
 
   Status Run(StageContext& context) override {

@@ -29,6 +29,7 @@ StageRecord Example() {
   record.wall_seconds = 1.5;
   record.cpu_seconds = 2.5;
   record.peak_memory_bytes = int64_t{5} << 32;
+  record.expected_memory_bytes = int64_t{6} << 32;
   record.resumed = true;
   record.summary = {{"registered", 50}};
   record.outputs = {{"sparse/0/cameras.bin", 72}};
@@ -44,6 +45,7 @@ TEST(StageRecordTest, RoundTrip) {
   ASSERT_TRUE(read.ok()) << read.status().message();
   EXPECT_EQ(ToJson(*read), ToJson(Example()));
   EXPECT_EQ(read->fingerprint, Example().fingerprint);
+  EXPECT_EQ(read->expected_memory_bytes, int64_t{6} << 32);
   EXPECT_EQ(read->error_code, StatusCode::kUnusableResult);
 }
 
@@ -69,8 +71,10 @@ TEST(StageRecordTest, EveryWrongOrMissingFieldIsRefused) {
     if (key == "error") continue;
     json missing = good;
     missing.erase(key);
-    // Records of older programs have no list of files.
-    EXPECT_EQ(RecordFromJson(missing).ok(), key == "outputs") << key;
+    // Records of older programs lack these.
+    EXPECT_EQ(RecordFromJson(missing).ok(),
+              key == "outputs" || key == "expected_memory_bytes")
+        << key;
     json wrong = good;
     wrong[key] = json::array({1});
     EXPECT_THAT(RecordFromJson(wrong).status().message(), HasSubstr(key));

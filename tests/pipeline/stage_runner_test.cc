@@ -25,6 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 // What a test wants of a stage, and what the stage saw.
 struct Script {
@@ -32,6 +33,7 @@ struct Script {
   std::string option = "1";
   std::vector<fs::path> inputs;
   std::function<Status(StageContext&)> act;  // Before the output is written.
+  std::function<MemoryNeed(const StageContext&)> memory;
   int runs = 0;
   bool resumed = false;
   double earlier_seconds = 0;
@@ -47,6 +49,9 @@ class TextStage : public Stage {
     std::vector<fs::path> inputs = script_->inputs;
     if (name_ == "a") inputs.push_back(context.images);
     return inputs;
+  }
+  MemoryNeed ExpectedMemory(const StageContext& context) const override {
+    return script_->memory ? script_->memory(context) : MemoryNeed{};
   }
   Status Run(StageContext& context) override {
     ++script_->runs;
@@ -292,6 +297,39 @@ TEST_F(StageRunnerTest, MovedWorkspaceIsUpToDate) {
   fs::rename(elsewhere / "photos", images());
   ASSERT_TRUE(Run().ok());
   EXPECT_EQ(Runs(), "111");
+}
+
+TEST_F(StageRunnerTest, TellsTheMemoryThatAStageNeeds) {
+  a_.memory = [](const StageContext& context) {
+    return MemoryNeed{1000000 * context.pool->num_threads(), "do less"};
+  };
+  ASSERT_TRUE(Run().ok());
+  EXPECT_THAT(log_, HasSubstr("\na: needs about 1.0 MB of memory, "));
+  EXPECT_THAT(log_, HasSubstr(" are available\n"));
+  EXPECT_THAT(log_, Not(HasSubstr("warning")));
+  EXPECT_THAT(log_, Not(HasSubstr("do less")));
+  EXPECT_THAT(log_, Not(HasSubstr("b: needs")));  // Nothing is known of b.
+  EXPECT_EQ(ReadStageRecord(workspace() / "a")->expected_memory_bytes, 1000000);
+  EXPECT_EQ(ReadStageRecord(workspace() / "b")->expected_memory_bytes, 0);
+}
+
+TEST_F(StageRunnerTest, WarnsOfAStageThatNeedsMoreMemoryThanThereIs) {
+  b_.memory = [](const StageContext&) {
+    return MemoryNeed{int64_t{1} << 60, "lower b.size"};
+  };
+  ASSERT_TRUE(Run().ok());
+  EXPECT_THAT(log_, HasSubstr("warning: b: needs about 1152922 TB of memory"));
+  EXPECT_THAT(log_, HasSubstr("but only "));
+  EXPECT_THAT(log_, HasSubstr(". To need less, lower b.size\n"));
+  EXPECT_EQ(Runs(), "111");
+}
+
+TEST_F(StageRunnerTest, AnUnknownNeedOfMemoryIsNoFault) {
+  b_.memory = [](const StageContext&) -> MemoryNeed {
+    throw std::runtime_error("odd file");
+  };
+  ASSERT_TRUE(Run().ok());
+  EXPECT_THAT(log_, Not(HasSubstr("needs about")));
 }
 
 TEST_F(StageRunnerTest, FailureStopsAndIsRemembered) {

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How many threads are worth starting.
+// How many threads are worth starting, and how much memory there is.
 
 #include "pipeline/system_info.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
+
+#include "tests/temporary_folder.h"
 
 namespace freegs::pipeline {
 namespace {
@@ -21,6 +23,87 @@ TEST(SystemInfoTest, AvailableCoresKeepToTheControlGroup) {
 TEST(SystemInfoTest, AnOptionOfNoughtTakesTheAvailableCores) {
   EXPECT_EQ(WorkingThreads(0), AvailableCores());
   EXPECT_EQ(WorkingThreads(3), 3);
+}
+
+// A machine with 8000 kB, of which 6000 kB are available.
+class MemoryTest : public ::testing::Test {
+ protected:
+  MemoryTest() {
+    Write("proc/meminfo",
+          "MemTotal:       8000 kB\nMemFree: 500 kB\n"
+          "MemAvailable:   6000 kB\n");
+  }
+
+  void Write(const std::string& path, const std::string& text) {
+    WriteText(folder_ / path, text);
+  }
+
+  void ExpectMemory(int64_t total_kb, int64_t available_kb) {
+    const MemoryInfo info = MemoryOf(folder_.path());
+    EXPECT_EQ(info.total_bytes, total_kb * 1024);
+    EXPECT_EQ(info.available_bytes, available_kb * 1024);
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(MemoryTest, IsThatOfTheMachineWithoutGroups) {
+  ExpectMemory(8000, 6000);
+}
+
+TEST_F(MemoryTest, IsNoughtWhereNothingIsTold) {
+  const TemporaryFolder empty;
+  EXPECT_EQ(MemoryOf(empty.path()).total_bytes, 0);
+  EXPECT_EQ(MemoryOf(empty.path()).available_bytes, 0);
+}
+
+TEST_F(MemoryTest, KeepsToTheLimitOfAGroupV2) {
+  Write("proc/self/cgroup", "0::/\n");
+  Write("sys/fs/cgroup/memory.max", "2048000\n");  // 2000 kB.
+  Write("sys/fs/cgroup/memory.current", "1536000\n");
+  ExpectMemory(2000, 500);
+  // Files in the cache make room when it is needed.
+  Write("sys/fs/cgroup/memory.stat", "anon 1\ninactive_file 1024000\n");
+  ExpectMemory(2000, 1500);
+  // The machine may have less than the limit leaves.
+  Write("proc/meminfo", "MemTotal: 8000 kB\nMemAvailable: 300 kB\n");
+  ExpectMemory(2000, 300);
+}
+
+TEST_F(MemoryTest, AGroupV2WithoutALimitLimitsNothing) {
+  Write("sys/fs/cgroup/memory.max", "max\n");
+  Write("sys/fs/cgroup/memory.current", "1536000\n");
+  ExpectMemory(8000, 6000);
+}
+
+TEST_F(MemoryTest, KeepsToTheTightestOfTheGroupsAboveIt) {
+  Write("proc/self/cgroup", "0::/user.slice/run.scope\n");
+  Write("sys/fs/cgroup/user.slice/memory.max", "2048000\n");
+  Write("sys/fs/cgroup/user.slice/memory.current", "1024000\n");
+  Write("sys/fs/cgroup/user.slice/run.scope/memory.max", "max\n");
+  ExpectMemory(2000, 1000);
+  Write("sys/fs/cgroup/user.slice/run.scope/memory.max", "512000\n");
+  Write("sys/fs/cgroup/user.slice/run.scope/memory.current", "102400\n");
+  ExpectMemory(500, 400);
+}
+
+TEST_F(MemoryTest, KeepsToTheLimitOfAGroupV1) {
+  Write("proc/self/cgroup", "7:cpu,cpuacct:/a\n5:memory:/docker/12\n");
+  const std::string top = "sys/fs/cgroup/memory/";
+  Write(top + "memory.limit_in_bytes", "9223372036854771712\n");
+  Write(top + "memory.usage_in_bytes", "4096000\n");
+  ExpectMemory(8000, 6000);
+  // Seen from inside the container the group is the topmost folder.
+  Write(top + "memory.limit_in_bytes", "2048000\n");
+  Write(top + "memory.usage_in_bytes", "1536000\n");
+  Write(top + "memory.stat", "total_inactive_file 102400\n");
+  ExpectMemory(2000, 600);
+}
+
+TEST_F(MemoryTest, AGroupThatIsFullLeavesNothing) {
+  Write("sys/fs/cgroup/memory.max", "1024000\n");
+  Write("sys/fs/cgroup/memory.current", "1100000\n");
+  ExpectMemory(1000, 0);
 }
 
 }  // namespace

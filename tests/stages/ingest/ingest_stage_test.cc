@@ -55,6 +55,24 @@ TEST_F(IngestStageTest, PlainPhotosAreCopiedByteForByte) {
   EXPECT_EQ(last_progress_.total, 12);
 }
 
+TEST_F(IngestStageTest, ExpectsMemoryForTheLargestPhotos) {
+  const auto expected = [this](int threads) {
+    ThreadPool pool(threads);
+    pipeline::StageContext context;
+    context.workspace = workspace_.path();
+    context.images = images_.path();
+    context.pool = &pool;
+    return MakeIngestStage(options_)->ExpectedMemory(context).bytes;
+  };
+  EXPECT_EQ(expected(2), 0);  // No photo yet.
+  WritePhotos(5);
+  const int64_t small = expected(2);
+  EXPECT_GT(small, pipeline::kProgramMemory);
+  EXPECT_LT(expected(1), small);
+  images_.Write("large.jpg", photos::MakeJpeg(640, 480, 1));
+  EXPECT_GT(expected(1), small);
+}
+
 TEST_F(IngestStageTest, OthersAreRewrittenUprightAndLossless) {
   const cv::Mat picture = photos::MakePicture(64, 48, 7);
   const std::string exif =

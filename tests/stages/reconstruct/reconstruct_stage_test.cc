@@ -153,6 +153,18 @@ class ReconstructStageTest : public testing::Test {
   splat::GaussianModel truth_;
 };
 
+TEST_F(ReconstructStageTest, ExpectsMemoryOfAWorkspaceThatCanBeRead) {
+  ThreadPool pool(2);
+  pipeline::StageContext context;
+  context.workspace = workspace_;
+  context.pool = &pool;
+  const auto stage = MakeReconstructStage(Short(), 3);
+  EXPECT_GT(stage->ExpectedMemory(context).bytes, pipeline::kProgramMemory);
+  EXPECT_NE(stage->ExpectedMemory(context).advice, "");
+  context.workspace = workspace_ / "none";
+  EXPECT_EQ(stage->ExpectedMemory(context).bytes, 0);
+}
+
 TEST_F(ReconstructStageTest, WritesTheContract) {
   const Status status = Run(Short(), "out");
   ASSERT_TRUE(status.ok()) << status.message();

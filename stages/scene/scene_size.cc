@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/scene/scene_size.h"
+
+#include <algorithm>
+#include <fstream>
+#include <string>
+
+#include "splat/scene/ply_header.h"
+
+namespace freegs::stages {
+
+ViewPixels CountPixels(std::span<const View> views, int max_side) {
+  ViewPixels pixels;
+  for (const View& view : views) {
+    const Pinhole camera = view.camera.LimitedTo(max_side);
+    const int64_t count = int64_t{camera.width} * camera.height;
+    pixels.total += count;
+    pixels.largest = std::max(pixels.largest, count);
+  }
+  return pixels;
+}
+
+std::optional<int64_t> CountGaussians(const std::filesystem::path& ply) {
+  constexpr size_t kEnough = 1 << 16;  // A header has about 1500 bytes.
+  std::string begin(kEnough, '\0');
+  std::ifstream file(ply, std::ios::binary);
+  file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  begin.resize(static_cast<size_t>(file.gcount()));
+  const StatusOr<splat::PlyHeader> header = splat::ParsePlyHeader(begin);
+  if (!header.ok()) return std::nullopt;
+  for (const splat::PlyElement& element : header->elements) {
+    if (element.name == "vertex") return static_cast<int64_t>(element.count);
+  }
+  return std::nullopt;
+}
+
+}  // namespace freegs::stages
