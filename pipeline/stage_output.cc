@@ -2,6 +2,7 @@
 
 #include "pipeline/stage_output.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fcntl.h>
 #include <system_error>
@@ -104,6 +105,8 @@ Status BeginPartial(const fs::path& partial,
                     const StageFingerprint& fingerprint) {
   FREEGS_RETURN_IF_ERROR(RemoveStageFolder(partial));
   FREEGS_RETURN_IF_ERROR(CreateFolders(partial));
+  // Checkpoints in it are worth nothing if a power cut takes the folder away.
+  FREEGS_RETURN_IF_ERROR(FlushToDisk(partial.parent_path()));
   return WriteFileAtomic(FingerprintPath(partial),
                          JsonText(ToJson(fingerprint)));
 }
@@ -137,6 +140,24 @@ Status WritePartialUsage(const fs::path& partial, const ResourceUsage& usage) {
                                {"cpu_seconds", usage.cpu_seconds},
                                {"peak_memory_bytes", usage.peak_memory_bytes}};
   return WriteFileAtomic(UsagePath(partial), JsonText(json));
+}
+
+std::vector<std::string> StageContents(const fs::path& folder) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end;
+       it.increment(error)) {
+    const fs::path& path = it->path();
+    const std::string name = path.filename().string();
+    const bool own = path == RecordPath(folder) ||
+                     path == FingerprintPath(folder) ||
+                     path == UsagePath(folder);
+    if (!own && !name.starts_with('.') && path.extension() != ".part") {
+      names.push_back(ValidUtf8(name));
+    }
+  }
+  std::sort(names.begin(), names.end());
+  return names;
 }
 
 Status FinishPartial(const fs::path& workspace,

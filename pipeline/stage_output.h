@@ -23,6 +23,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "core/status.h"
 #include "pipeline/resource_usage.h"
@@ -46,6 +47,10 @@ StatusOr<StageFingerprint> ReadPartialFingerprint(
 ResourceUsage ReadPartialUsage(const std::filesystem::path& partial);
 Status WritePartialUsage(const std::filesystem::path& partial,
                          const ResourceUsage& usage);
+
+// The sorted names of the files and folders in STAGE.partial or STAGE that the
+// stage itself has made.
+std::vector<std::string> StageContents(const std::filesystem::path& folder);
 
 // Steps 1 to 4 above.
 Status FinishPartial(const std::filesystem::path& workspace,

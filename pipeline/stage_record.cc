@@ -142,6 +142,7 @@ json ToJson(const StageRecord& record) {
   object["resumed"] = record.resumed;
   object["summary"] = record.summary;
   object["outputs"] = record.outputs;
+  object["contents"] = record.contents;
   if (record.error_code != StatusCode::kOk) {
     object["error"] = {{"code", NameOf(kCodes, record.error_code)},
                        {"message", record.error}};
@@ -181,6 +182,7 @@ StatusOr<StageRecord> RecordFromJson(const json& object) {
       record.outputs[name] = outputs.Integer64(name.c_str(), 0, kMaxCount);
     }
   }
+  if (reader.Has("contents")) record.contents = reader.TextList("contents");
   if (reader.Has("error")) {
     JsonObjectReader error(reader.Object("error"), "", "error", &status);
     record.error_code = ValueOf(kCodes, "code", error);

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -63,6 +64,9 @@ struct StageRecord {
 
   // The files that later stages read.
   OutputFiles outputs;
+
+  // The names of all files and folders directly in the stage's folder.
+  std::vector<std::string> contents;
 
   // Why the stage failed; kOk if it did not.
   StatusCode error_code = StatusCode::kOk;

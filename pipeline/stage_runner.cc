@@ -304,6 +304,7 @@ Status StageRunner::RunStage(RunnerStage& stage,
   if (context.summary.is_object()) record.summary = context.summary;
   if (status.ok()) {
     record.outputs = ListOutputFiles(context.output, ReadLater(name));
+    record.contents = StageContents(context.output);
     logger_.SetTransient("");
     FREEGS_RETURN_IF_ERROR(FinishPartial(options_.workspace, name, record));
     logger_.Log(LogLevel::kInfo, name + ": done in " + UsageText(usage));

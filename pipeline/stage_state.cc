@@ -2,6 +2,7 @@
 
 #include "pipeline/stage_state.h"
 
+#include <algorithm>
 #include <system_error>
 #include <utility>
 
@@ -31,24 +32,41 @@ std::string KeepGoneInputs(const StageRecord& result, CurrentInputs* now) {
   return note;
 }
 
+// Names what the stage made and somebody deleted: "masks, scene.ply".
+std::string DeletedContents(const fs::path& folder, const StageRecord& result) {
+  const std::vector<std::string> now = StageContents(folder);
+  std::string deleted;
+  for (const std::string& name : result.contents) {
+    if (std::binary_search(now.begin(), now.end(), name)) continue;
+    deleted += (deleted.empty() ? "" : ", ") + name;
+  }
+  return deleted;
+}
+
 // Returns why the stage must write its output again, because somebody deleted
-// files; empty if it need not. Notes files that somebody replaced.
+// files that later stages read; empty if it need not. Notes files that somebody
+// replaced, and others that are gone.
 std::string CheckOutput(const fs::path& workspace,
                         const std::string& stage,
                         const StageRecord& result,
                         const std::vector<fs::path>& read_later,
                         std::string* note) {
-  if (result.outputs.empty()) return "";
-  const OutputChange change = CompareOutputFiles(
-      result.outputs,
-      ListOutputFiles(StageFolder(workspace, stage), read_later));
-  if (!change.replaced.empty()) {
-    *note += (note->empty() ? "" : "; ") + change.replaced +
-             ": not as the stage wrote it, used as it is ('freegs_pipeline "
-             "stage " +
-             stage + " " + workspace.string() + "' makes it again)";
+  const fs::path folder = StageFolder(workspace, stage);
+  OutputChange change;
+  if (!result.outputs.empty()) {
+    change =
+        CompareOutputFiles(result.outputs, ListOutputFiles(folder, read_later));
   }
-  return change.missing.empty() ? "" : change.missing + ": missing or empty";
+  if (!change.missing.empty()) return change.missing + ": missing or empty";
+  const auto add = [&](const std::string& names, const std::string& state) {
+    if (names.empty()) return;
+    *note += (note->empty() ? "" : "; ") + names + ": " + state +
+             " ('freegs_pipeline stage " + stage + " " + workspace.string() +
+             "' makes it again)";
+  };
+  add(change.replaced, "not as the stage wrote it, used as it is");
+  add(DeletedContents(folder, result), "deleted");
+  return "";
 }
 
 }  // namespace

@@ -255,6 +255,16 @@ std::map<std::string, std::string> JsonObjectReader::TextMap(const char* key) {
   return texts;
 }
 
+std::vector<std::string> JsonObjectReader::TextList(const char* key) {
+  std::vector<std::string> texts;
+  for (const json& value : List(key)) {
+    const std::string where =
+        Where(key) + "[" + std::to_string(texts.size()) + "]";
+    texts.push_back(Keep(ReadText(&value, where), std::string()));
+  }
+  return texts;
+}
+
 const json& JsonObjectReader::List(const char* key) {
   static const json kNothing = json::array();
   const json* value = FindField(object_, key);

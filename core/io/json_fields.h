@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <Eigen/Core>
 #include <nlohmann/json_fwd.hpp>
@@ -114,6 +115,9 @@ class JsonObjectReader {
 
   // A member that is an object whose members are all texts.
   std::map<std::string, std::string> TextMap(const char* key);
+
+  // A member that is a list of texts.
+  std::vector<std::string> TextList(const char* key);
 
   // A member that is a list or an object. An empty one after a fault.
   const nlohmann::json& List(const char* key);

@@ -54,7 +54,8 @@ Status CheckWorkspaceFolder(const fs::path& workspace) {
   for (const fs::directory_entry& entry :
        fs::directory_iterator(workspace, error)) {
     const std::string name = entry.path().filename().string();
-    empty = empty && name.starts_with('.');
+    // The latter is left when the first run ends before it has begun.
+    empty = empty && (name.starts_with('.') || name == "workspace.json.part");
     for (const char* known : {"workspace.json",
                               "config.ini",
                               "ingest",

@@ -33,6 +33,7 @@ StageRecord Example() {
   record.resumed = true;
   record.summary = {{"registered", 50}};
   record.outputs = {{"sparse/0/cameras.bin", 72}};
+  record.contents = {"database.db", "sparse"};
   record.error_code = StatusCode::kUnusableResult;
   record.error = "too few photos";
   return record;
@@ -72,8 +73,9 @@ TEST(StageRecordTest, EveryWrongOrMissingFieldIsRefused) {
     json missing = good;
     missing.erase(key);
     // Records of older programs lack these.
-    EXPECT_EQ(RecordFromJson(missing).ok(),
-              key == "outputs" || key == "expected_memory_bytes")
+    EXPECT_EQ(
+        RecordFromJson(missing).ok(),
+        key == "outputs" || key == "contents" || key == "expected_memory_bytes")
         << key;
     json wrong = good;
     wrong[key] = json::array({1});

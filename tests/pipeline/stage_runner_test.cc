@@ -214,11 +214,23 @@ TEST_F(StageRunnerTest, DeletedOutputIsMadeAgain) {
   WriteText(workspace() / "a" / "out.txt", "");
   ASSERT_TRUE(Run().ok());
   EXPECT_EQ(Runs(), "221");
-  // No later stage reads it.
-  WriteText(workspace() / "c" / "checkpoint", "");
+}
+
+TEST_F(StageRunnerTest, DeletedOutputThatNoStageReadsIsTold) {
+  c_.act = [](StageContext& context) {
+    WriteText(context.output / "masks" / "1.png", "x");
+    return Status();
+  };
+  ASSERT_TRUE(Run().ok());
+  ASSERT_TRUE(Run().ok());
+  EXPECT_THAT(log_, Not(HasSubstr("deleted")));
+  fs::remove_all(workspace() / "c" / "masks");
   fs::remove(workspace() / "c" / "out.txt");
   ASSERT_TRUE(Run().ok());
-  EXPECT_EQ(Runs(), "221");
+  EXPECT_EQ(Runs(), "111");
+  EXPECT_THAT(log_,
+              HasSubstr("warning: c: masks, out.txt: deleted ('freegs_pipeline "
+                        "stage c "));
 }
 
 // Somebody else's result in another format.

@@ -145,7 +145,8 @@ TEST(ReadFieldTest, VectorsAndMatrices) {
 TEST(JsonObjectReaderTest, ReadsEveryKind) {
   const json object = json::parse(
       R"({"n": 2.5, "i": 4, "b": true, "t": "a", "v": [1, 2, 3],
-          "m": [[1, 2]], "map": {"k": "w"}, "l": [1], "none": null})");
+          "m": [[1, 2]], "map": {"k": "w"}, "l": [1], "none": null,
+          "words": ["a", "b"]})");
   Status status;
   JsonObjectReader reader(object, "a.json", "x[0]", &status);
   EXPECT_EQ(reader.Number("n", 0, 3), 2.5);
@@ -156,6 +157,7 @@ TEST(JsonObjectReaderTest, ReadsEveryKind) {
   EXPECT_EQ(reader.Vector3("v"), Eigen::Vector3d(1, 2, 3));
   EXPECT_EQ(reader.Matrix("m", 1, 2)(0, 1), 2);
   EXPECT_EQ(reader.TextMap("map").at("k"), "w");
+  EXPECT_EQ(reader.TextList("words"), std::vector<std::string>({"a", "b"}));
   EXPECT_EQ(reader.List("l").size(), 1u);
   EXPECT_TRUE(reader.Object("map").is_object());
   EXPECT_TRUE(reader.IsNull("none"));
@@ -180,7 +182,8 @@ TEST(JsonObjectReaderTest, TheFirstFaultStays) {
 }
 
 TEST(JsonObjectReaderTest, FaultsAreNamed) {
-  const json object = json::parse(R"({"map": {"k": 1}, "l": {}})");
+  const json object =
+      json::parse(R"({"map": {"k": 1}, "l": {}, "words": ["a", 1]})");
   const auto fault = [&object](const auto& read) {
     Status status;
     JsonObjectReader reader(object, "a.json", "", &status);
@@ -189,6 +192,8 @@ TEST(JsonObjectReaderTest, FaultsAreNamed) {
   };
   EXPECT_EQ(fault([](auto& r) { r.TextMap("map"); }),
             "a.json: map.k: must be a text");
+  EXPECT_EQ(fault([](auto& r) { r.TextList("words"); }),
+            "a.json: words[1]: must be a text");
   EXPECT_EQ(fault([](auto& r) { r.List("l"); }), "a.json: l: must be a list");
   EXPECT_EQ(fault([](auto& r) { r.Object("o"); }), "a.json: o: is missing");
   Status status;

@@ -101,6 +101,15 @@ TEST_F(CommandTest, StatusErrors) {
       RunStatusCommand, {Path("w")}, StatusCode::kBadInput, "workspace.json");
 }
 
+TEST_F(CommandTest, RunTakesAFolderThatAPowerCutLeft) {
+  WriteText(folder_ / "photos" / "1.jpg", "x");
+  WriteText(folder_ / "w" / "workspace.json.part", "{");
+  ExpectError(RunRunCommand,
+              {Path("photos"), Path("w")},
+              StatusCode::kBadInput,
+              "ingest");
+}
+
 TEST_F(CommandTest, RunRefusesWrongFolders) {
   WriteText(folder_ / "photos" / "1.jpg", "x");
   ExpectError(RunRunCommand, {}, StatusCode::kInvalidArgument, "IMAGES");

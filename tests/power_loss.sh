@@ -1,0 +1,67 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Takes the power away at every rename of a run: copies the workspace with only
+# what was flushed to disk by then, runs again from the copy, and checks that
+# finished stages are there and that the end has the bytes of an undisturbed run.
+#
+#   tests/power_loss.sh BIN FOLDER [EVERY [OPTION ...]]
+#
+# BIN is the folder of the built programs with the tests. FOLDER is made anew.
+# EVERY is how many renames apart the losses are (default: 1, which takes half an
+# hour). OPTIONs go to all runs. tests/power_loss/power_loss.cc says what a copy
+# has.
+set -uo pipefail
+
+program=$(realpath "$1")/freegs_pipeline
+maker=$(realpath "$1")/freegs_make_scene
+library=$(realpath "$1")/libfreegs_power_loss.so
+every=${3:-1}
+mkdir -p "$2"
+cd "$2" || exit 1
+shift $(($# < 3 ? $# : 3))
+options=(--reconstruct.iterations 300 --reconstruct.budget 2000 --threads 2
+  --general.checkpoint_interval 1 --bootstrap.mode geometry "$@")
+
+rm -rf scene undisturbed cut shadow w
+"$maker" --out scene --views 12 --width 240 --height 180 >out.txt 2>&1 ||
+  { cat out.txt; exit 1; }
+run() { "$program" run scene/images "$1" "${options[@]}" >out.txt 2>&1; }
+run undisturbed || { cat out.txt; exit 1; }
+LD_PRELOAD=$library POWER_LOSS_ROOT=$PWD/cut POWER_LOSS_SHADOW=$PWD/shadow \
+  POWER_LOSS_EVERY=$every run cut || { cat out.txt; exit 1; }
+
+same() {
+  local file
+  for file in sfm/sparse/0/images.bin reconstruct/point_cloud.ply \
+    bootstrap/idsf.bin; do
+    cmp -s "$1/$file" "undisturbed/$file" || return 1
+  done
+}
+
+losses=0 lost=0
+fail() {
+  echo "LOST  $1"
+  tail -n 5 out.txt | sed 's/^/      /'
+  lost=$((lost + 1))
+}
+for cut in shadow/cuts/*; do
+  for kind in strict reordered; do
+    losses=$((losses + 1))
+    name="$(basename "$cut") $kind"
+    # Where the loss comes within the last steps of a stage, all of it is still
+    # in STAGE.partial or STAGE.old.
+    : >out.txt
+    for stage in $(sed -n 's/.* \([a-z]*\): done in .*/\1/p' "$cut/log.txt" 2>/dev/null); do
+      grep -qs '"done"' "$cut/$kind/$stage"{,.partial,.old}/stage.json ||
+        fail "$name: $stage was done"
+    done
+    for file in "$cut"/reordered/*/checkpoints/*.ckpt; do
+      [ ! -s "$file" ] || compgen -G "$cut/$kind/*/checkpoints/*.ckpt" >/dev/null ||
+        fail "$name: a checkpoint was written"
+    done
+    rm -rf w && cp -a "$cut/$kind" w
+    { run w && same w; } || fail "$name: the next run"
+  done
+done
+[ $lost = 0 ] || { echo "$lost of $losses losses of power cost something"; exit 1; }
+echo "nothing is lost in $losses losses of power"
