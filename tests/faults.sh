@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Tries on a small drawn scene what can go wrong around a run: full disks,
-# signals, a COLMAP that hangs, lies, forks or is killed, two runs at once, and
-# files that somebody deletes or damages. Prints one line per fault, and fails
+# Tries on a small drawn scene what can go wrong around a run: full disks, too
+# little memory, signals, a clock that is set back, a COLMAP that hangs, lies,
+# forks or is killed, two runs at once, and files that somebody deletes, edits
+# or swaps. Prints one line per fault, and fails
 # when something is lost or when a run cannot be taken up again.
 #
 #   tests/faults.sh BIN FOLDER
@@ -123,13 +124,102 @@ for file in w/reconstruct.partial/checkpoints/*; do
 done
 report "every checkpoint damaged" runs_on w "${all[@]}"
 
-# Outputs.
+# Too little memory. Below some limit not even the libraries can be loaded. GDAL,
+# which OpenCV calls when it reads the first photo, and Ceres, whose timer throws
+# while it is destroyed, then end the process themselves (134 or 139).
+few_bytes() {
+  local code
+  { (ulimit -v "$1" && ulimit -c 0 && run w "${@:2}"); } 2>/dev/null
+  code=$?
+  [ $code = 0 ] || [ $code = 134 ] || [ $code = 139 ] ||
+    { [ $code = 1 ] && grep -q "memory" out.txt; }
+}
+for limit in {320000..390000..6000}; do
+  (ulimit -v "$limit" && "$program" --version >/dev/null 2>&1) || continue
+  rm -rf w
+  short() { few_bytes "$limit" "${all[@]}" && runs_on w "${all[@]}"; }
+  report "ulimit -v $limit" short
+done
+
+# Threads that cannot be made. Root has no limit, so another user runs it.
+if [ "$(id -u)" = 0 ] && setpriv --reuid 61234 --clear-groups \
+  test -x "$program" -a -r scene/images; then
+  for threads in 1 2 3; do
+    rm -rf w && mkdir -m 777 w
+    few_threads() {
+      setpriv --reuid 61234 --clear-groups bash -c "ulimit -u $threads; exec \"\$@\"" \
+        bash "$program" run scene/images w "${all[@]}" >out.txt 2>&1 && same_scene w
+    }
+    report "ulimit -u $threads" few_threads
+  done
+else
+  echo "left out: a limit of threads needs root, and folders that all may read"
+fi
+
+# The clock.
+fake_time=$(ls /usr/lib/*/faketime/libfaketimeMT.so.1 2>/dev/null | head -n 1)
+if [ -n "$fake_time" ]; then
+  fresh w ingest sfm undistort
+  echo +0 >clock
+  set_back() {
+    (export LD_PRELOAD=$fake_time FAKETIME_TIMESTAMP_FILE=$folder/clock \
+      FAKETIME_NO_CACHE=1 FAKETIME_DONT_FAKE_MONOTONIC=1 NO_FAKE_STAT=1
+      exec "$program" run scene/images w "${all[@]}" >out.txt 2>&1) &
+    pid=$!
+    until [ -e w/reconstruct.partial ]; do sleep 0.05; done
+    sleep 0.5
+    echo -30d >clock
+    wait "$pid" && same_scene w && run w "${all[@]}" &&
+      [ "$(grep -c 'up to date' out.txt)" = 6 ]
+  }
+  report "clock set back by a month on a live run" set_back
+else
+  echo "left out: a clock that is set back needs libfaketime"
+fi
+for date in 1990-01-01 2090-01-01; do
+  rm -rf w && cp -a ref w && find w -exec touch -hd "$date" {} +
+  dated() { run w "${all[@]}" && [ "$(grep -c 'up to date' out.txt)" = 6 ]; }
+  report "all files dated $date" dated
+done
+
+# Outputs: each is made again, or the message says how. Without stage.json a
+# folder counts as somebody else's.
+for file in ref/*/*; do
+  file=${file#ref/}
+  rm -rf w && cp -a ref w && rm -r "w/$file"
+  again() {
+    local code
+    run w "${all[@]}"
+    code=$?
+    case $file in
+      */stage.json) [ $code = 3 ] && grep -q "delete it" out.txt ;;
+      *) [ $code = 0 ] && same_scene w &&
+        { [ -e "w/$file" ] || grep -q "deleted ('freegs_pipeline stage" out.txt; } ;;
+    esac
+  }
+  report "$file deleted" again
+done
 for file in ingest/photos/frame_0002.jpg undistort/images/frame_0003.jpg \
-  sfm/sparse/0/points3D.bin reconstruct/point_cloud.ply \
-  bootstrap/idsf.bin; do
+  sfm/sparse/0/points3D.bin; do
   rm -rf w && cp -a ref w && rm "w/$file"
   report "$file deleted" runs_on w "${all[@]}"
 done
+# The same points in other bytes: what follows is made anew from them.
+rm -rf w && cp -a ref w
+ply=w/reconstruct/point_cloud.ply
+printf '\001' | dd of=$ply bs=1 seek=$(($(stat -c %s $ply) - 1)) conv=notrunc 2>/dev/null
+edited() { run w "${all[@]}" &&
+  grep -q "bootstrap: input reconstruct/point_cloud.ply changed" out.txt; }
+report "point_cloud.ply edited: what follows is made anew" edited
+rm -rf w other && cp -a ref w && mkdir other &&
+  cp -a ref/{workspace.json,ingest,sfm,undistort} other/
+run other "${all[@]}" --reconstruct.budget 500
+cp other/bootstrap/idsf.bin w/bootstrap/idsf.bin
+swapped() {
+  "$program" render w --what instances --out r >out.txt 2>&1
+  [ $? = 3 ] && grep -q "stage bootstrap" out.txt
+}
+report "idsf.bin of another scene: told how to make it again" swapped
 rm -rf w && cp -a ref w && truncate -s 3000 w/reconstruct/point_cloud.ply
 told() { ! run w "${all[@]}" && grep -q "stage reconstruct" out.txt &&
   "$program" stage reconstruct w >out.txt 2>&1 && runs_on w "${all[@]}"; }
@@ -138,7 +228,7 @@ report "point_cloud.ply cut short: told how to make it again" told
 # COLMAP. Its own results are compared with those of an undisturbed run.
 sfm=("${options[@]}" --to sfm)
 run plain "${sfm[@]}" || { cat out.txt; exit 1; }
-same_poses() { cmp -s w/sfm/sparse/0/images.bin plain/sfm/sparse/0/images.bin; }
+same_poses() { cmp -s "${1:-w}/sfm/sparse/0/images.bin" plain/sfm/sparse/0/images.bin; }
 extracted() { stat -c %Y w/sfm*/logs/feature_extractor.log; }
 for command in feature_extractor matches_importer mapper; do
   for signal in KILL SEGV; do
@@ -155,6 +245,11 @@ for command in feature_extractor matches_importer mapper; do
     }
     report "colmap $command ended by SIG$signal" killed
   done
+done
+for limit in {400000..520000..40000}; do
+  rm -rf w
+  short() { few_bytes "$limit" "${sfm[@]}" && run w "${sfm[@]}" && same_poses; }
+  report "ulimit -v $limit with COLMAP" short
 done
 colmap hangs <<<'[ $1 = mapper ] && [ "$2" != --help ] && sleep 1000'
 rm -rf w
@@ -219,6 +314,24 @@ if mount -t tmpfs -o size=64m tmpfs small 2>/dev/null; then
       report "disk full in $stage with $free kB left" full
       umount small
     done
+  done
+  for free in 100 600 1200 2400; do
+    mount -t tmpfs -o size=120m tmpfs small
+    fresh small/w ingest
+    available=$(df -k --output=avail small | tail -n 1)
+    dd if=/dev/zero of=small/fill bs=1k count=$((available - free)) 2>/dev/null
+    full() {
+      local code
+      for _ in 1 2; do
+        run small/w "${sfm[@]}"
+        code=$?
+        [ $code = 0 ] || [ $code = 1 ] || return 1
+      done
+      rm small/fill
+      run small/w "${sfm[@]}" && same_poses small/w
+    }
+    report "disk full with COLMAP and $free kB left" full
+    umount small
   done
 else
   echo "left out: full disks and a read-only workspace need mount"

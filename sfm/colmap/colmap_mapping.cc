@@ -63,6 +63,14 @@ bool IsFault(int signal) {
          signal == SIGFPE || signal == SIGILL;
 }
 
+// COLMAP gives a full disk no exit code of its own.
+bool IsDiskFull(const fs::path& folder) {
+  constexpr uintmax_t kNoRoom = 8 << 20;
+  std::error_code error;
+  const fs::space_info space = fs::space(folder, error);
+  return !error && space.available < kNoRoom;
+}
+
 }  // namespace
 
 fs::path StepContext::LogFile(const std::string& command) const {
@@ -100,6 +108,9 @@ Status CheckEnded(const std::string& program,
   }
   message += "; log: " + log.string();
   if (!result.tail.empty()) message += "; its last lines:\n" + result.tail;
+  if (IsDiskFull(log.parent_path())) {
+    return InternalError("the disk is full: " + message);
+  }
   // A signal is no verdict on the photos.
   return result.signal != 0 && !result.timed_out ? InternalError(message)
                                                  : UnusableResultError(message);
@@ -159,7 +170,9 @@ StatusOr<std::vector<Reconstruction>> MapPhotos(const StepContext& context,
                           RunChild(run, on_line, context.input.cancellation));
   // COLMAP returns 1 when it made no model: that is a result, not a failure.
   const Status ended = CheckEnded(context, "mapper", result);
-  if (!ended.ok() && result.exit_code != 1) {
+  const bool no_model =
+      result.exit_code == 1 && ended.code() == StatusCode::kUnusableResult;
+  if (!ended.ok() && !no_model) {
     // A further attempt that makes COLMAP crash would do so again: the result
     // of the first must do.
     return mapping.relaxed && IsFault(result.signal)
