@@ -110,6 +110,10 @@ class Stage {
   // no errors: of inputs that Run cannot use either, nothing is known.
   virtual MemoryNeed ExpectedMemory(const StageContext&) const { return {}; }
 
+  // The names directly in its folder that nobody needs once the stage is done.
+  // A run tells of others that somebody has deleted.
+  virtual std::vector<std::string> Disposable() const { return {}; }
+
   // Fills context.output. When cancelled, saves a checkpoint and returns
   // kInterrupted.
   virtual Status Run(StageContext& context) = 0;

@@ -65,7 +65,8 @@ struct StageRecord {
   // The files that later stages read.
   OutputFiles outputs;
 
-  // The names of all files and folders directly in the stage's folder.
+  // The names of the files and folders directly in the stage's folder, without
+  // those that nobody needs any more.
   std::vector<std::string> contents;
 
   // Why the stage failed; kOk if it did not.

@@ -305,6 +305,9 @@ Status StageRunner::RunStage(RunnerStage& stage,
   if (status.ok()) {
     record.outputs = ListOutputFiles(context.output, ReadLater(name));
     record.contents = StageContents(context.output);
+    for (const std::string& name : stage.stage->Disposable()) {
+      std::erase(record.contents, name);
+    }
     logger_.SetTransient("");
     FREEGS_RETURN_IF_ERROR(FinishPartial(options_.workspace, name, record));
     logger_.Log(LogLevel::kInfo, name + ": done in " + UsageText(usage));

@@ -74,6 +74,10 @@ class BootstrapStage : public pipeline::Stage {
     return inputs;
   }
 
+  std::vector<std::string> Disposable() const override {
+    return {"checkpoints", "features"};
+  }
+
   pipeline::MemoryNeed ExpectedMemory(
       const pipeline::StageContext& context) const override {
     const auto posed = ReadPosedPhotos(context.workspace);

@@ -45,6 +45,10 @@ class ReconstructStage : public pipeline::Stage {
     return inputs;
   }
 
+  std::vector<std::string> Disposable() const override {
+    return {"checkpoints"};
+  }
+
   pipeline::MemoryNeed ExpectedMemory(
       const pipeline::StageContext& context) const override {
     const auto training = MakeTrainerOptions(options_, seed_);

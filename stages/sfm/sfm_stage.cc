@@ -80,6 +80,10 @@ class SfmStage : public pipeline::Stage {
     return inputs;
   }
 
+  std::vector<std::string> Disposable() const override {
+    return {"database.db", "logs"};
+  }
+
   // Of imported models nothing is known.
   pipeline::MemoryNeed ExpectedMemory(
       const StageContext& context) const override {

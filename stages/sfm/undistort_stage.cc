@@ -26,6 +26,8 @@ class UndistortStage : public pipeline::Stage {
     return {"ingest/photos", "sfm/sparse/0"};
   }
 
+  std::vector<std::string> Disposable() const override { return {"logs"}; }
+
   pipeline::MemoryNeed ExpectedMemory(
       const StageContext& context) const override {
     const auto list =

@@ -53,6 +53,7 @@ class TextStage : public Stage {
   MemoryNeed ExpectedMemory(const StageContext& context) const override {
     return script_->memory ? script_->memory(context) : MemoryNeed{};
   }
+  std::vector<std::string> Disposable() const override { return {"cache"}; }
   Status Run(StageContext& context) override {
     ++script_->runs;
     script_->resumed = context.resuming;
@@ -219,9 +220,13 @@ TEST_F(StageRunnerTest, DeletedOutputIsMadeAgain) {
 TEST_F(StageRunnerTest, DeletedOutputThatNoStageReadsIsTold) {
   c_.act = [](StageContext& context) {
     WriteText(context.output / "masks" / "1.png", "x");
+    WriteText(context.output / "cache" / "1", "x");
     return Status();
   };
   ASSERT_TRUE(Run().ok());
+  ASSERT_TRUE(Run().ok());
+  EXPECT_THAT(log_, Not(HasSubstr("deleted")));
+  fs::remove_all(workspace() / "c" / "cache");
   ASSERT_TRUE(Run().ok());
   EXPECT_THAT(log_, Not(HasSubstr("deleted")));
   fs::remove_all(workspace() / "c" / "masks");
