@@ -3,14 +3,14 @@
 # Tries on a small drawn scene what can go wrong around a run: full disks, too
 # little memory, signals, a clock that is set back, a COLMAP that hangs, lies,
 # forks or is killed, two runs at once, and files that somebody deletes, edits
-# or swaps. Prints one line per fault, and fails
-# when something is lost or when a run cannot be taken up again.
+# or swaps. Prints one line per fault, and fails when something is lost or when
+# a run cannot be taken up again.
 #
 #   tests/faults.sh BIN FOLDER
 #
-# BIN is the folder of the built programs. FOLDER is made anew. Needs COLMAP, and
-# for the full disks the right to mount a tmpfs; they are left out without it.
-# Not part of the test suite: it takes some ten minutes.
+# BIN is the folder of the built programs. FOLDER is made anew. Needs COLMAP;
+# full disks need the right to mount a tmpfs, a clock needs libfaketime, and they
+# are left out without it. Takes some five minutes.
 set -uo pipefail
 
 program=$(realpath "$1")/freegs_pipeline
@@ -129,13 +129,13 @@ report "every checkpoint damaged" runs_on w "${all[@]}"
 # while it is destroyed, then end the process themselves (134 or 139).
 few_bytes() {
   local code
-  { (ulimit -v "$1" && ulimit -c 0 && run w "${@:2}"); } 2>/dev/null
+  { (ulimit -c 0 -v "$1" && run w "${@:2}"); } 2>/dev/null
   code=$?
   [ $code = 0 ] || [ $code = 134 ] || [ $code = 139 ] ||
     { [ $code = 1 ] && grep -q "memory" out.txt; }
 }
 for limit in {320000..390000..6000}; do
-  (ulimit -v "$limit" && "$program" --version >/dev/null 2>&1) || continue
+  { (ulimit -c 0 -v "$limit" && "$program" --version); } >/dev/null 2>&1 || continue
   rm -rf w
   short() { few_bytes "$limit" "${all[@]}" && runs_on w "${all[@]}"; }
   report "ulimit -v $limit" short
