@@ -22,28 +22,69 @@ namespace fs = std::filesystem;
 
 constexpr uint64_t kMaxFileBytes = uint64_t{1} << 30;
 
-// OpenCV takes memory for all pixels that a header claims, up to 2^30, before
-// it looks for them. A pixel of a PNG has at least one bit, and Deflate makes
-// at most 1032 bytes of one.
-Status CheckPngSize(const fs::path& path, std::string_view bytes) {
+struct ClaimedSize {
+  uint64_t width = 0;
+  uint64_t height = 0;
+  uint64_t max_pixels_per_byte = 0;  // That a file can hold.
+};
+
+uint64_t BigEndian(std::string_view bytes, size_t at, size_t size) {
+  uint64_t value = 0;
+  for (size_t i = at; i < at + size; ++i) {
+    value = value << 8 | static_cast<uint8_t>(bytes[i]);
+  }
+  return value;
+}
+
+// A pixel has at least one bit, and Deflate makes at most 1032 bytes of one.
+ClaimedSize PngSize(std::string_view bytes) {
   constexpr size_t kWidthAt = 16;
   constexpr size_t kEndOfSize = 24;
-  constexpr uint64_t kMaxPixelsPerByte = 1032 * 8;
-  if (!bytes.starts_with("\x89PNG") || bytes.size() < kEndOfSize) {
+  if (bytes.size() < kEndOfSize) return {};
+  return {BigEndian(bytes, kWidthAt, 4),
+          BigEndian(bytes, kWidthAt + 4, 4),
+          uint64_t{1032} * 8};
+}
+
+// A block of 8 x 8 pixels has at least one bit. What stands in the first frame
+// header counts (ITU-T T.81, annex B).
+ClaimedSize JpegSize(std::string_view bytes) {
+  constexpr size_t kEndOfSize = 9;  // From the marker on.
+  size_t at = 2;
+  while (at + kEndOfSize <= bytes.size()) {
+    const uint64_t marker = BigEndian(bytes, at, 2);
+    if (marker < 0xff01 || marker == 0xffff) {
+      ++at;  // Decoders skip garbage between segments.
+      continue;
+    }
+    const bool is_frame = marker >= 0xffc0 && marker <= 0xffcf &&
+                          marker != 0xffc4 && marker != 0xffc8 &&
+                          marker != 0xffcc;
+    if (is_frame) {
+      return {BigEndian(bytes, at + 7, 2),
+              BigEndian(bytes, at + 5, 2),
+              uint64_t{64} * 8};
+    }
+    const bool alone =
+        marker == 0xff01 || (marker >= 0xffd0 && marker <= 0xffd8);
+    at += 2 + (alone ? 0 : BigEndian(bytes, at + 2, 2));
+  }
+  return {};
+}
+
+// OpenCV takes memory for all pixels that a header claims, up to 2^30, before
+// it looks for them.
+Status CheckClaimedSize(const fs::path& path, std::string_view bytes) {
+  ClaimedSize claimed;
+  if (bytes.starts_with("\x89PNG")) claimed = PngSize(bytes);
+  if (bytes.starts_with("\xff\xd8")) claimed = JpegSize(bytes);
+  if (claimed.width * claimed.height <=
+      claimed.max_pixels_per_byte * bytes.size()) {
     return Status();
   }
-  const auto side = [bytes](size_t at) {
-    uint64_t value = 0;
-    for (size_t i = at; i < at + 4; ++i) {
-      value = value << 8 | static_cast<uint8_t>(bytes[i]);
-    }
-    return value;
-  };
-  const uint64_t width = side(kWidthAt);
-  const uint64_t height = side(kWidthAt + 4);
-  if (width * height <= kMaxPixelsPerByte * bytes.size()) return Status();
   return BadInputError(path.string() + ": its header claims " +
-                       std::to_string(width) + " x " + std::to_string(height) +
+                       std::to_string(claimed.width) + " x " +
+                       std::to_string(claimed.height) +
                        " pixels, more than its data can hold");
 }
 
@@ -51,7 +92,7 @@ StatusOr<cv::Mat> Decode(const fs::path& path, int flags) {
   FREEGS_ASSIGN_OR_RETURN(const std::string bytes,
                           ReadFile(path, kMaxFileBytes));
   if (bytes.empty()) return BadInputError(path.string() + ": empty file");
-  FREEGS_RETURN_IF_ERROR(CheckPngSize(path, bytes));
+  FREEGS_RETURN_IF_ERROR(CheckClaimedSize(path, bytes));
   const cv::Mat buffer(1,
                        static_cast<int>(bytes.size()),
                        CV_8UC1,

@@ -154,7 +154,7 @@ TEST(ImageIoTest, HeaderThatClaimsAHugeImageIsRefused) {
   EXPECT_EQ(ReadRgb(folder / "a.png").status().code(), StatusCode::kBadInput);
 }
 
-TEST(ImageIoTest, PngThatClaimsMorePixelsThanItHoldsIsRefusedUnread) {
+TEST(ImageIoTest, FileThatClaimsMorePixelsThanItHoldsIsRefusedUnread) {
   const TemporaryFolder folder;
   ASSERT_TRUE(WriteImage(folder / "a.png", Noise(4, 4, 3)).ok());
   std::string bytes = *ReadFile(folder / "a.png");
@@ -166,10 +166,20 @@ TEST(ImageIoTest, PngThatClaimsMorePixelsThanItHoldsIsRefusedUnread) {
     EXPECT_THAT(status.message(),
                 testing::HasSubstr("claims 32767 x 32768 pixels"));
   }
+  ASSERT_TRUE(WriteImage(folder / "a.jpg", Noise(4, 4, 3)).ok());
+  bytes = *ReadFile(folder / "a.jpg");
+  const size_t frame = bytes.find("\xff\xc0");
+  ASSERT_NE(frame, std::string::npos);
+  bytes.replace(frame + 5, 4, "\x7f\xff\x7f\xff");
+  WriteText(folder / "a.jpg", bytes);
+  EXPECT_THAT(ReadRgb(folder / "a.jpg").status().message(),
+              testing::HasSubstr("claims 32767 x 32767 pixels"));
   // One colour packs well.
   const ImageU16 plain(5000, 4000, 1);
   ASSERT_TRUE(WriteLabels(folder / "b.png", plain).ok());
   EXPECT_TRUE(ReadLabels(folder / "b.png").ok());
+  ASSERT_TRUE(WriteImage(folder / "b.jpg", ImageU8(5000, 4000, 3)).ok());
+  EXPECT_TRUE(ReadRgb(folder / "b.jpg").ok());
 }
 
 TEST(ImageIoTest, WriteErrors) {
