@@ -326,7 +326,11 @@ int Run(int argc, char** argv) {
       (once.empty() || fs::remove(once))) {
     std::cerr << "something went wrong" << std::endl;
     const std::string signal = Setting("FAKE_COLMAP_SIGNAL");
-    if (!signal.empty()) kill(getpid(), std::stoi(signal));
+    if (!signal.empty()) {
+      // A sanitizer would handle it.
+      std::signal(std::stoi(signal), SIG_DFL);
+      kill(getpid(), std::stoi(signal));
+    }
     return 1;
   }
   if (command == "feature_extractor") return ExtractFeatures(options);
