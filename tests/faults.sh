@@ -19,8 +19,9 @@ mkdir -p "$2"
 cd "$2" || exit 1
 folder=$PWD
 failures=0
-options=(--reconstruct.iterations 300 --reconstruct.budget 2000 --threads 2
+common=(--reconstruct.budget 2000 --threads 2
   --general.checkpoint_interval 1 --bootstrap.mode geometry)
+options=("${common[@]}" --reconstruct.iterations 300)
 poses=(--sfm.import scene/gt/transforms.json)
 
 run() { "$program" run scene/images "$@" >out.txt 2>&1; }
@@ -54,9 +55,10 @@ end() {
   [ $? = "$2" ]
 }
 
+# Whether a workspace has the bytes of the undisturbed run $reference.
 same_scene() {
-  cmp -s "$1/reconstruct/point_cloud.ply" ref/reconstruct/point_cloud.ply &&
-    cmp -s "$1/bootstrap/idsf.bin" ref/bootstrap/idsf.bin
+  cmp -s "$1/reconstruct/point_cloud.ply" $reference/reconstruct/point_cloud.ply &&
+    cmp -s "$1/bootstrap/idsf.bin" $reference/bootstrap/idsf.bin
 }
 runs_on() { run "$@" && same_scene "$1"; }
 
@@ -75,31 +77,35 @@ colmap() {
   chmod +x "$1"
 }
 
-rm -rf scene ref w small
+rm -rf scene ref slow w small
 "$maker" --out scene --views 12 --width 240 --height 180 >/dev/null 2>&1 || exit 1
 run ref "${poses[@]}" "${options[@]}" || { cat out.txt; exit 1; }
-all=("${poses[@]}" "${options[@]}")
 
-# Signals while training.
+# What disturbs a live run. It trains long enough to be met while it trains, and
+# has a checkpoint after a second.
+reference=slow
+all=("${poses[@]}" "${common[@]}" --reconstruct.iterations 1500)
+checkpoint='w/reconstruct.partial/checkpoints/*.ckpt'
+fresh slow ingest sfm undistort
+run slow "${all[@]}" || { cat out.txt; exit 1; }
 for signal in INT TERM HUP; do
   if [ $signal = HUP ] && [ -n "$(trap -p HUP)" ]; then
     echo "left out: SIGHUP, which nohup ignores"
     continue
   fi
   fresh w ingest sfm undistort
-  begin w 'w/reconstruct.partial/checkpoints/*.ckpt' "${all[@]}"
+  begin w "$checkpoint" "${all[@]}"
   stop_and_go() { end "$signal" 130 && runs_on w "${all[@]}"; }
   report "SIG$signal while training" stop_and_go
 done
 fresh w ingest sfm undistort
-begin w w/reconstruct.partial "${all[@]}"
-sleep 2
+begin w "$checkpoint" "${all[@]}"
 twice() { kill -INT "$pid"; end INT 130 && runs_on w "${all[@]}"; }
 report "SIGINT twice" twice
 fresh w ingest sfm undistort
-begin w w/reconstruct.partial "${all[@]}"
-sleep 2
-report "a lock left by kill -9" eval 'end KILL 137; runs_on w "${all[@]}"'
+begin w "$checkpoint" "${all[@]}"
+left_lock() { end KILL 137 && runs_on w "${all[@]}"; }
+report "a lock left by kill -9" left_lock
 fresh w ingest sfm undistort
 "$program" run scene/images w "${all[@]}" 2>&1 | head -n 4 >out.txt
 report "SIGPIPE: the reader of the log is gone" same_scene w
@@ -116,13 +122,40 @@ report "two runs on one workspace" second
 
 # Checkpoints.
 fresh w ingest sfm undistort
-begin w w/reconstruct.partial "${all[@]}"
-sleep 4
-end INT 130
-for file in w/reconstruct.partial/checkpoints/*; do
-  printf damaged | dd of="$file" bs=1 seek=2000 conv=notrunc 2>/dev/null
-done
-report "every checkpoint damaged" runs_on w "${all[@]}"
+begin w "$checkpoint" "${all[@]}"
+damaged() {
+  end INT 130 || return 1
+  local file
+  for file in $checkpoint; do
+    printf damaged | dd of="$file" bs=1 seek=2000 conv=notrunc 2>/dev/null || return 1
+  done
+  runs_on w "${all[@]}"
+}
+report "every checkpoint damaged" damaged
+
+# The clock.
+fake_time=$(ls /usr/lib/*/faketime/libfaketimeMT.so.1 2>/dev/null | head -n 1)
+if [ -n "$fake_time" ]; then
+  fresh w ingest sfm undistort
+  echo +0 >clock
+  set_back() {
+    (export LD_PRELOAD=$fake_time FAKETIME_TIMESTAMP_FILE=$folder/clock \
+      FAKETIME_NO_CACHE=1 FAKETIME_DONT_FAKE_MONOTONIC=1 NO_FAKE_STAT=1
+      exec "$program" run scene/images w "${all[@]}" >out.txt 2>&1) &
+    pid=$!
+    until [ -e w/reconstruct.partial ] || ! kill -0 "$pid" 2>/dev/null; do sleep 0.05; done
+    echo -30d >clock
+    wait "$pid" && same_scene w && run w "${all[@]}" &&
+      [ "$(grep -c 'up to date' out.txt)" = 6 ]
+  }
+  report "clock set back by a month on a live run" set_back
+else
+  echo "left out: a clock that is set back needs libfaketime"
+fi
+
+# From here on runs are short.
+reference=ref
+all=("${poses[@]}" "${options[@]}")
 
 # Too little memory. Below some limit not even the libraries can be loaded. GDAL,
 # which OpenCV calls when it reads the first photo, and Ceres, whose timer throws
@@ -156,26 +189,7 @@ else
   echo "left out: a limit of threads needs root, and folders that all may read"
 fi
 
-# The clock.
-fake_time=$(ls /usr/lib/*/faketime/libfaketimeMT.so.1 2>/dev/null | head -n 1)
-if [ -n "$fake_time" ]; then
-  fresh w ingest sfm undistort
-  echo +0 >clock
-  set_back() {
-    (export LD_PRELOAD=$fake_time FAKETIME_TIMESTAMP_FILE=$folder/clock \
-      FAKETIME_NO_CACHE=1 FAKETIME_DONT_FAKE_MONOTONIC=1 NO_FAKE_STAT=1
-      exec "$program" run scene/images w "${all[@]}" >out.txt 2>&1) &
-    pid=$!
-    until [ -e w/reconstruct.partial ]; do sleep 0.05; done
-    sleep 0.5
-    echo -30d >clock
-    wait "$pid" && same_scene w && run w "${all[@]}" &&
-      [ "$(grep -c 'up to date' out.txt)" = 6 ]
-  }
-  report "clock set back by a month on a live run" set_back
-else
-  echo "left out: a clock that is set back needs libfaketime"
-fi
+# The dates of files say nothing.
 for date in 1990-01-01 2090-01-01; do
   rm -rf w && cp -a ref w && find w -exec touch -hd "$date" {} +
   dated() { run w "${all[@]}" && [ "$(grep -c 'up to date' out.txt)" = 6 ]; }
@@ -206,7 +220,7 @@ for file in ingest/photos/frame_0002.jpg undistort/images/frame_0003.jpg \
   rm -rf w && cp -a ref w && rm "w/$file"
   report "$file deleted" runs_on w "${all[@]}"
 done
-# The same points in other bytes: what follows is made anew from them.
+# One byte is another: what follows is made anew.
 rm -rf w && cp -a ref w
 ply=w/reconstruct/point_cloud.ply
 printf '\001' | dd of=$ply bs=1 seek=$(($(stat -c %s $ply) - 1)) conv=notrunc 2>/dev/null

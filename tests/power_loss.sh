@@ -7,8 +7,8 @@
 #   tests/power_loss.sh BIN FOLDER [EVERY [OPTION ...]]
 #
 # BIN is the folder of the built programs with the tests. FOLDER is made anew.
-# EVERY is how many renames apart the losses are (default: 1, which takes half an
-# hour). OPTIONs go to all runs. tests/power_loss/power_loss.cc says what a copy
+# EVERY is how many renames apart the losses are (default: 1). OPTIONs go to all
+# runs. tests/power_loss/power_loss.cc says what a copy
 # has.
 set -uo pipefail
 
@@ -38,6 +38,7 @@ same() {
   done
 }
 
+[ -d shadow/cuts/0000 ] || { echo "$library kept nothing"; exit 1; }
 losses=0 lost=0
 fail() {
   echo "LOST  $1"

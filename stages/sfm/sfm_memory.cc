@@ -18,9 +18,8 @@ constexpr double kColmapMemory = 20e6;
 constexpr double kExtractorBytesPerPixel = 330;
 
 // Without sfm.max_image_size the side is chosen from 800 to 1600 by the number
-// of features found. This one is within a factor of 1.5 of what photographs
-// with few and with many features needed.
-constexpr int kUsualSide = 1010;
+// of features found. With this one the error is small at both ends.
+constexpr int kUsualSide = 1000;
 
 // Descriptors (128 bytes each) and the matches that a feature has in other
 // photos, in the database, the mapper's graph and our own copy.
