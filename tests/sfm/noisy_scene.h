@@ -21,6 +21,9 @@ struct NoisyScene {
   double noise_px = 0.5;   // Standard deviation of each coordinate.
   double outliers = 0.03;  // Share of observations, up to 20 px off.
 
+  // Of the nearest camera from the centre of the ball, whose radius is 2.5.
+  double distance = 3.5;
+
   // Camera k belongs to the images i with i % cameras.size() == k.
   std::vector<Camera> cameras;
 
@@ -38,6 +41,15 @@ inline Camera MakeCamera(CameraModel model, std::vector<double> params) {
   return camera;
 }
 
+// Drawn one after the other: the order in which a compiler evaluates arguments
+// is its own choice, and all compilers shall draw the same scene.
+template <typename Draw>
+Eigen::Vector3d DrawVector3(const Draw& draw) {
+  Eigen::Vector3d vector;
+  for (double& x : vector) x = draw();
+  return vector;
+}
+
 // The truth: exact poses and points. Its features have noise.
 inline Reconstruction MakeNoisyScene(const NoisyScene& scene) {
   Reconstruction model;
@@ -46,13 +58,12 @@ inline Reconstruction MakeNoisyScene(const NoisyScene& scene) {
     model.cameras.back().id = static_cast<uint32_t>(k) + 1;
   }
   RandomStream random(11, 5);
+  const auto centred = [&] { return random.Uniform() - 0.5; };
   for (int k = 0; k < scene.num_points; ++k) {
     Point3D point;
     point.id = 3 * k + 1;
     do {
-      point.xyz =
-          Eigen::Vector3d(random.Uniform(), random.Uniform(), random.Uniform());
-      point.xyz = 5 * point.xyz - Eigen::Vector3d::Constant(2.5);
+      point.xyz = 5 * DrawVector3(centred);
     } while (point.xyz.norm() > 2.5);
     model.points3d.push_back(point);
   }
@@ -63,13 +74,11 @@ inline Reconstruction MakeNoisyScene(const NoisyScene& scene) {
     image.camera_id = camera.id;
     image.name = PhotoName(i);
     const double angle = 2 * std::numbers::pi * i / scene.num_images;
-    const double distance = 3.5 + random.Uniform();
-    image.cam_from_world = LookAt({distance * std::cos(angle),
-                                   distance * std::sin(angle),
-                                   2 * random.Uniform() - 0.5},
-                                  {random.Uniform() - 0.5,
-                                   random.Uniform() - 0.5,
-                                   random.Uniform() - 0.5});
+    const double distance = scene.distance + random.Uniform();
+    const double height = 2 * random.Uniform() - 0.5;
+    image.cam_from_world =
+        LookAt({distance * std::cos(angle), distance * std::sin(angle), height},
+               DrawVector3(centred));
     for (Point3D& point : model.points3d) {
       const auto pixel = Project(camera, image.cam_from_world * point.xyz);
       if (!pixel || (pixel->array() < 0).any() || pixel->x() > camera.width ||
@@ -78,11 +87,9 @@ inline Reconstruction MakeNoisyScene(const NoisyScene& scene) {
       }
       Eigen::Vector2d xy = *pixel;
       if (random.Uniform() < scene.outliers) {
-        xy += 40 *
-              Eigen::Vector2d(random.Uniform() - 0.5, random.Uniform() - 0.5);
+        for (double& x : xy) x += 40 * centred();
       } else {
-        xy +=
-            scene.noise_px * Eigen::Vector2d(random.Normal(), random.Normal());
+        for (double& x : xy) x += scene.noise_px * random.Normal();
       }
       point.track.push_back(
           {image.id, static_cast<uint32_t>(image.points2d.size())});
@@ -99,8 +106,7 @@ inline Reconstruction MakeStart(const NoisyScene& scene,
   Reconstruction start = truth;
   RandomStream random(13, 6);
   const auto vector = [&](double size) {
-    return Eigen::Vector3d(
-        size * random.Normal(), size * random.Normal(), size * random.Normal());
+    return DrawVector3([&] { return size * random.Normal(); });
   };
   for (PosedImage& image : start.images) {
     const Eigen::Vector3d turn = vector(scene.pose_error);

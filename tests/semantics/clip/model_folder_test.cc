@@ -142,13 +142,13 @@ TEST(ModelFolderTest, VocabularyMayBeThere) {
   ASSERT_TRUE(folder.ok());
   EXPECT_EQ(folder->info.vocabulary,
             (std::vector<std::vector<std::string>>{{"red", "green"}, {"box"}}));
-  for (const json& wrong : {json("red"),
-                            json{"red"},
-                            json{json::array()},
-                            json{{"red", 1}},
-                            json{{""}},
-                            json{{"x", json::array({"y"})}}}) {
-    info["vocabulary"] = wrong;
+  for (const char* const wrong : {R"("red")",
+                                  R"(["red"])",
+                                  "[[]]",
+                                  R"([["red", 1]])",
+                                  R"([[""]])",
+                                  R"([["x", ["y"]]])"}) {
+    info["vocabulary"] = json::parse(wrong);
     model.SetInfo(info);
     ExpectFault(
         ModelFolder::Open(model.path()).status(), "model.json", "vocabulary");
@@ -166,9 +166,9 @@ TEST(ModelFolderTest, CanonicalPhrasesMayBeThere) {
   ASSERT_TRUE(clip.ok());
   EXPECT_EQ((*clip)->canonical_phrases(),
             (std::vector<std::string>{"stuff", "some object"}));
-  for (const json& wrong :
-       {json("stuff"), json::array(), json{{"a", "b"}}, json{1}, json{""}}) {
-    info["canonical"] = wrong;
+  for (const char* const wrong :
+       {R"("stuff")", "[]", R"([["a", "b"]])", "[1]", R"([""])"}) {
+    info["canonical"] = json::parse(wrong);
     model.SetInfo(info);
     ExpectFault(
         ModelFolder::Open(model.path()).status(), "model.json", "canonical");

@@ -351,7 +351,7 @@ TEST_F(ReconstructStageTest, SameQualityInAnyUnitAndPlace) {
   const nlohmann::json expected = Metrics("plain");
   double scale = 1;
   for (const double step : {1e-3, 1e7}) {
-    MoveWorld(workspace_, step, {});
+    MoveWorld(workspace_, step, Eigen::Vector3d::Zero());
     scale *= step;
     const Status status = Run(Short(), "scaled");
     ASSERT_TRUE(status.ok()) << status.message();
