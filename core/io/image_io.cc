@@ -72,12 +72,49 @@ ClaimedSize JpegSize(std::string_view bytes) {
   return {};
 }
 
+// Sizes of the first picture (TIFF 6.0, section 2). Compressed by Deflate, as
+// in a PNG. A size that is no plain number counts as too large.
+ClaimedSize TiffSize(std::string_view bytes) {
+  constexpr uint64_t kEntryBytes = 12;
+  const auto number = [&](uint64_t at, size_t size) -> uint64_t {
+    if (at > bytes.size() || size > bytes.size() - at) return 0;
+    std::string digits(bytes.substr(at, size));
+    if (bytes[0] == 'I') std::reverse(digits.begin(), digits.end());
+    return BigEndian(digits, 0, size);
+  };
+  ClaimedSize claimed{0, 0, uint64_t{1032} * 8};
+  const uint64_t directory = number(4, 4);
+  const uint64_t entries = number(directory, 2);
+  for (uint64_t k = 0; k < entries; ++k) {
+    const uint64_t entry = directory + 2 + k * kEntryBytes;
+    const uint64_t tag = number(entry, 2);
+    if (tag != 256 && tag != 257) continue;
+    const uint64_t type = number(entry + 2, 2);
+    uint64_t value = uint64_t{1} << 31;
+    if (number(entry + 4, 4) == 1) {
+      if (type == 3) value = number(entry + 8, 2);
+      if (type == 4) value = number(entry + 8, 4);
+    }
+    uint64_t& side = tag == 256 ? claimed.width : claimed.height;
+    side = std::max(side, value);
+  }
+  return claimed;
+}
+
 // OpenCV takes memory for all pixels that a header claims, up to 2^30, before
-// it looks for them.
+// it looks for them. So a format whose headers are not looked at is refused.
 Status CheckClaimedSize(const fs::path& path, std::string_view bytes) {
   ClaimedSize claimed;
-  if (bytes.starts_with("\x89PNG")) claimed = PngSize(bytes);
-  if (bytes.starts_with("\xff\xd8")) claimed = JpegSize(bytes);
+  if (bytes.starts_with("\x89PNG")) {
+    claimed = PngSize(bytes);
+  } else if (bytes.starts_with("\xff\xd8")) {
+    claimed = JpegSize(bytes);
+  } else if (bytes.starts_with(std::string_view("II*\0", 4)) ||
+             bytes.starts_with(std::string_view("MM\0*", 4))) {
+    claimed = TiffSize(bytes);
+  } else {
+    return BadInputError(path.string() + ": not a PNG, JPEG or TIFF image");
+  }
   if (claimed.width * claimed.height <=
       claimed.max_pixels_per_byte * bytes.size()) {
     return Status();

@@ -11,13 +11,13 @@
 
 namespace freegs {
 
-// Reads an image as 8-bit RGB. Grey is repeated, alpha is dropped and 16-bit
-// samples are reduced. EXIF orientation is ignored: camera intrinsics refer to
-// pixels as they are stored.
+// Reads a PNG, JPEG or TIFF image as 8-bit RGB. Grey is repeated, alpha is
+// dropped and 16-bit samples are reduced. EXIF orientation is ignored: camera
+// intrinsics refer to pixels as they are stored.
 StatusOr<ImageU8> ReadRgb(const std::filesystem::path& path);
 
-// Reads the values of a one-channel image of 8 or 16 bits, without scaling
-// them.
+// Reads the values of a one-channel PNG, JPEG or TIFF image of 8 or 16 bits,
+// without scaling them.
 StatusOr<ImageU16> ReadLabels(const std::filesystem::path& path);
 
 // Writes an image of 1, 3 or 4 channels, atomically. The suffix of the path

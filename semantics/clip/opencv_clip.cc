@@ -17,6 +17,7 @@
 
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/dnn.hpp>
+#include <opencv2/dnn/layer.hpp>
 
 #include "core/io/files.h"
 #include "core/out_of_memory.h"
@@ -130,6 +131,10 @@ ImageU8 CenterSquare(const ImageU8& image, int size) {
 // keep buffers; OpenCV runs small ones on one thread.
 class OpenCvClip::Networks {
  public:
+  // OpenCV makes the table of its layers at the first use, and its guard
+  // against two first uses at once is a data race. So the first use is here.
+  Networks() { cv::dnn::LayerFactory::isLayerRegistered("Identity"); }
+
   // Runs a network of the folder. Loads it first if it is not loaded yet. Waits
   // if all copies that there may be are in use.
   StatusOr<cv::Mat> Forward(const ModelFolder& folder,

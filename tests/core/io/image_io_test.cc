@@ -174,12 +174,42 @@ TEST(ImageIoTest, FileThatClaimsMorePixelsThanItHoldsIsRefusedUnread) {
   WriteText(folder / "a.jpg", bytes);
   EXPECT_THAT(ReadRgb(folder / "a.jpg").status().message(),
               testing::HasSubstr("claims 32767 x 32767 pixels"));
+  ASSERT_TRUE(WriteImage(folder / "a.tif", Noise(4, 4, 3)).ok());
+  bytes = *ReadFile(folder / "a.tif");
+  // The directory's first entries: width and height, each one short number.
+  const size_t width = bytes.find(std::string("\0\1\3\0\1\0\0\0\4\0", 10));
+  ASSERT_NE(width, std::string::npos);
+  for (const size_t entry : {width, width + 12}) {
+    bytes.replace(entry + 2, 1, "\4");
+    bytes.replace(entry + 8, 4, std::string("\xff\x7f\0\0", 4));
+  }
+  WriteText(folder / "a.tif", bytes);
+  EXPECT_THAT(ReadRgb(folder / "a.tif").status().message(),
+              testing::HasSubstr("claims 32767 x 32767 pixels"));
+  bytes.replace(width + 2, 1, "\20");  // A number of 64 bits, stored elsewhere.
+  WriteText(folder / "a.tif", bytes);
+  EXPECT_THAT(ReadRgb(folder / "a.tif").status().message(),
+              testing::HasSubstr("claims 2147483648 x 32767 pixels"));
   // One colour packs well.
   const ImageU16 plain(5000, 4000, 1);
   ASSERT_TRUE(WriteLabels(folder / "b.png", plain).ok());
   EXPECT_TRUE(ReadLabels(folder / "b.png").ok());
   ASSERT_TRUE(WriteImage(folder / "b.jpg", ImageU8(5000, 4000, 3)).ok());
   EXPECT_TRUE(ReadRgb(folder / "b.jpg").ok());
+}
+
+TEST(ImageIoTest, FormatsWhoseHeadersAreNotKnownAreRefused) {
+  const TemporaryFolder folder;
+  // A bitmap of 32767 x 32767 pixels without a pixel.
+  WriteText(folder / "a.png",
+            std::string("BM\x36\0\0\0\0\0\0\0\x36\0\0\0\x28\0\0\0"
+                        "\xff\x7f\0\0\xff\x7f\0\0\1\0\x18\0",
+                        30) +
+                std::string(24, '\0'));
+  const Status status = ReadRgb(folder / "a.png").status();
+  EXPECT_EQ(status.code(), StatusCode::kBadInput);
+  EXPECT_THAT(status.message(),
+              testing::HasSubstr("not a PNG, JPEG or TIFF image"));
 }
 
 TEST(ImageIoTest, WriteErrors) {

@@ -5,6 +5,7 @@
 #define FREEGS_TESTS_SEMANTICS_CLIP_COLOR_ENCODER_H_
 
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -25,7 +26,6 @@ class ColorEncoder : public ClipEncoder {
   std::vector<int> dense_sizes() const override { return {kGrid}; }
 
   StatusOr<std::vector<float>> EncodeImage(const ImageU8& image) override {
-    ++num_images;
     std::array<double, 3> sum = {};
     double count = 0;
     for (size_t i = 0; i < image.num_pixels(); ++i) {
@@ -79,8 +79,7 @@ class ColorEncoder : public ClipEncoder {
     return vector;
   }
 
-  int num_images = 0;
-  int num_dense = 0;
+  std::atomic<int> num_dense = 0;
 
  private:
   std::string hash_ = "colours";
