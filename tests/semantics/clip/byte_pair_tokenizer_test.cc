@@ -2,8 +2,6 @@
 
 #include "semantics/clip/byte_pair_tokenizer.h"
 
-#include <cstdlib>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -11,6 +9,7 @@
 #include "core/io/files.h"
 #include "core/random.h"
 #include "tests/semantics/clip/gzip.h"
+#include "tests/shared_data.h"
 #include "tests/temporary_folder.h"
 
 namespace freegs::semantics {
@@ -138,12 +137,8 @@ TEST(BytePairTokenizerTest, ReadsPlainAndGzipFiles) {
 }
 
 TEST(BytePairTokenizerTest, MatchesTheReference) {
-  const char* shared = std::getenv("FREEGS_SHARED_DATA");
-  if (shared == nullptr) GTEST_SKIP() << "FREEGS_SHARED_DATA is not set";
-  const std::filesystem::path folder = std::filesystem::path(shared) / "clip";
-  if (!std::filesystem::exists(folder)) {
-    GTEST_SKIP() << "no reference tokens in " << folder;
-  }
+  const std::filesystem::path folder = SharedData("clip");
+  if (folder.empty()) GTEST_SKIP() << "FREEGS_SHARED_DATA has no clip";
   const auto tokenizer =
       BytePairTokenizer::Load(folder / "bpe_simple_vocab_16e6.txt.gz");
   ASSERT_TRUE(tokenizer.ok()) << tokenizer.status().message();

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -18,6 +17,7 @@
 #include "semantics/hdbscan/core_distances.h"
 #include "semantics/hdbscan/hdbscan.h"
 #include "semantics/metrics/adjusted_rand_index.h"
+#include "tests/shared_data.h"
 
 namespace freegs::semantics {
 namespace {
@@ -97,12 +97,10 @@ void CompareSet(const std::filesystem::path& folder, const std::string& set) {
 class HdbscanReferenceTest : public testing::TestWithParam<const char*> {};
 
 TEST_P(HdbscanReferenceTest, MatchesTheReference) {
-  const char* shared = std::getenv("FREEGS_SHARED_DATA");
-  if (shared == nullptr) GTEST_SKIP() << "FREEGS_SHARED_DATA is not set";
   const std::filesystem::path folder =
-      std::filesystem::path(shared) / "hdbscan" / GetParam();
-  if (!std::filesystem::exists(folder)) {
-    GTEST_SKIP() << "no reference set " << folder;
+      SharedData(std::filesystem::path("hdbscan") / GetParam());
+  if (folder.empty()) {
+    GTEST_SKIP() << "FREEGS_SHARED_DATA has no hdbscan/" << GetParam();
   }
   for (const char* set : {"a20", "b60", "c200", "leaf20", "epsmax"}) {
     if (!std::filesystem::exists(folder /

@@ -3,13 +3,12 @@
 
 #include "sfm/import/import_model.h"
 
-#include <cstdlib>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "sfm/scene/model_io.h"
 #include "tests/sfm/synthetic_model.h"
+#include "tests/shared_data.h"
 #include "tests/temporary_folder.h"
 
 namespace freegs::sfm {
@@ -214,21 +213,17 @@ TEST(ImportModel, FaultsNameTheFile) {
 }
 
 TEST(ImportModel, InstantNgpFox) {
-  const char* data = std::getenv("FREEGS_SHARED_DATA");
-  if (data == nullptr || !fs::exists(fs::path(data) / "fox")) {
-    GTEST_SKIP() << "FREEGS_SHARED_DATA has no fox";
-  }
+  const fs::path fox = SharedData("fox");
+  if (fox.empty()) GTEST_SKIP() << "FREEGS_SHARED_DATA has no fox";
   std::vector<SfmPhoto> photos;
-  for (const auto& entry :
-       fs::directory_iterator(fs::path(data) / "fox" / "images")) {
+  for (const auto& entry : fs::directory_iterator(fox / "images")) {
     SfmPhoto photo;
     photo.name = entry.path().filename().string();
     photo.width = 1080;
     photo.height = 1920;
     photos.push_back(photo);
   }
-  const auto imported =
-      Import(fs::path(data) / "fox" / "transforms.json", photos);
+  const auto imported = Import(fox / "transforms.json", photos);
   ASSERT_TRUE(imported.ok()) << imported.status().message();
   EXPECT_EQ(imported->model.images.size(), 50u);
   ASSERT_EQ(imported->model.cameras.size(), 1u);

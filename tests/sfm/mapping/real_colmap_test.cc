@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Structure from motion with the installed COLMAP.
 
-#include <cstdlib>
 #include <filesystem>
 
 #include <gtest/gtest.h>
@@ -10,6 +9,7 @@
 #include "sfm/mapping/health.h"
 #include "sfm/mapping/structure_from_motion.h"
 #include "sfm/scene/model_io_binary.h"
+#include "tests/shared_data.h"
 #include "tests/temporary_folder.h"
 
 namespace freegs::sfm {
@@ -19,16 +19,14 @@ namespace fs = std::filesystem;
 
 // The real program on a few real photos, twice: with one and two threads.
 TEST(RealColmap, RegistersAndRepeats) {
-  const char* data = std::getenv("FREEGS_SHARED_DATA");
-  if (data == nullptr || !fs::exists(fs::path(data) / "tabletop")) {
-    GTEST_SKIP() << "FREEGS_SHARED_DATA has no tabletop";
-  }
+  const fs::path scene = SharedData("tabletop");
+  if (scene.empty()) GTEST_SKIP() << "FREEGS_SHARED_DATA has no tabletop";
   if (!ColmapProgram::Find("colmap", nullptr).ok()) {
     GTEST_SKIP() << "colmap is not installed";
   }
   const TemporaryFolder folder;
   SfmInput input;
-  input.photo_folder = fs::path(data) / "tabletop" / "images";
+  input.photo_folder = scene / "images";
   for (int i = 1; i <= 8; ++i) {
     char name[32];
     std::snprintf(name, sizeof(name), "frame_%04d.jpg", i);

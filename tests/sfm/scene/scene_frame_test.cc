@@ -15,6 +15,7 @@
 #include "sfm/scene/model_io.h"
 #include "sfm/scene/pose_alignment.h"
 #include "tests/sfm/synthetic_model.h"
+#include "tests/shared_data.h"
 
 namespace freegs::sfm {
 namespace {
@@ -207,11 +208,11 @@ TEST(SceneFrame, JsonHasTheMatrixByRows) {
 // FREEGS_FRAME_MODELS may name folders with reconstructions of them,
 // NAME/sfm/sparse/0, whose up is then compared, too.
 TEST(SceneFrame, TrueUpOfRenderedScenes) {
-  const char* data = std::getenv("FREEGS_SHARED_DATA");
-  if (data == nullptr) GTEST_SKIP() << "FREEGS_SHARED_DATA is not set";
+  const fs::path data = SharedData("");
+  if (data.empty()) GTEST_SKIP() << "FREEGS_SHARED_DATA is not set";
   const char* models = std::getenv("FREEGS_FRAME_MODELS");
   for (const char* scene : {"tabletop", "playroom"}) {
-    std::ifstream file(fs::path(data) / scene / "gt" / "cameras.json");
+    std::ifstream file(data / scene / "gt" / "cameras.json");
     if (!file) continue;
     const auto json = nlohmann::json::parse(file, nullptr, false);
     ASSERT_FALSE(json.is_discarded());

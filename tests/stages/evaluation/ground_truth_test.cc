@@ -2,7 +2,6 @@
 
 #include "stages/evaluation/ground_truth.h"
 
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 
@@ -10,6 +9,7 @@
 
 #include "core/io/files.h"
 #include "core/random.h"
+#include "tests/shared_data.h"
 #include "tests/temporary_folder.h"
 
 namespace freegs::stages {
@@ -186,11 +186,9 @@ TEST(ReadGroundTruth, TakesTheSceneFolderOrItsGtFolder) {
 }
 
 TEST(ReadGroundTruth, ReadsTheSharedTabletop) {
-  const char* data = std::getenv("FREEGS_SHARED_DATA");
-  if (data == nullptr) {
-    GTEST_SKIP() << "set FREEGS_SHARED_DATA to the folder that holds tabletop/";
-  }
-  const auto truth = ReadGroundTruth(fs::path(data) / "tabletop");
+  const fs::path scene = SharedData("tabletop");
+  if (scene.empty()) GTEST_SKIP() << "FREEGS_SHARED_DATA has no tabletop";
+  const auto truth = ReadGroundTruth(scene);
   ASSERT_TRUE(truth.ok()) << truth.status().message();
   EXPECT_EQ(truth->cameras.train.size(), 60u);
   EXPECT_EQ(truth->cameras.test.size(), 8u);

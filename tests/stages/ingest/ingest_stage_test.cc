@@ -3,7 +3,6 @@
 #include "stages/ingest/ingest_stage.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -18,6 +17,7 @@
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "photos/photo_list.h"
+#include "tests/shared_data.h"
 #include "tests/stages/ingest_test_fixture.h"
 
 namespace freegs::stages {
@@ -318,9 +318,8 @@ TEST_F(IngestStageTest, InputsAreThePhotosAndTheList) {
 }
 
 TEST_F(IngestStageTest, RealPhotographs) {
-  const char* data = std::getenv("FREEGS_SHARED_DATA");
-  if (data == nullptr) GTEST_SKIP() << "FREEGS_SHARED_DATA is not set";
-  const fs::path folder = fs::path(data) / "fox" / "images";
+  const fs::path folder = SharedData(fs::path("fox") / "images");
+  if (folder.empty()) GTEST_SKIP() << "FREEGS_SHARED_DATA has no fox";
   for (const auto& entry : fs::directory_iterator(folder)) {
     images_.Write(entry.path().filename(), *ReadFile(entry.path()));
   }
