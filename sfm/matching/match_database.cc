@@ -196,6 +196,12 @@ StatusOr<std::vector<float>> MatchDatabase::FeatureScales(
   return scales;
 }
 
+Status MatchDatabase::WrongSize(uint32_t id1, uint32_t id2) const {
+  return BadInputError(path_.string() + ": the matches of photos " +
+                       std::to_string(id1) + " and " + std::to_string(id2) +
+                       " are not of their size");
+}
+
 bool MatchDatabase::HasColumn(const char* table, const char* column) const {
   return sqlite3_table_column_metadata(database_.get(),
                                        nullptr,
@@ -227,6 +233,7 @@ MatchDatabase::VerifiedPairs() const {
     FREEGS_ASSIGN_OR_RETURN(std::tie(pair.id1, pair.id2),
                             IdsOf(statement.Integer(0)));
     pair.num_matches = statement.Integer(1);
+    if (pair.num_matches <= 0) return WrongSize(pair.id1, pair.id2);
     const int64_t config = statement.Integer(2);
     pair.is_homography =
         config >= kFirstHomography && config <= kLastHomography;
@@ -272,11 +279,10 @@ Status MatchDatabase::ForEachVerifiedPair(
   while ((code = statement.Step()) == SQLITE_ROW) {
     FREEGS_ASSIGN_OR_RETURN(const auto ids, IdsOf(statement.Integer(0)));
     const std::string data = statement.Text(2);
-    if (statement.Integer(1) != static_cast<int64_t>(data.size() / 8)) {
-      return BadInputError(path_.string() + ": the matches of photos " +
-                           std::to_string(ids.first) + " and " +
-                           std::to_string(ids.second) +
-                           " are not of their size");
+    // A text counts as larger than 0 in the query above, and as 0 here.
+    if (data.empty() || data.size() % 8 != 0 ||
+        statement.Integer(1) != static_cast<int64_t>(data.size() / 8)) {
+      return WrongSize(ids.first, ids.second);
     }
     matches.resize(data.size() / 8);
     ByteReader reader(data);

@@ -120,6 +120,7 @@ class MatchDatabase {
   StatusOr<std::pair<uint32_t, uint32_t>> IdsOf(int64_t pair) const;
   bool HasColumn(const char* table, const char* column) const;
   Status Error(const std::string& what) const;
+  Status WrongSize(uint32_t id1, uint32_t id2) const;
 
   std::filesystem::path path_;
   std::unique_ptr<sqlite3, Closer> database_;

@@ -139,6 +139,22 @@ TEST(MatchDatabase, NumbersThatAreNoPairsAreRefused) {
   }
 }
 
+// SQLite takes a text for larger than any number.
+TEST(MatchDatabase, TextInPlaceOfACountIsRefused) {
+  const TemporaryFolder folder;
+  MakeDatabase(folder / "a.db");
+  RunSql(folder / "a.db",
+         "INSERT INTO two_view_geometries VALUES(" + std::to_string(kPair12) +
+             ",'x',x'')");
+  const auto database = MatchDatabase::Open(folder / "a.db");
+  ASSERT_TRUE(database.ok()) << database.status().message();
+  EXPECT_EQ(database->VerifiedPairs().status().code(), StatusCode::kBadInput);
+  const Status status = database->ForEachVerifiedPair(
+      [](uint32_t, uint32_t, std::span<const FeatureMatch>) { FAIL(); });
+  EXPECT_EQ(status.code(), StatusCode::kBadInput);
+  EXPECT_THAT(status.message(), testing::HasSubstr("not of their size"));
+}
+
 // Doubles as COLMAP stores them, little endian.
 TEST(MatchDatabase, Motions) {
   const TemporaryFolder folder;
