@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <fstream>
 #include <string>
+#include <string_view>
 #include <sys/resource.h>
 
 namespace freegs::pipeline {
@@ -32,22 +33,30 @@ int64_t ChildPeakBytes() {
   return int64_t{usage.ru_maxrss} * 1024;
 }
 
-// VmHWM, the peak since it was last reset.
-int64_t OwnPeakBytes() {
+// A size that the kernel tells of this process; 0 where it does not.
+int64_t StatusBytes(std::string_view name) {
   std::ifstream status("/proc/self/status");
   std::string word;
   while (status >> word) {
-    if (word != "VmHWM:") continue;
+    if (word != name) continue;
     int64_t kilobytes = 0;
     status >> kilobytes;
     return kilobytes * 1024;
   }
+  return 0;
+}
+
+// The peak since it was last reset.
+int64_t OwnPeakBytes() {
+  if (const int64_t peak = StatusBytes("VmHWM:"); peak > 0) return peak;
   rusage usage = {};
   getrusage(RUSAGE_SELF, &usage);
   return int64_t{usage.ru_maxrss} * 1024;
 }
 
 }  // namespace
+
+int64_t ResidentMemoryBytes() { return StatusBytes("VmRSS:"); }
 
 ResourceMeter::ResourceMeter()
     : start_(std::chrono::steady_clock::now()),

@@ -15,6 +15,9 @@ struct ResourceUsage {
   int64_t peak_memory_bytes = 0;  // Largest resident size of one process.
 };
 
+// The resident size of this process now; 0 where the system does not tell.
+int64_t ResidentMemoryBytes();
+
 // Measures the work since its construction.
 class ResourceMeter {
  public:

@@ -64,11 +64,18 @@ void GiveBackFreedMemory() {
 #endif
 }
 
+// What the stage expects and, on top of that, what the stages before it have
+// left in this process: pages of libraries, and what those keep for later.
 // Nothing is known when a library throws, for one because of a damaged input,
 // which Run will report.
 MemoryNeed ExpectedCatching(const Stage& stage, const StageContext& context) {
   try {
-    return stage.ExpectedMemory(context);
+    MemoryNeed need = stage.ExpectedMemory(context);
+    if (need.bytes > 0) {
+      need.bytes +=
+          std::max<int64_t>(0, ResidentMemoryBytes() - kProgramMemory);
+    }
+    return need;
   } catch (const std::exception&) {
     return {};
   }
