@@ -19,7 +19,7 @@ constexpr double kExtractorBytesPerPixel = 330;
 
 // Without sfm.max_image_size the side is chosen from 800 to 1600 by the number
 // of features found. With this one the error is small at both ends.
-constexpr int kUsualSide = 1010;
+constexpr int kUsualSide = 1000;
 
 // Descriptors (128 bytes each) and the matches that a feature has in other
 // photos, in the database, the mapper's graph and our own copy.
