@@ -276,6 +276,7 @@ Status CompareWithTruth(const EvalRequest& request,
         ReadSceneHierarchy(request.workspace, scene.model.size()));
     FREEGS_ASSIGN_OR_RETURN(report->best_level_miou,
                             MeasureBestLevels(scene,
+                                              *instances,
                                               hierarchy,
                                               aligned.truth,
                                               aligned.truth_from_scene,

@@ -2,10 +2,13 @@
 
 #include "stages/evaluation/level_evaluation.h"
 
+#include <algorithm>
 #include <map>
+#include <numeric>
 #include <utility>
 #include <vector>
 
+#include "core/function_ref.h"
 #include "semantics/metrics/instance_metrics.h"
 #include "stages/evaluation/instance_evaluation.h"
 #include "stages/evaluation/true_masks.h"
@@ -14,50 +17,53 @@
 namespace freegs::stages {
 namespace {
 
-// An object in a view: its pixels, and those that each region has in the view
-// and shares with the object.
+// Regions of each object whose masks are rendered. The counts of pixels that
+// they are chosen by are of the smallest parts, which differ a little from
+// those of whole regions: a pixel on an outline may show more of another part
+// than of any single part of the region.
+constexpr size_t kRenderedRegions = 3;
+
+// The pixels of an object, and those that each answer has and shares with it.
 struct Sight {
   double truth = 0;
   std::vector<double> size;
   std::vector<double> shared;
 
-  double Iou(size_t region) const {
-    const double all = truth + size[region] - shared[region];
-    return all > 0 ? shared[region] / all : 0;
+  double Iou(size_t answer) const {
+    const double all = truth + size[answer] - shared[answer];
+    return all > 0 ? shared[answer] / all : 0;
+  }
+
+  void Add(const Sight& other) {
+    truth += other.truth;
+    for (size_t k = 0; k < size.size(); ++k) {
+      size[k] += other.size[k];
+      shared[k] += other.shared[k];
+    }
   }
 };
 
-// The IoUs of the object in each view, with the region that fits it best in all
-// of them together.
-std::vector<double> BestIous(const std::vector<Sight>& sights) {
-  Sight sum = sights[0];
-  for (size_t v = 1; v < sights.size(); ++v) {
-    sum.truth += sights[v].truth;
-    for (size_t r = 0; r < sum.size.size(); ++r) {
-      sum.size[r] += sights[v].size[r];
-      sum.shared[r] += sights[v].shared[r];
-    }
-  }
-  size_t best = 0;
-  for (size_t r = 1; r < sum.size.size(); ++r) {
-    if (sum.Iou(r) > sum.Iou(best)) best = r;
-  }
-  std::vector<double> ious;
-  for (const Sight& sight : sights) ious.push_back(sight.Iou(best));
-  return ious;
-}
+using ViewFn = FunctionRef<Status(const JudgedView&)>;
 
-}  // namespace
+// What is the same for all renderings of a measurement.
+struct Judgement {
+  const WorkspaceScene& scene;
+  const GroundTruth& truth;
+  const std::vector<View> views;
+  const CancellationToken& cancellation;
+  ThreadPool& pool;
 
-StatusOr<std::optional<double>> MeasureBestLevels(
-    const WorkspaceScene& scene,
-    const semantics::Hierarchy& hierarchy,
-    const GroundTruth& truth,
-    const Sim3d& truth_from_scene,
-    const CancellationToken& cancellation,
-    ThreadPool& pool) {
+  Status ForEachView(std::span<const int32_t> labels, ViewFn body) const {
+    return ForEachJudgedView(
+        scene, labels, truth, views, kMaxMaskSide, cancellation, pool, body);
+  }
+};
+
+// Over all views together, how each object overlaps with each region.
+StatusOr<std::map<int, Sight>> LookAtRegions(
+    const Judgement& judgement, const semantics::Hierarchy& hierarchy) {
   const semantics::RegionTree& tree = hierarchy.tree;
-  std::map<int, std::vector<Sight>> sights;  // By object.
+  std::map<int, Sight> sights;
   const auto add_view = [&](const JudgedView& view) -> Status {
     for (const ImageU16& layer : view.truth) {
       FREEGS_ASSIGN_OR_RETURN(const semantics::InstanceOverlap overlap,
@@ -75,26 +81,146 @@ StatusOr<std::optional<double>> MeasureBestLevels(
              ++it) {
           shared[it->first.second] = static_cast<double>(it->second);
         }
-        sights[object].push_back(
-            {static_cast<double>(pixels), size, tree.Sums(shared)});
+        const Sight sight{static_cast<double>(pixels), size, tree.Sums(shared)};
+        const auto [it, is_new] = sights.try_emplace(object, sight);
+        if (!is_new) it->second.Add(sight);
       }
     }
     return Status();
   };
   FREEGS_RETURN_IF_ERROR(
-      ForEachJudgedView(scene,
-                        hierarchy.part_of_gaussian,
-                        truth,
-                        MapViews(truth.cameras.test, truth_from_scene),
-                        kMaxMaskSide,
-                        cancellation,
-                        pool,
-                        add_view));
+      judgement.ForEachView(hierarchy.part_of_gaussian, add_view));
+  return sights;
+}
+
+std::vector<int32_t> BestRegions(const Sight& sight) {
+  std::vector<int32_t> regions(sight.size.size());
+  std::iota(regions.begin(), regions.end(), 0);
+  const size_t count = std::min(regions.size(), kRenderedRegions);
+  std::partial_sort(regions.begin(),
+                    regions.begin() + static_cast<std::ptrdiff_t>(count),
+                    regions.end(),
+                    [&sight](int32_t a, int32_t b) {
+                      return std::pair(-sight.Iou(a), a) <
+                             std::pair(-sight.Iou(b), b);
+                    });
+  regions.resize(count);
+  return regions;
+}
+
+// How an object and one answer overlap, view by view and in all of them.
+struct Answer {
   std::vector<double> ious;
-  for (const auto& [object, of_object] : sights) {
-    if (hierarchy.part_pixels.empty()) break;
-    const std::vector<double> best = BestIous(of_object);
-    ious.insert(ious.end(), best.begin(), best.end());
+  Sight sum{0, {0}, {0}};
+};
+
+// Adds what one view shows, if it shows enough of the object.
+void AddView(const semantics::InstanceOverlap& overlap,
+             int object,
+             int32_t label,
+             Answer* answer) {
+  const auto truth = overlap.truth_pixels.find(object);
+  if (truth == overlap.truth_pixels.end() || truth->second < kMinMaskPixels) {
+    return;
+  }
+  const auto size = overlap.instance_pixels.find(label);
+  const auto shared = overlap.shared_pixels.find({object, label});
+  const Sight sight{static_cast<double>(truth->second),
+                    {size == overlap.instance_pixels.end()
+                         ? 0
+                         : static_cast<double>(size->second)},
+                    {shared == overlap.shared_pixels.end()
+                         ? 0
+                         : static_cast<double>(shared->second)}};
+  answer->ious.push_back(sight.Iou(0));
+  answer->sum.Add(sight);
+}
+
+// The region of the hierarchy, in front of all instances.
+StatusOr<Answer> AnswerOf(const Judgement& judgement,
+                          std::span<const int32_t> instance_of_gaussian,
+                          const semantics::Hierarchy& hierarchy,
+                          int object,
+                          int32_t region) {
+  std::vector<int32_t> labels(instance_of_gaussian.begin(),
+                              instance_of_gaussian.end());
+  const int32_t label =
+      labels.empty() ? 0 : *std::max_element(labels.begin(), labels.end()) + 1;
+  const std::vector<uint8_t> inside = semantics::GaussiansOf(hierarchy, region);
+  for (size_t g = 0; g < labels.size(); ++g) {
+    if (inside[g] != 0) labels[g] = label;
+  }
+  Answer answer;
+  const auto add_view = [&](const JudgedView& view) -> Status {
+    for (const ImageU16& layer : view.truth) {
+      FREEGS_ASSIGN_OR_RETURN(const semantics::InstanceOverlap overlap,
+                              semantics::CountOverlap(layer, view.rendered));
+      AddView(overlap, object, label, &answer);
+    }
+    return Status();
+  };
+  FREEGS_RETURN_IF_ERROR(judgement.ForEachView(labels, add_view));
+  return answer;
+}
+
+// For each object the instance of the highest IoU over all views together.
+StatusOr<std::map<int, Answer>> BestInstances(
+    const Judgement& judgement, std::span<const int32_t> instance_of_gaussian) {
+  std::vector<semantics::InstanceOverlap> overlaps;
+  semantics::InstanceOverlap sum;
+  const auto add_view = [&](const JudgedView& view) -> Status {
+    for (const ImageU16& layer : view.truth) {
+      FREEGS_ASSIGN_OR_RETURN(semantics::InstanceOverlap overlap,
+                              semantics::CountOverlap(layer, view.rendered));
+      overlaps.push_back(overlap);
+      // Every layer counts the pixels of all instances; they must enter the
+      // sum only once.
+      if (&layer != &view.truth.front()) overlap.instance_pixels.clear();
+      sum.Add(overlap);
+    }
+    return Status();
+  };
+  FREEGS_RETURN_IF_ERROR(judgement.ForEachView(instance_of_gaussian, add_view));
+  std::map<int, Answer> answers;
+  for (const auto& [object, pixels] : sum.truth_pixels) {
+    const auto match = semantics::BestMatch(sum, object);
+    for (const semantics::InstanceOverlap& overlap : overlaps) {
+      AddView(overlap, object, match ? match->instance : -1, &answers[object]);
+    }
+  }
+  return answers;
+}
+
+}  // namespace
+
+StatusOr<std::optional<double>> MeasureBestLevels(
+    const WorkspaceScene& scene,
+    std::span<const int32_t> instance_of_gaussian,
+    const semantics::Hierarchy& hierarchy,
+    const GroundTruth& truth,
+    const Sim3d& truth_from_scene,
+    const CancellationToken& cancellation,
+    ThreadPool& pool) {
+  const Judgement judgement{scene,
+                            truth,
+                            MapViews(truth.cameras.test, truth_from_scene),
+                            cancellation,
+                            pool};
+  FREEGS_ASSIGN_OR_RETURN(const auto sights,
+                          LookAtRegions(judgement, hierarchy));
+  FREEGS_ASSIGN_OR_RETURN(auto answers,
+                          BestInstances(judgement, instance_of_gaussian));
+  std::vector<double> ious;
+  for (auto& [object, best] : answers) {
+    const auto sight = sights.find(object);
+    if (sight == sights.end()) continue;  // Too small in every view.
+    for (const int32_t region : BestRegions(sight->second)) {
+      FREEGS_ASSIGN_OR_RETURN(
+          Answer answer,
+          AnswerOf(judgement, instance_of_gaussian, hierarchy, object, region));
+      if (answer.sum.Iou(0) > best.sum.Iou(0)) best = std::move(answer);
+    }
+    ious.insert(ious.end(), best.ious.begin(), best.ious.end());
   }
   return MeanOrNothing(ious);
 }

@@ -5,7 +5,9 @@
 #ifndef FREEGS_STAGES_EVALUATION_LEVEL_EVALUATION_H_
 #define FREEGS_STAGES_EVALUATION_LEVEL_EVALUATION_H_
 
+#include <cstdint>
 #include <optional>
+#include <span>
 
 #include "core/cancellation.h"
 #include "core/parallel.h"
@@ -17,12 +19,16 @@
 namespace freegs::stages {
 
 // The mean IoU over all pairs of view and object, as in
-// InstanceQuality::instance_miou. Each object is compared with one region of
-// the hierarchy, in all views: that of the highest IoU over all of them
-// together. Nothing when the truth has no masks of test views. The errors are
-// those of ForEachJudgedView.
+// InstanceQuality::instance_miou. Each object is compared with one answer in
+// all views: an instance or a region of the hierarchy, whichever has the
+// highest IoU over all views together. The mask of a region is the one that
+// `query --wider` and `--narrower` give, the pixels that show more of it than
+// of any instance beside it. `instance_of_gaussian`: negative for none. Nothing
+// when the truth has no masks of test views. The errors are those of
+// ForEachJudgedView.
 StatusOr<std::optional<double>> MeasureBestLevels(
     const WorkspaceScene& scene,
+    std::span<const int32_t> instance_of_gaussian,
     const semantics::Hierarchy& hierarchy,
     const GroundTruth& truth,
     const Sim3d& truth_from_scene,
