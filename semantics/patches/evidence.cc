@@ -9,21 +9,26 @@ namespace freegs::semantics {
 namespace {
 
 constexpr double kColorNoise = 2.5e-3;  // Variance, L*a*b* / 100.
+// Distances of histograms at which likeness has fallen to 1 / e.
+constexpr double kAlike = 0.15;
+constexpr double kAlikeAb = 0.05;
 
+// Of the channels from `first` on.
 double HistogramDistance(const ColorHistogram& a,
                          double pixels_a,
                          const ColorHistogram& b,
-                         double pixels_b) {
+                         double pixels_b,
+                         size_t first = 0) {
   if (!(pixels_a > 0) || !(pixels_b > 0)) return 0;
   double sum = 0;
-  for (size_t c = 0; c < 3; ++c) {
+  for (size_t c = first; c < a.size(); ++c) {
     for (size_t k = 0; k < kColorBins; ++k) {
       const double p = a[c][k] / pixels_a;
       const double q = b[c][k] / pixels_b;
       if (p + q > 0) sum += (p - q) * (p - q) / (p + q);
     }
   }
-  return sum / 6;
+  return sum / 2 / static_cast<double>(a.size() - first);
 }
 
 }  // namespace
@@ -45,6 +50,7 @@ Evidence MeasureEvidence(const RegionStats& first,
   }
   if (seen + contact.hidden > 0) {
     e[kHidden] = static_cast<float>(contact.hidden / (seen + contact.hidden));
+    e[kRelief] = static_cast<float>(contact.relief / (seen + contact.hidden));
   }
   if (a.pixels > 0 && b.pixels > 0) {
     const Eigen::Vector3d mean_a = a.color / a.pixels;
@@ -59,6 +65,10 @@ Evidence MeasureEvidence(const RegionStats& first,
         difference2 / (difference2 + variance_a + variance_b + kColorNoise));
     e[kHistogram] = static_cast<float>(
         HistogramDistance(a.histogram, a.pixels, b.histogram, b.pixels));
+    e[kLikeness] = std::exp(static_cast<float>(-e[kHistogram] / kAlike));
+    e[kLikenessAb] = std::exp(static_cast<float>(
+        -HistogramDistance(a.histogram, a.pixels, b.histogram, b.pixels, 1) /
+        kAlikeAb));
     e[kContext] = static_cast<float>(HistogramDistance(
         a.context, a.context_pixels, b.context, b.context_pixels));
     e[kSpread] = static_cast<float>(std::min(

@@ -20,10 +20,13 @@ enum EvidenceKind : size_t {
   kStep,           // Difference of colour across the boundary.
   kContext,        // Distance of the colour histograms around the regions.
   kDepthStep,      // Steps of depth along the boundary.
+  kRelief,         // The same, of planes fitted to both sides of it.
   kHidden,         // Share of it where one region hides the other.
   kColor,          // Difference of the mean colours.
   kColorContrast,  // The same, relative to the spread of colours.
   kHistogram,      // Distance of the regions' own colour histograms.
+  kLikeness,       // exp(-kHistogram / 0.15): differences beyond count alike.
+  kLikenessAb,     // The same, of a and b alone: light and shade do not count.
   kSpread,         // Difference of the spreads of colours.
   kConcave,        // Crease that is concave, as where things touch.
   kConvex,         // Crease that is convex, as on a box.
@@ -41,12 +44,12 @@ enum EvidenceKind : size_t {
 
 // Names in files, in this order.
 inline constexpr std::array<const char*, kNumEvidences> kEvidenceNames = {
-    "contrast_near", "contrast_far", "step",      "context",
-    "depth_step",    "hidden",       "color",     "color_contrast",
-    "histogram",     "spread",       "concave",   "convex",
-    "bend",          "interleaved",  "enclosed",  "size",
-    "flat_small",    "flat_large",   "flat_both", "off_plane",
-    "semantics"};
+    "contrast_near",  "contrast_far", "step",      "context",
+    "depth_step",     "relief",       "hidden",    "color",
+    "color_contrast", "histogram",    "likeness",  "likeness_ab",
+    "spread",         "concave",      "convex",    "bend",
+    "interleaved",    "enclosed",     "size",      "flat_small",
+    "flat_large",     "flat_both",    "off_plane", "semantics"};
 
 using Evidence = std::array<float, kNumEvidences>;
 

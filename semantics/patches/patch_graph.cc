@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "semantics/patches/local_contrast.h"
+#include "semantics/patches/local_relief.h"
 
 namespace freegs::semantics {
 namespace {
@@ -24,6 +25,9 @@ constexpr double kDepthJump = 1;
 constexpr int kReferenceSide = 400;
 constexpr double kNearReach = 3;
 constexpr double kFarReach = 8;
+constexpr double kReliefReach = 4;
+// Of cameras that all stand in one place, which see no depth.
+constexpr double kNothingKnown = 1e9;
 // The context of a patch reaches over so many neighbours.
 constexpr int kContextSteps = 2;
 // Normals and positions at creases are means over patches so many steps around,
@@ -101,6 +105,36 @@ Eigen::Vector3d RowOf3(std::span<const float> rows, size_t i) {
   return {rows[i * 3], rows[i * 3 + 1], rows[i * 3 + 2]};
 }
 
+// The mean inverse depth that each pixel shows, in 1 / world units, 0 where the
+// Gaussians have less than half of its weight.
+ImageF InverseDepths(const splat::WeightMatrix& weights,
+                     const splat::GaussianModel& model,
+                     const View& view,
+                     ThreadPool& pool) {
+  std::vector<float> of_gaussian(model.size());
+  for (size_t g = 0; g < model.size(); ++g) {
+    const double z = (view.cam_from_world * RowOf3(model.means, g)).z();
+    of_gaussian[g] = z > 0 ? static_cast<float>(1 / z) : 0.0f;
+  }
+  const int width = weights.width;
+  ImageF image(width, weights.height, 1);
+  pool.ParallelFor(
+      0, weights.height, kPixelRowGrain, [&](int64_t first, int64_t last, int) {
+        for (int64_t p = first * width; p < last * width; ++p) {
+          float sum = 0;
+          float total = 0;
+          for (uint32_t e = weights.pixel_begin[p];
+               e < weights.pixel_begin[p + 1];
+               ++e) {
+            sum += weights.weights[e] * of_gaussian[weights.gaussians[e]];
+            total += weights.weights[e];
+          }
+          image.data()[p] = total >= kMinPixelWeight ? sum / total : 0.0f;
+        }
+      });
+  return image;
+}
+
 }  // namespace
 
 Image<int32_t> PatchOfPixels(const splat::WeightMatrix& weights,
@@ -132,12 +166,14 @@ PatchGraphBuilder::PatchGraphBuilder(const splat::GaussianModel& model,
                                      std::vector<int32_t> patch_of_gaussian,
                                      std::vector<float> normals,
                                      std::vector<float> size_of_patch,
-                                     std::vector<float> depth_scale)
+                                     std::vector<float> depth_scale,
+                                     double baseline)
     : model_(model),
       patch_of_gaussian_(std::move(patch_of_gaussian)),
       normals_(std::move(normals)),
       size_of_patch_(std::move(size_of_patch)),
       depth_scale_(std::move(depth_scale)),
+      baseline_(baseline),
       seen_(model.size(), 0.0),
       towards_camera_(size_of_patch_.size(), Eigen::Vector3d::Zero()),
       middle_(size_of_patch_.size(), Eigen::Vector3d::Zero()),
@@ -227,8 +263,13 @@ Status PatchGraphBuilder::AddView(const splat::WeightMatrix& weights,
     }
   });
   const PatchDepths depths(*this, view);
+  // What one pixel of parallax amounts to.
+  const double unsure =
+      baseline_ > 0 ? 1 / (view.camera.fx * baseline_) : kNothingKnown;
+  const LocalRelief relief(InverseDepths(weights, model_, view, pool), unsure);
   const int near = Reach(kNearReach, photo);
   const int far = Reach(kFarReach, photo);
+  const int relief_reach = Reach(kReliefReach, photo);
   std::vector<std::vector<Crossing>> crossings(height);
   pool.ParallelFor(
       0, height, kPixelRowGrain, [&](int64_t first, int64_t last, int) {
@@ -248,6 +289,8 @@ Status PatchGraphBuilder::AddView(const splat::WeightMatrix& weights,
               std::tie(crossing.a, crossing.b) = std::minmax(here, next);
               const double step = depths.Step(
                   here, next, 0.5 * (x + nx) + 0.5, 0.5 * (y + ny) + 0.5);
+              crossing.stats.relief =
+                  relief.Step(x, y, horizontal, relief_reach);
               if (step > kDepthJump) {
                 crossing.stats.hidden = 1;
               } else {

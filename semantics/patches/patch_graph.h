@@ -37,12 +37,14 @@ class PatchGraphBuilder {
   // patch_of_gaussian: for each Gaussian of the model, -1 for none.
   // normals: of each Gaussian, N x 3, of any sign. size_of_patch: the usual
   // extent of each patch in world units. depth_scale: depths that differ by
-  // less than this say nothing. The model must outlive the builder.
+  // less than this say nothing. baseline: how far apart the cameras stand,
+  // world units. The model must outlive the builder.
   PatchGraphBuilder(const splat::GaussianModel& model,
                     std::vector<int32_t> patch_of_gaussian,
                     std::vector<float> normals,
                     std::vector<float> size_of_patch,
-                    std::vector<float> depth_scale);
+                    std::vector<float> depth_scale,
+                    double baseline);
 
   // photo: RGB in [0, 1]. Weights, photo and the view's camera have the same
   // size; kInvalidArgument if they do not. The result does not depend on the
@@ -81,6 +83,7 @@ class PatchGraphBuilder {
   std::vector<float> normals_;
   std::vector<float> size_of_patch_;
   std::vector<float> depth_scale_;
+  double baseline_;
   std::vector<double> seen_;  // Sum of the weights of each Gaussian.
   std::vector<Eigen::Vector3d> towards_camera_;  // Of each patch.
   std::vector<Eigen::Vector3d> middle_;          // Mean position of each patch.

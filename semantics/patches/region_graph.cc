@@ -56,6 +56,7 @@ void ContactStats::Add(const ContactStats& other) {
   contrast_far += other.contrast_far;
   difference += other.difference;
   depth_step += other.depth_step;
+  relief += other.relief;
   concavity += other.concavity;
   bend += other.bend;
 }

@@ -67,6 +67,9 @@ struct ContactStats {
   double difference = 0;     // Of colours, in the small window.
   double depth_step = 0;     // In sizes of patches.
 
+  // Sum over all pairs, `pixels` and `hidden`, of LocalRelief::Step.
+  double relief = 0;
+
   // Sums over `pixels` of what the two patches there have between them.
   double concavity = 0;  // Positive in a concave crease (Stein et al. 2014).
   double bend = 0;       // 1 - cosine between the normals.

@@ -27,6 +27,23 @@ constexpr double kPatchPixels = 8;
 constexpr int kNormalNeighbors = 16;
 constexpr double kDisparity = 3;  // Pixels.
 
+Eigen::Vector3d MeanCentre(std::span<const View> views) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const View& view : views) mean += CameraCentre(view.cam_from_world);
+  return mean / static_cast<double>(views.size());
+}
+
+// How far apart the cameras stand: twice the root mean squared distance from
+// their mean, world units.
+double Baseline(std::span<const View> views) {
+  const Eigen::Vector3d mean = MeanCentre(views);
+  double spread2 = 0;
+  for (const View& view : views) {
+    spread2 += (CameraCentre(view.cam_from_world) - mean).squaredNorm();
+  }
+  return 2 * std::sqrt(spread2 / static_cast<double>(views.size()));
+}
+
 // How far apart two patches must be for it to show: the size of the patch or,
 // where the cameras stand close together, the difference in depth that moves a
 // point by kDisparity pixels between them.
@@ -34,15 +51,8 @@ std::vector<float> DepthScale(const std::vector<float>& positions,
                               const Patches& patches,
                               const std::vector<float>& size_of_patch,
                               std::span<const View> views) {
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const View& view : views) mean += CameraCentre(view.cam_from_world);
-  mean /= static_cast<double>(views.size());
-  double spread2 = 0;
-  for (const View& view : views) {
-    spread2 += (CameraCentre(view.cam_from_world) - mean).squaredNorm();
-  }
-  const double baseline =
-      2 * std::sqrt(spread2 / static_cast<double>(views.size()));
+  const Eigen::Vector3d mean = MeanCentre(views);
+  const double baseline = Baseline(views);
   std::vector<Eigen::Vector3d> middle(patches.count, Eigen::Vector3d::Zero());
   std::vector<double> count(patches.count, 0.0);
   for (size_t i = 0; i < patches.patch_of_point.size(); ++i) {
@@ -109,7 +119,8 @@ StatusOr<ScenePatches> BuildScenePatches(
                             result.patch_of_gaussian,
                             std::move(normals),
                             std::move(size_of_patch),
-                            std::move(depth_scale));
+                            std::move(depth_scale),
+                            Baseline(views));
   for (size_t v = 0; v < chosen.size(); ++v) {
     if (cancellation != nullptr && cancellation->cancelled()) {
       return InterruptedError("comparing patches was interrupted");
