@@ -21,8 +21,10 @@ namespace freegs::semantics {
 struct EvidenceClusteringOptions {
   // 0 cuts where it is as likely as not that there are two things; 1 already
   // where that is e times less likely, which makes more and smaller instances,
-  // and -1 the other way round.
-  double granularity = 0;
+  // and -1 the other way round. Things in photographs vary more within
+  // themselves than the drawn ones that the evidence was learnt from, hence the
+  // default (docs/instances.md).
+  double granularity = -0.75;
 
   Status Check() const;
 };

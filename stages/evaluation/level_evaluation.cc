@@ -21,7 +21,7 @@ namespace {
 // they are chosen by are of the smallest parts, which differ a little from
 // those of whole regions: a pixel on an outline may show more of another part
 // than of any single part of the region.
-constexpr size_t kRenderedRegions = 3;
+constexpr size_t kRenderedRegions = 2;
 
 // The pixels of an object, and those that each answer has and shares with it.
 struct Sight {
