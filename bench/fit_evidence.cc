@@ -157,14 +157,21 @@ double Report(const std::vector<LearningScene>& scenes,
   return mean[kColumns / 2];
 }
 
+// mean_iou: of objects in the scenes it was judged on, if there were any.
 Status WriteModel(const LearntEvidence& learnt,
                   size_t num_scenes,
+                  size_t num_judged,
+                  double mean_iou,
                   const fs::path& path) {
   const EvidenceModel& model = learnt.model;
   std::ostringstream text;
   text << "{\n \"learnt_from\": {\"scenes\": " << num_scenes
-       << ", \"pairs\": " << learnt.num_examples
-       << "},\n \"bias\": " << model.bias << ",\n \"evidence\": [\n";
+       << ", \"pairs\": " << learnt.num_examples << "},\n";
+  if (num_judged > 0) {
+    text << " \"judged_on\": {\"scenes\": " << num_judged
+         << ", \"mean_iou\": " << mean_iou << "},\n";
+  }
+  text << " \"bias\": " << model.bias << ",\n \"evidence\": [\n";
   for (size_t k = 0; k < semantics::kNumEvidences; ++k) {
     text << "  {\"name\": \"" << semantics::kEvidenceNames[k]
          << "\", \"mean\": " << model.mean[k]
@@ -235,12 +242,14 @@ Status Learn(const Arguments& arguments) {
       LoadScenes(arguments.train, arguments.semantics, pool));
   const LearntEvidence learnt = LearnEvidence(
       taught, {arguments.without.begin(), arguments.without.end()}, pool);
-  if (!arguments.out.empty()) {
-    FREEGS_RETURN_IF_ERROR(WriteModel(learnt, taught.size(), arguments.out));
-  }
   Report(taught, learnt.model, arguments, pool);
+  const double all =
+      tested.empty() ? 0 : Report(tested, learnt.model, arguments, pool);
+  if (!arguments.out.empty()) {
+    FREEGS_RETURN_IF_ERROR(
+        WriteModel(learnt, taught.size(), tested.size(), all, arguments.out));
+  }
   if (tested.empty()) return Status();
-  const double all = Report(tested, learnt.model, arguments, pool);
   if (arguments.in_turn) {
     LeaveOutInTurn(learnt, tested, all, arguments, pool);
   }

@@ -27,40 +27,15 @@ ImageF ToLab(const ImageF& rgb) {
 }
 
 LocalContrast::LocalContrast(const ImageF& lab)
-    : width_(lab.width()),
-      height_(lab.height()),
-      table_(static_cast<size_t>(width_ + 1) * (height_ + 1)) {
-  for (int y = 0; y < height_; ++y) {
-    Sums line = {};
-    const Sums* above = table_.data() + static_cast<size_t>(y) * (width_ + 1);
-    Sums* here = table_.data() + static_cast<size_t>(y + 1) * (width_ + 1);
-    for (int x = 0; x < width_; ++x) {
-      for (int c = 0; c < 3; ++c) {
-        const double value = lab(x, y, c);
-        line[c] += value;
-        line[3 + c] += value * value;
-      }
-      for (int k = 0; k < kSums; ++k)
-        here[x + 1][k] = above[x + 1][k] + line[k];
-    }
-  }
-}
-
-int LocalContrast::Sum(int x0, int y0, int x1, int y1, Sums* sums) const {
-  x0 = std::clamp(x0, 0, width_);
-  x1 = std::clamp(x1, 0, width_);
-  y0 = std::clamp(y0, 0, height_);
-  y1 = std::clamp(y1, 0, height_);
-  const auto at = [this](int x, int y) -> const Sums& {
-    return table_[static_cast<size_t>(y) * (width_ + 1) + x];
-  };
-  const Sums& a = at(x0, y0);
-  const Sums& b = at(x1, y0);
-  const Sums& c = at(x0, y1);
-  const Sums& d = at(x1, y1);
-  for (int k = 0; k < kSums; ++k) (*sums)[k] = d[k] - b[k] - c[k] + a[k];
-  return (x1 - x0) * (y1 - y0);
-}
+    : table_(lab.width(), lab.height(), [&lab](int x, int y) {
+        SumTable<kSums>::Sums pixel;
+        for (int c = 0; c < 3; ++c) {
+          const double value = lab(x, y, c);
+          pixel[c] = value;
+          pixel[3 + c] = value * value;
+        }
+        return pixel;
+      }) {}
 
 LocalContrast::Step LocalContrast::Across(int x,
                                           int y,
@@ -69,18 +44,18 @@ LocalContrast::Step LocalContrast::Across(int x,
   Step strongest;
   const int half = (reach + 1) / 2;
   for (int shift = -1; shift <= 1; ++shift) {
-    Sums near;
-    Sums far;
+    SumTable<kSums>::Sums near;
+    SumTable<kSums>::Sums far;
     int num_near;
     int num_far;
     if (horizontal) {
       const int edge = x + 1 + shift;
-      num_near = Sum(edge - reach, y - half, edge, y + half + 1, &near);
-      num_far = Sum(edge, y - half, edge + reach, y + half + 1, &far);
+      num_near = table_.Sum(edge - reach, y - half, edge, y + half + 1, &near);
+      num_far = table_.Sum(edge, y - half, edge + reach, y + half + 1, &far);
     } else {
       const int edge = y + 1 + shift;
-      num_near = Sum(x - half, edge - reach, x + half + 1, edge, &near);
-      num_far = Sum(x - half, edge, x + half + 1, edge + reach, &far);
+      num_near = table_.Sum(x - half, edge - reach, x + half + 1, edge, &near);
+      num_far = table_.Sum(x - half, edge, x + half + 1, edge + reach, &far);
     }
     if (num_near <= 0 || num_far <= 0) continue;
     double difference2 = 0;

@@ -4,10 +4,10 @@
 #ifndef FREEGS_SEMANTICS_PATCHES_LOCAL_CONTRAST_H_
 #define FREEGS_SEMANTICS_PATCHES_LOCAL_CONTRAST_H_
 
-#include <array>
-#include <vector>
+#include <cstddef>
 
 #include "core/image.h"
+#include "semantics/patches/sum_table.h"
 
 namespace freegs::semantics {
 
@@ -37,16 +37,9 @@ class LocalContrast {
   Step Across(int x, int y, bool horizontal, int reach) const;
 
  private:
-  static constexpr int kSums = 6;  // Of three channels and their squares.
-  using Sums = std::array<double, kSums>;
+  static constexpr size_t kSums = 6;  // Of three channels and their squares.
 
-  // Sums over the pixels x0 <= x < x1, y0 <= y < y1, clipped to the image;
-  // returns how many these are.
-  int Sum(int x0, int y0, int x1, int y1, Sums* sums) const;
-
-  int width_;
-  int height_;
-  std::vector<Sums> table_;  // (width + 1) x (height + 1).
+  SumTable<kSums> table_;
 };
 
 }  // namespace freegs::semantics

@@ -13,7 +13,8 @@ namespace {
 constexpr double kMinPixels = 6;
 // Pixels beside the boundary blend both sides and are left out.
 constexpr int kGap = 1;
-// Added to the variance of pixels, so that narrow windows have moderate slopes.
+// Added to the variance of pixels' places, so that slopes of narrow windows are
+// moderate. What is seen at a grazing angle keeps a small step by this.
 constexpr double kRidge = 0.1;
 // Differences of depth that say nothing, as a share of it.
 constexpr double kDepthNoise = 0.01;
@@ -56,59 +57,29 @@ std::optional<Fit> FitPlane(const std::array<double, 10>& sums) {
 }  // namespace
 
 LocalRelief::LocalRelief(const ImageF& inverse_depth, double noise)
-    : width_(inverse_depth.width()),
-      height_(inverse_depth.height()),
-      noise_(noise),
-      table_(static_cast<size_t>(width_ + 1) * (height_ + 1)) {
-  for (int y = 0; y < height_; ++y) {
-    Sums line = {};
-    const Sums* above = table_.data() + static_cast<size_t>(y) * (width_ + 1);
-    Sums* here = table_.data() + static_cast<size_t>(y + 1) * (width_ + 1);
-    for (int x = 0; x < width_; ++x) {
-      const double d = inverse_depth(x, y);
-      if (d > 0) {
-        const Sums pixel = {1,
-                            1.0 * x,
-                            1.0 * y,
-                            d,
-                            1.0 * x * x,
-                            1.0 * x * y,
-                            1.0 * y * y,
-                            x * d,
-                            y * d,
-                            d * d};
-        for (int k = 0; k < kSums; ++k) line[k] += pixel[k];
-      }
-      for (int k = 0; k < kSums; ++k) {
-        here[x + 1][k] = above[x + 1][k] + line[k];
-      }
-    }
-  }
-}
-
-LocalRelief::Sums LocalRelief::Sum(int x0, int y0, int x1, int y1) const {
-  x0 = std::clamp(x0, 0, width_);
-  x1 = std::clamp(x1, 0, width_);
-  y0 = std::clamp(y0, 0, height_);
-  y1 = std::clamp(y1, 0, height_);
-  const auto at = [this](int x, int y) -> const Sums& {
-    return table_[static_cast<size_t>(y) * (width_ + 1) + x];
-  };
-  const Sums& a = at(x0, y0);
-  const Sums& b = at(x1, y0);
-  const Sums& c = at(x0, y1);
-  const Sums& d = at(x1, y1);
-  Sums sums;
-  for (int k = 0; k < kSums; ++k) sums[k] = d[k] - b[k] - c[k] + a[k];
-  return sums;
-}
+    : table_(inverse_depth.width(),
+             inverse_depth.height(),
+             [&inverse_depth](int x, int y) {
+               const double d = inverse_depth(x, y);
+               if (!(d > 0)) return SumTable<kSums>::Sums{};
+               const double u = x;
+               const double v = y;
+               return SumTable<kSums>::Sums{
+                   1, u, v, d, u * u, u * v, v * v, u * d, v * d, d * d};
+             }),
+      noise_(noise) {}
 
 double LocalRelief::Step(int x, int y, bool horizontal, int reach) const {
   const int half = (reach + 1) / 2;
   const int edge = (horizontal ? x : y) + 1;
   const auto window = [&](int begin, int end) {
-    return FitPlane(horizontal ? Sum(begin, y - half, end, y + half + 1)
-                               : Sum(x - half, begin, x + half + 1, end));
+    SumTable<kSums>::Sums sums;
+    if (horizontal) {
+      table_.Sum(begin, y - half, end, y + half + 1, &sums);
+    } else {
+      table_.Sum(x - half, begin, x + half + 1, end, &sums);
+    }
+    return FitPlane(sums);
   };
   const auto a = window(edge - kGap - reach, edge - kGap);
   const auto b = window(edge + kGap, edge + kGap + reach);

@@ -5,10 +5,10 @@
 #ifndef FREEGS_SEMANTICS_PATCHES_LOCAL_RELIEF_H_
 #define FREEGS_SEMANTICS_PATCHES_LOCAL_RELIEF_H_
 
-#include <array>
-#include <vector>
+#include <cstddef>
 
 #include "core/image.h"
+#include "semantics/patches/sum_table.h"
 
 namespace freegs::semantics {
 
@@ -30,15 +30,10 @@ class LocalRelief {
 
  private:
   // Number, x, y, d, x x, x y, y y, x d, y d, d d.
-  static constexpr int kSums = 10;
-  using Sums = std::array<double, kSums>;
+  static constexpr size_t kSums = 10;
 
-  Sums Sum(int x0, int y0, int x1, int y1) const;
-
-  int width_;
-  int height_;
+  SumTable<kSums> table_;
   double noise_;
-  std::vector<Sums> table_;  // (width + 1) x (height + 1).
 };
 
 }  // namespace freegs::semantics
