@@ -26,7 +26,8 @@ constexpr int kReferenceSide = 400;
 constexpr double kNearReach = 3;
 constexpr double kFarReach = 8;
 constexpr double kReliefReach = 4;
-// Of cameras that all stand in one place, which see no depth.
+// The inverse depth, in 1 / world units, that cameras are unsure of when they
+// all stand in one place: they see no depth at all.
 constexpr double kNothingKnown = 1e9;
 // The context of a patch reaches over so many neighbours.
 constexpr int kContextSteps = 2;
