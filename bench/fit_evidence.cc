@@ -93,7 +93,7 @@ double Report(const std::vector<LearningScene>& scenes,
               const EvidenceModel& model,
               const Arguments& arguments,
               ThreadPool& pool) {
-  constexpr double kGranularities[] = {-2, -1, -0.5, 0, 0.5, 1, 2};
+  constexpr double kGranularities[] = {-1, -0.5, -0.3, 0, 0.3, 0.5, 1};
   constexpr size_t kColumns = std::size(kGranularities);
   struct Row {
     semantics::Hierarchy hierarchy;
@@ -196,7 +196,8 @@ void LeaveOutInTurn(const LearntEvidence& learnt,
                                   arguments.without.end());
     if (!without.insert(name).second) continue;
     std::printf("without %s\n", name);
-    const EvidenceModel model = FitEvidence(learnt.share, without, pool);
+    const EvidenceModel model = Calibrated(
+        FitEvidence(learnt.share, without, pool), learnt.calibration);
     means.emplace_back(name, Report(tested, model, arguments, pool));
   }
   std::printf("\n%-16s  mean IoU  difference\n%-16s  %8.3f\n",
@@ -242,6 +243,9 @@ Status Learn(const Arguments& arguments) {
       LoadScenes(arguments.train, arguments.semantics, pool));
   const LearntEvidence learnt = LearnEvidence(
       taught, {arguments.without.begin(), arguments.without.end()}, pool);
+  std::printf("log-odds are %.3f * height %+.3f\n",
+              learnt.calibration.slope,
+              learnt.calibration.offset);
   Report(taught, learnt.model, arguments, pool);
   const double all =
       tested.empty() ? 0 : Report(tested, learnt.model, arguments, pool);

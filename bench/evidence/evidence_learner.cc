@@ -23,15 +23,6 @@ constexpr int kRounds = 3;
 constexpr int kNewtonSteps = 8;
 // More examples than this tell little more; an even share of them is taken.
 constexpr size_t kMaxExamples = 200000;
-// A region is of a true segment if this share of its pixels is.
-constexpr double kPure = 0.65;
-
-int TrueSegment(const std::map<int, double>& votes, double pixels) {
-  for (const auto& [id, count] : votes) {
-    if (pixels > 0 && count >= kPure * pixels) return id;
-  }
-  return -1;
-}
 
 // Adds the pairs of a scene that the difference leads to.
 void Collect(const LearningScene& scene,
@@ -139,9 +130,11 @@ EvidenceModel FitEvidence(std::span<const Example> examples,
   return model;
 }
 
-LearntEvidence LearnEvidence(std::span<const LearningScene> scenes,
-                             const std::set<std::string>& without,
-                             ThreadPool& pool) {
+namespace {
+
+LearntEvidence LearnWeights(std::span<const LearningScene> scenes,
+                            const std::set<std::string>& without,
+                            ThreadPool& pool) {
   LearntEvidence learnt;
   std::vector<Example> examples;
   for (int round = 0; round < kRounds; ++round) {
@@ -175,6 +168,28 @@ LearntEvidence LearnEvidence(std::span<const LearningScene> scenes,
     learnt.share = std::move(share);
   }
   learnt.num_examples = examples.size();
+  return learnt;
+}
+
+}  // namespace
+
+LearntEvidence LearnEvidence(std::span<const LearningScene> scenes,
+                             const std::set<std::string>& without,
+                             ThreadPool& pool) {
+  LearntEvidence learnt = LearnWeights(scenes, without, pool);
+  const std::span<const LearningScene> halves[] = {
+      scenes.first(scenes.size() / 2), scenes.subspan(scenes.size() / 2)};
+  std::vector<JudgedMerge> merges;
+  for (const int half : {0, 1}) {
+    if (halves[half].empty()) continue;
+    const EvidenceModel model = LearnWeights(halves[half], without, pool).model;
+    for (const LearningScene& scene : halves[1 - half]) {
+      const std::vector<JudgedMerge> more = JudgeMerges(scene, model);
+      merges.insert(merges.end(), more.begin(), more.end());
+    }
+  }
+  learnt.calibration = FitCalibration(merges);
+  learnt.model = Calibrated(learnt.model, learnt.calibration);
   return learnt;
 }
 

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/evidence/calibration.h"
 #include "bench/evidence/learning_scene.h"
 #include "core/parallel.h"
 #include "semantics/patches/evidence.h"
@@ -25,7 +26,8 @@ struct Example {
 };
 
 struct LearntEvidence {
-  semantics::EvidenceModel model;
+  semantics::EvidenceModel model;  // Calibrated.
+  Calibration calibration;
   size_t num_examples = 0;
   std::vector<Example> share;  // Those of them that the model was fitted to.
 };
@@ -33,14 +35,16 @@ struct LearntEvidence {
 // Merges each scene's patches several times, as the model of the round before
 // says: once only as far as the truth allows and, from the second round on,
 // once as its own mistakes lead (Nunez-Iglesias et al. 2013). Every pair that
-// is asked about on the way is an example for a logistic regression. The same
-// scenes give the same model for any number of threads. `without` names
-// evidence that gets no weight.
+// is asked about on the way is an example for a logistic regression. The height
+// of a merge is the largest of many differences, so it overstates the odds;
+// merges in each half of the scenes, by what was learnt from the other half,
+// say by how much. The same scenes give the same model for any number of
+// threads. `without` names evidence that gets no weight.
 LearntEvidence LearnEvidence(std::span<const LearningScene> scenes,
                              const std::set<std::string>& without,
                              ThreadPool& pool);
 
-// The regression alone.
+// The regression alone, not calibrated.
 semantics::EvidenceModel FitEvidence(std::span<const Example> examples,
                                      const std::set<std::string>& without,
                                      ThreadPool& pool);

@@ -19,6 +19,8 @@ namespace fs = std::filesystem;
 
 constexpr double kMinOpacity = 0.1;
 constexpr size_t kMaxPictures = 3;
+// A region is of a true segment if this share of its pixels is.
+constexpr double kPure = 0.65;
 
 // The true segments of a view: (number, mask).
 using Masks = std::vector<std::pair<int, ImageU8>>;
@@ -86,6 +88,13 @@ void CountVotes(const Image<int32_t>& patches,
 }
 
 }  // namespace
+
+int TrueSegment(const std::map<int, double>& votes, double pixels) {
+  for (const auto& [id, count] : votes) {
+    if (pixels > 0 && count >= kPure * pixels) return id;
+  }
+  return -1;
+}
 
 StatusOr<LearningScene> LoadLearningScene(const fs::path& workspace,
                                           const fs::path& truth,

@@ -37,6 +37,9 @@ struct LearningScene {
   std::vector<std::pair<std::string, Image<int32_t>>> pictures;
 };
 
+// The segment that most of a region's pixels are of, -1 if it is of none.
+int TrueSegment(const std::map<int, double>& votes, double pixels);
+
 // truth: a folder of freegs_make_scene, or one with test_mask/VIEW/LABEL.png.
 // with_semantics: patches get the vectors of the workspace's
 // bootstrap/idsf.bin.

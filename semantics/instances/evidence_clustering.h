@@ -19,12 +19,12 @@
 namespace freegs::semantics {
 
 struct EvidenceClusteringOptions {
-  // 0 cuts where it is as likely as not that there are two things; 1 already
-  // where that is e times less likely, which makes more and smaller instances,
-  // and -1 the other way round. Things in photographs vary more within
-  // themselves than the drawn ones that the evidence was learnt from, hence the
-  // default (docs/instances.md).
-  double granularity = -0.75;
+  // What counts as even odds of being two things: 0 takes the log-odds as they
+  // are; with 1 those that are e times less likely do, which makes more and
+  // smaller instances, and with -1 those that are e times more likely. Things
+  // in photographs vary more within themselves than the drawn ones that the
+  // evidence was learnt from, hence the default (docs/instances.md).
+  double granularity = -0.3;
 
   Status Check() const;
 };

@@ -13,7 +13,7 @@ namespace {
 constexpr double kLevelRatio = 1.25;
 
 std::vector<int32_t> RegionsAt(const Hierarchy& hierarchy, double granularity) {
-  return hierarchy.tree.Cut(
+  return hierarchy.tree.WholeThings(
       -granularity, hierarchy.part_pixels, hierarchy.CrumbSize());
 }
 

@@ -36,8 +36,9 @@ struct Hierarchy {
   bool IsCrumb(double pixels) const { return !(pixels > CrumbSize()); }
 };
 
-// The regions at a granularity: 0 cuts where it is as likely as not that there
-// are two things, larger numbers give more and smaller regions.
+// The regions that are most surely whole things at a granularity
+// (RegionTree::WholeThings): 0 takes the heights as they are, larger numbers
+// give more and smaller regions.
 struct HierarchyCut {
   std::vector<int32_t> region_of_part;  // Of each leaf; -1 if hardly seen.
   // Labels 0 .. n - 1, by descending number of Gaussians; -1 for none.

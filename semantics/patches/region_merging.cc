@@ -110,6 +110,50 @@ class RegionMerger {
   RegionTree tree_;
 };
 
+double Probability(double log_odds) { return 1 / (1 + std::exp(-log_odds)); }
+
+// For each region, whether it is as likely to be a whole thing as the best of
+// what it falls into. See RegionTree::WholeThings.
+std::vector<uint8_t> AreWhole(const RegionTree& tree,
+                              const std::vector<double>& sizes,
+                              double even,
+                              double min_size) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const auto num_regions = static_cast<int32_t>(sizes.size());
+  const auto is_crumb = [&](int32_t r) { return sizes[r] < min_size; };
+  const auto merge_of = [&](int32_t r) {
+    return tree.merges[r - tree.num_leaves];
+  };
+  // Heights at which each region was joined from its parts and to another;
+  // crumbs do not count.
+  std::vector<double> from(num_regions, -kInfinity);
+  std::vector<double> to(num_regions, kInfinity);
+  for (int32_t r = tree.num_leaves; r < num_regions; ++r) {
+    const RegionTree::Merge merge = merge_of(r);
+    from[r] = is_crumb(merge.a) || is_crumb(merge.b)
+                  ? std::max(from[merge.a], from[merge.b])
+                  : merge.height;
+  }
+  for (int32_t r = num_regions; r-- > tree.num_leaves;) {
+    const RegionTree::Merge merge = merge_of(r);
+    to[merge.a] = is_crumb(merge.b) ? to[r] : merge.height;
+    to[merge.b] = is_crumb(merge.a) ? to[r] : merge.height;
+  }
+  // The largest sum within each region.
+  std::vector<double> best(num_regions, 0.0);
+  std::vector<uint8_t> is_whole(num_regions);
+  for (int32_t r = 0; r < num_regions; ++r) {
+    const double whole = is_crumb(r) ? 0
+                                     : sizes[r] * Probability(even - from[r]) *
+                                           Probability(to[r] - even);
+    const double parts =
+        r < tree.num_leaves ? 0 : best[merge_of(r).a] + best[merge_of(r).b];
+    is_whole[r] = whole >= parts ? 1 : 0;
+    best[r] = std::max(whole, parts);
+  }
+  return is_whole;
+}
+
 }  // namespace
 
 std::vector<double> RegionTree::Sums(std::span<const double> of_leaves) const {
@@ -121,28 +165,37 @@ std::vector<double> RegionTree::Sums(std::span<const double> of_leaves) const {
 }
 
 std::vector<int32_t> RegionTree::Cut(double height) const {
-  return Cut(height, std::vector<double>(num_leaves, 0.0), 0);
+  const auto num_regions = static_cast<int32_t>(num_leaves + merges.size());
+  std::vector<int32_t> top(num_regions, -1);
+  for (int32_t r = num_regions; r-- > 0;) {
+    if (top[r] < 0) top[r] = r;
+    if (r < num_leaves) continue;
+    const Merge& merge = merges[r - num_leaves];
+    if (merge.height <= height) top[merge.a] = top[merge.b] = top[r];
+  }
+  top.resize(num_leaves);
+  return top;
 }
 
-std::vector<int32_t> RegionTree::Cut(double height,
-                                     std::span<const double> leaf_sizes,
-                                     double min_size) const {
+std::vector<int32_t> RegionTree::WholeThings(double height,
+                                             std::span<const double> leaf_sizes,
+                                             double min_size) const {
   const std::vector<double> sizes = Sums(leaf_sizes);
   const auto num_regions = static_cast<int32_t>(sizes.size());
-  // The region of the cut that the largest part of each region is in or has.
+  const std::vector<uint8_t> is_whole =
+      AreWhole(*this, sizes, height, min_size);
+  // The whole thing that the largest part of each region is in or has.
   std::vector<int32_t> main(num_regions);
   for (int32_t r = 0; r < num_regions; ++r) {
     main[r] = r;
-    if (r < num_leaves) continue;
+    if (is_whole[r] != 0) continue;
     const Merge& merge = merges[r - num_leaves];
-    if (merge.height > height) {
-      main[r] = main[sizes[merge.a] < sizes[merge.b] ? merge.b : merge.a];
-    }
+    main[r] = main[sizes[merge.a] < sizes[merge.b] ? merge.b : merge.a];
   }
-  // From the root down; -1 for what the cut goes through.
+  // From the root down; -1 for what falls into more than one.
   std::vector<int32_t> top(num_regions, -1);
   for (int32_t r = num_regions; r-- > 0;) {
-    if (top[r] < 0 && main[r] == r) top[r] = r;
+    if (top[r] < 0 && is_whole[r] != 0) top[r] = r;
     if (r < num_leaves) continue;
     const Merge& merge = merges[r - num_leaves];
     if (top[r] >= 0) {

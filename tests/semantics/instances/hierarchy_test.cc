@@ -26,12 +26,12 @@ Hierarchy Duck() {
 
 TEST(HierarchyTest, CutsAtTheGranularity) {
   const HierarchyCut whole = CutHierarchy(Duck(), 0);
-  EXPECT_EQ(whole.region_of_part, (std::vector<int32_t>{6, 6, 6, 3, 3}));
-  EXPECT_EQ(whole.region_of_label, (std::vector<int32_t>{6, 3}));
+  EXPECT_EQ(whole.region_of_part, (std::vector<int32_t>{6, 6, 6, 7, 7}));
+  EXPECT_EQ(whole.region_of_label, (std::vector<int32_t>{6, 7}));
   EXPECT_EQ(whole.label_of_gaussian,
             (std::vector<int32_t>{0, 0, 0, 1, 1, 0, 0, -1}));
   const HierarchyCut parts = CutHierarchy(Duck(), 1.5);
-  EXPECT_EQ(parts.region_of_part, (std::vector<int32_t>{5, 5, 2, 3, 3}));
+  EXPECT_EQ(parts.region_of_part, (std::vector<int32_t>{5, 5, 2, 7, 7}));
   const HierarchyCut all = CutHierarchy(Duck(), -3);
   EXPECT_EQ(all.region_of_label, (std::vector<int32_t>{8}));
 }

@@ -74,23 +74,53 @@ TEST(RegionMergingTest, SumsGoUpTheTree) {
             (std::vector<double>{1, 2, 4, 8, 3, 7, 15}));
 }
 
+TEST(RegionMergingTest, AWholeThingIsMoreLikelyThanItsPartsAndWhatItIsIn) {
+  const std::vector<double> sizes = {100, 100, 100, 100};
+  EXPECT_EQ(Comb().WholeThings(-9, sizes, 0),
+            (std::vector<int32_t>{0, 1, 2, 3}));
+  EXPECT_EQ(Comb().WholeThings(1.5, sizes, 0),
+            (std::vector<int32_t>{4, 4, 2, 3}));
+  EXPECT_EQ(Comb().WholeThings(9, sizes, 0),
+            (std::vector<int32_t>{6, 6, 6, 6}));
+}
+
+TEST(RegionMergingTest, LargeThingsOfUnsurePartsStayWhole) {
+  // Leaf 2 is rather a thing of its own, but that would cost more than it gives
+  // unless it is large.
+  const RegionTree tree = {.num_leaves = 3,
+                           .merges = {{0, 1, -1.5}, {3, 2, 0.1}}};
+  EXPECT_EQ(tree.WholeThings(0, std::vector<double>{50, 50, 10}, 0),
+            (std::vector<int32_t>{4, 4, 4}));
+  EXPECT_EQ(tree.WholeThings(0, std::vector<double>{50, 50, 200}, 0),
+            (std::vector<int32_t>{3, 3, 2}));
+}
+
 TEST(RegionMergingTest, CrumbsStayWithTheLargestPartOfWhatTheyWereJoinedTo) {
   const std::vector<double> sizes = {100, 200, 1, 100};
-  EXPECT_EQ(Comb().Cut(0, sizes, 0), (std::vector<int32_t>{0, 1, 2, 3}));
-  EXPECT_EQ(Comb().Cut(0, sizes, 10), (std::vector<int32_t>{0, 1, 1, 3}));
-  EXPECT_EQ(Comb().Cut(1, sizes, 10), (std::vector<int32_t>{4, 4, 4, 3}));
-  EXPECT_EQ(Comb().Cut(3, sizes, 10), (std::vector<int32_t>{6, 6, 6, 6}));
+  EXPECT_EQ(Comb().WholeThings(-9, sizes, 10),
+            (std::vector<int32_t>{0, 1, 1, 3}));
+  EXPECT_EQ(Comb().WholeThings(1.5, sizes, 10),
+            (std::vector<int32_t>{5, 5, 5, 3}));
+  EXPECT_EQ(Comb().WholeThings(9, sizes, 10),
+            (std::vector<int32_t>{6, 6, 6, 6}));
 }
 
 TEST(RegionMergingTest, CrumbsOfCrumbsGoTheSameWay) {
-  EXPECT_EQ(Comb().Cut(0, std::vector<double>{1, 2, 3, 100}, 10),
-            (std::vector<int32_t>{3, 3, 3, 3}));
+  EXPECT_EQ(Comb().WholeThings(-9, std::vector<double>{1, 2, 3, 100}, 10),
+            (std::vector<int32_t>{6, 6, 6, 6}));
 }
 
 TEST(RegionMergingTest, WhatTouchesNothingStaysACrumb) {
   const RegionTree tree = {.num_leaves = 2, .merges = {}};
-  EXPECT_EQ(tree.Cut(0, std::vector<double>{1, 100}, 10),
+  EXPECT_EQ(tree.WholeThings(0, std::vector<double>{1, 100}, 10),
             (std::vector<int32_t>{0, 1}));
+}
+
+TEST(RegionMergingTest, HugeHeightsDoNoHarm) {
+  const RegionTree tree = {.num_leaves = 3,
+                           .merges = {{0, 1, -1e308}, {3, 2, 1e308}}};
+  EXPECT_EQ(tree.WholeThings(0, std::vector<double>{1, 1, 1}, 0),
+            (std::vector<int32_t>{3, 3, 2}));
 }
 
 }  // namespace

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "bench/evidence/calibration.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "semantics/patches/region_merging.h"
+
+namespace freegs::evidence {
+namespace {
+
+constexpr int kCalibrationSteps = 40;
+constexpr double kCrumb = 1e-3;  // Of all pixels, as in Hierarchy.
+
+}  // namespace
+
+std::vector<JudgedMerge> JudgeMerges(const LearningScene& scene,
+                                     const semantics::EvidenceModel& model) {
+  std::vector<double> sizes;
+  for (const semantics::RegionStats& region : scene.graph.regions) {
+    sizes.push_back(region.pixels);
+  }
+  const semantics::RegionTree tree = semantics::MergeRegions(
+      scene.graph,
+      [&](const semantics::Evidence& e) { return model.Difference(e); });
+  sizes = tree.Sums(sizes);
+  const std::vector<double> pixels = tree.Sums(scene.pixels);
+  const double crumb = kCrumb * scene.graph.total_pixels;
+  std::vector<std::map<int, double>> votes = scene.votes;
+  std::vector<JudgedMerge> judged;
+  for (const semantics::RegionTree::Merge& merge : tree.merges) {
+    const int a = TrueSegment(votes[merge.a], pixels[merge.a]);
+    const int b = TrueSegment(votes[merge.b], pixels[merge.b]);
+    if (std::min(sizes[merge.a], sizes[merge.b]) > crumb &&
+        std::min(pixels[merge.a], pixels[merge.b]) > 0) {
+      judged.push_back({merge.height, a < 0 || a != b});
+    }
+    std::map<int, double> sum = votes[merge.a];
+    for (const auto& [id, count] : votes[merge.b]) sum[id] += count;
+    votes.push_back(std::move(sum));
+  }
+  return judged;
+}
+
+Calibration FitCalibration(std::span<const JudgedMerge> merges) {
+  const auto num_different =
+      std::count_if(merges.begin(), merges.end(), [](const JudgedMerge& merge) {
+        return merge.different;
+      });
+  if (num_different == 0 ||
+      num_different == static_cast<int64_t>(merges.size())) {
+    return {};
+  }
+  Calibration fit;
+  for (int step = 0; step < kCalibrationSteps; ++step) {
+    // A little is added so that the system can always be solved.
+    double slope_slope = 1e-6;
+    double slope_offset = 0;
+    double offset_offset = 1e-6;
+    double slope = 0;
+    double offset = 0;
+    for (const JudgedMerge& merge : merges) {
+      const double p =
+          1 / (1 + std::exp(-fit.slope * merge.height - fit.offset));
+      const double off = p - (merge.different ? 1 : 0);
+      slope += off * merge.height;
+      offset += off;
+      slope_slope += p * (1 - p) * merge.height * merge.height;
+      slope_offset += p * (1 - p) * merge.height;
+      offset_offset += p * (1 - p);
+    }
+    const double determinant =
+        slope_slope * offset_offset - slope_offset * slope_offset;
+    fit.slope -= (offset_offset * slope - slope_offset * offset) / determinant;
+    fit.offset -= (slope_slope * offset - slope_offset * slope) / determinant;
+  }
+  if (!(fit.slope > 0) || !std::isfinite(fit.slope + fit.offset)) return {};
+  return fit;
+}
+
+semantics::EvidenceModel Calibrated(semantics::EvidenceModel model,
+                                    const Calibration& calibration) {
+  for (double& weight : model.weight) weight *= calibration.slope;
+  model.bias = calibration.slope * model.bias + calibration.offset;
+  return model;
+}
+
+}  // namespace freegs::evidence
