@@ -146,8 +146,12 @@ std::vector<uint8_t> AreWhole(const RegionTree& tree,
     const double whole = is_crumb(r) ? 0
                                      : sizes[r] * Probability(even - from[r]) *
                                            Probability(to[r] - even);
-    const double parts =
-        r < tree.num_leaves ? 0 : best[merge_of(r).a] + best[merge_of(r).b];
+    if (r < tree.num_leaves) {
+      is_whole[r] = 1;  // There is nothing that it could fall into.
+      best[r] = whole;
+      continue;
+    }
+    const double parts = best[merge_of(r).a] + best[merge_of(r).b];
     is_whole[r] = whole >= parts ? 1 : 0;
     best[r] = std::max(whole, parts);
   }

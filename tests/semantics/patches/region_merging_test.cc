@@ -2,6 +2,7 @@
 
 #include "semantics/patches/region_merging.h"
 
+#include <limits>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -121,6 +122,15 @@ TEST(RegionMergingTest, HugeHeightsDoNoHarm) {
                            .merges = {{0, 1, -1e308}, {3, 2, 1e308}}};
   EXPECT_EQ(tree.WholeThings(0, std::vector<double>{1, 1, 1}, 0),
             (std::vector<int32_t>{3, 3, 2}));
+}
+
+TEST(RegionMergingTest, HugeSizesDoNoHarm) {
+  EXPECT_EQ(Comb().WholeThings(-1e308, std::vector<double>(4, 1e308), 0).size(),
+            4u);
+  const double infinity = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(
+      Comb().WholeThings(-1e308, std::vector<double>(4, infinity), 0).size(),
+      4u);
 }
 
 }  // namespace
