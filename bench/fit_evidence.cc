@@ -42,19 +42,6 @@ struct Arguments {
   int threads = 0;
 };
 
-semantics::Hierarchy HierarchyOf(const LearningScene& scene,
-                                 const EvidenceModel& model) {
-  semantics::Hierarchy hierarchy;
-  hierarchy.tree = semantics::MergeRegions(
-      scene.graph,
-      [&](const semantics::Evidence& e) { return model.Difference(e); });
-  for (const semantics::RegionStats& region : scene.graph.regions) {
-    hierarchy.part_pixels.push_back(region.pixels);
-  }
-  hierarchy.total_pixels = scene.graph.total_pixels;
-  return hierarchy;
-}
-
 void Draw(const LearningScene& scene,
           const std::vector<int32_t>& region_of_patch,
           const fs::path& folder) {

@@ -6,34 +6,27 @@
 #include <cmath>
 #include <utility>
 
-#include "semantics/patches/region_merging.h"
+#include "semantics/instances/hierarchy.h"
 
 namespace freegs::evidence {
 namespace {
 
 constexpr int kCalibrationSteps = 40;
-constexpr double kCrumb = 1e-3;  // Of all pixels, as in Hierarchy.
 
 }  // namespace
 
 std::vector<JudgedMerge> JudgeMerges(const LearningScene& scene,
                                      const semantics::EvidenceModel& model) {
-  std::vector<double> sizes;
-  for (const semantics::RegionStats& region : scene.graph.regions) {
-    sizes.push_back(region.pixels);
-  }
-  const semantics::RegionTree tree = semantics::MergeRegions(
-      scene.graph,
-      [&](const semantics::Evidence& e) { return model.Difference(e); });
-  sizes = tree.Sums(sizes);
+  const semantics::Hierarchy hierarchy = HierarchyOf(scene, model);
+  const semantics::RegionTree& tree = hierarchy.tree;
+  const std::vector<double> sizes = tree.Sums(hierarchy.part_pixels);
   const std::vector<double> pixels = tree.Sums(scene.pixels);
-  const double crumb = kCrumb * scene.graph.total_pixels;
   std::vector<std::map<int, double>> votes = scene.votes;
   std::vector<JudgedMerge> judged;
   for (const semantics::RegionTree::Merge& merge : tree.merges) {
     const int a = TrueSegment(votes[merge.a], pixels[merge.a]);
     const int b = TrueSegment(votes[merge.b], pixels[merge.b]);
-    if (std::min(sizes[merge.a], sizes[merge.b]) > crumb &&
+    if (!hierarchy.IsCrumb(std::min(sizes[merge.a], sizes[merge.b])) &&
         std::min(pixels[merge.a], pixels[merge.b]) > 0) {
       judged.push_back({merge.height, a < 0 || a != b});
     }

@@ -12,8 +12,8 @@
 
 namespace freegs::evidence {
 
-// A merge of two regions, none of them a crumb, and whether they are of
-// different true segments.
+// A merge of two regions, none of them a crumb, and whether it made more than
+// one thing: the two are of different true segments, or one is a mixture.
 struct JudgedMerge {
   double height = 0;
   bool different = false;
@@ -26,7 +26,7 @@ struct Calibration {
 };
 
 // The merges that a model leads to in a scene, without those of a region that
-// is of no segment.
+// no view with true masks shows.
 std::vector<JudgedMerge> JudgeMerges(const LearningScene& scene,
                                      const semantics::EvidenceModel& model);
 

@@ -19,11 +19,10 @@
 namespace freegs::semantics {
 
 struct EvidenceClusteringOptions {
-  // What counts as even odds of being two things: 0 takes the log-odds as they
-  // are; with 1 those that are e times less likely do, which makes more and
-  // smaller instances, and with -1 those that are e times more likely. Things
-  // in photographs vary more within themselves than the drawn ones that the
-  // evidence was learnt from, hence the default (docs/instances.md).
+  // Is added to the log-odds of being two things: above 0 there are more and
+  // smaller instances, below 0 fewer and larger ones. Things in photographs
+  // vary more within themselves than the drawn ones that the evidence was
+  // learnt from, hence the default (docs/instances.md).
   double granularity = -0.3;
 
   Status Check() const;
