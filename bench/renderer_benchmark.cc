@@ -39,11 +39,8 @@ void BM_Bin(benchmark::State& state) {
                     &projection);
   TileBins bins;
   for (auto _ : state) {
-    BinSplats(projection.splats,
-              scene.camera.width,
-              scene.camera.height,
-              scene.pool,
-              &bins);
+    BinSplats(
+        projection, scene.camera.width, scene.camera.height, scene.pool, &bins);
   }
   const auto pairs = static_cast<double>(bins.num_pairs());
   state.counters["tile_pairs"] =

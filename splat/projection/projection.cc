@@ -3,38 +3,21 @@
 #include "splat/projection/projection.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
+#include <numeric>
 #include <utility>
-
-#include <hwy/cache_control.h>
 
 namespace freegs::splat {
 namespace {
 
 constexpr int64_t kChunk = 1024;
 
-// A splat is requested from memory so many splats before it is read.
-constexpr int64_t kAhead = 16;
+// A radix sort takes so many bits a pass.
+constexpr int kRadixBits = 11;
+constexpr size_t kBuckets = size_t{1} << kRadixBits;
 
-// Stable radix sort by the upper 32 bits of the keys, 11 bits a pass.
-void SortByDepth(std::vector<uint64_t>* keys, std::vector<uint64_t>* scratch) {
-  constexpr int kBits = 11;
-  constexpr size_t kBuckets = size_t{1} << kBits;
-  scratch->resize(keys->size());
-  std::array<uint32_t, kBuckets> starts;
-  for (int shift = 32; shift < 64; shift += kBits) {
-    std::fill(starts.begin(), starts.end(), 0);
-    for (const uint64_t key : *keys) {
-      ++starts[(key >> shift) & (kBuckets - 1)];
-    }
-    uint32_t sum = 0;
-    for (uint32_t& start : starts) sum += std::exchange(start, sum);
-    for (const uint64_t key : *keys) {
-      (*scratch)[starts[(key >> shift) & (kBuckets - 1)]++] = key;
-    }
-    keys->swap(*scratch);
-  }
+size_t BucketOf(uint64_t key, int shift) {
+  return (key >> shift) & (kBuckets - 1);
 }
 
 }  // namespace
@@ -89,6 +72,43 @@ ProjectionTask MakeProjectionTask(const GaussianModel& model,
           std::min(options.sh_degree, model.sh_degree)};
 }
 
+// A stable radix sort by the upper 32 bits of the keys. Each thread counts and
+// moves the keys of its own part; the places of the parts within a bucket
+// follow each other, so the result does not depend on the number of parts.
+void Projector::SortByDepth(ThreadPool& pool, std::vector<uint32_t>* by_depth) {
+  const auto count = static_cast<int64_t>(keys_.size());
+  const int64_t parts = pool.num_threads();
+  const int64_t part_size = std::max<int64_t>(1, (count + parts - 1) / parts);
+  keys_scratch_.resize(keys_.size());
+  buckets_.resize(parts * kBuckets);
+  for (int shift = 32; shift < 64; shift += kRadixBits) {
+    std::fill(buckets_.begin(), buckets_.end(), 0);
+    pool.ParallelFor(0, count, part_size, [&](int64_t begin, int64_t end, int) {
+      uint32_t* const counts = &buckets_[begin / part_size * kBuckets];
+      for (int64_t k = begin; k < end; ++k) {
+        ++counts[BucketOf(keys_[k], shift)];
+      }
+    });
+    uint32_t sum = 0;
+    for (size_t bucket = 0; bucket < kBuckets; ++bucket) {
+      for (int64_t part = 0; part < parts; ++part) {
+        sum += std::exchange(buckets_[part * kBuckets + bucket], sum);
+      }
+    }
+    pool.ParallelFor(0, count, part_size, [&](int64_t begin, int64_t end, int) {
+      uint32_t* const places = &buckets_[begin / part_size * kBuckets];
+      for (int64_t k = begin; k < end; ++k) {
+        keys_scratch_[places[BucketOf(keys_[k], shift)]++] = keys_[k];
+      }
+    });
+    keys_.swap(keys_scratch_);
+  }
+  by_depth->resize(keys_.size());
+  for (size_t k = 0; k < keys_.size(); ++k) {
+    (*by_depth)[k] = static_cast<uint32_t>(keys_[k]);
+  }
+}
+
 void Projector::Project(const GaussianModel& model,
                         const Pinhole& camera,
                         const Rigid3d& cam_from_world,
@@ -98,47 +118,30 @@ void Projector::Project(const GaussianModel& model,
   const ProjectionTask task =
       MakeProjectionTask(model, camera, cam_from_world, options);
   const auto count = static_cast<int64_t>(model.size());
-  by_model_.resize(model.size());
-  visible_.resize(model.size());
-  chunk_counts_.assign((model.size() + kChunk - 1) / kChunk, 0);
+  projection->splats.resize(model.size());
+  found_.resize(model.size());
+  chunk_begin_.assign((model.size() + kChunk - 1) / kChunk + 1, 0);
   pool.ParallelFor(0, count, kChunk, [&](int64_t begin, int64_t end, int) {
-    chunk_counts_[begin / kChunk] = static_cast<uint32_t>(
-        ProjectRange(task, begin, end, by_model_.data(), &visible_[begin]));
+    chunk_begin_[begin / kChunk + 1] = static_cast<uint32_t>(ProjectRange(
+        task, begin, end, projection->splats.data(), &found_[begin]));
   });
+  std::partial_sum(
+      chunk_begin_.begin(), chunk_begin_.end(), chunk_begin_.begin());
 
-  keys_.clear();
-  projection->visible.clear();
-  for (size_t chunk = 0; chunk < chunk_counts_.size(); ++chunk) {
-    for (uint32_t k = 0; k < chunk_counts_[chunk]; ++k) {
-      const uint32_t i = visible_[chunk * kChunk + k];
+  projection->visible.resize(chunk_begin_.back());
+  keys_.resize(chunk_begin_.back());
+  pool.ParallelFor(0, count, kChunk, [&](int64_t begin, int64_t, int) {
+    const int64_t chunk = begin / kChunk;
+    const uint32_t* found = &found_[begin];
+    for (uint32_t j = chunk_begin_[chunk]; j < chunk_begin_[chunk + 1]; ++j) {
+      const uint32_t i = *found++;
+      projection->visible[j] = i;
       // Positive floats sort as their bits.
-      const auto depth = std::bit_cast<uint32_t>(by_model_[i].depth);
-      keys_.push_back(static_cast<uint64_t>(depth) << 32 |
-                      projection->visible.size());
-      projection->visible.push_back(i);
+      const auto depth = std::bit_cast<uint32_t>(projection->splats[i].depth);
+      keys_[j] = static_cast<uint64_t>(depth) << 32 | j;
     }
-  }
-  SortByDepth(&keys_, &keys_scratch_);
-
-  projection->splats.resize(keys_.size());
-  projection->model_index.resize(keys_.size());
-  projection->rank.resize(keys_.size());
-  pool.ParallelFor(0,
-                   static_cast<int64_t>(keys_.size()),
-                   kChunk,
-                   [&](int64_t begin, int64_t end, int) {
-                     for (int64_t k = begin; k < end; ++k) {
-                       // In the order of depth they lie scattered in memory.
-                       const auto ahead = static_cast<uint32_t>(
-                           keys_[std::min(k + kAhead, end - 1)]);
-                       hwy::Prefetch(&by_model_[projection->visible[ahead]]);
-                       const auto j = static_cast<uint32_t>(keys_[k]);
-                       const uint32_t i = projection->visible[j];
-                       projection->rank[j] = static_cast<uint32_t>(k);
-                       projection->model_index[k] = i;
-                       projection->splats[k] = by_model_[i];
-                     }
-                   });
+  });
+  SortByDepth(pool, &projection->by_depth);
 }
 
 }  // namespace freegs::splat

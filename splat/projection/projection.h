@@ -6,7 +6,9 @@
 //   Projector projector;
 //   Projection projection;
 //   projector.Project(model, camera, cam_from_world, {}, pool, &projection);
-//   for (const Splat& splat : projection.splats) ...  // Nearest first.
+//   for (const uint32_t place : projection.by_depth) {  // Nearest first.
+//     const Splat& splat = projection.splats[projection.visible[place]];
+//   }
 
 #ifndef FREEGS_SPLAT_PROJECTION_PROJECTION_H_
 #define FREEGS_SPLAT_PROJECTION_PROJECTION_H_
@@ -35,26 +37,27 @@ ProjectionTask MakeProjectionTask(const GaussianModel& model,
                                   const Rigid3d& cam_from_world,
                                   const RenderOptions& options);
 
-// The visible Gaussians of a view, nearest first.
+// The visible Gaussians of a view. Everything but the order of depth is in the
+// order of the model, in which neighbours in space lie together in memory.
 struct Projection {
+  // The splat of each Gaussian of the model. Those of Gaussians that are not
+  // visible hold anything.
   std::vector<Splat> splats;
-  std::vector<uint32_t> model_index;  // The Gaussian of each splat.
+  std::vector<uint32_t> visible;   // The visible Gaussians, ascending.
+  std::vector<uint32_t> by_depth;  // Places in `visible`, nearest first.
 
-  // The same pairs in the order of the model: Gaussian visible[j] (ascending)
-  // is splat rank[j].
-  std::vector<uint32_t> visible;
-  std::vector<uint32_t> rank;
-
-  size_t size() const { return splats.size(); }
+  // The number of visible Gaussians.
+  size_t size() const { return visible.size(); }
+  const Splat& SplatAt(size_t place) const { return splats[visible[place]]; }
 };
 
 // Keeps its scratch memory between calls, so that projecting view after view
 // allocates nothing.
 class Projector {
  public:
-  // Overwrites *projection with the Gaussians that can touch a pixel, sorted by
-  // depth and, at the same depth, by index. The result is the same for any
-  // number of threads.
+  // Overwrites *projection with the Gaussians that can touch a pixel. Those of
+  // the same depth are in the order of the model. The result is the same for
+  // any number of threads.
   void Project(const GaussianModel& model,
                const Pinhole& camera,
                const Rigid3d& cam_from_world,
@@ -63,11 +66,13 @@ class Projector {
                Projection* projection);
 
  private:
-  std::vector<Splat> by_model_;
-  std::vector<uint32_t> visible_;
-  std::vector<uint32_t> chunk_counts_;
+  void SortByDepth(ThreadPool& pool, std::vector<uint32_t>* by_depth);
+
+  std::vector<uint32_t> found_;  // What each chunk of the model found visible.
+  std::vector<uint32_t> chunk_begin_;
   std::vector<uint64_t> keys_;
   std::vector<uint64_t> keys_scratch_;
+  std::vector<uint32_t> buckets_;
 };
 
 }  // namespace freegs::splat

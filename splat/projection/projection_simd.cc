@@ -13,6 +13,7 @@
 #include <hwy/highway.h>
 
 #include "splat/projection/ewa_projection-inl.h"
+#include "splat/projection/row_lanes-inl.h"
 #include "splat/projection/simd_number-inl.h"
 #include "splat/projection/spherical_harmonics-inl.h"
 
@@ -22,7 +23,6 @@ namespace freegs::splat::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 using Tag = SimdNumber::Tag;
-constexpr size_t kMaxLanes = 16;
 constexpr float kLn2 = 0.6931471805599453f;
 constexpr float kMinLog2Alpha = -7.994353436858858f;  // log2(1 / 255).
 
@@ -147,81 +147,74 @@ HWY_INLINE Direction ViewDirection(const SimdNumber mean[3],
   return direction;
 }
 
-// The SH basis above degree 0 of a group, [coefficient][lane].
-struct Basis {
-  LaneArray values[15];
-};
-
-HWY_INLINE void MakeBasis(int degree,
-                          const Direction& direction,
-                          Basis* basis) {
-  SimdNumber values[15];
-  EvaluateShBasis(
-      degree, direction.unit[0], direction.unit[1], direction.unit[2], values);
-  for (int k = 0; k + 1 < NumShCoefficients(degree); ++k) {
-    ToArray(values[k], &basis->values[k]);
+// Writes a splat of each lane to the rows.
+HWY_INLINE void StoreSplats(const SimdNumber mean[2],
+                            const SimdNumber conic[3],
+                            SimdNumber log2_opacity,
+                            const SimdNumber extent[2],
+                            const SimdNumber color[3],
+                            SimdNumber depth,
+                            const SimdNumber box[4],
+                            const LaneRows<float>& splats) {
+  const Tag d;
+  const hn::RebindToSigned<Tag> di;
+  const SimdNumber first[4] = {mean[0], mean[1], conic[0], conic[1]};
+  const SimdNumber second[4] = {conic[2], log2_opacity, extent[0], extent[1]};
+  const SimdNumber third[4] = {color[0], color[1], color[2], depth};
+  SimdNumber fourth[4];
+  for (int k = 0; k < 4; ++k) {
+    fourth[k] = hn::BitCast(d, hn::ConvertTo(di, box[k].vector));
   }
+  StoreColumns(first, splats, 0);
+  StoreColumns(second, splats, 4);
+  StoreColumns(third, splats, 8);
+  StoreColumns(fourth, splats, 12);
 }
-
-// The members of Splat in their order; those of one kind lie side by side.
-struct SplatLanes {
-  LaneArray mean[2], conic[3], log2_opacity, extent[2], color[3], depth;
-  LaneArray box[4];  // Whole numbers.
-};
-
-Splat LaneOf(const SplatLanes& lanes, size_t l) {
-  Splat splat;
-  splat.mean_x = lanes.mean[0].values[l];
-  splat.mean_y = lanes.mean[1].values[l];
-  splat.conic_xx = lanes.conic[0].values[l];
-  splat.conic_xy = lanes.conic[1].values[l];
-  splat.conic_yy = lanes.conic[2].values[l];
-  splat.log2_opacity = lanes.log2_opacity.values[l];
-  splat.extent_x = lanes.extent[0].values[l];
-  splat.extent_y = lanes.extent[1].values[l];
-  for (int c = 0; c < 3; ++c) splat.color[c] = lanes.color[c].values[l];
-  splat.depth = lanes.depth.values[l];
-  splat.x_begin = static_cast<int32_t>(lanes.box[0].values[l]);
-  splat.x_end = static_cast<int32_t>(lanes.box[1].values[l]);
-  splat.y_begin = static_cast<int32_t>(lanes.box[2].values[l]);
-  splat.y_end = static_cast<int32_t>(lanes.box[3].values[l]);
-  return splat;
-}
+static_assert(sizeof(Splat) == 16 * sizeof(float) &&
+              offsetof(Splat, conic_xx) == 2 * sizeof(float) &&
+              offsetof(Splat, log2_opacity) == 5 * sizeof(float) &&
+              offsetof(Splat, extent_x) == 6 * sizeof(float) &&
+              offsetof(Splat, color) == 8 * sizeof(float) &&
+              offsetof(Splat, depth) == 11 * sizeof(float) &&
+              offsetof(Splat, x_begin) == 12 * sizeof(float));
 
 // The first pixel whose centre is not before `edge`, within [0, size].
 HWY_INLINE SimdNumber FirstPixel(SimdNumber edge, SimdNumber size) {
   return Min(Max(ceil(edge - SimdNumber(0.5f)), SimdNumber(0.0f)), size);
 }
 
-// Adds the view-dependent part of the colour, and raises negative colours to 0
-// as 3DGS does.
-void FinishColor(const ProjectionTask& task,
-                 size_t i,
-                 const Basis& basis,
-                 size_t lane,
-                 float color[3]) {
-  const int count = NumShCoefficients(task.sh_degree) - 1;
-  const float* rest =
-      task.model->sh_rest.data() + i * task.model->sh_rest_stride();
-  float red = color[0], green = color[1], blue = color[2];
-  for (int k = 0; k < count; ++k) {
-    const float value = basis.values[k].values[lane];
-    red += value * rest[3 * k];
-    green += value * rest[3 * k + 1];
-    blue += value * rest[3 * k + 2];
+// The rows of sh_rest of a group. Lanes beyond it repeat its first row.
+HWY_INLINE LaneRows<const float> RestRows(const GaussianModel& model,
+                                          const Group& group) {
+  const size_t stride = static_cast<size_t>(model.sh_rest_stride());
+  LaneRows<const float> rows;
+  for (size_t l = 0; l < kMaxLanes; ++l) {
+    const size_t index = group.indices[l < group.count ? l : 0];
+    rows.of_lane[l] = model.sh_rest.data() + index * stride;
   }
-  color[0] = std::max(red, 0.0f);
-  color[1] = std::max(green, 0.0f);
-  color[2] = std::max(blue, 0.0f);
+  return rows;
 }
 
-// Computes all of the splats of a group but the view-dependent colour. Returns
-// which lanes can touch a pixel.
+// Requests the rows of sh_rest of a group from memory. They are most of what is
+// read of a Gaussian, and all lanes are read at once, which keeps the processor
+// from seeing what comes next by itself.
+HWY_INLINE void PrefetchRest(const GaussianModel& model,
+                             const uint32_t* indices,
+                             size_t count) {
+  constexpr size_t kLine = 64 / sizeof(float);
+  const size_t stride = static_cast<size_t>(model.sh_rest_stride());
+  for (size_t l = 0; l < std::min(count, kMaxLanes); ++l) {
+    const float* row = model.sh_rest.data() + indices[l] * stride;
+    for (size_t k = 0; k < stride; k += kLine) hwy::Prefetch(row + k);
+  }
+}
+
+// Projects a group; splats and Gaussians have the same places. Returns which
+// lanes can touch a pixel.
 HWY_INLINE SimdMask ProjectGroup(const ProjectionTask& task,
                                  const ProjectionCamera<SimdNumber>& camera,
                                  const Group& group,
-                                 SplatLanes* lanes,
-                                 Basis* basis) {
+                                 Splat* splats) {
   const GaussianModel& model = *task.model;
   SimdNumber mean[3], log_scale[3], rotation[4], dc[3];
   LoadRows<3>(group, model.means.data(), mean);
@@ -245,27 +238,53 @@ HWY_INLINE SimdMask ProjectGroup(const ProjectionTask& task,
   const SimdNumber reach =
       SimdNumber(2 * kLn2) * (log2_opacity - SimdNumber(kMinLog2Alpha));
   const SimdNumber size[2] = {SimdNumber(task.width), SimdNumber(task.height)};
+  SimdNumber extent[2], box[4];
   for (int axis = 0; axis < 2; ++axis) {
-    const SimdNumber extent = sqrt(reach * projected.cov[2 * axis]);
-    const SimdNumber low = projected.mean[axis] - extent;
-    const SimdNumber high = projected.mean[axis] + extent;
+    extent[axis] = sqrt(reach * projected.cov[2 * axis]);
+    const SimdNumber low = projected.mean[axis] - extent[axis];
+    const SimdNumber high = projected.mean[axis] + extent[axis];
     const SimdNumber half(0.5f);
     visible = And(visible, And(high > half, size[axis] - half > low));
-    ToArray(extent, &lanes->extent[axis]);
-    ToArray(projected.mean[axis], &lanes->mean[axis]);
-    ToArray(FirstPixel(low, size[axis]), &lanes->box[2 * axis]);
-    ToArray(FirstPixel(high + SimdNumber(kSlack), size[axis]),
-            &lanes->box[2 * axis + 1]);
+    box[2 * axis] = FirstPixel(low, size[axis]);
+    box[2 * axis + 1] = FirstPixel(high + SimdNumber(kSlack), size[axis]);
   }
-  for (int k = 0; k < 3; ++k) ToArray(projected.conic[k], &lanes->conic[k]);
-  ToArray(log2_opacity, &lanes->log2_opacity);
-  ToArray(projected.depth, &lanes->depth);
+  if (hn::AllFalse(Tag(), visible.mask)) return visible;
+
+  SimdNumber color[3];
   for (int c = 0; c < 3; ++c) {
-    ToArray(SimdNumber(0.5f) + SimdNumber(kShC0) * dc[c], &lanes->color[c]);
+    color[c] = SimdNumber(0.5f) + SimdNumber(kShC0) * dc[c];
   }
   if (task.sh_degree > 0) {
-    MakeBasis(task.sh_degree, ViewDirection(mean, camera), basis);
+    const Direction direction = ViewDirection(mean, camera);
+    SimdNumber basis[15];
+    EvaluateShBasis(task.sh_degree,
+                    direction.unit[0],
+                    direction.unit[1],
+                    direction.unit[2],
+                    basis);
+    ForEachColor(RestRows(model, group),
+                 NumShCoefficients(task.sh_degree) - 1,
+                 [&](int k, const SimdNumber* rest) HWY_ATTR {
+                   for (int c = 0; c < 3; ++c) color[c] += basis[k] * rest[c];
+                 });
   }
+  // Negative colours are raised to 0, as in 3DGS.
+  for (SimdNumber& value : color) value = Max(value, SimdNumber(0.0f));
+
+  LaneRows<float> rows;
+  Splat unused;
+  for (size_t l = 0; l < kMaxLanes; ++l) {
+    Splat* splat = l < group.count ? splats + group.indices[l] : &unused;
+    rows.of_lane[l] = reinterpret_cast<float*>(splat);
+  }
+  StoreSplats(projected.mean,
+              projected.conic,
+              log2_opacity,
+              extent,
+              color,
+              projected.depth,
+              box,
+              rows);
   return visible;
 }
 
@@ -276,97 +295,106 @@ size_t Project(const ProjectionTask& task,
                uint32_t* visible) {
   const ProjectionCamera<SimdNumber> camera = Broadcast(task.camera);
   const size_t num_lanes = hn::Lanes(Tag());
-  SplatLanes lanes;
-  Basis basis;
   size_t found = 0;
-  uint32_t indices[kMaxLanes];
+  uint32_t indices[kMaxLanes], ahead[kMaxLanes];
   for (size_t i = begin; i < end; i += num_lanes) {
     const size_t count = std::min(num_lanes, end - i);
     for (size_t l = 0; l < count; ++l) {
       indices[l] = static_cast<uint32_t>(i + l);
+      ahead[l] =
+          static_cast<uint32_t>(std::min(i + l + 2 * num_lanes, end - 1));
     }
+    PrefetchRest(*task.model, ahead, count);
     const SimdMask mask =
-        ProjectGroup(task, camera, MakeGroup(indices, count), &lanes, &basis);
+        ProjectGroup(task, camera, MakeGroup(indices, count), splats);
     LaneArray flags = {};
     ToArray(Select(mask, SimdNumber(1.0f), SimdNumber(0.0f)), &flags);
     for (size_t l = 0; l < count; ++l) {
-      if (flags.values[l] == 0.0f) continue;
-      Splat splat = LaneOf(lanes, l);
-      FinishColor(task, i + l, basis, l, splat.color);
-      splats[i + l] = splat;
-      visible[found++] = static_cast<uint32_t>(i + l);
+      visible[found] = static_cast<uint32_t>(i + l);
+      if (flags.values[l] != 0.0f) ++found;
     }
   }
   return found;
 }
 
-// SplatSums, [member][lane].
+// SplatSums of a group of entries, one per lane.
 struct SumLanes {
-  LaneArray moments[kMomentStride];
-  LaneArray log2_opacity;
-  LaneArray depth_gradient;
+  SimdNumber moments[kMomentStride];
+  SimdNumber log2_opacity;
+  SimdNumber depth_gradient;
 };
+static_assert(offsetof(SplatSums, log2_opacity) ==
+                  kMomentStride * sizeof(float) &&
+              offsetof(SplatSums, depth_gradient) ==
+                  (kMomentStride + 1) * sizeof(float) &&
+              kMomentStride == 9);
 
+// Entries from `first` on; lanes beyond them repeat the first one.
 HWY_INLINE void GatherSums(const ProjectionBackwardTask& task,
                            size_t first,
                            size_t count,
                            SumLanes* lanes) {
-  for (size_t l = 0; l < count; ++l) {
-    const SplatSums& sums = task.sums[task.rank[first + l]];
-    for (int m = 0; m < kMomentStride; ++m) {
-      lanes->moments[m].values[l] = sums.moments[m];
-    }
-    lanes->log2_opacity.values[l] = sums.log2_opacity;
-    lanes->depth_gradient.values[l] = sums.depth_gradient;
+  LaneRows<const float> rows;
+  for (size_t l = 0; l < kMaxLanes; ++l) {
+    const size_t entry = first + (l < count ? l : 0);
+    rows.of_lane[l] = reinterpret_cast<const float*>(task.sums + entry);
   }
+  SimdNumber last[4];
+  LoadColumns(rows, 0, lanes->moments);
+  LoadColumns(rows, 4, lanes->moments + 4);
+  LoadColumns(rows, 8, last);
+  lanes->moments[8] = last[0];
+  lanes->log2_opacity = last[1];
+  lanes->depth_gradient = last[2];
 }
 
-// Writes the gradients of the rows of sh_rest, and dL/dbasis of every lane.
-void BackwardRest(const ProjectionBackwardTask& task,
-                  const Group& group,
-                  const Group& rows,
-                  const SumLanes& sums,
-                  const Basis& basis,
-                  Basis* basis_gradient) {
+// Writes the gradients of the rows of sh_rest from dL/dcolor, and sums up
+// dL/dbasis.
+HWY_INLINE void BackwardRest(const ProjectionBackwardTask& task,
+                             const Group& group,
+                             const Group& rows,
+                             const SimdNumber d_color[3],
+                             const SimdNumber basis[15],
+                             SimdNumber basis_gradient[15]) {
   const GaussianModel& model = *task.forward.model;
   const int stride = model.sh_rest_stride();
   const int count = NumShCoefficients(task.forward.sh_degree) - 1;
-  for (size_t l = 0; l < group.count; ++l) {
-    const float* rest =
-        model.sh_rest.data() + static_cast<size_t>(group.indices[l]) * stride;
-    float* d_rest = task.gradients->sh_rest.data() +
-                    static_cast<size_t>(rows.indices[l]) * stride;
-    const float r = sums.moments[kNumMoments].values[l];
-    const float g = sums.moments[kNumMoments + 1].values[l];
-    const float b = sums.moments[kNumMoments + 2].values[l];
-    for (int k = 0; k < count; ++k) {
-      const float value = basis.values[k].values[l];
-      d_rest[3 * k] = value * r;
-      d_rest[3 * k + 1] = value * g;
-      d_rest[3 * k + 2] = value * b;
-      basis_gradient->values[k].values[l] =
-          rest[3 * k] * r + rest[3 * k + 1] * g + rest[3 * k + 2] * b;
-    }
-    std::fill(d_rest + 3 * count, d_rest + stride, 0.0f);
+  ForEachColor(RestRows(model, group),
+               count,
+               [&](int k, const SimdNumber* rest) HWY_ATTR {
+                 basis_gradient[k] = rest[0] * d_color[0] +
+                                     rest[1] * d_color[1] +
+                                     rest[2] * d_color[2];
+               });
+  LaneRows<float> d_rest;
+  float unused[3 * (NumShCoefficients(kMaxShDegree) - 1)];
+  for (size_t l = 0; l < kMaxLanes; ++l) {
+    d_rest.of_lane[l] = l < rows.count
+                            ? task.gradients->sh_rest.data() +
+                                  static_cast<size_t>(rows.indices[l]) * stride
+                            : unused;
+  }
+  StoreColors(d_rest, count, [&](int k, SimdNumber* d) HWY_ATTR {
+    for (int c = 0; c < 3; ++c) d[c] = basis[k] * d_color[c];
+  });
+  if (3 * count == stride) return;
+  for (size_t l = 0; l < rows.count; ++l) {
+    std::fill(d_rest.of_lane[l] + 3 * count, d_rest.of_lane[l] + stride, 0.0f);
   }
 }
 
 // Adds the part of dL/dmean that comes from the viewing direction.
 HWY_INLINE void BackwardDirection(int sh_degree,
                                   const Direction& direction,
-                                  const Basis& basis_gradient,
+                                  const SimdNumber basis_gradient[15],
                                   SimdNumber d_mean[3]) {
-  SimdNumber weights[15];
-  for (int k = 0; k + 1 < NumShCoefficients(sh_degree); ++k) {
-    weights[k] = FromArray(basis_gradient.values[k]);
-  }
   const SimdNumber zero(0.0f);
   SimdNumber d[3] = {zero, zero, zero};
   BackwardShBasis(sh_degree,
                   direction.unit[0],
                   direction.unit[1],
                   direction.unit[2],
-                  weights,
+                  basis_gradient,
                   &d[0],
                   &d[1],
                   &d[2]);
@@ -387,11 +415,9 @@ void BackwardGroup(const ProjectionBackwardTask& task,
   LoadRows<3>(group, model.means.data(), mean);
   LoadRows<3>(group, model.log_scales.data(), log_scale);
   LoadRows<4>(group, model.rotations.data(), rotation);
-  SumLanes lanes = {};
-  GatherSums(task, first, group.count, &lanes);
-  SimdNumber moments[kMomentStride];
-  for (int m = 0; m < kMomentStride; ++m)
-    moments[m] = FromArray(lanes.moments[m]);
+  SumLanes sums;
+  GatherSums(task, first, group.count, &sums);
+  const SimdNumber* moments = sums.moments;
 
   ProjectedGaussian<SimdNumber> projected;
   ProjectionTerms<SimdNumber> terms;
@@ -408,41 +434,45 @@ void BackwardGroup(const ProjectionBackwardTask& task,
   gradient.conic[0] = SimdNumber(-0.5f) * moments[3];
   gradient.conic[1] = -moments[4];
   gradient.conic[2] = SimdNumber(-0.5f) * moments[5];
-  gradient.depth = FromArray(lanes.depth_gradient);
+  gradient.depth = sums.depth_gradient;
   LaneArray x = {}, y = {};
   ToArray(gradient.mean[0], &x);
   ToArray(gradient.mean[1], &y);
   for (size_t l = 0; l < group.count; ++l) {
-    float* out = task.mean2d_gradients + 2 * size_t{task.rank[first + l]};
+    float* out = task.mean2d_gradients + 2 * (first + l);
     out[0] = x.values[l];
     out[1] = y.values[l];
   }
 
   // d ln(sigmoid(x)) / dx = 1 - sigmoid(x).
   LaneArray d_logit = {};
-  const SimdNumber opacity =
-      exp(FromArray(lanes.log2_opacity) * SimdNumber(kLn2));
+  const SimdNumber opacity = exp(sums.log2_opacity * SimdNumber(kLn2));
   ToArray(moments[0] * (SimdNumber(1.0f) - opacity), &d_logit);
   for (size_t l = 0; l < group.count; ++l) {
     task.gradients->opacity_logits[rows.indices[l]] = d_logit.values[l];
   }
 
   const SimdNumber zero(0.0f);
+  const SimdNumber* d_color = moments + kNumMoments;
   SimdNumber d_dc[3];
   for (int c = 0; c < 3; ++c) {
-    d_dc[c] = SimdNumber(kShC0) * moments[kNumMoments + c];
+    d_dc[c] = SimdNumber(kShC0) * d_color[c];
   }
   StoreRows<3>(rows, d_dc, task.gradients->sh_dc.data());
   SimdNumber d_mean[3] = {zero, zero, zero};
-  Basis basis, basis_gradient;
+  SimdNumber basis[15], basis_gradient[15];
   if (task.forward.sh_degree > 0) {
     const Direction direction = ViewDirection(mean, camera);
-    MakeBasis(task.forward.sh_degree, direction, &basis);
-    BackwardRest(task, group, rows, lanes, basis, &basis_gradient);
+    EvaluateShBasis(task.forward.sh_degree,
+                    direction.unit[0],
+                    direction.unit[1],
+                    direction.unit[2],
+                    basis);
+    BackwardRest(task, group, rows, d_color, basis, basis_gradient);
     BackwardDirection(
         task.forward.sh_degree, direction, basis_gradient, d_mean);
   } else if (model.sh_degree > 0) {
-    BackwardRest(task, group, rows, lanes, basis, &basis_gradient);
+    BackwardRest(task, group, rows, d_color, basis, basis_gradient);
   }
   SimdNumber d_log_scale[3] = {zero, zero, zero};
   SimdNumber d_rotation[4];
@@ -455,10 +485,12 @@ void BackwardGroup(const ProjectionBackwardTask& task,
 
 void Backward(const ProjectionBackwardTask& task) {
   const ProjectionCamera<SimdNumber> camera = Broadcast(task.forward.camera);
-  for (size_t j = 0; j < task.count; ++j) {
-    hwy::Prefetch(task.sums + task.rank[j]);
-  }
-  for (size_t j = 0; j < task.count; j += hn::Lanes(Tag())) {
+  const size_t num_lanes = hn::Lanes(Tag());
+  for (size_t j = 0; j < task.count; j += num_lanes) {
+    const size_t ahead = std::min(j + 2 * num_lanes, task.count);
+    PrefetchRest(*task.forward.model,
+                 task.visible + ahead,
+                 std::min(num_lanes, task.count - ahead));
     BackwardGroup(task,
                   camera,
                   j,

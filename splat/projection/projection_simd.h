@@ -31,31 +31,29 @@ size_t ProjectRange(const ProjectionTask& task,
                     Splat* splats,
                     uint32_t* visible);
 
-// The inputs of the derivative of one splat. They fill one cache line because
-// the backward pass goes by the order of the model and so reads the splats in
-// no order at all.
-struct alignas(64) SplatSums {
+// The inputs of the derivative of one splat, a multiple of 16 bytes.
+struct SplatSums {
   // dL/d(splat) as sums over its pixels, see kMomentStride in splat.h.
   // dL/dcolor is 0 where a negative colour was raised to 0.
   float moments[kMomentStride];
   float log2_opacity;
   float depth_gradient;  // dL/ddepth, 0 without such a channel.
+  float unused;
 };
 
 // The inputs and outputs of BackwardProjection. Entry j < count is Gaussian
-// visible[j] of the model and splat number rank[j].
+// visible[j] of the model.
 struct ProjectionBackwardTask {
   ProjectionTask forward;
   size_t count = 0;
   const uint32_t* visible = nullptr;  // Ascending.
-  const uint32_t* rank = nullptr;
-  const SplatSums* sums = nullptr;  // By rank.
+  const SplatSums* sums = nullptr;    // By entry.
   // The gradient of entry j goes to row rows[j] (ascending) of *gradients,
   // which has the model's SH degree. rows is `visible` when *gradients has as
   // many rows as the model, and 0, 1, ... when it has one row per entry.
   GaussianGradients* gradients = nullptr;
   const uint32_t* rows = nullptr;
-  // dL/d(mean in pixels) by rank, 2 floats each.
+  // dL/d(mean in pixels) by entry, 2 floats each.
   float* mean2d_gradients = nullptr;
 };
 

@@ -14,8 +14,8 @@
 namespace freegs::splat {
 
 struct ViewContributions {
-  // The Gaussians that the view shows (indices into the model), nearest first.
-  // The next three arrays are parallel to it.
+  // The Gaussians that the view shows (indices into the model), ascending. The
+  // next three arrays are parallel to it.
   std::vector<uint32_t> model_index;
 
   // The sum over the pixels of the blending weight alpha T.

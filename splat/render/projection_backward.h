@@ -37,7 +37,7 @@ struct SplatDerivatives {
   int num_extras = 0;
   bool has_depth = false;
 
-  // Output: dL/d(mean in pixels), 2 floats per splat.
+  // Output: dL/d(mean in pixels), 2 floats per place in projection->visible.
   std::span<float> mean2d_gradients;
 };
 
@@ -66,16 +66,6 @@ class ProjectionBackward {
                 GradientSink sink);
 
  private:
-  void SumPairs(const SplatDerivatives& from,
-                ThreadPool& pool,
-                std::span<float> feature_gradients);
-  // The task for entries [begin, end) of projection->visible. Its outputs are
-  // not set.
-  ProjectionBackwardTask MakeTask(const SplatDerivatives& from,
-                                  int64_t begin,
-                                  int64_t end) const;
-
-  std::vector<SplatSums> sums_;          // By rank.
   std::vector<GaussianGradients> rows_;  // Of a chunk, by worker.
 };
 

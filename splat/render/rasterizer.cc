@@ -56,7 +56,7 @@ void LoadTile(const TileTask& task,
 TileTask Rasterizer::MakeTask(int64_t tile) const {
   TileTask task =
       MakeTileTask(projection_, bins_, camera_.width, camera_.height, tile);
-  task.extras = splat_extras_.data();
+  task.extras = extras_.data();
   task.num_extras = num_extras_;
   return task;
 }
@@ -76,13 +76,13 @@ void Rasterizer::Forward(const GaussianModel& model,
   num_extras_ = num_features_ + (with_depth_ ? 1 : 0);
   projector_.Project(
       model, camera, cam_from_world, options, pool, &projection_);
-  BinSplats(projection_.splats, camera.width, camera.height, pool, &bins_);
+  BinSplats(projection_, camera.width, camera.height, pool, &bins_);
 
-  splat_extras_.resize(projection_.size() * num_extras_);
+  extras_.resize(model.size() * num_extras_);
   for (size_t k = 0; num_extras_ > 0 && k < projection_.size(); ++k) {
-    float* extras = &splat_extras_[k * num_extras_];
-    if (with_depth_) *extras++ = projection_.splats[k].depth;
-    const size_t i = projection_.model_index[k];
+    const size_t i = projection_.visible[k];
+    float* extras = &extras_[i * num_extras_];
+    if (with_depth_) *extras++ = projection_.splats[i].depth;
     std::copy_n(request.features.values.data() + i * num_features_,
                 num_features_,
                 extras);
@@ -207,9 +207,7 @@ void Rasterizer::StoreDominant(const TileTask& task,
     int32_t* row = image->row(task.y0 + y) + task.x0;
     for (int x = 0; x < task.width; ++x) {
       const int32_t entry = dominance.entry[TilePixel(x, y)];
-      row[x] = entry < 0 ? -1
-                         : static_cast<int32_t>(
-                               projection_.model_index[task.entries[entry]]);
+      row[x] = entry < 0 ? -1 : static_cast<int32_t>(task.entries[entry]);
     }
   }
 }
@@ -225,7 +223,7 @@ void Rasterizer::PrepareWeights(const GaussianModel& model,
   without_color.sh_degree = 0;
   projector_.Project(
       model, camera, cam_from_world, without_color, pool, &projection_);
-  BinSplats(projection_.splats, camera.width, camera.height, pool, &bins_);
+  BinSplats(projection_, camera.width, camera.height, pool, &bins_);
 }
 
 void Rasterizer::Contributions(const GaussianModel& model,
@@ -254,7 +252,7 @@ void Rasterizer::Contributions(const GaussianModel& model,
   });
 
   const size_t splats = projection_.size();
-  contributions->model_index = projection_.model_index;
+  contributions->model_index = projection_.visible;
   contributions->weight_sum.assign(splats, 0.0f);
   contributions->num_pixels.assign(splats, 0);
   contributions->num_dominant.assign(splats, 0);
@@ -269,8 +267,7 @@ void Rasterizer::Contributions(const GaussianModel& model,
       contributions->weight_sum[s] += pair.weight_sum;
       contributions->num_pixels[s] += static_cast<uint32_t>(pair.num_pixels);
     }
-    contributions->num_dominant[s] =
-        dominant_of_model[projection_.model_index[s]];
+    contributions->num_dominant[s] = dominant_of_model[projection_.visible[s]];
   }
 }
 
@@ -292,7 +289,7 @@ Image<int32_t> Rasterizer::Labels(const GaussianModel& model,
       present.clear();
       channels.resize(task.count);
       for (int64_t k = 0; k < task.count; ++k) {
-        channels[k] = labels[projection_.model_index[task.entries[k]]];
+        channels[k] = labels[task.entries[k]];
         if (channels[k] >= 0) present.push_back(channels[k]);
       }
       std::sort(present.begin(), present.end());

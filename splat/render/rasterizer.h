@@ -108,11 +108,12 @@ class Rasterizer {
                         float min_weight,
                         ThreadPool& pool);
 
-  // The splats of the last view, nearest first.
+  // The splats of the last view.
   const Projection& projection() const { return projection_; }
   const TileBins& bins() const { return bins_; }
 
-  // dL/d(mean in pixels) of the last backward pass, 2 floats per splat.
+  // dL/d(mean in pixels) of the last backward pass, 2 floats for each of
+  // projection().visible.
   std::span<const float> mean2d_gradients() const { return mean2d_gradients_; }
 
  private:
@@ -143,7 +144,7 @@ class Rasterizer {
   int num_features_ = 0;
   int num_extras_ = 0;
 
-  std::vector<float> splat_extras_;    // num_splats x num_extras.
+  std::vector<float> extras_;          // Of the model: N x num_extras.
   std::vector<int64_t> tile_visited_;  // By tile, see BlendTile.
   std::vector<float> pair_moments_;    // By entry of the bins.
   std::vector<PairContribution> pair_contributions_;  // By entry of the bins.

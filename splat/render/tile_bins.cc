@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include <hwy/cache_control.h>
+
 namespace freegs::splat {
 namespace {
 
@@ -56,34 +58,26 @@ int TileOf(float pixel_centre, int tiles) {
   return static_cast<int>(std::clamp(tile, -1.0f, static_cast<float>(tiles)));
 }
 
-// Calls visit(first_tile, last_tile) for each tile row the splat touches.
+// Calls visit(run) for each tile row the splat touches.
 template <typename Visit>
-void ForEachTileRun(const Splat& splat,
-                    int tiles_x,
-                    int tiles_y,
-                    const Visit& visit) {
-  // Pixel centres lie at k + 0.5: tile ty holds centres 16 ty + 0.5 ... + 15.5.
-  const int row_begin = std::max(
-      0, TileOf(splat.mean_y - splat.extent_y - kSlack + 0.5f, tiles_y));
-  const int row_end =
-      std::min(tiles_y - 1,
-               TileOf(splat.mean_y + splat.extent_y + kSlack - 0.5f, tiles_y));
-  const int column_begin = std::max(
-      0, TileOf(splat.mean_x - splat.extent_x - kSlack + 0.5f, tiles_x));
-  const int column_end =
-      std::min(tiles_x - 1,
-               TileOf(splat.mean_x + splat.extent_x + kSlack - 0.5f, tiles_x));
-  if (column_begin > column_end) return;
-  if (row_begin >= row_end || column_begin == column_end) {
+void ForEachTileRun(const Splat& splat, int tiles_x, const Visit& visit) {
+  // Nothing is blended outside the splat's box.
+  const int row_begin = splat.y_begin / kTileSize;
+  const int row_end = (splat.y_end - 1) / kTileSize;
+  const int column_begin = splat.x_begin / kTileSize;
+  const int column_end = (splat.x_end - 1) / kTileSize;
+  if (splat.x_begin >= splat.x_end || splat.y_begin >= splat.y_end) return;
+  if (row_begin == row_end || column_begin == column_end) {
     // In a single row or column of tiles the box touches the same tiles as the
     // ellipse.
     for (int ty = row_begin; ty <= row_end; ++ty) {
-      visit(ty * tiles_x + column_begin, ty * tiles_x + column_end);
+      visit({ty * tiles_x + column_begin, ty * tiles_x + column_end});
     }
     return;
   }
   const Ellipse ellipse(splat);
   for (int ty = row_begin; ty <= row_end; ++ty) {
+    // Pixel centres lie at k + 0.5: tile ty holds 16 ty + 0.5 ... + 15.5.
     const float y0 = static_cast<float>(ty * kTileSize) + 0.5f - kSlack;
     const float y1 = y0 + (kTileSize - 1) + 2 * kSlack;
     float x_min = 0, x_max = 0;
@@ -92,13 +86,16 @@ void ForEachTileRun(const Splat& splat,
         std::max(column_begin, TileOf(x_min - kSlack + 0.5f, tiles_x));
     const int last =
         std::min(column_end, TileOf(x_max + kSlack - 0.5f, tiles_x));
-    if (first <= last) visit(ty * tiles_x + first, ty * tiles_x + last);
+    if (first <= last) visit({ty * tiles_x + first, ty * tiles_x + last});
   }
 }
 
+// A footprint is requested from memory so many splats before it is read.
+constexpr int64_t kAhead = 16;
+
 }  // namespace
 
-void BinSplats(std::span<const Splat> splats,
+void BinSplats(const Projection& projection,
                int width,
                int height,
                ThreadPool& pool,
@@ -106,62 +103,103 @@ void BinSplats(std::span<const Splat> splats,
   bins->tiles_x = (width + kTileSize - 1) / kTileSize;
   bins->tiles_y = (height + kTileSize - 1) / kTileSize;
   const auto tiles = static_cast<size_t>(bins->tiles_x) * bins->tiles_y;
-  const auto count = static_cast<int64_t>(splats.size());
-
-  // Each chunk of splats lists its runs of tiles and counts its pairs per tile;
-  // prefix sums over chunks then give every chunk its own place in every tile's
-  // list, so that filling needs no lock and the order is the same for any
-  // number of chunks.
-  const int64_t num_chunks = std::max(1, 2 * pool.num_threads());
-  const int64_t chunk_size = (count + num_chunks - 1) / num_chunks;
-  std::vector<TileBins::Chunk>& chunks = bins->chunks;
-  chunks.resize(num_chunks);
-  bins->splat_begin.resize(splats.size() + 1);
-  bins->splat_begin[0] = 0;
-  const auto chunk_range = [&](int64_t chunk) {
-    return std::pair(std::min(count, chunk * chunk_size),
-                     std::min(count, (chunk + 1) * chunk_size));
-  };
-  pool.ParallelFor(0, num_chunks, 1, [&](int64_t index, int64_t, int) {
-    TileBins::Chunk& chunk = chunks[index];
+  const auto count = static_cast<int64_t>(projection.size());
+  const int64_t num_chunks = pool.num_threads();
+  const int64_t chunk_size =
+      std::max<int64_t>(1, (count + num_chunks - 1) / num_chunks);
+  bins->chunks.resize(num_chunks);
+  for (TileBins::Chunk& chunk : bins->chunks) {
     chunk.runs.clear();
-    chunk.places.assign(tiles, 0);
-    const auto [begin, end] = chunk_range(index);
-    for (int64_t s = begin; s < end; ++s) {
-      uint32_t pairs = 0;
+    chunk.counts.assign(tiles, 0);
+  }
+
+  // First the tiles of each splat, in the order of the model.
+  bins->place_begin.resize(projection.size() + 1);
+  bins->place_begin[0] = 0;
+  bins->footprints.resize(projection.size());
+  pool.ParallelFor(0, count, chunk_size, [&](int64_t begin, int64_t end, int) {
+    std::vector<TileBins::Run>& runs = bins->chunks[begin / chunk_size].runs;
+    for (int64_t place = begin; place < end; ++place) {
+      const uint32_t i = projection.visible[place];
+      const auto first_run = static_cast<int32_t>(runs.size());
+      uint32_t entries = 0;
       ForEachTileRun(
-          splats[s], bins->tiles_x, bins->tiles_y, [&](int first, int last) {
-            for (int t = first; t <= last; ++t) ++chunk.places[t];
-            pairs += static_cast<uint32_t>(last - first + 1);
-            chunk.runs.push_back({static_cast<uint32_t>(s), first, last});
+          projection.splats[i], bins->tiles_x, [&](TileBins::Run run) {
+            entries += static_cast<uint32_t>(run.last - run.first + 1);
+            runs.push_back(run);
           });
-      bins->splat_begin[s + 1] = pairs;
+      bins->place_begin[place + 1] = entries;
+      TileBins::Footprint& footprint = bins->footprints[place];
+      footprint.gaussian = i;
+      const auto num_runs = static_cast<int32_t>(runs.size()) - first_run;
+      footprint.run = {first_run, -1 - num_runs};
+      if (num_runs == 1) {
+        footprint.run = runs.back();
+        runs.pop_back();
+      }
     }
   });
-  for (size_t s = 0; s < splats.size(); ++s) {
-    bins->splat_begin[s + 1] += bins->splat_begin[s];
+  for (int64_t place = 0; place < count; ++place) {
+    bins->footprints[place].first_entry = bins->place_begin[place];
+    bins->place_begin[place + 1] += bins->place_begin[place];
   }
+
+  // Then each tile's splats, by depth. Each chunk of splats counts its entries
+  // of each tile; sums over the chunks then give every chunk its own place in
+  // every tile's list, so that filling needs no lock and the order is the same
+  // for any number of chunks.
+  const auto for_each_run = [&](int64_t place, const auto& visit) {
+    const TileBins::Footprint& footprint = bins->footprints[place];
+    if (footprint.run.last >= 0) {
+      visit(footprint.run);
+      return;
+    }
+    const std::vector<TileBins::Run>& runs =
+        bins->chunks[place / chunk_size].runs;
+    for (int32_t r = 0; r < -1 - footprint.run.last; ++r) {
+      visit(runs[footprint.run.first + r]);
+    }
+  };
+  const auto for_each_by_depth =
+      [&](int64_t begin, int64_t end, const auto& visit) {
+        for (int64_t k = begin; k < end; ++k) {
+          const int64_t ahead = std::min(k + kAhead, end - 1);
+          hwy::Prefetch(&bins->footprints[projection.by_depth[ahead]]);
+          visit(projection.by_depth[k]);
+        }
+      };
+  pool.ParallelFor(0, count, chunk_size, [&](int64_t begin, int64_t end, int) {
+    std::vector<uint32_t>& counts = bins->chunks[begin / chunk_size].counts;
+    for_each_by_depth(begin, end, [&](uint32_t place) {
+      for_each_run(place, [&](TileBins::Run run) {
+        for (int t = run.first; t <= run.last; ++t) ++counts[t];
+      });
+    });
+  });
   bins->tile_begin.resize(tiles + 1);
   int64_t total = 0;
   for (size_t t = 0; t < tiles; ++t) {
     bins->tile_begin[t] = total;
-    for (TileBins::Chunk& chunk : chunks) {
-      total += std::exchange(chunk.places[t], static_cast<uint32_t>(total));
+    for (TileBins::Chunk& chunk : bins->chunks) {
+      total += std::exchange(chunk.counts[t], static_cast<uint32_t>(total));
     }
   }
   bins->tile_begin[tiles] = total;
   bins->entries.resize(total);
-  bins->entries_of_splats.resize(total);
-  pool.ParallelFor(0, num_chunks, 1, [&](int64_t index, int64_t, int) {
-    TileBins::Chunk& chunk = chunks[index];
-    uint32_t pair = bins->splat_begin[chunk_range(index).first];
-    for (const TileBins::Run& run : chunk.runs) {
-      for (int t = run.first; t <= run.last; ++t) {
-        const uint32_t place = chunk.places[t]++;
-        bins->entries[place] = run.splat;
-        bins->entries_of_splats[pair++] = place;
-      }
-    }
+  bins->entries_of_places.resize(total);
+  pool.ParallelFor(0, count, chunk_size, [&](int64_t begin, int64_t end, int) {
+    std::vector<uint32_t>& next = bins->chunks[begin / chunk_size].counts;
+    for_each_by_depth(begin, end, [&](uint32_t place) {
+      const TileBins::Footprint& footprint = bins->footprints[place];
+      uint32_t entry_of_place = footprint.first_entry;
+      for_each_run(place, [&](TileBins::Run run) {
+        for (int t = run.first; t <= run.last; ++t) {
+          const uint32_t entry = next[t]++;
+          bins->entries[entry] = footprint.gaussian;
+          bins->entries_of_places[entry_of_place++] = entry;
+        }
+      });
+    });
   });
 }
 

@@ -27,12 +27,12 @@ constexpr int TilePixel(unsigned x, unsigned y) {
 
 // The work of one tile.
 struct TileTask {
-  const Splat* splats = nullptr;      // All splats of the view, by depth.
-  const uint32_t* entries = nullptr;  // The tile's list: indices into splats.
+  const Splat* splats = nullptr;      // The splat of each Gaussian.
+  const uint32_t* entries = nullptr;  // The tile's Gaussians, by depth.
   int64_t count = 0;
   int x0 = 0, y0 = 0;         // Top-left pixel.
   int width = 0, height = 0;  // Pixels inside the image, at most 16 each.
-  // Extra values per splat, in the order of splats: num_extras floats each.
+  // Extra values per Gaussian: num_extras floats each.
   const float* extras = nullptr;
   int num_extras = 0;
 };

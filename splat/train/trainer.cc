@@ -134,10 +134,10 @@ StatusOr<float> Trainer::GradientStep() {
   if (collect) {
     radii_.resize(projection.size());
     for (size_t k = 0; k < projection.size(); ++k) {
-      const Splat& splat = projection.splats[k];
+      const Splat& splat = projection.SplatAt(k);
       radii_[k] = std::max(splat.extent_x, splat.extent_y);
     }
-    statistics_.AddView(projection.model_index,
+    statistics_.AddView(projection.visible,
                         rasterizer_.mean2d_gradients(),
                         radii_,
                         camera.width,

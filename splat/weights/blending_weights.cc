@@ -35,7 +35,7 @@ class WeightLister {
     Projector projector;
     projector.Project(
         model, camera, cam_from_world, options, pool, &projection_);
-    BinSplats(projection_.splats, width_, height_, pool, &bins_);
+    BinSplats(projection_, width_, height_, pool, &bins_);
   }
 
   // Blends all tiles on several threads. For each tile it calls
@@ -61,8 +61,7 @@ class WeightLister {
                   ListTileWeights(task, begin, transmittance, &list);
               const uint32_t* entries = task.entries + begin;
               const auto gaussian_of = [&](uint32_t place) {
-                return projection_
-                    .model_index[entries[TileWeightList::EntryOf(place)]];
+                return entries[TileWeightList::EntryOf(place)];
               };
               add(list, gaussian_of, &numbers);
               begin = next;

@@ -317,7 +317,7 @@ TEST(Rasterizer, ContributionsAgreeWithTheRenderedPicture) {
                      pool,
                      &images);
 
-  ASSERT_EQ(contributions.model_index, rasterizer.projection().model_index);
+  ASSERT_EQ(contributions.model_index, rasterizer.projection().visible);
   // Forward may stop at opaque tiles: both only see what is not behind them.
   double opacity = 0;
   size_t dominated = 0;

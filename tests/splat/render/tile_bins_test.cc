@@ -3,6 +3,7 @@
 #include "splat/render/tile_bins.h"
 
 #include <cmath>
+#include <map>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -42,35 +43,40 @@ TEST(TileBins, HoldsEveryTouchedTileAndFewMore) {
   projector.Project(
       model, camera, TestPose(), RenderOptions(), pool, &projection);
   TileBins bins;
-  BinSplats(projection.splats, camera.width, camera.height, pool, &bins);
+  BinSplats(projection, camera.width, camera.height, pool, &bins);
   ASSERT_EQ(bins.tiles_x, 10);
   ASSERT_EQ(bins.tiles_y, 7);
 
-  std::vector<std::set<int>> got(projection.size());
+  std::map<uint32_t, size_t> rank;  // By depth, of each visible Gaussian.
+  for (const uint32_t place : projection.by_depth) {
+    const size_t nearer = rank.size();
+    EXPECT_TRUE(rank.emplace(projection.visible[place], nearer).second);
+  }
+  std::map<uint32_t, std::set<int>> got;
   for (int t = 0; t < bins.tiles_x * bins.tiles_y; ++t) {
     for (int64_t e = bins.tile_begin[t]; e < bins.tile_begin[t + 1]; ++e) {
-      const uint32_t s = bins.entries[e];
+      const uint32_t i = bins.entries[e];
+      ASSERT_TRUE(rank.contains(i));
       if (e > bins.tile_begin[t]) {
-        EXPECT_LT(bins.entries[e - 1], s);
+        EXPECT_LT(rank[bins.entries[e - 1]], rank[i]);
       }
-      EXPECT_TRUE(got[s].insert(t).second);
+      EXPECT_TRUE(got[i].insert(t).second);
     }
   }
   std::set<uint32_t> listed;
-  for (size_t s = 0; s < projection.size(); ++s) {
-    for (const uint32_t e : bins.EntriesOf(s)) {
-      EXPECT_EQ(bins.entries[e], s);
+  size_t needed = 0;
+  for (size_t place = 0; place < projection.size(); ++place) {
+    const uint32_t i = projection.visible[place];
+    for (const uint32_t e : bins.EntriesOf(place)) {
+      EXPECT_EQ(bins.entries[e], i);
       EXPECT_TRUE(listed.insert(e).second);
     }
+    const std::set<int> want = TouchedTiles(
+        projection.splats[i], camera.width, camera.height, bins.tiles_x, -1e-4);
+    needed += want.size();
+    for (const int t : want) EXPECT_TRUE(got[i].contains(t)) << i << ' ' << t;
   }
   EXPECT_EQ(listed.size(), bins.num_pairs());
-  size_t needed = 0;
-  for (size_t s = 0; s < projection.size(); ++s) {
-    const std::set<int> want = TouchedTiles(
-        projection.splats[s], camera.width, camera.height, bins.tiles_x, -1e-4);
-    needed += want.size();
-    for (const int t : want) EXPECT_TRUE(got[s].contains(t)) << s << ' ' << t;
-  }
   // The test is exact on tile rows up to the pixel grid.
   EXPECT_LT(static_cast<double>(bins.num_pairs()), 1.12 * needed);
 }
@@ -88,7 +94,8 @@ TEST(TileBins, DepthOrder) {
                     &projection);
   ASSERT_GT(projection.size(), 100u);
   for (size_t k = 1; k < projection.size(); ++k) {
-    EXPECT_LE(projection.splats[k - 1].depth, projection.splats[k].depth);
+    EXPECT_LE(projection.SplatAt(projection.by_depth[k - 1]).depth,
+              projection.SplatAt(projection.by_depth[k]).depth);
   }
 }
 
