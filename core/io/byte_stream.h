@@ -87,6 +87,43 @@ class ByteWriter {
   std::string content_;
 };
 
+// Collects what is to be written without copying the arrays: they are kept as
+// views, so they must not change or go before the pieces are written.
+class PieceWriter {
+ public:
+  template <typename T>
+  void Put(T value) {
+    small_.back().Put(value);
+  }
+  void PutText(std::string_view text) { small_.back().PutText(text); }
+  void PutBytes(std::string_view bytes) { small_.back().PutBytes(bytes); }
+
+  // The elements of a vector of numbers, without their count.
+  template <typename T>
+  void PutArray(const std::vector<T>& array) {
+    static_assert(std::is_arithmetic_v<T>);
+    if (array.empty()) return;
+    arrays_.emplace_back(reinterpret_cast<const char*>(array.data()),
+                         array.size() * sizeof(T));
+    small_.emplace_back();
+  }
+
+  // In the order in which they were put. They live as long as this writer.
+  std::vector<std::string_view> Pieces() const {
+    std::vector<std::string_view> pieces;
+    for (size_t k = 0; k < small_.size(); ++k) {
+      pieces.push_back(small_[k].content());
+      if (k < arrays_.size()) pieces.push_back(arrays_[k]);
+    }
+    return pieces;
+  }
+
+ private:
+  // Array k lies between the values in small_[k] and small_[k + 1].
+  std::vector<ByteWriter> small_ = std::vector<ByteWriter>(1);
+  std::vector<std::string_view> arrays_;
+};
+
 // Takes values off the front of `bytes`, which must outlive the reader. Every
 // function returns false when the bytes that it needs are not there; it then
 // takes nothing, leaves its target alone and allocates nothing, so a file with

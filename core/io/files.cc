@@ -55,6 +55,15 @@ std::string HexDigest(XXH128_hash_t hash) {
   return text;
 }
 
+using HashState =
+    std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)>;
+
+HashState NewHashState() {
+  HashState state(XXH3_createState(), XXH3_freeState);
+  XXH3_128bits_reset(state.get());
+  return state;
+}
+
 }  // namespace
 
 StatusOr<std::string> ReadFile(const fs::path& path, uint64_t max_bytes) {
@@ -79,6 +88,11 @@ StatusOr<std::string> ReadFile(const fs::path& path, uint64_t max_bytes) {
 }
 
 Status WriteFileAtomic(const fs::path& path, std::string_view content) {
+  return WriteFileAtomic(path, std::span(&content, 1));
+}
+
+Status WriteFileAtomic(const fs::path& path,
+                       std::span<const std::string_view> pieces) {
   const fs::path temporary = path.string() + ".part";
   const int descriptor =
       open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
@@ -86,11 +100,13 @@ Status WriteFileAtomic(const fs::path& path, std::string_view content) {
     return InternalError(temporary.string() + ": cannot write: " + Reason());
   }
   bool good = true;
-  while (good && !content.empty()) {
-    const ssize_t n = write(descriptor, content.data(), content.size());
-    if (n < 0 && errno == EINTR) continue;
-    good = n > 0;
-    if (good) content.remove_prefix(static_cast<size_t>(n));
+  for (std::string_view rest : pieces) {
+    while (good && !rest.empty()) {
+      const ssize_t n = write(descriptor, rest.data(), rest.size());
+      if (n < 0 && errno == EINTR) continue;
+      good = n > 0;
+      if (good) rest.remove_prefix(static_cast<size_t>(n));
+    }
   }
   good = good && fsync(descriptor) == 0;
   const std::string reason = Reason();
@@ -171,11 +187,17 @@ std::string HashBytes(std::string_view bytes) {
   return HexDigest(XXH3_128bits(bytes.data(), bytes.size()));
 }
 
+std::string HashBytes(std::span<const std::string_view> pieces) {
+  const HashState state = NewHashState();
+  for (const std::string_view piece : pieces) {
+    XXH3_128bits_update(state.get(), piece.data(), piece.size());
+  }
+  return HexDigest(XXH3_128bits_digest(state.get()));
+}
+
 StatusOr<std::string> HashFile(const fs::path& path) {
   FREEGS_ASSIGN_OR_RETURN(File file, OpenRegular(path));
-  const std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(
-      XXH3_createState(), XXH3_freeState);
-  XXH3_128bits_reset(state.get());
+  const HashState state = NewHashState();
   std::vector<char> buffer(1 << 20);
   size_t n = 0;
   while ((n = std::fread(buffer.data(), 1, buffer.size(), file.get())) > 0) {

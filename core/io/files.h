@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -28,6 +29,10 @@ StatusOr<std::string> ReadFile(const std::filesystem::path& path,
 Status WriteFileAtomic(const std::filesystem::path& path,
                        std::string_view content);
 
+// The same for a content in pieces, which need not be put together in memory.
+Status WriteFileAtomic(const std::filesystem::path& path,
+                       std::span<const std::string_view> pieces);
+
 // Puts the content of a file that another program or library wrote on disk, or
 // the names in a folder. Does nothing if it does not exist.
 Status FlushToDisk(const std::filesystem::path& path);
@@ -49,6 +54,7 @@ Status PrepareOutputFile(const std::filesystem::path& file);
 // The 128-bit XXH3 hash of bytes or of a file's content, as 32 hex digits. It
 // detects changes, but it does not protect against forgery.
 std::string HashBytes(std::string_view bytes);
+std::string HashBytes(std::span<const std::string_view> pieces);
 StatusOr<std::string> HashFile(const std::filesystem::path& path);
 
 }  // namespace freegs

@@ -32,7 +32,7 @@ bool Fits(const GaussianModel& moments, const GaussianModel& model) {
                              moments.sh_degree == model.sh_degree);
 }
 
-void PutModel(const GaussianModel& model, ByteWriter* writer) {
+void PutModel(const GaussianModel& model, PieceWriter* writer) {
   writer->Put<uint64_t>(model.size());
   writer->Put<int32_t>(model.sh_degree);
   for (const Parameter parameter : kAllParameters) {
@@ -114,7 +114,7 @@ bool ReadBudgetChoice(ByteReader* reader, std::optional<BudgetChoice>* choice) {
 }
 
 void WriteBudgetChoice(const std::optional<BudgetChoice>& choice,
-                       ByteWriter* writer) {
+                       PieceWriter* writer) {
   writer->Put<uint8_t>(choice ? 1 : 0);
   if (!choice) return;
   writer->Put(choice->budget);
@@ -148,7 +148,7 @@ bool ReadHistory(ByteReader* reader, TrainingHistory* history) {
   return reader->Get(&good.iteration) && GetModel(reader, &good.model);
 }
 
-void WriteHistory(const TrainingHistory& history, ByteWriter* writer) {
+void WriteHistory(const TrainingHistory& history, PieceWriter* writer) {
   writer->Put<uint64_t>(history.milestones.size());
   for (const MilestoneRecord& record : history.milestones) {
     writer->Put(record.iteration);
@@ -212,6 +212,31 @@ bool ReadPayload(ByteReader* reader, TrainingCheckpoint* checkpoint) {
          (num_statistics == 0 || num_statistics == checkpoint->model.size());
 }
 
+void WriteCheckpoint(const TrainingCheckpointView& checkpoint,
+                     PieceWriter* writer) {
+  writer->PutBytes(kMagic);
+  writer->Put(kVersion);
+  writer->Put(checkpoint.iteration);
+  writer->Put(checkpoint.elapsed_seconds);
+  PutModel(*checkpoint.model, writer);
+  writer->Put(checkpoint.adam->steps);
+  PutModel(checkpoint.adam->first_moments, writer);
+  PutModel(checkpoint.adam->second_moments, writer);
+  const DensificationStatistics& statistics = *checkpoint.statistics;
+  writer->Put<uint64_t>(statistics.size());
+  writer->PutArray(statistics.gradient_sum);
+  writer->PutArray(statistics.visible_steps);
+  writer->PutArray(statistics.max_radius);
+  writer->PutArray(statistics.max_dominant_share);
+  WriteHistory(*checkpoint.history, writer);
+  writer->Put<uint64_t>(checkpoint.facts.size());
+  for (const auto& [name, value] : checkpoint.facts) {
+    writer->PutText(name);
+    writer->PutText(value);
+  }
+  writer->PutBytes(HashBytes(writer->Pieces()));
+}
+
 // The checkpoint files of a folder, the newest first.
 std::vector<std::pair<int64_t, fs::path>> ListCheckpoints(
     const fs::path& folder) {
@@ -248,29 +273,22 @@ void RemoveParts(const fs::path& folder) {
 
 }  // namespace
 
+TrainingCheckpointView ViewOf(const TrainingCheckpoint& checkpoint) {
+  return {.iteration = checkpoint.iteration,
+          .elapsed_seconds = checkpoint.elapsed_seconds,
+          .model = &checkpoint.model,
+          .adam = &checkpoint.adam,
+          .statistics = &checkpoint.statistics,
+          .history = &checkpoint.history,
+          .facts = checkpoint.facts};
+}
+
 std::string SerializeCheckpoint(const TrainingCheckpoint& checkpoint) {
-  ByteWriter writer;
-  writer.PutBytes(kMagic);
-  writer.Put(kVersion);
-  writer.Put(checkpoint.iteration);
-  writer.Put(checkpoint.elapsed_seconds);
-  PutModel(checkpoint.model, &writer);
-  writer.Put(checkpoint.adam.steps);
-  PutModel(checkpoint.adam.first_moments, &writer);
-  PutModel(checkpoint.adam.second_moments, &writer);
-  writer.Put<uint64_t>(checkpoint.statistics.size());
-  writer.PutArray(checkpoint.statistics.gradient_sum);
-  writer.PutArray(checkpoint.statistics.visible_steps);
-  writer.PutArray(checkpoint.statistics.max_radius);
-  writer.PutArray(checkpoint.statistics.max_dominant_share);
-  WriteHistory(checkpoint.history, &writer);
-  writer.Put<uint64_t>(checkpoint.facts.size());
-  for (const auto& [name, value] : checkpoint.facts) {
-    writer.PutText(name);
-    writer.PutText(value);
-  }
-  writer.PutBytes(HashBytes(writer.content()));
-  return std::move(writer).content();
+  PieceWriter writer;
+  WriteCheckpoint(ViewOf(checkpoint), &writer);
+  std::string content;
+  for (const std::string_view piece : writer.Pieces()) content.append(piece);
+  return content;
 }
 
 StatusOr<TrainingCheckpoint> ParseCheckpoint(std::string_view content) {
@@ -302,7 +320,7 @@ StatusOr<TrainingCheckpoint> ParseCheckpoint(std::string_view content) {
 }
 
 Status SaveCheckpoint(const fs::path& folder,
-                      const TrainingCheckpoint& checkpoint,
+                      const TrainingCheckpointView& checkpoint,
                       int keep) {
   FREEGS_RETURN_IF_ERROR(CreateFolders(folder));
   char name[64];
@@ -310,8 +328,9 @@ Status SaveCheckpoint(const fs::path& folder,
                 sizeof(name),
                 "iteration_%08lld.ckpt",
                 static_cast<long long>(checkpoint.iteration));
-  FREEGS_RETURN_IF_ERROR(
-      WriteFileAtomic(folder / name, SerializeCheckpoint(checkpoint)));
+  PieceWriter writer;
+  WriteCheckpoint(checkpoint, &writer);
+  FREEGS_RETURN_IF_ERROR(WriteFileAtomic(folder / name, writer.Pieces()));
   RemoveParts(folder);
   const auto found = ListCheckpoints(folder);
   for (size_t i = static_cast<size_t>(std::max(1, keep)); i < found.size();

@@ -2,7 +2,7 @@
 // Checkpoints: everything that training needs to go on as if it had not
 // stopped, written to files.
 //
-//   SaveCheckpoint("checkpoints", trainer.Save());
+//   SaveCheckpoint("checkpoints", trainer.View());
 //   ...
 //   if (auto checkpoint = LatestCheckpoint("checkpoints")) {
 //     FREEGS_RETURN_IF_ERROR(trainer.Restore(*std::move(checkpoint)));
@@ -41,6 +41,21 @@ struct TrainingCheckpoint {
   std::map<std::string, std::string> facts;
 };
 
+// The same by reference, for writing: a trainer's state is large. The state
+// must not change while the view is in use.
+struct TrainingCheckpointView {
+  int64_t iteration = 0;
+  double elapsed_seconds = 0;
+  const GaussianModel* model = nullptr;
+  const AdamState* adam = nullptr;
+  const DensificationStatistics* statistics = nullptr;
+  const TrainingHistory* history = nullptr;
+  std::map<std::string, std::string> facts;
+};
+
+// The checkpoint must outlive the view.
+TrainingCheckpointView ViewOf(const TrainingCheckpoint& checkpoint);
+
 // Converts a checkpoint to the content of a file and back. The content is a
 // magic number, a version, the little-endian values, and a hash of all of these
 // that reveals any damage. ParseCheckpoint fails with kBadInput when the
@@ -50,9 +65,9 @@ StatusOr<TrainingCheckpoint> ParseCheckpoint(std::string_view content);
 
 // Writes folder/iteration_NNNNNNNN.ckpt atomically, then removes all but the
 // newest `keep` checkpoints in the folder. Creates the folder when it is
-// missing.
+// missing. Makes no copy of the state.
 Status SaveCheckpoint(const std::filesystem::path& folder,
-                      const TrainingCheckpoint& checkpoint,
+                      const TrainingCheckpointView& checkpoint,
                       int keep = 2);
 
 // Reads a checkpoint. Fails with kBadInput, naming the file and the fault, when

@@ -341,6 +341,16 @@ Status Trainer::RunMilestone(TrainingEvent event) {
   return Status();
 }
 
+TrainingCheckpointView Trainer::View() {
+  history_.loss = loss_monitor_.state();
+  return {.iteration = iteration_,
+          .model = &model_,
+          .adam = &adam_.state(),
+          .statistics = &statistics_,
+          .history = &history_,
+          .facts = {}};
+}
+
 TrainingCheckpoint Trainer::Save() const {
   TrainingCheckpoint checkpoint;
   checkpoint.iteration = iteration_;

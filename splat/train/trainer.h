@@ -136,7 +136,9 @@ class Trainer {
 
   // Save returns all that Restore needs to go on from here, in a trainer made
   // with the same arguments. Restore fails with kBadInput when the arrays of
-  // the checkpoint do not fit together.
+  // the checkpoint do not fit together. View is Save without a copy, valid
+  // until the next step.
+  TrainingCheckpointView View();
   TrainingCheckpoint Save() const;
   Status Restore(TrainingCheckpoint checkpoint);
 

@@ -25,10 +25,10 @@ constexpr double kBytesPerDecodedPixel = 6;
 constexpr double kBytesPerViewPixel = 4 * (3 * 3 + 3 * 3 + 2);
 
 // Copies of a Gaussian's parameters. Training has four: the model, two moments
-// and the last good state. A checkpoint copies all of these, then makes one
-// text of them; the text takes up to twice its size while it grows. The lists
-// of what a view shows add about as much as two more.
-constexpr double kCopiesOfGaussian = 4 + 4 + 8 + 2;
+// and the last good state; checkpoints are written from them. The lists of what
+// a view shows add about as much as one more, and while Gaussians are chosen or
+// sorted there is one more of some arrays.
+constexpr double kCopiesOfGaussian = 4 + 1 + 1;
 
 // A densification makes about four new Gaussians of ten.
 constexpr double kGrowth = 1.4;

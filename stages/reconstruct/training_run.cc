@@ -109,7 +109,7 @@ class TrainingRun {
   }
 
   Status SaveCheckpoint() {
-    splat::TrainingCheckpoint checkpoint = trainer_->Save();
+    splat::TrainingCheckpointView checkpoint = trainer_->View();
     const pipeline::ResourceUsage usage = meter_.Elapsed();
     checkpoint.elapsed_seconds = earlier_seconds_ + usage.wall_seconds;
     checkpoint.facts["cpu_seconds"] =

@@ -218,7 +218,7 @@ TEST_F(CheckpointFolderTest, KeepsTheNewestAndClearsUp) {
   ASSERT_TRUE(WriteFileAtomic(stale, "half").ok());
   ASSERT_TRUE(WriteFileAtomic(foreign, "mine").ok());
   for (const int64_t iteration : {100, 200, 123456789, 300}) {
-    ASSERT_TRUE(SaveCheckpoint(folder_, Example(iteration)).ok());
+    ASSERT_TRUE(SaveCheckpoint(folder_, ViewOf(Example(iteration))).ok());
   }
   EXPECT_FALSE(fs::exists(stale));
   EXPECT_TRUE(fs::exists(foreign));
@@ -231,8 +231,8 @@ TEST_F(CheckpointFolderTest, KeepsTheNewestAndClearsUp) {
 }
 
 TEST_F(CheckpointFolderTest, FallsBackToTheNewestThatIsWhole) {
-  ASSERT_TRUE(SaveCheckpoint(folder_, Example(100)).ok());
-  ASSERT_TRUE(SaveCheckpoint(folder_, Example(200)).ok());
+  ASSERT_TRUE(SaveCheckpoint(folder_, ViewOf(Example(100))).ok());
+  ASSERT_TRUE(SaveCheckpoint(folder_, ViewOf(Example(200))).ok());
   ASSERT_TRUE(WriteFileAtomic(folder_ / "iteration_00000200.ckpt",
                               SerializeCheckpoint(Example(200)).substr(0, 99))
                   .ok());

@@ -386,7 +386,7 @@ TEST_F(ReconstructStageTest, GoingBackIsLoggedAndListed) {
       splat::LatestCheckpoint(folder);
   ASSERT_TRUE(checkpoint.has_value());
   for (float& value : checkpoint->model.sh_dc) value = NAN;
-  ASSERT_TRUE(splat::SaveCheckpoint(folder, *checkpoint).ok());
+  ASSERT_TRUE(splat::SaveCheckpoint(folder, splat::ViewOf(*checkpoint)).ok());
   const Status status = Run(Short(), "out", true);
   ASSERT_TRUE(status.ok()) << status.message();
   EXPECT_THAT(log_, testing::HasSubstr("training diverged at iteration"));
