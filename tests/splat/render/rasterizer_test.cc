@@ -9,6 +9,7 @@
 
 #include "core/random.h"
 #include "splat/render/renderer.h"
+#include "tests/for_each_target.h"
 #include "tests/splat/reference_renderer.h"
 #include "tests/splat/test_scene.h"
 
@@ -297,6 +298,44 @@ TEST(Rasterizer, DegenerateGaussiansLeaveFinitePictures) {
       RenderView(model, TestCamera(64, 48), pose, TestOptions(), pool);
   for (size_t i = 0; i < view.color.size(); ++i) {
     EXPECT_TRUE(std::isfinite(view.color.data()[i]));
+  }
+}
+
+// Numbers of Gaussians that fill no whole group of lanes, and every SH degree.
+TEST(Rasterizer, EveryInstructionSetAgrees) {
+  const Pinhole camera = TestCamera(52, 37);
+  ThreadPool pool(2);
+  const ImageF d_color(camera.width, camera.height, 3, 0.01f);
+  for (int degree = 0; degree <= kMaxShDegree; ++degree) {
+    const GaussianModel model = RandomSceneModel(61 + degree, degree, 31);
+    ImageF best_color;
+    GaussianModel best;
+    ForEachTarget([&] {
+      Rasterizer rasterizer;
+      RasterImages images;
+      rasterizer.Forward(
+          model, camera, TestPose(), TestOptions(), {}, pool, &images);
+      GaussianModel gradients;
+      gradients.sh_degree = degree;
+      gradients.Resize(model.size());
+      rasterizer.Backward(model, {.color = &d_color}, images, pool, &gradients);
+      if (best.empty()) {
+        best_color = images.color;
+        best = gradients;
+      }
+      for (size_t k = 0; k < best_color.size(); ++k) {
+        ASSERT_NEAR(images.color.data()[k], best_color.data()[k], 1e-4) << k;
+      }
+      for (const Parameter parameter : kAllParameters) {
+        const auto& got = ParameterArray(gradients, parameter);
+        const auto& want = ParameterArray(best, parameter);
+        for (size_t k = 0; k < want.size(); ++k) {
+          ASSERT_NEAR(got[k], want[k], 1e-3 * std::abs(want[k]) + 1e-4)
+              << "degree " << degree << ", parameter "
+              << static_cast<int>(parameter) << ", " << k;
+        }
+      }
+    });
   }
 }
 
