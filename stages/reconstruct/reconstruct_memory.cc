@@ -26,9 +26,9 @@ constexpr double kBytesPerViewPixel = 4 * (3 * 3 + 3 * 3 + 2);
 
 // Copies of a Gaussian's parameters. Training has four: the model, two moments
 // and the last good state; checkpoints are written from them. The lists of what
-// a view shows add about as much as one more, and while Gaussians are chosen or
+// a view shows add about as much as two more, and while Gaussians are chosen or
 // sorted there is one more of some arrays.
-constexpr double kCopiesOfGaussian = 4 + 1 + 1;
+constexpr double kCopiesOfGaussian = 4 + 2 + 1;
 
 // A densification makes about four new Gaussians of ten.
 constexpr double kGrowth = 1.4;
