@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include <hwy/cache_control.h>
 
@@ -59,74 +60,6 @@ ProjectionCamera<SimdNumber> Broadcast(const ProjectionCamera<float>& from) {
   to.near_plane = SimdNumber(from.near_plane);
   to.dilation = SimdNumber(from.dilation);
   return to;
-}
-
-// A group of Gaussians: as many as a vector has lanes, or fewer at the end.
-struct Group {
-  const uint32_t* indices;  // Rows of a model, or of gradients.
-  size_t count;
-  bool consecutive;  // A whole vector of neighbours.
-};
-
-HWY_INLINE Group MakeGroup(const uint32_t* indices, size_t count) {
-  const size_t lanes = hn::Lanes(Tag());
-  Group group{indices, std::min(count, lanes), false};
-  group.consecutive =
-      group.count == lanes && indices[lanes - 1] - indices[0] == lanes - 1;
-  return group;
-}
-
-// Rows of 3 or 4 floats of a model's array, into as many numbers. Lanes beyond
-// the group are zero.
-template <int kStride>
-HWY_INLINE void LoadRows(const Group& group,
-                         const float* array,
-                         SimdNumber out[kStride]) {
-  const Tag d;
-  HWY_ALIGN float rows[kStride * kMaxLanes];
-  const float* from = array + static_cast<size_t>(group.indices[0]) * kStride;
-  if (!group.consecutive) {
-    std::fill_n(rows, kStride * kMaxLanes, 0.0f);
-    for (size_t l = 0; l < group.count; ++l) {
-      const float* row =
-          array + static_cast<size_t>(group.indices[l]) * kStride;
-      for (int k = 0; k < kStride; ++k) rows[kStride * l + k] = row[k];
-    }
-    from = rows;
-  }
-  if constexpr (kStride == 3) {
-    hn::LoadInterleaved3(d, from, out[0].vector, out[1].vector, out[2].vector);
-  } else {
-    hn::LoadInterleaved4(
-        d, from, out[0].vector, out[1].vector, out[2].vector, out[3].vector);
-  }
-}
-
-template <int kStride>
-HWY_INLINE void StoreRows(const Group& group,
-                          const SimdNumber values[kStride],
-                          float* array) {
-  const Tag d;
-  HWY_ALIGN float rows[kStride * kMaxLanes];
-  float* to = group.consecutive
-                  ? array + static_cast<size_t>(group.indices[0]) * kStride
-                  : rows;
-  if constexpr (kStride == 3) {
-    hn::StoreInterleaved3(
-        values[0].vector, values[1].vector, values[2].vector, d, to);
-  } else {
-    hn::StoreInterleaved4(values[0].vector,
-                          values[1].vector,
-                          values[2].vector,
-                          values[3].vector,
-                          d,
-                          to);
-  }
-  if (group.consecutive) return;
-  for (size_t l = 0; l < group.count; ++l) {
-    float* row = array + static_cast<size_t>(group.indices[l]) * kStride;
-    for (int k = 0; k < kStride; ++k) row[k] = rows[kStride * l + k];
-  }
 }
 
 struct Direction {

@@ -23,8 +23,10 @@ struct ProjectionTask {
 };
 
 // Projects Gaussians [begin, end). The splat of a Gaussian that can touch a
-// pixel is written to splats[its index], and its index is appended to
-// `visible`, ascending. Returns how many there are.
+// pixel is written to splats[its index], and its index to the next place of
+// `visible`, ascending. Returns how many there are. The splats of the other
+// Gaussians in the range, and the rest of the end - begin places of `visible`,
+// may be overwritten with anything.
 size_t ProjectRange(const ProjectionTask& task,
                     size_t begin,
                     size_t end,
