@@ -93,27 +93,12 @@ void ForEachTileRun(const Splat& splat, int tiles_x, const Visit& visit) {
 // A footprint is requested from memory so many splats before it is read.
 constexpr int64_t kAhead = 16;
 
-}  // namespace
-
-void BinSplats(const Projection& projection,
-               int width,
-               int height,
-               ThreadPool& pool,
-               TileBins* bins) {
-  bins->tiles_x = (width + kTileSize - 1) / kTileSize;
-  bins->tiles_y = (height + kTileSize - 1) / kTileSize;
-  const auto tiles = static_cast<size_t>(bins->tiles_x) * bins->tiles_y;
+// Finds the tiles of each splat, in the order of the model.
+void FindFootprints(const Projection& projection,
+                    int64_t chunk_size,
+                    ThreadPool& pool,
+                    TileBins* bins) {
   const auto count = static_cast<int64_t>(projection.size());
-  const int64_t num_chunks = pool.num_threads();
-  const int64_t chunk_size =
-      std::max<int64_t>(1, (count + num_chunks - 1) / num_chunks);
-  bins->chunks.resize(num_chunks);
-  for (TileBins::Chunk& chunk : bins->chunks) {
-    chunk.runs.clear();
-    chunk.counts.assign(tiles, 0);
-  }
-
-  // First the tiles of each splat, in the order of the model.
   bins->place_begin.resize(projection.size() + 1);
   bins->place_begin[0] = 0;
   bins->footprints.resize(projection.size());
@@ -143,8 +128,31 @@ void BinSplats(const Projection& projection,
     bins->footprints[place].first_entry = bins->place_begin[place];
     bins->place_begin[place + 1] += bins->place_begin[place];
   }
+}
 
-  // Then each tile's splats, by depth. Each chunk of splats counts its entries
+}  // namespace
+
+void BinSplats(const Projection& projection,
+               int width,
+               int height,
+               ThreadPool& pool,
+               TileBins* bins) {
+  bins->tiles_x = (width + kTileSize - 1) / kTileSize;
+  bins->tiles_y = (height + kTileSize - 1) / kTileSize;
+  const auto tiles = static_cast<size_t>(bins->tiles_x) * bins->tiles_y;
+  const auto count = static_cast<int64_t>(projection.size());
+  const int64_t num_chunks = pool.num_threads();
+  const int64_t chunk_size =
+      std::max<int64_t>(1, (count + num_chunks - 1) / num_chunks);
+  bins->chunks.resize(num_chunks);
+  for (TileBins::Chunk& chunk : bins->chunks) {
+    chunk.runs.clear();
+    chunk.counts.assign(tiles, 0);
+  }
+
+  FindFootprints(projection, chunk_size, pool, bins);
+
+  // Each tile's splats, by depth. Each chunk of splats counts its entries
   // of each tile; sums over the chunks then give every chunk its own place in
   // every tile's list, so that filling needs no lock and the order is the same
   // for any number of chunks.
