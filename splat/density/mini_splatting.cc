@@ -10,6 +10,7 @@
 #include "core/random.h"
 #include "splat/density/depth_reinitialization.h"
 #include "splat/density/simplification.h"
+#include "splat/images/ignored_pixels.h"
 
 namespace freegs::splat {
 namespace {
@@ -104,9 +105,18 @@ StatusOr<MiniSplattingSummary> ReinitializeFromDepth(
   ViewContributions contributions;
   std::vector<double> opacity(images.size());
   uint64_t num_pixels = 0;
-  for (size_t i = 0; i < images.size(); ++i) {
-    const View view = images.view(i, context.level);
+  ImageF photo;
+  // The contributions to view i and its photo. No point is drawn from a pixel
+  // without a dominant Gaussian, so ignored pixels get none.
+  const auto prepare = [&](size_t i, const View& view) -> Status {
     RenderContributions(context, *model, view, &contributions);
+    FREEGS_RETURN_IF_ERROR(images.Fetch(i, context.level, &photo));
+    const ImageU8* const mask = images.Mask(i, context.level);
+    if (mask != nullptr) FillIgnored(*mask, -1, &contributions.dominant);
+    return Status();
+  };
+  for (size_t i = 0; i < images.size(); ++i) {
+    FREEGS_RETURN_IF_ERROR(prepare(i, images.view(i, context.level)));
     opacity[i] = AccumulatedOpacity(contributions);
     num_pixels += contributions.dominant.num_pixels();
   }
@@ -115,12 +125,10 @@ StatusOr<MiniSplattingSummary> ReinitializeFromDepth(
   const std::vector<size_t> counts = PointsPerView(
       opacity, NumDepthPoints(options, budget, model->size(), num_pixels));
   DepthPoints points;
-  ImageF photo;
   for (size_t i = 0; i < images.size(); ++i) {
     if (counts[i] == 0) continue;
     const View view = images.view(i, context.level);
-    RenderContributions(context, *model, view, &contributions);
-    FREEGS_RETURN_IF_ERROR(images.Fetch(i, context.level, &photo));
+    FREEGS_RETURN_IF_ERROR(prepare(i, view));
     FREEGS_ASSIGN_OR_RETURN(
         const DepthPoints drawn,
         SampleDepthPoints(*model,

@@ -2,9 +2,12 @@
 
 #include "splat/images/holdout.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "core/io/image_io.h"
+#include "splat/images/ignored_pixels.h"
 #include "splat/optim/image_metrics.h"
 #include "splat/render/rasterizer.h"
 
@@ -28,11 +31,24 @@ StatusOr<HoldoutReport> MeasureHoldout(const GaussianModel& model,
     result.name = view.name;
     result.rendered = ToU8(rendered.color);
     const ImageF quantised = ToFloat(result.rendered);
-    FREEGS_ASSIGN_OR_RETURN(result.psnr, Psnr(quantised, photo));
-    FREEGS_ASSIGN_OR_RETURN(result.ssim, Ssim(quantised, photo));
+    // The error of pixels that a mask ignores becomes zero, and the mean is
+    // taken over the others.
+    double used = 1;
+    if (const ImageU8* const mask = images->Mask(i, level)) {
+      used = UsedShare(*mask);
+      if (used == 0) continue;
+      CopyIgnored(*mask, quantised, &photo);
+    }
+    FREEGS_ASSIGN_OR_RETURN(const double psnr, Psnr(quantised, photo));
+    FREEGS_ASSIGN_OR_RETURN(const double ssim, Ssim(quantised, photo));
+    result.psnr = std::min(kMaxPsnr, psnr + 10 * std::log10(used));
+    result.ssim = 1 - (1 - ssim) / used;
     report.mean_psnr += result.psnr;
     report.mean_ssim += result.ssim;
     report.views.push_back(std::move(result));
+  }
+  if (report.views.empty()) {
+    return BadInputError("masks leave nothing of any holdout photo");
   }
   report.mean_psnr /= static_cast<double>(report.views.size());
   report.mean_ssim /= static_cast<double>(report.views.size());

@@ -30,7 +30,9 @@ struct HoldoutReport {
 };
 
 // Renders every view of `images` (one or more) at a level of the image pyramid
-// and compares it with the photo. Fails when a photo has become unreadable.
+// and compares it with the photo, without the pixels that its mask ignores. A
+// view of which nothing is left is not in the report. Fails when a photo has
+// become unreadable, and with kBadInput when nothing is left of any view.
 StatusOr<HoldoutReport> MeasureHoldout(const GaussianModel& model,
                                        const RenderOptions& options,
                                        TrainingImages* images,

@@ -6,18 +6,13 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "core/io/image_io.h"
 
 namespace freegs::splat {
 namespace {
-
-uint64_t PyramidBytes(const std::vector<ImageU8>& pyramid) {
-  uint64_t bytes = 0;
-  for (const ImageU8& image : pyramid) bytes += image.size();
-  return bytes;
-}
 
 Pinhole AtLevel(const Pinhole& camera, int max_side, int level) {
   const Pinhole full = camera.LimitedTo(max_side);
@@ -30,6 +25,27 @@ Pinhole AtLevel(const Pinhole& camera, int max_side, int level) {
 
 std::string SizeText(int width, int height) {
   return std::to_string(width) + "x" + std::to_string(height);
+}
+
+// kBadInput, naming the file, unless a picture has the size of its camera.
+template <typename T>
+Status CheckSize(const std::filesystem::path& path,
+                 const Image<T>& picture,
+                 const Pinhole& camera) {
+  if (picture.width() == camera.width && picture.height() == camera.height) {
+    return Status();
+  }
+  return BadInputError(
+      path.string() + ": is " + SizeText(picture.width(), picture.height()) +
+      " pixels, its camera says " + SizeText(camera.width, camera.height));
+}
+
+// Ignores what is not wholly used.
+void KeepWhole(ImageU8* mask) {
+  std::transform(
+      mask->data(), mask->data() + mask->size(), mask->data(), [](uint8_t v) {
+        return uint8_t{v == 255 ? v : uint8_t{0}};
+      });
 }
 
 }  // namespace
@@ -62,23 +78,29 @@ StatusOr<TrainingImages> TrainingImages::Load(
   const int64_t batch = 4 * static_cast<int64_t>(pool.num_threads());
   for (int64_t begin = 0; begin < count; begin += batch) {
     const int64_t end = std::min(count, begin + batch);
-    std::vector<std::optional<StatusOr<std::vector<ImageU8>>>> read(end -
-                                                                    begin);
+    std::vector<std::optional<StatusOr<Pyramid>>> read(end - begin);
     pool.ParallelFor(begin, end, 1, [&](int64_t first, int64_t last, int) {
       for (int64_t i = first; i < last; ++i) {
         read[i - begin] = images.ReadPyramid(static_cast<size_t>(i));
       }
     });
     for (int64_t i = begin; i < end; ++i) {
-      FREEGS_ASSIGN_OR_RETURN(std::vector<ImageU8> pyramid,
-                              *std::move(read[i - begin]));
-      const uint64_t bytes = PyramidBytes(pyramid);
+      FREEGS_ASSIGN_OR_RETURN(Pyramid pyramid, *std::move(read[i - begin]));
+      const uint64_t bytes = pyramid.Bytes();
       if (images.held_bytes_ + bytes > options.max_bytes) continue;
       images.entries_[i].pyramid = std::move(pyramid);
       images.held_bytes_ += bytes;
     }
   }
   return images;
+}
+
+uint64_t TrainingImages::Pyramid::Bytes() const {
+  uint64_t bytes = 0;
+  for (const std::vector<ImageU8>* levels : {&photo, &mask}) {
+    for (const ImageU8& image : *levels) bytes += image.size();
+  }
+  return bytes;
 }
 
 View TrainingImages::view(size_t index, int level) const {
@@ -94,12 +116,12 @@ Pinhole TrainingImages::camera(size_t index, int level) const {
 Status TrainingImages::Fetch(size_t index, int level, ImageF* image) {
   Entry& entry = entries_[index];
   entry.last_use = ++clock_;
-  if (entry.pyramid.empty()) {
+  if (entry.pyramid.photo.empty()) {
     FREEGS_ASSIGN_OR_RETURN(entry.pyramid, ReadPyramid(index));
-    held_bytes_ += PyramidBytes(entry.pyramid);
+    held_bytes_ += entry.pyramid.Bytes();
     DropLeastRecent(index);
   }
-  const ImageU8& stored = entry.pyramid[level];
+  const ImageU8& stored = entry.pyramid.photo[level];
   image->Reshape(stored.width(), stored.height(), stored.channels());
   std::transform(stored.data(),
                  stored.data() + stored.size(),
@@ -108,26 +130,51 @@ Status TrainingImages::Fetch(size_t index, int level, ImageF* image) {
   return Status();
 }
 
-StatusOr<std::vector<ImageU8>> TrainingImages::ReadPyramid(size_t index) const {
+const ImageU8* TrainingImages::Mask(size_t index, int level) const {
+  const std::vector<ImageU8>& levels = entries_[index].pyramid.mask;
+  return levels.empty() ? nullptr : &levels[level];
+}
+
+StatusOr<TrainingImages::Pyramid> TrainingImages::ReadPyramid(
+    size_t index) const {
   const View& view = entries_[index].view;
   const std::filesystem::path path = folder_ / view.name;
   FREEGS_ASSIGN_OR_RETURN(const ImageU8 photo, ReadRgb(path));
-  if (photo.width() != view.camera.width ||
-      photo.height() != view.camera.height) {
-    return BadInputError(path.string() + ": is " +
-                         SizeText(photo.width(), photo.height()) +
-                         " pixels, its camera says " +
-                         SizeText(view.camera.width, view.camera.height));
-  }
-  std::vector<ImageU8> pyramid;
+  FREEGS_RETURN_IF_ERROR(CheckSize(path, photo, view.camera));
+  Pyramid pyramid;
   for (int level = 0; level < options_.num_levels; ++level) {
     const Pinhole camera = AtLevel(view.camera, options_.max_side, level);
     // Every level is averaged from level 0, so that errors of rounding to 8
     // bits do not add up along the pyramid.
-    pyramid.push_back(
-        Resize(level == 0 ? photo : pyramid[0], camera.width, camera.height));
+    pyramid.photo.push_back(Resize(
+        level == 0 ? photo : pyramid.photo[0], camera.width, camera.height));
+  }
+  if (!options_.mask_folder.empty()) {
+    FREEGS_RETURN_IF_ERROR(ReadMask(index, &pyramid));
   }
   return pyramid;
+}
+
+Status TrainingImages::ReadMask(size_t index, Pyramid* pyramid) const {
+  const View& view = entries_[index].view;
+  const std::filesystem::path path =
+      options_.mask_folder / (view.name + ".png");
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) return Status();
+  FREEGS_ASSIGN_OR_RETURN(const ImageU16 labels, ReadLabels(path));
+  FREEGS_RETURN_IF_ERROR(CheckSize(path, labels, view.camera));
+  ImageU8 mask(labels.width(), labels.height(), 1);
+  std::transform(
+      labels.data(),
+      labels.data() + labels.size(),
+      mask.data(),
+      [](uint16_t v) { return uint8_t{v != 0 ? uint8_t{255} : uint8_t{0}}; });
+  for (int level = 0; level < options_.num_levels; ++level) {
+    const Pinhole camera = AtLevel(view.camera, options_.max_side, level);
+    pyramid->mask.push_back(Resize(mask, camera.width, camera.height));
+    KeepWhole(&pyramid->mask.back());
+  }
+  return Status();
 }
 
 void TrainingImages::DropLeastRecent(size_t keep) {
@@ -135,13 +182,13 @@ void TrainingImages::DropLeastRecent(size_t keep) {
     Entry* oldest = nullptr;
     for (size_t i = 0; i < entries_.size(); ++i) {
       Entry& entry = entries_[i];
-      if (i == keep || entry.pyramid.empty()) continue;
+      if (i == keep || entry.pyramid.photo.empty()) continue;
       if (oldest == nullptr || entry.last_use < oldest->last_use) {
         oldest = &entry;
       }
     }
     if (oldest == nullptr) return;
-    held_bytes_ -= PyramidBytes(oldest->pyramid);
+    held_bytes_ -= oldest->pyramid.Bytes();
     oldest->pyramid = {};
   }
 }

@@ -37,6 +37,11 @@ struct TrainingImagesOptions {
   // they are needed. One photo is always kept.
   uint64_t max_bytes = uint64_t{4} << 30;
 
+  // The folder of masks, NAME.png for the photo NAME: one channel of the
+  // photo's size, 0 for pixels to ignore. A photo without a file has no mask.
+  // Empty: no photo has one.
+  std::filesystem::path mask_folder = {};
+
   Status Check() const;
 };
 
@@ -68,15 +73,28 @@ class TrainingImages {
   // a dropped photo has become unreadable or changed its size since Load.
   Status Fetch(size_t index, int level, ImageF* image);
 
+  // The mask of the photo that was fetched last, at a level: one channel of the
+  // size of view(index, level), 0 (ignore) or 255 (use). A pixel is used if all
+  // that it averages is. Null if the photo has no mask. Valid until the next
+  // Fetch.
+  const ImageU8* Mask(size_t index, int level) const;
+
  private:
+  // A photo at all levels, and its mask if it has one.
+  struct Pyramid {
+    std::vector<ImageU8> photo;
+    std::vector<ImageU8> mask;
+    uint64_t Bytes() const;
+  };
   struct Entry {
-    View view;                     // As given to Load: the photo's own size.
-    std::vector<ImageU8> pyramid;  // Empty when dropped.
+    View view;        // As given to Load: the photo's own size.
+    Pyramid pyramid;  // Empty when dropped.
     uint64_t last_use = 0;
   };
 
   TrainingImages() = default;
-  StatusOr<std::vector<ImageU8>> ReadPyramid(size_t index) const;
+  StatusOr<Pyramid> ReadPyramid(size_t index) const;
+  Status ReadMask(size_t index, Pyramid* pyramid) const;
   void DropLeastRecent(size_t keep);
 
   TrainingImagesOptions options_;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "splat/images/ignored_pixels.h"
 #include "splat/scene/spatial_order.h"
 
 namespace freegs::splat {
@@ -109,8 +110,12 @@ StatusOr<float> Trainer::GradientStep() {
                       {.dominant = dominant},
                       *pool_,
                       &rendered_);
+  // Where the mask says to ignore the photo, the rendering is right as it is.
+  const ImageU8* const mask = images_->Mask(view_index, level);
+  if (mask != nullptr) CopyIgnored(*mask, rendered_.color, &target_);
   const float loss =
       loss_.Compute(rendered_.color, target_, *pool_, &loss_gradient_);
+  if (mask != nullptr) FillIgnored(*mask, 0.0f, &loss_gradient_);
   LearningRates rates =
       LearningRatesAt(options_.learning_rates,
                       scene_extent_,
@@ -142,6 +147,9 @@ StatusOr<float> Trainer::GradientStep() {
                         radii_,
                         camera.width,
                         camera.height);
+  }
+  if (dominant && mask != nullptr) {
+    FillIgnored(*mask, -1, &rendered_.dominant);
   }
   if (dominant) statistics_.AddDominant(rendered_.dominant);
   return loss;

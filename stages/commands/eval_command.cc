@@ -29,6 +29,7 @@
 #include "stages/registry/pipeline_options.h"
 #include "stages/scene/scene_alignment.h"
 #include "stages/scene/scene_instances.h"
+#include "stages/scene/training_scene.h"
 #include "stages/scene/workspace_scene.h"
 
 namespace freegs::stages {
@@ -307,8 +308,10 @@ Status RunEvalCommand(const std::vector<std::string>& arguments,
   report.num_photos = scene.train.size() + scene.holdout.size();
   FREEGS_ASSIGN_OR_RETURN(
       report.holdout,
-      MeasureHoldoutQuality(
-          scene, request.workspace / "undistort" / "images", pool));
+      MeasureHoldoutQuality(scene,
+                            request.workspace / "undistort" / "images",
+                            TrainingMaskFolder(request.workspace),
+                            pool));
   FREEGS_ASSIGN_OR_RETURN(const auto instances,
                           ReadInstances(request.workspace, scene, context));
   if (instances) {

@@ -34,11 +34,13 @@ Status Cancelled() { return InterruptedError("evaluation interrupted"); }
 StatusOr<std::optional<ImageQuality>> MeasureHoldoutQuality(
     const WorkspaceScene& scene,
     const fs::path& photos_folder,
+    const fs::path& mask_folder,
     ThreadPool& pool) {
   if (scene.holdout.empty()) return std::optional<ImageQuality>();
   splat::TrainingImagesOptions options;
   options.max_side = scene.training_max_side;
   options.num_levels = 1;
+  options.mask_folder = mask_folder;
   FREEGS_ASSIGN_OR_RETURN(
       splat::TrainingImages images,
       splat::TrainingImages::Load(scene.holdout, photos_folder, options, pool));

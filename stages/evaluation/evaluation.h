@@ -46,6 +46,7 @@ struct ImageQuality {
 StatusOr<std::optional<ImageQuality>> MeasureHoldoutQuality(
     const WorkspaceScene& scene,
     const std::filesystem::path& photos_folder,
+    const std::filesystem::path& mask_folder,
     ThreadPool& pool);
 
 // Renders the truth's test views at their full size and compares them with the

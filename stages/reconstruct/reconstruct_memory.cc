@@ -11,10 +11,10 @@
 namespace freegs::stages {
 namespace {
 
-// A photo is kept as 8-bit RGB. The smaller levels of its pyramid add a third
-// (holdout photos have one such level: a quarter).
-constexpr double kBytesPerTrainPixel = 3 * 4 / 3.0;
-constexpr double kBytesPerHoldoutPixel = 3 * 5 / 4.0;
+// A photo is kept as 8-bit RGB, its mask as one more byte. The smaller levels
+// of its pyramid add a third (holdout photos have one such level: a quarter).
+constexpr double kLevelsOfTrainPhoto = 4 / 3.0;
+constexpr double kLevelsOfHoldoutPhoto = 5 / 4.0;
 
 // While it is read, a photo is there twice: as decoded, and in the order RGB.
 constexpr double kBytesPerDecodedPixel = 6;
@@ -72,8 +72,9 @@ int64_t ReconstructMemory(const ReconstructStageOptions& options,
                           const ReconstructSize& size) {
   const double reading = kBytesPerDecodedPixel * size.threads *
                          static_cast<double>(size.photo_pixels);
-  double images =
-      kBytesPerHoldoutPixel * static_cast<double>(size.holdout_pixels);
+  const double bytes_per_pixel = size.masks ? 4 : 3;
+  double images = kLevelsOfHoldoutPhoto * bytes_per_pixel *
+                  static_cast<double>(size.holdout_pixels);
   double work = kBytesPerViewPixel * static_cast<double>(size.view_pixels);
   if (!options.import.empty()) {
     work +=
@@ -86,9 +87,9 @@ int64_t ReconstructMemory(const ReconstructStageOptions& options,
         splat::NumShCoefficients(training.schedule.sh_degree);
     const double parameters = 11 + 3 * coefficients;
     work += *gaussians * kCopiesOfGaussian * parameters * sizeof(float);
-    images +=
-        std::min(options.image_cache_gb * 1e9,
-                 kBytesPerTrainPixel * static_cast<double>(size.train_pixels));
+    images += std::min(options.image_cache_gb * 1e9,
+                       kLevelsOfTrainPhoto * bytes_per_pixel *
+                           static_cast<double>(size.train_pixels));
   }
   return pipeline::kProgramMemory +
          std::llround(images + std::max(reading, work));

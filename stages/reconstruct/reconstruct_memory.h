@@ -20,6 +20,7 @@ struct ReconstructSize {
   int64_t view_pixels = 0;
 
   int64_t photo_pixels = 0;        // Of the largest photo at its own size.
+  bool masks = false;              // Whether photos have masks.
   int64_t points = 0;              // Where training begins.
   int64_t imported_gaussians = 0;  // With reconstruct.import.
   int threads = 1;

@@ -38,9 +38,13 @@ class ReconstructStage : public pipeline::Stage {
   std::string_view name() const override { return "reconstruct"; }
   int version() const override { return 2; }
 
-  std::vector<fs::path> Inputs(const pipeline::StageContext&) const override {
+  std::vector<fs::path> Inputs(
+      const pipeline::StageContext& context) const override {
     std::vector<fs::path> inputs = {
         "undistort/images", "undistort/sparse", "ingest/images.json"};
+    if (!TrainingMaskFolder(context.workspace).empty()) {
+      inputs.emplace_back("undistort/masks");
+    }
     if (!options_.import.empty()) inputs.emplace_back(options_.import);
     return inputs;
   }
@@ -63,6 +67,7 @@ class ReconstructStage : public pipeline::Stage {
     size.view_pixels = std::max(train.largest, holdout.largest);
     size.photo_pixels = std::max(CountPixels(posed->train, 0).largest,
                                  CountPixels(posed->holdout, 0).largest);
+    size.masks = !TrainingMaskFolder(context.workspace).empty();
     size.points = std::ssize(posed->sparse.points3d);
     size.threads = context.pool->num_threads();
     if (!options_.import.empty()) {

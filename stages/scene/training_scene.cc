@@ -58,9 +58,16 @@ StatusOr<PosedPhotos> ReadPosedPhotos(const fs::path& workspace) {
   return posed;
 }
 
+fs::path TrainingMaskFolder(const fs::path& workspace) {
+  const fs::path folder = workspace / "undistort" / "masks";
+  std::error_code error;
+  return fs::is_directory(folder, error) ? folder : fs::path();
+}
+
 StatusOr<TrainingScene> ReadTrainingScene(const fs::path& workspace) {
   TrainingScene scene;
   scene.photo_folder = workspace / "undistort" / "images";
+  scene.mask_folder = TrainingMaskFolder(workspace);
   FREEGS_ASSIGN_OR_RETURN(scene.photos, ReadPosedPhotos(workspace));
   if (scene.photos.train.empty()) {
     return UnusableResultError(
@@ -79,8 +86,10 @@ StatusOr<splat::TrainingImages> LoadTrainingPhotos(
     const TrainingScene& scene,
     const splat::TrainingImagesOptions& options,
     ThreadPool& pool) {
+  splat::TrainingImagesOptions with_masks = options;
+  with_masks.mask_folder = scene.mask_folder;
   return splat::TrainingImages::Load(
-      scene.photos.train, scene.photo_folder, options, pool);
+      scene.photos.train, scene.photo_folder, with_masks, pool);
 }
 
 StatusOr<splat::TrainingImages> LoadHoldoutPhotos(
@@ -92,8 +101,10 @@ StatusOr<splat::TrainingImages> LoadHoldoutPhotos(
         "the workspace has no holdout photo to measure quality on; choose "
         "some with ingest.holdout_every");
   }
+  splat::TrainingImagesOptions with_masks = options;
+  with_masks.mask_folder = scene.mask_folder;
   return splat::TrainingImages::Load(
-      scene.photos.holdout, scene.photo_folder, options, pool);
+      scene.photos.holdout, scene.photo_folder, with_masks, pool);
 }
 
 StatusOr<splat::GaussianModel> InitialModel(const TrainingScene& scene) {

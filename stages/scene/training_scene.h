@@ -43,8 +43,13 @@ struct PosedPhotos {
 // missing or malformed; for a missing one also the stage that writes it.
 StatusOr<PosedPhotos> ReadPosedPhotos(const std::filesystem::path& workspace);
 
+// The folder of the masks that stage undistort wrote; empty if it wrote none.
+std::filesystem::path TrainingMaskFolder(
+    const std::filesystem::path& workspace);
+
 struct TrainingScene {
   std::filesystem::path photo_folder;
+  std::filesystem::path mask_folder;  // Empty: the workspace has no masks.
   PosedPhotos photos;
   std::vector<Eigen::Vector3d> points;         // In photos.frame.
   std::vector<std::array<uint8_t, 3>> colors;  // RGB, one per point.
@@ -57,8 +62,9 @@ struct TrainingScene {
 StatusOr<TrainingScene> ReadTrainingScene(
     const std::filesystem::path& workspace);
 
-// Loads the pixels of the training photographs, or of the holdout. kBadInput
-// when a photograph cannot be read, and when the holdout is empty.
+// Loads the pixels and masks of the training photographs, or of the holdout.
+// options.mask_folder is not looked at. kBadInput when a photograph or mask
+// cannot be read, and when the holdout is empty.
 StatusOr<splat::TrainingImages> LoadTrainingPhotos(
     const TrainingScene& scene,
     const splat::TrainingImagesOptions& options,

@@ -23,7 +23,8 @@ struct UndistortStageOptions {
 void RegisterUndistortOptions(UndistortStageOptions& options,
                               pipeline::OptionTable& table);
 
-// Writes images/ and sparse/ (PINHOLE cameras) with COLMAP's image_undistorter.
+// Writes images/ and sparse/ (PINHOLE cameras) with COLMAP's image_undistorter,
+// and masks/ for photos that have a mask in ingest/masks.
 // `colmap` is the COLMAP program: a path, or a name in PATH.
 std::unique_ptr<pipeline::Stage> MakeUndistortStage(
     const UndistortStageOptions& options, const std::string& colmap);

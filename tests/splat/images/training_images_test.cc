@@ -32,6 +32,7 @@ class TrainingImagesTest : public ::testing::Test {
       photo.data()[i] =
           static_cast<uint8_t>(RandomBits(views_.size(), 0, i) & 255);
     }
+    fs::create_directories((folder_ / name).parent_path());
     ASSERT_TRUE(WriteImage(folder_ / name, photo).ok());
     View view;
     view.name = name;
@@ -111,6 +112,49 @@ TEST_F(TrainingImagesTest, LimitsTheLongestSide) {
   EXPECT_EQ(images->view(1, 1).camera.height, 10);
   EXPECT_EQ(images->view(2).camera.width, 10);
   EXPECT_DOUBLE_EQ(images->view(0).camera.fx, 50.0);
+}
+
+TEST_F(TrainingImagesTest, MasksFollowTheLevels) {
+  AddPhoto("sub/a.png", 12, 8);
+  AddPhoto("b.png", 12, 8);
+  ImageU8 mask(12, 8, 1, 255);
+  mask(5, 3) = 0;
+  const TemporaryFolder masks;
+  fs::create_directories(masks.path() / "sub");
+  ASSERT_TRUE(WriteImage(masks.path() / "sub/a.png.png", mask).ok());
+  // With a cap of one photo, so that photo and mask are read again.
+  for (const uint64_t cap : {uint64_t{1} << 30, uint64_t{1}}) {
+    StatusOr<TrainingImages> images =
+        Load({.max_bytes = cap, .mask_folder = masks.path()});
+    ASSERT_TRUE(images.ok()) << images.status().message();
+    ImageF image;
+    for (int level = 0; level < 3; ++level) {
+      ASSERT_TRUE(images->Fetch(1, level, &image).ok());
+      EXPECT_EQ(images->Mask(1, level), nullptr);
+      ASSERT_TRUE(images->Fetch(0, level, &image).ok());
+      const ImageU8* const found = images->Mask(0, level);
+      ASSERT_NE(found, nullptr);
+      ASSERT_EQ(found->width(), image.width());
+      ASSERT_EQ(found->height(), image.height());
+      for (int y = 0; y < found->height(); ++y) {
+        for (int x = 0; x < found->width(); ++x) {
+          const bool ignored = x == 5 >> level && y == 3 >> level;
+          EXPECT_EQ((*found)(x, y), ignored ? 0 : 255);
+        }
+      }
+    }
+  }
+}
+
+TEST_F(TrainingImagesTest, RefusesMasksThatDoNotFit) {
+  AddPhoto("a.png", 12, 8);
+  const TemporaryFolder masks;
+  const auto load = [&] { return Load({.mask_folder = masks.path()}); };
+  ASSERT_TRUE(WriteImage(masks.path() / "a.png.png", ImageU8(8, 12, 1)).ok());
+  EXPECT_THAT(load().status().message(),
+              AllOf(HasSubstr("a.png.png"), HasSubstr("8x12")));
+  ASSERT_TRUE(WriteFileAtomic(masks.path() / "a.png.png", "no mask").ok());
+  EXPECT_EQ(load().status().code(), StatusCode::kBadInput);
 }
 
 TEST_F(TrainingImagesTest, MemoryCapDoesNotChangeWhatIsFetched) {

@@ -158,7 +158,7 @@ TEST_F(EvaluationTest, WithoutTruthThereIsNothing) {
       scene, labels_, truth_, truth_from_scene_, cancellation_, pool_);
   ASSERT_TRUE(instances.ok());
   EXPECT_FALSE(instances->has_value());
-  const auto holdout = MeasureHoldoutQuality(scene, folder_, pool_);
+  const auto holdout = MeasureHoldoutQuality(scene, folder_, {}, pool_);
   ASSERT_TRUE(holdout.ok());
   EXPECT_FALSE(holdout->has_value());
 }

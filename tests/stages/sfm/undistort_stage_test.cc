@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/io/image_io.h"
 #include "sfm/scene/model_io.h"
 #include "sfm/scene/views.h"
 #include "tests/sfm/fake_colmap.h"
@@ -55,6 +56,32 @@ TEST_F(UndistortStageTest, PinholeModelIsNotResampled) {
   EXPECT_EQ(
       ReadText(workspace_.path() / "undistort" / "images" / sfm::PhotoName(0)),
       "pixels");
+}
+
+TEST_F(UndistortStageTest, MasksFollowTheirPhotos) {
+  const fs::path masks = workspace_.path() / "ingest" / "masks";
+  const std::string name = sfm::PhotoName(1) + ".png";
+  fs::create_directories((masks / name).parent_path());
+  ImageU8 mask(640, 480, 1, 255);
+  for (int y = 0; y < 480; ++y) std::fill_n(mask.row(y), 100, uint8_t{0});
+  ASSERT_TRUE(WriteImage(masks / name, mask).ok());
+  const auto model = sfm::SyntheticModel(4, 10, sfm::CameraModel::kPinhole);
+  const Status status = Run(model);
+  ASSERT_TRUE(status.ok()) << status.message();
+  const fs::path written = workspace_.path() / "undistort" / "masks";
+  const auto moved = ReadLabels(written / name);
+  ASSERT_TRUE(moved.ok()) << moved.status().message();
+  EXPECT_EQ(moved->width(), 640);
+  EXPECT_EQ((*moved)(99, 240), 0);
+  EXPECT_EQ((*moved)(100, 240), 255);
+  EXPECT_FALSE(fs::exists(written / (sfm::PhotoName(0) + ".png")));
+  // A mask of another size.
+  ASSERT_TRUE(WriteImage(masks / name, ImageU8(480, 640, 1, 255)).ok());
+  EXPECT_EQ(Run(model).code(), StatusCode::kBadInput);
+  // Masks that are gone leave none behind.
+  fs::remove_all(masks);
+  ASSERT_TRUE(Run(model).ok());
+  EXPECT_FALSE(fs::exists(written));
 }
 
 TEST_F(UndistortStageTest, ForeignModels) {
