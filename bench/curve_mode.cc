@@ -124,15 +124,15 @@ Status RunCurve(const CurveOptions& options) {
   splat::TrainingImagesOptions image_options;
   image_options.max_side = reconstruct.max_image_size;
   image_options.num_levels = 2;
-  FREEGS_ASSIGN_OR_RETURN(
-      splat::TrainingImages holdout,
-      stages::LoadHoldoutPhotos(scene, image_options, pool));
+  FREEGS_ASSIGN_OR_RETURN(stages::HoldoutImages holdout,
+                          stages::LoadHoldout(scene, image_options, pool));
+  if (!holdout.reporting) return NoHoldoutError();
   image_options.num_levels = 4;
   image_options.max_bytes =
       static_cast<uint64_t>(reconstruct.image_cache_gb * 1e9);
   FREEGS_ASSIGN_OR_RETURN(
       splat::TrainingImages images,
-      stages::LoadTrainingPhotos(scene, image_options, pool));
+      stages::LoadPhotos(scene, scene.photos.train, image_options, pool));
   const splat::RenderOptions render =
       stages::ReconstructRenderOptions(reconstruct);
 
@@ -145,14 +145,14 @@ Status RunCurve(const CurveOptions& options) {
   }
   splat::Trainer trainer(
       training, std::move(initial), scene.extent, &images, &pool);
-  if (reconstruct.budget == "auto") {
+  if (reconstruct.budget == "auto" && holdout.choosing) {
     FREEGS_ASSIGN_OR_RETURN(
         splat::BudgetChoice choice,
         splat::SearchBudget({},
                             training,
                             trainer.model(),
                             scene.extent,
-                            HoldoutJudge(render, &holdout, &pool),
+                            HoldoutJudge(render, &*holdout.choosing, &pool),
                             &images,
                             &pool,
                             /*cancellation=*/nullptr));
@@ -168,7 +168,8 @@ Status RunCurve(const CurveOptions& options) {
     clock.Stop();
     FREEGS_ASSIGN_OR_RETURN(
         const splat::HoldoutReport quality,
-        splat::MeasureHoldout(trainer.model(), render, &holdout, pool));
+        splat::MeasureHoldout(
+            trainer.model(), render, &*holdout.reporting, pool));
     std::printf("%lld,%.3f,%.3f,%zu,%.3f,%.4f\n",
                 static_cast<long long>(report.iteration),
                 clock.seconds(),

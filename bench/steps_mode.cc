@@ -81,7 +81,7 @@ Status RunSteps(const StepsOptions& options) {
   image_options.num_levels = 1;
   FREEGS_ASSIGN_OR_RETURN(
       splat::TrainingImages images,
-      stages::LoadTrainingPhotos(scene, image_options, pool));
+      stages::LoadPhotos(scene, scene.photos.train, image_options, pool));
   const Pinhole camera = images.view(0).camera;
   std::fprintf(stderr,
                "%zu photos (first: %d x %d), %zu points, %d threads, %d steps "

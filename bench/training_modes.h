@@ -16,6 +16,12 @@
 
 namespace freegs::bench {
 
+inline Status NoHoldoutError() {
+  return BadInputError(
+      "the workspace has no holdout photo to measure quality on; choose some "
+      "with ingest.holdout_every");
+}
+
 // Time per step at the start of a training without densification, on full-size
 // images, from the points of structure from motion.
 struct StepsOptions {

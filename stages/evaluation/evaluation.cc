@@ -12,6 +12,7 @@
 #include "splat/optim/image_metrics.h"
 #include "splat/render/renderer.h"
 #include "stages/scene/scene_alignment.h"
+#include "stages/scene/training_scene.h"
 
 namespace freegs::stages {
 namespace {
@@ -36,14 +37,15 @@ StatusOr<std::optional<ImageQuality>> MeasureHoldoutQuality(
     const fs::path& photos_folder,
     const fs::path& mask_folder,
     ThreadPool& pool) {
-  if (scene.holdout.empty()) return std::optional<ImageQuality>();
+  const std::vector<View> views = SplitHoldout(scene.holdout).reporting;
+  if (views.empty()) return std::optional<ImageQuality>();
   splat::TrainingImagesOptions options;
   options.max_side = scene.training_max_side;
   options.num_levels = 1;
   options.mask_folder = mask_folder;
   FREEGS_ASSIGN_OR_RETURN(
       splat::TrainingImages images,
-      splat::TrainingImages::Load(scene.holdout, photos_folder, options, pool));
+      splat::TrainingImages::Load(views, photos_folder, options, pool));
   FREEGS_ASSIGN_OR_RETURN(
       const splat::HoldoutReport report,
       splat::MeasureHoldout(scene.model, scene.render, &images, pool));

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -91,12 +90,8 @@ class ReconstructStage : public pipeline::Stage {
     splat::TrainingImagesOptions image_options;
     image_options.max_side = options_.max_image_size;
     image_options.num_levels = 2;
-    std::optional<splat::TrainingImages> holdout;
-    if (!scene.photos.holdout.empty()) {
-      FREEGS_ASSIGN_OR_RETURN(
-          holdout, LoadHoldoutPhotos(scene, image_options, *context.pool));
-    }
-    splat::TrainingImages* holdout_images = holdout ? &*holdout : nullptr;
+    FREEGS_ASSIGN_OR_RETURN(HoldoutImages holdout,
+                            LoadHoldout(scene, image_options, *context.pool));
 
     const splat::ModelFrame& frame = scene.photos.frame;
     TrainedModel trained;
@@ -107,11 +102,10 @@ class ReconstructStage : public pipeline::Stage {
           static_cast<uint64_t>(options_.image_cache_gb * 1e9);
       FREEGS_ASSIGN_OR_RETURN(
           splat::TrainingImages images,
-          LoadTrainingPhotos(scene, image_options, *context.pool));
+          LoadPhotos(scene, scene.photos.train, image_options, *context.pool));
       FREEGS_ASSIGN_OR_RETURN(
           trained,
-          TrainModel(
-              options_, training, scene, &images, holdout_images, context));
+          TrainModel(options_, training, scene, &images, &holdout, context));
       // So that the model that is measured is the one that later stages read.
       splat::RoundToGrid(&trained.model);
       world = splat::ToWorld(trained.model, frame);
@@ -134,12 +128,36 @@ class ReconstructStage : public pipeline::Stage {
     }
     FREEGS_RETURN_IF_ERROR(splat::WritePly(
         context.output / "point_cloud.ply", world.model, world.offset));
-    return WriteMetrics(trained, holdout_images, meter, context);
+    return WriteMetrics(trained, &holdout, meter, context);
   }
 
  private:
+  // Measures the model on a part of the holdout, writes what it shows there,
+  // and adds the figures of each view to metrics["holdout_views"].
+  StatusOr<splat::HoldoutReport> Measure(const splat::GaussianModel& model,
+                                         bool choosing,
+                                         splat::TrainingImages* photos,
+                                         pipeline::StageContext& context,
+                                         nlohmann::json* metrics) const {
+    FREEGS_ASSIGN_OR_RETURN(
+        splat::HoldoutReport quality,
+        splat::MeasureHoldout(
+            model, ReconstructRenderOptions(options_), photos, *context.pool));
+    for (const splat::HoldoutView& view : quality.views) {
+      (*metrics)["holdout_views"].push_back({{"name", view.name},
+                                             {"psnr", view.psnr},
+                                             {"ssim", view.ssim},
+                                             {"choosing", choosing}});
+      const fs::path file =
+          (context.output / "holdout" / view.name).replace_extension(".png");
+      FREEGS_RETURN_IF_ERROR(CreateFolders(file.parent_path()));
+      FREEGS_RETURN_IF_ERROR(WriteImage(file, view.rendered));
+    }
+    return quality;
+  }
+
   Status WriteMetrics(const TrainedModel& trained,
-                      splat::TrainingImages* holdout,
+                      HoldoutImages* holdout,
                       const pipeline::ResourceMeter& meter,
                       pipeline::StageContext& context) const {
     const splat::GaussianModel& model = trained.model;
@@ -149,24 +167,17 @@ class ReconstructStage : public pipeline::Stage {
                               {"sh_degree", model.sh_degree},
                               {"iterations", trained.iterations}};
     metrics.update(trained.course);
-    if (holdout != nullptr) {
+    if (holdout->reporting) {
       FREEGS_ASSIGN_OR_RETURN(
           const splat::HoldoutReport quality,
-          splat::MeasureHoldout(model,
-                                ReconstructRenderOptions(options_),
-                                holdout,
-                                *context.pool));
+          Measure(model, false, &*holdout->reporting, context, &metrics));
       metrics["holdout_psnr"] = quality.mean_psnr;
       metrics["holdout_ssim"] = quality.mean_ssim;
-      nlohmann::json& views = metrics["holdout_views"];
-      for (const splat::HoldoutView& view : quality.views) {
-        views.push_back(
-            {{"name", view.name}, {"psnr", view.psnr}, {"ssim", view.ssim}});
-        const fs::path file =
-            (context.output / "holdout" / view.name).replace_extension(".png");
-        FREEGS_RETURN_IF_ERROR(CreateFolders(file.parent_path()));
-        FREEGS_RETURN_IF_ERROR(WriteImage(file, view.rendered));
-      }
+    }
+    if (holdout->choosing) {
+      FREEGS_RETURN_IF_ERROR(
+          Measure(model, true, &*holdout->choosing, context, &metrics)
+              .status());
     }
     const pipeline::ResourceUsage usage = meter.Elapsed();
     metrics["seconds"] = trained.earlier_seconds + usage.wall_seconds;

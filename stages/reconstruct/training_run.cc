@@ -32,7 +32,7 @@ class TrainingRun {
  public:
   TrainingRun(const ReconstructStageOptions& options,
               splat::Trainer* trainer,
-              splat::TrainingImages* holdout,
+              HoldoutImages* holdout,
               pipeline::StageContext* context)
       : options_(options),
         trainer_(trainer),
@@ -52,7 +52,8 @@ class TrainingRun {
   splat::QualityJudge Judge() {
     return [this](const splat::GaussianModel& model,
                   int level) -> StatusOr<double> {
-      FREEGS_ASSIGN_OR_RETURN(const double psnr, HoldoutPsnr(model, level));
+      FREEGS_ASSIGN_OR_RETURN(const double psnr,
+                              HoldoutPsnr(model, &*holdout_->choosing, level));
       context_->log(LogLevel::kInfo,
                     "reconstruct: " + TrialText(model, psnr, level));
       return psnr;
@@ -144,7 +145,7 @@ class TrainingRun {
     LogMilestone(report);
     loss_sum_ += report.loss;
     ++loss_count_;
-    const bool measure = holdout_ != nullptr && !trainer_->done() &&
+    const bool measure = holdout_->reporting && !trainer_->done() &&
                          options_.holdout_interval > 0 &&
                          report.iteration % options_.holdout_interval == 0;
     if (report.iteration % kProgressInterval != 0 && !measure &&
@@ -153,7 +154,8 @@ class TrainingRun {
     }
     std::optional<double> psnr;
     if (measure) {
-      FREEGS_ASSIGN_OR_RETURN(psnr, HoldoutPsnr(trainer_->model(), 0));
+      FREEGS_ASSIGN_OR_RETURN(
+          psnr, HoldoutPsnr(trainer_->model(), &*holdout_->reporting, 0));
     }
     const double loss = loss_sum_ / loss_count_;
     loss_sum_ = 0;
@@ -167,13 +169,15 @@ class TrainingRun {
     return Status();
   }
 
-  // Mean PSNR in dB over the holdout photos at a level of their pyramid.
-  StatusOr<double> HoldoutPsnr(const splat::GaussianModel& model, int level) {
+  // Mean PSNR in dB over holdout photos at a level of their pyramid.
+  StatusOr<double> HoldoutPsnr(const splat::GaussianModel& model,
+                               splat::TrainingImages* photos,
+                               int level) {
     FREEGS_ASSIGN_OR_RETURN(
         const splat::HoldoutReport quality,
         splat::MeasureHoldout(model,
                               ReconstructRenderOptions(options_),
-                              holdout_,
+                              photos,
                               *context_->pool,
                               level));
     return quality.mean_psnr;
@@ -202,7 +206,7 @@ class TrainingRun {
 
   const ReconstructStageOptions& options_;
   splat::Trainer* trainer_;
-  splat::TrainingImages* holdout_;  // Null without holdout photos.
+  HoldoutImages* holdout_;
   pipeline::StageContext* context_;
   fs::path checkpoints_;
   ProgressCsv progress_;
@@ -221,8 +225,8 @@ class TrainingRun {
 // keeps to a budget, and there are photos to judge by.
 bool SearchesBudget(const ReconstructStageOptions& options,
                     const splat::TrainerOptions& training,
-                    const splat::TrainingImages* holdout) {
-  return options.budget == "auto" && holdout != nullptr &&
+                    const HoldoutImages& holdout) {
+  return options.budget == "auto" && holdout.choosing &&
          training.schedule.method == splat::DensificationMethod::kMiniSplatting;
 }
 
@@ -232,7 +236,7 @@ StatusOr<TrainedModel> TrainModel(const ReconstructStageOptions& options,
                                   const splat::TrainerOptions& training,
                                   const TrainingScene& scene,
                                   splat::TrainingImages* images,
-                                  splat::TrainingImages* holdout,
+                                  HoldoutImages* holdout,
                                   pipeline::StageContext& context) {
   FREEGS_ASSIGN_OR_RETURN(splat::GaussianModel initial, InitialModel(scene));
   splat::TrainerOptions trainer_options = training;
@@ -246,7 +250,7 @@ StatusOr<TrainedModel> TrainModel(const ReconstructStageOptions& options,
   FREEGS_RETURN_IF_ERROR(run.Begin());
   // A checkpoint carries the choice of an earlier search, so that a resumed
   // training needs no search of its own.
-  if (SearchesBudget(options, trainer_options, holdout) &&
+  if (SearchesBudget(options, trainer_options, *holdout) &&
       trainer.iteration() == 0) {
     FREEGS_ASSIGN_OR_RETURN(splat::BudgetChoice choice,
                             splat::SearchBudget({},

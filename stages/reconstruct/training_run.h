@@ -36,15 +36,15 @@ struct TrainedModel {
 // Trains a model of the scene. Writes progress.csv and checkpoints/ below
 // context.output, and starts from the newest whole checkpoint there when
 // context.resuming is true: the model has the same bytes as after a run without
-// interruption. `holdout` is null for a scene without holdout photos: then
-// nothing is measured, and no search for a budget takes place. The errors are
+// interruption. Without photos for reporting nothing is measured, and without
+// photos for choosing no search for a budget takes place. The errors are
 // kInterrupted on cancellation, after a checkpoint has been saved, and those of
 // splat::Trainer and splat::SearchBudget.
 StatusOr<TrainedModel> TrainModel(const ReconstructStageOptions& options,
                                   const splat::TrainerOptions& training,
                                   const TrainingScene& scene,
                                   splat::TrainingImages* images,
-                                  splat::TrainingImages* holdout,
+                                  HoldoutImages* holdout,
                                   pipeline::StageContext& context);
 
 }  // namespace freegs::stages

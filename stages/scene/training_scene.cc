@@ -2,6 +2,7 @@
 
 #include "stages/scene/training_scene.h"
 
+#include <algorithm>
 #include <set>
 #include <string>
 #include <system_error>
@@ -82,29 +83,43 @@ StatusOr<TrainingScene> ReadTrainingScene(const fs::path& workspace) {
   return scene;
 }
 
-StatusOr<splat::TrainingImages> LoadTrainingPhotos(
-    const TrainingScene& scene,
-    const splat::TrainingImagesOptions& options,
-    ThreadPool& pool) {
-  splat::TrainingImagesOptions with_masks = options;
-  with_masks.mask_folder = scene.mask_folder;
-  return splat::TrainingImages::Load(
-      scene.photos.train, scene.photo_folder, with_masks, pool);
+HoldoutSplit SplitHoldout(std::vector<View> holdout) {
+  std::sort(holdout.begin(), holdout.end(), [](const View& a, const View& b) {
+    return a.name < b.name;
+  });
+  HoldoutSplit split;
+  for (size_t i = 0; i < holdout.size(); ++i) {
+    (i % 2 == 1 ? split.choosing : split.reporting)
+        .push_back(std::move(holdout[i]));
+  }
+  return split;
 }
 
-StatusOr<splat::TrainingImages> LoadHoldoutPhotos(
+StatusOr<splat::TrainingImages> LoadPhotos(
     const TrainingScene& scene,
+    std::span<const View> views,
     const splat::TrainingImagesOptions& options,
     ThreadPool& pool) {
-  if (scene.photos.holdout.empty()) {
-    return BadInputError(
-        "the workspace has no holdout photo to measure quality on; choose "
-        "some with ingest.holdout_every");
-  }
   splat::TrainingImagesOptions with_masks = options;
   with_masks.mask_folder = scene.mask_folder;
   return splat::TrainingImages::Load(
-      scene.photos.holdout, scene.photo_folder, with_masks, pool);
+      views, scene.photo_folder, with_masks, pool);
+}
+
+StatusOr<HoldoutImages> LoadHoldout(const TrainingScene& scene,
+                                    const splat::TrainingImagesOptions& options,
+                                    ThreadPool& pool) {
+  const HoldoutSplit split = SplitHoldout(scene.photos.holdout);
+  HoldoutImages images;
+  if (!split.choosing.empty()) {
+    FREEGS_ASSIGN_OR_RETURN(images.choosing,
+                            LoadPhotos(scene, split.choosing, options, pool));
+  }
+  if (!split.reporting.empty()) {
+    FREEGS_ASSIGN_OR_RETURN(images.reporting,
+                            LoadPhotos(scene, split.reporting, options, pool));
+  }
+  return images;
 }
 
 StatusOr<splat::GaussianModel> InitialModel(const TrainingScene& scene) {

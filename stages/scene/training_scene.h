@@ -6,7 +6,8 @@
 //   FREEGS_ASSIGN_OR_RETURN(const TrainingScene scene,
 //                           ReadTrainingScene(workspace));
 //   FREEGS_ASSIGN_OR_RETURN(splat::TrainingImages images,
-//                           LoadTrainingPhotos(scene, image_options, pool));
+//                           LoadPhotos(scene, scene.photos.train,
+//                                      image_options, pool));
 //   FREEGS_ASSIGN_OR_RETURN(splat::GaussianModel model, InitialModel(scene));
 
 #ifndef FREEGS_STAGES_SCENE_TRAINING_SCENE_H_
@@ -15,6 +16,8 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -43,6 +46,17 @@ struct PosedPhotos {
 // missing or malformed; for a missing one also the stage that writes it.
 StatusOr<PosedPhotos> ReadPosedPhotos(const std::filesystem::path& workspace);
 
+// Holdout photographs in two parts, so that those by which something was
+// chosen, such as the number of Gaussians, do not say how good the result is.
+struct HoldoutSplit {
+  std::vector<View> choosing;
+  std::vector<View> reporting;
+};
+
+// In the order of their names every second photograph is for choosing. A single
+// one is for reporting.
+HoldoutSplit SplitHoldout(std::vector<View> holdout);
+
 // The folder of the masks that stage undistort wrote; empty if it wrote none.
 std::filesystem::path TrainingMaskFolder(
     const std::filesystem::path& workspace);
@@ -62,17 +76,22 @@ struct TrainingScene {
 StatusOr<TrainingScene> ReadTrainingScene(
     const std::filesystem::path& workspace);
 
-// Loads the pixels and masks of the training photographs, or of the holdout.
-// options.mask_folder is not looked at. kBadInput when a photograph or mask
-// cannot be read, and when the holdout is empty.
-StatusOr<splat::TrainingImages> LoadTrainingPhotos(
+// Loads the pixels and masks of photographs of the scene. options.mask_folder
+// is not looked at. kBadInput when a photograph or mask cannot be read.
+StatusOr<splat::TrainingImages> LoadPhotos(
     const TrainingScene& scene,
+    std::span<const View> views,
     const splat::TrainingImagesOptions& options,
     ThreadPool& pool);
-StatusOr<splat::TrainingImages> LoadHoldoutPhotos(
-    const TrainingScene& scene,
-    const splat::TrainingImagesOptions& options,
-    ThreadPool& pool);
+
+// Both parts of the holdout; a part without photographs is empty.
+struct HoldoutImages {
+  std::optional<splat::TrainingImages> choosing;
+  std::optional<splat::TrainingImages> reporting;
+};
+StatusOr<HoldoutImages> LoadHoldout(const TrainingScene& scene,
+                                    const splat::TrainingImagesOptions& options,
+                                    ThreadPool& pool);
 
 // Makes one Gaussian per point; see splat::InitializeFromPoints.
 StatusOr<splat::GaussianModel> InitialModel(const TrainingScene& scene);
