@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include <cstdint>
+#include <cmath>
 #include <cstdio>
 #include <string>
 #include <utility>
@@ -8,13 +9,15 @@
 
 #include "bench/training_modes.h"
 #include "pipeline/resource_usage.h"
+#include "pipeline/system_info.h"
 #include "splat/images/holdout.h"
 #include "splat/images/resolution_schedule.h"
-#include "splat/search/budget_search.h"
+#include "splat/search/exposure_search.h"
 #include "splat/train/trainer.h"
 #include "stages/reconstruct/reconstruct_options.h"
 #include "stages/reconstruct/training_report.h"
 #include "stages/registry/pipeline_options.h"
+#include "stages/scene/scene_size.h"
 #include "stages/scene/training_scene.h"
 
 namespace freegs::bench {
@@ -82,12 +85,6 @@ void ReportCourse(const splat::Trainer& trainer) {
   for (const splat::MilestoneRecord& record : trainer.milestones()) {
     std::fprintf(stderr, "%s\n", stages::MilestoneText(record).c_str());
   }
-  if (trainer.budget_choice()) {
-    std::fprintf(stderr,
-                 "budget search: %lld Gaussians of SH degree %d\n",
-                 static_cast<long long>(trainer.budget_choice()->budget),
-                 trainer.budget_choice()->sh_degree);
-  }
   for (const splat::Recovery& recovery : trainer.recoveries()) {
     std::fprintf(stderr, "%s\n", stages::RecoveryText(recovery).c_str());
   }
@@ -96,34 +93,35 @@ void ReportCourse(const splat::Trainer& trainer) {
 splat::QualityJudge HoldoutJudge(const splat::RenderOptions& render,
                                  splat::TrainingImages* holdout,
                                  ThreadPool* pool) {
-  return [=](const splat::GaussianModel& model, int level) -> StatusOr<double> {
-    FREEGS_ASSIGN_OR_RETURN(
-        const splat::HoldoutReport quality,
-        splat::MeasureHoldout(model, render, holdout, *pool, level));
-    return quality.mean_psnr;
+  return [=](const splat::GaussianModel& model, int level) {
+    return splat::MeasureFittedHoldout(model, render, holdout, *pool, level);
   };
 }
 
 }  // namespace
 
 // The clock runs from the photos being in memory on: the first Gaussians, the
-// choice of resolutions and the search for a budget count.
+// choice of resolutions and the search about exposure count.
 Status RunCurve(const CurveOptions& options) {
   stages::PipelineOptions pipeline_options;
   FREEGS_RETURN_IF_ERROR(ReadSettings(options, &pipeline_options));
   const stages::ReconstructStageOptions& reconstruct =
       pipeline_options.reconstruct;
+  FREEGS_ASSIGN_OR_RETURN(const stages::TrainingScene scene,
+                          stages::ReadTrainingScene(options.workspace));
   FREEGS_ASSIGN_OR_RETURN(
       splat::TrainerOptions training,
       stages::MakeTrainerOptions(
-          reconstruct, static_cast<uint64_t>(pipeline_options.general.seed)));
-  FREEGS_ASSIGN_OR_RETURN(const stages::TrainingScene scene,
-                          stages::ReadTrainingScene(options.workspace));
+          reconstruct,
+          stages::CountPixels(scene.photos.train, reconstruct.max_image_size)
+              .total,
+          pipeline::Memory().total_bytes,
+          static_cast<uint64_t>(pipeline_options.general.seed)));
   ThreadPool pool(pipeline_options.general.threads);
   // Levels as the stage has them.
   splat::TrainingImagesOptions image_options;
   image_options.max_side = reconstruct.max_image_size;
-  image_options.num_levels = 2;
+  image_options.num_levels = 3;
   FREEGS_ASSIGN_OR_RETURN(stages::HoldoutImages holdout,
                           stages::LoadHoldout(scene, image_options, pool));
   if (!holdout.reporting) return NoHoldoutError();
@@ -145,18 +143,19 @@ Status RunCurve(const CurveOptions& options) {
   }
   splat::Trainer trainer(
       training, std::move(initial), scene.extent, &images, &pool);
-  if (reconstruct.budget == "auto" && holdout.choosing) {
+  if (reconstruct.exposure == "auto" && holdout.choosing) {
     FREEGS_ASSIGN_OR_RETURN(
-        splat::BudgetChoice choice,
-        splat::SearchBudget({},
-                            training,
-                            trainer.model(),
-                            scene.extent,
-                            HoldoutJudge(render, &*holdout.choosing, &pool),
-                            &images,
-                            &pool,
-                            /*cancellation=*/nullptr));
-    trainer.KeepTo(std::move(choice));
+        const splat::ExposureChoice choice,
+        splat::SearchExposure({},
+                              training,
+                              trainer.model(),
+                              scene.extent,
+                              HoldoutJudge(render, &*holdout.choosing, &pool),
+                              &images,
+                              &pool,
+                              /*cancellation=*/nullptr));
+    std::fprintf(stderr, "%s\n", stages::ExposureText(choice).c_str());
+    trainer.KeepTo(choice);
   }
   std::printf(
       "iteration,seconds,cpu_seconds,gaussians,holdout_psnr,holdout_ssim\n");
@@ -170,6 +169,14 @@ Status RunCurve(const CurveOptions& options) {
         const splat::HoldoutReport quality,
         splat::MeasureHoldout(
             trainer.model(), render, &*holdout.reporting, pool));
+    FREEGS_ASSIGN_OR_RETURN(
+        const double fitted,
+        splat::MeasureFittedHoldout(
+            trainer.model(), render, &*holdout.reporting, pool));
+    double dev = 0;
+    for (const auto& e : trainer.View().history->colors.entries) for (int k = 0; k < 12; ++k) dev += std::pow(e.color.values[k] - splat::AffineColor().values[k], 2);
+    std::fprintf(stderr, "rms %.4f\n", std::sqrt(dev / 12 / std::max<size_t>(1, trainer.View().history->colors.entries.size())));
+    std::fprintf(stderr, "fitted %.3f\n", fitted);
     std::printf("%lld,%.3f,%.3f,%zu,%.3f,%.4f\n",
                 static_cast<long long>(report.iteration),
                 clock.seconds(),

@@ -8,6 +8,7 @@
 
 #include "core/io/image_io.h"
 #include "splat/images/ignored_pixels.h"
+#include "splat/optim/exposure.h"
 #include "splat/optim/image_metrics.h"
 #include "splat/render/rasterizer.h"
 
@@ -53,6 +54,55 @@ StatusOr<HoldoutReport> MeasureHoldout(const GaussianModel& model,
   report.mean_psnr /= static_cast<double>(report.views.size());
   report.mean_ssim /= static_cast<double>(report.views.size());
   return report;
+}
+
+StatusOr<double> MeasureFittedHoldout(const GaussianModel& model,
+                                      const RenderOptions& options,
+                                      TrainingImages* images,
+                                      ThreadPool& pool,
+                                      int level) {
+  Rasterizer rasterizer;
+  RasterImages rendered;
+  ImageF photo;
+  ImageF fitted;
+  double sum = 0;
+  size_t count = 0;
+  for (size_t i = 0; i < images->size(); ++i) {
+    const View view = images->view(i, level);
+    FREEGS_RETURN_IF_ERROR(images->Fetch(i, level, &photo));
+    const ImageU8* const mask = images->Mask(i, level);
+    rasterizer.Forward(
+        model, view.camera, view.cam_from_world, options, {}, pool, &rendered);
+    const int middle = photo.width() / 2;
+    ApplyColor(FitColor(rendered.color, photo, mask, 0, middle),
+               rendered.color,
+               pool,
+               &fitted);
+    fitted = ToFloat(ToU8(fitted));
+    double squared = 0;
+    int64_t values = 0;
+    for (int y = 0; y < photo.height(); ++y) {
+      for (int x = middle; x < photo.width(); ++x) {
+        if (mask != nullptr && (*mask)(x, y) == 0) continue;
+        for (int c = 0; c < 3; ++c) {
+          const double d = fitted(x, y, c) - photo(x, y, c);
+          squared += d * d;
+          ++values;
+        }
+      }
+    }
+    if (values == 0) continue;
+    sum +=
+        squared > 0
+            ? std::min(kMaxPsnr,
+                       -10 * std::log10(squared / static_cast<double>(values)))
+            : kMaxPsnr;
+    ++count;
+  }
+  if (count == 0) {
+    return BadInputError("masks leave nothing of any holdout photo");
+  }
+  return sum / static_cast<double>(count);
 }
 
 }  // namespace freegs::splat

@@ -39,6 +39,15 @@ StatusOr<HoldoutReport> MeasureHoldout(const GaussianModel& model,
                                        ThreadPool& pool,
                                        int level = 0);
 
+// The same when each photo may have its own exposure: the colours of the
+// rendering are fitted to the photo on its left half (FitColor) and compared on
+// its right half. Returns the mean PSNR in dB.
+StatusOr<double> MeasureFittedHoldout(const GaussianModel& model,
+                                      const RenderOptions& options,
+                                      TrainingImages* images,
+                                      ThreadPool& pool,
+                                      int level = 0);
+
 }  // namespace freegs::splat
 
 #endif  // FREEGS_SPLAT_IMAGES_HOLDOUT_H_

@@ -19,8 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kMagic = "FGSTRAIN";
-constexpr uint32_t kVersion =
-    4;  // 2: max_dominant_share. 3: history. 4: budget.
+constexpr uint32_t kVersion = 5;  // 5: exposure.
 constexpr size_t kHashBytes = 32;
 
 constexpr std::string_view kPrefix = "iteration_";
@@ -91,39 +90,55 @@ bool ReadRecoveries(ByteReader* reader, std::vector<Recovery>* recoveries) {
   return true;
 }
 
-bool ReadBudgetChoice(ByteReader* reader, std::optional<BudgetChoice>* choice) {
+bool ReadExposureChoice(ByteReader* reader,
+                        std::optional<ExposureChoice>* choice) {
   uint8_t present = 0;
   if (!reader->Get(&present) || present > 1) return false;
   if (present == 0) return true;
-  BudgetChoice& read = choice->emplace();
-  uint64_t count = 0;
-  if (!reader->Get(&read.budget) || !reader->Get(&read.sh_degree) ||
-      !reader->Get(&count) || read.budget < 1 || read.sh_degree < 0 ||
-      read.sh_degree > kMaxShDegree) {
+  ExposureChoice& read = choice->emplace();
+  uint8_t learn = 0;
+  if (!reader->Get(&learn) || learn > 1 || !reader->Get(&read.psnr_without) ||
+      !reader->Get(&read.psnr_with)) {
     return false;
   }
+  read.learn = learn == 1;
+  return true;
+}
+
+void WriteExposureChoice(const std::optional<ExposureChoice>& choice,
+                         PieceWriter* writer) {
+  writer->Put<uint8_t>(choice ? 1 : 0);
+  if (!choice) return;
+  writer->Put<uint8_t>(choice->learn ? 1 : 0);
+  writer->Put(choice->psnr_without);
+  writer->Put(choice->psnr_with);
+}
+
+bool ReadColors(ByteReader* reader, PhotoColors* colors) {
+  uint64_t count = 0;
+  if (!reader->Get(&count)) return false;
   for (uint64_t i = 0; i < count; ++i) {
-    BudgetTrial trial;
-    if (!reader->Get(&trial.budget) || !reader->Get(&trial.sh_degree) ||
-        !reader->Get(&trial.holdout_psnr)) {
-      return false;
+    PhotoColors::Entry entry;
+    for (std::array<float, 12>* values :
+         {&entry.color.values, &entry.first_moment, &entry.second_moment}) {
+      for (float& value : *values) {
+        if (!reader->Get(&value) || !std::isfinite(value)) return false;
+      }
     }
-    read.trials.push_back(trial);
+    if (!reader->Get(&entry.steps) || entry.steps < 0) return false;
+    colors->entries.push_back(entry);
   }
   return true;
 }
 
-void WriteBudgetChoice(const std::optional<BudgetChoice>& choice,
-                       PieceWriter* writer) {
-  writer->Put<uint8_t>(choice ? 1 : 0);
-  if (!choice) return;
-  writer->Put(choice->budget);
-  writer->Put(choice->sh_degree);
-  writer->Put<uint64_t>(choice->trials.size());
-  for (const BudgetTrial& trial : choice->trials) {
-    writer->Put(trial.budget);
-    writer->Put(trial.sh_degree);
-    writer->Put(trial.holdout_psnr);
+void WriteColors(const PhotoColors& colors, PieceWriter* writer) {
+  writer->Put<uint64_t>(colors.entries.size());
+  for (const PhotoColors::Entry& entry : colors.entries) {
+    for (const std::array<float, 12>* values :
+         {&entry.color.values, &entry.first_moment, &entry.second_moment}) {
+      for (const float value : *values) writer->Put(value);
+    }
+    writer->Put(entry.steps);
   }
 }
 
@@ -134,8 +149,8 @@ bool ReadHistory(ByteReader* reader, TrainingHistory* history) {
       !reader->Get(&history->rate_factor) ||
       !reader->Get(&history->loss.steps) || !reader->Get(&history->loss.sum) ||
       !reader->Get(&history->loss.best) ||
-      !ReadBudgetChoice(reader, &history->budget_choice) ||
-      !reader->Get(&has_last_good)) {
+      !ReadExposureChoice(reader, &history->exposure_choice) ||
+      !ReadColors(reader, &history->colors) || !reader->Get(&has_last_good)) {
     return false;
   }
   if (!(history->rate_factor > 0 && history->rate_factor <= 1) ||
@@ -167,7 +182,8 @@ void WriteHistory(const TrainingHistory& history, PieceWriter* writer) {
   writer->Put(history.loss.steps);
   writer->Put(history.loss.sum);
   writer->Put(history.loss.best);
-  WriteBudgetChoice(history.budget_choice, writer);
+  WriteExposureChoice(history.exposure_choice, writer);
+  WriteColors(history.colors, writer);
   writer->Put<uint8_t>(history.last_good ? 1 : 0);
   if (!history.last_good) return;
   writer->Put(history.last_good->iteration);

@@ -22,17 +22,16 @@ constexpr double kRecoveryRateFactor = 0.5;
 // The space around cameras is cleared until this share of the iterations.
 constexpr double kClearShare = 0.9;
 
-DensificationOptions EffectiveDensification(const TrainerOptions& options,
-                                            int64_t budget) {
+DensificationOptions EffectiveDensification(const TrainerOptions& options) {
   DensificationOptions densification = options.densification;
   const bool mini =
       options.schedule.method == DensificationMethod::kMiniSplatting;
   densification.blur_split_share =
       mini ? options.mini_splatting.blur_split_share : 0;
-  if (budget > 0) {
+  if (options.budget > 0) {
     const double factor = mini ? options.mini_splatting.dense_factor : 1;
     densification.max_gaussians = static_cast<int64_t>(
-        std::llround(factor * static_cast<double>(budget)));
+        std::llround(factor * static_cast<double>(options.budget)));
   }
   return densification;
 }
@@ -57,6 +56,7 @@ Status TrainerOptions::Check() const {
   FREEGS_RETURN_IF_ERROR(mini_splatting.Check());
   FREEGS_RETURN_IF_ERROR(densification.Check());
   FREEGS_RETURN_IF_ERROR(learning_rates.Check());
+  FREEGS_RETURN_IF_ERROR(exposure.Check());
   return loss.Check();
 }
 
@@ -66,7 +66,7 @@ Trainer::Trainer(const TrainerOptions& options,
                  TrainingImages* images,
                  ThreadPool* pool)
     : options_(options),
-      densification_(EffectiveDensification(options, options.budget)),
+      densification_(EffectiveDensification(options)),
       schedule_(options.schedule),
       scene_extent_(scene_extent),
       images_(images),
@@ -85,13 +85,14 @@ Trainer::Trainer(const TrainerOptions& options,
   }
   adam_.Reset(model_);
   statistics_.Reset(model_.size());
+  if (options.exposure.learn) history_.colors.entries.resize(images->size());
 }
 
 StatusOr<float> Trainer::GradientStep() {
   const size_t view_index = view_order_.ViewOf(iteration_);
   const int level =
       schedule_.ResolutionLevel(iteration_, images_->num_levels());
-  const int sh_degree = ShDegree(iteration_);
+  const int sh_degree = schedule_.ShDegree(iteration_);
   if (model_.sh_degree < sh_degree) {
     model_.SetShDegree(sh_degree);
     adam_.SetShDegree(sh_degree);
@@ -110,12 +111,7 @@ StatusOr<float> Trainer::GradientStep() {
                       {.dominant = dominant},
                       *pool_,
                       &rendered_);
-  // Where the mask says to ignore the photo, the rendering is right as it is.
-  const ImageU8* const mask = images_->Mask(view_index, level);
-  if (mask != nullptr) CopyIgnored(*mask, rendered_.color, &target_);
-  const float loss =
-      loss_.Compute(rendered_.color, target_, *pool_, &loss_gradient_);
-  if (mask != nullptr) FillIgnored(*mask, 0.0f, &loss_gradient_);
+  const float loss = LossOfView(view_index, level);
   LearningRates rates =
       LearningRatesAt(options_.learning_rates,
                       scene_extent_,
@@ -148,10 +144,39 @@ StatusOr<float> Trainer::GradientStep() {
                         camera.width,
                         camera.height);
   }
+  const ImageU8* const mask = images_->Mask(view_index, level);
   if (dominant && mask != nullptr) {
     FillIgnored(*mask, -1, &rendered_.dominant);
   }
   if (dominant) statistics_.AddDominant(rendered_.dominant);
+  return loss;
+}
+
+// Compares rendered_ with target_, and writes dL/dcolor to loss_gradient_.
+float Trainer::LossOfView(size_t view_index, int level) {
+  PhotoColors& colors = history_.colors;
+  const double share = static_cast<double>(iteration_) /
+                       static_cast<double>(schedule_.iterations());
+  const bool exposed =
+      !colors.entries.empty() && share >= options_.exposure.start;
+  const AffineColor color =
+      exposed ? colors.entries[view_index].color : AffineColor();
+  if (exposed) ApplyColor(color, rendered_.color, *pool_, &exposed_);
+  const ImageF& shown = exposed ? exposed_ : rendered_.color;
+  // Where the mask says to ignore the photo, the rendering is right as it is.
+  const ImageU8* const mask = images_->Mask(view_index, level);
+  if (mask != nullptr) CopyIgnored(*mask, shown, &target_);
+  const float loss = loss_.Compute(shown, target_, *pool_, &loss_gradient_);
+  if (mask != nullptr) FillIgnored(*mask, 0.0f, &loss_gradient_);
+  if (exposed) {
+    const AffineColor gradient =
+        BackwardColor(color, rendered_.color, *pool_, &loss_gradient_);
+    const ExposureOptions& exposure = options_.exposure;
+    colors.Step(view_index,
+                gradient,
+                ExposureRate(exposure, share) * history_.rate_factor,
+                exposure.pull);
+  }
   return loss;
 }
 
@@ -275,30 +300,19 @@ void Trainer::ClearCameras() {
   statistics_.Select(kept);
 }
 
-int64_t Trainer::Budget() const {
-  return history_.budget_choice ? history_.budget_choice->budget
-                                : options_.budget;
-}
-
 int64_t Trainer::SimplificationBudget() const {
   const std::vector<Milestone>& milestones = schedule_.milestones();
   const bool pruned_later =
       !milestones.empty() && milestones.back().event == TrainingEvent::kPruning;
   const double slack =
       pruned_later ? options_.mini_splatting.simplify_slack : 1.0;
-  return static_cast<int64_t>(static_cast<double>(Budget()) * slack);
+  return static_cast<int64_t>(static_cast<double>(options_.budget) * slack);
 }
 
-int Trainer::ShDegree(int64_t done) const {
-  const int degree = schedule_.ShDegree(done);
-  return history_.budget_choice
-             ? std::min(degree, history_.budget_choice->sh_degree)
-             : degree;
-}
-
-void Trainer::KeepTo(BudgetChoice choice) {
-  history_.budget_choice = std::move(choice);
-  densification_ = EffectiveDensification(options_, Budget());
+void Trainer::KeepTo(const ExposureChoice& choice) {
+  history_.exposure_choice = choice;
+  history_.colors.entries.clear();
+  if (choice.learn) history_.colors.entries.resize(images_->size());
 }
 
 Status Trainer::RunMilestone(TrainingEvent event) {
@@ -317,7 +331,8 @@ Status Trainer::RunMilestone(TrainingEvent event) {
     case TrainingEvent::kDepthReinitialization: {
       FREEGS_ASSIGN_OR_RETURN(
           summary,
-          ReinitializeFromDepth(mini, Budget(), context, &model_, &adam_));
+          ReinitializeFromDepth(
+              mini, options_.budget, context, &model_, &adam_));
       break;
     }
     case TrainingEvent::kSimplification: {
@@ -334,10 +349,13 @@ Status Trainer::RunMilestone(TrainingEvent event) {
       break;
     }
     case TrainingEvent::kPruning: {
-      FREEGS_ASSIGN_OR_RETURN(
-          summary,
-          PruneByImportance(
-              mini, Budget(), importance_metric_, context, &model_, &adam_));
+      FREEGS_ASSIGN_OR_RETURN(summary,
+                              PruneByImportance(mini,
+                                                options_.budget,
+                                                importance_metric_,
+                                                context,
+                                                &model_,
+                                                &adam_));
       break;
     }
   }
@@ -378,7 +396,9 @@ Status Trainer::Restore(TrainingCheckpoint checkpoint) {
       checkpoint.adam.second_moments.size() != count ||
       checkpoint.adam.first_moments.sh_degree != checkpoint.model.sh_degree ||
       checkpoint.adam.second_moments.sh_degree != checkpoint.model.sh_degree ||
-      checkpoint.statistics.size() != count) {
+      checkpoint.statistics.size() != count ||
+      (!checkpoint.history.colors.entries.empty() &&
+       checkpoint.history.colors.entries.size() != images_->size())) {
     return BadInputError(
         "checkpoint: model, optimiser and statistics do not belong together");
   }
@@ -388,7 +408,6 @@ Status Trainer::Restore(TrainingCheckpoint checkpoint) {
   statistics_ = std::move(checkpoint.statistics);
   history_ = std::move(checkpoint.history);
   loss_monitor_.set_state(history_.loss);
-  densification_ = EffectiveDensification(options_, Budget());
   return Status();
 }
 

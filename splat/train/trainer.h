@@ -19,13 +19,14 @@
 #include "splat/images/training_images.h"
 #include "splat/images/view_order.h"
 #include "splat/optim/adam.h"
+#include "splat/optim/exposure.h"
 #include "splat/optim/learning_rates.h"
 #include "splat/optim/loss.h"
 #include "splat/render/rasterizer.h"
 #include "splat/render/renderer.h"
 #include "splat/scene/gaussian_model.h"
-#include "splat/train/budget_choice.h"
 #include "splat/train/checkpoint.h"
+#include "splat/train/exposure_choice.h"
 #include "splat/train/stability.h"
 #include "splat/train/training_history.h"
 #include "splat/train/training_schedule.h"
@@ -59,6 +60,7 @@ struct TrainerOptions {
 
   LearningRateOptions learning_rates;
   PhotometricLossOptions loss;
+  ExposureOptions exposure;
   RenderOptions render;
   uint64_t seed = 0;
 
@@ -109,6 +111,7 @@ class Trainer {
   bool done() const { return iteration_ >= schedule_.iterations(); }
   int64_t iteration() const { return iteration_; }
   const GaussianModel& model() const { return model_; }
+  const TrainerOptions& options() const { return options_; }
   const TrainingSchedule& schedule() const { return schedule_; }
   ImportanceMetric importance_metric() const { return importance_metric_; }
 
@@ -119,15 +122,15 @@ class Trainer {
   const std::vector<Recovery>& recoveries() const {
     return history_.recoveries;
   }
-  const std::optional<BudgetChoice>& budget_choice() const {
-    return history_.budget_choice;
+  const std::optional<ExposureChoice>& exposure_choice() const {
+    return history_.exposure_choice;
   }
 
-  // Limits training to the number of Gaussians and the SH degree that a search
-  // chose (splat/search/budget_search.h), as if the options had named them.
-  // Call it before the first step. The choice becomes part of the history, so a
+  // Learns the exposure of each photo, or does not, as a search decided
+  // (splat/search/exposure_search.h) and whatever the options say. Call it
+  // before the first step. The choice becomes part of the history, so a
   // restored training keeps to it without another search.
-  void KeepTo(BudgetChoice choice);
+  void KeepTo(const ExposureChoice& choice);
 
   // Makes one gradient step, and then what the schedule says. Fails with
   // kUnusableResult when training diverges too often or no Gaussian is left or
@@ -144,13 +147,12 @@ class Trainer {
 
  private:
   StatusOr<float> GradientStep();
+  float LossOfView(size_t view_index, int level);
   std::optional<std::string> FindTrouble(float loss);
   Status GoBack(const std::string& reason);
   Status FollowSchedule();
   Status RunMilestone(TrainingEvent event);
-  int64_t Budget() const;
   int64_t SimplificationBudget() const;
-  int ShDegree(int64_t done) const;
   void SortInSpace();  // See MortonOrder.
   void ClearCameras();
   void KeepAsGood();
@@ -177,6 +179,7 @@ class Trainer {
   PhotometricLoss loss_;
   RasterImages rendered_;
   ImageF target_;
+  ImageF exposed_;  // As the photo's exposure shows what is rendered.
   ImageF loss_gradient_;
   std::vector<float> radii_;
   bool touched_finite_ = true;

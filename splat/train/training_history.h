@@ -10,8 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "splat/optim/exposure.h"
 #include "splat/scene/gaussian_model.h"
-#include "splat/train/budget_choice.h"
+#include "splat/train/exposure_choice.h"
 #include "splat/train/training_schedule.h"
 
 namespace freegs::splat {
@@ -53,12 +54,14 @@ struct LossMonitorState {
                          const LossMonitorState&) = default;
 };
 
+// Also what training knows of the photographs.
 struct TrainingHistory {
   std::vector<MilestoneRecord> milestones;
   std::vector<Recovery> recoveries;
   double rate_factor = 1;  // Factor of all learning rates, see Recovery.
   LossMonitorState loss;
-  std::optional<BudgetChoice> budget_choice;  // Where there was a search.
+  std::optional<ExposureChoice> exposure_choice;  // Where there was a search.
+  PhotoColors colors;                             // Where exposure is learnt.
   std::optional<GoodState> last_good;
 };
 

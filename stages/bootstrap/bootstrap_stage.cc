@@ -95,7 +95,7 @@ class BootstrapStage : public pipeline::Stage {
     size.threads = context.pool->num_threads();
     return {BootstrapMemory(options_, size),
             "lower bootstrap.weights_memory_gb, general.threads or the number "
-            "of Gaussians (reconstruct.budget_limit)"};
+            "of Gaussians (reconstruct.budget)"};
   }
 
   Status Run(pipeline::StageContext& context) override {

@@ -134,7 +134,7 @@ class ExportStage : public pipeline::Stage {
     return {pipeline::kProgramMemory + kBytesPerPixel * pixels +
                 kBytesPerReadGaussian * *gaussians,
             "lower undistort.max_image_size or the number of Gaussians "
-            "(reconstruct.budget_limit)"};
+            "(reconstruct.budget)"};
   }
 
   Status Run(pipeline::StageContext& context) override {

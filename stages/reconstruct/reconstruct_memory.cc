@@ -12,9 +12,10 @@ namespace freegs::stages {
 namespace {
 
 // A photo is kept as 8-bit RGB, its mask as one more byte. The smaller levels
-// of its pyramid add a third (holdout photos have one such level: a quarter).
+// of its pyramid add a third (holdout photos have two such levels: five
+// sixteenths).
 constexpr double kLevelsOfTrainPhoto = 4 / 3.0;
-constexpr double kLevelsOfHoldoutPhoto = 5 / 4.0;
+constexpr double kLevelsOfHoldoutPhoto = 21 / 16.0;
 
 // While it is read, a photo is there twice: as decoded, and in the order RGB.
 constexpr double kBytesPerDecodedPixel = 6;
@@ -33,10 +34,9 @@ constexpr double kCopiesOfGaussian = 4 + 2 + 1;
 // A densification makes about four new Gaussians of ten.
 constexpr double kGrowth = 1.4;
 
-// The budget that the search will choose is not known yet: it lies from an
-// eighth of the limit to all of it. To expect too much does less harm than to
-// expect too little.
-constexpr double kSearchedShare = 0.7;
+// Of an automatic budget's dense model, which only few scenes fill. To expect
+// too much does less harm than to expect too little.
+constexpr double kUsualShare = 0.7;
 
 double Densifications(const splat::ScheduleOptions& schedule) {
   if (schedule.densify_interval <= 0) return 0;
@@ -59,9 +59,7 @@ std::optional<double> ExpectedGaussians(const ReconstructStageOptions& options,
   auto most = static_cast<double>(training.budget);
   if (schedule.method == splat::DensificationMethod::kMiniSplatting) {
     most *= training.mini_splatting.dense_factor;
-    if (options.budget == "auto" && size.holdout_pixels > 0) {
-      most *= kSearchedShare;
-    }
+    if (options.budget == "auto") most *= kUsualShare;
   }
   const double grown = points * std::pow(kGrowth, Densifications(schedule));
   return std::max(points, std::min(most, grown));

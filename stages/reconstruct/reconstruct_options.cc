@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <optional>
 #include <system_error>
 
@@ -20,14 +21,33 @@ double RateFactor(int iterations) {
   return std::clamp(std::sqrt(8000.0 / iterations), 1.0, 2.0);
 }
 
+// What the rates of positions and sizes are multiplied by on top of that, so
+// that 2000 steps find the places that take 5000 otherwise. At 2000 steps 6
+// instead of 3 for positions, or 5 instead of 3 for sizes, costs up to 1.8 dB.
+double GeometryRateFactor(int iterations) {
+  return std::clamp(6000.0 / iterations, 1.0, 3.0);
+}
+
 // A model that starts again from depth maps needs thousands of steps to become
 // as good as before: after 10000 steps it is still 0.2 dB worse, with 13 %
 // fewer Gaussians.
 constexpr int kMinIterationsOfDepthReinit = 20000;
 
-StatusOr<int64_t> ParseBudget(const ReconstructStageOptions& options) {
-  const std::string& text = options.budget;
-  if (text == "auto") return options.budget_limit;
+// Training photos have so many pixels, at the size of training, for each
+// Gaussian of the largest model that they can be asked to determine. With twice
+// as many pixels a scene of furniture loses 0.45 dB; with half as many none
+// that was measured gains 0.1. Most models end far below this number, because
+// Gaussians that contribute little are removed (docs/performance.md).
+constexpr int64_t kPixelsPerGaussian = 75;
+constexpr int64_t kMinAutomaticBudget = 5000;
+constexpr int64_t kMaxAutomaticBudget = 400000;
+
+// Bytes that training takes for each Gaussian of the budget: a dense model of
+// twice as many, with 0.84 GB a million.
+constexpr int64_t kBytesPerBudget = 2 * 840;
+
+StatusOr<int64_t> ParseBudget(const std::string& text, int64_t automatic) {
+  if (text == "auto") return automatic;
   int64_t budget = 0;
   const char* const last = text.data() + text.size();
   const auto [stop, failure] = std::from_chars(text.data(), last, budget);
@@ -65,14 +85,8 @@ void RegisterDensificationOptions(ReconstructStageOptions& options,
   table.Add("reconstruct.budget",
             &options.budget,
             {.help = "Upper bound of the number of Gaussians of the result. "
-                     "auto: as many, of as high an SH degree, as the holdout "
-                     "photos still gain from, and no more than budget_limit; 0 "
-                     "is no bound."});
-  table.Add("reconstruct.budget_limit",
-            &options.budget_limit,
-            {.help = "The most Gaussians that budget = auto considers.",
-             .min = 1000,
-             .max = 100000000});
+                     "auto: one for 75 pixels of the training photos; most "
+                     "scenes end with fewer. 0 is no bound."});
   table.Add("reconstruct.depth_reinit",
             &options.depth_reinit,
             {.help = "Whether mini_splatting starts again from depth maps, "
@@ -111,8 +125,18 @@ splat::RenderOptions ReconstructRenderOptions(
   return render;
 }
 
+int64_t AutomaticBudget(int64_t train_pixels, int64_t memory_bytes) {
+  const int64_t most =
+      std::min(kMaxAutomaticBudget, memory_bytes / 2 / kBytesPerBudget);
+  return std::max(kMinAutomaticBudget,
+                  std::min(most, train_pixels / kPixelsPerGaussian));
+}
+
 StatusOr<splat::TrainerOptions> MakeTrainerOptions(
-    const ReconstructStageOptions& options, uint64_t seed) {
+    const ReconstructStageOptions& options,
+    int64_t train_pixels,
+    int64_t memory_bytes,
+    uint64_t seed) {
   splat::TrainerOptions training;
   splat::ScheduleOptions& schedule = training.schedule;
   schedule.iterations = options.iterations;
@@ -125,7 +149,16 @@ StatusOr<splat::TrainerOptions> MakeTrainerOptions(
                             (options.depth_reinit == "auto" &&
                              options.iterations >= kMinIterationsOfDepthReinit);
   if (!reinitialize) schedule.depth_reinit_at.clear();
-  FREEGS_ASSIGN_OR_RETURN(training.budget, ParseBudget(options));
+  FREEGS_ASSIGN_OR_RETURN(
+      training.budget,
+      ParseBudget(options.budget, AutomaticBudget(train_pixels, memory_bytes)));
+  if (const char* v = std::getenv("PULL"))
+    training.exposure.pull = std::atof(v);
+  if (const char* v = std::getenv("ERATE")) {
+    training.exposure.rate_initial = std::atof(v);
+    training.exposure.rate_final = std::atof(v) / 10;
+  }
+  training.exposure.learn = options.exposure == "on";
   training.importance = ParseImportance(options.importance);
   training.densification.gradient_threshold = options.densify_gradient;
   splat::LearningRateOptions& rates = training.learning_rates;
@@ -137,6 +170,10 @@ StatusOr<splat::TrainerOptions> MakeTrainerOptions(
                        &rates.sh_dc,
                        &rates.sh_rest}) {
     *rate *= RateFactor(options.iterations);
+  }
+  for (double* rate :
+       {&rates.mean_initial, &rates.mean_final, &rates.log_scale}) {
+    *rate *= GeometryRateFactor(options.iterations);
   }
   training.render = ReconstructRenderOptions(options);
   training.seed = seed;
@@ -165,6 +202,12 @@ void RegisterReconstructOptions(ReconstructStageOptions& options,
              .min = 0,
              .max = 3});
   RegisterDensificationOptions(options, table);
+  table.Add("reconstruct.exposure",
+            &options.exposure,
+            {.help = "Whether the exposure and white balance of each photo are "
+                     "learnt. auto: if photos that training never sees gain "
+                     "from it.",
+             .choices = {"auto", "on", "off"}});
   table.Add("reconstruct.coarse_to_fine",
             &options.coarse_to_fine,
             {.help = "Train on small images first, for as long as what is in "

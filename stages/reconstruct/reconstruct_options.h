@@ -23,10 +23,8 @@ struct ReconstructStageOptions {
   // mini_splatting, gradient or none.
   std::string densification = "mini_splatting";
   // Upper bound of the number of Gaussians of the result: a number, where 0 is
-  // no bound, or "auto", which searches for one (splat/search/budget_search.h).
+  // no bound, or "auto", see AutomaticBudget.
   std::string budget = "auto";
-  // The largest number that "auto" considers.
-  int budget_limit = 100000;
   // Whether Mini-Splatting starts again from depth maps: auto, always or never.
   std::string depth_reinit = "auto";
   // How Mini-Splatting measures importance: auto, indoor or outdoor.
@@ -39,6 +37,9 @@ struct ReconstructStageOptions {
   // Iterations between resets of opacity; 0 never resets. It has an effect with
   // densification = gradient only.
   int opacity_reset_interval = 0;
+  // Whether the exposure of each photo is learnt: auto, on or off. auto asks
+  // the holdout photos (splat/search/exposure_search.h).
+  std::string exposure = "auto";
   // Whether training begins with small images.
   bool coarse_to_fine = true;
   std::string background = "black";  // black or white.
@@ -59,10 +60,19 @@ void RegisterReconstructOptions(ReconstructStageOptions& options,
 splat::RenderOptions ReconstructRenderOptions(
     const ReconstructStageOptions& options);
 
-// Translates the options for the trainer. kInvalidArgument, naming the option,
-// for a value that is not allowed.
+// The budget for training photos with so many pixels together, at the size of
+// training, on a machine with so much memory: what the photos can determine,
+// and no more than would fill half of the memory.
+int64_t AutomaticBudget(int64_t train_pixels, int64_t memory_bytes);
+
+// Translates the options for the trainer. train_pixels and memory_bytes are
+// those of AutomaticBudget. kInvalidArgument, naming the option, for a value
+// that is not allowed.
 StatusOr<splat::TrainerOptions> MakeTrainerOptions(
-    const ReconstructStageOptions& options, uint64_t seed);
+    const ReconstructStageOptions& options,
+    int64_t train_pixels,
+    int64_t memory_bytes,
+    uint64_t seed);
 
 }  // namespace freegs::stages
 

@@ -15,6 +15,7 @@
 #include "core/io/image_io.h"
 #include "core/io/json_text.h"
 #include "pipeline/resource_usage.h"
+#include "pipeline/system_info.h"
 #include "splat/images/holdout.h"
 #include "splat/scene/ply_io.h"
 #include "splat/train/trainer.h"
@@ -35,7 +36,7 @@ class ReconstructStage : public pipeline::Stage {
       : options_(options), seed_(seed) {}
 
   std::string_view name() const override { return "reconstruct"; }
-  int version() const override { return 2; }
+  int version() const override { return 3; }
 
   std::vector<fs::path> Inputs(
       const pipeline::StageContext& context) const override {
@@ -54,9 +55,10 @@ class ReconstructStage : public pipeline::Stage {
 
   pipeline::MemoryNeed ExpectedMemory(
       const pipeline::StageContext& context) const override {
-    const auto training = MakeTrainerOptions(options_, seed_);
     const auto posed = ReadPosedPhotos(context.workspace);
-    if (!training.ok() || !posed.ok()) return {};
+    if (!posed.ok()) return {};
+    const auto training = TrainingOptions(*posed);
+    if (!training.ok()) return {};
     const int side = options_.max_image_size;
     const ViewPixels train = CountPixels(posed->train, side);
     const ViewPixels holdout = CountPixels(posed->holdout, side);
@@ -75,21 +77,21 @@ class ReconstructStage : public pipeline::Stage {
       size.imported_gaussians = *gaussians;
     }
     return {ReconstructMemory(options_, *training, size),
-            "lower reconstruct.budget_limit (or reconstruct.budget), "
-            "reconstruct.max_image_size, reconstruct.image_cache_gb or "
+            "lower reconstruct.budget, reconstruct.max_image_size, "
+            "reconstruct.image_cache_gb or "
             "general.threads"};
   }
 
   Status Run(pipeline::StageContext& context) override {
     const pipeline::ResourceMeter meter;
-    FREEGS_ASSIGN_OR_RETURN(splat::TrainerOptions training,
-                            MakeTrainerOptions(options_, seed_));
     const StatusOr<TrainingScene> read = ReadTrainingScene(context.workspace);
     if (!read.ok()) return read.status().Annotated("reconstruct");
     const TrainingScene& scene = *read;
+    FREEGS_ASSIGN_OR_RETURN(const splat::TrainerOptions training,
+                            TrainingOptions(scene.photos));
     splat::TrainingImagesOptions image_options;
     image_options.max_side = options_.max_image_size;
-    image_options.num_levels = 2;
+    image_options.num_levels = 3;  // The search looks at level 2.
     FREEGS_ASSIGN_OR_RETURN(HoldoutImages holdout,
                             LoadHoldout(scene, image_options, *context.pool));
 
@@ -132,6 +134,15 @@ class ReconstructStage : public pipeline::Stage {
   }
 
  private:
+  StatusOr<splat::TrainerOptions> TrainingOptions(
+      const PosedPhotos& photos) const {
+    return MakeTrainerOptions(
+        options_,
+        CountPixels(photos.train, options_.max_image_size).total,
+        pipeline::Memory().total_bytes,
+        seed_);
+  }
+
   // Measures the model on a part of the holdout, writes what it shows there,
   // and adds the figures of each view to metrics["holdout_views"].
   StatusOr<splat::HoldoutReport> Measure(const splat::GaussianModel& model,
@@ -163,6 +174,7 @@ class ReconstructStage : public pipeline::Stage {
     const splat::GaussianModel& model = trained.model;
     nlohmann::json metrics = {{"holdout_psnr", nullptr},
                               {"holdout_ssim", nullptr},
+                              {"holdout_psnr_fitted", nullptr},
                               {"num_gaussians", model.size()},
                               {"sh_degree", model.sh_degree},
                               {"iterations", trained.iterations}};
@@ -173,6 +185,12 @@ class ReconstructStage : public pipeline::Stage {
           Measure(model, false, &*holdout->reporting, context, &metrics));
       metrics["holdout_psnr"] = quality.mean_psnr;
       metrics["holdout_ssim"] = quality.mean_ssim;
+      FREEGS_ASSIGN_OR_RETURN(
+          metrics["holdout_psnr_fitted"],
+          splat::MeasureFittedHoldout(model,
+                                      ReconstructRenderOptions(options_),
+                                      &*holdout->reporting,
+                                      *context.pool));
     }
     if (holdout->choosing) {
       FREEGS_RETURN_IF_ERROR(
@@ -186,9 +204,6 @@ class ReconstructStage : public pipeline::Stage {
     context.summary = metrics;
     context.summary.erase("holdout_views");
     context.summary.erase("milestones");
-    if (!context.summary["budget_search"].is_null()) {
-      context.summary["budget_search"].erase("trials");
-    }
     return WriteFileAtomic(context.output / "metrics.json",
                            JsonText(metrics, 1));
   }

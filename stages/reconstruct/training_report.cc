@@ -10,17 +10,11 @@ namespace freegs::stages {
 namespace {
 
 // Null when there was no search.
-nlohmann::json ChoiceJson(const std::optional<splat::BudgetChoice>& choice) {
+nlohmann::json ChoiceJson(const std::optional<splat::ExposureChoice>& choice) {
   if (!choice) return nullptr;
-  nlohmann::json trials = nlohmann::json::array();
-  for (const splat::BudgetTrial& trial : choice->trials) {
-    trials.push_back({{"budget", trial.budget},
-                      {"sh_degree", trial.sh_degree},
-                      {"holdout_psnr", trial.holdout_psnr}});
-  }
-  return {{"budget", choice->budget},
-          {"sh_degree", choice->sh_degree},
-          {"trials", std::move(trials)}};
+  return {{"learn", choice->learn},
+          {"psnr_without", choice->psnr_without},
+          {"psnr_with", choice->psnr_with}};
 }
 
 }  // namespace
@@ -28,13 +22,15 @@ nlohmann::json ChoiceJson(const std::optional<splat::BudgetChoice>& choice) {
 nlohmann::json CourseJson(const std::string& densification,
                           const splat::Trainer* trainer) {
   nlohmann::json course = {{"densification", nullptr},
-                           {"budget_search", nullptr},
+                           {"budget", nullptr},
+                           {"exposure_search", nullptr},
                            {"importance_metric", nullptr},
                            {"milestones", nlohmann::json::array()},
                            {"recoveries", nlohmann::json::array()}};
   if (trainer == nullptr) return course;
   course["densification"] = densification;
-  course["budget_search"] = ChoiceJson(trainer->budget_choice());
+  course["budget"] = trainer->options().budget;
+  course["exposure_search"] = ChoiceJson(trainer->exposure_choice());
   if (densification == "mini_splatting") {
     const bool outdoor =
         trainer->importance_metric() == splat::ImportanceMetric::kOutdoor;
@@ -71,13 +67,11 @@ std::string MilestoneText(const splat::MilestoneRecord& record) {
          std::to_string(record.gaussians_after) + " Gaussians";
 }
 
-std::string TrialText(const splat::GaussianModel& model,
-                      double psnr,
-                      int level) {
-  return "trial at 1/" + std::to_string(1 << level) + " size, " +
-         std::to_string(model.size()) + " Gaussians of SH degree " +
-         std::to_string(model.sh_degree) + ": " + FormatFixed(psnr, 2) +
-         " dB on the holdout";
+std::string ExposureText(const splat::ExposureChoice& choice) {
+  return std::string("the exposure of each photo is ") +
+         (choice.learn ? "learnt: " : "not learnt: ") +
+         FormatFixed(choice.psnr_without, 2) + " dB on the holdout without, " +
+         FormatFixed(choice.psnr_with, 2) + " dB with it, in short trainings";
 }
 
 }  // namespace freegs::stages

@@ -8,15 +8,16 @@
 
 #include <nlohmann/json.hpp>
 
-#include "splat/scene/gaussian_model.h"
+#include "splat/train/exposure_choice.h"
 #include "splat/train/trainer.h"
 #include "splat/train/training_history.h"
 
 namespace freegs::stages {
 
-// The members "densification" (the option's value), "budget_search",
-// "importance_metric", "milestones" and "recoveries" of metrics.json. They are
-// null or empty when `trainer` is null, as for an imported model.
+// The members "densification" (the option's value), "budget",
+// "exposure_search", "importance_metric", "milestones" and "recoveries" of
+// metrics.json. They are null or empty when `trainer` is null, as for an
+// imported model.
 nlohmann::json CourseJson(const std::string& densification,
                           const splat::Trainer* trainer);
 
@@ -24,11 +25,7 @@ nlohmann::json CourseJson(const std::string& densification,
 std::string RecoveryText(const splat::Recovery& recovery);
 std::string MilestoneText(const splat::MilestoneRecord& record);
 
-// One line about a trial of the search for a budget. The trial's images have
-// 1 / 2^level of the width and height; `psnr` is in dB.
-std::string TrialText(const splat::GaussianModel& model,
-                      double psnr,
-                      int level);
+std::string ExposureText(const splat::ExposureChoice& choice);
 
 }  // namespace freegs::stages
 

@@ -15,7 +15,7 @@
 #include "pipeline/resource_usage.h"
 #include "splat/images/holdout.h"
 #include "splat/images/resolution_schedule.h"
-#include "splat/search/budget_search.h"
+#include "splat/search/exposure_search.h"
 #include "splat/train/checkpoint.h"
 #include "stages/reconstruct/progress_csv.h"
 
@@ -48,15 +48,14 @@ class TrainingRun {
     return progress_.Open(trainer_->iteration());
   }
 
-  // The judge that the search for a budget asks. It must not outlive this run.
+  // The judge that the search asks. It must not outlive this run.
   splat::QualityJudge Judge() {
-    return [this](const splat::GaussianModel& model,
-                  int level) -> StatusOr<double> {
-      FREEGS_ASSIGN_OR_RETURN(const double psnr,
-                              HoldoutPsnr(model, &*holdout_->choosing, level));
-      context_->log(LogLevel::kInfo,
-                    "reconstruct: " + TrialText(model, psnr, level));
-      return psnr;
+    return [this](const splat::GaussianModel& model, int level) {
+      return splat::MeasureFittedHoldout(model,
+                                         ReconstructRenderOptions(options_),
+                                         &*holdout_->choosing,
+                                         *context_->pool,
+                                         level);
     };
   }
 
@@ -221,15 +220,6 @@ class TrainingRun {
   int loss_count_ = 0;
 };
 
-// A budget is searched for when the option says auto, the method is one that
-// keeps to a budget, and there are photos to judge by.
-bool SearchesBudget(const ReconstructStageOptions& options,
-                    const splat::TrainerOptions& training,
-                    const HoldoutImages& holdout) {
-  return options.budget == "auto" && holdout.choosing &&
-         training.schedule.method == splat::DensificationMethod::kMiniSplatting;
-}
-
 }  // namespace
 
 StatusOr<TrainedModel> TrainModel(const ReconstructStageOptions& options,
@@ -250,18 +240,19 @@ StatusOr<TrainedModel> TrainModel(const ReconstructStageOptions& options,
   FREEGS_RETURN_IF_ERROR(run.Begin());
   // A checkpoint carries the choice of an earlier search, so that a resumed
   // training needs no search of its own.
-  if (SearchesBudget(options, trainer_options, *holdout) &&
+  if (options.exposure == "auto" && holdout->choosing &&
       trainer.iteration() == 0) {
-    FREEGS_ASSIGN_OR_RETURN(splat::BudgetChoice choice,
-                            splat::SearchBudget({},
-                                                trainer_options,
-                                                trainer.model(),
-                                                scene.extent,
-                                                run.Judge(),
-                                                images,
-                                                context.pool,
-                                                context.cancellation));
-    trainer.KeepTo(std::move(choice));
+    FREEGS_ASSIGN_OR_RETURN(const splat::ExposureChoice choice,
+                            splat::SearchExposure({},
+                                                  trainer_options,
+                                                  trainer.model(),
+                                                  scene.extent,
+                                                  run.Judge(),
+                                                  images,
+                                                  context.pool,
+                                                  context.cancellation));
+    context.log(LogLevel::kInfo, "reconstruct: " + ExposureText(choice));
+    trainer.KeepTo(choice);
   }
   FREEGS_RETURN_IF_ERROR(run.Train());
   return run.Result();

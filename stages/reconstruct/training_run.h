@@ -37,9 +37,9 @@ struct TrainedModel {
 // context.output, and starts from the newest whole checkpoint there when
 // context.resuming is true: the model has the same bytes as after a run without
 // interruption. Without photos for reporting nothing is measured, and without
-// photos for choosing no search for a budget takes place. The errors are
-// kInterrupted on cancellation, after a checkpoint has been saved, and those of
-// splat::Trainer and splat::SearchBudget.
+// photos for choosing exposure is not learnt, unless the option says on. The
+// errors are kInterrupted on cancellation, after a checkpoint has been saved,
+// and those of splat::Trainer and splat::SearchExposure.
 StatusOr<TrainedModel> TrainModel(const ReconstructStageOptions& options,
                                   const splat::TrainerOptions& training,
                                   const TrainingScene& scene,

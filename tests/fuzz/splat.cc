@@ -65,9 +65,8 @@ Reader TrainingCheckpoint() {
             checkpoint.adam.second_moments = SmallModel(1);
             checkpoint.history.milestones.resize(1);
             checkpoint.history.recoveries.push_back({7, "NaN", 5, 0.5});
-            checkpoint.history.budget_choice.emplace();
-            checkpoint.history.budget_choice->budget = 10;
-            checkpoint.history.budget_choice->trials.resize(2);
+            checkpoint.history.exposure_choice.emplace();
+            checkpoint.history.colors.entries.resize(2);
             checkpoint.history.last_good.emplace();
             checkpoint.history.last_good->model = SmallModel(0);
             checkpoint.facts = {{"seed", "1"}};

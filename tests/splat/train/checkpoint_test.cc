@@ -45,8 +45,15 @@ TrainingCheckpoint Example(int64_t iteration, size_t count = 12) {
   checkpoint.history.recoveries = {{33, "the loss rose", 30, 0.5}};
   checkpoint.history.rate_factor = 0.5;
   checkpoint.history.loss = {40, 0.25, 0.125};
-  checkpoint.history.budget_choice = {
-      1200, 2, {{600, 3, 25.5}, {300, 3, 25.25}, {300, 2, 25.125}}};
+  checkpoint.history.exposure_choice = {true, 25.5, 26.25};
+  checkpoint.history.colors.entries.resize(3);
+  for (int i = 0; i < 12; ++i) {
+    PhotoColors::Entry& entry = checkpoint.history.colors.entries[1];
+    entry.color.values[i] = 0.5f * static_cast<float>(i);
+    entry.first_moment[i] = -0.25f * static_cast<float>(i);
+    entry.second_moment[i] = static_cast<float>(i);
+    entry.steps = 17;
+  }
   checkpoint.history.last_good = {iteration / 2, RandomModel(count + 3, 1, 4)};
   checkpoint.facts = {{"best_psnr", "25.75"}, {"empty", ""}};
   return checkpoint;
@@ -67,7 +74,8 @@ void ExpectSame(const TrainingCheckpoint& a, const TrainingCheckpoint& b) {
   EXPECT_EQ(a.history.recoveries, b.history.recoveries);
   EXPECT_EQ(a.history.rate_factor, b.history.rate_factor);
   EXPECT_EQ(a.history.loss, b.history.loss);
-  EXPECT_EQ(a.history.budget_choice, b.history.budget_choice);
+  EXPECT_EQ(a.history.exposure_choice, b.history.exposure_choice);
+  EXPECT_EQ(a.history.colors, b.history.colors);
   ASSERT_EQ(a.history.last_good.has_value(), b.history.last_good.has_value());
   if (a.history.last_good) {
     EXPECT_EQ(a.history.last_good->iteration, b.history.last_good->iteration);
@@ -147,13 +155,13 @@ TEST(CheckpointTest, OtherVersionsAreNamed) {
   content[8] = 9;
   EXPECT_THAT(ParseCheckpoint(Resealed(content)).status().message(),
               HasSubstr("format 9"));
-  content[8] = 3;  // Before there was a choice of budget.
+  content[8] = 4;  // Before there was exposure.
   EXPECT_THAT(ParseCheckpoint(Resealed(content)).status().message(),
-              HasSubstr("format 3"));
+              HasSubstr("format 4"));
   content[8] = 1;  // Before there was max_dominant_share.
   const Status old = ParseCheckpoint(Resealed(content)).status();
   EXPECT_EQ(old.code(), StatusCode::kBadInput);
-  EXPECT_THAT(old.message(), HasSubstr("format 1, this program reads 4"));
+  EXPECT_THAT(old.message(), HasSubstr("format 1, this program reads 5"));
 }
 
 TEST(CheckpointTest, ArraysMustFitTheModel) {
@@ -193,22 +201,24 @@ TEST(CheckpointTest, HistoryMustMakeSense) {
   EXPECT_FALSE(read(checkpoint));
 }
 
-TEST(CheckpointTest, ABudgetChoiceMustMakeSense) {
-  const auto read = [](std::optional<BudgetChoice> choice) {
-    TrainingCheckpoint checkpoint = Example(100);
-    checkpoint.history.budget_choice = std::move(choice);
+TEST(CheckpointTest, ColoursMustMakeSense) {
+  const auto read = [](const TrainingCheckpoint& checkpoint) {
     const StatusOr<TrainingCheckpoint> back =
         ParseCheckpoint(SerializeCheckpoint(checkpoint));
     if (back.ok()) ExpectSame(checkpoint, *back);
     return back.ok();
   };
-  EXPECT_TRUE(read(std::nullopt));
-  EXPECT_TRUE(read(BudgetChoice{1, 0, {}}));
-  EXPECT_TRUE(read(BudgetChoice{1, 3, {{1, 3, -2.5}}}));
-  EXPECT_FALSE(read(BudgetChoice{0, 0, {}}));
-  EXPECT_FALSE(read(BudgetChoice{-5, 0, {}}));
-  EXPECT_FALSE(read(BudgetChoice{1, -1, {}}));
-  EXPECT_FALSE(read(BudgetChoice{1, 4, {}}));
+  TrainingCheckpoint checkpoint = Example(100);
+  checkpoint.history.exposure_choice.reset();
+  EXPECT_TRUE(read(checkpoint));
+  checkpoint.history.colors.entries.clear();
+  EXPECT_TRUE(read(checkpoint));
+  checkpoint = Example(100);
+  checkpoint.history.colors.entries[2].color.values[5] = std::nanf("");
+  EXPECT_FALSE(read(checkpoint));
+  checkpoint = Example(100);
+  checkpoint.history.colors.entries[2].steps = -1;
+  EXPECT_FALSE(read(checkpoint));
 }
 
 TEST_F(CheckpointFolderTest, KeepsTheNewestAndClearsUp) {

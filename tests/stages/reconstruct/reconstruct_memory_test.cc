@@ -20,9 +20,15 @@ ReconstructSize SomeSize() {
           .threads = 2};
 }
 
+splat::TrainerOptions Training(const ReconstructStageOptions& options,
+                               const ReconstructSize& size) {
+  return *MakeTrainerOptions(
+      options, size.train_pixels, int64_t{16} * 1000 * kMillion, 0);
+}
+
 int64_t Memory(const ReconstructStageOptions& options,
                const ReconstructSize& size) {
-  return ReconstructMemory(options, *MakeTrainerOptions(options, 0), size);
+  return ReconstructMemory(options, Training(options, size), size);
 }
 
 TEST(ReconstructMemoryTest, GrowsWithTheScene) {
@@ -46,6 +52,7 @@ TEST(ReconstructMemoryTest, GrowsWithTheScene) {
 
 TEST(ReconstructMemoryTest, PhotosBeyondTheCacheTakeNone) {
   ReconstructStageOptions options;
+  options.budget = "50000";
   ReconstructSize size = SomeSize();
   const int64_t all = Memory(options, size);
   options.image_cache_gb = 0.02;
@@ -61,7 +68,7 @@ TEST(ReconstructMemoryTest, GaussiansGrowFromThePointsUpToTheBudget) {
   options.iterations = 5000;
   ReconstructSize size = SomeSize();
   const auto expected = [&] {
-    return *ExpectedGaussians(options, *MakeTrainerOptions(options, 0), size);
+    return *ExpectedGaussians(options, Training(options, size), size);
   };
   // Mini-Splatting has twice the budget before it simplifies.
   EXPECT_EQ(expected(), 100000);
@@ -76,16 +83,31 @@ TEST(ReconstructMemoryTest, GaussiansGrowFromThePointsUpToTheBudget) {
   EXPECT_EQ(expected(), 200000);
 }
 
-TEST(ReconstructMemoryTest, ASearchedBudgetIsExpectedBelowItsLimit) {
-  ReconstructStageOptions options;
+TEST(ReconstructMemoryTest, MasksTakeAByteAPixel) {
+  const ReconstructStageOptions options;
   ReconstructSize size = SomeSize();
-  const int64_t searched = Memory(options, size);
-  options.budget_limit *= 2;
-  EXPECT_GT(Memory(options, size), searched);
-  options.budget_limit /= 2;
-  // Without holdout photos there is no search, and the limit is the budget.
-  size.holdout_pixels = 0;
-  EXPECT_GT(Memory(options, size), searched);
+  const int64_t without = Memory(options, size);
+  size.masks = true;
+  EXPECT_NEAR(
+      Memory(options, size) - without, 20e6 * 4 / 3 + 3e6 * 21 / 16, 2.0);
+}
+
+TEST(AutomaticBudgetTest, FollowsPhotosAndMemory) {
+  const int64_t large = int64_t{64} * 1000 * kMillion;
+  EXPECT_EQ(AutomaticBudget(15 * kMillion, large), 200000);
+  EXPECT_EQ(AutomaticBudget(30 * kMillion, large), 400000);
+  EXPECT_EQ(AutomaticBudget(300 * kMillion, large), 400000);
+  // Ten small photos.
+  EXPECT_EQ(AutomaticBudget(3 * kMillion, large), 40000);
+  EXPECT_EQ(AutomaticBudget(1000, large), 5000);
+  // A machine with half a gigabyte.
+  const int64_t small = AutomaticBudget(300 * kMillion, 500 * kMillion);
+  EXPECT_GT(small, 100000);
+  EXPECT_LT(small, 200000);
+  // A number given is taken as it is.
+  ReconstructStageOptions options;
+  options.budget = "123";
+  EXPECT_EQ(Training(options, SomeSize()).budget, 123);
 }
 
 TEST(ReconstructMemoryTest, ALowerShDegreeTakesLess) {

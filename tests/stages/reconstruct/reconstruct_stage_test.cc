@@ -124,16 +124,16 @@ class ReconstructStageTest : public testing::Test {
     options.iterations = 200;
     options.densify_interval = 20;
     options.budget = "500";
+    options.exposure = "off";
     options.holdout_interval = 100;
     return options;
   }
 
-  // A search for the budget.
+  // A search about exposure.
   static ReconstructStageOptions Auto() {
     ReconstructStageOptions options = Short();
-    options.budget = "auto";
-    options.budget_limit = 400;
     options.sh_degree = 1;
+    options.exposure = "auto";
     return options;
   }
 
@@ -260,59 +260,44 @@ TEST_F(ReconstructStageTest, ShortTrainingsKeepTheirModelUnlessTold) {
   }
 }
 
-TEST_F(ReconstructStageTest, ReportsTheSearchForTheBudget) {
+TEST_F(ReconstructStageTest, ReportsTheSearchAboutExposure) {
   const Status status = Run(Auto(), "out");
   ASSERT_TRUE(status.ok()) << status.message();
   const nlohmann::json metrics = Metrics("out");
-  const nlohmann::json& search = metrics["budget_search"];
+  EXPECT_EQ(metrics["budget"], 500);
+  const nlohmann::json& search = metrics["exposure_search"];
   ASSERT_TRUE(search.is_object());
-  const auto budget = search["budget"].get<int>();
-  EXPECT_GE(budget, 50);
-  EXPECT_LE(budget, 400);
-  EXPECT_LE(metrics["num_gaussians"].get<int>(), budget);
-  EXPECT_EQ(metrics["sh_degree"], search["sh_degree"]);
-  const nlohmann::json& trials = search["trials"];
-  ASSERT_GE(trials.size(), 3u);
-  // The first is of the limit, at half size: a quarter of the pixels.
-  EXPECT_EQ(trials[0]["budget"], 100);
-  EXPECT_EQ(trials[0]["sh_degree"], 1);
-  bool chosen = false;
-  for (const nlohmann::json& trial : trials) {
-    EXPECT_GT(trial["holdout_psnr"].get<double>(), 10);
-    chosen |= trial["budget"] == budget / 4 &&
-              trial["sh_degree"] == search["sh_degree"];
-  }
-  EXPECT_TRUE(chosen);
-  EXPECT_THAT(log_, testing::HasSubstr("trial at 1/2 size, "));
-  // A second run says the same.
-  ASSERT_TRUE(Run(Auto(), "again").ok());
-  EXPECT_EQ(Metrics("again")["budget_search"], search);
-  EXPECT_EQ(Bytes("again/point_cloud.ply"), Bytes("out/point_cloud.ply"));
+  EXPECT_FALSE(search["learn"].get<bool>());
+  EXPECT_GT(search["psnr_without"].get<double>(), 10);
+  EXPECT_GT(search["psnr_with"].get<double>(), 10);
+  EXPECT_GT(metrics["holdout_psnr_fitted"].get<double>(), 15);
+  EXPECT_THAT(log_, testing::HasSubstr("exposure of each photo is not learnt"));
+  // The model is the one of a training without a search.
+  ReconstructStageOptions options = Auto();
+  options.exposure = "off";
+  ASSERT_TRUE(Run(options, "off").ok());
+  EXPECT_TRUE(Metrics("off")["exposure_search"].is_null());
+  EXPECT_EQ(Bytes("off/point_cloud.ply"), Bytes("out/point_cloud.ply"));
+  options.exposure = "on";
+  ASSERT_TRUE(Run(options, "on").ok());
+  EXPECT_NE(Bytes("on/point_cloud.ply"), Bytes("out/point_cloud.ply"));
 }
 
 TEST_F(ReconstructStageTest, StoppedWhileOrAfterSearching) {
   ASSERT_TRUE(Run(Auto(), "whole").ok());
-  cancel_on_ = "trial at";
+  cancel_on_ = "exposure of each photo";
   EXPECT_EQ(Run(Auto(), "parts").code(), StatusCode::kInterrupted);
   cancel_on_.clear();
   EXPECT_EQ(Run(Auto(), "parts", true, 50).code(), StatusCode::kInterrupted);
   log_.clear();
   ASSERT_TRUE(Run(Auto(), "parts", true).ok());
-  EXPECT_THAT(log_, testing::Not(testing::HasSubstr("trial at")));
+  EXPECT_THAT(log_, testing::Not(testing::HasSubstr("exposure of each")));
   EXPECT_EQ(Bytes("whole/point_cloud.ply"), Bytes("parts/point_cloud.ply"));
-  EXPECT_EQ(Metrics("whole")["budget_search"],
-            Metrics("parts")["budget_search"]);
+  EXPECT_EQ(Metrics("whole")["exposure_search"],
+            Metrics("parts")["exposure_search"]);
 }
 
-TEST_F(ReconstructStageTest, NothingIsSearchedForWithoutNeedOrHoldout) {
-  ReconstructStageOptions options = Short();
-  ASSERT_TRUE(Run(options, "number").ok());
-  EXPECT_TRUE(Metrics("number").at("budget_search").is_null());
-  options = Auto();
-  options.densification = "gradient";
-  ASSERT_TRUE(Run(options, "gradient").ok());
-  EXPECT_TRUE(Metrics("gradient").at("budget_search").is_null());
-  // No holdout photos: up to the limit.
+TEST_F(ReconstructStageTest, NothingIsSearchedForWithoutHoldout) {
   const fs::path list = workspace_ / "ingest" / "images.json";
   StatusOr<photos::PhotoList> photos = photos::ReadPhotoList(list);
   ASSERT_TRUE(photos.ok());
@@ -323,9 +308,9 @@ TEST_F(ReconstructStageTest, NothingIsSearchedForWithoutNeedOrHoldout) {
   const Status status = Run(Auto(), "all");
   ASSERT_TRUE(status.ok()) << status.message();
   const nlohmann::json metrics = Metrics("all");
-  EXPECT_TRUE(metrics.at("budget_search").is_null());
+  EXPECT_TRUE(metrics.at("exposure_search").is_null());
   EXPECT_TRUE(metrics.at("holdout_psnr").is_null());
-  EXPECT_LE(metrics["num_gaussians"].get<int>(), 400);
+  EXPECT_TRUE(metrics.at("holdout_psnr_fitted").is_null());
 }
 
 TEST_F(ReconstructStageTest, BudgetIsAutoOrANumber) {
@@ -374,7 +359,8 @@ TEST_F(ReconstructStageTest, TakesATrainedModel) {
   // The photos are renderings of this very model.
   EXPECT_GT(metrics["holdout_psnr"].get<double>(), 50);
   EXPECT_EQ(metrics["num_gaussians"], truth_.size());
-  EXPECT_TRUE(metrics.at("budget_search").is_null());
+  EXPECT_TRUE(metrics.at("budget").is_null());
+  EXPECT_TRUE(metrics.at("exposure_search").is_null());
 }
 
 TEST_F(ReconstructStageTest, SameQualityInAnyUnitAndPlace) {

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "splat/optim/exposure.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
+#include "splat/optim/adam.h"
+
+namespace freegs::splat {
+namespace {
+
+constexpr int64_t kRowsOfColor = 16;
+
+// What the fit adds to the normal equations for each pixel: it pulls towards
+// the identity as strongly as colours that differ by so much (squared).
+constexpr double kFitPull = 1e-5;
+
+// A fit to fewer pixels is the identity.
+constexpr int64_t kMinFitPixels = 64;
+
+}  // namespace
+
+Status ExposureOptions::Check() const {
+  if (!(start >= 0 && start < 1)) {
+    return InvalidArgumentError("the start of exposure must be in [0, 1)");
+  }
+  for (const double rate : {rate_initial, rate_final}) {
+    if (!(rate > 0 && std::isfinite(rate))) {
+      return InvalidArgumentError("the rates of exposure must be > 0");
+    }
+  }
+  return Status();
+}
+
+double ExposureRate(const ExposureOptions& options, double share) {
+  const double t = (share - options.start) / (1 - options.start);
+  return std::exp((1 - t) * std::log(options.rate_initial) +
+                  t * std::log(options.rate_final));
+}
+
+void ApplyColor(const AffineColor& color,
+                const ImageF& scene,
+                ThreadPool& pool,
+                ImageF* photo) {
+  const std::array<float, 12>& m = color.values;
+  photo->Reshape(scene.width(), scene.height(), 3);
+  pool.ParallelFor(
+      0, scene.height(), kRowsOfColor, [&](int64_t begin, int64_t end, int) {
+        const float* in = scene.row(static_cast<int>(begin));
+        const float* const last = scene.row(static_cast<int>(end));
+        float* out = photo->row(static_cast<int>(begin));
+        for (; in != last; in += 3, out += 3) {
+          const float r = in[0], g = in[1], b = in[2];
+          for (int k = 0; k < 3; ++k) {
+            const float* const row = &m[4 * k];
+            out[k] = row[0] * r + row[1] * g + row[2] * b + row[3];
+          }
+        }
+      });
+}
+
+AffineColor BackwardColor(const AffineColor& color,
+                          const ImageF& scene,
+                          ThreadPool& pool,
+                          ImageF* gradient) {
+  const std::array<float, 12>& m = color.values;
+  const int64_t tasks = (scene.height() + kRowsOfColor - 1) / kRowsOfColor;
+  std::vector<std::array<double, 12>> sums(tasks);
+  pool.ParallelFor(
+      0, scene.height(), kRowsOfColor, [&](int64_t begin, int64_t end, int) {
+        std::array<double, 12>& sum = sums[begin / kRowsOfColor];
+        for (int64_t y = begin; y < end; ++y) {
+          const float* in = scene.row(static_cast<int>(y));
+          float* d = gradient->row(static_cast<int>(y));
+          std::array<float, 12> row_sum = {};
+          for (int x = 0; x < scene.width(); ++x, in += 3, d += 3) {
+            const float dr = d[0], dg = d[1], db = d[2];
+            for (int k = 0; k < 3; ++k) {
+              for (int c = 0; c < 3; ++c) row_sum[4 * k + c] += d[k] * in[c];
+              row_sum[4 * k + 3] += d[k];
+            }
+            for (int c = 0; c < 3; ++c) {
+              d[c] = m[c] * dr + m[4 + c] * dg + m[8 + c] * db;
+            }
+          }
+          for (int i = 0; i < 12; ++i) sum[i] += row_sum[i];
+        }
+      });
+  AffineColor result;
+  for (int i = 0; i < 12; ++i) {
+    double total = 0;
+    for (const std::array<double, 12>& sum : sums) total += sum[i];
+    result.values[i] = static_cast<float>(total);
+  }
+  return result;
+}
+
+void PhotoColors::Step(size_t photo,
+                       const AffineColor& gradient,
+                       double rate,
+                       double pull) {
+  Entry& entry = entries[photo];
+  const AdamOptions options;
+  const AdamCoefficients adam = CoefficientsAt(options, ++entry.steps, rate);
+  const auto count = static_cast<float>(entries.size());
+  const auto back = static_cast<float>(rate * pull);
+  const AffineColor identity;
+  for (int i = 0; i < 12; ++i) {
+    const float d = gradient.values[i];
+    float& first = entry.first_moment[i];
+    float& second = entry.second_moment[i];
+    first += adam.one_minus_beta1 * (d - first);
+    second = adam.beta2 * second + adam.one_minus_beta2 * d * d;
+    const float change =
+        -adam.step_size * first /
+            (std::sqrt(second) * adam.root_correction + adam.epsilon) -
+        back * (entry.color.values[i] - identity.values[i]);
+    if (!std::isfinite(change)) continue;
+    entry.color.values[i] += change;
+    // The mean over all photographs stays where it was.
+    for (Entry& other : entries) other.color.values[i] -= change / count;
+  }
+}
+
+AffineColor FitColor(const ImageF& scene,
+                     const ImageF& photo,
+                     const ImageU8* mask,
+                     int begin,
+                     int end) {
+  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
+  Eigen::Matrix<double, 4, 3> right = Eigen::Matrix<double, 4, 3>::Zero();
+  int64_t count = 0;
+  for (int y = 0; y < scene.height(); ++y) {
+    for (int x = begin; x < end; ++x) {
+      if (mask != nullptr && (*mask)(x, y) == 0) continue;
+      const Eigen::Vector4d in(
+          scene(x, y, 0), scene(x, y, 1), scene(x, y, 2), 1);
+      const Eigen::RowVector3d out(
+          photo(x, y, 0), photo(x, y, 1), photo(x, y, 2));
+      normal += in * in.transpose();
+      right += in * out;
+      ++count;
+    }
+  }
+  if (count < kMinFitPixels) return {};
+  Eigen::Matrix<double, 4, 3> identity = Eigen::Matrix<double, 4, 3>::Zero();
+  identity.topRows<3>().setIdentity();
+  const double pull = kFitPull * static_cast<double>(count);
+  normal.diagonal().array() += pull;
+  right += pull * identity;
+  const Eigen::Matrix<double, 4, 3> fit = normal.ldlt().solve(right);
+  if (!fit.allFinite()) return {};
+  AffineColor color;
+  for (int k = 0; k < 3; ++k) {
+    for (int c = 0; c < 4; ++c) {
+      color.values[4 * k + c] = static_cast<float>(fit(c, k));
+    }
+  }
+  return color;
+}
+
+}  // namespace freegs::splat

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What exposure and white balance of a photograph do to the colours of the
+// scene, as an affine function for each photograph that training learns.
+// Without it the differences between photographs become fog in front of the
+// cameras.
+
+#ifndef FREEGS_SPLAT_OPTIM_EXPOSURE_H_
+#define FREEGS_SPLAT_OPTIM_EXPOSURE_H_
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/image.h"
+#include "core/parallel.h"
+#include "core/status.h"
+
+namespace freegs::splat {
+
+struct ExposureOptions {
+  // Whether each photograph has colours of its own.
+  bool learn = false;
+
+  // They are learnt from this share of the iterations on: before, the scene has
+  // no colours to compare with.
+  double start = 0.1;
+
+  // The rate of Adam at the start and at the end; it decays exponentially.
+  double rate_initial = 0.01;
+  double rate_final = 0.001;
+
+  // Each step takes so large a share of a rate's length off the difference from
+  // the identity. Colours that depend on the viewing direction can do what the
+  // exposure of a photograph does; what no photograph asks for stays small.
+  double pull = 1;
+
+  Status Check() const;
+};
+
+// A 3 x 4 matrix, row-major: photo = matrix[:, 0:3] * scene + matrix[:, 3], for
+// RGB.
+struct AffineColor {
+  std::array<float, 12> values = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+
+  friend bool operator==(const AffineColor&, const AffineColor&) = default;
+};
+
+// The rate at a share of the iterations, from options.start to 1.
+double ExposureRate(const ExposureOptions& options, double share);
+
+// Writes the colours of a photograph of `scene` (H x W x 3) to *photo.
+void ApplyColor(const AffineColor& color,
+                const ImageF& scene,
+                ThreadPool& pool,
+                ImageF* photo);
+
+// From dL/dphoto makes dL/dscene, in place, and returns dL/dcolor. `scene` is
+// the input of ApplyColor. The result is the same bytes for any number of
+// threads.
+AffineColor BackwardColor(const AffineColor& color,
+                          const ImageF& scene,
+                          ThreadPool& pool,
+                          ImageF* gradient);
+
+// The colours of all photographs and Adam's moments for them. Their mean over
+// the photographs stays the identity, for else scene and photographs could
+// drift together.
+struct PhotoColors {
+  struct Entry {
+    AffineColor color;
+    std::array<float, 12> first_moment = {};
+    std::array<float, 12> second_moment = {};
+    int64_t steps = 0;
+
+    friend bool operator==(const Entry&, const Entry&) = default;
+  };
+  std::vector<Entry> entries;  // By photograph; empty: they are not learnt.
+
+  // Makes one step of Adam with the gradient of one photograph's colours.
+  void Step(size_t photo,
+            const AffineColor& gradient,
+            double rate,
+            double pull);
+
+  friend bool operator==(const PhotoColors&, const PhotoColors&) = default;
+};
+
+// The colours that take the pixels of `scene` to those of `photo` with the
+// least squared error, in the columns [begin, end) of both (H x W x 3). The
+// identity where there are too few different colours to tell. Pixels that
+// `mask` (null: none) has as 0 are left out.
+AffineColor FitColor(const ImageF& scene,
+                     const ImageF& photo,
+                     const ImageU8* mask,
+                     int begin,
+                     int end);
+
+}  // namespace freegs::splat
+
+#endif  // FREEGS_SPLAT_OPTIM_EXPOSURE_H_

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "splat/search/exposure_search.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace freegs::splat {
+namespace {
+
+// The options of a trial. Milestones are shares of the iterations and adapt by
+// themselves; intervals must be shortened.
+TrainerOptions TrialOptions(const ExposureSearchOptions& options,
+                            const TrainerOptions& training,
+                            int level) {
+  TrainerOptions trial = training;
+  ScheduleOptions& schedule = trial.schedule;
+  const int wanted =
+      std::max(static_cast<int>(options.trial_share * schedule.iterations),
+               options.min_trial_steps);
+  const int steps = std::min(wanted, schedule.iterations);
+  const double shorter = std::min(1.0, 1.0 * steps / schedule.iterations);
+  schedule.iterations = steps;
+  schedule.finest_level = std::max(schedule.finest_level, level);
+  schedule.depth_reinit_at.clear();
+  if (schedule.densify_interval > 0) {
+    schedule.densify_interval =
+        std::max(10, static_cast<int>(schedule.densify_interval * shorter));
+  }
+  trial.learning_rates.mean_decay_steps = steps;
+  if (trial.budget > 0) {
+    const double budget =
+        std::pow(0.25, level) * static_cast<double>(trial.budget);
+    trial.budget = std::max<int64_t>(1, static_cast<int64_t>(budget));
+  }
+  return trial;
+}
+
+}  // namespace
+
+Status ExposureSearchOptions::Check() const {
+  if (!(min_gain_db >= 0) || level < 0) {
+    return InvalidArgumentError(
+        "level and min_gain_db of a search must not be negative");
+  }
+  if (!(trial_share >= 0 && trial_share <= 1) || min_trial_steps < 1) {
+    return InvalidArgumentError("the steps of trials must be positive");
+  }
+  return Status();
+}
+
+StatusOr<ExposureChoice> SearchExposure(const ExposureSearchOptions& options,
+                                        const TrainerOptions& training,
+                                        const GaussianModel& initial,
+                                        double scene_extent,
+                                        const QualityJudge& judge,
+                                        TrainingImages* images,
+                                        ThreadPool* pool,
+                                        const CancellationToken* cancellation) {
+  FREEGS_RETURN_IF_ERROR(options.Check());
+  const int level = std::min(options.level, images->num_levels() - 1);
+  const auto psnr_of_trial = [&](bool learn) -> StatusOr<double> {
+    TrainerOptions trial = TrialOptions(options, training, level);
+    trial.exposure.learn = learn;
+    Trainer trainer(trial, initial, scene_extent, images, pool);
+    while (!trainer.done()) {
+      if (cancellation != nullptr && cancellation->cancelled()) {
+        return InterruptedError(
+            "training: stopped while deciding about exposure");
+      }
+      FREEGS_RETURN_IF_ERROR(trainer.Step().status());
+    }
+    return judge(trainer.model(), level);
+  };
+  ExposureChoice choice;
+  FREEGS_ASSIGN_OR_RETURN(choice.psnr_without, psnr_of_trial(false));
+  FREEGS_ASSIGN_OR_RETURN(choice.psnr_with, psnr_of_trial(true));
+  choice.learn = choice.psnr_with - choice.psnr_without >= options.min_gain_db;
+  return choice;
+}
+
+}  // namespace freegs::splat

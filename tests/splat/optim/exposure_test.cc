@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "splat/optim/exposure.h"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "core/random.h"
+
+namespace freegs::splat {
+namespace {
+
+ImageF RandomImage(int width, int height, uint64_t seed) {
+  ImageF image(width, height, 3);
+  for (size_t i = 0; i < image.size(); ++i) {
+    image.data()[i] = static_cast<float>(RandomUniform(seed, 1, i));
+  }
+  return image;
+}
+
+AffineColor RandomColor(uint64_t seed) {
+  AffineColor color;
+  for (size_t i = 0; i < 12; ++i) {
+    color.values[i] += static_cast<float>(0.2 * RandomNormal(seed, 2, i));
+  }
+  return color;
+}
+
+TEST(Exposure, AppliesTheMatrix) {
+  ThreadPool pool(2);
+  const ImageF scene = RandomImage(7, 40, 1);
+  const AffineColor color = RandomColor(1);
+  ImageF photo;
+  ApplyColor(color, scene, pool, &photo);
+  for (int k = 0; k < 3; ++k) {
+    double expected = color.values[4 * k + 3];
+    for (int c = 0; c < 3; ++c) {
+      expected += color.values[4 * k + c] * scene(3, 33, c);
+    }
+    EXPECT_NEAR(photo(3, 33, k), expected, 1e-6);
+  }
+  ApplyColor({}, scene, pool, &photo);
+  EXPECT_EQ(photo(6, 39, 2), scene(6, 39, 2));
+}
+
+// L = sum of w * photo is linear in scene and in the matrix, so differences of
+// any size give its derivatives.
+TEST(Exposure, DerivativesAreThoseOfDifferences) {
+  ThreadPool pool(2);
+  const ImageF scene = RandomImage(9, 37, 3);
+  const ImageF weights = RandomImage(9, 37, 4);
+  const AffineColor color = RandomColor(5);
+  const auto loss = [&](const AffineColor& c, const ImageF& s) {
+    ImageF photo;
+    ApplyColor(c, s, pool, &photo);
+    double sum = 0;
+    for (size_t i = 0; i < photo.size(); ++i) {
+      sum += static_cast<double>(photo.data()[i]) * weights.data()[i];
+    }
+    return sum;
+  };
+  ImageF gradient = weights;
+  const AffineColor d_color = BackwardColor(color, scene, pool, &gradient);
+  for (int i = 0; i < 12; ++i) {
+    AffineColor high = color, low = color;
+    high.values[i] += 0.25f;
+    low.values[i] -= 0.25f;
+    EXPECT_NEAR(
+        d_color.values[i], 2 * (loss(high, scene) - loss(low, scene)), 1e-3);
+  }
+  for (const int i : {0, 1, 2, 500, 9 * 37 * 3 - 1}) {
+    ImageF high = scene, low = scene;
+    high.data()[i] += 0.25f;
+    low.data()[i] -= 0.25f;
+    EXPECT_NEAR(
+        gradient.data()[i], 2 * (loss(color, high) - loss(color, low)), 1e-3);
+  }
+  // The same bytes with one thread.
+  ThreadPool one(1);
+  ImageF again = weights;
+  EXPECT_EQ(BackwardColor(color, scene, one, &again), d_color);
+}
+
+TEST(Exposure, TheMeanOfAllPhotosStays) {
+  PhotoColors colors;
+  colors.entries.resize(5);
+  for (uint64_t step = 0; step < 200; ++step) {
+    AffineColor gradient = RandomColor(step);
+    if (step == 50) {
+      gradient.values[3] = std::numeric_limits<float>::quiet_NaN();
+    }
+    colors.Step(step % 3, gradient, 0.01, 1);
+  }
+  for (int i = 0; i < 12; ++i) {
+    double mean = 0;
+    for (const PhotoColors::Entry& entry : colors.entries) {
+      mean += entry.color.values[i] / 5;
+    }
+    EXPECT_NEAR(mean, AffineColor().values[i], 1e-5);
+  }
+  EXPECT_NE(colors.entries[0].color, AffineColor());
+}
+
+TEST(Exposure, FitFindsTheColours) {
+  ThreadPool pool(1);
+  const ImageF scene = RandomImage(40, 20, 8);
+  const AffineColor color = RandomColor(9);
+  ImageF photo;
+  ApplyColor(color, scene, pool, &photo);
+  ImageU8 mask(40, 20, 1, 255);
+  for (int y = 0; y < 20; ++y) {
+    for (int x = 20; x < 40; ++x) photo(x, y, 0) = 0;  // Not looked at.
+    photo(5, y, 1) = 7;
+    mask(5, y) = 0;
+  }
+  const AffineColor fit = FitColor(scene, photo, &mask, 0, 20);
+  for (int i = 0; i < 12; ++i) {
+    EXPECT_NEAR(fit.values[i], color.values[i], 2e-3);
+  }
+  EXPECT_EQ(FitColor(scene, photo, nullptr, 0, 1), AffineColor());
+  // Of one colour only a shift is known; no number grows without bound.
+  const ImageF grey(40, 20, 3, 0.5f);
+  const AffineColor flat =
+      FitColor(grey, ImageF(40, 20, 3, 0.7f), nullptr, 0, 40);
+  ImageF shown;
+  ApplyColor(flat, grey, pool, &shown);
+  EXPECT_NEAR(shown(3, 3, 1), 0.7, 1e-3);
+  for (const float value : flat.values) EXPECT_LT(std::abs(value), 1.5);
+}
+
+TEST(Exposure, OptionsMustMakeSense) {
+  EXPECT_TRUE(ExposureOptions().Check().ok());
+  EXPECT_FALSE(ExposureOptions{.start = 1}.Check().ok());
+  EXPECT_FALSE(ExposureOptions{.rate_initial = 0}.Check().ok());
+  EXPECT_NEAR(ExposureRate({}, 0.1), 0.01, 1e-9);
+  EXPECT_NEAR(ExposureRate({}, 1), 0.001, 1e-9);
+}
+
+}  // namespace
+}  // namespace freegs::splat

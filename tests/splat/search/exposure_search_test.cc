@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The search follows its judge, and finds by itself which photos differ in
+// exposure.
+
+#include "splat/search/exposure_search.h"
+
+#include <algorithm>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/cancellation.h"
+#include "splat/images/holdout.h"
+#include "splat/train/checkpoint.h"
+#include "tests/splat/training_fixture.h"
+
+namespace freegs::splat {
+namespace {
+
+class ExposureSearchTest : public TrainingFixture {
+ protected:
+  static TrainerOptions Training() {
+    TrainerOptions options = Options(300);
+    options.budget = 640;
+    return options;
+  }
+
+  StatusOr<ExposureChoice> Search(const QualityJudge& judge, int threads = 2) {
+    ThreadPool pool(threads);
+    TrainingImages images = Images(pool);
+    return SearchExposure(search_,
+                          Training(),
+                          Start(),
+                          2.0,
+                          judge,
+                          &images,
+                          &pool,
+                          &cancellation_);
+  }
+
+  // Judges by the last two photos. They are trained on as well, which no test
+  // here minds.
+  QualityJudge HoldoutJudge(ThreadPool* pool) {
+    auto images = TrainingImages::Load(
+        std::span(views_).last(2), folder_, TrainingImagesOptions(), *pool);
+    holdout_.emplace(std::move(images).value());
+    return [this, pool](const GaussianModel& model, int level) {
+      return MeasureFittedHoldout(
+          model, RenderOptions(), &*holdout_, *pool, level);
+    };
+  }
+
+  // Makes every second photo darker and the others brighter.
+  void VaryExposure() {
+    for (size_t k = 0; k < photos_.size(); ++k) {
+      const double factor = k % 2 == 0 ? 0.6 : 1.1;
+      for (size_t i = 0; i < photos_[k].size(); ++i) {
+        uint8_t& value = photos_[k].data()[i];
+        value = static_cast<uint8_t>(std::min(255.0, factor * value + 8));
+      }
+      WritePhoto(k);
+    }
+  }
+
+  ExposureSearchOptions search_{.level = 1, .min_trial_steps = 240};
+  CancellationToken cancellation_;
+  std::optional<TrainingImages> holdout_;
+};
+
+TEST_F(ExposureSearchTest, FollowsTheJudge) {
+  std::vector<std::pair<size_t, int>> seen;
+  for (const double gain : {-1.0, 0.0, 0.19, 0.21}) {
+    seen.clear();
+    const auto choice =
+        Search([&](const GaussianModel& model, int level) -> StatusOr<double> {
+          seen.emplace_back(model.size(), level);
+          return seen.size() == 1 ? 20.0 : 20.0 + gain;
+        });
+    ASSERT_TRUE(choice.ok()) << choice.status().message();
+    EXPECT_EQ(choice->learn, gain > 0.2);
+    EXPECT_EQ(choice->psnr_without, 20.0);
+    EXPECT_EQ(choice->psnr_with, 20.0 + gain);
+    ASSERT_EQ(seen.size(), 2u);
+    EXPECT_EQ(seen[0].second, 1);
+    EXPECT_LE(seen[0].first, 160u);  // A quarter of the budget.
+  }
+}
+
+TEST_F(ExposureSearchTest, PassesErrorsOn) {
+  EXPECT_EQ(Search([](const GaussianModel&, int) -> StatusOr<double> {
+              return BadInputError("unreadable");
+            })
+                .status()
+                .code(),
+            StatusCode::kBadInput);
+  const auto fine = [](const GaussianModel&, int) -> StatusOr<double> {
+    return 1.0;
+  };
+  search_.min_gain_db = -1;
+  EXPECT_EQ(Search(fine).status().code(), StatusCode::kInvalidArgument);
+  search_.min_gain_db = 0.2;
+  cancellation_.Cancel();
+  EXPECT_EQ(Search(fine).status().code(), StatusCode::kInterrupted);
+}
+
+TEST_F(ExposureSearchTest, LearnsExposureOnlyWherePhotosDiffer) {
+  ThreadPool pool(2);
+  const auto same = Search(HoldoutJudge(&pool));
+  ASSERT_TRUE(same.ok()) << same.status().message();
+  EXPECT_FALSE(same->learn) << same->psnr_without << " " << same->psnr_with;
+  VaryExposure();
+  const auto different = Search(HoldoutJudge(&pool));
+  ASSERT_TRUE(different.ok());
+  EXPECT_TRUE(different->learn)
+      << different->psnr_without << " " << different->psnr_with;
+  // The same for another number of threads.
+  EXPECT_EQ(*Search(HoldoutJudge(&pool), 1), *different);
+}
+
+TEST_F(ExposureSearchTest, TrainingKeepsToTheChoice) {
+  VaryExposure();
+  ThreadPool pool(2);
+  TrainingImages images = Images(pool);
+  const auto make = [&](bool learn) {
+    Trainer trainer(Training(), Start(), 2.0, &images, &pool);
+    trainer.KeepTo({.learn = learn, .psnr_without = 1, .psnr_with = 2});
+    return trainer;
+  };
+  Trainer whole = make(true);
+  ASSERT_TRUE(Finish(&whole).ok());
+  Trainer plain = make(false);
+  ASSERT_TRUE(Finish(&plain).ok());
+  EXPECT_NE(AllParameters(whole.model()), AllParameters(plain.model()));
+  // Interrupted in the middle, restored in a trainer that was told nothing.
+  Trainer first = make(true);
+  while (first.iteration() < 150) ASSERT_TRUE(first.Step().ok());
+  Trainer second(Training(), Start(), 2.0, &images, &pool);
+  ASSERT_TRUE(second.Restore(first.Save()).ok());
+  ASSERT_TRUE(second.exposure_choice().has_value());
+  ASSERT_TRUE(Finish(&second).ok());
+  EXPECT_EQ(AllParameters(second.model()), AllParameters(whole.model()));
+  // A checkpoint of other photos.
+  TrainingCheckpoint other = first.Save();
+  other.history.colors.entries.pop_back();
+  EXPECT_EQ(second.Restore(std::move(other)).code(), StatusCode::kBadInput);
+}
+
+}  // namespace
+}  // namespace freegs::splat
