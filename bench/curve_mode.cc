@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include <cstdint>
-#include <cmath>
 #include <cstdio>
 #include <string>
 #include <utility>
@@ -16,6 +15,7 @@
 #include "splat/train/trainer.h"
 #include "stages/reconstruct/reconstruct_options.h"
 #include "stages/reconstruct/training_report.h"
+#include "stages/reconstruct/training_run.h"
 #include "stages/registry/pipeline_options.h"
 #include "stages/scene/scene_size.h"
 #include "stages/scene/training_scene.h"
@@ -94,7 +94,7 @@ splat::QualityJudge HoldoutJudge(const splat::RenderOptions& render,
                                  splat::TrainingImages* holdout,
                                  ThreadPool* pool) {
   return [=](const splat::GaussianModel& model, int level) {
-    return splat::MeasureFittedHoldout(model, render, holdout, *pool, level);
+    return stages::MeasureChoosing(model, render, holdout, *pool, level);
   };
 }
 
@@ -169,14 +169,6 @@ Status RunCurve(const CurveOptions& options) {
         const splat::HoldoutReport quality,
         splat::MeasureHoldout(
             trainer.model(), render, &*holdout.reporting, pool));
-    FREEGS_ASSIGN_OR_RETURN(
-        const double fitted,
-        splat::MeasureFittedHoldout(
-            trainer.model(), render, &*holdout.reporting, pool));
-    double dev = 0;
-    for (const auto& e : trainer.View().history->colors.entries) for (int k = 0; k < 12; ++k) dev += std::pow(e.color.values[k] - splat::AffineColor().values[k], 2);
-    std::fprintf(stderr, "rms %.4f\n", std::sqrt(dev / 12 / std::max<size_t>(1, trainer.View().history->colors.entries.size())));
-    std::fprintf(stderr, "fitted %.3f\n", fitted);
     std::printf("%lld,%.3f,%.3f,%zu,%.3f,%.4f\n",
                 static_cast<long long>(report.iteration),
                 clock.seconds(),

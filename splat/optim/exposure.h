@@ -33,7 +33,7 @@ struct ExposureOptions {
   // Each step takes so large a share of a rate's length off the difference from
   // the identity. Colours that depend on the viewing direction can do what the
   // exposure of a photograph does; what no photograph asks for stays small.
-  double pull = 1;
+  double pull = 5;
 
   Status Check() const;
 };

@@ -59,7 +59,7 @@ StatusOr<ExposureChoice> SearchExposure(const ExposureSearchOptions& options,
                                         const CancellationToken* cancellation) {
   FREEGS_RETURN_IF_ERROR(options.Check());
   const int level = std::min(options.level, images->num_levels() - 1);
-  const auto psnr_of_trial = [&](bool learn) -> StatusOr<double> {
+  const auto psnr_of_trial = [&](bool learn) -> StatusOr<HoldoutPsnr> {
     TrainerOptions trial = TrialOptions(options, training, level);
     trial.exposure.learn = learn;
     Trainer trainer(trial, initial, scene_extent, images, pool);
@@ -73,9 +73,11 @@ StatusOr<ExposureChoice> SearchExposure(const ExposureSearchOptions& options,
     return judge(trainer.model(), level);
   };
   ExposureChoice choice;
-  FREEGS_ASSIGN_OR_RETURN(choice.psnr_without, psnr_of_trial(false));
-  FREEGS_ASSIGN_OR_RETURN(choice.psnr_with, psnr_of_trial(true));
-  choice.learn = choice.psnr_with - choice.psnr_without >= options.min_gain_db;
+  FREEGS_ASSIGN_OR_RETURN(choice.without, psnr_of_trial(false));
+  FREEGS_ASSIGN_OR_RETURN(choice.with, psnr_of_trial(true));
+  choice.learn =
+      choice.with.fitted - choice.without.fitted >= options.min_gain_db &&
+      choice.with.plain >= choice.without.plain;
   return choice;
 }
 

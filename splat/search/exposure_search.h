@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Decides whether training learns the exposure of each photograph
 // (splat/optim/exposure.h): only where photographs that training never sees
-// gain from it. Where all photographs have the same exposure the additional
-// freedom costs quality.
+// gain from it. Where all photographs have the same exposure, or one that
+// changes slowly along the way of the camera, so that colours which depend on
+// the viewing direction follow it, the additional freedom costs quality.
 //
-//   const QualityJudge judge = [&](const GaussianModel& model, int level) {
-//     return MeasureFittedHoldout(model, render, &holdout, pool, level);
+//   const QualityJudge judge = [&](const GaussianModel& model,
+//                                  int level) -> StatusOr<HoldoutPsnr> {
+//     HoldoutPsnr psnr;
+//     ... MeasureHoldout and MeasureFittedHoldout ...
+//     return psnr;
 //   };
 //   FREEGS_ASSIGN_OR_RETURN(
 //       const ExposureChoice choice,
@@ -28,15 +32,15 @@
 
 namespace freegs::splat {
 
-// Returns the mean PSNR in dB of a model on photographs that training does not
-// see, at a level of their image pyramid, where each may have its own exposure.
-// An error ends the search, which returns it.
+// Measures a model on photographs that training does not see, at a level of
+// their image pyramid. An error ends the search, which returns it.
 using QualityJudge =
-    std::function<StatusOr<double>(const GaussianModel& model, int level)>;
+    std::function<StatusOr<HoldoutPsnr>(const GaussianModel& model, int level)>;
 
 struct ExposureSearchOptions {
-  // Exposure is learnt if that raises the PSNR by at least so much.
-  double min_gain_db = 0.2;
+  // Exposure is learnt if that raises the PSNR with fitted colours by at least
+  // so much, and does not lower the PSNR without.
+  double min_gain_db = 0.5;
 
   // The level of the image pyramid with which the trials are made.
   int level = 2;

@@ -97,11 +97,11 @@ bool ReadExposureChoice(ByteReader* reader,
   if (present == 0) return true;
   ExposureChoice& read = choice->emplace();
   uint8_t learn = 0;
-  if (!reader->Get(&learn) || learn > 1 || !reader->Get(&read.psnr_without) ||
-      !reader->Get(&read.psnr_with)) {
-    return false;
-  }
+  if (!reader->Get(&learn) || learn > 1) return false;
   read.learn = learn == 1;
+  for (HoldoutPsnr* psnr : {&read.without, &read.with}) {
+    if (!reader->Get(&psnr->plain) || !reader->Get(&psnr->fitted)) return false;
+  }
   return true;
 }
 
@@ -110,8 +110,10 @@ void WriteExposureChoice(const std::optional<ExposureChoice>& choice,
   writer->Put<uint8_t>(choice ? 1 : 0);
   if (!choice) return;
   writer->Put<uint8_t>(choice->learn ? 1 : 0);
-  writer->Put(choice->psnr_without);
-  writer->Put(choice->psnr_with);
+  for (const HoldoutPsnr* psnr : {&choice->without, &choice->with}) {
+    writer->Put(psnr->plain);
+    writer->Put(psnr->fitted);
+  }
 }
 
 bool ReadColors(ByteReader* reader, PhotoColors* colors) {

@@ -7,12 +7,21 @@
 
 namespace freegs::splat {
 
+// The PSNR in dB on holdout photographs, with the colours as they are and
+// fitted to each photograph (MeasureFittedHoldout).
+struct HoldoutPsnr {
+  double plain = 0;
+  double fitted = 0;
+
+  friend bool operator==(const HoldoutPsnr&, const HoldoutPsnr&) = default;
+};
+
 struct ExposureChoice {
   bool learn = false;
 
-  // The PSNR in dB of the two trials of the search.
-  double psnr_without = 0;
-  double psnr_with = 0;
+  // Of the two trials of the search.
+  HoldoutPsnr without;
+  HoldoutPsnr with;
 
   friend bool operator==(const ExposureChoice&,
                          const ExposureChoice&) = default;

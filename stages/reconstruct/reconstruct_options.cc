@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <optional>
 #include <system_error>
 
@@ -152,12 +151,6 @@ StatusOr<splat::TrainerOptions> MakeTrainerOptions(
   FREEGS_ASSIGN_OR_RETURN(
       training.budget,
       ParseBudget(options.budget, AutomaticBudget(train_pixels, memory_bytes)));
-  if (const char* v = std::getenv("PULL"))
-    training.exposure.pull = std::atof(v);
-  if (const char* v = std::getenv("ERATE")) {
-    training.exposure.rate_initial = std::atof(v);
-    training.exposure.rate_final = std::atof(v) / 10;
-  }
   training.exposure.learn = options.exposure == "on";
   training.importance = ParseImportance(options.importance);
   training.densification.gradient_threshold = options.densify_gradient;

@@ -12,9 +12,12 @@ namespace {
 // Null when there was no search.
 nlohmann::json ChoiceJson(const std::optional<splat::ExposureChoice>& choice) {
   if (!choice) return nullptr;
+  const auto psnr = [](const splat::HoldoutPsnr& trial) -> nlohmann::json {
+    return {{"psnr", trial.plain}, {"psnr_fitted", trial.fitted}};
+  };
   return {{"learn", choice->learn},
-          {"psnr_without", choice->psnr_without},
-          {"psnr_with", choice->psnr_with}};
+          {"without", psnr(choice->without)},
+          {"with", psnr(choice->with)}};
 }
 
 }  // namespace
@@ -68,10 +71,15 @@ std::string MilestoneText(const splat::MilestoneRecord& record) {
 }
 
 std::string ExposureText(const splat::ExposureChoice& choice) {
+  const auto change = [](double without, double with) {
+    return FormatFixed(without, 2) + " -> " + FormatFixed(with, 2) + " dB";
+  };
   return std::string("the exposure of each photo is ") +
-         (choice.learn ? "learnt: " : "not learnt: ") +
-         FormatFixed(choice.psnr_without, 2) + " dB on the holdout without, " +
-         FormatFixed(choice.psnr_with, 2) + " dB with it, in short trainings";
+         (choice.learn ? "learnt" : "not learnt") +
+         "; in short trainings it changed the holdout from " +
+         change(choice.without.plain, choice.with.plain) +
+         ", with fitted colours from " +
+         change(choice.without.fitted, choice.with.fitted);
 }
 
 }  // namespace freegs::stages

@@ -47,9 +47,13 @@ class ExposureSearchTest : public TrainingFixture {
     auto images = TrainingImages::Load(
         std::span(views_).last(2), folder_, TrainingImagesOptions(), *pool);
     holdout_.emplace(std::move(images).value());
-    return [this, pool](const GaussianModel& model, int level) {
-      return MeasureFittedHoldout(
+    return [this, pool](const GaussianModel& model,
+                        int level) -> StatusOr<HoldoutPsnr> {
+      const auto plain =
+          MeasureHoldout(model, RenderOptions(), &*holdout_, *pool, level);
+      const auto fitted = MeasureFittedHoldout(
           model, RenderOptions(), &*holdout_, *pool, level);
+      return HoldoutPsnr{plain->mean_psnr, *fitted};
     };
   }
 
@@ -72,17 +76,21 @@ class ExposureSearchTest : public TrainingFixture {
 
 TEST_F(ExposureSearchTest, FollowsTheJudge) {
   std::vector<std::pair<size_t, int>> seen;
-  for (const double gain : {-1.0, 0.0, 0.19, 0.21}) {
+  for (const HoldoutPsnr gain : {HoldoutPsnr{1, -1.0},
+                                 HoldoutPsnr{0, 0.49},
+                                 HoldoutPsnr{0, 0.51},
+                                 HoldoutPsnr{-0.01, 3.0}}) {
     seen.clear();
-    const auto choice =
-        Search([&](const GaussianModel& model, int level) -> StatusOr<double> {
+    const auto choice = Search(
+        [&](const GaussianModel& model, int level) -> StatusOr<HoldoutPsnr> {
           seen.emplace_back(model.size(), level);
-          return seen.size() == 1 ? 20.0 : 20.0 + gain;
+          if (seen.size() == 1) return HoldoutPsnr{20, 22};
+          return HoldoutPsnr{20 + gain.plain, 22 + gain.fitted};
         });
     ASSERT_TRUE(choice.ok()) << choice.status().message();
-    EXPECT_EQ(choice->learn, gain > 0.2);
-    EXPECT_EQ(choice->psnr_without, 20.0);
-    EXPECT_EQ(choice->psnr_with, 20.0 + gain);
+    EXPECT_EQ(choice->learn, gain.fitted > 0.5 && gain.plain >= 0);
+    EXPECT_EQ(choice->without, (HoldoutPsnr{20, 22}));
+    EXPECT_EQ(choice->with.plain, 20 + gain.plain);
     ASSERT_EQ(seen.size(), 2u);
     EXPECT_EQ(seen[0].second, 1);
     EXPECT_LE(seen[0].first, 160u);  // A quarter of the budget.
@@ -90,18 +98,18 @@ TEST_F(ExposureSearchTest, FollowsTheJudge) {
 }
 
 TEST_F(ExposureSearchTest, PassesErrorsOn) {
-  EXPECT_EQ(Search([](const GaussianModel&, int) -> StatusOr<double> {
+  EXPECT_EQ(Search([](const GaussianModel&, int) -> StatusOr<HoldoutPsnr> {
               return BadInputError("unreadable");
             })
                 .status()
                 .code(),
             StatusCode::kBadInput);
-  const auto fine = [](const GaussianModel&, int) -> StatusOr<double> {
-    return 1.0;
+  const auto fine = [](const GaussianModel&, int) -> StatusOr<HoldoutPsnr> {
+    return HoldoutPsnr();
   };
   search_.min_gain_db = -1;
   EXPECT_EQ(Search(fine).status().code(), StatusCode::kInvalidArgument);
-  search_.min_gain_db = 0.2;
+  search_.min_gain_db = 0.5;
   cancellation_.Cancel();
   EXPECT_EQ(Search(fine).status().code(), StatusCode::kInterrupted);
 }
@@ -110,12 +118,12 @@ TEST_F(ExposureSearchTest, LearnsExposureOnlyWherePhotosDiffer) {
   ThreadPool pool(2);
   const auto same = Search(HoldoutJudge(&pool));
   ASSERT_TRUE(same.ok()) << same.status().message();
-  EXPECT_FALSE(same->learn) << same->psnr_without << " " << same->psnr_with;
+  EXPECT_FALSE(same->learn) << same->without.fitted << " " << same->with.fitted;
   VaryExposure();
   const auto different = Search(HoldoutJudge(&pool));
   ASSERT_TRUE(different.ok());
   EXPECT_TRUE(different->learn)
-      << different->psnr_without << " " << different->psnr_with;
+      << different->without.fitted << " " << different->with.fitted;
   // The same for another number of threads.
   EXPECT_EQ(*Search(HoldoutJudge(&pool), 1), *different);
 }
@@ -126,7 +134,7 @@ TEST_F(ExposureSearchTest, TrainingKeepsToTheChoice) {
   TrainingImages images = Images(pool);
   const auto make = [&](bool learn) {
     Trainer trainer(Training(), Start(), 2.0, &images, &pool);
-    trainer.KeepTo({.learn = learn, .psnr_without = 1, .psnr_with = 2});
+    trainer.KeepTo({.learn = learn, .without = {}, .with = {}});
     return trainer;
   };
   Trainer whole = make(true);

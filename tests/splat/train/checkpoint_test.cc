@@ -45,7 +45,7 @@ TrainingCheckpoint Example(int64_t iteration, size_t count = 12) {
   checkpoint.history.recoveries = {{33, "the loss rose", 30, 0.5}};
   checkpoint.history.rate_factor = 0.5;
   checkpoint.history.loss = {40, 0.25, 0.125};
-  checkpoint.history.exposure_choice = {true, 25.5, 26.25};
+  checkpoint.history.exposure_choice = {true, {25.5, 27}, {26.25, 28}};
   checkpoint.history.colors.entries.resize(3);
   for (int i = 0; i < 12; ++i) {
     PhotoColors::Entry& entry = checkpoint.history.colors.entries[1];

@@ -268,8 +268,10 @@ TEST_F(ReconstructStageTest, ReportsTheSearchAboutExposure) {
   const nlohmann::json& search = metrics["exposure_search"];
   ASSERT_TRUE(search.is_object());
   EXPECT_FALSE(search["learn"].get<bool>());
-  EXPECT_GT(search["psnr_without"].get<double>(), 10);
-  EXPECT_GT(search["psnr_with"].get<double>(), 10);
+  for (const char* trial : {"without", "with"}) {
+    EXPECT_GT(search[trial]["psnr"].get<double>(), 10);
+    EXPECT_GT(search[trial]["psnr_fitted"].get<double>(), 10);
+  }
   EXPECT_GT(metrics["holdout_psnr_fitted"].get<double>(), 15);
   EXPECT_THAT(log_, testing::HasSubstr("exposure of each photo is not learnt"));
   // The model is the one of a training without a search.
