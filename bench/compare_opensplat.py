@@ -19,7 +19,8 @@ import tempfile
 import time
 
 TO_PSNR = ["--max-image-size", "480", "--set", "reconstruct.iterations=1000",
-           "--set", "reconstruct.budget=15000", "--every", "25"]
+           "--set", "reconstruct.budget=15000", "--set", "reconstruct.exposure=off",
+           "--every", "25"]
 OLD_BACKGROUND = ["--background", "0.613,0.0101,0.3984"]  # Its own.
 
 

@@ -125,6 +125,13 @@ Status RunCurve(const CurveOptions& options) {
   FREEGS_ASSIGN_OR_RETURN(stages::HoldoutImages holdout,
                           stages::LoadHoldout(scene, image_options, pool));
   if (!holdout.reporting) return NoHoldoutError();
+  if (reconstruct.exposure != "auto") {
+    // No photo chooses anything, so all report.
+    FREEGS_ASSIGN_OR_RETURN(
+        holdout.reporting,
+        stages::LoadPhotos(scene, scene.photos.holdout, image_options, pool));
+    holdout.choosing.reset();
+  }
   image_options.num_levels = 4;
   image_options.max_bytes =
       static_cast<uint64_t>(reconstruct.image_cache_gb * 1e9);

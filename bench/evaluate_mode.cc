@@ -19,14 +19,14 @@ Status RunEvaluate(const EvaluateOptions& options) {
   splat::TrainingImagesOptions image_options;
   image_options.max_side = options.max_image_size;
   image_options.num_levels = 1;
-  FREEGS_ASSIGN_OR_RETURN(stages::HoldoutImages holdout,
-                          stages::LoadHoldout(scene, image_options, pool));
-  if (!holdout.reporting) return NoHoldoutError();
+  if (scene.photos.holdout.empty()) return NoHoldoutError();
+  FREEGS_ASSIGN_OR_RETURN(
+      splat::TrainingImages holdout,
+      stages::LoadPhotos(scene, scene.photos.holdout, image_options, pool));
   splat::RenderOptions render;
   render.background = options.background;
-  FREEGS_ASSIGN_OR_RETURN(
-      const splat::HoldoutReport report,
-      splat::MeasureHoldout(model, render, &*holdout.reporting, pool));
+  FREEGS_ASSIGN_OR_RETURN(const splat::HoldoutReport report,
+                          splat::MeasureHoldout(model, render, &holdout, pool));
   std::fprintf(
       stderr, "%zu Gaussians of SH degree %d\n", model.size(), model.sh_degree);
   std::printf("view,holdout_psnr,holdout_ssim\n");

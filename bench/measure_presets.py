@@ -30,7 +30,8 @@ def main():
         for preset in args.presets.split(","):
             text = subprocess.run(
                 [args.benchmark, "curve", args.workspace, "--preset", preset,
-                 "--max-image-size", args.max_image_size, "--every", "250"],
+                 "--max-image-size", args.max_image_size, "--every", "250",
+                 "--set", "reconstruct.exposure=off"],
                 check=True, text=True, stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL).stdout
             if args.out:

@@ -35,7 +35,7 @@ struct StepsOptions {
 Status RunSteps(const StepsOptions& options);
 
 // Quality on the holdout photos over time, of a training as the reconstruct
-// stage does it.
+// stage does it: on those that report with exposure = auto, else on all.
 struct CurveOptions {
   std::filesystem::path workspace;
   std::optional<std::string> preset;
