@@ -15,7 +15,7 @@
 namespace freegs::stages {
 
 struct ReconstructStageOptions {
-  int iterations = 2000;
+  int iterations = 2500;
   // Longest side in pixels of the images that training sees; 0 keeps the
   // photos' own size.
   int max_image_size = 800;
@@ -30,7 +30,7 @@ struct ReconstructStageOptions {
   // How Mini-Splatting measures importance: auto, indoor or outdoor.
   std::string importance = "auto";
   // Iterations between densifications; 0 never densifies.
-  int densify_interval = 60;
+  int densify_interval = 75;
   // A Gaussian whose mean gradient in the image (which spans -1 to 1) is larger
   // is cloned or split.
   double densify_gradient = 2e-4;
