@@ -36,7 +36,7 @@ constexpr double kGrowth = 1.4;
 
 // Of an automatic budget's dense model, which only few scenes fill. To expect
 // too much does less harm than to expect too little.
-constexpr double kUsualShare = 0.7;
+constexpr double kUsualShare = 0.8;
 
 double Densifications(const splat::ScheduleOptions& schedule) {
   if (schedule.densify_interval <= 0) return 0;

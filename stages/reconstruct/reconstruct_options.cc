@@ -21,8 +21,8 @@ double RateFactor(int iterations) {
 }
 
 // What the rates of positions and sizes are multiplied by on top of that, so
-// that 2000 steps find the places that take 5000 otherwise. At 2000 steps 6
-// instead of 3 for positions, or 5 instead of 3 for sizes, costs up to 1.8 dB.
+// that half the steps lead as far. At 2000 steps 6 instead of 3 for positions
+// costs 0.9 to 1.8 dB, 5 instead of 3 for sizes 0 to 0.3.
 double GeometryRateFactor(int iterations) {
   return std::clamp(6000.0 / iterations, 1.0, 3.0);
 }
@@ -34,9 +34,9 @@ constexpr int kMinIterationsOfDepthReinit = 20000;
 
 // Training photos have so many pixels, at the size of training, for each
 // Gaussian of the largest model that they can be asked to determine. With twice
-// as many pixels a scene of furniture loses 0.45 dB; with half as many none
-// that was measured gains 0.1. Most models end far below this number, because
-// Gaussians that contribute little are removed (docs/performance.md).
+// as many a scene of furniture loses 0.45 dB. Most scenes end far below this
+// number, because Gaussians that contribute little are removed
+// (docs/performance.md).
 constexpr int64_t kPixelsPerGaussian = 75;
 constexpr int64_t kMinAutomaticBudget = 5000;
 constexpr int64_t kMaxAutomaticBudget = 400000;

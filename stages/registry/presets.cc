@@ -15,17 +15,17 @@ const std::map<std::string, Values>& Presets() {
   static const std::map<std::string, Values> presets = {
       {"fast",
        {{"sfm.max_features", "1200"},
-        {"reconstruct.iterations", "3000"},
+        {"reconstruct.iterations", "1500"},
         {"reconstruct.max_image_size", "640"},
         {"reconstruct.sh_degree", "2"},
         {"reconstruct.budget", "50000"},
-        {"reconstruct.densify_gradient", "4e-4"}}},
+        {"reconstruct.densify_interval", "45"}}},
       {"balanced", {}},
       {"quality",
        {{"sfm.max_features", "4000"},
-        {"reconstruct.iterations", "10000"},
+        {"reconstruct.iterations", "5000"},
         {"reconstruct.max_image_size", "1600"},
-        {"reconstruct.budget", "300000"}}},
+        {"reconstruct.densify_interval", "100"}}},
   };
   return presets;
 }
