@@ -66,13 +66,14 @@ void ApplyColor(const AffineColor& color,
 AffineColor BackwardColor(const AffineColor& color,
                           const ImageF& scene,
                           ThreadPool& pool,
+                          std::vector<ColorSums>* scratch,
                           ImageF* gradient) {
   const std::array<float, 12>& m = color.values;
-  const int64_t tasks = (scene.height() + kRowsOfColor - 1) / kRowsOfColor;
-  std::vector<std::array<double, 12>> sums(tasks);
+  std::vector<ColorSums>& sums = *scratch;
+  sums.assign((scene.height() + kRowsOfColor - 1) / kRowsOfColor, ColorSums());
   pool.ParallelFor(
       0, scene.height(), kRowsOfColor, [&](int64_t begin, int64_t end, int) {
-        std::array<double, 12>& sum = sums[begin / kRowsOfColor];
+        ColorSums& sum = sums[begin / kRowsOfColor];
         for (int64_t y = begin; y < end; ++y) {
           const float* in = scene.row(static_cast<int>(y));
           float* d = gradient->row(static_cast<int>(y));
@@ -93,7 +94,7 @@ AffineColor BackwardColor(const AffineColor& color,
   AffineColor result;
   for (int i = 0; i < 12; ++i) {
     double total = 0;
-    for (const std::array<double, 12>& sum : sums) total += sum[i];
+    for (const ColorSums& sum : sums) total += sum[i];
     result.values[i] = static_cast<float>(total);
   }
   return result;

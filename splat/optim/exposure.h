@@ -57,10 +57,12 @@ void ApplyColor(const AffineColor& color,
 
 // From dL/dphoto makes dL/dscene, in place, and returns dL/dcolor. `scene` is
 // the input of ApplyColor. The result is the same bytes for any number of
-// threads.
+// threads. *scratch is memory that calls can share.
+using ColorSums = std::array<double, 12>;
 AffineColor BackwardColor(const AffineColor& color,
                           const ImageF& scene,
                           ThreadPool& pool,
+                          std::vector<ColorSums>* scratch,
                           ImageF* gradient);
 
 // The colours of all photographs and Adam's moments for them. Their mean over

@@ -169,8 +169,8 @@ float Trainer::LossOfView(size_t view_index, int level) {
   const float loss = loss_.Compute(shown, target_, *pool_, &loss_gradient_);
   if (mask != nullptr) FillIgnored(*mask, 0.0f, &loss_gradient_);
   if (exposed) {
-    const AffineColor gradient =
-        BackwardColor(color, rendered_.color, *pool_, &loss_gradient_);
+    const AffineColor gradient = BackwardColor(
+        color, rendered_.color, *pool_, &color_sums_, &loss_gradient_);
     const ExposureOptions& exposure = options_.exposure;
     colors.Step(view_index,
                 gradient,

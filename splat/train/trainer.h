@@ -180,6 +180,7 @@ class Trainer {
   RasterImages rendered_;
   ImageF target_;
   ImageF exposed_;  // As the photo's exposure shows what is rendered.
+  std::vector<ColorSums> color_sums_;
   ImageF loss_gradient_;
   std::vector<float> radii_;
   bool touched_finite_ = true;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -62,7 +63,9 @@ TEST(Exposure, DerivativesAreThoseOfDifferences) {
     return sum;
   };
   ImageF gradient = weights;
-  const AffineColor d_color = BackwardColor(color, scene, pool, &gradient);
+  std::vector<ColorSums> scratch;
+  const AffineColor d_color =
+      BackwardColor(color, scene, pool, &scratch, &gradient);
   for (int i = 0; i < 12; ++i) {
     AffineColor high = color, low = color;
     high.values[i] += 0.25f;
@@ -80,7 +83,7 @@ TEST(Exposure, DerivativesAreThoseOfDifferences) {
   // The same bytes with one thread.
   ThreadPool one(1);
   ImageF again = weights;
-  EXPECT_EQ(BackwardColor(color, scene, one, &again), d_color);
+  EXPECT_EQ(BackwardColor(color, scene, one, &scratch, &again), d_color);
 }
 
 TEST(Exposure, TheMeanOfAllPhotosStays) {

@@ -99,6 +99,8 @@ class AllocationTest : public TrainingFixture {
     options.schedule.densify_interval = 100;
     options.mini_splatting.blur_split_share = 1.0 / 5000;
     options.snapshot_interval = 5;
+    options.exposure.learn = true;
+    options.exposure.start = 0;
     LearningRateOptions& rates = options.learning_rates;
     rates.mean_initial = rates.mean_final = 1e-30;
     rates.log_scale = rates.rotation = rates.opacity_logit = 0;

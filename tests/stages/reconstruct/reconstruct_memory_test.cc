@@ -66,6 +66,7 @@ TEST(ReconstructMemoryTest, GaussiansGrowFromThePointsUpToTheBudget) {
   ReconstructStageOptions options;
   options.budget = "50000";
   options.iterations = 5000;
+  options.densify_interval = 100;
   ReconstructSize size = SomeSize();
   const auto expected = [&] {
     return *ExpectedGaussians(options, Training(options, size), size);
