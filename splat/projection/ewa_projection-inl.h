@@ -119,6 +119,36 @@ ComparisonOf<T> ProjectGaussian(const ProjectionCamera<T>& camera,
              And(determinant > T(1e-12), T(1e30) > determinant));
 }
 
+// What the dilation takes off the opacity of an antialiased Gaussian, from the
+// results of ProjectGaussian.
+template <typename T>
+OpacityFilter<T> FilterOpacity(const ProjectionCamera<T>& camera,
+                               const ProjectedGaussian<T>& projected,
+                               const ProjectionTerms<T>& terms) {
+  using std::log;
+  const T* a = terms.half;
+  const T* c = projected.cov;
+  // det(A A^T) is the squared length of the cross product of the rows of A,
+  // which no rounding makes negative.
+  const T x = a[1] * a[5] - a[2] * a[4];
+  const T y = a[2] * a[3] - a[0] * a[5];
+  const T z = a[0] * a[4] - a[1] * a[3];
+  const T sharp = x * x + y * y + z * z;
+  const T wide = c[0] * c[2] - c[1] * c[1];
+  const T ratio = sharp / wide;
+  const T least(2.5e-5);
+  const auto free = ratio > least;
+  OpacityFilter<T> filter;
+  filter.log_factor = T(0.5) * log(Select(free, ratio, least));
+  // d ln det(Sigma) / d Sigma = Sigma^-1.
+  const T sharp_xx = (c[2] - camera.dilation) / sharp;
+  const T sharp_yy = (c[0] - camera.dilation) / sharp;
+  filter.cov[0] = Select(free, T(0.5) * (sharp_xx - c[2] / wide), T(0));
+  filter.cov[1] = Select(free, T(0.5) * (c[1] / wide - c[1] / sharp), T(0));
+  filter.cov[2] = Select(free, T(0.5) * (sharp_yy - c[0] / wide), T(0));
+  return filter;
+}
+
 // The derivative of ProjectGaussian: from dL/d(projected) it adds to dL/dmean
 // and dL/dlog_scale, and overwrites dL/drotation, the derivative with respect
 // to the quaternion before normalisation.
@@ -139,9 +169,9 @@ void BackwardProjectGaussian(const ProjectionCamera<T>& camera,
   const T gc = gradient.conic[2];
   const T m00 = c[0] * ga + c[1] * gb, m01 = c[0] * gb + c[1] * gc;
   const T m10 = c[1] * ga + c[2] * gb, m11 = c[1] * gb + c[2] * gc;
-  const T s00 = -(m00 * c[0] + m01 * c[1]);
-  const T s01 = -(m00 * c[1] + m01 * c[2]);
-  const T s11 = -(m10 * c[1] + m11 * c[2]);
+  const T s00 = gradient.cov[0] - (m00 * c[0] + m01 * c[1]);
+  const T s01 = gradient.cov[1] - (m00 * c[1] + m01 * c[2]);
+  const T s11 = gradient.cov[2] - (m10 * c[1] + m11 * c[2]);
 
   // Sigma' = A A^T: dL/dA = 2 dL/dSigma' A.
   const T* a = terms.half;

@@ -40,12 +40,22 @@ struct ProjectedGaussian {
 
 // The derivatives of the loss L with respect to a ProjectedGaussian. conic[1]
 // is the derivative with respect to the one number that stands at both
-// off-diagonal places.
+// off-diagonal places; cov[1] is that of each of the two, and cov leaves out
+// what goes through the conic.
 template <typename T>
 struct ProjectedGradient {
   T mean[2];
   T depth;
   T conic[3];
+  T cov[3];
+};
+
+// The 2D filter of Mip-Splatting (Yu et al. 2024): opacity times the square
+// root of det(Sigma' - dilation I) / det(Sigma').
+template <typename T>
+struct OpacityFilter {
+  T log_factor;  // Natural logarithm of the factor, at least log(0.005).
+  T cov[3];      // Its derivative, as ProjectedGradient::cov.
 };
 
 // Intermediate results of the projection that its derivative needs again.

@@ -159,12 +159,16 @@ HWY_INLINE SimdMask ProjectGroup(const ProjectionTask& task,
       &model.opacity_logits[group.indices[0]], group.count, logits.values);
 
   // log2(sigmoid(x)); minus infinity where exp overflows.
-  const SimdNumber log2_opacity =
+  SimdNumber log2_opacity =
       -log1p(exp(-FromArray(logits))) * SimdNumber(1 / kLn2);
   ProjectedGaussian<SimdNumber> projected;
   ProjectionTerms<SimdNumber> terms;
   SimdMask visible =
       ProjectGaussian(camera, mean, log_scale, rotation, &projected, &terms);
+  if (model.antialiased) {
+    log2_opacity += FilterOpacity(camera, projected, terms).log_factor *
+                    SimdNumber(1 / kLn2);
+  }
   visible = And(visible, log2_opacity > SimdNumber(kMinLog2Alpha));
   // alpha >= 1/255 where d^T conic d <= 2 ln(255 o): an ellipse with these
   // half-extents.
@@ -368,6 +372,16 @@ void BackwardGroup(const ProjectionBackwardTask& task,
   gradient.conic[1] = -moments[4];
   gradient.conic[2] = SimdNumber(-0.5f) * moments[5];
   gradient.depth = sums.depth_gradient;
+  for (SimdNumber& d : gradient.cov) d = SimdNumber(0.0f);
+  SimdNumber log_opacity = sums.log2_opacity * SimdNumber(kLn2);
+  if (model.antialiased) {
+    const OpacityFilter<SimdNumber> filter =
+        FilterOpacity(camera, projected, terms);
+    for (int k = 0; k < 3; ++k) {
+      gradient.cov[k] = moments[0] * filter.cov[k];
+    }
+    log_opacity -= filter.log_factor;
+  }
   LaneArray x = {}, y = {};
   ToArray(gradient.mean[0], &x);
   ToArray(gradient.mean[1], &y);
@@ -379,7 +393,7 @@ void BackwardGroup(const ProjectionBackwardTask& task,
 
   // d ln(sigmoid(x)) / dx = 1 - sigmoid(x).
   LaneArray d_logit = {};
-  const SimdNumber opacity = exp(sums.log2_opacity * SimdNumber(kLn2));
+  const SimdNumber opacity = exp(log_opacity);
   ToArray(moments[0] * (SimdNumber(1.0f) - opacity), &d_logit);
   for (size_t l = 0; l < group.count; ++l) {
     task.gradients->opacity_logits[rows.indices[l]] = d_logit.values[l];

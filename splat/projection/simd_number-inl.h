@@ -77,6 +77,9 @@ HWY_INLINE SimdNumber sqrt(SimdNumber a) {
 HWY_INLINE SimdNumber exp(SimdNumber a) {
   return hwy::HWY_NAMESPACE::Exp(SimdNumber::Tag(), a.vector);
 }
+HWY_INLINE SimdNumber log(SimdNumber a) {
+  return hwy::HWY_NAMESPACE::Log(SimdNumber::Tag(), a.vector);
+}
 HWY_INLINE SimdNumber log1p(SimdNumber a) {
   return hwy::HWY_NAMESPACE::Log1p(SimdNumber::Tag(), a.vector);
 }

@@ -36,6 +36,11 @@ constexpr float kShC0 = 0.28209479177387814f;
 struct GaussianModel {
   int sh_degree = 0;  // Degree of the coefficients in sh_rest, 0 to 3.
 
+  // Whether the renderer keeps what a Gaussian adds to a picture the same when
+  // its low-pass filter widens it (OpacityFilter in ewa_projection.h). A model
+  // looks right only when rendered as it was trained.
+  bool antialiased = false;
+
   std::vector<float> means;           // N x 3, world frame.
   std::vector<float> log_scales;      // N x 3, natural log of the std. dev.
   std::vector<float> rotations;       // N x 4, w x y z, not normalised.

@@ -136,7 +136,11 @@ Status ParseProperty(const std::vector<std::string_view>& words,
 }
 
 // Other comments, and those whose numbers are not numbers, mean nothing.
-void TakeOffset(const std::vector<std::string_view>& words, PlyHeader* header) {
+void TakeComment(const std::vector<std::string_view>& words,
+                 PlyHeader* header) {
+  if (words.size() == 3 && words[1] == "SplatRenderMode:") {
+    header->antialiased = words[2] == "mip";
+  }
   if (words.size() != 5 || words[1] != "offset") return;
   std::array<double, 3> offset{};
   for (size_t k = 0; k < 3; ++k) {
@@ -230,7 +234,7 @@ StatusOr<PlyHeader> ParsePlyHeader(std::string_view content) {
     const std::vector<std::string_view> words = Words(line);
     if (words.empty() || words[0] == "obj_info") continue;
     if (words[0] == "comment") {
-      TakeOffset(words, &header);
+      TakeComment(words, &header);
       continue;
     }
     if (number == 0) {

@@ -52,6 +52,9 @@ struct PlyHeader {
   // Of a line "comment offset X Y Z": what was subtracted from all positions.
   std::array<double, 3> offset = {0, 0, 0};
 
+  // Of a line "comment SplatRenderMode: mip".
+  bool antialiased = false;
+
   std::vector<PlyElement> elements;
   size_t size = 0;  // Bytes of the header, including the end_header line.
 };

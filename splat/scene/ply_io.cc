@@ -18,6 +18,9 @@
 namespace freegs::splat {
 namespace {
 
+// How Brush marks such models, and what splat-transform reads.
+constexpr const char* kAntialiasedLine = "comment SplatRenderMode: mip\n";
+
 // Where a file property goes: array `parameter`, float `offset` of its group.
 struct Target {
   Parameter parameter = Parameter::kMean;
@@ -204,6 +207,7 @@ StatusOr<PlacedModel> ParsePly(std::string_view content) {
       placed.offset = Eigen::Map<const Eigen::Vector3d>(header.offset.data());
       FREEGS_ASSIGN_OR_RETURN(placed.model,
                               ReadVertices(header.format, element, &reader));
+      placed.model.antialiased = header.antialiased;
       return placed;
     }
     FREEGS_RETURN_IF_ERROR(SkipElement(element, &reader));
@@ -238,8 +242,9 @@ std::string SerializePly(const GaussianModel& model,
   for (int k = 0; k < 4; ++k) names.push_back("rot_" + std::to_string(k));
 
   std::string header = "ply\nformat binary_little_endian 1.0\n" +
-                       PlyOffsetLine(offset) + "element vertex " +
-                       std::to_string(model.size()) + "\n";
+                       PlyOffsetLine(offset) +
+                       (model.antialiased ? kAntialiasedLine : "") +
+                       "element vertex " + std::to_string(model.size()) + "\n";
   for (const std::string& name : names) {
     header += "property float " + name + "\n";
   }

@@ -22,7 +22,9 @@ namespace freegs::splat {
 // f_rest_[channel * (K - 1) + k] with K = (degree + 1)^2, while a GaussianModel
 // is coefficient-major. Normals are ignored when read and written as zeros. An
 // offset other than zero (see PlacedModel) is a header line "comment offset X Y
-// Z", which other programs ignore: to them the scene lies near the origin.
+// Z", which other programs ignore: to them the scene lies near the origin. An
+// antialiased model has a line "comment SplatRenderMode: mip", which other
+// programs know.
 
 // Reads binary files of either byte order, and ascii files. The properties may
 // come in any order and have any numeric type. Other properties and other

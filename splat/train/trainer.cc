@@ -85,6 +85,7 @@ Trainer::Trainer(const TrainerOptions& options,
   }
   adam_.Reset(model_);
   statistics_.Reset(model_.size());
+  model_.antialiased = options.antialiased;
   if (options.exposure.learn) history_.colors.entries.resize(images->size());
 }
 
@@ -359,6 +360,7 @@ Status Trainer::RunMilestone(TrainingEvent event) {
       break;
     }
   }
+  model_.antialiased = options_.antialiased;  // Also of a model begun anew.
   history_.milestones.push_back(
       {iteration_, event, summary.before, summary.after});
   statistics_.Reset(model_.size());
@@ -404,9 +406,13 @@ Status Trainer::Restore(TrainingCheckpoint checkpoint) {
   }
   iteration_ = checkpoint.iteration;
   model_ = std::move(checkpoint.model);
+  model_.antialiased = options_.antialiased;
   adam_.set_state(std::move(checkpoint.adam));
   statistics_ = std::move(checkpoint.statistics);
   history_ = std::move(checkpoint.history);
+  if (history_.last_good) {
+    history_.last_good->model.antialiased = options_.antialiased;
+  }
   loss_monitor_.set_state(history_.loss);
   return Status();
 }

@@ -62,6 +62,10 @@ struct TrainerOptions {
   PhotometricLossOptions loss;
   ExposureOptions exposure;
   RenderOptions render;
+
+  // GaussianModel::antialiased of the result.
+  bool antialiased = false;
+
   uint64_t seed = 0;
 
   // The state to which training goes back when it diverges is renewed every so

@@ -169,6 +169,7 @@ StatusOr<splat::TrainerOptions> MakeTrainerOptions(
     *rate *= GeometryRateFactor(options.iterations);
   }
   training.render = ReconstructRenderOptions(options);
+  training.antialiased = options.antialiased;
   training.seed = seed;
   FREEGS_RETURN_IF_ERROR(training.Check());
   return training;
@@ -210,6 +211,13 @@ void RegisterReconstructOptions(ReconstructStageOptions& options,
             {.help = "Colour behind the scene. White suits cut-out objects "
                      "(see ingest.background).",
              .choices = {"black", "white"}});
+  table.Add(
+      "reconstruct.antialiased",
+      &options.antialiased,
+      {.help = "Keep the brightness of Gaussians smaller than a pixel "
+               "(the 2D filter of Mip-Splatting): for scenes looked at "
+               "from farther away than photographed. point_cloud.ply says "
+               "so in a comment that viewers know."});
   table.Add("reconstruct.holdout_interval",
             &options.holdout_interval,
             {.help = "Iterations between measurements on the holdout photos; "

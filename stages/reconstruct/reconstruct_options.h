@@ -43,6 +43,8 @@ struct ReconstructStageOptions {
   // Whether training begins with small images.
   bool coarse_to_fine = true;
   std::string background = "black";  // black or white.
+  // Whether the model is to be rendered with Mip-Splatting's 2D filter.
+  bool antialiased = false;
   // Iterations between measurements on the holdout photos; 0 measures only at
   // the end.
   int holdout_interval = 1000;

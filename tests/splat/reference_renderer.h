@@ -19,6 +19,7 @@
 namespace freegs::splat {
 
 using HWY_NAMESPACE::EvaluateShBasis;
+using HWY_NAMESPACE::FilterOpacity;
 using HWY_NAMESPACE::ProjectGaussian;
 
 // A model in double.
@@ -27,6 +28,7 @@ struct ReferenceModel {
   std::vector<double> means, log_scales, rotations, opacity_logits, sh_dc,
       sh_rest, features;
   int num_features = 0;
+  bool antialiased = false;
 
   explicit ReferenceModel(const GaussianModel& model)
       : sh_degree(model.sh_degree),
@@ -36,7 +38,8 @@ struct ReferenceModel {
         opacity_logits(model.opacity_logits.begin(),
                        model.opacity_logits.end()),
         sh_dc(model.sh_dc.begin(), model.sh_dc.end()),
-        sh_rest(model.sh_rest.begin(), model.sh_rest.end()) {}
+        sh_rest(model.sh_rest.begin(), model.sh_rest.end()),
+        antialiased(model.antialiased) {}
 
   size_t size() const { return opacity_logits.size(); }
 };
@@ -69,6 +72,10 @@ inline std::vector<double> ReferenceRender(const ReferenceModel& model,
       continue;
     }
     item.opacity = 1 / (1 + std::exp(-model.opacity_logits[i]));
+    if (model.antialiased) {
+      item.opacity *=
+          std::exp(FilterOpacity(camera, item.projected, terms).log_factor);
+    }
     double direction[3];
     double norm = 0;
     for (int k = 0; k < 3; ++k) {

@@ -14,6 +14,7 @@
 namespace freegs::splat {
 
 using HWY_NAMESPACE::BackwardProjectGaussian;
+using HWY_NAMESPACE::FilterOpacity;
 using HWY_NAMESPACE::ProjectGaussian;
 namespace {
 
@@ -71,7 +72,7 @@ TEST(EwaProjection, BackwardMatchesJets) {
     ++checked;
     bounded += !terms.u_free || !terms.v_free;
 
-    ProjectedGradient<double> weights;
+    ProjectedGradient<double> weights{};
     for (double& w : weights.mean) w = random.Normal();
     for (double& w : weights.conic) w = random.Normal();
     weights.depth = random.Normal();
@@ -141,6 +142,55 @@ TEST(EwaProjection, RejectsWhatCannotBeSeen) {
   EXPECT_FALSE(project(front, small, zero_rotation));
   EXPECT_FALSE(project(front, huge, unit));
   EXPECT_FALSE(project(front, nan, unit));
+}
+
+// The factor of the opacity and its derivative, against Ceres Jets, for
+// Gaussians from a hundredth of a pixel to many pixels.
+TEST(EwaProjection, FilterMatchesJets) {
+  const auto camera = MakeProjectionCamera<double>(
+      TestCamera(160, 120), TestPose(), RenderOptions());
+  const ProjectionCamera<Jet> jet_camera = Camera<Jet>(camera);
+  RandomStream random(8, 1);
+  int checked = 0, bounded = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    std::array<double, kInputs> input;
+    for (int i = 0; i < 3; ++i) input[i] = 2 * (random.Uniform() - 0.5);
+    const double size = -9 + 7 * random.Uniform();
+    for (int i = 3; i < 6; ++i) input[i] = size + random.Uniform();
+    for (int i = 6; i < 10; ++i) input[i] = random.Normal();
+    std::array<Jet, kInputs> jets;
+    for (int i = 0; i < kInputs; ++i) jets[i] = Jet(input[i], i);
+
+    ProjectedGaussian<double> projected;
+    ProjectionTerms<double> terms;
+    ProjectedGaussian<Jet> jet_projected;
+    ProjectionTerms<Jet> jet_terms;
+    if (!ProjectGaussian(
+            camera, &input[0], &input[3], &input[6], &projected, &terms)) {
+      continue;
+    }
+    ProjectGaussian(
+        jet_camera, &jets[0], &jets[3], &jets[6], &jet_projected, &jet_terms);
+    const auto filter = FilterOpacity(camera, projected, terms);
+    const Jet expected =
+        FilterOpacity(jet_camera, jet_projected, jet_terms).log_factor;
+    EXPECT_NEAR(filter.log_factor, expected.a, 1e-12);
+    EXPECT_LE(filter.log_factor, 0);
+    ++checked;
+    bounded += expected.v.isZero();
+    ProjectedGradient<double> gradient{};
+    for (int k = 0; k < 3; ++k) gradient.cov[k] = filter.cov[k];
+    std::array<double, kInputs> found{};
+    BackwardProjectGaussian(
+        camera, projected, terms, gradient, &found[0], &found[3], &found[6]);
+    const double scale = expected.v.cwiseAbs().maxCoeff();
+    for (int i = 0; i < kInputs; ++i) {
+      EXPECT_NEAR(found[i], expected.v[i], 1e-6 * scale + 1e-12) << i;
+    }
+  }
+  EXPECT_GT(checked, 200);
+  EXPECT_GT(bounded, 5);
+  EXPECT_LT(bounded, 100);
 }
 
 }  // namespace

@@ -32,8 +32,13 @@ RenderOptions TestOptions() {
   return options;
 }
 
-TEST(Rasterizer, ForwardMatchesReference) {
-  const GaussianModel model = RandomSceneModel(200, 3, 1);
+// The parameter is GaussianModel::antialiased.
+class RasterizerReference : public ::testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(Antialiased, RasterizerReference, ::testing::Bool());
+
+TEST_P(RasterizerReference, ForwardMatches) {
+  GaussianModel model = RandomSceneModel(200, 3, 1);
+  model.antialiased = GetParam();
   const std::vector<float> features = RandomFeatures(model.size());
   const Pinhole camera = TestCamera(75, 53);  // Partial tiles on both sides.
   ReferenceModel reference(model);
@@ -70,8 +75,9 @@ TEST(Rasterizer, ForwardMatchesReference) {
 
 // L = <random image, rendered image>, whose derivative with respect to every
 // parameter is compared with central differences of the reference in double.
-TEST(Rasterizer, BackwardMatchesCentralDifferences) {
-  const GaussianModel model = RandomSceneModel(40, 3, 2);
+TEST_P(RasterizerReference, BackwardMatchesCentralDifferences) {
+  GaussianModel model = RandomSceneModel(40, 3, 2);
+  model.antialiased = GetParam();
   const std::vector<float> features = RandomFeatures(model.size());
   const Pinhole camera = TestCamera(52, 37);
   const int channels = 5 + kFeatures;

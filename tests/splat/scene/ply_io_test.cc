@@ -87,6 +87,20 @@ TEST(PlyTest, FileRoundTripAndErrorsNameTheFile) {
   EXPECT_FALSE(ReadPly(path).ok());
 }
 
+TEST(PlyTest, AntialiasedModelsSaySo) {
+  GaussianModel model = RandomModel(3, 1, 4);
+  EXPECT_EQ(SerializePly(model).find("SplatRenderMode"), std::string::npos);
+  model.antialiased = true;
+  std::string content = SerializePly(model);
+  EXPECT_NE(content.find("\ncomment SplatRenderMode: mip\n"),
+            std::string::npos);
+  EXPECT_TRUE(ParsePly(content)->model.antialiased);
+  content.replace(content.find("mip"), 3, "any");
+  const auto other = ParsePly(content);
+  ASSERT_TRUE(other.ok());
+  EXPECT_FALSE(other->model.antialiased);
+}
+
 TEST(PlyTest, EmptyModel) {
   const StatusOr<PlacedModel> read = ParsePly(SerializePly(GaussianModel()));
   ASSERT_TRUE(read.ok());

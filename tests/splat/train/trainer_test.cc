@@ -18,12 +18,15 @@ namespace {
 
 class TrainerTest : public TrainingFixture {
  protected:
-  // Every method, and Mini-Splatting as in its paper.
+  // Every method, and Mini-Splatting as in its paper, with what else there is.
   static std::vector<TrainerOptions> Everything(int iterations) {
+    TrainerOptions all = PaperOptions(iterations);
+    all.exposure.learn = true;
+    all.antialiased = true;
     return {Options(iterations, DensificationMethod::kNone),
             Options(iterations, DensificationMethod::kGradient),
             Options(iterations, DensificationMethod::kMiniSplatting),
-            PaperOptions(iterations)};
+            all};
   }
 };
 
@@ -127,6 +130,7 @@ TEST_F(TrainerTest, SameBytesAcrossARestore) {
       Trainer trainer(options, Start(), 2.0, &images, &pool);
       ASSERT_TRUE(trainer.Restore(std::move(checkpoint).value()).ok());
       ASSERT_TRUE(Finish(&trainer).ok());
+      EXPECT_EQ(trainer.model().antialiased, options.antialiased);
       // History, moments and last good state included.
       EXPECT_EQ(SerializeCheckpoint(trainer.Save()), saved[120])
           << static_cast<int>(method) << ", stop " << stop;
