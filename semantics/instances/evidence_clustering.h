@@ -23,7 +23,7 @@ struct EvidenceClusteringOptions {
   // smaller instances, below 0 fewer and larger ones. Things in photographs
   // vary more within themselves than the drawn ones that the evidence was
   // learnt from, hence the default (docs/instances.md).
-  double granularity = -0.3;
+  double granularity = -0.5;
 
   Status Check() const;
 };
