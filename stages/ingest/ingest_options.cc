@@ -65,7 +65,7 @@ void RegisterIngestOptions(IngestStageOptions& options,
             &options.masks.use_masks,
             {.help = "Use the masks beside the photos: masks/a.jpg.png or "
                      "masks/a.png for a.jpg; black is ignored when poses are "
-                     "found."});
+                     "found and in training."});
   table.Add("ingest.masks",
             &options.masks.masks,
             {.help = "Folder of the masks, instead of masks in the photo "
