@@ -33,6 +33,9 @@ Status ExposureOptions::Check() const {
       return InvalidArgumentError("the rates of exposure must be > 0");
     }
   }
+  if (!(pull >= 0 && std::isfinite(pull))) {
+    return InvalidArgumentError("the pull of exposure must be >= 0");
+  }
   return Status();
 }
 

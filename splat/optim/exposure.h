@@ -30,9 +30,9 @@ struct ExposureOptions {
   double rate_initial = 0.01;
   double rate_final = 0.001;
 
-  // Each step takes so large a share of a rate's length off the difference from
-  // the identity. Colours that depend on the viewing direction can do what the
-  // exposure of a photograph does; what no photograph asks for stays small.
+  // Each step takes this times the rate off the difference from the identity.
+  // Colours that depend on the viewing direction can stand for exposure; so
+  // that the two do not drift apart, what no photograph asks for stays small.
   double pull = 5;
 
   Status Check() const;

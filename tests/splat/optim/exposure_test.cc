@@ -137,6 +137,7 @@ TEST(Exposure, OptionsMustMakeSense) {
   EXPECT_TRUE(ExposureOptions().Check().ok());
   EXPECT_FALSE(ExposureOptions{.start = 1}.Check().ok());
   EXPECT_FALSE(ExposureOptions{.rate_initial = 0}.Check().ok());
+  EXPECT_FALSE(ExposureOptions{.pull = -1}.Check().ok());
   EXPECT_NEAR(ExposureRate({}, 0.1), 0.01, 1e-9);
   EXPECT_NEAR(ExposureRate({}, 1), 0.001, 1e-9);
 }
