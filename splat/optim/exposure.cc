@@ -15,8 +15,8 @@ namespace {
 
 constexpr int64_t kRowsOfColor = 16;
 
-// What the fit adds to the normal equations for each pixel: it pulls towards
-// the identity as strongly as colours that differ by so much (squared).
+// What the fit adds to the diagonal of its normal equations for each pixel.
+// Numbers that the colours say nothing about stay those of the identity.
 constexpr double kFitPull = 1e-5;
 
 // A fit to fewer pixels is the identity.

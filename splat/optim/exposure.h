@@ -65,9 +65,9 @@ AffineColor BackwardColor(const AffineColor& color,
                           std::vector<ColorSums>* scratch,
                           ImageF* gradient);
 
-// The colours of all photographs and Adam's moments for them. Their mean over
-// the photographs stays the identity, for else scene and photographs could
-// drift together.
+// The colours of all photographs and Adam's moments for them. The mean over
+// the photographs stays the identity. Otherwise the scene could become darker
+// while all photographs become brighter.
 struct PhotoColors {
   struct Entry {
     AffineColor color;
@@ -89,9 +89,10 @@ struct PhotoColors {
 };
 
 // The colours that take the pixels of `scene` to those of `photo` with the
-// least squared error, in the columns [begin, end) of both (H x W x 3). The
-// identity where there are too few different colours to tell. Pixels that
-// `mask` (null: none) has as 0 are left out.
+// least squared error, in the columns [begin, end) of both (H x W x 3). Numbers
+// that these colours say nothing about stay those of the identity, and so do
+// all when there are fewer than 64 pixels. Pixels that `mask` (null: none) has
+// as 0 are left out.
 AffineColor FitColor(const ImageF& scene,
                      const ImageF& photo,
                      const ImageU8* mask,

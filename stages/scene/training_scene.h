@@ -47,7 +47,8 @@ struct PosedPhotos {
 StatusOr<PosedPhotos> ReadPosedPhotos(const std::filesystem::path& workspace);
 
 // Holdout photographs in two parts, so that those by which something was
-// chosen, such as the number of Gaussians, do not say how good the result is.
+// chosen, such as whether exposure is learnt, do not say how good the result
+// is.
 struct HoldoutSplit {
   std::vector<View> choosing;
   std::vector<View> reporting;
