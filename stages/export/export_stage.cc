@@ -38,6 +38,8 @@
 #include "stages/scene/view_selection.h"
 #include "stages/scene/working_frame.h"
 #include "stages/scene/workspace_scene.h"
+#include "stages/viewer/viewer_scene.h"
+#include "stages/viewer/web_bundle.h"
 
 namespace freegs::stages {
 namespace {
@@ -47,6 +49,12 @@ namespace fs = std::filesystem;
 // Of a view that is drawn: colour (3 floats), transmittance, depth and label (4
 // bytes each), and two 8-bit pictures.
 constexpr int64_t kBytesPerPixel = 30;
+
+// The page with its pictures and its script should be no larger than what
+// people send each other. Base64 makes a third more of this.
+constexpr int64_t kMaxPageSplatBytes = 4 << 20;
+
+constexpr uint64_t kMaxBundleBytes = 64 << 20;
 
 // The instances of bootstrap/.
 struct SceneInstances {
@@ -120,7 +128,8 @@ class ExportStage : public pipeline::Stage {
             "reconstruct/metrics.json",
             "reconstruct/progress.csv",
             "bootstrap/idsf.bin",
-            "bootstrap/instances.json"};
+            "bootstrap/instances.json",
+            "bootstrap/hierarchy.json"};
   }
 
   pipeline::MemoryNeed ExpectedMemory(
@@ -260,10 +269,39 @@ class ExportStage : public pipeline::Stage {
       }
       data.views.push_back(std::move(view));
     }
+    FREEGS_RETURN_IF_ERROR(WriteViewer(context, &data));
     ListFiles(context.output, &data);
     context.summary["report_views"] = views.size();
     return WriteFileAtomic(context.output / "report" / "index.html",
                            RenderReportPage(data));
+  }
+
+  // The scene and the script of the 3D view. Without the script, the page says
+  // why it has no such view.
+  static Status WriteViewer(pipeline::StageContext& context, ReportData* data) {
+    const StatusOr<fs::path> bundle = FindWebBundle();
+    if (!bundle.ok()) {
+      data->no_viewer = bundle.status().message();
+      context.log(pipeline::LogLevel::kWarning,
+                  "export: " + data->no_viewer);
+      return Status();
+    }
+    const fs::path report = context.output / "report";
+    for (const char* name : {"viewer.js", "viewer.css", "licenses.txt"}) {
+      FREEGS_ASSIGN_OR_RETURN(
+          const std::string bytes,
+          ReadFile(*bundle / name, kMaxBundleBytes));
+      FREEGS_RETURN_IF_ERROR(WriteFileAtomic(report / name, bytes));
+    }
+    ViewerSceneOptions options;
+    options.max_bytes = kMaxPageSplatBytes;
+    for (const ReportView& view : data->views) {
+      if (!view.photo.empty()) options.pictures[view.name] = view.photo;
+    }
+    FREEGS_ASSIGN_OR_RETURN(const ViewerScene scene,
+                            MakeViewerScene(context.workspace, options));
+    data->has_viewer = true;
+    return WriteFileAtomic(report / "scene.js", ViewerSceneScript(scene));
   }
 
   static void FillInstances(const std::vector<semantics::Instance>& instances,
