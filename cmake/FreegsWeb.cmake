@@ -14,6 +14,7 @@ if(FREEGS_NPM AND node_version VERSION_GREATER_EQUAL 18)
 else()
   set(has_node OFF)
 endif()
+include(GNUInstallDirs)
 option(FREEGS_BUILD_WEB
   "Build the 3D view of the page; needs Node.js 18 and npm" ${has_node})
 if(NOT FREEGS_BUILD_WEB)

@@ -62,6 +62,7 @@ export function projectLikePhoto(
   camera.updateProjectionMatrix();
 }
 
+/** As wide as before, whatever that was. */
 export function projectFreely(
   camera: THREE.PerspectiveCamera,
   width: number,

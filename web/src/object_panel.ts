@@ -66,7 +66,11 @@ export class ObjectPanel {
   private fill(filter: string): void {
     const words = filter.toLowerCase();
     this.list.replaceChildren();
-    for (const object of this.scene.objects) {
+    // What stands in the scene first, then walls and floors.
+    const objects = [...this.scene.objects].sort(
+      (a, b) => Number(a.background) - Number(b.background),
+    );
+    for (const object of objects) {
       const text = [objectName(object), ...object.words, object.id].join(" ");
       if (!text.toLowerCase().includes(words)) continue;
       this.list.append(element("li", {}, this.rows.get(object.id)));

@@ -137,7 +137,8 @@ export class View3d {
     if (photos.length > 0) {
       const photo = photos[photos.length >> 1];
       this.goTo(photo);
-      this.leavePhoto();
+      // Upright, whatever way the photographer held the camera.
+      this.navigation.lookAt(this.navigation.target.clone());
     } else {
       const focus = this.toWorld(this.scene.focus);
       this.camera.position
