@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The options of earlier command lines, which workspace.json keeps.
+//
+// `run IMAGES WORKSPACE` begins with its own command line alone, so that the
+// same command always means the same. What builds on an earlier command goes on
+// with its options: `run WORKSPACE`, a run with --forget, `stage` and `status`.
+
+#ifndef FREEGS_STAGES_COMMANDS_REMEMBERED_OPTIONS_H_
+#define FREEGS_STAGES_COMMANDS_REMEMBERED_OPTIONS_H_
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/status.h"
+#include "pipeline/option_table.h"
+#include "pipeline/workspace.h"
+
+namespace freegs::stages {
+
+// The name that stands for all remembered options.
+inline constexpr char kForgetAll[] = "all";
+
+// Drops the options of these names, which may be aliases of `table`.
+// kInvalidArgument for one that is not remembered lists those that are.
+Status ForgetOptions(const std::vector<std::string>& names,
+                     const pipeline::OptionTable& table,
+                     pipeline::WorkspaceInfo* info);
+
+// Remembers the settings of a command line. Paths are stored as DisplayPath
+// writes them.
+void RememberOptions(const std::filesystem::path& workspace,
+                     const pipeline::OptionTable& table,
+                     const std::vector<pipeline::OptionSetting>& settings,
+                     pipeline::WorkspaceInfo* info);
+
+// Of the options in `before`, those that the command line does not set, as
+// "sfm.camera single, general.seed 3". Empty if there are none.
+std::string OtherOptionsText(
+    const std::map<std::string, std::string>& before,
+    const std::vector<pipeline::OptionSetting>& command_line);
+
+}  // namespace freegs::stages
+
+#endif  // FREEGS_STAGES_COMMANDS_REMEMBERED_OPTIONS_H_
