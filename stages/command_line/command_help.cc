@@ -128,11 +128,11 @@ std::string CommandHelp(const CommandWords& words) {
       text += "\n" + WrapText(about, "[" + section + "] ", 0) + options;
     }
   } else {
-    text += "\n" + Indented("Every option --SECTION.KEY of freegs_pipeline " +
-                                words.refers_to() +
-                                " is taken, too; freegs_pipeline " +
-                                words.refers_to() + " --help lists them.",
-                            0);
+    text += "\n" + Indented(
+                       "It also takes every option --SECTION.KEY that "
+                       "freegs_pipeline " +
+                           words.refers_to() + " --help lists.",
+                       0);
   }
   for (const std::string& note : words.notes()) {
     text += "\n" + Indented(note, 0);

@@ -40,7 +40,8 @@ Completion CompletionOf(std::string_view value_name) {
   for (const char* folder : {"DIR", "WORKSPACE"}) {
     if (value_name == folder) return Completion::kFolders;
   }
-  for (const char* file : {"FILE", "IMAGE", "IMAGES", "PATH", "WEIGHTS"}) {
+  for (const char* file :
+       {"FILE", "IMAGE", "IMAGES", "PATH", "PROGRAM", "WEIGHTS"}) {
     if (value_name == file) return Completion::kFiles;
   }
   return Completion::kNothing;

@@ -69,7 +69,7 @@ struct ListOption {
 enum class Completion { kNothing, kFiles, kFolders };
 
 // What the name of a value in help tells about it: DIR and WORKSPACE are
-// folders, FILE, IMAGE, IMAGES, PATH and WEIGHTS are files.
+// folders; FILE, IMAGE, IMAGES, PATH, PROGRAM and WEIGHTS are files.
 Completion CompletionOf(std::string_view value_name);
 
 // How help calls the value of an option: its value_name, else its choices
