@@ -274,14 +274,15 @@ Status RunStatusCommand(const std::vector<std::string>& arguments,
   for (const StageReport& report : reports) {
     PrintReport(report, running, context.out);
   }
-  PrintOptions(stored,
-               "workspace.json",
-               "remembered from earlier commands (* differs from the default; "
-               "run WORKSPACE --forget KEY drops one):",
-               context.out);
+  PrintOptions(
+      stored,
+      "workspace.json",
+      "remembered (* not the default; run WORKSPACE --forget KEY drops "
+      "one):",
+      context.out);
   PrintOptions(stored,
                "config.ini",
-               "set in config.ini (* differs from the default):",
+               "set in config.ini (* not the default):",
                context.out);
   return Status();
 }
