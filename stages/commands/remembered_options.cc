@@ -3,17 +3,42 @@
 #include "stages/commands/remembered_options.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace freegs::stages {
 
 using pipeline::OptionSetting;
 using pipeline::OptionTable;
 
-Status ForgetOptions(const std::vector<std::string>& names,
+namespace {
+
+// Stands for all remembered options.
+constexpr char kForgetAll[] = "all";
+
+}  // namespace
+
+void AddForgetOption(std::vector<std::vector<std::string>>* target,
+                     CommandWords* words) {
+  std::vector<std::string> names = {kForgetAll};
+  for (const OptionTable::Option& option : words->table().options()) {
+    if (!option.section().empty()) names.push_back(option.name);
+  }
+  words->AddListOption(
+      {.name = "forget",
+       .value_names = {"KEY"},
+       .help = "Drop this remembered option (SECTION.KEY), or all, and use the "
+               "others; freegs_pipeline status lists them.",
+       .target = target,
+       .repeats = true,
+       .offers = std::move(names)});
+}
+
+Status ForgetOptions(const std::vector<std::vector<std::string>>& given,
                      const OptionTable& table,
                      pipeline::WorkspaceInfo* info) {
   const std::map<std::string, std::string> before = info->settings;
-  for (const std::string& name : names) {
+  for (const std::vector<std::string>& values : given) {
+    const std::string& name = values.front();
     if (name == kForgetAll) {
       info->settings.clear();
       continue;

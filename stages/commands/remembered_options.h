@@ -16,15 +16,19 @@
 #include "core/status.h"
 #include "pipeline/option_table.h"
 #include "pipeline/workspace.h"
+#include "stages/command_line/command_words.h"
 
 namespace freegs::stages {
 
-// The name that stands for all remembered options.
-inline constexpr char kForgetAll[] = "all";
+// Adds "--forget KEY", which may be given several times, to a command that
+// takes the options of its table.
+void AddForgetOption(std::vector<std::vector<std::string>>* target,
+                     CommandWords* words);
 
-// Drops the options of these names, which may be aliases of `table`.
-// kInvalidArgument for one that is not remembered lists those that are.
-Status ForgetOptions(const std::vector<std::string>& names,
+// Drops the options that were given to --forget: names or aliases of `table`,
+// or "all". kInvalidArgument for one that is not remembered lists those that
+// are.
+Status ForgetOptions(const std::vector<std::vector<std::string>>& given,
                      const pipeline::OptionTable& table,
                      pipeline::WorkspaceInfo* info);
 

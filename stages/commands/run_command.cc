@@ -161,6 +161,11 @@ struct RunWordsTargets {
   std::vector<std::vector<std::string>> forget;
 };
 
+struct StageTargets {
+  PipelineOptions options;
+  std::vector<std::vector<std::string>> forget;
+};
+
 CommandWords DescribeRun(RunWordsTargets* targets) {
   CommandWords words("run",
                      "Brings all stages up to date: photographs in, a scene "
@@ -186,30 +191,20 @@ CommandWords DescribeRun(RunWordsTargets* targets) {
                   {.help = "Last stage to bring up to date.",
                    .value_name = "STAGE",
                    .choices = stages});
-  std::vector<std::string> names = {kForgetAll};
-  for (const OptionTable::Option& option : words.table().options()) {
-    if (!option.section().empty()) names.push_back(option.name);
-  }
-  words.AddListOption(
-      {.name = "forget",
-       .value_names = {"KEY"},
-       .help = "Drop this remembered option (SECTION.KEY), or all, and use the "
-               "others; freegs_pipeline status lists them.",
-       .target = &targets->forget,
-       .repeats = true,
-       .offers = std::move(names)});
+  AddForgetOption(&targets->forget, &words);
   return words;
 }
 
-CommandWords DescribeStage(PipelineOptions* options) {
+CommandWords DescribeStage(StageTargets* targets) {
   CommandWords words("stage",
                      "Redoes one stage with the options that the workspace "
                      "remembers and those given here, even if its result still "
                      "holds.",
-                     MakeOptionTable(options));
+                     MakeOptionTable(&targets->options));
   words.AddArgument(
       {.name = "STAGE", .help = "The stage to redo.", .choices = StageNames()});
   words.AddArgument(WorkspaceArgument());
+  AddForgetOption(&targets->forget, &words);
   return words;
 }
 
@@ -221,14 +216,10 @@ Status Recall(const RunWordsTargets& targets,
               Request* request) {
   FREEGS_ASSIGN_OR_RETURN(request->info,
                           pipeline::ReadWorkspaceInfo(request->workspace));
-  std::vector<std::string> names;
-  for (const std::vector<std::string>& values : targets.forget) {
-    names.push_back(values.front());
-  }
-  FREEGS_RETURN_IF_ERROR(ForgetOptions(names, table, &request->info));
+  FREEGS_RETURN_IF_ERROR(ForgetOptions(targets.forget, table, &request->info));
   std::map<std::string, std::string>& settings = request->info.settings;
   const std::string others = OtherOptionsText(settings, line.settings);
-  const bool anew = line.positional.size() == 2 && names.empty();
+  const bool anew = line.positional.size() == 2 && targets.forget.empty();
   if (anew) settings.clear();
   if (!others.empty()) {
     request->note =
@@ -243,7 +234,7 @@ Status Recall(const RunWordsTargets& targets,
 
 CommandWords RunWords() { return KeepWords<RunWordsTargets>(DescribeRun); }
 
-CommandWords StageWords() { return KeepWords<PipelineOptions>(DescribeStage); }
+CommandWords StageWords() { return KeepWords<StageTargets>(DescribeStage); }
 
 Status RunRunCommand(const std::vector<std::string>& arguments,
                      CommandContext& context) {
@@ -282,8 +273,8 @@ Status RunRunCommand(const std::vector<std::string>& arguments,
 
 Status RunStageCommand(const std::vector<std::string>& arguments,
                        CommandContext& context) {
-  PipelineOptions options;
-  CommandWords command = DescribeStage(&options);
+  StageTargets targets;
+  CommandWords command = DescribeStage(&targets);
   OptionTable& table = command.table();
   FREEGS_ASSIGN_OR_RETURN(const OptionTable::CommandLine line,
                           command.Parse(arguments));
@@ -300,6 +291,7 @@ Status RunStageCommand(const std::vector<std::string>& arguments,
                           pipeline::WorkspaceLock::Acquire(request.workspace));
   FREEGS_ASSIGN_OR_RETURN(request.info,
                           pipeline::ReadWorkspaceInfo(request.workspace));
+  FREEGS_RETURN_IF_ERROR(ForgetOptions(targets.forget, table, &request.info));
   const std::string others =
       OtherOptionsText(request.info.settings, line.settings);
   if (!others.empty()) {
@@ -312,7 +304,7 @@ Status RunStageCommand(const std::vector<std::string>& arguments,
                     table));
   FREEGS_RETURN_IF_ERROR(
       pipeline::WriteWorkspaceInfo(request.workspace, request.info));
-  return Execute(request, options, table, context);
+  return Execute(request, targets.options, table, context);
 }
 
 }  // namespace freegs::stages

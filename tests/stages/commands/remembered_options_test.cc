@@ -128,6 +128,14 @@ TEST_F(RememberedOptionsTest, StageUsesThemAndSaysSo) {
   EXPECT_THAT(err_,
               HasSubstr("stage: uses remembered options: general.seed 4\n"));
   EXPECT_EQ(Remembered().size(), 2u);
+  EXPECT_EQ(
+      Call(RunStageCommand, {"ingest", Workspace(), "--forget", "sfm.camera"})
+          .code(),
+      StatusCode::kInvalidArgument);
+  EXPECT_EQ(
+      Call(RunStageCommand, {"ingest", Workspace(), "--forget", "seed"}).code(),
+      StatusCode::kBadInput);
+  EXPECT_THAT(Remembered(), ElementsAre(Pair("general.threads", "1")));
 }
 
 TEST_F(RememberedOptionsTest, StatusShowsThem) {
