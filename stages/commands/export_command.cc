@@ -9,7 +9,6 @@
 
 #include "core/io/files.h"
 #include "core/number_text.h"
-#include "pipeline/option_table.h"
 #include "splat/scene/ply_io.h"
 #include "splat/scene/splat_format.h"
 #include "stages/scene/scene_instances.h"
@@ -99,35 +98,41 @@ Status Prepare(const ExportRequest& request,
   return Status();
 }
 
+CommandWords DescribeExport(ExportRequest* request) {
+  CommandWords words("export",
+                     "Writes the scene to one file for other programs.");
+  words.AddArgument(WorkspaceArgument());
+  words.AddOption("out",
+                  &request->out,
+                  {.help = "File to write; its suffix is the format (.ply, "
+                           ".splat).",
+                   .value_name = "FILE"});
+  words.AddOption("what",
+                  &request->what,
+                  {.help = "Which colours the Gaussians get.",
+                   .choices = {"color", "instances"}});
+  words.AddOption("only",
+                  &request->only,
+                  {.help = "Ids of the instances to write, like 3,17.",
+                   .value_name = "ID,..."});
+  words.AddOption(
+      "without",
+      &request->without,
+      {.help = "Ids of the instances to leave out.", .value_name = "ID,..."});
+  words.Require("out");
+  return words;
+}
+
 }  // namespace
+
+CommandWords ExportWords() { return KeepWords<ExportRequest>(DescribeExport); }
 
 Status RunExportCommand(const std::vector<std::string>& arguments,
                         CommandContext& context) {
   ExportRequest request;
-  pipeline::OptionTable table;
-  table.Add("out",
-            &request.out,
-            {.help = "File to write; its suffix is the format."});
-  table.Add("what",
-            &request.what,
-            {.help = "Which colours the Gaussians get.",
-             .choices = {"color", "instances"}});
-  table.Add("only",
-            &request.only,
-            {.help = "Ids of the instances to write, like 3,17."});
-  table.Add("without",
-            &request.without,
-            {.help = "Ids of the instances to leave out."});
-  FREEGS_ASSIGN_OR_RETURN(const pipeline::OptionTable::CommandLine line,
-                          table.ParseCommandLine(arguments));
-  FREEGS_RETURN_IF_ERROR(table.Apply(line.settings));
-  if (line.positional.size() != 1) {
-    return InvalidArgumentError(
-        "export takes one workspace: export WORKSPACE --out FILE");
-  }
-  if (request.out.empty()) {
-    return InvalidArgumentError("export needs a file to write: --out FILE");
-  }
+  CommandWords words = DescribeExport(&request);
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> positional,
+                          words.ParseAndApply(arguments));
   if (!request.only.empty() && !request.without.empty()) {
     return InvalidArgumentError("--only and --without exclude each other");
   }
@@ -135,7 +140,7 @@ Status RunExportCommand(const std::vector<std::string>& arguments,
   FREEGS_ASSIGN_OR_RETURN(const Format format, FormatOf(path));
   FREEGS_RETURN_IF_ERROR(PrepareOutputFile(path));
 
-  const fs::path workspace(line.positional[0]);
+  const fs::path workspace(positional[0]);
   WarnOfRun(workspace, context);
   FREEGS_ASSIGN_OR_RETURN(splat::PlacedModel world,
                           ReadWorkspaceModel(workspace));

@@ -13,6 +13,8 @@
 
 namespace freegs::stages {
 
+CommandWords ExportWords();
+
 // The suffix of FILE, in upper or lower case, chooses the format: .ply
 // (splat/scene/ply_io.h) or .splat (splat/scene/splat_format.h). With --what
 // instances the Gaussians get the colours of their instances. --only 3,17

@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
-#include <optional>
 #include <string_view>
 #include <unistd.h>
 
@@ -40,61 +39,67 @@ struct RenderRequest {
   std::string out;
   std::string cameras;
   std::string what = "color";
-  std::optional<double> granularity;
+  double granularity = 0;  // Of --what instances, where it is given.
+  bool has_granularity = false;
   int size = 0;
   int threads = 0;
   bool no_align = false;
 };
 
+CommandWords DescribeRender(RenderRequest* request) {
+  CommandWords words("render",
+                     "Renders the scene from the cameras of its photos, or "
+                     "from any others.");
+  words.AddArgument(WorkspaceArgument());
+  words.AddOption("out",
+                  &request->out,
+                  {.help = "Folder for the pictures.", .value_name = "DIR"});
+  words.AddOption(
+      "cameras",
+      &request->cameras,
+      {.help = "JSON file of cameras; without it, those of the photos.",
+       .value_name = "FILE"});
+  words.AddOption("what",
+                  &request->what,
+                  {.help = "What to render.",
+                   .choices = {"color", "depth", "instances", "semantics"}});
+  words.AddOption("granularity",
+                  &request->granularity,
+                  {.help = "With --what instances: instances of another "
+                           "granularity than bootstrap.granularity, without "
+                           "running the stage again.",
+                   .min = -100,
+                   .max = 100});
+  words.AddOption(
+      "size",
+      &request->size,
+      {.help = "Longest side in pixels at most; 0 is the size of training or "
+               "of the camera file.",
+       .min = 0});
+  words.AddOption(
+      "threads",
+      &request->threads,
+      {.help = "Threads to work with; 0 takes one per available core.",
+       .min = 0,
+       .max = 1024});
+  words.AddOption("no-align",
+                  &request->no_align,
+                  {.help = "The cameras are in the scene's own world frame."});
+  words.Require("out");
+  return words;
+}
+
 StatusOr<RenderRequest> ParseRenderRequest(
     const std::vector<std::string>& arguments) {
   RenderRequest request;
-  double granularity = 0;
-  pipeline::OptionTable table;
-  table.Add("out", &request.out, {.help = "Folder for the pictures."});
-  table.Add("cameras",
-            &request.cameras,
-            {.help = "JSON file of cameras; without it, those of the photos."});
-  table.Add("what",
-            &request.what,
-            {.help = "What to render.",
-             .choices = {"color", "depth", "instances", "semantics"}});
-  table.Add("granularity",
-            &granularity,
-            {.help = "With --what instances: instances of another granularity "
-                     "than bootstrap.granularity, without running the stage "
-                     "again.",
-             .min = -100,
-             .max = 100});
-  table.Add(
-      "size",
-      &request.size,
-      {.help = "Longest side in pixels at most; 0 is the size of training "
-               "or of the camera file.",
-       .min = 0});
-  table.Add("threads",
-            &request.threads,
-            {.help = "Threads to work with; 0 takes one per available core.",
-             .min = 0,
-             .max = 1024});
-  table.Add("no-align",
-            &request.no_align,
-            {.help = "The cameras are in the scene's own world frame."});
+  CommandWords words = DescribeRender(&request);
   FREEGS_ASSIGN_OR_RETURN(const pipeline::OptionTable::CommandLine line,
-                          table.ParseCommandLine(arguments));
-  FREEGS_RETURN_IF_ERROR(table.Apply(line.settings));
-  if (line.positional.size() != 1) {
-    return InvalidArgumentError(
-        "render takes one workspace: render WORKSPACE --out DIR");
-  }
-  if (request.out.empty()) {
-    return InvalidArgumentError(
-        "render needs a folder for the pictures: --out DIR");
-  }
+                          words.Parse(arguments));
+  FREEGS_RETURN_IF_ERROR(words.table().Apply(line.settings));
   for (const pipeline::OptionSetting& setting : line.settings) {
-    if (setting.name == "granularity") request.granularity = granularity;
+    if (setting.name == "granularity") request.has_granularity = true;
   }
-  if (request.granularity && request.what != "instances") {
+  if (request.has_granularity && request.what != "instances") {
     return InvalidArgumentError("--granularity is for --what instances only");
   }
   if (request.no_align && request.cameras.empty()) {
@@ -245,12 +250,12 @@ StatusOr<std::vector<float>> ReadSemanticColors(const fs::path& workspace,
 
 StatusOr<std::vector<int32_t>> LabelsToRender(const RenderRequest& request,
                                               size_t num_gaussians) {
-  if (!request.granularity) {
+  if (!request.has_granularity) {
     return ReadInstanceLabels(request.workspace, num_gaussians);
   }
   FREEGS_ASSIGN_OR_RETURN(const semantics::Hierarchy hierarchy,
                           ReadSceneHierarchy(request.workspace, num_gaussians));
-  return semantics::CutHierarchy(hierarchy, *request.granularity)
+  return semantics::CutHierarchy(hierarchy, request.granularity)
       .label_of_gaussian;
 }
 
@@ -282,6 +287,8 @@ StatusOr<std::unique_ptr<Renderer>> MakeRenderer(const RenderRequest& request,
 }
 
 }  // namespace
+
+CommandWords RenderWords() { return KeepWords<RenderRequest>(DescribeRender); }
 
 Status RunRenderCommand(const std::vector<std::string>& arguments,
                         CommandContext& context) {

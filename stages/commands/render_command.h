@@ -12,6 +12,8 @@
 
 namespace freegs::stages {
 
+CommandWords RenderWords();
+
 // Renders the views of the photos at the size of training, or those of
 // --cameras FILE at their own size, into DIR/NAME.png. --what chooses the
 // picture:
