@@ -25,10 +25,10 @@ struct ViewerSceneOptions {
 
   // The splats of all parts together become no larger than this, if leaving
   // out what colour depends on the direction is enough for that.
-  std::optional<int64_t> max_bytes;
+  std::optional<int64_t> max_bytes = std::nullopt;
 
   // Pictures of photos, relative to the page, by the photos' names.
-  std::map<std::string, std::string> pictures;
+  std::map<std::string, std::string> pictures = {};
 
   // kInvalidArgument when an option is out of range.
   Status Check() const;
