@@ -14,6 +14,7 @@ import {
   projectLikePhoto,
   uprightRotation,
 } from "./cameras";
+import { groupSquares } from "./grouped_quads";
 import { Navigation } from "./navigation";
 import { boxLines, cameraLines } from "./overlays";
 import type { Photo, SceneDescription, SceneObject } from "./scene_data";
@@ -75,17 +76,17 @@ export class View3d {
     this.world.background = new THREE.Color().setRGB(r, g, b, THREE.SRGBColorSpace);
     this.root.quaternion.copy(uprightRotation(scene));
     this.world.add(this.root);
-    this.world.add(
-      new SparkRenderer({
-        renderer: this.renderer,
-        onDirty: () => this.redraw(),
-        accumExtSplats: true,
-        sortRadial: false,
-        enableLod: false,
-        preBlurAmount: scene.antialiased ? 0 : 0.3,
-        blurAmount: scene.antialiased ? 0.3 : 0,
-      }),
-    );
+    const spark = new SparkRenderer({
+      renderer: this.renderer,
+      onDirty: () => this.redraw(),
+      accumExtSplats: true,
+      sortRadial: false,
+      enableLod: false,
+      preBlurAmount: scene.antialiased ? 0 : 0.3,
+      blurAmount: scene.antialiased ? 0.3 : 0,
+    });
+    groupSquares(spark);
+    this.world.add(spark);
     this.cloud = new SplatCloud(scene.num_gaussians, this.root, selection);
     this.cameras = cameraLines(scene);
     this.boxes = boxLines(scene.objects.filter((object) => !object.background));
