@@ -156,10 +156,12 @@ std::vector<std::vector<uint32_t>> DivideIntoParts(
     return areas[a] > areas[b];
   });
   std::vector<std::vector<uint32_t>> parts;
-  for (size_t first = 0; first < order.size(); first += part_size) {
-    const size_t end = std::min(order.size(), first + part_size);
+  for (size_t first = 0; first < order.size();) {
+    const size_t size = first == 0 ? (part_size + 2) / 3 : part_size;
+    const size_t end = std::min(order.size(), first + size);
     parts.emplace_back(order.begin() + first, order.begin() + end);
     std::sort(parts.back().begin(), parts.back().end());
+    first = end;
   }
   return parts;
 }

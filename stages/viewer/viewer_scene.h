@@ -20,7 +20,8 @@ namespace freegs::stages {
 
 struct ViewerSceneOptions {
   // Gaussians come in parts of at most so many, the most visible ones first, so
-  // that a large scene is there soon and in outline.
+  // that a large scene is there soon and in outline. The first part is a third
+  // of this: it is what slow machines draw while the camera moves.
   int part_size = 100'000;
 
   // The splats of all parts together become no larger than this, if leaving

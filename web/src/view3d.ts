@@ -271,7 +271,7 @@ export class View3d {
     this.redraw();
   }
 
-  /** Fewer pixels and Gaussians while frames take too long, all at rest. */
+  /** Fewer pixels, then fewer Gaussians while frames take too long; all at rest. */
   private adapt(now: number, frameTime: number): void {
     const moving = now - this.movedAt < REST_MILLISECONDS;
     if (!moving) {
@@ -279,9 +279,13 @@ export class View3d {
         this.cloud.showFewer(false);
         this.setResolution(1);
       }
-    } else if (frameTime > FRAME_MILLISECONDS && this.resolution > MIN_RESOLUTION) {
-      this.cloud.showFewer(true);
-      this.setResolution(Math.max(MIN_RESOLUTION, 0.6 * this.resolution));
+    } else if (frameTime > FRAME_MILLISECONDS) {
+      // Fewer pixels are less of a loss than fewer Gaussians.
+      if (this.resolution > MIN_RESOLUTION) {
+        this.setResolution(Math.max(MIN_RESOLUTION, 0.6 * this.resolution));
+      } else {
+        this.cloud.showFewer(true);
+      }
     }
   }
 

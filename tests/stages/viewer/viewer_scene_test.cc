@@ -30,7 +30,7 @@ class ViewerSceneTest : public testing::Test {
 TEST_F(ViewerSceneTest, PartsHoldAllGaussiansAndTheirLabels) {
   workspace_.AddInstances();
   workspace_.AddHierarchy();
-  const auto scene = MakeViewerScene(workspace_.path(), {.part_size = 50});
+  const auto scene = MakeViewerScene(workspace_.path(), {.part_size = 60});
   ASSERT_TRUE(scene.ok()) << scene.status().message();
   ASSERT_EQ(scene->parts.size(), 3u);
   EXPECT_EQ(scene->description["num_gaussians"], 120);
