@@ -67,7 +67,8 @@ constexpr Command kCommands[] = {
      "[--dense-size N] [--size N]",
      stages::RunFeaturesCommand},
     {"export",
-     "export WORKSPACE --out FILE [--what color|instances] "
+     "export WORKSPACE (--out FILE | --objects DIR) "
+     "[--what color|instances|masks|boxes|colmap] "
      "[--only ID,... | --without ID,...]",
      stages::RunExportCommand},
     {"model",
