@@ -50,8 +50,9 @@ constexpr Command kCommands[] = {
     {"status", "status WORKSPACE [--json]", stages::RunStatusCommand},
     {"doctor", "doctor", stages::RunDoctorCommand},
     {"render",
-     "render WORKSPACE --out DIR [--cameras FILE] "
-     "[--what color|depth|instances|semantics]",
+     "render WORKSPACE (--out DIR | --video FILE.mp4) "
+     "[--cameras FILE | --path orbit|photos|FILE] "
+     "[--what color|depth|instances|semantics|both]",
      stages::RunRenderCommand},
     {"query",
      "query WORKSPACE (--text WORDS | --example IMAGE | --click VIEW X Y | "
