@@ -295,9 +295,8 @@ StatusOr<std::vector<View>> ViewsOf(const RenderRequest& request,
                ? OrbitOfScene(keys, num_frames)
                : OrbitOfObject(scene.model, keys, num_frames);
   }
-  // Photos are taken by hand; the poses of a file are meant as they are.
-  const int smoothing = request.path == "photos" ? 2 : 0;
-  return PathThrough(keys, smoothing, num_frames);
+  return request.path == "photos" ? PathOfPhotos(keys, num_frames)
+                                  : PathThrough(keys, num_frames);
 }
 
 // Calls `work` for each view, and reports progress.

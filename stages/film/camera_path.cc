@@ -162,28 +162,30 @@ Eigen::Matrix3d OrbitAxes(const Eigen::Vector3d& up) {
   return axes;
 }
 
-std::vector<Rigid3d> OrbitPath(const Orbit& orbit, int num_frames) {
+Rigid3d OrbitPose(const Orbit& orbit, double azimuth) {
   const Eigen::Matrix3d axes = OrbitAxes(orbit.up);
+  const Eigen::Vector3d offset =
+      axes * Eigen::Vector3d(orbit.radius * std::cos(azimuth),
+                             orbit.radius * std::sin(azimuth),
+                             orbit.height);
+  // The camera's x, y and z axes: right, down, and towards the centre.
+  Eigen::Matrix3d world_from_cam;
+  world_from_cam.col(2) = -offset.normalized();
+  // Level also where the camera looks straight down.
+  world_from_cam.col(0) =
+      -std::sin(azimuth) * axes.col(0) + std::cos(azimuth) * axes.col(1);
+  world_from_cam.col(1) = world_from_cam.col(2).cross(world_from_cam.col(0));
+  return Inverse({Eigen::Quaterniond(world_from_cam), orbit.centre + offset});
+}
+
+std::vector<Rigid3d> OrbitPath(const Orbit& orbit, int num_frames) {
   const double full = 2 * std::numbers::pi;
   std::vector<Rigid3d> frames;
   for (int k = 0; k < num_frames; ++k) {
     const double turn = full * k / num_frames;
-    const double azimuth =
-        orbit.first_azimuth +
-        (orbit.arc >= full ? turn : orbit.arc * (1 - std::cos(turn)) / 2);
-    const Eigen::Vector3d offset =
-        axes * Eigen::Vector3d(orbit.radius * std::cos(azimuth),
-                               orbit.radius * std::sin(azimuth),
-                               orbit.height);
-    // The camera's x, y and z axes: right, down, and towards the centre.
-    Eigen::Matrix3d world_from_cam;
-    world_from_cam.col(2) = -offset.normalized();
-    // Level also where the camera looks straight down.
-    world_from_cam.col(0) =
-        -std::sin(azimuth) * axes.col(0) + std::cos(azimuth) * axes.col(1);
-    world_from_cam.col(1) = world_from_cam.col(2).cross(world_from_cam.col(0));
-    frames.push_back(
-        Inverse({Eigen::Quaterniond(world_from_cam), orbit.centre + offset}));
+    const double part =
+        orbit.arc >= full ? turn / full : (1 - std::cos(turn)) / 2;
+    frames.push_back(OrbitPose(orbit, orbit.first_azimuth + orbit.arc * part));
   }
   return frames;
 }

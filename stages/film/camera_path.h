@@ -54,6 +54,10 @@ struct Orbit {
 // columns of a rotation matrix.
 Eigen::Matrix3d OrbitAxes(const Eigen::Vector3d& up);
 
+// cam_from_world of the camera at this azimuth, level, with the centre in the
+// middle of its picture.
+Rigid3d OrbitPose(const Orbit& orbit, double azimuth);
+
 // Returns cam_from_world of num_frames frames. The path is closed: after the
 // last frame comes the first. A full turn has constant speed; a swing slows
 // down at its ends.

@@ -89,6 +89,115 @@ void SetArc(std::vector<double> azimuths, Orbit* orbit) {
   orbit->arc = kLeastArc;
 }
 
+// Where a camera is as seen from an orbit.
+struct OrbitPlace {
+  double azimuth = 0;  // first_azimuth and up to a full turn more.
+  double radius = 0;
+  double height = 0;
+};
+
+struct PhotoOrbit {
+  Orbit orbit;
+  std::vector<OrbitPlace> places;  // One per photo.
+};
+
+PhotoOrbit OrbitOfPhotos(const std::vector<View>& photos) {
+  PhotoOrbit result;
+  Orbit& orbit = result.orbit;
+  orbit.centre = LookedAt(photos);
+  orbit.up = UpOfViews(photos);
+  const Eigen::Matrix3d axes = OrbitAxes(orbit.up);
+  std::vector<double> radii;
+  std::vector<double> heights;
+  std::vector<double> azimuths;
+  for (const View& view : photos) {
+    const Eigen::Vector3d away =
+        axes.transpose() * (CameraCentre(view.cam_from_world) - orbit.centre);
+    radii.push_back(away.head<2>().norm());
+    heights.push_back(away.z());
+    azimuths.push_back(std::atan2(away.y(), away.x()));
+  }
+  // Rather far than near: photos of details should not decide.
+  orbit.radius = std::max(NearestQuantile(radii, 0.75), 1e-3);
+  orbit.height = Median(heights);
+  SetArc(azimuths, &orbit);
+  for (size_t i = 0; i < photos.size(); ++i) {
+    const double turns =
+        (azimuths[i] - orbit.first_azimuth) / (2 * std::numbers::pi);
+    result.places.push_back(
+        {orbit.first_azimuth +
+             2 * std::numbers::pi * (turns - std::floor(turns)),
+         radii[i],
+         heights[i]});
+  }
+  return result;
+}
+
+std::vector<Rigid3d> PosesOf(const std::vector<View>& views) {
+  std::vector<Rigid3d> poses;
+  for (const View& view : views) poses.push_back(view.cam_from_world);
+  return poses;
+}
+
+// From one azimuth to another: not across the gap that the photos leave, and
+// the shorter way where they leave none.
+double AzimuthStep(const Orbit& orbit, double from, double to) {
+  const double full = 2 * std::numbers::pi;
+  const double step = to - from;
+  if (orbit.arc < full || std::abs(step) <= full / 2) return step;
+  return step > 0 ? step - full : step + full;
+}
+
+// Appends poses between photo i and the next, about 15 degrees apart. In each
+// the camera is turned against the look to the centre as it is in the photos.
+void AddDetour(const PhotoOrbit& around,
+               const std::vector<Rigid3d>& photos,
+               size_t i,
+               double step,
+               std::vector<Rigid3d>* poses) {
+  const OrbitPlace& from = around.places[i];
+  const OrbitPlace& to = around.places[i + 1];
+  const auto look = [&](double t) {
+    Orbit orbit = around.orbit;
+    orbit.radius = from.radius + t * (to.radius - from.radius);
+    orbit.height = from.height + t * (to.height - from.height);
+    return OrbitPose(orbit, from.azimuth + t * step);
+  };
+  const Eigen::Quaterniond turn_from =
+      photos[i].rotation * look(0).rotation.conjugate();
+  const Eigen::Quaterniond turn_to =
+      photos[i + 1].rotation * look(1).rotation.conjugate();
+  const int count = static_cast<int>(std::abs(step) / (15 * kDegree));
+  for (int k = 1; k <= count; ++k) {
+    const double t = static_cast<double>(k) / (count + 1);
+    const Rigid3d turn = {turn_from.slerp(t, turn_to), Eigen::Vector3d::Zero()};
+    poses->push_back(turn * look(t));
+  }
+}
+
+std::vector<Rigid3d> PosesWithDetours(const std::vector<View>& photos) {
+  constexpr double kLeastStep = 40 * kDegree;
+  constexpr double kTimesMedian = 4;
+  const PhotoOrbit around = OrbitOfPhotos(photos);
+  std::vector<double> steps;
+  std::vector<double> sizes;
+  for (size_t i = 0; i + 1 < photos.size(); ++i) {
+    steps.push_back(AzimuthStep(
+        around.orbit, around.places[i].azimuth, around.places[i + 1].azimuth));
+    sizes.push_back(std::abs(steps.back()));
+  }
+  const double far = std::max(kLeastStep, kTimesMedian * Median(sizes));
+  const std::vector<Rigid3d> given = PosesOf(photos);
+  std::vector<Rigid3d> poses;
+  for (size_t i = 0; i < given.size(); ++i) {
+    poses.push_back(given[i]);
+    if (i < steps.size() && sizes[i] > far) {
+      AddDetour(around, given, i, steps[i], &poses);
+    }
+  }
+  return poses;
+}
+
 // The middle of what can be seen of the model, and the radius of a sphere
 // around it that holds nearly all of it.
 struct Ball {
@@ -140,41 +249,29 @@ double ElevationOf(const View& view,
 
 }  // namespace
 
-std::vector<View> PathThrough(const std::vector<View>& views,
-                              int smoothing,
-                              int num_frames) {
+std::vector<View> PathThrough(const std::vector<View>& views, int num_frames) {
   if (views.empty()) return {};
-  std::vector<Rigid3d> poses;
-  for (const View& view : views) poses.push_back(view.cam_from_world);
-  return MakeViews(SmoothPath(poses,
+  return MakeViews(
+      SmoothPath(PosesOf(views),
+                 {.num_frames = num_frames, .depth = splat::kTypicalDepth}),
+      views.front().camera);
+}
+
+std::vector<View> PathOfPhotos(const std::vector<View>& photos,
+                               int num_frames) {
+  if (photos.empty()) return {};
+  return MakeViews(SmoothPath(PosesWithDetours(photos),
                               {.num_frames = num_frames,
-                               .smoothing = smoothing,
+                               .smoothing = 2,
                                .depth = splat::kTypicalDepth}),
-                   views.front().camera);
+                   photos.front().camera);
 }
 
 std::vector<View> OrbitOfScene(const std::vector<View>& photos,
                                int num_frames) {
   if (photos.empty()) return {};
-  Orbit orbit;
-  orbit.centre = LookedAt(photos);
-  orbit.up = UpOfViews(photos);
-  const Eigen::Matrix3d axes = OrbitAxes(orbit.up);
-  std::vector<double> radii;
-  std::vector<double> heights;
-  std::vector<double> azimuths;
-  for (const View& view : photos) {
-    const Eigen::Vector3d away =
-        axes.transpose() * (CameraCentre(view.cam_from_world) - orbit.centre);
-    radii.push_back(away.head<2>().norm());
-    heights.push_back(away.z());
-    azimuths.push_back(std::atan2(away.y(), away.x()));
-  }
-  // Rather far than near: photos of details should not decide.
-  orbit.radius = std::max(NearestQuantile(radii, 0.75), 1e-3);
-  orbit.height = Median(heights);
-  SetArc(azimuths, &orbit);
-  return MakeViews(OrbitPath(orbit, num_frames), photos.front().camera);
+  return MakeViews(OrbitPath(OrbitOfPhotos(photos).orbit, num_frames),
+                   photos.front().camera);
 }
 
 std::vector<View> OrbitOfObject(const splat::GaussianModel& model,

@@ -17,11 +17,14 @@ namespace freegs::stages {
 // film is to have; the camera is that of the first one. In the frame of the
 // scene.
 
-// The camera moves through the poses of the views, in their order. `smoothing`
-// as in SmoothPathOptions.
-std::vector<View> PathThrough(const std::vector<View>& views,
-                              int smoothing,
-                              int num_frames);
+// The camera moves through the poses of the views, in their order.
+std::vector<View> PathThrough(const std::vector<View>& views, int num_frames);
+
+// The camera moves through the poses of the photos, in their order, smoothed as
+// poses of a hand need it. Where the next photo was taken from quite another
+// side, the camera goes around what it looks at, on the side that the photos
+// saw, and not straight through it.
+std::vector<View> PathOfPhotos(const std::vector<View>& photos, int num_frames);
 
 // The camera circles the place that the photos look at, as far from it and as
 // high above it as a typical photo. Where the photos leave more than a quarter

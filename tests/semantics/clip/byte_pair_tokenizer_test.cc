@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/io/files.h"
+#include "core/io/gzip.h"
 #include "core/random.h"
 #include "tests/shared_data.h"
 #include "tests/temporary_folder.h"

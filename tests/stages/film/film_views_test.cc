@@ -66,8 +66,9 @@ TEST(FilmViewsTest, OrbitStaysOnTheSideThatWasSeen) {
 TEST(FilmViewsTest, OneAndTwoPhotos) {
   for (const int count : {1, 2}) {
     const auto photos = PhotosAround({0, 0, 0}, 0.2, count);
-    for (const auto& views :
-         {OrbitOfScene(photos, 10), PathThrough(photos, 2, 10)}) {
+    for (const auto& views : {OrbitOfScene(photos, 10),
+                              PathThrough(photos, 10),
+                              PathOfPhotos(photos, 10)}) {
       ASSERT_EQ(views.size(), 10u);
       for (const View& view : views) {
         EXPECT_TRUE(view.cam_from_world.Matrix3x4().allFinite());
@@ -76,7 +77,31 @@ TEST(FilmViewsTest, OneAndTwoPhotos) {
     }
   }
   EXPECT_TRUE(OrbitOfScene({}, 10).empty());
-  EXPECT_TRUE(PathThrough({}, 2, 10).empty());
+  EXPECT_TRUE(PathThrough({}, 10).empty());
+}
+
+// Three sweeps over half a circle: from the end of one the camera goes back the
+// way it came, and neither through the middle nor behind it.
+TEST(FilmViewsTest, GoesAroundWhatItLooksAt) {
+  const auto sweep = PhotosAround({0, 0, 0}, std::numbers::pi, 40);
+  std::vector<View> photos = sweep;
+  photos.insert(photos.end(), sweep.begin(), sweep.end());
+  const auto views = PathOfPhotos(photos, 200);
+  ASSERT_EQ(views.size(), 200u);
+  for (const View& view : views) {
+    EXPECT_LT(LeastDistance(view, sweep), 0.5);
+    const Eigen::Vector3d middle =
+        view.cam_from_world * Eigen::Vector3d::Zero();
+    EXPECT_LT(middle.head<2>().norm(), 0.2);
+  }
+  EXPECT_LT((CameraCentre(views.front().cam_from_world) -
+             CameraCentre(photos.front().cam_from_world))
+                .norm(),
+            1e-6);
+  EXPECT_LT((CameraCentre(views.back().cam_from_world) -
+             CameraCentre(photos.back().cam_from_world))
+                .norm(),
+            1e-6);
 }
 
 // Also one that is far smaller than what the renderer draws nearby.
