@@ -40,9 +40,21 @@ Eigen::Vector3d Forward(const View& view) {
   return view.cam_from_world.rotation.conjugate() * Eigen::Vector3d::UnitZ();
 }
 
+// The mean upward direction of the cameras leans where they look down from one
+// side only. But people hold cameras level: the direction is bent until it is
+// at right angles to the cameras' x axes, as far as these say anything.
 Eigen::Vector3d UpOfViews(const std::vector<View>& views) {
-  return semantics::EstimateVertical(views, {}).value_or(
+  constexpr double kWeightOfMean = 0.02;
+  const Eigen::Vector3d mean = semantics::EstimateVertical(views, {}).value_or(
       -Eigen::Vector3d::UnitY());
+  Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
+  for (const View& view : views) {
+    const Eigen::Vector3d right =
+        view.cam_from_world.rotation.conjugate() * Eigen::Vector3d::UnitX();
+    matrix +=
+        right * right.transpose() + kWeightOfMean * Eigen::Matrix3d::Identity();
+  }
+  return matrix.ldlt().solve(mean).normalized();
 }
 
 // The point nearest to all optical axes. The origin, which is the middle of the
@@ -102,6 +114,7 @@ struct PhotoOrbit {
 };
 
 PhotoOrbit OrbitOfPhotos(const std::vector<View>& photos) {
+  constexpr double kRounding = 1e-9;  // The first azimuth itself is not behind.
   PhotoOrbit result;
   Orbit& orbit = result.orbit;
   orbit.centre = LookedAt(photos);
@@ -126,7 +139,7 @@ PhotoOrbit OrbitOfPhotos(const std::vector<View>& photos) {
         (azimuths[i] - orbit.first_azimuth) / (2 * std::numbers::pi);
     result.places.push_back(
         {orbit.first_azimuth +
-             2 * std::numbers::pi * (turns - std::floor(turns)),
+             2 * std::numbers::pi * (turns - std::floor(turns + kRounding)),
          radii[i],
          heights[i]});
   }

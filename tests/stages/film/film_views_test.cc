@@ -60,7 +60,7 @@ TEST(FilmViewsTest, OrbitStaysOnTheSideThatWasSeen) {
   const auto photos = PhotosAround({0, 0, 0}, std::numbers::pi, 40);
   const auto views = OrbitOfScene(photos, 60);
   ASSERT_EQ(views.size(), 60u);
-  for (const View& view : views) EXPECT_LT(LeastDistance(view, photos), 0.8);
+  for (const View& view : views) EXPECT_LT(LeastDistance(view, photos), 0.3);
 }
 
 TEST(FilmViewsTest, OneAndTwoPhotos) {
