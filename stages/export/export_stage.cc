@@ -19,15 +19,16 @@
 
 #include "core/io/files.h"
 #include "core/io/image_io.h"
-#include "core/io/json_text.h"
 #include "core/number_text.h"
 #include "semantics/instances/instances_json.h"
 #include "semantics/instances/palette.h"
 #include "splat/render/renderer.h"
 #include "splat/scene/ply_io.h"
 #include "splat/scene/splat_format.h"
+#include "splat/scene/spz_format.h"
 #include "stages/export/box_wireframe.h"
 #include "stages/export/html.h"
+#include "stages/export/instance_files.h"
 #include "stages/export/report_data.h"
 #include "stages/export/report_page.h"
 #include "stages/export/report_views.h"
@@ -82,37 +83,6 @@ std::array<uint8_t, 3> InstanceColor(const semantics::Instance& instance) {
   return semantics::PaletteColor(instance.id - 1);
 }
 
-std::string InstanceName(const semantics::Instance& instance) {
-  return instance.words.empty() ? "instance " + std::to_string(instance.id)
-                                : instance.words.front();
-}
-
-// The boxes in the form of an object file (stages/evaluation/ground_truth.h).
-nlohmann::json BoxesJson(const std::vector<semantics::Instance>& instances) {
-  const auto vector = [](const Eigen::Vector3d& v) {
-    return nlohmann::json::array({v.x(), v.y(), v.z()});
-  };
-  nlohmann::json objects = nlohmann::json::array();
-  for (const semantics::Instance& instance : instances) {
-    nlohmann::json rotation = nlohmann::json::array();
-    for (int row = 0; row < 3; ++row) {
-      rotation.push_back(
-          vector(instance.obb.rotation.row(row).transpose().eval()));
-    }
-    objects.push_back({{"id", instance.id},
-                       {"label", InstanceName(instance)},
-                       {"background", instance.background},
-                       {"aabb",
-                        {{"min", vector(instance.aabb.min)},
-                         {"max", vector(instance.aabb.max)}}},
-                       {"obb",
-                        {{"center", vector(instance.obb.center)},
-                         {"size", vector(instance.obb.size)},
-                         {"rotation", std::move(rotation)}}}});
-  }
-  return {{"objects", std::move(objects)}};
-}
-
 class ExportStage : public pipeline::Stage {
  public:
   explicit ExportStage(const ExportStageOptions& options) : options_(options) {}
@@ -163,6 +133,15 @@ class ExportStage : public pipeline::Stage {
         context.output / "scene.ply", world.model, world.offset));
     FREEGS_RETURN_IF_ERROR(
         splat::WriteSplat(context.output / "scene.splat", world.model));
+    // Positions that do not fit into the format are no fault of the scene.
+    const Status spz =
+        splat::WriteSpz(context.output / "scene.spz", world.model);
+    if (spz.code() == StatusCode::kBadInput) {
+      context.log(pipeline::LogLevel::kWarning,
+                  "export: no scene.spz: " + spz.message());
+    } else {
+      FREEGS_RETURN_IF_ERROR(spz);
+    }
     if (found) {
       FREEGS_RETURN_IF_ERROR(WriteInstances(world, *found, context));
       FREEGS_RETURN_IF_ERROR(WriteMasks(scene, *found, context));
@@ -182,8 +161,8 @@ class ExportStage : public pipeline::Stage {
         splat::WritePly(context.output / "instances.ply",
                         ColorByInstance(world.model, found.labels),
                         world.offset));
-    FREEGS_RETURN_IF_ERROR(WriteFileAtomic(
-        context.output / "boxes.json", JsonText(BoxesJson(found.instances))));
+    FREEGS_RETURN_IF_ERROR(WriteFileAtomic(context.output / "boxes.json",
+                                           BoxesJson(found.instances)));
     // The box of a floor would hide all others.
     std::vector<ColoredBox> boxes;
     for (const semantics::Instance& instance : found.instances) {
@@ -337,6 +316,7 @@ class ExportStage : public pipeline::Stage {
     const std::pair<const char*, const char*> known[] = {
         {"scene.ply", "the scene, for any 3D Gaussian Splatting viewer"},
         {"scene.splat", "the scene, for web viewers"},
+        {"scene.spz", "the scene, compressed, for web viewers and others"},
         {"instances.ply", "the scene in its instances' colours"},
         {"boxes.json", "boxes of the instances"},
         {"boxes.ply", "boxes as a mesh"}};

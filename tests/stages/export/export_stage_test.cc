@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "splat/scene/splat_format.h"
+#include "splat/scene/spz_format.h"
 #include "stages/evaluation/ground_truth.h"
 #include "stages/scene/scene_instances.h"
 #include "stages/viewer/web_bundle.h"
@@ -81,6 +82,8 @@ TEST_F(ExportStageTest, WritesSceneInstancesMasksAndBoxes) {
   const Status status = Run(options);
   ASSERT_TRUE(status.ok()) << status.message();
   EXPECT_EQ(ReadText(Out("scene.ply")), splat::SerializePly(workspace_.model));
+  EXPECT_EQ(ReadText(Out("scene.spz")),
+            splat::SerializeSpz(workspace_.model).value());
   EXPECT_EQ(ReadText(Out("scene.splat")),
             splat::SerializeSplat(workspace_.model));
   EXPECT_EQ(ReadText(Out("instances.ply")),
