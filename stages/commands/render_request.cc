@@ -62,14 +62,13 @@ CommandWords DescribeRender(RenderRequest* request) {
   words.AddArgument(WorkspaceArgument());
   words.AddOption("out",
                   &request->out,
-                  {.help = "Folder for the pictures.",
-                   .value_name = "FILE",
-                   .value_name = "DIR"});
+                  {.help = "Folder for the pictures.", .value_name = "DIR"});
   words.AddOption(
       "video",
       &request->video,
       {.help = "A film to write in place of pictures, FILE.mp4; needs "
-               "--path."});
+               "--path.",
+       .value_name = "FILE"});
   words.AddOption(
       "path",
       &request->path,
