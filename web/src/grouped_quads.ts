@@ -29,7 +29,8 @@ class GroupedSquares extends THREE.InstancedBufferGeometry {
     // Spark sets the number of Gaussians, three.js asks for that of instances.
     Object.defineProperty(this, "instanceCount", {
       get: () => Math.ceil(this.splatCount.value / SQUARES),
-      set: (count: number) => (this.splatCount.value = Number.isFinite(count) ? count : 0),
+      set: (count: number) =>
+        (this.splatCount.value = Number.isFinite(count) ? count : 0),
     });
   }
 }
@@ -39,18 +40,16 @@ export function groupSquares(spark: SparkRenderer): void {
   const squares = new GroupedSquares();
   const { material } = spark;
   const shader = material.vertexShader;
-  const grouped = shader
-    .replaceAll("gl_InstanceID", "splatNumber")
-    .replace(
-      "void main() {",
-      `uniform int splatCount;
+  const grouped = shader.replaceAll("gl_InstanceID", "splatNumber").replace(
+    "void main() {",
+    `uniform int splatCount;
       void main() {
         int splatNumber = gl_InstanceID * ${SQUARES} + int(position.z);
         if (splatNumber >= splatCount) {
           gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
           return;
         }`,
-    );
+  );
   if (grouped === shader || !shader.includes("gl_InstanceID")) {
     throw new Error("Spark's shader is not the one that is known");
   }
