@@ -89,6 +89,8 @@ class ExportStage : public pipeline::Stage {
 
   std::string_view name() const override { return "export"; }
 
+  int version() const override { return 2; }
+
   std::vector<fs::path> Inputs(const pipeline::StageContext&) const override {
     return {"ingest/images.json",
             "sfm/health.json",
