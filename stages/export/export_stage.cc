@@ -262,16 +262,16 @@ class ExportStage : public pipeline::Stage {
   static Status WriteViewer(pipeline::StageContext& context, ReportData* data) {
     const StatusOr<fs::path> bundle = FindWebBundle();
     if (!bundle.ok()) {
-      data->no_viewer = bundle.status().message();
+      data->no_viewer =
+          "the program that made this page was built without Node.js.";
       context.log(pipeline::LogLevel::kWarning,
-                  "export: " + data->no_viewer);
+                  "export: " + bundle.status().message());
       return Status();
     }
     const fs::path report = context.output / "report";
     for (const char* name : {"viewer.js", "viewer.css", "licenses.txt"}) {
-      FREEGS_ASSIGN_OR_RETURN(
-          const std::string bytes,
-          ReadFile(*bundle / name, kMaxBundleBytes));
+      FREEGS_ASSIGN_OR_RETURN(const std::string bytes,
+                              ReadFile(*bundle / name, kMaxBundleBytes));
       FREEGS_RETURN_IF_ERROR(WriteFileAtomic(report / name, bytes));
     }
     ViewerSceneOptions options;

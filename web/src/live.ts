@@ -92,10 +92,10 @@ export class LivePanel {
         progress.seconds_left === null
           ? ""
           : `, ${seconds(progress.seconds_left)} left`;
-      this.line.textContent =
-        `${progress.stage}: ${progress.step} ${progress.done} of ${progress.total}` +
-        left;
-      this.bar.value = progress.total > 0 ? progress.done / progress.total : 0;
+      const part = progress.total > 0 ? ` ${progress.done} of ${progress.total}` : "";
+      this.line.textContent = `${progress.stage}: ${progress.step}${part}${left}`;
+      if (progress.total > 0) this.bar.value = progress.done / progress.total;
+      else this.bar.removeAttribute("value");
     } else {
       this.line.textContent = status.running
         ? "A run is under way."
