@@ -27,6 +27,7 @@
 #include "stages/commands/render_command.h"
 #include "stages/commands/run_command.h"
 #include "stages/commands/status_command.h"
+#include "stages/commands/view_command.h"
 #include "stages/registry/pipeline_options.h"
 
 namespace freegs {
@@ -58,6 +59,9 @@ constexpr Command kCommands[] = {
      "--box VIEW X0 Y0 X1 Y1) [--out DIR] [--json] [--cameras FILE] "
      "[--model DIR] [--min-relevancy R] [--max-hits N] [--background]",
      stages::RunQueryCommand},
+    {"view",
+     "view WORKSPACE [--port N] [--host ADDRESS] [--open]",
+     stages::RunViewCommand},
     {"eval",
      "eval WORKSPACE [--gt DIR] [--layout NAME] [--model DIR] "
      "[--text-from instances|gaussians] [--text-threshold R] [--json FILE]",

@@ -3,9 +3,8 @@
 // (stages/commands/query_command.cc) does
 //
 //   ParseQueryRequest(arguments)         query_request.h
-//   LoadQueryScene(request, messages)
-//   semantics::QueryText(...) and others semantics/queries/
-//   SplitHits(scored, max_hits, &answer) query_answer.h
+//   LoadQueryScene(request, messages, &scene)
+//   FindAnswer(request, ...)             query_engine.h
 //   WriteQueryMasks(task, ...)           query_masks.h
 //   ToJson(answer, scene.instances)      query_answer.h
 
@@ -40,11 +39,12 @@ struct QueryScene {
   std::vector<View> photos;  // Clicks and boxes are in one of these or those.
 };
 
-// kBadInput names the file that is missing, malformed or does not fit another
-// one, and the stage that writes it. `messages` is told what ViewsToRender
-// says.
-StatusOr<QueryScene> LoadQueryScene(const QueryRequest& request,
-                                    std::ostream& messages);
+// Loads what the request needs and `scene` does not have yet. kBadInput names
+// the file that is missing, malformed or does not fit another one, and the
+// stage that writes it. `messages` is told what ViewsToRender says.
+Status LoadQueryScene(const QueryRequest& request,
+                      std::ostream& messages,
+                      QueryScene* scene);
 
 }  // namespace freegs::stages
 
