@@ -21,8 +21,11 @@ StatusOr<int> AddLevel(const fs::path& workspace,
                        ThreadPool& pool,
                        QueryScene* scene) {
   const splat::GaussianModel& model = scene->scene->model;
-  FREEGS_ASSIGN_OR_RETURN(const semantics::Hierarchy hierarchy,
-                          ReadSceneHierarchy(workspace, model.size()));
+  if (!scene->hierarchy) {
+    FREEGS_ASSIGN_OR_RETURN(scene->hierarchy,
+                            ReadSceneHierarchy(workspace, model.size()));
+  }
+  const semantics::Hierarchy& hierarchy = *scene->hierarchy;
   // The part of the instance that the pixel shows most of.
   std::vector<int32_t> parts = hierarchy.part_of_gaussian;
   for (size_t g = 0; g < parts.size(); ++g) {

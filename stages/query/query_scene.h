@@ -18,6 +18,7 @@
 
 #include "core/pinhole.h"
 #include "core/status.h"
+#include "semantics/instances/hierarchy.h"
 #include "semantics/instances/instances.h"
 #include "semantics/queries/instance_features.h"
 #include "stages/query/query_request.h"
@@ -37,6 +38,9 @@ struct QueryScene {
   std::vector<int32_t> labels;  // One per Gaussian, -1 for none.
   std::vector<View> views;      // The views to show.
   std::vector<View> photos;  // Clicks and boxes are in one of these or those.
+
+  // Read by the first click with a level.
+  std::optional<semantics::Hierarchy> hierarchy;
 };
 
 // Loads what the request needs and `scene` does not have yet. kBadInput names
