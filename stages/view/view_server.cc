@@ -39,7 +39,8 @@ const httplib::Headers& SafetyHeaders() {
       {"X-Content-Type-Options", "nosniff"},
       {"Referrer-Policy", "no-referrer"},
       {"Cross-Origin-Resource-Policy", "same-origin"},
-      {"Cache-Control", "no-cache"}};
+      {"Cache-Control", "no-cache"},
+      {"Accept-Ranges", "none"}};
   return headers;
 }
 
