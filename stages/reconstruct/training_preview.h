@@ -18,8 +18,8 @@ struct TrainingPreviewOptions {
   // The JPEG file; empty: no pictures.
   std::filesystem::path file;
 
-  int max_side = 640;           // Longest side of the picture in pixels.
-  double min_interval = 5;      // Seconds between two pictures.
+  int max_side = 640;             // Longest side of the picture in pixels.
+  double min_interval = 5;        // Seconds between two pictures.
   double max_time_share = 0.005;  // Of all time, at most, goes into pictures.
 };
 
