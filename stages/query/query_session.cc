@@ -33,9 +33,13 @@ StatusOr<nlohmann::json> QuerySession::Ask(QueryRequest request,
   }
   const double load_ms = lap.Milliseconds();
 
-  // Another level takes Gaussians from their instances, for one answer.
+  // Another level takes Gaussians from their instances, for one answer. If
+  // memory runs out in between, the next question reads the scene again.
   std::vector<int32_t> labels;
-  if (request.level) labels = scene_.labels;
+  if (request.level) {
+    labels = scene_.labels;
+    stamp_.clear();
+  }
   const size_t num_instances = scene_.instances.size();
   StatusOr<QueryAnswer> answer =
       FindAnswer(request, messages, pool, &scene_, &networks_);
@@ -48,6 +52,7 @@ StatusOr<nlohmann::json> QuerySession::Ask(QueryRequest request,
   if (request.level) {
     scene_.labels = std::move(labels);
     scene_.instances.resize(num_instances);
+    stamp_ = stamp;
   }
   if (!answer.ok()) return answer.status();
   return json;
