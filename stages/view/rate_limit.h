@@ -19,8 +19,8 @@ class RateLimit {
   // Whether an event may happen now; it counts then. `now` is in seconds.
   bool Take(double now) {
     const std::lock_guard lock(mutex_);
-    left_ = std::min(per_second_,
-                     left_ + std::max(0.0, now - last_) * per_second_);
+    left_ =
+        std::min(per_second_, left_ + std::max(0.0, now - last_) * per_second_);
     last_ = std::max(last_, now);
     if (left_ < 1) return false;
     left_ -= 1;

@@ -5,10 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
-#include <deque>
-#include <exception>
 #include <functional>
 #include <mutex>
 #include <sys/socket.h>
@@ -21,6 +18,7 @@
 // It takes seconds to compile: no other file of the program includes it.
 #include <httplib.h>
 
+#include "stages/view/bounded_queue.h"
 #include "stages/view/connection.h"
 
 namespace freegs::stages {
@@ -44,66 +42,19 @@ const httplib::Headers& SafetyHeaders() {
   return headers;
 }
 
-// Threads that work off a queue of bounded length. What comes when it is full
-// is called with Full() true, in the thread that brings it.
-class BoundedQueue : public httplib::TaskQueue {
+// The queue of connections as the library sees it, which deletes it.
+class ConnectionQueue : public httplib::TaskQueue {
  public:
-  BoundedQueue(int num_threads, int max_waiting)
-      : max_waiting_(static_cast<size_t>(max_waiting)) {
-    for (int i = 0; i < num_threads; ++i) {
-      threads_.emplace_back([this] { Work(); });
-    }
-  }
-
-  static bool& Full() {
-    thread_local bool full = false;
-    return full;
-  }
+  ConnectionQueue(int num_threads, int max_waiting)
+      : queue_(num_threads, max_waiting) {}
 
   void enqueue(std::function<void()> task) override {
-    {
-      const std::lock_guard lock(mutex_);
-      if (tasks_.size() < max_waiting_) {
-        tasks_.push_back(std::move(task));
-        task = nullptr;
-      }
-    }
-    if (!task) return wake_.notify_one();
-    Full() = true;
-    task();
-    Full() = false;
+    queue_.Push(std::move(task));
   }
-
-  void shutdown() override {
-    {
-      const std::lock_guard lock(mutex_);
-      done_ = true;
-    }
-    wake_.notify_all();
-    for (std::thread& thread : threads_) thread.join();
-  }
+  void shutdown() override { queue_.Finish(); }
 
  private:
-  void Work() {
-    for (;;) {
-      std::function<void()> task;
-      {
-        std::unique_lock lock(mutex_);
-        wake_.wait(lock, [this] { return done_ || !tasks_.empty(); });
-        if (tasks_.empty()) return;
-        task = std::move(tasks_.front());
-        tasks_.pop_front();
-      }
-      task();
-    }
-  }
-
-  const size_t max_waiting_;
-  std::vector<std::thread> threads_;
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  std::deque<std::function<void()>> tasks_;
-  bool done_ = false;
+  BoundedQueue queue_;
 };
 
 // A connection as the library sees it.
@@ -203,7 +154,8 @@ class HttplibServer : public ViewServer, private httplib::Server {
  public:
   explicit HttplibServer(const ViewServerOptions& options) : options_(options) {
     new_task_queue = [this] {
-      return new BoundedQueue(options_.max_connections, options_.max_waiting);
+      return new ConnectionQueue(options_.max_connections,
+                                 options_.max_waiting);
     };
     set_default_headers(SafetyHeaders());
     // The library would also share the port with another server of this user.
@@ -319,7 +271,7 @@ class HttplibServer : public ViewServer, private httplib::Server {
   // In place of the library's own, which waits for silent clients even when it
   // is stopped, and reads headers of any number.
   bool process_and_close_socket(socket_t socket) override {
-    if (!BoundedQueue::Full() && sockets_.Add(socket)) {
+    if (!BoundedQueue::Overflows() && sockets_.Add(socket)) {
       Connection connection(socket);
       ConnectionStream stream(socket, options_.write_seconds, &connection);
       connection.AllowReading(options_.max_header_bytes,

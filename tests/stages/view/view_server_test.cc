@@ -195,6 +195,28 @@ TEST_F(ViewServerTest, ClientsThatKeepSilentHoldNoPlace) {
   EXPECT_LT(SecondsSince(begin), 5);
 }
 
+TEST_F(ViewServerTest, ConnectionsBeyondTheQueueAreClosed) {
+  server_options_.max_connections = 1;
+  server_options_.max_waiting = 1;
+  server_options_.header_seconds = 1;
+  Start();
+  // One is served, one waits, and of the others some find the queue full.
+  const auto settle = [] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  };
+  const RawClient served(port());
+  settle();
+  const RawClient waiting(port());
+  settle();
+  const RawClient more(port());
+  const RawClient most(port());
+  most.Send("GET /api/status HTTP/1.1\r\nHost: " + host() + "\r\n\r\n");
+  EXPECT_EQ(most.Receive(), "");
+  // When the silent ones have gone, there is place again.
+  EXPECT_EQ(served.Receive() + waiting.Receive() + more.Receive(), "");
+  EXPECT_EQ(StatusOf(Raw("GET /api/status")), 200);
+}
+
 TEST_F(ViewServerTest, StopsWithinASecond) {
   Start();
   const RawClient silent(port());
