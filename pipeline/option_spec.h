@@ -17,6 +17,11 @@ namespace freegs::pipeline {
 struct OptionSpec {
   std::string help = {};  // One or two sentences, with the unit.
 
+  // How help calls the value: "N", "WORDS". Where it is empty, help takes the
+  // type. A shell completes the names of files or folders where the value is
+  // called FILE, IMAGE, PATH or DIR (stages/command_line/command_words.h).
+  std::string value_name = {};
+
   // The least and the largest value of a number.
   std::optional<double> min = std::nullopt;
   std::optional<double> max = std::nullopt;

@@ -64,6 +64,10 @@ std::string OptionTable::Option::key() const {
   return dot == std::string::npos ? name : name.substr(dot + 1);
 }
 
+bool OptionTable::Option::is_switch() const {
+  return section().empty() && std::holds_alternative<bool*>(target);
+}
+
 std::string OptionTable::Option::value() const { return OptionText(target); }
 
 std::string OptionTable::Option::Allowed() const {
@@ -98,6 +102,27 @@ void OptionTable::AddAlias(std::string alias, std::string name) {
   aliases_[std::move(alias)] = std::move(name);
 }
 
+void OptionTable::NotePreset(const std::string& preset,
+                             const std::string& name,
+                             const std::string& value) {
+  const auto found = index_.find(name);
+  if (found != index_.end()) {
+    options_[found->second].preset_values.emplace_back(preset, value);
+  } else if (error_.ok()) {
+    error_ = InternalError("preset " + preset + " sets the unknown " + name);
+  }
+}
+
+void OptionTable::LimitCommandLine(const std::vector<std::string>& names) {
+  for (Option& option : options_) {
+    if (option.section().empty()) continue;
+    option.on_command_line = std::any_of(
+        names.begin(), names.end(), [&option](const std::string& name) {
+          return name == option.name || name == option.section();
+        });
+  }
+}
+
 void OptionTable::AddSection(std::string section, std::string help) {
   for (auto& [known, known_help] : sections_) {
     if (known == section) {
@@ -113,10 +138,6 @@ Status OptionTable::Check() const { return error_; }
 StatusOr<OptionTable::CommandLine> OptionTable::ParseCommandLine(
     const std::vector<std::string>& arguments) const {
   FREEGS_RETURN_IF_ERROR(error_);
-  if (std::find(arguments.begin(), arguments.end(), "--help") !=
-      arguments.end()) {
-    return InvalidArgumentError(Help());
-  }
   const std::string source = "command line";
   po::options_description description;
   const auto describe = [&description](const std::string& name,
@@ -131,10 +152,10 @@ StatusOr<OptionTable::CommandLine> OptionTable::ParseCommandLine(
     return std::holds_alternative<bool*>(option.target);
   };
   for (const Option& option : options_) {
-    describe(option.name, option.section().empty() && is_bool(option));
+    if (option.on_command_line) describe(option.name, option.is_switch());
   }
   for (const auto& [alias, name] : aliases_) {
-    describe(alias, is_bool(*Find(name)));
+    if (Find(name)->on_command_line) describe(alias, is_bool(*Find(name)));
   }
 
   CommandLine line;
@@ -277,27 +298,32 @@ Status OptionTable::CheckSetting(const OptionSetting& setting) const {
 Status OptionTable::UnknownOption(const std::string& name,
                                   const std::string& source) const {
   const bool command_line = source == "command line";
+  if (command_line && (Find(name) != nullptr || aliases_.contains(name))) {
+    return InvalidArgumentError(source + ": option " + name +
+                                " makes no difference to this command");
+  }
+  const auto usable = [command_line](const Option& option) {
+    return command_line ? option.on_command_line : !option.section().empty();
+  };
   std::vector<std::string> candidates;
   for (const Option& option : options_) {
-    if (command_line || !option.section().empty()) {
-      candidates.push_back(option.name);
-    }
+    if (usable(option)) candidates.push_back(option.name);
   }
-  if (command_line) {
-    for (const auto& [alias, full] : aliases_) candidates.push_back(alias);
+  for (const auto& [alias, full] : aliases_) {
+    if (command_line && usable(*Find(full))) candidates.push_back(alias);
   }
   // A key under the wrong section, or under none, is not a spelling mistake.
   const std::string key = name.substr(name.rfind('.') + 1);
   std::string nearest;
   for (const Option& option : options_) {
-    if (!option.section().empty() && option.key() == key) {
+    if (!option.section().empty() && usable(option) && option.key() == key) {
       nearest = option.name;
     }
   }
   if (nearest.empty()) nearest = NearestName(name, candidates);
   return InvalidArgumentError(source + ": unknown option " + name +
                               (nearest.empty()
-                                   ? "; see freegs_pipeline --help"
+                                   ? "; see freegs_pipeline COMMAND --help"
                                    : "; did you mean " + nearest + "?"));
 }
 
@@ -327,44 +353,13 @@ std::string OptionTable::ConfigTemplate() const {
       if (option.section() != section) continue;
       text += "\n" + Wrap(option.spec.help, "# ");
       text += Wrap("Allowed: " + option.Allowed() + ".", "# ");
+      for (const auto& [preset, value] : option.preset_values) {
+        text += "# Preset " + preset + ": " + value + ".\n";
+      }
       text += "#" + option.key() + " =" +
               (option.default_value.empty() ? "" : " " + option.default_value) +
               "\n";
     }
-  }
-  return text;
-}
-
-std::string OptionTable::Help() const {
-  std::string text = SectionHelp("");
-  for (const auto& [section, help] : sections_) {
-    if (!section.empty()) text += SectionHelp(section);
-  }
-  return text;
-}
-
-std::string OptionTable::SectionHelp(const std::string& section) const {
-  std::string text;
-  for (const auto& [name, help] : sections_) {
-    if (name == section && !section.empty() &&
-        !Values(section, false).empty()) {
-      text += "\n[" + section + "] " + help + "\n";
-    }
-  }
-  for (const Option& option : options_) {
-    if (option.section() != section) continue;
-    text += "  --" + option.name;
-    for (const auto& [alias, name] : aliases_) {
-      if (name == option.name) text += ", --" + alias;
-    }
-    const bool is_switch =
-        section.empty() && std::holds_alternative<bool*>(option.target);
-    if (!is_switch) {
-      text += "  (" + option.Allowed() + "; default " +
-              (option.default_value.empty() ? "none" : option.default_value) +
-              ")";
-    }
-    text += "\n" + Wrap(option.spec.help, "      ");
   }
   return text;
 }

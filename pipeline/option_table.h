@@ -55,8 +55,16 @@ class OptionTable {
     OptionSpec spec;
     std::string default_value;
 
+    // The values that presets give it: {preset, value}.
+    std::vector<std::pair<std::string, std::string>> preset_values = {};
+
+    // False where an option is for config.ini alone; see LimitCommandLine.
+    bool on_command_line = true;
+
     std::string section() const;  // Empty if the name has none.
     std::string key() const;
+    // Whether it takes no value on the command line.
+    bool is_switch() const;
     // The present value as text, which reads back as the same value.
     std::string value() const;
     // What is allowed, for help and error messages: "0 .. 1", "at least 0",
@@ -77,6 +85,17 @@ class OptionTable {
   // --general.seed.
   void AddAlias(std::string alias, std::string name);
 
+  // Notes that a preset gives an option this value, for help and config.ini. An
+  // unknown option makes Check() fail.
+  void NotePreset(const std::string& preset,
+                  const std::string& name,
+                  const std::string& value);
+
+  // Keeps of all options with a section only these on the command line. A name
+  // is that of an option or of a whole section. The others are still read from
+  // config.ini.
+  void LimitCommandLine(const std::vector<std::string>& names);
+
   // Adds a sentence that stands at the top of a section in config.ini and in
   // --help. Sections appear in the order in which they are first named.
   void AddSection(std::string section, std::string help);
@@ -86,7 +105,7 @@ class OptionTable {
   // Splits arguments into settings and positional words, and changes no option.
   // Returns kInvalidArgument for unknown options, missing values, values that
   // are not allowed and empty words. When an option is repeated, the last value
-  // wins. When --help is among the arguments, the error's message is Help().
+  // wins.
   StatusOr<CommandLine> ParseCommandLine(
       const std::vector<std::string>& arguments) const;
 
@@ -112,6 +131,15 @@ class OptionTable {
   const std::vector<Option>& options() const { return options_; }
   const Option* Find(std::string_view name) const;
 
+  // The names that stand for an option on the command line: {alias, name}.
+  const std::map<std::string, std::string>& aliases() const { return aliases_; }
+
+  // The sections and what is said about each, in their order. Options without a
+  // section are in the section "".
+  const std::vector<std::pair<std::string, std::string>>& sections() const {
+    return sections_;
+  }
+
   // The present values of the options of a section, by name. With results_only
   // these are only the options that affect the result.
   std::map<std::string, std::string> Values(std::string_view section,
@@ -120,12 +148,6 @@ class OptionTable {
   // The text of a config.ini in which every option stands as a comment with its
   // default.
   std::string ConfigTemplate() const;
-
-  // The help text for a terminal: options with defaults, ranges and help, those
-  // without a section first. SectionHelp returns that of one section; "" names
-  // the options without a section.
-  std::string Help() const;
-  std::string SectionHelp(const std::string& section) const;
 
  private:
   Status CheckSetting(const OptionSetting& setting) const;

@@ -50,7 +50,7 @@ std::string DisplayPath(const std::filesystem::path& workspace,
 struct WorkspaceInfo {
   std::filesystem::path images;  // Absolute; empty if none was given yet.
 
-  // The options on the command line of the last run, by name.
+  // The options on the command lines of earlier runs that still hold, by name.
   std::map<std::string, std::string> settings;
 };
 

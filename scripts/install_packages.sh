@@ -1,14 +1,22 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Installs the Debian packages of packages.txt that are not there yet. Does
-# nothing, and needs no network, when none is missing.
+# Installs the Debian packages of packages.txt that are not there yet, and with
+# --tests those of test_packages.txt as well. Does nothing, and needs no network,
+# when none is missing.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 
-mapfile -t packages < <(sed 's/#.*//' packages.txt | tr -s '[:space:]' '\n' |
-  sed '/^$/d')
+lists=(packages.txt)
+[[ ${1:-} != --tests ]] || lists+=(test_packages.txt)
+mapfile -t packages < <(cat "${lists[@]}" | sed 's/#.*//' |
+  tr -s '[:space:]' '\n' | sed '/^$/d')
+# Programs that many people have from elsewhere, which Debian's would be in the
+# way of.
+declare -A program_of=([nodejs]=node [npm]=npm [chromium]=chromium)
 missing=()
 for package in "${packages[@]}"; do
+  program=${program_of[$package]:-}
+  [[ -z $program ]] || ! command -v "$program" >/dev/null || continue
   state=$(dpkg-query -W -f='${Status}' "$package" 2>/dev/null || true)
   [[ $state == "install ok installed" ]] || missing+=("$package")
 done

@@ -12,7 +12,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 build=${BUILD:-build}
 jobs=$(nproc)
 
-scripts/install_packages.sh
+scripts/install_packages.sh --tests
 
 echo "== formatting"
 if git rev-parse --is-inside-work-tree >/dev/null 2>&1; then
@@ -25,6 +25,12 @@ fi
 echo "== build"
 scripts/configure.sh "$build" -DFREEGS_BUILD_TESTS=ON "$@"
 cmake --build "$build" --parallel "$jobs"
+
+prettier=$build/web/node_modules/.bin/prettier
+if [[ -x $prettier ]]; then
+  echo "== formatting of the page"
+  "$prettier" --check web tests/web
+fi
 
 echo "== tests"
 ctest --test-dir "$build" --output-on-failure --parallel "$jobs"

@@ -54,8 +54,16 @@ Outcome Shell(const std::string& line) {
 
 TEST(ProgramTest, HelpAndVersion) {
   EXPECT_EQ(Call({"--help"}).code, 0);
-  EXPECT_THAT(Call({"--help"}).text, HasSubstr("--reconstruct.iterations"));
-  EXPECT_EQ(Call({"--version"}).code, 0);
+  for (const char* command : {"run", "query", "completion"}) {
+    EXPECT_THAT(Call({"--help"}).text,
+                HasSubstr(std::string("\n  freegs_pipeline ") + command));
+  }
+  const Outcome version = Call({"--version"});
+  EXPECT_EQ(version.code, 0);
+  EXPECT_THAT(version.text,
+              testing::MatchesRegex(
+                  "freegs_pipeline [0-9.]+\ncommit (unknown|[0-9a-f]+(-dirty)?)"
+                  "\ninstruction sets .*\nlicence BSD-3-Clause\n"));
   EXPECT_EQ(Call({}).code, 2);
 }
 
@@ -72,7 +80,8 @@ TEST(ProgramTest, EveryCommandHasItsHelp) {
       {"eval", "--text-threshold"},
       {"features", "--dense-size"},
       {"export", "--without"},
-      {"model", "--merges"}};
+      {"model", "--merges"},
+      {"completion", "zsh"}};
   for (const auto& [command, option] : commands) {
     const Outcome outcome = Call({command, "--help"});
     EXPECT_EQ(outcome.code, 0) << command;

@@ -6,8 +6,8 @@
 #include <array>
 
 #include "core/io/files.h"
+#include "core/io/gzip.h"
 #include "semantics/clip/caption_text.h"
-#include "semantics/clip/gunzip.h"
 #include "semantics/clip/unicode_text.h"
 
 namespace freegs::semantics {

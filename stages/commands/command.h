@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The commands of the program: `freegs_pipeline NAME ARGUMENTS...`. Each
-// command is a function in stages/commands/NAME_command.h,
+// command is two functions in stages/commands/NAME_command.h, one that declares
+// the words it takes, and one that runs it:
+//   CommandWords NameWords();
 //   Status RunNameCommand(const std::vector<std::string>& arguments,
 //                         CommandContext& context);
-// pipeline/main.cc lists them and calls the one that is named:
+// command_list.cc lists them, and pipeline/main.cc calls the one that is named:
 //   CommandContext context{std::cout, std::cerr, cancellation, argv0};
 //   const Status status = RunStatusCommand({"workspace"}, context);
 // It prints the message of an error on stderr and turns its code into the exit
@@ -14,13 +16,18 @@
 
 #include <filesystem>
 #include <ostream>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/cancellation.h"
 #include "core/status.h"
+#include "stages/command_line/command_words.h"
 
 namespace freegs::stages {
+
+struct Command;
 
 struct CommandContext {
   std::ostream& out;  // Results, which a caller's script reads.
@@ -31,6 +38,9 @@ struct CommandContext {
   const CancellationToken& cancellation;
 
   std::string argv0;  // The path by which the program was called.
+
+  // All commands, for those that tell about the others.
+  std::span<const Command> commands = {};
 };
 
 // For commands that read a workspace: warns when a run is working there, which
@@ -39,6 +49,12 @@ void WarnOfRun(const std::filesystem::path& workspace, CommandContext& context);
 
 using CommandFn = Status (*)(const std::vector<std::string>& arguments,
                              CommandContext& context);
+
+struct Command {
+  std::string_view name;
+  CommandWords (*words)();
+  CommandFn run;
+};
 
 }  // namespace freegs::stages
 

@@ -12,7 +12,6 @@
 #include <ceres/version.h>
 #include <flann/config.h>
 #include <hwy/highway.h>
-#include <hwy/targets.h>
 #include <nlohmann/json.hpp>
 #include <opencv2/core/version.hpp>
 #include <xxhash.h>
@@ -21,6 +20,7 @@
 #include "pipeline/system_info.h"
 #include "pipeline/version.h"
 #include "sfm/colmap/colmap_program.h"
+#include "stages/command_line/version_text.h"
 #include "stages/registry/pipeline_options.h"
 #include "stages/scene/clip_input.h"
 
@@ -50,17 +50,6 @@ std::string Dotted(int64_t number, int64_t base) {
          std::to_string(number % base);
 }
 
-std::string SimdTargets() {
-  std::string names;
-  for (int64_t left = hwy::SupportedTargets() & HWY_TARGETS; left != 0;
-       left &= left - 1) {
-    const int64_t lowest = left & -left;
-    names += (names.empty() ? "" : ", ") + std::string(hwy::TargetName(lowest));
-  }
-  // Highway's best target has the lowest bit.
-  return names.empty() ? "none" : names + " (the first is used)";
-}
-
 void PrintMachine(std::ostream& out) {
   std::string cores = std::to_string(pipeline::AvailableCores());
   if (const std::optional<double> quota = pipeline::CoresOfQuota()) {
@@ -68,7 +57,7 @@ void PrintMachine(std::ostream& out) {
              FormatFixed(*quota, 1) + " by the control group)";
   }
   PrintLine(out, "cores", cores);
-  PrintLine(out, "SIMD", SimdTargets());
+  PrintLine(out, "SIMD", InstructionSets());
   const pipeline::MemoryInfo memory = pipeline::Memory();
   PrintLine(out,
             "memory",
@@ -116,18 +105,26 @@ void PrintLibraries(std::ostream& out) {
 #endif
 }
 
+CommandWords DescribeDoctor(PipelineOptions* options) {
+  pipeline::OptionTable table = MakeOptionTable(options);
+  table.LimitCommandLine({"sfm.colmap", "bootstrap.model"});
+  return {"doctor",
+          "Lists what this machine offers and what it lacks: cores, memory, "
+          "libraries, COLMAP, the CLIP model.",
+          std::move(table)};
+}
+
 }  // namespace
+
+CommandWords DoctorWords() {
+  return KeepWords<PipelineOptions>(DescribeDoctor);
+}
 
 Status RunDoctorCommand(const std::vector<std::string>& arguments,
                         CommandContext& context) {
   PipelineOptions options;
-  pipeline::OptionTable table = MakeOptionTable(&options);
-  FREEGS_ASSIGN_OR_RETURN(const pipeline::OptionTable::CommandLine line,
-                          table.ParseCommandLine(arguments));
-  if (!line.positional.empty()) {
-    return InvalidArgumentError("doctor takes no folder");
-  }
-  FREEGS_RETURN_IF_ERROR(table.Apply(line.settings));
+  const auto positional = DescribeDoctor(&options).ParseAndApply(arguments);
+  FREEGS_RETURN_IF_ERROR(positional.status());
   std::ostream& out = context.out;
   PrintLine(out, "program", pipeline::kProgramVersion);
   PrintMachine(out);

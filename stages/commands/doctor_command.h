@@ -12,6 +12,8 @@
 
 namespace freegs::stages {
 
+CommandWords DoctorWords();
+
 // kMissingDependency, naming the package, when something is missing that the
 // pipeline cannot do without.
 Status RunDoctorCommand(const std::vector<std::string>& arguments,

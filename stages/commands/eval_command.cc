@@ -56,53 +56,64 @@ struct EvalRequest {
   std::string model;
   std::string text_from = "instances";
   double text_threshold = 0;
-  bool background = false;
   std::string json_file;
-  int threads = 0;
+  PipelineOptions options;
 };
+
+CommandWords DescribeEval(EvalRequest* request) {
+  pipeline::OptionTable table = MakeOptionTable(&request->options);
+  table.LimitCommandLine({"general.threads", "query.background"});
+  CommandWords words("eval",
+                     "Measures a scene: on its holdout photographs, and "
+                     "against ground truth where there is one.",
+                     std::move(table));
+  std::vector<std::string> layouts = LayoutNames();
+  layouts.insert(layouts.begin(), "auto");
+  words.AddArgument(WorkspaceArgument());
+  words.AddOption("gt",
+                  &request->truth,
+                  {.help = "Folder with the truth: gt/cameras.json, "
+                           "gt/objects.json, gt/instance/, test/images/; or a "
+                           "scene of a public data set.",
+                   .value_name = "DIR"});
+  words.AddOption(
+      "layout",
+      &request->layout,
+      {.help = "Layout of the truth; auto looks what lies in its folder.",
+       .choices = layouts});
+  words.AddOption("model",
+                  &request->model,
+                  {.help = "Folder of the CLIP model that the truth's labels "
+                           "are asked with; the workspace's own when not "
+                           "given.",
+                   .value_name = "DIR"});
+  words.AddOption("text-from",
+                  &request->text_from,
+                  {.help = "Who answers to labels: the best of all instances, "
+                           "or all Gaussians that a label is relevant to, each "
+                           "for itself, as if there were no instances.",
+                   .choices = {"instances", "gaussians"}});
+  words.AddOption("text-threshold",
+                  &request->text_threshold,
+                  {.help = "Relevancy below which a label has no answer; 0 "
+                           "takes the best instance whatever its relevancy, "
+                           "and Gaussians of 0.5 and more.",
+                   .min = 0,
+                   .max = 1});
+  words.AddOption(
+      "json",
+      &request->json_file,
+      {.help = "File to write the figures to; - is standard output.",
+       .value_name = "FILE"});
+  return words;
+}
 
 StatusOr<EvalRequest> ParseEvalRequest(
     const std::vector<std::string>& arguments) {
-  PipelineOptions options;
-  pipeline::OptionTable table = MakeOptionTable(&options);
   EvalRequest request;
-  std::vector<std::string> layouts = LayoutNames();
-  layouts.insert(layouts.begin(), "auto");
-  table.Add("gt",
-            &request.truth,
-            {.help = "Folder with the truth: gt/cameras.json, "
-                     "gt/objects.json, gt/instance/, test/images/; or a scene "
-                     "of a public data set."});
-  table.Add("layout",
-            &request.layout,
-            {.help = "Layout of the truth; auto looks what lies in its folder.",
-             .choices = layouts});
-  table.Add("model",
-            &request.model,
-            {.help = "Folder of the CLIP model that the truth's labels are "
-                     "asked with; the workspace's own when not given."});
-  table.Add("text-from",
-            &request.text_from,
-            {.help = "Who answers to labels: the best of all instances, or "
-                     "all Gaussians that a label is relevant to, each for "
-                     "itself, as if there were no instances.",
-             .choices = {"instances", "gaussians"}});
-  table.Add("text-threshold",
-            &request.text_threshold,
-            {.help = "Relevancy below which a label has no answer; 0 takes the "
-                     "best instance whatever its relevancy, and Gaussians of "
-                     "0.5 and more.",
-             .min = 0,
-             .max = 1});
-  table.Add("json",
-            &request.json_file,
-            {.help = "File to write the figures to; - is standard output."});
+  CommandWords words = DescribeEval(&request);
   FREEGS_ASSIGN_OR_RETURN(const pipeline::OptionTable::CommandLine line,
-                          table.ParseCommandLine(arguments));
-  if (line.positional.size() != 1) {
-    return InvalidArgumentError(
-        "eval takes one workspace: eval WORKSPACE [--gt DIR] [--json FILE]");
-  }
+                          words.Parse(arguments));
   std::error_code error;
   request.workspace =
       fs::absolute(line.positional[0], error).lexically_normal();
@@ -110,12 +121,10 @@ StatusOr<EvalRequest> ParseEvalRequest(
     return BadInputError(request.workspace.string() + ": no such workspace");
   }
   FREEGS_RETURN_IF_ERROR(
-      ApplySettings(request.workspace, line.settings, table));
+      ApplySettings(request.workspace, line.settings, words.table()));
   if (!request.json_file.empty() && request.json_file != "-") {
     FREEGS_RETURN_IF_ERROR(PrepareOutputFile(request.json_file));
   }
-  request.threads = options.general.threads;
-  request.background = options.query.background;
   return request;
 }
 
@@ -219,7 +228,7 @@ Status MeasureText(const EvalRequest& request,
   // 3D-OVS also asks for table tops and walls.
   const std::optional<std::string> layout =
       request.layout == "auto" ? DetectLayout(request.truth) : request.layout;
-  questions.background = request.background || layout == "3dovs";
+  questions.background = request.options.query.background || layout == "3dovs";
   if (request.text_threshold > 0) {
     questions.min_relevancy = request.text_threshold;
   }
@@ -294,12 +303,14 @@ Status CompareWithTruth(const EvalRequest& request,
 
 }  // namespace
 
+CommandWords EvalWords() { return KeepWords<EvalRequest>(DescribeEval); }
+
 Status RunEvalCommand(const std::vector<std::string>& arguments,
                       CommandContext& context) {
   FREEGS_ASSIGN_OR_RETURN(const EvalRequest request,
                           ParseEvalRequest(arguments));
   WarnOfRun(request.workspace, context);
-  ThreadPool pool(pipeline::WorkingThreads(request.threads));
+  ThreadPool pool(pipeline::WorkingThreads(request.options.general.threads));
   FREEGS_ASSIGN_OR_RETURN(const WorkspaceScene scene,
                           ReadWorkspaceScene(request.workspace));
   EvaluationReport report;

@@ -14,6 +14,8 @@
 
 namespace freegs::stages {
 
+CommandWords EvalWords();
+
 // Measures the workspace's scene on its holdout photographs, and with --gt
 // against the truth in DIR (stages/datasets/layout.h). Prints a table and
 // writes the figures as JSON to FILE; with FILE "-" the JSON goes to standard

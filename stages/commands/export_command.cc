@@ -2,17 +2,31 @@
 
 #include "stages/commands/export_command.h"
 
-#include <cctype>
-#include <charconv>
+#include <algorithm>
+#include <cstdint>
 #include <filesystem>
-#include <system_error>
+#include <iostream>
+#include <map>
+#include <set>
+#include <unistd.h>
+#include <utility>
 
 #include "core/io/files.h"
 #include "core/number_text.h"
-#include "pipeline/option_table.h"
+#include "core/parallel.h"
+#include "pipeline/logger.h"
+#include "pipeline/progress_line.h"
+#include "pipeline/system_info.h"
+#include "semantics/instances/instances_json.h"
+#include "sfm/scene/model_io.h"
+#include "splat/render/renderer.h"
 #include "splat/scene/ply_io.h"
 #include "splat/scene/splat_format.h"
+#include "splat/scene/spz_format.h"
+#include "stages/commands/export_request.h"
+#include "stages/export/instance_files.h"
 #include "stages/scene/scene_instances.h"
+#include "stages/scene/view_selection.h"
 #include "stages/scene/workspace_scene.h"
 
 namespace freegs::stages {
@@ -20,137 +34,185 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The format cannot say where the model lies in the world.
-Status WriteSplat(const fs::path& path,
-                  const splat::GaussianModel& model,
-                  const Eigen::Vector3d& /*offset*/) {
-  return splat::WriteSplat(path, model);
+// Only a PLY can say where the model lies in the world.
+Status WriteGaussians(const fs::path& path,
+                      const splat::GaussianModel& model,
+                      const Eigen::Vector3d& offset) {
+  const std::string suffix = LowerSuffix(path);
+  if (suffix == ".spz") return splat::WriteSpz(path, model);
+  if (suffix == ".splat") return splat::WriteSplat(path, model);
+  return splat::WritePly(path, model, offset);
 }
 
-struct Format {
-  std::string_view suffix;
-  Status (*write)(const fs::path& path,
-                  const splat::GaussianModel& model,
-                  const Eigen::Vector3d& offset);
-};
-
-constexpr Format kFormats[] = {{".ply", splat::WritePly},
-                               {".splat", WriteSplat}};
-
-StatusOr<Format> FormatOf(const fs::path& path) {
-  std::string suffix = path.extension().string();
-  for (char& c : suffix) {
-    c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  }
-  std::string known;
-  for (const Format& format : kFormats) {
-    if (suffix == format.suffix) return format;
-    known += (known.empty() ? "" : ", ") + std::string(format.suffix);
-  }
-  return InvalidArgumentError(
-      path.string() + ": the suffix says the format; known are " + known);
+void TellOffset(const Eigen::Vector3d& offset, CommandContext& context) {
+  if (offset.isZero(0)) return;
+  context.out << "positions count from " << FormatSignificant(offset.x(), 17)
+              << " " << FormatSignificant(offset.y(), 17) << " "
+              << FormatSignificant(offset.z(), 17)
+              << ", since float32 numbers of the world would be too coarse\n";
 }
 
-// Parses a list of instance ids such as "3,17".
-StatusOr<std::vector<int>> ParseIds(const std::string& option,
-                                    const std::string& text) {
-  std::vector<int> ids;
-  const char* at = text.data();
-  const char* const end = at + text.size();
-  while (true) {
-    int id = 0;
-    const auto [stop, error] = std::from_chars(at, end, id);
-    if (error != std::errc() || (stop != end && *stop != ',')) {
-      return InvalidArgumentError("--" + option + ": \"" + text +
-                                  "\" is no list of instance ids like 3,17");
-    }
-    ids.push_back(id);
-    if (stop == end) return ids;
-    at = stop + 1;
-  }
-}
-
-struct ExportRequest {
-  std::string out;
-  std::string what = "color";
-  std::string only;
-  std::string without;
-};
-
-// The Gaussians that the request asks for, in the colours it asks for.
-Status Prepare(const ExportRequest& request,
-               const fs::path& workspace,
-               splat::GaussianModel* model) {
-  const bool some = !request.only.empty() || !request.without.empty();
-  if (!some && request.what != "instances") return Status();
-  FREEGS_ASSIGN_OR_RETURN(const std::vector<int32_t> labels,
-                          ReadInstanceLabels(workspace, model->size()));
+// The model in the colours and of the degree that the request asks for.
+void Recolor(const ExportRequest& request,
+             const std::vector<int32_t>& labels,
+             splat::GaussianModel* model) {
   if (request.what == "instances") *model = ColorByInstance(*model, labels);
-  if (!some) return Status();
-  const bool without = request.only.empty();
-  const std::string option = without ? "without" : "only";
+  model->SetShDegree(std::min(model->sh_degree, request.sh_degree));
+}
+
+Status ExportScene(const ExportRequest& request, CommandContext& context) {
+  const fs::path path(request.out);
+  FREEGS_RETURN_IF_ERROR(PrepareOutputFile(path));
+  FREEGS_ASSIGN_OR_RETURN(splat::PlacedModel world,
+                          ReadWorkspaceModel(request.workspace));
+  splat::GaussianModel& model = world.model;
+  std::vector<int32_t> labels;
+  if (!request.choice.everything() || request.what == "instances") {
+    FREEGS_ASSIGN_OR_RETURN(
+        labels, ReadInstanceLabels(request.workspace, model.size()));
+  }
+  Recolor(request, labels, &model);
+  if (!request.choice.everything()) {
+    FREEGS_ASSIGN_OR_RETURN(const std::vector<uint32_t> chosen,
+                            ChosenGaussians(request.choice, labels));
+    model.Select(chosen);
+  }
+  FREEGS_RETURN_IF_ERROR(WriteGaussians(path, model, world.offset));
+  context.out << model.size() << " Gaussians in " << request.out << "\n";
+  TellOffset(world.offset, context);
+  return Status();
+}
+
+Status ExportObjects(const ExportRequest& request, CommandContext& context) {
+  const fs::path folder(request.objects);
+  FREEGS_RETURN_IF_ERROR(PrepareOutputFolder(folder));
+  FREEGS_ASSIGN_OR_RETURN(splat::PlacedModel world,
+                          ReadWorkspaceModel(request.workspace));
   FREEGS_ASSIGN_OR_RETURN(
-      const std::vector<int> ids,
-      ParseIds(option, without ? request.without : request.only));
-  StatusOr<splat::GaussianModel> selected =
-      SelectInstances(*model, labels, ids, without);
-  if (!selected.ok()) return selected.status().Annotated("--" + option);
-  *model = *std::move(selected);
+      const std::vector<int32_t> labels,
+      ReadInstanceLabels(request.workspace, world.model.size()));
+  FREEGS_ASSIGN_OR_RETURN(const std::set<int32_t> chosen,
+                          ChosenLabels(request.choice, labels));
+  Recolor(request, labels, &world.model);
+  std::map<int32_t, splat::GaussianModel> objects;
+  for (size_t i = 0; i < labels.size(); ++i) {
+    if (!chosen.contains(labels[i])) continue;
+    splat::GaussianModel& object = objects[labels[i]];
+    object.sh_degree = world.model.sh_degree;
+    object.antialiased = world.model.antialiased;
+    object.AppendFrom(world.model, i);
+  }
+  for (const auto& [label, object] : objects) {
+    if (context.cancellation.cancelled()) {
+      return InterruptedError("export: stopped");
+    }
+    FREEGS_RETURN_IF_ERROR(WriteGaussians(
+        folder / (std::to_string(label + 1) + "." + request.format),
+        object,
+        world.offset));
+  }
+  context.out << chosen.size() << " objects in " << request.objects << "\n";
+  TellOffset(world.offset, context);
+  return Status();
+}
+
+// The instances that the request asks for.
+StatusOr<std::vector<semantics::Instance>> ChosenInstances(
+    const ExportRequest& request, const std::vector<int32_t>& labels) {
+  FREEGS_ASSIGN_OR_RETURN(const std::set<int32_t> chosen,
+                          ChosenLabels(request.choice, labels));
+  const fs::path path = request.workspace / "bootstrap" / "instances.json";
+  FREEGS_ASSIGN_OR_RETURN(std::vector<semantics::Instance> instances,
+                          semantics::ReadInstances(path));
+  FREEGS_RETURN_IF_ERROR(CheckInstanceIds(instances, labels.size(), path));
+  std::erase_if(instances, [&](const semantics::Instance& instance) {
+    return !chosen.contains(instance.id - 1);
+  });
+  return instances;
+}
+
+Status ExportBoxes(const ExportRequest& request, CommandContext& context) {
+  FREEGS_RETURN_IF_ERROR(PrepareOutputFile(request.out));
+  FREEGS_ASSIGN_OR_RETURN(const splat::PlacedModel world,
+                          ReadWorkspaceModel(request.workspace));
+  FREEGS_ASSIGN_OR_RETURN(
+      const std::vector<int32_t> labels,
+      ReadInstanceLabels(request.workspace, world.model.size()));
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<semantics::Instance> instances,
+                          ChosenInstances(request, labels));
+  FREEGS_RETURN_IF_ERROR(WriteFileAtomic(request.out, BoxesJson(instances)));
+  context.out << instances.size() << " boxes in " << request.out << "\n";
+  return Status();
+}
+
+Status ExportMasks(const ExportRequest& request, CommandContext& context) {
+  FREEGS_RETURN_IF_ERROR(PrepareOutputFile(request.out));
+  FREEGS_ASSIGN_OR_RETURN(const WorkspaceScene scene,
+                          ReadWorkspaceScene(request.workspace));
+  FREEGS_ASSIGN_OR_RETURN(
+      const std::vector<int32_t> labels,
+      ReadInstanceLabels(request.workspace, scene.model.size()));
+  FREEGS_ASSIGN_OR_RETURN(std::vector<semantics::Instance> instances,
+                          ChosenInstances(request, labels));
+  const std::vector<View> views = PhotoViews(scene);
+  ThreadPool pool(pipeline::WorkingThreads(request.threads));
+  const bool terminal =
+      &context.err == &std::cerr && isatty(STDERR_FILENO) != 0;
+  pipeline::Logger logger(context.err, terminal, {});
+  pipeline::ProgressLine progress(&logger, "export");
+  CocoMasks masks(std::move(instances));
+  for (size_t i = 0; i < views.size(); ++i) {
+    if (context.cancellation.cancelled()) {
+      return InterruptedError("export: stopped");
+    }
+    masks.AddPicture(views[i].name,
+                     splat::RenderLabels(scene.model,
+                                         views[i].camera,
+                                         views[i].cam_from_world,
+                                         scene.render,
+                                         pool,
+                                         labels));
+    progress.Report({"masks",
+                     static_cast<double>(i + 1),
+                     static_cast<double>(views.size()),
+                     views[i].name});
+  }
+  FREEGS_RETURN_IF_ERROR(WriteFileAtomic(request.out, masks.Json()));
+  context.out << masks.num_annotations() << " masks of " << views.size()
+              << " photos in " << request.out << "\n";
+  return Status();
+}
+
+Status ExportColmap(const ExportRequest& request, CommandContext& context) {
+  const fs::path sparse = request.workspace / "undistort" / "sparse";
+  if (!sfm::DetectModelFormat(sparse)) {
+    return BadInputError(sparse.string() +
+                         ": no COLMAP model; run stage undistort first");
+  }
+  FREEGS_RETURN_IF_ERROR(PrepareOutputFolder(request.out));
+  FREEGS_ASSIGN_OR_RETURN(const sfm::Reconstruction model,
+                          sfm::ReadModel(sparse));
+  FREEGS_RETURN_IF_ERROR(
+      sfm::WriteModel(request.out, model, sfm::ModelFormat::kText));
+  context.out << model.images.size() << " poses and " << model.points3d.size()
+              << " points in " << request.out << "\n";
   return Status();
 }
 
 }  // namespace
 
+CommandWords ExportWords() { return KeepWords<ExportRequest>(DescribeExport); }
+
 Status RunExportCommand(const std::vector<std::string>& arguments,
                         CommandContext& context) {
-  ExportRequest request;
-  pipeline::OptionTable table;
-  table.Add("out",
-            &request.out,
-            {.help = "File to write; its suffix is the format."});
-  table.Add("what",
-            &request.what,
-            {.help = "Which colours the Gaussians get.",
-             .choices = {"color", "instances"}});
-  table.Add("only",
-            &request.only,
-            {.help = "Ids of the instances to write, like 3,17."});
-  table.Add("without",
-            &request.without,
-            {.help = "Ids of the instances to leave out."});
-  FREEGS_ASSIGN_OR_RETURN(const pipeline::OptionTable::CommandLine line,
-                          table.ParseCommandLine(arguments));
-  FREEGS_RETURN_IF_ERROR(table.Apply(line.settings));
-  if (line.positional.size() != 1) {
-    return InvalidArgumentError(
-        "export takes one workspace: export WORKSPACE --out FILE");
-  }
-  if (request.out.empty()) {
-    return InvalidArgumentError("export needs a file to write: --out FILE");
-  }
-  if (!request.only.empty() && !request.without.empty()) {
-    return InvalidArgumentError("--only and --without exclude each other");
-  }
-  const fs::path path(request.out);
-  FREEGS_ASSIGN_OR_RETURN(const Format format, FormatOf(path));
-  FREEGS_RETURN_IF_ERROR(PrepareOutputFile(path));
-
-  const fs::path workspace(line.positional[0]);
-  WarnOfRun(workspace, context);
-  FREEGS_ASSIGN_OR_RETURN(splat::PlacedModel world,
-                          ReadWorkspaceModel(workspace));
-  splat::GaussianModel& model = world.model;
-  FREEGS_RETURN_IF_ERROR(Prepare(request, workspace, &model));
-  FREEGS_RETURN_IF_ERROR(format.write(path, model, world.offset));
-  context.out << model.size() << " Gaussians in " << request.out << "\n";
-  if (!world.offset.isZero(0)) {
-    context.out << "its positions count from "
-                << FormatSignificant(world.offset.x(), 17) << " "
-                << FormatSignificant(world.offset.y(), 17) << " "
-                << FormatSignificant(world.offset.z(), 17)
-                << ", since float32 numbers of the world would be too coarse\n";
-  }
-  return Status();
+  FREEGS_ASSIGN_OR_RETURN(const ExportRequest request,
+                          ParseExportRequest(arguments));
+  WarnOfRun(request.workspace, context);
+  if (request.what == "masks") return ExportMasks(request, context);
+  if (request.what == "boxes") return ExportBoxes(request, context);
+  if (request.what == "colmap") return ExportColmap(request, context);
+  if (!request.objects.empty()) return ExportObjects(request, context);
+  return ExportScene(request, context);
 }
 
 }  // namespace freegs::stages

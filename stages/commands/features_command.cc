@@ -11,7 +11,6 @@
 #include "core/io/image_io.h"
 #include "core/number_text.h"
 #include "core/parallel.h"
-#include "pipeline/option_table.h"
 #include "pipeline/system_info.h"
 #include "semantics/clip/feature_cache.h"
 #include "semantics/clip/opencv_clip.h"
@@ -43,60 +42,62 @@ struct FeaturesRequest {
   semantics::JointBilateralOptions upsampling;
 };
 
-StatusOr<FeaturesRequest> ParseFeaturesRequest(
-    std::vector<std::string> arguments) {
-  // -o is accepted because many programs have it.
-  std::replace(arguments.begin(),
-               arguments.end(),
-               std::string("-o"),
-               std::string("--out"));
-  FeaturesRequest request;
-  pipeline::OptionTable table;
-  table.Add("text", &request.text, {.help = "Words to look for."});
-  table.Add(
+CommandWords DescribeFeatures(FeaturesRequest* request) {
+  CommandWords words("features", "Draws where in an image CLIP sees words.");
+  words.AddArgument({.name = "IMAGE", .help = "The photograph."});
+  words.AddOption("text",
+                  &request->text,
+                  {.help = "Words to look for.", .value_name = "WORDS"});
+  words.AddOption(
       "model",
-      &request.model,
+      &request->model,
       {.help = "Folder of a CLIP model (freegs_pipeline model); the small "
-               "one that comes with the program when not given."});
-  table.Add("out",
-            &request.out,
-            {.help = "Picture to write (.png or .jpg); IMAGE_heat.png in the "
-                     "current folder when not given."});
-  table.Add("cache",
-            &request.cache,
-            {.help = "Folder that keeps features for other words."});
-  table.Add("dense-size",
-            &request.dense_size,
-            {.help = "Image size in pixels that the network sees; 0 is the "
-                     "model's default.",
-             .min = 0});
-  table.Add("size",
-            &request.size,
-            {.help = "Longest side of the picture in pixels.",
-             .min = 8,
-             .max = 8192});
-  table.Add("range-sigma",
-            &request.upsampling.range_sigma,
-            {.help = "How unlike in colour two places of one thing may be.",
-             .min = 0.001,
-             .max = 1000});
-  table.Add("threads",
-            &request.threads,
-            {.help = "Threads to work with; 0 takes one per available core.",
-             .min = 0,
-             .max = 1024});
-  FREEGS_ASSIGN_OR_RETURN(const pipeline::OptionTable::CommandLine line,
-                          table.ParseCommandLine(arguments));
-  FREEGS_RETURN_IF_ERROR(table.Apply(line.settings));
-  if (line.positional.size() != 1) {
-    return InvalidArgumentError(
-        "features takes one image: features IMAGE --text WORDS");
-  }
-  if (request.text.empty()) {
-    return InvalidArgumentError("features needs --text WORDS");
-  }
+               "one that comes with the program when not given.",
+       .value_name = "DIR"});
+  words.AddOption("out",
+                  &request->out,
+                  {.help = "Picture to write (.png or .jpg); IMAGE_heat.png in "
+                           "the current folder when not given.",
+                   .value_name = "FILE"});
+  words.AddLetter('o', "out");  // Many programs have it.
+  words.AddOption("cache",
+                  &request->cache,
+                  {.help = "Folder that keeps features for other words.",
+                   .value_name = "DIR"});
+  words.AddOption("dense-size",
+                  &request->dense_size,
+                  {.help = "Image size in pixels that the network sees; 0 is "
+                           "the model's default.",
+                   .min = 0});
+  words.AddOption("size",
+                  &request->size,
+                  {.help = "Longest side of the picture in pixels.",
+                   .min = 8,
+                   .max = 8192});
+  words.AddOption(
+      "range-sigma",
+      &request->upsampling.range_sigma,
+      {.help = "How unlike in colour two places of one thing may be.",
+       .min = 0.001,
+       .max = 1000});
+  words.AddOption(
+      "threads",
+      &request->threads,
+      {.help = "Threads to work with; 0 takes one per available core.",
+       .min = 0,
+       .max = 1024});
+  words.Require("text");
+  return words;
+}
+
+StatusOr<FeaturesRequest> ParseFeaturesRequest(
+    const std::vector<std::string>& arguments) {
+  FeaturesRequest request;
+  CommandWords words = DescribeFeatures(&request);
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> positional,
+                          words.ParseAndApply(arguments));
   FREEGS_RETURN_IF_ERROR(request.upsampling.Check());
-  request.image = line.positional[0];
+  request.image = positional[0];
   if (request.out.empty()) {
     request.out = request.image.stem().string() + "_heat.png";
   }
@@ -121,6 +122,10 @@ ImageU8 LimitedTo(const ImageU8& image, int longest_side) {
 }
 
 }  // namespace
+
+CommandWords FeaturesWords() {
+  return KeepWords<FeaturesRequest>(DescribeFeatures);
+}
 
 Status RunFeaturesCommand(const std::vector<std::string>& arguments,
                           CommandContext& context) {

@@ -13,6 +13,8 @@
 
 namespace freegs::stages {
 
+CommandWords FeaturesWords();
+
 // Writes the upright image in grey, with the places that are like the words in
 // colour. The model's dense features are upsampled along the edges of the
 // image, by the model's upsampler.onnx if it has one and by joint bilateral

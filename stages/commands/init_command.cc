@@ -21,13 +21,21 @@ std::string ConfigTemplate() {
 
 std::string WorkspaceReadme() { return kWorkspaceReadme; }
 
+CommandWords InitWords() {
+  CommandWords words("init",
+                     "Writes a config.ini that explains every option, and a "
+                     "README. Files that are there stay as they are.");
+  words.AddArgument({.name = "WORKSPACE",
+                     .help = "The folder to write to; it is made if it is not "
+                             "there."});
+  return words;
+}
+
 Status RunInitCommand(const std::vector<std::string>& arguments,
                       CommandContext& context) {
-  if (arguments.size() != 1 || arguments[0].empty() ||
-      arguments[0].starts_with("--")) {
-    return InvalidArgumentError("init takes one folder: init WORKSPACE");
-  }
-  const fs::path workspace = arguments[0];
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> positional,
+                          InitWords().ParseAndApply(arguments));
+  const fs::path workspace = positional[0];
   std::error_code error;
   if (fs::exists(workspace, error) && !fs::is_directory(workspace, error)) {
     return BadInputError(workspace.string() + ": not a folder");

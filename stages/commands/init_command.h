@@ -13,6 +13,8 @@
 
 namespace freegs::stages {
 
+CommandWords InitWords();
+
 // The texts that init writes. They are part of the program, so that an
 // installed program needs no other file.
 std::string ConfigTemplate();

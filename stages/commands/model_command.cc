@@ -2,44 +2,56 @@
 
 #include "stages/commands/model_command.h"
 
-#include "pipeline/option_table.h"
 #include "semantics/clip_export/clip_export.h"
 
 namespace freegs::stages {
 
-Status RunModelCommand(const std::vector<std::string>& arguments,
-                       CommandContext& context) {
+namespace {
+
+struct ModelRequest {
   semantics::ClipExportOptions options;
   std::string out;
   std::string merges;
-  pipeline::OptionTable table;
-  table.Add("out", &out, {.help = "Model folder to write."});
-  table.Add("merges",
-            &merges,
-            {.help = "Byte-pair merges of the model; merges.txt beside the "
-                     "weights when not given."});
-  table.Add("dense-size",
-            &options.dense_size,
-            {.help = "One more image size in pixels for dense features, such "
-                     "as 448; 0 for none.",
-             .min = 0,
-             .max = 4096});
-  FREEGS_ASSIGN_OR_RETURN(const pipeline::OptionTable::CommandLine line,
-                          table.ParseCommandLine(arguments));
-  FREEGS_RETURN_IF_ERROR(table.Apply(line.settings));
-  if (line.positional.size() != 1) {
-    return InvalidArgumentError(
-        "model takes one file or folder of weights: model "
-        "FILE.safetensors|FOLDER --out DIR");
-  }
-  if (out.empty()) {
-    return InvalidArgumentError("model needs a folder to write: --out DIR");
-  }
-  options.checkpoint = line.positional[0];
-  options.merges = merges;
+};
+
+CommandWords DescribeModel(ModelRequest* request) {
+  CommandWords words("model", "Makes a model folder of a CLIP's weights.");
+  words.AddArgument(
+      {.name = "WEIGHTS", .help = "FILE.safetensors, or a folder with one."});
+  words.AddOption("out",
+                  &request->out,
+                  {.help = "Model folder to write.", .value_name = "DIR"});
+  words.AddOption("merges",
+                  &request->merges,
+                  {.help = "Byte-pair merges of the model; merges.txt beside "
+                           "the weights when not given.",
+                   .value_name = "FILE"});
+  words.AddOption("dense-size",
+                  &request->options.dense_size,
+                  {.help = "One more image size in pixels for dense features, "
+                           "such as 448; 0 for none.",
+                   .min = 0,
+                   .max = 4096});
+  words.Require("out");
+  return words;
+}
+
+}  // namespace
+
+CommandWords ModelWords() { return KeepWords<ModelRequest>(DescribeModel); }
+
+Status RunModelCommand(const std::vector<std::string>& arguments,
+                       CommandContext& context) {
+  ModelRequest request;
+  CommandWords words = DescribeModel(&request);
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> positional,
+                          words.ParseAndApply(arguments));
+  const std::string& out = request.out;
+  request.options.checkpoint = positional[0];
+  request.options.merges = request.merges;
   FREEGS_ASSIGN_OR_RETURN(
       const semantics::ModelInfo info,
-      semantics::ExportClip(options, out, &context.cancellation));
+      semantics::ExportClip(request.options, out, &context.cancellation));
   context.out << out << ": " << info.name << ", " << info.embedding_dim
               << " dimensions; use it with --bootstrap.model " << out << "\n";
   return Status();

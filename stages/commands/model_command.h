@@ -13,6 +13,8 @@
 
 namespace freegs::stages {
 
+CommandWords ModelWords();
+
 // Reads weights in the layout of Hugging Face or of OpenCLIP and writes the
 // folder that --bootstrap.model and --model take. See
 // semantics/clip_export/clip_export.h for what is read, and for errors.

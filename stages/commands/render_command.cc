@@ -13,17 +13,21 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/function_ref.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/json_text.h"
 #include "core/parallel.h"
 #include "pipeline/logger.h"
-#include "pipeline/option_table.h"
 #include "pipeline/progress_line.h"
 #include "pipeline/system_info.h"
 #include "semantics/field/semantic_colors.h"
 #include "semantics/instances/hierarchy.h"
 #include "splat/render/renderer.h"
+#include "stages/commands/render_request.h"
+#include "stages/film/film_picture.h"
+#include "stages/film/film_views.h"
+#include "stages/film/film_writer.h"
 #include "stages/scene/depth_image.h"
 #include "stages/scene/scene_instances.h"
 #include "stages/scene/view_selection.h"
@@ -34,75 +38,6 @@ namespace freegs::stages {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct RenderRequest {
-  fs::path workspace;
-  std::string out;
-  std::string cameras;
-  std::string what = "color";
-  std::optional<double> granularity;
-  int size = 0;
-  int threads = 0;
-  bool no_align = false;
-};
-
-StatusOr<RenderRequest> ParseRenderRequest(
-    const std::vector<std::string>& arguments) {
-  RenderRequest request;
-  double granularity = 0;
-  pipeline::OptionTable table;
-  table.Add("out", &request.out, {.help = "Folder for the pictures."});
-  table.Add("cameras",
-            &request.cameras,
-            {.help = "JSON file of cameras; without it, those of the photos."});
-  table.Add("what",
-            &request.what,
-            {.help = "What to render.",
-             .choices = {"color", "depth", "instances", "semantics"}});
-  table.Add("granularity",
-            &granularity,
-            {.help = "With --what instances: instances of another granularity "
-                     "than bootstrap.granularity, without running the stage "
-                     "again.",
-             .min = -100,
-             .max = 100});
-  table.Add(
-      "size",
-      &request.size,
-      {.help = "Longest side in pixels at most; 0 is the size of training "
-               "or of the camera file.",
-       .min = 0});
-  table.Add("threads",
-            &request.threads,
-            {.help = "Threads to work with; 0 takes one per available core.",
-             .min = 0,
-             .max = 1024});
-  table.Add("no-align",
-            &request.no_align,
-            {.help = "The cameras are in the scene's own world frame."});
-  FREEGS_ASSIGN_OR_RETURN(const pipeline::OptionTable::CommandLine line,
-                          table.ParseCommandLine(arguments));
-  FREEGS_RETURN_IF_ERROR(table.Apply(line.settings));
-  if (line.positional.size() != 1) {
-    return InvalidArgumentError(
-        "render takes one workspace: render WORKSPACE --out DIR");
-  }
-  if (request.out.empty()) {
-    return InvalidArgumentError(
-        "render needs a folder for the pictures: --out DIR");
-  }
-  for (const pipeline::OptionSetting& setting : line.settings) {
-    if (setting.name == "granularity") request.granularity = granularity;
-  }
-  if (request.granularity && request.what != "instances") {
-    return InvalidArgumentError("--granularity is for --what instances only");
-  }
-  if (request.no_align && request.cameras.empty()) {
-    return InvalidArgumentError("--no-align is for --cameras FILE only");
-  }
-  request.workspace = line.positional[0];
-  return request;
-}
 
 // Writes the pictures of one view after another.
 class Renderer {
@@ -245,19 +180,68 @@ StatusOr<std::vector<float>> ReadSemanticColors(const fs::path& workspace,
 
 StatusOr<std::vector<int32_t>> LabelsToRender(const RenderRequest& request,
                                               size_t num_gaussians) {
-  if (!request.granularity) {
+  if (!request.has_granularity) {
     return ReadInstanceLabels(request.workspace, num_gaussians);
   }
   FREEGS_ASSIGN_OR_RETURN(const semantics::Hierarchy hierarchy,
                           ReadSceneHierarchy(request.workspace, num_gaussians));
-  return semantics::CutHierarchy(hierarchy, *request.granularity)
+  return semantics::CutHierarchy(hierarchy, request.granularity)
       .label_of_gaussian;
 }
 
+// The scene, and per Gaussian what the pictures show of it.
+struct SceneToRender {
+  WorkspaceScene scene;
+  std::vector<int32_t> labels;         // For instances; else empty.
+  std::vector<float> semantic_colors;  // N x 3 for semantics; else empty.
+};
+
+// Keeps only the Gaussians that are listed, in ascending order.
+void SelectGaussians(const std::vector<uint32_t>& kept, SceneToRender* shown) {
+  shown->scene.model.Select(kept);
+  for (size_t k = 0; k < kept.size(); ++k) {
+    if (!shown->labels.empty()) shown->labels[k] = shown->labels[kept[k]];
+    if (shown->semantic_colors.empty()) continue;
+    for (size_t c = 0; c < 3; ++c) {
+      shown->semantic_colors[3 * k + c] =
+          shown->semantic_colors[3 * kept[k] + c];
+    }
+  }
+  if (!shown->labels.empty()) shown->labels.resize(kept.size());
+  if (!shown->semantic_colors.empty()) {
+    shown->semantic_colors.resize(3 * kept.size());
+  }
+}
+
+StatusOr<SceneToRender> ReadSceneToRender(const RenderRequest& request,
+                                          ThreadPool& pool) {
+  SceneToRender shown;
+  FREEGS_ASSIGN_OR_RETURN(shown.scene, ReadWorkspaceScene(request.workspace));
+  const size_t num_gaussians = shown.scene.model.size();
+  if (request.what == "instances" || request.what == "both") {
+    FREEGS_ASSIGN_OR_RETURN(shown.labels,
+                            LabelsToRender(request, num_gaussians));
+  }
+  if (request.what == "semantics") {
+    FREEGS_ASSIGN_OR_RETURN(
+        shown.semantic_colors,
+        ReadSemanticColors(request.workspace, num_gaussians, pool));
+  }
+  if (request.choice.everything()) return shown;
+  // Ids are those of instances.json whatever the granularity of the picture.
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<int32_t> labels,
+                          ReadInstanceLabels(request.workspace, num_gaussians));
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<uint32_t> kept,
+                          ChosenGaussians(request.choice, labels));
+  SelectGaussians(kept, &shown);
+  return shown;
+}
+
 StatusOr<std::unique_ptr<Renderer>> MakeRenderer(const RenderRequest& request,
-                                                 const WorkspaceScene& scene,
+                                                 const SceneToRender& shown,
                                                  const std::vector<View>& views,
                                                  ThreadPool* pool) {
+  const WorkspaceScene& scene = shown.scene;
   if (request.what == "depth") {
     auto renderer =
         std::make_unique<DepthRenderer>(scene, request.out, pool, views);
@@ -265,51 +249,61 @@ StatusOr<std::unique_ptr<Renderer>> MakeRenderer(const RenderRequest& request,
     return std::unique_ptr<Renderer>(std::move(renderer));
   }
   if (request.what == "instances") {
-    FREEGS_ASSIGN_OR_RETURN(std::vector<int32_t> labels,
-                            LabelsToRender(request, scene.model.size()));
     return std::unique_ptr<Renderer>(std::make_unique<InstanceRenderer>(
-        scene, request.out, pool, std::move(labels)));
+        scene, request.out, pool, shown.labels));
   }
   if (request.what == "semantics") {
-    FREEGS_ASSIGN_OR_RETURN(
-        std::vector<float> colors,
-        ReadSemanticColors(request.workspace, scene.model.size(), *pool));
     return std::unique_ptr<Renderer>(std::make_unique<SemanticRenderer>(
-        scene, request.out, pool, std::move(colors)));
+        scene, request.out, pool, shown.semantic_colors));
   }
   return std::unique_ptr<Renderer>(
       std::make_unique<ColorRenderer>(scene, request.out, pool));
 }
 
-}  // namespace
+// The poses that a way of the camera goes through, in the scene's frame.
+StatusOr<std::vector<View>> KeyViews(const RenderRequest& request,
+                                     const WorkspaceScene& scene,
+                                     CommandContext& context) {
+  const bool file = !request.path.empty() && request.path != "orbit" &&
+                    request.path != "photos";
+  return ViewsToRender(
+      scene,
+      {.cameras = file ? request.path : request.cameras,
+       .align = !request.no_align,
+       .only_test = file,
+       .max_side = request.size,
+       .photo_max_side =
+           request.size > 0 ? request.size : scene.training_max_side,
+       .command = "render"},
+      context.err);
+}
 
-Status RunRenderCommand(const std::vector<std::string>& arguments,
-                        CommandContext& context) {
-  FREEGS_ASSIGN_OR_RETURN(const RenderRequest request,
-                          ParseRenderRequest(arguments));
-  WarnOfRun(request.workspace, context);
-  FREEGS_ASSIGN_OR_RETURN(const WorkspaceScene scene,
-                          ReadWorkspaceScene(request.workspace));
-  FREEGS_ASSIGN_OR_RETURN(
-      const std::vector<View> views,
-      ViewsToRender(
-          scene,
-          {.cameras = request.cameras,
-           .align = !request.no_align,
-           .max_side = request.size,
-           .photo_max_side =
-               request.size > 0 ? request.size : scene.training_max_side,
-           .command = "render"},
-          context.err));
-  FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> names,
-                          OutputNames(views, ".png"));
-  FREEGS_RETURN_IF_ERROR(PrepareOutputFolder(request.out));
-  ThreadPool pool(pipeline::WorkingThreads(request.threads));
-  FREEGS_ASSIGN_OR_RETURN(const std::unique_ptr<Renderer> renderer,
-                          MakeRenderer(request, scene, views, &pool));
-  FREEGS_RETURN_IF_ERROR(
-      CheckVisible(scene.model, views, scene.render, "render", pool));
+// The views to render. The camera circles an object when all that is not the
+// object has been taken out of the scene.
+StatusOr<std::vector<View>> ViewsOf(const RenderRequest& request,
+                                    const WorkspaceScene& scene,
+                                    CommandContext& context) {
+  FREEGS_ASSIGN_OR_RETURN(std::vector<View> keys,
+                          KeyViews(request, scene, context));
+  if (request.path.empty()) return keys;
+  if (keys.empty()) {
+    return BadInputError("render: there is no pose for --path " + request.path);
+  }
+  const int num_frames = request.num_frames();
+  if (request.path == "orbit") {
+    return request.choice.only.empty()
+               ? OrbitOfScene(keys, num_frames)
+               : OrbitOfObject(scene.model, keys, num_frames);
+  }
+  return request.path == "photos" ? PathOfPhotos(keys, num_frames)
+                                  : PathThrough(keys, num_frames);
+}
 
+// Calls `work` for each view, and reports progress.
+Status ForEachView(const std::vector<View>& views,
+                   const std::string& step,
+                   CommandContext& context,
+                   FunctionRef<Status(size_t)> work) {
   const bool terminal =
       &context.err == &std::cerr && isatty(STDERR_FILENO) != 0;
   pipeline::Logger logger(context.err, terminal, {});
@@ -320,14 +314,89 @@ Status RunRenderCommand(const std::vector<std::string>& arguments,
                               " of " + std::to_string(views.size()) +
                               " pictures");
     }
-    FREEGS_RETURN_IF_ERROR(renderer->Render(views[i], names[i]));
-    progress.Report({request.what,
+    FREEGS_RETURN_IF_ERROR(work(i));
+    progress.Report({step,
                      static_cast<double>(i + 1),
                      static_cast<double>(views.size()),
-                     names[i]});
+                     views[i].name});
   }
+  return Status();
+}
+
+Status WritePictures(const RenderRequest& request,
+                     const SceneToRender& shown,
+                     const std::vector<View>& views,
+                     ThreadPool& pool,
+                     CommandContext& context) {
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> names,
+                          OutputNames(views, ".png"));
+  FREEGS_ASSIGN_OR_RETURN(const std::unique_ptr<Renderer> renderer,
+                          MakeRenderer(request, shown, views, &pool));
+  FREEGS_RETURN_IF_ERROR(
+      ForEachView(views, request.what, context, [&](size_t i) {
+        return renderer->Render(views[i], names[i]);
+      }));
   context.out << views.size() << " pictures in " << request.out << "\n";
   return Status();
+}
+
+Status WriteFilm(const RenderRequest& request,
+                 const SceneToRender& shown,
+                 const std::vector<View>& views,
+                 ThreadPool& pool,
+                 CommandContext& context) {
+  constexpr int kDepthViews = 24;
+  FilmContent content;
+  content.what = request.what;
+  content.labels = shown.labels;
+  content.semantic_colors = shown.semantic_colors;
+  if (request.what == "depth") {
+    content.depth_range =
+        VisibleDepthRange(shown.scene.model, SpreadViews(views, kDepthViews));
+  }
+  const Pinhole& camera = views.front().camera;
+  const int width = request.what == "both" ? 2 * camera.width : camera.width;
+  FREEGS_ASSIGN_OR_RETURN(
+      const std::unique_ptr<FilmWriter> film,
+      FilmWriter::Open(request.video, width, camera.height, request.fps));
+  FREEGS_RETURN_IF_ERROR(ForEachView(views, "film", context, [&](size_t i) {
+    return film->Write(FilmPicture(shown.scene, content, views[i], pool));
+  }));
+  FREEGS_RETURN_IF_ERROR(film->Close());
+  context.out << views.size() << " pictures of " << width << " x "
+              << camera.height << " in " << request.video << "\n";
+  return Status();
+}
+
+}  // namespace
+
+CommandWords RenderWords() { return KeepWords<RenderRequest>(DescribeRender); }
+
+Status RunRenderCommand(const std::vector<std::string>& arguments,
+                        CommandContext& context) {
+  FREEGS_ASSIGN_OR_RETURN(const RenderRequest request,
+                          ParseRenderRequest(arguments));
+  if (!request.video.empty()) {
+    FREEGS_RETURN_IF_ERROR(CheckFilmPath(request.video));
+    FREEGS_RETURN_IF_ERROR(PrepareOutputFile(request.video));
+  }
+  WarnOfRun(request.workspace, context);
+  ThreadPool pool(pipeline::WorkingThreads(request.threads));
+  FREEGS_ASSIGN_OR_RETURN(const SceneToRender shown,
+                          ReadSceneToRender(request, pool));
+  const WorkspaceScene& scene = shown.scene;
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<View> views,
+                          ViewsOf(request, scene, context));
+  if (!request.out.empty()) {
+    FREEGS_RETURN_IF_ERROR(PrepareOutputFolder(request.out));
+  }
+  FREEGS_RETURN_IF_ERROR(
+      CheckVisible(scene.model, views, scene.render, "render", pool));
+  if (!request.out.empty()) {
+    FREEGS_RETURN_IF_ERROR(WritePictures(request, shown, views, pool, context));
+  }
+  if (request.video.empty()) return Status();
+  return WriteFilm(request, shown, views, pool, context);
 }
 
 }  // namespace freegs::stages

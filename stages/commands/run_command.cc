@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <system_error>
 #include <unistd.h>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "pipeline/stage_runner.h"
 #include "pipeline/version.h"
 #include "pipeline/workspace.h"
+#include "stages/commands/remembered_options.h"
 #include "stages/registry/pipeline_options.h"
 #include "stages/registry/stage_registry.h"
 
@@ -110,6 +112,9 @@ struct Request {
   std::string from;
   std::string to;
   std::string forced;
+
+  // What is to be said about remembered options; may be empty.
+  std::string note;
 };
 
 Status Execute(const Request& request,
@@ -123,6 +128,9 @@ Status Execute(const Request& request,
   logger.LogToFile(
       pipeline::LogLevel::kInfo,
       std::string("freegs_pipeline ") + pipeline::kProgramVersion + " begins");
+  if (!request.note.empty()) {
+    logger.Log(pipeline::LogLevel::kInfo, request.note);
+  }
   if (options.general.verbose) {
     for (const OptionTable::Option& option : table.options()) {
       if (option.section().empty()) continue;
@@ -146,47 +154,100 @@ Status Execute(const Request& request,
   return runner.Run();
 }
 
-// Notes the options of the command line for workspace.json. Paths are stored as
-// DisplayPath writes them.
-void Remember(const fs::path& workspace,
+struct RunWordsTargets {
+  PipelineOptions options;
+  std::string from;
+  std::string to;
+  std::vector<std::vector<std::string>> forget;
+};
+
+struct StageTargets {
+  PipelineOptions options;
+  std::vector<std::vector<std::string>> forget;
+};
+
+CommandWords DescribeRun(RunWordsTargets* targets) {
+  CommandWords words("run",
+                     "Brings all stages up to date: photographs in, a scene "
+                     "that knows its objects out.",
+                     MakeOptionTable(&targets->options));
+  words.AddArgument({.name = "IMAGES",
+                     .help = "Folder of the photos, or a film. Without it, "
+                             "photos and options are those that the workspace "
+                             "remembers from earlier commands.",
+                     .optional = true});
+  words.AddArgument(WorkspaceArgument());
+  const std::vector<std::string> stages = StageNames();
+  targets->from = stages.front();
+  targets->to = stages.back();
+  words.AddOption("from",
+                  &targets->from,
+                  {.help = "First stage to bring up to date; earlier ones are "
+                           "used as they are.",
+                   .value_name = "STAGE",
+                   .choices = stages});
+  words.AddOption("to",
+                  &targets->to,
+                  {.help = "Last stage to bring up to date.",
+                   .value_name = "STAGE",
+                   .choices = stages});
+  AddForgetOption(&targets->forget, &words);
+  return words;
+}
+
+CommandWords DescribeStage(StageTargets* targets) {
+  CommandWords words("stage",
+                     "Redoes one stage with the options that the workspace "
+                     "remembers and those given here, even if its result still "
+                     "holds.",
+                     MakeOptionTable(&targets->options));
+  words.AddArgument(
+      {.name = "STAGE", .help = "The stage to redo.", .choices = StageNames()});
+  words.AddArgument(WorkspaceArgument());
+  AddForgetOption(&targets->forget, &words);
+  return words;
+}
+
+// Reads what the workspace remembers, and drops from it what the command line
+// does not go on with. Notes what the run then uses and what it does not.
+Status Recall(const RunWordsTargets& targets,
+              const OptionTable::CommandLine& line,
               const OptionTable& table,
-              const std::vector<OptionSetting>& settings,
-              WorkspaceInfo* info) {
-  for (const OptionSetting& setting : settings) {
-    const OptionTable::Option* option = table.Find(setting.name);
-    if (option->section().empty()) continue;
-    info->settings[setting.name] =
-        option->spec.is_path && !setting.value.empty()
-            ? pipeline::DisplayPath(workspace, setting.value)
-            : setting.value;
+              Request* request) {
+  FREEGS_ASSIGN_OR_RETURN(request->info,
+                          pipeline::ReadWorkspaceInfo(request->workspace));
+  FREEGS_RETURN_IF_ERROR(ForgetOptions(targets.forget, table, &request->info));
+  std::map<std::string, std::string>& settings = request->info.settings;
+  const std::string others = OtherOptionsText(settings, line.settings);
+  const bool anew = line.positional.size() == 2 && targets.forget.empty();
+  if (anew) settings.clear();
+  if (!others.empty()) {
+    request->note =
+        anew ? "run: options of earlier commands do not hold any more: " +
+                   others + " (run WORKSPACE, without IMAGES, keeps them)"
+             : "run: uses remembered options: " + others;
   }
+  return Status();
 }
 
 }  // namespace
 
+CommandWords RunWords() { return KeepWords<RunWordsTargets>(DescribeRun); }
+
+CommandWords StageWords() { return KeepWords<StageTargets>(DescribeStage); }
+
 Status RunRunCommand(const std::vector<std::string>& arguments,
                      CommandContext& context) {
-  PipelineOptions options;
-  OptionTable table = MakeOptionTable(&options);
+  RunWordsTargets targets;
+  CommandWords command = DescribeRun(&targets);
+  OptionTable& table = command.table();
   Request request;
-  table.Add("from",
-            &request.from,
-            {.help = "First stage to bring up to date; earlier ones are used "
-                     "as they are."});
-  table.Add("to", &request.to, {.help = "Last stage to bring up to date."});
   FREEGS_ASSIGN_OR_RETURN(const OptionTable::CommandLine line,
-                          table.ParseCommandLine(arguments));
+                          command.Parse(arguments));
   const std::vector<std::string>& words = line.positional;
-  if (words.empty() || words.size() > 2) {
-    return InvalidArgumentError(
-        "run takes a folder of photos (or a film) and a workspace folder: run "
-        "IMAGES "
-        "WORKSPACE");
-  }
   request.workspace = Absolute(words.back());
   FREEGS_RETURN_IF_ERROR(CheckWorkspaceFolder(request.workspace));
-  FREEGS_ASSIGN_OR_RETURN(request.info,
-                          pipeline::ReadWorkspaceInfo(request.workspace));
+  FREEGS_RETURN_IF_ERROR(Recall(targets, line, table, &request));
   if (words.size() == 2) request.info.images = Absolute(words.front());
   if (request.info.images.empty()) {
     return InvalidArgumentError(
@@ -195,29 +256,28 @@ Status RunRunCommand(const std::vector<std::string>& arguments,
   }
   FREEGS_RETURN_IF_ERROR(
       CheckImagesFolder(request.info.images, request.workspace));
-  FREEGS_RETURN_IF_ERROR(
-      ApplySettings(request.workspace, line.settings, table));
+  RememberOptions(request.workspace, table, line.settings, &request.info);
+  std::vector<OptionSetting> settings =
+      RememberedSettings(request.workspace, request.info, table);
+  settings.insert(settings.end(), line.settings.begin(), line.settings.end());
+  FREEGS_RETURN_IF_ERROR(ApplySettings(request.workspace, settings, table));
+  request.from = targets.from;
+  request.to = targets.to;
   FREEGS_RETURN_IF_ERROR(PrepareOutputFolder(request.workspace));
   FREEGS_ASSIGN_OR_RETURN(const pipeline::WorkspaceLock lock,
                           pipeline::WorkspaceLock::Acquire(request.workspace));
-  request.info.settings.clear();
-  Remember(request.workspace, table, line.settings, &request.info);
   FREEGS_RETURN_IF_ERROR(
       pipeline::WriteWorkspaceInfo(request.workspace, request.info));
-  return Execute(request, options, table, context);
+  return Execute(request, targets.options, table, context);
 }
 
 Status RunStageCommand(const std::vector<std::string>& arguments,
                        CommandContext& context) {
-  PipelineOptions options;
-  OptionTable table = MakeOptionTable(&options);
+  StageTargets targets;
+  CommandWords command = DescribeStage(&targets);
+  OptionTable& table = command.table();
   FREEGS_ASSIGN_OR_RETURN(const OptionTable::CommandLine line,
-                          table.ParseCommandLine(arguments));
-  if (line.positional.size() != 2) {
-    return InvalidArgumentError(
-        "stage takes the name of a stage and a workspace: stage STAGE "
-        "WORKSPACE");
-  }
+                          command.Parse(arguments));
   Request request;
   request.forced = line.positional[0];
   request.from = request.forced;
@@ -231,14 +291,20 @@ Status RunStageCommand(const std::vector<std::string>& arguments,
                           pipeline::WorkspaceLock::Acquire(request.workspace));
   FREEGS_ASSIGN_OR_RETURN(request.info,
                           pipeline::ReadWorkspaceInfo(request.workspace));
-  Remember(request.workspace, table, line.settings, &request.info);
+  FREEGS_RETURN_IF_ERROR(ForgetOptions(targets.forget, table, &request.info));
+  const std::string others =
+      OtherOptionsText(request.info.settings, line.settings);
+  if (!others.empty()) {
+    request.note = "stage: uses remembered options: " + others;
+  }
+  RememberOptions(request.workspace, table, line.settings, &request.info);
   FREEGS_RETURN_IF_ERROR(
       ApplySettings(request.workspace,
                     RememberedSettings(request.workspace, request.info, table),
                     table));
   FREEGS_RETURN_IF_ERROR(
       pipeline::WriteWorkspaceInfo(request.workspace, request.info));
-  return Execute(request, options, table, context);
+  return Execute(request, targets.options, table, context);
 }
 
 }  // namespace freegs::stages

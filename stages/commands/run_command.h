@@ -12,14 +12,18 @@
 
 namespace freegs::stages {
 
+CommandWords RunWords();
+CommandWords StageWords();
+
 // Brings all stages from --from to --to up to date. IMAGES is a folder of
 // photos or a film. It may be left out when the workspace knows its photos from
-// an earlier run.
+// an earlier run; then the options that the workspace remembers are used, too
+// (stages/commands/remembered_options.h), and --forget drops some of them.
 Status RunRunCommand(const std::vector<std::string>& arguments,
                      CommandContext& context);
 
-// Redoes one stage with the settings of the last run and those given here, even
-// if its result still holds.
+// Redoes one stage with the options that the workspace remembers and those
+// given here, even if its result still holds.
 Status RunStageCommand(const std::vector<std::string>& arguments,
                        CommandContext& context);
 

@@ -3,6 +3,7 @@
 #include "stages/commands/status_command.h"
 
 #include <filesystem>
+#include <optional>
 #include <sstream>
 #include <system_error>
 #include <utility>
@@ -89,6 +90,85 @@ std::string SummaryText(const json& summary) {
   return text.str();
 }
 
+// An option that is not only in the program's defaults or a preset.
+struct StoredOption {
+  std::string name;
+  std::string value;
+  std::string source;  // "workspace.json" or "config.ini".
+  std::optional<std::string> default_value;  // None where it is unknown.
+  bool changed = false;  // Whether the value differs from the default.
+};
+
+// What the workspace remembers from earlier commands, then what config.ini sets
+// beside it.
+StatusOr<std::vector<StoredOption>> StoredOptions(
+    const fs::path& workspace, const pipeline::WorkspaceInfo& info) {
+  PipelineOptions options;
+  pipeline::OptionTable table = MakeOptionTable(&options);
+  std::vector<pipeline::OptionSetting> settings;
+  for (const auto& [name, value] : info.settings) {
+    settings.push_back({name, value, "workspace.json"});
+  }
+  std::error_code error;
+  const fs::path config = pipeline::ConfigPath(workspace);
+  if (fs::exists(config, error)) {
+    FREEGS_ASSIGN_OR_RETURN(const std::vector<pipeline::OptionSetting> given,
+                            table.ParseConfigFile(config));
+    for (const pipeline::OptionSetting& setting : given) {
+      if (info.settings.contains(setting.name)) continue;
+      settings.push_back({setting.name, setting.value, "config.ini"});
+    }
+  }
+  std::vector<StoredOption> stored;
+  for (const pipeline::OptionSetting& setting : settings) {
+    StoredOption option{
+        setting.name, setting.value, setting.source, std::nullopt, false};
+    if (const pipeline::OptionTable::Option* known = table.Find(option.name)) {
+      option.default_value = known->default_value;
+      // Compared as the table writes it: 1e3 is 1000.
+      option.changed = !table.Apply({setting}).ok() ||
+                       known->value() != known->default_value;
+    }
+    stored.push_back(std::move(option));
+  }
+  return stored;
+}
+
+json OptionJson(const StoredOption& option) {
+  return {{"name", option.name},
+          {"value", option.value},
+          {"source", option.source},
+          {"default",
+           option.default_value ? json(*option.default_value) : json(nullptr)},
+          {"changed", option.changed}};
+}
+
+// Lists the options of one source, those that differ from the default with a
+// star.
+void PrintOptions(const std::vector<StoredOption>& options,
+                  const std::string& source,
+                  const std::string& title,
+                  std::ostream& out) {
+  const auto shown = [](const std::string& text) {
+    return text.empty() ? std::string("none") : text;
+  };
+  bool first = true;
+  for (const StoredOption& option : options) {
+    if (option.source != source) continue;
+    if (std::exchange(first, false)) out << title << "\n";
+    out << (option.changed ? "* " : "  ") << option.name << " "
+        << shown(option.value);
+    if (!option.default_value) {
+      out << "  (this program has no such option)";
+    } else if (option.changed) {
+      out << "  (default " << shown(*option.default_value) << ")";
+    } else {
+      out << "  (the default)";
+    }
+    out << "\n";
+  }
+}
+
 void PrintReport(const StageReport& report, bool running, std::ostream& out) {
   const auto column = [](std::string text, size_t width) {
     text.resize(std::max(width, text.size()), ' ');
@@ -106,20 +186,37 @@ void PrintReport(const StageReport& report, bool running, std::ostream& out) {
   if (!state.note.empty()) out << column("", 30) << state.note << "\n";
 }
 
+struct StatusTargets {
+  PipelineOptions options;
+  bool json = false;
+};
+
+CommandWords DescribeStatus(StatusTargets* targets) {
+  CommandWords words("status",
+                     "Says what is done, what is stale and why, and which "
+                     "options the workspace remembers.",
+                     MakeOptionTable(&targets->options));
+  words.AddArgument(WorkspaceArgument());
+  words.AddOption("json", &targets->json, {.help = "Print JSON."});
+  words.ReferToOptionsOf("run");
+  words.AddNote(
+      "The state of the stages is what freegs_pipeline run WORKSPACE would "
+      "find with these options and the remembered ones. A remembered option "
+      "is dropped by freegs_pipeline run WORKSPACE --forget KEY.");
+  return words;
+}
+
 }  // namespace
+
+CommandWords StatusWords() { return KeepWords<StatusTargets>(DescribeStatus); }
 
 Status RunStatusCommand(const std::vector<std::string>& arguments,
                         CommandContext& context) {
-  PipelineOptions options;
-  pipeline::OptionTable table = MakeOptionTable(&options);
-  bool as_json = false;
-  table.Add("json", &as_json, {.help = "For programs."});
+  StatusTargets targets;
+  CommandWords words = DescribeStatus(&targets);
+  pipeline::OptionTable& table = words.table();
   FREEGS_ASSIGN_OR_RETURN(const pipeline::OptionTable::CommandLine line,
-                          table.ParseCommandLine(arguments));
-  if (line.positional.size() != 1) {
-    return InvalidArgumentError(
-        "status takes one workspace: status WORKSPACE [--json]");
-  }
+                          words.Parse(arguments));
   std::error_code error;
   const fs::path workspace =
       fs::absolute(line.positional[0], error).lexically_normal();
@@ -133,11 +230,14 @@ Status RunStatusCommand(const std::vector<std::string>& arguments,
   settings.insert(settings.end(), line.settings.begin(), line.settings.end());
   FREEGS_RETURN_IF_ERROR(ApplySettings(workspace, settings, table));
 
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<StoredOption> stored,
+                          StoredOptions(workspace, info));
+
   pipeline::Logger logger(context.err, /*terminal=*/false, "");
   pipeline::StageRunnerOptions runner_options;
   runner_options.workspace = workspace;
   runner_options.images = info.images;
-  pipeline::StageRunner runner(MakeStages(options, table),
+  pipeline::StageRunner runner(MakeStages(targets.options, table),
                                std::move(runner_options),
                                context.cancellation,
                                logger);
@@ -150,14 +250,19 @@ Status RunStatusCommand(const std::vector<std::string>& arguments,
   FREEGS_ASSIGN_OR_RETURN(const std::vector<StageReport> reports,
                           runner.Inspect());
 
-  if (as_json) {
+  if (targets.json) {
     json stages = json::array();
+    json options = json::array();
+    for (const StoredOption& option : stored) {
+      options.push_back(OptionJson(option));
+    }
     for (const StageReport& report : reports) {
       stages.push_back(ReportJson(report, running));
     }
     context.out << JsonText({{"workspace", workspace.string()},
                              {"photos", info.images.string()},
                              {"running", running},
+                             {"options", std::move(options)},
                              {"stages", std::move(stages)}});
     return Status();
   }
@@ -169,6 +274,16 @@ Status RunStatusCommand(const std::vector<std::string>& arguments,
   for (const StageReport& report : reports) {
     PrintReport(report, running, context.out);
   }
+  PrintOptions(
+      stored,
+      "workspace.json",
+      "remembered (* not the default; run WORKSPACE --forget KEY drops "
+      "one):",
+      context.out);
+  PrintOptions(stored,
+               "config.ini",
+               "set in config.ini (* not the default):",
+               context.out);
   return Status();
 }
 

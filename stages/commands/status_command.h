@@ -12,6 +12,8 @@
 
 namespace freegs::stages {
 
+CommandWords StatusWords();
+
 // Says what `run` would do now with the settings of the last run and those
 // given here.
 Status RunStatusCommand(const std::vector<std::string>& arguments,

@@ -11,13 +11,15 @@
 #include <system_error>
 #include <thread>
 #include <unistd.h>
+#include <utility>
 
 #include "pipeline/option_table.h"
 #include "stages/registry/pipeline_options.h"
 #include "stages/view/access.h"
+#include "stages/view/scene_cache.h"
 #include "stages/view/view_api.h"
 #include "stages/view/view_server.h"
-#include "stages/view/web_bundle.h"
+#include "stages/viewer/web_bundle.h"
 
 namespace freegs::stages {
 namespace {
@@ -44,50 +46,63 @@ Status OpenBrowser(const std::string& address) {
 }
 
 struct ViewRequest {
+  PipelineOptions options;
   ViewServerOptions server;
   bool open = false;
 };
+
+CommandWords DescribeView(ViewRequest* request) {
+  pipeline::OptionTable table = MakeOptionTable(&request->options);
+  table.LimitCommandLine({"general.threads", "query"});
+  CommandWords words("view",
+                     "Shows the scene, and a run under way, in the browser.",
+                     std::move(table));
+  words.AddArgument(WorkspaceArgument());
+  words.AddOption("port",
+                  &request->server.port,
+                  {.help = "Port of the page; 0 takes any free one. Without "
+                           "the option the next free one is taken when this "
+                           "is not.",
+                   .min = 0,
+                   .max = 65535});
+  words.AddOption("host",
+                  &request->server.address,
+                  {.help = "Address to listen at. Others than this machine's "
+                           "own can be reached from the network, with a "
+                           "token.",
+                   .value_name = "ADDRESS"});
+  words.AddOption("open",
+                  &request->open,
+                  {.help = "Show the page in the browser of the desktop."});
+  words.AddNote("Ctrl-C ends it.");
+  return words;
+}
 
 // Reads the command line and the workspace's options.
 Status ParseViewRequest(const std::vector<std::string>& arguments,
                         ViewRequest* request,
                         ViewApiOptions* api) {
-  PipelineOptions options;
-  pipeline::OptionTable table = MakeOptionTable(&options);
-  table.Add("port",
-            &request->server.port,
-            {.help = "Port of the page; 0 takes any free one. Without the "
-                     "option the next free one is taken when this is not.",
-             .min = 0,
-             .max = 65535});
-  table.Add("host",
-            &request->server.address,
-            {.help = "Address to listen at. Others than this machine's own "
-                     "can be reached from the network, with a token."});
-  table.Add("open",
-            &request->open,
-            {.help = "Show the page in the browser of the desktop."});
+  CommandWords words = DescribeView(request);
   FREEGS_ASSIGN_OR_RETURN(const pipeline::OptionTable::CommandLine line,
-                          table.ParseCommandLine(arguments));
-  if (line.positional.size() != 1) {
-    return InvalidArgumentError(
-        "view takes one workspace: view WORKSPACE [--port N] [--open]");
-  }
+                          words.Parse(arguments));
   std::error_code error;
   api->workspace = fs::absolute(line.positional[0], error).lexically_normal();
   if (!fs::is_directory(api->workspace, error)) {
     return BadInputError(api->workspace.string() + ": no such workspace");
   }
-  FREEGS_RETURN_IF_ERROR(ApplySettings(api->workspace, line.settings, table));
+  FREEGS_RETURN_IF_ERROR(
+      ApplySettings(api->workspace, line.settings, words.table()));
   for (const pipeline::OptionSetting& setting : line.settings) {
     if (setting.name == "port") request->server.more_ports = 0;
   }
-  api->query_defaults.text_options = options.query;
-  api->query_defaults.threads = options.general.threads;
+  api->query_defaults.text_options = request->options.query;
+  api->query_defaults.threads = request->options.general.threads;
   return Status();
 }
 
 }  // namespace
+
+CommandWords ViewWords() { return KeepWords<ViewRequest>(DescribeView); }
 
 Status RunViewCommand(const std::vector<std::string>& arguments,
                       CommandContext& context) {
@@ -100,7 +115,10 @@ Status RunViewCommand(const std::vector<std::string>& arguments,
     FREEGS_ASSIGN_OR_RETURN(rules.token, MakeToken());
   }
   const StatusOr<fs::path> web = FindWebBundle();
-  if (web.ok()) options.web = *web;
+  if (web.ok()) {
+    options.web = *web;
+    options.make_scene = MakeSceneParts;
+  }
 
   FREEGS_ASSIGN_OR_RETURN(const std::unique_ptr<ViewServer> server,
                           ViewServer::Bind(request.server));

@@ -12,6 +12,8 @@
 
 namespace freegs::stages {
 
+CommandWords ViewWords();
+
 // Serves the workspace until the command is cancelled, which is its normal end
 // and no error. Prints "view: ADDRESS" once it listens.
 //   --port N         the port; without it 8717 or the next that is free

@@ -19,15 +19,16 @@
 
 #include "core/io/files.h"
 #include "core/io/image_io.h"
-#include "core/io/json_text.h"
 #include "core/number_text.h"
 #include "semantics/instances/instances_json.h"
 #include "semantics/instances/palette.h"
 #include "splat/render/renderer.h"
 #include "splat/scene/ply_io.h"
 #include "splat/scene/splat_format.h"
+#include "splat/scene/spz_format.h"
 #include "stages/export/box_wireframe.h"
 #include "stages/export/html.h"
+#include "stages/export/instance_files.h"
 #include "stages/export/report_data.h"
 #include "stages/export/report_page.h"
 #include "stages/export/report_views.h"
@@ -38,6 +39,8 @@
 #include "stages/scene/view_selection.h"
 #include "stages/scene/working_frame.h"
 #include "stages/scene/workspace_scene.h"
+#include "stages/viewer/viewer_scene.h"
+#include "stages/viewer/web_bundle.h"
 
 namespace freegs::stages {
 namespace {
@@ -47,6 +50,12 @@ namespace fs = std::filesystem;
 // Of a view that is drawn: colour (3 floats), transmittance, depth and label (4
 // bytes each), and two 8-bit pictures.
 constexpr int64_t kBytesPerPixel = 30;
+
+// The page with its pictures and its script should be no larger than what
+// people send each other. Base64 makes a third more of this.
+constexpr int64_t kMaxPageSplatBytes = 4 << 20;
+
+constexpr uint64_t kMaxBundleBytes = 64 << 20;
 
 // The instances of bootstrap/.
 struct SceneInstances {
@@ -74,37 +83,6 @@ std::array<uint8_t, 3> InstanceColor(const semantics::Instance& instance) {
   return semantics::PaletteColor(instance.id - 1);
 }
 
-std::string InstanceName(const semantics::Instance& instance) {
-  return instance.words.empty() ? "instance " + std::to_string(instance.id)
-                                : instance.words.front();
-}
-
-// The boxes in the form of an object file (stages/evaluation/ground_truth.h).
-nlohmann::json BoxesJson(const std::vector<semantics::Instance>& instances) {
-  const auto vector = [](const Eigen::Vector3d& v) {
-    return nlohmann::json::array({v.x(), v.y(), v.z()});
-  };
-  nlohmann::json objects = nlohmann::json::array();
-  for (const semantics::Instance& instance : instances) {
-    nlohmann::json rotation = nlohmann::json::array();
-    for (int row = 0; row < 3; ++row) {
-      rotation.push_back(
-          vector(instance.obb.rotation.row(row).transpose().eval()));
-    }
-    objects.push_back({{"id", instance.id},
-                       {"label", InstanceName(instance)},
-                       {"background", instance.background},
-                       {"aabb",
-                        {{"min", vector(instance.aabb.min)},
-                         {"max", vector(instance.aabb.max)}}},
-                       {"obb",
-                        {{"center", vector(instance.obb.center)},
-                         {"size", vector(instance.obb.size)},
-                         {"rotation", std::move(rotation)}}}});
-  }
-  return {{"objects", std::move(objects)}};
-}
-
 class ExportStage : public pipeline::Stage {
  public:
   explicit ExportStage(const ExportStageOptions& options) : options_(options) {}
@@ -120,7 +98,8 @@ class ExportStage : public pipeline::Stage {
             "reconstruct/metrics.json",
             "reconstruct/progress.csv",
             "bootstrap/idsf.bin",
-            "bootstrap/instances.json"};
+            "bootstrap/instances.json",
+            "bootstrap/hierarchy.json"};
   }
 
   pipeline::MemoryNeed ExpectedMemory(
@@ -154,6 +133,15 @@ class ExportStage : public pipeline::Stage {
         context.output / "scene.ply", world.model, world.offset));
     FREEGS_RETURN_IF_ERROR(
         splat::WriteSplat(context.output / "scene.splat", world.model));
+    // Positions that do not fit into the format are no fault of the scene.
+    const Status spz =
+        splat::WriteSpz(context.output / "scene.spz", world.model);
+    if (spz.code() == StatusCode::kBadInput) {
+      context.log(pipeline::LogLevel::kWarning,
+                  "export: no scene.spz: " + spz.message());
+    } else {
+      FREEGS_RETURN_IF_ERROR(spz);
+    }
     if (found) {
       FREEGS_RETURN_IF_ERROR(WriteInstances(world, *found, context));
       FREEGS_RETURN_IF_ERROR(WriteMasks(scene, *found, context));
@@ -173,8 +161,8 @@ class ExportStage : public pipeline::Stage {
         splat::WritePly(context.output / "instances.ply",
                         ColorByInstance(world.model, found.labels),
                         world.offset));
-    FREEGS_RETURN_IF_ERROR(WriteFileAtomic(
-        context.output / "boxes.json", JsonText(BoxesJson(found.instances))));
+    FREEGS_RETURN_IF_ERROR(WriteFileAtomic(context.output / "boxes.json",
+                                           BoxesJson(found.instances)));
     // The box of a floor would hide all others.
     std::vector<ColoredBox> boxes;
     for (const semantics::Instance& instance : found.instances) {
@@ -260,10 +248,39 @@ class ExportStage : public pipeline::Stage {
       }
       data.views.push_back(std::move(view));
     }
+    FREEGS_RETURN_IF_ERROR(WriteViewer(context, &data));
     ListFiles(context.output, &data);
     context.summary["report_views"] = views.size();
     return WriteFileAtomic(context.output / "report" / "index.html",
                            RenderReportPage(data));
+  }
+
+  // The scene and the script of the 3D view. Without the script, the page says
+  // why it has no such view.
+  static Status WriteViewer(pipeline::StageContext& context, ReportData* data) {
+    const StatusOr<fs::path> bundle = FindWebBundle();
+    if (!bundle.ok()) {
+      data->no_viewer = bundle.status().message();
+      context.log(pipeline::LogLevel::kWarning,
+                  "export: " + data->no_viewer);
+      return Status();
+    }
+    const fs::path report = context.output / "report";
+    for (const char* name : {"viewer.js", "viewer.css", "licenses.txt"}) {
+      FREEGS_ASSIGN_OR_RETURN(
+          const std::string bytes,
+          ReadFile(*bundle / name, kMaxBundleBytes));
+      FREEGS_RETURN_IF_ERROR(WriteFileAtomic(report / name, bytes));
+    }
+    ViewerSceneOptions options;
+    options.max_bytes = kMaxPageSplatBytes;
+    for (const ReportView& view : data->views) {
+      if (!view.photo.empty()) options.pictures[view.name] = view.photo;
+    }
+    FREEGS_ASSIGN_OR_RETURN(const ViewerScene scene,
+                            MakeViewerScene(context.workspace, options));
+    data->has_viewer = true;
+    return WriteFileAtomic(report / "scene.js", ViewerSceneScript(scene));
   }
 
   static void FillInstances(const std::vector<semantics::Instance>& instances,
@@ -299,6 +316,7 @@ class ExportStage : public pipeline::Stage {
     const std::pair<const char*, const char*> known[] = {
         {"scene.ply", "the scene, for any 3D Gaussian Splatting viewer"},
         {"scene.splat", "the scene, for web viewers"},
+        {"scene.spz", "the scene, compressed, for web viewers and others"},
         {"instances.ply", "the scene in its instances' colours"},
         {"boxes.json", "boxes of the instances"},
         {"boxes.ply", "boxes as a mesh"}};

@@ -28,7 +28,7 @@ void RegisterExportOptions(ExportStageOptions& options,
 // Reads undistort/, reconstruct/ and, if it exists, bootstrap/; for the report
 // also the stage.json and other files of all stages. Writes (docs/outputs.md
 // has the formats)
-//   scene.ply, scene.splat      the Gaussians
+//   scene.ply, .splat, .spz     the Gaussians
 //   instances.ply               the Gaussians in their instances' colours
 //   masks/VIEW/ID.png           0 or 255, of the photo's size
 //   boxes.json, boxes.ply       the boxes of the instances

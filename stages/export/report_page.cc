@@ -4,6 +4,9 @@
 
 #include <cstdio>
 
+#include <nlohmann/json.hpp>
+
+#include "core/io/json_text.h"
 #include "core/number_text.h"
 #include "stages/export/html.h"
 #include "stages/export/report_style.h"
@@ -73,17 +76,42 @@ void AppendViews(const ReportData& data, std::string* html) {
   }
 }
 
-void AppendCurves(const TrainingCurves& curves, std::string* html) {
+void AppendScene(const ReportData& data, std::string* html) {
+  *html += "<h2>Scene</h2>\n";
+  if (!data.has_viewer) {
+    *html += "<p class=\"quiet\">There is no 3D view here: " +
+             EscapeHtml(data.no_viewer) + "</p>\n";
+    return;
+  }
+  *html +=
+      "<div id=\"scene3d\" data-scene=\"scene.js\"><p class=\"quiet\">The 3D "
+      "view needs scripts and WebGL 2; the pictures below need neither."
+      "</p></div>\n";
+}
+
+void AppendCurves(const ReportData& data, std::string* html) {
   *html += "<h2>Training</h2>\n";
-  const std::string charts =
-      LineChartSvg(curves.loss, "Loss", 4) +
-      LineChartSvg(curves.holdout_psnr, "Holdout PSNR, dB", 2) +
-      LineChartSvg(curves.num_gaussians, "Gaussians", 0);
-  *html += charts.empty()
-               ? "<p class=\"quiet\">The course of the training is not "
-                 "there.</p>\n"
-               : "<div class=\"charts\">\n" + charts +
-                     "</div>\n<p class=\"quiet\">Over iterations.</p>\n";
+  if (data.curves.loss.size() < 2) {
+    *html +=
+        "<p class=\"quiet\">The course of the training is not there.</p>\n";
+    return;
+  }
+  if (!data.has_viewer) {
+    *html +=
+        "<p class=\"quiet\">Its course is in reconstruct/progress.csv; the "
+        "charts come with the 3D view.</p>\n";
+    return;
+  }
+  // In a script, "<" could begin its end.
+  std::string json = JsonText(TrainingCurvesJson(data.curves), -1);
+  for (size_t at = 0; (at = json.find('<', at)) != std::string::npos;) {
+    json.replace(at, 1, "\\u003c");
+  }
+  *html +=
+      "<div class=\"charts\" id=\"training\"><p class=\"quiet\">The charts "
+      "need scripts; the numbers are in reconstruct/progress.csv.</p></div>\n"
+      "<script type=\"application/json\" id=\"curves\">" +
+      json + "</script>\n";
 }
 
 std::string Swatch(const std::array<uint8_t, 3>& color) {
@@ -183,7 +211,10 @@ std::string RenderReportPage(const ReportData& data) {
       "<meta name=\"viewport\" content=\"width=device-width, "
       "initial-scale=1\">\n<title>" +
       EscapeHtml(data.title) + "</title>\n<style>" + std::string(kReportStyle) +
-      "</style>\n</head>\n<body>\n<main>\n<header>\n<h1>" +
+      "</style>\n" +
+      (data.has_viewer ? "<link rel=\"stylesheet\" href=\"viewer.css\">\n"
+                       : "") +
+      "</head>\n<body>\n<main>\n<header>\n<h1>" +
       EscapeHtml(data.title) + "</h1>\n";
   if (!data.subtitle.empty()) {
     html += "<p class=\"quiet\">" + EscapeHtml(data.subtitle) + "</p>\n";
@@ -193,13 +224,25 @@ std::string RenderReportPage(const ReportData& data) {
   }
   html += "</header>\n";
   AppendFigures(data.figures, &html);
+  if (data.has_viewer) html += "<section id=\"live\" hidden></section>\n";
+  AppendScene(data, &html);
   AppendViews(data, &html);
-  AppendCurves(data.curves, &html);
+  AppendCurves(data, &html);
   AppendInstances(data, &html);
   AppendStages(data.stages, &html);
   AppendFiles(data.files, &html);
-  html += "<footer>" + EscapeHtml(data.footer) +
-          "</footer>\n</main>\n</body>\n</html>\n";
+  html += "<footer>" + EscapeHtml(data.footer);
+  if (data.has_viewer) {
+    html +=
+        ". The 3D view holds work of others: <a "
+        "href=\"licenses.txt\">licences</a>";
+  }
+  html += "</footer>\n</main>\n";
+  // Large scenes: the page is there before its script.
+  if (data.has_viewer) {
+    html += "<script src=\"viewer.js\" defer></script>\n";
+  }
+  html += "</body>\n</html>\n";
   return html;
 }
 

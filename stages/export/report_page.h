@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Renders the report as one HTML page that needs no scripts and no network.
+// Renders the report as one HTML page. It needs no network, and only its 3D view
+// and its charts need scripts.
 //
 //   ReportData data = GatherReportData(workspace);   // report_data.h
 //   data.views.push_back(view);                      // from report_views.h
@@ -81,6 +82,11 @@ struct ReportData {
   std::vector<ReportStage> stages;
   std::vector<ReportFile> files;
   std::string footer;
+
+  // The page's script is beside it as viewer.js, with viewer.css, licenses.txt
+  // and the scene in scene.js. If not, `no_viewer` says why.
+  bool has_viewer = false;
+  std::string no_viewer;
 };
 
 std::string RenderReportPage(const ReportData& data);

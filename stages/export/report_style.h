@@ -11,12 +11,12 @@ namespace freegs::stages {
 inline constexpr std::string_view kReportStyle = R"css(
 :root {
   color-scheme: light dark;
-  --page: #fbfaf8; --card: #ffffff; --line: #e4e1db;
+  --page: #fbfaf8; --card: #ffffff; --line: #e4e1db; --edge: #8d8a83;
   --text: #23211e; --quiet: #6d6961; --accent: #1f6f8b; --warn: #9a5b00;
 }
 @media (prefers-color-scheme: dark) {
   :root {
-    --page: #17181a; --card: #1f2123; --line: #34373a;
+    --page: #17181a; --card: #1f2123; --line: #34373a; --edge: #7b7f83;
     --text: #e8e6e2; --quiet: #9d9a94; --accent: #6fc0dc; --warn: #e0a85a;
   }
 }
@@ -30,7 +30,7 @@ h1 { font-size: 1.7rem; line-height: 1.2; margin: 0; overflow-wrap: anywhere; }
 h2 { font-size: 1.15rem; margin: 2.8rem 0 .8rem; }
 p { margin: .3rem 0; max-width: 46rem; }
 a { color: var(--accent); }
-.quiet, figcaption, th, .tick, .chart-title { color: var(--quiet); }
+.quiet, figcaption, th { color: var(--quiet); }
 .warning { color: var(--warn); }
 .figures {
   display: grid; gap: .75rem; margin: 1.6rem 0 0; padding: 0;
@@ -67,17 +67,6 @@ figcaption { font-size: .78rem; margin-top: .15rem; }
   display: grid; gap: 1.5rem;
   grid-template-columns: repeat(auto-fit, minmax(17rem, 1fr));
 }
-.chart { width: 100%; max-width: 28rem; height: auto; }
-.chart text { font-size: 12px; fill: currentColor; }
-.chart .chart-title, .chart .tick { fill: var(--quiet); }
-.chart .chart-value { font-weight: 600; }
-.chart .tick { font-size: 11px; }
-.chart .grid { stroke: var(--line); }
-.chart .curve {
-  fill: none; stroke: var(--accent); stroke-width: 1.8;
-  stroke-linejoin: round;
-}
-.chart .end { fill: var(--accent); }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
 th, td {

@@ -2,28 +2,21 @@
 
 #include "stages/export/training_curve.h"
 
-#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <map>
 #include <optional>
 
-#include "core/number_text.h"
-#include "stages/export/html.h"
+#include <nlohmann/json.hpp>
 
 namespace freegs::stages {
 namespace {
 
-// Size of a chart in its own units; the page scales it.
-constexpr double kWidth = 360;
-constexpr double kHeight = 200;
-constexpr double kLeft = 52;
-constexpr double kRight = 14;
-constexpr double kTop = 34;
-constexpr double kBottom = 26;
-
-// More points than the chart has columns are thinned to about this many.
-constexpr size_t kMaxPoints = 400;
+// Longer courses are thinned to about so many rows.
+constexpr size_t kMaxRows = 800;
 
 std::vector<std::string_view> Split(std::string_view text, char separator) {
   std::vector<std::string_view> parts;
@@ -43,65 +36,6 @@ std::optional<double> Number(std::string_view text) {
   while (*end == ' ' || *end == '\r') ++end;
   if (*end != '\0') return std::nullopt;
   return value;
-}
-
-// A step of 1, 2 or 5 times a power of ten that divides `range` into two to
-// five parts.
-double RoundStep(double range) {
-  const double power = std::pow(10.0, std::floor(std::log10(range)));
-  for (const double factor : {0.2, 0.5, 1.0, 2.0}) {
-    if (range / (factor * power) <= 5.0) return factor * power;
-  }
-  return 5 * power;
-}
-
-// "7k" for 7000, "0.05" for 0.05.
-std::string TickLabel(double value) {
-  if (std::abs(value) >= 1e6) return FormatFixed(value / 1e6, 1) + "M";
-  if (std::abs(value) >= 1000) {
-    const double thousands = value / 1000;
-    const bool whole = std::abs(thousands - std::round(thousands)) < 0.05;
-    return FormatFixed(thousands, whole ? 0 : 1) + "k";
-  }
-  std::string text = FormatFixed(value, 4);
-  text.erase(text.find_last_not_of('0') + 1);
-  if (text.ends_with('.')) text.pop_back();
-  return text;
-}
-
-std::string Coordinate(double value) { return FormatFixed(value, 1); }
-
-struct Axis {
-  double low = 0;
-  double high = 1;
-  double step = 1;
-  double from = 0;  // Where `low` is drawn.
-  double to = 1;    // Where `high` is drawn.
-
-  double Place(double value) const {
-    return from + (value - low) / (high - low) * (to - from);
-  }
-};
-
-// An axis from the least to the greatest value, widened when these coincide.
-Axis MakeAxis(double low, double high, double from, double to) {
-  if (!(high > low)) {
-    const double margin = std::max(1e-6, 0.05 * std::abs(high));
-    low -= margin;
-    high += margin;
-  }
-  return {low, high, RoundStep(high - low), from, to};
-}
-
-std::vector<double> Ticks(const Axis& axis) {
-  std::vector<double> ticks;
-  const double first = std::ceil(axis.low / axis.step - 1e-9) * axis.step;
-  for (int k = 0; k < 8; ++k) {
-    const double value = first + k * axis.step;
-    if (value > axis.high + 1e-9 * axis.step) break;
-    ticks.push_back(std::abs(value) < 1e-9 * axis.step ? 0.0 : value);
-  }
-  return ticks;
 }
 
 }  // namespace
@@ -134,57 +68,30 @@ TrainingCurves ParseTrainingCurves(std::string_view csv) {
   return curves;
 }
 
-std::string LineChartSvg(const std::vector<CurvePoint>& points,
-                         const std::string& title,
-                         int decimals) {
-  if (points.size() < 2) return "";
-  const auto by_x = [](const CurvePoint& a, const CurvePoint& b) {
-    return a.x < b.x;
-  };
-  const auto by_y = [](const CurvePoint& a, const CurvePoint& b) {
-    return a.y < b.y;
-  };
-  const auto [low_x, high_x] =
-      std::minmax_element(points.begin(), points.end(), by_x);
-  const auto [low_y, high_y] =
-      std::minmax_element(points.begin(), points.end(), by_y);
-  const Axis x = MakeAxis(low_x->x, high_x->x, kLeft, kWidth - kRight);
-  const Axis y = MakeAxis(low_y->y, high_y->y, kHeight - kBottom, kTop);
-
-  const CurvePoint& last = points.back();
-  const std::string value = decimals == 0 ? FormatCount(std::llround(last.y))
-                                          : FormatFixed(last.y, decimals);
-  std::string svg =
-      "<svg class=\"chart\" viewBox=\"0 0 360 200\" role=\"img\" "
-      "aria-label=\"" +
-      EscapeHtml(title) + " over iterations, " + value + " at the end\">\n";
-  svg += "<text class=\"chart-title\" x=\"0\" y=\"14\">" + EscapeHtml(title) +
-         "</text>\n<text class=\"chart-value\" x=\"346\" y=\"14\" "
-         "text-anchor=\"end\">" +
-         value + "</text>\n";
-  for (const double tick : Ticks(y)) {
-    const std::string at = Coordinate(y.Place(tick));
-    svg += "<line class=\"grid\" x1=\"52\" x2=\"346\" y1=\"" + at + "\" y2=\"" +
-           at + "\"/><text class=\"tick\" x=\"46\" y=\"" +
-           Coordinate(y.Place(tick) + 3.5) + "\" text-anchor=\"end\">" +
-           TickLabel(tick) + "</text>\n";
+nlohmann::json TrainingCurvesJson(const TrainingCurves& curves) {
+  std::map<double, std::array<std::optional<double>, 3>> rows;
+  const std::vector<CurvePoint>* columns[] = {
+      &curves.loss, &curves.holdout_psnr, &curves.num_gaussians};
+  for (size_t c = 0; c < 3; ++c) {
+    for (const CurvePoint& point : *columns[c]) rows[point.x][c] = point.y;
   }
-  for (const double tick : Ticks(x)) {
-    svg += "<text class=\"tick\" x=\"" + Coordinate(x.Place(tick)) +
-           "\" y=\"194\" text-anchor=\"middle\">" + TickLabel(tick) +
-           "</text>\n";
+  nlohmann::json json = {{"iteration", nlohmann::json::array()},
+                         {"loss", nlohmann::json::array()},
+                         {"holdout_psnr", nlohmann::json::array()},
+                         {"num_gaussians", nlohmann::json::array()}};
+  const size_t step = 1 + rows.size() / kMaxRows;
+  size_t at = 0;
+  for (const auto& [iteration, values] : rows) {
+    // PSNR is measured in few rows, and the last row is the result.
+    if (at++ % step != 0 && !values[1] && at != rows.size()) continue;
+    json["iteration"].push_back(iteration);
+    const char* names[] = {"loss", "holdout_psnr", "num_gaussians"};
+    for (size_t c = 0; c < 3; ++c) {
+      json[names[c]].push_back(values[c] ? nlohmann::json(*values[c])
+                                         : nlohmann::json());
+    }
   }
-  const size_t stride = points.size() / kMaxPoints + 1;
-  std::string path;
-  for (size_t i = 0; i < points.size(); ++i) {
-    if (i % stride != 0 && i + 1 != points.size()) continue;
-    path += (path.empty() ? "M" : "L") + Coordinate(x.Place(points[i].x)) +
-            " " + Coordinate(y.Place(points[i].y));
-  }
-  svg += "<path class=\"curve\" d=\"" + path +
-         "\"/>\n<circle class=\"end\" cx=\"" + Coordinate(x.Place(last.x)) +
-         "\" cy=\"" + Coordinate(y.Place(last.y)) + "\" r=\"3\"/>\n</svg>\n";
-  return svg;
+  return json;
 }
 
 }  // namespace freegs::stages

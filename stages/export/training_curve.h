@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Draws the course of the training as small line charts.
+// The course of the training, for the charts of the page.
 
 #ifndef FREEGS_STAGES_EXPORT_TRAINING_CURVE_H_
 #define FREEGS_STAGES_EXPORT_TRAINING_CURVE_H_
 
-#include <string>
 #include <string_view>
 #include <vector>
+
+#include <nlohmann/json_fwd.hpp>
 
 namespace freegs::stages {
 
@@ -27,13 +28,10 @@ struct TrainingCurves {
 // empty.
 TrainingCurves ParseTrainingCurves(std::string_view csv);
 
-// Returns an <svg> element with one line over iterations. Each axis has three
-// round numbers, the last value is written at the end of the line with so many
-// `decimals`, and colours come from the page's CSS variables. `title` says what
-// y is. The text is empty for fewer than two points.
-std::string LineChartSvg(const std::vector<CurvePoint>& points,
-                         const std::string& title,
-                         int decimals);
+// {"iteration": [...], "loss": [...], "holdout_psnr": [...],
+//  "num_gaussians": [...]}, all of one length, null where a row has no such
+// number. Long courses are thinned.
+nlohmann::json TrainingCurvesJson(const TrainingCurves& curves);
 
 }  // namespace freegs::stages
 

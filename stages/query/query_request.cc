@@ -13,9 +13,6 @@
 namespace freegs::stages {
 namespace {
 
-constexpr char kUsage[] =
-    "query WORKSPACE (--text WORDS | --example IMAGE | --click VIEW X Y "
-    "[--wider N | --narrower N] | --box VIEW X0 Y0 X1 Y1)";
 constexpr int kMaxLevels = 1000;
 
 StatusOr<double> ParseNumber(const std::string& word,
@@ -30,111 +27,133 @@ StatusOr<double> ParseNumber(const std::string& word,
   return value;
 }
 
-// Takes an option of several values, such as "--click VIEW X Y", out of the
-// arguments. The option table only knows options of one value.
-StatusOr<std::optional<ViewPlace>> TakePlace(
+// Reads "VIEW X Y ...", the values of an option that is given at most once.
+StatusOr<std::optional<ViewPlace>> ParsePlace(
     const std::string& option,
-    size_t num_numbers,
-    std::vector<std::string>* arguments) {
-  const auto found = std::find(arguments->begin(), arguments->end(), option);
-  if (found == arguments->end()) return std::optional<ViewPlace>();
-  const auto words = static_cast<size_t>(arguments->end() - found) - 1;
-  if (words < num_numbers + 1) {
-    return InvalidArgumentError(option + " needs a view and " +
-                                std::to_string(num_numbers) +
-                                " numbers: " + kUsage);
-  }
+    const std::vector<std::vector<std::string>>& given) {
+  if (given.empty()) return std::optional<ViewPlace>();
+  const std::vector<std::string>& values = given.front();
   ViewPlace place;
-  place.view = found[1];
-  for (size_t k = 0; k < num_numbers; ++k) {
-    FREEGS_ASSIGN_OR_RETURN(
-        const double number,
-        ParseNumber(found[static_cast<int64_t>(k) + 2], option));
+  place.view = values[0];
+  for (size_t k = 1; k < values.size(); ++k) {
+    FREEGS_ASSIGN_OR_RETURN(const double number,
+                            ParseNumber(values[k], option));
     place.numbers.push_back(number);
-  }
-  arguments->erase(found, found + static_cast<int64_t>(num_numbers) + 2);
-  if (std::find(arguments->begin(), arguments->end(), option) !=
-      arguments->end()) {
-    return InvalidArgumentError(option + " is given twice");
   }
   return std::optional(std::move(place));
 }
 
-struct Levels {
+// Where the words of the command line are put.
+struct QueryTargets {
+  PipelineOptions options;
+  QueryRequest request;
+  std::string text;
+  std::string example;
+  std::vector<std::vector<std::string>> click;
+  std::vector<std::vector<std::string>> box;
   int wider = 1;
   int narrower = 1;
 };
 
-void AddWords(QueryRequest* request,
-              std::string* text,
-              std::string* example,
-              Levels* levels,
-              pipeline::OptionTable* table) {
-  table->Add("text", text, {.help = "Words for what is looked for."});
-  table->Add("example", example, {.help = "Picture of what is looked for."});
-  table->Add("wider",
-             &levels->wider,
-             {.help = "So many levels above the instance that is clicked: what "
-                      "it is a part of.",
-              .min = 1,
-              .max = kMaxLevels});
-  table->Add("narrower",
-             &levels->narrower,
-             {.help = "So many levels below the instance that is clicked: its "
-                      "part that was clicked.",
-              .min = 1,
-              .max = kMaxLevels});
-  table->Add("out", &request->out, {.help = "Folder for masks."});
-  table->Add("json", &request->json, {.help = "Print JSON."});
-  table->Add(
+void AddQuestions(QueryTargets* targets, CommandWords* words) {
+  words->AddOption(
+      "text",
+      &targets->text,
+      {.help = "Words for what is looked for.", .value_name = "WORDS"});
+  words->AddOption(
+      "example",
+      &targets->example,
+      {.help = "Picture of what is looked for.", .value_name = "IMAGE"});
+  words->AddListOption({.name = "click",
+                        .value_names = {"VIEW", "X", "Y"},
+                        .help = "The instance at a pixel of a view. VIEW is "
+                                "the name of a photo or of a camera.",
+                        .target = &targets->click});
+  words->AddListOption(
+      {.name = "box",
+       .value_names = {"VIEW", "X0", "Y0", "X1", "Y1"},
+       .help = "The instance that a box is drawn around, from pixel X0 Y0 to "
+               "X1 Y1 of a view.",
+       .target = &targets->box});
+  words->RequireOneOf({"text", "example", "click", "box"});
+  words->AddOption("wider",
+                   &targets->wider,
+                   {.help = "With --click: so many levels above the instance "
+                            "that is clicked: what it is a part of.",
+                    .min = 1,
+                    .max = kMaxLevels});
+  words->AddOption("narrower",
+                   &targets->narrower,
+                   {.help = "With --click: so many levels below the instance "
+                            "that is clicked: its part that was clicked.",
+                    .min = 1,
+                    .max = kMaxLevels});
+}
+
+void AddAnswers(QueryRequest* request, CommandWords* words) {
+  words->AddOption("out",
+                   &request->out,
+                   {.help = "Folder for masks, overlays and query.json.",
+                    .value_name = "DIR"});
+  words->AddOption("json", &request->json, {.help = "Print JSON."});
+  words->AddOption(
       "cameras",
       &request->cameras,
-      {.help = "JSON file of cameras; without it, those of the photos."});
-  table->Add("no-align",
-             &request->no_align,
-             {.help = "The cameras are in the scene's own world frame."});
-  table->Add("size",
-             &request->size,
-             {.help = "Longest side of the masks in pixels at most; 0 is the "
-                      "photos' or the camera file's.",
-              .min = 0});
-  table->Add("model",
-             &request->model,
-             {.help = "Folder of the CLIP model, where it is not the one the "
-                      "scene was made with or has moved."});
-  table->Add("max-hits",
-             &request->max_hits,
-             {.help = "Instances at most; 0 is all that pass.", .min = 0});
-  table->Add("min-cosine",
-             &request->min_cosine,
-             {.help = "Instances less like the example are not hits.",
-              .min = -1,
-              .max = 1});
-  table->AddAlias("min-relevancy", "query.min_relevancy");
-  table->AddAlias("background", "query.background");
+      {.help = "JSON file of cameras; without it, those of the photos.",
+       .value_name = "FILE"});
+  words->AddOption("no-align",
+                   &request->no_align,
+                   {.help = "The cameras are in the scene's own world frame."});
+  words->AddOption("size",
+                   &request->size,
+                   {.help = "Longest side of the masks in pixels at most; 0 is "
+                            "the photos' or the camera file's.",
+                    .min = 0});
+  words->AddOption("model",
+                   &request->model,
+                   {.help = "Folder of the CLIP model, where it is not the one "
+                            "the scene was made with or has moved.",
+                    .value_name = "DIR"});
+  words->AddOption(
+      "max-hits",
+      &request->max_hits,
+      {.help = "Instances at most; 0 is all that pass.", .min = 0});
+  words->AddOption(
+      "min-cosine",
+      &request->min_cosine,
+      {.help = "With --example: instances less like it are not hits.",
+       .min = -1,
+       .max = 1});
+}
+
+CommandWords DescribeQuery(QueryTargets* targets) {
+  pipeline::OptionTable table = MakeOptionTable(&targets->options);
+  table.LimitCommandLine({"general.threads", "query"});
+  table.AddAlias("min-relevancy", "query.min_relevancy");
+  table.AddAlias("background", "query.background");
+  CommandWords words("query",
+                     "Finds the instance that is meant, in space and in every "
+                     "view.",
+                     std::move(table));
+  words.AddArgument(WorkspaceArgument());
+  AddQuestions(targets, &words);
+  AddAnswers(&targets->request, &words);
+  return words;
 }
 
 }  // namespace
 
-StatusOr<QueryRequest> ParseQueryRequest(
-    const std::vector<std::string>& all_arguments) {
-  std::vector<std::string> arguments = all_arguments;
-  QueryRequest request;
-  FREEGS_ASSIGN_OR_RETURN(request.click, TakePlace("--click", 2, &arguments));
-  FREEGS_ASSIGN_OR_RETURN(request.box, TakePlace("--box", 4, &arguments));
+CommandWords QueryWords() { return KeepWords<QueryTargets>(DescribeQuery); }
 
-  PipelineOptions options;
-  pipeline::OptionTable table = MakeOptionTable(&options);
-  std::string text;
-  std::string example;
-  Levels levels;
-  AddWords(&request, &text, &example, &levels, &table);
+StatusOr<QueryRequest> ParseQueryRequest(
+    const std::vector<std::string>& arguments) {
+  QueryTargets targets;
+  CommandWords words = DescribeQuery(&targets);
   FREEGS_ASSIGN_OR_RETURN(const pipeline::OptionTable::CommandLine line,
-                          table.ParseCommandLine(arguments));
-  if (line.positional.size() != 1) {
-    return InvalidArgumentError(std::string("query takes one workspace: ") +
-                                kUsage);
-  }
+                          words.Parse(arguments));
+  QueryRequest& request = targets.request;
+  FREEGS_ASSIGN_OR_RETURN(request.click, ParsePlace("--click", targets.click));
+  FREEGS_ASSIGN_OR_RETURN(request.box, ParsePlace("--box", targets.box));
   std::error_code error;
   request.workspace =
       std::filesystem::absolute(line.positional[0], error).lexically_normal();
@@ -142,27 +161,21 @@ StatusOr<QueryRequest> ParseQueryRequest(
     return BadInputError(request.workspace.string() + ": no such workspace");
   }
   FREEGS_RETURN_IF_ERROR(
-      ApplySettings(request.workspace, line.settings, table));
-  request.text_options = options.query;
-  request.threads = options.general.threads;
+      ApplySettings(request.workspace, line.settings, words.table()));
+  request.text_options = targets.options.query;
+  request.threads = targets.options.general.threads;
 
   for (const pipeline::OptionSetting& setting : line.settings) {
-    if (setting.name == "text") request.text = text;
-    if (setting.name == "example") request.example = example;
+    if (setting.name == "text") request.text = targets.text;
+    if (setting.name == "example") request.example = targets.example;
     const bool wider = setting.name == "wider";
     if (wider || setting.name == "narrower") {
       if (request.level) {
         return InvalidArgumentError(
             "--wider and --narrower exclude one another");
       }
-      request.level = wider ? levels.wider : -levels.narrower;
+      request.level = wider ? targets.wider : -targets.narrower;
     }
-  }
-  const int questions = request.text.has_value() + request.example.has_value() +
-                        request.click.has_value() + request.box.has_value();
-  if (questions != 1) {
-    return InvalidArgumentError(std::string("query needs one question: ") +
-                                kUsage);
   }
   if (request.text &&
       request.text->find_first_not_of(" \t\r\n") == std::string::npos) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Parses the command line of `query`.
+// The command line of `query`.
 
 #ifndef FREEGS_STAGES_QUERY_QUERY_REQUEST_H_
 #define FREEGS_STAGES_QUERY_QUERY_REQUEST_H_
@@ -12,6 +12,7 @@
 #include "core/image.h"
 #include "core/status.h"
 #include "semantics/queries/text_query.h"
+#include "stages/command_line/command_words.h"
 
 namespace freegs::stages {
 
@@ -49,6 +50,8 @@ struct QueryRequest {
   semantics::TextQueryOptions text_options;
   int threads = 0;  // 0 takes one per available core.
 };
+
+CommandWords QueryWords();
 
 // kInvalidArgument says what is wrong and how it should be, also for errors in
 // the workspace's config.ini.

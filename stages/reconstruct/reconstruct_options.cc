@@ -232,8 +232,9 @@ void RegisterReconstructOptions(ReconstructStageOptions& options,
              .affects_result = false});
   table.Add("reconstruct.import",
             &options.import,
-            {.help = "A 3DGS .ply to take instead of training, in the frame "
-                     "of the camera poses.",
+            {.help = "A 3DGS .ply or .spz to take instead of training, in the "
+                     "frame of the camera poses (an .spz turned by half a turn "
+                     "about x, as export writes it).",
              .is_path = true});
 }
 

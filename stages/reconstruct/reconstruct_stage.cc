@@ -18,6 +18,7 @@
 #include "pipeline/system_info.h"
 #include "splat/images/holdout.h"
 #include "splat/scene/ply_io.h"
+#include "splat/scene/spz_format.h"
 #include "splat/train/trainer.h"
 #include "stages/reconstruct/reconstruct_memory.h"
 #include "stages/reconstruct/training_run.h"
@@ -29,6 +30,14 @@ namespace freegs::stages {
 namespace {
 
 namespace fs = std::filesystem;
+
+// A model that somebody else trained.
+StatusOr<splat::PlacedModel> ReadTrainedModel(const fs::path& path) {
+  if (path.extension() != ".spz") return splat::ReadPly(path);
+  splat::PlacedModel world;
+  FREEGS_ASSIGN_OR_RETURN(world.model, splat::ReadSpz(path));
+  return world;
+}
 
 class ReconstructStage : public pipeline::Stage {
  public:
@@ -112,7 +121,7 @@ class ReconstructStage : public pipeline::Stage {
       splat::RoundToGrid(&trained.model);
       world = splat::ToWorld(trained.model, frame);
     } else {
-      FREEGS_ASSIGN_OR_RETURN(world, splat::ReadPly(options_.import));
+      FREEGS_ASSIGN_OR_RETURN(world, ReadTrainedModel(options_.import));
       trained.model = splat::ToFrame(world, frame);
       context.log(pipeline::LogLevel::kInfo,
                   "reconstruct: imported " +

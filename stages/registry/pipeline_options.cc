@@ -61,6 +61,13 @@ OptionTable MakeOptionTable(PipelineOptions* options) {
   RegisterBootstrapOptions(options->bootstrap, table);
   RegisterExportOptions(options->export_, table);
   RegisterQueryOptions(options->query, table);
+  for (const std::string& preset : PresetNames()) {
+    const auto settings = PresetSettings(preset);
+    if (!settings.ok()) continue;  // A test asks for every name.
+    for (const OptionSetting& setting : *settings) {
+      table.NotePreset(preset, setting.name, setting.value);
+    }
+  }
   return table;
 }
 
@@ -95,7 +102,10 @@ std::vector<OptionSetting> RememberedSettings(
   for (const auto& [name, value] : info.settings) {
     const OptionTable::Option* option = table.Find(name);
     if (option == nullptr) continue;
-    OptionSetting setting{name, value, "settings of the last run"};
+    OptionSetting setting{
+        name,
+        value,
+        "remembered; run WORKSPACE --forget " + name + " drops it"};
     if (option->spec.is_path) {
       setting.value = pipeline::PathInWorkspace(workspace, value);
     }

@@ -59,8 +59,7 @@ struct PipelineOptions {
   semantics::TextQueryOptions query;
 };
 
-// Makes the table of all options; `options` must outlive it. A command adds the
-// words of its own command line ("from", "json") to the table.
+// Makes the table of all options; `options` must outlive it.
 pipeline::OptionTable MakeOptionTable(PipelineOptions* options);
 
 // Sets the options of a table from MakeOptionTable. Later sources override
@@ -71,8 +70,8 @@ Status ApplySettings(const std::filesystem::path& workspace,
                      const std::vector<pipeline::OptionSetting>& command_line,
                      pipeline::OptionTable& table);
 
-// Returns the settings of the last run's command line, which workspace.json
-// keeps. Settings that the table does not know any more are left out.
+// Returns the settings of earlier command lines, which workspace.json keeps.
+// Settings that the table does not know any more are left out.
 std::vector<pipeline::OptionSetting> RememberedSettings(
     const std::filesystem::path& workspace,
     const pipeline::WorkspaceInfo& info,

@@ -44,4 +44,14 @@ std::vector<pipeline::RunnerStage> MakeStages(
   return stages;
 }
 
+std::vector<std::string> StageNames() {
+  PipelineOptions options;
+  const pipeline::OptionTable table = MakeOptionTable(&options);
+  std::vector<std::string> names;
+  for (const pipeline::RunnerStage& entry : MakeStages(options, table)) {
+    names.emplace_back(entry.stage->name());
+  }
+  return names;
+}
+
 }  // namespace freegs::stages

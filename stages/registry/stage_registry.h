@@ -17,6 +17,7 @@
 #ifndef FREEGS_STAGES_REGISTRY_STAGE_REGISTRY_H_
 #define FREEGS_STAGES_REGISTRY_STAGE_REGISTRY_H_
 
+#include <string>
 #include <vector>
 
 #include "pipeline/option_table.h"
@@ -29,6 +30,9 @@ namespace freegs::stages {
 // it gives the options' text for stage.json and for the fingerprints.
 std::vector<pipeline::RunnerStage> MakeStages(
     const PipelineOptions& options, const pipeline::OptionTable& table);
+
+// The names of the stages, in their order.
+std::vector<std::string> StageNames();
 
 }  // namespace freegs::stages
 

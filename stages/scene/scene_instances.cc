@@ -74,11 +74,8 @@ StatusOr<semantics::Hierarchy> ReadSceneHierarchy(const fs::path& workspace,
   return semantics::ReadHierarchy(path, num_gaussians);
 }
 
-StatusOr<splat::GaussianModel> SelectInstances(
-    const splat::GaussianModel& model,
-    std::span<const int32_t> labels,
-    const std::vector<int>& ids,
-    bool without) {
+StatusOr<std::set<int32_t>> LabelsOfIds(std::span<const int32_t> labels,
+                                        const std::vector<int>& ids) {
   const std::set<int32_t> present(labels.begin(), labels.end());
   std::set<int32_t> asked;
   for (const int id : ids) {
@@ -93,15 +90,7 @@ StatusOr<splat::GaussianModel> SelectInstances(
     }
     asked.insert(id - 1);
   }
-  std::vector<uint32_t> kept;
-  for (size_t i = 0; i < labels.size(); ++i) {
-    if (asked.contains(labels[i]) != without) {
-      kept.push_back(static_cast<uint32_t>(i));
-    }
-  }
-  splat::GaussianModel selected = model;
-  selected.Select(kept);
-  return selected;
+  return asked;
 }
 
 splat::GaussianModel ColorByInstance(const splat::GaussianModel& model,

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <set>
 #include <span>
 #include <vector>
 
@@ -39,15 +40,10 @@ Status CheckInstanceIds(std::span<const semantics::Instance> instances,
 StatusOr<semantics::Hierarchy> ReadSceneHierarchy(
     const std::filesystem::path& workspace, size_t num_gaussians);
 
-// Returns the Gaussians of the instances with these ids. With `without` it
-// returns all other Gaussians, also those that belong to no instance.
-// kInvalidArgument for an id that no Gaussian has; the message lists the ids
-// that exist.
-StatusOr<splat::GaussianModel> SelectInstances(
-    const splat::GaussianModel& model,
-    std::span<const int32_t> labels,
-    const std::vector<int>& ids,
-    bool without);
+// Returns the labels of the instances with these ids. kInvalidArgument for an
+// id that no Gaussian has; the message lists the ids that exist.
+StatusOr<std::set<int32_t>> LabelsOfIds(std::span<const int32_t> labels,
+                                        const std::vector<int>& ids);
 
 // Returns the model with each Gaussian in the flat colour of its label
 // (semantics::PaletteColor). Geometry and opacity stay; the spherical harmonics

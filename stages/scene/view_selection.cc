@@ -59,6 +59,7 @@ StatusOr<std::vector<View>> FileViews(const WorkspaceScene& scene,
   FREEGS_ASSIGN_OR_RETURN(const CameraSet cameras,
                           ReadCameraSet(selection.cameras));
   std::vector<View> views = cameras.train;
+  if (selection.only_test && !cameras.test.empty()) views.clear();
   views.insert(views.end(), cameras.test.begin(), cameras.test.end());
   if (!selection.align) return MapViews(views, scene.frame.WorldFromFrame());
 

@@ -32,6 +32,9 @@ struct ViewSelection {
   // Without it they are in the workspace's world frame.
   bool align = true;
 
+  // Of a file with both sections only the views of "test" are taken.
+  bool only_test = false;
+
   // Upper bounds of the longest side in pixels: the first holds for views of a
   // file, the second for the photos' views. 0 is no bound.
   int max_side = 0;

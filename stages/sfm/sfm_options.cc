@@ -64,6 +64,7 @@ void RegisterSfmOptions(SfmStageOptions& options,
   table.Add("sfm.colmap",
             &options.colmap.colmap,
             {.help = "The COLMAP program: a path, or a name in PATH.",
+             .value_name = "PROGRAM",
              .affects_result = false});
   table.Add("sfm.camera",
             &options.colmap.camera,

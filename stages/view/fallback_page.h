@@ -41,8 +41,7 @@ async function show() {
     }));
     at("preview").hidden = !state.preview;
     if (state.preview) at("preview").src = state.preview;
-    const done = state.stages.find((stage) => stage.name === "export");
-    if (!state.running && done && done.state === "done") location.reload();
+    if (!state.running && state.export_version) location.reload();
   } catch (error) {
     at("now").textContent = "The server does not answer.";
   }

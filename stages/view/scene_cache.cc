@@ -4,10 +4,23 @@
 
 #include <utility>
 
-#include "pipeline/system_info.h"
+#include "core/io/json_text.h"
 #include "stages/query/file_stamp.h"
+#include "stages/viewer/viewer_scene.h"
 
 namespace freegs::stages {
+
+StatusOr<SceneParts> MakeSceneParts(const std::filesystem::path& workspace) {
+  FREEGS_ASSIGN_OR_RETURN(ViewerScene scene, MakeViewerScene(workspace, {}));
+  SceneParts result;
+  result.description = JsonText(scene.description, -1);
+  for (ViewerScene::Part& part : scene.parts) {
+    result.parts.push_back(
+        {std::make_shared<const std::string>(std::move(part.splats)),
+         std::make_shared<const std::string>(std::move(part.labels))});
+  }
+  return result;
+}
 
 StatusOr<std::shared_ptr<const SceneParts>> SceneCache::Get() {
   if (!make_) {
@@ -19,9 +32,7 @@ StatusOr<std::shared_ptr<const SceneParts>> SceneCache::Get() {
   const std::string stamp = QueryStamp(workspace_);
   if (parts_ == nullptr || stamp != stamp_) {
     parts_ = nullptr;
-    // One that is kept would hold threads that nobody needs.
-    ThreadPool pool(pipeline::WorkingThreads(threads_));
-    FREEGS_ASSIGN_OR_RETURN(SceneParts parts, make_(workspace_, pool));
+    FREEGS_ASSIGN_OR_RETURN(SceneParts parts, make_(workspace_));
     parts_ = std::make_shared<const SceneParts>(std::move(parts));
     stamp_ = stamp;
   }

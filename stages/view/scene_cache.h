@@ -10,9 +10,9 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "core/parallel.h"
 #include "core/status.h"
 
 namespace freegs::stages {
@@ -27,19 +27,21 @@ struct SceneParts {
   std::vector<Part> parts;
 };
 
-// Makes the parts from a workspace; the pool is for this call alone.
-using MakeSceneFn = std::function<StatusOr<SceneParts>(
-    const std::filesystem::path& workspace, ThreadPool& pool)>;
+// Makes the parts from a workspace.
+using MakeSceneFn =
+    std::function<StatusOr<SceneParts>(const std::filesystem::path& workspace)>;
+
+// Does so with MakeViewerScene (stages/viewer/viewer_scene.h), whose errors it
+// returns.
+StatusOr<SceneParts> MakeSceneParts(const std::filesystem::path& workspace);
 
 // Makes the parts when they are first asked for, and again when the workspace
 // has another scene. Several threads may use it.
 class SceneCache {
  public:
-  // Without `make` there is no 3D viewer. `threads` is as general.threads.
-  SceneCache(std::filesystem::path workspace, MakeSceneFn make, int threads)
-      : workspace_(std::move(workspace)),
-        make_(std::move(make)),
-        threads_(threads) {}
+  // Without `make` there is no 3D viewer.
+  SceneCache(std::filesystem::path workspace, MakeSceneFn make)
+      : workspace_(std::move(workspace)), make_(std::move(make)) {}
 
   // kMissingDependency without a viewer, else the errors of `make`.
   StatusOr<std::shared_ptr<const SceneParts>> Get();
@@ -47,7 +49,6 @@ class SceneCache {
  private:
   const std::filesystem::path workspace_;
   const MakeSceneFn make_;
-  const int threads_;
   std::mutex mutex_;
   std::string stamp_;
   std::shared_ptr<const SceneParts> parts_;

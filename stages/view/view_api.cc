@@ -92,9 +92,7 @@ ViewApi::ViewApi(const ViewApiOptions& options, AccessRules rules)
     : options_(options),
       rules_(std::move(rules)),
       queries_(options.workspace, options.query_defaults),
-      scene_(options.workspace,
-             options.make_scene,
-             options.query_defaults.threads),
+      scene_(options.workspace, options.make_scene),
       rate_(options.queries_per_second) {}
 
 std::optional<HttpResponse> ViewApi::Refuse(const HttpRequest& request) {
@@ -241,17 +239,22 @@ HttpResponse ViewApi::InstancePly(std::string_view name) {
   const std::optional<int> id = NumberBefore(".ply", name);
   if (!id) return NotFound();
   const std::lock_guard lock(instances_mutex_);
-  const StatusOr<splat::PlacedModel> world =
-      ReadWorkspaceModel(options_.workspace);
+  StatusOr<splat::PlacedModel> world = ReadWorkspaceModel(options_.workspace);
   if (!world.ok()) return StatusResponse(world.status());
   const StatusOr<std::vector<int32_t>> labels =
       ReadInstanceLabels(options_.workspace, world->model.size());
   if (!labels.ok()) return StatusResponse(labels.status());
-  const StatusOr<splat::GaussianModel> selected =
-      SelectInstances(world->model, *labels, {*id}, /*without=*/false);
-  if (!selected.ok()) return ErrorResponse(404, selected.status().message());
+  const StatusOr<std::set<int32_t>> chosen = LabelsOfIds(*labels, {*id});
+  if (!chosen.ok()) return ErrorResponse(404, chosen.status().message());
+  std::vector<uint32_t> gaussians;
+  for (size_t i = 0; i < labels->size(); ++i) {
+    if (chosen->contains((*labels)[i])) {
+      gaussians.push_back(static_cast<uint32_t>(i));
+    }
+  }
+  world->model.Select(gaussians);
   HttpResponse response = SharedResponse(std::make_shared<const std::string>(
-      splat::SerializePly(*selected, world->offset)));
+      splat::SerializePly(world->model, world->offset)));
   response.headers.emplace_back(
       "Content-Disposition",
       "attachment; filename=\"instance_" + std::to_string(*id) + ".ply\"");

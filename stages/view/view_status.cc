@@ -131,6 +131,15 @@ json CurveJson(const fs::path& workspace, bool training) {
   return result;
 }
 
+// Empty when there is no report to look at.
+std::string ExportVersion(const fs::path& workspace) {
+  const fs::path folder = pipeline::StageFolder(workspace, "export");
+  const fs::path report = folder / "report" / "index.html";
+  std::error_code error;
+  if (!fs::exists(report, error)) return "";
+  return FileStamp({pipeline::RecordPath(folder), report});
+}
+
 std::string WorkspaceName(const fs::path& workspace) {
   std::error_code error;
   const fs::path path = fs::weakly_canonical(workspace, error);
@@ -157,9 +166,7 @@ json ViewStatus(const fs::path& workspace) {
           {"preview",
            has_preview ? json("/api/preview.jpg?v=" + FileStamp({preview}))
                        : json(nullptr)},
-          {"export_version",
-           FileStamp({workspace / "export" / "stage.json",
-                      workspace / "export" / "scene.ply"})},
+          {"export_version", ExportVersion(workspace)},
           {"scene_version", QueryStamp(workspace)},
           {"queries", AnswerableQueries(workspace)}};
 }

@@ -10,7 +10,7 @@
 namespace freegs {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kInfiniteNumber = std::numeric_limits<double>::infinity();
 
 TEST(NumberTextTest, Numbers) {
   EXPECT_EQ(FormatFixed(26.125, 1), "26.1");
@@ -21,7 +21,7 @@ TEST(NumberTextTest, Numbers) {
   EXPECT_EQ(FormatSignificant(400, 6), "400");
   EXPECT_EQ(FormatSignificant(1500.5, 6), "1500.5");
   EXPECT_EQ(FormatSignificant(1e12, 6), "1e+12");
-  EXPECT_EQ(FormatSignificant(kInfinity, 3), "\u2013");
+  EXPECT_EQ(FormatSignificant(kInfiniteNumber, 3), "\u2013");
   EXPECT_EQ(FormatPercent(0.834), "83 %");
   EXPECT_EQ(FormatPercent(0.125), "13 %");
   EXPECT_EQ(FormatPercent(-1), "-100 %");
@@ -49,7 +49,7 @@ TEST(NumberTextTest, Durations) {
   EXPECT_EQ(FormatSeconds(1e12), "over 30 years");
   EXPECT_EQ(FormatSeconds(-1), "\u2013");
   EXPECT_EQ(FormatSeconds(std::nan("")), "\u2013");
-  EXPECT_EQ(FormatSeconds(kInfinity), "\u2013");
+  EXPECT_EQ(FormatSeconds(kInfiniteNumber), "\u2013");
 }
 
 TEST(NumberTextTest, Sizes) {

@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/io/files.h"
+#include "core/io/gzip.h"
 #include "semantics/clip/byte_pair_tokenizer.h"
-#include "semantics/clip/gunzip.h"
 #include "semantics/clip/model_folder.h"
 #include "semantics/clip/opencv_clip.h"
 #include "semantics/clip/token_table.h"
@@ -146,8 +146,8 @@ Reader Vocabulary() {
   return {
       [](std::string_view bytes) {
         constexpr uint64_t kMaxBytes = 1 << 22;
-        (void)semantics::IsGzip(bytes);
-        (void)semantics::Gunzip(bytes, kMaxBytes);
+        (void)IsGzip(bytes);
+        (void)Gunzip(bytes, kMaxBytes);
         WriteText(Scratch() / "vocab", bytes);
         const auto tokenizer =
             semantics::BytePairTokenizer::Load(Scratch() / "vocab");

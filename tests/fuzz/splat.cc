@@ -2,7 +2,9 @@
 // Files of Gaussians.
 
 #include "core/io/files.h"
+#include "core/io/gzip.h"
 #include "splat/scene/ply_io.h"
+#include "splat/scene/spz_format.h"
 #include "splat/train/checkpoint.h"
 #include "tests/fuzz/reader.h"
 
@@ -46,6 +48,25 @@ Reader Ply() {
                 "property float rot_1\nproperty float rot_2\n"
                 "property float rot_3\nend_header\n3 0 0 0\n"
                 "1 2 3 0 0 0 4 -1 -1 -1 1 0 0 0\n"};
+          }};
+}
+
+// A fuzzer does not guess what unpacks, so the program packs its bytes.
+Reader Spz() {
+  return {[](std::string_view bytes) {
+            (void)splat::ParseSpz(bytes);
+            const auto model = splat::ParseSpz(Gzip(bytes).value());
+            if (model.ok()) Require(splat::SerializeSpz(*model).ok());
+          },
+          [] {
+            std::vector<std::string> seeds;
+            for (const int degree : {0, 1}) {
+              const std::string packed =
+                  splat::SerializeSpz(SmallModel(degree)).value();
+              seeds.push_back(packed);
+              seeds.push_back(Gunzip(packed, 1 << 20).value());
+            }
+            return seeds;
           }};
 }
 

@@ -234,11 +234,24 @@ TEST_F(OptionTableTest, TemplateWithCommentsRemovedGivesTheDefaults) {
   EXPECT_EQ(table_.Values("sfm", false), before);
 }
 
-TEST_F(OptionTableTest, HelpShowsDefaultsAndRanges) {
-  EXPECT_THAT(table_.Help(), HasSubstr("--sfm.count"));
-  EXPECT_THAT(table_.Help(), HasSubstr("1 .. 10; default 3"));
-  EXPECT_THAT(table_.SectionHelp("general"), HasSubstr("--seed"));
-  EXPECT_THAT(table_.SectionHelp(""), HasSubstr("--json\n"));
+TEST_F(OptionTableTest, TemplateNamesTheValuesOfPresets) {
+  table_.NotePreset("rough", "sfm.count", "1");
+  ASSERT_TRUE(table_.Check().ok());
+  EXPECT_THAT(table_.ConfigTemplate(),
+              HasSubstr("# Allowed: 1 .. 10.\n# Preset rough: 1.\n#count"));
+  table_.NotePreset("rough", "sfm.cuont", "1");
+  EXPECT_THAT(table_.Check().message(), HasSubstr("sfm.cuont"));
+}
+
+TEST_F(OptionTableTest, OptionsThatTheCommandLineDoesNotTake) {
+  table_.LimitCommandLine({"general", "sfm.mode"});
+  EXPECT_TRUE(Line({"--seed", "2", "--sfm.mode", "slow", "--json"}).ok());
+  EXPECT_THAT(LineError({"--sfm.count", "2"}), HasSubstr("no difference"));
+  EXPECT_THAT(LineError({"--count", "2"}), Not(HasSubstr("did you mean")));
+  EXPECT_TRUE(Config("[sfm]\ncount = 4\n").ok());
+  EXPECT_EQ(values_.count, 4);
+  table_.LimitCommandLine({"sfm"});
+  EXPECT_THAT(LineError({"--seed", "2"}), HasSubstr("no difference"));
 }
 
 TEST(OptionTableDefinitionTest, MistakesInTheTableAreReported) {

@@ -2,14 +2,20 @@
 
 #include "stages/commands/export_command.h"
 
+#include <algorithm>
 #include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
+#include "core/io/json_text.h"
 #include "pipeline/workspace.h"
 #include "semantics/instances/palette.h"
+#include "sfm/colmap/child_process.h"
 #include "splat/scene/splat_format.h"
+#include "splat/scene/spz_format.h"
+#include "stages/scene/view_selection.h"
 #include "tests/stages/synthetic_workspace.h"
 
 namespace freegs::stages {
@@ -126,6 +132,158 @@ TEST_F(ExportCommandTest, UnknownSuffixNamesTheKnown) {
   EXPECT_THAT(status.message(), HasSubstr(".ply, .splat"));
   EXPECT_EQ(Export({workspace(), "--out", File("ply")}).code(),
             StatusCode::kInvalidArgument);
+}
+
+TEST_F(ExportCommandTest, SpzHoldsTheModel) {
+  ASSERT_TRUE(Export({workspace(), "--out", File("scene.spz")}).ok());
+  EXPECT_EQ(ReadText(File("scene.spz")),
+            splat::SerializeSpz(workspace_.model).value());
+  ASSERT_TRUE(
+      Export({workspace(), "--out", File("flat.spz"), "--sh-degree", "0"})
+          .ok());
+  EXPECT_EQ(splat::ReadSpz(File("flat.spz")).value().sh_degree, 0);
+}
+
+TEST_F(ExportCommandTest, OneFileForEachObject) {
+  workspace_.AddInstances();
+  ASSERT_TRUE(Export({workspace(), "--objects", File("all")}).ok());
+  for (const char* id : {"1", "2", "3"}) {
+    ASSERT_TRUE(
+        Export({workspace(), "--out", File("one.ply"), "--only", id}).ok());
+    EXPECT_EQ(ReadText(File(std::string("all/") + id + ".ply")),
+              ReadText(File("one.ply")));
+  }
+  EXPECT_THAT(output_.str(), HasSubstr("3 objects in"));
+  ASSERT_TRUE(Export({workspace(),
+                      "--objects",
+                      File("some"),
+                      "--format",
+                      "spz",
+                      "--without",
+                      "2",
+                      "--what",
+                      "instances"})
+                  .ok());
+  EXPECT_TRUE(splat::ReadSpz(File("some/1.spz")).ok());
+  EXPECT_FALSE(std::filesystem::exists(File("some/2.spz")));
+  EXPECT_TRUE(splat::ReadSpz(File("some/3.spz")).ok());
+}
+
+TEST_F(ExportCommandTest, MasksOfAllPhotosAsCoco) {
+  workspace_.AddInstances();
+  workspace_.instances[1].words = {"red apple"};
+  ASSERT_TRUE(
+      semantics::WriteInstances(workspace_ / "bootstrap" / "instances.json",
+                                workspace_.instances)
+          .ok());
+  ASSERT_TRUE(
+      Export({workspace(), "--what", "masks", "--out", File("coco.json")})
+          .ok());
+  const nlohmann::json file = ReadJson(File("coco.json")).value();
+  ASSERT_EQ(file["images"].size(), workspace_.views.size());
+  EXPECT_EQ(file["categories"],
+            nlohmann::json::parse(R"([{"id": 1, "name": "object"},
+                                      {"id": 2, "name": "red apple"}])"));
+  ThreadPool pool(1);
+  splat::RenderOptions render;
+  render.background = {1, 1, 1};
+  int64_t seen = 0;
+  for (const nlohmann::json& image : file["images"]) {
+    EXPECT_EQ(image["width"], SyntheticWorkspace::kWidth);
+    EXPECT_EQ(image["height"], SyntheticWorkspace::kHeight);
+    const View view =
+        FindView(workspace_.views, image["file_name"].get<std::string>())
+            .value();
+    const Image<int32_t> labels = splat::RenderLabels(workspace_.model,
+                                                      view.camera,
+                                                      view.cam_from_world,
+                                                      render,
+                                                      pool,
+                                                      workspace_.labels);
+    for (const nlohmann::json& annotation : file["annotations"]) {
+      if (annotation["image_id"] != image["id"]) continue;
+      const int id = annotation["instance_id"];
+      EXPECT_EQ(annotation["category_id"], id == 2 ? 2 : 1);
+      EXPECT_NEAR(
+          annotation["area"].get<double>(),
+          std::count(labels.data(), labels.data() + labels.size(), id - 1),
+          3);
+      EXPECT_EQ(annotation["segmentation"]["size"],
+                nlohmann::json({image["height"], image["width"]}));
+      EXPECT_EQ(annotation["iscrowd"], 0);
+      seen += annotation["area"].get<int64_t>();
+    }
+  }
+  EXPECT_GT(seen, 0);
+  ASSERT_TRUE(Export({workspace(),
+                      "--what",
+                      "masks",
+                      "--out",
+                      File("one.json"),
+                      "--only",
+                      "2"})
+                  .ok());
+  const nlohmann::json one = ReadJson(File("one.json")).value();
+  EXPECT_FALSE(one["annotations"].empty());
+  for (const nlohmann::json& annotation : one["annotations"]) {
+    EXPECT_EQ(annotation["instance_id"], 2);
+  }
+}
+
+TEST_F(ExportCommandTest, BoxesOfSomeInstances) {
+  workspace_.AddInstances();
+  ASSERT_TRUE(Export({workspace(),
+                      "--what",
+                      "boxes",
+                      "--out",
+                      File("boxes.json"),
+                      "--without",
+                      "2"})
+                  .ok());
+  const nlohmann::json file = ReadJson(File("boxes.json")).value();
+  ASSERT_EQ(file["objects"].size(), 2u);
+  EXPECT_EQ(file["objects"][0]["id"], 1);
+  EXPECT_EQ(file["objects"][1]["id"], 3);
+}
+
+TEST_F(ExportCommandTest, ColmapText) {
+  ASSERT_TRUE(
+      Export({workspace(), "--what", "colmap", "--out", File("model")}).ok());
+  EXPECT_EQ(sfm::DetectModelFormat(File("model")), sfm::ModelFormat::kText);
+  EXPECT_EQ(sfm::ReadModel(File("model")).value().images.size(),
+            workspace_.views.size());
+  std::string said;
+  sfm::ChildCommand analyzer;
+  analyzer.argv = {"colmap", "model_analyzer", "--path", File("model")};
+  analyzer.environment = {{"QT_QPA_PLATFORM", "offscreen"}};
+  const auto result = sfm::RunChild(
+      analyzer,
+      [&said](std::string_view line) { said += std::string(line) + "\n"; },
+      nullptr);
+  if (result.status().code() == StatusCode::kMissingDependency) {
+    GTEST_SKIP() << "colmap is not installed";
+  }
+  ASSERT_TRUE(result.ok()) << result.status().message();
+  EXPECT_TRUE(result->ok()) << result->tail;
+  EXPECT_THAT(said, HasSubstr("mages: 6"));
+}
+
+TEST_F(ExportCommandTest, WordsThatDoNotFit) {
+  const std::vector<std::vector<std::string>> wrong = {
+      {"--out", "a.json"},
+      {"--out", "a.ply", "--what", "masks"},
+      {"--out", "a.ply", "--what", "boxes"},
+      {"--out", "a.ply", "--objects", "b"},
+      {"--out", "a.ply", "--format", "spz"},
+      {"--objects", "b", "--what", "boxes"},
+      {"--objects", "b", "--format", "obj"},
+      {"--out", "b", "--what", "colmap", "--only", "1"},
+      {"--out", "a.ply", "--only", "1", "--without", "2"},
+      {"--out", "a.ply", "--sh-degree", "4"}};
+  for (std::vector<std::string> words : wrong) {
+    words.insert(words.begin(), workspace());
+    EXPECT_EQ(Export(words).code(), StatusCode::kInvalidArgument) << words[2];
+  }
 }
 
 TEST_F(ExportCommandTest, WrongUsage) {

@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <opencv2/videoio.hpp>
 
 #include "stages/scene/scene_instances.h"
 #include "tests/stages/moved_world.h"
@@ -283,6 +284,123 @@ TEST_F(RenderCommandTest, SemanticsHaveOneColourPerMeaning) {
       128);
 }
 
+TEST_F(RenderCommandTest, FilmOfAnOrbit) {
+  workspace_.AddInstances();
+  const std::string film = (out_.path() / "sub" / "film.mp4").string();
+  for (const char* what : {"color", "depth", "instances", "both"}) {
+    const Status status = Render({workspace(),
+                                  "--path",
+                                  "orbit",
+                                  "--video",
+                                  film,
+                                  "--what",
+                                  what,
+                                  "--seconds",
+                                  "0.5",
+                                  "--fps",
+                                  "20"});
+    ASSERT_TRUE(status.ok()) << status.message();
+    cv::VideoCapture capture(film);
+    ASSERT_TRUE(capture.isOpened());
+    const bool both = std::string(what) == "both";
+    EXPECT_EQ(capture.get(cv::CAP_PROP_FRAME_WIDTH), both ? 64 : 32);
+    EXPECT_EQ(capture.get(cv::CAP_PROP_FRAME_HEIGHT), 24);
+    EXPECT_EQ(capture.get(cv::CAP_PROP_FRAME_COUNT), 10);
+    EXPECT_EQ(capture.get(cv::CAP_PROP_FPS), 20);
+  }
+  EXPECT_THAT(output_.str(), HasSubstr("10 pictures of 64 x 24 in"));
+}
+
+TEST_F(RenderCommandTest, FilmThroughThePhotosAndThroughAFile) {
+  const std::string cameras = (out_.path() / "cameras.json").string();
+  WriteText(cameras, MovedCameras("").dump());
+  for (const std::string& path : {std::string("photos"), cameras}) {
+    const Status status = Render({workspace(),
+                                  "--path",
+                                  path,
+                                  "--video",
+                                  (out_.path() / "f.mp4").string(),
+                                  "--seconds",
+                                  "1",
+                                  "--fps",
+                                  "5"});
+    ASSERT_TRUE(status.ok()) << status.message();
+  }
+  // The file has a single view that is no photo.
+  ASSERT_TRUE(Render({workspace(),
+                      "--path",
+                      cameras,
+                      "--out",
+                      out(),
+                      "--seconds",
+                      "1",
+                      "--fps",
+                      "3"})
+                  .ok());
+  EXPECT_THAT(output_.str(), HasSubstr("3 pictures"));
+  const auto frame = ReadRgb(out_.path() / "sub" / "frame_0002.png");
+  ASSERT_TRUE(frame.ok());
+  const ImageU8 expected =
+      ToU8(splat::RenderView(workspace_.model,
+                             workspace_.views[3].camera,
+                             workspace_.views[3].cam_from_world,
+                             WhiteBackground(),
+                             pool_)
+               .color);
+  EXPECT_EQ(frame->width(), expected.width());
+  double difference = 0;
+  for (size_t k = 0; k < expected.size(); ++k) {
+    difference += std::abs(frame->data()[k] - expected.data()[k]);
+  }
+  EXPECT_LT(difference / static_cast<double>(expected.size()), 1);
+}
+
+TEST_F(RenderCommandTest, OnlyShowsTheObjectAlone) {
+  workspace_.AddInstances();
+  ASSERT_TRUE(
+      Render(
+          {workspace(), "--out", out(), "--what", "instances", "--only", "2"})
+          .ok());
+  const auto ids = ReadLabels(out_.path() / "sub" / "photo1.png");
+  ASSERT_TRUE(ids.ok());
+  for (size_t k = 0; k < ids->size(); ++k) {
+    EXPECT_TRUE(ids->data()[k] == 0 || ids->data()[k] == 2);
+  }
+  const Status status = Render({workspace(),
+                                "--path",
+                                "orbit",
+                                "--only",
+                                "2",
+                                "--video",
+                                (out_.path() / "2.mp4").string(),
+                                "--seconds",
+                                "0.2"});
+  EXPECT_TRUE(status.ok()) << status.message();
+  EXPECT_EQ(Render({workspace(), "--out", out(), "--only", "9"}).code(),
+            StatusCode::kInvalidArgument);
+}
+
+TEST_F(RenderCommandTest, WordsOfFilmsThatDoNotFit) {
+  const std::vector<std::vector<std::string>> wrong = {
+      {"--video", "a.mp4"},
+      {"--out", "a", "--seconds", "3"},
+      {"--video", "a.gif", "--path", "orbit"},
+      {"--video", "a.mp4", "--path", "orbit", "--cameras", "c.json"},
+      {"--out", "a", "--what", "both"},
+      {"--out", "a", "--path", "orbit", "--what", "both"},
+      {"--video", "a.mp4", "--path", "orbit", "--no-align"},
+      {"--video", "a.mp4", "--path", "orbit", "--seconds", "0"}};
+  for (std::vector<std::string> words : wrong) {
+    words.insert(words.begin(), workspace());
+    EXPECT_EQ(Render(words).code(), StatusCode::kInvalidArgument)
+        << testing::PrintToString(words);
+  }
+  EXPECT_EQ(
+      Render({workspace(), "--video", out() + ".mp4", "--path", "none.json"})
+          .code(),
+      StatusCode::kBadInput);
+}
+
 TEST_F(RenderCommandTest, WrongUsage) {
   for (const std::vector<std::string>& arguments :
        {std::vector<std::string>{},
@@ -291,7 +409,7 @@ TEST_F(RenderCommandTest, WrongUsage) {
         {workspace(), "--out", out(), "--what", "normals"},
         {workspace(), "--out", out(), "--size", "-1"},
         {workspace(), "--out", out(), "--no-align"},
-        {workspace(), "--out", out(), "--only", "1"}}) {
+        {workspace(), "--out", out(), "--ids", "1"}}) {
     EXPECT_EQ(Render(arguments).code(), StatusCode::kInvalidArgument);
   }
 }

@@ -94,8 +94,7 @@ TEST_F(CommandTest, StatusErrors) {
               {Path("none")},
               StatusCode::kBadInput,
               "no such workspace");
-  ExpectError(
-      RunStatusCommand, {}, StatusCode::kInvalidArgument, "one workspace");
+  ExpectError(RunStatusCommand, {}, StatusCode::kInvalidArgument, "WORKSPACE");
   WriteText(folder_ / "w" / "workspace.json", "{");
   ExpectError(
       RunStatusCommand, {Path("w")}, StatusCode::kBadInput, "workspace.json");
@@ -194,7 +193,7 @@ TEST_F(CommandTest, DoctorNamesWhatIsMissing) {
   EXPECT_THAT(out_, HasSubstr("cores"));
   EXPECT_THAT(out_, HasSubstr("MISSING"));
   ExpectError(
-      RunDoctorCommand, {"x"}, StatusCode::kInvalidArgument, "no folder");
+      RunDoctorCommand, {"x"}, StatusCode::kInvalidArgument, "no argument");
 }
 
 }  // namespace

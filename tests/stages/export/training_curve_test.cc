@@ -2,14 +2,13 @@
 
 #include "stages/export/training_curve.h"
 
-#include <gmock/gmock.h>
+#include <algorithm>
+
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 namespace freegs::stages {
 namespace {
-
-using testing::HasSubstr;
-using testing::Not;
 
 TEST(TrainingCurveTest, ReadsColumnsByName) {
   const TrainingCurves curves = ParseTrainingCurves(
@@ -36,29 +35,27 @@ TEST(TrainingCurveTest, SkipsWhatIsNoNumber) {
   }
 }
 
-TEST(TrainingCurveTest, DrawsWithinTheChart) {
-  std::vector<CurvePoint> points;
-  for (int i = 0; i <= 5000; ++i) points.push_back({1.0 * i, 1.0 / (1 + i)});
-  const std::string svg = LineChartSvg(points, "Loss & more", 4);
-  EXPECT_THAT(svg, HasSubstr("Loss &amp; more"));
-  EXPECT_THAT(svg, HasSubstr("0.0002</text>"));
-  EXPECT_THAT(svg, HasSubstr("d=\"M52.0 34.0L"));
-  EXPECT_THAT(svg, HasSubstr("cx=\"346.0\" cy=\"174.0\""));
-  EXPECT_LT(svg.size(), 12000u);
+TEST(TrainingCurveTest, JsonHasColumnsOfOneLength) {
+  const TrainingCurves curves = ParseTrainingCurves(
+      "loss,iteration,holdout_psnr,num_gaussians\n"
+      "0.5,50,,100\n0.25,100,21.5,200\n");
+  EXPECT_EQ(TrainingCurvesJson(curves),
+            nlohmann::json::parse(R"({"iteration": [50, 100],
+              "loss": [0.5, 0.25], "holdout_psnr": [null, 21.5],
+              "num_gaussians": [100, 200]})"));
+  EXPECT_EQ(TrainingCurvesJson({})["iteration"].size(), 0u);
 }
 
-TEST(TrainingCurveTest, DegenerateCurves) {
-  EXPECT_EQ(LineChartSvg({}, "a", 1), "");
-  EXPECT_EQ(LineChartSvg({{1, 1}}, "a", 1), "");
-  for (const auto& points : {std::vector<CurvePoint>{{1, 1}, {2, 1}},
-                             {{1, 0}, {1, 0}},
-                             {{-1e308, -1e308}, {1e308, 1e308}},
-                             {{0, 1e-320}, {1, 2e-320}}}) {
-    const std::string svg = LineChartSvg(points, "a", 1);
-    EXPECT_THAT(svg, HasSubstr("</svg>"));
-    EXPECT_THAT(svg, Not(HasSubstr("nan")));
-    EXPECT_THAT(svg, Not(HasSubstr("inf")));
-  }
+TEST(TrainingCurveTest, JsonOfALongCourseKeepsWhatIsRare) {
+  TrainingCurves curves;
+  for (int i = 0; i <= 50000; ++i) curves.loss.push_back({1.0 * i, 1});
+  curves.holdout_psnr = {{12345, 20}, {50000, 30}};
+  const nlohmann::json json = TrainingCurvesJson(curves);
+  EXPECT_LT(json["loss"].size(), 900u);
+  EXPECT_EQ(json["iteration"].back(), 50000);
+  EXPECT_EQ(json["holdout_psnr"].back(), 30);
+  EXPECT_NE(std::find(json["iteration"].begin(), json["iteration"].end(), 12345),
+            json["iteration"].end());
 }
 
 }  // namespace

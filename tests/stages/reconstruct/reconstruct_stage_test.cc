@@ -18,6 +18,7 @@
 #include "sfm/scene/model_io.h"
 #include "splat/render/renderer.h"
 #include "splat/scene/ply_io.h"
+#include "splat/scene/spz_format.h"
 #include "splat/train/checkpoint.h"
 #include "stages/scene/training_scene.h"
 #include "tests/splat/test_scene.h"
@@ -376,6 +377,16 @@ TEST_F(ReconstructStageTest, TakesATrainedModel) {
   EXPECT_EQ(metrics["num_gaussians"], truth_.size());
   EXPECT_TRUE(metrics.at("budget").is_null());
   EXPECT_TRUE(metrics.at("exposure_search").is_null());
+}
+
+TEST_F(ReconstructStageTest, TakesACompressedModel) {
+  ReconstructStageOptions options;
+  options.import = (workspace_ / "trained.spz").string();
+  ASSERT_TRUE(splat::WriteSpz(options.import, truth_).ok());
+  ASSERT_TRUE(Run(options, "out").ok());
+  const nlohmann::json metrics =
+      nlohmann::json::parse(Bytes("out/metrics.json"));
+  EXPECT_GT(metrics["holdout_psnr"].get<double>(), 35);
 }
 
 TEST_F(ReconstructStageTest, SameQualityInAnyUnitAndPlace) {

@@ -6,6 +6,7 @@
 #include <httplib.h>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,7 +15,6 @@
 #include "pipeline/progress_file.h"
 #include "pipeline/workspace.h"
 #include "splat/scene/ply_io.h"
-#include "stages/scene/scene_instances.h"
 #include "tests/stages/view/base64.h"
 #include "tests/stages/view/view_fixture.h"
 
@@ -102,12 +102,14 @@ TEST_F(ViewApiTest, AnInstanceIsWhatExportWrites) {
   const auto answer = Get("/api/instances/2.ply");
   ASSERT_TRUE(answer);
   EXPECT_EQ(answer->status, 200);
-  const auto world = splat::ReadPly(workspace_ / "reconstruct/point_cloud.ply");
+  auto world = splat::ReadPly(workspace_ / "reconstruct/point_cloud.ply");
   ASSERT_TRUE(world.ok());
-  const auto expected =
-      SelectInstances(world->model, workspace_.labels, {2}, false);
-  ASSERT_TRUE(expected.ok());
-  EXPECT_EQ(answer->body, splat::SerializePly(*expected, world->offset));
+  std::vector<uint32_t> gaussians;
+  for (size_t i = 0; i < workspace_.labels.size(); ++i) {
+    if (workspace_.labels[i] == 1) gaussians.push_back(i);
+  }
+  world->model.Select(gaussians);
+  EXPECT_EQ(answer->body, splat::SerializePly(world->model, world->offset));
   for (const char* name : {"99.ply", "0.ply"}) {
     EXPECT_THAT(Get(std::string("/api/instances/") + name)->body,
                 HasSubstr("error"));
@@ -186,6 +188,16 @@ TEST_F(ViewApiTest, NoticesANewScene) {
   EXPECT_NE(GetJson("/api/status")["scene_version"], version);
 }
 
+TEST_F(ViewApiTest, NoticesANewReport) {
+  Start();
+  const json before = GetJson("/api/status")["export_version"];
+  EXPECT_NE(before, "");
+  WriteText(workspace_ / "export/report/index.html", "<p>Another report</p>");
+  EXPECT_NE(GetJson("/api/status")["export_version"], before);
+  fs::remove_all(workspace_ / "export");
+  EXPECT_EQ(GetJson("/api/status")["export_version"], "");
+}
+
 TEST_F(ViewApiTest, TellsOfARunUnderWay) {
   WriteText(workspace_ / "reconstruct.partial/progress.csv",
             "iteration,seconds,loss,num_gaussians,holdout_psnr\n"
@@ -224,8 +236,7 @@ TEST_F(ViewApiTest, TellsOfARunUnderWay) {
 
 TEST_F(ViewApiTest, TheSceneComesInPartsAndIsMadeOnce) {
   int made = 0;
-  options_.make_scene = [&made](const fs::path&,
-                                ThreadPool&) -> StatusOr<SceneParts> {
+  options_.make_scene = [&made](const fs::path&) -> StatusOr<SceneParts> {
     ++made;
     SceneParts scene;
     scene.description = R"({"parts": 1})";

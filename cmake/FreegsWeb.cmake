@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# The page's script, bundled from web/ by esbuild. npm fetches what the lock file
+# names. Without Node.js the program is the same, and its pages have no 3D view.
+find_program(FREEGS_NODE node)
+find_program(FREEGS_NPM npm)
+set(node_version 0)
+if(FREEGS_NODE)
+  execute_process(COMMAND ${FREEGS_NODE} --version
+    OUTPUT_VARIABLE node_version OUTPUT_STRIP_TRAILING_WHITESPACE)
+  string(REGEX REPLACE "^v" "" node_version "${node_version}")
+endif()
+if(FREEGS_NPM AND node_version VERSION_GREATER_EQUAL 18)
+  set(has_node ON)
+else()
+  set(has_node OFF)
+endif()
+include(GNUInstallDirs)
+option(FREEGS_BUILD_WEB
+  "Build the 3D view of the page; needs Node.js 18 and npm" ${has_node})
+if(NOT FREEGS_BUILD_WEB)
+  message(STATUS "The page will have no 3D view: "
+    "FREEGS_BUILD_WEB is off, or Node.js 18 with npm was not found")
+  return()
+endif()
+
+# npm works in a copy, so that the source folder stays as it is.
+set(web ${CMAKE_BINARY_DIR}/web)
+set(web_out ${CMAKE_BINARY_DIR}/share/freegs_pipeline/web)
+file(GLOB_RECURSE web_sources CONFIGURE_DEPENDS
+  ${PROJECT_SOURCE_DIR}/web/src/* ${PROJECT_SOURCE_DIR}/web/*.html)
+add_custom_command(
+  OUTPUT ${web}/node_modules/.package-lock.json
+  COMMAND ${CMAKE_COMMAND} -E make_directory ${web}
+  COMMAND ${CMAKE_COMMAND} -E copy
+    ${PROJECT_SOURCE_DIR}/web/package.json
+    ${PROJECT_SOURCE_DIR}/web/package-lock.json
+    ${PROJECT_SOURCE_DIR}/web/.npmrc ${web}
+  COMMAND ${CMAKE_COMMAND} -E chdir ${web} sh -c
+    "'${FREEGS_NPM}' ci --no-progress || { echo 'The packages of the page cannot be fetched; -DFREEGS_BUILD_WEB=OFF builds without its 3D view.' >&2; exit 1; }"
+  COMMAND ${CMAKE_COMMAND} -E touch ${web}/node_modules/.package-lock.json
+  DEPENDS
+    ${PROJECT_SOURCE_DIR}/web/package.json
+    ${PROJECT_SOURCE_DIR}/web/package-lock.json
+    ${PROJECT_SOURCE_DIR}/web/.npmrc
+  COMMENT "Fetching the packages of the page"
+  VERBATIM)
+add_custom_command(
+  OUTPUT ${web_out}/viewer.js
+  COMMAND ${CMAKE_COMMAND} -E copy_directory ${PROJECT_SOURCE_DIR}/web/src ${web}/src
+  COMMAND ${CMAKE_COMMAND} -E copy
+    ${PROJECT_SOURCE_DIR}/web/build.mjs
+    ${PROJECT_SOURCE_DIR}/web/live.html
+    ${PROJECT_SOURCE_DIR}/web/tsconfig.json ${web}
+  COMMAND ${FREEGS_NODE} ${web}/node_modules/typescript/bin/tsc -p ${web}
+  COMMAND ${FREEGS_NODE} ${web}/build.mjs ${web_out}
+  DEPENDS
+    ${web}/node_modules/.package-lock.json
+    ${PROJECT_SOURCE_DIR}/web/build.mjs
+    ${PROJECT_SOURCE_DIR}/web/tsconfig.json
+    ${web_sources}
+  COMMENT "Checking and bundling the page"
+  VERBATIM)
+add_custom_target(freegs_web ALL DEPENDS ${web_out}/viewer.js)
+install(DIRECTORY ${web_out}
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/freegs_pipeline)

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/commands/command_list.h"
+
+#include <vector>
+
+#include "pipeline/option_value.h"
+#include "stages/commands/completion_command.h"
+#include "stages/commands/doctor_command.h"
+#include "stages/commands/eval_command.h"
+#include "stages/commands/export_command.h"
+#include "stages/commands/features_command.h"
+#include "stages/commands/init_command.h"
+#include "stages/commands/model_command.h"
+#include "stages/commands/query_command.h"
+#include "stages/commands/render_command.h"
+#include "stages/commands/run_command.h"
+#include "stages/commands/status_command.h"
+#include "stages/commands/view_command.h"
+#include "stages/query/query_request.h"
+
+namespace freegs::stages {
+namespace {
+
+constexpr Command kCommands[] = {
+    {"run", RunWords, RunRunCommand},
+    {"stage", StageWords, RunStageCommand},
+    {"init", InitWords, RunInitCommand},
+    {"status", StatusWords, RunStatusCommand},
+    {"doctor", DoctorWords, RunDoctorCommand},
+    {"render", RenderWords, RunRenderCommand},
+    {"query", QueryWords, RunQueryCommand},
+    {"view", ViewWords, RunViewCommand},
+    {"eval", EvalWords, RunEvalCommand},
+    {"features", FeaturesWords, RunFeaturesCommand},
+    {"export", ExportWords, RunExportCommand},
+    {"model", ModelWords, RunModelCommand},
+    {"completion", CompletionWords, RunCompletionCommand},
+};
+
+}  // namespace
+
+std::span<const Command> Commands() { return kCommands; }
+
+StatusOr<Command> FindCommand(const std::string& name) {
+  std::vector<std::string> names;
+  for (const Command& command : kCommands) {
+    if (command.name == name) return command;
+    names.emplace_back(command.name);
+  }
+  const std::string nearest = pipeline::NearestName(name, names);
+  return InvalidArgumentError(
+      "unknown command " + name +
+      (nearest.empty() ? "" : "; did you mean " + nearest + "?") +
+      "; see freegs_pipeline --help");
+}
+
+}  // namespace freegs::stages

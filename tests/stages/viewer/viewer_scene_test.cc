@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/viewer/viewer_scene.h"
+
+#include <cmath>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "core/base64.h"
+#include "splat/scene/spz_format.h"
+#include "stages/scene/workspace_scene.h"
+#include "tests/stages/synthetic_workspace.h"
+
+namespace freegs::stages {
+namespace {
+
+using nlohmann::json;
+
+class ViewerSceneTest : public testing::Test {
+ protected:
+  static int At(const std::string& labels, size_t index) {
+    return static_cast<uint8_t>(labels[2 * index]) |
+           static_cast<uint8_t>(labels[2 * index + 1]) << 8;
+  }
+
+  SyntheticWorkspace workspace_;
+};
+
+TEST_F(ViewerSceneTest, PartsHoldAllGaussiansAndTheirLabels) {
+  workspace_.AddInstances();
+  workspace_.AddHierarchy();
+  const auto scene = MakeViewerScene(workspace_.path(), {.part_size = 60});
+  ASSERT_TRUE(scene.ok()) << scene.status().message();
+  ASSERT_EQ(scene->parts.size(), 3u);
+  EXPECT_EQ(scene->description["num_gaussians"], 120);
+  int of_instance[4] = {0, 0, 0, 0};
+  double last = INFINITY;
+  for (size_t p = 0; p < 3; ++p) {
+    const auto model = splat::ParseSpz(scene->parts[p].splats, false);
+    ASSERT_TRUE(model.ok());
+    EXPECT_EQ(scene->description["parts"][p]["num_gaussians"], model->size());
+    ASSERT_EQ(scene->parts[p].labels.size(), 4 * model->size());
+    double covered = 0;
+    for (size_t g = 0; g < model->size(); ++g) {
+      const int id = At(scene->parts[p].labels, 2 * g);
+      ASSERT_LE(id, 3);
+      ++of_instance[id];
+      // Two parts for each instance, those of the third come first.
+      const int first[] = {0, 2, 4, 0};
+      const int part = At(scene->parts[p].labels, 2 * g + 1);
+      EXPECT_EQ(part, id == 0 ? 65535 : first[id] + part % 2);
+      double volume = 0;
+      for (int k = 0; k < 3; ++k) volume += model->log_scales[3 * g + k];
+      covered += volume / static_cast<double>(model->size());
+    }
+    EXPECT_LT(covered, last);
+    last = covered;
+  }
+  for (const int count : of_instance) EXPECT_EQ(count, 30);
+  // Instances 1 and 2 are a group, then all three.
+  const json& levels = scene->description["levels"];
+  EXPECT_EQ(levels["1"]["wider"], json::parse("[[2, 6], [0, 6]]"));
+  EXPECT_EQ(levels["3"]["wider"], json::parse("[[0, 6]]"));
+}
+
+TEST_F(ViewerSceneTest, FollowsTheContract) {
+  workspace_.AddInstances();
+  const auto scene = MakeViewerScene(
+      workspace_.path(), {.pictures = {{"photo1.png", "views/1_photo.jpg"}}});
+  ASSERT_TRUE(scene.ok()) << scene.status().message();
+  const json& d = scene->description;
+  EXPECT_EQ(d["format"], "freegs-viewer-scene");
+  EXPECT_EQ(d["version"], 1);
+  EXPECT_EQ(d["background"], json::parse("[1, 1, 1]"));
+  ASSERT_EQ(d["photos"].size(), 6u);
+  EXPECT_EQ(d["photos"][0]["name"], "a <b>&'c#d.png");
+  EXPECT_EQ(d["photos"][0]["holdout"], true);
+  EXPECT_EQ(d["photos"][1]["image"], "views/1_photo.jpg");
+  EXPECT_EQ(d["photos"][2]["image"], "");
+  ASSERT_EQ(d["objects"].size(), 3u);
+  EXPECT_EQ(d["objects"][0]["color"].size(), 3u);
+  EXPECT_TRUE(d["levels"].empty());
+
+  // A Gaussian, a photo and a box are where the world has them.
+  const auto world = ReadWorkspaceScene(workspace_.path());
+  ASSERT_TRUE(world.ok());
+  const double unit = d["unit"];
+  const json& box = d["objects"][1]["obb"];
+  const semantics::Instance& instance = workspace_.instances[1];
+  for (int k = 0; k < 3; ++k) {
+    const double origin = d["origin"][k];
+    EXPECT_NEAR(unit * box["center"][k].get<double>() + origin,
+                instance.obb.center[k],
+                1e-5);
+    EXPECT_NEAR(
+        unit * box["size"][k].get<double>(), instance.obb.size[k], 1e-5);
+  }
+}
+
+TEST_F(ViewerSceneTest, LeavesOutWhatDoesNotFit) {
+  const auto whole = MakeViewerScene(workspace_.path(), {});
+  ASSERT_TRUE(whole.ok());
+  EXPECT_EQ(whole->description["sh_degree"], 1);
+  const auto small = MakeViewerScene(workspace_.path(), {.max_bytes = 1});
+  ASSERT_TRUE(small.ok());
+  EXPECT_EQ(small->description["sh_degree"], 0);
+  EXPECT_LT(small->parts[0].splats.size(), whole->parts[0].splats.size());
+}
+
+TEST_F(ViewerSceneTest, ScriptHoldsTheSameBytes) {
+  const auto scene = MakeViewerScene(workspace_.path(), {});
+  ASSERT_TRUE(scene.ok());
+  const std::string script = ViewerSceneScript(*scene);
+  const std::string start = "globalThis.freegsScene = ";
+  ASSERT_TRUE(script.starts_with(start));
+  const json parsed = json::parse(script.substr(start.size()));
+  EXPECT_EQ(parsed["description"], scene->description);
+  EXPECT_EQ(
+      DecodeBase64(parsed["parts"][0]["splats"].get<std::string>()).value(),
+      scene->parts[0].splats);
+}
+
+TEST_F(ViewerSceneTest, ErrorsNameWhatIsMissing) {
+  EXPECT_EQ(
+      MakeViewerScene(workspace_.path(), {.part_size = 0}).status().code(),
+      StatusCode::kInvalidArgument);
+  std::filesystem::remove(workspace_.path() / "reconstruct/point_cloud.ply");
+  const auto scene = MakeViewerScene(workspace_.path(), {});
+  EXPECT_EQ(scene.status().code(), StatusCode::kBadInput);
+  EXPECT_NE(scene.status().message().find("point_cloud.ply"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace freegs::stages

@@ -1,0 +1,431 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The report as a file, in a browser that draws without a graphics card.
+
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import {
+  cpSync,
+  mkdirSync,
+  readFileSync,
+  rmSync,
+  writeFileSync,
+} from "node:fs";
+import { dirname, join } from "node:path";
+import { after, before, test } from "node:test";
+import { pathToFileURL } from "node:url";
+
+import {
+  axe,
+  build,
+  goToCamera,
+  makeScene,
+  openBrowser,
+  openPage,
+  readGrey,
+  runProgram,
+  settle,
+} from "./support.mjs";
+
+let scene;
+let browser;
+let cameras;
+let instances; // What the program draws in the test views: ids.
+let truth; // The true ids there.
+
+before(async () => {
+  scene = makeScene();
+  cameras = JSON.parse(readFileSync(join(scene.truth, "gt", "cameras.json")));
+  const out = join(dirname(scene.workspace), "instances");
+  runProgram(
+    "render",
+    scene.workspace,
+    "--out",
+    out,
+    "--cameras",
+    join(scene.truth, "gt", "cameras.json"),
+    "--what",
+    "instances",
+  );
+  instances = new Map();
+  truth = new Map();
+  for (const name of Object.keys(cameras.test)) {
+    instances.set(name, readGrey(join(out, name)));
+    truth.set(name, readGrey(join(scene.truth, "gt", "instance", name)));
+  }
+  browser = await openBrowser();
+});
+
+after(() => browser?.close());
+
+const open = (viewport) =>
+  openPage(browser, pathToFileURL(scene.report).href, viewport);
+const chosen = (page) =>
+  page.evaluate(() => globalThis.freegsViewer.selection.choice?.id ?? 0);
+
+/** The id of the instance that overlaps an object best, and by how much. */
+function bestInstance(object) {
+  const overlap = new Map();
+  const size = new Map();
+  let pixels = 0;
+  for (const [name, ids] of instances) {
+    const mask = truth.get(name).values;
+    ids.values.forEach((id, i) => {
+      if (id > 0) size.set(id, (size.get(id) ?? 0) + 1);
+      if (mask[i] !== object) return;
+      ++pixels;
+      if (id > 0) overlap.set(id, (overlap.get(id) ?? 0) + 1);
+    });
+  }
+  let best = { id: 0, iou: 0 };
+  for (const [id, both] of overlap) {
+    const iou = both / (pixels + size.get(id) - both);
+    if (iou > best.iou) best = { id, iou };
+  }
+  return best;
+}
+
+/** The pixel of an object in a view that is farthest from where it ends. */
+function innermost({ width, height, values }, object) {
+  let best = null;
+  for (let y = 0; y < height; ++y) {
+    for (let x = 0; x < width; ++x) {
+      if (values[y * width + x] !== object) continue;
+      let reach = 0;
+      const inside = (r) =>
+        [
+          [r, 0],
+          [-r, 0],
+          [0, r],
+          [0, -r],
+          [r, r],
+          [-r, -r],
+          [r, -r],
+          [-r, r],
+        ].every(
+          ([dx, dy]) =>
+            x + dx >= 0 &&
+            y + dy >= 0 &&
+            x + dx < width &&
+            y + dy < height &&
+            values[(y + dy) * width + x + dx] === object,
+        );
+      while (inside(reach + 1)) ++reach;
+      if (!best || reach > best.reach) best = { x, y, reach };
+    }
+  }
+  return best;
+}
+
+test("clicks on five objects in three views find what is there", async () => {
+  const page = await open();
+  const canvas = await page.locator(".v-canvas canvas").boundingBox();
+  await page.locator(".v-canvas").scrollIntoViewIfNeeded();
+  let clicks = 0;
+  for (const [name, mask] of truth) {
+    const rectangle = await goToCamera(
+      page,
+      cameras.intrinsics,
+      cameras.test[name],
+    );
+    const objects = [...new Set(mask.values)].filter((id) => id > 0);
+    const places = objects
+      .map((object) => ({
+        object,
+        ...innermost(mask, object),
+        ...bestInstance(object),
+      }))
+      .filter(({ reach, iou }) => reach >= 4 && iou > 0.5)
+      .sort((a, b) => b.reach - a.reach)
+      .slice(0, 5);
+    assert.equal(places.length, 5, name);
+    for (const { x, y, id, object } of places) {
+      await page.locator(".v-canvas canvas").click({
+        position: {
+          x: rectangle.x + rectangle.scale * (x + 0.5),
+          y: rectangle.y + rectangle.scale * (y + 0.5),
+        },
+      });
+      assert.equal(await chosen(page), id, `object ${object} in ${name}`);
+      assert.equal(
+        await page.locator(".v-details").getAttribute("data-object"),
+        String(id),
+      );
+      ++clicks;
+    }
+  }
+  assert.equal(clicks, 15);
+  assert.ok(canvas.width > 300);
+  assert.deepEqual(page.errors, []);
+  await page.context().close();
+});
+
+test("an object alone looks as the program draws it", async () => {
+  const page = await open();
+  const name = Object.keys(cameras.test)[0];
+  const object = [...new Set(truth.get(name).values)]
+    .filter((id) => id > 0)
+    .map((id) => ({
+      id,
+      ...bestInstance(id),
+      reach: innermost(truth.get(name), id).reach,
+    }))
+    .sort((a, b) => b.reach - a.reach)
+    .map((entry) => bestInstance(entry.id))[0];
+  await goToCamera(page, cameras.intrinsics, cameras.test[name]);
+  await page.evaluate((id) => {
+    const { selection } = globalThis.freegsViewer;
+    selection.choose(id);
+    selection.setIsolated(true);
+  }, object.id);
+  await settle(page);
+  // What is lit on the canvas, against the program's mask.
+  const picture = await page.evaluate(() => {
+    const { view } = globalThis.freegsViewer;
+    const canvas = document.createElement("canvas");
+    canvas.width = view.width;
+    canvas.height = view.height;
+    const context = canvas.getContext("2d");
+    context.drawImage(view.canvas, 0, 0, view.width, view.height);
+    const { data } = context.getImageData(0, 0, view.width, view.height);
+    return Array.from({ length: view.width * view.height }, (_, i) =>
+      data[4 * i] + data[4 * i + 1] + data[4 * i + 2] > 90 ? 1 : 0,
+    );
+  });
+  const size = await page.evaluate(() => [
+    globalThis.freegsViewer.view.width,
+    globalThis.freegsViewer.view.height,
+  ]);
+  const mask = await page.evaluate(() => {
+    const { mask, width, height } = globalThis.freegsViewer.view.mask();
+    return { mask: [...mask], width, height };
+  });
+  const ids = instances.get(name);
+  assert.deepEqual([mask.width, mask.height], [ids.width, ids.height]);
+  const iou = (a, b) => {
+    let both = 0;
+    let either = 0;
+    for (let i = 0; i < a.length; ++i) {
+      both += a[i] && b[i];
+      either += a[i] || b[i];
+    }
+    return both / either;
+  };
+  // Alone nothing hides it, so its mask holds what the program shows of it.
+  const program = [...ids.values].map((id) => Number(id === object.id));
+  const shown = program.filter((inside, i) => inside && mask.mask[i]).length;
+  assert.ok(shown / program.filter(Boolean).length > 0.95);
+  const scale = Math.min(size[0] / ids.width, size[1] / ids.height);
+  const left = (size[0] - scale * ids.width) / 2;
+  const top = (size[1] - scale * ids.height) / 2;
+  const drawn = Array.from({ length: ids.width * ids.height }, (_, i) => {
+    const x = Math.floor(left + scale * ((i % ids.width) + 0.5));
+    const y = Math.floor(top + scale * (Math.floor(i / ids.width) + 0.5));
+    return picture[y * size[0] + x];
+  });
+  assert.ok(iou(drawn, mask.mask) > 0.8, `iou ${iou(drawn, mask.mask)}`);
+  await page.context().close();
+});
+
+test("levels, hiding, saving a mask and a .ply", async () => {
+  const page = await open();
+  const id = await page.evaluate(() => {
+    const { selection } = globalThis.freegsViewer;
+    const { objects } = globalThis.freegsScene.description;
+    selection.choose(objects.find((object) => !object.background).id);
+    return selection.choice.id;
+  });
+  const count = () =>
+    page.evaluate(() => {
+      const { cloud } = globalThis.freegsViewer.view;
+      let chosen = 0;
+      for (let i = 0; i < cloud.gaussians.count; ++i)
+        chosen += cloud.isChosen(i);
+      return chosen;
+    });
+  const own = await count();
+  await page.getByRole("button", { name: "Wider" }).click();
+  assert.ok((await count()) > own);
+  await page.getByRole("button", { name: "Narrower" }).click();
+  assert.equal(await count(), own);
+
+  const download = async (name) => {
+    const waiting = page.waitForEvent("download");
+    await page.getByRole("button", { name }).click();
+    const path = await (await waiting).path();
+    return path;
+  };
+  const ply = readFileSync(await download("Save .ply"));
+  const header = ply
+    .subarray(0, ply.indexOf("end_header\n") + 11)
+    .toString("latin1");
+  assert.match(header, new RegExp(`element vertex ${own}\n`));
+  assert.equal(ply.length, header.length + own * 17 * 4);
+  const mask = readGrey(await download("Save mask"));
+  assert.ok(mask.values.some((value) => value === 255));
+
+  await page.getByRole("button", { name: "Hide", exact: true }).click();
+  assert.equal(
+    await page.evaluate(
+      (i) => globalThis.freegsViewer.selection.isVisible(i, 0),
+      id,
+    ),
+    false,
+  );
+  await page.getByRole("button", { name: "Show all" }).click();
+  assert.equal(
+    await page.evaluate(
+      (i) => globalThis.freegsViewer.selection.isVisible(i, 0),
+      id,
+    ),
+    true,
+  );
+  assert.deepEqual(page.errors, []);
+  await page.context().close();
+});
+
+test("photos fade in where the render is", async () => {
+  const page = await open();
+  await page.getByRole("button", { name: "▶" }).click();
+  await page.getByLabel("Fade from the render to the photo").fill("60");
+  const picture = page.locator(".v-photo");
+  await picture.waitFor({ state: "visible" });
+  assert.ok(
+    (await picture.evaluate((img) =>
+      img.decode().then(() => img.naturalWidth),
+    )) > 0,
+  );
+  await settle(page);
+  assert.deepEqual(page.errors, []);
+  await page.context().close();
+});
+
+test("a phone, and the keyboard alone", async () => {
+  const page = await open({ width: 390, height: 844 });
+  const width = await page.evaluate(() => document.documentElement.scrollWidth);
+  assert.ok(width <= 390, `the page is ${width} wide`);
+  // Tab to the canvas, turn, choose what is in the middle, go through its keys.
+  for (let i = 0; i < 30; ++i) {
+    if (await page.evaluate(() => document.activeElement?.tagName === "CANVAS"))
+      break;
+    await page.keyboard.press("Tab");
+  }
+  assert.equal(
+    await page.evaluate(() => document.activeElement?.tagName),
+    "CANVAS",
+  );
+  const position = () =>
+    page.evaluate(() => [
+      ...globalThis.freegsViewer.view.pinhole(100, 100).translation,
+    ]);
+  const before = await position();
+  await page.keyboard.press("ArrowLeft");
+  await page.keyboard.press("+");
+  assert.notDeepEqual(await position(), before);
+  await page.keyboard.press("Enter");
+  const id = await chosen(page);
+  assert.ok(id > 0);
+  await page.keyboard.press(".");
+  await page.keyboard.press("o");
+  assert.equal(
+    await page.evaluate(() => globalThis.freegsViewer.selection.isolated),
+    true,
+  );
+  await page.keyboard.press("Escape");
+  assert.equal(await chosen(page), 0);
+  for (const key of ["i", "b", "c"]) await page.keyboard.press(key);
+  assert.equal(await page.getByRole("button", { pressed: true }).count(), 3);
+  // The list by keyboard.
+  await page.locator(".v-list button").first().focus();
+  await page.keyboard.press("Enter");
+  assert.ok((await chosen(page)) > 0);
+  await settle(page);
+  assert.deepEqual(page.errors, []);
+  await page.context().close();
+});
+
+test("no serious finding of accessibility", async () => {
+  const page = await open();
+  await page.evaluate(() => {
+    const { objects } = globalThis.freegsScene.description;
+    globalThis.freegsViewer.selection.choose(objects[0].id);
+  });
+  await page.evaluate(axe);
+  const { violations } = await page.evaluate(() => globalThis.axe.run());
+  const serious = violations
+    .filter(({ impact }) => impact === "serious" || impact === "critical")
+    .map(
+      ({ id, nodes }) => `${id}: ${nodes.map((node) => node.html).join(" ")}`,
+    );
+  assert.deepEqual(serious, []);
+  await page.context().close();
+});
+
+test("without WebGL the page is whole and says why", async () => {
+  const context = await browser.newContext();
+  const page = await context.newPage();
+  await page.addInitScript(() => {
+    HTMLCanvasElement.prototype.getContext = () => null;
+  });
+  await page.goto(pathToFileURL(scene.report).href);
+  await page.waitForFunction(
+    () => document.querySelector("#scene3d")?.dataset.failed,
+  );
+  assert.match(await page.locator("#scene3d").innerText(), /no WebGL 2/);
+  assert.ok((await page.locator(".strip img").count()) > 0);
+  await context.close();
+});
+
+test("names are text, whatever they hold", async () => {
+  // A workspace and photos with quotes, umlauts and markup in their names.
+  const folder = join(
+    build,
+    "tests",
+    "web",
+    `"Tüte" <script>alert(1)<∕script> & 'x'`,
+  );
+  rmSync(folder, { recursive: true, force: true });
+  mkdirSync(folder, { recursive: true });
+  const images = join(folder, "images");
+  cpSync(join(scene.truth, "images"), images, { recursive: true });
+  const odd = `"ä" <img src=x onerror=alert(1)> 'ß'.png`;
+  const transforms = JSON.parse(
+    readFileSync(join(scene.truth, "gt", "transforms.json"), "utf8"),
+  );
+  const frame = transforms.frames[0];
+  const old = frame.file_path.split("/").pop();
+  execFileSync("mv", [join(images, old), join(images, odd)]);
+  frame.file_path = frame.file_path.replace(old, odd);
+  writeFileSync(join(folder, "transforms.json"), JSON.stringify(transforms));
+  const workspace = join(folder, `w "<b>"`);
+  runProgram(
+    "run",
+    images,
+    workspace,
+    "--sfm.import",
+    join(folder, "transforms.json"),
+    "--preset",
+    "fast",
+    "--reconstruct.iterations",
+    "200",
+    "--export.report_views",
+    "30",
+  );
+  const page = await openPage(
+    browser,
+    pathToFileURL(join(workspace, "export", "report", "index.html")).href,
+  );
+  let dialogs = 0;
+  page.on("dialog", (dialog) => (++dialogs, dialog.dismiss()));
+  assert.equal(await page.title(), `w "<b>"`);
+  assert.ok(
+    (await page.locator(".v-photobar option").allInnerTexts()).some((text) =>
+      text.startsWith(`"ä"`),
+    ),
+  );
+  await page.getByRole("button", { name: "▶" }).click();
+  await settle(page);
+  assert.equal(dialogs, 0);
+  assert.equal(await page.locator("img[onerror]").count(), 0);
+  assert.deepEqual(page.errors, []);
+  await page.context().close();
+});

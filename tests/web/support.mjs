@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the tests of the page share: a scene with known truth, and a browser.
+// PAGE_TEST_BUILD is the build folder.
+
+import { execFileSync } from "node:child_process";
+import { existsSync, mkdirSync, readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { join } from "node:path";
+
+export const build = process.env.PAGE_TEST_BUILD;
+// The page's packages lie where it was bundled.
+const require = createRequire(join(build, "web", "package.json"));
+const { chromium } = require("playwright-core");
+const { PNG } = require("pngjs");
+export const axe = readFileSync(require.resolve("axe-core/axe.min.js"), "utf8");
+export const program = join(build, "bin", "freegs_pipeline");
+
+const scratch = join(build, "tests", "web");
+
+export function runProgram(...args) {
+  return execFileSync(program, args, {
+    encoding: "utf8",
+    stdio: ["ignore", "pipe", "pipe"],
+  });
+}
+
+/** A drawn table with objects, reconstructed with its true cameras. */
+export function makeScene() {
+  mkdirSync(scratch, { recursive: true });
+  const truth = join(scratch, "table");
+  const workspace = join(scratch, "table_workspace");
+  if (!existsSync(join(truth, "gt", "cameras.json"))) {
+    execFileSync(
+      join(build, "bin", "freegs_make_scene"),
+      [
+        "--out",
+        truth,
+        "--views",
+        "24",
+        "--test_views",
+        "3",
+        "--seed",
+        "3",
+      ].concat(["--width", "480", "--height", "360"]),
+      { stdio: "ignore" },
+    );
+  }
+  runProgram(
+    "run",
+    join(truth, "images"),
+    workspace,
+    "--sfm.import",
+    join(truth, "gt", "transforms.json"),
+    "--preset",
+    "fast",
+  );
+  return {
+    truth,
+    workspace,
+    report: join(workspace, "export", "report", "index.html"),
+  };
+}
+
+/** Grey values of a PNG, of 8 or 16 bits. */
+export function readGrey(path) {
+  const png = PNG.sync.read(readFileSync(path), { skipRescale: true });
+  const values = new Uint16Array(png.width * png.height);
+  for (let i = 0; i < values.length; ++i) values[i] = png.data[4 * i];
+  return { width: png.width, height: png.height, values };
+}
+
+export async function openBrowser() {
+  return chromium.launch({
+    executablePath: process.env.PAGE_TEST_CHROMIUM,
+    args: [
+      "--no-sandbox", // Tests may run as root.
+      "--use-angle=swiftshader",
+      "--enable-unsafe-swiftshader",
+      "--ignore-gpu-blocklist",
+    ],
+  });
+}
+
+/** A page whose 3D view is there; fails when the page reports an error. */
+export async function openPage(
+  browser,
+  url,
+  viewport = { width: 1280, height: 900 },
+) {
+  const context = await browser.newContext({ viewport, acceptDownloads: true });
+  const page = await context.newPage();
+  page.errors = [];
+  page.on("pageerror", (error) => page.errors.push(String(error)));
+  page.on("console", (message) => {
+    if (message.type() === "error") page.errors.push(message.text());
+  });
+  page.setDefaultTimeout(90000);
+  await page.goto(url);
+  await page.waitForFunction(() => {
+    const scene = document.querySelector("#scene3d");
+    return scene?.dataset.loaded || scene?.dataset.failed;
+  });
+  return page;
+}
+
+/** Waits until the view has drawn everything there is and is at rest. */
+export async function settle(page) {
+  await page.evaluate(
+    () =>
+      new Promise((resolve) => {
+        const { statistics } = globalThis.freegsViewer.view;
+        let seen = -1;
+        let calm = 0;
+        const look = () => {
+          const last = statistics.times.at(-1) ?? 0;
+          calm = statistics.first !== null && last === seen ? calm + 1 : 0;
+          seen = last;
+          if (calm < 4) setTimeout(look, 400);
+          else resolve();
+        };
+        look();
+      }),
+  );
+}
+
+/** Brings the page's camera to a camera of the truth; returns its rectangle. */
+export function goToCamera(page, intrinsics, worldToCamera) {
+  return page.evaluate(
+    ([k, m]) => {
+      const { view } = globalThis.freegsViewer;
+      const { unit, origin } = globalThis.freegsScene.description;
+      const r = m.map((row) => row.slice(0, 3));
+      // The rotation as a quaternion w x y z (Shepperd 1978).
+      const trace = r[0][0] + r[1][1] + r[2][2];
+      const d = [trace, r[0][0], r[1][1], r[2][2]];
+      const best = d.indexOf(Math.max(...d));
+      const q = [0, 0, 0, 0];
+      if (best === 0) {
+        q[0] = 1 + trace;
+        q[1] = r[2][1] - r[1][2];
+        q[2] = r[0][2] - r[2][0];
+        q[3] = r[1][0] - r[0][1];
+      } else {
+        const i = best - 1;
+        const j = (i + 1) % 3;
+        const l = (i + 2) % 3;
+        q[best] = 1 + r[i][i] - r[j][j] - r[l][l];
+        q[0] = r[l][j] - r[j][l];
+        q[1 + j] = r[j][i] + r[i][j];
+        q[1 + l] = r[l][i] + r[i][l];
+      }
+      const norm = Math.hypot(...q);
+      const photo = {
+        name: "truth",
+        holdout: true,
+        image: "",
+        width: k.w,
+        height: k.h,
+        fx: k.fx,
+        fy: k.fy,
+        cx: k.cx,
+        cy: k.cy,
+        rotation: q.map((x) => x / norm),
+        translation: r.map(
+          (row, i) =>
+            (m[i][3] +
+              row[0] * origin[0] +
+              row[1] * origin[1] +
+              row[2] * origin[2]) /
+            unit,
+        ),
+      };
+      view.goTo(photo);
+      const scale = Math.min(view.width / k.w, view.height / k.h);
+      return {
+        scale,
+        x: (view.width - scale * k.w) / 2,
+        y: (view.height - scale * k.h) / 2,
+      };
+    },
+    [intrinsics, worldToCamera],
+  );
+}
