@@ -17,7 +17,7 @@
 #include "stages/command_line/command_help.h"
 #include "stages/commands/command.h"
 #include "stages/commands/command_list.h"
-#include "stages/commands/version_text.h"
+#include "stages/command_line/version_text.h"
 
 namespace freegs {
 namespace {

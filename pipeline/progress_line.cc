@@ -70,14 +70,12 @@ std::string FormatProgress(const Progress& progress, double rate) {
   return text;
 }
 
-ProgressLine::ProgressLine(Logger* logger, std::string prefix, Clock clock)
-    : logger_(logger),
-      prefix_(std::move(prefix)),
-      clock_(clock ? std::move(clock) : SteadySeconds) {}
-
-ProgressLine::~ProgressLine() { logger_->SetTransient(""); }
-
-double ProgressLine::Rate(double now, double done) {
+double ProgressRate::Update(double now, const Progress& progress) {
+  if (progress.step != step_) {
+    step_ = progress.step;
+    recent_.clear();
+  }
+  const double done = progress.done;
   if (!recent_.empty() && done < recent_.back().second) recent_.clear();
   if (recent_.empty() || now - recent_.back().first >= kRateSpacing) {
     recent_.emplace_back(now, done);
@@ -90,15 +88,21 @@ double ProgressLine::Rate(double now, double done) {
                                  : 0;
 }
 
+ProgressLine::ProgressLine(Logger* logger, std::string prefix, Clock clock)
+    : logger_(logger),
+      prefix_(std::move(prefix)),
+      clock_(clock ? std::move(clock) : SteadySeconds) {}
+
+ProgressLine::~ProgressLine() { logger_->SetTransient(""); }
+
 void ProgressLine::Report(const Progress& progress) {
   const std::lock_guard lock(mutex_);
   const double now = clock_();
   if (progress.step != step_) {
     step_ = progress.step;
-    recent_.clear();
     shown_ = false;
   }
-  const double rate = Rate(now, progress.done);
+  const double rate = rate_.Update(now, progress);
   const double interval =
       logger_->terminal() ? kTerminalInterval : kPlainInterval;
   if (shown_ && now - last_shown_ < interval) return;

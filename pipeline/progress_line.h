@@ -22,6 +22,19 @@ namespace freegs::pipeline {
 // neither the rate nor the time left is shown.
 std::string FormatProgress(const Progress& progress, double rate);
 
+// Estimates how fast the work of one step goes, from its last half minute, so
+// that the rate follows a step that becomes slower.
+class ProgressRate {
+ public:
+  // Returns units per second, 0 when that is not known yet. `now` is in seconds
+  // and never goes back.
+  double Update(double now, const Progress& progress);
+
+ private:
+  std::string step_;
+  std::deque<std::pair<double, double>> recent_;  // Time, and what was done.
+};
+
 // The line of one stage:
 //
 //   ProgressLine line(&logger, "reconstruct");
@@ -45,8 +58,6 @@ class ProgressLine {
   void Report(const Progress& progress);
 
  private:
-  double Rate(double now, double done);
-
   std::mutex mutex_;
   Logger* logger_;
   const std::string prefix_;
@@ -54,10 +65,7 @@ class ProgressLine {
   std::string step_;
   double last_shown_ = 0;
   bool shown_ = false;
-
-  // Pairs (time, done) of the last half minute. The rate is computed from them,
-  // so that it follows a step that becomes slower.
-  std::deque<std::pair<double, double>> recent_;
+  ProgressRate rate_;
 };
 
 }  // namespace freegs::pipeline

@@ -50,6 +50,11 @@ struct StageContext {
   ProgressFn progress;
   LogFn log;
 
+  // A JPEG file that a long stage may write now and then, for those who look on
+  // (docs/view.md): a picture of what it has so far. It is no part of the
+  // output; the runner deletes it. Empty: nobody wants one.
+  std::filesystem::path preview;
+
   // Seconds between checkpoints of long stages.
   double checkpoint_interval_seconds = 60;
 

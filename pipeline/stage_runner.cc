@@ -11,6 +11,7 @@
 
 #include "core/number_text.h"
 #include "core/out_of_memory.h"
+#include "pipeline/progress_file.h"
 #include "pipeline/progress_line.h"
 #include "pipeline/resource_usage.h"
 #include "pipeline/stage_output.h"
@@ -279,6 +280,8 @@ Status StageRunner::RunStage(RunnerStage& stage,
   TellMemory(name, need, logger_);
   const ResourceMeter meter;
   ProgressLine line(&logger_, name);
+  ProgressFile file(options_.workspace, name);
+  context.preview = PreviewPath(options_.workspace);
   std::mutex usage_mutex;
   double usage_noted = 0;
   context.resuming = resume;
@@ -288,6 +291,7 @@ Status StageRunner::RunStage(RunnerStage& stage,
   };
   context.progress = [&](const Progress& progress) {
     line.Report(progress);
+    file.Report(progress);
     const std::lock_guard lock(usage_mutex);
     const ResourceUsage usage = meter.Elapsed();
     if (usage.wall_seconds - usage_noted < options_.usage_interval_seconds) {

@@ -81,6 +81,14 @@ fs::path FingerprintCachePath(const fs::path& workspace) {
   return workspace / ".fingerprints.json";
 }
 
+fs::path ProgressPath(const fs::path& workspace) {
+  return workspace / "progress.json";
+}
+
+fs::path PreviewPath(const fs::path& workspace) {
+  return workspace / "preview.jpg";
+}
+
 fs::path StageFolder(const fs::path& workspace, std::string_view stage) {
   return workspace / stage;
 }

@@ -23,6 +23,11 @@ std::filesystem::path LogPath(const std::filesystem::path& workspace);
 std::filesystem::path FingerprintCachePath(
     const std::filesystem::path& workspace);
 
+// WORKSPACE/progress.json and WORKSPACE/preview.jpg: what a run under way is
+// doing (pipeline/progress_file.h), and a picture of it.
+std::filesystem::path ProgressPath(const std::filesystem::path& workspace);
+std::filesystem::path PreviewPath(const std::filesystem::path& workspace);
+
 // WORKSPACE/STAGE: a stage's finished output, and stage.json in it.
 std::filesystem::path StageFolder(const std::filesystem::path& workspace,
                                   std::string_view stage);

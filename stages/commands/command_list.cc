@@ -16,6 +16,7 @@
 #include "stages/commands/render_command.h"
 #include "stages/commands/run_command.h"
 #include "stages/commands/status_command.h"
+#include "stages/commands/view_command.h"
 #include "stages/query/query_request.h"
 
 namespace freegs::stages {
@@ -29,6 +30,7 @@ constexpr Command kCommands[] = {
     {"doctor", DoctorWords, RunDoctorCommand},
     {"render", RenderWords, RunRenderCommand},
     {"query", QueryWords, RunQueryCommand},
+    {"view", ViewWords, RunViewCommand},
     {"eval", EvalWords, RunEvalCommand},
     {"features", FeaturesWords, RunFeaturesCommand},
     {"export", ExportWords, RunExportCommand},

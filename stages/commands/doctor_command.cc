@@ -20,7 +20,7 @@
 #include "pipeline/system_info.h"
 #include "pipeline/version.h"
 #include "sfm/colmap/colmap_program.h"
-#include "stages/commands/version_text.h"
+#include "stages/command_line/version_text.h"
 #include "stages/registry/pipeline_options.h"
 #include "stages/scene/clip_input.h"
 

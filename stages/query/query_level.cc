@@ -21,12 +21,18 @@ StatusOr<int> AddLevel(const fs::path& workspace,
                        ThreadPool& pool,
                        QueryScene* scene) {
   const splat::GaussianModel& model = scene->scene->model;
-  FREEGS_ASSIGN_OR_RETURN(const semantics::Hierarchy hierarchy,
-                          ReadSceneHierarchy(workspace, model.size()));
-  // The part of the instance that the pixel shows most of.
+  if (!scene->hierarchy) {
+    FREEGS_ASSIGN_OR_RETURN(scene->hierarchy,
+                            ReadSceneHierarchy(workspace, model.size()));
+  }
+  const semantics::Hierarchy& hierarchy = *scene->hierarchy;
+  // The part of the instance that the pixel shows most of. All other instances
+  // are one part: without them a pixel that shows several would count as empty.
   std::vector<int32_t> parts = hierarchy.part_of_gaussian;
+  const int32_t other = *std::max_element(parts.begin(), parts.end()) + 1;
   for (size_t g = 0; g < parts.size(); ++g) {
-    if (scene->labels[g] != clicked.id - 1) parts[g] = -1;
+    if (scene->labels[g] == clicked.id - 1) continue;
+    parts[g] = scene->labels[g] >= 0 ? other : -1;
   }
   FREEGS_ASSIGN_OR_RETURN(const std::vector<semantics::ClickHit> hits,
                           semantics::QueryClick(model,
@@ -37,13 +43,17 @@ StatusOr<int> AddLevel(const fs::path& workspace,
                                                 clicked.x,
                                                 clicked.y,
                                                 pool));
-  if (hits.empty()) {
+  const auto hit =
+      std::find_if(hits.begin(), hits.end(), [other](const auto& candidate) {
+        return candidate.id - 1 != other;
+      });
+  if (hit == hits.end()) {
     return BadInputError(
         "bootstrap/hierarchy.json: knows no part of instance " +
         std::to_string(clicked.id) + " there; run stage bootstrap again");
   }
   const std::vector<uint8_t> inside = semantics::GaussiansOf(
-      hierarchy, semantics::RegionAround(hierarchy, hits[0].id - 1, level));
+      hierarchy, semantics::RegionAround(hierarchy, hit->id - 1, level));
 
   int id = 0;
   for (const semantics::Instance& instance : scene->instances) {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/image.h"
 #include "core/status.h"
 #include "semantics/queries/text_query.h"
 #include "stages/command_line/command_words.h"
@@ -29,6 +30,10 @@ struct QueryRequest {
   std::optional<std::filesystem::path> example;
   std::optional<ViewPlace> click;
   std::optional<ViewPlace> box;
+
+  // The picture of a question by example, H x W x 3, RGB, where it is not to be
+  // read from a file; `example` is only its name then.
+  ImageU8 example_pixels;
 
   // For clicks: levels of the hierarchy above the instance that was clicked, or
   // below it where negative. Nothing: the instance itself.

@@ -93,23 +93,25 @@ Status LoadViews(const QueryRequest& request,
 
 }  // namespace
 
-StatusOr<QueryScene> LoadQueryScene(const QueryRequest& request,
-                                    std::ostream& messages) {
-  QueryScene scene;
+Status LoadQueryScene(const QueryRequest& request,
+                      std::ostream& messages,
+                      QueryScene* scene) {
   FREEGS_ASSIGN_OR_RETURN(
       const fs::path path,
       BootstrapFile(request, "instances.json", "run stage bootstrap first"));
-  FREEGS_ASSIGN_OR_RETURN(scene.instances, semantics::ReadInstances(path));
-  if (request.text || request.example) {
-    FREEGS_RETURN_IF_ERROR(LoadFeatures(request, &scene));
+  if (scene->instances.empty()) {
+    FREEGS_ASSIGN_OR_RETURN(scene->instances, semantics::ReadInstances(path));
   }
-  if (request.click || request.box || !request.out.empty()) {
-    FREEGS_RETURN_IF_ERROR(LoadViews(request, messages, &scene));
+  if ((request.text || request.example) && !scene->features) {
+    FREEGS_RETURN_IF_ERROR(LoadFeatures(request, scene));
+  }
+  if ((request.click || request.box || !request.out.empty()) && !scene->scene) {
+    FREEGS_RETURN_IF_ERROR(LoadViews(request, messages, scene));
     FREEGS_RETURN_IF_ERROR(
-        CheckInstanceIds(scene.instances, scene.labels.size(), path));
+        CheckInstanceIds(scene->instances, scene->labels.size(), path));
   }
-  scene.is_background = BackgroundFlags(scene);
-  return scene;
+  scene->is_background = BackgroundFlags(*scene);
+  return Status();
 }
 
 }  // namespace freegs::stages

@@ -3,9 +3,8 @@
 // (stages/commands/query_command.cc) does
 //
 //   ParseQueryRequest(arguments)         query_request.h
-//   LoadQueryScene(request, messages)
-//   semantics::QueryText(...) and others semantics/queries/
-//   SplitHits(scored, max_hits, &answer) query_answer.h
+//   LoadQueryScene(request, messages, &scene)
+//   FindAnswer(request, ...)             query_engine.h
 //   WriteQueryMasks(task, ...)           query_masks.h
 //   ToJson(answer, scene.instances)      query_answer.h
 
@@ -19,6 +18,7 @@
 
 #include "core/pinhole.h"
 #include "core/status.h"
+#include "semantics/instances/hierarchy.h"
 #include "semantics/instances/instances.h"
 #include "semantics/queries/instance_features.h"
 #include "stages/query/query_request.h"
@@ -38,13 +38,17 @@ struct QueryScene {
   std::vector<int32_t> labels;  // One per Gaussian, -1 for none.
   std::vector<View> views;      // The views to show.
   std::vector<View> photos;  // Clicks and boxes are in one of these or those.
+
+  // Read by the first click with a level.
+  std::optional<semantics::Hierarchy> hierarchy;
 };
 
-// kBadInput names the file that is missing, malformed or does not fit another
-// one, and the stage that writes it. `messages` is told what ViewsToRender
-// says.
-StatusOr<QueryScene> LoadQueryScene(const QueryRequest& request,
-                                    std::ostream& messages);
+// Loads what the request needs and `scene` does not have yet. kBadInput names
+// the file that is missing, malformed or does not fit another one, and the
+// stage that writes it. `messages` is told what ViewsToRender says.
+Status LoadQueryScene(const QueryRequest& request,
+                      std::ostream& messages,
+                      QueryScene* scene);
 
 }  // namespace freegs::stages
 

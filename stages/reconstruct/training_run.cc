@@ -18,6 +18,7 @@
 #include "splat/search/exposure_search.h"
 #include "splat/train/checkpoint.h"
 #include "stages/reconstruct/progress_csv.h"
+#include "stages/reconstruct/training_preview.h"
 
 namespace freegs::stages {
 namespace {
@@ -33,13 +34,17 @@ class TrainingRun {
   TrainingRun(const ReconstructStageOptions& options,
               splat::Trainer* trainer,
               HoldoutImages* holdout,
+              const View& preview_view,
               pipeline::StageContext* context)
       : options_(options),
         trainer_(trainer),
         holdout_(holdout),
         context_(context),
         checkpoints_(context->output / "checkpoints"),
-        progress_(context->output / "progress.csv") {}
+        progress_(context->output / "progress.csv"),
+        preview_({.file = context->preview},
+                 preview_view,
+                 ReconstructRenderOptions(options)) {}
 
   // Takes up what an interrupted run has left, if there is any.
   Status Begin() {
@@ -165,6 +170,13 @@ class TrainingRun {
                    report.num_gaussians,
                    psnr});
     ShowProgress(report, loss);
+    if (preview_.Due()) {
+      // Those who look on see the curve grow, too. Rows beyond the checkpoint
+      // are dropped when the training goes on from there.
+      preview_.Write(trainer_->model(), *context_->pool, [this] {
+        (void)progress_.Flush();
+      });
+    }
     return Status();
   }
 
@@ -209,6 +221,7 @@ class TrainingRun {
   pipeline::StageContext* context_;
   fs::path checkpoints_;
   ProgressCsv progress_;
+  TrainingPreview preview_;
   pipeline::ResourceMeter meter_;
   std::chrono::steady_clock::time_point last_checkpoint_ =
       std::chrono::steady_clock::now();
@@ -252,7 +265,9 @@ StatusOr<TrainedModel> TrainModel(const ReconstructStageOptions& options,
   }
   splat::Trainer trainer(
       trainer_options, std::move(initial), scene.extent, images, context.pool);
-  TrainingRun run(options, &trainer, holdout, &context);
+  const std::vector<View>& views = scene.photos.train;
+  TrainingRun run(
+      options, &trainer, holdout, views[views.size() / 2], &context);
   FREEGS_RETURN_IF_ERROR(run.Begin());
   // A checkpoint carries the choice of an earlier search, so that a resumed
   // training needs no search of its own.

@@ -54,15 +54,22 @@ StatusOr<std::unique_ptr<semantics::OpenCvClip>> OpenModelOfFeatures(
 StatusOr<UprightPhoto> ReadUprightPhoto(const fs::path& path) {
   FREEGS_ASSIGN_OR_RETURN(const std::string bytes,
                           ReadFile(path, kMaxPhotoBytes));
+  StatusOr<UprightPhoto> photo = DecodeUprightPhoto(bytes);
+  if (!photo.ok()) return photo.status().Annotated(path.string());
+  return photo;
+}
+
+StatusOr<UprightPhoto> DecodeUprightPhoto(std::string_view bytes,
+                                          double max_megapixels) {
   photos::PhotoDecodeOptions options;
+  options.max_megapixels = max_megapixels;
   options.min_side = 1;
-  const StatusOr<photos::PhotoHeader> header = photos::ParsePhotoHeader(bytes);
-  if (!header.ok()) return header.status().Annotated(path.string());
-  const Status good = photos::CheckHeader(*header, options);
-  if (!good.ok()) return good.Annotated(path.string());
-  StatusOr<ImageU8> pixels = photos::DecodePhoto(bytes, *header, options);
-  if (!pixels.ok()) return pixels.status().Annotated(path.string());
-  return UprightPhoto{*std::move(pixels), HashBytes(bytes)};
+  FREEGS_ASSIGN_OR_RETURN(const photos::PhotoHeader header,
+                          photos::ParsePhotoHeader(bytes));
+  FREEGS_RETURN_IF_ERROR(photos::CheckHeader(header, options));
+  FREEGS_ASSIGN_OR_RETURN(ImageU8 pixels,
+                          photos::DecodePhoto(bytes, header, options));
+  return UprightPhoto{std::move(pixels), HashBytes(bytes)};
 }
 
 }  // namespace freegs::stages

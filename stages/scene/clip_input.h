@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "core/image.h"
 #include "core/status.h"
@@ -43,6 +44,11 @@ struct UprightPhoto {
 // Reads a photograph of any size in a format that stage ingest accepts.
 // kBadInput names the file and the fault.
 StatusOr<UprightPhoto> ReadUprightPhoto(const std::filesystem::path& path);
+
+// The same for the bytes of a file, of at most so many millions of pixels.
+// Messages do not name it.
+StatusOr<UprightPhoto> DecodeUprightPhoto(std::string_view bytes,
+                                          double max_megapixels = 400);
 
 }  // namespace freegs::stages
 

@@ -16,7 +16,7 @@
 
 #include "stages/command_line/command_help.h"
 #include "stages/command_line/completion_values.h"
-#include "stages/commands/version_text.h"
+#include "stages/command_line/version_text.h"
 #include "tests/temporary_folder.h"
 
 namespace freegs::stages {

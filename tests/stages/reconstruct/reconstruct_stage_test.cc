@@ -99,6 +99,7 @@ class ReconstructStageTest : public testing::Test {
     pipeline::StageContext context;
     context.workspace = workspace_;
     context.output = workspace_ / folder;
+    context.preview = preview_;
     context.resuming = resuming;
     context.pool = &pool;
     context.cancellation = &cancellation;
@@ -150,6 +151,7 @@ class ReconstructStageTest : public testing::Test {
 
   const TemporaryFolder temporary_;
   const fs::path workspace_ = temporary_.path();
+  fs::path preview_;
   std::string log_;        // Of all runs.
   std::string cancel_on_;  // Text of the log line to cancel at, if any.
   splat::GaussianModel truth_;
@@ -331,6 +333,17 @@ TEST_F(ReconstructStageTest, BudgetIsAutoOrANumber) {
     options.budget = budget;
     EXPECT_TRUE(Run(options, "out").ok()) << budget;
   }
+}
+
+TEST_F(ReconstructStageTest, ATrainingThatIsLookedAtHasTheSameResult) {
+  ASSERT_TRUE(Run(Short(), "alone").ok());
+  preview_ = workspace_ / "preview.jpg";
+  ASSERT_TRUE(Run(Short(), "seen").ok());
+  const StatusOr<ImageU8> picture = ReadRgb(preview_);
+  ASSERT_TRUE(picture.ok()) << picture.status().message();
+  EXPECT_EQ(picture->width(), 80);
+  EXPECT_EQ(ReadText(workspace_ / "seen" / "point_cloud.ply"),
+            ReadText(workspace_ / "alone" / "point_cloud.ply"));
 }
 
 TEST_F(ReconstructStageTest, InterruptedAndResumedGivesTheSameBytes) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What --version prints.
 
-#ifndef FREEGS_STAGES_COMMANDS_VERSION_TEXT_H_
-#define FREEGS_STAGES_COMMANDS_VERSION_TEXT_H_
+#ifndef FREEGS_STAGES_COMMAND_LINE_VERSION_TEXT_H_
+#define FREEGS_STAGES_COMMAND_LINE_VERSION_TEXT_H_
 
 #include <string>
 #include <string_view>
@@ -19,4 +19,4 @@ std::string VersionText(std::string_view commit);
 
 }  // namespace freegs::stages
 
-#endif  // FREEGS_STAGES_COMMANDS_VERSION_TEXT_H_
+#endif  // FREEGS_STAGES_COMMAND_LINE_VERSION_TEXT_H_

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "stages/commands/version_text.h"
+#include "stages/command_line/version_text.h"
 
 #include <cstdint>
 

@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/query/query_engine.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "core/number_text.h"
+#include "semantics/clip/relevancy.h"
+#include "semantics/queries/click_query.h"
+#include "semantics/queries/instance_features.h"
+#include "splat/render/renderer.h"
+#include "stages/query/lap.h"
+#include "stages/query/query_level.h"
+#include "stages/scene/clip_input.h"
+#include "stages/scene/shipped_model.h"
+#include "stages/scene/view_selection.h"
+
+namespace freegs::stages {
+namespace {
+
+// Fills the answer from the scores of all instances, in descending order. Large
+// planes become hits only when they are asked for; otherwise the answer
+// mentions one that is better than all hits.
+template <typename Hit, typename Score>
+void FillFrom(const std::vector<Hit>& all,
+              const QueryScene& scene,
+              const QueryRequest& request,
+              const Score& score,
+              QueryAnswer* answer) {
+  std::vector<ScoredInstance> scored;
+  for (const Hit& hit : all) {
+    const ScoredInstance instance{hit.id, score(hit), hit.cosine, std::nullopt};
+    const bool plane = scene.is_background[static_cast<size_t>(hit.id) - 1];
+    if (!plane || request.text_options.background) {
+      scored.push_back(instance);
+    } else if (scored.empty() && !answer->plane) {
+      answer->plane = instance;
+    }
+  }
+  SplitHits(scored, request.max_hits, answer);
+}
+
+// False for an instance that the model had no word for, or none that it was
+// sure of.
+bool HasWords(const QueryScene& scene, int id) {
+  return std::any_of(scene.instances.begin(),
+                     scene.instances.end(),
+                     [id](const semantics::Instance& instance) {
+                       return instance.id == id && !instance.words.empty();
+                     });
+}
+
+// Opens the scene's model, if that was not done for an earlier question.
+Status OpenNetworks(const QueryRequest& request,
+                    const QueryScene& scene,
+                    QueryNetworks* networks) {
+  if (networks->clip) return Status();
+  FREEGS_ASSIGN_OR_RETURN(
+      networks->clip,
+      OpenModelOfFeatures(*scene.features, request.workspace, request.model));
+  return Status();
+}
+
+Status AnswerText(const QueryRequest& request,
+                  const QueryScene& scene,
+                  std::ostream& messages,
+                  QueryNetworks* networks,
+                  QueryAnswer* answer) {
+  Lap lap;
+  FREEGS_RETURN_IF_ERROR(OpenNetworks(request, scene, networks));
+  semantics::OpenCvClip& encoder = *networks->clip;
+  FREEGS_ASSIGN_OR_RETURN(const semantics::TextEmbedding text,
+                          encoder.EncodeText(*request.text));
+  if (text.truncated) {
+    messages << "query: the words are too long for the model; it sees only "
+                "their beginning\n";
+  }
+  if (networks->canonical.empty()) {
+    FREEGS_ASSIGN_OR_RETURN(networks->canonical,
+                            semantics::EncodeCanonicalPhrases(encoder));
+  }
+  answer->encode_ms = lap.Milliseconds();
+
+  answer->question = {{"kind", "text"}, {"text", *request.text}};
+  answer->words = "text \"" + *request.text + "\"";
+  answer->score_name = "relevancy";
+  answer->threshold = request.text_options.min_relevancy;
+  FREEGS_ASSIGN_OR_RETURN(
+      const std::vector<semantics::TextHit> all,
+      semantics::QueryText(*scene.features,
+                           text.values,
+                           networks->canonical,
+                           {.min_relevancy = 0, .background = true}));
+  FillFrom(
+      all,
+      scene,
+      request,
+      [](const semantics::TextHit& hit) { return hit.relevancy; },
+      answer);
+  answer->query_ms = lap.Milliseconds();
+  if (!answer->hits.empty() && encoder.info().min_word_confidence > 0 &&
+      !HasWords(scene, answer->hits[0].id)) {
+    messages << "query: the model does not know what instance "
+             << answer->hits[0].id << " is, so this answer is a guess. "
+             << kOfficialModelAdvice << "\n";
+  }
+  return Status();
+}
+
+Status AnswerExample(const QueryRequest& request,
+                     const QueryScene& scene,
+                     QueryNetworks* networks,
+                     QueryAnswer* answer) {
+  Lap lap;
+  UprightPhoto photo;
+  const ImageU8* picture = &request.example_pixels;
+  if (picture->empty()) {
+    FREEGS_ASSIGN_OR_RETURN(photo, ReadUprightPhoto(*request.example));
+    picture = &photo.pixels;
+  }
+  FREEGS_RETURN_IF_ERROR(OpenNetworks(request, scene, networks));
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<float> image,
+                          networks->clip->EncodeImage(*picture));
+  answer->encode_ms = lap.Milliseconds();
+
+  answer->question = {{"kind", "example"},
+                      {"image", request.example->string()}};
+  answer->words = "example " + request.example->string();
+  answer->score_name = "cosine";
+  answer->threshold = request.min_cosine;
+  FREEGS_ASSIGN_OR_RETURN(
+      const std::vector<semantics::ExampleHit> all,
+      semantics::QueryExample(*scene.features, image, {.background = true}));
+  FillFrom(
+      all,
+      scene,
+      request,
+      [](const semantics::ExampleHit& hit) { return hit.cosine; },
+      answer);
+  answer->query_ms = lap.Milliseconds();
+  return Status();
+}
+
+// Finds the view by name among the views to show, else among the photos.
+StatusOr<View> ViewOf(const QueryScene& scene, const std::string& name) {
+  StatusOr<View> view = FindView(scene.photos, name);
+  if (view.ok()) return view;
+  const StatusOr<View> shown = FindView(scene.views, name);
+  return shown.ok() ? shown : view;
+}
+
+Status CheckListed(const QueryScene& scene, int id) {
+  for (const semantics::Instance& instance : scene.instances) {
+    if (instance.id == id) return Status();
+  }
+  return BadInputError("bootstrap/idsf.bin: has an instance " +
+                       std::to_string(id) +
+                       " that instances.json has not; run stage bootstrap "
+                       "again");
+}
+
+std::string Place(const ViewPlace& place) {
+  std::string text = place.view;
+  for (const double number : place.numbers) {
+    text += " " + FormatFixed(number, number == std::floor(number) ? 0 : 2);
+  }
+  return text;
+}
+
+StatusOr<std::vector<semantics::ClickHit>> InstancesAt(
+    const QueryScene& scene, const View& view, int x, int y, ThreadPool& pool) {
+  return semantics::QueryClick(scene.scene->model,
+                               scene.labels,
+                               view.camera,
+                               view.cam_from_world,
+                               scene.scene->render,
+                               x,
+                               y,
+                               pool);
+}
+
+// Another level of the hierarchy takes the place of the best hit.
+Status ChangeLevel(const QueryRequest& request,
+                   const View& view,
+                   int x,
+                   int y,
+                   ThreadPool& pool,
+                   QueryScene* scene,
+                   std::vector<semantics::ClickHit>* hits,
+                   QueryAnswer* answer) {
+  const int clicked = (*hits)[0].id;
+  const int level = *request.level;
+  FREEGS_ASSIGN_OR_RETURN(
+      const int id,
+      AddLevel(request.workspace,
+               {.view = view, .x = x, .y = y, .id = clicked},
+               level,
+               pool,
+               scene));
+  FREEGS_ASSIGN_OR_RETURN(*hits, InstancesAt(*scene, view, x, y, pool));
+  std::stable_partition(hits->begin(), hits->end(), [id](const auto& hit) {
+    return hit.id == id;
+  });
+  answer->question["level"] = level;
+  answer->question["instance"] = clicked;
+  answer->words += level > 0 ? ", " + std::to_string(level) + " wider"
+                             : ", " + std::to_string(-level) + " narrower";
+  answer->words += " than instance " + std::to_string(clicked);
+  return Status();
+}
+
+Status AnswerClick(const QueryRequest& request,
+                   ThreadPool& pool,
+                   QueryScene* scene,
+                   QueryAnswer* answer) {
+  const ViewPlace& place = *request.click;
+  FREEGS_ASSIGN_OR_RETURN(const View view, ViewOf(*scene, place.view));
+  const double x = std::floor(place.numbers[0]);
+  const double y = std::floor(place.numbers[1]);
+  if (x < 0 || y < 0 || x >= view.camera.width || y >= view.camera.height) {
+    return InvalidArgumentError("--click " + Place(place) + ": view " +
+                                view.name + " is " +
+                                std::to_string(view.camera.width) + " x " +
+                                std::to_string(view.camera.height) + " pixels");
+  }
+  Lap lap;
+  answer->question = {{"kind", "click"},
+                      {"view", view.name},
+                      {"x", place.numbers[0]},
+                      {"y", place.numbers[1]}};
+  answer->words = "click " + Place(place);
+  answer->score_name = "weight";
+  const int px = static_cast<int>(x);
+  const int py = static_cast<int>(y);
+  FREEGS_ASSIGN_OR_RETURN(std::vector<semantics::ClickHit> all,
+                          InstancesAt(*scene, view, px, py, pool));
+  if (request.level && !all.empty()) {
+    FREEGS_RETURN_IF_ERROR(
+        ChangeLevel(request, view, px, py, pool, scene, &all, answer));
+  }
+  answer->query_ms = lap.Milliseconds();
+  std::vector<ScoredInstance> scored;
+  for (const semantics::ClickHit& hit : all) {
+    FREEGS_RETURN_IF_ERROR(CheckListed(*scene, hit.id));
+    scored.push_back({hit.id,
+                      hit.weight,
+                      std::nullopt,
+                      scene->scene->frame.WorldFromFrame() * hit.point});
+  }
+  SplitHits(scored, request.max_hits, answer);
+  return Status();
+}
+
+Status AnswerBox(const QueryRequest& request,
+                 const QueryScene& scene,
+                 ThreadPool& pool,
+                 QueryAnswer* answer) {
+  const ViewPlace& place = *request.box;
+  FREEGS_ASSIGN_OR_RETURN(const View view, ViewOf(scene, place.view));
+  Lap lap;
+  const Image<int32_t> labels = splat::RenderLabels(scene.scene->model,
+                                                    view.camera,
+                                                    view.cam_from_world,
+                                                    scene.scene->render,
+                                                    pool,
+                                                    scene.labels);
+  const StatusOr<std::vector<semantics::BoxHit>> all = semantics::QueryBox(
+      labels,
+      {place.numbers[0], place.numbers[1], place.numbers[2], place.numbers[3]},
+      {.background = request.text_options.background},
+      scene.is_background);
+  if (!all.ok()) return all.status().Annotated("--box " + Place(place));
+  answer->query_ms = lap.Milliseconds();
+  answer->question = {
+      {"kind", "box"}, {"view", view.name}, {"box", place.numbers}};
+  answer->words = "box " + Place(place);
+  answer->score_name = "iou";
+  std::vector<ScoredInstance> scored;
+  for (const semantics::BoxHit& hit : *all) {
+    FREEGS_RETURN_IF_ERROR(CheckListed(scene, hit.id));
+    scored.push_back({hit.id, hit.iou, std::nullopt, std::nullopt});
+  }
+  SplitHits(scored, request.max_hits, answer);
+  return Status();
+}
+
+}  // namespace
+
+StatusOr<QueryAnswer> FindAnswer(const QueryRequest& request,
+                                 std::ostream& messages,
+                                 ThreadPool& pool,
+                                 QueryScene* scene,
+                                 QueryNetworks* networks) {
+  QueryAnswer answer;
+  Status status;
+  if (request.text) {
+    status = AnswerText(request, *scene, messages, networks, &answer);
+  } else if (request.example) {
+    status = AnswerExample(request, *scene, networks, &answer);
+  } else if (request.click) {
+    status = AnswerClick(request, pool, scene, &answer);
+  } else {
+    status = AnswerBox(request, *scene, pool, &answer);
+  }
+  FREEGS_RETURN_IF_ERROR(status);
+  return answer;
+}
+
+}  // namespace freegs::stages

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/view/query_body.h"
+
+#include <cstdint>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "core/io/json_fields.h"
+#include "stages/scene/clip_input.h"
+
+namespace freegs::stages {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kMaxLevel = 1000;
+constexpr int kMaxHits = 1'000'000;
+constexpr double kMaxPixel = 1e6;
+constexpr size_t kMaxWords = 1000;  // Bytes; the model reads far fewer.
+constexpr double kMaxMegapixels = 50;
+
+// Of a base64 digit, 64 for other characters.
+int Base64Digit(char c) {
+  if (c >= 'A' && c <= 'Z') return c - 'A';
+  if (c >= 'a' && c <= 'z') return c - 'a' + 26;
+  if (c >= '0' && c <= '9') return c - '0' + 52;
+  if (c == '+') return 62;
+  return c == '/' ? 63 : 64;
+}
+
+Status ReadTextQuestion(const json& value, QueryRequest* request) {
+  FREEGS_ASSIGN_OR_RETURN(request->text, ReadText(&value, "text"));
+  if (request->text->find_first_not_of(" \t\r\n") == std::string::npos) {
+    return InvalidArgumentError("text: there are no words in it");
+  }
+  if (request->text->size() > kMaxWords) {
+    return InvalidArgumentError("text: is longer than " +
+                                std::to_string(kMaxWords) + " bytes");
+  }
+  return Status();
+}
+
+Status ReadExampleQuestion(const json& value, QueryRequest* request) {
+  FREEGS_ASSIGN_OR_RETURN(const std::string text, ReadText(&value, "example"));
+  const std::optional<std::string> bytes = DecodeBase64(text);
+  if (!bytes) return InvalidArgumentError("example: is not base64");
+  if (!bytes->starts_with("\xff\xd8") && !bytes->starts_with("\x89PNG")) {
+    return InvalidArgumentError("example: is neither a JPEG nor a PNG file");
+  }
+  StatusOr<UprightPhoto> photo = DecodeUprightPhoto(*bytes, kMaxMegapixels);
+  if (!photo.ok()) return photo.status().Annotated("example");
+  request->example = "picture";
+  request->example_pixels = std::move(photo->pixels);
+  return Status();
+}
+
+Status ReadClickQuestion(const json& value, QueryRequest* request) {
+  if (!value.is_object()) return InvalidArgumentError("click: not an object");
+  Status status;
+  JsonObjectReader reader(value, "", "click", &status);
+  ViewPlace place;
+  place.view = reader.Text("view");
+  place.numbers = {reader.Number("x", -kMaxPixel, kMaxPixel),
+                   reader.Number("y", -kMaxPixel, kMaxPixel)};
+  const int level =
+      reader.Has("level") ? reader.Integer("level", -kMaxLevel, kMaxLevel) : 0;
+  FREEGS_RETURN_IF_ERROR(status);
+  request->click = std::move(place);
+  if (level != 0) request->level = level;
+  return Status();
+}
+
+Status ReadBody(std::string_view body, QueryRequest* request) {
+  FREEGS_ASSIGN_OR_RETURN(const json question, ParseJsonObject(body));
+  int questions = 0;
+  for (const auto& [name, value] : question.items()) {
+    if (name == "text") {
+      ++questions;
+      FREEGS_RETURN_IF_ERROR(ReadTextQuestion(value, request));
+    } else if (name == "example") {
+      ++questions;
+      FREEGS_RETURN_IF_ERROR(ReadExampleQuestion(value, request));
+    } else if (name == "click") {
+      ++questions;
+      FREEGS_RETURN_IF_ERROR(ReadClickQuestion(value, request));
+    } else if (name == "max_hits") {
+      FREEGS_ASSIGN_OR_RETURN(request->max_hits,
+                              ReadInteger(&value, 0, kMaxHits, name));
+    } else if (name == "background") {
+      FREEGS_ASSIGN_OR_RETURN(request->text_options.background,
+                              ReadBool(&value, name));
+    } else {
+      return InvalidArgumentError("there is no member of this name: " + name);
+    }
+  }
+  if (questions != 1) {
+    return InvalidArgumentError(
+        "ask one question: \"text\", \"example\" or \"click\"");
+  }
+  return Status();
+}
+
+}  // namespace
+
+std::optional<std::string> DecodeBase64(std::string_view text) {
+  for (int i = 0; i < 2 && text.ends_with('='); ++i) text.remove_suffix(1);
+  std::string bytes;
+  bytes.reserve(text.size() / 4 * 3 + 3);
+  uint32_t bits = 0;
+  int num_bits = 0;
+  for (const char c : text) {
+    const int digit = Base64Digit(c);
+    if (digit == 64) return std::nullopt;
+    bits = (bits << 6 | static_cast<uint32_t>(digit)) & 0xffff;
+    num_bits += 6;
+    if (num_bits < 8) continue;
+    num_bits -= 8;
+    bytes += static_cast<char>(bits >> num_bits);
+  }
+  // One digit alone is no byte.
+  if (text.size() % 4 == 1) return std::nullopt;
+  return bytes;
+}
+
+StatusOr<QueryRequest> ParseQueryBody(std::string_view body,
+                                      const QueryRequest& defaults) {
+  QueryRequest request = defaults;
+  const Status status = ReadBody(body, &request);
+  // Whatever is wrong, the page has asked wrongly.
+  if (!status.ok()) return InvalidArgumentError(status.message());
+  return request;
+}
+
+}  // namespace freegs::stages

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Reads a question that a page sends.
+
+#ifndef FREEGS_STAGES_VIEW_QUERY_BODY_H_
+#define FREEGS_STAGES_VIEW_QUERY_BODY_H_
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "core/status.h"
+#include "stages/query/query_request.h"
+
+namespace freegs::stages {
+
+// Decodes base64 with or without '=' at the end. Nothing for other characters.
+std::optional<std::string> DecodeBase64(std::string_view text);
+
+// Reads exactly one of
+//   {"text": "red apple"}
+//   {"example": "<base64 of a JPEG or PNG file>"}
+//   {"click": {"view": "a.jpg", "x": 412, "y": 230, "level": 0}}
+// with or without "max_hits" and "background". What is not there is as in
+// `defaults`. kInvalidArgument names the member and what is wrong with it.
+StatusOr<QueryRequest> ParseQueryBody(std::string_view body,
+                                      const QueryRequest& defaults);
+
+}  // namespace freegs::stages
+
+#endif  // FREEGS_STAGES_VIEW_QUERY_BODY_H_

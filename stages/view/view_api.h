@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Answers the requests of the web server: files, status, questions, the scene.
+// docs/view.md lists them.
+
+#ifndef FREEGS_STAGES_VIEW_VIEW_API_H_
+#define FREEGS_STAGES_VIEW_VIEW_API_H_
+
+#include <filesystem>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+
+#include "core/status.h"
+#include "stages/query/query_request.h"
+#include "stages/view/access.h"
+#include "stages/view/live_queries.h"
+#include "stages/view/rate_limit.h"
+#include "stages/view/request_target.h"
+#include "stages/view/scene_cache.h"
+#include "stages/view/view_server.h"
+
+namespace freegs::stages {
+
+struct ViewApiOptions {
+  std::filesystem::path workspace;
+
+  // The folder of the page's own files (FindWebBundle); empty: there is none.
+  std::filesystem::path web = {};
+
+  // Makes the scene for the 3D viewer; may be empty.
+  MakeSceneFn make_scene = {};
+
+  // The options of questions that a page does not give, and the threads.
+  QueryRequest query_defaults = {};
+
+  // Of all pages together.
+  double queries_per_second = 20;
+};
+
+class ViewApi : public HttpHandler {
+ public:
+  ViewApi(const ViewApiOptions& options, AccessRules rules);
+
+  std::optional<HttpResponse> Refuse(const HttpRequest& request) override;
+  HttpResponse Answer(const HttpRequest& request) override;
+
+ private:
+  HttpResponse Route(const HttpRequest& request, const RequestTarget& target);
+  HttpResponse FrontPage(const RequestTarget& target) const;
+  HttpResponse StatusPage() const;
+  HttpResponse Api(std::string_view name);
+  HttpResponse Photo(const std::string& name);
+  HttpResponse InstancePly(std::string_view name);
+  HttpResponse ScenePart(std::string_view name);
+
+  // Whether undistort/ has a view of this name.
+  StatusOr<bool> IsView(const std::string& name);
+
+  const ViewApiOptions options_;
+  const AccessRules rules_;
+  LiveQueries queries_;
+  SceneCache scene_;
+  RateLimit rate_;
+
+  std::mutex instances_mutex_;  // One model is read at a time.
+
+  std::mutex views_mutex_;
+  std::string views_stamp_;  // Of the names below.
+  std::set<std::string> views_;
+};
+
+}  // namespace freegs::stages
+
+#endif  // FREEGS_STAGES_VIEW_VIEW_API_H_
