@@ -141,6 +141,8 @@ HttpResponse ViewApi::Route(const HttpRequest& request,
   };
   if (request.method == "POST") return queries_.Answer(request.body);
   if (name == "/") return FrontPage(target);
+  // Browsers ask for it; the page has none.
+  if (name == "/favicon.ico") return {.status = 204};
   if (take("/api/")) return Api(name);
   if (take("/web/")) return FileBelow(options_.web, std::string(name));
   std::string file(name.substr(1));
