@@ -11,6 +11,15 @@ namespace {
 constexpr std::string_view kDigits =
     "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
+// 64 for what is no digit.
+uint32_t DigitValue(char c) {
+  if (c >= 'A' && c <= 'Z') return c - 'A';
+  if (c >= 'a' && c <= 'z') return c - 'a' + 26;
+  if (c >= '0' && c <= '9') return c - '0' + 52;
+  if (c == '+') return 62;
+  return c == '/' ? 63 : 64;
+}
+
 }  // namespace
 
 std::string EncodeBase64(std::string_view bytes) {
@@ -45,14 +54,11 @@ StatusOr<std::string> DecodeBase64(std::string_view text) {
     const size_t digits = i + 4 == text.size() ? 4 - padding : 4;
     uint32_t group = 0;
     for (size_t k = 0; k < 4; ++k) {
-      size_t value = 0;
-      if (k < digits) {
-        value = kDigits.find(text[i + k]);
-        if (value == std::string_view::npos) {
-          return BadInputError("base64: there is another character");
-        }
+      const uint32_t value = k < digits ? DigitValue(text[i + k]) : 0;
+      if (value == 64) {
+        return BadInputError("base64: there is another character");
       }
-      group = group << 6 | static_cast<uint32_t>(value);
+      group = group << 6 | value;
     }
     const size_t count = digits - 1;
     if ((group & ((1u << (24 - 8 * count)) - 1)) != 0) {

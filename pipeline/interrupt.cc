@@ -23,7 +23,8 @@ void OnSignal(int) {
   }
   token->Cancel();
   constexpr char kNote[] =
-      "\ninterrupted: saving a checkpoint (again to stop at once)\n";
+      "\ninterrupted: stopping, with a checkpoint where there is one (again to "
+      "stop at once)\n";
   [[maybe_unused]] const ssize_t ignored =
       write(STDERR_FILENO, kNote, sizeof(kNote) - 1);
 }

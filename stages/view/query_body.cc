@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/base64.h"
 #include "core/io/json_fields.h"
 #include "stages/scene/clip_input.h"
 
@@ -20,15 +21,6 @@ constexpr int kMaxHits = 1'000'000;
 constexpr double kMaxPixel = 1e6;
 constexpr size_t kMaxWords = 1000;  // Bytes; the model reads far fewer.
 constexpr double kMaxMegapixels = 50;
-
-// Of a base64 digit, 64 for other characters.
-int Base64Digit(char c) {
-  if (c >= 'A' && c <= 'Z') return c - 'A';
-  if (c >= 'a' && c <= 'z') return c - 'a' + 26;
-  if (c >= '0' && c <= '9') return c - '0' + 52;
-  if (c == '+') return 62;
-  return c == '/' ? 63 : 64;
-}
 
 Status ReadTextQuestion(const json& value, QueryRequest* request) {
   FREEGS_ASSIGN_OR_RETURN(request->text, ReadText(&value, "text"));
@@ -44,8 +36,8 @@ Status ReadTextQuestion(const json& value, QueryRequest* request) {
 
 Status ReadExampleQuestion(const json& value, QueryRequest* request) {
   FREEGS_ASSIGN_OR_RETURN(const std::string text, ReadText(&value, "example"));
-  const std::optional<std::string> bytes = DecodeBase64(text);
-  if (!bytes) return InvalidArgumentError("example: is not base64");
+  const StatusOr<std::string> bytes = DecodeBase64(text);
+  if (!bytes.ok()) return bytes.status().Annotated("example");
   if (!bytes->starts_with("\xff\xd8") && !bytes->starts_with("\x89PNG")) {
     return InvalidArgumentError("example: is neither a JPEG nor a PNG file");
   }
@@ -103,26 +95,6 @@ Status ReadBody(std::string_view body, QueryRequest* request) {
 }
 
 }  // namespace
-
-std::optional<std::string> DecodeBase64(std::string_view text) {
-  for (int i = 0; i < 2 && text.ends_with('='); ++i) text.remove_suffix(1);
-  std::string bytes;
-  bytes.reserve(text.size() / 4 * 3 + 3);
-  uint32_t bits = 0;
-  int num_bits = 0;
-  for (const char c : text) {
-    const int digit = Base64Digit(c);
-    if (digit == 64) return std::nullopt;
-    bits = (bits << 6 | static_cast<uint32_t>(digit)) & 0xffff;
-    num_bits += 6;
-    if (num_bits < 8) continue;
-    num_bits -= 8;
-    bytes += static_cast<char>(bits >> num_bits);
-  }
-  // One digit alone is no byte.
-  if (text.size() % 4 == 1) return std::nullopt;
-  return bytes;
-}
 
 StatusOr<QueryRequest> ParseQueryBody(std::string_view body,
                                       const QueryRequest& defaults) {

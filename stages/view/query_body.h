@@ -13,9 +13,6 @@
 
 namespace freegs::stages {
 
-// Decodes base64 with or without '=' at the end. Nothing for other characters.
-std::optional<std::string> DecodeBase64(std::string_view text);
-
 // Reads exactly one of
 //   {"text": "red apple"}
 //   {"example": "<base64 of a JPEG or PNG file>"}

@@ -127,7 +127,7 @@ TEST(InterruptGuardDeathTest, SecondSignalExits) {
         std::raise(SIGINT);
       },
       ::testing::ExitedWithCode(130),
-      "saving a checkpoint");
+      "with a checkpoint");
 }
 
 TEST(ResourceMeterTest, CountsWorkAndMemory) {

@@ -81,18 +81,5 @@ TEST(QueryBody, NamesWhatIsWrong) {
   EXPECT_THAT(why(R"({"example": "iVBORw0KGgo="})"), HasSubstr("example"));
 }
 
-TEST(Base64, ReadsWhatItsStandardSays) {
-  EXPECT_EQ(DecodeBase64(""), "");
-  EXPECT_EQ(DecodeBase64("Zg=="), "f");
-  EXPECT_EQ(DecodeBase64("Zm8="), "fo");
-  EXPECT_EQ(DecodeBase64("Zm9v"), "foo");
-  EXPECT_EQ(DecodeBase64("Zm9vYmFy"), "foobar");
-  EXPECT_EQ(DecodeBase64("Zg"), "f");
-  EXPECT_EQ(DecodeBase64("+/+/"), "\xfb\xff\xbf");
-  for (const char* text : {"Z", "Zm9vY", "Zg===", "Z=g=", "Zm 9", "Zm9v\n"}) {
-    EXPECT_FALSE(DecodeBase64(text).has_value()) << text;
-  }
-}
-
 }  // namespace
 }  // namespace freegs::stages
