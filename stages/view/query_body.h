@@ -4,7 +4,6 @@
 #ifndef FREEGS_STAGES_VIEW_QUERY_BODY_H_
 #define FREEGS_STAGES_VIEW_QUERY_BODY_H_
 
-#include <optional>
 #include <string>
 #include <string_view>
 

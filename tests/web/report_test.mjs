@@ -57,8 +57,8 @@ before(async () => {
 
 after(() => browser?.close());
 
-const open = (viewport) =>
-  openPage(browser, pathToFileURL(scene.report).href, viewport);
+const open = (viewport, options) =>
+  openPage(browser, pathToFileURL(scene.report).href, viewport, options);
 const chosen = (page) =>
   page.evaluate(() => globalThis.freegsViewer.selection.choice?.id ?? 0);
 
@@ -299,6 +299,47 @@ test("photos fade in where the render is", async () => {
   await page.context().close();
 });
 
+test("fingers turn, come nearer and choose", async () => {
+  const page = await open(
+    { width: 390, height: 844 },
+    { hasTouch: true, isMobile: true },
+  );
+  const canvas = page.locator(".v-canvas canvas");
+  await canvas.scrollIntoViewIfNeeded();
+  const box = await canvas.boundingBox();
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  await page.touchscreen.tap(x, y);
+  assert.ok((await chosen(page)) > 0);
+
+  const session = await page.context().newCDPSession(page);
+  const touch = (type, points) =>
+    session.send("Input.dispatchTouchEvent", {
+      type,
+      touchPoints: points.map(([px, py], id) => ({ x: px, y: py, id })),
+    });
+  const pose = () =>
+    page.evaluate(() => [
+      ...globalThis.freegsViewer.view.pinhole(100, 100).translation,
+    ]);
+  const moved = async (strokes) => {
+    const start = await pose();
+    await touch("touchStart", strokes[0]);
+    for (const points of strokes.slice(1)) await touch("touchMove", points);
+    await touch("touchEnd", []);
+    assert.notDeepEqual(await pose(), start);
+  };
+  await moved([[[x, y]], [[x + 30, y]], [[x + 60, y + 10]]]);
+  const near = 30;
+  await moved(
+    [near, 2 * near, 3 * near].map((d) => [
+      [x - d, y],
+      [x + d, y],
+    ]),
+  );
+  assert.deepEqual(page.errors, []);
+  await page.context().close();
+});
+
 test("a phone, and the keyboard alone", async () => {
   const page = await open({ width: 390, height: 844 });
   const width = await page.evaluate(() => document.documentElement.scrollWidth);
@@ -343,21 +384,23 @@ test("a phone, and the keyboard alone", async () => {
   await page.context().close();
 });
 
-test("no serious finding of accessibility", async () => {
-  const page = await open();
-  await page.evaluate(() => {
-    const { objects } = globalThis.freegsScene.description;
-    globalThis.freegsViewer.selection.choose(objects[0].id);
-  });
-  await page.evaluate(axe);
-  const { violations } = await page.evaluate(() => globalThis.axe.run());
-  const serious = violations
-    .filter(({ impact }) => impact === "serious" || impact === "critical")
-    .map(
-      ({ id, nodes }) => `${id}: ${nodes.map((node) => node.html).join(" ")}`,
-    );
-  assert.deepEqual(serious, []);
-  await page.context().close();
+test("no serious finding of accessibility, light and dark", async () => {
+  for (const colorScheme of ["light", "dark"]) {
+    const page = await open(undefined, { colorScheme });
+    await page.evaluate(() => {
+      const { objects } = globalThis.freegsScene.description;
+      globalThis.freegsViewer.selection.choose(objects[0].id);
+    });
+    await page.evaluate(axe);
+    const { violations } = await page.evaluate(() => globalThis.axe.run());
+    const serious = violations
+      .filter(({ impact }) => impact === "serious" || impact === "critical")
+      .map(
+        ({ id, nodes }) => `${id}: ${nodes.map((node) => node.html).join(" ")}`,
+      );
+    assert.deepEqual(serious, [], colorScheme);
+    await page.context().close();
+  }
 });
 
 test("without WebGL the page is whole and says why", async () => {

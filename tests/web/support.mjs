@@ -86,8 +86,13 @@ export async function openPage(
   browser,
   url,
   viewport = { width: 1280, height: 900 },
+  options = {},
 ) {
-  const context = await browser.newContext({ viewport, acceptDownloads: true });
+  const context = await browser.newContext({
+    viewport,
+    acceptDownloads: true,
+    ...options,
+  });
   const page = await context.newPage();
   page.errors = [];
   page.on("pageerror", (error) => page.errors.push(String(error)));
