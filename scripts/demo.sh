@@ -46,10 +46,12 @@ fi
 cat <<END
 
 The scene lies in $workspace:
-  report     $workspace/export/report/index.html
+  page       $workspace/export/report/index.html    the scene in 3D, and its figures
   Gaussians  $workspace/reconstruct/point_cloud.ply
   renders    $workspace/reconstruct/holdout/
   objects    $workspace/bootstrap/instances.json
+Ask it in words and with pictures, in the browser, with
+  $program view $workspace --open
 Look at other views with
   $program render $workspace --out DIR
 END

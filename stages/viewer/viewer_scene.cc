@@ -30,6 +30,9 @@ using nlohmann::json;
 
 constexpr int32_t kNoPart = 65535;
 
+// Of 30 degrees: a box that leans more has no vertical of its own.
+constexpr double kMinVerticalCosine = 0.866;
+
 json Vector(const Eigen::Vector3d& v) {
   return json::array({v.x(), v.y(), v.z()});
 }
@@ -48,9 +51,8 @@ StatusOr<Objects> ReadObjects(const fs::path& workspace, size_t num_gaussians) {
   if (!fs::exists(folder / "idsf.bin", error)) return objects;
   FREEGS_ASSIGN_OR_RETURN(objects.labels,
                           ReadInstanceLabels(workspace, num_gaussians));
-  FREEGS_ASSIGN_OR_RETURN(
-      objects.instances,
-      semantics::ReadInstances(folder / "instances.json"));
+  FREEGS_ASSIGN_OR_RETURN(objects.instances,
+                          semantics::ReadInstances(folder / "instances.json"));
   FREEGS_RETURN_IF_ERROR(CheckInstanceIds(
       objects.instances, num_gaussians, folder / "instances.json"));
   if (!fs::exists(folder / "hierarchy.json", error)) return objects;
@@ -63,6 +65,22 @@ StatusOr<Objects> ReadObjects(const fs::path& workspace, size_t num_gaussians) {
   }
   objects.levels = MakeViewerLevels(hierarchy, objects.labels, num_labels);
   return objects;
+}
+
+// Boxes stand upright, and stage bootstrap knows the vertical better than the
+// cameras alone do: it has seen the floor.
+Eigen::Vector3d Upward(const std::vector<View>& views,
+                       const std::vector<semantics::Instance>& instances) {
+  const Eigen::Vector3d rough = semantics::EstimateVertical(views, {}).value_or(
+      -Eigen::Vector3d::UnitY());
+  if (instances.empty()) return rough;
+  const Eigen::Matrix3d& axes = instances.front().obb.rotation;
+  int vertical = 0;
+  const double cosine =
+      (axes.transpose() * rough).cwiseAbs().maxCoeff(&vertical);
+  if (!(cosine > kMinVerticalCosine)) return rough;
+  const Eigen::Vector3d axis = axes.col(vertical);
+  return axis.dot(rough) > 0 ? axis : -axis;
 }
 
 json PhotosJson(const WorkspaceScene& scene,
@@ -147,8 +165,8 @@ std::vector<std::vector<uint32_t>> DivideIntoParts(
                               model.log_scales[3 * g + 1],
                               model.log_scales[3 * g + 2]};
     std::sort(s.begin(), s.end());
-    areas[g] = std::exp(s[1] + s[2]) /
-               (1.0f + std::exp(-model.opacity_logits[g]));
+    areas[g] =
+        std::exp(s[1] + s[2]) / (1.0f + std::exp(-model.opacity_logits[g]));
   }
   std::vector<uint32_t> order(model.size());
   std::iota(order.begin(), order.end(), 0);
@@ -236,8 +254,7 @@ StatusOr<ViewerScene> MakeViewerScene(const fs::path& workspace,
 
   std::vector<View> views = scene.train;
   views.insert(views.end(), scene.holdout.begin(), scene.holdout.end());
-  const Eigen::Vector3d up = semantics::EstimateVertical(views, {})
-                                 .value_or(-Eigen::Vector3d::UnitY());
+  const Eigen::Vector3d up = Upward(views, objects.instances);
   std::error_code error;
   const std::string name =
       fs::weakly_canonical(workspace, error).filename().string();
@@ -271,9 +288,9 @@ std::string ViewerSceneScript(const ViewerScene& scene) {
                      {"labels", EncodeBase64(part.labels)}});
   }
   return "globalThis.freegsScene = " +
-         JsonText({{"description", scene.description},
-                   {"parts", std::move(parts)}},
-                  -1);
+         JsonText(
+             {{"description", scene.description}, {"parts", std::move(parts)}},
+             -1);
 }
 
 }  // namespace freegs::stages
