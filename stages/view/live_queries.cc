@@ -2,7 +2,6 @@
 
 #include "stages/view/live_queries.h"
 
-#include <chrono>
 #include <system_error>
 #include <utility>
 
@@ -14,9 +13,6 @@
 
 namespace freegs::stages {
 namespace {
-
-// The questions before this one take less, unless something is wrong.
-constexpr std::chrono::seconds kPatience(10);
 
 int HttpStatusOf(const Status& status) {
   switch (status.code()) {
@@ -43,10 +39,7 @@ LiveQueries::LiveQueries(const std::filesystem::path& workspace,
 HttpResponse LiveQueries::Answer(std::string_view body) {
   StatusOr<QueryRequest> request = ParseQueryBody(body, defaults_);
   if (!request.ok()) return ErrorResponse(400, request.status().message());
-  const std::unique_lock lock(mutex_, kPatience);
-  if (!lock.owns_lock()) {
-    return ErrorResponse(503, "the server is busy; ask again in a moment");
-  }
+  const std::lock_guard lock(mutex_);
   const StatusOr<nlohmann::json> answer =
       session_.Ask(*std::move(request), pool_);
   if (!answer.ok()) {

@@ -30,7 +30,7 @@ class LiveQueries {
  private:
   const QueryRequest defaults_;
   ThreadPool pool_;
-  std::timed_mutex mutex_;
+  std::mutex mutex_;  // Held while a question is answered.
   QuerySession session_;
 };
 
