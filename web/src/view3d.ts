@@ -21,11 +21,22 @@ import type { Photo, SceneDescription, SceneObject } from "./scene_data";
 import type { Selection } from "./selection";
 import { SplatCloud } from "./splat_cloud";
 
-// While the camera moves, a frame should take no longer than this; after that
-// it is drawn once more with all pixels.
-const FRAME_MILLISECONDS = 120;
-const REST_MILLISECONDS = 250;
-const MIN_RESOLUTION = 0.3;
+// While the camera moves, a frame should take no longer than this; at rest it is
+// drawn once more with all there is.
+const SLOW_MILLISECONDS = 120;
+const FAST_MILLISECONDS = 30;
+const FAST_FRAMES = 30;
+const REST_MILLISECONDS = 300;
+
+// What is left out step by step. From the second step on, colours and the order
+// of drawing are those of a camera at most so long ago.
+const STEPS: { resolution: number; fewer: boolean }[] = [
+  { resolution: 1, fewer: false },
+  { resolution: 0.6, fewer: false },
+  { resolution: 0.4, fewer: false },
+  { resolution: 0.4, fewer: true },
+];
+const UPDATE_MILLISECONDS = 1000;
 
 export interface FrameStatistics {
   /** Milliseconds from the start of the page to the first full frame. */
@@ -42,6 +53,7 @@ export class View3d {
 
   private readonly renderer: THREE.WebGLRenderer;
   private readonly camera: THREE.PerspectiveCamera;
+  private readonly spark: SparkRenderer;
   private readonly world = new THREE.Scene();
   private readonly root = new THREE.Group();
   private readonly cameras: THREE.LineSegments;
@@ -50,7 +62,13 @@ export class View3d {
   private dirty = true;
   private movedAt = -Infinity;
   private lastFrame = 0;
+  private lastUpdate = 0;
   private resolution = 1;
+  /** What moving needs on this machine, and what was drawn last. */
+  private step = 0;
+  private drawnStep = 0;
+  private fastFrames = 0;
+  private drewLastTick = false;
   private photoListener: () => void = () => {};
 
   /** Throws where there is no WebGL 2. */
@@ -76,7 +94,7 @@ export class View3d {
     this.world.background = new THREE.Color().setRGB(r, g, b, THREE.SRGBColorSpace);
     this.root.quaternion.copy(uprightRotation(scene));
     this.world.add(this.root);
-    const spark = new SparkRenderer({
+    this.spark = new SparkRenderer({
       renderer: this.renderer,
       onDirty: () => this.redraw(),
       accumExtSplats: true,
@@ -85,8 +103,8 @@ export class View3d {
       preBlurAmount: scene.antialiased ? 0 : 0.3,
       blurAmount: scene.antialiased ? 0.3 : 0,
     });
-    groupSquares(spark);
-    this.world.add(spark);
+    groupSquares(this.spark);
+    this.world.add(this.spark);
     this.cloud = new SplatCloud(scene.num_gaussians, this.root, selection);
     this.cameras = cameraLines(scene);
     this.boxes = boxLines(scene.objects.filter((object) => !object.background));
@@ -271,31 +289,43 @@ export class View3d {
     this.redraw();
   }
 
-  /** Fewer pixels, then fewer Gaussians while frames take too long; all at rest. */
-  private adapt(now: number, frameTime: number): void {
-    const moving = now - this.movedAt < REST_MILLISECONDS;
-    if (!moving) {
-      if (this.resolution < 1) {
-        this.cloud.showFewer(false);
-        this.setResolution(1);
-      }
-    } else if (frameTime > FRAME_MILLISECONDS) {
-      // Fewer pixels are less of a loss than fewer Gaussians.
-      if (this.resolution > MIN_RESOLUTION) {
-        this.setResolution(Math.max(MIN_RESOLUTION, 0.6 * this.resolution));
-      } else {
-        this.cloud.showFewer(true);
-      }
+  /** Leaves out more while frames take too long; at rest nothing. */
+  private adapt(elapsed: number): void {
+    const still = performance.now() - this.movedAt;
+    if (still > Math.max(REST_MILLISECONDS, 1.5 * elapsed)) {
+      this.applyStep(0);
+      return;
     }
+    if (this.drewLastTick && elapsed > SLOW_MILLISECONDS) {
+      this.step = Math.min(this.step + 1, STEPS.length - 1);
+      this.fastFrames = 0;
+    } else if (elapsed < FAST_MILLISECONDS && ++this.fastFrames > FAST_FRAMES) {
+      this.step = Math.max(this.step - 1, 0);
+      this.fastFrames = 0;
+    }
+    this.applyStep(this.step);
+  }
+
+  private applyStep(step: number): void {
+    if (step === this.drawnStep) return;
+    const { resolution, fewer } = STEPS[step];
+    this.cloud.showFewer(fewer);
+    if (resolution !== STEPS[this.drawnStep].resolution) this.setResolution(resolution);
+    this.drawnStep = step;
+    this.redraw();
   }
 
   private tick(now: number): void {
     const elapsed = now - this.lastFrame;
     this.lastFrame = now;
     this.navigation.tick(elapsed / 1000);
-    this.adapt(now, elapsed);
+    this.adapt(elapsed);
+    this.drewLastTick = this.dirty;
     if (!this.dirty) return;
     this.dirty = false;
+    this.spark.autoUpdate =
+      this.drawnStep === 0 || now - this.lastUpdate > UPDATE_MILLISECONDS;
+    if (this.spark.autoUpdate) this.lastUpdate = now;
     this.renderer.render(this.world, this.camera);
     const { times } = this.statistics;
     times.push(now);
