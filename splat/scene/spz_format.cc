@@ -251,11 +251,13 @@ GaussianModel Decode(const SpzHeader& header,
   const double step = std::ldexp(1.0, -header.fractional_bits);
   for (size_t i = 0; i < 3 * count; ++i) {
     const uint8_t* const p = positions + 3 * i;
-    // The highest byte goes to the top, so that the sign is carried down.
-    const auto fixed =
+    // The highest byte goes to the top, so that the sign is carried down. The
+    // least number has no counterpart above zero, and is not written.
+    const int32_t fixed = std::max(
         static_cast<int32_t>(uint32_t{p[0]} << 8 | uint32_t{p[1]} << 16 |
                              uint32_t{p[2]} << 24) /
-        256;
+            256,
+        -kMaxFixed);
     model.means[i] =
         static_cast<float>(step * fixed * (flip ? kAxisSigns[i % 3] : 1));
   }

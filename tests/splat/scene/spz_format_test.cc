@@ -246,6 +246,18 @@ TEST(SpzFormatTest, FarAndNearPositions) {
   EXPECT_NEAR(read->means[3], 2, 0.2);
 }
 
+// The least number of 24 bits, without any for a fraction, is farther from zero
+// than any position that can be written.
+TEST(SpzFormatTest, WhatWasReadCanBeWritten) {
+  std::string content = Unpacked(OneGaussian(), {.flip_axes = false});
+  content[13] = 0;
+  content.replace(16, 3, std::string("\0\0\x80", 3));
+  const auto read = ParseSpz(Gzip(content).value(), false);
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  EXPECT_EQ(read->means[0], -8388607.0f);
+  EXPECT_TRUE(SerializeSpz(*read).ok());
+}
+
 TEST(SpzFormatTest, RefusesWhatItCannotHold) {
   GaussianModel model;
   model.Resize(1);
