@@ -15,9 +15,9 @@
 #include "pipeline/interrupt.h"
 #include "pipeline/version.h"
 #include "stages/command_line/command_help.h"
+#include "stages/command_line/version_text.h"
 #include "stages/commands/command.h"
 #include "stages/commands/command_list.h"
-#include "stages/command_line/version_text.h"
 
 namespace freegs {
 namespace {

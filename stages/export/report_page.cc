@@ -214,8 +214,8 @@ std::string RenderReportPage(const ReportData& data) {
       "</style>\n" +
       (data.has_viewer ? "<link rel=\"stylesheet\" href=\"viewer.css\">\n"
                        : "") +
-      "</head>\n<body>\n<main>\n<header>\n<h1>" +
-      EscapeHtml(data.title) + "</h1>\n";
+      "</head>\n<body>\n<main>\n<header>\n<h1>" + EscapeHtml(data.title) +
+      "</h1>\n";
   if (!data.subtitle.empty()) {
     html += "<p class=\"quiet\">" + EscapeHtml(data.subtitle) + "</p>\n";
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Renders the report as one HTML page. It needs no network, and only its 3D view
-// and its charts need scripts.
+// Renders the report as one HTML page. It needs no network, and only its 3D
+// view and its charts need scripts.
 //
 //   ReportData data = GatherReportData(workspace);   // report_data.h
 //   data.views.push_back(view);                      // from report_views.h

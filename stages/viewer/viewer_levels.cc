@@ -117,13 +117,12 @@ ViewerLevels MakeViewerLevels(const semantics::Hierarchy& hierarchy,
   for (const std::map<int32_t, int64_t>& counts : regions) {
     InstanceLevels& instance = levels.of_label.emplace_back();
     if (counts.empty()) continue;
-    const int32_t region =
-        std::max_element(counts.begin(),
-                         counts.end(),
-                         [](const auto& a, const auto& b) {
-                           return a.second < b.second;
-                         })
-            ->first;
+    const int32_t region = std::max_element(counts.begin(),
+                                            counts.end(),
+                                            [](const auto& a, const auto& b) {
+                                              return a.second < b.second;
+                                            })
+                               ->first;
     instance.wider = order.Wider(region);
     instance.narrower =
         order.Narrower(region, kSmallestRegion * hierarchy.CrumbSize());

@@ -11,8 +11,8 @@ namespace fs = std::filesystem;
 StatusOr<fs::path> FindWebBundle() {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  const fs::path folder = program.parent_path().parent_path() / "share" /
-                          "freegs_pipeline" / "web";
+  const fs::path folder =
+      program.parent_path().parent_path() / "share" / "freegs_pipeline" / "web";
   if (fs::exists(folder / "viewer.js", error)) return folder;
   return MissingDependencyError(
       "the 3D view is not built: " + (folder / "viewer.js").string() +

@@ -54,8 +54,9 @@ TEST(TrainingCurveTest, JsonOfALongCourseKeepsWhatIsRare) {
   EXPECT_LT(json["loss"].size(), 900u);
   EXPECT_EQ(json["iteration"].back(), 50000);
   EXPECT_EQ(json["holdout_psnr"].back(), 30);
-  EXPECT_NE(std::find(json["iteration"].begin(), json["iteration"].end(), 12345),
-            json["iteration"].end());
+  EXPECT_NE(
+      std::find(json["iteration"].begin(), json["iteration"].end(), 12345),
+      json["iteration"].end());
 }
 
 }  // namespace
