@@ -84,7 +84,6 @@ interface EmbeddedScene {
 }
 
 declare global {
-  // eslint-disable-next-line no-var
   var freegsScene: EmbeddedScene | undefined;
 }
 
@@ -104,7 +103,7 @@ function decodeLabels(bytes: Uint8Array): Uint16Array {
   return labels;
 }
 
-/** A promise of the script's scene: it may be of several megabytes. */
+/** Runs a script that may be of several megabytes. */
 export function loadScript(url: string): Promise<void> {
   return new Promise((resolve, reject) => {
     const script = document.createElement("script");

@@ -23,7 +23,7 @@ const KEYS: [string, string][] = [
   ["F, R", "fly or turn, first view"],
 ];
 
-/** For tests and for those who want to script the page. */
+/** What tests, and people at the console of the browser, reach the view by. */
 export interface ViewerHandle {
   view: View3d;
   selection: Selection;
@@ -31,7 +31,6 @@ export interface ViewerHandle {
 }
 
 declare global {
-  // eslint-disable-next-line no-var
   var freegsViewer: ViewerHandle | undefined;
 }
 
