@@ -53,7 +53,14 @@ async function start(): Promise<void> {
   const live = document.getElementById("live");
   if (status && live) void new LivePanel(live).follow(status);
   const holder = document.getElementById("scene3d");
-  if (holder) await showScene(holder, status !== null);
+  if (!holder) return;
+  // The page of a run shows the scene where it is there before the report.
+  if (holder.hidden) {
+    const stage = status?.stages.find(({ name }) => name === "reconstruct");
+    if (stage?.state !== "done") return;
+    holder.hidden = false;
+  }
+  await showScene(holder, status !== null);
 }
 
 void start();
