@@ -9,9 +9,6 @@
 namespace freegs::semantics {
 namespace {
 
-// Neighbouring levels differ in size by this factor at least.
-constexpr double kLevelRatio = 1.25;
-
 std::vector<int32_t> RegionsAt(const Hierarchy& hierarchy, double granularity) {
   return hierarchy.tree.WholeThings(
       -granularity, hierarchy.part_pixels, hierarchy.CrumbSize());

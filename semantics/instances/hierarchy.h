@@ -17,6 +17,9 @@
 
 namespace freegs::semantics {
 
+// Neighbouring levels (RegionAround) differ in size by this factor at least.
+inline constexpr double kLevelRatio = 1.25;
+
 struct Hierarchy {
   // Leaves are the smallest parts. A region is a leaf or a merge, numbered as
   // in RegionTree. Heights are log-odds of being two things.

@@ -89,6 +89,14 @@ void CommandWords::Require(std::string name) {
   required_.push_back(std::move(name));
 }
 
+void CommandWords::AddThreads(int* threads) {
+  AddOption("threads",
+            threads,
+            {.help = "Threads to work with; 0 takes one per available core.",
+             .min = 0,
+             .max = 1024});
+}
+
 void CommandWords::RequireOneOf(std::vector<std::string> names) {
   one_of_ = std::move(names);
 }

@@ -93,6 +93,9 @@ class CommandWords {
                  pipeline::OptionSpec spec);
   void AddListOption(ListOption option);
 
+  // Adds --threads N; 0, one per available core.
+  void AddThreads(int* threads);
+
   // Makes "-letter" mean "--name".
   void AddLetter(char letter, std::string name);
 

@@ -120,12 +120,7 @@ CommandWords DescribeExport(ExportRequest* request) {
                "written; less makes smaller files.",
        .min = 0,
        .max = splat::kMaxShDegree});
-  words.AddOption(
-      "threads",
-      &request->threads,
-      {.help = "Threads to work with; 0 takes one per available core.",
-       .min = 0,
-       .max = 1024});
+  words.AddThreads(&request->threads);
   words.RequireOneOf({"out", "objects"});
   return words;
 }

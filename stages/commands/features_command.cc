@@ -80,12 +80,7 @@ CommandWords DescribeFeatures(FeaturesRequest* request) {
       {.help = "How unlike in colour two places of one thing may be.",
        .min = 0.001,
        .max = 1000});
-  words.AddOption(
-      "threads",
-      &request->threads,
-      {.help = "Threads to work with; 0 takes one per available core.",
-       .min = 0,
-       .max = 1024});
+  words.AddThreads(&request->threads);
   words.Require("text");
   return words;
 }

@@ -120,12 +120,7 @@ CommandWords DescribeRender(RenderRequest* request) {
       {.help = "Longest side in pixels at most; 0 is the size of training "
                "or of the camera file.",
        .min = 0});
-  words.AddOption(
-      "threads",
-      &request->threads,
-      {.help = "Threads to work with; 0 takes one per available core.",
-       .min = 0,
-       .max = 1024});
+  words.AddThreads(&request->threads);
   words.AddOption("no-align",
                   &request->no_align,
                   {.help = "The cameras are in the scene's own world frame."});

@@ -32,7 +32,8 @@ void RegisterExportOptions(ExportStageOptions& options,
 //   instances.ply               the Gaussians in their instances' colours
 //   masks/VIEW/ID.png           0 or 255, of the photo's size
 //   boxes.json, boxes.ply       the boxes of the instances
-//   report/index.html           a page about the result, and its pictures
+//   report/index.html           a page about the result, with its pictures and
+//                               the files of its 3D view
 // Without bootstrap/ there are no instances, masks and boxes.
 std::unique_ptr<pipeline::Stage> MakeExportStage(
     const ExportStageOptions& options);

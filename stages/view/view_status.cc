@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
 #include <system_error>
@@ -33,9 +32,6 @@ constexpr const char* kStages[] = {
     "ingest", "sfm", "undistort", "reconstruct", "bootstrap", "export"};
 
 constexpr uint64_t kMaxCurveBytes = 64 << 20;
-
-// A training has a few hundred rows; more are thinned to about this many.
-constexpr size_t kMaxRows = 2000;
 
 struct StageNow {
   std::string state;
@@ -100,35 +96,8 @@ json CurveJson(const fs::path& workspace, bool training) {
                : pipeline::StageFolder(workspace, "reconstruct");
   const StatusOr<std::string> csv =
       ReadFile(folder / "progress.csv", kMaxCurveBytes);
-  TrainingCurves curves;
-  if (csv.ok()) curves = ParseTrainingCurves(*csv);
-  std::map<double, double> num_gaussians;
-  std::map<double, double> psnr;
-  for (const CurvePoint& point : curves.num_gaussians) {
-    num_gaussians[point.x] = point.y;
-  }
-  for (const CurvePoint& point : curves.holdout_psnr) psnr[point.x] = point.y;
-
-  json result = {{"iteration", json::array()},
-                 {"loss", json::array()},
-                 {"num_gaussians", json::array()},
-                 {"holdout_psnr", json::array()}};
-  const auto append = [&result](const char* name,
-                                const std::map<double, double>& values,
-                                double at) {
-    const auto value = values.find(at);
-    result[name].push_back(value == values.end() ? json(nullptr)
-                                                 : json(value->second));
-  };
-  const size_t stride = curves.loss.size() / kMaxRows + 1;
-  for (size_t i = 0; i < curves.loss.size(); i += stride) {
-    const CurvePoint& row = curves.loss[i];
-    result["iteration"].push_back(row.x);
-    result["loss"].push_back(row.y);
-    append("num_gaussians", num_gaussians, row.x);
-    append("holdout_psnr", psnr, row.x);
-  }
-  return result;
+  return TrainingCurvesJson(csv.ok() ? ParseTrainingCurves(*csv)
+                                     : TrainingCurves());
 }
 
 // Empty when there is no report to look at.

@@ -10,9 +10,6 @@
 namespace freegs::stages {
 namespace {
 
-// As in semantics::RegionAround: neighbouring levels differ by this factor.
-constexpr double kLevelRatio = 1.25;
-
 // Of the size of a crumb. Smaller regions are a few dots on the screen, and
 // there are thousands of them.
 constexpr double kSmallestRegion = 0.1;
@@ -64,7 +61,8 @@ class RegionOrder {
       // Ends at the root, which may be hardly larger.
       do {
         region = parents_[region];
-      } while (parents_[region] >= 0 && sizes_[region] < kLevelRatio * size);
+      } while (parents_[region] >= 0 &&
+               sizes_[region] < semantics::kLevelRatio * size);
       result.push_back(intervals_[region]);
     }
     return result;
@@ -78,7 +76,7 @@ class RegionOrder {
       auto [at, level_size] = open.back();
       open.pop_back();
       if (sizes_[at] < min_size) continue;
-      if (sizes_[at] * kLevelRatio <= level_size) {
+      if (sizes_[at] * semantics::kLevelRatio <= level_size) {
         level_size = sizes_[at];
         result.push_back(intervals_[at]);
       }

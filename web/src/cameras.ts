@@ -52,12 +52,11 @@ export function projectLikePhoto(
   const { scale, x, y } = photoRectangle(photo, width, height);
   const fy = scale * photo.fy;
   camera.fov = (360 / Math.PI) * Math.atan(height / (2 * fy));
-  // The focal lengths differ by parts of a thousand at most.
-  camera.aspect = ((width / height) * photo.fy) / photo.fx;
   // The principal point is moved by looking at a part of a larger picture.
   const cx = x + scale * photo.cx;
   const cy = y + scale * photo.cy;
   camera.setViewOffset(width, height, width / 2 - cx, height / 2 - cy, width, height);
+  // The focal lengths differ by parts of a thousand at most.
   camera.aspect = ((width / height) * photo.fy) / photo.fx;
   camera.updateProjectionMatrix();
 }

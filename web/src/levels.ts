@@ -23,7 +23,7 @@ export function regionAt(
     };
   }
   const nested = levels.narrower
-    .filter(([begin, end]) => begin <= part && part < end)
+    .filter((region) => contains(region, part))
     .sort((a, b) => b[1] - b[0] - (a[1] - a[0]));
   const taken = Math.min(-steps, nested.length);
   return {

@@ -104,7 +104,7 @@ function decodeLabels(bytes: Uint8Array): Uint16Array {
 }
 
 /** Runs a script that may be of several megabytes. */
-export function loadScript(url: string): Promise<void> {
+function loadScript(url: string): Promise<void> {
   return new Promise((resolve, reject) => {
     const script = document.createElement("script");
     script.src = url;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What is chosen, hidden and coloured, and what that means for each Gaussian.
 
-import { regionAt } from "./levels";
+import { contains, regionAt } from "./levels";
 import { NO_PART, type Interval, type SceneDescription, type Vec3 } from "./scene_data";
 
 export interface Choice {
@@ -102,7 +102,7 @@ export class Selection {
     const choice = this.choice;
     if (!choice) return false;
     return choice.region
-      ? part !== NO_PART && choice.region[0] <= part && part < choice.region[1]
+      ? part !== NO_PART && contains(choice.region, part)
       : id === choice.id;
   }
 
