@@ -42,8 +42,8 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME freegs-pipeline-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION
 "libraries of freegs_pipeline for programs of one's own
-Static libraries, headers and CMake package files: Gaussian Splatting on the CPU,
-cameras from photographs, instances in 3D and queries of them.")
+Static libraries, headers and CMake package files: Gaussian Splatting on the
+CPU, cameras from photographs, instances in 3D and queries of them.")
 # What links the libraries needs all that the build needs.
 file(STRINGS ${PROJECT_SOURCE_DIR}/scripts/packages.txt lines)
 set(depends pkg-config)

@@ -42,12 +42,15 @@ make_sysroot() {
       ln -sfnr -- "$target" "$link"
     done
   # What Debian's alternatives would link.
-  for name in libblas.so.3 liblapack.so.3 pkgconfig/hdf5.pc; do
+  for name in libblas.so libblas.so.3 liblapack.so liblapack.so.3 pkgconfig/hdf5.pc; do
     link=$FREEGS_SYSROOT.part/$lib/$name
     target=$(compgen -G "${link%/*}/*/${name##*/}" ||
       compgen -G "${link%.pc}-*.pc" || true)
     ln -sfnr -- "${target%%$'\n'*}" "$link"
   done
+  # Libraries that CMake package files name as they would be on their own machine.
+  sed -i "s|\([;\"]\)/$lib/|\1\${_IMPORT_PREFIX}/${lib#usr/}/|g" \
+    "$FREEGS_SYSROOT.part/$lib/cmake/Ceres/CeresTargets.cmake"
   mv -- "$FREEGS_SYSROOT.part" "$FREEGS_SYSROOT"
 }
 if [[ ! -d $FREEGS_SYSROOT ]]; then

@@ -86,7 +86,7 @@ if [[ -n $photos ]]; then
   cp -rL -- "$photos" "$system/work/photos"
 else
   "$build/bin/freegs_make_scene" --out "$system/work/drawn" --views 24 \
-    --width 480 --height 360 --seed 1 >/dev/null
+    --width 480 --height 360 --seed 1 >/dev/null 2>&1
   mv -- "$system/work/drawn/images" "$system/work/photos"
 fi
 # In the folder of work, where anything may be written.
@@ -103,7 +103,7 @@ grep -q 'WebGL' "$system/work/workspace/export/report/index.html" ||
 inside freegs_pipeline query /work/workspace --text "red ball"
 
 step "removing the package"
-inside apt-get purge -q -y freegs-pipeline >/dev/null
+inside apt-get purge -q -y freegs-pipeline >/dev/null 2>&1
 left=$(find "$system/usr" "$system/etc" -iname '*freegs*')
 [[ -z $left ]] || fail 1 "the package leaves behind: $left"
 step "passed"

@@ -9,10 +9,9 @@ set(CMAKE_CXX_COMPILER aarch64-linux-gnu-g++)
 
 # Checks of CMake compile small projects, which read this file as well.
 list(APPEND CMAKE_TRY_COMPILE_PLATFORM_VARIABLES FREEGS_SYSROOT)
-if(NOT FREEGS_SYSROOT)
-  set(FREEGS_SYSROOT "$ENV{FREEGS_SYSROOT}")
-endif()
-if(NOT IS_DIRECTORY "${FREEGS_SYSROOT}/usr/lib/aarch64-linux-gnu")
+set(FREEGS_SYSROOT "$ENV{FREEGS_SYSROOT}" CACHE PATH
+  "Folder of the libraries for arm64")
+if(NOT FREEGS_SYSROOT OR NOT IS_DIRECTORY "${FREEGS_SYSROOT}/usr/lib/aarch64-linux-gnu")
   message(FATAL_ERROR "FREEGS_SYSROOT=${FREEGS_SYSROOT} is no folder with libraries "
     "for arm64; scripts/arm64.sh makes one")
 endif()

@@ -21,7 +21,7 @@ cmake --build "$folder/build"
 said=$("$folder/build/render_scene" \
   "$example/scene.ply" "$example/camera.txt" "$folder/picture.png")
 echo "$said"
-[[ $said == "3 Gaussians cover 2"[0-9]*" % of $folder/picture.png" ]]
+[[ $said == "3 Gaussians cover 12."[0-9]*" % of $folder/picture.png" ]]
 file=$(head -c 24 "$folder/picture.png" | od -An -tx1 | tr -d ' \n')
 # The signature of PNG, and 320 x 240 in its header.
 [[ $file == 89504e470d0a1a0a*00000140000000f0 ]]
