@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # Installs the Debian packages of packages.txt that are not there yet, and with
-# --tests those of test_packages.txt as well. Does nothing, and needs no network,
-# when none is missing.
+# --tests or --arm64 those of test_packages.txt or arm64_packages.txt as well. Does
+# nothing, and needs no network, when none is missing.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 

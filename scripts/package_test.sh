@@ -9,6 +9,8 @@
 # `freegs_pipeline run` (default: --preset fast). The environment may say
 #   BUILD    the build folder, where cpack was run (default: build)
 #   MIRROR   where Debian's packages come from (default: as this system's apt)
+#   DEVELOPMENT   anything but nothing: installs freegs-pipeline-dev as well, and
+#            builds and runs examples/render_scene (2 GB more)
 #   SYSTEM   the folder of the new system; it is deleted afterwards unless KEEP is
 #            set (default: a new folder under TMPDIR, which needs 3 GB)
 # Needs root, for chroot, and Debian's package debootstrap.
@@ -105,8 +107,20 @@ grep -q 'WebGL' "$system/work/workspace/export/report/index.html" ||
   fail 1 "the page has no 3D view"
 inside freegs_pipeline query /work/workspace --text "red ball"
 
+if [[ -n ${DEVELOPMENT:-} ]]; then
+  step "a program of one's own"
+  cp -- "$build"/freegs-pipeline-dev_*_"$(dpkg --print-architecture)".deb \
+    "$system/work/development.deb"
+  cp -r -- examples/render_scene "$system/work/"
+  inside apt-get install -q -y --no-install-recommends g++ make cmake \
+    /work/development.deb >"$system/work/apt.log" 2>&1 ||
+    fail 1 "apt failed; see the end: $(tail -5 "$system/work/apt.log")"
+  inside sh -ec 'cd /work/render_scene && cmake -B build && cmake --build build &&
+    build/render_scene scene.ply camera.txt picture.png'
+fi
+
 step "removing the package"
-inside apt-get purge -q -y freegs-pipeline >/dev/null 2>&1
+inside apt-get purge -q -y 'freegs-pipeline*' >/dev/null 2>&1
 left=$(find "$system/usr" "$system/etc" -iname '*freegs*')
 [[ -z $left ]] || fail 1 "the package leaves behind: $left"
 step "passed"
