@@ -49,20 +49,21 @@ void CompareFigures(const std::string& id,
 }  // namespace
 
 std::map<std::string, Tolerance> DefaultTolerances() {
+  // Of a short training, the PSNR of a few holdout photos is left out: it
+  // differs by up to 0.9 dB between sets of instructions, that of drawn views
+  // by up to 0.13 dB.
   return {{"sfm.registered", {0, 0}},
-          {"sfm.pairs.pairs", {0, 0.02}},
+          {"sfm.pairs.pairs", {0, 0}},
           {"sfm.num_points", {0, 0.1}},
-          {"pose_rotation_deg", {0.02, 0}},
-          {"num_gaussians", {0, 0.1}},
-          {"scene_bytes", {0, 0.1}},
-          {"holdout_psnr", {0.5, 0}},
+          {"pose_rotation_deg", {0.03, 0}},
+          {"num_gaussians", {0, 0.05}},
+          {"scene_bytes", {0, 0.05}},
           {"holdout_ssim", {0.02, 0}},
-          {"psnr", {0.5, 0}},
-          {"instance_miou", {0.08, 0}},
-          {"click_miou", {0.08, 0}},
-          {"text_miou", {0.1, 0}},
+          {"psnr", {0.4, 0}},
+          {"instance_miou", {0.06, 0}},
+          {"text_miou", {0.15, 0}},
           {"box_miou", {0.1, 0}},
-          {"view_consistency", {0.08, 0}}};
+          {"view_consistency", {0.05, 0}}};
 }
 
 Baseline MakeBaseline(const BenchResults& bench,

@@ -214,6 +214,8 @@ Status RunBench(const std::vector<std::string>& arguments,
 
   context.program = fs::read_symlink("/proc/self/exe", error);
   context.time_limit_s = suite.time_limit_s;
+  // A comparison is about the program of now.
+  context.only_this_program = !request.baseline.empty();
   context.disturber = environment.disturber;
   context.cancellation = &environment.cancellation;
   std::mutex say_mutex;

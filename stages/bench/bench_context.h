@@ -31,6 +31,9 @@ struct BenchContext {
   std::filesystem::path out;      // The bench's folder; exists.
   std::filesystem::path program;  // freegs_pipeline, which runs the stages.
   double time_limit_s = 0;        // Of each stage; 0 for none.
+
+  // Whether results of another build of the program are measured anew.
+  bool only_this_program = false;
   PhotoDisturber disturber;
   const CancellationToken* cancellation = nullptr;
 

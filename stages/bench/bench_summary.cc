@@ -72,11 +72,15 @@ std::vector<Row> Rows(const BenchResults& bench,
   return rows;
 }
 
-// How many digits the mean of a figure has after its point; those of its spread
-// are as many.
-int Digits(double mean) {
+// How many digits the mean of these values has after its point; their spread
+// has as many. Counts that are all the same have none.
+int Digits(double mean, const std::vector<double>& values) {
+  const bool one_count =
+      std::all_of(values.begin(), values.end(), [&values](double value) {
+        return value == values[0] && value == std::round(value);
+      });
   const double size = std::abs(mean);
-  return size < 2 ? 3 : size < 100 ? 2 : 0;
+  return one_count ? 0 : size < 2 ? 3 : size < 100 ? 2 : 0;
 }
 
 std::string Number(double value, int digits, const std::string& name) {
@@ -105,7 +109,7 @@ std::string Field(const BenchResults& bench,
   for (const double value : values) {
     spread = std::max(spread, std::abs(value - mean));
   }
-  const int digits = Digits(mean);
+  const int digits = Digits(mean, values);
   std::string text = Number(mean, digits, name);
   if (with_spread && values.size() > 1) {
     text += " ±" + Number(spread, digits, name);

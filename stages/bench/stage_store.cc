@@ -146,6 +146,17 @@ bool StageStore::IsDone(const StoredStage& stage) const {
          ReadOutcome(stage.workspace / kOutcomeFile).ok();
 }
 
+StatusOr<ChildOutcome> StageStore::EarlierOutcome(const fs::path& folder) {
+  StatusOr<ChildOutcome> outcome = ReadOutcome(folder / kOutcomeFile);
+  if (!outcome.ok() || !context_.only_this_program ||
+      outcome->program == program_hash_) {
+    return outcome;
+  }
+  std::error_code error;
+  fs::remove_all(folder, error);
+  return BadInputError(folder.string() + ": of another program");
+}
+
 StatusOr<ChildOutcome> StageStore::RunOnce(
     const fs::path& folder, const std::vector<std::string>& argv) {
   FREEGS_ASSIGN_OR_RETURN(ChildOutcome outcome, RunForOutcome(argv, context_));
@@ -176,8 +187,7 @@ StatusOr<ChildOutcome> StageStore::RunStage(const CellPlan& plan,
     const auto known = known_.find(stage.workspace);
     if (known != known_.end()) return known->second;
   }
-  const StatusOr<ChildOutcome> earlier =
-      ReadOutcome(stage.workspace / kOutcomeFile);
+  const StatusOr<ChildOutcome> earlier = EarlierOutcome(stage.workspace);
   if (earlier.ok() && earlier->IsFinal() && (!earlier->ok() || IsDone(stage))) {
     return *earlier;
   }
@@ -207,8 +217,7 @@ StatusOr<ChildOutcome> StageStore::Evaluate(
     if (known != known_.end()) return known->second;
   }
   std::error_code error;
-  const StatusOr<ChildOutcome> earlier =
-      ReadOutcome(plan.evaluation / kOutcomeFile);
+  const StatusOr<ChildOutcome> earlier = EarlierOutcome(plan.evaluation);
   if (earlier.ok() && earlier->IsFinal() &&
       (!earlier->ok() || fs::exists(file, error))) {
     return *earlier;

@@ -67,6 +67,10 @@ class StageStore {
 
  private:
   std::string Hash(const std::filesystem::path& path);
+
+  // What an earlier bench left in `folder`. Deletes the folder when that is of
+  // a program whose results do not count.
+  StatusOr<ChildOutcome> EarlierOutcome(const std::filesystem::path& folder);
   StatusOr<ChildOutcome> RunOnce(const std::filesystem::path& folder,
                                  const std::vector<std::string>& argv);
 

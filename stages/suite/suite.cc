@@ -3,6 +3,7 @@
 #include "stages/suite/suite.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -43,9 +44,8 @@ bool IsName(const std::string& name) {
 template <typename T>
 Status ParseNumber(const std::string& text, T* number) {
   const char* const end = text.data() + text.size();
-  if (std::from_chars(text.data(), end, *number).ptr == end && !text.empty()) {
-    return Status();
-  }
+  const auto [rest, fault] = std::from_chars(text.data(), end, *number);
+  if (rest == end && fault == std::errc() && !text.empty()) return Status();
   return InvalidArgumentError("'" + text + "' is not a number in range");
 }
 
