@@ -21,7 +21,9 @@ function add<K extends keyof HTMLElementTagNameMap>(
 }
 
 function startTable(parent: HTMLElement, columns: string[]) {
-  const table = add(add(parent, "div", "", "scroll"), "table");
+  const scroll = add(parent, "div", "", "scroll");
+  scroll.tabIndex = 0; // So that keys scroll it.
+  const table = add(scroll, "table");
   const head = add(add(table, "thead"), "tr");
   for (const column of columns) add(head, "th", column);
   return add(table, "tbody");
