@@ -3,7 +3,7 @@
 //
 //   node plot.mjs results.json --chart NAME --out X.svg
 //   node plot.mjs NAME=TABLE.csv ... --x COLUMN --y COLUMN --title T --out X.svg
-//     [--label COLUMN] [--log-x] [--log-y]
+//     [--label COLUMN] [--log-x] [--log-y] [--x-name TEXT] [--y-name TEXT]
 //
 // The first draws a chart of a suite (docs/bench.md). The second draws a line
 // for each table; with --label the text of that column stands beside each
@@ -93,7 +93,10 @@ function resultsOfTables(tables, values) {
     log_x: values["log-x"] ?? false,
     log_y: values["log-y"] ?? false,
     better: "",
+    x_name: values["x-name"],
+    y_name: values["y-name"],
     front: false,
+    lines: !values.label,
   };
   return { keys: ["row"], cells, charts: [chart] };
 }
@@ -107,6 +110,8 @@ const { values, positionals } = parseArgs({
     y: { type: "string" },
     title: { type: "string" },
     label: { type: "string" },
+    "x-name": { type: "string" },
+    "y-name": { type: "string" },
     "log-x": { type: "boolean" },
     "log-y": { type: "boolean" },
     width: { type: "string", default: "860" },

@@ -25,7 +25,7 @@ table { border-collapse: collapse; font-size: .9rem; background: #fff; }
 th, td { border: 1px solid var(--line); padding: .25rem .6rem;
   text-align: left; white-space: nowrap; }
 td.number { text-align: right; font-variant-numeric: tabular-nums; }
-td.reason { white-space: normal; min-width: 20rem; }
+td.reason { white-space: normal; min-width: 24rem; overflow-wrap: anywhere; }
 tr.failed td { color: var(--warn); }
 pre { overflow-x: auto; }
 )css";

@@ -85,7 +85,7 @@ export function ticks({ min, max }: Range, log: boolean): number[] {
         if (value >= min && value <= max) result.push(value);
       }
     }
-    return result;
+    return result.length < 3 ? ticks({ min, max }, false) : result;
   }
   const rough = (max - min) / 7;
   const power = 10 ** Math.floor(Math.log10(rough));
@@ -96,14 +96,20 @@ export function ticks({ min, max }: Range, log: boolean): number[] {
   return result;
 }
 
-function axis(name: string, range: Range, log: boolean, gridIndex: number) {
+function axis(
+  name: string,
+  words: string | undefined,
+  range: Range,
+  log: boolean,
+  gridIndex: number,
+) {
   const values = ticks(range, log);
   return {
     gridIndex,
     type: log ? ("log" as const) : ("value" as const),
     min: range.min,
     max: range.max,
-    name: axisName(name),
+    name: words ?? axisName(name),
     nameLocation: "middle" as const,
     axisLabel: {
       customValues: values,
@@ -184,14 +190,22 @@ function pointSeries(
   chart: Chart,
   results: Results,
 ) {
-  const curve = points.length > manyPoints;
+  // A line means that one thing was varied.
+  const keys = ["scene", "grid", ...results.keys, "seed"].filter(
+    (key) => new Set(points.map(({ cells }) => keyText(cells[0], key))).size > 1,
+  );
+  const line = chart.lines !== false && keys.length <= 1;
+  const curve = line && points.length > manyPoints;
   return {
     type: "line" as const,
     name,
     color,
     symbolSize: curve ? 0 : 9,
     showSymbol: !curve,
-    lineStyle: { width: curve ? 2 : 1, opacity: curve ? 1 : 0.5 },
+    lineStyle: {
+      width: line ? (curve ? 2 : 1) : 0,
+      opacity: curve ? 1 : 0.5,
+    },
     emphasis: { focus: "series" as const },
     labelLayout: { hideOverlap: true, moveOverlap: "shiftY" as const },
     data: points.map((point) => {
@@ -287,6 +301,13 @@ export function chartOption(results: Results, chart: Chart) {
         const x = figure(cell, chart.x);
         return {
           value: [x !== null && (!chart.log_x || x > 0) ? x : xRange.min, 0],
+          label: {
+            show: chart.label !== "",
+            formatter: () => keyText(cell, chart.label),
+            position: "right" as const,
+            color: "#444",
+            fontSize: 11,
+          },
           tip: failureTooltip(cell, chart),
         };
       }),
@@ -316,6 +337,7 @@ export function chartOption(results: Results, chart: Chart) {
     tooltip: {
       trigger: "item" as const,
       confine: true,
+      extraCssText: "max-width:36rem;white-space:normal;overflow-wrap:anywhere",
       formatter: (item: { data?: { tip?: string } }) => item.data?.tip ?? "",
     },
     grid: [
@@ -324,14 +346,16 @@ export function chartOption(results: Results, chart: Chart) {
     ],
     xAxis: [
       {
-        ...axis(chart.x, xRange, chart.log_x, 0),
+        ...axis(chart.x, chart.x_name, xRange, chart.log_x, 0),
         nameGap: 30,
         ...(strip ? { name: "", axisLabel: { show: false } } : {}),
       },
-      ...(strip ? [{ ...axis(chart.x, xRange, chart.log_x, 1), nameGap: 30 }] : []),
+      ...(strip
+        ? [{ ...axis(chart.x, chart.x_name, xRange, chart.log_x, 1), nameGap: 30 }]
+        : []),
     ],
     yAxis: [
-      { ...axis(chart.y, yRange, chart.log_y, 0), nameGap: 54 },
+      { ...axis(chart.y, chart.y_name, yRange, chart.log_y, 0), nameGap: 54 },
       ...(strip
         ? [
             {

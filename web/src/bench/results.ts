@@ -35,7 +35,10 @@ export interface Chart extends Selection {
   log_x: boolean;
   log_y: boolean;
   better: string;
+  x_name?: string; // How the axis is called; by the figure if it is not there.
+  y_name?: string;
   front?: boolean; // Whether the Pareto front is drawn; it is unless false.
+  lines?: boolean; // Whether points may be joined; they may unless false.
 }
 
 export interface Table extends Selection {
