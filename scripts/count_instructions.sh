@@ -8,8 +8,8 @@
 #
 # Five steps on a drawn scene of 80 x 60 pixels, with the instructions that
 # valgrind knows (AVX2). Exit codes: 0 as before within 3 %; 4 not; 77 where
-# there is no valgrind, no AVX2, or no number for this compiler. --write puts the
-# number into the file.
+# there is no valgrind, no AVX2, no Release build, or no number for this compiler.
+# --write puts the number into the file.
 set -euo pipefail
 
 build=$(realpath "${1:?usage: scripts/count_instructions.sh BUILD [--write]}")
@@ -22,6 +22,8 @@ skip() {
 }
 command -v valgrind >/dev/null || skip "there is no valgrind"
 grep -qw avx2 /proc/cpuinfo || skip "this processor has no AVX2"
+grep -q '^CMAKE_BUILD_TYPE:[A-Z]*=Release$' "$build/CMakeCache.txt" ||
+  skip "not a Release build"
 
 compiler=$(sed -n 's/^CMAKE_CXX_COMPILER:[A-Z]*=//p' "$build/CMakeCache.txt")
 version=$("$compiler" --version | head -n 1)

@@ -14,6 +14,7 @@
 #include "core/io/files.h"
 #include "core/io/json_text.h"
 #include "core/number_text.h"
+#include "pipeline/exit_code.h"
 #include "pipeline/workspace.h"
 
 namespace freegs::stages {
@@ -119,8 +120,9 @@ class Runner {
     const SuiteCell& cell = cells_[i];
     const std::string title = std::to_string(i + 1) + "/" +
                               std::to_string(cells_.size()) + " " + cell.id;
-    FREEGS_ASSIGN_OR_RETURN(const CellPlan plan,
-                            store_.Plan(cell, photos_[cell.scene]));
+    const StatusOr<CellPlan> planned = store_.Plan(cell, photos_[cell.scene]);
+    if (!planned.ok()) return Unplanned(title, planned.status());
+    const CellPlan& plan = *planned;
     CellResult result;
     for (size_t k = 0; k < plan.stages.size(); ++k) {
       const StoredStage& stage = plan.stages[k];
@@ -149,6 +151,23 @@ class Runner {
     FREEGS_RETURN_IF_ERROR(
         WriteFileAtomic(context_.out / folder / "cell.json",
                         JsonText(ToJson(suite_, cell, result))));
+    Tell(title, result);
+    return result;
+  }
+
+  // Of a cell whose photographs cannot be disturbed, or whose options do not go
+  // together.
+  StatusOr<CellResult> Unplanned(const std::string& title,
+                                 const Status& status) const {
+    if (status.code() == StatusCode::kInterrupted ||
+        status.code() == StatusCode::kInternal) {
+      return status;
+    }
+    CellResult result;
+    result.status = CellStatus::kFailed;
+    result.exit_code = pipeline::ExitCode(status.code());
+    result.failed_stage = "preparation";
+    result.reason = status.message();
     Tell(title, result);
     return result;
   }

@@ -95,12 +95,9 @@ function addCells(parent: HTMLElement, results: Results) {
     );
     add(row, "td", cell.verdict);
     const said = cell.said.filter((line) => !line.endsWith(cell.reason));
-    add(
-      row,
-      "td",
-      [cell.reason, ...said].filter(Boolean).join(" — "),
-      said.length > 0 || failed ? "reason" : "",
-    );
+    const lines = [cell.reason, ...said].filter((line) => line !== "");
+    const words = add(row, "td", "", lines.length > 0 ? "reason" : "");
+    for (const line of lines) add(words, "div", line);
     for (const name of figures) {
       const value = cell.values[name];
       const text = value === undefined ? "" : formatFigure(name, value);
