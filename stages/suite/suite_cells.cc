@@ -29,7 +29,8 @@ class SettingTaker {
   // the section.
   StatusOr<SuiteSetting> Checked(const SuiteSetting& given,
                                  const std::string& where) {
-    const auto& [key, value] = given;
+    const std::string& key = given.first;
+    const std::string& value = given.second;
     const auto fault = [&](const Status& status) {
       return status.Annotated(suite_.name + ": " + where + " " + key);
     };
