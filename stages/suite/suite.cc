@@ -6,15 +6,11 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <cstdlib>
-#include <functional>
-#include <optional>
-#include <set>
 #include <system_error>
 
 #include "core/io/files.h"
-#include "pipeline/option_value.h"
 #include "stages/suite/ini_sections.h"
+#include "stages/suite/section_reader.h"
 
 namespace freegs::stages {
 namespace {
@@ -24,13 +20,6 @@ namespace fs = std::filesystem;
 constexpr uint64_t kMaxSuiteBytes = 1 << 20;
 constexpr size_t kMaxNameLength = 60;
 constexpr size_t kMaxSeeds = 1000;
-
-std::optional<std::string> FromEnvironment(const std::string& name) {
-  if (name == "scene") return "${scene}";
-  const char* value = std::getenv(name.c_str());
-  if (value == nullptr) return std::nullopt;
-  return std::string(value);
-}
 
 // Names become parts of file names.
 bool IsName(const std::string& name) {
@@ -49,78 +38,7 @@ Status ParseNumber(const std::string& text, T* number) {
   return InvalidArgumentError("'" + text + "' is not a number in range");
 }
 
-Status ParseYesNo(const std::string& text, bool* value) {
-  if (text != "true" && text != "false") {
-    return InvalidArgumentError("'" + text + "' is not true or false");
-  }
-  *value = text == "true";
-  return Status();
-}
-
-Status ParseWords(const std::string& text, std::vector<std::string>* words) {
-  FREEGS_ASSIGN_OR_RETURN(*words, SplitWords(text));
-  return words->empty() ? InvalidArgumentError("no value") : Status();
-}
-
-// Reads the entries of a section: known keys, and with `settings` all keys that
-// look like an option.
-class SectionReader {
- public:
-  using ReadFn = std::function<Status(const std::string& value)>;
-
-  void On(const std::string& key, ReadFn read) {
-    known_[key] = std::move(read);
-  }
-  void OnText(const std::string& key, std::string* target) {
-    On(key, [target](const std::string& value) {
-      *target = value;
-      return Status();
-    });
-  }
-  void OnWords(const std::string& key, std::vector<std::string>* target) {
-    On(key, [target](const std::string& value) {
-      return ParseWords(value, target);
-    });
-  }
-
-  // `other` is called for keys that are not known, if it is given.
-  Status Read(
-      const IniSection& section,
-      const std::function<Status(const std::string&, const std::string&)>&
-          other = {}) const {
-    for (const auto& [key, raw] : section.entries) {
-      const StatusOr<std::string> value = ExpandVariables(raw, FromEnvironment);
-      Status status = value.status();
-      const auto known = known_.find(key);
-      if (status.ok() && known != known_.end()) {
-        status = known->second(*value);
-      } else if (status.ok()) {
-        status = other ? other(key, *value) : Unknown(key);
-      }
-      if (!status.ok()) return status.Annotated(section.Title() + " " + key);
-    }
-    return Status();
-  }
-
- private:
-  Status Unknown(const std::string& key) const {
-    std::vector<std::string> names;
-    std::string all;
-    for (const auto& [name, read] : known_) {
-      names.push_back(name);
-      all += (all.empty() ? "" : ", ") + name;
-    }
-    const std::string nearest = pipeline::NearestName(key, names);
-    return InvalidArgumentError(
-        "unknown key; " + (nearest.empty() ? "there are " + all
-                                           : "did you mean " + nearest + "?"));
-  }
-
-  std::map<std::string, ReadFn> known_;
-};
-
-std::function<Status(const std::string&, const std::string&)> TakeSettings(
-    std::vector<SuiteSetting>* settings) {
+SectionReader::OtherFn TakeSettings(std::vector<SuiteSetting>* settings) {
   return [settings](const std::string& key, const std::string& value) {
     settings->emplace_back(key, value);
     return Status();
@@ -226,12 +144,8 @@ Status ReadChart(const IniSection& section, Suite* suite) {
   reader.OnText("y", &chart.y);
   reader.OnWords("series", &chart.series);
   reader.OnText("label", &chart.label);
-  reader.On("log_x", [&chart](const std::string& value) {
-    return ParseYesNo(value, &chart.log_x);
-  });
-  reader.On("log_y", [&chart](const std::string& value) {
-    return ParseYesNo(value, &chart.log_y);
-  });
+  reader.OnBool("log_x", &chart.log_x);
+  reader.OnBool("log_y", &chart.log_y);
   reader.On("better", [&chart](const std::string& value) {
     chart.better = value;
     return value == "higher" || value == "lower"

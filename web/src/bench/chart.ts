@@ -13,6 +13,7 @@ import {
 import * as echarts from "echarts/core";
 import { SVGRenderer } from "echarts/renderers";
 
+import { axis, axisRange } from "./axes";
 import {
   figure,
   keyText,
@@ -22,7 +23,8 @@ import {
   spread,
 } from "./results";
 import type { Cell, Chart, Point, Results } from "./results";
-import { axisName, escapeHtml, formatFigure, formatSpread, keyWords } from "./words";
+import { failureTooltip, pointTooltip } from "./tooltips";
+import { keyWords } from "./words";
 
 echarts.use([
   CustomChart,
@@ -53,101 +55,6 @@ const presetSymbols: Record<string, string> = {
   quality: "diamond",
 };
 const manyPoints = 25; // A series of more is a curve without dots.
-
-interface Range {
-  min: number;
-  max: number;
-}
-
-/** The values between which an axis goes, with some room at both ends. */
-function axisRange(values: number[], log: boolean): Range {
-  if (values.length === 0) return { min: log ? 1 : 0, max: log ? 10 : 1 };
-  const low = Math.min(...values);
-  const high = Math.max(...values);
-  if (log) {
-    const room = Math.max(1.15, (high / low) ** 0.06);
-    return { min: low / room, max: high * room };
-  }
-  const room = high > low ? 0.07 * (high - low) : Math.abs(high) * 0.1 || 1;
-  return { min: low >= 0 ? Math.max(0, low - room) : low - room, max: high + room };
-}
-
-/** Round values within a range: 1, 2, 5 times powers of ten on a log axis. */
-export function ticks({ min, max }: Range, log: boolean): number[] {
-  const result: number[] = [];
-  if (log) {
-    const decades = Math.log10(max / min);
-    const digits =
-      decades > 3 ? [1] : decades > 0.7 ? [1, 2, 5] : [1, 1.5, 2, 3, 4, 5, 6, 7, 8, 9];
-    for (let e = Math.floor(Math.log10(min)); e <= Math.log10(max); ++e) {
-      for (const digit of digits) {
-        const value = Number(`${digit}e${e}`);
-        if (value >= min && value <= max) result.push(value);
-      }
-    }
-    return result.length < 3 ? ticks({ min, max }, false) : result;
-  }
-  const rough = (max - min) / 7;
-  const power = 10 ** Math.floor(Math.log10(rough));
-  const step = power * ([1, 2, 5, 10].find((digit) => digit * power >= rough) ?? 10);
-  for (let i = Math.ceil(min / step); i * step <= max; ++i) {
-    result.push(Number((i * step).toPrecision(12)));
-  }
-  return result;
-}
-
-function axis(
-  name: string,
-  words: string | undefined,
-  range: Range,
-  log: boolean,
-  gridIndex: number,
-) {
-  const values = ticks(range, log);
-  return {
-    gridIndex,
-    type: log ? ("log" as const) : ("value" as const),
-    min: range.min,
-    max: range.max,
-    name: words ?? axisName(name),
-    nameLocation: "middle" as const,
-    axisLabel: {
-      customValues: values,
-      formatter: (value: number) => formatFigure(name, value),
-      hideOverlap: true,
-    },
-    axisTick: { customValues: values },
-    axisLine: { show: true, onZero: false },
-    splitLine: { lineStyle: { color: "#eeeeee" } },
-  };
-}
-
-function pointTooltip(point: Point, chart: Chart, results: Results): string {
-  const cell = point.cells[0];
-  const keys = ["scene", "grid", ...results.keys, "seed"]
-    .filter((key) => !chart.over.includes(key) && keyText(cell, key) !== "")
-    .map((key) => `${key} <b>${escapeHtml(keyText(cell, key))}</b>`);
-  const lines = [
-    keys.join("<br>"),
-    `${escapeHtml(chart.x)} <b>${formatSpread(chart.x, point.x!)}</b>`,
-    `${escapeHtml(chart.y)} <b>${formatSpread(chart.y, point.y!)}</b>`,
-  ];
-  const runs = point.cells.length;
-  if (runs > 1) lines.push(`${point.x!.count} of ${runs} runs`);
-  return lines.join("<br>");
-}
-
-function failureTooltip(cell: Cell, chart: Chart): string {
-  const x = figure(cell, chart.x);
-  return [
-    `<b>${escapeHtml(cell.id)}</b>`,
-    `failed in ${escapeHtml(cell.failed_stage)} with exit code ${cell.exit_code}`,
-    escapeHtml(cell.reason),
-    x === null ? `no ${escapeHtml(chart.x)}` : "",
-  ]
-    .filter((line) => line !== "")
-    .join("<br>");
-}
 
 /** Bars over the range of both figures. */
 function errorBars(points: Point[], color: string, name: string) {
@@ -275,7 +182,7 @@ export function chartOption(results: Results, chart: Chart) {
     series.push(pointSeries(name, members, color, chart, results));
     series.push(errorBars(members, color, name));
   });
-  const frontName = "nothing is better for less";
+  const frontName = "Pareto front";
   if (chart.front !== false && points.length > 1) {
     // One front for each scene: scenes are not alternatives.
     const apart = chart.over.includes("scene") ? [] : ["scene"];
@@ -333,7 +240,12 @@ export function chartOption(results: Results, chart: Chart) {
       top: 8,
       textStyle: { fontSize: 15, fontWeight: "normal" as const },
     },
-    legend: { type: "plain" as const, top: notes.length > 0 ? 52 : 36, left: 16 },
+    legend: {
+      itemGap: 18,
+      type: "plain" as const,
+      top: notes.length > 0 ? 52 : 36,
+      left: 16,
+    },
     tooltip: {
       trigger: "item" as const,
       confine: true,

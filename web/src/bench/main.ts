@@ -123,8 +123,8 @@ function start() {
       (count("failed") > 0 ? `, ${count("failed")} failed` : "") +
       `; ${processor || "unknown processor"}, ${cores} cores; ` +
       `freegs_pipeline ${results.program_version}. ` +
-      "Points are means, bars go from the least to the most; the dashed line " +
-      "joins what nothing beats in both measures.",
+      "Points are means, bars go from the least to the most; the dashed " +
+      "line, the Pareto front, joins what nothing beats in both measures.",
     "quiet",
   );
   if (!results.one_program) {
