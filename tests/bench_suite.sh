@@ -58,7 +58,7 @@ for cells in 1 2 3; do
   "$bin/freegs_pipeline" bench "$folder/suite.ini" --out "$folder/killed" \
     >>"$folder/killed.log" 2>&1 &
   pid=$!
-  for _ in $(seq 600); do
+  for _ in $(seq 4000); do
     [ "$(grep -cs '"status": "done"' "$folder/killed/results.json" || true)" \
       -ge "$cells" ] 2>/dev/null && break
     kill -0 $pid 2>/dev/null || break

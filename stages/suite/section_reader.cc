@@ -11,6 +11,8 @@
 namespace freegs::stages {
 namespace {
 
+constexpr size_t kMaxWords = 10000;
+
 std::optional<std::string> FromEnvironment(const std::string& name) {
   if (name == "scene") return "${scene}";
   const char* value = std::getenv(name.c_str());
@@ -22,7 +24,11 @@ std::optional<std::string> FromEnvironment(const std::string& name) {
 
 Status ParseWords(const std::string& text, std::vector<std::string>* words) {
   FREEGS_ASSIGN_OR_RETURN(*words, SplitWords(text));
-  return words->empty() ? InvalidArgumentError("no value") : Status();
+  if (words->empty()) return InvalidArgumentError("no value");
+  if (words->size() > kMaxWords) {
+    return InvalidArgumentError("more than 10000 values");
+  }
+  return Status();
 }
 
 void SectionReader::On(const std::string& key, ReadFn read) {

@@ -14,7 +14,7 @@
 
 namespace freegs::stages {
 
-// The words of a value, at least one.
+// The words of a value: 1 to 10000.
 Status ParseWords(const std::string& text, std::vector<std::string>* words);
 
 //   SectionReader reader;

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <set>
 #include <system_error>
 
 #include "core/io/files.h"
@@ -20,6 +21,7 @@ namespace fs = std::filesystem;
 constexpr uint64_t kMaxSuiteBytes = 1 << 20;
 constexpr size_t kMaxNameLength = 60;
 constexpr size_t kMaxSeeds = 1000;
+constexpr size_t kMaxSections = 1000;
 
 // Names become parts of file names.
 bool IsName(const std::string& name) {
@@ -114,9 +116,10 @@ Status ReadGrid(const IniSection& section, Suite* suite) {
   const auto take = [&grid](const std::string& key, const std::string& value) {
     std::vector<std::string> values;
     FREEGS_RETURN_IF_ERROR(ParseWords(value, &values));
-    for (size_t i = 0; i < values.size(); ++i) {
-      if (std::count(values.begin(), values.end(), values[i]) > 1) {
-        return InvalidArgumentError(values[i] + " is there twice");
+    std::set<std::string> seen;
+    for (const std::string& given : values) {
+      if (!seen.insert(given).second) {
+        return InvalidArgumentError(given + " is there twice");
       }
     }
     grid.axes.emplace_back(key, std::move(values));
@@ -232,6 +235,9 @@ StatusOr<Suite> ParseSuite(const std::string& text, const fs::path& source) {
   suite.folder = fs::absolute(source, error).parent_path();
   FREEGS_ASSIGN_OR_RETURN(const std::vector<IniSection> sections,
                           ParseIniSections(text, source.string()));
+  if (sections.size() > kMaxSections) {
+    return InvalidArgumentError(source.string() + ": more than 1000 sections");
+  }
   for (const IniSection& section : sections) {
     const Status status = ReadSection(section, &suite);
     if (!status.ok()) return status.Annotated(source.string());

@@ -164,6 +164,14 @@ TEST(SuiteTest, TruncatedAndHostileTextIsAnErrorOrASuite) {
   }
   EXPECT_FALSE(ParseSuite(std::string(2 << 20, 'x'), "s.ini").ok());
   EXPECT_FALSE(ParseSuite(std::string(500000, '['), "s.ini").ok());
+  std::string many = "[scene a]\nimages = b\n[grid g]\nsfm.neighbours =";
+  for (int i = 0; i < 120000; ++i) many += " " + std::to_string(i);
+  EXPECT_THAT(ErrorOf(many), HasSubstr("more than 10000 values"));
+  many.clear();
+  for (int i = 0; i < 20000; ++i) {
+    many += "[scene " + std::to_string(i) + "]\nimages = b\n";
+  }
+  EXPECT_THAT(ErrorOf(many), HasSubstr("more than 1000 sections"));
   std::string seeds = "[scene a]\nimages = b\n[suite]\nseeds =";
   for (int i = 0; i < 1001; ++i) seeds += " " + std::to_string(i);
   EXPECT_THAT(ErrorOf(seeds + "\n"), HasSubstr("1 to 1000"));
