@@ -22,7 +22,7 @@ constexpr size_t kKeyDigits = 16;
 constexpr char kOutcomeFile[] = "outcome.json";
 
 // Parts of a key, apart by a byte that is in none of them.
-class KeyText {
+class KeyBuilder {
  public:
   void Add(const std::string& part) { text_ += part + '\0'; }
   std::string Key() const { return HashBytes(text_).substr(0, kKeyDigits); }
@@ -106,7 +106,7 @@ StatusOr<CellPlan> StageStore::Plan(const SuiteCell& cell,
   // There is no config.ini in the store.
   FREEGS_RETURN_IF_ERROR(
       ApplySettings(context_.out / "store", settings, table));
-  KeyText key;
+  KeyBuilder key;
   key.Add(Hash(plan.images));
   bool has_scene = false;
   for (const pipeline::RunnerStage& entry : MakeStages(options, table)) {
