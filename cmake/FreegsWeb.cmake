@@ -64,4 +64,4 @@ add_custom_command(
   VERBATIM)
 add_custom_target(freegs_web ALL DEPENDS ${web_out}/viewer.js)
 install(DIRECTORY ${web_out}
-  DESTINATION ${CMAKE_INSTALL_DATADIR}/freegs_pipeline)
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/freegs_pipeline COMPONENT program)
