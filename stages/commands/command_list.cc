@@ -12,6 +12,7 @@
 #include "stages/commands/export_command.h"
 #include "stages/commands/features_command.h"
 #include "stages/commands/init_command.h"
+#include "stages/commands/manual_command.h"
 #include "stages/commands/model_command.h"
 #include "stages/commands/query_command.h"
 #include "stages/commands/render_command.h"
@@ -47,6 +48,7 @@ constexpr Command kCommands[] = {
     {"export", ExportWords, RunExportCommand},
     {"model", ModelWords, RunModelCommand},
     {"completion", CompletionWords, RunCompletionCommand},
+    {"manual", ManualWords, RunManualCommand},
 };
 
 }  // namespace
