@@ -81,7 +81,8 @@ TEST(ProgramTest, EveryCommandHasItsHelp) {
       {"features", "--dense-size"},
       {"export", "--without"},
       {"model", "--merges"},
-      {"completion", "zsh"}};
+      {"completion", "zsh"},
+      {"manual", "options"}};
   for (const auto& [command, option] : commands) {
     const Outcome outcome = Call({command, "--help"});
     EXPECT_EQ(outcome.code, 0) << command;

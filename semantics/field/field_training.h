@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Trains the semantic field by gradient descent, in turn with clustering
 // (FreeGS, "Training and Testing"). The losses are pixel and instance
-// distillation (eq. 8), smoothing (eq. 3) and the joint contrastive loss (eq.
-// 9).
+// distillation (eq. 7), smoothing (eq. 3) and the joint contrastive loss (eq.
+// 8).
 //
 //   FREEGS_ASSIGN_OR_RETURN(
 //       FieldTraining training,
@@ -196,7 +196,7 @@ class FieldTraining {
 
   // Draws pixels from this step's view and blends the vectors there.
   StatusOr<Batch> Sample(const splat::WeightMatrix& weights, ThreadPool& pool);
-  // Returns F_pix of eq. 8 at the pixels of the batch, S x C.
+  // Returns F_pix of eq. 7 at the pixels of the batch, S x C.
   StatusOr<std::vector<float>> PixelTargets(const Batch& batch,
                                             ThreadPool& pool) const;
   // Each of these adds the gradients of its loss and counts its value.

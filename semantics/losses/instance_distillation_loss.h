@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Distillation of instance features: the second term of FreeGS eq. 8, without
+// Distillation of instance features: the second term of FreeGS eq. 7, without
 // its factor gamma.
 
 #ifndef FREEGS_SEMANTICS_LOSSES_INSTANCE_DISTILLATION_LOSS_H_
@@ -13,7 +13,7 @@
 
 namespace freegs::semantics {
 
-// The features that CLIP gives to the instances (FreeGS eq. 7).
+// The features that CLIP gives to the instances (FreeGS eq. 6).
 struct InstanceTargets {
   std::span<const float> features;  // Instances x C, row-major.
   std::span<const uint8_t> known;   // Per instance: 0 if it has no feature.

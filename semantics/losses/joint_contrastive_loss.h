@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The 2D-3D joint contrastive loss (FreeGS eq. 9). It draws together the
+// The 2D-3D joint contrastive loss (FreeGS eq. 8). It draws together the
 // features of one instance, on Gaussians and on pixels, and drives apart those
 // of different instances.
 
@@ -37,7 +37,7 @@ struct ContrastiveMembers {
 // feature f let P and N be the sums of exp(cos(f, m) / tau) over the mean
 // features m of the positive and of the negative groups. Then
 //   l = -log(P / (P + N)) >= 0,
-// as in InfoNCE (van den Oord et al. 2018). Eq. 9 is printed as -log(P / N).
+// as in InfoNCE (van den Oord et al. 2018). Eq. 8 is printed as -log(P / N).
 // That form falls below zero to about -2 / tau, and drives members on with full
 // strength when they are well placed already.
 //
@@ -46,7 +46,7 @@ struct ContrastiveMembers {
 // length (below 1e-12) do not count, and neither do groups whose mean has none.
 // L is 0 for no members.
 //
-// The means are constants in the derivative, like class prototypes. Eq. 9 sums
+// The means are constants in the derivative, like class prototypes. Eq. 8 sums
 // over members; the mean makes the weight of a group independent of how many of
 // its members were sampled.
 //

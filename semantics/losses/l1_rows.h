@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The mean absolute difference between rows and their targets. Both terms of
-// FreeGS eq. 8 are of this form.
+// FreeGS eq. 7 are of this form.
 
 #ifndef FREEGS_SEMANTICS_LOSSES_L1_ROWS_H_
 #define FREEGS_SEMANTICS_LOSSES_L1_ROWS_H_

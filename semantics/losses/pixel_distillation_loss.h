@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Distillation of pixel features: the first term of FreeGS eq. 8.
+// Distillation of pixel features: the first term of FreeGS eq. 7.
 
 #ifndef FREEGS_SEMANTICS_LOSSES_PIXEL_DISTILLATION_LOSS_H_
 #define FREEGS_SEMANTICS_LOSSES_PIXEL_DISTILLATION_LOSS_H_
@@ -20,7 +20,7 @@ namespace freegs::semantics {
 //
 // FreeGS brings F from the size of the photographs to that of T by a learnt
 // convolution. Here latents are blended at the size of T, so that no
-// convolution is needed. The mean, where eq. 8 has a norm, makes the weights of
+// convolution is needed. The mean, where eq. 7 has a norm, makes the weights of
 // the losses independent of S and C.
 //
 // kInvalidArgument for sizes that disagree and values that are not finite.

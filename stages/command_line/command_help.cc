@@ -18,47 +18,13 @@ std::string Indented(const std::string& text, size_t indent) {
   return WrapText(text, std::string(indent, ' '), indent);
 }
 
-std::string CommaList(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) {
-    text += (text.empty() ? "" : ", ") + word;
-  }
-  return text;
-}
-
-// "default 3; 1 .. 10; preset fast: 2": what the table knows beside the help.
-std::string Facts(const OptionTable::Option& option, bool shows_choices) {
-  if (option.is_switch()) return "";
-  std::string facts;
-  const auto add = [&facts](const std::string& fact) {
-    facts += (facts.empty() ? "" : "; ") + fact;
-  };
-  if (!option.default_value.empty()) add("default " + option.default_value);
-  if (option.spec.min || option.spec.max) add(option.Allowed());
-  if (!option.spec.choices.empty() && !shows_choices) {
-    add("one of " + CommaList(option.spec.choices));
-  }
-  std::string presets;
-  for (const auto& [preset, value] : option.preset_values) {
-    presets += (presets.empty() ? "preset " : ", ") + preset + ": " + value;
-  }
-  if (!presets.empty()) add(presets);
-  return facts.empty() ? "" : " [" + facts + "]";
-}
-
 std::string OptionHelp(const CommandWords& words,
                        const OptionTable::Option& option) {
-  std::string names;
-  for (const auto& [letter, name] : words.letters()) {
-    if (name == option.name) names += std::string("-") + letter + ", ";
-  }
-  names += words.OptionUsage(option.name);
-  for (const auto& [alias, name] : words.table().aliases()) {
-    if (name == option.name) names += ", --" + alias;
-  }
+  const std::string names = OptionNames(words, option);
   const bool shows_choices = names.find('|') != std::string::npos;
   return Indented(names, kNameIndent) +
-         Indented(option.spec.help + Facts(option, shows_choices), kTextIndent);
+         Indented(option.spec.help + OptionFacts(option, shows_choices),
+                  kTextIndent);
 }
 
 std::string ListOptionHelp(const CommandWords& words,
@@ -82,6 +48,46 @@ std::string SectionHelp(const CommandWords& words, const std::string& section) {
 }
 
 }  // namespace
+
+std::string OptionNames(const CommandWords& words,
+                        const OptionTable::Option& option) {
+  std::string names;
+  for (const auto& [letter, name] : words.letters()) {
+    if (name == option.name) names += std::string("-") + letter + ", ";
+  }
+  names += words.OptionUsage(option.name);
+  for (const auto& [alias, name] : words.table().aliases()) {
+    if (name == option.name) names += ", --" + alias;
+  }
+  return names;
+}
+
+std::string CommaList(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) {
+    text += (text.empty() ? "" : ", ") + word;
+  }
+  return text;
+}
+
+std::string OptionFacts(const OptionTable::Option& option, bool shows_choices) {
+  if (option.is_switch()) return "";
+  std::string facts;
+  const auto add = [&facts](const std::string& fact) {
+    facts += (facts.empty() ? "" : "; ") + fact;
+  };
+  if (!option.default_value.empty()) add("default " + option.default_value);
+  if (option.spec.min || option.spec.max) add(option.Allowed());
+  if (!option.spec.choices.empty() && !shows_choices) {
+    add("one of " + CommaList(option.spec.choices));
+  }
+  std::string presets;
+  for (const auto& [preset, value] : option.preset_values) {
+    presets += (presets.empty() ? "preset " : ", ") + preset + ": " + value;
+  }
+  if (!presets.empty()) add(presets);
+  return facts.empty() ? "" : " [" + facts + "]";
+}
 
 std::string WrapText(const std::string& text,
                      const std::string& first,

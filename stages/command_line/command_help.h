@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/option_table.h"
 #include "stages/command_line/command_words.h"
 
 namespace freegs::stages {
@@ -19,6 +20,20 @@ namespace freegs::stages {
 std::string WrapText(const std::string& text,
                      const std::string& first,
                      size_t indent);
+
+// How an option is called, with its letter and its other names:
+// "-o, --out FILE".
+std::string OptionNames(const CommandWords& words,
+                        const pipeline::OptionTable::Option& option);
+
+// " [default 3; 1 .. 10; preset fast: 2]": what the table knows beside the
+// help. Choices are named unless `shows_choices` says that the option's name
+// does so.
+std::string OptionFacts(const pipeline::OptionTable::Option& option,
+                        bool shows_choices);
+
+// "one, two, three".
+std::string CommaList(const std::vector<std::string>& words);
 
 // How the command is called, what it does, and each of its arguments and
 // options with default, range, and values in presets.

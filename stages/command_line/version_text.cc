@@ -23,9 +23,12 @@ std::string InstructionSets() {
 }
 
 std::string VersionText(std::string_view commit) {
-  return std::string("freegs_pipeline ") + pipeline::kProgramVersion +
-         "\ncommit " + std::string(commit) + "\ninstruction sets " +
-         InstructionSets() + "\nlicence BSD-3-Clause\n";
+  std::string text = "freegs_pipeline ";
+  text += pipeline::kProgramVersion;
+  text += "\ncommit ";
+  text += commit;
+  text += "\ninstruction sets " + InstructionSets();
+  return text + "\nlicence BSD-3-Clause\n";
 }
 
 }  // namespace freegs::stages

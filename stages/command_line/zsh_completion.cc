@@ -93,16 +93,20 @@ std::string ZshCompletion(const std::vector<CommandWords>& commands) {
     }
     arms += "\n      ;;\n";
   }
-  return std::string(kZshBegin) +
-         "  if (( CURRENT == 2 )); then\n    commands=(\n" + list +
-         "      'help:Tells about a command'\n"
-         "      '--help:Tells about the program'\n"
-         "      '--version:Tells the version'\n    )\n"
-         "    _describe command commands\n    return\n  fi\n"
-         "  command=$words[2]\n  shift words\n  (( CURRENT-- ))\n"
-         "  case $command in\n" +
-         arms + "    help)\n      _arguments " +
-         ShellQuoted("1:COMMAND:(" + names + ")") + "\n      ;;\n" + kZshEnd;
+  std::string script = kZshBegin;
+  script += "  if (( CURRENT == 2 )); then\n    commands=(\n";
+  script += list;
+  script +=
+      "      'help:Tells about a command'\n"
+      "      '--help:Tells about the program'\n"
+      "      '--version:Tells the version'\n    )\n"
+      "    _describe command commands\n    return\n  fi\n"
+      "  command=$words[2]\n  shift words\n  (( CURRENT-- ))\n"
+      "  case $command in\n";
+  script += arms;
+  script += "    help)\n      _arguments " +
+            ShellQuoted("1:COMMAND:(" + names + ")") + "\n      ;;\n";
+  return script + kZshEnd;
 }
 
 }  // namespace freegs::stages

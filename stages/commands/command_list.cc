@@ -5,12 +5,14 @@
 #include <vector>
 
 #include "pipeline/option_value.h"
+#include "stages/bench/bench_command.h"
 #include "stages/commands/completion_command.h"
 #include "stages/commands/doctor_command.h"
 #include "stages/commands/eval_command.h"
 #include "stages/commands/export_command.h"
 #include "stages/commands/features_command.h"
 #include "stages/commands/init_command.h"
+#include "stages/commands/manual_command.h"
 #include "stages/commands/model_command.h"
 #include "stages/commands/query_command.h"
 #include "stages/commands/render_command.h"
@@ -22,6 +24,15 @@
 namespace freegs::stages {
 namespace {
 
+// The bench calls the program for everything else, so its room lies below this
+// one, and it is given what it needs of the other commands.
+Status RunBenchCommand(const std::vector<std::string>& arguments,
+                       CommandContext& context) {
+  return RunBench(
+      arguments,
+      {context.out, context.err, context.cancellation, EvalWords, {}});
+}
+
 constexpr Command kCommands[] = {
     {"run", RunWords, RunRunCommand},
     {"stage", StageWords, RunStageCommand},
@@ -32,10 +43,12 @@ constexpr Command kCommands[] = {
     {"query", QueryWords, RunQueryCommand},
     {"view", ViewWords, RunViewCommand},
     {"eval", EvalWords, RunEvalCommand},
+    {"bench", BenchWords, RunBenchCommand},
     {"features", FeaturesWords, RunFeaturesCommand},
     {"export", ExportWords, RunExportCommand},
     {"model", ModelWords, RunModelCommand},
     {"completion", CompletionWords, RunCompletionCommand},
+    {"manual", ManualWords, RunManualCommand},
 };
 
 }  // namespace

@@ -16,7 +16,7 @@
 #include "pipeline/stage_runner.h"
 #include "pipeline/version.h"
 #include "pipeline/workspace.h"
-#include "stages/commands/remembered_options.h"
+#include "stages/command_line/remembered_options.h"
 #include "stages/registry/pipeline_options.h"
 #include "stages/registry/stage_registry.h"
 

@@ -18,7 +18,7 @@ CommandWords StageWords();
 // Brings all stages from --from to --to up to date. IMAGES is a folder of
 // photos or a film. It may be left out when the workspace knows its photos from
 // an earlier run; then the options that the workspace remembers are used, too
-// (stages/commands/remembered_options.h), and --forget drops some of them.
+// (stages/command_line/remembered_options.h), and --forget drops some of them.
 Status RunRunCommand(const std::vector<std::string>& arguments,
                      CommandContext& context);
 

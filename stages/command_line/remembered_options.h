@@ -5,8 +5,8 @@
 // same command always means the same. What builds on an earlier command goes on
 // with its options: `run WORKSPACE`, a run with --forget, `stage` and `status`.
 
-#ifndef FREEGS_STAGES_COMMANDS_REMEMBERED_OPTIONS_H_
-#define FREEGS_STAGES_COMMANDS_REMEMBERED_OPTIONS_H_
+#ifndef FREEGS_STAGES_COMMAND_LINE_REMEMBERED_OPTIONS_H_
+#define FREEGS_STAGES_COMMAND_LINE_REMEMBERED_OPTIONS_H_
 
 #include <filesystem>
 #include <map>
@@ -47,4 +47,4 @@ std::string OtherOptionsText(
 
 }  // namespace freegs::stages
 
-#endif  // FREEGS_STAGES_COMMANDS_REMEMBERED_OPTIONS_H_
+#endif  // FREEGS_STAGES_COMMAND_LINE_REMEMBERED_OPTIONS_H_

@@ -2,7 +2,7 @@
 // The options of earlier commands: which command uses them, shows them, and
 // drops them.
 
-#include "stages/commands/remembered_options.h"
+#include "stages/command_line/remembered_options.h"
 
 #include <map>
 #include <sstream>

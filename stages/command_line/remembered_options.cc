@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "stages/commands/remembered_options.h"
+#include "stages/command_line/remembered_options.h"
 
 #include <algorithm>
 #include <utility>
