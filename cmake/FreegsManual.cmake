@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# What the program says of itself: completion for bash and zsh and, where it has the
-# command for that, its manual page; written by running the program that was just
-# built.
+# What the program says of itself: completion for bash and zsh and its manual page,
+# written by running the program that was just built.
 include(GNUInstallDirs)
 if(CMAKE_CROSSCOMPILING AND NOT CMAKE_CROSSCOMPILING_EMULATOR)
   message(STATUS "No completion for shells and no manual page: the program for "
@@ -31,7 +30,5 @@ endfunction()
 
 freegs_add_said_file(bash-completion/completions/freegs_pipeline completion bash)
 freegs_add_said_file(zsh/vendor-completions/_freegs_pipeline completion zsh)
-if(EXISTS ${PROJECT_SOURCE_DIR}/stages/commands/manual_command.cc)
-  freegs_add_said_file(man/man1/freegs_pipeline.1.gz manual man)
-endif()
+freegs_add_said_file(man/man1/freegs_pipeline.1.gz manual man)
 add_custom_target(freegs_said ALL DEPENDS ${said_files})

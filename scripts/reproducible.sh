@@ -26,13 +26,15 @@ fi
 export CCACHE_DISABLE=1
 
 places=("$folder/a" "$folder/another_place/with_a_longer_name")
+source=.
 for place in "${places[@]}"; do
   echo "== $place ($SECONDS s)"
-  git clone -q . "$place"
+  git clone -q "$source" "$place"
+  source=${places[0]}  # The second of the same commit, whatever happens here.
   cmake -S "$place" -B "$place/build" -G Ninja -DFREEGS_BUILD_TESTS=OFF >"$folder/log"
   cmake --build "$place/build" --parallel "$jobs" >>"$folder/log" ||
     { tail -n 30 "$folder/log" >&2; exit 1; }
-  (cd "$place/build" && cpack) >>"$folder/log" ||
+  (cd "$place/build" && cpack) >>"$folder/log" 2>&1 ||
     { tail -n 30 "$folder/log" >&2; exit 1; }
   # A second build on another day, and by somebody with other habits.
   umask 0027
