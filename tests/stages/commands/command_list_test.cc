@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What holds for all commands: the help names every word that is accepted, and
-// the pages name no word that is not.
+// What holds for all commands: the help names every word that is accepted. Of
+// the pages tests/docs/pages_test.cc asks the same.
 
 #include "stages/commands/command_list.h"
 
-#include <filesystem>
-#include <regex>
-#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -15,24 +12,13 @@
 #include <gtest/gtest.h>
 
 #include "stages/command_line/command_help.h"
-#include "stages/command_line/completion_values.h"
 #include "stages/command_line/version_text.h"
-#include "tests/temporary_folder.h"
 
 namespace freegs::stages {
 namespace {
 
-namespace fs = std::filesystem;
 using pipeline::OptionTable;
 using ::testing::HasSubstr;
-
-std::set<std::string> OptionWords(const CommandWords& words) {
-  std::set<std::string> names;
-  for (const CompletedOption& option : CompletedOptions(words)) {
-    names.insert(option.word);
-  }
-  return names;
-}
 
 // A value that the option takes.
 std::string SomeValue(const OptionTable::Option& option) {
@@ -104,47 +90,6 @@ TEST(CommandListTest, HelpFitsATerminal) {
 TEST(CommandListTest, HelpOfRunShowsWhatPresetsSet) {
   EXPECT_THAT(CommandHelp(FindCommand("run")->words()),
               HasSubstr("preset fast: 640"));
-}
-
-// The text of the pages, with lines that end in a backslash joined.
-std::string Pages() {
-  const fs::path root = FREEGS_SOURCE_DIR;
-  std::string text = ReadText(root / "README.md") +
-                     ReadText(root / "workspace_template" / "README.md");
-  for (const auto& entry : fs::directory_iterator(root / "docs")) {
-    if (entry.path().extension() == ".md") text += ReadText(entry.path());
-  }
-  return std::regex_replace(text, std::regex("\\\\\n"), " ");
-}
-
-TEST(CommandListTest, PagesNameOnlyWordsThatExist) {
-  const std::set<std::string> of_run = OptionWords(FindCommand("run")->words());
-  const std::regex command_line("freegs_pipeline ([a-z]+)([^`\n|;&]*)");
-  const std::regex option("--[a-z][a-z_.-]*[a-z]");
-  const std::regex with_section("--[a-z]+\\.[a-z_]+");
-  const std::string pages = Pages();
-  int seen = 0;
-  const auto end = std::sregex_iterator();
-  for (auto at = std::sregex_iterator(pages.begin(), pages.end(), command_line);
-       at != end;
-       ++at) {
-    const auto command = FindCommand((*at)[1]);
-    if (!command.ok()) continue;  // A word of a sentence.
-    const std::set<std::string> known = OptionWords(command->words());
-    const std::string rest = (*at)[2];
-    for (auto word = std::sregex_iterator(rest.begin(), rest.end(), option);
-         word != end;
-         ++word) {
-      EXPECT_TRUE(known.contains(word->str())) << at->str();
-      ++seen;
-    }
-  }
-  EXPECT_GT(seen, 10);
-  for (auto at = std::sregex_iterator(pages.begin(), pages.end(), with_section);
-       at != end;
-       ++at) {
-    EXPECT_TRUE(of_run.contains(at->str())) << at->str();
-  }
 }
 
 TEST(VersionTextTest, NamesCommitAndLicence) {
