@@ -13,18 +13,18 @@ of the process and all its workers. Checks that both partitions agree as far as
 ties let them and prints every figure, medians and ratios. Nothing else should
 run on the machine meanwhile.
 """
-import argparse
 import csv
 import json
 import os
 import resource
-import statistics
 import subprocess
 import sys
 import tempfile
 import time
 
 import numpy as np
+
+from peer_figures import Figures, add_rounds, argument_parser, timed
 
 
 def peer(points, dim, size, jobs, out):
@@ -43,15 +43,10 @@ def peer(points, dim, size, jobs, out):
 
 
 def run_peer(points, dim, size, jobs, out):
-    before = os.times()
-    text = subprocess.run(
+    _, cpu, text = timed(
         [sys.executable, __file__, "--peer", points, str(dim), str(size),
-         str(jobs), out], check=True, text=True,
-        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL).stdout
-    after = os.times()
+         str(jobs), out])
     wall, cpu_before = map(float, text.split())
-    cpu = (after.children_user - before.children_user +
-           after.children_system - before.children_system)
     return wall, cpu - cpu_before
 
 
@@ -91,12 +86,8 @@ def compare(args, name, scratch):
             params["cluster_selection_epsilon"] or params["max_cluster_size"] or
             params["cluster_selection_method"] != "eom"):
         sys.exit(f"{name}: only sets of one size and no other option")
-    figures = {}
-
-    def note(key, value):
-        figures.setdefault(key, []).append(value)
-        print(f"{name} {key}: {value:.4g}", flush=True)
-
+    figures = Figures(name + " ")
+    note = figures.note
     theirs = os.path.join(scratch, "theirs.i32")
     ours = os.path.join(scratch, "ours.i32")
     for _ in range(args.rounds):
@@ -117,22 +108,17 @@ def compare(args, name, scratch):
         least = reference["tie_spread"]["min_ari"] - 0.005
         if ari < least or error > 1e-9:
             sys.exit(f"{name}: the results differ (least index {least})")
-    print(f"\n{name}, medians of {args.rounds} rounds, {args.jobs} threads")
-    for key, values in figures.items():
-        print(f"{key}: {statistics.median(values):.4g} "
-              f"({min(values):.4g} to {max(values):.4g})")
-    print(flush=True)
+    figures.print_medians(
+        f"{name}, medians of {args.rounds} rounds, {args.jobs} threads")
 
 
 def main():
     if sys.argv[1:2] == ["--peer"]:
         points, dim, size, jobs, out = sys.argv[2:]
         return peer(points, int(dim), int(size), int(jobs), out)
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("benchmark")
-    parser.add_argument("folder")
+    parser = argument_parser(__doc__, "benchmark", "folder")
     parser.add_argument("--sets", nargs="+", default=["a20", "b60"])
-    parser.add_argument("--rounds", type=int, default=3)
+    add_rounds(parser, 3)
     parser.add_argument("--jobs", type=int, default=2)
     args = parser.parse_args()
     with tempfile.TemporaryDirectory() as scratch:

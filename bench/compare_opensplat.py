@@ -10,32 +10,16 @@ time per step (theirs: 100 steps less a run of one), 1000 steps of theirs with
 the holdout PSNR of the result, and the curve of ours. Prints every figure, then
 medians. Nothing else should run on the machine meanwhile.
 """
-import argparse
 import csv
 import os
-import statistics
-import subprocess
 import tempfile
-import time
+
+from peer_figures import Figures, add_rounds, argument_parser, timed
 
 TO_PSNR = ["--max-image-size", "480", "--set", "reconstruct.iterations=1000",
            "--set", "reconstruct.budget=15000", "--set", "reconstruct.exposure=off",
            "--every", "25"]
 OLD_BACKGROUND = ["--background", "0.613,0.0101,0.3984"]  # Its own.
-
-
-def timed(command, **kwargs):
-    """Wall and CPU seconds of a command, and what it printed."""
-    before = os.times()
-    begin = time.monotonic()
-    done = subprocess.run(command, check=True, text=True,
-                          stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-                          **kwargs)
-    wall = time.monotonic() - begin
-    after = os.times()
-    cpu = (after.children_user - before.children_user +
-           after.children_system - before.children_system)
-    return wall, cpu, done.stdout
 
 
 def opensplat(binary, project, folder, steps, old):
@@ -71,22 +55,15 @@ def when(curve, psnr):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("benchmark")
-    parser.add_argument("workspace")
-    parser.add_argument("new")
+    parser = argument_parser(__doc__, "benchmark", "workspace", "new")
     parser.add_argument("old", nargs="?")
-    parser.add_argument("--rounds", type=int, default=3)
+    add_rounds(parser, 3)
     args = parser.parse_args()
     peers = [("new", args.new, False)]
     if args.old:
         peers.append(("old", args.old, True))
-    figures = {}
-
-    def note(name, value):
-        figures.setdefault(name, []).append(value)
-        print(f"{name}: {value:.4g}", flush=True)
-
+    figures = Figures()
+    note = figures.note
     with tempfile.TemporaryDirectory() as scratch:
         project = os.path.join(scratch, "project")
         timed([args.benchmark, "export", args.workspace, project])
@@ -116,10 +93,7 @@ def main():
                 _, _, text = timed([args.benchmark, "steps", args.workspace,
                                     "--threads", threads])
                 print(f"ours, {threads} threads:\n{text}", flush=True)
-    print("\nmedians")
-    for name, values in figures.items():
-        print(f"{name}: {statistics.median(values):.4g} "
-              f"({min(values):.4g} to {max(values):.4g})")
+    figures.print_medians("medians")
 
 
 if __name__ == "__main__":

@@ -25,11 +25,10 @@ error, which is position_percent_median, or empty with fewer than half of the
 photos. With several rounds, which take turns, a row is the round with the
 median seconds; seconds_min and seconds_max say how they differ. A chart:
 
-  bench/plot_curves.py OUT.svg TITLE NAME=OUT.csv --label setting --y error
-      --y-label "camera position, % of the scene's size" --x-label seconds
-      --log-y
+  node BUILD/web/plot.mjs NAME=OUT.csv --label setting --x seconds --y error
+      --y-name "camera position, % of the scene's size" --log-x --log-y
+      --title TITLE --out OUT.svg
 """
-import argparse
 import csv
 import shlex
 import sys
@@ -38,6 +37,7 @@ from pathlib import Path
 
 import camera_poses
 import sfm_programs
+from peer_figures import add_rounds, argument_parser
 
 # Options of ours; None is a way of COLMAP alone.
 SETTINGS = {
@@ -132,11 +132,7 @@ def write_csv(path, rows):
 
 
 def main():
-    parser = argparse.ArgumentParser(
-        description=__doc__,
-        formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("program")
-    parser.add_argument("photos")
+    parser = argument_parser(__doc__, "program", "photos")
     parser.add_argument("--csv", required=True)
     parser.add_argument("--truth", help="cameras.json or transforms.json")
     parser.add_argument("--reference", help="folder of a COLMAP model")
@@ -144,7 +140,7 @@ def main():
                         help="of " + ", ".join(SETTINGS))
     parser.add_argument("--setting", nargs=2, action="append", default=[],
                         metavar=("NAME", "OPTIONS"), help="one more")
-    parser.add_argument("--rounds", type=int, default=1)
+    add_rounds(parser, 1)
     parser.add_argument("--limit", type=float, default=3600,
                         help="seconds of a run")
     parser.add_argument("--work", help="keeps databases, models, logs here")

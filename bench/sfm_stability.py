@@ -23,7 +23,6 @@ the photos have a pose, a photo stands more than 5 degrees or 5 % of the scene's
 size from its place, photos of another scene are in the model, or there is
 nothing to be had. COLMAP is judged by its largest model, in its favour.
 """
-import argparse
 import hashlib
 import json
 import sys
@@ -31,6 +30,7 @@ from pathlib import Path
 
 import camera_poses
 import sfm_programs
+from peer_figures import argument_parser
 from sfm_photo_sets import DEGRADED, FAILED, FOREIGN, OK, SETS
 
 GOOD_SHARE = 0.9
@@ -267,12 +267,7 @@ def table(arguments):
 
 
 def main():
-    parser = argparse.ArgumentParser(
-        description=__doc__,
-        formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("program")
-    parser.add_argument("data")
-    parser.add_argument("out")
+    parser = argument_parser(__doc__, "program", "data", "out")
     parser.add_argument("--only", default=",".join(SETS),
                         help="of " + ", ".join(SETS))
     parser.add_argument("--skip-colmap", action="store_true")

@@ -53,6 +53,13 @@ if(FREEGS_PCH)
   target_compile_options(freegs_pch_cold PRIVATE $<$<CONFIG:Release>:-O1>)
 endif()
 
+# What Highway compiles for. SSSE3 is left out: processors that have it but not SSE4
+# date from before 2008, and use the scalar code. The vectors of SVE have no size
+# that a compiler knows and cannot be members of a class; processors with SVE use
+# NEON.
+set(FREEGS_INSTRUCTION_SETS
+  "HWY_DISABLED_TARGETS=(HWY_SSSE3|HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128)")
+
 # freegs_add_library(NAME SOURCES a.cc ... LINK libraries ... LINK_PRIVATE ...)
 # makes freegs_NAME. LINK is what the headers include, LINK_PRIVATE what only the
 # sources do. With COLD it is compiled with -O1 instead of -O3: code that waits for
@@ -80,8 +87,7 @@ function(freegs_add_library name)
       UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${FREEGS_UNITY_BATCH})
   endif()
   # Files that Highway compiles once for each instruction set include themselves,
-  # so they stay alone. SSSE3 is left out: processors that have it but not SSE4
-  # date from before 2008, and use the scalar code. They get -O3 in cold rooms too.
+  # so they stay alone. They get -O3 in cold rooms too.
   # No file is read in them, and Clang needs up to ten minutes for one of them with
   # sanitizers, so fuzzers are built without.
   set(options $<$<CONFIG:Release>:-O3>)
@@ -93,7 +99,7 @@ function(freegs_add_library name)
     if(alone)
       set_source_files_properties(${source} PROPERTIES
         SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON
-        COMPILE_DEFINITIONS HWY_DISABLED_TARGETS=HWY_SSSE3
+        COMPILE_DEFINITIONS "${FREEGS_INSTRUCTION_SETS}"
         COMPILE_OPTIONS "${options}")
     endif()
   endforeach()

@@ -45,10 +45,11 @@ add_custom_command(
   COMMENT "Fetching the packages of the page"
   VERBATIM)
 add_custom_command(
-  OUTPUT ${web_out}/viewer.js
+  OUTPUT ${web_out}/viewer.js ${web_out}/bench.js
   COMMAND ${CMAKE_COMMAND} -E copy_directory ${PROJECT_SOURCE_DIR}/web/src ${web}/src
   COMMAND ${CMAKE_COMMAND} -E copy
     ${PROJECT_SOURCE_DIR}/web/build.mjs
+    ${PROJECT_SOURCE_DIR}/web/plot.mjs
     ${PROJECT_SOURCE_DIR}/web/live.html
     ${PROJECT_SOURCE_DIR}/web/tsconfig.json ${web}
   COMMAND ${FREEGS_NODE} ${web}/node_modules/typescript/bin/tsc -p ${web}
@@ -56,10 +57,11 @@ add_custom_command(
   DEPENDS
     ${web}/node_modules/.package-lock.json
     ${PROJECT_SOURCE_DIR}/web/build.mjs
+    ${PROJECT_SOURCE_DIR}/web/plot.mjs
     ${PROJECT_SOURCE_DIR}/web/tsconfig.json
     ${web_sources}
   COMMENT "Checking and bundling the page"
   VERBATIM)
 add_custom_target(freegs_web ALL DEPENDS ${web_out}/viewer.js)
 install(DIRECTORY ${web_out}
-  DESTINATION ${CMAKE_INSTALL_DATADIR}/freegs_pipeline)
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/freegs_pipeline COMPONENT program)

@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # Installs the Debian packages of packages.txt that are not there yet, and with
-# --tests those of test_packages.txt as well. Does nothing, and needs no network,
-# when none is missing.
+# --tests or --arm64 those of test_packages.txt or arm64_packages.txt as well. Does
+# nothing, and needs no network, when none is missing.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 
 lists=(packages.txt)
 [[ ${1:-} != --tests ]] || lists+=(test_packages.txt)
+[[ ${1:-} != --arm64 ]] || lists+=(arm64_packages.txt)
 mapfile -t packages < <(cat "${lists[@]}" | sed 's/#.*//' |
   tr -s '[:space:]' '\n' | sed '/^$/d')
 # Programs that many people have from elsewhere, which Debian's would be in the

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bundles the page's script: node build.mjs OUT writes OUT/viewer.js,
-// OUT/viewer.css, OUT/live.html and OUT/licenses.txt.
+// Bundles the scripts of the pages: node build.mjs OUT writes OUT/viewer.js,
+// OUT/viewer.css, OUT/live.html, OUT/bench.js and OUT/licenses.txt.
 
-import { copyFile, mkdir, readFile, readdir, writeFile } from "node:fs/promises";
+import { copyFile, mkdir, readFile, readdir, stat, writeFile } from "node:fs/promises";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 
@@ -14,7 +14,7 @@ await mkdir(out, { recursive: true });
 
 const result = await build({
   absWorkingDir: here,
-  entryPoints: { viewer: "src/main.ts" },
+  entryPoints: { viewer: "src/main.ts", bench: "src/bench/main.ts" },
   outdir: out,
   bundle: true,
   // A classic script: browsers load no modules from the file system.
@@ -38,16 +38,25 @@ for (const name of packages) {
   const { dependencies = {} } = JSON.parse(await readFile(file, "utf8"));
   for (const dependency of Object.keys(dependencies)) packages.add(dependency);
 }
-let licenses = "viewer.js and viewer.css hold parts of these packages.\n";
+let licenses = "viewer.js, viewer.css and bench.js hold parts of these packages.\n";
 for (const name of [...packages].sort()) {
   const folder = join(here, "node_modules", name);
   const { version, license } = JSON.parse(
     await readFile(join(folder, "package.json"), "utf8"),
   );
-  const file = (await readdir(folder)).find((entry) => /^licen[sc]e/i.test(entry));
-  const text = file
-    ? (await readFile(join(folder, file), "utf8")).trim()
-    : `Its package names the licence ${license} and has no text of it.`;
+  // LICENSE, NOTICE, and folders of licences of what a package has taken over.
+  const files = (await readdir(folder, { recursive: true })).filter((path) =>
+    /^(licen[sc]e|notice)/i.test(path),
+  );
+  const texts = [];
+  for (const file of files.sort()) {
+    const path = join(folder, file);
+    if ((await stat(path)).isFile()) texts.push(await readFile(path, "utf8"));
+  }
+  const text =
+    texts.length > 0
+      ? texts.join("\n").trim()
+      : `Its package names the licence ${license} and has no text of it.`;
   licenses += `\n== ${name} ${version} (${license})\n\n${text}\n`;
 }
 await writeFile(join(out, "licenses.txt"), licenses);

@@ -17,8 +17,16 @@
 HWY_BEFORE_NAMESPACE();
 namespace freegs::splat::HWY_NAMESPACE {
 
+// A constructor that is not declared here is not compiled for the instruction
+// set, and GCC does not let it call what is.
 struct SimdMask {
-  hwy::HWY_NAMESPACE::Mask<hwy::HWY_NAMESPACE::CappedTag<float, 16>> mask;
+  using Mask =
+      hwy::HWY_NAMESPACE::Mask<hwy::HWY_NAMESPACE::CappedTag<float, 16>>;
+
+  SimdMask() = default;
+  HWY_INLINE SimdMask(Mask m) : mask(m) {}
+
+  Mask mask;
 };
 
 // Up to 16 floats.

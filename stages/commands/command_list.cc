@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pipeline/option_value.h"
+#include "stages/bench/bench_command.h"
 #include "stages/commands/completion_command.h"
 #include "stages/commands/doctor_command.h"
 #include "stages/commands/eval_command.h"
@@ -23,6 +24,15 @@
 namespace freegs::stages {
 namespace {
 
+// The bench calls the program for everything else, so its room lies below this
+// one, and it is given what it needs of the other commands.
+Status RunBenchCommand(const std::vector<std::string>& arguments,
+                       CommandContext& context) {
+  return RunBench(
+      arguments,
+      {context.out, context.err, context.cancellation, EvalWords, {}});
+}
+
 constexpr Command kCommands[] = {
     {"run", RunWords, RunRunCommand},
     {"stage", StageWords, RunStageCommand},
@@ -33,6 +43,7 @@ constexpr Command kCommands[] = {
     {"query", QueryWords, RunQueryCommand},
     {"view", ViewWords, RunViewCommand},
     {"eval", EvalWords, RunEvalCommand},
+    {"bench", BenchWords, RunBenchCommand},
     {"features", FeaturesWords, RunFeaturesCommand},
     {"export", ExportWords, RunExportCommand},
     {"model", ModelWords, RunModelCommand},

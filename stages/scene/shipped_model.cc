@@ -11,16 +11,12 @@ namespace fs = std::filesystem;
 StatusOr<fs::path> FindShippedModel() {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  const fs::path installed = program.parent_path().parent_path() / "share" /
-                             "freegs_pipeline" / "models" / "small_clip";
-  const fs::path source = fs::path(FREEGS_SOURCE_MODELS) / "small_clip";
-  for (const fs::path& folder : {installed, source}) {
-    if (fs::is_directory(folder, error)) return folder;
-  }
+  const fs::path folder = program.parent_path().parent_path() / "share" /
+                          "freegs_pipeline" / "models" / "small_clip";
+  if (fs::is_directory(folder, error)) return folder;
   return MissingDependencyError(
-      "the CLIP model that comes with the program is neither in " +
-      installed.string() + " nor in " + source.string() +
-      "; install the program whole, or name a model folder");
+      "the CLIP model that comes with the program is not in " +
+      folder.string() + "; install the program whole, or name a model folder");
 }
 
 }  // namespace freegs::stages

@@ -17,10 +17,9 @@ inline constexpr std::string_view kOfficialModelAdvice =
     "freegs_pipeline model clip-vit-base-patch16 --out clip_vitb16, then use "
     "--bootstrap.model clip_vitb16 and query --text.";
 
-// Returns the folder models/small_clip of the installed program, which is
-// ../share/freegs_pipeline/models/small_clip as seen from the folder of the
-// executable. Without it, returns the folder in the source tree that the
-// program was built from. kMissingDependency when both are missing.
+// Returns ../share/freegs_pipeline/models/small_clip as seen from the folder of
+// the executable, in a build folder as well as where the program is installed.
+// kMissingDependency when it is missing.
 StatusOr<std::filesystem::path> FindShippedModel();
 
 }  // namespace freegs::stages

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Camera files, and the truth that `eval` reads in the layouts of data sets.
+// Camera files, the truth that `eval` reads in the layouts of data sets, and
+// the suites of `bench`.
 
 #include "core/io/image_io.h"
 #include "sfm/scene/model_io.h"
@@ -10,6 +11,7 @@
 #include "stages/evaluation/ground_truth.h"
 #include "stages/evaluation/true_masks.h"
 #include "stages/scene/camera_file.h"
+#include "stages/suite/suite_cells.h"
 #include "tests/fuzz/reader.h"
 
 namespace freegs::fuzz {
@@ -160,6 +162,25 @@ Reader LerfMask() {
             ReadMasks(stages::ReadLerfMask(Scratch() / "lerf"));
           },
           [] { return SeedsOfFolder(LerfMaskFiles()); }};
+}
+
+Reader SuiteFile() {
+  return {[](std::string_view bytes) {
+            const auto suite =
+                stages::ParseSuite(std::string(bytes), "/suites/s.ini");
+            if (!suite.ok()) return;
+            const auto cells = stages::MakeCells(*suite, {});
+            if (cells.ok()) Require(!cells->empty() && cells->size() <= 10000);
+          },
+          [] {
+            return std::vector<std::string>{
+                "[suite]\ntitle = T\nseeds = 1 2\nto = sfm\nlimit = 60\n"
+                "[scene a]\nimages = p\ntruth = q\nsfm.import = ${scene}/m\n"
+                "[scene b]\ndraw = --views 3\n[grid g]\npreset = fast\n"
+                "reconstruct.iterations = 10 \"20\"\n[chart c]\nx = a\n"
+                "y = b\nlog_x = true\ngrids = g\n[table t]\ncolumns = a b\n"
+                "mean of all = a b\n"};
+          }};
 }
 
 Reader ThreeDOvs() {

@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Writes the documents that every Debian package has: the folder OUTPUT gets
+# copyright, changelog.gz and changelog.Debian.gz.
+#   cmake -DSOURCE=... -DOUTPUT=... -DVERSION=0.1.0-1 -DMAINTAINER="A <a@b>" \
+#     [-DWEB_LICENCES=FILE] -P DebianDocuments.cmake
+include(${CMAKE_CURRENT_LIST_DIR}/SourceDate.cmake)
+file(REMOVE_RECURSE ${OUTPUT})
+file(MAKE_DIRECTORY ${OUTPUT})
+
+function(write_compressed name text)
+  file(WRITE ${OUTPUT}/${name} "${text}")
+  execute_process(COMMAND gzip -9n ${OUTPUT}/${name} RESULT_VARIABLE result)
+  if(NOT result EQUAL 0)
+    message(FATAL_ERROR "gzip ${OUTPUT}/${name} failed (${result})")
+  endif()
+endfunction()
+
+# The date of the commit; string(TIMESTAMP) heeds SOURCE_DATE_EPOCH.
+freegs_set_source_date(${SOURCE})
+string(TIMESTAMP date "%a, %d %b %Y %H:%M:%S +0000" UTC)
+write_compressed(changelog.Debian "freegs-pipeline (${VERSION}) bookworm; urgency=medium
+
+  * What is new is said in changelog.gz.
+
+ -- ${MAINTAINER}  ${date}
+")
+file(READ ${SOURCE}/CHANGELOG.md changelog)
+write_compressed(changelog "${changelog}")
+
+file(READ ${SOURCE}/LICENSE licence)
+set(copyright "freegs_pipeline makes 3D scenes that know their objects of photographs.
+The program, its page, the small CLIP model and the texts are under this licence:
+
+${licence}
+Parts of these libraries are compiled into the program:
+
+  Ceres Solver     Google Inc. and others       BSD-3-Clause
+  nlohmann JSON    Niels Lohmann                MIT
+  Eigen            the Eigen developers         MPL-2.0, with parts in BSD-3-Clause
+  Boost            the Boost developers         BSL-1.0
+
+Their licences in full are /usr/share/doc/PACKAGE/copyright of Debian's packages
+libceres-dev, nlohmann-json3-dev, libeigen3-dev and libboost-dev; that of MPL-2.0 is
+/usr/share/common-licenses/MPL-2.0. Eigen's source is that of Debian's package eigen3.
+")
+if(WEB_LICENCES AND EXISTS ${WEB_LICENCES})
+  file(READ ${WEB_LICENCES} web)
+  string(APPEND copyright
+    "\nOf the page, /usr/share/freegs_pipeline/web: ${web}")
+endif()
+file(WRITE ${OUTPUT}/copyright "${copyright}")

@@ -1,0 +1,69 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Builds for 64-bit ARM on a machine of another kind and runs the tests of splat
+# and semantics in QEMU.
+#
+#   scripts/arm64.sh [TEST_PROGRAM ...]     default: splat_test semantics_test
+#
+# Installs Debian's cross compiler, QEMU and mmdebstrap where they are missing. The
+# libraries for ARM are unpacked in a folder, and nothing of this system's own is
+# replaced. The environment may say
+#   BUILD     the build folder (default: build-arm64)
+#   FREEGS_SYSROOT   the folder of the libraries (default: BUILD/sysroot; 2 GB),
+#             which is made unless it is there
+#   MIRROR    where Debian's packages come from (default: as this system's apt)
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+build=${BUILD:-build-arm64}
+tests=("$@")
+((${#tests[@]} > 0)) || tests=(splat_test semantics_test)
+
+scripts/install_packages.sh --arm64
+mkdir -p -- "$build"
+build=$(cd "$build" && pwd)
+export FREEGS_SYSROOT=${FREEGS_SYSROOT:-$build/sysroot}
+lib=usr/lib/aarch64-linux-gnu
+
+make_sysroot() {
+  local mirror=${MIRROR:-} packages link target
+  [[ -n $mirror ]] || mirror=$(apt-get indextargets --format '$(REPO_URI)' \
+    'Created-By: Packages' 'Release: bookworm' | head -n 1)
+  packages=$(sed 's/#.*//' scripts/packages.txt | tr -s '[:space:]' '\n' |
+    grep -E -- '-dev$' | paste -sd,)
+  # Unpacked, not installed: no program for ARM runs.
+  mmdebstrap --quiet --variant=extract --architectures=arm64 \
+    --hook-dir=/usr/share/mmdebstrap/hooks/merged-usr \
+    --include="$packages,libc6,libstdc++6,libgcc-s1" \
+    bookworm "$FREEGS_SYSROOT.part" "deb $mirror bookworm main"
+  # Links that begin with / would lead out of the folder.
+  find "$FREEGS_SYSROOT.part" -type l -lname '/*' -print0 |
+    while IFS= read -r -d '' link; do
+      target=$FREEGS_SYSROOT.part$(readlink -- "$link")
+      ln -sfnr -- "$target" "$link"
+    done
+  # What Debian's alternatives would link.
+  for name in libblas.so libblas.so.3 liblapack.so liblapack.so.3 pkgconfig/hdf5.pc; do
+    link=$FREEGS_SYSROOT.part/$lib/$name
+    target=$(compgen -G "${link%/*}/*/${name##*/}" ||
+      compgen -G "${link%.pc}-*.pc" || true)
+    ln -sfnr -- "${target%%$'\n'*}" "$link"
+  done
+  # Libraries that CMake package files name as they would be on their own machine.
+  sed -i "s|\([;\"]\)/$lib/|\1\${_IMPORT_PREFIX}/${lib#usr/}/|g" \
+    "$FREEGS_SYSROOT.part/$lib/cmake/Ceres/CeresTargets.cmake"
+  mv -- "$FREEGS_SYSROOT.part" "$FREEGS_SYSROOT"
+}
+if [[ ! -d $FREEGS_SYSROOT ]]; then
+  echo "== libraries for arm64"
+  make_sysroot
+fi
+
+echo "== build"
+scripts/configure.sh "$build" --preset arm64 -DFREEGS_BUILD_TESTS=ON >/dev/null
+cmake --build "$build" --parallel "$(nproc)" --target freegs_pipeline "${tests[@]}"
+
+echo "== tests"
+program=(qemu-aarch64-static -L "$FREEGS_SYSROOT" "$build/bin/freegs_pipeline")
+"${program[@]}" --version
+ctest --test-dir "$build" --output-on-failure --parallel "$(nproc)" \
+  --tests-regex "^($(IFS='|'; echo "${tests[*]}"))[.]"

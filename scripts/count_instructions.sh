@@ -1,0 +1,62 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# How many instructions a training step takes, by callgrind: a measure of speed
+# that does not depend on what else the machine does. Compares with
+# scripts/instructions.txt.
+#
+#   scripts/count_instructions.sh BUILD [--write]
+#
+# Five steps on a drawn scene of 80 x 60 pixels, with the instructions that
+# valgrind knows (AVX2). Exit codes: 0 as before within 3 %; 4 not; 77 where
+# there is no valgrind, no AVX2, no Release build, or no number for this compiler.
+# --write puts the number into the file.
+set -euo pipefail
+
+build=$(realpath "${1:?usage: scripts/count_instructions.sh BUILD [--write]}")
+numbers=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)/instructions.txt
+tolerance=3 # Percent.
+
+skip() {
+  echo "[  SKIPPED ] $1"
+  exit 77
+}
+command -v valgrind >/dev/null || skip "there is no valgrind"
+grep -qw avx2 /proc/cpuinfo || skip "this processor has no AVX2"
+grep -q '^CMAKE_BUILD_TYPE:[A-Z]*=Release$' "$build/CMakeCache.txt" ||
+  skip "not a Release build"
+
+compiler=$(sed -n 's/^CMAKE_CXX_COMPILER:[A-Z]*=//p' "$build/CMakeCache.txt")
+version=$("$compiler" --version | head -n 1)
+name=$([[ $version == *clang* ]] && echo clang || echo gcc)-$("$compiler" -dumpversion | cut -d. -f1)
+
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+quietly() {
+  "$@" >"$folder/log" 2>&1 || { tail -n 20 "$folder/log" >&2; exit 1; }
+}
+options=(--threads 1 --sfm.import "$folder/scene/gt/transforms.json"
+  --sfm.random_points 1000 --reconstruct.iterations 5
+  --reconstruct.exposure off --reconstruct.densification none)
+quietly "$build/bin/freegs_make_scene" --out "$folder/scene" --views 4 \
+  --test_views 1 --width 80 --height 60
+quietly "$build/bin/freegs_pipeline" run "$folder/scene/images" "$folder/w" \
+  --to undistort "${options[@]}"
+quietly valgrind --tool=callgrind --callgrind-out-file="$folder/out" \
+  --toggle-collect='freegs::splat::Trainer::Step*' \
+  "$build/bin/freegs_pipeline" run "$folder/scene/images" "$folder/w" \
+  --from reconstruct --to reconstruct "${options[@]}"
+count=$(sed -n 's/^totals: //p' "$folder/out")
+[[ $count -gt 0 ]] || { echo "no step was counted" >&2; exit 1; }
+
+if [[ ${2:-} == --write ]]; then
+  touch "$numbers"
+  sed -i "/^$name /d" "$numbers"
+  echo "$name $count" >>"$numbers"
+fi
+before=$(sed -n "s/^$name //p" "$numbers")
+[[ -n $before ]] || skip "no number for $name in $numbers; it is $count"
+echo "$name: $count instructions for five steps, before $before"
+if ((100 * (count > before ? count - before : before - count) > tolerance * before)); then
+  echo "more than $tolerance % apart; if that is meant, call this with --write" >&2
+  exit 4
+fi

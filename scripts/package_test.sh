@@ -1,0 +1,123 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Installs the package that cpack made on a new Debian 12, which it makes in a
+# folder of its own, and runs the whole pipeline there.
+#
+#   scripts/package_test.sh [PHOTOS [OPTION ...]]
+#
+# Without PHOTOS the scene maker of the build draws 24. Options go to
+# `freegs_pipeline run` (default: --preset fast). The environment may say
+#   BUILD    the build folder, where cpack was run (default: build)
+#   MIRROR   where Debian's packages come from (default: as this system's apt)
+#   DEVELOPMENT   anything but nothing: installs freegs-pipeline-dev as well, and
+#            builds and runs examples/render_scene (2 GB more)
+#   SYSTEM   the folder of the new system; it is deleted afterwards unless KEEP is
+#            set (default: a new folder under TMPDIR, which needs 3 GB)
+# Needs root, for chroot, and Debian's package debootstrap.
+set -euo pipefail
+here=$PWD
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+build=${BUILD:-build}
+
+fail() {
+  echo "error: $2" >&2
+  exit "$1"
+}
+photos=""
+if (($# > 0)) && [[ $1 != --* ]]; then
+  photos=$(cd "$here" && realpath -- "$1")
+  [[ -d $photos ]] || fail 3 "$photos: no such folder"
+  shift
+fi
+options=("$@")
+((${#options[@]} > 0)) || options=(--preset fast)
+((EUID == 0)) || fail 2 "only root can make and enter a new system; run sudo $0"
+command -v debootstrap >/dev/null ||
+  fail 5 "debootstrap is missing; run apt-get install debootstrap"
+packages=("$build"/freegs-pipeline_*_"$(dpkg --print-architecture)".deb)
+((${#packages[@]} == 1)) && [[ -f ${packages[0]} ]] ||
+  fail 3 "$build holds not just one freegs-pipeline_*.deb; run cpack there"
+mirror=${MIRROR:-$(apt-get indextargets --format '$(REPO_URI)' \
+  'Created-By: Packages' 'Release: bookworm' | head -n 1)}
+[[ -n $mirror ]] || fail 3 "apt knows no place of Debian 12; say it in MIRROR"
+system=${SYSTEM:-$(mktemp -d --tmpdir freegs_package_test.XXXXXX)}
+mkdir -p -- "$system"
+[[ -z $(ls -A -- "$system") ]] || fail 3 "$system is not empty"
+chmod 755 -- "$system"
+
+mounted=""
+clean_up() {
+  if [[ -n $mounted ]]; then umount -- "$mounted"; fi
+  [[ -n ${KEEP:-} ]] || rm -rf --one-file-system -- "$system"
+}
+trap clean_up EXIT
+inside() {
+  env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 HOME=/root \
+    DEBIAN_FRONTEND=noninteractive chroot "$system" "$@"
+}
+step() { printf '== %s (%d s)\n' "$1" "$SECONDS"; }
+
+step "a new system in $system"
+debootstrap --variant=minbase bookworm "$system" "$mirror" >"$system.log" ||
+  fail 1 "debootstrap failed; see $system.log"
+rm -f -- "$system.log"
+mount -t proc proc "$system/proc"
+mounted=$system/proc
+
+step "installing ${packages[0]##*/}"
+mkdir -- "$system/work"
+cp -- "${packages[0]}" "$system/work/package.deb"
+inside apt-get update -q >/dev/null
+inside apt-get install -q -y --no-install-recommends /work/package.deb \
+  >"$system/work/apt.log" || fail 1 "apt failed; see the end: $(tail -5 "$system/work/apt.log")"
+inside dpkg-query -W -f='${Package} ${Version}, ${Installed-Size} kB\n' freegs-pipeline
+
+step "what the program finds"
+inside freegs_pipeline --version
+inside freegs_pipeline doctor
+for file in bash-completion/completions/freegs_pipeline \
+  zsh/vendor-completions/_freegs_pipeline man/man1/freegs_pipeline.1.gz \
+  freegs_pipeline/web/viewer.js \
+  freegs_pipeline/workspace_template/config.ini doc/freegs-pipeline/copyright \
+  doc/freegs-pipeline/changelog.gz; do
+  [[ -s $system/usr/share/$file ]] || fail 1 "/usr/share/$file is missing"
+done
+
+step "a run"
+if [[ -n $photos ]]; then
+  cp -rL -- "$photos" "$system/work/photos"
+else
+  "$build/bin/freegs_make_scene" --out "$system/work/drawn" --views 24 \
+    --width 480 --height 360 --seed 1 >/dev/null 2>&1
+  mv -- "$system/work/drawn/images" "$system/work/photos"
+fi
+# In the folder of work, where anything may be written.
+inside sh -c 'cd /work && exec freegs_pipeline run photos workspace "$@"' \
+  sh "${options[@]}"
+inside freegs_pipeline status /work/workspace
+for file in reconstruct/point_cloud.ply bootstrap/instances.json \
+  export/report/index.html; do
+  [[ -s $system/work/workspace/$file ]] || fail 1 "workspace/$file is missing"
+done
+# The page holds its script, so the bundle was found.
+grep -q 'WebGL' "$system/work/workspace/export/report/index.html" ||
+  fail 1 "the page has no 3D view"
+inside freegs_pipeline query /work/workspace --text "red ball"
+
+if [[ -n ${DEVELOPMENT:-} ]]; then
+  step "a program of one's own"
+  cp -- "$build"/freegs-pipeline-dev_*_"$(dpkg --print-architecture)".deb \
+    "$system/work/development.deb"
+  cp -r -- examples/render_scene "$system/work/"
+  inside apt-get install -q -y --no-install-recommends g++ make cmake \
+    /work/development.deb >"$system/work/apt.log" 2>&1 ||
+    fail 1 "apt failed; see the end: $(tail -5 "$system/work/apt.log")"
+  inside sh -ec 'cd /work/render_scene && cmake -B build && cmake --build build &&
+    build/render_scene scene.ply camera.txt picture.png'
+fi
+
+step "removing the package"
+inside apt-get purge -q -y 'freegs-pipeline*' >/dev/null 2>&1
+left=$(find "$system/usr" "$system/etc" -iname '*freegs*')
+[[ -z $left ]] || fail 1 "the package leaves behind: $left"
+step "passed"

@@ -1,0 +1,56 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Builds the commit that is checked out twice, in folders with paths of other
+# lengths, and compares the program, the page and the packages byte by byte.
+#
+#   scripts/reproducible.sh [FOLDER]
+#
+# FOLDER gets both builds (default: a new folder under TMPDIR, deleted afterwards;
+# 1 GB). Nothing is taken from a compile cache. JOBS says how many compilers run at
+# once (default: as many as there are cores).
+set -euo pipefail
+here=$PWD
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+jobs=${JOBS:-$(nproc)}
+if (($# > 0)); then
+  mkdir -p -- "$1"
+  folder=$(cd "$here" && realpath -- "$1")
+  [[ -z $(ls -A -- "$folder") ]] || { echo "error: $folder is not empty" >&2; exit 3; }
+else
+  folder=$(mktemp -d --tmpdir freegs_reproducible.XXXXXX)
+  trap 'rm -rf -- "$folder"' EXIT
+fi
+if [[ -n $(git status --porcelain) ]]; then
+  echo "note: what is not committed is not built"
+fi
+export CCACHE_DISABLE=1
+
+places=("$folder/a" "$folder/another_place/with_a_longer_name")
+source=.
+for place in "${places[@]}"; do
+  echo "== $place ($SECONDS s)"
+  git clone -q "$source" "$place"
+  source=${places[0]}  # The second of the same commit, whatever happens here.
+  cmake -S "$place" -B "$place/build" -G Ninja -DFREEGS_BUILD_TESTS=OFF >"$folder/log"
+  cmake --build "$place/build" --parallel "$jobs" >>"$folder/log" ||
+    { tail -n 30 "$folder/log" >&2; exit 1; }
+  (cd "$place/build" && cpack) >>"$folder/log" 2>&1 ||
+    { tail -n 30 "$folder/log" >&2; exit 1; }
+  # A second build on another day, and by somebody with other habits.
+  umask 0027
+  export TZ=Asia/Kolkata LC_ALL=C.UTF-8
+done
+
+echo "== comparing ($SECONDS s)"
+list() {
+  (cd "$1/build" && sha256sum bin/freegs_pipeline *.deb &&
+    find share -type f -exec sha256sum {} + | LC_ALL=C sort -k 2)
+}
+list "${places[0]}" >"$folder/first"
+list "${places[1]}" >"$folder/second"
+cat "$folder/first"
+if ! diff "$folder/first" "$folder/second"; then
+  echo "error: the builds differ, see above; diffoscope tells where in a file" >&2
+  exit 1
+fi
+echo "the same bytes ($SECONDS s)"

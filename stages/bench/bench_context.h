@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What all parts of a bench are given.
+
+#ifndef FREEGS_STAGES_BENCH_BENCH_CONTEXT_H_
+#define FREEGS_STAGES_BENCH_BENCH_CONTEXT_H_
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "core/cancellation.h"
+#include "core/status.h"
+
+namespace freegs::stages {
+
+// Disturbs photographs, for the key "disturb". `check` says whether it
+// understands a text such as "blur:2"; `disturb` writes the disturbed
+// photographs of folder `images` into the new folder `out`. Both empty: the key
+// is unknown.
+struct PhotoDisturber {
+  std::function<Status(const std::string& text)> check;
+  std::function<Status(const std::string& text,
+                       const std::filesystem::path& images,
+                       const std::filesystem::path& out,
+                       uint64_t seed)>
+      disturb;
+};
+
+struct BenchContext {
+  std::filesystem::path out;      // The bench's folder; exists.
+  std::filesystem::path program;  // freegs_pipeline, which runs the stages.
+  double time_limit_s = 0;        // Of each stage; 0 for none.
+
+  // Whether results of another build of the program are measured anew.
+  bool only_this_program = false;
+  PhotoDisturber disturber;
+  const CancellationToken* cancellation = nullptr;
+
+  // Tells the user what goes on. Several threads call it.
+  std::function<void(const std::string&)> say;
+};
+
+}  // namespace freegs::stages
+
+#endif  // FREEGS_STAGES_BENCH_BENCH_CONTEXT_H_

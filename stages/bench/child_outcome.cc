@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/bench/child_outcome.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+
+#include "core/io/files.h"
+#include "core/io/json_fields.h"
+#include "core/io/json_text.h"
+#include "pipeline/exit_code.h"
+#include "sfm/colmap/child_process.h"
+
+namespace freegs::stages {
+namespace {
+
+constexpr size_t kMaxSaid = 10;
+constexpr size_t kMaxLine = 2000;
+constexpr std::string_view kErrorPrefix = "freegs_pipeline: ";
+
+}  // namespace
+
+bool ChildOutcome::IsFinal() const {
+  return exit_code == 0 ||
+         exit_code == pipeline::ExitCode(StatusCode::kBadInput) ||
+         exit_code == pipeline::ExitCode(StatusCode::kUnusableResult) ||
+         reason.starts_with("no end within");
+}
+
+StatusOr<ChildOutcome> RunForOutcome(const std::vector<std::string>& argv,
+                                     const BenchContext& context) {
+  ChildOutcome outcome;
+  const auto on_line = [&outcome](std::string_view line) {
+    line = line.substr(0, kMaxLine);
+    const bool error = line.starts_with(kErrorPrefix);
+    if (error) outcome.reason = line.substr(kErrorPrefix.size());
+    if (!error && !line.starts_with("warning: ") &&
+        !line.starts_with("error: ")) {
+      return;
+    }
+    outcome.said.emplace_back(line);
+    if (outcome.said.size() > kMaxSaid) {
+      outcome.said.erase(outcome.said.begin());
+    }
+  };
+  sfm::ChildCommand command;
+  command.argv = argv;
+  command.time_limit_s = context.time_limit_s;
+  FREEGS_ASSIGN_OR_RETURN(
+      const sfm::ChildResult result,
+      sfm::RunChild(command, on_line, context.cancellation));
+  outcome.exit_code = result.ok() ? 0 : result.exit_code;
+  if (result.ok()) {
+    outcome.reason.clear();
+  } else if (outcome.reason.empty() || result.timed_out || result.signal != 0) {
+    outcome.reason = result.Describe();
+  }
+  return outcome;
+}
+
+Status WriteOutcome(const std::filesystem::path& path,
+                    const ChildOutcome& outcome) {
+  const nlohmann::json json = {{"exit_code", outcome.exit_code},
+                               {"reason", outcome.reason},
+                               {"said", outcome.said},
+                               {"program", outcome.program}};
+  return WriteFileAtomic(path, JsonText(json));
+}
+
+StatusOr<ChildOutcome> ReadOutcome(const std::filesystem::path& path) {
+  FREEGS_ASSIGN_OR_RETURN(const nlohmann::json json, ReadJson(path));
+  Status status;
+  JsonObjectReader reader(json, path.string(), "", &status);
+  ChildOutcome outcome;
+  outcome.exit_code = reader.Integer("exit_code", -1, 255);
+  outcome.reason = reader.Text("reason");
+  outcome.said = reader.TextList("said");
+  outcome.program = reader.Text("program");
+  FREEGS_RETURN_IF_ERROR(status);
+  return outcome;
+}
+
+}  // namespace freegs::stages

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Runs a command of the program in a process of its own, and keeps how it ended
+// and what it told the user.
+
+#ifndef FREEGS_STAGES_BENCH_CHILD_OUTCOME_H_
+#define FREEGS_STAGES_BENCH_CHILD_OUTCOME_H_
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/status.h"
+#include "stages/bench/bench_context.h"
+
+namespace freegs::stages {
+
+struct ChildOutcome {
+  int exit_code = 0;   // -1 when a signal or the time limit ended it.
+  std::string reason;  // Why it failed; empty when it did not.
+
+  // Its last warnings and errors, at most ten.
+  std::vector<std::string> said;
+
+  std::string program;  // The hash of the program that ran.
+
+  bool ok() const { return exit_code == 0; }
+
+  // Whether another attempt would end the same way: the method failed (4), the
+  // input is no good (3), or its time ran out.
+  bool IsFinal() const;
+};
+
+// Runs argv to its end. kInterrupted when cancelled, and kMissingDependency
+// when it cannot be started; a program that ran and failed is no error.
+StatusOr<ChildOutcome> RunForOutcome(const std::vector<std::string>& argv,
+                                     const BenchContext& context);
+
+// An outcome as a file. Reading returns kBadInput when it is missing or
+// damaged.
+Status WriteOutcome(const std::filesystem::path& path,
+                    const ChildOutcome& outcome);
+StatusOr<ChildOutcome> ReadOutcome(const std::filesystem::path& path);
+
+}  // namespace freegs::stages
+
+#endif  // FREEGS_STAGES_BENCH_CHILD_OUTCOME_H_

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/bench/stage_store.h"
+
+#include <algorithm>
+#include <system_error>
+#include <utility>
+
+#include "core/io/files.h"
+#include "pipeline/exit_code.h"
+#include "pipeline/stage_record.h"
+#include "stages/registry/pipeline_options.h"
+#include "stages/registry/stage_registry.h"
+#include "stages/suite/ini_sections.h"
+
+namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr size_t kKeyDigits = 16;
+constexpr char kOutcomeFile[] = "outcome.json";
+
+// Parts of a key, apart by a byte that is in none of them.
+class KeyBuilder {
+ public:
+  void Add(const std::string& part) { text_ += part + '\0'; }
+  std::string Key() const { return HashBytes(text_).substr(0, kKeyDigits); }
+
+ private:
+  std::string text_;
+};
+
+StatusOr<std::vector<SuiteSetting>> ExpandedSettings(
+    const SuiteCell& cell, const fs::path& scene_folder) {
+  std::vector<SuiteSetting> settings;
+  for (const auto& [name, value] : cell.settings) {
+    FREEGS_ASSIGN_OR_RETURN(std::string expanded,
+                            ExpandVariables(value, [&](const std::string&) {
+                              return std::optional(scene_folder.string());
+                            }));
+    // What is set twice is set by the later one.
+    std::erase_if(settings, [&name = name](const SuiteSetting& setting) {
+      return setting.first == name;
+    });
+    settings.emplace_back(name, std::move(expanded));
+  }
+  settings.emplace_back("general.seed", std::to_string(cell.seed));
+  return settings;
+}
+
+// Makes the link workspace / STAGE to a stage in another workspace of the
+// store.
+Status LinkStage(const StoredStage& from, const fs::path& workspace) {
+  std::error_code error;
+  const fs::path link = workspace / from.stage;
+  const fs::path target =
+      fs::path("..") / from.workspace.filename() / from.stage;
+  if (fs::read_symlink(link, error) == target) return Status();
+  fs::remove(link, error);
+  fs::create_directory_symlink(target, link, error);
+  if (!error) return Status();
+  return InternalError(link.string() +
+                       ": cannot make this link: " + error.message());
+}
+
+}  // namespace
+
+StageStore::StageStore(const BenchContext& context, std::string to)
+    : context_(context),
+      to_(std::move(to)),
+      cache_(context.out, context.out / ".fingerprints.json") {
+  const StatusOr<std::string> hash = HashFile(context.program);
+  if (hash.ok()) program_hash_ = hash->substr(0, kKeyDigits);
+}
+
+std::string StageStore::Hash(const fs::path& path) {
+  const std::lock_guard lock(mutex_);
+  std::string hash = cache_.Hash(path).hash;
+  // Without its cache the next bench only takes longer.
+  (void)cache_.Save();
+  return hash;
+}
+
+StatusOr<CellPlan> StageStore::Plan(const SuiteCell& cell,
+                                    const ScenePhotos& photos) {
+  CellPlan plan;
+  plan.truth = photos.truth;
+  FREEGS_ASSIGN_OR_RETURN(plan.settings, ExpandedSettings(cell, photos.folder));
+  {
+    const std::string hash = Hash(photos.images);
+    const std::lock_guard lock(mutex_);
+    FREEGS_ASSIGN_OR_RETURN(plan.images,
+                            DisturbedPhotos(photos.images,
+                                            hash,
+                                            cell.disturb,
+                                            static_cast<uint64_t>(cell.seed),
+                                            context_));
+  }
+  PipelineOptions options;
+  pipeline::OptionTable table = MakeOptionTable(&options);
+  std::vector<pipeline::OptionSetting> settings;
+  for (const auto& [name, value] : plan.settings) {
+    settings.push_back({name, value, cell.id});
+  }
+  // There is no config.ini in the store.
+  FREEGS_RETURN_IF_ERROR(
+      ApplySettings(context_.out / "store", settings, table));
+  KeyBuilder key;
+  key.Add(Hash(plan.images));
+  bool has_scene = false;
+  for (const pipeline::RunnerStage& entry : MakeStages(options, table)) {
+    const std::string name(entry.stage->name());
+    key.Add(name);
+    key.Add(std::to_string(entry.stage->version()));
+    for (const auto& [option, value] : entry.options) {
+      key.Add(option);
+      key.Add(value);
+    }
+    // Files that options name count by their content.
+    for (const auto& [option, value] : entry.other_options) {
+      if (!table.Find(option)->spec.is_path || value.empty()) continue;
+      key.Add(option);
+      key.Add(Hash(value));
+    }
+    plan.stages.push_back(
+        {name, context_.out / "store" / (name + "_" + key.Key())});
+    has_scene = has_scene || name == "reconstruct";
+    if (name == to_) break;
+  }
+  if (has_scene) {
+    key.Add(plan.truth.empty() ? "" : Hash(plan.truth));
+    for (const auto& [option, value] : cell.eval_options) {
+      key.Add(option);
+      key.Add(value);
+    }
+    plan.evaluation = context_.out / "store" / ("eval_" + key.Key());
+  }
+  return plan;
+}
+
+bool StageStore::IsDone(const StoredStage& stage) const {
+  const StatusOr<pipeline::StageRecord> record =
+      pipeline::ReadStageRecord(stage.workspace / stage.stage);
+  return record.ok() && record->outcome == pipeline::StageOutcome::kDone &&
+         ReadOutcome(stage.workspace / kOutcomeFile).ok();
+}
+
+StatusOr<ChildOutcome> StageStore::EarlierOutcome(const fs::path& folder) {
+  StatusOr<ChildOutcome> outcome = ReadOutcome(folder / kOutcomeFile);
+  if (!outcome.ok() || !context_.only_this_program ||
+      outcome->program == program_hash_) {
+    return outcome;
+  }
+  std::error_code error;
+  fs::remove_all(folder, error);
+  return BadInputError(folder.string() + ": of another program");
+}
+
+StatusOr<ChildOutcome> StageStore::RunOnce(
+    const fs::path& folder, const std::vector<std::string>& argv) {
+  FREEGS_ASSIGN_OR_RETURN(ChildOutcome outcome, RunForOutcome(argv, context_));
+  if (outcome.exit_code == pipeline::ExitCode(StatusCode::kInterrupted)) {
+    return InterruptedError("interrupted; the same command goes on");
+  }
+  outcome.program = program_hash_;
+  FREEGS_RETURN_IF_ERROR(WriteOutcome(folder / kOutcomeFile, outcome));
+  const std::lock_guard lock(mutex_);
+  known_[folder] = outcome;
+  return outcome;
+}
+
+StatusOr<ChildOutcome> StageStore::RunStage(const CellPlan& plan,
+                                            size_t index) {
+  const StoredStage& stage = plan.stages[index];
+  std::shared_ptr<std::mutex> busy;
+  {
+    const std::lock_guard lock(mutex_);
+    std::shared_ptr<std::mutex>& entry = busy_[stage.workspace];
+    if (entry == nullptr) entry = std::make_shared<std::mutex>();
+    busy = entry;
+  }
+  // Another cell may be at the same stage.
+  const std::lock_guard working(*busy);
+  {
+    const std::lock_guard lock(mutex_);
+    const auto known = known_.find(stage.workspace);
+    if (known != known_.end()) return known->second;
+  }
+  const StatusOr<ChildOutcome> earlier = EarlierOutcome(stage.workspace);
+  if (earlier.ok() && earlier->IsFinal() && (!earlier->ok() || IsDone(stage))) {
+    return *earlier;
+  }
+  FREEGS_RETURN_IF_ERROR(CreateFolders(stage.workspace));
+  for (size_t i = 0; i < index; ++i) {
+    FREEGS_RETURN_IF_ERROR(LinkStage(plan.stages[i], stage.workspace));
+  }
+  std::vector<std::string> argv = {context_.program.string(),
+                                   "run",
+                                   plan.images.string(),
+                                   stage.workspace.string(),
+                                   "--from=" + stage.stage,
+                                   "--to=" + stage.stage};
+  for (const auto& [name, value] : plan.settings) {
+    argv.push_back("--" + name + "=" + value);
+  }
+  return RunOnce(stage.workspace, argv);
+}
+
+StatusOr<ChildOutcome> StageStore::Evaluate(
+    const CellPlan& plan,
+    const std::map<std::string, std::string>& eval_options) {
+  const fs::path file = plan.evaluation / "eval.json";
+  {
+    const std::lock_guard lock(mutex_);
+    const auto known = known_.find(plan.evaluation);
+    if (known != known_.end()) return known->second;
+  }
+  std::error_code error;
+  const StatusOr<ChildOutcome> earlier = EarlierOutcome(plan.evaluation);
+  if (earlier.ok() && earlier->IsFinal() &&
+      (!earlier->ok() || fs::exists(file, error))) {
+    return *earlier;
+  }
+  FREEGS_RETURN_IF_ERROR(CreateFolders(plan.evaluation));
+  std::vector<std::string> argv = {context_.program.string(),
+                                   "eval",
+                                   plan.stages.back().workspace.string(),
+                                   "--json=" + file.string()};
+  if (!plan.truth.empty()) argv.push_back("--gt=" + plan.truth.string());
+  for (const auto& [option, value] : eval_options) {
+    argv.push_back("--" + option + "=" + value);
+  }
+  for (const auto& [name, value] : plan.settings) {
+    if (name == "general.threads") argv.push_back("--" + name + "=" + value);
+  }
+  return RunOnce(plan.evaluation, argv);
+}
+
+}  // namespace freegs::stages

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The tables of a bench, its page, and its baseline.
+
+#include "stages/bench/bench_results.h"
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/io/json_fields.h"
+#include "stages/bench/baseline.h"
+#include "stages/bench/bench_page.h"
+#include "stages/bench/bench_summary.h"
+
+namespace freegs::stages {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+class BenchResultsTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const StatusOr<Suite> suite = ParseSuite(
+        "[suite]\ntitle = A, \"B\"\nseeds = 1 2\n[scene a]\nimages = p\n"
+        "[scene b]\nimages = q\n[grid g]\npreset = fast quality\n"
+        "[table t]\ntitle = T\ncolumns = holdout_psnr scene_bytes\n"
+        "mean of both = a b\n",
+        "/d/s.ini");
+    ASSERT_TRUE(suite.ok()) << suite.status().message();
+    suite_ = *suite;
+    const auto cells = MakeCells(suite_, {});
+    ASSERT_TRUE(cells.ok()) << cells.status().message();
+    cells_ = *cells;
+    results_.resize(cells_.size());
+    for (size_t i = 0; i < results_.size(); ++i) {
+      results_[i].status = CellStatus::kDone;
+      results_[i].verdict = "ok";
+      results_[i].programs = "p1";
+      results_[i].values = {{"holdout_psnr", 20.0 + static_cast<double>(i)},
+                            {"scene_bytes", 5e6}};
+    }
+    results_[3].status = CellStatus::kFailed;
+    results_[3].exit_code = 4;
+    results_[3].failed_stage = "sfm";
+    results_[3].reason = "no poses | </script>\nat all";
+    results_[3].values = {{"sfm.wall_seconds", 1.5}};
+  }
+
+  BenchResults Bench() const { return {suite_, cells_, results_}; }
+
+  Suite suite_;
+  std::vector<SuiteCell> cells_;
+  std::vector<CellResult> results_;
+};
+
+TEST_F(BenchResultsTest, CsvQuotesWhatNeedsIt) {
+  const std::string csv = ToCsv(Bench());
+  EXPECT_THAT(csv,
+              HasSubstr("scene,grid,seed,preset,status,exit_code,failed_stage,"
+                        "reason,verdict,folder,holdout_psnr,scene_bytes,"
+                        "sfm.wall_seconds\r\na,g,1,fast,done,0,,,ok,,20,"));
+  EXPECT_THAT(csv,
+              HasSubstr("a,g,2,quality,failed,4,sfm,\"no poses | "
+                        "</script>\nat all\",ok,,,,1.5\r\n"));
+}
+
+TEST_F(BenchResultsTest, JsonHasAllCells) {
+  const nlohmann::json json = ToJson(Bench());
+  ASSERT_EQ(json["cells"].size(), 8u);
+  EXPECT_EQ(json["title"], "A, \"B\"");
+  EXPECT_EQ(json["cells"][3]["status"], "failed");
+  EXPECT_EQ(json["cells"][3]["point"]["preset"], "quality");
+  EXPECT_EQ(json["cells"][0]["values"]["holdout_psnr"], 20.0);
+  EXPECT_EQ(json["one_program"], true);
+  results_[2].programs = "p2";
+  EXPECT_EQ(ToJson(Bench())["one_program"], false);
+}
+
+TEST_F(BenchResultsTest, SummaryHasMeansAndFailures) {
+  const std::string text = SummaryMarkdown(Bench());
+  EXPECT_THAT(text, HasSubstr("| scene | preset | holdout_psnr |"));
+  EXPECT_THAT(text, HasSubstr("| a | fast | 20.50 ±0.50 | 5.0 MB ±0 B |"));
+  EXPECT_THAT(text, HasSubstr("| a | quality | 22 (1 of 2) |"));
+  EXPECT_THAT(text, HasSubstr("| mean of both |  | 23.57 (7 of 8) |"));
+  EXPECT_THAT(text,
+              HasSubstr("- a, grid g: preset=quality, seed 2: stage sfm, exit "
+                        "code 4: no poses \\| </script> at all"));
+}
+
+TEST_F(BenchResultsTest, PageEmbedsDataSafely) {
+  BenchPage page;
+  page.title = "<b>";
+  page.results = ToJson(Bench()).dump();
+  page.summary = SummaryMarkdown(Bench());
+  page.script = "go();";
+  const std::string html = RenderBenchPage(page);
+  EXPECT_THAT(html, HasSubstr("&lt;b&gt;"));
+  EXPECT_THAT(html, HasSubstr("no poses | \\u003c/script>"));
+  EXPECT_THAT(html, HasSubstr("<script>go();</script>"));
+  page.script = "";
+  page.missing = "not built";
+  EXPECT_THAT(RenderBenchPage(page), HasSubstr("not built"));
+  EXPECT_THAT(RenderBenchPage(page), Not(HasSubstr("<script")));
+}
+
+TEST_F(BenchResultsTest, BaselineComesBackFromJson) {
+  const Baseline made = MakeBaseline(Bench(), {{"holdout_psnr", {0.5, 0}}});
+  const StatusOr<Baseline> read = BaselineFromJson(ToJson(made), "b.json");
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  EXPECT_EQ(read->cells, made.cells);
+  EXPECT_THAT(WhatMoved(*read, made), IsEmpty());
+}
+
+TEST_F(BenchResultsTest, WhatMovedIsNamed) {
+  const std::map<std::string, Tolerance> tolerances = {
+      {"holdout_psnr", {0.5, 0}}, {"scene_bytes", {0, 0.1}}};
+  const Baseline then = MakeBaseline(Bench(), tolerances);
+  results_[0].values["holdout_psnr"] += 0.4;
+  results_[1].values["holdout_psnr"] -= 0.6;
+  results_[2].values["scene_bytes"] *= 1.2;
+  results_[4].values.erase("scene_bytes");
+  results_[5].verdict = "degraded";
+  const std::vector<std::string> moved =
+      WhatMoved(then, MakeBaseline(Bench(), tolerances));
+  EXPECT_THAT(
+      moved,
+      ElementsAre(
+          HasSubstr("seed 2: holdout_psnr 21 -> 20.4, by more than 0.5"),
+          HasSubstr("scene_bytes 5e+06 -> 6e+06, by more than 500000"),
+          HasSubstr("scene_bytes is gone"),
+          HasSubstr("verdict 'ok' -> 'degraded'")));
+}
+
+TEST_F(BenchResultsTest, NewAndMissingCellsAreNamed) {
+  const Baseline all = MakeBaseline(Bench(), {});
+  Baseline fewer = all;
+  fewer.cells.erase(cells_[0].id);
+  EXPECT_THAT(WhatMoved(all, fewer), ElementsAre(HasSubstr("any more")));
+  EXPECT_THAT(WhatMoved(fewer, all), ElementsAre(HasSubstr("no such cell")));
+}
+
+TEST(BaselineTest, DamagedFilesAreBadInput) {
+  const std::string good =
+      R"({"tolerances": {"a": {"absolute": 1, "relative": 0}}, "cells":
+      {"c": {"status": "done", "exit_code": 0, "verdict": "", "values":
+      {"a": 3}}}})";
+  const auto read = [](const std::string& text) {
+    const StatusOr<nlohmann::json> json = ParseJson(text);
+    return json.ok() ? BaselineFromJson(*json, "b.json").status()
+                     : json.status();
+  };
+  ASSERT_TRUE(read(good).ok()) << read(good).message();
+  for (size_t size = 0; size < good.size(); ++size) {
+    EXPECT_FALSE(read(good.substr(0, size)).ok()) << size;
+  }
+  for (const auto& [from, to] :
+       std::vector<std::pair<std::string, std::string>>{
+           {"\"absolute\": 1", "\"absolute\": -1"},
+           {"\"absolute\": 1", "\"absolute\": 1e999"},
+           {"\"a\": 3", "\"a\": \"3\""},
+           {"\"a\": 3", "\"a\": null"},
+           {"\"exit_code\": 0", "\"exit_code\": 9999999999"},
+           {"{\"c\": ", "[{\"c\": "},
+           {"\"done\"", "[]"}}) {
+    std::string bad = good;
+    bad.replace(bad.find(from), from.size(), to);
+    EXPECT_FALSE(read(bad).ok()) << bad;
+  }
+}
+
+}  // namespace
+}  // namespace freegs::stages

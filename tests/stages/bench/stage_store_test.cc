@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/bench/stage_store.h"
+
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "stages/bench/cell_result.h"
+#include "tests/temporary_folder.h"
+
+namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+class StageStoreTest : public ::testing::Test {
+ protected:
+  StageStoreTest() {
+    folder_.Write("photos/a.jpg", "one");
+    folder_.Write("program", "#!/bin/sh\n");
+    context_.out = folder_ / "out";
+    context_.program = folder_ / "program";
+    context_.say = [this](const std::string& text) { said_.push_back(text); };
+    fs::create_directories(context_.out);
+  }
+
+  // The program is a script from now on.
+  void UseScript(const std::string& lines) {
+    folder_.Write("program", "#!/bin/sh\n" + lines);
+    fs::permissions(folder_ / "program", fs::perms::owner_all);
+  }
+
+  CellPlan PlanOf(const SuiteCell& cell) {
+    StageStore store(context_, "reconstruct");
+    StatusOr<CellPlan> plan = store.Plan(
+        cell, {folder_ / "photos", folder_ / "photos", folder_ / "photos"});
+    EXPECT_TRUE(plan.ok()) << plan.status().message();
+    return plan.ok() ? *plan : CellPlan();
+  }
+
+  static std::vector<std::string> Keys(const CellPlan& plan) {
+    std::vector<std::string> keys;
+    for (const StoredStage& stage : plan.stages) {
+      keys.push_back(stage.workspace.filename().string());
+    }
+    return keys;
+  }
+
+  TemporaryFolder folder_;
+  BenchContext context_;
+  std::vector<std::string> said_;
+};
+
+TEST_F(StageStoreTest, CellsShareTheStagesBeforeTheFirstDifference) {
+  SuiteCell cell;
+  const std::vector<std::string> plain = Keys(PlanOf(cell));
+  ASSERT_EQ(plain.size(), 4u);  // ingest, sfm, undistort, reconstruct
+  EXPECT_EQ(Keys(PlanOf(cell)), plain);
+
+  cell.settings = {{"reconstruct.iterations", "77"}};
+  std::vector<std::string> keys = Keys(PlanOf(cell));
+  EXPECT_EQ(keys[2], plain[2]);
+  EXPECT_NE(keys[3], plain[3]);
+
+  cell.settings = {{"sfm.max_features", "77"}};
+  keys = Keys(PlanOf(cell));
+  EXPECT_EQ(keys[0], plain[0]);
+  EXPECT_NE(keys[1], plain[1]);
+  EXPECT_NE(keys[3], plain[3]);
+
+  // What does not change the result does not count.
+  cell.settings = {{"general.threads", "2"}, {"bootstrap.granularity", "1"}};
+  EXPECT_EQ(Keys(PlanOf(cell)), plain);
+
+  // A seed counts from the first stage that draws numbers.
+  cell.settings = {};
+  cell.seed = 5;
+  keys = Keys(PlanOf(cell));
+  EXPECT_EQ(keys[0], plain[0]);
+  EXPECT_NE(keys[1], plain[1]);
+
+  // Photographs count by what they hold.
+  cell.seed = 0;
+  folder_.Write("photos/a.jpg", "other");
+  EXPECT_NE(Keys(PlanOf(cell))[0], plain[0]);
+}
+
+TEST_F(StageStoreTest, ImportedFilesCountByContent) {
+  folder_.Write("model.json", "1");
+  SuiteCell cell;
+  cell.settings = {{"sfm.import", (folder_ / "model.json").string()}};
+  const std::vector<std::string> before = Keys(PlanOf(cell));
+  folder_.Write("model.json", "22");
+  const std::vector<std::string> after = Keys(PlanOf(cell));
+  EXPECT_EQ(before[0], after[0]);
+  EXPECT_NE(before[1], after[1]);
+}
+
+TEST_F(StageStoreTest, SceneVariableIsTheFolderOfTheScene) {
+  SuiteCell cell;
+  cell.settings = {{"sfm.import", "${scene}/model"}};
+  EXPECT_THAT(PlanOf(cell).settings[0].second,
+              (folder_ / "photos/model").string());
+}
+
+TEST_F(StageStoreTest, DisturbedPhotosAreMadeOnce) {
+  int calls = 0;
+  context_.disturber.disturb = [&calls](const std::string& text,
+                                        const fs::path& images,
+                                        const fs::path& out,
+                                        uint64_t seed) {
+    ++calls;
+    fs::create_directories(out);
+    WriteText(out / "a.jpg",
+              ReadText(images / "a.jpg") + text + std::to_string(seed));
+    return Status();
+  };
+  SuiteCell cell;
+  const std::vector<std::string> plain = Keys(PlanOf(cell));
+  cell.disturb = "blur:2";
+  cell.seed = 3;
+  const CellPlan plan = PlanOf(cell);
+  EXPECT_NE(Keys(plan)[0], plain[0]);
+  EXPECT_EQ(ReadText(plan.images / "a.jpg"), "oneblur:23");
+  EXPECT_EQ(Keys(PlanOf(cell)), Keys(plan));
+  EXPECT_EQ(calls, 1);
+}
+
+TEST_F(StageStoreTest, FailuresOfTheMethodAreKeptOthersTriedAgain) {
+  SuiteCell cell;
+  const CellPlan plan = PlanOf(cell);
+  const auto run = [&] {
+    StageStore store(context_, "reconstruct");
+    const StatusOr<ChildOutcome> outcome = store.RunStage(plan, 0);
+    // A second cell with the same stage does not try it again.
+    EXPECT_EQ(store.RunStage(plan, 0)->exit_code, outcome->exit_code);
+    return *outcome;
+  };
+  const std::string count = "echo x >> " + (folder_ / "calls").string() + "\n";
+  UseScript(count +
+            "echo 'warning: dark photos'\n"
+            "echo 'freegs_pipeline: sfm: no poses'\nexit 4\n");
+  ChildOutcome outcome = run();
+  EXPECT_EQ(outcome.exit_code, 4);
+  EXPECT_EQ(outcome.reason, "sfm: no poses");
+  EXPECT_THAT(
+      outcome.said,
+      ElementsAre("warning: dark photos", "freegs_pipeline: sfm: no poses"));
+  EXPECT_EQ(run().exit_code, 4);
+  EXPECT_EQ(ReadText(folder_ / "calls"), "x\n");
+
+  fs::remove_all(context_.out / "store");
+  UseScript(count + "exit 5\n");
+  EXPECT_EQ(run().exit_code, 5);
+  EXPECT_EQ(run().exit_code, 5);
+  EXPECT_EQ(ReadText(folder_ / "calls"), "x\nx\nx\n");
+
+  // A comparison with a baseline is about the program of now.
+  fs::remove_all(context_.out / "store");
+  UseScript(count + "exit 4\n");
+  EXPECT_EQ(run().exit_code, 4);
+  UseScript(count + "exit 3\n");
+  EXPECT_EQ(run().exit_code, 4);
+  context_.only_this_program = true;
+  EXPECT_EQ(run().exit_code, 3);
+}
+
+TEST_F(StageStoreTest, ATimeLimitIsAFailure) {
+  context_.time_limit_s = 0.2;
+  UseScript("sleep 20\n");
+  StageStore store(context_, "reconstruct");
+  const StatusOr<ChildOutcome> outcome = store.RunStage(PlanOf({}), 0);
+  ASSERT_TRUE(outcome.ok()) << outcome.status().message();
+  EXPECT_THAT(outcome->reason, HasSubstr("no end within"));
+  EXPECT_TRUE(outcome->IsFinal());
+}
+
+TEST_F(StageStoreTest, CancellingEndsTheBench) {
+  CancellationToken token;
+  token.Cancel();
+  context_.cancellation = &token;
+  UseScript("sleep 20\n");
+  StageStore store(context_, "reconstruct");
+  EXPECT_EQ(store.RunStage(PlanOf({}), 0).status().code(),
+            StatusCode::kInterrupted);
+}
+
+TEST_F(StageStoreTest, DamagedFilesOfAStageGiveNoFigures) {
+  folder_.Write("w/sfm/metrics.json", "{\"a\": {\"b\": 1.5}, \"c\": true");
+  folder_.Write("w/sfm/stage.json", "[]");
+  CellResult result;
+  AddStageFigures(folder_ / "w", "sfm", &result);
+  EXPECT_EQ(result.values.count("sfm.a.b"), 0u);
+  folder_.Write("w/sfm/metrics.json", "{\"a\": {\"b\": 1.5}, \"c\": true}");
+  AddStageFigures(folder_ / "w", "sfm", &result);
+  EXPECT_EQ(result.values["sfm.a.b"], 1.5);
+  EXPECT_EQ(result.values["sfm.c"], 1);
+  folder_.Write("eval.json", "{\"psnr\": 20, \"text_miou\": null, \"x\": [1]}");
+  ASSERT_TRUE(AddEvaluation(folder_ / "eval.json", &result).ok());
+  EXPECT_EQ(result.values["psnr"], 20);
+  EXPECT_EQ(result.values.count("text_miou"), 0u);
+  folder_.Write("eval.json", "{");
+  EXPECT_FALSE(AddEvaluation(folder_ / "eval.json", &result).ok());
+}
+
+TEST_F(StageStoreTest, ScenesThatAreNotThereAreNamed) {
+  SuiteScene scene;
+  scene.name = "s";
+  scene.images = folder_ / "none";
+  EXPECT_THAT(FindScenePhotos(scene, context_).status().message(),
+              HasSubstr("[scene s] images"));
+  scene.images.clear();
+  scene.draw = {"--views", "3"};
+  const Status status = FindScenePhotos(scene, context_).status();
+  EXPECT_EQ(status.code(), StatusCode::kMissingDependency);
+  EXPECT_THAT(status.message(), HasSubstr("freegs_make_scene"));
+  // One that fails.
+  folder_.Write("freegs_make_scene", "#!/bin/sh\nexit 2\n");
+  fs::permissions(folder_ / "freegs_make_scene", fs::perms::owner_all);
+  EXPECT_EQ(FindScenePhotos(scene, context_).status().code(),
+            StatusCode::kBadInput);
+}
+
+}  // namespace
+}  // namespace freegs::stages
