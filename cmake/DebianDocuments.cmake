@@ -39,12 +39,28 @@ Parts of these libraries are compiled into the program:
   Eigen            the Eigen developers         MPL-2.0, with parts in BSD-3-Clause
   Boost            the Boost developers         BSL-1.0
 
-Their licences in full are /usr/share/doc/PACKAGE/copyright of Debian's packages
-libceres-dev, nlohmann-json3-dev, libeigen3-dev and libboost-dev; that of MPL-2.0 is
-/usr/share/common-licenses/MPL-2.0. Eigen's source is that of Debian's package eigen3.
+Eigen's source is that of Debian's package eigen3; its licence, MPL-2.0, is
+/usr/share/common-licenses/MPL-2.0. What Debian says of the others follows; Boost's
+licence asks for nothing in programs.
 ")
+foreach(package libceres-dev nlohmann-json3-dev)
+  if(EXISTS /usr/share/doc/${package}/copyright)
+    file(READ /usr/share/doc/${package}/copyright text)
+    string(APPEND copyright "\n== ${package}\n\n${text}")
+  endif()
+endforeach()
 if(WEB_LICENCES AND EXISTS ${WEB_LICENCES})
   file(READ ${WEB_LICENCES} web)
+  # Debian has this long text once for all packages.
+  string(FIND "${web}" "Apache License\n" begin)
+  string(FIND "${web}" "limitations under the License." end)
+  if(begin GREATER -1 AND end GREATER begin)
+    string(SUBSTRING "${web}" 0 ${begin} before)
+    string(SUBSTRING "${web}" ${end} -1 after)
+    string(REPLACE "limitations under the License."
+      "The Apache License is /usr/share/common-licenses/Apache-2.0." after "${after}")
+    set(web "${before}${after}")
+  endif()
   string(APPEND copyright
     "\nOf the page, /usr/share/freegs_pipeline/web: ${web}")
 endif()
