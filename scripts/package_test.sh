@@ -65,11 +65,11 @@ mount -t proc proc "$system/proc"
 mounted=$system/proc
 
 step "installing ${packages[0]##*/}"
-mkdir -- "$system/work"
-cp -- "${packages[0]}" "$system/work/package.deb"
+mkdir -- "$system/trial"
+cp -- "${packages[0]}" "$system/trial/package.deb"
 inside apt-get update -q >/dev/null
-inside apt-get install -q -y --no-install-recommends /work/package.deb \
-  >"$system/work/apt.log" || fail 1 "apt failed; see the end: $(tail -5 "$system/work/apt.log")"
+inside apt-get install -q -y --no-install-recommends /trial/package.deb \
+  >"$system/trial/apt.log" || fail 1 "apt failed; see the end: $(tail -5 "$system/trial/apt.log")"
 inside dpkg-query -W -f='${Package} ${Version}, ${Installed-Size} kB\n' freegs-pipeline
 
 step "what the program finds"
@@ -85,34 +85,34 @@ done
 
 step "a run"
 if [[ -n $photos ]]; then
-  cp -rL -- "$photos" "$system/work/photos"
+  cp -rL -- "$photos" "$system/trial/photos"
 else
-  "$build/bin/freegs_make_scene" --out "$system/work/drawn" --views 24 \
+  "$build/bin/freegs_make_scene" --out "$system/trial/drawn" --views 24 \
     --width 480 --height 360 --seed 1 >/dev/null 2>&1
-  mv -- "$system/work/drawn/images" "$system/work/photos"
+  mv -- "$system/trial/drawn/images" "$system/trial/photos"
 fi
-# In the folder of work, where anything may be written.
-inside sh -c 'cd /work && exec freegs_pipeline run photos workspace "$@"' \
+# /trial is a folder of the new system.
+inside sh -c 'cd /trial && exec freegs_pipeline run photos workspace "$@"' \
   sh "${options[@]}"
-inside freegs_pipeline status /work/workspace
+inside freegs_pipeline status /trial/workspace
 for file in reconstruct/point_cloud.ply bootstrap/instances.json \
   export/report/index.html; do
-  [[ -s $system/work/workspace/$file ]] || fail 1 "workspace/$file is missing"
+  [[ -s $system/trial/workspace/$file ]] || fail 1 "workspace/$file is missing"
 done
 # The page holds its script, so the bundle was found.
-grep -q 'WebGL' "$system/work/workspace/export/report/index.html" ||
+grep -q 'WebGL' "$system/trial/workspace/export/report/index.html" ||
   fail 1 "the page has no 3D view"
-inside freegs_pipeline query /work/workspace --text "red ball"
+inside freegs_pipeline query /trial/workspace --text "red ball"
 
 if [[ -n ${DEVELOPMENT:-} ]]; then
   step "a program of one's own"
   cp -- "$build"/freegs-pipeline-dev_*_"$(dpkg --print-architecture)".deb \
-    "$system/work/development.deb"
-  cp -r -- examples/render_scene "$system/work/"
+    "$system/trial/development.deb"
+  cp -r -- examples/render_scene "$system/trial/"
   inside apt-get install -q -y --no-install-recommends g++ make cmake \
-    /work/development.deb >"$system/work/apt.log" 2>&1 ||
-    fail 1 "apt failed; see the end: $(tail -5 "$system/work/apt.log")"
-  inside sh -ec 'cd /work/render_scene && cmake -B build && cmake --build build &&
+    /trial/development.deb >"$system/trial/apt.log" 2>&1 ||
+    fail 1 "apt failed; see the end: $(tail -5 "$system/trial/apt.log")"
+  inside sh -ec 'cd /trial/render_scene && cmake -B build && cmake --build build &&
     build/render_scene scene.ply camera.txt picture.png'
 fi
 

@@ -30,20 +30,6 @@ tr.failed td { color: var(--warn); }
 pre { overflow-x: auto; }
 )css";
 
-// JSON within a script element: "</script>" must not end it.
-std::string JsonForScript(const std::string& json) {
-  std::string text;
-  text.reserve(json.size());
-  for (const char c : json) {
-    if (c == '<') {
-      text += "\\u003c";
-    } else {
-      text += c;
-    }
-  }
-  return text;
-}
-
 }  // namespace
 
 std::string RenderBenchPage(const BenchPage& page) {

@@ -41,13 +41,7 @@ Status MakeWorkspace(const CellPlan& plan, const fs::path& folder) {
   FREEGS_RETURN_IF_ERROR(CreateFolders(folder));
   for (const StoredStage& stage : plan.stages) {
     if (!fs::exists(stage.workspace / stage.stage, error)) continue;
-    const fs::path target = fs::path("..") / ".." / "store" /
-                            stage.workspace.filename() / stage.stage;
-    fs::create_directory_symlink(target, folder / stage.stage, error);
-    if (error) {
-      return InternalError((folder / stage.stage).string() +
-                           ": cannot make this link: " + error.message());
-    }
+    FREEGS_RETURN_IF_ERROR(LinkStage(stage, folder));
   }
   pipeline::WorkspaceInfo info;
   info.images = plan.images;

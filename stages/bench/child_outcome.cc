@@ -27,7 +27,7 @@ bool ChildOutcome::IsFinal() const {
   return exit_code == 0 ||
          exit_code == pipeline::ExitCode(StatusCode::kBadInput) ||
          exit_code == pipeline::ExitCode(StatusCode::kUnusableResult) ||
-         reason.starts_with("no end within");
+         timed_out;
 }
 
 StatusOr<ChildOutcome> RunForOutcome(const std::vector<std::string>& argv,
@@ -53,6 +53,7 @@ StatusOr<ChildOutcome> RunForOutcome(const std::vector<std::string>& argv,
       const sfm::ChildResult result,
       sfm::RunChild(command, on_line, context.cancellation));
   outcome.exit_code = result.ok() ? 0 : result.exit_code;
+  outcome.timed_out = result.timed_out;
   if (result.ok()) {
     outcome.reason.clear();
   } else if (outcome.reason.empty() || result.timed_out || result.signal != 0) {
@@ -65,6 +66,7 @@ Status WriteOutcome(const std::filesystem::path& path,
                     const ChildOutcome& outcome) {
   const nlohmann::json json = {{"exit_code", outcome.exit_code},
                                {"reason", outcome.reason},
+                               {"timed_out", outcome.timed_out},
                                {"said", outcome.said},
                                {"program", outcome.program}};
   return WriteFileAtomic(path, JsonText(json));
@@ -77,6 +79,7 @@ StatusOr<ChildOutcome> ReadOutcome(const std::filesystem::path& path) {
   ChildOutcome outcome;
   outcome.exit_code = reader.Integer("exit_code", -1, 255);
   outcome.reason = reader.Text("reason");
+  outcome.timed_out = reader.Bool("timed_out");
   outcome.said = reader.TextList("said");
   outcome.program = reader.Text("program");
   FREEGS_RETURN_IF_ERROR(status);

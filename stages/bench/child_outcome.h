@@ -17,6 +17,7 @@ namespace freegs::stages {
 struct ChildOutcome {
   int exit_code = 0;   // -1 when a signal or the time limit ended it.
   std::string reason;  // Why it failed; empty when it did not.
+  bool timed_out = false;
 
   // Its last warnings and errors, at most ten.
   std::vector<std::string> said;
@@ -25,8 +26,8 @@ struct ChildOutcome {
 
   bool ok() const { return exit_code == 0; }
 
-  // Whether another attempt would end the same way: the method failed (4), the
-  // input is no good (3), or its time ran out.
+  // Whether another attempt would end the same way: it is done, the method
+  // failed (4), the input is no good (3), or its time ran out.
   bool IsFinal() const;
 };
 

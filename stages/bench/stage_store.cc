@@ -49,13 +49,13 @@ StatusOr<std::vector<SuiteSetting>> ExpandedSettings(
   return settings;
 }
 
-// Makes the link workspace / STAGE to a stage in another workspace of the
-// store.
+}  // namespace
+
 Status LinkStage(const StoredStage& from, const fs::path& workspace) {
   std::error_code error;
   const fs::path link = workspace / from.stage;
   const fs::path target =
-      fs::path("..") / from.workspace.filename() / from.stage;
+      from.workspace.lexically_relative(workspace) / from.stage;
   if (fs::read_symlink(link, error) == target) return Status();
   fs::remove(link, error);
   fs::create_directory_symlink(target, link, error);
@@ -63,8 +63,6 @@ Status LinkStage(const StoredStage& from, const fs::path& workspace) {
   return InternalError(link.string() +
                        ": cannot make this link: " + error.message());
 }
-
-}  // namespace
 
 StageStore::StageStore(const BenchContext& context, std::string to)
     : context_(context),
@@ -157,8 +155,29 @@ StatusOr<ChildOutcome> StageStore::EarlierOutcome(const fs::path& folder) {
   return BadInputError(folder.string() + ": of another program");
 }
 
-StatusOr<ChildOutcome> StageStore::RunOnce(
-    const fs::path& folder, const std::vector<std::string>& argv) {
+StatusOr<ChildOutcome> StageStore::Once(const fs::path& folder,
+                                        const std::function<bool()>& is_there,
+                                        const PrepareFn& prepare) {
+  std::shared_ptr<std::mutex> busy;
+  {
+    const std::lock_guard lock(mutex_);
+    std::shared_ptr<std::mutex>& entry = busy_[folder];
+    if (entry == nullptr) entry = std::make_shared<std::mutex>();
+    busy = entry;
+  }
+  // Another cell may be at the same work.
+  const std::lock_guard working(*busy);
+  {
+    const std::lock_guard lock(mutex_);
+    const auto known = known_.find(folder);
+    if (known != known_.end()) return known->second;
+  }
+  const StatusOr<ChildOutcome> earlier = EarlierOutcome(folder);
+  if (earlier.ok() && earlier->IsFinal() && (!earlier->ok() || is_there())) {
+    return *earlier;
+  }
+  FREEGS_RETURN_IF_ERROR(CreateFolders(folder));
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> argv, prepare());
   FREEGS_ASSIGN_OR_RETURN(ChildOutcome outcome, RunForOutcome(argv, context_));
   if (outcome.exit_code == pipeline::ExitCode(StatusCode::kInterrupted)) {
     return InterruptedError("interrupted; the same command goes on");
@@ -173,68 +192,48 @@ StatusOr<ChildOutcome> StageStore::RunOnce(
 StatusOr<ChildOutcome> StageStore::RunStage(const CellPlan& plan,
                                             size_t index) {
   const StoredStage& stage = plan.stages[index];
-  std::shared_ptr<std::mutex> busy;
-  {
-    const std::lock_guard lock(mutex_);
-    std::shared_ptr<std::mutex>& entry = busy_[stage.workspace];
-    if (entry == nullptr) entry = std::make_shared<std::mutex>();
-    busy = entry;
-  }
-  // Another cell may be at the same stage.
-  const std::lock_guard working(*busy);
-  {
-    const std::lock_guard lock(mutex_);
-    const auto known = known_.find(stage.workspace);
-    if (known != known_.end()) return known->second;
-  }
-  const StatusOr<ChildOutcome> earlier = EarlierOutcome(stage.workspace);
-  if (earlier.ok() && earlier->IsFinal() && (!earlier->ok() || IsDone(stage))) {
-    return *earlier;
-  }
-  FREEGS_RETURN_IF_ERROR(CreateFolders(stage.workspace));
-  for (size_t i = 0; i < index; ++i) {
-    FREEGS_RETURN_IF_ERROR(LinkStage(plan.stages[i], stage.workspace));
-  }
-  std::vector<std::string> argv = {context_.program.string(),
-                                   "run",
-                                   plan.images.string(),
-                                   stage.workspace.string(),
-                                   "--from=" + stage.stage,
-                                   "--to=" + stage.stage};
-  for (const auto& [name, value] : plan.settings) {
-    argv.push_back("--" + name + "=" + value);
-  }
-  return RunOnce(stage.workspace, argv);
+  const auto prepare = [&]() -> StatusOr<std::vector<std::string>> {
+    for (size_t i = 0; i < index; ++i) {
+      FREEGS_RETURN_IF_ERROR(LinkStage(plan.stages[i], stage.workspace));
+    }
+    std::vector<std::string> argv = {context_.program.string(),
+                                     "run",
+                                     plan.images.string(),
+                                     stage.workspace.string(),
+                                     "--from=" + stage.stage,
+                                     "--to=" + stage.stage};
+    for (const auto& [name, value] : plan.settings) {
+      argv.push_back("--" + name + "=" + value);
+    }
+    return argv;
+  };
+  return Once(
+      stage.workspace, [&] { return IsDone(stage); }, prepare);
 }
 
 StatusOr<ChildOutcome> StageStore::Evaluate(
     const CellPlan& plan,
     const std::map<std::string, std::string>& eval_options) {
   const fs::path file = plan.evaluation / "eval.json";
-  {
-    const std::lock_guard lock(mutex_);
-    const auto known = known_.find(plan.evaluation);
-    if (known != known_.end()) return known->second;
-  }
-  std::error_code error;
-  const StatusOr<ChildOutcome> earlier = EarlierOutcome(plan.evaluation);
-  if (earlier.ok() && earlier->IsFinal() &&
-      (!earlier->ok() || fs::exists(file, error))) {
-    return *earlier;
-  }
-  FREEGS_RETURN_IF_ERROR(CreateFolders(plan.evaluation));
-  std::vector<std::string> argv = {context_.program.string(),
-                                   "eval",
-                                   plan.stages.back().workspace.string(),
-                                   "--json=" + file.string()};
-  if (!plan.truth.empty()) argv.push_back("--gt=" + plan.truth.string());
-  for (const auto& [option, value] : eval_options) {
-    argv.push_back("--" + option + "=" + value);
-  }
-  for (const auto& [name, value] : plan.settings) {
-    if (name == "general.threads") argv.push_back("--" + name + "=" + value);
-  }
-  return RunOnce(plan.evaluation, argv);
+  const auto prepare = [&]() -> StatusOr<std::vector<std::string>> {
+    std::vector<std::string> argv = {context_.program.string(),
+                                     "eval",
+                                     plan.stages.back().workspace.string(),
+                                     "--json=" + file.string()};
+    if (!plan.truth.empty()) argv.push_back("--gt=" + plan.truth.string());
+    for (const auto& [option, value] : eval_options) {
+      argv.push_back("--" + option + "=" + value);
+    }
+    for (const auto& [name, value] : plan.settings) {
+      if (name == "general.threads") argv.push_back("--" + name + "=" + value);
+    }
+    return argv;
+  };
+  const auto is_there = [&] {
+    std::error_code error;
+    return fs::exists(file, error);
+  };
+  return Once(plan.evaluation, is_there, prepare);
 }
 
 }  // namespace freegs::stages

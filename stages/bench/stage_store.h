@@ -11,6 +11,7 @@
 #define FREEGS_STAGES_BENCH_STAGE_STORE_H_
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -31,6 +32,11 @@ struct StoredStage {
   std::string stage;
   std::filesystem::path workspace;  // OUT/store/STAGE_KEY
 };
+
+// Makes the link workspace / STAGE to a stage of the store, by a relative path.
+// Both paths must be absolute.
+Status LinkStage(const StoredStage& from,
+                 const std::filesystem::path& workspace);
 
 // The stages of a cell in their order, and how its photographs are processed.
 struct CellPlan {
@@ -71,8 +77,14 @@ class StageStore {
   // What an earlier bench left in `folder`. Deletes the folder when that is of
   // a program whose results do not count.
   StatusOr<ChildOutcome> EarlierOutcome(const std::filesystem::path& folder);
-  StatusOr<ChildOutcome> RunOnce(const std::filesystem::path& folder,
-                                 const std::vector<std::string>& argv);
+
+  // Runs the command that `prepare` returns and keeps its outcome in `folder`,
+  // unless an outcome that stays is there, together with its result
+  // (`is_there`). Other threads that want the same folder wait.
+  using PrepareFn = std::function<StatusOr<std::vector<std::string>>()>;
+  StatusOr<ChildOutcome> Once(const std::filesystem::path& folder,
+                              const std::function<bool()>& is_there,
+                              const PrepareFn& prepare);
 
   const BenchContext& context_;
   const std::string to_;

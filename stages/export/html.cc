@@ -54,4 +54,11 @@ std::string EncodeUrlPath(std::string_view path) {
   return encoded;
 }
 
+std::string JsonForScript(std::string json) {
+  for (size_t at = 0; (at = json.find('<', at)) != std::string::npos;) {
+    json.replace(at, 1, "\\u003c");
+  }
+  return json;
+}
+
 }  // namespace freegs::stages

@@ -18,6 +18,10 @@ std::string EscapeHtml(std::string_view text);
 // escaping. A colon in its first part cannot be taken for the end of a scheme.
 std::string EncodeUrlPath(std::string_view path);
 
+// Makes JSON safe within a script element, whose end "</script>" it must not
+// hold. It stays the same JSON.
+std::string JsonForScript(std::string json);
+
 }  // namespace freegs::stages
 
 #endif  // FREEGS_STAGES_EXPORT_HTML_H_

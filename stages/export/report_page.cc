@@ -102,11 +102,8 @@ void AppendCurves(const ReportData& data, std::string* html) {
         "charts come with the 3D view.</p>\n";
     return;
   }
-  // In a script, "<" could begin its end.
-  std::string json = JsonText(TrainingCurvesJson(data.curves), -1);
-  for (size_t at = 0; (at = json.find('<', at)) != std::string::npos;) {
-    json.replace(at, 1, "\\u003c");
-  }
+  const std::string json =
+      JsonForScript(JsonText(TrainingCurvesJson(data.curves), -1));
   *html +=
       "<div class=\"charts\" id=\"training\"><p class=\"quiet\">The charts "
       "need scripts; the numbers are in reconstruct/progress.csv.</p></div>\n"

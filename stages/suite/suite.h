@@ -54,8 +54,9 @@ struct SuiteChart : SuiteSelection {
 
   // Points are of one series where these keys agree.
   std::vector<std::string> series = {"scene"};
-  std::string
-      label;  // The key whose value stands beside a point; may be empty.
+
+  // The key whose value stands beside a point; may be empty.
+  std::string label;
   bool log_x = false;
   bool log_y = false;
 

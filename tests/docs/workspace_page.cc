@@ -140,7 +140,7 @@ void WorkspacePage::Compare(const fs::path& workspace) {
       continue;
     }
     found_.insert(pattern);
-    if (file.starts_with('.')) continue;  // Its fields are nobody's business.
+    if (file.starts_with('.')) continue;  // Only the program reads it.
     const auto section = sections_.find(pattern);
     for (const std::string& field : FieldsOf(entry.path())) {
       // Figures of a summary have the names that another file gives them.

@@ -178,6 +178,10 @@ TEST_F(StageStoreTest, ATimeLimitIsAFailure) {
   ASSERT_TRUE(outcome.ok()) << outcome.status().message();
   EXPECT_THAT(outcome->reason, HasSubstr("no end within"));
   EXPECT_TRUE(outcome->IsFinal());
+  const auto kept =
+      ReadOutcome(PlanOf({}).stages[0].workspace / "outcome.json");
+  ASSERT_TRUE(kept.ok()) << kept.status().message();
+  EXPECT_TRUE(kept->IsFinal());
 }
 
 TEST_F(StageStoreTest, CancellingEndsTheBench) {
