@@ -34,7 +34,8 @@ for place in "${places[@]}"; do
   cmake -S "$place" -B "$place/build" -G Ninja -DFREEGS_BUILD_TESTS=OFF >"$folder/log"
   cmake --build "$place/build" --parallel "$jobs" >>"$folder/log" ||
     { tail -n 30 "$folder/log" >&2; exit 1; }
-  (cd "$place/build" && cpack) >>"$folder/log" 2>&1 ||
+  # The modes of a package's parts are in its header, and follow the umask of cpack.
+  (umask 0022 && cd "$place/build" && cpack) >>"$folder/log" 2>&1 ||
     { tail -n 30 "$folder/log" >&2; exit 1; }
   # A second build on another day, and by somebody with other habits.
   umask 0027
