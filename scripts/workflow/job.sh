@@ -5,18 +5,20 @@
 #
 #   job.sh PROGRAM IMAGES WORKSPACE STAGE THREADS PLAN_THREADS ATTEMPT AGAIN [OPTION ...]
 #
-# A failure leaves WORKSPACE/.workflow/STAGE.failed: the exit code, what was asked
-# for, and the words of the program. Codes 2 to 5 are about the scene or the command
-# and not about the machine, so a second attempt does not try again. A verdict (4)
-# took long and holds for later runs of the workflow, too, until the photos, the
-# options or the program change, or AGAIN is not 0.
+# What the program says goes to WORKSPACE/.workflow/STAGE.log. A failure leaves
+# STAGE.failed beside it: the exit code, what was asked for, and the last words.
+# Codes 2 to 5 are about the scene or the command and not about the machine, so a
+# second attempt does not try again. A verdict (4) took long and holds for later runs
+# of the workflow, too, until the photos, the options or the program change, or AGAIN
+# is not 0.
 set -uo pipefail
 
 program=$1 images=$2 workspace=$3 stage=$4 threads=$5 plan_threads=$6 attempt=$7 again=$8
 shift 8
 state=$workspace/.workflow
 failed=$state/$stage.failed
-mkdir -p -- "$state" || exit 1
+log=$state/$stage.log
+mkdir -p -- "$state" && exec 2>"$log" || exit 1
 
 # What a verdict is about: program, options, and names, sizes and times of photos.
 asked() {
@@ -45,21 +47,18 @@ if ! flock --nonblock "$workspace/.lock" true; then
 fi
 
 run=(--from "$stage" --to "$stage" --threads "$threads")
-"$program" run "$images" "$workspace" "${run[@]}" "$@" 2> >(tee "$failed.part" >&2)
-code=$?
-wait $! # for tee
+code=0
+"$program" run "$images" "$workspace" "${run[@]}" "$@" || code=$?
 if ((code != 0)); then
   {
     echo "$code"
     asked "$@"
     # The last message; without one, the program was killed.
-    grep '^freegs_pipeline: ' "$failed.part" | tail -n 1 | cut -d' ' -f2-
+    grep '^freegs_pipeline: ' "$log" | tail -n 1 | cut -d' ' -f2-
   } >"$failed.new"
   mv -- "$failed.new" "$failed"
-  rm -f -- "$failed.part"
   exit "$code"
 fi
-rm -f -- "$failed.part"
 
 # Without a plan the workflow asks for what it asks by default.
 plan=$state/plan.json
