@@ -34,7 +34,8 @@ th, td { padding: .35rem 1.2rem .35rem 0; text-align: left; vertical-align: top;
   border-bottom: 1px solid var(--line); }
 th { font-weight: 400; font-size: .85rem; }
 th, .quiet { color: var(--quiet); }
-.number { text-align: right; }
+.number { text-align: right; white-space: nowrap; }
+th.number { white-space: normal; }
 .failed { color: var(--warn); }
 .words { max-width: 36rem; font-size: .85rem; overflow-wrap: anywhere; }
 img { display: block; width: 8rem; border-radius: .25rem; background: var(--line); }
@@ -89,9 +90,10 @@ def read_scene(workspace):
         begun = (workspace / f"{unfinished}.partial").exists()
         scene["class"] = "quiet"
         scene["state"] = f"{unfinished} {'unfinished' if begun else 'not begun'}"
+    # What did not end well keeps its figures where it was made.
+    for stage in set(STAGES) - set(done):
+        records[stage] = read_json(workspace / f"{stage}.partial" / "stage.json")
     sfm = records["sfm"].get("summary", {})
-    if not sfm:  # A verdict on the photos keeps its figures where it was made.
-        sfm = read_json(workspace / "sfm.partial" / "stage.json").get("summary", {})
     if sfm.get("images"):
         scene["photos"] = f"{sfm.get('registered', 0)} of {sfm['images']}"
     elif records["ingest"].get("summary"):
