@@ -6,8 +6,8 @@
 #   scripts/demo.sh [IMAGES [OPTION ...]]
 #
 # IMAGES is a folder of photos. Options are passed to `freegs_pipeline run`, for
-# example --preset balanced. The result is in demo_workspace of the checkout. If the script is
-# run again, it goes on from there.
+# example --preset balanced. The result is in demo_workspace of the checkout. If
+# the script is run again, it goes on from there.
 set -euo pipefail
 here=$PWD
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
