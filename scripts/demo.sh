@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# From a clean checkout to a 3D scene: installs, builds, makes sample photos
-# when none are given, and runs the whole pipeline.
+# Makes a 3D scene, beginning with a clean checkout: installs packages, builds the
+# program, draws sample photos if none are given, and runs the whole pipeline.
 #
 #   scripts/demo.sh [IMAGES [OPTION ...]]
 #
-# Options go to `freegs_pipeline run`, e.g. --preset balanced. The result lies
-# in ./demo_workspace; running it again goes on from there. What the steps print
-# is kept in ./demo_workspace.log.
+# IMAGES is a folder of photos. Options are passed to `freegs_pipeline run`, for
+# example --preset balanced. The result is in demo_workspace of the checkout. If
+# the script is run again, it goes on from there. What the steps print is kept in
+# demo_workspace.log.
 set -euo pipefail
 here=$PWD
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

@@ -1,19 +1,21 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Installs the package that cpack made on a new Debian 12, which it makes in a
-# folder of its own, and runs the whole pipeline there.
+# Tests the Debian package that cpack made: makes a new Debian 12 in a folder of its
+# own, installs the package there, and runs the whole pipeline in it.
 #
 #   scripts/package_test.sh [PHOTOS [OPTION ...]]
 #
-# Without PHOTOS the scene maker of the build draws 24. Options go to
-# `freegs_pipeline run` (default: --preset fast). The environment may say
+# PHOTOS is a folder of photos. Without it the scene maker of the build draws 24.
+# Options are passed to `freegs_pipeline run` (default: --preset fast). The script
+# needs root, for chroot, and Debian's package debootstrap. It reads these
+# variables of the environment:
 #   BUILD    the build folder, where cpack was run (default: build)
-#   MIRROR   where Debian's packages come from (default: as this system's apt)
-#   DEVELOPMENT   anything but nothing: installs freegs-pipeline-dev as well, and
-#            builds and runs examples/render_scene (2 GB more)
-#   SYSTEM   the folder of the new system; it is deleted afterwards unless KEEP is
-#            set (default: a new folder under TMPDIR, which needs 3 GB)
-# Needs root, for chroot, and Debian's package debootstrap.
+#   MIRROR   the address of Debian's packages (default: the one that apt uses)
+#   DEVELOPMENT   if it is not empty, freegs-pipeline-dev is installed as well, and
+#            examples/render_scene is built and run with it (2 GB more)
+#   SYSTEM   the folder of the new system (default: a new folder under TMPDIR, which
+#            needs 3 GB)
+#   KEEP     if it is not empty, that folder is not deleted afterwards
 set -euo pipefail
 here=$PWD
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
