@@ -1,17 +1,18 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Builds for 64-bit ARM on a machine of another kind and runs the tests of splat
-# and semantics in QEMU.
+# Builds the program for 64-bit ARM on a machine of another kind, and runs the
+# tests of splat and semantics in QEMU, which runs ARM programs there.
 #
 #   scripts/arm64.sh [TEST_PROGRAM ...]     default: splat_test semantics_test
 #
-# Installs Debian's cross compiler, QEMU and mmdebstrap where they are missing. The
-# libraries for ARM are unpacked in a folder, and nothing of this system's own is
-# replaced. The environment may say
+# Installs Debian's cross compiler, QEMU and mmdebstrap if they are missing. The
+# libraries for ARM are unpacked in a folder of their own, so that nothing that is
+# installed on this system is replaced. The script reads these variables of the
+# environment:
 #   BUILD     the build folder (default: build-arm64)
-#   FREEGS_SYSROOT   the folder of the libraries (default: BUILD/sysroot; 2 GB),
-#             which is made unless it is there
-#   MIRROR    where Debian's packages come from (default: as this system's apt)
+#   FREEGS_SYSROOT   the folder of the libraries for ARM (default: BUILD/sysroot).
+#             It is made if it is not there, and takes 2 GB.
+#   MIRROR    the address of Debian's packages (default: the one that apt uses)
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 build=${BUILD:-build-arm64}

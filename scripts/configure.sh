@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Configures the build folder: Ninja and ccache where they are installed.
+# Configures a build folder with CMake. Uses Ninja and ccache if they are installed.
 #
 #   scripts/configure.sh BUILD_FOLDER [CMAKE_ARGUMENT ...]
 set -euo pipefail

@@ -1,15 +1,18 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# How many instructions a training step takes, by callgrind: a measure of speed
-# that does not depend on what else the machine does. Compares with
-# scripts/instructions.txt.
+# Counts the processor instructions of five training steps with callgrind (a tool
+# of valgrind), and compares them with the number in scripts/instructions.txt. The
+# count is a measure of speed that does not depend on what else the machine does.
 #
 #   scripts/count_instructions.sh BUILD [--write]
 #
-# Five steps on a drawn scene of 80 x 60 pixels, with the instructions that
-# valgrind knows (AVX2). Exit codes: 0 as before within 3 %; 4 not; 77 where
-# there is no valgrind, no AVX2, no Release build, or no number for this compiler.
-# --write puts the number into the file.
+# The steps are made on a drawn scene of 80 x 60 pixels, with AVX2, the widest
+# instructions that valgrind knows. --write puts the new number into the file. Exit
+# codes:
+#   0    the number is the same within 3 %
+#   4    it is not
+#   77   it cannot be compared: there is no valgrind, no AVX2, no Release build, or
+#        no number for this compiler in the file
 set -euo pipefail
 
 build=$(realpath "${1:?usage: scripts/count_instructions.sh BUILD [--write]}")

@@ -1,18 +1,21 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# From a clean checkout to a 3D scene: installs, builds, makes sample photos
-# when none are given, and runs the whole pipeline.
+# Makes a 3D scene, beginning with a clean checkout: installs packages, builds the
+# program, draws sample photos if none are given, and runs the whole pipeline.
 #
 #   scripts/demo.sh [IMAGES [OPTION ...]]
 #
-# Options go to `freegs_pipeline run`, e.g. --preset balanced. The result lies
-# in ./demo_workspace; running it again goes on from there.
+# IMAGES is a folder of photos. Options are passed to `freegs_pipeline run`, for
+# example --preset balanced. The result is in demo_workspace of the checkout. If
+# the script is run again, it goes on from there. What the steps print is kept in
+# demo_workspace.log.
 set -euo pipefail
 here=$PWD
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 build=${BUILD:-build}
 photos=demo_photos
 workspace=demo_workspace
+log=$workspace.log
 
 images=""
 if (($# > 0)) && [[ $1 != --* ]]; then
@@ -20,38 +23,96 @@ if (($# > 0)) && [[ $1 != --* ]]; then
   shift
 fi
 
-scripts/install_packages.sh
-scripts/configure.sh "$build" >/dev/null
-cmake --build "$build" --parallel "$(nproc)" \
-  --target freegs_pipeline freegs_make_scene
+# Seconds that are left after the step at hand. The first guesses are for two
+# cores and an empty machine; later ones take the place of guesses.
+install_seconds=90
+build_seconds=$((360 / $(nproc)))
+draw_seconds=6
+scene_seconds=75
+[[ -z $images ]] || draw_seconds=0
+
+minutes() {
+  if (($1 < 60)); then
+    echo "$1 s"
+  else
+    echo "$(($1 / 60)) min $(($1 % 60)) s"
+  fi
+}
+# How far ninja or make is: "12 of 138", from the last line that says so.
+built() {
+  tail -n 3 "$log" | tr '\r' '\n' |
+    sed -nE 's|^\[ *([0-9]+)/([0-9]+)\].*|\1 \2|p' | tail -n 1
+}
+# step NAME SECONDS LATER COMMAND...: runs the command, which takes about SECONDS,
+# and shows how long it and the LATER seconds of other steps will last. Its output
+# goes to the log, and to the terminal when it fails.
+step() {
+  local name=$1 expected=$2 later=$3 start=$SECONDS shown=-30 passed left done total
+  shift 3
+  "$@" >>"$log" 2>&1 &
+  local job=$!
+  while kill -0 "$job" 2>/dev/null; do
+    passed=$((SECONDS - start))
+    left=$((expected > passed ? expected - passed : 5))
+    if [[ $name == build* ]] && read -r done total < <(built) && ((done > 8)); then
+      left=$((passed * (total - done) / done))
+    fi
+    if [[ -t 2 ]]; then
+      printf '\r\033[K%s, about %s left for the whole' "$name" "$(minutes $((left + later)))" >&2
+    elif ((passed - shown >= 30)); then
+      shown=$passed
+      echo "$name, about $(minutes $((left + later))) left for the whole" >&2
+    fi
+    sleep 1
+  done
+  [[ ! -t 2 ]] || printf '\r\033[K' >&2
+  local status=0
+  wait "$job" || status=$?
+  if ((status != 0)); then
+    tail -n 30 "$log" >&2
+    echo "error: $name failed; all of it is in $log" >&2
+    exit "$status"
+  fi
+  echo "$name: done in $(minutes $((SECONDS - start)))" >&2
+}
+build_program() {
+  scripts/configure.sh "$build"
+  cmake --build "$build" --parallel "$(nproc)" \
+    --target freegs_pipeline freegs_make_scene
+}
+
+: >"$log"
+step "installing packages" "$install_seconds" \
+  $((build_seconds + draw_seconds + scene_seconds)) scripts/install_packages.sh
+step "building" "$build_seconds" $((draw_seconds + scene_seconds)) build_program
 program=$build/bin/freegs_pipeline
 
 truth=""
 if [[ -z $images ]]; then
   if [[ ! -f $photos/gt/cameras.json ]]; then
-    "$build/bin/freegs_make_scene" --out "$photos" --views 40 \
+    step "drawing sample photos" "$draw_seconds" "$scene_seconds" \
+      "$build/bin/freegs_make_scene" --out "$photos" --views 40 \
       --width 640 --height 480 --seed 1
   fi
   images=$photos/images
   truth=$photos
 fi
 
-"$program" doctor
-"$program" run "$images" "$workspace" --preset fast "$@"
-"$program" status "$workspace"
+# From here on the program itself says how long the rest will take.
+"$program" run "$images" "$workspace" --preset fast "$@" >"$log.end"
 if [[ -n $truth ]]; then
-  "$program" eval "$workspace" --gt "$truth" --json "$workspace/eval.json"
+  echo "Compared with the truth, which drawn photos have:"
+  "$program" eval "$workspace" --gt "$truth" --json "$workspace/eval.json" |
+    tee -a "$log" | grep -E '^  (holdout PSNR|instance mIoU|text mIoU) '
 fi
-
+echo
+echo "The whole took $(minutes "$SECONDS")."
+sed "s|^  freegs_pipeline |  $program |" "$log.end"
+rm -f -- "$log.end"
 cat <<END
-
-The scene lies in $workspace:
-  page       $workspace/export/report/index.html    the scene in 3D, and its figures
-  Gaussians  $workspace/reconstruct/point_cloud.ply
-  renders    $workspace/reconstruct/holdout/
-  objects    $workspace/bootstrap/instances.json
-Ask it in words and with pictures, in the browser, with
+Or ask in words, with pictures and by clicking, in the browser:
   $program view $workspace --open
-Look at other views with
-  $program render $workspace --out DIR
+Look at the scene from anywhere:
+  $program render $workspace --path orbit --video orbit.mp4
+The scene for other programs, masks and boxes: $workspace/export
 END

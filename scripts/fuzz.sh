@@ -1,15 +1,16 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Builds the fuzz targets of all readers (tests/fuzz, needs clang-14) and runs
-# each of them. Prints one line per target and fails on a finding.
+# Builds the fuzz targets of all readers (tests/fuzz, needs clang-14) and runs each
+# of them. Prints one line per target, and fails if one of them finds something.
 #
 #   scripts/fuzz.sh [SECONDS [TARGET ...]]     e.g. 600 splat_Ply sfm_Transforms
 #
-# SECONDS is the time per target (default: 60); without TARGET all run. BUILD
-# names the build folder (default: build-fuzz). In it, corpus/TARGET keeps the
-# inputs that reach new code, so that a later run goes on from there;
-# findings/TARGET-* are inputs that end the program, and findings/TARGET.log
-# says why. To see a finding again:
+# SECONDS is the time per target (default: 60). Without TARGET all run. The variable
+# BUILD names the build folder (default: build-fuzz). It keeps:
+#   corpus/TARGET     the inputs that reach new code. A later run goes on from them.
+#   findings/TARGET-* the inputs that end the program
+#   findings/TARGET.log   why they end it
+# This shows a finding again:
 #
 #   build-fuzz/fuzz/TARGET build-fuzz/findings/TARGET-crash-...
 set -euo pipefail

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Installs the Debian packages of packages.txt that are not there yet, and with
-# --tests or --arm64 those of test_packages.txt or arm64_packages.txt as well. Does
-# nothing, and needs no network, when none is missing.
+# Installs the Debian packages of packages.txt that are missing. With --tests it also
+# installs those of test_packages.txt, and with --arm64 those of arm64_packages.txt.
+# If none is missing, it does nothing and needs no network.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 

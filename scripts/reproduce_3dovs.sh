@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# FreeGS on 3D-OVS: reconstructs each scene from the photographs without masks,
-# asks for its classes, and writes a table of mIoU.
+# Evaluates FreeGS on 3D-OVS: reconstructs each scene from the photographs that have
+# no masks, asks for its classes, and writes a table of mIoU.
 #
 #   scripts/reproduce_3dovs.sh [--dry-run] DATA [OPTION ...]
 #
-# DATA holds bed/, bench/, room/, sofa/, lawn/. See reproduce_common.sh for what
-# the environment may say. The split is that of the paper: test views, those
-# with masks, are not trained on; many other figures were measured with them.
+# DATA is the folder that holds bed/, bench/, room/, sofa/ and lawn/.
+# reproduce_common.sh lists the variables of the environment. The photographs that
+# have masks are the test views. They are not trained on, as in the paper. Many
+# other published figures come from views that were trained on.
 set -euo pipefail
 shopt -s extglob
 benchmark=3dovs

@@ -1,13 +1,14 @@
 # shellcheck shell=bash
 # SPDX-License-Identifier: BSD-3-Clause
-# What the reproduce_*.sh scripts share; they source it. It wants the variables
-# benchmark (name), scenes (array), get_data (where the data comes from).
+# The functions that the reproduce_*.sh scripts share. They source this file, after they
+# have set the variables benchmark (name), scenes (array) and get_data (a sentence that
+# says where the data come from).
 #
-# From the environment:
+# It reads these variables of the environment:
 #   PROGRAM   freegs_pipeline            (default: build/bin/freegs_pipeline)
 #   OUT       folder for all results     (default: reproduce/NAME)
 #   PRESET    fast, balanced or quality  (default: quality)
-#   SCENES    names, to run only some
+#   SCENES    names of scenes, to run only these
 
 : "${benchmark:?}" "${get_data:?}"
 here=$PWD

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# FreeGS on LERF-Mask: reconstructs each scene from its training photographs,
-# asks for its phrases, and writes a table of mIoU and boundary mIoU.
+# Evaluates FreeGS on LERF-Mask: reconstructs each scene from its training
+# photographs, asks for its phrases, and writes a table of mIoU and boundary mIoU.
 #
 #   scripts/reproduce_lerf_mask.sh [--dry-run] DATA [OPTION ...]
 #
-# DATA holds figurines/, ramen/, teatime/. See reproduce_common.sh for what the
-# environment may say.
+# DATA is the folder that holds figurines/, ramen/ and teatime/. reproduce_common.sh
+# lists the variables of the environment.
 set -euo pipefail
 benchmark=lerf_mask
 scenes=(figurines ramen teatime)

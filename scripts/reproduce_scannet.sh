@@ -1,14 +1,15 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# FreeGS on ScanNet: reconstructs each scan from every 20th frame with the
-# scan's poses, asks for the labels of its objects, and writes a table of 3D box
+# Evaluates FreeGS on ScanNet: reconstructs each scan from every 20th frame with the
+# scan's own poses, asks for the labels of its objects, and writes a table of 3D box
 # mIoU and recall.
 #
 #   scripts/reproduce_scannet.sh [--dry-run] DATA [OPTION ...]
 #
-# DATA holds scene0060_00/, scene0381_00/, scene0462_00/, each with the scan's
-# files and the frames that ScanNet's SensReader exports (color/, pose/,
-# intrinsic/). See reproduce_common.sh for what the environment may say, and
+# DATA is the folder that holds scene0060_00/, scene0381_00/ and scene0462_00/. Each of
+# them has the files of the scan, and the frames that ScanNet's SensReader exports
+# (color/, pose/, intrinsic/). reproduce_common.sh lists the variables of the
+# environment. One more is read here:
 #   STEP   every how many-th frame is used (default: 20)
 set -euo pipefail
 benchmark=scannet

@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Builds the commit that is checked out twice, in folders with paths of other
-# lengths, and compares the program, the page and the packages byte by byte.
+# Tests that a build can be repeated: builds the commit that is checked out twice, in
+# folders whose paths differ in length, and compares the program, the page and the
+# packages byte by byte.
 #
 #   scripts/reproducible.sh [FOLDER]
 #
-# FOLDER gets both builds (default: a new folder under TMPDIR, deleted afterwards;
-# 1 GB). Nothing is taken from a compile cache. JOBS says how many compilers run at
-# once (default: as many as there are cores).
+# FOLDER gets both builds, which take 1 GB. By default it is a new folder under TMPDIR
+# that is deleted afterwards. No compile cache is used. The variable JOBS says how many
+# compilers run at once (default: as many as there are cores).
 set -euo pipefail
 here=$PWD
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Builds the tests with sanitizers and runs them; any report fails.
+# Builds the tests with sanitizers and runs them. Fails if a sanitizer reports anything.
 #
 #   scripts/sanitize.sh [address|thread [TEST_PROGRAM ...]]   e.g. thread core_test
 #
-# address (the default) finds wrong use of memory, leaks and undefined
-# behaviour; thread finds data races. Without TEST_PROGRAM all tests run. BUILD
-# names the build folder (default: build-asan, build-tsan).
-# tests/sanitizer_suppressions.txt names what is not ours to mend.
+# `address` (the default) finds wrong use of memory, leaks and undefined behaviour.
+# `thread` finds data races. Without TEST_PROGRAM all tests run. The variable BUILD
+# names the build folder (default: build-asan or build-tsan).
+# tests/sanitizer_suppressions.txt lists reports about code that is not ours.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Installs what is missing, checks the formatting, builds with warnings as
-# errors, and runs all tests.
+# Does everything that a change has to pass: installs missing packages, checks the
+# formatting, builds with warnings as errors, and runs all tests.
 #
 #   scripts/test.sh [CMAKE_ARGUMENT ...]     e.g. -DFREEGS_SANITIZE=address
 #
-# BUILD names the build folder (default: build). FREEGS_SHARED_DATA may name a
-# folder of reference data; tests that want it are skipped without it.
+# The variable BUILD names the build folder (default: build). FREEGS_SHARED_DATA may
+# name a folder of reference data. Tests that need it are skipped without it.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 build=${BUILD:-build}

@@ -16,7 +16,10 @@
 #include "pipeline/stage_runner.h"
 #include "pipeline/version.h"
 #include "pipeline/workspace.h"
+#include "stages/command_line/completion_values.h"
 #include "stages/command_line/remembered_options.h"
+#include "stages/export/html.h"
+#include "stages/query/suggested_questions.h"
 #include "stages/registry/pipeline_options.h"
 #include "stages/registry/stage_registry.h"
 
@@ -154,6 +157,35 @@ Status Execute(const Request& request,
   return runner.Run();
 }
 
+// The text as one word of a shell, quoted where it has to be.
+std::string ShellWord(const std::string& text) {
+  constexpr std::string_view kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./";
+  const bool plain =
+      !text.empty() && text.find_first_not_of(kPlain) == std::string::npos;
+  return plain ? text : ShellQuoted(text);
+}
+
+// Tells where to look at the finished scene, and what to ask it.
+// `given` is the workspace as the command line has it.
+void TellResult(const fs::path& workspace,
+                const std::string& given,
+                std::ostream& out) {
+  const fs::path page = workspace / "export" / "report" / "index.html";
+  std::error_code error;
+  if (!fs::exists(page, error)) return;
+  out << "Open the page of the scene:\n  "
+      << "file://" + EncodeUrlPath(page.string()) << "\n";
+  const auto questions = SuggestQuestions(workspace, 3);
+  if (!questions.ok() || questions->empty()) return;
+  out << "Ask the scene, for instance:\n";
+  for (const std::vector<std::string>& question : *questions) {
+    out << "  freegs_pipeline query " << ShellWord(given);
+    for (const std::string& word : question) out << ' ' << ShellWord(word);
+    out << '\n';
+  }
+}
+
 struct RunWordsTargets {
   PipelineOptions options;
   std::string from;
@@ -268,7 +300,11 @@ Status RunRunCommand(const std::vector<std::string>& arguments,
                           pipeline::WorkspaceLock::Acquire(request.workspace));
   FREEGS_RETURN_IF_ERROR(
       pipeline::WriteWorkspaceInfo(request.workspace, request.info));
-  return Execute(request, targets.options, table, context);
+  FREEGS_RETURN_IF_ERROR(Execute(request, targets.options, table, context));
+  if (request.to == StageNames().back()) {
+    TellResult(request.workspace, words.back(), context.out);
+  }
+  return Status();
 }
 
 Status RunStageCommand(const std::vector<std::string>& arguments,
