@@ -319,9 +319,9 @@ Status StageRunner::RunStage(RunnerStage& stage,
     need.memory_bytes +=
         std::max<int64_t>(0, ResidentMemoryBytes() - kProgramMemory);
     const int64_t available = Memory().available_bytes;
-    logger_.Log(need.memory_bytes > available ? LogLevel::kWarning
-                                              : LogLevel::kInfo,
-                name + ": " + MemoryText(need, available));
+    logger_.Log(
+        need.memory_bytes > available ? LogLevel::kWarning : LogLevel::kInfo,
+        name + ": " + MemoryText(need, available));
   }
   const ResourceMeter meter;
   ProgressLine line(&logger_, name);

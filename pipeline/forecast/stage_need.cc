@@ -41,15 +41,16 @@ RunNeed Total(std::span<const StageForecast> stages) {
 std::string RunNeedText(const RunNeed& need) {
   std::string text;
   if (need.sum.known()) {
-    text =
-        "about " + FormatSeconds(need.sum.seconds) + ", " +
-        FormatBytes(static_cast<double>(need.sum.memory_bytes)) +
-        " of memory and " +
-        FormatBytes(static_cast<double>(need.sum.disk_bytes)) +
-        " of disk space";
+    text = "about " + FormatSeconds(need.sum.seconds) + ", " +
+           FormatBytes(static_cast<double>(need.sum.memory_bytes)) +
+           " of memory and " +
+           FormatBytes(static_cast<double>(need.sum.disk_bytes)) +
+           " of disk space";
   }
   for (size_t i = 0; i < need.unknown.size(); ++i) {
-    text += i > 0 ? ", " : text.empty() ? "nothing is known of " : "; nothing is known of ";
+    text += i > 0          ? ", "
+            : text.empty() ? "nothing is known of "
+                           : "; nothing is known of ";
     text += need.unknown[i];
   }
   return text;

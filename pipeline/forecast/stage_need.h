@@ -19,7 +19,7 @@ struct StageNeed {
   // Resident bytes of its largest process at the peak; 0 when nothing is known.
   int64_t memory_bytes = 0;
 
-  int64_t disk_bytes = 0;  // Of its folder.
+  int64_t disk_bytes = 0;  // Of its folder, at most.
   double seconds = 0;
 
   // The options to change when that is too much, in words that follow "To need
@@ -32,8 +32,8 @@ struct StageNeed {
   bool known() const { return memory_bytes > 0; }
 };
 
-// "needs about 850 MB of memory, 2 GB are available"; a warning with advice when
-// they are less.
+// "needs about 850 MB of memory, 2 GB are available"; a warning with advice
+// when they are less.
 std::string MemoryText(const StageNeed& need, int64_t available_bytes);
 
 // The seconds on several threads of what takes so many on one. The share
@@ -44,8 +44,8 @@ double OnThreads(double seconds, double serial, int threads);
 struct StageForecast {
   std::string stage;
   bool needed = true;
-  std::string reason;  // Why it is needed, or is not brought up to date.
-  StageNeed need;      // Of its Run, also when that is not needed.
+  std::string reason;   // Why it is needed, or is not brought up to date.
+  StageNeed need = {};  // Of its Run, also when that is not needed.
 };
 
 // What the needed stages take together: the seconds and bytes on disk of all,

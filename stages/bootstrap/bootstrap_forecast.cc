@@ -43,9 +43,12 @@ constexpr double kSecondsPerMillion = 31;
 constexpr double kSerial = 0.43;
 constexpr double kSecondsPerTrainingStep = 0.008;
 
-// Of the maps of instances, and of a Gaussian's features and instance.
-constexpr double kDiskBytesPerPixel = 0.05;
-constexpr double kDiskBytesPerGaussian = 4 * 128 + 4;
+// Features of the photos that teach, maps of instances in all photos, previews,
+// and of each Gaussian a vector and its place in the hierarchy.
+constexpr double kDiskBytesPerTeacher = 200e3;
+constexpr double kDiskBytesPerPixel = 0.03;
+constexpr double kDiskBytesPerPreviewPixel = 0.5;
+constexpr double kDiskBytesPerGaussian = 80;
 
 }  // namespace
 
@@ -66,7 +69,9 @@ pipeline::StageNeed BootstrapNeed(const BootstrapStageOptions& options,
                                   const pipeline::SceneOutlook& scene) {
   if (scene.train.empty() || scene.gaussians <= 0) return {};
   const std::vector<View> teachers = Teachers(options, scene.train);
-  const auto pixels = [&](int side) { return CountPixels(teachers, side); };
+  const auto pixels = [&](int side) {
+    return pipeline::CountPixels(teachers, side);
+  };
   const auto gaussians = static_cast<double>(scene.gaussians);
   const auto photo_pixels = static_cast<double>(pixels(0).largest);
   double bytes =
@@ -74,7 +79,9 @@ pipeline::StageNeed BootstrapNeed(const BootstrapStageOptions& options,
       kWeightBytesPerPixel * static_cast<double>(pixels(kPatchSide).largest) +
       kBytesPerPhotoPixel * photo_pixels + kBytesPerGaussian * gaussians;
   double disk =
+      kDiskBytesPerTeacher * static_cast<double>(teachers.size()) +
       kDiskBytesPerPixel * static_cast<double>(CountPixels(scene, 0).total) +
+      kDiskBytesPerPreviewPixel * photo_pixels * options.num_previews +
       kDiskBytesPerGaussian * gaussians;
   double seconds = kSeconds + kSecondsPerPhotoMegapixel * 1e-6 * photo_pixels +
                    kSecondsPerMillion * 1e-6 * gaussians;
@@ -90,6 +97,7 @@ pipeline::StageNeed BootstrapNeed(const BootstrapStageOptions& options,
   }
   if (options.mode == "paper") {
     bytes += kTrainedBytesPerGaussian * gaussians;
+    disk += kTrainedBytesPerGaussian * gaussians;  // The checkpoint.
     seconds += kSecondsPerTrainingStep * options.method.training.iterations;
   }
   return {.memory_bytes = pipeline::kProgramMemory + std::llround(bytes),

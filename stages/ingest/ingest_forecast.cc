@@ -86,8 +86,8 @@ void ShowPhotos(const std::vector<Photo>& photos,
     std::error_code error;
     const uintmax_t size = fs::file_size(folder / photo.name, error);
     if (photo.converted) {
-      scene->photo_bytes += std::llround(kBytesPerWrittenPixel * photo.width *
-                                         photo.height);
+      scene->photo_bytes +=
+          std::llround(kBytesPerWrittenPixel * photo.width * photo.height);
     } else if (!error) {
       scene->photo_bytes += static_cast<int64_t>(size);
     }
@@ -114,13 +114,13 @@ pipeline::StageNeed IngestNeed(const pipeline::SceneOutlook& scene,
     if (i < static_cast<size_t>(threads)) at_once += pixels[i];
     megapixels += pixels[i] / 1e6;
   }
-  return {
-      .memory_bytes =
-          pipeline::kProgramMemory + std::llround(kBytesPerPixel * at_once),
-      .disk_bytes = scene.photo_bytes,
-      .seconds = kSeconds + kSecondsPerMegapixel * megapixels / threads,
-      .advice = "lower general.threads, or ingest.max_megapixels so that the "
-                "largest photos are left out"};
+  return {.memory_bytes =
+              pipeline::kProgramMemory + std::llround(kBytesPerPixel * at_once),
+          .disk_bytes = scene.photo_bytes,
+          .seconds = kSeconds + kSecondsPerMegapixel * megapixels / threads,
+          .advice =
+              "lower general.threads, or ingest.max_megapixels so that the "
+              "largest photos are left out"};
 }
 
 }  // namespace freegs::stages

@@ -109,8 +109,9 @@ class IngestStage : public pipeline::Stage {
       const auto scan = Scan(context);
       if (!scan.ok()) return {.advice = scan.status().message()};
       if (scan->files.empty() && !scan->films.empty()) {
-        return {.advice = "of a film nothing is known before its frames are "
-                          "taken (stage ingest)"};
+        return {.advice =
+                    "of a film nothing is known before its frames are "
+                    "taken (stage ingest)"};
       }
       std::vector<Photo> photos =
           ReadPhotoHeaders(context.images, scan->files, options_.decode);

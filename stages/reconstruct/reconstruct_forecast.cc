@@ -48,6 +48,11 @@ constexpr double kStepSecondsPerMegapixel = 0.06;
 constexpr double kStepSecondsPerMillion = 0.05;
 constexpr double kSerial = 0.14;
 
+// Two checkpoints are kept, each with the model, two moments and what is
+// counted; and pictures of the holdout views.
+constexpr double kCheckpoints = 2 * 4;
+constexpr double kDiskBytesPerPixel = 1;
+
 double Densifications(const splat::ScheduleOptions& schedule) {
   if (schedule.densify_interval <= 0) return 0;
   const bool mini =
@@ -68,9 +73,8 @@ ExpectedGaussians ExpectGaussians(const splat::TrainerOptions& training,
   }
   const bool mini =
       schedule.method == splat::DensificationMethod::kMiniSplatting;
-  double dense =
-      std::min(kGaussiansPerPoint * first,
-               first * std::pow(kGrowth, Densifications(schedule)));
+  double dense = std::min(kGaussiansPerPoint * first,
+                          first * std::pow(kGrowth, Densifications(schedule)));
   double left = mini ? kLeft * dense : dense;
   if (training.budget > 0) {
     const auto budget = static_cast<double>(training.budget);
@@ -93,17 +97,17 @@ StageNeed ReconstructNeed(const ReconstructStageOptions& options,
     return {};
   }
   const int side = options.max_image_size;
-  const auto train = CountPixels(scene->train, side);
-  const auto holdout = CountPixels(scene->holdout, side);
+  const auto train = pipeline::CountPixels(scene->train, side);
+  const auto holdout = pipeline::CountPixels(scene->holdout, side);
   const double bytes_per_pixel = scene->masks ? 4 : 3;
-  const double reading =
-      kBytesPerDecodedPixel * threads *
-      static_cast<double>(CountPixels(*scene, 0).largest);
+  const double reading = kBytesPerDecodedPixel * threads *
+                         static_cast<double>(CountPixels(*scene, 0).largest);
   double images = kLevelsOfHoldoutPhoto * bytes_per_pixel *
                   static_cast<double>(holdout.total);
   double work = kBytesPerViewPixel *
                 static_cast<double>(std::max(train.largest, holdout.largest));
-  const int coefficients = splat::NumShCoefficients(training.schedule.sh_degree);
+  const int coefficients =
+      splat::NumShCoefficients(training.schedule.sh_degree);
   const double parameters = (11 + 3 * coefficients) * sizeof(float);
   double seconds = 0;
   double checkpoints = 0;
@@ -117,18 +121,18 @@ StageNeed ReconstructNeed(const ReconstructStageOptions& options,
     images += std::min(options.image_cache_gb * 1e9,
                        kLevelsOfTrainPhoto * bytes_per_pixel *
                            static_cast<double>(train.total));
-    const double megapixels =
-        1e-6 * static_cast<double>(train.total) /
-        static_cast<double>(scene->train.size());
+    const double megapixels = 1e-6 * static_cast<double>(train.total) /
+                              static_cast<double>(scene->train.size());
     seconds = options.iterations *
               (kStepSeconds + kStepSecondsPerMegapixel * megapixels +
                kStepSecondsPerMillion * 1e-6 * gaussians.dense);
-    checkpoints = gaussians.left * 3 * parameters;
+    checkpoints = kCheckpoints * gaussians.dense * parameters;
   }
   return {.memory_bytes = pipeline::kProgramMemory +
                           std::llround(images + std::max(reading, work)),
           .disk_bytes = std::llround(
-              static_cast<double>(scene->gaussians) * parameters + checkpoints),
+              static_cast<double>(scene->gaussians) * parameters + checkpoints +
+              kDiskBytesPerPixel * static_cast<double>(holdout.total)),
           .seconds = pipeline::OnThreads(seconds, kSerial, threads),
           .advice =
               "lower reconstruct.budget, reconstruct.max_image_size, "

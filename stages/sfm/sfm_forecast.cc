@@ -37,6 +37,8 @@ constexpr double kPointsPerFeature = 0.08;
 // The photo and the one without distortion, each decoded and as it is written.
 constexpr double kUndistortionBytesPerPixel = 12;
 constexpr double kUndistortionBytesPerPhoto = 600e3;
+// PNG files stay about as large; JPEG files are written with a high quality.
+constexpr double kDiskBytesPerPixel = 0.6;
 
 }  // namespace
 
@@ -63,11 +65,10 @@ StageNeed SfmNeed(const sfm::SfmOptions& options,
   const double features = static_cast<double>(options.max_features * photos);
   scene->points = std::llround(kPointsPerFeature * features);
   const double extraction =
-      kColmapMemory + kExtractorBytesPerPixel * threads *
-                          static_cast<double>(pixels.largest);
-  const double mapping =
-      static_cast<double>(pipeline::kProgramMemory) +
-      kBytesPerFeature * features;
+      kColmapMemory +
+      kExtractorBytesPerPixel * threads * static_cast<double>(pixels.largest);
+  const double mapping = static_cast<double>(pipeline::kProgramMemory) +
+                         kBytesPerFeature * features;
   const double seconds =
       25 + 0.45 * static_cast<double>(photos) +
       0.2e-6 * static_cast<double>(CountPixels(*scene, 0).total) +
@@ -84,14 +85,17 @@ StageNeed UndistortNeed(const SceneOutlook& scene, int cores) {
   const auto photos = static_cast<double>(scene.photos());
   if (photos == 0) return {};
   const pipeline::ViewPixels pixels = CountPixels(scene, 0);
-  return {.memory_bytes =
-              pipeline::kProgramMemory +
-              std::llround(kUndistortionBytesPerPixel * cores *
-                               static_cast<double>(pixels.largest) +
-                           kUndistortionBytesPerPhoto * photos),
-          .disk_bytes = scene.photo_bytes,
-          .seconds = 0.09e-6 * static_cast<double>(pixels.total) + 0.04 * photos,
-          .advice = "give smaller photos"};
+  return {
+      .memory_bytes = pipeline::kProgramMemory +
+                      std::llround(kUndistortionBytesPerPixel * cores *
+                                       static_cast<double>(pixels.largest) +
+                                   kUndistortionBytesPerPhoto * photos),
+      .disk_bytes =
+          std::max(scene.photo_bytes,
+                   static_cast<int64_t>(kDiskBytesPerPixel *
+                                        static_cast<double>(pixels.total))),
+      .seconds = 0.09e-6 * static_cast<double>(pixels.total) + 0.04 * photos,
+      .advice = "give smaller photos"};
 }
 
 void ShowModel(const std::filesystem::path& folder, SceneOutlook* scene) {
