@@ -11,9 +11,9 @@
 
 namespace freegs::pipeline {
 
-// What the program takes before a stage does anything: itself, and the
-// libraries it is linked with (OpenCV above all).
-inline constexpr int64_t kProgramMemory = 84'000'000;
+// What the program takes in any stage: itself, the libraries it is linked with
+// (OpenCV above all), and what it reads and writes in passing.
+inline constexpr int64_t kProgramMemory = 95'000'000;
 
 struct StageNeed {
   // Resident bytes of its largest process at the peak; 0 when nothing is known.

@@ -8,16 +8,18 @@
 namespace freegs::stages {
 namespace {
 
-// Of a view that is drawn: colour (3 floats), transmittance, depth and label (4
-// bytes each), and two 8-bit pictures; most of it is there for a part of the
-// view at a time.
-constexpr double kBytesPerPixel = 15;
+// Lists of tiles, buffers of the threads, the page.
+constexpr double kWorkMemory = 20e6;
 
-// The model as it is, and as it is moved, coloured and written.
-constexpr double kBytesPerGaussian = 1400;
+// Of a view that is drawn: colour (3 floats), transmittance, depth and label (4
+// bytes each); the pictures made of it come after some of these are gone.
+constexpr double kBytesPerPixel = 18;
+
+// The model as it is, and as it is moved, coloured, sorted and written.
+constexpr double kBytesPerGaussian = 1900;
 
 constexpr double kSeconds = 0.6;
-constexpr double kSecondsPerMegapixel = 0.075;  // Of the views that are drawn.
+constexpr double kSecondsPerMegapixel = 0.15;  // Of the views that are drawn.
 constexpr double kSecondsPerMillion = 7;
 constexpr double kSerial = 0.5;
 
@@ -49,7 +51,8 @@ pipeline::StageNeed ExportNeed(const ExportStageOptions& options,
   return {
       .memory_bytes =
           pipeline::kProgramMemory +
-          std::llround(kBytesPerPixel * static_cast<double>(pixels.largest) +
+          std::llround(kWorkMemory +
+                       kBytesPerPixel * static_cast<double>(pixels.largest) +
                        kBytesPerGaussian * gaussians),
       .disk_bytes = std::llround(kDiskBytesOfPage + kDiskBytesPerPixel * drawn +
                                  kDiskBytesPerGaussian * gaussians),

@@ -32,11 +32,25 @@ constexpr int kUsualSide = 1200;
 constexpr double kBytesPerFeature = 1000;
 constexpr double kDiskBytesPerFeature = 310;
 
-constexpr double kPointsPerFeature = 0.08;
+// The more photos there are, the more of their features show the same points:
+// the points of a scene grow with the square root of the number of photos.
+constexpr double kPointsPerFeature = 0.45;
 
-// The photo and the one without distortion, each decoded and as it is written.
+constexpr double kSeconds = 25;
+constexpr double kSecondsPerPhoto = 0.3;
+constexpr double kSecondsPerMegapixel = 0.1;
+constexpr double kSecondsPerPair = 0.05;
+constexpr double kSerial = 0.3;
+
+// Of the undistorter on each core: the photo and the one without distortion,
+// each decoded and as it is written. And of the models that are read beside it.
+constexpr double kUndistorterMemory = 40e6;
 constexpr double kUndistortionBytesPerPixel = 12;
-constexpr double kUndistortionBytesPerPhoto = 600e3;
+constexpr double kModelMemory = 20e6;
+constexpr double kModelBytesPerPhoto = 250e3;
+constexpr double kUndistortionSecondsPerMegapixel = 0.09;
+constexpr double kUndistortionSecondsPerPhoto = 0.04;
+constexpr double kUndistortionSerial = 0.2;
 // PNG files stay about as large; JPEG files are written with a high quality.
 constexpr double kDiskBytesPerPixel = 0.6;
 
@@ -50,7 +64,7 @@ int64_t ExpectedPairs(const sfm::PairSelectionOptions& options,
     return all;
   }
   // Photos that are alike choose one another.
-  return std::min(all, photos * (options.neighbours + options.overlap) * 3 / 4);
+  return std::min(all, photos * (options.neighbours + options.overlap) / 2);
 }
 
 StageNeed SfmNeed(const sfm::SfmOptions& options,
@@ -63,19 +77,21 @@ StageNeed SfmNeed(const sfm::SfmOptions& options,
       options.max_image_size > 0 ? options.max_image_size : kUsualSide;
   const pipeline::ViewPixels pixels = CountPixels(*scene, side);
   const double features = static_cast<double>(options.max_features * photos);
-  scene->points = std::llround(kPointsPerFeature * features);
+  scene->points = std::llround(kPointsPerFeature * options.max_features *
+                               std::sqrt(static_cast<double>(photos)));
   const double extraction =
       kColmapMemory +
       kExtractorBytesPerPixel * threads * static_cast<double>(pixels.largest);
   const double mapping = static_cast<double>(pipeline::kProgramMemory) +
                          kBytesPerFeature * features;
   const double seconds =
-      25 + 0.45 * static_cast<double>(photos) +
-      0.2e-6 * static_cast<double>(CountPixels(*scene, 0).total) +
-      0.05 * static_cast<double>(ExpectedPairs(options.pairs, photos));
+      kSeconds + kSecondsPerPhoto * static_cast<double>(photos) +
+      kSecondsPerMegapixel * 1e-6 * static_cast<double>(pixels.total) +
+      kSecondsPerPair *
+          static_cast<double>(ExpectedPairs(options.pairs, photos));
   return {.memory_bytes = std::llround(std::max(extraction, mapping)),
           .disk_bytes = std::llround(kDiskBytesPerFeature * features),
-          .seconds = pipeline::OnThreads(seconds, 0.3, threads),
+          .seconds = pipeline::OnThreads(seconds, kSerial, threads),
           .advice =
               "lower sfm.max_image_size, sfm.max_features or general.threads, "
               "or take fewer photos (ingest.keep_sharpest)"};
@@ -85,17 +101,21 @@ StageNeed UndistortNeed(const SceneOutlook& scene, int cores) {
   const auto photos = static_cast<double>(scene.photos());
   if (photos == 0) return {};
   const pipeline::ViewPixels pixels = CountPixels(scene, 0);
-  return {
-      .memory_bytes = pipeline::kProgramMemory +
-                      std::llround(kUndistortionBytesPerPixel * cores *
-                                       static_cast<double>(pixels.largest) +
-                                   kUndistortionBytesPerPhoto * photos),
-      .disk_bytes =
-          std::max(scene.photo_bytes,
-                   static_cast<int64_t>(kDiskBytesPerPixel *
-                                        static_cast<double>(pixels.total))),
-      .seconds = 0.09e-6 * static_cast<double>(pixels.total) + 0.04 * photos,
-      .advice = "give smaller photos"};
+  const double undistorter =
+      kUndistorterMemory +
+      kUndistortionBytesPerPixel * cores * static_cast<double>(pixels.largest);
+  const double model = static_cast<double>(pipeline::kProgramMemory) +
+                       kModelMemory + kModelBytesPerPhoto * photos;
+  const double seconds = kUndistortionSecondsPerMegapixel * 1e-6 *
+                             static_cast<double>(pixels.total) +
+                         kUndistortionSecondsPerPhoto * photos;
+  return {.memory_bytes = std::llround(std::max(undistorter, model)),
+          .disk_bytes =
+              std::max(scene.photo_bytes,
+                       static_cast<int64_t>(kDiskBytesPerPixel *
+                                            static_cast<double>(pixels.total))),
+          .seconds = pipeline::OnThreads(seconds, kUndistortionSerial, cores),
+          .advice = "give smaller photos"};
 }
 
 void ShowModel(const std::filesystem::path& folder, SceneOutlook* scene) {
