@@ -1,58 +1,75 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "stages/bootstrap/bootstrap_memory.h"
+#include "stages/bootstrap/bootstrap_forecast.h"
 
 #include <gtest/gtest.h>
 
-#include "pipeline/stage.h"
+#include "tests/stages/scene_outlook_of.h"
 
 namespace freegs::stages {
 namespace {
 
-BootstrapSize SomeSize() {
-  return {.weight_pixels = 24 * 224 * 168,
-          .patch_pixels = 400 * 300,
-          .photo_pixels = 2'000'000,
-          .gaussians = 50000,
-          .model_bytes = 12'000'000,
-          .threads = 2};
+using pipeline::SceneOutlook;
+using pipeline::StageNeed;
+
+constexpr int64_t kModelBytes = 12'000'000;
+
+StageNeed Need(const BootstrapStageOptions& options,
+               const SceneOutlook& scene,
+               int threads = 2) {
+  return BootstrapNeed(options, kModelBytes, threads, scene);
 }
 
-TEST(BootstrapMemoryTest, GrowsWithTheScene) {
-  const int64_t some = BootstrapMemory({}, SomeSize());
-  EXPECT_GT(some, pipeline::kProgramMemory);
-  for (int64_t BootstrapSize::*part : {&BootstrapSize::weight_pixels,
-                                       &BootstrapSize::patch_pixels,
-                                       &BootstrapSize::photo_pixels,
-                                       &BootstrapSize::gaussians,
-                                       &BootstrapSize::model_bytes}) {
-    BootstrapSize more = SomeSize();
-    more.*part *= 2;
-    EXPECT_GT(BootstrapMemory({}, more), some);
+TEST(BootstrapForecastTest, GrowsWithTheScene) {
+  SceneOutlook scene = SceneOutlookOf(12, 1600, 1200);
+  const StageNeed some = Need({}, scene);
+  EXPECT_GT(some.memory_bytes, pipeline::kProgramMemory);
+  for (const SceneOutlook& more :
+       {SceneOutlookOf(20, 1600, 1200), SceneOutlookOf(12, 3200, 2400)}) {
+    EXPECT_GT(Need({}, more).memory_bytes, some.memory_bytes);
+    EXPECT_GT(Need({}, more).disk_bytes, some.disk_bytes);
+    EXPECT_GE(Need({}, more).seconds, some.seconds);
   }
-  BootstrapSize more = SomeSize();
-  more.threads = 4;
-  EXPECT_GT(BootstrapMemory({}, more), some);
+  EXPECT_GT(Need({}, scene, 4).memory_bytes, some.memory_bytes);
+  EXPECT_LT(Need({}, scene, 4).seconds, some.seconds);
+  EXPECT_GT(BootstrapNeed({}, 2 * kModelBytes, 2, scene).memory_bytes,
+            some.memory_bytes);
+  scene.gaussians *= 2;
+  EXPECT_GT(Need({}, scene).memory_bytes, some.memory_bytes);
+  EXPECT_GT(Need({}, scene).seconds, some.seconds);
 }
 
-TEST(BootstrapMemoryTest, WeightsKeepToTheirLimit) {
+TEST(BootstrapForecastTest, WeightsKeepToTheirLimit) {
+  const SceneOutlook scene = SceneOutlookOf(24, 1600, 1200);
   BootstrapStageOptions options;
-  const int64_t all = BootstrapMemory(options, SomeSize());
+  const StageNeed all = Need(options, scene);
   options.weights_memory_gb = 0.1;
-  const int64_t some = BootstrapMemory(options, SomeSize());
-  EXPECT_LT(some, all);
-  BootstrapSize more = SomeSize();
-  more.weight_pixels *= 100;
-  EXPECT_EQ(BootstrapMemory(options, more), some);
+  const StageNeed some = Need(options, scene);
+  // The others go to the disk.
+  EXPECT_LT(some.memory_bytes, all.memory_bytes);
+  EXPECT_NEAR(static_cast<double>(some.disk_bytes - all.disk_bytes),
+              static_cast<double>(all.memory_bytes - some.memory_bytes),
+              2.0);
 }
 
-TEST(BootstrapMemoryTest, ModesTakeMoreAndLess) {
+TEST(BootstrapForecastTest, ModesTakeMoreAndLess) {
+  const SceneOutlook scene = SceneOutlookOf(24, 1600, 1200);
   BootstrapStageOptions options;
-  const int64_t lift = BootstrapMemory(options, SomeSize());
+  const StageNeed lift = Need(options, scene);
   options.mode = "paper";
-  EXPECT_GT(BootstrapMemory(options, SomeSize()), lift);
+  EXPECT_GT(Need(options, scene).memory_bytes, lift.memory_bytes);
+  EXPECT_GT(Need(options, scene).seconds, lift.seconds);
   options.mode = "geometry";
-  EXPECT_LT(BootstrapMemory(options, SomeSize()), lift);
+  EXPECT_LT(Need(options, scene).memory_bytes, lift.memory_bytes);
+}
+
+TEST(BootstrapForecastTest, NothingIsKnownWithoutPhotosOrGaussians) {
+  SceneOutlook scene = SceneOutlookOf(24, 640, 480);
+  scene.gaussians = 0;
+  EXPECT_FALSE(Need({}, scene).known());
+  scene = {};
+  scene.gaussians = 7;
+  EXPECT_FALSE(Need({}, scene).known());
 }
 
 }  // namespace
