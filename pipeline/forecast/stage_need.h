@@ -44,15 +44,16 @@ double OnThreads(double seconds, double serial, int threads);
 struct StageForecast {
   std::string stage;
   bool needed = true;
-  std::string reason;   // Why it is needed, or is not brought up to date.
-  StageNeed need = {};  // Of its Run, also when that is not needed.
+  std::string reason = {};  // Why it is needed, or is not brought up to date.
+  StageNeed need = {};      // Of its Run, also when that is not needed.
 };
 
 // What the needed stages take together: the seconds and bytes on disk of all,
 // and the memory of the largest.
 struct RunNeed {
-  StageNeed sum;
-  std::vector<std::string> unknown;  // Needed stages of which nothing is known.
+  StageNeed sum = {};
+  // The needed stages of which nothing is known.
+  std::vector<std::string> unknown = {};
 };
 RunNeed Total(std::span<const StageForecast> stages);
 

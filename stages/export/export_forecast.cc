@@ -9,14 +9,14 @@ namespace freegs::stages {
 namespace {
 
 // Lists of tiles, buffers of the threads, the page.
-constexpr double kWorkMemory = 20e6;
+constexpr double kWorkMemory = 45e6;
 
 // Of a view that is drawn: colour (3 floats), transmittance, depth and label (4
 // bytes each); the pictures made of it come after some of these are gone.
 constexpr double kBytesPerPixel = 18;
 
 // The model as it is, and as it is moved, coloured, sorted and written.
-constexpr double kBytesPerGaussian = 1900;
+constexpr double kBytesPerGaussian = 1400;
 
 constexpr double kSeconds = 0.6;
 constexpr double kSecondsPerMegapixel = 0.15;  // Of the views that are drawn.

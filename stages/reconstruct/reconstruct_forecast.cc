@@ -28,7 +28,7 @@ constexpr double kBytesPerViewPixel = 4 * (3 * 3 + 3 * 3 + 2);
 
 // What the program and its libraries take more than before the stage: lists of
 // tiles, buffers of the threads.
-constexpr double kWorkMemory = 31e6;
+constexpr double kWorkMemory = 170e6;
 
 // Copies of a Gaussian's parameters. Training has four: the model, two moments
 // and the last good state; checkpoints are written from them. The lists of what
@@ -40,7 +40,7 @@ constexpr double kCopiesOfGaussian = 5.95;
 // than the share `kLeft` of these after the last pruning.
 constexpr double kGrowth = 1.4;
 constexpr double kGaussiansPerPoint = 30;
-constexpr double kLeft = 0.34;
+constexpr double kLeft = 0.31;
 
 // Of a step on one thread, and the share of it that threads do not divide.
 constexpr double kStepSeconds = 0.02;

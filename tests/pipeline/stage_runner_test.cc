@@ -349,7 +349,7 @@ TEST_F(StageRunnerTest, TellsBeforeItBeginsWhatAllStagesTake) {
   c_.need = nullptr;
   ASSERT_TRUE(Run().ok());
   EXPECT_TRUE(log_.starts_with(
-      "run: expected to take about 40 s, 90.0 MB of memory and 1 B of disk "
+      "run: expected to take about 40 s, 90.0 MB of memory and 3 B of disk "
       "space; nothing is known of c\n"))
       << log_;
   // Only what is needed counts.
