@@ -55,9 +55,9 @@ at_work() { # How many scenes have a job now.
   done
   (("$busy" >= $1))
 }
-run_workflow() { # OPTION ...
-  snakemake --snakefile "$workflow/Snakefile" --configfile "$folder/scenes.yaml" \
-    --nocolor "$@" >>"$folder/runs.log" 2>&1
+run_workflow() { # [TARGET] OPTION ...
+  snakemake "$@" --snakefile "$workflow/Snakefile" --nocolor \
+    --configfile "$folder/scenes.yaml" >>"$folder/runs.log" 2>&1
 }
 
 # Two drawn rooms, photographed for five scenes, and one where all is plain.
@@ -160,13 +160,16 @@ echo "photos come, options change: what they concern is done again"
 mkdir photos/late
 cp drawn1/images/* photos/late/
 rm photos/late/frame_0012.jpg
-run_workflow "${local_run[@]}" --config again=1 -- "$work/late/.workflow/sfm"
+again() {
+  run_workflow "$work/late/.workflow/sfm" "${local_run[@]}" || fail "a late scene fails"
+}
+again
 cp drawn1/images/frame_0012.jpg photos/late/
-run_workflow "${local_run[@]}" -- "$work/late/.workflow/sfm"
+again
 cmp "$work/late/sfm/sparse/0/images.bin" alone1/sfm/sparse/0/images.bin ||
   fail "a photo that came late was not noticed"
 sed -i 's/^options:.*/& --sfm.max_features 900/' scenes.yaml
-run_workflow "${local_run[@]}" -- "$work/late/.workflow/sfm"
+again
 grep -q '"sfm.max_features": "900"' "$work/late/sfm/stage.json" ||
   fail "a changed option was not noticed"
 echo "workflow.sh: all is well"
