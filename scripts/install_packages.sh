@@ -9,6 +9,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")"
 lists=(packages.txt)
 [[ ${1:-} != --tests ]] || lists+=(test_packages.txt)
 [[ ${1:-} != --arm64 ]] || lists+=(arm64_packages.txt)
+[[ ${1:-} != --workflow ]] || lists+=(workflow_packages.txt)
 mapfile -t packages < <(cat "${lists[@]}" | sed 's/#.*//' |
   tr -s '[:space:]' '\n' | sed '/^$/d')
 # Programs that many people have from elsewhere, which Debian's would be in the

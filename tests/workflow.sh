@@ -164,10 +164,14 @@ again() {
   run_workflow "$work/late/.workflow/sfm" "${local_run[@]}" || fail "a late scene fails"
 }
 again
+# While another job works there, the next one waits.
 cp drawn1/images/frame_0012.jpg photos/late/
+flock "$work/late/.lock" sleep 5 &
 again
 cmp "$work/late/sfm/sparse/0/images.bin" alone1/sfm/sparse/0/images.bin ||
   fail "a photo that came late was not noticed"
+grep -q 'waiting for another job' runs.log "$work"/late/.workflow/*.log ||
+  fail "a job did not wait for another"
 sed -i 's/^options:.*/& --sfm.max_features 900/' scenes.yaml
 again
 grep -q '"sfm.max_features": "900"' "$work/late/sfm/stage.json" ||
