@@ -61,7 +61,7 @@ run_workflow() { # [TARGET] OPTION ...
 }
 
 # Two drawn rooms, photographed for five scenes, and one where all is plain.
-draw=(--views 12 --test_views 2 --width 200 --height 150)
+draw=(--views 12 --test_views 2 --width 240 --height 180)
 for seed in 1 2; do
   "$bin/freegs_make_scene" --out "drawn$seed" --seed "$seed" "${draw[@]}" >/dev/null 2>&1
 done
