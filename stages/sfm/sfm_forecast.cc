@@ -48,12 +48,13 @@ constexpr double kSerial = 0.3;
 constexpr double kUndistorterMemory = 40e6;
 constexpr double kUndistortionBytesPerPixel = 12;
 constexpr double kModelMemory = 20e6;
-constexpr double kModelBytesPerPhoto = 250e3;
+constexpr double kModelBytesPerPhoto = 350e3;
 constexpr double kUndistortionSecondsPerMegapixel = 0.09;
 constexpr double kUndistortionSecondsPerPhoto = 0.04;
 constexpr double kUndistortionSerial = 0.2;
 // PNG files stay about as large; JPEG files are written with a high quality.
 constexpr double kDiskBytesPerPixel = 0.6;
+constexpr double kModelDiskBytesPerPhoto = 130e3;
 
 }  // namespace
 
@@ -111,10 +112,10 @@ StageNeed UndistortNeed(const SceneOutlook& scene, int cores) {
                              static_cast<double>(pixels.total) +
                          kUndistortionSecondsPerPhoto * photos;
   return {.memory_bytes = std::llround(std::max(undistorter, model)),
-          .disk_bytes =
-              std::max(scene.photo_bytes,
-                       static_cast<int64_t>(kDiskBytesPerPixel *
-                                            static_cast<double>(pixels.total))),
+          .disk_bytes = std::llround(
+              kModelDiskBytesPerPhoto * photos +
+              std::max(static_cast<double>(scene.photo_bytes),
+                       kDiskBytesPerPixel * static_cast<double>(pixels.total))),
           .seconds = pipeline::OnThreads(seconds, kUndistortionSerial, cores),
           .advice = "give smaller photos"};
 }
