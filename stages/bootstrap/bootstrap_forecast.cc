@@ -35,7 +35,7 @@ constexpr double kBytesPerPhotoPixel = 6;
 constexpr int kPatchSide = 400;
 
 // Lists of tiles, buffers of the threads, trees.
-constexpr double kWorkMemory = 90e6;
+constexpr double kWorkMemory = 100e6;
 
 constexpr double kSeconds = 6.5;
 constexpr double kSecondsPerPhotoMegapixel = 3.7;

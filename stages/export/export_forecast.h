@@ -6,7 +6,7 @@
 
 #include "pipeline/forecast/scene_outlook.h"
 #include "pipeline/forecast/stage_need.h"
-#include "stages/export/export_stage.h"
+#include "stages/export/export_options.h"
 
 namespace freegs::stages {
 

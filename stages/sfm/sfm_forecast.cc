@@ -37,6 +37,9 @@ constexpr double kDiskBytesPerFeature = 310;
 // found in scenes full of detail; most have two thirds of it.
 constexpr double kPointsPerFeature = 0.61;
 
+// With kUsualFeatures in each photo. Most of kSeconds is spent in the mapper,
+// whose work grows with the features, that of a pair with their square.
+constexpr double kUsualFeatures = 3000;
 constexpr double kSeconds = 30;
 constexpr double kSecondsPerPhoto = 0.3;
 constexpr double kSecondsPerMegapixel = 0.1;
@@ -48,12 +51,13 @@ constexpr double kSerial = 0.3;
 constexpr double kUndistorterMemory = 40e6;
 constexpr double kUndistortionBytesPerPixel = 12;
 constexpr double kModelMemory = 20e6;
-constexpr double kModelBytesPerPhoto = 250e3;
+constexpr double kModelBytesPerPhoto = 350e3;
 constexpr double kUndistortionSecondsPerMegapixel = 0.09;
 constexpr double kUndistortionSecondsPerPhoto = 0.04;
 constexpr double kUndistortionSerial = 0.2;
 // PNG files stay about as large; JPEG files are written with a high quality.
 constexpr double kDiskBytesPerPixel = 0.6;
+constexpr double kModelDiskBytesPerPhoto = 130e3;
 
 }  // namespace
 
@@ -85,10 +89,11 @@ StageNeed SfmNeed(const sfm::SfmOptions& options,
       kExtractorBytesPerPixel * threads * static_cast<double>(pixels.largest);
   const double mapping = static_cast<double>(pipeline::kProgramMemory) +
                          kBytesPerFeature * features;
+  const double share = options.max_features / kUsualFeatures;
   const double seconds =
-      kSeconds + kSecondsPerPhoto * static_cast<double>(photos) +
+      kSeconds * share + kSecondsPerPhoto * static_cast<double>(photos) +
       kSecondsPerMegapixel * 1e-6 * static_cast<double>(pixels.total) +
-      kSecondsPerPair *
+      kSecondsPerPair * share * share *
           static_cast<double>(ExpectedPairs(options.pairs, photos));
   return {.memory_bytes = std::llround(std::max(extraction, mapping)),
           .disk_bytes = std::llround(kDiskBytesPerFeature * features),
@@ -111,10 +116,10 @@ StageNeed UndistortNeed(const SceneOutlook& scene, int cores) {
                              static_cast<double>(pixels.total) +
                          kUndistortionSecondsPerPhoto * photos;
   return {.memory_bytes = std::llround(std::max(undistorter, model)),
-          .disk_bytes =
-              std::max(scene.photo_bytes,
-                       static_cast<int64_t>(kDiskBytesPerPixel *
-                                            static_cast<double>(pixels.total))),
+          .disk_bytes = std::llround(
+              kModelDiskBytesPerPhoto * photos +
+              std::max(static_cast<double>(scene.photo_bytes),
+                       kDiskBytesPerPixel * static_cast<double>(pixels.total))),
           .seconds = pipeline::OnThreads(seconds, kUndistortionSerial, cores),
           .advice = "give smaller photos"};
 }
