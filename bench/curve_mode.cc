@@ -144,10 +144,8 @@ Status RunCurve(const CurveOptions& options) {
   TrainingClock clock;
   FREEGS_ASSIGN_OR_RETURN(splat::GaussianModel initial,
                           stages::InitialModel(scene));
-  if (reconstruct.coarse_to_fine) {
-    FREEGS_ASSIGN_OR_RETURN(training.schedule.resolution_steps,
-                            splat::SpectrumResolutionSteps(&images));
-  }
+  FREEGS_ASSIGN_OR_RETURN(training.schedule.resolution_steps,
+                          splat::SpectrumResolutionSteps(&images));
   splat::Trainer trainer(
       training, std::move(initial), scene.extent, &images, &pool);
   if (reconstruct.exposure == "auto" && holdout.choosing) {

@@ -218,9 +218,9 @@ Status VideoFrameOptions::Check() const {
   if (!(motion > 0 && motion <= 1)) {
     return InvalidArgumentError("video_motion must be in (0, 1]");
   }
-  if (min_frames < 3 || max_frames < min_frames) {
+  if (min_frames < 3 || max_frames < 3) {
     return InvalidArgumentError(
-        "video_min_frames must be at least 3 and at most video_frames");
+        "min_frames and video_frames must be at least 3");
   }
   return Status();
 }
@@ -269,8 +269,10 @@ std::vector<VideoFrame> ChooseVideoFrames(const std::vector<VideoFrame>& frames,
   if (length >= options.motion) {
     // Bounded before rounding: the quotient may be large.
     const double wanted = std::min(length / options.motion, 1e9);
-    windows = std::clamp<int64_t>(
-        std::llround(wanted), options.min_frames, options.max_frames);
+    windows =
+        std::clamp<int64_t>(std::llround(wanted),
+                            std::min(options.min_frames, options.max_frames),
+                            options.max_frames);
   }
   std::vector<std::optional<VideoFrame>> best(static_cast<size_t>(windows));
   for (const VideoFrame& frame : frames) {

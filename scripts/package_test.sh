@@ -7,24 +7,17 @@
 #
 # PHOTOS is a folder of photos. Without it the scene maker of the build draws 24.
 # Options are passed to `freegs_pipeline run` (default: --preset fast). The script
-# needs root, for chroot, and Debian's package debootstrap. It reads these
-# variables of the environment:
+# needs root and debootstrap. It reads these variables of the environment, and
+# those of scripts/new_system.sh:
 #   BUILD    the build folder, where cpack was run (default: build)
-#   MIRROR   the address of Debian's packages (default: the one that apt uses)
 #   DEVELOPMENT   if it is not empty, freegs-pipeline-dev is installed as well, and
 #            examples/render_scene is built and run with it (2 GB more)
-#   SYSTEM   the folder of the new system (default: a new folder under TMPDIR, which
-#            needs 3 GB)
-#   KEEP     if it is not empty, that folder is not deleted afterwards
 set -euo pipefail
 here=$PWD
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 build=${BUILD:-build}
 
-fail() {
-  echo "error: $2" >&2
-  exit "$1"
-}
+source scripts/new_system.sh
 photos=""
 if (($# > 0)) && [[ $1 != --* ]]; then
   photos=$(cd "$here" && realpath -- "$1")
@@ -33,43 +26,14 @@ if (($# > 0)) && [[ $1 != --* ]]; then
 fi
 options=("$@")
 ((${#options[@]} > 0)) || options=(--preset fast)
-((EUID == 0)) || fail 2 "only root can make and enter a new system; run sudo $0"
-command -v debootstrap >/dev/null ||
-  fail 5 "debootstrap is missing; run apt-get install debootstrap"
 packages=("$build"/freegs-pipeline_*_"$(dpkg --print-architecture)".deb)
 ((${#packages[@]} == 1)) && [[ -f ${packages[0]} ]] ||
   fail 3 "$build holds not just one freegs-pipeline_*.deb; run cpack there"
-mirror=${MIRROR:-$(apt-get indextargets --format '$(REPO_URI)' \
-  'Created-By: Packages' 'Release: bookworm' | head -n 1)}
-[[ -n $mirror ]] || fail 3 "apt knows no place of Debian 12; say it in MIRROR"
-system=${SYSTEM:-$(mktemp -d --tmpdir freegs_package_test.XXXXXX)}
-mkdir -p -- "$system"
-[[ -z $(ls -A -- "$system") ]] || fail 3 "$system is not empty"
-chmod 755 -- "$system"
-
-mounted=""
-clean_up() {
-  if [[ -n $mounted ]]; then umount -- "$mounted"; fi
-  [[ -n ${KEEP:-} ]] || rm -rf --one-file-system -- "$system"
-}
-trap clean_up EXIT
-inside() {
-  env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 HOME=/root \
-    DEBIAN_FRONTEND=noninteractive chroot "$system" "$@"
-}
-step() { printf '== %s (%d s)\n' "$1" "$SECONDS"; }
-
-step "a new system in $system"
-debootstrap --variant=minbase bookworm "$system" "$mirror" >"$system.log" ||
-  fail 1 "debootstrap failed; see $system.log"
-rm -f -- "$system.log"
-mount -t proc proc "$system/proc"
-mounted=$system/proc
+make_system
 
 step "installing ${packages[0]##*/}"
 mkdir -- "$system/trial"
 cp -- "${packages[0]}" "$system/trial/package.deb"
-inside apt-get update -q >/dev/null
 inside apt-get install -q -y --no-install-recommends /trial/package.deb \
   >"$system/trial/apt.log" || fail 1 "apt failed; see the end: $(tail -5 "$system/trial/apt.log")"
 inside dpkg-query -W -f='${Package} ${Version}, ${Installed-Size} kB\n' freegs-pipeline

@@ -141,8 +141,8 @@ Status PairSelectionOptions::Check() const {
   }
   if (max_exhaustive < 0 || neighbours < 1 || overlap < 1) {
     return InvalidArgumentError(
-        "sfm.max_exhaustive must be at least 0, sfm.neighbours and "
-        "sfm.overlap at least 1");
+        "max_exhaustive must be at least 0, sfm.neighbours and overlap at "
+        "least 1");
   }
   return {};
 }

@@ -34,13 +34,6 @@ void RegisterSemanticOptions(BootstrapStageOptions& options,
              .min = 0,
              .max = 1000000,
              .affects_result = false});
-  table.Add("bootstrap.weights_disk_gb",
-            &options.weights_disk_gb,
-            {.help = "Disk space for blending weights beyond that; what does "
-                     "not fit is computed again when needed.",
-             .min = 0,
-             .max = 1000000,
-             .affects_result = false});
 }
 
 void RegisterTrainingOptions(BootstrapStageOptions& options,
@@ -127,17 +120,6 @@ void RegisterBootstrapOptions(BootstrapStageOptions& options,
   RegisterSemanticOptions(options, table);
   RegisterTrainingOptions(options, table);
   RegisterUnionOptions(options, table);
-  table.Add("bootstrap.max_image_size",
-            &options.max_image_size,
-            {.help = "Longest side in pixels of the instance maps; 0 is the "
-                     "photographs' size.",
-             .min = 0,
-             .max = 100000});
-  table.Add("bootstrap.num_previews",
-            &options.num_previews,
-            {.help = "Photographs that get a coloured preview.",
-             .min = 0,
-             .max = 100000});
 }
 
 StatusOr<semantics::BootstrappingOptions> MakeBootstrappingOptions(
@@ -153,8 +135,6 @@ StatusOr<semantics::BootstrappingOptions> MakeBootstrappingOptions(
   method.instances.refine = method.method == semantics::FieldMethod::kTrain;
   method.weights.max_memory_bytes =
       static_cast<uint64_t>(options.weights_memory_gb * kGigabyte);
-  method.weights.max_scratch_bytes =
-      static_cast<uint64_t>(options.weights_disk_gb * kGigabyte);
   FREEGS_RETURN_IF_ERROR(method.Check());
   return method;
 }

@@ -22,11 +22,8 @@ struct BootstrapStageOptions {
   std::string model;
   // What the method is told, except for what the members here decide.
   semantics::BootstrappingOptions method;
-  // Memory and disk space for blending weights, in GiB.
+  // Memory for blending weights, in GiB.
   double weights_memory_gb = 1;
-  double weights_disk_gb = 16;
-  // Longest side in pixels of the instance maps; 0 is the photographs' size.
-  int max_image_size = 0;
   // So many photographs, evenly spread, get a coloured preview.
   int num_previews = 6;
 };

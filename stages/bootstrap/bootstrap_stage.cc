@@ -147,12 +147,8 @@ class BootstrapStage : public pipeline::Stage {
       FREEGS_RETURN_IF_ERROR(semantics::WriteHierarchy(
           context.output / "hierarchy.json", *labels.hierarchy));
     }
-    FREEGS_RETURN_IF_ERROR(
-        WriteInstanceMaps({options_.max_image_size, options_.num_previews},
-                          scene,
-                          views,
-                          labels.labels,
-                          context));
+    FREEGS_RETURN_IF_ERROR(WriteInstanceMaps(
+        options_.num_previews, scene, views, labels.labels, context));
     return WriteBootstrapMetrics(options_,
                                  scene.model.size(),
                                  field,

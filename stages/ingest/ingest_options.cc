@@ -55,12 +55,6 @@ void RegisterIngestOptions(IngestStageOptions& options,
       "ingest.video_frames",
       &options.film.max_frames,
       {.help = "Films: most frames taken from each.", .min = 3, .max = 100000});
-  table.Add("ingest.video_min_frames",
-            &options.film.min_frames,
-            {.help = "Films: fewest frames taken from each whose picture moves "
-                     "at all.",
-             .min = 3,
-             .max = 100000});
   table.Add("ingest.use_masks",
             &options.masks.use_masks,
             {.help = "Use the masks beside the photos: masks/a.jpg.png or "
@@ -78,11 +72,6 @@ void RegisterIngestOptions(IngestStageOptions& options,
             &options.decode.background,
             {.help = "What shows through transparent pixels.",
              .choices = {"white", "black"}});
-  table.Add("ingest.min_side",
-            &options.decode.min_side,
-            {.help = "Photos with a shorter side than this (pixels) are not "
-                     "used.",
-             .min = 1});
   table.Add("ingest.max_megapixels",
             &options.decode.max_megapixels,
             {.help = "Photos of more million pixels than this are not used.",

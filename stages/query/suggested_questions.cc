@@ -60,7 +60,6 @@ Status AppendClicks(const fs::path& workspace,
   views.insert(views.end(), scene.holdout.begin(), scene.holdout.end());
   if (views.empty()) return Status();
   const size_t middle = scene.train.size() / 2;
-  const View& view = views[middle];
   FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> names,
                           OutputNames(views, ".png"));
   FREEGS_ASSIGN_OR_RETURN(
@@ -70,14 +69,10 @@ Status AppendClicks(const fs::path& workspace,
     if (static_cast<int>(questions->size()) >= max_questions) break;
     if (!asked.insert(id).second) continue;
     const auto point = semantics::ClickPoint(map, id);
-    // The map may be smaller than the photograph; clicks are in its pixels.
-    questions->push_back(
-        {"--click",
-         view.name,
-         std::to_string((2 * point->x() + 1) * view.camera.width /
-                        (2 * map.width())),
-         std::to_string((2 * point->y() + 1) * view.camera.height /
-                        (2 * map.height()))});
+    questions->push_back({"--click",
+                          views[middle].name,
+                          std::to_string(point->x()),
+                          std::to_string(point->y())});
   }
   return Status();
 }

@@ -64,13 +64,6 @@ splat::DensificationMethod ParseDensification(const std::string& text) {
   return splat::DensificationMethod::kMiniSplatting;
 }
 
-std::optional<splat::ImportanceMetric> ParseImportance(
-    const std::string& text) {
-  if (text == "indoor") return splat::ImportanceMetric::kIndoor;
-  if (text == "outdoor") return splat::ImportanceMetric::kOutdoor;
-  return std::nullopt;
-}
-
 void RegisterDensificationOptions(ReconstructStageOptions& options,
                                   pipeline::OptionTable& table) {
   table.Add("reconstruct.densification",
@@ -86,18 +79,6 @@ void RegisterDensificationOptions(ReconstructStageOptions& options,
             {.help = "Upper bound of the number of Gaussians of the result. "
                      "auto: one for 75 pixels of the training photos; most "
                      "scenes end with fewer. 0 is no bound."});
-  table.Add("reconstruct.depth_reinit",
-            &options.depth_reinit,
-            {.help = "Whether mini_splatting starts again from depth maps, "
-                     "twice before half of the iterations. auto: when there "
-                     "are 20000 or more.",
-             .choices = {"auto", "always", "never"}});
-  table.Add("reconstruct.importance",
-            &options.importance,
-            {.help = "How mini_splatting measures which Gaussians are "
-                     "important: indoor suits bounded scenes, outdoor those "
-                     "with a far background; auto looks at the points.",
-             .choices = {"auto", "indoor", "outdoor"}});
   table.Add("reconstruct.densify_interval",
             &options.densify_interval,
             {.help = "Iterations between densifications; 0 never clones or "
@@ -107,11 +88,6 @@ void RegisterDensificationOptions(ReconstructStageOptions& options,
             &options.densify_gradient,
             {.help = "Gaussians whose mean gradient in the image (which spans "
                      "-1 to 1) is larger are cloned or split.",
-             .min = 0});
-  table.Add("reconstruct.opacity_reset_interval",
-            &options.opacity_reset_interval,
-            {.help = "Opacities are set to 0.01 every so many iterations "
-                     "while densifying by gradient; 0 never does.",
              .min = 0});
 }
 
@@ -142,8 +118,6 @@ StatusOr<splat::TrainerOptions> MakeTrainerOptions(
   schedule.method = ParseDensification(options.densification);
   schedule.sh_degree = options.sh_degree;
   schedule.densify_interval = options.densify_interval;
-  schedule.opacity_reset_interval = options.opacity_reset_interval;
-  if (!options.coarse_to_fine) schedule.resolution_steps.clear();
   const bool reinitialize = options.depth_reinit == "always" ||
                             (options.depth_reinit == "auto" &&
                              options.iterations >= kMinIterationsOfDepthReinit);
@@ -152,7 +126,6 @@ StatusOr<splat::TrainerOptions> MakeTrainerOptions(
       training.budget,
       ParseBudget(options.budget, AutomaticBudget(train_pixels, memory_bytes)));
   training.exposure.learn = options.exposure == "on";
-  training.importance = ParseImportance(options.importance);
   training.densification.gradient_threshold = options.densify_gradient;
   splat::LearningRateOptions& rates = training.learning_rates;
   rates.mean_decay_steps = options.iterations;
@@ -202,10 +175,6 @@ void RegisterReconstructOptions(ReconstructStageOptions& options,
                      "learnt. auto: if photos that training never sees gain "
                      "from it.",
              .choices = {"auto", "on", "off"}});
-  table.Add("reconstruct.coarse_to_fine",
-            &options.coarse_to_fine,
-            {.help = "Train on small images first, for as long as what is in "
-                     "the photos fits into them."});
   table.Add("reconstruct.background",
             &options.background,
             {.help = "Colour behind the scene. White suits cut-out objects "
@@ -218,12 +187,6 @@ void RegisterReconstructOptions(ReconstructStageOptions& options,
                "(the 2D filter of Mip-Splatting): for scenes looked at "
                "from farther away than photographed. point_cloud.ply says "
                "so in a comment that viewers know."});
-  table.Add("reconstruct.holdout_interval",
-            &options.holdout_interval,
-            {.help = "Iterations between measurements on the holdout photos; "
-                     "0 measures only at the end.",
-             .min = 0,
-             .affects_result = false});
   table.Add("reconstruct.image_cache_gb",
             &options.image_cache_gb,
             {.help = "Gigabytes of decoded photos kept in memory; more photos "

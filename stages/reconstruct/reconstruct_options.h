@@ -25,23 +25,17 @@ struct ReconstructStageOptions {
   // Upper bound of the number of Gaussians of the result: a number, where 0 is
   // no bound, or "auto", see AutomaticBudget.
   std::string budget = "auto";
-  // Whether Mini-Splatting starts again from depth maps: auto, always or never.
+  // Whether Mini-Splatting starts again from depth maps: always, never, or
+  // auto, which does with 20000 iterations or more.
   std::string depth_reinit = "auto";
-  // How Mini-Splatting measures importance: auto, indoor or outdoor.
-  std::string importance = "auto";
   // Iterations between densifications; 0 never densifies.
   int densify_interval = 75;
   // A Gaussian whose mean gradient in the image (which spans -1 to 1) is larger
   // is cloned or split.
   double densify_gradient = 2e-4;
-  // Iterations between resets of opacity; 0 never resets. It has an effect with
-  // densification = gradient only.
-  int opacity_reset_interval = 0;
   // Whether the exposure of each photo is learnt: auto, on or off. auto asks
   // the holdout photos (splat/search/exposure_search.h).
   std::string exposure = "auto";
-  // Whether training begins with small images.
-  bool coarse_to_fine = true;
   std::string background = "black";  // black or white.
   // Whether the model is to be rendered with Mip-Splatting's 2D filter.
   bool antialiased = false;

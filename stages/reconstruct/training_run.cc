@@ -259,10 +259,8 @@ StatusOr<TrainedModel> TrainModel(const ReconstructStageOptions& options,
                                   pipeline::StageContext& context) {
   FREEGS_ASSIGN_OR_RETURN(splat::GaussianModel initial, InitialModel(scene));
   splat::TrainerOptions trainer_options = training;
-  if (options.coarse_to_fine) {
-    FREEGS_ASSIGN_OR_RETURN(trainer_options.schedule.resolution_steps,
-                            splat::SpectrumResolutionSteps(images));
-  }
+  FREEGS_ASSIGN_OR_RETURN(trainer_options.schedule.resolution_steps,
+                          splat::SpectrumResolutionSteps(images));
   splat::Trainer trainer(
       trainer_options, std::move(initial), scene.extent, images, context.pool);
   const std::vector<View>& views = scene.photos.train;

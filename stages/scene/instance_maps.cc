@@ -30,7 +30,7 @@ Status WritePreview(const fs::path& photo_path,
 
 }  // namespace
 
-Status WriteInstanceMaps(const InstanceMapOptions& options,
+Status WriteInstanceMaps(int num_previews,
                          const WorkspaceScene& scene,
                          const std::vector<View>& views,
                          const std::vector<int32_t>& instance_of_gaussian,
@@ -38,7 +38,7 @@ Status WriteInstanceMaps(const InstanceMapOptions& options,
   FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> names,
                           OutputNames(views, ".png"));
   const int64_t count = static_cast<int64_t>(views.size());
-  const int64_t num_previews = std::min<int64_t>(options.num_previews, count);
+  const int64_t previews = std::min<int64_t>(num_previews, count);
   for (int64_t i = 0; i < count; ++i) {
     if (context.cancellation->cancelled()) {
       return InterruptedError(
@@ -51,17 +51,16 @@ Status WriteInstanceMaps(const InstanceMapOptions& options,
                       ""});
     const fs::path map_path = context.output / "instances" / names[i];
     const fs::path preview_path = context.output / "preview" / names[i];
-    // The first view of each of num_previews equal parts.
-    const bool preview = i * num_previews % count < num_previews;
+    // The first view of each of so many equal parts.
+    const bool preview = i * previews % count < previews;
     std::error_code error;
     if (context.resuming && fs::exists(map_path, error) &&
         (!preview || fs::exists(preview_path, error))) {
       continue;
     }
     const View& view = views[i];
-    const Pinhole camera = view.camera.LimitedTo(options.max_image_size);
     const Image<int32_t> map = splat::RenderLabels(scene.model,
-                                                   camera,
+                                                   view.camera,
                                                    view.cam_from_world,
                                                    scene.render,
                                                    *context.pool,

@@ -13,18 +13,13 @@
 
 namespace freegs::stages {
 
-struct InstanceMapOptions {
-  int max_image_size = 0;  // Longest side in pixels; 0 keeps the view's size.
-  int num_previews = 6;    // So many views, evenly spread, get a preview.
-};
-
 // Writes instances/VIEW.png (16-bit instance ids, 0 for none) for every view
-// and preview/VIEW.png (the photo tinted by instance) for some of them below
-// context.output. `instance_of_gaussian` has one label per Gaussian, -1 for
-// none. Files are written atomically, and files that an interrupted run with
-// the same inputs and options has left are kept. The errors are kInterrupted
-// and those of reading photographs and writing files.
-Status WriteInstanceMaps(const InstanceMapOptions& options,
+// and preview/VIEW.png (the photo tinted by instance) for num_previews of them,
+// evenly spread, below context.output. `instance_of_gaussian` has one label per
+// Gaussian, -1 for none. Files are written atomically, and files that an
+// interrupted run with the same inputs and options has left are kept. The
+// errors are kInterrupted and those of reading photographs and writing files.
+Status WriteInstanceMaps(int num_previews,
                          const WorkspaceScene& scene,
                          const std::vector<View>& views,
                          const std::vector<int32_t>& instance_of_gaussian,

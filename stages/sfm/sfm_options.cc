@@ -20,25 +20,16 @@ void RegisterPairOptions(SfmStageOptions& options,
       &pairs.matcher,
       {.help = "Pairs of photos to match: exhaustive (all), retrieval (each "
                "photo with those most alike), sequential (these, and "
-               "neighbours in name order), or auto: exhaustive up to "
-               "sfm.max_exhaustive photos, then retrieval, with neighbours "
+               "five neighbours on each side in name order), or auto: "
+               "exhaustive up to 40 photos, then retrieval, with neighbours "
                "where numbered photos prove to be in order.",
        .choices = {"auto", "exhaustive", "sequential", "retrieval"}});
-  table.Add("sfm.max_exhaustive",
-            &pairs.max_exhaustive,
-            {.help = "Most photos that auto matches exhaustively.", .min = 0});
   table.Add("sfm.neighbours",
             &pairs.neighbours,
             {.help = "Retrieval: photos most alike that each is matched with. "
                      "Matching time grows in proportion.",
              .min = 1,
              .max = 10000});
-  table.Add("sfm.overlap",
-            &pairs.overlap,
-            {.help = "Photos in order: neighbours on each side that each is "
-                     "matched with.",
-             .min = 1,
-             .max = 1000});
 }
 
 }  // namespace

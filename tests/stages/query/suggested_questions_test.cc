@@ -19,17 +19,17 @@ class SuggestedQuestionsTest : public testing::Test {
  protected:
   SuggestedQuestionsTest() { workspace_.AddInstances(); }
 
-  // The map of the view that is asked about, of half its size: instance `left`
+  // The map of the view that is asked about: instance `left`
   // has its left half, `corner` a bit of the rest, and `whole` a square in it.
   void WriteMap(int left, int corner, int whole = 0) {
-    constexpr int kWidth = SyntheticWorkspace::kWidth / 2;
-    constexpr int kHeight = SyntheticWorkspace::kHeight / 2;
+    constexpr int kWidth = SyntheticWorkspace::kWidth;
+    constexpr int kHeight = SyntheticWorkspace::kHeight;
     ImageU16 map(kWidth, kHeight, 1);
     for (int y = 0; y < kHeight; ++y) {
       for (int x = 0; x < kWidth; ++x) {
         if (x < kWidth / 2) map(x, y) = static_cast<uint16_t>(left);
         if (x > kWidth - 5 && y < 5) map(x, y) = static_cast<uint16_t>(corner);
-        if (std::abs(x - 24) < 3 && std::abs(y - 16) < 3) {
+        if (std::abs(x - 49) < 3 && std::abs(y - 33) < 3) {
           map(x, y) = static_cast<uint16_t>(whole);
         }
       }
@@ -58,7 +58,7 @@ TEST_F(SuggestedQuestionsTest, NamesFirstThenClicksOnWhatHasNone) {
   ASSERT_TRUE(questions.ok()) << questions.status().message();
   ASSERT_EQ(questions->size(), 3u);
   EXPECT_THAT((*questions)[0], ElementsAre("--text", "red ball"));
-  // The middle of the left half, in pixels of the photograph.
+  // The middle of the left half.
   EXPECT_THAT((*questions)[1],
               ElementsAre("--click", "photo4.png", "15", "15"));
   EXPECT_EQ((*questions)[2][0], "--click");
