@@ -233,11 +233,12 @@ TEST(ProgramTest, FromPhotosToReport) {
   // Again: nothing to do.
   outcome = Call(run);
   EXPECT_EQ(outcome.code, 0);
-  EXPECT_THAT(outcome.text,
-              StartsWith("ingest: up to date\nsfm: up to date\n"
-                         "undistort: up to date\nreconstruct: up to date\n"
-                         "bootstrap: up to date\nexport: up to date\n"
-                         "Open the page of the scene:\n  file:///"));
+  EXPECT_THAT(
+      outcome.text,
+      testing::StartsWith("ingest: up to date\nsfm: up to date\n"
+                          "undistort: up to date\nreconstruct: up to date\n"
+                          "bootstrap: up to date\nexport: up to date\n"
+                          "Open the page of the scene:\n  file:///"));
   EXPECT_THAT(outcome.text, HasSubstr("query " + workspace + " --click "));
 
   // Moved, without its photos.
