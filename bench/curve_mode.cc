@@ -17,7 +17,6 @@
 #include "stages/reconstruct/training_report.h"
 #include "stages/reconstruct/training_run.h"
 #include "stages/registry/pipeline_options.h"
-#include "stages/scene/scene_size.h"
 #include "stages/scene/training_scene.h"
 
 namespace freegs::bench {
@@ -113,7 +112,7 @@ Status RunCurve(const CurveOptions& options) {
       splat::TrainerOptions training,
       stages::MakeTrainerOptions(
           reconstruct,
-          stages::CountPixels(scene.photos.train, reconstruct.max_image_size)
+          pipeline::CountPixels(scene.photos.train, reconstruct.max_image_size)
               .total,
           pipeline::Memory().total_bytes,
           static_cast<uint64_t>(pipeline_options.general.seed)));

@@ -7,7 +7,6 @@
 #ifndef FREEGS_PIPELINE_STAGE_H_
 #define FREEGS_PIPELINE_STAGE_H_
 
-#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -19,6 +18,8 @@
 #include "core/cancellation.h"
 #include "core/parallel.h"
 #include "core/status.h"
+#include "pipeline/forecast/scene_outlook.h"
+#include "pipeline/forecast/stage_need.h"
 
 namespace freegs::pipeline {
 
@@ -65,20 +66,6 @@ struct StageContext {
   nlohmann::json summary = nlohmann::json::object();
 };
 
-// What the program takes before a stage does anything: itself, and the
-// libraries it is linked with (OpenCV above all).
-inline constexpr int64_t kProgramMemory = 80'000'000;
-
-// What a stage is going to need of the machine's memory.
-struct MemoryNeed {
-  // Resident bytes of its largest process at the peak; 0 when nothing is known.
-  int64_t bytes = 0;
-
-  // The options to change when that is too much, in words that follow "To need
-  // less, ".
-  std::string advice;
-};
-
 // A stage of the pipeline:
 //
 //   class CountStage : public Stage {
@@ -109,11 +96,17 @@ class Stage {
   virtual std::vector<std::filesystem::path> Inputs(
       const StageContext& context) const = 0;
 
-  // Foretells the memory that Run is going to need, from the options, the
-  // context (its workspace and pool) and the output of earlier stages. It is
-  // asked when Run is about to begin, takes no more than a moment, and reports
-  // no errors: of inputs that Run cannot use either, nothing is known.
-  virtual MemoryNeed ExpectedMemory(const StageContext&) const { return {}; }
+  // Foretells what Run is going to need, from the options, the context
+  // (workspace, images and pool) and `scene`, which the stages before have
+  // filled in. Then writes into `scene` what this stage makes of it: what its
+  // files say when it is done, and otherwise what it expects. It takes no more
+  // than a moment and reports no errors: of inputs that cannot be used nothing
+  // is known.
+  virtual StageNeed Foretell(const StageContext&,
+                             bool /*done*/,
+                             SceneOutlook* /*scene*/) const {
+    return {};
+  }
 
   // The names directly in its folder that nobody needs once the stage is done.
   // A run tells of others that somebody has deleted.

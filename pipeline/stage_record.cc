@@ -139,6 +139,7 @@ json ToJson(const StageRecord& record) {
   object["cpu_seconds"] = record.cpu_seconds;
   object["peak_memory_bytes"] = record.peak_memory_bytes;
   object["expected_memory_bytes"] = record.expected_memory_bytes;
+  object["expected_seconds"] = record.expected_seconds;
   object["resumed"] = record.resumed;
   object["summary"] = record.summary;
   object["outputs"] = record.outputs;
@@ -169,10 +170,13 @@ StatusOr<StageRecord> RecordFromJson(const json& object) {
   record.cpu_seconds = reader.Number("cpu_seconds", 0, kMaxSeconds);
   record.peak_memory_bytes =
       reader.Integer64("peak_memory_bytes", 0, kMaxCount);
-  // Records of older programs do not have it.
+  // Records of older programs do not have them.
   if (reader.Has("expected_memory_bytes")) {
     record.expected_memory_bytes =
         reader.Integer64("expected_memory_bytes", 0, kMaxCount);
+  }
+  if (reader.Has("expected_seconds")) {
+    record.expected_seconds = reader.Number("expected_seconds", 0, kMaxSeconds);
   }
   record.resumed = reader.Bool("resumed");
   record.summary = reader.Object("summary");

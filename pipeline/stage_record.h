@@ -52,9 +52,10 @@ struct StageRecord {
   double cpu_seconds = 0;
   int64_t peak_memory_bytes = 0;
 
-  // What the last run was expected to need at its peak (Stage::ExpectedMemory);
-  // 0 when nothing was known.
+  // What the last run was expected to need at its peak, and for all of the
+  // stage (Stage::Foretell); 0 when nothing was known.
   int64_t expected_memory_bytes = 0;
+  double expected_seconds = 0;
 
   // Whether the last run continued an earlier, interrupted one.
   bool resumed = false;

@@ -65,41 +65,6 @@ void GiveBackFreedMemory() {
 #endif
 }
 
-// What the stage expects and, on top of that, what the stages before it have
-// left in this process: pages of libraries, and what those keep for later.
-// Nothing is known when a library throws, for one because of a damaged input,
-// which Run will report.
-MemoryNeed ExpectedCatching(const Stage& stage, const StageContext& context) {
-  try {
-    MemoryNeed need = stage.ExpectedMemory(context);
-    if (need.bytes > 0) {
-      need.bytes +=
-          std::max<int64_t>(0, ResidentMemoryBytes() - kProgramMemory);
-    }
-    return need;
-  } catch (const std::exception&) {
-    return {};
-  }
-}
-
-// Says what the stage will need, and warns when there is less.
-void TellMemory(const std::string& name,
-                const MemoryNeed& need,
-                Logger& logger) {
-  if (need.bytes <= 0) return;
-  const int64_t available = Memory().available_bytes;
-  const bool enough = need.bytes <= available;
-  std::string text =
-      name + ": needs about " + FormatBytes(static_cast<double>(need.bytes)) +
-      " of memory, " + (enough ? "" : "but only ") +
-      FormatBytes(static_cast<double>(available)) + " are available";
-  if (!enough) {
-    text += "; the system may end it or become very slow";
-    if (!need.advice.empty()) text += ". To need less, " + need.advice;
-  }
-  logger.Log(enough ? LogLevel::kInfo : LogLevel::kWarning, text);
-}
-
 }  // namespace
 
 StageRunner::StageRunner(std::vector<RunnerStage> stages,
@@ -127,6 +92,14 @@ std::string StageRunner::StageNames() const {
     names += (names.empty() ? "" : ", ") + NameOf(stage);
   }
   return names;
+}
+
+size_t StageRunner::First() const {
+  return options_.from.empty() ? 0 : IndexOf(options_.from);
+}
+
+size_t StageRunner::End() const {
+  return options_.to.empty() ? stages_.size() : IndexOf(options_.to) + 1;
 }
 
 Status StageRunner::CheckOptions() const {
@@ -177,37 +150,89 @@ Status StageRunner::Recover() {
   return Status();
 }
 
-StatusOr<std::vector<StageReport>> StageRunner::Inspect() {
+std::vector<StageReport> StageRunner::States() {
   std::vector<StageReport> reports;
   std::string unfinished;
-  for (const RunnerStage& stage : stages_) {
-    const CurrentInputs now = GatherInputs(stage, MakeContext(stage), cache_);
-    StageReport report{
-        NameOf(stage),
-        InspectStage(
-            options_.workspace, NameOf(stage), now, ReadLater(NameOf(stage)))};
-    if (report.state.status == StageStatus::kDone && !unfinished.empty()) {
-      report.state.status = StageStatus::kStale;
-      report.state.reason = "stage " + unfinished + " is not done";
+  for (size_t i = 0; i < stages_.size(); ++i) {
+    const RunnerStage& stage = stages_[i];
+    const std::string name = NameOf(stage);
+    // Nothing is to be compared where nothing is: no photos need to be read.
+    std::error_code error;
+    CurrentInputs now;
+    if (fs::exists(StageFolder(options_.workspace, name), error) ||
+        fs::exists(PartialFolder(options_.workspace, name), error)) {
+      now = GatherInputs(stage, MakeContext(stage), cache_);
     }
-    if (report.state.status != StageStatus::kDone &&
-        report.state.status != StageStatus::kForeign && unfinished.empty()) {
-      unfinished = report.stage;
+    StageReport report{
+        name, InspectStage(options_.workspace, name, now, ReadLater(name))};
+    StageState& state = report.state;
+    if (state.status == StageStatus::kDone && !unfinished.empty()) {
+      state.status = StageStatus::kStale;
+      state.reason = "stage " + unfinished + " is not done";
+    }
+    if (i >= First() && state.status != StageStatus::kDone &&
+        state.status != StageStatus::kForeign && unfinished.empty()) {
+      unfinished = name;
     }
     reports.push_back(std::move(report));
   }
+  return reports;
+}
+
+StatusOr<std::vector<StageReport>> StageRunner::Inspect() {
+  std::vector<StageReport> reports = States();
   // Without its cache the next look only takes longer.
   (void)cache_.Save();
   return reports;
 }
 
+StatusOr<std::vector<StageForecast>> StageRunner::Forecast() {
+  FREEGS_RETURN_IF_ERROR(CheckOptions());
+  ThreadPool pool(WorkingThreads(options_.num_threads));
+  std::vector<StageForecast> forecasts;
+  std::vector<bool> done;
+  const std::vector<StageReport> reports = States();
+  for (size_t i = 0; i < reports.size(); ++i) {
+    const auto& [name, state] = reports[i];
+    const bool redone = name == options_.forced;
+    const bool holds = (state.status == StageStatus::kDone && !redone) ||
+                       state.status == StageStatus::kForeign;
+    done.push_back(i < First() || i >= End() || holds);
+    forecasts.push_back({.stage = name,
+                         .needed = !done[i],
+                         .reason = redone ? "redone as asked" : state.reason});
+  }
+  const std::vector<StageNeed> needs = Foretell(done, pool);
+  for (size_t i = 0; i < needs.size(); ++i) forecasts[i].need = needs[i];
+  return forecasts;
+}
+
+std::vector<StageNeed> StageRunner::Foretell(const std::vector<bool>& done,
+                                             ThreadPool& pool) const {
+  std::vector<StageNeed> needs;
+  SceneOutlook scene;
+  bool from_files = true;
+  for (size_t i = 0; i < stages_.size(); ++i) {
+    StageContext context = MakeContext(stages_[i]);
+    context.pool = &pool;
+    StageNeed need;
+    try {
+      need = stages_[i].stage->Foretell(context, done[i], &scene);
+    } catch (const std::exception&) {
+      // A library does not like an input. Run will report it.
+      scene = {};
+    }
+    need.from_files = from_files;
+    from_files = from_files && done[i];
+    needs.push_back(std::move(need));
+  }
+  return needs;
+}
+
 Status StageRunner::Run() {
   FREEGS_RETURN_IF_ERROR(CheckOptions());
   FREEGS_RETURN_IF_ERROR(Recover());
-  const size_t first = options_.from.empty() ? 0 : IndexOf(options_.from);
-  const size_t last =
-      options_.to.empty() ? stages_.size() : IndexOf(options_.to) + 1;
-  for (size_t i = 0; i < first; ++i) {
+  for (size_t i = 0; i < First(); ++i) {
     std::error_code error;
     const std::string name = NameOf(stages_[i]);
     if (!fs::is_directory(StageFolder(options_.workspace, name), error)) {
@@ -216,9 +241,15 @@ Status StageRunner::Run() {
                            " to start from; run it first");
     }
   }
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<StageForecast> forecasts,
+                          Forecast());
+  const std::string expected = RunNeedText(Total(forecasts));
+  if (!expected.empty()) {
+    logger_.Log(LogLevel::kInfo, "run: expected to take " + expected);
+  }
   ThreadPool pool(WorkingThreads(options_.num_threads));
   std::string redone;
-  for (size_t i = first; i < last; ++i) {
+  for (size_t i = First(); i < End(); ++i) {
     RunnerStage& stage = stages_[i];
     const std::string name = NameOf(stage);
     if (cancellation_.cancelled()) {
@@ -249,8 +280,14 @@ Status StageRunner::Run() {
                                      : "trying again after a failure";
     }
     logger_.Log(LogLevel::kInfo, name + ": " + state.reason);
-    FREEGS_RETURN_IF_ERROR(
-        RunStage(stage, now.fingerprint, state.resumable, pool));
+    std::vector<bool> done(stages_.size());
+    std::fill_n(done.begin(), i, true);
+    GiveBackFreedMemory();
+    FREEGS_RETURN_IF_ERROR(RunStage(stage,
+                                    Foretell(done, pool)[i],
+                                    now.fingerprint,
+                                    state.resumable,
+                                    pool));
     // Files that are made again are the same as before, or the fingerprints of
     // what follows tell.
     if (redone.empty() && !state.lacks_files) redone = name;
@@ -261,6 +298,7 @@ Status StageRunner::Run() {
 }
 
 Status StageRunner::RunStage(RunnerStage& stage,
+                             StageNeed need,
                              const StageFingerprint& fingerprint,
                              bool resume,
                              ThreadPool& pool) {
@@ -275,9 +313,16 @@ Status StageRunner::RunStage(RunnerStage& stage,
   }
 
   context.pool = &pool;
-  GiveBackFreedMemory();
-  const MemoryNeed need = ExpectedCatching(*stage.stage, context);
-  TellMemory(name, need, logger_);
+  if (need.known()) {
+    // What stages before it have left in this process: pages of libraries, and
+    // what those keep for later.
+    need.memory_bytes +=
+        std::max<int64_t>(0, ResidentMemoryBytes() - kProgramMemory);
+    const int64_t available = Memory().available_bytes;
+    logger_.Log(
+        need.memory_bytes > available ? LogLevel::kWarning : LogLevel::kInfo,
+        name + ": " + MemoryText(need, available));
+  }
   const ResourceMeter meter;
   ProgressLine line(&logger_, name);
   ProgressFile file(options_.workspace, name);
@@ -310,7 +355,8 @@ Status StageRunner::RunStage(RunnerStage& stage,
   record.wall_seconds = usage.wall_seconds;
   record.cpu_seconds = usage.cpu_seconds;
   record.peak_memory_bytes = usage.peak_memory_bytes;
-  record.expected_memory_bytes = need.bytes;
+  record.expected_memory_bytes = need.memory_bytes;
+  record.expected_seconds = need.seconds;
   record.resumed = resume;
   if (context.summary.is_object()) record.summary = context.summary;
   if (status.ok()) {

@@ -13,6 +13,7 @@
 #include "core/parallel.h"
 #include "core/status.h"
 #include "pipeline/fingerprint.h"
+#include "pipeline/forecast/stage_need.h"
 #include "pipeline/logger.h"
 #include "pipeline/stage.h"
 #include "pipeline/stage_state.h"
@@ -70,15 +71,28 @@ class StageRunner {
   // after one that is not done is reported as stale.
   StatusOr<std::vector<StageReport>> Inspect();
 
+  // Foretells what a run would need, stage by stage. Writes nothing. The errors
+  // are those of unknown stage names.
+  StatusOr<std::vector<StageForecast>> Forecast();
+
   // Calls RecoverStage for every stage.
   Status Recover();
 
  private:
   Status CheckOptions() const;
+  // The stages of a run: First() and those after it, before End().
+  size_t First() const;
+  size_t End() const;
+  std::vector<StageReport> States();
+  // What each stage needs, from the files of those that are done. Where a stage
+  // is not, those after it build on what it is expected to make.
+  std::vector<StageNeed> Foretell(const std::vector<bool>& done,
+                                  ThreadPool& pool) const;
   StageContext MakeContext(const RunnerStage& stage) const;
   // What stages after this one read of its output, relative to its folder.
   std::vector<std::filesystem::path> ReadLater(const std::string& stage) const;
   Status RunStage(RunnerStage& stage,
+                  StageNeed need,
                   const StageFingerprint& fingerprint,
                   bool resume,
                   ThreadPool& pool);

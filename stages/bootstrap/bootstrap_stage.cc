@@ -15,19 +15,17 @@
 #include "semantics/field/bootstrapping.h"
 #include "semantics/field/field_checkpoint.h"
 #include "semantics/field/idsf.h"
-#include "semantics/geometry/view_choice.h"
 #include "semantics/instances/hierarchy.h"
 #include "semantics/instances/instances.h"
 #include "semantics/instances/instances_json.h"
 #include "semantics/losses/decoder_file.h"
 #include "semantics/queries/instance_features.h"
 #include "semantics/queries/instance_words.h"
-#include "stages/bootstrap/bootstrap_memory.h"
+#include "stages/bootstrap/bootstrap_forecast.h"
 #include "stages/bootstrap/bootstrap_metrics.h"
 #include "stages/scene/clip_input.h"
 #include "stages/scene/instance_maps.h"
 #include "stages/scene/scene_instances.h"
-#include "stages/scene/scene_size.h"
 #include "stages/scene/shipped_model.h"
 #include "stages/scene/training_scene.h"
 #include "stages/scene/working_frame.h"
@@ -37,13 +35,6 @@ namespace freegs::stages {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Views whose features are averaged, and in which instances are looked at.
-constexpr size_t kMaxLiftedViews = 24;
-
-// Longest side in pixels at which patches are compared, as
-// semantics/patches/scene_patches.h has it.
-constexpr int kPatchSide = 400;
 
 struct NamedField {
   semantics::SemanticField field;
@@ -78,24 +69,11 @@ class BootstrapStage : public pipeline::Stage {
     return {"checkpoints", "features"};
   }
 
-  pipeline::MemoryNeed ExpectedMemory(
-      const pipeline::StageContext& context) const override {
-    const auto posed = ReadPosedPhotos(context.workspace);
-    const auto gaussians =
-        CountGaussians(context.workspace / "reconstruct" / "point_cloud.ply");
-    if (!posed.ok() || !gaussians) return {};
-    const std::vector<View> teachers = Teachers(posed->train);
-    BootstrapSize size;
-    size.weight_pixels =
-        CountPixels(teachers, options_.method.weights.max_side).total;
-    size.patch_pixels = CountPixels(teachers, kPatchSide).largest;
-    size.photo_pixels = CountPixels(teachers, 0).largest;
-    size.gaussians = *gaussians;
-    size.model_bytes = ModelBytes();
-    size.threads = context.pool->num_threads();
-    return {BootstrapMemory(options_, size),
-            "lower bootstrap.weights_memory_gb, general.threads or the number "
-            "of Gaussians (reconstruct.budget)"};
+  pipeline::StageNeed Foretell(const pipeline::StageContext& context,
+                               bool /*done*/,
+                               pipeline::SceneOutlook* scene) const override {
+    return BootstrapNeed(
+        options_, ModelBytes(), context.pool->num_threads(), *scene);
   }
 
   Status Run(pipeline::StageContext& context) override {
@@ -161,18 +139,6 @@ class BootstrapStage : public pipeline::Stage {
  private:
   bool with_semantics() const { return options_.mode != "geometry"; }
 
-  // The views that teach. A few see all that an average needs; training takes
-  // all.
-  std::vector<View> Teachers(const std::vector<View>& train) const {
-    if (options_.mode == "paper") return train;
-    std::vector<View> chosen;
-    for (const size_t view :
-         semantics::ChooseViews(train.size(), kMaxLiftedViews)) {
-      chosen.push_back(train[view]);
-    }
-    return chosen;
-  }
-
   // The networks of the CLIP model. A model that is missing has none.
   int64_t ModelBytes() const {
     const StatusOr<fs::path> model = options_.model.empty()
@@ -195,7 +161,7 @@ class BootstrapStage : public pipeline::Stage {
                                  const std::vector<View>& views,
                                  semantics::BootstrappingOptions method,
                                  pipeline::StageContext& context) const {
-    const std::vector<View> teachers = Teachers(scene.train);
+    const std::vector<View> teachers = Teachers(options_, scene.train);
     const auto photo_of = [&](size_t view) {
       return ReadRgb(context.workspace / "undistort" / "images" /
                      teachers[view].name);

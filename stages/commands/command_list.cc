@@ -19,13 +19,15 @@
 #include "stages/commands/run_command.h"
 #include "stages/commands/status_command.h"
 #include "stages/commands/view_command.h"
+#include "stages/plan/plan_command.h"
 #include "stages/query/query_request.h"
 
 namespace freegs::stages {
 namespace {
 
-// The bench calls the program for everything else, so its room lies below this
-// one, and it is given what it needs of the other commands.
+// The bench and the plan have rooms of their own below this one. The bench
+// calls the program for everything else, and is given what it needs of the
+// other commands.
 Status RunBenchCommand(const std::vector<std::string>& arguments,
                        CommandContext& context) {
   return RunBench(
@@ -33,9 +35,15 @@ Status RunBenchCommand(const std::vector<std::string>& arguments,
       {context.out, context.err, context.cancellation, EvalWords, {}});
 }
 
+Status RunPlanCommand(const std::vector<std::string>& arguments,
+                      CommandContext& context) {
+  return RunPlan(arguments, context.out, context.cancellation);
+}
+
 constexpr Command kCommands[] = {
     {"run", RunWords, RunRunCommand},
     {"stage", StageWords, RunStageCommand},
+    {"plan", PlanWords, RunPlanCommand},
     {"init", InitWords, RunInitCommand},
     {"status", StatusWords, RunStatusCommand},
     {"doctor", DoctorWords, RunDoctorCommand},

@@ -56,6 +56,7 @@ json ReportJson(const StageReport& report, bool running) {
     object["cpu_seconds"] = record->cpu_seconds;
     object["peak_memory_bytes"] = record->peak_memory_bytes;
     object["expected_memory_bytes"] = record->expected_memory_bytes;
+    object["expected_seconds"] = record->expected_seconds;
     object["summary"] = record->summary;
     const json full = pipeline::ToJson(*record);
     if (full.contains("error")) object["error"] = full["error"];

@@ -27,6 +27,7 @@
 #include "splat/scene/splat_format.h"
 #include "splat/scene/spz_format.h"
 #include "stages/export/box_wireframe.h"
+#include "stages/export/export_forecast.h"
 #include "stages/export/html.h"
 #include "stages/export/instance_files.h"
 #include "stages/export/report_data.h"
@@ -34,7 +35,6 @@
 #include "stages/export/report_views.h"
 #include "stages/scene/depth_image.h"
 #include "stages/scene/scene_instances.h"
-#include "stages/scene/scene_size.h"
 #include "stages/scene/training_scene.h"
 #include "stages/scene/view_selection.h"
 #include "stages/scene/working_frame.h"
@@ -46,10 +46,6 @@ namespace freegs::stages {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Of a view that is drawn: colour (3 floats), transmittance, depth and label (4
-// bytes each), and two 8-bit pictures.
-constexpr int64_t kBytesPerPixel = 30;
 
 // The page with its pictures and its script should be no larger than what
 // people send each other. Base64 makes a third more of this.
@@ -104,18 +100,10 @@ class ExportStage : public pipeline::Stage {
             "bootstrap/hierarchy.json"};
   }
 
-  pipeline::MemoryNeed ExpectedMemory(
-      const pipeline::StageContext& context) const override {
-    const auto posed = ReadPosedPhotos(context.workspace);
-    const auto gaussians =
-        CountGaussians(context.workspace / "reconstruct" / "point_cloud.ply");
-    if (!posed.ok() || !gaussians) return {};
-    const int64_t pixels = std::max(CountPixels(posed->train, 0).largest,
-                                    CountPixels(posed->holdout, 0).largest);
-    return {pipeline::kProgramMemory + kBytesPerPixel * pixels +
-                kBytesPerReadGaussian * *gaussians,
-            "lower undistort.max_image_size or the number of Gaussians "
-            "(reconstruct.budget)"};
+  pipeline::StageNeed Foretell(const pipeline::StageContext& context,
+                               bool /*done*/,
+                               pipeline::SceneOutlook* scene) const override {
+    return ExportNeed(options_, context.pool->num_threads(), *scene);
   }
 
   Status Run(pipeline::StageContext& context) override {

@@ -10,16 +10,9 @@
 
 #include "pipeline/option_table.h"
 #include "pipeline/stage.h"
+#include "stages/export/export_options.h"
 
 namespace freegs::stages {
-
-struct ExportStageOptions {
-  // So many training views, evenly spread, get masks besides the holdout views.
-  int mask_views = 8;
-
-  // So many views are shown in the report.
-  int report_views = 6;
-};
 
 // Adds section [export] to the table, which keeps pointers to `options`.
 void RegisterExportOptions(ExportStageOptions& options,

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -15,11 +14,11 @@
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "photos/photo_decode.h"
-#include "photos/photo_header.h"
 #include "photos/photo_list.h"
 #include "photos/photo_scan.h"
 #include "photos/photo_selection.h"
 #include "stages/ingest/ingest_films.h"
+#include "stages/ingest/ingest_forecast.h"
 
 namespace freegs::stages {
 namespace {
@@ -32,36 +31,12 @@ using pipeline::StageContext;
 
 constexpr int kMinUsable = 3;
 
-// While a photo is read: its file, its pixels as decoded and as upright RGB,
-// and a reduced grey copy.
-constexpr double kBytesPerPixel = 8;
-
 // The name of a file, safe to print within one line.
 std::string OneLine(std::string name) {
   for (char& c : name) {
     if (static_cast<uint8_t>(c) < 0x20 || c == 0x7f) c = '?';
   }
   return name;
-}
-
-// The paths of the `count` largest files of a folder.
-std::vector<fs::path> LargestFiles(const fs::path& folder,
-                                   const std::vector<std::string>& files,
-                                   size_t count) {
-  std::vector<std::pair<uintmax_t, fs::path>> sized;
-  for (const std::string& file : files) {
-    std::error_code error;
-    const uintmax_t size = fs::file_size(folder / file, error);
-    if (!error) sized.emplace_back(size, folder / file);
-  }
-  count = std::min(count, sized.size());
-  std::partial_sort(sized.begin(),
-                    sized.begin() + static_cast<std::ptrdiff_t>(count),
-                    sized.end(),
-                    std::greater<>());
-  std::vector<fs::path> largest;
-  for (size_t i = 0; i < count; ++i) largest.push_back(sized[i].second);
-  return largest;
 }
 
 // Calls body(i) for 0 <= i < count on all threads, reports progress, and
@@ -122,28 +97,32 @@ class IngestStage : public pipeline::Stage {
     return inputs;
   }
 
-  // As many of the largest files as there are threads are looked at. Of films
-  // nothing is known.
-  pipeline::MemoryNeed ExpectedMemory(
-      const StageContext& context) const override {
-    const auto scan = Scan(context);
-    if (!scan.ok() || scan->files.empty()) return {};
-    const auto threads = static_cast<size_t>(context.pool->num_threads());
-    double pixels = 0;
-    for (const fs::path& path :
-         LargestFiles(context.images, scan->files, threads)) {
-      const StatusOr<std::string> bytes = ReadFile(path);
-      if (!bytes.ok()) continue;
-      const auto header = photos::ParsePhotoHeader(*bytes);
-      if (!header.ok() || !photos::CheckHeader(*header, options_.decode).ok()) {
-        continue;
+  // Of films nothing is known before frames are taken from them.
+  pipeline::StageNeed Foretell(const StageContext& context,
+                               bool done,
+                               pipeline::SceneOutlook* scene) const override {
+    if (done) {
+      const fs::path folder = context.workspace / "ingest";
+      const auto list = photos::ReadPhotoList(folder / "images.json");
+      if (list.ok()) ShowPhotos(list->photos, folder / "photos", scene);
+    } else {
+      const auto scan = Scan(context);
+      if (!scan.ok()) return {.advice = scan.status().message()};
+      if (scan->files.empty() && !scan->films.empty()) {
+        return {.advice =
+                    "of a film nothing is known before its frames are "
+                    "taken (stage ingest)"};
       }
-      pixels += static_cast<double>(header->width) *
-                static_cast<double>(header->height);
+      std::vector<Photo> photos =
+          ReadPhotoHeaders(context.images, scan->files, options_.decode);
+      photos::RejectBlurred(options_.keep_sharpest, &photos);
+      const auto rule = ReadHoldoutRule();
+      if (rule.ok()) (void)photos::AssignHoldout(*rule, &photos);
+      ShowPhotos(photos, context.images, scene);
+      const auto masks = FindMaskFolder(context.images, options_.masks);
+      scene->masks = masks.ok() && !masks->empty();
     }
-    return {pipeline::kProgramMemory + std::llround(kBytesPerPixel * pixels),
-            "lower general.threads, or ingest.max_megapixels so that the "
-            "largest photos are left out"};
+    return IngestNeed(*scene, context.pool->num_threads());
   }
 
   Status Run(StageContext& context) override {

@@ -2,9 +2,9 @@
 
 #include "stages/reconstruct/reconstruct_stage.h"
 
-#include <algorithm>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,7 +20,7 @@
 #include "splat/scene/ply_io.h"
 #include "splat/scene/spz_format.h"
 #include "splat/train/trainer.h"
-#include "stages/reconstruct/reconstruct_memory.h"
+#include "stages/reconstruct/reconstruct_forecast.h"
 #include "stages/reconstruct/training_run.h"
 #include "stages/scene/scene_size.h"
 #include "stages/scene/training_scene.h"
@@ -62,33 +62,24 @@ class ReconstructStage : public pipeline::Stage {
     return {"checkpoints"};
   }
 
-  pipeline::MemoryNeed ExpectedMemory(
-      const pipeline::StageContext& context) const override {
-    const auto posed = ReadPosedPhotos(context.workspace);
-    if (!posed.ok()) return {};
-    const auto training = TrainingOptions(*posed);
-    if (!training.ok()) return {};
-    const int side = options_.max_image_size;
-    const ViewPixels train = CountPixels(posed->train, side);
-    const ViewPixels holdout = CountPixels(posed->holdout, side);
-    ReconstructSize size;
-    size.train_pixels = train.total;
-    size.holdout_pixels = holdout.total;
-    size.view_pixels = std::max(train.largest, holdout.largest);
-    size.photo_pixels = std::max(CountPixels(posed->train, 0).largest,
-                                 CountPixels(posed->holdout, 0).largest);
-    size.masks = !TrainingMaskFolder(context.workspace).empty();
-    size.points = std::ssize(posed->sparse.points3d);
-    size.threads = context.pool->num_threads();
+  pipeline::StageNeed Foretell(const pipeline::StageContext& context,
+                               bool done,
+                               pipeline::SceneOutlook* scene) const override {
+    pipeline::StageNeed need;
     if (!options_.import.empty()) {
-      const auto gaussians = CountGaussians(options_.import);
-      if (!gaussians) return {};
-      size.imported_gaussians = *gaussians;
+      scene->gaussians = CountGaussians(options_.import).value_or(0);
     }
-    return {ReconstructMemory(options_, *training, size),
-            "lower reconstruct.budget, reconstruct.max_image_size, "
-            "reconstruct.image_cache_gb or "
-            "general.threads"};
+    const auto training = TrainingOptions(scene->train);
+    if (training.ok()) {
+      need = ReconstructNeed(
+          options_, *training, context.pool->num_threads(), scene);
+    }
+    if (done) {
+      scene->gaussians =
+          CountGaussians(context.workspace / "reconstruct" / "point_cloud.ply")
+              .value_or(0);
+    }
+    return need;
   }
 
   Status Run(pipeline::StageContext& context) override {
@@ -97,7 +88,7 @@ class ReconstructStage : public pipeline::Stage {
     if (!read.ok()) return read.status().Annotated("reconstruct");
     const TrainingScene& scene = *read;
     FREEGS_ASSIGN_OR_RETURN(const splat::TrainerOptions training,
-                            TrainingOptions(scene.photos));
+                            TrainingOptions(scene.photos.train));
     splat::TrainingImagesOptions image_options;
     image_options.max_side = options_.max_image_size;
     image_options.num_levels = 3;  // The search looks at level 2.
@@ -144,10 +135,10 @@ class ReconstructStage : public pipeline::Stage {
 
  private:
   StatusOr<splat::TrainerOptions> TrainingOptions(
-      const PosedPhotos& photos) const {
+      std::span<const View> train) const {
     return MakeTrainerOptions(
         options_,
-        CountPixels(photos.train, options_.max_image_size).total,
+        pipeline::CountPixels(train, options_.max_image_size).total,
         pipeline::Memory().total_bytes,
         seed_);
   }

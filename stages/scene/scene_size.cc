@@ -2,24 +2,12 @@
 
 #include "stages/scene/scene_size.h"
 
-#include <algorithm>
 #include <fstream>
 #include <string>
 
 #include "splat/scene/ply_header.h"
 
 namespace freegs::stages {
-
-ViewPixels CountPixels(std::span<const View> views, int max_side) {
-  ViewPixels pixels;
-  for (const View& view : views) {
-    const Pinhole camera = view.camera.LimitedTo(max_side);
-    const int64_t count = int64_t{camera.width} * camera.height;
-    pixels.total += count;
-    pixels.largest = std::max(pixels.largest, count);
-  }
-  return pixels;
-}
 
 std::optional<int64_t> CountGaussians(const std::filesystem::path& ply) {
   constexpr size_t kEnough = 1 << 16;  // A header has about 1500 bytes.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The sizes of a scene that decide how much memory a stage needs.
+// How large a trained model is, in a file and in memory.
 
 #ifndef FREEGS_STAGES_SCENE_SCENE_SIZE_H_
 #define FREEGS_STAGES_SCENE_SCENE_SIZE_H_
@@ -7,19 +7,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
-#include <span>
-
-#include "core/pinhole.h"
 
 namespace freegs::stages {
-
-// Pixels of all views, and of the largest one, when their longest sides are
-// limited to max_side (0: they are not).
-struct ViewPixels {
-  int64_t total = 0;
-  int64_t largest = 0;
-};
-ViewPixels CountPixels(std::span<const View> views, int max_side);
 
 // The number of Gaussians that the header of a PLY file names; nothing when it
 // cannot be read.

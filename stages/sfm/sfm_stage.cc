@@ -15,7 +15,7 @@
 #include "sfm/import/import_model.h"
 #include "sfm/scene/model_io.h"
 #include "sfm/scene/scene_frame.h"
-#include "stages/sfm/sfm_memory.h"
+#include "stages/sfm/sfm_forecast.h"
 
 namespace freegs::stages {
 namespace {
@@ -84,15 +84,16 @@ class SfmStage : public pipeline::Stage {
     return {"database.db", "logs"};
   }
 
-  // Of imported models nothing is known.
-  pipeline::MemoryNeed ExpectedMemory(
-      const StageContext& context) const override {
-    const auto list =
-        photos::ReadPhotoList(context.workspace / "ingest" / "images.json");
-    if (!list.ok() || !options_.import.empty()) return {};
-    return {SfmMemory(options_.colmap, *list, context.pool->num_threads()),
-            "lower sfm.max_image_size, sfm.max_features or general.threads, or "
-            "take fewer photos (ingest.keep_sharpest)"};
+  pipeline::StageNeed Foretell(const StageContext& context,
+                               bool done,
+                               pipeline::SceneOutlook* scene) const override {
+    pipeline::StageNeed need =
+        SfmNeed(options_.colmap, context.pool->num_threads(), scene);
+    if (!options_.import.empty()) {
+      need = {.advice = "nothing is known of a model that is imported"};
+    }
+    if (done) ShowModel(context.workspace / "sfm" / "sparse" / "0", scene);
+    return need;
   }
 
   Status Run(StageContext& context) override {

@@ -14,7 +14,7 @@
 #include "sfm/colmap/undistortion.h"
 #include "sfm/scene/mask_undistortion.h"
 #include "sfm/scene/model_io.h"
-#include "stages/sfm/sfm_memory.h"
+#include "stages/sfm/sfm_forecast.h"
 
 namespace freegs::stages {
 namespace {
@@ -54,14 +54,24 @@ class UndistortStage : public pipeline::Stage {
 
   std::vector<std::string> Disposable() const override { return {"logs"}; }
 
-  pipeline::MemoryNeed ExpectedMemory(
-      const StageContext& context) const override {
-    const auto list =
-        photos::ReadPhotoList(context.workspace / "ingest" / "images.json");
-    if (!list.ok()) return {};
+  pipeline::StageNeed Foretell(const StageContext& context,
+                               bool done,
+                               pipeline::SceneOutlook* scene) const override {
     // COLMAP's undistorter takes all cores.
-    return {UndistortMemory(*list, pipeline::AvailableCores()),
-            "give smaller photos"};
+    pipeline::StageNeed need =
+        UndistortNeed(*scene, pipeline::AvailableCores());
+    for (auto* views : {&scene->train, &scene->holdout}) {
+      for (View& view : *views) {
+        view.camera = view.camera.LimitedTo(options_.max_image_size);
+      }
+    }
+    if (done) {
+      ShowModel(context.workspace / "undistort" / "sparse", scene);
+      std::error_code error;
+      scene->masks =
+          fs::is_directory(context.workspace / "undistort" / "masks", error);
+    }
+    return need;
   }
 
   Status Run(StageContext& context) override {

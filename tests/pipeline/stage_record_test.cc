@@ -30,6 +30,7 @@ StageRecord Example() {
   record.cpu_seconds = 2.5;
   record.peak_memory_bytes = int64_t{5} << 32;
   record.expected_memory_bytes = int64_t{6} << 32;
+  record.expected_seconds = 90.5;
   record.resumed = true;
   record.summary = {{"registered", 50}};
   record.outputs = {{"sparse/0/cameras.bin", 72}};
@@ -47,6 +48,7 @@ TEST(StageRecordTest, RoundTrip) {
   EXPECT_EQ(ToJson(*read), ToJson(Example()));
   EXPECT_EQ(read->fingerprint, Example().fingerprint);
   EXPECT_EQ(read->expected_memory_bytes, int64_t{6} << 32);
+  EXPECT_EQ(read->expected_seconds, 90.5);
   EXPECT_EQ(read->error_code, StatusCode::kUnusableResult);
 }
 
@@ -75,7 +77,7 @@ TEST(StageRecordTest, EveryWrongOrMissingFieldIsRefused) {
     // Records of older programs lack these.
     EXPECT_EQ(
         RecordFromJson(missing).ok(),
-        key == "outputs" || key == "contents" || key == "expected_memory_bytes")
+        key == "outputs" || key == "contents" || key.starts_with("expected_"))
         << key;
     json wrong = good;
     wrong[key] = json::array({1});

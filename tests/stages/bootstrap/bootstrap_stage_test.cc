@@ -123,18 +123,6 @@ class BootstrapStageTest : public testing::Test {
   BootstrapStageOptions options_;
 };
 
-TEST_F(BootstrapStageTest, ExpectsMemoryOfAWorkspaceThatCanBeRead) {
-  ThreadPool pool(2);
-  pipeline::StageContext context;
-  context.workspace = workspace();
-  context.pool = &pool;
-  const auto stage = MakeBootstrapStage(options_, /*seed=*/0);
-  EXPECT_GT(stage->ExpectedMemory(context).bytes, pipeline::kProgramMemory);
-  EXPECT_NE(stage->ExpectedMemory(context).advice, "");
-  context.workspace = workspace() / "none";
-  EXPECT_EQ(stage->ExpectedMemory(context).bytes, 0);
-}
-
 TEST_F(BootstrapStageTest, WritesInstancesMapsAndPreviews) {
   const fs::path output = workspace() / "bootstrap";
   const Status status = Run(output);

@@ -65,16 +65,6 @@ class ExportStageTest : public testing::Test {
   nlohmann::json summary_;
 };
 
-TEST_F(ExportStageTest, ExpectsMemoryOfAWorkspaceThatCanBeRead) {
-  pipeline::StageContext context;
-  context.workspace = workspace_.path();
-  context.pool = &pool_;
-  const auto stage = MakeExportStage({});
-  EXPECT_GT(stage->ExpectedMemory(context).bytes, pipeline::kProgramMemory);
-  context.workspace = workspace_ / "none";
-  EXPECT_EQ(stage->ExpectedMemory(context).bytes, 0);
-}
-
 TEST_F(ExportStageTest, WritesSceneInstancesMasksAndBoxes) {
   workspace_.AddInstances();
   ExportStageOptions options;

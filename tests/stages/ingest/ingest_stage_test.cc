@@ -55,22 +55,71 @@ TEST_F(IngestStageTest, PlainPhotosAreCopiedByteForByte) {
   EXPECT_EQ(last_progress_.total, 12);
 }
 
-TEST_F(IngestStageTest, ExpectsMemoryForTheLargestPhotos) {
-  const auto expected = [this](int threads) {
+TEST_F(IngestStageTest, ForetellsFromTheHeadersOfThePhotos) {
+  pipeline::SceneOutlook scene;
+  const auto foretell = [&](int threads, bool done = false) {
     ThreadPool pool(threads);
     pipeline::StageContext context;
     context.workspace = workspace_.path();
     context.images = images_.path();
     context.pool = &pool;
-    return MakeIngestStage(options_)->ExpectedMemory(context).bytes;
+    scene = {};
+    return MakeIngestStage(options_)->Foretell(context, done, &scene);
   };
-  EXPECT_EQ(expected(2), 0);  // No photo yet.
+  EXPECT_FALSE(foretell(2).known());  // No photo yet.
+  EXPECT_FALSE(foretell(2, true).known());
   WritePhotos(5);
-  const int64_t small = expected(2);
-  EXPECT_GT(small, pipeline::kProgramMemory);
-  EXPECT_LT(expected(1), small);
-  images_.Write("large.jpg", photos::MakeJpeg(640, 480, 1));
-  EXPECT_GT(expected(1), small);
+  const pipeline::StageNeed some = foretell(2);
+  EXPECT_EQ(scene.train.size(), 4u);
+  ASSERT_EQ(scene.holdout.size(), 1u);
+  EXPECT_EQ(scene.holdout[0].camera.width, 64);
+  EXPECT_EQ(some.disk_bytes, scene.photo_bytes);
+  EXPECT_GT(some.memory_bytes, pipeline::kProgramMemory);
+  EXPECT_LT(foretell(1).memory_bytes, some.memory_bytes);
+
+  // What ingest would refuse does not count; what it writes anew is larger.
+  images_.Write("a.jpg", "no photo");
+  images_.Write("b.png", photos::MakePng(8, 8, 1));
+  EXPECT_EQ(foretell(2).disk_bytes, some.disk_bytes);
+  EXPECT_EQ(scene.photos(), 5);
+  images_.Write("large.jpg",
+                photos::WithExif(photos::MakeJpeg(640, 480, 1),
+                                 photos::MakeExif({.orientation = 6})));
+  const pipeline::StageNeed more = foretell(1);
+  EXPECT_GT(more.memory_bytes, some.memory_bytes);
+  EXPECT_GT(more.disk_bytes, some.disk_bytes + 2 * 640 * 480 - 1);
+  EXPECT_GT(more.seconds, some.seconds);
+  // A header behind much else.
+  images_.Write("tail.tif",
+                photos::Encode(".tif", photos::MakePicture(400, 300, 2)));
+  foretell(1);
+  EXPECT_EQ(scene.photos(), 7);
+  options_.keep_sharpest = 0.5;
+  foretell(1);
+  EXPECT_EQ(scene.photos(), 4);
+
+  // Once it is done, the photos are those of images.json.
+  options_.keep_sharpest = 1;
+  ASSERT_TRUE(Run().ok());
+  fs::rename(workspace_.path() / "ingest.partial",
+             workspace_.path() / "ingest");
+  images_.Write("later.jpg", photos::MakeJpeg(64, 48, 99));
+  EXPECT_TRUE(foretell(1, true).known());
+  EXPECT_EQ(scene.photos(), 7);
+}
+
+TEST_F(IngestStageTest, OfFilmsNothingIsForetold) {
+  images_.Write("a.mp4", "film");
+  ThreadPool pool(1);
+  pipeline::StageContext context;
+  context.images = images_.path();
+  context.pool = &pool;
+  pipeline::SceneOutlook scene;
+  const pipeline::StageNeed need =
+      MakeIngestStage(options_)->Foretell(context, false, &scene);
+  EXPECT_FALSE(need.known());
+  EXPECT_THAT(need.advice, HasSubstr("film"));
+  EXPECT_EQ(scene.photos(), 0);
 }
 
 TEST_F(IngestStageTest, OthersAreRewrittenUprightAndLossless) {

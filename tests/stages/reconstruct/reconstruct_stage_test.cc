@@ -23,6 +23,7 @@
 #include "stages/scene/training_scene.h"
 #include "tests/splat/test_scene.h"
 #include "tests/stages/moved_world.h"
+#include "tests/stages/scene_outlook_of.h"
 #include "tests/temporary_folder.h"
 
 namespace freegs::stages {
@@ -187,16 +188,28 @@ TEST(SplitHoldout, EverySecondByNameChooses) {
   EXPECT_EQ(SplitHoldout({views[0]}).reporting.size(), 1u);
 }
 
-TEST_F(ReconstructStageTest, ExpectsMemoryOfAWorkspaceThatCanBeRead) {
+TEST_F(ReconstructStageTest, ForetellsWhatItNeedsAndMakes) {
   ThreadPool pool(2);
   pipeline::StageContext context;
   context.workspace = workspace_;
   context.pool = &pool;
   const auto stage = MakeReconstructStage(Short(), 3);
-  EXPECT_GT(stage->ExpectedMemory(context).bytes, pipeline::kProgramMemory);
-  EXPECT_NE(stage->ExpectedMemory(context).advice, "");
-  context.workspace = workspace_ / "none";
-  EXPECT_EQ(stage->ExpectedMemory(context).bytes, 0);
+  pipeline::SceneOutlook scene;
+  EXPECT_FALSE(stage->Foretell(context, false, &scene).known());
+  EXPECT_EQ(scene.gaussians, 0);
+  scene = SceneOutlookOf(8, 80, 60);
+  const pipeline::StageNeed need = stage->Foretell(context, false, &scene);
+  EXPECT_GT(need.memory_bytes, pipeline::kProgramMemory);
+  EXPECT_NE(need.advice, "");
+  EXPECT_EQ(scene.gaussians, 500);
+  // When it is done, the number of Gaussians is that of the file.
+  fs::create_directories(workspace_ / "reconstruct");
+  ASSERT_TRUE(
+      splat::WritePly(workspace_ / "reconstruct" / "point_cloud.ply", truth_)
+          .ok());
+  EXPECT_EQ(stage->Foretell(context, true, &scene).memory_bytes,
+            need.memory_bytes);
+  EXPECT_EQ(scene.gaussians, 80);
 }
 
 TEST_F(ReconstructStageTest, WritesTheContract) {

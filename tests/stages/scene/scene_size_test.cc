@@ -2,8 +2,6 @@
 
 #include "stages/scene/scene_size.h"
 
-#include <vector>
-
 #include <gtest/gtest.h>
 
 #include "splat/scene/ply_io.h"
@@ -12,18 +10,6 @@
 
 namespace freegs::stages {
 namespace {
-
-TEST(SceneSizeTest, CountsPixelsAtTheLimitedSize) {
-  std::vector<View> views(3);
-  views[0].camera = splat::TestCamera(80, 60);
-  views[1].camera = splat::TestCamera(40, 20);
-  views[2].camera = splat::TestCamera(30, 60);
-  EXPECT_EQ(CountPixels(views, 0).total, 4800 + 800 + 1800);
-  EXPECT_EQ(CountPixels(views, 0).largest, 4800);
-  EXPECT_EQ(CountPixels(views, 40).total, 1200 + 800 + 800);
-  EXPECT_EQ(CountPixels(views, 40).largest, 1200);
-  EXPECT_EQ(CountPixels({}, 40).total, 0);
-}
 
 TEST(SceneSizeTest, CountsTheGaussiansOfAFile) {
   const TemporaryFolder folder;

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/reconstruct/reconstruct_forecast.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "stages/scene/scene_size.h"
+
+namespace freegs::stages {
+namespace {
+
+using pipeline::StageNeed;
+
+// A photo is kept as 8-bit RGB, its mask as one more byte. The smaller levels
+// of its pyramid add a third (holdout photos have two such levels: five
+// sixteenths).
+constexpr double kLevelsOfTrainPhoto = 4 / 3.0;
+constexpr double kLevelsOfHoldoutPhoto = 21 / 16.0;
+
+// While it is read, a photo is there twice: as decoded, and in the order RGB.
+constexpr double kBytesPerDecodedPixel = 6;
+
+// Of the view that a step renders, in floats: colour, photo and gradient (3
+// each), three maps of SSIM's derivatives (3 each), transmittance, and which
+// Gaussian is the dominant one.
+constexpr double kBytesPerViewPixel = 4 * (3 * 3 + 3 * 3 + 2);
+
+// Of training, besides what follows: lists of tiles, buffers of the threads,
+// pages that the allocator keeps.
+constexpr double kWorkMemory = 180e6;
+
+// Copies of a Gaussian's parameters. Training has four: the model, two moments
+// and the last good state; checkpoints are written from them. The lists of what
+// a view shows add the rest.
+constexpr double kCopiesOfGaussian = 5.95;
+
+// A densification makes about four new Gaussians of ten. Of seven scenes the
+// dense models had 6 to 33 for each point, and 19 to 33 % of them were left at
+// the end. To expect too much does less harm than to expect too little.
+constexpr double kGrowth = 1.4;
+constexpr double kGaussiansPerPoint = 30;
+constexpr double kLeft = 0.31;
+
+// Of a step on one thread, and the share of it that threads do not divide.
+constexpr double kStepSeconds = 0.02;
+constexpr double kStepSecondsPerMegapixel = 0.06;
+constexpr double kStepSecondsPerMillion = 0.05;
+constexpr double kSerial = 0.14;
+
+// Two checkpoints are kept, each with the model, two moments and what is
+// counted; and pictures of the holdout views.
+constexpr double kCheckpoints = 2 * 4;
+constexpr double kDiskBytesPerPixel = 1;
+
+double Densifications(const splat::ScheduleOptions& schedule) {
+  if (schedule.densify_interval <= 0) return 0;
+  const bool mini =
+      schedule.method == splat::DensificationMethod::kMiniSplatting;
+  const double share = mini ? schedule.simplify_at - schedule.mini_densify_start
+                            : schedule.densify_stop - schedule.densify_start;
+  return std::floor(share * schedule.iterations / schedule.densify_interval);
+}
+
+}  // namespace
+
+ExpectedGaussians ExpectGaussians(const splat::TrainerOptions& training,
+                                  int64_t points) {
+  const splat::ScheduleOptions& schedule = training.schedule;
+  const auto first = static_cast<double>(points);
+  if (schedule.method == splat::DensificationMethod::kNone) {
+    return {first, first};
+  }
+  const bool mini =
+      schedule.method == splat::DensificationMethod::kMiniSplatting;
+  double dense = std::min(kGaussiansPerPoint * first,
+                          first * std::pow(kGrowth, Densifications(schedule)));
+  double left = mini ? kLeft * dense : dense;
+  if (training.budget > 0) {
+    const auto budget = static_cast<double>(training.budget);
+    const double most =
+        mini ? budget * training.mini_splatting.dense_factor : budget;
+    dense = std::max(first, std::min(dense, most));
+    left = std::min(left, budget);
+  }
+  return {dense, left};
+}
+
+StageNeed ReconstructNeed(const ReconstructStageOptions& options,
+                          const splat::TrainerOptions& training,
+                          int threads,
+                          pipeline::SceneOutlook* scene) {
+  const bool imported = !options.import.empty();
+  if (!imported) scene->gaussians = 0;
+  if (scene->train.empty() ||
+      (imported ? scene->gaussians : scene->points) <= 0) {
+    return {};
+  }
+  const int side = options.max_image_size;
+  const auto train = pipeline::CountPixels(scene->train, side);
+  const auto holdout = pipeline::CountPixels(scene->holdout, side);
+  const double bytes_per_pixel = scene->masks ? 4 : 3;
+  const double reading = kBytesPerDecodedPixel * threads *
+                         static_cast<double>(CountPixels(*scene, 0).largest);
+  double images = kLevelsOfHoldoutPhoto * bytes_per_pixel *
+                  static_cast<double>(holdout.total);
+  double work = kBytesPerViewPixel *
+                static_cast<double>(std::max(train.largest, holdout.largest));
+  const int coefficients =
+      splat::NumShCoefficients(training.schedule.sh_degree);
+  const double parameters = (11 + 3 * coefficients) * sizeof(float);
+  double seconds = 0;
+  double checkpoints = 0;
+  if (imported) {
+    work += static_cast<double>(kBytesPerReadGaussian * scene->gaussians);
+  } else {
+    const ExpectedGaussians gaussians =
+        ExpectGaussians(training, scene->points);
+    scene->gaussians = std::llround(gaussians.left);
+    work += kWorkMemory + gaussians.dense * kCopiesOfGaussian * parameters;
+    images += std::min(options.image_cache_gb * 1e9,
+                       kLevelsOfTrainPhoto * bytes_per_pixel *
+                           static_cast<double>(train.total));
+    const double megapixels = 1e-6 * static_cast<double>(train.total) /
+                              static_cast<double>(scene->train.size());
+    seconds = options.iterations *
+              (kStepSeconds + kStepSecondsPerMegapixel * megapixels +
+               kStepSecondsPerMillion * 1e-6 * gaussians.dense);
+    checkpoints = kCheckpoints * gaussians.dense * parameters;
+  }
+  return {.memory_bytes = pipeline::kProgramMemory +
+                          std::llround(images + std::max(reading, work)),
+          .disk_bytes = std::llround(
+              static_cast<double>(scene->gaussians) * parameters + checkpoints +
+              kDiskBytesPerPixel * static_cast<double>(holdout.total)),
+          .seconds = pipeline::OnThreads(seconds, kSerial, threads),
+          .advice =
+              "lower reconstruct.budget, reconstruct.max_image_size, "
+              "reconstruct.image_cache_gb or general.threads"};
+}
+
+}  // namespace freegs::stages

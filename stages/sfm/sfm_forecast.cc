@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/sfm/sfm_forecast.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "sfm/scene/model_io.h"
+
+namespace freegs::stages {
+namespace {
+
+using pipeline::SceneOutlook;
+using pipeline::StageNeed;
+
+// COLMAP's program and libraries.
+constexpr double kColmapMemory = 20e6;
+
+// COLMAP's extractor doubles the sides of a picture and holds on each thread
+// about 20 floats for each pixel of that: scales, their differences, gradients.
+constexpr double kExtractorBytesPerPixel = 340;
+
+// Without sfm.max_image_size the side is chosen from 800 to 1600 by the number
+// of features found. With this one the error is small at both ends.
+constexpr int kUsualSide = 1250;
+
+// Descriptors (128 bytes each) and the matches that a feature has in other
+// photos, in the database, the mapper's graph and our own copy.
+constexpr double kBytesPerFeature = 800;
+constexpr double kDiskBytesPerFeature = 310;
+
+// The more photos there are, the more of their features show the same points:
+// the points grow with the square root of the number of photos. So many are
+// found in scenes full of detail; most have two thirds of it.
+constexpr double kPointsPerFeature = 0.61;
+
+constexpr double kSeconds = 30;
+constexpr double kSecondsPerPhoto = 0.3;
+constexpr double kSecondsPerMegapixel = 0.1;
+constexpr double kSecondsPerPair = 0.05;
+constexpr double kSerial = 0.3;
+
+// Of the undistorter on each core: the photo and the one without distortion,
+// each decoded and as it is written. And of the models that are read beside it.
+constexpr double kUndistorterMemory = 40e6;
+constexpr double kUndistortionBytesPerPixel = 12;
+constexpr double kModelMemory = 20e6;
+constexpr double kModelBytesPerPhoto = 350e3;
+constexpr double kUndistortionSecondsPerMegapixel = 0.09;
+constexpr double kUndistortionSecondsPerPhoto = 0.04;
+constexpr double kUndistortionSerial = 0.2;
+// PNG files stay about as large; JPEG files are written with a high quality.
+constexpr double kDiskBytesPerPixel = 0.6;
+constexpr double kModelDiskBytesPerPhoto = 130e3;
+
+}  // namespace
+
+int64_t ExpectedPairs(const sfm::PairSelectionOptions& options,
+                      int64_t photos) {
+  const int64_t all = photos * (photos - 1) / 2;
+  if (options.matcher == "exhaustive" ||
+      (options.matcher == "auto" && photos <= options.max_exhaustive)) {
+    return all;
+  }
+  // Photos that are alike choose one another.
+  return std::min(all, photos * (options.neighbours + options.overlap) / 2);
+}
+
+StageNeed SfmNeed(const sfm::SfmOptions& options,
+                  int threads,
+                  SceneOutlook* scene) {
+  const int64_t photos = scene->photos();
+  scene->points = 0;
+  if (photos == 0) return {};
+  const int side =
+      options.max_image_size > 0 ? options.max_image_size : kUsualSide;
+  const pipeline::ViewPixels pixels = CountPixels(*scene, side);
+  const double features = static_cast<double>(options.max_features * photos);
+  scene->points = std::llround(kPointsPerFeature * options.max_features *
+                               std::sqrt(static_cast<double>(photos)));
+  const double extraction =
+      kColmapMemory +
+      kExtractorBytesPerPixel * threads * static_cast<double>(pixels.largest);
+  const double mapping = static_cast<double>(pipeline::kProgramMemory) +
+                         kBytesPerFeature * features;
+  const double seconds =
+      kSeconds + kSecondsPerPhoto * static_cast<double>(photos) +
+      kSecondsPerMegapixel * 1e-6 * static_cast<double>(pixels.total) +
+      kSecondsPerPair *
+          static_cast<double>(ExpectedPairs(options.pairs, photos));
+  return {.memory_bytes = std::llround(std::max(extraction, mapping)),
+          .disk_bytes = std::llround(kDiskBytesPerFeature * features),
+          .seconds = pipeline::OnThreads(seconds, kSerial, threads),
+          .advice =
+              "lower sfm.max_image_size, sfm.max_features or general.threads, "
+              "or take fewer photos (ingest.keep_sharpest)"};
+}
+
+StageNeed UndistortNeed(const SceneOutlook& scene, int cores) {
+  const auto photos = static_cast<double>(scene.photos());
+  if (photos == 0) return {};
+  const pipeline::ViewPixels pixels = CountPixels(scene, 0);
+  const double undistorter =
+      kUndistorterMemory +
+      kUndistortionBytesPerPixel * cores * static_cast<double>(pixels.largest);
+  const double model = static_cast<double>(pipeline::kProgramMemory) +
+                       kModelMemory + kModelBytesPerPhoto * photos;
+  const double seconds = kUndistortionSecondsPerMegapixel * 1e-6 *
+                             static_cast<double>(pixels.total) +
+                         kUndistortionSecondsPerPhoto * photos;
+  return {.memory_bytes = std::llround(std::max(undistorter, model)),
+          .disk_bytes = std::llround(
+              kModelDiskBytesPerPhoto * photos +
+              std::max(static_cast<double>(scene.photo_bytes),
+                       kDiskBytesPerPixel * static_cast<double>(pixels.total))),
+          .seconds = pipeline::OnThreads(seconds, kUndistortionSerial, cores),
+          .advice = "give smaller photos"};
+}
+
+void ShowModel(const std::filesystem::path& folder, SceneOutlook* scene) {
+  std::set<std::string> holdout;
+  for (const View& view : scene->holdout) holdout.insert(view.name);
+  scene->train.clear();
+  scene->holdout.clear();
+  scene->points = 0;
+  const auto model = sfm::ReadModel(folder);
+  if (!model.ok()) return;
+  const auto cameras = sfm::IndexCameras(*model);
+  for (const sfm::PosedImage& image : model->images) {
+    const auto index = cameras.find(image.camera_id);
+    if (index == cameras.end()) continue;
+    const sfm::Camera& camera = model->cameras[index->second];
+    View view;
+    view.name = image.name;
+    view.camera.width = static_cast<int>(camera.width);
+    view.camera.height = static_cast<int>(camera.height);
+    (holdout.contains(view.name) ? scene->holdout : scene->train)
+        .push_back(std::move(view));
+  }
+  scene->points = static_cast<int64_t>(model->points3d.size());
+}
+
+}  // namespace freegs::stages
