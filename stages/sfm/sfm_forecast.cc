@@ -37,6 +37,9 @@ constexpr double kDiskBytesPerFeature = 310;
 // found in scenes full of detail; most have two thirds of it.
 constexpr double kPointsPerFeature = 0.61;
 
+// With kUsualFeatures in each photo. Most of kSeconds is spent in the mapper,
+// whose work grows with the features, that of a pair with their square.
+constexpr double kUsualFeatures = 3000;
 constexpr double kSeconds = 30;
 constexpr double kSecondsPerPhoto = 0.3;
 constexpr double kSecondsPerMegapixel = 0.1;
@@ -86,10 +89,11 @@ StageNeed SfmNeed(const sfm::SfmOptions& options,
       kExtractorBytesPerPixel * threads * static_cast<double>(pixels.largest);
   const double mapping = static_cast<double>(pipeline::kProgramMemory) +
                          kBytesPerFeature * features;
+  const double share = options.max_features / kUsualFeatures;
   const double seconds =
-      kSeconds + kSecondsPerPhoto * static_cast<double>(photos) +
+      kSeconds * share + kSecondsPerPhoto * static_cast<double>(photos) +
       kSecondsPerMegapixel * 1e-6 * static_cast<double>(pixels.total) +
-      kSecondsPerPair *
+      kSecondsPerPair * share * share *
           static_cast<double>(ExpectedPairs(options.pairs, photos));
   return {.memory_bytes = std::llround(std::max(extraction, mapping)),
           .disk_bytes = std::llround(kDiskBytesPerFeature * features),
