@@ -88,12 +88,28 @@ double ProgressRate::Update(double now, const Progress& progress) {
                                  : 0;
 }
 
-ProgressLine::ProgressLine(Logger* logger, std::string prefix, Clock clock)
+ProgressLine::ProgressLine(Logger* logger,
+                           std::string prefix,
+                           ExpectedSeconds expected,
+                           Clock clock)
     : logger_(logger),
       prefix_(std::move(prefix)),
-      clock_(clock ? std::move(clock) : SteadySeconds) {}
+      expected_(expected),
+      clock_(clock ? std::move(clock) : SteadySeconds),
+      begin_(clock_()) {}
 
 ProgressLine::~ProgressLine() { logger_->SetTransient(""); }
+
+std::string ProgressLine::LeftText(double now,
+                                   const Progress& progress,
+                                   double rate) const {
+  if (expected_.stage <= 0) return "";
+  const double step =
+      rate > 0 ? std::max(0.0, progress.total - progress.done) / rate : 0;
+  const double stage = std::max(expected_.stage - (now - begin_), step);
+  return " (" + FormatSeconds(std::max(1.0, stage + expected_.later)) +
+         " left for all)";
+}
 
 void ProgressLine::Report(const Progress& progress) {
   const std::lock_guard lock(mutex_);
@@ -108,7 +124,8 @@ void ProgressLine::Report(const Progress& progress) {
   if (shown_ && now - last_shown_ < interval) return;
   shown_ = true;
   last_shown_ = now;
-  const std::string line = prefix_ + ": " + FormatProgress(progress, rate);
+  const std::string line = prefix_ + LeftText(now, progress, rate) + ": " +
+                           FormatProgress(progress, rate);
   if (logger_->terminal()) {
     logger_->SetTransient(Fit(line, TerminalWidth()));
   } else {

@@ -35,17 +35,28 @@ class ProgressRate {
   std::deque<std::pair<double, double>> recent_;  // Time, and what was done.
 };
 
+// What a run is expected to take from the beginning of a stage on, in seconds.
+// 0 means that nothing is known.
+struct ExpectedSeconds {
+  double stage = 0;
+  double later = 0;  // The stages after it.
+};
+
 // The line of one stage:
 //
-//   ProgressLine line(&logger, "reconstruct");
+//   ProgressLine line(&logger, "reconstruct", {.stage = 75, .later = 30});
 //   for (int i = 0; i < n; ++i) line.Report({"training", i, n, ""});
 class ProgressLine {
  public:
   using Clock = std::function<double()>;  // Seconds; never goes back.
 
-  // Every line begins with `prefix`, the name of the stage. `logger` must
+  // Every line begins with `prefix`, the name of the stage, and with the time
+  // that is left for the whole run where something is expected. `logger` must
   // outlive the object. Without a clock it uses the steady clock.
-  ProgressLine(Logger* logger, std::string prefix, Clock clock = {});
+  ProgressLine(Logger* logger,
+               std::string prefix,
+               ExpectedSeconds expected = {},
+               Clock clock = {});
 
   // Erases the line.
   ~ProgressLine();
@@ -58,10 +69,16 @@ class ProgressLine {
   void Report(const Progress& progress);
 
  private:
+  // " (1 min 20 s left for all)", or nothing. A step that says itself how long
+  // it will last is believed when that is longer than what was expected.
+  std::string LeftText(double now, const Progress& progress, double rate) const;
+
   std::mutex mutex_;
   Logger* logger_;
   const std::string prefix_;
+  const ExpectedSeconds expected_;
   const Clock clock_;
+  const double begin_;
   std::string step_;
   double last_shown_ = 0;
   bool shown_ = false;

@@ -283,8 +283,14 @@ Status StageRunner::Run() {
     std::vector<bool> done(stages_.size());
     std::fill_n(done.begin(), i, true);
     GiveBackFreedMemory();
+    const std::vector<StageNeed> needs = Foretell(done, pool);
+    double later_seconds = 0;
+    for (size_t j = i + 1; j < End(); ++j) {
+      if (forecasts[j].needed) later_seconds += needs[j].seconds;
+    }
     FREEGS_RETURN_IF_ERROR(RunStage(stage,
-                                    Foretell(done, pool)[i],
+                                    needs[i],
+                                    later_seconds,
                                     now.fingerprint,
                                     state.resumable,
                                     pool));
@@ -299,6 +305,7 @@ Status StageRunner::Run() {
 
 Status StageRunner::RunStage(RunnerStage& stage,
                              StageNeed need,
+                             double later_seconds,
                              const StageFingerprint& fingerprint,
                              bool resume,
                              ThreadPool& pool) {
@@ -324,7 +331,10 @@ Status StageRunner::RunStage(RunnerStage& stage,
         name + ": " + MemoryText(need, available));
   }
   const ResourceMeter meter;
-  ProgressLine line(&logger_, name);
+  ProgressLine line(
+      &logger_,
+      name,
+      {std::max(0.0, need.seconds - earlier.wall_seconds), later_seconds});
   ProgressFile file(options_.workspace, name);
   context.preview = PreviewPath(options_.workspace);
   std::mutex usage_mutex;

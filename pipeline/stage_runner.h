@@ -93,6 +93,7 @@ class StageRunner {
   std::vector<std::filesystem::path> ReadLater(const std::string& stage) const;
   Status RunStage(RunnerStage& stage,
                   StageNeed need,
+                  double later_seconds,
                   const StageFingerprint& fingerprint,
                   bool resume,
                   ThreadPool& pool);

@@ -233,10 +233,13 @@ TEST(ProgramTest, FromPhotosToReport) {
   // Again: nothing to do.
   outcome = Call(run);
   EXPECT_EQ(outcome.code, 0);
-  EXPECT_EQ(outcome.text,
-            "ingest: up to date\nsfm: up to date\nundistort: up to date\n"
-            "reconstruct: up to date\nbootstrap: up to date\n"
-            "export: up to date\n");
+  EXPECT_THAT(
+      outcome.text,
+      testing::StartsWith("ingest: up to date\nsfm: up to date\n"
+                          "undistort: up to date\nreconstruct: up to date\n"
+                          "bootstrap: up to date\nexport: up to date\n"
+                          "Open the page of the scene:\n  file:///"));
+  EXPECT_THAT(outcome.text, HasSubstr("query " + workspace + " --click "));
 
   // Moved, without its photos.
   fs::rename(folder / "w", folder / "moved");

@@ -272,6 +272,8 @@ TEST(ChooseVideoFrames, BoundsAndSharpest) {
   options.motion = 1;
   options.min_frames = 30;
   EXPECT_EQ(ChooseVideoFrames(frames, options).size(), 30u);
+  options.max_frames = 20;
+  EXPECT_EQ(ChooseVideoFrames(frames, options).size(), 20u);
   EXPECT_TRUE(ChooseVideoFrames({}, options).empty());
 }
 
@@ -281,7 +283,9 @@ TEST(VideoFrameOptions, Check) {
   options.motion = 0;
   EXPECT_FALSE(options.Check().ok());
   options = VideoFrameOptions();
-  options.min_frames = 301;
+  options.max_frames = 10;  // Less than min_frames: it is the bound of both.
+  EXPECT_TRUE(options.Check().ok());
+  options.max_frames = 2;
   EXPECT_FALSE(options.Check().ok());
 }
 

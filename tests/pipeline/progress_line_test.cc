@@ -18,6 +18,7 @@ namespace {
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using ::testing::StartsWith;
 
 TEST(FormatProgressTest, Values) {
   EXPECT_EQ(FormatProgress({"training", 3200, 7000, "loss 0.03"}, 50),
@@ -35,7 +36,7 @@ TEST(ProgressLineTest, PlainLinesAreAtMostOnePerTenSecondsAndStep) {
   Logger logger(console, /*terminal=*/false, "");
   double now = 0;
   {
-    ProgressLine line(&logger, "sfm", [&] { return now; });
+    ProgressLine line(&logger, "sfm", {}, [&] { return now; });
     for (int i = 0; i <= 250; ++i) {
       now = 0.1 * i;
       line.Report({"matching", static_cast<double>(i), 250, ""});
@@ -54,7 +55,7 @@ TEST(ProgressLineTest, ResumedStepCountsOnlyWhatIsDoneNow) {
   std::ostringstream console;
   Logger logger(console, /*terminal=*/false, "");
   double now = 0;
-  ProgressLine line(&logger, "r", [&] { return now; });
+  ProgressLine line(&logger, "r", {}, [&] { return now; });
   line.Report({"training", 5000, 7000, ""});
   now = 10;
   line.Report({"training", 5100, 7000, ""});
@@ -66,7 +67,7 @@ TEST(ProgressLineTest, RateFollowsAStepThatSlowsDown) {
   Logger logger(console, /*terminal=*/false, "");
   double now = 0;
   double done = 0;
-  ProgressLine line(&logger, "r", [&] { return now; });
+  ProgressLine line(&logger, "r", {}, [&] { return now; });
   for (; now < 100; now += 1) line.Report({"t", done += 100, 1e6, ""});
   for (; now < 145; now += 1) line.Report({"t", done += 1, 1e6, ""});
   const std::string text = console.str();
@@ -74,12 +75,37 @@ TEST(ProgressLineTest, RateFollowsAStepThatSlowsDown) {
   EXPECT_THAT(text.substr(last), HasSubstr(" 1.0/s"));
 }
 
+TEST(ProgressLineTest, TellsWhatIsLeftForTheWholeRun) {
+  std::ostringstream console;
+  Logger logger(console, /*terminal=*/false, "");
+  double now = 100;
+  const auto last = [&console] {
+    const std::string text = console.str();
+    return text.substr(text.rfind("r (", text.size() - 2));
+  };
+  ProgressLine line(
+      &logger, "r", {.stage = 60, .later = 30}, [&] { return now; });
+  line.Report({"reading", 0, 0, ""});
+  EXPECT_EQ(last(), "r (1 min 30 s left for all): reading 0\n");
+  now += 20;
+  line.Report({"training", 0, 100, ""});
+  EXPECT_EQ(last(), "r (1 min 10 s left for all): training 0/100 0%\n");
+  // Slower than expected: 80 s are left of this step, and 30 s of later stages.
+  now += 20;
+  line.Report({"training", 20, 100, ""});
+  EXPECT_THAT(last(), StartsWith("r (1 min 50 s left for all): training 20/"));
+  // Longer than expected, and no step says how long it will last.
+  now += 100;
+  line.Report({"writing", 0, 0, ""});
+  EXPECT_THAT(last(), StartsWith("r (30 s left for all): writing"));
+}
+
 TEST(ProgressLineTest, TerminalLineIsDrawnOverAndErased) {
   std::ostringstream console;
   Logger logger(console, /*terminal=*/true, "");
   double now = 0;
   {
-    ProgressLine line(&logger, "sfm", [&] { return now; });
+    ProgressLine line(&logger, "sfm", {}, [&] { return now; });
     line.Report({"matching", 1, 10, ""});
     now = 0.05;  // Too soon to be drawn again.
     line.Report({"matching", 2, 10, ""});

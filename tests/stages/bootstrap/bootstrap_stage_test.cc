@@ -263,18 +263,6 @@ TEST_F(BootstrapStageTest, RefusesAModelThatNoPhotoShows) {
   EXPECT_EQ(Run(workspace() / "out").code(), StatusCode::kUnusableResult);
 }
 
-TEST_F(BootstrapStageTest, LimitsTheSizeOfMaps) {
-  options_.max_image_size = 40;
-  options_.num_previews = 0;
-  const fs::path output = workspace() / "small";
-  ASSERT_TRUE(Run(output).ok());
-  const auto map = ReadLabels(output / "instances" / "photo1.png");
-  ASSERT_TRUE(map.ok());
-  EXPECT_EQ(map->width(), 40);
-  EXPECT_EQ(map->height(), 30);
-  EXPECT_FALSE(fs::exists(output / "preview"));
-}
-
 TEST_F(BootstrapStageTest, StopsWhenCancelled) {
   CancellationToken cancellation;
   cancellation.Cancel();
