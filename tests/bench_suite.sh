@@ -72,12 +72,13 @@ for cells in 1 2 3; do
   kill -9 $pid 2>/dev/null || true
   wait $pid 2>/dev/null || true
   [ "$cells" = 1 ] &&
-    first=$(stat -c %Y.%i "$folder"/killed/store/ingest_*/outcome.json)
+    first=$(stat -c %n.%Y.%i "$folder"/killed/store/ingest_*/outcome.json)
 done
 "$bin/freegs_pipeline" bench "$folder/suite.ini" --out "$folder/killed" \
   --jobs 2 >>"$folder/killed.log" 2>&1 ||
   { cat "$folder/killed.log"; fail "a killed bench does not go on"; }
-[ "$first" = "$(stat -c %Y.%i "$folder"/killed/store/ingest_*/outcome.json)" ] ||
+# The disturbed photographs have an ingest of their own, which came later.
+stat -c %n.%Y.%i "$folder"/killed/store/ingest_*/outcome.json | grep -qxF "$first" ||
   fail "what was done before the kill was done again"
 diff <(figures "$folder/whole/results.csv") <(figures "$folder/killed/results.csv") ||
   fail "a killed bench ends with other figures"
