@@ -311,10 +311,16 @@ TEST_F(BootstrapStageTest, SaysWhatToDoWhenNothingIsFound) {
 TEST_F(BootstrapStageTest, OneOrTwoInstancesAreNotTakenForGranted) {
   ASSERT_TRUE(Run(workspace() / "good").ok());
   EXPECT_EQ(log_.find("joined"), std::string::npos) << log_;
-  // So large a cluster can only be the whole scene, or half of it.
+  // Two balls and nothing else.
+  std::vector<uint32_t> balls;
+  for (size_t i = 0; i < scene_.truth.size(); ++i) {
+    if (scene_.truth[i] == 1 || scene_.truth[i] == 2) {
+      balls.push_back(static_cast<uint32_t>(i));
+    }
+  }
+  scene_.model.Select(balls);
+  WriteModel(scene_.model);
   options_.clustering = "union";
-  options_.method.clustering.union_space.hdbscan.min_cluster_size =
-      static_cast<int>(scene_.model.size() * 2 / 5);
   const Status status = Run(workspace() / "few");
   ASSERT_TRUE(status.ok()) << status.message();
   EXPECT_NE(log_.find("try bootstrap.clustering evidence"), std::string::npos)

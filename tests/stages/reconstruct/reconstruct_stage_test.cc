@@ -425,7 +425,7 @@ TEST_F(ReconstructStageTest, RefusesAModelThatNoPhotoShows) {
 TEST_F(ReconstructStageTest, PosesThatDoNotFitTheHoldoutAreTold) {
   ASSERT_TRUE(Run(Short(), "good").ok()) << log_;
   EXPECT_THAT(log_, testing::Not(testing::HasSubstr("lie beside")));
-  const nlohmann::json& views = Metrics("good")["holdout_views"];
+  const nlohmann::json views = Metrics("good")["holdout_views"];
   EXPECT_LT(views[0]["displacement_px"], 1);
   // The holdout cameras are turned by some six of 80 pixels.
   const fs::path folder = workspace_ / "undistort" / "sparse";
