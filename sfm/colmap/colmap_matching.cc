@@ -12,6 +12,7 @@
 #include "sfm/colmap/colmap_steps.h"
 #include "sfm/colmap/portioned_import.h"
 #include "sfm/matching/descriptor_matching.h"
+#include "sfm/matching/edge_features.h"
 #include "sfm/matching/match_database.h"
 #include "sfm/matching/pair_selection.h"
 
@@ -75,8 +76,15 @@ Status Matcher::Prepare() {
     if (it == ids.end()) continue;
     ids_.push_back(it->second);
     names_.push_back(photo.name);
-    FREEGS_ASSIGN_OR_RETURN(descriptors_[it->second],
-                            database.Descriptors(it->second));
+    SiftDescriptors& descriptors = descriptors_[it->second];
+    FREEGS_ASSIGN_OR_RETURN(descriptors, database.Descriptors(it->second));
+    FREEGS_ASSIGN_OR_RETURN(const std::vector<FeaturePlace> features,
+                            database.FeaturePlaces(it->second));
+    ClearUnsetDescriptors(features,
+                          photo.width,
+                          photo.height,
+                          context_.options.max_image_size,
+                          &descriptors);
   }
   return {};
 }

@@ -165,20 +165,29 @@ StatusOr<SiftDescriptors> MatchDatabase::Descriptors(uint32_t photo_id) const {
 
 StatusOr<std::vector<float>> MatchDatabase::FeatureScales(
     uint32_t photo_id) const {
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<FeaturePlace> features,
+                          FeaturePlaces(photo_id));
+  std::vector<float> scales;
+  for (const FeaturePlace& feature : features) scales.push_back(feature.scale);
+  return scales;
+}
+
+StatusOr<std::vector<FeaturePlace>> MatchDatabase::FeaturePlaces(
+    uint32_t photo_id) const {
   Statement statement(
       database_.get(),
       "SELECT rows, cols, data FROM keypoints WHERE image_id = ?");
   if (!statement.ok()) return Error("cannot read its keypoints");
   statement.Bind(1, photo_id);
-  std::vector<float> scales;
+  std::vector<FeaturePlace> features;
   const int code = statement.Step();
-  if (code == SQLITE_DONE) return scales;
+  if (code == SQLITE_DONE) return features;
   if (code != SQLITE_ROW) return Error("cannot read its keypoints");
   const int64_t rows = statement.Integer(0);
   const int64_t columns = statement.Integer(1);
   const std::string data = statement.Text(2);
   // x, y; x, y, scale, angle; or x, y and a 2 x 2 matrix.
-  if (columns != 4 && columns != 6) return scales;
+  if (columns != 4 && columns != 6) return features;
   const size_t row_bytes = static_cast<size_t>(columns) * sizeof(float);
   if (rows < 0 || data.size() % row_bytes != 0 ||
       static_cast<int64_t>(data.size() / row_bytes) != rows) {
@@ -191,9 +200,9 @@ StatusOr<std::vector<float>> MatchDatabase::FeatureScales(
     const float scale =
         columns == 4 ? v[2]
                      : 0.5f * (std::hypot(v[2], v[4]) + std::hypot(v[3], v[5]));
-    scales.push_back(std::isfinite(scale) ? scale : 0.0f);
+    features.push_back({v[0], v[1], std::isfinite(scale) ? scale : 0.0f});
   }
-  return scales;
+  return features;
 }
 
 Status MatchDatabase::WrongSize(uint32_t id1, uint32_t id2) const {

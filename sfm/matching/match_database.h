@@ -21,6 +21,7 @@
 
 #include "core/status.h"
 #include "sfm/matching/descriptor_matching.h"
+#include "sfm/matching/edge_features.h"
 
 struct sqlite3;
 
@@ -59,8 +60,11 @@ class MatchDatabase {
   // kBadInput when they are of another kind.
   StatusOr<SiftDescriptors> Descriptors(uint32_t photo_id) const;
 
-  // The size, in pixels, of each feature of a photo; empty when the photo has
-  // no features or the database does not tell. Never NaN.
+  // Where each feature of a photo lies, and its size; empty when the photo has
+  // no features or the database does not tell. Sizes are never NaN.
+  StatusOr<std::vector<FeaturePlace>> FeaturePlaces(uint32_t photo_id) const;
+
+  // Only the sizes.
   StatusOr<std::vector<float>> FeatureScales(uint32_t photo_id) const;
 
   // A pair of photos with verified matches, and the motion that fits them.
