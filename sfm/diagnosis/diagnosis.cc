@@ -269,11 +269,12 @@ void FindUnplaced(const DiagnosedScene& scene, std::vector<Finding>* findings) {
                       {"main_photos", static_cast<double>(scene.registered)}};
   finding.message = "where " + SomeNames(finding.photos) +
                     " belong relative to the other photos is uncertain: parts "
-                    "of the scene look alike, and more speaks against the one "
-                    "model that joined them than for it";
+                    "of the scene look alike, or something in it moved, and "
+                    "more speaks against the one model that joined them than "
+                    "for it";
   finding.advice =
       "add photos that show the parts that look alike together with what tells "
-      "them apart";
+      "them apart, and take away what moves";
   findings->push_back(std::move(finding));
 }
 

@@ -121,8 +121,14 @@ Judgement FlawOf(const Health& health,
   }
   if (triangulated && health.measures.mean_reprojection_error_px >
                           options.good_reprojection_error_px) {
-    return {"the mean reprojection error is " +
-                Fixed(health.measures.mean_reprojection_error_px) + " px",
+    const std::string error =
+        "the mean reprojection error is " +
+        Fixed(health.measures.mean_reprojection_error_px) + " px";
+    if (options.imported) {
+      return {error + ": the imported poses do not fit their own points",
+              "let structure from motion find the poses (without sfm.import)"};
+    }
+    return {error,
             "the lens may need another model: try --sfm.camera_model OPENCV "
             "(OPENCV_FISHEYE for very wide lenses), or --sfm.camera per_image "
             "if the zoom changed between photos"};

@@ -40,6 +40,10 @@ struct HealthOptions {
   // Above this mean reprojection error, in pixels, it is degraded.
   double good_reprojection_error_px = 2.0;
 
+  // Whether the poses were found elsewhere: then what is tried with COLMAP's
+  // options is no advice.
+  bool imported = false;
+
   // kInvalidArgument unless the shares lie in 0..1.
   Status Check() const;
 };

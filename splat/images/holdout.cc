@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/io/image_io.h"
+#include "splat/images/displacement.h"
 #include "splat/images/ignored_pixels.h"
 #include "splat/optim/exposure.h"
 #include "splat/optim/image_metrics.h"
@@ -44,6 +45,7 @@ StatusOr<HoldoutReport> MeasureHoldout(const GaussianModel& model,
     FREEGS_ASSIGN_OR_RETURN(const double ssim, Ssim(quantised, photo));
     result.psnr = std::min(kMaxPsnr, psnr + 10 * std::log10(used));
     result.ssim = 1 - (1 - ssim) / used;
+    result.displacement_px = Displacement(quantised, photo);
     report.mean_psnr += result.psnr;
     report.mean_ssim += result.ssim;
     report.views.push_back(std::move(result));

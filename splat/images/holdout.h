@@ -20,6 +20,9 @@ struct HoldoutView {
   std::string name;
   double psnr = 0;  // In dB, of the 8-bit rendering against the 8-bit photo.
   double ssim = 0;
+
+  // How far the photo lies beside the rendering, in pixels: displacement.h.
+  double displacement_px = 0;
   ImageU8 rendered;
 };
 

@@ -19,6 +19,7 @@
 #include "stages/bench/bench_results.h"
 #include "stages/bench/bench_summary.h"
 #include "stages/bench/cell_runner.h"
+#include "stages/bench/reference.h"
 #include "stages/suite/suite.h"
 #include "stages/suite/suite_cells.h"
 #include "stages/viewer/web_bundle.h"
@@ -148,7 +149,7 @@ Status CompareWithBaseline(const BenchRequest& request,
 }
 
 Status ForgetResults(const fs::path& out) {
-  for (const char* name : {"store", "cells", "scenes", "photos"}) {
+  for (const char* name : {"store", "cells", "scenes", "photos", "poses"}) {
     std::error_code error;
     fs::remove_all(out / name, error);
     if (error) {
@@ -227,11 +228,13 @@ Status RunBench(const std::vector<std::string>& arguments,
                           FindAllPhotos(suite, context));
   CellRunnerOptions options;
   options.jobs = request.jobs;
-  options.finished = [&](const std::vector<CellResult>& results) {
-    return WriteResults({suite, cells, results}, context.out);
+  options.finished = [&](std::vector<CellResult> so_far) {
+    CompareWithReference(suite, cells, &so_far);
+    return WriteResults({suite, cells, so_far}, context.out);
   };
-  FREEGS_ASSIGN_OR_RETURN(const std::vector<CellResult> results,
+  FREEGS_ASSIGN_OR_RETURN(std::vector<CellResult> results,
                           RunCells(suite, cells, photos, context, options));
+  CompareWithReference(suite, cells, &results);
   const BenchResults bench{suite, cells, results};
   environment.out << SummaryMarkdown(bench) << "\n"
                   << (context.out / "index.html").string() << "\n";

@@ -26,7 +26,7 @@ struct BenchEnvironment {
   // The words of command eval, to check the keys "eval.OPTION".
   std::function<CommandWords()> eval_words;
 
-  PhotoDisturber disturber;
+  Disturber disturber;
 };
 
 CommandWords BenchWords();

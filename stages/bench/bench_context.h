@@ -14,14 +14,19 @@
 
 namespace freegs::stages {
 
-// Disturbs photographs, for the key "disturb". `check` says whether it
-// understands a text such as "blur:2"; `disturb` writes the disturbed
-// photographs of folder `images` into the new folder `out`. Both empty: the key
-// is unknown.
-struct PhotoDisturber {
+// Disturbs photographs or camera poses, for the key "disturb". All empty: the
+// key is unknown.
+struct Disturber {
+  // Says whether it understands a text such as "blur:2".
   std::function<Status(const std::string& text)> check;
+
+  // Whether poses are disturbed, and not photographs.
+  std::function<bool(const std::string& text)> changes_poses;
+
+  // Writes the disturbed photographs of folder `source`, or the disturbed
+  // COLMAP model of that folder, into the new folder `out`.
   std::function<Status(const std::string& text,
-                       const std::filesystem::path& images,
+                       const std::filesystem::path& source,
                        const std::filesystem::path& out,
                        uint64_t seed)>
       disturb;
@@ -34,7 +39,7 @@ struct BenchContext {
 
   // Whether results of another build of the program are measured anew.
   bool only_this_program = false;
-  PhotoDisturber disturber;
+  Disturber disturber;
   const CancellationToken* cancellation = nullptr;
 
   // Tells the user what goes on. Several threads call it.

@@ -108,6 +108,7 @@ json ToJson(const BenchResults& bench) {
                    {"to", suite.to},
                    {"seeds", suite.seeds},
                    {"keys", GridKeys(suite)},
+                   {"reference", suite.reference},
                    {"program_version", pipeline::kProgramVersion},
                    {"one_program", IsOfOneProgram(bench)},
                    {"machine",
@@ -135,8 +136,14 @@ std::string ToCsv(const BenchResults& bench) {
   const std::vector<std::string> figures = FigureNames(bench);
   std::vector<std::string> fields = {"scene", "grid", "seed"};
   fields.insert(fields.end(), keys.begin(), keys.end());
-  for (const char* name :
-       {"status", "exit_code", "failed_stage", "reason", "verdict", "folder"}) {
+  for (const char* name : {"status",
+                           "exit_code",
+                           "failed_stage",
+                           "reason",
+                           "verdict",
+                           "noticed",
+                           "told",
+                           "folder"}) {
     fields.emplace_back(name);
   }
   fields.insert(fields.end(), figures.begin(), figures.end());
@@ -157,6 +164,8 @@ std::string ToCsv(const BenchResults& bench) {
                    result.failed_stage,
                    result.reason,
                    result.verdict,
+                   result.told.stage,
+                   result.told.text,
                    result.folder});
     for (const std::string& figure : figures) {
       const auto value = result.values.find(figure);

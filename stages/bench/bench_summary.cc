@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
+#include "core/io/json_text.h"
 #include "core/number_text.h"
+#include "stages/bench/reference.h"
 
 namespace freegs::stages {
 namespace {
@@ -74,7 +77,10 @@ std::vector<Row> Rows(const BenchResults& bench,
 
 // How many digits the mean of these values has after its point; their spread
 // has as many. Counts that are all the same have none.
-int Digits(double mean, const std::vector<double>& values) {
+int Digits(const std::string& name,
+           double mean,
+           const std::vector<double>& values) {
+  if (name.starts_with(kKeptPrefix)) return 0;
   const bool one_count =
       std::all_of(values.begin(), values.end(), [&values](double value) {
         return value == values[0] && value == std::round(value);
@@ -88,11 +94,48 @@ std::string Number(double value, int digits, const std::string& name) {
   return FormatFixed(value, digits);
 }
 
+// The beginning of a text.
+std::string ShortText(const std::string& text) {
+  constexpr size_t kLength = 160;
+  if (text.size() <= kLength) return text;
+  const size_t end = text.rfind(' ', kLength);
+  return ValidUtf8(text.substr(0, end == std::string::npos ? kLength : end)) +
+         " ...";
+}
+
+// The different words of cells, one after another; nothing when the name is not
+// that of words.
+std::optional<std::string> Words(const BenchResults& bench,
+                                 const std::vector<size_t>& cells,
+                                 const std::string& name) {
+  std::vector<std::string> words;
+  for (const size_t i : cells) {
+    const CellResult& result = bench.results[i];
+    std::string word;
+    if (name == "ended") {
+      word = EndedText(result);
+    } else if (name == "noticed") {
+      word = result.told.stage;
+    } else if (name == "told") {
+      word = ShortText(result.told.text);
+    } else {
+      return std::nullopt;
+    }
+    if (!word.empty() && !Has(words, word)) words.push_back(word);
+  }
+  std::string text;
+  for (const std::string& word : words) {
+    text += (text.empty() ? "" : "; ") + word;
+  }
+  return text;
+}
+
 // Mean of a figure over cells, and its spread if that is asked for.
 std::string Field(const BenchResults& bench,
                   const std::vector<size_t>& cells,
                   const std::string& name,
                   bool with_spread) {
+  if (const auto words = Words(bench, cells, name)) return *words;
   std::vector<double> values;
   for (const size_t i : cells) {
     const auto value = bench.results[i].values.find(name);
@@ -109,7 +152,7 @@ std::string Field(const BenchResults& bench,
   for (const double value : values) {
     spread = std::max(spread, std::abs(value - mean));
   }
-  const int digits = Digits(mean, values);
+  const int digits = Digits(name, mean, values);
   std::string text = Number(mean, digits, name);
   if (with_spread && values.size() > 1) {
     text += " ±" + Number(spread, digits, name);

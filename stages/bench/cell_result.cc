@@ -114,13 +114,20 @@ Status AddEvaluation(const fs::path& file, CellResult* result) {
   return Status();
 }
 
+std::string EndedText(const CellResult& result) {
+  if (result.status != CellStatus::kFailed)
+    return CellStatusName(result.status);
+  return result.failed_stage + ": exit code " +
+         std::to_string(result.exit_code);
+}
+
 json ToJson(const Suite& suite,
             const SuiteCell& cell,
             const CellResult& result) {
   json point = json::object();
   for (const auto& [key, value] : cell.point) point[key] = ValidUtf8(value);
   std::vector<std::string> said;
-  for (const std::string& line : result.said) said.push_back(ValidUtf8(line));
+  for (const SaidLine& line : result.said) said.push_back(ValidUtf8(line.text));
   return {{"id", ValidUtf8(cell.id)},
           {"scene", suite.scenes[cell.scene].name},
           {"grid", cell.grid},
@@ -132,6 +139,9 @@ json ToJson(const Suite& suite,
           {"reason", ValidUtf8(result.reason)},
           {"verdict", ValidUtf8(result.verdict)},
           {"said", std::move(said)},
+          {"ended", EndedText(result)},
+          {"noticed", result.told.stage},
+          {"told", ValidUtf8(result.told.text)},
           {"values", result.values},
           {"folder", result.folder},
           {"log", result.log},

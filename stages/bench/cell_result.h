@@ -18,6 +18,12 @@ namespace freegs::stages {
 
 enum class CellStatus { kWaiting, kDone, kFailed };
 
+// A warning or an error that the user was told.
+struct SaidLine {
+  std::string stage;
+  std::string text;
+};
+
 struct CellResult {
   CellStatus status = CellStatus::kWaiting;
 
@@ -30,14 +36,18 @@ struct CellResult {
   // The verdict of structure from motion: ok, degraded or failed.
   std::string verdict;
 
-  // The warnings and errors that the user was told, by their order.
-  std::vector<std::string> said;
+  std::vector<SaidLine> said;  // By their order.
+
+  // The first of these that the cells of the reference were not told; empty
+  // where there is none. See CompareWithReference.
+  SaidLine told;
 
   // Figures by name: "holdout_psnr" and all others of eval, and of each stage
   // "STAGE.wall_seconds", "STAGE.cpu_seconds", "STAGE.peak_memory_bytes",
   // "STAGE.bytes" (on disk), and what it reports: "reconstruct.num_gaussians".
   // "total." has the sums over the stages, and the largest peak. scene_bytes is
-  // the size of the trained scene's file.
+  // the size of the trained scene's file. "kept." has figures of eval in
+  // percent of the reference's.
   std::map<std::string, double> values;
 
   std::string folder;    // The cell's workspace, relative to OUT.
@@ -46,6 +56,9 @@ struct CellResult {
 };
 
 const char* CellStatusName(CellStatus status);
+
+// How it ended, in words: "done", "sfm: exit code 4".
+std::string EndedText(const CellResult& result);
 
 // Adds the figures of a stage in a workspace, finished or failed, and the
 // verdict.

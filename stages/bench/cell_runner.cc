@@ -52,8 +52,9 @@ Status MakeWorkspace(const CellPlan& plan, const fs::path& folder) {
 void Take(const ChildOutcome& outcome,
           const std::string& stage,
           CellResult* result) {
-  result->said.insert(
-      result->said.end(), outcome.said.begin(), outcome.said.end());
+  for (const std::string& line : outcome.said) {
+    result->said.push_back({stage, line});
+  }
   if (result->programs.find(outcome.program) == std::string::npos) {
     result->programs +=
         (result->programs.empty() ? "" : ", ") + outcome.program;

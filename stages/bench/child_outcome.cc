@@ -42,8 +42,9 @@ StatusOr<ChildOutcome> RunForOutcome(const std::vector<std::string>& argv,
       return;
     }
     outcome.said.emplace_back(line);
+    // The first lines and the last.
     if (outcome.said.size() > kMaxSaid) {
-      outcome.said.erase(outcome.said.begin());
+      outcome.said.erase(outcome.said.begin() + kMaxSaid / 2);
     }
   };
   sfm::ChildCommand command;

@@ -19,7 +19,7 @@ struct ChildOutcome {
   std::string reason;  // Why it failed; empty when it did not.
   bool timed_out = false;
 
-  // Its last warnings and errors, at most ten.
+  // Its warnings and errors; of more than ten the first and the last five.
   std::vector<std::string> said;
 
   std::string program;  // The hash of the program that ran.

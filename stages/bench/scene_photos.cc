@@ -90,21 +90,19 @@ StatusOr<ScenePhotos> FindScenePhotos(const SuiteScene& scene,
       scene.truth.empty() ? scene.images.parent_path() : scene.truth};
 }
 
-StatusOr<fs::path> DisturbedPhotos(const fs::path& images,
-                                   const std::string& hash,
-                                   const std::string& disturbance,
-                                   uint64_t seed,
-                                   const BenchContext& context) {
-  if (disturbance.empty()) return images;
+StatusOr<fs::path> Disturbed(const DisturbSource& source,
+                             const std::string& disturbance,
+                             uint64_t seed,
+                             const BenchContext& context) {
   const std::string key =
-      hash + '\0' + disturbance + '\0' + std::to_string(seed);
+      source.hash + '\0' + disturbance + '\0' + std::to_string(seed);
   const fs::path folder =
-      context.out / "photos" / HashBytes(key).substr(0, kHashDigits);
+      context.out / source.kind / HashBytes(key).substr(0, kHashDigits);
   std::error_code error;
   if (fs::exists(folder, error)) return folder;
   FREEGS_ASSIGN_OR_RETURN(const fs::path partial, FreshPartial(folder));
   FREEGS_RETURN_IF_ERROR(
-      context.disturber.disturb(disturbance, images, partial, seed));
+      context.disturber.disturb(disturbance, source.folder, partial, seed));
   FREEGS_RETURN_IF_ERROR(Complete(partial, folder));
   return folder;
 }

@@ -30,14 +30,19 @@ struct ScenePhotos {
 StatusOr<ScenePhotos> FindScenePhotos(const SuiteScene& scene,
                                       const BenchContext& context);
 
-// Returns the folder of the photographs after the disturbance, which is made in
-// OUT/photos/HASH unless it is there. `hash` is that of what lies in `images`.
-StatusOr<std::filesystem::path> DisturbedPhotos(
-    const std::filesystem::path& images,
-    const std::string& hash,
-    const std::string& disturbance,
-    uint64_t seed,
-    const BenchContext& context);
+// What is to be disturbed: the folder of photographs, or of a COLMAP model.
+struct DisturbSource {
+  std::filesystem::path folder;
+  std::string hash;  // Of what lies in the folder, or of how it was made.
+  std::string kind;  // "photos" or "poses": the folder of OUT for the result.
+};
+
+// Returns the folder of the photographs or of the model after the disturbance,
+// which is made in OUT/KIND/HASH unless it is there.
+StatusOr<std::filesystem::path> Disturbed(const DisturbSource& source,
+                                          const std::string& disturbance,
+                                          uint64_t seed,
+                                          const BenchContext& context);
 
 }  // namespace freegs::stages
 

@@ -80,20 +80,52 @@ std::string StageStore::Hash(const fs::path& path) {
   return hash;
 }
 
+StatusOr<fs::path> StageStore::Disturb(const SuiteCell& cell,
+                                       const DisturbSource& source) {
+  // One at a time: another cell may want the same.
+  const std::lock_guard lock(disturbing_);
+  return Disturbed(
+      source, cell.disturb, static_cast<uint64_t>(cell.seed), context_);
+}
+
+StatusOr<CellPlan> StageStore::PlanWithPoses(const SuiteCell& cell,
+                                             const ScenePhotos& photos) {
+  SuiteCell other = cell;
+  other.disturb.clear();
+  FREEGS_ASSIGN_OR_RETURN(const CellPlan undisturbed, Plan(other, photos));
+  for (size_t i = 0; i < undisturbed.stages.size(); ++i) {
+    const StoredStage& stage = undisturbed.stages[i];
+    FREEGS_ASSIGN_OR_RETURN(const ChildOutcome outcome,
+                            RunStage(undisturbed, i));
+    if (!outcome.ok()) {
+      return UnusableResultError(
+          "there are no poses to disturb: without the disturbance stage " +
+          stage.stage + " fails: " + outcome.reason);
+    }
+    if (stage.stage != "sfm") continue;
+    const fs::path model = stage.workspace / "sfm" / "sparse" / "0";
+    FREEGS_ASSIGN_OR_RETURN(
+        const fs::path poses,
+        Disturb(cell, {model, stage.workspace.filename().string(), "poses"}));
+    other.settings.emplace_back("sfm.import", poses.string());
+    return Plan(other, photos);
+  }
+  return InvalidArgumentError("[suite] to: stage sfm has to be run");
+}
+
 StatusOr<CellPlan> StageStore::Plan(const SuiteCell& cell,
                                     const ScenePhotos& photos) {
+  if (!cell.disturb.empty() && context_.disturber.changes_poses(cell.disturb)) {
+    return PlanWithPoses(cell, photos);
+  }
   CellPlan plan;
   plan.truth = photos.truth;
   FREEGS_ASSIGN_OR_RETURN(plan.settings, ExpandedSettings(cell, photos.folder));
-  {
-    const std::string hash = Hash(photos.images);
-    const std::lock_guard lock(mutex_);
-    FREEGS_ASSIGN_OR_RETURN(plan.images,
-                            DisturbedPhotos(photos.images,
-                                            hash,
-                                            cell.disturb,
-                                            static_cast<uint64_t>(cell.seed),
-                                            context_));
+  plan.images = photos.images;
+  if (!cell.disturb.empty()) {
+    FREEGS_ASSIGN_OR_RETURN(
+        plan.images,
+        Disturb(cell, {photos.images, Hash(photos.images), "photos"}));
   }
   PipelineOptions options;
   pipeline::OptionTable table = MakeOptionTable(&options);

@@ -54,7 +54,9 @@ class StageStore {
   StageStore(const BenchContext& context, std::string to);
 
   // Finds out where the stages of a cell are stored, and makes its photographs
-  // if they are to be disturbed.
+  // if they are to be disturbed. If its poses are, the poses of the cell
+  // without the disturbance are found first, and imported when they are
+  // disturbed.
   StatusOr<CellPlan> Plan(const SuiteCell& cell, const ScenePhotos& photos);
 
   // Brings stage `index` of the plan up to date; those before it must be. A
@@ -72,6 +74,10 @@ class StageStore {
   bool IsDone(const StoredStage& stage) const;
 
  private:
+  StatusOr<CellPlan> PlanWithPoses(const SuiteCell& cell,
+                                   const ScenePhotos& photos);
+  StatusOr<std::filesystem::path> Disturb(const SuiteCell& cell,
+                                          const DisturbSource& source);
   std::string Hash(const std::filesystem::path& path);
 
   // What an earlier bench left in `folder`. Deletes the folder when that is of
@@ -89,6 +95,7 @@ class StageStore {
   const BenchContext& context_;
   const std::string to_;
   std::string program_hash_;
+  std::mutex disturbing_;
   std::mutex mutex_;  // Of what follows.
   pipeline::FingerprintCache cache_;
   std::map<std::filesystem::path, std::shared_ptr<std::mutex>> busy_;

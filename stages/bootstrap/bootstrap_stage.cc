@@ -99,6 +99,7 @@ class BootstrapStage : public pipeline::Stage {
           "bootstrap.clustering union, a smaller bootstrap.min_cluster_size or "
           "bootstrap.min_samples");
     }
+    WarnOfFewInstances(labels.num_instances, context);
     std::vector<semantics::Instance> instances = semantics::BuildInstances(
         scene.model,
         labels.labels,
@@ -138,6 +139,22 @@ class BootstrapStage : public pipeline::Stage {
 
  private:
   bool with_semantics() const { return options_.mode != "geometry"; }
+
+  // One or two instances are hardly ever the things of a scene.
+  void WarnOfFewInstances(int count,
+                          const pipeline::StageContext& context) const {
+    if (count > 2) return;
+    context.log(
+        pipeline::LogLevel::kWarning,
+        std::string("bootstrap: only ") +
+            (count == 1 ? "one instance was" : "two instances were") +
+            " found, so that things of the scene may be joined; try " +
+            (options_.clustering == "union"
+                 ? "bootstrap.clustering evidence, or other values of "
+                   "bootstrap.min_cluster_size, bootstrap.min_samples and "
+                   "bootstrap.semantic_weight"
+                 : "a larger bootstrap.granularity"));
+  }
 
   // The networks of the CLIP model. A model that is missing has none.
   int64_t ModelBytes() const {

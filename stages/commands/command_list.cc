@@ -2,6 +2,9 @@
 
 #include "stages/commands/command_list.h"
 
+#include <cstdint>
+#include <filesystem>
+#include <string>
 #include <vector>
 
 #include "pipeline/option_value.h"
@@ -19,20 +22,48 @@
 #include "stages/commands/run_command.h"
 #include "stages/commands/status_command.h"
 #include "stages/commands/view_command.h"
+#include "stages/disturb/disturb_photos.h"
+#include "stages/disturb/disturb_poses.h"
+#include "stages/disturb/disturbance.h"
 #include "stages/plan/plan_command.h"
 #include "stages/query/query_request.h"
 
 namespace freegs::stages {
 namespace {
 
+Disturber MakeDisturber() {
+  Disturber disturber;
+  disturber.check = [](const std::string& text) {
+    return ParseDisturbance(text).status();
+  };
+  disturber.changes_poses = [](const std::string& text) {
+    const auto disturbance = ParseDisturbance(text);
+    return disturbance.ok() && disturbance->ChangesPoses();
+  };
+  disturber.disturb = [](const std::string& text,
+                         const std::filesystem::path& source,
+                         const std::filesystem::path& out,
+                         uint64_t seed) -> Status {
+    FREEGS_ASSIGN_OR_RETURN(const Disturbance disturbance,
+                            ParseDisturbance(text));
+    return disturbance.ChangesPoses()
+               ? DisturbPoses(disturbance, source, out, seed)
+               : DisturbPhotos(disturbance, source, out, seed);
+  };
+  return disturber;
+}
+
 // The bench and the plan have rooms of their own below this one. The bench
 // calls the program for everything else, and is given what it needs of the
 // other commands.
 Status RunBenchCommand(const std::vector<std::string>& arguments,
                        CommandContext& context) {
-  return RunBench(
-      arguments,
-      {context.out, context.err, context.cancellation, EvalWords, {}});
+  return RunBench(arguments,
+                  {context.out,
+                   context.err,
+                   context.cancellation,
+                   EvalWords,
+                   MakeDisturber()});
 }
 
 Status RunPlanCommand(const std::vector<std::string>& arguments,

@@ -21,6 +21,7 @@
 #include "splat/scene/spz_format.h"
 #include "splat/train/trainer.h"
 #include "stages/reconstruct/reconstruct_forecast.h"
+#include "stages/reconstruct/training_report.h"
 #include "stages/reconstruct/training_run.h"
 #include "stages/scene/scene_size.h"
 #include "stages/scene/training_scene.h"
@@ -144,21 +145,28 @@ class ReconstructStage : public pipeline::Stage {
   }
 
   // Measures the model on a part of the holdout, writes what it shows there,
-  // and adds the figures of each view to metrics["holdout_views"].
+  // and adds the figures of each view to metrics["holdout_views"] and to
+  // `displaced`.
   StatusOr<splat::HoldoutReport> Measure(const splat::GaussianModel& model,
                                          bool choosing,
                                          splat::TrainingImages* photos,
                                          pipeline::StageContext& context,
+                                         std::vector<DisplacedView>* displaced,
                                          nlohmann::json* metrics) const {
     FREEGS_ASSIGN_OR_RETURN(
         splat::HoldoutReport quality,
         splat::MeasureHoldout(
             model, ReconstructRenderOptions(options_), photos, *context.pool));
     for (const splat::HoldoutView& view : quality.views) {
-      (*metrics)["holdout_views"].push_back({{"name", view.name},
-                                             {"psnr", view.psnr},
-                                             {"ssim", view.ssim},
-                                             {"choosing", choosing}});
+      (*metrics)["holdout_views"].push_back(
+          {{"name", view.name},
+           {"psnr", view.psnr},
+           {"ssim", view.ssim},
+           {"displacement_px", view.displacement_px},
+           {"choosing", choosing}});
+      displaced->push_back(
+          {view.displacement_px,
+           std::max(view.rendered.width(), view.rendered.height())});
       const fs::path file =
           (context.output / "holdout" / view.name).replace_extension(".png");
       FREEGS_RETURN_IF_ERROR(CreateFolders(file.parent_path()));
@@ -179,10 +187,15 @@ class ReconstructStage : public pipeline::Stage {
                               {"sh_degree", model.sh_degree},
                               {"iterations", trained.iterations}};
     metrics.update(trained.course);
+    std::vector<DisplacedView> displaced;
     if (holdout->reporting) {
-      FREEGS_ASSIGN_OR_RETURN(
-          const splat::HoldoutReport quality,
-          Measure(model, false, &*holdout->reporting, context, &metrics));
+      FREEGS_ASSIGN_OR_RETURN(const splat::HoldoutReport quality,
+                              Measure(model,
+                                      false,
+                                      &*holdout->reporting,
+                                      context,
+                                      &displaced,
+                                      &metrics));
       metrics["holdout_psnr"] = quality.mean_psnr;
       metrics["holdout_ssim"] = quality.mean_ssim;
       FREEGS_ASSIGN_OR_RETURN(
@@ -194,8 +207,13 @@ class ReconstructStage : public pipeline::Stage {
     }
     if (holdout->choosing) {
       FREEGS_RETURN_IF_ERROR(
-          Measure(model, true, &*holdout->choosing, context, &metrics)
+          Measure(
+              model, true, &*holdout->choosing, context, &displaced, &metrics)
               .status());
+    }
+    const std::string note = DisplacementNote(displaced);
+    if (!note.empty()) {
+      context.log(pipeline::LogLevel::kWarning, "reconstruct: " + note);
     }
     const pipeline::ResourceUsage usage = meter.Elapsed();
     metrics["seconds"] = trained.earlier_seconds + usage.wall_seconds;

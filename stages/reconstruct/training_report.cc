@@ -2,9 +2,11 @@
 
 #include "stages/reconstruct/training_report.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "core/number_text.h"
+#include "core/quantile.h"
 
 namespace freegs::stages {
 namespace {
@@ -80,6 +82,29 @@ std::string ExposureText(const splat::ExposureChoice& choice) {
          change(choice.without.plain, choice.with.plain) +
          ", with fitted colours from " +
          change(choice.without.fitted, choice.with.fitted);
+}
+
+std::string DisplacementNote(const std::vector<DisplacedView>& views) {
+  // On eight scenes with right poses half of the photos lay within 0.3 pixels,
+  // or 0.04 % of their size, and none beyond 0.6 (docs/stability.md).
+  constexpr double kFarShare = 0.005;
+  constexpr double kFarPixels = 1.5;
+  std::vector<double> all;
+  size_t far = 0;
+  for (const DisplacedView& view : views) {
+    all.push_back(view.pixels);
+    if (view.pixels > std::max(kFarPixels, kFarShare * view.longest_side)) {
+      ++far;
+    }
+  }
+  if (2 * far <= views.size()) return "";
+  return std::to_string(far) + " of " + std::to_string(views.size()) +
+         " photos kept from training lie beside what the scene shows from "
+         "their poses, by " +
+         FormatFixed(Median(all), 1) +
+         " pixels (median): the poses seem to be wrong, or to belong to other "
+         "photos. Let structure from motion find them (without sfm.import), or "
+         "take more photos";
 }
 
 }  // namespace freegs::stages

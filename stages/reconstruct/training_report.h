@@ -5,6 +5,7 @@
 #define FREEGS_STAGES_RECONSTRUCT_TRAINING_REPORT_H_
 
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -26,6 +27,17 @@ std::string RecoveryText(const splat::Recovery& recovery);
 std::string MilestoneText(const splat::MilestoneRecord& record);
 
 std::string ExposureText(const splat::ExposureChoice& choice);
+
+// A holdout view: by how many pixels the photo lies beside the rendering, and
+// the longest side of both.
+struct DisplacedView {
+  double pixels = 0;
+  int longest_side = 0;
+};
+
+// A warning, without the stage's name, when more than half of the holdout
+// photos lie far beside what the scene shows from their poses; empty otherwise.
+std::string DisplacementNote(const std::vector<DisplacedView>& views);
 
 }  // namespace freegs::stages
 

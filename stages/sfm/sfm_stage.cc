@@ -197,10 +197,12 @@ class SfmStage : public pipeline::Stage {
     std::vector<std::string> names;
     for (const sfm::SfmPhoto& photo : photos) names.push_back(photo.name);
     const sfm::SfmResult& result = outcome.result;
+    sfm::HealthOptions health_options = options_.health;
+    health_options.imported = outcome.imported;
     sfm::Health health = sfm::MeasureHealth(result.models,
                                             names,
                                             outcome.triangulated,
-                                            options_.health,
+                                            health_options,
                                             result.findings);
     health.source = outcome.source;
     health.attempts = result.attempts;

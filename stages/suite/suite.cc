@@ -47,26 +47,31 @@ SectionReader::OtherFn TakeSettings(std::vector<SuiteSetting>* settings) {
   };
 }
 
+Status ReadSeeds(const std::string& value, std::vector<int64_t>* seeds) {
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> words,
+                          SplitWords(value));
+  if (words.empty() || words.size() > kMaxSeeds) {
+    return InvalidArgumentError("give 1 to 1000 seeds");
+  }
+  seeds->clear();
+  for (const std::string& word : words) {
+    int64_t seed = 0;
+    FREEGS_RETURN_IF_ERROR(ParseNumber(word, &seed));
+    if (std::count(seeds->begin(), seeds->end(), seed) > 0) {
+      return InvalidArgumentError("seed " + word + " is there twice");
+    }
+    seeds->push_back(seed);
+  }
+  return Status();
+}
+
 Status ReadSuiteSection(const IniSection& section, Suite* suite) {
   SectionReader reader;
   reader.OnText("title", &suite->title);
   reader.OnText("to", &suite->to);
+  reader.OnText("reference", &suite->reference);
   reader.On("seeds", [suite](const std::string& value) {
-    FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> words,
-                            SplitWords(value));
-    if (words.empty() || words.size() > kMaxSeeds) {
-      return InvalidArgumentError("give 1 to 1000 seeds");
-    }
-    suite->seeds.clear();
-    for (const std::string& word : words) {
-      int64_t seed = 0;
-      FREEGS_RETURN_IF_ERROR(ParseNumber(word, &seed));
-      if (std::count(suite->seeds.begin(), suite->seeds.end(), seed) > 0) {
-        return InvalidArgumentError("seed " + word + " is there twice");
-      }
-      suite->seeds.push_back(seed);
-    }
-    return Status();
+    return ReadSeeds(value, &suite->seeds);
   });
   reader.On("limit", [suite](const std::string& value) {
     FREEGS_RETURN_IF_ERROR(ParseNumber(value, &suite->time_limit_s));
@@ -113,6 +118,10 @@ Status ReadScene(const IniSection& section, Suite* suite) {
 
 Status ReadGrid(const IniSection& section, Suite* suite) {
   SuiteGrid grid{section.name, {}};
+  SectionReader reader;
+  reader.On("seeds", [&grid](const std::string& value) {
+    return ReadSeeds(value, &grid.seeds);
+  });
   const auto take = [&grid](const std::string& key, const std::string& value) {
     std::vector<std::string> values;
     FREEGS_RETURN_IF_ERROR(ParseWords(value, &values));
@@ -125,7 +134,7 @@ Status ReadGrid(const IniSection& section, Suite* suite) {
     grid.axes.emplace_back(key, std::move(values));
     return Status();
   };
-  FREEGS_RETURN_IF_ERROR(SectionReader().Read(section, take));
+  FREEGS_RETURN_IF_ERROR(reader.Read(section, take));
   suite->grids.push_back(std::move(grid));
   return Status();
 }
@@ -247,6 +256,12 @@ StatusOr<Suite> ParseSuite(const std::string& text, const fs::path& source) {
   }
   if (suite.title.empty()) suite.title = suite.name;
   if (suite.grids.empty()) suite.grids.push_back({"defaults", {}});
+  if (!suite.reference.empty()) {
+    SuiteSelection selection;
+    selection.grids = {suite.reference};
+    FREEGS_RETURN_IF_ERROR(CheckSelection(
+        suite, selection, source.string() + ": [suite] reference"));
+  }
   for (const SuiteChart& chart : suite.charts) {
     FREEGS_RETURN_IF_ERROR(CheckSelection(
         suite, chart, source.string() + ": [chart " + chart.name + "]"));

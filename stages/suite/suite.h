@@ -32,6 +32,7 @@ struct SuiteScene {
 struct SuiteGrid {
   std::string name;
   std::vector<std::pair<std::string, std::vector<std::string>>> axes;
+  std::vector<int64_t> seeds = {};  // Empty for the suite's.
 };
 
 // What all charts and tables choose from the cells.
@@ -79,6 +80,9 @@ struct Suite {
   std::vector<int64_t> seeds = {1};
   std::string to = "bootstrap";  // The last stage.
   double time_limit_s = 0;       // Of each stage; 0 for none.
+
+  // The grid with which all others are compared; empty for none.
+  std::string reference;
   std::vector<SuiteSetting> settings;
   std::vector<SuiteScene> scenes;
   std::vector<SuiteGrid> grids;

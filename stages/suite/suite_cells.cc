@@ -131,6 +131,10 @@ StatusOr<std::vector<GridPoint>> Points(const SuiteGrid& grid,
   return points;
 }
 
+const std::vector<int64_t>& Seeds(const Suite& suite, const SuiteGrid& grid) {
+  return grid.seeds.empty() ? suite.seeds : grid.seeds;
+}
+
 std::string CellId(const std::string& scene, const SuiteCell& cell) {
   std::string id = scene + ", grid " + cell.grid;
   const char* separator = ": ";
@@ -162,15 +166,17 @@ StatusOr<std::vector<SuiteCell>> MakeCells(const Suite& suite,
   SettingTaker taker(suite, checks);
   FREEGS_ASSIGN_OR_RETURN(const std::vector<SuiteSetting> common,
                           taker.AllChecked(suite.settings, "[suite]"));
-  std::vector<std::pair<std::string, GridPoint>> points;
+  std::vector<std::pair<const SuiteGrid*, GridPoint>> points;
+  size_t num_cells = 0;
   for (const SuiteGrid& grid : suite.grids) {
     FREEGS_ASSIGN_OR_RETURN(std::vector<GridPoint> of_grid,
                             Points(grid, &taker));
     for (GridPoint& point : of_grid) {
-      points.emplace_back(grid.name, std::move(point));
+      points.emplace_back(&grid, std::move(point));
+      num_cells += suite.scenes.size() * Seeds(suite, grid).size();
     }
   }
-  if (points.size() * suite.scenes.size() * suite.seeds.size() > kMaxCells) {
+  if (num_cells > kMaxCells) {
     return InvalidArgumentError(suite.name + ": more than 10000 cells");
   }
   std::vector<SuiteCell> cells;
@@ -180,10 +186,10 @@ StatusOr<std::vector<SuiteCell>> MakeCells(const Suite& suite,
         const std::vector<SuiteSetting> of_scene,
         taker.AllChecked(suite.scenes[scene].settings, "[scene " + name + "]"));
     for (const auto& [grid, point] : points) {
-      for (const int64_t seed : suite.seeds) {
+      for (const int64_t seed : Seeds(suite, *grid)) {
         SuiteCell cell;
         cell.scene = scene;
-        cell.grid = grid;
+        cell.grid = grid->name;
         cell.seed = seed;
         cell.point = point.written;
         AddSettings(common, &cell);

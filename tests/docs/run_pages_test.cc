@@ -114,10 +114,11 @@ TEST_F(RunPagesTest, CommandsDoWhatThePagesSay) {
     page.Compare(folder_ / workspace);
   }
   EXPECT_THAT(page.unnamed(), IsEmpty());
-  // What is there only while a stage runs, after it failed, or with a film or a
-  // lens that distorts.
+  // What is there only while a stage runs, after it failed, with a film or a
+  // lens that distorts, or with the workflow for many scenes.
   EXPECT_THAT(page.Missing(),
-              UnorderedElementsAre("STAGE/stage.json: error",
+              UnorderedElementsAre(".workflow/",
+                                   "STAGE/stage.json: error",
                                    "bootstrap/checkpoints/field.ckpt",
                                    "ingest.partial/frames/PHOTO",
                                    "ingest.partial/pending/N.png",

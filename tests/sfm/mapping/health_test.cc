@@ -41,6 +41,14 @@ TEST(MeasureHealth, ReprojectionErrorIsMeasured) {
   EXPECT_EQ(health.verdict, Verdict::kDegraded);
   EXPECT_THAT(health.reason, HasSubstr("reprojection"));
   EXPECT_THAT(health.advice, HasSubstr("camera_model"));
+
+  // COLMAP's options change nothing about imported poses.
+  HealthOptions options;
+  options.imported = true;
+  const Health imported = MeasureHealth({model}, Names(8), true, options);
+  EXPECT_EQ(imported.verdict, Verdict::kDegraded);
+  EXPECT_THAT(imported.reason, HasSubstr("5.00 px: the imported poses"));
+  EXPECT_THAT(imported.advice, HasSubstr("without sfm.import"));
 }
 
 TEST(MeasureHealth, FewRegistered) {

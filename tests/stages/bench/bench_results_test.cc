@@ -15,6 +15,7 @@
 #include "stages/bench/baseline.h"
 #include "stages/bench/bench_page.h"
 #include "stages/bench/bench_summary.h"
+#include "stages/bench/reference.h"
 
 namespace freegs::stages {
 namespace {
@@ -64,11 +65,12 @@ TEST_F(BenchResultsTest, CsvQuotesWhatNeedsIt) {
   const std::string csv = ToCsv(Bench());
   EXPECT_THAT(csv,
               HasSubstr("scene,grid,seed,preset,status,exit_code,failed_stage,"
-                        "reason,verdict,folder,holdout_psnr,scene_bytes,"
-                        "sfm.wall_seconds\r\na,g,1,fast,done,0,,,ok,,20,"));
+                        "reason,verdict,noticed,told,folder,holdout_psnr,"
+                        "scene_bytes,sfm.wall_seconds\r\n"
+                        "a,g,1,fast,done,0,,,ok,,,,20,"));
   EXPECT_THAT(csv,
               HasSubstr("a,g,2,quality,failed,4,sfm,\"no poses | "
-                        "</script>\nat all\",ok,,,,1.5\r\n"));
+                        "</script>\nat all\",ok,,,,,,1.5\r\n"));
 }
 
 TEST_F(BenchResultsTest, JsonHasAllCells) {
@@ -92,6 +94,41 @@ TEST_F(BenchResultsTest, SummaryHasMeansAndFailures) {
   EXPECT_THAT(text,
               HasSubstr("- a, grid g: preset=quality, seed 2: stage sfm, exit "
                         "code 4: no poses \\| </script> at all"));
+}
+
+TEST_F(BenchResultsTest, CellsAreComparedWithTheReference) {
+  const StatusOr<Suite> suite = ParseSuite(
+      "[suite]\nreference = none\n[scene a]\nimages = p\n"
+      "[grid none]\nseeds = 1 2\npreset = fast\n"
+      "[grid other]\nseeds = 3\npreset = quality\n"
+      "[table t]\ncolumns = ended noticed told kept.psnr\n",
+      "/d/s.ini");
+  ASSERT_TRUE(suite.ok()) << suite.status().message();
+  const auto cells = MakeCells(*suite, {});
+  ASSERT_TRUE(cells.ok()) << cells.status().message();
+  ASSERT_EQ(cells->size(), 3u);
+  EXPECT_EQ((*cells)[2].seed, 3);
+  std::vector<CellResult> results(3);
+  results[0].status = CellStatus::kDone;
+  results[0].values = {{"psnr", 19}};
+  results[0].said = {{"ingest", "warning: 3 photos are dark"}};
+  results[1].status = CellStatus::kDone;
+  results[1].values = {{"psnr", 21}};
+  results[2].status = CellStatus::kFailed;
+  results[2].exit_code = 4;
+  results[2].failed_stage = "sfm";
+  results[2].values = {{"psnr", 10}, {"num_gaussians", 7}};
+  results[2].said = {{"ingest", "warning: 14 photos are dark"},
+                     {"sfm", "warning: few poses"}};
+  CompareWithReference(*suite, *cells, &results);
+  EXPECT_EQ(results[0].told.text, "warning: 3 photos are dark");
+  EXPECT_EQ(results[2].told.text, "warning: few poses");
+  EXPECT_DOUBLE_EQ(results[1].values["kept.psnr"], 105);
+  EXPECT_DOUBLE_EQ(results[2].values["kept.psnr"], 50);
+  EXPECT_FALSE(results[2].values.contains("kept.num_gaussians"));
+  const std::string text = SummaryMarkdown({*suite, *cells, results});
+  EXPECT_THAT(
+      text, HasSubstr("| sfm: exit code 4 | sfm | warning: few poses | 50 |"));
 }
 
 TEST_F(BenchResultsTest, PageEmbedsDataSafely) {

@@ -28,6 +28,9 @@ class CellRunnerTest : public ::testing::Test {
     context_.say = [](const std::string&) {};
     fs::create_directories(context_.out);
     context_.disturber.check = [](const std::string&) { return Status(); };
+    context_.disturber.changes_poses = [](const std::string& text) {
+      return text.starts_with("jitter");
+    };
     context_.disturber.disturb =
         [this](const std::string&, const fs::path&, const fs::path&, uint64_t) {
           return disturbed_;

@@ -2,6 +2,7 @@
 
 #include "stages/bench/stage_store.h"
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -110,6 +111,7 @@ TEST_F(StageStoreTest, SceneVariableIsTheFolderOfTheScene) {
 
 TEST_F(StageStoreTest, DisturbedPhotosAreMadeOnce) {
   int calls = 0;
+  context_.disturber.changes_poses = [](const std::string&) { return false; };
   context_.disturber.disturb = [&calls](const std::string& text,
                                         const fs::path& images,
                                         const fs::path& out,
@@ -129,6 +131,42 @@ TEST_F(StageStoreTest, DisturbedPhotosAreMadeOnce) {
   EXPECT_EQ(ReadText(plan.images / "a.jpg"), "oneblur:23");
   EXPECT_EQ(Keys(PlanOf(cell)), Keys(plan));
   EXPECT_EQ(calls, 1);
+}
+
+TEST_F(StageStoreTest, DisturbedPosesAreThoseOfTheUndisturbedRun) {
+  UseScript("exit 0\n");
+  fs::path disturbed;
+  context_.disturber.changes_poses = [](const std::string&) { return true; };
+  context_.disturber.disturb = [&disturbed](const std::string&,
+                                            const fs::path& model,
+                                            const fs::path& out,
+                                            uint64_t) {
+    disturbed = model;
+    WriteText(out / "cameras.txt", "moved");
+    return Status();
+  };
+  SuiteCell cell;
+  const std::vector<std::string> plain = Keys(PlanOf(cell));
+  cell.disturb = "jitter:2";
+  const CellPlan plan = PlanOf(cell);
+  EXPECT_EQ(disturbed, context_.out / "store" / plain[1] / "sfm/sparse/0");
+  EXPECT_EQ(Keys(plan)[0], plain[0]);
+  EXPECT_NE(Keys(plan)[1], plain[1]);
+  ASSERT_FALSE(plan.settings.empty());
+  const auto import = std::find_if(
+      plan.settings.begin(), plan.settings.end(), [](const auto& setting) {
+        return setting.first == "sfm.import";
+      });
+  ASSERT_NE(import, plan.settings.end());
+  EXPECT_EQ(ReadText(fs::path(import->second) / "cameras.txt"), "moved");
+
+  // A run without poses has none to disturb.
+  UseScript("echo 'freegs_pipeline: all dark'\nexit 4\n");
+  cell.seed = 2;
+  StageStore store(context_, "reconstruct");
+  const auto failed = store.Plan(
+      cell, {folder_ / "photos", folder_ / "photos", folder_ / "photos"});
+  EXPECT_THAT(failed.status().message(), HasSubstr("all dark"));
 }
 
 TEST_F(StageStoreTest, FailuresOfTheMethodAreKeptOthersTriedAgain) {

@@ -109,7 +109,9 @@ class BootstrapStageTest : public testing::Test {
     context.pool = &pool;
     context.cancellation = cancellation != nullptr ? cancellation : &never;
     context.progress = [](const Progress&) {};
-    context.log = [](pipeline::LogLevel, const std::string&) {};
+    context.log = [this](pipeline::LogLevel, const std::string& line) {
+      log_ += line + "\n";
+    };
     fs::create_directories(output);
     const auto stage = MakeBootstrapStage(options_, /*seed=*/0);
     EXPECT_EQ(stage->name(), "bootstrap");
@@ -121,6 +123,7 @@ class BootstrapStageTest : public testing::Test {
   TemporaryFolder folder_;
   semantics::SyntheticGaussians scene_;
   BootstrapStageOptions options_;
+  std::string log_;  // Of all runs.
 };
 
 TEST_F(BootstrapStageTest, WritesInstancesMapsAndPreviews) {
@@ -279,6 +282,25 @@ TEST_F(BootstrapStageTest, SaysWhatToDoWhenNothingIsFound) {
   EXPECT_EQ(status.code(), StatusCode::kUnusableResult);
   EXPECT_NE(status.message().find("bootstrap.min_cluster_size"),
             std::string::npos);
+}
+
+TEST_F(BootstrapStageTest, OneOrTwoInstancesAreNotTakenForGranted) {
+  ASSERT_TRUE(Run(workspace() / "good").ok());
+  EXPECT_EQ(log_.find("joined"), std::string::npos) << log_;
+  // Two balls and nothing else.
+  std::vector<uint32_t> balls;
+  for (size_t i = 0; i < scene_.truth.size(); ++i) {
+    if (scene_.truth[i] == 1 || scene_.truth[i] == 2) {
+      balls.push_back(static_cast<uint32_t>(i));
+    }
+  }
+  scene_.model.Select(balls);
+  WriteModel(scene_.model);
+  options_.clustering = "union";
+  const Status status = Run(workspace() / "few");
+  ASSERT_TRUE(status.ok()) << status.message();
+  EXPECT_NE(log_.find("try bootstrap.clustering evidence"), std::string::npos)
+      << log_;
 }
 
 TEST_F(BootstrapStageTest, MissingSceneIsBadInput) {

@@ -20,6 +20,7 @@
 #include "splat/scene/ply_io.h"
 #include "splat/scene/spz_format.h"
 #include "splat/train/checkpoint.h"
+#include "stages/reconstruct/training_report.h"
 #include "stages/scene/training_scene.h"
 #include "tests/splat/test_scene.h"
 #include "tests/stages/moved_world.h"
@@ -432,6 +433,38 @@ TEST_F(ReconstructStageTest, RefusesAModelThatNoPhotoShows) {
   const Status status = Run(options, "out");
   EXPECT_EQ(status.code(), StatusCode::kUnusableResult);
   EXPECT_THAT(status.message(), testing::HasSubstr("is visible"));
+}
+
+TEST_F(ReconstructStageTest, PosesThatDoNotFitTheHoldoutAreTold) {
+  ASSERT_TRUE(Run(Short(), "good").ok()) << log_;
+  EXPECT_THAT(log_, testing::Not(testing::HasSubstr("lie beside")));
+  const nlohmann::json views = Metrics("good")["holdout_views"];
+  EXPECT_LT(views[0]["displacement_px"], 1);
+  // The holdout cameras are turned by some six of 80 pixels.
+  const fs::path folder = workspace_ / "undistort" / "sparse";
+  StatusOr<sfm::Reconstruction> sparse = sfm::ReadModel(folder);
+  ASSERT_TRUE(sparse.ok()) << sparse.status().message();
+  for (size_t k = 0; k < sparse->images.size(); k += 5) {
+    Rigid3d turn;
+    turn.rotation = Eigen::AngleAxisd(6 / sparse->cameras[0].FocalX(),
+                                      Eigen::Vector3d::UnitY());
+    sparse->images[k].cam_from_world = turn * sparse->images[k].cam_from_world;
+  }
+  ASSERT_TRUE(sfm::WriteModel(folder, *sparse).ok());
+  ASSERT_TRUE(Run(Short(), "turned").ok()) << log_;
+  EXPECT_THAT(
+      log_, testing::HasSubstr("2 of 2 photos kept from training lie beside"));
+}
+
+TEST(DisplacementNoteTest, HalfOfThePhotosMayLieAnywhere) {
+  EXPECT_EQ(DisplacementNote({}), "");
+  EXPECT_EQ(DisplacementNote({{0.2, 800}, {0.5, 800}, {60, 800}}), "");
+  EXPECT_EQ(DisplacementNote({{3.9, 800}}), "");
+  EXPECT_EQ(DisplacementNote({{1.4, 80}}), "");
+  EXPECT_THAT(DisplacementNote({{0.2, 320}, {3, 320}, {5, 320}}),
+              testing::HasSubstr("2 of 3 photos"));
+  EXPECT_THAT(DisplacementNote({{0.2, 320}, {3, 320}, {5, 320}}),
+              testing::HasSubstr("by 3.0 pixels"));
 }
 
 TEST_F(ReconstructStageTest, GoingBackIsLoggedAndListed) {

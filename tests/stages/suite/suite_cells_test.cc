@@ -56,6 +56,17 @@ TEST(SuiteCellsTest, GridsAreCrossProductsAndAddUp) {
   EXPECT_EQ(cells->back().id, "b, grid h: sfm.camera=single, seed 2");
 }
 
+TEST(SuiteCellsTest, AGridMayHaveSeedsOfItsOwn) {
+  const auto cells = Cells(
+      "[suite]\nseeds = 1\n[scene a]\nimages = p\n[grid g]\nseeds = 2 3\n"
+      "[grid h]\nsfm.camera = single\n");
+  ASSERT_TRUE(cells.ok()) << cells.status().message();
+  ASSERT_EQ(cells->size(), 3u);
+  EXPECT_EQ((*cells)[0].id, "a, grid g, seed 2");
+  EXPECT_EQ((*cells)[1].seed, 3);
+  EXPECT_EQ((*cells)[2].seed, 1);
+}
+
 TEST(SuiteCellsTest, PathsStartAtTheSuite) {
   const auto cells = Cells(
       "[scene a]\nimages = p\nsfm.import = model\n[scene b]\nimages = p\n"

@@ -99,6 +99,18 @@ TEST(SuiteTest, OfItsOwnItHasOnePointWithDefaults) {
   EXPECT_THAT(suite->grids[0].axes, IsEmpty());
 }
 
+TEST(SuiteTest, AGridHasSeedsOfItsOwnAndIsTheReference) {
+  const StatusOr<Suite> suite = ParseSuite(
+      "[suite]\nreference = as it is\n[scene a]\nimages = b\n"
+      "[grid as it is]\nseeds = 4 5\n[grid g]\nsfm.camera = single\n",
+      "/s.ini");
+  ASSERT_TRUE(suite.ok()) << suite.status().message();
+  EXPECT_EQ(suite->reference, "as it is");
+  EXPECT_THAT(suite->grids[0].seeds, ElementsAre(4, 5));
+  EXPECT_THAT(suite->grids[0].axes, IsEmpty());
+  EXPECT_THAT(suite->grids[1].seeds, IsEmpty());
+}
+
 TEST(SuiteTest, VariablesComeFromTheEnvironment) {
   setenv("FREEGS_SUITE_TEST", "/data", 1);
   const StatusOr<Suite> suite = ParseSuite(
@@ -137,6 +149,8 @@ TEST(SuiteTest, FaultsNameFileSectionAndKey) {
            {scene + "[suite]\nseeds = 1 x\n", "[suite] seeds: 'x' is not"},
            {scene + "[suite]\nseeds = 1 1\n", "seed 1 is there twice"},
            {scene + "[suite]\nseeds = 99999999999999999999\n", "in range"},
+           {scene + "[grid g]\nseeds = 1 1\n", "[grid g] seeds: seed 1"},
+           {scene + "[suite]\nreference = z\n", "no [grid z]"},
            {scene + "[suite]\nlimit = nan\n", "the limit is seconds"},
            {scene + "[grid g]\nreconstruct.iterations = 1 2 1\n", "1 is there"},
            {scene + "[grid g]\nreconstruct.iterations =\n", "no value"},

@@ -3,7 +3,7 @@
 // every cell.
 
 import { chartOption, cellSpread, echarts } from "./chart";
-import { grouped, keyText, selected } from "./results";
+import { grouped, keyText, selected, words } from "./results";
 import type { Cell, Results, Table } from "./results";
 import { formatFigure, formatSpread } from "./words";
 
@@ -38,10 +38,15 @@ function addTable(parent: HTMLElement, table: Table, results: Results) {
   );
   add(parent, "h2", table.title);
   const body = startTable(parent, [...keys, ...table.columns]);
-  const addRow = (words: string[], group: Cell[]) => {
+  const addRow = (titles: string[], group: Cell[]) => {
     const row = add(body, "tr");
-    for (const word of words) add(row, "td", word);
+    for (const title of titles) add(row, "td", title);
     for (const column of table.columns) {
+      const text = words(group, column);
+      if (text !== null) {
+        add(row, "td", text, "reason");
+        continue;
+      }
       const values = cellSpread(group, column);
       add(row, "td", values ? formatSpread(column, values) : "", "number");
     }
@@ -96,8 +101,8 @@ function addCells(parent: HTMLElement, results: Results) {
     add(row, "td", cell.verdict);
     const said = cell.said.filter((line) => !line.endsWith(cell.reason));
     const lines = [cell.reason, ...said].filter((line) => line !== "");
-    const words = add(row, "td", "", lines.length > 0 ? "reason" : "");
-    for (const line of lines) add(words, "div", line);
+    const lineCell = add(row, "td", "", lines.length > 0 ? "reason" : "");
+    for (const line of lines) add(lineCell, "div", line);
     for (const name of figures) {
       const value = cell.values[name];
       const text = value === undefined ? "" : formatFigure(name, value);

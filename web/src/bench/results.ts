@@ -14,6 +14,9 @@ export interface Cell {
   reason: string;
   verdict: string;
   said: string[];
+  ended: string; // Words that a table may have as columns.
+  noticed: string;
+  told: string;
   values: Record<string, number>;
   folder: string;
   log: string;
@@ -80,6 +83,13 @@ export function keyText(cell: Cell, key: string): string {
   if (key === "grid") return cell.grid;
   if (key === "seed") return String(cell.seed);
   return cell.point[key] ?? "";
+}
+
+/** The different words of some cells; null when the name is not that of words. */
+export function words(cells: Cell[], name: string): string | null {
+  if (name !== "ended" && name !== "noticed" && name !== "told") return null;
+  const all = new Set(cells.map((cell) => cell[name]).filter((word) => word !== ""));
+  return [...all].join("; ");
 }
 
 /** A figure, or a key whose value is a number; null where there is none. */

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Writes a folder of photographs anew, disturbed.
+
+#ifndef FREEGS_STAGES_DISTURB_DISTURB_PHOTOS_H_
+#define FREEGS_STAGES_DISTURB_DISTURB_PHOTOS_H_
+
+#include <cstdint>
+#include <filesystem>
+
+#include "core/status.h"
+#include "stages/disturb/disturbance.h"
+
+namespace freegs::stages {
+
+// Writes the photographs of folder `images`, and the masks in its folder
+// `masks`, into the new folder `out`. Photographs keep their names, because the
+// truth is known by these. When they are shuffled each goes into a folder of
+// its own, whose number is its place in the new order ("0003/a.jpg"): stage
+// ingest goes by folders first, and the truth by the name without folders.
+//
+// EXIF is kept. A JPEG whose pixels change is written with quality 95, a PNG as
+// PNG. Compressed photographs are JPEGs whatever they are called, because the
+// content decides. A photograph of another format is copied where its pixels do
+// not change, and is kBadInput otherwise.
+//
+// The same seed gives the same files. kBadInput for films, for a folder without
+// photographs, and when no photograph would be left.
+Status DisturbPhotos(const Disturbance& disturbance,
+                     const std::filesystem::path& images,
+                     const std::filesystem::path& out,
+                     uint64_t seed);
+
+}  // namespace freegs::stages
+
+#endif  // FREEGS_STAGES_DISTURB_DISTURB_PHOTOS_H_

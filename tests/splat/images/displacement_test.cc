@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "splat/images/displacement.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "core/random.h"
+
+namespace freegs::splat {
+namespace {
+
+// Smooth spots, moved to the right and down.
+ImageF Picture(double dx, double dy, float brightness = 1) {
+  ImageF picture(160, 120, 3);
+  for (int spot = 0; spot < 60; ++spot) {
+    const double cx = 160 * RandomUniform(1, 0, spot) + dx;
+    const double cy = 120 * RandomUniform(1, 1, spot) + dy;
+    for (int y = 0; y < 120; ++y) {
+      for (int x = 0; x < 160; ++x) {
+        const double r2 = std::pow(x - cx, 2) + std::pow(y - cy, 2);
+        for (int c = 0; c < 3; ++c) {
+          picture(x, y, c) +=
+              brightness * static_cast<float>(0.4 * std::exp(-r2 / 18));
+        }
+      }
+    }
+  }
+  return picture;
+}
+
+TEST(DisplacementTest, ShiftsAreMeasured) {
+  const ImageF picture = Picture(0, 0);
+  EXPECT_NEAR(Displacement(picture, picture), 0, 0.01);
+  EXPECT_NEAR(Displacement(picture, Picture(3, -4)), 5, 0.3);
+  EXPECT_NEAR(Displacement(picture, Picture(0.5, 0)), 0.5, 0.2);
+  EXPECT_NEAR(Displacement(picture, Picture(10, 0)), 10, 0.5);
+}
+
+TEST(DisplacementTest, BrightnessDoesNotMatter) {
+  EXPECT_NEAR(Displacement(Picture(0, 0), Picture(3, 4, 0.3f)), 5, 0.3);
+}
+
+TEST(DisplacementTest, PlainPicturesLieWhereTheyShould) {
+  const ImageF plain(160, 120, 3, 0.5f);
+  EXPECT_EQ(Displacement(plain, plain), 0);
+  EXPECT_EQ(Displacement(plain, Picture(0, 0)), 0);
+}
+
+}  // namespace
+}  // namespace freegs::splat
