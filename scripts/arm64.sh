@@ -1,22 +1,27 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Builds for 64-bit ARM on a machine of another kind and runs the tests of splat
-# and semantics in QEMU.
+# Builds for 64-bit ARM on a machine of another kind, runs the tests of splat and
+# semantics in QEMU, and finds the objects of one small scene with the program for
+# ARM and with this machine's own: every Gaussian must be in the same object.
 #
 #   scripts/arm64.sh [TEST_PROGRAM ...]     default: splat_test semantics_test
+#   scripts/arm64.sh --scene                the scene without the tests
 #
 # Installs Debian's cross compiler, QEMU and mmdebstrap where they are missing. The
 # libraries for ARM are unpacked in a folder, and nothing of this system's own is
 # replaced. The environment may say
 #   BUILD     the build folder (default: build-arm64)
+#   NATIVE    the build folder of this machine's own program (default: build)
 #   FREEGS_SYSROOT   the folder of the libraries (default: BUILD/sysroot; 2 GB),
 #             which is made unless it is there
 #   MIRROR    where Debian's packages come from (default: as this system's apt)
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 build=${BUILD:-build-arm64}
+native=${NATIVE:-build}
 tests=("$@")
 ((${#tests[@]} > 0)) || tests=(splat_test semantics_test)
+[[ ${tests[0]} != --scene ]] || tests=()
 
 scripts/install_packages.sh --arm64
 mkdir -p -- "$build"
@@ -62,8 +67,44 @@ echo "== build"
 scripts/configure.sh "$build" --preset arm64 -DFREEGS_BUILD_TESTS=ON >/dev/null
 cmake --build "$build" --parallel "$(nproc)" --target freegs_pipeline "${tests[@]}"
 
-echo "== tests"
 program=(qemu-aarch64-static -L "$FREEGS_SYSROOT" "$build/bin/freegs_pipeline")
 "${program[@]}" --version
-ctest --test-dir "$build" --output-on-failure --parallel "$(nproc)" \
-  --tests-regex "^($(IFS='|'; echo "${tests[*]}"))[.]"
+if ((${#tests[@]} > 0)); then
+  echo "== tests ($SECONDS s)"
+  ctest --test-dir "$build" --output-on-failure --parallel "$(nproc)" \
+    --tests-regex "^($(IFS='|'; echo "${tests[*]}"))[.]"
+fi
+
+echo "== the same scene on both ($SECONDS s)"
+scripts/configure.sh "$native" -DFREEGS_BUILD_TESTS=ON >/dev/null
+cmake --build "$native" --parallel "$(nproc)" \
+  --target freegs_pipeline freegs_make_scene
+scene=$build/same_scene
+rm -rf -- "$scene"
+mkdir -- "$scene"
+"$native/bin/freegs_make_scene" --out "$scene/drawn" --views 12 --width 240 \
+  --height 180 --seed 1 >"$scene/drawn.log" 2>&1
+"$native/bin/freegs_pipeline" run "$scene/drawn/images" "$scene/native" \
+  --preset fast --bootstrap.mode geometry >"$scene/native.log" 2>&1
+cp -r -- "$scene/native" "$scene/arm64"
+rm -r -- "$scene/arm64/bootstrap" "$scene/arm64/export"
+"${program[@]}" run "$scene/arm64" >"$scene/arm64.log" 2>&1
+# compare KIND FOLDER: how many files of that kind differ.
+compare() {
+  local file all=0 other=0
+  while IFS= read -r -d '' file; do
+    all=$((all + 1))
+    cmp -s -- "$scene/native/$file" "$scene/arm64/$file" || other=$((other + 1))
+  done < <(cd "$scene/native" && find "$2" -name "$1" -print0)
+  echo "$2 $1: $other of $all differ"
+}
+compare instances.json bootstrap
+compare hierarchy.json bootstrap
+compare '*.png' export/masks
+for one in native arm64; do
+  "$native/bin/freegs_pipeline" eval "$scene/$one" --gt "$scene/drawn" \
+    --json "$scene/$one.json" >"$scene/$one.eval.log" 2>&1
+done
+compare idsf.bin bootstrap
+cmp -- "$scene/native/bootstrap/idsf.bin" "$scene/arm64/bootstrap/idsf.bin"
+echo "passed ($SECONDS s)"
