@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Builds for 64-bit ARM on a machine of another kind, runs the tests of splat and
 # semantics in QEMU, and finds the objects of one small scene with the program for
-# ARM and with this machine's own: every Gaussian must be in the same object.
+# ARM and with this machine's own: they must be as good to within 0.01.
 #
 #   scripts/arm64.sh [TEST_PROGRAM ...]     default: splat_test semantics_test
 #   scripts/arm64.sh --scene                the scene without the tests
@@ -89,22 +89,28 @@ mkdir -- "$scene"
 cp -r -- "$scene/native" "$scene/arm64"
 rm -r -- "$scene/arm64/bootstrap" "$scene/arm64/export"
 "${program[@]}" run "$scene/arm64" >"$scene/arm64.log" 2>&1
-# compare KIND FOLDER: how many files of that kind differ.
+# compare FOLDER KIND: how many files of that kind differ.
 compare() {
   local file all=0 other=0
   while IFS= read -r -d '' file; do
     all=$((all + 1))
     cmp -s -- "$scene/native/$file" "$scene/arm64/$file" || other=$((other + 1))
-  done < <(cd "$scene/native" && find "$2" -name "$1" -print0)
-  echo "$2 $1: $other of $all differ"
+  done < <(cd "$scene/native" && find "$1" -name "$2" -print0)
+  echo "$1/$2: $other of $all have other bytes"
 }
-compare instances.json bootstrap
-compare hierarchy.json bootstrap
-compare '*.png' export/masks
+compare bootstrap idsf.bin
+compare bootstrap instances.json
+compare bootstrap hierarchy.json
+compare export/masks '*.png'
+# figure WHICH NAME: from the comparison of a workspace with the truth.
+figure() { grep -oP "^  \"$2\": \K[0-9.]+" "$scene/$1.json"; }
 for one in native arm64; do
   "$native/bin/freegs_pipeline" eval "$scene/$one" --gt "$scene/drawn" \
     --json "$scene/$one.json" >"$scene/$one.eval.log" 2>&1
 done
-compare idsf.bin bootstrap
-cmp -- "$scene/native/bootstrap/idsf.bin" "$scene/arm64/bootstrap/idsf.bin"
+for name in instance_miou click_miou box_miou; do
+  here=$(figure native $name) there=$(figure arm64 $name)
+  echo "$name: $here here, $there on ARM"
+  awk -v a="$here" -v b="$there" 'BEGIN { exit !(a - b < 0.01 && b - a < 0.01) }'
+done
 echo "passed ($SECONDS s)"
