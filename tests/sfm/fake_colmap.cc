@@ -117,7 +117,10 @@ class Database {
     if (sqlite3_open(path.c_str(), &database_) != SQLITE_OK) std::exit(9);
     Run("PRAGMA synchronous = OFF");
     Run("CREATE TABLE IF NOT EXISTS images (image_id INTEGER PRIMARY KEY "
-        "AUTOINCREMENT NOT NULL, name TEXT NOT NULL UNIQUE)");
+        "AUTOINCREMENT NOT NULL, name TEXT NOT NULL UNIQUE, "
+        "camera_id INTEGER NOT NULL DEFAULT 1)");
+    Run("CREATE TABLE IF NOT EXISTS cameras (camera_id INTEGER PRIMARY KEY, "
+        "height INTEGER NOT NULL)");
     Run("CREATE TABLE IF NOT EXISTS keypoints (image_id INTEGER PRIMARY KEY, "
         "rows INTEGER NOT NULL, cols INTEGER NOT NULL, data BLOB)");
     Run("CREATE TABLE IF NOT EXISTS descriptors (image_id INTEGER PRIMARY KEY, "
