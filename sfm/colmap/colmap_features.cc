@@ -10,6 +10,7 @@
 #include "core/quantile.h"
 #include "sfm/colmap/colmap_output.h"
 #include "sfm/colmap/colmap_steps.h"
+#include "sfm/matching/match_database.h"
 
 namespace freegs::sfm {
 namespace {
@@ -182,12 +183,15 @@ StatusOr<bool> RegisterPhotos(const StepContext& context,
 Status ExtractFeatures(const StepContext& context,
                        const fs::path& database,
                        int num_threads) {
-  return ExtractGroups(context,
-                       database,
-                       "features",
-                       num_threads,
-                       context.options.max_image_size,
-                       context.options.max_features);
+  FREEGS_RETURN_IF_ERROR(ExtractGroups(context,
+                                       database,
+                                       "features",
+                                       num_threads,
+                                       context.options.max_image_size,
+                                       context.options.max_features));
+  FREEGS_ASSIGN_OR_RETURN(MatchDatabase features,
+                          MatchDatabase::Open(database));
+  return features.ClearUnsetDescriptors();
 }
 
 }  // namespace freegs::sfm

@@ -23,6 +23,15 @@ constexpr int64_t kMaxImageId = 2147483647;
 constexpr int64_t kFirstHomography = 4;
 constexpr int64_t kLastHomography = 6;
 
+// COLMAP's SIFT (VLFeat) computes no descriptor where a feature lies in the
+// last row of pixels of its octave. COLMAP then stores what was in memory
+// before, which is not the same in two runs. A feature of size s was found in
+// an octave whose pixels are at most s / 1.6 wide, for each octave begins with
+// a blur of 1.6 pixels. The last row begins up to 2.5 of its pixels above the
+// edge: 1.5 because positions are rounded, and one that was lost when sides
+// were halved.
+constexpr float kUnsetHeight = 2.5f / 1.6f;
+
 class Statement {
  public:
   Statement(sqlite3* database, const char* sql) {
@@ -35,6 +44,13 @@ class Statement {
   bool ok() const { return result_ == SQLITE_OK; }
   void Bind(int index, const std::string& text) {
     sqlite3_bind_text(statement_, index, text.c_str(), -1, SQLITE_TRANSIENT);
+  }
+  void BindBlob(int index, const std::vector<uint8_t>& bytes) {
+    sqlite3_bind_blob(statement_,
+                      index,
+                      bytes.data(),
+                      static_cast<int>(bytes.size()),
+                      SQLITE_TRANSIENT);
   }
   void Bind(int index, int64_t value) {
     sqlite3_bind_int64(statement_, index, value);
@@ -163,23 +179,14 @@ StatusOr<SiftDescriptors> MatchDatabase::Descriptors(uint32_t photo_id) const {
   return descriptors;
 }
 
-StatusOr<std::vector<float>> MatchDatabase::FeatureScales(
-    uint32_t photo_id) const {
-  FREEGS_ASSIGN_OR_RETURN(const std::vector<FeaturePlace> features,
-                          FeaturePlaces(photo_id));
-  std::vector<float> scales;
-  for (const FeaturePlace& feature : features) scales.push_back(feature.scale);
-  return scales;
-}
-
-StatusOr<std::vector<FeaturePlace>> MatchDatabase::FeaturePlaces(
+StatusOr<std::vector<MatchDatabase::Feature>> MatchDatabase::Features(
     uint32_t photo_id) const {
   Statement statement(
       database_.get(),
       "SELECT rows, cols, data FROM keypoints WHERE image_id = ?");
   if (!statement.ok()) return Error("cannot read its keypoints");
   statement.Bind(1, photo_id);
-  std::vector<FeaturePlace> features;
+  std::vector<Feature> features;
   const int code = statement.Step();
   if (code == SQLITE_DONE) return features;
   if (code != SQLITE_ROW) return Error("cannot read its keypoints");
@@ -200,9 +207,19 @@ StatusOr<std::vector<FeaturePlace>> MatchDatabase::FeaturePlaces(
     const float scale =
         columns == 4 ? v[2]
                      : 0.5f * (std::hypot(v[2], v[4]) + std::hypot(v[3], v[5]));
-    features.push_back({v[0], v[1], std::isfinite(scale) ? scale : 0.0f});
+    features.push_back({v[1], std::isfinite(scale) ? scale : 0.0f});
   }
   return features;
+}
+
+StatusOr<std::vector<float>> MatchDatabase::FeatureScales(
+    uint32_t photo_id) const {
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<Feature> features,
+                          Features(photo_id));
+  std::vector<float> scales;
+  scales.reserve(features.size());
+  for (const Feature& feature : features) scales.push_back(feature.scale);
+  return scales;
 }
 
 Status MatchDatabase::WrongSize(uint32_t id1, uint32_t id2) const {
@@ -361,6 +378,44 @@ Status MatchDatabase::RenamePhotos(
     }
   }
   return Execute("COMMIT");
+}
+
+Status MatchDatabase::ClearUnsetDescriptors() {
+  Statement list(database_.get(),
+                 "SELECT images.image_id, cameras.height FROM images "
+                 "JOIN cameras ON cameras.camera_id = images.camera_id "
+                 "ORDER BY images.image_id");
+  if (!list.ok()) return Error("cannot list its photos");
+  std::vector<std::pair<uint32_t, int64_t>> photos;
+  int code;
+  while ((code = list.Step()) == SQLITE_ROW) {
+    photos.emplace_back(static_cast<uint32_t>(list.Integer(0)),
+                        list.Integer(1));
+  }
+  if (code != SQLITE_DONE) return Error("cannot list its photos");
+  for (const auto& [id, height] : photos) {
+    FREEGS_ASSIGN_OR_RETURN(const std::vector<Feature> features, Features(id));
+    FREEGS_ASSIGN_OR_RETURN(SiftDescriptors descriptors, Descriptors(id));
+    bool changed = false;
+    const size_t count = std::min(features.size(), descriptors.count());
+    for (size_t i = 0; i < count; ++i) {
+      const float above_edge = static_cast<float>(height) - features[i].y;
+      if (above_edge > kUnsetHeight * features[i].scale) continue;
+      std::fill_n(
+          descriptors.values.begin() + i * kSiftDimensions, kSiftDimensions, 0);
+      changed = true;
+    }
+    if (!changed) continue;
+    Statement update(database_.get(),
+                     "UPDATE descriptors SET data = ? WHERE image_id = ?");
+    if (!update.ok()) return Error("cannot change its descriptors");
+    update.BindBlob(1, descriptors.values);
+    update.Bind(2, id);
+    if (update.Step() != SQLITE_DONE) {
+      return Error("cannot change its descriptors");
+    }
+  }
+  return {};
 }
 
 Status MatchDatabase::ClearMatchesAndDescriptors() {

@@ -21,7 +21,6 @@
 
 #include "core/status.h"
 #include "sfm/matching/descriptor_matching.h"
-#include "sfm/matching/edge_features.h"
 
 struct sqlite3;
 
@@ -60,11 +59,18 @@ class MatchDatabase {
   // kBadInput when they are of another kind.
   StatusOr<SiftDescriptors> Descriptors(uint32_t photo_id) const;
 
-  // Where each feature of a photo lies, and its size; empty when the photo has
-  // no features or the database does not tell. Sizes are never NaN.
-  StatusOr<std::vector<FeaturePlace>> FeaturePlaces(uint32_t photo_id) const;
+  // Of a feature, in pixels: how far below the photo's top it lies, and its
+  // size, which is never NaN.
+  struct Feature {
+    float y = 0;
+    float scale = 0;
+  };
 
-  // Only the sizes.
+  // The features of a photo, in the order of its descriptors; empty when it has
+  // none or the database does not tell their sizes.
+  StatusOr<std::vector<Feature>> Features(uint32_t photo_id) const;
+
+  // The scales of Features.
   StatusOr<std::vector<float>> FeatureScales(uint32_t photo_id) const;
 
   // A pair of photos with verified matches, and the motion that fits them.
@@ -109,6 +115,10 @@ class MatchDatabase {
 
   // Changes the name of every photo to name(id).
   Status RenamePhotos(const std::function<std::string(uint32_t id)>& name);
+
+  // Sets to zero the descriptors that COLMAP may have left unset: those of
+  // features at the lower edge of a photo. Descriptors of zero match nothing.
+  Status ClearUnsetDescriptors();
 
   // Deletes all descriptors and matches. Photos, cameras and the positions of
   // features stay.

@@ -249,6 +249,33 @@ TEST(MatchDatabase, Descriptors) {
   EXPECT_EQ(database->Descriptors(77)->count(), 0u);
 }
 
+TEST(MatchDatabase, DescriptorsAtTheLowerEdgeAreCleared) {
+  const TemporaryFolder folder;
+  MakeDatabase(folder / "a.db");
+  const std::string ones(3 * 256, '1');
+  RunSql(
+      folder / "a.db",
+      "ALTER TABLE images ADD camera_id INTEGER; UPDATE images SET camera_id "
+      "= 1; CREATE TABLE cameras(camera_id INTEGER PRIMARY KEY, height "
+      "INTEGER); INSERT INTO cameras VALUES(1,100);"
+      "DELETE FROM keypoints; INSERT INTO keypoints VALUES(3,3,4,x'" +
+          Hex({5, 95, 3, 0, 5, 97, 3, 0, 5, 93, 9, 0}) +
+          "'); INSERT INTO descriptors VALUES(3,3,128,x'" + ones + "')");
+  auto database = MatchDatabase::Open(folder / "a.db");
+  ASSERT_TRUE(database.ok()) << database.status().message();
+  const std::vector<uint8_t> other = database->Descriptors(2)->values;
+  for (int round = 0; round < 2; ++round) {
+    const Status status = database->ClearUnsetDescriptors();
+    ASSERT_TRUE(status.ok()) << status.message();
+    const std::vector<uint8_t> values = database->Descriptors(3)->values;
+    ASSERT_EQ(values.size(), 3 * kSiftDimensions);
+    for (size_t i = 0; i < values.size(); ++i) {
+      EXPECT_EQ(values[i], i < kSiftDimensions ? 0x11 : 0) << i;
+    }
+    EXPECT_EQ(database->Descriptors(2)->values, other);
+  }
+}
+
 TEST(MatchDatabase, OtherFilesAreRefused) {
   const TemporaryFolder folder;
   EXPECT_FALSE(MatchDatabase::Open(folder / "missing.db").ok());
