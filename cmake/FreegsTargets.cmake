@@ -164,9 +164,14 @@ function(freegs_add_test name)
     set(num_portions ${ARG_PORTIONS})
   endif()
   math(EXPR last "${num_portions} - 1")
+  # An emulator takes some twenty times as long.
+  set(timeout 600)
+  if(CMAKE_CROSSCOMPILING)
+    set(timeout 7200)
+  endif()
   foreach(portion RANGE ${last})
     add_test(NAME ${name}.${portion} COMMAND ${name})
-    set_tests_properties(${name}.${portion} PROPERTIES TIMEOUT 600 ENVIRONMENT
+    set_tests_properties(${name}.${portion} PROPERTIES TIMEOUT ${timeout} ENVIRONMENT
       "GTEST_TOTAL_SHARDS=${num_portions};GTEST_SHARD_INDEX=${portion}")
   endforeach()
 endfunction()

@@ -35,5 +35,7 @@ if ((EUID != 0)); then
   as_root=(sudo)
 fi
 "${as_root[@]}" apt-get update -q
+# Waits when somebody else is installing.
 "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
-  apt-get install -q -y --no-install-recommends "${missing[@]}"
+  apt-get install -q -y --no-install-recommends -o DPkg::Lock::Timeout=600 \
+  "${missing[@]}"
