@@ -23,8 +23,8 @@ if (($# > 0)) && [[ $1 != --* ]]; then
   shift
 fi
 
-# Seconds that are left after the step at hand. The first guesses are for two
-# cores and an empty machine; later ones take the place of guesses.
+# Seconds that each step is guessed to take, on a machine with nothing installed.
+# That of the scene is for the sample photos.
 install_seconds=90
 build_seconds=$((360 / $(nproc)))
 draw_seconds=6

@@ -21,7 +21,7 @@ rm -rf -- "$2"
 mkdir -p -- "$2"
 cd -- "$2"
 folder=$PWD
-work=$folder/work
+work=$folder/workspaces
 program=$bin/freegs_pipeline
 options=(--preset fast --reconstruct.iterations 400 --general.checkpoint_interval 1)
 
@@ -72,7 +72,7 @@ for scene in four five; do ln -s ../drawn2/images "photos/$scene"; done
 ln -s ../drawn_plain/images photos/plain
 cat >scenes.yaml <<SCENES
 program: $program
-workspaces: work
+workspaces: workspaces
 photos: photos
 options: ${options[*]}
 threads: {ingest: 1, sfm: 1, undistort: 1, reconstruct: 1, bootstrap: 1, export: 1}
@@ -102,7 +102,7 @@ wait_until 120 "three scenes are at work" at_work 3
 wait_until 300 "a scene is trained" at_least 1 '*/reconstruct.partial/checkpoints/*'
 partial=$(dirname "$(find "$work" -path '*/reconstruct.partial/checkpoints/*' -print -quit)")
 killed=$(basename "$(dirname "$(dirname "$partial")")")
-pid=$(pgrep -f "^$program run .*/work/$killed --from reconstruct" | head -n 1)
+pid=$(pgrep -f "^$program run .*/workspaces/$killed --from reconstruct" | head -n 1)
 kill -9 "$pid" || fail "no job of $killed to kill"
 echo "  killed the training of $killed"
 retried() { grep -q 'Trying to restart job' runs.log; }

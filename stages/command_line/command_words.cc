@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <set>
+#include <system_error>
 #include <variant>
 
 #include "pipeline/option_value.h"
@@ -31,6 +32,14 @@ bool Contains(const std::vector<std::string>& words, const std::string& word) {
 }
 
 }  // namespace
+
+std::filesystem::path AbsoluteFolder(const std::string& word) {
+  std::error_code error;
+  std::filesystem::path absolute =
+      std::filesystem::absolute(word, error).lexically_normal();
+  if (!absolute.has_filename()) absolute = absolute.parent_path();
+  return absolute;
+}
 
 Argument WorkspaceArgument() {
   return {.name = "WORKSPACE", .help = "The folder of the scene."};

@@ -27,6 +27,7 @@
 #ifndef FREEGS_STAGES_COMMAND_LINE_COMMAND_WORDS_H_
 #define FREEGS_STAGES_COMMAND_LINE_COMMAND_WORDS_H_
 
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
@@ -53,6 +54,10 @@ struct Argument {
 
 // The argument that most commands have.
 Argument WorkspaceArgument();
+
+// The absolute path of a folder that a word names. "photos/" and "photos" are
+// the same path.
+std::filesystem::path AbsoluteFolder(const std::string& word);
 
 // An option that takes several values ("--click VIEW X Y"), or that may be
 // given several times. The values of each time are added to the target.

@@ -31,14 +31,6 @@ using pipeline::OptionSetting;
 using pipeline::OptionTable;
 using pipeline::WorkspaceInfo;
 
-fs::path Absolute(const std::string& path) {
-  std::error_code error;
-  fs::path absolute = fs::absolute(path, error).lexically_normal();
-  // "photos/" and "photos" shall be the same path.
-  if (!absolute.has_filename()) absolute = absolute.parent_path();
-  return absolute;
-}
-
 // Whether `inner` is `outer` or lies below it, after links are resolved.
 bool IsWithin(const fs::path& inner, const fs::path& outer) {
   std::error_code error;
@@ -277,10 +269,10 @@ Status RunRunCommand(const std::vector<std::string>& arguments,
   FREEGS_ASSIGN_OR_RETURN(const OptionTable::CommandLine line,
                           command.Parse(arguments));
   const std::vector<std::string>& words = line.positional;
-  request.workspace = Absolute(words.back());
+  request.workspace = AbsoluteFolder(words.back());
   FREEGS_RETURN_IF_ERROR(CheckWorkspaceFolder(request.workspace));
   FREEGS_RETURN_IF_ERROR(Recall(targets, line, table, &request));
-  if (words.size() == 2) request.info.images = Absolute(words.front());
+  if (words.size() == 2) request.info.images = AbsoluteFolder(words.front());
   if (request.info.images.empty()) {
     return InvalidArgumentError(
         request.workspace.string() +
@@ -318,7 +310,7 @@ Status RunStageCommand(const std::vector<std::string>& arguments,
   request.forced = line.positional[0];
   request.from = request.forced;
   request.to = request.forced;
-  request.workspace = Absolute(line.positional[1]);
+  request.workspace = AbsoluteFolder(line.positional[1]);
   std::error_code error;
   if (!fs::is_directory(request.workspace, error)) {
     return BadInputError(request.workspace.string() + ": no such workspace");

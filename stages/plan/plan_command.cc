@@ -54,13 +54,6 @@ CommandWords DescribePlan(PlanTargets* targets) {
   return words;
 }
 
-fs::path Absolute(const std::string& path) {
-  std::error_code error;
-  fs::path absolute = fs::absolute(path, error).lexically_normal();
-  if (!absolute.has_filename()) absolute = absolute.parent_path();
-  return absolute;
-}
-
 Status CheckFolders(const fs::path& workspace, const fs::path& images) {
   std::error_code error;
   if (images.empty()) {
@@ -161,13 +154,12 @@ Status RunPlan(const std::vector<std::string>& arguments,
   pipeline::OptionTable& table = words.table();
   FREEGS_ASSIGN_OR_RETURN(const pipeline::OptionTable::CommandLine line,
                           words.Parse(arguments));
-  std::error_code error;
-  const fs::path workspace = Absolute(line.positional[0]);
+  const fs::path workspace = AbsoluteFolder(line.positional[0]);
   FREEGS_ASSIGN_OR_RETURN(pipeline::WorkspaceInfo info,
                           pipeline::ReadWorkspaceInfo(workspace));
   std::vector<pipeline::OptionSetting> settings = line.settings;
   for (const pipeline::OptionSetting& setting : line.settings) {
-    if (setting.name == "images") info = {Absolute(setting.value), {}};
+    if (setting.name == "images") info = {AbsoluteFolder(setting.value), {}};
   }
   FREEGS_RETURN_IF_ERROR(CheckFolders(workspace, info.images));
   const auto remembered = RememberedSettings(workspace, info, table);
