@@ -38,10 +38,20 @@ minutes() {
     echo "$(($1 / 60)) min $(($1 % 60)) s"
   fi
 }
-# How far ninja or make is: "12 of 138", from the last line that says so.
-built() {
-  tail -n 3 "$log" | tr '\r' '\n' |
-    sed -nE 's|^\[ *([0-9]+)/([0-9]+)\].*|\1 \2|p' | tail -n 1
+# How far the step is, as "12 138", from what it says in the log: the last line of
+# ninja that counts; or the packages of apt, each of which is unpacked and set up.
+how_far() {
+  local packages
+  case $1 in
+    building)
+      tail -n 3 "$log" | sed -nE 's|^\[ *([0-9]+)/([0-9]+)\].*|\1 \2|p' | tail -n 1
+      ;;
+    installing*)
+      packages=$(sed -nE 's/.* ([0-9]+) newly installed.*/\1/p' "$log")
+      [[ -z $packages ]] ||
+        echo "$(grep -cE '^(Unpacking|Setting up) ' "$log") $((2 * packages))"
+      ;;
+  esac
 }
 # step NAME SECONDS LATER COMMAND...: runs the command, which takes about SECONDS,
 # and shows how long it and the LATER seconds of other steps will last. Its output
@@ -54,7 +64,7 @@ step() {
   while kill -0 "$job" 2>/dev/null; do
     passed=$((SECONDS - start))
     left=$((expected > passed ? expected - passed : 5))
-    if [[ $name == build* ]] && read -r done total < <(built) && ((done > 8)); then
+    if read -r done total < <(how_far "$name") && ((done > 8)); then
       left=$((passed * (total - done) / done))
     fi
     if [[ -t 2 ]]; then
