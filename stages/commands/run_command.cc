@@ -2,6 +2,7 @@
 
 #include "stages/commands/run_command.h"
 
+#include <exception>
 #include <filesystem>
 #include <iostream>
 #include <map>
@@ -158,6 +159,18 @@ std::string ShellWord(const std::string& text) {
   return plain ? text : ShellQuoted(text);
 }
 
+// Nothing if there is nothing to ask. The scene is finished, so the run does
+// not fail when memory or threads are short for this; OpenCV throws then.
+std::vector<std::vector<std::string>> QuestionsToTry(
+    const fs::path& workspace) {
+  try {
+    const auto questions = SuggestQuestions(workspace, 3);
+    if (questions.ok()) return *questions;
+  } catch (const std::exception&) {
+  }
+  return {};
+}
+
 // Tells where to look at the finished scene, and what to ask it.
 // `given` is the workspace as the command line has it.
 void TellResult(const fs::path& workspace,
@@ -168,10 +181,10 @@ void TellResult(const fs::path& workspace,
   if (!fs::exists(page, error)) return;
   out << "Open the page of the scene:\n  "
       << "file://" + EncodeUrlPath(page.string()) << "\n";
-  const auto questions = SuggestQuestions(workspace, 3);
-  if (!questions.ok() || questions->empty()) return;
+  const auto questions = QuestionsToTry(workspace);
+  if (questions.empty()) return;
   out << "Ask the scene, for instance:\n";
-  for (const std::vector<std::string>& question : *questions) {
+  for (const std::vector<std::string>& question : questions) {
     out << "  freegs_pipeline query " << ShellWord(given);
     for (const std::string& word : question) out << ' ' << ShellWord(word);
     out << '\n';
