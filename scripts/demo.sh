@@ -24,12 +24,16 @@ if (($# > 0)) && [[ $1 != --* ]]; then
 fi
 
 # Seconds that each step is guessed to take, on a machine with nothing installed.
-# That of the scene is for the sample photos.
-install_seconds=90
-build_seconds=$((360 / $(nproc)))
-draw_seconds=6
-scene_seconds=75
-[[ -z $images ]] || draw_seconds=0
+# Of a film it is not known yet how many photos it gives.
+num_photos=40
+draw_seconds=$((48 / $(nproc)))
+if [[ -n $images ]]; then
+  draw_seconds=0
+  [[ ! -d $images ]] || num_photos=$(find -L "$images" -type f | wc -l)
+fi
+install_seconds=75
+build_seconds=$((300 / $(nproc)))
+scene_seconds=$((3 * num_photos / $(nproc)))
 
 minutes() {
   if (($1 < 60)); then
@@ -57,15 +61,15 @@ how_far() {
 # and shows how long it and the LATER seconds of other steps will last. Its output
 # goes to the log, and to the terminal when it fails.
 step() {
-  local name=$1 expected=$2 later=$3 start=$SECONDS shown=-30 passed left done total
+  local name=$1 expected=$2 later=$3 start=$SECONDS shown=-30 passed left counted total
   shift 3
   "$@" >>"$log" 2>&1 &
   local job=$!
   while kill -0 "$job" 2>/dev/null; do
     passed=$((SECONDS - start))
     left=$((expected > passed ? expected - passed : 5))
-    if read -r done total < <(how_far "$name") && ((done > 8)); then
-      left=$((passed * (total - done) / done))
+    if read -r counted total < <(how_far "$name") && ((counted > 8)); then
+      left=$((passed * (total - counted) / counted))
     fi
     if [[ -t 2 ]]; then
       printf '\r\033[K%s, about %s left for the whole' "$name" "$(minutes $((left + later)))" >&2
