@@ -158,7 +158,7 @@ HWY_INLINE SimdMask ProjectGroup(const ProjectionTask& task,
   std::copy_n(
       &model.opacity_logits[group.indices[0]], group.count, logits.values);
 
-  // log2(sigmoid(x)); minus infinity where exp overflows.
+  // log2(sigmoid(x)).
   SimdNumber log2_opacity =
       -log1p(exp(-FromArray(logits))) * SimdNumber(1 / kLn2);
   ProjectedGaussian<SimdNumber> projected;

@@ -11,7 +11,6 @@
 #define FREEGS_SPLAT_PROJECTION_SIMD_NUMBER_INL_H_
 #endif
 
-#include <hwy/contrib/math/math-inl.h>
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
@@ -82,15 +81,6 @@ HWY_INLINE SimdNumber Select(SimdMask mask, SimdNumber yes, SimdNumber no) {
 HWY_INLINE SimdNumber sqrt(SimdNumber a) {
   return hwy::HWY_NAMESPACE::Sqrt(a.vector);
 }
-HWY_INLINE SimdNumber exp(SimdNumber a) {
-  return hwy::HWY_NAMESPACE::Exp(SimdNumber::Tag(), a.vector);
-}
-HWY_INLINE SimdNumber log(SimdNumber a) {
-  return hwy::HWY_NAMESPACE::Log(SimdNumber::Tag(), a.vector);
-}
-HWY_INLINE SimdNumber log1p(SimdNumber a) {
-  return hwy::HWY_NAMESPACE::Log1p(SimdNumber::Tag(), a.vector);
-}
 HWY_INLINE SimdNumber ceil(SimdNumber a) {
   return hwy::HWY_NAMESPACE::Ceil(a.vector);
 }
@@ -99,6 +89,70 @@ HWY_INLINE SimdNumber Min(SimdNumber a, SimdNumber b) {
 }
 HWY_INLINE SimdNumber Max(SimdNumber a, SimdNumber b) {
   return hwy::HWY_NAMESPACE::Max(a.vector, b.vector);
+}
+
+// The functions below use no fused multiplication and addition, so they give
+// the same bytes with every instruction set. Those of Highway do not.
+
+// ln 2 in two parts. The first is 355 / 512, whose product with a whole number
+// below 2^15 is exact.
+constexpr float kLn2High = 0.693359375f;
+constexpr float kLn2Low = -2.12194440e-4f;
+
+// e^x with a relative error below 3e-7. x is kept within [-87, 88], where the
+// result and its inverse are finite. NaN stays NaN.
+HWY_INLINE SimdNumber exp(SimdNumber x) {
+  namespace hn = hwy::HWY_NAMESPACE;
+  const SimdNumber::Tag d;
+  const hn::RebindToSigned<SimdNumber::Tag> di;
+  const SimdNumber least(-87.0f), most(88.0f);
+  x = Select(x > most, most, x);
+  x = Select(least > x, least, x);
+  // e^x = 2^n e^f with |f| <= ln(2) / 2, where eight terms of the series of e^f
+  // are enough.
+  const SimdNumber n = hn::Round((x * SimdNumber(1.4426950408889634f)).vector);
+  const SimdNumber f = (x - n * SimdNumber(kLn2High)) - n * SimdNumber(kLn2Low);
+  SimdNumber sum(1.0f / 5040);
+  for (const float inverse_factorial :
+       {1.0f / 720, 1.0f / 120, 1.0f / 24, 1.0f / 6, 0.5f, 1.0f, 1.0f}) {
+    sum = sum * f + SimdNumber(inverse_factorial);
+  }
+  const auto exponent = hn::Add(hn::ConvertTo(di, n.vector), hn::Set(di, 127));
+  return sum * SimdNumber(hn::BitCast(d, hn::ShiftLeft<23>(exponent)));
+}
+
+// ln x for x in [1.2e-38, 3.4e38], with a relative error below 3e-7. Any value
+// for other x.
+HWY_INLINE SimdNumber log(SimdNumber x) {
+  namespace hn = hwy::HWY_NAMESPACE;
+  const SimdNumber::Tag d;
+  const hn::RebindToSigned<SimdNumber::Tag> di;
+  // x = 2^n m with m from sqrt(1/2), whose bits these are, to sqrt(2).
+  const auto sqrt_half = hn::Set(di, 0x3f3504f3);
+  const auto bits = hn::Sub(hn::BitCast(di, x.vector), sqrt_half);
+  const SimdNumber n = hn::ConvertTo(d, hn::ShiftRight<23>(bits));
+  const SimdNumber m = hn::BitCast(
+      d, hn::Add(hn::And(bits, hn::Set(di, 0x007fffff)), sqrt_half));
+  // ln m = 2 artanh(s) = 2 (s + s^3 / 3 + s^5 / 5 + ...) with |s| < 0.172.
+  const SimdNumber one(1.0f);
+  const SimdNumber s = (m - one) / (m + one);
+  const SimdNumber s2 = s * s;
+  SimdNumber sum(2.0f / 9);
+  for (const float factor : {2.0f / 7, 2.0f / 5, 2.0f / 3}) {
+    sum = sum * s2 + SimdNumber(factor);
+  }
+  const SimdNumber small = s * s2 * sum + n * SimdNumber(kLn2Low);
+  return (small + (s + s)) + n * SimdNumber(kLn2High);
+}
+
+// ln(1 + x) for x in [0, 3.4e38], with a relative error below 6e-7. NaN stays
+// NaN.
+HWY_INLINE SimdNumber log1p(SimdNumber x) {
+  // What 1 + x lost by rounding is made up for by a factor.
+  const SimdNumber one(1.0f);
+  const SimdNumber sum = one + x;
+  const SimdNumber rest = sum - one;
+  return Select(rest > SimdNumber(0.0f), log(sum) * (x / rest), x);
 }
 
 }  // namespace freegs::splat::HWY_NAMESPACE

@@ -97,7 +97,7 @@ int64_t Blend(const TileTask& task,
     const Vec r = hn::Set(d, splat.color[0]);
     const Vec g = hn::Set(d, splat.color[1]);
     const Vec b = hn::Set(d, splat.color[2]);
-    ForEachBlended(
+    ForEachBlended<Fused>(
         d,
         task,
         splat,
@@ -149,7 +149,7 @@ void ContributeTile(const TileTask& task,
   for (int64_t k = 0; k < task.count; ++k) {
     Vec weights = hn::Zero(d);
     Vec pixels = hn::Zero(d);
-    ForEachBlended(
+    ForEachBlended<Fused>(
         d,
         task,
         FetchSplat(task, k),
@@ -174,7 +174,7 @@ void VoteTile(const TileTask& task, const int32_t* channels, float* votes) {
   for (int64_t k = 0; k < task.count; ++k) {
     if (k % kOpaqueTestInterval == 0 && Opaque(d, transmittance)) return;
     const int32_t channel = channels[k];
-    ForEachBlended(
+    ForEachBlended<Fused>(
         d,
         task,
         FetchSplat(task, k),
@@ -220,7 +220,7 @@ void BackwardTile(const TileTask& task,
     // once at the end of the column.
     Vec column_q = hn::Zero(d), column_qy = hn::Zero(d);
     bool touched = false;
-    ForEachBlended(
+    ForEachBlended<Fused>(
         d,
         task,
         splat,

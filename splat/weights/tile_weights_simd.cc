@@ -30,7 +30,7 @@ int64_t ListWeights(const TileTask& task,
       return task.count;
     }
     const auto entry = static_cast<uint32_t>(k - begin) * kTilePixels;
-    ForEachBlended(
+    ForEachBlended<Plain>(
         d,
         task,
         FetchSplat(task, k),

@@ -36,7 +36,8 @@ struct alignas(64) TileWeightList {
 // from one call to the next; a call with begin = 0 initialises it. Returns the
 // entry to go on with, or task.count when nothing more will be blended.
 //
-// The same task always gives the same list, bit for bit.
+// The same task always gives the same list, bit for bit, with any instruction
+// set.
 int64_t ListTileWeights(const TileTask& task,
                         int64_t begin,
                         float* transmittance,
