@@ -68,15 +68,15 @@ std::pair<double, double> TrimmedRange(const std::vector<WeightedPoint>& points,
 OrientedBox BoxAlong(const std::vector<WeightedPoint>& points,
                      const Eigen::Matrix3d& axes,
                      double trim) {
+  // The centre is summed up here, as a product of Eigen's is rounded in another
+  // way with each instruction set.
   OrientedBox box;
   box.rotation = axes;
-  Eigen::Vector3d middle;
   for (int k = 0; k < 3; ++k) {
     const auto [low, high] = TrimmedRange(points, axes.col(k), trim);
-    middle[k] = (low + high) / 2;
+    box.center += (low + high) / 2 * axes.col(k);
     box.size[k] = high - low;
   }
-  box.center = axes * middle;
   return box;
 }
 
