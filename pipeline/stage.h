@@ -7,8 +7,10 @@
 #ifndef FREEGS_PIPELINE_STAGE_H_
 #define FREEGS_PIPELINE_STAGE_H_
 
+#include <chrono>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -61,6 +63,10 @@ struct StageContext {
 
   // Wall seconds that earlier, interrupted runs into this `output` took.
   double earlier_seconds = 0;
+
+  // When Run is wanted to end. A stage that can end sooner with a lesser result
+  // does, and says so; the others take no notice.
+  std::optional<std::chrono::steady_clock::time_point> deadline;
 
   // Free-form facts a stage wants to see in stage.json (counts, warnings).
   nlohmann::json summary = nlohmann::json::object();

@@ -320,6 +320,12 @@ Status StageRunner::RunStage(RunnerStage& stage,
   }
 
   context.pool = &pool;
+  if (options_.deadline) {
+    const std::chrono::duration<double> later(later_seconds);
+    context.deadline =
+        *options_.deadline -
+        std::chrono::duration_cast<std::chrono::steady_clock::duration>(later);
+  }
   if (need.known()) {
     // What stages before it have left in this process: pages of libraries, and
     // what those keep for later.

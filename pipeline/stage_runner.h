@@ -5,7 +5,9 @@
 #ifndef FREEGS_PIPELINE_STAGE_RUNNER_H_
 #define FREEGS_PIPELINE_STAGE_RUNNER_H_
 
+#include <chrono>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,6 +36,9 @@ struct StageRunnerOptions {
 
   int num_threads = 0;  // 0 takes one per available core.
   double checkpoint_interval_seconds = 60;
+
+  // When the run is wanted to end; see StageContext::deadline.
+  std::optional<std::chrono::steady_clock::time_point> deadline;
 
   // Seconds between writes of usage.json, which keeps the time used so far for
   // the case that the program is killed.

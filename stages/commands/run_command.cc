@@ -4,25 +4,25 @@
 
 #include <exception>
 #include <filesystem>
-#include <iostream>
 #include <map>
+#include <optional>
+#include <ostream>
 #include <system_error>
-#include <unistd.h>
 #include <utility>
 
 #include "core/io/files.h"
 #include "photos/photo_scan.h"
-#include "pipeline/logger.h"
 #include "pipeline/stage_record.h"
-#include "pipeline/stage_runner.h"
-#include "pipeline/version.h"
 #include "pipeline/workspace.h"
 #include "stages/command_line/completion_values.h"
 #include "stages/command_line/remembered_options.h"
 #include "stages/export/html.h"
 #include "stages/query/suggested_questions.h"
 #include "stages/registry/pipeline_options.h"
+#include "stages/registry/presets.h"
 #include "stages/registry/stage_registry.h"
+#include "stages/run/duration.h"
+#include "stages/run/run_request.h"
 
 namespace freegs::stages {
 namespace {
@@ -101,55 +101,6 @@ Status CheckImagesFolder(const fs::path& images, const fs::path& workspace) {
            : ": no such folder of photos"));
 }
 
-// What the command line asks for.
-struct Request {
-  fs::path workspace;
-  WorkspaceInfo info;
-  std::string from;
-  std::string to;
-  std::string forced;
-
-  // What is to be said about remembered options; may be empty.
-  std::string note;
-};
-
-Status Execute(const Request& request,
-               const PipelineOptions& options,
-               const OptionTable& table,
-               CommandContext& context) {
-  const bool terminal =
-      &context.err == &std::cerr && isatty(STDERR_FILENO) != 0;
-  pipeline::Logger logger(
-      context.err, terminal, pipeline::LogPath(request.workspace));
-  logger.LogToFile(
-      pipeline::LogLevel::kInfo,
-      std::string("freegs_pipeline ") + pipeline::kProgramVersion + " begins");
-  if (!request.note.empty()) {
-    logger.Log(pipeline::LogLevel::kInfo, request.note);
-  }
-  if (options.general.verbose) {
-    for (const OptionTable::Option& option : table.options()) {
-      if (option.section().empty()) continue;
-      logger.Log(pipeline::LogLevel::kInfo,
-                 "option " + option.name + " = " + option.value());
-    }
-  }
-  pipeline::StageRunnerOptions runner_options;
-  runner_options.workspace = request.workspace;
-  runner_options.images = request.info.images;
-  runner_options.from = request.from;
-  runner_options.to = request.to;
-  runner_options.forced = request.forced;
-  runner_options.num_threads = options.general.threads;
-  runner_options.checkpoint_interval_seconds =
-      options.general.checkpoint_interval;
-  pipeline::StageRunner runner(MakeStages(options, table),
-                               std::move(runner_options),
-                               context.cancellation,
-                               logger);
-  return runner.Run();
-}
-
 // The text as one word of a shell, quoted where it has to be.
 std::string ShellWord(const std::string& text) {
   constexpr std::string_view kPlain =
@@ -195,6 +146,7 @@ struct RunWordsTargets {
   PipelineOptions options;
   std::string from;
   std::string to;
+  std::string within;
   std::vector<std::vector<std::string>> forget;
 };
 
@@ -228,6 +180,12 @@ CommandWords DescribeRun(RunWordsTargets* targets) {
                   {.help = "Last stage to bring up to date.",
                    .value_name = "STAGE",
                    .choices = stages});
+  words.AddOption("within",
+                  &targets->within,
+                  {.help = "Ends after this time, such as 90s, 5m or 1h30m: "
+                           "chooses the values of preset auto, and stops "
+                           "training early if it must.",
+                   .value_name = "TIME"});
   AddForgetOption(&targets->forget, &words);
   return words;
 }
@@ -250,7 +208,7 @@ CommandWords DescribeStage(StageTargets* targets) {
 Status Recall(const RunWordsTargets& targets,
               const OptionTable::CommandLine& line,
               const OptionTable& table,
-              Request* request) {
+              RunRequest* request) {
   FREEGS_ASSIGN_OR_RETURN(request->info,
                           pipeline::ReadWorkspaceInfo(request->workspace));
   FREEGS_RETURN_IF_ERROR(ForgetOptions(targets.forget, table, &request->info));
@@ -267,6 +225,37 @@ Status Recall(const RunWordsTargets& targets,
   return Status();
 }
 
+// The seconds of --within, or nothing without it. Then the settings of the
+// command line become those of a run of all stages with preset auto.
+StatusOr<std::optional<double>> ReadWithin(OptionTable::CommandLine* line) {
+  const std::string* within = nullptr;
+  const std::string* preset = nullptr;
+  bool whole = line->positional.size() == 2;
+  for (const OptionSetting& setting : line->settings) {
+    if (setting.name == "within") within = &setting.value;
+    if (setting.name == "general.preset") preset = &setting.value;
+    if (setting.name == "from" || setting.name == "to") whole = false;
+  }
+  if (within == nullptr) return std::optional<double>();
+  const StatusOr<double> seconds = ParseDuration(*within);
+  if (!seconds.ok()) {
+    return InvalidArgumentError("--within: " + seconds.status().message());
+  }
+  if (!whole) {
+    return InvalidArgumentError(
+        "--within is for whole runs: run IMAGES WORKSPACE --within " + *within +
+        ", without --from and --to");
+  }
+  if (preset != nullptr && *preset != kAutoPreset) {
+    return InvalidArgumentError("--within goes with --preset auto, not with " +
+                                *preset);
+  }
+  std::erase_if(line->settings, [](const OptionSetting& setting) {
+    return setting.name == "within" || setting.name == "general.preset";
+  });
+  return std::optional(*seconds);
+}
+
 }  // namespace
 
 CommandWords RunWords() { return KeepWords<RunWordsTargets>(DescribeRun); }
@@ -278,9 +267,11 @@ Status RunRunCommand(const std::vector<std::string>& arguments,
   RunWordsTargets targets;
   CommandWords command = DescribeRun(&targets);
   OptionTable& table = command.table();
-  Request request;
-  FREEGS_ASSIGN_OR_RETURN(const OptionTable::CommandLine line,
+  RunRequest request;
+  FREEGS_ASSIGN_OR_RETURN(OptionTable::CommandLine line,
                           command.Parse(arguments));
+  FREEGS_ASSIGN_OR_RETURN(const std::optional<double> within,
+                          ReadWithin(&line));
   const std::vector<std::string>& words = line.positional;
   request.workspace = AbsoluteFolder(words.back());
   FREEGS_RETURN_IF_ERROR(CheckWorkspaceFolder(request.workspace));
@@ -297,7 +288,9 @@ Status RunRunCommand(const std::vector<std::string>& arguments,
   std::vector<OptionSetting> settings =
       RememberedSettings(request.workspace, request.info, table);
   settings.insert(settings.end(), line.settings.begin(), line.settings.end());
-  FREEGS_RETURN_IF_ERROR(ApplySettings(request.workspace, settings, table));
+  if (!within) {
+    FREEGS_RETURN_IF_ERROR(ApplySettings(request.workspace, settings, table));
+  }
   request.from = targets.from;
   request.to = targets.to;
   FREEGS_RETURN_IF_ERROR(PrepareOutputFolder(request.workspace));
@@ -305,7 +298,15 @@ Status RunRunCommand(const std::vector<std::string>& arguments,
                           pipeline::WorkspaceLock::Acquire(request.workspace));
   FREEGS_RETURN_IF_ERROR(
       pipeline::WriteWorkspaceInfo(request.workspace, request.info));
-  FREEGS_RETURN_IF_ERROR(Execute(request, targets.options, table, context));
+  if (within) {
+    // Over what config.ini says, and so not remembered.
+    settings.push_back({"general.preset", kAutoPreset, "--within"});
+    FREEGS_RETURN_IF_ERROR(ExecuteWithin(
+        *within, settings, request, context.err, context.cancellation));
+  } else {
+    FREEGS_RETURN_IF_ERROR(Execute(
+        request, targets.options, table, context.err, context.cancellation));
+  }
   if (request.to == StageNames().back()) {
     TellResult(request.workspace, words.back(), context.out);
   }
@@ -319,7 +320,7 @@ Status RunStageCommand(const std::vector<std::string>& arguments,
   OptionTable& table = command.table();
   FREEGS_ASSIGN_OR_RETURN(const OptionTable::CommandLine line,
                           command.Parse(arguments));
-  Request request;
+  RunRequest request;
   request.forced = line.positional[0];
   request.from = request.forced;
   request.to = request.forced;
@@ -345,7 +346,8 @@ Status RunStageCommand(const std::vector<std::string>& arguments,
                     table));
   FREEGS_RETURN_IF_ERROR(
       pipeline::WriteWorkspaceInfo(request.workspace, request.info));
-  return Execute(request, targets.options, table, context);
+  return Execute(
+      request, targets.options, table, context.err, context.cancellation);
 }
 
 }  // namespace freegs::stages

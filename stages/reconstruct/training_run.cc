@@ -65,7 +65,7 @@ class TrainingRun {
   }
 
   Status Train() {
-    while (!trainer_->done()) {
+    while (!trainer_->done() && !TimeIsUp()) {
       if (context_->cancellation->cancelled()) {
         FREEGS_RETURN_IF_ERROR(SaveCheckpoint());
         return InterruptedError("reconstruct: stopped at iteration " +
@@ -122,6 +122,18 @@ class TrainingRun {
     FREEGS_RETURN_IF_ERROR(progress_.Flush());
     last_checkpoint_ = std::chrono::steady_clock::now();
     return splat::SaveCheckpoint(checkpoints_, checkpoint);
+  }
+
+  bool TimeIsUp() const {
+    if (!context_->deadline ||
+        std::chrono::steady_clock::now() < *context_->deadline) {
+      return false;
+    }
+    context_->log(LogLevel::kWarning,
+                  "reconstruct: the time is up; training ends after " +
+                      std::to_string(trainer_->iteration()) + " of " +
+                      std::to_string(options_.iterations) + " iterations");
+    return true;
   }
 
   double SecondsSinceCheckpoint() const {

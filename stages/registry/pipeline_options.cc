@@ -19,8 +19,9 @@ void RegisterGeneralOptions(GeneralOptions& options, OptionTable& table) {
   table.Add("general.preset",
             &options.preset,
             {.help = "Set of option values to start from: how much time to "
-                     "spend on how good a result.",
-             .choices = PresetNames(),
+                     "spend on how good a result. With auto, run --within "
+                     "chooses them.",
+             .choices = PresetChoices(),
              .affects_result = false});
   table.Add("general.threads",
             &options.threads,
@@ -73,7 +74,8 @@ OptionTable MakeOptionTable(PipelineOptions* options) {
 
 Status ApplySettings(const std::filesystem::path& workspace,
                      const std::vector<OptionSetting>& command_line,
-                     OptionTable& table) {
+                     OptionTable& table,
+                     const std::vector<OptionSetting>& chosen) {
   const std::filesystem::path path = pipeline::ConfigPath(workspace);
   std::vector<OptionSetting> config;
   std::error_code error;
@@ -87,8 +89,13 @@ Status ApplySettings(const std::filesystem::path& workspace,
       if (setting.name == preset.name) preset = setting;
     }
   }
-  FREEGS_ASSIGN_OR_RETURN(const std::vector<OptionSetting> preset_settings,
-                          PresetSettings(preset.value));
+  std::vector<OptionSetting> preset_settings = chosen;
+  if (preset.value != kAutoPreset) {
+    FREEGS_ASSIGN_OR_RETURN(preset_settings, PresetSettings(preset.value));
+  } else if (chosen.empty()) {
+    return InvalidArgumentError(
+        "preset auto is chosen by a time: run IMAGES WORKSPACE --within 5m");
+  }
   FREEGS_RETURN_IF_ERROR(table.Apply(preset_settings));
   FREEGS_RETURN_IF_ERROR(table.Apply(config));
   return table.Apply(command_line);

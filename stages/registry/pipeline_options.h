@@ -65,10 +65,12 @@ pipeline::OptionTable MakeOptionTable(PipelineOptions* options);
 // Sets the options of a table from MakeOptionTable. Later sources override
 // earlier ones: the preset (named on the command line, else in config.ini, else
 // the default one), then WORKSPACE/config.ini if it exists, then the command
-// line. kInvalidArgument names the option and the fault.
+// line. Preset auto has the values `chosen`, and is an error where there are
+// none. kInvalidArgument names the option and the fault.
 Status ApplySettings(const std::filesystem::path& workspace,
                      const std::vector<pipeline::OptionSetting>& command_line,
-                     pipeline::OptionTable& table);
+                     pipeline::OptionTable& table,
+                     const std::vector<pipeline::OptionSetting>& chosen = {});
 
 // Returns the settings of earlier command lines, which workspace.json keeps.
 // Settings that the table does not know any more are left out.

@@ -36,6 +36,12 @@ std::vector<std::string> PresetNames() {
   return {"fast", "balanced", "quality"};
 }
 
+std::vector<std::string> PresetChoices() {
+  std::vector<std::string> choices = PresetNames();
+  choices.emplace_back(kAutoPreset);
+  return choices;
+}
+
 StatusOr<std::vector<pipeline::OptionSetting>> PresetSettings(
     const std::string& name) {
   const auto preset = Presets().find(name);

@@ -15,6 +15,12 @@ namespace freegs::stages {
 
 std::vector<std::string> PresetNames();
 
+// The preset that has no values of its own: `run --within` chooses them.
+inline constexpr char kAutoPreset[] = "auto";
+
+// What option general.preset may be: the names, and kAutoPreset.
+std::vector<std::string> PresetChoices();
+
 // Returns the settings of a preset; kInvalidArgument for an unknown name.
 StatusOr<std::vector<pipeline::OptionSetting>> PresetSettings(
     const std::string& name);

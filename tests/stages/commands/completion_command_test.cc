@@ -94,10 +94,10 @@ TEST_F(CompletionTest, Bash) {
 
   // Values.
   EXPECT_THAT(Offers({"run", "--preset", ""}),
-              ElementsAre("balanced", "fast", "quality"));
+              ElementsAre("auto", "balanced", "fast", "quality"));
   EXPECT_THAT(Offers({"run", "--preset", "=", "f"}), ElementsAre("fast"));
   EXPECT_THAT(Offers({"run", "--preset", "="}),
-              ElementsAre("balanced", "fast", "quality"));
+              ElementsAre("auto", "balanced", "fast", "quality"));
   EXPECT_THAT(Offers({"run", "--reconstruct.exposure", "o"}),
               ElementsAre("off", "on"));
   EXPECT_THAT(Offers({"run", "--to", "r"}), ElementsAre("reconstruct"));

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/run/run_request.h"
+
+#include <iostream>
+#include <sstream>
+#include <unistd.h>
+#include <utility>
+
+#include "pipeline/logger.h"
+#include "pipeline/stage_runner.h"
+#include "pipeline/version.h"
+#include "stages/registry/stage_registry.h"
+#include "stages/run/timed_run.h"
+
+namespace freegs::stages {
+namespace {
+
+using pipeline::OptionSetting;
+using pipeline::OptionTable;
+
+// The last stage that finds out about cameras.
+constexpr char kLastOfCameras[] = "undistort";
+
+pipeline::StageRunner MakeRunner(const RunRequest& request,
+                                 const PipelineOptions& options,
+                                 const OptionTable& table,
+                                 const CancellationToken& cancellation,
+                                 pipeline::Logger& logger) {
+  pipeline::StageRunnerOptions runner_options;
+  runner_options.workspace = request.workspace;
+  runner_options.images = request.info.images;
+  runner_options.from = request.from;
+  runner_options.to = request.to;
+  runner_options.forced = request.forced;
+  runner_options.num_threads = options.general.threads;
+  runner_options.checkpoint_interval_seconds =
+      options.general.checkpoint_interval;
+  runner_options.deadline = request.deadline;
+  return pipeline::StageRunner(MakeStages(options, table),
+                               std::move(runner_options),
+                               cancellation,
+                               logger);
+}
+
+bool OnTerminal(const std::ostream& err) {
+  return &err == &std::cerr && isatty(STDERR_FILENO) != 0;
+}
+
+// What the run of `request` is expected to take, with the settings of the user
+// and those chosen for preset auto.
+StatusOr<ExpectedSeconds> Expect(const RunRequest& request,
+                                 const std::vector<OptionSetting>& settings,
+                                 const std::vector<OptionSetting>& chosen,
+                                 const CancellationToken& cancellation) {
+  PipelineOptions options;
+  OptionTable table = MakeOptionTable(&options);
+  FREEGS_RETURN_IF_ERROR(
+      ApplySettings(request.workspace, settings, table, chosen));
+  std::ostringstream ignored;
+  pipeline::Logger logger(ignored, /*terminal=*/false, "");
+  FREEGS_ASSIGN_OR_RETURN(
+      const std::vector<pipeline::StageForecast> forecasts,
+      MakeRunner(request, options, table, cancellation, logger).Forecast());
+  ExpectedSeconds expected;
+  double* part = &expected.cameras;
+  for (const pipeline::StageForecast& forecast : forecasts) {
+    if (forecast.needed) *part += forecast.need.seconds;
+    if (forecast.stage == kLastOfCameras) part = &expected.others;
+  }
+  return expected;
+}
+
+}  // namespace
+
+Status Execute(const RunRequest& request,
+               const PipelineOptions& options,
+               const OptionTable& table,
+               std::ostream& err,
+               const CancellationToken& cancellation) {
+  pipeline::Logger logger(
+      err, OnTerminal(err), pipeline::LogPath(request.workspace));
+  logger.LogToFile(
+      pipeline::LogLevel::kInfo,
+      std::string("freegs_pipeline ") + pipeline::kProgramVersion + " begins");
+  if (!request.note.empty()) {
+    logger.Log(pipeline::LogLevel::kInfo, request.note);
+  }
+  if (options.general.verbose) {
+    for (const OptionTable::Option& option : table.options()) {
+      if (option.section().empty()) continue;
+      logger.Log(pipeline::LogLevel::kInfo,
+                 "option " + option.name + " = " + option.value());
+    }
+  }
+  return MakeRunner(request, options, table, cancellation, logger).Run();
+}
+
+Status ExecuteWithin(double seconds,
+                     const std::vector<OptionSetting>& settings,
+                     const RunRequest& request,
+                     std::ostream& err,
+                     const CancellationToken& cancellation) {
+  using Clock = std::chrono::steady_clock;
+  pipeline::Logger logger(
+      err, OnTerminal(err), pipeline::LogPath(request.workspace));
+  TimedRunTasks tasks;
+  tasks.log = [&logger](pipeline::LogLevel level, const std::string& text) {
+    logger.Log(level, text);
+  };
+  tasks.now = [] {
+    const std::chrono::duration<double> now = Clock::now().time_since_epoch();
+    return now.count();
+  };
+  tasks.foretell = [&](const std::vector<OptionSetting>& chosen) {
+    return Expect(request, settings, chosen, cancellation);
+  };
+  tasks.run = [&](const std::vector<OptionSetting>& chosen,
+                  RunPart part,
+                  double end) -> Status {
+    PipelineOptions options;
+    OptionTable table = MakeOptionTable(&options);
+    FREEGS_RETURN_IF_ERROR(
+        ApplySettings(request.workspace, settings, table, chosen));
+    RunRequest now = request;
+    for (const OptionSetting& choice : chosen) {
+      // Others are the user's own.
+      if (table.Find(choice.name)->value() == choice.value) {
+        now.info.settings[choice.name] = choice.value;
+      }
+    }
+    FREEGS_RETURN_IF_ERROR(
+        pipeline::WriteWorkspaceInfo(now.workspace, now.info));
+    if (part == RunPart::kCameras) now.to = kLastOfCameras;
+    now.deadline =
+        Clock::time_point(std::chrono::duration_cast<Clock::duration>(
+            std::chrono::duration<double>(end)));
+    return Execute(now, options, table, err, cancellation);
+  };
+  return RunWithin(seconds, tasks);
+}
+
+}  // namespace freegs::stages

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/run/time_choice.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/number_text.h"
+
+namespace freegs::stages {
+namespace {
+
+// A preset whose iterations may vary.
+struct Range {
+  int least_iterations;
+  int most_iterations;
+  int max_image_size;
+  int sh_degree;
+  const char* budget;
+  int max_features;
+};
+
+// From the best to the fastest. The last iterations of a range are about as
+// good as the first of the range before.
+constexpr Range kRanges[] = {
+    {.least_iterations = 3500,
+     .most_iterations = 5000,
+     .max_image_size = 1600,
+     .sh_degree = 3,
+     .budget = "auto",
+     .max_features = 4000},
+    {.least_iterations = 3000,
+     .most_iterations = 5000,
+     .max_image_size = 1200,
+     .sh_degree = 3,
+     .budget = "auto",
+     .max_features = 4000},
+    {.least_iterations = 1000,
+     .most_iterations = 5000,
+     .max_image_size = 800,
+     .sh_degree = 3,
+     .budget = "auto",
+     .max_features = 3000},
+    {.least_iterations = 300,
+     .most_iterations = 2000,
+     .max_image_size = 640,
+     .sh_degree = 2,
+     .budget = "50000",
+     .max_features = 1200},
+};
+
+constexpr int kIterationSteps = 50;
+
+// As in the presets, there are as many densifications in a short training as
+// in a long one.
+int DensifyInterval(int iterations) {
+  return std::clamp(static_cast<int>(std::lround(0.03 * iterations)), 10, 100);
+}
+
+StatusOr<TimeChoice> Choose(const Range& range,
+                            int iterations,
+                            const Foretell& foretell) {
+  TimeChoice choice;
+  const auto set = [&choice](const char* name, const std::string& value) {
+    choice.settings.push_back({name, value, "--within"});
+  };
+  set("sfm.max_features", std::to_string(range.max_features));
+  set("reconstruct.iterations", std::to_string(iterations));
+  set("reconstruct.max_image_size", std::to_string(range.max_image_size));
+  set("reconstruct.sh_degree", std::to_string(range.sh_degree));
+  set("reconstruct.budget", range.budget);
+  set("reconstruct.densify_interval",
+      std::to_string(DensifyInterval(iterations)));
+  choice.text = FormatCount(iterations) + " iterations with images of up to " +
+                std::to_string(range.max_image_size) + " pixels";
+  FREEGS_ASSIGN_OR_RETURN(choice.expected, foretell(choice.settings));
+  return choice;
+}
+
+}  // namespace
+
+StatusOr<TimeChoice> ChooseWithin(double seconds, const Foretell& foretell) {
+  TimeChoice least;
+  for (const Range& range : kRanges) {
+    FREEGS_ASSIGN_OR_RETURN(least,
+                            Choose(range, range.least_iterations, foretell));
+    const double shortest = least.expected.total();
+    if (shortest > seconds) continue;
+    FREEGS_ASSIGN_OR_RETURN(const TimeChoice most,
+                            Choose(range, range.most_iterations, foretell));
+    const double longest = most.expected.total();
+    if (longest <= seconds) return most;
+    // The seconds grow in proportion to the iterations.
+    const double share = (seconds - shortest) / (longest - shortest);
+    const int more = range.most_iterations - range.least_iterations;
+    const int steps = static_cast<int>(share * more) / kIterationSteps;
+    return Choose(
+        range, range.least_iterations + steps * kIterationSteps, foretell);
+  }
+  least.fits = false;
+  return least;
+}
+
+}  // namespace freegs::stages

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Chooses the options with which a run takes no longer than somebody can wait.
+// It goes from preset to preset along the front of speed and accuracy
+// (docs/speed_accuracy.md), and within a preset from few iterations to many.
+
+#ifndef FREEGS_STAGES_RUN_TIME_CHOICE_H_
+#define FREEGS_STAGES_RUN_TIME_CHOICE_H_
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/status.h"
+#include "pipeline/option_table.h"
+
+namespace freegs::stages {
+
+// What a run is expected to take from now on, in seconds.
+struct ExpectedSeconds {
+  double cameras = 0;  // Stages ingest, sfm and undistort.
+  double others = 0;   // The stages after them.
+
+  double total() const { return cameras + others; }
+};
+
+// Foretells a run with these settings besides those that the user gave.
+using Foretell = std::function<StatusOr<ExpectedSeconds>(
+    const std::vector<pipeline::OptionSetting>& settings)>;
+
+struct TimeChoice {
+  std::vector<pipeline::OptionSetting> settings;
+  ExpectedSeconds expected;
+
+  // "2,300 iterations with images of up to 800 pixels".
+  std::string text;
+
+  // Whether the expected time is no longer than asked for. Otherwise this is
+  // the shortest run there is.
+  bool fits = true;
+};
+
+// The best choice that `foretell` expects to take no more than `seconds`. All
+// choices set the same options. An error of `foretell` is returned.
+StatusOr<TimeChoice> ChooseWithin(double seconds, const Foretell& foretell);
+
+}  // namespace freegs::stages
+
+#endif  // FREEGS_STAGES_RUN_TIME_CHOICE_H_

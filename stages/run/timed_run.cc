@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/run/timed_run.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/number_text.h"
+
+namespace freegs::stages {
+namespace {
+
+using pipeline::LogLevel;
+using pipeline::OptionSetting;
+
+// The share of the time that is given away, since training can be shortened
+// when it is slow, but nothing makes use of time that is left at the end.
+constexpr double kShare = 0.95;
+
+// How long things take here, relative to what was foretold of the cameras. Half
+// of such a difference lies in the machine, which will show in the training,
+// and half in the photos, which will not. Short parts say nothing.
+double Pace(double took, double expected) {
+  constexpr double kLeastSeconds = 3;
+  if (took < kLeastSeconds || expected < kLeastSeconds) return 1;
+  return std::clamp(std::sqrt(took / expected), 0.5, 2.0);
+}
+
+// The settings, but those of stage sfm as they were before.
+std::vector<OptionSetting> WithCameras(
+    std::vector<OptionSetting> settings,
+    const std::vector<OptionSetting>& before) {
+  for (size_t k = 0; k < settings.size(); ++k) {
+    if (settings[k].name.starts_with("sfm.")) settings[k] = before[k];
+  }
+  return settings;
+}
+
+// Foretells with the pace, and without changing the options of stage sfm, which
+// is done.
+Foretell AfterCameras(const Foretell& foretell,
+                      const std::vector<OptionSetting>& before,
+                      double pace) {
+  return [&foretell, &before, pace](const std::vector<OptionSetting>& settings)
+             -> StatusOr<ExpectedSeconds> {
+    FREEGS_ASSIGN_OR_RETURN(ExpectedSeconds expected,
+                            foretell(WithCameras(settings, before)));
+    expected.others *= pace;
+    return expected;
+  };
+}
+
+}  // namespace
+
+Status RunWithin(double seconds, const TimedRunTasks& tasks) {
+  const double begin = tasks.now();
+  const double end = begin + seconds;
+  const std::string within = "run: within " + FormatSeconds(seconds) + ": ";
+  FREEGS_ASSIGN_OR_RETURN(const TimeChoice first,
+                          ChooseWithin(kShare * seconds, tasks.foretell));
+  tasks.log(first.fits ? LogLevel::kInfo : LogLevel::kWarning,
+            within + first.text + " are expected to take " +
+                FormatSeconds(first.expected.total()) +
+                (first.fits ? "" : ", and nothing shorter makes a scene"));
+  FREEGS_RETURN_IF_ERROR(tasks.run(first.settings, RunPart::kCameras, end));
+  const double cameras = tasks.now() - begin;
+
+  const Foretell foretell = AfterCameras(
+      tasks.foretell, first.settings, Pace(cameras, first.expected.cameras));
+  FREEGS_ASSIGN_OR_RETURN(TimeChoice second,
+                          ChooseWithin(kShare * (seconds - cameras), foretell));
+  second.settings = WithCameras(second.settings, first.settings);
+  const double expected = cameras + second.expected.total();
+  tasks.log(second.fits ? LogLevel::kInfo : LogLevel::kWarning,
+            within + "the cameras took " + FormatSeconds(cameras) + "; " +
+                second.text + " are expected to end after " +
+                FormatSeconds(expected));
+  FREEGS_RETURN_IF_ERROR(tasks.run(second.settings, RunPart::kAll, end));
+  tasks.log(LogLevel::kInfo,
+            "run: took " + FormatSeconds(tasks.now() - begin) + " of " +
+                FormatSeconds(seconds) + "; " + FormatSeconds(expected) +
+                " were expected before the training");
+  return Status();
+}
+
+}  // namespace freegs::stages

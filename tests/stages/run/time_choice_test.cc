@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/run/time_choice.h"
+
+#include <cstdlib>
+#include <map>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "stages/registry/pipeline_options.h"
+
+namespace freegs::stages {
+namespace {
+
+using pipeline::OptionSetting;
+
+std::map<std::string, std::string> ByName(
+    const std::vector<OptionSetting>& settings) {
+  std::map<std::string, std::string> values;
+  for (const OptionSetting& setting : settings) {
+    values[setting.name] = setting.value;
+  }
+  return values;
+}
+
+double Number(const std::string& text) {
+  return std::strtod(text.c_str(), nullptr);
+}
+
+// Time in proportion to iterations and pixels, and 20 s for the cameras.
+StatusOr<ExpectedSeconds> Foretold(const std::vector<OptionSetting>& settings) {
+  const auto values = ByName(settings);
+  const double side = Number(values.at("reconstruct.max_image_size"));
+  return ExpectedSeconds{
+      .cameras = 20,
+      .others = 10 + 4e-8 * side * side *
+                         Number(values.at("reconstruct.iterations"))};
+}
+
+TEST(TimeChoice, MoreTimeIsUsed) {
+  double last = 0;
+  for (const double seconds : {40.0, 60.0, 80.0, 100.0, 150.0, 400.0}) {
+    const StatusOr<TimeChoice> choice = ChooseWithin(seconds, Foretold);
+    ASSERT_TRUE(choice.ok());
+    EXPECT_TRUE(choice->fits);
+    EXPECT_LE(choice->expected.total(), seconds);
+    EXPECT_GT(choice->expected.total(), 0.85 * seconds) << choice->text;
+    EXPECT_GT(choice->expected.total(), last);
+    last = choice->expected.total();
+  }
+}
+
+TEST(TimeChoice, MoreTimeThanHelpsIsLeft) {
+  const StatusOr<TimeChoice> choice = ChooseWithin(86400, Foretold);
+  ASSERT_TRUE(choice.ok());
+  const auto values = ByName(choice->settings);
+  EXPECT_EQ(values.at("reconstruct.iterations"), "5000");
+  EXPECT_EQ(values.at("reconstruct.max_image_size"), "1600");
+  EXPECT_EQ(choice->text, "5,000 iterations with images of up to 1600 pixels");
+}
+
+TEST(TimeChoice, WithoutTimeItIsTheShortest) {
+  const StatusOr<TimeChoice> choice = ChooseWithin(1, Foretold);
+  ASSERT_TRUE(choice.ok());
+  EXPECT_FALSE(choice->fits);
+  EXPECT_EQ(ByName(choice->settings).at("reconstruct.iterations"), "300");
+}
+
+TEST(TimeChoice, AllChoicesSetTheSameOptionsThatThereAre) {
+  PipelineOptions options;
+  pipeline::OptionTable table = MakeOptionTable(&options);
+  std::vector<std::string> first;
+  for (const double seconds : {1.0, 50.0, 100.0, 200.0, 300.0, 1000.0}) {
+    const StatusOr<TimeChoice> choice = ChooseWithin(seconds, Foretold);
+    ASSERT_TRUE(choice.ok());
+    EXPECT_TRUE(table.Apply(choice->settings).ok());
+    std::vector<std::string> names;
+    for (const OptionSetting& setting : choice->settings) {
+      names.push_back(setting.name);
+    }
+    if (first.empty()) first = names;
+    EXPECT_EQ(names, first);
+  }
+}
+
+TEST(TimeChoice, ReturnsWhatCannotBeForetold) {
+  const StatusOr<TimeChoice> choice =
+      ChooseWithin(100, [](const auto&) -> StatusOr<ExpectedSeconds> {
+        return BadInputError("no photos");
+      });
+  ASSERT_FALSE(choice.ok());
+  EXPECT_EQ(choice.status().message(), "no photos");
+}
+
+}  // namespace
+}  // namespace freegs::stages
