@@ -17,6 +17,10 @@ using pipeline::OptionSetting;
 // when it is slow, but nothing makes use of time that is left at the end.
 constexpr double kShare = 0.95;
 
+// The share of the time after which the run should be over even if training
+// has to be shortened.
+constexpr double kLatest = 0.98;
+
 // How long things take here, relative to what was foretold of the cameras. Half
 // of such a difference lies in the machine, which will show in the training,
 // and half in the photos, which will not. Short parts say nothing.
@@ -54,7 +58,7 @@ Foretell AfterCameras(const Foretell& foretell,
 
 Status RunWithin(double seconds, const TimedRunTasks& tasks) {
   const double begin = tasks.now();
-  const double end = begin + seconds;
+  const double end = begin + kLatest * seconds;
   const std::string within = "run: within " + FormatSeconds(seconds) + ": ";
   FREEGS_ASSIGN_OR_RETURN(const TimeChoice first,
                           ChooseWithin(kShare * seconds, tasks.foretell));
