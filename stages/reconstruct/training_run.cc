@@ -28,6 +28,9 @@ using pipeline::LogLevel;
 
 constexpr int64_t kProgressInterval = 50;
 
+// A training that has to end early makes so many steps all the same.
+constexpr int64_t kLeastSteps = 300;
+
 // Drives a trainer from its first or its last saved step to the end.
 class TrainingRun {
  public:
@@ -125,7 +128,7 @@ class TrainingRun {
   }
 
   bool TimeIsUp() const {
-    if (!context_->deadline ||
+    if (!context_->deadline || trainer_->iteration() < kLeastSteps ||
         std::chrono::steady_clock::now() < *context_->deadline) {
       return false;
     }

@@ -2,162 +2,26 @@
 
 #include "stages/reconstruct/reconstruct_stage.h"
 
-#include <cmath>
-#include <cstdlib>
 #include <filesystem>
-#include <optional>
-#include <sstream>
+#include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "photos/photo_list.h"
-#include "sfm/scene/model_io.h"
-#include "splat/render/renderer.h"
 #include "splat/scene/ply_io.h"
 #include "splat/scene/spz_format.h"
-#include "splat/train/checkpoint.h"
-#include "stages/reconstruct/training_report.h"
 #include "stages/scene/training_scene.h"
-#include "tests/splat/test_scene.h"
 #include "tests/stages/moved_world.h"
+#include "tests/stages/reconstruct/reconstruct_fixture.h"
 #include "tests/stages/scene_outlook_of.h"
-#include "tests/temporary_folder.h"
 
 namespace freegs::stages {
 namespace {
 
 namespace fs = std::filesystem;
-
-// A workspace as undistort leaves it: ten small photos of a known model, two of
-// them held out, and the model's centres as points.
-class ReconstructStageTest : public testing::Test {
- protected:
-  void SetUp() override {
-    truth_ = splat::RandomSceneModel(80, 0, 33);
-    ThreadPool pool(2);
-    sfm::Reconstruction model;
-    const Pinhole pinhole = splat::TestCamera(80, 60);
-    sfm::Camera camera;
-    camera.id = 1;
-    camera.model = sfm::CameraModel::kPinhole;
-    camera.width = pinhole.width;
-    camera.height = pinhole.height;
-    camera.params = {pinhole.fx, pinhole.fy, pinhole.cx, pinhole.cy};
-    model.cameras.push_back(camera);
-    photos::PhotoList photos;
-    for (int k = 0; k < 10; ++k) {
-      sfm::PosedImage image;
-      image.id = k + 1;
-      image.camera_id = 1;
-      image.name = "photo" + std::to_string(k) + ".png";
-      Rigid3d orbit;
-      orbit.rotation = Eigen::Quaterniond(
-          Eigen::AngleAxisd(0.1 * (k - 4.5), Eigen::Vector3d::UnitY()));
-      image.cam_from_world = splat::TestPose() * orbit;
-      const splat::RenderedView rendered = splat::RenderView(
-          truth_, pinhole, image.cam_from_world, splat::RenderOptions(), pool);
-      fs::create_directories(workspace_ / "undistort" / "images");
-      ASSERT_TRUE(WriteImage(workspace_ / "undistort" / "images" / image.name,
-                             ToU8(rendered.color))
-                      .ok());
-      model.images.push_back(image);
-      photos::Photo photo;
-      photo.file = photo.name = image.name;
-      photo.width = pinhole.width;
-      photo.height = pinhole.height;
-      photo.camera_group = 0;
-      photo.split = k % 5 == 0 ? photos::PhotoSplit::kHoldout
-                               : photos::PhotoSplit::kTrain;
-      photos.photos.push_back(photo);
-    }
-    for (size_t i = 0; i < truth_.size(); ++i) {
-      sfm::Point3D point;
-      point.id = i + 1;
-      point.xyz = Eigen::Vector3d(truth_.means[3 * i],
-                                  truth_.means[3 * i + 1],
-                                  truth_.means[3 * i + 2]);
-      point.rgb = {128, 128, 128};
-      model.points3d.push_back(point);
-    }
-    ASSERT_TRUE(
-        sfm::WriteModel(workspace_ / "undistort" / "sparse", model).ok());
-    fs::create_directories(workspace_ / "ingest");
-    ASSERT_TRUE(
-        photos::WritePhotoList(workspace_ / "ingest" / "images.json", photos)
-            .ok());
-  }
-  // Runs the stage into workspace / folder. Cancels at the first report of
-  // progress at or after `cancel_at` iterations.
-  Status Run(const ReconstructStageOptions& options,
-             const std::string& folder,
-             bool resuming = false,
-             double cancel_at = 1e9) {
-    ThreadPool pool(2);
-    CancellationToken cancellation;
-    pipeline::StageContext context;
-    context.workspace = workspace_;
-    context.output = workspace_ / folder;
-    context.preview = preview_;
-    context.resuming = resuming;
-    context.pool = &pool;
-    context.cancellation = &cancellation;
-    context.progress = [&](const Progress& progress) {
-      if (progress.done >= cancel_at) cancellation.Cancel();
-    };
-    context.log = [&](pipeline::LogLevel, const std::string& line) {
-      log_ += line + "\n";
-      if (!cancel_on_.empty() && line.find(cancel_on_) != std::string::npos) {
-        cancellation.Cancel();
-      }
-    };
-    fs::create_directories(context.output);
-    const auto stage = MakeReconstructStage(options, 3);
-    for (const fs::path& input : stage->Inputs(context)) {
-      EXPECT_TRUE(fs::exists(input.is_absolute() ? input : workspace_ / input))
-          << input;
-    }
-    return stage->Run(context);
-  }
-
-  static ReconstructStageOptions Short() {
-    ReconstructStageOptions options;
-    options.iterations = 200;
-    options.densify_interval = 20;
-    options.budget = "500";
-    options.exposure = "off";
-    options.holdout_interval = 100;
-    return options;
-  }
-
-  // A search about exposure.
-  static ReconstructStageOptions Auto() {
-    ReconstructStageOptions options = Short();
-    options.sh_degree = 1;
-    options.exposure = "auto";
-    return options;
-  }
-
-  nlohmann::json Metrics(const std::string& folder) const {
-    return nlohmann::json::parse(Bytes(folder + "/metrics.json"));
-  }
-
-  std::string Bytes(const std::string& file) const {
-    StatusOr<std::string> content = ReadFile(workspace_ / file);
-    EXPECT_TRUE(content.ok()) << content.status().message();
-    return content.ok() ? *content : std::string();
-  }
-
-  const TemporaryFolder temporary_;
-  const fs::path workspace_ = temporary_.path();
-  fs::path preview_;
-  std::string log_;        // Of all runs.
-  std::string cancel_on_;  // Text of the log line to cancel at, if any.
-  splat::GaussianModel truth_;
-};
+using ReconstructStageTest = ReconstructFixture;
 
 TEST_F(ReconstructStageTest, PhotosThatChooseDoNotReport) {
   ASSERT_TRUE(Run(Auto(), "auto").ok()) << log_;
@@ -277,61 +141,6 @@ TEST_F(ReconstructStageTest, ShortTrainingsKeepTheirModelUnlessTold) {
   }
 }
 
-TEST_F(ReconstructStageTest, ReportsTheSearchAboutExposure) {
-  const Status status = Run(Auto(), "out");
-  ASSERT_TRUE(status.ok()) << status.message();
-  const nlohmann::json metrics = Metrics("out");
-  EXPECT_EQ(metrics["budget"], 500);
-  const nlohmann::json& search = metrics["exposure_search"];
-  ASSERT_TRUE(search.is_object());
-  EXPECT_FALSE(search["learn"].get<bool>());
-  for (const char* trial : {"without", "with"}) {
-    EXPECT_GT(search[trial]["psnr"].get<double>(), 10);
-    EXPECT_GT(search[trial]["psnr_fitted"].get<double>(), 10);
-  }
-  EXPECT_GT(metrics["holdout_psnr_fitted"].get<double>(), 15);
-  EXPECT_THAT(log_, testing::HasSubstr("exposure of each photo is not learnt"));
-  // The model is the one of a training without a search.
-  ReconstructStageOptions options = Auto();
-  options.exposure = "off";
-  ASSERT_TRUE(Run(options, "off").ok());
-  EXPECT_TRUE(Metrics("off")["exposure_search"].is_null());
-  EXPECT_EQ(Bytes("off/point_cloud.ply"), Bytes("out/point_cloud.ply"));
-  options.exposure = "on";
-  ASSERT_TRUE(Run(options, "on").ok());
-  EXPECT_NE(Bytes("on/point_cloud.ply"), Bytes("out/point_cloud.ply"));
-}
-
-TEST_F(ReconstructStageTest, StoppedWhileOrAfterSearching) {
-  ASSERT_TRUE(Run(Auto(), "whole").ok());
-  cancel_on_ = "exposure of each photo";
-  EXPECT_EQ(Run(Auto(), "parts").code(), StatusCode::kInterrupted);
-  cancel_on_.clear();
-  EXPECT_EQ(Run(Auto(), "parts", true, 50).code(), StatusCode::kInterrupted);
-  log_.clear();
-  ASSERT_TRUE(Run(Auto(), "parts", true).ok());
-  EXPECT_THAT(log_, testing::Not(testing::HasSubstr("exposure of each")));
-  EXPECT_EQ(Bytes("whole/point_cloud.ply"), Bytes("parts/point_cloud.ply"));
-  EXPECT_EQ(Metrics("whole")["exposure_search"],
-            Metrics("parts")["exposure_search"]);
-}
-
-TEST_F(ReconstructStageTest, NothingIsSearchedForWithoutHoldout) {
-  const fs::path list = workspace_ / "ingest" / "images.json";
-  StatusOr<photos::PhotoList> photos = photos::ReadPhotoList(list);
-  ASSERT_TRUE(photos.ok());
-  for (photos::Photo& photo : photos->photos) {
-    photo.split = photos::PhotoSplit::kTrain;
-  }
-  ASSERT_TRUE(photos::WritePhotoList(list, *photos).ok());
-  const Status status = Run(Auto(), "all");
-  ASSERT_TRUE(status.ok()) << status.message();
-  const nlohmann::json metrics = Metrics("all");
-  EXPECT_TRUE(metrics.at("exposure_search").is_null());
-  EXPECT_TRUE(metrics.at("holdout_psnr").is_null());
-  EXPECT_TRUE(metrics.at("holdout_psnr_fitted").is_null());
-}
-
 TEST_F(ReconstructStageTest, BudgetIsAutoOrANumber) {
   for (const char* budget :
        {"", "many", "-1", "1e5", "100 ", "0x10", "99999999999999999999"}) {
@@ -347,36 +156,6 @@ TEST_F(ReconstructStageTest, BudgetIsAutoOrANumber) {
     options.budget = budget;
     EXPECT_TRUE(Run(options, "out").ok()) << budget;
   }
-}
-
-TEST_F(ReconstructStageTest, ATrainingThatIsLookedAtHasTheSameResult) {
-  ASSERT_TRUE(Run(Short(), "alone").ok());
-  preview_ = workspace_ / "preview.jpg";
-  ASSERT_TRUE(Run(Short(), "seen").ok());
-  const StatusOr<ImageU8> picture = ReadRgb(preview_);
-  ASSERT_TRUE(picture.ok()) << picture.status().message();
-  EXPECT_EQ(picture->width(), 80);
-  EXPECT_EQ(ReadText(workspace_ / "seen" / "point_cloud.ply"),
-            ReadText(workspace_ / "alone" / "point_cloud.ply"));
-}
-
-TEST_F(ReconstructStageTest, InterruptedAndResumedGivesTheSameBytes) {
-  ASSERT_TRUE(Run(Short(), "whole").ok());
-  EXPECT_EQ(Run(Short(), "parts", false, 50).code(), StatusCode::kInterrupted);
-  EXPECT_EQ(Run(Short(), "parts", true, 150).code(), StatusCode::kInterrupted);
-  ASSERT_TRUE(Run(Short(), "parts", true).ok());
-  EXPECT_EQ(Bytes("whole/point_cloud.ply"), Bytes("parts/point_cloud.ply"));
-}
-
-TEST_F(ReconstructStageTest, BrokenCheckpointsStartAnew) {
-  ASSERT_TRUE(Run(Short(), "whole").ok());
-  EXPECT_EQ(Run(Short(), "parts", false, 50).code(), StatusCode::kInterrupted);
-  for (const auto& file :
-       fs::directory_iterator(workspace_ / "parts" / "checkpoints")) {
-    fs::resize_file(file.path(), fs::file_size(file.path()) / 2);
-  }
-  ASSERT_TRUE(Run(Short(), "parts", true).ok());
-  EXPECT_EQ(Bytes("whole/point_cloud.ply"), Bytes("parts/point_cloud.ply"));
 }
 
 TEST_F(ReconstructStageTest, TakesATrainedModel) {
@@ -454,49 +233,6 @@ TEST_F(ReconstructStageTest, PosesThatDoNotFitTheHoldoutAreTold) {
   ASSERT_TRUE(Run(Short(), "turned").ok()) << log_;
   EXPECT_THAT(
       log_, testing::HasSubstr("2 of 2 photos kept from training lie beside"));
-}
-
-TEST(DisplacementNoteTest, HalfOfThePhotosMayLieAnywhere) {
-  EXPECT_EQ(DisplacementNote({}), "");
-  EXPECT_EQ(DisplacementNote({{0.2, 800}, {0.5, 800}, {60, 800}}), "");
-  EXPECT_EQ(DisplacementNote({{3.9, 800}}), "");
-  EXPECT_EQ(DisplacementNote({{1.4, 80}}), "");
-  EXPECT_THAT(DisplacementNote({{0.2, 320}, {3, 320}, {5, 320}}),
-              testing::HasSubstr("2 of 3 photos"));
-  EXPECT_THAT(DisplacementNote({{0.2, 320}, {3, 320}, {5, 320}}),
-              testing::HasSubstr("by 3.0 pixels"));
-}
-
-TEST_F(ReconstructStageTest, GoingBackIsLoggedAndListed) {
-  // A scene that a checkpoint with damaged numbers goes on with.
-  EXPECT_EQ(Run(Short(), "out", false, 150).code(), StatusCode::kInterrupted);
-  const fs::path folder = workspace_ / "out" / "checkpoints";
-  std::optional<splat::TrainingCheckpoint> checkpoint =
-      splat::LatestCheckpoint(folder);
-  ASSERT_TRUE(checkpoint.has_value());
-  for (float& value : checkpoint->model.sh_dc) value = NAN;
-  ASSERT_TRUE(splat::SaveCheckpoint(folder, splat::ViewOf(*checkpoint)).ok());
-  const Status status = Run(Short(), "out", true);
-  ASSERT_TRUE(status.ok()) << status.message();
-  EXPECT_THAT(log_, testing::HasSubstr("training diverged at iteration"));
-  const nlohmann::json metrics =
-      nlohmann::json::parse(Bytes("out/metrics.json"));
-  ASSERT_EQ(metrics["recoveries"].size(), 1u);
-  const nlohmann::json& recovery = metrics["recoveries"][0];
-  EXPECT_EQ(recovery["back_to"], 133);  // Where the last pruning was.
-  EXPECT_EQ(recovery["rate_factor"], 0.5);
-  EXPECT_FALSE(recovery["reason"].get<std::string>().empty());
-  EXPECT_EQ(metrics["iterations"], 200);
-  // progress.csv tells of one course only.
-  std::istringstream csv(Bytes("out/progress.csv"));
-  std::string line;
-  int64_t last = 0;
-  while (std::getline(csv, line)) {
-    const int64_t row = std::strtoll(line.c_str(), nullptr, 10);
-    EXPECT_TRUE(row > last || row == 0) << line;
-    last = row;
-  }
-  EXPECT_EQ(last, 200);
 }
 
 TEST_F(ReconstructStageTest, ErrorsNameTheFile) {

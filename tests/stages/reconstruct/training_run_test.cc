@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/reconstruct/training_run.h"
+
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+#include <sstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/io/image_io.h"
+#include "photos/photo_list.h"
+#include "splat/train/checkpoint.h"
+#include "tests/stages/reconstruct/reconstruct_fixture.h"
+#include "tests/temporary_folder.h"
+
+namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+using TrainingRunTest = ReconstructFixture;
+
+TEST_F(TrainingRunTest, ReportsTheSearchAboutExposure) {
+  const Status status = Run(Auto(), "out");
+  ASSERT_TRUE(status.ok()) << status.message();
+  const nlohmann::json metrics = Metrics("out");
+  EXPECT_EQ(metrics["budget"], 500);
+  const nlohmann::json& search = metrics["exposure_search"];
+  ASSERT_TRUE(search.is_object());
+  EXPECT_FALSE(search["learn"].get<bool>());
+  for (const char* trial : {"without", "with"}) {
+    EXPECT_GT(search[trial]["psnr"].get<double>(), 10);
+    EXPECT_GT(search[trial]["psnr_fitted"].get<double>(), 10);
+  }
+  EXPECT_GT(metrics["holdout_psnr_fitted"].get<double>(), 15);
+  EXPECT_THAT(log_, testing::HasSubstr("exposure of each photo is not learnt"));
+  // The model is the one of a training without a search.
+  ReconstructStageOptions options = Auto();
+  options.exposure = "off";
+  ASSERT_TRUE(Run(options, "off").ok());
+  EXPECT_TRUE(Metrics("off")["exposure_search"].is_null());
+  EXPECT_EQ(Bytes("off/point_cloud.ply"), Bytes("out/point_cloud.ply"));
+  options.exposure = "on";
+  ASSERT_TRUE(Run(options, "on").ok());
+  EXPECT_NE(Bytes("on/point_cloud.ply"), Bytes("out/point_cloud.ply"));
+}
+
+TEST_F(TrainingRunTest, StoppedWhileOrAfterSearching) {
+  ASSERT_TRUE(Run(Auto(), "whole").ok());
+  cancel_on_ = "exposure of each photo";
+  EXPECT_EQ(Run(Auto(), "parts").code(), StatusCode::kInterrupted);
+  cancel_on_.clear();
+  EXPECT_EQ(Run(Auto(), "parts", true, 50).code(), StatusCode::kInterrupted);
+  log_.clear();
+  ASSERT_TRUE(Run(Auto(), "parts", true).ok());
+  EXPECT_THAT(log_, testing::Not(testing::HasSubstr("exposure of each")));
+  EXPECT_EQ(Bytes("whole/point_cloud.ply"), Bytes("parts/point_cloud.ply"));
+  EXPECT_EQ(Metrics("whole")["exposure_search"],
+            Metrics("parts")["exposure_search"]);
+}
+
+TEST_F(TrainingRunTest, NothingIsSearchedForWithoutHoldout) {
+  const fs::path list = workspace_ / "ingest" / "images.json";
+  StatusOr<photos::PhotoList> photos = photos::ReadPhotoList(list);
+  ASSERT_TRUE(photos.ok());
+  for (photos::Photo& photo : photos->photos) {
+    photo.split = photos::PhotoSplit::kTrain;
+  }
+  ASSERT_TRUE(photos::WritePhotoList(list, *photos).ok());
+  const Status status = Run(Auto(), "all");
+  ASSERT_TRUE(status.ok()) << status.message();
+  const nlohmann::json metrics = Metrics("all");
+  EXPECT_TRUE(metrics.at("exposure_search").is_null());
+  EXPECT_TRUE(metrics.at("holdout_psnr").is_null());
+  EXPECT_TRUE(metrics.at("holdout_psnr_fitted").is_null());
+}
+
+TEST_F(TrainingRunTest, ATrainingThatIsLookedAtHasTheSameResult) {
+  ASSERT_TRUE(Run(Short(), "alone").ok());
+  preview_ = workspace_ / "preview.jpg";
+  ASSERT_TRUE(Run(Short(), "seen").ok());
+  const StatusOr<ImageU8> picture = ReadRgb(preview_);
+  ASSERT_TRUE(picture.ok()) << picture.status().message();
+  EXPECT_EQ(picture->width(), 80);
+  EXPECT_EQ(ReadText(workspace_ / "seen" / "point_cloud.ply"),
+            ReadText(workspace_ / "alone" / "point_cloud.ply"));
+}
+
+TEST_F(TrainingRunTest, InterruptedAndResumedGivesTheSameBytes) {
+  ASSERT_TRUE(Run(Short(), "whole").ok());
+  EXPECT_EQ(Run(Short(), "parts", false, 50).code(), StatusCode::kInterrupted);
+  EXPECT_EQ(Run(Short(), "parts", true, 150).code(), StatusCode::kInterrupted);
+  ASSERT_TRUE(Run(Short(), "parts", true).ok());
+  EXPECT_EQ(Bytes("whole/point_cloud.ply"), Bytes("parts/point_cloud.ply"));
+}
+
+TEST_F(TrainingRunTest, BrokenCheckpointsStartAnew) {
+  ASSERT_TRUE(Run(Short(), "whole").ok());
+  EXPECT_EQ(Run(Short(), "parts", false, 50).code(), StatusCode::kInterrupted);
+  for (const auto& file :
+       fs::directory_iterator(workspace_ / "parts" / "checkpoints")) {
+    fs::resize_file(file.path(), fs::file_size(file.path()) / 2);
+  }
+  ASSERT_TRUE(Run(Short(), "parts", true).ok());
+  EXPECT_EQ(Bytes("whole/point_cloud.ply"), Bytes("parts/point_cloud.ply"));
+}
+
+TEST_F(TrainingRunTest, GoingBackIsLoggedAndListed) {
+  // A scene that a checkpoint with damaged numbers goes on with.
+  EXPECT_EQ(Run(Short(), "out", false, 150).code(), StatusCode::kInterrupted);
+  const fs::path folder = workspace_ / "out" / "checkpoints";
+  std::optional<splat::TrainingCheckpoint> checkpoint =
+      splat::LatestCheckpoint(folder);
+  ASSERT_TRUE(checkpoint.has_value());
+  for (float& value : checkpoint->model.sh_dc) value = NAN;
+  ASSERT_TRUE(splat::SaveCheckpoint(folder, splat::ViewOf(*checkpoint)).ok());
+  const Status status = Run(Short(), "out", true);
+  ASSERT_TRUE(status.ok()) << status.message();
+  EXPECT_THAT(log_, testing::HasSubstr("training diverged at iteration"));
+  const nlohmann::json metrics =
+      nlohmann::json::parse(Bytes("out/metrics.json"));
+  ASSERT_EQ(metrics["recoveries"].size(), 1u);
+  const nlohmann::json& recovery = metrics["recoveries"][0];
+  EXPECT_EQ(recovery["back_to"], 133);  // Where the last pruning was.
+  EXPECT_EQ(recovery["rate_factor"], 0.5);
+  EXPECT_FALSE(recovery["reason"].get<std::string>().empty());
+  EXPECT_EQ(metrics["iterations"], 200);
+  // progress.csv tells of one course only.
+  std::istringstream csv(Bytes("out/progress.csv"));
+  std::string line;
+  int64_t last = 0;
+  while (std::getline(csv, line)) {
+    const int64_t row = std::strtoll(line.c_str(), nullptr, 10);
+    EXPECT_TRUE(row > last || row == 0) << line;
+    last = row;
+  }
+  EXPECT_EQ(last, 200);
+}
+
+TEST_F(TrainingRunTest, EndsWhenTheTimeIsUp) {
+  ReconstructStageOptions options = Short();
+  options.iterations = 500;
+  deadline_ = std::chrono::steady_clock::now();
+  const Status status = Run(options, "out");
+  ASSERT_TRUE(status.ok()) << status.message();
+  // The fewest steps that make a scene.
+  EXPECT_EQ(Metrics("out")["iterations"], 300);
+  EXPECT_THAT(log_, testing::HasSubstr("ends after 300 of 500 iterations"));
+  EXPECT_GT(Metrics("out")["holdout_psnr"].get<double>(), 15);
+
+  log_.clear();
+  deadline_ = std::chrono::steady_clock::now() + std::chrono::hours(1);
+  ASSERT_TRUE(Run(options, "later").ok());
+  EXPECT_EQ(Metrics("later")["iterations"], 500);
+  EXPECT_THAT(log_, testing::Not(testing::HasSubstr("time is up")));
+}
+
+}  // namespace
+}  // namespace freegs::stages
