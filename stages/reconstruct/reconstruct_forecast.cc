@@ -45,7 +45,7 @@ constexpr double kLeft = 0.31;
 // Of a step on one thread, and the share of it that threads do not divide.
 constexpr double kStepSeconds = 0.02;
 constexpr double kStepSecondsPerMegapixel = 0.06;
-constexpr double kStepSecondsPerMillion = 0.05;
+constexpr double kStepSecondsPerMillion = 0.07;
 constexpr double kSerial = 0.14;
 
 // Two checkpoints are kept, each with the model, two moments and what is
