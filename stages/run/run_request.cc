@@ -49,10 +49,10 @@ bool OnTerminal(const std::ostream& err) {
 
 // What the run of `request` is expected to take, with the settings of the user
 // and those chosen for preset auto.
-StatusOr<ExpectedSeconds> Expect(const RunRequest& request,
-                                 const std::vector<OptionSetting>& settings,
-                                 const std::vector<OptionSetting>& chosen,
-                                 const CancellationToken& cancellation) {
+StatusOr<ExpectedRun> Expect(const RunRequest& request,
+                             const std::vector<OptionSetting>& settings,
+                             const std::vector<OptionSetting>& chosen,
+                             const CancellationToken& cancellation) {
   PipelineOptions options;
   OptionTable table = MakeOptionTable(&options);
   FREEGS_RETURN_IF_ERROR(
@@ -62,7 +62,8 @@ StatusOr<ExpectedSeconds> Expect(const RunRequest& request,
   FREEGS_ASSIGN_OR_RETURN(
       const std::vector<pipeline::StageForecast> forecasts,
       MakeRunner(request, options, table, cancellation, logger).Forecast());
-  ExpectedSeconds expected;
+  ExpectedRun expected{.iterations = options.reconstruct.iterations,
+                       .max_image_size = options.reconstruct.max_image_size};
   double* part = &expected.cameras;
   for (const pipeline::StageForecast& forecast : forecasts) {
     if (forecast.needed) *part += forecast.need.seconds;

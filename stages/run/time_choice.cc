@@ -71,13 +71,18 @@ StatusOr<TimeChoice> Choose(const Range& range,
   set("reconstruct.budget", range.budget);
   set("reconstruct.densify_interval",
       std::to_string(DensifyInterval(iterations)));
-  choice.text = FormatCount(iterations) + " iterations with images of up to " +
-                std::to_string(range.max_image_size) + " pixels";
   FREEGS_ASSIGN_OR_RETURN(choice.expected, foretell(choice.settings));
   return choice;
 }
 
 }  // namespace
+
+std::string TrainingText(const ExpectedRun& expected) {
+  return FormatCount(expected.iterations) + " iterations with images of " +
+         (expected.max_image_size > 0
+              ? "up to " + std::to_string(expected.max_image_size) + " pixels"
+              : "full size");
+}
 
 StatusOr<TimeChoice> ChooseWithin(double seconds, const Foretell& foretell) {
   TimeChoice least;

@@ -15,29 +15,33 @@
 
 namespace freegs::stages {
 
-// What a run is expected to take from now on, in seconds.
-struct ExpectedSeconds {
-  double cameras = 0;  // Stages ingest, sfm and undistort.
-  double others = 0;   // The stages after them.
+// What is expected of a run from now on.
+struct ExpectedRun {
+  double cameras = 0;  // Seconds of stages ingest, sfm and undistort.
+  double others = 0;   // Seconds of the stages after them.
+
+  // Of the training, by the user's options or those chosen.
+  int iterations = 0;
+  int max_image_size = 0;  // Pixels; 0: the photos' own size.
 
   double total() const { return cameras + others; }
 };
 
 // Foretells a run with these settings besides those that the user gave.
-using Foretell = std::function<StatusOr<ExpectedSeconds>(
+using Foretell = std::function<StatusOr<ExpectedRun>(
     const std::vector<pipeline::OptionSetting>& settings)>;
 
 struct TimeChoice {
   std::vector<pipeline::OptionSetting> settings;
-  ExpectedSeconds expected;
-
-  // "2,300 iterations with images of up to 800 pixels".
-  std::string text;
+  ExpectedRun expected;
 
   // Whether the expected time is no longer than asked for. Otherwise this is
   // the shortest run there is.
   bool fits = true;
 };
+
+// "2,300 iterations with images of up to 800 pixels".
+std::string TrainingText(const ExpectedRun& expected);
 
 // The best choice that `foretell` expects to take no more than `seconds`. All
 // choices set the same options. An error of `foretell` is returned.

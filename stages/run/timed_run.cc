@@ -45,13 +45,14 @@ std::vector<OptionSetting> WithCameras(
 Foretell AfterCameras(const Foretell& foretell,
                       const std::vector<OptionSetting>& before,
                       double pace) {
-  return [&foretell, &before, pace](const std::vector<OptionSetting>& settings)
-             -> StatusOr<ExpectedSeconds> {
-    FREEGS_ASSIGN_OR_RETURN(ExpectedSeconds expected,
-                            foretell(WithCameras(settings, before)));
-    expected.others *= pace;
-    return expected;
-  };
+  return
+      [&foretell, &before, pace](
+          const std::vector<OptionSetting>& settings) -> StatusOr<ExpectedRun> {
+        FREEGS_ASSIGN_OR_RETURN(ExpectedRun expected,
+                                foretell(WithCameras(settings, before)));
+        expected.others *= pace;
+        return expected;
+      };
 }
 
 }  // namespace
@@ -63,7 +64,7 @@ Status RunWithin(double seconds, const TimedRunTasks& tasks) {
   FREEGS_ASSIGN_OR_RETURN(const TimeChoice first,
                           ChooseWithin(kShare * seconds, tasks.foretell));
   tasks.log(first.fits ? LogLevel::kInfo : LogLevel::kWarning,
-            within + first.text + " are expected to take " +
+            within + TrainingText(first.expected) + " are expected to take " +
                 FormatSeconds(first.expected.total()) +
                 (first.fits ? "" : ", and nothing shorter makes a scene"));
   FREEGS_RETURN_IF_ERROR(tasks.run(first.settings, RunPart::kCameras, end));
@@ -77,7 +78,7 @@ Status RunWithin(double seconds, const TimedRunTasks& tasks) {
   const double expected = cameras + second.expected.total();
   tasks.log(second.fits ? LogLevel::kInfo : LogLevel::kWarning,
             within + "the cameras took " + FormatSeconds(cameras) + "; " +
-                second.text + " are expected to end after " +
+                TrainingText(second.expected) + " are expected to end after " +
                 FormatSeconds(expected));
   FREEGS_RETURN_IF_ERROR(tasks.run(second.settings, RunPart::kAll, end));
   tasks.log(LogLevel::kInfo,

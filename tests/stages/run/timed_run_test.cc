@@ -35,12 +35,12 @@ class FakeMachine {
     TimedRunTasks tasks;
     tasks.now = [this] { return now_; };
     tasks.foretell = [this](const std::vector<OptionSetting>& settings) {
-      return StatusOr<ExpectedSeconds>(Expected(settings));
+      return StatusOr<ExpectedRun>(Expected(settings));
     };
     tasks.run = [this](const std::vector<OptionSetting>& settings,
                        RunPart part,
                        double end) {
-      const ExpectedSeconds expected = Expected(settings);
+      const ExpectedRun expected = Expected(settings);
       if (part == RunPart::kCameras) {
         now_ += slower_ * expected.cameras;
         cameras_done_ = true;
@@ -66,7 +66,7 @@ class FakeMachine {
  private:
   static constexpr double kBegin = 1000;
 
-  ExpectedSeconds Expected(const std::vector<OptionSetting>& settings) const {
+  ExpectedRun Expected(const std::vector<OptionSetting>& settings) const {
     const double side = Value(settings, "reconstruct.max_image_size");
     return {.cameras =
                 cameras_done_ ? 0 : 0.01 * Value(settings, "sfm.max_features"),
