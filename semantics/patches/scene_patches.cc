@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/area_average.h"
 #include "core/io/image_io.h"
 #include "core/kd_tree.h"
 #include "semantics/geometry/local_geometry.h"
@@ -133,8 +134,8 @@ StatusOr<ScenePatches> BuildScenePatches(
                                       scene.render,
                                       pool));
     FREEGS_ASSIGN_OR_RETURN(const ImageU8 photo, scene.photo_of(chosen[v]));
-    const ImageF small =
-        ToFloat(Resize(photo, views[v].camera.width, views[v].camera.height));
+    const ImageF small = ToFloat(
+        AreaAverage(photo, views[v].camera.width, views[v].camera.height));
     FREEGS_RETURN_IF_ERROR(
         builder.AddView(weights.matrix(), views[v], small, pool));
   }
