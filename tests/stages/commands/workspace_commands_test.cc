@@ -148,6 +148,50 @@ TEST_F(CommandTest, RunRefusesWrongFolders) {
               "unknown option");
 }
 
+TEST_F(CommandTest, RunWithinATimeRefusesWhatDoesNotGoWithIt) {
+  WriteText(folder_ / "photos" / "1.jpg", "x");
+  const auto refused = [&](std::vector<std::string> more,
+                           const std::string& part) {
+    more.insert(more.begin(), {Path("photos"), Path("w")});
+    ExpectError(RunRunCommand, more, StatusCode::kInvalidArgument, part);
+    EXPECT_FALSE(fs::exists(folder_ / "w"));
+  };
+  refused({"--within", "soon"}, "write 90s, 5m or 1h30m");
+  refused({"--within", "5m", "--to", "sfm"}, "without --from and --to");
+  refused({"--within", "5m", "--preset", "fast"}, "not with fast");
+  refused({"--preset", "auto"}, "--within 5m");
+  ExpectError(RunRunCommand,
+              {Path("w"), "--within", "5m"},
+              StatusCode::kInvalidArgument,
+              "run IMAGES WORKSPACE --within 5m");
+}
+
+TEST_F(CommandTest, RunWithinATimeRemembersWhatItChose) {
+  // No photo, so it ends in ingest.
+  WriteText(folder_ / "photos" / "1.jpg", "x");
+  ExpectError(RunRunCommand,
+              {Path("photos"),
+               Path("w"),
+               "--preset",
+               "auto",
+               "--within",
+               "5m",
+               "--reconstruct.sh_degree",
+               "1"},
+              StatusCode::kBadInput,
+              "ingest");
+  const StatusOr<pipeline::WorkspaceInfo> info =
+      pipeline::ReadWorkspaceInfo(folder_ / "w");
+  ASSERT_TRUE(info.ok());
+  EXPECT_EQ(info->settings.count("general.preset"), 0u);
+  EXPECT_EQ(info->settings.count("reconstruct.iterations"), 1u);
+  EXPECT_EQ(info->settings.at("reconstruct.sh_degree"), "1");
+  // So it goes on without a time, and with the same options.
+  ExpectError(RunRunCommand, {Path("w")}, StatusCode::kBadInput, "ingest");
+  EXPECT_EQ(pipeline::ReadWorkspaceInfo(folder_ / "w")->settings,
+            info->settings);
+}
+
 TEST_F(CommandTest, OneRunAtATime) {
   WriteText(folder_ / "photos" / "1.jpg", "x");
   fs::create_directory(folder_ / "w");
