@@ -68,7 +68,14 @@ class TrainingRun {
   }
 
   Status Train() {
-    while (!trainer_->done() && !TimeIsUp()) {
+    while (!trainer_->done()) {
+      if (TimeIsUp()) {
+        context_->log(LogLevel::kWarning,
+                      "reconstruct: the time is up; training ends after " +
+                          std::to_string(trainer_->iteration()) + " of " +
+                          std::to_string(options_.iterations) + " iterations");
+        break;
+      }
       if (context_->cancellation->cancelled()) {
         FREEGS_RETURN_IF_ERROR(SaveCheckpoint());
         return InterruptedError("reconstruct: stopped at iteration " +
@@ -128,15 +135,8 @@ class TrainingRun {
   }
 
   bool TimeIsUp() const {
-    if (!context_->deadline || trainer_->iteration() < kLeastSteps ||
-        std::chrono::steady_clock::now() < *context_->deadline) {
-      return false;
-    }
-    context_->log(LogLevel::kWarning,
-                  "reconstruct: the time is up; training ends after " +
-                      std::to_string(trainer_->iteration()) + " of " +
-                      std::to_string(options_.iterations) + " iterations");
-    return true;
+    return context_->deadline && trainer_->iteration() >= kLeastSteps &&
+           std::chrono::steady_clock::now() >= *context_->deadline;
   }
 
   double SecondsSinceCheckpoint() const {

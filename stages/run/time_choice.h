@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Chooses the options with which a run takes no longer than somebody can wait.
-// It goes from preset to preset along the front of speed and accuracy
-// (docs/speed_accuracy.md), and within a preset from few iterations to many.
+// It goes from preset to preset (docs/speed_accuracy.md says what they are
+// worth), and within a preset from few iterations to many.
 
 #ifndef FREEGS_STAGES_RUN_TIME_CHOICE_H_
 #define FREEGS_STAGES_RUN_TIME_CHOICE_H_
@@ -43,8 +43,8 @@ struct TimeChoice {
 // "2,300 iterations with images of up to 800 pixels".
 std::string TrainingText(const ExpectedRun& expected);
 
-// The best choice that `foretell` expects to take no more than `seconds`. All
-// choices set the same options. An error of `foretell` is returned.
+// The slowest choice that `foretell` expects to take no more than `seconds`.
+// All choices set the same options. An error of `foretell` is returned.
 StatusOr<TimeChoice> ChooseWithin(double seconds, const Foretell& foretell);
 
 }  // namespace freegs::stages

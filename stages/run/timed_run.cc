@@ -21,9 +21,10 @@ constexpr double kShare = 0.95;
 // has to be shortened.
 constexpr double kLatest = 0.98;
 
-// How long things take here, relative to what was foretold of the cameras. Half
-// of such a difference lies in the machine, which will show in the training,
-// and half in the photos, which will not. Short parts say nothing.
+// How long things are taken to last here, relative to what was foretold, when
+// the cameras took so long. The square root, because a part of the difference
+// lies in the photos and will not show in the training; how large a part was
+// not measured. Short runs say nothing.
 double Pace(double took, double expected) {
   constexpr double kLeastSeconds = 3;
   if (took < kLeastSeconds || expected < kLeastSeconds) return 1;
