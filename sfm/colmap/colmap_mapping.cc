@@ -57,6 +57,14 @@ void AdjustLessOften(ColmapArguments* arguments) {
   arguments->Prefer({"Mapper.ba_local_max_num_iterations"}, "15");
 }
 
+// COLMAP ends an adjustment when nothing moves any more, or after 50
+// iterations. Nearly all of the gain is in the first few, and the last
+// adjustment is our own (calibration/bundle_adjustment.h).
+void EndAdjustmentsEarly(ColmapArguments* arguments) {
+  arguments->Prefer({"Mapper.ba_global_function_tolerance"}, "1e-4");
+  arguments->Prefer({"Mapper.ba_local_function_tolerance"}, "1e-4");
+}
+
 // Whether a program brings the signal upon itself by an error in it.
 bool IsFault(int signal) {
   return signal == SIGSEGV || signal == SIGABRT || signal == SIGBUS ||
@@ -134,18 +142,25 @@ StatusOr<std::vector<Reconstruction>> MapPhotos(const StepContext& context,
                                                 const Mapping& mapping) {
   std::error_code error;
   fs::remove_all(folder, error);
-  FREEGS_RETURN_IF_ERROR(CreateFolders(folder));
+  const fs::path output = folder / "models";
+  FREEGS_RETURN_IF_ERROR(CreateFolders(output));
 
   FREEGS_ASSIGN_OR_RETURN(
       ColmapArguments arguments,
       context.Arguments("mapper", context.input.photos.size()));
   arguments.Require("database_path", database.string());
   arguments.Require("image_path", context.input.photo_folder.string());
-  arguments.Require("output_path", folder.string());
+  arguments.Require("output_path", output.string());
+  if (mapping.start != nullptr) {
+    const fs::path start = folder / "start";
+    FREEGS_RETURN_IF_ERROR(WriteModel(start, *mapping.start));
+    arguments.Require("input_path", start.string());
+  }
   // One thread: sums of bundle adjustment are then always in the same order.
   arguments.AddAll({"Mapper.num_threads"}, "1");
   arguments.AddAll({"random_seed", "default_random_seed", "Mapper.random_seed"},
                    std::to_string(context.input.seed % 2147483647));
+  EndAdjustmentsEarly(&arguments);
   if (!mapping.relaxed) {
     AdjustLessOften(&arguments);
   } else {
@@ -175,11 +190,12 @@ StatusOr<std::vector<Reconstruction>> MapPhotos(const StepContext& context,
   if (!ended.ok() && !no_model) {
     // A further attempt that makes COLMAP crash would do so again: the result
     // of the first must do.
-    return mapping.relaxed && IsFault(result.signal)
+    const bool further = mapping.relaxed || mapping.start != nullptr;
+    return further && IsFault(result.signal)
                ? UnusableResultError(ended.message())
                : ended;
   }
-  StatusOr<std::vector<Reconstruction>> read = ReadModels(folder);
+  StatusOr<std::vector<Reconstruction>> read = ReadModels(output);
   if (!read.ok()) {
     return InternalError("COLMAP's model cannot be read (is the disk full?): " +
                          read.status().message());

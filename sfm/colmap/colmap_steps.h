@@ -98,6 +98,10 @@ struct Mapping {
 
   // Whether to lower COLMAP's thresholds, for few or weakly connected photos.
   bool relaxed = false;
+
+  // A model to which the other photos are registered, or null to begin with a
+  // pair of photos. Its ids are those of the database. It must outlive the call.
+  const Reconstruction* start = nullptr;
 };
 
 // Makes models from a database and returns them, the largest first; there may

@@ -19,20 +19,46 @@ using Models = std::vector<Reconstruction>;
 constexpr int kMaxRounds = 3;
 constexpr size_t kMinPart = 3;  // Photos of a part that makes a model.
 
-constexpr char kName[] = "without look-alike parts";
-
 struct Candidate {
   Reconstruction model;
   ViewGroups groups;
 
+  size_t photos() const { return model.images.size(); }
   size_t largest() const { return groups.groups[0].size(); }
 };
 
+// The two ways of repairing a model.
+enum class Repair {
+  kPlaceAgain,  // Its largest group stays; the other photos are placed again.
+  kMapAnew,     // Nothing of it stays.
+};
+
+std::string Name(Repair repair) {
+  return repair == Repair::kPlaceAgain ? "misplaced photos once more"
+                                       : "without look-alike parts";
+}
+
 std::string Why(const Candidate& glued) {
   return "groups of " + std::to_string(glued.largest()) + " and " +
-         std::to_string(glued.model.images.size() - glued.largest()) +
+         std::to_string(glued.photos() - glued.largest()) +
          " photos hold together by what looks alike (support " +
          FormatFixed(glued.groups.score, 2) + ")";
+}
+
+// `wanted` is the number of photos that the first model had.
+StatusOr<Models> MapOnce(const StepContext& context,
+                         const fs::path& trusted,
+                         const fs::path& folder,
+                         Repair repair,
+                         const Candidate& candidate,
+                         size_t wanted) {
+  if (repair == Repair::kMapAnew) {
+    return MapBest(context, trusted, folder, wanted);
+  }
+  const Reconstruction rest =
+      RestrictTo(candidate.model, candidate.groups.groups[0]);
+  return MapPhotos(
+      context, trusted, folder, {.step = "misplaced photos", .start = &rest});
 }
 
 // Maps without the pairs that glued the model, and without those that glue what
@@ -41,10 +67,11 @@ std::string Why(const Candidate& glued) {
 StatusOr<AttemptResult> MapWithout(const StepContext& context,
                                    const fs::path& database,
                                    const fs::path& folder,
+                                   Repair repair,
                                    Candidate candidate) {
   const fs::path trusted = folder / "trusted.db";
-  const size_t registered = candidate.model.images.size();
   FREEGS_RETURN_IF_ERROR(CopyDatabase(database, trusted));
+  const size_t wanted = candidate.photos();
   AttemptResult result;
   size_t largest = 0;
   for (int round = 0; round < kMaxRounds; ++round) {
@@ -52,9 +79,13 @@ StatusOr<AttemptResult> MapWithout(const StepContext& context,
     FREEGS_RETURN_IF_ERROR(
         RemoveVerifiedPairs(trusted, candidate.groups.suspects));
     FREEGS_ASSIGN_OR_RETURN(
-        Models again, MapBest(context, trusted, folder / "mapper", registered));
+        Models again,
+        MapOnce(
+            context, trusted, folder / "mapper", repair, candidate, wanted));
     if (again.empty()) break;
-    FREEGS_ASSIGN_OR_RETURN(candidate.groups, GroupViews(again[0], database));
+    candidate.model = again[0];
+    FREEGS_ASSIGN_OR_RETURN(candidate.groups,
+                            GroupViews(candidate.model, database));
     if (candidate.largest() <= largest) break;
     largest = candidate.largest();
     result.models = std::move(again);
@@ -98,20 +129,33 @@ StatusOr<SeparatedParts> SeparateParts(const StepContext& context,
   result.groups = best.groups.groups.size();
   if (best.groups.consistent()) return result;
 
-  FREEGS_ASSIGN_OR_RETURN(AttemptResult again, store->Run(kName, [&] {
-    return MapWithout(context, database, store->Folder(kName), best);
-  }));
-  result.attempt = DescribeAttempt(kName, Why(best), again.models);
-  if (!again.models.empty()) {
-    Candidate made;
-    made.model = std::move(again.models[0]);
-    FREEGS_ASSIGN_OR_RETURN(made.groups, GroupViews(made.model, database));
-    if (made.largest() > best.largest()) {
-      best = std::move(made);
-      result.attempt.kept = true;
-    } else {
-      result.attempt.problem = "its photos do not hold together either";
+  const Candidate glued = best;
+  for (const Repair repair : {Repair::kPlaceAgain, Repair::kMapAnew}) {
+    // A small group is no ground to build on.
+    if (repair == Repair::kPlaceAgain && 2 * glued.largest() < glued.photos()) {
+      continue;
     }
+    const std::string name = Name(repair);
+    FREEGS_ASSIGN_OR_RETURN(AttemptResult again, store->Try(name, [&] {
+      return MapWithout(context, database, store->Folder(name), repair, glued);
+    }));
+    Attempt attempt = DescribeAttempt(name, Why(glued), again.models);
+    attempt.problem = std::move(again.problem);
+    if (!again.models.empty()) {
+      Candidate made;
+      made.model = std::move(again.models[0]);
+      FREEGS_ASSIGN_OR_RETURN(made.groups, GroupViews(made.model, database));
+      attempt.kept = made.largest() > best.largest();
+      if (attempt.kept) {
+        best = std::move(made);
+      } else {
+        attempt.problem = made.groups.consistent()
+                              ? "it places no more photos"
+                              : "its photos do not hold together either";
+      }
+    }
+    result.attempts.push_back(std::move(attempt));
+    if (best.groups.consistent()) break;
   }
   result.models = TakeApart(best);
   result.unplaced = Lost(models[0], result.models[0]);

@@ -31,13 +31,16 @@ struct SeparatedParts {
   // ascending. Where they belong is unknown.
   std::vector<std::string> unplaced;
 
-  Attempt attempt;  // How it was mapped again; nameless if it was not.
+  std::vector<Attempt> attempts;  // How it was repaired, in this order.
 };
 
 // Checks models[0] against all verified matches of the database. If it is
-// glued, maps again without the pairs of photos that glued it, up to three
-// times. Of both models it takes the one with the larger consistent group, and
-// takes it apart: each group of three photos or more becomes a model.
+// glued, takes the photos outside of its largest group out and places them
+// again, without the pairs of photos that glued it. If that does not give a
+// model that holds together, maps all photos anew without these pairs. Each is
+// done up to three times. Of all models it takes the one with the largest
+// consistent group, and takes it apart: each group of three photos or more
+// becomes a model.
 //
 // `models` are the best first; all but the first are ignored, and none is fine.
 // Errors: those of COLMAP's commands and of the database.

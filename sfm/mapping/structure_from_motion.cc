@@ -4,6 +4,7 @@
 #include "sfm/mapping/structure_from_motion.h"
 
 #include <algorithm>
+#include <iterator>
 #include <system_error>
 #include <thread>
 
@@ -122,7 +123,9 @@ Status TakeSeparated(const StepContext& context,
       SeparateParts(context, database, result->models, store));
   if (parts.models.empty()) return {};
   result->models = std::move(parts.models);
-  result->attempts.push_back(std::move(parts.attempt));
+  std::move(parts.attempts.begin(),
+            parts.attempts.end(),
+            std::back_inserter(result->attempts));
   result->warnings.push_back(
       "parts of the scene look alike: a first model had glued " +
       std::to_string(parts.groups) +

@@ -8,6 +8,8 @@
 //   FAKE_COLMAP_MODELS   photos of each model the mapper makes, "5,3"; empty
 //                        for none. Default: one of all.
 //   FAKE_COLMAP_RELAXED  the same when the mapper's thresholds were lowered.
+//   FAKE_COLMAP_CONTINUED  folder of the model that the mapper makes when it is
+//                        given one to go on from. Default: the one given.
 //   FAKE_COLMAP_FAIL     a command that fails with exit code 1.
 //   FAKE_COLMAP_SIGNAL   the number of a signal that ends it instead.
 //   FAKE_COLMAP_HANG     a command that never ends.
@@ -79,6 +81,7 @@ const std::map<std::string, std::vector<std::string>>& CommandOptions() {
       {"mapper",
        {"database_path",
         "image_path",
+        "input_path",
         "output_path",
         "Mapper.num_threads",
         "Mapper.init_min_num_inliers",
@@ -232,7 +235,14 @@ int MatchPairs(Options& options) {
   return 0;
 }
 
+int ContinueMapping(Options& options) {
+  const auto model =
+      ReadModel(Setting("FAKE_COLMAP_CONTINUED", options["input_path"]));
+  return model.ok() && WriteModel(options["output_path"], *model).ok() ? 0 : 9;
+}
+
 int Map(Options& options) {
+  if (options["input_path"] != "") return ContinueMapping(options);
   Database database(options["database_path"]);
   const auto images = database.Images();
   std::string sizes =

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/io/files.h"
+#include "sfm/scene/model_io.h"
 #include "tests/sfm/fake_colmap.h"
 #include "tests/sfm/twin_scene.h"
 #include "tests/temporary_folder.h"
@@ -50,7 +51,7 @@ TEST_F(SeparatePartsTest, RightModelsAreLeftAlone) {
   const auto parts = Run(scene_.Model(false));
   ASSERT_TRUE(parts.ok()) << parts.status().message();
   EXPECT_THAT(parts->models, SizeIs(0));
-  EXPECT_EQ(parts->attempt.name, "");
+  EXPECT_THAT(parts->attempts, SizeIs(0));
   EXPECT_EQ(parts->groups, 1u);
   EXPECT_GT(parts->score, 0.6);
 }
@@ -65,8 +66,44 @@ TEST_F(SeparatePartsTest, GluedModelsAreTakenApart) {
   EXPECT_THAT(parts->models[1].images, SizeIs(11));
   ASSERT_THAT(parts->unplaced, SizeIs(11));
   EXPECT_EQ(parts->unplaced[0], PhotoName(0));
-  EXPECT_FALSE(parts->attempt.kept);
-  EXPECT_THAT(parts->attempt.why, HasSubstr("groups of 12 and 11 photos"));
+  ASSERT_THAT(parts->attempts, SizeIs(2));
+  for (const Attempt& attempt : parts->attempts) {
+    EXPECT_FALSE(attempt.kept);
+    EXPECT_THAT(attempt.why, HasSubstr("groups of 12 and 11 photos"));
+  }
+  EXPECT_EQ(parts->attempts[0].name, "misplaced photos once more");
+  EXPECT_EQ(parts->attempts[0].problem, "it places no more photos");
+  EXPECT_EQ(parts->attempts[0].registered, 12);
+  EXPECT_EQ(parts->attempts[1].name, "without look-alike parts");
+  EXPECT_EQ(parts->attempts[1].models, 0);
+}
+
+TEST_F(SeparatePartsTest, MisplacedPhotosArePlacedOnceMore) {
+  const std::filesystem::path right = folder_ / "right";
+  ASSERT_TRUE(WriteModel(right, scene_.Model(false)).ok());
+  options_.colmap =
+      MakeFakeColmap(folder_.path(), {{"FAKE_COLMAP_CONTINUED", right}});
+  const auto parts = Run(scene_.Model(true));
+  ASSERT_TRUE(parts.ok()) << parts.status().message();
+  ASSERT_THAT(parts->models, SizeIs(1));
+  EXPECT_THAT(parts->models[0].images, SizeIs(23));
+  EXPECT_THAT(parts->unplaced, SizeIs(0));
+  ASSERT_THAT(parts->attempts, SizeIs(1));
+  EXPECT_TRUE(parts->attempts[0].kept);
+}
+
+TEST_F(SeparatePartsTest, WhatCannotBePlacedOnceMoreIsMappedAnew) {
+  // Without a folder of this name the fake mapper fails, but not when it begins
+  // anew.
+  options_.colmap =
+      MakeFakeColmap(folder_.path(),
+                     {{"FAKE_COLMAP_CONTINUED", folder_ / "nothing"},
+                      {"FAKE_COLMAP_MODELS", ""}});
+  const auto parts = Run(scene_.Model(true));
+  ASSERT_TRUE(parts.ok()) << parts.status().message();
+  EXPECT_THAT(parts->models, SizeIs(2));
+  ASSERT_THAT(parts->attempts, SizeIs(2));
+  EXPECT_THAT(parts->attempts[0].problem, HasSubstr("mapper"));
 }
 
 }  // namespace
