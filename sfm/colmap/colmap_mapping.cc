@@ -172,14 +172,19 @@ StatusOr<std::vector<Reconstruction>> MapPhotos(const StepContext& context,
   FREEGS_ASSIGN_OR_RETURN(const ChildCommand run, arguments.Finish());
 
   const double total = static_cast<double>(context.input.photos.size());
-  context.Report(mapping.step, 0, total, "");
+  double registered = mapping.start == nullptr
+                          ? 0
+                          : static_cast<double>(mapping.start->images.size());
+  context.Report(mapping.step, registered, total, "");
   const auto on_line = [&](std::string_view line) {
     const auto progress = ParseColmapLine(line);
-    if (!progress || progress->kind != ColmapProgress::Kind::kPhotoRegistered) {
-      return;
+    if (!progress) return;
+    if (progress->kind == ColmapProgress::Kind::kPhotoRegistered) {
+      registered = std::min<double>(progress->done, total);
+      context.Report(mapping.step, registered, total, "");
+    } else if (progress->kind == ColmapProgress::Kind::kAdjusting) {
+      context.Report(mapping.step, registered, total, "adjusting all of them");
     }
-    context.Report(
-        mapping.step, std::min<double>(progress->done, total), total, "");
   };
   FREEGS_ASSIGN_OR_RETURN(const ChildResult result,
                           RunChild(run, on_line, context.input.cancellation));

@@ -54,6 +54,9 @@ std::optional<ColmapProgress> ParseColmapLine(std::string_view line) {
     progress.kind = Kind::kPhotoRegistered;
     if (TakeNumber(&rest, &progress.done)) return progress;
   }
+  if (SkipPast("Global bundle adjustment", &rest)) {
+    return ColmapProgress{.kind = Kind::kAdjusting};
+  }
   return {};
 }
 

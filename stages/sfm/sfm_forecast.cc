@@ -37,13 +37,15 @@ constexpr double kDiskBytesPerFeature = 310;
 // found in scenes full of detail; most have two thirds of it.
 constexpr double kPointsPerFeature = 0.61;
 
-// With kUsualFeatures in each photo. Most of kSeconds is spent in the mapper,
-// whose work grows with the features, that of a pair with their square.
+// CPU seconds with kUsualFeatures in each photo, for features, matches and what
+// comes after. The mapper and the choice of the cameras adjust all photos again
+// and again, so a photo costs more the more there are.
 constexpr double kUsualFeatures = 3000;
-constexpr double kSeconds = 30;
-constexpr double kSecondsPerPhoto = 0.3;
-constexpr double kSecondsPerMegapixel = 0.1;
+constexpr double kSecondsPerPhoto = 0.4;
+constexpr double kSecondsPerMegapixel = 0.03;
 constexpr double kSecondsPerPair = 0.05;
+constexpr double kMappingSecondsPerPhoto = 0.33;  // Of kUsualPhotos.
+constexpr double kUsualPhotos = 60;
 constexpr double kSerial = 0.3;
 
 // Of the undistorter on each core: the photo and the one without distortion,
@@ -90,11 +92,13 @@ StageNeed SfmNeed(const sfm::SfmOptions& options,
   const double mapping = static_cast<double>(pipeline::kProgramMemory) +
                          kBytesPerFeature * features;
   const double share = options.max_features / kUsualFeatures;
+  const auto count = static_cast<double>(photos);
   const double seconds =
-      kSeconds * share + kSecondsPerPhoto * static_cast<double>(photos) +
+      kSecondsPerPhoto * count +
       kSecondsPerMegapixel * 1e-6 * static_cast<double>(pixels.total) +
       kSecondsPerPair * share * share *
-          static_cast<double>(ExpectedPairs(options.pairs, photos));
+          static_cast<double>(ExpectedPairs(options.pairs, photos)) +
+      kMappingSecondsPerPhoto * share * count * std::sqrt(count / kUsualPhotos);
   return {.memory_bytes = std::llround(std::max(extraction, mapping)),
           .disk_bytes = std::llround(kDiskBytesPerFeature * features),
           .seconds = pipeline::OnThreads(seconds, kSerial, threads),

@@ -27,6 +27,7 @@ TEST(ParseColmapLine, KnownLines) {
        4,
        50},
       {"Registering image #7 (12)", Kind::kPhotoRegistered, 12, 0},
+      {"Global bundle adjustment", Kind::kAdjusting, 0, 0},
       {"I20260317 10:11:12.1 77 incremental_pipeline.cc:500] Registering image "
        "#7 (num_reg_frames=12)",
        Kind::kPhotoRegistered,
