@@ -19,6 +19,11 @@ using Models = std::vector<Reconstruction>;
 constexpr int kMaxRounds = 3;
 constexpr size_t kMinPart = 3;  // Photos of a part that makes a model.
 
+// The largest group of a model may have a misplaced photo of its own, against
+// which little speaks before the other ones are in their places. With few
+// photos that happened, and to map them anew takes no time.
+constexpr size_t kManyPhotos = 50;
+
 struct Candidate {
   Reconstruction model;
   ViewGroups groups;
@@ -132,7 +137,9 @@ StatusOr<SeparatedParts> SeparateParts(const StepContext& context,
   const Candidate glued = best;
   for (const Repair repair : {Repair::kPlaceAgain, Repair::kMapAnew}) {
     // A small group is no ground to build on.
-    if (repair == Repair::kPlaceAgain && 2 * glued.largest() < glued.photos()) {
+    if (repair == Repair::kPlaceAgain &&
+        (glued.photos() < kManyPhotos ||
+         2 * glued.largest() < glued.photos())) {
       continue;
     }
     const std::string name = Name(repair);

@@ -35,10 +35,10 @@ struct SeparatedParts {
 };
 
 // Checks models[0] against all verified matches of the database. If it is
-// glued, takes the photos outside of its largest group out and places them
-// again, without the pairs of photos that glued it. If that does not give a
-// model that holds together, maps all photos anew without these pairs. Each is
-// done up to three times. Of all models it takes the one with the largest
+// glued and has 50 photos or more, takes the photos outside of its largest
+// group out and places them again, without the pairs of photos that glued it.
+// If that does not give a model that holds together, maps all photos anew
+// without these pairs. Each is done up to three times. Of all models it takes the one with the largest
 // consistent group, and takes it apart: each group of three photos or more
 // becomes a model.
 //

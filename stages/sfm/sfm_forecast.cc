@@ -28,8 +28,8 @@ constexpr double kExtractorBytesPerPixel = 340;
 constexpr int kUsualSide = 1250;
 
 // Descriptors (128 bytes each) and the matches that a feature has in other
-// photos, in the database, the mapper's graph and our own copy. It was 700 of 60
-// photos, and 1200 of 300, whose points are seen by more of them.
+// photos, in the database, the mapper's graph and our own copy. It was 700 of
+// 60 photos, and 1200 of 300, whose points are seen by more of them.
 constexpr double kBytesPerFeature = 1200;
 constexpr double kDiskBytesPerFeature = 310;
 

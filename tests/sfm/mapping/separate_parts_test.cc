@@ -20,10 +20,10 @@ using testing::SizeIs;
 
 class SeparatePartsTest : public testing::Test {
  protected:
-  SeparatePartsTest() : scene_(23) {
+  explicit SeparatePartsTest(int photos = 23) : scene_(photos) {
     input_.work_folder = folder_ / "work";
     EXPECT_TRUE(CreateFolders(input_.work_folder / "logs").ok());
-    for (int i = 0; i < 23; ++i) {
+    for (int i = 0; i < photos; ++i) {
       input_.photos.emplace_back().name = PhotoName(i);
     }
     scene_.WriteMatches((folder_ / "a.db").string());
@@ -66,19 +66,33 @@ TEST_F(SeparatePartsTest, GluedModelsAreTakenApart) {
   EXPECT_THAT(parts->models[1].images, SizeIs(11));
   ASSERT_THAT(parts->unplaced, SizeIs(11));
   EXPECT_EQ(parts->unplaced[0], PhotoName(0));
-  ASSERT_THAT(parts->attempts, SizeIs(2));
-  for (const Attempt& attempt : parts->attempts) {
-    EXPECT_FALSE(attempt.kept);
-    EXPECT_THAT(attempt.why, HasSubstr("groups of 12 and 11 photos"));
-  }
-  EXPECT_EQ(parts->attempts[0].name, "misplaced photos once more");
-  EXPECT_EQ(parts->attempts[0].problem, "it places no more photos");
-  EXPECT_EQ(parts->attempts[0].registered, 12);
-  EXPECT_EQ(parts->attempts[1].name, "without look-alike parts");
-  EXPECT_EQ(parts->attempts[1].models, 0);
+  ASSERT_THAT(parts->attempts, SizeIs(1));
+  EXPECT_FALSE(parts->attempts[0].kept);
+  EXPECT_THAT(parts->attempts[0].why, HasSubstr("groups of 12 and 11 photos"));
+  EXPECT_EQ(parts->attempts[0].name, "without look-alike parts");
+  EXPECT_EQ(parts->attempts[0].models, 0);
 }
 
-TEST_F(SeparatePartsTest, MisplacedPhotosArePlacedOnceMore) {
+// Enough photos to keep a part of the model.
+class SeparateManyPartsTest : public SeparatePartsTest {
+ protected:
+  SeparateManyPartsTest() : SeparatePartsTest(51) {}
+};
+
+TEST_F(SeparateManyPartsTest, PhotosThatFindNoPlaceAreMappedAnew) {
+  // The mapper places no photo again, and makes no model when it begins anew.
+  const auto parts = Run(scene_.Model(true));
+  ASSERT_TRUE(parts.ok()) << parts.status().message();
+  EXPECT_THAT(parts->models, SizeIs(2));
+  ASSERT_THAT(parts->attempts, SizeIs(2));
+  EXPECT_FALSE(parts->attempts[0].kept);
+  EXPECT_EQ(parts->attempts[0].name, "misplaced photos once more");
+  EXPECT_EQ(parts->attempts[0].problem, "it places no more photos");
+  EXPECT_EQ(parts->attempts[0].registered, 26);
+  EXPECT_EQ(parts->attempts[1].name, "without look-alike parts");
+}
+
+TEST_F(SeparateManyPartsTest, MisplacedPhotosArePlacedOnceMore) {
   const std::filesystem::path right = folder_ / "right";
   ASSERT_TRUE(WriteModel(right, scene_.Model(false)).ok());
   options_.colmap =
@@ -86,13 +100,13 @@ TEST_F(SeparatePartsTest, MisplacedPhotosArePlacedOnceMore) {
   const auto parts = Run(scene_.Model(true));
   ASSERT_TRUE(parts.ok()) << parts.status().message();
   ASSERT_THAT(parts->models, SizeIs(1));
-  EXPECT_THAT(parts->models[0].images, SizeIs(23));
+  EXPECT_THAT(parts->models[0].images, SizeIs(51));
   EXPECT_THAT(parts->unplaced, SizeIs(0));
   ASSERT_THAT(parts->attempts, SizeIs(1));
   EXPECT_TRUE(parts->attempts[0].kept);
 }
 
-TEST_F(SeparatePartsTest, WhatCannotBePlacedOnceMoreIsMappedAnew) {
+TEST_F(SeparateManyPartsTest, AFailureIsNoVerdict) {
   // Without a folder of this name the fake mapper fails, but not when it begins
   // anew.
   options_.colmap =
