@@ -100,7 +100,8 @@ struct Mapping {
   bool relaxed = false;
 
   // A model to which the other photos are registered, or null to begin with a
-  // pair of photos. Its ids are those of the database. It must outlive the call.
+  // pair of photos. Its ids are those of the database. It must outlive the
+  // call.
   const Reconstruction* start = nullptr;
 };
 

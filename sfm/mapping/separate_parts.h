@@ -38,9 +38,9 @@ struct SeparatedParts {
 // glued and has 50 photos or more, takes the photos outside of its largest
 // group out and places them again, without the pairs of photos that glued it.
 // If that does not give a model that holds together, maps all photos anew
-// without these pairs. Each is done up to three times. Of all models it takes the one with the largest
-// consistent group, and takes it apart: each group of three photos or more
-// becomes a model.
+// without these pairs. Each is done up to three times. Of all models it takes
+// the one with the largest consistent group, and takes it apart: each group of
+// three photos or more becomes a model.
 //
 // `models` are the best first; all but the first are ignored, and none is fine.
 // Errors: those of COLMAP's commands and of the database.
