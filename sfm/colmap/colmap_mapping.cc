@@ -58,8 +58,8 @@ void AdjustLessOften(ColmapArguments* arguments) {
 }
 
 // COLMAP ends an adjustment when nothing moves any more, or after 50
-// iterations. Nearly all of the gain is in the first few, and the last
-// adjustment is our own (calibration/bundle_adjustment.h).
+// iterations. Nearly all of the gain is in the first few. Unless the user gave
+// the lens model, the last adjustment is our own (camera_selection.h).
 void EndAdjustmentsEarly(ColmapArguments* arguments) {
   arguments->Prefer({"Mapper.ba_global_function_tolerance"}, "1e-4");
   arguments->Prefer({"Mapper.ba_local_function_tolerance"}, "1e-4");

@@ -59,8 +59,9 @@ struct ViewGroups {
   std::vector<std::vector<uint32_t>> groups;
 
   // The share of the evidence that supports the model, where this share is
-  // least: 1 when nothing is against it. Models that were right had 0.49 or
-  // more, glued ones 0.44 or less (docs/sfm.md).
+  // least: 1 when nothing is against it. Of the models by which the limit was
+  // chosen, right ones had 0.49 or more and glued ones 0.44 or less. Later a
+  // right one had 0.48, and one with a misplaced photo 0.53 (docs/sfm.md).
   double score = 1;
 
   // Pairs of photos in different groups whose matches fit the model. They are

@@ -43,7 +43,8 @@ struct SeparatedParts {
 // three photos or more becomes a model.
 //
 // `models` are the best first; all but the first are ignored, and none is fine.
-// Errors: those of COLMAP's commands and of the database.
+// Errors: those of the database, kInterrupted and kInternal. Another error of
+// COLMAP is written into its Attempt.
 StatusOr<SeparatedParts> SeparateParts(
     const StepContext& context,
     const std::filesystem::path& database,
