@@ -22,6 +22,7 @@
 #include "stages/registry/presets.h"
 #include "stages/registry/stage_registry.h"
 #include "stages/run/duration.h"
+#include "stages/run/psnr_run.h"
 #include "stages/run/run_request.h"
 
 namespace freegs::stages {
@@ -147,6 +148,7 @@ struct RunWordsTargets {
   std::string from;
   std::string to;
   std::string within;
+  std::string at_least;
   std::vector<std::vector<std::string>> forget;
 };
 
@@ -186,6 +188,12 @@ CommandWords DescribeRun(RunWordsTargets* targets) {
                            "chooses the values of preset auto, and stops "
                            "training early if it must.",
                    .value_name = "TIME"});
+  words.AddOption("at-least",
+                  &targets->at_least,
+                  {.help = "Trains no longer than it takes until the photos "
+                           "kept from training are reproduced so well, such as "
+                           "psnr=27, in dB.",
+                   .value_name = "ACCURACY"});
   AddForgetOption(&targets->forget, &words);
   return words;
 }
@@ -225,35 +233,57 @@ Status Recall(const RunWordsTargets& targets,
   return Status();
 }
 
-// The seconds of --within, or nothing without it. Then the settings of the
-// command line become those of a run of all stages with preset auto.
-StatusOr<std::optional<double>> ReadWithin(OptionTable::CommandLine* line) {
-  const std::string* within = nullptr;
+// What a run of all stages with preset auto is to keep to: --within or
+// --at-least.
+struct RunGoal {
+  std::optional<double> seconds;
+  std::optional<double> psnr;
+
+  bool given() const { return seconds || psnr; }
+};
+
+// Takes the goal out of the settings of the command line, and preset auto,
+// which goes with it.
+StatusOr<RunGoal> TakeGoal(OptionTable::CommandLine* line) {
+  const OptionSetting* goal = nullptr;
   const std::string* preset = nullptr;
   bool whole = line->positional.size() == 2;
+  bool two = false;
   for (const OptionSetting& setting : line->settings) {
-    if (setting.name == "within") within = &setting.value;
+    if (setting.name == "within" || setting.name == "at-least") {
+      two = two || (goal != nullptr && goal->name != setting.name);
+      goal = &setting;
+    }
     if (setting.name == "general.preset") preset = &setting.value;
     if (setting.name == "from" || setting.name == "to") whole = false;
   }
-  if (within == nullptr) return std::optional<double>();
-  const StatusOr<double> seconds = ParseDuration(*within);
-  if (!seconds.ok()) {
-    return InvalidArgumentError("--within: " + seconds.status().message());
+  RunGoal result;
+  if (goal == nullptr) return result;
+  const std::string option = "--" + goal->name;
+  if (two) {
+    return InvalidArgumentError("--within and --at-least do not go together");
   }
+  (goal->name == "within" ? result.seconds : result.psnr) = 0;
+  const StatusOr<double> value =
+      result.seconds ? ParseDuration(goal->value) : ParsePsnrGoal(goal->value);
+  if (!value.ok()) {
+    return InvalidArgumentError(option + ": " + value.status().message());
+  }
+  (result.seconds ? result.seconds : result.psnr) = *value;
   if (!whole) {
     return InvalidArgumentError(
-        "--within is for whole runs: run IMAGES WORKSPACE --within " + *within +
-        ", without --from and --to");
+        option + " is for whole runs: run IMAGES WORKSPACE " + option + " " +
+        goal->value + ", without --from and --to");
   }
   if (preset != nullptr && *preset != kAutoPreset) {
-    return InvalidArgumentError("--within goes with --preset auto, not with " +
+    return InvalidArgumentError(option + " goes with --preset auto, not with " +
                                 *preset);
   }
   std::erase_if(line->settings, [](const OptionSetting& setting) {
-    return setting.name == "within" || setting.name == "general.preset";
+    return setting.name == "within" || setting.name == "at-least" ||
+           setting.name == "general.preset";
   });
-  return std::optional(*seconds);
+  return result;
 }
 
 }  // namespace
@@ -270,8 +300,7 @@ Status RunRunCommand(const std::vector<std::string>& arguments,
   RunRequest request;
   FREEGS_ASSIGN_OR_RETURN(OptionTable::CommandLine line,
                           command.Parse(arguments));
-  FREEGS_ASSIGN_OR_RETURN(const std::optional<double> within,
-                          ReadWithin(&line));
+  FREEGS_ASSIGN_OR_RETURN(const RunGoal goal, TakeGoal(&line));
   const std::vector<std::string>& words = line.positional;
   request.workspace = AbsoluteFolder(words.back());
   FREEGS_RETURN_IF_ERROR(CheckWorkspaceFolder(request.workspace));
@@ -288,7 +317,7 @@ Status RunRunCommand(const std::vector<std::string>& arguments,
   std::vector<OptionSetting> settings =
       RememberedSettings(request.workspace, request.info, table);
   settings.insert(settings.end(), line.settings.begin(), line.settings.end());
-  if (!within) {
+  if (!goal.given()) {
     FREEGS_RETURN_IF_ERROR(ApplySettings(request.workspace, settings, table));
   }
   request.from = targets.from;
@@ -298,11 +327,19 @@ Status RunRunCommand(const std::vector<std::string>& arguments,
                           pipeline::WorkspaceLock::Acquire(request.workspace));
   FREEGS_RETURN_IF_ERROR(
       pipeline::WriteWorkspaceInfo(request.workspace, request.info));
-  if (within) {
+  if (goal.given()) {
     // Over what config.ini says, and so not remembered.
-    settings.push_back({"general.preset", kAutoPreset, "--within"});
-    FREEGS_RETURN_IF_ERROR(ExecuteWithin(
-        *within, settings, request, context.err, context.cancellation));
+    settings.push_back({"general.preset", kAutoPreset, "the goal of the run"});
+    FREEGS_RETURN_IF_ERROR(goal.seconds ? ExecuteWithin(*goal.seconds,
+                                                        settings,
+                                                        request,
+                                                        context.err,
+                                                        context.cancellation)
+                                        : ExecuteAtLeast(*goal.psnr,
+                                                         settings,
+                                                         request,
+                                                         context.err,
+                                                         context.cancellation));
   } else {
     FREEGS_RETURN_IF_ERROR(Execute(
         request, targets.options, table, context.err, context.cancellation));

@@ -19,8 +19,8 @@ void RegisterGeneralOptions(GeneralOptions& options, OptionTable& table) {
   table.Add("general.preset",
             &options.preset,
             {.help = "Set of option values to start from: how much time to "
-                     "spend on how good a result. With auto, run --within "
-                     "chooses them.",
+                     "spend on how good a result. With auto, run --within or "
+                     "--at-least chooses them.",
              .choices = PresetChoices(),
              .affects_result = false});
   table.Add("general.threads",
@@ -94,7 +94,8 @@ Status ApplySettings(const std::filesystem::path& workspace,
     FREEGS_ASSIGN_OR_RETURN(preset_settings, PresetSettings(preset.value));
   } else if (chosen.empty()) {
     return InvalidArgumentError(
-        "preset auto is chosen by a time: run IMAGES WORKSPACE --within 5m");
+        "preset auto is chosen by a goal: run IMAGES WORKSPACE --within 5m, or "
+        "--at-least psnr=27");
   }
   FREEGS_RETURN_IF_ERROR(table.Apply(preset_settings));
   FREEGS_RETURN_IF_ERROR(table.Apply(config));

@@ -2,6 +2,8 @@
 
 #include "stages/registry/presets.h"
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -54,6 +56,10 @@ StatusOr<std::vector<pipeline::OptionSetting>> PresetSettings(
     settings.push_back({option, value, "preset " + name});
   }
   return settings;
+}
+
+int DensifyInterval(int iterations) {
+  return std::clamp(static_cast<int>(std::lround(0.03 * iterations)), 10, 100);
 }
 
 }  // namespace freegs::stages

@@ -15,7 +15,8 @@ namespace freegs::stages {
 
 std::vector<std::string> PresetNames();
 
-// The preset that has no values of its own: `run --within` chooses them.
+// The preset that has no values of its own: `run --within` and `run --at-least`
+// choose them.
 inline constexpr char kAutoPreset[] = "auto";
 
 // What option general.preset may be: the names, and kAutoPreset.
@@ -24,6 +25,11 @@ std::vector<std::string> PresetChoices();
 // Returns the settings of a preset; kInvalidArgument for an unknown name.
 StatusOr<std::vector<pipeline::OptionSetting>> PresetSettings(
     const std::string& name);
+
+// The value of reconstruct.densify_interval for a training of so many
+// iterations: as in the presets, a short training densifies as often as a long
+// one.
+int DensifyInterval(int iterations);
 
 }  // namespace freegs::stages
 

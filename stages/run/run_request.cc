@@ -7,10 +7,12 @@
 #include <unistd.h>
 #include <utility>
 
+#include "core/io/json_text.h"
 #include "pipeline/logger.h"
 #include "pipeline/stage_runner.h"
 #include "pipeline/version.h"
 #include "stages/registry/stage_registry.h"
+#include "stages/run/psnr_run.h"
 #include "stages/run/timed_run.h"
 
 namespace freegs::stages {
@@ -21,6 +23,7 @@ using pipeline::OptionTable;
 
 // The last stage that finds out about cameras.
 constexpr char kLastOfCameras[] = "undistort";
+constexpr char kTraining[] = "reconstruct";
 
 pipeline::StageRunner MakeRunner(const RunRequest& request,
                                  const PipelineOptions& options,
@@ -72,6 +75,21 @@ StatusOr<ExpectedRun> Expect(const RunRequest& request,
   return expected;
 }
 
+// The PSNR of the holdout photos of a scene that has been trained.
+StatusOr<double> HoldoutPsnr(const std::filesystem::path& workspace) {
+  const std::filesystem::path path =
+      pipeline::StageFolder(workspace, kTraining) / "metrics.json";
+  FREEGS_ASSIGN_OR_RETURN(const nlohmann::json metrics, ReadJson(path));
+  const auto psnr = metrics.find("holdout_psnr");
+  if (psnr == metrics.end() || !psnr->is_number()) {
+    return BadInputError(
+        path.string() +
+        ": no photos were kept from the training to measure its accuracy by; "
+        "take more photos, or run without --at-least");
+  }
+  return psnr->get<double>();
+}
+
 }  // namespace
 
 Status Execute(const RunRequest& request,
@@ -97,6 +115,48 @@ Status Execute(const RunRequest& request,
   return MakeRunner(request, options, table, cancellation, logger).Run();
 }
 
+namespace {
+
+// Execute with the settings of the user and those chosen for preset auto, which
+// are remembered where the user did not decide otherwise.
+Status ExecuteChosen(RunRequest request,
+                     const std::vector<OptionSetting>& settings,
+                     const std::vector<OptionSetting>& chosen,
+                     std::ostream& err,
+                     const CancellationToken& cancellation) {
+  PipelineOptions options;
+  OptionTable table = MakeOptionTable(&options);
+  FREEGS_RETURN_IF_ERROR(
+      ApplySettings(request.workspace, settings, table, chosen));
+  for (const OptionSetting& choice : chosen) {
+    if (table.Find(choice.name)->value() == choice.value) {
+      request.info.settings[choice.name] = choice.value;
+    }
+  }
+  FREEGS_RETURN_IF_ERROR(
+      pipeline::WriteWorkspaceInfo(request.workspace, request.info));
+  return Execute(request, options, table, err, cancellation);
+}
+
+// An error if the user decided something that is to be chosen.
+Status CheckChoiceHolds(const RunRequest& request,
+                        const std::vector<OptionSetting>& settings,
+                        const std::vector<OptionSetting>& chosen) {
+  PipelineOptions options;
+  OptionTable table = MakeOptionTable(&options);
+  FREEGS_RETURN_IF_ERROR(
+      ApplySettings(request.workspace, settings, table, chosen));
+  for (const OptionSetting& choice : chosen) {
+    if (table.Find(choice.name)->value() != choice.value) {
+      return InvalidArgumentError(choice.name +
+                                  " is what --at-least chooses; leave it out");
+    }
+  }
+  return Status();
+}
+
+}  // namespace
+
 Status ExecuteWithin(double seconds,
                      const std::vector<OptionSetting>& settings,
                      const RunRequest& request,
@@ -119,26 +179,40 @@ Status ExecuteWithin(double seconds,
   tasks.run = [&](const std::vector<OptionSetting>& chosen,
                   RunPart part,
                   double end) -> Status {
-    PipelineOptions options;
-    OptionTable table = MakeOptionTable(&options);
-    FREEGS_RETURN_IF_ERROR(
-        ApplySettings(request.workspace, settings, table, chosen));
     RunRequest now = request;
-    for (const OptionSetting& choice : chosen) {
-      // Others are the user's own.
-      if (table.Find(choice.name)->value() == choice.value) {
-        now.info.settings[choice.name] = choice.value;
-      }
-    }
-    FREEGS_RETURN_IF_ERROR(
-        pipeline::WriteWorkspaceInfo(now.workspace, now.info));
     if (part == RunPart::kCameras) now.to = kLastOfCameras;
     now.deadline =
         Clock::time_point(std::chrono::duration_cast<Clock::duration>(
             std::chrono::duration<double>(end)));
-    return Execute(now, options, table, err, cancellation);
+    return ExecuteChosen(now, settings, chosen, err, cancellation);
   };
   return RunWithin(seconds, tasks);
+}
+
+Status ExecuteAtLeast(double psnr,
+                      const std::vector<OptionSetting>& settings,
+                      const RunRequest& request,
+                      std::ostream& err,
+                      const CancellationToken& cancellation) {
+  pipeline::Logger logger(
+      err, OnTerminal(err), pipeline::LogPath(request.workspace));
+  PsnrRunTasks tasks;
+  tasks.log = [&logger](pipeline::LogLevel level, const std::string& text) {
+    logger.Log(level, text);
+  };
+  tasks.train =
+      [&](const std::vector<OptionSetting>& chosen) -> StatusOr<double> {
+    FREEGS_RETURN_IF_ERROR(CheckChoiceHolds(request, settings, chosen));
+    RunRequest now = request;
+    now.to = kTraining;
+    FREEGS_RETURN_IF_ERROR(
+        ExecuteChosen(now, settings, chosen, err, cancellation));
+    return HoldoutPsnr(request.workspace);
+  };
+  tasks.finish = [&](const std::vector<OptionSetting>& chosen) {
+    return ExecuteChosen(request, settings, chosen, err, cancellation);
+  };
+  return RunAtLeast(psnr, tasks);
 }
 
 }  // namespace freegs::stages

@@ -54,6 +54,14 @@ Status ExecuteWithin(double seconds,
                      std::ostream& err,
                      const CancellationToken& cancellation);
 
+// The same until holdout photos have at least this PSNR in dB (psnr_run.h).
+// kBadInput if the scene has no holdout photos.
+Status ExecuteAtLeast(double psnr,
+                      const std::vector<pipeline::OptionSetting>& settings,
+                      const RunRequest& request,
+                      std::ostream& err,
+                      const CancellationToken& cancellation);
+
 }  // namespace freegs::stages
 
 #endif  // FREEGS_STAGES_RUN_RUN_REQUEST_H_

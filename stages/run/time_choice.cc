@@ -2,10 +2,8 @@
 
 #include "stages/run/time_choice.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "core/number_text.h"
+#include "stages/registry/presets.h"
 
 namespace freegs::stages {
 namespace {
@@ -51,12 +49,6 @@ constexpr Range kRanges[] = {
 };
 
 constexpr int kIterationSteps = 50;
-
-// As in presets fast and balanced, there are as many densifications in a short
-// training as in a long one.
-int DensifyInterval(int iterations) {
-  return std::clamp(static_cast<int>(std::lround(0.03 * iterations)), 10, 100);
-}
 
 StatusOr<TimeChoice> Choose(const Range& range,
                             int iterations,

@@ -192,6 +192,22 @@ TEST_F(CommandTest, RunWithinATimeRemembersWhatItChose) {
             info->settings);
 }
 
+TEST_F(CommandTest, RunAtLeastRefusesWhatDoesNotGoWithIt) {
+  WriteText(folder_ / "photos" / "1.jpg", "x");
+  const auto refused = [&](std::vector<std::string> more,
+                           const std::string& part) {
+    more.insert(more.begin(), {Path("photos"), Path("w")});
+    ExpectError(RunRunCommand, more, StatusCode::kInvalidArgument, part);
+  };
+  refused({"--at-least", "27"}, "write psnr=27");
+  refused({"--at-least", "psnr=27", "--within", "5m"}, "not go together");
+  refused({"--at-least", "psnr=27", "--to", "sfm"}, "without --from and --to");
+  refused({"--at-least", "psnr=27", "--preset", "fast"}, "not with fast");
+  EXPECT_FALSE(fs::exists(folder_ / "w"));
+  refused({"--at-least", "psnr=27", "--reconstruct.iterations", "900"},
+          "reconstruct.iterations is what --at-least chooses");
+}
+
 TEST_F(CommandTest, OneRunAtATime) {
   WriteText(folder_ / "photos" / "1.jpg", "x");
   fs::create_directory(folder_ / "w");

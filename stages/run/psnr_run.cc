@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/run/psnr_run.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstddef>
+#include <iterator>
+#include <string>
+#include <system_error>
+
+#include "core/number_text.h"
+#include "stages/registry/presets.h"
+
+namespace freegs::stages {
+namespace {
+
+using pipeline::LogLevel;
+using pipeline::OptionSetting;
+
+// A training, and by how many dB it is better than the one before on the mean
+// (docs/speed_accuracy.md, "At least so accurate").
+struct Rung {
+  int iterations;
+  double gain;
+};
+
+constexpr Rung kRungs[] = {
+    {.iterations = 625, .gain = 0},
+    {.iterations = 1250, .gain = 1.0},
+    {.iterations = 2500, .gain = 0.6},
+    {.iterations = 5000, .gain = 0.3},
+};
+
+std::vector<OptionSetting> SettingsOf(const Rung& rung) {
+  return {
+      {"reconstruct.iterations", std::to_string(rung.iterations), "--at-least"},
+      {"reconstruct.densify_interval",
+       std::to_string(DensifyInterval(rung.iterations)),
+       "--at-least"}};
+}
+
+double GainBetween(size_t from, size_t to) {
+  double gain = 0;
+  for (size_t k = from + 1; k <= to; ++k) gain += kRungs[k].gain;
+  return gain;
+}
+
+}  // namespace
+
+StatusOr<double> ParsePsnrGoal(std::string_view text) {
+  constexpr std::string_view kName = "psnr=";
+  constexpr double kMost = 100;
+  double psnr = 0;
+  if (text.starts_with(kName)) {
+    const std::string_view number = text.substr(kName.size());
+    const char* const end = number.data() + number.size();
+    const auto [after, error] =
+        std::from_chars(number.data(), end, psnr, std::chars_format::fixed);
+    // from_chars also takes "inf" and "nan".
+    if (error == std::errc() && after == end && psnr >= 1 && psnr <= kMost) {
+      return psnr;
+    }
+  }
+  return InvalidArgumentError("'" + std::string(text) +
+                              "' is no accuracy; write psnr=27, in dB");
+}
+
+Status RunAtLeast(double psnr, const PsnrRunTasks& tasks) {
+  const std::string goal =
+      "run: at least " + FormatSignificant(psnr, 4) + " dB: ";
+  constexpr size_t kLast = std::size(kRungs) - 1;
+  size_t rung = 0;
+  // How much more iterations gain in this scene, relative to the mean.
+  double scale = 1;
+  tasks.log(LogLevel::kInfo,
+            goal + "begins with a training of " +
+                FormatCount(kRungs[rung].iterations) + " iterations");
+  FREEGS_ASSIGN_OR_RETURN(double reached,
+                          tasks.train(SettingsOf(kRungs[rung])));
+  while (reached < psnr && rung < kLast) {
+    // The shortest training that is expected to be enough.
+    size_t next = rung + 1;
+    while (next < kLast && reached + scale * GainBetween(rung, next) < psnr) {
+      ++next;
+    }
+    const double expected = reached + scale * GainBetween(rung, next);
+    tasks.log(expected < psnr ? LogLevel::kWarning : LogLevel::kInfo,
+              goal + FormatCount(kRungs[rung].iterations) +
+                  " iterations gave " + FormatFixed(reached, 1) + " dB; " +
+                  FormatCount(kRungs[next].iterations) +
+                  " are expected to give " + FormatFixed(expected, 1) + " dB" +
+                  (expected < psnr ? ", and no longer training is known to help"
+                                   : ""));
+    FREEGS_ASSIGN_OR_RETURN(const double better,
+                            tasks.train(SettingsOf(kRungs[next])));
+    tasks.log(LogLevel::kInfo,
+              goal + FormatCount(kRungs[next].iterations) +
+                  " iterations gave " + FormatFixed(better, 1) + " dB; " +
+                  FormatFixed(expected, 1) + " were expected");
+    scale = std::clamp((better - reached) / GainBetween(rung, next), 0.0, 2.0);
+    reached = better;
+    rung = next;
+  }
+  FREEGS_RETURN_IF_ERROR(tasks.finish(SettingsOf(kRungs[rung])));
+  tasks.log(reached < psnr ? LogLevel::kWarning : LogLevel::kInfo,
+            goal + "holdout photos have " + FormatFixed(reached, 1) +
+                " dB after " + FormatCount(kRungs[rung].iterations) +
+                " iterations" +
+                (reached < psnr ? ", the longest training there is" : ""));
+  return Status();
+}
+
+}  // namespace freegs::stages

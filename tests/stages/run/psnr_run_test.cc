@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/run/psnr_run.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace freegs::stages {
+namespace {
+
+using pipeline::LogLevel;
+using pipeline::OptionSetting;
+
+// A scene that 5000 iterations take to `best` dB, and half of the iterations to
+// `gain` dB less.
+class FakeScene {
+ public:
+  FakeScene(double best, double gain) : best_(best), gain_(gain) {}
+
+  PsnrRunTasks Tasks() {
+    PsnrRunTasks tasks;
+    tasks.train = [this](const std::vector<OptionSetting>& settings) {
+      trained_.push_back(Iterations(settings));
+      return StatusOr<double>(best_ -
+                              gain_ * std::log2(5000.0 / trained_.back()));
+    };
+    tasks.finish = [this](const std::vector<OptionSetting>& settings) {
+      finished_ = Iterations(settings);
+      return Status();
+    };
+    tasks.log = [this](LogLevel level, const std::string& text) {
+      warnings_ += level == LogLevel::kWarning;
+      log_ += text + "\n";
+    };
+    return tasks;
+  }
+
+  const std::vector<int>& trained() const { return trained_; }
+  int finished() const { return finished_; }
+  int warnings() const { return warnings_; }
+  const std::string& log() const { return log_; }
+
+ private:
+  static int Iterations(const std::vector<OptionSetting>& settings) {
+    for (const OptionSetting& setting : settings) {
+      if (setting.name == "reconstruct.iterations") {
+        return std::atoi(setting.value.c_str());
+      }
+    }
+    ADD_FAILURE();
+    return 0;
+  }
+
+  const double best_;
+  const double gain_;
+  std::vector<int> trained_;
+  int finished_ = 0;
+  int warnings_ = 0;
+  std::string log_;
+};
+
+TEST(PsnrRun, ReadsGoals) {
+  EXPECT_EQ(*ParsePsnrGoal("psnr=27"), 27);
+  EXPECT_EQ(*ParsePsnrGoal("psnr=27.5"), 27.5);
+  for (const char* text : {"",
+                           "27",
+                           "psnr",
+                           "psnr=",
+                           "psnr=x",
+                           "psnr=27x",
+                           "psnr=-3",
+                           "psnr=0",
+                           "psnr=101",
+                           "psnr=nan",
+                           "psnr=inf",
+                           "ssim=0.9"}) {
+    EXPECT_EQ(ParsePsnrGoal(text).status().code(), StatusCode::kInvalidArgument)
+        << text;
+  }
+}
+
+TEST(PsnrRun, StopsWhereAShortTrainingIsEnough) {
+  FakeScene scene(30, 1);
+  ASSERT_TRUE(RunAtLeast(26, scene.Tasks()).ok());
+  EXPECT_EQ(scene.trained().size(), 1u);
+  EXPECT_EQ(scene.finished(), scene.trained().back());
+  EXPECT_EQ(scene.warnings(), 0) << scene.log();
+}
+
+TEST(PsnrRun, TrainsLongerUntilItIsEnough) {
+  FakeScene scene(30, 1);
+  ASSERT_TRUE(RunAtLeast(28.5, scene.Tasks()).ok());
+  EXPECT_EQ(scene.finished(), 2500) << scene.log();
+  EXPECT_EQ(scene.warnings(), 0) << scene.log();
+  double all = 0;
+  for (const int iterations : scene.trained()) all += iterations;
+  EXPECT_LE(all, 2 * scene.finished());
+}
+
+TEST(PsnrRun, LeavesOutTrainingsThatWillNotBeEnough) {
+  FakeScene scene(30, 1);
+  ASSERT_TRUE(RunAtLeast(28.8, scene.Tasks()).ok());
+  EXPECT_EQ(scene.trained().size(), 2u) << scene.log();
+  EXPECT_EQ(scene.finished(), 5000) << scene.log();
+}
+
+TEST(PsnrRun, WarnsWhereNoTrainingIsEnough) {
+  FakeScene scene(30, 1);
+  ASSERT_TRUE(RunAtLeast(35, scene.Tasks()).ok());
+  EXPECT_EQ(scene.finished(), 5000);
+  EXPECT_EQ(scene.warnings(), 2) << scene.log();
+  EXPECT_NE(scene.log().find("longest"), std::string::npos) << scene.log();
+}
+
+// Where more iterations make a scene worse, it still ends.
+TEST(PsnrRun, EndsWhereTrainingDoesNotHelp) {
+  FakeScene scene(30, -1);
+  ASSERT_TRUE(RunAtLeast(33.5, scene.Tasks()).ok());
+  EXPECT_EQ(scene.finished(), 5000);
+}
+
+TEST(PsnrRun, ReturnsErrors) {
+  FakeScene scene(30, 1);
+  PsnrRunTasks tasks = scene.Tasks();
+  tasks.finish = [](const auto&) { return InterruptedError("stopped"); };
+  EXPECT_EQ(RunAtLeast(20, tasks).code(), StatusCode::kInterrupted);
+  tasks.train = [](const auto&) -> StatusOr<double> {
+    return BadInputError("no photos were kept");
+  };
+  EXPECT_EQ(RunAtLeast(20, tasks).code(), StatusCode::kBadInput);
+}
+
+}  // namespace
+}  // namespace freegs::stages
