@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cstddef>
 #include <iterator>
+#include <limits>
 #include <string>
 #include <system_error>
 
@@ -40,6 +41,14 @@ std::vector<OptionSetting> SettingsOf(const Rung& rung) {
        "--at-least"}};
 }
 
+// What is foretold from two trainings is wrong by so many dB at times. What is
+// foretold from one may be wrong by more, so it never ends a run.
+constexpr double kMargin = 0.5;
+
+std::string IterationsText(const Rung& rung) {
+  return FormatCount(rung.iterations) + " iterations";
+}
+
 double GainBetween(size_t from, size_t to) {
   double gain = 0;
   for (size_t k = from + 1; k <= to; ++k) gain += kRungs[k].gain;
@@ -71,11 +80,12 @@ Status RunAtLeast(double psnr, const PsnrRunTasks& tasks) {
       "run: at least " + FormatSignificant(psnr, 4) + " dB: ";
   constexpr size_t kLast = std::size(kRungs) - 1;
   size_t rung = 0;
-  // How much more iterations gain in this scene, relative to the mean.
+  // How much more iterations gain in this scene, relative to the mean; known
+  // after two trainings.
   double scale = 1;
+  double margin = std::numeric_limits<double>::infinity();
   tasks.log(LogLevel::kInfo,
-            goal + "begins with a training of " +
-                FormatCount(kRungs[rung].iterations) + " iterations");
+            goal + "begins with a training of " + IterationsText(kRungs[rung]));
   FREEGS_ASSIGN_OR_RETURN(double reached,
                           tasks.train(SettingsOf(kRungs[rung])));
   while (reached < psnr && rung < kLast) {
@@ -85,29 +95,31 @@ Status RunAtLeast(double psnr, const PsnrRunTasks& tasks) {
       ++next;
     }
     const double expected = reached + scale * GainBetween(rung, next);
-    tasks.log(expected < psnr ? LogLevel::kWarning : LogLevel::kInfo,
-              goal + FormatCount(kRungs[rung].iterations) +
-                  " iterations gave " + FormatFixed(reached, 1) + " dB; " +
-                  FormatCount(kRungs[next].iterations) +
-                  " are expected to give " + FormatFixed(expected, 1) + " dB" +
-                  (expected < psnr ? ", and no longer training is known to help"
-                                   : ""));
+    const std::string outlook = goal + IterationsText(kRungs[rung]) + " gave " +
+                                FormatFixed(reached, 1) + " dB, " +
+                                FormatCount(kRungs[next].iterations) +
+                                " are expected to give " +
+                                FormatFixed(expected, 1);
+    if (expected < psnr - margin) {
+      tasks.log(LogLevel::kWarning, outlook + ", which is not worth trying");
+      break;
+    }
+    tasks.log(LogLevel::kInfo, outlook);
     FREEGS_ASSIGN_OR_RETURN(const double better,
                             tasks.train(SettingsOf(kRungs[next])));
     tasks.log(LogLevel::kInfo,
-              goal + FormatCount(kRungs[next].iterations) +
-                  " iterations gave " + FormatFixed(better, 1) + " dB; " +
-                  FormatFixed(expected, 1) + " were expected");
+              goal + IterationsText(kRungs[next]) + " gave " +
+                  FormatFixed(better, 1) + " dB, " + FormatFixed(expected, 1) +
+                  " were expected");
     scale = std::clamp((better - reached) / GainBetween(rung, next), 0.0, 2.0);
+    margin = kMargin;
     reached = better;
     rung = next;
   }
   FREEGS_RETURN_IF_ERROR(tasks.finish(SettingsOf(kRungs[rung])));
   tasks.log(reached < psnr ? LogLevel::kWarning : LogLevel::kInfo,
             goal + "holdout photos have " + FormatFixed(reached, 1) +
-                " dB after " + FormatCount(kRungs[rung].iterations) +
-                " iterations" +
-                (reached < psnr ? ", the longest training there is" : ""));
+                " dB after " + IterationsText(kRungs[rung]));
   return Status();
 }
 

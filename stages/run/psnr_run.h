@@ -38,10 +38,11 @@ struct PsnrRunTasks {
   pipeline::LogFn log;
 };
 
-// Trains until the holdout photos have at least this PSNR in dB, or until there
-// is no longer training, and finishes the scene with the last training. Says
-// what it expects and what became of it. A scene of a lower PSNR is no error.
-// Returns the errors of the tasks.
+// Trains until the holdout photos have at least this PSNR in dB, until there is
+// no longer training, or until two trainings foretell that it stays out of
+// reach, and finishes the scene with the last training. Says what it expects
+// and what became of it. A scene of a lower PSNR is no error. Returns the
+// errors of the tasks.
 Status RunAtLeast(double psnr, const PsnrRunTasks& tasks);
 
 }  // namespace freegs::stages

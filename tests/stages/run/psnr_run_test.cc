@@ -108,19 +108,24 @@ TEST(PsnrRun, LeavesOutTrainingsThatWillNotBeEnough) {
   EXPECT_EQ(scene.finished(), 5000) << scene.log();
 }
 
-TEST(PsnrRun, WarnsWhereNoTrainingIsEnough) {
+// One training tells too little to give up.
+TEST(PsnrRun, TriesTheLongestWhereItIsNotFarFromEnough) {
   FakeScene scene(30, 1);
   ASSERT_TRUE(RunAtLeast(35, scene.Tasks()).ok());
+  EXPECT_EQ(scene.trained(), (std::vector<int>{625, 5000}));
   EXPECT_EQ(scene.finished(), 5000);
-  EXPECT_EQ(scene.warnings(), 2) << scene.log();
-  EXPECT_NE(scene.log().find("longest"), std::string::npos) << scene.log();
+  EXPECT_EQ(scene.warnings(), 1) << scene.log();
 }
 
-// Where more iterations make a scene worse, it still ends.
-TEST(PsnrRun, EndsWhereTrainingDoesNotHelp) {
+// More iterations make this scene worse.
+TEST(PsnrRun, GivesUpWhereTrainingDoesNotHelp) {
   FakeScene scene(30, -1);
-  ASSERT_TRUE(RunAtLeast(33.5, scene.Tasks()).ok());
-  EXPECT_EQ(scene.finished(), 5000);
+  ASSERT_TRUE(RunAtLeast(33.9, scene.Tasks()).ok());
+  EXPECT_EQ(scene.trained(), (std::vector<int>{625, 1250}));
+  EXPECT_EQ(scene.finished(), 1250);
+  EXPECT_EQ(scene.warnings(), 2) << scene.log();
+  EXPECT_NE(scene.log().find("not worth trying"), std::string::npos)
+      << scene.log();
 }
 
 TEST(PsnrRun, ReturnsErrors) {
