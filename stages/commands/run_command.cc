@@ -263,13 +263,13 @@ StatusOr<RunGoal> TakeGoal(OptionTable::CommandLine* line) {
   if (two) {
     return InvalidArgumentError("--within and --at-least do not go together");
   }
-  (goal->name == "within" ? result.seconds : result.psnr) = 0;
+  const bool is_time = goal->name == "within";
   const StatusOr<double> value =
-      result.seconds ? ParseDuration(goal->value) : ParsePsnrGoal(goal->value);
+      is_time ? ParseDuration(goal->value) : ParsePsnrGoal(goal->value);
   if (!value.ok()) {
     return InvalidArgumentError(option + ": " + value.status().message());
   }
-  (result.seconds ? result.seconds : result.psnr) = *value;
+  (is_time ? result.seconds : result.psnr) = *value;
   if (!whole) {
     return InvalidArgumentError(
         option + " is for whole runs: run IMAGES WORKSPACE " + option + " " +

@@ -5,10 +5,12 @@
 #include <cstdlib>
 #include <map>
 #include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 
 #include "stages/registry/pipeline_options.h"
+#include "stages/registry/presets.h"
 
 namespace freegs::stages {
 namespace {
@@ -87,6 +89,25 @@ TEST(TimeChoice, AllChoicesSetTheSameOptionsThatThereAre) {
     }
     if (first.empty()) first = names;
     EXPECT_EQ(names, first);
+  }
+}
+
+// Where the time is what a preset takes, the choice is that preset.
+TEST(TimeChoice, AgreesWithPresets) {
+  const std::pair<const char*, double> kSeconds[] = {
+      {"fast", 54.7}, {"balanced", 94.2}, {"quality", 86400}};
+  for (const auto& [preset, seconds] : kSeconds) {
+    PipelineOptions preset_options, chosen_options;
+    pipeline::OptionTable preset_table = MakeOptionTable(&preset_options);
+    pipeline::OptionTable chosen_table = MakeOptionTable(&chosen_options);
+    ASSERT_TRUE(preset_table.Apply(*PresetSettings(preset)).ok());
+    const StatusOr<TimeChoice> choice = ChooseWithin(seconds, Foretold);
+    ASSERT_TRUE(choice.ok());
+    ASSERT_TRUE(chosen_table.Apply(choice->settings).ok());
+    for (const pipeline::OptionTable::Option& option : preset_table.options()) {
+      EXPECT_EQ(chosen_table.Find(option.name)->value(), option.value())
+          << preset << " " << option.name;
+    }
   }
 }
 
