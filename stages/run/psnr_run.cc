@@ -19,8 +19,8 @@ namespace {
 using pipeline::LogLevel;
 using pipeline::OptionSetting;
 
-// A training, and by how many dB it is better than the one before on the mean
-// (docs/speed_accuracy.md, "At least so accurate").
+// A training, and by how many dB it is taken to be better than the one before.
+// docs/speed_accuracy.md, "At least so accurate", has what seven scenes gained.
 struct Rung {
   int iterations;
   double gain;
@@ -41,8 +41,8 @@ std::vector<OptionSetting> SettingsOf(const Rung& rung) {
        "--at-least"}};
 }
 
-// What is foretold from two trainings is wrong by so many dB at times. What is
-// foretold from one may be wrong by more, so it never ends a run.
+// A run ends where two trainings foretell that the goal is missed by more dB
+// than this. What is foretold from one may be far off, so it never ends a run.
 constexpr double kMargin = 0.5;
 
 std::string IterationsText(const Rung& rung) {
@@ -80,8 +80,8 @@ Status RunAtLeast(double psnr, const PsnrRunTasks& tasks) {
       "run: at least " + FormatSignificant(psnr, 4) + " dB: ";
   constexpr size_t kLast = std::size(kRungs) - 1;
   size_t rung = 0;
-  // How much more iterations gain in this scene, relative to the mean; known
-  // after two trainings.
+  // How much longer trainings gain in this scene, relative to what others gain;
+  // known after two trainings.
   double scale = 1;
   double margin = std::numeric_limits<double>::infinity();
   tasks.log(LogLevel::kInfo,
