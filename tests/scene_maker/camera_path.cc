@@ -80,6 +80,23 @@ Rigid3d PoseAtWall(const SceneMakerOptions& options,
   return LookAt(eye, {eye.x() + 0.3 * std::sin(7 * share), 2.5, 0.52});
 }
 
+// From all over a half sphere around the board, as NeRF-synthetic has it.
+// Every further photo is higher up and a golden angle (Vogel 1979) farther
+// around, which spreads them evenly.
+Rigid3d PoseOnHalfSphere(const SceneMakerOptions& options, double index) {
+  constexpr double kGoldenAngle = 2.399963229728653;  // pi * (3 - sqrt(5)).
+  constexpr double kDistance = 1.5;
+  // Sine of the elevation, never straight up.
+  const double up = (index + 1) / (options.views + 1);
+  const double flat = std::sqrt(1 - up * up);
+  const double azimuth = index * kGoldenAngle;
+  const Vector3d target(0, 0, kTableHeight + 0.05);
+  return LookAt(target + kDistance * Vector3d(flat * std::cos(azimuth),
+                                              flat * std::sin(azimuth),
+                                              up),
+                target);
+}
+
 // Number `index` of a path whose photos are `step` apart; fractions are between
 // photos. `stream` decides how the hand shakes.
 Rigid3d PoseOnPath(const SceneMakerOptions& options,
@@ -105,6 +122,9 @@ Rigid3d PoseOnPath(const SceneMakerOptions& options,
   }
   if (options.subject == Subject::kTiles) {
     return PoseAtWall(options, index, &shake);
+  }
+  if (options.subject == Subject::kStudio) {
+    return PoseOnHalfSphere(options, index);
   }
   // Up and down three times on the way around, so that neighbours stay close
   // and every side is seen from several heights.

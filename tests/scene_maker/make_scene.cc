@@ -49,7 +49,7 @@ int Run(int argc, char** argv) {
        "objects on the table, 1 to 12")
       ("scene", po::value(&subject)->default_value("table"),
        "table; clutter: random things; chairs: two equal ones; tiles: a wall "
-       "of equal ones")
+       "of equal ones; studio: objects in front of white")
       ("arc", po::value(&options.arc)->default_value(options.arc),
        "degrees that the photographs cover; 0: as many as there are photos")
       ("texture", po::value(&texture)->default_value("rich"), "rich or none")
@@ -80,8 +80,10 @@ int Run(int argc, char** argv) {
     options.subject = Subject::kTiles;
   } else if (subject == "clutter") {
     options.subject = Subject::kClutter;
+  } else if (subject == "studio") {
+    options.subject = Subject::kStudio;
   } else if (subject != "table") {
-    return Fail("--scene is table, clutter, chairs or tiles");
+    return Fail("--scene is table, clutter, chairs, tiles or studio");
   }
   options.textured = texture == "rich";
   options.motion = motion == "orbit" ? Motion::kOrbit : Motion::kRotation;

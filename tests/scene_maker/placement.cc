@@ -189,7 +189,10 @@ void AddChairs(Scene* scene) {
 Status AddObjects(Scene* scene) {
   const SceneMakerOptions& options = scene->options;
   if (options.subject == Subject::kChairs) AddChairs(scene);
-  if (options.subject != Subject::kTable) return Status();
+  if (options.subject != Subject::kTable &&
+      options.subject != Subject::kStudio) {
+    return Status();
+  }
   std::vector<CatalogueItem> items = MakeCatalogue(
       options.textured, static_cast<uint32_t>(options.seed) * 131u + 17u);
   items.resize(static_cast<size_t>(options.objects));

@@ -143,7 +143,10 @@ class Caster {
   Color Sample(const Ray& ray, double u, double v) const {
     Hit hit;
     const int index = Nearest(ray, &hit);
-    if (index < 0) return Color(0, 0, 0);
+    if (index < 0) {
+      return scene_.options.subject == Subject::kStudio ? Color(1, 1, 1)
+                                                        : Color(0, 0, 0);
+    }
     const Solid& solid = scene_.solids[static_cast<size_t>(index)];
     const Vector3d point = ray.origin + hit.distance * ray.direction;
     const double facing = std::max(0.2, -hit.normal.dot(ray.direction));

@@ -98,8 +98,9 @@ std::array<Texture, 4> WallTextures(Subject subject, uint32_t seed) {
   return {wall, wall, wall, wall};
 }
 
-void AddTable(uint32_t seed, Furnisher* room) {
-  constexpr double kTop = 0.018;  // Half thickness of the table top.
+constexpr double kTop = 0.018;  // Half thickness of the table top.
+
+void AddTableTop(uint32_t seed, Furnisher* room) {
   room->Add(
       Shape::kFrustum,
       {kTableRadius - 0.006, kTableRadius, kTop},
@@ -107,6 +108,9 @@ void AddTable(uint32_t seed, Furnisher* room) {
       "table",
       WoodPlanks(FromSrgb(0xc99a66), FromSrgb(0x6f4324), 0.115f, seed + 6),
       0xa9835c);
+}
+
+void AddTableLeg(uint32_t seed, Furnisher* room) {
   const double leg = 0.5 * (kTableHeight - 2 * kTop);
   room->Add(Shape::kFrustum,
             {0.09, 0.055, leg},
@@ -129,6 +133,10 @@ void AddRoom(Scene* scene) {
   const uint32_t seed = static_cast<uint32_t>(scene->options.seed) * 977u + 5u;
   constexpr double kMiddle = 0.5 * kRoomHeight;
   Furnisher room(scene);
+  if (subject == Subject::kStudio) {
+    AddTableTop(seed, &room);
+    return;
+  }
   room.Add(Shape::kBox,
            {kRoomX, kRoomY, kThick},
            {0, 0, -kThick},
@@ -160,7 +168,10 @@ void AddRoom(Scene* scene) {
              walls[static_cast<size_t>(2 + side)],
              0xd8d4cc);
   }
-  if (subject == Subject::kTable) AddTable(seed, &room);
+  if (subject == Subject::kTable) {
+    AddTableTop(seed, &room);
+    AddTableLeg(seed, &room);
+  }
 }
 
 StatusOr<Scene> BuildScene(const SceneMakerOptions& options) {

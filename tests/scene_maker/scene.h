@@ -30,18 +30,20 @@ enum class Subject {
   kChairs,   // Two equal chairs far apart on boards, between plain walls.
   kClutter,  // A table of random things in a random room; see clutter.h.
   kTiles,    // A wall of equal tiles above a floor of boards.
+  kStudio,   // The objects of kTable on a round board, and white around it.
 };
 
 enum class Motion {
-  kOrbit,     // Around the table, around one chair after the other, or along
-              // the tiled wall.
+  kOrbit,     // Around the table, around one chair after the other, along the
+              // tiled wall, or from all over the half space above the board.
   kRotation,  // On the spot, turning: no parallax.
 };
 
 struct SceneMakerOptions {
   // Photographs to reconstruct from. Around the table they are at most 9
   // degrees apart; fewer than 40 cover a part of the circle. Around each chair
-  // half of them cover 200 degrees; along the wall they cover 3.8 metres.
+  // half of them cover 200 degrees; along the wall they cover 3.8 metres; of
+  // the board they are spread evenly over a half sphere.
   int views = 40;
 
   // Degrees around the table that the photographs cover; 0 for as many as there
@@ -102,7 +104,8 @@ struct Scene {
 
 StatusOr<Scene> BuildScene(const SceneMakerOptions& options);
 
-// Adds floor and walls, and the table if it is the subject.
+// Adds floor and walls, and the table if it is the subject. A studio has the
+// table top only.
 void AddRoom(Scene* scene);
 
 // Puts options.objects of the catalogue on the table top, or the chairs on the

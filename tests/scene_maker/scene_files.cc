@@ -141,24 +141,27 @@ json ObjectsJson(const Scene& scene,
 std::string What(const Scene& scene) {
   switch (scene.options.subject) {
     case Subject::kChairs:
-      return "Two equal chairs";
+      return "Two equal chairs in a room";
     case Subject::kTiles:
-      return "A wall of equal tiles";
+      return "A wall of equal tiles in a room";
+    case Subject::kStudio:
+      return std::to_string(scene.objects.size()) + " objects on a round board";
     case Subject::kClutter:
     case Subject::kTable:
       break;
   }
-  return std::to_string(scene.objects.size()) + " objects on a round table";
+  return std::to_string(scene.objects.size()) +
+         " objects on a round table in a room";
 }
 
 std::string Readme(const Scene& scene) {
   const SceneMakerOptions& options = scene.options;
   std::string text =
       "# A made-up scene\n\n" + What(scene) +
-      " in a room, drawn by freegs_make_scene (seed " +
-      std::to_string(options.seed) + ").\n\n" + "* `images/` " +
-      std::to_string(options.views) + " training photos, " +
-      std::to_string(options.width) + "x" + std::to_string(options.height) +
+      ", drawn by freegs_make_scene (seed " + std::to_string(options.seed) +
+      ").\n\n" + "* `images/` " + std::to_string(options.views) +
+      " training photos, " + std::to_string(options.width) + "x" +
+      std::to_string(options.height) +
       ", JPEG, constant exposure, no EXIF, no distortion\n"
       "* `test/images/` " +
       std::to_string(options.test_views) +

@@ -122,6 +122,30 @@ TEST(BuildScene, TheChairsAreEqualAndEachIsSeenByHalfOfThePhotos) {
   }
 }
 
+TEST(BuildScene, TheStudioIsWhiteAroundTheBoardAndSeenFromAllOverIt) {
+  SceneMakerOptions options = Small();
+  options.subject = Subject::kStudio;
+  options.width = 60;
+  const Scene scene = *BuildScene(options);
+  EXPECT_EQ(scene.objects.size(), static_cast<size_t>(options.objects));
+  Vector3d mean = Vector3d::Zero();
+  for (const View& view : scene.train) {
+    EXPECT_GT(CameraCentre(view.cam_from_world).z(), kTableHeight);
+    mean += CameraCentre(view.cam_from_world) /
+            static_cast<double>(scene.train.size());
+  }
+  EXPECT_LT(mean.head<2>().norm(), 0.4);  // They stand 1.5 metres away.
+  ThreadPool pool(1);
+  const Photo photo = CastRays(scene, scene.train.back(), pool);
+  for (const int x : {0, 59}) {
+    for (const int y : {0, 59}) {
+      EXPECT_EQ(photo.color(x, y, 1), 255);
+      EXPECT_EQ(photo.instances(x, y), 0);
+    }
+  }
+  EXPECT_LT(photo.color(30, 30, 2), 250);
+}
+
 TEST(BuildScene, TheTilesRepeat) {
   SceneMakerOptions options = Small();
   options.subject = Subject::kTiles;
