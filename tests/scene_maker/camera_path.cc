@@ -21,6 +21,14 @@ constexpr double kDegree = std::numbers::pi / 180;
 constexpr uint64_t kClutterStream = 9000;
 constexpr double kLargestStep = 9 * kDegree;
 
+// More photos than this go around the table more than once, because photos that
+// are closer together show next to no parallax.
+constexpr int kPhotosOfATurn = 300;
+
+int Turns(const SceneMakerOptions& options) {
+  return (options.views + kPhotosOfATurn - 1) / kPhotosOfATurn;
+}
+
 // A camera at `eye` that sees `target` in its middle, upright.
 Rigid3d LookAt(const Vector3d& eye, const Vector3d& target) {
   const Vector3d z = (target - eye).normalized();
@@ -127,9 +135,11 @@ Rigid3d PoseOnPath(const SceneMakerOptions& options,
     return PoseOnHalfSphere(options, index);
   }
   // Up and down three times on the way around, so that neighbours stay close
-  // and every side is seen from several heights.
+  // and every side is seen from several heights. A second turn is at other
+  // heights than the first.
+  const double waves = Turns(options) > 1 ? 3.25 : 3;
   const double elevation =
-      (31 + 13 * std::sin(3 * azimuth + 0.6) + around(1.5)) * kDegree;
+      (31 + 13 * std::sin(waves * azimuth + 0.6) + around(1.5)) * kDegree;
   double distance = 1.32 + 0.08 * std::sin(2 * azimuth) + around(0.03);
   Vector3d target(around(0.02), around(0.02), kTableHeight + 0.05);
   if (options.subject == Subject::kClutter) {
@@ -161,7 +171,8 @@ void AddViews(Scene* scene) {
   const double step =
       options.arc > 0
           ? options.arc * kDegree / options.views
-          : std::min(kLargestStep, 2 * std::numbers::pi / options.views);
+          : std::min(kLargestStep,
+                     2 * std::numbers::pi * Turns(options) / options.views);
   char name[32];
   for (int i = 0; i < options.views; ++i) {
     std::snprintf(name, sizeof(name), "frame_%04d.jpg", i + 1);

@@ -41,9 +41,10 @@ enum class Motion {
 
 struct SceneMakerOptions {
   // Photographs to reconstruct from. Around the table they are at most 9
-  // degrees apart; fewer than 40 cover a part of the circle. Around each chair
-  // half of them cover 200 degrees; along the wall they cover 3.8 metres; of
-  // the board they are spread evenly over a half sphere.
+  // degrees apart; fewer than 40 cover a part of the circle, and more than 300
+  // go around again at other heights. Around each chair half of them cover 200
+  // degrees; along the wall they cover 3.8 metres; of the board they are spread
+  // evenly over a half sphere.
   int views = 40;
 
   // Degrees around the table that the photographs cover; 0 for as many as there

@@ -122,6 +122,19 @@ TEST(BuildScene, TheChairsAreEqualAndEachIsSeenByHalfOfThePhotos) {
   }
 }
 
+TEST(BuildScene, ManyPhotosGoAroundAgainAtOtherHeights) {
+  SceneMakerOptions options = Small();
+  options.views = 301;
+  const Scene scene = *BuildScene(options);
+  const Vector3d first = CameraCentre(scene.train[0].cam_from_world);
+  const Vector3d next = CameraCentre(scene.train[1].cam_from_world);
+  const Vector3d above = CameraCentre(scene.train[150].cam_from_world);
+  EXPECT_GT((next - first).norm(), 0.02);
+  EXPECT_GT(first.head<2>().normalized().dot(above.head<2>().normalized()),
+            0.99);
+  EXPECT_GT(std::abs(above.z() - first.z()), 0.1);
+}
+
 TEST(BuildScene, TheStudioIsWhiteAroundTheBoardAndSeenFromAllOverIt) {
   SceneMakerOptions options = Small();
   options.subject = Subject::kStudio;
