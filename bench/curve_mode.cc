@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <cstdio>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -92,8 +93,11 @@ void ReportCourse(const splat::Trainer& trainer) {
 splat::QualityJudge HoldoutJudge(const splat::RenderOptions& render,
                                  splat::TrainingImages* holdout,
                                  ThreadPool* pool) {
-  return [=](const splat::GaussianModel& model, int level) {
-    return stages::MeasureChoosing(model, render, holdout, *pool, level);
+  return [=](const splat::GaussianModel& model,
+             std::span<const splat::PhotoExposure> exposures,
+             int level) {
+    return stages::MeasureChoosing(
+        model, exposures, render, holdout, *pool, level);
   };
 }
 
@@ -169,10 +173,13 @@ Status RunCurve(const CurveOptions& options) {
     if (report.recovered) continue;
     if (report.iteration % options.every != 0 && !trainer.done()) continue;
     clock.Stop();
-    FREEGS_ASSIGN_OR_RETURN(
-        const splat::HoldoutReport quality,
-        splat::MeasureHoldout(
-            trainer.model(), render, &*holdout.reporting, pool));
+    FREEGS_ASSIGN_OR_RETURN(const splat::HoldoutReport quality,
+                            splat::MeasureHoldout(trainer.model(),
+                                                  render,
+                                                  &*holdout.reporting,
+                                                  pool,
+                                                  /*level=*/0,
+                                                  trainer.Exposures()));
     std::printf("%lld,%.3f,%.3f,%zu,%.3f,%.4f\n",
                 static_cast<long long>(report.iteration),
                 clock.seconds(),

@@ -9,21 +9,23 @@
 #include "core/io/image_io.h"
 #include "splat/images/displacement.h"
 #include "splat/images/ignored_pixels.h"
-#include "splat/optim/exposure.h"
 #include "splat/optim/image_metrics.h"
 #include "splat/render/rasterizer.h"
 
 namespace freegs::splat {
 
-StatusOr<HoldoutReport> MeasureHoldout(const GaussianModel& model,
-                                       const RenderOptions& options,
-                                       TrainingImages* images,
-                                       ThreadPool& pool,
-                                       int level) {
+StatusOr<HoldoutReport> MeasureHoldout(
+    const GaussianModel& model,
+    const RenderOptions& options,
+    TrainingImages* images,
+    ThreadPool& pool,
+    int level,
+    std::span<const PhotoExposure> exposures) {
   HoldoutReport report;
   Rasterizer rasterizer;
   RasterImages rendered;
   ImageF photo;
+  ImageF exposed;
   for (size_t i = 0; i < images->size(); ++i) {
     const View view = images->view(i, level);
     FREEGS_RETURN_IF_ERROR(images->Fetch(i, level, &photo));
@@ -31,7 +33,13 @@ StatusOr<HoldoutReport> MeasureHoldout(const GaussianModel& model,
         model, view.camera, view.cam_from_world, options, {}, pool, &rendered);
     HoldoutView result;
     result.name = view.name;
-    result.rendered = ToU8(rendered.color);
+    if (!exposures.empty()) {
+      ApplyColor(ExposureBetween(exposures, view.name),
+                 rendered.color,
+                 pool,
+                 &exposed);
+    }
+    result.rendered = ToU8(exposures.empty() ? rendered.color : exposed);
     const ImageF quantised = ToFloat(result.rendered);
     // The error of pixels that a mask ignores becomes zero, and the mean is
     // taken over the others.

@@ -4,6 +4,7 @@
 #ifndef FREEGS_SPLAT_IMAGES_HOLDOUT_H_
 #define FREEGS_SPLAT_IMAGES_HOLDOUT_H_
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "core/parallel.h"
 #include "core/status.h"
 #include "splat/images/training_images.h"
+#include "splat/optim/exposure.h"
 #include "splat/render/renderer.h"
 #include "splat/scene/gaussian_model.h"
 
@@ -34,13 +36,17 @@ struct HoldoutReport {
 
 // Renders every view of `images` (one or more) at a level of the image pyramid
 // and compares it with the photo, without the pixels that its mask ignores. A
-// view of which nothing is left is not in the report. Fails when a photo has
+// view of which nothing is left is not in the report. Where training learnt
+// exposures, the colours of a rendering become those to expect of the photo
+// (ExposureBetween). Fails when a photo has
 // become unreadable, and with kBadInput when nothing is left of any view.
-StatusOr<HoldoutReport> MeasureHoldout(const GaussianModel& model,
-                                       const RenderOptions& options,
-                                       TrainingImages* images,
-                                       ThreadPool& pool,
-                                       int level = 0);
+StatusOr<HoldoutReport> MeasureHoldout(
+    const GaussianModel& model,
+    const RenderOptions& options,
+    TrainingImages* images,
+    ThreadPool& pool,
+    int level = 0,
+    std::span<const PhotoExposure> exposures = {});
 
 // The same when each photo may have its own exposure: the colours of the
 // rendering are fitted to the photo on its left half (FitColor) and compared on

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
@@ -37,6 +38,23 @@ Status ExposureOptions::Check() const {
     return InvalidArgumentError("the pull of exposure must be >= 0");
   }
   return Status();
+}
+
+AffineColor ExposureBetween(std::span<const PhotoExposure> exposures,
+                            std::string_view photo) {
+  if (exposures.empty()) return {};
+  const auto after = std::ranges::lower_bound(
+      exposures, photo, std::less<>(), [](const PhotoExposure& exposure) {
+        return std::string_view(exposure.photo);
+      });
+  const auto before = after == exposures.begin() ? after : after - 1;
+  const AffineColor& a = before->color;
+  const AffineColor& b = after == exposures.end() ? a : after->color;
+  AffineColor between;
+  for (size_t k = 0; k < between.values.size(); ++k) {
+    between.values[k] = 0.5f * (a.values[k] + b.values[k]);
+  }
+  return between;
 }
 
 double ExposureRate(const ExposureOptions& options, double share) {

@@ -10,6 +10,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/image.h"
@@ -45,6 +48,19 @@ struct AffineColor {
 
   friend bool operator==(const AffineColor&, const AffineColor&) = default;
 };
+
+// What training learnt about a photograph.
+struct PhotoExposure {
+  std::string photo;
+  AffineColor color;
+};
+
+// The exposure to expect of a photograph that training never saw: the mean of
+// the photographs before and after it, by name. A camera changes exposure
+// slowly along its way, so this is closer than that of the whole scene.
+// `exposures` are in the order of the names; without any it is the identity.
+AffineColor ExposureBetween(std::span<const PhotoExposure> exposures,
+                            std::string_view photo);
 
 // The rate at a share of the iterations, from options.start to 1.
 double ExposureRate(const ExposureOptions& options, double share);

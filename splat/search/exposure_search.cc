@@ -70,7 +70,7 @@ StatusOr<ExposureChoice> SearchExposure(const ExposureSearchOptions& options,
       }
       FREEGS_RETURN_IF_ERROR(trainer.Step().status());
     }
-    return judge(trainer.model(), level);
+    return judge(trainer.model(), trainer.Exposures(), level);
   };
   ExposureChoice choice;
   FREEGS_ASSIGN_OR_RETURN(choice.without, psnr_of_trial(false));

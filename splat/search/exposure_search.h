@@ -5,8 +5,10 @@
 // changes slowly along the way of the camera, so that colours which depend on
 // the viewing direction follow it, the additional freedom costs quality.
 //
-//   const QualityJudge judge = [&](const GaussianModel& model,
-//                                  int level) -> StatusOr<HoldoutPsnr> {
+//   const QualityJudge judge =
+//       [&](const GaussianModel& model,
+//           std::span<const PhotoExposure> exposures,
+//           int level) -> StatusOr<HoldoutPsnr> {
 //     HoldoutPsnr psnr;
 //     ... MeasureHoldout and MeasureFittedHoldout ...
 //     return psnr;
@@ -21,11 +23,13 @@
 #define FREEGS_SPLAT_SEARCH_EXPOSURE_SEARCH_H_
 
 #include <functional>
+#include <span>
 
 #include "core/cancellation.h"
 #include "core/parallel.h"
 #include "core/status.h"
 #include "splat/images/training_images.h"
+#include "splat/optim/exposure.h"
 #include "splat/scene/gaussian_model.h"
 #include "splat/train/exposure_choice.h"
 #include "splat/train/trainer.h"
@@ -33,9 +37,12 @@
 namespace freegs::splat {
 
 // Measures a model on photographs that training does not see, at a level of
-// their image pyramid. An error ends the search, which returns it.
-using QualityJudge =
-    std::function<StatusOr<HoldoutPsnr>(const GaussianModel& model, int level)>;
+// their image pyramid. `exposures` are those learnt (Trainer::Exposures). An
+// error ends the search, which returns it.
+using QualityJudge = std::function<StatusOr<HoldoutPsnr>(
+    const GaussianModel& model,
+    std::span<const PhotoExposure> exposures,
+    int level)>;
 
 struct ExposureSearchOptions {
   // Exposure is learnt if that raises the PSNR with fitted colours by at least

@@ -310,6 +310,17 @@ int64_t Trainer::SimplificationBudget() const {
   return static_cast<int64_t>(static_cast<double>(options_.budget) * slack);
 }
 
+std::vector<PhotoExposure> Trainer::Exposures() const {
+  const std::vector<PhotoColors::Entry>& entries = history_.colors.entries;
+  std::vector<PhotoExposure> exposures;
+  exposures.reserve(entries.size());
+  for (size_t i = 0; i < entries.size(); ++i) {
+    exposures.push_back({images_->view(i, 0).name, entries[i].color});
+  }
+  std::ranges::sort(exposures, {}, &PhotoExposure::photo);
+  return exposures;
+}
+
 void Trainer::KeepTo(const ExposureChoice& choice) {
   history_.exposure_choice = choice;
   history_.colors.entries.clear();

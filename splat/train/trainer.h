@@ -130,6 +130,10 @@ class Trainer {
     return history_.exposure_choice;
   }
 
+  // What has been learnt about the exposure of each photo, in the order of
+  // their names; empty where it is not learnt.
+  std::vector<PhotoExposure> Exposures() const;
+
   // Learns the exposure of each photo, or does not, as a search decided
   // (splat/search/exposure_search.h) and whatever the options say. Call it
   // before the first step. The choice becomes part of the history, so a

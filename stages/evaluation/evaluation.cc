@@ -46,9 +46,13 @@ StatusOr<std::optional<ImageQuality>> MeasureHoldoutQuality(
   FREEGS_ASSIGN_OR_RETURN(
       splat::TrainingImages images,
       splat::TrainingImages::Load(views, photos_folder, options, pool));
-  FREEGS_ASSIGN_OR_RETURN(
-      const splat::HoldoutReport report,
-      splat::MeasureHoldout(scene.model, scene.render, &images, pool));
+  FREEGS_ASSIGN_OR_RETURN(const splat::HoldoutReport report,
+                          splat::MeasureHoldout(scene.model,
+                                                scene.render,
+                                                &images,
+                                                pool,
+                                                /*level=*/0,
+                                                scene.exposures));
   ImageQuality quality;
   for (const splat::HoldoutView& view : report.views) {
     quality.views.push_back({view.name, view.psnr, view.ssim});

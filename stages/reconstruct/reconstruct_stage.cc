@@ -23,6 +23,7 @@
 #include "stages/reconstruct/reconstruct_forecast.h"
 #include "stages/reconstruct/training_report.h"
 #include "stages/reconstruct/training_run.h"
+#include "stages/scene/exposure_file.h"
 #include "stages/scene/scene_size.h"
 #include "stages/scene/training_scene.h"
 #include "stages/scene/working_frame.h"
@@ -46,7 +47,7 @@ class ReconstructStage : public pipeline::Stage {
       : options_(options), seed_(seed) {}
 
   std::string_view name() const override { return "reconstruct"; }
-  int version() const override { return 3; }
+  int version() const override { return 4; }
 
   std::vector<fs::path> Inputs(
       const pipeline::StageContext& context) const override {
@@ -131,6 +132,10 @@ class ReconstructStage : public pipeline::Stage {
     }
     FREEGS_RETURN_IF_ERROR(splat::WritePly(
         context.output / "point_cloud.ply", world.model, world.offset));
+    if (!trained.exposures.empty()) {
+      FREEGS_RETURN_IF_ERROR(
+          WriteExposures(context.output / "exposure.json", trained.exposures));
+    }
     return WriteMetrics(trained, &holdout, meter, context);
   }
 
@@ -144,10 +149,10 @@ class ReconstructStage : public pipeline::Stage {
         seed_);
   }
 
-  // Measures the model on a part of the holdout, writes what it shows there,
-  // and adds the figures of each view to metrics["holdout_views"] and to
+  // Measures what was trained on a part of the holdout, writes what it shows
+  // there, and adds the figures of each view to metrics["holdout_views"] and to
   // `displaced`.
-  StatusOr<splat::HoldoutReport> Measure(const splat::GaussianModel& model,
+  StatusOr<splat::HoldoutReport> Measure(const TrainedModel& trained,
                                          bool choosing,
                                          splat::TrainingImages* photos,
                                          pipeline::StageContext& context,
@@ -155,8 +160,12 @@ class ReconstructStage : public pipeline::Stage {
                                          nlohmann::json* metrics) const {
     FREEGS_ASSIGN_OR_RETURN(
         splat::HoldoutReport quality,
-        splat::MeasureHoldout(
-            model, ReconstructRenderOptions(options_), photos, *context.pool));
+        splat::MeasureHoldout(trained.model,
+                              ReconstructRenderOptions(options_),
+                              photos,
+                              *context.pool,
+                              /*level=*/0,
+                              trained.exposures));
     for (const splat::HoldoutView& view : quality.views) {
       (*metrics)["holdout_views"].push_back(
           {{"name", view.name},
@@ -190,7 +199,7 @@ class ReconstructStage : public pipeline::Stage {
     std::vector<DisplacedView> displaced;
     if (holdout->reporting) {
       FREEGS_ASSIGN_OR_RETURN(const splat::HoldoutReport quality,
-                              Measure(model,
+                              Measure(trained,
                                       false,
                                       &*holdout->reporting,
                                       context,
@@ -208,7 +217,7 @@ class ReconstructStage : public pipeline::Stage {
     if (holdout->choosing) {
       FREEGS_RETURN_IF_ERROR(
           Measure(
-              model, true, &*holdout->choosing, context, &displaced, &metrics)
+              trained, true, &*holdout->choosing, context, &displaced, &metrics)
               .status());
     }
     const std::string note = DisplacementNote(displaced);

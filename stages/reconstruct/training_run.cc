@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -58,8 +59,11 @@ class TrainingRun {
 
   // The judge that the search asks. It must not outlive this run.
   splat::QualityJudge Judge() {
-    return [this](const splat::GaussianModel& model, int level) {
+    return [this](const splat::GaussianModel& model,
+                  std::span<const splat::PhotoExposure> exposures,
+                  int level) {
       return MeasureChoosing(model,
+                             exposures,
                              ReconstructRenderOptions(options_),
                              &*holdout_->choosing,
                              *context_->pool,
@@ -100,6 +104,7 @@ class TrainingRun {
             .iterations = trainer_->iteration(),
             .earlier_seconds = earlier_seconds_,
             .earlier_cpu_seconds = earlier_cpu_seconds_,
+            .exposures = trainer_->Exposures(),
             .course = CourseJson(options_.densification, trainer_)};
   }
 
@@ -173,8 +178,7 @@ class TrainingRun {
     }
     std::optional<double> psnr;
     if (measure) {
-      FREEGS_ASSIGN_OR_RETURN(
-          psnr, HoldoutPsnr(trainer_->model(), &*holdout_->reporting, 0));
+      FREEGS_ASSIGN_OR_RETURN(psnr, HoldoutPsnr());
     }
     const double loss = loss_sum_ / loss_count_;
     loss_sum_ = 0;
@@ -195,17 +199,16 @@ class TrainingRun {
     return Status();
   }
 
-  // Mean PSNR in dB over holdout photos at a level of their pyramid.
-  StatusOr<double> HoldoutPsnr(const splat::GaussianModel& model,
-                               splat::TrainingImages* photos,
-                               int level) {
+  // Mean PSNR in dB over the holdout photos that report.
+  StatusOr<double> HoldoutPsnr() {
     FREEGS_ASSIGN_OR_RETURN(
         const splat::HoldoutReport quality,
-        splat::MeasureHoldout(model,
+        splat::MeasureHoldout(trainer_->model(),
                               ReconstructRenderOptions(options_),
-                              photos,
+                              &*holdout_->reporting,
                               *context_->pool,
-                              level));
+                              /*level=*/0,
+                              trainer_->Exposures()));
     return quality.mean_psnr;
   }
 
@@ -250,15 +253,17 @@ class TrainingRun {
 
 }  // namespace
 
-StatusOr<splat::HoldoutPsnr> MeasureChoosing(const splat::GaussianModel& model,
-                                             const splat::RenderOptions& render,
-                                             splat::TrainingImages* photos,
-                                             ThreadPool& pool,
-                                             int level) {
+StatusOr<splat::HoldoutPsnr> MeasureChoosing(
+    const splat::GaussianModel& model,
+    std::span<const splat::PhotoExposure> exposures,
+    const splat::RenderOptions& render,
+    splat::TrainingImages* photos,
+    ThreadPool& pool,
+    int level) {
   splat::HoldoutPsnr psnr;
   FREEGS_ASSIGN_OR_RETURN(
       const splat::HoldoutReport report,
-      splat::MeasureHoldout(model, render, photos, pool, level));
+      splat::MeasureHoldout(model, render, photos, pool, level, exposures));
   psnr.plain = report.mean_psnr;
   FREEGS_ASSIGN_OR_RETURN(
       psnr.fitted,

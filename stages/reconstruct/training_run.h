@@ -6,12 +6,15 @@
 #define FREEGS_STAGES_RECONSTRUCT_TRAINING_RUN_H_
 
 #include <cstdint>
+#include <span>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "core/status.h"
 #include "pipeline/stage.h"
 #include "splat/images/training_images.h"
+#include "splat/optim/exposure.h"
 #include "splat/scene/gaussian_model.h"
 #include "splat/train/trainer.h"
 #include "stages/reconstruct/reconstruct_options.h"
@@ -29,16 +32,22 @@ struct TrainedModel {
   double earlier_seconds = 0;
   double earlier_cpu_seconds = 0;
 
+  // What was learnt about the photos' exposure, in the order of their names;
+  // empty where it was not.
+  std::vector<splat::PhotoExposure> exposures;
+
   // What CourseJson says about the training.
   nlohmann::json course = CourseJson("", nullptr);
 };
 
 // What SearchExposure asks for of the photos for choosing.
-StatusOr<splat::HoldoutPsnr> MeasureChoosing(const splat::GaussianModel& model,
-                                             const splat::RenderOptions& render,
-                                             splat::TrainingImages* photos,
-                                             ThreadPool& pool,
-                                             int level);
+StatusOr<splat::HoldoutPsnr> MeasureChoosing(
+    const splat::GaussianModel& model,
+    std::span<const splat::PhotoExposure> exposures,
+    const splat::RenderOptions& render,
+    splat::TrainingImages* photos,
+    ThreadPool& pool,
+    int level);
 
 // Trains a model of the scene. Writes progress.csv and checkpoints/ below
 // context.output, and starts from the newest whole checkpoint there when

@@ -10,6 +10,7 @@
 #include "core/io/files.h"
 #include "pipeline/stage_record.h"
 #include "splat/scene/ply_io.h"
+#include "stages/scene/exposure_file.h"
 #include "stages/scene/training_scene.h"
 
 namespace freegs::stages {
@@ -67,6 +68,9 @@ StatusOr<WorkspaceScene> ReadWorkspaceScene(const fs::path& workspace) {
         "for float32");
   }
   TakeTrainingOptions(workspace, &scene);
+  FREEGS_ASSIGN_OR_RETURN(
+      scene.exposures,
+      ReadExposures(workspace / "reconstruct" / "exposure.json"));
   return scene;
 }
 

@@ -17,6 +17,7 @@
 
 #include "core/pinhole.h"
 #include "core/status.h"
+#include "splat/optim/exposure.h"
 #include "splat/render/renderer.h"
 #include "splat/scene/gaussian_model.h"
 #include "splat/scene/model_frame.h"
@@ -42,6 +43,10 @@ struct WorkspaceScene {
 
   // Has the background colour that the model was trained with.
   splat::RenderOptions render;
+
+  // What training learnt about the exposure of each photograph, in the order of
+  // their names; empty where it did not.
+  std::vector<splat::PhotoExposure> exposures;
 };
 
 // Reads undistort/, reconstruct/, and the split into training and holdout from

@@ -29,6 +29,20 @@ AffineColor RandomColor(uint64_t seed) {
   return color;
 }
 
+TEST(Exposure, OfAnUnknownPhotoIsBetweenThoseOfItsNeighbours) {
+  const std::vector<PhotoExposure> exposures = {{"2.jpg", RandomColor(1)},
+                                                {"4.jpg", RandomColor(2)}};
+  EXPECT_EQ(ExposureBetween({}, "3.jpg"), AffineColor());
+  EXPECT_EQ(ExposureBetween(exposures, "1.jpg"), exposures[0].color);
+  EXPECT_EQ(ExposureBetween(exposures, "5.jpg"), exposures[1].color);
+  const AffineColor between = ExposureBetween(exposures, "3.jpg");
+  for (size_t k = 0; k < between.values.size(); ++k) {
+    EXPECT_FLOAT_EQ(
+        between.values[k],
+        (exposures[0].color.values[k] + exposures[1].color.values[k]) / 2);
+  }
+}
+
 TEST(Exposure, AppliesTheMatrix) {
   ThreadPool pool(2);
   const ImageF scene = RandomImage(7, 40, 1);

@@ -48,13 +48,27 @@ class ExposureSearchTest : public TrainingFixture {
         std::span(views_).last(2), folder_, TrainingImagesOptions(), *pool);
     holdout_.emplace(std::move(images).value());
     return [this, pool](const GaussianModel& model,
+                        std::span<const PhotoExposure> exposures,
                         int level) -> StatusOr<HoldoutPsnr> {
-      const auto plain =
-          MeasureHoldout(model, RenderOptions(), &*holdout_, *pool, level);
+      const auto plain = MeasureHoldout(
+          model, RenderOptions(), &*holdout_, *pool, level, exposures);
       const auto fitted = MeasureFittedHoldout(
           model, RenderOptions(), &*holdout_, *pool, level);
       return HoldoutPsnr{plain->mean_psnr, *fitted};
     };
+  }
+
+  // Makes the photos brighter from the first to the last.
+  void RampExposure() {
+    const auto last = static_cast<double>(photos_.size() - 1);
+    for (size_t k = 0; k < photos_.size(); ++k) {
+      const double factor = 0.5 + 0.5 * static_cast<double>(k) / last;
+      for (size_t i = 0; i < photos_[k].size(); ++i) {
+        uint8_t& value = photos_[k].data()[i];
+        value = static_cast<uint8_t>(factor * value);
+      }
+      WritePhoto(k);
+    }
   }
 
   // Makes every second photo darker and the others brighter.
@@ -81,12 +95,14 @@ TEST_F(ExposureSearchTest, FollowsTheJudge) {
                                  HoldoutPsnr{0, 0.51},
                                  HoldoutPsnr{-0.01, 3.0}}) {
     seen.clear();
-    const auto choice = Search(
-        [&](const GaussianModel& model, int level) -> StatusOr<HoldoutPsnr> {
-          seen.emplace_back(model.size(), level);
-          if (seen.size() == 1) return HoldoutPsnr{20, 22};
-          return HoldoutPsnr{20 + gain.plain, 22 + gain.fitted};
-        });
+    const auto choice = Search([&](const GaussianModel& model,
+                                   std::span<const PhotoExposure> exposures,
+                                   int level) -> StatusOr<HoldoutPsnr> {
+      EXPECT_EQ(exposures.empty(), seen.empty());
+      seen.emplace_back(model.size(), level);
+      if (seen.size() == 1) return HoldoutPsnr{20, 22};
+      return HoldoutPsnr{20 + gain.plain, 22 + gain.fitted};
+    });
     ASSERT_TRUE(choice.ok()) << choice.status().message();
     EXPECT_EQ(choice->learn, gain.fitted > 0.5 && gain.plain >= 0);
     EXPECT_EQ(choice->without, (HoldoutPsnr{20, 22}));
@@ -98,15 +114,15 @@ TEST_F(ExposureSearchTest, FollowsTheJudge) {
 }
 
 TEST_F(ExposureSearchTest, PassesErrorsOn) {
-  EXPECT_EQ(Search([](const GaussianModel&, int) -> StatusOr<HoldoutPsnr> {
-              return BadInputError("unreadable");
-            })
-                .status()
-                .code(),
-            StatusCode::kBadInput);
-  const auto fine = [](const GaussianModel&, int) -> StatusOr<HoldoutPsnr> {
-    return HoldoutPsnr();
+  using Exposures = std::span<const PhotoExposure>;
+  const auto unreadable =
+      [](const GaussianModel&, Exposures, int) -> StatusOr<HoldoutPsnr> {
+    return BadInputError("unreadable");
   };
+  EXPECT_EQ(Search(unreadable).status().code(), StatusCode::kBadInput);
+  const auto fine = [](const GaussianModel&,
+                       Exposures,
+                       int) -> StatusOr<HoldoutPsnr> { return HoldoutPsnr(); };
   search_.min_gain_db = -1;
   EXPECT_EQ(Search(fine).status().code(), StatusCode::kInvalidArgument);
   search_.min_gain_db = 0.5;
@@ -126,6 +142,18 @@ TEST_F(ExposureSearchTest, LearnsExposureOnlyWherePhotosDiffer) {
       << different->without.fitted << " " << different->with.fitted;
   // The same for another number of threads.
   EXPECT_EQ(*Search(HoldoutJudge(&pool), 1), *different);
+}
+
+// A new view is taken to have the exposure of the photos before and after it,
+// not that of the whole scene.
+TEST_F(ExposureSearchTest, LearnsAnExposureThatDrifts) {
+  RampExposure();
+  ThreadPool pool(2);
+  const auto choice = Search(HoldoutJudge(&pool));
+  ASSERT_TRUE(choice.ok()) << choice.status().message();
+  EXPECT_TRUE(choice->learn)
+      << choice->without.plain << " " << choice->with.plain << ", fitted "
+      << choice->without.fitted << " " << choice->with.fitted;
 }
 
 TEST_F(ExposureSearchTest, TrainingKeepsToTheChoice) {

@@ -49,6 +49,17 @@ TEST_F(TrainingRunTest, ReportsTheSearchAboutExposure) {
   options.exposure = "on";
   ASSERT_TRUE(Run(options, "on").ok());
   EXPECT_NE(Bytes("on/point_cloud.ply"), Bytes("out/point_cloud.ply"));
+  // One exposure for each training photo, where it was learnt.
+  EXPECT_FALSE(fs::exists(workspace_ / "out" / "exposure.json"));
+  const auto photos =
+      photos::ReadPhotoList(workspace_ / "ingest" / "images.json");
+  ASSERT_TRUE(photos.ok());
+  const auto exposures = nlohmann::json::parse(Bytes("on/exposure.json"));
+  size_t trained = 0;
+  for (const photos::Photo& photo : photos->photos) {
+    trained += photo.split == photos::PhotoSplit::kTrain ? 1 : 0;
+  }
+  EXPECT_EQ(exposures.size(), trained);
 }
 
 TEST_F(TrainingRunTest, StoppedWhileOrAfterSearching) {

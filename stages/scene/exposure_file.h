@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// reconstruct/exposure.json: what training learnt about the exposure of each
+// photograph. It has the layout that the program of 3DGS writes: an object with
+// the name of each photograph, and 3 rows of 4 numbers for it
+// (splat::AffineColor).
+
+#ifndef FREEGS_STAGES_SCENE_EXPOSURE_FILE_H_
+#define FREEGS_STAGES_SCENE_EXPOSURE_FILE_H_
+
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "core/status.h"
+#include "splat/optim/exposure.h"
+
+namespace freegs::stages {
+
+Status WriteExposures(const std::filesystem::path& path,
+                      std::span<const splat::PhotoExposure> exposures);
+
+// In the order of the photographs' names; empty if there is no such file.
+// kBadInput names a file that is malformed.
+StatusOr<std::vector<splat::PhotoExposure>> ReadExposures(
+    const std::filesystem::path& path);
+
+}  // namespace freegs::stages
+
+#endif  // FREEGS_STAGES_SCENE_EXPOSURE_FILE_H_

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/scene/exposure_file.h"
+
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/io/files.h"
+#include "tests/temporary_folder.h"
+
+namespace freegs::stages {
+namespace {
+
+class ExposureFileTest : public testing::Test {
+ protected:
+  Status ErrorOf(const std::string& text) {
+    EXPECT_TRUE(WriteFileAtomic(path_, text).ok());
+    return ReadExposures(path_).status();
+  }
+
+  const TemporaryFolder folder_;
+  const std::filesystem::path path_ = folder_.path() / "exposure.json";
+};
+
+TEST_F(ExposureFileTest, ReadsWhatItWroteInTheOrderOfNames) {
+  splat::AffineColor color;
+  for (size_t k = 0; k < color.values.size(); ++k) {
+    color.values[k] = 0.1f * static_cast<float>(k) - 0.3f;
+  }
+  ASSERT_TRUE(WriteExposures(path_,
+                             std::vector<splat::PhotoExposure>{
+                                 {"b/2.jpg", color}, {"a.jpg", {}}})
+                  .ok());
+  const auto read = ReadExposures(path_);
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  ASSERT_EQ(read->size(), 2u);
+  EXPECT_EQ((*read)[0].photo, "a.jpg");
+  EXPECT_EQ((*read)[0].color, splat::AffineColor());
+  EXPECT_EQ((*read)[1].photo, "b/2.jpg");
+  EXPECT_EQ((*read)[1].color, color);
+}
+
+TEST_F(ExposureFileTest, NoFileIsNoExposure) {
+  const auto read = ReadExposures(path_);
+  ASSERT_TRUE(read.ok());
+  EXPECT_TRUE(read->empty());
+}
+
+TEST_F(ExposureFileTest, NamesWhatIsWrong) {
+  for (const char* const text : {
+           "",
+           "[1, 2]",
+           "{\"a.jpg\": 3}",
+           "{\"a.jpg\": [[1, 0, 0, 0], [0, 1, 0, 0]]}",
+           "{\"a.jpg\": [[1, 0, 0, 0], [0, 1, 0], [0, 0, 1, 0]]}",
+           "{\"a.jpg\": [[1, 0, 0, 0], [0, 1, 0, null], [0, 0, 1, 0]]}",
+           "{\"a.jpg\": [[1, 0, 0, 0], [0, 1, 0, 1e300], [0, 0, 1, 0]]}",
+           "{\"a.jpg\": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]",
+       }) {
+    const Status status = ErrorOf(text);
+    EXPECT_EQ(status.code(), StatusCode::kBadInput) << text;
+    EXPECT_THAT(status.message(), testing::HasSubstr("exposure.json"));
+  }
+}
+
+}  // namespace
+}  // namespace freegs::stages
