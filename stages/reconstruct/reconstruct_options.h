@@ -19,7 +19,7 @@ struct ReconstructStageOptions {
   // Longest side in pixels of the images that training sees; 0 keeps the
   // photos' own size.
   int max_image_size = 800;
-  int sh_degree = 3;
+  int sh_degree = 2;
   // mini_splatting, gradient or none.
   std::string densification = "mini_splatting";
   // Upper bound of the number of Gaussians of the result: a number, where 0 is

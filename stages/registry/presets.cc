@@ -19,7 +19,6 @@ const std::map<std::string, Values>& Presets() {
        {{"sfm.max_features", "1200"},
         {"reconstruct.iterations", "1500"},
         {"reconstruct.max_image_size", "640"},
-        {"reconstruct.sh_degree", "2"},
         {"reconstruct.budget", "50000"},
         {"reconstruct.densify_interval", "45"}}},
       {"balanced", {}},
@@ -27,6 +26,7 @@ const std::map<std::string, Values>& Presets() {
        {{"sfm.max_features", "4000"},
         {"reconstruct.iterations", "5000"},
         {"reconstruct.max_image_size", "1600"},
+        {"reconstruct.sh_degree", "3"},
         {"reconstruct.densify_interval", "100"}}},
   };
   return presets;
