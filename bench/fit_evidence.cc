@@ -16,9 +16,11 @@
 
 #include "bench/evidence/evidence_learner.h"
 #include "bench/evidence/learning_scene.h"
+#include "bench/evidence/quality_learner.h"
 #include "bench/evidence/segmentation_quality.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
+#include "semantics/instances/evidence_clustering.h"
 #include "semantics/instances/hierarchy.h"
 #include "semantics/instances/palette.h"
 
@@ -28,6 +30,7 @@ namespace {
 namespace fs = std::filesystem;
 namespace po = boost::program_options;
 using semantics::EvidenceModel;
+using semantics::LearntModels;
 
 struct Arguments {
   std::vector<std::string> train;  // Workspace, truth, workspace, ...
@@ -75,12 +78,12 @@ void Explain(const std::vector<ObjectQuality>& objects) {
   }
 }
 
-// A table of all scenes. Returns the mean IoU where it is as likely as not.
+// A table of all scenes. Returns the mean IoU at the default granularity.
 double Report(const std::vector<LearningScene>& scenes,
-              const EvidenceModel& model,
+              const LearntModels& models,
               const Arguments& arguments,
               ThreadPool& pool) {
-  constexpr double kGranularities[] = {-1, -0.5, -0.3, 0, 0.3, 0.5, 1};
+  constexpr double kGranularities[] = {-2, -1, -0.5, 0, 1, 2, 4};
   constexpr size_t kColumns = std::size(kGranularities);
   struct Row {
     semantics::Hierarchy hierarchy;
@@ -95,7 +98,8 @@ double Report(const std::vector<LearningScene>& scenes,
       1,
       [&](int64_t first, int64_t last, int) {
         for (int64_t s = first; s < last; ++s) {
-          rows[s].hierarchy = HierarchyOf(scenes[s], model);
+          rows[s].hierarchy =
+              semantics::BuildHierarchy(scenes[s].graph, models);
           for (const double granularity : kGranularities) {
             rows[s].objects.push_back(MeasureObjects(
                 scenes[s],
@@ -144,20 +148,32 @@ double Report(const std::vector<LearningScene>& scenes,
   return mean[kColumns / 2];
 }
 
-// mean_iou: of objects in the scenes it was judged on, if there were any.
-Status WriteModel(const LearntEvidence& learnt,
-                  size_t num_scenes,
-                  size_t num_judged,
-                  double mean_iou,
-                  const fs::path& path) {
+// What a file was learnt from and judged on, as its first lines. mean_iou: of
+// the objects in the scenes that it was judged on, if there were any.
+struct Origin {
+  size_t num_scenes = 0;
+  size_t num_judged = 0;
+  double mean_iou = 0;
+};
+
+void WriteOrigin(const Origin& origin,
+                 const char* of_what,
+                 size_t num_examples,
+                 std::ostream& text) {
+  text << "{\n \"learnt_from\": {\"scenes\": " << origin.num_scenes << ", \""
+       << of_what << "\": " << num_examples << "},\n";
+  if (origin.num_judged > 0) {
+    text << " \"judged_on\": {\"scenes\": " << origin.num_judged
+         << ", \"mean_iou\": " << origin.mean_iou << "},\n";
+  }
+}
+
+Status WriteEvidence(const LearntEvidence& learnt,
+                     const Origin& origin,
+                     const fs::path& path) {
   const EvidenceModel& model = learnt.model;
   std::ostringstream text;
-  text << "{\n \"learnt_from\": {\"scenes\": " << num_scenes
-       << ", \"pairs\": " << learnt.num_examples << "},\n";
-  if (num_judged > 0) {
-    text << " \"judged_on\": {\"scenes\": " << num_judged
-         << ", \"mean_iou\": " << mean_iou << "},\n";
-  }
+  WriteOrigin(origin, "pairs", learnt.num_examples, text);
   text << " \"bias\": " << model.bias << ",\n \"evidence\": [\n";
   for (size_t k = 0; k < semantics::kNumEvidences; ++k) {
     text << "  {\"name\": \"" << semantics::kEvidenceNames[k]
@@ -170,9 +186,28 @@ Status WriteModel(const LearntEvidence& learnt,
   return WriteFileAtomic(path, text.str());
 }
 
-// Fits the same examples without each evidence and says what becomes of the
-// scenes.
+Status WriteQuality(const LearntQuality& learnt,
+                    const Origin& origin,
+                    const fs::path& path) {
+  const semantics::QualityModel& model = learnt.model;
+  std::ostringstream text;
+  WriteOrigin(origin, "regions", learnt.num_regions, text);
+  text << " \"bias\": " << model.bias << ",\n \"numbers\": [\n";
+  for (size_t k = 0; k < semantics::kNumRegionNumbers; ++k) {
+    text << "  {\"name\": \"" << semantics::RegionNumberName(k)
+         << "\", \"least\": " << model.least[k]
+         << ", \"most\": " << model.most[k]
+         << ", \"weight\": " << model.weight[k] << "}"
+         << (k + 1 < semantics::kNumRegionNumbers ? ",\n" : "\n");
+  }
+  text << " ]\n}\n";
+  return WriteFileAtomic(path, text.str());
+}
+
+// Fits the same examples without each evidence, and the quality of regions to
+// what becomes of them, and says what becomes of the scenes.
 void LeaveOutInTurn(const LearntEvidence& learnt,
+                    const std::vector<LearningScene>& taught,
                     const std::vector<LearningScene>& tested,
                     double all,
                     const Arguments& arguments,
@@ -183,9 +218,11 @@ void LeaveOutInTurn(const LearntEvidence& learnt,
                                   arguments.without.end());
     if (!without.insert(name).second) continue;
     std::printf("without %s\n", name);
-    const EvidenceModel model = Calibrated(
-        FitEvidence(learnt.share, without, pool), learnt.calibration);
-    means.emplace_back(name, Report(tested, model, arguments, pool));
+    LearntModels models;
+    models.evidence = Calibrated(FitEvidence(learnt.share, without, pool),
+                                 learnt.calibration);
+    models.quality = LearnQuality(taught, models.evidence, pool).model;
+    means.emplace_back(name, Report(tested, models, arguments, pool));
   }
   std::printf("\n%-16s  mean IoU  difference\n%-16s  %8.3f\n",
               "without",
@@ -217,32 +254,47 @@ Status Learn(const Arguments& arguments) {
   FREEGS_ASSIGN_OR_RETURN(
       const std::vector<LearningScene> tested,
       LoadScenes(arguments.test, arguments.semantics, pool));
-  if (!arguments.weights.empty()) {
-    FREEGS_ASSIGN_OR_RETURN(const std::string text,
-                            ReadFile(arguments.weights, 1 << 20));
-    FREEGS_ASSIGN_OR_RETURN(const EvidenceModel model,
-                            semantics::ParseEvidenceModel(text));
-    Report(tested, model, arguments, pool);
-    return Status();
-  }
   FREEGS_ASSIGN_OR_RETURN(
       const std::vector<LearningScene> taught,
       LoadScenes(arguments.train, arguments.semantics, pool));
-  const LearntEvidence learnt = LearnEvidence(
-      taught, {arguments.without.begin(), arguments.without.end()}, pool);
-  std::printf("log-odds are %.3f * height %+.3f\n",
-              learnt.calibration.slope,
-              learnt.calibration.offset);
-  Report(taught, learnt.model, arguments, pool);
-  const double all =
-      tested.empty() ? 0 : Report(tested, learnt.model, arguments, pool);
-  if (!arguments.out.empty()) {
-    FREEGS_RETURN_IF_ERROR(
-        WriteModel(learnt, taught.size(), tested.size(), all, arguments.out));
+  FREEGS_ASSIGN_OR_RETURN(LearntModels models, semantics::DefaultModels());
+  const bool learns_evidence = arguments.weights.empty() && !taught.empty();
+  if (!arguments.weights.empty()) {
+    FREEGS_ASSIGN_OR_RETURN(const std::string text,
+                            ReadFile(arguments.weights, 1 << 20));
+    FREEGS_ASSIGN_OR_RETURN(models.evidence,
+                            semantics::ParseEvidenceModel(text));
   }
-  if (tested.empty()) return Status();
-  if (arguments.in_turn) {
-    LeaveOutInTurn(learnt, tested, all, arguments, pool);
+  LearntEvidence evidence;
+  if (learns_evidence) {
+    evidence = LearnEvidence(
+        taught, {arguments.without.begin(), arguments.without.end()}, pool);
+    std::printf("log-odds are %.3f * height %+.3f\n",
+                evidence.calibration.slope,
+                evidence.calibration.offset);
+    models.evidence = evidence.model;
+  }
+  LearntQuality quality;
+  if (!taught.empty()) {
+    quality = LearnQuality(taught, models.evidence, pool);
+    models.quality = quality.model;
+    Report(taught, models, arguments, pool);
+  }
+  Origin origin{.num_scenes = taught.size(), .num_judged = tested.size()};
+  if (!tested.empty()) {
+    origin.mean_iou = Report(tested, models, arguments, pool);
+  }
+  if (!arguments.out.empty() && !taught.empty()) {
+    const fs::path folder = arguments.out;
+    if (learns_evidence) {
+      FREEGS_RETURN_IF_ERROR(
+          WriteEvidence(evidence, origin, folder / "evidence.json"));
+    }
+    FREEGS_RETURN_IF_ERROR(
+        WriteQuality(quality, origin, folder / "region_quality.json"));
+  }
+  if (arguments.in_turn && learns_evidence && !tested.empty()) {
+    LeaveOutInTurn(evidence, taught, tested, origin.mean_iou, arguments, pool);
   }
   return Status();
 }
@@ -259,8 +311,8 @@ int Run(int argc, char** argv) {
        "WORKSPACE TRUTH ...: scenes of freegs_make_scene --scene clutter")
       ("test", po::value(&arguments.test)->multitoken(), "WORKSPACE TRUTH ...")
       ("weights", po::value(&arguments.weights),
-       "JSON file to test; nothing is learnt then")
-      ("out", po::value(&arguments.out), "JSON file to write")
+       "evidence.json to take; only the quality of regions is learnt then")
+      ("out", po::value(&arguments.out), "folder for evidence.json and region_quality.json")
       ("without", po::value(&arguments.without)->multitoken(),
        "evidence to leave out")
       ("semantics", po::bool_switch(&arguments.semantics),

@@ -49,5 +49,5 @@ scenes=
 make_scenes 101 120
 # shellcheck disable=SC2086
 "$bin/freegs_fit_evidence" --train $taught --test $scenes \
-  --out "$out/evidence.json"
-echo "$out/evidence.json: compare, then copy to semantics/patches/evidence.json"
+  --out "$out"
+echo "$out/evidence.json, $out/region_quality.json: compare, then copy to semantics/patches"

@@ -17,9 +17,16 @@ constexpr int kCalibrationSteps = 40;
 
 std::vector<JudgedMerge> JudgeMerges(const LearningScene& scene,
                                      const semantics::EvidenceModel& model) {
-  const semantics::Hierarchy hierarchy = HierarchyOf(scene, model);
-  const semantics::RegionTree& tree = hierarchy.tree;
-  const std::vector<double> sizes = tree.Sums(hierarchy.part_pixels);
+  const semantics::RegionTree tree = semantics::MergeRegions(
+      scene.graph,
+      [&](const semantics::Evidence& e) { return model.Difference(e); });
+  semantics::Hierarchy hierarchy;
+  hierarchy.total_pixels = scene.graph.total_pixels;
+  std::vector<double> sizes;
+  for (const semantics::RegionStats& region : scene.graph.regions) {
+    sizes.push_back(region.pixels);
+  }
+  sizes = tree.Sums(sizes);
   const std::vector<double> pixels = tree.Sums(scene.pixels);
   std::vector<std::map<int, double>> votes = scene.votes;
   std::vector<JudgedMerge> judged;

@@ -96,19 +96,6 @@ int TrueSegment(const std::map<int, double>& votes, double pixels) {
   return -1;
 }
 
-semantics::Hierarchy HierarchyOf(const LearningScene& scene,
-                                 const semantics::EvidenceModel& model) {
-  semantics::Hierarchy hierarchy;
-  hierarchy.tree = semantics::MergeRegions(
-      scene.graph,
-      [&](const semantics::Evidence& e) { return model.Difference(e); });
-  for (const semantics::RegionStats& region : scene.graph.regions) {
-    hierarchy.part_pixels.push_back(region.pixels);
-  }
-  hierarchy.total_pixels = scene.graph.total_pixels;
-  return hierarchy;
-}
-
 StatusOr<LearningScene> LoadLearningScene(const fs::path& workspace,
                                           const fs::path& truth,
                                           bool with_semantics,

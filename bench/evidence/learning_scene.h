@@ -42,10 +42,6 @@ struct LearningScene {
 // The segment that most of a region's pixels are of, -1 if it is of none.
 int TrueSegment(const std::map<int, double>& votes, double pixels);
 
-// The tree of a scene's patches that a model leads to; no Gaussians are in it.
-semantics::Hierarchy HierarchyOf(const LearningScene& scene,
-                                 const semantics::EvidenceModel& model);
-
 // truth: a folder of freegs_make_scene, or one with test_mask/VIEW/LABEL.png.
 // with_semantics: patches get the vectors of the workspace's
 // bootstrap/idsf.bin.

@@ -18,20 +18,9 @@ namespace {
 constexpr double kBackgroundFlatness = 0.2;
 constexpr double kBackgroundWidth = 0.4;
 
-// For each region: the height at which it is joined to one that is not a crumb.
-std::vector<double> JoinHeights(const Hierarchy& hierarchy) {
-  const RegionTree& tree = hierarchy.tree;
-  const std::vector<double> sizes = tree.Sums(hierarchy.part_pixels);
-  std::vector<double> heights(sizes.size(),
-                              std::numeric_limits<double>::infinity());
-  for (size_t k = tree.merges.size(); k-- > 0;) {
-    const RegionTree::Merge& merge = tree.merges[k];
-    const double whole = heights[tree.num_leaves + k];
-    heights[merge.a] = hierarchy.IsCrumb(sizes[merge.b]) ? whole : merge.height;
-    heights[merge.b] = hierarchy.IsCrumb(sizes[merge.a]) ? whole : merge.height;
-  }
-  return heights;
-}
+// Probabilities are kept to so many parts, so that files do not depend on the
+// last digit of a processor's logarithm.
+constexpr double kQualitySteps = 1e4;
 
 // Gaussians of crumbs that touch nothing get no part.
 void DropLonelyCrumbs(Hierarchy* hierarchy) {
@@ -53,24 +42,42 @@ Status EvidenceClusteringOptions::Check() const {
   return Status();
 }
 
+StatusOr<LearntModels> DefaultModels() {
+  LearntModels models;
+  FREEGS_ASSIGN_OR_RETURN(models.evidence, DefaultEvidenceModel());
+  FREEGS_ASSIGN_OR_RETURN(models.quality, DefaultQualityModel());
+  return models;
+}
+
+Hierarchy BuildHierarchy(const RegionGraph& graph, const LearntModels& models) {
+  Hierarchy hierarchy;
+  hierarchy.total_pixels = graph.total_pixels;
+  for (const RegionStats& region : graph.regions) {
+    hierarchy.part_pixels.push_back(region.pixels);
+  }
+  MeasuredTree measured =
+      MergeAndMeasure(graph, models.evidence, hierarchy.CrumbSize());
+  hierarchy.tree = std::move(measured.tree);
+  for (const RegionNumbers& numbers : measured.numbers) {
+    hierarchy.quality.push_back(
+        std::round(kQualitySteps * models.quality.Probability(numbers)) /
+        kQualitySteps);
+  }
+  return hierarchy;
+}
+
 StatusOr<EvidenceClusters> ClusterByEvidence(
     const splat::GaussianModel& model,
     const ScenePatches& patches,
     double scene_radius,
     double haze_distance,
-    const EvidenceModel& evidence,
+    const LearntModels& models,
     const EvidenceClusteringOptions& options,
     ThreadPool& pool) {
   FREEGS_RETURN_IF_ERROR(options.Check());
   EvidenceClusters result;
+  result.hierarchy = BuildHierarchy(patches.graph, models);
   Hierarchy& hierarchy = result.hierarchy;
-  hierarchy.tree = MergeRegions(patches.graph, [&evidence](const Evidence& e) {
-    return evidence.Difference(e);
-  });
-  for (const RegionStats& region : patches.graph.regions) {
-    hierarchy.part_pixels.push_back(region.pixels);
-  }
-  hierarchy.total_pixels = patches.graph.total_pixels;
   hierarchy.granularity = options.granularity;
   hierarchy.part_of_gaussian = patches.patch_of_gaussian;
   DropLonelyCrumbs(&hierarchy);
@@ -82,9 +89,8 @@ StatusOr<EvidenceClusters> ClusterByEvidence(
   for (size_t p = 0; p < cut.region_of_part.size(); ++p) {
     regions[cut.region_of_part[p]].Add(patches.graph.regions[p]);
   }
-  const std::vector<double> heights = JoinHeights(hierarchy);
   for (const int32_t r : cut.region_of_label) {
-    result.scores.push_back(1 / (1 + std::exp(-heights[r])));
+    result.scores.push_back(hierarchy.quality[r]);
     const RegionStats& region = regions[r];
     const RegionExtent extent =
         ExtentOf(region.weight, region.position, region.position2);

@@ -13,17 +13,17 @@
 #include "semantics/geometry/plane.h"
 #include "semantics/instances/hierarchy.h"
 #include "semantics/patches/evidence_model.h"
+#include "semantics/patches/region_graph.h"
+#include "semantics/patches/region_quality.h"
 #include "semantics/patches/scene_patches.h"
 #include "splat/scene/gaussian_model.h"
 
 namespace freegs::semantics {
 
 struct EvidenceClusteringOptions {
-  // Is added to the log-odds of being two things: above 0 there are more and
-  // smaller instances, below 0 fewer and larger ones. Things in photographs
-  // vary more within themselves than the drawn ones that the evidence was
-  // learnt from, hence the default (docs/instances.md).
-  double granularity = -0.5;
+  // Above 0 there are more and smaller instances, below 0 fewer and larger ones
+  // (CutHierarchy).
+  double granularity = 0;
 
   Status Check() const;
 };
@@ -33,12 +33,23 @@ struct EvidenceClusters {
 
   // The instances at options.granularity, by descending size.
   std::vector<int32_t> labels;  // Of Gaussians; -1 for none.
-  // Of each instance: the probability that it is a thing of its own, and
-  // whether it is flat and as large as the scene.
+  // Of each instance: the probability that it is a whole thing, and whether it
+  // is flat and as large as the scene.
   std::vector<double> scores;
   std::vector<uint8_t> is_plane;
   std::vector<Plane> planes;  // Of those that are.
 };
+
+// What was learnt from drawn scenes.
+struct LearntModels {
+  EvidenceModel evidence;
+  QualityModel quality;
+};
+StatusOr<LearntModels> DefaultModels();
+
+// The tree of the graph's patches, with the quality of each region. There are
+// no Gaussians in it.
+Hierarchy BuildHierarchy(const RegionGraph& graph, const LearntModels& models);
 
 // Gaussians in no patch, haze above all, and those of crumbs that touch nothing
 // are in the part of the nearest other Gaussian, if that is within
@@ -49,7 +60,7 @@ StatusOr<EvidenceClusters> ClusterByEvidence(
     const ScenePatches& patches,
     double scene_radius,
     double haze_distance,
-    const EvidenceModel& evidence,
+    const LearntModels& models,
     const EvidenceClusteringOptions& options,
     ThreadPool& pool);
 

@@ -3,15 +3,29 @@
 #include "semantics/instances/hierarchy.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <utility>
 
 namespace freegs::semantics {
 namespace {
 
+// A region that is less likely a whole thing is worth nothing. Without this
+// limit many unlikely parts outweigh a likely whole.
+constexpr double kLeastQuality = 0.1;
+
 std::vector<int32_t> RegionsAt(const Hierarchy& hierarchy, double granularity) {
-  return hierarchy.tree.WholeThings(
-      -granularity, hierarchy.part_pixels, hierarchy.CrumbSize());
+  const double exponent = 0.5 * std::exp2(-0.5 * granularity);
+  const std::vector<double> sizes = hierarchy.tree.Sums(hierarchy.part_pixels);
+  std::vector<double> worth;
+  for (size_t r = 0; r < sizes.size(); ++r) {
+    const double share =
+        std::min(1.0, sizes[r] / std::max(1.0, hierarchy.total_pixels));
+    worth.push_back(std::pow(share, exponent) *
+                    std::max(0.0, hierarchy.quality[r] - kLeastQuality));
+  }
+  return hierarchy.tree.MostWorth(
+      worth, hierarchy.part_pixels, hierarchy.CrumbSize());
 }
 
 }  // namespace

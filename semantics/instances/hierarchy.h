@@ -25,6 +25,9 @@ struct Hierarchy {
   // in RegionTree. Heights are log-odds of being two things.
   RegionTree tree;
 
+  // How likely each region is a whole thing, from 0 to 1.
+  std::vector<double> quality;
+
   std::vector<double> part_pixels;  // Of each leaf, in all photographs.
   double total_pixels = 0;          // Of these photographs.
 
@@ -39,9 +42,9 @@ struct Hierarchy {
   bool IsCrumb(double pixels) const { return !(pixels > CrumbSize()); }
 };
 
-// The regions that are most surely whole things at a granularity
-// (RegionTree::WholeThings): 0 takes the heights as they are, larger numbers
-// give more and smaller regions.
+// The regions from which the most whole things can be expected, where large
+// things count more than small ones: by their pixels to the power of
+// 0.5 * 2^(-granularity / 2). So larger numbers give more and smaller regions.
 struct HierarchyCut {
   std::vector<int32_t> region_of_part;  // Of each leaf; -1 if hardly seen.
   // Labels 0 .. n - 1, by descending number of Gaussians; -1 for none.
@@ -59,7 +62,8 @@ int32_t RegionAround(const Hierarchy& hierarchy, int32_t leaf, int steps);
 std::vector<uint8_t> GaussiansOf(const Hierarchy& hierarchy, int32_t region);
 
 // {"granularity": 0, "total_pixels": 921600, "part_pixels": [12, ...],
-//  "merges": [[a, b, height], ...], "part_of_gaussian": [-1, 7, ...]}
+//  "merges": [[a, b, height], ...], "quality": [0.5, ...],
+//  "part_of_gaussian": [-1, 7, ...]}
 std::string SerializeHierarchy(const Hierarchy& hierarchy);
 
 // kBadInput, which names the fault, for malformed JSON, numbers out of range,

@@ -20,15 +20,16 @@ constexpr double kMaxHeight = 1e9;
 constexpr double kMaxPixels = 1e15;
 constexpr int kMaxParts = std::numeric_limits<int>::max() / 2;
 
-StatusOr<std::vector<double>> ParsePixels(const json& list) {
-  std::vector<double> pixels;
+StatusOr<std::vector<double>> ParseNumbers(const json& list,
+                                           double max,
+                                           const std::string& where) {
+  std::vector<double> numbers;
   for (const json& entry : list) {
-    FREEGS_ASSIGN_OR_RETURN(
-        const double count,
-        ReadNumber(&entry, 0, kMaxPixels, "hierarchy: part_pixels"));
-    pixels.push_back(count);
+    FREEGS_ASSIGN_OR_RETURN(const double number,
+                            ReadNumber(&entry, 0, max, where));
+    numbers.push_back(number);
   }
-  return pixels;
+  return numbers;
 }
 
 StatusOr<RegionTree> ParseTree(const json& list, int num_leaves) {
@@ -70,6 +71,7 @@ std::string SerializeHierarchy(const Hierarchy& hierarchy) {
                {"total_pixels", hierarchy.total_pixels},
                {"part_pixels", hierarchy.part_pixels},
                {"merges", std::move(merges)},
+               {"quality", hierarchy.quality},
                {"part_of_gaussian", hierarchy.part_of_gaussian}})
              .dump() +
          "\n";
@@ -84,15 +86,23 @@ StatusOr<Hierarchy> ParseHierarchy(std::string_view text) {
   hierarchy.total_pixels = reader.Number("total_pixels", 0, kMaxPixels);
   const json& pixels = reader.List("part_pixels");
   const json& merges = reader.List("merges");
+  const json& quality = reader.List("quality");
   const json& parts = reader.List("part_of_gaussian");
   FREEGS_RETURN_IF_ERROR(status);
-  if (!pixels.is_array() || !merges.is_array() || !parts.is_array() ||
-      pixels.size() > kMaxParts || merges.size() > pixels.size()) {
+  if (!pixels.is_array() || !merges.is_array() || !quality.is_array() ||
+      !parts.is_array() || pixels.size() > kMaxParts ||
+      merges.size() > pixels.size() ||
+      quality.size() != pixels.size() + merges.size()) {
     return BadInputError(
-        "hierarchy: part_pixels, merges and part_of_gaussian must be lists, "
-        "with fewer merges than parts");
+        "hierarchy: part_pixels, merges, quality and part_of_gaussian must be "
+        "lists, with fewer merges than parts and a quality for each part and "
+        "merge");
   }
-  FREEGS_ASSIGN_OR_RETURN(hierarchy.part_pixels, ParsePixels(pixels));
+  FREEGS_ASSIGN_OR_RETURN(
+      hierarchy.part_pixels,
+      ParseNumbers(pixels, kMaxPixels, "hierarchy: part_pixels"));
+  FREEGS_ASSIGN_OR_RETURN(hierarchy.quality,
+                          ParseNumbers(quality, 1, "hierarchy: quality"));
   const int num_leaves = static_cast<int>(pixels.size());
   FREEGS_ASSIGN_OR_RETURN(hierarchy.tree, ParseTree(merges, num_leaves));
   for (const json& entry : parts) {

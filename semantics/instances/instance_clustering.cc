@@ -71,7 +71,7 @@ StatusOr<InstanceClusterer> InstanceClusterer::Create(
         "clustering by evidence needs photographs, and there are none; "
         "clustering in the union space does without");
   }
-  FREEGS_ASSIGN_OR_RETURN(clusterer.evidence_, DefaultEvidenceModel());
+  FREEGS_ASSIGN_OR_RETURN(clusterer.models_, DefaultModels());
   FREEGS_ASSIGN_OR_RETURN(
       clusterer.patches_,
       BuildScenePatches({.model = model,
@@ -103,7 +103,7 @@ StatusOr<InstanceLabels> InstanceClusterer::Cluster(
                                               patches_,
                                               extent_.radius,
                                               kNoiseDistance * extent_.radius,
-                                              evidence_,
+                                              models_,
                                               options_.evidence,
                                               pool));
     result.hierarchy = std::move(clusters.hierarchy);

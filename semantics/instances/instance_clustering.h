@@ -30,7 +30,6 @@
 #include "semantics/instances/evidence_clustering.h"
 #include "semantics/instances/hierarchy.h"
 #include "semantics/instances/union_clustering.h"
-#include "semantics/patches/evidence_model.h"
 #include "semantics/patches/scene_patches.h"
 #include "splat/render/renderer.h"
 #include "splat/scene/gaussian_model.h"
@@ -114,7 +113,7 @@ class InstanceClusterer {
   SceneExtent extent_;
   InstanceClusteringOptions options_;
   // For kEvidence.
-  EvidenceModel evidence_;
+  LearntModels models_;
   ScenePatches patches_;
 };
 

@@ -110,48 +110,25 @@ class RegionMerger {
   RegionTree tree_;
 };
 
-double Probability(double log_odds) { return 1 / (1 + std::exp(-log_odds)); }
-
-// For each region, whether it is as likely to be a whole thing as the best of
-// what it falls into. See RegionTree::WholeThings.
+// For each region, whether it is worth as much as the best of what it falls
+// into. See RegionTree::MostWorth.
 std::vector<uint8_t> AreWhole(const RegionTree& tree,
+                              std::span<const double> worth,
                               const std::vector<double>& sizes,
-                              double even,
                               double min_size) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  const auto num_regions = static_cast<int32_t>(sizes.size());
-  const auto is_crumb = [&](int32_t r) { return sizes[r] < min_size; };
-  const auto merge_of = [&](int32_t r) {
-    return tree.merges[r - tree.num_leaves];
-  };
-  // Heights at which each region was joined from its parts and to another;
-  // crumbs do not count.
-  std::vector<double> from(num_regions, -kInfinity);
-  std::vector<double> to(num_regions, kInfinity);
-  for (int32_t r = tree.num_leaves; r < num_regions; ++r) {
-    const RegionTree::Merge merge = merge_of(r);
-    from[r] = is_crumb(merge.a) || is_crumb(merge.b)
-                  ? std::max(from[merge.a], from[merge.b])
-                  : merge.height;
-  }
-  for (int32_t r = num_regions; r-- > tree.num_leaves;) {
-    const RegionTree::Merge merge = merge_of(r);
-    to[merge.a] = is_crumb(merge.b) ? to[r] : merge.height;
-    to[merge.b] = is_crumb(merge.a) ? to[r] : merge.height;
-  }
   // The largest sum within each region.
-  std::vector<double> best(num_regions, 0.0);
-  std::vector<uint8_t> is_whole(num_regions);
-  for (int32_t r = 0; r < num_regions; ++r) {
-    const double whole = is_crumb(r) ? 0
-                                     : sizes[r] * Probability(even - from[r]) *
-                                           Probability(to[r] - even);
-    if (r < tree.num_leaves) {
+  std::vector<double> best(sizes.size(), 0.0);
+  std::vector<uint8_t> is_whole(sizes.size());
+  for (size_t r = 0; r < sizes.size(); ++r) {
+    const double whole = sizes[r] < min_size ? 0 : worth[r];
+    const auto num_leaves = static_cast<size_t>(tree.num_leaves);
+    if (r < num_leaves) {
       is_whole[r] = 1;  // There is nothing that it could fall into.
       best[r] = whole;
       continue;
     }
-    const double parts = best[merge_of(r).a] + best[merge_of(r).b];
+    const RegionTree::Merge& merge = tree.merges[r - num_leaves];
+    const double parts = best[merge.a] + best[merge.b];
     is_whole[r] = whole >= parts ? 1 : 0;
     best[r] = std::max(whole, parts);
   }
@@ -181,13 +158,12 @@ std::vector<int32_t> RegionTree::Cut(double height) const {
   return top;
 }
 
-std::vector<int32_t> RegionTree::WholeThings(double height,
-                                             std::span<const double> leaf_sizes,
-                                             double min_size) const {
+std::vector<int32_t> RegionTree::MostWorth(std::span<const double> worth,
+                                           std::span<const double> leaf_sizes,
+                                           double min_size) const {
   const std::vector<double> sizes = Sums(leaf_sizes);
   const auto num_regions = static_cast<int32_t>(sizes.size());
-  const std::vector<uint8_t> is_whole =
-      AreWhole(*this, sizes, height, min_size);
+  const std::vector<uint8_t> is_whole = AreWhole(*this, worth, sizes, min_size);
   // The whole thing that the largest part of each region is in or has.
   std::vector<int32_t> main(num_regions);
   for (int32_t r = 0; r < num_regions; ++r) {

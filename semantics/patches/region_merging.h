@@ -30,19 +30,17 @@ struct RegionTree {
   // Applies the merges of at most this height. Returns the region of each leaf.
   std::vector<int32_t> Cut(double height) const;
 
-  // The regions, one for each leaf, that are most surely whole things: those of
-  // the largest sum of size times probability, where a region is a whole thing
-  // if what it was joined from is one thing, and what it was joined to is
-  // another. Heights are log-odds of being two things; one of `height` counts
-  // as even odds. That needs no single height for all things, as a large thing
-  // is judged with all that would become of its parts.
+  // The regions, one for each leaf, whose sum of what they are worth is
+  // largest. `worth` has a number from 0 on for each region. That needs no
+  // single height for all things, as a large thing is judged with all that
+  // would become of its parts.
   //
   // A crumb, a region of less than min_size in all, the sum of its leaves'
   // sizes, is no thing and makes none: it belongs to what it was joined to, or
   // to the largest part of that. One that was joined to nothing stays a crumb.
-  std::vector<int32_t> WholeThings(double height,
-                                   std::span<const double> leaf_sizes,
-                                   double min_size) const;
+  std::vector<int32_t> MostWorth(std::span<const double> worth,
+                                 std::span<const double> leaf_sizes,
+                                 double min_size) const;
 
   // Sums of what the leaves have, for all regions.
   std::vector<double> Sums(std::span<const double> of_leaves) const;

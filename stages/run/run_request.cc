@@ -117,11 +117,15 @@ Status Execute(const RunRequest& request,
 
 namespace {
 
+// What becomes of a choice where the user decided otherwise.
+enum class ChoiceRule { kUserDecides, kMustHold };
+
 // Execute with the settings of the user and those chosen for preset auto, which
-// are remembered where the user did not decide otherwise.
+// are remembered where they hold.
 Status ExecuteChosen(RunRequest request,
                      const std::vector<OptionSetting>& settings,
                      const std::vector<OptionSetting>& chosen,
+                     ChoiceRule rule,
                      std::ostream& err,
                      const CancellationToken& cancellation) {
   PipelineOptions options;
@@ -131,28 +135,14 @@ Status ExecuteChosen(RunRequest request,
   for (const OptionSetting& choice : chosen) {
     if (table.Find(choice.name)->value() == choice.value) {
       request.info.settings[choice.name] = choice.value;
+    } else if (rule == ChoiceRule::kMustHold) {
+      return InvalidArgumentError(choice.name +
+                                  " is what --at-least chooses; leave it out");
     }
   }
   FREEGS_RETURN_IF_ERROR(
       pipeline::WriteWorkspaceInfo(request.workspace, request.info));
   return Execute(request, options, table, err, cancellation);
-}
-
-// An error if the user decided something that is to be chosen.
-Status CheckChoiceHolds(const RunRequest& request,
-                        const std::vector<OptionSetting>& settings,
-                        const std::vector<OptionSetting>& chosen) {
-  PipelineOptions options;
-  OptionTable table = MakeOptionTable(&options);
-  FREEGS_RETURN_IF_ERROR(
-      ApplySettings(request.workspace, settings, table, chosen));
-  for (const OptionSetting& choice : chosen) {
-    if (table.Find(choice.name)->value() != choice.value) {
-      return InvalidArgumentError(choice.name +
-                                  " is what --at-least chooses; leave it out");
-    }
-  }
-  return Status();
 }
 
 }  // namespace
@@ -184,7 +174,8 @@ Status ExecuteWithin(double seconds,
     now.deadline =
         Clock::time_point(std::chrono::duration_cast<Clock::duration>(
             std::chrono::duration<double>(end)));
-    return ExecuteChosen(now, settings, chosen, err, cancellation);
+    return ExecuteChosen(
+        now, settings, chosen, ChoiceRule::kUserDecides, err, cancellation);
   };
   return RunWithin(seconds, tasks);
 }
@@ -202,15 +193,15 @@ Status ExecuteAtLeast(double psnr,
   };
   tasks.train =
       [&](const std::vector<OptionSetting>& chosen) -> StatusOr<double> {
-    FREEGS_RETURN_IF_ERROR(CheckChoiceHolds(request, settings, chosen));
     RunRequest now = request;
     now.to = kTraining;
-    FREEGS_RETURN_IF_ERROR(
-        ExecuteChosen(now, settings, chosen, err, cancellation));
+    FREEGS_RETURN_IF_ERROR(ExecuteChosen(
+        now, settings, chosen, ChoiceRule::kMustHold, err, cancellation));
     return HoldoutPsnr(request.workspace);
   };
   tasks.finish = [&](const std::vector<OptionSetting>& chosen) {
-    return ExecuteChosen(request, settings, chosen, err, cancellation);
+    return ExecuteChosen(
+        request, settings, chosen, ChoiceRule::kMustHold, err, cancellation);
   };
   return RunAtLeast(psnr, tasks);
 }

@@ -136,6 +136,7 @@ Reader HierarchyFile() {
         hierarchy.part_pixels = {100, 200, 50, 3};
         hierarchy.total_pixels = 1000;
         hierarchy.tree.num_leaves = 4;
+        hierarchy.quality = {0.5, 0.5, 0.5, 0.5, 0.9, 0.6, 0.2};
         hierarchy.tree.merges = {{0, 1, -2}, {4, 2, 1}, {3, 5, 2}};
         hierarchy.part_of_gaussian = {0, 0, 1, -1, 2, 3};
         return std::vector<std::string>{

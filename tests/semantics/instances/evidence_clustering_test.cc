@@ -47,14 +47,14 @@ class EvidenceClusteringTest : public testing::Test {
           return photo;
         },
         .scene_radius = 1};
-    FREEGS_ASSIGN_OR_RETURN(const EvidenceModel model, DefaultEvidenceModel());
+    FREEGS_ASSIGN_OR_RETURN(const LearntModels models, DefaultModels());
     FREEGS_ASSIGN_OR_RETURN(const ScenePatches patches,
                             BuildScenePatches(scene, pool, nullptr));
     return ClusterByEvidence(scene_.model,
                              patches,
                              scene.scene_radius,
                              0.2,
-                             model,
+                             models,
                              {.granularity = granularity},
                              pool);
   }

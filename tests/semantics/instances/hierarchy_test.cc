@@ -18,6 +18,7 @@ Hierarchy Duck() {
   Hierarchy hierarchy;
   hierarchy.tree = {.num_leaves = 5,
                     .merges = {{0, 1, -2}, {5, 2, -1}, {3, 4, 0.5}, {6, 7, 3}}};
+  hierarchy.quality = {0.3, 0.3, 0.5, 0.9, 0, 0.6, 0.8, 0.9, 0.3};
   hierarchy.part_pixels = {1000, 9000, 30000, 60000, 1};
   hierarchy.total_pixels = 100001;
   hierarchy.part_of_gaussian = {0, 1, 2, 3, 4, 2, 2, -1};
@@ -30,9 +31,9 @@ TEST(HierarchyTest, CutsAtTheGranularity) {
   EXPECT_EQ(whole.region_of_label, (std::vector<int32_t>{6, 7}));
   EXPECT_EQ(whole.label_of_gaussian,
             (std::vector<int32_t>{0, 0, 0, 1, 1, 0, 0, -1}));
-  const HierarchyCut parts = CutHierarchy(Duck(), 1.5);
+  const HierarchyCut parts = CutHierarchy(Duck(), 3);
   EXPECT_EQ(parts.region_of_part, (std::vector<int32_t>{5, 5, 2, 7, 7}));
-  const HierarchyCut all = CutHierarchy(Duck(), -3);
+  const HierarchyCut all = CutHierarchy(Duck(), -6);
   EXPECT_EQ(all.region_of_label, (std::vector<int32_t>{8}));
 }
 
@@ -40,6 +41,7 @@ TEST(HierarchyTest, WhatIsHardlySeenIsNobodys) {
   Hierarchy hierarchy = Duck();
   hierarchy.tree.merges.erase(hierarchy.tree.merges.begin() + 2,
                               hierarchy.tree.merges.end());
+  hierarchy.quality.resize(7);
   EXPECT_EQ(CutHierarchy(hierarchy, 0).region_of_part,
             (std::vector<int32_t>{6, 6, 6, 3, -1}));
 }
@@ -73,6 +75,7 @@ TEST(HierarchyTest, ComesBackAsWritten) {
   ASSERT_TRUE(read.ok()) << read.status().message();
   EXPECT_EQ(read->tree.num_leaves, 5);
   EXPECT_EQ(read->tree.merges, hierarchy.tree.merges);
+  EXPECT_EQ(read->quality, hierarchy.quality);
   EXPECT_EQ(read->part_pixels, hierarchy.part_pixels);
   EXPECT_EQ(read->total_pixels, hierarchy.total_pixels);
   EXPECT_EQ(read->part_of_gaussian, hierarchy.part_of_gaussian);
@@ -93,18 +96,25 @@ TEST(HierarchyTest, HostileTreesAreErrors) {
   const std::string head = R"({"granularity": 0, "total_pixels": 9, )";
   for (const char* rest :
        {R"("part_pixels": [1, 2], "merges": [[0, 0, 1]],
-           "part_of_gaussian": []})",
+           "quality": [0, 0, 0], "part_of_gaussian": []})",
         R"("part_pixels": [1, 2], "merges": [[0, 2, 1]],
-           "part_of_gaussian": []})",
+           "quality": [0, 0, 0], "part_of_gaussian": []})",
         R"("part_pixels": [1, 2, 3], "merges": [[0, 1, 1], [0, 2, 2]],
-           "part_of_gaussian": []})",
+           "quality": [0, 0, 0, 0, 0], "part_of_gaussian": []})",
         R"("part_pixels": [1, 2, 3], "merges": [[0, 1, 2], [3, 2, 1]],
-           "part_of_gaussian": []})",
-        R"("part_pixels": [1, -2], "merges": [], "part_of_gaussian": []})",
-        R"("part_pixels": [1, 2], "merges": [], "part_of_gaussian": [2]})",
+           "quality": [0, 0, 0, 0, 0], "part_of_gaussian": []})",
+        R"("part_pixels": [1, -2], "merges": [],
+           "quality": [0, 0], "part_of_gaussian": []})",
+        R"("part_pixels": [1, 2], "merges": [],
+           "quality": [0, 0], "part_of_gaussian": [2]})",
+        R"("part_pixels": [1, 2], "merges": [],
+           "quality": [0], "part_of_gaussian": []})",
+        R"("part_pixels": [1, 2], "merges": [],
+           "quality": [0, 1.5], "part_of_gaussian": []})",
         R"("part_pixels": [1], "merges": [[0, 0, 1], [0, 0, 1]],
-           "part_of_gaussian": []})",
-        R"("part_pixels": {}, "merges": [], "part_of_gaussian": []})"}) {
+           "quality": [0, 0, 0], "part_of_gaussian": []})",
+        R"("part_pixels": {}, "merges": [],
+           "quality": [], "part_of_gaussian": []})"}) {
     EXPECT_EQ(ParseHierarchy(head + rest).status().code(),
               StatusCode::kBadInput)
         << rest;

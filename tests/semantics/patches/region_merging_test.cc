@@ -75,62 +75,54 @@ TEST(RegionMergingTest, SumsGoUpTheTree) {
             (std::vector<double>{1, 2, 4, 8, 3, 7, 15}));
 }
 
-TEST(RegionMergingTest, AWholeThingIsMoreLikelyThanItsPartsAndWhatItIsIn) {
-  const std::vector<double> sizes = {100, 100, 100, 100};
-  EXPECT_EQ(Comb().WholeThings(-9, sizes, 0),
-            (std::vector<int32_t>{0, 1, 2, 3}));
-  EXPECT_EQ(Comb().WholeThings(1.5, sizes, 0),
-            (std::vector<int32_t>{4, 4, 2, 3}));
-  EXPECT_EQ(Comb().WholeThings(9, sizes, 0),
-            (std::vector<int32_t>{6, 6, 6, 6}));
+// Of the regions of Comb: leaves, then {0, 1}, {0, 1, 2} and all.
+std::vector<double> Worth(double leaf, double two, double three, double all) {
+  return {leaf, leaf, leaf, leaf, two, three, all};
 }
 
-TEST(RegionMergingTest, LargeThingsOfUnsurePartsStayWhole) {
-  // Leaf 2 is rather a thing of its own, but that would cost more than it gives
-  // unless it is large.
-  const RegionTree tree = {.num_leaves = 3,
-                           .merges = {{0, 1, -1.5}, {3, 2, 0.1}}};
-  EXPECT_EQ(tree.WholeThings(0, std::vector<double>{50, 50, 10}, 0),
-            (std::vector<int32_t>{4, 4, 4}));
-  EXPECT_EQ(tree.WholeThings(0, std::vector<double>{50, 50, 200}, 0),
-            (std::vector<int32_t>{3, 3, 2}));
+TEST(RegionMergingTest, ARegionIsTakenIfItIsWorthMoreThanItsParts) {
+  const std::vector<double> sizes = {100, 100, 100, 100};
+  EXPECT_EQ(Comb().MostWorth(Worth(1, 1.9, 2.9, 3.9), sizes, 0),
+            (std::vector<int32_t>{0, 1, 2, 3}));
+  EXPECT_EQ(Comb().MostWorth(Worth(1, 2.5, 3.4, 4.4), sizes, 0),
+            (std::vector<int32_t>{4, 4, 2, 3}));
+  EXPECT_EQ(Comb().MostWorth(Worth(1, 2.5, 1, 9), sizes, 0),
+            (std::vector<int32_t>{6, 6, 6, 6}));
 }
 
 TEST(RegionMergingTest, CrumbsStayWithTheLargestPartOfWhatTheyWereJoinedTo) {
   const std::vector<double> sizes = {100, 200, 1, 100};
-  EXPECT_EQ(Comb().WholeThings(-9, sizes, 10),
+  EXPECT_EQ(Comb().MostWorth(Worth(1, 1.9, 1.9, 2.9), sizes, 10),
             (std::vector<int32_t>{0, 1, 1, 3}));
-  EXPECT_EQ(Comb().WholeThings(1.5, sizes, 10),
+  EXPECT_EQ(Comb().MostWorth(Worth(1, 2.5, 2.5, 3.4), sizes, 10),
             (std::vector<int32_t>{5, 5, 5, 3}));
-  EXPECT_EQ(Comb().WholeThings(9, sizes, 10),
+  EXPECT_EQ(Comb().MostWorth(Worth(1, 2.5, 2.5, 9), sizes, 10),
             (std::vector<int32_t>{6, 6, 6, 6}));
 }
 
 TEST(RegionMergingTest, CrumbsOfCrumbsGoTheSameWay) {
-  EXPECT_EQ(Comb().WholeThings(-9, std::vector<double>{1, 2, 3, 100}, 10),
+  EXPECT_EQ(Comb().MostWorth(
+                Worth(1, 1, 1, 1), std::vector<double>{1, 2, 3, 100}, 10),
             (std::vector<int32_t>{6, 6, 6, 6}));
 }
 
 TEST(RegionMergingTest, WhatTouchesNothingStaysACrumb) {
   const RegionTree tree = {.num_leaves = 2, .merges = {}};
-  EXPECT_EQ(tree.WholeThings(0, std::vector<double>{1, 100}, 10),
+  EXPECT_EQ(tree.MostWorth(
+                std::vector<double>{1, 1}, std::vector<double>{1, 100}, 10),
             (std::vector<int32_t>{0, 1}));
 }
 
-TEST(RegionMergingTest, HugeHeightsDoNoHarm) {
-  const RegionTree tree = {.num_leaves = 3,
-                           .merges = {{0, 1, -1e308}, {3, 2, 1e308}}};
-  EXPECT_EQ(tree.WholeThings(0, std::vector<double>{1, 1, 1}, 0),
-            (std::vector<int32_t>{3, 3, 2}));
-}
-
-TEST(RegionMergingTest, HugeSizesDoNoHarm) {
-  EXPECT_EQ(Comb().WholeThings(-1e308, std::vector<double>(4, 1e308), 0).size(),
-            4u);
+TEST(RegionMergingTest, HugeNumbersDoNoHarm) {
   const double infinity = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(
-      Comb().WholeThings(-1e308, std::vector<double>(4, infinity), 0).size(),
-      4u);
+  for (const double huge : {1e308, infinity}) {
+    EXPECT_EQ(
+        Comb()
+            .MostWorth(
+                std::vector<double>(7, huge), std::vector<double>(4, huge), 0)
+            .size(),
+        4u);
+  }
 }
 
 }  // namespace

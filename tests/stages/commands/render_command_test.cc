@@ -455,9 +455,9 @@ TEST_F(RenderCommandTest, InstancesOfAnotherGranularity) {
               HasSubstr("hierarchy.json: no such file"));
   workspace_.AddHierarchy();
   EXPECT_EQ(largest_id("0"), 3);
-  EXPECT_EQ(largest_id("-1.5"), 2);
-  EXPECT_EQ(largest_id("-3"), 1);
-  EXPECT_EQ(largest_id("3"), 6);
+  EXPECT_EQ(largest_id("-3"), 2);
+  EXPECT_EQ(largest_id("-6"), 1);
+  EXPECT_EQ(largest_id("6"), 6);
 }
 
 TEST_F(RenderCommandTest, FolderThatCannotBeMade) {

@@ -20,6 +20,7 @@ class LevelEvaluationTest : public BallScene {
     semantics::Hierarchy hierarchy;
     hierarchy.tree.num_leaves = 6;
     hierarchy.tree.merges = {{0, 1, -2}, {2, 3, -2}, {4, 5, -2}, {6, 7, 1}};
+    hierarchy.quality = {0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.9, 0.9, 0.9, 0.5};
     hierarchy.part_pixels.assign(6, 1000);
     hierarchy.total_pixels = 6000;
     for (size_t g = 0; g < labels_.size(); ++g) {

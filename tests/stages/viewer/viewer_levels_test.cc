@@ -40,6 +40,11 @@ Hierarchy RandomHierarchy(uint64_t seed) {
                    static_cast<int32_t>(hierarchy.tree.merges.size()));
     hierarchy.tree.merges.push_back({a, b, height += 0.2});
   }
+  const size_t num_regions =
+      hierarchy.part_pixels.size() + hierarchy.tree.merges.size();
+  for (size_t r = 0; r < num_regions; ++r) {
+    hierarchy.quality.push_back(RandomUniform(seed, 2, r));
+  }
   return hierarchy;
 }
 

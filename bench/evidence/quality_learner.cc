@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "bench/evidence/quality_learner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
+#include "core/quantile.h"
+#include "semantics/instances/hierarchy.h"
+
+namespace freegs::evidence {
+namespace {
+
+using semantics::kNumRegionNumbers;
+using semantics::QualityModel;
+using semantics::RegionNumbers;
+
+constexpr double kWholeIou = 0.6;
+// This share of the examples at either end is taken for less extreme.
+constexpr double kExtremes = 0.05;
+// What keeps the weights small, for numbers of unit deviation.
+constexpr double kRidge = 10;
+constexpr int kNewtonSteps = 20;
+constexpr Eigen::Index kSize = kNumRegionNumbers + 1;
+
+struct Example {
+  RegionNumbers numbers;
+  bool whole = false;
+  double weight = 1;
+};
+
+double BestIou(const LearningScene& scene,
+               const std::map<int, double>& votes,
+               double pixels) {
+  double best = 0;
+  for (const auto& [id, common] : votes) {
+    const double both = pixels + scene.segment_pixels.at(id) - common;
+    if (both > 0) best = std::max(best, common / both);
+  }
+  return best;
+}
+
+std::vector<Example> ExamplesOf(const LearningScene& scene,
+                                const semantics::EvidenceModel& evidence) {
+  semantics::Hierarchy whole;
+  whole.total_pixels = scene.graph.total_pixels;
+  const semantics::MeasuredTree measured =
+      semantics::MergeAndMeasure(scene.graph, evidence, whole.CrumbSize());
+  const semantics::RegionTree& tree = measured.tree;
+  std::vector<double> sizes;
+  for (const semantics::RegionStats& region : scene.graph.regions) {
+    sizes.push_back(region.pixels);
+  }
+  sizes = tree.Sums(sizes);
+  const std::vector<double> pixels = tree.Sums(scene.pixels);
+  std::vector<std::map<int, double>> votes = scene.votes;
+  std::vector<double> outer(sizes.size(), 0.0);  // The size of the parent.
+  for (const semantics::RegionTree::Merge& merge : tree.merges) {
+    outer[merge.a] = outer[merge.b] = sizes[votes.size()];
+    std::map<int, double> sum = votes[merge.a];
+    for (const auto& [id, count] : votes[merge.b]) sum[id] += count;
+    votes.push_back(std::move(sum));
+  }
+  constexpr double kLeastWeight = 0.02;
+  std::vector<Example> examples;
+  for (size_t r = 0; r < sizes.size(); ++r) {
+    if (whole.IsCrumb(sizes[r]) || !(pixels[r] > 0)) continue;
+    const double share = outer[r] > 0 ? sizes[r] / outer[r] : 0;
+    examples.push_back({measured.numbers[r],
+                        BestIou(scene, votes[r], pixels[r]) > kWholeIou,
+                        std::max(kLeastWeight, 1 - share)});
+  }
+  return examples;
+}
+
+void FindRanges(const std::vector<Example>& examples, QualityModel* model) {
+  for (size_t k = 0; k < kNumRegionNumbers; ++k) {
+    std::vector<double> values;
+    for (const Example& example : examples) {
+      values.push_back(example.numbers[k]);
+    }
+    model->least[k] = NearestQuantile(values, kExtremes);
+    model->most[k] = NearestQuantile(std::move(values), 1 - kExtremes);
+  }
+}
+
+// One column for each example: its numbers within the ranges, from 0 to 1, and
+// a one.
+Eigen::MatrixXd ColumnsOf(const std::vector<Example>& examples,
+                          const QualityModel& model) {
+  Eigen::MatrixXd columns(kSize, static_cast<Eigen::Index>(examples.size()));
+  for (size_t i = 0; i < examples.size(); ++i) {
+    const auto column = static_cast<Eigen::Index>(i);
+    for (size_t k = 0; k < kNumRegionNumbers; ++k) {
+      columns(static_cast<Eigen::Index>(k), column) =
+          model.ShareOfRange(k, examples[i].numbers[k]);
+    }
+    columns(kSize - 1, column) = 1;
+  }
+  return columns;
+}
+
+}  // namespace
+
+LearntQuality LearnQuality(std::span<const LearningScene> scenes,
+                           const semantics::EvidenceModel& evidence,
+                           ThreadPool& pool) {
+  std::vector<std::vector<Example>> of_scene(scenes.size());
+  pool.ParallelFor(0,
+                   static_cast<int64_t>(scenes.size()),
+                   1,
+                   [&](int64_t first, int64_t last, int) {
+                     for (int64_t s = first; s < last; ++s) {
+                       of_scene[s] = ExamplesOf(scenes[s], evidence);
+                     }
+                   });
+  std::vector<Example> examples;
+  for (const std::vector<Example>& more : of_scene) {
+    examples.insert(examples.end(), more.begin(), more.end());
+  }
+  LearntQuality learnt;
+  learnt.num_regions = examples.size();
+  if (examples.empty()) return learnt;
+  FindRanges(examples, &learnt.model);
+  const Eigen::MatrixXd columns = ColumnsOf(examples, learnt.model);
+  const Eigen::VectorXd mean = columns.rowwise().mean();
+  Eigen::VectorXd ridge = kRidge *
+                          (columns.colwise() - mean).rowwise().squaredNorm() /
+                          static_cast<double>(examples.size());
+  ridge = ridge.cwiseMax(1e-6);  // So that the system can always be solved.
+  ridge[kSize - 1] = 1e-6;
+  // Newton's method.
+  Eigen::VectorXd weights = Eigen::VectorXd::Zero(kSize);
+  for (int step = 0; step < kNewtonSteps; ++step) {
+    Eigen::VectorXd gradient = ridge.cwiseProduct(weights);
+    Eigen::MatrixXd hessian = ridge.asDiagonal();
+    for (size_t i = 0; i < examples.size(); ++i) {
+      const auto x = columns.col(static_cast<Eigen::Index>(i));
+      const double p = 1 / (1 + std::exp(-weights.dot(x)));
+      const Example& example = examples[i];
+      gradient += example.weight * (p - (example.whole ? 1 : 0)) * x;
+      hessian.selfadjointView<Eigen::Lower>().rankUpdate(
+          x, example.weight * p * (1 - p));
+    }
+    weights -= hessian.selfadjointView<Eigen::Lower>().ldlt().solve(gradient);
+  }
+  for (size_t k = 0; k < kNumRegionNumbers; ++k) {
+    learnt.model.weight[k] = weights[static_cast<Eigen::Index>(k)];
+  }
+  learnt.model.bias = weights[kSize - 1];
+  return learnt;
+}
+
+}  // namespace freegs::evidence
