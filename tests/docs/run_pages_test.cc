@@ -104,7 +104,8 @@ TEST_F(RunPagesTest, CommandsDoWhatThePagesSay) {
       WriteImage(folder_ / "photos/masks/frame_0003.jpg.png", mask).ok());
   EXPECT_EQ(Complaint("freegs_pipeline init other\n"
                       "freegs_pipeline run photos other --sfm.import "
-                      "truth/gt/transforms.json --reconstruct.iterations 100 "
+                      "truth/gt/transforms.json --reconstruct.iterations 200 "
+                      "--reconstruct.exposure on "
                       "--bootstrap.mode paper --bootstrap.iterations 40 "
                       "--bootstrap.clustering union"),
             "");

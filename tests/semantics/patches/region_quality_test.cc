@@ -65,7 +65,7 @@ TEST(RegionQualityTest, MeasuresRegions) {
   EXPECT_FLOAT_EQ(leaf[kNeighbourSize], 0);
   EXPECT_FLOAT_EQ(leaf[kLargestPart], 1);
   EXPECT_FLOAT_EQ(leaf[kOpenOutline], 0.75f);
-  EXPECT_FLOAT_EQ(leaf[kThinness], 0);
+  EXPECT_NEAR(leaf[kThinness], 0, 1e-6);
   EXPECT_FLOAT_EQ(leaf[kRoundness], 0.5f);
   EXPECT_NEAR(leaf[kRuggedness], std::log10(16), 1e-6);
   EXPECT_NEAR(leaf[kColorSpread], 0.2, 1e-6);
