@@ -105,7 +105,6 @@ TEST_F(RunPagesTest, CommandsDoWhatThePagesSay) {
   EXPECT_EQ(Complaint("freegs_pipeline init other\n"
                       "freegs_pipeline run photos other --sfm.import "
                       "truth/gt/transforms.json --reconstruct.iterations 200 "
-                      "--reconstruct.exposure on "
                       "--bootstrap.mode paper --bootstrap.iterations 40 "
                       "--bootstrap.clustering union"),
             "");
@@ -120,6 +119,7 @@ TEST_F(RunPagesTest, CommandsDoWhatThePagesSay) {
   EXPECT_THAT(page.Missing(),
               UnorderedElementsAre(".workflow/",
                                    "STAGE/stage.json: error",
+                                   "reconstruct/exposure.json",
                                    "bootstrap/checkpoints/field.ckpt",
                                    "ingest.partial/frames/PHOTO",
                                    "ingest.partial/pending/N.png",
