@@ -90,6 +90,7 @@ TEST(ViewerLevelsTest, AreThoseOfQueries) {
 TEST(ViewerLevelsTest, GaussiansOfNoPartAndInstancesWithoutParts) {
   Hierarchy hierarchy;
   hierarchy.tree = {.num_leaves = 2, .merges = {{0, 1, 1}}};
+  hierarchy.quality = {0.5, 0.5, 0.2};
   hierarchy.part_pixels = {10, 20};
   hierarchy.total_pixels = 30;
   hierarchy.part_of_gaussian = {0, 1, -1};
