@@ -1,15 +1,15 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# Learns the weights of the evidence for instances (semantics/patches/evidence.json)
-# anew, from 24 scenes that the scene maker draws, and judges them on twenty others.
-# docs/instances.md says what evidence is.
+# Learns the weights of the evidence for instances and of how good regions are anew
+# (semantics/patches/evidence.json and region_quality.json), from 24 scenes that the
+# scene maker draws, and judges them on twenty others. docs/instances.md says what
+# evidence is.
 #
 #   scripts/fit_evidence.sh BUILD FOLDER [FIRST_SEED [LAST_SEED]]
 #
 # BUILD is a build folder with FREEGS_BUILD_BENCHMARKS=ON. FOLDER gets the scenes and
-# the new evidence.json. The scenes to learn from have the seeds 1 to 24, or those
-# that are named; the scenes to judge on have the seeds 101 to 120. A scene takes one
-# to four minutes on 2 cores. Scenes that are in FOLDER already are not made again.
+# the new files. The scenes to learn from have the seeds 1 to 24, or those that are
+# named; the scenes to judge on have the seeds 101 to 120. A scene takes one to four minutes on 2 cores. Scenes that are in FOLDER already are not made again.
 set -eu
 bin=$1/bin
 out=$2

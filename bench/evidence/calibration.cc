@@ -20,20 +20,15 @@ std::vector<JudgedMerge> JudgeMerges(const LearningScene& scene,
   const semantics::RegionTree tree = semantics::MergeRegions(
       scene.graph,
       [&](const semantics::Evidence& e) { return model.Difference(e); });
-  semantics::Hierarchy hierarchy;
-  hierarchy.total_pixels = scene.graph.total_pixels;
-  std::vector<double> sizes;
-  for (const semantics::RegionStats& region : scene.graph.regions) {
-    sizes.push_back(region.pixels);
-  }
-  sizes = tree.Sums(sizes);
+  const double crumb_size = semantics::CrumbSize(scene.graph.total_pixels);
+  const std::vector<double> sizes = tree.Sums(scene.graph.PixelsOfRegions());
   const std::vector<double> pixels = tree.Sums(scene.pixels);
   std::vector<std::map<int, double>> votes = scene.votes;
   std::vector<JudgedMerge> judged;
   for (const semantics::RegionTree::Merge& merge : tree.merges) {
     const int a = TrueSegment(votes[merge.a], pixels[merge.a]);
     const int b = TrueSegment(votes[merge.b], pixels[merge.b]);
-    if (!hierarchy.IsCrumb(std::min(sizes[merge.a], sizes[merge.b])) &&
+    if (std::min(sizes[merge.a], sizes[merge.b]) > crumb_size &&
         std::min(pixels[merge.a], pixels[merge.b]) > 0) {
       judged.push_back({merge.height, a < 0 || a != b});
     }

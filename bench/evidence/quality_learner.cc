@@ -48,16 +48,11 @@ double BestIou(const LearningScene& scene,
 
 std::vector<Example> ExamplesOf(const LearningScene& scene,
                                 const semantics::EvidenceModel& evidence) {
-  semantics::Hierarchy whole;
-  whole.total_pixels = scene.graph.total_pixels;
+  const double crumb_size = semantics::CrumbSize(scene.graph.total_pixels);
   const semantics::MeasuredTree measured =
-      semantics::MergeAndMeasure(scene.graph, evidence, whole.CrumbSize());
+      semantics::MergeAndMeasure(scene.graph, evidence, crumb_size);
   const semantics::RegionTree& tree = measured.tree;
-  std::vector<double> sizes;
-  for (const semantics::RegionStats& region : scene.graph.regions) {
-    sizes.push_back(region.pixels);
-  }
-  sizes = tree.Sums(sizes);
+  const std::vector<double> sizes = tree.Sums(scene.graph.PixelsOfRegions());
   const std::vector<double> pixels = tree.Sums(scene.pixels);
   std::vector<std::map<int, double>> votes = scene.votes;
   std::vector<double> outer(sizes.size(), 0.0);  // The size of the parent.
@@ -70,7 +65,7 @@ std::vector<Example> ExamplesOf(const LearningScene& scene,
   constexpr double kLeastWeight = 0.02;
   std::vector<Example> examples;
   for (size_t r = 0; r < sizes.size(); ++r) {
-    if (whole.IsCrumb(sizes[r]) || !(pixels[r] > 0)) continue;
+    if (!(sizes[r] > crumb_size && pixels[r] > 0)) continue;
     const double share = outer[r] > 0 ? sizes[r] / outer[r] : 0;
     examples.push_back({measured.numbers[r],
                         BestIou(scene, votes[r], pixels[r]) > kWholeIou,

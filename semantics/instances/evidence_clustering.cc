@@ -52,11 +52,9 @@ StatusOr<LearntModels> DefaultModels() {
 Hierarchy BuildHierarchy(const RegionGraph& graph, const LearntModels& models) {
   Hierarchy hierarchy;
   hierarchy.total_pixels = graph.total_pixels;
-  for (const RegionStats& region : graph.regions) {
-    hierarchy.part_pixels.push_back(region.pixels);
-  }
+  hierarchy.part_pixels = graph.PixelsOfRegions();
   MeasuredTree measured =
-      MergeAndMeasure(graph, models.evidence, hierarchy.CrumbSize());
+      MergeAndMeasure(graph, models.evidence, CrumbSize(graph.total_pixels));
   hierarchy.tree = std::move(measured.tree);
   for (const RegionNumbers& numbers : measured.numbers) {
     hierarchy.quality.push_back(

@@ -25,7 +25,7 @@ std::vector<int32_t> RegionsAt(const Hierarchy& hierarchy, double granularity) {
                     std::max(0.0, hierarchy.quality[r] - kLeastQuality));
   }
   return hierarchy.tree.MostWorth(
-      worth, hierarchy.part_pixels, hierarchy.CrumbSize());
+      worth, hierarchy.part_pixels, CrumbSize(hierarchy.total_pixels));
 }
 
 }  // namespace

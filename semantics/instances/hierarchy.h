@@ -20,12 +20,17 @@ namespace freegs::semantics {
 // Neighbouring levels (RegionAround) differ in size by this factor at least.
 inline constexpr double kLevelRatio = 1.25;
 
+// Crumbs, regions of no more pixels than this, belong to what they were joined
+// to or, if that is nothing, to nobody. total_pixels: see Hierarchy.
+inline double CrumbSize(double total_pixels) { return 1e-3 * total_pixels; }
+
 struct Hierarchy {
   // Leaves are the smallest parts. A region is a leaf or a merge, numbered as
   // in RegionTree. Heights are log-odds of being two things.
   RegionTree tree;
 
-  // How likely each region is a whole thing, from 0 to 1.
+  // How likely each region is a whole thing, from 0 to 1: one number for each
+  // region.
   std::vector<double> quality;
 
   std::vector<double> part_pixels;  // Of each leaf, in all photographs.
@@ -36,10 +41,9 @@ struct Hierarchy {
 
   double granularity = 0;  // Where the instances were cut.
 
-  // Crumbs, regions of so few pixels, belong to what they were joined to or, if
-  // that is nothing, to nobody.
-  double CrumbSize() const { return 1e-3 * total_pixels; }
-  bool IsCrumb(double pixels) const { return !(pixels > CrumbSize()); }
+  bool IsCrumb(double pixels) const {
+    return !(pixels > CrumbSize(total_pixels));
+  }
 };
 
 // The regions from which the most whole things can be expected, where large

@@ -49,6 +49,12 @@ void RegionStats::Add(const RegionStats& other) {
   }
 }
 
+std::vector<double> RegionGraph::PixelsOfRegions() const {
+  std::vector<double> pixels;
+  for (const RegionStats& region : regions) pixels.push_back(region.pixels);
+  return pixels;
+}
+
 void ContactStats::Add(const ContactStats& other) {
   pixels += other.pixels;
   hidden += other.hidden;

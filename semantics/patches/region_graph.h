@@ -87,6 +87,8 @@ struct RegionGraph {
   std::vector<RegionStats> regions;
   std::vector<Contact> contacts;  // Sorted by (a, b), each pair once.
   double total_pixels = 0;        // Of all views together.
+
+  std::vector<double> PixelsOfRegions() const;
 };
 
 }  // namespace freegs::semantics

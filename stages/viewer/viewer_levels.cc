@@ -122,8 +122,8 @@ ViewerLevels MakeViewerLevels(const semantics::Hierarchy& hierarchy,
                                             })
                                ->first;
     instance.wider = order.Wider(region);
-    instance.narrower =
-        order.Narrower(region, kSmallestRegion * hierarchy.CrumbSize());
+    instance.narrower = order.Narrower(
+        region, kSmallestRegion * semantics::CrumbSize(hierarchy.total_pixels));
   }
   return levels;
 }

@@ -149,11 +149,21 @@ TEST_F(ExposureSearchTest, LearnsExposureOnlyWherePhotosDiffer) {
 TEST_F(ExposureSearchTest, LearnsAnExposureThatDrifts) {
   RampExposure();
   ThreadPool pool(2);
-  const auto choice = Search(HoldoutJudge(&pool));
+  const QualityJudge judge = HoldoutJudge(&pool);
+  const auto choice = Search(judge);
   ASSERT_TRUE(choice.ok()) << choice.status().message();
   EXPECT_TRUE(choice->learn)
       << choice->without.plain << " " << choice->with.plain << ", fitted "
       << choice->without.fitted << " " << choice->with.fitted;
+  TrainingImages images = Images(pool);
+  Trainer trainer(Training(), Start(), 2.0, &images, &pool);
+  trainer.KeepTo(*choice);
+  ASSERT_TRUE(Finish(&trainer).ok());
+  const auto of_scene = judge(trainer.model(), {}, 0);
+  const auto of_neighbours = judge(trainer.model(), trainer.Exposures(), 0);
+  ASSERT_TRUE(of_scene.ok() && of_neighbours.ok());
+  EXPECT_GT(of_neighbours->plain, of_scene->plain + 0.5);
+  EXPECT_EQ(of_neighbours->fitted, of_scene->fitted);
 }
 
 TEST_F(ExposureSearchTest, TrainingKeepsToTheChoice) {
