@@ -13,6 +13,7 @@
 #include "core/quantile.h"
 #include "core/random.h"
 #include "sfm/calibration/bundle_adjustment.h"
+#include "sfm/calibration/photo_sample.h"
 #include "sfm/scene/camera_conversion.h"
 #include "sfm/scene/track_filter.h"
 
@@ -323,6 +324,9 @@ Status CameraSelectionOptions::Check() const {
         "camera selection needs at least one sharing, and models that bundle "
         "adjustment knows");
   }
+  if (max_images < 3) {
+    return InvalidArgumentError("camera selection needs at least three images");
+  }
   return {};
 }
 
@@ -336,6 +340,7 @@ StatusOr<CameraSelection> SelectCameras(const Reconstruction& model,
   }
   Reconstruction clean = model;
   RemoveDanglingReferences(&clean);
+  clean = SamplePhotos(clean, options.max_images);
   const Sample sample = DrawSample(clean, options);
   if (sample.held_out.size() < kMinHeldOut) {
     return UnusableResultError(
@@ -344,6 +349,7 @@ StatusOr<CameraSelection> SelectCameras(const Reconstruction& model,
         std::to_string(sample.held_out.size()) + " observations to judge by");
   }
   CameraSelection selection;
+  selection.images = clean.images.size();
   selection.observations = sample.observations;
   selection.held_out = sample.held_out.size();
   selection.candidates = ListCandidates(clean, options);

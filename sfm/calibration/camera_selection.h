@@ -33,6 +33,11 @@ struct CameraSelectionOptions {
   // is clearly better: when it lowers the held-out error by at least a tenth.
   bool per_photo = true;
 
+  // Of more photos than this, a part is taken that sees the same points often
+  // (see SamplePhotos). A lens is the same everywhere, and time grows faster
+  // than the number of photos.
+  size_t max_images = 100;
+
   // Estimation uses a random part of the points: so many that they have this
   // number of observations in all, and at least 40 observations in each image
   // that has 40.
@@ -71,6 +76,7 @@ struct CameraCandidate {
 struct CameraSelection {
   std::vector<CameraCandidate> candidates;  // Fewest parameters first.
   size_t chosen = 0;                        // Position in candidates.
+  size_t images = 0;                        // Photos used.
   size_t observations = 0;                  // Used for estimation.
   size_t held_out = 0;                      // Observations used for judging.
 };

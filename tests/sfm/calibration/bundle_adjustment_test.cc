@@ -188,7 +188,7 @@ TEST_F(AdjustmentTest, TwoImagesWork) {
 
 // Other solvers for the poses.
 TEST_F(AdjustmentTest, HundredsAndThousandsOfImages) {
-  for (const int images : {120, 1010}) {
+  for (const int images : {120, 210, 1010}) {
     scene_.num_images = images;
     scene_.num_points = 40;
     model_ = MakeStart(scene_, MakeNoisyScene(scene_));

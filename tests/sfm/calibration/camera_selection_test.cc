@@ -219,6 +219,28 @@ TEST(SelectCameras, FewObservationsAreDrawnAndEveryImageKeepsSome) {
       << Table(*selection);
 }
 
+TEST(SelectCameras, APartOfManyPhotosFindsTheSameLens) {
+  NoisyScene scene;
+  scene.num_images = 60;
+  scene.cameras = {
+      MakeCamera(CameraModel::kRadial, {500, 320, 240, -0.2, 0.2}),
+      MakeCamera(CameraModel::kRadial, {400, 320, 240, -0.2, 0.2})};
+  CameraSelectionOptions options;
+  options.per_photo = false;
+  const Reconstruction start = MakeStart(scene, MakeNoisyScene(scene));
+  for (const size_t images : {20, 60}) {
+    options.max_images = images;
+    const auto selection = SelectCameras(start, options);
+    ASSERT_TRUE(selection.ok()) << selection.status().message();
+    EXPECT_EQ(selection->images, images);
+    const CameraCandidate& chosen = selection->candidates[selection->chosen];
+    EXPECT_EQ(chosen.model, CameraModel::kRadial) << Table(*selection);
+    EXPECT_EQ(chosen.sharing, CameraSharing::kPerGroup) << Table(*selection);
+  }
+  options.max_images = 2;
+  EXPECT_FALSE(SelectCameras(start, options).ok());
+}
+
 TEST(SelectCameras, TooLittleToChooseBy) {
   NoisyScene scene;
   scene.cameras = {MakeCamera(CameraModel::kSimplePinhole, {500, 320, 240})};
