@@ -7,9 +7,9 @@
 #include <map>
 #include <utility>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 
+#include "bench/evidence/logistic_regression.h"
 #include "semantics/patches/region_merging.h"
 
 namespace freegs::evidence {
@@ -79,52 +79,24 @@ EvidenceModel Normalised(std::span<const Example> examples) {
 EvidenceModel FitEvidence(std::span<const Example> examples,
                           const std::set<std::string>& without,
                           ThreadPool& pool) {
-  // Newton's method.
   EvidenceModel model = Normalised(examples);
   constexpr Eigen::Index n = kNumEvidences + 1;
-  const auto row = [&](const Evidence& evidence) {
-    Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
+  Eigen::MatrixXd columns =
+      Eigen::MatrixXd::Zero(n, static_cast<Eigen::Index>(examples.size()));
+  std::vector<LabelledExample> labels;
+  for (const Example& example : examples) {
+    auto column = columns.col(static_cast<Eigen::Index>(labels.size()));
     for (size_t k = 0; k < kNumEvidences; ++k) {
       if (!without.contains(semantics::kEvidenceNames[k])) {
-        x[k] = (evidence[k] - model.mean[k]) / model.deviation[k];
+        column[static_cast<Eigen::Index>(k)] =
+            (example.evidence[k] - model.mean[k]) / model.deviation[k];
       }
     }
-    x[n - 1] = 1;
-    return x;
-  };
-  constexpr int64_t kPart = 4096;
-  const auto count = static_cast<int64_t>(examples.size());
-  const int64_t parts = (count + kPart - 1) / kPart;
-  Eigen::VectorXd weights = Eigen::VectorXd::Zero(n);
-  for (int step = 0; step < kNewtonSteps; ++step) {
-    // Sums in parts of a fixed size do not depend on the threads.
-    std::vector<Eigen::VectorXd> gradients(parts);
-    std::vector<Eigen::MatrixXd> hessians(parts);
-    pool.ParallelFor(0, parts, 1, [&](int64_t first, int64_t last, int) {
-      for (int64_t part = first; part < last; ++part) {
-        Eigen::VectorXd gradient = Eigen::VectorXd::Zero(n);
-        const int64_t begin = part * kPart;
-        const int64_t end = std::min(count, begin + kPart);
-        Eigen::MatrixXd rows(n, end - begin);
-        for (int64_t i = begin; i < end; ++i) {
-          const Eigen::VectorXd x = row(examples[i].evidence);
-          const double p = 1 / (1 + std::exp(-weights.dot(x)));
-          gradient +=
-              examples[i].weight * (p - (examples[i].different ? 1 : 0)) * x;
-          rows.col(i - begin) = std::sqrt(examples[i].weight * p * (1 - p)) * x;
-        }
-        hessians[part] = rows * rows.transpose();
-        gradients[part] = gradient;
-      }
-    });
-    Eigen::MatrixXd hessian = Eigen::MatrixXd::Identity(n, n);
-    Eigen::VectorXd gradient = weights;
-    for (int64_t part = 0; part < parts; ++part) {
-      hessian += hessians[part];
-      gradient += gradients[part];
-    }
-    weights -= hessian.ldlt().solve(gradient);
+    column[n - 1] = 1;
+    labels.push_back({example.different, example.weight});
   }
+  const Eigen::VectorXd weights = FitLogistic(
+      columns, labels, Eigen::VectorXd::Ones(n), kNewtonSteps, pool);
   for (size_t k = 0; k < kNumEvidences; ++k) model.weight[k] = weights[k];
   model.bias = weights[n - 1];
   return model;

@@ -3,14 +3,13 @@
 #include "bench/evidence/quality_learner.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <utility>
 #include <vector>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 
+#include "bench/evidence/logistic_regression.h"
 #include "core/quantile.h"
 #include "semantics/instances/hierarchy.h"
 
@@ -130,21 +129,12 @@ LearntQuality LearnQuality(std::span<const LearningScene> scenes,
                           static_cast<double>(examples.size());
   ridge = ridge.cwiseMax(1e-6);  // So that the system can always be solved.
   ridge[kSize - 1] = 1e-6;
-  // Newton's method.
-  Eigen::VectorXd weights = Eigen::VectorXd::Zero(kSize);
-  for (int step = 0; step < kNewtonSteps; ++step) {
-    Eigen::VectorXd gradient = ridge.cwiseProduct(weights);
-    Eigen::MatrixXd hessian = ridge.asDiagonal();
-    for (size_t i = 0; i < examples.size(); ++i) {
-      const auto x = columns.col(static_cast<Eigen::Index>(i));
-      const double p = 1 / (1 + std::exp(-weights.dot(x)));
-      const Example& example = examples[i];
-      gradient += example.weight * (p - (example.whole ? 1 : 0)) * x;
-      hessian.selfadjointView<Eigen::Lower>().rankUpdate(
-          x, example.weight * p * (1 - p));
-    }
-    weights -= hessian.selfadjointView<Eigen::Lower>().ldlt().solve(gradient);
+  std::vector<LabelledExample> labels;
+  for (const Example& example : examples) {
+    labels.push_back({example.whole, example.weight});
   }
+  const Eigen::VectorXd weights =
+      FitLogistic(columns, labels, ridge, kNewtonSteps, pool);
   for (size_t k = 0; k < kNumRegionNumbers; ++k) {
     learnt.model.weight[k] = weights[static_cast<Eigen::Index>(k)];
   }

@@ -47,13 +47,23 @@ StatusOr<int> AddLevel(const fs::path& workspace,
       std::find_if(hits.begin(), hits.end(), [other](const auto& candidate) {
         return candidate.id - 1 != other;
       });
-  if (hit == hits.end()) {
-    return BadInputError(
-        "bootstrap/hierarchy.json: knows no part of instance " +
-        std::to_string(clicked.id) + " there; run stage bootstrap again");
+  int32_t part = -1;
+  if (hit != hits.end()) {
+    part = hit->id - 1;
+  } else if (level > 0) {
+    // Upwards all parts of an instance lead to the same region.
+    const auto any = std::find_if(parts.begin(), parts.end(), [&](int32_t p) {
+      return p >= 0 && p != other;
+    });
+    if (any != parts.end()) part = *any;
+  }
+  if (part < 0) {
+    return InvalidArgumentError(
+        "that pixel shows no part of instance " + std::to_string(clicked.id) +
+        " that bootstrap/hierarchy.json knows; click another pixel of it");
   }
   const std::vector<uint8_t> inside = semantics::GaussiansOf(
-      hierarchy, semantics::RegionAround(hierarchy, hit->id - 1, level));
+      hierarchy, semantics::RegionAround(hierarchy, part, level));
 
   int id = 0;
   for (const semantics::Instance& instance : scene->instances) {

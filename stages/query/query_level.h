@@ -25,7 +25,9 @@ struct ClickedInstance {
 // Adds to the scene, with an id of its own, the region `level` levels above the
 // instance in bootstrap/hierarchy.json, or below it at this pixel for negative
 // levels. Its Gaussians no longer have their old instances. Returns the id.
-// kBadInput if the file is missing, malformed or of another scene.
+// kBadInput if the file is missing, malformed or of another scene;
+// kInvalidArgument if the pixel shows no part of the instance that the file
+// knows, where the part matters (downwards) or there is none.
 StatusOr<int> AddLevel(const std::filesystem::path& workspace,
                        const ClickedInstance& clicked,
                        int level,

@@ -276,6 +276,38 @@ TEST_F(QueryCommandTest, ClicksReachPartsAndWholes) {
   EXPECT_EQ(Query({"--box", "photo1", "0", "0", "9", "9", "--wider", "1"}), 2);
 }
 
+// Of the clicked thing the hierarchy knows one Gaussian, which the pixel does
+// not show: there is a whole, but no part.
+TEST_F(QueryCommandTest, ClicksBesideAllPartsReachTheWhole) {
+  const auto [x, y] = PixelOf(Labels(workspace_.views[2]), 1);
+  workspace_.AddHierarchy();
+  const auto file = workspace_.path() / "bootstrap" / "hierarchy.json";
+  const auto hierarchy = semantics::ReadHierarchy(file);
+  ASSERT_TRUE(hierarchy.ok());
+  const auto answer_with_only = [&](size_t known, const char* option) {
+    semantics::Hierarchy poorer = *hierarchy;
+    for (size_t g = 1; g < poorer.part_of_gaussian.size(); g += 4) {
+      if (g != known) poorer.part_of_gaussian[g] = -1;
+    }
+    EXPECT_TRUE(semantics::WriteHierarchy(file, poorer).ok());
+    return Query({"--click",
+                  "photo2",
+                  std::to_string(x),
+                  std::to_string(y),
+                  option,
+                  "1"});
+  };
+  bool found = false;
+  for (size_t g = 1; !found && g < workspace_.model.size(); g += 4) {
+    found = answer_with_only(g, "--narrower") == 2;
+    if (!found) continue;
+    EXPECT_THAT(message_, HasSubstr("click another pixel"));
+    EXPECT_EQ(answer_with_only(g, "--wider"), 0) << message_;
+  }
+  EXPECT_TRUE(found);
+  EXPECT_EQ(answer_with_only(0, "--wider"), 2);
+}
+
 TEST_F(QueryCommandTest, BoxesAnswerWithoutSemantics) {
   const Image<int32_t> labels = Labels(workspace_.views[1]);
   int x0 = 64, x1 = 0, y0 = 48, y1 = 0;
