@@ -282,7 +282,8 @@ TEST_F(QueryCommandTest, ClicksBesideAllPartsReachTheWhole) {
   const auto [x, y] = PixelOf(Labels(workspace_.views[2]), 1);
   workspace_.AddHierarchy();
   const auto file = workspace_.path() / "bootstrap" / "hierarchy.json";
-  const auto hierarchy = semantics::ReadHierarchy(file);
+  const auto hierarchy =
+      semantics::ReadHierarchy(file, workspace_.model.size());
   ASSERT_TRUE(hierarchy.ok());
   const auto answer_with_only = [&](size_t known, const char* option) {
     semantics::Hierarchy poorer = *hierarchy;
