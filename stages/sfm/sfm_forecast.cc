@@ -39,15 +39,16 @@ constexpr double kDiskBytesPerFeature = 310;
 constexpr double kPointsPerFeature = 0.61;
 
 // CPU seconds with kUsualFeatures in each photo, for features, matches and what
-// comes after; fitted on fox, tabletop, playroom and bonsai. The mapper and the
-// choice of the cameras adjust all photos again and again, so a photo costs
-// more the more there are.
+// comes after; fitted on fox, tabletop, playroom and bonsai. The mapper adjusts
+// all photos again and again, so a photo costs more the more there are. The
+// exponent is of 50 to 1000 photos.
 constexpr double kUsualFeatures = 3000;
 constexpr double kSecondsPerPhoto = 0.4;
 constexpr double kSecondsPerMegapixel = 0.03;
 constexpr double kSecondsPerPair = 0.05;
 constexpr double kMappingSecondsPerPhoto = 0.33;  // Of kUsualPhotos photos.
 constexpr double kUsualPhotos = 60;
+constexpr double kMappingExponent = 0.75;
 constexpr double kSerial = 0.3;
 
 // Of the undistorter on each core: the photo and the one without distortion,
@@ -100,7 +101,8 @@ StageNeed SfmNeed(const sfm::SfmOptions& options,
       kSecondsPerMegapixel * 1e-6 * static_cast<double>(pixels.total) +
       kSecondsPerPair * share * share *
           static_cast<double>(ExpectedPairs(options.pairs, photos)) +
-      kMappingSecondsPerPhoto * share * count * std::sqrt(count / kUsualPhotos);
+      kMappingSecondsPerPhoto * share * count *
+          std::pow(count / kUsualPhotos, kMappingExponent);
   return {.memory_bytes = std::llround(std::max(extraction, mapping)),
           .disk_bytes = std::llround(kDiskBytesPerFeature * features),
           .seconds = pipeline::OnThreads(seconds, kSerial, threads),
