@@ -39,9 +39,9 @@ TrainerOptions TrialOptions(const ExposureSearchOptions& options,
 }  // namespace
 
 Status ExposureSearchOptions::Check() const {
-  if (!(max_loss_db >= 0) || level < 0) {
+  if (!(min_gain_db >= 0) || level < 0) {
     return InvalidArgumentError(
-        "level and max_loss_db of a search must not be negative");
+        "level and min_gain_db of a search must not be negative");
   }
   if (!(trial_share >= 0 && trial_share <= 1) || min_trial_steps < 1) {
     return InvalidArgumentError("the steps of trials must be positive");
@@ -76,8 +76,8 @@ StatusOr<ExposureChoice> SearchExposure(const ExposureSearchOptions& options,
   FREEGS_ASSIGN_OR_RETURN(choice.without, psnr_of_trial(false));
   FREEGS_ASSIGN_OR_RETURN(choice.with, psnr_of_trial(true));
   choice.learn =
-      choice.with.fitted >= choice.without.fitted - options.max_loss_db &&
-      choice.with.plain >= choice.without.plain - options.max_loss_db;
+      choice.with.fitted - choice.without.fitted >= options.min_gain_db &&
+      choice.with.plain >= choice.without.plain;
   return choice;
 }
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Decides whether training learns the exposure of each photograph
-// (splat/optim/exposure.h): unless photographs that training never sees lose by
-// it. They lose where exposure varies and the order of the photographs does not
-// tell how.
+// (splat/optim/exposure.h): only where photographs that training never sees
+// gain from it. Where all photographs have the same exposure, or one that
+// changes slowly along the way of the camera, so that colours which depend on
+// the viewing direction follow it, the additional freedom costs quality.
 //
 //   const QualityJudge judge =
 //       [&](const GaussianModel& model,
@@ -44,9 +45,9 @@ using QualityJudge = std::function<StatusOr<HoldoutPsnr>(
     int level)>;
 
 struct ExposureSearchOptions {
-  // Exposure is learnt if neither PSNR falls by more than this. Differences so
-  // small are noise of the trials.
-  double max_loss_db = 0.3;
+  // Exposure is learnt if that raises the PSNR with fitted colours by at least
+  // so much, and does not lower the PSNR without.
+  double min_gain_db = 0.5;
 
   // The level of the image pyramid with which the trials are made.
   int level = 2;

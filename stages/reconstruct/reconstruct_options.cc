@@ -172,8 +172,8 @@ void RegisterReconstructOptions(ReconstructStageOptions& options,
   table.Add("reconstruct.exposure",
             &options.exposure,
             {.help = "Whether the exposure and white balance of each photo are "
-                     "learnt. auto: unless photos that training never sees "
-                     "lose by it.",
+                     "learnt. auto: if photos that training never sees gain "
+                     "from it.",
              .choices = {"auto", "on", "off"}});
   table.Add("reconstruct.background",
             &options.background,
