@@ -140,14 +140,16 @@ class BootstrapStage : public pipeline::Stage {
  private:
   bool with_semantics() const { return options_.mode != "geometry"; }
 
-  // One or two instances are hardly ever the things of a scene.
+  // One or two instances are hardly ever the things of a scene. In the union
+  // space, a few more are halves of a scene and crumbs.
   void WarnOfFewInstances(int count,
                           const pipeline::StageContext& context) const {
-    if (count > 2) return;
+    if (count > (options_.clustering == "union" ? 5 : 2)) return;
     context.log(
         pipeline::LogLevel::kWarning,
         std::string("bootstrap: only ") +
-            (count == 1 ? "one instance was" : "two instances were") +
+            (count == 1 ? "one instance was"
+                        : std::to_string(count) + " instances were") +
             " found, so that things of the scene may be joined; try " +
             (options_.clustering == "union"
                  ? "bootstrap.clustering evidence, or other values of "
