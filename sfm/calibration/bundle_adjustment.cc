@@ -21,9 +21,9 @@ namespace {
 // Scale of the Cauchy loss: residuals well above it count less.
 constexpr double kLossScalePx = 1.0;
 
-// Beyond so many images the poses are solved for iteratively: exact solutions
-// of 1000 images took 100 seconds a step, and the adjustment ends at the same
-// cost without.
+// With more images the poses are solved for iteratively. An exact solution for
+// 1000 images takes 120 seconds a step, and the adjustment ends at the same
+// cost without it.
 constexpr size_t kMaxDenseImages = 200;
 
 // An image's pose as Ceres sees it: x_cam = exp(delta) * start * x + t, where
