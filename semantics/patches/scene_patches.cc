@@ -72,6 +72,32 @@ std::vector<float> DepthScale(const std::vector<float>& positions,
   return scale;
 }
 
+// The chosen photographs of the scene, each of the size of its view. Several
+// are read at once.
+StatusOr<std::vector<ImageF>> ReadPhotos(const PatchScene& scene,
+                                         std::span<const size_t> chosen,
+                                         std::span<const View> views,
+                                         ThreadPool& pool) {
+  std::vector<ImageF> photos(chosen.size());
+  std::vector<Status> results(chosen.size());
+  const auto read = [&](int64_t v) -> Status {
+    FREEGS_ASSIGN_OR_RETURN(const ImageU8 photo, scene.photo_of(chosen[v]));
+    const Pinhole& camera = views[v].camera;
+    photos[v] = ToFloat(AreaAverage(photo, camera.width, camera.height));
+    return Status();
+  };
+  pool.ParallelFor(0,
+                   static_cast<int64_t>(chosen.size()),
+                   1,
+                   [&](int64_t first, int64_t last, int) {
+                     for (int64_t v = first; v < last; ++v) {
+                       results[v] = read(v);
+                     }
+                   });
+  for (const Status& result : results) FREEGS_RETURN_IF_ERROR(result);
+  return photos;
+}
+
 }  // namespace
 
 StatusOr<ScenePatches> BuildScenePatches(
@@ -116,6 +142,8 @@ StatusOr<ScenePatches> BuildScenePatches(
   }
   std::vector<float> depth_scale =
       DepthScale(points.positions, patches, size_of_patch, views);
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<ImageF> photos,
+                          ReadPhotos(scene, chosen, views, pool));
   PatchGraphBuilder builder(model,
                             result.patch_of_gaussian,
                             std::move(normals),
@@ -133,11 +161,8 @@ StatusOr<ScenePatches> BuildScenePatches(
                                       views[v].cam_from_world,
                                       scene.render,
                                       pool));
-    FREEGS_ASSIGN_OR_RETURN(const ImageU8 photo, scene.photo_of(chosen[v]));
-    const ImageF small = ToFloat(
-        AreaAverage(photo, views[v].camera.width, views[v].camera.height));
     FREEGS_RETURN_IF_ERROR(
-        builder.AddView(weights.matrix(), views[v], small, pool));
+        builder.AddView(weights.matrix(), views[v], photos[v], pool));
   }
   result.graph = builder.Finish();
   result.seen = builder.seen();

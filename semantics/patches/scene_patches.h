@@ -35,7 +35,7 @@ struct ScenePatches {
 };
 
 // What the patches are made from. `photo_of` returns the photograph of
-// views[view], of any size.
+// views[view], of any size. It may be called on several threads at once.
 struct PatchScene {
   const splat::GaussianModel& model;
   std::span<const View> views;

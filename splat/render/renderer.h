@@ -44,6 +44,9 @@ RenderedView RenderView(const GaussianModel& model,
                         ThreadPool& pool,
                         const FeatureChannels& features = {});
 
+// A pixel that the labelled Gaussians cover less than this shows no label.
+inline constexpr float kMinLabelWeight = 0.5f;
+
 // Returns, for each pixel, the label whose Gaussians have the largest sum of
 // blending weights there. This is the argmax of rendered one-hot vectors
 // (FreeGS eq. 5), computed without rendering the vectors. `labels` holds one
@@ -56,7 +59,7 @@ Image<int32_t> RenderLabels(const GaussianModel& model,
                             const RenderOptions& options,
                             ThreadPool& pool,
                             std::span<const int32_t> labels,
-                            float min_weight = 0.5f);
+                            float min_weight = kMinLabelWeight);
 
 }  // namespace freegs::splat
 

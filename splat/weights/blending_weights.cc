@@ -6,6 +6,8 @@
 #include <array>
 #include <limits>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "splat/projection/projection.h"
 #include "splat/render/tile_bins.h"
@@ -15,78 +17,78 @@
 namespace freegs::splat {
 namespace {
 
-// One number per pixel of a tile, by TilePixel.
-using TileNumbers = std::array<uint32_t, kTilePixels>;
-
-// A view that is projected and binned. It can be blended tile by tile any
-// number of times, each time with the same weights.
-class WeightLister {
- public:
-  WeightLister(const GaussianModel& model,
-               const Pinhole& camera,
-               const Rigid3d& cam_from_world,
-               RenderOptions options,
-               ThreadPool& pool)
-      : width_(camera.width),
-        height_(camera.height),
-        pool_(pool),
-        lists_(pool.num_threads()) {
-    options.sh_degree = 0;  // Colour is not looked at.
-    Projector projector;
-    projector.Project(
-        model, camera, cam_from_world, options, pool, &projection_);
-    BinSplats(projection_, width_, height_, pool, &bins_);
-  }
-
-  // Blends all tiles on several threads. For each tile it calls
-  // begin_tile(task, &numbers), where all numbers are zero; then add(list,
-  // gaussian_of, &numbers) for each batch of weights, where gaussian_of(place)
-  // is the Gaussian of a place in the list; then end_tile(task, numbers).
-  template <typename BeginTile, typename Add, typename EndTile>
-  void ForEachTile(const BeginTile& begin_tile,
-                   const Add& add,
-                   const EndTile& end_tile) {
-    const int64_t tiles = static_cast<int64_t>(bins_.tiles_x) * bins_.tiles_y;
-    pool_.ParallelFor(
-        0, tiles, 1, [&](int64_t first, int64_t last, int worker) {
-          TileWeightList& list = lists_[worker];
-          alignas(64) float transmittance[kTilePixels];
-          for (int64_t tile = first; tile < last; ++tile) {
-            const TileTask task =
-                MakeTileTask(projection_, bins_, width_, height_, tile);
-            TileNumbers numbers = {};
-            begin_tile(task, &numbers);
-            for (int64_t begin = 0; begin < task.count;) {
-              const int64_t next =
-                  ListTileWeights(task, begin, transmittance, &list);
-              const uint32_t* entries = task.entries + begin;
-              const auto gaussian_of = [&](uint32_t place) {
-                return entries[TileWeightList::EntryOf(place)];
-              };
-              add(list, gaussian_of, &numbers);
-              begin = next;
-            }
-            end_tile(task, numbers);
-          }
-        });
-  }
-
- private:
-  const int width_;
-  const int height_;
-  ThreadPool& pool_;
-  Projection projection_;
-  TileBins bins_;
-  std::vector<TileWeightList> lists_;  // One per thread.
+// The weights of one tile, pixel after pixel in row-major order.
+struct TileWeights {
+  std::vector<uint32_t> gaussians;
+  std::vector<float> weights;
 };
 
-// Calls visit(row, tile_pixel) for the pixels of a tile inside the image.
+// What one thread needs to bring the weights of a tile into the order of
+// pixels: the batches, one after the other, and their pixels by TilePixel.
+struct TileScratch {
+  TileWeightList batch;
+  alignas(64) float transmittance[kTilePixels];
+  std::vector<uint8_t> pixels;
+  TileWeights unsorted;
+  std::array<uint32_t, kTilePixels> counts;
+  std::array<uint32_t, kTilePixels> next;
+};
+static_assert(kTilePixels <= 256, "a pixel of a tile is one byte");
+
+// Blends all splats of a tile and keeps their weights in the order of splats.
+void BlendAll(const TileTask& task, TileScratch* scratch) {
+  scratch->counts.fill(0);
+  scratch->pixels.clear();
+  scratch->unsorted.gaussians.clear();
+  scratch->unsorted.weights.clear();
+  const TileWeightList& batch = scratch->batch;
+  for (int64_t begin = 0; begin < task.count;) {
+    const int64_t next =
+        ListTileWeights(task, begin, scratch->transmittance, &scratch->batch);
+    const size_t old_size = scratch->pixels.size();
+    scratch->pixels.resize(old_size + batch.count);
+    scratch->unsorted.gaussians.resize(old_size + batch.count);
+    for (int32_t j = 0; j < batch.count; ++j) {
+      const uint32_t pixel = TileWeightList::PixelOf(batch.place[j]);
+      ++scratch->counts[pixel];
+      scratch->pixels[old_size + j] = static_cast<uint8_t>(pixel);
+      scratch->unsorted.gaussians[old_size + j] =
+          task.entries[begin + TileWeightList::EntryOf(batch.place[j])];
+    }
+    scratch->unsorted.weights.insert(scratch->unsorted.weights.end(),
+                                     batch.weight,
+                                     batch.weight + batch.count);
+    begin = next;
+  }
+}
+
+// Calls visit(row of W, pixel by TilePixel) for the pixels of a tile inside the
+// image.
 template <typename Visit>
 void ForEachPixel(const TileTask& task, int width, const Visit& visit) {
   for (int y = 0; y < task.height; ++y) {
     const size_t row = static_cast<size_t>(task.y0 + y) * width + task.x0;
     for (int x = 0; x < task.width; ++x) visit(row + x, TilePixel(x, y));
   }
+}
+
+// The weights of a tile that BlendAll has blended. The weights of one pixel
+// stay in the order of splats.
+TileWeights SortByPixel(const TileTask& task, TileScratch* scratch) {
+  uint32_t count = 0;
+  ForEachPixel(task, 0, [&](size_t, int pixel) {
+    scratch->next[pixel] = count;
+    count += scratch->counts[pixel];
+  });
+  TileWeights sorted;
+  sorted.gaussians.resize(count);
+  sorted.weights.resize(count);
+  for (size_t j = 0; j < scratch->pixels.size(); ++j) {
+    const uint32_t k = scratch->next[scratch->pixels[j]]++;
+    sorted.gaussians[k] = scratch->unsorted.gaussians[j];
+    sorted.weights[k] = scratch->unsorted.weights[j];
+  }
+  return sorted;
 }
 
 }  // namespace
@@ -106,20 +108,33 @@ StatusOr<BlendingWeights> ComputeBlendingWeights(const GaussianModel& model,
   result.height = camera.height;
   result.num_gaussians = model.size();
   const size_t num_pixels = static_cast<size_t>(camera.width) * camera.height;
-  WeightLister lister(model, camera, cam_from_world, options, pool);
+  RenderOptions without_color = options;
+  without_color.sh_degree = 0;
+  Projector projector;
+  Projection projection;
+  projector.Project(
+      model, camera, cam_from_world, without_color, pool, &projection);
+  TileBins bins;
+  BinSplats(projection, camera.width, camera.height, pool, &bins);
+  const int64_t num_tiles = static_cast<int64_t>(bins.tiles_x) * bins.tiles_y;
+  const auto task_of = [&](int64_t tile) {
+    return MakeTileTask(projection, bins, camera.width, camera.height, tile);
+  };
 
   result.pixel_begin.resize(num_pixels + 1);
-  lister.ForEachTile(
-      [](const TileTask&, TileNumbers*) {},
-      [](const TileWeightList& list, const auto&, TileNumbers* counts) {
-        for (int32_t j = 0; j < list.count; ++j) {
-          ++(*counts)[TileWeightList::PixelOf(list.place[j])];
+  std::vector<TileWeights> tiles(num_tiles);
+  std::vector<TileScratch> scratches(pool.num_threads());
+  pool.ParallelFor(
+      0, num_tiles, 1, [&](int64_t first, int64_t last, int worker) {
+        TileScratch& scratch = scratches[worker];
+        for (int64_t tile = first; tile < last; ++tile) {
+          const TileTask task = task_of(tile);
+          BlendAll(task, &scratch);
+          tiles[tile] = SortByPixel(task, &scratch);
+          ForEachPixel(task, camera.width, [&](size_t row, int pixel) {
+            result.pixel_begin[row + 1] = scratch.counts[pixel];
+          });
         }
-      },
-      [&](const TileTask& task, const TileNumbers& counts) {
-        ForEachPixel(task, camera.width, [&](size_t row, int pixel) {
-          result.pixel_begin[row + 1] = counts[pixel];
-        });
       });
   uint64_t total = 0;
   for (uint32_t& end : result.pixel_begin) {
@@ -135,23 +150,25 @@ StatusOr<BlendingWeights> ComputeBlendingWeights(const GaussianModel& model,
 
   result.gaussians.resize(total);
   result.weights.resize(total);
-  lister.ForEachTile(
-      [&](const TileTask& task, TileNumbers* next) {
-        ForEachPixel(task, camera.width, [&](size_t row, int pixel) {
-          (*next)[pixel] = result.pixel_begin[row];
-        });
-      },
-      [&](const TileWeightList& list,
-          const auto& gaussian_of,
-          TileNumbers* next) {
-        for (int32_t j = 0; j < list.count; ++j) {
-          const uint32_t place = list.place[j];
-          const uint32_t k = (*next)[TileWeightList::PixelOf(place)]++;
-          result.gaussians[k] = gaussian_of(place);
-          result.weights[k] = list.weight[j];
-        }
-      },
-      [](const TileTask&, const TileNumbers&) {});
+  pool.ParallelFor(0, num_tiles, 1, [&](int64_t first, int64_t last, int) {
+    for (int64_t tile = first; tile < last; ++tile) {
+      const TileTask task = task_of(tile);
+      const TileWeights from = std::move(tiles[tile]);
+      size_t done = 0;
+      for (int y = 0; y < task.height; ++y) {
+        const size_t row =
+            static_cast<size_t>(task.y0 + y) * camera.width + task.x0;
+        const size_t begin = result.pixel_begin[row];
+        const size_t count = result.pixel_begin[row + task.width] - begin;
+        std::copy_n(from.gaussians.data() + done,
+                    count,
+                    result.gaussians.data() + begin);
+        std::copy_n(
+            from.weights.data() + done, count, result.weights.data() + begin);
+        done += count;
+      }
+    }
+  });
   return result;
 }
 

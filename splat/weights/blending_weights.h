@@ -73,12 +73,13 @@ struct BlendingWeights {
 // size pass camera.LimitedTo(side) or camera.Resized(width, height). The
 // background and the SH degree of `options` have no influence.
 //
-// Needs little more memory than the result, which takes 8 bytes per weight: the
-// tiles are blended twice, first to count the weights. The result is the same
-// bytes for any number of threads and any instruction set; so it differs from
-// what the renderer blends by rounding, about 1e-6. Fails with kInvalidArgument
-// when the camera has no pixels, and with kUnusableResult when the view has
-// 2^32 weights or more; a smaller image has fewer.
+// Needs up to twice the memory of the result, which takes 8 bytes per weight:
+// the tiles are blended first, and put together when all weights are counted.
+// The result is the same bytes for any number of threads and any instruction
+// set; so it differs from what the renderer blends by rounding, about 1e-6.
+// Fails with kInvalidArgument when the camera has no pixels, and with
+// kUnusableResult when the view has 2^32 weights or more; a smaller image has
+// fewer.
 StatusOr<BlendingWeights> ComputeBlendingWeights(const GaussianModel& model,
                                                  const Pinhole& camera,
                                                  const Rigid3d& cam_from_world,

@@ -10,7 +10,8 @@
 namespace freegs::stages {
 namespace {
 
-// About 32 Gaussians blend into a pixel; each weight takes 8 bytes
+// About 32 Gaussians blend into a pixel; each weight takes 8 bytes, and twice
+// as many while the weights of a view are computed
 // (splat/weights/blending_weights.h).
 constexpr double kWeightBytesPerPixel = 32 * 8;
 
@@ -27,7 +28,7 @@ constexpr double kNetworkBytesPerThread = 30e6;
 // OpenCV copies the weights of a network when it loads it.
 constexpr double kCopiesOfModel = 2.5;
 
-// While a photo is read and reduced: as decoded, and in the order RGB.
+// While a thread reads a photo: as decoded, and in the order RGB.
 constexpr double kBytesPerPhotoPixel = 6;
 
 // Longest side in pixels at which patches are compared, as
@@ -74,10 +75,11 @@ pipeline::StageNeed BootstrapNeed(const BootstrapStageOptions& options,
   };
   const auto gaussians = static_cast<double>(scene.gaussians);
   const auto photo_pixels = static_cast<double>(pixels(0).largest);
-  double bytes =
-      kWorkMemory +
-      kWeightBytesPerPixel * static_cast<double>(pixels(kPatchSide).largest) +
-      kBytesPerPhotoPixel * photo_pixels + kBytesPerGaussian * gaussians;
+  double bytes = kWorkMemory +
+                 2 * kWeightBytesPerPixel *
+                     static_cast<double>(pixels(kPatchSide).largest) +
+                 kBytesPerPhotoPixel * photo_pixels * threads +
+                 kBytesPerGaussian * gaussians;
   double disk =
       kDiskBytesPerTeacher * static_cast<double>(teachers.size()) +
       kDiskBytesPerPixel * static_cast<double>(CountPixels(scene, 0).total) +

@@ -33,12 +33,13 @@ class EvidenceClusteringTest : public testing::Test {
         .views = views_,
         .render = render_,
         .photo_of = [&](size_t v) -> StatusOr<ImageU8> {
+          ThreadPool one_thread(1);
           const splat::RenderedView picture =
               splat::RenderView(scene_.model,
                                 views_[v].camera,
                                 views_[v].cam_from_world,
                                 render_,
-                                pool);
+                                one_thread);
           ImageU8 photo(160, 120, 3);
           for (size_t i = 0; i < photo.size(); ++i) {
             photo.data()[i] = static_cast<uint8_t>(

@@ -3,6 +3,7 @@
 #include "semantics/instances/instance_clustering.h"
 
 #include <algorithm>
+#include <atomic>
 #include <limits>
 #include <vector>
 
@@ -31,12 +32,13 @@ class InstanceClusteringTest : public testing::Test {
     ThreadPool pool(threads);
     const auto photo_of = [&](size_t v) -> StatusOr<ImageU8> {
       ++num_photos_;
+      ThreadPool one_thread(1);
       const splat::RenderedView picture =
           splat::RenderView(scene_.model,
                             views_[v].camera,
                             views_[v].cam_from_world,
                             splat::RenderOptions(),
-                            pool);
+                            one_thread);
       ImageU8 photo(160, 120, 3);
       for (size_t i = 0; i < photo.size(); ++i) {
         photo.data()[i] = static_cast<uint8_t>(
@@ -65,7 +67,7 @@ class InstanceClusteringTest : public testing::Test {
   SyntheticGaussians scene_ = MakeTableScene();
   std::vector<View> views_;
   InstanceClusteringOptions options_;
-  int num_photos_ = 0;
+  std::atomic<int> num_photos_ = 0;
 };
 
 TEST_F(InstanceClusteringTest, LabelsAreNumberedBySizeForAnyNumberOfThreads) {
