@@ -9,6 +9,7 @@
 
 #include "core/io/files.h"
 #include "core/io/json_text.h"
+#include "stages/bootstrap/instance_doubts.h"
 
 namespace freegs::stages {
 namespace {
@@ -48,6 +49,7 @@ Status WriteBootstrapMetrics(const BootstrapStageOptions& options,
       {"num_gaussians", num_gaussians},
       {"num_instances", labels.num_instances},
       {"num_background", num_background},
+      {"mean_score", MeanScore(labels)},
       {"scene_radius", labels.scene_radius},
       {"num_clustered", labels.num_clustered},
       {"noise_after", labels.noise_after},

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <functional>
 #include <optional>
+#include <string>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -23,6 +24,7 @@
 #include "semantics/queries/instance_words.h"
 #include "stages/bootstrap/bootstrap_forecast.h"
 #include "stages/bootstrap/bootstrap_metrics.h"
+#include "stages/bootstrap/instance_doubts.h"
 #include "stages/scene/clip_input.h"
 #include "stages/scene/instance_maps.h"
 #include "stages/scene/scene_instances.h"
@@ -99,7 +101,10 @@ class BootstrapStage : public pipeline::Stage {
           "bootstrap.clustering union, a smaller bootstrap.min_cluster_size or "
           "bootstrap.min_samples");
     }
-    WarnOfFewInstances(labels.num_instances, context);
+    for (const std::string& doubt :
+         DoubtsAbout(labels, options_.clustering == "union")) {
+      context.log(pipeline::LogLevel::kWarning, doubt);
+    }
     std::vector<semantics::Instance> instances = semantics::BuildInstances(
         scene.model,
         labels.labels,
@@ -139,24 +144,6 @@ class BootstrapStage : public pipeline::Stage {
 
  private:
   bool with_semantics() const { return options_.mode != "geometry"; }
-
-  // One or two instances are hardly ever the things of a scene. In the union
-  // space, a few more are halves of a scene and crumbs.
-  void WarnOfFewInstances(int count,
-                          const pipeline::StageContext& context) const {
-    if (count > (options_.clustering == "union" ? 5 : 2)) return;
-    context.log(
-        pipeline::LogLevel::kWarning,
-        std::string("bootstrap: only ") +
-            (count == 1 ? "one instance was"
-                        : std::to_string(count) + " instances were") +
-            " found, so that things of the scene may be joined; try " +
-            (options_.clustering == "union"
-                 ? "bootstrap.clustering evidence, or other values of "
-                   "bootstrap.min_cluster_size, bootstrap.min_samples and "
-                   "bootstrap.semantic_weight"
-                 : "a larger bootstrap.granularity"));
-  }
 
   // The networks of the CLIP model. A model that is missing has none.
   int64_t ModelBytes() const {
