@@ -22,7 +22,6 @@ constexpr int kChildren = 2;
 enum class Fate : uint8_t { kKeep, kClone, kSplit, kBlurSplit, kPrune };
 
 double Sigmoid(double logit) { return 1.0 / (1.0 + std::exp(-logit)); }
-double Logit(double p) { return std::log(p / (1.0 - p)); }
 
 double MaxScale(const GaussianModel& model, size_t i) {
   const float* const s = &model.log_scales[3 * i];
@@ -255,12 +254,6 @@ DensificationSummary Densify(const DensificationOptions& options,
   summary.total = model->size();
   statistics->Reset(summary.total);
   return summary;
-}
-
-void ResetOpacity(double max_opacity, GaussianModel* model, Adam* adam) {
-  const float most = static_cast<float>(Logit(max_opacity));
-  for (float& logit : model->opacity_logits) logit = std::min(logit, most);
-  adam->ZeroMoments(Parameter::kOpacityLogit);
 }
 
 }  // namespace freegs::splat

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The adaptive density control of 3D Gaussian Splatting (Kerbl et al. 2023,
-// section 5), which clones, splits and prunes Gaussians and resets opacities,
-// and the blur split of Mini-Splatting (Fang and Wang 2024, section 4.1).
+// section 5), which clones, splits and prunes Gaussians, and the blur split of
+// Mini-Splatting (Fang and Wang 2024, section 4.1). Opacities are not reset as
+// they are there; what stands in front of cameras is removed
+// (splat/density/camera_clearance.h).
 
 #ifndef FREEGS_SPLAT_DENSITY_DENSIFICATION_H_
 #define FREEGS_SPLAT_DENSITY_DENSIFICATION_H_
@@ -129,11 +131,6 @@ DensificationSummary Densify(const DensificationOptions& options,
                              GaussianModel* model,
                              Adam* adam,
                              DensificationStatistics* statistics);
-
-// Lowers opacities above `max_opacity` to it and sets the moments of all
-// opacities to zero. 3DGS does so with 0.01 every 3000 iterations, to get rid
-// of floaters near the cameras.
-void ResetOpacity(double max_opacity, GaussianModel* model, Adam* adam);
 
 }  // namespace freegs::splat
 

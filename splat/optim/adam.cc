@@ -2,7 +2,6 @@
 
 #include "splat/optim/adam.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace freegs::splat {
@@ -110,14 +109,6 @@ void Adam::Append(size_t count) {
 void Adam::SetShDegree(int degree) {
   state_.first_moments.SetShDegree(degree);
   state_.second_moments.SetShDegree(degree);
-}
-
-void Adam::ZeroMoments(Parameter parameter) {
-  for (GaussianModel* moments :
-       {&state_.first_moments, &state_.second_moments}) {
-    std::vector<float>& array = ParameterArray(*moments, parameter);
-    std::fill(array.begin(), array.end(), 0.0f);
-  }
 }
 
 }  // namespace freegs::splat

@@ -81,9 +81,6 @@ class Adam {
   void Append(size_t count);
   void SetShDegree(int degree);
 
-  // Sets the moments of one kind of parameter to zero.
-  void ZeroMoments(Parameter parameter);
-
   size_t size() const { return state_.first_moments.size(); }
   const AdamState& state() const { return state_; }
   void set_state(AdamState state) { state_ = std::move(state); }

@@ -275,10 +275,6 @@ Status Trainer::FollowSchedule() {
           kClearShare * static_cast<double>(schedule_.iterations())) {
     ClearCameras();
   }
-  if (schedule_.ResetsOpacity(iteration_)) {
-    ResetOpacity(0.01, &model_, &adam_);
-    loss_monitor_.Reset();
-  }
   if (iteration_ % options_.snapshot_interval == 0 && !model_.empty() &&
       loss_monitor_.Healthy()) {
     KeepAsGood();

@@ -59,10 +59,9 @@ Status ScheduleOptions::Check() const {
     return InvalidArgumentError("finest_level must not be negative");
   }
   if (!IsShare(densify_start) || !IsShare(densify_stop) ||
-      !IsShare(mini_densify_start) || densify_interval < 0 ||
-      opacity_reset_interval < 0) {
+      !IsShare(mini_densify_start) || densify_interval < 0) {
     return InvalidArgumentError(
-        "densification must lie within the iterations, its intervals must not "
+        "densification must lie within the iterations, its interval must not "
         "be negative");
   }
   if (!are_shares(depth_reinit_at)) {
@@ -159,13 +158,6 @@ bool TrainingSchedule::CollectsStatistics(int64_t done) const {
 bool TrainingSchedule::Densifies(int64_t done) const {
   return done >= densify_begin_ && done < densify_end_ &&
          done % options_.densify_interval == 0 && !MilestoneAt(done);
-}
-
-bool TrainingSchedule::ResetsOpacity(int64_t done) const {
-  const int64_t interval = options_.opacity_reset_interval;
-  return options_.method == DensificationMethod::kGradient && interval > 0 &&
-         done >= densify_begin_ && done + interval < densify_end_ &&
-         done % interval == 0;
 }
 
 std::optional<TrainingEvent> TrainingSchedule::MilestoneAt(int64_t done) const {

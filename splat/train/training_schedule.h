@@ -57,10 +57,6 @@ struct ScheduleOptions {
   double densify_start = 0.05;
   double densify_stop = 0.5;
 
-  // kGradient lowers all opacities to at most 0.01 every so many iterations
-  // while it densifies, as 3DGS does; 0 never does.
-  int opacity_reset_interval = 0;
-
   // kMiniSplatting densifies from this share (500) to the simplification.
   double mini_densify_start = 1.0 / 60;
 
@@ -133,7 +129,6 @@ class TrainingSchedule {
   // What happens directly after step number `done` > 0. At a milestone nothing
   // else happens.
   bool Densifies(int64_t done) const;
-  bool ResetsOpacity(int64_t done) const;
   std::optional<TrainingEvent> MilestoneAt(int64_t done) const;
 
   // Whether enough steps are left after the simplification for Gaussians that

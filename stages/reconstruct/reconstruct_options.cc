@@ -118,10 +118,9 @@ StatusOr<splat::TrainerOptions> MakeTrainerOptions(
   schedule.method = ParseDensification(options.densification);
   schedule.sh_degree = options.sh_degree;
   schedule.densify_interval = options.densify_interval;
-  const bool reinitialize = options.depth_reinit == "always" ||
-                            (options.depth_reinit == "auto" &&
-                             options.iterations >= kMinIterationsOfDepthReinit);
-  if (!reinitialize) schedule.depth_reinit_at.clear();
+  if (options.iterations < kMinIterationsOfDepthReinit) {
+    schedule.depth_reinit_at.clear();
+  }
   FREEGS_ASSIGN_OR_RETURN(
       training.budget,
       ParseBudget(options.budget, AutomaticBudget(train_pixels, memory_bytes)));

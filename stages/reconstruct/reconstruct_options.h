@@ -25,9 +25,6 @@ struct ReconstructStageOptions {
   // Upper bound of the number of Gaussians of the result: a number, where 0 is
   // no bound, or "auto", see AutomaticBudget.
   std::string budget = "auto";
-  // Whether Mini-Splatting starts again from depth maps: always, never, or
-  // auto, which does with 20000 iterations or more.
-  std::string depth_reinit = "auto";
   // Iterations between densifications; 0 never densifies.
   int densify_interval = 75;
   // A Gaussian whose mean gradient in the image (which spans -1 to 1) is larger

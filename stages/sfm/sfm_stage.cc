@@ -15,6 +15,7 @@
 #include "sfm/import/import_model.h"
 #include "sfm/scene/model_io.h"
 #include "sfm/scene/scene_frame.h"
+#include "stages/sfm/photo_masks.h"
 #include "stages/sfm/sfm_forecast.h"
 
 namespace freegs::stages {
@@ -110,11 +111,6 @@ class SfmStage : public pipeline::Stage {
   }
 
  private:
-  static bool HasMasks(const StageContext& context) {
-    std::error_code error;
-    return fs::is_directory(context.workspace / "ingest" / "masks", error);
-  }
-
   StatusOr<Outcome> RunColmap(const std::vector<sfm::SfmPhoto>& photos,
                               StageContext& context) const {
     sfm::SfmInput input;

@@ -327,17 +327,6 @@ TEST(DensificationTest, EmptyModel) {
   EXPECT_EQ(scene.Run({}).total, 0u);
 }
 
-TEST(DensificationTest, OpacityReset) {
-  Scene scene(3, 0.05);
-  scene.model.opacity_logits = {Logit(0.9), Logit(0.005), Logit(0.5)};
-  ResetOpacity(0.01, &scene.model, &scene.adam);
-  EXPECT_FLOAT_EQ(scene.model.opacity_logits[0], Logit(0.01));
-  EXPECT_FLOAT_EQ(scene.model.opacity_logits[1], Logit(0.005));
-  EXPECT_EQ(scene.adam.state().first_moments.opacity_logits,
-            std::vector<float>(3, 0.0f));
-  EXPECT_NE(scene.adam.state().first_moments.means[0], 0.0f);
-}
-
 TEST(DensificationTest, OptionsAreChecked) {
   EXPECT_TRUE(DensificationOptions().Check().ok());
   EXPECT_FALSE(DensificationOptions{.split_shrink = 0.5}.Check().ok());

@@ -41,7 +41,6 @@ TEST(TrainingSchedule, TheScheduleOfThePaper) {
   EXPECT_EQ(schedule.PositionRateIteration(14999), 14999);
   EXPECT_EQ(schedule.PositionRateIteration(15000), 5000);
   EXPECT_EQ(schedule.PositionRateIteration(29999), 19999);
-  EXPECT_FALSE(schedule.ResetsOpacity(3000));
 }
 
 TEST(TrainingSchedule, ShDegreesCountFromTheirStart) {
@@ -136,17 +135,13 @@ TEST(TrainingSchedule, StatisticsAreCollectedWhereTheyAreRead) {
 }
 
 TEST(TrainingSchedule, GradientMethod) {
-  ScheduleOptions options = Options(1000, DensificationMethod::kGradient);
-  options.opacity_reset_interval = 150;
-  const TrainingSchedule schedule(options);
+  const TrainingSchedule schedule(
+      Options(1000, DensificationMethod::kGradient));
   EXPECT_TRUE(schedule.milestones().empty());
   EXPECT_EQ(schedule.Describe(), "none");
   EXPECT_TRUE(schedule.Densifies(100));
   EXPECT_TRUE(schedule.Densifies(400));
   EXPECT_FALSE(schedule.Densifies(500));
-  EXPECT_TRUE(schedule.ResetsOpacity(150));
-  EXPECT_TRUE(schedule.ResetsOpacity(300));
-  EXPECT_FALSE(schedule.ResetsOpacity(450));  // Too late to recover.
   EXPECT_EQ(schedule.ShDegree(0), 0);
   EXPECT_EQ(schedule.ShDegree(34), 1);
   EXPECT_EQ(schedule.PositionRateIteration(900), 900);
