@@ -69,7 +69,7 @@ Status WriteInstanceMaps(int num_previews,
   for (int64_t i = 0; i < count; ++i) {
     if (context.cancellation->cancelled()) {
       return InterruptedError(
-          "bootstrap: stopped while drawing instance maps; those drawn are "
+          "bootstrap: stopped while drawing instance maps; those written are "
           "kept");
     }
     context.progress({"instance maps",
