@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "core/io/files.h"
-#include "semantics/field/view_loop.h"
 #include "semantics/geometry/directions.h"
+#include "semantics/geometry/view_loop.h"
 
 namespace freegs::semantics {
 namespace {

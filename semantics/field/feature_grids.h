@@ -18,8 +18,8 @@
 #include "semantics/clip/clip_encoder.h"
 #include "semantics/clip/feature_cache.h"
 #include "semantics/clip/joint_bilateral_upsampling.h"
-#include "semantics/field/view_loop.h"
 #include "semantics/geometry/principal_axes.h"
+#include "semantics/geometry/view_loop.h"
 
 namespace freegs::semantics {
 

@@ -10,8 +10,8 @@
 #include "semantics/crf/dense_crf.h"
 #include "semantics/crf/unary_energies.h"
 #include "semantics/field/instance_crops.h"
-#include "semantics/field/view_loop.h"
 #include "semantics/geometry/directions.h"
+#include "semantics/geometry/view_loop.h"
 
 namespace freegs::semantics {
 namespace {

@@ -12,6 +12,7 @@
 #include "semantics/geometry/local_geometry.h"
 #include "semantics/geometry/matter.h"
 #include "semantics/geometry/view_choice.h"
+#include "semantics/geometry/view_loop.h"
 #include "semantics/patches/patch_graph.h"
 #include "semantics/patches/patches.h"
 #include "splat/weights/blending_weights.h"
@@ -74,27 +75,25 @@ std::vector<float> DepthScale(const std::vector<float>& positions,
 
 // The chosen photographs of the scene, each of the size of its view. Several
 // are read at once.
-StatusOr<std::vector<ImageF>> ReadPhotos(const PatchScene& scene,
-                                         std::span<const size_t> chosen,
-                                         std::span<const View> views,
-                                         ThreadPool& pool) {
+StatusOr<std::vector<ImageF>> ReadPhotos(
+    const PatchScene& scene,
+    std::span<const size_t> chosen,
+    std::span<const View> views,
+    ThreadPool& pool,
+    const CancellationToken* cancellation) {
   std::vector<ImageF> photos(chosen.size());
-  std::vector<Status> results(chosen.size());
-  const auto read = [&](int64_t v) -> Status {
-    FREEGS_ASSIGN_OR_RETURN(const ImageU8 photo, scene.photo_of(chosen[v]));
-    const Pinhole& camera = views[v].camera;
-    photos[v] = ToFloat(AreaAverage(photo, camera.width, camera.height));
-    return Status();
-  };
-  pool.ParallelFor(0,
-                   static_cast<int64_t>(chosen.size()),
-                   1,
-                   [&](int64_t first, int64_t last, int) {
-                     for (int64_t v = first; v < last; ++v) {
-                       results[v] = read(v);
-                     }
-                   });
-  for (const Status& result : results) FREEGS_RETURN_IF_ERROR(result);
+  FREEGS_RETURN_IF_ERROR(ForEachView(
+      "comparing patches",
+      chosen.size(),
+      pool,
+      cancellation,
+      [](size_t) {},
+      [&](size_t v) -> Status {
+        FREEGS_ASSIGN_OR_RETURN(const ImageU8 photo, scene.photo_of(chosen[v]));
+        const Pinhole& camera = views[v].camera;
+        photos[v] = ToFloat(AreaAverage(photo, camera.width, camera.height));
+        return Status();
+      }));
   return photos;
 }
 
@@ -143,7 +142,7 @@ StatusOr<ScenePatches> BuildScenePatches(
   std::vector<float> depth_scale =
       DepthScale(points.positions, patches, size_of_patch, views);
   FREEGS_ASSIGN_OR_RETURN(const std::vector<ImageF> photos,
-                          ReadPhotos(scene, chosen, views, pool));
+                          ReadPhotos(scene, chosen, views, pool, cancellation));
   PatchGraphBuilder builder(model,
                             result.patch_of_gaussian,
                             std::move(normals),

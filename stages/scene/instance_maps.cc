@@ -11,7 +11,7 @@
 
 #include "core/io/files.h"
 #include "core/io/image_io.h"
-#include "semantics/field/view_loop.h"
+#include "semantics/geometry/view_loop.h"
 #include "splat/render/rasterizer.h"
 #include "splat/render/renderer.h"
 #include "stages/scene/scene_instances.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "semantics/field/view_loop.h"
+#include "semantics/geometry/view_loop.h"
 
 #include <atomic>
 #include <cstdint>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Work on many photographs that is done on several at once.
 
-#ifndef FREEGS_SEMANTICS_FIELD_VIEW_LOOP_H_
-#define FREEGS_SEMANTICS_FIELD_VIEW_LOOP_H_
+#ifndef FREEGS_SEMANTICS_GEOMETRY_VIEW_LOOP_H_
+#define FREEGS_SEMANTICS_GEOMETRY_VIEW_LOOP_H_
 
 #include <cstddef>
 #include <string>
@@ -38,4 +38,4 @@ Status ForEachView(const std::string& work,
 
 }  // namespace freegs::semantics
 
-#endif  // FREEGS_SEMANTICS_FIELD_VIEW_LOOP_H_
+#endif  // FREEGS_SEMANTICS_GEOMETRY_VIEW_LOOP_H_
