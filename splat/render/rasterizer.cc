@@ -96,6 +96,7 @@ void Rasterizer::Forward(const GaussianModel& model,
   }
   const int64_t tiles = static_cast<int64_t>(bins_.tiles_x) * bins_.tiles_y;
   tile_visited_.resize(tiles);
+  touched_.resize(bins_.num_pairs());
   pool.ParallelFor(0, tiles, 4, [&](int64_t begin, int64_t end, int) {
     TilePixels pixels;
     TileDominance dominance;
@@ -103,8 +104,11 @@ void Rasterizer::Forward(const GaussianModel& model,
         num_extras_ > 0 ? TileChannels(num_extras_) : AlignedFloats();
     for (int64_t tile = begin; tile < end; ++tile) {
       const TileTask task = MakeTask(tile);
-      tile_visited_[tile] = BlendTile(
-          task, &pixels, extras.get(), request.dominant ? &dominance : nullptr);
+      tile_visited_[tile] = BlendTile(task,
+                                      &pixels,
+                                      extras.get(),
+                                      request.dominant ? &dominance : nullptr,
+                                      touched_.data() + bins_.tile_begin[tile]);
       if (request.dominant) StoreDominant(task, dominance, &images->dominant);
       StoreColorTile(task, pixels, options.background.data(), &images->color);
       StoreTile(task, 0, pixels.transmittance, &images->transmittance);
@@ -180,7 +184,8 @@ SplatDerivatives Rasterizer::BackwardPixels(
         accumulate(gradient);
       }
       BackwardTile(task,
-                   tile_visited_[tile],
+                   {touched_.data() + bins_.tile_begin[tile],
+                    static_cast<size_t>(tile_visited_[tile])},
                    &tile_gradients,
                    extra_gradients.get(),
                    pair_moments_.data() + bins_.tile_begin[tile] * stride);

@@ -146,6 +146,7 @@ class Rasterizer {
 
   std::vector<float> extras_;          // Of the model: N x num_extras.
   std::vector<int64_t> tile_visited_;  // By tile, see BlendTile.
+  std::vector<TileBlocks> touched_;    // By list entry, see BlendTile.
   std::vector<float> pair_moments_;    // By entry of the bins.
   std::vector<PairContribution> pair_contributions_;  // By entry of the bins.
   std::vector<float> mean2d_gradients_;

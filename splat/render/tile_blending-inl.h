@@ -12,6 +12,7 @@
 #endif
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 
 #include <hwy/cache_control.h>
@@ -67,80 +68,123 @@ HWY_INLINE Vec FastExp2(Tag d, Vec x) {
       hn::Add(hn::BitCast(di, p), hn::ShiftLeft<23>(hn::BitCast(di, shifted))));
 }
 
-// A vector covers kColumns x kRows pixels of a block (see TilePixel).
-constexpr int kColumns = hn::MaxLanes(Tag()) < kBlockSize
-                             ? static_cast<int>(hn::MaxLanes(Tag()))
-                             : kBlockSize;
-constexpr int kRows = static_cast<int>(hn::MaxLanes(Tag())) / kColumns;
-
-// The pixels of a tile that a splat may touch: rows [y_begin, y_end) and
-// columns [x_begin, x_end). Both begin where a vector begins.
-struct Span {
-  int x_begin, x_end, y_begin, y_end;
+// The x or y of each pixel of the tile, in the order of TilePixel.
+struct alignas(64) PixelCoordinates {
+  float x[kTilePixels], y[kTilePixels];
 };
-
-HWY_INLINE Span SplatSpan(const TileTask& task, const Splat& splat) {
-  Span span;
-  span.x_begin = std::max(0, splat.x_begin - task.x0) & -kColumns;
-  span.x_end = std::min(task.width, splat.x_end - task.x0);
-  span.y_begin = std::max(0, splat.y_begin - task.y0) & -kRows;
-  span.y_end = std::min(task.height, splat.y_end - task.y0);
-  return span;
-}
-
-// Calls blend(pixel, dy, alpha, transmittance, mask) for each vector of pixels
-// where the splat may be blended, one column of vectors after another. After
-// each column it calls column_end(dx); dx is the same in the whole column.
-template <class Arithmetic, class Blend, class ColumnEnd>
-HWY_INLINE void ForEachBlended(Tag d,
-                               const TileTask& task,
-                               const Splat& splat,
-                               const float* HWY_RESTRICT transmittance,
-                               const Blend& blend,
-                               const ColumnEnd& column_end) {
-  const hn::RebindToSigned<Tag> di;
-  const Span span = SplatSpan(task, splat);
-  // log2(alpha) = log2(o) - log2(e) / 2 (xx dx^2 + 2 xy dx dy + yy dy^2), per
-  // column as a polynomial in dy.
-  const float mean_x = splat.mean_x - static_cast<float>(task.x0) - 0.5f;
-  const float mean_y = splat.mean_y - static_cast<float>(task.y0) - 0.5f;
-  const auto lane = hn::Iota(di, 0);
-  const Vec lane_x = hn::ConvertTo(d, hn::And(lane, hn::Set(di, kColumns - 1)));
-  const Vec lane_y = hn::ConvertTo(d, hn::ShiftRight<2>(lane));
-  const Vec constant = hn::Set(d, -0.5f * kLog2E * splat.conic_yy);
-  const Vec min_log2_alpha = hn::Set(d, kMinLog2Alpha);
-  const Vec min_transmittance = hn::Set(d, kMinTransmittance);
-  for (int x = span.x_begin; x < span.x_end; x += kColumns) {
-    const int first = TilePixel(x, 0);
-    const Vec dx = hn::Sub(hn::Add(lane_x, hn::Set(d, static_cast<float>(x))),
-                           hn::Set(d, mean_x));
-    const Vec linear = hn::Mul(hn::Set(d, -kLog2E * splat.conic_xy), dx);
-    const Vec base = Arithmetic::MulAdd(
-        hn::Mul(hn::Set(d, -0.5f * kLog2E * splat.conic_xx), dx),
-        dx,
-        hn::Set(d, splat.log2_opacity));
-    for (int y = span.y_begin; y < span.y_end; y += kRows) {
-      const int pixel = first + TilePixel(0, y);
-      const Vec dy = hn::Sub(hn::Add(lane_y, hn::Set(d, static_cast<float>(y))),
-                             hn::Set(d, mean_y));
-      const Vec log2_alpha = Arithmetic::MulAdd(
-          Arithmetic::MulAdd(constant, dy, linear), dy, base);
-      const Vec t = hn::Load(d, transmittance + pixel);
-      // Empty masks are rare within the box: testing for them costs more.
-      const Mask mask = hn::And(hn::Ge(log2_alpha, min_log2_alpha),
-                                hn::Ge(t, min_transmittance));
-      // Lanes outside the mask may hold anything from here on.
-      const Vec alpha =
-          hn::Min(FastExp2<Arithmetic>(d, log2_alpha), hn::Set(d, kMaxAlpha));
-      blend(pixel, dy, alpha, t, mask);
+constexpr PixelCoordinates MakePixelCoordinates() {
+  PixelCoordinates coordinates{};
+  for (int y = 0; y < kTileSize; ++y) {
+    for (int x = 0; x < kTileSize; ++x) {
+      const int pixel =
+          TilePixel(static_cast<unsigned>(x), static_cast<unsigned>(y));
+      coordinates.x[pixel] = static_cast<float>(x);
+      coordinates.y[pixel] = static_cast<float>(y);
     }
-    column_end(dx);
   }
+  return coordinates;
+}
+inline constexpr PixelCoordinates kPixelCoordinates = MakePixelCoordinates();
+
+// A set of the tile's blocks: bit b stands for the pixels that begin at
+// b * kBlockPixels in the order of TilePixel.
+using BlockSet = uint32_t;
+constexpr int kBlockPixels = kBlockSize * kBlockSize;
+constexpr int kNumBlocks = kTilePixels / kBlockPixels;
+
+// The top-left pixel of each block.
+struct alignas(64) BlockCorners {
+  float x[kNumBlocks], y[kNumBlocks];
+};
+constexpr BlockCorners MakeBlockCorners() {
+  BlockCorners corners{};
+  for (int b = 0; b < kNumBlocks; ++b) {
+    corners.x[b] = kPixelCoordinates.x[b * kBlockPixels];
+    corners.y[b] = kPixelCoordinates.y[b * kBlockPixels];
+  }
+  return corners;
+}
+inline constexpr BlockCorners kBlockCorners = MakeBlockCorners();
+
+// A splat, seen from the top-left pixel of a tile.
+struct TileSplat {
+  HWY_INLINE TileSplat(const TileTask& task, const Splat& splat)
+      : mean_x(splat.mean_x - static_cast<float>(task.x0) - 0.5f),
+        mean_y(splat.mean_y - static_cast<float>(task.y0) - 0.5f),
+        xx(-0.5f * kLog2E * splat.conic_xx),
+        xy(-kLog2E * splat.conic_xy),
+        yy(-0.5f * kLog2E * splat.conic_yy),
+        log2_opacity(splat.log2_opacity) {}
+
+  // log2(alpha) = log2_opacity + xx dx^2 + xy dx dy + yy dy^2.
+  float mean_x, mean_y;
+  float xx, xy, yy;
+  float log2_opacity;
+};
+
+// The blocks in which alpha may reach kMinAlpha at a pixel.
+//
+// In the rectangle of a block's pixel centres alpha is largest at the mean, if
+// that is inside, or else on one of the at most two sides that face the mean.
+// On such a side log2(alpha) is a parabola, whose top is clamped to the side.
+// kSlack and the share of the terms make up for rounding.
+HWY_INLINE BlockSet TouchedBlocks(Tag d, const TileSplat& splat) {
+  constexpr float kSlack = 0.01f;
+  constexpr float kRounding = 2e-6f;
+  const Vec zero = hn::Zero(d);
+  const Vec side = hn::Set(d, static_cast<float>(kBlockSize - 1));
+  const Vec xx = hn::Set(d, splat.xx);
+  const Vec xy = hn::Set(d, splat.xy);
+  const Vec yy = hn::Set(d, splat.yy);
+  // Where the derivative along a column is 0: dy = y_of_x dx.
+  const Vec y_of_x = hn::Set(d, -0.5f * splat.xy / splat.yy);
+  const Vec x_of_y = hn::Set(d, -0.5f * splat.xy / splat.xx);
+  const Vec least = hn::Set(d, kMinLog2Alpha - kSlack - splat.log2_opacity);
+  BlockSet blocks = 0;
+  for (size_t b = 0; b < kNumBlocks; b += hn::Lanes(d)) {
+    const Vec left =
+        hn::Sub(hn::Load(d, kBlockCorners.x + b), hn::Set(d, splat.mean_x));
+    const Vec top =
+        hn::Sub(hn::Load(d, kBlockCorners.y + b), hn::Set(d, splat.mean_y));
+    const Vec right = hn::Add(left, side);
+    const Vec bottom = hn::Add(top, side);
+    const Vec near_x = hn::Max(left, hn::Min(right, zero));
+    const Vec near_y = hn::Max(top, hn::Min(bottom, zero));
+    const auto reaches = [&](Vec dx, Vec dy) HWY_ATTR {
+      const Vec squares =
+          hn::MulAdd(hn::Mul(xx, dx), dx, hn::Mul(hn::Mul(yy, dy), dy));
+      const Vec log2_alpha = hn::MulAdd(hn::Mul(xy, dx), dy, squares);
+      // `squares` is negative.
+      return hn::Ge(hn::NegMulAdd(squares, hn::Set(d, kRounding), log2_alpha),
+                    least);
+    };
+    const Mask touched = hn::Or(
+        reaches(near_x, hn::Max(top, hn::Min(bottom, hn::Mul(y_of_x, near_x)))),
+        reaches(hn::Max(left, hn::Min(right, hn::Mul(x_of_y, near_y))),
+                near_y));
+    uint8_t bits[8] = {};
+    hn::StoreMaskBits(d, touched, bits);
+    blocks |=
+        (static_cast<BlockSet>(bits[0]) | static_cast<BlockSet>(bits[1]) << 8)
+        << b;
+  }
+  return blocks;
 }
 
-struct NoColumnEnd {
-  HWY_INLINE void operator()(Vec) const {}
-};
+// The blocks with a pixel into which more can be blended.
+HWY_INLINE BlockSet OpenBlocks(Tag d, const float* HWY_RESTRICT transmittance) {
+  const Vec least = hn::Set(d, kMinTransmittance);
+  BlockSet blocks = 0;
+  for (int b = 0; b < kNumBlocks; ++b) {
+    Vec most = hn::Load(d, transmittance + b * kBlockPixels);
+    for (size_t i = hn::Lanes(d); i < kBlockPixels; i += hn::Lanes(d)) {
+      most = hn::Max(most, hn::Load(d, transmittance + b * kBlockPixels + i));
+    }
+    const bool open = !hn::AllFalse(d, hn::Ge(most, least));
+    blocks |= static_cast<BlockSet>(open) << b;
+  }
+  return blocks;
+}
 
 // The splats of a tile lie scattered in memory, so they are requested so many
 // entries ahead.
@@ -151,18 +195,73 @@ HWY_INLINE const Splat& FetchSplat(const TileTask& task, int64_t k) {
   return task.splats[task.entries[k]];
 }
 
-// Whether every pixel is so opaque that nothing more is blended into it.
-HWY_INLINE bool Opaque(Tag d, const float* HWY_RESTRICT transmittance) {
-  Vec most = hn::Zero(d);
-  for (size_t i = 0; i < kTilePixels; i += hn::Lanes(d)) {
-    most = hn::Max(most, hn::Load(d, transmittance + i));
+// Calls blend(pixel, dx, dy, alpha, transmittance, mask) for each vector of
+// pixels of `blocks`.
+template <class Arithmetic, class Blend>
+HWY_INLINE void BlendBlocks(Tag d,
+                            BlockSet blocks,
+                            const TileSplat& splat,
+                            const float* HWY_RESTRICT transmittance,
+                            const Blend& blend) {
+  const Vec mean_x = hn::Set(d, splat.mean_x);
+  const Vec mean_y = hn::Set(d, splat.mean_y);
+  const Vec xx = hn::Set(d, splat.xx);
+  const Vec xy = hn::Set(d, splat.xy);
+  const Vec yy = hn::Set(d, splat.yy);
+  const Vec log2_opacity = hn::Set(d, splat.log2_opacity);
+  const Vec min_log2_alpha = hn::Set(d, kMinLog2Alpha);
+  const Vec min_transmittance = hn::Set(d, kMinTransmittance);
+  for (; blocks != 0; blocks &= blocks - 1) {
+    const int first = std::countr_zero(blocks) * kBlockPixels;
+    for (int pixel = first; pixel < first + kBlockPixels;
+         pixel += static_cast<int>(hn::Lanes(d))) {
+      const Vec dx = hn::Sub(hn::Load(d, kPixelCoordinates.x + pixel), mean_x);
+      const Vec dy = hn::Sub(hn::Load(d, kPixelCoordinates.y + pixel), mean_y);
+      const Vec linear = hn::Mul(xy, dx);
+      const Vec base = Arithmetic::MulAdd(hn::Mul(xx, dx), dx, log2_opacity);
+      const Vec log2_alpha =
+          Arithmetic::MulAdd(Arithmetic::MulAdd(yy, dy, linear), dy, base);
+      const Vec t = hn::Load(d, transmittance + pixel);
+      const Mask mask = hn::And(hn::Ge(log2_alpha, min_log2_alpha),
+                                hn::Ge(t, min_transmittance));
+      // Lanes outside the mask may hold anything from here on.
+      const Vec alpha =
+          hn::Min(FastExp2<Arithmetic>(d, log2_alpha), hn::Set(d, kMaxAlpha));
+      blend(pixel, dx, dy, alpha, t, mask);
+    }
   }
-  return hn::AllTrue(d, hn::Lt(most, hn::Set(d, kMinTransmittance)));
 }
 
-// Testing for opacity costs a pass over the tile, so it is done once in so many
-// entries.
-constexpr int64_t kOpaqueTestInterval = 16;
+// Entries are taken in batches. Finding the open blocks costs a pass over the
+// tile, so it is done once in a batch. The blocks that the splats of a batch
+// touch are found before any of them is blended: how many blocks a splat
+// touches is a branch that the processor mostly predicts wrongly, and then it
+// would have to wait for the long chain of operations that finds the next ones.
+constexpr int64_t kBatch = 16;
+
+// Calls visit(k, blocks) for the entries [begin, end), from front to back,
+// until no block is open. `blocks` are those that entry k may be blended into;
+// visit lowers the transmittance. Returns the first entry that was not visited.
+template <class Visit>
+HWY_INLINE int64_t ForEachEntry(Tag d,
+                                const TileTask& task,
+                                int64_t begin,
+                                int64_t end,
+                                const float* transmittance,
+                                const Visit& visit) {
+  BlockSet touched[kBatch];
+  for (int64_t first = begin; first < end; first += kBatch) {
+    const BlockSet open = OpenBlocks(d, transmittance);
+    if (open == 0) return first;
+    const int64_t last = std::min(first + kBatch, end);
+    for (int64_t k = first; k < last; ++k) {
+      const TileSplat splat(task, FetchSplat(task, k));
+      touched[k - first] = open & TouchedBlocks(d, splat);
+    }
+    for (int64_t k = first; k < last; ++k) visit(k, touched[k - first]);
+  }
+  return end;
+}
 
 HWY_INLINE void ClearTransmittance(const TileTask& task, float* transmittance) {
   for (int y = 0; y < kTileSize; ++y) {

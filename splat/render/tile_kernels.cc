@@ -79,7 +79,8 @@ template <bool kDominance>
 int64_t Blend(const TileTask& task,
               TilePixels* pixels,
               float* extras,
-              TileDominance* dominance) {
+              TileDominance* dominance,
+              TileBlocks* touched) {
   const Tag d;
   float* HWY_RESTRICT transmittance = pixels->transmittance;
   float* HWY_RESTRICT red = pixels->color[0];
@@ -89,53 +90,56 @@ int64_t Blend(const TileTask& task,
   std::fill_n(red, 3 * kTilePixels, 0.0f);
   std::fill_n(extras, task.num_extras * kTilePixels, 0.0f);
   if constexpr (kDominance) ClearDominance(dominance);
-  for (int64_t k = 0; k < task.count; ++k) {
-    if (k % kOpaqueTestInterval == 0 && Opaque(d, transmittance)) return k;
-    const Splat& splat = FetchSplat(task, k);
-    const float* splat_extras =
-        task.extras + static_cast<size_t>(task.entries[k]) * task.num_extras;
-    const Vec r = hn::Set(d, splat.color[0]);
-    const Vec g = hn::Set(d, splat.color[1]);
-    const Vec b = hn::Set(d, splat.color[2]);
-    ForEachBlended<Fused>(
-        d,
-        task,
-        splat,
-        transmittance,
-        [&](int pixel, Vec, Vec alpha, Vec t, Mask mask) HWY_ATTR {
-          const Vec weight = hn::IfThenElseZero(mask, hn::Mul(alpha, t));
-          hn::Store(hn::Sub(t, weight), d, transmittance + pixel);
+  return ForEachEntry(
+      d,
+      task,
+      0,
+      task.count,
+      transmittance,
+      [&](int64_t k, BlockSet blocks) HWY_ATTR {
+        touched[k] = static_cast<TileBlocks>(blocks);
+        const Splat& splat = task.splats[task.entries[k]];
+        const float* splat_extras =
+            task.extras +
+            static_cast<size_t>(task.entries[k]) * task.num_extras;
+        const Vec r = hn::Set(d, splat.color[0]);
+        const Vec g = hn::Set(d, splat.color[1]);
+        const Vec b = hn::Set(d, splat.color[2]);
+        const auto add = [&](Vec weight, Vec value, float* channel) HWY_ATTR {
           hn::Store(
-              hn::MulAdd(weight, r, hn::Load(d, red + pixel)), d, red + pixel);
-          hn::Store(hn::MulAdd(weight, g, hn::Load(d, green + pixel)),
-                    d,
-                    green + pixel);
-          hn::Store(hn::MulAdd(weight, b, hn::Load(d, blue + pixel)),
-                    d,
-                    blue + pixel);
-          for (int e = 0; e < task.num_extras; ++e) {
-            float* channel = extras + e * kTilePixels + pixel;
-            hn::Store(
-                hn::MulAdd(
-                    weight, hn::Set(d, splat_extras[e]), hn::Load(d, channel)),
-                d,
-                channel);
-          }
-          if constexpr (kDominance) {
-            KeepDominant(d, pixel, weight, k, dominance);
-          }
-        },
-        NoColumnEnd());
-  }
-  return task.count;
+              hn::MulAdd(weight, value, hn::Load(d, channel)), d, channel);
+        };
+        BlendBlocks<Fused>(
+            d,
+            blocks,
+            TileSplat(task, splat),
+            transmittance,
+            [&](int pixel, Vec, Vec, Vec alpha, Vec t, Mask mask) HWY_ATTR {
+              const Vec weight = hn::IfThenElseZero(mask, hn::Mul(alpha, t));
+              hn::Store(hn::Sub(t, weight), d, transmittance + pixel);
+              add(weight, r, red + pixel);
+              add(weight, g, green + pixel);
+              add(weight, b, blue + pixel);
+              for (int e = 0; e < task.num_extras; ++e) {
+                add(weight,
+                    hn::Set(d, splat_extras[e]),
+                    extras + e * kTilePixels + pixel);
+              }
+              if constexpr (kDominance) {
+                KeepDominant(d, pixel, weight, k, dominance);
+              }
+            });
+      });
 }
 
 int64_t BlendTile(const TileTask& task,
                   TilePixels* pixels,
                   float* extras,
-                  TileDominance* dominance) {
-  return dominance != nullptr ? Blend<true>(task, pixels, extras, dominance)
-                              : Blend<false>(task, pixels, extras, nullptr);
+                  TileDominance* dominance,
+                  TileBlocks* touched) {
+  return dominance != nullptr
+             ? Blend<true>(task, pixels, extras, dominance, touched)
+             : Blend<false>(task, pixels, extras, nullptr, touched);
 }
 
 void ContributeTile(const TileTask& task,
@@ -146,52 +150,63 @@ void ContributeTile(const TileTask& task,
   const Vec one = hn::Set(d, 1.0f);
   ClearTransmittance(task, transmittance);
   ClearDominance(dominance);
-  for (int64_t k = 0; k < task.count; ++k) {
-    Vec weights = hn::Zero(d);
-    Vec pixels = hn::Zero(d);
-    ForEachBlended<Fused>(
-        d,
-        task,
-        FetchSplat(task, k),
-        transmittance,
-        [&](int pixel, Vec, Vec alpha, Vec t, Mask mask) HWY_ATTR {
-          const Vec weight = hn::IfThenElseZero(mask, hn::Mul(alpha, t));
-          hn::Store(hn::Sub(t, weight), d, transmittance + pixel);
-          weights = hn::Add(weights, weight);
-          pixels = hn::Add(pixels, hn::IfThenElseZero(mask, one));
-          KeepDominant(d, pixel, weight, k, dominance);
-        },
-        NoColumnEnd());
-    contributions[k] = {hn::GetLane(hn::SumOfLanes(d, weights)),
-                        hn::GetLane(hn::SumOfLanes(d, pixels))};
-  }
+  const int64_t visited = ForEachEntry(
+      d,
+      task,
+      0,
+      task.count,
+      transmittance,
+      [&](int64_t k, BlockSet blocks) HWY_ATTR {
+        Vec weights = hn::Zero(d);
+        Vec pixels = hn::Zero(d);
+        BlendBlocks<Fused>(
+            d,
+            blocks,
+            TileSplat(task, task.splats[task.entries[k]]),
+            transmittance,
+            [&](int pixel, Vec, Vec, Vec alpha, Vec t, Mask mask) HWY_ATTR {
+              const Vec weight = hn::IfThenElseZero(mask, hn::Mul(alpha, t));
+              hn::Store(hn::Sub(t, weight), d, transmittance + pixel);
+              weights = hn::Add(weights, weight);
+              pixels = hn::Add(pixels, hn::IfThenElseZero(mask, one));
+              KeepDominant(d, pixel, weight, k, dominance);
+            });
+        contributions[k] = {hn::GetLane(hn::SumOfLanes(d, weights)),
+                            hn::GetLane(hn::SumOfLanes(d, pixels))};
+      });
+  std::fill(
+      contributions + visited, contributions + task.count, PairContribution());
 }
 
 void VoteTile(const TileTask& task, const int32_t* channels, float* votes) {
   const Tag d;
   alignas(64) float transmittance[kTilePixels];
   ClearTransmittance(task, transmittance);
-  for (int64_t k = 0; k < task.count; ++k) {
-    if (k % kOpaqueTestInterval == 0 && Opaque(d, transmittance)) return;
-    const int32_t channel = channels[k];
-    ForEachBlended<Fused>(
-        d,
-        task,
-        FetchSplat(task, k),
-        transmittance,
-        [&](int pixel, Vec, Vec alpha, Vec t, Mask mask) HWY_ATTR {
-          const Vec weight = hn::IfThenElseZero(mask, hn::Mul(alpha, t));
-          hn::Store(hn::Sub(t, weight), d, transmittance + pixel);
-          if (channel < 0) return;
-          float* vote = votes + channel * kTilePixels + pixel;
-          hn::Store(hn::Add(weight, hn::Load(d, vote)), d, vote);
-        },
-        NoColumnEnd());
-  }
+  ForEachEntry(
+      d,
+      task,
+      0,
+      task.count,
+      transmittance,
+      [&](int64_t k, BlockSet blocks) HWY_ATTR {
+        const int32_t channel = channels[k];
+        BlendBlocks<Fused>(
+            d,
+            blocks,
+            TileSplat(task, task.splats[task.entries[k]]),
+            transmittance,
+            [&](int pixel, Vec, Vec, Vec alpha, Vec t, Mask mask) HWY_ATTR {
+              const Vec weight = hn::IfThenElseZero(mask, hn::Mul(alpha, t));
+              hn::Store(hn::Sub(t, weight), d, transmittance + pixel);
+              if (channel < 0) return;
+              float* vote = votes + channel * kTilePixels + pixel;
+              hn::Store(hn::Add(weight, hn::Load(d, vote)), d, vote);
+            });
+      });
 }
 
 void BackwardTile(const TileTask& task,
-                  int64_t visited,
+                  std::span<const TileBlocks> touched,
                   TileGradients* gradients,
                   const float* extra_gradients,
                   float* moments) {
@@ -204,6 +219,7 @@ void BackwardTile(const TileTask& task,
   float* HWY_RESTRICT remaining = gradients->remaining;
   const size_t stride = kMomentStride + task.num_extras;
   const Vec one = hn::Set(d, 1.0f);
+  const auto visited = static_cast<int64_t>(touched.size());
   for (int64_t k = 0; k < visited; ++k) {
     const Splat& splat = FetchSplat(task, k);
     const float* splat_extras =
@@ -216,17 +232,16 @@ void BackwardTile(const TileTask& task,
     Vec sum_q = hn::Zero(d), sum_qx = hn::Zero(d), sum_qy = hn::Zero(d);
     Vec sum_qxx = hn::Zero(d), sum_qxy = hn::Zero(d), sum_qyy = hn::Zero(d);
     Vec sum_r = hn::Zero(d), sum_g = hn::Zero(d), sum_b = hn::Zero(d);
-    // dx is the same in a whole column, so products with its powers are taken
-    // once at the end of the column.
-    Vec column_q = hn::Zero(d), column_qy = hn::Zero(d);
-    bool touched = false;
-    ForEachBlended<Fused>(
+    if (touched[k] == 0) {
+      std::fill_n(sums, kMomentStride, 0.0f);
+      continue;
+    }
+    BlendBlocks<Fused>(
         d,
-        task,
-        splat,
+        touched[k],
+        TileSplat(task, splat),
         transmittance,
-        [&](int pixel, Vec dy, Vec alpha, Vec t, Mask mask) HWY_ATTR {
-          touched = true;
+        [&](int pixel, Vec dx, Vec dy, Vec alpha, Vec t, Mask mask) HWY_ATTR {
           const Vec weight = hn::IfThenElseZero(mask, hn::Mul(alpha, t));
           hn::Store(hn::Sub(t, weight), d, transmittance + pixel);
           const Vec gr = hn::Load(d, red + pixel);
@@ -255,25 +270,15 @@ void BackwardTile(const TileTask& task,
           // An alpha that was limited to kMaxAlpha has no derivative.
           const Mask free = hn::And(mask, hn::Lt(alpha, hn::Set(d, kMaxAlpha)));
           const Vec q = hn::IfThenElseZero(free, hn::Mul(d_alpha, alpha));
+          const Vec qx = hn::Mul(q, dx);
           const Vec qy = hn::Mul(q, dy);
-          column_q = hn::Add(column_q, q);
-          column_qy = hn::Add(column_qy, qy);
-          sum_qyy = hn::MulAdd(qy, dy, sum_qyy);
-        },
-        [&](Vec dx) HWY_ATTR {
-          const Vec qx = hn::Mul(column_q, dx);
-          sum_q = hn::Add(sum_q, column_q);
+          sum_q = hn::Add(sum_q, q);
           sum_qx = hn::Add(sum_qx, qx);
+          sum_qy = hn::Add(sum_qy, qy);
           sum_qxx = hn::MulAdd(qx, dx, sum_qxx);
-          sum_qy = hn::Add(sum_qy, column_qy);
-          sum_qxy = hn::MulAdd(column_qy, dx, sum_qxy);
-          column_q = hn::Zero(d);
-          column_qy = hn::Zero(d);
+          sum_qxy = hn::MulAdd(qx, dy, sum_qxy);
+          sum_qyy = hn::MulAdd(qy, dy, sum_qyy);
         });
-    if (!touched) {
-      std::fill_n(sums, kMomentStride, 0.0f);
-      continue;
-    }
     StoreSums(d, sum_q, sum_qx, sum_qy, sum_qxx, sums);
     StoreSums(d, sum_qxy, sum_qyy, sum_r, sum_g, sums + 4);
     sums[8] = hn::GetLane(hn::SumOfLanes(d, sum_b));
@@ -298,8 +303,10 @@ HWY_EXPORT(BackwardTile);
 int64_t BlendTile(const TileTask& task,
                   TilePixels* pixels,
                   float* extras,
-                  TileDominance* dominance) {
-  return HWY_DYNAMIC_DISPATCH(BlendTile)(task, pixels, extras, dominance);
+                  TileDominance* dominance,
+                  TileBlocks* touched) {
+  return HWY_DYNAMIC_DISPATCH(BlendTile)(
+      task, pixels, extras, dominance, touched);
 }
 
 void ContributeTile(const TileTask& task,
@@ -315,12 +322,12 @@ void VoteTile(const TileTask& task, const int32_t* channels, float* votes) {
 }
 
 void BackwardTile(const TileTask& task,
-                  int64_t visited,
+                  std::span<const TileBlocks> touched,
                   TileGradients* gradients,
                   const float* extra_gradients,
                   float* moments) {
   HWY_DYNAMIC_DISPATCH(BackwardTile)
-  (task, visited, gradients, extra_gradients, moments);
+  (task, touched, gradients, extra_gradients, moments);
 }
 
 }  // namespace freegs::splat

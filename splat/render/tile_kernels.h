@@ -11,6 +11,7 @@
 #define FREEGS_SPLAT_RENDER_TILE_KERNELS_H_
 
 #include <cstdint>
+#include <span>
 
 #include "splat/render/tile_layout.h"
 
@@ -19,11 +20,14 @@ namespace freegs::splat {
 // Blends the list front to back into *pixels and, when task.num_extras > 0,
 // into extras[channel * 256 + TilePixel] (64-byte aligned). Overwrites both,
 // and *dominance unless it is null. Stops when the tile is opaque, and returns
-// how many list entries it has visited.
+// how many list entries it has visited. Of each of them it writes the blocks
+// into which it may have been blended to touched[k]; there must be room for
+// task.count.
 int64_t BlendTile(const TileTask& task,
                   TilePixels* pixels,
                   float* extras,
-                  TileDominance* dominance = nullptr);
+                  TileDominance* dominance,
+                  TileBlocks* touched);
 
 // Computes the blending weights without blending colours. Overwrites
 // transmittance (256 floats, 64-byte aligned) and *dominance, and writes what
@@ -38,13 +42,14 @@ void ContributeTile(const TileTask& task,
 // blended, but add no vote.
 void VoteTile(const TileTask& task, const int32_t* channels, float* votes);
 
-// The derivative of BlendTile, which visited the first `visited` entries.
-// Writes the sums of list entry k (see kMomentStride in splat.h) to moments + k
+// The derivative of BlendTile, which wrote `touched`: one value for each entry
+// that it visited. Writes the sums of list entry k (see kMomentStride in
+// splat.h) to moments + k
 // * (kMomentStride + num_extras). extra_gradients is dL/dextra at [channel *
 // 256 + TilePixel]. gradients->remaining is used as scratch memory and holds
 // other values afterwards.
 void BackwardTile(const TileTask& task,
-                  int64_t visited,
+                  std::span<const TileBlocks> touched,
                   TileGradients* gradients,
                   const float* extra_gradients,
                   float* moments);

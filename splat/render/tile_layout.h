@@ -25,6 +25,9 @@ constexpr int TilePixel(unsigned x, unsigned y) {
                           y % kBlockSize * kBlockSize + x % kBlockSize);
 }
 
+// A set of the tile's 16 blocks: bit b is block b.
+using TileBlocks = uint16_t;
+
 // The work of one tile.
 struct TileTask {
   const Splat* splats = nullptr;      // The splat of each Gaussian.

@@ -25,29 +25,31 @@ int64_t ListWeights(const TileTask& task,
   const auto lane = hn::Iota(du, 0);
   size_t count = 0;
   list->count = 0;
-  for (int64_t k = begin; k < end; ++k) {
-    if (k % kOpaqueTestInterval == 0 && Opaque(d, transmittance)) {
-      return task.count;
-    }
-    const auto entry = static_cast<uint32_t>(k - begin) * kTilePixels;
-    ForEachBlended<Plain>(
-        d,
-        task,
-        FetchSplat(task, k),
-        transmittance,
-        [&](int pixel, Vec, Vec alpha, Vec t, Mask mask) HWY_ATTR {
-          const Vec weight = hn::IfThenElseZero(mask, hn::Mul(alpha, t));
-          hn::Store(hn::Sub(t, weight), d, transmittance + pixel);
-          const auto place =
-              hn::Add(lane, hn::Set(du, entry + static_cast<uint32_t>(pixel)));
-          hn::CompressStore(weight, mask, d, list->weight + count);
-          count += hn::CompressStore(
-              place, hn::RebindMask(du, mask), du, list->place + count);
-        },
-        NoColumnEnd());
-    list->count = static_cast<int32_t>(count);
-  }
-  return end;
+  const int64_t visited = ForEachEntry(
+      d,
+      task,
+      begin,
+      end,
+      transmittance,
+      [&](int64_t k, BlockSet blocks) HWY_ATTR {
+        const auto entry = static_cast<uint32_t>(k - begin) * kTilePixels;
+        BlendBlocks<Plain>(
+            d,
+            blocks,
+            TileSplat(task, task.splats[task.entries[k]]),
+            transmittance,
+            [&](int pixel, Vec, Vec, Vec alpha, Vec t, Mask mask) HWY_ATTR {
+              const Vec weight = hn::IfThenElseZero(mask, hn::Mul(alpha, t));
+              hn::Store(hn::Sub(t, weight), d, transmittance + pixel);
+              const auto place = hn::Add(
+                  lane, hn::Set(du, entry + static_cast<uint32_t>(pixel)));
+              hn::CompressStore(weight, mask, d, list->weight + count);
+              count += hn::CompressStore(
+                  place, hn::RebindMask(du, mask), du, list->place + count);
+            });
+        list->count = static_cast<int32_t>(count);
+      });
+  return visited < end ? task.count : end;
 }
 
 }  // namespace freegs::splat::HWY_NAMESPACE
