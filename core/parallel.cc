@@ -6,6 +6,28 @@
 #include <utility>
 
 namespace freegs {
+namespace {
+
+// A thread that has nothing to do looks for work so many times before it
+// sleeps. To wake a sleeping thread takes about as long as a short loop, and
+// loops mostly follow each other at once.
+constexpr int kSpins = 2000;
+
+// Tells the processor that this thread only waits.
+void Pause() {
+#if defined(__x86_64__)
+  __builtin_ia32_pause();
+#elif defined(__aarch64__)
+  asm volatile("yield");
+#endif
+}
+
+template <class Condition>
+void SpinUntil(const Condition& condition) {
+  for (int i = 0; i < kSpins && !condition(); ++i) Pause();
+}
+
+}  // namespace
 
 ThreadPool::ThreadPool(int num_threads) {
   if (num_threads <= 0) {
@@ -27,6 +49,7 @@ ThreadPool::~ThreadPool() {
   {
     const std::lock_guard lock(mutex_);
     stop_ = true;
+    generation_.fetch_add(1, std::memory_order_release);
   }
   wake_.notify_all();
   for (std::thread& worker : workers_) worker.join();
@@ -51,13 +74,17 @@ void ThreadPool::ParallelFor(int64_t begin,
     end_ = end;
     grain_ = grain;
     next_.store(0, std::memory_order_relaxed);
-    active_ = static_cast<int>(workers_.size());
-    ++generation_;
+    active_.store(static_cast<int>(workers_.size()), std::memory_order_relaxed);
+    generation_.fetch_add(1, std::memory_order_release);
   }
   wake_.notify_all();
   RunRanges(0);
+  const auto done = [this] {
+    return active_.load(std::memory_order_acquire) == 0;
+  };
+  SpinUntil(done);
   std::unique_lock lock(mutex_);
-  done_.wait(lock, [this] { return active_ == 0; });
+  done_.wait(lock, done);
   if (thrown_) std::rethrow_exception(std::exchange(thrown_, nullptr));
 }
 
@@ -80,16 +107,23 @@ void ThreadPool::RunRanges(int worker) noexcept {
 
 void ThreadPool::WorkerLoop(int worker) {
   uint64_t seen = 0;
+  const auto has_work = [&] {
+    return generation_.load(std::memory_order_acquire) != seen;
+  };
   for (;;) {
-    {
+    SpinUntil(has_work);
+    if (!has_work()) {
       std::unique_lock lock(mutex_);
-      wake_.wait(lock, [&] { return stop_ || generation_ != seen; });
-      if (stop_) return;
-      seen = generation_;
+      wake_.wait(lock, has_work);
     }
+    if (stop_) return;
+    // It changes again only when this loop is done.
+    seen = generation_.load(std::memory_order_relaxed);
     RunRanges(worker);
-    const std::lock_guard lock(mutex_);
-    if (--active_ == 0) done_.notify_one();
+    if (active_.fetch_sub(1, std::memory_order_acq_rel) == 1) {
+      const std::lock_guard lock(mutex_);
+      done_.notify_one();
+    }
   }
 }
 

@@ -61,8 +61,10 @@ class ThreadPool {
   std::mutex mutex_;
   std::condition_variable wake_;
   std::condition_variable done_;
-  uint64_t generation_ = 0;
-  int active_ = 0;
+  // The number of the loop in progress. Whoever sees it change sees what was
+  // written before it.
+  std::atomic<uint64_t> generation_{0};
+  std::atomic<int> active_{0};  // Workers that have not finished the loop.
   bool stop_ = false;
 
   // The loop in progress.
