@@ -86,12 +86,6 @@ constexpr PixelCoordinates MakePixelCoordinates() {
 }
 inline constexpr PixelCoordinates kPixelCoordinates = MakePixelCoordinates();
 
-// A set of the tile's blocks: bit b stands for the pixels that begin at
-// b * kBlockPixels in the order of TilePixel.
-using BlockSet = uint32_t;
-constexpr int kBlockPixels = kBlockSize * kBlockSize;
-constexpr int kNumBlocks = kTilePixels / kBlockPixels;
-
 // The top-left pixel of each block.
 struct alignas(64) BlockCorners {
   float x[kNumBlocks], y[kNumBlocks];
@@ -128,7 +122,7 @@ struct TileSplat {
 // that is inside, or else on one of the at most two sides that face the mean.
 // On such a side log2(alpha) is a parabola, whose top is clamped to the side.
 // kSlack and the share of the terms make up for rounding.
-HWY_INLINE BlockSet TouchedBlocks(Tag d, const TileSplat& splat) {
+HWY_INLINE TileBlocks TouchedBlocks(Tag d, const TileSplat& splat) {
   constexpr float kSlack = 0.01f;
   constexpr float kRounding = 2e-6f;
   const Vec zero = hn::Zero(d);
@@ -140,7 +134,7 @@ HWY_INLINE BlockSet TouchedBlocks(Tag d, const TileSplat& splat) {
   const Vec y_of_x = hn::Set(d, -0.5f * splat.xy / splat.yy);
   const Vec x_of_y = hn::Set(d, -0.5f * splat.xy / splat.xx);
   const Vec least = hn::Set(d, kMinLog2Alpha - kSlack - splat.log2_opacity);
-  BlockSet blocks = 0;
+  TileBlocks blocks = 0;
   for (size_t b = 0; b < kNumBlocks; b += hn::Lanes(d)) {
     const Vec left =
         hn::Sub(hn::Load(d, kBlockCorners.x + b), hn::Set(d, splat.mean_x));
@@ -164,24 +158,25 @@ HWY_INLINE BlockSet TouchedBlocks(Tag d, const TileSplat& splat) {
                 near_y));
     uint8_t bits[8] = {};
     hn::StoreMaskBits(d, touched, bits);
-    blocks |=
-        (static_cast<BlockSet>(bits[0]) | static_cast<BlockSet>(bits[1]) << 8)
-        << b;
+    blocks |= (static_cast<TileBlocks>(bits[0]) |
+               static_cast<TileBlocks>(bits[1]) << 8)
+              << b;
   }
   return blocks;
 }
 
 // The blocks with a pixel into which more can be blended.
-HWY_INLINE BlockSet OpenBlocks(Tag d, const float* HWY_RESTRICT transmittance) {
+HWY_INLINE TileBlocks OpenBlocks(Tag d,
+                                 const float* HWY_RESTRICT transmittance) {
   const Vec least = hn::Set(d, kMinTransmittance);
-  BlockSet blocks = 0;
+  TileBlocks blocks = 0;
   for (int b = 0; b < kNumBlocks; ++b) {
     Vec most = hn::Load(d, transmittance + b * kBlockPixels);
     for (size_t i = hn::Lanes(d); i < kBlockPixels; i += hn::Lanes(d)) {
       most = hn::Max(most, hn::Load(d, transmittance + b * kBlockPixels + i));
     }
     const bool open = !hn::AllFalse(d, hn::Ge(most, least));
-    blocks |= static_cast<BlockSet>(open) << b;
+    blocks |= static_cast<TileBlocks>(open) << b;
   }
   return blocks;
 }
@@ -199,7 +194,7 @@ HWY_INLINE const Splat& FetchSplat(const TileTask& task, int64_t k) {
 // pixels of `blocks`.
 template <class Arithmetic, class Blend>
 HWY_INLINE void BlendBlocks(Tag d,
-                            BlockSet blocks,
+                            TileBlocks blocks,
                             const TileSplat& splat,
                             const float* HWY_RESTRICT transmittance,
                             const Blend& blend) {
@@ -249,9 +244,9 @@ HWY_INLINE int64_t ForEachEntry(Tag d,
                                 int64_t end,
                                 const float* transmittance,
                                 const Visit& visit) {
-  BlockSet touched[kBatch];
+  TileBlocks touched[kBatch];
   for (int64_t first = begin; first < end; first += kBatch) {
-    const BlockSet open = OpenBlocks(d, transmittance);
+    const TileBlocks open = OpenBlocks(d, transmittance);
     if (open == 0) return first;
     const int64_t last = std::min(first + kBatch, end);
     for (int64_t k = first; k < last; ++k) {

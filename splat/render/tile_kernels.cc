@@ -96,8 +96,8 @@ int64_t Blend(const TileTask& task,
       0,
       task.count,
       transmittance,
-      [&](int64_t k, BlockSet blocks) HWY_ATTR {
-        touched[k] = static_cast<TileBlocks>(blocks);
+      [&](int64_t k, TileBlocks blocks) HWY_ATTR {
+        touched[k] = blocks;
         const Splat& splat = task.splats[task.entries[k]];
         const float* splat_extras =
             task.extras +
@@ -156,7 +156,7 @@ void ContributeTile(const TileTask& task,
       0,
       task.count,
       transmittance,
-      [&](int64_t k, BlockSet blocks) HWY_ATTR {
+      [&](int64_t k, TileBlocks blocks) HWY_ATTR {
         Vec weights = hn::Zero(d);
         Vec pixels = hn::Zero(d);
         BlendBlocks<Fused>(
@@ -188,7 +188,7 @@ void VoteTile(const TileTask& task, const int32_t* channels, float* votes) {
       0,
       task.count,
       transmittance,
-      [&](int64_t k, BlockSet blocks) HWY_ATTR {
+      [&](int64_t k, TileBlocks blocks) HWY_ATTR {
         const int32_t channel = channels[k];
         BlendBlocks<Fused>(
             d,

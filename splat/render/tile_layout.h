@@ -18,15 +18,18 @@ constexpr int kTilePixels = kTileSize * kTileSize;
 // order, and so are the pixels of a block. A small splat touches fewer vectors
 // this way than if vectors were parts of long rows.
 constexpr int kBlockSize = 4;
+constexpr int kBlockPixels = kBlockSize * kBlockSize;
+constexpr int kNumBlocks = kTilePixels / kBlockPixels;
 constexpr int TilePixel(unsigned x, unsigned y) {
   const unsigned block =
       y / kBlockSize * (kTileSize / kBlockSize) + x / kBlockSize;
-  return static_cast<int>(block * kBlockSize * kBlockSize +
-                          y % kBlockSize * kBlockSize + x % kBlockSize);
+  return static_cast<int>(block * kBlockPixels + y % kBlockSize * kBlockSize +
+                          x % kBlockSize);
 }
 
-// A set of the tile's 16 blocks: bit b is block b.
-using TileBlocks = uint16_t;
+// A set of the tile's blocks: bit b is the block whose pixels begin at
+// b * kBlockPixels.
+using TileBlocks = uint32_t;
 
 // The work of one tile.
 struct TileTask {

@@ -31,7 +31,7 @@ int64_t ListWeights(const TileTask& task,
       begin,
       end,
       transmittance,
-      [&](int64_t k, BlockSet blocks) HWY_ATTR {
+      [&](int64_t k, TileBlocks blocks) HWY_ATTR {
         const auto entry = static_cast<uint32_t>(k - begin) * kTilePixels;
         BlendBlocks<Plain>(
             d,

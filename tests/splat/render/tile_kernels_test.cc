@@ -50,13 +50,13 @@ TileBlocks BlocksWith(const TileTask& task,
                       double least,
                       int steps) {
   TileBlocks blocks = 0;
-  for (int b = 0; b < 16; ++b) {
+  for (int b = 0; b < kNumBlocks; ++b) {
     for (int j = 0; j <= 3 * steps; ++j) {
       for (int i = 0; i <= 3 * steps; ++i) {
         const double x = task.x0 + b % 4 * 4 + static_cast<double>(i) / steps;
         const double y = task.y0 + b / 4 * 4 + static_cast<double>(j) / steps;
         if (Log2Alpha(splat, x, y) >= least) {
-          blocks = static_cast<TileBlocks>(blocks | 1u << b);
+          blocks |= 1u << b;
         }
       }
     }
@@ -83,11 +83,11 @@ TEST(TileKernels, BlocksOfASplatAreThoseThatItReaches) {
       ASSERT_EQ(BlendTile(task, &pixels, nullptr, nullptr, &touched), 1);
       const double least = -std::log2(255.0);
       const TileBlocks needed = BlocksWith(task, splat, least, 1);
-      EXPECT_EQ(needed & ~touched, 0) << "splat " << k;
+      EXPECT_EQ(needed & ~touched, 0u) << "splat " << k;
       // Nothing lies outside what alpha reaches between the pixels' centres,
       // but for the room that is left for rounding.
       const TileBlocks allowed = BlocksWith(task, splat, least - 0.1, 8);
-      EXPECT_EQ(touched & ~allowed, 0) << "splat " << k;
+      EXPECT_EQ(touched & ~allowed, 0u) << "splat " << k;
       touched_splats += touched != 0;
     }
     EXPECT_GT(touched_splats, 400);
@@ -108,7 +108,7 @@ TEST(TileKernels, BlocksOutsideThePictureAreNotTouched) {
   TilePixels pixels;
   TileBlocks touched = 0;
   ASSERT_EQ(BlendTile(task, &pixels, nullptr, nullptr, &touched), 1);
-  EXPECT_EQ(touched, 0b11);
+  EXPECT_EQ(touched, 0b11u);
 }
 
 }  // namespace
