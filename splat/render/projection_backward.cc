@@ -6,8 +6,6 @@
 #include <array>
 #include <numeric>
 
-#include <hwy/cache_control.h>
-
 namespace freegs::splat {
 namespace {
 
@@ -28,19 +26,6 @@ void AddPairs(const SplatDerivatives& from,
   for (const uint32_t entry : from.bins->EntriesOf(place)) {
     const float* pair = from.pair_moments.data() + entry * stride + first;
     for (size_t m = 0; m < sums.size(); ++m) sums[m] += pair[m];
-  }
-}
-
-// The entries of a splat lie scattered in memory, so they are requested so many
-// splats before they are read.
-constexpr int64_t kPlacesAhead = 8;
-
-void FetchPairs(const SplatDerivatives& from, int64_t place) {
-  const size_t stride = kMomentStride + from.num_extras;
-  for (const uint32_t entry : from.bins->EntriesOf(place)) {
-    const float* pair = from.pair_moments.data() + entry * stride;
-    hwy::Prefetch(pair);
-    hwy::Prefetch(pair + kMomentStride - 1);
   }
 }
 
@@ -79,7 +64,6 @@ ProjectionBackwardTask MakeTask(const SplatDerivatives& from,
                                 int64_t end,
                                 ChunkSums* sums) {
   for (int64_t place = begin; place < end; ++place) {
-    FetchPairs(from, std::min(place + kPlacesAhead, end - 1));
     (*sums)[place - begin] = SumsOf(from, place);
   }
   ProjectionBackwardTask task;

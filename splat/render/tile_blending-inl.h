@@ -190,6 +190,15 @@ HWY_INLINE const Splat& FetchSplat(const TileTask& task, int64_t k) {
   return task.splats[task.entries[k]];
 }
 
+// The weights with which a splat is blended into a vector of pixels, 0 outside
+// the mask. Lowers the pixels' transmittance, which was `t`.
+HWY_INLINE Vec TakeWeight(
+    Tag d, Vec alpha, Vec t, Mask mask, float* HWY_RESTRICT transmittance) {
+  const Vec weight = hn::IfThenElseZero(mask, hn::Mul(alpha, t));
+  hn::Store(hn::Sub(t, weight), d, transmittance);
+  return weight;
+}
+
 // Calls blend(pixel, dx, dy, alpha, transmittance, mask) for each vector of
 // pixels of `blocks`.
 template <class Arithmetic, class Blend>

@@ -115,8 +115,8 @@ int64_t Blend(const TileTask& task,
             TileSplat(task, splat),
             transmittance,
             [&](int pixel, Vec, Vec, Vec alpha, Vec t, Mask mask) HWY_ATTR {
-              const Vec weight = hn::IfThenElseZero(mask, hn::Mul(alpha, t));
-              hn::Store(hn::Sub(t, weight), d, transmittance + pixel);
+              const Vec weight =
+                  TakeWeight(d, alpha, t, mask, transmittance + pixel);
               add(weight, r, red + pixel);
               add(weight, g, green + pixel);
               add(weight, b, blue + pixel);
@@ -165,8 +165,8 @@ void ContributeTile(const TileTask& task,
             TileSplat(task, task.splats[task.entries[k]]),
             transmittance,
             [&](int pixel, Vec, Vec, Vec alpha, Vec t, Mask mask) HWY_ATTR {
-              const Vec weight = hn::IfThenElseZero(mask, hn::Mul(alpha, t));
-              hn::Store(hn::Sub(t, weight), d, transmittance + pixel);
+              const Vec weight =
+                  TakeWeight(d, alpha, t, mask, transmittance + pixel);
               weights = hn::Add(weights, weight);
               pixels = hn::Add(pixels, hn::IfThenElseZero(mask, one));
               KeepDominant(d, pixel, weight, k, dominance);
@@ -196,8 +196,8 @@ void VoteTile(const TileTask& task, const int32_t* channels, float* votes) {
             TileSplat(task, task.splats[task.entries[k]]),
             transmittance,
             [&](int pixel, Vec, Vec, Vec alpha, Vec t, Mask mask) HWY_ATTR {
-              const Vec weight = hn::IfThenElseZero(mask, hn::Mul(alpha, t));
-              hn::Store(hn::Sub(t, weight), d, transmittance + pixel);
+              const Vec weight =
+                  TakeWeight(d, alpha, t, mask, transmittance + pixel);
               if (channel < 0) return;
               float* vote = votes + channel * kTilePixels + pixel;
               hn::Store(hn::Add(weight, hn::Load(d, vote)), d, vote);
@@ -242,8 +242,8 @@ void BackwardTile(const TileTask& task,
         TileSplat(task, splat),
         transmittance,
         [&](int pixel, Vec dx, Vec dy, Vec alpha, Vec t, Mask mask) HWY_ATTR {
-          const Vec weight = hn::IfThenElseZero(mask, hn::Mul(alpha, t));
-          hn::Store(hn::Sub(t, weight), d, transmittance + pixel);
+          const Vec weight =
+              TakeWeight(d, alpha, t, mask, transmittance + pixel);
           const Vec gr = hn::Load(d, red + pixel);
           const Vec gg = hn::Load(d, green + pixel);
           const Vec gb = hn::Load(d, blue + pixel);

@@ -44,10 +44,9 @@ void VoteTile(const TileTask& task, const int32_t* channels, float* votes);
 
 // The derivative of BlendTile, which wrote `touched`: one value for each entry
 // that it visited. Writes the sums of list entry k (see kMomentStride in
-// splat.h) to moments + k
-// * (kMomentStride + num_extras). extra_gradients is dL/dextra at [channel *
-// 256 + TilePixel]. gradients->remaining is used as scratch memory and holds
-// other values afterwards.
+// splat.h) to moments + k * (kMomentStride + num_extras). extra_gradients is
+// dL/dextra at [channel * 256 + TilePixel]. gradients->remaining is used as
+// scratch memory and holds other values afterwards.
 void BackwardTile(const TileTask& task,
                   std::span<const TileBlocks> touched,
                   TileGradients* gradients,

@@ -39,8 +39,8 @@ int64_t ListWeights(const TileTask& task,
             TileSplat(task, task.splats[task.entries[k]]),
             transmittance,
             [&](int pixel, Vec, Vec, Vec alpha, Vec t, Mask mask) HWY_ATTR {
-              const Vec weight = hn::IfThenElseZero(mask, hn::Mul(alpha, t));
-              hn::Store(hn::Sub(t, weight), d, transmittance + pixel);
+              const Vec weight =
+                  TakeWeight(d, alpha, t, mask, transmittance + pixel);
               const auto place = hn::Add(
                   lane, hn::Set(du, entry + static_cast<uint32_t>(pixel)));
               hn::CompressStore(weight, mask, d, list->weight + count);

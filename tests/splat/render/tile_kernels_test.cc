@@ -2,6 +2,7 @@
 
 #include "splat/render/tile_kernels.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
