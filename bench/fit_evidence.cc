@@ -97,9 +97,10 @@ double Report(const std::vector<LearningScene>& scenes,
       static_cast<int64_t>(scenes.size()),
       1,
       [&](int64_t first, int64_t last, int) {
+        ThreadPool one_thread(1);
         for (int64_t s = first; s < last; ++s) {
           rows[s].hierarchy =
-              semantics::BuildHierarchy(scenes[s].graph, models);
+              semantics::BuildHierarchy(scenes[s].graph, models, one_thread);
           for (const double granularity : kGranularities) {
             rows[s].objects.push_back(MeasureObjects(
                 scenes[s],

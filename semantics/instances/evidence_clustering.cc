@@ -9,6 +9,7 @@
 
 #include "semantics/instances/label_noise.h"
 #include "semantics/patches/region_merging.h"
+#include "semantics/patches/tree_variants.h"
 
 namespace freegs::semantics {
 namespace {
@@ -49,18 +50,52 @@ StatusOr<LearntModels> DefaultModels() {
   return models;
 }
 
-Hierarchy BuildHierarchy(const RegionGraph& graph, const LearntModels& models) {
+Hierarchy BuildHierarchy(const RegionGraph& graph,
+                         const LearntModels& models,
+                         ThreadPool& pool) {
   Hierarchy hierarchy;
   hierarchy.total_pixels = graph.total_pixels;
   hierarchy.part_pixels = graph.PixelsOfRegions();
-  MeasuredTree measured =
-      MergeAndMeasure(graph, models.evidence, CrumbSize(graph.total_pixels));
-  hierarchy.tree = std::move(measured.tree);
-  for (const RegionNumbers& numbers : measured.numbers) {
-    hierarchy.quality.push_back(
-        std::round(kQualitySteps * models.quality.Probability(numbers)) /
-        kQualitySteps);
+  const double crumb_size = CrumbSize(graph.total_pixels);
+  struct Variant {
+    RegionTree tree;
+    std::vector<double> quality;
+    std::vector<double> quality_of_first;  // Of the regions of variant 0.
+  };
+  std::vector<Variant> variants(kNumTreeVariants);
+  pool.ParallelFor(
+      0, kNumTreeVariants, 1, [&](int64_t first, int64_t last, int) {
+        for (int64_t v = first; v < last; ++v) {
+          MeasuredTree measured =
+              MergeAndMeasure(graph,
+                              VariantOf(models.evidence, static_cast<int>(v)),
+                              crumb_size);
+          variants[v].tree = std::move(measured.tree);
+          for (const RegionNumbers& numbers : measured.numbers) {
+            variants[v].quality.push_back(models.quality.Probability(numbers));
+          }
+        }
+      });
+  pool.ParallelFor(
+      1, kNumTreeVariants, 1, [&](int64_t first, int64_t last, int) {
+        for (int64_t v = first; v < last; ++v) {
+          variants[v].quality_of_first = QualityInVariant(variants[0].tree,
+                                                          variants[v].tree,
+                                                          variants[v].quality,
+                                                          hierarchy.part_pixels,
+                                                          crumb_size);
+        }
+      });
+  hierarchy.quality = std::move(variants[0].quality);
+  for (size_t r = 0; r < hierarchy.quality.size(); ++r) {
+    double sum = hierarchy.quality[r];
+    for (int v = 1; v < kNumTreeVariants; ++v) {
+      sum += variants[v].quality_of_first[r];
+    }
+    hierarchy.quality[r] =
+        std::round(kQualitySteps * sum / kNumTreeVariants) / kQualitySteps;
   }
+  hierarchy.tree = std::move(variants[0].tree);
   return hierarchy;
 }
 
@@ -74,7 +109,7 @@ StatusOr<EvidenceClusters> ClusterByEvidence(
     ThreadPool& pool) {
   FREEGS_RETURN_IF_ERROR(options.Check());
   EvidenceClusters result;
-  result.hierarchy = BuildHierarchy(patches.graph, models);
+  result.hierarchy = BuildHierarchy(patches.graph, models, pool);
   Hierarchy& hierarchy = result.hierarchy;
   hierarchy.granularity = options.granularity;
   hierarchy.part_of_gaussian = patches.patch_of_gaussian;

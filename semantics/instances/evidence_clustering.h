@@ -47,9 +47,12 @@ struct LearntModels {
 };
 StatusOr<LearntModels> DefaultModels();
 
-// The tree of the graph's patches, with the quality of each region. There are
-// no Gaussians in it.
-Hierarchy BuildHierarchy(const RegionGraph& graph, const LearntModels& models);
+// The tree of the graph's patches, with the quality of each region: the mean
+// over the tree and its variants (tree_variants.h). There are no Gaussians in
+// it.
+Hierarchy BuildHierarchy(const RegionGraph& graph,
+                         const LearntModels& models,
+                         ThreadPool& pool);
 
 // Gaussians in no patch, haze above all, and those of crumbs that touch nothing
 // are in the part of the nearest other Gaussian, if that is within

@@ -14,8 +14,12 @@ namespace {
 // limit many unlikely parts outweigh a likely whole.
 constexpr double kLeastQuality = 0.1;
 
+// How much the size of a thing counts: its pixels to this power, at granularity
+// 0.
+constexpr double kSizeExponent = 0.35;
+
 std::vector<int32_t> RegionsAt(const Hierarchy& hierarchy, double granularity) {
-  const double exponent = 0.5 * std::exp2(-0.5 * granularity);
+  const double exponent = kSizeExponent * std::exp2(-0.5 * granularity);
   const std::vector<double> sizes = hierarchy.tree.Sums(hierarchy.part_pixels);
   std::vector<double> worth;
   for (size_t r = 0; r < sizes.size(); ++r) {

@@ -31,9 +31,9 @@ TEST(HierarchyTest, CutsAtTheGranularity) {
   EXPECT_EQ(whole.region_of_label, (std::vector<int32_t>{6, 7}));
   EXPECT_EQ(whole.label_of_gaussian,
             (std::vector<int32_t>{0, 0, 0, 1, 1, 0, 0, -1}));
-  const HierarchyCut parts = CutHierarchy(Duck(), 3);
+  const HierarchyCut parts = CutHierarchy(Duck(), 2);
   EXPECT_EQ(parts.region_of_part, (std::vector<int32_t>{5, 5, 2, 7, 7}));
-  const HierarchyCut all = CutHierarchy(Duck(), -6);
+  const HierarchyCut all = CutHierarchy(Duck(), -7);
   EXPECT_EQ(all.region_of_label, (std::vector<int32_t>{8}));
 }
 

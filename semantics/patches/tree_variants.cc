@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "semantics/patches/tree_variants.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/random.h"
+
+namespace freegs::semantics {
+namespace {
+
+constexpr double kMostChange = 0.7;
+constexpr uint64_t kWeightSeed = 77;
+
+// The leaves in an order in which those of each region are neighbours: region r
+// has order[first[r]] to order[first[r] + count[r] - 1].
+struct LeafOrder {
+  std::vector<int32_t> order;
+  std::vector<int32_t> first;
+  std::vector<int32_t> count;
+};
+
+LeafOrder OrderLeaves(const RegionTree& tree) {
+  const auto num_leaves = static_cast<int32_t>(tree.num_leaves);
+  const auto num_regions =
+      num_leaves + static_cast<int32_t>(tree.merges.size());
+  LeafOrder leaves;
+  leaves.count.assign(num_regions, 1);
+  for (int32_t r = num_leaves; r < num_regions; ++r) {
+    const RegionTree::Merge& merge = tree.merges[r - num_leaves];
+    leaves.count[r] = leaves.count[merge.a] + leaves.count[merge.b];
+  }
+  // From the roots down: the parts of a region share its places.
+  leaves.first.assign(num_regions, -1);
+  leaves.order.resize(num_leaves);
+  int32_t next = 0;
+  for (int32_t r = num_regions; r-- > 0;) {
+    if (leaves.first[r] < 0) {
+      leaves.first[r] = next;
+      next += leaves.count[r];
+    }
+    if (r < num_leaves) {
+      leaves.order[leaves.first[r]] = r;
+      continue;
+    }
+    const RegionTree::Merge& merge = tree.merges[r - num_leaves];
+    leaves.first[merge.a] = leaves.first[r];
+    leaves.first[merge.b] = leaves.first[r] + leaves.count[merge.a];
+  }
+  return leaves;
+}
+
+}  // namespace
+
+EvidenceModel VariantOf(const EvidenceModel& model, int variant) {
+  EvidenceModel changed = model;
+  if (variant == 0) return changed;
+  for (size_t k = 0; k < changed.weight.size(); ++k) {
+    const double u =
+        RandomUniform(kWeightSeed, static_cast<uint64_t>(variant - 1), k);
+    changed.weight[k] *= 1 + kMostChange * (2 * u - 1);
+  }
+  return changed;
+}
+
+std::vector<double> QualityInVariant(const RegionTree& tree,
+                                     const RegionTree& other,
+                                     std::span<const double> other_quality,
+                                     std::span<const double> leaf_sizes,
+                                     double min_size) {
+  const std::vector<double> sizes = tree.Sums(leaf_sizes);
+  const std::vector<double> other_sizes = other.Sums(leaf_sizes);
+  const LeafOrder leaves = OrderLeaves(tree);
+  std::vector<double> result(sizes.size(), 0.0);
+  std::vector<double> common(other_sizes.size());
+  for (size_t r = 0; r < sizes.size(); ++r) {
+    if (sizes[r] < min_size) continue;
+    std::fill(common.begin(), common.end(), 0.0);
+    for (int32_t i = 0; i < leaves.count[r]; ++i) {
+      const int32_t leaf = leaves.order[leaves.first[r] + i];
+      common[leaf] = leaf_sizes[leaf];
+    }
+    double best_iou = 0;
+    const auto consider = [&](size_t x) {
+      const double iou = common[x] / (sizes[r] + other_sizes[x] - common[x]);
+      if (!(iou > best_iou)) return;
+      best_iou = iou;
+      result[r] = iou * other_quality[x];
+    };
+    const auto num_leaves = static_cast<size_t>(other.num_leaves);
+    for (size_t x = 0; x < num_leaves; ++x) {
+      if (common[x] > 0) consider(x);
+    }
+    for (size_t k = 0; k < other.merges.size(); ++k) {
+      const RegionTree::Merge& merge = other.merges[k];
+      const size_t x = num_leaves + k;
+      common[x] = common[merge.a] + common[merge.b];
+      if (common[x] > 0) consider(x);
+    }
+  }
+  return result;
+}
+
+}  // namespace freegs::semantics

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The trees that other weights of the evidence lead to. What is learnt is never
+// exact, and the reconstruction has noise of its own: either may join two
+// regions a little sooner or later, and the tree differs. A region is to be
+// trusted that most trees have, and that they find good.
+
+#ifndef FREEGS_SEMANTICS_PATCHES_TREE_VARIANTS_H_
+#define FREEGS_SEMANTICS_PATCHES_TREE_VARIANTS_H_
+
+#include <span>
+#include <vector>
+
+#include "semantics/patches/evidence_model.h"
+#include "semantics/patches/region_merging.h"
+
+namespace freegs::semantics {
+
+inline constexpr int kNumTreeVariants = 9;
+
+// Variant 0 is the model as it is. In each of the others every weight is
+// multiplied by a number of its own between 0.3 and 1.7. variant: from 0 to
+// kNumTreeVariants - 1.
+EvidenceModel VariantOf(const EvidenceModel& model, int variant);
+
+// Of each region of `tree`: the quality of the region of `other` that is most
+// like it, times their intersection over union. Both trees have the same
+// leaves; leaf_sizes are what the intersections are measured in, such as
+// pixels. other_quality has a number for each region of `other`. Regions of
+// less than min_size get 0.
+std::vector<double> QualityInVariant(const RegionTree& tree,
+                                     const RegionTree& other,
+                                     std::span<const double> other_quality,
+                                     std::span<const double> leaf_sizes,
+                                     double min_size);
+
+}  // namespace freegs::semantics
+
+#endif  // FREEGS_SEMANTICS_PATCHES_TREE_VARIANTS_H_
