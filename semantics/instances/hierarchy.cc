@@ -16,7 +16,7 @@ constexpr double kLeastQuality = 0.1;
 
 // How much the size of a thing counts: its pixels to this power, at granularity
 // 0.
-constexpr double kSizeExponent = 0.35;
+constexpr double kSizeExponent = 0.25;
 
 std::vector<int32_t> RegionsAt(const Hierarchy& hierarchy, double granularity) {
   const double exponent = kSizeExponent * std::exp2(-0.5 * granularity);

@@ -18,7 +18,7 @@ Hierarchy Duck() {
   Hierarchy hierarchy;
   hierarchy.tree = {.num_leaves = 5,
                     .merges = {{0, 1, -2}, {5, 2, -1}, {3, 4, 0.5}, {6, 7, 3}}};
-  hierarchy.quality = {0.3, 0.3, 0.5, 0.9, 0, 0.6, 0.8, 0.9, 0.3};
+  hierarchy.quality = {0.3, 0.3, 0.5, 0.9, 0, 0.6, 0.85, 0.9, 0.3};
   hierarchy.part_pixels = {1000, 9000, 30000, 60000, 1};
   hierarchy.total_pixels = 100001;
   hierarchy.part_of_gaussian = {0, 1, 2, 3, 4, 2, 2, -1};
@@ -31,9 +31,9 @@ TEST(HierarchyTest, CutsAtTheGranularity) {
   EXPECT_EQ(whole.region_of_label, (std::vector<int32_t>{6, 7}));
   EXPECT_EQ(whole.label_of_gaussian,
             (std::vector<int32_t>{0, 0, 0, 1, 1, 0, 0, -1}));
-  const HierarchyCut parts = CutHierarchy(Duck(), 2);
+  const HierarchyCut parts = CutHierarchy(Duck(), 1);
   EXPECT_EQ(parts.region_of_part, (std::vector<int32_t>{5, 5, 2, 7, 7}));
-  const HierarchyCut all = CutHierarchy(Duck(), -7);
+  const HierarchyCut all = CutHierarchy(Duck(), -8);
   EXPECT_EQ(all.region_of_label, (std::vector<int32_t>{8}));
 }
 
