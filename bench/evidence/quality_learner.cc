@@ -49,7 +49,10 @@ std::vector<Example> ExamplesOf(const LearningScene& scene,
                                 const semantics::EvidenceModel& evidence) {
   const double crumb_size = semantics::CrumbSize(scene.graph.total_pixels);
   const semantics::MeasuredTree measured =
-      semantics::MergeAndMeasure(scene.graph, evidence, crumb_size);
+      semantics::MergeAndMeasure(scene.graph,
+                                 semantics::EvidenceOfContacts(scene.graph),
+                                 evidence,
+                                 crumb_size);
   const semantics::RegionTree& tree = measured.tree;
   const std::vector<double> sizes = tree.Sums(scene.graph.PixelsOfRegions());
   const std::vector<double> pixels = tree.Sums(scene.pixels);

@@ -63,11 +63,13 @@ Hierarchy BuildHierarchy(const RegionGraph& graph,
     std::vector<double> quality_of_first;  // Of the regions of variant 0.
   };
   std::vector<Variant> variants(kNumTreeVariants);
+  const std::vector<Evidence> of_contacts = EvidenceOfContacts(graph);
   pool.ParallelFor(
       0, kNumTreeVariants, 1, [&](int64_t first, int64_t last, int) {
         for (int64_t v = first; v < last; ++v) {
           MeasuredTree measured =
               MergeAndMeasure(graph,
+                              of_contacts,
                               VariantOf(models.evidence, static_cast<int>(v)),
                               crumb_size);
           variants[v].tree = std::move(measured.tree);
@@ -125,8 +127,7 @@ StatusOr<EvidenceClusters> ClusterByEvidence(
   for (const int32_t r : cut.region_of_label) {
     result.scores.push_back(hierarchy.quality[r]);
     const RegionStats& region = regions[r];
-    const RegionExtent extent =
-        ExtentOf(region.weight, region.position, region.position2);
+    const RegionExtent extent = ExtentOf(region);
     const bool background = extent.Flatness() <= kBackgroundFlatness &&
                             extent.width >= kBackgroundWidth * scene_radius;
     result.is_plane.push_back(background);

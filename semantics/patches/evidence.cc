@@ -3,7 +3,9 @@
 #include "semantics/patches/evidence.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
 
 namespace freegs::semantics {
 namespace {
@@ -13,33 +15,39 @@ constexpr double kColorNoise = 2.5e-3;  // Variance, L*a*b* / 100.
 constexpr double kAlike = 0.15;
 constexpr double kAlikeAb = 0.05;
 
-// Of the channels from `first` on.
-double HistogramDistance(const ColorHistogram& a,
-                         double pixels_a,
-                         const ColorHistogram& b,
-                         double pixels_b,
-                         size_t first = 0) {
-  if (!(pixels_a > 0) || !(pixels_b > 0)) return 0;
-  double sum = 0;
-  for (size_t c = first; c < a.size(); ++c) {
+// Of each channel: half the chi-squared distance, from 0 to 1.
+Eigen::Array3d HistogramDistances(const ColorHistogram& a,
+                                  double pixels_a,
+                                  const ColorHistogram& b,
+                                  double pixels_b) {
+  Eigen::Array3d distances = Eigen::Array3d::Zero();
+  if (!(pixels_a > 0) || !(pixels_b > 0)) return distances;
+  // Keeps empty bins from dividing by 0.
+  constexpr double kTiny = 1e-300;
+  const double scale_a = 1 / pixels_a;
+  const double scale_b = 1 / pixels_b;
+  for (size_t c = 0; c < a.size(); ++c) {
+    std::array<double, kColorBins> terms;
     for (size_t k = 0; k < kColorBins; ++k) {
-      const double p = a[c][k] / pixels_a;
-      const double q = b[c][k] / pixels_b;
-      if (p + q > 0) sum += (p - q) * (p - q) / (p + q);
+      const double p = a[c][k] * scale_a;
+      const double q = b[c][k] * scale_b;
+      terms[k] = (p - q) * (p - q) / (p + q + kTiny);
     }
+    distances[static_cast<Eigen::Index>(c)] =
+        std::accumulate(terms.begin(), terms.end(), 0.0) / 2;
   }
-  return sum / 2 / static_cast<double>(a.size() - first);
+  return distances;
 }
 
 }  // namespace
 
-Evidence MeasureEvidence(const RegionStats& first,
-                         const RegionStats& second,
+Evidence MeasureEvidence(const MeasuredRegion& first,
+                         const MeasuredRegion& second,
                          const ContactStats& contact,
                          double total_pixels) {
-  const bool first_small = first.pixels <= second.pixels;
-  const RegionStats& a = first_small ? first : second;
-  const RegionStats& b = first_small ? second : first;
+  const bool first_small = first.stats.pixels <= second.stats.pixels;
+  const auto& [a, small] = first_small ? first : second;
+  const auto& [b, large] = first_small ? second : first;
   Evidence e = {};
   const double seen = contact.pixels;
   if (seen > 0) {
@@ -63,14 +71,16 @@ Evidence MeasureEvidence(const RegionStats& first,
     e[kColor] = static_cast<float>(std::min(1.0, 2 * std::sqrt(difference2)));
     e[kColorContrast] = static_cast<float>(
         difference2 / (difference2 + variance_a + variance_b + kColorNoise));
-    e[kHistogram] = static_cast<float>(
-        HistogramDistance(a.histogram, a.pixels, b.histogram, b.pixels));
+    const Eigen::Array3d own =
+        HistogramDistances(a.histogram, a.pixels, b.histogram, b.pixels);
+    e[kHistogram] = static_cast<float>(own.mean());
     e[kLikeness] = std::exp(static_cast<float>(-e[kHistogram] / kAlike));
-    e[kLikenessAb] = std::exp(static_cast<float>(
-        -HistogramDistance(a.histogram, a.pixels, b.histogram, b.pixels, 1) /
-        kAlikeAb));
-    e[kContext] = static_cast<float>(HistogramDistance(
-        a.context, a.context_pixels, b.context, b.context_pixels));
+    e[kLikenessAb] =
+        std::exp(static_cast<float>(-(own[1] + own[2]) / 2 / kAlikeAb));
+    e[kContext] = static_cast<float>(
+        HistogramDistances(
+            a.context, a.context_pixels, b.context, b.context_pixels)
+            .mean());
     e[kSpread] = static_cast<float>(std::min(
         1.0, 4 * std::abs(std::sqrt(variance_a) - std::sqrt(variance_b))));
   }
@@ -89,13 +99,10 @@ Evidence MeasureEvidence(const RegionStats& first,
       std::min(1.0, (seen + contact.hidden) / larger_outline));
   e[kEnclosed] =
       static_cast<float>(std::min(1.0, (seen + contact.hidden) / outline));
-  const RegionExtent small = ExtentOf(a.weight, a.position, a.position2);
-  const RegionExtent large = ExtentOf(b.weight, b.position, b.position2);
-  const RegionExtent both = ExtentOf(
-      a.weight + b.weight, a.position + b.position, a.position2 + b.position2);
   e[kFlatSmall] = static_cast<float>(small.Flatness());
   e[kFlatLarge] = static_cast<float>(large.Flatness());
-  e[kFlatBoth] = static_cast<float>(both.Flatness());
+  e[kFlatBoth] = static_cast<float>(FlatnessOf(
+      a.weight + b.weight, a.position + b.position, a.position2 + b.position2));
   const double off = std::abs(large.normal.dot(small.centre - large.centre));
   const double scale = large.thickness + 0.05 * large.width;
   e[kOffPlane] =
@@ -115,6 +122,21 @@ Evidence MeasureEvidence(const RegionStats& first,
     }
   }
   return e;
+}
+
+std::vector<Evidence> EvidenceOfContacts(const RegionGraph& graph) {
+  std::vector<RegionExtent> extents;
+  for (const RegionStats& region : graph.regions) {
+    extents.push_back(ExtentOf(region));
+  }
+  std::vector<Evidence> evidence;
+  for (const auto& [a, b, stats] : graph.contacts) {
+    evidence.push_back(MeasureEvidence({graph.regions[a], extents[a]},
+                                       {graph.regions[b], extents[b]},
+                                       stats,
+                                       graph.total_pixels));
+  }
+  return evidence;
 }
 
 }  // namespace freegs::semantics

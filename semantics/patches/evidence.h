@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstddef>
+#include <vector>
 
 #include "semantics/patches/region_graph.h"
 
@@ -53,11 +54,19 @@ inline constexpr std::array<const char*, kNumEvidences> kEvidenceNames = {
 
 using Evidence = std::array<float, kNumEvidences>;
 
+struct MeasuredRegion {
+  const RegionStats& stats;
+  const RegionExtent& extent;  // ExtentOf the stats.
+};
+
 // Symmetric in the two regions. total_pixels: see RegionGraph.
-Evidence MeasureEvidence(const RegionStats& a,
-                         const RegionStats& b,
+Evidence MeasureEvidence(const MeasuredRegion& a,
+                         const MeasuredRegion& b,
                          const ContactStats& contact,
                          double total_pixels);
+
+// Of each contact of the graph.
+std::vector<Evidence> EvidenceOfContacts(const RegionGraph& graph);
 
 }  // namespace freegs::semantics
 

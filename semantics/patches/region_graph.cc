@@ -8,22 +8,57 @@
 
 namespace freegs::semantics {
 
+namespace {
+
+// Principal axes of positions whose sums are given, the shortest first.
+Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> AxesOf(
+    double weight,
+    const Eigen::Vector3d& position,
+    const Eigen::Matrix3d& position2,
+    Eigen::DecompositionOptions what) {
+  const Eigen::Vector3d centre = position / weight;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(position2 / weight - centre * centre.transpose(), what);
+  return solver;
+}
+
+Eigen::Vector3d DeviationsOf(
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>& axes) {
+  return axes.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+}
+
+}  // namespace
+
 RegionExtent ExtentOf(double weight,
                       const Eigen::Vector3d& position,
                       const Eigen::Matrix3d& position2) {
   RegionExtent extent;
   if (!(weight > 0)) return extent;
+  const auto axes =
+      AxesOf(weight, position, position2, Eigen::ComputeEigenvectors);
+  const Eigen::Vector3d deviations = DeviationsOf(axes);
   extent.centre = position / weight;
-  const Eigen::Matrix3d covariance =
-      position2 / weight - extent.centre * extent.centre.transpose();
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(covariance);
-  const Eigen::Vector3d spread = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
-  extent.normal = solver.eigenvectors().col(0);
-  extent.thickness = spread[0];
-  extent.width = spread[1];
-  extent.length = spread[2];
+  extent.normal = axes.eigenvectors().col(0);
+  extent.thickness = deviations[0];
+  extent.width = deviations[1];
+  extent.length = deviations[2];
   return extent;
+}
+
+double FlatnessOf(double weight,
+                  const Eigen::Vector3d& position,
+                  const Eigen::Matrix3d& position2) {
+  RegionExtent extent;
+  if (!(weight > 0)) return extent.Flatness();
+  const Eigen::Vector3d deviations =
+      DeviationsOf(AxesOf(weight, position, position2, Eigen::EigenvaluesOnly));
+  extent.thickness = deviations[0];
+  extent.width = deviations[1];
+  return extent.Flatness();
+}
+
+RegionExtent ExtentOf(const RegionStats& region) {
+  return ExtentOf(region.weight, region.position, region.position2);
 }
 
 void AddHistogram(const ColorHistogram& from, ColorHistogram* to) {

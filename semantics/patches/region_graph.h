@@ -55,6 +55,12 @@ struct RegionExtent {
 RegionExtent ExtentOf(double weight,
                       const Eigen::Vector3d& position,
                       const Eigen::Matrix3d& position2);
+RegionExtent ExtentOf(const RegionStats& region);
+
+// The flatness alone, which takes half the time.
+double FlatnessOf(double weight,
+                  const Eigen::Vector3d& position,
+                  const Eigen::Matrix3d& position2);
 
 void AddHistogram(const ColorHistogram& from, ColorHistogram* to);
 

@@ -27,6 +27,7 @@ struct Candidate {
 class RegionMerger {
  public:
   RegionMerger(RegionGraph graph,
+               std::span<const Evidence> of_contacts,
                const DifferenceFn& difference,
                const AllowFn& allow)
       : difference_(difference),
@@ -36,10 +37,14 @@ class RegionMerger {
         contacts_(regions_.size()),
         alive_(regions_.size(), true) {
     tree_.num_leaves = static_cast<int>(regions_.size());
-    for (const Contact& contact : graph.contacts) {
-      contacts_[contact.a][contact.b] = contact.stats;
-      contacts_[contact.b][contact.a] = contact.stats;
-      Offer(contact.a, contact.b, contact.stats);
+    for (const RegionStats& region : regions_) {
+      extents_.push_back(ExtentOf(region));
+    }
+    for (size_t k = 0; k < graph.contacts.size(); ++k) {
+      const auto& [a, b, stats] = graph.contacts[k];
+      contacts_[a][b] = stats;
+      contacts_[b][a] = stats;
+      Offer(a, b, of_contacts[k]);
     }
   }
 
@@ -65,11 +70,14 @@ class RegionMerger {
 
  private:
   Evidence EvidenceOf(int32_t a, int32_t b, const ContactStats& contact) const {
-    return MeasureEvidence(regions_[a], regions_[b], contact, total_pixels_);
+    return MeasureEvidence({regions_[a], extents_[a]},
+                           {regions_[b], extents_[b]},
+                           contact,
+                           total_pixels_);
   }
 
-  void Offer(int32_t a, int32_t b, const ContactStats& contact) {
-    const double difference = difference_(EvidenceOf(a, b, contact));
+  void Offer(int32_t a, int32_t b, const Evidence& evidence) {
+    const double difference = difference_(evidence);
     // What is not a number has no place in the order.
     if (std::isnan(difference)) return;
     queue_.push({difference, std::min(a, b), std::max(a, b)});
@@ -81,6 +89,7 @@ class RegionMerger {
     region.Add(regions_[b]);
     const ContactStats& inner = contacts_[a][b];
     region.perimeter -= 2 * (inner.pixels + inner.hidden);
+    extents_.push_back(ExtentOf(region));
     regions_.push_back(std::move(region));
     alive_[a] = alive_[b] = false;
     alive_.push_back(true);
@@ -95,7 +104,7 @@ class RegionMerger {
       contacts_[other].erase(a);
       contacts_[other].erase(b);
       contacts_[other][joined] = contact;
-      Offer(joined, other, contact);
+      Offer(joined, other, EvidenceOf(joined, other, contact));
     }
     contacts_.push_back(std::move(contacts));
   }
@@ -104,6 +113,7 @@ class RegionMerger {
   const AllowFn& allow_;
   const double total_pixels_;
   std::vector<RegionStats> regions_;
+  std::vector<RegionExtent> extents_;
   std::vector<std::map<int32_t, ContactStats>> contacts_;
   std::vector<bool> alive_;
   std::priority_queue<Candidate> queue_;
@@ -195,7 +205,15 @@ std::vector<int32_t> RegionTree::MostWorth(std::span<const double> worth,
 RegionTree MergeRegions(RegionGraph graph,
                         const DifferenceFn& difference,
                         const AllowFn& allow) {
-  return RegionMerger(std::move(graph), difference, allow).Run();
+  const std::vector<Evidence> of_contacts = EvidenceOfContacts(graph);
+  return MergeRegions(std::move(graph), of_contacts, difference, allow);
+}
+
+RegionTree MergeRegions(RegionGraph graph,
+                        std::span<const Evidence> of_contacts,
+                        const DifferenceFn& difference,
+                        const AllowFn& allow) {
+  return RegionMerger(std::move(graph), of_contacts, difference, allow).Run();
 }
 
 }  // namespace freegs::semantics

@@ -62,6 +62,12 @@ RegionTree MergeRegions(RegionGraph graph,
                         const DifferenceFn& difference,
                         const AllowFn& allow = nullptr);
 
+// The same, for who has the EvidenceOfContacts already.
+RegionTree MergeRegions(RegionGraph graph,
+                        std::span<const Evidence> of_contacts,
+                        const DifferenceFn& difference,
+                        const AllowFn& allow = nullptr);
+
 }  // namespace freegs::semantics
 
 #endif  // FREEGS_SEMANTICS_PATCHES_REGION_MERGING_H_

@@ -125,19 +125,17 @@ struct RegionContacts {
 };
 
 RegionContacts SortContacts(const RegionGraph& graph,
+                            std::span<const Evidence> of_contacts,
                             const EvidenceModel& model,
                             const std::vector<int32_t>& parent) {
   RegionContacts sorted;
   sorted.outline.resize(parent.size());
   sorted.inside.resize(parent.size());
-  for (const Contact& contact : graph.contacts) {
+  for (size_t k = 0; k < graph.contacts.size(); ++k) {
+    const Contact& contact = graph.contacts[k];
     Contacts one;
     one.stats = contact.stats;
-    one.odds =
-        one.pairs() * model.Difference(MeasureEvidence(graph.regions[contact.a],
-                                                       graph.regions[contact.b],
-                                                       contact.stats,
-                                                       graph.total_pixels));
+    one.odds = one.pairs() * model.Difference(of_contacts[k]);
     // From both sides up to the region that has both. A parent has a larger
     // number than its parts, so the smaller of two numbers goes up first.
     int32_t a = contact.a;
@@ -218,8 +216,9 @@ std::string RegionNumberName(size_t number) {
 }
 
 std::vector<RegionNumbers> MeasureRegions(const RegionGraph& graph,
+                                          std::span<const Evidence> of_contacts,
                                           const RegionTree& tree,
-                                          std::span<const Evidence> evidence,
+                                          std::span<const Evidence> of_merges,
                                           const EvidenceModel& model,
                                           double min_size) {
   std::vector<RegionStats> regions = graph.regions;
@@ -230,11 +229,11 @@ std::vector<RegionNumbers> MeasureRegions(const RegionGraph& graph,
   std::vector<double> sizes;
   for (const RegionStats& region : regions) sizes.push_back(region.pixels);
   const Joins joins = FindJoins(tree, sizes, min_size);
-  const RegionContacts contacts = SortContacts(graph, model, joins.parent);
+  const RegionContacts contacts =
+      SortContacts(graph, of_contacts, model, joins.parent);
   std::vector<RegionExtent> extents;
   for (const RegionStats& region : regions) {
-    extents.push_back(
-        ExtentOf(region.weight, region.position, region.position2));
+    extents.push_back(ExtentOf(region));
   }
   const auto largest = std::ranges::max_element(sizes) - sizes.begin();
   std::vector<RegionNumbers> all(regions.size());
@@ -276,26 +275,29 @@ std::vector<RegionNumbers> MeasureRegions(const RegionGraph& graph,
             0.0, (regions[r].color2 / pixels - mean.cwiseAbs2()).sum())));
     SetContacts(contacts.outline[r], kFirstOutlineNumber, &numbers);
     SetContacts(contacts.inside[r], kFirstInsideNumber, &numbers);
-    CopyEvidence(evidence, joins.made_by[r], kFirstPartsNumber, &numbers);
-    CopyEvidence(evidence, joins.joined_by[r], kFirstNeighbourNumber, &numbers);
+    CopyEvidence(of_merges, joins.made_by[r], kFirstPartsNumber, &numbers);
+    CopyEvidence(
+        of_merges, joins.joined_by[r], kFirstNeighbourNumber, &numbers);
   }
   return all;
 }
 
 MeasuredTree MergeAndMeasure(const RegionGraph& graph,
+                             std::span<const Evidence> of_contacts,
                              const EvidenceModel& evidence,
                              double min_size) {
   MeasuredTree measured;
   std::vector<Evidence> of_merge;
   measured.tree = MergeRegions(
       graph,
+      of_contacts,
       [&](const Evidence& e) { return evidence.Difference(e); },
       [&](int32_t, int32_t, const Evidence& e) {
         of_merge.push_back(e);
         return true;
       });
-  measured.numbers =
-      MeasureRegions(graph, measured.tree, of_merge, evidence, min_size);
+  measured.numbers = MeasureRegions(
+      graph, of_contacts, measured.tree, of_merge, evidence, min_size);
   return measured;
 }
 

@@ -76,11 +76,12 @@ using RegionNumbers = std::array<float, kNumRegionNumbers>;
 std::string RegionNumberName(size_t number);
 
 // Of every region of the tree that MergeRegions made of the graph with the
-// model, with the evidence of each merge. A crumb has less than min_size
-// pixels.
+// model, with the evidence of each merge. of_contacts: EvidenceOfContacts. A
+// crumb has less than min_size pixels.
 std::vector<RegionNumbers> MeasureRegions(const RegionGraph& graph,
+                                          std::span<const Evidence> of_contacts,
                                           const RegionTree& tree,
-                                          std::span<const Evidence> evidence,
+                                          std::span<const Evidence> of_merges,
                                           const EvidenceModel& model,
                                           double min_size);
 
@@ -91,6 +92,7 @@ struct MeasuredTree {
   std::vector<RegionNumbers> numbers;
 };
 MeasuredTree MergeAndMeasure(const RegionGraph& graph,
+                             std::span<const Evidence> of_contacts,
                              const EvidenceModel& evidence,
                              double min_size);
 

@@ -52,6 +52,39 @@ LeafOrder OrderLeaves(const RegionTree& tree) {
   return leaves;
 }
 
+// The regions of a tree that are no crumbs, in the order of the tree.
+struct LargeRegions {
+  std::vector<int32_t> region;
+  std::vector<int32_t> parent;   // A place in `region`; -1 for a root.
+  std::vector<int32_t> of_leaf;  // The smallest that has it; -1 for none.
+};
+
+LargeRegions FindLargeRegions(const RegionTree& tree,
+                              const std::vector<double>& sizes,
+                              double min_size) {
+  LargeRegions large;
+  std::vector<int32_t> place(sizes.size(), -1);
+  for (size_t r = 0; r < sizes.size(); ++r) {
+    if (sizes[r] < min_size) continue;
+    place[r] = static_cast<int32_t>(large.region.size());
+    large.region.push_back(static_cast<int32_t>(r));
+  }
+  large.parent.assign(large.region.size(), -1);
+  // From the roots down, so that crumbs find what the region above them found.
+  for (size_t k = tree.merges.size(); k-- > 0;) {
+    const int32_t own = place[tree.num_leaves + k];
+    for (const int32_t part : {tree.merges[k].a, tree.merges[k].b}) {
+      if (place[part] >= 0) {
+        large.parent[place[part]] = own;
+      } else {
+        place[part] = own;
+      }
+    }
+  }
+  large.of_leaf.assign(place.begin(), place.begin() + tree.num_leaves);
+  return large;
+}
+
 }  // namespace
 
 EvidenceModel VariantOf(const EvidenceModel& model, int variant) {
@@ -73,31 +106,29 @@ std::vector<double> QualityInVariant(const RegionTree& tree,
   const std::vector<double> sizes = tree.Sums(leaf_sizes);
   const std::vector<double> other_sizes = other.Sums(leaf_sizes);
   const LeafOrder leaves = OrderLeaves(tree);
+  const LargeRegions large = FindLargeRegions(other, other_sizes, min_size);
   std::vector<double> result(sizes.size(), 0.0);
-  std::vector<double> common(other_sizes.size());
+  std::vector<double> common(large.region.size());
   for (size_t r = 0; r < sizes.size(); ++r) {
     if (sizes[r] < min_size) continue;
     std::fill(common.begin(), common.end(), 0.0);
     for (int32_t i = 0; i < leaves.count[r]; ++i) {
       const int32_t leaf = leaves.order[leaves.first[r] + i];
-      common[leaf] = leaf_sizes[leaf];
+      if (large.of_leaf[leaf] >= 0) {
+        common[large.of_leaf[leaf]] += leaf_sizes[leaf];
+      }
     }
     double best_iou = 0;
-    const auto consider = [&](size_t x) {
-      const double iou = common[x] / (sizes[r] + other_sizes[x] - common[x]);
-      if (!(iou > best_iou)) return;
-      best_iou = iou;
-      result[r] = iou * other_quality[x];
-    };
-    const auto num_leaves = static_cast<size_t>(other.num_leaves);
-    for (size_t x = 0; x < num_leaves; ++x) {
-      if (common[x] > 0) consider(x);
-    }
-    for (size_t k = 0; k < other.merges.size(); ++k) {
-      const RegionTree::Merge& merge = other.merges[k];
-      const size_t x = num_leaves + k;
-      common[x] = common[merge.a] + common[merge.b];
-      if (common[x] > 0) consider(x);
+    for (size_t x = 0; x < common.size(); ++x) {
+      if (!(common[x] > 0)) continue;
+      if (large.parent[x] >= 0) common[large.parent[x]] += common[x];
+      const int32_t region = large.region[x];
+      const double iou =
+          common[x] / (sizes[r] + other_sizes[region] - common[x]);
+      if (iou > best_iou) {
+        best_iou = iou;
+        result[r] = iou * other_quality[region];
+      }
     }
   }
   return result;

@@ -15,7 +15,7 @@
 
 namespace freegs::semantics {
 
-inline constexpr int kNumTreeVariants = 9;
+inline constexpr int kNumTreeVariants = 8;
 
 // Variant 0 is the model as it is. In each of the others every weight is
 // multiplied by a number of its own between 0.3 and 1.7. variant: from 0 to
@@ -26,7 +26,7 @@ EvidenceModel VariantOf(const EvidenceModel& model, int variant);
 // like it, times their intersection over union. Both trees have the same
 // leaves; leaf_sizes are what the intersections are measured in, such as
 // pixels. other_quality has a number for each region of `other`. Regions of
-// less than min_size get 0.
+// less than min_size get 0, and are not looked at in `other`.
 std::vector<double> QualityInVariant(const RegionTree& tree,
                                      const RegionTree& other,
                                      std::span<const double> other_quality,

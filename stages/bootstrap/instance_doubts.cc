@@ -16,7 +16,7 @@ constexpr int kFewInstancesOfUnion = 5;
 
 // Instances with a smaller mean score were mostly wrong, on drawn scenes
 // (docs/instances.md).
-constexpr double kUnsureScore = 0.12;
+constexpr double kUnsureScore = 0.1;
 
 std::string FewInstances(int count, bool union_space) {
   return std::string("bootstrap: only ") +

@@ -55,8 +55,8 @@ TEST(RegionQualityTest, MeasuresRegions) {
   for (size_t k = 0; k < evidence.size(); ++k) {
     evidence[k][kStep] = static_cast<float>(k + 1);
   }
-  const std::vector<RegionNumbers> all =
-      MeasureRegions(Row(), Tree(), evidence, Model(), 10);
+  const std::vector<RegionNumbers> all = MeasureRegions(
+      Row(), EvidenceOfContacts(Row()), Tree(), evidence, Model(), 10);
   ASSERT_EQ(all.size(), 7u);
   const RegionNumbers& leaf = all[0];
   EXPECT_FLOAT_EQ(leaf[kPartsHeight], -8);
@@ -101,8 +101,13 @@ TEST(RegionQualityTest, NumbersAreFiniteWhereNothingIsKnown) {
   graph.contacts.push_back({0, 1, {}});
   const RegionTree tree = {.num_leaves = 2, .merges = {{0, 1, 1e308}}};
   for (const double min_size : {0.0, 10.0}) {
-    for (const RegionNumbers& numbers : MeasureRegions(
-             graph, tree, std::vector<Evidence>(1), Model(), min_size)) {
+    for (const RegionNumbers& numbers :
+         MeasureRegions(graph,
+                        EvidenceOfContacts(graph),
+                        tree,
+                        std::vector<Evidence>(1),
+                        Model(),
+                        min_size)) {
       for (const float number : numbers) EXPECT_TRUE(std::isfinite(number));
     }
   }
