@@ -17,7 +17,11 @@ namespace {
 
 // The stream of the random numbers of splits; see core/random.h.
 constexpr uint64_t kSplitStream = 0x73706c69740000ULL;  // "split"
+
 constexpr int kChildren = 2;
+
+// Pixels or Gaussians that a thread takes at once.
+constexpr int64_t kGrain = 1 << 13;
 
 enum class Fate : uint8_t { kKeep, kClone, kSplit, kBlurSplit, kPrune };
 
@@ -150,36 +154,57 @@ void DensificationStatistics::AddView(std::span<const uint32_t> visible,
                                       std::span<const float> pixel_gradients,
                                       std::span<const float> radii,
                                       int width,
-                                      int height) {
+                                      int height,
+                                      ThreadPool& pool) {
   const float half_width = 0.5f * static_cast<float>(width);
   const float half_height = 0.5f * static_cast<float>(height);
-  for (size_t k = 0; k < visible.size(); ++k) {
-    const uint32_t i = visible[k];
-    const float x = pixel_gradients[2 * k] * half_width;
-    const float y = pixel_gradients[2 * k + 1] * half_height;
-    gradient_sum[i] += std::sqrt(x * x + y * y);
-    ++visible_steps[i];
-    max_radius[i] = std::max(max_radius[i], radii[k]);
-  }
+  pool.ParallelFor(0,
+                   static_cast<int64_t>(visible.size()),
+                   kGrain,
+                   [&](int64_t begin, int64_t end, int) {
+                     for (int64_t k = begin; k < end; ++k) {
+                       const uint32_t i = visible[k];
+                       const float x = pixel_gradients[2 * k] * half_width;
+                       const float y = pixel_gradients[2 * k + 1] * half_height;
+                       gradient_sum[i] += std::sqrt(x * x + y * y);
+                       ++visible_steps[i];
+                       max_radius[i] = std::max(max_radius[i], radii[k]);
+                     }
+                   });
 }
 
-void DensificationStatistics::AddDominant(const Image<int32_t>& dominant) {
-  if (pixel_counts_.size() != size()) pixel_counts_.assign(size(), 0u);
-  const std::span<const int32_t> pixels(dominant.data(), dominant.size());
-  // As an unsigned number -1 is larger than the size of any model.
-  const auto index = [](int32_t pixel) { return static_cast<uint32_t>(pixel); };
-  for (const int32_t pixel : pixels) {
-    if (index(pixel) < size()) ++pixel_counts_[index(pixel)];
+void DensificationStatistics::AddDominant(const Image<int32_t>& dominant,
+                                          ThreadPool& pool) {
+  const size_t num_threads = pool.num_threads();
+  if (pixel_counts_.size() != num_threads * size()) {
+    pixel_counts_.assign(num_threads * size(), 0u);
   }
-  for (const int32_t pixel : pixels) {
-    const uint32_t i = index(pixel);
-    if (i >= size() || pixel_counts_[i] == 0) continue;  // Seen already.
-    const auto share =
-        static_cast<float>(static_cast<double>(pixel_counts_[i]) /
-                           static_cast<double>(pixels.size()));
-    max_dominant_share[i] = std::max(max_dominant_share[i], share);
-    pixel_counts_[i] = 0;
-  }
+  const auto num_pixels = static_cast<int64_t>(dominant.size());
+  pool.ParallelFor(
+      0, num_pixels, kGrain, [&](int64_t begin, int64_t end, int worker) {
+        uint32_t* const counts = pixel_counts_.data() + worker * size();
+        for (int64_t k = begin; k < end; ++k) {
+          // As an unsigned number -1 is larger than the size of any model.
+          const auto i = static_cast<uint32_t>(dominant.data()[k]);
+          if (i < size()) ++counts[i];
+        }
+      });
+  pool.ParallelFor(
+      0,
+      static_cast<int64_t>(size()),
+      kGrain,
+      [&](int64_t begin, int64_t end, int) {
+        for (int64_t i = begin; i < end; ++i) {
+          uint32_t count = 0;
+          for (size_t t = 0; t < num_threads; ++t) {
+            count += std::exchange(pixel_counts_[t * size() + i], 0u);
+          }
+          if (count == 0) continue;
+          const auto share = static_cast<float>(
+              static_cast<double>(count) / static_cast<double>(num_pixels));
+          max_dominant_share[i] = std::max(max_dominant_share[i], share);
+        }
+      });
 }
 
 void DensificationStatistics::Select(std::span<const uint32_t> indices) {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/image.h"
+#include "core/parallel.h"
 #include "core/status.h"
 #include "splat/optim/adam.h"
 #include "splat/scene/gaussian_model.h"
@@ -49,12 +50,12 @@ struct DensificationStatistics {
                std::span<const float> pixel_gradients,
                std::span<const float> radii,
                int width,
-               int height);
+               int height,
+               ThreadPool& pool);
 
   // Adds one picture. `dominant` is H x W: the Gaussian with the largest weight
-  // at each pixel or -1, see ViewContributions. Takes time in proportion to the
-  // pixels, not to the Gaussians.
-  void AddDominant(const Image<int32_t>& dominant);
+  // at each pixel or -1, see ViewContributions.
+  void AddDominant(const Image<int32_t>& dominant, ThreadPool& pool);
 
   // gradient_sum / visible_steps, or 0 for a Gaussian never seen.
   float MeanGradient(size_t index) const {
@@ -67,7 +68,8 @@ struct DensificationStatistics {
   void Select(std::span<const uint32_t> indices);
 
  private:
-  std::vector<uint32_t> pixel_counts_;  // Scratch; all zeros between calls.
+  // By thread and Gaussian. Scratch; all zeros between calls.
+  std::vector<uint32_t> pixel_counts_;
 };
 
 struct DensificationOptions {

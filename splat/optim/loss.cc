@@ -73,10 +73,14 @@ float PhotometricLoss::Compute(const ImageF& rendered,
 
   // The workspace holds a row of zeros, the scratch rows of each worker, and
   // three maps of derivatives. Of the scratch rows only the padding must be
-  // zero; a call with another image size has overwritten it.
+  // zero; calls that lay the workspace out in another way overwrite it.
   const size_t head = n + scratch_size * pool.num_threads();
   workspace_.resize(std::max(workspace_.size(), head + 3 * plane));
-  std::fill_n(workspace_.begin(), head, 0.0f);
+  if (row_size_ != n || head_ != head) {
+    std::fill_n(workspace_.begin(), head, 0.0f);
+    row_size_ = n;
+    head_ = head;
+  }
   const float* const zeros = workspace_.data();
   float* const scratch = workspace_.data() + n;
   float* const by_mean = workspace_.data() + head;

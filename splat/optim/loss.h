@@ -48,6 +48,8 @@ class PhotometricLoss {
 
   // Rows of zeros, scratch rows and the maps of the derivative, see loss.cc.
   std::vector<float> workspace_;
+  size_t row_size_ = 0;  // That the workspace was laid out for, ...
+  size_t head_ = 0;      // ... with so many numbers before the maps.
   std::vector<double> row_l1_;
   std::vector<double> row_ssim_;
 };

@@ -135,21 +135,28 @@ StatusOr<float> Trainer::GradientStep() {
   const Projection& projection = rasterizer_.projection();
   if (collect) {
     radii_.resize(projection.size());
-    for (size_t k = 0; k < projection.size(); ++k) {
-      const Splat& splat = projection.SplatAt(k);
-      radii_[k] = std::max(splat.extent_x, splat.extent_y);
-    }
+    constexpr int64_t kGrain = 1 << 12;
+    pool_->ParallelFor(0,
+                       static_cast<int64_t>(projection.size()),
+                       kGrain,
+                       [&](int64_t begin, int64_t end, int) {
+                         for (int64_t k = begin; k < end; ++k) {
+                           const Splat& splat = projection.SplatAt(k);
+                           radii_[k] = std::max(splat.extent_x, splat.extent_y);
+                         }
+                       });
     statistics_.AddView(projection.visible,
                         rasterizer_.mean2d_gradients(),
                         radii_,
                         camera.width,
-                        camera.height);
+                        camera.height,
+                        *pool_);
   }
   const ImageU8* const mask = images_->Mask(view_index, level);
   if (dominant && mask != nullptr) {
     FillIgnored(*mask, -1, &rendered_.dominant);
   }
-  if (dominant) statistics_.AddDominant(rendered_.dominant);
+  if (dominant) statistics_.AddDominant(rendered_.dominant, *pool_);
   return loss;
 }
 

@@ -72,6 +72,7 @@ GaussianModel Zeros(const GaussianModel& model) {
 }
 
 TEST(DensificationStatisticsTest, SumsInUnitsOfTheImage) {
+  ThreadPool pool(2);
   DensificationStatistics statistics;
   statistics.Reset(3);
   const std::vector<uint32_t> visible = {0, 2};
@@ -79,14 +80,16 @@ TEST(DensificationStatisticsTest, SumsInUnitsOfTheImage) {
                      std::vector<float>{0.03f, 0.08f, 0.0f, -0.5f},
                      std::vector<float>{4.0f, 9.0f},
                      200,
-                     100);
+                     100,
+                     pool);
   EXPECT_FLOAT_EQ(statistics.gradient_sum[0], 5.0f);
   EXPECT_FLOAT_EQ(statistics.gradient_sum[2], 25.0f);
   statistics.AddView(std::vector<uint32_t>{2},
                      std::vector<float>{0.0f, 0.1f},
                      std::vector<float>{3.0f},
                      200,
-                     100);
+                     100,
+                     pool);
   EXPECT_FLOAT_EQ(statistics.MeanGradient(2), 15.0f);
   EXPECT_EQ(statistics.MeanGradient(1), 0.0f);
   EXPECT_EQ(statistics.visible_steps[2], 2u);
@@ -102,19 +105,21 @@ TEST(DensificationStatisticsTest, KeepsTheLargestShareDominated) {
     std::copy(pixels.begin(), pixels.end(), dominant.data());
     return dominant;
   };
+  ThreadPool pool(2);
   DensificationStatistics statistics;
   statistics.Reset(4);
-  statistics.AddDominant(picture(4, {0, 0, 2, -1, -1, 0, 2, -1}));
+  statistics.AddDominant(picture(4, {0, 0, 2, -1, -1, 0, 2, -1}), pool);
   EXPECT_EQ(statistics.max_dominant_share,
             (std::vector<float>{3.0f / 8, 0, 2.0f / 8, 0}));
   // Counts do not add up over pictures, whose size may change.
-  statistics.AddDominant(picture(2, {0, 2, 2, 3}));
+  statistics.AddDominant(picture(2, {0, 2, 2, 3}), pool);
   EXPECT_EQ(statistics.max_dominant_share,
             (std::vector<float>{3.0f / 8, 0, 0.5f, 0.25f}));
-  statistics.AddDominant(Image<int32_t>());
+  statistics.AddDominant(Image<int32_t>(), pool);
   statistics.Select(std::vector<uint32_t>{2, 3});
   EXPECT_EQ(statistics.max_dominant_share, (std::vector<float>{0.5f, 0.25f}));
-  statistics.AddDominant(picture(2, {1, 1, -1, 7}));  // 7: unknown, left out.
+  statistics.AddDominant(picture(2, {1, 1, -1, 7}),
+                         pool);  // 7: unknown, left out.
   EXPECT_EQ(statistics.max_dominant_share, (std::vector<float>{0.5f, 0.5f}));
   statistics.Reset(1);
   EXPECT_EQ(statistics.max_dominant_share, std::vector<float>{0});
