@@ -57,7 +57,7 @@ RegionExtent ExtentOf(double weight,
                       const Eigen::Matrix3d& position2);
 RegionExtent ExtentOf(const RegionStats& region);
 
-// The flatness alone, which takes half the time.
+// The flatness alone, without the axes.
 double FlatnessOf(double weight,
                   const Eigen::Vector3d& position,
                   const Eigen::Matrix3d& position2);
