@@ -285,7 +285,8 @@ TEST_F(QueryCommandTest, ClicksBesideAllPartsReachTheWhole) {
   const auto hierarchy =
       semantics::ReadHierarchy(file, workspace_.model.size());
   ASSERT_TRUE(hierarchy.ok());
-  const auto answer_with_only = [&](size_t known, const char* option) {
+  const auto answer_with_only = [&, x = x, y = y](size_t known,
+                                                  const char* option) {
     semantics::Hierarchy poorer = *hierarchy;
     for (size_t g = 1; g < poorer.part_of_gaussian.size(); g += 4) {
       if (g != known) poorer.part_of_gaussian[g] = -1;
