@@ -11,8 +11,9 @@
 namespace freegs::semantics {
 namespace {
 
+// Weights are multiplied by 1 - kMostChange to 1 + kMostChange.
 constexpr double kMostChange = 0.7;
-constexpr uint64_t kWeightSeed = 77;
+constexpr uint64_t kWeightSeed = 77;  // Of these numbers.
 
 // The leaves in an order in which those of each region are neighbours: region r
 // has order[first[r]] to order[first[r] + count[r] - 1].

@@ -15,6 +15,7 @@
 
 namespace freegs::semantics {
 
+// More of them take more time and were no better (docs/instances.md).
 inline constexpr int kNumTreeVariants = 8;
 
 // Variant 0 is the model as it is. In each of the others every weight is

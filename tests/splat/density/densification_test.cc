@@ -13,6 +13,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "core/random.h"
 #include "tests/splat/random_model.h"
 
 namespace freegs::splat {
@@ -118,11 +119,51 @@ TEST(DensificationStatisticsTest, KeepsTheLargestShareDominated) {
   statistics.AddDominant(Image<int32_t>(), pool);
   statistics.Select(std::vector<uint32_t>{2, 3});
   EXPECT_EQ(statistics.max_dominant_share, (std::vector<float>{0.5f, 0.25f}));
-  statistics.AddDominant(picture(2, {1, 1, -1, 7}),
-                         pool);  // 7: unknown, left out.
+  // 7 is unknown and left out.
+  statistics.AddDominant(picture(2, {1, 1, -1, 7}), pool);
   EXPECT_EQ(statistics.max_dominant_share, (std::vector<float>{0.5f, 0.5f}));
   statistics.Reset(1);
   EXPECT_EQ(statistics.max_dominant_share, std::vector<float>{0});
+}
+
+// With more pixels and Gaussians than one thread takes at once.
+TEST(DensificationStatisticsTest, AreTheSameForAnyNumberOfThreads) {
+  constexpr uint32_t kGaussians = 30000;
+  Image<int32_t> dominant(400, 200, 1);
+  for (size_t k = 0; k < dominant.size(); ++k) {
+    dominant.data()[k] =
+        static_cast<int32_t>(RandomIndex(1, 2, k, kGaussians + 1)) - 1;
+  }
+  std::vector<uint32_t> visible;
+  std::vector<float> gradients;
+  std::vector<float> radii;
+  for (uint32_t i = 0; i < kGaussians; i += 2) {
+    visible.push_back(i);
+    gradients.push_back(static_cast<float>(RandomUniform(3, 0, i)));
+    gradients.push_back(static_cast<float>(RandomUniform(3, 1, i)));
+    radii.push_back(static_cast<float>(RandomUniform(3, 2, i)));
+  }
+  std::vector<DensificationStatistics> all(2);
+  for (const size_t k : {0, 1}) {
+    ThreadPool pool(k == 0 ? 1 : 4);
+    all[k].Reset(kGaussians);
+    for (int step = 0; step < 2; ++step) {
+      all[k].AddView(visible, gradients, radii, 400, 200, pool);
+      all[k].AddDominant(dominant, pool);
+    }
+  }
+  EXPECT_EQ(all[0].gradient_sum, all[1].gradient_sum);
+  EXPECT_EQ(all[0].visible_steps, all[1].visible_steps);
+  EXPECT_EQ(all[0].max_radius, all[1].max_radius);
+  EXPECT_EQ(all[0].max_dominant_share, all[1].max_dominant_share);
+  std::vector<int> pixels(kGaussians, 0);
+  for (size_t k = 0; k < dominant.size(); ++k) {
+    if (dominant.data()[k] >= 0) ++pixels[dominant.data()[k]];
+  }
+  for (uint32_t i = 0; i < kGaussians; ++i) {
+    EXPECT_FLOAT_EQ(all[1].max_dominant_share[i],
+                    static_cast<float>(pixels[i]) / 80000);
+  }
 }
 
 TEST(DensificationTest, SmallOnesAreCloned) {
