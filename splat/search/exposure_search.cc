@@ -75,9 +75,10 @@ StatusOr<ExposureChoice> SearchExposure(const ExposureSearchOptions& options,
   ExposureChoice choice;
   FREEGS_ASSIGN_OR_RETURN(choice.without, psnr_of_trial(false));
   FREEGS_ASSIGN_OR_RETURN(choice.with, psnr_of_trial(true));
-  choice.learn =
-      choice.with.fitted - choice.without.fitted >= options.min_gain_db &&
-      choice.with.plain >= choice.without.plain;
+  const double gain = (choice.with.fitted - choice.without.fitted +
+                       choice.with.plain - choice.without.plain) /
+                      2;
+  choice.learn = gain >= options.min_gain_db;
   return choice;
 }
 

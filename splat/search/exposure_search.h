@@ -45,9 +45,9 @@ using QualityJudge = std::function<StatusOr<HoldoutPsnr>(
     int level)>;
 
 struct ExposureSearchOptions {
-  // Exposure is learnt if that raises the PSNR with fitted colours by at least
-  // so much, and does not lower the PSNR without.
-  double min_gain_db = 0.5;
+  // Exposure is learnt if the trial with it gains at least so much, on the mean
+  // of two measures: the PSNR with fitted colours and the PSNR without.
+  double min_gain_db = 0.1;
 
   // The level of the image pyramid with which the trials are made.
   int level = 2;
