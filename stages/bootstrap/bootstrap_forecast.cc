@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "semantics/geometry/view_choice.h"
+#include "semantics/patches/scene_patches.h"
 
 namespace freegs::stages {
 namespace {
@@ -30,10 +31,6 @@ constexpr double kCopiesOfModel = 2.5;
 
 // While a thread reads a photo: as decoded, and in the order RGB.
 constexpr double kBytesPerPhotoPixel = 6;
-
-// Longest side in pixels at which patches are compared, as
-// semantics/patches/scene_patches.h has it.
-constexpr int kPatchSide = 400;
 
 // Lists of tiles, buffers of the threads, trees.
 constexpr double kWorkMemory = 100e6;
@@ -75,9 +72,9 @@ pipeline::StageNeed BootstrapNeed(const BootstrapStageOptions& options,
   };
   const auto gaussians = static_cast<double>(scene.gaussians);
   const auto photo_pixels = static_cast<double>(pixels(0).largest);
-  double bytes = kWorkMemory +
-                 2 * kWeightBytesPerPixel *
-                     static_cast<double>(pixels(kPatchSide).largest) +
+  const auto patch_pixels =
+      static_cast<double>(pixels(semantics::kPatchImageSide).largest);
+  double bytes = kWorkMemory + 2 * kWeightBytesPerPixel * patch_pixels +
                  kBytesPerPhotoPixel * photo_pixels * threads +
                  kBytesPerGaussian * gaussians;
   double disk =
