@@ -46,11 +46,13 @@ std::vector<View> AllViews(const TrainingImages& images) {
 
 Status TrainerOptions::Check() const {
   if (budget < 0) return InvalidArgumentError("budget must not be negative");
-  if (snapshot_interval < 1 || clear_interval < 1 || max_recoveries < 0) {
+  if (snapshot_interval < 1 || clear_interval < 1 || decay_interval < 1 ||
+      max_recoveries < 0) {
     return InvalidArgumentError(
-        "snapshot_interval and clear_interval must be positive, max_recoveries "
-        "not negative");
+        "snapshot_interval, clear_interval and decay_interval must be "
+        "positive, max_recoveries not negative");
   }
+  FREEGS_RETURN_IF_ERROR(opacity_decay.Check());
   FREEGS_RETURN_IF_ERROR(clearance.Check());
   FREEGS_RETURN_IF_ERROR(schedule.Check());
   FREEGS_RETURN_IF_ERROR(mini_splatting.Check());
@@ -80,6 +82,9 @@ Trainer::Trainer(const TrainerOptions& options,
       loss_monitor_(images->size()),
       loss_(options.loss) {
   if (options.schedule.method != DensificationMethod::kNone) {
+    const double share =
+        OpacityDecayShare(options.opacity_decay, images->size());
+    decay_ = 1 - std::pow(1 - share, options.decay_interval);
     clear_balls_ =
         ClearBalls(options.clearance, AllViews(*images), model_, *pool);
   }
@@ -264,6 +269,9 @@ void Trainer::KeepAsGood() {
 }
 
 Status Trainer::FollowSchedule() {
+  if (decay_ > 0 && iteration_ % options_.decay_interval == 0) {
+    DecayOpacity(decay_, *pool_, &model_);
+  }
   if (const auto event = schedule_.MilestoneAt(iteration_)) {
     return RunMilestone(*event);
   }

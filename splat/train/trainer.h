@@ -16,6 +16,7 @@
 #include "splat/density/densification.h"
 #include "splat/density/importance.h"
 #include "splat/density/mini_splatting.h"
+#include "splat/density/opacity_decay.h"
 #include "splat/images/training_images.h"
 #include "splat/images/view_order.h"
 #include "splat/optim/adam.h"
@@ -57,6 +58,11 @@ struct TrainerOptions {
   // to fill the holes. DensificationMethod::kNone never removes any.
   CameraClearanceOptions clearance;
   int clear_interval = 50;
+
+  // Opacity fades where photographs are few, every decay_interval steps.
+  // DensificationMethod::kNone lets nothing fade.
+  OpacityDecayOptions opacity_decay;
+  int decay_interval = 10;
 
   LearningRateOptions learning_rates;
   PhotometricLossOptions loss;
@@ -173,6 +179,7 @@ class Trainer {
   ThreadPool* pool_;
   ImportanceMetric importance_metric_;
   std::vector<ClearBall> clear_balls_;
+  double decay_ = 0;  // Share of the opacity that is lost at a time.
   ViewOrder view_order_;
 
   int64_t iteration_ = 0;

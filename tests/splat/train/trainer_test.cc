@@ -91,6 +91,30 @@ TEST_F(TrainerTest, CamerasAreKeptClear) {
   }
 }
 
+TEST_F(TrainerTest, WhatNoPhotoSeesFades) {
+  ThreadPool pool(2);
+  TrainingImages images = Images(pool);
+  GaussianModel start = Start();
+  const size_t behind = start.size();
+  start.AppendFrom(start, 0);
+  Eigen::Vector3f::Map(&start.means[3 * behind]) = Eigen::Vector3f(0, 0, -50);
+  for (const DensificationMethod method :
+       {DensificationMethod::kNone, DensificationMethod::kGradient}) {
+    TrainerOptions options = Options(40, method);
+    options.schedule.densify_interval = 0;
+    Trainer trainer(options, start, 2.0, &images, &pool);
+    ASSERT_TRUE(Finish(&trainer).ok());
+    const auto opacity = [behind](const GaussianModel& model) {
+      return 1 / (1 + std::exp(-model.opacity_logits[behind]));
+    };
+    const double share =
+        OpacityDecayShare(options.opacity_decay, views_.size());
+    const double kept =
+        method == DensificationMethod::kNone ? 1 : std::pow(1 - share, 40);
+    EXPECT_NEAR(opacity(trainer.model()), kept * opacity(start), 1e-6);
+  }
+}
+
 TEST_F(TrainerTest, SameBytesForAnyNumberOfThreads) {
   for (const TrainerOptions& options : Everything(120)) {
     std::vector<float> undisturbed;
@@ -381,6 +405,12 @@ TEST(TrainerOptions, Check) {
   EXPECT_FALSE(options.Check().ok());
   options = TrainerOptions();
   options.mini_splatting.dense_factor = 0.5;
+  EXPECT_FALSE(options.Check().ok());
+  options = TrainerOptions();
+  options.opacity_decay.strength = -1;
+  EXPECT_FALSE(options.Check().ok());
+  options = TrainerOptions();
+  options.decay_interval = 0;
   EXPECT_FALSE(options.Check().ok());
 }
 
