@@ -96,7 +96,8 @@ TEST_F(RunPagesTest, CommandsDoWhatThePagesSay) {
   }
 
   // A second workspace has what the first has not: masks, imported poses,
-  // training of the semantic field, clusters in the union space.
+  // learnt exposure, training of the semantic field, clusters in the union
+  // space.
   ImageU8 mask(240, 180, 1);
   for (size_t k = 0; k < mask.size() / 2; ++k) mask.data()[k] = 255;
   fs::create_directories(folder_ / "photos/masks");
@@ -105,6 +106,7 @@ TEST_F(RunPagesTest, CommandsDoWhatThePagesSay) {
   EXPECT_EQ(Complaint("freegs_pipeline init other\n"
                       "freegs_pipeline run photos other --sfm.import "
                       "truth/gt/transforms.json --reconstruct.iterations 200 "
+                      "--reconstruct.exposure on "
                       "--bootstrap.mode paper --bootstrap.iterations 40 "
                       "--bootstrap.clustering union"),
             "");
@@ -119,7 +121,6 @@ TEST_F(RunPagesTest, CommandsDoWhatThePagesSay) {
   EXPECT_THAT(page.Missing(),
               UnorderedElementsAre(".workflow/",
                                    "STAGE/stage.json: error",
-                                   "reconstruct/exposure.json",
                                    "bootstrap/checkpoints/field.ckpt",
                                    "ingest.partial/frames/PHOTO",
                                    "ingest.partial/pending/N.png",

@@ -19,7 +19,8 @@ class WorkspacePage {
   explicit WorkspacePage(const std::filesystem::path& page);
 
   // Looks at all files of a workspace, and notes what was found. Adds what the
-  // page does not name to unnamed().
+  // page does not name to unnamed(). Names of photos, by which files list what
+  // is known of each, are no fields.
   void Compare(const std::filesystem::path& workspace);
 
   // Files, "FILE: FIELD" and "FILE: COLUMN".
