@@ -7,6 +7,13 @@
 #include <cstdint>
 
 namespace freegs::splat {
+namespace {
+
+// An opacity of 3e-7 is invisible. A long training does not take it further
+// down, to where its logarithm is not finite any more.
+constexpr double kLeastLogit = -15;
+
+}  // namespace
 
 Status OpacityDecayOptions::Check() const {
   if (!(strength >= 0) || enough_photos < 1 ||
@@ -37,8 +44,13 @@ void DecayOpacity(double share, ThreadPool& pool, GaussianModel* model) {
                    [&](int64_t begin, int64_t end, int) {
                      for (int64_t i = begin; i < end; ++i) {
                        const double x = model->opacity_logits[i];
-                       model->opacity_logits[i] = static_cast<float>(
-                           x + kept - std::log1p(share * std::exp(x)));
+                       if (x <= kLeastLogit) continue;
+                       const double less =
+                           x + kept - std::log1p(share * std::exp(x));
+                       // What is not a number stays so, for the trainer to
+                       // notice.
+                       model->opacity_logits[i] =
+                           static_cast<float>(std::max(less, kLeastLogit));
                      }
                    });
 }

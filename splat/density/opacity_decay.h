@@ -36,8 +36,9 @@ struct OpacityDecayOptions {
 // The share of its opacity that a Gaussian loses at each step.
 double OpacityDecayShare(const OpacityDecayOptions& options, size_t num_photos);
 
-// Multiplies all opacities by 1 - share, where 0 <= share < 1. The result is
-// the same for any number of threads.
+// Multiplies all opacities by 1 - share, where 0 <= share < 1, down to an
+// opacity of 3e-7 (logit -15). The result is the same for any number of
+// threads.
 void DecayOpacity(double share, ThreadPool& pool, GaussianModel* model);
 
 }  // namespace freegs::splat
