@@ -3,10 +3,10 @@
 // Gaussian right in front of one of them can explain what that one shows, and
 // no other photograph contradicts it. So every Gaussian loses some of its
 // opacity all the time, and the gradients of the photographs that see it give
-// it back. A Gaussian that only one photograph of fifteen sees gets too little
-// back, fades, and is removed by the densification (Han et al., "Binocular-
-// Guided 3D Gaussian Splatting", NeurIPS 2024, who lose 0.5 % per step with
-// three photographs).
+// it back. A Gaussian that only one photograph of fifteen sees should get too
+// little back, fade, and be removed by the densification. The idea is that of
+// Han et al., "Binocular-Guided 3D Gaussian Splatting", NeurIPS 2024, where a
+// step takes 0.5 % of the opacity.
 //
 // The more photographs there are, the fewer of them see a Gaussian, and the
 // less it may lose. With many photographs nothing needs to fade.

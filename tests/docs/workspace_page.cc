@@ -143,7 +143,7 @@ void WorkspacePage::Compare(const fs::path& workspace) {
     if (file.starts_with('.')) continue;  // Only the program reads it.
     const auto section = sections_.find(pattern);
     for (const std::string& field : FieldsOf(entry.path())) {
-      if (fs::exists(workspace / "ingest" / "photos" / field)) continue;
+      if (fs::is_regular_file(workspace / "ingest/photos" / field)) continue;
       // Figures of a summary have the names that another file gives them.
       const bool anywhere =
           section == sections_.end() || pattern == "STAGE/stage.json";
