@@ -15,16 +15,24 @@ namespace {
 constexpr double kLeastQuality = 0.1;
 
 // How much the size of a thing counts: its pixels to this power, at granularity
-// 0.
-constexpr double kSizeExponent = 0.25;
+// 0. At granularity 1 size does not count, and beyond, small things count more.
+constexpr double kSizeExponent = 0.0625;
+
+// A region that no photograph shows has no size, of which there are no negative
+// powers. This is far below the size of a crumb.
+constexpr double kLeastShare = 1e-6;
+
+// Larger powers of that are not finite.
+constexpr double kMostExponent = 40;
 
 std::vector<int32_t> RegionsAt(const Hierarchy& hierarchy, double granularity) {
-  const double exponent = kSizeExponent * std::exp2(-0.5 * granularity);
+  const double exponent = std::clamp(
+      kSizeExponent * (1 - granularity), -kMostExponent, kMostExponent);
   const std::vector<double> sizes = hierarchy.tree.Sums(hierarchy.part_pixels);
   std::vector<double> worth;
   for (size_t r = 0; r < sizes.size(); ++r) {
-    const double share =
-        std::min(1.0, sizes[r] / std::max(1.0, hierarchy.total_pixels));
+    const double share = std::clamp(
+        sizes[r] / std::max(1.0, hierarchy.total_pixels), kLeastShare, 1.0);
     worth.push_back(std::pow(share, exponent) *
                     std::max(0.0, hierarchy.quality[r] - kLeastQuality));
   }

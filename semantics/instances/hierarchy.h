@@ -46,9 +46,10 @@ struct Hierarchy {
   }
 };
 
-// The regions from which the most whole things can be expected, where large
-// things count more than small ones: by their pixels to the power of
-// 0.25 * 2^(-granularity / 2). So larger numbers give more and smaller regions.
+// The regions from which the most whole things can be expected, where a thing
+// counts by its share of all pixels to the power of 0.0625 * (1 - granularity).
+// So at 0 large things count a little more than small ones, and larger numbers
+// give more and smaller regions.
 struct HierarchyCut {
   std::vector<int32_t> region_of_part;  // Of each leaf; -1 if hardly seen.
   // Labels 0 .. n - 1, by descending number of Gaussians; -1 for none.

@@ -18,7 +18,7 @@ Hierarchy Duck() {
   Hierarchy hierarchy;
   hierarchy.tree = {.num_leaves = 5,
                     .merges = {{0, 1, -2}, {5, 2, -1}, {3, 4, 0.5}, {6, 7, 3}}};
-  hierarchy.quality = {0.3, 0.3, 0.5, 0.9, 0, 0.6, 0.85, 0.9, 0.3};
+  hierarchy.quality = {0.3, 0.3, 0.5, 0.9, 0, 0.6, 0.97, 0.9, 0.3};
   hierarchy.part_pixels = {1000, 9000, 30000, 60000, 1};
   hierarchy.total_pixels = 100001;
   hierarchy.part_of_gaussian = {0, 1, 2, 3, 4, 2, 2, -1};
@@ -33,8 +33,16 @@ TEST(HierarchyTest, CutsAtTheGranularity) {
             (std::vector<int32_t>{0, 0, 0, 1, 1, 0, 0, -1}));
   const HierarchyCut parts = CutHierarchy(Duck(), 1);
   EXPECT_EQ(parts.region_of_part, (std::vector<int32_t>{5, 5, 2, 7, 7}));
-  const HierarchyCut all = CutHierarchy(Duck(), -8);
+  const HierarchyCut all = CutHierarchy(Duck(), -80);
   EXPECT_EQ(all.region_of_label, (std::vector<int32_t>{8}));
+  // The smallest things of all, but no crumbs.
+  for (const double finest : {100.0, 1e9}) {
+    const std::vector<int32_t> regions =
+        CutHierarchy(Duck(), finest).region_of_part;
+    EXPECT_EQ(std::vector<int32_t>(regions.begin(), regions.begin() + 3),
+              (std::vector<int32_t>{0, 1, 2}));
+    EXPECT_EQ(regions[3], regions[4]);
+  }
 }
 
 TEST(HierarchyTest, WhatIsHardlySeenIsNobodys) {
