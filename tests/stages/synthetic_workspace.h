@@ -134,7 +134,7 @@ class SyntheticWorkspace {
         .num_leaves = 6,
         .merges = {{0, 1, -2}, {2, 3, -2}, {4, 5, -2}, {6, 7, 1}, {8, 9, 2}}};
     hierarchy.quality = {
-        0.52, 0.52, 0.52, 0.52, 0.52, 0.52, 0.9, 0.9, 0.9, 0.8, 0.5};
+        0.46, 0.46, 0.46, 0.46, 0.46, 0.46, 0.9, 0.9, 0.9, 0.8, 0.5};
     hierarchy.part_pixels = {100, 90, 80, 70, 60, 50};
     hierarchy.total_pixels = 450;
     for (size_t i = 0; i < model.size(); ++i) {

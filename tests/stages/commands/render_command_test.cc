@@ -455,8 +455,8 @@ TEST_F(RenderCommandTest, InstancesOfAnotherGranularity) {
               HasSubstr("hierarchy.json: no such file"));
   workspace_.AddHierarchy();
   EXPECT_EQ(largest_id("0"), 3);
-  EXPECT_EQ(largest_id("-5"), 2);
-  EXPECT_EQ(largest_id("-8"), 1);
+  EXPECT_EQ(largest_id("-23"), 2);
+  EXPECT_EQ(largest_id("-47"), 1);
   EXPECT_EQ(largest_id("6"), 6);
 }
 
