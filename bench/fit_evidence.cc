@@ -83,7 +83,7 @@ double Report(const std::vector<LearningScene>& scenes,
               const LearntModels& models,
               const Arguments& arguments,
               ThreadPool& pool) {
-  constexpr double kGranularities[] = {-2, -1, -0.5, 0, 1, 2, 4};
+  constexpr double kGranularities[] = {-7, -3, -1, 0, 1, 2, 4};
   constexpr size_t kColumns = std::size(kGranularities);
   struct Row {
     semantics::Hierarchy hierarchy;

@@ -14,15 +14,16 @@ namespace {
 // limit many unlikely parts outweigh a likely whole.
 constexpr double kLeastQuality = 0.1;
 
-// How much the size of a thing counts: its pixels to this power, at granularity
-// 0. At granularity 1 size does not count, and beyond, small things count more.
+// How much the size of a thing counts: its share of all pixels to this power,
+// at granularity 0. At granularity 1 size does not count, and beyond, small
+// things count more.
 constexpr double kSizeExponent = 0.0625;
 
-// A region that no photograph shows has no size, of which there are no negative
-// powers. This is far below the size of a crumb.
+// Smaller shares and larger exponents count like these, so that the worth of
+// every region is a finite number: 0 has no negative power. A region with so
+// few pixels is a crumb, which is never chosen, and granularities from -100 to
+// 100 have exponents below 7.
 constexpr double kLeastShare = 1e-6;
-
-// Larger powers of that are not finite.
 constexpr double kMostExponent = 40;
 
 std::vector<int32_t> RegionsAt(const Hierarchy& hierarchy, double granularity) {
