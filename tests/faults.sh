@@ -6,11 +6,13 @@
 # or swaps. Prints one line per fault, and fails when something is lost or when
 # a run cannot be taken up again.
 #
-#   tests/faults.sh BIN FOLDER
+#   tests/faults.sh BIN FOLDER [short]
 #
 # BIN is the folder of the built programs. FOLDER is made anew. Needs COLMAP;
 # full disks need the right to mount a tmpfs, a clock needs libfaketime, and they
-# are left out without it. Takes some five minutes.
+# are left out without it. Takes some five minutes. The short form, which takes
+# half of the time, tries every second amount of memory, of threads and of room
+# on the disk, and one signal fewer.
 set -uo pipefail
 
 program=$(realpath "$1")/freegs_pipeline
@@ -18,6 +20,7 @@ maker=$(realpath "$1")/freegs_make_scene
 mkdir -p "$2"
 cd "$2" || exit 1
 folder=$PWD
+form=${3:-whole}
 failures=0
 common=(--reconstruct.budget 2000 --threads 2
   --general.checkpoint_interval 1 --bootstrap.mode geometry)
@@ -61,6 +64,13 @@ same_scene() {
     cmp -s "$1/bootstrap/idsf.bin" $reference/bootstrap/idsf.bin
 }
 runs_on() { run "$@" && same_scene "$1"; }
+
+# Prints the values, or every second one in the short form: some VALUE ...
+some() {
+  local step=1 at
+  [ "$form" = short ] && step=2
+  for ((at = 1; at <= $#; at += step)); do echo "${!at}"; done
+}
 
 # A new workspace in which the first stages are done: fresh NAME STAGE ...
 fresh() {
@@ -167,7 +177,7 @@ few_bytes() {
   [ $code = 0 ] || [ $code = 134 ] || [ $code = 139 ] ||
     { [ $code = 1 ] && grep -q "memory" out.txt; }
 }
-for limit in {320000..390000..6000}; do
+for limit in $(some {320000..390000..6000}); do
   { (ulimit -c 0 -v "$limit" && "$program" --version); } >/dev/null 2>&1 || continue
   rm -rf w
   short() { few_bytes "$limit" "${all[@]}" && runs_on w "${all[@]}"; }
@@ -177,7 +187,7 @@ done
 # Threads that cannot be made. Root has no limit, so another user runs it.
 if [ "$(id -u)" = 0 ] && setpriv --reuid 61234 --clear-groups \
   test -x "$program" -a -r scene/images; then
-  for threads in 1 2 3; do
+  for threads in $(some 1 2 3); do
     rm -rf w && mkdir -m 777 w
     few_threads() {
       setpriv --reuid 61234 --clear-groups bash -c "ulimit -u $threads; exec \"\$@\"" \
@@ -247,7 +257,7 @@ run plain "${sfm[@]}" || { cat out.txt; exit 1; }
 same_poses() { cmp -s "${1:-w}/sfm/sparse/0/images.bin" plain/sfm/sparse/0/images.bin; }
 extracted() { stat -c %Y w/sfm*/logs/feature_extractor.log; }
 for command in feature_extractor matches_importer mapper; do
-  for signal in KILL SEGV; do
+  for signal in $(some KILL SEGV); do
     colmap killed <<<"[ \$1 = $command ] && [ \"\$2\" != --help ] &&
       rm $folder/once 2>/dev/null && kill -$signal \$\$"
     rm -rf w && touch once
@@ -262,7 +272,7 @@ for command in feature_extractor matches_importer mapper; do
     report "colmap $command ended by SIG$signal" killed
   done
 done
-for limit in {400000..520000..40000}; do
+for limit in $(some {400000..520000..40000}); do
   rm -rf w
   short() { few_bytes "$limit" "${sfm[@]}" && run w "${sfm[@]}" && same_poses; }
   report "ulimit -v $limit with COLMAP" short
@@ -310,7 +320,7 @@ if mount -t tmpfs -o size=64m tmpfs small 2>/dev/null; then
       [ "$done" = "$stage" ] && break
       before+=("$done")
     done
-    for free in 20 150 1500 4000; do
+    for free in $(some 20 150 1500 4000); do
       mount -t tmpfs -o size=120m tmpfs small
       fresh small/w "${before[@]}"
       available=$(df -k --output=avail small | tail -n 1)
@@ -331,7 +341,7 @@ if mount -t tmpfs -o size=64m tmpfs small 2>/dev/null; then
       umount small
     done
   done
-  for free in 100 600 1200 2400; do
+  for free in $(some 100 600 1200 2400); do
     mount -t tmpfs -o size=120m tmpfs small
     fresh small/w ingest
     available=$(df -k --output=avail small | tail -n 1)

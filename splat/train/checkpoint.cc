@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kMagic = "FGSTRAIN";
-constexpr uint32_t kVersion = 5;  // 5: exposure.
+constexpr uint32_t kVersion = 6;  // 6: the mean of the last steps.
 constexpr size_t kHashBytes = 32;
 
 constexpr std::string_view kPrefix = "iteration_";
@@ -160,9 +160,16 @@ bool ReadHistory(ByteReader* reader, TrainingHistory* history) {
       !std::isfinite(history->loss.best) || has_last_good > 1) {
     return false;
   }
-  if (has_last_good == 0) return true;
-  GoodState& good = history->last_good.emplace();
-  return reader->Get(&good.iteration) && GetModel(reader, &good.model);
+  if (has_last_good == 1) {
+    GoodState& good = history->last_good.emplace();
+    if (!reader->Get(&good.iteration) || !GetModel(reader, &good.model)) {
+      return false;
+    }
+  }
+  ModelAverage& average = history->average;
+  return reader->Get(&average.count) && average.count >= 0 &&
+         GetModel(reader, &average.mean) &&
+         (average.count > 0 || average.mean.empty());
 }
 
 void WriteHistory(const TrainingHistory& history, PieceWriter* writer) {
@@ -187,9 +194,12 @@ void WriteHistory(const TrainingHistory& history, PieceWriter* writer) {
   WriteExposureChoice(history.exposure_choice, writer);
   WriteColors(history.colors, writer);
   writer->Put<uint8_t>(history.last_good ? 1 : 0);
-  if (!history.last_good) return;
-  writer->Put(history.last_good->iteration);
-  PutModel(history.last_good->model, writer);
+  if (history.last_good) {
+    writer->Put(history.last_good->iteration);
+    PutModel(history.last_good->model, writer);
+  }
+  writer->Put(history.average.count);
+  PutModel(history.average.mean, writer);
 }
 
 // The last good state must not be ahead of the checkpoint.

@@ -47,10 +47,13 @@ std::vector<View> AllViews(const TrainingImages& images) {
 Status TrainerOptions::Check() const {
   if (budget < 0) return InvalidArgumentError("budget must not be negative");
   if (snapshot_interval < 1 || clear_interval < 1 || decay_interval < 1 ||
-      max_recoveries < 0) {
+      average_interval < 1 || max_recoveries < 0) {
     return InvalidArgumentError(
-        "snapshot_interval, clear_interval and decay_interval must be "
-        "positive, max_recoveries not negative");
+        "snapshot_interval, clear_interval, decay_interval and "
+        "average_interval must be positive, max_recoveries not negative");
+  }
+  if (!(average_from >= 0 && average_from <= 1)) {
+    return InvalidArgumentError("average_from must be a share of the steps");
   }
   FREEGS_RETURN_IF_ERROR(opacity_decay.Check());
   FREEGS_RETURN_IF_ERROR(clearance.Check());
@@ -102,6 +105,7 @@ StatusOr<float> Trainer::GradientStep() {
   if (model_.sh_degree < sh_degree) {
     model_.SetShDegree(sh_degree);
     adam_.SetShDegree(sh_degree);
+    history_.average.Clear();
   }
   // The statistics are for the next densification, and the dominant Gaussians
   // for its blur splits. Steps that need neither do not compute them.
@@ -223,6 +227,7 @@ StatusOr<StepReport> Trainer::Step() {
     FREEGS_RETURN_IF_ERROR(GoBack(*trouble));
   } else {
     FREEGS_RETURN_IF_ERROR(FollowSchedule());
+    Average();
   }
   report.iteration = iteration_;
   report.num_gaussians = model_.size();
@@ -255,10 +260,19 @@ Status Trainer::GoBack(const std::string& reason) {
       {iteration_, reason, good.iteration, history_.rate_factor});
   iteration_ = good.iteration;
   model_ = good.model;
+  history_.average.Clear();
   adam_.Reset(model_);
   statistics_.Reset(model_.size());
   loss_monitor_.Reset();
   return Status();
+}
+
+void Trainer::Average() {
+  const double from =
+      options_.average_from * static_cast<double>(schedule_.iterations());
+  if (static_cast<double>(iteration_) <= from) return;
+  if (iteration_ % options_.average_interval != 0 && !done()) return;
+  history_.average.Add(model_, *pool_);
 }
 
 void Trainer::KeepAsGood() {
@@ -302,6 +316,7 @@ void Trainer::SortInSpace() {
   model_.Select(order);
   adam_.Select(order);
   statistics_.Select(order);
+  history_.average.Clear();
 }
 
 void Trainer::ClearCameras() {
@@ -310,6 +325,7 @@ void Trainer::ClearCameras() {
   model_.Select(kept);
   adam_.Select(kept);
   statistics_.Select(kept);
+  history_.average.Clear();
 }
 
 int64_t Trainer::SimplificationBudget() const {
@@ -387,6 +403,7 @@ Status Trainer::RunMilestone(TrainingEvent event) {
       {iteration_, event, summary.before, summary.after});
   statistics_.Reset(model_.size());
   loss_monitor_.Reset();
+  history_.average.Clear();
   KeepAsGood();
   return Status();
 }
@@ -421,6 +438,10 @@ Status Trainer::Restore(TrainingCheckpoint checkpoint) {
       checkpoint.adam.first_moments.sh_degree != checkpoint.model.sh_degree ||
       checkpoint.adam.second_moments.sh_degree != checkpoint.model.sh_degree ||
       checkpoint.statistics.size() != count ||
+      (checkpoint.history.average.count > 0 &&
+       (checkpoint.history.average.mean.size() != count ||
+        checkpoint.history.average.mean.sh_degree !=
+            checkpoint.model.sh_degree)) ||
       (!checkpoint.history.colors.entries.empty() &&
        checkpoint.history.colors.entries.size() != images_->size())) {
     return BadInputError(
@@ -435,6 +456,7 @@ Status Trainer::Restore(TrainingCheckpoint checkpoint) {
   if (history_.last_good) {
     history_.last_good->model.antialiased = options_.antialiased;
   }
+  history_.average.mean.antialiased = options_.antialiased;
   loss_monitor_.set_state(history_.loss);
   return Status();
 }

@@ -64,6 +64,12 @@ struct TrainerOptions {
   OpacityDecayOptions opacity_decay;
   int decay_interval = 10;
 
+  // The result is the mean of the models after every average_interval-th step
+  // from this share of the steps on; 1 takes the last model as it is. No
+  // Gaussian is added or removed by then, see clear_interval.
+  double average_from = 0.9;
+  int average_interval = 2;
+
   LearningRateOptions learning_rates;
   PhotometricLossOptions loss;
   ExposureOptions exposure;
@@ -120,7 +126,13 @@ class Trainer {
 
   bool done() const { return iteration_ >= schedule_.iterations(); }
   int64_t iteration() const { return iteration_; }
-  const GaussianModel& model() const { return model_; }
+
+  // What has been learnt so far: the model after the last step, or the mean of
+  // the last ones where TrainerOptions::average_from has been passed. Valid
+  // until the next step.
+  const GaussianModel& model() const {
+    return history_.average.count > 0 ? history_.average.mean : model_;
+  }
   const TrainerOptions& options() const { return options_; }
   const TrainingSchedule& schedule() const { return schedule_; }
   ImportanceMetric importance_metric() const { return importance_metric_; }
@@ -170,6 +182,7 @@ class Trainer {
   void SortInSpace();  // See MortonOrder.
   void ClearCameras();
   void KeepAsGood();
+  void Average();
 
   TrainerOptions options_;
   DensificationOptions densification_;  // Adapted to budget and method.

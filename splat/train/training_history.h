@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "splat/optim/exposure.h"
+#include "splat/optim/model_average.h"
 #include "splat/scene/gaussian_model.h"
 #include "splat/train/exposure_choice.h"
 #include "splat/train/training_schedule.h"
@@ -63,6 +64,7 @@ struct TrainingHistory {
   std::optional<ExposureChoice> exposure_choice;  // Where there was a search.
   PhotoColors colors;                             // Where exposure is learnt.
   std::optional<GoodState> last_good;
+  ModelAverage average;  // Of the last steps, see TrainerOptions.
 };
 
 }  // namespace freegs::splat

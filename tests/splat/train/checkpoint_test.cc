@@ -55,6 +55,7 @@ TrainingCheckpoint Example(int64_t iteration, size_t count = 12) {
     entry.steps = 17;
   }
   checkpoint.history.last_good = {iteration / 2, RandomModel(count + 3, 1, 4)};
+  checkpoint.history.average = {7, RandomModel(count, 2, 5)};
   checkpoint.facts = {{"best_psnr", "25.75"}, {"empty", ""}};
   return checkpoint;
 }
@@ -82,6 +83,8 @@ void ExpectSame(const TrainingCheckpoint& a, const TrainingCheckpoint& b) {
     EXPECT_TRUE(
         SameParameters(a.history.last_good->model, b.history.last_good->model));
   }
+  EXPECT_EQ(a.history.average.count, b.history.average.count);
+  EXPECT_TRUE(SameParameters(a.history.average.mean, b.history.average.mean));
   EXPECT_EQ(a.facts, b.facts);
 }
 
@@ -161,7 +164,7 @@ TEST(CheckpointTest, OtherVersionsAreNamed) {
   content[8] = 1;  // Before there was max_dominant_share.
   const Status old = ParseCheckpoint(Resealed(content)).status();
   EXPECT_EQ(old.code(), StatusCode::kBadInput);
-  EXPECT_THAT(old.message(), HasSubstr("format 1, this program reads 5"));
+  EXPECT_THAT(old.message(), HasSubstr("format 1, this program reads 6"));
 }
 
 TEST(CheckpointTest, ArraysMustFitTheModel) {

@@ -102,6 +102,7 @@ TEST_F(TrainerTest, WhatNoPhotoSeesFades) {
        {DensificationMethod::kNone, DensificationMethod::kGradient}) {
     TrainerOptions options = Options(40, method);
     options.schedule.densify_interval = 0;
+    options.average_from = 1;
     Trainer trainer(options, start, 2.0, &images, &pool);
     ASSERT_TRUE(Finish(&trainer).ok());
     const auto opacity = [behind](const GaussianModel& model) {
@@ -112,6 +113,37 @@ TEST_F(TrainerTest, WhatNoPhotoSeesFades) {
     const double kept =
         method == DensificationMethod::kNone ? 1 : std::pow(1 - share, 40);
     EXPECT_NEAR(opacity(trainer.model()), kept * opacity(start), 1e-6);
+  }
+}
+
+TEST_F(TrainerTest, TheResultIsTheMeanOfTheLastSteps) {
+  ThreadPool pool(2);
+  TrainingImages images = Images(pool);
+  for (TrainerOptions& options : Everything(60)) {
+    Trainer averaging(options, Start(), 2.0, &images, &pool);
+    options.average_from = 1;
+    Trainer plain(options, Start(), 2.0, &images, &pool);
+    std::vector<double> sums;
+    int count = 0;
+    while (!plain.done()) {
+      ASSERT_TRUE(plain.Step().ok());
+      ASSERT_TRUE(averaging.Step().ok());
+      const std::vector<float> model = AllParameters(plain.model());
+      if (plain.iteration() > 54 && plain.iteration() % 2 == 0) {
+        sums.resize(model.size());
+        for (size_t i = 0; i < model.size(); ++i) sums[i] += model[i];
+        ++count;
+      }
+      const std::vector<float> mean = AllParameters(averaging.model());
+      ASSERT_EQ(mean.size(), model.size());
+      for (size_t i = 0; i < mean.size(); ++i) {
+        ASSERT_NEAR(mean[i], count == 0 ? model[i] : sums[i] / count, 1e-4)
+            << "iteration " << plain.iteration();
+      }
+    }
+    EXPECT_EQ(count, 3);
+    EXPECT_NE(AllParameters(averaging.model()), AllParameters(plain.model()));
+    EXPECT_EQ(averaging.model().antialiased, options.antialiased);
   }
 }
 
@@ -148,7 +180,8 @@ TEST_F(TrainerTest, SameBytesAcrossARestore) {
     const size_t milestones =
         method == DensificationMethod::kMiniSplatting ? 4 : 0;
     EXPECT_EQ(whole.milestones().size(), milestones);
-    for (const int stop : {1, 19, 20, 21, 37, 40, 59, 60, 61, 80, 119, 120}) {
+    for (const int stop :
+         {1, 19, 20, 21, 37, 40, 59, 60, 61, 80, 111, 119, 120}) {
       StatusOr<TrainingCheckpoint> checkpoint = ParseCheckpoint(saved[stop]);
       ASSERT_TRUE(checkpoint.ok());
       Trainer trainer(options, Start(), 2.0, &images, &pool);
@@ -378,6 +411,10 @@ TEST_F(TrainerTest, RefusesACheckpointThatDoesNotFit) {
   checkpoint = trainer.Save();
   checkpoint.iteration = 11;
   EXPECT_EQ(trainer.Restore(checkpoint).code(), StatusCode::kBadInput);
+  checkpoint = trainer.Save();
+  checkpoint.history.average = {3, checkpoint.model};
+  checkpoint.history.average.mean.Resize(3);
+  EXPECT_EQ(trainer.Restore(checkpoint).code(), StatusCode::kBadInput);
 }
 
 TEST_F(TrainerTest, SaysSoWhenTheInitialNumbersAreNotFinite) {
@@ -411,6 +448,12 @@ TEST(TrainerOptions, Check) {
   EXPECT_FALSE(options.Check().ok());
   options = TrainerOptions();
   options.decay_interval = 0;
+  EXPECT_FALSE(options.Check().ok());
+  options = TrainerOptions();
+  options.average_interval = 0;
+  EXPECT_FALSE(options.Check().ok());
+  options = TrainerOptions();
+  options.average_from = 1.5;
   EXPECT_FALSE(options.Check().ok());
 }
 
