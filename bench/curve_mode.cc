@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <cstdio>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -90,14 +89,11 @@ void ReportCourse(const splat::Trainer& trainer) {
   }
 }
 
-splat::QualityJudge HoldoutJudge(const splat::RenderOptions& render,
-                                 splat::TrainingImages* holdout,
-                                 ThreadPool* pool) {
-  return [=](const splat::GaussianModel& model,
-             std::span<const splat::PhotoExposure> exposures,
-             int level) {
-    return stages::MeasureChoosing(
-        model, exposures, render, holdout, *pool, level);
+splat::FittedJudge HoldoutJudge(const splat::RenderOptions& render,
+                                splat::TrainingImages* holdout,
+                                ThreadPool* pool) {
+  return [=](const splat::GaussianModel& model, int level) {
+    return splat::MeasureFittedHoldout(model, render, holdout, *pool, level);
   };
 }
 

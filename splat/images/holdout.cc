@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "core/io/image_io.h"
@@ -13,6 +14,34 @@
 #include "splat/render/rasterizer.h"
 
 namespace freegs::splat {
+namespace {
+
+// The PSNR in dB of the 8-bit rendering in the columns from `begin` on, without
+// the pixels that the mask ignores; nothing when it ignores all of them.
+std::optional<double> PsnrFrom(int begin,
+                               const ImageF& rendered,
+                               const ImageF& photo,
+                               const ImageU8* mask) {
+  const ImageF quantised = ToFloat(ToU8(rendered));
+  double squared = 0;
+  int64_t values = 0;
+  for (int y = 0; y < photo.height(); ++y) {
+    for (int x = begin; x < photo.width(); ++x) {
+      if (mask != nullptr && (*mask)(x, y) == 0) continue;
+      for (int c = 0; c < 3; ++c) {
+        const double d = quantised(x, y, c) - photo(x, y, c);
+        squared += d * d;
+        ++values;
+      }
+    }
+  }
+  if (values == 0) return std::nullopt;
+  if (squared == 0) return kMaxPsnr;
+  const double mean = squared / static_cast<double>(values);
+  return std::min(kMaxPsnr, -10 * std::log10(mean));
+}
+
+}  // namespace
 
 StatusOr<HoldoutReport> MeasureHoldout(
     const GaussianModel& model,
@@ -66,16 +95,16 @@ StatusOr<HoldoutReport> MeasureHoldout(
   return report;
 }
 
-StatusOr<double> MeasureFittedHoldout(const GaussianModel& model,
-                                      const RenderOptions& options,
-                                      TrainingImages* images,
-                                      ThreadPool& pool,
-                                      int level) {
+StatusOr<FittedPsnr> MeasureFittedHoldout(const GaussianModel& model,
+                                          const RenderOptions& options,
+                                          TrainingImages* images,
+                                          ThreadPool& pool,
+                                          int level) {
   Rasterizer rasterizer;
   RasterImages rendered;
   ImageF photo;
   ImageF fitted;
-  double sum = 0;
+  FittedPsnr sum;
   size_t count = 0;
   for (size_t i = 0; i < images->size(); ++i) {
     const View view = images->view(i, level);
@@ -88,31 +117,18 @@ StatusOr<double> MeasureFittedHoldout(const GaussianModel& model,
                rendered.color,
                pool,
                &fitted);
-    fitted = ToFloat(ToU8(fitted));
-    double squared = 0;
-    int64_t values = 0;
-    for (int y = 0; y < photo.height(); ++y) {
-      for (int x = middle; x < photo.width(); ++x) {
-        if (mask != nullptr && (*mask)(x, y) == 0) continue;
-        for (int c = 0; c < 3; ++c) {
-          const double d = fitted(x, y, c) - photo(x, y, c);
-          squared += d * d;
-          ++values;
-        }
-      }
-    }
-    if (values == 0) continue;
-    sum +=
-        squared > 0
-            ? std::min(kMaxPsnr,
-                       -10 * std::log10(squared / static_cast<double>(values)))
-            : kMaxPsnr;
+    const auto plain = PsnrFrom(middle, rendered.color, photo, mask);
+    if (!plain) continue;
+    sum.plain += *plain;
+    sum.fitted += *PsnrFrom(middle, fitted, photo, mask);
     ++count;
   }
   if (count == 0) {
     return BadInputError("masks leave nothing of any holdout photo");
   }
-  return sum / static_cast<double>(count);
+  sum.plain /= static_cast<double>(count);
+  sum.fitted /= static_cast<double>(count);
+  return sum;
 }
 
 }  // namespace freegs::splat

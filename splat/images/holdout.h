@@ -48,14 +48,21 @@ StatusOr<HoldoutReport> MeasureHoldout(
     int level = 0,
     std::span<const PhotoExposure> exposures = {});
 
+// The mean PSNR in dB of the right half of photos, as they are and with fitted
+// colours.
+struct FittedPsnr {
+  double plain = 0;
+  double fitted = 0;
+};
+
 // The same when each photo may have its own exposure: the colours of the
 // rendering are fitted to the photo on its left half (FitColor) and compared on
-// its right half. Returns the mean PSNR in dB.
-StatusOr<double> MeasureFittedHoldout(const GaussianModel& model,
-                                      const RenderOptions& options,
-                                      TrainingImages* images,
-                                      ThreadPool& pool,
-                                      int level = 0);
+// its right half.
+StatusOr<FittedPsnr> MeasureFittedHoldout(const GaussianModel& model,
+                                          const RenderOptions& options,
+                                          TrainingImages* images,
+                                          ThreadPool& pool,
+                                          int level = 0);
 
 }  // namespace freegs::splat
 

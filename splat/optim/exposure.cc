@@ -43,13 +43,15 @@ Status ExposureOptions::Check() const {
 AffineColor ExposureBetween(std::span<const PhotoExposure> exposures,
                             std::string_view photo) {
   if (exposures.empty()) return {};
-  const auto after = std::ranges::lower_bound(
+  const auto [first, last] = std::ranges::equal_range(
       exposures, photo, std::less<>(), [](const PhotoExposure& exposure) {
         return std::string_view(exposure.photo);
       });
-  const auto before = after == exposures.begin() ? after : after - 1;
-  const AffineColor& a = before->color;
-  const AffineColor& b = after == exposures.end() ? a : after->color;
+  const bool is_first = first == exposures.begin();
+  const bool is_last = last == exposures.end();
+  if (is_first && is_last) return {};
+  const AffineColor& a = is_first ? last->color : (first - 1)->color;
+  const AffineColor& b = is_last ? a : last->color;
   AffineColor between;
   for (size_t k = 0; k < between.values.size(); ++k) {
     between.values[k] = 0.5f * (a.values[k] + b.values[k]);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "splat/images/holdout.h"
+
 namespace freegs::splat {
 namespace {
 
@@ -53,30 +55,40 @@ StatusOr<ExposureChoice> SearchExposure(const ExposureSearchOptions& options,
                                         const TrainerOptions& training,
                                         const GaussianModel& initial,
                                         double scene_extent,
-                                        const QualityJudge& judge,
+                                        const FittedJudge& judge,
                                         TrainingImages* images,
                                         ThreadPool* pool,
                                         const CancellationToken* cancellation) {
   FREEGS_RETURN_IF_ERROR(options.Check());
   const int level = std::min(options.level, images->num_levels() - 1);
-  const auto psnr_of_trial = [&](bool learn) -> StatusOr<HoldoutPsnr> {
-    TrainerOptions trial = TrialOptions(options, training, level);
-    trial.exposure.learn = learn;
-    Trainer trainer(trial, initial, scene_extent, images, pool);
-    while (!trainer.done()) {
-      if (cancellation != nullptr && cancellation->cancelled()) {
-        return InterruptedError(
-            "training: stopped while deciding about exposure");
-      }
-      FREEGS_RETURN_IF_ERROR(trainer.Step().status());
+  TrainerOptions trial = TrialOptions(options, training, level);
+  trial.exposure.learn = true;
+  Trainer trainer(trial, initial, scene_extent, images, pool);
+  while (!trainer.done()) {
+    if (cancellation != nullptr && cancellation->cancelled()) {
+      return InterruptedError(
+          "training: stopped while deciding about exposure");
     }
-    return judge(trainer.model(), trainer.Exposures(), level);
+    FREEGS_RETURN_IF_ERROR(trainer.Step().status());
+  }
+  const auto training_psnr =
+      [&](std::span<const PhotoExposure> exposures) -> StatusOr<double> {
+    FREEGS_ASSIGN_OR_RETURN(
+        const HoldoutReport report,
+        MeasureHoldout(
+            trainer.model(), training.render, images, *pool, level, exposures));
+    return report.mean_psnr;
   };
   ExposureChoice choice;
-  FREEGS_ASSIGN_OR_RETURN(choice.without, psnr_of_trial(false));
-  FREEGS_ASSIGN_OR_RETURN(choice.with, psnr_of_trial(true));
-  const double gain = (choice.with.fitted - choice.without.fitted +
-                       choice.with.plain - choice.without.plain) /
+  FREEGS_ASSIGN_OR_RETURN(choice.without.training, training_psnr({}));
+  FREEGS_ASSIGN_OR_RETURN(choice.with.training,
+                          training_psnr(trainer.Exposures()));
+  FREEGS_ASSIGN_OR_RETURN(const FittedPsnr holdout,
+                          judge(trainer.model(), level));
+  choice.without.holdout = holdout.plain;
+  choice.with.holdout = holdout.fitted;
+  const double gain = (choice.with.training - choice.without.training +
+                       choice.with.holdout - choice.without.holdout) /
                       2;
   choice.learn = gain >= options.min_gain_db;
   return choice;

@@ -99,8 +99,10 @@ bool ReadExposureChoice(ByteReader* reader,
   uint8_t learn = 0;
   if (!reader->Get(&learn) || learn > 1) return false;
   read.learn = learn == 1;
-  for (HoldoutPsnr* psnr : {&read.without, &read.with}) {
-    if (!reader->Get(&psnr->plain) || !reader->Get(&psnr->fitted)) return false;
+  for (TrialPsnr* psnr : {&read.without, &read.with}) {
+    if (!reader->Get(&psnr->training) || !reader->Get(&psnr->holdout)) {
+      return false;
+    }
   }
   return true;
 }
@@ -110,9 +112,9 @@ void WriteExposureChoice(const std::optional<ExposureChoice>& choice,
   writer->Put<uint8_t>(choice ? 1 : 0);
   if (!choice) return;
   writer->Put<uint8_t>(choice->learn ? 1 : 0);
-  for (const HoldoutPsnr* psnr : {&choice->without, &choice->with}) {
-    writer->Put(psnr->plain);
-    writer->Put(psnr->fitted);
+  for (const TrialPsnr* psnr : {&choice->without, &choice->with}) {
+    writer->Put(psnr->training);
+    writer->Put(psnr->holdout);
   }
 }
 

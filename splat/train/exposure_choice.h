@@ -7,21 +7,24 @@
 
 namespace freegs::splat {
 
-// The PSNR in dB on holdout photographs, with the colours as they are and
-// fitted to each photograph (MeasureFittedHoldout).
-struct HoldoutPsnr {
-  double plain = 0;
-  double fitted = 0;
+// How well photographs look like the scene: mean PSNR in dB of the photographs
+// for training, and of the right halves of holdout photographs.
+struct TrialPsnr {
+  double training = 0;
+  double holdout = 0;
 
-  friend bool operator==(const HoldoutPsnr&, const HoldoutPsnr&) = default;
+  friend bool operator==(const TrialPsnr&, const TrialPsnr&) = default;
 };
 
 struct ExposureChoice {
   bool learn = false;
 
-  // Of the two trials of the search.
-  HoldoutPsnr without;
-  HoldoutPsnr with;
+  // In the colours of the scene, and in those to expect of each photograph. For
+  // training photographs these are the mean of what was learnt of the
+  // photographs before and after it (ExposureBetween). Those of holdout
+  // photographs are fitted to the left half (MeasureFittedHoldout).
+  TrialPsnr without;
+  TrialPsnr with;
 
   friend bool operator==(const ExposureChoice&,
                          const ExposureChoice&) = default;

@@ -208,11 +208,12 @@ class ReconstructStage : public pipeline::Stage {
       metrics["holdout_psnr"] = quality.mean_psnr;
       metrics["holdout_ssim"] = quality.mean_ssim;
       FREEGS_ASSIGN_OR_RETURN(
-          metrics["holdout_psnr_fitted"],
+          const splat::FittedPsnr right_half,
           splat::MeasureFittedHoldout(model,
                                       ReconstructRenderOptions(options_),
                                       &*holdout->reporting,
                                       *context.pool));
+      metrics["holdout_psnr_fitted"] = right_half.fitted;
     }
     if (holdout->choosing) {
       FREEGS_RETURN_IF_ERROR(

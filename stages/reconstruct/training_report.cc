@@ -14,8 +14,8 @@ namespace {
 // Null when there was no search.
 nlohmann::json ChoiceJson(const std::optional<splat::ExposureChoice>& choice) {
   if (!choice) return nullptr;
-  const auto psnr = [](const splat::HoldoutPsnr& trial) -> nlohmann::json {
-    return {{"psnr", trial.plain}, {"psnr_fitted", trial.fitted}};
+  const auto psnr = [](const splat::TrialPsnr& shown) -> nlohmann::json {
+    return {{"training_psnr", shown.training}, {"holdout_psnr", shown.holdout}};
   };
   return {{"learn", choice->learn},
           {"without", psnr(choice->without)},
@@ -78,10 +78,11 @@ std::string ExposureText(const splat::ExposureChoice& choice) {
   };
   return std::string("the exposure of each photo is ") +
          (choice.learn ? "learnt" : "not learnt") +
-         "; in short trainings it changed the holdout from " +
-         change(choice.without.plain, choice.with.plain) +
-         ", with fitted colours from " +
-         change(choice.without.fitted, choice.with.fitted);
+         "; that of its neighbours changes training photos from " +
+         change(choice.without.training, choice.with.training) +
+         " after a short training, and fitted colours change holdout photos "
+         "from " +
+         change(choice.without.holdout, choice.with.holdout);
 }
 
 std::string DisplacementNote(const std::vector<DisplacedView>& views) {

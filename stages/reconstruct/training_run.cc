@@ -58,16 +58,13 @@ class TrainingRun {
   }
 
   // The judge that the search asks. It must not outlive this run.
-  splat::QualityJudge Judge() {
-    return [this](const splat::GaussianModel& model,
-                  std::span<const splat::PhotoExposure> exposures,
-                  int level) {
-      return MeasureChoosing(model,
-                             exposures,
-                             ReconstructRenderOptions(options_),
-                             &*holdout_->choosing,
-                             *context_->pool,
-                             level);
+  splat::FittedJudge Judge() {
+    return [this](const splat::GaussianModel& model, int level) {
+      return splat::MeasureFittedHoldout(model,
+                                         ReconstructRenderOptions(options_),
+                                         &*holdout_->choosing,
+                                         *context_->pool,
+                                         level);
     };
   }
 
@@ -252,24 +249,6 @@ class TrainingRun {
 };
 
 }  // namespace
-
-StatusOr<splat::HoldoutPsnr> MeasureChoosing(
-    const splat::GaussianModel& model,
-    std::span<const splat::PhotoExposure> exposures,
-    const splat::RenderOptions& render,
-    splat::TrainingImages* photos,
-    ThreadPool& pool,
-    int level) {
-  splat::HoldoutPsnr psnr;
-  FREEGS_ASSIGN_OR_RETURN(
-      const splat::HoldoutReport report,
-      splat::MeasureHoldout(model, render, photos, pool, level, exposures));
-  psnr.plain = report.mean_psnr;
-  FREEGS_ASSIGN_OR_RETURN(
-      psnr.fitted,
-      splat::MeasureFittedHoldout(model, render, photos, pool, level));
-  return psnr;
-}
 
 StatusOr<TrainedModel> TrainModel(const ReconstructStageOptions& options,
                                   const splat::TrainerOptions& training,

@@ -40,15 +40,6 @@ struct TrainedModel {
   nlohmann::json course = CourseJson("", nullptr);
 };
 
-// What SearchExposure asks for of the photos for choosing.
-StatusOr<splat::HoldoutPsnr> MeasureChoosing(
-    const splat::GaussianModel& model,
-    std::span<const splat::PhotoExposure> exposures,
-    const splat::RenderOptions& render,
-    splat::TrainingImages* photos,
-    ThreadPool& pool,
-    int level);
-
 // Trains a model of the scene. Writes progress.csv and checkpoints/ below
 // context.output, and starts from the newest whole checkpoint there when
 // context.resuming is true: the model has the same bytes as after a run without

@@ -35,6 +35,10 @@ TEST(Exposure, OfAnUnknownPhotoIsBetweenThoseOfItsNeighbours) {
   EXPECT_EQ(ExposureBetween({}, "3.jpg"), AffineColor());
   EXPECT_EQ(ExposureBetween(exposures, "1.jpg"), exposures[0].color);
   EXPECT_EQ(ExposureBetween(exposures, "5.jpg"), exposures[1].color);
+  // What was learnt of the photo itself does not count.
+  EXPECT_EQ(ExposureBetween(exposures, "2.jpg"), exposures[1].color);
+  EXPECT_EQ(ExposureBetween(exposures, "4.jpg"), exposures[0].color);
+  EXPECT_EQ(ExposureBetween({exposures.data(), 1}, "2.jpg"), AffineColor());
   const AffineColor between = ExposureBetween(exposures, "3.jpg");
   for (size_t k = 0; k < between.values.size(); ++k) {
     EXPECT_FLOAT_EQ(

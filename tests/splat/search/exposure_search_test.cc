@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -20,6 +21,12 @@
 namespace freegs::splat {
 namespace {
 
+// Of training photos and of holdout photos, in dB.
+std::string Gains(const ExposureChoice& choice) {
+  return std::to_string(choice.with.training - choice.without.training) + ", " +
+         std::to_string(choice.with.holdout - choice.without.holdout);
+}
+
 class ExposureSearchTest : public TrainingFixture {
  protected:
   static TrainerOptions Training() {
@@ -28,7 +35,7 @@ class ExposureSearchTest : public TrainingFixture {
     return options;
   }
 
-  StatusOr<ExposureChoice> Search(const QualityJudge& judge, int threads = 2) {
+  StatusOr<ExposureChoice> Search(const FittedJudge& judge, int threads = 2) {
     ThreadPool pool(threads);
     TrainingImages images = ImagesOf(false, pool);
     return SearchExposure(search_,
@@ -53,16 +60,11 @@ class ExposureSearchTest : public TrainingFixture {
     return std::move(images).value();
   }
 
-  QualityJudge HoldoutJudge(ThreadPool* pool) {
+  FittedJudge HoldoutJudge(ThreadPool* pool) {
     holdout_.emplace(ImagesOf(true, *pool));
-    return [this, pool](const GaussianModel& model,
-                        std::span<const PhotoExposure> exposures,
-                        int level) -> StatusOr<HoldoutPsnr> {
-      const auto plain = MeasureHoldout(
-          model, RenderOptions(), &*holdout_, *pool, level, exposures);
-      const auto fitted = MeasureFittedHoldout(
+    return [this, pool](const GaussianModel& model, int level) {
+      return MeasureFittedHoldout(
           model, RenderOptions(), &*holdout_, *pool, level);
-      return HoldoutPsnr{plain->mean_psnr, *fitted};
     };
   }
 
@@ -97,45 +99,37 @@ class ExposureSearchTest : public TrainingFixture {
 };
 
 TEST_F(ExposureSearchTest, FollowsTheJudge) {
-  std::vector<std::pair<size_t, int>> seen;
-  for (const HoldoutPsnr gain : {HoldoutPsnr{1, -1.0},
-                                 HoldoutPsnr{0, 0.19},
-                                 HoldoutPsnr{0, 0.21},
-                                 HoldoutPsnr{0.21, 0},
-                                 HoldoutPsnr{-0.5, 0.8},
-                                 HoldoutPsnr{-4, 1.5}}) {
-    seen.clear();
-    const auto choice = Search([&](const GaussianModel& model,
-                                   std::span<const PhotoExposure> exposures,
-                                   int level) -> StatusOr<HoldoutPsnr> {
-      EXPECT_EQ(exposures.empty(), seen.empty());
-      seen.emplace_back(model.size(), level);
-      if (seen.size() == 1) return HoldoutPsnr{20, 22};
-      return HoldoutPsnr{20 + gain.plain, 22 + gain.fitted};
-    });
+  // Exposures are the same, so those of neighbours change little.
+  for (const double gain : {-3.0, 0.0, 1.5, 2.5, 4.0}) {
+    int calls = 0;
+    const auto choice = Search(
+        [&](const GaussianModel& model, int level) -> StatusOr<FittedPsnr> {
+          ++calls;
+          EXPECT_EQ(level, 1);
+          EXPECT_LE(model.size(), 160u);  // A quarter of the budget.
+          return FittedPsnr{22, 22 + gain};
+        });
     ASSERT_TRUE(choice.ok()) << choice.status().message();
-    EXPECT_EQ(choice->learn, gain.plain + gain.fitted > 0.2);
-    EXPECT_EQ(choice->without, (HoldoutPsnr{20, 22}));
-    EXPECT_EQ(choice->with.plain, 20 + gain.plain);
-    ASSERT_EQ(seen.size(), 2u);
-    EXPECT_EQ(seen[0].second, 1);
-    EXPECT_LE(seen[0].first, 160u);  // A quarter of the budget.
+    EXPECT_EQ(choice->learn, gain > 2);
+    EXPECT_NEAR(choice->with.training, choice->without.training, 0.4);
+    EXPECT_EQ(choice->without.holdout, 22);
+    EXPECT_EQ(choice->with.holdout, 22 + gain);
+    EXPECT_EQ(calls, 1);
   }
 }
 
 TEST_F(ExposureSearchTest, PassesErrorsOn) {
-  using Exposures = std::span<const PhotoExposure>;
-  const auto unreadable =
-      [](const GaussianModel&, Exposures, int) -> StatusOr<HoldoutPsnr> {
+  const auto unreadable = [](const GaussianModel&,
+                             int) -> StatusOr<FittedPsnr> {
     return BadInputError("unreadable");
   };
   EXPECT_EQ(Search(unreadable).status().code(), StatusCode::kBadInput);
-  const auto fine = [](const GaussianModel&,
-                       Exposures,
-                       int) -> StatusOr<HoldoutPsnr> { return HoldoutPsnr(); };
+  const auto fine = [](const GaussianModel&, int) -> StatusOr<FittedPsnr> {
+    return FittedPsnr();
+  };
   search_.min_gain_db = -1;
   EXPECT_EQ(Search(fine).status().code(), StatusCode::kInvalidArgument);
-  search_.min_gain_db = 0.1;
+  search_.min_gain_db = 1;
   cancellation_.Cancel();
   EXPECT_EQ(Search(fine).status().code(), StatusCode::kInterrupted);
 }
@@ -144,12 +138,11 @@ TEST_F(ExposureSearchTest, LearnsExposureOnlyWherePhotosDiffer) {
   ThreadPool pool(2);
   const auto same = Search(HoldoutJudge(&pool));
   ASSERT_TRUE(same.ok()) << same.status().message();
-  EXPECT_FALSE(same->learn) << same->without.fitted << " " << same->with.fitted;
+  EXPECT_FALSE(same->learn) << Gains(*same);
   VaryExposure();
   const auto different = Search(HoldoutJudge(&pool));
   ASSERT_TRUE(different.ok());
-  EXPECT_TRUE(different->learn)
-      << different->without.fitted << " " << different->with.fitted;
+  EXPECT_TRUE(different->learn) << Gains(*different);
   // The same for another number of threads.
   EXPECT_EQ(*Search(HoldoutJudge(&pool), 1), *different);
 }
@@ -159,21 +152,23 @@ TEST_F(ExposureSearchTest, LearnsExposureOnlyWherePhotosDiffer) {
 TEST_F(ExposureSearchTest, LearnsAnExposureThatDrifts) {
   RampExposure();
   ThreadPool pool(2);
-  const QualityJudge judge = HoldoutJudge(&pool);
-  const auto choice = Search(judge);
+  const auto choice = Search(HoldoutJudge(&pool));
   ASSERT_TRUE(choice.ok()) << choice.status().message();
-  EXPECT_TRUE(choice->learn)
-      << choice->without.plain << " " << choice->with.plain << ", fitted "
-      << choice->without.fitted << " " << choice->with.fitted;
+  EXPECT_TRUE(choice->learn) << Gains(*choice);
   TrainingImages images = ImagesOf(false, pool);
   Trainer trainer(Training(), Start(), 2.0, &images, &pool);
   trainer.KeepTo(*choice);
   ASSERT_TRUE(Finish(&trainer).ok());
-  const auto of_scene = judge(trainer.model(), {}, 0);
-  const auto of_neighbours = judge(trainer.model(), trainer.Exposures(), 0);
+  const auto of_scene =
+      MeasureHoldout(trainer.model(), RenderOptions(), &*holdout_, pool);
+  const auto of_neighbours = MeasureHoldout(trainer.model(),
+                                            RenderOptions(),
+                                            &*holdout_,
+                                            pool,
+                                            /*level=*/0,
+                                            trainer.Exposures());
   ASSERT_TRUE(of_scene.ok() && of_neighbours.ok());
-  EXPECT_GT(of_neighbours->plain, of_scene->plain + 0.5);
-  EXPECT_EQ(of_neighbours->fitted, of_scene->fitted);
+  EXPECT_GT(of_neighbours->mean_psnr, of_scene->mean_psnr + 0.5);
 }
 
 TEST_F(ExposureSearchTest, TrainingKeepsToTheChoice) {

@@ -35,8 +35,8 @@ TEST_F(TrainingRunTest, ReportsTheSearchAboutExposure) {
   ASSERT_TRUE(search.is_object());
   const bool learn = search["learn"].get<bool>();
   for (const char* trial : {"without", "with"}) {
-    EXPECT_GT(search[trial]["psnr"].get<double>(), 10);
-    EXPECT_GT(search[trial]["psnr_fitted"].get<double>(), 10);
+    EXPECT_GT(search[trial]["training_psnr"].get<double>(), 10);
+    EXPECT_GT(search[trial]["holdout_psnr"].get<double>(), 10);
   }
   EXPECT_GT(metrics["holdout_psnr_fitted"].get<double>(), 15);
   EXPECT_THAT(
