@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "splat/images/holdout.h"
+#include "splat/optim/exposure.h"
 
 namespace freegs::splat {
 namespace {
