@@ -43,15 +43,17 @@ Status ExposureOptions::Check() const {
 AffineColor ExposureBetween(std::span<const PhotoExposure> exposures,
                             std::string_view photo) {
   if (exposures.empty()) return {};
-  const auto [first, last] = std::ranges::equal_range(
+  const auto found = std::ranges::lower_bound(
       exposures, photo, std::less<>(), [](const PhotoExposure& exposure) {
         return std::string_view(exposure.photo);
       });
-  const bool is_first = first == exposures.begin();
-  const bool is_last = last == exposures.end();
+  const bool itself = found != exposures.end() && found->photo == photo;
+  const auto after = itself ? found + 1 : found;
+  const bool is_first = found == exposures.begin();
+  const bool is_last = after == exposures.end();
   if (is_first && is_last) return {};
-  const AffineColor& a = is_first ? last->color : (first - 1)->color;
-  const AffineColor& b = is_last ? a : last->color;
+  const AffineColor& a = is_first ? after->color : (found - 1)->color;
+  const AffineColor& b = is_last ? a : after->color;
   AffineColor between;
   for (size_t k = 0; k < between.values.size(); ++k) {
     between.values[k] = 0.5f * (a.values[k] + b.values[k]);
