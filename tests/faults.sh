@@ -10,9 +10,9 @@
 #
 # BIN is the folder of the built programs. FOLDER is made anew. Needs COLMAP;
 # full disks need the right to mount a tmpfs, a clock needs libfaketime, and they
-# are left out without it. Takes some five minutes. The short form, which takes
-# half of the time, tries every second amount of memory, of threads and of room
-# on the disk, and one signal fewer.
+# are left out without it. Takes some five minutes. The short form tries every
+# second amount of memory, of threads and of room on the disk, and ends COLMAP by
+# one signal instead of two.
 set -uo pipefail
 
 program=$(realpath "$1")/freegs_pipeline

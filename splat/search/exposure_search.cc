@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "splat/images/holdout.h"
 #include "splat/optim/exposure.h"

@@ -22,6 +22,9 @@ constexpr double kRecoveryRateFactor = 0.5;
 // The space around cameras is cleared until this share of the iterations.
 constexpr double kClearShare = 0.9;
 
+// The mean of the last steps takes the model after so many steps each.
+constexpr int64_t kAverageInterval = 2;
+
 DensificationOptions EffectiveDensification(const TrainerOptions& options) {
   DensificationOptions densification = options.densification;
   const bool mini =
@@ -47,10 +50,10 @@ std::vector<View> AllViews(const TrainingImages& images) {
 Status TrainerOptions::Check() const {
   if (budget < 0) return InvalidArgumentError("budget must not be negative");
   if (snapshot_interval < 1 || clear_interval < 1 || decay_interval < 1 ||
-      average_interval < 1 || max_recoveries < 0) {
+      max_recoveries < 0) {
     return InvalidArgumentError(
-        "snapshot_interval, clear_interval, decay_interval and "
-        "average_interval must be positive, max_recoveries not negative");
+        "snapshot_interval, clear_interval and decay_interval must be "
+        "positive, max_recoveries not negative");
   }
   if (!(average_from >= 0 && average_from <= 1)) {
     return InvalidArgumentError("average_from must be a share of the steps");
@@ -271,7 +274,7 @@ void Trainer::Average() {
   const double from =
       options_.average_from * static_cast<double>(schedule_.iterations());
   if (static_cast<double>(iteration_) <= from) return;
-  if (iteration_ % options_.average_interval != 0 && !done()) return;
+  if (iteration_ % kAverageInterval != 0 && !done()) return;
   history_.average.Add(model_, *pool_);
 }
 

@@ -64,11 +64,10 @@ struct TrainerOptions {
   OpacityDecayOptions opacity_decay;
   int decay_interval = 10;
 
-  // The result is the mean of the models after every average_interval-th step
-  // from this share of the steps on; 1 takes the last model as it is. No
-  // Gaussian is added or removed by then, see clear_interval.
+  // The result is the mean of the models after every second step from this
+  // share of the steps on; 1 takes the last model as it is. No Gaussian is
+  // added or removed by then, see clear_interval.
   double average_from = 0.9;
-  int average_interval = 2;
 
   LearningRateOptions learning_rates;
   PhotometricLossOptions loss;

@@ -6,7 +6,6 @@
 #define FREEGS_STAGES_RECONSTRUCT_TRAINING_RUN_H_
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include <nlohmann/json.hpp>

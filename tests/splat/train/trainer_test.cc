@@ -450,9 +450,6 @@ TEST(TrainerOptions, Check) {
   options.decay_interval = 0;
   EXPECT_FALSE(options.Check().ok());
   options = TrainerOptions();
-  options.average_interval = 0;
-  EXPECT_FALSE(options.Check().ok());
-  options = TrainerOptions();
   options.average_from = 1.5;
   EXPECT_FALSE(options.Check().ok());
 }
