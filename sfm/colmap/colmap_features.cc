@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The feature step: photos and their cameras into the database, then features.
+// The first step: photos and their cameras into the database.
 
 #include <charconv>
 #include <map>
@@ -79,43 +79,33 @@ StatusOr<fs::path> WriteImageList(const StepContext& context,
   return path;
 }
 
+// COLMAP numbers photos in the order in which their features are ready. So one
+// thread takes hardly any features from tiny images.
 StatusOr<ColmapArguments> ExtractorArguments(const StepContext& context,
                                              const fs::path& database,
-                                             const fs::path& image_list,
-                                             int num_threads,
-                                             int max_image_size,
-                                             int max_features) {
+                                             const fs::path& image_list) {
   FREEGS_ASSIGN_OR_RETURN(
       ColmapArguments arguments,
       context.Arguments("feature_extractor", context.input.photos.size()));
   arguments.Require("database_path", database.string());
   arguments.Require("image_path", context.input.photo_folder.string());
   arguments.Require("image_list_path", image_list.string());
-  if (!context.input.mask_folder.empty()) {
-    arguments.Require("ImageReader.mask_path",
-                      context.input.mask_folder.string());
-  }
   arguments.Prefer({"FeatureExtraction.use_gpu", "SiftExtraction.use_gpu"},
-                   context.options.use_gpu ? "1" : "0");
+                   "0");
   arguments.Prefer(
-      {"FeatureExtraction.num_threads", "SiftExtraction.num_threads"},
-      std::to_string(num_threads));
+      {"FeatureExtraction.num_threads", "SiftExtraction.num_threads"}, "1");
   arguments.Prefer(
       {"FeatureExtraction.max_image_size", "SiftExtraction.max_image_size"},
-      std::to_string(max_image_size));
+      "64");
   arguments.Prefer(
       {"SiftExtraction.max_num_features", "FeatureExtraction.max_num_features"},
-      std::to_string(max_features));
+      "16");
   return arguments;
 }
 
-// Runs the extractor once per camera group.
-Status ExtractGroups(const StepContext& context,
-                     const fs::path& database,
-                     const std::string& step,
-                     int num_threads,
-                     int max_image_size,
-                     int max_features) {
+}  // namespace
+
+Status RegisterPhotos(const StepContext& context, const fs::path& database) {
   const CameraModelInfo* model =
       FindCameraModel(std::string_view(context.options.ColmapCameraModel()));
   double finished = 0;
@@ -124,12 +114,7 @@ Status ExtractGroups(const StepContext& context,
     FREEGS_ASSIGN_OR_RETURN(const fs::path list,
                             WriteImageList(context, group.photos));
     FREEGS_ASSIGN_OR_RETURN(ColmapArguments arguments,
-                            ExtractorArguments(context,
-                                               database,
-                                               list,
-                                               num_threads,
-                                               max_image_size,
-                                               max_features));
+                            ExtractorArguments(context, database, list));
     arguments.Require("ImageReader.camera_model",
                       context.options.ColmapCameraModel());
     arguments.Require(group.shared ? "ImageReader.single_camera"
@@ -143,7 +128,7 @@ Status ExtractGroups(const StepContext& context,
       const auto progress = ParseColmapLine(line);
       if (!progress || progress->kind != ColmapProgress::Kind::kPhotoDone)
         return;
-      context.Report(step,
+      context.Report("reading photos",
                      finished + progress->done,
                      static_cast<double>(context.input.photos.size()),
                      "");
@@ -154,44 +139,8 @@ Status ExtractGroups(const StepContext& context,
     FREEGS_RETURN_IF_ERROR(CheckEnded(context, "feature_extractor", result));
     finished += static_cast<double>(group.photos.size());
   }
-  return {};
-}
-
-}  // namespace
-
-StatusOr<bool> RegisterPhotos(const StepContext& context,
-                              const fs::path& database) {
-  if (!context.colmap.HasCommand("database_cleaner")) return false;
-  // COLMAP numbers photos in the order in which their features are ready. So
-  // one thread takes hardly any features from tiny images, which are deleted
-  // again; photos and cameras stay.
-  FREEGS_RETURN_IF_ERROR(
-      ExtractGroups(context, database, "reading photos", 1, 64, 16));
-
-  FREEGS_ASSIGN_OR_RETURN(
-      ColmapArguments arguments,
-      context.Arguments("database_cleaner", context.input.photos.size()));
-  arguments.Require("database_path", database.string());
-  arguments.Require("type", "features");
-  FREEGS_ASSIGN_OR_RETURN(const ChildCommand command, arguments.Finish());
-  FREEGS_ASSIGN_OR_RETURN(const ChildResult result,
-                          RunChild(command, {}, context.input.cancellation));
-  FREEGS_RETURN_IF_ERROR(CheckEnded(context, "database_cleaner", result));
-  return true;
-}
-
-Status ExtractFeatures(const StepContext& context,
-                       const fs::path& database,
-                       int num_threads) {
-  FREEGS_RETURN_IF_ERROR(ExtractGroups(context,
-                                       database,
-                                       "features",
-                                       num_threads,
-                                       context.options.max_image_size,
-                                       context.options.max_features));
-  FREEGS_ASSIGN_OR_RETURN(MatchDatabase features,
-                          MatchDatabase::Open(database));
-  return features.ClearUnsetDescriptors();
+  FREEGS_ASSIGN_OR_RETURN(MatchDatabase photos, MatchDatabase::Open(database));
+  return photos.ClearFeatures();
 }
 
 }  // namespace freegs::sfm

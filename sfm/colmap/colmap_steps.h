@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The steps of structure from motion that COLMAP does: features, matches and
+// The steps of structure from motion that COLMAP does: cameras, matches and
 // mapping. The caller decides on their order and remembers what is done.
 //
-//   FREEGS_RETURN_IF_ERROR(ExtractFeatures(context, database, num_threads));
+//   FREEGS_RETURN_IF_ERROR(RegisterPhotos(context, database));
+//   FREEGS_RETURN_IF_ERROR(ExtractFeatures(context, database));
 //   FREEGS_ASSIGN_OR_RETURN(const MatchedPairs pairs,
 //                           MatchFeatures(context, database, {}, on_done));
 //   FREEGS_ASSIGN_OR_RETURN(const std::vector<Reconstruction> models,
@@ -60,23 +61,9 @@ Status CheckEnded(const StepContext& context,
                   const ChildResult& result);
 
 // Makes a new database that contains the photos, in the given order, and their
-// cameras, but no features. Returns false without doing anything when this
-// release of COLMAP cannot do that. ExtractFeatures must then use one thread.
-StatusOr<bool> RegisterPhotos(const StepContext& context,
-                              const std::filesystem::path& database);
-
-// Adds the features of all photos that have none.
-Status ExtractFeatures(const StepContext& context,
-                       const std::filesystem::path& database,
-                       int num_threads);
-
-// Chooses the longest side, from 800 to 1600 pixels, of images that have
-// options.max_features features. It extracts the features of a few photos at
-// 800 pixels and concludes from their number.
-StatusOr<int> ChooseImageSize(const StepContext& context);
-
-// Does the same for photos that have `found` features at 800 pixels.
-int ImageSizeFor(int64_t found, int max_features);
+// cameras, but no features.
+Status RegisterPhotos(const StepContext& context,
+                      const std::filesystem::path& database);
 
 // Matches the pairs that options.pairs choose, writes the matches into the
 // database, and writes the list of pairs into pairs.txt beside it. It works in

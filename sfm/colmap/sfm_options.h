@@ -34,14 +34,10 @@ struct SfmOptions {
   int max_image_size = 0;
 
   // How many features are kept per photo; those are the largest ones.
-  int max_features = 3000;
+  int max_features = 4000;
 
   // Which pairs of photos are matched.
   PairSelectionOptions pairs;
-
-  // Whether features are extracted on the graphics card, for which COLMAP must
-  // have been built.
-  bool use_gpu = false;
 
   // How many threads and programs run at the same time; <= 0 means one per
   // core. The result does not depend on it.
@@ -60,9 +56,13 @@ struct SfmInput {
   std::vector<SfmPhoto> photos;  // In the order in which they were taken.
 
   // The folder of masks, NAME.png for the photo NAME, or empty. No features are
-  // taken where a mask is 0. Every photo must have a mask, because newer
-  // releases of COLMAP skip photos without one.
+  // taken where a mask is 0. Every photo must have a mask.
   std::filesystem::path mask_folder;
+
+  // The mask of a photo; empty without masks.
+  std::filesystem::path MaskOf(const std::string& photo) const {
+    return mask_folder.empty() ? mask_folder : mask_folder / (photo + ".png");
+  }
 
   // The folder for database.db, logs/, steps.json and other files of the steps.
   // A call with the same input and options continues after the last finished

@@ -13,6 +13,8 @@
 #include "sfm/colmap/colmap_program.h"
 #include "sfm/colmap/colmap_steps.h"
 #include "sfm/diagnosis/photo_reasons.h"
+#include "sfm/features/extract_features.h"
+#include "sfm/features/image_size.h"
 #include "sfm/mapping/map_scene.h"
 #include "sfm/mapping/separate_parts.h"
 #include "sfm/mapping/step_record.h"
@@ -42,18 +44,11 @@ Status BuildDatabase(const StepContext& context,
                      StepRecord* record) {
   if (!record->Has("photos")) {
     RemoveDatabase(database);
-    FREEGS_ASSIGN_OR_RETURN(const bool numbered,
-                            RegisterPhotos(context, database));
-    if (!numbered) FREEGS_RETURN_IF_ERROR(record->Add("one extractor thread"));
+    FREEGS_RETURN_IF_ERROR(RegisterPhotos(context, database));
     FREEGS_RETURN_IF_ERROR(record->Add("photos"));
   }
   if (!record->Has("features")) {
-    // Photos that have their features already are skipped by COLMAP, which
-    // writes each photo's in one transaction.
-    FREEGS_RETURN_IF_ERROR(ExtractFeatures(
-        context,
-        database,
-        record->Has("one extractor thread") ? 1 : context.num_threads));
+    FREEGS_RETURN_IF_ERROR(ExtractFeatures(context, database));
     FREEGS_RETURN_IF_ERROR(record->Add("features"));
   }
   if (!record->Has("matches")) {
@@ -166,11 +161,6 @@ StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
   SfmResult result;
   result.colmap_version = colmap.version();
   result.warnings = colmap.KnownFaults();
-  if (record.Has("one extractor thread")) {
-    result.warnings.push_back(
-        "this COLMAP has no database_cleaner: features were taken by one "
-        "thread, to stay repeatable");
-  }
   DiagnosisOptions diagnosis;
   // A low limit of features is no sign of little texture.
   diagnosis.few_features =

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <sqlite3.h>
+#include <string_view>
 #include <system_error>
 #include <tuple>
 
@@ -23,14 +24,9 @@ constexpr int64_t kMaxImageId = 2147483647;
 constexpr int64_t kFirstHomography = 4;
 constexpr int64_t kLastHomography = 6;
 
-// COLMAP's SIFT (VLFeat) computes no descriptor where a feature lies in the
-// last row of pixels of its octave. COLMAP then stores what was in memory
-// before, which is not the same in two runs. A feature of size s was found in
-// an octave whose pixels are at most s / 1.6 wide, for each octave begins with
-// a blur of 1.6 pixels. The last row begins up to 2.5 of its pixels above the
-// edge: 1.5 because positions are rounded, and one that was lost when sides
-// were halved.
-constexpr float kUnsetHeight = 2.5f / 1.6f;
+// COLMAP's number of SIFT among the kinds of descriptors, in releases that know
+// several.
+constexpr int64_t kSiftType = 0;
 
 class Statement {
  public:
@@ -45,12 +41,10 @@ class Statement {
   void Bind(int index, const std::string& text) {
     sqlite3_bind_text(statement_, index, text.c_str(), -1, SQLITE_TRANSIENT);
   }
-  void BindBlob(int index, const std::vector<uint8_t>& bytes) {
-    sqlite3_bind_blob(statement_,
-                      index,
-                      bytes.data(),
-                      static_cast<int>(bytes.size()),
-                      SQLITE_TRANSIENT);
+  // `bytes` must outlive the call of Step().
+  void BindBlob(int index, std::string_view bytes) {
+    sqlite3_bind_blob64(
+        statement_, index, bytes.data(), bytes.size(), SQLITE_STATIC);
   }
   void Bind(int index, int64_t value) {
     sqlite3_bind_int64(statement_, index, value);
@@ -179,22 +173,22 @@ StatusOr<SiftDescriptors> MatchDatabase::Descriptors(uint32_t photo_id) const {
   return descriptors;
 }
 
-StatusOr<std::vector<MatchDatabase::Feature>> MatchDatabase::Features(
+StatusOr<std::vector<float>> MatchDatabase::FeatureScales(
     uint32_t photo_id) const {
   Statement statement(
       database_.get(),
       "SELECT rows, cols, data FROM keypoints WHERE image_id = ?");
   if (!statement.ok()) return Error("cannot read its keypoints");
   statement.Bind(1, photo_id);
-  std::vector<Feature> features;
+  std::vector<float> scales;
   const int code = statement.Step();
-  if (code == SQLITE_DONE) return features;
+  if (code == SQLITE_DONE) return scales;
   if (code != SQLITE_ROW) return Error("cannot read its keypoints");
   const int64_t rows = statement.Integer(0);
   const int64_t columns = statement.Integer(1);
   const std::string data = statement.Text(2);
   // x, y; x, y, scale, angle; or x, y and a 2 x 2 matrix.
-  if (columns != 4 && columns != 6) return features;
+  if (columns != 4 && columns != 6) return scales;
   const size_t row_bytes = static_cast<size_t>(columns) * sizeof(float);
   if (rows < 0 || data.size() % row_bytes != 0 ||
       static_cast<int64_t>(data.size() / row_bytes) != rows) {
@@ -207,19 +201,54 @@ StatusOr<std::vector<MatchDatabase::Feature>> MatchDatabase::Features(
     const float scale =
         columns == 4 ? v[2]
                      : 0.5f * (std::hypot(v[2], v[4]) + std::hypot(v[3], v[5]));
-    features.push_back({v[1], std::isfinite(scale) ? scale : 0.0f});
+    scales.push_back(std::isfinite(scale) ? scale : 0.0f);
   }
-  return features;
+  return scales;
 }
 
-StatusOr<std::vector<float>> MatchDatabase::FeatureScales(
-    uint32_t photo_id) const {
-  FREEGS_ASSIGN_OR_RETURN(const std::vector<Feature> features,
-                          Features(photo_id));
-  std::vector<float> scales;
-  scales.reserve(features.size());
-  for (const Feature& feature : features) scales.push_back(feature.scale);
-  return scales;
+Status MatchDatabase::AddFeatures(std::span<const PhotoKeypoints> photos) {
+  FREEGS_RETURN_IF_ERROR(Execute("BEGIN IMMEDIATE"));
+  const bool typed = HasColumn("descriptors", "type");
+  const char* descriptors_sql =
+      typed ? "INSERT OR REPLACE INTO descriptors(image_id, rows, cols, data, "
+              "type) VALUES(?, ?, ?, ?, ?)"
+            : "INSERT OR REPLACE INTO descriptors(image_id, rows, cols, data) "
+              "VALUES(?, ?, ?, ?)";
+  for (const PhotoKeypoints& photo : photos) {
+    const auto rows = static_cast<int64_t>(photo.keypoints->size());
+    ByteWriter bytes;
+    for (const Keypoint& k : *photo.keypoints) {
+      for (const float value : {k.x, k.y, k.scale, k.angle}) bytes.Put(value);
+    }
+    Statement keypoints(database_.get(),
+                        "INSERT OR REPLACE INTO keypoints(image_id, rows, "
+                        "cols, data) VALUES(?, ?, 4, ?)");
+    if (!keypoints.ok()) return Error("cannot take keypoints");
+    keypoints.Bind(1, photo.photo_id);
+    keypoints.Bind(2, rows);
+    keypoints.BindBlob(3, bytes.content());
+    if (keypoints.Step() != SQLITE_DONE) return Error("cannot take keypoints");
+
+    Statement descriptors(database_.get(), descriptors_sql);
+    if (!descriptors.ok()) return Error("cannot take descriptors");
+    descriptors.Bind(1, photo.photo_id);
+    descriptors.Bind(2, rows);
+    descriptors.Bind(3, static_cast<int64_t>(kSiftDimensions));
+    const std::vector<uint8_t>& values = photo.descriptors->values;
+    descriptors.BindBlob(
+        4, {reinterpret_cast<const char*>(values.data()), values.size()});
+    if (typed) descriptors.Bind(5, kSiftType);
+    if (descriptors.Step() != SQLITE_DONE) {
+      return Error("cannot take descriptors");
+    }
+  }
+  return Execute("COMMIT");
+}
+
+Status MatchDatabase::ClearFeatures() {
+  return Execute(
+      "BEGIN IMMEDIATE; DELETE FROM keypoints; DELETE FROM descriptors; "
+      "COMMIT");
 }
 
 Status MatchDatabase::WrongSize(uint32_t id1, uint32_t id2) const {
@@ -378,44 +407,6 @@ Status MatchDatabase::RenamePhotos(
     }
   }
   return Execute("COMMIT");
-}
-
-Status MatchDatabase::ClearUnsetDescriptors() {
-  Statement list(database_.get(),
-                 "SELECT images.image_id, cameras.height FROM images "
-                 "JOIN cameras ON cameras.camera_id = images.camera_id "
-                 "ORDER BY images.image_id");
-  if (!list.ok()) return Error("cannot list its photos");
-  std::vector<std::pair<uint32_t, int64_t>> photos;
-  int code;
-  while ((code = list.Step()) == SQLITE_ROW) {
-    photos.emplace_back(static_cast<uint32_t>(list.Integer(0)),
-                        list.Integer(1));
-  }
-  if (code != SQLITE_DONE) return Error("cannot list its photos");
-  for (const auto& [id, height] : photos) {
-    FREEGS_ASSIGN_OR_RETURN(const std::vector<Feature> features, Features(id));
-    FREEGS_ASSIGN_OR_RETURN(SiftDescriptors descriptors, Descriptors(id));
-    bool changed = false;
-    const size_t count = std::min(features.size(), descriptors.count());
-    for (size_t i = 0; i < count; ++i) {
-      const float above_edge = static_cast<float>(height) - features[i].y;
-      if (above_edge > kUnsetHeight * features[i].scale) continue;
-      std::fill_n(
-          descriptors.values.begin() + i * kSiftDimensions, kSiftDimensions, 0);
-      changed = true;
-    }
-    if (!changed) continue;
-    Statement update(database_.get(),
-                     "UPDATE descriptors SET data = ? WHERE image_id = ?");
-    if (!update.ok()) return Error("cannot change its descriptors");
-    update.BindBlob(1, descriptors.values);
-    update.Bind(2, id);
-    if (update.Step() != SQLITE_DONE) {
-      return Error("cannot change its descriptors");
-    }
-  }
-  return {};
 }
 
 Status MatchDatabase::ClearMatchesAndDescriptors() {

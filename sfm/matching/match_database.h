@@ -33,6 +33,21 @@ struct FeatureMatch {
   uint32_t feature2 = 0;
 };
 
+// A feature of a photo: where it is, how large, and which way it is turned.
+struct Keypoint {
+  float x = 0;      // Pixels, from the left edge of the photo.
+  float y = 0;      // Pixels, from its top edge.
+  float scale = 0;  // Pixels: the standard deviation of the blur.
+  float angle = 0;  // Radians, from x towards y.
+};
+
+// The features of a photo, for MatchDatabase::AddFeatures.
+struct PhotoKeypoints {
+  uint32_t photo_id = 0;
+  const std::vector<Keypoint>* keypoints = nullptr;
+  const SiftDescriptors* descriptors = nullptr;  // One for each keypoint.
+};
+
 // An open database:
 //
 //   FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
@@ -59,19 +74,16 @@ class MatchDatabase {
   // kBadInput when they are of another kind.
   StatusOr<SiftDescriptors> Descriptors(uint32_t photo_id) const;
 
-  // Of a feature, in pixels: how far below the photo's top it lies, and its
-  // size, which is never NaN.
-  struct Feature {
-    float y = 0;
-    float scale = 0;
-  };
-
-  // The features of a photo, in the order of its descriptors; empty when it has
-  // none or the database does not tell their sizes.
-  StatusOr<std::vector<Feature>> Features(uint32_t photo_id) const;
-
-  // The scales of Features.
+  // The scales of a photo's features, in pixels and never NaN, in the order of
+  // its descriptors; empty when it has none or the database does not tell them.
   StatusOr<std::vector<float>> FeatureScales(uint32_t photo_id) const;
+
+  // Gives photos their features, in one transaction. Features that they had are
+  // replaced.
+  Status AddFeatures(std::span<const PhotoKeypoints> photos);
+
+  // Deletes the features of all photos.
+  Status ClearFeatures();
 
   // A pair of photos with verified matches, and the motion that fits them.
   struct VerifiedPair {
@@ -115,10 +127,6 @@ class MatchDatabase {
 
   // Changes the name of every photo to name(id).
   Status RenamePhotos(const std::function<std::string(uint32_t id)>& name);
-
-  // Sets to zero the descriptors that COLMAP may have left unset: those of
-  // features at the lower edge of a photo. Descriptors of zero match nothing.
-  Status ClearUnsetDescriptors();
 
   // Deletes all descriptors and matches. Photos, cameras and the positions of
   // features stay.

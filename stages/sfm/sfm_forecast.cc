@@ -16,12 +16,12 @@ namespace {
 using pipeline::SceneOutlook;
 using pipeline::StageNeed;
 
-// COLMAP's program and libraries.
-constexpr double kColmapMemory = 20e6;
-
-// COLMAP's extractor doubles the sides of a picture and holds on each thread
-// about 20 floats for each pixel of that: scales, their differences, gradients.
-constexpr double kExtractorBytesPerPixel = 340;
+// The search for features doubles the sides of a picture. On each thread it
+// holds six blurred pictures of that size and five differences of them, as
+// floats, and a third as much again for the smaller octaves. Before, it holds
+// the photo itself, as it is decoded and as RGB.
+constexpr double kFeatureBytesPerPixel = 240;
+constexpr double kPhotoBytesPerPixel = 6;
 
 // Without sfm.max_image_size the side is chosen from 800 to 1600 by the number
 // of features found. With this one the error is small at both ends.
@@ -90,8 +90,11 @@ StageNeed SfmNeed(const sfm::SfmOptions& options,
   scene->points = std::llround(kPointsPerFeature * options.max_features *
                                std::sqrt(static_cast<double>(photos)));
   const double extraction =
-      kColmapMemory +
-      kExtractorBytesPerPixel * threads * static_cast<double>(pixels.largest);
+      static_cast<double>(pipeline::kProgramMemory) +
+      threads *
+          std::max(kFeatureBytesPerPixel * static_cast<double>(pixels.largest),
+                   kPhotoBytesPerPixel *
+                       static_cast<double>(CountPixels(*scene, 0).largest));
   const double mapping = static_cast<double>(pipeline::kProgramMemory) +
                          kBytesPerFeature * features;
   const double share = options.max_features / kUsualFeatures;

@@ -81,10 +81,6 @@ void RegisterSfmOptions(SfmStageOptions& options,
              .min = 64,
              .max = 100000});
   RegisterPairOptions(options, table);
-  table.Add("sfm.use_gpu",
-            &options.colmap.use_gpu,
-            {.help = "Take features on the graphics card, if COLMAP was built "
-                     "for it. Not repeatable to the byte."});
   table.Add(
       "sfm.min_registered_share",
       &options.health.min_registered_share,

@@ -69,7 +69,6 @@ const std::map<std::string, std::vector<std::string>>& CommandOptions() {
         features + "num_threads",
         features + "max_image_size",
         "SiftExtraction.max_num_features"}},
-      {"database_cleaner", {"database_path", "type"}},
       {"matches_importer",
        {"database_path",
         "match_list_path",
@@ -347,11 +346,6 @@ int Run(int argc, char** argv) {
     return 1;
   }
   if (command == "feature_extractor") return ExtractFeatures(options);
-  if (command == "database_cleaner") {
-    Database(options["database_path"])
-        .Run("DELETE FROM keypoints; DELETE FROM descriptors");
-    return 0;
-  }
   if (command == "matches_importer") return MatchPairs(options);
   if (command == "mapper") return Map(options);
   return UndistortImages(options);

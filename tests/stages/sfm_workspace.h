@@ -5,13 +5,16 @@
 #ifndef FREEGS_TESTS_STAGES_SFM_WORKSPACE_H_
 #define FREEGS_TESTS_STAGES_SFM_WORKSPACE_H_
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
+#include "core/io/image_io.h"
 #include "core/parallel.h"
 #include "photos/photo_list.h"
 #include "pipeline/stage.h"
 #include "tests/sfm/synthetic_model.h"
+#include "tests/sfm/textured_photo.h"
 #include "tests/temporary_folder.h"
 
 namespace freegs::stages {
@@ -21,6 +24,7 @@ class SfmWorkspace {
   // num_photos photos of 640 x 480 pixels, every 8th held out, named as those
   // of sfm::SyntheticModel.
   explicit SfmWorkspace(int num_photos) {
+    std::filesystem::create_directories(path() / "ingest" / "photos");
     for (int i = 0; i < num_photos; ++i) {
       photos::Photo photo;
       photo.name = sfm::PhotoName(i);
@@ -33,7 +37,9 @@ class SfmWorkspace {
       photo.split = i % 8 == 0 ? photos::PhotoSplit::kHoldout
                                : photos::PhotoSplit::kTrain;
       list.photos.push_back(photo);
-      WriteText(path() / "ingest" / "photos" / photo.name, "pixels");
+      EXPECT_TRUE(WriteImage(path() / "ingest" / "photos" / photo.name,
+                             sfm::TexturedPhoto(160, 120, 1))
+                      .ok());
     }
     photos::Photo rejected;
     rejected.file = "broken.jpg";

@@ -16,6 +16,7 @@
 #include "sfm/mapping/structure_from_motion.h"
 #include "tests/sfm/fake_colmap.h"
 #include "tests/sfm/synthetic_model.h"
+#include "tests/sfm/textured_photo.h"
 
 namespace freegs::sfm {
 namespace {
@@ -122,7 +123,6 @@ class ColmapDialectsTest : public testing::Test {
     SfmInput input;
     input.photo_folder = folder_ / "photos";
     input.work_folder = folder_ / "work folder";
-    input.mask_folder = folder_ / "masks";
     input.seed = 5;
     fs::remove_all(input.work_folder);
     for (int i = 0; i < 8; ++i) {
@@ -132,8 +132,8 @@ class ColmapDialectsTest : public testing::Test {
       photo.height = 480;
       photo.focal_px = 600;
       input.photos.push_back(photo);
-      WriteText(input.photo_folder / photo.name, "pixels");
     }
+    WriteTexturedPhotos(input);
     SfmOptions options;
     options.num_threads = 2;
     options.colmap = MakeProgram(release, list);
@@ -183,23 +183,16 @@ class ColmapDialectsTest : public testing::Test {
                       const std::vector<std::string>& mapper_seeds,
                       const std::string& frames_ratio) const {
     const std::vector<Arguments> features = Calls("feature_extractor");
-    ASSERT_THAT(features, SizeIs(2));  // Numbering and features.
-    for (const Arguments& call : features) {
-      EXPECT_THAT(call,
-                  AllOf(Contains(Pair(extraction + ".use_gpu", "0")),
-                        Contains(Pair("ImageReader.camera_model", "RADIAL")),
-                        Contains(Pair("ImageReader.single_camera", "1")),
-                        Contains(Pair("ImageReader.camera_params",
-                                      "600,320,240,0,0"))));
-    }
-    EXPECT_THAT(features[0], Contains(Pair(extraction + ".num_threads", "1")));
+    ASSERT_THAT(features, SizeIs(1));
     EXPECT_THAT(
-        features[1],
-        AllOf(Contains(Pair(extraction + ".num_threads", "2")),
-              Contains(Pair(extraction_size, "1600")),
-              Contains(Pair("SiftExtraction.max_num_features", "3000")),
-              Contains(Pair("ImageReader.mask_path", HasSubstr("/masks")))));
-    EXPECT_THAT(Calls("database_cleaner"), SizeIs(1));
+        features[0],
+        AllOf(Contains(Pair(extraction + ".use_gpu", "0")),
+              Contains(Pair("ImageReader.camera_model", "RADIAL")),
+              Contains(Pair("ImageReader.single_camera", "1")),
+              Contains(Pair("ImageReader.camera_params", "600,320,240,0,0")),
+              Contains(Pair(extraction + ".num_threads", "1")),
+              Contains(Pair(extraction_size, "64")),
+              Contains(Pair("SiftExtraction.max_num_features", "16"))));
     const std::vector<Arguments> matches = Calls("matches_importer");
     ASSERT_FALSE(matches.empty());
     for (const Arguments& call : matches) {
@@ -306,8 +299,8 @@ TEST_F(ColmapDialectsTest, FutureReleaseIsAsked) {
   ASSERT_TRUE(result.ok()) << result.status().message();
   EXPECT_EQ(result->colmap_version, "9.0.1.dev2");
   EXPECT_THAT(result->warnings, IsEmpty());
-  EXPECT_THAT(Calls("feature_extractor").at(1),
-              Contains(Pair("FeatureExtraction.max_num_features", "3000")));
+  EXPECT_THAT(Calls("feature_extractor").at(0),
+              Contains(Pair("FeatureExtraction.max_num_features", "16")));
   ExpectNoPositions();
 }
 

@@ -249,30 +249,42 @@ TEST(MatchDatabase, Descriptors) {
   EXPECT_EQ(database->Descriptors(77)->count(), 0u);
 }
 
-TEST(MatchDatabase, DescriptorsAtTheLowerEdgeAreCleared) {
+TEST(MatchDatabase, AddsAndClearsFeatures) {
   const TemporaryFolder folder;
-  MakeDatabase(folder / "a.db");
-  const std::string ones(3 * 256, '1');
-  RunSql(
-      folder / "a.db",
-      "ALTER TABLE images ADD camera_id INTEGER; UPDATE images SET camera_id "
-      "= 1; CREATE TABLE cameras(camera_id INTEGER PRIMARY KEY, height "
-      "INTEGER); INSERT INTO cameras VALUES(1,100);"
-      "DELETE FROM keypoints; INSERT INTO keypoints VALUES(3,3,4,x'" +
-          Hex({5, 95, 3, 0, 5, 97, 3, 0, 5, 93, 9, 0}) +
-          "'); INSERT INTO descriptors VALUES(3,3,128,x'" + ones + "')");
-  auto database = MatchDatabase::Open(folder / "a.db");
-  ASSERT_TRUE(database.ok()) << database.status().message();
-  const std::vector<uint8_t> other = database->Descriptors(2)->values;
-  for (int round = 0; round < 2; ++round) {
-    const Status status = database->ClearUnsetDescriptors();
-    ASSERT_TRUE(status.ok()) << status.message();
-    const std::vector<uint8_t> values = database->Descriptors(3)->values;
-    ASSERT_EQ(values.size(), 3 * kSiftDimensions);
-    for (size_t i = 0; i < values.size(); ++i) {
-      EXPECT_EQ(values[i], i < kSiftDimensions ? 0x11 : 0) << i;
+  for (const bool typed : {false, true}) {
+    const fs::path path = folder / (typed ? "new.db" : "old.db");
+    MakeDatabase(path);
+    if (typed) {
+      // As releases from 4.0 on.
+      RunSql(path,
+             "DROP TABLE descriptors; CREATE TABLE descriptors(image_id "
+             "INTEGER PRIMARY KEY, type INTEGER NOT NULL, rows INTEGER, cols "
+             "INTEGER, data BLOB)");
     }
-    EXPECT_EQ(database->Descriptors(2)->values, other);
+    auto database = MatchDatabase::Open(path);
+    ASSERT_TRUE(database.ok()) << database.status().message();
+    const std::vector<Keypoint> keypoints = {{1, 2, 3, 0.5f}, {4, 5, 2, 0}};
+    const std::vector<Keypoint> none;
+    SiftDescriptors descriptors;
+    for (size_t i = 0; i < 2 * kSiftDimensions; ++i) {
+      descriptors.values.push_back(static_cast<uint8_t>(i));
+    }
+    const SiftDescriptors empty;
+    const std::vector<PhotoKeypoints> photos = {{2, &keypoints, &descriptors},
+                                                {3, &none, &empty}};
+    const Status added = database->AddFeatures(photos);
+    ASSERT_TRUE(added.ok()) << added.message();
+    EXPECT_EQ(database->Photos()->at(1).num_features, 2);
+    EXPECT_EQ(database->Photos()->at(2).num_features, 0);
+    EXPECT_EQ(database->FeatureScales(2).value(), (std::vector<float>{3, 2}));
+    EXPECT_EQ(database->Descriptors(2)->values, descriptors.values);
+    EXPECT_EQ(database->Descriptors(3)->count(), 0u);
+
+    ASSERT_TRUE(database->ClearFeatures().ok());
+    for (const auto& photo : database->Photos().value()) {
+      EXPECT_EQ(photo.num_features, 0);
+      EXPECT_EQ(database->Descriptors(photo.id)->count(), 0u);
+    }
   }
 }
 

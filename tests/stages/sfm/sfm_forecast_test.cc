@@ -30,12 +30,14 @@ TEST(SfmForecastTest, GrowsWithPixelsAndThreads) {
   const StageNeed threads = Sfm(options, SceneOutlookOf(10, 640, 480), 4);
   EXPECT_GT(threads.memory_bytes, some.memory_bytes);
   EXPECT_LT(threads.seconds, some.seconds);
-  // Larger images than features are taken from are reduced.
+  // Larger images than features are taken from are reduced, but read first.
   options.max_image_size = 640;
-  EXPECT_EQ(Sfm(options, SceneOutlookOf(10, 6400, 4800), 2).memory_bytes,
+  EXPECT_EQ(Sfm(options, SceneOutlookOf(10, 2560, 1920), 2).memory_bytes,
+            some.memory_bytes);
+  EXPECT_GT(Sfm(options, SceneOutlookOf(10, 6400, 4800), 2).memory_bytes,
             some.memory_bytes);
   options.max_image_size = 1280;
-  EXPECT_GT(Sfm(options, SceneOutlookOf(10, 6400, 4800), 2).memory_bytes,
+  EXPECT_GT(Sfm(options, SceneOutlookOf(10, 2560, 1920), 2).memory_bytes,
             some.memory_bytes);
 }
 

@@ -53,9 +53,11 @@ TEST_F(UndistortStageTest, PinholeModelIsNotResampled) {
   ASSERT_TRUE(Run(sfm::SyntheticModel(4, 10, sfm::CameraModel::kPinhole)).ok());
   EXPECT_EQ(workspace_.summary["undistorted"], true);
   EXPECT_EQ(workspace_.summary["resampled"], false);
-  EXPECT_EQ(
-      ReadText(workspace_.path() / "undistort" / "images" / sfm::PhotoName(0)),
-      "pixels");
+  const auto bytes = [&](const char* folder) {
+    return ReadText(workspace_.path() / folder / sfm::PhotoName(0));
+  };
+  EXPECT_TRUE(bytes("undistort/images") == bytes("ingest/photos"));
+  EXPECT_FALSE(bytes("ingest/photos").empty());
 }
 
 TEST_F(UndistortStageTest, MasksFollowTheirPhotos) {
