@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Exhaustive SIFT matching as a blocked matrix product.
 //
-// All sums are of integers below 2^24 in floats, hence exact in any order: the
-// result is the same for every vector width.
+// Values are multiplied as 16-bit integers, two at a time. All sums are of
+// integers below 2^24, which floats hold exactly: the result is the same for
+// every vector width.
 
 #include "sfm/matching/descriptor_matching.h"
 
@@ -32,7 +33,10 @@ struct BestTwo {
 // Rows of `a` are handled in groups of this many; counts are padded to it.
 inline constexpr size_t kRows = 4;
 
-// Rows of `a` (of 512 bytes) that are worked on at a time.
+// A descriptor as integers of 32 bits, each of which holds two of its values.
+inline constexpr size_t kPairs = kSiftDimensions / 2;
+
+// Rows of `a` (of 256 bytes) that are worked on at a time.
 inline constexpr size_t kChunk = 256;
 
 // Running best two of a list of descriptors, with the index of the best.
@@ -88,37 +92,77 @@ BestTwo OverLanes(const float* best,
 }
 
 // Copies num_b descriptors into blocks of `block` descriptors, of which there
-// are padded_b with the zero ones at the end. Each block holds the first
-// dimension of all its descriptors, then the second, and so on.
-hwy::AlignedFreeUniquePtr<float[]> PackBlocks(const float* b,
-                                              size_t num_b,
-                                              size_t padded_b,
-                                              size_t block) {
-  auto packed = hwy::AllocateAligned<float>(padded_b * kSiftDimensions);
+// are padded_b with the zero ones at the end. Each block holds the first pair
+// of all its descriptors, then the second, and so on.
+hwy::AlignedFreeUniquePtr<int32_t[]> PackBlocks(const int32_t* b,
+                                                size_t num_b,
+                                                size_t padded_b,
+                                                size_t block) {
+  auto packed = hwy::AllocateAligned<int32_t>(padded_b * kPairs);
   for (size_t j = 0; j < padded_b; ++j) {
-    float* const to =
-        packed.get() + j / block * block * kSiftDimensions + j % block;
-    for (size_t k = 0; k < kSiftDimensions; ++k) {
-      to[k * block] = j < num_b ? b[j * kSiftDimensions + k] : 0.0f;
+    int32_t* const to = packed.get() + j / block * block * kPairs + j % block;
+    for (size_t k = 0; k < kPairs; ++k) {
+      to[k * block] = j < num_b ? b[j * kPairs + k] : 0;
     }
   }
   return packed;
 }
 
-// Multiplies all descriptors of two photos. `a` is a num_a x 128 matrix, row by
-// row, where num_a is a multiple of kRows and rows from valid_a on are zero.
-// `b` is a num_b x 128 matrix. `rows` receives, for each of the first valid_a
-// rows of a, its best two products with rows of b; `columns` receives, for each
-// row of b, its best two products with those rows of a.
-void BestProducts(const float* HWY_RESTRICT a,
+// A sum of products of pairs, of each lane.
+#if HWY_TARGET == HWY_SCALAR
+// One lane of 32 bits has no two lanes of 16.
+template <typename D, typename V = hn::Vec<D>>
+struct PairSum {
+  V sum;
+
+  static HWY_INLINE PairSum Zero() { return {hn::Zero(D())}; }
+  HWY_INLINE void Add(V a, V b) {
+    const V low = hn::Set(D(), 0xffff);
+    const V first = hn::Mul(hn::And(a, low), hn::And(b, low));
+    const V second = hn::Mul(hn::ShiftRight<16>(a), hn::ShiftRight<16>(b));
+    sum = hn::Add(sum, hn::Add(first, second));
+  }
+  HWY_INLINE auto Sum() const {
+    return hn::ConvertTo(hn::RebindToFloat<D>(), sum);
+  }
+};
+#else
+template <typename D, typename V = hn::Vec<D>>
+struct PairSum {
+  // On some processors the parts belong to other lanes until they are added.
+  V part0;
+  V part1;
+
+  static HWY_INLINE PairSum Zero() { return {hn::Zero(D()), hn::Zero(D())}; }
+  HWY_INLINE void Add(V a, V b) {
+    const hn::RepartitionToNarrow<D> narrow;
+    part0 = hn::ReorderWidenMulAccumulate(
+        D(), hn::BitCast(narrow, a), hn::BitCast(narrow, b), part0, part1);
+  }
+  HWY_INLINE auto Sum() const {
+    return hn::ConvertTo(hn::RebindToFloat<D>(),
+                         hn::RearrangeToOddPlusEven(part0, part1));
+  }
+};
+#endif
+
+// Multiplies all descriptors of two photos. `a` is a num_a x kPairs matrix, row
+// by row, where num_a is a multiple of kRows and rows from valid_a on are zero.
+// `b` is a num_b x kPairs matrix. `rows` receives, for each of the first
+// valid_a rows of a, its best two products with rows of b; `columns` receives,
+// for each row of b, its best two products with those rows of a.
+void BestProducts(const int32_t* HWY_RESTRICT a,
                   size_t num_a,
                   size_t valid_a,
-                  const float* HWY_RESTRICT b,
+                  const int32_t* HWY_RESTRICT b,
                   size_t num_b,
                   BestTwo* rows,
                   BestTwo* columns) {
   const hn::ScalableTag<float> d;
+  const hn::RebindToSigned<decltype(d)> di;
   using V = hn::Vec<decltype(d)>;
+  using VI = hn::Vec<decltype(di)>;
+  using Sum = PairSum<decltype(di)>;
   const size_t lanes = hn::Lanes(d);
   const size_t block = 2 * lanes;
   const size_t padded_b = (num_b + block - 1) / block * block;
@@ -133,7 +177,7 @@ void BestProducts(const float* HWY_RESTRICT a,
   for (size_t chunk = 0; chunk < num_a; chunk += kChunk) {
     const size_t chunk_end = std::min(chunk + kChunk, num_a);
     for (size_t first = 0; first < num_b; first += block) {
-      const float* const block_b = packed.get() + first * kSiftDimensions;
+      const int32_t* const block_b = packed.get() + first * kPairs;
       // Lanes beyond the end must not win: their products are made -1.
       const V index0 = hn::Iota(d, static_cast<float>(first));
       const V index1 = hn::Iota(d, static_cast<float>(first + lanes));
@@ -147,24 +191,25 @@ void BestProducts(const float* HWY_RESTRICT a,
       V at1 = hn::Load(d, column.index.get() + second_half);
 
       for (size_t i = chunk; i < chunk_end; i += kRows) {
-        const float* const row_a = a + i * kSiftDimensions;
-        V s00 = hn::Zero(d), s01 = s00, s10 = s00, s11 = s00;
-        V s20 = s00, s21 = s00, s30 = s00, s31 = s00;
-        for (size_t k = 0; k < kSiftDimensions; ++k) {
-          const V b0 = hn::Load(d, block_b + k * block);
-          const V b1 = hn::Load(d, block_b + k * block + lanes);
-          const V a0 = hn::Set(d, row_a[k]);
-          const V a1 = hn::Set(d, row_a[kSiftDimensions + k]);
-          const V a2 = hn::Set(d, row_a[2 * kSiftDimensions + k]);
-          const V a3 = hn::Set(d, row_a[3 * kSiftDimensions + k]);
-          s00 = hn::MulAdd(a0, b0, s00);
-          s01 = hn::MulAdd(a0, b1, s01);
-          s10 = hn::MulAdd(a1, b0, s10);
-          s11 = hn::MulAdd(a1, b1, s11);
-          s20 = hn::MulAdd(a2, b0, s20);
-          s21 = hn::MulAdd(a2, b1, s21);
-          s30 = hn::MulAdd(a3, b0, s30);
-          s31 = hn::MulAdd(a3, b1, s31);
+        const int32_t* const row_a = a + i * kPairs;
+        const Sum zero = Sum::Zero();
+        Sum s00 = zero, s01 = zero, s10 = zero, s11 = zero;
+        Sum s20 = zero, s21 = zero, s30 = zero, s31 = zero;
+        for (size_t k = 0; k < kPairs; ++k) {
+          const VI b0 = hn::Load(di, block_b + k * block);
+          const VI b1 = hn::Load(di, block_b + k * block + lanes);
+          const VI a0 = hn::Set(di, row_a[k]);
+          const VI a1 = hn::Set(di, row_a[kPairs + k]);
+          const VI a2 = hn::Set(di, row_a[2 * kPairs + k]);
+          const VI a3 = hn::Set(di, row_a[3 * kPairs + k]);
+          s00.Add(a0, b0);
+          s01.Add(a0, b1);
+          s10.Add(a1, b0);
+          s11.Add(a1, b1);
+          s20.Add(a2, b0);
+          s21.Add(a2, b1);
+          s30.Add(a3, b0);
+          s31.Add(a3, b1);
         }
         const auto take = [&](size_t r, V p0, V p1) HWY_ATTR {
           p0 = hn::IfThenElse(hn::Lt(index0, end), p0, none);
@@ -183,10 +228,10 @@ void BestProducts(const float* HWY_RESTRICT a,
           Enter(p0, here, best0, runner0, at0);
           Enter(p1, here, best1, runner1, at1);
         };
-        take(0, s00, s01);
-        take(1, s10, s11);
-        take(2, s20, s21);
-        take(3, s30, s31);
+        take(0, s00.Sum(), s01.Sum());
+        take(1, s10.Sum(), s11.Sum());
+        take(2, s20.Sum(), s21.Sum());
+        take(3, s30.Sum(), s31.Sum());
       }
       hn::Store(best0, d, column.best.get() + first);
       hn::Store(runner0, d, column.second.get() + first);
@@ -219,9 +264,10 @@ HWY_EXPORT(BestProducts);
 
 namespace {
 
-// Floats, padded to a multiple of kRows; and the length of each vector.
+// Pairs of values, padded to a multiple of kRows; and the length of each
+// vector.
 struct Prepared {
-  hwy::AlignedFreeUniquePtr<float[]> values;
+  hwy::AlignedFreeUniquePtr<int32_t[]> pairs;
   std::vector<double> lengths;
   size_t padded = 0;
 };
@@ -230,15 +276,15 @@ Prepared Prepare(const SiftDescriptors& descriptors) {
   Prepared result;
   const size_t count = descriptors.count();
   result.padded = (count + kRows - 1) / kRows * kRows;
-  result.values = hwy::AllocateAligned<float>(result.padded * kSiftDimensions);
-  std::fill_n(result.values.get(), result.padded * kSiftDimensions, 0.0f);
+  result.pairs = hwy::AllocateAligned<int32_t>(result.padded * kPairs);
+  std::fill_n(result.pairs.get(), result.padded * kPairs, 0);
   result.lengths.resize(count);
   for (size_t i = 0; i < count; ++i) {
     int64_t squared = 0;
     for (size_t k = 0; k < kSiftDimensions; ++k) {
-      const int value = descriptors.values[i * kSiftDimensions + k];
+      const int32_t value = descriptors.values[i * kSiftDimensions + k];
       squared += int64_t{value} * value;
-      result.values[i * kSiftDimensions + k] = static_cast<float>(value);
+      result.pairs[i * kPairs + k / 2] |= k % 2 == 0 ? value : value << 16;
     }
     result.lengths[i] = std::sqrt(static_cast<double>(squared));
   }
@@ -263,10 +309,10 @@ std::vector<std::pair<uint32_t, uint32_t>> MatchDescriptors(
   std::vector<BestTwo> rows(a.count());
   std::vector<BestTwo> columns(b.count());
   HWY_DYNAMIC_DISPATCH(BestProducts)
-  (pa.values.get(),
+  (pa.pairs.get(),
    pa.padded,
    a.count(),
-   pb.values.get(),
+   pb.pairs.get(),
    b.count(),
    rows.data(),
    columns.data());
