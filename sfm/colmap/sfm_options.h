@@ -34,7 +34,7 @@ struct SfmOptions {
   int max_image_size = 0;
 
   // How many features are kept per photo; those are the largest ones.
-  int max_features = 4000;
+  int max_features = 3000;
 
   // Which pairs of photos are matched.
   PairSelectionOptions pairs;

@@ -20,7 +20,7 @@ constexpr int kAllFeatures = 1 << 30;
 
 // Features that are enough in an image, as a share of max_features: the last of
 // them are the finest, which cost most and are found again least.
-constexpr double kEnough = 0.6;
+constexpr double kEnough = 0.8;
 
 // The number of features of a few of the photos, evenly chosen, at the smallest
 // size.

@@ -16,14 +16,14 @@ using Values = std::vector<std::pair<std::string, std::string>>;
 const std::map<std::string, Values>& Presets() {
   static const std::map<std::string, Values> presets = {
       {"fast",
-       {{"sfm.max_features", "1600"},
+       {{"sfm.max_features", "1200"},
         {"reconstruct.iterations", "1500"},
         {"reconstruct.max_image_size", "640"},
         {"reconstruct.budget", "50000"},
         {"reconstruct.densify_interval", "45"}}},
       {"balanced", {}},
       {"quality",
-       {{"sfm.max_features", "5000"},
+       {{"sfm.max_features", "4000"},
         {"reconstruct.iterations", "5000"},
         {"reconstruct.max_image_size", "1600"},
         {"reconstruct.sh_degree", "3"},

@@ -10,9 +10,9 @@ namespace {
 
 TEST(ImageSizeFor, SmallestThatIsEnough) {
   EXPECT_EQ(ImageSizeFor(100000, 3000), 800);
-  EXPECT_EQ(ImageSizeFor(1800, 3000), 800);
-  EXPECT_EQ(ImageSizeFor(1700, 3000), 900);
-  EXPECT_EQ(ImageSizeFor(800, 3000), 1600);
+  EXPECT_EQ(ImageSizeFor(2400, 3000), 800);
+  EXPECT_EQ(ImageSizeFor(2300, 3000), 900);
+  EXPECT_EQ(ImageSizeFor(1000, 3000), 1600);
   for (const int64_t found : {-1, 0, 1}) {
     EXPECT_EQ(ImageSizeFor(found, 3000), 1600);
   }

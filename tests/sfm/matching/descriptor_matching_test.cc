@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
+#include "tests/for_each_target.h"
 
 namespace freegs::sfm {
 namespace {
@@ -102,6 +103,7 @@ TEST(MatchDescriptors, AgreesWithPlainSearch) {
     const SiftDescriptors other = RandomDescriptors(count / 2, 1000 + count);
     b.values.insert(b.values.end(), other.values.begin(), other.values.end());
     const Matches matches = MatchDescriptors(a, b);
+    ForEachTarget([&] { EXPECT_EQ(MatchDescriptors(a, b), matches); });
     const Matches expected = PlainMatches(a, b);
     // Lengths differ by rounding only, so hardly any order changes.
     Matches common;
