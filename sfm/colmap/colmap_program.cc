@@ -96,18 +96,10 @@ StatusOr<ColmapProgram> ColmapProgram::Find(
     const std::string& program, const CancellationToken* cancellation) {
   ColmapProgram result;
   result.program_ = program;
-  bool in_commands = false;
   bool is_colmap = false;
   const auto on_line = [&](std::string_view line) {
     if (line.find("COLMAP") != std::string_view::npos) is_colmap = true;
     if (result.version_.empty()) result.version_ = VersionIn(line);
-    const size_t start = line.find_first_not_of(" \t");
-    if (start == std::string_view::npos) return;
-    if (line.find("Available commands") != std::string_view::npos) {
-      in_commands = true;
-    } else if (in_commands && start > 0) {
-      result.commands_.emplace(line.substr(start));
-    }
   };
   ChildCommand help = result.Command("help");
   help.time_limit_s = kHelpSeconds;
@@ -126,10 +118,6 @@ StatusOr<ColmapProgram> ColmapProgram::Find(
   }
   if (result.version_.empty()) result.version_ = "unknown";
   return result;
-}
-
-bool ColmapProgram::HasCommand(std::string_view command) const {
-  return commands_.contains(command);
 }
 
 StatusOr<std::set<std::string>> ColmapProgram::Options(

@@ -19,7 +19,7 @@
 
 namespace freegs::sfm {
 
-// Asks the program for its commands and options:
+// Asks the program for its version and options:
 //
 //   FREEGS_ASSIGN_OR_RETURN(ColmapProgram colmap,
 //                           ColmapProgram::Find("colmap", cancellation));
@@ -31,16 +31,15 @@ namespace freegs::sfm {
 //   FREEGS_ASSIGN_OR_RETURN(const ChildCommand command, arguments.Finish());
 class ColmapProgram {
  public:
-  // Starts `program`, which is a path or a name in PATH, to ask for its version
-  // and commands. Returns kMissingDependency, with advice, when it cannot be
-  // started or is not COLMAP.
+  // Starts `program`, which is a path or a name in PATH, to ask for its
+  // version. Returns kMissingDependency, with advice, when it cannot be started
+  // or is not COLMAP.
   static StatusOr<ColmapProgram> Find(const std::string& program,
                                       const CancellationToken* cancellation);
 
   const std::string& program() const { return program_; }
   // Such as "3.8" or "4.1.1"; "unknown" when the program does not tell.
   const std::string& version() const { return version_; }
-  bool HasCommand(std::string_view command) const;
 
   // Known faults of this release and what to do about them, one line each, for
   // warnings. Empty for releases without known faults.
@@ -58,7 +57,6 @@ class ColmapProgram {
  private:
   std::string program_;
   std::string version_;
-  std::set<std::string, std::less<>> commands_;
   std::map<std::string, std::set<std::string>> options_;
 };
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Features of a photo by the scale-invariant feature transform (SIFT; Lowe,
 // "Distinctive image features from scale-invariant keypoints", IJCV 2004), as
-// OpenCV computes them. COLMAP's own take four times as long on a processor,
-// and the poses are no better (docs/sfm.md).
+// OpenCV computes them. COLMAP's own take four times as long on a processor;
+// docs/sfm.md compares the poses.
 
 #ifndef FREEGS_SFM_FEATURES_SIFT_H_
 #define FREEGS_SFM_FEATURES_SIFT_H_

@@ -29,7 +29,7 @@ TEST(ColmapProgram, OtherProgramsAreRefused) {
   EXPECT_EQ(colmap.status().code(), StatusCode::kMissingDependency);
 }
 
-TEST(ColmapProgram, VersionCommandsAndOptions) {
+TEST(ColmapProgram, VersionAndOptions) {
   for (const auto& [dialect, version] :
        {std::pair("3", "3.8"), std::pair("4", "4.1.1")}) {
     const TemporaryFolder folder;
@@ -38,8 +38,6 @@ TEST(ColmapProgram, VersionCommandsAndOptions) {
         nullptr);
     ASSERT_TRUE(colmap.ok()) << colmap.status().message();
     EXPECT_EQ(colmap->version(), version);
-    EXPECT_TRUE(colmap->HasCommand("mapper"));
-    EXPECT_FALSE(colmap->HasCommand("global_mapper"));
     const auto options = colmap->Options("feature_extractor", nullptr);
     ASSERT_TRUE(options.ok());
     EXPECT_THAT(*options, Contains("help"));

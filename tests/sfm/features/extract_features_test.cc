@@ -89,6 +89,31 @@ TEST_F(ExtractFeaturesTest, SameBytesForAnyNumberOfThreads) {
   EXPECT_TRUE(ReadText(one) == ReadText(three));
 }
 
+TEST_F(ExtractFeaturesTest, MasksKeepFeaturesOff) {
+  const fs::path all = NewDatabase("all.db");
+  ASSERT_TRUE(Extract(all, 2).ok());
+  input_.mask_folder = folder_ / "masks";
+  fs::create_directories(input_.mask_folder);
+  for (int i = 0; i < kPhotos; ++i) {
+    // The first photo is ignored as a whole.
+    EXPECT_TRUE(WriteImage(input_.MaskOf(input_.photos[i].name),
+                           ImageU8(160, 120, 1, i == 0 ? 0 : 255))
+                    .ok());
+  }
+  const fs::path masked = NewDatabase("masked.db");
+  ASSERT_TRUE(Extract(masked, 2).ok());
+  std::vector<int64_t> expected = Counts(all);
+  expected[0] = 0;
+  EXPECT_EQ(Counts(masked), expected);
+
+  // Every photo must have a mask.
+  fs::remove(input_.MaskOf(input_.photos[2].name));
+  const Status status = Extract(NewDatabase("none.db"), 2);
+  EXPECT_FALSE(status.ok());
+  EXPECT_THAT(status.message(),
+              testing::HasSubstr(input_.photos[2].name + ".png"));
+}
+
 // A run that was killed goes on with the photos that have no features yet.
 TEST_F(ExtractFeaturesTest, GoesOn) {
   const fs::path path = NewDatabase("a.db");
