@@ -60,8 +60,8 @@ struct ViewGroups {
 
   // The share of the evidence that supports the model, where this share is
   // least: 1 when nothing is against it. Of the models by which the limit was
-  // chosen, right ones had 0.49 or more and glued ones 0.44 or less. Later a
-  // right one had 0.48, and one with a misplaced photo 0.53 (docs/sfm.md).
+  // chosen, right ones had 0.43 or more and glued ones 0.28 or less; others are
+  // in docs/sfm.md.
   double score = 1;
 
   // Pairs of photos in different groups whose matches fit the model. They are
@@ -72,7 +72,7 @@ struct ViewGroups {
 };
 
 // A model with a score below this one counts as glued.
-inline constexpr double kMinSupport = 0.45;
+inline constexpr double kMinSupport = 0.4;
 
 // Starts with each photo as a group of its own and keeps joining the two groups
 // between which support exceeds what is against them by most, until no two are
