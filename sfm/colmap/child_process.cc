@@ -59,8 +59,10 @@ Status MakePipe(Descriptor* read_end, Descriptor* write_end) {
   return {};
 }
 
-// What the child needs, prepared before the fork: afterwards only
-// async-signal-safe calls are allowed (other threads may hold locks).
+// What a child needs, prepared before vfork: until it executes its program it
+// runs in the memory of this process, which waits for it, and may only make
+// async-signal-safe calls (other threads may hold locks). With fork, this
+// process would then copy each page of its memory that it writes to.
 struct Launch {
   std::vector<std::string> strings;  // Owns the texts behind the pointers.
   std::vector<char*> argv;
@@ -72,24 +74,43 @@ struct Launch {
   pid_t group = 0;
 };
 
+// All signals wait while it lives, because a child of vfork must not run this
+// process's handlers.
+class SignalsWait {
+ public:
+  SignalsWait() {
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before_);
+  }
+  ~SignalsWait() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  SignalsWait(const SignalsWait&) = delete;
+  SignalsWait& operator=(const SignalsWait&) = delete;
+
+ private:
+  sigset_t before_;
+};
+
+// Ends a child that could not execute its program.
+[[noreturn]] void TellErrno(int error_fd) {
+  const int error = errno;
+  [[maybe_unused]] const ssize_t written =
+      write(error_fd, &error, sizeof(error));
+  _exit(127);
+}
+
 // The guard of a program: leads its process group, and kills the group when
 // this process ends in whatever way. `lifeline` is the end of a pipe that this
 // process holds open at the other end. As long as the guard has not been waited
-// for, no other group can get its number.
-[[noreturn]] void GuardGroup(int lifeline) {
+// for, no other group can get its number. It keeps the signal mask: signals for
+// the group are not meant for it.
+[[noreturn]] void ExecGuard(int lifeline, int error_fd) {
   setpgid(0, 0);
-  // Signals for the group are not meant for the guard.
-  sigset_t all;
-  sigfillset(&all);
-  sigprocmask(SIG_SETMASK, &all, nullptr);
-  prctl(PR_SET_NAME, "freegs_guard");
   dup2(lifeline, STDIN_FILENO);
-  close_range(STDIN_FILENO + 1, ~0U, 0);
-  char byte;
-  while (read(STDIN_FILENO, &byte, 1) < 0 && errno == EINTR) {
-  }
-  kill(-getpid(), SIGKILL);
-  _exit(0);
+  close_range(STDIN_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC);
+  // Reading ends when the last holder of the pipe's other end does.
+  execl("/bin/sh", "sh", "-c", "read -r line; kill -KILL 0", nullptr);
+  TellErrno(error_fd);
 }
 
 [[noreturn]] void ExecChild(const Launch& launch) {
@@ -115,10 +136,7 @@ struct Launch {
   // Nothing else of ours (locks, files) goes along.
   close_range(3, ~0U, CLOSE_RANGE_CLOEXEC);
   execvpe(launch.argv[0], launch.argv.data(), launch.environment.data());
-  const int error = errno;
-  [[maybe_unused]] const ssize_t written =
-      write(launch.error_fd, &error, sizeof(error));
-  _exit(127);
+  TellErrno(launch.error_fd);
 }
 
 std::vector<std::string> EnvironmentWith(
@@ -180,7 +198,7 @@ class Child {
   const ChildResult& result() const { return result_; }
 
  private:
-  Status StartGuard();
+  Status StartGuard(int error_fd);
   void EndGroup();
   void TakeLine(const LineFn& on_line);
 
@@ -195,13 +213,15 @@ class Child {
   std::chrono::steady_clock::time_point start_;
 };
 
-Status Child::StartGuard() {
+Status Child::StartGuard(int error_fd) {
   Descriptor read_end;
   FREEGS_RETURN_IF_ERROR(MakePipe(&read_end, &lifeline_));
-  group_ = fork();
-  if (group_ < 0) return InternalError(ErrorText("fork"));
-  if (group_ == 0) GuardGroup(read_end.get());
-  setpgid(group_, group_);  // Also here, so that it holds before the next fork.
+  const SignalsWait signals;
+  group_ = vfork();
+  if (group_ == 0) ExecGuard(read_end.get(), error_fd);
+  if (group_ < 0) return InternalError(ErrorText("vfork"));
+  // Here too, for systems where vfork does not wait.
+  setpgid(group_, group_);
   return {};
 }
 
@@ -241,14 +261,16 @@ Status Child::Start(const ChildCommand& command) {
   launch.stdout_fd = output_write.get();
   launch.error_fd = error_write.get();
   launch.parent = getpid();
-  FREEGS_RETURN_IF_ERROR(StartGuard());
+  FREEGS_RETURN_IF_ERROR(StartGuard(launch.error_fd));
   launch.group = group_;
 
-  pid_ = fork();
-  if (pid_ < 0) return InternalError(ErrorText("fork"));
-  if (pid_ == 0) ExecChild(launch);
-  setpgid(pid_, group_);  // Also here, so that it holds before the next line.
-
+  {
+    const SignalsWait signals;
+    pid_ = vfork();
+    if (pid_ == 0) ExecChild(launch);
+  }
+  if (pid_ < 0) return InternalError(ErrorText("vfork"));
+  setpgid(pid_, group_);
   error_write.Close();
   output_write.Close();
   int error = 0;

@@ -45,16 +45,25 @@ void SortBySize(std::vector<Reconstruction>* models) {
 }
 
 // COLMAP adjusts all cameras and points whenever the model has grown by a
-// tenth. That takes most of the mapper's time, and growing by a third in
-// between is as accurate. Further attempts, on photos that make difficulties,
-// leave it at the tenth.
+// tenth, and up to five times as long as that changes what fits. This takes
+// most of the mapper's time; once, when it has grown by a third, is as
+// accurate. Further attempts, on photos that make difficulties, leave it as it
+// is.
 void AdjustLessOften(ColmapArguments* arguments) {
   arguments->Prefer(
       {"Mapper.ba_global_frames_ratio", "Mapper.ba_global_images_ratio"},
       "1.3");
   arguments->Prefer({"Mapper.ba_global_points_ratio"}, "1.3");
+  arguments->Prefer({"Mapper.ba_global_max_refinements"}, "1");
   arguments->Prefer({"Mapper.ba_local_max_refinements"}, "1");
   arguments->Prefer({"Mapper.ba_local_max_num_iterations"}, "15");
+}
+
+// COLMAP asks for 16 degrees between the rays of its first two photos, and only
+// half when no pair has them. With hundreds of photos, of which only near ones
+// were matched, it tries all pairs before that.
+void BeginWithSmallerAngle(ColmapArguments* arguments) {
+  arguments->Prefer({"Mapper.init_min_tri_angle"}, "8");
 }
 
 // COLMAP ends an adjustment when nothing moves any more, or after 50
@@ -160,9 +169,11 @@ StatusOr<std::vector<Reconstruction>> MapPhotos(const StepContext& context,
   arguments.AddAll({"Mapper.num_threads"}, "1");
   arguments.AddAll({"random_seed", "default_random_seed", "Mapper.random_seed"},
                    std::to_string(context.input.seed % 2147483647));
+  arguments.Prefer({"Mapper.extract_colors"}, "0");
   EndAdjustmentsEarly(&arguments);
   if (!mapping.relaxed) {
     AdjustLessOften(&arguments);
+    BeginWithSmallerAngle(&arguments);
   } else {
     arguments.Prefer({"Mapper.init_min_num_inliers"}, "40");
     arguments.Prefer({"Mapper.init_min_tri_angle"}, "4");

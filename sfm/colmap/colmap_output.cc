@@ -41,9 +41,6 @@ std::optional<ColmapProgress> ParseFraction(ColmapProgress::Kind kind,
 std::optional<ColmapProgress> ParseColmapLine(std::string_view line) {
   using Kind = ColmapProgress::Kind;
   std::string_view rest = line;
-  if (SkipPast("Processed file [", &rest)) {
-    return ParseFraction(Kind::kPhotoDone, rest);
-  }
   if (SkipPast("Undistorting image [", &rest)) {
     return ParseFraction(Kind::kPhotoUndistorted, rest);
   }

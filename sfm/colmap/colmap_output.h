@@ -11,12 +11,11 @@ namespace freegs::sfm {
 
 struct ColmapProgress {
   enum class Kind {
-    kPhotoDone,         // "Processed file [3/50]": done 3, total 50.
     kPhotoRegistered,   // "Registering image #7 (12)": done 12, no total.
     kPhotoUndistorted,  // "Undistorting image [3/50]": done 3, total 50.
     kAdjusting          // "Global bundle adjustment", which has begun.
   };
-  Kind kind = Kind::kPhotoDone;
+  Kind kind = Kind::kPhotoRegistered;
   int done = 0;
   int total = 0;
 };

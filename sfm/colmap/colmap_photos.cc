@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The first step: photos and their cameras into the database.
 
-#include <charconv>
+#include <algorithm>
 #include <map>
 #include <system_error>
 #include <tuple>
 
 #include "core/io/files.h"
+#include "core/io/image_io.h"
 #include "core/quantile.h"
-#include "sfm/colmap/colmap_output.h"
 #include "sfm/colmap/colmap_steps.h"
 #include "sfm/matching/match_database.h"
 
@@ -44,31 +44,95 @@ std::vector<CameraGroup> GroupPhotos(const SfmInput& input,
   return groups;
 }
 
-std::string NumberText(double value) {
-  char buffer[64];
-  const auto result = std::to_chars(buffer, buffer + sizeof(buffer), value);
-  return std::string(buffer, result.ptr);
+// Where COLMAP starts with a camera. Without a known focal length this is its
+// guess.
+std::vector<double> StartParameters(const SfmPhoto& photo,
+                                    double focal_px,
+                                    const CameraModelInfo& model) {
+  constexpr double kGuessedFocal = 1.2;  // Times the longer side.
+  if (focal_px <= 0) {
+    focal_px = kGuessedFocal * std::max(photo.width, photo.height);
+  }
+  std::vector<double> params(model.num_focal, focal_px);
+  params.push_back(photo.width / 2.0);
+  params.push_back(photo.height / 2.0);
+  // The FOV model divides by its parameter.
+  params.resize(model.num_params,
+                model.model == CameraModel::kFov ? 0.01 : 0.0);
+  return params;
 }
 
-// COLMAP's start value of a shared camera whose focal length the photos tell;
-// empty when they do not.
-std::string StartParameters(const CameraGroup& group,
-                            const CameraModelInfo& model) {
-  std::vector<double> focal;
+// The focal length of a shared camera, if most of its photos tell it; else 0.
+double SharedFocal(const CameraGroup& group) {
+  std::vector<double> told;
   for (const SfmPhoto* photo : group.photos) {
-    if (photo->focal_px > 0) focal.push_back(photo->focal_px);
+    if (photo->focal_px > 0) told.push_back(photo->focal_px);
   }
-  if (!group.shared || focal.size() * 2 <= group.photos.size()) return {};
-  std::string text = NumberText(UpperMedian(std::move(focal)));
-  if (model.num_focal == 2) text += "," + text;
-  text += "," + NumberText(group.photos[0]->width / 2.0);
-  text += "," + NumberText(group.photos[0]->height / 2.0);
-  for (int i = model.num_focal + 2; i < model.num_params; ++i) {
-    // The FOV model divides by its parameter.
-    text += model.model == CameraModel::kFov ? ",0.01" : ",0";
-  }
-  return text;
+  if (told.size() * 2 <= group.photos.size()) return 0;
+  return UpperMedian(std::move(told));
 }
+
+// Cameras of the group's photos that have an id.
+std::vector<PhotoCamera> CamerasOf(const CameraGroup& group,
+                                   const CameraModelInfo& model,
+                                   const std::map<std::string, uint32_t>& ids) {
+  const double shared_focal = group.shared ? SharedFocal(group) : 0;
+  std::vector<PhotoCamera> cameras;
+  for (const SfmPhoto* photo : group.photos) {
+    const auto id = ids.find(photo->name);
+    if (id == ids.end()) continue;
+    const double focal = group.shared ? shared_focal : photo->focal_px;
+    cameras.push_back({id->second,
+                       photo->width,
+                       photo->height,
+                       StartParameters(*photo, focal, model),
+                       focal > 0});
+  }
+  return cameras;
+}
+
+// A folder of tiny pictures with the names of the photos, which COLMAP reads in
+// their stead. It decodes in one thread, and would take most of a minute for a
+// hundred photos of 12 megapixels.
+class StandIns {
+ public:
+  explicit StandIns(const fs::path& work_folder)
+      : folder_(work_folder / "stand_ins") {}
+  ~StandIns() {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+  StandIns(const StandIns&) = delete;
+  StandIns& operator=(const StandIns&) = delete;
+
+  const fs::path& folder() const { return folder_; }
+
+  Status Write(const std::vector<SfmPhoto>& photos) const {
+    constexpr int kSide = 32;
+    const ImageU8 picture(kSide, kSide, 1, 128);
+    std::map<fs::path, fs::path>
+        made;  // By the suffix, which tells the format.
+    for (const SfmPhoto& photo : photos) {
+      const fs::path path = folder_ / photo.name;
+      FREEGS_RETURN_IF_ERROR(CreateFolders(path.parent_path()));
+      const auto [first, added] = made.emplace(path.extension(), path);
+      if (added) {
+        FREEGS_RETURN_IF_ERROR(WriteImage(path, picture));
+        continue;
+      }
+      std::error_code error;
+      fs::copy_file(first->second, path, error);
+      if (error) {
+        return InternalError(path.string() +
+                             ": cannot be written: " + error.message());
+      }
+    }
+    return {};
+  }
+
+ private:
+  fs::path folder_;
+};
 
 StatusOr<fs::path> WriteImageList(const StepContext& context,
                                   const std::vector<const SfmPhoto*>& photos) {
@@ -79,27 +143,22 @@ StatusOr<fs::path> WriteImageList(const StepContext& context,
   return path;
 }
 
-// COLMAP numbers photos in the order in which their features are ready. So one
-// thread takes hardly any features from tiny images.
+// COLMAP numbers photos in the order in which their features are ready, so it
+// gets one thread.
 StatusOr<ColmapArguments> ExtractorArguments(const StepContext& context,
                                              const fs::path& database,
+                                             const fs::path& image_folder,
                                              const fs::path& image_list) {
   FREEGS_ASSIGN_OR_RETURN(
       ColmapArguments arguments,
       context.Arguments("feature_extractor", context.input.photos.size()));
   arguments.Require("database_path", database.string());
-  arguments.Require("image_path", context.input.photo_folder.string());
+  arguments.Require("image_path", image_folder.string());
   arguments.Require("image_list_path", image_list.string());
   arguments.Prefer({"FeatureExtraction.use_gpu", "SiftExtraction.use_gpu"},
                    "0");
   arguments.Prefer(
       {"FeatureExtraction.num_threads", "SiftExtraction.num_threads"}, "1");
-  arguments.Prefer(
-      {"FeatureExtraction.max_image_size", "SiftExtraction.max_image_size"},
-      "64");
-  arguments.Prefer(
-      {"SiftExtraction.max_num_features", "FeatureExtraction.max_num_features"},
-      "16");
   return arguments;
 }
 
@@ -108,39 +167,35 @@ StatusOr<ColmapArguments> ExtractorArguments(const StepContext& context,
 Status RegisterPhotos(const StepContext& context, const fs::path& database) {
   const CameraModelInfo* model =
       FindCameraModel(std::string_view(context.options.ColmapCameraModel()));
-  double finished = 0;
-  for (const CameraGroup& group :
-       GroupPhotos(context.input, context.options.camera)) {
+  const StandIns pictures(context.input.work_folder);
+  FREEGS_RETURN_IF_ERROR(pictures.Write(context.input.photos));
+  const std::vector<CameraGroup> groups =
+      GroupPhotos(context.input, context.options.camera);
+  for (const CameraGroup& group : groups) {
     FREEGS_ASSIGN_OR_RETURN(const fs::path list,
                             WriteImageList(context, group.photos));
-    FREEGS_ASSIGN_OR_RETURN(ColmapArguments arguments,
-                            ExtractorArguments(context, database, list));
+    FREEGS_ASSIGN_OR_RETURN(
+        ColmapArguments arguments,
+        ExtractorArguments(context, database, pictures.folder(), list));
     arguments.Require("ImageReader.camera_model",
                       context.options.ColmapCameraModel());
     arguments.Require(group.shared ? "ImageReader.single_camera"
                                    : "ImageReader.single_camera_per_image",
                       "1");
-    const std::string start = StartParameters(group, *model);
-    if (!start.empty()) arguments.Prefer({"ImageReader.camera_params"}, start);
-
     FREEGS_ASSIGN_OR_RETURN(const ChildCommand command, arguments.Finish());
-    const auto on_line = [&](std::string_view line) {
-      const auto progress = ParseColmapLine(line);
-      if (!progress || progress->kind != ColmapProgress::Kind::kPhotoDone)
-        return;
-      context.Report("reading photos",
-                     finished + progress->done,
-                     static_cast<double>(context.input.photos.size()),
-                     "");
-    };
     FREEGS_ASSIGN_OR_RETURN(
         const ChildResult result,
-        RunChild(command, on_line, context.input.cancellation));
+        RunChild(command, nullptr, context.input.cancellation));
     FREEGS_RETURN_IF_ERROR(CheckEnded(context, "feature_extractor", result));
-    finished += static_cast<double>(group.photos.size());
   }
-  FREEGS_ASSIGN_OR_RETURN(MatchDatabase photos, MatchDatabase::Open(database));
-  return photos.ClearFeatures();
+  FREEGS_ASSIGN_OR_RETURN(MatchDatabase filled, MatchDatabase::Open(database));
+  FREEGS_ASSIGN_OR_RETURN(const auto photos, filled.Photos());
+  std::map<std::string, uint32_t> ids;
+  for (const MatchDatabase::Photo& photo : photos) ids[photo.name] = photo.id;
+  for (const CameraGroup& group : groups) {
+    FREEGS_RETURN_IF_ERROR(filled.SetCameras(CamerasOf(group, *model, ids)));
+  }
+  return filled.ClearFeatures();
 }
 
 }  // namespace freegs::sfm

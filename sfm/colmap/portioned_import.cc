@@ -78,6 +78,11 @@ StatusOr<ChildCommand> PortionedImport::Start(const Portion& portion) {
   arguments.Prefer({"FeatureMatching.use_gpu", "SiftMatching.use_gpu"}, "0");
   arguments.AddAll({"FeatureMatching.num_threads", "SiftMatching.num_threads"},
                    "1");
+  // COLMAP's 10000 are spent on pairs that no homography explains. As many
+  // pairs and matches are found with these.
+  arguments.Prefer(
+      {"TwoViewGeometry.max_num_trials", "SiftMatching.max_num_trials"},
+      "1000");
   arguments.AddAll(
       {"random_seed", "default_random_seed", "TwoViewGeometry.random_seed"},
       std::to_string(context_.input.seed % 2147483647));

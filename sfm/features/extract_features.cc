@@ -41,6 +41,13 @@ Status ExtractFeatures(const StepContext& context,
   const size_t total = photos.size();
   std::erase_if(photos,
                 [](const auto& photo) { return photo.num_features > 0; });
+  const auto report = [&](size_t left) {
+    context.Report("features",
+                   static_cast<double>(total - left),
+                   static_cast<double>(total),
+                   "");
+  };
+  report(photos.size());
   const OneOpenCvThread one;
   ThreadPool pool(context.num_threads);
   for (size_t first = 0; first < photos.size(); first += kBatch) {
@@ -57,10 +64,7 @@ Status ExtractFeatures(const StepContext& context,
           {photos[first + i].id, &found[i]->keypoints, &found[i]->descriptors});
     }
     FREEGS_RETURN_IF_ERROR(database.AddFeatures(rows));
-    context.Report("features",
-                   static_cast<double>(total - photos.size() + first + count),
-                   static_cast<double>(total),
-                   "");
+    report(photos.size() - first - count);
   }
   return {};
 }

@@ -15,6 +15,7 @@
 #include "sfm/diagnosis/photo_reasons.h"
 #include "sfm/features/extract_features.h"
 #include "sfm/features/image_size.h"
+#include "sfm/features/point_colors.h"
 #include "sfm/mapping/map_scene.h"
 #include "sfm/mapping/separate_parts.h"
 #include "sfm/mapping/step_record.h"
@@ -177,6 +178,9 @@ StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
   FREEGS_RETURN_IF_ERROR(
       TakeSeparated(context, database, &store, &scene.evidence, &result));
   FREEGS_RETURN_IF_ERROR(ChooseCameras(context, &result));
+  for (Reconstruction& model : result.models) {
+    FREEGS_RETURN_IF_ERROR(ColorPoints(context, &model));
+  }
   result.findings = Diagnose(scene.evidence, result.models, diagnosis);
   result.unregistered =
       ExplainUnregistered(scene.evidence, result.models, diagnosis);

@@ -206,6 +206,26 @@ StatusOr<std::vector<float>> MatchDatabase::FeatureScales(
   return scales;
 }
 
+Status MatchDatabase::SetCameras(std::span<const PhotoCamera> cameras) {
+  FREEGS_RETURN_IF_ERROR(Execute("BEGIN IMMEDIATE"));
+  for (const PhotoCamera& camera : cameras) {
+    Statement statement(database_.get(),
+                        "UPDATE cameras SET width = ?, height = ?, params = ?, "
+                        "prior_focal_length = ? WHERE camera_id = "
+                        "(SELECT camera_id FROM images WHERE image_id = ?)");
+    if (!statement.ok()) return Error("cannot take cameras");
+    ByteWriter params;
+    for (const double value : camera.params) params.Put(value);
+    statement.Bind(1, static_cast<int64_t>(camera.width));
+    statement.Bind(2, static_cast<int64_t>(camera.height));
+    statement.BindBlob(3, params.content());
+    statement.Bind(4, static_cast<int64_t>(camera.focal_known));
+    statement.Bind(5, camera.photo_id);
+    if (statement.Step() != SQLITE_DONE) return Error("cannot take cameras");
+  }
+  return Execute("COMMIT");
+}
+
 Status MatchDatabase::AddFeatures(std::span<const PhotoKeypoints> photos) {
   FREEGS_RETURN_IF_ERROR(Execute("BEGIN IMMEDIATE"));
   const bool typed = HasColumn("descriptors", "type");

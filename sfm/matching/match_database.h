@@ -48,6 +48,15 @@ struct PhotoKeypoints {
   const SiftDescriptors* descriptors = nullptr;  // One for each keypoint.
 };
 
+// What is known of a photo's camera, for MatchDatabase::SetCameras.
+struct PhotoCamera {
+  uint32_t photo_id = 0;
+  int width = 0;               // Pixels.
+  int height = 0;              // Pixels.
+  std::vector<double> params;  // As its camera model orders them.
+  bool focal_known = false;    // Whether the focal length is more than a guess.
+};
+
 // An open database:
 //
 //   FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
@@ -77,6 +86,10 @@ class MatchDatabase {
   // The scales of a photo's features, in pixels and never NaN, in the order of
   // its descriptors; empty when it has none or the database does not tell them.
   StatusOr<std::vector<float>> FeatureScales(uint32_t photo_id) const;
+
+  // Gives the cameras of photos their size and parameters, in one transaction.
+  // They keep their models. Of photos that share a camera the last one counts.
+  Status SetCameras(std::span<const PhotoCamera> cameras);
 
   // Gives photos their features, in one transaction. Features that they had are
   // replaced.

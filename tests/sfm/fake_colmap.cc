@@ -64,11 +64,8 @@ const std::map<std::string, std::vector<std::string>>& CommandOptions() {
         "ImageReader.camera_model",
         "ImageReader.single_camera",
         "ImageReader.single_camera_per_image",
-        "ImageReader.camera_params",
         features + "use_gpu",
-        features + "num_threads",
-        features + "max_image_size",
-        "SiftExtraction.max_num_features"}},
+        features + "num_threads"}},
       {"matches_importer",
        {"database_path",
         "match_list_path",
@@ -122,7 +119,8 @@ class Database {
         "AUTOINCREMENT NOT NULL, name TEXT NOT NULL UNIQUE, "
         "camera_id INTEGER NOT NULL DEFAULT 1)");
     Run("CREATE TABLE IF NOT EXISTS cameras (camera_id INTEGER PRIMARY KEY, "
-        "height INTEGER NOT NULL)");
+        "width INTEGER NOT NULL, height INTEGER NOT NULL, params BLOB, "
+        "prior_focal_length INTEGER NOT NULL)");
     Run("CREATE TABLE IF NOT EXISTS keypoints (image_id INTEGER PRIMARY KEY, "
         "rows INTEGER NOT NULL, cols INTEGER NOT NULL, data BLOB)");
     Run("CREATE TABLE IF NOT EXISTS descriptors (image_id INTEGER PRIMARY KEY, "
@@ -184,10 +182,19 @@ using Options = std::map<std::string, std::string>;
 int ExtractFeatures(Options& options) {
   Database database(options["database_path"]);
   const auto names = ReadLines(options["image_list_path"]);
+  std::string camera;
   for (size_t i = 0; i < names.size(); ++i) {
     database.Run("INSERT OR IGNORE INTO images(name) VALUES('" + names[i] +
                  "')");
     const std::string id = std::to_string(database.Images().at(names[i]));
+    // Each photo has a camera of its own, or all of this call share one.
+    if (i == 0 || options["ImageReader.single_camera_per_image"] == "1") {
+      camera = id;
+      database.Run("INSERT OR IGNORE INTO cameras VALUES(" + camera +
+                   ",32,32,NULL,0)");
+    }
+    database.Run("UPDATE images SET camera_id = " + camera +
+                 " WHERE image_id = " + id);
     const std::string count = std::to_string(kNumFeatures);
     database.Run("INSERT OR IGNORE INTO keypoints VALUES(" + id + "," + count +
                  ",4,zeroblob(" + std::to_string(16 * kNumFeatures) + "))");

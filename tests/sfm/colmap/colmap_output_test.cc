@@ -20,12 +20,6 @@ TEST(ParseColmapLine, KnownLines) {
     int total;
   };
   const Case cases[] = {
-      {"Processed file [3/50]", Kind::kPhotoDone, 3, 50},
-      {"I20260317 10:11:12.1 77 feature_extraction.cc:261] Processed file "
-       "[4/50]",
-       Kind::kPhotoDone,
-       4,
-       50},
       {"Registering image #7 (12)", Kind::kPhotoRegistered, 12, 0},
       {"Global bundle adjustment", Kind::kAdjusting, 0, 0},
       {"I20260317 10:11:12.1 77 incremental_pipeline.cc:500] Registering image "
@@ -47,11 +41,11 @@ TEST(ParseColmapLine, KnownLines) {
 TEST(ParseColmapLine, EverythingElseIsNothing) {
   for (const char* line : {"",
                            "Elapsed time: 0.1 [minutes]",
-                           "Processed file [",
-                           "Processed file [a/b]",
-                           "Processed file [3",
-                           "Processed file [99999999999999999999/3]",
-                           "Processed file [-1/3]",
+                           "Undistorting image [",
+                           "Undistorting image [a/b]",
+                           "Undistorting image [3",
+                           "Undistorting image [99999999999999999999/3]",
+                           "Undistorting image [-1/3]",
                            "Registering image #",
                            "Registering image #3",
                            "Registering image #3 ()"}) {

@@ -177,28 +177,24 @@ class ColmapDialectsTest : public testing::Test {
 
   // What every release must be told, under its own names.
   void ExpectComplete(const std::string& extraction,
-                      const std::string& extraction_size,
                       const std::string& matching,
                       const std::vector<std::string>& match_seeds,
                       const std::vector<std::string>& mapper_seeds,
                       const std::string& frames_ratio) const {
     const std::vector<Arguments> features = Calls("feature_extractor");
     ASSERT_THAT(features, SizeIs(1));
-    EXPECT_THAT(
-        features[0],
-        AllOf(Contains(Pair(extraction + ".use_gpu", "0")),
-              Contains(Pair("ImageReader.camera_model", "RADIAL")),
-              Contains(Pair("ImageReader.single_camera", "1")),
-              Contains(Pair("ImageReader.camera_params", "600,320,240,0,0")),
-              Contains(Pair(extraction + ".num_threads", "1")),
-              Contains(Pair(extraction_size, "64")),
-              Contains(Pair("SiftExtraction.max_num_features", "16"))));
+    EXPECT_THAT(features[0],
+                AllOf(Contains(Pair(extraction + ".use_gpu", "0")),
+                      Contains(Pair("ImageReader.camera_model", "RADIAL")),
+                      Contains(Pair("ImageReader.single_camera", "1")),
+                      Contains(Pair(extraction + ".num_threads", "1"))));
     const std::vector<Arguments> matches = Calls("matches_importer");
     ASSERT_FALSE(matches.empty());
     for (const Arguments& call : matches) {
       EXPECT_THAT(call,
                   AllOf(Contains(Pair(matching + ".use_gpu", "0")),
                         Contains(Pair(matching + ".num_threads", "1")),
+                        Contains(Pair(HasSubstr(".max_num_trials"), "1000")),
                         Contains(Pair("match_type", "raw"))));
       for (const std::string& seed : match_seeds) {
         EXPECT_THAT(call, Contains(Pair(seed, "5")));
@@ -212,7 +208,10 @@ class ColmapDialectsTest : public testing::Test {
     EXPECT_THAT(maps[0],
                 AllOf(Contains(Pair("Mapper.num_threads", "1")),
                       Contains(Pair(frames_ratio, "1.3")),
-                      Contains(Pair("Mapper.ba_global_points_ratio", "1.3"))));
+                      Contains(Pair("Mapper.ba_global_points_ratio", "1.3")),
+                      Contains(Pair("Mapper.ba_global_max_refinements", "1")),
+                      Contains(Pair("Mapper.init_min_tri_angle", "8")),
+                      Contains(Pair("Mapper.extract_colors", "0"))));
   }
 
   // Positions in photos (GPS) are never asked for.
@@ -241,7 +240,6 @@ TEST_F(ColmapDialectsTest, OldNames) {
     EXPECT_EQ(result->models.at(0).images.size(), 8u);
     EXPECT_THAT(result->warnings, IsEmpty());
     ExpectComplete("SiftExtraction",
-                   "SiftExtraction.max_image_size",
                    "SiftMatching",
                    {"random_seed"},
                    {"random_seed"},
@@ -266,12 +264,7 @@ TEST_F(ColmapDialectsTest, NewNames) {
     EXPECT_EQ(result->colmap_version, test.release);
     EXPECT_EQ(result->models.at(0).images.size(), 8u);
     EXPECT_THAT(result->warnings, SizeIs(test.warnings));
-    // Renamed between 3.13 and 4.0.
-    const std::string size = std::string(test.list) == "3.13"
-                                 ? "SiftExtraction.max_image_size"
-                                 : "FeatureExtraction.max_image_size";
     ExpectComplete("FeatureExtraction",
-                   size,
                    "FeatureMatching",
                    {"default_random_seed", "TwoViewGeometry.random_seed"},
                    {"default_random_seed", "Mapper.random_seed"},
@@ -286,12 +279,12 @@ TEST_F(ColmapDialectsTest, FutureReleaseIsAsked) {
   std::string list;
   for (std::string line; std::getline(known, line);) {
     if (line == "  TwoViewGeometry.random_seed" ||
-        line == "  SiftExtraction.max_num_features") {
+        line == "  Mapper.ba_global_frames_ratio") {
       continue;
     }
     list += line + "\n";
-    if (line == "feature_extractor") {
-      list += "  FeatureExtraction.max_num_features\n  Dream.depth\n";
+    if (line == "mapper") {
+      list += "  Mapper.ba_global_images_ratio\n  Dream.depth\n";
     }
   }
   WriteText(folder_ / "future.txt", list);
@@ -299,8 +292,8 @@ TEST_F(ColmapDialectsTest, FutureReleaseIsAsked) {
   ASSERT_TRUE(result.ok()) << result.status().message();
   EXPECT_EQ(result->colmap_version, "9.0.1.dev2");
   EXPECT_THAT(result->warnings, IsEmpty());
-  EXPECT_THAT(Calls("feature_extractor").at(0),
-              Contains(Pair("FeatureExtraction.max_num_features", "16")));
+  EXPECT_THAT(Calls("mapper").at(0),
+              Contains(Pair("Mapper.ba_global_images_ratio", "1.3")));
   ExpectNoPositions();
 }
 
