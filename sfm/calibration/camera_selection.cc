@@ -32,10 +32,14 @@ constexpr double kFunctionTolerance = 1e-4;
 // Share of the observations that are held out from the estimation.
 constexpr double kHeldOutShare = 0.15;
 
-// A candidate is as good as another when its held-out error is larger by at
-// most this share of it, or by at most so many pixels.
+// A candidate explains unseen observations as well as another when its held-out
+// error is larger by at most this share of it, or by at most so many pixels.
 constexpr double kTolerance = 0.01;
 constexpr double kTolerancePx = 0.01;
+
+// A difference in BIC beyond this is very strong evidence (Kass and Raftery,
+// "Bayes factors", 1995). It does not depend on the number of observations.
+constexpr double kTellingBic = 10;
 
 // A camera per photo must lower the held-out error by this share.
 constexpr double kPerPhotoGain = 0.1;
@@ -253,40 +257,38 @@ void Score(const std::vector<Residuals>& residuals,
 
 constexpr size_t kNone = std::numeric_limits<size_t>::max();
 
-// The simplest that is about as good as the best by held-out error, or the best
-// by BIC, whichever has fewer parameters; among candidates that `eligible`
-// takes, which are ordered by parameters.
+// The best by BIC, or the simplest that is hardly less likely; among candidates
+// that `eligible` takes and whose held-out error is about as small as any.
 template <typename Predicate>
 size_t Choose(const std::vector<CameraCandidate>& candidates,
               const Predicate& eligible) {
-  double best_error = std::numeric_limits<double>::infinity();
-  size_t by_bic = kNone;
-  for (size_t i = 0; i < candidates.size(); ++i) {
-    if (!eligible(candidates[i])) continue;
-    best_error = std::min(best_error, candidates[i].held_out_error_px);
-    if (by_bic == kNone || candidates[i].bic < candidates[by_bic].bic) {
-      by_bic = i;
-    }
+  double least_error = std::numeric_limits<double>::infinity();
+  for (const CameraCandidate& candidate : candidates) {
+    if (!eligible(candidate)) continue;
+    least_error = std::min(least_error, candidate.held_out_error_px);
   }
-  if (by_bic == kNone) return kNone;
   const double good_enough =
-      std::max(best_error * (1 + kTolerance), best_error + kTolerancePx);
-  size_t by_error = kNone;
+      std::max(least_error * (1 + kTolerance), least_error + kTolerancePx);
+  const auto is_good = [&](const CameraCandidate& candidate) {
+    return eligible(candidate) && candidate.held_out_error_px <= good_enough;
+  };
+  double least_bic = std::numeric_limits<double>::infinity();
+  for (const CameraCandidate& candidate : candidates) {
+    if (is_good(candidate)) least_bic = std::min(least_bic, candidate.bic);
+  }
+  size_t best = kNone;
   for (size_t i = 0; i < candidates.size(); ++i) {
     const CameraCandidate& candidate = candidates[i];
-    if (!eligible(candidate) || candidate.held_out_error_px > good_enough) {
+    if (!is_good(candidate) || candidate.bic > least_bic + kTellingBic) {
       continue;
     }
-    if (by_error == kNone ||
-        (candidate.parameters == candidates[by_error].parameters &&
-         candidate.held_out_error_px <
-             candidates[by_error].held_out_error_px)) {
-      by_error = i;
+    if (best == kNone ||
+        std::pair(candidate.parameters, candidate.bic) <
+            std::pair(candidates[best].parameters, candidates[best].bic)) {
+      best = i;
     }
   }
-  return candidates[by_bic].parameters < candidates[by_error].parameters
-             ? by_bic
-             : by_error;
+  return best;
 }
 
 Status ChooseBest(CameraSelection* selection) {

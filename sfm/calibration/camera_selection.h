@@ -83,12 +83,10 @@ struct CameraSelection {
 
 // Estimates every candidate by bundle adjustment on a part of the observations,
 // and measures it on others, which are held out: a random 15 % of those of
-// points that three or more images see. One criterion prefers the candidate
-// with the fewest parameters among those whose held-out error exceeds the
-// smallest one by at most 1 % or 0.01 pixels. The other prefers the candidate
-// with the smallest BIC. The simpler one of the two is chosen, so that a
-// parameter must convince both criteria. Candidates that no real lens can have
-// (see CheckLens) are refused.
+// points that three or more images see. Of the candidates whose held-out error
+// exceeds the smallest one by at most 1 % or 0.01 pixels, that with the fewest
+// parameters is chosen whose BIC exceeds the smallest one by at most 10.
+// Candidates that no real lens can have (see CheckLens) are refused.
 //
 // `model` must be triangulated and near its optimum. The result does not depend
 // on the number of threads. Returns kUnusableResult when there is too little to

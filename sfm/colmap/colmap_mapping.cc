@@ -59,13 +59,6 @@ void AdjustLessOften(ColmapArguments* arguments) {
   arguments->Prefer({"Mapper.ba_local_max_num_iterations"}, "15");
 }
 
-// COLMAP asks for 16 degrees between the rays of its first two photos, and only
-// half when no pair has them. With hundreds of photos, of which only near ones
-// were matched, it tries all pairs before that.
-void BeginWithSmallerAngle(ColmapArguments* arguments) {
-  arguments->Prefer({"Mapper.init_min_tri_angle"}, "8");
-}
-
 // COLMAP ends an adjustment when nothing moves any more, or after 50
 // iterations. Nearly all of the gain is in the first few. Unless the user gave
 // the lens model, the last adjustment is our own (camera_selection.h).
@@ -173,7 +166,6 @@ StatusOr<std::vector<Reconstruction>> MapPhotos(const StepContext& context,
   EndAdjustmentsEarly(&arguments);
   if (!mapping.relaxed) {
     AdjustLessOften(&arguments);
-    BeginWithSmallerAngle(&arguments);
   } else {
     arguments.Prefer({"Mapper.init_min_num_inliers"}, "40");
     arguments.Prefer({"Mapper.init_min_tri_angle"}, "4");

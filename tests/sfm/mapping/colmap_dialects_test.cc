@@ -210,7 +210,6 @@ class ColmapDialectsTest : public testing::Test {
                       Contains(Pair(frames_ratio, "1.3")),
                       Contains(Pair("Mapper.ba_global_points_ratio", "1.3")),
                       Contains(Pair("Mapper.ba_global_max_refinements", "1")),
-                      Contains(Pair("Mapper.init_min_tri_angle", "8")),
                       Contains(Pair("Mapper.extract_colors", "0"))));
   }
 
