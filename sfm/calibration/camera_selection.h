@@ -85,7 +85,7 @@ struct CameraSelection {
 // and measures it on others, which are held out: a random 15 % of those of
 // points that three or more images see. Of the candidates whose held-out error
 // exceeds the smallest one by at most 1 % or 0.01 pixels, that with the fewest
-// parameters is chosen whose BIC exceeds the smallest one by at most 10.
+// parameters is chosen whose BIC exceeds the smallest one by at most 50.
 // Candidates that no real lens can have (see CheckLens) are refused.
 //
 // `model` must be triangulated and near its optimum. The result does not depend

@@ -91,6 +91,10 @@ class SignalsWait {
   sigset_t before_;
 };
 
+// dup2 does so unless both numbers are the same, which happens when this
+// process was started with its standard input closed.
+void KeepOnExec(int fd) { fcntl(fd, F_SETFD, 0); }
+
 // Ends a child that could not execute its program.
 [[noreturn]] void TellErrno(int error_fd) {
   const int error = errno;
@@ -107,6 +111,7 @@ class SignalsWait {
 [[noreturn]] void ExecGuard(int lifeline, int error_fd) {
   setpgid(0, 0);
   dup2(lifeline, STDIN_FILENO);
+  KeepOnExec(STDIN_FILENO);
   close_range(STDIN_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC);
   // Reading ends when the last holder of the pipe's other end does.
   execl("/bin/sh", "sh", "-c", "read -r line; kill -KILL 0", nullptr);
@@ -133,6 +138,9 @@ class SignalsWait {
   dup2(launch.stdin_fd, STDIN_FILENO);
   dup2(launch.stdout_fd, STDOUT_FILENO);
   dup2(launch.stdout_fd, STDERR_FILENO);
+  for (const int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    KeepOnExec(fd);
+  }
   // Nothing else of ours (locks, files) goes along.
   close_range(3, ~0U, CLOSE_RANGE_CLOEXEC);
   execvpe(launch.argv[0], launch.argv.data(), launch.environment.data());

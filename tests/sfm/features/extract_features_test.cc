@@ -72,7 +72,7 @@ std::vector<int64_t> Counts(const fs::path& path) {
 TEST_F(ExtractFeaturesTest, SameBytesForAnyNumberOfThreads) {
   const fs::path one = NewDatabase("one.db");
   EXPECT_THAT(Counts(one), testing::Each(0));
-  double done = 0;
+  double done = -1;  // It begins with 0.
   input_.progress = [&](const Progress& progress) {
     EXPECT_EQ(progress.step, "features");
     EXPECT_GT(progress.done, done);
