@@ -92,16 +92,15 @@ std::vector<PhotoCamera> CamerasOf(const CameraGroup& group,
 }
 
 // A folder of tiny pictures with the names of the photos, which COLMAP reads in
-// their stead. It decodes in one thread, and would take most of a minute for a
+// their stead. It decodes in one thread, and would take half a minute for a
 // hundred photos of 12 megapixels.
 class StandIns {
  public:
   explicit StandIns(const fs::path& work_folder)
-      : folder_(work_folder / "stand_ins") {}
-  ~StandIns() {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
+      : folder_(work_folder / "stand_ins") {
+    Remove();  // What a run that was killed left.
   }
+  ~StandIns() { Remove(); }
   StandIns(const StandIns&) = delete;
   StandIns& operator=(const StandIns&) = delete;
 
@@ -110,8 +109,8 @@ class StandIns {
   Status Write(const std::vector<SfmPhoto>& photos) const {
     constexpr int kSide = 32;
     const ImageU8 picture(kSide, kSide, 1, 128);
-    std::map<fs::path, fs::path>
-        made;  // By the suffix, which tells the format.
+    // The first one of each suffix, which tells the format.
+    std::map<fs::path, fs::path> made;
     for (const SfmPhoto& photo : photos) {
       const fs::path path = folder_ / photo.name;
       FREEGS_RETURN_IF_ERROR(CreateFolders(path.parent_path()));
@@ -131,6 +130,11 @@ class StandIns {
   }
 
  private:
+  void Remove() const {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+
   fs::path folder_;
 };
 

@@ -107,6 +107,13 @@ TEST_F(RegisterPhotosTest, SharedCameraHasTheUsualFocalLength) {
   }
 }
 
+TEST_F(RegisterPhotosTest, WhatAKilledRunLeftIsNoHindrance) {
+  Add("a.jpg", 640, 480, 0);
+  Add("b.jpg", 640, 480, 0);
+  fs::create_directories(folder_ / "work/stand_ins/b.jpg");
+  EXPECT_EQ(Register().size(), 2u);
+}
+
 TEST_F(RegisterPhotosTest, SizesHaveTheirOwnCameras) {
   Add("a.jpg", 640, 480, 0);
   Add("b.jpg", 300, 400, 350);
