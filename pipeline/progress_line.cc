@@ -16,6 +16,7 @@ namespace {
 constexpr double kTerminalInterval = 0.1;
 constexpr double kPlainInterval = 10;
 constexpr double kRateWindow = 30;
+constexpr double kRateUnits = 20;
 constexpr double kRateSpacing = 0.5;
 
 double SteadySeconds() {
@@ -80,7 +81,8 @@ double ProgressRate::Update(double now, const Progress& progress) {
   if (recent_.empty() || now - recent_.back().first >= kRateSpacing) {
     recent_.emplace_back(now, done);
   }
-  while (recent_.size() > 2 && now - recent_[1].first >= kRateWindow) {
+  while (recent_.size() > 2 && now - recent_[1].first >= kRateWindow &&
+         done - recent_[1].second >= kRateUnits) {
     recent_.pop_front();
   }
   const double seconds = now - recent_.front().first;

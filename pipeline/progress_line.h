@@ -23,7 +23,9 @@ namespace freegs::pipeline {
 std::string FormatProgress(const Progress& progress, double rate);
 
 // Estimates how fast the work of one step goes, from its last half minute, so
-// that the rate follows a step that becomes slower.
+// that the rate follows a step that becomes slower. But from no less than the
+// last 20 units of work: a step that stops for a minute, as a mapper does that
+// adjusts all photos, does not seem to need hours for the rest.
 class ProgressRate {
  public:
   // Returns units per second, 0 when that is not known yet. `now` is in seconds

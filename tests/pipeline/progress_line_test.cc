@@ -51,6 +51,24 @@ TEST(ProgressLineTest, PlainLinesAreAtMostOnePerTenSecondsAndStep) {
   EXPECT_THAT(text, Not(HasSubstr("\r")));
 }
 
+TEST(ProgressRateTest, FollowsTheLastHalfMinute) {
+  ProgressRate rate;
+  for (int i = 0; i <= 100; ++i) rate.Update(i, {"x", 10.0 * i, 4000, ""});
+  double last = 0;
+  for (int i = 1; i <= 60; ++i) {
+    last = rate.Update(100 + i, {"x", 1000.0 + 5 * i, 4000, ""});
+  }
+  EXPECT_NEAR(last, 5, 0.2);
+}
+
+// A mapper that places four photos a second, and then adjusts all for 80.
+TEST(ProgressRateTest, PauseDoesNotMakeTheRestSeemEndless) {
+  ProgressRate rate;
+  for (int i = 0; i <= 240; ++i) rate.Update(0.25 * i, {"x", 1.0 * i, 292, ""});
+  for (int i = 1; i < 80; ++i) rate.Update(60 + i, {"x", 240, 292, ""});
+  EXPECT_NEAR(rate.Update(140, {"x", 241, 292, ""}), 0.24, 0.02);
+}
+
 TEST(ProgressLineTest, ResumedStepCountsOnlyWhatIsDoneNow) {
   std::ostringstream console;
   Logger logger(console, /*terminal=*/false, "");
