@@ -172,6 +172,7 @@ StatusOr<std::vector<Reconstruction>> MapPhotos(const StepContext& context,
     arguments.Prefer({"Mapper.abs_pose_min_num_inliers"}, "15");
     arguments.Prefer({"Mapper.abs_pose_min_inlier_ratio"}, "0.15");
   }
+  if (mapping.small_models) arguments.Prefer({"Mapper.min_model_size"}, "3");
   FREEGS_ASSIGN_OR_RETURN(const ChildCommand run, arguments.Finish());
 
   const double total = static_cast<double>(context.input.photos.size());

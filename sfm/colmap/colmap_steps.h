@@ -86,6 +86,10 @@ struct Mapping {
   // Whether to lower COLMAP's thresholds, for few or weakly connected photos.
   bool relaxed = false;
 
+  // Whether to keep models of 3 photos or more. Otherwise COLMAP drops one that
+  // has few of the photos, and begins elsewhere.
+  bool small_models = false;
+
   // A model to which the other photos are registered, or null to begin with a
   // pair of photos. Its ids are those of the database. It must outlive the
   // call.

@@ -21,7 +21,7 @@ namespace freegs::sfm {
 
 // What health.json says about an attempt.
 struct Attempt {
-  std::string name;  // "mapping", "lower thresholds" ...
+  std::string name;  // "mapping", "lower thresholds", "small models" ...
   std::string why;   // The reason for trying it; empty for the plain mapping.
 
   int models = 0;  // Number of models that it made.

@@ -114,19 +114,28 @@ StatusOr<MappedScene> MapScene(const StepContext& context,
     FREEGS_ASSIGN_OR_RETURN(scene.evidence,
                             CollectEvidence(context.input.photos, matches));
   }
+  const auto again = [&](const std::string& name,
+                         const std::string& why,
+                         Mapping mapping) -> Status {
+    mapping.step = "mapping, " + name;
+    mapping.relaxed = true;
+    FREEGS_ASSIGN_OR_RETURN(AttemptResult made, store->Try(name, [&] {
+      return map(name, mapping);
+    }));
+    Attempt attempt = DescribeAttempt(name, why, made.models);
+    attempt.problem = std::move(made.problem);
+    FREEGS_ASSIGN_OR_RETURN(attempt.kept,
+                            IsBetter(made.models, scene.models, database));
+    if (attempt.kept) scene.models = std::move(made.models);
+    scene.attempts.push_back(std::move(attempt));
+    return {};
+  };
   const std::string why = WhyAgain(scene.evidence, scene.models, diagnosis);
   if (why.empty()) return scene;
-
-  const std::string name = "lower thresholds";
-  const Mapping relaxed = {.step = "mapping, " + name, .relaxed = true};
-  FREEGS_ASSIGN_OR_RETURN(AttemptResult second,
-                          store->Try(name, [&] { return map(name, relaxed); }));
-  Attempt attempt = DescribeAttempt(name, why, second.models);
-  attempt.problem = std::move(second.problem);
-  FREEGS_ASSIGN_OR_RETURN(attempt.kept,
-                          IsBetter(second.models, scene.models, database));
-  if (attempt.kept) scene.models = std::move(second.models);
-  scene.attempts.push_back(std::move(attempt));
+  FREEGS_RETURN_IF_ERROR(again("lower thresholds", why, {}));
+  if (scene.models.empty()) {
+    FREEGS_RETURN_IF_ERROR(again("small models", why, {.small_models = true}));
+  }
   return scene;
 }
 

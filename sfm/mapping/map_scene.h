@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Maps a scene in the plain way, and once more with lower thresholds when that
+// Maps a scene in the plain way, and again with lower thresholds when that
 // leaves photos without a pose.
 
 #ifndef FREEGS_SFM_MAPPING_MAP_SCENE_H_
@@ -27,14 +27,15 @@ struct MappedScene {
 // thresholds (weaker start pairs, fewer inliers) and keeps the better result:
 // the one with more photos, or with as many and a fifth more points that fit as
 // well. A model that look-alikes glued (view_groups.h) never replaces one that
-// holds together. Nothing is tried when a finding says that nothing helps.
+// holds together. If there still is no model, even one of 3 photos will do.
+// Nothing is tried when a finding says that nothing helps.
 //
 //   AttemptStore store(work_folder, &record);
 //   const StatusOr<MappedScene> scene =
 //       MapScene(context, work_folder / "database.db", {}, &store);
 //
 // Errors: those of the plain mapping and of the database, kInterrupted and
-// kInternal. Another error of the second attempt is written into its Attempt.
+// kInternal. Another error of a further attempt is written into its Attempt.
 StatusOr<MappedScene> MapScene(const StepContext& context,
                                const std::filesystem::path& database,
                                const DiagnosisOptions& diagnosis,

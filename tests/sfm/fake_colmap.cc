@@ -8,6 +8,7 @@
 //   FAKE_COLMAP_MODELS   photos of each model the mapper makes, "5,3"; empty
 //                        for none. Default: one of all.
 //   FAKE_COLMAP_RELAXED  the same when the mapper's thresholds were lowered.
+//   FAKE_COLMAP_SMALL    the same when it is to keep small models.
 //   FAKE_COLMAP_CONTINUED  folder of the model that the mapper makes when it is
 //                        given one to go on from. Default: the one given.
 //   FAKE_COLMAP_FAIL     a command that fails with exit code 1.
@@ -81,6 +82,7 @@ const std::map<std::string, std::vector<std::string>>& CommandOptions() {
         "output_path",
         "Mapper.num_threads",
         "Mapper.init_min_num_inliers",
+        "Mapper.min_model_size",
         "Mapper.init_min_tri_angle",
         IsNew() ? "Mapper.random_seed" : "random_seed"}},
       {"image_undistorter",
@@ -255,6 +257,9 @@ int Map(Options& options) {
       Setting("FAKE_COLMAP_MODELS", std::to_string(images.size()));
   if (options["Mapper.init_min_num_inliers"] != "") {
     sizes = Setting("FAKE_COLMAP_RELAXED", sizes);
+  }
+  if (options["Mapper.min_model_size"] != "") {
+    sizes = Setting("FAKE_COLMAP_SMALL", sizes);
   }
   std::istringstream list(sizes);
   int number = 0;

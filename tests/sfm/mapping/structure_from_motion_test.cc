@@ -189,6 +189,22 @@ TEST_F(StructureFromMotionTest, WorseAttemptsAreNotKept) {
   EXPECT_EQ(result->models[0].images.size(), 4u);
 }
 
+// COLMAP gives up models of few photos, though nothing else may come.
+TEST_F(StructureFromMotionTest, SmallModelsAreTheLastResort) {
+  const auto result = Run({{"FAKE_COLMAP_MODELS", ""},
+                           {"FAKE_COLMAP_RELAXED", ""},
+                           {"FAKE_COLMAP_SMALL", "7"}});
+  ASSERT_TRUE(result.ok()) << result.status().message();
+  EXPECT_THAT(
+      NamesOf(result->attempts),
+      testing::ElementsAre("mapping", "lower thresholds", "small models"));
+  EXPECT_FALSE(result->attempts[1].kept);
+  EXPECT_TRUE(result->attempts[2].kept);
+  EXPECT_EQ(result->models[0].images.size(), 7u);
+  EXPECT_EQ(result->unregistered.size(), 3u);
+  EXPECT_THAT(result->warnings.at(0), HasSubstr("small models"));
+}
+
 TEST_F(StructureFromMotionTest, TooFewPhotosAreNotTriedAgain) {
   input_.photos.resize(2);
   const auto result = Run({{"FAKE_COLMAP_MODELS", ""}});
