@@ -74,11 +74,12 @@ StatusOr<SceneEvidence> CollectEvidence(const std::vector<SfmPhoto>& photos,
     const auto first = index.find(pair.id1);
     const auto second = index.find(pair.id2);
     if (first == index.end() || second == index.end()) continue;
-    evidence.pairs.push_back({first->second,
-                              second->second,
-                              pair.num_matches,
-                              pair.is_homography,
-                              pair.homography});
+    PairEvidence& seen = evidence.pairs.emplace_back();
+    seen.first = first->second;
+    seen.second = second->second;
+    seen.num_matches = pair.num_matches;
+    seen.is_homography = pair.is_homography;
+    if (pair.is_homography) seen.homography = pair.homography;
   }
   return evidence;
 }

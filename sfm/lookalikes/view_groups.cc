@@ -18,8 +18,13 @@ namespace freegs::sfm {
 namespace {
 
 constexpr double kMaxErrorPx = 4;
-constexpr double kPlanarWeight = 0.1;
 constexpr double kMissingWeight = 0.5;
+
+// If a homography explains at most the first share of a pair's matches, they
+// count in full; from the second share on they have the weight.
+constexpr double kReliefShare = 0.6;
+constexpr double kPlanarShare = 0.8;
+constexpr double kPlanarWeight = 0.2;
 
 // If at most the first share of a pair's matches fits, the others count in full
 // against the model; from the second share on they do not count at all.
@@ -98,6 +103,30 @@ int64_t CountFitting(const GroupedPhoto& photo1,
     if (depth1 > 0 && depth2 > 0) ++fitting;
   }
   return fitting;
+}
+
+// How much each of a pair's matches counts.
+double MatchWeight(const MatchDatabase::VerifiedPair& pair,
+                   const PosedImage& image1,
+                   const PosedImage& image2,
+                   std::span<const FeatureMatch> matches) {
+  if (!pair.homography) return pair.is_homography ? kPlanarWeight : 1.0;
+  int64_t explained = 0;
+  for (const FeatureMatch& match : matches) {
+    if (match.feature1 >= image1.points2d.size() ||
+        match.feature2 >= image2.points2d.size()) {
+      continue;
+    }
+    const Eigen::Vector3d mapped =
+        *pair.homography * image1.points2d[match.feature1].xy.homogeneous();
+    const Eigen::Vector2d& seen = image2.points2d[match.feature2].xy;
+    if ((mapped.hnormalized() - seen).norm() < kMaxErrorPx) ++explained;
+  }
+  const double share =
+      static_cast<double>(explained) / static_cast<double>(matches.size());
+  const double relief = std::clamp(
+      (kPlanarShare - share) / (kPlanarShare - kReliefShare), 0.0, 1.0);
+  return kPlanarWeight + (1 - kPlanarWeight) * relief;
 }
 
 struct Evidence {
@@ -194,9 +223,9 @@ StatusOr<std::vector<PairSupport>> MeasureSupport(
     }
   }
   FREEGS_ASSIGN_OR_RETURN(const auto verified, database.VerifiedPairs());
-  std::set<Pair> planar;
+  std::map<Pair, const MatchDatabase::VerifiedPair*> of_ids;
   for (const MatchDatabase::VerifiedPair& pair : verified) {
-    if (pair.is_homography) planar.insert({pair.id1, pair.id2});
+    of_ids[{pair.id1, pair.id2}] = &pair;
   }
   std::map<Pair, Evidence> evidence;
   std::set<Pair> fits;
@@ -208,7 +237,10 @@ StatusOr<std::vector<PairSupport>> MeasureSupport(
         const auto fitting = static_cast<double>(
             CountFitting(photo1->second, photo2->second, matches));
         const auto count = static_cast<double>(matches.size());
-        const double weight = planar.contains({id1, id2}) ? kPlanarWeight : 1.0;
+        const double weight = MatchWeight(*of_ids.at({id1, id2}),
+                                          *photo1->second.image,
+                                          *photo2->second.image,
+                                          matches);
         const double doubt = std::clamp(
             (kFitShare - fitting / count) / (kFitShare - kMisfitShare),
             0.0,

@@ -316,8 +316,8 @@ MatchDatabase::VerifiedPairs() const {
     // Row by row.
     Eigen::Matrix<double, 3, 3, Eigen::RowMajor> matrix;
     ByteReader reader(data);
-    if (pair.is_homography && reader.GetArray(9, matrix.data()) &&
-        reader.at_end() && matrix.allFinite()) {
+    if (reader.GetArray(9, matrix.data()) && reader.at_end() &&
+        matrix.allFinite()) {
       pair.homography = matrix;
     }
     pairs.push_back(pair);

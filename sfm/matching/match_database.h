@@ -106,9 +106,10 @@ class MatchDatabase {
 
     // Whether a homography explains the matches as well as any motion does.
     // Then both photos show one plane, or the camera only turned between them.
-    // `homography` maps pixels of id1 to pixels of id2; the database need not
-    // have it.
     bool is_homography = false;
+
+    // The homography that explains most of the matches, whether many or few. It
+    // maps pixels of id1 to pixels of id2; the database need not have it.
     std::optional<Eigen::Matrix3d> homography;
   };
 

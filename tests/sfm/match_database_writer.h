@@ -30,17 +30,18 @@ class MatchDatabaseWriter {
   }
 
   // matches: pairs of features. config: 2 for a motion, 6 for a homography.
+  // homography: row by row, or nothing.
   void Add(int64_t id1,
            int64_t id2,
            const std::vector<uint32_t>& matches,
-           int config = 2) {
+           int config = 2,
+           const std::vector<double>& homography = {}) {
     sqlite3_stmt* statement = nullptr;
-    sqlite3_prepare_v2(
-        database_,
-        "INSERT INTO two_view_geometries VALUES(?, ?, ?, ?, NULL)",
-        -1,
-        &statement,
-        nullptr);
+    sqlite3_prepare_v2(database_,
+                       "INSERT INTO two_view_geometries VALUES(?, ?, ?, ?, ?)",
+                       -1,
+                       &statement,
+                       nullptr);
     sqlite3_bind_int64(statement, 1, id1 * 2147483647 + id2);
     sqlite3_bind_int64(statement, 2, static_cast<int64_t>(matches.size() / 2));
     sqlite3_bind_blob(statement,
@@ -49,6 +50,13 @@ class MatchDatabaseWriter {
                       static_cast<int>(4 * matches.size()),
                       SQLITE_TRANSIENT);
     sqlite3_bind_int(statement, 4, config);
+    if (!homography.empty()) {
+      sqlite3_bind_blob(statement,
+                        5,
+                        homography.data(),
+                        static_cast<int>(8 * homography.size()),
+                        SQLITE_TRANSIENT);
+    }
     EXPECT_EQ(sqlite3_step(statement), SQLITE_DONE);
     sqlite3_finalize(statement);
   }

@@ -151,6 +151,50 @@ TEST(MeasureSupport, HalfRightPairsSayNothing) {
   EXPECT_GT(wrong.against, 80);
 }
 
+// What supports a pair of 100 right matches, as a share of their number. Its
+// database has a homography that explains so many of them, if the number is not
+// negative.
+double SupportWithHomography(int explained, int config) {
+  constexpr double kFarShift = 10;  // Pixels, of what is on the plane.
+  constexpr double kNearShift = 30;
+  Reconstruction model = SyntheticModel(2, 100);
+  const TemporaryFolder folder;
+  const std::string path = (folder / "a.db").string();
+  {
+    std::vector<uint32_t> matches;
+    for (uint32_t i = 0; i < 100; ++i) matches.insert(matches.end(), {i, i});
+    std::vector<double> homography;
+    if (explained >= 0) homography = {1, 0, kFarShift, 0, 1, 0, 0, 0, 1};
+    MatchDatabaseWriter(path).Add(1, 2, matches, config, homography);
+  }
+  // The second camera is beside the first, so that its features are shifted.
+  model.images[1].cam_from_world = model.images[0].cam_from_world;
+  model.images[1].cam_from_world.translation.x() += 0.5;
+  for (int i = 0; i < 100; ++i) {
+    model.images[1].points2d[i].xy =
+        model.images[0].points2d[i].xy +
+        Eigen::Vector2d(i < explained ? kFarShift : kNearShift, 0);
+  }
+  const auto database = MatchDatabase::Open(path);
+  EXPECT_TRUE(database.ok());
+  const auto pairs = MeasureSupport(model, *database);
+  EXPECT_TRUE(pairs.ok());
+  return pairs->at(0).supporting / 100;
+}
+
+TEST(MeasureSupport, MatchesThatAHomographyExplainsCountLess) {
+  constexpr int kMotion = 3;
+  constexpr int kHomography = 6;
+  EXPECT_NEAR(SupportWithHomography(-1, kMotion), 1, 1e-9);
+  EXPECT_NEAR(SupportWithHomography(-1, kHomography), 0.2, 1e-9);
+  // What counts is how many, and not what COLMAP calls it.
+  for (const int config : {kMotion, kHomography}) {
+    EXPECT_NEAR(SupportWithHomography(50, config), 1, 1e-9);
+    EXPECT_NEAR(SupportWithHomography(70, config), 0.6, 1e-9);
+    EXPECT_NEAR(SupportWithHomography(90, config), 0.2, 1e-9);
+  }
+}
+
 TEST(FindViewGroups, NoClaimWithoutEvidence) {
   const Reconstruction two = SyntheticModel(2, 10);
   EXPECT_TRUE(FindViewGroups(two, {{1, 2, 10, false, 900}}).consistent());
