@@ -10,6 +10,12 @@
 #include "sfm/scene/reconstruction_measures.h"
 
 namespace freegs::sfm {
+namespace {
+
+// Of ShownParallax.
+constexpr double kMinParallax = 0.35;
+
+}  // namespace
 
 double SharpnessOfSharp(const SceneEvidence& evidence) {
   std::vector<double> values;
@@ -47,7 +53,8 @@ bool DiagnosedScene::HasDepth() const {
   const ReconstructionMeasures measures = MeasureReconstruction(models[0]);
   return measures.median_triangulation_deg >= 3 &&
          measures.mean_reprojection_error_px <= 2 &&
-         measures.observations >= 100 * registered;
+         measures.observations >= 100 * registered &&
+         ShownParallax(evidence, models[0], turning.focal) >= kMinParallax;
 }
 
 std::vector<std::string> DiagnosedScene::Names(

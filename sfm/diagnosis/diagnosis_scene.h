@@ -42,8 +42,9 @@ struct DiagnosedScene {
   // A photo of the main group that is not blurred has no pose in models[0].
   bool LinkedPhotosMissing() const;
   // models[0] has nearly all photos, wide angles between rays and many points
-  // in each photo. That proves that the camera moved, even if homographies
-  // explain most pairs because neighbouring photos are nearly the same.
+  // in each photo, and the homographies show the parallax that it claims. That
+  // proves that the camera moved, even if homographies explain most pairs
+  // because neighbouring photos are nearly the same.
   bool HasDepth() const;
   // The photo is much less sharp than the sharpest quarter of all photos.
   bool IsBlurred(const PhotoEvidence& photo) const {

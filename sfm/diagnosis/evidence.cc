@@ -4,9 +4,12 @@
 #include "sfm/diagnosis/evidence.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <set>
 #include <unordered_map>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include "core/decompositions.h"
@@ -35,6 +38,30 @@ double Stretch(const Eigen::Matrix3d& homography,
       intrinsics(to).inverse() * homography * intrinsics(from);
   const Eigen::Vector3d values = SingularValues(normalised);
   return values(2) > 0 ? values(0) / values(2) : 1e9;
+}
+
+// The median angle, in radians, between the rays from two photos to the points
+// that both see; 0 if these are few.
+double MedianAngle(
+    const PosedImage& image1,
+    const PosedImage& image2,
+    const std::unordered_map<uint64_t, Eigen::Vector3d>& points) {
+  constexpr size_t kMinPoints = 10;
+  std::set<uint64_t> seen;
+  for (const Point2D& feature : image1.points2d) {
+    seen.insert(feature.point3d_id);
+  }
+  const Eigen::Vector3d centre1 = CameraCentre(image1.cam_from_world);
+  const Eigen::Vector3d centre2 = CameraCentre(image2.cam_from_world);
+  std::vector<double> angles;
+  for (const Point2D& feature : image2.points2d) {
+    const auto point = points.find(feature.point3d_id);
+    if (point == points.end() || !seen.contains(feature.point3d_id)) continue;
+    const Eigen::Vector3d ray1 = point->second - centre1;
+    const Eigen::Vector3d ray2 = point->second - centre2;
+    angles.push_back(std::atan2(ray1.cross(ray2).norm(), ray1.dot(ray2)));
+  }
+  return angles.size() < kMinPoints ? 0 : UpperMedian(std::move(angles));
 }
 
 }  // namespace
@@ -160,9 +187,35 @@ TurningOnTheSpot MeasureTurning(const SceneEvidence& evidence) {
     const double median = UpperMedian(std::move(ratios));
     if (result.stretch == 0 || median < result.stretch) {
       result.stretch = median;
+      result.focal = focal;
     }
   }
   return result;
+}
+
+double ShownParallax(const SceneEvidence& evidence,
+                     const Reconstruction& model,
+                     double focal) {
+  std::unordered_map<std::string, const PosedImage*> images;
+  for (const PosedImage& image : model.images) images[image.name] = &image;
+  std::unordered_map<uint64_t, Eigen::Vector3d> points;
+  for (const Point3D& point : model.points3d) points[point.id] = point.xyz;
+  constexpr double kWideAngle = 1.0;  // Radians. The tangent ends beyond.
+  std::vector<double> ratios;
+  for (const PairEvidence& pair : evidence.pairs) {
+    const PhotoEvidence& from = evidence.photos[pair.first];
+    const PhotoEvidence& to = evidence.photos[pair.second];
+    const auto first = images.find(from.name);
+    const auto second = images.find(to.name);
+    if (!pair.homography || first == images.end() || second == images.end()) {
+      continue;
+    }
+    const double angle = MedianAngle(*first->second, *second->second, points);
+    if (!(angle > 0)) continue;
+    const double stretch = Stretch(*pair.homography, from, to, focal);
+    ratios.push_back((stretch - 1) / std::tan(std::min(angle, kWideAngle)));
+  }
+  return UpperMedian(std::move(ratios));
 }
 
 }  // namespace freegs::sfm

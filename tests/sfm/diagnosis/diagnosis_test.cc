@@ -174,16 +174,43 @@ TEST(Diagnose, TurningOnTheSpot) {
   const TurningOnTheSpot turning = MeasureTurning(evidence);
   EXPECT_EQ(turning.homography_share, 1);
   EXPECT_NEAR(turning.stretch, 1, 0.05);
-  // Whatever a mapper made of some of them.
-  for (const auto& models : {std::vector<Reconstruction>(), ModelOf(9, 12)}) {
+  // Whatever a mapper made of some of them, or with a wrong lens of all.
+  for (const auto& models :
+       {std::vector<Reconstruction>(), ModelOf(9, 12), ModelOf(12, 12)}) {
     const auto findings = Diagnose(evidence, models, {});
     ASSERT_FALSE(findings.empty());
     EXPECT_EQ(findings[0].kind, FindingKind::kNoBaseline);
     EXPECT_EQ(findings[0].severity, Severity::kFatal);
     EXPECT_TRUE(findings[0].hopeless);
   }
-  // Wide angles and many points prove that it moved after all.
-  EXPECT_THAT(Diagnose(evidence, ModelOf(12, 12), {}), IsEmpty());
+}
+
+// Neighbours of a film are nearly the same: homographies explain all pairs, and
+// hardly differ from rotations. The model must claim no more than they show.
+TEST(Diagnose, AFilmOfSmallStepsIsNotTurning) {
+  std::vector<Reconstruction> models = ModelOf(12, 12);
+  // The cameras come nearer to each other, and see points at a distance of 1.
+  const double step = 0.06;
+  SceneEvidence evidence = Chain(12);
+  for (PairEvidence& pair : evidence.pairs) {
+    pair.is_homography = true;
+    pair.homography = Homography(0, step);
+  }
+  for (size_t i = 0; i < models[0].images.size(); ++i) {
+    Rigid3d& pose = models[0].images[i].cam_from_world;
+    pose.rotation.setIdentity();
+    pose.translation = {-step * static_cast<double>(i), 0, 0};
+  }
+  for (Point3D& point : models[0].points3d) point.xyz = {0.4, 0, 1};
+  const TurningOnTheSpot turning = MeasureTurning(evidence);
+  EXPECT_TRUE(turning.certain());
+  EXPECT_GT(ShownParallax(evidence, models[0], turning.focal), 0.5);
+  // Steps three times as wide would show.
+  for (PosedImage& image : models[0].images) {
+    image.cam_from_world.translation *= 3;
+  }
+  EXPECT_LT(ShownParallax(evidence, models[0], turning.focal), 0.35);
+  EXPECT_EQ(ShownParallax(evidence, {}, turning.focal), 0);
 }
 
 TEST(Diagnose, PlanarSceneIsNotTurning) {
