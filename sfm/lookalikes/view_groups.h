@@ -43,11 +43,11 @@ struct PairSupport {
 // fits when both features lie within 4 pixels of the epipolar lines of the
 // model's cameras, and the point lies in front of both cameras.
 //
-// Patterns on a plane repeat more often than shapes do. So the matches of a pair
-// count less, down to a fifth, the more of them one homography explains (from
-// 60 to 80 %). Matches that do not fit count in full
-// if at most 10 % of the pair's matches fit, less and less up to 30 %, and not
-// at all beyond: photos that show a pattern twice have matches of both kinds.
+// Patterns on a plane repeat more often than shapes do. So the matches of a
+// pair count less, down to a fifth, the more of them one homography explains
+// (from 60 to 80 %). Matches that do not fit count in full if at most 10 % of
+// the pair's matches fit, less and less up to 30 %, and not at all beyond:
+// photos that show a pattern twice have matches of both kinds.
 //
 // The model must pass CheckReconstruction. Errors: those of the database.
 StatusOr<std::vector<PairSupport>> MeasureSupport(
