@@ -118,7 +118,7 @@ TurningOnTheSpot MeasureTurning(const SceneEvidence& evidence);
 // see differ by an angle of which it is the tangent. The result is the median
 // over the pairs of (stretch - 1) / tangent, with the median angle of 10 points
 // or more that both photos see; 0 without such pairs. In models of cameras that
-// moved it was 0.5 or more, and 0.23 where a mapper had bent a camera that
+// moved it was 0.49 or more, and 0.23 where a mapper had bent a camera that
 // turned on the spot, by a wrong lens, into one that walks around.
 double ShownParallax(const SceneEvidence& evidence,
                      const Reconstruction& model,
