@@ -22,10 +22,10 @@ namespace freegs::pipeline {
 // neither the rate nor the time left is shown.
 std::string FormatProgress(const Progress& progress, double rate);
 
-// Estimates how fast the work of one step goes, from its last half minute, so
-// that the rate follows a step that becomes slower. But from no less than the
-// last 20 units of work: a step that stops for a minute, as a mapper does that
-// adjusts all photos, does not seem to need hours for the rest.
+// Estimates how fast the work of one step goes. It looks at the last half
+// minute, so that the rate follows a step that becomes slower, and at 20 units
+// of work or more. So the rest does not seem to take hours after a mapper has
+// adjusted all photos for a minute.
 class ProgressRate {
  public:
   // Returns units per second, 0 when that is not known yet. `now` is in seconds

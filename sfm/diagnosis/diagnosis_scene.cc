@@ -12,7 +12,7 @@
 namespace freegs::sfm {
 namespace {
 
-// Of ShownParallax.
+// A model has depth only if ShownParallax is this or more.
 constexpr double kMinParallax = 0.35;
 
 }  // namespace

@@ -6,15 +6,16 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <set>
 #include <unordered_map>
 
-#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include "core/decompositions.h"
 #include "core/disjoint_sets.h"
 #include "core/quantile.h"
+#include "sfm/scene/reconstruction_measures.h"
 #include "sfm/scene/sfm_photo.h"
 
 namespace freegs::sfm {
@@ -40,9 +41,9 @@ double Stretch(const Eigen::Matrix3d& homography,
   return values(2) > 0 ? values(0) / values(2) : 1e9;
 }
 
-// The median angle, in radians, between the rays from two photos to the points
+// The median angle, in degrees, between the rays from two photos to the points
 // that both see; 0 if these are few.
-double MedianAngle(
+double MedianAngleDeg(
     const PosedImage& image1,
     const PosedImage& image2,
     const std::unordered_map<uint64_t, Eigen::Vector3d>& points) {
@@ -51,15 +52,13 @@ double MedianAngle(
   for (const Point2D& feature : image1.points2d) {
     seen.insert(feature.point3d_id);
   }
-  const Eigen::Vector3d centre1 = CameraCentre(image1.cam_from_world);
-  const Eigen::Vector3d centre2 = CameraCentre(image2.cam_from_world);
+  const std::vector<Eigen::Vector3d> centres = {
+      CameraCentre(image1.cam_from_world), CameraCentre(image2.cam_from_world)};
   std::vector<double> angles;
   for (const Point2D& feature : image2.points2d) {
     const auto point = points.find(feature.point3d_id);
     if (point == points.end() || !seen.contains(feature.point3d_id)) continue;
-    const Eigen::Vector3d ray1 = point->second - centre1;
-    const Eigen::Vector3d ray2 = point->second - centre2;
-    angles.push_back(std::atan2(ray1.cross(ray2).norm(), ray1.dot(ray2)));
+    angles.push_back(TriangulationAngleDeg(point->second, centres));
   }
   return angles.size() < kMinPoints ? 0 : UpperMedian(std::move(angles));
 }
@@ -101,12 +100,12 @@ StatusOr<SceneEvidence> CollectEvidence(const std::vector<SfmPhoto>& photos,
     const auto first = index.find(pair.id1);
     const auto second = index.find(pair.id2);
     if (first == index.end() || second == index.end()) continue;
-    PairEvidence& seen = evidence.pairs.emplace_back();
-    seen.first = first->second;
-    seen.second = second->second;
-    seen.num_matches = pair.num_matches;
-    seen.is_homography = pair.is_homography;
-    if (pair.is_homography) seen.homography = pair.homography;
+    evidence.pairs.push_back(
+        {first->second,
+         second->second,
+         pair.num_matches,
+         pair.is_homography,
+         pair.is_homography ? pair.homography : std::nullopt});
   }
   return evidence;
 }
@@ -200,7 +199,7 @@ double ShownParallax(const SceneEvidence& evidence,
   for (const PosedImage& image : model.images) images[image.name] = &image;
   std::unordered_map<uint64_t, Eigen::Vector3d> points;
   for (const Point3D& point : model.points3d) points[point.id] = point.xyz;
-  constexpr double kWideAngle = 1.0;  // Radians. The tangent ends beyond.
+  constexpr double kWideDeg = 60;  // Beyond, the tangent grows without end.
   std::vector<double> ratios;
   for (const PairEvidence& pair : evidence.pairs) {
     const PhotoEvidence& from = evidence.photos[pair.first];
@@ -210,10 +209,12 @@ double ShownParallax(const SceneEvidence& evidence,
     if (!pair.homography || first == images.end() || second == images.end()) {
       continue;
     }
-    const double angle = MedianAngle(*first->second, *second->second, points);
+    const double angle =
+        MedianAngleDeg(*first->second, *second->second, points);
     if (!(angle > 0)) continue;
     const double stretch = Stretch(*pair.homography, from, to, focal);
-    ratios.push_back((stretch - 1) / std::tan(std::min(angle, kWideAngle)));
+    const double radians = std::min(angle, kWideDeg) * std::numbers::pi / 180;
+    ratios.push_back((stretch - 1) / std::tan(radians));
   }
   return UpperMedian(std::move(ratios));
 }

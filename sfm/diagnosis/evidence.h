@@ -43,7 +43,8 @@ struct PairEvidence {
   // motion does: the camera only turned, or what both photos show is a plane.
   bool is_homography = false;
 
-  // Maps pixels of the first photo to pixels of the second, if it is known.
+  // Maps pixels of the first photo to pixels of the second. Only if
+  // is_homography, and if it is known.
   std::optional<Eigen::Matrix3d> homography;
 };
 
@@ -112,14 +113,16 @@ struct TurningOnTheSpot {
 
 TurningOnTheSpot MeasureTurning(const SceneEvidence& evidence);
 
-// How much of the parallax that a model claims the homographies between its
-// photos show. A camera that moves by a share of the distance stretches their
-// homography (see above) by about this share, and the rays to what both photos
-// see differ by an angle of which it is the tangent. The result is the median
-// over the pairs of (stretch - 1) / tangent, with the median angle of 10 points
-// or more that both photos see; 0 without such pairs. In models of cameras that
-// moved it was 0.49 or more, and 0.23 where a mapper had bent a camera that
-// turned on the spot, by a wrong lens, into one that walks around.
+// Compares the parallax in a model with the parallax in the homographies of its
+// photos. When the camera moves sideways by 0.1 of the distance to the scene,
+// the stretch of the homography (see above) grows by about 0.1, and the rays to
+// a point that both photos see form an angle with a tangent of about 0.1.
+// Returns the median, over the pairs with 10 such points or more, of
+// (stretch - 1) / tangent of the median angle; 0 without such pairs.
+//
+// It was 0.49 or more in models of cameras that moved. It was 0.23 where the
+// camera had turned on the spot, and a mapper had found a wrong lens with which
+// it seems to walk around. `focal` is that of TurningOnTheSpot.
 double ShownParallax(const SceneEvidence& evidence,
                      const Reconstruction& model,
                      double focal);

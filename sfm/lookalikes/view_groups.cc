@@ -20,8 +20,9 @@ namespace {
 constexpr double kMaxErrorPx = 4;
 constexpr double kMissingWeight = 0.5;
 
-// If a homography explains at most the first share of a pair's matches, they
-// count in full; from the second share on they have the weight.
+// The matches of a pair count in full if a homography explains at most
+// kReliefShare of them, and only kPlanarWeight if it explains kPlanarShare or
+// more.
 constexpr double kReliefShare = 0.6;
 constexpr double kPlanarShare = 0.8;
 constexpr double kPlanarWeight = 0.2;
@@ -223,9 +224,9 @@ StatusOr<std::vector<PairSupport>> MeasureSupport(
     }
   }
   FREEGS_ASSIGN_OR_RETURN(const auto verified, database.VerifiedPairs());
-  std::map<Pair, const MatchDatabase::VerifiedPair*> of_ids;
+  std::map<Pair, const MatchDatabase::VerifiedPair*> verified_of;
   for (const MatchDatabase::VerifiedPair& pair : verified) {
-    of_ids[{pair.id1, pair.id2}] = &pair;
+    verified_of[{pair.id1, pair.id2}] = &pair;
   }
   std::map<Pair, Evidence> evidence;
   std::set<Pair> fits;
@@ -237,7 +238,7 @@ StatusOr<std::vector<PairSupport>> MeasureSupport(
         const auto fitting = static_cast<double>(
             CountFitting(photo1->second, photo2->second, matches));
         const auto count = static_cast<double>(matches.size());
-        const double weight = MatchWeight(*of_ids.at({id1, id2}),
+        const double weight = MatchWeight(*verified_of.at({id1, id2}),
                                           *photo1->second.image,
                                           *photo2->second.image,
                                           matches);

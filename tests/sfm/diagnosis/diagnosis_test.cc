@@ -185,31 +185,41 @@ TEST(Diagnose, TurningOnTheSpot) {
   }
 }
 
+// Cameras in a row, a step apart, that see all points at a distance of 1.
+std::vector<Reconstruction> RowOfCameras(int count, double step) {
+  std::vector<Reconstruction> models = ModelOf(count, count);
+  Reconstruction& model = models[0];
+  for (Point3D& point : model.points3d) point.xyz = {0.4, 0, 1};
+  for (size_t i = 0; i < model.images.size(); ++i) {
+    PosedImage& image = model.images[i];
+    image.cam_from_world.rotation.setIdentity();
+    image.cam_from_world.translation = {-step * static_cast<double>(i), 0, 0};
+    const auto pixel =
+        Project(model.cameras[0], image.cam_from_world * model.points3d[0].xyz);
+    for (Point2D& feature : image.points2d) feature.xy = pixel.value();
+  }
+  return models;
+}
+
 // Neighbours of a film are nearly the same: homographies explain all pairs, and
 // hardly differ from rotations. The model must claim no more than they show.
 TEST(Diagnose, AFilmOfSmallStepsIsNotTurning) {
-  std::vector<Reconstruction> models = ModelOf(12, 12);
-  // The cameras come nearer to each other, and see points at a distance of 1.
   const double step = 0.06;
   SceneEvidence evidence = Chain(12);
   for (PairEvidence& pair : evidence.pairs) {
     pair.is_homography = true;
     pair.homography = Homography(0, step);
   }
-  for (size_t i = 0; i < models[0].images.size(); ++i) {
-    Rigid3d& pose = models[0].images[i].cam_from_world;
-    pose.rotation.setIdentity();
-    pose.translation = {-step * static_cast<double>(i), 0, 0};
-  }
-  for (Point3D& point : models[0].points3d) point.xyz = {0.4, 0, 1};
   const TurningOnTheSpot turning = MeasureTurning(evidence);
   EXPECT_TRUE(turning.certain());
-  EXPECT_GT(ShownParallax(evidence, models[0], turning.focal), 0.5);
+  const auto right = RowOfCameras(12, step);
+  EXPECT_GT(ShownParallax(evidence, right[0], turning.focal), 0.5);
+  EXPECT_THAT(Diagnose(evidence, right, {}), IsEmpty());
   // Steps three times as wide would show.
-  for (PosedImage& image : models[0].images) {
-    image.cam_from_world.translation *= 3;
-  }
-  EXPECT_LT(ShownParallax(evidence, models[0], turning.focal), 0.35);
+  const auto wide = RowOfCameras(12, 3 * step);
+  EXPECT_LT(ShownParallax(evidence, wide[0], turning.focal), 0.35);
+  EXPECT_THAT(Kinds(Diagnose(evidence, wide, {})),
+              ElementsAre(FindingKind::kNoBaseline));
   EXPECT_EQ(ShownParallax(evidence, {}, turning.focal), 0);
 }
 
