@@ -17,14 +17,17 @@ Eigen::Vector3d SingularValues(const Eigen::Matrix3d& matrix) {
   return Eigen::JacobiSVD<Eigen::Matrix3d>(matrix).singularValues();
 }
 
-Eigen::Matrix3d NearestRotation(const Eigen::Matrix3d& matrix) {
+SingularValues3 DecomposeSingular(const Eigen::Matrix3d& matrix) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(
       matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  return {svd.matrixU(), svd.singularValues(), svd.matrixV()};
+}
+
+Eigen::Matrix3d NearestRotation(const Eigen::Matrix3d& matrix) {
+  const SingularValues3 svd = DecomposeSingular(matrix);
   Eigen::Vector3d signs(1, 1, 1);
-  if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0) {
-    signs.z() = -1;
-  }
-  return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+  if (svd.u.determinant() * svd.v.determinant() < 0) signs.z() = -1;
+  return svd.u * signs.asDiagonal() * svd.v.transpose();
 }
 
 }  // namespace freegs

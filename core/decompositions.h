@@ -21,6 +21,15 @@ SymmetricEigen3 DecomposeSymmetric(const Eigen::Matrix3d& matrix);
 // Returns the singular values, the largest first.
 Eigen::Vector3d SingularValues(const Eigen::Matrix3d& matrix);
 
+struct SingularValues3 {
+  Eigen::Matrix3d u;       // Orthogonal.
+  Eigen::Vector3d values;  // The largest first.
+  Eigen::Matrix3d v;       // Orthogonal.
+};
+
+// Returns the decomposition u diag(values) v^T of the matrix.
+SingularValues3 DecomposeSingular(const Eigen::Matrix3d& matrix);
+
 // Returns the rotation R with the largest trace of R^T `matrix`, which is the
 // nearest one in the Frobenius norm (Kabsch 1976).
 Eigen::Matrix3d NearestRotation(const Eigen::Matrix3d& matrix);

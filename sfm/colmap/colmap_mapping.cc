@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "core/io/files.h"
+#include "core/number_text.h"
 #include "sfm/colmap/colmap_output.h"
 #include "sfm/colmap/colmap_steps.h"
 #include "sfm/scene/model_io.h"
@@ -32,16 +33,6 @@ StatusOr<std::vector<Reconstruction>> ReadModels(const fs::path& folder) {
     if (!model.images.empty()) models.push_back(std::move(model));
   }
   return models;
-}
-
-// Most images first, then most points, then as COLMAP made them.
-void SortBySize(std::vector<Reconstruction>* models) {
-  std::stable_sort(models->begin(),
-                   models->end(),
-                   [](const Reconstruction& a, const Reconstruction& b) {
-                     return std::pair(a.images.size(), a.points3d.size()) >
-                            std::pair(b.images.size(), b.points3d.size());
-                   });
 }
 
 // COLMAP adjusts all cameras and points whenever the model has grown by a
@@ -81,7 +72,33 @@ bool IsDiskFull(const fs::path& folder) {
   return !error && space.available < kNoRoom;
 }
 
+// COLMAP looks at the pair itself, by its own estimate of the motion, and makes
+// no model if that falls short of its limits.
+void BeginWith(const InitialPair& pair, ColmapArguments* arguments) {
+  constexpr double kUsualInliers = 100;
+  constexpr double kUsualAngleDeg = 16;
+  arguments->Require("Mapper.init_image_id1", std::to_string(pair.id1));
+  arguments->Require("Mapper.init_image_id2", std::to_string(pair.id2));
+  // Otherwise COLMAP begins there again and again while photos are left.
+  arguments->Require("Mapper.multiple_models", "0");
+  const double inliers = static_cast<double>(pair.matches) / 2;
+  arguments->Prefer({"Mapper.init_min_num_inliers"},
+                    FormatFixed(std::min(kUsualInliers, inliers), 0));
+  arguments->Prefer(
+      {"Mapper.init_min_tri_angle"},
+      FormatFixed(std::min(kUsualAngleDeg, pair.angle_deg / 2), 3));
+}
+
 }  // namespace
+
+void SortBySize(std::vector<Reconstruction>* models) {
+  std::stable_sort(models->begin(),
+                   models->end(),
+                   [](const Reconstruction& a, const Reconstruction& b) {
+                     return std::pair(a.images.size(), a.points3d.size()) >
+                            std::pair(b.images.size(), b.points3d.size());
+                   });
+}
 
 fs::path StepContext::LogFile(const std::string& command) const {
   return input.work_folder / "logs" / (command + ".log");
@@ -164,6 +181,9 @@ StatusOr<std::vector<Reconstruction>> MapPhotos(const StepContext& context,
                    std::to_string(context.input.seed % 2147483647));
   arguments.Prefer({"Mapper.extract_colors"}, "0");
   EndAdjustmentsEarly(&arguments);
+  if (mapping.start == nullptr && mapping.pair) {
+    BeginWith(*mapping.pair, &arguments);
+  }
   if (!mapping.relaxed) {
     AdjustLessOften(&arguments);
   } else {
@@ -213,22 +233,6 @@ StatusOr<std::vector<Reconstruction>> MapPhotos(const StepContext& context,
   if (!ended.ok() && !read->empty()) return ended;
   SortBySize(&*read);
   return read;
-}
-
-StatusOr<std::vector<Reconstruction>> MapBest(const StepContext& context,
-                                              const fs::path& database,
-                                              const fs::path& folder,
-                                              size_t wanted) {
-  FREEGS_ASSIGN_OR_RETURN(std::vector<Reconstruction> models,
-                          MapPhotos(context, database, folder, {}));
-  if (NumRegistered(models) * 10 >= wanted * 9) return models;
-  Mapping mapping;
-  mapping.step = "mapping, lower thresholds";
-  mapping.relaxed = true;
-  FREEGS_ASSIGN_OR_RETURN(std::vector<Reconstruction> relaxed,
-                          MapPhotos(context, database, folder, mapping));
-  if (NumRegistered(relaxed) > NumRegistered(models)) return relaxed;
-  return models;
 }
 
 }  // namespace freegs::sfm

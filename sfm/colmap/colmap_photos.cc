@@ -44,15 +44,11 @@ std::vector<CameraGroup> GroupPhotos(const SfmInput& input,
   return groups;
 }
 
-// Where COLMAP starts with a camera. Without a known focal length this is its
-// guess.
+// Where COLMAP starts with a camera.
 std::vector<double> StartParameters(const SfmPhoto& photo,
                                     double focal_px,
                                     const CameraModelInfo& model) {
-  constexpr double kGuessedFocal = 1.2;  // Times the longer side.
-  if (focal_px <= 0) {
-    focal_px = kGuessedFocal * std::max(photo.width, photo.height);
-  }
+  if (focal_px <= 0) focal_px = GuessedFocal(photo);
   std::vector<double> params(model.num_focal, focal_px);
   params.push_back(photo.width / 2.0);
   params.push_back(photo.height / 2.0);

@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -79,6 +80,14 @@ StatusOr<MatchedPairs> MatchFeatures(
 // works on so many photos or on twenty times as many pairs.
 double TimeLimit(size_t photos);
 
+// Two photos with which a model can begin, and what was seen of them.
+struct InitialPair {
+  uint32_t id1 = 0;  // Smaller than id2.
+  uint32_t id2 = 0;
+  int64_t matches = 0;   // Those that lie in front of both cameras.
+  double angle_deg = 0;  // Median angle between their rays.
+};
+
 // How to make models from a database.
 struct Mapping {
   std::string step = "mapping";  // The name of the step in progress reports.
@@ -90,10 +99,14 @@ struct Mapping {
   // has few of the photos, and begins elsewhere.
   bool small_models = false;
 
-  // A model to which the other photos are registered, or null to begin with a
-  // pair of photos. Its ids are those of the database. It must outlive the
-  // call.
+  // A model to which the other photos are registered. Its ids are those of the
+  // database. It must outlive the call.
   const Reconstruction* start = nullptr;
+
+  // Without `start`, the photos to begin with. There is then one model at most.
+  // Without this, COLMAP looks for a pair itself, and for another one as long
+  // as many photos are left.
+  std::optional<InitialPair> pair = std::nullopt;
 };
 
 // Makes models from a database and returns them, the largest first; there may
@@ -104,19 +117,14 @@ StatusOr<std::vector<Reconstruction>> MapPhotos(
     const std::filesystem::path& folder,
     const Mapping& mapping);
 
+// Most photos first, then most points, then as they were.
+void SortBySize(std::vector<Reconstruction>* models);
+
 // The number of photos in the largest of the models, which is the first; 0
 // without models.
 inline size_t NumRegistered(const std::vector<Reconstruction>& models) {
   return models.empty() ? 0 : models[0].images.size();
 }
-
-// Makes models as MapPhotos does. When the largest lacks many of the `wanted`
-// photos, it tries again with lower thresholds and returns the better result.
-StatusOr<std::vector<Reconstruction>> MapBest(
-    const StepContext& context,
-    const std::filesystem::path& database,
-    const std::filesystem::path& folder,
-    size_t wanted);
 
 }  // namespace freegs::sfm
 

@@ -8,6 +8,7 @@
 
 #include "sfm/diagnosis/photo_reasons.h"
 #include "sfm/lookalikes/view_groups.h"
+#include "sfm/mapping/initial_pair.h"
 #include "sfm/matching/match_database.h"
 
 namespace freegs::sfm {
@@ -103,8 +104,15 @@ StatusOr<MappedScene> MapScene(const StepContext& context,
   };
   MappedScene scene;
   const std::string plain = "mapping";
-  FREEGS_ASSIGN_OR_RETURN(AttemptResult first,
-                          store->Run(plain, [&] { return map(plain, {}); }));
+  FREEGS_ASSIGN_OR_RETURN(
+      AttemptResult first, store->Run(plain, [&]() -> StatusOr<AttemptResult> {
+        AttemptResult made;
+        FREEGS_ASSIGN_OR_RETURN(
+            made.models,
+            MapFromBestPair(
+                context, database, store->Folder(plain) / "mapper"));
+        return made;
+      }));
   scene.models = std::move(first.models);
   scene.attempts.push_back(DescribeAttempt(plain, "", scene.models));
   scene.attempts.back().kept = !scene.models.empty();

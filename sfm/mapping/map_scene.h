@@ -22,13 +22,13 @@ struct MappedScene {
   std::vector<Attempt> attempts;       // In the order in which they were made.
 };
 
-// Maps the database. If there is no model, or too few photos have a pose and
-// some of the others match photos of the model, maps it again with lower
-// thresholds (weaker start pairs, fewer inliers) and keeps the better result:
-// the one with more photos, or with as many and a fifth more points that fit as
-// well. A model that look-alikes glued (view_groups.h) never replaces one that
-// holds together. If there still is no model, even one of 3 photos will do.
-// Nothing is tried when a finding says that nothing helps.
+// Maps the database as MapFromBestPair does. If there is no model, or too few
+// photos have a pose and some of the others match photos of the model, maps it
+// again with lower thresholds (weaker start pairs, fewer inliers) and keeps the
+// better result: the one with more photos, or with as many and a fifth more
+// points that fit as well. A model that look-alikes glued (view_groups.h) never
+// replaces one that holds together. If there still is no model, even one of 3
+// photos will do. Nothing is tried when a finding says that nothing helps.
 //
 //   AttemptStore store(work_folder, &record);
 //   const StatusOr<MappedScene> scene =

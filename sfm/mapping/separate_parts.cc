@@ -8,6 +8,7 @@
 
 #include "core/number_text.h"
 #include "sfm/lookalikes/view_groups.h"
+#include "sfm/mapping/initial_pair.h"
 #include "sfm/matching/match_database.h"
 
 namespace freegs::sfm {
@@ -49,6 +50,24 @@ std::string Why(const Candidate& glued) {
          std::to_string(glued.photos() - glued.largest()) +
          " photos hold together by what looks alike (support " +
          FormatFixed(glued.groups.score, 2) + ")";
+}
+
+// Maps from the best pair. When the largest model lacks many of the `wanted`
+// photos, it tries again with lower thresholds and returns the better result.
+StatusOr<Models> MapBest(const StepContext& context,
+                         const fs::path& database,
+                         const fs::path& folder,
+                         size_t wanted) {
+  FREEGS_ASSIGN_OR_RETURN(Models models,
+                          MapFromBestPair(context, database, folder));
+  if (NumRegistered(models) * 10 >= wanted * 9) return models;
+  FREEGS_ASSIGN_OR_RETURN(
+      Models relaxed,
+      MapPhotos(context,
+                database,
+                folder,
+                {.step = "mapping, lower thresholds", .relaxed = true}));
+  return NumRegistered(relaxed) > NumRegistered(models) ? relaxed : models;
 }
 
 // `wanted` is the number of photos that the first model had.

@@ -4,7 +4,6 @@
 #include "sfm/matching/match_database.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <sqlite3.h>
 #include <string_view>
@@ -66,6 +65,17 @@ class Statement {
   sqlite3_stmt* statement_ = nullptr;
   int result_;
 };
+
+// A 3 x 3 matrix, row by row; nothing unless `data` is one of finite numbers.
+std::optional<Eigen::Matrix3d> ParseMatrix(const std::string& data) {
+  Eigen::Matrix<double, 3, 3, Eigen::RowMajor> matrix;
+  ByteReader reader(data);
+  if (!reader.GetArray(9, matrix.data()) || !reader.at_end() ||
+      !matrix.allFinite()) {
+    return std::nullopt;
+  }
+  return matrix;
+}
 
 }  // namespace
 
@@ -173,37 +183,60 @@ StatusOr<SiftDescriptors> MatchDatabase::Descriptors(uint32_t photo_id) const {
   return descriptors;
 }
 
-StatusOr<std::vector<float>> MatchDatabase::FeatureScales(
+StatusOr<MatchDatabase::KeypointTable> MatchDatabase::ReadKeypoints(
     uint32_t photo_id) const {
   Statement statement(
       database_.get(),
       "SELECT rows, cols, data FROM keypoints WHERE image_id = ?");
   if (!statement.ok()) return Error("cannot read its keypoints");
   statement.Bind(1, photo_id);
-  std::vector<float> scales;
+  KeypointTable table;
   const int code = statement.Step();
-  if (code == SQLITE_DONE) return scales;
+  if (code == SQLITE_DONE) return table;
   if (code != SQLITE_ROW) return Error("cannot read its keypoints");
   const int64_t rows = statement.Integer(0);
   const int64_t columns = statement.Integer(1);
   const std::string data = statement.Text(2);
-  // x, y; x, y, scale, angle; or x, y and a 2 x 2 matrix.
-  if (columns != 4 && columns != 6) return scales;
-  const size_t row_bytes = static_cast<size_t>(columns) * sizeof(float);
+  if (columns != 2 && columns != 4 && columns != 6) return table;
+  table.columns = static_cast<size_t>(columns);
+  const size_t row_bytes = table.columns * sizeof(float);
   if (rows < 0 || data.size() % row_bytes != 0 ||
       static_cast<int64_t>(data.size() / row_bytes) != rows) {
     return BadInputError(path_.string() + ": the keypoints of photo " +
                          std::to_string(photo_id) + " are not of their size");
   }
+  table.values.resize(data.size() / sizeof(float));
   ByteReader reader(data);
-  std::array<float, 6> v;
-  while (reader.GetArray(static_cast<size_t>(columns), v.data())) {
+  reader.GetArray(table.values.size(), table.values.data());
+  return table;
+}
+
+StatusOr<std::vector<float>> MatchDatabase::FeatureScales(
+    uint32_t photo_id) const {
+  FREEGS_ASSIGN_OR_RETURN(const KeypointTable table, ReadKeypoints(photo_id));
+  std::vector<float> scales;
+  if (table.columns == 2) return scales;
+  for (size_t i = 0; i < table.values.size(); i += table.columns) {
+    const float* v = &table.values[i];
     const float scale =
-        columns == 4 ? v[2]
-                     : 0.5f * (std::hypot(v[2], v[4]) + std::hypot(v[3], v[5]));
+        table.columns == 4
+            ? v[2]
+            : 0.5f * (std::hypot(v[2], v[4]) + std::hypot(v[3], v[5]));
     scales.push_back(std::isfinite(scale) ? scale : 0.0f);
   }
   return scales;
+}
+
+StatusOr<std::vector<Eigen::Vector2f>> MatchDatabase::FeaturePositions(
+    uint32_t photo_id) const {
+  FREEGS_ASSIGN_OR_RETURN(const KeypointTable table, ReadKeypoints(photo_id));
+  std::vector<Eigen::Vector2f> positions;
+  for (size_t i = 0; i < table.values.size(); i += table.columns) {
+    const Eigen::Vector2f position(table.values[i], table.values[i + 1]);
+    positions.push_back(position.allFinite() ? position
+                                             : Eigen::Vector2f::Zero());
+  }
+  return positions;
 }
 
 Status MatchDatabase::SetCameras(std::span<const PhotoCamera> cameras) {
@@ -291,15 +324,13 @@ bool MatchDatabase::HasColumn(const char* table, const char* column) const {
 
 StatusOr<std::vector<MatchDatabase::VerifiedPair>>
 MatchDatabase::VerifiedPairs() const {
-  const bool detailed = HasColumn("two_view_geometries", "config") &&
-                        HasColumn("two_view_geometries", "H");
-  Statement statement(database_.get(),
-                      detailed ? "SELECT pair_id, rows, config, H FROM "
-                                 "two_view_geometries WHERE rows > 0 "
-                                 "ORDER BY pair_id"
-                               : "SELECT pair_id, rows, 0, NULL FROM "
-                                 "two_view_geometries WHERE rows > 0 "
-                                 "ORDER BY pair_id");
+  const char* table = "two_view_geometries";
+  const bool detailed = HasColumn(table, "config") && HasColumn(table, "H");
+  std::string sql = "SELECT pair_id, rows, ";
+  sql += detailed ? "config, H, " : "0, NULL, ";
+  sql += HasColumn(table, "F") ? "F" : "NULL";
+  sql += " FROM two_view_geometries WHERE rows > 0 ORDER BY pair_id";
+  Statement statement(database_.get(), sql.c_str());
   if (!statement.ok()) return Error("cannot list its pairs");
   std::vector<VerifiedPair> pairs;
   int code;
@@ -312,14 +343,8 @@ MatchDatabase::VerifiedPairs() const {
     const int64_t config = statement.Integer(2);
     pair.is_homography =
         config >= kFirstHomography && config <= kLastHomography;
-    const std::string data = statement.Text(3);
-    // Row by row.
-    Eigen::Matrix<double, 3, 3, Eigen::RowMajor> matrix;
-    ByteReader reader(data);
-    if (reader.GetArray(9, matrix.data()) && reader.at_end() &&
-        matrix.allFinite()) {
-      pair.homography = matrix;
-    }
+    pair.homography = ParseMatrix(statement.Text(3));
+    pair.fundamental = ParseMatrix(statement.Text(4));
     pairs.push_back(pair);
   }
   if (code != SQLITE_DONE) return Error("cannot list its pairs");

@@ -87,6 +87,11 @@ class MatchDatabase {
   // its descriptors; empty when it has none or the database does not tell them.
   StatusOr<std::vector<float>> FeatureScales(uint32_t photo_id) const;
 
+  // The positions of a photo's features, in pixels from its top left corner and
+  // finite, in the order of its descriptors; empty when it has none.
+  StatusOr<std::vector<Eigen::Vector2f>> FeaturePositions(
+      uint32_t photo_id) const;
+
   // Gives the cameras of photos their size and parameters, in one transaction.
   // They keep their models. Of photos that share a camera the last one counts.
   Status SetCameras(std::span<const PhotoCamera> cameras);
@@ -111,6 +116,10 @@ class MatchDatabase {
     // The homography that explains most of the matches, whether many or few. It
     // maps pixels of id1 to pixels of id2; the database need not have it.
     std::optional<Eigen::Matrix3d> homography;
+
+    // The fundamental matrix F with x2^T F x1 = 0 for the pixels x1 of id1 and
+    // x2 of id2, in homogeneous coordinates; the database need not have it.
+    std::optional<Eigen::Matrix3d> fundamental;
   };
 
   // All pairs with verified matches, in the order of their ids. Details that
@@ -154,6 +163,13 @@ class MatchDatabase {
   // The two photos of a pair by its number; kBadInput if it is none that COLMAP
   // writes.
   StatusOr<std::pair<uint32_t, uint32_t>> IdsOf(int64_t pair) const;
+  // The keypoints of a photo, row by row.
+  struct KeypointTable {
+    size_t columns = 2;  // 2: x, y; 4: also scale, angle; 6: a 2 x 2 matrix.
+    std::vector<float> values;
+  };
+  StatusOr<KeypointTable> ReadKeypoints(uint32_t photo_id) const;
+
   bool HasColumn(const char* table, const char* column) const;
   Status Error(const std::string& what) const;
   Status WrongSize(uint32_t id1, uint32_t id2) const;

@@ -4,6 +4,7 @@
 #ifndef FREEGS_SFM_SCENE_SFM_PHOTO_H_
 #define FREEGS_SFM_SCENE_SFM_PHOTO_H_
 
+#include <algorithm>
 #include <string>
 
 namespace freegs::sfm {
@@ -18,6 +19,11 @@ struct SfmPhoto {
   double focal_px = 0;   // Focal length by EXIF, in pixels; 0 is unknown.
   double sharpness = 0;  // As ingest measured it; 0 is unknown.
 };
+
+// COLMAP's guess where the focal length is unknown, in pixels.
+inline double GuessedFocal(const SfmPhoto& photo) {
+  return 1.2 * std::max(photo.width, photo.height);
+}
 
 }  // namespace freegs::sfm
 

@@ -30,6 +30,18 @@ TEST(Decompositions, SingularValuesAreNotSigned) {
   EXPECT_TRUE(SingularValues(matrix).isApprox(Eigen::Vector3d(5, 2, 0), 1e-12));
 }
 
+TEST(Decompositions, SingularVectors) {
+  Eigen::Matrix3d matrix;
+  matrix << 1, 2, 3, 4, 5, 6, 7, 8, -10;
+  const SingularValues3 found = DecomposeSingular(matrix);
+  EXPECT_TRUE(matrix.isApprox(
+      found.u * found.values.asDiagonal() * found.v.transpose(), 1e-12));
+  EXPECT_TRUE(found.values.isApprox(SingularValues(matrix), 1e-12));
+  for (const Eigen::Matrix3d& q : {found.u, found.v}) {
+    EXPECT_TRUE((q.transpose() * q).isIdentity(1e-12));
+  }
+}
+
 TEST(Decompositions, NearestRotation) {
   EXPECT_TRUE(NearestRotation(3 * kRotation).isApprox(kRotation, 1e-12));
   // The nearest orthogonal matrix of a reflection is no rotation.

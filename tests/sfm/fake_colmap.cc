@@ -9,6 +9,7 @@
 //                        for none. Default: one of all.
 //   FAKE_COLMAP_RELAXED  the same when the mapper's thresholds were lowered.
 //   FAKE_COLMAP_SMALL    the same when it is to keep small models.
+//   FAKE_COLMAP_PAIR     the same when it is told with which pair to begin.
 //   FAKE_COLMAP_CONTINUED  folder of the model that the mapper makes when it is
 //                        given one to go on from. Default: the one given.
 //   FAKE_COLMAP_FAIL     a command that fails with exit code 1.
@@ -81,6 +82,9 @@ const std::map<std::string, std::vector<std::string>>& CommandOptions() {
         "input_path",
         "output_path",
         "Mapper.num_threads",
+        "Mapper.init_image_id1",
+        "Mapper.init_image_id2",
+        "Mapper.multiple_models",
         "Mapper.init_min_num_inliers",
         "Mapper.min_model_size",
         "Mapper.init_min_tri_angle",
@@ -255,7 +259,11 @@ int Map(Options& options) {
   const auto images = database.Images();
   std::string sizes =
       Setting("FAKE_COLMAP_MODELS", std::to_string(images.size()));
-  if (options["Mapper.init_min_num_inliers"] != "") {
+  if (options["Mapper.init_image_id1"] != "") {
+    Print("Initializing with image pair #" + options["Mapper.init_image_id1"] +
+          " and #" + options["Mapper.init_image_id2"]);
+    sizes = Setting("FAKE_COLMAP_PAIR", sizes);
+  } else if (options["Mapper.init_min_num_inliers"] != "") {
     sizes = Setting("FAKE_COLMAP_RELAXED", sizes);
   }
   if (options["Mapper.min_model_size"] != "") {

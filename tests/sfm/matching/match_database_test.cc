@@ -12,6 +12,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/sfm/match_database_writer.h"
 #include "tests/temporary_folder.h"
 
 namespace freegs::sfm {
@@ -42,7 +43,8 @@ void MakeDatabase(const fs::path& path) {
          "CREATE TABLE two_view_geometries(pair_id INTEGER PRIMARY KEY, rows "
          "INTEGER, data BLOB);"
          "INSERT INTO images VALUES(2,'b.jpg'),(1,'a.jpg'),(3,'c d.jpg');"
-         "INSERT INTO keypoints VALUES(1,100,2,NULL),(2,50,6,x'00');"
+         "INSERT INTO keypoints VALUES(1,100,2,zeroblob(800)),"
+         "(2,50,6,x'00');"
          "INSERT INTO descriptors VALUES(2,1,128,CAST(REPLACE(HEX(ZEROBLOB("
          "64)),'0',CHAR(1)) AS BLOB))");
 }
@@ -87,6 +89,57 @@ TEST(MatchDatabase, ScalesOfFeatures) {
     EXPECT_EQ(scales.status().code(), StatusCode::kBadInput);
     EXPECT_THAT(scales.status().message(),
                 testing::HasSubstr("photo " + std::to_string(id)));
+  }
+}
+
+TEST(MatchDatabase, PositionsOfFeatures) {
+  const TemporaryFolder folder;
+  MakeDatabase(folder / "a.db");
+  RunSql(folder / "a.db",
+         "INSERT INTO keypoints VALUES(4,2,4,x'" +
+             Hex({1, 2, 3, 4, 5, std::nanf(""), 7, 8}) + "'),(5,1,6,x'" +
+             Hex({1, 2, 3, 0, 4, 7}) + "'),(6,1,2,x'" + Hex({1, 2}) +
+             "'),(7,1,3,x'" + Hex({1, 2, 3}) + "'),(8,2,2,x'" + Hex({1, 2}) +
+             "')");
+  const auto database = MatchDatabase::Open(folder / "a.db");
+  ASSERT_TRUE(database.ok()) << database.status().message();
+  using Positions = std::vector<Eigen::Vector2f>;
+  EXPECT_EQ(database->FeaturePositions(4).value(),
+            (Positions{{1, 2}, {0, 0}}));  // NaN becomes 0.
+  EXPECT_EQ(database->FeaturePositions(5).value(), (Positions{{1, 2}}));
+  EXPECT_EQ(database->FeaturePositions(6).value(), (Positions{{1, 2}}));
+  // No kind of keypoints that COLMAP has; a photo that is not there.
+  for (const uint32_t id : {7, 9}) {
+    const auto positions = database->FeaturePositions(id);
+    ASSERT_TRUE(positions.ok()) << positions.status().message();
+    EXPECT_TRUE(positions->empty());
+  }
+  EXPECT_EQ(database->FeaturePositions(8).status().code(),
+            StatusCode::kBadInput);
+}
+
+TEST(MatchDatabase, MotionOfPairs) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "a.db";
+  const std::vector<double> matrix = {1, 2, 3, 4, 5, 6, 7, 8, 9};
+  {
+    MatchDatabaseWriter writer(path);
+    writer.Add(1, 2, {0, 0}, 6, matrix, matrix);
+    writer.Add(1, 3, {0, 0}, 2, {1, 2}, {std::nan(""), 2, 3, 4, 5, 6, 7, 8, 9});
+    writer.Add(2, 3, {0, 0}, 2);
+  }
+  const auto database = MatchDatabase::Open(path);
+  ASSERT_TRUE(database.ok()) << database.status().message();
+  const auto pairs = database->VerifiedPairs();
+  ASSERT_TRUE(pairs.ok()) << pairs.status().message();
+  ASSERT_EQ(pairs->size(), 3u);
+  EXPECT_TRUE((*pairs)[0].is_homography);
+  EXPECT_EQ((*pairs)[0].homography.value()(0, 1), 2);
+  EXPECT_EQ((*pairs)[0].fundamental.value()(1, 0), 4);
+  // Nothing is taken from what is damaged or missing.
+  for (const int i : {1, 2}) {
+    EXPECT_FALSE((*pairs)[i].homography);
+    EXPECT_FALSE((*pairs)[i].fundamental);
   }
 }
 

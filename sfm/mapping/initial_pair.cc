@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "sfm/mapping/initial_pair.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <set>
+#include <string>
+#include <unordered_map>
+#include <utility>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "core/decompositions.h"
+#include "core/quantile.h"
+#include "sfm/diagnosis/evidence.h"
+
+namespace freegs::sfm {
+namespace {
+
+using Models = std::vector<Reconstruction>;
+
+// COLMAP takes a start for granted from this angle on.
+constexpr double kEnoughAngleDeg = 16;
+
+// COLMAP drops points whose rays meet at less.
+constexpr double kMinAngleDeg = 1.5;
+
+// COLMAP places a photo if so many points of the model fit.
+constexpr int64_t kMinMatches = 30;
+
+// COLMAP does not begin with a pair that goes more straight ahead.
+constexpr double kMaxForward = 0.95;
+
+// COLMAP drops smaller models, unless the photos are few.
+constexpr size_t kMinModel = 10;
+
+// A homography explains a match that it maps to within this distance, as in
+// COLMAP's search for one.
+constexpr double kMaxErrorPx = 4;
+
+// The features of a photo, and its guessed pinhole camera.
+struct Photo {
+  std::vector<Eigen::Vector2f> features;
+  Eigen::Matrix3d intrinsics = Eigen::Matrix3d::Identity();
+};
+
+Eigen::Matrix3d GuessIntrinsics(const SfmPhoto& photo) {
+  Eigen::Matrix3d intrinsics = Eigen::Matrix3d::Identity();
+  intrinsics(0, 0) = intrinsics(1, 1) =
+      photo.focal_px > 0 ? photo.focal_px : GuessedFocal(photo);
+  intrinsics(0, 2) = photo.width / 2.0;
+  intrinsics(1, 2) = photo.height / 2.0;
+  return intrinsics;
+}
+
+// Where the matches of a pair lie: column i of both is match i, (x, y, 1).
+struct MatchedPixels {
+  Eigen::Matrix3Xd pixels1;
+  Eigen::Matrix3Xd pixels2;
+};
+
+MatchedPixels PixelsOf(const Photo& photo1,
+                       const Photo& photo2,
+                       std::span<const FeatureMatch> matches) {
+  MatchedPixels result{Eigen::Matrix3Xd(3, matches.size()),
+                       Eigen::Matrix3Xd(3, matches.size())};
+  Eigen::Index count = 0;
+  for (const FeatureMatch& match : matches) {
+    if (match.feature1 >= photo1.features.size() ||
+        match.feature2 >= photo2.features.size()) {
+      continue;
+    }
+    result.pixels1.col(count) =
+        photo1.features[match.feature1].cast<double>().homogeneous();
+    result.pixels2.col(count) =
+        photo2.features[match.feature2].cast<double>().homogeneous();
+    ++count;
+  }
+  result.pixels1.conservativeResize(3, count);
+  result.pixels2.conservativeResize(3, count);
+  return result;
+}
+
+double ShareExplained(const Eigen::Matrix3d& homography,
+                      const MatchedPixels& matches) {
+  const Eigen::Matrix2Xd mapped =
+      (homography * matches.pixels1).colwise().hnormalized();
+  const auto errors =
+      (mapped - matches.pixels2.topRows<2>()).colwise().norm().array();
+  return static_cast<double>((errors < kMaxErrorPx).count()) /
+         static_cast<double>(matches.pixels1.cols());
+}
+
+// Of a rotation R and a direction t of the way, with ray2 ~ R ray1 + t: the
+// matches in front of both cameras, for t and for -t.
+struct InFront {
+  std::vector<double> angles_deg;
+  std::vector<double> angles_deg_reversed;
+};
+
+InFront FindInFront(const Eigen::Matrix3d& rotation,
+                    const Eigen::Vector3d& t,
+                    const Eigen::Matrix3Xd& rays1,
+                    const Eigen::Matrix3Xd& rays2) {
+  InFront result;
+  for (Eigen::Index i = 0; i < rays1.cols(); ++i) {
+    const Eigen::Vector3d turned = rotation * rays1.col(i);
+    const Eigen::Vector3d ray2 = rays2.col(i);
+    // Depths along both rays, up to a common positive factor, where they come
+    // nearest to each other.
+    const double a = turned.squaredNorm();
+    const double b = turned.dot(ray2);
+    const double c = ray2.squaredNorm();
+    const double depth1 = b * t.dot(ray2) - c * t.dot(turned);
+    const double depth2 = a * t.dot(ray2) - b * t.dot(turned);
+    if (!(depth1 * depth2 > 0)) continue;
+    const double angle_deg =
+        std::atan2(turned.cross(ray2).norm(), b) * 180 / std::numbers::pi;
+    (depth1 > 0 ? result.angles_deg : result.angles_deg_reversed)
+        .push_back(angle_deg);
+  }
+  return result;
+}
+
+std::set<std::string> NamesOf(const Reconstruction& model) {
+  std::set<std::string> names;
+  for (const PosedImage& image : model.images) names.insert(image.name);
+  return names;
+}
+
+// Drops models of which all photos are in the first one, too.
+void DropPartsOfFirst(Models* models) {
+  const std::set<std::string> first = NamesOf(models->front());
+  const auto is_part = [&](const Reconstruction& model) {
+    return std::all_of(
+        model.images.begin(), model.images.end(), [&](const auto& image) {
+          return first.contains(image.name);
+        });
+  };
+  models->erase(std::remove_if(models->begin() + 1, models->end(), is_part),
+                models->end());
+}
+
+}  // namespace
+
+PairMotion MeasureMotion(const Eigen::Matrix3d& essential,
+                         const Eigen::Matrix3Xd& rays1,
+                         const Eigen::Matrix3Xd& rays2) {
+  const SingularValues3 svd = DecomposeSingular(essential);
+  const Eigen::Vector3d direction = svd.u.col(2);
+  Eigen::Matrix3d quarter_turn;
+  quarter_turn << 0, -1, 0, 1, 0, 0, 0, 0, 1;
+  PairMotion best;
+  for (const Eigen::Matrix3d& turn :
+       {quarter_turn, Eigen::Matrix3d(quarter_turn.transpose())}) {
+    Eigen::Matrix3d rotation = svd.u * turn * svd.v.transpose();
+    if (rotation.determinant() < 0) rotation = -rotation;
+    InFront found = FindInFront(rotation, direction, rays1, rays2);
+    for (std::vector<double>* angles :
+         {&found.angles_deg, &found.angles_deg_reversed}) {
+      const auto count = static_cast<int64_t>(angles->size());
+      if (count <= best.in_front) continue;
+      best = {count, UpperMedian(std::move(*angles)), std::abs(direction.z())};
+    }
+  }
+  return best;
+}
+
+StatusOr<std::optional<InitialPair>> ChooseInitialPair(
+    const std::vector<SfmPhoto>& photos, const MatchDatabase& database) {
+  FREEGS_ASSIGN_OR_RETURN(const SceneEvidence evidence,
+                          CollectEvidence(photos, database));
+  const PhotoGroups groups = GroupByMatches(evidence, {});
+  std::unordered_map<std::string, const SfmPhoto*> wanted;
+  for (size_t i = 0; i < photos.size(); ++i) {
+    if (groups.group[i] == 0) wanted[photos[i].name] = &photos[i];
+  }
+  FREEGS_ASSIGN_OR_RETURN(const auto rows, database.Photos());
+  std::unordered_map<uint32_t, Photo> by_id;
+  for (const MatchDatabase::Photo& row : rows) {
+    const auto photo = wanted.find(row.name);
+    if (photo == wanted.end()) continue;
+    Photo& made = by_id[row.id];
+    made.intrinsics = GuessIntrinsics(*photo->second);
+    FREEGS_ASSIGN_OR_RETURN(made.features, database.FeaturePositions(row.id));
+  }
+
+  FREEGS_ASSIGN_OR_RETURN(const auto pairs, database.VerifiedPairs());
+  std::map<std::pair<uint32_t, uint32_t>, const MatchDatabase::VerifiedPair*>
+      geometry;
+  for (const MatchDatabase::VerifiedPair& pair : pairs) {
+    if (pair.num_matches >= kMinMatches && pair.fundamental) {
+      geometry[{pair.id1, pair.id2}] = &pair;
+    }
+  }
+  std::optional<InitialPair> best;
+  double best_score = 0;
+  FREEGS_RETURN_IF_ERROR(database.ForEachVerifiedPair(
+      [&](uint32_t id1, uint32_t id2, std::span<const FeatureMatch> matches) {
+        const auto pair = geometry.find({id1, id2});
+        const auto photo1 = by_id.find(id1);
+        const auto photo2 = by_id.find(id2);
+        if (pair == geometry.end() || photo1 == by_id.end() ||
+            photo2 == by_id.end()) {
+          return;
+        }
+        const MatchedPixels seen =
+            PixelsOf(photo1->second, photo2->second, matches);
+        if (seen.pixels1.cols() < kMinMatches) return;
+        const Eigen::Matrix3d& k1 = photo1->second.intrinsics;
+        const Eigen::Matrix3d& k2 = photo2->second.intrinsics;
+        const PairMotion motion =
+            MeasureMotion(k2.transpose() * *pair->second->fundamental * k1,
+                          k1.inverse() * seen.pixels1,
+                          k2.inverse() * seen.pixels2);
+        if (motion.in_front < kMinMatches || motion.forward > kMaxForward ||
+            motion.angle_deg < kMinAngleDeg) {
+          return;
+        }
+        const std::optional<Eigen::Matrix3d>& homography =
+            pair->second->homography;
+        const double relief =
+            homography ? 1 - ShareExplained(*homography, seen) : 1;
+        const double score = static_cast<double>(motion.in_front) *
+                             std::min(motion.angle_deg, kEnoughAngleDeg) *
+                             relief;
+        if (score <= best_score) return;
+        best_score = score;
+        best = InitialPair{id1, id2, motion.in_front, motion.angle_deg};
+      }));
+  return best;
+}
+
+StatusOr<std::vector<Reconstruction>> MapFromBestPair(
+    const StepContext& context,
+    const std::filesystem::path& database,
+    const std::filesystem::path& folder) {
+  std::vector<SfmPhoto> left = context.input.photos;
+  const size_t enough = std::min(kMinModel, (left.size() + 1) / 2);
+  Models models;
+  while (models.empty() || left.size() >= kMinModel) {
+    Mapping mapping;
+    {
+      FREEGS_ASSIGN_OR_RETURN(const MatchDatabase matches,
+                              MatchDatabase::Open(database));
+      FREEGS_ASSIGN_OR_RETURN(mapping.pair, ChooseInitialPair(left, matches));
+    }
+    if (!mapping.pair) break;
+    FREEGS_ASSIGN_OR_RETURN(Models made,
+                            MapPhotos(context, database, folder, mapping));
+    if (NumRegistered(made) < enough) break;
+    const std::set<std::string> names = NamesOf(made[0]);
+    std::erase_if(left, [&](const SfmPhoto& photo) {
+      return names.contains(photo.name);
+    });
+    models.push_back(std::move(made[0]));
+  }
+  if (models.empty()) return MapPhotos(context, database, folder, {});
+  SortBySize(&models);
+  DropPartsOfFirst(&models);
+  return models;
+}
+
+}  // namespace freegs::sfm
