@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The steps of structure from motion that COLMAP does: cameras, matches and
-// mapping. The caller decides on their order and remembers what is done.
+// The steps of structure from motion that COLMAP does: cameras, matches,
+// mapping, and points for known poses. The caller decides on their order and
+// remembers what is done.
 //
 //   FREEGS_RETURN_IF_ERROR(RegisterPhotos(context, database));
 //   FREEGS_RETURN_IF_ERROR(ExtractFeatures(context, database));
@@ -116,6 +117,17 @@ StatusOr<std::vector<Reconstruction>> MapPhotos(
     const std::filesystem::path& database,
     const std::filesystem::path& folder,
     const Mapping& mapping);
+
+// Finds the 3D points that the verified matches in the database show from the
+// given poses. Poses and cameras stay as they are. `poses` has images without
+// features, with the ids of the database; the result has all features. `folder`
+// is made anew for COLMAP's output and deleted at the end. The points have no
+// colours. Errors: those of a COLMAP command.
+StatusOr<Reconstruction> TriangulatePoints(
+    const StepContext& context,
+    const std::filesystem::path& database,
+    const std::filesystem::path& folder,
+    const Reconstruction& poses);
 
 // Most photos first, then most points, then as they were.
 void SortBySize(std::vector<Reconstruction>* models);

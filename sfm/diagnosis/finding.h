@@ -21,6 +21,7 @@ enum class FindingKind {
   kNoOverlap,       // Photos without links to any other.
   kPlanarScene,
   kLookAlikes,  // Repeated structure: see view_groups.h.
+  kUnfitPoses,  // Imported poses contradict the photos: see known_poses.h.
 };
 std::string_view FindingName(FindingKind kind);  // "too_few_photos" ...
 

@@ -21,16 +21,15 @@ struct ColorSum {
 };
 
 // Adds the colours that an image shows to the sums of its points.
-Status AddColors(const StepContext& context,
+Status AddColors(const SfmInput& input,
                  const PosedImage& image,
                  const PointIndex& points,
                  std::vector<ColorSum>* sums) {
-  if (context.input.cancellation != nullptr &&
-      context.input.cancellation->cancelled()) {
+  if (input.cancellation != nullptr && input.cancellation->cancelled()) {
     return InterruptedError("stopped on request");
   }
   FREEGS_ASSIGN_OR_RETURN(const ImageU8 photo,
-                          ReadRgb(context.input.photo_folder / image.name));
+                          ReadRgb(input.photo_folder / image.name));
   for (const Point2D& feature : image.points2d) {
     const auto point = points.find(feature.point3d_id);
     const Eigen::Vector2d& xy = feature.xy;
@@ -50,17 +49,19 @@ Status AddColors(const StepContext& context,
 
 }  // namespace
 
-Status ColorPoints(const StepContext& context, Reconstruction* model) {
+Status ColorPoints(const SfmInput& input,
+                   int num_threads,
+                   Reconstruction* model) {
   const PointIndex points = IndexPoints(*model);
   const OneOpenCvThread one;
-  ThreadPool pool(context.num_threads);
+  ThreadPool pool(num_threads);
   // Sums of whole numbers are the same in any order.
   std::vector<std::vector<ColorSum>> sums(
       pool.num_threads(), std::vector<ColorSum>(model->points3d.size()));
   std::vector<Status> ended(model->images.size());
   const auto count = static_cast<int64_t>(model->images.size());
   pool.ParallelFor(0, count, 1, [&](int64_t i, int64_t, int thread) {
-    ended[i] = AddColors(context, model->images[i], points, &sums[thread]);
+    ended[i] = AddColors(input, model->images[i], points, &sums[thread]);
   });
   for (const Status& status : ended) FREEGS_RETURN_IF_ERROR(status);
   for (size_t i = 0; i < model->points3d.size(); ++i) {

@@ -38,6 +38,10 @@ constexpr double kMaxForward = 0.95;
 // COLMAP drops smaller models, unless the photos are few.
 constexpr size_t kMinModel = 10;
 
+// Where the camera moved little, COLMAP may misjudge the motion between the two
+// photos, and then no other photo fits. This is seen at once.
+constexpr size_t kMaxTrials = 3;
+
 // A homography explains a match that it maps to within this distance, as in
 // COLMAP's search for one.
 constexpr double kMaxErrorPx = 4;
@@ -171,7 +175,9 @@ PairMotion MeasureMotion(const Eigen::Matrix3d& essential,
 }
 
 StatusOr<std::optional<InitialPair>> ChooseInitialPair(
-    const std::vector<SfmPhoto>& photos, const MatchDatabase& database) {
+    const std::vector<SfmPhoto>& photos,
+    std::span<const InitialPair> in_vain,
+    const MatchDatabase& database) {
   FREEGS_ASSIGN_OR_RETURN(const SceneEvidence evidence,
                           CollectEvidence(photos, database));
   const PhotoGroups groups = GroupByMatches(evidence, {});
@@ -197,6 +203,11 @@ StatusOr<std::optional<InitialPair>> ChooseInitialPair(
       geometry[{pair.id1, pair.id2}] = &pair;
     }
   }
+  for (const InitialPair& pair : in_vain) {
+    by_id.erase(pair.id1);
+    by_id.erase(pair.id2);
+  }
+
   std::optional<InitialPair> best;
   double best_score = 0;
   FREEGS_RETURN_IF_ERROR(database.ForEachVerifiedPair(
@@ -242,17 +253,23 @@ StatusOr<std::vector<Reconstruction>> MapFromBestPair(
   std::vector<SfmPhoto> left = context.input.photos;
   const size_t enough = std::min(kMinModel, (left.size() + 1) / 2);
   Models models;
-  while (models.empty() || left.size() >= kMinModel) {
+  std::vector<InitialPair> in_vain;
+  while ((models.empty() || left.size() >= kMinModel) &&
+         in_vain.size() < kMaxTrials) {
     Mapping mapping;
     {
       FREEGS_ASSIGN_OR_RETURN(const MatchDatabase matches,
                               MatchDatabase::Open(database));
-      FREEGS_ASSIGN_OR_RETURN(mapping.pair, ChooseInitialPair(left, matches));
+      FREEGS_ASSIGN_OR_RETURN(mapping.pair,
+                              ChooseInitialPair(left, in_vain, matches));
     }
     if (!mapping.pair) break;
     FREEGS_ASSIGN_OR_RETURN(Models made,
                             MapPhotos(context, database, folder, mapping));
-    if (NumRegistered(made) < enough) break;
+    if (NumRegistered(made) < enough) {
+      in_vain.push_back(*mapping.pair);
+      continue;
+    }
     const std::set<std::string> names = NamesOf(made[0]);
     std::erase_if(left, [&](const SfmPhoto& photo) {
       return names.contains(photo.name);

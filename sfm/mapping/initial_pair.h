@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -49,17 +50,21 @@ PairMotion MeasureMotion(const Eigen::Matrix3d& essential,
 //   - the angle between their rays, of which 16 degrees are enough, and
 //   - the share of matches that no homography explains.
 // Only matches between the given photos count, and both photos are in the
-// largest group of these that matches connect. Returns nothing if no pair has
+// largest group of these that matches connect. Neither is one of `in_vain`,
+// which are pairs that led to nothing. Returns nothing if no pair has
 // 30 such matches, an angle of 1.5 degrees, and a way that is not straight
 // ahead. A focal length that is not known counts as 1.2 times the photo's
 // longer side. Errors: those of the database.
 StatusOr<std::optional<InitialPair>> ChooseInitialPair(
-    const std::vector<SfmPhoto>& photos, const MatchDatabase& database);
+    const std::vector<SfmPhoto>& photos,
+    std::span<const InitialPair> in_vain,
+    const MatchDatabase& database);
 
 // Maps the database from that pair, and again from the best pair of the photos
 // that are left, as long as these are 10 or more. Models are kept if they have
-// 10 of the photos, or half of few, and are not part of the largest one. If
-// there is none, COLMAP looks for pairs itself. Returns the models, the largest
+// 10 of the photos, or half of few, and are not part of the largest one. When
+// three pairs led to smaller ones, no further is tried. If there is no model
+// then, COLMAP looks for pairs itself. Returns the models, the largest
 // first. `folder` is made anew for COLMAP's output and deleted at the end.
 // Errors: those of MapPhotos and of the database.
 //

@@ -5,63 +5,22 @@
 
 #include <algorithm>
 #include <iterator>
+#include <memory>
 #include <system_error>
-#include <thread>
 
-#include "core/io/files.h"
 #include "core/number_text.h"
-#include "sfm/colmap/colmap_program.h"
 #include "sfm/colmap/colmap_steps.h"
 #include "sfm/diagnosis/photo_reasons.h"
-#include "sfm/features/extract_features.h"
-#include "sfm/features/image_size.h"
 #include "sfm/features/point_colors.h"
 #include "sfm/mapping/map_scene.h"
+#include "sfm/mapping/scene_database.h"
 #include "sfm/mapping/separate_parts.h"
 #include "sfm/mapping/step_record.h"
-#include "sfm/matching/match_database.h"
 
 namespace freegs::sfm {
 namespace {
 
 namespace fs = std::filesystem;
-
-Status CheckNames(const SfmInput& input) {
-  for (const SfmPhoto& photo : input.photos) {
-    const std::string& name = photo.name;
-    if (name.empty() || name.find_first_of("\r\n") != std::string::npos ||
-        name.front() == ' ' || name.back() == ' ') {
-      return BadInputError("photo '" + name +
-                           "': COLMAP cannot read a name that begins or ends "
-                           "with a space or has a line break; rename it");
-    }
-  }
-  return {};
-}
-
-// Fills the database with photos, features and matches.
-Status BuildDatabase(const StepContext& context,
-                     const fs::path& database,
-                     StepRecord* record) {
-  if (!record->Has("photos")) {
-    RemoveDatabase(database);
-    FREEGS_RETURN_IF_ERROR(RegisterPhotos(context, database));
-    FREEGS_RETURN_IF_ERROR(record->Add("photos"));
-  }
-  if (!record->Has("features")) {
-    FREEGS_RETURN_IF_ERROR(ExtractFeatures(context, database));
-    FREEGS_RETURN_IF_ERROR(record->Add("features"));
-  }
-  if (!record->Has("matches")) {
-    FREEGS_ASSIGN_OR_RETURN(
-        const MatchedPairs pairs,
-        MatchFeatures(context, database, record->portions(), [&](int portion) {
-          return record->AddPortion(portion);
-        }));
-    FREEGS_RETURN_IF_ERROR(record->AddMatches(pairs));
-  }
-  return {};
-}
 
 // Gives the best model the simplest cameras that explain it, and adjusts it
 // with them. If the model has too little to choose by, COLMAP's cameras stay.
@@ -135,33 +94,15 @@ Status TakeSeparated(const StepContext& context,
 
 StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
                                            const SfmOptions& options) {
-  FREEGS_RETURN_IF_ERROR(options.Check());
-  FREEGS_RETURN_IF_ERROR(CheckNames(input));
-  FREEGS_ASSIGN_OR_RETURN(
-      ColmapProgram colmap,
-      ColmapProgram::Find(options.colmap, input.cancellation));
-  FREEGS_RETURN_IF_ERROR(CreateFolders(input.work_folder / "logs"));
-
-  SfmOptions resolved = options;
-  StepContext context{input, resolved, colmap};
-  context.num_threads =
-      options.num_threads > 0
-          ? options.num_threads
-          : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  const fs::path database = input.work_folder / "database.db";
-  StepRecord record(input.work_folder);
-  if (options.max_image_size == 0) {
-    if (!record.Has("features") || record.image_size() < 64) {
-      FREEGS_ASSIGN_OR_RETURN(const int size, ChooseImageSize(context));
-      FREEGS_RETURN_IF_ERROR(record.SetImageSize(size));
-    }
-    resolved.max_image_size = record.image_size();
-  }
-  FREEGS_RETURN_IF_ERROR(BuildDatabase(context, database, &record));
+  FREEGS_ASSIGN_OR_RETURN(const std::unique_ptr<SceneDatabase> scene_database,
+                          SceneDatabase::Build(input, options));
+  const StepContext& context = scene_database->context();
+  const fs::path& database = scene_database->path();
+  StepRecord& record = scene_database->record();
 
   SfmResult result;
-  result.colmap_version = colmap.version();
-  result.warnings = colmap.KnownFaults();
+  result.colmap_version = context.colmap.version();
+  result.warnings = context.colmap.KnownFaults();
   DiagnosisOptions diagnosis;
   // A low limit of features is no sign of little texture.
   diagnosis.few_features =
@@ -173,19 +114,17 @@ StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
 
   result.models = std::move(scene.models);
   result.pairs = record.pairs();
-  result.image_size = resolved.max_image_size;
+  result.image_size = context.options.max_image_size;
   result.attempts = std::move(scene.attempts);
   FREEGS_RETURN_IF_ERROR(
       TakeSeparated(context, database, &store, &scene.evidence, &result));
   FREEGS_RETURN_IF_ERROR(ChooseCameras(context, &result));
   for (Reconstruction& model : result.models) {
-    FREEGS_RETURN_IF_ERROR(ColorPoints(context, &model));
+    FREEGS_RETURN_IF_ERROR(ColorPoints(input, context.num_threads, &model));
   }
   result.findings = Diagnose(scene.evidence, result.models, diagnosis);
   result.unregistered =
       ExplainUnregistered(scene.evidence, result.models, diagnosis);
-  std::error_code ignored;
-  fs::remove(input.work_folder / "image_list.txt", ignored);
   return result;
 }
 

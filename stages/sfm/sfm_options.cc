@@ -49,8 +49,10 @@ void RegisterSfmOptions(SfmStageOptions& options,
              .is_path = true});
   table.Add("sfm.random_points",
             &options.random_points,
-            {.help = "Random start points when an import has none.",
-             .min = 100,
+            {.help = "Random start points when an import has none. 0: the "
+                     "points that the photos show from the imported poses, or "
+                     "10000 random ones if these are few.",
+             .min = 0,
              .max = 1e7});
   table.Add("sfm.colmap",
             &options.colmap.colmap,

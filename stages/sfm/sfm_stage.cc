@@ -13,6 +13,7 @@
 #include "core/io/json_text.h"
 #include "photos/photo_list.h"
 #include "sfm/import/import_model.h"
+#include "sfm/mapping/known_poses.h"
 #include "sfm/scene/model_io.h"
 #include "sfm/scene/scene_frame.h"
 #include "stages/sfm/photo_masks.h"
@@ -24,6 +25,12 @@ namespace {
 namespace fs = std::filesystem;
 using pipeline::LogLevel;
 using pipeline::StageContext;
+
+// Start points of an import that has none, if none can be triangulated.
+constexpr int kRandomPoints = 10000;
+
+// Fewer points than these say little of a scene.
+constexpr size_t kMinTriangulated = 100;
 
 // Joins names for a message and leaves out all but the first few.
 std::string Some(const std::vector<std::string>& names) {
@@ -67,7 +74,7 @@ class SfmStage : public pipeline::Stage {
       : options_(options), seed_(seed) {}
 
   std::string_view name() const override { return "sfm"; }
-  int version() const override { return 4; }
+  int version() const override { return 5; }
 
   std::vector<fs::path> Inputs(const StageContext& context) const override {
     std::vector<fs::path> inputs = {"ingest/images.json", "ingest/photos"};
@@ -112,8 +119,8 @@ class SfmStage : public pipeline::Stage {
   }
 
  private:
-  StatusOr<Outcome> RunColmap(const std::vector<sfm::SfmPhoto>& photos,
-                              StageContext& context) const {
+  sfm::SfmInput InputOf(const std::vector<sfm::SfmPhoto>& photos,
+                        const StageContext& context) const {
     sfm::SfmInput input;
     input.photo_folder = context.workspace / "ingest" / "photos";
     input.photos = photos;
@@ -124,12 +131,23 @@ class SfmStage : public pipeline::Stage {
     input.seed = seed_;
     input.cancellation = context.cancellation;
     input.progress = context.progress;
+    return input;
+  }
+
+  sfm::SfmOptions ColmapOptions(const StageContext& context) const {
     sfm::SfmOptions options = options_.colmap;
     options.num_threads = context.pool->num_threads();
+    return options;
+  }
+
+  StatusOr<Outcome> RunColmap(const std::vector<sfm::SfmPhoto>& photos,
+                              StageContext& context) const {
     Outcome outcome;
     outcome.source = "colmap";
-    FREEGS_ASSIGN_OR_RETURN(outcome.result,
-                            sfm::RunStructureFromMotion(input, options));
+    FREEGS_ASSIGN_OR_RETURN(
+        outcome.result,
+        sfm::RunStructureFromMotion(InputOf(photos, context),
+                                    ColmapOptions(context)));
     return outcome;
   }
 
@@ -140,18 +158,24 @@ class SfmStage : public pipeline::Stage {
                             sfm::FindImportSource(options_.import));
     FREEGS_ASSIGN_OR_RETURN(
         sfm::ImportedModel imported,
-        sfm::ImportModel(source, photos, {options_.random_points, seed_}));
+        sfm::ImportModel(source,
+                         photos,
+                         {options_.random_points > 0 ? options_.random_points
+                                                     : kRandomPoints,
+                          seed_}));
     Outcome outcome;
     outcome.imported = true;
     outcome.source = source.colmap_model.empty() ? "imported transforms.json"
                                                  : "imported COLMAP model";
     std::vector<std::string>& warnings = outcome.result.warnings;
     warnings = std::move(imported.warnings);
+    if (imported.random_points && options_.random_points == 0) {
+      FREEGS_RETURN_IF_ERROR(Triangulate(photos, context, &imported, &outcome));
+    }
+    outcome.triangulated = false;
     if (imported.random_points) {
       outcome.source += ", points random";
-      outcome.triangulated = false;
     } else {
-      outcome.triangulated = false;
       for (const sfm::Point3D& point : imported.model.points3d) {
         if (point.track.size() >= 2) outcome.triangulated = true;
       }
@@ -165,6 +189,45 @@ class SfmStage : public pipeline::Stage {
     context.summary["imported_holdout"] = imported.holdout;
     outcome.result.models.push_back(std::move(imported.model));
     return outcome;
+  }
+
+  // Replaces the random points of a model by those that the photos show, if
+  // there are enough of them; otherwise says why not.
+  Status Triangulate(const std::vector<sfm::SfmPhoto>& photos,
+                     StageContext& context,
+                     sfm::ImportedModel* imported,
+                     Outcome* outcome) const {
+    std::vector<std::string>& warnings = outcome->result.warnings;
+    const std::string instead = "; the points to start from are random ones";
+    auto scene = sfm::TriangulateScene(
+        InputOf(photos, context), ColmapOptions(context), imported->model);
+    const StatusCode code = scene.status().code();
+    if (code == StatusCode::kMissingDependency ||
+        code == StatusCode::kUnusableResult) {
+      warnings.push_back("no points were triangulated from the imported poses" +
+                         instead + ": " + scene.status().message());
+      return {};
+    }
+    if (!scene.ok()) return scene.status();
+    warnings.insert(
+        warnings.end(), scene->warnings.begin(), scene->warnings.end());
+    outcome->result.findings = std::move(scene->findings);
+    outcome->result.pairs = std::move(scene->pairs);
+    outcome->result.image_size = scene->image_size;
+    outcome->result.colmap_version = std::move(scene->colmap_version);
+    const size_t points = scene->model.points3d.size();
+    if (points < kMinTriangulated) {
+      warnings.push_back("from the imported poses only " +
+                         std::to_string(points) +
+                         " points could be triangulated" + instead +
+                         " (either the poses do not fit the photos, or these "
+                         "show little texture)");
+      return {};
+    }
+    outcome->source += ", points triangulated";
+    imported->model = std::move(scene->model);
+    imported->random_points = false;
+    return {};
   }
 
   // Stage ingest decides which photos are holdout. Warns when the import names
@@ -244,7 +307,7 @@ class SfmStage : public pipeline::Stage {
       context.summary[key] = json[key];
     }
     FREEGS_RETURN_IF_ERROR(Report(health, context));
-    if (!outcome.imported) sfm::TidyWorkFolder(context.output);
+    sfm::TidyWorkFolder(context.output);
     return {};
   }
 

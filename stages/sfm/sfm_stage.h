@@ -27,7 +27,7 @@ struct SfmStageOptions {
   std::string import;
 
   // So many random points are made when an import has no points.
-  int random_points = 10000;
+  int random_points = 0;
 };
 
 // Adds section [sfm] to the table, which keeps pointers to `options`.

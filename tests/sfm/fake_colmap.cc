@@ -12,6 +12,7 @@
 //   FAKE_COLMAP_PAIR     the same when it is told with which pair to begin.
 //   FAKE_COLMAP_CONTINUED  folder of the model that the mapper makes when it is
 //                        given one to go on from. Default: the one given.
+//   FAKE_COLMAP_POINTS   number of points that are triangulated.
 //   FAKE_COLMAP_FAIL     a command that fails with exit code 1.
 //   FAKE_COLMAP_SIGNAL   the number of a signal that ends it instead.
 //   FAKE_COLMAP_HANG     a command that never ends.
@@ -88,6 +89,13 @@ const std::map<std::string, std::vector<std::string>>& CommandOptions() {
         "Mapper.init_min_num_inliers",
         "Mapper.min_model_size",
         "Mapper.init_min_tri_angle",
+        IsNew() ? "Mapper.random_seed" : "random_seed"}},
+      {"point_triangulator",
+       {"database_path",
+        "image_path",
+        "input_path",
+        "output_path",
+        "Mapper.num_threads",
         IsNew() ? "Mapper.random_seed" : "random_seed"}},
       {"image_undistorter",
        {"image_path",
@@ -295,6 +303,23 @@ int Map(Options& options) {
   return 1;
 }
 
+// Features and points are those of the synthetic model, whatever the poses.
+int Triangulate(Options& options) {
+  auto model = ReadModel(options["input_path"]);
+  if (!model.ok()) return 9;
+  const int points = std::stoi(Setting("FAKE_COLMAP_POINTS", "150"));
+  const Reconstruction seen =
+      SyntheticModel(static_cast<int>(model->images.size()), points);
+  for (size_t i = 0; i < model->images.size(); ++i) {
+    PosedImage& image = model->images[i];
+    if (!image.points2d.empty() || image.id != seen.images[i].id) return 9;
+    image.points2d = seen.images[i].points2d;
+  }
+  model->points3d = seen.points3d;
+  for (Point3D& point : model->points3d) point.rgb = {0, 0, 0};
+  return WriteModel(options["output_path"], *model).ok() ? 0 : 9;
+}
+
 int UndistortImages(Options& options) {
   auto model = ReadModel(options["input_path"]);
   if (!model.ok()) return 9;
@@ -368,6 +393,7 @@ int Run(int argc, char** argv) {
   if (command == "feature_extractor") return ExtractFeatures(options);
   if (command == "matches_importer") return MatchPairs(options);
   if (command == "mapper") return Map(options);
+  if (command == "point_triangulator") return Triangulate(options);
   return UndistortImages(options);
 }
 

@@ -50,7 +50,7 @@ class ColorPointsTest : public testing::Test {
   Status Color(int num_threads) {
     auto colmap = ColmapProgram::Find(MakeFakeColmap(folder_.path()), nullptr);
     EXPECT_TRUE(colmap.ok());
-    return ColorPoints({input_, options_, *colmap, num_threads}, &model_);
+    return ColorPoints(input_, num_threads, &model_);
   }
 
   TemporaryFolder folder_;

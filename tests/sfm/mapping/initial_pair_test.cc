@@ -147,11 +147,12 @@ class ChooseInitialPairTest : public testing::Test {
     writer_->Add(id1, id2, matches, 2, Rows(homography), Rows(fundamental));
   }
 
-  StatusOr<std::optional<InitialPair>> Choose() {
+  StatusOr<std::optional<InitialPair>> Choose(
+      const std::vector<InitialPair>& in_vain = {}) {
     writer_.reset();
     FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
                             MatchDatabase::Open(path_));
-    return ChooseInitialPair(photos_, database);
+    return ChooseInitialPair(photos_, in_vain, database);
   }
 
   // With a fake COLMAP. Returns how many photos each model has.
@@ -224,6 +225,18 @@ TEST_F(ChooseInitialPairTest, InTheLargestGroup) {
   Match(3, 4, 1, 4);
   Match(4, 5, 1, 4);
   const auto pair = Choose();
+  ASSERT_TRUE(pair.ok()) << pair.status().message();
+  ASSERT_TRUE(*pair);
+  EXPECT_EQ((*pair)->id1, 3u);
+  EXPECT_EQ((*pair)->id2, 4u);
+}
+
+TEST_F(ChooseInitialPairTest, NoPhotoThatWasTriedInVain) {
+  for (const double x : {-1.2, 0.0, 1.2, 2.4}) AddPhoto({x, -3, 3});
+  Match(1, 2, 1, 2);
+  Match(2, 3, 1, 2);
+  Match(3, 4, 1, 4);
+  const auto pair = Choose({{1, 2}});
   ASSERT_TRUE(pair.ok()) << pair.status().message();
   ASSERT_TRUE(*pair);
   EXPECT_EQ((*pair)->id1, 3u);

@@ -126,28 +126,75 @@ TEST_F(SfmStageTest, ImportsAColmapModel) {
   EXPECT_EQ(Health()["verdict"], "ok");
 }
 
-TEST_F(SfmStageTest, ImportsTransformsWithRandomPoints) {
-  std::string frames;
-  for (int i = 0; i < 11; ++i) {
-    frames += std::string(i > 0 ? "," : "") + R"({"file_path":"./train/)" +
-              sfm::PhotoName(i).substr(0, 9) +
-              R"(","transform_matrix":[[1,0,0,)" + std::to_string(i) +
-              "],[0,0,-1,0],[0,1,0,0],[0,0,0,1]]}";
+// A transforms file of NeRF-synthetic for the photos.
+class SfmStageTransformsTest : public SfmStageTest {
+ protected:
+  SfmStageTransformsTest() {
+    std::string frames;
+    for (int i = 0; i < 11; ++i) {
+      frames += std::string(i > 0 ? "," : "") + R"({"file_path":"./train/)" +
+                sfm::PhotoName(i).substr(0, 9) +
+                R"(","transform_matrix":[[1,0,0,)" + std::to_string(i) +
+                "],[0,0,-1,0],[0,1,0,0],[0,0,0,1]]}";
+    }
+    const std::string text =
+        R"({"camera_angle_x":0.69,"frames":[)" + frames + "]}";
+    WriteText(folder_ / "transforms_train.json", text);
+    WriteText(
+        folder_ / "transforms_test.json",
+        R"({"camera_angle_x":0.69,"frames":[{"file_path":"t",)"
+        R"("transform_matrix":[[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}]})");
+    options_.import = folder_.path().string();
   }
-  const std::string text =
-      R"({"camera_angle_x":0.69,"frames":[)" + frames + "]}";
-  WriteText(folder_ / "transforms_train.json", text);
-  WriteText(
-      folder_ / "transforms_test.json",
-      R"({"camera_angle_x":0.69,"frames":[{"file_path":"t",)"
-      R"("transform_matrix":[[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}]})");
-  options_.import = folder_.path().string();
+};
+
+TEST_F(SfmStageTransformsTest, RandomPoints) {
   options_.random_points = 123;
+  options_.colmap.colmap = "/nonexistent/colmap";
   const Status status = workspace_.Run(*MakeSfmStage(options_, 0));
   ASSERT_TRUE(status.ok()) << status.message();
   EXPECT_EQ(Health()["source"], "imported transforms.json, points random");
   EXPECT_EQ(Health()["num_points"], 123);
   EXPECT_THAT(workspace_.warnings, Contains(HasSubstr("fit no photo")));
+}
+
+TEST_F(SfmStageTransformsTest, TriangulatedPoints) {
+  const Status status = Run();
+  ASSERT_TRUE(status.ok()) << status.message();
+  const nlohmann::json health = Health();
+  EXPECT_EQ(health["source"], "imported transforms.json, points triangulated");
+  EXPECT_EQ(health["num_points"], 150);
+  EXPECT_EQ(health["pairs"]["pairs"], 45);
+  EXPECT_EQ(health["colmap_version"], "3.8");
+  const fs::path output = workspace_.path() / "sfm";
+  EXPECT_FALSE(fs::exists(output / "steps.json"));
+  const auto model = sfm::ReadModel(output / "sparse" / "0");
+  ASSERT_TRUE(model.ok());
+  EXPECT_EQ(model->images[3].cam_from_world.translation.x(), -3);
+}
+
+TEST_F(SfmStageTransformsTest, FewPointsAreNotTaken) {
+  const Status status = Run({{"FAKE_COLMAP_POINTS", "99"}});
+  ASSERT_TRUE(status.ok()) << status.message();
+  EXPECT_EQ(Health()["source"], "imported transforms.json, points random");
+  EXPECT_EQ(Health()["num_points"], 10000);
+  EXPECT_THAT(workspace_.warnings, Contains(HasSubstr("only 99 points")));
+}
+
+TEST_F(SfmStageTransformsTest, PosesThatDoNotFitDegrade) {
+  const Status status = Run({{"FAKE_COLMAP_POINTS", "0"}});
+  ASSERT_TRUE(status.ok()) << status.message();
+  EXPECT_EQ(Health()["verdict"], "degraded");
+  EXPECT_THAT(workspace_.warnings,
+              Contains(HasSubstr("fits the imported poses")));
+}
+
+TEST_F(SfmStageTransformsTest, WithoutColmapPointsAreRandom) {
+  options_.colmap.colmap = "/nonexistent/colmap";
+  const Status status = workspace_.Run(*MakeSfmStage(options_, 0));
+  ASSERT_TRUE(status.ok()) << status.message();
+  EXPECT_EQ(Health()["source"], "imported transforms.json, points random");
+  EXPECT_THAT(workspace_.warnings, Contains(HasSubstr("/nonexistent/colmap")));
 }
 
 TEST_F(SfmStageTest, MissingImportIsBadInput) {

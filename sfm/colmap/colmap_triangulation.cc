@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The triangulation step: points for cameras whose poses are known.
+
+#include <system_error>
+
+#include "core/io/files.h"
+#include "sfm/colmap/colmap_steps.h"
+#include "sfm/scene/model_io.h"
+
+namespace freegs::sfm {
+
+namespace fs = std::filesystem;
+
+StatusOr<Reconstruction> TriangulatePoints(const StepContext& context,
+                                           const fs::path& database,
+                                           const fs::path& folder,
+                                           const Reconstruction& poses) {
+  const std::string command = "point_triangulator";
+  std::error_code ignored;
+  fs::remove_all(folder, ignored);
+  const fs::path given = folder / "poses";
+  const fs::path output = folder / "model";
+  FREEGS_RETURN_IF_ERROR(WriteModel(given, poses));
+  FREEGS_RETURN_IF_ERROR(CreateFolders(output));
+  FREEGS_ASSIGN_OR_RETURN(ColmapArguments arguments,
+                          context.Arguments(command, poses.images.size()));
+  arguments.Require("database_path", database.string());
+  // COLMAP would decode all photos to colour the points, and goes without if
+  // they are not there.
+  arguments.Require("image_path", given.string());
+  arguments.Require("input_path", given.string());
+  arguments.Require("output_path", output.string());
+  arguments.Prefer({"Mapper.extract_colors"}, "0");
+  // One thread: sums of bundle adjustment are then always in the same order.
+  arguments.AddAll({"Mapper.num_threads"}, "1");
+  arguments.AddAll({"random_seed", "default_random_seed", "Mapper.random_seed"},
+                   std::to_string(context.input.seed % 2147483647));
+  FREEGS_ASSIGN_OR_RETURN(const ChildCommand run, arguments.Finish());
+  FREEGS_ASSIGN_OR_RETURN(const ChildResult result,
+                          RunChild(run, nullptr, context.input.cancellation));
+  FREEGS_RETURN_IF_ERROR(CheckEnded(context, command, result));
+  StatusOr<Reconstruction> model = ReadModel(output);
+  fs::remove_all(folder, ignored);
+  if (!model.ok()) {
+    return InternalError("COLMAP's model cannot be read (is the disk full?): " +
+                         model.status().message());
+  }
+  RemoveDanglingReferences(&*model);
+  return model;
+}
+
+}  // namespace freegs::sfm

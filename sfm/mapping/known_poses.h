@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Points for cameras whose poses are known, from the photos.
+
+#ifndef FREEGS_SFM_MAPPING_KNOWN_POSES_H_
+#define FREEGS_SFM_MAPPING_KNOWN_POSES_H_
+
+#include <string>
+#include <vector>
+
+#include "core/status.h"
+#include "sfm/colmap/sfm_options.h"
+#include "sfm/diagnosis/finding.h"
+#include "sfm/matching/pair_selection.h"
+#include "sfm/scene/reconstruction.h"
+
+namespace freegs::sfm {
+
+struct TriangulatedScene {
+  // The given cameras and poses, with the features of the photos and with
+  // coloured points.
+  Reconstruction model;
+
+  // Of the verified matches between photos, the share that became one point.
+  double fitting_share = 0;
+
+  // Empty, or that the poses do not fit the photos.
+  std::vector<Finding> findings;
+
+  MatchedPairs pairs;  // The pairs of photos that were compared.
+  int image_size = 0;  // Longest side, in pixels, that features are taken from.
+  std::string colmap_version;
+  std::vector<std::string> warnings;
+};
+
+// Takes features from the photos, matches them, and triangulates the matches
+// from the given poses. The images of `poses` are photos of `input`, by name;
+// other photos are left out. Its ids may change. There may be few points, or
+// none. The poses do not fit the photos (another scene, other axes, another
+// lens) if less than half of the matches fit them: it was 0.72 or more with
+// right ones and with those that are 2 pixels off, and 0.09 at 10 pixels.
+//
+//   FREEGS_ASSIGN_OR_RETURN(const TriangulatedScene scene,
+//                           TriangulateScene(input, SfmOptions(), poses));
+//   TidyWorkFolder(input.work_folder);
+//
+// Errors: those of RunStructureFromMotion. The same input gives the same
+// points, byte for byte, whatever the number of threads.
+StatusOr<TriangulatedScene> TriangulateScene(const SfmInput& input,
+                                             const SfmOptions& options,
+                                             const Reconstruction& poses);
+
+}  // namespace freegs::sfm
+
+#endif  // FREEGS_SFM_MAPPING_KNOWN_POSES_H_

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Points for known poses, on a fake COLMAP.
+
+#include "sfm/mapping/known_poses.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sfm/scene/model_io_binary.h"
+#include "tests/sfm/fake_colmap.h"
+#include "tests/sfm/synthetic_model.h"
+#include "tests/sfm/textured_photo.h"
+
+namespace freegs::sfm {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+using Settings = std::vector<std::pair<std::string, std::string>>;
+
+class KnownPosesTest : public testing::Test {
+ protected:
+  KnownPosesTest() {
+    input_.photo_folder = folder_ / "photos";
+    input_.work_folder = folder_ / "work";
+    for (int i = 0; i < 6; ++i) {
+      SfmPhoto photo;
+      photo.name = PhotoName(i);
+      photo.width = 640;
+      photo.height = 480;
+      input_.photos.push_back(photo);
+    }
+    const ImageU8 image = TexturedPhoto(640, 480, 1);
+    fs::create_directories(input_.photo_folder);
+    for (const SfmPhoto& photo : input_.photos) {
+      EXPECT_TRUE(WriteImage(input_.photo_folder / photo.name, image).ok());
+    }
+    // The last photo has no pose.
+    poses_ = SyntheticModel(5, 20);
+    for (PosedImage& image : poses_.images) image.id += 70;
+  }
+
+  StatusOr<TriangulatedScene> Run(const Settings& settings = {},
+                                  int num_threads = 2) {
+    SfmOptions options;
+    options.num_threads = num_threads;
+    options.colmap = MakeFakeColmap(folder_.path(), settings);
+    return TriangulateScene(input_, options, poses_);
+  }
+
+  TemporaryFolder folder_;
+  SfmInput input_;
+  Reconstruction poses_;
+};
+
+TEST_F(KnownPosesTest, PosesStayAndPointsCome) {
+  const auto scene = Run();
+  ASSERT_TRUE(scene.ok()) << scene.status().message();
+  const Reconstruction& model = scene->model;
+  ASSERT_THAT(model.images, SizeIs(5));
+  for (size_t i = 0; i < 5; ++i) {
+    EXPECT_EQ(model.images[i].name, PhotoName(static_cast<int>(i)));
+    EXPECT_TRUE(model.images[i].cam_from_world.translation.isApprox(
+        poses_.images[i].cam_from_world.translation));
+  }
+  EXPECT_EQ(model.cameras[0].params, poses_.cameras[0].params);
+  EXPECT_THAT(model.points3d, SizeIs(150));
+  // The grey of the photos, not the black of COLMAP.
+  EXPECT_GT(model.points3d[0].rgb[1], 20);
+  EXPECT_EQ(scene->fitting_share, 1);
+  EXPECT_THAT(scene->findings, IsEmpty());
+  EXPECT_EQ(scene->pairs.pairs, 10);
+  EXPECT_EQ(scene->colmap_version, "3.8");
+  EXPECT_FALSE(fs::exists(input_.work_folder / "triangulation"));
+}
+
+TEST_F(KnownPosesTest, AnyNumberOfThreads) {
+  const auto one = Run({}, 1);
+  fs::remove_all(input_.work_folder);
+  const auto three = Run({}, 3);
+  ASSERT_TRUE(one.ok() && three.ok());
+  EXPECT_EQ(PointsToBinary(one->model.points3d),
+            PointsToBinary(three->model.points3d));
+}
+
+TEST_F(KnownPosesTest, PosesThatDoNotFitAreTold) {
+  const auto scene = Run({{"FAKE_COLMAP_POINTS", "0"}});
+  ASSERT_TRUE(scene.ok()) << scene.status().message();
+  EXPECT_THAT(scene->model.points3d, IsEmpty());
+  EXPECT_EQ(scene->fitting_share, 0);
+  ASSERT_THAT(scene->findings, SizeIs(1));
+  EXPECT_EQ(FindingName(scene->findings[0].kind), "unfit_poses");
+  EXPECT_THAT(scene->findings[0].message, HasSubstr("imported poses"));
+}
+
+TEST_F(KnownPosesTest, Failures) {
+  EXPECT_EQ(Run({{"FAKE_COLMAP_FAIL", "point_triangulator"}}).status().code(),
+            StatusCode::kUnusableResult);
+  SfmOptions options;
+  options.colmap = "/nonexistent/colmap";
+  EXPECT_EQ(TriangulateScene(input_, options, poses_).status().code(),
+            StatusCode::kMissingDependency);
+}
+
+}  // namespace
+}  // namespace freegs::sfm
