@@ -104,11 +104,15 @@ StatusOr<GaussianModel> InitializeFromPoints(
     std::span<const std::array<uint8_t, 3>> colors,
     double scene_extent,
     const InitializationOptions& options) {
+  // A colour below 0 counts as 0 and has no gradient, and rounding can make one
+  // of a pure 0, which would stay black: so would a model without colours.
+  constexpr float kDarkest = 1.0f / 255.0f;
   std::vector<std::array<float, 3>> sh_dc(colors.size());
   for (size_t i = 0; i < colors.size(); ++i) {
     for (int channel = 0; channel < 3; ++channel) {
-      sh_dc[i][channel] =
-          (static_cast<float>(colors[i][channel]) / 255.0f - 0.5f) / kShC0;
+      const float color =
+          std::max(kDarkest, static_cast<float>(colors[i][channel]) / 255.0f);
+      sh_dc[i][channel] = (color - 0.5f) / kShC0;
     }
   }
   return InitializeFromShDc(positions, sh_dc, scene_extent, options);

@@ -3,15 +3,20 @@
 #include "stages/disturb/disturb_poses.h"
 
 #include <cmath>
+#include <string>
 
 #include <Eigen/Geometry>
+#include <nlohmann/json.hpp>
 
+#include "core/io/json_text.h"
 #include "core/random.h"
 #include "core/rigid3d.h"
 #include "sfm/scene/model_io.h"
 
 namespace freegs::stages {
 namespace {
+
+namespace fs = std::filesystem;
 
 // Turns each camera so that what it saw at the centre of its picture moves by
 // `pixels`, normally distributed in x and in y.
@@ -45,6 +50,20 @@ void MoveWorld(const Sim3d& new_from_old, sfm::Reconstruction* model) {
   }
 }
 
+// Whether the model is one of a workspace, of poses that were imported without
+// points.
+bool HadNoPoints(const fs::path& model) {
+  const auto health =
+      ReadJson(model.parent_path().parent_path() / "health.json");
+  if (!health.ok() || !health->is_object()) return false;
+  const auto entry = health->find("source");
+  if (entry == health->end() || !entry->is_string()) return false;
+  const auto source = entry->get<std::string>();
+  return source.starts_with("imported") &&
+         (source.ends_with("points triangulated") ||
+          source.ends_with("points random"));
+}
+
 }  // namespace
 
 void DisturbModel(const Disturbance& disturbance,
@@ -72,6 +91,10 @@ Status DisturbPoses(const Disturbance& disturbance,
                     const std::filesystem::path& out,
                     uint64_t seed) {
   FREEGS_ASSIGN_OR_RETURN(sfm::Reconstruction disturbed, sfm::ReadModel(model));
+  if (HadNoPoints(model)) {
+    disturbed.points3d.clear();
+    for (sfm::PosedImage& image : disturbed.images) image.points2d.clear();
+  }
   DisturbModel(disturbance, seed, &disturbed);
   FREEGS_RETURN_IF_ERROR(
       sfm::CheckReconstruction(disturbed).Annotated(model.string()));

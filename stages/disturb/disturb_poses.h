@@ -21,8 +21,10 @@ void DisturbModel(const Disturbance& disturbance,
                   sfm::Reconstruction* model);
 
 // Does so with the COLMAP model in folder `model`, and writes the result as a
-// COLMAP model into the new folder `out`. kBadInput when there is no such
-// model, and when it would lie too far from the origin to be read again.
+// COLMAP model into the new folder `out`. In a workspace, points of poses that
+// were imported without points are left out, because they were made for the
+// poses as they were. kBadInput when there is no such model, and when it would
+// lie too far from the origin to be read again.
 Status DisturbPoses(const Disturbance& disturbance,
                     const std::filesystem::path& model,
                     const std::filesystem::path& out,

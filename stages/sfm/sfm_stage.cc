@@ -2,6 +2,8 @@
 
 #include "stages/sfm/sfm_stage.h"
 
+#include <algorithm>
+#include <array>
 #include <set>
 #include <system_error>
 #include <utility>
@@ -12,6 +14,7 @@
 #include "core/io/files.h"
 #include "core/io/json_text.h"
 #include "photos/photo_list.h"
+#include "sfm/features/point_colors.h"
 #include "sfm/import/import_model.h"
 #include "sfm/mapping/known_poses.h"
 #include "sfm/scene/model_io.h"
@@ -58,6 +61,14 @@ std::vector<sfm::SfmPhoto> UsablePhotos(const photos::PhotoList& list) {
                       .sharpness = photo.sharpness});
   }
   return photos;
+}
+
+// Programs that do not look for colours leave all points black.
+bool HasNoColors(const sfm::Reconstruction& model) {
+  constexpr std::array<uint8_t, 3> kBlack = {0, 0, 0};
+  return std::all_of(model.points3d.begin(),
+                     model.points3d.end(),
+                     [&](const auto& point) { return point.rgb == kBlack; });
 }
 
 // The poses, from COLMAP or from an import.
@@ -171,6 +182,11 @@ class SfmStage : public pipeline::Stage {
     warnings = std::move(imported.warnings);
     if (imported.random_points && options_.random_points == 0) {
       FREEGS_RETURN_IF_ERROR(Triangulate(photos, context, &imported, &outcome));
+    }
+    if (HasNoColors(imported.model)) {
+      FREEGS_RETURN_IF_ERROR(sfm::ColorPoints(InputOf(photos, context),
+                                              context.pool->num_threads(),
+                                              &imported.model));
     }
     outcome.triangulated = false;
     if (imported.random_points) {

@@ -13,6 +13,8 @@
 namespace freegs::stages {
 namespace {
 
+namespace fs = std::filesystem;
+
 constexpr int kImages = 400;
 
 // Cameras on a line that look along z at one point.
@@ -96,6 +98,31 @@ TEST(DisturbPosesTest, ModelsAreReadAndWritten) {
   ASSERT_TRUE(read.ok()) << read.status().message();
   EXPECT_EQ(read->points3d[0].xyz, 2 * Model().points3d[0].xyz);
   EXPECT_FALSE(DisturbPoses(twice, folder / "none", folder / "c", 1).ok());
+}
+
+TEST(DisturbPosesTest, PosesWithoutPointsStayWithout) {
+  const TemporaryFolder folder;
+  const fs::path model = folder / "sfm" / "sparse" / "0";
+  ASSERT_TRUE(sfm::WriteModel(model, Model()).ok());
+  const Disturbance jitter{DisturbanceKind::kJitter, 2};
+  const auto points_with = [&](const std::string& health) {
+    WriteText(folder / "sfm" / "health.json", health);
+    fs::remove_all(folder / "b");
+    EXPECT_TRUE(DisturbPoses(jitter, model, folder / "b", 1).ok());
+    const auto read = sfm::ReadModel(folder / "b");
+    EXPECT_TRUE(read.ok()) << read.status().message();
+    return read->points3d.size();
+  };
+  const std::string transforms = R"({"source":"imported transforms.json)";
+  EXPECT_EQ(points_with(transforms + R"(, points triangulated"})"), 0u);
+  EXPECT_EQ(points_with(transforms + R"(, points random"})"), 0u);
+  for (const char* health : {R"({"source":"colmap"})",
+                             R"({"source":7})",
+                             "[]",
+                             "no json",
+                             R"({"source":"imported COLMAP model"})"}) {
+    EXPECT_EQ(points_with(health), Model().points3d.size()) << health;
+  }
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 
 #include "stages/sfm/sfm_stage.h"
 
+#include <algorithm>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -124,6 +126,25 @@ TEST_F(SfmStageTest, ImportsAColmapModel) {
   EXPECT_EQ(written->images[3].name, sfm::PhotoName(3));
   EXPECT_EQ(Health()["source"], "imported COLMAP model");
   EXPECT_EQ(Health()["verdict"], "ok");
+}
+
+TEST_F(SfmStageTest, PointsWithoutColorsGetThoseOfThePhotos) {
+  sfm::Reconstruction model = sfm::SyntheticModel(10, 30);
+  for (sfm::Point3D& point : model.points3d) point.rgb = {0, 0, 0};
+  model.images[0].points2d[0].xy = {50, 50};  // The files are small.
+  const fs::path source = folder_ / "model";
+  ASSERT_TRUE(sfm::WriteModel(source, model).ok());
+  options_.import = source.string();
+  const Status status = workspace_.Run(*MakeSfmStage(options_, 0));
+  ASSERT_TRUE(status.ok()) << status.message();
+  const auto written =
+      sfm::ReadModel(workspace_.path() / "sfm" / "sparse" / "0");
+  ASSERT_TRUE(written.ok());
+  const bool colored =
+      std::any_of(written->points3d.begin(),
+                  written->points3d.end(),
+                  [](const sfm::Point3D& point) { return point.rgb[1] > 0; });
+  EXPECT_TRUE(colored);
 }
 
 // A transforms file of NeRF-synthetic for the photos.
