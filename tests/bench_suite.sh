@@ -24,6 +24,7 @@ to = reconstruct
 preset = fast
 threads = 2
 sfm.import = ${scene}/gt/transforms.json
+sfm.random_points = 10000
 reconstruct.exposure = off
 [scene table]
 draw = --views 12 --test_views 2 --width 160 --height 120

@@ -25,7 +25,7 @@ failures=0
 common=(--reconstruct.budget 2000 --threads 2
   --general.checkpoint_interval 1 --bootstrap.mode geometry)
 options=("${common[@]}" --reconstruct.iterations 300)
-poses=(--sfm.import scene/gt/transforms.json)
+poses=(--sfm.import scene/gt/transforms.json --sfm.random_points 10000)
 
 run() { "$program" run scene/images "$@" >out.txt 2>&1; }
 

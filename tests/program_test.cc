@@ -164,7 +164,9 @@ TEST(ProgramTest, NothingOutsideOfTheWorkspaceIsWritten) {
       (folder / "scene" / "images").string(),
       workspace.string(),
       "--sfm.import",
-      (folder / "scene" / "gt" / "transforms.json").string()};
+      (folder / "scene" / "gt" / "transforms.json").string(),
+      "--sfm.random_points",
+      "10000"};
   std::vector<std::string> sfm = run;
   sfm.insert(sfm.end(), {"--to", "sfm"});
   Outcome outcome = Call(sfm);

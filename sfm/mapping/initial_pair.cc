@@ -130,6 +130,61 @@ InFront FindInFront(const Eigen::Matrix3d& rotation,
   return result;
 }
 
+// How good it is to begin with a pair; a score of 0 means not at all.
+struct Rating {
+  double score = 0;
+  PairMotion motion;
+};
+
+Rating Rate(const Photo& photo1,
+            const Photo& photo2,
+            const MatchDatabase::VerifiedPair& pair,
+            std::span<const FeatureMatch> matches) {
+  if (!pair.fundamental) return {};
+  const MatchedPixels seen = PixelsOf(photo1, photo2, matches);
+  if (seen.pixels1.cols() < kMinMatches) return {};
+  const Eigen::Matrix3d& k1 = photo1.intrinsics;
+  const Eigen::Matrix3d& k2 = photo2.intrinsics;
+  Rating rating;
+  rating.motion = MeasureMotion(k2.transpose() * *pair.fundamental * k1,
+                                k1.inverse() * seen.pixels1,
+                                k2.inverse() * seen.pixels2);
+  if (rating.motion.in_front < kMinMatches ||
+      rating.motion.forward > kMaxForward ||
+      rating.motion.angle_deg < kMinAngleDeg) {
+    return {};
+  }
+  const double relief =
+      pair.homography ? 1 - ShareExplained(*pair.homography, seen) : 1;
+  rating.score = static_cast<double>(rating.motion.in_front) *
+                 std::min(rating.motion.angle_deg, kEnoughAngleDeg) * relief;
+  return rating;
+}
+
+using PhotosById = std::unordered_map<uint32_t, Photo>;
+
+// Those of the photos that are in the largest group.
+StatusOr<PhotosById> ReadLargestGroup(const std::vector<SfmPhoto>& photos,
+                                      const MatchDatabase& database) {
+  FREEGS_ASSIGN_OR_RETURN(const SceneEvidence evidence,
+                          CollectEvidence(photos, database));
+  const PhotoGroups groups = GroupByMatches(evidence, {});
+  std::unordered_map<std::string, const SfmPhoto*> wanted;
+  for (size_t i = 0; i < photos.size(); ++i) {
+    if (groups.group[i] == 0) wanted[photos[i].name] = &photos[i];
+  }
+  FREEGS_ASSIGN_OR_RETURN(const auto rows, database.Photos());
+  PhotosById by_id;
+  for (const MatchDatabase::Photo& row : rows) {
+    const auto photo = wanted.find(row.name);
+    if (photo == wanted.end()) continue;
+    Photo& made = by_id[row.id];
+    made.intrinsics = GuessIntrinsics(*photo->second);
+    FREEGS_ASSIGN_OR_RETURN(made.features, database.FeaturePositions(row.id));
+  }
+  return by_id;
+}
+
 std::set<std::string> NamesOf(const Reconstruction& model) {
   std::set<std::string> names;
   for (const PosedImage& image : model.images) names.insert(image.name);
@@ -178,36 +233,17 @@ StatusOr<std::optional<InitialPair>> ChooseInitialPair(
     const std::vector<SfmPhoto>& photos,
     std::span<const InitialPair> in_vain,
     const MatchDatabase& database) {
-  FREEGS_ASSIGN_OR_RETURN(const SceneEvidence evidence,
-                          CollectEvidence(photos, database));
-  const PhotoGroups groups = GroupByMatches(evidence, {});
-  std::unordered_map<std::string, const SfmPhoto*> wanted;
-  for (size_t i = 0; i < photos.size(); ++i) {
-    if (groups.group[i] == 0) wanted[photos[i].name] = &photos[i];
-  }
-  FREEGS_ASSIGN_OR_RETURN(const auto rows, database.Photos());
-  std::unordered_map<uint32_t, Photo> by_id;
-  for (const MatchDatabase::Photo& row : rows) {
-    const auto photo = wanted.find(row.name);
-    if (photo == wanted.end()) continue;
-    Photo& made = by_id[row.id];
-    made.intrinsics = GuessIntrinsics(*photo->second);
-    FREEGS_ASSIGN_OR_RETURN(made.features, database.FeaturePositions(row.id));
-  }
-
-  FREEGS_ASSIGN_OR_RETURN(const auto pairs, database.VerifiedPairs());
-  std::map<std::pair<uint32_t, uint32_t>, const MatchDatabase::VerifiedPair*>
-      geometry;
-  for (const MatchDatabase::VerifiedPair& pair : pairs) {
-    if (pair.num_matches >= kMinMatches && pair.fundamental) {
-      geometry[{pair.id1, pair.id2}] = &pair;
-    }
-  }
+  FREEGS_ASSIGN_OR_RETURN(PhotosById by_id, ReadLargestGroup(photos, database));
   for (const InitialPair& pair : in_vain) {
     by_id.erase(pair.id1);
     by_id.erase(pair.id2);
   }
-
+  FREEGS_ASSIGN_OR_RETURN(const auto pairs, database.VerifiedPairs());
+  std::map<std::pair<uint32_t, uint32_t>, const MatchDatabase::VerifiedPair*>
+      geometry;
+  for (const MatchDatabase::VerifiedPair& pair : pairs) {
+    geometry[{pair.id1, pair.id2}] = &pair;
+  }
   std::optional<InitialPair> best;
   double best_score = 0;
   FREEGS_RETURN_IF_ERROR(database.ForEachVerifiedPair(
@@ -219,29 +255,12 @@ StatusOr<std::optional<InitialPair>> ChooseInitialPair(
             photo2 == by_id.end()) {
           return;
         }
-        const MatchedPixels seen =
-            PixelsOf(photo1->second, photo2->second, matches);
-        if (seen.pixels1.cols() < kMinMatches) return;
-        const Eigen::Matrix3d& k1 = photo1->second.intrinsics;
-        const Eigen::Matrix3d& k2 = photo2->second.intrinsics;
-        const PairMotion motion =
-            MeasureMotion(k2.transpose() * *pair->second->fundamental * k1,
-                          k1.inverse() * seen.pixels1,
-                          k2.inverse() * seen.pixels2);
-        if (motion.in_front < kMinMatches || motion.forward > kMaxForward ||
-            motion.angle_deg < kMinAngleDeg) {
-          return;
-        }
-        const std::optional<Eigen::Matrix3d>& homography =
-            pair->second->homography;
-        const double relief =
-            homography ? 1 - ShareExplained(*homography, seen) : 1;
-        const double score = static_cast<double>(motion.in_front) *
-                             std::min(motion.angle_deg, kEnoughAngleDeg) *
-                             relief;
-        if (score <= best_score) return;
-        best_score = score;
-        best = InitialPair{id1, id2, motion.in_front, motion.angle_deg};
+        const Rating rating =
+            Rate(photo1->second, photo2->second, *pair->second, matches);
+        if (rating.score <= best_score) return;
+        best_score = rating.score;
+        best = InitialPair{
+            id1, id2, rating.motion.in_front, rating.motion.angle_deg};
       }));
   return best;
 }

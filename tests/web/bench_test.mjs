@@ -27,6 +27,7 @@ reconstruct.exposure = off
 reconstruct.max_image_size = 160
 reconstruct.iterations = 60
 sfm.import = \${scene}/gt/transforms.json
+sfm.random_points = 10000
 [scene table]
 draw = --views 12 --test_views 2 --width 160 --height 120
 [grid presets]

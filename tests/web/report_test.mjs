@@ -441,6 +441,8 @@ test("names are text, whatever they hold", async () => {
     workspace,
     "--sfm.import",
     join(folder, "transforms.json"),
+    "--sfm.random_points",
+    "10000",
     "--preset",
     "fast",
     "--reconstruct.iterations",

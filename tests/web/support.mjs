@@ -51,6 +51,8 @@ export function makeScene() {
     workspace,
     "--sfm.import",
     join(truth, "gt", "transforms.json"),
+    "--sfm.random_points",
+    "10000",
     "--preset",
     "fast",
   );

@@ -195,6 +195,8 @@ test("a run under way is shown until its scene is there", async () => {
       workspace,
       "--sfm.import",
       join(scene.truth, "gt", "transforms.json"),
+      "--sfm.random_points",
+      "10000",
       "--preset",
       "fast",
       "--reconstruct.iterations",
