@@ -41,7 +41,7 @@ using FittedJudge =
 struct ExposureSearchOptions {
   // Exposure is learnt if the scene of the trial gains at least so much by it,
   // on the mean of the two measures of TrialPsnr.
-  double min_gain_db = 1;
+  double min_gain_db = 0.7;
 
   // The level of the image pyramid with which the trial is made.
   int level = 2;

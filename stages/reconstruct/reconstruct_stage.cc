@@ -47,7 +47,7 @@ class ReconstructStage : public pipeline::Stage {
       : options_(options), seed_(seed) {}
 
   std::string_view name() const override { return "reconstruct"; }
-  int version() const override { return 7; }
+  int version() const override { return 8; }
 
   std::vector<fs::path> Inputs(
       const pipeline::StageContext& context) const override {
