@@ -105,7 +105,8 @@ TEST_F(RunPagesTest, CommandsDoWhatThePagesSay) {
       WriteImage(folder_ / "photos/masks/frame_0003.jpg.png", mask).ok());
   EXPECT_EQ(Complaint("freegs_pipeline init other\n"
                       "freegs_pipeline run photos other --sfm.import "
-                      "truth/gt/transforms.json --reconstruct.iterations 200 "
+                      "truth/gt/transforms.json --sfm.random_points 10000 "
+                      "--reconstruct.iterations 200 "
                       "--reconstruct.exposure on "
                       "--bootstrap.mode paper --bootstrap.iterations 40 "
                       "--bootstrap.clustering union"),

@@ -155,8 +155,10 @@ TEST_F(StructureFromMotionTest, AttemptsAreNotRepeated) {
   const auto result = Run(settings);
   ASSERT_TRUE(result.ok()) << result.status().message();
   const std::vector<Attempt>& attempts = result->attempts;
-  EXPECT_THAT(NamesOf(attempts),
-              testing::ElementsAre("mapping", "lower thresholds"));
+  EXPECT_THAT(
+      NamesOf(attempts),
+      testing::ElementsAre("mapping", "lower thresholds", "small models"));
+  EXPECT_FALSE(attempts[2].kept);
   EXPECT_THAT(attempts[1].why, HasSubstr("6 photos left out"));
   EXPECT_TRUE(attempts[1].kept);
   EXPECT_EQ(result->models[0].images.size(), 6u);
@@ -183,8 +185,9 @@ TEST_F(StructureFromMotionTest, WorseAttemptsAreNotKept) {
   const auto result =
       Run({{"FAKE_COLMAP_MODELS", "4"}, {"FAKE_COLMAP_RELAXED", "3"}});
   ASSERT_TRUE(result.ok()) << result.status().message();
-  ASSERT_EQ(result->attempts.size(), 2u);
+  ASSERT_EQ(result->attempts.size(), 3u);
   EXPECT_FALSE(result->attempts[1].kept);
+  EXPECT_FALSE(result->attempts[2].kept);
   EXPECT_EQ(result->attempts[1].registered, 3);
   EXPECT_EQ(result->models[0].images.size(), 4u);
 }
@@ -275,7 +278,7 @@ TEST_F(StructureFromMotionTest, ACrashOfAFurtherAttemptKeepsTheFirst) {
                            {"FAKE_COLMAP_ONCE", once.string()}});
   ASSERT_TRUE(result.ok()) << result.status().message();
   EXPECT_EQ(result->models[0].images.size(), 4u);
-  ASSERT_EQ(result->attempts.size(), 2u);
+  ASSERT_EQ(result->attempts.size(), 3u);
   EXPECT_THAT(result->attempts[1].problem, HasSubstr("signal 6"));
 }
 
