@@ -11,7 +11,7 @@
 # BIN is the folder of the built programs. FOLDER is made anew. Needs COLMAP;
 # full disks need the right to mount a tmpfs, a clock needs libfaketime, and they
 # are left out without it. Takes some five minutes. The short form tries every
-# second amount of memory, of threads and of room on the disk, and ends COLMAP by
+# third amount of memory, of threads and of room on the disk, and ends COLMAP by
 # one signal instead of two.
 set -uo pipefail
 
@@ -65,10 +65,10 @@ same_scene() {
 }
 runs_on() { run "$@" && same_scene "$1"; }
 
-# Prints the values, or every second one in the short form: some VALUE ...
+# Prints the values, or every third one in the short form: some VALUE ...
 some() {
   local step=1 at
-  [ "$form" = short ] && step=2
+  [ "$form" = short ] && step=3
   for ((at = 1; at <= $#; at += step)); do echo "${!at}"; done
 }
 
