@@ -73,7 +73,8 @@ TEST(InitializationTest, OtherParameters) {
   EXPECT_EQ(model->rotations[4 * 4], 1.0f);
   EXPECT_EQ(model->rotations[4 * 4 + 2], 0.0f);
   EXPECT_FLOAT_EQ(kShC0 * model->sh_dc[3] + 0.5f, 1.0f);
-  EXPECT_NEAR(kShC0 * model->sh_dc[4] + 0.5f, 0.0f, 1e-6f);
+  // Not quite black, so that it has a gradient.
+  EXPECT_NEAR(kShC0 * model->sh_dc[4] + 0.5f, 1 / 255.0f, 1e-6f);
   EXPECT_FLOAT_EQ(kShC0 * model->sh_dc[5] + 0.5f, 0.2f);
   EXPECT_FLOAT_EQ(model->means[5], static_cast<float>(points[1].z()));
 }
