@@ -38,8 +38,8 @@ struct InitializationOptions {
 // Makes one isotropic Gaussian per point, of the point's colour. Its standard
 // deviation is the root mean square distance to the nearest points at other
 // positions. `positions` are in the world frame; `colors` are RGB in 0..255 and
-// parallel to them. Points that are not finite are left out. Fails with
-// kBadInput when no point remains.
+// parallel to them, where 0 counts as 1. Points that are not finite are left
+// out. Fails with kBadInput when no point remains.
 StatusOr<GaussianModel> InitializeFromPoints(
     std::span<const Eigen::Vector3d> positions,
     std::span<const std::array<uint8_t, 3>> colors,
