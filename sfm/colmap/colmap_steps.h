@@ -89,6 +89,9 @@ struct InitialPair {
   double angle_deg = 0;  // Median angle between their rays.
 };
 
+// COLMAP drops models of fewer photos, unless it is told not to.
+inline constexpr size_t kUsualMinModel = 10;
+
 // How to make models from a database.
 struct Mapping {
   std::string step = "mapping";  // The name of the step in progress reports.

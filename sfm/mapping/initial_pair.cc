@@ -35,9 +35,6 @@ constexpr int64_t kMinMatches = 30;
 // COLMAP does not begin with a pair that goes more straight ahead.
 constexpr double kMaxForward = 0.95;
 
-// COLMAP drops smaller models, unless the photos are few.
-constexpr size_t kMinModel = 10;
-
 // Where the camera moved little, COLMAP may misjudge the motion between the two
 // photos, and then no other photo fits. This is seen at once.
 constexpr size_t kMaxTrials = 3;
@@ -270,10 +267,10 @@ StatusOr<std::vector<Reconstruction>> MapFromBestPair(
     const std::filesystem::path& database,
     const std::filesystem::path& folder) {
   std::vector<SfmPhoto> left = context.input.photos;
-  const size_t enough = std::min(kMinModel, (left.size() + 1) / 2);
+  const size_t enough = std::min(kUsualMinModel, (left.size() + 1) / 2);
   Models models;
   std::vector<InitialPair> in_vain;
-  while ((models.empty() || left.size() >= kMinModel) &&
+  while ((models.empty() || left.size() >= kUsualMinModel) &&
          in_vain.size() < kMaxTrials) {
     Mapping mapping;
     {
@@ -290,9 +287,14 @@ StatusOr<std::vector<Reconstruction>> MapFromBestPair(
       continue;
     }
     const std::set<std::string> names = NamesOf(made[0]);
-    std::erase_if(left, [&](const SfmPhoto& photo) {
+    const size_t placed = std::erase_if(left, [&](const SfmPhoto& photo) {
       return names.contains(photo.name);
     });
+    // COLMAP may drop the pair itself at the end.
+    if (placed == 0) {
+      in_vain.push_back(*mapping.pair);
+      continue;
+    }
     models.push_back(std::move(made[0]));
   }
   if (models.empty()) return MapPhotos(context, database, folder, {});

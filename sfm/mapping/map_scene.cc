@@ -17,9 +17,6 @@ namespace {
 namespace fs = std::filesystem;
 using Models = std::vector<Reconstruction>;
 
-// COLMAP drops models of fewer photos, unless it is told not to.
-constexpr size_t kSmallModel = 10;
-
 // Photos that the best model lacks. Blurred ones are not counted.
 struct LeftOut {
   size_t photos = 0;
@@ -144,7 +141,7 @@ StatusOr<MappedScene> MapScene(const StepContext& context,
   const std::string why = WhyAgain(scene.evidence, scene.models, diagnosis);
   if (why.empty()) return scene;
   FREEGS_RETURN_IF_ERROR(again("lower thresholds", why, {}));
-  if (NumRegistered(scene.models) >= kSmallModel) return scene;
+  if (NumRegistered(scene.models) >= kUsualMinModel) return scene;
   const std::string still = WhyAgain(scene.evidence, scene.models, diagnosis);
   if (still.empty()) return scene;
   FREEGS_RETURN_IF_ERROR(again("small models", still, {.small_models = true}));

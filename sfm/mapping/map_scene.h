@@ -27,9 +27,9 @@ struct MappedScene {
 // again with lower thresholds (weaker start pairs, fewer inliers) and keeps the
 // better result: the one with more photos, or with as many and a fifth more
 // points that fit as well. A model that look-alikes glued (view_groups.h) never
-// replaces one that holds together. If the best model still
-// has fewer than 10 photos and lacks others, models of 3 photos will do, too.
-// Nothing is tried when a finding says that nothing helps.
+// replaces one that holds together. If the best model still has fewer than 10
+// photos and lacks others, models of 3 photos will do, too. Nothing is tried
+// when a finding says that nothing helps.
 //
 //   AttemptStore store(work_folder, &record);
 //   const StatusOr<MappedScene> scene =

@@ -26,7 +26,8 @@ struct SfmStageOptions {
   // COLMAP; empty runs COLMAP.
   std::string import;
 
-  // So many random points are made when an import has no points.
+  // So many random points are made when an import has no points. 0: points are
+  // triangulated, and made at random only if these are few.
   int random_points = 0;
 };
 
@@ -37,7 +38,7 @@ void RegisterSfmOptions(SfmStageOptions& options, pipeline::OptionTable& table);
 //   sparse/0/, sparse/1/, ...   models in COLMAP's binary format, best first
 //   health.json                 how far the result can be trusted, and why
 //   frame.json                  a guess of the scene's up, middle and size
-// and, unless imported, COLMAP's database.db, pairs.txt and logs/.
+// and, unless imported with points, COLMAP's database.db, pairs.txt and logs/.
 // kUnusableResult when the health verdict is "failed".
 std::unique_ptr<pipeline::Stage> MakeSfmStage(const SfmStageOptions& options,
                                               uint64_t seed);

@@ -277,6 +277,16 @@ TEST_F(ChooseInitialPairTest, ColmapLooksForAPairWhereThatLeadsNowhere) {
   EXPECT_THAT(*models, testing::ElementsAre(2, 1));
 }
 
+// The fake takes the first photos whatever the pair is, so that a second model
+// is all of the first one again.
+TEST_F(ChooseInitialPairTest, ModelsWithoutTheirPairDoNotGoOnForever) {
+  for (int i = 0; i < 22; ++i) AddPhoto({0.6 * i, -3, 3});
+  for (int i = 1; i < 22; ++i) Match(i, i + 1, 1, 2);
+  const auto models = Map({{"FAKE_COLMAP_PAIR", "10"}});
+  ASSERT_TRUE(models.ok()) << models.status().message();
+  EXPECT_THAT(*models, testing::ElementsAre(10));
+}
+
 TEST_F(ChooseInitialPairTest, ColmapLooksForAPairWhereThereIsNone) {
   for (const double x : {0.0, 1.2, 2.4}) AddPhoto({x, -3, 3});
   const auto models =
