@@ -24,7 +24,7 @@ form=${3:-whole}
 failures=0
 common=(--reconstruct.budget 2000 --threads 2
   --general.checkpoint_interval 1 --bootstrap.mode geometry)
-options=("${common[@]}" --reconstruct.iterations 300)
+options=("${common[@]}" --reconstruct.iterations 150)
 poses=(--sfm.import scene/gt/transforms.json --sfm.random_points 10000)
 
 run() { "$program" run scene/images "$@" >out.txt 2>&1; }
@@ -94,7 +94,7 @@ run ref "${poses[@]}" "${options[@]}" || { cat out.txt; exit 1; }
 # What disturbs a live run. It trains long enough to be met while it trains, and
 # has a checkpoint after a second.
 reference=slow
-all=("${poses[@]}" "${common[@]}" --reconstruct.iterations 900)
+all=("${poses[@]}" "${common[@]}" --reconstruct.iterations 600)
 checkpoint='w/reconstruct.partial/checkpoints/*.ckpt'
 fresh slow ingest sfm undistort
 run slow "${all[@]}" || { cat out.txt; exit 1; }

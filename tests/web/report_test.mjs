@@ -447,6 +447,10 @@ test("names are text, whatever they hold", async () => {
     "fast",
     "--reconstruct.iterations",
     "200",
+    "--reconstruct.budget",
+    "2000",
+    "--bootstrap.mode",
+    "geometry",
     "--export.report_views",
     "30",
   );
