@@ -76,7 +76,6 @@ bool IsDiskFull(const fs::path& folder) {
 // no model if that falls short of its limits.
 void BeginWith(const InitialPair& pair, ColmapArguments* arguments) {
   constexpr double kUsualInliers = 100;
-  constexpr double kUsualAngleDeg = 16;
   arguments->Require("Mapper.init_image_id1", std::to_string(pair.id1));
   arguments->Require("Mapper.init_image_id2", std::to_string(pair.id2));
   // Otherwise COLMAP begins there again and again while photos are left.
@@ -86,7 +85,7 @@ void BeginWith(const InitialPair& pair, ColmapArguments* arguments) {
                     FormatFixed(std::min(kUsualInliers, inliers), 0));
   arguments->Prefer(
       {"Mapper.init_min_tri_angle"},
-      FormatFixed(std::min(kUsualAngleDeg, pair.angle_deg / 2), 3));
+      FormatFixed(std::min(kUsualStartAngleDeg, pair.angle_deg / 2), 3));
 }
 
 }  // namespace

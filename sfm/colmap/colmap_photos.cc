@@ -189,9 +189,7 @@ Status RegisterPhotos(const StepContext& context, const fs::path& database) {
     FREEGS_RETURN_IF_ERROR(CheckEnded(context, "feature_extractor", result));
   }
   FREEGS_ASSIGN_OR_RETURN(MatchDatabase filled, MatchDatabase::Open(database));
-  FREEGS_ASSIGN_OR_RETURN(const auto photos, filled.Photos());
-  std::map<std::string, uint32_t> ids;
-  for (const MatchDatabase::Photo& photo : photos) ids[photo.name] = photo.id;
+  FREEGS_ASSIGN_OR_RETURN(const auto ids, filled.PhotoIds());
   for (const CameraGroup& group : groups) {
     FREEGS_RETURN_IF_ERROR(filled.SetCameras(CamerasOf(group, *model, ids)));
   }

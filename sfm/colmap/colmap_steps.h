@@ -92,6 +92,10 @@ struct InitialPair {
 // COLMAP drops models of fewer photos, unless it is told not to.
 inline constexpr size_t kUsualMinModel = 10;
 
+// COLMAP takes two photos to begin with for granted if the median angle between
+// their rays is at least this, in degrees.
+inline constexpr double kUsualStartAngleDeg = 16;
+
 // How to make models from a database.
 struct Mapping {
   std::string step = "mapping";  // The name of the step in progress reports.

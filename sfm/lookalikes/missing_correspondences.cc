@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "core/quantile.h"
+#include "sfm/scene/two_views.h"
 
 namespace freegs::sfm {
 namespace {
@@ -26,12 +26,6 @@ constexpr double kBorder = 0.02;  // Share of the image that does not count.
 
 // More points of a photo are sampled.
 constexpr size_t kMaxPoints = 300;
-
-constexpr double kDegrees = 180 / std::numbers::pi;
-
-double AngleDeg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b)) * kDegrees;
-}
 
 struct Photo {
   uint32_t id = 0;
@@ -98,7 +92,7 @@ struct Claim {
 Claim Compare(const Reconstruction& model, const Photo& from, const Photo& to) {
   Claim claim;
   // A quick test: most pairs look from quite different sides.
-  if (AngleDeg(from.centre - from.middle, to.centre - from.middle) >
+  if (RayAngleDeg(from.centre - from.middle, to.centre - from.middle) >
       2 * kAngles.back()) {
     return claim;
   }
@@ -112,7 +106,7 @@ Claim Compare(const Reconstruction& model, const Photo& from, const Photo& to) {
     if (!pixel || !IsInside(*to.camera, *pixel)) continue;
     claim.claimed += from.weight;
     if (to.observes[k]) claim.shared += from.weight;
-    claim.angles.push_back(AngleDeg(ray1, ray2));
+    claim.angles.push_back(RayAngleDeg(ray1, ray2));
   }
   return claim;
 }

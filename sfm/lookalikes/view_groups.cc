@@ -13,6 +13,7 @@
 #include <Eigen/LU>
 
 #include "sfm/lookalikes/missing_correspondences.h"
+#include "sfm/scene/two_views.h"
 
 namespace freegs::sfm {
 namespace {
@@ -94,14 +95,8 @@ int64_t CountFitting(const GroupedPhoto& photo1,
     const double norm = std::sqrt(line1.head<2>().squaredNorm() +
                                   line2.head<2>().squaredNorm());
     if (!(std::abs(ray2.dot(line2)) < limit * norm)) continue;
-    // Depths along both rays where they come nearest to each other.
-    const Eigen::Vector3d turned = rotation * ray1;
-    const double a = turned.squaredNorm();
-    const double b = turned.dot(ray2);
-    const double c = ray2.squaredNorm();
-    const double depth1 = b * t.dot(ray2) - c * t.dot(turned);
-    const double depth2 = a * t.dot(ray2) - b * t.dot(turned);
-    if (depth1 > 0 && depth2 > 0) ++fitting;
+    const RayDepths depths = FindRayDepths(rotation * ray1, ray2, t);
+    if (depths.depth1 > 0 && depths.depth2 > 0) ++fitting;
   }
   return fitting;
 }
@@ -112,19 +107,20 @@ double MatchWeight(const MatchDatabase::VerifiedPair& pair,
                    const PosedImage& image2,
                    std::span<const FeatureMatch> matches) {
   if (!pair.homography) return pair.is_homography ? kPlanarWeight : 1.0;
-  int64_t explained = 0;
+  Eigen::Matrix2Xd pixels1(2, matches.size());
+  Eigen::Matrix2Xd pixels2(2, matches.size());
+  Eigen::Index count = 0;
   for (const FeatureMatch& match : matches) {
     if (match.feature1 >= image1.points2d.size() ||
         match.feature2 >= image2.points2d.size()) {
       continue;
     }
-    const Eigen::Vector3d mapped =
-        *pair.homography * image1.points2d[match.feature1].xy.homogeneous();
-    const Eigen::Vector2d& seen = image2.points2d[match.feature2].xy;
-    if ((mapped.hnormalized() - seen).norm() < kMaxErrorPx) ++explained;
+    pixels1.col(count) = image1.points2d[match.feature1].xy;
+    pixels2.col(count) = image2.points2d[match.feature2].xy;
+    ++count;
   }
-  const double share =
-      static_cast<double>(explained) / static_cast<double>(matches.size());
+  const double share = ShareExplained(
+      *pair.homography, pixels1.leftCols(count), pixels2.leftCols(count));
   const double relief = std::clamp(
       (kPlanarShare - share) / (kPlanarShare - kReliefShare), 0.0, 1.0);
   return kPlanarWeight + (1 - kPlanarWeight) * relief;

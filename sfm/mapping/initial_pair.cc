@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <set>
 #include <string>
 #include <unordered_map>
@@ -17,14 +16,12 @@
 #include "core/decompositions.h"
 #include "core/quantile.h"
 #include "sfm/diagnosis/evidence.h"
+#include "sfm/scene/two_views.h"
 
 namespace freegs::sfm {
 namespace {
 
 using Models = std::vector<Reconstruction>;
-
-// COLMAP takes a start for granted from this angle on.
-constexpr double kEnoughAngleDeg = 16;
 
 // COLMAP drops points whose rays meet at less.
 constexpr double kMinAngleDeg = 1.5;
@@ -38,10 +35,6 @@ constexpr double kMaxForward = 0.95;
 // Where the camera moved little, COLMAP may misjudge the motion between the two
 // photos, and then no other photo fits. This is seen at once.
 constexpr size_t kMaxTrials = 3;
-
-// A homography explains a match that it maps to within this distance, as in
-// COLMAP's search for one.
-constexpr double kMaxErrorPx = 4;
 
 // The features of a photo, and its guessed pinhole camera.
 struct Photo {
@@ -86,16 +79,6 @@ MatchedPixels PixelsOf(const Photo& photo1,
   return result;
 }
 
-double ShareExplained(const Eigen::Matrix3d& homography,
-                      const MatchedPixels& matches) {
-  const Eigen::Matrix2Xd mapped =
-      (homography * matches.pixels1).colwise().hnormalized();
-  const auto errors =
-      (mapped - matches.pixels2.topRows<2>()).colwise().norm().array();
-  return static_cast<double>((errors < kMaxErrorPx).count()) /
-         static_cast<double>(matches.pixels1.cols());
-}
-
 // Of a rotation R and a direction t of the way, with ray2 ~ R ray1 + t: the
 // matches in front of both cameras, for t and for -t.
 struct InFront {
@@ -111,18 +94,10 @@ InFront FindInFront(const Eigen::Matrix3d& rotation,
   for (Eigen::Index i = 0; i < rays1.cols(); ++i) {
     const Eigen::Vector3d turned = rotation * rays1.col(i);
     const Eigen::Vector3d ray2 = rays2.col(i);
-    // Depths along both rays, up to a common positive factor, where they come
-    // nearest to each other.
-    const double a = turned.squaredNorm();
-    const double b = turned.dot(ray2);
-    const double c = ray2.squaredNorm();
-    const double depth1 = b * t.dot(ray2) - c * t.dot(turned);
-    const double depth2 = a * t.dot(ray2) - b * t.dot(turned);
-    if (!(depth1 * depth2 > 0)) continue;
-    const double angle_deg =
-        std::atan2(turned.cross(ray2).norm(), b) * 180 / std::numbers::pi;
-    (depth1 > 0 ? result.angles_deg : result.angles_deg_reversed)
-        .push_back(angle_deg);
+    const RayDepths depths = FindRayDepths(turned, ray2, t);
+    if (!(depths.depth1 * depths.depth2 > 0)) continue;
+    (depths.depth1 > 0 ? result.angles_deg : result.angles_deg_reversed)
+        .push_back(RayAngleDeg(turned, ray2));
   }
   return result;
 }
@@ -151,10 +126,14 @@ Rating Rate(const Photo& photo1,
       rating.motion.angle_deg < kMinAngleDeg) {
     return {};
   }
-  const double relief =
-      pair.homography ? 1 - ShareExplained(*pair.homography, seen) : 1;
+  const double relief = pair.homography
+                            ? 1 - ShareExplained(*pair.homography,
+                                                 seen.pixels1.topRows<2>(),
+                                                 seen.pixels2.topRows<2>())
+                            : 1;
   rating.score = static_cast<double>(rating.motion.in_front) *
-                 std::min(rating.motion.angle_deg, kEnoughAngleDeg) * relief;
+                 std::min(rating.motion.angle_deg, kUsualStartAngleDeg) *
+                 relief;
   return rating;
 }
 
@@ -166,18 +145,15 @@ StatusOr<PhotosById> ReadLargestGroup(const std::vector<SfmPhoto>& photos,
   FREEGS_ASSIGN_OR_RETURN(const SceneEvidence evidence,
                           CollectEvidence(photos, database));
   const PhotoGroups groups = GroupByMatches(evidence, {});
-  std::unordered_map<std::string, const SfmPhoto*> wanted;
-  for (size_t i = 0; i < photos.size(); ++i) {
-    if (groups.group[i] == 0) wanted[photos[i].name] = &photos[i];
-  }
-  FREEGS_ASSIGN_OR_RETURN(const auto rows, database.Photos());
+  FREEGS_ASSIGN_OR_RETURN(const auto ids, database.PhotoIds());
   PhotosById by_id;
-  for (const MatchDatabase::Photo& row : rows) {
-    const auto photo = wanted.find(row.name);
-    if (photo == wanted.end()) continue;
-    Photo& made = by_id[row.id];
-    made.intrinsics = GuessIntrinsics(*photo->second);
-    FREEGS_ASSIGN_OR_RETURN(made.features, database.FeaturePositions(row.id));
+  for (size_t i = 0; i < photos.size(); ++i) {
+    const auto id = ids.find(photos[i].name);
+    if (groups.group[i] != 0 || id == ids.end()) continue;
+    Photo& made = by_id[id->second];
+    made.intrinsics = GuessIntrinsics(photos[i]);
+    FREEGS_ASSIGN_OR_RETURN(made.features,
+                            database.FeaturePositions(id->second));
   }
   return by_id;
 }

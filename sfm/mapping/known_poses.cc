@@ -43,9 +43,7 @@ StatusOr<Reconstruction> PosesOf(const Reconstruction& model,
                                  const std::filesystem::path& path) {
   FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
                           MatchDatabase::Open(path));
-  FREEGS_ASSIGN_OR_RETURN(const auto photos, database.Photos());
-  std::map<std::string, uint32_t> ids;
-  for (const MatchDatabase::Photo& photo : photos) ids[photo.name] = photo.id;
+  FREEGS_ASSIGN_OR_RETURN(const auto ids, database.PhotoIds());
   Reconstruction poses;
   poses.cameras = model.cameras;
   for (const PosedImage& image : model.images) {

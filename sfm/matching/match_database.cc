@@ -158,6 +158,13 @@ StatusOr<std::vector<MatchDatabase::Photo>> MatchDatabase::Photos() const {
   return photos;
 }
 
+StatusOr<std::map<std::string, uint32_t>> MatchDatabase::PhotoIds() const {
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<Photo> photos, Photos());
+  std::map<std::string, uint32_t> ids;
+  for (const Photo& photo : photos) ids[photo.name] = photo.id;
+  return ids;
+}
+
 StatusOr<SiftDescriptors> MatchDatabase::Descriptors(uint32_t photo_id) const {
   Statement statement(
       database_.get(),

@@ -79,6 +79,9 @@ class MatchDatabase {
   // The photos in the order of their ids.
   StatusOr<std::vector<Photo>> Photos() const;
 
+  // The ids of the photos by their names.
+  StatusOr<std::map<std::string, uint32_t>> PhotoIds() const;
+
   // The SIFT descriptors of a photo; none when it has no features. Returns
   // kBadInput when they are of another kind.
   StatusOr<SiftDescriptors> Descriptors(uint32_t photo_id) const;

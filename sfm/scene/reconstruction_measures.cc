@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <utility>
 
 #include "core/quantile.h"
+#include "sfm/scene/two_views.h"
 
 namespace freegs::sfm {
 namespace {
@@ -30,13 +30,10 @@ double TriangulationAngleDeg(const Eigen::Vector3d& point,
   double largest = 0;
   for (size_t i = 0; i < rays.size(); ++i) {
     for (size_t j = i + 1; j < rays.size(); ++j) {
-      // atan2 stays accurate near 0, where acos does not.
-      largest = std::max(
-          largest,
-          std::atan2(rays[i].cross(rays[j]).norm(), rays[i].dot(rays[j])));
+      largest = std::max(largest, RayAngleDeg(rays[i], rays[j]));
     }
   }
-  return largest * 180 / std::numbers::pi;
+  return largest;
 }
 
 ReconstructionMeasures MeasureReconstruction(const Reconstruction& model) {
