@@ -1,15 +1,17 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # Learns the weights of the evidence for instances and of how good regions are anew
-# (semantics/patches/evidence.json and region_quality.json), from 24 scenes that the
-# scene maker draws, and judges them on twenty others. docs/instances.md says what
-# evidence is.
+# (semantics/patches/evidence.json and region_quality.json), from two reconstructions
+# each of 24 scenes that the scene maker draws, and judges them on twenty other scenes.
+# docs/instances.md says what evidence is.
 #
 #   scripts/fit_evidence.sh BUILD FOLDER [FIRST_SEED [LAST_SEED]]
 #
 # BUILD is a build folder with FREEGS_BUILD_BENCHMARKS=ON. FOLDER gets the scenes and
 # the new files. The scenes to learn from have the seeds 1 to 24, or those that are
-# named; the scenes to judge on have the seeds 101 to 120. A scene takes one to four minutes on 2 cores. Scenes that are in FOLDER already are not made again.
+# named; the scenes to judge on have the seeds 101 to 120. A reconstruction takes one to
+# two minutes on 2 cores, and learning ten. Scenes that are in FOLDER already are not
+# made again.
 set -eu
 bin=$1/bin
 out=$2
@@ -17,11 +19,12 @@ first=${3:-1}
 last=${4:-24}
 mkdir -p "$out"
 
-# make_scenes FIRST LAST: adds to $scenes.
+# make_scenes FIRST LAST: adds to $scenes two reconstructions of each scene. One begins
+# with points that are triangulated from the pictures, and is clear. The other begins
+# with random points, and is hazy, as scenes of few or poor photographs are.
 make_scenes() {
   for seed in $(seq "$1" "$2"); do
     scene=$out/scene_$seed
-    workspace=$out/workspace_$seed
     # All around the table, a part of it, few photographs, hardly any parallax;
     # and reconstructions of more than one quality.
     case $((seed % 4)) in
@@ -35,10 +38,13 @@ make_scenes() {
       "$bin/freegs_make_scene" --scene clutter --out "$scene" --seed "$seed" \
         --views $views --arc $arc --test_views 4 --width 480 --height 360
     fi
-    "$bin/freegs_pipeline" run "$scene/images" "$workspace" \
-      --sfm.import "$scene/gt/transforms.json" \
-      --reconstruct.iterations $iterations --to reconstruct
-    scenes="$scenes $workspace $scene"
+    for points in 0 10000; do
+      workspace=$out/workspace_${seed}_$points
+      "$bin/freegs_pipeline" run "$scene/images" "$workspace" \
+        --sfm.import "$scene/gt/transforms.json" --sfm.random_points $points \
+        --reconstruct.iterations $iterations --to reconstruct
+      scenes="$scenes $workspace $scene"
+    done
   done
 }
 
