@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Fuzzing in short, in every build: each reader gets its good files with a few
-// places changed, for three seconds. scripts/fuzz.sh looks deeper, since it sees
-// which inputs reach new code.
+// places changed, for three seconds. scripts/fuzz.sh looks deeper, since it
+// sees which inputs reach new code.
 
 #include <algorithm>
 #include <array>
