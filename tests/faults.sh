@@ -94,7 +94,7 @@ run ref "${poses[@]}" "${options[@]}" || { cat out.txt; exit 1; }
 # What disturbs a live run. It trains long enough to be met while it trains, and
 # has a checkpoint after a second.
 reference=slow
-all=("${poses[@]}" "${common[@]}" --reconstruct.iterations 600)
+all=("${poses[@]}" "${common[@]}" --reconstruct.iterations 1200)
 checkpoint='w/reconstruct.partial/checkpoints/*.ckpt'
 fresh slow ingest sfm undistort
 run slow "${all[@]}" || { cat out.txt; exit 1; }

@@ -19,7 +19,7 @@ every=${3:-1}
 mkdir -p "$2"
 cd "$2" || exit 1
 shift $(($# < 3 ? $# : 3))
-options=(--reconstruct.iterations 150 --reconstruct.budget 2000 --threads 2
+options=(--reconstruct.iterations 300 --reconstruct.budget 2000 --threads 2
   --general.checkpoint_interval 1 --bootstrap.mode geometry "$@")
 
 rm -rf scene undisturbed cut shadow w
