@@ -19,9 +19,9 @@ struct RayDepths {
   double depth2 = 0;
 };
 
-// `ray1` is a ray of the first camera in the frame of the second one, which is
-// at `t` + R x for a point x of the first frame. `ray2` is one of the second
-// camera. The rays need no unit length.
+// Both rays and `t` are in the frame of the second camera: `ray1` begins at
+// `t`, where the first camera is, and `ray2` at the origin. The rays need no
+// unit length.
 RayDepths FindRayDepths(const Eigen::Vector3d& ray1,
                         const Eigen::Vector3d& ray2,
                         const Eigen::Vector3d& t);
