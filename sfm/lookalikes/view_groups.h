@@ -15,43 +15,10 @@
 #include <vector>
 
 #include "core/status.h"
-#include "sfm/matching/match_database.h"
+#include "sfm/lookalikes/pair_support.h"
 #include "sfm/scene/reconstruction.h"
 
 namespace freegs::sfm {
-
-// The evidence for and against the relative pose of two photos in a model, in
-// (weighted) numbers of matches.
-struct PairSupport {
-  uint32_t image_id1 = 0;  // Smaller than image_id2.
-  uint32_t image_id2 = 0;
-
-  // Number of fitting matches if `fits`. Otherwise 0, because some matches fit
-  // by chance even where the poses are wrong.
-  double supporting = 0;
-
-  // True if more than half of the verified matches fit the poses.
-  bool fits = false;
-
-  // Number of matches that do not fit, counted only where hardly any match
-  // fits (see MeasureSupport); and half the number of missing points (see
-  // missing_correspondences.h).
-  double against = 0;
-};
-
-// Measures the evidence for all pairs of photos of the model. A verified match
-// fits when both features lie within 4 pixels of the epipolar lines of the
-// model's cameras, and the point lies in front of both cameras.
-//
-// Patterns on a plane repeat more often than shapes do. So the matches of a
-// pair count less, down to a fifth, the more of them one homography explains
-// (from 60 to 80 %). Matches that do not fit count in full if at most 10 % of
-// the pair's matches fit, less and less up to 30 %, and not at all beyond:
-// photos that show a pattern twice have matches of both kinds.
-//
-// The model must pass CheckReconstruction. Errors: those of the database.
-StatusOr<std::vector<PairSupport>> MeasureSupport(
-    const Reconstruction& model, const MatchDatabase& database);
 
 struct ViewGroups {
   // Image ids, ascending in each group; the largest group comes first. There is
@@ -90,11 +57,6 @@ ViewGroups FindViewGroups(const Reconstruction& model,
 //   if (!found->consistent()) ...  // Only found->groups[0] can be trusted.
 StatusOr<ViewGroups> GroupViews(const Reconstruction& model,
                                 const std::filesystem::path& database);
-
-// A copy of the model with these images only, their cameras, and the points
-// that at least two of them observe.
-Reconstruction RestrictTo(const Reconstruction& model,
-                          const std::vector<uint32_t>& image_ids);
 
 }  // namespace freegs::sfm
 

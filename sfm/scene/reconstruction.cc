@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Consistency of a sparse reconstruction.
+// Consistency and parts of a sparse reconstruction.
 
 #include "sfm/scene/reconstruction.h"
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <string_view>
 #include <unordered_set>
+#include <utility>
 
 #include "core/io/files.h"
 #include "core/number_text.h"
@@ -141,6 +143,32 @@ size_t RemoveDanglingReferences(Reconstruction* model) {
     }
   }
   return removed;
+}
+
+Reconstruction RestrictTo(const Reconstruction& model,
+                          const std::vector<uint32_t>& image_ids) {
+  const std::set<uint32_t> kept(image_ids.begin(), image_ids.end());
+  Reconstruction part;
+  std::set<uint32_t> cameras;
+  for (const PosedImage& image : model.images) {
+    if (!kept.contains(image.id)) continue;
+    part.images.push_back(image);
+    cameras.insert(image.camera_id);
+  }
+  for (const Camera& camera : model.cameras) {
+    if (cameras.contains(camera.id)) part.cameras.push_back(camera);
+  }
+  for (const Point3D& point : model.points3d) {
+    Point3D seen = point;
+    std::erase_if(seen.track, [&](const TrackElement& element) {
+      return !kept.contains(element.image_id);
+    });
+    std::set<uint32_t> observers;
+    for (const TrackElement& e : seen.track) observers.insert(e.image_id);
+    if (observers.size() >= 2) part.points3d.push_back(std::move(seen));
+  }
+  RemoveDanglingReferences(&part);
+  return part;
 }
 
 }  // namespace freegs::sfm

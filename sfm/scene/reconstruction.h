@@ -88,6 +88,11 @@ Status CheckReconstruction(const Reconstruction& model);
 // were removed. `model` must pass CheckReconstruction.
 size_t RemoveDanglingReferences(Reconstruction* model);
 
+// A copy of the model with these images only, their cameras, and the points
+// that at least two of them observe.
+Reconstruction RestrictTo(const Reconstruction& model,
+                          const std::vector<uint32_t>& image_ids);
+
 }  // namespace freegs::sfm
 
 #endif  // FREEGS_SFM_SCENE_RECONSTRUCTION_H_

@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "sfm/lookalikes/missing_correspondences.h"
-#include "tests/sfm/match_database_writer.h"
 #include "tests/sfm/synthetic_model.h"
 #include "tests/sfm/twin_scene.h"
 #include "tests/temporary_folder.h"
@@ -109,92 +108,6 @@ TEST(ViewGroups, ForwardMotionIsWhole) {
   EXPECT_GT(found.score, 0.6);
 }
 
-// Of 100 matches so many are right, the others far off.
-PairSupport SupportOfPair(int right) {
-  const Reconstruction model = SyntheticModel(2, 100);
-  const TemporaryFolder folder;
-  const std::string path = (folder / "a.db").string();
-  {
-    std::vector<uint32_t> matches;
-    for (int i = 0; i < 100; ++i) {
-      const Eigen::Vector2d& pixel = model.images[1].points2d[i].xy;
-      int other = i;
-      // The photos are beside each other: height tells what is wrong.
-      while (i >= right && std::abs(model.images[1].points2d[other].xy.y() -
-                                    pixel.y()) < 60) {
-        other = (other + 1) % 100;
-      }
-      matches.push_back(i);
-      matches.push_back(other);
-    }
-    MatchDatabaseWriter(path).Add(1, 2, matches);
-  }
-  const auto database = MatchDatabase::Open(path);
-  EXPECT_TRUE(database.ok());
-  const auto pairs = MeasureSupport(model, *database);
-  EXPECT_TRUE(pairs.ok());
-  return pairs->at(0);
-}
-
-TEST(MeasureSupport, HalfRightPairsSayNothing) {
-  const PairSupport most = SupportOfPair(80);
-  EXPECT_TRUE(most.fits);
-  EXPECT_GE(most.supporting, 80);
-  EXPECT_LT(most.against, 5);
-  const PairSupport half = SupportOfPair(40);
-  EXPECT_FALSE(half.fits);
-  EXPECT_EQ(half.supporting, 0);
-  EXPECT_LT(half.against, 5);
-  const PairSupport wrong = SupportOfPair(0);
-  EXPECT_FALSE(wrong.fits);
-  EXPECT_EQ(wrong.supporting, 0);
-  EXPECT_GT(wrong.against, 80);
-}
-
-// What supports a pair of 100 right matches, as a share of their number. Its
-// database has a homography that explains so many of them, if the number is not
-// negative.
-double SupportWithHomography(int explained, int config) {
-  constexpr double kFarShift = 10;  // Pixels, of what is on the plane.
-  constexpr double kNearShift = 30;
-  Reconstruction model = SyntheticModel(2, 100);
-  const TemporaryFolder folder;
-  const std::string path = (folder / "a.db").string();
-  {
-    std::vector<uint32_t> matches;
-    for (uint32_t i = 0; i < 100; ++i) matches.insert(matches.end(), {i, i});
-    std::vector<double> homography;
-    if (explained >= 0) homography = {1, 0, kFarShift, 0, 1, 0, 0, 0, 1};
-    MatchDatabaseWriter(path).Add(1, 2, matches, config, homography);
-  }
-  // The second camera is beside the first, so that its features are shifted.
-  model.images[1].cam_from_world = model.images[0].cam_from_world;
-  model.images[1].cam_from_world.translation.x() += 0.5;
-  for (int i = 0; i < 100; ++i) {
-    model.images[1].points2d[i].xy =
-        model.images[0].points2d[i].xy +
-        Eigen::Vector2d(i < explained ? kFarShift : kNearShift, 0);
-  }
-  const auto database = MatchDatabase::Open(path);
-  EXPECT_TRUE(database.ok());
-  const auto pairs = MeasureSupport(model, *database);
-  EXPECT_TRUE(pairs.ok());
-  return pairs->at(0).supporting / 100;
-}
-
-TEST(MeasureSupport, MatchesThatAHomographyExplainsCountLess) {
-  constexpr int kMotion = 3;
-  constexpr int kHomography = 6;
-  EXPECT_NEAR(SupportWithHomography(-1, kMotion), 1, 1e-9);
-  EXPECT_NEAR(SupportWithHomography(-1, kHomography), 0.2, 1e-9);
-  // What counts is how many, and not what COLMAP calls it.
-  for (const int config : {kMotion, kHomography}) {
-    EXPECT_NEAR(SupportWithHomography(50, config), 1, 1e-9);
-    EXPECT_NEAR(SupportWithHomography(70, config), 0.6, 1e-9);
-    EXPECT_NEAR(SupportWithHomography(90, config), 0.2, 1e-9);
-  }
-}
-
 TEST(FindViewGroups, NoClaimWithoutEvidence) {
   const Reconstruction two = SyntheticModel(2, 10);
   EXPECT_TRUE(FindViewGroups(two, {{1, 2, 10, false, 900}}).consistent());
@@ -228,19 +141,6 @@ TEST(FindViewGroups, CutsWhereMoreIsAgainst) {
                               {4, 5, 300, true, 0},
                               {5, 6, 300, true, 0}})
                   .consistent());
-}
-
-TEST(RestrictTo, KeepsWhatTwoPhotosSee) {
-  Reconstruction model = SyntheticModel(4, 40);
-  // One point that only one photo of the part sees.
-  model.points3d[0].track = {model.points3d[0].track[0],
-                             model.points3d[0].track[3]};
-  RemoveDanglingReferences(&model);
-  Reconstruction part = RestrictTo(model, {1, 2});
-  EXPECT_EQ(part.images.size(), 2u);
-  EXPECT_EQ(part.points3d.size(), 39u);
-  EXPECT_TRUE(CheckReconstruction(part).ok());
-  EXPECT_EQ(RemoveDanglingReferences(&part), 0u);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Consistency of reconstructions.
+// Consistency and parts of reconstructions.
 
 #include "sfm/scene/reconstruction.h"
 
@@ -36,6 +36,19 @@ TEST(RemoveDanglingReferences, PointsThatWereRemoved) {
   for (const Point2D& point : model.images[0].points2d) {
     EXPECT_EQ(point.point3d_id, kNoPoint3D);
   }
+}
+
+TEST(RestrictTo, KeepsWhatTwoPhotosSee) {
+  Reconstruction model = SyntheticModel(4, 40);
+  // One point that only one photo of the part sees.
+  model.points3d[0].track = {model.points3d[0].track[0],
+                             model.points3d[0].track[3]};
+  RemoveDanglingReferences(&model);
+  Reconstruction part = RestrictTo(model, {1, 2});
+  EXPECT_EQ(part.images.size(), 2u);
+  EXPECT_EQ(part.points3d.size(), 39u);
+  EXPECT_TRUE(CheckReconstruction(part).ok());
+  EXPECT_EQ(RemoveDanglingReferences(&part), 0u);
 }
 
 }  // namespace
