@@ -13,9 +13,7 @@ namespace freegs {
 // A flag that a caller sets, from a signal handler or another thread, to ask
 // long work to stop. The work reads it now and then and returns kInterrupted:
 //
-//   if (token != nullptr && token->cancelled()) {
-//     return InterruptedError("stopped on request");
-//   }
+//   if (IsCancelled(token)) return InterruptedError("stopped on request");
 class CancellationToken {
  public:
   void Cancel() { cancelled_.store(true, std::memory_order_relaxed); }
@@ -24,6 +22,11 @@ class CancellationToken {
  private:
   std::atomic<bool> cancelled_{false};
 };
+
+// Work that nobody can stop has no token.
+inline bool IsCancelled(const CancellationToken* token) {
+  return token != nullptr && token->cancelled();
+}
 
 // One report of progress.
 struct Progress {

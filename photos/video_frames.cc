@@ -165,7 +165,7 @@ Status Survey(const fs::path& path,
   cv::Mat bgr;
   ImageU8 rgb;
   for (int number = 0; number < kMaxDecoded && film.Next(); ++number) {
-    if (cancellation != nullptr && cancellation->cancelled()) {
+    if (IsCancelled(cancellation)) {
       return InterruptedError("stopped while reading a film");
     }
     if (!film.Pixels(&bgr) || !ToRgb(bgr, &rgb)) continue;
@@ -305,7 +305,7 @@ Status ReadVideoFrames(
     ImageU8 rgb;
     size_t next = 0;
     for (int number = 0; next < chosen.size() && film.Next(); ++number) {
-      if (cancellation != nullptr && cancellation->cancelled()) {
+      if (IsCancelled(cancellation)) {
         return InterruptedError("stopped while reading a film");
       }
       if (number != chosen[next].number) continue;

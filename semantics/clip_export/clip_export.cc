@@ -145,7 +145,7 @@ json Describe(const ClipCheckpoint& checkpoint, const std::string& hash) {
 }
 
 Status Stopped(const CancellationToken* cancellation) {
-  if (cancellation != nullptr && cancellation->cancelled()) {
+  if (IsCancelled(cancellation)) {
     return InterruptedError("model: stopped");
   }
   return Status();

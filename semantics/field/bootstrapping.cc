@@ -159,10 +159,6 @@ class Bootstrapping {
   }
 
  private:
-  bool cancelled() const {
-    return tools_.cancellation != nullptr && tools_.cancellation->cancelled();
-  }
-
   // Features of photographs, and their averages on Gaussians.
   Status Lift() {
     clock_.Begin("features of photographs", scene_.views.size());
@@ -183,7 +179,7 @@ class Bootstrapping {
       guides_.push_back(ToFloat(Resize(photo, camera.width, camera.height)));
     }
     const auto features_of = [&](size_t view) -> StatusOr<ImageF> {
-      if (cancelled()) {
+      if (IsCancelled(tools_.cancellation)) {
         return InterruptedError("lifting features was interrupted");
       }
       clock_.Done(view);
@@ -257,7 +253,7 @@ class Bootstrapping {
                                                   pool_));
     BeginTraining();
     while (!training.finished()) {
-      if (cancelled()) {
+      if (IsCancelled(tools_.cancellation)) {
         if (tools_.save) FREEGS_RETURN_IF_ERROR(tools_.save(training, true));
         return InterruptedError(
             "training of the semantic field was interrupted at step " +
@@ -266,7 +262,7 @@ class Bootstrapping {
       if (training.clusters_next()) {
         const Status taught = ClusterAndTeach(training);
         // If clustering was cancelled, the next turn saves and stops.
-        if (!taught.ok() && !cancelled()) return taught;
+        if (!taught.ok() && !IsCancelled(tools_.cancellation)) return taught;
         BeginTraining();
         continue;
       }

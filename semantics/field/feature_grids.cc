@@ -161,7 +161,7 @@ StatusOr<FeatureGrids> ComputeFeatureGrids(
   for (size_t view = 0; view < num_views; ++view) {
     ImageF& grid = result.grids[view];
     if (result.upsampled) {
-      if (cancellation != nullptr && cancellation->cancelled()) {
+      if (IsCancelled(cancellation)) {
         return InterruptedError("upsampling features was interrupted");
       }
       FREEGS_ASSIGN_OR_RETURN(const ImageU8 photo, photo_of(view));

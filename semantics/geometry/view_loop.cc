@@ -19,15 +19,12 @@ Status ForEachView(const std::string& work,
   std::atomic<bool> failed = false;
   std::mutex mutex;
   size_t num_done = 0;
-  const auto cancelled = [&] {
-    return cancellation != nullptr && cancellation->cancelled();
-  };
   pool.ParallelFor(0,
                    static_cast<int64_t>(num_views),
                    1,
                    [&](int64_t first, int64_t last, int) {
                      for (int64_t view = first; view < last; ++view) {
-                       if (failed || cancelled()) return;
+                       if (failed || IsCancelled(cancellation)) return;
                        results[view] = body(view);
                        if (!results[view].ok()) failed = true;
                        const std::lock_guard lock(mutex);
@@ -35,7 +32,9 @@ Status ForEachView(const std::string& work,
                      }
                    });
   for (const Status& result : results) FREEGS_RETURN_IF_ERROR(result);
-  if (cancelled()) return InterruptedError(work + " was interrupted");
+  if (IsCancelled(cancellation)) {
+    return InterruptedError(work + " was interrupted");
+  }
   return Status();
 }
 

@@ -32,7 +32,7 @@ StatusOr<CoreDistances> ComputeCoreDistances(
     position_of_row[tree.Row(position)] = static_cast<uint32_t>(position);
   }
   pool.ParallelFor(0, count, 256, [&](int64_t first, int64_t last, int) {
-    if (cancellation != nullptr && cancellation->cancelled()) return;
+    if (IsCancelled(cancellation)) return;
     std::vector<Neighbor> found;
     for (int64_t position = first; position < last; ++position) {
       tree.Nearest(tree.Point(position),
@@ -49,7 +49,7 @@ StatusOr<CoreDistances> ComputeCoreDistances(
       }
     }
   });
-  if (cancellation != nullptr && cancellation->cancelled()) {
+  if (IsCancelled(cancellation)) {
     return InterruptedError("clustering was interrupted");
   }
   return result;

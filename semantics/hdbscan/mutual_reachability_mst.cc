@@ -53,7 +53,8 @@ class Boruvka {
       filters_.Update(component_);
       SearchLists(best);
       SearchTree(best);
-      if (Cancelled()) return InterruptedError("clustering was interrupted");
+      if (IsCancelled(cancellation_))
+        return InterruptedError("clustering was interrupted");
       Merge(best, mst);
     }
     std::sort(mst.begin(), mst.end());
@@ -61,10 +62,6 @@ class Boruvka {
   }
 
  private:
-  bool Cancelled() const {
-    return cancellation_ != nullptr && cancellation_->cancelled();
-  }
-
   double Weight2(uint32_t p, uint32_t q) const {
     return std::max({cores_.core2[p],
                      cores_.core2[q],
@@ -123,7 +120,7 @@ class Boruvka {
   void SearchTree(BestEdges& best) {
     pool_.ParallelFor(
         0, tree_.size(), kGrain, [&](int64_t first, int64_t last, int) {
-          if (Cancelled()) return;
+          if (IsCancelled(cancellation_)) return;
           for (int64_t p = first; p < last; ++p) {
             if (!undecided_[p] || states_[p].rest2 == kInfinity) continue;
             const uint32_t own = component_[p];

@@ -16,10 +16,6 @@ constexpr double kSceneOpacity = 0.1;
 // is within this many scene radii.
 constexpr double kNoiseDistance = 0.2;
 
-bool Cancelled(const CancellationToken* cancellation) {
-  return cancellation != nullptr && cancellation->cancelled();
-}
-
 Status Interrupted() { return InterruptedError("clustering was interrupted"); }
 
 // Numbers labels below num_labels by descending size. Returns the old label of
@@ -64,7 +60,7 @@ StatusOr<InstanceClusterer> InstanceClusterer::Create(
   FREEGS_RETURN_IF_ERROR(options.Check());
   InstanceClusterer clusterer(
       model, ComputeSceneExtent(model, views, kSceneOpacity, pool), options);
-  if (Cancelled(cancellation)) return Interrupted();
+  if (IsCancelled(cancellation)) return Interrupted();
   if (options.method != ClusteringMethod::kEvidence) return clusterer;
   if (photos.views.empty()) {
     return InvalidArgumentError(
@@ -91,7 +87,7 @@ StatusOr<InstanceLabels> InstanceClusterer::Cluster(
   if (semantics.values.size() != model_->size() * semantics.dim) {
     return InvalidArgumentError("semantic vectors of another model");
   }
-  if (Cancelled(cancellation)) return Interrupted();
+  if (IsCancelled(cancellation)) return Interrupted();
   InstanceLabels result;
   result.scene_radius = extent_.radius;
   std::vector<double> scores;

@@ -150,7 +150,7 @@ StatusOr<ScenePatches> BuildScenePatches(
                             std::move(depth_scale),
                             Baseline(views));
   for (size_t v = 0; v < chosen.size(); ++v) {
-    if (cancellation != nullptr && cancellation->cancelled()) {
+    if (IsCancelled(cancellation)) {
       return InterruptedError("comparing patches was interrupted");
     }
     FREEGS_ASSIGN_OR_RETURN(

@@ -262,8 +262,7 @@ class StopWhenCancelled : public ceres::IterationCallback {
   explicit StopWhenCancelled(const CancellationToken* token) : token_(token) {}
   ceres::CallbackReturnType operator()(
       const ceres::IterationSummary&) override {
-    return token_ != nullptr && token_->cancelled() ? ceres::SOLVER_ABORT
-                                                    : ceres::SOLVER_CONTINUE;
+    return IsCancelled(token_) ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
   }
 
  private:

@@ -370,7 +370,7 @@ StatusOr<CameraSelection> SelectCameras(const Reconstruction& model,
                &residuals[i]);
     }
   });
-  if (options.cancellation != nullptr && options.cancellation->cancelled()) {
+  if (IsCancelled(options.cancellation)) {
     return InterruptedError("stopped on request");
   }
   Score(residuals, &selection.candidates);

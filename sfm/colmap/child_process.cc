@@ -359,10 +359,6 @@ bool Child::Reap(bool wait) {
   return true;
 }
 
-bool Cancelled(const CancellationToken* cancellation) {
-  return cancellation != nullptr && cancellation->cancelled();
-}
-
 void WaitForOutput(const std::vector<std::unique_ptr<Child>>& children) {
   std::vector<pollfd> descriptors;
   for (const auto& child : children) {
@@ -418,7 +414,7 @@ Status RunChildren(const ChildBatch& batch,
   size_t done = 0;
   Status status;
   while (status.ok() && done < batch.count) {
-    if (Cancelled(cancellation)) {
+    if (IsCancelled(cancellation)) {
       status = InterruptedError("stopped on request");
       break;
     }

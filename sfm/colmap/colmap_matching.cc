@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 
+#include "core/cancellation.h"
 #include "core/io/files.h"
 #include "core/parallel.h"
 #include "sfm/colmap/colmap_steps.h"
@@ -134,17 +135,17 @@ StatusOr<std::vector<PhotoPair>> Matcher::Verified(
 std::string Matcher::MatchPairs(const std::vector<IdPair>& pairs) {
   std::vector<Matches> matches(pairs.size());
   const CancellationToken* cancellation = context_.input.cancellation;
-  pool_.ParallelFor(
-      0,
-      static_cast<int64_t>(pairs.size()),
-      1,
-      [&](int64_t first, int64_t last, int) {
-        for (int64_t i = first; i < last; ++i) {
-          if (cancellation != nullptr && cancellation->cancelled()) return;
-          const auto& [a, b] = pairs[i];
-          matches[i] = MatchDescriptors(descriptors_.at(a), descriptors_.at(b));
-        }
-      });
+  pool_.ParallelFor(0,
+                    static_cast<int64_t>(pairs.size()),
+                    1,
+                    [&](int64_t first, int64_t last, int) {
+                      for (int64_t i = first; i < last; ++i) {
+                        if (IsCancelled(cancellation)) return;
+                        const auto& [a, b] = pairs[i];
+                        matches[i] = MatchDescriptors(descriptors_.at(a),
+                                                      descriptors_.at(b));
+                      }
+                    });
   std::string text;
   for (size_t i = 0; i < matches.size(); ++i) {
     if (matches[i].size() < kMinMatches) continue;

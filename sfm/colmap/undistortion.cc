@@ -89,7 +89,7 @@ StatusOr<UndistortionResult> KeepPhotos(const Reconstruction& model,
   }
   const auto index = IndexCameras(model);
   for (PosedImage& image : result.model.images) {
-    if (input.cancellation != nullptr && input.cancellation->cancelled()) {
+    if (IsCancelled(input.cancellation)) {
       return InterruptedError("stopped on request");
     }
     const Camera& old_camera = model.cameras[index.at(image.camera_id)];

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "core/cancellation.h"
 #include "core/parallel.h"
 #include "sfm/features/sift.h"
 #include "sfm/matching/match_database.h"
@@ -20,8 +21,7 @@ constexpr size_t kBatch = 16;
 
 StatusOr<SiftFeatures> FeaturesOf(const StepContext& context,
                                   const std::string& name) {
-  if (context.input.cancellation != nullptr &&
-      context.input.cancellation->cancelled()) {
+  if (IsCancelled(context.input.cancellation)) {
     return InterruptedError("stopped on request");
   }
   return FindPhotoSift(context.input.photo_folder / name,

@@ -6,6 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "core/cancellation.h"
 #include "core/io/image_io.h"
 #include "core/parallel.h"
 #include "sfm/features/sift.h"
@@ -25,7 +26,7 @@ Status AddColors(const SfmInput& input,
                  const PosedImage& image,
                  const PointIndex& points,
                  std::vector<ColorSum>* sums) {
-  if (input.cancellation != nullptr && input.cancellation->cancelled()) {
+  if (IsCancelled(input.cancellation)) {
     return InterruptedError("stopped on request");
   }
   FREEGS_ASSIGN_OR_RETURN(const ImageU8 photo,

@@ -67,7 +67,7 @@ StatusOr<ExposureChoice> SearchExposure(const ExposureSearchOptions& options,
   trial.exposure.learn = true;
   Trainer trainer(trial, initial, scene_extent, images, pool);
   while (!trainer.done()) {
-    if (cancellation != nullptr && cancellation->cancelled()) {
+    if (IsCancelled(cancellation)) {
       return InterruptedError(
           "training: stopped while deciding about exposure");
     }

@@ -8,6 +8,7 @@
 #include <system_error>
 #include <vector>
 
+#include "core/cancellation.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/number_text.h"
@@ -130,7 +131,7 @@ Status PlaceMasks(StageContext& context,
     if (!photo.usable()) continue;
     ++usable;
     if (!file) continue;
-    if (context.cancellation != nullptr && context.cancellation->cancelled()) {
+    if (IsCancelled(context.cancellation)) {
       return InterruptedError("stopped while reading masks");
     }
     FREEGS_ASSIGN_OR_RETURN(

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/cancellation.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "photos/photo_decode.h"
@@ -46,9 +47,6 @@ Status ForEachPhoto(StageContext& context,
                     const std::string& step,
                     size_t count,
                     const std::function<Status(size_t)>& body) {
-  const auto cancelled = [&context] {
-    return context.cancellation != nullptr && context.cancellation->cancelled();
-  };
   std::vector<Status> results(count);
   std::atomic<int64_t> done = 0;
   context.pool->ParallelFor(
@@ -57,7 +55,7 @@ Status ForEachPhoto(StageContext& context,
       1,
       [&](int64_t first, int64_t last, int worker) {
         for (int64_t i = first; i < last; ++i) {
-          if (cancelled()) return;
+          if (IsCancelled(context.cancellation)) return;
           results[i] = body(static_cast<size_t>(i));
           ++done;
           // Only the calling thread reports, so that receivers need no locks.
@@ -69,7 +67,8 @@ Status ForEachPhoto(StageContext& context,
           }
         }
       });
-  if (cancelled()) return InterruptedError("stopped while " + step);
+  if (IsCancelled(context.cancellation))
+    return InterruptedError("stopped while " + step);
   for (const Status& result : results) FREEGS_RETURN_IF_ERROR(result);
   return Status();
 }
