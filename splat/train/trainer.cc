@@ -80,9 +80,7 @@ Trainer::Trainer(const TrainerOptions& options,
       images_(images),
       pool_(pool),
       importance_metric_(
-          options.importance
-              ? *options.importance
-              : ChooseImportanceMetric(AllViews(*images), initial_model)),
+          ChooseImportanceMetric(AllViews(*images), initial_model)),
       view_order_(options.seed, images->size()),
       model_(std::move(initial_model)),
       loss_monitor_(images->size()),

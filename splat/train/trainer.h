@@ -45,10 +45,6 @@ struct TrainerOptions {
 
   MiniSplattingOptions mini_splatting;
 
-  // How importance is measured. Without a value ChooseImportanceMetric decides
-  // by the cameras and the initial points.
-  std::optional<ImportanceMetric> importance;
-
   // With a budget, max_gaussians follows from it. blur_split_share is that of
   // mini_splatting for kMiniSplatting, else 0.
   DensificationOptions densification;
