@@ -28,7 +28,7 @@ std::vector<JudgedMerge> JudgeMerges(const LearningScene& scene,
   for (const semantics::RegionTree::Merge& merge : tree.merges) {
     const int a = TrueSegment(votes[merge.a], pixels[merge.a]);
     const int b = TrueSegment(votes[merge.b], pixels[merge.b]);
-    if (std::min(sizes[merge.a], sizes[merge.b]) > crumb_size &&
+    if (std::min(sizes[merge.a], sizes[merge.b]) >= crumb_size &&
         std::min(pixels[merge.a], pixels[merge.b]) > 0) {
       judged.push_back({merge.height, a < 0 || a != b});
     }

@@ -67,7 +67,7 @@ std::vector<Example> ExamplesOf(const LearningScene& scene,
   constexpr double kLeastWeight = 0.02;
   std::vector<Example> examples;
   for (size_t r = 0; r < sizes.size(); ++r) {
-    if (!(sizes[r] > crumb_size && pixels[r] > 0)) continue;
+    if (!(sizes[r] >= crumb_size && pixels[r] > 0)) continue;
     const double share = outer[r] > 0 ? sizes[r] / outer[r] : 0;
     examples.push_back({measured.numbers[r],
                         BestIou(scene, votes[r], pixels[r]) > kWholeIou,

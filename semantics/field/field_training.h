@@ -174,8 +174,6 @@ class FieldTraining {
 
   int64_t step() const { return step_; }
   std::span<const float> features() const { return features_; }
-  const FeatureDecoder& decoder() const { return *decoder_; }
-  const InstanceTeachers& teachers() const { return teachers_; }
   const std::vector<ClusteringRound>& rounds() const { return rounds_; }
   const std::vector<LossRecord>& history() const { return history_; }
   FieldState state() const;

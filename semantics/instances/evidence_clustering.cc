@@ -116,9 +116,13 @@ StatusOr<EvidenceClusters> ClusterByEvidence(
   hierarchy.granularity = options.granularity;
   hierarchy.part_of_gaussian = patches.patch_of_gaussian;
   DropLonelyCrumbs(&hierarchy);
+  const std::vector<int32_t> own_part = hierarchy.part_of_gaussian;
   LabelNoise(model, haze_distance, pool, &hierarchy.part_of_gaussian);
   HierarchyCut cut = CutHierarchy(hierarchy, options.granularity);
   result.labels = std::move(cut.label_of_gaussian);
+  for (size_t g = 0; g < own_part.size(); ++g) {
+    if (own_part[g] >= 0 && result.labels[g] >= 0) ++result.num_clustered;
+  }
 
   std::map<int32_t, RegionStats> regions;
   for (size_t p = 0; p < cut.region_of_part.size(); ++p) {

@@ -38,6 +38,9 @@ struct EvidenceClusters {
   std::vector<double> scores;
   std::vector<uint8_t> is_plane;
   std::vector<Plane> planes;  // Of those that are.
+
+  // Gaussians that are in a patch, and do not just follow a neighbour.
+  size_t num_clustered = 0;
 };
 
 // What was learnt from drawn scenes.

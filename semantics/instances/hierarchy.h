@@ -20,8 +20,8 @@ namespace freegs::semantics {
 // Neighbouring levels (RegionAround) differ in size by this factor at least.
 inline constexpr double kLevelRatio = 1.25;
 
-// Crumbs, regions of no more pixels than this, belong to what they were joined
-// to or, if that is nothing, to nobody. total_pixels: see Hierarchy.
+// Crumbs, regions of fewer pixels than this, belong to what they were joined to
+// or, if that is nothing, to nobody. total_pixels: see Hierarchy.
 inline double CrumbSize(double total_pixels) { return 1e-3 * total_pixels; }
 
 struct Hierarchy {
@@ -42,7 +42,7 @@ struct Hierarchy {
   double granularity = 0;  // Where the instances were cut.
 
   bool IsCrumb(double pixels) const {
-    return !(pixels > CrumbSize(total_pixels));
+    return !(pixels > 0 && pixels >= CrumbSize(total_pixels));
   }
 };
 

@@ -18,6 +18,10 @@ constexpr double kNoiseDistance = 0.2;
 
 Status Interrupted() { return InterruptedError("clustering was interrupted"); }
 
+size_t NumWithout(const std::vector<int32_t>& labels) {
+  return static_cast<size_t>(std::count(labels.begin(), labels.end(), -1));
+}
+
 // Numbers labels below num_labels by descending size. Returns the old label of
 // each new one.
 std::vector<int32_t> NumberBySize(size_t num_labels,
@@ -105,6 +109,7 @@ StatusOr<InstanceLabels> InstanceClusterer::Cluster(
     result.hierarchy = std::move(clusters.hierarchy);
     result.labels = std::move(clusters.labels);
     result.planes = std::move(clusters.planes);
+    result.num_clustered = clusters.num_clustered;
     scores = std::move(clusters.scores);
     is_plane = std::move(clusters.is_plane);
   } else {
@@ -117,17 +122,13 @@ StatusOr<InstanceLabels> InstanceClusterer::Cluster(
                                                 cancellation));
     result.labels = std::move(clusters.labels);
     result.min_cluster_size = clusters.min_cluster_size;
+    result.num_clustered = result.labels.size() - NumWithout(result.labels);
+    LabelNoise(*model_, kNoiseDistance * extent_.radius, pool, &result.labels);
     scores = std::move(clusters.scores);
     is_plane.assign(scores.size(), 0);
   }
-  const auto unlabelled = [&result] {
-    return static_cast<size_t>(
-        std::count(result.labels.begin(), result.labels.end(), -1));
-  };
-  result.num_clustered = result.labels.size() - unlabelled();
-  LabelNoise(*model_, kNoiseDistance * extent_.radius, pool, &result.labels);
   if (!result.labels.empty()) {
-    result.noise_after = static_cast<double>(unlabelled()) /
+    result.noise_after = static_cast<double>(NumWithout(result.labels)) /
                          static_cast<double>(result.labels.size());
   }
   const std::vector<int32_t> order =

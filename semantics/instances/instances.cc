@@ -18,6 +18,9 @@
 namespace freegs::semantics {
 namespace {
 
+// The cosine of 30 degrees: what leans more does not tell the vertical.
+const double kMinVerticalCosine = std::cos(std::numbers::pi / 6);
+
 constexpr int kIsolationNeighbors = 8;
 // So many points are enough to find the best angle of a box. Its sides use all
 // points.
@@ -232,11 +235,24 @@ std::optional<Eigen::Vector3d> EstimateVertical(std::span<const View> views,
   const Eigen::Vector3d up = sum.normalized();
   for (const Plane& plane : planes) {
     const double cosine = plane.normal.dot(up);
-    if (std::abs(cosine) > std::cos(std::numbers::pi / 6)) {
+    if (std::abs(cosine) > kMinVerticalCosine) {
       return cosine > 0 ? plane.normal : Eigen::Vector3d(-plane.normal);
     }
   }
   return up;
+}
+
+std::optional<Eigen::Vector3d> VerticalOfBoxes(
+    std::span<const View> views, std::span<const Instance> instances) {
+  const std::optional<Eigen::Vector3d> rough = EstimateVertical(views, {});
+  if (!rough || instances.empty()) return rough;
+  const Eigen::Matrix3d& axes = instances.front().obb.rotation;
+  int vertical = 0;
+  const double cosine =
+      (axes.transpose() * *rough).cwiseAbs().maxCoeff(&vertical);
+  if (!(cosine > kMinVerticalCosine)) return rough;
+  const Eigen::Vector3d axis = axes.col(vertical);
+  return axis.dot(*rough) > 0 ? axis : Eigen::Vector3d(-axis);
 }
 
 }  // namespace freegs::semantics

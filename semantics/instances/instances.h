@@ -71,6 +71,13 @@ std::vector<Instance> BuildInstances(
 std::optional<Eigen::Vector3d> EstimateVertical(std::span<const View> views,
                                                 std::span<const Plane> planes);
 
+// The vertical along which the oriented boxes of instances were made. It knows
+// the planes of the scene, which the views alone do not. Without instances, or
+// if their boxes lean by 30 degrees or more, it is that of the views. Both are
+// in one frame.
+std::optional<Eigen::Vector3d> VerticalOfBoxes(
+    std::span<const View> views, std::span<const Instance> instances);
+
 }  // namespace freegs::semantics
 
 #endif  // FREEGS_SEMANTICS_INSTANCES_INSTANCES_H_

@@ -8,16 +8,12 @@
 
 namespace freegs::semantics {
 
-// Volumes in cubic world units. A box with a negative side has volume 0.
+// In cubic world units. A box with a negative side has volume 0.
 double Volume(const AxisAlignedBox& box);
-double Volume(const OrientedBox& box);
-double IntersectionVolume(const AxisAlignedBox& a, const AxisAlignedBox& b);
-double IntersectionVolume(const OrientedBox& a, const OrientedBox& b);
 
 // The volume of the intersection over that of the union, in [0, 1]. 0 if the
 // union has no volume. All numbers of the boxes must be finite.
 double BoxIou(const AxisAlignedBox& a, const AxisAlignedBox& b);
-double BoxIou(const OrientedBox& a, const OrientedBox& b);
 
 }  // namespace freegs::semantics
 

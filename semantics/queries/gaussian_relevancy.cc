@@ -41,21 +41,27 @@ StatusOr<std::vector<float>> GaussianRelevancy(const Idsf& field,
                            .subspan(first * latent_dim, rows * latent_dim),
                        pool,
                        features));
-    pool.ParallelFor(0,
-                     static_cast<int64_t>(rows),
-                     64,
-                     [&](int64_t begin, int64_t end, int) {
-                       for (auto row = static_cast<size_t>(begin);
-                            row < static_cast<size_t>(end);
-                            ++row) {
-                         const auto feature =
-                             std::span(features).subspan(row * dim, dim);
-                         for (size_t t = 0; t < num_texts; ++t) {
-                           result[(first + row) * num_texts + t] = Relevancy(
-                               feature, texts.subspan(t * dim, dim), canonical);
-                         }
-                       }
-                     });
+    pool.ParallelFor(
+        0,
+        static_cast<int64_t>(rows),
+        64,
+        [&](int64_t begin, int64_t end, int) {
+          for (auto row = static_cast<size_t>(begin);
+               row < static_cast<size_t>(end);
+               ++row) {
+            const auto latent =
+                std::span(field.features)
+                    .subspan((first + row) * latent_dim, latent_dim);
+            if (std::ranges::all_of(latent, [](float x) { return x == 0; })) {
+              continue;
+            }
+            const auto feature = std::span(features).subspan(row * dim, dim);
+            for (size_t t = 0; t < num_texts; ++t) {
+              result[(first + row) * num_texts + t] =
+                  Relevancy(feature, texts.subspan(t * dim, dim), canonical);
+            }
+          }
+        });
   }
   return result;
 }

@@ -26,9 +26,8 @@ namespace freegs::stages {
 // and, unless the mode is geometry,
 //   decoder.bin, instance_features.json   what words are compared with
 //   features/                             the CLIP features of the photographs
-// Features of places are brought to the resolution of the images by joint
-// bilateral upsampling, also when the CLIP model has an upsampler.onnx: only
-// the command `features` uses that file.
+// Features of places are brought to the resolution of the images by the model's
+// upsampler.onnx or, without one, by joint bilateral upsampling.
 std::unique_ptr<pipeline::Stage> MakeBootstrapStage(
     const BootstrapStageOptions& options, uint64_t seed);
 

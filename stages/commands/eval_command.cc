@@ -190,30 +190,44 @@ StatusOr<std::optional<std::vector<int32_t>>> ReadInstances(
   return std::optional(std::move(labels));
 }
 
+// A workspace that cannot answer words has no figures of text, and a message
+// says why. But a user who names a model wants its figures, so a fault is an
+// error then.
+Status NoFiguresOfText(const Status& why,
+                       const EvalRequest& request,
+                       CommandContext& context) {
+  if (why.code() != StatusCode::kMissingDependency || !request.model.empty()) {
+    return why;
+  }
+  context.err << "eval: no figures of text: " << why.message() << "\n";
+  return Status();
+}
+
 Status MeasureTextOfGaussians(const EvalRequest& request,
                               const WorkspaceScene& scene,
                               const AlignedTruth& aligned,
                               CommandContext& context,
                               ThreadPool& pool,
                               EvaluationReport* report) {
-  report->text_threshold =
+  if (Labels(aligned.truth.objects).empty()) return Status();
+  const double threshold =
       request.text_threshold > 0 ? request.text_threshold : 0.5;
-  FREEGS_ASSIGN_OR_RETURN(GaussianTextQuality found,
-                          MeasureGaussianText(request.workspace,
-                                              request.model,
-                                              *report->text_threshold,
-                                              scene,
-                                              aligned.truth,
-                                              aligned.truth_from_scene,
-                                              context.cancellation,
-                                              pool));
-  report->text_model = std::move(found.model);
-  report->text = std::move(found.text);
+  StatusOr<GaussianTextQuality> found =
+      MeasureGaussianText(request.workspace,
+                          request.model,
+                          threshold,
+                          scene,
+                          aligned.truth,
+                          aligned.truth_from_scene,
+                          context.cancellation,
+                          pool);
+  if (!found.ok()) return NoFiguresOfText(found.status(), request, context);
+  report->text_threshold = threshold;
+  report->text_model = std::move(found->model);
+  report->text = std::move(found->text);
   return Status();
 }
 
-// Measures the answers to words. When the workspace cannot answer, the figures
-// are left out and a message says why.
 Status MeasureText(const EvalRequest& request,
                    const WorkspaceScene& scene,
                    const std::vector<int32_t>& instances,
@@ -234,16 +248,7 @@ Status MeasureText(const EvalRequest& request,
   }
   const StatusOr<LabelAnswers> answers =
       AnswerLabels(request.workspace, labels, questions);
-  if (!answers.ok()) {
-    // A user who names a model wants its figures, so a fault is an error then.
-    if (answers.status().code() != StatusCode::kMissingDependency ||
-        !request.model.empty()) {
-      return answers.status();
-    }
-    context.err << "eval: no figures of text: " << answers.status().message()
-                << "\n";
-    return Status();
-  }
+  if (!answers.ok()) return NoFiguresOfText(answers.status(), request, context);
   report->text_model = answers->model;
   report->text_threshold = questions.min_relevancy;
   FREEGS_ASSIGN_OR_RETURN(report->text,

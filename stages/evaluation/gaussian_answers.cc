@@ -13,6 +13,7 @@
 #include "semantics/field/idsf.h"
 #include "semantics/losses/decoder_file.h"
 #include "semantics/queries/gaussian_relevancy.h"
+#include "stages/evaluation/label_answers.h"
 #include "stages/scene/clip_input.h"
 
 namespace freegs::stages {
@@ -63,10 +64,8 @@ StatusOr<GaussianTextQuality> MeasureGaussianText(
     const Sim3d& truth_from_scene,
     const CancellationToken& cancellation,
     ThreadPool& pool) {
-  FREEGS_ASSIGN_OR_RETURN(
-      const semantics::InstanceFeatures features,
-      semantics::ReadInstanceFeatures(workspace / "bootstrap" /
-                                      "instance_features.json"));
+  FREEGS_ASSIGN_OR_RETURN(const semantics::InstanceFeatures features,
+                          ReadFeaturesOfInstances(workspace));
   FREEGS_ASSIGN_OR_RETURN(const std::unique_ptr<semantics::OpenCvClip> encoder,
                           OpenModelOfFeatures(features, workspace, clip_model));
   const std::set<std::string> labels = Labels(truth.objects);

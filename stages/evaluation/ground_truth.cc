@@ -43,23 +43,6 @@ StatusOr<TrueObject> ReadTrueObject(const json& value,
     return BadInputError(where + ".aabb: min is larger than max");
   }
   object.aabb = bounds;
-  const json* obb = FindField(value, "obb");
-  if (obb == nullptr || obb->is_null()) return object;
-  semantics::OrientedBox box;
-  FREEGS_ASSIGN_OR_RETURN(
-      box.center,
-      ReadVector3(FindField(*obb, "center"), where + ".obb.center"));
-  FREEGS_ASSIGN_OR_RETURN(
-      box.size, ReadVector3(FindField(*obb, "size"), where + ".obb.size"));
-  if (box.size.minCoeff() < 0) {
-    return BadInputError(where + ".obb.size: must not be negative");
-  }
-  const json* rotation = FindField(*obb, "rotation");
-  FREEGS_ASSIGN_OR_RETURN(const Eigen::MatrixXd matrix,
-                          ReadMatrix(rotation, 3, 3, where + ".obb.rotation"));
-  box.rotation = matrix;
-  FREEGS_RETURN_IF_ERROR(CheckRotation(box.rotation, where + ".obb.rotation"));
-  object.obb = box;
   return object;
 }
 

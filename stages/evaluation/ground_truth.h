@@ -25,19 +25,17 @@ struct TrueObject {
   int id = 0;         // 1..65535.
   std::string label;  // "red apple"; several objects may share a label.
 
-  // Boxes around the whole object, hidden parts included, in the truth's frame.
-  // There are none where only masks are known.
+  // The box around the whole object, hidden parts included, in the truth's
+  // frame. There is none where only masks are known.
   std::optional<semantics::AxisAlignedBox> aabb;
-  std::optional<semantics::OrientedBox> obb;
 };
 
 // An object file is JSON:
 //   {"objects": [{"id": 1, "label": "red apple",
-//                 "aabb": {"min": [x, y, z], "max": [x, y, z]},
-//                 "obb": {"center", "size", "rotation"}}, ...]}
-// "obb" may be missing; the columns of its rotation are the box's axes. Objects
-// are returned by ascending id. The error is kBadInput, naming the entry, for
-// missing fields, repeated ids, and boxes with min > max.
+//                 "aabb": {"min": [x, y, z], "max": [x, y, z]}}, ...]}
+// Other fields are ignored. Objects are returned by ascending id. The error is
+// kBadInput, naming the entry, for missing fields, repeated ids, and boxes with
+// min > max.
 StatusOr<std::vector<TrueObject>> ReadTrueObjects(
     const std::filesystem::path& path);
 StatusOr<std::vector<TrueObject>> ParseTrueObjects(std::string_view json,

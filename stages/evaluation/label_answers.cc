@@ -11,7 +11,6 @@
 #include "semantics/clip/opencv_clip.h"
 #include "semantics/clip/relevancy.h"
 #include "semantics/instances/instances_json.h"
-#include "semantics/queries/instance_features.h"
 #include "semantics/queries/text_query.h"
 #include "stages/scene/clip_input.h"
 
@@ -37,9 +36,8 @@ StatusOr<std::vector<uint8_t>> PlaneFlags(const fs::path& workspace,
 
 }  // namespace
 
-StatusOr<LabelAnswers> AnswerLabels(const fs::path& workspace,
-                                    const std::set<std::string>& labels,
-                                    const LabelQuestionOptions& options) {
+StatusOr<semantics::InstanceFeatures> ReadFeaturesOfInstances(
+    const fs::path& workspace) {
   const fs::path path = workspace / "bootstrap" / "instance_features.json";
   std::error_code error;
   if (!fs::exists(path, error)) {
@@ -48,8 +46,14 @@ StatusOr<LabelAnswers> AnswerLabels(const fs::path& workspace,
         " is not there; run stage bootstrap with a CLIP model to have the "
         "answers to words measured");
   }
+  return semantics::ReadInstanceFeatures(path);
+}
+
+StatusOr<LabelAnswers> AnswerLabels(const fs::path& workspace,
+                                    const std::set<std::string>& labels,
+                                    const LabelQuestionOptions& options) {
   FREEGS_ASSIGN_OR_RETURN(const semantics::InstanceFeatures features,
-                          semantics::ReadInstanceFeatures(path));
+                          ReadFeaturesOfInstances(workspace));
   FREEGS_ASSIGN_OR_RETURN(
       const std::unique_ptr<semantics::OpenCvClip> encoder,
       OpenModelOfFeatures(features, workspace, options.model));

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "core/status.h"
+#include "semantics/queries/instance_features.h"
 #include "stages/evaluation/text_evaluation.h"
 
 namespace freegs::stages {
@@ -32,6 +33,11 @@ struct LabelAnswers {
   std::map<std::string, TextAnswer> answers;  // One per label.
   std::string model;                          // Name of the CLIP model.
 };
+
+// Reads bootstrap/instance_features.json. kMissingDependency when it is
+// missing; kBadInput when it is malformed.
+StatusOr<semantics::InstanceFeatures> ReadFeaturesOfInstances(
+    const std::filesystem::path& workspace);
 
 // Finds for each label the best instance of bootstrap/instance_features.json by
 // semantics::QueryText. kMissingDependency when this file or the CLIP model is

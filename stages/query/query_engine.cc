@@ -146,7 +146,7 @@ Status AnswerExample(const QueryRequest& request,
   return Status();
 }
 
-// Finds the view by name among the views to show, else among the photos.
+// Finds the view by name among the photos, else among the views to show.
 StatusOr<View> ViewOf(const QueryScene& scene, const std::string& name) {
   StatusOr<View> view = FindView(scene.photos, name);
   if (view.ok()) return view;

@@ -62,8 +62,8 @@ StatusOr<int> AddLevel(const fs::path& workspace,
         "that pixel shows no part of instance " + std::to_string(clicked.id) +
         " that bootstrap/hierarchy.json knows; click another pixel of it");
   }
-  const std::vector<uint8_t> inside = semantics::GaussiansOf(
-      hierarchy, semantics::RegionAround(hierarchy, part, level));
+  const int32_t around = semantics::RegionAround(hierarchy, part, level);
+  const std::vector<uint8_t> inside = semantics::GaussiansOf(hierarchy, around);
 
   int id = 0;
   for (const semantics::Instance& instance : scene->instances) {
@@ -71,19 +71,21 @@ StatusOr<int> AddLevel(const fs::path& workspace,
   }
   std::vector<int32_t> region(inside.size(), -1);
   for (size_t g = 0; g < inside.size(); ++g) {
-    if (inside[g] == 0) continue;
+    // What is wider has all of the instance, also Gaussians of no part.
+    const bool of_clicked = scene->labels[g] == clicked.id - 1;
+    if (inside[g] == 0 && !(level > 0 && of_clicked)) continue;
     region[g] = 0;
     scene->labels[g] = id - 1;
   }
-  semantics::Instance instance =
-      semantics::BuildInstances(model,
-                                region,
-                                1,
-                                /*scores=*/{},
-                                /*background=*/{},
-                                semantics::EstimateVertical(scene->photos, {}),
-                                {},
-                                pool)[0];
+  semantics::Instance instance = semantics::BuildInstances(
+      model,
+      region,
+      1,
+      {&hierarchy.quality[around], 1},
+      /*background=*/{},
+      semantics::VerticalOfBoxes(scene->photos, scene->instances),
+      {},
+      pool)[0];
   instance = InWorld(scene->scene->frame, std::move(instance));
   instance.id = id;
   scene->instances.push_back(std::move(instance));

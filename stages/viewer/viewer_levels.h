@@ -27,7 +27,8 @@ struct InstanceLevels {
 
   // The regions below it, each once and before those inside it. Those that hold
   // a part, in this order, are what RegionAround finds 1, 2, ... levels below.
-  // Left out are regions of fewer pixels than a tenth of a crumb.
+  // Left out are regions of fewer pixels than a tenth of a crumb, and a last
+  // part that is hardly smaller than the level above it.
   std::vector<PartInterval> narrower;
 };
 

@@ -30,9 +30,6 @@ using nlohmann::json;
 
 constexpr int32_t kNoPart = 65535;
 
-// Of 30 degrees: a box that leans more has no vertical of its own.
-constexpr double kMinVerticalCosine = 0.866;
-
 json Vector(const Eigen::Vector3d& v) {
   return json::array({v.x(), v.y(), v.z()});
 }
@@ -65,22 +62,6 @@ StatusOr<Objects> ReadObjects(const fs::path& workspace, size_t num_gaussians) {
   }
   objects.levels = MakeViewerLevels(hierarchy, objects.labels, num_labels);
   return objects;
-}
-
-// Boxes stand upright, and stage bootstrap knows the vertical better than the
-// cameras alone do: it has seen the floor.
-Eigen::Vector3d Upward(const std::vector<View>& views,
-                       const std::vector<semantics::Instance>& instances) {
-  const Eigen::Vector3d rough = semantics::EstimateVertical(views, {}).value_or(
-      -Eigen::Vector3d::UnitY());
-  if (instances.empty()) return rough;
-  const Eigen::Matrix3d& axes = instances.front().obb.rotation;
-  int vertical = 0;
-  const double cosine =
-      (axes.transpose() * rough).cwiseAbs().maxCoeff(&vertical);
-  if (!(cosine > kMinVerticalCosine)) return rough;
-  const Eigen::Vector3d axis = axes.col(vertical);
-  return axis.dot(rough) > 0 ? axis : -axis;
 }
 
 json PhotosJson(const WorkspaceScene& scene,
@@ -254,7 +235,9 @@ StatusOr<ViewerScene> MakeViewerScene(const fs::path& workspace,
 
   std::vector<View> views = scene.train;
   views.insert(views.end(), scene.holdout.begin(), scene.holdout.end());
-  const Eigen::Vector3d up = Upward(views, objects.instances);
+  const Eigen::Vector3d up =
+      semantics::VerticalOfBoxes(views, objects.instances)
+          .value_or(-Eigen::Vector3d::UnitY());
   std::error_code error;
   const std::string name =
       fs::weakly_canonical(workspace, error).filename().string();
