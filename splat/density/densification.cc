@@ -221,8 +221,8 @@ void DensificationStatistics::Select(std::span<const uint32_t> indices) {
 }
 
 Status DensificationOptions::Check() const {
-  if (!(gradient_threshold > 0)) {
-    return InvalidArgumentError("gradient_threshold must be > 0");
+  if (!(gradient_threshold >= 0)) {
+    return InvalidArgumentError("gradient_threshold must be >= 0");
   }
   if (!(clone_max_scale > 0)) {
     return InvalidArgumentError("clone_max_scale must be > 0");

@@ -95,11 +95,12 @@ StatusOr<HoldoutReport> MeasureHoldout(
   return report;
 }
 
-StatusOr<FittedPsnr> MeasureFittedHoldout(const GaussianModel& model,
-                                          const RenderOptions& options,
-                                          TrainingImages* images,
-                                          ThreadPool& pool,
-                                          int level) {
+StatusOr<std::optional<FittedPsnr>> MeasureFittedHoldout(
+    const GaussianModel& model,
+    const RenderOptions& options,
+    TrainingImages* images,
+    ThreadPool& pool,
+    int level) {
   Rasterizer rasterizer;
   RasterImages rendered;
   ImageF photo;
@@ -123,12 +124,10 @@ StatusOr<FittedPsnr> MeasureFittedHoldout(const GaussianModel& model,
     sum.fitted += *PsnrFrom(middle, fitted, photo, mask);
     ++count;
   }
-  if (count == 0) {
-    return BadInputError("masks leave nothing of any holdout photo");
-  }
+  if (count == 0) return std::optional<FittedPsnr>();
   sum.plain /= static_cast<double>(count);
   sum.fitted /= static_cast<double>(count);
-  return sum;
+  return std::optional(sum);
 }
 
 }  // namespace freegs::splat

@@ -4,6 +4,7 @@
 #ifndef FREEGS_SPLAT_IMAGES_HOLDOUT_H_
 #define FREEGS_SPLAT_IMAGES_HOLDOUT_H_
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -57,12 +58,14 @@ struct FittedPsnr {
 
 // The same when each photo may have its own exposure: the colours of the
 // rendering are fitted to the photo on its left half (FitColor) and compared on
-// its right half.
-StatusOr<FittedPsnr> MeasureFittedHoldout(const GaussianModel& model,
-                                          const RenderOptions& options,
-                                          TrainingImages* images,
-                                          ThreadPool& pool,
-                                          int level = 0);
+// its right half. Nothing if masks leave no pixel of any right half. Fails when
+// a photo has become unreadable.
+StatusOr<std::optional<FittedPsnr>> MeasureFittedHoldout(
+    const GaussianModel& model,
+    const RenderOptions& options,
+    TrainingImages* images,
+    ThreadPool& pool,
+    int level = 0);
 
 }  // namespace freegs::splat
 

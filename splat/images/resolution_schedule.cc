@@ -8,6 +8,8 @@
 
 #include <opencv2/core.hpp>
 
+#include "splat/images/ignored_pixels.h"
+
 namespace freegs::splat {
 namespace {
 
@@ -23,6 +25,19 @@ constexpr double kCoarsePart = 0.25;
 // Sums of amplitudes below this share of the sum of an image of one colour are
 // rounding errors.
 constexpr double kNoise = 1e-5;
+
+// The mean over the channels of the pixels that a mask uses; 0 of none.
+float MeanOfUsed(const ImageU8& mask, const ImageF& photo) {
+  const auto channels = static_cast<size_t>(photo.channels());
+  double sum = 0;
+  size_t count = 0;
+  for (size_t i = 0; i < photo.size(); ++i) {
+    if (mask.data()[i / channels] == 0) continue;
+    sum += photo.data()[i];
+    ++count;
+  }
+  return count > 0 ? static_cast<float>(sum / static_cast<double>(count)) : 0;
+}
 
 double Hann(int i, int count) {
   return 0.5 - 0.5 * std::cos(2 * std::numbers::pi * (i + 0.5) / count);
@@ -84,6 +99,9 @@ StatusOr<std::vector<double>> SpectrumResolutionSteps(TrainingImages* images) {
   for (size_t i = 0; i < count; ++i) {
     const size_t index = i * images->size() / count;
     FREEGS_RETURN_IF_ERROR(images->Fetch(index, 0, &photo));
+    if (const ImageU8* const mask = images->Mask(index, 0)) {
+      FillIgnored(*mask, MeanOfUsed(*mask, photo), &photo);
+    }
     while (num_levels > 1 && (std::min(photo.width(), photo.height()) >>
                               (num_levels - 1)) < kMinSide) {
       --num_levels;

@@ -28,9 +28,10 @@ std::vector<double> SpectrumShares(const ImageF& image, int num_levels);
 // few photos. The idea is that of DashGaussian (Chen et al. 2025): a resolution
 // gets steps in proportion to the frequencies that it can show, so smooth
 // photos stay small for longer than detailed ones. The quarter is a choice of
-// ours; see docs/trials.md. Levels whose shorter side would be below 32
-// pixels are not used, so there may be fewer than num_levels - 1 entries. Fails
-// when a photo has become unreadable.
+// ours; see docs/trials.md. Pixels that a mask ignores count as of one grey.
+// Levels whose shorter side would be below 32 pixels are not used, so there may
+// be fewer than num_levels - 1 entries. Fails when a photo has become
+// unreadable.
 StatusOr<std::vector<double>> SpectrumResolutionSteps(TrainingImages* images);
 
 }  // namespace freegs::splat

@@ -171,7 +171,9 @@ Status TrainingImages::ReadMask(size_t index, Pyramid* pyramid) const {
       [](uint16_t v) { return uint8_t{v != 0 ? uint8_t{255} : uint8_t{0}}; });
   for (int level = 0; level < options_.num_levels; ++level) {
     const Pinhole camera = AtLevel(view.camera, options_.max_side, level);
-    pyramid->mask.push_back(Resize(mask, camera.width, camera.height));
+    // As for photos, the finest level is what the others average.
+    pyramid->mask.push_back(Resize(
+        level == 0 ? mask : pyramid->mask[0], camera.width, camera.height));
     KeepWhole(&pyramid->mask.back());
   }
   return Status();

@@ -85,10 +85,11 @@ StatusOr<ExposureChoice> SearchExposure(const ExposureSearchOptions& options,
   FREEGS_ASSIGN_OR_RETURN(choice.without.training, training_psnr({}));
   FREEGS_ASSIGN_OR_RETURN(choice.with.training,
                           training_psnr(trainer.Exposures()));
-  FREEGS_ASSIGN_OR_RETURN(const FittedPsnr holdout,
+  FREEGS_ASSIGN_OR_RETURN(const std::optional<FittedPsnr> holdout,
                           judge(trainer.model(), level));
-  choice.without.holdout = holdout.plain;
-  choice.with.holdout = holdout.fitted;
+  if (!holdout) return choice;
+  choice.without.holdout = holdout->plain;
+  choice.with.holdout = holdout->fitted;
   const double gain = (choice.with.training - choice.without.training +
                        choice.with.holdout - choice.without.holdout) /
                       2;

@@ -20,6 +20,7 @@
 #define FREEGS_SPLAT_SEARCH_EXPOSURE_SEARCH_H_
 
 #include <functional>
+#include <optional>
 
 #include "core/cancellation.h"
 #include "core/parallel.h"
@@ -33,10 +34,10 @@
 namespace freegs::splat {
 
 // Measures a model on photographs that training does not see, at a level of
-// their image pyramid (MeasureFittedHoldout). An error ends the search, which
-// returns it.
-using FittedJudge =
-    std::function<StatusOr<FittedPsnr>(const GaussianModel& model, int level)>;
+// their image pyramid (MeasureFittedHoldout). Where that says nothing, nothing
+// is learnt. An error ends the search, which returns it.
+using FittedJudge = std::function<StatusOr<std::optional<FittedPsnr>>(
+    const GaussianModel& model, int level)>;
 
 struct ExposureSearchOptions {
   // Exposure is learnt if the scene of the trial gains at least so much by it,

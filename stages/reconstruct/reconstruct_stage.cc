@@ -4,6 +4,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -27,6 +29,7 @@
 #include "stages/scene/scene_size.h"
 #include "stages/scene/training_scene.h"
 #include "stages/scene/working_frame.h"
+#include "stages/scene/workspace_scene.h"
 
 namespace freegs::stages {
 namespace {
@@ -149,15 +152,34 @@ class ReconstructStage : public pipeline::Stage {
         seed_);
   }
 
+  // The file for what the model shows of each holdout photo, by the photo's
+  // name.
+  static StatusOr<std::map<std::string, std::string>> HoldoutFiles(
+      const HoldoutImages& holdout) {
+    std::vector<View> views;
+    for (const auto* part : {&holdout.reporting, &holdout.choosing}) {
+      for (size_t i = 0; *part && i < (*part)->size(); ++i) {
+        views.push_back((*part)->view(i, 0));
+      }
+    }
+    FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> names,
+                            OutputNames(views, ".png"));
+    std::map<std::string, std::string> files;
+    for (size_t i = 0; i < views.size(); ++i) files[views[i].name] = names[i];
+    return files;
+  }
+
   // Measures what was trained on a part of the holdout, writes what it shows
-  // there, and adds the figures of each view to metrics["holdout_views"] and to
-  // `displaced`.
-  StatusOr<splat::HoldoutReport> Measure(const TrainedModel& trained,
-                                         bool choosing,
-                                         splat::TrainingImages* photos,
-                                         pipeline::StageContext& context,
-                                         std::vector<DisplacedView>* displaced,
-                                         nlohmann::json* metrics) const {
+  // there to `files`, and adds the figures of each view to
+  // metrics["holdout_views"] and to `displaced`.
+  StatusOr<splat::HoldoutReport> Measure(
+      const TrainedModel& trained,
+      bool choosing,
+      splat::TrainingImages* photos,
+      const std::map<std::string, std::string>& files,
+      pipeline::StageContext& context,
+      std::vector<DisplacedView>* displaced,
+      nlohmann::json* metrics) const {
     FREEGS_ASSIGN_OR_RETURN(
         splat::HoldoutReport quality,
         splat::MeasureHoldout(trained.model,
@@ -176,8 +198,7 @@ class ReconstructStage : public pipeline::Stage {
       displaced->push_back(
           {view.displacement_px,
            std::max(view.rendered.width(), view.rendered.height())});
-      const fs::path file =
-          (context.output / "holdout" / view.name).replace_extension(".png");
+      const fs::path file = context.output / "holdout" / files.at(view.name);
       FREEGS_RETURN_IF_ERROR(CreateFolders(file.parent_path()));
       FREEGS_RETURN_IF_ERROR(WriteImage(file, view.rendered));
     }
@@ -197,29 +218,35 @@ class ReconstructStage : public pipeline::Stage {
                               {"iterations", trained.iterations}};
     metrics.update(trained.course);
     std::vector<DisplacedView> displaced;
+    FREEGS_ASSIGN_OR_RETURN(const auto files, HoldoutFiles(*holdout));
     if (holdout->reporting) {
       FREEGS_ASSIGN_OR_RETURN(const splat::HoldoutReport quality,
                               Measure(trained,
                                       false,
                                       &*holdout->reporting,
+                                      files,
                                       context,
                                       &displaced,
                                       &metrics));
       metrics["holdout_psnr"] = quality.mean_psnr;
       metrics["holdout_ssim"] = quality.mean_ssim;
       FREEGS_ASSIGN_OR_RETURN(
-          const splat::FittedPsnr right_half,
+          const std::optional<splat::FittedPsnr> right_half,
           splat::MeasureFittedHoldout(model,
                                       ReconstructRenderOptions(options_),
                                       &*holdout->reporting,
                                       *context.pool));
-      metrics["holdout_psnr_fitted"] = right_half.fitted;
+      if (right_half) metrics["holdout_psnr_fitted"] = right_half->fitted;
     }
     if (holdout->choosing) {
-      FREEGS_RETURN_IF_ERROR(
-          Measure(
-              trained, true, &*holdout->choosing, context, &displaced, &metrics)
-              .status());
+      FREEGS_RETURN_IF_ERROR(Measure(trained,
+                                     true,
+                                     &*holdout->choosing,
+                                     files,
+                                     context,
+                                     &displaced,
+                                     &metrics)
+                                 .status());
     }
     const std::string note = DisplacementNote(displaced);
     if (!note.empty()) {

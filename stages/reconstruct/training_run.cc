@@ -268,7 +268,7 @@ StatusOr<TrainedModel> TrainModel(const ReconstructStageOptions& options,
   // A checkpoint carries the choice of an earlier search, so that a resumed
   // training needs no search of its own.
   if (options.exposure == "auto" && holdout->choosing &&
-      trainer.iteration() == 0) {
+      !trainer.exposure_choice()) {
     FREEGS_ASSIGN_OR_RETURN(const splat::ExposureChoice choice,
                             splat::SearchExposure({},
                                                   trainer_options,
