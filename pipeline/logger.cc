@@ -62,10 +62,6 @@ void Logger::SetTransient(const std::string& text) {
   transient_shown_ = !text.empty();
 }
 
-LogFn Logger::function() {
-  return [this](LogLevel level, const std::string& text) { Log(level, text); };
-}
-
 void Logger::WriteFileLine(LogLevel level, const std::string& text) {
   if (!file_.is_open()) return;
   file_ << TimeStamp() << " " << Prefix(level) << text << "\n";

@@ -38,9 +38,6 @@ class Logger {
 
   bool terminal() const { return terminal_; }
 
-  // Log() as a function for those who know no Logger.
-  LogFn function();
-
  private:
   void WriteFileLine(LogLevel level, const std::string& text);
 

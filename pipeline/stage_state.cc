@@ -18,17 +18,25 @@ namespace fs = std::filesystem;
 // Inputs outside the workspace that were there once and are gone now count as
 // unchanged; returns a note about them.
 std::string KeepGoneInputs(const StageRecord& result, CurrentInputs* now) {
+  const auto& before = result.fingerprint.inputs;
+  auto& inputs = now->fingerprint.inputs;
   std::string note;
+  bool folder_gone = false;
   for (const std::string& name : now->external) {
-    InputFingerprint& input = now->fingerprint.inputs[name];
-    const auto old = result.fingerprint.inputs.find(name);
-    if (!input.missing() || old == result.fingerprint.inputs.end() ||
-        old->second.missing()) {
+    if (!inputs[name].missing()) continue;
+    const auto old = before.find(name);
+    if (old == before.end()) {
+      // A folder of which the stage knew the files while it was there.
+      inputs.erase(name);
+      folder_gone = true;
+    } else if (!old->second.missing()) {
+      inputs[name] = old->second;
+    } else {
       continue;
     }
-    input = old->second;
     note = "input " + name + " is gone; keeping the result made from it";
   }
+  if (folder_gone) inputs.insert(before.begin(), before.end());
   return note;
 }
 

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Builds for 64-bit ARM on a machine of another kind, runs the tests of splat and
 # semantics in QEMU, and finds the objects of one small scene with the program for
-# ARM and with this machine's own: every Gaussian must be in the same part, and
-# the objects that are made of the parts must be as good to within 0.01.
+# ARM and with this machine's own: the field, instances, hierarchy and masks must
+# have the same bytes.
 #
 #   scripts/arm64.sh [TEST_PROGRAM ...]     default: splat_test semantics_test
 #   scripts/arm64.sh --scene                the scene without the tests

@@ -97,7 +97,8 @@ StatusOr<UndistortionResult> KeepPhotos(const Reconstruction& model,
     const fs::path from = input.photo_folder / image.name;
     const fs::path to = input.output / "images" / image.name;
     FREEGS_RETURN_IF_ERROR(CreateFolders(to.parent_path()));
-    if (camera.width == old_camera.width) {
+    if (camera.width == old_camera.width &&
+        camera.height == old_camera.height) {
       FREEGS_RETURN_IF_ERROR(LinkPhoto(from, to));
       continue;
     }

@@ -21,6 +21,11 @@ constexpr char kMoreOverlap[] =
     "positions, sharp and of a textured scene; or try --sfm.max_features "
     "8192, --sfm.matcher exhaustive, --sfm.camera per_image";
 
+// The same where poses come from elsewhere.
+constexpr char kMorePoses[] =
+    "give poses for the other photos, or leave these photos out; or let "
+    "structure from motion find all poses (without sfm.import)";
+
 // So many findings, the worst ones, are told in the reason and the advice.
 constexpr size_t kFindingsTold = 2;
 
@@ -61,6 +66,11 @@ struct Judgement {
   std::string advice;
 };
 
+// What makes more photos have a pose.
+std::string MoreOverlap(const HealthOptions& options) {
+  return options.imported ? kMorePoses : kMoreOverlap;
+}
+
 // Why the result cannot be used.
 Judgement FailureOf(const Health& health,
                     const HealthOptions& options,
@@ -72,13 +82,13 @@ Judgement FailureOf(const Health& health,
     return {Reasons(health,
                     registered + ", at least " +
                         std::to_string(options.min_registered) + " are needed"),
-            Advice(health, kMoreOverlap)};
+            Advice(health, MoreOverlap(options))};
   }
   if (HasFinding(health, Severity::kFatal)) {
-    return {Reasons(health, ""), Advice(health, kMoreOverlap)};
+    return {Reasons(health, ""), Advice(health, MoreOverlap(options))};
   }
   if (health.registered_share() < options.min_registered_share) {
-    std::string advice = kMoreOverlap;
+    std::string advice = MoreOverlap(options);
     if (health.model_sizes.size() > 1) {
       advice +=
           "; the photos fell into separate models, so add photos that connect "
@@ -92,7 +102,7 @@ Judgement FailureOf(const Health& health,
   }
   if (triangulated && health.measures.num_points == 0) {
     return {Reasons(health, "no points were triangulated"),
-            Advice(health, kMoreOverlap)};
+            Advice(health, MoreOverlap(options))};
   }
   if (triangulated && health.measures.median_triangulation_deg <
                           options.min_triangulation_deg) {
@@ -115,9 +125,8 @@ Judgement FlawOf(const Health& health,
                         std::to_string(health.images) +
                         " photos got a camera pose"),
             Advice(health,
-                   std::string("the others are left out; for better "
-                               "coverage, ") +
-                       kMoreOverlap)};
+                   "the others are left out; for better coverage, " +
+                       MoreOverlap(options))};
   }
   if (triangulated && health.measures.mean_reprojection_error_px >
                           options.good_reprojection_error_px) {

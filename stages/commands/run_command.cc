@@ -74,7 +74,10 @@ Status CheckWorkspaceFolder(const fs::path& workspace) {
                        "new or empty folder (the order is IMAGES WORKSPACE)");
 }
 
-Status CheckImagesFolder(const fs::path& images, const fs::path& workspace) {
+// remembered: the folder that the workspace was made of; may be empty.
+Status CheckImagesFolder(const fs::path& images,
+                         const fs::path& remembered,
+                         const fs::path& workspace) {
   std::error_code error;
   if (fs::is_directory(images, error)) {
     if (IsWithin(workspace, images)) {
@@ -89,8 +92,10 @@ Status CheckImagesFolder(const fs::path& images, const fs::path& workspace) {
   if (fs::is_regular_file(images, error) && photos::HasFilmExtension(images)) {
     return Status();
   }
-  // Once stage ingest has read the photos, they are no longer needed.
-  if (pipeline::ReadStageRecord(pipeline::StageFolder(workspace, "ingest"))
+  // Once stage ingest has read the photos, they are no longer needed. Another
+  // folder that is not there was mistyped.
+  if (images == remembered &&
+      pipeline::ReadStageRecord(pipeline::StageFolder(workspace, "ingest"))
           .ok()) {
     return Status();
   }
@@ -279,6 +284,12 @@ StatusOr<RunGoal> TakeGoal(OptionTable::CommandLine* line) {
     return InvalidArgumentError(option + " goes with --preset auto, not with " +
                                 *preset);
   }
+  for (const OptionSetting& setting : line->settings) {
+    if (result.psnr && IsChosenByPsnr(setting.name)) {
+      return InvalidArgumentError(setting.name +
+                                  " is what --at-least chooses; leave it out");
+    }
+  }
   std::erase_if(line->settings, [](const OptionSetting& setting) {
     return setting.name == "within" || setting.name == "at-least" ||
            setting.name == "general.preset";
@@ -305,6 +316,7 @@ Status RunRunCommand(const std::vector<std::string>& arguments,
   request.workspace = AbsoluteFolder(words.back());
   FREEGS_RETURN_IF_ERROR(CheckWorkspaceFolder(request.workspace));
   FREEGS_RETURN_IF_ERROR(Recall(targets, line, table, &request));
+  const fs::path remembered = request.info.images;
   if (words.size() == 2) request.info.images = AbsoluteFolder(words.front());
   if (request.info.images.empty()) {
     return InvalidArgumentError(
@@ -312,7 +324,7 @@ Status RunRunCommand(const std::vector<std::string>& arguments,
         ": does not know its photos yet; give both: run IMAGES WORKSPACE");
   }
   FREEGS_RETURN_IF_ERROR(
-      CheckImagesFolder(request.info.images, request.workspace));
+      CheckImagesFolder(request.info.images, remembered, request.workspace));
   RememberOptions(request.workspace, table, line.settings, &request.info);
   std::vector<OptionSetting> settings =
       RememberedSettings(request.workspace, request.info, table);

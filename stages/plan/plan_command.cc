@@ -54,7 +54,10 @@ CommandWords DescribePlan(PlanTargets* targets) {
   return words;
 }
 
-Status CheckFolders(const fs::path& workspace, const fs::path& images) {
+// remembered: the folder that the workspace was made of; may be empty.
+Status CheckFolders(const fs::path& workspace,
+                    const fs::path& images,
+                    const fs::path& remembered) {
   std::error_code error;
   if (images.empty()) {
     return fs::is_directory(workspace, error)
@@ -65,9 +68,12 @@ Status CheckFolders(const fs::path& workspace, const fs::path& images) {
                                ": no such workspace; for the plan of a new one "
                                "give --images IMAGES");
   }
-  // Once stage ingest has read the photos, they are no longer needed.
-  if (!fs::exists(images, error) &&
-      !fs::exists(pipeline::StageFolder(workspace, "ingest"), error)) {
+  // Once stage ingest has read the photos, they are no longer needed. Another
+  // folder that is not there was mistyped.
+  const bool was_read =
+      images == remembered &&
+      fs::exists(pipeline::StageFolder(workspace, "ingest"), error);
+  if (!fs::exists(images, error) && !was_read) {
     return BadInputError(images.string() + ": no such folder of photos");
   }
   return Status();
@@ -157,11 +163,13 @@ Status RunPlan(const std::vector<std::string>& arguments,
   const fs::path workspace = AbsoluteFolder(line.positional[0]);
   FREEGS_ASSIGN_OR_RETURN(pipeline::WorkspaceInfo info,
                           pipeline::ReadWorkspaceInfo(workspace));
+  const fs::path remembered_images = info.images;
   std::vector<pipeline::OptionSetting> settings = line.settings;
   for (const pipeline::OptionSetting& setting : line.settings) {
     if (setting.name == "images") info = {AbsoluteFolder(setting.value), {}};
   }
-  FREEGS_RETURN_IF_ERROR(CheckFolders(workspace, info.images));
+  FREEGS_RETURN_IF_ERROR(
+      CheckFolders(workspace, info.images, remembered_images));
   const auto remembered = RememberedSettings(workspace, info, table);
   settings.insert(settings.begin(), remembered.begin(), remembered.end());
   FREEGS_RETURN_IF_ERROR(ApplySettings(workspace, settings, table));

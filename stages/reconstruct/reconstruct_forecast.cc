@@ -82,6 +82,7 @@ ExpectedGaussians ExpectGaussians(const splat::TrainerOptions& training,
         mini ? budget * training.mini_splatting.dense_factor : budget;
     dense = std::max(first, std::min(dense, most));
     left = std::min(left, budget);
+    if (!mini) left = std::max(first, left);  // Initial points stay.
   }
   return {dense, left};
 }

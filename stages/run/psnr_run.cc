@@ -75,6 +75,13 @@ StatusOr<double> ParsePsnrGoal(std::string_view text) {
                               "' is no accuracy; write psnr=27, in dB");
 }
 
+bool IsChosenByPsnr(std::string_view option) {
+  const std::vector<OptionSetting> chosen = SettingsOf(kRungs[0]);
+  return std::ranges::any_of(chosen, [option](const OptionSetting& setting) {
+    return setting.name == option;
+  });
+}
+
 Status RunAtLeast(double psnr, const PsnrRunTasks& tasks) {
   const std::string goal =
       "run: at least " + FormatSignificant(psnr, 4) + " dB: ";

@@ -23,6 +23,9 @@ namespace freegs::stages {
 // The dB of "psnr=27", from 1 to 100. kInvalidArgument for other texts.
 StatusOr<double> ParsePsnrGoal(std::string_view text);
 
+// Whether such a run chooses the value of this option itself.
+bool IsChosenByPsnr(std::string_view option);
+
 // What such a run needs of the world.
 struct PsnrRunTasks {
   // Brings the stages up to the training up to date. Returns the PSNR of the

@@ -140,6 +140,9 @@ Status ExecuteChosen(RunRequest request,
                                   " is what --at-least chooses; leave it out");
     }
   }
+  // What was chosen holds for later runs, too, and not a preset of config.ini.
+  const PipelineOptions plain;
+  request.info.settings["general.preset"] = plain.general.preset;
   FREEGS_RETURN_IF_ERROR(
       pipeline::WriteWorkspaceInfo(request.workspace, request.info));
   return Execute(request, options, table, err, cancellation);
@@ -170,6 +173,7 @@ Status ExecuteWithin(double seconds,
                   RunPart part,
                   double end) -> Status {
     RunRequest now = request;
+    if (part == RunPart::kPhotos) now.to = StageNames().front();
     if (part == RunPart::kCameras) now.to = kLastOfCameras;
     now.deadline =
         Clock::time_point(std::chrono::duration_cast<Clock::duration>(

@@ -62,17 +62,26 @@ Status RunWithin(double seconds, const TimedRunTasks& tasks) {
   const double begin = tasks.now();
   const double end = begin + kLatest * seconds;
   const std::string within = "run: within " + FormatSeconds(seconds) + ": ";
-  FREEGS_ASSIGN_OR_RETURN(const TimeChoice first,
+  FREEGS_ASSIGN_OR_RETURN(TimeChoice first,
                           ChooseWithin(kShare * seconds, tasks.foretell));
+  double photos = 0;
+  if (first.expected.total() == 0) {
+    FREEGS_RETURN_IF_ERROR(tasks.run(first.settings, RunPart::kPhotos, end));
+    photos = tasks.now() - begin;
+    FREEGS_ASSIGN_OR_RETURN(
+        first, ChooseWithin(kShare * (seconds - photos), tasks.foretell));
+  }
   tasks.log(first.fits ? LogLevel::kInfo : LogLevel::kWarning,
             within + TrainingText(first.expected) + " are expected to take " +
-                FormatSeconds(first.expected.total()) +
+                FormatSeconds(photos + first.expected.total()) +
                 (first.fits ? "" : ", and nothing shorter makes a scene"));
   FREEGS_RETURN_IF_ERROR(tasks.run(first.settings, RunPart::kCameras, end));
   const double cameras = tasks.now() - begin;
 
-  const Foretell foretell = AfterCameras(
-      tasks.foretell, first.settings, Pace(cameras, first.expected.cameras));
+  const Foretell foretell =
+      AfterCameras(tasks.foretell,
+                   first.settings,
+                   Pace(cameras - photos, first.expected.cameras));
   FREEGS_ASSIGN_OR_RETURN(TimeChoice second,
                           ChooseWithin(kShare * (seconds - cameras), foretell));
   second.settings = WithCameras(second.settings, first.settings);

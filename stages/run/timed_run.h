@@ -2,7 +2,9 @@
 // A run that ends within a time: `run --within 5m`.
 //
 // Options are chosen twice: before the run, by what all stages are expected to
-// take, and again once the cameras are known, by the time that is left then. If
+// take, and again once the cameras are known, by the time that is left then. Of
+// a film nothing is expected until its pictures have been taken from it, so
+// this is done before the first choice. If
 // training is slower than expected even so, it stops when the time of the
 // stages after it has come.
 
@@ -20,8 +22,9 @@
 
 namespace freegs::stages {
 
-// How far a part of the run goes.
-enum class RunPart { kCameras, kAll };
+// How far a part of the run goes: to the photos that there are, to the cameras,
+// to the end.
+enum class RunPart { kPhotos, kCameras, kAll };
 
 // What a timed run needs of the world.
 struct TimedRunTasks {
@@ -30,7 +33,7 @@ struct TimedRunTasks {
 
   Foretell foretell;
 
-  // Brings the stages of a part up to date. The training of the second part
+  // Brings the stages of a part up to date. The training of the last part
   // stops in time for a run that ends at `end` on the clock.
   std::function<Status(const std::vector<pipeline::OptionSetting>& settings,
                        RunPart part,
