@@ -254,6 +254,16 @@ TEST(ProgramTest, FromPhotosToReport) {
   EXPECT_EQ(outcome.code, 0);
   EXPECT_THAT(outcome.text, HasSubstr("input photos is gone"));
   EXPECT_THAT(outcome.text, HasSubstr("export: up to date"));
+
+  // Another folder that is not there was mistyped.
+  for (const std::vector<std::string>& mistyped :
+       {std::vector<std::string>{
+            "run", photos + "2", (folder / "moved").string()},
+        {"plan", (folder / "moved").string(), "--images", photos + "2"}}) {
+    outcome = Call(mistyped);
+    EXPECT_EQ(outcome.code, 3);
+    EXPECT_THAT(outcome.text, HasSubstr("no such folder of photos"));
+  }
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include "stages/run/run_request.h"
 
+#include <algorithm>
 #include <iostream>
 #include <sstream>
 #include <unistd.h>
@@ -117,6 +118,18 @@ Status Execute(const RunRequest& request,
 
 namespace {
 
+StatusOr<bool> ConfigHasPreset(const std::filesystem::path& workspace,
+                               const OptionTable& table) {
+  const std::filesystem::path path = pipeline::ConfigPath(workspace);
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) return false;
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<OptionSetting> config,
+                          table.ParseConfigFile(path));
+  return std::ranges::any_of(config, [](const OptionSetting& setting) {
+    return setting.name == "general.preset";
+  });
+}
+
 // What becomes of a choice where the user decided otherwise.
 enum class ChoiceRule { kUserDecides, kMustHold };
 
@@ -140,9 +153,13 @@ Status ExecuteChosen(RunRequest request,
                                   " is what --at-least chooses; leave it out");
     }
   }
-  // What was chosen holds for later runs, too, and not a preset of config.ini.
-  const PipelineOptions plain;
-  request.info.settings["general.preset"] = plain.general.preset;
+  FREEGS_ASSIGN_OR_RETURN(const bool has_preset,
+                          ConfigHasPreset(request.workspace, table));
+  if (has_preset) {
+    // Later runs go on with what was chosen, and not with that preset.
+    const PipelineOptions plain;
+    request.info.settings["general.preset"] = plain.general.preset;
+  }
   FREEGS_RETURN_IF_ERROR(
       pipeline::WriteWorkspaceInfo(request.workspace, request.info));
   return Execute(request, options, table, err, cancellation);

@@ -175,6 +175,24 @@ TEST_F(StageRunnerTest, PhotosMayGoOnceTheyWereRead) {
   EXPECT_THAT(log_, HasSubstr("a: input photos is gone"));
 }
 
+// A stage may read the files of a folder while it is there, and name the folder
+// itself when it is not.
+TEST_F(StageRunnerTest, AFolderMayGoOnceItsFilesWereRead) {
+  const auto model = images().parent_path() / "model";
+  WriteText(model / "cameras.txt", "c");
+  b_.inputs = {"a/out.txt", model / "cameras.txt"};
+  ASSERT_TRUE(Run().ok());
+  fs::remove_all(model);
+  b_.inputs = {"a/out.txt", model};
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(Runs(), "111");
+  EXPECT_THAT(log_, HasSubstr("b: input model is gone"));
+  // What else changed still counts.
+  a_.option = "2";
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(b_.runs, 2);
+}
+
 TEST_F(StageRunnerTest, MovedWorkspaceIsUpToDate) {
   ASSERT_TRUE(Run().ok());
   TemporaryFolder elsewhere;

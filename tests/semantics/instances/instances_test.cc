@@ -131,6 +131,24 @@ TEST(InstancesTest, VerticalComesFromCamerasAndAPlane) {
   EXPECT_NEAR(exact->z(), 1, 1e-12);
 }
 
+TEST(InstancesTest, VerticalOfBoxesIsThatOfTheFloor) {
+  std::vector<View> views;
+  for (int i = 0; i < 3; ++i) views.push_back(LevelView(0.1 * i, -0.4));
+  EXPECT_LT(VerticalOfBoxes(views, {})->z(), 0.95);
+  std::vector<Instance> instances(1);
+  const Eigen::Matrix3d turned =
+      Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  instances[0].obb.rotation.col(0) = turned.col(0);
+  instances[0].obb.rotation.col(1) = -turned.col(2);  // Downwards.
+  instances[0].obb.rotation.col(2) = turned.col(1);
+  EXPECT_NEAR(VerticalOfBoxes(views, instances)->z(), 1, 1e-12);
+  // A box that leans too much says nothing.
+  instances[0].obb.rotation =
+      Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 1, 0).normalized())
+          .toRotationMatrix();
+  EXPECT_EQ(VerticalOfBoxes(views, instances), EstimateVertical(views, {}));
+}
+
 TEST(InstancesTest, NoVerticalWithoutAgreement) {
   EXPECT_FALSE(EstimateVertical({}, {}).has_value());
   std::vector<View> views = {LevelView(0, 0), LevelView(0, std::numbers::pi)};

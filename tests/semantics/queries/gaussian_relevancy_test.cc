@@ -52,6 +52,16 @@ TEST(GaussianRelevancy, IsThatOfEveryDecodedFeature) {
   EXPECT_LT((*result)[1], 0.2F);
 }
 
+TEST(GaussianRelevancy, WhatNoViewShowedAnswersNothing) {
+  ThreadPool pool(1);
+  const std::vector<float> text = {1, 0, 0};
+  const auto result =
+      GaussianRelevancy(Field({0, 0, 1, 0}), TwoOfThree(), text, text, pool);
+  ASSERT_TRUE(result.ok());
+  EXPECT_EQ((*result)[0], 0.0F);
+  EXPECT_FLOAT_EQ((*result)[1], 0.5F);
+}
+
 TEST(GaussianRelevancy, DoesNotDependOnThreads) {
   std::mt19937 random(1);
   std::normal_distribution<float> normal;

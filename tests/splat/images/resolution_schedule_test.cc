@@ -2,11 +2,13 @@
 
 #include "splat/images/resolution_schedule.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
+#include "core/io/image_io.h"
 #include "core/random.h"
 #include "tests/splat/training_fixture.h"
 
@@ -68,6 +70,25 @@ TEST_F(SpectrumResolutionStepsTest, AQuarterOfTheMeanShare) {
   ASSERT_TRUE(steps.ok());
   ASSERT_EQ(steps->size(), 1u);
   EXPECT_NEAR(steps->front(), 0.25 * mean, 1e-12);
+}
+
+TEST_F(SpectrumResolutionStepsTest, SeesNothingOfWhatMasksIgnore) {
+  const TemporaryFolder masks;
+  ImageU8 mask(96, 72, 1, 255);
+  std::fill_n(mask.data(), mask.size() / 2, uint8_t{0});
+  ASSERT_TRUE(WriteImage(masks.path() / (views_[0].name + ".png"), mask).ok());
+  ThreadPool pool(1);
+  const auto steps = [&] {
+    auto images = TrainingImages::Load(
+        views_, folder_, {.mask_folder = masks.path()}, pool);
+    return *SpectrumResolutionSteps(&*images);
+  };
+  const std::vector<double> before = steps();
+  for (size_t i = 0; i < photos_[0].size() / 2; ++i) {
+    photos_[0].data()[i] = static_cast<uint8_t>(RandomBits(1, 2, i));
+  }
+  WritePhoto(0);
+  EXPECT_EQ(steps(), before);
 }
 
 }  // namespace

@@ -146,6 +146,32 @@ TEST_F(TrainingImagesTest, MasksFollowTheLevels) {
   }
 }
 
+// 24 x 21 is reduced to 12 x 11, whose half has 6 rows: they do not meet rows
+// of the photo at borders. A pixel of the half is used only if all pixels of
+// the larger level that it averages are.
+TEST_F(TrainingImagesTest, SmallMasksAreThoseOfLargerOnes) {
+  AddPhoto("a.png", 24, 21);
+  for (int last = 0; last < 20; ++last) {
+    ImageU8 mask(24, 21, 1, 255);
+    std::fill_n(mask.data(), 24 * (last + 1), uint8_t{0});
+    const TemporaryFolder masks;
+    ASSERT_TRUE(WriteImage(masks.path() / "a.png.png", mask).ok());
+    StatusOr<TrainingImages> images =
+        Load({.max_side = 12, .mask_folder = masks.path()});
+    ASSERT_TRUE(images.ok()) << images.status().message();
+    ImageF image;
+    ASSERT_TRUE(images->Fetch(0, 1, &image).ok());
+    const ImageU8& large = *images->Mask(0, 0);
+    const ImageU8& small = *images->Mask(0, 1);
+    const double step = static_cast<double>(large.height()) / small.height();
+    for (int y = 0; y < small.height(); ++y) {
+      if (small(0, y) == 0) continue;
+      EXPECT_NE(large(0, static_cast<int>(y * step + 1e-9)), 0)
+          << last << " " << y;
+    }
+  }
+}
+
 TEST_F(TrainingImagesTest, RefusesMasksThatDoNotFit) {
   AddPhoto("a.png", 12, 8);
   const TemporaryFolder masks;

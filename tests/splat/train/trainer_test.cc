@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -380,6 +381,17 @@ TEST_F(TrainerTest, MeasuresOnlyWhatMasksLeave) {
   const double wrong = 10 * std::log10(255.0 * 255.0 / (26.0 * 26.0));
   EXPECT_NEAR(measure(masks.path())->mean_psnr, wrong, 0.01);
   EXPECT_NEAR(measure({})->mean_psnr, wrong + 10 * std::log10(2.0), 0.01);
+  // Colours are compared on right halves only.
+  const auto fitted = [&] {
+    auto images = TrainingImages::Load(
+        views_, folder_, {.num_levels = 1, .mask_folder = masks.path()}, pool);
+    return MeasureFittedHoldout(truth_, RenderOptions(), &*images, pool);
+  };
+  EXPECT_TRUE(fitted()->has_value());
+  for (uint8_t& value : std::span(mask.data(), mask.size())) value ^= 255;
+  ASSERT_TRUE(WriteImage(masks.path() / (views_[0].name + ".png"), mask).ok());
+  ASSERT_TRUE(fitted().ok());
+  EXPECT_FALSE(fitted()->has_value());
   // Nothing left to measure.
   ASSERT_TRUE(WriteImage(masks.path() / (views_[0].name + ".png"),
                          ImageU8(96, 72, 1, 0))

@@ -305,6 +305,14 @@ TEST_F(QueryCommandTest, ClicksBesideAllPartsReachTheWhole) {
     if (!found) continue;
     EXPECT_THAT(message_, HasSubstr("click another pixel"));
     EXPECT_EQ(answer_with_only(g, "--wider"), 0) << message_;
+    const nlohmann::json wider = QueryJson({"--click",
+                                            "photo2",
+                                            std::to_string(x),
+                                            std::to_string(y),
+                                            "--wider",
+                                            "1"});
+    EXPECT_NE(wider.at("hits").at(0).at("id"),
+              wider.at("question").at("instance"));
   }
   EXPECT_TRUE(found);
   EXPECT_EQ(answer_with_only(0, "--wider"), 2);

@@ -192,6 +192,16 @@ TEST_F(CommandTest, RunWithinATimeRemembersWhatItChose) {
             info->settings);
 }
 
+TEST_F(CommandTest, WhatATimeChoseHoldsBesideAPresetOfTheConfigFile) {
+  WriteText(folder_ / "photos" / "1.jpg", "x");
+  WriteText(folder_ / "w" / "config.ini", "[general]\npreset = auto\n");
+  ExpectError(RunRunCommand,
+              {Path("photos"), Path("w"), "--within", "5m"},
+              StatusCode::kBadInput,
+              "ingest");
+  ExpectError(RunRunCommand, {Path("w")}, StatusCode::kBadInput, "ingest");
+}
+
 TEST_F(CommandTest, RunAtLeastRefusesWhatDoesNotGoWithIt) {
   WriteText(folder_ / "photos" / "1.jpg", "x");
   const auto refused = [&](std::vector<std::string> more,

@@ -113,6 +113,27 @@ TEST(TimedRun, TrainsMoreOnAFastMachine) {
             Value(right.runs()[1], "reconstruct.iterations"));
 }
 
+// Of a film nothing is foretold until there are pictures of it.
+TEST(TimedRun, TakesThePicturesOfAFilmBeforeItChooses) {
+  FakeMachine machine(1);
+  TimedRunTasks tasks = machine.Tasks();
+  std::vector<RunPart> parts;
+  tasks.foretell = [&, known = tasks.foretell](const auto& settings) {
+    return parts.empty() ? StatusOr<ExpectedRun>(ExpectedRun())
+                         : known(settings);
+  };
+  tasks.run = [&, run = tasks.run](
+                  const auto& settings, RunPart part, double end) {
+    parts.push_back(part);
+    return part == RunPart::kPhotos ? Status() : run(settings, part, end);
+  };
+  ASSERT_TRUE(RunWithin(60, tasks).ok());
+  EXPECT_EQ(parts,
+            (std::vector{RunPart::kPhotos, RunPart::kCameras, RunPart::kAll}));
+  EXPECT_LE(machine.took(), 60);
+  EXPECT_EQ(machine.warnings(), 0) << machine.log();
+}
+
 TEST(TimedRun, WarnsWhereTheTimeIsTooShort) {
   FakeMachine machine(1);
   ASSERT_TRUE(RunWithin(5, machine.Tasks()).ok());
