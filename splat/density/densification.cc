@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include <Eigen/Core>
@@ -67,29 +66,20 @@ std::vector<Fate> DecideFates(const DensificationOptions& options,
                               const DensificationStatistics& statistics) {
   const size_t count = model.size();
   const double clone_max_scale = options.clone_max_scale * scene_extent;
-  const double max_scale = options.max_scale > 0
-                               ? options.max_scale * scene_extent
-                               : std::numeric_limits<double>::infinity();
   std::vector<Fate> fates(count, Fate::kKeep);
   std::vector<uint32_t> candidates;
   size_t kept = 0;
   for (size_t i = 0; i < count; ++i) {
-    const double scale = MaxScale(model, i);
-    const bool opaque = Sigmoid(model.opacity_logits[i]) >= options.min_opacity;
-    const bool small =
-        scale <= max_scale && (options.max_radius <= 0 ||
-                               statistics.max_radius[i] <= options.max_radius);
-    const bool wanting =
-        statistics.MeanGradient(i) >= options.gradient_threshold;
-    const bool blurred = IsBlurred(options, statistics, i);
-    const bool splits = opaque &&
-                        (blurred || (wanting && scale > clone_max_scale)) &&
-                        scale / options.split_shrink <= max_scale;
-    const bool clones =
-        opaque && !blurred && wanting && small && scale <= clone_max_scale;
-    if (splits || clones) candidates.push_back(static_cast<uint32_t>(i));
-    if (!opaque || !small) fates[i] = Fate::kPrune;
-    if (opaque && (small || splits)) ++kept;
+    if (std::isnan(MaxScale(model, i)) ||
+        !(Sigmoid(model.opacity_logits[i]) >= options.min_opacity)) {
+      fates[i] = Fate::kPrune;
+      continue;
+    }
+    ++kept;
+    if (IsBlurred(options, statistics, i) ||
+        statistics.MeanGradient(i) >= options.gradient_threshold) {
+      candidates.push_back(static_cast<uint32_t>(i));
+    }
   }
 
   size_t budget = candidates.size();
@@ -146,13 +136,11 @@ void AppendChildren(const DensificationOptions& options,
 void DensificationStatistics::Reset(size_t count) {
   gradient_sum.assign(count, 0.0f);
   visible_steps.assign(count, 0u);
-  max_radius.assign(count, 0.0f);
   max_dominant_share.assign(count, 0.0f);
 }
 
 void DensificationStatistics::AddView(std::span<const uint32_t> visible,
                                       std::span<const float> pixel_gradients,
-                                      std::span<const float> radii,
                                       int width,
                                       int height,
                                       ThreadPool& pool) {
@@ -168,7 +156,6 @@ void DensificationStatistics::AddView(std::span<const uint32_t> visible,
                        const float y = pixel_gradients[2 * k + 1] * half_height;
                        gradient_sum[i] += std::sqrt(x * x + y * y);
                        ++visible_steps[i];
-                       max_radius[i] = std::max(max_radius[i], radii[k]);
                      }
                    });
 }
@@ -216,7 +203,6 @@ void DensificationStatistics::Select(std::span<const uint32_t> indices) {
   };
   select(gradient_sum);
   select(visible_steps);
-  select(max_radius);
   select(max_dominant_share);
 }
 
@@ -233,9 +219,8 @@ Status DensificationOptions::Check() const {
   if (!(min_opacity >= 0 && min_opacity < 1)) {
     return InvalidArgumentError("min_opacity must be in [0, 1)");
   }
-  if (!(max_scale >= 0 && max_radius >= 0) || max_gaussians < 0) {
-    return InvalidArgumentError(
-        "max_scale, max_radius and max_gaussians must be >= 0");
+  if (max_gaussians < 0) {
+    return InvalidArgumentError("max_gaussians must be >= 0");
   }
   if (!(blur_split_share >= 0 && blur_split_share < 1)) {
     return InvalidArgumentError("blur_split_share must be in [0, 1)");

@@ -30,9 +30,6 @@ struct DensificationStatistics {
   // Number of those steps.
   std::vector<uint32_t> visible_steps;
 
-  // The largest projected radius in pixels.
-  std::vector<float> max_radius;
-
   // The largest share of the pixels of one picture at which the Gaussian had
   // the largest blending weight of all.
   std::vector<float> max_dominant_share;
@@ -45,10 +42,9 @@ struct DensificationStatistics {
   // Adds one step with a picture of width x height. `visible` lists the
   // Gaussians seen (no repeats); entry k of the other arrays belongs to
   // visible[k]. pixel_gradients is d loss / d(projected mean in pixels), x and
-  // y interleaved; radii are in pixels.
+  // y interleaved.
   void AddView(std::span<const uint32_t> visible,
                std::span<const float> pixel_gradients,
-               std::span<const float> radii,
                int width,
                int height,
                ThreadPool& pool);
@@ -87,15 +83,6 @@ struct DensificationOptions {
 
   // Gaussians with a lower opacity are removed.
   double min_opacity = 0.005;
-
-  // Gaussians with a larger standard deviation are removed. A share of the
-  // scene extent; 0 removes none. 3DGS uses 0.1 after the first reset of
-  // opacities.
-  double max_scale = 0;
-
-  // Gaussians whose projected radius was larger than this are removed. In
-  // pixels; 0 removes none.
-  double max_radius = 0;
 
   // Blur split: a Gaussian that had the largest weight at more than this share
   // of the pixels of one picture is split, whatever its gradient and size. Such

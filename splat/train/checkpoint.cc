@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kMagic = "FGSTRAIN";
-constexpr uint32_t kVersion = 6;  // 6: the mean of the last steps.
+constexpr uint32_t kVersion = 7;  // 7: statistics without radii.
 constexpr size_t kHashBytes = 32;
 
 constexpr std::string_view kPrefix = "iteration_";
@@ -224,7 +224,6 @@ bool ReadPayload(ByteReader* reader, TrainingCheckpoint* checkpoint) {
       !reader->Get(&num_statistics) ||
       !reader->GetArray(num_statistics, &statistics.gradient_sum) ||
       !reader->GetArray(num_statistics, &statistics.visible_steps) ||
-      !reader->GetArray(num_statistics, &statistics.max_radius) ||
       !reader->GetArray(num_statistics, &statistics.max_dominant_share) ||
       !ReadHistory(reader, &checkpoint->history) || !reader->Get(&num_facts)) {
     return false;
@@ -256,7 +255,6 @@ void WriteCheckpoint(const TrainingCheckpointView& checkpoint,
   writer->Put<uint64_t>(statistics.size());
   writer->PutArray(statistics.gradient_sum);
   writer->PutArray(statistics.visible_steps);
-  writer->PutArray(statistics.max_radius);
   writer->PutArray(statistics.max_dominant_share);
   WriteHistory(*checkpoint.history, writer);
   writer->Put<uint64_t>(checkpoint.facts.size());

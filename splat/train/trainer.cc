@@ -142,22 +142,9 @@ StatusOr<float> Trainer::GradientStep() {
         }
       });
   touched_finite_ = touched_finite;
-  const Projection& projection = rasterizer_.projection();
   if (collect) {
-    radii_.resize(projection.size());
-    constexpr int64_t kGrain = 1 << 12;
-    pool_->ParallelFor(0,
-                       static_cast<int64_t>(projection.size()),
-                       kGrain,
-                       [&](int64_t begin, int64_t end, int) {
-                         for (int64_t k = begin; k < end; ++k) {
-                           const Splat& splat = projection.SplatAt(k);
-                           radii_[k] = std::max(splat.extent_x, splat.extent_y);
-                         }
-                       });
-    statistics_.AddView(projection.visible,
+    statistics_.AddView(rasterizer_.projection().visible,
                         rasterizer_.mean2d_gradients(),
-                        radii_,
                         camera.width,
                         camera.height,
                         *pool_);

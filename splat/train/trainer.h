@@ -205,7 +205,6 @@ class Trainer {
   ImageF exposed_;  // As the photo's exposure shows what is rendered.
   std::vector<ColorSums> color_sums_;
   ImageF loss_gradient_;
-  std::vector<float> radii_;
   bool touched_finite_ = true;
 };
 

@@ -77,27 +77,18 @@ TEST(DensificationStatisticsTest, SumsInUnitsOfTheImage) {
   DensificationStatistics statistics;
   statistics.Reset(3);
   const std::vector<uint32_t> visible = {0, 2};
-  statistics.AddView(visible,
-                     std::vector<float>{0.03f, 0.08f, 0.0f, -0.5f},
-                     std::vector<float>{4.0f, 9.0f},
-                     200,
-                     100,
-                     pool);
+  statistics.AddView(
+      visible, std::vector<float>{0.03f, 0.08f, 0.0f, -0.5f}, 200, 100, pool);
   EXPECT_FLOAT_EQ(statistics.gradient_sum[0], 5.0f);
   EXPECT_FLOAT_EQ(statistics.gradient_sum[2], 25.0f);
-  statistics.AddView(std::vector<uint32_t>{2},
-                     std::vector<float>{0.0f, 0.1f},
-                     std::vector<float>{3.0f},
-                     200,
-                     100,
-                     pool);
+  statistics.AddView(
+      std::vector<uint32_t>{2}, std::vector<float>{0.0f, 0.1f}, 200, 100, pool);
   EXPECT_FLOAT_EQ(statistics.MeanGradient(2), 15.0f);
   EXPECT_EQ(statistics.MeanGradient(1), 0.0f);
   EXPECT_EQ(statistics.visible_steps[2], 2u);
-  EXPECT_EQ(statistics.max_radius[2], 9.0f);
   statistics.Select(std::vector<uint32_t>{2});
   EXPECT_EQ(statistics.size(), 1u);
-  EXPECT_EQ(statistics.max_radius[0], 9.0f);
+  EXPECT_FLOAT_EQ(statistics.MeanGradient(0), 15.0f);
 }
 
 TEST(DensificationStatisticsTest, KeepsTheLargestShareDominated) {
@@ -136,25 +127,22 @@ TEST(DensificationStatisticsTest, AreTheSameForAnyNumberOfThreads) {
   }
   std::vector<uint32_t> visible;
   std::vector<float> gradients;
-  std::vector<float> radii;
   for (uint32_t i = 0; i < kGaussians; i += 2) {
     visible.push_back(i);
     gradients.push_back(static_cast<float>(RandomUniform(3, 0, i)));
     gradients.push_back(static_cast<float>(RandomUniform(3, 1, i)));
-    radii.push_back(static_cast<float>(RandomUniform(3, 2, i)));
   }
   std::vector<DensificationStatistics> all(2);
   for (const size_t k : {0, 1}) {
     ThreadPool pool(k == 0 ? 1 : 4);
     all[k].Reset(kGaussians);
     for (int step = 0; step < 2; ++step) {
-      all[k].AddView(visible, gradients, radii, 400, 200, pool);
+      all[k].AddView(visible, gradients, 400, 200, pool);
       all[k].AddDominant(dominant, pool);
     }
   }
   EXPECT_EQ(all[0].gradient_sum, all[1].gradient_sum);
   EXPECT_EQ(all[0].visible_steps, all[1].visible_steps);
-  EXPECT_EQ(all[0].max_radius, all[1].max_radius);
   EXPECT_EQ(all[0].max_dominant_share, all[1].max_dominant_share);
   std::vector<int> pixels(kGaussians, 0);
   for (size_t k = 0; k < dominant.size(); ++k) {
@@ -255,26 +243,16 @@ TEST(DensificationTest, ChildrenAreDrawnFromTheParent) {
   EXPECT_LT((squares / (2 * kCount) - expected).norm(), 0.08);
 }
 
-TEST(DensificationTest, PrunesTransparentAndOversizedOnes) {
-  Scene scene(6, 0.05);
+TEST(DensificationTest, PrunesWhatIsTransparentOrNoNumber) {
+  Scene scene(5, 0.05);
   scene.model.opacity_logits[0] = Logit(0.004);
   scene.SetGradient(0, 1.0f);  // Transparent: not cloned either.
   scene.model.opacity_logits[1] = Logit(0.006);
-  scene.model.log_scales[3 * 2 + 1] = static_cast<float>(std::log(1.2));
-  scene.model.log_scales[3 * 3] = static_cast<float>(std::log(1.2));
-  scene.SetGradient(3, 1.0f);  // Its children are 0.75 large: they stay.
-  scene.statistics.max_radius[4] = 31;
-  scene.model.opacity_logits[5] = NAN;
-
-  Scene plain = scene;
-  EXPECT_EQ(plain.Run({}).pruned, 2u);
-  DensificationOptions options;
-  options.max_scale = 0.1;
-  options.max_radius = 30;
-  const DensificationSummary summary = scene.Run(options);
-  EXPECT_EQ(summary.pruned, 4u);
-  EXPECT_EQ(summary.split, 1u);
-  EXPECT_EQ(summary.total, 3u);
+  scene.model.opacity_logits[2] = NAN;
+  scene.model.log_scales[3 * 3] = NAN;
+  const DensificationSummary summary = scene.Run({});
+  EXPECT_EQ(summary.pruned, 3u);
+  EXPECT_EQ(summary.total, 2u);
 }
 
 TEST(DensificationTest, CapTakesTheLargestGradients) {

@@ -36,7 +36,6 @@ TrainingCheckpoint Example(int64_t iteration, size_t count = 12) {
   for (size_t i = 0; i < count; ++i) {
     checkpoint.statistics.gradient_sum[i] = 0.5f * static_cast<float>(i);
     checkpoint.statistics.visible_steps[i] = static_cast<uint32_t>(3 * i);
-    checkpoint.statistics.max_radius[i] = static_cast<float>(i);
     checkpoint.statistics.max_dominant_share[i] = 0.01f * static_cast<float>(i);
   }
   checkpoint.history.milestones = {
@@ -69,7 +68,6 @@ void ExpectSame(const TrainingCheckpoint& a, const TrainingCheckpoint& b) {
   EXPECT_TRUE(SameParameters(a.adam.second_moments, b.adam.second_moments));
   EXPECT_EQ(a.statistics.gradient_sum, b.statistics.gradient_sum);
   EXPECT_EQ(a.statistics.visible_steps, b.statistics.visible_steps);
-  EXPECT_EQ(a.statistics.max_radius, b.statistics.max_radius);
   EXPECT_EQ(a.statistics.max_dominant_share, b.statistics.max_dominant_share);
   EXPECT_EQ(a.history.milestones, b.history.milestones);
   EXPECT_EQ(a.history.recoveries, b.history.recoveries);
