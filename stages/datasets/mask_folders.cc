@@ -184,7 +184,7 @@ StatusOr<GroundTruth> TruthOfMasks(
   }
   for (auto& [phrase, object] : object_of_phrase) {
     object = static_cast<int>(truth.objects.size()) + 1;
-    truth.objects.push_back({object, phrase, std::nullopt, std::nullopt});
+    truth.objects.push_back({object, phrase, std::nullopt});
   }
   for (const auto& [photo, folder] : test_views) {
     const std::string& name = photos.names[photo];

@@ -148,7 +148,7 @@ StatusOr<std::vector<TrueObject>> ScannetBoxes(
   }
   std::vector<TrueObject> objects;
   for (const auto& [g, box] : boxes) {
-    objects.push_back({groups[g].id, groups[g].label, box, std::nullopt});
+    objects.push_back({groups[g].id, groups[g].label, box});
   }
   std::sort(
       objects.begin(),

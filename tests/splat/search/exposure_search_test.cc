@@ -101,12 +101,13 @@ TEST_F(ExposureSearchTest, FollowsTheJudge) {
   // Exposures are the same, so those of neighbours change little.
   for (const double gain : {-3.0, 0.0, 0.9, 1.9, 4.0}) {
     int calls = 0;
-    const auto choice = Search(
-        [&](const GaussianModel& model, int level) -> StatusOr<FittedPsnr> {
+    const auto choice =
+        Search([&](const GaussianModel& model,
+                   int level) -> StatusOr<std::optional<FittedPsnr>> {
           ++calls;
           EXPECT_EQ(level, 1);
           EXPECT_LE(model.size(), 160u);  // A quarter of the budget.
-          return FittedPsnr{22, 22 + gain};
+          return std::optional(FittedPsnr{22, 22 + gain});
         });
     ASSERT_TRUE(choice.ok()) << choice.status().message();
     EXPECT_EQ(choice->learn, gain > 1.4);
@@ -119,12 +120,20 @@ TEST_F(ExposureSearchTest, FollowsTheJudge) {
 
 TEST_F(ExposureSearchTest, PassesErrorsOn) {
   const auto unreadable = [](const GaussianModel&,
-                             int) -> StatusOr<FittedPsnr> {
+                             int) -> StatusOr<std::optional<FittedPsnr>> {
     return BadInputError("unreadable");
   };
   EXPECT_EQ(Search(unreadable).status().code(), StatusCode::kBadInput);
-  const auto fine = [](const GaussianModel&, int) -> StatusOr<FittedPsnr> {
-    return FittedPsnr();
+  // Where masks leave nothing to judge by, nothing is learnt.
+  const auto silent = Search(
+      [](const GaussianModel&, int) -> StatusOr<std::optional<FittedPsnr>> {
+        return std::optional<FittedPsnr>();
+      });
+  ASSERT_TRUE(silent.ok()) << silent.status().message();
+  EXPECT_FALSE(silent->learn);
+  const auto fine = [](const GaussianModel&,
+                       int) -> StatusOr<std::optional<FittedPsnr>> {
+    return std::optional(FittedPsnr());
   };
   search_.min_gain_db = -1;
   EXPECT_EQ(Search(fine).status().code(), StatusCode::kInvalidArgument);
