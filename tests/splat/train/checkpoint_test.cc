@@ -162,7 +162,7 @@ TEST(CheckpointTest, OtherVersionsAreNamed) {
   content[8] = 1;  // Before there was max_dominant_share.
   const Status old = ParseCheckpoint(Resealed(content)).status();
   EXPECT_EQ(old.code(), StatusCode::kBadInput);
-  EXPECT_THAT(old.message(), HasSubstr("format 1, this program reads 6"));
+  EXPECT_THAT(old.message(), HasSubstr("format 1, this program reads 7"));
 }
 
 TEST(CheckpointTest, ArraysMustFitTheModel) {
