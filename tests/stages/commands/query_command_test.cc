@@ -312,7 +312,7 @@ TEST_F(QueryCommandTest, ClicksBesideAllPartsReachTheWhole) {
                                             "--wider",
                                             "1"});
     EXPECT_NE(wider.at("hits").at(0).at("id"),
-              wider.at("question").at("instance"));
+              wider.at("query").at("instance"));
   }
   EXPECT_TRUE(found);
   EXPECT_EQ(answer_with_only(0, "--wider"), 2);
