@@ -19,6 +19,9 @@ namespace {
 constexpr double kBackgroundFlatness = 0.2;
 constexpr double kBackgroundWidth = 0.4;
 
+// Haze follows what is near, and in the second round haze that is near.
+constexpr int kHazeRounds = 2;
+
 // Probabilities are kept to so many parts, so that files do not depend on the
 // last digit of a processor's logarithm.
 constexpr double kQualitySteps = 1e4;
@@ -117,7 +120,9 @@ StatusOr<EvidenceClusters> ClusterByEvidence(
   hierarchy.part_of_gaussian = patches.patch_of_gaussian;
   DropLonelyCrumbs(&hierarchy);
   const std::vector<int32_t> own_part = hierarchy.part_of_gaussian;
-  LabelNoise(model, haze_distance, pool, &hierarchy.part_of_gaussian);
+  for (int round = 0; round < kHazeRounds; ++round) {
+    LabelNoise(model, haze_distance, pool, &hierarchy.part_of_gaussian);
+  }
   HierarchyCut cut = CutHierarchy(hierarchy, options.granularity);
   result.labels = std::move(cut.label_of_gaussian);
   for (size_t g = 0; g < own_part.size(); ++g) {

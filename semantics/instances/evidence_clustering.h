@@ -59,8 +59,8 @@ Hierarchy BuildHierarchy(const RegionGraph& graph,
 
 // Gaussians in no patch, haze above all, and those of crumbs that touch nothing
 // are in the part of the nearest other Gaussian, if that is within
-// haze_distance. scene_radius and haze_distance: world units.
-// kInvalidArgument for options out of range.
+// haze_distance, or within as much of such a one. scene_radius and
+// haze_distance: world units. kInvalidArgument for options out of range.
 StatusOr<EvidenceClusters> ClusterByEvidence(
     const splat::GaussianModel& model,
     const ScenePatches& patches,

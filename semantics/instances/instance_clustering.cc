@@ -13,9 +13,7 @@ namespace {
 // Fainter Gaussians do not tell where the scene is.
 constexpr double kSceneOpacity = 0.1;
 // A Gaussian without a label takes that of the nearest labelled Gaussian, if it
-// is within this many scene radii: with evidence, where haze has none, and in
-// the union space, where HDBSCAN calls more than haze noise.
-constexpr double kHazeDistance = 0.4;
+// is within this many scene radii.
 constexpr double kNoiseDistance = 0.2;
 
 Status Interrupted() { return InterruptedError("clustering was interrupted"); }
@@ -104,7 +102,7 @@ StatusOr<InstanceLabels> InstanceClusterer::Cluster(
                             ClusterByEvidence(*model_,
                                               patches_,
                                               extent_.radius,
-                                              kHazeDistance * extent_.radius,
+                                              kNoiseDistance * extent_.radius,
                                               models_,
                                               options_.evidence,
                                               pool));
