@@ -19,7 +19,7 @@ namespace freegs::semantics {
 namespace {
 
 // The cosine of 30 degrees: what leans more does not tell the vertical.
-const double kMinVerticalCosine = std::cos(std::numbers::pi / 6);
+constexpr double kMinVerticalCosine = 0.5 * std::numbers::sqrt3;
 
 constexpr int kIsolationNeighbors = 8;
 // So many points are enough to find the best angle of a box. Its sides use all
