@@ -53,8 +53,9 @@ class Boruvka {
       filters_.Update(component_);
       SearchLists(best);
       SearchTree(best);
-      if (IsCancelled(cancellation_))
+      if (IsCancelled(cancellation_)) {
         return InterruptedError("clustering was interrupted");
+      }
       Merge(best, mst);
     }
     std::sort(mst.begin(), mst.end());

@@ -19,7 +19,8 @@ namespace {
 constexpr double kBackgroundFlatness = 0.2;
 constexpr double kBackgroundWidth = 0.4;
 
-// Haze follows what is near, and in the second round haze that is near.
+// Gaussians without a part take that of the nearest one that has a part. In the
+// second round, those that took one in the first round have one, too.
 constexpr int kHazeRounds = 2;
 
 // Probabilities are kept to so many parts, so that files do not depend on the

@@ -58,9 +58,10 @@ Hierarchy BuildHierarchy(const RegionGraph& graph,
                          ThreadPool& pool);
 
 // Gaussians in no patch, haze above all, and those of crumbs that touch nothing
-// are in the part of the nearest other Gaussian, if that is within
-// haze_distance, or within as much of such a one. scene_radius and
-// haze_distance: world units. kInvalidArgument for options out of range.
+// take the part of the nearest Gaussian that has one, if that is within
+// haze_distance. This is done twice, so that haze beside haze gets a part.
+// scene_radius and haze_distance: world units. kInvalidArgument for options out
+// of range.
 StatusOr<EvidenceClusters> ClusterByEvidence(
     const splat::GaussianModel& model,
     const ScenePatches& patches,

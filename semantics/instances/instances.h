@@ -73,8 +73,8 @@ std::optional<Eigen::Vector3d> EstimateVertical(std::span<const View> views,
 
 // The vertical along which the oriented boxes of instances were made. It knows
 // the planes of the scene, which the views alone do not. Without instances, or
-// if their boxes lean by 30 degrees or more, it is that of the views. Both are
-// in one frame.
+// if their boxes lean by 30 degrees or more, it is that of the views. The axes
+// of both must be the same, but not the origin or the unit.
 std::optional<Eigen::Vector3d> VerticalOfBoxes(
     std::span<const View> views, std::span<const Instance> instances);
 

@@ -19,8 +19,8 @@ namespace freegs::semantics {
 // Returns the relevancy (clip/relevancy.h) of each of N Gaussians to each of T
 // texts, N x T, row-major. It is 0 for Gaussians that no view showed, whose
 // vectors are zero. texts (T x C) and canonical hold vectors of length 1, one
-// after another. The result has the same bytes for any number of
-// threads. kInvalidArgument if sizes disagree.
+// after another. The result has the same bytes for any number of threads.
+// kInvalidArgument if sizes disagree.
 StatusOr<std::vector<float>> GaussianRelevancy(const Idsf& field,
                                                const FeatureDecoder& decoder,
                                                std::span<const float> texts,

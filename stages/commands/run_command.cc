@@ -286,8 +286,7 @@ StatusOr<RunGoal> TakeGoal(OptionTable::CommandLine* line) {
   }
   for (const OptionSetting& setting : line->settings) {
     if (result.psnr && IsChosenByPsnr(setting.name)) {
-      return InvalidArgumentError(setting.name +
-                                  " is what --at-least chooses; leave it out");
+      return ChosenByPsnrError(setting.name);
     }
   }
   std::erase_if(line->settings, [](const OptionSetting& setting) {

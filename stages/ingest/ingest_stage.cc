@@ -67,8 +67,9 @@ Status ForEachPhoto(StageContext& context,
           }
         }
       });
-  if (IsCancelled(context.cancellation))
+  if (IsCancelled(context.cancellation)) {
     return InterruptedError("stopped while " + step);
+  }
   for (const Status& result : results) FREEGS_RETURN_IF_ERROR(result);
   return Status();
 }

@@ -82,6 +82,11 @@ bool IsChosenByPsnr(std::string_view option) {
   });
 }
 
+Status ChosenByPsnrError(const std::string& option) {
+  return InvalidArgumentError(option +
+                              " is what --at-least chooses; leave it out");
+}
+
 Status RunAtLeast(double psnr, const PsnrRunTasks& tasks) {
   const std::string goal =
       "run: at least " + FormatSignificant(psnr, 4) + " dB: ";

@@ -26,6 +26,9 @@ StatusOr<double> ParsePsnrGoal(std::string_view text);
 // Whether such a run chooses the value of this option itself.
 bool IsChosenByPsnr(std::string_view option);
 
+// That a user has set such an option.
+Status ChosenByPsnrError(const std::string& option);
+
 // What such a run needs of the world.
 struct PsnrRunTasks {
   // Brings the stages up to the training up to date. Returns the PSNR of the

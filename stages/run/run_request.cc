@@ -149,8 +149,7 @@ Status ExecuteChosen(RunRequest request,
     if (table.Find(choice.name)->value() == choice.value) {
       request.info.settings[choice.name] = choice.value;
     } else if (rule == ChoiceRule::kMustHold) {
-      return InvalidArgumentError(choice.name +
-                                  " is what --at-least chooses; leave it out");
+      return ChosenByPsnrError(choice.name);
     }
   }
   FREEGS_ASSIGN_OR_RETURN(const bool has_preset,

@@ -2,11 +2,10 @@
 // A run that ends within a time: `run --within 5m`.
 //
 // Options are chosen twice: before the run, by what all stages are expected to
-// take, and again once the cameras are known, by the time that is left then. Of
-// a film nothing is expected until its pictures have been taken from it, so
-// this is done before the first choice. If
-// training is slower than expected even so, it stops when the time of the
-// stages after it has come.
+// take, and again once the cameras are known, by the time that is left then.
+// Nothing is known of a film until its pictures have been taken from it, so
+// this is done before the first choice. If training is slower than expected
+// even so, it stops when the time of the stages after it has come.
 
 #ifndef FREEGS_STAGES_RUN_TIMED_RUN_H_
 #define FREEGS_STAGES_RUN_TIMED_RUN_H_

@@ -93,6 +93,41 @@ TEST_F(InstanceClusteringTest, LabelsAreNumberedBySizeForAnyNumberOfThreads) {
   }
 }
 
+TEST_F(InstanceClusteringTest, TheTreeKnowsHazeBesideHaze) {
+  options_.method = ClusteringMethod::kEvidence;
+  const auto clear = Cluster();
+  ASSERT_TRUE(clear.ok()) << clear.status().message();
+  size_t last = 0;  // The labelled Gaussian of the largest x.
+  for (size_t g = 0; g < clear->labels.size(); ++g) {
+    if (clear->labels[g] < 0) continue;
+    if (clear->labels[last] < 0 ||
+        scene_.model.means[3 * g] > scene_.model.means[3 * last]) {
+      last = g;
+    }
+  }
+  const Eigen::Vector3d at(scene_.model.means[3 * last],
+                           scene_.model.means[3 * last + 1],
+                           scene_.model.means[3 * last + 2]);
+  for (const double radii : {0.15, 0.3, 0.8}) {
+    scene_.Add(at + radii * clear->scene_radius * Eigen::Vector3d::UnitX(),
+               {0.5, 0.5, 0.5},
+               0.001,
+               0.05,
+               -1);
+  }
+  const auto hazy = Cluster();
+  ASSERT_TRUE(hazy.ok()) << hazy.status().message();
+  const std::vector<int32_t>& parts = hazy->hierarchy->part_of_gaussian;
+  const size_t first = clear->labels.size();
+  for (const size_t g : {first, first + 1}) {
+    EXPECT_EQ(parts[g], parts[last]);
+    EXPECT_EQ(hazy->labels[g], hazy->labels[last]);
+  }
+  EXPECT_EQ(parts[first + 2], -1);
+  EXPECT_EQ(hazy->labels[first + 2], -1);
+  EXPECT_EQ(hazy->num_clustered, clear->num_clustered);
+}
+
 TEST_F(InstanceClusteringTest, PhotographsAreLookedAtOnce) {
   options_.method = ClusteringMethod::kEvidence;
   auto clusterer = Clusterer();

@@ -49,6 +49,12 @@ TEST(MeasureHealth, ReprojectionErrorIsMeasured) {
   EXPECT_EQ(imported.verdict, Verdict::kDegraded);
   EXPECT_THAT(imported.reason, HasSubstr("5.00 px: the imported poses"));
   EXPECT_THAT(imported.advice, HasSubstr("without sfm.import"));
+  for (const int photos : {10, 100}) {  // Degraded and failed.
+    const Health partial = MeasureHealth({model}, Names(photos), true, options);
+    EXPECT_NE(partial.verdict, Verdict::kOk);
+    EXPECT_THAT(partial.advice, HasSubstr("poses for the other photos"));
+    EXPECT_THAT(partial.advice, testing::Not(HasSubstr("sfm.matcher")));
+  }
 }
 
 TEST(MeasureHealth, FewRegistered) {
