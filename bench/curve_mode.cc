@@ -89,14 +89,6 @@ void ReportCourse(const splat::Trainer& trainer) {
   }
 }
 
-splat::FittedJudge HoldoutJudge(const splat::RenderOptions& render,
-                                splat::TrainingImages* holdout,
-                                ThreadPool* pool) {
-  return [=](const splat::GaussianModel& model, int level) {
-    return splat::MeasureFittedHoldout(model, render, holdout, *pool, level);
-  };
-}
-
 }  // namespace
 
 // The clock runs from the photos being in memory on: the first Gaussians, the
@@ -117,20 +109,12 @@ Status RunCurve(const CurveOptions& options) {
           pipeline::Memory().total_bytes,
           static_cast<uint64_t>(pipeline_options.general.seed)));
   ThreadPool pool(pipeline_options.general.threads);
-  // Levels as the stage has them.
   splat::TrainingImagesOptions image_options;
   image_options.max_side = reconstruct.max_image_size;
-  image_options.num_levels = 3;
-  FREEGS_ASSIGN_OR_RETURN(stages::HoldoutImages holdout,
+  image_options.num_levels = 1;
+  FREEGS_ASSIGN_OR_RETURN(std::optional<splat::TrainingImages> holdout,
                           stages::LoadHoldout(scene, image_options, pool));
-  if (!holdout.reporting) return NoHoldoutError();
-  if (reconstruct.exposure != "auto") {
-    // No photo chooses anything, so all report.
-    FREEGS_ASSIGN_OR_RETURN(
-        holdout.reporting,
-        stages::LoadPhotos(scene, scene.photos.holdout, image_options, pool));
-    holdout.choosing.reset();
-  }
+  if (!holdout) return NoHoldoutError();
   image_options.num_levels = 4;
   image_options.max_bytes =
       static_cast<uint64_t>(reconstruct.image_cache_gb * 1e9);
@@ -147,17 +131,15 @@ Status RunCurve(const CurveOptions& options) {
                           splat::SpectrumResolutionSteps(&images));
   splat::Trainer trainer(
       training, std::move(initial), scene.extent, &images, &pool);
-  if (reconstruct.exposure == "auto" && holdout.choosing) {
-    FREEGS_ASSIGN_OR_RETURN(
-        const splat::ExposureChoice choice,
-        splat::SearchExposure({},
-                              training,
-                              trainer.model(),
-                              scene.extent,
-                              HoldoutJudge(render, &*holdout.choosing, &pool),
-                              &images,
-                              &pool,
-                              /*cancellation=*/nullptr));
+  if (reconstruct.exposure == "auto") {
+    FREEGS_ASSIGN_OR_RETURN(const splat::ExposureChoice choice,
+                            splat::SearchExposure({},
+                                                  training,
+                                                  trainer.model(),
+                                                  scene.extent,
+                                                  &images,
+                                                  &pool,
+                                                  /*cancellation=*/nullptr));
     std::fprintf(stderr, "%s\n", stages::ExposureText(choice).c_str());
     trainer.KeepTo(choice);
   }
@@ -172,7 +154,7 @@ Status RunCurve(const CurveOptions& options) {
     FREEGS_ASSIGN_OR_RETURN(const splat::HoldoutReport quality,
                             splat::MeasureHoldout(trainer.model(),
                                                   render,
-                                                  &*holdout.reporting,
+                                                  &*holdout,
                                                   pool,
                                                   /*level=*/0,
                                                   trainer.Exposures()));

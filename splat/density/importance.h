@@ -20,15 +20,13 @@ namespace freegs::splat {
 enum class ImportanceMetric {
   // The sum of the blending weights over all views. What covers many pixels
   // counts most. This suits bounded scenes, whose parts are all seen from
-  // similar
-  // distances.
+  // similar distances.
   kIndoor,
 
   // The sum, over the views in which the Gaussian has the largest weight at
-  // some
-  // pixel, of its mean weight per pixel that it touches. What is far away and
-  // small in every picture counts as much as what is near. This suits unbounded
-  // scenes.
+  // some pixel, of its mean weight per pixel that it touches. What is far away
+  // and small in every picture counts as much as what is near. This suits
+  // unbounded scenes.
   kOutdoor,
 };
 

@@ -87,9 +87,7 @@ StatusOr<HoldoutReport> MeasureHoldout(
     report.mean_ssim += result.ssim;
     report.views.push_back(std::move(result));
   }
-  if (report.views.empty()) {
-    return BadInputError("masks leave nothing of any holdout photo");
-  }
+  if (report.views.empty()) return report;
   report.mean_psnr /= static_cast<double>(report.views.size());
   report.mean_ssim /= static_cast<double>(report.views.size());
   return report;

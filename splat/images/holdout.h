@@ -37,10 +37,10 @@ struct HoldoutReport {
 
 // Renders every view of `images` (one or more) at a level of the image pyramid
 // and compares it with the photo, without the pixels that its mask ignores. A
-// view of which nothing is left is not in the report. Where training learnt
-// exposures, the colours of a rendering become those to expect of the photo
-// (ExposureBetween). Fails when a photo has
-// become unreadable, and with kBadInput when nothing is left of any view.
+// view of which nothing is left is not in the report, and the means of no views
+// are 0. Where training learnt exposures, the colours of a rendering become
+// those to expect of the photo (ExposureBetween). Fails when a photo has become
+// unreadable.
 StatusOr<HoldoutReport> MeasureHoldout(
     const GaussianModel& model,
     const RenderOptions& options,

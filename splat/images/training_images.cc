@@ -88,11 +88,25 @@ StatusOr<TrainingImages> TrainingImages::Load(
       FREEGS_ASSIGN_OR_RETURN(Pyramid pyramid, *std::move(read[i - begin]));
       const uint64_t bytes = pyramid.Bytes();
       if (images.held_bytes_ + bytes > options.max_bytes) continue;
-      images.entries_[i].pyramid = std::move(pyramid);
+      images.entries_[i].pyramid =
+          std::make_shared<const Pyramid>(std::move(pyramid));
       images.held_bytes_ += bytes;
     }
   }
   return images;
+}
+
+TrainingImages TrainingImages::Subset(std::span<const size_t> indices) const {
+  TrainingImages subset;
+  subset.options_ = options_;
+  subset.folder_ = folder_;
+  for (const size_t index : indices) {
+    const Entry& entry = entries_[index];
+    subset.entries_.push_back(entry);
+    if (entry.pyramid) subset.held_bytes_ += entry.pyramid->Bytes();
+  }
+  subset.clock_ = clock_;
+  return subset;
 }
 
 uint64_t TrainingImages::Pyramid::Bytes() const {
@@ -116,12 +130,13 @@ Pinhole TrainingImages::camera(size_t index, int level) const {
 Status TrainingImages::Fetch(size_t index, int level, ImageF* image) {
   Entry& entry = entries_[index];
   entry.last_use = ++clock_;
-  if (entry.pyramid.photo.empty()) {
-    FREEGS_ASSIGN_OR_RETURN(entry.pyramid, ReadPyramid(index));
-    held_bytes_ += entry.pyramid.Bytes();
+  if (!entry.pyramid) {
+    FREEGS_ASSIGN_OR_RETURN(Pyramid pyramid, ReadPyramid(index));
+    entry.pyramid = std::make_shared<const Pyramid>(std::move(pyramid));
+    held_bytes_ += entry.pyramid->Bytes();
     DropLeastRecent(index);
   }
-  const ImageU8& stored = entry.pyramid.photo[level];
+  const ImageU8& stored = entry.pyramid->photo[level];
   image->Reshape(stored.width(), stored.height(), stored.channels());
   std::transform(stored.data(),
                  stored.data() + stored.size(),
@@ -131,8 +146,9 @@ Status TrainingImages::Fetch(size_t index, int level, ImageF* image) {
 }
 
 const ImageU8* TrainingImages::Mask(size_t index, int level) const {
-  const std::vector<ImageU8>& levels = entries_[index].pyramid.mask;
-  return levels.empty() ? nullptr : &levels[level];
+  const std::shared_ptr<const Pyramid>& pyramid = entries_[index].pyramid;
+  if (!pyramid || pyramid->mask.empty()) return nullptr;
+  return &pyramid->mask[level];
 }
 
 StatusOr<TrainingImages::Pyramid> TrainingImages::ReadPyramid(
@@ -184,14 +200,14 @@ void TrainingImages::DropLeastRecent(size_t keep) {
     Entry* oldest = nullptr;
     for (size_t i = 0; i < entries_.size(); ++i) {
       Entry& entry = entries_[i];
-      if (i == keep || entry.pyramid.photo.empty()) continue;
+      if (i == keep || !entry.pyramid) continue;
       if (oldest == nullptr || entry.last_use < oldest->last_use) {
         oldest = &entry;
       }
     }
     if (oldest == nullptr) return;
-    held_bytes_ -= oldest->pyramid.Bytes();
-    oldest->pyramid = {};
+    held_bytes_ -= oldest->pyramid->Bytes();
+    oldest->pyramid.reset();
   }
 }
 

@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -57,6 +58,10 @@ class TrainingImages {
                                        const TrainingImagesOptions& options,
                                        ThreadPool& pool);
 
+  // The photos at `indices`, in that order. What is in memory is shared until
+  // one of the two drops it.
+  TrainingImages Subset(std::span<const size_t> indices) const;
+
   size_t size() const { return entries_.size(); }
   int num_levels() const { return options_.num_levels; }
 
@@ -87,8 +92,8 @@ class TrainingImages {
     uint64_t Bytes() const;
   };
   struct Entry {
-    View view;        // As given to Load: the photo's own size.
-    Pyramid pyramid;  // Empty when dropped.
+    View view;  // As given to Load: the photo's own size.
+    std::shared_ptr<const Pyramid> pyramid;  // Null when dropped.
     uint64_t last_use = 0;
   };
 

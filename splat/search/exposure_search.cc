@@ -4,7 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <numeric>
+#include <optional>
 #include <span>
+#include <vector>
 
 #include "splat/images/holdout.h"
 #include "splat/optim/exposure.h"
@@ -40,12 +44,36 @@ TrainerOptions TrialOptions(const ExposureSearchOptions& options,
   return trial;
 }
 
+// Which photographs the trial is trained on, in the order of `images`, and
+// which others judge.
+struct TrialPhotos {
+  std::vector<size_t> trained;
+  std::vector<size_t> others;
+};
+
+TrialPhotos SplitPhotos(const TrainingImages& images, int others_every) {
+  std::vector<size_t> by_name(images.size());
+  std::iota(by_name.begin(), by_name.end(), size_t{0});
+  std::ranges::sort(by_name, {}, [&](size_t i) { return images.view(i).name; });
+  TrialPhotos photos;
+  for (size_t k = 0; k < by_name.size(); ++k) {
+    const auto every = static_cast<size_t>(others_every);
+    const bool other = k % every == every / 2;
+    (other ? photos.others : photos.trained).push_back(by_name[k]);
+  }
+  std::ranges::sort(photos.trained);
+  return photos;
+}
+
 }  // namespace
 
 Status ExposureSearchOptions::Check() const {
   if (!(min_gain_db >= 0) || level < 0) {
     return InvalidArgumentError(
         "level and min_gain_db of a search must not be negative");
+  }
+  if (others_every < 2) {
+    return InvalidArgumentError("others_every must be at least 2");
   }
   if (!(trial_share >= 0 && trial_share <= 1) || min_trial_steps < 1) {
     return InvalidArgumentError("the steps of trials must be positive");
@@ -57,15 +85,19 @@ StatusOr<ExposureChoice> SearchExposure(const ExposureSearchOptions& options,
                                         const TrainerOptions& training,
                                         const GaussianModel& initial,
                                         double scene_extent,
-                                        const FittedJudge& judge,
                                         TrainingImages* images,
                                         ThreadPool* pool,
                                         const CancellationToken* cancellation) {
   FREEGS_RETURN_IF_ERROR(options.Check());
+  const TrialPhotos photos = SplitPhotos(*images, options.others_every);
+  ExposureChoice choice;
+  if (photos.others.empty()) return choice;
+  TrainingImages trained = images->Subset(photos.trained);
+  TrainingImages others = images->Subset(photos.others);
   const int level = std::min(options.level, images->num_levels() - 1);
   TrainerOptions trial = TrialOptions(options, training, level);
   trial.exposure.learn = true;
-  Trainer trainer(trial, initial, scene_extent, images, pool);
+  Trainer trainer(trial, initial, scene_extent, &trained, pool);
   while (!trainer.done()) {
     if (IsCancelled(cancellation)) {
       return InterruptedError(
@@ -73,25 +105,29 @@ StatusOr<ExposureChoice> SearchExposure(const ExposureSearchOptions& options,
     }
     FREEGS_RETURN_IF_ERROR(trainer.Step().status());
   }
-  const auto training_psnr =
+  const auto trained_psnr =
       [&](std::span<const PhotoExposure> exposures) -> StatusOr<double> {
-    FREEGS_ASSIGN_OR_RETURN(
-        const HoldoutReport report,
-        MeasureHoldout(
-            trainer.model(), training.render, images, *pool, level, exposures));
+    FREEGS_ASSIGN_OR_RETURN(const HoldoutReport report,
+                            MeasureHoldout(trainer.model(),
+                                           training.render,
+                                           &trained,
+                                           *pool,
+                                           level,
+                                           exposures));
     return report.mean_psnr;
   };
-  ExposureChoice choice;
-  FREEGS_ASSIGN_OR_RETURN(choice.without.training, training_psnr({}));
-  FREEGS_ASSIGN_OR_RETURN(choice.with.training,
-                          training_psnr(trainer.Exposures()));
-  FREEGS_ASSIGN_OR_RETURN(const std::optional<FittedPsnr> holdout,
-                          judge(trainer.model(), level));
-  if (!holdout) return choice;
-  choice.without.holdout = holdout->plain;
-  choice.with.holdout = holdout->fitted;
-  const double gain = (choice.with.training - choice.without.training +
-                       choice.with.holdout - choice.without.holdout) /
+  FREEGS_ASSIGN_OR_RETURN(choice.without.trained, trained_psnr({}));
+  FREEGS_ASSIGN_OR_RETURN(choice.with.trained,
+                          trained_psnr(trainer.Exposures()));
+  FREEGS_ASSIGN_OR_RETURN(
+      const std::optional<FittedPsnr> right_halves,
+      MeasureFittedHoldout(
+          trainer.model(), training.render, &others, *pool, level));
+  if (!right_halves) return choice;
+  choice.without.others = right_halves->plain;
+  choice.with.others = right_halves->fitted;
+  const double gain = (choice.with.trained - choice.without.trained +
+                       choice.with.others - choice.without.others) /
                       2;
   choice.learn = gain >= options.min_gain_db;
   return choice;

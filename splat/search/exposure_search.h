@@ -7,25 +7,18 @@
 // without them. Two trainings, one that learns them and one that does not, tell
 // less: they differ for many reasons, by more than exposure often matters.
 //
-//   const FittedJudge judge = [&](const GaussianModel& model, int level) {
-//     return MeasureFittedHoldout(model, render, &holdout, pool, level);
-//   };
 //   FREEGS_ASSIGN_OR_RETURN(
 //       const ExposureChoice choice,
-//       SearchExposure({}, training, trainer.model(), extent, judge, &images,
-//                      &pool, nullptr));
+//       SearchExposure({}, training, trainer.model(), extent, &images, &pool,
+//                      nullptr));
 //   trainer.KeepTo(choice);
 
 #ifndef FREEGS_SPLAT_SEARCH_EXPOSURE_SEARCH_H_
 #define FREEGS_SPLAT_SEARCH_EXPOSURE_SEARCH_H_
 
-#include <functional>
-#include <optional>
-
 #include "core/cancellation.h"
 #include "core/parallel.h"
 #include "core/status.h"
-#include "splat/images/holdout.h"
 #include "splat/images/training_images.h"
 #include "splat/scene/gaussian_model.h"
 #include "splat/train/exposure_choice.h"
@@ -33,16 +26,14 @@
 
 namespace freegs::splat {
 
-// Measures a model on photographs that training does not see, at a level of
-// their image pyramid (MeasureFittedHoldout). Where that says nothing, nothing
-// is learnt. An error ends the search, which returns it.
-using FittedJudge = std::function<StatusOr<std::optional<FittedPsnr>>(
-    const GaussianModel& model, int level)>;
-
 struct ExposureSearchOptions {
   // Exposure is learnt if the scene of the trial gains at least so much by it,
   // on the mean of the two measures of TrialPsnr.
   double min_gain_db = 0.7;
+
+  // The trial is not trained on every so many photographs, in the order of
+  // their names: these are the others of TrialPsnr.
+  int others_every = 5;
 
   // The level of the image pyramid with which the trial is made.
   int level = 2;
@@ -58,14 +49,16 @@ struct ExposureSearchOptions {
 // Makes a short training on small images, the trial, which begins with
 // `initial` and learns the exposures. On images with a sixteenth of the
 // pixels it has a sixteenth of the budget. When `images` has too few levels for
-// options.level, the coarsest is used. The result is the same for any number of
-// threads. Fails with kInvalidArgument when the options are wrong, and with
-// kInterrupted when `cancellation` (null: never) asks to stop.
+// options.level, the coarsest is used. Nothing is learnt where there are no
+// others to judge by: with less than 3 photographs, or where masks leave
+// nothing of their right halves. The result is the same for any number of
+// threads. Fails with kInvalidArgument when the options are wrong, with
+// kBadInput when a photograph has become unreadable, and with kInterrupted when
+// `cancellation` (null: never) asks to stop.
 StatusOr<ExposureChoice> SearchExposure(const ExposureSearchOptions& options,
                                         const TrainerOptions& training,
                                         const GaussianModel& initial,
                                         double scene_extent,
-                                        const FittedJudge& judge,
                                         TrainingImages* images,
                                         ThreadPool* pool,
                                         const CancellationToken* cancellation);

@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kMagic = "FGSTRAIN";
-constexpr uint32_t kVersion = 7;  // 7: statistics without radii.
+constexpr uint32_t kVersion = 8;  // 8: the good state has colours.
 constexpr size_t kHashBytes = 32;
 
 constexpr std::string_view kPrefix = "iteration_";
@@ -100,7 +100,7 @@ bool ReadExposureChoice(ByteReader* reader,
   if (!reader->Get(&learn) || learn > 1) return false;
   read.learn = learn == 1;
   for (TrialPsnr* psnr : {&read.without, &read.with}) {
-    if (!reader->Get(&psnr->training) || !reader->Get(&psnr->holdout)) {
+    if (!reader->Get(&psnr->trained) || !reader->Get(&psnr->others)) {
       return false;
     }
   }
@@ -113,8 +113,8 @@ void WriteExposureChoice(const std::optional<ExposureChoice>& choice,
   if (!choice) return;
   writer->Put<uint8_t>(choice->learn ? 1 : 0);
   for (const TrialPsnr* psnr : {&choice->without, &choice->with}) {
-    writer->Put(psnr->training);
-    writer->Put(psnr->holdout);
+    writer->Put(psnr->trained);
+    writer->Put(psnr->others);
   }
 }
 
@@ -164,7 +164,8 @@ bool ReadHistory(ByteReader* reader, TrainingHistory* history) {
   }
   if (has_last_good == 1) {
     GoodState& good = history->last_good.emplace();
-    if (!reader->Get(&good.iteration) || !GetModel(reader, &good.model)) {
+    if (!reader->Get(&good.iteration) || !GetModel(reader, &good.model) ||
+        !ReadColors(reader, &good.colors)) {
       return false;
     }
   }
@@ -199,6 +200,7 @@ void WriteHistory(const TrainingHistory& history, PieceWriter* writer) {
   if (history.last_good) {
     writer->Put(history.last_good->iteration);
     PutModel(history.last_good->model, writer);
+    WriteColors(history.last_good->colors, writer);
   }
   writer->Put(history.average.count);
   PutModel(history.average.mean, writer);
@@ -360,12 +362,15 @@ Status SaveCheckpoint(const fs::path& folder,
   WriteCheckpoint(checkpoint, &writer);
   FREEGS_RETURN_IF_ERROR(WriteFileAtomic(folder / name, writer.Pieces()));
   RemoveParts(folder);
-  const auto found = ListCheckpoints(folder);
-  for (size_t i = static_cast<size_t>(std::max(1, keep)); i < found.size();
-       ++i) {
+  int kept = 0;
+  for (const auto& [iteration, path] : ListCheckpoints(folder)) {
+    if (iteration <= checkpoint.iteration && kept < std::max(1, keep)) {
+      ++kept;
+      continue;
+    }
     // A file that cannot be removed does no harm but for the disk space.
     std::error_code ignored;
-    fs::remove(found[i].second, ignored);
+    fs::remove(path, ignored);
   }
   return Status();
 }

@@ -64,7 +64,8 @@ std::string SerializeCheckpoint(const TrainingCheckpoint& checkpoint);
 StatusOr<TrainingCheckpoint> ParseCheckpoint(std::string_view content);
 
 // Writes folder/iteration_NNNNNNNN.ckpt atomically, then removes all but the
-// newest `keep` checkpoints in the folder. Creates the folder when it is
+// newest `keep` checkpoints in the folder, and those of later iterations, which
+// a training that diverged has left behind it. Creates the folder when it is
 // missing. Makes no copy of the state.
 Status SaveCheckpoint(const std::filesystem::path& folder,
                       const TrainingCheckpointView& checkpoint,

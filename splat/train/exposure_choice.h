@@ -7,11 +7,12 @@
 
 namespace freegs::splat {
 
-// How well photographs look like the scene: mean PSNR in dB of the photographs
-// for training, and of the right halves of holdout photographs.
+// How well photographs look like the scene of a short training: mean PSNR in dB
+// of the photographs that it was trained on, and of the right halves of the
+// others.
 struct TrialPsnr {
-  double training = 0;
-  double holdout = 0;
+  double trained = 0;
+  double others = 0;
 
   friend bool operator==(const TrialPsnr&, const TrialPsnr&) = default;
 };
@@ -20,9 +21,9 @@ struct ExposureChoice {
   bool learn = false;
 
   // In the colours of the scene, and in those to expect of each photograph. For
-  // training photographs these are the mean of what was learnt of the
-  // photographs before and after it (ExposureBetween). Those of holdout
-  // photographs are fitted to the left half (MeasureFittedHoldout).
+  // photographs that were trained on these are the mean of what was learnt of
+  // the photographs before and after (ExposureBetween). Those of the others are
+  // fitted to the left half (MeasureFittedHoldout).
   TrialPsnr without;
   TrialPsnr with;
 

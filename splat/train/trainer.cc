@@ -248,6 +248,7 @@ Status Trainer::GoBack(const std::string& reason) {
       {iteration_, reason, good.iteration, history_.rate_factor});
   iteration_ = good.iteration;
   model_ = good.model;
+  history_.colors = good.colors;
   history_.average.Clear();
   adam_.Reset(model_);
   statistics_.Reset(model_.size());
@@ -268,6 +269,7 @@ void Trainer::KeepAsGood() {
   // Assigning reuses the memory of the good state before.
   history_.last_good->iteration = iteration_;
   history_.last_good->model = model_;
+  history_.last_good->colors = history_.colors;
 }
 
 Status Trainer::FollowSchedule() {
@@ -431,7 +433,10 @@ Status Trainer::Restore(TrainingCheckpoint checkpoint) {
         checkpoint.history.average.mean.sh_degree !=
             checkpoint.model.sh_degree)) ||
       (!checkpoint.history.colors.entries.empty() &&
-       checkpoint.history.colors.entries.size() != images_->size())) {
+       checkpoint.history.colors.entries.size() != images_->size()) ||
+      (checkpoint.history.last_good &&
+       checkpoint.history.last_good->colors.entries.size() !=
+           checkpoint.history.colors.entries.size())) {
     return BadInputError(
         "checkpoint: model, optimiser and statistics do not belong together");
   }

@@ -39,10 +39,11 @@ struct Recovery {
   friend bool operator==(const Recovery&, const Recovery&) = default;
 };
 
-// A model from a time when training was healthy.
+// The scene and the photographs' colours from a time when training was healthy.
 struct GoodState {
   int64_t iteration = 0;
   GaussianModel model;
+  PhotoColors colors;
 };
 
 // The state of a LossMonitor.

@@ -37,15 +37,14 @@ StatusOr<std::optional<ImageQuality>> MeasureHoldoutQuality(
     const fs::path& photos_folder,
     const fs::path& mask_folder,
     ThreadPool& pool) {
-  const std::vector<View> views = SplitHoldout(scene.holdout).reporting;
-  if (views.empty()) return std::optional<ImageQuality>();
+  if (scene.holdout.empty()) return std::optional<ImageQuality>();
   splat::TrainingImagesOptions options;
   options.max_side = scene.training_max_side;
   options.num_levels = 1;
   options.mask_folder = mask_folder;
   FREEGS_ASSIGN_OR_RETURN(
       splat::TrainingImages images,
-      splat::TrainingImages::Load(views, photos_folder, options, pool));
+      splat::TrainingImages::Load(scene.holdout, photos_folder, options, pool));
   FREEGS_ASSIGN_OR_RETURN(const splat::HoldoutReport report,
                           splat::MeasureHoldout(scene.model,
                                                 scene.render,

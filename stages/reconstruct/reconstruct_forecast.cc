@@ -13,10 +13,8 @@ namespace {
 using pipeline::StageNeed;
 
 // A photo is kept as 8-bit RGB, its mask as one more byte. The smaller levels
-// of its pyramid add a third (holdout photos have two such levels: five
-// sixteenths).
+// of the pyramid of a photo that is trained on add a third.
 constexpr double kLevelsOfTrainPhoto = 4 / 3.0;
-constexpr double kLevelsOfHoldoutPhoto = 21 / 16.0;
 
 // While it is read, a photo is there twice: as decoded, and in the order RGB.
 constexpr double kBytesPerDecodedPixel = 6;
@@ -103,8 +101,7 @@ StageNeed ReconstructNeed(const ReconstructStageOptions& options,
   const double bytes_per_pixel = scene->masks ? 4 : 3;
   const double reading = kBytesPerDecodedPixel * threads *
                          static_cast<double>(CountPixels(*scene, 0).largest);
-  double images = kLevelsOfHoldoutPhoto * bytes_per_pixel *
-                  static_cast<double>(holdout.total);
+  double images = bytes_per_pixel * static_cast<double>(holdout.total);
   double work = kBytesPerViewPixel *
                 static_cast<double>(std::max(train.largest, holdout.largest));
   const int coefficients =

@@ -171,8 +171,8 @@ void RegisterReconstructOptions(ReconstructStageOptions& options,
   table.Add("reconstruct.exposure",
             &options.exposure,
             {.help = "Whether the exposure and white balance of each photo are "
-                     "learnt. auto: if photos that training never sees gain "
-                     "from it.",
+                     "learnt. auto: if a short training on most of the photos "
+                     "shows that it helps.",
              .choices = {"auto", "on", "off"}});
   table.Add("reconstruct.background",
             &options.background,

@@ -31,7 +31,7 @@ struct ReconstructStageOptions {
   // is cloned or split.
   double densify_gradient = 2e-4;
   // Whether the exposure of each photo is learnt: auto, on or off. auto asks
-  // the holdout photos (splat/search/exposure_search.h).
+  // a short training (splat/search/exposure_search.h).
   std::string exposure = "auto";
   std::string background = "black";  // black or white.
   // Whether the model is to be rendered with Mip-Splatting's 2D filter.

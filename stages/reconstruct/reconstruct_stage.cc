@@ -50,7 +50,7 @@ class ReconstructStage : public pipeline::Stage {
       : options_(options), seed_(seed) {}
 
   std::string_view name() const override { return "reconstruct"; }
-  int version() const override { return 9; }
+  int version() const override { return 10; }
 
   std::vector<fs::path> Inputs(
       const pipeline::StageContext& context) const override {
@@ -96,8 +96,8 @@ class ReconstructStage : public pipeline::Stage {
                             TrainingOptions(scene.photos.train));
     splat::TrainingImagesOptions image_options;
     image_options.max_side = options_.max_image_size;
-    image_options.num_levels = 3;  // The search looks at level 2.
-    FREEGS_ASSIGN_OR_RETURN(HoldoutImages holdout,
+    image_options.num_levels = 1;
+    FREEGS_ASSIGN_OR_RETURN(std::optional<splat::TrainingImages> holdout,
                             LoadHoldout(scene, image_options, *context.pool));
 
     const splat::ModelFrame& frame = scene.photos.frame;
@@ -139,7 +139,7 @@ class ReconstructStage : public pipeline::Stage {
       FREEGS_RETURN_IF_ERROR(
           WriteExposures(context.output / "exposure.json", trained.exposures));
     }
-    return WriteMetrics(trained, &holdout, meter, context);
+    return WriteMetrics(trained, holdout ? &*holdout : nullptr, meter, context);
   }
 
  private:
@@ -155,13 +155,10 @@ class ReconstructStage : public pipeline::Stage {
   // The file for what the model shows of each holdout photo, by the photo's
   // name.
   static StatusOr<std::map<std::string, std::string>> HoldoutFiles(
-      const HoldoutImages& holdout) {
+      const splat::TrainingImages& holdout) {
     std::vector<View> views;
-    for (const auto* part : {&holdout.reporting, &holdout.choosing}) {
-      for (size_t i = 0; *part && i < (*part)->size(); ++i) {
-        views.push_back((*part)->view(i, 0));
-      }
-    }
+    for (size_t i = 0; i < holdout.size(); ++i)
+      views.push_back(holdout.view(i));
     FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> names,
                             OutputNames(views, ".png"));
     std::map<std::string, std::string> files;
@@ -169,44 +166,59 @@ class ReconstructStage : public pipeline::Stage {
     return files;
   }
 
-  // Measures what was trained on a part of the holdout, writes what it shows
-  // there to `files`, and adds the figures of each view to
-  // metrics["holdout_views"] and to `displaced`.
-  StatusOr<splat::HoldoutReport> Measure(
-      const TrainedModel& trained,
-      bool choosing,
-      splat::TrainingImages* photos,
-      const std::map<std::string, std::string>& files,
-      pipeline::StageContext& context,
-      std::vector<DisplacedView>* displaced,
-      nlohmann::json* metrics) const {
-    FREEGS_ASSIGN_OR_RETURN(
-        splat::HoldoutReport quality,
-        splat::MeasureHoldout(trained.model,
-                              ReconstructRenderOptions(options_),
-                              photos,
-                              *context.pool,
-                              /*level=*/0,
-                              trained.exposures));
+  // Measures what was trained on the holdout photos, writes what it shows there
+  // to holdout/, and adds the figures to *metrics.
+  Status MeasureOnHoldout(const TrainedModel& trained,
+                          splat::TrainingImages* holdout,
+                          pipeline::StageContext& context,
+                          nlohmann::json* metrics) const {
+    const splat::RenderOptions render = ReconstructRenderOptions(options_);
+    FREEGS_ASSIGN_OR_RETURN(const auto files, HoldoutFiles(*holdout));
+    FREEGS_ASSIGN_OR_RETURN(const splat::HoldoutReport quality,
+                            splat::MeasureHoldout(trained.model,
+                                                  render,
+                                                  holdout,
+                                                  *context.pool,
+                                                  /*level=*/0,
+                                                  trained.exposures));
+    if (quality.views.empty()) {
+      context.log(pipeline::LogLevel::kWarning,
+                  "reconstruct: masks leave nothing of any holdout photo, so "
+                  "new views are not measured");
+      return Status();
+    }
+    (*metrics)["holdout_psnr"] = quality.mean_psnr;
+    (*metrics)["holdout_ssim"] = quality.mean_ssim;
+    std::vector<DisplacedView> displaced;
     for (const splat::HoldoutView& view : quality.views) {
       (*metrics)["holdout_views"].push_back(
           {{"name", view.name},
            {"psnr", view.psnr},
            {"ssim", view.ssim},
-           {"displacement_px", view.displacement_px},
-           {"choosing", choosing}});
-      displaced->push_back(
+           {"displacement_px", view.displacement_px}});
+      displaced.push_back(
           {view.displacement_px,
            std::max(view.rendered.width(), view.rendered.height())});
       const fs::path file = context.output / "holdout" / files.at(view.name);
       FREEGS_RETURN_IF_ERROR(CreateFolders(file.parent_path()));
       FREEGS_RETURN_IF_ERROR(WriteImage(file, view.rendered));
     }
-    return quality;
+    FREEGS_ASSIGN_OR_RETURN(const std::optional<splat::FittedPsnr> right_halves,
+                            splat::MeasureFittedHoldout(
+                                trained.model, render, holdout, *context.pool));
+    if (right_halves) {
+      (*metrics)["holdout_psnr_fitted"] = right_halves->fitted;
+    }
+    const std::string note = DisplacementNote(displaced);
+    if (!note.empty()) {
+      context.log(pipeline::LogLevel::kWarning, "reconstruct: " + note);
+    }
+    return Status();
   }
 
+  // `holdout` is null where there are no such photos.
   Status WriteMetrics(const TrainedModel& trained,
-                      HoldoutImages* holdout,
+                      splat::TrainingImages* holdout,
                       const pipeline::ResourceMeter& meter,
                       pipeline::StageContext& context) const {
     const splat::GaussianModel& model = trained.model;
@@ -217,40 +229,9 @@ class ReconstructStage : public pipeline::Stage {
                               {"sh_degree", model.sh_degree},
                               {"iterations", trained.iterations}};
     metrics.update(trained.course);
-    std::vector<DisplacedView> displaced;
-    FREEGS_ASSIGN_OR_RETURN(const auto files, HoldoutFiles(*holdout));
-    if (holdout->reporting) {
-      FREEGS_ASSIGN_OR_RETURN(const splat::HoldoutReport quality,
-                              Measure(trained,
-                                      false,
-                                      &*holdout->reporting,
-                                      files,
-                                      context,
-                                      &displaced,
-                                      &metrics));
-      metrics["holdout_psnr"] = quality.mean_psnr;
-      metrics["holdout_ssim"] = quality.mean_ssim;
-      FREEGS_ASSIGN_OR_RETURN(
-          const std::optional<splat::FittedPsnr> right_half,
-          splat::MeasureFittedHoldout(model,
-                                      ReconstructRenderOptions(options_),
-                                      &*holdout->reporting,
-                                      *context.pool));
-      if (right_half) metrics["holdout_psnr_fitted"] = right_half->fitted;
-    }
-    if (holdout->choosing) {
-      FREEGS_RETURN_IF_ERROR(Measure(trained,
-                                     true,
-                                     &*holdout->choosing,
-                                     files,
-                                     context,
-                                     &displaced,
-                                     &metrics)
-                                 .status());
-    }
-    const std::string note = DisplacementNote(displaced);
-    if (!note.empty()) {
-      context.log(pipeline::LogLevel::kWarning, "reconstruct: " + note);
+    if (holdout != nullptr) {
+      FREEGS_RETURN_IF_ERROR(
+          MeasureOnHoldout(trained, holdout, context, &metrics));
     }
     const pipeline::ResourceUsage usage = meter.Elapsed();
     metrics["seconds"] = trained.earlier_seconds + usage.wall_seconds;

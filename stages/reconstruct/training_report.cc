@@ -15,7 +15,7 @@ namespace {
 nlohmann::json ChoiceJson(const std::optional<splat::ExposureChoice>& choice) {
   if (!choice) return nullptr;
   const auto psnr = [](const splat::TrialPsnr& shown) -> nlohmann::json {
-    return {{"training_psnr", shown.training}, {"holdout_psnr", shown.holdout}};
+    return {{"trained_psnr", shown.trained}, {"others_psnr", shown.others}};
   };
   return {{"learn", choice->learn},
           {"without", psnr(choice->without)},
@@ -78,11 +78,11 @@ std::string ExposureText(const splat::ExposureChoice& choice) {
   };
   return std::string("the exposure of each photo is ") +
          (choice.learn ? "learnt" : "not learnt") +
-         "; that of its neighbours changes training photos from " +
-         change(choice.without.training, choice.with.training) +
-         " after a short training, and fitted colours change holdout photos "
-         "from " +
-         change(choice.without.holdout, choice.with.holdout);
+         "; after a short training with four fifths of the photos, that of "
+         "its neighbours changes them from " +
+         change(choice.without.trained, choice.with.trained) +
+         ", and fitted colours change the others from " +
+         change(choice.without.others, choice.with.others);
 }
 
 std::string DisplacementNote(const std::vector<DisplacedView>& views) {

@@ -36,7 +36,7 @@ class TrainingRun {
  public:
   TrainingRun(const ReconstructStageOptions& options,
               splat::Trainer* trainer,
-              HoldoutImages* holdout,
+              std::optional<splat::TrainingImages>* holdout,
               const View& preview_view,
               pipeline::StageContext* context)
       : options_(options),
@@ -54,17 +54,6 @@ class TrainingRun {
     FREEGS_RETURN_IF_ERROR(CreateFolders(checkpoints_));
     if (context_->resuming) FREEGS_RETURN_IF_ERROR(Resume());
     return progress_.Open(trainer_->iteration());
-  }
-
-  // The judge that the search asks. It must not outlive this run.
-  splat::FittedJudge Judge() {
-    return [this](const splat::GaussianModel& model, int level) {
-      return splat::MeasureFittedHoldout(model,
-                                         ReconstructRenderOptions(options_),
-                                         &*holdout_->choosing,
-                                         *context_->pool,
-                                         level);
-    };
   }
 
   Status Train() {
@@ -165,7 +154,7 @@ class TrainingRun {
     LogMilestone(report);
     loss_sum_ += report.loss;
     ++loss_count_;
-    const bool measure = holdout_->reporting && !trainer_->done() &&
+    const bool measure = *holdout_ && !trainer_->done() &&
                          options_.holdout_interval > 0 &&
                          report.iteration % options_.holdout_interval == 0;
     if (report.iteration % kProgressInterval != 0 && !measure &&
@@ -195,17 +184,18 @@ class TrainingRun {
     return Status();
   }
 
-  // Mean PSNR in dB over the holdout photos that report.
-  StatusOr<double> HoldoutPsnr() {
+  // Mean PSNR in dB over the holdout photos; nothing if masks leave none.
+  StatusOr<std::optional<double>> HoldoutPsnr() {
     FREEGS_ASSIGN_OR_RETURN(
         const splat::HoldoutReport quality,
         splat::MeasureHoldout(trainer_->model(),
                               ReconstructRenderOptions(options_),
-                              &*holdout_->reporting,
+                              &**holdout_,
                               *context_->pool,
                               /*level=*/0,
                               trainer_->Exposures()));
-    return quality.mean_psnr;
+    if (quality.views.empty()) return std::optional<double>();
+    return std::optional(quality.mean_psnr);
   }
 
   // Does nothing for a step that ended at no milestone.
@@ -231,7 +221,7 @@ class TrainingRun {
 
   const ReconstructStageOptions& options_;
   splat::Trainer* trainer_;
-  HoldoutImages* holdout_;
+  std::optional<splat::TrainingImages>* holdout_;
   pipeline::StageContext* context_;
   fs::path checkpoints_;
   ProgressCsv progress_;
@@ -253,7 +243,7 @@ StatusOr<TrainedModel> TrainModel(const ReconstructStageOptions& options,
                                   const splat::TrainerOptions& training,
                                   const TrainingScene& scene,
                                   splat::TrainingImages* images,
-                                  HoldoutImages* holdout,
+                                  std::optional<splat::TrainingImages>* holdout,
                                   pipeline::StageContext& context) {
   FREEGS_ASSIGN_OR_RETURN(splat::GaussianModel initial, InitialModel(scene));
   splat::TrainerOptions trainer_options = training;
@@ -267,14 +257,12 @@ StatusOr<TrainedModel> TrainModel(const ReconstructStageOptions& options,
   FREEGS_RETURN_IF_ERROR(run.Begin());
   // A checkpoint carries the choice of an earlier search, so that a resumed
   // training needs no search of its own.
-  if (options.exposure == "auto" && holdout->choosing &&
-      !trainer.exposure_choice()) {
+  if (options.exposure == "auto" && !trainer.exposure_choice()) {
     FREEGS_ASSIGN_OR_RETURN(const splat::ExposureChoice choice,
                             splat::SearchExposure({},
                                                   trainer_options,
                                                   trainer.model(),
                                                   scene.extent,
-                                                  run.Judge(),
                                                   images,
                                                   context.pool,
                                                   context.cancellation));

@@ -42,15 +42,14 @@ struct TrainedModel {
 // Trains a model of the scene. Writes progress.csv and checkpoints/ below
 // context.output, and starts from the newest whole checkpoint there when
 // context.resuming is true: the model has the same bytes as after a run without
-// interruption. Without photos for reporting nothing is measured, and without
-// photos for choosing exposure is not learnt, unless the option says on. The
-// errors are kInterrupted on cancellation, after a checkpoint has been saved,
-// and those of splat::Trainer and splat::SearchExposure.
+// interruption. Without holdout photos nothing is measured. The errors are
+// kInterrupted on cancellation, after a checkpoint has been saved, and those of
+// splat::Trainer and splat::SearchExposure.
 StatusOr<TrainedModel> TrainModel(const ReconstructStageOptions& options,
                                   const splat::TrainerOptions& training,
                                   const TrainingScene& scene,
                                   splat::TrainingImages* images,
-                                  HoldoutImages* holdout,
+                                  std::optional<splat::TrainingImages>* holdout,
                                   pipeline::StageContext& context);
 
 }  // namespace freegs::stages

@@ -83,18 +83,6 @@ StatusOr<TrainingScene> ReadTrainingScene(const fs::path& workspace) {
   return scene;
 }
 
-HoldoutSplit SplitHoldout(std::vector<View> holdout) {
-  std::sort(holdout.begin(), holdout.end(), [](const View& a, const View& b) {
-    return a.name < b.name;
-  });
-  HoldoutSplit split;
-  for (size_t i = 0; i < holdout.size(); ++i) {
-    (i % 2 == 1 ? split.choosing : split.reporting)
-        .push_back(std::move(holdout[i]));
-  }
-  return split;
-}
-
 StatusOr<splat::TrainingImages> LoadPhotos(
     const TrainingScene& scene,
     std::span<const View> views,
@@ -106,19 +94,15 @@ StatusOr<splat::TrainingImages> LoadPhotos(
       views, scene.photo_folder, with_masks, pool);
 }
 
-StatusOr<HoldoutImages> LoadHoldout(const TrainingScene& scene,
-                                    const splat::TrainingImagesOptions& options,
-                                    ThreadPool& pool) {
-  const HoldoutSplit split = SplitHoldout(scene.photos.holdout);
-  HoldoutImages images;
-  if (!split.choosing.empty()) {
-    FREEGS_ASSIGN_OR_RETURN(images.choosing,
-                            LoadPhotos(scene, split.choosing, options, pool));
-  }
-  if (!split.reporting.empty()) {
-    FREEGS_ASSIGN_OR_RETURN(images.reporting,
-                            LoadPhotos(scene, split.reporting, options, pool));
-  }
+StatusOr<std::optional<splat::TrainingImages>> LoadHoldout(
+    const TrainingScene& scene,
+    const splat::TrainingImagesOptions& options,
+    ThreadPool& pool) {
+  std::optional<splat::TrainingImages> images;
+  std::vector<View> views = scene.photos.holdout;
+  if (views.empty()) return images;
+  std::ranges::sort(views, {}, &View::name);
+  FREEGS_ASSIGN_OR_RETURN(images, LoadPhotos(scene, views, options, pool));
   return images;
 }
 

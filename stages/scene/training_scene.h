@@ -46,18 +46,6 @@ struct PosedPhotos {
 // missing or malformed; for a missing one also the stage that writes it.
 StatusOr<PosedPhotos> ReadPosedPhotos(const std::filesystem::path& workspace);
 
-// Holdout photographs in two parts, so that those by which something was
-// chosen, such as whether exposure is learnt, do not say how good the result
-// is.
-struct HoldoutSplit {
-  std::vector<View> choosing;
-  std::vector<View> reporting;
-};
-
-// In the order of their names every second photograph is for choosing. A single
-// one is for reporting.
-HoldoutSplit SplitHoldout(std::vector<View> holdout);
-
 // The folder of the masks that stage undistort wrote; empty if it wrote none.
 std::filesystem::path TrainingMaskFolder(
     const std::filesystem::path& workspace);
@@ -85,14 +73,12 @@ StatusOr<splat::TrainingImages> LoadPhotos(
     const splat::TrainingImagesOptions& options,
     ThreadPool& pool);
 
-// Both parts of the holdout; a part without photographs is empty.
-struct HoldoutImages {
-  std::optional<splat::TrainingImages> choosing;
-  std::optional<splat::TrainingImages> reporting;
-};
-StatusOr<HoldoutImages> LoadHoldout(const TrainingScene& scene,
-                                    const splat::TrainingImagesOptions& options,
-                                    ThreadPool& pool);
+// The same of the holdout photographs, in the order of their names; nothing if
+// there are none.
+StatusOr<std::optional<splat::TrainingImages>> LoadHoldout(
+    const TrainingScene& scene,
+    const splat::TrainingImagesOptions& options,
+    ThreadPool& pool);
 
 // Makes one Gaussian per point; see splat::InitializeFromPoints.
 StatusOr<splat::GaussianModel> InitialModel(const TrainingScene& scene);

@@ -90,6 +90,7 @@ Reader TrainingCheckpoint() {
             checkpoint.history.colors.entries.resize(2);
             checkpoint.history.last_good.emplace();
             checkpoint.history.last_good->model = SmallModel(0);
+            checkpoint.history.last_good->colors = checkpoint.history.colors;
             checkpoint.facts = {{"seed", "1"}};
             std::string content = splat::SerializeCheckpoint(checkpoint);
             content.resize(content.size() - kHashDigits);

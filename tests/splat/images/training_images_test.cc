@@ -248,6 +248,26 @@ TEST_F(TrainingImagesTest, KeepsTheRecentlyUsed) {
   EXPECT_THAT(gone.message(), HasSubstr("photo1.png"));
 }
 
+TEST_F(TrainingImagesTest, SubsetsFetchTheSame) {
+  for (const char* name : {"a.png", "b.png", "c.png"}) AddPhoto(name, 12, 8);
+  for (const uint64_t max_bytes : {uint64_t{400}, uint64_t{1} << 20}) {
+    StatusOr<TrainingImages> images = Load({.max_bytes = max_bytes});
+    ASSERT_TRUE(images.ok());
+    const std::vector<size_t> indices = {2, 0};
+    TrainingImages subset = images->Subset(indices);
+    ASSERT_EQ(subset.size(), 2u);
+    EXPECT_EQ(subset.view(0).name, "c.png");
+    ImageF expected;
+    ImageF image;
+    for (const size_t i : {1, 0, 1}) {
+      ASSERT_TRUE(subset.Fetch(i, 1, &image).ok());
+      ASSERT_TRUE(images->Fetch(indices[i], 1, &expected).ok());
+      EXPECT_TRUE(std::equal(
+          image.data(), image.data() + image.size(), expected.data()));
+    }
+  }
+}
+
 TEST_F(TrainingImagesTest, UnusablePhotosAreNamed) {
   AddPhoto("good.png", 8, 8);
   AddPhoto("other.png", 8, 8);

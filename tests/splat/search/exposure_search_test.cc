@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The search follows its judge, and finds by itself which photos differ in
-// exposure.
+// The search finds by itself which photos differ in exposure.
 
 #include "splat/search/exposure_search.h"
 
 #include <algorithm>
-#include <optional>
+#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,17 +12,19 @@
 #include <gtest/gtest.h>
 
 #include "core/cancellation.h"
+#include "core/io/image_io.h"
 #include "splat/images/holdout.h"
 #include "splat/train/checkpoint.h"
 #include "tests/splat/training_fixture.h"
+#include "tests/temporary_folder.h"
 
 namespace freegs::splat {
 namespace {
 
-// Of training photos and of holdout photos, in dB.
+// Of the photos that the trial was trained on, and of the others, in dB.
 std::string Gains(const ExposureChoice& choice) {
-  return std::to_string(choice.with.training - choice.without.training) + ", " +
-         std::to_string(choice.with.holdout - choice.without.holdout);
+  return std::to_string(choice.with.trained - choice.without.trained) + ", " +
+         std::to_string(choice.with.others - choice.without.others);
 }
 
 class ExposureSearchTest : public TrainingFixture {
@@ -34,37 +35,15 @@ class ExposureSearchTest : public TrainingFixture {
     return options;
   }
 
-  StatusOr<ExposureChoice> Search(const FittedJudge& judge, int threads = 2) {
+  // With all photos, or with the folder of their masks.
+  StatusOr<ExposureChoice> Search(int threads = 2,
+                                  const std::filesystem::path& masks = {}) {
     ThreadPool pool(threads);
-    TrainingImages images = ImagesOf(false, pool);
-    return SearchExposure(search_,
-                          Training(),
-                          Start(),
-                          2.0,
-                          judge,
-                          &images,
-                          &pool,
-                          &cancellation_);
-  }
-
-  // The two photos that judge, or the others, which are trained on.
-  TrainingImages ImagesOf(bool judges, ThreadPool& pool) const {
-    std::vector<View> views;
-    for (size_t k = 0; k < views_.size(); ++k) {
-      if ((k == 2 || k == 5) == judges) views.push_back(views_[k]);
-    }
     auto images =
-        TrainingImages::Load(views, folder_, TrainingImagesOptions(), pool);
+        TrainingImages::Load(views_, folder_, {.mask_folder = masks}, pool);
     EXPECT_TRUE(images.ok()) << images.status().message();
-    return std::move(images).value();
-  }
-
-  FittedJudge HoldoutJudge(ThreadPool* pool) {
-    holdout_.emplace(ImagesOf(true, *pool));
-    return [this, pool](const GaussianModel& model, int level) {
-      return MeasureFittedHoldout(
-          model, RenderOptions(), &*holdout_, *pool, level);
-    };
+    return SearchExposure(
+        search_, Training(), Start(), 2.0, &*images, &pool, &cancellation_);
   }
 
   // Makes the photos brighter from the first to the last.
@@ -94,65 +73,76 @@ class ExposureSearchTest : public TrainingFixture {
 
   ExposureSearchOptions search_{.level = 1, .min_trial_steps = 240};
   CancellationToken cancellation_;
-  std::optional<TrainingImages> holdout_;
 };
 
-TEST_F(ExposureSearchTest, FollowsTheJudge) {
-  // Exposures are the same, so those of neighbours change little.
-  for (const double gain : {-3.0, 0.0, 0.9, 1.9, 4.0}) {
-    int calls = 0;
-    const auto choice =
-        Search([&](const GaussianModel& model,
-                   int level) -> StatusOr<std::optional<FittedPsnr>> {
-          ++calls;
-          EXPECT_EQ(level, 1);
-          EXPECT_LE(model.size(), 160u);  // A quarter of the budget.
-          return std::optional(FittedPsnr{22, 22 + gain});
-        });
-    ASSERT_TRUE(choice.ok()) << choice.status().message();
-    EXPECT_EQ(choice->learn, gain > 1.4);
-    EXPECT_NEAR(choice->with.training, choice->without.training, 0.4);
-    EXPECT_EQ(choice->without.holdout, 22);
-    EXPECT_EQ(choice->with.holdout, 22 + gain);
-    EXPECT_EQ(calls, 1);
-  }
-}
-
-TEST_F(ExposureSearchTest, PassesErrorsOn) {
-  const auto unreadable = [](const GaussianModel&,
-                             int) -> StatusOr<std::optional<FittedPsnr>> {
-    return BadInputError("unreadable");
-  };
-  EXPECT_EQ(Search(unreadable).status().code(), StatusCode::kBadInput);
-  // Where masks leave nothing to judge by, nothing is learnt.
-  const auto silent = Search(
-      [](const GaussianModel&, int) -> StatusOr<std::optional<FittedPsnr>> {
-        return std::optional<FittedPsnr>();
-      });
-  ASSERT_TRUE(silent.ok()) << silent.status().message();
-  EXPECT_FALSE(silent->learn);
-  const auto fine = [](const GaussianModel&,
-                       int) -> StatusOr<std::optional<FittedPsnr>> {
-    return std::optional(FittedPsnr());
-  };
-  search_.min_gain_db = -1;
-  EXPECT_EQ(Search(fine).status().code(), StatusCode::kInvalidArgument);
-  search_.min_gain_db = 0.7;
-  cancellation_.Cancel();
-  EXPECT_EQ(Search(fine).status().code(), StatusCode::kInterrupted);
-}
-
 TEST_F(ExposureSearchTest, LearnsExposureOnlyWherePhotosDiffer) {
-  ThreadPool pool(2);
-  const auto same = Search(HoldoutJudge(&pool));
+  const auto same = Search();
   ASSERT_TRUE(same.ok()) << same.status().message();
   EXPECT_FALSE(same->learn) << Gains(*same);
   VaryExposure();
-  const auto different = Search(HoldoutJudge(&pool));
+  const auto different = Search();
   ASSERT_TRUE(different.ok());
   EXPECT_TRUE(different->learn) << Gains(*different);
   // The same for another number of threads.
-  EXPECT_EQ(*Search(HoldoutJudge(&pool), 1), *different);
+  EXPECT_EQ(*Search(1), *different);
+  // The gain that it takes.
+  const double gain = (different->with.trained - different->without.trained +
+                       different->with.others - different->without.others) /
+                      2;
+  search_.min_gain_db = gain + 0.1;
+  EXPECT_FALSE(Search()->learn);
+  search_.min_gain_db = gain - 0.1;
+  EXPECT_TRUE(Search()->learn);
+}
+
+TEST_F(ExposureSearchTest, EveryFifthPhotoByNameIsNotTrainedOn) {
+  const ExposureChoice before = *Search();
+  // These are photos 2 and 7. Their left halves do not count, but for colour.
+  for (const size_t k : {2, 7}) {
+    for (int y = 0; y < photos_[k].height(); ++y) {
+      for (int x = photos_[k].width() / 2; x < photos_[k].width(); ++x) {
+        for (int c = 0; c < 3; ++c) photos_[k](x, y, c) ^= 255;
+      }
+    }
+    WritePhoto(k);
+  }
+  const ExposureChoice after = *Search();
+  EXPECT_EQ(after.without.trained, before.without.trained);
+  EXPECT_EQ(after.with.trained, before.with.trained);
+  EXPECT_NE(after.without.others, before.without.others);
+  // The order of the views does not matter to the choice of photos.
+  std::reverse(views_.begin(), views_.end());
+  std::reverse(photos_.begin(), photos_.end());
+  EXPECT_NEAR(Search()->without.others, after.without.others, 0.5);
+}
+
+TEST_F(ExposureSearchTest, WithoutOthersNothingIsLearnt) {
+  VaryExposure();
+  const TemporaryFolder masks;
+  ImageU8 left(96, 72, 1, 0);
+  for (int y = 0; y < 72; ++y) std::fill_n(left.row(y), 48, uint8_t{255});
+  for (const size_t k : {2, 7}) {
+    ASSERT_TRUE(
+        WriteImage(masks.path() / (views_[k].name + ".png"), left).ok());
+  }
+  const auto masked = Search(2, masks.path());
+  ASSERT_TRUE(masked.ok()) << masked.status().message();
+  EXPECT_FALSE(masked->learn);
+  views_.resize(2);
+  const auto few = Search();
+  ASSERT_TRUE(few.ok()) << few.status().message();
+  EXPECT_EQ(*few, ExposureChoice());
+}
+
+TEST_F(ExposureSearchTest, PassesErrorsOn) {
+  search_.min_gain_db = -1;
+  EXPECT_EQ(Search().status().code(), StatusCode::kInvalidArgument);
+  search_ = {};
+  search_.others_every = 1;
+  EXPECT_EQ(Search().status().code(), StatusCode::kInvalidArgument);
+  search_ = {};
+  cancellation_.Cancel();
+  EXPECT_EQ(Search().status().code(), StatusCode::kInterrupted);
 }
 
 // A new view is taken to have the exposure of the photos before and after it,
@@ -160,18 +150,22 @@ TEST_F(ExposureSearchTest, LearnsExposureOnlyWherePhotosDiffer) {
 TEST_F(ExposureSearchTest, LearnsAnExposureThatDrifts) {
   RampExposure();
   ThreadPool pool(2);
-  const auto choice = Search(HoldoutJudge(&pool));
+  TrainingImages all = Images(pool);
+  const std::vector<size_t> kept = {0, 1, 3, 4, 6, 7};
+  TrainingImages images = all.Subset(kept);
+  TrainingImages holdout = all.Subset(std::vector<size_t>{2, 5});
+  const auto choice = SearchExposure(
+      search_, Training(), Start(), 2.0, &images, &pool, nullptr);
   ASSERT_TRUE(choice.ok()) << choice.status().message();
   EXPECT_TRUE(choice->learn) << Gains(*choice);
-  TrainingImages images = ImagesOf(false, pool);
   Trainer trainer(Training(), Start(), 2.0, &images, &pool);
   trainer.KeepTo(*choice);
   ASSERT_TRUE(Finish(&trainer).ok());
   const auto of_scene =
-      MeasureHoldout(trainer.model(), RenderOptions(), &*holdout_, pool);
+      MeasureHoldout(trainer.model(), RenderOptions(), &holdout, pool);
   const auto of_neighbours = MeasureHoldout(trainer.model(),
                                             RenderOptions(),
-                                            &*holdout_,
+                                            &holdout,
                                             pool,
                                             /*level=*/0,
                                             trainer.Exposures());

@@ -53,7 +53,9 @@ TrainingCheckpoint Example(int64_t iteration, size_t count = 12) {
     entry.second_moment[i] = static_cast<float>(i);
     entry.steps = 17;
   }
-  checkpoint.history.last_good = {iteration / 2, RandomModel(count + 3, 1, 4)};
+  checkpoint.history.last_good = {
+      iteration / 2, RandomModel(count + 3, 1, 4), checkpoint.history.colors};
+  checkpoint.history.last_good->colors.entries[2].color.values[4] = 0.75f;
   checkpoint.history.average = {7, RandomModel(count, 2, 5)};
   checkpoint.facts = {{"best_psnr", "25.75"}, {"empty", ""}};
   return checkpoint;
@@ -80,6 +82,7 @@ void ExpectSame(const TrainingCheckpoint& a, const TrainingCheckpoint& b) {
     EXPECT_EQ(a.history.last_good->iteration, b.history.last_good->iteration);
     EXPECT_TRUE(
         SameParameters(a.history.last_good->model, b.history.last_good->model));
+    EXPECT_EQ(a.history.last_good->colors, b.history.last_good->colors);
   }
   EXPECT_EQ(a.history.average.count, b.history.average.count);
   EXPECT_TRUE(SameParameters(a.history.average.mean, b.history.average.mean));
@@ -162,7 +165,7 @@ TEST(CheckpointTest, OtherVersionsAreNamed) {
   content[8] = 1;  // Before there was max_dominant_share.
   const Status old = ParseCheckpoint(Resealed(content)).status();
   EXPECT_EQ(old.code(), StatusCode::kBadInput);
-  EXPECT_THAT(old.message(), HasSubstr("format 1, this program reads 7"));
+  EXPECT_THAT(old.message(), HasSubstr("format 1, this program reads 8"));
 }
 
 TEST(CheckpointTest, ArraysMustFitTheModel) {
@@ -220,6 +223,9 @@ TEST(CheckpointTest, ColoursMustMakeSense) {
   checkpoint = Example(100);
   checkpoint.history.colors.entries[2].steps = -1;
   EXPECT_FALSE(read(checkpoint));
+  checkpoint = Example(100);
+  checkpoint.history.last_good->colors.entries[0].steps = -1;
+  EXPECT_FALSE(read(checkpoint));
 }
 
 TEST_F(CheckpointFolderTest, KeepsTheNewestAndClearsUp) {
@@ -228,7 +234,7 @@ TEST_F(CheckpointFolderTest, KeepsTheNewestAndClearsUp) {
   const fs::path foreign = folder_ / "notes.txt";
   ASSERT_TRUE(WriteFileAtomic(stale, "half").ok());
   ASSERT_TRUE(WriteFileAtomic(foreign, "mine").ok());
-  for (const int64_t iteration : {100, 200, 123456789, 300}) {
+  for (const int64_t iteration : {100, 200, 300, 123456789}) {
     ASSERT_TRUE(SaveCheckpoint(folder_, ViewOf(Example(iteration))).ok());
   }
   EXPECT_FALSE(fs::exists(stale));
@@ -239,6 +245,17 @@ TEST_F(CheckpointFolderTest, KeepsTheNewestAndClearsUp) {
   const std::optional<TrainingCheckpoint> latest = LatestCheckpoint(folder_);
   ASSERT_TRUE(latest.has_value());
   ExpectSame(*latest, Example(123456789));
+}
+
+TEST_F(CheckpointFolderTest, WhatATrainingThatWentBackHasLeftIsRemoved) {
+  for (const int64_t iteration : {100, 200, 300, 250}) {
+    ASSERT_TRUE(SaveCheckpoint(folder_, ViewOf(Example(iteration))).ok());
+  }
+  EXPECT_TRUE(fs::exists(folder_ / "iteration_00000200.ckpt"));
+  EXPECT_FALSE(fs::exists(folder_ / "iteration_00000300.ckpt"));
+  const std::optional<TrainingCheckpoint> latest = LatestCheckpoint(folder_);
+  ASSERT_TRUE(latest.has_value());
+  EXPECT_EQ(latest->iteration, 250);
 }
 
 TEST_F(CheckpointFolderTest, FallsBackToTheNewestThatIsWhole) {

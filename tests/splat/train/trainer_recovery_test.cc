@@ -113,6 +113,29 @@ TEST_F(TrainerRecoveryTest, GoesBackFromNumbersThatAreNotFinite) {
   }
 }
 
+TEST_F(TrainerRecoveryTest, TheColoursOfPhotosGoBackToo) {
+  ThreadPool pool(2);
+  TrainingImages images = Images(pool);
+  TrainerOptions options = Options(120, DensificationMethod::kMiniSplatting);
+  options.snapshot_interval = 25;
+  options.exposure.learn = true;
+  Trainer trainer(options, Start(), 2.0, &images, &pool);
+  while (trainer.iteration() < 40) ASSERT_TRUE(trainer.Step().ok());
+  TrainingCheckpoint checkpoint = trainer.Save();
+  for (PhotoColors::Entry& entry : checkpoint.history.colors.entries) {
+    entry.color.values.fill(std::numeric_limits<float>::quiet_NaN());
+  }
+  ASSERT_TRUE(trainer.Restore(std::move(checkpoint)).ok());
+  const Status status = Finish(&trainer);
+  ASSERT_TRUE(status.ok()) << status.message();
+  EXPECT_EQ(trainer.recoveries().size(), 1u);
+  for (const PhotoExposure& exposure : trainer.Exposures()) {
+    for (const float value : exposure.color.values) {
+      EXPECT_TRUE(std::isfinite(value));
+    }
+  }
+}
+
 TEST_F(TrainerRecoveryTest, GivesUpInTheEnd) {
   ThreadPool pool(2);
   TrainingImages images = Images(pool);

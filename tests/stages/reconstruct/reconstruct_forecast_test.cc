@@ -98,7 +98,7 @@ TEST(ReconstructForecastTest, MasksTakeAByteAPixel) {
   scene.masks = true;
   const double pixels = 640 * 480;
   EXPECT_NEAR(static_cast<double>(Need({}, scene).memory_bytes - without),
-              pixels * (21 * 4 / 3.0 + 3 * 21 / 16.0),
+              pixels * (21 * 4 / 3.0 + 3),
               2.0);
 }
 
