@@ -3,6 +3,7 @@
 #include "splat/images/displacement.h"
 
 #include <cmath>
+#include <cstdint>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -21,14 +22,26 @@ cv::Mat Grey(const ImageF& image) {
   return grey;
 }
 
+// A matrix of the mask's memory, which is only read; empty without a mask.
+cv::Mat UsedPixels(const ImageU8* mask) {
+  if (mask == nullptr) return {};
+  return {
+      mask->height(), mask->width(), CV_8U, const_cast<uint8_t*>(mask->data())};
+}
+
 }  // namespace
 
-double Displacement(const ImageF& a, const ImageF& b) {
-  const cv::Mat grey_a = Grey(a);
-  const cv::Mat grey_b = Grey(b);
-  cv::Scalar mean, deviation_a, deviation_b;
-  cv::meanStdDev(grey_a, mean, deviation_a);
-  cv::meanStdDev(grey_b, mean, deviation_b);
+double Displacement(const ImageF& a, const ImageF& b, const ImageU8* mask) {
+  cv::Mat grey_a = Grey(a);
+  cv::Mat grey_b = Grey(b);
+  const cv::Mat used = UsedPixels(mask);
+  cv::Scalar mean_a, mean_b, deviation_a, deviation_b;
+  cv::meanStdDev(grey_a, mean_a, deviation_a, used);
+  cv::meanStdDev(grey_b, mean_b, deviation_b, used);
+  if (mask != nullptr) {
+    grey_a.setTo(mean_a, used == 0);
+    grey_b.setTo(mean_b, used == 0);
+  }
   // Less than a step of 8 bits everywhere.
   constexpr double kFlat = 1 / 255.0;
   if (deviation_a[0] < kFlat || deviation_b[0] < kFlat) return 0;

@@ -13,10 +13,13 @@ namespace freegs::splat {
 // other, by phase correlation of their grey versions under a Hann window. It
 // does not depend on brightness, nor on how sharp the pictures are. Pictures
 // with little in common give any length. Both have 3 channels and the same
-// size; a picture without structure gives 0.
+// size; a picture without structure gives 0. Pixels that the mask ignores
+// (ignored_pixels.h; null: none) count as plain grey in both.
 // Source: Kuglin and Hines, "The phase correlation image alignment method",
 // IEEE Conference on Cybernetics and Society 1975.
-double Displacement(const ImageF& a, const ImageF& b);
+double Displacement(const ImageF& a,
+                    const ImageF& b,
+                    const ImageU8* mask = nullptr);
 
 }  // namespace freegs::splat
 

@@ -70,19 +70,17 @@ StatusOr<HoldoutReport> MeasureHoldout(
     }
     result.rendered = ToU8(exposures.empty() ? rendered.color : exposed);
     const ImageF quantised = ToFloat(result.rendered);
+    const ImageU8* const mask = images->Mask(i, level);
+    const double used = mask == nullptr ? 1 : UsedShare(*mask);
+    if (used == 0) continue;
+    result.displacement_px = Displacement(quantised, photo, mask);
     // The error of pixels that a mask ignores becomes zero, and the mean is
     // taken over the others.
-    double used = 1;
-    if (const ImageU8* const mask = images->Mask(i, level)) {
-      used = UsedShare(*mask);
-      if (used == 0) continue;
-      CopyIgnored(*mask, quantised, &photo);
-    }
+    if (mask != nullptr) CopyIgnored(*mask, quantised, &photo);
     FREEGS_ASSIGN_OR_RETURN(const double psnr, Psnr(quantised, photo));
     FREEGS_ASSIGN_OR_RETURN(const double ssim, Ssim(quantised, photo));
     result.psnr = std::min(kMaxPsnr, psnr + 10 * std::log10(used));
     result.ssim = 1 - (1 - ssim) / used;
-    result.displacement_px = Displacement(quantised, photo);
     report.mean_psnr += result.psnr;
     report.mean_ssim += result.ssim;
     report.views.push_back(std::move(result));

@@ -38,6 +38,23 @@ TEST(DisplacementTest, ShiftsAreMeasured) {
   EXPECT_NEAR(Displacement(picture, Picture(10, 0)), 10, 0.5);
 }
 
+// A hand in front of the camera, on most of the picture and in the same place
+// of both, would hide the shift.
+TEST(DisplacementTest, WhatAMaskIgnoresDoesNotCount) {
+  ImageF picture = Picture(0, 0);
+  ImageF moved = Picture(3, -4);
+  ImageU8 mask(160, 120, 1, 255);
+  for (int y = 0; y < 120; ++y) {
+    for (int x = 0; x < 100; ++x) {
+      mask(x, y) = 0;
+      const auto value = static_cast<float>(RandomUniform(2, y, x));
+      for (int c = 0; c < 3; ++c) picture(x, y, c) = moved(x, y, c) = value;
+    }
+  }
+  EXPECT_LT(Displacement(picture, moved), 0.5);
+  EXPECT_NEAR(Displacement(picture, moved, &mask), 5, 0.5);
+}
+
 TEST(DisplacementTest, BrightnessDoesNotMatter) {
   EXPECT_NEAR(Displacement(Picture(0, 0), Picture(3, 4, 0.3f)), 5, 0.3);
 }
