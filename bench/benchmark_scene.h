@@ -61,6 +61,7 @@ inline double CountGaussianPixels(BenchmarkScene& scene) {
                            scene.camera,
                            scene.pose,
                            scene.options,
+                           /*mask=*/nullptr,
                            scene.pool,
                            &contributions);
   return std::accumulate(

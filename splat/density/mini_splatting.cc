@@ -6,11 +6,11 @@
 #include <cmath>
 #include <numeric>
 #include <string>
+#include <vector>
 
 #include "core/random.h"
 #include "splat/density/depth_reinitialization.h"
 #include "splat/density/simplification.h"
-#include "splat/images/ignored_pixels.h"
 
 namespace freegs::splat {
 namespace {
@@ -28,16 +28,23 @@ uint64_t StreamOf(uint64_t purpose, const MiniSplattingContext& context) {
   return MixBits(MixBits(purpose) ^ static_cast<uint64_t>(context.iteration));
 }
 
-void RenderContributions(const MiniSplattingContext& context,
-                         const GaussianModel& model,
-                         const View& view,
-                         ViewContributions* contributions) {
+// Of view i, without the pixels that its mask ignores. Fetches its photo.
+Status RenderContributions(const MiniSplattingContext& context,
+                           const GaussianModel& model,
+                           size_t i,
+                           ImageF* photo,
+                           ViewContributions* contributions) {
+  TrainingImages& images = *context.images;
+  const View view = images.view(i, context.level);
+  FREEGS_RETURN_IF_ERROR(images.Fetch(i, context.level, photo));
   context.rasterizer->Contributions(model,
                                     view.camera,
                                     view.cam_from_world,
                                     context.render,
+                                    images.Mask(i, context.level),
                                     *context.pool,
                                     contributions);
+  return Status();
 }
 
 Status NothingVisible(std::string_view what, size_t count) {
@@ -68,14 +75,16 @@ Status MiniSplattingOptions::Check() const {
   return Status();
 }
 
-std::vector<float> ComputeImportance(const MiniSplattingContext& context,
-                                     const GaussianModel& model,
-                                     ImportanceMetric metric) {
+StatusOr<std::vector<float>> ComputeImportance(
+    const MiniSplattingContext& context,
+    const GaussianModel& model,
+    ImportanceMetric metric) {
   ImportanceAccumulator accumulator(model.size());
   ViewContributions contributions;
+  ImageF photo;
   for (size_t i = 0; i < context.images->size(); ++i) {
-    RenderContributions(
-        context, model, context.images->view(i, context.level), &contributions);
+    FREEGS_RETURN_IF_ERROR(
+        RenderContributions(context, model, i, &photo, &contributions));
     accumulator.AddView(contributions);
   }
   return accumulator.Importance(metric);
@@ -106,17 +115,9 @@ StatusOr<MiniSplattingSummary> ReinitializeFromDepth(
   std::vector<double> opacity(images.size());
   uint64_t num_pixels = 0;
   ImageF photo;
-  // The contributions to view i and its photo. No point is drawn from a pixel
-  // without a dominant Gaussian, so ignored pixels get none.
-  const auto prepare = [&](size_t i, const View& view) -> Status {
-    RenderContributions(context, *model, view, &contributions);
-    FREEGS_RETURN_IF_ERROR(images.Fetch(i, context.level, &photo));
-    const ImageU8* const mask = images.Mask(i, context.level);
-    if (mask != nullptr) FillIgnored(*mask, -1, &contributions.dominant);
-    return Status();
-  };
   for (size_t i = 0; i < images.size(); ++i) {
-    FREEGS_RETURN_IF_ERROR(prepare(i, images.view(i, context.level)));
+    FREEGS_RETURN_IF_ERROR(
+        RenderContributions(context, *model, i, &photo, &contributions));
     opacity[i] = AccumulatedOpacity(contributions);
     num_pixels += contributions.dominant.num_pixels();
   }
@@ -127,12 +128,12 @@ StatusOr<MiniSplattingSummary> ReinitializeFromDepth(
   DepthPoints points;
   for (size_t i = 0; i < images.size(); ++i) {
     if (counts[i] == 0) continue;
-    const View view = images.view(i, context.level);
-    FREEGS_RETURN_IF_ERROR(prepare(i, view));
+    FREEGS_RETURN_IF_ERROR(
+        RenderContributions(context, *model, i, &photo, &contributions));
     FREEGS_ASSIGN_OR_RETURN(
         const DepthPoints drawn,
         SampleDepthPoints(*model,
-                          view,
+                          images.view(i, context.level),
                           contributions,
                           photo,
                           context.render.near_plane,
@@ -156,8 +157,8 @@ StatusOr<MiniSplattingSummary> Simplify(const MiniSplattingOptions& options,
                                         const MiniSplattingContext& context,
                                         GaussianModel* model,
                                         Adam* adam) {
-  const std::vector<float> importance =
-      ComputeImportance(context, *model, metric);
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<float> importance,
+                          ComputeImportance(context, *model, metric));
   const auto important = std::count_if(importance.begin(),
                                        importance.end(),
                                        [](float value) { return value > 0; });
@@ -188,8 +189,8 @@ StatusOr<MiniSplattingSummary> PruneByImportance(
     const MiniSplattingContext& context,
     GaussianModel* model,
     Adam* adam) {
-  const std::vector<float> importance =
-      ComputeImportance(context, *model, metric);
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<float> importance,
+                          ComputeImportance(context, *model, metric));
   std::vector<uint32_t> kept =
       KeepCumulativeImportance(importance, 1 - options.prune_importance_share);
   if (budget > 0 && kept.size() > static_cast<size_t>(budget)) {

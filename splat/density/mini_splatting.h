@@ -69,10 +69,12 @@ struct MiniSplattingSummary {
   size_t after = 0;
 };
 
-// Returns the importance of every Gaussian over all views.
-std::vector<float> ComputeImportance(const MiniSplattingContext& context,
-                                     const GaussianModel& model,
-                                     ImportanceMetric metric);
+// Returns the importance of every Gaussian over all views, without the pixels
+// that masks ignore. Fails when a photo has become unreadable.
+StatusOr<std::vector<float>> ComputeImportance(
+    const MiniSplattingContext& context,
+    const GaussianModel& model,
+    ImportanceMetric metric);
 
 // Returns how many points to draw from the depth maps of all views together.
 // With a budget they are 7/9 of the largest dense model, like the 3.5 of 4.5

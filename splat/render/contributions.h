@@ -30,7 +30,8 @@ struct ViewContributions {
   // pixel, the nearest of several, or -1 where nothing was blended.
   Image<int32_t> dominant;
 
-  // H x W: the share of light that passes all Gaussians.
+  // H x W: the share of light that passes all Gaussians; 0 where a mask ignores
+  // the pixel.
   ImageF transmittance;
 };
 

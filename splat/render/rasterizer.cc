@@ -235,6 +235,7 @@ void Rasterizer::Contributions(const GaussianModel& model,
                                const Pinhole& camera,
                                const Rigid3d& cam_from_world,
                                const RenderOptions& options,
+                               const ImageU8* mask,
                                ThreadPool& pool,
                                ViewContributions* contributions) {
   PrepareWeights(model, camera, cam_from_world, options, pool);
@@ -246,7 +247,8 @@ void Rasterizer::Contributions(const GaussianModel& model,
     TileDominance dominance;
     alignas(64) float transmittance[kTilePixels];
     for (int64_t tile = begin; tile < end; ++tile) {
-      const TileTask task = MakeTask(tile);
+      TileTask task = MakeTask(tile);
+      task.mask = mask;
       ContributeTile(task,
                      transmittance,
                      &dominance,

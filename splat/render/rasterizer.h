@@ -90,12 +90,14 @@ class Rasterizer {
                         ThreadPool& pool,
                         GradientSink sink);
 
-  // Computes what each Gaussian contributes to a view. It replaces the results
-  // of the last Forward, so Backward must not follow.
+  // Computes what each Gaussian contributes to a view, without the pixels where
+  // the mask, of the view's size, is 0 (null: none). It replaces the results of
+  // the last Forward, so Backward must not follow.
   void Contributions(const GaussianModel& model,
                      const Pinhole& camera,
                      const Rigid3d& cam_from_world,
                      const RenderOptions& options,
+                     const ImageU8* mask,
                      ThreadPool& pool,
                      ViewContributions* contributions);
 

@@ -270,8 +270,10 @@ HWY_INLINE int64_t ForEachEntry(Tag d,
 HWY_INLINE void ClearTransmittance(const TileTask& task, float* transmittance) {
   for (int y = 0; y < kTileSize; ++y) {
     for (int x = 0; x < kTileSize; ++x) {
-      transmittance[TilePixel(x, y)] =
-          x < task.width && y < task.height ? 1.0f : 0.0f;
+      const bool used =
+          x < task.width && y < task.height &&
+          (task.mask == nullptr || (*task.mask)(task.x0 + x, task.y0 + y) != 0);
+      transmittance[TilePixel(x, y)] = used ? 1.0f : 0.0f;
     }
   }
 }

@@ -73,7 +73,7 @@ TEST_F(MiniSplattingTest, ImportanceOverAllViews) {
   for (const ImportanceMetric metric :
        {ImportanceMetric::kIndoor, ImportanceMetric::kOutdoor}) {
     const std::vector<float> importance =
-        ComputeImportance(context_, model_, metric);
+        ComputeImportance(context_, model_, metric).value();
     ASSERT_EQ(importance.size(), model_.size());
     EXPECT_EQ(importance[0], 0);
     EXPECT_EQ(importance[1], 0);
@@ -150,7 +150,7 @@ TEST_F(MiniSplattingTest, PruneKeepsTheBudget) {
   };
   // No Gaussian left out is more important than one kept.
   std::vector<float> sorted =
-      ComputeImportance(context_, model_, ImportanceMetric::kIndoor);
+      ComputeImportance(context_, model_, ImportanceMetric::kIndoor).value();
   const std::vector<float> importance = sorted;
   std::sort(sorted.rbegin(), sorted.rend());
   for (const int64_t budget : {1, 15}) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <numeric>
 
 #include <gtest/gtest.h>
 
@@ -358,7 +359,7 @@ TEST(Rasterizer, ContributionsAgreeWithTheRenderedPicture) {
   Rasterizer rasterizer;
   ViewContributions contributions;
   rasterizer.Contributions(
-      model, camera, TestPose(), TestOptions(), pool, &contributions);
+      model, camera, TestPose(), TestOptions(), nullptr, pool, &contributions);
   RasterImages images;
   rasterizer.Forward(model,
                      camera,
@@ -391,6 +392,29 @@ TEST(Rasterizer, ContributionsAgreeWithTheRenderedPicture) {
   EXPECT_NEAR(weights, opacity, 1e-4 * opacity);
   EXPECT_EQ(dominant, dominated);
   EXPECT_GT(dominated, images.dominant.size() / 2);
+
+  // Without the right part of the picture.
+  ImageU8 mask(75, 50, 1, 255);
+  double left_opacity = 0;
+  for (int y = 0; y < 50; ++y) {
+    for (int x = 0; x < 75; ++x) {
+      if (x < 41) left_opacity += 1.0 - images.transmittance(x, y);
+      if (x >= 41) mask(x, y) = 0;
+    }
+  }
+  rasterizer.Contributions(
+      model, camera, TestPose(), TestOptions(), &mask, pool, &contributions);
+  EXPECT_NEAR(std::accumulate(contributions.weight_sum.begin(),
+                              contributions.weight_sum.end(),
+                              0.0),
+              left_opacity,
+              1e-4 * left_opacity);
+  for (int y = 0; y < 50; ++y) {
+    for (int x = 0; x < 75; ++x) {
+      EXPECT_EQ(contributions.dominant(x, y),
+                x < 41 ? images.dominant(x, y) : -1);
+    }
+  }
 }
 
 TEST(Rasterizer, TheDominantGaussianHasTheLargestWeight) {
