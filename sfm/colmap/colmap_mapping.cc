@@ -16,21 +16,26 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Adds the model of a folder. With few photos COLMAP may end with cameras that
+// no photograph has, such as a focal length of 17 pixels: that is no model.
+Status AddModel(const fs::path& folder, std::vector<Reconstruction>* models) {
+  FREEGS_ASSIGN_OR_RETURN(Reconstruction model, ReadModelUnchecked(folder));
+  if (!CheckReconstruction(model).ok()) return {};
+  RemoveDanglingReferences(&model);
+  if (!model.images.empty()) models->push_back(std::move(model));
+  return {};
+}
+
 // COLMAP numbers its models 0, 1, ... in the order in which it made them. One
 // that was continued lies in the folder itself.
 StatusOr<std::vector<Reconstruction>> ReadModels(const fs::path& folder) {
   std::vector<Reconstruction> models;
   if (DetectModelFormat(folder)) {
-    FREEGS_ASSIGN_OR_RETURN(Reconstruction model, ReadModel(folder));
-    RemoveDanglingReferences(&model);
-    if (!model.images.empty()) models.push_back(std::move(model));
+    FREEGS_RETURN_IF_ERROR(AddModel(folder, &models));
     return models;
   }
   for (int i = 0; DetectModelFormat(folder / std::to_string(i)); ++i) {
-    FREEGS_ASSIGN_OR_RETURN(Reconstruction model,
-                            ReadModel(folder / std::to_string(i)));
-    RemoveDanglingReferences(&model);
-    if (!model.images.empty()) models.push_back(std::move(model));
+    FREEGS_RETURN_IF_ERROR(AddModel(folder / std::to_string(i), &models));
   }
   return models;
 }

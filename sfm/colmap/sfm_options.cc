@@ -2,11 +2,21 @@
 
 #include "sfm/colmap/sfm_options.h"
 
+#include <algorithm>
 #include <string_view>
 
 #include "sfm/scene/camera_model.h"
 
 namespace freegs::sfm {
+
+int SfmOptions::FeaturesOf(int64_t num_photos) const {
+  constexpr int64_t kFewPhotos = 20;
+  constexpr int kMostOfFew = 8000;
+  if (num_photos >= kFewPhotos || max_features >= kMostOfFew) {
+    return max_features;
+  }
+  return std::min(kMostOfFew, 8 * max_features / 3);
+}
 
 Status SfmOptions::Check() const {
   if (camera != "auto" && camera != "single" && camera != "per_image") {

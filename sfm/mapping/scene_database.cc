@@ -41,6 +41,8 @@ SceneDatabase::SceneDatabase(const SfmInput& input,
       context_{input, options_, colmap_},
       path_(input.work_folder / "database.db"),
       record_(input.work_folder) {
+  options_.max_features =
+      options.FeaturesOf(static_cast<int64_t>(input.photos.size()));
   context_.num_threads =
       options.num_threads > 0
           ? options.num_threads

@@ -44,7 +44,7 @@ std::optional<ModelFormat> DetectModelFormat(const fs::path& folder) {
   return {};
 }
 
-StatusOr<Reconstruction> ReadModel(const fs::path& folder) {
+StatusOr<Reconstruction> ReadModelUnchecked(const fs::path& folder) {
   const std::optional<ModelFormat> format = DetectModelFormat(folder);
   if (!format) {
     return BadInputError(folder.string() +
@@ -67,7 +67,11 @@ StatusOr<Reconstruction> ReadModel(const fs::path& folder) {
   FREEGS_RETURN_IF_ERROR((binary ? ParsePointsBinary(bytes, &model.points3d)
                                  : ParsePointsText(bytes, &model.points3d))
                              .Annotated(files.points3d.string()));
+  return model;
+}
 
+StatusOr<Reconstruction> ReadModel(const fs::path& folder) {
+  FREEGS_ASSIGN_OR_RETURN(Reconstruction model, ReadModelUnchecked(folder));
   FREEGS_RETURN_IF_ERROR(CheckReconstruction(model).Annotated(folder.string()));
   return model;
 }

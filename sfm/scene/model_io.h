@@ -26,6 +26,10 @@ std::optional<ModelFormat> DetectModelFormat(
 // inconsistent (see CheckReconstruction).
 StatusOr<Reconstruction> ReadModel(const std::filesystem::path& folder);
 
+// The same without CheckReconstruction.
+StatusOr<Reconstruction> ReadModelUnchecked(
+    const std::filesystem::path& folder);
+
 // Writes the three files, each atomically, into `folder`, which is created if
 // it is missing. A model that was read from COLMAP's binary files is written
 // back byte for byte.

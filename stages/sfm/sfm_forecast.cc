@@ -86,8 +86,9 @@ StageNeed SfmNeed(const sfm::SfmOptions& options,
   const int side =
       options.max_image_size > 0 ? options.max_image_size : kUsualSide;
   const pipeline::ViewPixels pixels = CountPixels(*scene, side);
-  const double features = static_cast<double>(options.max_features * photos);
-  scene->points = std::llround(kPointsPerFeature * options.max_features *
+  const int features_of_photo = options.FeaturesOf(photos);
+  const double features = static_cast<double>(features_of_photo * photos);
+  scene->points = std::llround(kPointsPerFeature * features_of_photo *
                                std::sqrt(static_cast<double>(photos)));
   const double extraction =
       static_cast<double>(pipeline::kProgramMemory) +
@@ -97,7 +98,7 @@ StageNeed SfmNeed(const sfm::SfmOptions& options,
                        static_cast<double>(CountPixels(*scene, 0).largest));
   const double mapping = static_cast<double>(pipeline::kProgramMemory) +
                          kBytesPerFeature * features;
-  const double share = options.max_features / kUsualFeatures;
+  const double share = features_of_photo / kUsualFeatures;
   const auto count = static_cast<double>(photos);
   const double seconds =
       kSecondsPerPhoto * count +

@@ -12,6 +12,8 @@
 //   FAKE_COLMAP_PAIR     the same when it is told with which pair to begin.
 //   FAKE_COLMAP_CONTINUED  folder of the model that the mapper makes when it is
 //                        given one to go on from. Default: the one given.
+//   FAKE_COLMAP_SENSELESS  the mapper ends with cameras that no photo has,
+//                        unless its thresholds were lowered.
 //   FAKE_COLMAP_POINTS   number of points that are triangulated.
 //   FAKE_COLMAP_FAIL     a command that fails with exit code 1.
 //   FAKE_COLMAP_SIGNAL   the number of a signal that ends it instead.
@@ -294,6 +296,10 @@ int Map(Options& options) {
       kept.images.push_back(image);
     }
     RemoveDanglingReferences(&kept);
+    if (Setting("FAKE_COLMAP_SENSELESS") != "" &&
+        options["Mapper.init_min_num_inliers"] == "") {
+      for (Camera& camera : kept.cameras) camera.params[0] = 1;
+    }
     const fs::path folder =
         fs::path(options["output_path"]) / std::to_string(number++);
     if (!WriteModel(folder, kept).ok()) return 9;

@@ -135,6 +135,16 @@ TEST_F(StructureFromMotionTest, LowerThresholdsWhenFewRegister) {
   EXPECT_THAT(result->warnings[0], HasSubstr("4 of 10"));
 }
 
+TEST_F(StructureFromMotionTest, CamerasThatNoPhotoHasAreNoModel) {
+  const auto result = Run({{"FAKE_COLMAP_SENSELESS", "1"}});
+  ASSERT_TRUE(result.ok()) << result.status().message();
+  EXPECT_EQ(result->models[0].images.size(), 10u);
+  EXPECT_GT(result->models[0].cameras.begin()->FocalX(), 100);
+  ASSERT_GE(result->attempts.size(), 2u);
+  EXPECT_EQ(result->attempts[0].registered, 0);
+  EXPECT_TRUE(result->attempts[1].kept);
+}
+
 std::vector<std::string> NamesOf(const std::vector<Attempt>& attempts) {
   std::vector<std::string> names;
   for (const Attempt& attempt : attempts) names.push_back(attempt.name);
