@@ -10,7 +10,6 @@
 namespace freegs::sfm {
 
 int SfmOptions::FeaturesOf(int64_t num_photos) const {
-  constexpr int64_t kFewPhotos = 20;
   constexpr int kMostOfFew = 8000;
   if (num_photos >= kFewPhotos || max_features >= kMostOfFew) {
     return max_features;

@@ -33,8 +33,8 @@ struct SfmOptions {
   // chooses the smallest size, from 800 to 1600, that gives max_features.
   int max_image_size = 0;
 
-  // How many features are kept per photo; those are the largest ones. Of fewer
-  // than 20 photos more are kept (FeaturesOf).
+  // How many features are kept per photo; those are the largest ones. Of few
+  // photos more are kept (FeaturesOf).
   int max_features = 3000;
 
   // Which pairs of photos are matched.
@@ -51,8 +51,9 @@ struct SfmOptions {
 
   // The features to keep of each of so many photos. Few photos overlap little,
   // so that more features connect more of them, and they take little time: of
-  // fewer than 20 photos 8/3 times max_features are kept, but no more than 8000
-  // unless max_features says so.
+  // fewer than kFewPhotos 8/3 times max_features are kept, but no more than
+  // 8000 unless max_features says so.
+  static constexpr int kFewPhotos = 20;
   int FeaturesOf(int64_t num_photos) const;
 
   Status Check() const;

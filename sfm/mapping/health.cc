@@ -8,6 +8,7 @@
 #include <set>
 
 #include "core/number_text.h"
+#include "sfm/colmap/sfm_options.h"
 
 namespace freegs::sfm {
 namespace {
@@ -18,8 +19,11 @@ std::string Fixed(double value) { return FormatFixed(value, 2); }
 
 constexpr char kMoreOverlap[] =
     "take more photos with at least two thirds overlap from neighbouring "
-    "positions, sharp and of a textured scene; or try --sfm.max_features "
-    "8192, --sfm.matcher exhaustive, --sfm.camera per_image";
+    "positions, sharp and of a textured scene; or try ";
+
+// What few photos get without being asked for it (SfmOptions::FeaturesOf).
+constexpr char kForManyPhotos[] =
+    "--sfm.max_features 8192, --sfm.matcher exhaustive, ";
 
 // The same where poses come from elsewhere.
 constexpr char kMorePoses[] =
@@ -67,8 +71,11 @@ struct Judgement {
 };
 
 // What makes more photos have a pose.
-std::string MoreOverlap(const HealthOptions& options) {
-  return options.imported ? kMorePoses : kMoreOverlap;
+std::string MoreOverlap(const Health& health, const HealthOptions& options) {
+  if (options.imported) return kMorePoses;
+  std::string advice = kMoreOverlap;
+  if (health.images >= SfmOptions::kFewPhotos) advice += kForManyPhotos;
+  return advice + "--sfm.camera per_image";
 }
 
 // Why the result cannot be used.
@@ -82,13 +89,13 @@ Judgement FailureOf(const Health& health,
     return {Reasons(health,
                     registered + ", at least " +
                         std::to_string(options.min_registered) + " are needed"),
-            Advice(health, MoreOverlap(options))};
+            Advice(health, MoreOverlap(health, options))};
   }
   if (HasFinding(health, Severity::kFatal)) {
-    return {Reasons(health, ""), Advice(health, MoreOverlap(options))};
+    return {Reasons(health, ""), Advice(health, MoreOverlap(health, options))};
   }
   if (health.registered_share() < options.min_registered_share) {
-    std::string advice = MoreOverlap(options);
+    std::string advice = MoreOverlap(health, options);
     if (health.model_sizes.size() > 1) {
       advice +=
           "; the photos fell into separate models, so add photos that connect "
@@ -102,7 +109,7 @@ Judgement FailureOf(const Health& health,
   }
   if (triangulated && health.measures.num_points == 0) {
     return {Reasons(health, "no points were triangulated"),
-            Advice(health, MoreOverlap(options))};
+            Advice(health, MoreOverlap(health, options))};
   }
   if (triangulated && health.measures.median_triangulation_deg <
                           options.min_triangulation_deg) {
@@ -126,7 +133,7 @@ Judgement FlawOf(const Health& health,
                         " photos got a camera pose"),
             Advice(health,
                    "the others are left out; for better coverage, " +
-                       MoreOverlap(options))};
+                       MoreOverlap(health, options))};
   }
   if (triangulated && health.measures.mean_reprojection_error_px >
                           options.good_reprojection_error_px) {
