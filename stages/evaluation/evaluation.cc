@@ -52,6 +52,7 @@ StatusOr<std::optional<ImageQuality>> MeasureHoldoutQuality(
                                                 pool,
                                                 /*level=*/0,
                                                 scene.exposures));
+  if (report.views.empty()) return std::optional<ImageQuality>();
   ImageQuality quality;
   for (const splat::HoldoutView& view : report.views) {
     quality.views.push_back({view.name, view.psnr, view.ssim});

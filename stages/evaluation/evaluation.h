@@ -40,10 +40,10 @@ struct ImageQuality {
   std::vector<ViewQuality> views;
 };
 
-// Renders the holdout views that report (SplitHoldout) at the size of training
-// and compares them with their photographs in photos_folder, where their masks
-// in mask_folder (empty: none) do not say to ignore them. The result is empty
-// without holdout views.
+// Renders the holdout views at the size of training and compares them with
+// their photographs in photos_folder, where their masks in mask_folder (empty:
+// none) do not say to ignore them. The result is empty without holdout views,
+// and if masks leave nothing of any.
 StatusOr<std::optional<ImageQuality>> MeasureHoldoutQuality(
     const WorkspaceScene& scene,
     const std::filesystem::path& photos_folder,

@@ -157,8 +157,9 @@ class ReconstructStage : public pipeline::Stage {
   static StatusOr<std::map<std::string, std::string>> HoldoutFiles(
       const splat::TrainingImages& holdout) {
     std::vector<View> views;
-    for (size_t i = 0; i < holdout.size(); ++i)
+    for (size_t i = 0; i < holdout.size(); ++i) {
       views.push_back(holdout.view(i));
+    }
     FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> names,
                             OutputNames(views, ".png"));
     std::map<std::string, std::string> files;

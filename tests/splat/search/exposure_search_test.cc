@@ -97,7 +97,7 @@ TEST_F(ExposureSearchTest, LearnsExposureOnlyWherePhotosDiffer) {
 
 TEST_F(ExposureSearchTest, EveryFifthPhotoByNameIsNotTrainedOn) {
   const ExposureChoice before = *Search();
-  // These are photos 2 and 7. Their left halves do not count, but for colour.
+  // These are photos 2 and 7. Only their right halves change.
   for (const size_t k : {2, 7}) {
     for (int y = 0; y < photos_[k].height(); ++y) {
       for (int x = photos_[k].width() / 2; x < photos_[k].width(); ++x) {
