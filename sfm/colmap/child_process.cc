@@ -179,8 +179,12 @@ class Child {
   // Reads what is there without waiting; false once the output has ended.
   bool ReadOutput(const LineFn& on_line);
 
-  // True when the program has ended; fills result().
+  // True when the program has ended.
   bool Reap(bool wait);
+
+  // The result of a program that has ended, with what it wrote between the
+  // last read and its end.
+  ChildResult Finish(const LineFn& on_line);
 
   void Signal(int signal) {
     if (group_ > 0) kill(-group_, signal);
@@ -202,8 +206,6 @@ class Child {
     result_.timed_out = true;
     Signal(SIGKILL);
   }
-
-  const ChildResult& result() const { return result_; }
 
  private:
   Status StartGuard(int error_fd);
@@ -355,8 +357,16 @@ bool Child::Reap(bool wait) {
   EndGroup();
   if (WIFEXITED(status)) result_.exit_code = WEXITSTATUS(status);
   if (WIFSIGNALED(status)) result_.signal = WTERMSIG(status);
-  for (const std::string& line : tail_) result_.tail += line + "\n";
   return true;
+}
+
+ChildResult Child::Finish(const LineFn& on_line) {
+  // A stray grandchild may keep the pipe open, so the end of the output may
+  // never come, and the last line is taken as it is.
+  if (ReadOutput(on_line)) TakeLine(on_line);
+  ChildResult result = result_;
+  for (const std::string& line : tail_) result.tail += line + "\n";
+  return result;
 }
 
 void WaitForOutput(const std::vector<std::unique_ptr<Child>>& children) {
@@ -442,10 +452,7 @@ Status RunChildren(const ChildBatch& batch,
         if (!open) usleep(kClosedMicroseconds);
         continue;
       }
-      // What it wrote between the read above and its end, unless a stray
-      // grandchild keeps the pipe open.
-      if (open) children[slot]->ReadOutput(on_line);
-      const ChildResult result = children[slot]->result();
+      const ChildResult result = children[slot]->Finish(on_line);
       children[slot].reset();
       ++done;
       if (batch.finished) status = batch.finished(job[slot], result);

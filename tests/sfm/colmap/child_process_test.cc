@@ -115,6 +115,26 @@ TEST(RunChild, ALotOfOutputWithoutLineEnds) {
   EXPECT_EQ(total, 3000000u);
 }
 
+// A process that left the group keeps the pipe open, so the output of the
+// program that ended has no end.
+TEST(RunChild, LastWordsArriveThoughThePipeStaysOpen) {
+  pid_t stray = 0;
+  std::vector<std::string> lines;
+  const auto result = RunChild(
+      Shell("setsid sleep 100 & echo $!; printf 'last words'; exit 5"),
+      [&](std::string_view line) {
+        if (stray == 0) stray = std::stoi(std::string(line));
+        lines.emplace_back(line);
+      },
+      nullptr);
+  if (stray > 0) kill(stray, SIGKILL);
+  ASSERT_TRUE(result.ok());
+  EXPECT_EQ(result->exit_code, 5);
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_EQ(lines[1], "last words");
+  EXPECT_THAT(result->tail, HasSubstr("last words\n"));
+}
+
 // Waits until a process is gone (a zombie that init has not reaped counts).
 bool Vanishes(pid_t pid) {
   for (int i = 0; i < 200; ++i) {
