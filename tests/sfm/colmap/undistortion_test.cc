@@ -82,6 +82,29 @@ TEST_F(UndistortionTest, LargePinholePhotosAreResized) {
       (*pixel - result->model.images[0].points2d[0].xy).norm(), 0, 1e-9);
 }
 
+// As a strip of one pixel does, which cannot become any narrower.
+TEST_F(UndistortionTest, PhotosOfTheSameWidthButAnotherHeightAreResized) {
+  Reconstruction model = SyntheticModel(2, 5, CameraModel::kPinhole);
+  model.cameras[0].width = 1;
+  model.cameras[0].height = 640;
+  model.cameras[0].params = {600, 600, 0.5, 320};
+  for (const PosedImage& image : model.images) {
+    fs::create_directories(input_.photo_folder);
+    ASSERT_TRUE(
+        WriteImage(input_.photo_folder / image.name, ImageU8(1, 640, 3, 77))
+            .ok());
+  }
+  input_.max_image_size = 400;
+  const auto result = Undistort(model, input_);
+  ASSERT_TRUE(result.ok()) << result.status().message();
+  EXPECT_TRUE(result->resampled);
+  const auto photo =
+      ReadRgb(input_.output / "images" / result->model.images[0].name);
+  ASSERT_TRUE(photo.ok());
+  EXPECT_EQ(photo->width(), 1);
+  EXPECT_EQ(photo->height(), 400);
+}
+
 TEST_F(UndistortionTest, DistortedPhotosGoThroughColmap) {
   const Reconstruction model = SyntheticModel(3, 5, CameraModel::kRadial);
   WritePhotos(model);

@@ -189,6 +189,12 @@ TEST_F(EvalCommandTest, SaysWhyThereIsNoText) {
   EXPECT_GT(result_["instance_miou"], 0.95);
   EXPECT_THAT(messages_.str(), HasSubstr("no figures of text"));
   EXPECT_THAT(messages_.str(), HasSubstr("instance_features.json"));
+  const std::vector<std::string> of_gaussians = {
+      "--gt", truth_.path().string(), "--text-from", "gaussians"};
+  ASSERT_EQ(Eval(of_gaussians), 0) << message_;
+  EXPECT_TRUE(result_["text_miou"].is_null());
+  EXPECT_TRUE(result_["text_threshold"].is_null());
+  EXPECT_THAT(messages_.str(), HasSubstr("no figures of text"));
   // Who asks for a model wants its figures.
   EXPECT_EQ(Eval({"--gt", truth_.path().string(), "--model", "nowhere"}), 5);
 }

@@ -260,7 +260,9 @@ TEST_F(QueryCommandTest, ClicksReachPartsAndWholes) {
   EXPECT_EQ(part["hits"][0]["id"], 4);
   EXPECT_EQ(part["query"]["level"], -1);
   EXPECT_EQ(part["query"]["instance"], 2);
-  EXPECT_EQ(count(QueryJson(click({"--wider", "1"}))), 60);
+  const nlohmann::json pair = QueryJson(click({"--wider", "1"}));
+  EXPECT_EQ(count(pair), 60);
+  EXPECT_NEAR(pair["hits"][0]["instance_score"], 0.8, 1e-6);
   EXPECT_EQ(count(QueryJson(click({"--wider", "5"}))), 90);
 
   const TemporaryFolder masks;

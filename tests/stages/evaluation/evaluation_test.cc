@@ -163,6 +163,31 @@ TEST_F(EvaluationTest, WithoutTruthThereIsNothing) {
   EXPECT_FALSE(holdout->has_value());
 }
 
+TEST_F(EvaluationTest, MasksThatLeaveNothingOfTheHoldout) {
+  WorkspaceScene scene = MakeScene();
+  scene.holdout = {scene.train.back()};
+  scene.train.pop_back();
+  const View& view = scene.holdout[0];
+  const int width = view.camera.width;
+  const int height = view.camera.height;
+  const fs::path photos = folder_ / "photos";
+  const fs::path masks = folder_ / "masks";
+  ASSERT_TRUE(CreateFolders(photos).ok() && CreateFolders(masks).ok());
+  ASSERT_TRUE(
+      WriteImage(photos / view.name, ImageU8(width, height, 3, 90)).ok());
+  const auto measured = MeasureHoldoutQuality(scene, photos, masks, pool_);
+  ASSERT_TRUE(measured.ok()) << measured.status().message();
+  ASSERT_TRUE(measured->has_value());
+  EXPECT_EQ((*measured)->views.size(), 1u);
+
+  ASSERT_TRUE(
+      WriteLabels(masks / (view.name + ".png"), ImageU16(width, height, 1, 0))
+          .ok());
+  const auto nothing = MeasureHoldoutQuality(scene, photos, masks, pool_);
+  ASSERT_TRUE(nothing.ok()) << nothing.status().message();
+  EXPECT_FALSE(nothing->has_value());
+}
+
 TEST_F(EvaluationTest, ReportsFaultsOfTheTruth) {
   const WorkspaceScene scene = MakeScene();
   const View& view = truth_.cameras.test[0];
