@@ -21,9 +21,8 @@ constexpr char kMoreOverlap[] =
     "take more photos with at least two thirds overlap from neighbouring "
     "positions, sharp and of a textured scene; or try ";
 
-// What few photos get without being asked for it (SfmOptions::FeaturesOf).
-constexpr char kForManyPhotos[] =
-    "--sfm.max_features 8192, --sfm.matcher exhaustive, ";
+// More features than these are no advice.
+constexpr int kManyFeatures = 8000;
 
 // The same where poses come from elsewhere.
 constexpr char kMorePoses[] =
@@ -74,7 +73,12 @@ struct Judgement {
 std::string MoreOverlap(const Health& health, const HealthOptions& options) {
   if (options.imported) return kMorePoses;
   std::string advice = kMoreOverlap;
-  if (health.images >= SfmOptions::kFewPhotos) advice += kForManyPhotos;
+  if (options.max_features < kManyFeatures) {
+    advice += "--sfm.max_features 8192, ";
+  }
+  if (health.images >= SfmOptions::kFewPhotos) {
+    advice += "--sfm.matcher exhaustive, ";
+  }
   return advice + "--sfm.camera per_image";
 }
 
@@ -301,6 +305,7 @@ nlohmann::json HealthToJson(const Health& health) {
       {"attempts", AttemptsToJson(health.attempts)},
       {"pairs", MatchedPairsToJson(health.pairs)},
       {"image_size", health.image_size},
+      {"max_features", health.max_features},
       {"unregistered", names},
       {"unregistered_reasons", reasons},
       {"warnings", health.warnings},

@@ -44,6 +44,9 @@ struct HealthOptions {
   // options is no advice.
   bool imported = false;
 
+  // So many features of each photo were kept at most.
+  int max_features = 0;
+
   // kInvalidArgument unless the shares lie in 0..1.
   Status Check() const;
 };
@@ -69,10 +72,12 @@ struct Health {
   // What was tried, in order.
   std::vector<Attempt> attempts;
 
-  // The pairs of photos that were matched, and the longest side, in pixels, of
-  // the images that features were taken from. Empty and 0 without COLMAP.
+  // The pairs of photos that were matched, the longest side, in pixels, of the
+  // images that features were taken from, and how many of each photo were kept
+  // at most. Empty and 0 without COLMAP.
   MatchedPairs pairs;
   int image_size = 0;
+  int max_features = 0;
 
   // The names of the photos without a pose, each with the reason, or with an
   // empty string if none is known.

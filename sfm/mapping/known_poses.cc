@@ -118,6 +118,7 @@ StatusOr<TriangulatedScene> TriangulateScene(const SfmInput& input,
   result.warnings = context.colmap.KnownFaults();
   result.pairs = scene->record().pairs();
   result.image_size = context.options.max_image_size;
+  result.max_features = context.options.max_features;
   context.Report("points", 0, 1, "");
   FREEGS_ASSIGN_OR_RETURN(const Reconstruction bare,
                           PosesOf(poses, scene->path()));

@@ -28,6 +28,7 @@ struct TriangulatedScene {
 
   MatchedPairs pairs;  // The pairs of photos that were compared.
   int image_size = 0;  // Longest side, in pixels, that features are taken from.
+  int max_features = 0;  // Of each photo that were kept at most.
   std::string colmap_version;
   std::vector<std::string> warnings;
 };

@@ -115,6 +115,7 @@ StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
   result.models = std::move(scene.models);
   result.pairs = record.pairs();
   result.image_size = context.options.max_image_size;
+  result.max_features = context.options.max_features;
   result.attempts = std::move(scene.attempts);
   FREEGS_RETURN_IF_ERROR(
       TakeSeparated(context, database, &store, &scene.evidence, &result));

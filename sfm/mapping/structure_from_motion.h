@@ -43,6 +43,9 @@ struct SfmResult {
   // taken from them.
   int image_size = 0;
 
+  // So many features of each photo were kept at most.
+  int max_features = 0;
+
   std::vector<Attempt> attempts;  // What was tried, in order.
   std::vector<Finding> findings;  // What was found out, the worst first.
 

@@ -85,7 +85,7 @@ class SfmStage : public pipeline::Stage {
       : options_(options), seed_(seed) {}
 
   std::string_view name() const override { return "sfm"; }
-  int version() const override { return 6; }
+  int version() const override { return 7; }
 
   std::vector<fs::path> Inputs(const StageContext& context) const override {
     std::vector<fs::path> inputs = {"ingest/images.json", "ingest/photos"};
@@ -230,6 +230,7 @@ class SfmStage : public pipeline::Stage {
     outcome->result.findings = std::move(scene->findings);
     outcome->result.pairs = std::move(scene->pairs);
     outcome->result.image_size = scene->image_size;
+    outcome->result.max_features = scene->max_features;
     outcome->result.colmap_version = std::move(scene->colmap_version);
     const size_t points = scene->model.points3d.size();
     if (points < kMinTriangulated) {
@@ -275,6 +276,7 @@ class SfmStage : public pipeline::Stage {
     const sfm::SfmResult& result = outcome.result;
     sfm::HealthOptions health_options = options_.health;
     health_options.imported = outcome.imported;
+    health_options.max_features = result.max_features;
     sfm::Health health = sfm::MeasureHealth(result.models,
                                             names,
                                             outcome.triangulated,
@@ -286,6 +288,7 @@ class SfmStage : public pipeline::Stage {
     health.camera_models = result.camera_models;
     health.pairs = result.pairs;
     health.image_size = result.image_size;
+    health.max_features = result.max_features;
     for (auto& [name, reason] : health.unregistered) {
       const auto it = result.unregistered.find(name);
       if (it != result.unregistered.end()) reason = it->second;
@@ -335,7 +338,9 @@ class SfmStage : public pipeline::Stage {
       context.log(LogLevel::kInfo,
                   "sfm: matched " + std::to_string(health.pairs.pairs) +
                       " of " + std::to_string(health.pairs.all_pairs) +
-                      " pairs of photos (" + health.pairs.strategy + ")");
+                      " pairs of photos (" + health.pairs.strategy +
+                      "), by up to " + std::to_string(health.max_features) +
+                      " features of each");
     }
     std::vector<std::string> missing;
     for (const auto& entry : health.unregistered)
