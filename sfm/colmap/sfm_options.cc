@@ -9,10 +9,12 @@
 
 namespace freegs::sfm {
 
-int SfmOptions::MoreFeatures() const {
-  constexpr int kMost = 8000;
-  return max_features >= kMost ? max_features
-                               : std::min(kMost, 8 * max_features / 3);
+int SfmOptions::FeaturesOf(int64_t num_photos) const {
+  constexpr int kMostOfFew = 8000;
+  if (num_photos >= kFewPhotos || max_features >= kMostOfFew) {
+    return max_features;
+  }
+  return std::min(kMostOfFew, 8 * max_features / 3);
 }
 
 Status SfmOptions::Check() const {

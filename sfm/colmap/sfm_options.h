@@ -34,7 +34,7 @@ struct SfmOptions {
   int max_image_size = 0;
 
   // How many features are kept per photo; those are the largest ones. Of few
-  // photos, and of those that overlap little, more are kept (MoreFeatures).
+  // photos more are kept (FeaturesOf).
   int max_features = 3000;
 
   // Which pairs of photos are matched.
@@ -49,23 +49,12 @@ struct SfmOptions {
     return camera_model == "auto" ? "RADIAL" : camera_model.c_str();
   }
 
-  // 8/3 times max_features, but no more than 8000 unless max_features says so.
-  int MoreFeatures() const;
-
-  // The features to keep of each of so many photos before anything is known of
-  // their overlap. More of them take little time where photos are few.
+  // The features to keep of each of so many photos. Few photos overlap little,
+  // so that more features connect more of them, and they take little time: of
+  // fewer than kFewPhotos 8/3 times max_features are kept, but no more than
+  // 8000 unless max_features says so.
   static constexpr int kFewPhotos = 20;
-  int FeaturesOf(int64_t num_photos) const {
-    return num_photos < kFewPhotos ? MoreFeatures() : max_features;
-  }
-
-  // Whether photos overlap so little that more features should be kept of them,
-  // when a quarter of them have no more than `matches` with their third best
-  // partner (MatchesOfThirdPartner): fewer than a share of max_features.
-  bool OverlapLittle(int64_t matches) const {
-    constexpr double kEnough = 0.04;
-    return static_cast<double>(matches) < kEnough * max_features;
-  }
+  int FeaturesOf(int64_t num_photos) const;
 
   Status Check() const;
 };

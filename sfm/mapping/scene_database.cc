@@ -12,7 +12,6 @@
 #include "sfm/features/extract_features.h"
 #include "sfm/features/image_size.h"
 #include "sfm/matching/match_database.h"
-#include "sfm/matching/photo_overlap.h"
 
 namespace freegs::sfm {
 namespace {
@@ -37,16 +36,13 @@ Status CheckNames(const SfmInput& input) {
 SceneDatabase::SceneDatabase(const SfmInput& input,
                              const SfmOptions& options,
                              ColmapProgram colmap)
-    : asked_(options),
-      options_(options),
+    : options_(options),
       colmap_(std::move(colmap)),
       context_{input, options_, colmap_},
       path_(input.work_folder / "database.db"),
       record_(input.work_folder) {
   options_.max_features =
-      record_.max_features() > 0
-          ? record_.max_features()
-          : options.FeaturesOf(static_cast<int64_t>(input.photos.size()));
+      options.FeaturesOf(static_cast<int64_t>(input.photos.size()));
   context_.num_threads =
       options.num_threads > 0
           ? options.num_threads
@@ -63,17 +59,15 @@ StatusOr<std::unique_ptr<SceneDatabase>> SceneDatabase::Build(
   FREEGS_RETURN_IF_ERROR(CreateFolders(input.work_folder / "logs"));
   std::unique_ptr<SceneDatabase> scene(
       new SceneDatabase(input, options, std::move(colmap)));
+  FREEGS_RETURN_IF_ERROR(scene->ChooseSize());
   FREEGS_RETURN_IF_ERROR(scene->Fill());
-  if (scene->record_.max_features() == 0) {
-    FREEGS_RETURN_IF_ERROR(scene->ReconsiderFeatures());
-  }
   std::error_code ignored;
   fs::remove(input.work_folder / "image_list.txt", ignored);
   return scene;
 }
 
 Status SceneDatabase::ChooseSize() {
-  if (asked_.max_image_size != 0) return {};
+  if (options_.max_image_size != 0) return {};
   if (!record_.Has("features") || record_.image_size() < 64) {
     FREEGS_ASSIGN_OR_RETURN(const int size, ChooseImageSize(context_));
     FREEGS_RETURN_IF_ERROR(record_.SetImageSize(size));
@@ -82,22 +76,7 @@ Status SceneDatabase::ChooseSize() {
   return {};
 }
 
-Status SceneDatabase::ReconsiderFeatures() {
-  FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
-                          MatchDatabase::Open(path_));
-  FREEGS_ASSIGN_OR_RETURN(const int64_t matches,
-                          MatchesOfThirdPartner(database));
-  const int more = asked_.MoreFeatures();
-  if (more <= options_.max_features || !asked_.OverlapLittle(matches)) {
-    return record_.SetMaxFeatures(options_.max_features);
-  }
-  options_.max_features = more;
-  FREEGS_RETURN_IF_ERROR(record_.StartAgain(more));
-  return Fill();
-}
-
 Status SceneDatabase::Fill() {
-  FREEGS_RETURN_IF_ERROR(ChooseSize());
   if (!record_.Has("photos")) {
     RemoveDatabase(path_);
     FREEGS_RETURN_IF_ERROR(RegisterPhotos(context_, path_));

@@ -23,9 +23,8 @@ namespace freegs::sfm {
 class SceneDatabase {
  public:
   // Finds COLMAP, and fills database.db in the work folder with the photos,
-  // their features and matches. If these show that the photos overlap little,
-  // this is done again with more features. Steps that an earlier call finished
-  // are not repeated. `input` must outlive the result.
+  // their features and matches. Steps that an earlier call finished are not
+  // repeated. `input` must outlive the result.
   //
   // Errors: kMissingDependency (no usable COLMAP), kInterrupted (a later call
   // goes on after the last finished step), kBadInput (names or options), and
@@ -36,8 +35,7 @@ class SceneDatabase {
   SceneDatabase(const SceneDatabase&) = delete;
   SceneDatabase& operator=(const SceneDatabase&) = delete;
 
-  // The options in it have the image size and the number of features that were
-  // chosen.
+  // The options in it have the image size that was chosen.
   const StepContext& context() const { return context_; }
   const std::filesystem::path& path() const { return path_; }
   StepRecord& record() { return record_; }
@@ -48,12 +46,8 @@ class SceneDatabase {
                 ColmapProgram colmap);
   Status ChooseSize();
   Status Fill();
-  // Decides how many features to keep, by the matches of those that there are,
-  // and fills the database again if more are needed.
-  Status ReconsiderFeatures();
 
-  const SfmOptions asked_;  // As they were given.
-  SfmOptions options_;      // With what was chosen.
+  SfmOptions options_;
   ColmapProgram colmap_;
   StepContext context_;  // Refers to options_ and colmap_.
   std::filesystem::path path_;

@@ -24,9 +24,6 @@ StepRecord::StepRecord(const std::filesystem::path& work_folder)
   }
   const auto size = ReadInteger(FindField(*json, "image_size"), 0, INT_MAX, "");
   if (size.ok()) image_size_ = *size;
-  const auto features =
-      ReadInteger(FindField(*json, "max_features"), 0, INT_MAX, "");
-  if (features.ok()) max_features_ = *features;
   if (const auto* done = FindField(*json, "done"); done && done->is_array()) {
     for (const auto& value : *done) {
       if (value.is_string()) done_.insert(value);
@@ -60,24 +57,10 @@ Status StepRecord::SetImageSize(int size) {
   return Save();
 }
 
-Status StepRecord::SetMaxFeatures(int features) {
-  max_features_ = features;
-  return Save();
-}
-
-Status StepRecord::StartAgain(int max_features) {
-  done_.clear();
-  portions_.clear();
-  pairs_ = {};
-  image_size_ = 0;
-  return SetMaxFeatures(max_features);
-}
-
 Status StepRecord::Save() const {
   const nlohmann::json json = {{"done", done_},
                                {"matched_portions", portions_},
                                {"image_size", image_size_},
-                               {"max_features", max_features_},
                                {"pairs", MatchedPairsToJson(pairs_)}};
   // COLMAP does not wait until its database is on disk; but a step must not
   // count as done before its results are.

@@ -36,9 +36,6 @@ class StepRecord {
   const MatchedPairs& pairs() const { return pairs_; }
   // The image size chosen for feature extraction, in pixels; 0 before that.
   int image_size() const { return image_size_; }
-  // The features to keep of each photo, decided on after a first matching; 0
-  // before that.
-  int max_features() const { return max_features_; }
 
   // Each of these writes the file. They return the errors of writing.
   Status Add(const std::string& step);
@@ -46,9 +43,6 @@ class StepRecord {
   // Records the step "matches" together with what was matched.
   Status AddMatches(const MatchedPairs& pairs);
   Status SetImageSize(int size);
-  Status SetMaxFeatures(int features);
-  // Records max_features, and that no step is finished.
-  Status StartAgain(int max_features);
 
  private:
   Status Save() const;
@@ -58,7 +52,6 @@ class StepRecord {
   std::set<int> portions_;
   MatchedPairs pairs_;
   int image_size_ = 0;
-  int max_features_ = 0;
 };
 
 // What was matched, as JSON and back. Null stands for "nothing was matched";

@@ -139,7 +139,14 @@ class ReconstructStage : public pipeline::Stage {
       FREEGS_RETURN_IF_ERROR(
           WriteExposures(context.output / "exposure.json", trained.exposures));
     }
-    return WriteMetrics(trained, holdout ? &*holdout : nullptr, meter, context);
+    nlohmann::json shown;
+    if (holdout) {
+      FREEGS_ASSIGN_OR_RETURN(shown,
+                              MeasureNewViews(trained, &*holdout, context));
+      FREEGS_RETURN_IF_ERROR(
+          CompareWithTrained(trained, scene, image_options, context, &shown));
+    }
+    return WriteMetrics(trained, shown, meter, context);
   }
 
  private:
@@ -167,12 +174,13 @@ class ReconstructStage : public pipeline::Stage {
     return files;
   }
 
-  // Measures what was trained on the holdout photos, writes what it shows there
-  // to holdout/, and adds the figures to *metrics.
-  Status MeasureOnHoldout(const TrainedModel& trained,
-                          splat::TrainingImages* holdout,
-                          pipeline::StageContext& context,
-                          nlohmann::json* metrics) const {
+  // Measures what was trained on the holdout photos, and writes what it shows
+  // there to holdout/. Returns the figures for metrics.json.
+  StatusOr<nlohmann::json> MeasureNewViews(
+      const TrainedModel& trained,
+      splat::TrainingImages* holdout,
+      pipeline::StageContext& context) const {
+    nlohmann::json metrics = nlohmann::json::object();
     const splat::RenderOptions render = ReconstructRenderOptions(options_);
     FREEGS_ASSIGN_OR_RETURN(const auto files, HoldoutFiles(*holdout));
     FREEGS_ASSIGN_OR_RETURN(const splat::HoldoutReport quality,
@@ -186,13 +194,13 @@ class ReconstructStage : public pipeline::Stage {
       context.log(pipeline::LogLevel::kWarning,
                   "reconstruct: masks leave nothing of any holdout photo, so "
                   "new views are not measured");
-      return Status();
+      return metrics;
     }
-    (*metrics)["holdout_psnr"] = quality.mean_psnr;
-    (*metrics)["holdout_ssim"] = quality.mean_ssim;
+    metrics["holdout_psnr"] = quality.mean_psnr;
+    metrics["holdout_ssim"] = quality.mean_ssim;
     std::vector<DisplacedView> displaced;
     for (const splat::HoldoutView& view : quality.views) {
-      (*metrics)["holdout_views"].push_back(
+      metrics["holdout_views"].push_back(
           {{"name", view.name},
            {"psnr", view.psnr},
            {"ssim", view.ssim},
@@ -208,32 +216,61 @@ class ReconstructStage : public pipeline::Stage {
                             splat::MeasureFittedHoldout(
                                 trained.model, render, holdout, *context.pool));
     if (right_halves) {
-      (*metrics)["holdout_psnr_fitted"] = right_halves->fitted;
+      metrics["holdout_psnr_fitted"] = right_halves->fitted;
     }
     const std::string note = DisplacementNote(displaced);
     if (!note.empty()) {
       context.log(pipeline::LogLevel::kWarning, "reconstruct: " + note);
     }
+    return metrics;
+  }
+
+  // Adds to the figures of new views how well a few of the photos are shown
+  // that were trained on, and warns when new views are far worse.
+  Status CompareWithTrained(const TrainedModel& trained,
+                            const TrainingScene& scene,
+                            splat::TrainingImagesOptions image_options,
+                            pipeline::StageContext& context,
+                            nlohmann::json* metrics) const {
+    constexpr size_t kPhotos = 8;
+    const std::vector<View>& train = scene.photos.train;
+    const size_t count = std::min(kPhotos, train.size());
+    std::vector<View> some;
+    for (size_t k = 0; k < count; ++k) {
+      some.push_back(train[(2 * k + 1) * train.size() / (2 * count)]);
+    }
+    image_options.num_levels = 1;
+    FREEGS_ASSIGN_OR_RETURN(
+        splat::TrainingImages images,
+        LoadPhotos(scene, some, image_options, *context.pool));
+    FREEGS_ASSIGN_OR_RETURN(
+        const splat::HoldoutReport quality,
+        splat::MeasureHoldout(trained.model,
+                              ReconstructRenderOptions(options_),
+                              &images,
+                              *context.pool,
+                              /*level=*/0,
+                              trained.exposures));
+    if (quality.views.empty()) return Status();
+    (*metrics)["trained_psnr"] = quality.mean_psnr;
     return Status();
   }
 
-  // `holdout` is null where there are no such photos.
+  // `new_views`: what is known of the holdout photos, if anything.
   Status WriteMetrics(const TrainedModel& trained,
-                      splat::TrainingImages* holdout,
+                      const nlohmann::json& new_views,
                       const pipeline::ResourceMeter& meter,
                       pipeline::StageContext& context) const {
     const splat::GaussianModel& model = trained.model;
     nlohmann::json metrics = {{"holdout_psnr", nullptr},
                               {"holdout_ssim", nullptr},
                               {"holdout_psnr_fitted", nullptr},
+                              {"trained_psnr", nullptr},
                               {"num_gaussians", model.size()},
                               {"sh_degree", model.sh_degree},
                               {"iterations", trained.iterations}};
     metrics.update(trained.course);
-    if (holdout != nullptr) {
-      FREEGS_RETURN_IF_ERROR(
-          MeasureOnHoldout(trained, holdout, context, &metrics));
-    }
+    if (new_views.is_object()) metrics.update(new_views);
     const pipeline::ResourceUsage usage = meter.Elapsed();
     metrics["seconds"] = trained.earlier_seconds + usage.wall_seconds;
     metrics["cpu_seconds"] = trained.earlier_cpu_seconds + usage.cpu_seconds;

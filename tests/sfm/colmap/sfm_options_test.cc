@@ -22,15 +22,5 @@ TEST(SfmOptions, FewPhotosGetMoreFeatures) {
   EXPECT_EQ(options.FeaturesOf(3), 100000);
 }
 
-TEST(SfmOptions, PhotosThatOverlapLittleGetMoreFeatures) {
-  SfmOptions options;
-  EXPECT_EQ(options.MoreFeatures(), 8000);
-  EXPECT_TRUE(options.OverlapLittle(0));
-  EXPECT_TRUE(options.OverlapLittle(119));
-  EXPECT_FALSE(options.OverlapLittle(120));
-  options.max_features = 1200;
-  EXPECT_FALSE(options.OverlapLittle(48));
-}
-
 }  // namespace
 }  // namespace freegs::sfm

@@ -355,46 +355,6 @@ TEST_F(StructureFromMotionTest, MatchingContinuesAtItsPortion) {
   }
 }
 
-// The fake says of each pair that a few dozen matches are right.
-TEST_F(StructureFromMotionTest, PhotosThatOverlapLittleGetMoreFeatures) {
-  for (int i = 10; i < 24; ++i) {
-    SfmPhoto photo = input_.photos[0];
-    photo.name = PhotoName(i);
-    input_.photos.push_back(photo);
-  }
-  WriteTexturedPhotos(input_);
-  // A share of these few features is enough to hang together by.
-  options_.max_features = 64;
-  const auto enough = Run();
-  ASSERT_TRUE(enough.ok()) << enough.status().message();
-  EXPECT_EQ(enough->max_features, 64);
-
-  options_.max_features = 3000;
-  input_.work_folder = folder_ / "more";
-  const auto more = Run();
-  ASSERT_TRUE(more.ok()) << more.status().message();
-  EXPECT_EQ(more->max_features, 8000);
-
-  // A run that fails while it matches for the second time goes on there.
-  input_.work_folder = folder_ / "disturbed";
-  const fs::path once = folder_ / "once";
-  int matchings = 0;
-  input_.progress = [&](const Progress& progress) {
-    if (progress.step != "matching" || progress.done != 0) return;
-    if (++matchings == 2) WriteText(once, "");
-  };
-  EXPECT_FALSE(Run({{"FAKE_COLMAP_FAIL", "matches_importer"},
-                    {"FAKE_COLMAP_ONCE", once.string()}})
-                   .ok());
-  EXPECT_EQ(matchings, 2);
-  input_.progress = nullptr;
-  const auto resumed = Run();
-  ASSERT_TRUE(resumed.ok()) << resumed.status().message();
-  EXPECT_EQ(resumed->max_features, 8000);
-  EXPECT_EQ(PointsToBinary(resumed->models[0].points3d),
-            PointsToBinary(more->models[0].points3d));
-}
-
 TEST_F(StructureFromMotionTest, ImageSizeIsChosen) {
   // Small photos: taken as they are.
   const auto small = Run();
