@@ -232,6 +232,7 @@ class ReconstructStage : public pipeline::Stage {
                             splat::TrainingImagesOptions image_options,
                             pipeline::StageContext& context,
                             nlohmann::json* metrics) const {
+    if (!metrics->contains("holdout_views")) return Status();
     constexpr size_t kPhotos = 8;
     const std::vector<View>& train = scene.photos.train;
     const size_t count = std::min(kPhotos, train.size());
@@ -253,6 +254,14 @@ class ReconstructStage : public pipeline::Stage {
                               trained.exposures));
     if (quality.views.empty()) return Status();
     (*metrics)["trained_psnr"] = quality.mean_psnr;
+    std::vector<double> holdout;
+    for (const nlohmann::json& view : metrics->at("holdout_views")) {
+      holdout.push_back(view["psnr"]);
+    }
+    const std::string note = NewViewsNote(quality.mean_psnr, holdout);
+    if (!note.empty()) {
+      context.log(pipeline::LogLevel::kWarning, "reconstruct: " + note);
+    }
     return Status();
   }
 

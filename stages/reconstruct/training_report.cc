@@ -108,4 +108,19 @@ std::string DisplacementNote(const std::vector<DisplacedView>& views) {
          "take more photos";
 }
 
+std::string NewViewsNote(double trained_psnr,
+                         const std::vector<double>& holdout_psnr) {
+  // Errors twice as large. Of some seventy scenes those with enough photos in
+  // right places lay at most 5.5 dB apart (docs/stability.md).
+  constexpr double kFarApart = 6;
+  const double holdout = Median(holdout_psnr);
+  if (holdout_psnr.empty() || trained_psnr - holdout <= kFarApart) return "";
+  return "photos kept from training are shown with " + FormatFixed(holdout, 1) +
+         " dB (median of " + std::to_string(holdout_psnr.size()) +
+         "), and photos that were trained on with " +
+         FormatFixed(trained_psnr, 1) +
+         " dB: new views will be poor. The photos seem to be too few, too far "
+         "apart, or in wrong places; take more in between";
+}
+
 }  // namespace freegs::stages

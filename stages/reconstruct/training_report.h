@@ -39,6 +39,12 @@ struct DisplacedView {
 // photos lie far beside what the scene shows from their poses; empty otherwise.
 std::string DisplacementNote(const std::vector<DisplacedView>& views);
 
+// A warning, without the stage's name, when the PSNR of holdout photos is far
+// below that of photos that were trained on, both in dB; empty otherwise, and
+// without holdout photos.
+std::string NewViewsNote(double trained_psnr,
+                         const std::vector<double>& holdout_psnr);
+
 }  // namespace freegs::stages
 
 #endif  // FREEGS_STAGES_RECONSTRUCT_TRAINING_REPORT_H_

@@ -19,5 +19,16 @@ TEST(DisplacementNoteTest, HalfOfThePhotosMayLieAnywhere) {
               testing::HasSubstr("by 3.0 pixels"));
 }
 
+TEST(NewViewsNoteTest, ErrorsTwiceAsLarge) {
+  EXPECT_EQ(NewViewsNote(30, {}), "");
+  EXPECT_EQ(NewViewsNote(30, {24.1}), "");
+  EXPECT_EQ(NewViewsNote(30, {35, 12, 25}), "");
+  EXPECT_EQ(NewViewsNote(25, {31}), "");
+  EXPECT_THAT(NewViewsNote(30, {12, 23, 25, 19}),
+              testing::HasSubstr("with 21.0 dB (median of 4)"));
+  EXPECT_THAT(NewViewsNote(30, {12, 23, 25, 19}),
+              testing::HasSubstr("trained on with 30.0 dB"));
+}
+
 }  // namespace
 }  // namespace freegs::stages
