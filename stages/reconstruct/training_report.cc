@@ -11,10 +11,12 @@
 namespace freegs::stages {
 namespace {
 
-// Null when there was no search.
+// Null when there was no search; what it shows is null when it had too few
+// photos for a training.
 nlohmann::json ChoiceJson(const std::optional<splat::ExposureChoice>& choice) {
   if (!choice) return nullptr;
   const auto psnr = [](const splat::TrialPsnr& shown) -> nlohmann::json {
+    if (shown == splat::TrialPsnr()) return nullptr;
     return {{"trained_psnr", shown.trained}, {"others_psnr", shown.others}};
   };
   return {{"learn", choice->learn},
@@ -76,6 +78,10 @@ std::string ExposureText(const splat::ExposureChoice& choice) {
   const auto change = [](double without, double with) {
     return FormatFixed(without, 2) + " -> " + FormatFixed(with, 2) + " dB";
   };
+  if (choice.without == splat::TrialPsnr()) {
+    return "the exposure of each photo is not learnt, because photos are too "
+           "few to tell";
+  }
   return std::string("the exposure of each photo is ") +
          (choice.learn ? "learnt" : "not learnt") +
          "; after a short training with four fifths of the photos, that of "

@@ -19,6 +19,18 @@ TEST(DisplacementNoteTest, HalfOfThePhotosMayLieAnywhere) {
               testing::HasSubstr("by 3.0 pixels"));
 }
 
+TEST(ExposureTextTest, SaysWhatTheTrialShowed) {
+  splat::ExposureChoice choice;
+  EXPECT_THAT(ExposureText(choice), testing::HasSubstr("too few to tell"));
+  choice.learn = true;
+  choice.without = {.trained = 21, .others = 20.5};
+  choice.with = {.trained = 23, .others = 22.25};
+  EXPECT_THAT(ExposureText(choice),
+              testing::AllOf(testing::HasSubstr("photo is learnt"),
+                             testing::HasSubstr("21.00 -> 23.00 dB"),
+                             testing::HasSubstr("20.50 -> 22.25 dB")));
+}
+
 TEST(NewViewsNoteTest, ErrorsTwiceAsLarge) {
   EXPECT_EQ(NewViewsNote(30, {}), "");
   EXPECT_EQ(NewViewsNote(30, {24.1}), "");
