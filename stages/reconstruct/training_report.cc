@@ -116,8 +116,8 @@ std::string DisplacementNote(const std::vector<DisplacedView>& views) {
 
 std::string NewViewsNote(double trained_psnr,
                          const std::vector<double>& holdout_psnr) {
-  // Errors twice as large. Of some seventy scenes those with enough photos in
-  // right places lay at most 5.5 dB apart (docs/stability.md).
+  // Errors twice as large. Models of enough photos in right places lay at most
+  // 5.5 dB apart (docs/stability.md).
   constexpr double kFarApart = 6;
   const double holdout = Median(holdout_psnr);
   if (holdout_psnr.empty() || trained_psnr - holdout <= kFarApart) return "";
