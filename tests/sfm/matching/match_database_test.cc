@@ -335,7 +335,9 @@ TEST(MatchDatabase, AddsAndClearsFeatures) {
     EXPECT_EQ(database->Descriptors(3)->count(), 0u);
 
     ASSERT_TRUE(database->ClearFeatures().ok());
-    for (const auto& photo : database->Photos().value()) {
+    const auto cleared = database->Photos();
+    ASSERT_TRUE(cleared.ok()) << cleared.status().message();
+    for (const auto& photo : *cleared) {
       EXPECT_EQ(photo.num_features, 0);
       EXPECT_EQ(database->Descriptors(photo.id)->count(), 0u);
     }
