@@ -10,11 +10,10 @@
 namespace freegs::sfm {
 
 int SfmOptions::FeaturesOf(int64_t num_photos) const {
-  constexpr int kMostOfFew = 8000;
-  if (num_photos >= kFewPhotos || max_features >= kMostOfFew) {
+  if (num_photos >= kFewPhotos || max_features >= kManyFeatures) {
     return max_features;
   }
-  return std::min(kMostOfFew, 8 * max_features / 3);
+  return std::min(kManyFeatures, 8 * max_features / 3);
 }
 
 Status SfmOptions::Check() const {

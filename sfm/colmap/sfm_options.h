@@ -52,8 +52,9 @@ struct SfmOptions {
   // The features to keep of each of so many photos. Few photos overlap little,
   // so that more features connect more of them, and they take little time: of
   // fewer than kFewPhotos 8/3 times max_features are kept, but no more than
-  // 8000 unless max_features says so.
+  // kManyFeatures unless max_features says so.
   static constexpr int kFewPhotos = 20;
+  static constexpr int kManyFeatures = 8000;
   int FeaturesOf(int64_t num_photos) const;
 
   Status Check() const;

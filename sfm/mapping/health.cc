@@ -21,10 +21,7 @@ constexpr char kMoreOverlap[] =
     "take more photos with at least two thirds overlap from neighbouring "
     "positions, sharp and of a textured scene; or try ";
 
-// More features than these are no advice.
-constexpr int kManyFeatures = 8000;
-
-// The same where poses come from elsewhere.
+// The advice where poses come from elsewhere.
 constexpr char kMorePoses[] =
     "give poses for the other photos, or leave these photos out; or let "
     "structure from motion find all poses (without sfm.import)";
@@ -73,7 +70,7 @@ struct Judgement {
 std::string MoreOverlap(const Health& health, const HealthOptions& options) {
   if (options.imported) return kMorePoses;
   std::string advice = kMoreOverlap;
-  if (options.max_features < kManyFeatures) {
+  if (options.max_features < SfmOptions::kManyFeatures) {
     advice += "--sfm.max_features 8192, ";
   }
   if (health.images >= SfmOptions::kFewPhotos) {
@@ -236,6 +233,7 @@ Health MeasureHealth(const std::vector<Reconstruction>& models,
   Health health;
   health.findings = std::move(findings);
   health.images = static_cast<int>(names.size());
+  health.max_features = options.max_features;
   std::set<std::string_view> posed;
   if (!models.empty()) {
     health.cameras = models[0].cameras;

@@ -102,7 +102,8 @@ struct Health {
 // if not (imported poses with random points), errors and angles are not judged.
 // findings: those of Diagnose(); a fatal one makes the verdict failed, a
 // degrading one makes it no better than degraded. The caller fills in attempts
-// and all that follows them in Health, except unregistered and cameras.
+// and all that follows them in Health, except max_features, unregistered and
+// cameras.
 //
 //   Health health =
 //       MeasureHealth(result.models, names, true, options, result.findings);

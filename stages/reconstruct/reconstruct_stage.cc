@@ -139,14 +139,14 @@ class ReconstructStage : public pipeline::Stage {
       FREEGS_RETURN_IF_ERROR(
           WriteExposures(context.output / "exposure.json", trained.exposures));
     }
-    nlohmann::json shown;
+    nlohmann::json new_views = nlohmann::json::object();
     if (holdout) {
-      FREEGS_ASSIGN_OR_RETURN(shown,
+      FREEGS_ASSIGN_OR_RETURN(new_views,
                               MeasureNewViews(trained, &*holdout, context));
-      FREEGS_RETURN_IF_ERROR(
-          CompareWithTrained(trained, scene, image_options, context, &shown));
+      FREEGS_RETURN_IF_ERROR(CompareWithTrained(
+          trained, scene, image_options, context, &new_views));
     }
-    return WriteMetrics(trained, shown, meter, context);
+    return WriteMetrics(trained, new_views, meter, context);
   }
 
  private:
@@ -265,7 +265,7 @@ class ReconstructStage : public pipeline::Stage {
     return Status();
   }
 
-  // `new_views`: what is known of the holdout photos, if anything.
+  // `new_views`: figures of the holdout photos; an empty object without any.
   Status WriteMetrics(const TrainedModel& trained,
                       const nlohmann::json& new_views,
                       const pipeline::ResourceMeter& meter,
@@ -279,7 +279,7 @@ class ReconstructStage : public pipeline::Stage {
                               {"sh_degree", model.sh_degree},
                               {"iterations", trained.iterations}};
     metrics.update(trained.course);
-    if (new_views.is_object()) metrics.update(new_views);
+    metrics.update(new_views);
     const pipeline::ResourceUsage usage = meter.Elapsed();
     metrics["seconds"] = trained.earlier_seconds + usage.wall_seconds;
     metrics["cpu_seconds"] = trained.earlier_cpu_seconds + usage.cpu_seconds;

@@ -288,7 +288,6 @@ class SfmStage : public pipeline::Stage {
     health.camera_models = result.camera_models;
     health.pairs = result.pairs;
     health.image_size = result.image_size;
-    health.max_features = result.max_features;
     for (auto& [name, reason] : health.unregistered) {
       const auto it = result.unregistered.find(name);
       if (it != result.unregistered.end()) reason = it->second;

@@ -32,6 +32,13 @@ class UndistortionTest : public testing::Test {
     }
   }
 
+  void WriteImages(const Reconstruction& model, const ImageU8& pixels) {
+    fs::create_directories(input_.photo_folder);
+    for (const PosedImage& image : model.images) {
+      ASSERT_TRUE(WriteImage(input_.photo_folder / image.name, pixels).ok());
+    }
+  }
+
   TemporaryFolder folder_;
   UndistortionInput input_;
 };
@@ -58,12 +65,7 @@ TEST_F(UndistortionTest, PinholePhotosAreKept) {
 
 TEST_F(UndistortionTest, LargePinholePhotosAreResized) {
   const Reconstruction model = SyntheticModel(2, 5, CameraModel::kPinhole);
-  for (const PosedImage& image : model.images) {
-    fs::create_directories(input_.photo_folder);
-    ASSERT_TRUE(
-        WriteImage(input_.photo_folder / image.name, ImageU8(640, 480, 3, 77))
-            .ok());
-  }
+  WriteImages(model, ImageU8(640, 480, 3, 77));
   input_.max_image_size = 160;
   const auto result = Undistort(model, input_);
   ASSERT_TRUE(result.ok()) << result.status().message();
@@ -82,18 +84,13 @@ TEST_F(UndistortionTest, LargePinholePhotosAreResized) {
       (*pixel - result->model.images[0].points2d[0].xy).norm(), 0, 1e-9);
 }
 
-// As a strip of one pixel does, which cannot become any narrower.
+// A strip of one pixel cannot become any narrower.
 TEST_F(UndistortionTest, PhotosOfTheSameWidthButAnotherHeightAreResized) {
   Reconstruction model = SyntheticModel(2, 5, CameraModel::kPinhole);
   model.cameras[0].width = 1;
   model.cameras[0].height = 640;
   model.cameras[0].params = {600, 600, 0.5, 320};
-  for (const PosedImage& image : model.images) {
-    fs::create_directories(input_.photo_folder);
-    ASSERT_TRUE(
-        WriteImage(input_.photo_folder / image.name, ImageU8(1, 640, 3, 77))
-            .ok());
-  }
+  WriteImages(model, ImageU8(1, 640, 3, 77));
   input_.max_image_size = 400;
   const auto result = Undistort(model, input_);
   ASSERT_TRUE(result.ok()) << result.status().message();
