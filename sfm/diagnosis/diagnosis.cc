@@ -278,6 +278,26 @@ void FindUnplaced(const DiagnosedScene& scene, std::vector<Finding>* findings) {
   findings->push_back(std::move(finding));
 }
 
+void FindUncertain(const DiagnosedScene& scene,
+                   std::vector<Finding>* findings) {
+  const std::vector<std::string>& names = scene.evidence.uncertain;
+  if (names.empty()) return;
+  Finding finding;
+  finding.kind = FindingKind::kUncertainPoses;
+  finding.severity = Severity::kDegrading;
+  finding.photos = names;
+  finding.evidence = {{"photos", static_cast<double>(names.size())},
+                      {"main_photos", static_cast<double>(scene.registered)}};
+  finding.message = "where " + SomeNames(names) +
+                    (names.size() == 1 ? " belongs" : " belong") +
+                    " is uncertain: it depends on the photos with which a "
+                    "mapping begins";
+  finding.advice =
+      "take more photos between these and the others, each showing two thirds "
+      "of what the one before it shows";
+  findings->push_back(std::move(finding));
+}
+
 }  // namespace
 
 std::vector<Finding> Diagnose(const SceneEvidence& evidence,
@@ -294,6 +314,7 @@ std::vector<Finding> Diagnose(const SceneEvidence& evidence,
   FindSeparateScenes(scene, &findings);
   FindNoOverlap(scene, &findings);
   FindUnplaced(scene, &findings);
+  FindUncertain(scene, &findings);
   std::stable_sort(
       findings.begin(), findings.end(), [](const Finding& a, const Finding& b) {
         return a.severity > b.severity;

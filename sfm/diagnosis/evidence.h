@@ -55,10 +55,15 @@ struct SceneEvidence {
   // Names of photos that were in a first model and are not in the final one,
   // because only look-alikes tied them to it (see separate_parts.h).
   std::vector<std::string> unplaced;
+
+  // Names of photos whose place depends on which photos a mapping begins with
+  // (see confirm_poses.h), whether or not the final model has them.
+  std::vector<std::string> uncertain;
 };
 
 // Reads the evidence from a database. Photos that it does not know count as not
-// readable; `unplaced` stays empty. Errors: those of the database.
+// readable; `unplaced` and `uncertain` stay empty. Errors: those of the
+// database.
 StatusOr<SceneEvidence> CollectEvidence(const std::vector<SfmPhoto>& photos,
                                         const MatchDatabase& database);
 

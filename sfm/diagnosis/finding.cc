@@ -23,6 +23,8 @@ std::string_view FindingName(FindingKind kind) {
       return "planar_scene";
     case FindingKind::kLookAlikes:
       return "look_alikes";
+    case FindingKind::kUncertainPoses:
+      return "uncertain_poses";
     case FindingKind::kUnfitPoses:
       return "unfit_poses";
   }

@@ -20,8 +20,9 @@ enum class FindingKind {
   kSeparateScenes,  // Groups of photos without links between them.
   kNoOverlap,       // Photos without links to any other.
   kPlanarScene,
-  kLookAlikes,  // Repeated structure: see view_groups.h.
-  kUnfitPoses,  // Imported poses contradict the photos: see known_poses.h.
+  kLookAlikes,      // Repeated structure: see view_groups.h.
+  kUncertainPoses,  // Mappings disagree: see confirm_poses.h.
+  kUnfitPoses,      // Imported poses contradict the photos: see known_poses.h.
 };
 std::string_view FindingName(FindingKind kind);  // "too_few_photos" ...
 

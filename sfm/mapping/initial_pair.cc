@@ -241,25 +241,31 @@ StatusOr<std::optional<InitialPair>> ChooseInitialPair(
 StatusOr<std::vector<Reconstruction>> MapFromBestPair(
     const StepContext& context,
     const std::filesystem::path& database,
-    const std::filesystem::path& folder) {
+    const std::filesystem::path& folder,
+    size_t skip,
+    const Mapping& way) {
   std::vector<SfmPhoto> left = context.input.photos;
   const size_t enough = std::min(kUsualMinModel, (left.size() + 1) / 2);
   Models models;
-  std::vector<InitialPair> in_vain;
+  std::vector<InitialPair> passed_over;  // Or tried in vain.
   while ((models.empty() || left.size() >= kUsualMinModel) &&
-         in_vain.size() < kMaxTrials) {
-    Mapping mapping;
+         passed_over.size() < skip + kMaxTrials) {
+    Mapping mapping = way;
     {
       FREEGS_ASSIGN_OR_RETURN(const MatchDatabase matches,
                               MatchDatabase::Open(database));
       FREEGS_ASSIGN_OR_RETURN(mapping.pair,
-                              ChooseInitialPair(left, in_vain, matches));
+                              ChooseInitialPair(left, passed_over, matches));
     }
     if (!mapping.pair) break;
+    if (passed_over.size() < skip) {
+      passed_over.push_back(*mapping.pair);
+      continue;
+    }
     FREEGS_ASSIGN_OR_RETURN(Models made,
                             MapPhotos(context, database, folder, mapping));
     if (NumRegistered(made) < enough) {
-      in_vain.push_back(*mapping.pair);
+      passed_over.push_back(*mapping.pair);
       continue;
     }
     const std::set<std::string> names = NamesOf(made[0]);
@@ -268,12 +274,13 @@ StatusOr<std::vector<Reconstruction>> MapFromBestPair(
     });
     // COLMAP may drop the pair itself at the end.
     if (placed == 0) {
-      in_vain.push_back(*mapping.pair);
+      passed_over.push_back(*mapping.pair);
       continue;
     }
     models.push_back(std::move(made[0]));
   }
-  if (models.empty()) return MapPhotos(context, database, folder, {});
+  if (models.empty() && skip > 0) return models;
+  if (models.empty()) return MapPhotos(context, database, folder, way);
   SortBySize(&models);
   DropPartsOfFirst(&models);
   return models;

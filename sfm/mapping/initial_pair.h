@@ -68,12 +68,18 @@ StatusOr<std::optional<InitialPair>> ChooseInitialPair(
 // first. `folder` is made anew for COLMAP's output and deleted at the end.
 // Errors: those of MapPhotos and of the database.
 //
+// The best `skip` pairs, none of which share a photo, are passed over. COLMAP
+// then looks for no pair itself, so there may be no model. `way` may have all
+// but a pair and a model to start from.
+//
 //   FREEGS_ASSIGN_OR_RETURN(const std::vector<Reconstruction> models,
 //                           MapFromBestPair(context, database, folder));
 StatusOr<std::vector<Reconstruction>> MapFromBestPair(
     const StepContext& context,
     const std::filesystem::path& database,
-    const std::filesystem::path& folder);
+    const std::filesystem::path& folder,
+    size_t skip = 0,
+    const Mapping& way = {});
 
 }  // namespace freegs::sfm
 

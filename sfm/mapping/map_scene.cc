@@ -134,7 +134,10 @@ StatusOr<MappedScene> MapScene(const StepContext& context,
     attempt.problem = std::move(made.problem);
     FREEGS_ASSIGN_OR_RETURN(attempt.kept,
                             IsBetter(made.models, scene.models, database));
-    if (attempt.kept) scene.models = std::move(made.models);
+    if (attempt.kept) {
+      scene.models = std::move(made.models);
+      scene.way = mapping;
+    }
     scene.attempts.push_back(std::move(attempt));
     return {};
   };

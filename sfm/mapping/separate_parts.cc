@@ -52,50 +52,40 @@ std::string Why(const Candidate& glued) {
          FormatFixed(glued.groups.score, 2) + ")";
 }
 
-// Maps from the best pair. When the largest model lacks many of the `wanted`
-// photos, it tries again with lower thresholds and returns the better result.
-StatusOr<Models> MapBest(const StepContext& context,
-                         const fs::path& database,
-                         const fs::path& folder,
-                         size_t wanted) {
-  FREEGS_ASSIGN_OR_RETURN(Models models,
-                          MapFromBestPair(context, database, folder));
-  if (NumRegistered(models) * 10 >= wanted * 9) return models;
-  FREEGS_ASSIGN_OR_RETURN(
-      Models relaxed,
-      MapPhotos(context,
-                database,
-                folder,
-                {.step = "mapping, lower thresholds", .relaxed = true}));
-  return NumRegistered(relaxed) > NumRegistered(models) ? relaxed : models;
-}
+// Maps a scene again without the pairs that glued a model of it.
+class Remapping {
+ public:
+  Remapping(const StepContext& context, const fs::path& database, size_t skip)
+      : context_(context), database_(database), skip_(skip) {}
 
-// `wanted` is the number of photos that the first model had.
-StatusOr<Models> MapOnce(const StepContext& context,
-                         const fs::path& trusted,
-                         const fs::path& folder,
-                         Repair repair,
-                         const Candidate& candidate,
-                         size_t wanted) {
-  if (repair == Repair::kMapAnew) {
-    return MapBest(context, trusted, folder, wanted);
-  }
-  const Reconstruction rest =
-      RestrictTo(candidate.model, candidate.groups.groups[0]);
-  return MapPhotos(
-      context, trusted, folder, {.step = "misplaced photos", .start = &rest});
-}
+  // Maps without the pairs that glued the model, and without those that glue
+  // what comes of it, as long as the largest group of photos that hold together
+  // grows. Whether they do is judged by all matches, not only by those that
+  // were mapped.
+  StatusOr<AttemptResult> Run(const fs::path& folder,
+                              Repair repair,
+                              Candidate candidate) const;
 
-// Maps without the pairs that glued the model, and without those that glue what
-// comes of it, as long as the largest group of photos that hold together grows.
-// Whether they do is judged by all matches, not only by those that were mapped.
-StatusOr<AttemptResult> MapWithout(const StepContext& context,
-                                   const fs::path& database,
-                                   const fs::path& folder,
-                                   Repair repair,
-                                   Candidate candidate) {
+ private:
+  StatusOr<Models> MapOnce(const fs::path& trusted,
+                           const fs::path& folder,
+                           Repair repair,
+                           const Candidate& candidate,
+                           size_t wanted) const;
+  StatusOr<Models> MapAnew(const fs::path& trusted,
+                           const fs::path& folder,
+                           size_t wanted) const;
+
+  const StepContext& context_;
+  const fs::path& database_;
+  size_t skip_;
+};
+
+StatusOr<AttemptResult> Remapping::Run(const fs::path& folder,
+                                       Repair repair,
+                                       Candidate candidate) const {
   const fs::path trusted = folder / "trusted.db";
-  FREEGS_RETURN_IF_ERROR(CopyDatabase(database, trusted));
+  FREEGS_RETURN_IF_ERROR(CopyDatabase(database_, trusted));
   const size_t wanted = candidate.photos();
   AttemptResult result;
   size_t largest = 0;
@@ -105,12 +95,11 @@ StatusOr<AttemptResult> MapWithout(const StepContext& context,
         RemoveVerifiedPairs(trusted, candidate.groups.suspects));
     FREEGS_ASSIGN_OR_RETURN(
         Models again,
-        MapOnce(
-            context, trusted, folder / "mapper", repair, candidate, wanted));
+        MapOnce(trusted, folder / "mapper", repair, candidate, wanted));
     if (again.empty()) break;
     candidate.model = again[0];
     FREEGS_ASSIGN_OR_RETURN(candidate.groups,
-                            GroupViews(candidate.model, database));
+                            GroupViews(candidate.model, database_));
     if (candidate.largest() <= largest) break;
     largest = candidate.largest();
     result.models = std::move(again);
@@ -118,6 +107,36 @@ StatusOr<AttemptResult> MapWithout(const StepContext& context,
   }
   RemoveDatabase(trusted);
   return result;
+}
+
+// `wanted` is the number of photos that the first model had.
+StatusOr<Models> Remapping::MapOnce(const fs::path& trusted,
+                                    const fs::path& folder,
+                                    Repair repair,
+                                    const Candidate& candidate,
+                                    size_t wanted) const {
+  if (repair == Repair::kMapAnew) return MapAnew(trusted, folder, wanted);
+  const Reconstruction rest =
+      RestrictTo(candidate.model, candidate.groups.groups[0]);
+  return MapPhotos(
+      context_, trusted, folder, {.step = "misplaced photos", .start = &rest});
+}
+
+// Maps from the best pair. When the largest model lacks many of the `wanted`
+// photos, it tries again with lower thresholds and returns the better result.
+StatusOr<Models> Remapping::MapAnew(const fs::path& trusted,
+                                    const fs::path& folder,
+                                    size_t wanted) const {
+  FREEGS_ASSIGN_OR_RETURN(Models models,
+                          MapFromBestPair(context_, trusted, folder, skip_));
+  if (NumRegistered(models) * 10 >= wanted * 9) return models;
+  FREEGS_ASSIGN_OR_RETURN(
+      Models relaxed,
+      MapPhotos(context_,
+                trusted,
+                folder,
+                {.step = "mapping, lower thresholds", .relaxed = true}));
+  return NumRegistered(relaxed) > NumRegistered(models) ? relaxed : models;
 }
 
 // A model of each group that is large enough.
@@ -144,7 +163,9 @@ std::vector<std::string> Lost(const Reconstruction& before,
 StatusOr<SeparatedParts> SeparateParts(const StepContext& context,
                                        const fs::path& database,
                                        const Models& models,
-                                       AttemptStore* store) {
+                                       AttemptStore* store,
+                                       size_t skip,
+                                       const std::string& suffix) {
   SeparatedParts result;
   if (models.empty()) return result;
   Candidate best;
@@ -155,6 +176,7 @@ StatusOr<SeparatedParts> SeparateParts(const StepContext& context,
   if (best.groups.consistent()) return result;
 
   const Candidate glued = best;
+  const Remapping remapping(context, database, skip);
   for (const Repair repair : {Repair::kPlaceAgain, Repair::kMapAnew}) {
     // A small group is no ground to build on.
     if (repair == Repair::kPlaceAgain &&
@@ -162,9 +184,9 @@ StatusOr<SeparatedParts> SeparateParts(const StepContext& context,
          2 * glued.largest() < glued.photos())) {
       continue;
     }
-    const std::string name = Name(repair);
+    const std::string name = Name(repair) + suffix;
     FREEGS_ASSIGN_OR_RETURN(AttemptResult again, store->Try(name, [&] {
-      return MapWithout(context, database, store->Folder(name), repair, glued);
+      return remapping.Run(store->Folder(name), repair, glued);
     }));
     Attempt attempt = DescribeAttempt(name, Why(glued), again.models);
     attempt.problem = std::move(again.problem);

@@ -43,13 +43,17 @@ struct SeparatedParts {
 // three photos or more becomes a model.
 //
 // `models` are the best first; all but the first are ignored, and none is fine.
+// Mapping anew begins with the best pair after `skip` others; `suffix` is added
+// to the names of the attempts.
 // Errors: those of the database, kInterrupted and kInternal. Another error of
 // COLMAP is written into its Attempt.
 StatusOr<SeparatedParts> SeparateParts(
     const StepContext& context,
     const std::filesystem::path& database,
     const std::vector<Reconstruction>& models,
-    AttemptStore* store);
+    AttemptStore* store,
+    size_t skip = 0,
+    const std::string& suffix = "");
 
 }  // namespace freegs::sfm
 

@@ -12,6 +12,8 @@
 #include "sfm/colmap/colmap_steps.h"
 #include "sfm/diagnosis/photo_reasons.h"
 #include "sfm/features/point_colors.h"
+#include "sfm/mapping/confirm_poses.h"
+#include "sfm/mapping/initial_pair.h"
 #include "sfm/mapping/map_scene.h"
 #include "sfm/mapping/scene_database.h"
 #include "sfm/mapping/separate_parts.h"
@@ -22,12 +24,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Gives the best model the simplest cameras that explain it, and adjusts it
-// with them. If the model has too little to choose by, COLMAP's cameras stay.
-Status ChooseCameras(const StepContext& context, SfmResult* result) {
-  if (context.options.camera_model != "auto" || result->models.empty() ||
-      result->models[0].images.size() < 3) {
-    return {};
+// What the cameras of a model were chosen from, and why they were not.
+struct CameraChoice {
+  std::vector<CameraCandidate> candidates;
+  std::string problem;
+};
+
+// Gives a model the simplest cameras that explain it, and adjusts it with them.
+// If the model has too little to choose by, COLMAP's cameras stay.
+StatusOr<CameraChoice> ChooseCameras(const StepContext& context,
+                                     Reconstruction* model) {
+  if (context.options.camera_model != "auto" || model->images.size() < 3) {
+    return CameraChoice{};
   }
   context.Report("camera model", 0, 1, "");
   CameraSelectionOptions options;
@@ -36,18 +44,13 @@ Status ChooseCameras(const StepContext& context, SfmResult* result) {
   options.per_photo |= context.options.camera == "per_image";
   options.num_threads = context.num_threads;
   options.cancellation = context.input.cancellation;
-  auto selection = RefineCameras(options, &result->models[0]);
+  auto selection = RefineCameras(options, model);
   context.Report("camera model", 1, 1, "");
-  if (selection.ok()) {
-    result->camera_models = std::move(selection->candidates);
-    return {};
-  }
+  if (selection.ok()) return CameraChoice{std::move(selection->candidates), ""};
   if (selection.status().code() != StatusCode::kUnusableResult) {
     return selection.status();
   }
-  result->warnings.push_back("COLMAP's RADIAL cameras are kept: " +
-                             selection.status().message());
-  return {};
+  return CameraChoice{{}, selection.status().message()};
 }
 
 // Tells the user which attempts beyond the first one placed more photos.
@@ -90,6 +93,82 @@ Status TakeSeparated(const StepContext& context,
   return {};
 }
 
+// Does all that makes a model once more, from a later pair.
+StatusOr<AttemptResult> MapFromLaterPair(const StepContext& context,
+                                         const fs::path& database,
+                                         Mapping way,
+                                         const std::string& name,
+                                         size_t skip,
+                                         AttemptStore* store) {
+  way.step = "mapping, " + name;
+  FREEGS_ASSIGN_OR_RETURN(
+      AttemptResult made, store->Try(name, [&]() -> StatusOr<AttemptResult> {
+        AttemptResult mapped;
+        FREEGS_ASSIGN_OR_RETURN(
+            mapped.models,
+            MapFromBestPair(
+                context, database, store->Folder(name) / "mapper", skip, way));
+        return mapped;
+      }));
+  FREEGS_ASSIGN_OR_RETURN(
+      SeparatedParts parts,
+      SeparateParts(context, database, made.models, store, skip, ", " + name));
+  if (!parts.models.empty()) made.models = std::move(parts.models);
+  if (!made.models.empty()) {
+    FREEGS_RETURN_IF_ERROR(ChooseCameras(context, &made.models[0]).status());
+  }
+  return made;
+}
+
+// Gives the best model its cameras. Replaces the models if further mappings put
+// its photos elsewhere.
+Status RefineAndConfirm(const StepContext& context,
+                        const fs::path& database,
+                        const Mapping& way,
+                        AttemptStore* store,
+                        SceneEvidence* evidence,
+                        SfmResult* result) {
+  if (result->models.empty()) return {};
+  FREEGS_ASSIGN_OR_RETURN(CameraChoice cameras,
+                          ChooseCameras(context, &result->models[0]));
+  const auto map_again = [&](const std::string& name, size_t skip) {
+    return MapFromLaterPair(context, database, way, name, skip, store);
+  };
+  FREEGS_ASSIGN_OR_RETURN(ConfirmedPoses confirmed,
+                          ConfirmPoses(result->models, map_again));
+  if (!confirmed.models.empty()) {
+    result->models = std::move(confirmed.models);
+    FREEGS_ASSIGN_OR_RETURN(cameras,
+                            ChooseCameras(context, &result->models[0]));
+  }
+  if (confirmed.replaced) {
+    result->warnings.push_back(
+        "mapping from other photos put some elsewhere; the model is taken of "
+        "whose photos most are where other models have them");
+    std::erase_if(evidence->unplaced, [&](const std::string& name) {
+      const std::vector<PosedImage>& images = result->models[0].images;
+      return std::any_of(images.begin(), images.end(), [&](const auto& image) {
+        return image.name == name;
+      });
+    });
+  }
+  if (!confirmed.attempts.empty() && !confirmed.witnessed) {
+    result->warnings.push_back(
+        "mapping from other photos did not lead to the same poses; look at the "
+        "cameras before you trust them");
+  }
+  evidence->uncertain = std::move(confirmed.uncertain);
+  std::move(confirmed.attempts.begin(),
+            confirmed.attempts.end(),
+            std::back_inserter(result->attempts));
+  if (!cameras.problem.empty()) {
+    result->warnings.push_back("COLMAP's RADIAL cameras are kept: " +
+                               cameras.problem);
+  }
+  result->camera_models = std::move(cameras.candidates);
+  return {};
+}
+
 }  // namespace
 
 StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
@@ -119,7 +198,8 @@ StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
   result.attempts = std::move(scene.attempts);
   FREEGS_RETURN_IF_ERROR(
       TakeSeparated(context, database, &store, &scene.evidence, &result));
-  FREEGS_RETURN_IF_ERROR(ChooseCameras(context, &result));
+  FREEGS_RETURN_IF_ERROR(RefineAndConfirm(
+      context, database, scene.way, &store, &scene.evidence, &result));
   for (Reconstruction& model : result.models) {
     FREEGS_RETURN_IF_ERROR(ColorPoints(input, context.num_threads, &model));
   }

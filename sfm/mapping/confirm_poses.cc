@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "sfm/mapping/confirm_poses.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "sfm/colmap/colmap_steps.h"
+#include "sfm/mapping/place_comparison.h"
+
+namespace freegs::sfm {
+namespace {
+
+using Models = std::vector<Reconstruction>;
+
+constexpr size_t kMaxMappings = 4;
+
+// With fewer photos, places cannot be compared.
+constexpr size_t kMinToCompare = 3;
+
+// Whether two models have the same photos in the very same poses.
+bool AreSame(const Reconstruction& a, const Reconstruction& b) {
+  if (a.images.size() != b.images.size()) return false;
+  std::map<std::string, Eigen::Vector3d> translations;
+  for (const PosedImage& image : a.images) {
+    translations[image.name] = image.cam_from_world.translation;
+  }
+  return std::all_of(b.images.begin(), b.images.end(), [&](const auto& image) {
+    const auto found = translations.find(image.name);
+    return found != translations.end() &&
+           found->second == image.cam_from_world.translation;
+  });
+}
+
+Reconstruction Without(const Reconstruction& model,
+                       const std::vector<std::string>& names) {
+  const std::set<std::string> removed(names.begin(), names.end());
+  std::vector<uint32_t> ids;
+  for (const PosedImage& image : model.images) {
+    if (!removed.contains(image.name)) ids.push_back(image.id);
+  }
+  return RestrictTo(model, ids);
+}
+
+// Why a further model is not of use beside the others; empty if it is.
+std::string WhyOfNoUse(const Models& models, const Models& made) {
+  if (2 * NumRegistered(made) < models[0].images.size()) {
+    return "it has too few photos to compare";
+  }
+  for (const Reconstruction& model : models) {
+    if (AreSame(model, made[0])) return "it is the same model again";
+  }
+  return {};
+}
+
+// What is said about a further model that is of use.
+std::string Compared(const Reconstruction& first,
+                     const Reconstruction& further) {
+  const PlaceComparison places = ComparePlaces(first, further);
+  return "it has " + std::to_string(places.alike.size()) + " of " +
+         std::to_string(places.alike.size() + places.elsewhere.size()) +
+         " photos where the first model has them";
+}
+
+}  // namespace
+
+StatusOr<ConfirmedPoses> ConfirmPoses(const Models& models,
+                                      const MapAgain& map_again) {
+  ConfirmedPoses result;
+  const size_t registered = NumRegistered(models);
+  if (registered < kMinToCompare || registered > kMostPhotosToConfirm) {
+    return result;
+  }
+  Models candidates = {models[0]};
+  std::vector<size_t> attempt_of = {0};  // By candidate; not that of the first.
+  Consensus consensus = FindConsensus(candidates);
+  for (size_t skip = 1; skip <= kMaxMappings && !consensus.witnessed; ++skip) {
+    const std::string name = "start " + std::to_string(skip + 1);
+    FREEGS_ASSIGN_OR_RETURN(AttemptResult made, map_again(name, skip));
+    if (made.models.empty() && made.problem.empty()) break;  // No other pair.
+    Attempt attempt = DescribeAttempt(
+        name, "whether poses depend on the first two photos", made.models);
+    attempt.problem = std::move(made.problem);
+    const std::string no_use = WhyOfNoUse(candidates, made.models);
+    if (no_use.empty()) {
+      attempt.problem = Compared(candidates[0], made.models[0]);
+      candidates.push_back(std::move(made.models[0]));
+      attempt_of.push_back(result.attempts.size());
+      consensus = FindConsensus(candidates);
+    } else if (attempt.problem.empty()) {
+      attempt.problem = no_use;
+    }
+    result.attempts.push_back(std::move(attempt));
+  }
+  result.replaced = consensus.best > 0;
+  if (result.replaced) {
+    Attempt& kept = result.attempts[attempt_of[consensus.best]];
+    kept.kept = true;
+    kept.problem.clear();
+  }
+  result.witnessed = consensus.witnessed;
+  result.uncertain = std::move(consensus.uncertain);
+  Reconstruction& chosen = candidates[consensus.best];
+  const size_t certain = chosen.images.size() - result.uncertain.size();
+  const bool remove = !result.uncertain.empty() && certain >= kMinToCompare &&
+                      2 * certain >= chosen.images.size();
+  if (!result.replaced && !remove) return result;
+  result.models.push_back(remove ? Without(chosen, result.uncertain)
+                                 : std::move(chosen));
+  if (!result.replaced) {
+    result.models.insert(result.models.end(), models.begin() + 1, models.end());
+  }
+  return result;
+}
+
+}  // namespace freegs::sfm

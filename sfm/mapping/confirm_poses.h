@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Asks whether the poses of few photos depend on where the mapping began.
+//
+// Where photos overlap little, or a thing looks alike from two sides, it may be
+// chance whether a photo gets its right place. The reprojection error does not
+// tell, and neither does the number of points. But chance falls differently
+// when the mapping begins with other photos, and right places do not change.
+
+#ifndef FREEGS_SFM_MAPPING_CONFIRM_POSES_H_
+#define FREEGS_SFM_MAPPING_CONFIRM_POSES_H_
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/status.h"
+#include "sfm/mapping/attempt.h"
+#include "sfm/scene/reconstruction.h"
+
+namespace freegs::sfm {
+
+struct ConfirmedPoses {
+  // The models to be used instead of those given. Empty if these can stay as
+  // they are.
+  std::vector<Reconstruction> models;
+
+  // Whether another model than the one given is the best of them.
+  bool replaced = false;
+
+  // Whether the best of them has a witness (see Consensus).
+  bool witnessed = false;
+
+  // Names of photos whose place is uncertain, ascending (see Consensus). They
+  // are not in models[0] if at least half of its photos are left without them.
+  std::vector<std::string> uncertain;
+
+  std::vector<Attempt> attempts;  // The further mappings, in order.
+};
+
+// More photos are not mapped again, because it takes too long.
+inline constexpr size_t kMostPhotosToConfirm = 40;
+
+// Maps the photos of models[0] again, from the best pair after `skip` others.
+// The models, the best first, are as exact as those given.
+using MapAgain = std::function<StatusOr<AttemptResult>(const std::string& name,
+                                                       size_t skip)>;
+
+// Maps again until the best model has a witness (see Consensus), which usually
+// takes one further mapping, and at most four times. A model takes part if it
+// has at least half as many photos as models[0], and is not one that is there
+// already. `models` are the best first. Nothing is done without a model, and
+// with more than kMostPhotosToConfirm photos in models[0]. Errors: those of
+// map_again.
+//
+//   FREEGS_ASSIGN_OR_RETURN(ConfirmedPoses confirmed,
+//                           ConfirmPoses(models, map_again));
+//   if (!confirmed.models.empty()) models = std::move(confirmed.models);
+StatusOr<ConfirmedPoses> ConfirmPoses(const std::vector<Reconstruction>& models,
+                                      const MapAgain& map_again);
+
+}  // namespace freegs::sfm
+
+#endif  // FREEGS_SFM_MAPPING_CONFIRM_POSES_H_

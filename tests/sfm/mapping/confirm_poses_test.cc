@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Further mappings that agree with the first one, or do not.
+
+#include "sfm/mapping/confirm_poses.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/sfm/moved_photos.h"
+#include "tests/sfm/synthetic_model.h"
+
+namespace freegs::sfm {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+using Models = std::vector<Reconstruction>;
+
+constexpr int kPhotos = 10;
+
+class ConfirmPosesTest : public testing::Test {
+ protected:
+  // A model with all photos, of which those of `moved` are in a wrong place.
+  static Reconstruction Model(const std::vector<size_t>& moved = {}) {
+    Reconstruction model = InAnotherWorld(SyntheticModel(kPhotos, 20));
+    for (const size_t i : moved) MovePhoto(i, &model);
+    return model;
+  }
+
+  // No two models of different mappings are the same to the last digit.
+  static Reconstruction Another(Reconstruction model, double by) {
+    for (PosedImage& image : model.images) {
+      image.cam_from_world.translation.x() += 1e-6 * by;
+    }
+    return model;
+  }
+
+  // Maps again to these models in turn, and then to none.
+  StatusOr<ConfirmedPoses> Run(const Models& first, const Models& further) {
+    return ConfirmPoses(
+        first, [&](const std::string&, size_t skip) -> StatusOr<AttemptResult> {
+          calls_ = skip;
+          AttemptResult result;
+          if (skip > further.size()) return result;
+          result.models.push_back(
+              Another(further[skip - 1], static_cast<double>(skip)));
+          return result;
+        });
+  }
+
+  size_t calls_ = 0;
+};
+
+TEST_F(ConfirmPosesTest, OneThatAgreesIsEnough) {
+  const auto confirmed = Run({Model()}, {Model(), Model()});
+  ASSERT_TRUE(confirmed.ok());
+  EXPECT_EQ(calls_, 1u);
+  EXPECT_TRUE(confirmed->witnessed);
+  EXPECT_THAT(confirmed->models, IsEmpty());
+  EXPECT_THAT(confirmed->uncertain, IsEmpty());
+  EXPECT_FALSE(confirmed->replaced);
+  ASSERT_THAT(confirmed->attempts, SizeIs(1));
+  EXPECT_FALSE(confirmed->attempts[0].kept);
+  EXPECT_THAT(confirmed->attempts[0].problem, HasSubstr("10 of 10 photos"));
+}
+
+TEST_F(ConfirmPosesTest, AnUnconfirmedPhotoIsTakenOut) {
+  Reconstruction other = Model();
+  other.images.resize(1);
+  const auto confirmed = Run({Model({3}), other}, {Model()});
+  ASSERT_TRUE(confirmed.ok());
+  EXPECT_FALSE(confirmed->replaced);
+  EXPECT_THAT(confirmed->uncertain, ElementsAre(PhotoName(3)));
+  ASSERT_THAT(confirmed->models, SizeIs(2));
+  EXPECT_THAT(confirmed->models[0].images, SizeIs(kPhotos - 1));
+  EXPECT_TRUE(CheckReconstruction(confirmed->models[0]).ok());
+  EXPECT_THAT(confirmed->models[1].images, SizeIs(1));
+}
+
+TEST_F(ConfirmPosesTest, TheModelThatAnotherConfirmsIsTaken) {
+  const auto confirmed =
+      Run({Model({1, 2, 5, 7}), Model()}, {Model(), Model(), Model()});
+  ASSERT_TRUE(confirmed.ok());
+  EXPECT_EQ(calls_, 2u);
+  EXPECT_TRUE(confirmed->replaced);
+  EXPECT_TRUE(confirmed->witnessed);
+  EXPECT_THAT(confirmed->uncertain, IsEmpty());
+  ASSERT_THAT(confirmed->models, SizeIs(1));
+  EXPECT_EQ(confirmed->models[0].images[3].cam_from_world.translation.x(),
+            Another(Model(), 1).images[3].cam_from_world.translation.x());
+  EXPECT_TRUE(confirmed->attempts[0].kept);
+  EXPECT_THAT(confirmed->attempts[0].problem, IsEmpty());
+}
+
+// Then nothing is left that could be trusted more than the first model.
+TEST_F(ConfirmPosesTest, MostPhotosAreNotTakenOut) {
+  const auto confirmed = Run({Model()}, {Model({1, 2, 3, 4, 5, 6})});
+  ASSERT_TRUE(confirmed.ok());
+  EXPECT_FALSE(confirmed->witnessed);
+  EXPECT_THAT(confirmed->models, IsEmpty());
+  EXPECT_THAT(confirmed->uncertain, SizeIs(6));
+}
+
+TEST_F(ConfirmPosesTest, WhatIsTooSmallOrTheSameSaysNothing) {
+  Reconstruction small = Model();
+  small.images.resize(kPhotos / 2 - 1);
+  const auto confirmed = Run({Model()}, {small, Another(Model(), -2)});
+  ASSERT_TRUE(confirmed.ok());
+  ASSERT_THAT(confirmed->attempts, SizeIs(2));
+  EXPECT_THAT(confirmed->attempts[0].problem, HasSubstr("too few"));
+  EXPECT_THAT(confirmed->attempts[1].problem, HasSubstr("same model"));
+  EXPECT_THAT(confirmed->models, IsEmpty());
+  EXPECT_THAT(confirmed->uncertain, IsEmpty());
+}
+
+TEST_F(ConfirmPosesTest, ThereIsAnEndToIt) {
+  Models further;
+  for (size_t i = 0; i < 8; ++i) {
+    further.push_back(Model({i, (i + 2) % 10, (i + 5) % 10}));
+  }
+  ASSERT_TRUE(Run({Model()}, further).ok());
+  EXPECT_LE(calls_, 4u);
+}
+
+TEST_F(ConfirmPosesTest, NeitherTinyNorLargeModels) {
+  Reconstruction tiny = Model();
+  tiny.images.resize(2);
+  EXPECT_THAT(Run({tiny}, {tiny})->attempts, IsEmpty());
+  const Reconstruction large =
+      SyntheticModel(static_cast<int>(kMostPhotosToConfirm) + 1, 4);
+  EXPECT_THAT(Run({large}, {large})->attempts, IsEmpty());
+  EXPECT_THAT(Run({}, {})->attempts, IsEmpty());
+}
+
+TEST_F(ConfirmPosesTest, ErrorsAreReturned) {
+  const auto confirmed = ConfirmPoses(
+      {Model()}, [](const std::string&, size_t) -> StatusOr<AttemptResult> {
+        return InterruptedError("stopped");
+      });
+  EXPECT_EQ(confirmed.status().code(), StatusCode::kInterrupted);
+}
+
+}  // namespace
+}  // namespace freegs::sfm
