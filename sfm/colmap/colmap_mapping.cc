@@ -191,8 +191,10 @@ StatusOr<std::vector<Reconstruction>> MapPhotos(const StepContext& context,
   if (!mapping.relaxed) {
     AdjustLessOften(&arguments);
   } else {
-    arguments.Prefer({"Mapper.init_min_num_inliers"}, "40");
-    arguments.Prefer({"Mapper.init_min_tri_angle"}, "4");
+    if (!mapping.pair) {
+      arguments.Prefer({"Mapper.init_min_num_inliers"}, "40");
+      arguments.Prefer({"Mapper.init_min_tri_angle"}, "4");
+    }
     arguments.Prefer({"Mapper.abs_pose_min_num_inliers"}, "15");
     arguments.Prefer({"Mapper.abs_pose_min_inlier_ratio"}, "0.15");
   }

@@ -55,6 +55,12 @@ std::map<std::string, std::string> ExplainUnregistered(
     }
     reason += "matches " + std::to_string(partners[i]) + " photos with " +
               std::to_string(matches[i]) + " features in all";
+    if (std::binary_search(
+            evidence.uncertain.begin(), evidence.uncertain.end(), photo.name)) {
+      reason +=
+          "; left out because its place depends on where the mapping begins";
+      continue;
+    }
     const auto& members = scene.groups.members[scene.groups.group[i]];
     if (scene.groups.group[i] > 0) {
       reason += ", none of them well in the main model";

@@ -47,6 +47,7 @@ Reconstruction Without(const Reconstruction& model,
 
 // Why a further model is not of use beside the others; empty if it is.
 std::string WhyOfNoUse(const Models& models, const Models& made) {
+  if (made.empty()) return "no model came of it";
   if (2 * NumRegistered(made) < models[0].images.size()) {
     return "it has too few photos to compare";
   }
@@ -80,7 +81,7 @@ StatusOr<ConfirmedPoses> ConfirmPoses(const Models& models,
   for (size_t skip = 1; skip <= kMaxMappings && !consensus.witnessed; ++skip) {
     const std::string name = "start " + std::to_string(skip + 1);
     FREEGS_ASSIGN_OR_RETURN(AttemptResult made, map_again(name, skip));
-    if (made.models.empty() && made.problem.empty()) break;  // No other pair.
+    const bool no_model = made.models.empty() && made.problem.empty();
     Attempt attempt = DescribeAttempt(
         name, "whether poses depend on the first two photos", made.models);
     attempt.problem = std::move(made.problem);
@@ -94,6 +95,7 @@ StatusOr<ConfirmedPoses> ConfirmPoses(const Models& models,
       attempt.problem = no_use;
     }
     result.attempts.push_back(std::move(attempt));
+    if (no_model) break;  // Neither would there be one from the next pairs.
   }
   result.replaced = consensus.best > 0;
   if (result.replaced) {

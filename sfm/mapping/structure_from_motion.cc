@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <iterator>
 #include <memory>
+#include <optional>
 #include <system_error>
 
 #include "core/number_text.h"
@@ -18,6 +19,7 @@
 #include "sfm/mapping/scene_database.h"
 #include "sfm/mapping/separate_parts.h"
 #include "sfm/mapping/step_record.h"
+#include "sfm/matching/match_database.h"
 
 namespace freegs::sfm {
 namespace {
@@ -93,6 +95,23 @@ Status TakeSeparated(const StepContext& context,
   return {};
 }
 
+// Whether further mappings can tell something about a model: it is small, it is
+// as exact as the choice of cameras makes it, and there are two photos with
+// which a mapping can be told to begin.
+StatusOr<bool> CanMapAgain(const StepContext& context,
+                           const fs::path& database,
+                           const Reconstruction& model) {
+  if (model.images.size() > kMostPhotosToConfirm ||
+      context.options.camera_model != "auto") {
+    return false;
+  }
+  FREEGS_ASSIGN_OR_RETURN(const MatchDatabase matches,
+                          MatchDatabase::Open(database));
+  FREEGS_ASSIGN_OR_RETURN(const std::optional<InitialPair> pair,
+                          ChooseInitialPair(context.input.photos, {}, matches));
+  return pair.has_value();
+}
+
 // Does all that makes a model once more, from a later pair.
 StatusOr<AttemptResult> MapFromLaterPair(const StepContext& context,
                                          const fs::path& database,
@@ -103,11 +122,16 @@ StatusOr<AttemptResult> MapFromLaterPair(const StepContext& context,
   way.step = "mapping, " + name;
   FREEGS_ASSIGN_OR_RETURN(
       AttemptResult made, store->Try(name, [&]() -> StatusOr<AttemptResult> {
+        const fs::path folder = store->Folder(name) / "mapper";
         AttemptResult mapped;
         FREEGS_ASSIGN_OR_RETURN(
             mapped.models,
-            MapFromBestPair(
-                context, database, store->Folder(name) / "mapper", skip, way));
+            MapFromBestPair(context, database, folder, skip, way));
+        if (!mapped.models.empty() || way.relaxed) return mapped;
+        way.relaxed = true;  // Later pairs are weaker.
+        FREEGS_ASSIGN_OR_RETURN(
+            mapped.models,
+            MapFromBestPair(context, database, folder, skip, way));
         return mapped;
       }));
   FREEGS_ASSIGN_OR_RETURN(
@@ -131,11 +155,15 @@ Status RefineAndConfirm(const StepContext& context,
   if (result->models.empty()) return {};
   FREEGS_ASSIGN_OR_RETURN(CameraChoice cameras,
                           ChooseCameras(context, &result->models[0]));
-  const auto map_again = [&](const std::string& name, size_t skip) {
-    return MapFromLaterPair(context, database, way, name, skip, store);
-  };
-  FREEGS_ASSIGN_OR_RETURN(ConfirmedPoses confirmed,
-                          ConfirmPoses(result->models, map_again));
+  ConfirmedPoses confirmed;
+  FREEGS_ASSIGN_OR_RETURN(const bool can,
+                          CanMapAgain(context, database, result->models[0]));
+  if (can) {
+    const auto map_again = [&](const std::string& name, size_t skip) {
+      return MapFromLaterPair(context, database, way, name, skip, store);
+    };
+    FREEGS_ASSIGN_OR_RETURN(confirmed, ConfirmPoses(result->models, map_again));
+  }
   if (!confirmed.models.empty()) {
     result->models = std::move(confirmed.models);
     FREEGS_ASSIGN_OR_RETURN(cameras,

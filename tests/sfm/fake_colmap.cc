@@ -374,6 +374,10 @@ int Run(int argc, char** argv) {
       std::cerr << "ERROR: unrecognised option '--" << name << "'\n";
       return 1;
     }
+    if (options.contains(name)) {
+      std::cerr << "ERROR: option '--" << name << "' more than once\n";
+      return 1;
+    }
     options[name] = argv[i + 1];
   }
   if (Setting("QT_QPA_PLATFORM") != "offscreen") {

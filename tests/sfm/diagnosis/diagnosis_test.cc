@@ -289,6 +289,19 @@ TEST(Diagnose, UnplacedPhotosAreNamed) {
   }
 }
 
+TEST(Diagnose, UncertainPhotosAreNamed) {
+  SceneEvidence evidence = Chain(12);
+  evidence.uncertain = {PhotoName(11)};
+  const auto models = ModelOf(11, 12);
+  const auto found = Diagnose(evidence, models, {});
+  ASSERT_THAT(Kinds(found), ElementsAre(FindingKind::kUncertainPoses));
+  EXPECT_EQ(found[0].severity, Severity::kDegrading);
+  EXPECT_EQ(found[0].photos, evidence.uncertain);
+  EXPECT_THAT(found[0].message, HasSubstr(PhotoName(11) + " belongs"));
+  EXPECT_THAT(ExplainUnregistered(evidence, models, {}).at(PhotoName(11)),
+              HasSubstr("left out"));
+}
+
 TEST(GroupByMatches, MainGroupFirst) {
   SceneEvidence evidence = Chain(12);
   DropPairsBetween(&evidence, 8);

@@ -108,9 +108,11 @@ TEST_F(ConfirmPosesTest, WhatIsTooSmallOrTheSameSaysNothing) {
   small.images.resize(kPhotos / 2 - 1);
   const auto confirmed = Run({Model()}, {small, Another(Model(), -2)});
   ASSERT_TRUE(confirmed.ok());
-  ASSERT_THAT(confirmed->attempts, SizeIs(2));
+  ASSERT_THAT(confirmed->attempts, SizeIs(3));
   EXPECT_THAT(confirmed->attempts[0].problem, HasSubstr("too few"));
   EXPECT_THAT(confirmed->attempts[1].problem, HasSubstr("same model"));
+  EXPECT_THAT(confirmed->attempts[2].problem, HasSubstr("no model"));
+  EXPECT_FALSE(confirmed->witnessed);
   EXPECT_THAT(confirmed->models, IsEmpty());
   EXPECT_THAT(confirmed->uncertain, IsEmpty());
 }
