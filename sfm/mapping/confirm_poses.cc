@@ -78,10 +78,17 @@ StatusOr<ConfirmedPoses> ConfirmPoses(const Models& models,
   Models candidates = {models[0]};
   std::vector<size_t> attempt_of = {0};  // By candidate; not that of the first.
   Consensus consensus = FindConsensus(candidates);
-  for (size_t skip = 1; skip <= kMaxMappings && !consensus.witnessed; ++skip) {
-    const std::string name = "start " + std::to_string(skip + 1);
+  bool pairs_left = true;
+  for (size_t skip = 1;
+       skip <= kMaxMappings && pairs_left && !consensus.witnessed;
+       ++skip) {
+    std::string name = "start " + std::to_string(skip + 1);
     FREEGS_ASSIGN_OR_RETURN(AttemptResult made, map_again(name, skip));
-    const bool no_model = made.models.empty() && made.problem.empty();
+    pairs_left = !made.models.empty();
+    if (!pairs_left) {
+      name = "start by COLMAP";
+      FREEGS_ASSIGN_OR_RETURN(made, map_again(name, std::nullopt));
+    }
     Attempt attempt = DescribeAttempt(
         name, "whether poses depend on the first two photos", made.models);
     attempt.problem = std::move(made.problem);
@@ -95,7 +102,6 @@ StatusOr<ConfirmedPoses> ConfirmPoses(const Models& models,
       attempt.problem = no_use;
     }
     result.attempts.push_back(std::move(attempt));
-    if (no_model) break;  // Neither would there be one from the next pairs.
   }
   result.replaced = consensus.best > 0;
   if (result.replaced) {

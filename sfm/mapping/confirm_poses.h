@@ -11,6 +11,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,17 +42,19 @@ struct ConfirmedPoses {
 // More photos are not mapped again, because it takes too long.
 inline constexpr size_t kMostPhotosToConfirm = 40;
 
-// Maps the photos of models[0] again, from the best pair after `skip` others.
-// The models, the best first, are as exact as those given.
-using MapAgain = std::function<StatusOr<AttemptResult>(const std::string& name,
-                                                       size_t skip)>;
+// Maps the photos again, from the best pair after `skip` others; without `skip`
+// COLMAP looks for a pair itself. The models, the best first, are as exact as
+// those given.
+using MapAgain = std::function<StatusOr<AttemptResult>(
+    const std::string& name, std::optional<size_t> skip)>;
 
 // Maps again until the best model has a witness (see Consensus), which usually
-// takes one further mapping, and at most four times. A model takes part if it
-// has at least half as many photos as models[0], and is not one that is there
-// already. `models` are the best first. Nothing is done without a model, and
-// with more than kMostPhotosToConfirm photos in models[0]. Errors: those of
-// map_again.
+// takes one further mapping, and at most four times. Once a pair leads to no
+// model, COLMAP looks for one itself, and that is the last mapping. A model
+// takes part if it has at least half as many photos as models[0], and is not
+// one that is there already. `models` are the best first. Nothing is done
+// without a model, and with more than kMostPhotosToConfirm photos in models[0].
+// Errors: those of map_again.
 //
 //   FREEGS_ASSIGN_OR_RETURN(ConfirmedPoses confirmed,
 //                           ConfirmPoses(models, map_again));

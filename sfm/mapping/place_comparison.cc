@@ -113,10 +113,10 @@ struct Opinions {
   std::map<std::string, Votes> votes;  // By name.
   bool witnessed = false;
 
-  size_t Certain() const {
+  size_t Confirmed() const {
     return static_cast<size_t>(
         std::count_if(votes.begin(), votes.end(), [](const auto& photo) {
-          return !photo.second.Uncertain();
+          return photo.second.agree > 0 && !photo.second.Uncertain();
         }));
   }
   size_t Agreeing() const {
@@ -185,8 +185,8 @@ Consensus FindConsensus(const std::vector<Reconstruction>& models) {
   Opinions best = AskOthers(models, 0);
   for (size_t i = 1; i < models.size(); ++i) {
     Opinions opinions = AskOthers(models, i);
-    if (std::pair(opinions.Certain(), opinions.Agreeing()) <=
-        std::pair(best.Certain(), best.Agreeing())) {
+    if (std::pair(opinions.Confirmed(), opinions.Agreeing()) <=
+        std::pair(best.Confirmed(), best.Agreeing())) {
       continue;
     }
     consensus.best = i;

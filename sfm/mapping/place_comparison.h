@@ -36,8 +36,8 @@ PlaceComparison ComparePlaces(const Reconstruction& model,
 // for its place or against it. A model is a witness of another one if it has at
 // least four fifths of that one's photos in the same place.
 struct Consensus {
-  // The model with most photos whose place is not uncertain; among equal ones
-  // that with most votes for its places, and then the first.
+  // The model with most photos whose place has a vote and is not uncertain;
+  // among equal ones that with most votes, and then the first.
   size_t best = 0;
 
   // Names of photos of that model, ascending: a witness votes against their

@@ -117,26 +117,35 @@ StatusOr<AttemptResult> MapFromLaterPair(const StepContext& context,
                                          const fs::path& database,
                                          Mapping way,
                                          const std::string& name,
-                                         size_t skip,
+                                         std::optional<size_t> skip,
                                          AttemptStore* store) {
   way.step = "mapping, " + name;
   FREEGS_ASSIGN_OR_RETURN(
       AttemptResult made, store->Try(name, [&]() -> StatusOr<AttemptResult> {
         const fs::path folder = store->Folder(name) / "mapper";
         AttemptResult mapped;
+        if (!skip) {
+          FREEGS_ASSIGN_OR_RETURN(mapped.models,
+                                  MapPhotos(context, database, folder, way));
+          return mapped;
+        }
         FREEGS_ASSIGN_OR_RETURN(
             mapped.models,
-            MapFromBestPair(context, database, folder, skip, way));
+            MapFromBestPair(context, database, folder, *skip, way));
         if (!mapped.models.empty() || way.relaxed) return mapped;
         way.relaxed = true;  // Later pairs are weaker.
         FREEGS_ASSIGN_OR_RETURN(
             mapped.models,
-            MapFromBestPair(context, database, folder, skip, way));
+            MapFromBestPair(context, database, folder, *skip, way));
         return mapped;
       }));
-  FREEGS_ASSIGN_OR_RETURN(
-      SeparatedParts parts,
-      SeparateParts(context, database, made.models, store, skip, ", " + name));
+  FREEGS_ASSIGN_OR_RETURN(SeparatedParts parts,
+                          SeparateParts(context,
+                                        database,
+                                        made.models,
+                                        store,
+                                        skip.value_or(0),
+                                        ", " + name));
   if (!parts.models.empty()) made.models = std::move(parts.models);
   if (!made.models.empty()) {
     FREEGS_RETURN_IF_ERROR(ChooseCameras(context, &made.models[0]).status());
@@ -159,7 +168,8 @@ Status RefineAndConfirm(const StepContext& context,
   FREEGS_ASSIGN_OR_RETURN(const bool can,
                           CanMapAgain(context, database, result->models[0]));
   if (can) {
-    const auto map_again = [&](const std::string& name, size_t skip) {
+    const auto map_again = [&](const std::string& name,
+                               std::optional<size_t> skip) {
       return MapFromLaterPair(context, database, way, name, skip, store);
     };
     FREEGS_ASSIGN_OR_RETURN(confirmed, ConfirmPoses(result->models, map_again));

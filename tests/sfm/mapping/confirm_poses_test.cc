@@ -3,6 +3,8 @@
 
 #include "sfm/mapping/confirm_poses.h"
 
+#include <optional>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -37,20 +39,29 @@ class ConfirmPosesTest : public testing::Test {
     return model;
   }
 
-  // Maps again to these models in turn, and then to none.
+  // Maps again to these models in turn. Then COLMAP's own choice leads to the
+  // first models again.
   StatusOr<ConfirmedPoses> Run(const Models& first, const Models& further) {
     return ConfirmPoses(
-        first, [&](const std::string&, size_t skip) -> StatusOr<AttemptResult> {
-          calls_ = skip;
+        first,
+        [&](const std::string&,
+            std::optional<size_t> skip) -> StatusOr<AttemptResult> {
           AttemptResult result;
-          if (skip > further.size()) return result;
+          if (!skip) {
+            ++colmaps_own_;
+            result.models = first;
+            return result;
+          }
+          calls_ = *skip;
+          if (*skip > further.size()) return result;
           result.models.push_back(
-              Another(further[skip - 1], static_cast<double>(skip)));
+              Another(further[*skip - 1], static_cast<double>(*skip)));
           return result;
         });
   }
 
   size_t calls_ = 0;
+  int colmaps_own_ = 0;
 };
 
 TEST_F(ConfirmPosesTest, OneThatAgreesIsEnough) {
@@ -111,7 +122,9 @@ TEST_F(ConfirmPosesTest, WhatIsTooSmallOrTheSameSaysNothing) {
   ASSERT_THAT(confirmed->attempts, SizeIs(3));
   EXPECT_THAT(confirmed->attempts[0].problem, HasSubstr("too few"));
   EXPECT_THAT(confirmed->attempts[1].problem, HasSubstr("same model"));
-  EXPECT_THAT(confirmed->attempts[2].problem, HasSubstr("no model"));
+  EXPECT_EQ(confirmed->attempts[2].name, "start by COLMAP");
+  EXPECT_THAT(confirmed->attempts[2].problem, HasSubstr("same model"));
+  EXPECT_EQ(colmaps_own_, 1);
   EXPECT_FALSE(confirmed->witnessed);
   EXPECT_THAT(confirmed->models, IsEmpty());
   EXPECT_THAT(confirmed->uncertain, IsEmpty());
@@ -138,7 +151,8 @@ TEST_F(ConfirmPosesTest, NeitherTinyNorLargeModels) {
 
 TEST_F(ConfirmPosesTest, ErrorsAreReturned) {
   const auto confirmed = ConfirmPoses(
-      {Model()}, [](const std::string&, size_t) -> StatusOr<AttemptResult> {
+      {Model()},
+      [](const std::string&, std::optional<size_t>) -> StatusOr<AttemptResult> {
         return InterruptedError("stopped");
       });
   EXPECT_EQ(confirmed.status().code(), StatusCode::kInterrupted);
