@@ -66,9 +66,31 @@ std::string Compared(const Reconstruction& first,
          " photos where the first model has them";
 }
 
+// Fills in all but the attempts. The best candidate takes the place of the
+// first of `models`, without uncertain photos if at least `enough` are left.
+void TakeBest(const Models& candidates,
+              Consensus consensus,
+              const Models& models,
+              size_t enough,
+              ConfirmedPoses* result) {
+  result->replaced = consensus.best > 0;
+  result->witnessed = consensus.witnessed;
+  result->uncertain = std::move(consensus.uncertain);
+  const Reconstruction& chosen = candidates[consensus.best];
+  const size_t certain = chosen.images.size() - result->uncertain.size();
+  const bool remove =
+      !result->uncertain.empty() && certain >= std::max(enough, kMinToCompare);
+  if (!result->replaced && !remove) return;
+  result->models.push_back(remove ? Without(chosen, result->uncertain)
+                                  : chosen);
+  if (result->replaced) return;
+  result->models.insert(result->models.end(), models.begin() + 1, models.end());
+}
+
 }  // namespace
 
 StatusOr<ConfirmedPoses> ConfirmPoses(const Models& models,
+                                      size_t enough,
                                       const MapAgain& map_again) {
   ConfirmedPoses result;
   const size_t registered = NumRegistered(models);
@@ -103,24 +125,12 @@ StatusOr<ConfirmedPoses> ConfirmPoses(const Models& models,
     }
     result.attempts.push_back(std::move(attempt));
   }
-  result.replaced = consensus.best > 0;
-  if (result.replaced) {
+  if (consensus.best > 0) {
     Attempt& kept = result.attempts[attempt_of[consensus.best]];
     kept.kept = true;
     kept.problem.clear();
   }
-  result.witnessed = consensus.witnessed;
-  result.uncertain = std::move(consensus.uncertain);
-  Reconstruction& chosen = candidates[consensus.best];
-  const size_t certain = chosen.images.size() - result.uncertain.size();
-  const bool remove = !result.uncertain.empty() && certain >= kMinToCompare &&
-                      2 * certain >= chosen.images.size();
-  if (!result.replaced && !remove) return result;
-  result.models.push_back(remove ? Without(chosen, result.uncertain)
-                                 : std::move(chosen));
-  if (!result.replaced) {
-    result.models.insert(result.models.end(), models.begin() + 1, models.end());
-  }
+  TakeBest(candidates, std::move(consensus), models, enough, &result);
   return result;
 }
 

@@ -33,7 +33,7 @@ struct ConfirmedPoses {
   bool witnessed = false;
 
   // Names of photos whose place is uncertain, ascending (see Consensus). They
-  // are not in models[0] if at least half of its photos are left without them.
+  // are taken out of models[0] if enough others are left.
   std::vector<std::string> uncertain;
 
   std::vector<Attempt> attempts;  // The further mappings, in order.
@@ -52,14 +52,16 @@ using MapAgain = std::function<StatusOr<AttemptResult>(
 // takes one further mapping, and at most four times. Once a pair leads to no
 // model, COLMAP looks for one itself, and that is the last mapping. A model
 // takes part if it has at least half as many photos as models[0], and is not
-// one that is there already. `models` are the best first. Nothing is done
-// without a model, and with more than kMostPhotosToConfirm photos in models[0].
-// Errors: those of map_again.
+// one that is there already. `models` are the best first. With fewer than
+// `enough` photos a model is of no use, so uncertain ones stay in it. Nothing
+// is done without a model, and with more than kMostPhotosToConfirm photos in
+// models[0]. Errors: those of map_again.
 //
 //   FREEGS_ASSIGN_OR_RETURN(ConfirmedPoses confirmed,
-//                           ConfirmPoses(models, map_again));
+//                           ConfirmPoses(models, enough, map_again));
 //   if (!confirmed.models.empty()) models = std::move(confirmed.models);
 StatusOr<ConfirmedPoses> ConfirmPoses(const std::vector<Reconstruction>& models,
+                                      size_t enough,
                                       const MapAgain& map_again);
 
 }  // namespace freegs::sfm

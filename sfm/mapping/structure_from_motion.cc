@@ -172,7 +172,9 @@ Status RefineAndConfirm(const StepContext& context,
                                std::optional<size_t> skip) {
       return MapFromLaterPair(context, database, way, name, skip, store);
     };
-    FREEGS_ASSIGN_OR_RETURN(confirmed, ConfirmPoses(result->models, map_again));
+    const size_t half = (context.input.photos.size() + 1) / 2;
+    FREEGS_ASSIGN_OR_RETURN(confirmed,
+                            ConfirmPoses(result->models, half, map_again));
   }
   if (!confirmed.models.empty()) {
     result->models = std::move(confirmed.models);

@@ -44,6 +44,7 @@ class ConfirmPosesTest : public testing::Test {
   StatusOr<ConfirmedPoses> Run(const Models& first, const Models& further) {
     return ConfirmPoses(
         first,
+        kPhotos / 2,
         [&](const std::string&,
             std::optional<size_t> skip) -> StatusOr<AttemptResult> {
           AttemptResult result;
@@ -152,6 +153,7 @@ TEST_F(ConfirmPosesTest, NeitherTinyNorLargeModels) {
 TEST_F(ConfirmPosesTest, ErrorsAreReturned) {
   const auto confirmed = ConfirmPoses(
       {Model()},
+      0,
       [](const std::string&, std::optional<size_t>) -> StatusOr<AttemptResult> {
         return InterruptedError("stopped");
       });
