@@ -26,6 +26,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
+DiagnosisOptions MakeDiagnosisOptions(const SfmOptions& options) {
+  DiagnosisOptions diagnosis;
+  // A low limit of features is no sign of little texture.
+  diagnosis.few_features =
+      std::min<int64_t>(diagnosis.few_features, options.max_features / 4);
+  return diagnosis;
+}
+
 // What the cameras of a model were chosen from, and why they were not.
 struct CameraChoice {
   std::vector<CameraCandidate> candidates;
@@ -95,14 +103,22 @@ Status TakeSeparated(const StepContext& context,
   return {};
 }
 
-// Whether further mappings can tell something about a model: it is small, it is
-// as exact as the choice of cameras makes it, and there are two photos with
-// which a mapping can be told to begin.
+// Whether further mappings can tell something about models: the best is small
+// and of use, it is as exact as the choice of cameras makes it, and there are
+// two photos with which a mapping can be told to begin.
 StatusOr<bool> CanMapAgain(const StepContext& context,
                            const fs::path& database,
-                           const Reconstruction& model) {
-  if (model.images.size() > kMostPhotosToConfirm ||
+                           const SceneEvidence& evidence,
+                           const std::vector<Reconstruction>& models) {
+  if (models[0].images.size() > kMostPhotosToConfirm ||
       context.options.camera_model != "auto") {
+    return false;
+  }
+  const std::vector<Finding> findings =
+      Diagnose(evidence, models, MakeDiagnosisOptions(context.options));
+  if (std::any_of(findings.begin(), findings.end(), [](const Finding& finding) {
+        return finding.severity == Severity::kFatal;
+      })) {
     return false;
   }
   FREEGS_ASSIGN_OR_RETURN(const MatchDatabase matches,
@@ -165,8 +181,9 @@ Status RefineAndConfirm(const StepContext& context,
   FREEGS_ASSIGN_OR_RETURN(CameraChoice cameras,
                           ChooseCameras(context, &result->models[0]));
   ConfirmedPoses confirmed;
-  FREEGS_ASSIGN_OR_RETURN(const bool can,
-                          CanMapAgain(context, database, result->models[0]));
+  FREEGS_ASSIGN_OR_RETURN(
+      const bool can,
+      CanMapAgain(context, database, *evidence, result->models));
   if (can) {
     const auto map_again = [&](const std::string& name,
                                std::optional<size_t> skip) {
@@ -222,10 +239,7 @@ StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
   SfmResult result;
   result.colmap_version = context.colmap.version();
   result.warnings = context.colmap.KnownFaults();
-  DiagnosisOptions diagnosis;
-  // A low limit of features is no sign of little texture.
-  diagnosis.few_features =
-      std::min<int64_t>(diagnosis.few_features, options.max_features / 4);
+  const DiagnosisOptions diagnosis = MakeDiagnosisOptions(options);
   AttemptStore store(input.work_folder, &record);
   FREEGS_ASSIGN_OR_RETURN(MappedScene scene,
                           MapScene(context, database, diagnosis, &store));
