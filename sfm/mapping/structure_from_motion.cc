@@ -103,6 +103,17 @@ Status TakeSeparated(const StepContext& context,
   return {};
 }
 
+bool AreOfNoUse(const StepContext& context,
+                const SceneEvidence& evidence,
+                const std::vector<Reconstruction>& models) {
+  const std::vector<Finding> findings =
+      Diagnose(evidence, models, MakeDiagnosisOptions(context.options));
+  return std::any_of(
+      findings.begin(), findings.end(), [](const Finding& finding) {
+        return finding.severity == Severity::kFatal;
+      });
+}
+
 // Whether further mappings can tell something about models: the best is small
 // and of use, it is as exact as the choice of cameras makes it, and there are
 // two photos with which a mapping can be told to begin.
@@ -111,14 +122,8 @@ StatusOr<bool> CanMapAgain(const StepContext& context,
                            const SceneEvidence& evidence,
                            const std::vector<Reconstruction>& models) {
   if (models[0].images.size() > kMostPhotosToConfirm ||
-      context.options.camera_model != "auto") {
-    return false;
-  }
-  const std::vector<Finding> findings =
-      Diagnose(evidence, models, MakeDiagnosisOptions(context.options));
-  if (std::any_of(findings.begin(), findings.end(), [](const Finding& finding) {
-        return finding.severity == Severity::kFatal;
-      })) {
+      context.options.camera_model != "auto" ||
+      AreOfNoUse(context, evidence, models)) {
     return false;
   }
   FREEGS_ASSIGN_OR_RETURN(const MatchDatabase matches,
@@ -169,34 +174,27 @@ StatusOr<AttemptResult> MapFromLaterPair(const StepContext& context,
   return made;
 }
 
-// Gives the best model its cameras. Replaces the models if further mappings put
-// its photos elsewhere.
-Status RefineAndConfirm(const StepContext& context,
-                        const fs::path& database,
-                        const Mapping& way,
-                        AttemptStore* store,
-                        SceneEvidence* evidence,
-                        SfmResult* result) {
-  if (result->models.empty()) return {};
-  FREEGS_ASSIGN_OR_RETURN(CameraChoice cameras,
-                          ChooseCameras(context, &result->models[0]));
-  ConfirmedPoses confirmed;
-  FREEGS_ASSIGN_OR_RETURN(
-      const bool can,
-      CanMapAgain(context, database, *evidence, result->models));
-  if (can) {
-    const auto map_again = [&](const std::string& name,
-                               std::optional<size_t> skip) {
-      return MapFromLaterPair(context, database, way, name, skip, store);
-    };
-    const size_t half = (context.input.photos.size() + 1) / 2;
-    FREEGS_ASSIGN_OR_RETURN(confirmed,
-                            ConfirmPoses(result->models, half, map_again));
-  }
+// Puts models that further mappings confirm in the place of those of the
+// result, and says what was found out.
+Status TakeConfirmed(const StepContext& context,
+                     ConfirmedPoses confirmed,
+                     SceneEvidence* evidence,
+                     CameraChoice* cameras,
+                     SfmResult* result) {
   if (!confirmed.models.empty()) {
-    result->models = std::move(confirmed.models);
-    FREEGS_ASSIGN_OR_RETURN(cameras,
-                            ChooseCameras(context, &result->models[0]));
+    FREEGS_ASSIGN_OR_RETURN(CameraChoice their_cameras,
+                            ChooseCameras(context, &confirmed.models[0]));
+    if (!AreOfNoUse(context, *evidence, confirmed.models)) {
+      result->models = std::move(confirmed.models);
+      *cameras = std::move(their_cameras);
+    } else {
+      // A model with uncertain photos is better than none.
+      confirmed.replaced = false;
+      for (Attempt& attempt : confirmed.attempts) {
+        if (attempt.kept) attempt.problem = "its poses cannot be trusted";
+        attempt.kept = false;
+      }
+    }
   }
   if (confirmed.replaced) {
     result->warnings.push_back(
@@ -218,6 +216,34 @@ Status RefineAndConfirm(const StepContext& context,
   std::move(confirmed.attempts.begin(),
             confirmed.attempts.end(),
             std::back_inserter(result->attempts));
+  return {};
+}
+
+// Gives the best model its cameras. Replaces the models if further mappings put
+// its photos elsewhere.
+Status RefineAndConfirm(const StepContext& context,
+                        const fs::path& database,
+                        const Mapping& way,
+                        AttemptStore* store,
+                        SceneEvidence* evidence,
+                        SfmResult* result) {
+  if (result->models.empty()) return {};
+  FREEGS_ASSIGN_OR_RETURN(CameraChoice cameras,
+                          ChooseCameras(context, &result->models[0]));
+  FREEGS_ASSIGN_OR_RETURN(
+      const bool can,
+      CanMapAgain(context, database, *evidence, result->models));
+  if (can) {
+    const auto map_again = [&](const std::string& name,
+                               std::optional<size_t> skip) {
+      return MapFromLaterPair(context, database, way, name, skip, store);
+    };
+    const size_t half = (context.input.photos.size() + 1) / 2;
+    FREEGS_ASSIGN_OR_RETURN(ConfirmedPoses confirmed,
+                            ConfirmPoses(result->models, half, map_again));
+    FREEGS_RETURN_IF_ERROR(TakeConfirmed(
+        context, std::move(confirmed), evidence, &cameras, result));
+  }
   if (!cameras.problem.empty()) {
     result->warnings.push_back("COLMAP's RADIAL cameras are kept: " +
                                cameras.problem);
