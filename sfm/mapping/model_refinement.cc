@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "sfm/mapping/model_refinement.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "sfm/mapping/initial_pair.h"
+#include "sfm/mapping/separate_parts.h"
+#include "sfm/matching/match_database.h"
+
+namespace freegs::sfm {
+
+namespace fs = std::filesystem;
+
+// Gives a model the simplest cameras that explain it, and adjusts it with them.
+// If the model has too little to choose by, COLMAP's cameras stay.
+StatusOr<ModelRefinement::CameraChoice> ModelRefinement::ChooseCameras(
+    Reconstruction* model) const {
+  if (context_.options.camera_model != "auto" || model->images.size() < 3) {
+    return CameraChoice{};
+  }
+  context_.Report("camera model", 0, 1, "");
+  CameraSelectionOptions options;
+  options.shared = context_.options.camera != "per_image";
+  options.per_group = options.per_photo = context_.options.camera == "auto";
+  options.per_photo |= context_.options.camera == "per_image";
+  options.num_threads = context_.num_threads;
+  options.cancellation = context_.input.cancellation;
+  auto selection = RefineCameras(options, model);
+  context_.Report("camera model", 1, 1, "");
+  if (selection.ok()) return CameraChoice{std::move(selection->candidates), ""};
+  if (selection.status().code() != StatusCode::kUnusableResult) {
+    return selection.status();
+  }
+  return CameraChoice{{}, selection.status().message()};
+}
+
+bool ModelRefinement::AreOfNoUse(
+    const SceneEvidence& evidence,
+    const std::vector<Reconstruction>& models) const {
+  const std::vector<Finding> findings = Diagnose(evidence, models, diagnosis_);
+  return std::any_of(
+      findings.begin(), findings.end(), [](const Finding& finding) {
+        return finding.severity == Severity::kFatal;
+      });
+}
+
+// Whether further mappings can tell something about models: the best is small
+// and of use, it is as exact as the choice of cameras makes it, and there are
+// two photos with which a mapping can be told to begin.
+StatusOr<bool> ModelRefinement::CanMapAgain(
+    const SceneEvidence& evidence,
+    const std::vector<Reconstruction>& models) const {
+  if (models[0].images.size() > kMostPhotosToConfirm ||
+      context_.options.camera_model != "auto" || AreOfNoUse(evidence, models)) {
+    return false;
+  }
+  FREEGS_ASSIGN_OR_RETURN(const MatchDatabase matches,
+                          MatchDatabase::Open(database_));
+  FREEGS_ASSIGN_OR_RETURN(
+      const std::optional<InitialPair> pair,
+      ChooseInitialPair(context_.input.photos, {}, matches));
+  return pair.has_value();
+}
+
+// Does all that makes a model once more, from a later pair (see MapAgain).
+StatusOr<AttemptResult> ModelRefinement::MapFromLaterPair(
+    const std::string& name, std::optional<size_t> skip) const {
+  const auto map = [&]() -> StatusOr<AttemptResult> {
+    Mapping way = way_;
+    way.step = "mapping, " + name;
+    const fs::path folder = store_->Folder(name) / "mapper";
+    AttemptResult mapped;
+    if (!skip) {
+      FREEGS_ASSIGN_OR_RETURN(mapped.models,
+                              MapPhotos(context_, database_, folder, way));
+      return mapped;
+    }
+    FREEGS_ASSIGN_OR_RETURN(
+        mapped.models,
+        MapFromBestPair(context_, database_, folder, *skip, way));
+    if (!mapped.models.empty() || way.relaxed) return mapped;
+    way.relaxed = true;  // Later pairs are weaker.
+    FREEGS_ASSIGN_OR_RETURN(
+        mapped.models,
+        MapFromBestPair(context_, database_, folder, *skip, way));
+    return mapped;
+  };
+  FREEGS_ASSIGN_OR_RETURN(AttemptResult made, store_->Try(name, map));
+  FREEGS_ASSIGN_OR_RETURN(SeparatedParts parts,
+                          SeparateParts(context_,
+                                        database_,
+                                        made.models,
+                                        store_,
+                                        skip.value_or(0),
+                                        ", " + name));
+  if (!parts.models.empty()) made.models = std::move(parts.models);
+  if (!made.models.empty()) {
+    FREEGS_RETURN_IF_ERROR(ChooseCameras(&made.models[0]).status());
+  }
+  return made;
+}
+
+// Puts models that further mappings confirm in the place of those that are
+// there, and says what was found out.
+Status ModelRefinement::TakeConfirmed(ConfirmedPoses confirmed,
+                                      SceneEvidence* evidence,
+                                      CameraChoice* cameras,
+                                      RefinedModels* refined) const {
+  if (!confirmed.models.empty()) {
+    FREEGS_ASSIGN_OR_RETURN(CameraChoice their_cameras,
+                            ChooseCameras(&confirmed.models[0]));
+    if (!AreOfNoUse(*evidence, confirmed.models)) {
+      refined->models = std::move(confirmed.models);
+      *cameras = std::move(their_cameras);
+    } else {
+      // A model with uncertain photos is better than none.
+      confirmed.replaced = false;
+      for (Attempt& attempt : confirmed.attempts) {
+        if (attempt.kept) attempt.problem = "its poses cannot be trusted";
+        attempt.kept = false;
+      }
+    }
+  }
+  if (confirmed.replaced) {
+    refined->warnings.push_back(
+        "mapping from other photos put some elsewhere; the model is taken of "
+        "whose photos most are where other models have them");
+    std::erase_if(evidence->unplaced, [&](const std::string& name) {
+      const std::vector<PosedImage>& images = refined->models[0].images;
+      return std::any_of(images.begin(), images.end(), [&](const auto& image) {
+        return image.name == name;
+      });
+    });
+  }
+  if (!confirmed.attempts.empty() && !confirmed.witnessed) {
+    refined->warnings.push_back(
+        "mapping from other photos did not lead to the same poses; look at the "
+        "cameras before you trust them");
+  }
+  evidence->uncertain = std::move(confirmed.uncertain);
+  refined->attempts = std::move(confirmed.attempts);
+  return {};
+}
+
+StatusOr<RefinedModels> ModelRefinement::Run(std::vector<Reconstruction> models,
+                                             SceneEvidence* evidence) const {
+  RefinedModels refined;
+  refined.models = std::move(models);
+  if (refined.models.empty()) return refined;
+  FREEGS_ASSIGN_OR_RETURN(CameraChoice cameras,
+                          ChooseCameras(&refined.models[0]));
+  FREEGS_ASSIGN_OR_RETURN(const bool can,
+                          CanMapAgain(*evidence, refined.models));
+  if (can) {
+    const size_t half = (context_.input.photos.size() + 1) / 2;
+    FREEGS_ASSIGN_OR_RETURN(
+        ConfirmedPoses confirmed,
+        ConfirmPoses(refined.models,
+                     half,
+                     [&](const std::string& name, std::optional<size_t> skip) {
+                       return MapFromLaterPair(name, skip);
+                     }));
+    FREEGS_RETURN_IF_ERROR(
+        TakeConfirmed(std::move(confirmed), evidence, &cameras, &refined));
+  }
+  if (!cameras.problem.empty()) {
+    refined.warnings.push_back("COLMAP's RADIAL cameras are kept: " +
+                               cameras.problem);
+  }
+  refined.camera_models = std::move(cameras.candidates);
+  return refined;
+}
+
+}  // namespace freegs::sfm
