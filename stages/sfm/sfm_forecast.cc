@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "sfm/mapping/confirm_poses.h"
 #include "sfm/scene/model_io.h"
 
 namespace freegs::stages {
@@ -100,12 +101,15 @@ StageNeed SfmNeed(const sfm::SfmOptions& options,
                          kBytesPerFeature * features;
   const double share = features_of_photo / kUsualFeatures;
   const auto count = static_cast<double>(photos);
+  // Few photos are mapped again, usually once.
+  const bool again = options.camera_model == "auto" &&
+                     photos <= static_cast<int64_t>(sfm::kMostPhotosToConfirm);
   const double seconds =
       kSecondsPerPhoto * count +
       kSecondsPerMegapixel * 1e-6 * static_cast<double>(pixels.total) +
       kSecondsPerPair * share * share *
           static_cast<double>(ExpectedPairs(options.pairs, photos)) +
-      kMappingSecondsPerPhoto * share * count *
+      (again ? 2 : 1) * kMappingSecondsPerPhoto * share * count *
           std::pow(count / kUsualPhotos, kMappingExponent);
   return {.memory_bytes = std::llround(std::max(extraction, mapping)),
           .disk_bytes = std::llround(kDiskBytesPerFeature * features),
