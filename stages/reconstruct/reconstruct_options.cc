@@ -13,18 +13,25 @@ namespace {
 
 constexpr int64_t kMaxBudget = 1000000000;
 
+// The number of steps that the two factors below are for. Twice 2500 steps are
+// better with the rates of 2500 than with smaller ones, by 0.5 to 0.8 dB on
+// three scenes. Longer trainings were not tried.
+double RateSteps(int iterations) {
+  return std::max(std::min(iterations, 2500), iterations / 2);
+}
+
 // What the learning rates of 3DGS, which suit 30000 steps, are multiplied by.
 // Short trainings gain from larger rates: 1000 steps at twice the rates end 1
 // dB higher on real photos.
 double RateFactor(int iterations) {
-  return std::clamp(std::sqrt(8000.0 / iterations), 1.0, 2.0);
+  return std::clamp(std::sqrt(8000.0 / RateSteps(iterations)), 1.0, 2.0);
 }
 
 // What the rates of positions and sizes are multiplied by on top of that, so
 // that half the steps lead as far. At 2000 steps 6 instead of 3 for positions
 // costs 0.9 to 1.8 dB, 5 instead of 3 for sizes 0 to 0.3.
 double GeometryRateFactor(int iterations) {
-  return std::clamp(6000.0 / iterations, 1.0, 3.0);
+  return std::clamp(6000.0 / RateSteps(iterations), 1.0, 3.0);
 }
 
 // A model that starts again from depth maps needs thousands of steps to become

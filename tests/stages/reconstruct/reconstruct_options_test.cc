@@ -19,5 +19,25 @@ TEST(ReconstructOptionsTest, OnlyLongTrainingsStartAgainFromDepthMaps) {
   }
 }
 
+TEST(ReconstructOptionsTest, LongerTrainingsHaveSmallerRates) {
+  const auto rates = [](int iterations) {
+    ReconstructStageOptions options;
+    options.iterations = iterations;
+    return MakeTrainerOptions(options, int64_t{1} << 24, int64_t{1} << 33, 0)
+        ->learning_rates;
+  };
+  const splat::LearningRateOptions original;
+  EXPECT_EQ(rates(30000).mean_initial, original.mean_initial);
+  EXPECT_EQ(rates(30000).opacity_logit, original.opacity_logit);
+  // Presets balanced and quality.
+  EXPECT_EQ(rates(5000).mean_initial, rates(2500).mean_initial);
+  EXPECT_EQ(rates(5000).sh_dc, rates(2500).sh_dc);
+  double last = 1;
+  for (const int iterations : {500, 1500, 2500, 5000, 8000, 15000, 30000}) {
+    EXPECT_LE(rates(iterations).log_scale, last) << iterations;
+    last = rates(iterations).log_scale;
+  }
+}
+
 }  // namespace
 }  // namespace freegs::stages
