@@ -259,14 +259,23 @@ void FindNoOverlap(const DiagnosedScene& scene,
   findings->push_back(std::move(finding));
 }
 
+// A finding about photos whose place relative to the others is not known.
+Finding AboutPlaces(FindingKind kind,
+                    const DiagnosedScene& scene,
+                    const std::vector<std::string>& names) {
+  Finding finding;
+  finding.kind = kind;
+  finding.severity = Severity::kDegrading;
+  finding.photos = names;
+  finding.evidence = {{"photos", static_cast<double>(names.size())},
+                      {"main_photos", static_cast<double>(scene.registered)}};
+  return finding;
+}
+
 void FindUnplaced(const DiagnosedScene& scene, std::vector<Finding>* findings) {
   if (scene.evidence.unplaced.empty()) return;
-  Finding finding;
-  finding.kind = FindingKind::kLookAlikes;
-  finding.severity = Severity::kDegrading;
-  finding.photos = scene.evidence.unplaced;
-  finding.evidence = {{"photos", static_cast<double>(finding.photos.size())},
-                      {"main_photos", static_cast<double>(scene.registered)}};
+  Finding finding =
+      AboutPlaces(FindingKind::kLookAlikes, scene, scene.evidence.unplaced);
   finding.message = "where " + SomeNames(finding.photos) +
                     " belong relative to the other photos is uncertain: parts "
                     "of the scene look alike, or something in it moved, and "
@@ -282,12 +291,7 @@ void FindUncertain(const DiagnosedScene& scene,
                    std::vector<Finding>* findings) {
   const std::vector<std::string>& names = scene.evidence.uncertain;
   if (names.empty()) return;
-  Finding finding;
-  finding.kind = FindingKind::kUncertainPoses;
-  finding.severity = Severity::kDegrading;
-  finding.photos = names;
-  finding.evidence = {{"photos", static_cast<double>(names.size())},
-                      {"main_photos", static_cast<double>(scene.registered)}};
+  Finding finding = AboutPlaces(FindingKind::kUncertainPoses, scene, names);
   finding.message = "where " + SomeNames(names) +
                     (names.size() == 1 ? " belongs" : " belong") +
                     " is uncertain: it depends on the photos with which a "

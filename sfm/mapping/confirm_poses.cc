@@ -21,7 +21,8 @@ constexpr size_t kMaxMappings = 4;
 // With fewer photos, places cannot be compared.
 constexpr size_t kMinToCompare = 3;
 
-// Whether two models have the same photos in the very same poses.
+// Whether two models have the same photos with the same translations, to the
+// last digit. Two mappings that began differently never do.
 bool AreSame(const Reconstruction& a, const Reconstruction& b) {
   if (a.images.size() != b.images.size()) return false;
   std::map<std::string, Eigen::Vector3d> translations;

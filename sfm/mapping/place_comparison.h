@@ -40,10 +40,8 @@ struct Consensus {
   // among equal ones that with most votes, and then the first.
   size_t best = 0;
 
-  // Names of photos of that model, ascending: a witness votes against their
-  // place, or more vote against it than for it. (Of two models of which neither
-  // is a witness of the other, each photo that they have in different places is
-  // uncertain. A bad model does so much, and a third one can outvote it.)
+  // Names of photos of that model, ascending, that a witness has elsewhere, or
+  // for whose place fewer models vote than against it.
   std::vector<std::string> uncertain;
 
   // Whether it has a witness.

@@ -157,7 +157,9 @@ class ChooseInitialPairTest : public testing::Test {
 
   // With a fake COLMAP. Returns how many photos each model has.
   StatusOr<std::vector<size_t>> Map(
-      const std::vector<std::pair<std::string, std::string>>& settings) {
+      const std::vector<std::pair<std::string, std::string>>& settings,
+      size_t skip = 0,
+      const Mapping& way = {}) {
     writer_.reset();
     SfmInput input;
     input.photo_folder = folder_.path();
@@ -171,7 +173,7 @@ class ChooseInitialPairTest : public testing::Test {
     fs::create_directories(folder_ / "logs");
     FREEGS_ASSIGN_OR_RETURN(
         const std::vector<Reconstruction> models,
-        MapFromBestPair(context, path_, folder_ / "mapper"));
+        MapFromBestPair(context, path_, folder_ / "mapper", skip, way));
     std::vector<size_t> sizes;
     for (const Reconstruction& model : models) {
       sizes.push_back(model.images.size());
@@ -265,6 +267,28 @@ TEST_F(ChooseInitialPairTest, MappingBeginsThere) {
   ASSERT_TRUE(models.ok()) << models.status().message();
   EXPECT_THAT(*models, testing::ElementsAre(3));
   EXPECT_THAT(Log(), testing::HasSubstr("image pair #2 and #3"));
+}
+
+// The best pair is passed over. An option that is given to COLMAP twice would
+// make it fail.
+TEST_F(ChooseInitialPairTest, MappingBeginsWithALaterPair) {
+  for (const double x : {-1.2, 0.0, 1.2, 2.4}) AddPhoto({x, -3, 3});
+  Match(1, 2, 1, 2);
+  Match(2, 3, 1, 2);
+  Match(3, 4, 1, 4);
+  const auto models = Map({{"FAKE_COLMAP_PAIR", "4"}}, 1, {.relaxed = true});
+  ASSERT_TRUE(models.ok()) << models.status().message();
+  EXPECT_THAT(*models, testing::ElementsAre(4));
+  EXPECT_THAT(Log(), testing::HasSubstr("image pair #3 and #4"));
+}
+
+TEST_F(ChooseInitialPairTest, NoModelWithoutALaterPair) {
+  for (const double x : {0.0, 1.2, 2.4}) AddPhoto({x, -3, 3});
+  Match(1, 2, 0, 4);
+  Match(2, 3, 1, 2);
+  const auto models = Map({{"FAKE_COLMAP_PAIR", "3"}}, 1);
+  ASSERT_TRUE(models.ok()) << models.status().message();
+  EXPECT_THAT(*models, testing::IsEmpty());
 }
 
 TEST_F(ChooseInitialPairTest, ColmapLooksForAPairWhereThatLeadsNowhere) {
