@@ -352,9 +352,11 @@ void Child::EndGroup() {
 bool Child::Reap(bool wait) {
   if (pid_ <= 0) return true;
   int status = 0;
-  if (WaitFor(pid_, &status, wait ? 0 : WNOHANG) == 0) return false;
+  const pid_t ended = WaitFor(pid_, &status, wait ? 0 : WNOHANG);
+  if (ended == 0) return false;
   pid_ = -1;
   EndGroup();
+  if (ended < 0) return true;  // How it ended is unknown: no success.
   if (WIFEXITED(status)) result_.exit_code = WEXITSTATUS(status);
   if (WIFSIGNALED(status)) result_.signal = WTERMSIG(status);
   return true;
@@ -375,6 +377,18 @@ void WaitForOutput(const std::vector<std::unique_ptr<Child>>& children) {
     if (child) descriptors.push_back({child->output(), POLLIN, 0});
   }
   poll(descriptors.data(), descriptors.size(), kPollMilliseconds);
+}
+
+// Without this the kernel forgets how a program ended as soon as it has, if
+// whoever started this process let it ignore SIGCHLD (trap '' CHLD).
+void StopIgnoringChildren() {
+  struct sigaction action = {};
+  if (sigaction(SIGCHLD, nullptr, &action) != 0 ||
+      (action.sa_flags & SA_SIGINFO) != 0 || action.sa_handler != SIG_IGN) {
+    return;
+  }
+  action.sa_handler = SIG_DFL;
+  sigaction(SIGCHLD, &action, nullptr);
 }
 
 // Asks all to end, and makes them.
@@ -412,11 +426,13 @@ std::string ChildResult::Describe() const {
   if (signal != 0) {
     return "signal " + std::to_string(signal) + " (" + strsignal(signal) + ")";
   }
+  if (exit_code < 0) return "an unknown exit code";
   return "exit code " + std::to_string(exit_code);
 }
 
 Status RunChildren(const ChildBatch& batch,
                    const CancellationToken* cancellation) {
+  StopIgnoringChildren();
   const size_t slots = static_cast<size_t>(std::max(1, batch.max_parallel));
   std::vector<std::unique_ptr<Child>> children(slots);
   std::vector<size_t> job(slots, 0);

@@ -34,8 +34,10 @@ struct ChildCommand {
 };
 
 struct ChildResult {
-  int exit_code = -1;  // -1 when a signal ended the program.
-  int signal = 0;      // That signal; 0 when the program ended by itself.
+  // -1 when a signal ended the program, and when the system does not tell how
+  // it ended.
+  int exit_code = -1;
+  int signal = 0;  // That signal; 0 when the program ended by itself.
 
   // Whether it was killed because of its time limit, and that limit.
   bool timed_out = false;
@@ -69,6 +71,9 @@ using LineFn = std::function<void(std::string_view)>;
 // The program has an empty standard input and a process group of its own. The
 // kernel kills it when the calling thread ends. When this process ends, even by
 // SIGKILL, a guard process kills the whole group.
+//
+// If this process ignores SIGCHLD, as it may have been told by the one that
+// started it, it gets the default action back.
 StatusOr<ChildResult> RunChild(const ChildCommand& command,
                                const LineFn& on_line,
                                const CancellationToken* cancellation);

@@ -128,7 +128,8 @@ void StepContext::Report(const std::string& step,
 Status CheckEnded(const std::string& program,
                   const std::string& command,
                   const fs::path& log,
-                  const ChildResult& result) {
+                  const ChildResult& result,
+                  Crash crash) {
   if (result.ok()) return {};
   std::string message =
       "'" + program + " " + command + "' failed with " + result.Describe();
@@ -142,16 +143,22 @@ Status CheckEnded(const std::string& program,
   if (IsDiskFull(log.parent_path())) {
     return InternalError("the disk is full: " + message);
   }
-  // A signal is no verdict on the photos.
-  return result.signal != 0 && !result.timed_out ? InternalError(message)
-                                                 : UnusableResultError(message);
+  // Other signals are no verdict on the photos, and neither is an end of which
+  // nothing is known.
+  const bool verdict = result.timed_out || result.exit_code >= 0 ||
+                       (crash == Crash::kVerdict && IsFault(result.signal));
+  return verdict ? UnusableResultError(message) : InternalError(message);
 }
 
 Status CheckEnded(const StepContext& context,
                   const std::string& command,
-                  const ChildResult& result) {
-  return CheckEnded(
-      context.colmap.program(), command, context.LogFile(command), result);
+                  const ChildResult& result,
+                  Crash crash) {
+  return CheckEnded(context.colmap.program(),
+                    command,
+                    context.LogFile(command),
+                    result,
+                    crash);
 }
 
 double TimeLimit(size_t photos) {
@@ -218,18 +225,15 @@ StatusOr<std::vector<Reconstruction>> MapPhotos(const StepContext& context,
   };
   FREEGS_ASSIGN_OR_RETURN(const ChildResult result,
                           RunChild(run, on_line, context.input.cancellation));
+  // A further attempt that makes COLMAP crash would do so again: the result of
+  // the first must do.
+  const bool further = mapping.relaxed || mapping.start != nullptr;
+  const Status ended = CheckEnded(
+      context, "mapper", result, further ? Crash::kVerdict : Crash::kNoVerdict);
   // COLMAP returns 1 when it made no model: that is a result, not a failure.
-  const Status ended = CheckEnded(context, "mapper", result);
   const bool no_model =
       result.exit_code == 1 && ended.code() == StatusCode::kUnusableResult;
-  if (!ended.ok() && !no_model) {
-    // A further attempt that makes COLMAP crash would do so again: the result
-    // of the first must do.
-    const bool further = mapping.relaxed || mapping.start != nullptr;
-    return further && IsFault(result.signal)
-               ? UnusableResultError(ended.message())
-               : ended;
-  }
+  if (!ended.ok() && !no_model) return ended;
   StatusOr<std::vector<Reconstruction>> read = ReadModels(output);
   if (!read.ok()) {
     return InternalError("COLMAP's model cannot be read (is the disk full?): " +

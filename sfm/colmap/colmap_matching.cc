@@ -167,8 +167,16 @@ StatusOr<MatchedPairs> Matcher::Run(const std::set<int>& done,
   PortionedImport import(
       context_,
       {.database = database_path_,
-       .list = [this](const std::vector<IdPair>& pairs)
-           -> StatusOr<std::string> { return MatchPairs(pairs); }});
+       .list =
+           [this](const std::vector<IdPair>& pairs) -> StatusOr<std::string> {
+         std::string text = MatchPairs(pairs);
+         // The list of a cancelled call lacks matches, and must not count as a
+         // portion that is done.
+         if (IsCancelled(context_.input.cancellation)) {
+           return InterruptedError("matching was stopped on request");
+         }
+         return text;
+       }});
   std::set<PhotoPair> tried;
   std::vector<PhotoPair> next = std::move(selection.pairs);
   for (int round = 0; round < kMaxRounds && !next.empty(); ++round) {

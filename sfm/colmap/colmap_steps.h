@@ -51,16 +51,25 @@ struct StepContext {
               const std::string& detail) const;
 };
 
+// What it means when a program crashes, which is when it brings a signal upon
+// itself by an error in it, such as SIGSEGV or SIGABRT.
+enum class Crash {
+  kNoVerdict,  // Nothing: the next run tries again.
+  kVerdict,    // It cannot do this, and would crash again.
+};
+
 // Returns an error with the last lines of output unless the program ended well:
-// kInternal when a signal ended it, from which the next run goes on, else
-// kUnusableResult.
+// kInternal when a signal ended it or the disk is full, from which the next run
+// goes on, else kUnusableResult, also for a crash that is a verdict.
 Status CheckEnded(const std::string& program,
                   const std::string& command,
                   const std::filesystem::path& log,
-                  const ChildResult& result);
+                  const ChildResult& result,
+                  Crash crash = Crash::kNoVerdict);
 Status CheckEnded(const StepContext& context,
                   const std::string& command,
-                  const ChildResult& result);
+                  const ChildResult& result,
+                  Crash crash = Crash::kNoVerdict);
 
 // Makes a new database that contains the photos, in the given order, and their
 // cameras, but no features.
@@ -129,7 +138,8 @@ StatusOr<std::vector<Reconstruction>> MapPhotos(
 // given poses. Poses and cameras stay as they are. `poses` has images without
 // features, with the ids of the database; the result has all features. `folder`
 // is made anew for COLMAP's output and deleted at the end. The points have no
-// colours. Errors: those of a COLMAP command.
+// colours. Errors: those of a COLMAP command, with kUnusableResult for a crash:
+// release 3.8 crashes when there are no points.
 StatusOr<Reconstruction> TriangulatePoints(
     const StepContext& context,
     const std::filesystem::path& database,

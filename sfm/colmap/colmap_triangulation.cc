@@ -38,7 +38,12 @@ StatusOr<Reconstruction> TriangulatePoints(const StepContext& context,
   FREEGS_ASSIGN_OR_RETURN(const ChildCommand run, arguments.Finish());
   FREEGS_ASSIGN_OR_RETURN(const ChildResult result,
                           RunChild(run, nullptr, context.input.cancellation));
-  FREEGS_RETURN_IF_ERROR(CheckEnded(context, command, result));
+  // Release 3.8 aborts when the matches show no points from these poses.
+  const Status ended = CheckEnded(context, command, result, Crash::kVerdict);
+  if (!ended.ok()) {
+    fs::remove_all(folder, ignored);
+    return ended;
+  }
   StatusOr<Reconstruction> model = ReadModel(output);
   fs::remove_all(folder, ignored);
   if (!model.ok()) {

@@ -51,14 +51,25 @@ void AppendRootSift(const float* values, std::vector<uint8_t>* bytes) {
   }
 }
 
-// The numbers of the max_features largest keypoints that are not too large, the
-// largest first.
+// Whether a mask is 0 at a keypoint of an image of this size.
+bool IsMasked(const ImageU16& mask,
+              const cv::KeyPoint& keypoint,
+              int width,
+              int height) {
+  if (mask.empty()) return false;
+  const auto pixel = [](float position, int side, int pixels) {
+    const double share = (position + kShift) / side;
+    return std::clamp(static_cast<int>(share * pixels), 0, pixels - 1);
+  };
+  return mask(pixel(keypoint.pt.x, width, mask.width()),
+              pixel(keypoint.pt.y, height, mask.height())) == 0;
+}
+
+// The numbers of the max_features largest of these keypoints, which are in
+// `order`, the largest first.
 std::vector<size_t> LargestFirst(const std::vector<cv::KeyPoint>& keypoints,
+                                 std::vector<size_t> order,
                                  int max_features) {
-  std::vector<size_t> order;
-  for (size_t i = 0; i < keypoints.size(); ++i) {
-    if (ScaleOf(keypoints[i]) <= kMaxScale) order.push_back(i);
-  }
   // OpenCV sorts its keypoints, so that their order is always the same.
   std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
     return keypoints[a].size > keypoints[b].size;
@@ -77,33 +88,11 @@ ImageU8 Shrink(ImageU8 image, int max_image_size) {
   return AreaAverage(image, side(image.width()), side(image.height()));
 }
 
-// Leaves out the features at which the mask is 0.
-void ApplyMask(const ImageU16& mask,
-               double width,
-               double height,
-               SiftFeatures* features) {
-  const auto pixel = [](double share, int pixels) {
-    return std::clamp(static_cast<int>(share * pixels), 0, pixels - 1);
-  };
-  SiftFeatures kept;
-  for (size_t i = 0; i < features->keypoints.size(); ++i) {
-    const Keypoint& keypoint = features->keypoints[i];
-    if (mask(pixel(keypoint.x / width, mask.width()),
-             pixel(keypoint.y / height, mask.height())) == 0) {
-      continue;
-    }
-    kept.keypoints.push_back(keypoint);
-    const auto first =
-        features->descriptors.values.begin() + i * kSiftDimensions;
-    kept.descriptors.values.insert(
-        kept.descriptors.values.end(), first, first + kSiftDimensions);
-  }
-  *features = std::move(kept);
-}
-
 }  // namespace
 
-SiftFeatures FindSift(const ImageU8& rgb, int max_features) {
+SiftFeatures FindSift(const ImageU8& rgb,
+                      int max_features,
+                      const ImageU16& mask) {
   SiftFeatures features;
   if (rgb.empty()) return features;
   cv::Mat grey;
@@ -116,7 +105,15 @@ SiftFeatures FindSift(const ImageU8& rgb, int max_features) {
   cv::Mat descriptors;
   cv::SIFT::create(0, kLayersPerOctave, kMinContrast, kMaxEdgeRatio, kFirstBlur)
       ->detectAndCompute(grey, cv::noArray(), found, descriptors);
-  const std::vector<size_t> order = LargestFirst(found, max_features);
+  std::vector<size_t> wanted;
+  for (size_t i = 0; i < found.size(); ++i) {
+    if (ScaleOf(found[i]) <= kMaxScale &&
+        !IsMasked(mask, found[i], rgb.width(), rgb.height())) {
+      wanted.push_back(i);
+    }
+  }
+  const std::vector<size_t> order =
+      LargestFirst(found, std::move(wanted), max_features);
   features.keypoints.reserve(order.size());
   features.descriptors.values.reserve(order.size() * kSiftDimensions);
   constexpr auto kRadians = static_cast<float>(CV_PI / 180);
@@ -139,17 +136,17 @@ StatusOr<SiftFeatures> FindPhotoSift(const std::filesystem::path& photo,
   const int width = image.width();
   const int height = image.height();
   image = Shrink(std::move(image), max_image_size);
-  SiftFeatures features = FindSift(image, max_features);
+  ImageU16 wanted;
+  if (!mask.empty()) {
+    FREEGS_ASSIGN_OR_RETURN(wanted, ReadLabels(mask));
+  }
+  SiftFeatures features = FindSift(image, max_features, wanted);
   const float scale_x = static_cast<float>(width) / image.width();
   const float scale_y = static_cast<float>(height) / image.height();
   for (Keypoint& keypoint : features.keypoints) {
     keypoint.x *= scale_x;
     keypoint.y *= scale_y;
     keypoint.scale *= std::sqrt(scale_x * scale_y);
-  }
-  if (!mask.empty()) {
-    FREEGS_ASSIGN_OR_RETURN(const ImageU16 wanted, ReadLabels(mask));
-    ApplyMask(wanted, width, height, &features);
   }
   return features;
 }

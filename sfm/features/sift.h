@@ -24,8 +24,12 @@ struct SiftFeatures {
 
 // Returns the max_features largest features of an RGB image. The descriptors
 // are scaled as COLMAP's: square roots of shares of the sum (RootSIFT;
-// Arandjelovic and Zisserman, CVPR 2012), 512 long and at most 255.
-SiftFeatures FindSift(const ImageU8& rgb, int max_features);
+// Arandjelovic and Zisserman, CVPR 2012), 512 long and at most 255. Features at
+// which the mask is 0 do not count. The mask shows the whole image in any size;
+// an empty one keeps all.
+SiftFeatures FindSift(const ImageU8& rgb,
+                      int max_features,
+                      const ImageU16& mask = {});
 
 // Does the same for a photo that is first made smaller until its longest side
 // has at most max_image_size pixels; keypoints are in pixels of the photo.

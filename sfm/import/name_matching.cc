@@ -46,15 +46,19 @@ int Score(const PathParts& name, const PathParts& photo) {
   // A name without extension may contain a dot itself.
   const bool bare = name.stem + name.extension == photo.stem;
   if (name.stem.empty() || (!same_file && !bare)) return 0;
-  int score = 2;
-  if (same_file && name.extension == photo.extension) score += 1;
-  for (size_t i = 0; i < std::min(name.folders.size(), photo.folders.size());
-       ++i) {
-    if (name.folders[i] != photo.folders[i]) break;
-    score += 4;
+  int score = 4;
+  if (same_file && name.extension == photo.extension) score += 2;
+  const size_t depth = std::min(name.folders.size(), photo.folders.size());
+  size_t shared = 0;
+  while (shared < depth && name.folders[shared] == photo.folders[shared]) {
+    ++shared;
   }
+  score += 8 * static_cast<int>(shared);
   // The same path from its beginning, not only from its end.
-  if (name.folders == photo.folders) score += 2;
+  if (name.folders == photo.folders) score += 4;
+  // images/0001.jpg fits the photo 0001.jpg better than sub/0001.jpg, of which
+  // a folder is missing. This decides only where nothing else does.
+  if (shared == photo.folders.size()) score += 1;
   return score;
 }
 

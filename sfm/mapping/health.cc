@@ -67,13 +67,13 @@ struct Judgement {
 };
 
 // What makes more photos have a pose.
-std::string MoreOverlap(const Health& health, const HealthOptions& options) {
+std::string MoreOverlap(const HealthOptions& options) {
   if (options.imported) return kMorePoses;
   std::string advice = kMoreOverlap;
   if (options.max_features < SfmOptions::kManyFeatures) {
     advice += "--sfm.max_features 8192, ";
   }
-  if (health.images >= SfmOptions::kFewPhotos) {
+  if (!options.all_pairs_compared) {
     advice += "--sfm.matcher exhaustive, ";
   }
   return advice + "--sfm.camera per_image";
@@ -90,13 +90,13 @@ Judgement FailureOf(const Health& health,
     return {Reasons(health,
                     registered + ", at least " +
                         std::to_string(options.min_registered) + " are needed"),
-            Advice(health, MoreOverlap(health, options))};
+            Advice(health, MoreOverlap(options))};
   }
   if (HasFinding(health, Severity::kFatal)) {
-    return {Reasons(health, ""), Advice(health, MoreOverlap(health, options))};
+    return {Reasons(health, ""), Advice(health, MoreOverlap(options))};
   }
   if (health.registered_share() < options.min_registered_share) {
-    std::string advice = MoreOverlap(health, options);
+    std::string advice = MoreOverlap(options);
     if (health.model_sizes.size() > 1) {
       advice +=
           "; the photos fell into separate models, so add photos that connect "
@@ -110,7 +110,7 @@ Judgement FailureOf(const Health& health,
   }
   if (triangulated && health.measures.num_points == 0) {
     return {Reasons(health, "no points were triangulated"),
-            Advice(health, MoreOverlap(health, options))};
+            Advice(health, MoreOverlap(options))};
   }
   if (triangulated && health.measures.median_triangulation_deg <
                           options.min_triangulation_deg) {
@@ -134,7 +134,7 @@ Judgement FlawOf(const Health& health,
                         " photos got a camera pose"),
             Advice(health,
                    "the others are left out; for better coverage, " +
-                       MoreOverlap(health, options))};
+                       MoreOverlap(options))};
   }
   if (triangulated && health.measures.mean_reprojection_error_px >
                           options.good_reprojection_error_px) {

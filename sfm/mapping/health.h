@@ -47,6 +47,9 @@ struct HealthOptions {
   // So many features of each photo were kept at most.
   int max_features = 0;
 
+  // Whether every two photos were compared: then that is no advice.
+  bool all_pairs_compared = false;
+
   // kInvalidArgument unless the shares lie in 0..1.
   Status Check() const;
 };

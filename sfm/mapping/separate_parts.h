@@ -23,8 +23,9 @@ struct SeparatedParts {
   size_t groups = 1;
 
   // The models to be used instead of those given: one that holds together, or
-  // the parts into which the best one was taken apart, the largest first. Empty
-  // if the first model given holds together and nothing needs to be done.
+  // the parts into which the best one was taken apart, the largest first. Then
+  // follow those given, but for the first, that share no photo with these.
+  // Empty if the first model given holds together and nothing needs to be done.
   std::vector<Reconstruction> models;
 
   // Names of the photos that the first model given has and models[0] lacks,
@@ -42,7 +43,8 @@ struct SeparatedParts {
 // the one with the largest consistent group, and takes it apart: each group of
 // three photos or more becomes a model.
 //
-// `models` are the best first; all but the first are ignored, and none is fine.
+// `models` are the best first; all but the first are not checked, and none is
+// fine.
 // Mapping anew begins with the best pair after `skip` others; `suffix` is added
 // to the names of the attempts.
 // Errors: those of the database, kInterrupted and kInternal. Another error of

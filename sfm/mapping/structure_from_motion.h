@@ -34,7 +34,8 @@ namespace freegs::sfm {
 
 struct SfmResult {
   // The models, the best one first: that with most images, and of those with
-  // equally many the one with most points. May be empty.
+  // equally many the one with most points. But if that one was glued, its parts
+  // come first (see separate_parts.h). May be empty.
   std::vector<Reconstruction> models;
 
   MatchedPairs pairs;  // The pairs of photos that were compared.

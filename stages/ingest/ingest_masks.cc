@@ -103,13 +103,20 @@ StatusOr<fs::path> FindMaskFolder(const fs::path& images,
                                   const IngestMaskOptions& options) {
   std::error_code error;
   if (!options.use_masks) return fs::path();
-  if (options.masks.empty()) {
-    const fs::path folder = images / "masks";
-    return fs::is_directory(folder, error) ? folder : fs::path();
+  const fs::path folder =
+      options.masks.empty() ? images / "masks" : fs::path(options.masks);
+  if (!fs::is_directory(folder, error)) {
+    if (options.masks.empty()) return fs::path();
+    return BadInputError(options.masks +
+                         ": no such folder of masks (ingest.masks)");
   }
-  if (fs::is_directory(options.masks, error)) return fs::path(options.masks);
-  return BadInputError(options.masks +
-                       ": no such folder of masks (ingest.masks)");
+  // No photo would be left: photos are not looked for among masks.
+  if (fs::equivalent(folder, images, error)) {
+    return BadInputError(folder.string() +
+                         ": the photos lie in this folder; put the masks into "
+                         "a folder of their own (ingest.masks)");
+  }
+  return folder;
 }
 
 Status PlaceMasks(StageContext& context,

@@ -29,7 +29,7 @@ struct IngestMaskOptions {
 
 // Returns the folder of masks for the photos in `images`, or an empty path when
 // there is none. kBadInput when the folder that the options name does not
-// exist.
+// exist, and when the masks lie in the photo folder itself.
 StatusOr<std::filesystem::path> FindMaskFolder(
     const std::filesystem::path& images, const IngestMaskOptions& options);
 

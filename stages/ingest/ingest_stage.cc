@@ -94,6 +94,9 @@ class IngestStage : public pipeline::Stage {
     for (const std::string& link : scan->linked_folders) {
       inputs.push_back(context.images / link / "");
     }
+    for (fs::path& link : LinkedMasks(context)) {
+      inputs.push_back(std::move(link));
+    }
     return inputs;
   }
 
@@ -150,6 +153,27 @@ class IngestStage : public pipeline::Stage {
   }
 
  private:
+  // The folders of masks that the hash of the photo folder and that of the
+  // folder of masks leave out, because they are links. Nothing without links,
+  // so that the inputs of finished workspaces stay the same.
+  std::vector<fs::path> LinkedMasks(const StageContext& context) const {
+    std::vector<fs::path> links;
+    const auto masks = FindMaskFolder(context.images, options_.masks);
+    if (!masks.ok() || masks->empty()) return links;
+    std::error_code error;
+    // One that the options name is an input of its own, which is followed.
+    if (options_.masks.masks.empty() && fs::is_symlink(*masks, error)) {
+      links.push_back(*masks / "");
+    }
+    const auto scan =
+        photos::ScanPhotos(*masks, {context.images, context.workspace});
+    if (!scan.ok()) return links;
+    for (const std::string& link : scan->linked_folders) {
+      links.push_back(*masks / link / "");
+    }
+    return links;
+  }
+
   StatusOr<photos::HoldoutRule> ReadHoldoutRule() const {
     photos::HoldoutRule rule;
     rule.every = options_.holdout_every;

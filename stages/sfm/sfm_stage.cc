@@ -277,6 +277,8 @@ class SfmStage : public pipeline::Stage {
     sfm::HealthOptions health_options = options_.health;
     health_options.imported = outcome.imported;
     health_options.max_features = result.max_features;
+    health_options.all_pairs_compared =
+        result.pairs.pairs == result.pairs.all_pairs;
     sfm::Health health = sfm::MeasureHealth(result.models,
                                             names,
                                             outcome.triangulated,

@@ -14,7 +14,8 @@
 //                        given one to go on from. Default: the one given.
 //   FAKE_COLMAP_SENSELESS  the mapper ends with cameras that no photo has,
 //                        unless its thresholds were lowered.
-//   FAKE_COLMAP_POINTS   number of points that are triangulated.
+//   FAKE_COLMAP_POINTS   number of points that are triangulated. With none,
+//                        release 3.8 aborts; 4.x writes a model without points.
 //   FAKE_COLMAP_FAIL     a command that fails with exit code 1.
 //   FAKE_COLMAP_SIGNAL   the number of a signal that ends it instead.
 //   FAKE_COLMAP_HANG     a command that never ends.
@@ -257,6 +258,12 @@ int MatchPairs(Options& options) {
   return 0;
 }
 
+// A sanitizer would handle the signal otherwise.
+void EndBySignal(int signal) {
+  std::signal(signal, SIG_DFL);
+  kill(getpid(), signal);
+}
+
 int ContinueMapping(Options& options) {
   const auto model =
       ReadModel(Setting("FAKE_COLMAP_CONTINUED", options["input_path"]));
@@ -314,6 +321,11 @@ int Triangulate(Options& options) {
   auto model = ReadModel(options["input_path"]);
   if (!model.ok()) return 9;
   const int points = std::stoi(Setting("FAKE_COLMAP_POINTS", "150"));
+  if (points == 0 && !IsNew()) {
+    std::cerr << "Check failed: bundle_adjuster.Solve(&reconstruction)"
+              << std::endl;
+    EndBySignal(SIGABRT);
+  }
   const Reconstruction seen =
       SyntheticModel(static_cast<int>(model->images.size()), points);
   for (size_t i = 0; i < model->images.size(); ++i) {
@@ -393,11 +405,7 @@ int Run(int argc, char** argv) {
       (once.empty() || fs::remove(once))) {
     std::cerr << "something went wrong" << std::endl;
     const std::string signal = Setting("FAKE_COLMAP_SIGNAL");
-    if (!signal.empty()) {
-      // A sanitizer would handle it.
-      std::signal(std::stoi(signal), SIG_DFL);
-      kill(getpid(), std::stoi(signal));
-    }
+    if (!signal.empty()) EndBySignal(std::stoi(signal));
     return 1;
   }
   if (command == "feature_extractor") return ExtractFeatures(options);

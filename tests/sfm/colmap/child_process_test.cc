@@ -82,6 +82,39 @@ TEST(RunChild, ReportsExitCodeAndSignal) {
   EXPECT_THAT(crashed->Describe(), HasSubstr("signal 11"));
 }
 
+// Sets what this process does on SIGCHLD while it lives.
+class ChildSignal {
+ public:
+  explicit ChildSignal(void (*handler)(int))
+      : before_(std::signal(SIGCHLD, handler)) {}
+  ~ChildSignal() { std::signal(SIGCHLD, before_); }
+  ChildSignal(const ChildSignal&) = delete;
+  ChildSignal& operator=(const ChildSignal&) = delete;
+
+ private:
+  void (*before_)(int);
+};
+
+// As a process that was started after "trap '' CHLD" does.
+TEST(RunChild, TellsTheExitCodeThoughThisProcessIgnoresItsChildren) {
+  const ChildSignal ignored(SIG_IGN);
+  const auto failed = RunChild(Shell("exit 3"), {}, nullptr);
+  ASSERT_TRUE(failed.ok());
+  EXPECT_EQ(failed->exit_code, 3);
+}
+
+TEST(RunChild, AnUnknownEndIsNoSuccess) {
+  const ChildSignal usual(SIG_DFL);
+  const auto result = RunChild(
+      Shell("echo begun; sleep 0.3"),
+      [](std::string_view) { std::signal(SIGCHLD, SIG_IGN); },
+      nullptr);
+  ASSERT_TRUE(result.ok());
+  EXPECT_FALSE(result->ok());
+  EXPECT_EQ(result->signal, 0);
+  EXPECT_THAT(result->Describe(), HasSubstr("unknown"));
+}
+
 TEST(RunChild, MissingProgram) {
   const auto result = RunChild({{"/nonexistent/program"}, {}, {}}, {}, nullptr);
   ASSERT_FALSE(result.ok());

@@ -114,6 +114,21 @@ TEST_F(FindPhotoSiftTest, MaskKeepsFeaturesOff) {
   }
 }
 
+// What the mask takes away has no part in the limit.
+TEST_F(FindPhotoSiftTest, AsManyFeaturesBesideAMask) {
+  ASSERT_TRUE(
+      WriteImage(folder_ / "photo.png", TexturedPhoto(320, 240, 2)).ok());
+  ImageU8 mask(320, 240, 1, 0);
+  for (int y = 60; y < 180; ++y) {
+    for (int x = 80; x < 240; ++x) mask(x, y) = 255;
+  }
+  ASSERT_TRUE(WriteImage(folder_ / "mask.png", mask).ok());
+  const auto features =
+      FindPhotoSift(folder_ / "photo.png", folder_ / "mask.png", 1600, 20);
+  ASSERT_TRUE(features.ok());
+  EXPECT_EQ(features->keypoints.size(), 20u);
+}
+
 TEST_F(FindPhotoSiftTest, UnreadableFilesAreNamed) {
   WriteText(folder_ / "photo.png", "pixels");
   auto features = FindPhotoSift(folder_ / "photo.png", {}, 800, 100);

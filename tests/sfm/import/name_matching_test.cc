@@ -43,6 +43,20 @@ TEST(MatchNames, MoreFoldersWin) {
   EXPECT_THAT(MatchNames({"r_0"}, photos), ElementsAre(-1));
 }
 
+TEST(MatchNames, AllFoldersOfThePhotoWin) {
+  const auto photos = Photos({"0001.jpg", "sub/0001.jpg"});
+  EXPECT_THAT(MatchNames({"images/0001.jpg", "images/sub/0001.jpg"}, photos),
+              ElementsAre(0, 1));
+  EXPECT_THAT(MatchNames({"images/sub/0001.jpg", "images/0001"}, photos),
+              ElementsAre(1, 0));
+  // The extension counts for more.
+  const auto mixed = Photos({"0001.jpg", "sub/0001.png"});
+  EXPECT_THAT(MatchNames({"images/0001.png"}, mixed), ElementsAre(1));
+  // Of neither photo all folders are there.
+  EXPECT_THAT(MatchNames({"images/r.jpg"}, Photos({"a/r.jpg", "b/r.jpg"})),
+              ElementsAre(-1));
+}
+
 TEST(MatchNames, APhotoIsGivenOnce) {
   // Only the training photos are there: test/r_0 must not take one of them.
   const auto photos = Photos({"train/r_0.png", "train/r_1.png"});

@@ -65,14 +65,16 @@ TEST(MeasureHealth, FewRegistered) {
   EXPECT_EQ(health.verdict, Verdict::kFailed);
   EXPECT_THAT(health.reason, HasSubstr("8 of 17"));
   EXPECT_THAT(health.advice,
-              HasSubstr("or try --sfm.max_features 8192, --sfm.camera"));
+              HasSubstr("or try --sfm.max_features 8192, --sfm.matcher "
+                        "exhaustive, --sfm.camera per_image"));
   EXPECT_EQ(health.unregistered.size(), 9u);
   HealthOptions options;
   options.max_features = 8000;  // No more are advised.
   EXPECT_THAT(MeasureHealth({model}, Names(17), true, options).advice,
-              HasSubstr("or try --sfm.camera per_image"));
-  EXPECT_THAT(MeasureHealth({model}, Names(30), true, options).advice,
               HasSubstr("or try --sfm.matcher exhaustive, --sfm.camera"));
+  options.all_pairs_compared = true;
+  EXPECT_THAT(MeasureHealth({model}, Names(30), true, options).advice,
+              HasSubstr("or try --sfm.camera per_image"));
   options.min_registered_share = 0.4;
   EXPECT_EQ(MeasureHealth({model}, Names(17), true, options).verdict,
             Verdict::kDegraded);

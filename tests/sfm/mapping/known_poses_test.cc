@@ -3,6 +3,8 @@
 
 #include "sfm/mapping/known_poses.h"
 
+#include <csignal>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -86,13 +88,26 @@ TEST_F(KnownPosesTest, AnyNumberOfThreads) {
 }
 
 TEST_F(KnownPosesTest, PosesThatDoNotFitAreTold) {
-  const auto scene = Run({{"FAKE_COLMAP_POINTS", "0"}});
+  const auto scene =
+      Run({{"FAKE_COLMAP_POINTS", "0"}, {"FAKE_COLMAP_DIALECT", "4"}});
   ASSERT_TRUE(scene.ok()) << scene.status().message();
   EXPECT_THAT(scene->model.points3d, IsEmpty());
   EXPECT_EQ(scene->fitting_share, 0);
   ASSERT_THAT(scene->findings, SizeIs(1));
   EXPECT_EQ(FindingName(scene->findings[0].kind), "unfit_poses");
   EXPECT_THAT(scene->findings[0].message, HasSubstr("imported poses"));
+}
+
+// It would crash again, so the next run need not try.
+TEST_F(KnownPosesTest, ACrashIsAVerdict) {
+  const auto crashed = Run({{"FAKE_COLMAP_POINTS", "0"}});
+  EXPECT_EQ(crashed.status().code(), StatusCode::kUnusableResult);
+  EXPECT_THAT(crashed.status().message(), HasSubstr("signal 6"));
+  EXPECT_THAT(crashed.status().message(), HasSubstr("Check failed"));
+  EXPECT_FALSE(fs::exists(input_.work_folder / "triangulation"));
+  const auto killed = Run({{"FAKE_COLMAP_FAIL", "point_triangulator"},
+                           {"FAKE_COLMAP_SIGNAL", std::to_string(SIGKILL)}});
+  EXPECT_EQ(killed.status().code(), StatusCode::kInternal);
 }
 
 TEST_F(KnownPosesTest, Failures) {

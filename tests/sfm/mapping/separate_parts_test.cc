@@ -32,13 +32,17 @@ class SeparatePartsTest : public testing::Test {
         MakeFakeColmap(folder_.path(), {{"FAKE_COLMAP_MODELS", ""}});
   }
 
-  StatusOr<SeparatedParts> Run(const Reconstruction& model) {
+  // `others` are models beside the first one.
+  StatusOr<SeparatedParts> Run(const Reconstruction& model,
+                               const std::vector<Reconstruction>& others = {}) {
+    std::vector<Reconstruction> models = {model};
+    models.insert(models.end(), others.begin(), others.end());
     FREEGS_ASSIGN_OR_RETURN(ColmapProgram colmap,
                             ColmapProgram::Find(options_.colmap, nullptr));
     const StepContext context{input_, options_, colmap};
     StepRecord record(input_.work_folder);
     AttemptStore store(input_.work_folder, &record);
-    return SeparateParts(context, folder_ / "a.db", {model}, &store);
+    return SeparateParts(context, folder_ / "a.db", models, &store);
   }
 
   TemporaryFolder folder_;
@@ -71,6 +75,27 @@ TEST_F(SeparatePartsTest, GluedModelsAreTakenApart) {
   EXPECT_THAT(parts->attempts[0].why, HasSubstr("groups of 12 and 11 photos"));
   EXPECT_EQ(parts->attempts[0].name, "without look-alike parts");
   EXPECT_EQ(parts->attempts[0].models, 0);
+}
+
+TEST_F(SeparatePartsTest, OtherModelsStay) {
+  // One is of other photos and larger than any part, one is not of others only.
+  Reconstruction elsewhere = SyntheticModel(13, 20);
+  for (PosedImage& image : elsewhere.images) image.name = "b/" + image.name;
+  Reconstruction mixed = SyntheticModel(4, 20);
+  for (size_t i = 1; i < 4; ++i) {
+    mixed.images[i].name = "c/" + mixed.images[i].name;
+  }
+  const auto parts = Run(scene_.Model(true), {mixed, elsewhere});
+  ASSERT_TRUE(parts.ok()) << parts.status().message();
+  ASSERT_THAT(parts->models, SizeIs(3));
+  EXPECT_THAT(parts->models[0].images, SizeIs(12));
+  EXPECT_THAT(parts->models[1].images, SizeIs(11));
+  EXPECT_EQ(parts->models[2].images[0].name, "b/" + PhotoName(0));
+  EXPECT_THAT(parts->unplaced, SizeIs(11));
+
+  const auto right = Run(scene_.Model(false), {elsewhere});
+  ASSERT_TRUE(right.ok()) << right.status().message();
+  EXPECT_THAT(right->models, SizeIs(0));
 }
 
 // Enough photos to keep a part of the model.

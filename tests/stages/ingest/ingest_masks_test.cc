@@ -86,5 +86,56 @@ TEST_F(IngestMasksTest, MasksElsewhere) {
   EXPECT_EQ(Run().code(), StatusCode::kBadInput);
 }
 
+TEST_F(IngestMasksTest, MasksInThePhotoFolderItself) {
+  WritePhotos(3);
+  options_.masks.masks = (images_.path() / ".").string();
+  const Status status = Run();
+  EXPECT_EQ(status.code(), StatusCode::kBadInput);
+  EXPECT_THAT(status.message(), HasSubstr("a folder of their own"));
+
+  options_.masks.masks.clear();
+  fs::create_directory_symlink(images_.path(), images_.path() / "masks");
+  EXPECT_THAT(Run().message(), HasSubstr("a folder of their own"));
+}
+
+// A link counts with its name in the hash of the folder that it lies in.
+TEST_F(IngestMasksTest, LinkedMasksAreInputs) {
+  WritePhotos(3);
+  const TemporaryFolder masks;
+  const TemporaryFolder more;
+  masks.Write("img0.png", photos::MakePng(64, 48, 1));
+  pipeline::StageContext context;
+  context.images = images_.path();
+  context.workspace = workspace_.path();
+  const auto inputs = [&] {
+    return MakeIngestStage(options_)->Inputs(context);
+  };
+  const fs::path folder = images_.path() / "masks";
+  fs::create_directory_symlink(masks.path(), folder);
+  EXPECT_THAT(inputs(), testing::ElementsAre(images_.path(), folder / ""));
+  fs::create_directory_symlink(more.path(), masks.path() / "sub");
+  EXPECT_THAT(
+      inputs(),
+      testing::ElementsAre(images_.path(), folder / "", folder / "sub" / ""));
+
+  // The hash of a folder that is named follows it, but no links in it.
+  fs::remove(folder);
+  options_.masks.masks = masks.path().string();
+  EXPECT_THAT(inputs(),
+              testing::ElementsAre(
+                  images_.path(), masks.path(), masks.path() / "sub" / ""));
+
+  // Without links there are no further inputs.
+  options_.masks.masks.clear();
+  images_.Write("masks/img0.png", photos::MakePng(64, 48, 1));
+  EXPECT_THAT(inputs(), testing::ElementsAre(images_.path()));
+  fs::create_directory_symlink(more.path(), folder / "sub");
+  EXPECT_THAT(inputs(),
+              testing::ElementsAre(images_.path(), folder / "sub" / ""));
+  options_.masks.use_masks = false;  // A folder of photos like any other.
+  EXPECT_THAT(inputs(),
+              testing::ElementsAre(images_.path(), folder / "sub" / ""));
+}
+
 }  // namespace
 }  // namespace freegs::stages

@@ -19,6 +19,7 @@ namespace fs = std::filesystem;
 using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 using testing::SizeIs;
 
 class SfmStageTest : public testing::Test {
@@ -89,6 +90,21 @@ TEST_F(SfmStageTest, FewRegisteredIsNotUsable) {
   options_.health.min_registered_share = 0.3;
   EXPECT_TRUE(
       Run({{"FAKE_COLMAP_MODELS", "4"}, {"FAKE_COLMAP_RELAXED", "4"}}).ok());
+}
+
+TEST_F(SfmStageTest, MorePairsAreAdvisedWhereSomeWereNotCompared) {
+  const Settings few = {{"FAKE_COLMAP_MODELS", "4"},
+                        {"FAKE_COLMAP_RELAXED", "4"}};
+  options_.colmap.max_features = 300;  // Else these photos have too few.
+  Status status = Run(few);
+  EXPECT_THAT(status.message(), HasSubstr("--sfm.camera per_image"));
+  EXPECT_THAT(status.message(), Not(HasSubstr("--sfm.matcher")));
+
+  fs::remove_all(workspace_.path() / "sfm.partial");
+  options_.colmap.pairs.matcher = "retrieval";
+  options_.colmap.pairs.neighbours = 2;
+  status = Run(few);
+  EXPECT_THAT(status.message(), HasSubstr("--sfm.matcher exhaustive"));
 }
 
 TEST_F(SfmStageTest, NoModelIsNotUsable) {
@@ -202,8 +218,19 @@ TEST_F(SfmStageTransformsTest, FewPointsAreNotTaken) {
   EXPECT_THAT(workspace_.warnings, Contains(HasSubstr("only 99 points")));
 }
 
-TEST_F(SfmStageTransformsTest, PosesThatDoNotFitDegrade) {
+// COLMAP 3.8 aborts then.
+TEST_F(SfmStageTransformsTest, WithoutAnyPointTheyAreRandom) {
   const Status status = Run({{"FAKE_COLMAP_POINTS", "0"}});
+  ASSERT_TRUE(status.ok()) << status.message();
+  EXPECT_EQ(Health()["source"], "imported transforms.json, points random");
+  EXPECT_EQ(Health()["num_points"], 10000);
+  EXPECT_THAT(workspace_.warnings,
+              Contains(HasSubstr("no points were triangulated")));
+}
+
+TEST_F(SfmStageTransformsTest, PosesThatDoNotFitDegrade) {
+  const Status status =
+      Run({{"FAKE_COLMAP_POINTS", "0"}, {"FAKE_COLMAP_DIALECT", "4"}});
   ASSERT_TRUE(status.ok()) << status.message();
   EXPECT_EQ(Health()["verdict"], "degraded");
   EXPECT_THAT(workspace_.warnings,
