@@ -141,11 +141,8 @@ class OpenCvClip::Networks {
                             const std::string& name,
                             const std::vector<NetworkInput>& inputs,
                             const std::vector<int>& output_shape) {
-    std::optional<cv::dnn::Net> network = Take(folder, name);
-    StatusOr<cv::Mat> output =
-        Run(folder, name, inputs, output_shape, &network);
-    GiveBack(name, std::move(network));
-    return output;
+    Use use(this, folder, name);
+    return Run(folder, name, inputs, output_shape, use.network());
   }
 
  private:
@@ -174,6 +171,27 @@ class OpenCvClip::Networks {
     size_t max_count = 1;
   };
 
+  // Takes a network and gives it back at the end of its life, also when memory
+  // runs out in between. Otherwise threads that wait for it would wait for
+  // ever.
+  class Use {
+   public:
+    Use(Networks* networks, const ModelFolder& folder, const std::string& name)
+        : networks_(networks),
+          name_(name),
+          network_(networks->Take(folder, name)) {}
+    ~Use() { networks_->GiveBack(name_, std::move(network_)); }
+    Use(const Use&) = delete;
+    Use& operator=(const Use&) = delete;
+
+    std::optional<cv::dnn::Net>* network() { return &network_; }
+
+   private:
+    Networks* const networks_;
+    const std::string& name_;
+    std::optional<cv::dnn::Net> network_;
+  };
+
   // Nothing if the network has yet to be loaded.
   std::optional<cv::dnn::Net> Take(const ModelFolder& folder,
                                    const std::string& name) {
@@ -190,6 +208,8 @@ class OpenCvClip::Networks {
     given_back_.wait(lock, [&copies] {
       return !copies.free.empty() || copies.count < copies.max_count;
     });
+    // So that GiveBack, which must not throw, needs no memory.
+    copies.free.reserve(copies.count + 1);
     quiet_.Begin();
     if (copies.free.empty()) {
       ++copies.count;

@@ -46,6 +46,7 @@ bool IsModelFolder(const fs::path& folder) {
 // Whether all in a folder are files that an export that was stopped leaves.
 bool IsLeftover(const fs::path& folder) {
   std::error_code error;
+  if (!fs::is_directory(folder, error)) return false;
   for (const fs::directory_entry& entry :
        fs::directory_iterator(folder, error)) {
     fs::path name = entry.path().filename();
@@ -59,6 +60,11 @@ bool IsLeftover(const fs::path& folder) {
   return !error;
 }
 
+Status InTheWay(const fs::path& path) {
+  return BadInputError(path.string() +
+                       ": is in the way of a temporary folder; move it");
+}
+
 Status CheckOut(const fs::path& out) {
   std::error_code error;
   const fs::path part = Beside(out, ".part");
@@ -69,12 +75,29 @@ Status CheckOut(const fs::path& out) {
     return BadInputError(out.string() +
                          ": exists and is not a model folder; name another");
   }
-  if (fs::exists(part, error) &&
-      (!fs::is_directory(part, error) || !IsLeftover(part))) {
-    return BadInputError(part.string() +
-                         ": is in the way of a temporary folder; move it");
+  if (fs::exists(part, error) && !IsLeftover(part)) return InTheWay(part);
+  const fs::path old = Beside(out, ".old");
+  // Without `out` there is nothing to move to OUT.old.
+  if (fs::exists(out, error) && fs::exists(old, error) && !IsLeftover(old) &&
+      !IsModelFolder(old)) {
+    return InTheWay(old);
   }
   return Status();
+}
+
+// Removes what an export that was stopped has left, which CheckOut has looked
+// at. Where `out` is missing, OUT.old is the model that it was to replace, and
+// stays.
+Status RemoveLeftovers(const fs::path& out) {
+  std::error_code error;
+  fs::remove_all(Beside(out, ".part"), error);
+  if (!error && fs::exists(out, error)) {
+    fs::remove_all(Beside(out, ".old"), error);
+  }
+  if (!error) return Status();
+  return InternalError(
+      out.string() + ": cannot remove what an earlier export left beside it: " +
+      error.message());
 }
 
 Status WriteTokenTable(const ClipCheckpoint& checkpoint, const fs::path& path) {
@@ -209,7 +232,11 @@ Status Replace(const fs::path& part, const fs::path& out) {
   const fs::path old = Beside(out, ".old");
   const bool replaces = fs::exists(out, error);
   if (replaces) fs::rename(out, old, error);
-  if (!error) fs::rename(part, out, error);
+  if (!error) {
+    fs::rename(part, out, error);
+    std::error_code ignored;
+    if (error && replaces) fs::rename(old, out, ignored);
+  }
   if (error) {
     return InternalError(out.string() +
                          ": cannot be replaced: " + error.message());
@@ -245,14 +272,14 @@ StatusOr<ModelInfo> ExportClip(const ClipExportOptions& options,
                                 std::to_string(patch) + " pixels");
   }
   const fs::path part = Beside(folder, ".part");
-  std::error_code error;
-  fs::remove_all(part, error);
+  FREEGS_RETURN_IF_ERROR(RemoveLeftovers(folder));
   FREEGS_RETURN_IF_ERROR(CreateFolders(part));
   StatusOr<ModelInfo> info =
       WriteFiles(options, checkpoint, part, cancellation);
   const Status status =
       info.ok() ? Replace(part, folder) : Status(info.status());
   if (!status.ok()) {
+    std::error_code error;
     fs::remove_all(part, error);
     return status;
   }

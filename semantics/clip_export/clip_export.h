@@ -32,13 +32,15 @@ struct ClipExportOptions {
 };
 
 // Writes the folder `out` and returns what its model.json says. The files are
-// written into OUT.part, which takes the place of `out` when all are there. An
-// `out` that is neither missing, an empty folder nor a model folder is refused,
-// as is an OUT.part that holds other things: kBadInput. kMissingDependency for
-// everything that is wrong with the weights and the files beside them, and
-// kInvalidArgument for a dense size that does not fit them. kInterrupted when
-// cancelled (`cancellation` may be null). Unless it succeeds, `out` is as
-// before. Memory: about twice the size of the largest network.
+// written into OUT.part, which takes the place of `out` when all are there; an
+// `out` that exists is OUT.old meanwhile. What an export that was stopped has
+// left there is removed. An `out` that is neither missing, an empty folder nor
+// a model folder is refused, as is an OUT.part or OUT.old that is in the way
+// and holds other things: kBadInput. kMissingDependency for everything that is
+// wrong with the weights and the files beside them, and kInvalidArgument for a
+// dense size that does not fit them. kInterrupted when cancelled
+// (`cancellation` may be null). Unless it succeeds, `out` is as before. Memory:
+// about twice the size of the largest network.
 StatusOr<ModelInfo> ExportClip(const ClipExportOptions& options,
                                const std::filesystem::path& out,
                                const CancellationToken* cancellation);

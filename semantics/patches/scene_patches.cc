@@ -9,6 +9,7 @@
 #include "core/area_average.h"
 #include "core/io/image_io.h"
 #include "core/kd_tree.h"
+#include "core/quantile.h"
 #include "semantics/geometry/local_geometry.h"
 #include "semantics/geometry/matter.h"
 #include "semantics/geometry/view_choice.h"
@@ -48,13 +49,17 @@ double Baseline(std::span<const View> views) {
 
 // How far apart two patches must be for it to show: the size of the patch or,
 // where the cameras stand close together, the difference in depth that moves a
-// point by kDisparity pixels between them.
+// point by kDisparity pixels between them. All views count as if they had the
+// median focal length, so that a single one of another lens changes nothing.
 std::vector<float> DepthScale(const std::vector<float>& positions,
                               const Patches& patches,
                               const std::vector<float>& size_of_patch,
                               std::span<const View> views) {
   const Eigen::Vector3d mean = MeanCentre(views);
   const double baseline = Baseline(views);
+  std::vector<double> focal_lengths;
+  for (const View& view : views) focal_lengths.push_back(view.camera.fx);
+  const double focal_length = UpperMedian(std::move(focal_lengths));
   std::vector<Eigen::Vector3d> middle(patches.count, Eigen::Vector3d::Zero());
   std::vector<double> count(patches.count, 0.0);
   for (size_t i = 0; i < patches.patch_of_point.size(); ++i) {
@@ -66,7 +71,7 @@ std::vector<float> DepthScale(const std::vector<float>& positions,
   for (size_t p = 0; p < scale.size(); ++p) {
     const double distance = (middle[p] / count[p] - mean).norm();
     const double unsure = baseline > 0 ? kDisparity * distance * distance /
-                                             (views[0].camera.fx * baseline)
+                                             (focal_length * baseline)
                                        : distance;
     scale[p] = std::max(scale[p], static_cast<float>(unsure));
   }

@@ -46,12 +46,12 @@ std::vector<uint32_t> MostImportant(std::span<const float> importance,
                                     size_t count);
 
 // Returns a model of the Gaussians listed, in which position and colour of
-// degree 0 are the same bit for bit and everything else is as
-// InitializeFromPoints would set it: opacity, an isotropic scale from the
-// neighbours among those kept, no rotation, and SH coefficients of zero above
-// degree 0. Gaussians whose position or colour is not finite are left out.
-// Fails with kInvalidArgument when an index is outside the model, with
-// kBadInput when nothing remains.
+// degree 0 are the same bit for bit, but for colours that are too dark
+// (InitializeFromShDc), and everything else is as InitializeFromPoints would
+// set it: opacity, an isotropic scale from the neighbours among those kept, no
+// rotation, and SH coefficients of zero above degree 0. Gaussians whose
+// position or colour is not finite are left out. Fails with kInvalidArgument
+// when an index is outside the model, with kBadInput when nothing remains.
 StatusOr<GaussianModel> RestartFromMeans(
     const GaussianModel& model,
     std::span<const uint32_t> kept,

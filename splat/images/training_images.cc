@@ -69,8 +69,12 @@ StatusOr<TrainingImages> TrainingImages::Load(
   TrainingImages images;
   images.options_ = options;
   images.folder_ = folder;
-  images.entries_.resize(views.size());
-  for (size_t i = 0; i < views.size(); ++i) images.entries_[i].view = views[i];
+  Cache& cache = *images.cache_;
+  cache.entries.resize(views.size());
+  for (size_t i = 0; i < views.size(); ++i) {
+    cache.entries[i].view = views[i];
+    images.indices_.push_back(i);
+  }
 
   // Photos are read in batches, so that memory holds no more than a few photos
   // beyond max_bytes.
@@ -87,10 +91,10 @@ StatusOr<TrainingImages> TrainingImages::Load(
     for (int64_t i = begin; i < end; ++i) {
       FREEGS_ASSIGN_OR_RETURN(Pyramid pyramid, *std::move(read[i - begin]));
       const uint64_t bytes = pyramid.Bytes();
-      if (images.held_bytes_ + bytes > options.max_bytes) continue;
-      images.entries_[i].pyramid =
-          std::make_shared<const Pyramid>(std::move(pyramid));
-      images.held_bytes_ += bytes;
+      if (cache.held_bytes + bytes > options.max_bytes) continue;
+      cache.entries[i].pyramid =
+          std::make_unique<const Pyramid>(std::move(pyramid));
+      cache.held_bytes += bytes;
     }
   }
   return images;
@@ -100,12 +104,10 @@ TrainingImages TrainingImages::Subset(std::span<const size_t> indices) const {
   TrainingImages subset;
   subset.options_ = options_;
   subset.folder_ = folder_;
+  subset.cache_ = cache_;
   for (const size_t index : indices) {
-    const Entry& entry = entries_[index];
-    subset.entries_.push_back(entry);
-    if (entry.pyramid) subset.held_bytes_ += entry.pyramid->Bytes();
+    subset.indices_.push_back(indices_[index]);
   }
-  subset.clock_ = clock_;
   return subset;
 }
 
@@ -118,25 +120,25 @@ uint64_t TrainingImages::Pyramid::Bytes() const {
 }
 
 View TrainingImages::view(size_t index, int level) const {
-  View view = entries_[index].view;
+  View view = entry(index).view;
   view.camera = camera(index, level);
   return view;
 }
 
 Pinhole TrainingImages::camera(size_t index, int level) const {
-  return AtLevel(entries_[index].view.camera, options_.max_side, level);
+  return AtLevel(entry(index).view.camera, options_.max_side, level);
 }
 
 Status TrainingImages::Fetch(size_t index, int level, ImageF* image) {
-  Entry& entry = entries_[index];
-  entry.last_use = ++clock_;
-  if (!entry.pyramid) {
+  Entry& fetched = entry(index);
+  fetched.last_use = ++cache_->clock;
+  if (!fetched.pyramid) {
     FREEGS_ASSIGN_OR_RETURN(Pyramid pyramid, ReadPyramid(index));
-    entry.pyramid = std::make_shared<const Pyramid>(std::move(pyramid));
-    held_bytes_ += entry.pyramid->Bytes();
-    DropLeastRecent(index);
+    fetched.pyramid = std::make_unique<const Pyramid>(std::move(pyramid));
+    cache_->held_bytes += fetched.pyramid->Bytes();
+    DropLeastRecent(fetched);
   }
-  const ImageU8& stored = entry.pyramid->photo[level];
+  const ImageU8& stored = fetched.pyramid->photo[level];
   image->Reshape(stored.width(), stored.height(), stored.channels());
   std::transform(stored.data(),
                  stored.data() + stored.size(),
@@ -146,14 +148,14 @@ Status TrainingImages::Fetch(size_t index, int level, ImageF* image) {
 }
 
 const ImageU8* TrainingImages::Mask(size_t index, int level) const {
-  const std::shared_ptr<const Pyramid>& pyramid = entries_[index].pyramid;
+  const std::unique_ptr<const Pyramid>& pyramid = entry(index).pyramid;
   if (!pyramid || pyramid->mask.empty()) return nullptr;
   return &pyramid->mask[level];
 }
 
 StatusOr<TrainingImages::Pyramid> TrainingImages::ReadPyramid(
     size_t index) const {
-  const View& view = entries_[index].view;
+  const View& view = entry(index).view;
   const std::filesystem::path path = folder_ / view.name;
   FREEGS_ASSIGN_OR_RETURN(const ImageU8 photo, ReadRgb(path));
   FREEGS_RETURN_IF_ERROR(CheckSize(path, photo, view.camera));
@@ -172,7 +174,7 @@ StatusOr<TrainingImages::Pyramid> TrainingImages::ReadPyramid(
 }
 
 Status TrainingImages::ReadMask(size_t index, Pyramid* pyramid) const {
-  const View& view = entries_[index].view;
+  const View& view = entry(index).view;
   const std::filesystem::path path =
       options_.mask_folder / (view.name + ".png");
   std::error_code error;
@@ -195,18 +197,17 @@ Status TrainingImages::ReadMask(size_t index, Pyramid* pyramid) const {
   return Status();
 }
 
-void TrainingImages::DropLeastRecent(size_t keep) {
-  while (held_bytes_ > options_.max_bytes) {
+void TrainingImages::DropLeastRecent(const Entry& keep) {
+  while (cache_->held_bytes > options_.max_bytes) {
     Entry* oldest = nullptr;
-    for (size_t i = 0; i < entries_.size(); ++i) {
-      Entry& entry = entries_[i];
-      if (i == keep || !entry.pyramid) continue;
+    for (Entry& entry : cache_->entries) {
+      if (&entry == &keep || !entry.pyramid) continue;
       if (oldest == nullptr || entry.last_use < oldest->last_use) {
         oldest = &entry;
       }
     }
     if (oldest == nullptr) return;
-    held_bytes_ -= oldest->pyramid->Bytes();
+    cache_->held_bytes -= oldest->pyramid->Bytes();
     oldest->pyramid.reset();
   }
 }

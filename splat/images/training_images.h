@@ -58,11 +58,11 @@ class TrainingImages {
                                        const TrainingImagesOptions& options,
                                        ThreadPool& pool);
 
-  // The photos at `indices`, in that order. What is in memory is shared until
-  // one of the two drops it.
+  // The photos at `indices`, in that order. The two share what is in memory and
+  // its limit, so only one of them may be used at a time.
   TrainingImages Subset(std::span<const size_t> indices) const;
 
-  size_t size() const { return entries_.size(); }
+  size_t size() const { return indices_.size(); }
   int num_levels() const { return options_.num_levels; }
 
   // A view whose camera is resized to a level, and its parts. index < size(),
@@ -70,7 +70,7 @@ class TrainingImages {
   View view(size_t index, int level = 0) const;
   Pinhole camera(size_t index, int level) const;
   const Rigid3d& cam_from_world(size_t index) const {
-    return entries_[index].view.cam_from_world;
+    return entry(index).view.cam_from_world;
   }
 
   // Writes the photo at a level to *image: H x W x 3 in [0, 1], of the size of
@@ -93,20 +93,25 @@ class TrainingImages {
   };
   struct Entry {
     View view;  // As given to Load: the photo's own size.
-    std::shared_ptr<const Pyramid> pyramid;  // Null when dropped.
+    std::unique_ptr<const Pyramid> pyramid;  // Null when dropped.
     uint64_t last_use = 0;
+  };
+  struct Cache {
+    std::vector<Entry> entries;
+    uint64_t held_bytes = 0;  // Of all pyramids in entries.
+    uint64_t clock = 0;
   };
 
   TrainingImages() = default;
+  Entry& entry(size_t index) const { return cache_->entries[indices_[index]]; }
   StatusOr<Pyramid> ReadPyramid(size_t index) const;
   Status ReadMask(size_t index, Pyramid* pyramid) const;
-  void DropLeastRecent(size_t keep);
+  void DropLeastRecent(const Entry& keep);
 
   TrainingImagesOptions options_;
   std::filesystem::path folder_;
-  std::vector<Entry> entries_;
-  uint64_t held_bytes_ = 0;  // Of all pyramids in entries_.
-  uint64_t clock_ = 0;
+  std::shared_ptr<Cache> cache_ = std::make_shared<Cache>();
+  std::vector<size_t> indices_;  // In the cache's entries.
 };
 
 }  // namespace freegs::splat

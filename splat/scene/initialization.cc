@@ -16,6 +16,11 @@ namespace {
 
 using Point = std::array<float, 3>;
 
+// The coefficient of a colour of 1/255. A colour below 0 counts as 0 and has no
+// gradient, and rounding can make one of a pure 0, which would stay black: so
+// would a model without colours.
+constexpr float kDarkest = (1.0f / 255.0f - 0.5f) / kShC0;
+
 // The points that are finite as floats, by index.
 std::vector<size_t> FiniteIndices(std::span<const Eigen::Vector3d> positions,
                                   std::span<const Point> colors) {
@@ -104,14 +109,10 @@ StatusOr<GaussianModel> InitializeFromPoints(
     std::span<const std::array<uint8_t, 3>> colors,
     double scene_extent,
     const InitializationOptions& options) {
-  // A colour below 0 counts as 0 and has no gradient, and rounding can make one
-  // of a pure 0, which would stay black: so would a model without colours.
-  constexpr float kDarkest = 1.0f / 255.0f;
   std::vector<std::array<float, 3>> sh_dc(colors.size());
   for (size_t i = 0; i < colors.size(); ++i) {
     for (int channel = 0; channel < 3; ++channel) {
-      const float color =
-          std::max(kDarkest, static_cast<float>(colors[i][channel]) / 255.0f);
+      const float color = static_cast<float>(colors[i][channel]) / 255.0f;
       sh_dc[i][channel] = (color - 0.5f) / kShC0;
     }
   }
@@ -167,7 +168,7 @@ StatusOr<GaussianModel> InitializeFromShDc(
       model.means[3 * k + axis] =
           static_cast<float>(positions[finite[k]][axis]);
       model.log_scales[3 * k + axis] = log_scale;
-      model.sh_dc[3 * k + axis] = sh_dc[finite[k]][axis];
+      model.sh_dc[3 * k + axis] = std::max(kDarkest, sh_dc[finite[k]][axis]);
     }
     model.rotations[4 * k] = 1;
     model.opacity_logits[k] = logit;

@@ -47,8 +47,9 @@ StatusOr<GaussianModel> InitializeFromPoints(
     const InitializationOptions& options = {});
 
 // Like InitializeFromPoints, but the colours are SH coefficients of degree 0
-// (r g b, see kShC0), which the model takes over bit for bit. Points whose
-// colour is not finite are left out as well.
+// (r g b, see kShC0), which the model takes over bit for bit unless they are
+// those of a channel below 1/255: these are raised to it, so that it has a
+// gradient. Points whose colour is not finite are left out as well.
 StatusOr<GaussianModel> InitializeFromShDc(
     std::span<const Eigen::Vector3d> positions,
     std::span<const std::array<float, 3>> sh_dc,

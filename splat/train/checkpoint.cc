@@ -22,6 +22,11 @@ constexpr std::string_view kMagic = "FGSTRAIN";
 constexpr uint32_t kVersion = 8;  // 8: the good state has colours.
 constexpr size_t kHashBytes = 32;
 
+// Room for 2e9 Gaussians, twice the largest budget that can be asked for, at
+// 1200 bytes each: with two moments, the last good state and the mean. A file
+// takes no more memory than it has bytes, whatever its counts say.
+constexpr uint64_t kMaxFileBytes = uint64_t{1} << 42;
+
 constexpr std::string_view kPrefix = "iteration_";
 constexpr std::string_view kSuffix = ".ckpt";
 constexpr std::string_view kPartSuffix = ".ckpt.part";
@@ -376,7 +381,8 @@ Status SaveCheckpoint(const fs::path& folder,
 }
 
 StatusOr<TrainingCheckpoint> LoadCheckpoint(const fs::path& path) {
-  FREEGS_ASSIGN_OR_RETURN(const std::string content, ReadFile(path));
+  FREEGS_ASSIGN_OR_RETURN(const std::string content,
+                          ReadFile(path, kMaxFileBytes));
   StatusOr<TrainingCheckpoint> checkpoint = ParseCheckpoint(content);
   if (!checkpoint.ok()) return checkpoint.status().Annotated(path.string());
   return checkpoint;

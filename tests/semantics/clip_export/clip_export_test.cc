@@ -224,6 +224,30 @@ TEST_F(ClipExportTest, AModelFolderMayBeReplaced) {
   EXPECT_TRUE(ModelFolder::Open(out()).ok());
 }
 
+// An export that was killed while it replaced a model leaves OUT.old: whole, or
+// a part of it.
+TEST_F(ClipExportTest, AnOldModelIsNotInTheWay) {
+  clip_.WriteHuggingFace(source(), "gelu");
+  const fs::path old = folder_ / "out.old";
+  ASSERT_TRUE(Export().ok());
+  fs::rename(out(), old);
+  ASSERT_TRUE(Export().ok());
+  EXPECT_TRUE(ModelFolder::Open(out()).ok());
+  EXPECT_TRUE(ModelFolder::Open(old).ok()) << "There was none to replace.";
+  ASSERT_TRUE(Export(32).ok());
+  EXPECT_TRUE(fs::exists(out() / "dense32.onnx"));
+  EXPECT_FALSE(fs::exists(old));
+  WriteText(old / "visual.onnx", "x");
+  ASSERT_TRUE(Export().ok());
+  EXPECT_TRUE(ModelFolder::Open(out()).ok());
+  EXPECT_FALSE(fs::exists(old));
+  // What somebody else put there is not removed, and is found at the start.
+  WriteText(old / "diary.txt", "x");
+  EXPECT_EQ(Export().code(), StatusCode::kBadInput);
+  EXPECT_TRUE(fs::exists(old / "diary.txt"));
+  EXPECT_TRUE(ModelFolder::Open(out()).ok());
+}
+
 TEST_F(ClipExportTest, OtherFoldersStay) {
   clip_.WriteHuggingFace(source(), "gelu");
   fs::create_directory(out());

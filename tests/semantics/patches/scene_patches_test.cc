@@ -59,5 +59,29 @@ TEST(ScenePatchesTest, NothingDependsOnViewsThatAreNotChosen) {
   EXPECT_EQ(of_all->graph.contacts.size(), of_few->graph.contacts.size());
 }
 
+double DepthSteps(const ScenePatches& patches) {
+  double sum = 0;
+  for (const Contact& contact : patches.graph.contacts) {
+    sum += contact.stats.depth_step;
+  }
+  return sum;
+}
+
+// Cameras so close together that it is the focal length which says what a
+// difference in depth is worth. That of one view does not, not even the first.
+TEST(ScenePatchesTest, TheFirstViewIsOneLikeTheOthers) {
+  const SyntheticGaussians scene = MakeTableScene();
+  std::vector<View> views;
+  for (int v = 0; v < 5; ++v) views.push_back(LookAtOrigin(0.02 * v));
+  views.back().camera.fx *= 2;
+  views.back().camera.fy *= 2;
+  const auto last = PatchesOf(scene.model, views);
+  std::rotate(views.begin(), views.end() - 1, views.end());
+  const auto first = PatchesOf(scene.model, views);
+  ASSERT_TRUE(last.ok() && first.ok());
+  EXPECT_GT(DepthSteps(*last), 0);
+  EXPECT_NEAR(DepthSteps(*first) / DepthSteps(*last), 1, 1e-4);
+}
+
 }  // namespace
 }  // namespace freegs::semantics

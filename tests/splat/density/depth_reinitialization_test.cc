@@ -320,6 +320,8 @@ TEST(RestartFromDepthPointsTest, TakesThemAsTheyAre) {
   ASSERT_EQ(model->size(), 40u);
   EXPECT_FLOAT_EQ(kShC0 * model->sh_dc[0] + 0.5f, 0.25f);
   EXPECT_FLOAT_EQ(kShC0 * model->sh_dc[1] + 0.5f, 1.0f);
+  // Not quite black, so that it has a gradient.
+  EXPECT_NEAR(kShC0 * model->sh_dc[2] + 0.5f, 1 / 255.0f, 1e-6f);
   EXPECT_FLOAT_EQ(model->means[119],
                   static_cast<float>(points.positions[39].z()));
   EXPECT_FALSE(RestartFromDepthPoints({}, 1.0).ok());

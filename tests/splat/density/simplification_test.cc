@@ -173,6 +173,14 @@ TEST(RestartFromMeansTest, OneNoneAndWrongOnes) {
   EXPECT_EQ(one->sh_rest, std::vector<float>(9, 0.0f));
   EXPECT_NEAR(std::exp(one->log_scales[0]), 0.1, 1e-6);
 
+  // Without the degrees above 0 it would be black for ever.
+  model.sh_dc[4] = -3;
+  const StatusOr<GaussianModel> dark =
+      RestartFromMeans(model, Indices{1}, 10.0);
+  ASSERT_TRUE(dark.ok());
+  EXPECT_EQ(dark->sh_dc[0], model.sh_dc[3]);
+  EXPECT_NEAR(kShC0 * dark->sh_dc[1] + 0.5f, 1 / 255.0f, 1e-6f);
+
   model.means[3] = kNotANumber;
   EXPECT_EQ(RestartFromMeans(model, Indices{0, 1}, 10.0)->size(), 1u);
   EXPECT_EQ(RestartFromMeans(model, Indices{1}, 10.0).status().code(),

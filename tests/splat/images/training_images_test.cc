@@ -268,6 +268,34 @@ TEST_F(TrainingImagesTest, SubsetsFetchTheSame) {
   }
 }
 
+// A cap of two photos, for all together.
+TEST_F(TrainingImagesTest, SubsetsShareTheMemoryCap) {
+  for (int i = 0; i < 6; ++i) {
+    AddPhoto("photo" + std::to_string(i) + ".png", 16, 16);
+  }
+  StatusOr<TrainingImages> images = Load({.max_bytes = 2016});
+  ASSERT_TRUE(images.ok());
+  TrainingImages even = images->Subset(std::vector<size_t>{0, 2, 4});
+  TrainingImages odd = images->Subset(std::vector<size_t>{1, 3, 5});
+  ImageF image;
+  for (size_t i = 0; i < 3; ++i) {
+    ASSERT_TRUE(even.Fetch(i, 0, &image).ok());
+    ASSERT_TRUE(odd.Fetch(i, 0, &image).ok());
+  }
+  for (const View& view : views_) fs::remove(folder_ / view.name);
+  int found = 0;
+  for (size_t i = 0; i < 3; ++i) {
+    found += even.Fetch(i, 0, &image).ok();
+    found += odd.Fetch(i, 0, &image).ok();
+  }
+  EXPECT_EQ(found, 2);
+  // A subset of a subset; it outlives both.
+  images = TrainingImages(odd.Subset(std::vector<size_t>{2}));
+  ASSERT_EQ(images->size(), 1u);
+  EXPECT_EQ(images->view(0).name, "photo5.png");
+  EXPECT_TRUE(images->Fetch(0, 0, &image).ok());
+}
+
 TEST_F(TrainingImagesTest, UnusablePhotosAreNamed) {
   AddPhoto("good.png", 8, 8);
   AddPhoto("other.png", 8, 8);

@@ -140,12 +140,27 @@ TEST(InitializationTest, StoredColoursAreKeptExactly) {
   const std::vector<Eigen::Vector3d> points = RandomPoints(3, 2);
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const std::vector<std::array<float, 3>> colors = {
-      {0.1f, -7.3f, 1e-9f}, {0, nan, 0}, {1.0f / 3, 5, 6}};
+      {0.1f, -1.7f, 1e-9f}, {0, nan, 0}, {1.0f / 3, 5, 6}};
   const StatusOr<GaussianModel> model = InitializeFromShDc(points, colors, 1.0);
   ASSERT_TRUE(model.ok());
   EXPECT_EQ(model->sh_dc,
-            (std::vector<float>{0.1f, -7.3f, 1e-9f, 1.0f / 3, 5, 6}));
+            (std::vector<float>{0.1f, -1.7f, 1e-9f, 1.0f / 3, 5, 6}));
   EXPECT_EQ(model->means[3], static_cast<float>(points[2].x()));
+}
+
+// Below 0 they would have no gradient. One that is not finite is still left
+// out.
+TEST(InitializationTest, StoredColoursAreNotQuiteBlack) {
+  const std::vector<Eigen::Vector3d> points = RandomPoints(2, 2);
+  const float infinity = std::numeric_limits<float>::infinity();
+  const std::vector<std::array<float, 3>> colors = {{-7.3f, -0.5f / kShC0, 0},
+                                                    {0, -infinity, 0}};
+  const StatusOr<GaussianModel> model = InitializeFromShDc(points, colors, 1.0);
+  ASSERT_TRUE(model.ok());
+  ASSERT_EQ(model->size(), 1u);
+  EXPECT_NEAR(kShC0 * model->sh_dc[0] + 0.5f, 1 / 255.0f, 1e-6f);
+  EXPECT_EQ(model->sh_dc[1], model->sh_dc[0]);
+  EXPECT_EQ(model->sh_dc[2], 0.0f);
 }
 
 TEST(InitializationTest, WrongUseIsRefused) {
