@@ -102,6 +102,29 @@ std::string Describe(const FieldTraining& training) {
   return text;
 }
 
+// The vectors of instances, each of which was one instance before, or a pair.
+InstanceVectors VectorsOfJoined(std::span<const std::vector<int32_t>> parts,
+                                std::span<const InstancePair> pairs,
+                                const InstanceVectors& alone,
+                                const InstanceVectors& together) {
+  const auto dim = static_cast<size_t>(alone.dim);
+  InstanceVectors result{.dim = alone.dim, .num_crops = alone.num_crops};
+  for (const std::vector<int32_t>& of_one : parts) {
+    const InstanceVectors* from = &alone;
+    size_t row = of_one.front();
+    if (of_one.size() == 2) {
+      from = &together;
+      row = std::find(pairs.begin(),
+                      pairs.end(),
+                      InstancePair{of_one.front(), of_one.back()}) -
+            pairs.begin();
+    }
+    const auto first = from->vectors.begin() + row * dim;
+    result.vectors.insert(result.vectors.end(), first, first + dim);
+  }
+  return result;
+}
+
 class Bootstrapping {
  public:
   Bootstrapping(const PosedScene& scene,
@@ -133,25 +156,23 @@ class Bootstrapping {
       rounds = std::move(trained.rounds);
       losses = std::move(trained.history);
     }
-    FREEGS_ASSIGN_OR_RETURN(InstanceLabels labels, Cluster(lifted_.features));
-    InstanceVectors vectors;
+    FREEGS_ASSIGN_OR_RETURN(SeenInstances seen,
+                            FindInstances(lifted_.features));
     if (options_.method == FieldMethod::kTrain) {
-      vectors.dim = decoder.feature_dim();
-      FREEGS_ASSIGN_OR_RETURN(vectors.vectors,
+      seen.vectors = {.dim = decoder.feature_dim()};
+      FREEGS_ASSIGN_OR_RETURN(seen.vectors.vectors,
                               MeanInstanceVectors(lifted_.features,
                                                   lifted_.weights,
-                                                  labels.labels,
-                                                  labels.num_instances,
+                                                  seen.labels.labels,
+                                                  seen.labels.num_instances,
                                                   decoder,
                                                   pool_));
-    } else {
-      FREEGS_ASSIGN_OR_RETURN(vectors, Look(labels));
     }
     return SemanticField{.features = std::move(lifted_.features),
                          .num_unseen = lifted_.num_unseen,
                          .decoder = std::move(decoder),
-                         .instances = std::move(labels),
-                         .vectors = std::move(vectors),
+                         .instances = std::move(seen.labels),
+                         .vectors = std::move(seen.vectors),
                          .steps = steps,
                          .rounds = std::move(rounds),
                          .losses = std::move(losses),
@@ -211,20 +232,48 @@ class Bootstrapping {
         {features, grids_.axes.count}, pool_, tools_.cancellation);
   }
 
-  // Instances as the photographs show them.
-  StatusOr<InstanceVectors> Look(const InstanceLabels& labels) {
+  // Instances, and the vectors of what the photographs show of them.
+  struct SeenInstances {
+    InstanceLabels labels;
+    InstanceVectors vectors;
+  };
+
+  // Clusters the Gaussians with these features, looks at the instances, and
+  // makes one of those that are recognised as one.
+  StatusOr<SeenInstances> FindInstances(std::span<const float> features) {
+    SeenInstances found;
+    FREEGS_ASSIGN_OR_RETURN(found.labels, Cluster(features));
     clock_.Begin("features of instances", scene_.views.size());
-    return EncodeInstances(scene_.model,
-                           scene_.views,
-                           scene_.render,
-                           labels.labels,
-                           labels.num_instances,
-                           photo_of_,
-                           tools_.encoder,
-                           options_.instances,
-                           pool_,
-                           tools_.cancellation,
-                           [&](size_t count) { clock_.Done(count); });
+    const auto done = [&](size_t count) { clock_.Done(count); };
+    InstanceEncoder encoder(
+        {scene_.model, scene_.views, scene_.render, photo_of_},
+        tools_.encoder,
+        options_.instances,
+        pool_,
+        tools_.cancellation);
+    FREEGS_RETURN_IF_ERROR(
+        encoder.Look(found.labels.labels, found.labels.num_instances));
+    FREEGS_ASSIGN_OR_RETURN(
+        found.vectors,
+        encoder.Encode(EachAlone(found.labels.num_instances), done));
+    if (!tools_.things.have_say()) return found;
+
+    const std::vector<InstancePair> pairs =
+        clusterer_->PairsThatMeet(found.labels);
+    if (pairs.empty()) return found;
+    std::vector<std::vector<int32_t>> groups;
+    for (const auto& [a, b] : pairs) groups.push_back({a, b});
+    FREEGS_ASSIGN_OR_RETURN(const InstanceVectors together,
+                            encoder.Encode(groups, done));
+    found.vectors.num_crops += together.num_crops;
+    std::vector<WholePair> wholes =
+        FindNamedWholes(pairs, found.vectors, together, tools_.things);
+    if (wholes.empty()) return found;
+    JoinedInstances joined = clusterer_->Join(found.labels, std::move(wholes));
+    found.vectors =
+        VectorsOfJoined(joined.parts, pairs, found.vectors, together);
+    found.labels = std::move(joined.labels);
+    return found;
   }
 
   FieldState FirstState() const {
@@ -280,12 +329,11 @@ class Bootstrapping {
   }
 
   Status ClusterAndTeach(FieldTraining& training) {
-    FREEGS_ASSIGN_OR_RETURN(InstanceLabels labels,
-                            Cluster(training.features()));
-    FREEGS_ASSIGN_OR_RETURN(InstanceVectors vectors, Look(labels));
-    return training.Teach({labels.num_instances,
-                           std::move(labels.labels),
-                           std::move(vectors.vectors)},
+    FREEGS_ASSIGN_OR_RETURN(SeenInstances seen,
+                            FindInstances(training.features()));
+    return training.Teach({seen.labels.num_instances,
+                           std::move(seen.labels.labels),
+                           std::move(seen.vectors.vectors)},
                           pool_);
   }
 

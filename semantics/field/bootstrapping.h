@@ -35,6 +35,7 @@
 #include "semantics/field/feature_lifting.h"
 #include "semantics/field/field_training.h"
 #include "semantics/field/instance_semantics.h"
+#include "semantics/field/named_wholes.h"
 #include "semantics/field/view_weights_store.h"
 #include "semantics/instances/instance_clustering.h"
 #include "splat/render/renderer.h"
@@ -86,6 +87,10 @@ struct BootstrapTools {
   // that error.
   std::optional<FieldState> resume_from;
   std::function<Status(const FieldTraining& training, bool stopping)> save;
+
+  // What the encoder recognises. With clustering by evidence, instances that
+  // are recognised together are one.
+  KnownThings things = {};
 };
 
 // The result of phase 2.

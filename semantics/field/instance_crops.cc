@@ -68,25 +68,20 @@ std::optional<InstanceCrop> CropInstance(const ImageU8& photo,
   return crop;
 }
 
-void CollectSights(size_t view,
-                   const Image<int32_t>& labels,
-                   int64_t min_pixels,
-                   std::span<std::vector<LabelSight>> sights) {
-  std::vector<LabelSight> of_label(sights.size(), {.view = view});
+std::vector<LabelSight> SightsOf(size_t view,
+                                 const Image<int32_t>& labels,
+                                 int num_labels) {
+  std::vector<LabelSight> sights(num_labels, {.view = view});
   for (int y = 0; y < labels.height(); ++y) {
     for (int x = 0; x < labels.width(); ++x) {
       const int32_t label = labels(x, y);
-      if (label < 0 || static_cast<size_t>(label) >= sights.size()) continue;
-      ++of_label[label].pixels;
-      of_label[label].cut |= x == 0 || y == 0 || x + 1 == labels.width() ||
-                             y + 1 == labels.height();
+      if (label < 0 || label >= num_labels) continue;
+      ++sights[label].pixels;
+      sights[label].cut |= x == 0 || y == 0 || x + 1 == labels.width() ||
+                           y + 1 == labels.height();
     }
   }
-  for (size_t label = 0; label < sights.size(); ++label) {
-    if (of_label[label].pixels >= std::max<int64_t>(1, min_pixels)) {
-      sights[label].push_back(of_label[label]);
-    }
-  }
+  return sights;
 }
 
 std::vector<LabelSight> BestSights(std::vector<LabelSight> sights,

@@ -36,12 +36,10 @@ struct LabelSight {
   bool cut = false;  // The label touches the border of the image.
 };
 
-// Adds an entry to sights[label] for each label 0 .. sights.size() - 1 that has
-// at least min_pixels pixels in the label image of a view.
-void CollectSights(size_t view,
-                   const Image<int32_t>& labels,
-                   int64_t min_pixels,
-                   std::span<std::vector<LabelSight>> sights);
+// What the label image of a view shows of each label 0 .. num_labels - 1.
+std::vector<LabelSight> SightsOf(size_t view,
+                                 const Image<int32_t>& labels,
+                                 int num_labels);
 
 // Returns the `count` best sights, the best first. A sight is better if it has
 // more pixels; the pixels of a label that the border cuts count half. Among

@@ -59,41 +59,54 @@ StatusOr<LabelImage> RefineLabels(const LabelImage& labels,
   return refined;
 }
 
-// The instances to cut out of each view.
-std::vector<std::vector<int32_t>> InstancesByView(
-    std::vector<std::vector<LabelSight>> sights,
-    size_t num_views,
-    size_t views_per_instance) {
-  std::vector<std::vector<int32_t>> result(num_views);
-  for (size_t label = 0; label < sights.size(); ++label) {
-    for (const LabelSight& sight :
-         BestSights(std::move(sights[label]), views_per_instance)) {
-      result[sight.view].push_back(static_cast<int32_t>(label));
-    }
+// How much of a group a view shows, from what it shows of each label.
+LabelSight SightOf(size_t view,
+                   std::span<const LabelSight> of_label,
+                   std::span<const int32_t> group) {
+  LabelSight sight{.view = view};
+  for (const int32_t label : group) {
+    sight.pixels += of_label[label].pixels;
+    sight.cut |= of_label[label].cut;
   }
-  return result;
+  return sight;
 }
 
-// What the encoder makes of the instances that are cut out of one view.
+// The map with the first label of a group in place of the others.
+LabelImage AsOne(const LabelImage& map, std::span<const int32_t> group) {
+  LabelImage joined = map;
+  for (size_t i = 0; i < joined.size(); ++i) {
+    int32_t& label = joined.data()[i];
+    if (std::find(group.begin(), group.end(), label) != group.end()) {
+      label = group[0];
+    }
+  }
+  return joined;
+}
+
+// What the encoder makes of the groups that are cut out of one view.
 struct ViewVectors {
-  std::vector<int32_t> labels;
-  std::vector<float> vectors;  // Two for each label.
+  std::vector<size_t> groups;
+  std::vector<float> vectors;  // Two for each group.
 };
 
-// Leaves out labels that refinement has removed from the view.
+// Leaves out groups that refinement has removed from the view.
 StatusOr<ViewVectors> EncodeView(ImageU8 photo,
                                  const LabelImage& map,
-                                 const std::vector<int32_t>& wanted,
+                                 std::span<const std::vector<int32_t>> groups,
+                                 const std::vector<size_t>& wanted,
                                  ClipEncoder& encoder) {
   if (photo.width() != map.width() || photo.height() != map.height()) {
     photo = Resize(photo, map.width(), map.height());
   }
   ViewVectors result;
-  for (const int32_t label : wanted) {
+  for (const size_t g : wanted) {
+    const std::vector<int32_t>& group = groups[g];
     const std::optional<InstanceCrop> crop =
-        CropInstance(photo, map, label, kMargin);
+        group.size() == 1
+            ? CropInstance(photo, map, group[0], kMargin)
+            : CropInstance(photo, AsOne(map, group), group[0], kMargin);
     if (!crop) continue;
-    result.labels.push_back(label);
+    result.groups.push_back(g);
     for (const ImageU8* image : {&crop->in_place, &crop->alone}) {
       FREEGS_ASSIGN_OR_RETURN(const std::vector<float> vector,
                               encoder.EncodeImage(*image));
@@ -103,19 +116,19 @@ StatusOr<ViewVectors> EncodeView(ImageU8 photo,
   return result;
 }
 
-// The mean direction of each instance's vectors, added in the order of views.
+// The mean direction of each group's vectors, added in the order of views.
 InstanceVectors MeanDirections(const std::vector<ViewVectors>& views,
-                               int num_instances,
+                               size_t num_groups,
                                int dim) {
   InstanceVectors result;
   result.dim = dim;
   const auto width = static_cast<size_t>(dim);
-  std::vector<double> sums(num_instances * width, 0.0);
+  std::vector<double> sums(num_groups * width, 0.0);
   for (const ViewVectors& view : views) {
-    result.num_crops += view.labels.size();
-    for (size_t i = 0; i < view.labels.size(); ++i) {
+    result.num_crops += view.groups.size();
+    for (size_t i = 0; i < view.groups.size(); ++i) {
       const std::span sum =
-          std::span(sums).subspan(view.labels[i] * width, width);
+          std::span(sums).subspan(view.groups[i] * width, width);
       for (const size_t k : {2 * i, 2 * i + 1}) {
         AddDirection(std::span(view.vectors).subspan(k * width, width), 1, sum);
       }
@@ -138,57 +151,82 @@ Status InstanceSemanticsOptions::Check() const {
   return Status();
 }
 
-StatusOr<InstanceVectors> EncodeInstances(
-    const splat::GaussianModel& model,
-    std::span<const View> views,
-    const splat::RenderOptions& render,
-    std::span<const int32_t> labels,
-    int num_instances,
-    ViewPhoto photo_of,
-    ClipEncoder& encoder,
-    const InstanceSemanticsOptions& options,
-    ThreadPool& pool,
-    const CancellationToken* cancellation,
-    ViewsDone done) {
-  FREEGS_RETURN_IF_ERROR(options.Check());
-  std::vector<LabelImage> maps;
-  std::vector<std::vector<LabelSight>> sights(num_instances);
-  for (size_t view = 0; view < views.size(); ++view) {
-    const Pinhole camera = views[view].camera.LimitedTo(kMaxSide);
-    maps.push_back(splat::RenderLabels(
-        model, camera, views[view].cam_from_world, render, pool, labels));
-    const auto min_pixels = static_cast<int64_t>(
-        kMinShare * static_cast<double>(maps.back().num_pixels()));
-    CollectSights(view, maps.back(), min_pixels, sights);
+Status InstanceEncoder::Look(std::span<const int32_t> labels,
+                             int num_instances) {
+  FREEGS_RETURN_IF_ERROR(options_.Check());
+  maps_.clear();
+  sights_.assign(photos_.views.size(), {});
+  refined_.assign(photos_.views.size(), 0);
+  for (size_t view = 0; view < photos_.views.size(); ++view) {
+    const View& seen = photos_.views[view];
+    maps_.push_back(splat::RenderLabels(photos_.model,
+                                        seen.camera.LimitedTo(kMaxSide),
+                                        seen.cam_from_world,
+                                        photos_.render,
+                                        pool_,
+                                        labels));
+    sights_[view] = SightsOf(view, maps_.back(), num_instances);
   }
-  const std::vector<std::vector<int32_t>> wanted = InstancesByView(
-      std::move(sights), views.size(), options.views_per_instance);
+  return Status();
+}
 
-  if (options.refine) {
-    for (size_t view = 0; view < views.size(); ++view) {
-      if (wanted[view].empty()) continue;
-      FREEGS_ASSIGN_OR_RETURN(ImageU8 photo, photo_of(view));
-      const LabelImage& map = maps[view];
-      photo = Resize(photo, map.width(), map.height());
-      FREEGS_ASSIGN_OR_RETURN(maps[view], RefineLabels(map, photo, pool));
+Status InstanceEncoder::Refine(size_t view) {
+  if (!options_.refine || refined_[view] != 0) return Status();
+  refined_[view] = 1;
+  LabelImage& map = maps_[view];
+  FREEGS_ASSIGN_OR_RETURN(ImageU8 photo, photos_.photo_of(view));
+  photo = Resize(photo, map.width(), map.height());
+  FREEGS_ASSIGN_OR_RETURN(map, RefineLabels(map, photo, pool_));
+  return Status();
+}
+
+StatusOr<InstanceVectors> InstanceEncoder::Encode(
+    std::span<const std::vector<int32_t>> groups, ViewsDone done) {
+  std::vector<std::vector<size_t>> wanted(maps_.size());
+  for (size_t g = 0; g < groups.size(); ++g) {
+    std::vector<LabelSight> sights;
+    for (size_t view = 0; view < maps_.size(); ++view) {
+      const LabelSight sight = SightOf(view, sights_[view], groups[g]);
+      const auto min_pixels = static_cast<int64_t>(
+          kMinShare * static_cast<double>(maps_[view].num_pixels()));
+      if (sight.pixels >= std::max<int64_t>(1, min_pixels)) {
+        sights.push_back(sight);
+      }
+    }
+    for (const LabelSight& sight :
+         BestSights(std::move(sights),
+                    static_cast<size_t>(options_.views_per_instance))) {
+      wanted[sight.view].push_back(g);
     }
   }
-  std::vector<ViewVectors> encoded(views.size());
+  for (size_t view = 0; view < maps_.size(); ++view) {
+    if (!wanted[view].empty()) FREEGS_RETURN_IF_ERROR(Refine(view));
+  }
+  std::vector<ViewVectors> encoded(maps_.size());
   FREEGS_RETURN_IF_ERROR(ForEachView(
       "encoding instances",
-      views.size(),
-      pool,
-      cancellation,
+      maps_.size(),
+      pool_,
+      cancellation_,
       done,
       [&](size_t view) -> Status {
         if (wanted[view].empty()) return Status();
-        FREEGS_ASSIGN_OR_RETURN(ImageU8 photo, photo_of(view));
+        FREEGS_ASSIGN_OR_RETURN(ImageU8 photo, photos_.photo_of(view));
         FREEGS_ASSIGN_OR_RETURN(
             encoded[view],
-            EncodeView(std::move(photo), maps[view], wanted[view], encoder));
+            EncodeView(
+                std::move(photo), maps_[view], groups, wanted[view], encoder_));
         return Status();
       }));
-  return MeanDirections(encoded, num_instances, encoder.embedding_dim());
+  return MeanDirections(encoded, groups.size(), encoder_.embedding_dim());
+}
+
+std::vector<std::vector<int32_t>> EachAlone(int num_instances) {
+  std::vector<std::vector<int32_t>> groups;
+  for (int32_t label = 0; label < num_instances; ++label) {
+    groups.push_back({label});
+  }
+  return groups;
 }
 
 }  // namespace freegs::semantics

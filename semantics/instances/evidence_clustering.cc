@@ -23,10 +23,6 @@ constexpr double kBackgroundWidth = 0.4;
 // second round, those that took one in the first round have one, too.
 constexpr int kHazeRounds = 2;
 
-// Probabilities are kept to so many parts, so that files do not depend on the
-// last digit of a processor's logarithm.
-constexpr double kQualitySteps = 1e4;
-
 // Gaussians of crumbs that touch nothing get no part.
 void DropLonelyCrumbs(Hierarchy* hierarchy) {
   const std::vector<int32_t> whole =
@@ -98,36 +94,24 @@ Hierarchy BuildHierarchy(const RegionGraph& graph,
     for (int v = 1; v < kNumTreeVariants; ++v) {
       sum += variants[v].quality_of_first[r];
     }
-    hierarchy.quality[r] =
-        std::round(kQualitySteps * sum / kNumTreeVariants) / kQualitySteps;
+    hierarchy.quality[r] = RoundedQuality(sum / kNumTreeVariants);
   }
   hierarchy.tree = std::move(variants[0].tree);
   return hierarchy;
 }
 
-StatusOr<EvidenceClusters> ClusterByEvidence(
-    const splat::GaussianModel& model,
-    const ScenePatches& patches,
-    double scene_radius,
-    double haze_distance,
-    const LearntModels& models,
-    const EvidenceClusteringOptions& options,
-    ThreadPool& pool) {
-  FREEGS_RETURN_IF_ERROR(options.Check());
+EvidenceClusters CutIntoClusters(Hierarchy hierarchy,
+                                 const ScenePatches& patches,
+                                 double scene_radius) {
   EvidenceClusters result;
-  result.hierarchy = BuildHierarchy(patches.graph, models, pool);
-  Hierarchy& hierarchy = result.hierarchy;
-  hierarchy.granularity = options.granularity;
-  hierarchy.part_of_gaussian = patches.patch_of_gaussian;
-  DropLonelyCrumbs(&hierarchy);
-  const std::vector<int32_t> own_part = hierarchy.part_of_gaussian;
-  for (int round = 0; round < kHazeRounds; ++round) {
-    LabelNoise(model, haze_distance, pool, &hierarchy.part_of_gaussian);
-  }
-  HierarchyCut cut = CutHierarchy(hierarchy, options.granularity);
+  HierarchyCut cut = CutHierarchy(hierarchy, hierarchy.granularity);
   result.labels = std::move(cut.label_of_gaussian);
-  for (size_t g = 0; g < own_part.size(); ++g) {
-    if (own_part[g] >= 0 && result.labels[g] >= 0) ++result.num_clustered;
+  for (size_t g = 0; g < result.labels.size(); ++g) {
+    const int32_t own = patches.patch_of_gaussian[g];
+    if (own >= 0 && own == hierarchy.part_of_gaussian[g] &&
+        result.labels[g] >= 0) {
+      ++result.num_clustered;
+    }
   }
 
   std::map<int32_t, RegionStats> regions;
@@ -146,7 +130,27 @@ StatusOr<EvidenceClusters> ClusterByEvidence(
           {extent.normal, extent.normal.dot(extent.centre)});
     }
   }
+  result.hierarchy = std::move(hierarchy);
   return result;
+}
+
+StatusOr<EvidenceClusters> ClusterByEvidence(
+    const splat::GaussianModel& model,
+    const ScenePatches& patches,
+    double scene_radius,
+    double haze_distance,
+    const LearntModels& models,
+    const EvidenceClusteringOptions& options,
+    ThreadPool& pool) {
+  FREEGS_RETURN_IF_ERROR(options.Check());
+  Hierarchy hierarchy = BuildHierarchy(patches.graph, models, pool);
+  hierarchy.granularity = options.granularity;
+  hierarchy.part_of_gaussian = patches.patch_of_gaussian;
+  DropLonelyCrumbs(&hierarchy);
+  for (int round = 0; round < kHazeRounds; ++round) {
+    LabelNoise(model, haze_distance, pool, &hierarchy.part_of_gaussian);
+  }
+  return CutIntoClusters(std::move(hierarchy), patches, scene_radius);
 }
 
 }  // namespace freegs::semantics

@@ -57,6 +57,12 @@ Hierarchy BuildHierarchy(const RegionGraph& graph,
                          const LearntModels& models,
                          ThreadPool& pool);
 
+// The instances of a hierarchy of the patches, at its own granularity.
+// scene_radius: world units.
+EvidenceClusters CutIntoClusters(Hierarchy hierarchy,
+                                 const ScenePatches& patches,
+                                 double scene_radius);
+
 // Gaussians in no patch, haze above all, and those of crumbs that touch nothing
 // take the part of the nearest Gaussian that has one, if that is within
 // haze_distance. This is done twice, so that haze beside haze gets a part.

@@ -7,6 +7,8 @@
 #include <map>
 #include <utility>
 
+#include "semantics/patches/region_joining.h"
+
 namespace freegs::semantics {
 namespace {
 
@@ -39,6 +41,38 @@ std::vector<int32_t> RegionsAt(const Hierarchy& hierarchy, double granularity) {
   }
   return hierarchy.tree.MostWorth(
       worth, hierarchy.part_pixels, CrumbSize(hierarchy.total_pixels));
+}
+
+// The largest region that is this one and crumbs that were joined to it.
+int32_t WithCrumbs(const Hierarchy& hierarchy, int32_t region) {
+  const RegionTree& tree = hierarchy.tree;
+  const std::vector<double> sizes = tree.Sums(hierarchy.part_pixels);
+  for (size_t k = 0; k < tree.merges.size(); ++k) {
+    const RegionTree::Merge& merge = tree.merges[k];
+    if (merge.a != region && merge.b != region) continue;
+    const int32_t other = merge.a == region ? merge.b : merge.a;
+    if (!hierarchy.IsCrumb(sizes[other])) break;
+    region = tree.num_leaves + static_cast<int32_t>(k);
+  }
+  return region;
+}
+
+// Whether two cuts of the same leaves are the same but for regions a and b of
+// the first one, which are one region of the second.
+bool DiffersByJoin(const std::vector<int32_t>& before,
+                   const std::vector<int32_t>& after,
+                   int32_t a,
+                   int32_t b) {
+  // The one region of the other cut in place of each region.
+  std::map<int32_t, int32_t> place;
+  std::map<int32_t, int32_t> back;
+  for (size_t leaf = 0; leaf < before.size(); ++leaf) {
+    const int32_t from = before[leaf] == b ? a : before[leaf];
+    const auto [there, is_new] = place.emplace(from, after[leaf]);
+    const auto [here, is_first] = back.emplace(after[leaf], from);
+    if (there->second != after[leaf] || here->second != from) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -110,6 +144,41 @@ int32_t RegionAround(const Hierarchy& hierarchy, int32_t leaf, int steps) {
     while (at != path.begin() && sizes[*at] * kLevelRatio > size) --at;
   }
   return *at;
+}
+
+bool JoinAsWhole(int32_t a, int32_t b, double quality, Hierarchy* hierarchy) {
+  // Crumbs that were joined to one of the two stay with it.
+  JoinedTree joined = JoinRegions(
+      hierarchy->tree, WithCrumbs(*hierarchy, a), WithCrumbs(*hierarchy, b));
+  Hierarchy changed = *hierarchy;
+  changed.tree = std::move(joined.tree);
+  changed.quality.assign(changed.tree.num_leaves + changed.tree.merges.size(),
+                         0);
+  for (size_t r = 0; r < joined.place.size(); ++r) {
+    if (joined.place[r] >= 0) {
+      changed.quality[joined.place[r]] = hierarchy->quality[r];
+    }
+  }
+  std::vector<uint8_t> inside(changed.quality.size(), 0);
+  inside[joined.joined] = 1;
+  for (size_t k = changed.tree.merges.size(); k-- > 0;) {
+    const RegionTree::Merge& merge = changed.tree.merges[k];
+    if (inside[changed.tree.num_leaves + k] == 0) continue;
+    for (const int32_t part : {merge.a, merge.b}) {
+      inside[part] = 1;
+      changed.quality[part] =
+          RoundedQuality(changed.quality[part] * (1 - quality));
+    }
+  }
+  changed.quality[joined.joined] = RoundedQuality(quality);
+  if (!DiffersByJoin(RegionsAt(*hierarchy, hierarchy->granularity),
+                     RegionsAt(changed, changed.granularity),
+                     a,
+                     b)) {
+    return false;
+  }
+  *hierarchy = std::move(changed);
+  return true;
 }
 
 std::vector<uint8_t> GaussiansOf(const Hierarchy& hierarchy, int32_t region) {

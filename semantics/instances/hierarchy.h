@@ -5,6 +5,7 @@
 #ifndef FREEGS_SEMANTICS_INSTANCES_HIERARCHY_H_
 #define FREEGS_SEMANTICS_INSTANCES_HIERARCHY_H_
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -23,6 +24,13 @@ inline constexpr double kLevelRatio = 1.25;
 // Crumbs, regions of fewer pixels than this, belong to what they were joined to
 // or, if that is nothing, to nobody. total_pixels: see Hierarchy.
 inline double CrumbSize(double total_pixels) { return 1e-3 * total_pixels; }
+
+// Probabilities are kept to so many parts, so that files do not depend on the
+// last digit of a processor's logarithm.
+inline double RoundedQuality(double quality) {
+  constexpr double kSteps = 1e4;
+  return std::round(kSteps * quality) / kSteps;
+}
 
 struct Hierarchy {
   // Leaves are the smallest parts. A region is a leaf or a merge, numbered as
@@ -62,6 +70,13 @@ HierarchyCut CutHierarchy(const Hierarchy& hierarchy, double granularity);
 // hierarchy's own granularity, or below it for negative steps. Levels differ in
 // size by a quarter at least. Ends at the root and at the leaf.
 int32_t RegionAround(const Hierarchy& hierarchy, int32_t leaf, int steps);
+
+// Two regions, neither in the other, that turn out to be one whole thing with
+// this probability. Then what is in them is one with the probability that they
+// are none, on top of its own. Their cut at the hierarchy's own granularity
+// becomes one region, and nothing else changes there; false, and no change at
+// all, if that cannot be.
+bool JoinAsWhole(int32_t a, int32_t b, double quality, Hierarchy* hierarchy);
 
 // For each Gaussian, whether it is in a region.
 std::vector<uint8_t> GaussiansOf(const Hierarchy& hierarchy, int32_t region);

@@ -3,6 +3,7 @@
 #include "semantics/instances/instance_clustering.h"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include "semantics/instances/label_noise.h"
@@ -47,6 +48,24 @@ std::vector<int32_t> NumberBySize(size_t num_labels,
   return order;
 }
 
+// Fills in all that follows from the labels. scores, is_plane: of each label as
+// it is now.
+void Number(const std::vector<double>& scores,
+            const std::vector<uint8_t>& is_plane,
+            InstanceLabels* result) {
+  if (!result->labels.empty()) {
+    result->noise_after = static_cast<double>(NumWithout(result->labels)) /
+                          static_cast<double>(result->labels.size());
+  }
+  const std::vector<int32_t> order =
+      NumberBySize(scores.size(), &result->labels);
+  result->num_instances = static_cast<int>(order.size());
+  for (const int32_t label : order) {
+    result->scores.push_back(scores[label]);
+    result->is_plane.push_back(is_plane[label]);
+  }
+}
+
 }  // namespace
 
 Status InstanceClusteringOptions::Check() const {
@@ -84,6 +103,17 @@ StatusOr<InstanceClusterer> InstanceClusterer::Create(
   return clusterer;
 }
 
+InstanceLabels InstanceClusterer::LabelsOf(EvidenceClusters clusters) const {
+  InstanceLabels result;
+  result.scene_radius = extent_.radius;
+  result.hierarchy = std::move(clusters.hierarchy);
+  result.labels = std::move(clusters.labels);
+  result.planes = std::move(clusters.planes);
+  result.num_clustered = clusters.num_clustered;
+  Number(clusters.scores, clusters.is_plane, &result);
+  return result;
+}
+
 StatusOr<InstanceLabels> InstanceClusterer::Cluster(
     const SemanticVectors& semantics,
     ThreadPool& pool,
@@ -92,10 +122,6 @@ StatusOr<InstanceLabels> InstanceClusterer::Cluster(
     return InvalidArgumentError("semantic vectors of another model");
   }
   if (IsCancelled(cancellation)) return Interrupted();
-  InstanceLabels result;
-  result.scene_radius = extent_.radius;
-  std::vector<double> scores;
-  std::vector<uint8_t> is_plane;
   if (options_.method == ClusteringMethod::kEvidence) {
     SetSemantics(semantics.values, semantics.dim, &patches_);
     FREEGS_ASSIGN_OR_RETURN(EvidenceClusters clusters,
@@ -106,39 +132,68 @@ StatusOr<InstanceLabels> InstanceClusterer::Cluster(
                                               models_,
                                               options_.evidence,
                                               pool));
-    result.hierarchy = std::move(clusters.hierarchy);
-    result.labels = std::move(clusters.labels);
-    result.planes = std::move(clusters.planes);
-    result.num_clustered = clusters.num_clustered;
-    scores = std::move(clusters.scores);
-    is_plane = std::move(clusters.is_plane);
-  } else {
-    FREEGS_ASSIGN_OR_RETURN(UnionClusters clusters,
-                            ClusterInUnionSpace(*model_,
-                                                semantics,
-                                                extent_,
-                                                options_.union_space,
-                                                pool,
-                                                cancellation));
-    result.labels = std::move(clusters.labels);
-    result.min_cluster_size = clusters.min_cluster_size;
-    result.num_clustered = result.labels.size() - NumWithout(result.labels);
-    LabelNoise(*model_, kNoiseDistance * extent_.radius, pool, &result.labels);
-    scores = std::move(clusters.scores);
-    is_plane.assign(scores.size(), 0);
+    return LabelsOf(std::move(clusters));
   }
-  if (!result.labels.empty()) {
-    result.noise_after = static_cast<double>(NumWithout(result.labels)) /
-                         static_cast<double>(result.labels.size());
-  }
-  const std::vector<int32_t> order =
-      NumberBySize(scores.size(), &result.labels);
-  result.num_instances = static_cast<int>(order.size());
-  for (const int32_t label : order) {
-    result.scores.push_back(scores[label]);
-    result.is_plane.push_back(is_plane[label]);
-  }
+  FREEGS_ASSIGN_OR_RETURN(UnionClusters clusters,
+                          ClusterInUnionSpace(*model_,
+                                              semantics,
+                                              extent_,
+                                              options_.union_space,
+                                              pool,
+                                              cancellation));
+  InstanceLabels result;
+  result.scene_radius = extent_.radius;
+  result.labels = std::move(clusters.labels);
+  result.min_cluster_size = clusters.min_cluster_size;
+  result.num_clustered = result.labels.size() - NumWithout(result.labels);
+  LabelNoise(*model_, kNoiseDistance * extent_.radius, pool, &result.labels);
+  Number(clusters.scores,
+         std::vector<uint8_t>(clusters.scores.size(), 0),
+         &result);
   return result;
+}
+
+std::vector<InstancePair> InstanceClusterer::PairsThatMeet(
+    const InstanceLabels& labels) const {
+  if (!labels.hierarchy) return {};
+  return semantics::PairsThatMeet(
+      *labels.hierarchy, patches_.graph, labels.is_plane);
+}
+
+JoinedInstances InstanceClusterer::Join(const InstanceLabels& labels,
+                                        std::vector<WholePair> pairs) const {
+  std::stable_sort(
+      pairs.begin(), pairs.end(), [](const WholePair& x, const WholePair& y) {
+        return x.confidence > y.confidence;
+      });
+  Hierarchy hierarchy = *labels.hierarchy;
+  std::set<int32_t> used;
+  for (const auto& [pair, confidence] : pairs) {
+    if (used.contains(pair.a) || used.contains(pair.b)) continue;
+    used.insert({pair.a, pair.b});
+    // Each join gives regions other numbers, but no Gaussian another leaf.
+    const std::vector<int32_t> region_of_part =
+        CutHierarchy(hierarchy, hierarchy.granularity).region_of_part;
+    const auto region_of = [&](int32_t label) {
+      size_t g = 0;
+      while (labels.labels[g] != label) ++g;
+      return region_of_part[hierarchy.part_of_gaussian[g]];
+    };
+    (void)JoinAsWhole(
+        region_of(pair.a), region_of(pair.b), confidence, &hierarchy);
+  }
+  JoinedInstances joined;
+  joined.labels =
+      LabelsOf(CutIntoClusters(std::move(hierarchy), patches_, extent_.radius));
+  std::vector<std::set<int32_t>> parts(joined.labels.num_instances);
+  for (size_t g = 0; g < labels.labels.size(); ++g) {
+    const int32_t label = joined.labels.labels[g];
+    if (label >= 0) parts[label].insert(labels.labels[g]);
+  }
+  for (const std::set<int32_t>& of_one : parts) {
+    joined.parts.emplace_back(of_one.begin(), of_one.end());
+  }
+  return joined;
 }
 
 }  // namespace freegs::semantics

@@ -29,6 +29,7 @@
 #include "semantics/geometry/scene_extent.h"
 #include "semantics/instances/evidence_clustering.h"
 #include "semantics/instances/hierarchy.h"
+#include "semantics/instances/instance_pairs.h"
 #include "semantics/instances/union_clustering.h"
 #include "semantics/patches/scene_patches.h"
 #include "splat/render/renderer.h"
@@ -73,6 +74,12 @@ struct InstanceLabels {
   int min_cluster_size = 0;  // What HDBSCAN was given; 0 for evidence.
 };
 
+struct JoinedInstances {
+  InstanceLabels labels;
+  // For each instance, the labels that its Gaussians had before, ascending.
+  std::vector<std::vector<int32_t>> parts;
+};
+
 // The views whose photographs are looked at, and these.
 struct PhotoViews {
   std::span<const View> views;
@@ -103,7 +110,20 @@ class InstanceClusterer {
                                    ThreadPool& pool,
                                    const CancellationToken* cancellation);
 
+  // Pairs of the instances that Cluster() found by evidence; see
+  // instance_pairs.h.
+  std::vector<InstancePair> PairsThatMeet(const InstanceLabels& labels) const;
+
+  // Makes one instance of each pair, the surest first; of pairs that share an
+  // instance only the surest counts. A pair whose parts cannot be had together
+  // without a change elsewhere stays as it is (JoinAsWhole).
+  JoinedInstances Join(const InstanceLabels& labels,
+                       std::vector<WholePair> pairs) const;
+
  private:
+  // What Cluster() returns for these clusters.
+  InstanceLabels LabelsOf(EvidenceClusters clusters) const;
+
   InstanceClusterer(const splat::GaussianModel& model,
                     const SceneExtent& extent,
                     const InstanceClusteringOptions& options)

@@ -8,8 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/status.h"
-#include "semantics/clip/clip_encoder.h"
+#include "semantics/clip/vocabulary.h"
 
 namespace freegs::semantics {
 
@@ -24,24 +23,18 @@ struct InstanceNames {
 // From each group of the vocabulary the word that fits an instance best is
 // taken; these words are first said together ("red wooden box"), and then each
 // alone. A group is left out if none of its words is more relevant to the
-// instance than the canonical phrases (see Relevancy()). There are no words for
-// an instance whose vector is zero, and without a vocabulary.
+// instance than the canonical phrases. There are no words for an instance whose
+// vector is zero, and without a vocabulary.
 //
-// An encoder that has never seen a thing has a best word for it, too. The last
-// group is that of things, and the confidence in a name is the relevancy of its
-// word of that group: colours fit things that are not known, too. An instance
-// whose confidence is below min_confidence, or which has no word of the
-// last group, has no words. The threshold belongs to the model (docs/clip.md
-// says how that of the small one was found); 0 keeps all words.
+// An instance of which the vocabulary is less sure than min_confidence
+// (Vocabulary::Confidence) has no words. The threshold belongs to the model
+// (docs/clip.md says how that of the small one was found); 0 keeps all words.
 //
 // vectors: instances x dim, of length 1 or zero, in the space of the encoder.
-// vocabulary: groups of words of which one fits (colours, materials, things).
-// Errors of the encoder.
-StatusOr<InstanceNames> NameInstances(
-    std::span<const float> vectors,
-    const std::vector<std::vector<std::string>>& vocabulary,
-    double min_confidence,
-    ClipEncoder& encoder);
+InstanceNames NameInstances(std::span<const float> vectors,
+                            int dim,
+                            const Vocabulary& vocabulary,
+                            double min_confidence);
 
 }  // namespace freegs::semantics
 

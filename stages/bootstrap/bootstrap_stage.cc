@@ -49,7 +49,7 @@ class BootstrapStage : public pipeline::Stage {
       : options_(options), seed_(seed) {}
 
   std::string_view name() const override { return "bootstrap"; }
-  int version() const override { return 15; }
+  int version() const override { return 16; }
 
   std::vector<fs::path> Inputs(const pipeline::StageContext&) const override {
     std::vector<fs::path> inputs = {"reconstruct/point_cloud.ply",
@@ -193,13 +193,18 @@ class BootstrapStage : public pipeline::Stage {
     method.weights.scratch_folder = context.output;
     const semantics::FeatureCache cache(context.output / "features");
     const fs::path checkpoint = context.output / "checkpoints" / "field.ckpt";
-    semantics::BootstrapTools tools{.encoder = *encoder,
-                                    .cache = cache,
-                                    .pool = *context.pool,
-                                    .cancellation = context.cancellation,
-                                    .progress = context.progress,
-                                    .resume_from = std::nullopt,
-                                    .save = nullptr};
+    FREEGS_ASSIGN_OR_RETURN(
+        semantics::Vocabulary vocabulary,
+        semantics::Vocabulary::Create(encoder->info().vocabulary, *encoder));
+    semantics::BootstrapTools tools{
+        .encoder = *encoder,
+        .cache = cache,
+        .pool = *context.pool,
+        .cancellation = context.cancellation,
+        .progress = context.progress,
+        .resume_from = std::nullopt,
+        .save = nullptr,
+        .things = {std::move(vocabulary), encoder->info().min_word_confidence}};
     if (method.method == semantics::FieldMethod::kTrain) {
       tools.resume_from = CheckpointOf(checkpoint, context);
       tools.save = SaverTo(checkpoint, context);
@@ -220,12 +225,11 @@ class BootstrapStage : public pipeline::Stage {
              options_.model.empty() ? encoder->info().name : options_.model,
          .model_hash = encoder->model_hash(),
          .features = field.vectors.vectors}));
-    FREEGS_ASSIGN_OR_RETURN(
-        semantics::InstanceNames names,
+    semantics::InstanceNames names =
         semantics::NameInstances(field.vectors.vectors,
-                                 encoder->info().vocabulary,
-                                 encoder->info().min_word_confidence,
-                                 *encoder));
+                                 field.vectors.dim,
+                                 tools.things.vocabulary,
+                                 tools.things.min_confidence);
     return NamedField{std::move(field), std::move(names)};
   }
 

@@ -66,6 +66,52 @@ TEST(HierarchyTest, LevelsLeadFromThePartToTheWhole) {
   EXPECT_EQ(RegionAround(hierarchy, 4, 1), 8);
 }
 
+// A seat (5), its legs (2) with a crumb (6), a rug (4); the seat was joined to
+// the rug (7) before its legs came (8).
+Hierarchy Stool() {
+  Hierarchy hierarchy;
+  hierarchy.tree = {.num_leaves = 5,
+                    .merges = {{0, 1, -2}, {2, 3, -1}, {5, 4, 1}, {7, 6, 2}}};
+  hierarchy.quality = {0.2, 0.2, 0.4, 0, 0.9, 0.8, 0.4, 0.3, 0.3};
+  hierarchy.part_pixels = {2000, 4000, 3000, 1, 9000};
+  hierarchy.total_pixels = 100000;
+  hierarchy.part_of_gaussian = {0, 1, 1, 2, 3, 4, 4, 4, 4, -1};
+  return hierarchy;
+}
+
+TEST(HierarchyTest, TwoInstancesBecomeOneWhole) {
+  Hierarchy hierarchy = Stool();
+  const std::vector<int32_t> before = CutHierarchy(hierarchy, 0).region_of_part;
+  EXPECT_EQ(before, (std::vector<int32_t>{5, 5, 6, 6, 4}));
+  ASSERT_TRUE(JoinAsWhole(5, 6, 0.85, &hierarchy));
+  const HierarchyCut cut = CutHierarchy(hierarchy, 0);
+  const int32_t stool = cut.region_of_part[0];
+  EXPECT_EQ(cut.region_of_part,
+            (std::vector<int32_t>{stool, stool, stool, stool, 4}));
+  EXPECT_EQ(hierarchy.quality[stool], 0.85);
+  // The seat is a part of a thing, as surely as that is one.
+  EXPECT_NEAR(hierarchy.quality[RegionAround(hierarchy, 1, -1)], 0.12, 1e-9);
+  EXPECT_EQ(GaussiansOf(hierarchy, stool),
+            (std::vector<uint8_t>{1, 1, 1, 1, 1, 0, 0, 0, 0, 0}));
+  // The file has a place for it.
+  const auto read = ParseHierarchy(SerializeHierarchy(hierarchy));
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  EXPECT_EQ(CutHierarchy(*read, 0).region_of_part, cut.region_of_part);
+}
+
+TEST(HierarchyTest, AWholeThatWouldChangeOthersIsNone) {
+  // The seat and the rug (7) are each worth something. With the legs instead of
+  // the seat's own worth, all together (8) would be worth more.
+  Hierarchy hierarchy = Stool();
+  hierarchy.quality[8] = 0.99;
+  hierarchy.quality[4] = 0.5;
+  const Hierarchy before = hierarchy;
+  ASSERT_EQ(CutHierarchy(before, 0).region_of_label.size(), 3u);
+  EXPECT_FALSE(JoinAsWhole(5, 6, 0.4, &hierarchy));
+  EXPECT_EQ(hierarchy.tree.merges, before.tree.merges);
+  EXPECT_EQ(hierarchy.quality, before.quality);
+}
+
 TEST(HierarchyTest, GaussiansOfARegionAreThoseOfItsParts) {
   EXPECT_EQ(GaussiansOf(Duck(), 5),
             (std::vector<uint8_t>{1, 1, 0, 0, 0, 0, 0, 0}));

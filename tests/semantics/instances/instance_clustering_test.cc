@@ -143,6 +143,44 @@ TEST_F(InstanceClusteringTest, PhotographsAreLookedAtOnce) {
   EXPECT_EQ(num_photos_, 6);
 }
 
+TEST_F(InstanceClusteringTest, PairsThatAreOneThingAreJoined) {
+  options_.method = ClusteringMethod::kEvidence;
+  auto clusterer = Clusterer();
+  ASSERT_TRUE(clusterer.ok()) << clusterer.status().message();
+  ThreadPool pool(2);
+  const auto apart = clusterer->Cluster({}, pool, nullptr);
+  ASSERT_TRUE(apart.ok());
+  const int count = apart->num_instances;
+  ASSERT_GE(count, 4);
+  // The second pair shares an instance with the first, which is surer.
+  const JoinedInstances joined =
+      clusterer->Join(*apart, {{{1, 2}, 0.8}, {{2, 3}, 0.9}});
+  EXPECT_EQ(joined.labels.num_instances, count - 1);
+  EXPECT_EQ(joined.parts.size(),
+            static_cast<size_t>(joined.labels.num_instances));
+  std::vector<int32_t> all;
+  for (const std::vector<int32_t>& parts : joined.parts) {
+    all.insert(all.end(), parts.begin(), parts.end());
+  }
+  std::sort(all.begin(), all.end());
+  for (int label = 0; label < count; ++label) EXPECT_EQ(all[label], label);
+  for (size_t g = 0; g < apart->labels.size(); ++g) {
+    const int32_t label = joined.labels.labels[g];
+    if (label < 0) {
+      EXPECT_EQ(apart->labels[g], -1);
+      continue;
+    }
+    const std::vector<int32_t>& parts = joined.parts[label];
+    EXPECT_NE(std::find(parts.begin(), parts.end(), apart->labels[g]),
+              parts.end());
+  }
+  // What other commands read gives the same instances.
+  EXPECT_EQ(CutHierarchy(*joined.labels.hierarchy,
+                         joined.labels.hierarchy->granularity)
+                .label_of_gaussian,
+            joined.labels.labels);
+}
+
 TEST_F(InstanceClusteringTest, EvidenceNeedsPhotographs) {
   options_.method = ClusteringMethod::kEvidence;
   ThreadPool pool(1);

@@ -113,7 +113,7 @@ TEST(RegionQualityTest, NumbersAreFiniteWhereNothingIsKnown) {
   }
 }
 
-std::string Text(const std::string& last_name, const std::string& most) {
+std::string QualityText(const std::string& last_name, const std::string& most) {
   std::string text = R"({"bias": -1, "numbers": [)";
   for (size_t k = 0; k < kNumRegionNumbers; ++k) {
     const bool last = k + 1 == kNumRegionNumbers;
@@ -128,7 +128,7 @@ std::string Text(const std::string& last_name, const std::string& most) {
 const std::string kLast = "neighbour.off_plane";
 
 TEST(RegionQualityTest, NumbersCountWithinWhatWasSeen) {
-  const auto model = ParseQualityModel(Text(kLast, "8"));
+  const auto model = ParseQualityModel(QualityText(kLast, "8"));
   ASSERT_TRUE(model.ok()) << model.status().message();
   RegionNumbers numbers = {};
   const auto probability = [&](float height) {
@@ -154,15 +154,15 @@ TEST(RegionQualityTest, RefusesDamagedFiles) {
                                   std::string("{}"),
                                   std::string("[1, 2]"),
                                   std::string(R"({"bias": 1, "numbers": []})"),
-                                  Text("smell", "8"),
-                                  Text("parts_height", "8"),
-                                  Text(kLast, "-9"),
-                                  Text(kLast, "1e400"),
-                                  Text(kLast, "\"2\"")}) {
+                                  QualityText("smell", "8"),
+                                  QualityText("parts_height", "8"),
+                                  QualityText(kLast, "-9"),
+                                  QualityText(kLast, "1e400"),
+                                  QualityText(kLast, "\"2\"")}) {
     EXPECT_EQ(ParseQualityModel(text).status().code(), StatusCode::kBadInput)
         << text;
   }
-  const std::string whole = Text(kLast, "8");
+  const std::string whole = QualityText(kLast, "8");
   for (size_t length = 0; length < whole.size(); length += 97) {
     EXPECT_FALSE(ParseQualityModel(whole.substr(0, length)).ok());
   }

@@ -20,12 +20,20 @@ std::vector<float> Vectors(const std::vector<std::array<double, 3>>& colors) {
   return vectors;
 }
 
-TEST(InstanceWordsTest, TheBestWordOfEachGroupThatFits) {
+StatusOr<InstanceNames> Name(const std::vector<float>& vectors,
+                             const std::vector<Words>& groups,
+                             double min_confidence) {
   ColorEncoder encoder;
-  const auto names = NameInstances(Vectors({{0.7, 0.1, 0.1}, {0.1, 0.3, 0.9}}),
-                                   {{"red", "blue"}, {"thing"}, {"blue"}},
-                                   0,
-                                   encoder);
+  FREEGS_ASSIGN_OR_RETURN(const Vocabulary vocabulary,
+                          Vocabulary::Create(groups, encoder));
+  return NameInstances(
+      vectors, encoder.embedding_dim(), vocabulary, min_confidence);
+}
+
+TEST(InstanceWordsTest, TheBestWordOfEachGroupThatFits) {
+  const auto names = Name(Vectors({{0.7, 0.1, 0.1}, {0.1, 0.3, 0.9}}),
+                          {{"red", "blue"}, {"thing"}, {"blue"}},
+                          0);
   ASSERT_TRUE(names.ok());
   ASSERT_EQ(names->words.size(), 2u);
   // "thing" is as grey as all phrases.
@@ -35,21 +43,19 @@ TEST(InstanceWordsTest, TheBestWordOfEachGroupThatFits) {
 }
 
 TEST(InstanceWordsTest, WordsThatAreNotCertainAreWithheld) {
-  ColorEncoder encoder;
   const std::vector<float> vectors =
       Vectors({{0.8, 0.1, 0.1}, {0.7, 0.4, 0.4}});
   const auto count = [&](double min_confidence) {
-    const auto names =
-        NameInstances(vectors, {{"red", "blue"}}, min_confidence, encoder);
+    const auto names = Name(vectors, {{"red", "blue"}}, min_confidence);
     EXPECT_TRUE(names.ok());
     EXPECT_EQ(names->words.size(), 2u);
     return names->num_withheld;
   };
-  const auto all = NameInstances(vectors, {{"red", "blue"}}, 0, encoder);
+  const auto all = Name(vectors, {{"red", "blue"}}, 0);
   ASSERT_TRUE(all.ok());
   EXPECT_EQ(all->words, (std::vector<Words>{{"red"}, {"red"}}));
   EXPECT_EQ(count(0.501), 0);
-  const auto some = NameInstances(vectors, {{"red", "blue"}}, 0.97, encoder);
+  const auto some = Name(vectors, {{"red", "blue"}}, 0.97);
   ASSERT_TRUE(some.ok());
   EXPECT_EQ(some->words, (std::vector<Words>{{"red"}, {}}));
   EXPECT_EQ(some->num_withheld, 1);
@@ -57,18 +63,15 @@ TEST(InstanceWordsTest, WordsThatAreNotCertainAreWithheld) {
 }
 
 TEST(InstanceWordsTest, TheLastGroupIsThatOfThings) {
-  ColorEncoder encoder;
   const std::vector<float> vectors = Vectors({{0.8, 0.1, 0.1}});
-  const auto names = NameInstances(vectors, {{"red"}, {"thing"}}, 0.6, encoder);
+  const auto names = Name(vectors, {{"red"}, {"thing"}}, 0.6);
   ASSERT_TRUE(names.ok());
   EXPECT_TRUE(names->words[0].empty()) << "Red, but what is it?";
   EXPECT_EQ(names->num_withheld, 1);
 }
 
 TEST(InstanceWordsTest, NothingIsKnownOfAZeroVector) {
-  ColorEncoder encoder;
-  const auto names =
-      NameInstances(std::vector<float>(8, 0.0f), {{"red"}}, 0.5, encoder);
+  const auto names = Name(std::vector<float>(8, 0.0f), {{"red"}}, 0.5);
   ASSERT_TRUE(names.ok());
   ASSERT_EQ(names->words.size(), 1u);
   EXPECT_TRUE(names->words[0].empty());
@@ -76,8 +79,7 @@ TEST(InstanceWordsTest, NothingIsKnownOfAZeroVector) {
 }
 
 TEST(InstanceWordsTest, WithoutVocabularyThereAreNoWords) {
-  ColorEncoder encoder;
-  const auto names = NameInstances(Vectors({{1, 0, 0}}), {}, 0.5, encoder);
+  const auto names = Name(Vectors({{1, 0, 0}}), {}, 0.5);
   ASSERT_TRUE(names.ok());
   EXPECT_TRUE(names->words[0].empty());
   EXPECT_EQ(names->num_withheld, 0);

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The words that come with an encoder, and how well they fit a vector.
+
+#ifndef FREEGS_SEMANTICS_CLIP_VOCABULARY_H_
+#define FREEGS_SEMANTICS_CLIP_VOCABULARY_H_
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/status.h"
+#include "semantics/clip/clip_encoder.h"
+
+namespace freegs::semantics {
+
+class Vocabulary {
+ public:
+  struct Fit {
+    const std::string* word = nullptr;  // Of this vocabulary; null for none.
+    float relevancy = 0.5f;             // See Relevancy().
+  };
+
+  // groups: words of which one fits (colours, materials, and last things); may
+  // be empty. Errors of the encoder.
+  static StatusOr<Vocabulary> Create(
+      const std::vector<std::vector<std::string>>& groups,
+      ClipEncoder& encoder);
+
+  size_t num_groups() const { return groups_.size(); }
+
+  // The word of a group that is most relevant to a vector of the encoder. There
+  // is none if the canonical phrases fit better, and for a zero vector.
+  Fit BestOf(size_t group, std::span<const float> vector) const;
+
+  // How sure it is what a vector shows: the relevancy of the best word of the
+  // last group, 0 if none fits. An encoder that has never seen a thing has a
+  // best word for it, too, so what is low means nothing. Colours do not count,
+  // because they fit things that are not known.
+  double Confidence(std::span<const float> vector) const;
+
+ private:
+  struct Word {
+    std::string text;
+    std::vector<float> vector;
+  };
+
+  std::vector<std::vector<Word>> groups_;
+  std::vector<float> canonical_;
+};
+
+}  // namespace freegs::semantics
+
+#endif  // FREEGS_SEMANTICS_CLIP_VOCABULARY_H_

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "semantics/clip/vocabulary.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/semantics/clip/color_encoder.h"
+
+namespace freegs::semantics {
+namespace {
+
+TEST(VocabularyTest, TheBestWordOfAGroup) {
+  ColorEncoder encoder;
+  const auto vocabulary =
+      Vocabulary::Create({{"red", "blue"}, {"thing"}, {"green"}}, encoder);
+  ASSERT_TRUE(vocabulary.ok());
+  EXPECT_EQ(vocabulary->num_groups(), 3u);
+  const std::vector<float> red = ColorEncoder::Embed({0.7, 0.1, 0.1});
+  const Vocabulary::Fit fit = vocabulary->BestOf(0, red);
+  ASSERT_NE(fit.word, nullptr);
+  EXPECT_EQ(*fit.word, "red");
+  EXPECT_GT(fit.relevancy, 0.5f);
+  // As grey as the canonical phrases.
+  EXPECT_EQ(vocabulary->BestOf(1, red).word, nullptr);
+  EXPECT_EQ(vocabulary->BestOf(0, std::vector<float>(8, 0.0f)).word, nullptr);
+}
+
+TEST(VocabularyTest, ConfidenceIsThatOfThings) {
+  ColorEncoder encoder;
+  const std::vector<float> red = ColorEncoder::Embed({0.7, 0.1, 0.1});
+  const auto things = Vocabulary::Create({{"green"}, {"red"}}, encoder);
+  const auto colors = Vocabulary::Create({{"red"}, {"thing"}}, encoder);
+  const auto none = Vocabulary::Create({}, encoder);
+  ASSERT_TRUE(things.ok() && colors.ok() && none.ok());
+  EXPECT_EQ(things->Confidence(red),
+            static_cast<double>(things->BestOf(1, red).relevancy));
+  EXPECT_EQ(colors->Confidence(red), 0);
+  EXPECT_EQ(none->Confidence(red), 0);
+}
+
+}  // namespace
+}  // namespace freegs::semantics
