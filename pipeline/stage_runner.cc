@@ -200,7 +200,8 @@ StatusOr<std::vector<StageForecast>> StageRunner::Forecast() {
     done.push_back(i < First() || i >= End() || holds);
     forecasts.push_back({.stage = name,
                          .needed = !done[i],
-                         .reason = redone ? "redone as asked" : state.reason});
+                         .reason = redone ? "redone as asked" : state.reason,
+                         .begun = state.resumable});
   }
   const std::vector<StageNeed> needs = Foretell(done, pool);
   for (size_t i = 0; i < needs.size(); ++i) forecasts[i].need = needs[i];
@@ -253,8 +254,8 @@ Status StageRunner::Run() {
     RunnerStage& stage = stages_[i];
     const std::string name = NameOf(stage);
     if (cancellation_.cancelled()) {
-      return InterruptedError("interrupted before stage " + name +
-                              "; the same command goes on from there");
+      return InterruptedError("interrupted before stage " + name + "; " +
+                              options_.way_on + " goes on from there");
     }
     const CurrentInputs now = GatherInputs(stage, MakeContext(stage), cache_);
     StageState state =
@@ -401,18 +402,19 @@ Status StageRunner::RunStage(RunnerStage& stage,
   logger_.LogToFile(LogLevel::kError, Prefixed(name, status.message()));
   if (interrupted) {
     const bool saved = status.code() == StatusCode::kInterrupted;
-    return InterruptedError(
-        "interrupted in stage " + name +
-        (saved ? "; what it has is saved, the same command goes on from there"
-               : "; the same command goes on from what it saved before (" +
-                     status.message() + ")"));
+    return InterruptedError("interrupted in stage " + name +
+                            (saved
+                                 ? "; what it has is saved, " +
+                                       options_.way_on + " goes on from there"
+                                 : "; " + options_.way_on +
+                                       " goes on from what it saved before (" +
+                                       status.message() + ")"));
   }
   std::string message = Prefixed(name, status.message());
   if (resume && IsWorthContinuing(record)) {
-    message +=
-        "\nwhat the stage saved earlier is kept, the same command goes "
-        "on from there; to begin the stage anew, delete " +
-        context.output.string();
+    message += "\nwhat the stage saved earlier is kept, " + options_.way_on +
+               " goes on from there; to begin the stage anew, delete " +
+               context.output.string();
   }
   return Status(status.code(), message);
 }

@@ -37,6 +37,9 @@ struct StageRunnerOptions {
   int num_threads = 0;  // 0 takes one per available core.
   double checkpoint_interval_seconds = 60;
 
+  // What an interrupted run tells the user to do to go on.
+  std::string way_on = "the same command";
+
   // When the run is wanted to end; see StageContext::deadline.
   std::optional<std::chrono::steady_clock::time_point> deadline;
 

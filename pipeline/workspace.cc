@@ -4,11 +4,13 @@
 
 #include <cerrno>
 #include <charconv>
+#include <chrono>
 #include <cstdint>
 #include <cstring>
 #include <fcntl.h>
 #include <sys/file.h>
 #include <system_error>
+#include <thread>
 #include <unistd.h>
 #include <utility>
 
@@ -177,7 +179,17 @@ StatusOr<WorkspaceLock> WorkspaceLock::Acquire(const fs::path& workspace) {
     return BadInputError(workspace.string() +
                          ": cannot write here: " + std::strerror(errno));
   }
-  if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
+  // Somebody who only looks at the workspace holds the lock for a moment.
+  constexpr auto kPatience = std::chrono::seconds(1);
+  constexpr auto kPause = std::chrono::milliseconds(20);
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  int failed = flock(descriptor, LOCK_EX | LOCK_NB);
+  while (failed != 0 && errno == EWOULDBLOCK &&
+         std::chrono::steady_clock::now() < end) {
+    std::this_thread::sleep_for(kPause);
+    failed = flock(descriptor, LOCK_EX | LOCK_NB);
+  }
+  if (failed != 0) {
     const int reason = errno;
     close(descriptor);
     if (reason == EWOULDBLOCK) {

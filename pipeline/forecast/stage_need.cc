@@ -27,7 +27,7 @@ double OnThreads(double seconds, double serial, int threads) {
 
 RunNeed Total(std::span<const StageForecast> stages) {
   RunNeed total;
-  for (const auto& [stage, needed, reason, need] : stages) {
+  for (const auto& [stage, needed, reason, need, begun] : stages) {
     if (!needed) continue;
     if (!need.known()) total.unknown.push_back(stage);
     total.sum.seconds += need.seconds;

@@ -46,6 +46,8 @@ struct StageForecast {
   bool needed = true;
   std::string reason = {};  // Why it is needed, or is not brought up to date.
   StageNeed need = {};      // Of its Run, also when that is not needed.
+  // An interrupted run left a part of it, so that less than `need` is left.
+  bool begun = false;
 };
 
 // What the needed stages take together: the seconds and bytes on disk of all,

@@ -121,20 +121,30 @@ Status WriteResults(const BenchResults& bench, const fs::path& out) {
   return WriteFileAtomic(out / "index.html", RenderBenchPage(page));
 }
 
+// The baseline to compare with or to replace. Read before anything runs, so
+// that a wrong name does not cost a bench.
+StatusOr<Baseline> ReadBaseline(const BenchRequest& request) {
+  const fs::path path = request.baseline;
+  std::error_code error;
+  Baseline then;
+  then.tolerances = DefaultTolerances();
+  if (request.write_baseline) {
+    FREEGS_RETURN_IF_ERROR(PrepareOutputFile(path));
+    if (!fs::exists(path, error)) return then;
+  }
+  FREEGS_ASSIGN_OR_RETURN(const nlohmann::json json, ReadJson(path));
+  return BaselineFromJson(json, path.string());
+}
+
 Status CompareWithBaseline(const BenchRequest& request,
+                           const Baseline& then,
                            const BenchResults& bench,
                            const BenchEnvironment& environment) {
   const fs::path path = request.baseline;
-  std::error_code error;
-  const bool write = request.write_baseline;
-  Baseline then;
-  then.tolerances = DefaultTolerances();
-  if (!write || fs::exists(path, error)) {
-    FREEGS_ASSIGN_OR_RETURN(const nlohmann::json json, ReadJson(path));
-    FREEGS_ASSIGN_OR_RETURN(then, BaselineFromJson(json, path.string()));
-  }
   const Baseline now = MakeBaseline(bench, then.tolerances);
-  if (write) return WriteFileAtomic(path, JsonText(ToJson(now), 1));
+  if (request.write_baseline) {
+    return WriteFileAtomic(path, JsonText(ToJson(now), 1));
+  }
   const std::vector<std::string> moved = WhatMoved(then, now);
   for (const std::string& line : moved) {
     environment.out << "moved: " << line << "\n";
@@ -205,8 +215,9 @@ Status RunBench(const std::vector<std::string>& arguments,
   context.out = fs::absolute(request.out, error).lexically_normal();
   FREEGS_RETURN_IF_ERROR(CheckOutFolder(context.out));
   FREEGS_RETURN_IF_ERROR(PrepareOutputFolder(context.out));
+  Baseline baseline;
   if (!request.baseline.empty()) {
-    FREEGS_RETURN_IF_ERROR(PrepareOutputFile(request.baseline));
+    FREEGS_ASSIGN_OR_RETURN(baseline, ReadBaseline(request));
   }
   FREEGS_ASSIGN_OR_RETURN(const pipeline::WorkspaceLock lock,
                           pipeline::WorkspaceLock::Acquire(context.out));
@@ -239,7 +250,7 @@ Status RunBench(const std::vector<std::string>& arguments,
   environment.out << SummaryMarkdown(bench) << "\n"
                   << (context.out / "index.html").string() << "\n";
   if (!request.baseline.empty()) {
-    return CompareWithBaseline(request, bench, environment);
+    return CompareWithBaseline(request, baseline, bench, environment);
   }
   if (std::none_of(results.begin(), results.end(), [](const CellResult& cell) {
         return cell.status == CellStatus::kDone;

@@ -138,6 +138,11 @@ StatusOr<CellPlan> StageStore::Plan(const SuiteCell& cell,
       ApplySettings(context_.out / "store", settings, table));
   KeyBuilder key;
   key.Add(Hash(plan.images));
+  // What a stage costs is measured, too, so options count that change only
+  // that.
+  for (const char* cost : {"general.threads", "general.checkpoint_interval"}) {
+    key.Add(table.Find(cost)->value());
+  }
   bool has_scene = false;
   for (const pipeline::RunnerStage& entry : MakeStages(options, table)) {
     const std::string name(entry.stage->name());
@@ -149,9 +154,9 @@ StatusOr<CellPlan> StageStore::Plan(const SuiteCell& cell,
     }
     // Files that options name count by their content.
     for (const auto& [option, value] : entry.other_options) {
-      if (!table.Find(option)->spec.is_path || value.empty()) continue;
+      const bool is_file = table.Find(option)->spec.is_path && !value.empty();
       key.Add(option);
-      key.Add(Hash(value));
+      key.Add(is_file ? Hash(value) : value);
     }
     plan.stages.push_back(
         {name, context_.out / "store" / (name + "_" + key.Key())});

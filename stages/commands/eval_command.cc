@@ -121,7 +121,7 @@ StatusOr<EvalRequest> ParseEvalRequest(
     return BadInputError(request.workspace.string() + ": no such workspace");
   }
   FREEGS_RETURN_IF_ERROR(
-      ApplySettings(request.workspace, line.settings, words.table()));
+      ApplyQuerySettings(request.workspace, line.settings, words.table()));
   if (!request.json_file.empty() && request.json_file != "-") {
     FREEGS_RETURN_IF_ERROR(PrepareOutputFile(request.json_file));
   }

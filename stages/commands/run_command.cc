@@ -24,6 +24,7 @@
 #include "stages/run/duration.h"
 #include "stages/run/psnr_run.h"
 #include "stages/run/run_request.h"
+#include "stages/run/workspace_folder.h"
 
 namespace freegs::stages {
 namespace {
@@ -40,38 +41,6 @@ bool IsWithin(const fs::path& inner, const fs::path& outer) {
       fs::weakly_canonical(inner, error)
           .lexically_relative(fs::weakly_canonical(outer, error));
   return !relative.empty() && *relative.begin() != "..";
-}
-
-// A mistyped argument must not fill a folder of other files with stages.
-Status CheckWorkspaceFolder(const fs::path& workspace) {
-  std::error_code error;
-  if (!fs::exists(workspace, error)) return Status();
-  if (!fs::is_directory(workspace, error)) {
-    return BadInputError(workspace.string() + ": not a folder");
-  }
-  bool empty = true;
-  for (const fs::directory_entry& entry :
-       fs::directory_iterator(workspace, error)) {
-    const std::string name = entry.path().filename().string();
-    // The latter is left when the first run ends before it has begun.
-    empty = empty && (name.starts_with('.') || name == "workspace.json.part");
-    for (const char* known : {"workspace.json",
-                              "config.ini",
-                              "ingest",
-                              "sfm",
-                              "undistort",
-                              "reconstruct"}) {
-      if (name == known) return Status();
-    }
-  }
-  if (error) {
-    return BadInputError(workspace.string() +
-                         ": cannot read: " + error.message());
-  }
-  if (empty) return Status();
-  return BadInputError(workspace.string() +
-                       ": holds other files and is not a workspace; give a "
-                       "new or empty folder (the order is IMAGES WORKSPACE)");
 }
 
 // remembered: the folder that the workspace was made of; may be empty.
@@ -336,8 +305,6 @@ Status RunRunCommand(const std::vector<std::string>& arguments,
   FREEGS_RETURN_IF_ERROR(PrepareOutputFolder(request.workspace));
   FREEGS_ASSIGN_OR_RETURN(const pipeline::WorkspaceLock lock,
                           pipeline::WorkspaceLock::Acquire(request.workspace));
-  FREEGS_RETURN_IF_ERROR(
-      pipeline::WriteWorkspaceInfo(request.workspace, request.info));
   if (goal.given()) {
     // Over what config.ini says, and so not remembered.
     settings.push_back({"general.preset", kAutoPreset, "the goal of the run"});
@@ -352,6 +319,8 @@ Status RunRunCommand(const std::vector<std::string>& arguments,
                                                          context.err,
                                                          context.cancellation));
   } else {
+    FREEGS_RETURN_IF_ERROR(
+        pipeline::WriteWorkspaceInfo(request.workspace, request.info));
     FREEGS_RETURN_IF_ERROR(Execute(
         request, targets.options, table, context.err, context.cancellation));
   }
@@ -377,6 +346,7 @@ Status RunStageCommand(const std::vector<std::string>& arguments,
   if (!fs::is_directory(request.workspace, error)) {
     return BadInputError(request.workspace.string() + ": no such workspace");
   }
+  FREEGS_RETURN_IF_ERROR(CheckWorkspaceFolder(request.workspace));
   FREEGS_ASSIGN_OR_RETURN(const pipeline::WorkspaceLock lock,
                           pipeline::WorkspaceLock::Acquire(request.workspace));
   FREEGS_ASSIGN_OR_RETURN(request.info,

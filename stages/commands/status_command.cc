@@ -2,6 +2,7 @@
 
 #include "stages/commands/status_command.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 #include <sstream>
@@ -18,6 +19,7 @@
 #include "pipeline/workspace.h"
 #include "stages/registry/pipeline_options.h"
 #include "stages/registry/stage_registry.h"
+#include "stages/run/workspace_folder.h"
 
 namespace freegs::stages {
 namespace {
@@ -207,6 +209,20 @@ CommandWords DescribeStatus(StatusTargets* targets) {
   return words;
 }
 
+// Whether a run was killed while it put a result in its place. Only then does
+// the folder need to be locked, which keeps runs out meanwhile.
+bool HasLeftovers(const std::filesystem::path& workspace) {
+  const std::vector<std::string>& stages = StageNames();
+  return std::any_of(
+      stages.begin(), stages.end(), [&](const std::string& stage) {
+        std::error_code error;
+        return std::filesystem::exists(
+                   pipeline::PartialFolder(workspace, stage), error) ||
+               std::filesystem::exists(
+                   pipeline::RetiredFolder(workspace, stage), error);
+      });
+}
+
 }  // namespace
 
 CommandWords StatusWords() { return KeepWords<StatusTargets>(DescribeStatus); }
@@ -224,6 +240,7 @@ Status RunStatusCommand(const std::vector<std::string>& arguments,
   if (!fs::is_directory(workspace, error)) {
     return BadInputError(workspace.string() + ": no such workspace");
   }
+  FREEGS_RETURN_IF_ERROR(CheckWorkspaceFolder(workspace));
   FREEGS_ASSIGN_OR_RETURN(const pipeline::WorkspaceInfo info,
                           pipeline::ReadWorkspaceInfo(workspace));
   std::vector<pipeline::OptionSetting> settings =
@@ -243,7 +260,7 @@ Status RunStatusCommand(const std::vector<std::string>& arguments,
                                context.cancellation,
                                logger);
   const bool running = pipeline::IsLocked(workspace);
-  if (!running) {
+  if (!running && HasLeftovers(workspace)) {
     // Completes what a killed run has left half done.
     const auto lock = pipeline::WorkspaceLock::Acquire(workspace);
     if (lock.ok()) (void)runner.Recover();

@@ -91,7 +91,7 @@ Status ParseViewRequest(const std::vector<std::string>& arguments,
     return BadInputError(api->workspace.string() + ": no such workspace");
   }
   FREEGS_RETURN_IF_ERROR(
-      ApplySettings(api->workspace, line.settings, words.table()));
+      ApplyQuerySettings(api->workspace, line.settings, words.table()));
   for (const pipeline::OptionSetting& setting : line.settings) {
     if (setting.name == "port") request->server.more_ports = 0;
   }

@@ -83,7 +83,7 @@ json PlanJson(const fs::path& workspace,
               int threads,
               const std::vector<StageForecast>& stages) {
   json list = json::array();
-  for (const auto& [stage, needed, reason, need] : stages) {
+  for (const auto& [stage, needed, reason, need, begun] : stages) {
     list.push_back({{"name", stage},
                     {"state", needed ? "needed" : "up_to_date"},
                     {"reason", reason},
@@ -123,7 +123,7 @@ std::string PlanTable(const std::vector<StageForecast>& stages) {
   };
   row("stage", "time", "memory", "disk");
   text << "state\n";
-  for (const auto& [stage, needed, reason, need] : stages) {
+  for (const auto& [stage, needed, reason, need, begun] : stages) {
     const auto bytes = [](int64_t n) {
       return FormatBytes(static_cast<double>(n));
     };

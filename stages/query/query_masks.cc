@@ -75,6 +75,9 @@ Status WriteOverlays(const QueryMasksTask& task,
   std::vector<size_t> seeing;
   for (size_t i = 0; i < masks.size(); ++i) {
     if (masks[i].pixels > 0) seeing.push_back(i);
+    // An earlier answer in the same folder may have had others.
+    std::error_code error;
+    fs::remove(task.out / "overlay" / names[i], error);
   }
   const size_t count = std::min(seeing.size(), kMaxOverlays);
   for (size_t k = 0; k < count; ++k) {

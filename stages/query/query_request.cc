@@ -161,7 +161,7 @@ StatusOr<QueryRequest> ParseQueryRequest(
     return BadInputError(request.workspace.string() + ": no such workspace");
   }
   FREEGS_RETURN_IF_ERROR(
-      ApplySettings(request.workspace, line.settings, words.table()));
+      ApplyQuerySettings(request.workspace, line.settings, words.table()));
   request.text_options = targets.options.query;
   request.threads = targets.options.general.threads;
 

@@ -122,4 +122,19 @@ std::vector<OptionSetting> RememberedSettings(
   return settings;
 }
 
+Status ApplyQuerySettings(const std::filesystem::path& workspace,
+                          const std::vector<OptionSetting>& command_line,
+                          OptionTable& table) {
+  FREEGS_ASSIGN_OR_RETURN(const pipeline::WorkspaceInfo info,
+                          pipeline::ReadWorkspaceInfo(workspace));
+  std::vector<OptionSetting> settings =
+      RememberedSettings(workspace, info, table);
+  std::erase_if(settings, [](const OptionSetting& setting) {
+    return setting.name != "general.preset" &&
+           !setting.name.starts_with("query.");
+  });
+  settings.insert(settings.end(), command_line.begin(), command_line.end());
+  return ApplySettings(workspace, settings, table);
+}
+
 }  // namespace freegs::stages

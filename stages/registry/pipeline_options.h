@@ -79,6 +79,14 @@ std::vector<pipeline::OptionSetting> RememberedSettings(
     const pipeline::WorkspaceInfo& info,
     const pipeline::OptionTable& table);
 
+// The same as ApplySettings, for commands that ask about a finished scene: of
+// what the workspace remembers they use the preset and section query. Errors
+// also as ReadWorkspaceInfo.
+Status ApplyQuerySettings(
+    const std::filesystem::path& workspace,
+    const std::vector<pipeline::OptionSetting>& command_line,
+    pipeline::OptionTable& table);
+
 }  // namespace freegs::stages
 
 #endif  // FREEGS_STAGES_REGISTRY_PIPELINE_OPTIONS_H_

@@ -49,6 +49,21 @@ std::string IterationsText(const Rung& rung) {
   return FormatCount(rung.iterations) + " iterations";
 }
 
+// A training that an earlier run has done, and the PSNR it gave.
+struct Start {
+  size_t rung;
+  double psnr;
+};
+
+StatusOr<std::optional<Start>> FindTrained(const PsnrRunTasks& tasks) {
+  for (size_t rung = 0; rung < std::size(kRungs); ++rung) {
+    FREEGS_ASSIGN_OR_RETURN(const std::optional<double> psnr,
+                            tasks.trained(SettingsOf(kRungs[rung])));
+    if (psnr) return std::optional(Start{rung, *psnr});
+  }
+  return std::optional<Start>();
+}
+
 double GainBetween(size_t from, size_t to) {
   double gain = 0;
   for (size_t k = from + 1; k <= to; ++k) gain += kRungs[k].gain;
@@ -96,10 +111,20 @@ Status RunAtLeast(double psnr, const PsnrRunTasks& tasks) {
   // known after two trainings.
   double scale = 1;
   double margin = std::numeric_limits<double>::infinity();
-  tasks.log(LogLevel::kInfo,
-            goal + "begins with a training of " + IterationsText(kRungs[rung]));
-  FREEGS_ASSIGN_OR_RETURN(double reached,
-                          tasks.train(SettingsOf(kRungs[rung])));
+  FREEGS_ASSIGN_OR_RETURN(const std::optional<Start> start, FindTrained(tasks));
+  double reached = 0;
+  if (start) {
+    rung = start->rung;
+    reached = start->psnr;
+    tasks.log(LogLevel::kInfo,
+              goal + "begins with what there is, a training of " +
+                  IterationsText(kRungs[rung]));
+  } else {
+    tasks.log(
+        LogLevel::kInfo,
+        goal + "begins with a training of " + IterationsText(kRungs[rung]));
+    FREEGS_ASSIGN_OR_RETURN(reached, tasks.train(SettingsOf(kRungs[rung])));
+  }
   while (reached < psnr && rung < kLast) {
     // The shortest training that is expected to be enough.
     size_t next = rung + 1;

@@ -11,6 +11,7 @@
 #define FREEGS_STAGES_RUN_PSNR_RUN_H_
 
 #include <functional>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -31,6 +32,12 @@ Status ChosenByPsnrError(const std::string& option);
 
 // What such a run needs of the world.
 struct PsnrRunTasks {
+  // The PSNR of the holdout photos, in dB, where the scene has been trained
+  // with these settings already; nothing where it has not.
+  std::function<StatusOr<std::optional<double>>(
+      const std::vector<pipeline::OptionSetting>& settings)>
+      trained;
+
   // Brings the stages up to the training up to date. Returns the PSNR of the
   // holdout photos, in dB.
   std::function<StatusOr<double>(

@@ -41,6 +41,7 @@ pipeline::StageRunner MakeRunner(const RunRequest& request,
   runner_options.checkpoint_interval_seconds =
       options.general.checkpoint_interval;
   runner_options.deadline = request.deadline;
+  if (!request.way_on.empty()) runner_options.way_on = request.way_on;
   return pipeline::StageRunner(MakeStages(options, table),
                                std::move(runner_options),
                                cancellation,
@@ -51,26 +52,41 @@ bool OnTerminal(const std::ostream& err) {
   return &err == &std::cerr && isatty(STDERR_FILENO) != 0;
 }
 
-// What the run of `request` is expected to take, with the settings of the user
-// and those chosen for preset auto.
+// The stages of `request`, with the settings of the user and those chosen for
+// preset auto, which `options` is set to.
+StatusOr<std::vector<pipeline::StageForecast>> ForecastOf(
+    const RunRequest& request,
+    const std::vector<OptionSetting>& settings,
+    const std::vector<OptionSetting>& chosen,
+    const CancellationToken& cancellation,
+    PipelineOptions* options) {
+  OptionTable table = MakeOptionTable(options);
+  FREEGS_RETURN_IF_ERROR(
+      ApplySettings(request.workspace, settings, table, chosen));
+  std::ostringstream ignored;
+  pipeline::Logger logger(ignored, /*terminal=*/false, "");
+  return MakeRunner(request, *options, table, cancellation, logger).Forecast();
+}
+
+// What the run of `request` is expected to take.
 StatusOr<ExpectedRun> Expect(const RunRequest& request,
                              const std::vector<OptionSetting>& settings,
                              const std::vector<OptionSetting>& chosen,
                              const CancellationToken& cancellation) {
   PipelineOptions options;
-  OptionTable table = MakeOptionTable(&options);
-  FREEGS_RETURN_IF_ERROR(
-      ApplySettings(request.workspace, settings, table, chosen));
-  std::ostringstream ignored;
-  pipeline::Logger logger(ignored, /*terminal=*/false, "");
   FREEGS_ASSIGN_OR_RETURN(
       const std::vector<pipeline::StageForecast> forecasts,
-      MakeRunner(request, options, table, cancellation, logger).Forecast());
+      ForecastOf(request, settings, chosen, cancellation, &options));
   ExpectedRun expected{.iterations = options.reconstruct.iterations,
                        .max_image_size = options.reconstruct.max_image_size};
   double* part = &expected.cameras;
   for (const pipeline::StageForecast& forecast : forecasts) {
-    if (forecast.needed) *part += forecast.need.seconds;
+    if (forecast.needed) {
+      *part += forecast.need.seconds;
+      if (part == &expected.cameras) {
+        expected.cameras_tell_pace &= forecast.need.known() && !forecast.begun;
+      }
+    }
     if (forecast.stage == kLastOfCameras) part = &expected.others;
   }
   return expected;
@@ -189,6 +205,8 @@ Status ExecuteWithin(double seconds,
                   RunPart part,
                   double end) -> Status {
     RunRequest now = request;
+    // The same command chooses anew, by the time that is left to do.
+    now.way_on = "run WORKSPACE, without IMAGES and --within,";
     if (part == RunPart::kPhotos) now.to = StageNames().front();
     if (part == RunPart::kCameras) now.to = kLastOfCameras;
     now.deadline =
@@ -210,6 +228,20 @@ Status ExecuteAtLeast(double psnr,
   PsnrRunTasks tasks;
   tasks.log = [&logger](pipeline::LogLevel level, const std::string& text) {
     logger.Log(level, text);
+  };
+  tasks.trained = [&](const std::vector<OptionSetting>& chosen)
+      -> StatusOr<std::optional<double>> {
+    RunRequest now = request;
+    now.to = kTraining;
+    PipelineOptions options;
+    FREEGS_ASSIGN_OR_RETURN(
+        const std::vector<pipeline::StageForecast> forecasts,
+        ForecastOf(now, settings, chosen, cancellation, &options));
+    if (std::ranges::any_of(forecasts, &pipeline::StageForecast::needed)) {
+      return std::optional<double>();
+    }
+    FREEGS_ASSIGN_OR_RETURN(const double psnr, HoldoutPsnr(request.workspace));
+    return std::optional(psnr);
   };
   tasks.train =
       [&](const std::vector<OptionSetting>& chosen) -> StatusOr<double> {

@@ -33,6 +33,9 @@ struct RunRequest {
   // When the run is wanted to end; see pipeline::StageContext::deadline.
   std::optional<std::chrono::steady_clock::time_point> deadline;
 
+  // See pipeline::StageRunnerOptions; the default of it where this is empty.
+  std::string way_on;
+
   // What is to be said about remembered options; may be empty.
   std::string note;
 };

@@ -20,6 +20,10 @@ struct ExpectedRun {
   double cameras = 0;  // Seconds of stages ingest, sfm and undistort.
   double others = 0;   // Seconds of the stages after them.
 
+  // Whether the time that the former take will tell how fast this machine is:
+  // something is known of each, and none goes on from an interrupted run.
+  bool cameras_tell_pace = true;
+
   // Of the training, by the user's options or those chosen.
   int iterations = 0;
   int max_image_size = 0;  // Pixels; 0: the photos' own size.

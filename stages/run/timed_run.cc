@@ -78,10 +78,10 @@ Status RunWithin(double seconds, const TimedRunTasks& tasks) {
   FREEGS_RETURN_IF_ERROR(tasks.run(first.settings, RunPart::kCameras, end));
   const double cameras = tasks.now() - begin;
 
-  const Foretell foretell =
-      AfterCameras(tasks.foretell,
-                   first.settings,
-                   Pace(cameras - photos, first.expected.cameras));
+  const double pace = first.expected.cameras_tell_pace
+                          ? Pace(cameras - photos, first.expected.cameras)
+                          : 1;
+  const Foretell foretell = AfterCameras(tasks.foretell, first.settings, pace);
   FREEGS_ASSIGN_OR_RETURN(TimeChoice second,
                           ChooseWithin(kShare * (seconds - cameras), foretell));
   second.settings = WithCameras(second.settings, first.settings);

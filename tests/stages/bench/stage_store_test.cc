@@ -74,9 +74,17 @@ TEST_F(StageStoreTest, CellsShareTheStagesBeforeTheFirstDifference) {
   EXPECT_NE(keys[1], plain[1]);
   EXPECT_NE(keys[3], plain[3]);
 
-  // What does not change the result does not count.
-  cell.settings = {{"general.threads", "2"}, {"bootstrap.granularity", "1"}};
+  // What concerns a later stage does not count.
+  cell.settings = {{"bootstrap.granularity", "1"}};
   EXPECT_EQ(Keys(PlanOf(cell)), plain);
+
+  // What changes only the time counts.
+  cell.settings = {{"general.threads", "2"}};
+  EXPECT_NE(Keys(PlanOf(cell))[0], plain[0]);
+  cell.settings = {{"reconstruct.image_cache_gb", "0.1"}};
+  keys = Keys(PlanOf(cell));
+  EXPECT_EQ(keys[2], plain[2]);
+  EXPECT_NE(keys[3], plain[3]);
 
   // A seed counts from the first stage that draws numbers.
   cell.settings = {};

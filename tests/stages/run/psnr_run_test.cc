@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,10 +24,16 @@ class FakeScene {
 
   PsnrRunTasks Tasks() {
     PsnrRunTasks tasks;
+    tasks.trained = [this](const std::vector<OptionSetting>& settings) {
+      const int iterations = Iterations(settings);
+      return StatusOr<std::optional<double>>(
+          iterations == there_ ? std::optional(PsnrAfter(iterations))
+                               : std::nullopt);
+    };
     tasks.train = [this](const std::vector<OptionSetting>& settings) {
-      trained_.push_back(Iterations(settings));
-      return StatusOr<double>(best_ -
-                              gain_ * std::log2(5000.0 / trained_.back()));
+      there_ = Iterations(settings);
+      trained_.push_back(there_);
+      return StatusOr<double>(PsnrAfter(there_));
     };
     tasks.finish = [this](const std::vector<OptionSetting>& settings) {
       finished_ = Iterations(settings);
@@ -55,8 +62,13 @@ class FakeScene {
     return 0;
   }
 
+  double PsnrAfter(int iterations) const {
+    return best_ - gain_ * std::log2(5000.0 / iterations);
+  }
+
   const double best_;
   const double gain_;
+  int there_ = 0;  // The iterations of the scene that the workspace has.
   std::vector<int> trained_;
   int finished_ = 0;
   int warnings_ = 0;
@@ -106,6 +118,19 @@ TEST(PsnrRun, LeavesOutTrainingsThatWillNotBeEnough) {
   ASSERT_TRUE(RunAtLeast(28.8, scene.Tasks()).ok());
   EXPECT_EQ(scene.trained().size(), 2u) << scene.log();
   EXPECT_EQ(scene.finished(), 5000) << scene.log();
+}
+
+TEST(PsnrRun, BeginsWithTheTrainingThatIsThere) {
+  FakeScene scene(30, 1);
+  ASSERT_TRUE(RunAtLeast(28.5, scene.Tasks()).ok());
+  const std::vector<int> trained = scene.trained();
+  ASSERT_TRUE(RunAtLeast(28.5, scene.Tasks()).ok());
+  EXPECT_EQ(scene.trained(), trained);
+  EXPECT_EQ(scene.finished(), 2500) << scene.log();
+  // More is asked for: no training is done twice.
+  ASSERT_TRUE(RunAtLeast(30, scene.Tasks()).ok());
+  EXPECT_EQ(scene.trained().back(), 5000) << scene.log();
+  EXPECT_EQ(scene.trained().size(), trained.size() + 1);
 }
 
 // One training tells too little to give up.

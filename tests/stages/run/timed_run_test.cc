@@ -113,6 +113,21 @@ TEST(TimedRun, TrainsMoreOnAFastMachine) {
             Value(right.runs()[1], "reconstruct.iterations"));
 }
 
+// The cameras are there soon because an interrupted run left a part of them.
+TEST(TimedRun, NotEveryTimeOfTheCamerasTellsThePace) {
+  FakeMachine fast(0.5), resumed(0.5);
+  TimedRunTasks tasks = resumed.Tasks();
+  tasks.foretell = [known = tasks.foretell](const auto& settings) {
+    StatusOr<ExpectedRun> expected = known(settings);
+    expected->cameras_tell_pace = false;
+    return expected;
+  };
+  ASSERT_TRUE(RunWithin(120, fast.Tasks()).ok());
+  ASSERT_TRUE(RunWithin(120, tasks).ok());
+  EXPECT_LT(Value(resumed.runs()[1], "reconstruct.iterations"),
+            Value(fast.runs()[1], "reconstruct.iterations"));
+}
+
 // Of a film nothing is foretold until there are pictures of it.
 TEST(TimedRun, TakesThePicturesOfAFilmBeforeItChooses) {
   FakeMachine machine(1);

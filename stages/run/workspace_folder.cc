@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/run/workspace_folder.h"
+
+#include <string>
+#include <system_error>
+
+namespace freegs::stages {
+
+namespace fs = std::filesystem;
+
+Status CheckWorkspaceFolder(const fs::path& workspace) {
+  std::error_code error;
+  if (!fs::exists(workspace, error)) return Status();
+  if (!fs::is_directory(workspace, error)) {
+    return BadInputError(workspace.string() + ": not a folder");
+  }
+  bool empty = true;
+  for (const fs::directory_entry& entry :
+       fs::directory_iterator(workspace, error)) {
+    const std::string name = entry.path().filename().string();
+    // The latter is left when the first run ends before it has begun.
+    empty = empty && (name.starts_with('.') || name == "workspace.json.part");
+    for (const char* known : {"workspace.json",
+                              "config.ini",
+                              "ingest",
+                              "sfm",
+                              "undistort",
+                              "reconstruct"}) {
+      if (name == known) return Status();
+    }
+  }
+  if (error) {
+    return BadInputError(workspace.string() +
+                         ": cannot read: " + error.message());
+  }
+  if (empty) return Status();
+  return BadInputError(workspace.string() +
+                       ": holds other files and is not a workspace; give a "
+                       "new or empty folder (the order is IMAGES WORKSPACE)");
+}
+
+}  // namespace freegs::stages

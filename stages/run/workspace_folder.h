@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Whether a folder is a workspace.
+
+#ifndef FREEGS_STAGES_RUN_WORKSPACE_FOLDER_H_
+#define FREEGS_STAGES_RUN_WORKSPACE_FOLDER_H_
+
+#include <filesystem>
+
+#include "core/status.h"
+
+namespace freegs::stages {
+
+// kBadInput for what is no folder, and for a folder that holds other files and
+// nothing of a workspace: a mistyped argument must not fill it with stages, or
+// put a file among photos that would then count as changed.
+Status CheckWorkspaceFolder(const std::filesystem::path& workspace);
+
+}  // namespace freegs::stages
+
+#endif  // FREEGS_STAGES_RUN_WORKSPACE_FOLDER_H_
