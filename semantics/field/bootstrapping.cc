@@ -102,24 +102,18 @@ std::string Describe(const FieldTraining& training) {
   return text;
 }
 
-// The vectors of instances, each of which was one instance before, or a pair.
-InstanceVectors VectorsOfJoined(std::span<const std::vector<int32_t>> parts,
+// The vectors of instances that were made of one instance or of a pair.
+InstanceVectors VectorsOfJoined(std::span<const InstancePair> made_of,
                                 std::span<const InstancePair> pairs,
                                 const InstanceVectors& alone,
                                 const InstanceVectors& together) {
   const auto dim = static_cast<size_t>(alone.dim);
   InstanceVectors result{.dim = alone.dim, .num_crops = alone.num_crops};
-  for (const std::vector<int32_t>& of_one : parts) {
-    const InstanceVectors* from = &alone;
-    size_t row = of_one.front();
-    if (of_one.size() == 2) {
-      from = &together;
-      row = std::find(pairs.begin(),
-                      pairs.end(),
-                      InstancePair{of_one.front(), of_one.back()}) -
-            pairs.begin();
-    }
-    const auto first = from->vectors.begin() + row * dim;
+  for (const InstancePair& origin : made_of) {
+    const auto pair = std::find(pairs.begin(), pairs.end(), origin);
+    const bool is_pair = pair != pairs.end();
+    const size_t row = is_pair ? pair - pairs.begin() : origin.a;
+    const auto first = (is_pair ? together : alone).vectors.begin() + row * dim;
     result.vectors.insert(result.vectors.end(), first, first + dim);
   }
   return result;
@@ -271,7 +265,7 @@ class Bootstrapping {
     if (wholes.empty()) return found;
     JoinedInstances joined = clusterer_->Join(found.labels, std::move(wholes));
     found.vectors =
-        VectorsOfJoined(joined.parts, pairs, found.vectors, together);
+        VectorsOfJoined(joined.made_of, pairs, found.vectors, together);
     found.labels = std::move(joined.labels);
     return found;
   }

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
+#include <span>
 #include <utility>
 
 #include "semantics/patches/region_joining.h"
@@ -57,22 +59,64 @@ int32_t WithCrumbs(const Hierarchy& hierarchy, int32_t region) {
   return region;
 }
 
-// Whether two cuts of the same leaves are the same but for regions a and b of
-// the first one, which are one region of the second.
-bool DiffersByJoin(const std::vector<int32_t>& before,
-                   const std::vector<int32_t>& after,
-                   int32_t a,
-                   int32_t b) {
-  // The one region of the other cut in place of each region.
-  std::map<int32_t, int32_t> place;
-  std::map<int32_t, int32_t> back;
-  for (size_t leaf = 0; leaf < before.size(); ++leaf) {
-    const int32_t from = before[leaf] == b ? a : before[leaf];
-    const auto [there, is_new] = place.emplace(from, after[leaf]);
-    const auto [here, is_first] = back.emplace(after[leaf], from);
-    if (there->second != after[leaf] || here->second != from) return false;
+// The smallest region that two regions are in; -1 if there is none.
+int32_t RegionOfBoth(const RegionTree& tree, int32_t a, int32_t b) {
+  std::vector<uint8_t> holds(tree.num_leaves + tree.merges.size(), 0);
+  holds[a] |= 1;
+  holds[b] |= 2;
+  for (size_t k = 0; k < tree.merges.size(); ++k) {
+    const size_t region = tree.num_leaves + k;
+    holds[region] |= holds[tree.merges[k].a] | holds[tree.merges[k].b];
+    if (holds[region] == 3) return static_cast<int32_t>(region);
   }
-  return true;
+  return -1;
+}
+
+// For each region, whether it is the given one or in it.
+std::vector<uint8_t> InsideOf(const RegionTree& tree, int32_t region) {
+  std::vector<uint8_t> inside(tree.num_leaves + tree.merges.size(), 0);
+  inside[region] = 1;
+  for (size_t k = tree.merges.size(); k-- > 0;) {
+    if (inside[tree.num_leaves + k] == 0) continue;
+    inside[tree.merges[k].a] = inside[tree.merges[k].b] = 1;
+  }
+  return inside;
+}
+
+// The pixels of leaves that are neither in one region of the second cut, which
+// is `whole` where they are inside, nor together with those they were with.
+double PixelsOutOfPlace(const std::vector<int32_t>& before,
+                        const std::vector<int32_t>& after,
+                        const std::vector<uint8_t>& inside,
+                        int32_t whole,
+                        std::span<const double> pixels) {
+  // Of each region outside, the pixels that each region of the second cut has.
+  std::map<int32_t, std::map<int32_t, double>> moved;
+  double wrong = 0;
+  for (size_t leaf = 0; leaf < before.size(); ++leaf) {
+    if (inside[leaf] != 0) {
+      if (after[leaf] != whole) wrong += pixels[leaf];
+    } else if (after[leaf] == whole) {
+      wrong += pixels[leaf];
+    } else {
+      moved[before[leaf]][after[leaf]] += pixels[leaf];
+    }
+  }
+  std::set<int32_t> taken;
+  for (const auto& [from, to] : moved) {
+    double all = 0;
+    double most = 0;
+    int32_t place = -1;
+    for (const auto& [region, count] : to) {
+      all += count;
+      if (count > most || place < 0) {
+        most = count;
+        place = region;
+      }
+    }
+    wrong += taken.insert(place).second ? all - most : all;
+  }
+  return wrong;
 }
 
 }  // namespace
@@ -147,34 +191,38 @@ int32_t RegionAround(const Hierarchy& hierarchy, int32_t leaf, int steps) {
 }
 
 bool JoinAsWhole(int32_t a, int32_t b, double quality, Hierarchy* hierarchy) {
-  // Crumbs that were joined to one of the two stay with it.
-  JoinedTree joined = JoinRegions(
-      hierarchy->tree, WithCrumbs(*hierarchy, a), WithCrumbs(*hierarchy, b));
+  constexpr double kMostOutOfPlace = 0.02;  // Of the pixels of the whole.
+  const std::vector<double> sizes =
+      hierarchy->tree.Sums(hierarchy->part_pixels);
   Hierarchy changed = *hierarchy;
-  changed.tree = std::move(joined.tree);
-  changed.quality.assign(changed.tree.num_leaves + changed.tree.merges.size(),
-                         0);
-  for (size_t r = 0; r < joined.place.size(); ++r) {
-    if (joined.place[r] >= 0) {
-      changed.quality[joined.place[r]] = hierarchy->quality[r];
+  int32_t whole = RegionOfBoth(hierarchy->tree, a, b);
+  if (whole < 0 || sizes[whole] > kLevelRatio * (sizes[a] + sizes[b])) {
+    // Crumbs that were joined to one of the two stay with it.
+    JoinedTree joined = JoinRegions(
+        hierarchy->tree, WithCrumbs(*hierarchy, a), WithCrumbs(*hierarchy, b));
+    whole = joined.joined;
+    changed.tree = std::move(joined.tree);
+    changed.quality.assign(changed.tree.num_leaves + changed.tree.merges.size(),
+                           0);
+    for (size_t r = 0; r < joined.place.size(); ++r) {
+      if (joined.place[r] >= 0) {
+        changed.quality[joined.place[r]] = hierarchy->quality[r];
+      }
     }
   }
-  std::vector<uint8_t> inside(changed.quality.size(), 0);
-  inside[joined.joined] = 1;
-  for (size_t k = changed.tree.merges.size(); k-- > 0;) {
-    const RegionTree::Merge& merge = changed.tree.merges[k];
-    if (inside[changed.tree.num_leaves + k] == 0) continue;
-    for (const int32_t part : {merge.a, merge.b}) {
-      inside[part] = 1;
-      changed.quality[part] =
-          RoundedQuality(changed.quality[part] * (1 - quality));
+  const std::vector<uint8_t> inside = InsideOf(changed.tree, whole);
+  for (size_t r = 0; r < inside.size(); ++r) {
+    if (inside[r] != 0) {
+      changed.quality[r] = RoundedQuality(changed.quality[r] * (1 - quality));
     }
   }
-  changed.quality[joined.joined] = RoundedQuality(quality);
-  if (!DiffersByJoin(RegionsAt(*hierarchy, hierarchy->granularity),
-                     RegionsAt(changed, changed.granularity),
-                     a,
-                     b)) {
+  changed.quality[whole] = RoundedQuality(quality);
+  const double size = changed.tree.Sums(changed.part_pixels)[whole];
+  if (PixelsOutOfPlace(RegionsAt(*hierarchy, hierarchy->granularity),
+                       RegionsAt(changed, changed.granularity),
+                       inside,
+                       whole,
+                       changed.part_pixels) > kMostOutOfPlace * size) {
     return false;
   }
   *hierarchy = std::move(changed);
@@ -182,13 +230,7 @@ bool JoinAsWhole(int32_t a, int32_t b, double quality, Hierarchy* hierarchy) {
 }
 
 std::vector<uint8_t> GaussiansOf(const Hierarchy& hierarchy, int32_t region) {
-  const RegionTree& tree = hierarchy.tree;
-  std::vector<uint8_t> inside(tree.num_leaves + tree.merges.size(), 0);
-  inside[region] = 1;
-  for (size_t k = tree.merges.size(); k-- > 0;) {
-    if (inside[tree.num_leaves + k] == 0) continue;
-    inside[tree.merges[k].a] = inside[tree.merges[k].b] = 1;
-  }
+  const std::vector<uint8_t> inside = InsideOf(hierarchy.tree, region);
   std::vector<uint8_t> result;
   for (const int32_t part : hierarchy.part_of_gaussian) {
     result.push_back(part >= 0 ? inside[part] : 0);

@@ -71,11 +71,12 @@ HierarchyCut CutHierarchy(const Hierarchy& hierarchy, double granularity);
 // size by a quarter at least. Ends at the root and at the leaf.
 int32_t RegionAround(const Hierarchy& hierarchy, int32_t leaf, int steps);
 
-// Two regions, neither in the other, that turn out to be one whole thing with
-// this probability. Then what is in them is one with the probability that they
-// are none, on top of its own. Their cut at the hierarchy's own granularity
-// becomes one region, and nothing else changes there; false, and no change at
-// all, if that cannot be.
+// Two regions of the hierarchy's own cut turn out to be one whole thing, with
+// this probability. That is the region around both if it is hardly larger
+// (kLevelRatio), else one that is made of the two. What is in it becomes less
+// likely a thing: its own probability times that of this being none. In the cut
+// the two are one region then, and nothing else changes but crumbs; false, and
+// no change at all, if that cannot be.
 bool JoinAsWhole(int32_t a, int32_t b, double quality, Hierarchy* hierarchy);
 
 // For each Gaussian, whether it is in a region.

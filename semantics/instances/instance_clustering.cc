@@ -3,7 +3,7 @@
 #include "semantics/instances/instance_clustering.h"
 
 #include <algorithm>
-#include <set>
+#include <map>
 #include <utility>
 
 #include "semantics/instances/label_noise.h"
@@ -166,32 +166,51 @@ JoinedInstances InstanceClusterer::Join(const InstanceLabels& labels,
       pairs.begin(), pairs.end(), [](const WholePair& x, const WholePair& y) {
         return x.confidence > y.confidence;
       });
+  // A Gaussian of each label: joins give regions other numbers, but no Gaussian
+  // another part.
+  std::vector<size_t> of_label(labels.num_instances, 0);
+  for (size_t g = labels.labels.size(); g-- > 0;) {
+    if (labels.labels[g] >= 0) of_label[labels.labels[g]] = g;
+  }
   Hierarchy hierarchy = *labels.hierarchy;
-  std::set<int32_t> used;
+  std::vector<InstancePair> made;
   for (const auto& [pair, confidence] : pairs) {
-    if (used.contains(pair.a) || used.contains(pair.b)) continue;
-    used.insert({pair.a, pair.b});
-    // Each join gives regions other numbers, but no Gaussian another leaf.
-    const std::vector<int32_t> region_of_part =
-        CutHierarchy(hierarchy, hierarchy.granularity).region_of_part;
+    const HierarchyCut cut = CutHierarchy(hierarchy, hierarchy.granularity);
     const auto region_of = [&](int32_t label) {
-      size_t g = 0;
-      while (labels.labels[g] != label) ++g;
-      return region_of_part[hierarchy.part_of_gaussian[g]];
+      return cut.region_of_part[hierarchy.part_of_gaussian[of_label[label]]];
     };
-    (void)JoinAsWhole(
-        region_of(pair.a), region_of(pair.b), confidence, &hierarchy);
+    const int32_t a = region_of(pair.a);
+    const int32_t b = region_of(pair.b);
+    // Each is still by itself.
+    int num_labels = 0;
+    for (int32_t label = 0; label < labels.num_instances; ++label) {
+      num_labels += region_of(label) == a || region_of(label) == b ? 1 : 0;
+    }
+    if (num_labels == 2 && JoinAsWhole(a, b, confidence, &hierarchy)) {
+      made.push_back(pair);
+    }
   }
   JoinedInstances joined;
   joined.labels =
       LabelsOf(CutIntoClusters(std::move(hierarchy), patches_, extent_.radius));
-  std::vector<std::set<int32_t>> parts(joined.labels.num_instances);
+  // How many Gaussians of each label an instance has.
+  std::vector<std::map<int32_t, size_t>> counts(joined.labels.num_instances);
   for (size_t g = 0; g < labels.labels.size(); ++g) {
     const int32_t label = joined.labels.labels[g];
-    if (label >= 0) parts[label].insert(labels.labels[g]);
+    if (label >= 0 && labels.labels[g] >= 0) ++counts[label][labels.labels[g]];
   }
-  for (const std::set<int32_t>& of_one : parts) {
-    joined.parts.emplace_back(of_one.begin(), of_one.end());
+  for (const std::map<int32_t, size_t>& count : counts) {
+    const auto most = std::max_element(
+        count.begin(), count.end(), [](const auto& x, const auto& y) {
+          return x.second < y.second;
+        });
+    const int32_t label = most == count.end() ? 0 : most->first;
+    const auto pair =
+        std::find_if(made.begin(), made.end(), [label](InstancePair one) {
+          return one.a == label || one.b == label;
+        });
+    joined.made_of.push_back(pair == made.end() ? InstancePair{label, label}
+                                                : *pair);
   }
   return joined;
 }

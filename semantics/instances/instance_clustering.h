@@ -76,8 +76,9 @@ struct InstanceLabels {
 
 struct JoinedInstances {
   InstanceLabels labels;
-  // For each instance, the labels that its Gaussians had before, ascending.
-  std::vector<std::vector<int32_t>> parts;
+  // For each instance, the pair that it was made of, or twice the label that it
+  // had before.
+  std::vector<InstancePair> made_of;
 };
 
 // The views whose photographs are looked at, and these.

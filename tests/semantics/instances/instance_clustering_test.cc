@@ -156,23 +156,16 @@ TEST_F(InstanceClusteringTest, PairsThatAreOneThingAreJoined) {
   const JoinedInstances joined =
       clusterer->Join(*apart, {{{1, 2}, 0.8}, {{2, 3}, 0.9}});
   EXPECT_EQ(joined.labels.num_instances, count - 1);
-  EXPECT_EQ(joined.parts.size(),
+  EXPECT_EQ(joined.made_of.size(),
             static_cast<size_t>(joined.labels.num_instances));
-  std::vector<int32_t> all;
-  for (const std::vector<int32_t>& parts : joined.parts) {
-    all.insert(all.end(), parts.begin(), parts.end());
-  }
-  std::sort(all.begin(), all.end());
-  for (int label = 0; label < count; ++label) EXPECT_EQ(all[label], label);
   for (size_t g = 0; g < apart->labels.size(); ++g) {
+    const int32_t before = apart->labels[g];
     const int32_t label = joined.labels.labels[g];
-    if (label < 0) {
-      EXPECT_EQ(apart->labels[g], -1);
-      continue;
-    }
-    const std::vector<int32_t>& parts = joined.parts[label];
-    EXPECT_NE(std::find(parts.begin(), parts.end(), apart->labels[g]),
-              parts.end());
+    ASSERT_EQ(label < 0, before < 0);
+    if (label < 0) continue;
+    const bool is_part = before == 2 || before == 3;
+    const InstancePair expected = {is_part ? 2 : before, is_part ? 3 : before};
+    EXPECT_EQ(joined.made_of[label], expected);
   }
   // What other commands read gives the same instances.
   EXPECT_EQ(CutHierarchy(*joined.labels.hierarchy,

@@ -218,6 +218,40 @@ TEST_F(CommandTest, RunAtLeastRefusesWhatDoesNotGoWithIt) {
           "reconstruct.iterations is what --at-least chooses");
 }
 
+TEST_F(CommandTest, ARefusedGoalForgetsNothing) {
+  WriteText(folder_ / "photos" / "1.jpg", "x");
+  ExpectError(RunRunCommand,
+              {Path("photos"), Path("w"), "--seed", "4"},
+              StatusCode::kBadInput,
+              "ingest");
+  WriteText(folder_ / "w" / "config.ini", "[reconstruct]\niterations = 900\n");
+  const std::string before = ReadText(folder_ / "w" / "workspace.json");
+  ExpectError(RunRunCommand,
+              {Path("photos"), Path("w"), "--at-least", "psnr=27"},
+              StatusCode::kInvalidArgument,
+              "reconstruct.iterations is what --at-least chooses");
+  EXPECT_EQ(ReadText(folder_ / "w" / "workspace.json"), before);
+  WriteText(folder_ / "w" / "config.ini", "[reconstruct]\nno_such = 1\n");
+  ExpectError(RunRunCommand,
+              {Path("photos"), Path("w"), "--within", "5m"},
+              StatusCode::kInvalidArgument,
+              "no_such");
+  EXPECT_EQ(ReadText(folder_ / "w" / "workspace.json"), before);
+}
+
+TEST_F(CommandTest, PhotosAreNoWorkspace) {
+  WriteText(folder_ / "photos" / "1.jpg", "x");
+  ExpectError(RunStatusCommand,
+              {Path("photos")},
+              StatusCode::kBadInput,
+              "is not a workspace");
+  ExpectError(RunStageCommand,
+              {"ingest", Path("photos")},
+              StatusCode::kBadInput,
+              "is not a workspace");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_ / "photos"), {}), 1);
+}
+
 TEST_F(CommandTest, OneRunAtATime) {
   WriteText(folder_ / "photos" / "1.jpg", "x");
   fs::create_directory(folder_ / "w");

@@ -115,5 +115,26 @@ TEST(StageRegistryTest, SixStagesInOrder) {
   EXPECT_THAT(seeded, ElementsAre("sfm", "reconstruct", "bootstrap"));
 }
 
+
+TEST(PipelineOptionsTest, QuestionsUseWhatTheWorkspaceRemembers) {
+  const TemporaryFolder folder;
+  WriteText(folder / "config.ini", "[general]\npreset = auto\n");
+  const auto apply = [&](PipelineOptions* options) {
+    pipeline::OptionTable table = MakeOptionTable(options);
+    return ApplyQuerySettings(folder.path(), {}, table);
+  };
+  PipelineOptions options;
+  EXPECT_EQ(apply(&options).code(), StatusCode::kInvalidArgument);
+  pipeline::WorkspaceInfo info;
+  info.settings = {{"general.preset", "balanced"},
+                   {"query.background", "true"},
+                   {"general.threads", "3"}};
+  ASSERT_TRUE(pipeline::WriteWorkspaceInfo(folder.path(), info).ok());
+  const Status status = apply(&options);
+  ASSERT_TRUE(status.ok()) << status.message();
+  EXPECT_TRUE(options.query.background);
+  EXPECT_EQ(options.general.threads, 0);
+}
+
 }  // namespace
 }  // namespace freegs::stages
