@@ -83,8 +83,9 @@ std::vector<uint8_t> InsideOf(const RegionTree& tree, int32_t region) {
   return inside;
 }
 
-// The pixels of leaves that are neither in one region of the second cut, which
-// is `whole` where they are inside, nor together with those they were with.
+// The pixels of leaves that are out of place in the second cut: those inside of
+// `whole` that are not in it, those outside that are, and those that are not
+// with most of the region of the first cut that they were in.
 double PixelsOutOfPlace(const std::vector<int32_t>& before,
                         const std::vector<int32_t>& after,
                         const std::vector<uint8_t>& inside,

@@ -158,6 +158,8 @@ TEST(PsnrRun, ReturnsErrors) {
   PsnrRunTasks tasks = scene.Tasks();
   tasks.finish = [](const auto&) { return InterruptedError("stopped"); };
   EXPECT_EQ(RunAtLeast(20, tasks).code(), StatusCode::kInterrupted);
+  FakeScene other(30, 1);
+  tasks = other.Tasks();
   tasks.train = [](const auto&) -> StatusOr<double> {
     return BadInputError("no photos were kept");
   };
