@@ -115,7 +115,6 @@ TEST(StageRegistryTest, SixStagesInOrder) {
   EXPECT_THAT(seeded, ElementsAre("sfm", "reconstruct", "bootstrap"));
 }
 
-
 TEST(PipelineOptionsTest, QuestionsUseWhatTheWorkspaceRemembers) {
   const TemporaryFolder folder;
   WriteText(folder / "config.ini", "[general]\npreset = auto\n");
