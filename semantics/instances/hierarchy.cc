@@ -103,19 +103,29 @@ double PixelsOutOfPlace(const std::vector<int32_t>& before,
       moved[before[leaf]][after[leaf]] += pixels[leaf];
     }
   }
-  std::set<int32_t> taken;
-  for (const auto& [from, to] : moved) {
-    double all = 0;
+  // Large regions choose first which of the second cut is theirs.
+  struct Move {
+    double pixels = 0;
     double most = 0;
     int32_t place = -1;
+  };
+  std::vector<Move> moves;
+  for (const auto& [from, to] : moved) {
+    Move& move = moves.emplace_back();
     for (const auto& [region, count] : to) {
-      all += count;
-      if (count > most || place < 0) {
-        most = count;
-        place = region;
-      }
+      move.pixels += count;
+      if (move.place >= 0 && count <= move.most) continue;
+      move.most = count;
+      move.place = region;
     }
-    wrong += taken.insert(place).second ? all - most : all;
+  }
+  std::stable_sort(
+      moves.begin(), moves.end(), [](const Move& x, const Move& y) {
+        return x.pixels > y.pixels;
+      });
+  std::set<int32_t> taken;
+  for (const Move& move : moves) {
+    wrong += move.pixels - (taken.insert(move.place).second ? move.most : 0);
   }
   return wrong;
 }
