@@ -83,19 +83,19 @@ std::vector<uint8_t> InsideOf(const RegionTree& tree, int32_t region) {
   return inside;
 }
 
-// The pixels of leaves that are out of place in the second cut: those inside of
-// `whole` that are not in it, those outside that are, and those that are not
-// with most of the region of the first cut that they were in.
+// The pixels of leaves that are out of place in the second cut: those that
+// belong to `whole` and are not in it, those that do not and are, and those
+// that are not with most of the region of the first cut that they were in.
 double PixelsOutOfPlace(const std::vector<int32_t>& before,
                         const std::vector<int32_t>& after,
-                        const std::vector<uint8_t>& inside,
+                        const std::vector<uint8_t>& belongs,
                         int32_t whole,
                         std::span<const double> pixels) {
   // Of each region outside, the pixels that each region of the second cut has.
   std::map<int32_t, std::map<int32_t, double>> moved;
   double wrong = 0;
   for (size_t leaf = 0; leaf < before.size(); ++leaf) {
-    if (inside[leaf] != 0) {
+    if (belongs[leaf] != 0) {
       if (after[leaf] != whole) wrong += pixels[leaf];
     } else if (after[leaf] == whole) {
       wrong += pixels[leaf];
@@ -228,10 +228,18 @@ bool JoinAsWhole(int32_t a, int32_t b, double quality, Hierarchy* hierarchy) {
     }
   }
   changed.quality[whole] = RoundedQuality(quality);
+  const std::vector<int32_t> before =
+      RegionsAt(*hierarchy, hierarchy->granularity);
+  std::vector<uint8_t> belongs;
+  for (size_t leaf = 0; leaf < before.size(); ++leaf) {
+    // Crumbs that lie outside may belong to the two as well.
+    const bool was_in = before[leaf] == a || before[leaf] == b;
+    belongs.push_back(was_in || inside[leaf] != 0 ? 1 : 0);
+  }
   const double size = changed.tree.Sums(changed.part_pixels)[whole];
-  if (PixelsOutOfPlace(RegionsAt(*hierarchy, hierarchy->granularity),
+  if (PixelsOutOfPlace(before,
                        RegionsAt(changed, changed.granularity),
-                       inside,
+                       belongs,
                        whole,
                        changed.part_pixels) > kMostOutOfPlace * size) {
     return false;
