@@ -19,7 +19,8 @@ struct RenderOptions {
   int sh_degree = kMaxShDegree;
 
   // Gaussians whose centre is nearer than this along the optical axis are
-  // skipped. World units; 3DGS has the same value.
+  // skipped. Units of the model's frame (splat/scene/model_frame.h), in which
+  // things are typically 5 away; 3DGS has the same value in world units.
   double near_plane = 0.2;
 
   // Variance in square pixels that is added to each projected covariance. It

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The frame of a model's float32 numbers, and its way to the world frame and
 // back. A world may count in millimetres, or from a place far away; the numbers
-// of a model should be near 1, so that float32 holds them and constants in
-// world units, such as RenderOptions::near_plane, mean the same in every scene.
+// of a model should be near 1, so that float32 holds them and constants such as
+// RenderOptions::near_plane mean the same in every scene.
 //
 //   FREEGS_ASSIGN_OR_RETURN(const PlacedModel file, ReadPly("scene.ply"));
 //   const GaussianModel model = ToFrame(file, frame);
