@@ -3,7 +3,9 @@
 
 #include "sfm/mapping/attempt.h"
 
+#include <algorithm>
 #include <climits>
+#include <set>
 #include <system_error>
 
 #include <nlohmann/json.hpp>
@@ -22,6 +24,22 @@ namespace fs = std::filesystem;
 std::string StepName(const std::string& name) { return "attempt: " + name; }
 
 }  // namespace
+
+void AddOthers(const std::vector<Reconstruction>& others,
+               std::vector<Reconstruction>* models) {
+  std::set<std::string> placed;
+  for (const Reconstruction& model : *models) {
+    for (const PosedImage& image : model.images) placed.insert(image.name);
+  }
+  for (size_t i = 1; i < others.size(); ++i) {
+    const std::vector<PosedImage>& images = others[i].images;
+    if (std::none_of(images.begin(), images.end(), [&](const auto& image) {
+          return placed.contains(image.name);
+        })) {
+      models->push_back(others[i]);
+    }
+  }
+}
 
 Attempt DescribeAttempt(const std::string& name,
                         const std::string& why,

@@ -41,6 +41,11 @@ Attempt DescribeAttempt(const std::string& name,
                         const std::string& why,
                         const std::vector<Reconstruction>& models);
 
+// Where models of an attempt replace the first of others: adds those of the
+// others behind that share no photo with them.
+void AddOthers(const std::vector<Reconstruction>& others,
+               std::vector<Reconstruction>* models);
+
 // What an attempt made.
 struct AttemptResult {
   std::vector<Reconstruction> models;  // The best first; may be empty.

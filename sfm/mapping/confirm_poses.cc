@@ -84,7 +84,10 @@ void TakeBest(const Models& candidates,
   if (!result->replaced && !remove) return;
   result->models.push_back(remove ? Without(chosen, result->uncertain)
                                   : chosen);
-  if (result->replaced) return;
+  if (result->replaced) {
+    AddOthers(models, &result->models);
+    return;
+  }
   result->models.insert(result->models.end(), models.begin() + 1, models.end());
 }
 

@@ -3,7 +3,6 @@
 
 #include "sfm/mapping/separate_parts.h"
 
-#include <algorithm>
 #include <set>
 #include <utility>
 
@@ -159,25 +158,6 @@ std::vector<std::string> Lost(const Reconstruction& before,
   return {names.begin(), names.end()};
 }
 
-// Adds the models beside the first one that share no photo with those that
-// replace it. They stay behind these, even if they have more photos: nobody
-// checked whether they are glued, and what is said about photos without a place
-// is about the parts of the first one.
-void AddOthers(const Models& before, Models* models) {
-  std::set<std::string> placed;
-  for (const Reconstruction& model : *models) {
-    for (const PosedImage& image : model.images) placed.insert(image.name);
-  }
-  for (size_t i = 1; i < before.size(); ++i) {
-    const std::vector<PosedImage>& images = before[i].images;
-    if (std::none_of(images.begin(), images.end(), [&](const auto& image) {
-          return placed.contains(image.name);
-        })) {
-      models->push_back(before[i]);
-    }
-  }
-}
-
 }  // namespace
 
 StatusOr<SeparatedParts> SeparateParts(const StepContext& context,
@@ -228,6 +208,9 @@ StatusOr<SeparatedParts> SeparateParts(const StepContext& context,
   }
   result.models = TakeApart(best);
   result.unplaced = Lost(models[0], result.models[0]);
+  // They stay behind, even if they have more photos: nobody checked whether
+  // they are glued, and what is said about photos without a place is about the
+  // parts of the first one.
   AddOthers(models, &result.models);
   return result;
 }

@@ -92,14 +92,18 @@ TEST_F(ConfirmPosesTest, AnUnconfirmedPhotoIsTakenOut) {
 }
 
 TEST_F(ConfirmPosesTest, TheModelThatAnotherConfirmsIsTaken) {
-  const auto confirmed =
-      Run({Model({1, 2, 5, 7}), Model()}, {Model(), Model(), Model()});
+  Reconstruction elsewhere = Model();
+  for (PosedImage& image : elsewhere.images) image.name = "other " + image.name;
+  const auto confirmed = Run({Model({1, 2, 5, 7}), Model(), elsewhere},
+                             {Model(), Model(), Model()});
   ASSERT_TRUE(confirmed.ok());
   EXPECT_EQ(calls_, 2u);
   EXPECT_TRUE(confirmed->replaced);
   EXPECT_TRUE(confirmed->witnessed);
   EXPECT_THAT(confirmed->uncertain, IsEmpty());
-  ASSERT_THAT(confirmed->models, SizeIs(1));
+  // Of the others, the model of other photos stays.
+  ASSERT_THAT(confirmed->models, SizeIs(2));
+  EXPECT_EQ(confirmed->models[1].images[0].name, elsewhere.images[0].name);
   EXPECT_EQ(confirmed->models[0].images[3].cam_from_world.translation.x(),
             Another(Model(), 1).images[3].cam_from_world.translation.x());
   EXPECT_TRUE(confirmed->attempts[0].kept);
