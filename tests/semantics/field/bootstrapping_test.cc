@@ -21,8 +21,12 @@ namespace {
 
 class BootstrappingTest : public testing::Test {
  protected:
-  void SetUp() override {
+  void SetUp() override { TakePhotos(); }
+
+  void TakePhotos() {
     ThreadPool pool(2);
+    views_.clear();
+    photos_.clear();
     for (int k = 0; k < 8; ++k) {
       views_.push_back(LookAtOrigin(0.785 * k));
       views_.back().camera = views_.back().camera.Resized(240, 180);
@@ -119,6 +123,68 @@ TEST_F(BootstrappingTest, InstancesMeanWhatThePhotographsShow) {
           << object << " " << color;
     }
   }
+}
+
+// Calls "green" what is red and blue, as it would a snowman. It has an inkling
+// of it where it sees the red part alone.
+class SnowmanEncoder : public ColorEncoder {
+ public:
+  StatusOr<std::vector<float>> EncodeImage(const ImageU8& image) override {
+    double red = 0;
+    double blue = 0;
+    for (size_t i = 0; i < image.num_pixels(); ++i) {
+      const uint8_t* rgb = image.data() + 3 * i;
+      red += rgb[0] > rgb[1] + 50 && rgb[0] > rgb[2] + 50 ? 1 : 0;
+      blue += rgb[2] > rgb[0] + 30 && rgb[2] > rgb[1] + 30 ? 1 : 0;
+    }
+    if (std::min(red, blue) > 0.45 * std::max(red, blue)) {
+      return Embed({0.1, 0.7, 0.1});
+    }
+    if (red > blue) return Embed({0.48, 0.53, 0.48});
+    return ColorEncoder::EncodeImage(image);
+  }
+};
+
+TEST_F(BootstrappingTest, InstancesThatAreRecognisedTogetherAreOne) {
+  scene_.AddSphere({0.5, 0.5, 0.4}, 0.12, {0.1, 0.2, 0.8}, 900, 5);
+  TakePhotos();
+  SnowmanEncoder encoder;
+  const FeatureCache cache(folder_ / "cache");
+  auto words = Vocabulary::Create({{"green"}}, encoder);
+  ASSERT_TRUE(words.ok());
+  const auto lift = [&](double min_confidence, int threads) {
+    ThreadPool pool(threads);
+    BootstrapTools tools{
+        encoder, cache, pool, nullptr, nullptr, resume_from_, save_};
+    tools.things = {*words, min_confidence};
+    return BootstrapSemanticField(
+        {scene_.model, views_, views_, splat::RenderOptions()},
+        [&](size_t view) -> StatusOr<ImageU8> { return photos_[view]; },
+        options_,
+        0,
+        tools);
+  };
+  const auto apart = lift(0, 2);
+  ASSERT_TRUE(apart.ok()) << apart.status().message();
+  EXPECT_NE(LabelOf(*apart, 1), LabelOf(*apart, 5));
+  const auto joined = lift(0.7, 2);
+  ASSERT_TRUE(joined.ok()) << joined.status().message();
+  EXPECT_EQ(joined->instances.num_instances,
+            apart->instances.num_instances - 1);
+  const int32_t snowman = LabelOf(*joined, 1);
+  EXPECT_EQ(snowman, LabelOf(*joined, 5));
+  // It has the vector of both together, and the others have theirs.
+  EXPECT_GT(
+      Cosine(joined->vectors, snowman, ColorEncoder::Embed({0.1, 0.7, 0.1})),
+      0.999);
+  EXPECT_NEAR(Cosine(joined->vectors,
+                     LabelOf(*joined, 3),
+                     ColorEncoder::Embed({0.1, 0.2, 0.8})),
+              Cosine(apart->vectors,
+                     LabelOf(*apart, 3),
+                     ColorEncoder::Embed({0.1, 0.2, 0.8})),
+              1e-6);
+  EXPECT_EQ(lift(0.7, 1)->instances.labels, joined->instances.labels);
 }
 
 // Sees the colours of an image at four times the resolution of its grid.
