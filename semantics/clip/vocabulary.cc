@@ -35,10 +35,4 @@ Vocabulary::Fit Vocabulary::BestOf(size_t group,
   return best;
 }
 
-double Vocabulary::Confidence(std::span<const float> vector) const {
-  if (groups_.empty()) return 0;
-  const Fit fit = BestOf(groups_.size() - 1, vector);
-  return fit.word == nullptr ? 0 : fit.relevancy;
-}
-
 }  // namespace freegs::semantics

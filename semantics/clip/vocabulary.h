@@ -33,11 +33,13 @@ class Vocabulary {
   // is none if the canonical phrases fit better, and for a zero vector.
   Fit BestOf(size_t group, std::span<const float> vector) const;
 
-  // How sure it is what a vector shows: the relevancy of the best word of the
-  // last group, 0 if none fits. An encoder that has never seen a thing has a
-  // best word for it, too, so what is low means nothing. Colours do not count,
-  // because they fit things that are not known.
-  double Confidence(std::span<const float> vector) const;
+  // The same for the last group, that of things, which there must be. The
+  // relevancy is how sure it is what a vector shows. An encoder that has never
+  // seen a thing has a best word for it, too, so what is low means nothing.
+  // Colours do not count, because they fit things that are not known.
+  Fit Thing(std::span<const float> vector) const {
+    return BestOf(groups_.size() - 1, vector);
+  }
 
  private:
   struct Word {

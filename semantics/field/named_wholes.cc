@@ -19,9 +19,7 @@ std::vector<WholePair> FindNamedWholes(std::span<const InstancePair> pairs,
   const Vocabulary& vocabulary = things.vocabulary;
   const auto thing = [&](const InstanceVectors& vectors, size_t row) {
     const auto dim = static_cast<size_t>(vectors.dim);
-    return vocabulary.BestOf(
-        vocabulary.num_groups() - 1,
-        std::span(vectors.vectors).subspan(row * dim, dim));
+    return vocabulary.Thing(std::span(vectors.vectors).subspan(row * dim, dim));
   };
   std::vector<WholePair> wholes;
   for (size_t k = 0; k < pairs.size(); ++k) {

@@ -25,11 +25,11 @@ struct KnownThings {
   }
 };
 
-// The pairs that are one thing: one of the two is taken for a thing, both
-// together are taken for the same thing, and more surely so than either alone
-// is for anything. "More surely" is by 0.02 at least; how sure the whole is
-// must be at least min_confidence. alone: a vector for each instance. together:
-// one for each pair.
+// The pairs that are one thing, which is so if three conditions hold:
+// - One of the two alone and both together are taken for the same thing.
+// - The relevancy of both together is at least min_confidence.
+// - It is larger, by 0.02 at least, than that of either alone.
+// alone: a vector for each instance. together: one for each pair.
 std::vector<WholePair> FindNamedWholes(std::span<const InstancePair> pairs,
                                        const InstanceVectors& alone,
                                        const InstanceVectors& together,

@@ -83,9 +83,9 @@ std::vector<uint8_t> InsideOf(const RegionTree& tree, int32_t region) {
   return inside;
 }
 
-// The pixels of leaves that are out of place in the second cut: those that
-// belong to `whole` and are not in it, those that do not and are, and those
-// that are not with most of the region of the first cut that they were in.
+// Counts the pixels of the leaves that are in a wrong region of the second cut.
+// Leaves that belong to `whole` should be in it, and no others. The others
+// should be where most of their region of the first cut is.
 double PixelsOutOfPlace(const std::vector<int32_t>& before,
                         const std::vector<int32_t>& after,
                         const std::vector<uint8_t>& belongs,

@@ -71,12 +71,12 @@ HierarchyCut CutHierarchy(const Hierarchy& hierarchy, double granularity);
 // size by a quarter at least. Ends at the root and at the leaf.
 int32_t RegionAround(const Hierarchy& hierarchy, int32_t leaf, int steps);
 
-// Two regions of the hierarchy's own cut turn out to be one whole thing, with
-// this probability. That is the region around both if it is hardly larger
-// (kLevelRatio), else one that is made of the two. What is in it becomes less
-// likely a thing: its own probability times that of this being none. In the cut
-// the two are one region then, and nothing else changes but crumbs; false, and
-// no change at all, if that cannot be.
+// Makes one whole thing, which it is with the probability `quality`, of two
+// regions of the hierarchy's own cut. The whole is the region around both if
+// that is hardly larger (kLevelRatio), and else a new region. The probability
+// of each region inside is multiplied by 1 - quality. In the new cut the two
+// are one region, and all other regions are as before, except for a few crumbs.
+// Where this is not possible, returns false and changes nothing.
 bool JoinAsWhole(int32_t a, int32_t b, double quality, Hierarchy* hierarchy);
 
 // For each Gaussian, whether it is in a region.

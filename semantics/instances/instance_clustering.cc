@@ -181,7 +181,7 @@ JoinedInstances InstanceClusterer::Join(const InstanceLabels& labels,
     };
     const int32_t a = region_of(pair.a);
     const int32_t b = region_of(pair.b);
-    // Each is still by itself.
+    // An earlier join may have taken one of the two into its whole.
     int num_labels = 0;
     for (int32_t label = 0; label < labels.num_instances; ++label) {
       num_labels += region_of(label) == a || region_of(label) == b ? 1 : 0;

@@ -14,9 +14,10 @@ namespace freegs::semantics {
 struct JoinedTree {
   RegionTree tree;
 
-  // Of each region of the old tree: that of the new one in its place. Those
-  // around only one of the two have other leaves there. -1 for one that is gone
-  // because it was nothing but `b` and another region without `a`.
+  // For each region of the old tree, its number in the new one. A region that
+  // held one of the two gains or loses the leaves of `b`. -1 for the region
+  // that consisted of `b` and another one without `a`: the other one remains of
+  // it.
   std::vector<int32_t> place;
 
   int32_t joined = -1;  // Of the new tree: all leaves of the two.

@@ -49,7 +49,9 @@ InstanceNames NameInstances(std::span<const float> vectors,
       const Fit fit = vocabulary.BestOf(group, vector);
       if (fit.word != nullptr) fits.push_back(fit);
     }
-    if (vocabulary.Confidence(vector) < min_confidence && IsNonzero(vector)) {
+    const Fit thing = vocabulary.Thing(vector);
+    const double confidence = thing.word != nullptr ? thing.relevancy : 0;
+    if (confidence < min_confidence && IsNonzero(vector)) {
       fits.clear();
       ++names.num_withheld;
     }

@@ -26,9 +26,10 @@ struct InstanceNames {
 // instance than the canonical phrases. There are no words for an instance whose
 // vector is zero, and without a vocabulary.
 //
-// An instance of which the vocabulary is less sure than min_confidence
-// (Vocabulary::Confidence) has no words. The threshold belongs to the model
-// (docs/clip.md says how that of the small one was found); 0 keeps all words.
+// An instance that is no known thing (Vocabulary::Thing), or one of less
+// relevancy than min_confidence, has no words. The threshold belongs to the
+// model (docs/clip.md says how that of the small one was found); 0 keeps all
+// words.
 //
 // vectors: instances x dim, of length 1 or zero, in the space of the encoder.
 InstanceNames NameInstances(std::span<const float> vectors,

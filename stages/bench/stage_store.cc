@@ -138,8 +138,8 @@ StatusOr<CellPlan> StageStore::Plan(const SuiteCell& cell,
       ApplySettings(context_.out / "store", settings, table));
   KeyBuilder key;
   key.Add(Hash(plan.images));
-  // What a stage costs is measured, too, so options count that change only
-  // that.
+  // The time of a stage is measured, too. So options count that do not change
+  // its result but may change its time.
   for (const char* cost : {"general.threads", "general.checkpoint_interval"}) {
     key.Add(table.Find(cost)->value());
   }

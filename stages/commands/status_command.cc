@@ -209,10 +209,11 @@ CommandWords DescribeStatus(StatusTargets* targets) {
   return words;
 }
 
-// Whether a run was killed while it put a result in its place. Only then does
-// the folder need to be locked, which keeps runs out meanwhile.
+// Whether a run has left something behind. It may have been killed while it put
+// a result in its place, which only somebody with the lock may complete. A
+// folder without leftovers is not locked, because that writes a file into it.
 bool HasLeftovers(const std::filesystem::path& workspace) {
-  const std::vector<std::string>& stages = StageNames();
+  const std::vector<std::string> stages = StageNames();
   return std::any_of(
       stages.begin(), stages.end(), [&](const std::string& stage) {
         std::error_code error;

@@ -14,8 +14,9 @@ namespace {
 constexpr int64_t kMaxBudget = 1000000000;
 
 // The number of steps that the two factors below are for. 5000 steps with the
-// rates of 2500 are 0.5 to 1.4 dB better than with smaller ones, on five
-// scenes. Longer trainings were not tried.
+// rates of 2500 are 0.5 to 1.4 dB better than with smaller ones, on five scenes
+// with images of 480 or 640 pixels. With the sizes of preset quality three
+// scenes gain 0.0 to 0.1 dB. Longer trainings were not tried.
 double RateSteps(int iterations) {
   return std::max(std::min(iterations, 2500), iterations / 2);
 }

@@ -205,7 +205,8 @@ Status ExecuteWithin(double seconds,
                   RunPart part,
                   double end) -> Status {
     RunRequest now = request;
-    // The same command chooses anew, by the time that is left to do.
+    // The same command would have the full time once more, and might choose
+    // other options and begin the training anew.
     now.way_on = "run WORKSPACE, without IMAGES and --within,";
     if (part == RunPart::kPhotos) now.to = StageNames().front();
     if (part == RunPart::kCameras) now.to = kLastOfCameras;

@@ -25,17 +25,18 @@ TEST(VocabularyTest, TheBestWordOfAGroup) {
   EXPECT_EQ(vocabulary->BestOf(0, std::vector<float>(8, 0.0f)).word, nullptr);
 }
 
-TEST(VocabularyTest, ConfidenceIsThatOfThings) {
+TEST(VocabularyTest, TheLastGroupIsThatOfThings) {
   ColorEncoder encoder;
   const std::vector<float> red = ColorEncoder::Embed({0.7, 0.1, 0.1});
   const auto things = Vocabulary::Create({{"green"}, {"red"}}, encoder);
   const auto colors = Vocabulary::Create({{"red"}, {"thing"}}, encoder);
   const auto none = Vocabulary::Create({}, encoder);
   ASSERT_TRUE(things.ok() && colors.ok() && none.ok());
-  EXPECT_EQ(things->Confidence(red),
-            static_cast<double>(things->BestOf(1, red).relevancy));
-  EXPECT_EQ(colors->Confidence(red), 0);
-  EXPECT_EQ(none->Confidence(red), 0);
+  ASSERT_NE(things->Thing(red).word, nullptr);
+  EXPECT_EQ(*things->Thing(red).word, "red");
+  EXPECT_EQ(things->Thing(red).relevancy, things->BestOf(1, red).relevancy);
+  EXPECT_EQ(colors->Thing(red).word, nullptr);
+  EXPECT_EQ(none->num_groups(), 0u);
 }
 
 }  // namespace

@@ -100,8 +100,8 @@ TEST(HierarchyTest, TwoInstancesBecomeOneWhole) {
 }
 
 TEST(HierarchyTest, AWholeThatWouldChangeOthersIsNone) {
-  // The seat and the rug (7) are each worth something. With the legs instead of
-  // the seat's own worth, all together (8) would be worth more.
+  // A stool that is hardly a thing is worth less than seat and legs were. Then
+  // the region of all three (8) is worth most, and the rug would be in it.
   Hierarchy hierarchy = Stool();
   hierarchy.quality[8] = 0.99;
   hierarchy.quality[4] = 0.5;
