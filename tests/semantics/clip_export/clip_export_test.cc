@@ -5,6 +5,8 @@
 #include "semantics/clip_export/clip_export.h"
 
 #include <algorithm>
+#include <cmath>
+#include <span>
 
 #include <Eigen/Core>
 #include <gmock/gmock.h>
@@ -12,6 +14,7 @@
 
 #include "semantics/clip/opencv_clip.h"
 #include "semantics/clip_export/clip_networks.h"
+#include "tests/semantics/clip/model_files.h"
 #include "tests/semantics/clip_export/random_clip.h"
 #include "tests/semantics/clip_export/reference_clip.h"
 
@@ -179,6 +182,48 @@ TEST_F(ClipExportTest, BothLayoutsGiveTheSameFiles) {
       EXPECT_TRUE(bytes == ReadText(folder_ / "b_out" / name)) << name;
     }
   }
+}
+
+void ExpectNear(std::span<const float> values, std::span<const float> others) {
+  ASSERT_EQ(values.size(), others.size());
+  float largest = 0;
+  for (const float value : others) {
+    largest = std::max(largest, std::abs(value));
+  }
+  for (size_t i = 0; i < values.size(); ++i) {
+    ASSERT_NEAR(values[i], others[i], 1e-6 * largest) << i;
+  }
+}
+
+// TinyClip() was made of the same numbers by scripts/export_clip.py.
+TEST_F(ClipExportTest, TheScriptGivesTheSameNumbers) {
+  const auto info =
+      ExportClip({.checkpoint = TinyClip().parent_path() / "tiny_checkpoint",
+                  .merges = TinyClip() / "vocab",
+                  .dense_size = 32},
+                 out(),
+                 nullptr);
+  ASSERT_TRUE(info.ok()) << info.status().message();
+  const auto ours = OpenCvClip::Open(out());
+  const auto theirs = OpenCvClip::Open(TinyClip());
+  ASSERT_TRUE(ours.ok()) << ours.status().message();
+  ASSERT_TRUE(theirs.ok()) << theirs.status().message();
+  const ImageU8 image = RandomImage(32);
+  const auto vector = (*ours)->EncodeImage(image);
+  const auto other_vector = (*theirs)->EncodeImage(image);
+  ASSERT_TRUE(vector.ok() && other_vector.ok());
+  ExpectNear(*vector, *other_vector);
+  for (const int size : {16, 32}) {
+    const auto dense = (*ours)->EncodeDense(image, size);
+    const auto other_dense = (*theirs)->EncodeDense(image, size);
+    ASSERT_TRUE(dense.ok() && other_dense.ok()) << size;
+    ExpectNear({dense->data(), dense->size()},
+               {other_dense->data(), other_dense->size()});
+  }
+  const auto text = (*ours)->EncodeText("a photo of a red apple");
+  const auto other_text = (*theirs)->EncodeText("a photo of a red apple");
+  ASSERT_TRUE(text.ok() && other_text.ok());
+  ExpectNear(text->values, other_text->values);
 }
 
 TEST_F(ClipExportTest, ColoursMayStandBesideTheWeights) {
