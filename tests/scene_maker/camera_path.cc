@@ -150,6 +150,10 @@ Rigid3d PoseOnPath(const SceneMakerOptions& options,
     target.x() += scale * (0.3 * choice.Uniform() - 0.15);
     target.y() += scale * (0.3 * choice.Uniform() - 0.15);
   }
+  if (options.subject == Subject::kFurniture) {
+    distance *= 1.5;
+    target.z() = 0.4;
+  }
   const Vector3d eye =
       target + distance * Vector3d(std::cos(elevation) * std::cos(azimuth),
                                    std::cos(elevation) * std::sin(azimuth),

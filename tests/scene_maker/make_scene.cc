@@ -46,10 +46,10 @@ int Run(int argc, char** argv) {
       ("seed", po::value(&options.seed)->default_value(options.seed),
        "decides placement, textures and the camera's shake")
       ("objects", po::value(&options.objects)->default_value(options.objects),
-       "objects on the table, 1 to 12")
+       "objects on the table, or pieces of furniture, 1 to 12")
       ("scene", po::value(&subject)->default_value("table"),
-       "table; clutter: random things; chairs: two equal ones; tiles: a wall "
-       "of equal ones; studio: objects in front of white")
+       "table; clutter: random things; furniture; chairs: two equal ones; "
+       "tiles: a wall of equal ones; studio: objects in front of white")
       ("arc", po::value(&options.arc)->default_value(options.arc),
        "degrees that the photographs cover; 0: as many as there are photos")
       ("texture", po::value(&texture)->default_value("rich"), "rich or none")
@@ -80,10 +80,13 @@ int Run(int argc, char** argv) {
     options.subject = Subject::kTiles;
   } else if (subject == "clutter") {
     options.subject = Subject::kClutter;
+  } else if (subject == "furniture") {
+    options.subject = Subject::kFurniture;
   } else if (subject == "studio") {
     options.subject = Subject::kStudio;
   } else if (subject != "table") {
-    return Fail("--scene is table, clutter, chairs, tiles or studio");
+    return Fail(
+        "--scene is table, clutter, furniture, chairs, tiles or studio");
   }
   options.textured = texture == "rich";
   options.motion = motion == "orbit" ? Motion::kOrbit : Motion::kRotation;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Where the objects stand.
 
+#include "tests/scene_maker/placement.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -49,6 +51,8 @@ double ItemSupport(const CatalogueItem& item, const Vector3d& direction) {
   return support;
 }
 
+}  // namespace
+
 double ItemRadius(const CatalogueItem& item) {
   double radius = 0;
   for (int i = 0; i < 64; ++i) {
@@ -58,6 +62,8 @@ double ItemRadius(const CatalogueItem& item) {
   }
   return radius;
 }
+
+namespace {
 
 std::vector<Group> MakeGroups(const std::vector<CatalogueItem>& items) {
   std::vector<Group> groups;
@@ -132,7 +138,8 @@ bool PlaceGroups(std::vector<Group>* groups, uint64_t seed, int attempt) {
   return true;
 }
 
-// Stands an item at `origin`, and measures it.
+}  // namespace
+
 void PutDown(const CatalogueItem& item,
              const Eigen::Matrix3d& rotation,
              const Vector3d& origin,
@@ -165,6 +172,8 @@ void PutDown(const CatalogueItem& item,
     object->obb.center += 0.5 * (high + low) * own;
   }
 }
+
+namespace {
 
 void AddChairs(Scene* scene) {
   CatalogueItem chair =

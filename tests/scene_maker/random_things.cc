@@ -11,37 +11,12 @@
 #include "tests/scene_maker/clutter.h"
 #include "tests/scene_maker/noise.h"
 #include "tests/scene_maker/textures.h"
+#include "tests/scene_maker/thing_builder.h"
 
 namespace freegs::scene_maker {
 namespace {
 
 using Eigen::Vector3d;
-
-// Builds a thing part by part.
-class ThingBuilder {
- public:
-  explicit ThingBuilder(RandomStream* random) : random_(random) {}
-
-  void Part(Shape shape,
-            const Vector3d& size,
-            const Vector3d& centre,
-            Texture texture,
-            const Eigen::Matrix3d& rotation = Eigen::Matrix3d::Identity()) {
-    Solid solid;
-    solid.shape = shape;
-    solid.size = size;
-    solid.centre = centre;
-    solid.rotation = rotation;
-    solid.texture = std::move(texture);
-    solid.gloss = static_cast<float>(0.3 * random_->Uniform());
-    item.parts.push_back(std::move(solid));
-  }
-
-  CatalogueItem item;
-
- private:
-  RandomStream* random_;
-};
 
 // Standing things of several colours: head on a body, cap on a bottle.
 void AddFigure(double reach, RandomStream* random, ThingBuilder* build) {

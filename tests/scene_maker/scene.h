@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A made-up room and the cameras that photograph it. It holds a table of
-// objects, or two equal chairs, or nothing but a tiled wall. Everything about
-// it is known, so it serves tests and the demonstration.
+// objects, or furniture, or nothing but a tiled wall. Everything about it is
+// known, so it serves tests and the demonstration.
 //
 //   const StatusOr<Scene> scene = BuildScene({.objects = 5});
 //   const Photo photo = CastRays(*scene, scene->train[0], pool);
@@ -26,11 +26,12 @@ namespace freegs::scene_maker {
 
 // What is photographed.
 enum class Subject {
-  kTable,    // A table of objects that all differ.
-  kChairs,   // Two equal chairs far apart on boards, between plain walls.
-  kClutter,  // A table of random things in a random room; see clutter.h.
-  kTiles,    // A wall of equal tiles above a floor of boards.
-  kStudio,   // The objects of kTable on a round board, and white around it.
+  kTable,      // A table of objects that all differ.
+  kChairs,     // Two equal chairs far apart on boards, between plain walls.
+  kClutter,    // A table of random things in a random room; see clutter.h.
+  kTiles,      // A wall of equal tiles above a floor of boards.
+  kStudio,     // The objects of kTable on a round board, and white around it.
+  kFurniture,  // Furniture in a room; see furniture.h.
 };
 
 enum class Motion {
@@ -64,7 +65,7 @@ struct SceneMakerOptions {
   // Places objects, draws textures and shakes the camera.
   uint64_t seed = 1;
 
-  // Objects on the table, at most kMaxObjects; unused without a table.
+  // Objects on the table, at most kMaxObjects, or pieces of furniture.
   int objects = 10;
 
   // False paints everything in one plain colour each.

@@ -146,6 +146,9 @@ std::string What(const Scene& scene) {
       return "A wall of equal tiles in a room";
     case Subject::kStudio:
       return std::to_string(scene.objects.size()) + " objects on a round board";
+    case Subject::kFurniture:
+      return std::to_string(scene.objects.size()) +
+             " pieces of furniture in a room";
     case Subject::kClutter:
     case Subject::kTable:
       break;
