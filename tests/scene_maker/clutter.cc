@@ -177,26 +177,28 @@ void AddRandomRoom(Scene* scene) {
         3 + side,
         random.Index(2) == 0 ? walls : RandomMaterial(0.6, &random));
   }
-  constexpr double kHalfTop = 0.018;
-  const double radius = kTableRadius * ClutterScale(scene->options.seed);
-  const Texture top = RandomMaterial(0.5, &random);
-  if (random.Index(2) == 0) {
-    add(Shape::kFrustum,
-        {radius, radius, kHalfTop},
-        {0, 0, kTableHeight - kHalfTop},
-        0,
-        7,
-        top);
-  } else {
-    add(Shape::kBox,
-        {radius, radius * (0.6 + 0.4 * random.Uniform()), kHalfTop},
-        {0, 0, kTableHeight - kHalfTop},
-        0,
-        7,
-        top);
+  if (scene->options.subject == Subject::kClutter) {
+    constexpr double kHalfTop = 0.018;
+    const double radius = kTableRadius * ClutterScale(scene->options.seed);
+    const Texture top = RandomMaterial(0.5, &random);
+    if (random.Index(2) == 0) {
+      add(Shape::kFrustum,
+          {radius, radius, kHalfTop},
+          {0, 0, kTableHeight - kHalfTop},
+          0,
+          7,
+          top);
+    } else {
+      add(Shape::kBox,
+          {radius, radius * (0.6 + 0.4 * random.Uniform()), kHalfTop},
+          {0, 0, kTableHeight - kHalfTop},
+          0,
+          7,
+          top);
+    }
+    const double leg = 0.5 * (kTableHeight - 2 * kHalfTop);
+    add(Shape::kFrustum, {0.1, 0.06, leg}, {0, 0, leg}, 0, 7, top);
   }
-  const double leg = 0.5 * (kTableHeight - 2 * kHalfTop);
-  add(Shape::kFrustum, {0.1, 0.06, leg}, {0, 0, leg}, 0, 7, top);
   scene->light = Vector3d(3 * random.Uniform() - 1.5,
                           3 * random.Uniform() - 1.5,
                           2.2 + 0.5 * random.Uniform());

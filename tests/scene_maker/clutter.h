@@ -43,7 +43,7 @@ CatalogueItem RandomThing(double reach, bool flat, RandomStream* random);
 // between the walls, on which pieces of furniture stand.
 double ClutterScale(uint64_t seed);
 
-// Walls, floor and table of random materials; pictures hang on the walls.
+// Walls and floor of random materials, and for clutter a table.
 void AddRandomRoom(Scene* scene);
 
 // About options.objects things on the table: some flat, some on top of others,

@@ -83,17 +83,12 @@ class Furnisher {
   Scene* scene_;
 };
 
-// Whether pictures and shelves are on the walls and a rug is on the floor.
-bool HasRichRoom(Subject subject) {
-  return subject == Subject::kTable || subject == Subject::kFurniture;
-}
-
 // Walls at +x, -x, +y and -y.
 std::array<Texture, 4> WallTextures(Subject subject, uint32_t seed) {
   constexpr auto kHalfX = static_cast<float>(kRoomX);
   constexpr auto kHalfY = static_cast<float>(kRoomY);
   constexpr auto kHalfZ = static_cast<float>(0.5 * kRoomHeight);
-  if (HasRichRoom(subject)) {
+  if (subject == Subject::kTable) {
     return {PictureWall(FromSrgb(0x8fa39a), kHalfY, kHalfZ, seed + 1),
             BookShelves(kHalfY, kHalfZ, seed + 3),
             PictureWall(FromSrgb(0xc9a97c), kHalfX, kHalfZ, seed + 2),
@@ -147,7 +142,7 @@ void AddRoom(Scene* scene) {
            {kRoomX, kRoomY, kThick},
            {0, 0, -kThick},
            "floor",
-           FloorWithRug(HasRichRoom(subject) ? 1.75f : 0.0f, seed),
+           FloorWithRug(subject == Subject::kTable ? 1.75f : 0.0f, seed),
            0xb8a890);
   room.Add(Shape::kBox,
            {kRoomX, kRoomY, kThick},
@@ -187,11 +182,12 @@ StatusOr<Scene> BuildScene(const SceneMakerOptions& options) {
   if (options.subject == Subject::kClutter) {
     AddRandomRoom(&scene);
     FREEGS_RETURN_IF_ERROR(AddClutter(&scene));
+  } else if (options.subject == Subject::kFurniture) {
+    AddRandomRoom(&scene);
+    FREEGS_RETURN_IF_ERROR(AddFurniture(&scene));
   } else {
     AddRoom(&scene);
-    FREEGS_RETURN_IF_ERROR(options.subject == Subject::kFurniture
-                               ? AddFurniture(&scene)
-                               : AddObjects(&scene));
+    FREEGS_RETURN_IF_ERROR(AddObjects(&scene));
   }
   AddViews(&scene);
   return scene;

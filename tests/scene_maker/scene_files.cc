@@ -244,7 +244,9 @@ Status WriteScene(const Scene& scene,
        {"images", "test/images", "gt/instance", "gt/depth"}) {
     FREEGS_RETURN_IF_ERROR(CreateFolders(folder / name));
   }
-  if (scene.options.subject == Subject::kClutter) {
+  const bool with_surfaces = scene.options.subject == Subject::kClutter ||
+                             scene.options.subject == Subject::kFurniture;
+  if (with_surfaces) {
     FREEGS_RETURN_IF_ERROR(CreateFolders(folder / "gt/surfaces"));
   }
   const size_t num_labels = scene.objects.size() + 1;
@@ -261,7 +263,7 @@ Status WriteScene(const Scene& scene,
       FREEGS_RETURN_IF_ERROR(WriteImage(photos / view.name, photo.color));
       FREEGS_RETURN_IF_ERROR(WriteImage(
           folder / "gt/instance" / (stem + ".png"), Narrow(photo.instances)));
-      if (scene.options.subject == Subject::kClutter) {
+      if (with_surfaces) {
         FREEGS_RETURN_IF_ERROR(WriteImage(
             folder / "gt/surfaces" / (stem + ".png"), Narrow(photo.surfaces)));
       }
