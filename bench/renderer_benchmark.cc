@@ -39,8 +39,15 @@ void BM_Bin(benchmark::State& state) {
                     &projection);
   TileBins bins;
   for (auto _ : state) {
-    BinSplats(
-        projection, scene.camera.width, scene.camera.height, scene.pool, &bins);
+    if (!BinSplats(projection,
+                   scene.camera.width,
+                   scene.camera.height,
+                   scene.pool,
+                   &bins)
+             .ok()) {
+      state.SkipWithError("too many pairs");
+      break;
+    }
   }
   const auto pairs = static_cast<double>(bins.num_pairs());
   state.counters["tile_pairs"] =

@@ -84,7 +84,13 @@ cv::Mat Composite(const cv::Mat& bgra, bool premultiplied, double background) {
 // OpenCV's channel orders and depths to 8-bit RGB.
 StatusOr<ImageU8> ToRgb(cv::Mat stored,
                         const PhotoHeader& header,
-                        double background) {
+                        const PhotoDecodeOptions& options) {
+  const double background = options.background == "white" ? 1 : 0;
+  if (stored.channels() == 1 && header.transparent_grey) {
+    // OpenCV makes alpha of transparent colours, but not of a transparent grey.
+    const double full = stored.depth() == CV_8U ? 255 : 65535;
+    stored.setTo(background * full, stored == *header.transparent_grey);
+  }
   if (stored.channels() == 4) {
     stored =
         stored.depth() == CV_8U
@@ -96,7 +102,11 @@ StatusOr<ImageU8> ToRgb(cv::Mat stored,
   }
   if (stored.depth() == CV_16U) {
     cv::Mat reduced;
-    stored.convertTo(reduced, CV_8U, 1.0 / 257);
+    if (options.only_zero_is_black) {
+      reduced = stored > 0;
+    } else {
+      stored.convertTo(reduced, CV_8U, 1.0 / 257);
+    }
     stored = reduced;
   }
   ImageU8 rgb(stored.cols, stored.rows, 3);
@@ -128,13 +138,13 @@ Status CheckHeader(const PhotoHeader& header,
     return BadInputError("its header claims " + SizeText(header) +
                          ", more than the limit of " +
                          FormatSignificant(options.max_megapixels, 6) +
-                         " megapixels (max_megapixels); reduce the photo or "
-                         "raise the limit");
+                         " megapixels (ingest.max_megapixels); reduce the "
+                         "photo or raise the limit");
   }
   if (std::min(header.width, header.height) < options.min_side) {
     return BadInputError("only " + SizeText(header) + ", shorter than " +
                          std::to_string(options.min_side) +
-                         " on a side (min_side); remove it");
+                         " on a side; remove it");
   }
   if (header.truncated) {
     return BadInputError("truncated " + std::string(FormatName(header.format)) +
@@ -156,9 +166,7 @@ StatusOr<ImageU8> DecodePhoto(std::string_view bytes,
     FREEGS_ASSIGN_OR_RETURN(stored, DecodeJpeg(bytes, header));
   } else {
     FREEGS_ASSIGN_OR_RETURN(cv::Mat mat, DecodeStored(bytes, header));
-    FREEGS_ASSIGN_OR_RETURN(
-        stored,
-        ToRgb(std::move(mat), header, options.background == "white" ? 1 : 0));
+    FREEGS_ASSIGN_OR_RETURN(stored, ToRgb(std::move(mat), header, options));
   }
   if (header.exif.orientation == 1) return stored;
   return Upright(stored, header.exif.orientation);

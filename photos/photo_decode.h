@@ -28,6 +28,10 @@ struct PhotoDecodeOptions {
   // What transparent pixels show: "white" or "black".
   std::string background = "white";
 
+  // Whether 16-bit samples become 255 unless they are 0, instead of being
+  // divided. Masks need it.
+  bool only_zero_is_black = false;
+
   Status Check() const;
 };
 

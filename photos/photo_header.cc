@@ -26,6 +26,7 @@ constexpr Signature kOtherFormats[] = {
     {0, "\x76\x2f\x31\x01"sv, "OpenEXR"},
     {0, "\xff\x0a"sv, "JPEG XL"},
     {0, "FUJIFILMCCD-RAW"sv, "Fujifilm raw"},
+    {0, "II\x2a\0\x10\0\0\0CR"sv, "Canon raw"},  // Looks like a TIFF.
 };
 
 bool HasAt(std::string_view bytes, size_t offset, std::string_view part) {
@@ -52,16 +53,16 @@ StatusOr<PhotoFormat> SniffFormat(std::string_view bytes) {
   }
   if (HasAt(bytes, 0, "\xff\xd8\xff"sv)) return PhotoFormat::kJpeg;
   if (HasAt(bytes, 0, "\x89PNG\r\n\x1a\n"sv)) return PhotoFormat::kPng;
-  if (HasAt(bytes, 0, "II\x2a\0"sv) || HasAt(bytes, 0, "MM\0\x2a"sv) ||
-      HasAt(bytes, 0, "II\x2b\0"sv) || HasAt(bytes, 0, "MM\0\x2b"sv)) {
-    return PhotoFormat::kTiff;
-  }
   for (const Signature& other : kOtherFormats) {
     if (HasAt(bytes, other.offset, other.bytes)) {
       return BadInputError("a " + std::string(other.name) +
                            " file, which cannot be read; convert it to JPEG, "
                            "PNG or TIFF");
     }
+  }
+  if (HasAt(bytes, 0, "II\x2a\0"sv) || HasAt(bytes, 0, "MM\0\x2a"sv) ||
+      HasAt(bytes, 0, "II\x2b\0"sv) || HasAt(bytes, 0, "MM\0\x2b"sv)) {
+    return PhotoFormat::kTiff;
   }
   return BadInputError(
       "not an image although its name says so; remove it, or convert it to "

@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -30,6 +31,10 @@ struct PhotoHeader {
 
   // Whether there may be transparent pixels.
   bool has_alpha = false;
+  // Of a grey PNG, the decoded sample that is transparent, in 0..255 or
+  // 0..65535. It has no meaning where there are colours.
+  std::optional<int> transparent_grey;
+
   // Whether colours are already multiplied by alpha. Only TIFF files do so.
   bool premultiplied = false;
 

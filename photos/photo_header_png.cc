@@ -110,6 +110,15 @@ Status ReadHeaderChunk(std::string_view data, PhotoHeader* header) {
   return Status();
 }
 
+// As the decoder stretches it: samples of less than 8 bits become 0..255.
+int TransparentGrey(std::string_view data, int bits) {
+  const int full = (1 << bits) - 1;
+  const int grey =
+      (static_cast<uint8_t>(data[0]) << 8 | static_cast<uint8_t>(data[1])) &
+      full;
+  return bits < 8 ? grey * 255 / full : grey;
+}
+
 }  // namespace
 
 StatusOr<PhotoHeader> ParsePngHeader(std::string_view bytes) {
@@ -135,6 +144,9 @@ StatusOr<PhotoHeader> ParsePngHeader(std::string_view bytes) {
     } else if (chunk->type == "tRNS") {
       header.has_alpha = true;
       header.plain = false;
+      if (chunk->data.size() == 2) {
+        header.transparent_grey = TransparentGrey(chunk->data, header.bits);
+      }
     } else if (chunk->type == "eXIf") {
       header.exif = ParseExif(chunk->data);
     } else if (chunk->type == "IDAT") {

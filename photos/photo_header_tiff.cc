@@ -12,10 +12,12 @@
 namespace freegs::photos {
 namespace {
 
+constexpr uint16_t kNewSubfileType = 254;
 constexpr uint16_t kImageWidth = 256;
 constexpr uint16_t kImageLength = 257;
 constexpr uint16_t kBitsPerSample = 258;
 constexpr uint16_t kCompression = 259;
+constexpr uint16_t kPhotometric = 262;
 constexpr uint16_t kStripOffsets = 273;
 constexpr uint16_t kOrientationTag = 274;
 constexpr uint16_t kSamplesPerPixel = 277;
@@ -24,6 +26,7 @@ constexpr uint16_t kTileOffsets = 324;
 constexpr uint16_t kTileByteCounts = 325;
 constexpr uint16_t kExtraSamples = 338;
 constexpr uint16_t kSampleFormat = 339;
+constexpr uint16_t kDngVersion = 50706;
 
 constexpr uint32_t kUncompressed = 1;
 constexpr uint32_t kLzw = 5;
@@ -32,6 +35,12 @@ constexpr uint32_t kOldDeflate = 32946;
 constexpr uint32_t kPackBits = 32773;
 constexpr uint32_t kUnsignedInteger = 1;
 constexpr uint32_t kAssociatedAlpha = 1;
+constexpr uint32_t kReducedImage = 1;  // A bit.
+constexpr uint32_t kRgbPixels = 2;
+constexpr uint32_t kMaskPixels = 4;
+constexpr uint32_t kCmykPixels = 5;
+constexpr uint32_t kYCbCrPixels = 6;
+constexpr uint32_t kSensorPixels = 32803;
 
 using Tags = std::vector<TiffEntry>;
 
@@ -41,6 +50,29 @@ uint32_t UnsignedTag(const TiffReader& reader,
                      uint32_t missing) {
   const TiffEntry* entry = FindTag(tags, tag);
   return entry == nullptr ? missing : reader.Unsigned(*entry).value_or(missing);
+}
+
+// Raw files of many cameras are TIFFs whose first picture is a preview, which
+// must not be taken for the photo.
+Status CheckTiffKind(const TiffReader& reader, const Tags& tags) {
+  const uint32_t pixels = UnsignedTag(reader, tags, kPhotometric, kRgbPixels);
+  if ((UnsignedTag(reader, tags, kNewSubfileType, 0) & kReducedImage) != 0 ||
+      FindTag(tags, kDngVersion) != nullptr || pixels == kSensorPixels) {
+    return BadInputError(
+        "a camera raw file, which cannot be read; convert it to JPEG, PNG or "
+        "TIFF");
+  }
+  if (pixels == kMaskPixels || pixels > kYCbCrPixels) {
+    return BadInputError(
+        "a TIFF of other colours than grey, RGB, CMYK or YCbCr, which cannot "
+        "be read; convert it to RGB");
+  }
+  if (pixels == kCmykPixels &&
+      UnsignedTag(reader, tags, kBitsPerSample, 1) == 16) {
+    return BadInputError(
+        "a CMYK TIFF of 16 bits, which cannot be read; convert it to RGB");
+  }
+  return Status();
 }
 
 // How many bytes one byte of the file becomes at most, where the compression
@@ -92,6 +124,7 @@ StatusOr<PhotoHeader> ParseTiffHeader(std::string_view bytes) {
                          "; copy the file again");
   }
   const Tags& tags = *directory;
+  FREEGS_RETURN_IF_ERROR(CheckTiffKind(reader, tags));
 
   PhotoHeader header;
   header.format = PhotoFormat::kTiff;

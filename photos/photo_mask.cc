@@ -62,6 +62,7 @@ StatusOr<ImageU8> DecodeMask(std::string_view bytes,
                              const PhotoDecodeOptions& options) {
   PhotoDecodeOptions decode = options;
   decode.background = "black";
+  decode.only_zero_is_black = true;
   FREEGS_ASSIGN_OR_RETURN(const PhotoHeader header, ParsePhotoHeader(bytes));
   FREEGS_RETURN_IF_ERROR(CheckHeader(header, decode));
   FREEGS_ASSIGN_OR_RETURN(const ImageU8 rgb,

@@ -50,7 +50,8 @@ std::string SafePart(std::string_view part, size_t max_bytes) {
     const size_t bytes = CharacterBytes(part, at);
     if (safe.size() + std::max<size_t>(bytes, 1) > max_bytes) break;
     const auto c = static_cast<uint8_t>(part[at]);
-    if (bytes == 0 || c <= ' ' || c == 0x7f || (c == '#' && at == 0)) {
+    if (bytes == 0 || c <= ' ' || c == 0x7f || c == '\\' ||
+        (c == '#' && at == 0)) {
       safe += '_';
     } else {
       safe += part.substr(at, bytes);
@@ -110,6 +111,16 @@ class Names {
     return true;
   }
 
+  // The length of the first folder of a name that is a file already, or else
+  // that of the whole name.
+  size_t BlockedPart(const std::string& name) const {
+    for (size_t at = name.find('/'); at != std::string::npos;
+         at = name.find('/', at + 1)) {
+      if (taken_.contains(name.substr(0, at))) return at;
+    }
+    return name.size();
+  }
+
  private:
   std::set<std::string> taken_;
   std::set<std::string> folders_;
@@ -123,11 +134,13 @@ std::string Numbered(const std::string& name, int number) {
   return path.replace_filename(leaf).string();
 }
 
-// The wish, or the first free variant of it.
+// The wish, or the first free variant of it. A folder gets the number if it is
+// what cannot be had: no name of a photo in it is free.
 std::string TakeFree(const std::string& wish, Names* names) {
   std::string name = wish;
+  const size_t part = names->BlockedPart(wish);
   for (int number = 2; !names->Take(name); ++number) {
-    name = Numbered(wish, number);
+    name = Numbered(wish.substr(0, part), number) + wish.substr(part);
   }
   return name;
 }

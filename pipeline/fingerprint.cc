@@ -33,6 +33,13 @@ int64_t NowNanoseconds() {
   return Nanoseconds(now);
 }
 
+// What file managers and photo editors leave beside photos. No stage reads it.
+bool IsBystander(const std::string& name, bool folder) {
+  if (name.starts_with('.')) return true;
+  return !folder && (name == "Thumbs.db" || name == "desktop.ini" ||
+                     name.ends_with(".xmp") || name.ends_with(".XMP"));
+}
+
 }  // namespace
 
 FingerprintCache::FingerprintCache(fs::path workspace, fs::path path)
@@ -127,6 +134,7 @@ void FingerprintCache::HashFolder(const fs::path& folder,
   for (const fs::path& path : paths) {
     const std::string name = path.filename().string();
     const fs::file_status link = fs::symlink_status(path, error);
+    if (IsBystander(name, fs::is_directory(link))) continue;
     if (fs::is_directory(link)) {
       add(name, "folder");
       HashFolder(path, prefix + name + "/", listing, files);

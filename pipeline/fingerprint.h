@@ -42,10 +42,12 @@ class FingerprintCache {
   FingerprintCache(std::filesystem::path workspace, std::filesystem::path path);
 
   // Hashes a file, or a folder with the names and contents of all files below
-  // it, in the order of their names. A link to a file counts as the file. A
-  // link to a folder is not followed, so that loops end, and counts with the
-  // name of its target. What cannot be read counts as "unreadable", and what is
-  // neither a file nor a folder as "special". This never fails.
+  // it, in the order of their names. Hidden files and folders, Thumbs.db,
+  // desktop.ini and *.xmp are left out: programs that only show photos write
+  // them. A link to a file counts as the file. A link to a folder is not
+  // followed, so that loops end, and counts with the name of its target. What
+  // cannot be read counts as "unreadable", and what is neither a file nor a
+  // folder as "special". This never fails.
   InputFingerprint Hash(const std::filesystem::path& path);
 
   // Writes the hashes, if there are new ones.

@@ -190,6 +190,12 @@ StatusOr<OptionTable::CommandLine> OptionTable::ParseCommandLine(
         return InvalidArgumentError("option --" + given.string_key +
                                     " needs a value before " + word);
       }
+      // An option of a stage may be emptied on purpose.
+      if (setting.value.empty() && Find(setting.name)->section().empty()) {
+        return InvalidArgumentError(
+            "option --" + given.string_key +
+            " has an empty value; is a variable of a script not set?");
+      }
       if (Find(setting.name)->spec.is_path) {
         setting.value = ResolvePath(setting.value, "");
       }

@@ -104,8 +104,8 @@ class OptionTable {
 
   // Splits arguments into settings and positional words, and changes no option.
   // Returns kInvalidArgument for unknown options, missing values, values that
-  // are not allowed and empty words. When an option is repeated, the last value
-  // wins.
+  // are not allowed, empty words and empty values of options without a section.
+  // When an option is repeated, the last value wins.
   StatusOr<CommandLine> ParseCommandLine(
       const std::vector<std::string>& arguments) const;
 

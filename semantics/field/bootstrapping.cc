@@ -153,7 +153,8 @@ class Bootstrapping {
     FREEGS_ASSIGN_OR_RETURN(SeenInstances seen,
                             FindInstances(lifted_.features));
     if (options_.method == FieldMethod::kTrain) {
-      seen.vectors = {.dim = decoder.feature_dim()};
+      seen.vectors = {.dim = decoder.feature_dim(),
+                      .num_crops = seen.vectors.num_crops};
       FREEGS_ASSIGN_OR_RETURN(seen.vectors.vectors,
                               MeanInstanceVectors(lifted_.features,
                                                   lifted_.weights,

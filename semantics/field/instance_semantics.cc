@@ -29,6 +29,13 @@ constexpr double kMinShare = 0.0005;
 constexpr double kMargin = 0.1;
 // How sure the rendered labels are before refinement.
 constexpr double kLabelConfidence = 0.7;
+// A view of more labels is not refined: the field holds three numbers for each
+// label and pixel.
+constexpr size_t kMostRefinedLabels = 500;
+
+Status Interrupted() {
+  return InterruptedError("encoding instances was interrupted");
+}
 
 // Refines labels by a conditional random field that trusts them with
 // probability kLabelConfidence. Having no label counts as a label.
@@ -38,7 +45,7 @@ StatusOr<LabelImage> RefineLabels(const LabelImage& labels,
   std::vector<int32_t> present(labels.data(), labels.data() + labels.size());
   std::sort(present.begin(), present.end());
   present.erase(std::unique(present.begin(), present.end()), present.end());
-  if (present.size() < 2) return labels;
+  if (present.size() < 2 || present.size() > kMostRefinedLabels) return labels;
   ImageU16 numbers(labels.width(), labels.height(), 1);
   for (size_t i = 0; i < labels.size(); ++i) {
     numbers.data()[i] = static_cast<uint16_t>(
@@ -158,6 +165,7 @@ Status InstanceEncoder::Look(std::span<const int32_t> labels,
   sights_.assign(photos_.views.size(), {});
   refined_.assign(photos_.views.size(), 0);
   for (size_t view = 0; view < photos_.views.size(); ++view) {
+    if (IsCancelled(cancellation_)) return Interrupted();
     const View& seen = photos_.views[view];
     maps_.push_back(splat::RenderLabels(photos_.model,
                                         seen.camera.LimitedTo(kMaxSide),
@@ -200,6 +208,7 @@ StatusOr<InstanceVectors> InstanceEncoder::Encode(
     }
   }
   for (size_t view = 0; view < maps_.size(); ++view) {
+    if (IsCancelled(cancellation_)) return Interrupted();
     if (!wanted[view].empty()) FREEGS_RETURN_IF_ERROR(Refine(view));
   }
   std::vector<ViewVectors> encoded(maps_.size());

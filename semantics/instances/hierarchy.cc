@@ -83,6 +83,23 @@ std::vector<uint8_t> InsideOf(const RegionTree& tree, int32_t region) {
   return inside;
 }
 
+// Pixels of a region that belong to other instances than a and b.
+double PixelsOfOthers(const Hierarchy& hierarchy,
+                      const std::vector<int32_t>& instance_of_leaf,
+                      int32_t region,
+                      int32_t a,
+                      int32_t b) {
+  const std::vector<uint8_t> inside = InsideOf(hierarchy.tree, region);
+  double pixels = 0;
+  for (size_t leaf = 0; leaf < instance_of_leaf.size(); ++leaf) {
+    const int32_t instance = instance_of_leaf[leaf];
+    if (inside[leaf] != 0 && instance >= 0 && instance != a && instance != b) {
+      pixels += hierarchy.part_pixels[leaf];
+    }
+  }
+  return pixels;
+}
+
 // Counts the pixels of the leaves that are in a wrong region of the second cut.
 // Leaves that belong to `whole` should be in it, and no others. The others
 // should be where most of their region of the first cut is.
@@ -205,9 +222,14 @@ bool JoinAsWhole(int32_t a, int32_t b, double quality, Hierarchy* hierarchy) {
   constexpr double kMostOutOfPlace = 0.02;  // Of the pixels of the whole.
   const std::vector<double> sizes =
       hierarchy->tree.Sums(hierarchy->part_pixels);
+  const std::vector<int32_t> before =
+      RegionsAt(*hierarchy, hierarchy->granularity);
   Hierarchy changed = *hierarchy;
   int32_t whole = RegionOfBoth(hierarchy->tree, a, b);
-  if (whole < 0 || sizes[whole] > kLevelRatio * (sizes[a] + sizes[b])) {
+  const double others =
+      whole < 0 ? 0 : PixelsOfOthers(*hierarchy, before, whole, a, b);
+  if (whole < 0 || sizes[whole] > kLevelRatio * (sizes[a] + sizes[b]) ||
+      others > kMostOutOfPlace * sizes[whole]) {
     // Crumbs that were joined to one of the two stay with it.
     JoinedTree joined = JoinRegions(
         hierarchy->tree, WithCrumbs(*hierarchy, a), WithCrumbs(*hierarchy, b));
@@ -228,13 +250,13 @@ bool JoinAsWhole(int32_t a, int32_t b, double quality, Hierarchy* hierarchy) {
     }
   }
   changed.quality[whole] = RoundedQuality(quality);
-  const std::vector<int32_t> before =
-      RegionsAt(*hierarchy, hierarchy->granularity);
   std::vector<uint8_t> belongs;
   for (size_t leaf = 0; leaf < before.size(); ++leaf) {
-    // Crumbs that lie outside may belong to the two as well.
+    // Crumbs that lie outside may belong to the two as well. What lies inside
+    // but is of a third instance does not.
     const bool was_in = before[leaf] == a || before[leaf] == b;
-    belongs.push_back(was_in || inside[leaf] != 0 ? 1 : 0);
+    const bool was_free = before[leaf] < 0 && inside[leaf] != 0;
+    belongs.push_back(was_in || was_free ? 1 : 0);
   }
   const double size = changed.tree.Sums(changed.part_pixels)[whole];
   if (PixelsOutOfPlace(before,

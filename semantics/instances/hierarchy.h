@@ -73,7 +73,8 @@ int32_t RegionAround(const Hierarchy& hierarchy, int32_t leaf, int steps);
 
 // Makes one whole thing, which it is with the probability `quality`, of two
 // regions of the hierarchy's own cut. The whole is the region around both if
-// that is hardly larger (kLevelRatio), and else a new region. The probability
+// that is hardly larger (kLevelRatio) and holds no other instance, and else a
+// new region. The probability
 // of each region inside is multiplied by 1 - quality. In the new cut the two
 // are one region, and all other regions are as before, except for a few crumbs.
 // Where this is not possible, returns false and changes nothing.

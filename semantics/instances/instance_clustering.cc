@@ -48,6 +48,28 @@ std::vector<int32_t> NumberBySize(size_t num_labels,
   return order;
 }
 
+// Where most Gaussians of each label are in the hierarchy's own cut. Joins move
+// crumbs of an instance elsewhere, so a single Gaussian does not tell.
+std::vector<int32_t> RegionsOfLabels(const InstanceLabels& labels,
+                                     const Hierarchy& hierarchy) {
+  const HierarchyCut cut = CutHierarchy(hierarchy, hierarchy.granularity);
+  std::vector<std::map<int32_t, size_t>> counts(labels.num_instances);
+  for (size_t g = 0; g < labels.labels.size(); ++g) {
+    const int32_t part = hierarchy.part_of_gaussian[g];
+    if (labels.labels[g] < 0 || part < 0) continue;
+    ++counts[labels.labels[g]][cut.region_of_part[part]];
+  }
+  std::vector<int32_t> regions;
+  for (const std::map<int32_t, size_t>& count : counts) {
+    const auto most = std::max_element(
+        count.begin(), count.end(), [](const auto& x, const auto& y) {
+          return x.second < y.second;
+        });
+    regions.push_back(most == count.end() ? -1 : most->first);
+  }
+  return regions;
+}
+
 // Fills in all that follows from the labels. scores, is_plane: of each label as
 // it is now.
 void Number(const std::vector<double>& scores,
@@ -166,27 +188,19 @@ JoinedInstances InstanceClusterer::Join(const InstanceLabels& labels,
       pairs.begin(), pairs.end(), [](const WholePair& x, const WholePair& y) {
         return x.confidence > y.confidence;
       });
-  // A Gaussian of each label: joins give regions other numbers, but no Gaussian
-  // another part.
-  std::vector<size_t> of_label(labels.num_instances, 0);
-  for (size_t g = labels.labels.size(); g-- > 0;) {
-    if (labels.labels[g] >= 0) of_label[labels.labels[g]] = g;
-  }
   Hierarchy hierarchy = *labels.hierarchy;
   std::vector<InstancePair> made;
   for (const auto& [pair, confidence] : pairs) {
-    const HierarchyCut cut = CutHierarchy(hierarchy, hierarchy.granularity);
-    const auto region_of = [&](int32_t label) {
-      return cut.region_of_part[hierarchy.part_of_gaussian[of_label[label]]];
-    };
-    const int32_t a = region_of(pair.a);
-    const int32_t b = region_of(pair.b);
+    const std::vector<int32_t> regions = RegionsOfLabels(labels, hierarchy);
+    const int32_t a = regions[pair.a];
+    const int32_t b = regions[pair.b];
     // An earlier join may have taken one of the two into its whole.
-    int num_labels = 0;
-    for (int32_t label = 0; label < labels.num_instances; ++label) {
-      num_labels += region_of(label) == a || region_of(label) == b ? 1 : 0;
-    }
-    if (num_labels == 2 && JoinAsWhole(a, b, confidence, &hierarchy)) {
+    const auto num_labels =
+        std::count_if(regions.begin(), regions.end(), [&](int32_t region) {
+          return region == a || region == b;
+        });
+    if (a >= 0 && b >= 0 && a != b && num_labels == 2 &&
+        JoinAsWhole(a, b, confidence, &hierarchy)) {
       made.push_back(pair);
     }
   }

@@ -52,7 +52,7 @@ StatusOr<std::vector<float>> SemanticComponents(
 Status UnionClusteringOptions::Check() const {
   FREEGS_RETURN_IF_ERROR(space.Check());
   HdbscanOptions effective = hdbscan;
-  if (effective.min_cluster_size == 0) effective.min_cluster_size = 2;
+  effective.min_cluster_size = std::max(2, effective.min_cluster_size);
   return effective.Check();
 }
 
@@ -86,6 +86,8 @@ StatusOr<UnionClusters> ClusterInUnionSpace(
                  static_cast<int>(kMinClusterShare *
                                   static_cast<double>(matter.rows.size())));
   }
+  // One Gaussian is no cluster for HDBSCAN.
+  hdbscan.min_cluster_size = std::max(2, hdbscan.min_cluster_size);
   result.min_cluster_size = hdbscan.min_cluster_size;
   FREEGS_ASSIGN_OR_RETURN(
       const HdbscanResult clusters,

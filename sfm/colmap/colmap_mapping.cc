@@ -225,11 +225,11 @@ StatusOr<std::vector<Reconstruction>> MapPhotos(const StepContext& context,
   };
   FREEGS_ASSIGN_OR_RETURN(const ChildResult result,
                           RunChild(run, on_line, context.input.cancellation));
-  // A further attempt that makes COLMAP crash would do so again: the result of
-  // the first must do.
-  const bool further = mapping.relaxed || mapping.start != nullptr;
-  const Status ended = CheckEnded(
-      context, "mapper", result, further ? Crash::kVerdict : Crash::kNoVerdict);
+  const Status ended =
+      CheckEnded(context,
+                 "mapper",
+                 result,
+                 mapping.further ? Crash::kVerdict : Crash::kNoVerdict);
   // COLMAP returns 1 when it made no model: that is a result, not a failure.
   const bool no_model =
       result.exit_code == 1 && ended.code() == StatusCode::kUnusableResult;

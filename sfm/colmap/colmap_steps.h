@@ -109,6 +109,10 @@ inline constexpr double kUsualStartAngleDeg = 16;
 struct Mapping {
   std::string step = "mapping";  // The name of the step in progress reports.
 
+  // Whether there is a result without this mapping. If COLMAP crashes, that is
+  // kUnusableResult then, because it would crash again.
+  bool further = false;
+
   // Whether to lower COLMAP's thresholds, for few or weakly connected photos.
   bool relaxed = false;
 

@@ -22,6 +22,9 @@ namespace fs = std::filesystem;
 
 constexpr uint64_t kMaxTransformsBytes = uint64_t{1} << 28;
 
+// Of two sizes of one photo; rounding explains it.
+constexpr double kMaxShapeDifference = 0.01;
+
 bool IsFile(const fs::path& path) {
   std::error_code error;
   return fs::is_regular_file(path, error);
@@ -39,7 +42,7 @@ Status FitToPhoto(const SfmPhoto& photo, Camera* camera, PosedImage* image) {
   const double sx = static_cast<double>(photo.width) / camera->width;
   const double sy = static_cast<double>(photo.height) / camera->height;
   if (sx == 1 && sy == 1) return {};
-  if (!(std::abs(sx / sy - 1) < 0.01)) {
+  if (!(std::abs(sx / sy - 1) < kMaxShapeDifference)) {
     return BadInputError(
         "'" + image->name + "' is " + std::to_string(camera->width) + " x " +
         std::to_string(camera->height) + " pixels there and the photo '" +
@@ -53,6 +56,14 @@ Status FitToPhoto(const SfmPhoto& photo, Camera* camera, PosedImage* image) {
     point.xy = Eigen::Vector2d(point.xy.x() * sx, point.xy.y() * sy);
   }
   return {};
+}
+
+// Whether EXIF turned the photo in a way that a size does not show.
+bool IsTurnedUnseen(const SfmPhoto& photo, bool size_known) {
+  if (photo.orientation == 1) return false;
+  const double shape = static_cast<double>(photo.width) / photo.height;
+  return photo.orientation <= 4 || !size_known ||
+         std::abs(shape * shape - 1) < kMaxShapeDifference;
 }
 
 // Gives equal cameras one id.
@@ -113,6 +124,7 @@ StatusOr<ImportedModel> ImportColmap(const fs::path& folder,
     // Cameras that the source keeps apart stay apart.
     image.camera_id = cameras.Add(std::move(camera), image.camera_id);
     image.name = photos[p].name;
+    if (IsTurnedUnseen(photos[p], true)) result.turned.push_back(image.name);
     result.model.images.push_back(std::move(image));
   }
   result.model.cameras = cameras.Take();
@@ -151,8 +163,8 @@ StatusOr<ImportedModel> ImportTransforms(const ImportSource& source,
                                          const std::vector<SfmPhoto>& photos) {
   std::vector<NamedFrame> frames;
   FREEGS_RETURN_IF_ERROR(ReadFrames(source.transforms, false, &frames));
-  if (!source.test_transforms.empty()) {
-    FREEGS_RETURN_IF_ERROR(ReadFrames(source.test_transforms, true, &frames));
+  for (const fs::path& path : source.holdout_transforms) {
+    FREEGS_RETURN_IF_ERROR(ReadFrames(path, true, &frames));
   }
   std::vector<std::string> names;
   for (const NamedFrame& frame : frames) names.push_back(frame.frame.file_path);
@@ -186,6 +198,10 @@ StatusOr<ImportedModel> ImportTransforms(const ImportSource& source,
     image.cam_from_world = named.frame.cam_from_world;
     image.camera_id = cameras.Add(std::move(*camera), 0);
     if (named.holdout) result.holdout.push_back(image.name);
+    const TransformsIntrinsics& given = named.frame.intrinsics;
+    if (IsTurnedUnseen(photos[p], given.width > 0 && given.height > 0)) {
+      result.turned.push_back(image.name);
+    }
     result.model.images.push_back(std::move(image));
   }
   result.model.cameras = cameras.Take();
@@ -204,7 +220,8 @@ std::vector<fs::path> ImportSource::Files() const {
     }
   }
   if (!transforms.empty()) files.push_back(transforms);
-  if (!test_transforms.empty()) files.push_back(test_transforms);
+  files.insert(
+      files.end(), holdout_transforms.begin(), holdout_transforms.end());
   return files;
 }
 
@@ -244,9 +261,10 @@ StatusOr<ImportSource> FindImportSource(const fs::path& path) {
         "or transforms_train.json (sfm.import)");
   }
   source.transforms = file;
-  const fs::path test = file.parent_path() / "transforms_test.json";
-  if (file.filename() == "transforms_train.json" && IsFile(test)) {
-    source.test_transforms = test;
+  if (file.filename() != "transforms_train.json") return source;
+  for (const char* name : {"transforms_test.json", "transforms_val.json"}) {
+    const fs::path holdout = file.parent_path() / name;
+    if (IsFile(holdout)) source.holdout_transforms.push_back(holdout);
   }
   return source;
 }

@@ -20,10 +20,12 @@ struct ImportSource {
   // The folder of a COLMAP model. If it is empty, `transforms` is not.
   std::filesystem::path colmap_model;
 
-  // transforms.json; or transforms_train.json and, if it exists,
-  // transforms_test.json, whose frames are meant for evaluation.
+  // transforms.json, or transforms_train.json.
   std::filesystem::path transforms;
-  std::filesystem::path test_transforms;
+
+  // Those of transforms_test.json and transforms_val.json that exist beside
+  // transforms_train.json. Their frames are meant for evaluation.
+  std::vector<std::filesystem::path> holdout_transforms;
 
   // All files whose content decides the result.
   std::vector<std::filesystem::path> Files() const;
@@ -45,6 +47,12 @@ struct ImportedModel {
 
   std::vector<std::string> holdout;  // Photos the source means for evaluation.
   std::vector<std::string> unmatched;  // Names of the source that fit no photo.
+
+  // Photos with a pose that EXIF turned, though their size is the same as
+  // before, or the source gives no size. Poses of the stored photo would not be
+  // noticed.
+  std::vector<std::string> turned;
+
   std::vector<std::string> warnings;
 };
 

@@ -126,6 +126,7 @@ StatusOr<MappedScene> MapScene(const StepContext& context,
                          const std::string& why,
                          Mapping mapping) -> Status {
     mapping.step = "mapping, " + name;
+    mapping.further = true;
     mapping.relaxed = true;
     FREEGS_ASSIGN_OR_RETURN(AttemptResult made, store->Try(name, [&] {
       return map(name, mapping);

@@ -71,6 +71,7 @@ StatusOr<AttemptResult> ModelRefinement::MapFromLaterPair(
   const auto map = [&]() -> StatusOr<AttemptResult> {
     Mapping way = way_;
     way.step = "mapping, " + name;
+    way.further = true;
     const fs::path folder = store_->Folder(name) / "mapper";
     AttemptResult mapped;
     if (!skip) {

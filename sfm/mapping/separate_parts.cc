@@ -119,7 +119,10 @@ StatusOr<Models> Remapping::MapOnce(const fs::path& trusted,
   const Reconstruction rest =
       RestrictTo(candidate.model, candidate.groups.groups[0]);
   return MapPhotos(
-      context_, trusted, folder, {.step = "misplaced photos", .start = &rest});
+      context_,
+      trusted,
+      folder,
+      {.step = "misplaced photos", .further = true, .start = &rest});
 }
 
 // Maps from the best pair. When the largest model lacks many of the `wanted`
@@ -127,15 +130,17 @@ StatusOr<Models> Remapping::MapOnce(const fs::path& trusted,
 StatusOr<Models> Remapping::MapAnew(const fs::path& trusted,
                                     const fs::path& folder,
                                     size_t wanted) const {
-  FREEGS_ASSIGN_OR_RETURN(Models models,
-                          MapFromBestPair(context_, trusted, folder, skip_));
-  if (NumRegistered(models) * 10 >= wanted * 9) return models;
   FREEGS_ASSIGN_OR_RETURN(
-      Models relaxed,
-      MapPhotos(context_,
-                trusted,
-                folder,
-                {.step = "mapping, lower thresholds", .relaxed = true}));
+      Models models,
+      MapFromBestPair(context_, trusted, folder, skip_, {.further = true}));
+  if (NumRegistered(models) * 10 >= wanted * 9) return models;
+  FREEGS_ASSIGN_OR_RETURN(Models relaxed,
+                          MapPhotos(context_,
+                                    trusted,
+                                    folder,
+                                    {.step = "mapping, lower thresholds",
+                                     .further = true,
+                                     .relaxed = true}));
   return NumRegistered(relaxed) > NumRegistered(models) ? relaxed : models;
 }
 

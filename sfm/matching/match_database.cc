@@ -104,9 +104,9 @@ StatusOr<MatchDatabase> MatchDatabase::Open(const std::filesystem::path& path) {
   result.database_.reset(database);
   if (code != SQLITE_OK) return result.Error("cannot be opened");
   sqlite3_busy_timeout(database, 10000);
-  // As COLMAP does itself: a killed process loses nothing, only a machine that
-  // loses power could. Who records a step as done flushes the file first.
-  FREEGS_RETURN_IF_ERROR(result.Execute("PRAGMA synchronous = OFF"));
+  // Does not wait for the disk at every change, but keeps the order of writes.
+  // So a loss of power does not tear what a step before left there.
+  FREEGS_RETURN_IF_ERROR(result.Execute("PRAGMA synchronous = NORMAL"));
   // Makes SQLite look at the file, and finish what a killed writer left.
   Statement probe(database, "SELECT COUNT(*) FROM images");
   if (!probe.ok() || probe.Step() != SQLITE_ROW) {

@@ -18,6 +18,7 @@ struct SfmPhoto {
   int camera_group = 0;  // Photos of equal number may share one camera.
   double focal_px = 0;   // Focal length by EXIF, in pixels; 0 is unknown.
   double sharpness = 0;  // As ingest measured it; 0 is unknown.
+  int orientation = 1;   // By EXIF, before ingest turned it upright: 1 to 8.
 };
 
 // COLMAP's guess where the focal length is unknown, in pixels.

@@ -76,10 +76,10 @@ StatusOr<TrainingImages> TrainingImages::Load(
     images.indices_.push_back(i);
   }
 
-  // Photos are read in batches, so that memory holds no more than a few photos
-  // beyond max_bytes.
+  // Photos are read in batches, so that memory holds no more than one photo of
+  // each thread beyond max_bytes.
   const auto count = static_cast<int64_t>(views.size());
-  const int64_t batch = 4 * static_cast<int64_t>(pool.num_threads());
+  const int64_t batch = pool.num_threads();
   for (int64_t begin = 0; begin < count; begin += batch) {
     const int64_t end = std::min(count, begin + batch);
     std::vector<std::optional<StatusOr<Pyramid>>> read(end - begin);

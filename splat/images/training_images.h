@@ -80,8 +80,9 @@ class TrainingImages {
 
   // The mask of the photo that was fetched last, at a level: one channel of the
   // size of view(index, level), 0 (ignore) or 255 (use). A pixel is used if all
-  // that it averages is. Null if the photo has no mask. Valid until the next
-  // Fetch.
+  // that it averages is, but for what makes less than 0.2 % of it, as at the
+  // border of areas of a fraction of a pixel. Null if the photo has no mask.
+  // Valid until the next Fetch.
   const ImageU8* Mask(size_t index, int level) const;
 
  private:

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <new>
 
 #include <hwy/aligned_allocator.h>
 
@@ -17,8 +18,21 @@ namespace {
 using AlignedFloats = hwy::AlignedFreeUniquePtr<float[]>;
 
 AlignedFloats TileChannels(int channels) {
-  return hwy::AllocateAligned<float>(
+  AlignedFloats floats = hwy::AllocateAligned<float>(
       static_cast<size_t>(std::max(1, channels)) * kTilePixels);
+  if (floats == nullptr) throw std::bad_alloc();
+  return floats;
+}
+
+// Pairs that are too many to be counted would not fit into memory either, and
+// the rasterizer's functions return no Status.
+void BinOrThrow(const Projection& projection,
+                const Pinhole& camera,
+                ThreadPool& pool,
+                TileBins* bins) {
+  if (!BinSplats(projection, camera.width, camera.height, pool, bins).ok()) {
+    throw std::bad_alloc();
+  }
 }
 
 // Copies the pixels of a tile from planar tile memory into an interleaved
@@ -76,7 +90,7 @@ void Rasterizer::Forward(const GaussianModel& model,
   num_extras_ = num_features_ + (with_depth_ ? 1 : 0);
   projector_.Project(
       model, camera, cam_from_world, options, pool, &projection_);
-  BinSplats(projection_, camera.width, camera.height, pool, &bins_);
+  BinOrThrow(projection_, camera, pool, &bins_);
 
   extras_.resize(model.size() * num_extras_);
   for (size_t k = 0; num_extras_ > 0 && k < projection_.size(); ++k) {
@@ -228,7 +242,7 @@ void Rasterizer::PrepareWeights(const GaussianModel& model,
   without_color.sh_degree = 0;
   projector_.Project(
       model, camera, cam_from_world, without_color, pool, &projection_);
-  BinSplats(projection_, camera.width, camera.height, pool, &bins_);
+  BinOrThrow(projection_, camera, pool, &bins_);
 }
 
 void Rasterizer::Contributions(const GaussianModel& model,

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <string>
 #include <utility>
 
 #include <hwy/cache_control.h>
@@ -93,11 +95,12 @@ void ForEachTileRun(const Splat& splat, int tiles_x, const Visit& visit) {
 // A footprint is requested from memory so many splats before it is read.
 constexpr int64_t kAhead = 16;
 
-// Finds the tiles of each splat, in the order of the model.
-void FindFootprints(const Projection& projection,
-                    int64_t chunk_size,
-                    ThreadPool& pool,
-                    TileBins* bins) {
+// Finds the tiles of each splat, in the order of the model, and returns the
+// number of all pairs. What counts them in 32 bits is wrong when they are more.
+uint64_t FindFootprints(const Projection& projection,
+                        int64_t chunk_size,
+                        ThreadPool& pool,
+                        TileBins* bins) {
   const auto count = static_cast<int64_t>(projection.size());
   bins->place_begin.resize(projection.size() + 1);
   bins->place_begin[0] = 0;
@@ -124,19 +127,22 @@ void FindFootprints(const Projection& projection,
       }
     }
   });
+  uint64_t total = 0;
   for (int64_t place = 0; place < count; ++place) {
-    bins->footprints[place].first_entry = bins->place_begin[place];
-    bins->place_begin[place + 1] += bins->place_begin[place];
+    bins->footprints[place].first_entry = static_cast<uint32_t>(total);
+    total += bins->place_begin[place + 1];
+    bins->place_begin[place + 1] = static_cast<uint32_t>(total);
   }
+  return total;
 }
 
 }  // namespace
 
-void BinSplats(const Projection& projection,
-               int width,
-               int height,
-               ThreadPool& pool,
-               TileBins* bins) {
+Status BinSplats(const Projection& projection,
+                 int width,
+                 int height,
+                 ThreadPool& pool,
+                 TileBins* bins) {
   bins->tiles_x = (width + kTileSize - 1) / kTileSize;
   bins->tiles_y = (height + kTileSize - 1) / kTileSize;
   const auto tiles = static_cast<size_t>(bins->tiles_x) * bins->tiles_y;
@@ -145,12 +151,17 @@ void BinSplats(const Projection& projection,
   const int64_t chunk_size =
       std::max<int64_t>(1, (count + num_chunks - 1) / num_chunks);
   bins->chunks.resize(num_chunks);
-  for (TileBins::Chunk& chunk : bins->chunks) {
-    chunk.runs.clear();
-    chunk.counts.assign(tiles, 0);
-  }
+  for (TileBins::Chunk& chunk : bins->chunks) chunk.runs.clear();
 
-  FindFootprints(projection, chunk_size, pool, bins);
+  const uint64_t pairs = FindFootprints(projection, chunk_size, pool, bins);
+  if (pairs > std::numeric_limits<int32_t>::max()) {
+    return UnusableResultError(
+        "a view of " + std::to_string(width) + " x " + std::to_string(height) +
+        " pixels has " + std::to_string(pairs) +
+        " pairs of splats and tiles, more than can be counted; use smaller "
+        "images");
+  }
+  for (TileBins::Chunk& chunk : bins->chunks) chunk.counts.assign(tiles, 0);
 
   // Each tile's splats, by depth. Each chunk of splats counts its entries
   // of each tile; sums over the chunks then give every chunk its own place in
@@ -209,6 +220,7 @@ void BinSplats(const Projection& projection,
       });
     });
   });
+  return Status();
 }
 
 }  // namespace freegs::splat

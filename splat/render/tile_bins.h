@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/parallel.h"
+#include "core/status.h"
 #include "splat/projection/projection.h"
 #include "splat/render/tile_layout.h"
 
@@ -59,12 +60,13 @@ struct TileBins {
 
 // Fills *bins for an image of width x height. A splat is listed in the tiles
 // that have a pixel centre inside its ellipse alpha >= 1/255, and in no others
-// but for rounding: each row of tiles is intersected with the ellipse.
-void BinSplats(const Projection& projection,
-               int width,
-               int height,
-               ThreadPool& pool,
-               TileBins* bins);
+// but for rounding: each row of tiles is intersected with the ellipse. Fails
+// with kUnusableResult when there are 2^31 pairs of splats and tiles or more.
+Status BinSplats(const Projection& projection,
+                 int width,
+                 int height,
+                 ThreadPool& pool,
+                 TileBins* bins);
 
 }  // namespace freegs::splat
 

@@ -6,6 +6,21 @@
 #include <cmath>
 
 namespace freegs::splat {
+namespace {
+
+std::vector<float> SelectRows(const std::vector<float>& array,
+                              int stride,
+                              std::span<const uint32_t> indices) {
+  std::vector<float> kept(indices.size() * stride);
+  for (size_t i = 0; i < indices.size(); ++i) {
+    std::copy_n(array.begin() + static_cast<size_t>(indices[i]) * stride,
+                stride,
+                kept.begin() + i * stride);
+  }
+  return kept;
+}
+
+}  // namespace
 
 std::vector<float>& ParameterArray(GaussianModel& model, Parameter parameter) {
   switch (parameter) {
@@ -55,16 +70,22 @@ void GaussianModel::Resize(size_t count) {
 
 void GaussianModel::Select(std::span<const uint32_t> indices) {
   for (const Parameter parameter : kAllParameters) {
-    const int stride = ParameterStride(*this, parameter);
     std::vector<float>& array = ParameterArray(*this, parameter);
-    std::vector<float> kept(indices.size() * stride);
-    for (size_t i = 0; i < indices.size(); ++i) {
-      std::copy_n(array.begin() + static_cast<size_t>(indices[i]) * stride,
-                  stride,
-                  kept.begin() + i * stride);
-    }
-    array = std::move(kept);
+    array = SelectRows(array, ParameterStride(*this, parameter), indices);
   }
+}
+
+GaussianModel GaussianModel::Selected(std::span<const uint32_t> indices) const {
+  GaussianModel selected;
+  selected.sh_degree = sh_degree;
+  selected.antialiased = antialiased;
+  for (const Parameter parameter : kAllParameters) {
+    ParameterArray(selected, parameter) =
+        SelectRows(ParameterArray(*this, parameter),
+                   ParameterStride(*this, parameter),
+                   indices);
+  }
+  return selected;
 }
 
 void GaussianModel::AppendFrom(const GaussianModel& other, size_t index) {

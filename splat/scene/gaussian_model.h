@@ -61,6 +61,9 @@ struct GaussianModel {
   // Keeps only the Gaussians listed, in the order of the list.
   void Select(std::span<const uint32_t> indices);
 
+  // A model of only these Gaussians, in the order of the list.
+  GaussianModel Selected(std::span<const uint32_t> indices) const;
+
   // Appends a copy of Gaussian `index` of `other`, which must have the same SH
   // degree.
   void AppendFrom(const GaussianModel& other, size_t index);

@@ -16,6 +16,10 @@
 namespace freegs::splat {
 namespace {
 
+// The names of elements are compared with each other. Scenes have one element,
+// meshes two or three.
+constexpr size_t kMaxElements = 100;
+
 static_assert(std::endian::native == std::endian::little,
               "values are copied from little-endian files as they are");
 
@@ -90,6 +94,10 @@ Status ParseElement(const std::vector<std::string_view>& words,
                     PlyHeader* header) {
   if (words.size() != 3) {
     return BadInputError("PLY element line is not \"element NAME COUNT\"");
+  }
+  if (header->elements.size() == kMaxElements) {
+    return BadInputError("PLY header has more than " +
+                         std::to_string(kMaxElements) + " elements");
   }
   PlyElement element;
   element.name = words[1];

@@ -48,7 +48,10 @@ struct SpzOptions {
 StatusOr<std::string> SerializeSpz(const GaussianModel& model,
                                    const SpzOptions& options = {});
 
-// Writes such a file, atomically.
+// Writes such a file for other programs, atomically. Fails with kBadInput also
+// when more than one in a thousand of the Gaussians with an opacity of at least
+// 0.05 would show in another size: because it is larger than 379, or because a
+// side below 4.5e-5 would grow to more than a tenth of its largest side.
 Status WriteSpz(const std::filesystem::path& path,
                 const GaussianModel& model,
                 const SpzOptions& options = {});

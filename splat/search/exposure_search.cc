@@ -123,7 +123,8 @@ StatusOr<ExposureChoice> SearchExposure(const ExposureSearchOptions& options,
       const std::optional<FittedPsnr> right_halves,
       MeasureFittedHoldout(
           trainer.model(), training.render, &others, *pool, level));
-  if (!right_halves) return choice;
+  // Masks may have left nothing to judge by.
+  if (!right_halves || choice.without.trained == 0) return choice;
   choice.without.others = right_halves->plain;
   choice.with.others = right_halves->fitted;
   const double gain = (choice.with.trained - choice.without.trained +

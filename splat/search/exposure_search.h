@@ -50,11 +50,12 @@ struct ExposureSearchOptions {
 // `initial` and learns the exposures. On images with a sixteenth of the
 // pixels it has a sixteenth of the budget. When `images` has too few levels for
 // options.level, the coarsest is used. Nothing is learnt where there are no
-// others to judge by: with less than 3 photographs, or where masks leave
-// nothing of their right halves. The result is the same for any number of
-// threads. Fails with kInvalidArgument when the options are wrong, with
-// kBadInput when a photograph has become unreadable, and with kInterrupted when
-// `cancellation` (null: never) asks to stop.
+// photographs to judge by: with less than 3 of them, or where masks leave
+// nothing of those that were trained on or of the right halves of the others.
+// The result is the same for any number of threads. Fails with kInvalidArgument
+// when the options are wrong, with kBadInput when a photograph has become
+// unreadable, and with kInterrupted when `cancellation` (null: never) asks to
+// stop.
 StatusOr<ExposureChoice> SearchExposure(const ExposureSearchOptions& options,
                                         const TrainerOptions& training,
                                         const GaussianModel& initial,

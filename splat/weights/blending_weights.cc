@@ -115,7 +115,8 @@ StatusOr<BlendingWeights> ComputeBlendingWeights(const GaussianModel& model,
   projector.Project(
       model, camera, cam_from_world, without_color, pool, &projection);
   TileBins bins;
-  BinSplats(projection, camera.width, camera.height, pool, &bins);
+  FREEGS_RETURN_IF_ERROR(
+      BinSplats(projection, camera.width, camera.height, pool, &bins));
   const int64_t num_tiles = static_cast<int64_t>(bins.tiles_x) * bins.tiles_y;
   const auto task_of = [&](int64_t tile) {
     return MakeTileTask(projection, bins, camera.width, camera.height, tile);

@@ -78,8 +78,8 @@ struct BlendingWeights {
 // The result is the same bytes for any number of threads and any instruction
 // set; so it differs from what the renderer blends by rounding, about 1e-6.
 // Fails with kInvalidArgument when the camera has no pixels, and with
-// kUnusableResult when the view has 2^32 weights or more; a smaller image has
-// fewer.
+// kUnusableResult when the view has 2^32 weights or more, or 2^31 pairs of
+// splats and tiles; a smaller image has fewer.
 StatusOr<BlendingWeights> ComputeBlendingWeights(const GaussianModel& model,
                                                  const Pinhole& camera,
                                                  const Rigid3d& cam_from_world,

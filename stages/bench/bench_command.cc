@@ -82,11 +82,13 @@ SuiteChecks MakeChecks(const BenchEnvironment& environment) {
   SuiteChecks checks;
   if (environment.eval_words) {
     checks.eval = [&environment](const std::string& option,
-                                 const std::string& value) {
-      const StatusOr<pipeline::OptionTable::CommandLine> line =
-          environment.eval_words().Parse(
-              {"WORKSPACE", "--" + option + "=" + value});
-      return line.status();
+                                 const std::string& value) -> StatusOr<bool> {
+      const CommandWords words = environment.eval_words();
+      FREEGS_RETURN_IF_ERROR(
+          words.Parse({"WORKSPACE", "--" + option + "=" + value}).status());
+      const pipeline::OptionTable::Option* known = words.table().Find(option);
+      return known != nullptr &&
+             CompletionOf(ValueName(*known)) != Completion::kNothing;
     };
   }
   checks.disturb = environment.disturber.check;

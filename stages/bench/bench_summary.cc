@@ -53,6 +53,8 @@ std::vector<std::string> RowKeys(const BenchResults& bench,
     }
     if (values.size() > 1 || key == "scene") result.push_back(key);
   }
+  // The titles of means need a column; a key without a name has no values.
+  if (result.empty() && !table.means.empty()) result.emplace_back();
   return result;
 }
 

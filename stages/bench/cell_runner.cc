@@ -132,7 +132,7 @@ class Runner {
     }
     if (result.status != CellStatus::kFailed && !plan.evaluation.empty()) {
       FREEGS_ASSIGN_OR_RETURN(const ChildOutcome outcome,
-                              store_.Evaluate(plan, cell.eval_options));
+                              store_.Evaluate(plan));
       Take(outcome, "eval", &result);
       if (outcome.ok()) {
         FREEGS_RETURN_IF_ERROR(

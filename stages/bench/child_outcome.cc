@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <string_view>
 
 #include <nlohmann/json.hpp>
@@ -23,11 +24,11 @@ constexpr std::string_view kErrorPrefix = "freegs_pipeline: ";
 
 }  // namespace
 
-bool ChildOutcome::IsFinal() const {
+bool ChildOutcome::IsFinal(double limit_s) const {
   return exit_code == 0 ||
          exit_code == pipeline::ExitCode(StatusCode::kBadInput) ||
          exit_code == pipeline::ExitCode(StatusCode::kUnusableResult) ||
-         timed_out;
+         (timed_out && limit_s > 0 && limit_s <= time_limit_s);
 }
 
 StatusOr<ChildOutcome> RunForOutcome(const std::vector<std::string>& argv,
@@ -55,6 +56,7 @@ StatusOr<ChildOutcome> RunForOutcome(const std::vector<std::string>& argv,
       sfm::RunChild(command, on_line, context.cancellation));
   outcome.exit_code = result.ok() ? 0 : result.exit_code;
   outcome.timed_out = result.timed_out;
+  outcome.time_limit_s = context.time_limit_s;
   if (result.ok()) {
     outcome.reason.clear();
   } else if (outcome.reason.empty() || result.timed_out || result.signal != 0) {
@@ -68,6 +70,7 @@ Status WriteOutcome(const std::filesystem::path& path,
   const nlohmann::json json = {{"exit_code", outcome.exit_code},
                                {"reason", outcome.reason},
                                {"timed_out", outcome.timed_out},
+                               {"time_limit_s", outcome.time_limit_s},
                                {"said", outcome.said},
                                {"program", outcome.program}};
   return WriteFileAtomic(path, JsonText(json));
@@ -81,6 +84,11 @@ StatusOr<ChildOutcome> ReadOutcome(const std::filesystem::path& path) {
   outcome.exit_code = reader.Integer("exit_code", -1, 255);
   outcome.reason = reader.Text("reason");
   outcome.timed_out = reader.Bool("timed_out");
+  // Earlier programs did not write it; what timed out then is tried again.
+  if (reader.Has("time_limit_s")) {
+    outcome.time_limit_s =
+        reader.Number("time_limit_s", 0, std::numeric_limits<double>::max());
+  }
   outcome.said = reader.TextList("said");
   outcome.program = reader.Text("program");
   FREEGS_RETURN_IF_ERROR(status);

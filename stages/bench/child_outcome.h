@@ -18,6 +18,7 @@ struct ChildOutcome {
   int exit_code = 0;   // -1 when a signal or the time limit ended it.
   std::string reason;  // Why it failed; empty when it did not.
   bool timed_out = false;
+  double time_limit_s = 0;  // That it had; 0 for none.
 
   // Its warnings and errors; of more than ten the first and the last five.
   std::vector<std::string> said;
@@ -26,9 +27,10 @@ struct ChildOutcome {
 
   bool ok() const { return exit_code == 0; }
 
-  // Whether another attempt would end the same way: it is done, the method
-  // failed (4), the input is no good (3), or its time ran out.
-  bool IsFinal() const;
+  // Whether another attempt with this time limit (0 for none) would end the
+  // same way: it is done, the method failed (4), the input is no good (3), or
+  // its time ran out and it would not get more.
+  bool IsFinal(double limit_s) const;
 };
 
 // Runs argv to its end. kInterrupted when cancelled, and kMissingDependency

@@ -14,7 +14,7 @@ namespace freegs::stages {
 namespace {
 
 // Figures of eval of which more is better, and of which none is zero.
-constexpr std::array<const char*, 10> kAccuracies = {"holdout_psnr",
+constexpr std::array<const char*, 12> kAccuracies = {"holdout_psnr",
                                                      "holdout_ssim",
                                                      "psnr",
                                                      "ssim",
@@ -23,6 +23,8 @@ constexpr std::array<const char*, 10> kAccuracies = {"holdout_psnr",
                                                      "click_miou",
                                                      "pq",
                                                      "text_miou",
+                                                     "text_mbiou",
+                                                     "text_box_miou",
                                                      "box_miou"};
 
 // A line with "#" for each of its numbers.

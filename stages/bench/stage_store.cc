@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/io/files.h"
+#include "photos/photo_scan.h"
 #include "pipeline/exit_code.h"
 #include "pipeline/stage_record.h"
 #include "stages/registry/pipeline_options.h"
@@ -31,14 +32,20 @@ class KeyBuilder {
   std::string text_;
 };
 
+// The value with the folder in place of ${scene}.
+StatusOr<std::string> ExpandedValue(const std::string& value,
+                                    const fs::path& scene_folder) {
+  return ExpandVariables(value, [&](const std::string&) {
+    return std::optional(scene_folder.string());
+  });
+}
+
 StatusOr<std::vector<SuiteSetting>> ExpandedSettings(
     const SuiteCell& cell, const fs::path& scene_folder) {
   std::vector<SuiteSetting> settings;
   for (const auto& [name, value] : cell.settings) {
     FREEGS_ASSIGN_OR_RETURN(std::string expanded,
-                            ExpandVariables(value, [&](const std::string&) {
-                              return std::optional(scene_folder.string());
-                            }));
+                            ExpandedValue(value, scene_folder));
     // What is set twice is set by the later one.
     std::erase_if(settings, [&name = name](const SuiteSetting& setting) {
       return setting.first == name;
@@ -75,6 +82,13 @@ StageStore::StageStore(const BenchContext& context, std::string to)
 std::string StageStore::Hash(const fs::path& path) {
   const std::lock_guard lock(mutex_);
   std::string hash = cache_.Hash(path).hash;
+  // This does not follow links to folders; stage ingest does.
+  const auto scan = photos::ScanPhotos(path, {context_.out});
+  if (scan.ok()) {
+    for (const std::string& link : scan->linked_folders) {
+      hash += cache_.Hash(path / link).hash;
+    }
+  }
   // Without its cache the next bench only takes longer.
   (void)cache_.Save();
   return hash;
@@ -166,8 +180,11 @@ StatusOr<CellPlan> StageStore::Plan(const SuiteCell& cell,
   if (has_scene) {
     key.Add(plan.truth.empty() ? "" : Hash(plan.truth));
     for (const auto& [option, value] : cell.eval_options) {
+      FREEGS_ASSIGN_OR_RETURN(const std::string expanded,
+                              ExpandedValue(value, photos.folder));
       key.Add(option);
-      key.Add(value);
+      key.Add(expanded);
+      plan.eval_options[option] = expanded;
     }
     plan.evaluation = context_.out / "store" / ("eval_" + key.Key());
   }
@@ -210,7 +227,8 @@ StatusOr<ChildOutcome> StageStore::Once(const fs::path& folder,
     if (known != known_.end()) return known->second;
   }
   const StatusOr<ChildOutcome> earlier = EarlierOutcome(folder);
-  if (earlier.ok() && earlier->IsFinal() && (!earlier->ok() || is_there())) {
+  if (earlier.ok() && earlier->IsFinal(context_.time_limit_s) &&
+      (!earlier->ok() || is_there())) {
     return *earlier;
   }
   FREEGS_RETURN_IF_ERROR(CreateFolders(folder));
@@ -248,9 +266,7 @@ StatusOr<ChildOutcome> StageStore::RunStage(const CellPlan& plan,
       stage.workspace, [&] { return IsDone(stage); }, prepare);
 }
 
-StatusOr<ChildOutcome> StageStore::Evaluate(
-    const CellPlan& plan,
-    const std::map<std::string, std::string>& eval_options) {
+StatusOr<ChildOutcome> StageStore::Evaluate(const CellPlan& plan) {
   const fs::path file = plan.evaluation / "eval.json";
   const auto prepare = [&]() -> StatusOr<std::vector<std::string>> {
     std::vector<std::string> argv = {context_.program.string(),
@@ -258,7 +274,7 @@ StatusOr<ChildOutcome> StageStore::Evaluate(
                                      plan.stages.back().workspace.string(),
                                      "--json=" + file.string()};
     if (!plan.truth.empty()) argv.push_back("--gt=" + plan.truth.string());
-    for (const auto& [option, value] : eval_options) {
+    for (const auto& [option, value] : plan.eval_options) {
       argv.push_back("--" + option + "=" + value);
     }
     for (const auto& [name, value] : plan.settings) {

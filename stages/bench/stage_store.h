@@ -44,6 +44,7 @@ struct CellPlan {
   std::filesystem::path truth;
   std::vector<SuiteSetting> settings;  // With seed, and without variables.
   std::vector<StoredStage> stages;
+  std::map<std::string, std::string> eval_options;  // Without variables.
   std::filesystem::path evaluation;  // OUT/store/eval_KEY; empty for none.
 };
 
@@ -66,9 +67,7 @@ class StageStore {
 
   // The same for the figures of eval, about the last stage of the plan. They
   // lie in plan.evaluation / "eval.json".
-  StatusOr<ChildOutcome> Evaluate(
-      const CellPlan& plan,
-      const std::map<std::string, std::string>& eval_options);
+  StatusOr<ChildOutcome> Evaluate(const CellPlan& plan);
 
   // Whether a plan's stage needs no more work.
   bool IsDone(const StoredStage& stage) const;

@@ -83,7 +83,7 @@ void RegisterUnionOptions(BootstrapStageOptions& options,
   table.Add("bootstrap.min_cluster_size",
             &clustering.hdbscan.min_cluster_size,
             {.help = "With clustering union: fewest Gaussians of a cluster; 0 "
-                     "takes 0.3 % of all.",
+                     "takes 0.3 % of those that take part, but at least 30.",
              .min = 0,
              .max = 100000000});
   table.Add("bootstrap.semantic_weight",

@@ -25,6 +25,7 @@
 #include "stages/bootstrap/bootstrap_forecast.h"
 #include "stages/bootstrap/bootstrap_metrics.h"
 #include "stages/bootstrap/instance_doubts.h"
+#include "stages/bootstrap/seen_photo.h"
 #include "stages/scene/clip_input.h"
 #include "stages/scene/instance_maps.h"
 #include "stages/scene/scene_instances.h"
@@ -49,13 +50,17 @@ class BootstrapStage : public pipeline::Stage {
       : options_(options), seed_(seed) {}
 
   std::string_view name() const override { return "bootstrap"; }
-  int version() const override { return 16; }
+  int version() const override { return 17; }
 
-  std::vector<fs::path> Inputs(const pipeline::StageContext&) const override {
+  std::vector<fs::path> Inputs(
+      const pipeline::StageContext& context) const override {
     std::vector<fs::path> inputs = {"reconstruct/point_cloud.ply",
                                     "undistort/sparse",
                                     "undistort/images",
                                     "ingest/images.json"};
+    if (!TrainingMaskFolder(context.workspace).empty()) {
+      inputs.emplace_back("undistort/masks");
+    }
     if (with_semantics()) {
       // model.json holds the hashes of the model's other files. When the model
       // is missing, Run reports that.
@@ -169,8 +174,7 @@ class BootstrapStage : public pipeline::Stage {
                                  pipeline::StageContext& context) const {
     const std::vector<View> teachers = Teachers(options_, scene.train);
     const auto photo_of = [&](size_t view) {
-      return ReadRgb(context.workspace / "undistort" / "images" /
-                     teachers[view].name);
+      return ReadSeenPhoto(context.workspace, scene, teachers[view]);
     };
     if (!with_semantics()) {
       context.progress({"clustering", 0, 1, ""});

@@ -227,7 +227,7 @@ Status CommandWords::CheckRequired(
     const std::vector<std::string>& given_lists) const {
   std::set<std::string> given(given_lists.begin(), given_lists.end());
   for (const pipeline::OptionSetting& setting : line.settings) {
-    if (!setting.value.empty()) given.insert(setting.name);
+    given.insert(setting.name);
   }
   for (const std::string& name : required_) {
     if (given.contains(name)) continue;

@@ -3,6 +3,7 @@
 #include "stages/command_line/remembered_options.h"
 
 #include <algorithm>
+#include <system_error>
 #include <utility>
 
 namespace freegs::stages {
@@ -14,6 +15,9 @@ namespace {
 
 // Stands for all remembered options.
 constexpr char kForgetAll[] = "all";
+
+// A program: a path, or a name in PATH.
+constexpr char kProgramOption[] = "sfm.colmap";
 
 }  // namespace
 
@@ -64,10 +68,17 @@ void RememberOptions(const std::filesystem::path& workspace,
   for (const OptionSetting& setting : settings) {
     const OptionTable::Option* option = table.Find(setting.name);
     if (option->section().empty()) continue;
-    info->settings[setting.name] =
-        option->spec.is_path && !setting.value.empty()
-            ? pipeline::DisplayPath(workspace, setting.value)
-            : setting.value;
+    std::string& stored = info->settings[setting.name];
+    stored = setting.value;
+    if (option->spec.is_path && !stored.empty()) {
+      stored = pipeline::DisplayPath(workspace, stored);
+    } else if (setting.name == kProgramOption &&
+               stored.find('/') != std::string::npos) {
+      std::error_code error;
+      const std::filesystem::path path =
+          std::filesystem::absolute(stored, error);
+      if (!error) stored = path.lexically_normal().string();
+    }
   }
 }
 

@@ -113,6 +113,7 @@ Status RunViewCommand(const std::vector<std::string>& arguments,
   rules.address = request.server.address;
   if (!IsLoopback(rules.address)) {
     FREEGS_ASSIGN_OR_RETURN(rules.token, MakeToken());
+    rules.host_name = HostName();
   }
   const StatusOr<fs::path> web = FindWebBundle();
   if (web.ok()) {
@@ -125,10 +126,12 @@ Status RunViewCommand(const std::vector<std::string>& arguments,
   rules.port = server->port();
   ViewApi api(options, rules);
   server->Start(&api);
-  const std::string address = ViewAddress(rules);
-  context.out << "view: " << address << std::endl;
+  const std::vector<std::string> addresses = ViewAddresses(rules);
+  for (const std::string& address : addresses) {
+    context.out << "view: " << address << std::endl;
+  }
   if (request.open) {
-    const Status opened = OpenBrowser(address);
+    const Status opened = OpenBrowser(addresses[0]);
     if (!opened.ok()) {
       context.err << "view: cannot open a browser (" << opened.message()
                   << "); open the address yourself\n";

@@ -98,7 +98,10 @@ void FillObjects(const std::vector<TrueObject>& objects,
   for (const TrueObject& object : objects) {
     if (!object.aabb) continue;
     ObjectResult& result = (*results)[object.id];
-    if (!tally.any_view) result.instance = BestBox(*object.aabb, instances);
+    // No view shows which instance it is.
+    if (!tally.overlap.truth_pixels.contains(object.id)) {
+      result.instance = BestBox(*object.aabb, instances);
+    }
     result.box_iou = 0;
     if (result.instance >= 0) {
       result.box = instances[static_cast<size_t>(result.instance)].aabb;

@@ -38,7 +38,7 @@ struct ObjectResult {
   int num_views = 0;  // Test views in which it is judged.
 
   // The label (as in idsf.bin) of the instance with the highest IoU over all
-  // test views together; where the truth has no masks at all, of the instance
+  // test views together; for an object that no mask shows, of the instance
   // whose box has the highest IoU. -1 when no instance overlaps the object.
   int instance = -1;
 

@@ -23,9 +23,9 @@ bool SameShape(double width_a,
                double height_a,
                double width_b,
                double height_b) {
-  return std::abs(width_a * height_b - height_a * width_b) <=
-         kShapeTolerance * std::max(width_a, width_b) *
-             std::max(height_a, height_b);
+  const double a = width_a * height_b;
+  const double b = width_b * height_a;
+  return std::abs(a - b) <= kShapeTolerance * std::max(a, b);
 }
 
 // Reads a file of one object: 1 where the object is, else 0.

@@ -123,7 +123,8 @@ class ExportStage : public pipeline::Stage {
         context.output / "scene.ply", world.model, world.offset));
     FREEGS_RETURN_IF_ERROR(
         splat::WriteSplat(context.output / "scene.splat", world.model));
-    // Positions that do not fit into the format are no fault of the scene.
+    // Positions and sizes that do not fit into the format are no fault of the
+    // scene.
     const Status spz =
         splat::WriteSpz(context.output / "scene.spz", world.model);
     if (spz.code() == StatusCode::kBadInput) {

@@ -157,7 +157,7 @@ void PrintAnswer(const QueryAnswer& answer,
     }
     if (!answer.others.empty()) out << "\n";
   }
-  if (answer.plane) {
+  if (answer.plane && answer.plane->score >= answer.threshold) {
     out << "the large plane " << answer.plane->id << " has "
         << answer.score_name << " " << FormatFixed(answer.plane->score, 3)
         << "; --background lets planes answer\n";

@@ -41,8 +41,8 @@ struct QueryAnswer {
   // many as were asked for; the others are the next best instances.
   std::vector<ScoredInstance> hits;
   std::vector<ScoredInstance> others;
-  // A large plane with a better score than all hits, when planes were not asked
-  // for.
+  // The best large plane if no other instance has as good a score, when planes
+  // were not asked for. It need not reach the threshold.
   std::optional<ScoredInstance> plane;
 
   std::optional<std::vector<MaskedView>> masks;  // Nothing without --out.

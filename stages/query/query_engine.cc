@@ -146,12 +146,12 @@ Status AnswerExample(const QueryRequest& request,
   return Status();
 }
 
-// Finds the view by name among the photos, else among the views to show.
+// Finds the view by name among the photos, else among those of --cameras.
 StatusOr<View> ViewOf(const QueryScene& scene, const std::string& name) {
   StatusOr<View> view = FindView(scene.photos, name);
   if (view.ok()) return view;
-  const StatusOr<View> shown = FindView(scene.views, name);
-  return shown.ok() ? shown : view;
+  const StatusOr<View> of_file = FindView(scene.file_views, name);
+  return of_file.ok() ? of_file : view;
 }
 
 Status CheckListed(const QueryScene& scene, int id) {

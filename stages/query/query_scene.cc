@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <sstream>
 #include <string>
 #include <system_error>
 
@@ -79,15 +80,21 @@ Status LoadViews(const QueryRequest& request,
   FREEGS_ASSIGN_OR_RETURN(
       scene->labels,
       ReadInstanceLabels(request.workspace, scene->scene->model.size()));
+  ViewSelection selection{.cameras = request.cameras,
+                          .align = !request.no_align,
+                          .max_side = request.size,
+                          .photo_max_side = request.size,
+                          .command = "query"};
   FREEGS_ASSIGN_OR_RETURN(scene->views,
-                          ViewsToRender(*scene->scene,
-                                        {.cameras = request.cameras,
-                                         .align = !request.no_align,
-                                         .max_side = request.size,
-                                         .photo_max_side = request.size,
-                                         .command = "query"},
-                                        messages));
+                          ViewsToRender(*scene->scene, selection, messages));
   scene->photos = PhotoViews(*scene->scene);
+  if ((request.click || request.box) && !request.cameras.empty()) {
+    // Pixels are those of the cameras, whatever the size of the masks.
+    selection.max_side = 0;
+    std::ostringstream said_above;
+    FREEGS_ASSIGN_OR_RETURN(
+        scene->file_views, ViewsToRender(*scene->scene, selection, said_above));
+  }
   return Status();
 }
 

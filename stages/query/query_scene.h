@@ -36,8 +36,11 @@ struct QueryScene {
   // Loaded for questions by click and by box, and for masks.
   std::optional<WorkspaceScene> scene;
   std::vector<int32_t> labels;  // One per Gaussian, -1 for none.
-  std::vector<View> views;      // The views to show.
-  std::vector<View> photos;  // Clicks and boxes are in one of these or those.
+  std::vector<View> views;      // The views to show, limited to --size.
+
+  // Clicks and boxes are in one of these, which have their own size.
+  std::vector<View> photos;
+  std::vector<View> file_views;  // Of --cameras.
 
   // Read by the first click with a level.
   std::optional<semantics::Hierarchy> hierarchy;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "splat/density/mini_splatting.h"
 #include "stages/scene/scene_size.h"
 
 namespace freegs::stages {
@@ -63,7 +64,8 @@ double Densifications(const splat::ScheduleOptions& schedule) {
 }  // namespace
 
 ExpectedGaussians ExpectGaussians(const splat::TrainerOptions& training,
-                                  int64_t points) {
+                                  int64_t points,
+                                  int64_t train_pixels) {
   const splat::ScheduleOptions& schedule = training.schedule;
   const auto first = static_cast<double>(points);
   if (schedule.method == splat::DensificationMethod::kNone) {
@@ -73,6 +75,14 @@ ExpectedGaussians ExpectGaussians(const splat::TrainerOptions& training,
       schedule.method == splat::DensificationMethod::kMiniSplatting;
   double dense = std::min(kGaussiansPerPoint * first,
                           first * std::pow(kGrowth, Densifications(schedule)));
+  if (mini && !schedule.depth_reinit_at.empty()) {
+    const size_t drawn =
+        splat::NumDepthPoints(training.mini_splatting,
+                              training.budget,
+                              static_cast<size_t>(dense),
+                              static_cast<uint64_t>(train_pixels));
+    dense = std::max(dense, static_cast<double>(drawn));
+  }
   double left = mini ? kLeft * dense : dense;
   if (training.budget > 0) {
     const auto budget = static_cast<double>(training.budget);
@@ -113,7 +123,7 @@ StageNeed ReconstructNeed(const ReconstructStageOptions& options,
     work += static_cast<double>(kBytesPerReadGaussian * scene->gaussians);
   } else {
     const ExpectedGaussians gaussians =
-        ExpectGaussians(training, scene->points);
+        ExpectGaussians(training, scene->points, train.total);
     scene->gaussians = std::llround(gaussians.left);
     work += kWorkMemory + gaussians.dense * kCopiesOfGaussian * parameters;
     images += std::min(options.image_cache_gb * 1e9,

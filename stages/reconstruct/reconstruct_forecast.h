@@ -14,13 +14,15 @@
 namespace freegs::stages {
 
 // The most Gaussians that training is expected to have at any time, and those
-// of the result, for so many points to begin with.
+// of the result, for so many points to begin with and so many pixels of the
+// training photos.
 struct ExpectedGaussians {
   double dense = 0;
   double left = 0;
 };
 ExpectedGaussians ExpectGaussians(const splat::TrainerOptions& training,
-                                  int64_t points);
+                                  int64_t points,
+                                  int64_t train_pixels);
 
 // The need for the photos and points of the scene. Also sets the number of its
 // Gaussians to what is expected. With reconstruct.import that number must be

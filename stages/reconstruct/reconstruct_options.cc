@@ -199,6 +199,7 @@ void RegisterReconstructOptions(ReconstructStageOptions& options,
             {.help = "Gigabytes of decoded photos kept in memory; more photos "
                      "are read again when needed.",
              .min = 0.01,
+             .max = 1e6,
              .affects_result = false});
   table.Add("reconstruct.import",
             &options.import,

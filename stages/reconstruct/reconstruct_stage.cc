@@ -2,6 +2,7 @@
 
 #include "stages/reconstruct/reconstruct_stage.h"
 
+#include <cctype>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -38,7 +39,11 @@ namespace fs = std::filesystem;
 
 // A model that somebody else trained.
 StatusOr<splat::PlacedModel> ReadTrainedModel(const fs::path& path) {
-  if (path.extension() != ".spz") return splat::ReadPly(path);
+  std::string suffix = path.extension().string();
+  for (char& c : suffix) {
+    c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  if (suffix != ".spz") return splat::ReadPly(path);
   splat::PlacedModel world;
   FREEGS_ASSIGN_OR_RETURN(world.model, splat::ReadSpz(path));
   return world;

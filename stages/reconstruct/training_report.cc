@@ -11,13 +11,18 @@
 namespace freegs::stages {
 namespace {
 
-// Null when there was no search; what it shows is null when it had too few
-// photos for a training.
+// Null when there was no search. What it shows is null when it had too few
+// photos for a training; a number of it, when masks left nothing to measure.
 nlohmann::json ChoiceJson(const std::optional<splat::ExposureChoice>& choice) {
   if (!choice) return nullptr;
-  const auto psnr = [](const splat::TrialPsnr& shown) -> nlohmann::json {
+  const auto measured = [](double psnr) -> nlohmann::json {
+    if (psnr == 0) return nullptr;
+    return psnr;
+  };
+  const auto psnr = [&](const splat::TrialPsnr& shown) -> nlohmann::json {
     if (shown == splat::TrialPsnr()) return nullptr;
-    return {{"trained_psnr", shown.trained}, {"others_psnr", shown.others}};
+    return {{"trained_psnr", measured(shown.trained)},
+            {"others_psnr", measured(shown.others)}};
   };
   return {{"learn", choice->learn},
           {"without", psnr(choice->without)},
@@ -80,7 +85,11 @@ std::string ExposureText(const splat::ExposureChoice& choice) {
   };
   if (choice.without == splat::TrialPsnr()) {
     return "the exposure of each photo is not learnt, because photos are too "
-           "few to tell";
+           "few, or masks leave too little of them, to tell";
+  }
+  if (choice.without.others == 0) {
+    return "the exposure of each photo is not learnt, because masks leave too "
+           "little of the photos to tell";
   }
   return std::string("the exposure of each photo is ") +
          (choice.learn ? "learnt" : "not learnt") +

@@ -77,17 +77,25 @@ StatusOr<WorkspaceScene> ReadWorkspaceScene(const fs::path& workspace) {
 StatusOr<std::vector<std::string>> OutputNames(const std::vector<View>& views,
                                                const std::string& suffix) {
   std::vector<std::string> names;
-  std::map<std::string, int> uses;
   for (const View& view : views) {
     if (!IsNameBelowFolder(view.name)) {
       return BadInputError("view \"" + view.name +
                            "\": not a file name inside a folder");
     }
     names.push_back(fs::path(view.name).replace_extension(suffix).string());
-    ++uses[names.back()];
   }
-  for (size_t i = 0; i < names.size(); ++i) {
-    if (uses[names[i]] > 1) names[i] = views[i].name + suffix;
+  // A whole name can be what another view has without its extension, so this is
+  // repeated until no name changes.
+  for (bool changed = true; changed;) {
+    changed = false;
+    std::map<std::string, int> uses;
+    for (const std::string& name : names) ++uses[name];
+    for (size_t i = 0; i < names.size(); ++i) {
+      const std::string whole = views[i].name + suffix;
+      if (uses[names[i]] == 1 || names[i] == whole) continue;
+      names[i] = whole;
+      changed = true;
+    }
   }
   return names;
 }

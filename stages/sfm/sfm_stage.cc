@@ -36,14 +36,13 @@ constexpr int kRandomPoints = 10000;
 constexpr size_t kMinTriangulated = 100;
 
 // Joins names for a message and leaves out all but the first few.
-std::string Some(const std::vector<std::string>& names) {
-  constexpr size_t kShown = 5;
+std::string Some(const std::vector<std::string>& names, size_t shown = 5) {
   std::string text;
-  for (size_t i = 0; i < names.size() && i < kShown; ++i) {
+  for (size_t i = 0; i < names.size() && i < shown; ++i) {
     text += (i > 0 ? ", " : "") + names[i];
   }
-  if (names.size() > kShown) {
-    text += " and " + std::to_string(names.size() - kShown) + " more";
+  if (names.size() > shown) {
+    text += " and " + std::to_string(names.size() - shown) + " more";
   }
   return text;
 }
@@ -58,7 +57,8 @@ std::vector<sfm::SfmPhoto> UsablePhotos(const photos::PhotoList& list) {
                       .height = photo.height,
                       .camera_group = photo.camera_group,
                       .focal_px = photo.focal_length_px.value_or(0),
-                      .sharpness = photo.sharpness});
+                      .sharpness = photo.sharpness,
+                      .orientation = photo.orientation});
   }
   return photos;
 }
@@ -201,6 +201,12 @@ class SfmStage : public pipeline::Stage {
           std::to_string(imported.unmatched.size()) +
           " imported poses fit no photo: " + Some(imported.unmatched));
     }
+    if (!imported.turned.empty()) {
+      warnings.push_back(
+          "imported poses must belong to upright photos; where EXIF turns a "
+          "photo, its size does not show it: " +
+          Some(imported.turned, 3));
+    }
     WarnOfHoldout(imported.holdout, list, &warnings);
     context.summary["imported_holdout"] = imported.holdout;
     outcome.result.models.push_back(std::move(imported.model));
@@ -263,7 +269,8 @@ class SfmStage : public pipeline::Stage {
     }
     if (differing.empty()) return;
     warnings->push_back(
-        "transforms_test.json names other holdout photos than ingest chose; "
+        "transforms_test.json or transforms_val.json names other holdout "
+        "photos than ingest chose; "
         "choose them with the ingest.holdout options (differing: " +
         Some(differing) + ")");
   }

@@ -89,6 +89,8 @@ Status ReadScene(const IniSection& section, Suite* suite) {
   const auto path = [suite](fs::path* target) {
     return [suite, target](const std::string& value) {
       *target = (suite->folder / value).lexically_normal();
+      // "photos/shelf/" is the same folder as "photos/shelf".
+      if (!target->has_filename()) *target = target->parent_path();
       return value.empty() ? InvalidArgumentError("no path") : Status();
     };
   };

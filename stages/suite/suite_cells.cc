@@ -35,9 +35,9 @@ class SettingTaker {
       return status.Annotated(suite_.name + ": " + where + " " + key);
     };
     if (key.starts_with(kEvalPrefix) && checks_.eval) {
-      const Status status = checks_.eval(EvalOption(key), value);
-      if (!status.ok()) return fault(status);
-      return given;
+      const StatusOr<bool> is_path = checks_.eval(EvalOption(key), value);
+      if (!is_path.ok()) return fault(is_path.status());
+      return SuiteSetting{key, *is_path ? AbsolutePath(value) : value};
     }
     if (key == kDisturb && checks_.disturb) {
       const Status status = checks_.disturb(value);
@@ -52,9 +52,8 @@ class SettingTaker {
     }
     FREEGS_RETURN_IF_ERROR(
         table_.Apply({{setting.first, value, suite_.name + ": " + where}}));
-    if (table_.Find(setting.first)->spec.is_path && !value.empty() &&
-        value.find(kSceneVariable) == std::string::npos) {
-      setting.second = (suite_.folder / value).lexically_normal().string();
+    if (table_.Find(setting.first)->spec.is_path) {
+      setting.second = AbsolutePath(value);
     }
     return setting;
   }
@@ -76,6 +75,14 @@ class SettingTaker {
   }
 
  private:
+  // What ${scene} is in a path is known later; it begins with a folder.
+  std::string AbsolutePath(const std::string& value) const {
+    if (value.empty() || value.find(kSceneVariable) != std::string::npos) {
+      return value;
+    }
+    return (suite_.folder / value).lexically_normal().string();
+  }
+
   const Suite& suite_;
   const SuiteChecks& checks_;
   PipelineOptions options_;

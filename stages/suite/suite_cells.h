@@ -28,7 +28,8 @@ struct SuiteCell {
   // the values. The suite's come first, then the scene's, then the grid's.
   std::vector<SuiteSetting> settings;
 
-  // Options of command eval by their names there: {"text-from", "gaussians"}.
+  // Options of command eval by their names there: {"text-from", "gaussians"};
+  // ${scene} is still in the values.
   std::map<std::string, std::string> eval_options;
 
   // What is done to the photographs; empty for nothing.
@@ -41,8 +42,9 @@ struct SuiteCell {
 // How keys are checked that are not options of the pipeline. An empty function
 // makes its keys unknown.
 struct SuiteChecks {
-  // "eval.KEY": an option of command eval.
-  std::function<Status(const std::string& option, const std::string& value)>
+  // "eval.KEY": an option of command eval. Returns whether its value is a path.
+  std::function<StatusOr<bool>(const std::string& option,
+                               const std::string& value)>
       eval;
 
   // "disturb": what is done to photographs.

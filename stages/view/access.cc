@@ -7,8 +7,12 @@
 #include <array>
 #include <cctype>
 #include <cstdint>
+#include <ifaddrs.h>
+#include <netdb.h>
+#include <netinet/in.h>
 #include <sys/random.h>
-#include <vector>
+#include <unistd.h>
+#include <utility>
 
 namespace freegs::stages {
 namespace {
@@ -37,30 +41,53 @@ std::string Bracketed(const std::string& address) {
   return IsIpv6(address) ? "[" + address + "]" : address;
 }
 
-// The name of a Host header without its port; empty when the port is another.
-std::string HostWithoutPort(const std::string& host, int port) {
-  const std::string suffix = ":" + std::to_string(port);
-  if (host.ends_with(suffix)) {
-    return host.substr(0, host.size() - suffix.size());
-  }
-  // Browsers leave out the usual port.
-  const bool has_port =
-      host.find_last_of(':') != std::string::npos && !host.ends_with(']');
-  return port == 80 && !has_port ? host : "";
+bool IsAnyAddress(const std::string& address) {
+  return address == "0.0.0.0" || address == "::";
+}
+
+// The name of a Host header without its port, which is another one behind a
+// tunnel.
+std::string HostWithoutPort(const std::string& host) {
+  const size_t colon = host.find_last_not_of("0123456789");
+  return colon != std::string::npos && host[colon] == ':'
+             ? host.substr(0, colon)
+             : host;
 }
 
 bool IsOwnHost(const AccessRules& rules, const std::string& header) {
-  const std::string name = HostWithoutPort(LowerCase(header), rules.port);
+  const std::string name = HostWithoutPort(LowerCase(header));
   if (name.empty()) return false;
   if (name == "127.0.0.1" || name == "localhost" || name == "[::1]") {
     return true;
   }
   // An address is never somebody else's name for this machine.
-  if (rules.address == "0.0.0.0" || rules.address == "::") {
-    return IsIpv4(name) || (name.starts_with('[') && name.ends_with(']') &&
-                            IsIpv6(name.substr(1, name.size() - 2)));
+  if (IsAnyAddress(rules.address)) {
+    return name == LowerCase(rules.host_name) || IsIpv4(name) ||
+           (name.starts_with('[') && name.ends_with(']') &&
+            IsIpv6(name.substr(1, name.size() - 2)));
   }
   return name == LowerCase(Bracketed(rules.address));
+}
+
+std::vector<std::string> Ipv4Addresses() {
+  std::vector<std::string> addresses;
+  ifaddrs* list = nullptr;
+  if (getifaddrs(&list) != 0) return addresses;
+  for (const ifaddrs* entry = list; entry != nullptr; entry = entry->ifa_next) {
+    char text[NI_MAXHOST];
+    if (entry->ifa_addr != nullptr && entry->ifa_addr->sa_family == AF_INET &&
+        getnameinfo(entry->ifa_addr,
+                    sizeof(sockaddr_in),
+                    text,
+                    sizeof(text),
+                    nullptr,
+                    0,
+                    NI_NUMERICHOST) == 0) {
+      addresses.emplace_back(text);
+    }
+  }
+  freeifaddrs(list);
+  return addresses;
 }
 
 // Browsers keep cookies by name and host, not by port: two servers on one
@@ -82,11 +109,24 @@ bool IsLoopback(const std::string& address) {
          (IsIpv4(address) && address.starts_with("127."));
 }
 
-std::string ViewAddress(const AccessRules& rules) {
-  std::string address = "http://" + Bracketed(rules.address) + ":" +
-                        std::to_string(rules.port) + "/";
-  if (!rules.token.empty()) address += "?token=" + rules.token;
-  return address;
+std::vector<std::string> ViewAddresses(const AccessRules& rules) {
+  std::vector<std::string> hosts;
+  if (IsAnyAddress(rules.address)) hosts = Ipv4Addresses();
+  if (hosts.empty()) hosts = {Bracketed(rules.address)};
+  std::vector<std::string> addresses;
+  for (const std::string& host : hosts) {
+    std::string address =
+        "http://" + host + ":" + std::to_string(rules.port) + "/";
+    if (!rules.token.empty()) address += "?token=" + rules.token;
+    addresses.push_back(std::move(address));
+  }
+  return addresses;
+}
+
+std::string HostName() {
+  std::array<char, 256> name = {};
+  // The last byte stays zero, also where a name is cut off.
+  return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
 }
 
 StatusOr<std::string> MakeToken() {

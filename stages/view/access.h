@@ -7,6 +7,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/status.h"
 #include "stages/view/http_message.h"
@@ -21,13 +22,21 @@ struct AccessRules {
   // What everybody must know; empty at a loopback address, where only users of
   // this machine can ask.
   std::string token = {};
+
+  // This machine's name. The server answers to it when it listens at all
+  // addresses.
+  std::string host_name = {};
 };
 
 // Whether the address or name is this machine's own and reaches no network.
 bool IsLoopback(const std::string& address);
 
-// "http://127.0.0.1:8717/", with the token where there is one.
-std::string ViewAddress(const AccessRules& rules);
+// "http://127.0.0.1:8717/", with the token where there is one. A server at all
+// addresses has one for each IPv4 address of this machine. Never empty.
+std::vector<std::string> ViewAddresses(const AccessRules& rules);
+
+// The name of this machine; empty when it is not known.
+std::string HostName();
 
 // A new token: 128 random bits as 32 hex digits. kInternal when the system has
 // no random numbers.
@@ -47,8 +56,9 @@ struct AccessDecision {
 };
 
 // Refuses a request
-//  - whose Host is not the server's own: a page of another name whose address
-//    was turned to this machine would else read everything (DNS rebinding);
+//  - whose Host is not the server's own, whatever its port: a page of another
+//    name whose address was turned to this machine would else read everything
+//    (DNS rebinding);
 //  - without the token, in the parameter "token" or in the cookie;
 //  - by a POST from a page of another origin, or of another content than JSON,
 //    which a browser would send without asking first.

@@ -30,6 +30,10 @@ using nlohmann::json;
 
 constexpr int32_t kNoPart = 65535;
 
+// In units of the frame. The coordinates of a part then have at least 8 bits of
+// fraction: .spz has 24 bits for the farthest of them.
+constexpr float kFarthest = 32767;
+
 json Vector(const Eigen::Vector3d& v) {
   return json::array({v.x(), v.y(), v.z()});
 }
@@ -135,6 +139,22 @@ json LevelsJson(const ViewerLevels& levels) {
   return result;
 }
 
+// Brings Gaussians that are very far away nearer, and makes them smaller by the
+// same factor. From the cameras, which are near the origin, they look the same.
+void BringNearer(splat::GaussianModel* model) {
+  for (size_t g = 0; g < model->size(); ++g) {
+    float distance = 0;
+    for (size_t k = 3 * g; k < 3 * g + 3; ++k) {
+      distance = std::max(distance, std::abs(model->means[k]));
+    }
+    if (distance <= kFarthest) continue;
+    for (size_t k = 3 * g; k < 3 * g + 3; ++k) {
+      model->means[k] *= kFarthest / distance;
+      model->log_scales[k] += std::log(kFarthest / distance);
+    }
+  }
+}
+
 // Gaussians by the area that they cover, the largest first, in parts. Within a
 // part they are in the model's order, in which neighbours in space are near
 // each other: that is what gzip makes use of.
@@ -188,11 +208,9 @@ StatusOr<int64_t> WriteSplats(const splat::GaussianModel& model,
                               std::vector<ViewerScene::Part>* result) {
   int64_t bytes = 0;
   for (size_t p = 0; p < parts.size(); ++p) {
-    splat::GaussianModel selected = model;
-    selected.Select(parts[p]);
     FREEGS_ASSIGN_OR_RETURN(
         (*result)[p].splats,
-        splat::SerializeSpz(selected,
+        splat::SerializeSpz(model.Selected(parts[p]),
                             {.sh_degree = sh_degree, .flip_axes = false}));
     bytes += std::ssize((*result)[p].splats);
   }
@@ -211,8 +229,8 @@ Status ViewerSceneOptions::Check() const {
 StatusOr<ViewerScene> MakeViewerScene(const fs::path& workspace,
                                       const ViewerSceneOptions& options) {
   FREEGS_RETURN_IF_ERROR(options.Check());
-  FREEGS_ASSIGN_OR_RETURN(const WorkspaceScene scene,
-                          ReadWorkspaceScene(workspace));
+  FREEGS_ASSIGN_OR_RETURN(WorkspaceScene scene, ReadWorkspaceScene(workspace));
+  BringNearer(&scene.model);
   const splat::GaussianModel& model = scene.model;
   FREEGS_ASSIGN_OR_RETURN(const Objects objects,
                           ReadObjects(workspace, model.size()));

@@ -38,6 +38,7 @@ TEST(SniffFormatTest, SaysWhatElseItIs) {
       {"GIF89a", "GIF"},
       {"BM", "BMP"},
       {"\xff", "not an image"},
+      {std::string("II\x2a\0\x10\0\0\0CR\2\0", 12), "Canon raw"},
   };
   for (const auto& c : cases) {
     const auto format = SniffFormat(c.bytes);
@@ -170,6 +171,33 @@ TEST(PhotoHeaderTest, FloatAndBigTiffAreRefusedWithAdvice) {
       ParsePhotoHeader(std::string("II\x2b\0\x08\0\0\0\0\0\0\0", 12));
   ASSERT_FALSE(big.ok());
   EXPECT_THAT(big.status().message(), HasSubstr("BigTIFF"));
+}
+
+TEST(PhotoHeaderTest, TiffsThatAreNoPhotosAreRefused) {
+  const std::string tiff = MakeTiff(40, 40);
+  const std::string deep =
+      Encode(".tif", cv::Mat(40, 40, CV_16UC4, cv::Scalar(1, 2, 3, 4)));
+  constexpr int kNewSubfileType = 254;
+  constexpr int kPhotometric = 262;
+  constexpr int kDngVersion = 50706;
+  const struct {
+    std::string bytes;
+    const char* message;
+  } cases[] = {
+      {WithTiffTag(tiff, kNewSubfileType, 1), "camera raw"},
+      {WithTiffTag(tiff, kDngVersion, 1), "camera raw"},
+      {WithTiffTag(tiff, kPhotometric, 32803), "camera raw"},
+      {WithTiffTag(tiff, kPhotometric, 4), "other colours"},
+      {WithTiffTag(tiff, kPhotometric, 8), "other colours"},
+      {WithTiffTag(deep, kPhotometric, 5), "CMYK TIFF of 16 bits"},
+  };
+  for (const auto& c : cases) {
+    EXPECT_THAT(ParsePhotoHeader(c.bytes).status().message(),
+                HasSubstr(c.message));
+  }
+  // A page of several, and CMYK of 8 bits.
+  EXPECT_TRUE(ParsePhotoHeader(WithTiffTag(tiff, kNewSubfileType, 2)).ok());
+  EXPECT_TRUE(ParsePhotoHeader(WithTiffTag(tiff, kPhotometric, 5)).ok());
 }
 
 }  // namespace

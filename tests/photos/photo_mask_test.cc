@@ -52,6 +52,14 @@ TEST(DecodeMask, AnythingButBlackIsKept) {
     EXPECT_EQ((*mask)(50, 10), 0);
     EXPECT_DOUBLE_EQ(KeptShare(*mask), 0.5);
   }
+  for (const int value : {1, 128, 65535}) {
+    cv::Mat deep;
+    Halves(64, 48, 1).convertTo(deep, CV_16U, value);
+    const auto mask =
+        DecodeMask(Encode(".png", deep), PhotoOfSize(64, 48), false, {});
+    ASSERT_TRUE(mask.ok()) << mask.status().message();
+    EXPECT_DOUBLE_EQ(KeptShare(*mask), 0.5) << value;
+  }
   const auto inverted = DecodeMask(
       Encode(".png", Halves(64, 40, 255)), PhotoOfSize(64, 40), true, {});
   EXPECT_EQ((*inverted)(10, 10), 0);

@@ -181,6 +181,7 @@ TEST(AssignNamesTest, KeepsSafeNamesAndReplacesOthers) {
                        {"it's_\"q\".png", false},
                        {" lead and trail .jpg", false},
                        {"new\nline.jpg", false},
+                       {"back\\slash.jpg", false},
                        {"#comment/#x.jpg", false},
                        {"bad\xff\xfeutf8.jpg", false},
                        {"turned.jpg", true},
@@ -191,6 +192,7 @@ TEST(AssignNamesTest, KeepsSafeNamesAndReplacesOthers) {
                           "it's_\"q\".png",
                           "_lead_and_trail_.jpg",
                           "new_line.jpg",
+                          "back_slash.jpg",
                           "_comment/_x.jpg",
                           "bad__utf8.jpg",
                           "turned.png",
@@ -215,6 +217,19 @@ TEST(AssignNamesTest, CollisionsGetNumbers) {
                           "a_b.jpg",
                           "x_2.png",
                           "x.png/y.jpg"));
+}
+
+TEST(AssignNamesTest, FoldersThatAreCalledLikePhotosGetNumbers) {
+  EXPECT_THAT(NamesOf({{"a b.png/x.png", false},
+                       {"a b.png/y.png", false},
+                       {"a\tb.png/x.png", false},
+                       {"a_b.png", false},
+                       {"a_b_3.png", false}}),
+              ElementsAre("a_b_2.png/x.png",
+                          "a_b_2.png/y.png",
+                          "a_b_4.png/x.png",
+                          "a_b.png",
+                          "a_b_3.png"));
 }
 
 TEST(AssignNamesTest, LongNamesAreCutBetweenCharacters) {

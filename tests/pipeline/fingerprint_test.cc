@@ -52,6 +52,22 @@ TEST_F(FingerprintTest, DependsOnNamesAndContentOnly) {
   EXPECT_NE(Hash(root()), before);
 }
 
+TEST_F(FingerprintTest, LeavesOutWhatOtherProgramsPutBesidePhotos) {
+  const InputFingerprint before = Hash(root());
+  for (const char* name : {".DS_Store",
+                           "sub/.hidden/d.jpg",
+                           "Thumbs.db",
+                           "desktop.ini",
+                           "a.xmp",
+                           "a.jpg.XMP"}) {
+    WriteText(root() / name, "x");
+    EXPECT_EQ(Hash(root()), before) << name;
+  }
+  // Photos may lie in a folder of any name.
+  WriteText(root() / "b.xmp" / "d.jpg", "d");
+  EXPECT_EQ(Hash(root()).files, 4);
+}
+
 TEST_F(FingerprintTest, FilesAndMissingThings) {
   EXPECT_EQ(Hash(root() / "a.jpg").files, 1);
   EXPECT_NE(Hash(root() / "a.jpg").hash, Hash(root() / "b.jpg").hash);

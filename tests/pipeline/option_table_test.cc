@@ -137,6 +137,7 @@ TEST_F(OptionTableTest, CommandLineSyntaxErrors) {
   EXPECT_THAT(LineError({"--sfm.count"}), HasSubstr("needs a value (1 .. 10)"));
   EXPECT_THAT(LineError({"--sfm.count", "--json"}), HasSubstr("needs a value"));
   EXPECT_THAT(LineError({"--json=1"}), HasSubstr("takes no value"));
+  EXPECT_THAT(LineError({"--from", ""}), HasSubstr("--from has an empty"));
   EXPECT_THAT(LineError({"--sfm.coumt", "1"}),
               HasSubstr("did you mean sfm.count?"));
   EXPECT_THAT(LineError({"--count", "1"}), HasSubstr("sfm.count"));

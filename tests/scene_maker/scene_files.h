@@ -24,8 +24,9 @@ namespace freegs::scene_maker {
 //   gt/transforms.json                        training cameras for --sfm.import
 //   gt/objects.json                           labels and boxes
 //   gt/instance/<view>.png                    8-bit object ids, train and test
-//   gt/surfaces/<view>.png                    of clutter and furniture: 8-bit ids, and
-//                                             200 + number of a surface
+//   gt/surfaces/<view>.png                    of clutter and furniture: 8-bit
+//                                             object ids, and 200 + number of a
+//                                             surface
 //   gt/depth/<test view>.npz                  key depth, float16 metres
 //   README.md
 // Calls progress(done, total) after each view, if given.

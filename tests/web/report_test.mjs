@@ -155,6 +155,17 @@ test("clicks on five objects in three views find what is there", async () => {
   }
   assert.equal(clicks, 15);
   assert.ok(canvas.width > 300);
+  // Haze that hides less than half of what is behind it is no object.
+  const haze = await page.evaluate(() => {
+    const { view } = globalThis.freegsViewer;
+    const opacities = view.cloud.gaussians.opacities;
+    const before = opacities.slice();
+    opacities.fill(0.005);
+    const found = view.pick(view.width / 2, view.height / 2);
+    opacities.set(before);
+    return found;
+  });
+  assert.equal(haze, null);
   assert.deepEqual(page.errors, []);
   await page.context().close();
 });
@@ -255,6 +266,17 @@ test("levels, hiding, saving a mask and a .ply", async () => {
     .toString("latin1");
   assert.match(header, new RegExp(`element vertex ${own}\n`));
   assert.equal(ply.length, header.length + own * 17 * 4);
+  // Far from the origin of the world, positions count from a point nearby.
+  await page.evaluate(() => {
+    globalThis.freegsScene.description.origin = [1.5e7, 0, 0];
+  });
+  const far = readFileSync(await download("Save .ply"));
+  const start = far.indexOf("end_header\n") + 11;
+  assert.match(
+    far.subarray(0, start).toString("latin1"),
+    /^comment offset 15000000 0 0$/m,
+  );
+  assert.ok(Math.abs(far.readFloatLE(start)) < 1e6);
   const mask = readGrey(await download("Save mask"));
   assert.ok(mask.values.some((value) => value === 255));
 

@@ -9,6 +9,7 @@ import {
   readFileSync,
   readdirSync,
   rmSync,
+  utimesSync,
 } from "node:fs";
 import { dirname, join } from "node:path";
 import { after, before, test } from "node:test";
@@ -174,6 +175,20 @@ test("two viewers, photos and whole objects from the server", async () => {
     assert.deepEqual(page.errors, []);
     await page.context().close();
   }
+  await stop(child);
+});
+
+test("the page is loaded anew when the objects are others", async () => {
+  const { child, url } = await serve(scene.workspace);
+  const page = await openPage(browser, url);
+  await page.evaluate(() => (globalThis.isOld = true));
+  utimesSync(
+    join(scene.workspace, "bootstrap", "instances.json"),
+    new Date(),
+    new Date(),
+  );
+  await page.waitForFunction(() => !globalThis.isOld);
+  await page.context().close();
   await stop(child);
 });
 

@@ -10,6 +10,8 @@ export interface Gaussians {
   scales: Float32Array; // count x 3, standard deviations
   rotations: Float32Array; // count x 4, x y z w
   opacities: Float32Array; // count
+  /** Whether small Gaussians are made fainter (Mip-Splatting). */
+  antialiased: boolean;
 }
 
 /** Pixels; `rotation` is camera from scene, row by row, y down, z forward. */
@@ -30,6 +32,10 @@ const DILATION = 0.3; // Pixels squared.
 const MIN_ALPHA = 1 / 255;
 const MAX_ALPHA = 0.99;
 const MIN_TRANSMITTANCE = 1e-4;
+const MIN_FILTER = 2.5e-5; // As in FilterOpacity.
+// A pixel where the labels' weights sum to less has no object, as in
+// semantics/queries/click_query.
+const MIN_WEIGHT = 0.5;
 // The projection counts as linear up to so much of the image's size outside.
 const FRUSTUM_MARGIN = 0.15;
 
@@ -123,13 +129,17 @@ function project(g: Gaussians, i: number, camera: PinholePose): Splat | null {
     xy += across * down;
     yy += down * down;
   }
+  const sharp = xx * yy - xy * xy;
   xx += DILATION;
   yy += DILATION;
   const determinant = xx * yy - xy * xy;
   if (!(determinant > 0)) return null;
   const middle = 0.5 * (xx + yy);
   const largest = middle + Math.sqrt(Math.max(0, middle * middle - determinant));
-  const opacity = g.opacities[i];
+  const filter = g.antialiased
+    ? Math.sqrt(Math.max(sharp / determinant, MIN_FILTER))
+    : 1;
+  const opacity = g.opacities[i] * filter;
   const radius = Math.sqrt(2 * Math.log(opacity / MIN_ALPHA) * largest);
   if (
     !(radius > 0) ||
@@ -176,7 +186,8 @@ export interface Pick {
 /**
  * The label of the largest summed blending weight at a point of the image, as
  * `freegs_pipeline query --click` answers. Gaussians of a negative label are
- * left out. Nothing where no label has any weight.
+ * left out, and label 0 is no answer. Nothing where the labels above 0 make up
+ * less than half of what the point shows.
  */
 export function pickLabel(
   gaussians: Gaussians,
@@ -209,12 +220,15 @@ export function pickLabel(
     if (transmittance < MIN_TRANSMITTANCE) break;
   }
   let best: Pick | null = null;
+  let total = 0;
   for (const [key, entry] of weights) {
-    if (key > 0 && (!best || entry.sum > best.weight)) {
+    if (key <= 0) continue;
+    total += entry.sum;
+    if (!best || entry.sum > best.weight) {
       best = { label: key, weight: entry.sum, gaussian: entry.index };
     }
   }
-  return best;
+  return total < MIN_WEIGHT ? null : best;
 }
 
 /**

@@ -5,6 +5,9 @@ import type { SceneDescription } from "./scene_data";
 import type { SplatCloud } from "./splat_cloud";
 
 const SH_C0 = 0.28209479177387814;
+// A scene so many units from the world's origin is far away, as
+// ModelFrame::IsFarAway says (splat/scene/model_frame.h).
+const FAR_AWAY = 5000;
 
 export function saveBlob(blob: Blob, name: string): void {
   const link = document.createElement("a");
@@ -40,9 +43,11 @@ export async function maskPng(
 }
 
 /**
- * The chosen Gaussians in the common layout of 3DGS, in the world frame. Their
- * colours are those without what depends on the direction, and as exact as the
- * page's scene file; `freegs_pipeline export --only` writes all there is.
+ * The chosen Gaussians in the common layout of 3DGS, in the world frame. The
+ * positions of a scene far away count from the point in the line "comment
+ * offset", because float32 would round them too much. Colours are those without
+ * what depends on the direction, and as exact as the page's scene file;
+ * `freegs_pipeline export --only` writes all there is.
  */
 export function chosenPly(scene: SceneDescription, cloud: SplatCloud): Blob {
   const { gaussians } = cloud;
@@ -53,8 +58,10 @@ export function chosenPly(scene: SceneDescription, cloud: SplatCloud): Blob {
     ...["f_dc_0", "f_dc_1", "f_dc_2", "opacity"],
     ...["scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"],
   ];
+  const far = Math.hypot(...scene.origin) > FAR_AWAY * scene.unit;
   const header =
     "ply\nformat binary_little_endian 1.0\n" +
+    (far ? `comment offset ${scene.origin.join(" ")}\n` : "") +
     (scene.antialiased ? "comment SplatRenderMode: mip\n" : "") +
     `element vertex ${chosen.length}\n` +
     names.map((name) => `property float ${name}\n`).join("") +
@@ -67,7 +74,7 @@ export function chosenPly(scene: SceneDescription, cloud: SplatCloud): Blob {
   };
   for (const i of chosen) {
     for (let k = 0; k < 3; ++k) {
-      put(gaussians.means[3 * i + k] * scene.unit + scene.origin[k]);
+      put(gaussians.means[3 * i + k] * scene.unit + (far ? 0 : scene.origin[k]));
     }
     for (let k = 0; k < 3; ++k) put(0);
     for (const channel of cloud.colorOf(i)) put((channel - 0.5) / SH_C0);

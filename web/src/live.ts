@@ -25,6 +25,7 @@ export interface LiveStatus {
   curve: TrainingCurve;
   preview: string | null;
   export_version: string;
+  scene_version: string;
 }
 
 const POLL_MILLISECONDS = 2000;
@@ -57,7 +58,6 @@ export class LivePanel {
   private readonly chartHolder = element("div", { class: "charts" });
   private readonly charts = new TrainingCharts(this.chartHolder);
   private drawn = "";
-  private firstVersion: string | null = null;
 
   constructor(private readonly holder: HTMLElement) {
     this.preview.hidden = true;
@@ -69,14 +69,17 @@ export class LivePanel {
     );
   }
 
-  /** Shows a run until it has ended; then the page is loaded anew. */
+  /**
+   * Shows a run until it has ended; then the page is loaded anew. So it is when
+   * only the scene is another: answers would be about objects not shown here.
+   */
   async follow(first: LiveStatus): Promise<void> {
+    const version = (status: LiveStatus) =>
+      `${status.export_version} ${status.scene_version}`;
     for (let status: LiveStatus | null = first; ; status = await readStatus()) {
       if (status) this.show(status);
       else this.line.textContent = "The server does not answer any more.";
-      if (status && this.firstVersion === null)
-        this.firstVersion = status.export_version;
-      if (status && !status.running && status.export_version !== this.firstVersion) {
+      if (status && !status.running && version(status) !== version(first)) {
         location.href = "/";
         return;
       }

@@ -10,7 +10,7 @@ import "./style.css";
 import { TrainingCharts, type TrainingCurve } from "./charts";
 import { element } from "./dom";
 import { LivePanel, readStatus } from "./live";
-import { openEmbeddedScene, openServedScene } from "./scene_data";
+import { hasServedScene, openEmbeddedScene, openServedScene } from "./scene_data";
 import { startViewer } from "./viewer";
 
 function hasWebGl2(): boolean {
@@ -30,9 +30,9 @@ async function showScene(holder: HTMLElement, served: boolean): Promise<void> {
     return;
   }
   try {
-    const source = served
-      ? await openServedScene()
-      : await openEmbeddedScene(holder.dataset.scene ?? "scene.js");
+    const source =
+      (served ? await openServedScene() : null) ??
+      (await openEmbeddedScene(holder.dataset.scene ?? "scene.js"));
     await startViewer(holder, source, served).loaded;
   } catch (error) {
     console.error(error);
@@ -56,8 +56,7 @@ async function start(): Promise<void> {
   if (!holder) return;
   // The page of a run shows the scene where it is there before the report.
   if (holder.hidden) {
-    const stage = status?.stages.find(({ name }) => name === "reconstruct");
-    if (stage?.state !== "done") return;
+    if (!status || !(await hasServedScene())) return;
     holder.hidden = false;
   }
   await showScene(holder, status !== null);

@@ -140,8 +140,16 @@ async function fetchBytes(url: string): Promise<Uint8Array> {
   return new Uint8Array(await answer.arrayBuffer());
 }
 
-export async function openServedScene(): Promise<SceneSource> {
+/** Whether the server has a scene for the page. */
+export async function hasServedScene(): Promise<boolean> {
+  const answer = await fetch("/api/scene", { method: "HEAD" }).catch(() => null);
+  return answer?.ok === true;
+}
+
+/** Null where the server's program was built without the 3D view. */
+export async function openServedScene(): Promise<SceneSource | null> {
   const answer = await fetch("/api/scene");
+  if (answer.status === 503) return null;
   if (!answer.ok) {
     const body = await answer.json().catch(() => ({}));
     throw new Error(body.error ?? `the scene cannot be read: ${answer.status}`);

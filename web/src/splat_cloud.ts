@@ -11,7 +11,7 @@ import {
 import * as THREE from "three";
 
 import type { Gaussians } from "./blending";
-import type { ScenePart, SceneSource } from "./scene_data";
+import type { SceneDescription, ScenePart, SceneSource } from "./scene_data";
 import type { Selection } from "./selection";
 
 /** Mixes in what Selection.paint wrote for each Gaussian. */
@@ -53,16 +53,18 @@ export class SplatCloud {
   private readonly parts: Part[] = [];
 
   constructor(
-    count: number,
+    scene: SceneDescription,
     private readonly root: THREE.Object3D,
     private readonly selection: Selection,
   ) {
+    const count = scene.num_gaussians;
     this.gaussians = {
       count: 0,
       means: new Float32Array(3 * count),
       scales: new Float32Array(3 * count),
       rotations: new Float32Array(4 * count),
       opacities: new Float32Array(count),
+      antialiased: scene.antialiased,
     };
     this.colors = new Float32Array(3 * count);
     this.labels = new Uint16Array(2 * count);

@@ -105,7 +105,7 @@ export class View3d {
     });
     groupSquares(this.spark);
     this.world.add(this.spark);
-    this.cloud = new SplatCloud(scene.num_gaussians, this.root, selection);
+    this.cloud = new SplatCloud(scene, this.root, selection);
     this.cameras = cameraLines(scene);
     this.boxes = boxLines(scene.objects.filter((object) => !object.background));
     this.cameras.visible = this.boxes.visible = false;

@@ -99,6 +99,19 @@ TEST(HierarchyTest, TwoInstancesBecomeOneWhole) {
   EXPECT_EQ(CutHierarchy(*read, 0).region_of_part, cut.region_of_part);
 }
 
+TEST(HierarchyTest, AThirdInstanceIsNotLostInAWhole) {
+  // So small a rug would make the region of all three (8) hardly larger than
+  // the stool.
+  Hierarchy hierarchy = Stool();
+  hierarchy.part_pixels[4] = 1500;
+  EXPECT_EQ(CutHierarchy(hierarchy, 0).region_of_part,
+            (std::vector<int32_t>{5, 5, 6, 6, 4}));
+  ASSERT_TRUE(JoinAsWhole(5, 6, 0.85, &hierarchy));
+  const HierarchyCut cut = CutHierarchy(hierarchy, 0);
+  EXPECT_EQ(cut.region_of_label.size(), 2u);
+  EXPECT_EQ(cut.region_of_part[4], 4);
+}
+
 TEST(HierarchyTest, AWholeThatWouldChangeOthersIsNone) {
   // A stool that is hardly a thing is worth less than seat and legs were. Then
   // the region of all three (8) is worth most, and the rug would be in it.

@@ -58,12 +58,15 @@ TEST(FindImportSource, TransformsFiles) {
   auto source = FindImportSource(folder.path());
   ASSERT_TRUE(source.ok());
   EXPECT_EQ(source->transforms, folder / "transforms_train.json");
-  EXPECT_TRUE(source->test_transforms.empty());
+  EXPECT_TRUE(source->holdout_transforms.empty());
+  WriteText(folder / "transforms_val.json", "{}");
   WriteText(folder / "transforms_test.json", "{}");
   source = FindImportSource(folder / "transforms_train.json");
   ASSERT_TRUE(source.ok());
-  EXPECT_EQ(source->test_transforms, folder / "transforms_test.json");
-  EXPECT_EQ(source->Files().size(), 2u);
+  EXPECT_THAT(source->holdout_transforms,
+              ElementsAre(folder / "transforms_test.json",
+                          folder / "transforms_val.json"));
+  EXPECT_EQ(source->Files().size(), 3u);
   WriteText(folder / "transforms.json", "{}");
   EXPECT_EQ(FindImportSource(folder.path())->transforms,
             folder / "transforms.json");
@@ -117,6 +120,17 @@ TEST(ImportModel, PhotosOfAnotherSize) {
   EXPECT_THAT(rotated.status().message(), HasSubstr("shape"));
 }
 
+TEST(ImportModel, TurnsThatNoSizeShows) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(WriteModel(folder.path(), SyntheticModel(3, 10)).ok());
+  std::vector<SfmPhoto> photos = Photos(3);
+  photos[1].orientation = 6;
+  photos[2].orientation = 3;
+  const auto imported = Import(folder.path(), photos);
+  ASSERT_TRUE(imported.ok()) << imported.status().message();
+  EXPECT_THAT(imported->turned, ElementsAre(PhotoName(2)));
+}
+
 TEST(ImportModel, NamesThatFitNothing) {
   const TemporaryFolder folder;
   Reconstruction model = SyntheticModel(3, 10);
@@ -145,14 +159,15 @@ TEST(ImportModel, TransformsGetRandomPoints) {
             Transforms({"./train/photo_000", "./train/photo_001"}));
   WriteText(folder / "transforms_test.json",
             Transforms({"./test/photo_002", "./test/none"}));
-  auto photos = Photos(3);
+  WriteText(folder / "transforms_val.json", Transforms({"./val/photo_003"}));
+  auto photos = Photos(4);
   const auto imported = Import(folder.path(), photos);
   ASSERT_TRUE(imported.ok()) << imported.status().message();
   EXPECT_TRUE(imported->random_points);
   EXPECT_EQ(imported->model.points3d.size(), 100u);
   EXPECT_EQ(imported->model.cameras.size(), 1u);
-  EXPECT_EQ(imported->model.images.size(), 3u);
-  EXPECT_THAT(imported->holdout, ElementsAre("photo_002.jpg"));
+  EXPECT_EQ(imported->model.images.size(), 4u);
+  EXPECT_THAT(imported->holdout, ElementsAre("photo_002.jpg", "photo_003.jpg"));
   EXPECT_THAT(imported->unmatched, ElementsAre("./test/none"));
   EXPECT_NEAR(
       CameraCentre(imported->model.images[1].cam_from_world).x(), 1, 1e-12);

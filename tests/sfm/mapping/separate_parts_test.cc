@@ -77,6 +77,17 @@ TEST_F(SeparatePartsTest, GluedModelsAreTakenApart) {
   EXPECT_EQ(parts->attempts[0].models, 0);
 }
 
+TEST_F(SeparatePartsTest, ACrashIsNoVerdict) {
+  options_.colmap = MakeFakeColmap(
+      folder_.path(),
+      {{"FAKE_COLMAP_FAIL", "mapper"}, {"FAKE_COLMAP_SIGNAL", "6"}});
+  const auto parts = Run(scene_.Model(true));
+  ASSERT_TRUE(parts.ok()) << parts.status().message();
+  EXPECT_THAT(parts->models, SizeIs(2));
+  ASSERT_THAT(parts->attempts, SizeIs(1));
+  EXPECT_THAT(parts->attempts[0].problem, HasSubstr("signal 6"));
+}
+
 TEST_F(SeparatePartsTest, OtherModelsStay) {
   // One is of other photos and larger than any part, one is not of others only.
   Reconstruction elsewhere = SyntheticModel(13, 20);

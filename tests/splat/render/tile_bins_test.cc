@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -43,7 +44,8 @@ TEST(TileBins, HoldsEveryTouchedTileAndFewMore) {
   projector.Project(
       model, camera, TestPose(), RenderOptions(), pool, &projection);
   TileBins bins;
-  BinSplats(projection, camera.width, camera.height, pool, &bins);
+  ASSERT_TRUE(
+      BinSplats(projection, camera.width, camera.height, pool, &bins).ok());
   ASSERT_EQ(bins.tiles_x, 10);
   ASSERT_EQ(bins.tiles_y, 7);
 
@@ -79,6 +81,21 @@ TEST(TileBins, HoldsEveryTouchedTileAndFewMore) {
   EXPECT_EQ(listed.size(), bins.num_pairs());
   // The test is exact on tile rows up to the pixel grid.
   EXPECT_LT(static_cast<double>(bins.num_pairs()), 1.12 * needed);
+}
+
+// A row of tiles that 33 splats cover from end to end.
+TEST(TileBins, RefusesMorePairsThanItCanCount) {
+  constexpr int kWidth = 1 << 30;
+  Projection projection;
+  projection.splats.resize(1);
+  projection.splats[0].x_end = kWidth;
+  projection.splats[0].y_end = kTileSize;
+  projection.visible.assign(33, 0);
+  ThreadPool pool(2);
+  TileBins bins;
+  const Status status = BinSplats(projection, kWidth, kTileSize, pool, &bins);
+  EXPECT_EQ(status.code(), StatusCode::kUnusableResult);
+  EXPECT_NE(status.message().find("has 2214592512 pairs"), std::string::npos);
 }
 
 TEST(TileBins, DepthOrder) {

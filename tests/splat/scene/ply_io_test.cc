@@ -224,6 +224,15 @@ TEST(PlyTest, RefusesTwoElementsOfOneName) {
               HasSubstr("two elements \"vertex\""));
 }
 
+TEST(PlyTest, RefusesManyElements) {
+  std::string header = "ply\nformat ascii 1.0\n";
+  for (int i = 0; i < 101; ++i) {
+    header += "element e" + std::to_string(i) + " 0\n";
+  }
+  EXPECT_THAT(MessageOf(header + "end_header\n"),
+              HasSubstr("more than 100 elements"));
+}
+
 TEST(PlyTest, CountsVerticesThatAreNotFinite) {
   GaussianModel model = RandomModel(10, 2, 1);
   model.means[4] = std::numeric_limits<float>::quiet_NaN();

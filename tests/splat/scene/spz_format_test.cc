@@ -287,6 +287,35 @@ TEST(SpzFormatTest, Files) {
   EXPECT_THAT(ReadSpz(folder / "b.spz").status().message(), HasSubstr("b.spz"));
 }
 
+// A scene in other units: the format's sizes are in those of the world.
+TEST(SpzFormatTest, FilesHaveTheSizesOfTheModel) {
+  const TemporaryFolder folder;
+  GaussianModel model = RandomModel(2000, 0, 1);
+  for (size_t i = 0; i < model.log_scales.size(); ++i) {
+    // Flat ones, whose thin side is below what the format can say.
+    model.log_scales[i] = i % 3 == 0 ? -12.0f : -3.0f;
+  }
+  const auto write = [&](double unit, size_t count) {
+    GaussianModel scaled = model;
+    for (size_t i = 0; i < 3 * count; ++i) {
+      scaled.log_scales[i] += static_cast<float>(std::log(unit));
+    }
+    return WriteSpz(folder / "a.spz", scaled);
+  };
+  EXPECT_TRUE(write(1, 2000).ok());
+  for (const double unit : {1e-3, 1e4}) {
+    const Status status = write(unit, 2000);
+    EXPECT_EQ(status.code(), StatusCode::kBadInput);
+    EXPECT_THAT(status.message(), HasSubstr("a.spz: 2000 of 2000"));
+    EXPECT_THAT(status.message(), HasSubstr("take .ply"));
+    EXPECT_TRUE(write(unit, 2).ok());
+    EXPECT_FALSE(write(unit, 3).ok());
+  }
+  // What nobody sees does not count.
+  model.opacity_logits.assign(2000, -4);
+  EXPECT_TRUE(write(1e4, 2000).ok());
+}
+
 TEST(SpzFormatTest, RefusesTruncation) {
   const std::string packed = SerializeSpz(RandomModel(3, 1, 1)).value();
   for (size_t size = 0; size < packed.size(); ++size) {

@@ -128,6 +128,8 @@ TEST_F(ExposureSearchTest, WithoutOthersNothingIsLearnt) {
   const auto masked = Search(2, masks.path());
   ASSERT_TRUE(masked.ok()) << masked.status().message();
   EXPECT_FALSE(masked->learn);
+  EXPECT_GT(masked->without.trained, 0);
+  EXPECT_EQ(masked->without.others, 0);
   views_.resize(2);
   const auto few = Search();
   ASSERT_TRUE(few.ok()) << few.status().message();

@@ -96,6 +96,14 @@ TEST_F(BenchResultsTest, SummaryHasMeansAndFailures) {
                         "code 4: no poses \\| </script> at all"));
 }
 
+TEST_F(BenchResultsTest, MeansHaveATitleInATableWithoutKeys) {
+  suite_.tables[0].over = {"seed", "scene", "preset"};
+  const std::string text = SummaryMarkdown(Bench());
+  EXPECT_THAT(text, HasSubstr("|  | holdout_psnr | scene_bytes |"));
+  EXPECT_THAT(text, HasSubstr("|  | 23.57 ±3.57 (7 of 8) |"));
+  EXPECT_THAT(text, HasSubstr("| mean of both | 23.57 (7 of 8) |"));
+}
+
 TEST_F(BenchResultsTest, CellsAreComparedWithTheReference) {
   const StatusOr<Suite> suite = ParseSuite(
       "[suite]\nreference = none\n[scene a]\nimages = p\n"
@@ -110,14 +118,17 @@ TEST_F(BenchResultsTest, CellsAreComparedWithTheReference) {
   EXPECT_EQ((*cells)[2].seed, 3);
   std::vector<CellResult> results(3);
   results[0].status = CellStatus::kDone;
-  results[0].values = {{"psnr", 19}};
+  results[0].values = {{"psnr", 19}, {"text_mbiou", 0.5}, {"text_box_miou", 1}};
   results[0].said = {{"ingest", "warning: 3 photos are dark"}};
   results[1].status = CellStatus::kDone;
   results[1].values = {{"psnr", 21}};
   results[2].status = CellStatus::kFailed;
   results[2].exit_code = 4;
   results[2].failed_stage = "sfm";
-  results[2].values = {{"psnr", 10}, {"num_gaussians", 7}};
+  results[2].values = {{"psnr", 10},
+                       {"num_gaussians", 7},
+                       {"text_mbiou", 0.25},
+                       {"text_box_miou", 0.5}};
   results[2].said = {{"ingest", "warning: 14 photos are dark"},
                      {"sfm", "warning: few poses"}};
   CompareWithReference(*suite, *cells, &results);
@@ -125,6 +136,8 @@ TEST_F(BenchResultsTest, CellsAreComparedWithTheReference) {
   EXPECT_EQ(results[2].told.text, "warning: few poses");
   EXPECT_DOUBLE_EQ(results[1].values["kept.psnr"], 105);
   EXPECT_DOUBLE_EQ(results[2].values["kept.psnr"], 50);
+  EXPECT_DOUBLE_EQ(results[2].values["kept.text_mbiou"], 50);
+  EXPECT_DOUBLE_EQ(results[2].values["kept.text_box_miou"], 50);
   EXPECT_FALSE(results[2].values.contains("kept.num_gaussians"));
   const std::string text = SummaryMarkdown({*suite, *cells, results});
   EXPECT_THAT(

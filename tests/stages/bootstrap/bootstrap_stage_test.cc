@@ -2,7 +2,9 @@
 
 #include "stages/bootstrap/bootstrap_stage.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <set>
 #include <string>
@@ -20,6 +22,7 @@
 #include "sfm/scene/model_io.h"
 #include "splat/render/renderer.h"
 #include "splat/scene/ply_io.h"
+#include "stages/bootstrap/seen_photo.h"
 #include "tests/semantics/clip/model_files.h"
 #include "tests/semantics/synthetic_gaussians.h"
 #include "tests/stages/moved_world.h"
@@ -29,6 +32,14 @@ namespace freegs::stages {
 namespace {
 
 namespace fs = std::filesystem;
+
+int MaxDifference(const ImageU8& a, const ImageU8& b) {
+  int largest = 0;
+  for (size_t i = 0; i < a.size(); ++i) {
+    largest = std::max(largest, std::abs(a.data()[i] - b.data()[i]));
+  }
+  return largest;
+}
 
 // A workspace as reconstruct leaves it: a table with four balls, seen by eight
 // cameras that look down on it from all around.
@@ -125,6 +136,33 @@ class BootstrapStageTest : public testing::Test {
   BootstrapStageOptions options_;
   std::string log_;  // Of all runs.
 };
+
+TEST_F(BootstrapStageTest, TheSceneIsSeenWhereAMaskIgnoresThePhoto) {
+  const auto scene = ReadWorkspaceScene(workspace());
+  ASSERT_TRUE(scene.ok()) << scene.status().message();
+  const View& view = scene->train[0];
+  const fs::path file = workspace() / "undistort" / "images" / view.name;
+  const ImageU8 photo = *ReadRgb(file);
+  ImageU8 spoilt = photo;
+  ImageU8 mask(kWidth, kHeight, 1, 255);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth / 2; ++x) {
+      mask(x, y) = 0;
+      for (int c = 0; c < 3; ++c) spoilt(x, y, c) = 255;
+    }
+  }
+  ASSERT_TRUE(WriteImage(file, spoilt).ok());
+  EXPECT_GT(MaxDifference(*ReadSeenPhoto(workspace(), *scene, view), photo),
+            50);
+  const fs::path mask_file =
+      workspace() / "undistort" / "masks" / (view.name + ".png");
+  fs::create_directories(mask_file.parent_path());
+  ASSERT_TRUE(WriteImage(mask_file, mask).ok());
+  EXPECT_LE(MaxDifference(*ReadSeenPhoto(workspace(), *scene, view), photo), 8);
+  ASSERT_TRUE(WriteImage(mask_file, ImageU8(8, 8, 1, 255)).ok());
+  EXPECT_EQ(ReadSeenPhoto(workspace(), *scene, view).status().code(),
+            StatusCode::kBadInput);
+}
 
 TEST_F(BootstrapStageTest, WritesInstancesMapsAndPreviews) {
   const fs::path output = workspace() / "bootstrap";

@@ -97,7 +97,7 @@ TEST_F(CommandWordsTest, MessagesShowTheUsage) {
   EXPECT_THAT(Error({"a", "b", "c"}), HasSubstr("3 words"));
   EXPECT_THAT(Error({"oil", "--text", "y"}), HasSubstr("needs --out DIR"));
   EXPECT_THAT(Error({"oil", "--out", "", "--text", "y"}),
-              HasSubstr("needs --out DIR"));
+              HasSubstr("--out has an empty value"));
   EXPECT_THAT(Error({"oil", "--out", "x"}), HasSubstr("--text, --click"));
   EXPECT_THAT(Error({"oil", "--out", "x", "--text", "y", "--click", "1", "2"}),
               HasSubstr("exactly one"));

@@ -4,6 +4,7 @@
 
 #include "stages/command_line/remembered_options.h"
 
+#include <filesystem>
 #include <map>
 #include <sstream>
 #include <string>
@@ -88,6 +89,15 @@ TEST_F(RememberedOptionsTest, RunOfAWorkspaceGoesOnWithThem) {
               ElementsAre(Pair("general.seed", "5"),
                           Pair("sfm.camera", "single"),
                           Pair("sfm.import", "poses")));
+}
+
+TEST_F(RememberedOptionsTest, ProgramsAreFoundFromOtherFolders) {
+  Run(true, {"--sfm.colmap", "tools/colmap"});
+  const std::filesystem::path path = std::filesystem::current_path() / "tools";
+  EXPECT_THAT(Remembered(),
+              ElementsAre(Pair("sfm.colmap", (path / "colmap").string())));
+  Run(true, {"--sfm.colmap", "colmap"});
+  EXPECT_THAT(Remembered(), ElementsAre(Pair("sfm.colmap", "colmap")));
 }
 
 TEST_F(RememberedOptionsTest, Forget) {

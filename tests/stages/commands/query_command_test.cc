@@ -405,6 +405,24 @@ TEST_F(QueryCommandTest, CamerasOfAFileWithoutAlignment) {
   ASSERT_EQ(answer["masks"].size(), 1u);
   EXPECT_GT(answer["masks"][0]["pixels"], 0);
   EXPECT_TRUE(std::filesystem::exists(out() + "/overlay/new.jpg"));
+
+  // A size limits the masks, but pixels are still those of the camera.
+  const nlohmann::json small = QueryJson({"--click",
+                                          "new",
+                                          std::to_string(x),
+                                          std::to_string(y),
+                                          "--cameras",
+                                          path,
+                                          "--no-align",
+                                          "--size",
+                                          "16",
+                                          "--out",
+                                          out()});
+  EXPECT_EQ(small["hits"][0]["id"], 2);
+  EXPECT_EQ(small["query"], answer["query"]);
+  const auto mask = ReadLabels(std::filesystem::path(out()) / "masks/new.png");
+  ASSERT_TRUE(mask.ok()) << mask.status().message();
+  EXPECT_EQ(mask->width(), 16);
 }
 
 TEST_F(QueryCommandTest, WrongUsageIs2) {

@@ -110,6 +110,33 @@ TEST_F(EvaluationTest, WithoutMasksBoxesFindTheirInstances) {
   EXPECT_NEAR(quality.boxes->recall50, 2.0 / 3, 1e-9);
 }
 
+TEST_F(EvaluationTest, AnObjectThatNoTestViewShowsIsFoundByItsBox) {
+  const WorkspaceScene scene = MakeScene();
+  for (const auto& [name, files] : truth_.masks) {
+    StatusOr<ImageU16> mask = ReadLabels(files[0].path);
+    ASSERT_TRUE(mask.ok()) << mask.status().message();
+    std::replace(
+        mask->data(), mask->data() + mask->size(), uint16_t{3}, uint16_t{0});
+    ASSERT_TRUE(WriteLabels(files[0].path, *mask).ok());
+  }
+  const auto instances = MeasureInstanceQuality(
+      scene, labels_, truth_, truth_from_scene_, cancellation_, pool_);
+  ASSERT_TRUE(instances.ok() && instances->has_value());
+  const ObjectResult& hidden = (*instances)->objects[2];
+  EXPECT_EQ(hidden.num_views, 0);
+  EXPECT_EQ(hidden.instance, 2);
+  EXPECT_GT(*hidden.box_iou, 0.9);
+}
+
+TEST_F(EvaluationTest, MasksMayBeSmallerButNotOfAnotherShape) {
+  const View& view = truth_.cameras.test[0];
+  const fs::path path = truth_.masks[view.name][0].path;
+  ASSERT_TRUE(WriteLabels(path, ImageU16(4, 3, 1)).ok());
+  EXPECT_TRUE(ReadTrueMasks(truth_, view).ok());
+  ASSERT_TRUE(WriteLabels(path, ImageU16(2, 2, 1)).ok());
+  EXPECT_EQ(ReadTrueMasks(truth_, view).status().code(), StatusCode::kBadInput);
+}
+
 TEST_F(EvaluationTest, LargeMasksAreComparedReduced) {
   const WorkspaceScene scene = MakeScene();
   int num_views = 0;

@@ -177,6 +177,17 @@ TEST_F(ExportStageTest, ReportSaysWhenWordsAreWithheld) {
   EXPECT_THAT(page, HasSubstr("freegs_pipeline model"));
 }
 
+TEST_F(ExportStageTest, LeavesOutASpzThatCannotSayTheSizes) {
+  for (float& scale : workspace_.model.log_scales) scale -= 9;
+  ASSERT_TRUE(splat::WritePly(workspace_ / "reconstruct" / "point_cloud.ply",
+                              workspace_.model)
+                  .ok());
+  ASSERT_TRUE(Run().ok());
+  EXPECT_FALSE(fs::exists(Out("scene.spz")));
+  EXPECT_TRUE(fs::exists(Out("scene.ply")));
+  EXPECT_THAT(log_, HasSubstr("no scene.spz"));
+}
+
 TEST_F(ExportStageTest, WithoutInstancesTheRestIsThere) {
   const Status status = Run();
   ASSERT_TRUE(status.ok()) << status.message();

@@ -12,6 +12,7 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 QueryAnswer MakeAnswer(int max_hits, double threshold) {
   QueryAnswer answer;
@@ -101,6 +102,15 @@ TEST(QueryAnswerTest, NothingFoundIsSaidPlainly) {
               AllOf(HasSubstr("not found: text \"cup\""),
                     HasSubstr("instance 1 with relevancy 0.800"),
                     HasSubstr("less than 0.950")));
+  QueryAnswer with_plane = answer;
+  const auto advice = [&with_plane](double score) {
+    with_plane.plane = ScoredInstance{9, score, 0.4, {}};
+    std::ostringstream said;
+    PrintAnswer(with_plane, Instances(), said);
+    return said.str();
+  };
+  EXPECT_THAT(advice(0.96), HasSubstr("--background"));
+  EXPECT_THAT(advice(0.94), Not(HasSubstr("--background")));
   QueryAnswer empty;
   empty.words = "click a 1 2";
   EXPECT_TRUE(ToJson(empty, {})["best_score"].is_null());

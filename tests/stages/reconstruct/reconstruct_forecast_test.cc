@@ -72,7 +72,9 @@ TEST(ReconstructForecastTest, GaussiansGrowFromThePointsUpToTheBudget) {
   options.densify_interval = 100;
   const SceneOutlook scene = SceneOutlookOf(24, 640, 480);
   const auto expected = [&](int64_t points) {
-    return ExpectGaussians(Training(options, scene), points);
+    return ExpectGaussians(Training(options, scene),
+                           points,
+                           pipeline::CountPixels(scene.train, 0).total);
   };
   // Mini-Splatting has twice the budget before it simplifies.
   EXPECT_EQ(expected(10000).dense, 100000);
@@ -90,6 +92,12 @@ TEST(ReconstructForecastTest, GaussiansGrowFromThePointsUpToTheBudget) {
   EXPECT_EQ(expected(200000).dense, 200000);
   options.budget = "0";
   EXPECT_NEAR(expected(10000).dense, 19600, 1e-6);
+  // A long training starts again from depth maps, however few the points.
+  options.iterations = 20000;
+  EXPECT_EQ(expected(10).dense, 21 * 640 * 480 / 32);
+  options.budget = "50000";
+  EXPECT_EQ(expected(10).dense, 77778);
+  EXPECT_GT(expected(10).left, 20000);
 }
 
 TEST(ReconstructForecastTest, MasksTakeAByteAPixel) {

@@ -39,5 +39,16 @@ TEST(ReconstructOptionsTest, LongerTrainingsHaveSmallerRates) {
   }
 }
 
+TEST(ReconstructOptionsTest, TheCacheIsNoLargerThanCanBeCounted) {
+  ReconstructStageOptions options;
+  pipeline::OptionTable table;
+  RegisterReconstructOptions(options, table);
+  const auto apply = [&](const std::string& value) {
+    return table.Apply({{"reconstruct.image_cache_gb", value, "test"}});
+  };
+  EXPECT_TRUE(apply("1e6").ok());
+  EXPECT_EQ(apply("1e12").code(), StatusCode::kInvalidArgument);
+}
+
 }  // namespace
 }  // namespace freegs::stages

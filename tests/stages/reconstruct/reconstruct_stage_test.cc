@@ -150,7 +150,7 @@ TEST_F(ReconstructStageTest, TakesATrainedModel) {
 
 TEST_F(ReconstructStageTest, TakesACompressedModel) {
   ReconstructStageOptions options;
-  options.import = (workspace_ / "trained.spz").string();
+  options.import = (workspace_ / "trained.SPZ").string();
   ASSERT_TRUE(splat::WriteSpz(options.import, truth_).ok());
   ASSERT_TRUE(Run(options, "out").ok());
   const nlohmann::json metrics =

@@ -21,7 +21,12 @@ TEST(DisplacementNoteTest, HalfOfThePhotosMayLieAnywhere) {
 
 TEST(ExposureTextTest, SaysWhatTheTrialShowed) {
   splat::ExposureChoice choice;
-  EXPECT_THAT(ExposureText(choice), testing::HasSubstr("too few to tell"));
+  EXPECT_THAT(ExposureText(choice), testing::HasSubstr("photos are too few"));
+  choice.without = {.trained = 21, .others = 0};
+  choice.with = {.trained = 23, .others = 0};
+  EXPECT_THAT(ExposureText(choice),
+              testing::AllOf(testing::HasSubstr("masks leave too little"),
+                             testing::Not(testing::HasSubstr("dB"))));
   choice.learn = true;
   choice.without = {.trained = 21, .others = 20.5};
   choice.with = {.trained = 23, .others = 22.25};

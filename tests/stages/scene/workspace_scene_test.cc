@@ -69,6 +69,11 @@ TEST(OutputNamesTest, KeepsTheExtensionWhereNamesWouldCollide) {
   const auto names = OutputNames(Named({"a.jpg", "a.png", "b.png"}), "");
   ASSERT_TRUE(names.ok());
   EXPECT_THAT(*names, ElementsAre("a.jpg", "a.png", "b"));
+  const auto more =
+      OutputNames(Named({"a.jpg", "a.png", "a.jpg.jpg", "b.png"}), ".png");
+  ASSERT_TRUE(more.ok());
+  EXPECT_THAT(*more,
+              ElementsAre("a.jpg.png", "a.png.png", "a.jpg.jpg.png", "b.png"));
 }
 
 TEST(OutputNamesTest, RefusesNamesThatLeaveTheFolder) {

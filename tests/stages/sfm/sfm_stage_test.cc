@@ -195,6 +195,18 @@ TEST_F(SfmStageTransformsTest, RandomPoints) {
   EXPECT_THAT(workspace_.warnings, Contains(HasSubstr("fit no photo")));
 }
 
+TEST_F(SfmStageTransformsTest, PhotosThatExifTurnedAreNamed) {
+  // The file gives no sizes, so that the quarter turn is not seen either.
+  for (int i = 0; i < 5; ++i) workspace_.list.photos[i].orientation = 1 + i;
+  workspace_.WriteList();
+  options_.random_points = 123;
+  const Status status = workspace_.Run(*MakeSfmStage(options_, 0));
+  ASSERT_TRUE(status.ok()) << status.message();
+  EXPECT_THAT(workspace_.warnings,
+              Contains(HasSubstr(
+                  "photo_001.jpg, photo_002.jpg, photo_003.jpg and 1 more")));
+}
+
 TEST_F(SfmStageTransformsTest, TriangulatedPoints) {
   const Status status = Run();
   ASSERT_TRUE(status.ok()) << status.message();

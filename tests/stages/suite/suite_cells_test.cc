@@ -17,11 +17,14 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Pair;
 
-// Knows one option of eval and one disturbance.
+// Knows two options of eval and one disturbance.
 SuiteChecks KnownChecks() {
   SuiteChecks checks;
-  checks.eval = [](const std::string& option, const std::string&) {
-    return option == "text-from" ? Status() : InvalidArgumentError("unknown");
+  checks.eval = [](const std::string& option,
+                   const std::string&) -> StatusOr<bool> {
+    if (option == "text-from") return false;
+    if (option == "model") return true;
+    return InvalidArgumentError("unknown");
   };
   checks.disturb = [](const std::string& text) {
     return text == "none" || text.starts_with("blur:")
@@ -75,6 +78,15 @@ TEST(SuiteCellsTest, PathsStartAtTheSuite) {
   EXPECT_THAT((*cells)[0].settings, Contains(Pair("sfm.import", "/d/model")));
   EXPECT_THAT((*cells)[1].settings,
               Contains(Pair("sfm.import", "${scene}/model")));
+
+  const auto of_eval = Cells(
+      "[scene a]\nimages = p\n[grid g]\neval.model = clip ${scene}/clip\n",
+      KnownChecks());
+  ASSERT_TRUE(of_eval.ok()) << of_eval.status().message();
+  EXPECT_THAT((*of_eval)[0].eval_options,
+              ElementsAre(Pair("model", "/d/clip")));
+  EXPECT_THAT((*of_eval)[1].eval_options,
+              ElementsAre(Pair("model", "${scene}/clip")));
 }
 
 TEST(SuiteCellsTest, OptionsOfEvalAndDisturbancesAreApart) {

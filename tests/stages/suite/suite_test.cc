@@ -99,6 +99,14 @@ TEST(SuiteTest, OfItsOwnItHasOnePointWithDefaults) {
   EXPECT_THAT(suite->grids[0].axes, IsEmpty());
 }
 
+TEST(SuiteTest, FoldersMayEndInASlash) {
+  const StatusOr<Suite> suite = ParseSuite(
+      "[scene a]\nimages = photos/shelf/\ntruth = t/\n", "/suites/one.ini");
+  ASSERT_TRUE(suite.ok()) << suite.status().message();
+  EXPECT_EQ(suite->scenes[0].images, "/suites/photos/shelf");
+  EXPECT_EQ(suite->scenes[0].truth, "/suites/t");
+}
+
 TEST(SuiteTest, AGridHasSeedsOfItsOwnAndIsTheReference) {
   const StatusOr<Suite> suite = ParseSuite(
       "[suite]\nreference = as it is\n[scene a]\nimages = b\n"

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base64.h"
+#include "splat/scene/ply_io.h"
 #include "splat/scene/spz_format.h"
 #include "stages/scene/workspace_scene.h"
 #include "tests/stages/synthetic_workspace.h"
@@ -62,6 +63,29 @@ TEST_F(ViewerSceneTest, PartsHoldAllGaussiansAndTheirLabels) {
   const json& levels = scene->description["levels"];
   EXPECT_EQ(levels["1"]["wider"], json::parse("[[2, 6], [0, 6]]"));
   EXPECT_EQ(levels["3"]["wider"], json::parse("[[0, 6]]"));
+}
+
+// One Gaussian that is very far away spoils neither the page nor the others.
+TEST_F(ViewerSceneTest, ShowsWhatIsVeryFarAway) {
+  const auto plain = MakeViewerScene(workspace_.path(), {});
+  ASSERT_TRUE(plain.ok());
+  const auto expected = splat::ParseSpz(plain->parts[0].splats, false);
+  splat::GaussianModel model = workspace_.model;
+  for (int k = 0; k < 3; ++k) model.means[k] = k == 0 ? 1e12f : 0;
+  for (int k = 0; k < 3; ++k) model.log_scales[k] = 20;
+  ASSERT_TRUE(
+      splat::WritePly(workspace_ / "reconstruct" / "point_cloud.ply", model)
+          .ok());
+  const auto scene = MakeViewerScene(workspace_.path(), {});
+  ASSERT_TRUE(scene.ok()) << scene.status().message();
+  const auto shown = splat::ParseSpz(scene->parts[0].splats, false);
+  ASSERT_TRUE(shown.ok() && expected.ok());
+  ASSERT_EQ(shown->size(), expected->size());
+  EXPECT_NEAR(shown->means[0], 32767, 1);
+  EXPECT_NEAR(shown->log_scales[0], 20 + std::log(32767 / 1e12), 0.04);
+  for (size_t i = 3; i < shown->means.size(); ++i) {
+    EXPECT_NEAR(shown->means[i], expected->means[i], 1.1 / 512);
+  }
 }
 
 TEST_F(ViewerSceneTest, FollowsTheContract) {

@@ -36,6 +36,8 @@ function addTable(parent: HTMLElement, table: Table, results: Results) {
       !table.over.includes(key) &&
       (key === "scene" || new Set(cells.map((cell) => keyText(cell, key))).size > 1),
   );
+  // The titles of means need a column; a key without a name has no values.
+  if (keys.length === 0 && table.means.length > 0) keys.push("");
   add(parent, "h2", table.title);
   const body = startTable(parent, [...keys, ...table.columns]);
   const addRow = (titles: string[], group: Cell[]) => {
