@@ -38,12 +38,16 @@ Parts of these libraries are compiled into the program:
   nlohmann JSON    Niels Lohmann                MIT
   Eigen            the Eigen developers         MPL-2.0, with parts in BSD-3-Clause
   Boost            the Boost developers         BSL-1.0
+  FLANN            Marius Muja, David Lowe      BSD-3-Clause
+  Highway          Google LLC and others        Apache-2.0
+  cpp-httplib      Yuji Hirose                  MIT
 
 Eigen's source is that of Debian's package eigen3; its licence, MPL-2.0, is
 /usr/share/common-licenses/MPL-2.0. What Debian says of the others follows; Boost's
 licence asks for nothing in programs.
 ")
-foreach(package libceres-dev nlohmann-json3-dev)
+foreach(package libceres-dev nlohmann-json3-dev libflann-dev libhwy-dev
+    libcpp-httplib-dev)
   if(EXISTS /usr/share/doc/${package}/copyright)
     file(READ /usr/share/doc/${package}/copyright text)
     string(APPEND copyright "\n== ${package}\n\n${text}")

@@ -72,4 +72,11 @@ foreach(component program development)
     COMPONENT ${component} EXCLUDE_FROM_ALL)
 endforeach()
 
+if(NOT CMAKE_CROSSCOMPILING)
+  find_program(FREEGS_SHLIBDEPS dpkg-shlibdeps)
+  if(NOT FREEGS_SHLIBDEPS)
+    message(STATUS "Packages would not name the libraries that they need: "
+      "install dpkg-dev before cpack")
+  endif()
+endif()
 include(CPack)

@@ -37,6 +37,7 @@ make_sysroot() {
     'Created-By: Packages' 'Release: bookworm' | head -n 1)
   packages=$(sed 's/#.*//' scripts/packages.txt | tr -s '[:space:]' '\n' |
     grep -E -- '-dev$' | paste -sd,)
+  rm -rf -- "$FREEGS_SYSROOT.part"  # Of a run that was stopped.
   # Unpacked, not installed: no program for ARM runs.
   mmdebstrap --quiet --variant=extract --architectures=arm64 \
     --hook-dir=/usr/share/mmdebstrap/hooks/merged-usr \

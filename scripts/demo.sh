@@ -90,11 +90,15 @@ step() {
   echo "$name: done in $(minutes $((SECONDS - start)))" >&2
 }
 build_program() {
-  scripts/configure.sh "$build"
+  scripts/configure.sh "$build" -DFREEGS_BUILD_TESTS=ON
   cmake --build "$build" --parallel "$(nproc)" \
     --target freegs_pipeline freegs_make_scene
 }
 
+# The line that says how long it will take would hide sudo's question for a password.
+if ((EUID != 0)) && command -v sudo >/dev/null && ! scripts/install_packages.sh --check; then
+  sudo -v
+fi
 : >"$log"
 step "installing packages" "$install_seconds" \
   $((build_seconds + draw_seconds + scene_seconds)) scripts/install_packages.sh

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Installs the Debian packages of packages.txt that are missing. With --tests it also
 # installs those of test_packages.txt, and with --arm64 those of arm64_packages.txt.
-# If none is missing, it does nothing and needs no network.
+# If none is missing, it does nothing and needs no network. With --check it only tells,
+# by the exit status 0, whether none of packages.txt is missing.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 
@@ -15,14 +16,20 @@ mapfile -t packages < <(cat "${lists[@]}" | sed 's/#.*//' |
 # Programs that many people have from elsewhere, which Debian's would be in the
 # way of.
 declare -A program_of=([nodejs]=node [npm]=npm [chromium]=chromium)
+# The page needs Node.js 18.
+usable() {
+  command -v "$1" >/dev/null || return 1
+  [[ $1 != node ]] || node -e 'process.exit(parseInt(process.versions.node) < 18 ? 1 : 0)'
+}
 missing=()
 for package in "${packages[@]}"; do
   program=${program_of[$package]:-}
-  [[ -z $program ]] || ! command -v "$program" >/dev/null || continue
+  [[ -z $program ]] || ! usable "$program" || continue
   state=$(dpkg-query -W -f='${Status}' "$package" 2>/dev/null || true)
   [[ $state == "install ok installed" ]] || missing+=("$package")
 done
 ((${#missing[@]} > 0)) || exit 0
+[[ ${1:-} != --check ]] || exit 1
 
 echo "installing: ${missing[*]}"
 as_root=()

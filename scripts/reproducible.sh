@@ -14,8 +14,7 @@ here=$PWD
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 jobs=${JOBS:-$(nproc)}
 if (($# > 0)); then
-  mkdir -p -- "$1"
-  folder=$(cd "$here" && realpath -- "$1")
+  folder=$(cd "$here" && mkdir -p -- "$1" && realpath -- "$1")
   [[ -z $(ls -A -- "$folder") ]] || { echo "error: $folder is not empty" >&2; exit 3; }
 else
   folder=$(mktemp -d --tmpdir freegs_reproducible.XXXXXX)
