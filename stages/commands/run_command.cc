@@ -76,6 +76,31 @@ Status CheckImagesFolder(const fs::path& images,
            : ": no such folder of photos"));
 }
 
+// A path that is not there is mistyped. A stage without a result says so
+// itself. One with a result would count as up to date, because what it was made
+// from may go; that holds only for what the workspace remembers.
+Status CheckGivenPaths(const fs::path& workspace,
+                       const OptionTable& table,
+                       const std::vector<OptionSetting>& given,
+                       const std::map<std::string, std::string>& remembered) {
+  for (const OptionSetting& setting : given) {
+    const OptionTable::Option* option = table.Find(setting.name);
+    if (!option->spec.is_path || setting.value.empty()) continue;
+    std::error_code error;
+    if (fs::exists(setting.value, error)) continue;
+    const auto before = remembered.find(setting.name);
+    if (before != remembered.end() &&
+        before->second == pipeline::DisplayPath(workspace, setting.value)) {
+      continue;
+    }
+    const fs::path stage = pipeline::StageFolder(workspace, option->section());
+    if (!pipeline::ReadStageRecord(stage).ok()) continue;
+    return BadInputError("--" + setting.name + ": " + setting.value +
+                         ": no such file or folder");
+  }
+  return Status();
+}
+
 // The text as one word of a shell, quoted where it has to be.
 std::string ShellWord(const std::string& text) {
   constexpr std::string_view kPlain =
@@ -283,6 +308,10 @@ Status RunRunCommand(const std::vector<std::string>& arguments,
   const std::vector<std::string>& words = line.positional;
   request.workspace = AbsoluteFolder(words.back());
   FREEGS_RETURN_IF_ERROR(CheckWorkspaceFolder(request.workspace));
+  FREEGS_ASSIGN_OR_RETURN(const WorkspaceInfo before,
+                          pipeline::ReadWorkspaceInfo(request.workspace));
+  FREEGS_RETURN_IF_ERROR(CheckGivenPaths(
+      request.workspace, table, line.settings, before.settings));
   FREEGS_RETURN_IF_ERROR(Recall(targets, line, table, &request));
   const fs::path remembered = request.info.images;
   if (words.size() == 2) request.info.images = AbsoluteFolder(words.front());

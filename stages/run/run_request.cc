@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/io/json_text.h"
+#include "photos/photo_list.h"
 #include "pipeline/logger.h"
 #include "pipeline/stage_runner.h"
 #include "pipeline/version.h"
@@ -92,6 +93,24 @@ StatusOr<ExpectedRun> Expect(const RunRequest& request,
   return expected;
 }
 
+// An accuracy is measured on photos that are kept from the training.
+Status CheckHoldout(const std::filesystem::path& workspace) {
+  FREEGS_ASSIGN_OR_RETURN(
+      const photos::PhotoList list,
+      photos::ReadPhotoList(
+          pipeline::StageFolder(workspace, StageNames().front()) /
+          "images.json"));
+  const bool has_holdout =
+      std::ranges::any_of(list.photos, [](const photos::Photo& photo) {
+        return photo.split == photos::PhotoSplit::kHoldout;
+      });
+  if (has_holdout) return Status();
+  return BadInputError(
+      "no photos are kept from the training to measure its accuracy by; see "
+      "ingest.holdout, ingest.holdout_every and ingest.holdout_list, take more "
+      "photos, or run without --at-least");
+}
+
 // The PSNR of the holdout photos of a scene that has been trained.
 StatusOr<double> HoldoutPsnr(const std::filesystem::path& workspace) {
   const std::filesystem::path path =
@@ -146,8 +165,9 @@ StatusOr<bool> ConfigHasPreset(const std::filesystem::path& workspace,
   });
 }
 
-// What becomes of a choice where the user decided otherwise.
-enum class ChoiceRule { kUserDecides, kMustHold };
+// What becomes of a choice where the user decided otherwise; and whether it is
+// for the stage that runs now, and not remembered.
+enum class ChoiceRule { kUserDecides, kMustHold, kForNow };
 
 // Execute with the settings of the user and those chosen for preset auto, which
 // are remembered where they hold.
@@ -161,7 +181,9 @@ Status ExecuteChosen(RunRequest request,
   OptionTable table = MakeOptionTable(&options);
   FREEGS_RETURN_IF_ERROR(
       ApplySettings(request.workspace, settings, table, chosen));
+  const bool remembered = rule != ChoiceRule::kForNow;
   for (const OptionSetting& choice : chosen) {
+    if (!remembered) break;
     if (table.Find(choice.name)->value() == choice.value) {
       request.info.settings[choice.name] = choice.value;
     } else if (rule == ChoiceRule::kMustHold) {
@@ -170,7 +192,7 @@ Status ExecuteChosen(RunRequest request,
   }
   FREEGS_ASSIGN_OR_RETURN(const bool has_preset,
                           ConfigHasPreset(request.workspace, table));
-  if (has_preset) {
+  if (has_preset && remembered) {
     // Later runs go on with what was chosen, and not with that preset.
     const PipelineOptions plain;
     request.info.settings["general.preset"] = plain.general.preset;
@@ -205,16 +227,21 @@ Status ExecuteWithin(double seconds,
                   RunPart part,
                   double end) -> Status {
     RunRequest now = request;
-    // The same command would have the full time once more, and might choose
-    // other options and begin the training anew.
-    now.way_on = "run WORKSPACE, without IMAGES and --within,";
-    if (part == RunPart::kPhotos) now.to = StageNames().front();
+    ChoiceRule rule = ChoiceRule::kUserDecides;
+    if (part == RunPart::kPhotos) {
+      // Nothing is known yet to choose by.
+      now.to = StageNames().front();
+      rule = ChoiceRule::kForNow;
+    } else {
+      // The same command would have the full time once more, and might choose
+      // other options and begin the training anew.
+      now.way_on = "run WORKSPACE, without IMAGES and --within,";
+    }
     if (part == RunPart::kCameras) now.to = kLastOfCameras;
     now.deadline =
         Clock::time_point(std::chrono::duration_cast<Clock::duration>(
             std::chrono::duration<double>(end)));
-    return ExecuteChosen(
-        now, settings, chosen, ChoiceRule::kUserDecides, err, cancellation);
+    return ExecuteChosen(now, settings, chosen, rule, err, cancellation);
   };
   return RunWithin(seconds, tasks);
 }
@@ -247,6 +274,10 @@ Status ExecuteAtLeast(double psnr,
   tasks.train =
       [&](const std::vector<OptionSetting>& chosen) -> StatusOr<double> {
     RunRequest now = request;
+    now.to = StageNames().front();
+    FREEGS_RETURN_IF_ERROR(ExecuteChosen(
+        now, settings, chosen, ChoiceRule::kMustHold, err, cancellation));
+    FREEGS_RETURN_IF_ERROR(CheckHoldout(request.workspace));
     now.to = kTraining;
     FREEGS_RETURN_IF_ERROR(ExecuteChosen(
         now, settings, chosen, ChoiceRule::kMustHold, err, cancellation));

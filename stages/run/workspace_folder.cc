@@ -5,6 +5,8 @@
 #include <string>
 #include <system_error>
 
+#include "pipeline/workspace.h"
+
 namespace freegs::stages {
 
 namespace fs = std::filesystem;
@@ -19,8 +21,9 @@ Status CheckWorkspaceFolder(const fs::path& workspace) {
   for (const fs::directory_entry& entry :
        fs::directory_iterator(workspace, error)) {
     const std::string name = entry.path().filename().string();
-    // The latter is left when the first run ends before it has begun.
-    empty = empty && (name.starts_with('.') || name == "workspace.json.part");
+    // The latter two are left when the first run ends before it has begun.
+    empty = empty && (name.starts_with('.') || name == "workspace.json.part" ||
+                      entry.path() == pipeline::LogPath(workspace));
     for (const char* known : {"workspace.json",
                               "config.ini",
                               "ingest",

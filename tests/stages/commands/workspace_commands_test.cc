@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/cancellation.h"
+#include "pipeline/stage_record.h"
 #include "pipeline/workspace.h"
 #include "stages/commands/doctor_command.h"
 #include "stages/commands/init_command.h"
@@ -103,8 +104,32 @@ TEST_F(CommandTest, StatusErrors) {
 TEST_F(CommandTest, RunTakesAFolderThatAPowerCutLeft) {
   WriteText(folder_ / "photos" / "1.jpg", "x");
   WriteText(folder_ / "w" / "workspace.json.part", "{");
+  WriteText(folder_ / "w" / "log.txt", "");
   ExpectError(RunRunCommand,
               {Path("photos"), Path("w")},
+              StatusCode::kBadInput,
+              "ingest");
+}
+
+TEST_F(CommandTest, AMistypedPathIsNotTakenForOneThatIsGone) {
+  WriteText(folder_ / "photos" / "1.jpg", "x");
+  fs::create_directories(folder_ / "w" / "sfm");
+  ASSERT_TRUE(
+      pipeline::WriteStageRecord(folder_ / "w" / "sfm", pipeline::StageRecord())
+          .ok());
+  const std::string path = Path("none");
+  ExpectError(RunRunCommand,
+              {Path("photos"), Path("w"), "--sfm.import", path},
+              StatusCode::kBadInput,
+              "--sfm.import: " + path);
+  EXPECT_FALSE(fs::exists(folder_ / "w" / "workspace.json"));
+  // Once it was there.
+  pipeline::WorkspaceInfo info;
+  info.images = Path("photos");
+  info.settings["sfm.import"] = pipeline::DisplayPath(folder_ / "w", path);
+  ASSERT_TRUE(pipeline::WriteWorkspaceInfo(folder_ / "w", info).ok());
+  ExpectError(RunRunCommand,
+              {Path("photos"), Path("w"), "--sfm.import", path},
               StatusCode::kBadInput,
               "ingest");
 }
