@@ -81,14 +81,17 @@ StatusOr<ExpectedRun> Expect(const RunRequest& request,
   ExpectedRun expected{.iterations = options.reconstruct.iterations,
                        .max_image_size = options.reconstruct.max_image_size};
   double* part = &expected.cameras;
+  bool trained = false;
   for (const pipeline::StageForecast& forecast : forecasts) {
     if (forecast.needed) {
       *part += forecast.need.seconds;
+      if (trained) expected.after_training += forecast.need.seconds;
       if (part == &expected.cameras) {
         expected.cameras_tell_pace &= forecast.need.known() && !forecast.begun;
       }
     }
     if (forecast.stage == kLastOfCameras) part = &expected.others;
+    trained = trained || forecast.stage == kTraining;
   }
   return expected;
 }

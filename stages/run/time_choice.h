@@ -17,8 +17,9 @@ namespace freegs::stages {
 
 // What is expected of a run from now on.
 struct ExpectedRun {
-  double cameras = 0;  // Seconds of stages ingest, sfm and undistort.
-  double others = 0;   // Seconds of the stages after them.
+  double cameras = 0;         // Seconds of stages ingest, sfm and undistort.
+  double others = 0;          // Seconds of the stages after them.
+  double after_training = 0;  // Of these, seconds of those after the training.
 
   // Whether the time that the former take will tell how fast this machine is:
   // something is known of each, and none goes on from an interrupted run.

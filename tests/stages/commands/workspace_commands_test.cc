@@ -2,6 +2,7 @@
 // init, status, doctor, and what run and stage refuse before any work.
 
 #include <filesystem>
+#include <map>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -11,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/cancellation.h"
+#include "core/io/image_io.h"
 #include "pipeline/stage_record.h"
 #include "pipeline/workspace.h"
 #include "stages/commands/doctor_command.h"
@@ -192,7 +194,39 @@ TEST_F(CommandTest, RunWithinATimeRefusesWhatDoesNotGoWithIt) {
 }
 
 TEST_F(CommandTest, RunWithinATimeRemembersWhatItChose) {
-  // No photo, so it ends in ingest.
+  for (const int k : {1, 2, 3}) {
+    const fs::path photo = folder_ / "photos" / (std::to_string(k) + ".png");
+    fs::create_directories(photo.parent_path());
+    ASSERT_TRUE(WriteImage(photo, ImageU8(64, 48, 3, 50 * k)).ok());
+  }
+  WriteText(folder_ / "w" / "config.ini", "[general]\npreset = auto\n");
+  // Without COLMAP it ends in sfm.
+  const std::string colmap = Path("no_colmap");
+  ExpectError(RunRunCommand,
+              {Path("photos"),
+               Path("w"),
+               "--within",
+               "5m",
+               "--reconstruct.sh_degree",
+               "1",
+               "--sfm.colmap",
+               colmap},
+              StatusCode::kMissingDependency,
+              colmap);
+  const StatusOr<pipeline::WorkspaceInfo> info =
+      pipeline::ReadWorkspaceInfo(folder_ / "w");
+  ASSERT_TRUE(info.ok());
+  EXPECT_EQ(info->settings.count("reconstruct.iterations"), 1u);
+  EXPECT_EQ(info->settings.at("reconstruct.sh_degree"), "1");
+  // So it goes on without a time, with the same options, and whatever preset
+  // config.ini names.
+  ExpectError(
+      RunRunCommand, {Path("w")}, StatusCode::kMissingDependency, colmap);
+  EXPECT_EQ(pipeline::ReadWorkspaceInfo(folder_ / "w")->settings,
+            info->settings);
+}
+
+TEST_F(CommandTest, WhatIsChosenBeforeThePhotosAreReadIsNotRemembered) {
   WriteText(folder_ / "photos" / "1.jpg", "x");
   ExpectError(RunRunCommand,
               {Path("photos"),
@@ -208,23 +242,9 @@ TEST_F(CommandTest, RunWithinATimeRemembersWhatItChose) {
   const StatusOr<pipeline::WorkspaceInfo> info =
       pipeline::ReadWorkspaceInfo(folder_ / "w");
   ASSERT_TRUE(info.ok());
-  EXPECT_EQ(info->settings.count("general.preset"), 0u);
-  EXPECT_EQ(info->settings.count("reconstruct.iterations"), 1u);
-  EXPECT_EQ(info->settings.at("reconstruct.sh_degree"), "1");
-  // So it goes on without a time, and with the same options.
-  ExpectError(RunRunCommand, {Path("w")}, StatusCode::kBadInput, "ingest");
-  EXPECT_EQ(pipeline::ReadWorkspaceInfo(folder_ / "w")->settings,
-            info->settings);
-}
-
-TEST_F(CommandTest, WhatATimeChoseHoldsBesideAPresetOfTheConfigFile) {
-  WriteText(folder_ / "photos" / "1.jpg", "x");
-  WriteText(folder_ / "w" / "config.ini", "[general]\npreset = auto\n");
-  ExpectError(RunRunCommand,
-              {Path("photos"), Path("w"), "--within", "5m"},
-              StatusCode::kBadInput,
-              "ingest");
-  ExpectError(RunRunCommand, {Path("w")}, StatusCode::kBadInput, "ingest");
+  EXPECT_EQ(
+      info->settings,
+      (std::map<std::string, std::string>{{"reconstruct.sh_degree", "1"}}));
 }
 
 TEST_F(CommandTest, RunAtLeastRefusesWhatDoesNotGoWithIt) {

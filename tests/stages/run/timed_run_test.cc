@@ -45,8 +45,11 @@ class FakeMachine {
         now_ += slower_ * expected.cameras;
         cameras_done_ = true;
       } else {
-        // Training stops where the time is up.
-        now_ += std::min(slower_ * expected.others, end - now_);
+        // Training stops where the time is up that it has by the forecasts.
+        const double training = expected.others - expected.after_training;
+        now_ +=
+            std::min(slower_ * training, end - expected.after_training - now_);
+        now_ += slower_ * expected.after_training;
       }
       runs_.push_back(settings);
       return Status();
@@ -71,7 +74,8 @@ class FakeMachine {
     return {.cameras =
                 cameras_done_ ? 0 : 0.01 * Value(settings, "sfm.max_features"),
             .others = 10 + 4e-8 * side * side *
-                               Value(settings, "reconstruct.iterations")};
+                               Value(settings, "reconstruct.iterations"),
+            .after_training = 10};
   }
 
   const double slower_;
