@@ -43,7 +43,7 @@ class FingerprintCache {
 
   // Hashes a file, or a folder with the names and contents of all files below
   // it, in the order of their names. Hidden files and folders, Thumbs.db,
-  // desktop.ini and *.xmp are left out: programs that only show photos write
+  // desktop.ini and *.xmp are left out: file managers and photo editors write
   // them. A link to a file counts as the file. A link to a folder is not
   // followed, so that loops end, and counts with the name of its target. What
   // cannot be read counts as "unreadable", and what is neither a file nor a

@@ -97,7 +97,8 @@ build_program() {
 
 # The line that says how long it will take would hide sudo's question for a password.
 if ((EUID != 0)) && command -v sudo >/dev/null && ! scripts/install_packages.sh --check; then
-  sudo -v
+  # Where sudo asks for no password, `sudo -v` may still ask.
+  sudo -n true 2>/dev/null || sudo -v || true
 fi
 : >"$log"
 step "installing packages" "$install_seconds" \

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr uint64_t kMaxTransformsBytes = uint64_t{1} << 28;
 
-// Of two sizes of one photo; rounding explains it.
+// Two sizes of one photo may differ so much in shape, because they are rounded.
 constexpr double kMaxShapeDifference = 0.01;
 
 bool IsFile(const fs::path& path) {

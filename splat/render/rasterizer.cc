@@ -24,8 +24,8 @@ AlignedFloats TileChannels(int channels) {
   return floats;
 }
 
-// Pairs that are too many to be counted would not fit into memory either, and
-// the rasterizer's functions return no Status.
+// The rasterizer's functions return no Status. A view with too many pairs to be
+// counted is told as one that takes too much memory, as nearly all of them do.
 void BinOrThrow(const Projection& projection,
                 const Pinhole& camera,
                 ThreadPool& pool,

@@ -96,7 +96,8 @@ void ForEachTileRun(const Splat& splat, int tiles_x, const Visit& visit) {
 constexpr int64_t kAhead = 16;
 
 // Finds the tiles of each splat, in the order of the model, and returns the
-// number of all pairs. What counts them in 32 bits is wrong when they are more.
+// number of all pairs. The 32-bit counts in
+// *bins are wrong if there are 2^32 of them or more.
 uint64_t FindFootprints(const Projection& projection,
                         int64_t chunk_size,
                         ThreadPool& pool,

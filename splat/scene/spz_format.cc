@@ -36,10 +36,11 @@ constexpr double kMinLogScale = -10;
 constexpr double kMaxLogScale = kMinLogScale + 255 / kScaleSteps;
 constexpr int kRotationMax = 511;  // 9 bits and a sign.
 
-// Of the Gaussians with at least this opacity, so large a share may have sizes
-// that the format cannot say. In trained scenes of a few world units there is
-// none. Where it was three in a thousand, the background was lost.
+// Gaussians of less opacity are hardly seen.
 constexpr double kSeenOpacity = 0.05;
+// The largest share of Gaussians with sizes that the format cannot say. Trained
+// scenes of a few world units have none. Where it was three in a thousand, the
+// background was lost.
 constexpr double kMaxMisfitShare = 0.001;
 
 // Signs of x, y, z, and of the coefficients of degrees 1 to 3 when y and z

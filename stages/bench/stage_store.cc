@@ -82,7 +82,7 @@ StageStore::StageStore(const BenchContext& context, std::string to)
 std::string StageStore::Hash(const fs::path& path) {
   const std::lock_guard lock(mutex_);
   std::string hash = cache_.Hash(path).hash;
-  // This does not follow links to folders; stage ingest does.
+  // The cache does not follow links to folders; stage ingest does.
   const auto scan = photos::ScanPhotos(path, {context_.out});
   if (scan.ok()) {
     for (const std::string& link : scan->linked_folders) {

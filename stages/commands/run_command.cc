@@ -386,6 +386,8 @@ Status RunStageCommand(const std::vector<std::string>& arguments,
   if (!others.empty()) {
     request.note = "stage: uses remembered options: " + others;
   }
+  FREEGS_RETURN_IF_ERROR(CheckGivenPaths(
+      request.workspace, table, line.settings, request.info.settings));
   RememberOptions(request.workspace, table, line.settings, &request.info);
   FREEGS_RETURN_IF_ERROR(
       ApplySettings(request.workspace,

@@ -91,9 +91,9 @@ Status LoadViews(const QueryRequest& request,
   if ((request.click || request.box) && !request.cameras.empty()) {
     // Pixels are those of the cameras, whatever the size of the masks.
     selection.max_side = 0;
-    std::ostringstream said_above;
-    FREEGS_ASSIGN_OR_RETURN(
-        scene->file_views, ViewsToRender(*scene->scene, selection, said_above));
+    std::ostringstream ignored;  // The first call has printed the messages.
+    FREEGS_ASSIGN_OR_RETURN(scene->file_views,
+                            ViewsToRender(*scene->scene, selection, ignored));
   }
   return Status();
 }

@@ -168,34 +168,32 @@ StatusOr<bool> ConfigHasPreset(const std::filesystem::path& workspace,
   });
 }
 
-// What becomes of a choice where the user decided otherwise; and whether it is
-// for the stage that runs now, and not remembered.
-enum class ChoiceRule { kUserDecides, kMustHold, kForNow };
+// What becomes of a choice where the user decided otherwise.
+enum class ChoiceRule { kUserDecides, kMustHold };
 
-// Execute with the settings of the user and those chosen for preset auto, which
-// are remembered where they hold.
+// Execute with the settings of the user and those chosen for preset auto. Later
+// runs go on with those that hold, if they are to be remembered.
 Status ExecuteChosen(RunRequest request,
                      const std::vector<OptionSetting>& settings,
                      const std::vector<OptionSetting>& chosen,
                      ChoiceRule rule,
+                     bool remember,
                      std::ostream& err,
                      const CancellationToken& cancellation) {
   PipelineOptions options;
   OptionTable table = MakeOptionTable(&options);
   FREEGS_RETURN_IF_ERROR(
       ApplySettings(request.workspace, settings, table, chosen));
-  const bool remembered = rule != ChoiceRule::kForNow;
   for (const OptionSetting& choice : chosen) {
-    if (!remembered) break;
     if (table.Find(choice.name)->value() == choice.value) {
-      request.info.settings[choice.name] = choice.value;
+      if (remember) request.info.settings[choice.name] = choice.value;
     } else if (rule == ChoiceRule::kMustHold) {
       return ChosenByPsnrError(choice.name);
     }
   }
   FREEGS_ASSIGN_OR_RETURN(const bool has_preset,
                           ConfigHasPreset(request.workspace, table));
-  if (has_preset && remembered) {
+  if (has_preset && remember) {
     // Later runs go on with what was chosen, and not with that preset.
     const PipelineOptions plain;
     request.info.settings["general.preset"] = plain.general.preset;
@@ -230,11 +228,10 @@ Status ExecuteWithin(double seconds,
                   RunPart part,
                   double end) -> Status {
     RunRequest now = request;
-    ChoiceRule rule = ChoiceRule::kUserDecides;
-    if (part == RunPart::kPhotos) {
-      // Nothing is known yet to choose by.
+    // Before the photos are read nothing is known to choose by.
+    const bool remember = part != RunPart::kPhotos;
+    if (!remember) {
       now.to = StageNames().front();
-      rule = ChoiceRule::kForNow;
     } else {
       // The same command would have the full time once more, and might choose
       // other options and begin the training anew.
@@ -244,7 +241,13 @@ Status ExecuteWithin(double seconds,
     now.deadline =
         Clock::time_point(std::chrono::duration_cast<Clock::duration>(
             std::chrono::duration<double>(end)));
-    return ExecuteChosen(now, settings, chosen, rule, err, cancellation);
+    return ExecuteChosen(now,
+                         settings,
+                         chosen,
+                         ChoiceRule::kUserDecides,
+                         remember,
+                         err,
+                         cancellation);
   };
   return RunWithin(seconds, tasks);
 }
@@ -274,21 +277,30 @@ Status ExecuteAtLeast(double psnr,
     FREEGS_ASSIGN_OR_RETURN(const double psnr, HoldoutPsnr(request.workspace));
     return std::optional(psnr);
   };
+  const auto execute = [&](const RunRequest& now,
+                           const std::vector<OptionSetting>& chosen,
+                           bool remember) {
+    return ExecuteChosen(now,
+                         settings,
+                         chosen,
+                         ChoiceRule::kMustHold,
+                         remember,
+                         err,
+                         cancellation);
+  };
   tasks.train =
       [&](const std::vector<OptionSetting>& chosen) -> StatusOr<double> {
     RunRequest now = request;
     now.to = StageNames().front();
-    FREEGS_RETURN_IF_ERROR(ExecuteChosen(
-        now, settings, chosen, ChoiceRule::kMustHold, err, cancellation));
+    FREEGS_RETURN_IF_ERROR(execute(now, chosen, /*remember=*/false));
     FREEGS_RETURN_IF_ERROR(CheckHoldout(request.workspace));
     now.to = kTraining;
-    FREEGS_RETURN_IF_ERROR(ExecuteChosen(
-        now, settings, chosen, ChoiceRule::kMustHold, err, cancellation));
+    now.note.clear();
+    FREEGS_RETURN_IF_ERROR(execute(now, chosen, /*remember=*/true));
     return HoldoutPsnr(request.workspace);
   };
   tasks.finish = [&](const std::vector<OptionSetting>& chosen) {
-    return ExecuteChosen(
-        request, settings, chosen, ChoiceRule::kMustHold, err, cancellation);
+    return execute(request, chosen, /*remember=*/true);
   };
   return RunAtLeast(psnr, tasks);
 }

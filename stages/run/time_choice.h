@@ -19,7 +19,7 @@ namespace freegs::stages {
 struct ExpectedRun {
   double cameras = 0;         // Seconds of stages ingest, sfm and undistort.
   double others = 0;          // Seconds of the stages after them.
-  double after_training = 0;  // Of these, seconds of those after the training.
+  double after_training = 0;  // Of these, seconds of those after reconstruct.
 
   // Whether the time that the former take will tell how fast this machine is:
   // something is known of each, and none goes on from an interrupted run.

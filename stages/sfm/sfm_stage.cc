@@ -203,8 +203,9 @@ class SfmStage : public pipeline::Stage {
     }
     if (!imported.turned.empty()) {
       warnings.push_back(
-          "imported poses must belong to upright photos; where EXIF turns a "
-          "photo, its size does not show it: " +
+          "EXIF turns these photos, and their sizes cannot show whether the "
+          "imported poses belong to the turned photos, as they must; if the "
+          "scene looks wrong, make the poses of upright photos: " +
           Some(imported.turned, 3));
     }
     WarnOfHoldout(imported.holdout, list, &warnings);

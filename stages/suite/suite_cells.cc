@@ -75,7 +75,8 @@ class SettingTaker {
   }
 
  private:
-  // What ${scene} is in a path is known later; it begins with a folder.
+  // A path with ${scene} becomes absolute when the folder of the scene is
+  // known.
   std::string AbsolutePath(const std::string& value) const {
     if (value.empty() || value.find(kSceneVariable) != std::string::npos) {
       return value;

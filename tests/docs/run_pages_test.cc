@@ -121,6 +121,8 @@ TEST_F(RunPagesTest, CommandsDoWhatThePagesSay) {
   // lens that distorts, or with the workflow for many scenes.
   EXPECT_THAT(page.Missing(),
               UnorderedElementsAre(".workflow/",
+                                   "STAGE.partial/partial.json",
+                                   "STAGE.partial/usage.json",
                                    "STAGE/stage.json: error",
                                    "bootstrap/checkpoints/field.ckpt",
                                    "ingest.partial/frames/PHOTO",

@@ -18,8 +18,9 @@ namespace freegs::scene_maker {
 // kind: stool, chair, table, lamp, box or ball.
 CatalogueItem RandomFurniture(const std::string& kind, RandomStream* random);
 
-// Puts options.objects pieces on the floor, the kinds by turns. None touch.
-// Pieces that find no room are left out, but never all.
+// Puts up to options.objects pieces on the floor, the kinds by turns. None
+// touch. Pieces that find no room are left out, and those with the label of
+// another one. Error: kInternal if nothing is left.
 Status AddFurniture(Scene* scene);
 
 }  // namespace freegs::scene_maker

@@ -77,7 +77,7 @@ TEST_F(SeparatePartsTest, GluedModelsAreTakenApart) {
   EXPECT_EQ(parts->attempts[0].models, 0);
 }
 
-TEST_F(SeparatePartsTest, ACrashIsNoVerdict) {
+TEST_F(SeparatePartsTest, TheModelStaysWhenColmapCrashes) {
   options_.colmap = MakeFakeColmap(
       folder_.path(),
       {{"FAKE_COLMAP_FAIL", "mapper"}, {"FAKE_COLMAP_SIGNAL", "6"}});

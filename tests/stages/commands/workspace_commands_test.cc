@@ -51,6 +51,16 @@ class CommandTest : public ::testing::Test {
     return (folder_ / name).string();
   }
 
+  // Three photos that differ.
+  void WritePhotos() const {
+    fs::create_directories(folder_ / "photos");
+    for (const int k : {1, 2, 3}) {
+      ASSERT_TRUE(WriteImage(folder_ / "photos" / (std::to_string(k) + ".png"),
+                             ImageU8(64, 48, 3, static_cast<uint8_t>(50 * k)))
+                      .ok());
+    }
+  }
+
   TemporaryFolder folder_;
   CancellationToken cancellation_;
   std::string out_;
@@ -125,7 +135,7 @@ TEST_F(CommandTest, AMistypedPathIsNotTakenForOneThatIsGone) {
               StatusCode::kBadInput,
               "--sfm.import: " + path);
   EXPECT_FALSE(fs::exists(folder_ / "w" / "workspace.json"));
-  // Once it was there.
+  // A path that the workspace remembers may be gone.
   pipeline::WorkspaceInfo info;
   info.images = Path("photos");
   info.settings["sfm.import"] = pipeline::DisplayPath(folder_ / "w", path);
@@ -193,12 +203,26 @@ TEST_F(CommandTest, RunWithinATimeRefusesWhatDoesNotGoWithIt) {
               "run IMAGES WORKSPACE --within 5m");
 }
 
+TEST_F(CommandTest, AnAccuracyNeedsPhotosThatAreKeptFromTheTraining) {
+  WritePhotos();
+  ExpectError(RunRunCommand,
+              {Path("photos"),
+               Path("w"),
+               "--at-least",
+               "psnr=27",
+               "--ingest.holdout_every",
+               "0"},
+              StatusCode::kBadInput,
+              "ingest.holdout_every");
+  EXPECT_FALSE(fs::exists(folder_ / "w" / "sfm.partial"));
+  // Nothing was chosen yet that a later run would go on with.
+  EXPECT_EQ(pipeline::ReadWorkspaceInfo(folder_ / "w")
+                ->settings.count("reconstruct.iterations"),
+            0u);
+}
+
 TEST_F(CommandTest, RunWithinATimeRemembersWhatItChose) {
-  for (const int k : {1, 2, 3}) {
-    const fs::path photo = folder_ / "photos" / (std::to_string(k) + ".png");
-    fs::create_directories(photo.parent_path());
-    ASSERT_TRUE(WriteImage(photo, ImageU8(64, 48, 3, 50 * k)).ok());
-  }
+  WritePhotos();
   WriteText(folder_ / "w" / "config.ini", "[general]\npreset = auto\n");
   // Without COLMAP it ends in sfm.
   const std::string colmap = Path("no_colmap");
