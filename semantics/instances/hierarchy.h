@@ -75,9 +75,9 @@ int32_t RegionAround(const Hierarchy& hierarchy, int32_t leaf, int steps);
 // regions of the hierarchy's own cut. The whole is the region around both if
 // that is hardly larger (kLevelRatio) and holds hardly anything of others, and
 // else a new region. The probability of each region inside is multiplied by
-// 1 - quality. In the new cut the two
-// are one region, and all other regions are as before, except for a few crumbs.
-// Where this is not possible, returns false and changes nothing.
+// 1 - quality. In the new cut the two are one region, and all other regions are
+// as before, except for a few crumbs. Where this is not possible, returns false
+// and changes nothing.
 bool JoinAsWhole(int32_t a, int32_t b, double quality, Hierarchy* hierarchy);
 
 // For each Gaussian, whether it is in a region.
