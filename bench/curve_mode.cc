@@ -39,7 +39,7 @@ class TrainingClock {
   }
 
  private:
-  pipeline::ResourceMeter meter_;
+  pipeline::ResourceMeter meter_{pipeline::PeakMemory::kReset};
   pipeline::ResourceUsage stopped_;
   double left_out_seconds_ = 0;
   double left_out_cpu_seconds_ = 0;
@@ -130,7 +130,7 @@ Status RunCurve(const CurveOptions& options) {
   FREEGS_ASSIGN_OR_RETURN(training.schedule.resolution_steps,
                           splat::SpectrumResolutionSteps(&images));
   splat::Trainer trainer(
-      training, std::move(initial), scene.extent, &images, &pool);
+      training, std::move(initial), scene.extent, &images, pool);
   if (reconstruct.exposure == "auto") {
     FREEGS_ASSIGN_OR_RETURN(const splat::ExposureChoice choice,
                             splat::SearchExposure({},
@@ -138,7 +138,7 @@ Status RunCurve(const CurveOptions& options) {
                                                   trainer.model(),
                                                   scene.extent,
                                                   &images,
-                                                  &pool,
+                                                  pool,
                                                   /*cancellation=*/nullptr));
     std::fprintf(stderr, "%s\n", stages::ExposureText(choice).c_str());
     trainer.KeepTo(choice);

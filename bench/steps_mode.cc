@@ -112,8 +112,8 @@ Status RunSteps(const StepsOptions& options) {
     std::fflush(stdout);
   };
   for (int round = 1; round <= options.rounds; ++round) {
-    splat::Trainer trainer(training, initial, scene.extent, &images, &pool);
-    const pipeline::ResourceMeter meter;
+    splat::Trainer trainer(training, initial, scene.extent, &images, pool);
+    const pipeline::ResourceMeter meter(pipeline::PeakMemory::kReset);
     double loss_sum = 0;
     for (int step = 0; step < options.steps; ++step) {
       FREEGS_ASSIGN_OR_RETURN(const splat::StepReport report, trainer.Step());

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How a caller asks long work to stop, and how that work reports its progress.
+// How a caller asks long work to stop, how that work reports its progress, and
+// the clock by which both are timed.
 
 #ifndef FREEGS_CORE_CANCELLATION_H_
 #define FREEGS_CORE_CANCELLATION_H_
 
 #include <atomic>
+#include <chrono>
 #include <functional>
 #include <string>
 
@@ -36,6 +38,13 @@ struct Progress {
   std::string detail;  // A short free text: "loss 0.031, 48211 Gaussians".
 };
 using ProgressFn = std::function<void(const Progress&)>;
+
+// Seconds of a clock that never goes back; its origin is arbitrary.
+inline double SteadySeconds() {
+  return std::chrono::duration<double>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
 
 }  // namespace freegs
 

@@ -4,6 +4,8 @@
 #ifndef FREEGS_CORE_IMAGE_H_
 #define FREEGS_CORE_IMAGE_H_
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -63,6 +65,18 @@ class Image {
 using ImageU8 = Image<uint8_t>;
 using ImageU16 = Image<uint16_t>;
 using ImageF = Image<float>;  // Colour in [0, 1] unless said otherwise.
+
+// Whether the sides of two sizes have the same ratio, up to the 1 % that
+// rounding to whole pixels explains.
+inline bool SameShape(double width_a,
+                      double height_a,
+                      double width_b,
+                      double height_b) {
+  constexpr double kTolerance = 0.01;
+  const double a = width_a * height_b;
+  const double b = width_b * height_a;
+  return std::abs(a - b) <= kTolerance * std::max(a, b);
+}
 
 }  // namespace freegs
 

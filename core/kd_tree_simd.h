@@ -11,7 +11,7 @@ namespace freegs {
 
 // A block has so many entries: the points of a leaf, or the bounding boxes of a
 // node's children.
-constexpr int kKdBlockSize = 16;
+inline constexpr int kKdBlockSize = 16;
 
 // The kernels compute lower bounds of squared distances. They add squares in
 // float and then make the sum smaller, by more than its rounding error. So a
@@ -20,7 +20,7 @@ constexpr int kKdBlockSize = 16;
 // rounding error is at most about (dim + 2) * 2^-24, and KdBoundFactor removes
 // more than that. kKdSlack covers squares that are too small for a normal
 // float.
-constexpr float kKdSlack = 0x1p-120f;
+inline constexpr float kKdSlack = 0x1p-120f;
 constexpr float KdBoundFactor(int dim) {
   return 1.0f - static_cast<float>(dim < 64 ? 80 : dim + 16) * 0x1p-23f;
 }

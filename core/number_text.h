@@ -27,6 +27,9 @@ std::string FormatCount(int64_t count);
 // duration is negative or not finite.
 std::string FormatSeconds(double seconds);
 
+// What is called GB everywhere in this program: 10^9 bytes.
+inline constexpr int64_t kGigabyte = 1'000'000'000;
+
 // "812 B", "1.4 MB", in powers of 1000; "–" when the size is negative or not
 // finite.
 std::string FormatBytes(double bytes);

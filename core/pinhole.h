@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A camera without lens distortion, as the splat renderer needs it.
+// A camera without lens distortion, as the splat renderer needs it, and which
+// focal lengths a camera can have.
 
 #ifndef FREEGS_CORE_PINHOLE_H_
 #define FREEGS_CORE_PINHOLE_H_
@@ -11,6 +12,12 @@
 #include "core/rigid3d.h"
 
 namespace freegs {
+
+// The least and the largest focal length, in multiples of the longest side of
+// the image. No photograph has a field of view above 150 degrees or below a
+// fifth of one.
+inline constexpr double kMinFocalRatio = 0.13;
+inline constexpr double kMaxFocalRatio = 300;
 
 // Pinhole intrinsics in pixels. A point (x, y, z) of the camera frame (x right,
 // y down, z forward) falls on (fx x/z + cx, fy y/z + cy), where the centre of

@@ -2,7 +2,7 @@
 // Medians and quantiles of values in any order. They differ in what they
 // return when no single value lies at the rank asked for: the lower or the
 // upper neighbour, the nearer one, or the mean of both. None of the values may
-// be NaN. Without values each returns 0.
+// be NaN. Without values each returns 0, except ValueOfRank, which needs one.
 
 #ifndef FREEGS_CORE_QUANTILE_H_
 #define FREEGS_CORE_QUANTILE_H_

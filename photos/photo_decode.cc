@@ -91,7 +91,10 @@ StatusOr<ImageU8> ToRgb(cv::Mat stored,
     const double full = stored.depth() == CV_8U ? 255 : 65535;
     stored.setTo(background * full, stored == *header.transparent_grey);
   }
-  if (stored.channels() == 4) {
+  if (stored.channels() == 4 && !header.has_alpha) {
+    // CMYK, or a fourth sample that has nothing to do with the picture.
+    cv::cvtColor(stored, stored, cv::COLOR_BGRA2BGR);
+  } else if (stored.channels() == 4) {
     stored =
         stored.depth() == CV_8U
             ? Composite<uint8_t>(stored, header.premultiplied, background)

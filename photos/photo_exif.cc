@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/focal_ratio.h"
+#include "core/pinhole.h"
 #include "core/status.h"
 #include "photos/photo_tiff.h"
 

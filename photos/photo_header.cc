@@ -65,8 +65,7 @@ StatusOr<PhotoFormat> SniffFormat(std::string_view bytes) {
     return PhotoFormat::kTiff;
   }
   return BadInputError(
-      "not an image although its name says so; remove it, or convert it to "
-      "JPEG, PNG or TIFF");
+      "not an image, whatever its name says; JPEG, PNG and TIFF can be read");
 }
 
 StatusOr<PhotoHeader> ParsePhotoHeader(std::string_view bytes) {

@@ -22,6 +22,7 @@ constexpr uint16_t kStripOffsets = 273;
 constexpr uint16_t kOrientationTag = 274;
 constexpr uint16_t kSamplesPerPixel = 277;
 constexpr uint16_t kStripByteCounts = 279;
+constexpr uint16_t kPlanarConfiguration = 284;
 constexpr uint16_t kTileOffsets = 324;
 constexpr uint16_t kTileByteCounts = 325;
 constexpr uint16_t kExtraSamples = 338;
@@ -34,9 +35,15 @@ constexpr uint32_t kDeflate = 8;
 constexpr uint32_t kOldDeflate = 32946;
 constexpr uint32_t kPackBits = 32773;
 constexpr uint32_t kUnsignedInteger = 1;
+constexpr uint32_t kPlanar = 2;  // One plane for each colour.
+constexpr uint32_t kNoAlpha = 0;
 constexpr uint32_t kAssociatedAlpha = 1;
-constexpr uint32_t kReducedImage = 1;  // One bit of kNewSubfileType.
+constexpr uint32_t kOtherAlpha = 2;
+constexpr uint32_t kReducedImage = 1;    // One bit of kNewSubfileType.
+constexpr uint32_t kNegativePixels = 0;  // Grey, of which 0 is white.
+constexpr uint32_t kGreyPixels = 1;
 constexpr uint32_t kRgbPixels = 2;
+constexpr uint32_t kPalettePixels = 3;
 constexpr uint32_t kMaskPixels = 4;
 constexpr uint32_t kCmykPixels = 5;
 constexpr uint32_t kYCbCrPixels = 6;
@@ -71,6 +78,78 @@ Status CheckTiffKind(const TiffReader& reader, const Tags& tags) {
       UnsignedTag(reader, tags, kBitsPerSample, 1) == 16) {
     return BadInputError(
         "a CMYK TIFF of 16 bits, which cannot be read; convert it to RGB");
+  }
+  return Status();
+}
+
+std::string PixelsName(uint32_t pixels) {
+  switch (pixels) {
+    case kNegativePixels:
+    case kGreyPixels:
+      return "grey";
+    case kRgbPixels:
+      return "RGB";
+    case kPalettePixels:
+      return "palette";
+    case kCmykPixels:
+      return "CMYK";
+    default:
+      return "YCbCr";
+  }
+}
+
+// Whether OpenCV decodes pixels of these samples. Of grey pixels it would drop
+// alpha, and mix up tiles and more than 8 bits; of a palette of 1 bit it drops
+// the colours; all else it refuses.
+bool CanDecode(uint32_t pixels, int bits, int samples) {
+  switch (pixels) {
+    case kNegativePixels:
+    case kGreyPixels:
+      return samples == 1;
+    case kRgbPixels:
+      return bits >= 8 && (samples == 3 || samples == 4);
+    case kPalettePixels:
+      return bits == 8 && samples == 1;
+    case kCmykPixels:
+      return bits == 8 && samples == 4;
+    default:
+      return bits == 8 && samples == 3;
+  }
+}
+
+// Refuses what OpenCV 4.6 cannot decode, or would decode to other pixels
+// without a word.
+Status CheckTiffSamples(const TiffReader& reader,
+                        const Tags& tags,
+                        int bits,
+                        int samples) {
+  const uint32_t sample_format =
+      UnsignedTag(reader, tags, kSampleFormat, kUnsignedInteger);
+  const bool known_depth =
+      bits == 1 || (bits >= 8 && bits <= 16 && bits % 2 == 0);
+  if (sample_format != kUnsignedInteger || !known_depth) {
+    return BadInputError("a TIFF of floating-point, signed or " +
+                         std::to_string(bits) +
+                         "-bit samples; convert it to 8 or 16 bits");
+  }
+  const uint32_t pixels = UnsignedTag(reader, tags, kPhotometric, kRgbPixels);
+  if (!CanDecode(pixels, bits, samples)) {
+    return BadInputError("a TIFF of a kind that cannot be read (" +
+                         PixelsName(pixels) +
+                         ", bits per sample: " + std::to_string(bits) +
+                         ", samples per pixel: " + std::to_string(samples) +
+                         "); convert it to grey or RGB of 8 bits, or to PNG");
+  }
+  if (bits > 8 && samples > 1 &&
+      UnsignedTag(reader, tags, kPlanarConfiguration, 1) == kPlanar) {
+    return BadInputError("a TIFF of " + std::to_string(bits) +
+                         " bits with a plane for each colour, which cannot be "
+                         "read; convert it to 8 bits or to PNG");
+  }
+  if (bits > 8 && pixels == kNegativePixels) {
+    return BadInputError("a grey TIFF of " + std::to_string(bits) +
+                         " bits in which 0 is white, which cannot be read; "
+                         "convert it to 8 bits or to PNG");
   }
   return Status();
 }
@@ -141,16 +220,16 @@ StatusOr<PhotoHeader> ParseTiffHeader(std::string_view bytes) {
   if (header.bits == 0 || header.samples == 0) {
     return BadInputError("damaged TIFF header; copy the file again");
   }
-  const uint32_t sample_format =
-      UnsignedTag(reader, tags, kSampleFormat, kUnsignedInteger);
-  if (sample_format != kUnsignedInteger || header.bits > 16) {
-    return BadInputError("a TIFF of floating-point, signed or " +
-                         std::to_string(header.bits) +
-                         "-bit samples; convert it to 8 or 16 bits");
+  if (complete) {  // Else tags may be missing, and the file is truncated.
+    FREEGS_RETURN_IF_ERROR(
+        CheckTiffSamples(reader, tags, header.bits, header.samples));
   }
-  header.has_alpha = header.samples == 2 || header.samples == 4;
-  header.premultiplied =
-      UnsignedTag(reader, tags, kExtraSamples, 0) == kAssociatedAlpha;
+  // Writers that forget to say what the fourth sample is mean alpha.
+  const uint32_t fourth = UnsignedTag(reader, tags, kExtraSamples, kOtherAlpha);
+  header.has_alpha =
+      UnsignedTag(reader, tags, kPhotometric, kRgbPixels) == kRgbPixels &&
+      header.samples == 4 && fourth != kNoAlpha;
+  header.premultiplied = fourth == kAssociatedAlpha;
   header.exif = ParseExif(bytes);
 
   double data_bytes = 0;

@@ -26,10 +26,6 @@ constexpr double kMaxNumber = 1e12;
 constexpr PhotoSplit kSplits[] = {
     PhotoSplit::kTrain, PhotoSplit::kHoldout, PhotoSplit::kRejected};
 
-json OrNull(const std::optional<double>& value) {
-  return value ? json(*value) : json(nullptr);
-}
-
 json ToJson(const Photo& photo) {
   json object;
   object["file"] = photo.file;

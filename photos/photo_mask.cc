@@ -3,7 +3,6 @@
 #include "photos/photo_mask.h"
 
 #include <algorithm>
-#include <cmath>
 #include <system_error>
 
 #include "photos/photo_header.h"
@@ -14,9 +13,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Largest relative difference of two shapes that rounding explains.
-constexpr double kMaxShapeError = 0.01;
-
 constexpr uint8_t kIgnore = 0;
 constexpr uint8_t kKeep = 255;
 
@@ -24,10 +20,8 @@ std::string SizeText(int width, int height) {
   return std::to_string(width) + " x " + std::to_string(height);
 }
 
-bool SameShape(const ImageU8& mask, const Photo& photo) {
-  const double a = static_cast<double>(mask.width()) * photo.height;
-  const double b = static_cast<double>(mask.height()) * photo.width;
-  return std::abs(a - b) <= kMaxShapeError * std::max(a, b);
+bool HasShapeOf(const Photo& photo, const ImageU8& mask) {
+  return SameShape(mask.width(), mask.height(), photo.width, photo.height);
 }
 
 // The value of the pixel whose centre is nearest.
@@ -76,10 +70,10 @@ StatusOr<ImageU8> DecodeMask(std::string_view bytes,
     }
   }
   const bool on_its_side = photo.orientation >= 5;
-  if (!SameShape(mask, photo) && on_its_side) {
+  if (!HasShapeOf(photo, mask) && on_its_side) {
     mask = Upright(mask, photo.orientation);
   }
-  if (!SameShape(mask, photo)) {
+  if (!HasShapeOf(photo, mask)) {
     return BadInputError("the mask has " + SizeText(rgb.width(), rgb.height()) +
                          " pixels and the photo " +
                          SizeText(photo.width, photo.height) +

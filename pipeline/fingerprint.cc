@@ -95,8 +95,9 @@ std::string FingerprintCache::HashOneFile(const fs::path& path) {
   const int64_t now = NowNanoseconds();
   const StatusOr<std::string> hash = HashFile(path);
   if (!hash.ok()) return "unreadable";
-  const int64_t touched = std::max(entry.modified_ns, entry.changed_ns);
-  if (now - touched >= kSettledAfter) {
+  // Every change moves the time of status change. The time of modification can
+  // be set to any value; cameras with a wrong clock set it to the future.
+  if (now - entry.changed_ns >= kSettledAfter) {
     entry.hash = *hash;
     entries_[key] = entry;
     changed_ = true;

@@ -31,7 +31,7 @@ struct InputFingerprint {
 //   FREEGS_RETURN_IF_ERROR(cache.Save());
 //
 // A file counts as unchanged while its size, inode, time of modification and
-// time of status change are the same. A file that was changed less than two
+// time of status change are the same. A file whose status changed less than two
 // seconds ago is not remembered, because it could change again without its
 // times changing.
 class FingerprintCache {

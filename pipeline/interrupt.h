@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Handles Ctrl-C, kill and a closed terminal: the first signal asks the program
-// to save a checkpoint and stop, the second ends it at once.
+// to save a checkpoint and stop, one that comes later ends it at once.
 
 #ifndef FREEGS_PIPELINE_INTERRUPT_H_
 #define FREEGS_PIPELINE_INTERRUPT_H_
@@ -12,12 +12,13 @@
 
 namespace freegs::pipeline {
 
-// As long as the object lives, SIGINT, SIGTERM and SIGHUP cancel `token`. A
-// second signal ends the program with exit code 130 and without cleaning up; a
-// workspace stays usable then. A SIGHUP that was ignored before (nohup) stays
-// ignored. SIGPIPE is ignored: output that nobody reads must not end a run.
-// There may be one guard at a time. Its destructor puts the earlier handlers
-// back.
+// As long as the object lives, SIGINT, SIGTERM and SIGHUP cancel `token`.
+// Within a second of that further signals do nothing, because some programs
+// send their signal twice. A signal after that second ends the program with
+// exit code 130 and without cleaning up; a workspace stays usable then. A
+// SIGHUP that was ignored before (nohup) stays ignored. SIGPIPE is ignored:
+// output that nobody reads must not end a run. There may be one guard at a
+// time. Its destructor puts the earlier handlers back.
 class InterruptGuard {
  public:
   explicit InterruptGuard(CancellationToken* token);

@@ -3,6 +3,8 @@
 #include "pipeline/logger.h"
 
 #include <ctime>
+#include <iostream>
+#include <unistd.h>
 
 namespace freegs::pipeline {
 namespace {
@@ -31,6 +33,10 @@ const char* Prefix(LogLevel level) {
 }
 
 }  // namespace
+
+bool IsTerminal(const std::ostream& stream) {
+  return &stream == &std::cerr && isatty(STDERR_FILENO) != 0;
+}
 
 Logger::Logger(std::ostream& console,
                bool terminal,

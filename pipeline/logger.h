@@ -15,12 +15,15 @@
 
 namespace freegs::pipeline {
 
+// Whether `stream` is the program's standard error, and that a terminal.
+bool IsTerminal(const std::ostream& stream);
+
 // Several threads may use one logger. It never fails: a log file that cannot be
 // written to is left out.
 class Logger {
  public:
-  // `terminal` tells whether `console` is a terminal, on which a line can be
-  // drawn again. An empty `file` means that there is no log file.
+  // `terminal` tells whether `console` is a terminal (IsTerminal), on which a
+  // line can be drawn again. An empty `file` means that there is no log file.
   Logger(std::ostream& console,
          bool terminal,
          const std::filesystem::path& file);

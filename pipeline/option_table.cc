@@ -12,6 +12,7 @@
 
 #include "core/io/files.h"
 #include "pipeline/option_value.h"
+#include "pipeline/workspace.h"
 
 namespace freegs::pipeline {
 namespace {
@@ -20,6 +21,7 @@ namespace fs = std::filesystem;
 namespace po = boost::program_options;
 
 constexpr uint64_t kMaxConfigBytes = 1 << 20;
+constexpr char kCommandLine[] = "command line";
 
 // Lays out text in lines of at most 78 columns, each after `prefix`.
 std::string Wrap(const std::string& text, const std::string& prefix) {
@@ -46,10 +48,38 @@ std::string StripDashes(std::string name) {
 
 // A path as it will be used: absolute, without "." and "..".
 std::string ResolvePath(const std::string& value, const fs::path& folder) {
-  if (value.empty()) return value;
-  std::error_code error;
-  const fs::path base = folder.empty() ? fs::current_path(error) : folder;
-  return (base / value).lexically_normal().string();
+  return value.empty() ? value : AbsolutePath(folder / value).string();
+}
+
+void DescribeCommandLine(const OptionTable& table,
+                         po::options_description* description) {
+  const auto describe = [description](const std::string& name, bool is_switch) {
+    // The description owns its values.
+    description->add_options()(
+        name.c_str(),
+        is_switch ? new po::untyped_value(/*zero_tokens=*/true)
+                  : static_cast<po::value_semantic*>(po::value<std::string>()));
+  };
+  for (const OptionTable::Option& option : table.options()) {
+    if (option.on_command_line) describe(option.name, option.is_switch());
+  }
+  for (const auto& [alias, name] : table.aliases()) {
+    const OptionTable::Option& option = *table.Find(name);
+    if (!option.on_command_line) continue;
+    describe(alias, std::holds_alternative<bool*>(option.target));
+  }
+}
+
+Status SyntaxError(const OptionTable& table,
+                   const po::invalid_command_line_syntax& error) {
+  const std::string name = StripDashes(error.get_option_name());
+  std::string fault = " takes no value";
+  if (error.kind() != po::invalid_command_line_syntax::extra_parameter) {
+    const OptionTable::Option* option = table.Find(table.ResolveAlias(name));
+    fault = " needs a value" +
+            (option == nullptr ? "" : " (" + option->Allowed() + ")");
+  }
+  return InvalidArgumentError("option --" + name + fault);
 }
 
 }  // namespace
@@ -138,26 +168,8 @@ Status OptionTable::Check() const { return error_; }
 StatusOr<OptionTable::CommandLine> OptionTable::ParseCommandLine(
     const std::vector<std::string>& arguments) const {
   FREEGS_RETURN_IF_ERROR(error_);
-  const std::string source = "command line";
   po::options_description description;
-  const auto describe = [&description](const std::string& name,
-                                       bool is_switch) {
-    // The description owns its values.
-    description.add_options()(
-        name.c_str(),
-        is_switch ? new po::untyped_value(/*zero_tokens=*/true)
-                  : static_cast<po::value_semantic*>(po::value<std::string>()));
-  };
-  const auto is_bool = [](const Option& option) {
-    return std::holds_alternative<bool*>(option.target);
-  };
-  for (const Option& option : options_) {
-    if (option.on_command_line) describe(option.name, option.is_switch());
-  }
-  for (const auto& [alias, name] : aliases_) {
-    if (Find(name)->on_command_line) describe(alias, is_bool(*Find(name)));
-  }
-
+  DescribeCommandLine(*this, &description);
   CommandLine line;
   try {
     using Style = po::command_line_style::style_t;
@@ -168,58 +180,52 @@ StatusOr<OptionTable::CommandLine> OptionTable::ParseCommandLine(
                    Style::long_allow_next)
             .run();
     for (const po::option& given : parsed.options) {
-      if (given.position_key >= 0) {
-        for (const std::string& word : given.value) {
-          if (!word.empty()) continue;
+      if (given.position_key < 0) {
+        FREEGS_ASSIGN_OR_RETURN(
+            OptionSetting setting,
+            SettingOf(given.string_key,
+                      given.value.empty() ? "true" : given.value.front()));
+        line.settings.push_back(std::move(setting));
+        continue;
+      }
+      for (const std::string& word : given.value) {
+        if (word.empty()) {
           return InvalidArgumentError(
               "an argument is empty; is a variable of a script not set?");
         }
-        line.positional.insert(
-            line.positional.end(), given.value.begin(), given.value.end());
-        continue;
+        line.positional.push_back(word);
       }
-      const auto alias = aliases_.find(given.string_key);
-      OptionSetting setting{
-          alias == aliases_.end() ? given.string_key : alias->second,
-          given.value.empty() ? "true" : given.value.front(),
-          source};
-      // "--a --b" lacks a's value rather than giving it the text "--b".
-      const std::string word = setting.value.substr(0, setting.value.find('='));
-      if (word.starts_with("--") &&
-          (Find(word.substr(2)) || aliases_.contains(word.substr(2)))) {
-        return InvalidArgumentError("option --" + given.string_key +
-                                    " needs a value before " + word);
-      }
-      // An option of a stage may be emptied on purpose.
-      if (setting.value.empty() && Find(setting.name)->section().empty()) {
-        return InvalidArgumentError(
-            "option --" + given.string_key +
-            " has an empty value; is a variable of a script not set?");
-      }
-      if (Find(setting.name)->spec.is_path) {
-        setting.value = ResolvePath(setting.value, "");
-      }
-      FREEGS_RETURN_IF_ERROR(CheckSetting(setting));
-      line.settings.push_back(std::move(setting));
     }
   } catch (const po::unknown_option& e) {
-    return UnknownOption(StripDashes(e.get_option_name()), source);
+    return UnknownOption(
+        StripDashes(e.get_option_name()), Source::kCommandLine, kCommandLine);
   } catch (const po::invalid_command_line_syntax& e) {
-    const std::string name = StripDashes(e.get_option_name());
-    const auto alias = aliases_.find(name);
-    const Option* option = Find(alias == aliases_.end() ? name : alias->second);
-    const bool extra =
-        e.kind() == po::invalid_command_line_syntax::extra_parameter;
-    return InvalidArgumentError(
-        "option --" + name +
-        (extra
-             ? " takes no value"
-             : " needs a value" +
-                   (option == nullptr ? "" : " (" + option->Allowed() + ")")));
+    return SyntaxError(*this, e);
   } catch (const po::error& e) {
-    return InvalidArgumentError(source + ": " + e.what());
+    return InvalidArgumentError(std::string(kCommandLine) + ": " + e.what());
   }
   return line;
+}
+
+StatusOr<OptionSetting> OptionTable::SettingOf(const std::string& given,
+                                               const std::string& value) const {
+  OptionSetting setting{ResolveAlias(given), value, kCommandLine};
+  // "--a --b" lacks a's value rather than giving it the text "--b".
+  const std::string word = value.substr(0, value.find('='));
+  if (word.starts_with("--") && Find(ResolveAlias(word.substr(2))) != nullptr) {
+    return InvalidArgumentError("option --" + given + " needs a value before " +
+                                word);
+  }
+  const Option& option = *Find(setting.name);
+  // An option of a stage may be emptied on purpose.
+  if (value.empty() && option.section().empty()) {
+    return InvalidArgumentError(
+        "option --" + given +
+        " has an empty value; is a variable of a script not set?");
+  }
+  if (option.spec.is_path) setting.value = ResolvePath(value, "");
+  FREEGS_RETURN_IF_ERROR(CheckSetting(setting));
+  return setting;
 }
 
 StatusOr<std::vector<OptionSetting>> OptionTable::ParseConfigFile(
@@ -263,7 +269,8 @@ StatusOr<std::vector<OptionSetting>> OptionTable::ParseConfig(
       settings.push_back(std::move(setting));
     }
   } catch (const po::unknown_option& e) {
-    return UnknownOption(StripDashes(e.get_option_name()), source);
+    return UnknownOption(
+        StripDashes(e.get_option_name()), Source::kFile, source);
   } catch (const po::invalid_config_file_syntax& e) {
     return InvalidArgumentError(source + ": cannot understand '" + e.tokens() +
                                 "': lines are [SECTION], KEY = VALUE, or "
@@ -290,9 +297,16 @@ const OptionTable::Option* OptionTable::Find(std::string_view name) const {
   return found == index_.end() ? nullptr : &options_[found->second];
 }
 
+std::string OptionTable::ResolveAlias(const std::string& name) const {
+  const auto found = aliases_.find(name);
+  return found == aliases_.end() ? name : found->second;
+}
+
 Status OptionTable::CheckSetting(const OptionSetting& setting) const {
   const Option* option = Find(setting.name);
-  if (option == nullptr) return UnknownOption(setting.name, setting.source);
+  if (option == nullptr) {
+    return UnknownOption(setting.name, Source::kFile, setting.source);
+  }
   const Status status = ParseOptionText(
       setting.value, option->spec, option->target, /*store=*/false);
   if (status.ok()) return status;
@@ -302,10 +316,11 @@ Status OptionTable::CheckSetting(const OptionSetting& setting) const {
 }
 
 Status OptionTable::UnknownOption(const std::string& name,
-                                  const std::string& source) const {
-  const bool command_line = source == "command line";
-  if (command_line && (Find(name) != nullptr || aliases_.contains(name))) {
-    return InvalidArgumentError(source + ": option " + name +
+                                  Source source,
+                                  const std::string& place) const {
+  const bool command_line = source == Source::kCommandLine;
+  if (command_line && Find(ResolveAlias(name)) != nullptr) {
+    return InvalidArgumentError(place + ": option " + name +
                                 " makes no difference to this command");
   }
   const auto usable = [command_line](const Option& option) {
@@ -327,7 +342,7 @@ Status OptionTable::UnknownOption(const std::string& name,
     }
   }
   if (nearest.empty()) nearest = NearestName(name, candidates);
-  return InvalidArgumentError(source + ": unknown option " + name +
+  return InvalidArgumentError(place + ": unknown option " + name +
                               (nearest.empty()
                                    ? "; see freegs_pipeline COMMAND --help"
                                    : "; did you mean " + nearest + "?"));

@@ -131,6 +131,10 @@ class OptionTable {
   const std::vector<Option>& options() const { return options_; }
   const Option* Find(std::string_view name) const;
 
+  // The name of the option that an alias stands for; other names stay as they
+  // are.
+  std::string ResolveAlias(const std::string& name) const;
+
   // The names that stand for an option on the command line: {alias, name}.
   const std::map<std::string, std::string>& aliases() const { return aliases_; }
 
@@ -150,9 +154,17 @@ class OptionTable {
   std::string ConfigTemplate() const;
 
  private:
+  // Where a setting is given. Some options are for only one of the two.
+  enum class Source { kCommandLine, kFile };
+
+  // The setting "--given value" of the command line.
+  StatusOr<OptionSetting> SettingOf(const std::string& given,
+                                    const std::string& value) const;
   Status CheckSetting(const OptionSetting& setting) const;
+  // `place` names the source in the message.
   Status UnknownOption(const std::string& name,
-                       const std::string& source) const;
+                       Source source,
+                       const std::string& place) const;
 
   std::vector<Option> options_;
   std::map<std::string, size_t, std::less<>> index_;

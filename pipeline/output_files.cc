@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "core/io/json_text.h"
+#include "core/text.h"
 
 namespace freegs::pipeline {
 namespace {
@@ -18,15 +19,6 @@ void AddFile(const fs::path& folder, const fs::path& file, OutputFiles* files) {
   // Names are kept as JSON can hold them.
   const std::string name = ValidUtf8(file.lexically_relative(folder).string());
   (*files)[name] = static_cast<int64_t>(size);
-}
-
-// "a.jpg" or "a.jpg and 3 more".
-std::string Summary(const std::vector<std::string>& names) {
-  if (names.empty()) return "";
-  return names.front() +
-         (names.size() == 1
-              ? ""
-              : " and " + std::to_string(names.size() - 1) + " more");
 }
 
 }  // namespace
@@ -63,8 +55,8 @@ OutputChange CompareOutputFiles(const OutputFiles& then,
     if (!then.contains(name) && !hidden) replaced.push_back(name);
   }
   // Other files in place of those that are missing: not to be overwritten.
-  if (!replaced.empty()) return {"", Summary(replaced)};
-  return {Summary(missing), ""};
+  if (!replaced.empty()) return {"", SomeNames(replaced, 1)};
+  return {SomeNames(missing, 1), ""};
 }
 
 }  // namespace freegs::pipeline

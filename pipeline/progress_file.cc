@@ -2,7 +2,6 @@
 
 #include "pipeline/progress_file.h"
 
-#include <chrono>
 #include <fstream>
 #include <system_error>
 #include <utility>
@@ -32,18 +31,12 @@ void Replace(const fs::path& path, const std::string& text) {
   if (error) fs::remove(part, error);
 }
 
-double ProgressClockSeconds() {
-  return std::chrono::duration<double>(
-             std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
-
 }  // namespace
 
 ProgressFile::ProgressFile(fs::path workspace, std::string stage, Clock clock)
     : workspace_(std::move(workspace)),
       stage_(std::move(stage)),
-      clock_(clock ? std::move(clock) : ProgressClockSeconds) {
+      clock_(clock ? std::move(clock) : SteadySeconds) {
   Write({}, 0);
   last_written_ = clock_();
 }

@@ -3,7 +3,6 @@
 #include "pipeline/progress_line.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <sys/ioctl.h>
 #include <unistd.h>
@@ -18,12 +17,6 @@ constexpr double kPlainInterval = 10;
 constexpr double kRateWindow = 30;
 constexpr double kRateUnits = 20;
 constexpr double kRateSpacing = 0.5;
-
-double SteadySeconds() {
-  return std::chrono::duration<double>(
-             std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
 
 // Whole numbers without a point, others with two places.
 std::string Count(double value) {

@@ -24,8 +24,8 @@ std::string FormatProgress(const Progress& progress, double rate);
 
 // Estimates how fast the work of one step goes. It looks at the last half
 // minute, so that the rate follows a step that becomes slower, and at 20 units
-// of work or more. So the rest does not seem to take hours after a mapper has
-// adjusted all photos for a minute.
+// of work or more. Otherwise the time left would jump to hours after the mapper
+// has spent a minute on adjusting all photos.
 class ProgressRate {
  public:
   // Returns units per second, 0 when that is not known yet. `now` is in seconds

@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <fstream>
-#include <string>
 #include <string_view>
 #include <sys/resource.h>
+
+#include "pipeline/system_info.h"
 
 namespace freegs::pipeline {
 namespace {
@@ -35,19 +36,11 @@ int64_t ChildPeakBytes() {
 
 // A size that the kernel tells of this process; 0 where it does not.
 int64_t StatusBytes(std::string_view name) {
-  std::ifstream status("/proc/self/status");
-  std::string word;
-  while (status >> word) {
-    if (word != name) continue;
-    int64_t kilobytes = 0;
-    status >> kilobytes;
-    return kilobytes * 1024;
-  }
-  return 0;
+  return NumberAfter("/proc/self/status", name).value_or(0) * 1024;
 }
 
-// The peak since it was last reset.
-int64_t OwnPeakBytes() {
+// The peak since the kernel last reset it.
+int64_t PeakSinceReset() {
   if (const int64_t peak = StatusBytes("VmHWM:"); peak > 0) return peak;
   rusage usage = {};
   getrusage(RUSAGE_SELF, &usage);
@@ -58,11 +51,11 @@ int64_t OwnPeakBytes() {
 
 int64_t ResidentMemoryBytes() { return StatusBytes("VmRSS:"); }
 
-ResourceMeter::ResourceMeter()
+ResourceMeter::ResourceMeter(PeakMemory peak)
     : start_(std::chrono::steady_clock::now()),
       start_cpu_seconds_(CpuSeconds()),
       start_child_peak_bytes_(ChildPeakBytes()) {
-  std::ofstream("/proc/self/clear_refs") << "5";
+  if (peak == PeakMemory::kReset) std::ofstream("/proc/self/clear_refs") << "5";
 }
 
 ResourceUsage ResourceMeter::Elapsed() const {
@@ -71,7 +64,7 @@ ResourceUsage ResourceMeter::Elapsed() const {
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start_)
           .count();
   usage.cpu_seconds = CpuSeconds() - start_cpu_seconds_;
-  usage.peak_memory_bytes = OwnPeakBytes();
+  usage.peak_memory_bytes = PeakSinceReset();
   // The children's peak cannot be reset: it tells about this stretch only if
   // it grew.
   const int64_t child_peak = ChildPeakBytes();

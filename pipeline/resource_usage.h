@@ -18,12 +18,17 @@ struct ResourceUsage {
 // The resident size of this process now; 0 where the system does not tell.
 int64_t ResidentMemoryBytes();
 
+// Whether a meter asks the kernel to reset its record of the peak
+// (/proc/self/clear_refs). There is one record for the whole process, so of
+// meters within each other only the outermost one, the stage runner's, may do
+// so. The others tell the peak since then. Where the kernel refuses, it is that
+// of the whole process so far.
+enum class PeakMemory : uint8_t { kReset, kKeep };
+
 // Measures the work since its construction.
 class ResourceMeter {
  public:
-  // Asks the kernel to reset its record of the peak (/proc/self/clear_refs).
-  // Where the kernel refuses, the peak is that of the whole process so far.
-  ResourceMeter();
+  explicit ResourceMeter(PeakMemory peak = PeakMemory::kKeep);
 
   ResourceUsage Elapsed() const;
 

@@ -48,6 +48,9 @@ struct StageContext {
   // The folder of photos on the command line. Only ingest reads it.
   std::filesystem::path images;
 
+  // The runner sets these before it calls Run, so there none is null or empty.
+  // Foretell may use the pool, and Inputs none of them. `log` writes the name
+  // of the stage before each line.
   ThreadPool* pool = nullptr;
   const CancellationToken* cancellation = nullptr;
   ProgressFn progress;
@@ -61,8 +64,10 @@ struct StageContext {
   // Seconds between checkpoints of long stages.
   double checkpoint_interval_seconds = 60;
 
-  // Wall seconds that earlier, interrupted runs into this `output` took.
+  // Wall and CPU seconds that earlier, interrupted runs into this `output`
+  // took.
   double earlier_seconds = 0;
+  double earlier_cpu_seconds = 0;
 
   // When Run is wanted to end. A stage that can end sooner with a lesser result
   // does, and says so; the others take no notice.
@@ -114,12 +119,14 @@ class Stage {
     return {};
   }
 
-  // The names directly in its folder that nobody needs once the stage is done.
-  // A run tells of others that somebody has deleted.
+  // The names, directly in the stage's folder, of files and folders that nobody
+  // needs once the stage is done. A run warns when any other name has been
+  // deleted.
   virtual std::vector<std::string> Disposable() const { return {}; }
 
   // Fills context.output. When cancelled, saves a checkpoint and returns
-  // kInterrupted.
+  // kInterrupted. The messages of errors do not name the stage, because the
+  // runner does.
   virtual Status Run(StageContext& context) = 0;
 };
 

@@ -58,11 +58,21 @@ bool IsFinished(const fs::path& folder) {
   return record.ok() && record->outcome == StageOutcome::kDone;
 }
 
+// Whether there is something of this name, be it a link that leads nowhere.
+bool IsTaken(const fs::path& path) {
+  std::error_code error;
+  return fs::exists(fs::symlink_status(path, error));
+}
+
 // Deletes a folder. The files that make it count as a result go first, so that
-// what a killed deletion leaves counts as nothing.
+// what a killed deletion leaves counts as nothing. Of a link to a folder only
+// the link is deleted: its target may be the result of another workspace.
 Status RemoveStageFolder(const fs::path& folder) {
   std::error_code error;
-  if (!fs::exists(fs::symlink_status(folder, error))) return Status();
+  if (!IsTaken(folder)) return Status();
+  if (fs::is_symlink(fs::symlink_status(folder, error))) {
+    return RemoveFile(folder);
+  }
   FREEGS_RETURN_IF_ERROR(RemoveFile(RecordPath(folder)));
   FREEGS_RETURN_IF_ERROR(RemoveFile(FingerprintPath(folder)));
   fs::remove_all(folder, error);
@@ -82,8 +92,7 @@ Status Swap(const fs::path& workspace, const std::string& stage) {
   FREEGS_RETURN_IF_ERROR(RemoveFile(FingerprintPath(partial)));
   FREEGS_RETURN_IF_ERROR(RemoveFile(UsagePath(partial)));
   FREEGS_RETURN_IF_ERROR(RemoveFile(UsagePath(partial).string() + ".part"));
-  std::error_code error;
-  if (fs::exists(folder, error)) {
+  if (IsTaken(folder)) {
     const Status removed = RemoveStageFolder(retired);
     if (!removed.ok()) {
       return InternalError(removed.message() +
@@ -174,11 +183,10 @@ Status RecoverStage(const fs::path& workspace, const std::string& stage) {
   const fs::path partial = PartialFolder(workspace, stage);
   const fs::path retired = RetiredFolder(workspace, stage);
   if (IsFinished(partial)) return Swap(workspace, stage);
-  std::error_code error;
-  if (!fs::exists(retired, error)) return Status();
+  if (!IsTaken(retired)) return Status();
   // The new result takes its place before the old one is deleted. If there is
   // none, somebody took it away: the old one is better than nothing.
-  if (!fs::exists(folder, error) && IsFinished(retired)) {
+  if (!IsTaken(folder) && IsFinished(retired)) {
     return Rename(retired, folder);
   }
   // It is in nobody's way before the stage runs again.

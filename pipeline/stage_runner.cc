@@ -40,10 +40,9 @@ std::string UsageText(const ResourceUsage& usage) {
          FormatBytes(static_cast<double>(usage.peak_memory_bytes)) + ")";
 }
 
-// "sfm: text", unless the text already begins that way.
+// "sfm: text".
 std::string Prefixed(const std::string& name, const std::string& text) {
-  const std::string prefix = name + ": ";
-  return text.starts_with(prefix) ? text : prefix + text;
+  return name + ": " + text;
 }
 
 // Our code returns errors; libraries below it may throw, for one when memory
@@ -55,6 +54,49 @@ Status RunCatching(Stage& stage, StageContext& context) {
     if (IsOutOfMemory(e)) return OutOfMemoryError();
     return InternalError(std::string("unexpected error: ") + e.what());
   }
+}
+
+// What is written down of a run, whether it succeeds or fails.
+StageRecord MakeRecord(const RunnerStage& stage,
+                       const StageFingerprint& fingerprint,
+                       const StageNeed& need,
+                       const ResourceUsage& usage,
+                       const StageContext& context) {
+  StageRecord record;
+  record.fingerprint = fingerprint;
+  record.program_version = kProgramVersion;
+  record.other_options = stage.other_options;
+  record.wall_seconds = usage.wall_seconds;
+  record.cpu_seconds = usage.cpu_seconds;
+  record.peak_memory_bytes = usage.peak_memory_bytes;
+  record.expected_memory_bytes = need.memory_bytes;
+  record.expected_seconds = need.seconds;
+  record.resumed = context.resuming;
+  if (context.summary.is_object()) record.summary = context.summary;
+  return record;
+}
+
+// What the user is told of a run that did not succeed. `status` is what the
+// stage said, `record` what was made of it, and `way_on` the command that goes
+// on.
+std::string FailureMessage(const std::string& name,
+                           const Status& status,
+                           const StageRecord& record,
+                           const std::string& way_on,
+                           const fs::path& output) {
+  if (record.outcome == StageOutcome::kInterrupted) {
+    const bool saved = status.code() == StatusCode::kInterrupted;
+    return "interrupted in stage " + name + "; " + way_on +
+           " goes on from what " +
+           (saved ? "is saved" : "was saved before (" + status.message() + ")");
+  }
+  std::string message = Prefixed(name, status.message());
+  if (record.resumed && IsWorthContinuing(record)) {
+    message += "\nwhat the stage saved earlier is kept, " + way_on +
+               " goes on from there; to begin the stage anew, delete " +
+               output.string();
+  }
+  return message;
 }
 
 // The allocator keeps much of what the stage before has freed, which would
@@ -179,7 +221,7 @@ std::vector<StageReport> StageRunner::States() {
   return reports;
 }
 
-StatusOr<std::vector<StageReport>> StageRunner::Inspect() {
+std::vector<StageReport> StageRunner::Inspect() {
   std::vector<StageReport> reports = States();
   // Without its cache the next look only takes longer.
   (void)cache_.Save();
@@ -189,6 +231,10 @@ StatusOr<std::vector<StageReport>> StageRunner::Inspect() {
 StatusOr<std::vector<StageForecast>> StageRunner::Forecast() {
   FREEGS_RETURN_IF_ERROR(CheckOptions());
   ThreadPool pool(WorkingThreads(options_.num_threads));
+  return Forecast(pool);
+}
+
+std::vector<StageForecast> StageRunner::Forecast(ThreadPool& pool) {
   std::vector<StageForecast> forecasts;
   std::vector<bool> done;
   const std::vector<StageReport> reports = States();
@@ -242,13 +288,12 @@ Status StageRunner::Run() {
                            " to start from; run it first");
     }
   }
-  FREEGS_ASSIGN_OR_RETURN(const std::vector<StageForecast> forecasts,
-                          Forecast());
+  ThreadPool pool(WorkingThreads(options_.num_threads));
+  const std::vector<StageForecast> forecasts = Forecast(pool);
   const std::string expected = RunNeedText(Total(forecasts));
   if (!expected.empty()) {
-    logger_.Log(LogLevel::kInfo, "run: expected to take " + expected);
+    logger_.Log(LogLevel::kInfo, "run: " + expected);
   }
-  ThreadPool pool(WorkingThreads(options_.num_threads));
   std::string redone;
   for (size_t i = First(); i < End(); ++i) {
     RunnerStage& stage = stages_[i];
@@ -337,7 +382,7 @@ Status StageRunner::RunStage(RunnerStage& stage,
         need.memory_bytes > available ? LogLevel::kWarning : LogLevel::kInfo,
         name + ": " + MemoryText(need, available));
   }
-  const ResourceMeter meter;
+  const ResourceMeter meter(PeakMemory::kReset);
   ProgressLine line(
       &logger_,
       name,
@@ -348,6 +393,7 @@ Status StageRunner::RunStage(RunnerStage& stage,
   double usage_noted = 0;
   context.resuming = resume;
   context.earlier_seconds = earlier.wall_seconds;
+  context.earlier_cpu_seconds = earlier.cpu_seconds;
   context.log = [this, name](LogLevel level, const std::string& text) {
     logger_.Log(level, Prefixed(name, text));
   };
@@ -365,22 +411,12 @@ Status StageRunner::RunStage(RunnerStage& stage,
   const Status status = RunCatching(*stage.stage, context);
   const ResourceUsage usage = Sum(earlier, meter.Elapsed());
 
-  StageRecord record;
-  record.fingerprint = fingerprint;
-  record.program_version = kProgramVersion;
-  record.other_options = stage.other_options;
-  record.wall_seconds = usage.wall_seconds;
-  record.cpu_seconds = usage.cpu_seconds;
-  record.peak_memory_bytes = usage.peak_memory_bytes;
-  record.expected_memory_bytes = need.memory_bytes;
-  record.expected_seconds = need.seconds;
-  record.resumed = resume;
-  if (context.summary.is_object()) record.summary = context.summary;
+  StageRecord record = MakeRecord(stage, fingerprint, need, usage, context);
   if (status.ok()) {
     record.outputs = ListOutputFiles(context.output, ReadLater(name));
     record.contents = StageContents(context.output);
-    for (const std::string& name : stage.stage->Disposable()) {
-      std::erase(record.contents, name);
+    for (const std::string& file : stage.stage->Disposable()) {
+      std::erase(record.contents, file);
     }
     logger_.SetTransient("");
     FREEGS_RETURN_IF_ERROR(FinishPartial(options_.workspace, name, record));
@@ -400,23 +436,9 @@ Status StageRunner::RunStage(RunnerStage& stage,
   (void)WritePartialUsage(context.output, usage);
   (void)WriteStageRecord(context.output, record);
   logger_.LogToFile(LogLevel::kError, Prefixed(name, status.message()));
-  if (interrupted) {
-    const bool saved = status.code() == StatusCode::kInterrupted;
-    return InterruptedError("interrupted in stage " + name +
-                            (saved
-                                 ? "; what it has is saved, " +
-                                       options_.way_on + " goes on from there"
-                                 : "; " + options_.way_on +
-                                       " goes on from what it saved before (" +
-                                       status.message() + ")"));
-  }
-  std::string message = Prefixed(name, status.message());
-  if (resume && IsWorthContinuing(record)) {
-    message += "\nwhat the stage saved earlier is kept, " + options_.way_on +
-               " goes on from there; to begin the stage anew, delete " +
-               context.output.string();
-  }
-  return Status(status.code(), message);
+  return Status(
+      record.error_code,
+      FailureMessage(name, status, record, options_.way_on, context.output));
 }
 
 }  // namespace freegs::pipeline

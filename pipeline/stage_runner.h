@@ -59,7 +59,6 @@ struct StageReport {
 //   FREEGS_ASSIGN_OR_RETURN(const WorkspaceLock lock,
 //                           WorkspaceLock::Acquire(options.workspace));
 //   StageRunner runner(std::move(stages), options, cancellation, logger);
-//   FREEGS_RETURN_IF_ERROR(runner.Recover());
 //   FREEGS_RETURN_IF_ERROR(runner.Run());
 class StageRunner {
  public:
@@ -77,13 +76,14 @@ class StageRunner {
 
   // Returns the state of each stage without running any. A stage that comes
   // after one that is not done is reported as stale.
-  StatusOr<std::vector<StageReport>> Inspect();
+  std::vector<StageReport> Inspect();
 
   // Foretells what a run would need, stage by stage. Writes nothing. The errors
   // are those of unknown stage names.
   StatusOr<std::vector<StageForecast>> Forecast();
 
-  // Calls RecoverStage for every stage.
+  // Calls RecoverStage for every stage. Run begins with this; Inspect and
+  // Forecast take the workspace as it is.
   Status Recover();
 
  private:
@@ -92,6 +92,7 @@ class StageRunner {
   size_t First() const;
   size_t End() const;
   std::vector<StageReport> States();
+  std::vector<StageForecast> Forecast(ThreadPool& pool);
   // What each stage needs, from the files of those that are done. Where a stage
   // is not, those after it build on what it is expected to make.
   std::vector<StageNeed> Foretell(const std::vector<bool>& done,

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "core/io/json_text.h"
 #include "pipeline/stage_output.h"
@@ -15,40 +16,54 @@ namespace {
 
 namespace fs = std::filesystem;
 
+std::string Joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) {
+    text += (text.empty() ? "" : ", ") + name;
+  }
+  return text;
+}
+
 // Inputs outside the workspace that were there once and are gone now count as
-// unchanged; returns a note about them.
+// unchanged; returns a note about them. Once one of them is gone, inputs that
+// the stage finds in it, such as the targets of links, are not named any more:
+// these count as unchanged, too.
 std::string KeepGoneInputs(const StageRecord& result, CurrentInputs* now) {
   const auto& before = result.fingerprint.inputs;
   auto& inputs = now->fingerprint.inputs;
-  std::string note;
-  bool folder_gone = false;
+  std::vector<std::string> gone;
   for (const std::string& name : now->external) {
     if (!inputs[name].missing()) continue;
     const auto old = before.find(name);
     if (old == before.end()) {
       // A folder of which the stage knew the files while it was there.
       inputs.erase(name);
-      folder_gone = true;
     } else if (!old->second.missing()) {
       inputs[name] = old->second;
     } else {
       continue;
     }
-    note = "input " + name + " is gone; keeping the result made from it";
+    gone.push_back(name);
   }
-  if (folder_gone) inputs.insert(before.begin(), before.end());
-  return note;
+  if (gone.empty()) return "";
+  inputs.insert(before.begin(), before.end());
+  if (gone.size() == 1) {
+    return "input " + gone[0] + " is gone; keeping the result made from it";
+  }
+  return "inputs " + Joined(gone) +
+         " are gone; keeping the result made from them";
 }
 
 // Names what the stage made and somebody deleted: "masks, scene.ply".
 std::string DeletedContents(const fs::path& folder, const StageRecord& result) {
   const std::vector<std::string> now = StageContents(folder);
-  std::string deleted;
+  std::vector<std::string> deleted;
   for (const std::string& name : result.contents) {
-    if (std::binary_search(now.begin(), now.end(), name)) continue;
-    deleted += (deleted.empty() ? "" : ", ") + name;
+    if (!std::binary_search(now.begin(), now.end(), name)) {
+      deleted.push_back(name);
+    }
   }
-  return deleted;
+  return Joined(deleted);
 }
 
 // Returns why the stage must write its output again, because somebody deleted
@@ -171,7 +186,7 @@ StageState InspectStage(const fs::path& workspace,
   if (finished && !fs::exists(RecordPath(folder), error)) {
     state.status = StageStatus::kForeign;
     state.reason =
-        "the folder " + stage +
+        "the folder " + folder.string() +
         " was not made by this program (it has no stage.json): build on it "
         "with --from and the next stage, or delete it";
     state.resumable = false;

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sched.h>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <thread>
 
@@ -21,18 +22,6 @@ std::optional<double> ReadNumber(const fs::path& path) {
   double value = 0;
   if (!(file >> value)) return std::nullopt;
   return value;
-}
-
-// The number that follows a word of a file.
-std::optional<int64_t> NumberAfter(const fs::path& path,
-                                   const std::string& name) {
-  std::ifstream file(path);
-  std::string word;
-  while (file >> word) {
-    int64_t value = 0;
-    if (word == name && file >> value) return value;
-  }
-  return std::nullopt;
 }
 
 // Where and under which names control groups tell of their memory.
@@ -96,6 +85,17 @@ void LimitByGroups(const fs::path& root,
 }
 
 }  // namespace
+
+std::optional<int64_t> NumberAfter(const fs::path& path,
+                                   std::string_view name) {
+  std::ifstream file(path);
+  std::string word;
+  while (file >> word) {
+    int64_t value = 0;
+    if (word == name && file >> value) return value;
+  }
+  return std::nullopt;
+}
 
 int CoresOfAffinity() {
   cpu_set_t set;

@@ -7,8 +7,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string_view>
 
 namespace freegs::pipeline {
+
+// The number that follows a word of a text file, as in /proc and in the folders
+// of control groups: "VmRSS:   1204 kB". Nothing when there is none.
+std::optional<int64_t> NumberAfter(const std::filesystem::path& path,
+                                   std::string_view name);
 
 // The number of cores in the affinity mask of this process.
 int CoresOfAffinity();

@@ -3,11 +3,11 @@
 #include "pipeline/workspace.h"
 
 #include <cerrno>
-#include <charconv>
 #include <chrono>
 #include <cstdint>
 #include <cstring>
 #include <fcntl.h>
+#include <optional>
 #include <sys/file.h>
 #include <system_error>
 #include <thread>
@@ -19,6 +19,7 @@
 #include "core/io/files.h"
 #include "core/io/json_fields.h"
 #include "core/io/json_text.h"
+#include "core/text.h"
 
 namespace freegs::pipeline {
 namespace {
@@ -31,17 +32,9 @@ constexpr char kPercent[] = "percent";
 
 nlohmann::json BytesToJson(const std::string& bytes) {
   if (ValidUtf8(bytes) == bytes) return bytes;
-  constexpr char kDigits[] = "0123456789ABCDEF";
-  std::string text;
-  for (const char c : bytes) {
-    const auto byte = static_cast<uint8_t>(c);
-    if (byte < 0x80 && c != '%') {
-      text += c;
-    } else {
-      text += {'%', kDigits[byte >> 4], kDigits[byte & 15]};
-    }
-  }
-  return {{kPercent, text}};
+  return {{kPercent, PercentEncode(bytes, [](char c) {
+             return static_cast<uint8_t>(c) < 0x80 && c != '%';
+           })}};
 }
 
 StatusOr<std::string> ReadBytes(const nlohmann::json& value,
@@ -49,29 +42,16 @@ StatusOr<std::string> ReadBytes(const nlohmann::json& value,
   const nlohmann::json* escaped = FindField(value, kPercent);
   if (escaped == nullptr) return ReadText(&value, where);
   FREEGS_ASSIGN_OR_RETURN(const std::string text, ReadText(escaped, where));
-  std::string bytes;
-  for (size_t at = 0; at < text.size(); ++at) {
-    if (text[at] != '%') {
-      bytes += text[at];
-      continue;
-    }
-    uint8_t byte = 0;
-    const char* const digits = text.data() + at + 1;
-    if (text.size() - at < 3 ||
-        std::from_chars(digits, digits + 2, byte, 16).ptr != digits + 2) {
-      return BadInputError(where + ": a '%' without two hex digits");
-    }
-    bytes += static_cast<char>(byte);
-    at += 2;
-  }
-  return bytes;
-}
-
-fs::path InfoPath(const fs::path& workspace) {
-  return workspace / "workspace.json";
+  std::optional<std::string> bytes = PercentDecode(text);
+  if (!bytes) return BadInputError(where + ": a '%' without two hex digits");
+  return *std::move(bytes);
 }
 
 }  // namespace
+
+fs::path WorkspaceInfoPath(const fs::path& workspace) {
+  return workspace / "workspace.json";
+}
 
 fs::path ConfigPath(const fs::path& workspace) {
   return workspace / "config.ini";
@@ -103,6 +83,25 @@ fs::path RetiredFolder(const fs::path& workspace, std::string_view stage) {
   return workspace / (std::string(stage) + ".old");
 }
 
+fs::path AbsolutePath(const fs::path& path) {
+  std::error_code error;
+  const fs::path absolute = fs::absolute(path, error);
+  if (error) return path.lexically_normal();
+  fs::path up_to_parents;  // Up to the last "..".
+  fs::path rest;
+  for (const fs::path& part : absolute) {
+    rest /= part;
+    if (part != "..") continue;
+    up_to_parents /= rest;
+    rest.clear();
+  }
+  if (up_to_parents.empty()) return absolute.lexically_normal();
+  const fs::path resolved = fs::weakly_canonical(up_to_parents, error);
+  if (error) return absolute.lexically_normal();
+  // Appending an empty path would add a slash.
+  return rest.empty() ? resolved : (resolved / rest).lexically_normal();
+}
+
 std::string DisplayPath(const fs::path& workspace, const fs::path& path) {
   std::error_code error;
   const fs::path base = fs::absolute(workspace, error).lexically_normal();
@@ -119,7 +118,7 @@ fs::path PathInWorkspace(const fs::path& workspace, const std::string& path) {
 }
 
 StatusOr<WorkspaceInfo> ReadWorkspaceInfo(const fs::path& workspace) {
-  const fs::path path = InfoPath(workspace);
+  const fs::path path = WorkspaceInfoPath(workspace);
   std::error_code error;
   if (!fs::exists(path, error)) return WorkspaceInfo();
   FREEGS_ASSIGN_OR_RETURN(const nlohmann::json json, ReadJson(path));
@@ -158,7 +157,7 @@ Status WriteWorkspaceInfo(const fs::path& workspace,
   for (const auto& [name, value] : info.settings) {
     json["settings"][name] = BytesToJson(value);
   }
-  return WriteFileAtomic(InfoPath(workspace), JsonText(json));
+  return WriteFileAtomic(WorkspaceInfoPath(workspace), JsonText(json));
 }
 
 bool IsLocked(const fs::path& workspace) {

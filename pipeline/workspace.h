@@ -41,6 +41,11 @@ std::filesystem::path PartialFolder(const std::filesystem::path& workspace,
 std::filesystem::path RetiredFolder(const std::filesystem::path& workspace,
                                     std::string_view stage);
 
+// The absolute path without "." and "..", which means the same place: ".."
+// after a link leads to the folder above the one that the link leads to. Links
+// that no ".." follows stay.
+std::filesystem::path AbsolutePath(const std::filesystem::path& path);
+
 // Returns the path relative to the workspace if it lies inside, and the
 // absolute path otherwise.
 std::string DisplayPath(const std::filesystem::path& workspace,
@@ -57,6 +62,9 @@ struct WorkspaceInfo {
 // The inverse of DisplayPath: a relative path starts at the workspace.
 std::filesystem::path PathInWorkspace(const std::filesystem::path& workspace,
                                       const std::string& path);
+
+// WORKSPACE/workspace.json.
+std::filesystem::path WorkspaceInfoPath(const std::filesystem::path& workspace);
 
 // Reads workspace.json. Returns an empty info if there is no such file and
 // kBadInput if it is malformed. A photo folder inside the workspace is stored

@@ -15,6 +15,9 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "core/io/write_all.h"
+#include "core/text.h"
+
 namespace freegs {
 namespace {
 
@@ -32,6 +35,9 @@ std::string Reason() { return std::strerror(errno); }
 StatusOr<File> OpenRegular(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
+  if (!fs::status_known(status)) {
+    return BadInputError(path.string() + ": cannot read: " + error.message());
+  }
   if (!fs::exists(status)) {
     return BadInputError(path.string() + ": cannot read: no such file");
   }
@@ -99,18 +105,16 @@ Status WriteFileAtomic(const fs::path& path,
   if (descriptor < 0) {
     return InternalError(temporary.string() + ": cannot write: " + Reason());
   }
-  bool good = true;
-  for (std::string_view rest : pieces) {
-    while (good && !rest.empty()) {
-      const ssize_t n = write(descriptor, rest.data(), rest.size());
-      if (n < 0 && errno == EINTR) continue;
-      good = n > 0;
-      if (good) rest.remove_prefix(static_cast<size_t>(n));
-    }
-  }
+  bool good =
+      std::all_of(pieces.begin(), pieces.end(), [&](std::string_view piece) {
+        return WriteAll(descriptor, std::as_bytes(std::span(piece)));
+      });
   good = good && fsync(descriptor) == 0;
-  const std::string reason = Reason();
-  good = close(descriptor) == 0 && good;
+  std::string reason = good ? "" : Reason();
+  if (close(descriptor) != 0 && good) {
+    good = false;
+    reason = Reason();
+  }
   if (!good) {
     std::error_code ignored;
     fs::remove(temporary, ignored);
@@ -136,6 +140,10 @@ Status FlushToDisk(const fs::path& path) {
   close(descriptor);
   return good ? Status()
               : InternalError(path.string() + ": cannot write: " + reason);
+}
+
+std::string LowerSuffix(const fs::path& path) {
+  return AsciiLower(path.extension().string());
 }
 
 Status CreateFolders(const fs::path& path) {

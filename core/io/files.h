@@ -37,6 +37,9 @@ Status WriteFileAtomic(const std::filesystem::path& path,
 // the names in a folder. Does nothing if it does not exist.
 Status FlushToDisk(const std::filesystem::path& path);
 
+// The suffix of a path with its letters A to Z in lower case, such as ".ply".
+std::string LowerSuffix(const std::filesystem::path& path);
+
 // Makes the folder and all missing folders above it.
 Status CreateFolders(const std::filesystem::path& path);
 

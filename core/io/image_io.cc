@@ -3,6 +3,7 @@
 #include "core/io/image_io.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <string>
@@ -146,12 +147,15 @@ StatusOr<cv::Mat> Decode(const fs::path& path, int flags) {
   }
 }
 
-Status Encode(const fs::path& path, const cv::Mat& image) {
+// `suffix` names the format.
+Status Encode(const fs::path& path,
+              const std::string& suffix,
+              const cv::Mat& image) {
   std::vector<uint8_t> bytes;
   try {
     const std::vector<int> parameters = {
         cv::IMWRITE_JPEG_QUALITY, 95, cv::IMWRITE_PNG_COMPRESSION, 3};
-    if (!cv::imencode(path.extension().string(), image, bytes, parameters)) {
+    if (!cv::imencode(suffix, image, bytes, parameters)) {
       return InternalError(path.string() + ": cannot encode image");
     }
   } catch (const cv::Exception& e) {
@@ -188,6 +192,12 @@ StatusOr<ImageU16> ReadLabels(const fs::path& path) {
 }
 
 Status WriteImage(const fs::path& path, const ImageU8& image) {
+  if (!CanWriteImage(path)) {
+    return InternalError(path.string() +
+                         ": cannot encode image: its name ends with none of "
+                         ".png, .jpg, .jpeg, .jpe, .tif, .tiff");
+  }
+  const std::string suffix = LowerSuffix(path);
   const cv::Mat stored(image.height(),
                        image.width(),
                        CV_8UC(image.channels()),
@@ -195,24 +205,28 @@ Status WriteImage(const fs::path& path, const ImageU8& image) {
   cv::Mat bgr;
   switch (image.channels()) {
     case 1:
-      return Encode(path, stored);
+      return Encode(path, suffix, stored);
     case 3:
       cv::cvtColor(stored, bgr, cv::COLOR_RGB2BGR);
-      return Encode(path, bgr);
+      return Encode(path, suffix, bgr);
     case 4:
       cv::cvtColor(stored, bgr, cv::COLOR_RGBA2BGRA);
-      return Encode(path, bgr);
+      return Encode(path, suffix, bgr);
     default:
       return InternalError(path.string() + ": images have 1, 3 or 4 channels");
   }
 }
 
 bool CanWriteImage(const fs::path& path) {
-  return path.has_extension() && cv::haveImageWriter(path.extension().string());
+  constexpr std::array<std::string_view, 6> kSuffixes = {
+      ".png", ".jpg", ".jpeg", ".jpe", ".tif", ".tiff"};
+  return std::find(kSuffixes.begin(), kSuffixes.end(), LowerSuffix(path)) !=
+         kSuffixes.end();
 }
 
 Status WriteLabels(const fs::path& path, const ImageU16& labels) {
   return Encode(path,
+                ".png",
                 cv::Mat(labels.height(),
                         labels.width(),
                         CV_16UC1,

@@ -13,21 +13,26 @@ namespace freegs {
 
 // Reads a PNG, JPEG or TIFF image as 8-bit RGB. Grey is repeated, alpha is
 // dropped and 16-bit samples are reduced. EXIF orientation is ignored: camera
-// intrinsics refer to pixels as they are stored.
+// intrinsics refer to pixels as they are stored. Returns kBadInput for what
+// cannot be read or is no such image.
 StatusOr<ImageU8> ReadRgb(const std::filesystem::path& path);
 
 // Reads the values of a one-channel PNG, JPEG or TIFF image of 8 or 16 bits,
-// without scaling them.
+// without scaling them. Returns kBadInput for anything else.
 StatusOr<ImageU16> ReadLabels(const std::filesystem::path& path);
 
-// Writes an image of 1, 3 or 4 channels, atomically. The suffix of the path
-// decides between PNG, JPEG (quality 95) and TIFF.
+// Writes an image of 1, 3 or 4 channels, atomically. The suffix of the path, in
+// any case, decides: .png, .jpg, .jpeg or .jpe (quality 95), .tif or .tiff.
+// Returns kInternal for other suffixes and other numbers of channels, and where
+// the file cannot be written.
 Status WriteImage(const std::filesystem::path& path, const ImageU8& image);
 
 // Whether the suffix of the path is one that WriteImage knows.
 bool CanWriteImage(const std::filesystem::path& path);
 
-// Writes a 16-bit grey PNG, atomically.
+// Writes a 16-bit grey PNG, atomically, whatever the suffix of the path is:
+// JPEG would change the values. Returns kInternal where the file cannot be
+// written.
 Status WriteLabels(const std::filesystem::path& path, const ImageU16& labels);
 
 // Converts 8-bit values to floats in [0, 1], and back with clamping and

@@ -161,6 +161,14 @@ StatusOr<Eigen::Vector3d> ReadVector3(const json* value,
   return vector;
 }
 
+json VectorJson(const Eigen::Vector3d& vector) {
+  return json::array({vector.x(), vector.y(), vector.z()});
+}
+
+json OrNull(const std::optional<double>& value) {
+  return value ? json(*value) : json(nullptr);
+}
+
 StatusOr<Eigen::MatrixXd> ReadMatrix(const json* value,
                                      int rows,
                                      int columns,

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -22,7 +23,7 @@ namespace freegs {
 
 // Objects and lists may be nested to this depth. No file of the program needs
 // more, and code that walks or frees a document recurses once per level.
-constexpr int kMaxJsonDepth = 64;
+inline constexpr int kMaxJsonDepth = 64;
 
 // Parses a document. `source` names it in messages, usually by its path; it may
 // be empty when the caller adds the name.
@@ -69,6 +70,12 @@ StatusOr<std::string> ReadText(const nlohmann::json* value,
 // Reads a list of three finite numbers.
 StatusOr<Eigen::Vector3d> ReadVector3(const nlohmann::json* value,
                                       const std::string& where);
+
+// The list that ReadVector3 reads.
+nlohmann::json VectorJson(const Eigen::Vector3d& vector);
+
+// The number, or null.
+nlohmann::json OrNull(const std::optional<double>& value);
 
 // Reads a list of `rows` lists of `columns` finite numbers.
 StatusOr<Eigen::MatrixXd> ReadMatrix(const nlohmann::json* value,

@@ -11,6 +11,8 @@
 #include <unistd.h>
 #include <utility>
 
+#include "core/io/write_all.h"
+
 namespace freegs {
 namespace {
 
@@ -33,18 +35,6 @@ class Descriptor {
 Status ErrorOf(const fs::path& folder, const char* what, int error) {
   return InternalError(folder.string() + ": cannot " + what +
                        " a scratch file: " + std::strerror(error));
-}
-
-// False, with errno set, when not everything could be written.
-bool WriteAll(int descriptor, std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = write(descriptor, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written == 0) errno = ENOSPC;
-    if (written <= 0) return false;
-    bytes = bytes.subspan(static_cast<size_t>(written));
-  }
-  return true;
 }
 
 }  // namespace

@@ -24,8 +24,10 @@ struct SceneOutlook {
 
   int64_t photo_bytes = 0;  // Of the photos' files.
   bool masks = false;       // Whether there are masks.
-  int64_t points = 0;       // Where training begins.
-  int64_t gaussians = 0;    // Of the trained model.
+  // Sparse points that training starts from; 0 if not known.
+  int64_t points = 0;
+  // Gaussians of the trained model; 0 if not known.
+  int64_t gaussians = 0;
 
   int64_t photos() const {
     return static_cast<int64_t>(train.size() + holdout.size());

@@ -41,7 +41,7 @@ RunNeed Total(std::span<const StageForecast> stages) {
 std::string RunNeedText(const RunNeed& need) {
   std::string text;
   if (need.sum.known()) {
-    text = "about " + FormatSeconds(need.sum.seconds) + ", " +
+    text = "expected to take about " + FormatSeconds(need.sum.seconds) + ", " +
            FormatBytes(static_cast<double>(need.sum.memory_bytes)) +
            " of memory and " +
            FormatBytes(static_cast<double>(need.sum.disk_bytes)) +

@@ -23,8 +23,12 @@ struct StageNeed {
   double seconds = 0;
 
   // The options to change when that is too much, in words that follow "To need
-  // less, ". When nothing is known, the reason.
+  // less, ".
   std::string advice = {};
+
+  // Why nothing is known, where that can be said; empty when something is
+  // known.
+  std::string unknown_reason = {};
 
   // Whether all stages before are done, so that this rests on their files.
   bool from_files = false;
@@ -59,8 +63,8 @@ struct RunNeed {
 };
 RunNeed Total(std::span<const StageForecast> stages);
 
-// "about 4 min 20 s, 850 MB of memory and 310 MB of disk space; nothing is
-// known of sfm". Empty when no stage is needed.
+// "expected to take about 4 min 20 s, 850 MB of memory and 310 MB of disk
+// space; nothing is known of sfm". Empty when no stage is needed.
 std::string RunNeedText(const RunNeed& need);
 
 }  // namespace freegs::pipeline

@@ -344,9 +344,13 @@ StatusOr<ImageF> OpenCvClip::EncodeDense(const ImageU8& image, int dense_size) {
                                       return known.image_size == dense_size;
                                     });
   if (network == info().dense.end()) {
-    return InvalidArgumentError(folder_.path.string() +
-                                " has no dense network for images of " +
-                                std::to_string(dense_size) + " pixels");
+    std::string sizes;
+    for (const int size : dense_sizes()) {
+      sizes += (sizes.empty() ? "" : ", ") + std::to_string(size);
+    }
+    return InvalidArgumentError(
+        folder_.path.string() + " has no dense network for images of " +
+        std::to_string(dense_size) + " pixels; it has those for " + sizes);
   }
   const int grid = network->grid;
   const int dim = embedding_dim();

@@ -221,8 +221,8 @@ StatusOr<ClipCheckpoint> ClipCheckpoint::Open(const fs::path& path) {
                                     : ReadHuggingFaceConfig(folder));
   const auto apply = [](const TowerConfig& from, TransformerShape* to) {
     to->heads = from.heads;
-    to->activation =
-        from.activation == "gelu" ? Activation::kGelu : Activation::kQuickGelu;
+    to->activation = from.activation == "gelu" ? MlpActivation::kGelu
+                                               : MlpActivation::kQuickGelu;
     to->epsilon = from.epsilon;
   };
   apply(config.visual, &a.visual);

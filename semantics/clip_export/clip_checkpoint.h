@@ -17,7 +17,7 @@
 
 namespace freegs::semantics {
 
-enum class Activation {
+enum class MlpActivation {
   kQuickGelu,  // x sigmoid(1.702 x), of OpenAI's models
   kGelu,       // x Phi(x)
 };
@@ -27,7 +27,7 @@ struct TransformerShape {
   int layers = 0;
   int heads = 0;
   int positions = 0;  // Of the text: the context length.
-  Activation activation = Activation::kQuickGelu;
+  MlpActivation activation = MlpActivation::kQuickGelu;
   double epsilon = 1e-5;  // Of the layer norms.
 };
 

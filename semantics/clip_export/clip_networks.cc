@@ -151,7 +151,7 @@ class TowerBuilder {
   }
 
   OnnxValue Activate(const OnnxValue& x) {
-    if (shape_.activation == Activation::kQuickGelu) {
+    if (shape_.activation == MlpActivation::kQuickGelu) {
       const OnnxValue scaled = graph_.Node("Mul", {x, graph_.Number(1.702f)});
       return graph_.Node("Mul", {x, graph_.Node("Sigmoid", {scaled})});
     }

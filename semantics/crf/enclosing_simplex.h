@@ -15,7 +15,7 @@ namespace freegs::semantics {
 // are the integer points whose coordinates are all congruent modulo d + 1. The
 // common remainder is a number 0 .. d, and every simplex has one vertex of each
 // remainder.
-constexpr int kMaxLatticeDim = 16;
+inline constexpr int kMaxLatticeDim = 16;
 
 struct EnclosingSimplex {
   // The vertex of remainder 0. For each coordinate, `rank` is its place when
@@ -61,7 +61,7 @@ class SimplexLocator {
 
 // Larger features, in standard deviations, could overflow the integer
 // coordinates.
-constexpr float kMaxLatticeFeature = 1e6f;
+inline constexpr float kMaxLatticeFeature = 1e6f;
 
 }  // namespace freegs::semantics
 

@@ -12,7 +12,7 @@
 namespace freegs::semantics {
 
 // The label of a pixel of which nothing is known.
-constexpr uint16_t kUnknownLabel = 0xffff;
+inline constexpr uint16_t kUnknownLabel = 0xffff;
 
 // Returns energies, W x H x num_labels. A label of `labels`, W x H, is right
 // with probability `confidence`; all other labels are equally probable. So the

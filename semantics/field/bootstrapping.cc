@@ -316,6 +316,8 @@ class Bootstrapping {
         if (tools_.save) FREEGS_RETURN_IF_ERROR(tools_.save(training, false));
       }
     }
+    // Whoever cancels what follows need not train again.
+    if (tools_.save) FREEGS_RETURN_IF_ERROR(tools_.save(training, true));
     return training.state();
   }
 

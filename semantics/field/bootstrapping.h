@@ -82,9 +82,9 @@ struct BootstrapTools {
   ProgressFn progress;
 
   // If set, training continues from this state. `save`, if not null, gets the
-  // training every 50 steps, and once more with stopping = true before training
-  // stops because it was cancelled. If it returns an error, training ends with
-  // that error.
+  // training every 50 steps, and once more with stopping = true when training
+  // has ended or stops because it was cancelled. If it returns an error,
+  // training ends with that error.
   std::optional<FieldState> resume_from;
   std::function<Status(const FieldTraining& training, bool stopping)> save;
 

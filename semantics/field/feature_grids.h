@@ -54,11 +54,11 @@ struct FeatureGrids {
 // over all views. A model that brings an upsampler for this dense_size has each
 // grid upsampled by it; the axes are still those of the cells before that, and
 // photo_of is called a second time. Beside the grids, upsampled_size^2 x C
-// numbers of one view are held then. Errors of photo_of, the encoder and the
-// cache.
-// kInvalidArgument for no views and for options out of range. kInterrupted when
-// cancelled (`cancellation` may be null); then the cache keeps what was
-// encoded.
+// numbers of one view are held then.
+//
+// Errors: those of photo_of, the encoder and the cache; kInvalidArgument for no
+// views and for options out of range; kInterrupted when cancelled
+// (`cancellation` may be null). Then the cache keeps what was encoded.
 StatusOr<FeatureGrids> ComputeFeatureGrids(
     size_t num_views,
     ViewPhoto photo_of,

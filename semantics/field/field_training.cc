@@ -3,11 +3,11 @@
 #include "semantics/field/field_training.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 #include <utility>
 
 #include "core/random.h"
+#include "semantics/losses/all_finite.h"
 #include "semantics/losses/instance_distillation_loss.h"
 #include "semantics/losses/pixel_distillation_loss.h"
 #include "semantics/metrics/adjusted_rand_index.h"
@@ -25,12 +25,6 @@ constexpr int64_t kStepsPerRecord = 100;
 constexpr int64_t kSlowInterval = 10;
 // Gaussians that the contrastive loss samples for a step.
 constexpr size_t kContrastiveGaussians = 2048;
-
-bool AllFinite(std::span<const float> values) {
-  bool finite = true;  // No early exit, so that the loop is vectorised.
-  for (const float value : values) finite &= std::isfinite(value);
-  return finite;
-}
 
 void Count(double value, double* sum, double* count) {
   *sum += value;
@@ -139,7 +133,7 @@ StatusOr<FieldTraining> FieldTraining::Create(
     FREEGS_ASSIGN_OR_RETURN(
         training.neighbors_,
         BuildNeighborTable(
-            scene.model.means, options.smoothing.neighbors, pool));
+            scene.model.means, options.smoothing.num_neighbours, pool));
   }
   if (!training.teachers_.labels.empty()) training.ShowTeachers(pool);
   return training;

@@ -8,18 +8,18 @@
 
 namespace freegs::semantics {
 
-// A box whose sides are parallel to the axes of the world frame. In world
-// units.
+// A box whose sides are parallel to the axes of the frame that it is in: the
+// world, or the model frame (splat/scene/model_frame.h). Their axes have the
+// same directions.
 struct AxisAlignedBox {
   Eigen::Vector3d min = Eigen::Vector3d::Zero();
   Eigen::Vector3d max = Eigen::Vector3d::Zero();
 };
 
-// The points center + rotation * x with |x_k| <= size_k / 2, in world units.
-// The columns of the rotation are the directions of the sides in the world
-// frame.
+// The points centre + rotation * x with |x_k| <= size_k / 2, in one of these
+// two frames. The columns of the rotation are the directions of the sides.
 struct OrientedBox {
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   Eigen::Vector3d size = Eigen::Vector3d::Zero();  // Full side lengths.
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
 };

@@ -8,7 +8,8 @@
 
 namespace freegs::semantics {
 
-// The points x with normal . x = offset, in world units. |normal| = 1.
+// The points x with normal . x = offset, in the model frame
+// (splat/scene/model_frame.h). |normal| = 1.
 struct Plane {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
   double offset = 0;

@@ -25,12 +25,12 @@ SceneExtent ComputeSceneExtent(std::span<const float> positions) {
   std::vector<double> values(count);
   for (int k = 0; k < 3; ++k) {
     for (size_t i = 0; i < count; ++i) values[i] = positions[i * 3 + k];
-    extent.center[k] = UpperMedian(values);
+    extent.centre[k] = UpperMedian(values);
   }
   for (size_t i = 0; i < count; ++i) {
     const Eigen::Vector3d x(
         positions[i * 3], positions[i * 3 + 1], positions[i * 3 + 2]);
-    values[i] = (x - extent.center).norm();
+    values[i] = (x - extent.centre).norm();
   }
   const double radius = UpperMedian(values);
   if (radius > 0 && std::isfinite(radius)) extent.radius = radius;
@@ -71,7 +71,7 @@ SceneExtent ComputeSceneExtent(const splat::GaussianModel& model,
   }
   if (!depths.empty()) {
     SceneExtent extent;
-    for (int k = 0; k < 3; ++k) extent.center[k] = UpperMedian(coordinates[k]);
+    for (int k = 0; k < 3; ++k) extent.centre[k] = UpperMedian(coordinates[k]);
     extent.radius = UpperMedian(depths) / 2;
     return extent;
   }

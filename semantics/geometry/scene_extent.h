@@ -16,9 +16,10 @@
 
 namespace freegs::semantics {
 
+// In the model frame (splat/scene/model_frame.h).
 struct SceneExtent {
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();  // World frame.
-  double radius = 1;                                 // World units; > 0.
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  double radius = 1;  // > 0.
 };
 
 // From positions alone, N x 3: the centre is the median of each coordinate, the

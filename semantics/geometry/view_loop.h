@@ -25,10 +25,9 @@ using ViewsDone = FunctionRef<void(size_t count)>;
 // Calls body(view) for each view 0 .. num_views - 1, on all threads of the
 // pool, and `done` with the number of views that are ready, never on two
 // threads at once. The body must not use the pool. After an error or when
-// cancelled
-// (`cancellation` may be null), views that have not begun are left out. Returns
-// the error of the first view in their order that has one, or kInterrupted with
-// the name of the work.
+// cancelled (`cancellation` may be null), views that have not begun are left
+// out. Returns the error of the first view in their order that has one, or
+// kInterrupted with the name of the work.
 Status ForEachView(const std::string& work,
                    size_t num_views,
                    ThreadPool& pool,

@@ -45,7 +45,9 @@ CondensedTree CondenseTree(std::span<const MstEdge> mst,
 
 enum class ClusterSelection {
   kExcessOfMass,  // The clusters of largest total stability.
-  kLeaf,          // The leaves of the condensed tree: smaller clusters.
+  // The leaves of the condensed tree: smaller clusters. The program does not
+  // use it, see HdbscanOptions.
+  kLeaf,
 };
 
 struct ClusterSelectionOptions {

@@ -16,7 +16,7 @@
 
 namespace freegs::semantics {
 
-constexpr MstEdge kNoEdge{
+inline constexpr MstEdge kNoEdge{
     std::numeric_limits<double>::infinity(), 0xffffffffu, 0xffffffffu};
 
 inline MstEdge MakeEdge(double weight2, uint32_t a, uint32_t b) {

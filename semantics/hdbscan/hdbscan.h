@@ -32,7 +32,10 @@ struct HdbscanOptions {
   int min_samples = 20;
 
   // Clusters that split off at less than this distance are not split. In the
-  // units of the points; 0 always splits.
+  // units of the points; 0 always splits. The program leaves this,
+  // max_cluster_size and `method` as they are. They are here because the
+  // published algorithm has them, and the tests compare all of it with
+  // clusterings of the reference program.
   double cluster_selection_epsilon = 0;
 
   // Clusters of more points are split although excess of mass would keep them.

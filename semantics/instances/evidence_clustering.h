@@ -58,7 +58,7 @@ Hierarchy BuildHierarchy(const RegionGraph& graph,
                          ThreadPool& pool);
 
 // The instances of a hierarchy of the patches, at its own granularity.
-// scene_radius: world units.
+// scene_radius: in units of the model frame (splat/scene/model_frame.h).
 EvidenceClusters CutIntoClusters(Hierarchy hierarchy,
                                  const ScenePatches& patches,
                                  double scene_radius);
@@ -66,8 +66,8 @@ EvidenceClusters CutIntoClusters(Hierarchy hierarchy,
 // Gaussians in no patch, haze above all, and those of crumbs that touch nothing
 // take the part of the nearest Gaussian that has one, if that is within
 // haze_distance. This is done twice, so that haze beside haze gets a part.
-// scene_radius and haze_distance: world units. kInvalidArgument for options out
-// of range.
+// scene_radius and haze_distance: in units of the model frame.
+// kInvalidArgument for options out of range.
 StatusOr<EvidenceClusters> ClusterByEvidence(
     const splat::GaussianModel& model,
     const ScenePatches& patches,

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "semantics/instances/label_noise.h"
@@ -48,6 +49,17 @@ std::vector<int32_t> NumberBySize(size_t num_labels,
   return order;
 }
 
+// The number that was counted most often, the smallest one of equals; nothing
+// if none was counted.
+std::optional<int32_t> MostFrequent(const std::map<int32_t, size_t>& counts) {
+  const auto most = std::max_element(
+      counts.begin(), counts.end(), [](const auto& x, const auto& y) {
+        return x.second < y.second;
+      });
+  if (most == counts.end()) return std::nullopt;
+  return most->first;
+}
+
 // Where most Gaussians of each label are in the hierarchy's own cut. Joins move
 // crumbs of an instance elsewhere, so a single Gaussian does not tell.
 std::vector<int32_t> RegionsOfLabels(const InstanceLabels& labels,
@@ -61,11 +73,7 @@ std::vector<int32_t> RegionsOfLabels(const InstanceLabels& labels,
   }
   std::vector<int32_t> regions;
   for (const std::map<int32_t, size_t>& count : counts) {
-    const auto most = std::max_element(
-        count.begin(), count.end(), [](const auto& x, const auto& y) {
-          return x.second < y.second;
-        });
-    regions.push_back(most == count.end() ? -1 : most->first);
+    regions.push_back(MostFrequent(count).value_or(-1));
   }
   return regions;
 }
@@ -214,11 +222,7 @@ JoinedInstances InstanceClusterer::Join(const InstanceLabels& labels,
     if (label >= 0 && labels.labels[g] >= 0) ++counts[label][labels.labels[g]];
   }
   for (const std::map<int32_t, size_t>& count : counts) {
-    const auto most = std::max_element(
-        count.begin(), count.end(), [](const auto& x, const auto& y) {
-          return x.second < y.second;
-        });
-    const int32_t label = most == count.end() ? 0 : most->first;
+    const int32_t label = MostFrequent(count).value_or(0);
     const auto pair =
         std::find_if(made.begin(), made.end(), [label](InstancePair one) {
           return one.a == label || one.b == label;

@@ -81,7 +81,7 @@ struct JoinedInstances {
   std::vector<InstancePair> made_of;
 };
 
-// The views whose photographs are looked at, and these.
+// Views, and a function that returns the photograph of each.
 struct PhotoViews {
   std::span<const View> views;
   std::function<StatusOr<ImageU8>(size_t view)> photo_of;

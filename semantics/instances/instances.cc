@@ -77,7 +77,7 @@ OrientedBox BoxAlong(const std::vector<WeightedPoint>& points,
   box.rotation = axes;
   for (int k = 0; k < 3; ++k) {
     const auto [low, high] = TrimmedRange(points, axes.col(k), trim);
-    box.center += (low + high) / 2 * axes.col(k);
+    box.centre += (low + high) / 2 * axes.col(k);
     box.size[k] = high - low;
   }
   return box;
@@ -211,8 +211,8 @@ std::vector<Instance> BuildInstances(
       instance.centre /= weight;
       const OrientedBox aligned =
           BoxAlong(points, Eigen::Matrix3d::Identity(), options.trim);
-      instance.aabb = {aligned.center - aligned.size / 2,
-                       aligned.center + aligned.size / 2};
+      instance.aabb = {aligned.centre - aligned.size / 2,
+                       aligned.centre + aligned.size / 2};
       instance.obb =
           BoxAlong(points,
                    vertical ? UprightAxes(points, *vertical, options.trim)

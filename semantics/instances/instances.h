@@ -21,7 +21,9 @@
 
 namespace freegs::semantics {
 
-// Lengths and positions are in the world frame of the camera poses.
+// BuildInstances returns lengths and positions in the model frame
+// (splat/scene/model_frame.h). In files they are in the world frame of the
+// camera poses, and InWorld (stages/scene/working_frame.h) converts.
 struct Instance {
   int id = 0;  // Label + 1. In images of ids, 0 means no instance.
   int64_t num_gaussians = 0;

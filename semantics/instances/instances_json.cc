@@ -33,7 +33,7 @@ Instance ReadInstance(const json& entry,
   instance.aabb.min = aabb.Vector3("min");
   instance.aabb.max = aabb.Vector3("max");
   JsonObjectReader obb(reader.Object("obb"), "", path + ".obb", status);
-  instance.obb.center = obb.Vector3("center");
+  instance.obb.centre = obb.Vector3("center");
   instance.obb.size = obb.Vector3("size");
   instance.obb.rotation = obb.Matrix("rotation", 3, 3);
   constexpr double kMaxScore = std::numeric_limits<double>::max();
@@ -66,7 +66,7 @@ json InstanceToJson(const Instance& instance) {
            {{"min", ToJson(instance.aabb.min)},
             {"max", ToJson(instance.aabb.max)}}},
           {"obb",
-           {{"center", ToJson(instance.obb.center)},
+           {{"center", ToJson(instance.obb.centre)},
             {"size", ToJson(instance.obb.size)},
             {"rotation", std::move(rotation)}}},
           {"score", instance.score},

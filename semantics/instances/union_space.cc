@@ -48,7 +48,7 @@ std::vector<float> BuildUnionSpace(std::span<const float> positions,
     float* out = points.data() + i * dim;
     for (int k = 0; k < 3; ++k) {
       const auto x = static_cast<float>(
-          (positions[i * 3 + k] - extent.center[k]) / extent.radius);
+          (positions[i * 3 + k] - extent.centre[k]) / extent.radius);
       out[k] = position_weight * std::clamp(x, -kMaxRadii, kMaxRadii);
       out[3 + k] = color_weight * std::clamp(colors[i * 3 + k], 0.0f, 1.0f);
     }

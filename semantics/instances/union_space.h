@@ -34,8 +34,7 @@ struct UnionSpaceOptions {
 // - positions by the scene extent, clamped to 10 radii;
 // - colours are in [0, 1] already and are clamped to it;
 // - semantics so that the 0.5 % and 99.5 % quantiles of all entries become 0
-// and
-//   1, clamped.
+//   and 1, clamped.
 // FreeGS scales every block by its minimum and maximum. Real scenes have a few
 // Gaussians far outside, which would squash everything of interest into a
 // point.

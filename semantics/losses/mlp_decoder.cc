@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/random.h"
+#include "semantics/losses/all_finite.h"
 #include "semantics/losses/matrix_products.h"
 
 namespace freegs::semantics {
@@ -14,12 +15,6 @@ namespace {
 
 constexpr int kMaxSize = 1 << 16;
 constexpr int64_t kRowsAtOnce = 2048;
-
-bool AllFinite(std::span<const float> values) {
-  return std::all_of(values.begin(), values.end(), [](float value) {
-    return std::isfinite(value);
-  });
-}
 
 void FillNormal(uint64_t seed,
                 uint64_t stream,

@@ -38,6 +38,7 @@ double Dot(const float* a, const float* b, int dim) {
 }
 
 void Compare(const float* features, int dim, Pair* pair) {
+  if (pair->i == pair->j) return;  // It has no neighbours.
   const float* a = features + static_cast<size_t>(pair->i) * dim;
   const float* b = features + static_cast<size_t>(pair->j) * dim;
   const double aa = Dot(a, a, dim);
@@ -100,10 +101,24 @@ Status CheckSizes(std::span<const float> features,
   return Status();
 }
 
+// The Gaussians that a k-d tree can hold, ascending.
+std::vector<uint32_t> WithinReach(std::span<const float> positions) {
+  std::vector<uint32_t> rows;
+  for (size_t i = 0; i < positions.size() / 3; ++i) {
+    const std::span<const float> position = positions.subspan(3 * i, 3);
+    if (std::all_of(position.begin(), position.end(), [](float x) {
+          return std::abs(x) <= KdTree::kMaxCoordinate;
+        })) {
+      rows.push_back(static_cast<uint32_t>(i));
+    }
+  }
+  return rows;
+}
+
 }  // namespace
 
 Status SmoothingOptions::Check() const {
-  if (neighbors < 1) {
+  if (num_neighbours < 1) {
     return InvalidArgumentError("smoothing needs at least one neighbour");
   }
   if (!(fraction >= 0 && fraction <= 1)) {
@@ -118,27 +133,44 @@ Status SmoothingOptions::Check() const {
 }
 
 StatusOr<NeighborTable> BuildNeighborTable(std::span<const float> positions,
-                                           int neighbors,
+                                           int num_neighbours,
                                            ThreadPool& pool) {
-  if (neighbors < 1) {
+  if (num_neighbours < 1) {
     return InvalidArgumentError("smoothing needs at least one neighbour");
   }
-  FREEGS_ASSIGN_OR_RETURN(const KdTree tree, KdTree::Build(positions, 3));
+  if (positions.size() % 3 != 0) {
+    return InvalidArgumentError("positions are not of three numbers each");
+  }
+  const std::vector<uint32_t> rows = WithinReach(positions);
+  std::vector<float> near;
+  near.reserve(3 * rows.size());
+  for (const uint32_t row : rows) {
+    near.insert(near.end(),
+                &positions[3 * size_t{row}],
+                &positions[3 * size_t{row}] + 3);
+  }
+  FREEGS_ASSIGN_OR_RETURN(const KdTree tree, KdTree::Build(near, 3));
   const auto count = static_cast<int64_t>(tree.size());
   NeighborTable table;
   if (count < 2) return table;
-  table.neighbors = static_cast<int>(std::min<int64_t>(neighbors, count - 1));
-  table.indices.resize(count * table.neighbors);
+  table.num_neighbours =
+      static_cast<int>(std::min<int64_t>(num_neighbours, count - 1));
+  // Who has no neighbours stands in their places.
+  table.indices.resize(positions.size() / 3 * table.num_neighbours);
+  for (size_t k = 0; k < table.indices.size(); ++k) {
+    table.indices[k] = static_cast<uint32_t>(k / table.num_neighbours);
+  }
   pool.ParallelFor(
       0, count, kQueryGrain, [&](int64_t first, int64_t last, int) {
         std::vector<Neighbor> nearest;
         for (int64_t i = first; i < last; ++i) {
-          tree.Nearest(positions.data() + 3 * i,
-                       table.neighbors,
+          tree.Nearest(near.data() + 3 * i,
+                       table.num_neighbours,
                        static_cast<uint32_t>(i),
                        &nearest);
-          for (int k = 0; k < table.neighbors; ++k) {
-            table.indices[i * table.neighbors + k] = nearest[k].index;
+          for (int k = 0; k < table.num_neighbours; ++k) {
+            table.indices[size_t{rows[i]} * table.num_neighbours + k] =
+                rows[nearest[k].index];
           }
         }
       });
@@ -170,9 +202,9 @@ StatusOr<double> SmoothingLoss(std::span<const float> features,
                                double weight,
                                ThreadPool& pool,
                                std::span<float> gradients) {
-  if (samples.empty() || table.neighbors == 0) return 0.0;
+  if (samples.empty() || table.num_neighbours == 0) return 0.0;
   FREEGS_RETURN_IF_ERROR(CheckSizes(features, dim, table, samples, gradients));
-  std::vector<Pair> pairs(samples.size() * table.neighbors);
+  std::vector<Pair> pairs(samples.size() * table.num_neighbours);
   pool.ParallelFor(
       0,
       static_cast<int64_t>(pairs.size()),
@@ -180,9 +212,10 @@ StatusOr<double> SmoothingLoss(std::span<const float> features,
       [&](int64_t first, int64_t last, int) {
         for (int64_t p = first; p < last; ++p) {
           Pair& pair = pairs[p];
-          pair.i = samples[p / table.neighbors];
-          pair.j = table.indices[static_cast<size_t>(pair.i) * table.neighbors +
-                                 p % table.neighbors];
+          pair.i = samples[p / table.num_neighbours];
+          pair.j =
+              table.indices[static_cast<size_t>(pair.i) * table.num_neighbours +
+                            p % table.num_neighbours];
           Compare(features.data(), dim, &pair);
         }
       });

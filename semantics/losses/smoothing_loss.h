@@ -16,7 +16,7 @@
 namespace freegs::semantics {
 
 struct SmoothingOptions {
-  int neighbors = 5;        // K, nearest neighbours of each sample.
+  int num_neighbours = 5;   // K, nearest neighbours of each sample.
   double fraction = 0.001;  // Share of all Gaussians sampled in a step (T).
   int min_samples = 64;     // But at least so many, if there are so many.
 
@@ -24,19 +24,24 @@ struct SmoothingOptions {
 };
 
 // The nearest neighbours of every Gaussian. They stay the same while the
-// geometry is frozen. Among equal distances the smaller index comes first.
+// geometry is frozen. Among equal distances the smaller index comes first. A
+// Gaussian that has none stands in their places itself.
 struct NeighborTable {
-  int neighbors = 0;              // Per Gaussian.
-  std::vector<uint32_t> indices;  // N x neighbors, nearest first.
+  int num_neighbours = 0;         // Per Gaussian.
+  std::vector<uint32_t> indices;  // N x num_neighbours, nearest first.
 
-  size_t size() const { return neighbors > 0 ? indices.size() / neighbors : 0; }
+  size_t size() const {
+    return num_neighbours > 0 ? indices.size() / num_neighbours : 0;
+  }
 };
 
 // positions: N x 3. If N <= K, each Gaussian has the N - 1 others as
-// neighbours, so that the table of a single Gaussian is empty. kInvalidArgument
-// for K < 1 and for positions that KdTree::Build refuses.
+// neighbours, so that the table of a single Gaussian is empty. Gaussians beyond
+// KdTree::kMaxCoordinate have no neighbours and are nobody's; N counts the
+// others. kInvalidArgument for K < 1 and for positions that are not of three
+// numbers each.
 StatusOr<NeighborTable> BuildNeighborTable(std::span<const float> positions,
-                                           int neighbors,
+                                           int num_neighbours,
                                            ThreadPool& pool);
 
 // Returns T different Gaussians of `count`, ascending, for one step of
@@ -50,7 +55,8 @@ std::vector<uint32_t> SampleForSmoothing(const SmoothingOptions& options,
 
 // Returns L, the mean of 1 - cos(f_i, f_j) over the samples i and their
 // neighbours j, and adds weight dL/df of both ends to `gradients`. Pairs with a
-// vector of no length (below 1e-12) do not count; L is 0 if no pair counts.
+// vector of no length (below 1e-12) do not count, nor do samples without
+// neighbours; L is 0 if no pair counts.
 //   features   N x D, row-major
 //   gradients  N x D; the rows of samples and of their neighbours change
 // kInvalidArgument for sizes that disagree, samples out of range and features

@@ -36,9 +36,10 @@ class PatchGraphBuilder {
  public:
   // patch_of_gaussian: for each Gaussian of the model, -1 for none.
   // normals: of each Gaussian, N x 3, of any sign. size_of_patch: the usual
-  // extent of each patch in world units. depth_scale: depths that differ by
-  // less than this say nothing. baseline: how far apart the cameras stand,
-  // world units. The model must outlive the builder.
+  // extent of each patch. depth_scale: depths that differ by less than this
+  // say nothing. baseline: how far apart the cameras stand. These lengths are
+  // in units of the model frame (splat/scene/model_frame.h). The model must
+  // outlive the builder.
   PatchGraphBuilder(const splat::GaussianModel& model,
                     std::vector<int32_t> patch_of_gaussian,
                     std::vector<float> normals,

@@ -32,7 +32,7 @@ struct RegionStats {
 
   // Over its Gaussians, weighted by the pixels that they cover.
   double weight = 0;
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // World units.
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // Model frame.
   Eigen::Matrix3d position2 = Eigen::Matrix3d::Zero();
   std::vector<float> semantics;  // Sum of unit vectors; may be empty.
 
@@ -44,7 +44,7 @@ struct RegionStats {
 struct RegionExtent {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
-  double thickness = 0;  // World units; thickness <= width <= length.
+  double thickness = 0;  // thickness <= width <= length.
   double width = 0;
   double length = 0;
 

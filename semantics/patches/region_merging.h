@@ -30,10 +30,10 @@ struct RegionTree {
   // Applies the merges of at most this height. Returns the region of each leaf.
   std::vector<int32_t> Cut(double height) const;
 
-  // The regions, one for each leaf, whose sum of what they are worth is
-  // largest. `worth` has a number from 0 on for each region. That needs no
-  // single height for all things, as a large thing is judged with all that
-  // would become of its parts.
+  // Chooses one region for each leaf so that the sum of `worth` over the chosen
+  // regions is largest. `worth` has a number >= 0 for each region. Large and
+  // small things can be chosen together, because no single height has to fit
+  // all.
   //
   // A crumb, a region of less than min_size in all, the sum of its leaves'
   // sizes, is no thing and makes none: it belongs to what it was joined to, or

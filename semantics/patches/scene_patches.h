@@ -41,7 +41,7 @@ struct PatchScene {
   std::span<const View> views;
   const splat::RenderOptions& render;
   std::function<StatusOr<ImageU8>(size_t view)> photo_of;
-  double scene_radius = 1;  // World units.
+  double scene_radius = 1;  // SceneExtent::radius.
 };
 
 // Patches know no semantics; SetSemantics adds them. The same input gives the

@@ -24,8 +24,9 @@ namespace freegs::semantics {
 struct ClickHit {
   int id = 0;         // Id of the instance.
   double weight = 0;  // Summed blending weight of its Gaussians at the pixel.
-  // Where the ray of the pixel meets the instance, in the world frame: at the
-  // mean depth of its Gaussians at the pixel, by weight.
+  // Where the ray of the pixel meets the instance: at the mean depth of its
+  // Gaussians at the pixel, by weight. In the model frame
+  // (splat/scene/model_frame.h).
   Eigen::Vector3d point = Eigen::Vector3d::Zero();
 };
 

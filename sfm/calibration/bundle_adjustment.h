@@ -31,10 +31,9 @@ struct BundleAdjustmentOptions {
 //   FREEGS_RETURN_IF_ERROR(AdjustBundle(options, &model));
 //
 // It minimises the sum of the Cauchy loss, of scale 1 pixel, over the
-// reprojection errors, so that observations far off count little, and stops
-// as the options say.
-// CanAdjust must hold for the model of every camera. Images that name the same
-// camera share its intrinsics.
+// reprojection errors, so that observations far off count little, and stops as
+// the options say. CanAdjust must hold for the model of every camera. Images
+// that name the same camera share its intrinsics.
 //
 // What stays as it is: principal points, because the photos of one scene hardly
 // determine them; points seen less than twice; images with fewer than three

@@ -169,7 +169,7 @@ double TimeLimit(size_t photos) {
 StatusOr<std::vector<Reconstruction>> MapPhotos(const StepContext& context,
                                                 const fs::path& database,
                                                 const fs::path& folder,
-                                                const Mapping& mapping) {
+                                                const MapperOptions& options) {
   std::error_code error;
   fs::remove_all(folder, error);
   const fs::path output = folder / "models";
@@ -181,9 +181,9 @@ StatusOr<std::vector<Reconstruction>> MapPhotos(const StepContext& context,
   arguments.Require("database_path", database.string());
   arguments.Require("image_path", context.input.photo_folder.string());
   arguments.Require("output_path", output.string());
-  if (mapping.start != nullptr) {
+  if (options.start != nullptr) {
     const fs::path start = folder / "start";
-    FREEGS_RETURN_IF_ERROR(WriteModel(start, *mapping.start));
+    FREEGS_RETURN_IF_ERROR(WriteModel(start, *options.start));
     arguments.Require("input_path", start.string());
   }
   // One thread: sums of bundle adjustment are then always in the same order.
@@ -192,35 +192,35 @@ StatusOr<std::vector<Reconstruction>> MapPhotos(const StepContext& context,
                    std::to_string(context.input.seed % 2147483647));
   arguments.Prefer({"Mapper.extract_colors"}, "0");
   EndAdjustmentsEarly(&arguments);
-  if (mapping.start == nullptr && mapping.pair) {
-    BeginWith(*mapping.pair, &arguments);
+  if (options.start == nullptr && options.pair) {
+    BeginWith(*options.pair, &arguments);
   }
-  if (!mapping.relaxed) {
+  if (!options.relaxed) {
     AdjustLessOften(&arguments);
   } else {
-    if (!mapping.pair) {
+    if (!options.pair) {
       arguments.Prefer({"Mapper.init_min_num_inliers"}, "40");
       arguments.Prefer({"Mapper.init_min_tri_angle"}, "4");
     }
     arguments.Prefer({"Mapper.abs_pose_min_num_inliers"}, "15");
     arguments.Prefer({"Mapper.abs_pose_min_inlier_ratio"}, "0.15");
   }
-  if (mapping.small_models) arguments.Prefer({"Mapper.min_model_size"}, "3");
+  if (options.small_models) arguments.Prefer({"Mapper.min_model_size"}, "3");
   FREEGS_ASSIGN_OR_RETURN(const ChildCommand run, arguments.Finish());
 
   const double total = static_cast<double>(context.input.photos.size());
-  double registered = mapping.start == nullptr
+  double registered = options.start == nullptr
                           ? 0
-                          : static_cast<double>(mapping.start->images.size());
-  context.Report(mapping.step, registered, total, "");
+                          : static_cast<double>(options.start->images.size());
+  context.Report(options.step, registered, total, "");
   const auto on_line = [&](std::string_view line) {
     const auto progress = ParseColmapLine(line);
     if (!progress) return;
     if (progress->kind == ColmapProgress::Kind::kPhotoRegistered) {
       registered = std::min<double>(progress->done, total);
-      context.Report(mapping.step, registered, total, "");
+      context.Report(options.step, registered, total, "");
     } else if (progress->kind == ColmapProgress::Kind::kAdjusting) {
-      context.Report(mapping.step, registered, total, "adjusting all of them");
+      context.Report(options.step, registered, total, "adjusting all of them");
     }
   };
   FREEGS_ASSIGN_OR_RETURN(const ChildResult result,
@@ -229,7 +229,7 @@ StatusOr<std::vector<Reconstruction>> MapPhotos(const StepContext& context,
       CheckEnded(context,
                  "mapper",
                  result,
-                 mapping.further ? Crash::kVerdict : Crash::kNoVerdict);
+                 options.further ? Crash::kVerdict : Crash::kNoVerdict);
   // COLMAP returns 1 when it made no model: that is a result, not a failure.
   const bool no_model =
       result.exit_code == 1 && ended.code() == StatusCode::kUnusableResult;

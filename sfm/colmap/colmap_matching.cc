@@ -107,7 +107,7 @@ StatusOr<PhotoSimilarity> Matcher::CompareLooks() {
   }
   GlobalDescriptorOptions options;
   options.seed = context_.input.seed;
-  return PhotoSimilarity(DescribePhotos(features, options, &pool_), &pool_);
+  return PhotoSimilarity(DescribePhotos(features, options, pool_), pool_);
 }
 
 // Those of the pairs that COLMAP found to fit.

@@ -8,7 +8,7 @@
 //   FREEGS_ASSIGN_OR_RETURN(const MatchedPairs pairs,
 //                           MatchFeatures(context, database, {}, on_done));
 //   FREEGS_ASSIGN_OR_RETURN(const std::vector<Reconstruction> models,
-//                           MapPhotos(context, database, folder, Mapping()));
+//                           MapPhotos(context, database, folder, {}));
 
 #ifndef FREEGS_SFM_COLMAP_COLMAP_STEPS_H_
 #define FREEGS_SFM_COLMAP_COLMAP_STEPS_H_
@@ -106,7 +106,7 @@ inline constexpr size_t kUsualMinModel = 10;
 inline constexpr double kUsualStartAngleDeg = 16;
 
 // How to make models from a database.
-struct Mapping {
+struct MapperOptions {
   std::string step = "mapping";  // The name of the step in progress reports.
 
   // Whether there is a result without this mapping. If COLMAP crashes, that is
@@ -136,7 +136,7 @@ StatusOr<std::vector<Reconstruction>> MapPhotos(
     const StepContext& context,
     const std::filesystem::path& database,
     const std::filesystem::path& folder,
-    const Mapping& mapping);
+    const MapperOptions& options);
 
 // Finds the 3D points that the verified matches in the database show from the
 // given poses. Poses and cameras stay as they are. `poses` has images without

@@ -60,11 +60,10 @@ Camera AsPinhole(const Camera& camera, int max_side) {
   return pinhole.Resized(scaled(camera.width), scaled(camera.height));
 }
 
-Status LinkPhoto(const fs::path& from, const fs::path& to) {
+// Not a link: whoever edits one of the two files leaves the other alone.
+Status CopyPhoto(const fs::path& from, const fs::path& to) {
   std::error_code error;
-  fs::create_hard_link(from, to, error);
-  // Another file system, or one without hard links.
-  if (error) fs::copy_file(from, to, error);
+  fs::copy_file(from, to, error);
   if (!error) return {};
   return InternalError(to.string() + ": cannot be written: " + error.message());
 }
@@ -99,7 +98,7 @@ StatusOr<UndistortionResult> KeepPhotos(const Reconstruction& model,
     FREEGS_RETURN_IF_ERROR(CreateFolders(to.parent_path()));
     if (camera.width == old_camera.width &&
         camera.height == old_camera.height) {
-      FREEGS_RETURN_IF_ERROR(LinkPhoto(from, to));
+      FREEGS_RETURN_IF_ERROR(CopyPhoto(from, to));
       continue;
     }
     result.resampled = true;

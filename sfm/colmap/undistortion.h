@@ -44,10 +44,10 @@ struct UndistortionResult {
 //   FREEGS_ASSIGN_OR_RETURN(const UndistortionResult result,
 //                           Undistort(model, input));
 //
-// When no camera has distortion, photos are linked, or copied, without change,
-// and those that are too large are resized. Returns kBadInput when a photo of
-// the model has no file, and kUnusableResult when COLMAP fails or when its
-// result still has distortion.
+// When no camera has distortion, photos are copied without change, and those
+// that are too large are resized. Returns kBadInput when a photo of the model
+// has no file, and kUnusableResult when COLMAP fails or when its result still
+// has distortion.
 StatusOr<UndistortionResult> Undistort(const Reconstruction& model,
                                        const UndistortionInput& input);
 

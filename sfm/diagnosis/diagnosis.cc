@@ -8,6 +8,7 @@
 
 #include "core/number_text.h"
 #include "core/quantile.h"
+#include "core/text.h"
 #include "sfm/diagnosis/diagnosis_scene.h"
 
 namespace freegs::sfm {
@@ -17,10 +18,17 @@ namespace {
 // scenes have some 60 of mostly wrong ones, sound ones hundreds.
 constexpr double kFewObservations = 80;
 
+// Fewer photos than these leave most of a scene unseen.
+constexpr int kFewPhotos = 8;
+
+// All photos count as blurred when the median size of their features exceeds
+// this share of a photo's longest side.
+constexpr double kBlurredScale = 0.008;
+
 void FindTooFewPhotos(const DiagnosedScene& scene,
                       std::vector<Finding>* findings) {
   const int count = static_cast<int>(scene.count());
-  if (count >= scene.options.few_photos) return;
+  if (count >= kFewPhotos) return;
   Finding finding;
   finding.kind = FindingKind::kTooFewPhotos;
   finding.severity = count < 3 ? Severity::kFatal : Severity::kDegrading;
@@ -50,10 +58,10 @@ void FindBlur(const DiagnosedScene& scene, std::vector<Finding>* findings) {
   finding.advice =
       "take them again with a steady hand, focused and with more light";
   const double scale = UpperMedian(scales);
-  if (scale > scene.options.blurred_scale) {
+  if (scale > kBlurredScale) {
     finding.severity = Severity::kDegrading;
     finding.evidence = {{"median_feature_scale", scale},
-                        {"limit", scene.options.blurred_scale},
+                        {"limit", kBlurredScale},
                         {"sharpness", scene.sharp}};
     finding.message =
         "the photos are blurred: half of what stands out in them is wider "

@@ -14,6 +14,10 @@
 
 namespace freegs::sfm {
 
+// A photo is blurred when its sharpness is below this share of
+// SharpnessOfSharp.
+inline constexpr double kBlurredShare = 0.1;
+
 // Upper quartile of the sharpness of all photos for which it is known; 0 if it
 // is known for none.
 double SharpnessOfSharp(const SceneEvidence& evidence);
@@ -37,7 +41,7 @@ struct DiagnosedScene {
   // Enough photos have a pose for the result to count as good.
   bool good() const {
     return static_cast<double>(registered) >=
-           options.good_share * static_cast<double>(count());
+           kGoodShare * static_cast<double>(count());
   }
   // A photo of the main group that is not blurred has no pose in models[0].
   bool LinkedPhotosMissing() const;
@@ -48,8 +52,7 @@ struct DiagnosedScene {
   bool HasDepth() const;
   // The photo is much less sharp than the sharpest quarter of all photos.
   bool IsBlurred(const PhotoEvidence& photo) const {
-    return photo.sharpness > 0 &&
-           photo.sharpness < options.blurred_share * sharp;
+    return photo.sharpness > 0 && photo.sharpness < kBlurredShare * sharp;
   }
   bool HasFewFeatures(const PhotoEvidence& photo) const {
     return photo.num_features < options.few_features;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Names of findings, and lists of names.
+// Names of findings.
 
 #include "sfm/diagnosis/finding.h"
 
@@ -39,19 +39,6 @@ std::string_view SeverityName(Severity severity) {
       return "fatal";
   }
   return "";
-}
-
-std::string SomeNames(const std::vector<std::string>& names) {
-  constexpr size_t kShown = 4;
-  std::string text;
-  const bool cut = names.size() > kShown + 1;
-  const size_t shown = cut ? kShown : names.size();
-  for (size_t i = 0; i < shown; ++i) {
-    const bool last = i + 1 == shown && !cut;
-    text += (i == 0 ? "" : last ? " and " : ", ") + names[i];
-  }
-  if (cut) text += " and " + std::to_string(names.size() - kShown) + " more";
-  return text;
 }
 
 }  // namespace freegs::sfm

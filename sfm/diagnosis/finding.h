@@ -47,29 +47,14 @@ struct Finding {
   std::vector<std::string> photos;  // Names; empty if it is about all photos.
 };
 
-// The defaults were chosen on the photo sets of docs/sfm.md.
+// A result in which at least this share of the photos has a pose is good. This
+// limit and the others were chosen on the photo sets of docs/sfm.md.
+inline constexpr double kGoodShare = 0.9;
+
 struct DiagnosisOptions {
   // A photo with fewer features than these cannot be matched reliably.
   int64_t few_features = 250;
-
-  // A photo is blurred when its sharpness is below this share of the upper
-  // quartile of all photos.
-  double blurred_share = 0.1;
-
-  // All photos count as blurred when the median size of their features exceeds
-  // this share of a photo's longest side.
-  double blurred_scale = 0.008;
-
-  // Fewer photos than these leave most of a scene unseen.
-  int few_photos = 8;
-
-  // From this share of registered photos on a result is good.
-  double good_share = 0.9;
 };
-
-// The names for use in a message. Long lists are cut after four names:
-// "a.jpg, b.jpg, c.jpg, d.jpg and 7 more".
-std::string SomeNames(const std::vector<std::string>& names);
 
 }  // namespace freegs::sfm
 

@@ -12,9 +12,8 @@
 
 namespace freegs::sfm {
 
-std::vector<bool> FindBlurredPhotos(const SceneEvidence& evidence,
-                                    const DiagnosisOptions& options) {
-  const double limit = options.blurred_share * SharpnessOfSharp(evidence);
+std::vector<bool> FindBlurredPhotos(const SceneEvidence& evidence) {
+  const double limit = kBlurredShare * SharpnessOfSharp(evidence);
   std::vector<bool> blurred;
   for (const PhotoEvidence& photo : evidence.photos) {
     blurred.push_back(photo.sharpness > 0 && photo.sharpness < limit);

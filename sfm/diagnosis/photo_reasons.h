@@ -17,8 +17,7 @@ namespace freegs::sfm {
 
 // For each photo of the evidence, whether it is much more blurred than the
 // others. Such photos are not worth another attempt.
-std::vector<bool> FindBlurredPhotos(const SceneEvidence& evidence,
-                                    const DiagnosisOptions& options);
+std::vector<bool> FindBlurredPhotos(const SceneEvidence& evidence);
 
 // For each photo without a pose in models[0], by name, a sentence that tells
 // what is known about the reason. `models`: the best first; may be empty.

@@ -37,6 +37,25 @@ Status NoMatch(const std::string& example, const SfmPhoto& photo) {
       "'; give the photos that the poses belong to");
 }
 
+// Returns for each photo the index of the name that belongs to it, -1 for none.
+// Appends the names that belong to no photo to `unmatched`. kBadInput if no
+// name belongs to a photo.
+StatusOr<std::vector<int>> MatchByName(const std::vector<std::string>& names,
+                                       const std::vector<SfmPhoto>& photos,
+                                       std::vector<std::string>* unmatched) {
+  const std::vector<int> match = MatchNames(names, photos);
+  std::vector<int> name_of_photo(photos.size(), -1);
+  for (size_t i = 0; i < match.size(); ++i) {
+    if (match[i] < 0) {
+      unmatched->push_back(names[i]);
+    } else {
+      name_of_photo[match[i]] = static_cast<int>(i);
+    }
+  }
+  if (unmatched->size() == names.size()) return NoMatch(names[0], photos[0]);
+  return name_of_photo;
+}
+
 // Makes camera and features fit a photo of another size.
 Status FitToPhoto(const SfmPhoto& photo, Camera* camera, PosedImage* image) {
   const double sx = static_cast<double>(photo.width) / camera->width;
@@ -99,19 +118,11 @@ StatusOr<ImportedModel> ImportColmap(const fs::path& folder,
   }
   std::vector<std::string> names;
   for (const PosedImage& image : source.images) names.push_back(image.name);
-  const std::vector<int> match = MatchNames(names, photos);
-  std::vector<int> image_of_photo(photos.size(), -1);
   ImportedModel result;
-  for (size_t i = 0; i < match.size(); ++i) {
-    if (match[i] < 0) {
-      result.unmatched.push_back(names[i]);
-    } else {
-      image_of_photo[match[i]] = static_cast<int>(i);
-    }
-  }
-  if (result.unmatched.size() == names.size()) {
-    return NoMatch(names[0], photos[0]).Annotated(folder.string());
-  }
+  const StatusOr<std::vector<int>> match =
+      MatchByName(names, photos, &result.unmatched);
+  if (!match.ok()) return match.status().Annotated(folder.string());
+  const std::vector<int>& image_of_photo = *match;
 
   const auto camera_index = IndexCameras(source);
   CameraSet cameras;
@@ -168,19 +179,13 @@ StatusOr<ImportedModel> ImportTransforms(const ImportSource& source,
   }
   std::vector<std::string> names;
   for (const NamedFrame& frame : frames) names.push_back(frame.frame.file_path);
-  const std::vector<int> match = MatchNames(names, photos);
-  std::vector<int> frame_of_photo(photos.size(), -1);
   ImportedModel result;
-  for (size_t i = 0; i < match.size(); ++i) {
-    if (match[i] < 0) {
-      result.unmatched.push_back(names[i]);
-    } else {
-      frame_of_photo[match[i]] = static_cast<int>(i);
-    }
+  const StatusOr<std::vector<int>> match =
+      MatchByName(names, photos, &result.unmatched);
+  if (!match.ok()) {
+    return match.status().Annotated(source.transforms.string());
   }
-  if (result.unmatched.size() == names.size()) {
-    return NoMatch(names[0], photos[0]).Annotated(source.transforms.string());
-  }
+  const std::vector<int>& frame_of_photo = *match;
 
   CameraSet cameras;
   for (size_t p = 0; p < photos.size(); ++p) {

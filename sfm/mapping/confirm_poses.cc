@@ -95,7 +95,7 @@ void TakeBest(const Models& candidates,
 
 StatusOr<ConfirmedPoses> ConfirmPoses(const Models& models,
                                       size_t enough,
-                                      const MapAgain& map_again) {
+                                      const MapAgainFn& map_again) {
   ConfirmedPoses result;
   const size_t registered = NumRegistered(models);
   if (registered < kMinToCompare || registered > kMostPhotosToConfirm) {

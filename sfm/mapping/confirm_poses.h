@@ -45,7 +45,7 @@ inline constexpr size_t kMostPhotosToConfirm = 40;
 // Maps the photos again, from the best pair after `skip` others; without `skip`
 // COLMAP looks for a pair itself. The models, the best first, are as exact as
 // those given.
-using MapAgain = std::function<StatusOr<AttemptResult>(
+using MapAgainFn = std::function<StatusOr<AttemptResult>(
     const std::string& name, std::optional<size_t> skip)>;
 
 // Maps again until the best model has a witness (see Consensus), which usually
@@ -62,7 +62,7 @@ using MapAgain = std::function<StatusOr<AttemptResult>(
 //   if (!confirmed.models.empty()) models = std::move(confirmed.models);
 StatusOr<ConfirmedPoses> ConfirmPoses(const std::vector<Reconstruction>& models,
                                       size_t enough,
-                                      const MapAgain& map_again);
+                                      const MapAgainFn& map_again);
 
 }  // namespace freegs::sfm
 

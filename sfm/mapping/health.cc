@@ -21,6 +21,15 @@ constexpr char kMoreOverlap[] =
     "take more photos with at least two thirds overlap from neighbouring "
     "positions, sharp and of a textured scene; or try ";
 
+// With fewer registered photos a result is failed, whatever their share.
+constexpr int kMinRegistered = 3;
+
+// Below this median triangulation angle it is failed: depth would be guesswork.
+constexpr double kMinTriangulationDeg = 1.0;
+
+// Above this mean reprojection error it is degraded.
+constexpr double kGoodReprojectionErrorPx = 2.0;
+
 // The advice where poses come from elsewhere.
 constexpr char kMorePoses[] =
     "give poses for the other photos, or leave these photos out; or let "
@@ -67,13 +76,13 @@ struct Judgement {
 };
 
 // What makes more photos have a pose.
-std::string MoreOverlap(const HealthOptions& options) {
-  if (options.imported) return kMorePoses;
+std::string MoreOverlap(const MappingFacts& facts) {
+  if (facts.imported) return kMorePoses;
   std::string advice = kMoreOverlap;
-  if (options.max_features < SfmOptions::kManyFeatures) {
+  if (facts.max_features < SfmOptions::kManyFeatures) {
     advice += "--sfm.max_features 8192, ";
   }
-  if (!options.all_pairs_compared) {
+  if (!facts.all_pairs_compared) {
     advice += "--sfm.matcher exhaustive, ";
   }
   return advice + "--sfm.camera per_image";
@@ -82,21 +91,22 @@ std::string MoreOverlap(const HealthOptions& options) {
 // Why the result cannot be used.
 Judgement FailureOf(const Health& health,
                     const HealthOptions& options,
+                    const MappingFacts& facts,
                     bool triangulated) {
   const std::string registered = std::to_string(health.registered) + " of " +
                                  std::to_string(health.images) +
                                  " photos got a camera pose";
-  if (health.registered < options.min_registered) {
+  if (health.registered < kMinRegistered) {
     return {Reasons(health,
                     registered + ", at least " +
-                        std::to_string(options.min_registered) + " are needed"),
-            Advice(health, MoreOverlap(options))};
+                        std::to_string(kMinRegistered) + " are needed"),
+            Advice(health, MoreOverlap(facts))};
   }
   if (HasFinding(health, Severity::kFatal)) {
-    return {Reasons(health, ""), Advice(health, MoreOverlap(options))};
+    return {Reasons(health, ""), Advice(health, MoreOverlap(facts))};
   }
   if (health.registered_share() < options.min_registered_share) {
-    std::string advice = MoreOverlap(options);
+    std::string advice = MoreOverlap(facts);
     if (health.model_sizes.size() > 1) {
       advice +=
           "; the photos fell into separate models, so add photos that connect "
@@ -110,10 +120,10 @@ Judgement FailureOf(const Health& health,
   }
   if (triangulated && health.measures.num_points == 0) {
     return {Reasons(health, "no points were triangulated"),
-            Advice(health, MoreOverlap(options))};
+            Advice(health, MoreOverlap(facts))};
   }
-  if (triangulated && health.measures.median_triangulation_deg <
-                          options.min_triangulation_deg) {
+  if (triangulated &&
+      health.measures.median_triangulation_deg < kMinTriangulationDeg) {
     return {"the median triangulation angle is " +
                 Fixed(health.measures.median_triangulation_deg) +
                 " degrees: the camera hardly moved, or only turned",
@@ -125,23 +135,23 @@ Judgement FailureOf(const Health& health,
 
 // What a usable result lacks.
 Judgement FlawOf(const Health& health,
-                 const HealthOptions& options,
+                 const MappingFacts& facts,
                  bool triangulated) {
-  if (health.registered_share() < options.good_registered_share) {
+  if (health.registered_share() < kGoodShare) {
     return {Reasons(health,
                     std::to_string(health.registered) + " of " +
                         std::to_string(health.images) +
                         " photos got a camera pose"),
             Advice(health,
                    "the others are left out; for better coverage, " +
-                       MoreOverlap(options))};
+                       MoreOverlap(facts))};
   }
-  if (triangulated && health.measures.mean_reprojection_error_px >
-                          options.good_reprojection_error_px) {
+  if (triangulated &&
+      health.measures.mean_reprojection_error_px > kGoodReprojectionErrorPx) {
     const std::string error =
         "the mean reprojection error is " +
         Fixed(health.measures.mean_reprojection_error_px) + " px";
-    if (options.imported) {
+    if (facts.imported) {
       return {error + ": the imported poses do not fit their own points",
               "let structure from motion find the poses (without sfm.import)"};
     }
@@ -156,11 +166,14 @@ Judgement FlawOf(const Health& health,
   return {};
 }
 
-void Judge(const HealthOptions& options, bool triangulated, Health* health) {
-  Judgement judgement = FailureOf(*health, options, triangulated);
+void Judge(const HealthOptions& options,
+           const MappingFacts& facts,
+           bool triangulated,
+           Health* health) {
+  Judgement judgement = FailureOf(*health, options, facts, triangulated);
   health->verdict = Verdict::kFailed;
   if (judgement.reason.empty()) {
-    judgement = FlawOf(*health, options, triangulated);
+    judgement = FlawOf(*health, facts, triangulated);
     health->verdict =
         judgement.reason.empty() ? Verdict::kOk : Verdict::kDegraded;
   }
@@ -204,11 +217,8 @@ nlohmann::json AttemptsToJson(const std::vector<Attempt>& attempts) {
 }  // namespace
 
 Status HealthOptions::Check() const {
-  if (!(min_registered_share >= 0 && min_registered_share <= 1) ||
-      !(good_registered_share >= 0 && good_registered_share <= 1)) {
-    return InvalidArgumentError(
-        "min_registered_share and good_registered_share must be between 0 and "
-        "1");
+  if (!(min_registered_share >= 0 && min_registered_share <= 1)) {
+    return InvalidArgumentError("min_registered_share must be between 0 and 1");
   }
   return {};
 }
@@ -229,11 +239,12 @@ Health MeasureHealth(const std::vector<Reconstruction>& models,
                      const std::vector<std::string>& names,
                      bool triangulated,
                      const HealthOptions& options,
+                     const MappingFacts& facts,
                      std::vector<Finding> findings) {
   Health health;
   health.findings = std::move(findings);
   health.images = static_cast<int>(names.size());
-  health.max_features = options.max_features;
+  health.max_features = facts.max_features;
   std::set<std::string_view> posed;
   if (!models.empty()) {
     health.cameras = models[0].cameras;
@@ -250,7 +261,7 @@ Health MeasureHealth(const std::vector<Reconstruction>& models,
   for (const Reconstruction& model : models) {
     health.model_sizes.push_back(static_cast<int>(model.images.size()));
   }
-  Judge(options, triangulated, &health);
+  Judge(options, facts, triangulated, &health);
   return health;
 }
 

@@ -27,19 +27,12 @@ struct HealthOptions {
   // Below this share of registered photos the verdict is failed.
   double min_registered_share = 0.5;
 
-  // Below this share of registered photos it is degraded.
-  double good_registered_share = 0.9;
+  // kInvalidArgument unless the share lies in 0..1.
+  Status Check() const;
+};
 
-  // With fewer registered photos it is failed, whatever their share.
-  int min_registered = 3;
-
-  // Below this median triangulation angle, in degrees, it is failed: depth
-  // would be guesswork.
-  double min_triangulation_deg = 1.0;
-
-  // Above this mean reprojection error, in pixels, it is degraded.
-  double good_reprojection_error_px = 2.0;
-
+// How a reconstruction was made, as far as the advice depends on it.
+struct MappingFacts {
   // Whether the poses were found elsewhere: then what is tried with COLMAP's
   // options is no advice.
   bool imported = false;
@@ -49,9 +42,6 @@ struct HealthOptions {
 
   // Whether every two photos were compared: then that is no advice.
   bool all_pairs_compared = false;
-
-  // kInvalidArgument unless the shares lie in 0..1.
-  Status Check() const;
 };
 
 enum class Verdict { kOk, kDegraded, kFailed };
@@ -108,13 +98,14 @@ struct Health {
 // and all that follows them in Health, except max_features, unregistered and
 // cameras.
 //
-//   Health health =
-//       MeasureHealth(result.models, names, true, options, result.findings);
+//   Health health = MeasureHealth(
+//       result.models, names, true, options, facts, result.findings);
 //   if (health.verdict == Verdict::kFailed) Show(health.reason, health.advice);
 Health MeasureHealth(const std::vector<Reconstruction>& models,
                      const std::vector<std::string>& names,
                      bool triangulated,
                      const HealthOptions& options,
+                     const MappingFacts& facts = {},
                      std::vector<Finding> findings = {});
 
 // The content of health.json.

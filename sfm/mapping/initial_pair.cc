@@ -243,29 +243,29 @@ StatusOr<std::vector<Reconstruction>> MapFromBestPair(
     const std::filesystem::path& database,
     const std::filesystem::path& folder,
     size_t skip,
-    const Mapping& way) {
+    const MapperOptions& options) {
   std::vector<SfmPhoto> left = context.input.photos;
   const size_t enough = std::min(kUsualMinModel, (left.size() + 1) / 2);
   Models models;
   std::vector<InitialPair> passed_over;  // Or tried in vain.
   while ((models.empty() || left.size() >= kUsualMinModel) &&
          passed_over.size() < skip + kMaxTrials) {
-    Mapping mapping = way;
+    MapperOptions from_pair = options;
     {
       FREEGS_ASSIGN_OR_RETURN(const MatchDatabase matches,
                               MatchDatabase::Open(database));
-      FREEGS_ASSIGN_OR_RETURN(mapping.pair,
+      FREEGS_ASSIGN_OR_RETURN(from_pair.pair,
                               ChooseInitialPair(left, passed_over, matches));
     }
-    if (!mapping.pair) break;
+    if (!from_pair.pair) break;
     if (passed_over.size() < skip) {
-      passed_over.push_back(*mapping.pair);
+      passed_over.push_back(*from_pair.pair);
       continue;
     }
     FREEGS_ASSIGN_OR_RETURN(Models made,
-                            MapPhotos(context, database, folder, mapping));
+                            MapPhotos(context, database, folder, from_pair));
     if (NumRegistered(made) < enough) {
-      passed_over.push_back(*mapping.pair);
+      passed_over.push_back(*from_pair.pair);
       continue;
     }
     const std::set<std::string> names = NamesOf(made[0]);
@@ -274,13 +274,13 @@ StatusOr<std::vector<Reconstruction>> MapFromBestPair(
     });
     // COLMAP may drop the pair itself at the end.
     if (placed == 0) {
-      passed_over.push_back(*mapping.pair);
+      passed_over.push_back(*from_pair.pair);
       continue;
     }
     models.push_back(std::move(made[0]));
   }
   if (models.empty() && skip > 0) return models;
-  if (models.empty()) return MapPhotos(context, database, folder, way);
+  if (models.empty()) return MapPhotos(context, database, folder, options);
   SortBySize(&models);
   DropPartsOfFirst(&models);
   return models;

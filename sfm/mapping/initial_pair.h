@@ -69,8 +69,8 @@ StatusOr<std::optional<InitialPair>> ChooseInitialPair(
 // Errors: those of MapPhotos and of the database.
 //
 // The best `skip` pairs, none of which share a photo, are passed over. COLMAP
-// then looks for no pair itself, so there may be no model. `way` may have all
-// but a pair and a model to start from.
+// then looks for no pair itself, so there may be no model. `options` may have
+// all but a pair and a model to start from.
 //
 //   FREEGS_ASSIGN_OR_RETURN(const std::vector<Reconstruction> models,
 //                           MapFromBestPair(context, database, folder));
@@ -79,7 +79,7 @@ StatusOr<std::vector<Reconstruction>> MapFromBestPair(
     const std::filesystem::path& database,
     const std::filesystem::path& folder,
     size_t skip = 0,
-    const Mapping& way = {});
+    const MapperOptions& options = {});
 
 }  // namespace freegs::sfm
 

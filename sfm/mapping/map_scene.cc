@@ -23,9 +23,7 @@ struct LeftOut {
   size_t matching = 0;  // Of these, those that match photos of the model.
 };
 
-LeftOut CountLeftOut(const SceneEvidence& evidence,
-                     const Models& models,
-                     const DiagnosisOptions& diagnosis) {
+LeftOut CountLeftOut(const SceneEvidence& evidence, const Models& models) {
   const PhotoGroups groups = GroupByMatches(evidence, models);
   // Even few matches with a photo of the model may be enough to place another.
   std::vector<bool> linked(evidence.photos.size(), false);
@@ -33,7 +31,7 @@ LeftOut CountLeftOut(const SceneEvidence& evidence,
     if (groups.registered[pair.first]) linked[pair.second] = true;
     if (groups.registered[pair.second]) linked[pair.first] = true;
   }
-  const std::vector<bool> blurred = FindBlurredPhotos(evidence, diagnosis);
+  const std::vector<bool> blurred = FindBlurredPhotos(evidence);
   LeftOut left_out;
   for (size_t i = 0; i < evidence.photos.size(); ++i) {
     if (groups.registered[i] || blurred[i]) continue;
@@ -50,10 +48,10 @@ LeftOut CountLeftOut(const SceneEvidence& evidence,
 std::string WhyAgain(const SceneEvidence& evidence,
                      const Models& models,
                      const DiagnosisOptions& diagnosis) {
-  const LeftOut left_out = CountLeftOut(evidence, models, diagnosis);
+  const LeftOut left_out = CountLeftOut(evidence, models);
   const auto got = static_cast<double>(NumRegistered(models));
   const auto wanted = got + static_cast<double>(left_out.photos);
-  if (got > 0 && got >= diagnosis.good_share * wanted) return {};
+  if (got > 0 && got >= kGoodShare * wanted) return {};
   const auto findings = Diagnose(evidence, models, diagnosis);
   if (std::any_of(findings.begin(), findings.end(), [](const Finding& finding) {
         return finding.hopeless;
@@ -72,12 +70,12 @@ StatusOr<bool> IsBetter(const Models& after,
                         const fs::path& database) {
   if (after.empty()) return false;
   if (before.empty()) return true;
-  const Attempt now = DescribeAttempt("", "", before);
-  const Attempt then = DescribeAttempt("", "", after);
-  if (then.registered < now.registered) return false;
-  if (then.registered == now.registered &&
-      (then.points * 10 < now.points * 12 ||
-       then.mean_error_px > 1.2 * now.mean_error_px)) {
+  const Attempt old_attempt = DescribeAttempt("", "", before);
+  const Attempt new_attempt = DescribeAttempt("", "", after);
+  if (new_attempt.registered < old_attempt.registered) return false;
+  if (new_attempt.registered == old_attempt.registered &&
+      (new_attempt.points * 10 < old_attempt.points * 12 ||
+       new_attempt.mean_error_px > 1.2 * old_attempt.mean_error_px)) {
     return false;
   }
   FREEGS_ASSIGN_OR_RETURN(const ViewGroups parts,
@@ -94,12 +92,13 @@ StatusOr<MappedScene> MapScene(const StepContext& context,
                                const fs::path& database,
                                const DiagnosisOptions& diagnosis,
                                AttemptStore* store) {
-  const auto map = [&](const std::string& name,
-                       const Mapping& mapping) -> StatusOr<AttemptResult> {
+  const auto map =
+      [&](const std::string& name,
+          const MapperOptions& options) -> StatusOr<AttemptResult> {
     AttemptResult made;
     FREEGS_ASSIGN_OR_RETURN(
         made.models,
-        MapPhotos(context, database, store->Folder(name) / "mapper", mapping));
+        MapPhotos(context, database, store->Folder(name) / "mapper", options));
     return made;
   };
   MappedScene scene;
@@ -124,12 +123,12 @@ StatusOr<MappedScene> MapScene(const StepContext& context,
   }
   const auto again = [&](const std::string& name,
                          const std::string& why,
-                         Mapping mapping) -> Status {
-    mapping.step = "mapping, " + name;
-    mapping.further = true;
-    mapping.relaxed = true;
+                         MapperOptions options) -> Status {
+    options.step = "mapping, " + name;
+    options.further = true;
+    options.relaxed = true;
     FREEGS_ASSIGN_OR_RETURN(AttemptResult made, store->Try(name, [&] {
-      return map(name, mapping);
+      return map(name, options);
     }));
     Attempt attempt = DescribeAttempt(name, why, made.models);
     attempt.problem = std::move(made.problem);
@@ -137,7 +136,7 @@ StatusOr<MappedScene> MapScene(const StepContext& context,
                             IsBetter(made.models, scene.models, database));
     if (attempt.kept) {
       scene.models = std::move(made.models);
-      scene.way = mapping;
+      scene.options = std::move(options);
     }
     scene.attempts.push_back(std::move(attempt));
     return {};

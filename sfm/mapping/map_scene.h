@@ -20,7 +20,7 @@ struct MappedScene {
   std::vector<Reconstruction> models;  // The best first; may be empty.
   SceneEvidence evidence;              // What the matches tell.
   std::vector<Attempt> attempts;       // In the order in which they were made.
-  Mapping way;                         // How the one that was kept mapped.
+  MapperOptions options;               // Those of the attempt that was kept.
 };
 
 // Maps the database as MapFromBestPair does. If there is no model, or too few

@@ -65,28 +65,28 @@ StatusOr<bool> ModelRefinement::CanMapAgain(
   return pair.has_value();
 }
 
-// Does all that makes a model once more, from a later pair (see MapAgain).
+// Does all that makes a model once more, from a later pair (see MapAgainFn).
 StatusOr<AttemptResult> ModelRefinement::MapFromLaterPair(
     const std::string& name, std::optional<size_t> skip) const {
   const auto map = [&]() -> StatusOr<AttemptResult> {
-    Mapping way = way_;
-    way.step = "mapping, " + name;
-    way.further = true;
+    MapperOptions options = options_;
+    options.step = "mapping, " + name;
+    options.further = true;
     const fs::path folder = store_->Folder(name) / "mapper";
     AttemptResult mapped;
     if (!skip) {
       FREEGS_ASSIGN_OR_RETURN(mapped.models,
-                              MapPhotos(context_, database_, folder, way));
+                              MapPhotos(context_, database_, folder, options));
       return mapped;
     }
     FREEGS_ASSIGN_OR_RETURN(
         mapped.models,
-        MapFromBestPair(context_, database_, folder, *skip, way));
-    if (!mapped.models.empty() || way.relaxed) return mapped;
-    way.relaxed = true;  // Later pairs are weaker.
+        MapFromBestPair(context_, database_, folder, *skip, options));
+    if (!mapped.models.empty() || options.relaxed) return mapped;
+    options.relaxed = true;  // Later pairs are weaker.
     FREEGS_ASSIGN_OR_RETURN(
         mapped.models,
-        MapFromBestPair(context_, database_, folder, *skip, way));
+        MapFromBestPair(context_, database_, folder, *skip, options));
     return mapped;
   };
   FREEGS_ASSIGN_OR_RETURN(AttemptResult made, store_->Try(name, map));

@@ -33,20 +33,21 @@ struct RefinedModels {
   std::vector<std::string> warnings;
 };
 
-//   ModelRefinement refinement(context, database, way, diagnosis, &store);
+//   ModelRefinement refinement(context, database, options, diagnosis, &store);
 //   FREEGS_ASSIGN_OR_RETURN(RefinedModels refined,
 //                           refinement.Run(std::move(models), &evidence));
 class ModelRefinement {
  public:
-  // `way` is how the models were mapped. The references must outlive it.
+  // `options` are those with which the models were mapped. The references must
+  // outlive it.
   ModelRefinement(const StepContext& context,
                   const std::filesystem::path& database,
-                  const Mapping& way,
+                  const MapperOptions& options,
                   const DiagnosisOptions& diagnosis,
                   AttemptStore* store)
       : context_(context),
         database_(database),
-        way_(way),
+        options_(options),
         diagnosis_(diagnosis),
         store_(store) {}
 
@@ -78,7 +79,7 @@ class ModelRefinement {
 
   const StepContext& context_;
   const std::filesystem::path& database_;
-  const Mapping& way_;
+  const MapperOptions& options_;
   const DiagnosisOptions& diagnosis_;
   AttemptStore* store_;
 };

@@ -43,10 +43,10 @@ struct SeparatedParts {
 // the one with the largest consistent group, and takes it apart: each group of
 // three photos or more becomes a model.
 //
-// `models` are the best first; all but the first are not checked, and none is
-// fine.
-// Mapping anew begins with the best pair after `skip` others; `suffix` is added
-// to the names of the attempts.
+// `models` are the best first; there may be none, and only the first is
+// checked. Mapping anew begins with the best pair after `skip` others; `suffix`
+// is added to the names of the attempts.
+//
 // Errors: those of the database, kInterrupted and kInternal. Another error of
 // COLMAP is written into its Attempt.
 StatusOr<SeparatedParts> SeparateParts(

@@ -66,12 +66,12 @@ Status TakeSeparated(const StepContext& context,
 // Takes the models with their cameras, and what was found out about them.
 Status TakeRefined(const StepContext& context,
                    const fs::path& database,
-                   const Mapping& way,
+                   const MapperOptions& options,
                    const DiagnosisOptions& diagnosis,
                    AttemptStore* store,
                    SceneEvidence* evidence,
                    SfmResult* result) {
-  ModelRefinement refinement(context, database, way, diagnosis, store);
+  ModelRefinement refinement(context, database, options, diagnosis, store);
   FREEGS_ASSIGN_OR_RETURN(RefinedModels refined,
                           refinement.Run(std::move(result->models), evidence));
   result->models = std::move(refined.models);
@@ -116,7 +116,7 @@ StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
       TakeSeparated(context, database, &store, &scene.evidence, &result));
   FREEGS_RETURN_IF_ERROR(TakeRefined(context,
                                      database,
-                                     scene.way,
+                                     scene.options,
                                      diagnosis,
                                      &store,
                                      &scene.evidence,
@@ -132,7 +132,8 @@ StatusOr<SfmResult> RunStructureFromMotion(const SfmInput& input,
 
 void TidyWorkFolder(const fs::path& work_folder) {
   std::error_code ignored;
-  // First of all: without it, a run that is killed here starts again.
+  // steps.json is removed first, so that a run killed here begins anew instead
+  // of trusting steps whose files are gone.
   fs::remove(work_folder / "steps.json", ignored);
   AttemptStore::Remove(work_folder);
 }

@@ -28,9 +28,8 @@ struct SiftDescriptors {
 // each other's nearest and, in both directions, near enough and clearly nearer
 // than the second nearest (Lowe, "Distinctive image features from
 // scale-invariant keypoints", IJCV 2004, section 7.1). A descriptor whose two
-// nearest are equally near matches none. Distances are
-// angles between descriptors as vectors. The result does not depend on the
-// processor.
+// nearest are equally near matches none. Distances are angles between
+// descriptors as vectors. The result does not depend on the processor.
 std::vector<std::pair<uint32_t, uint32_t>> MatchDescriptors(
     const SiftDescriptors& a, const SiftDescriptors& b);
 

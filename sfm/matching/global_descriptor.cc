@@ -117,7 +117,7 @@ Sample TrainingSample(const std::vector<Sample>& photos,
 // integers, hence the same in any order. Words that nothing is nearest to stay.
 Vocabulary LearnVocabulary(const Sample& sample,
                            const GlobalDescriptorOptions& options,
-                           ThreadPool* pool) {
+                           ThreadPool& pool) {
   constexpr int64_t kGrain = 256;
   Vocabulary words(
       std::clamp<size_t>(sample.size(), 1, static_cast<size_t>(options.words)));
@@ -129,16 +129,16 @@ Vocabulary LearnVocabulary(const Sample& sample,
   std::vector<uint32_t> nearest(sample.size());
   for (int round = 0; round < options.iterations; ++round) {
     words.Prepare();
-    pool->ParallelFor(0,
-                      static_cast<int64_t>(sample.size()),
-                      kGrain,
-                      [&](int64_t first, int64_t last, int) {
-                        std::vector<float> scratch;
-                        for (int64_t i = first; i < last; ++i) {
-                          nearest[i] = static_cast<uint32_t>(
-                              words.Nearest(sample[i], &scratch));
-                        }
-                      });
+    pool.ParallelFor(0,
+                     static_cast<int64_t>(sample.size()),
+                     kGrain,
+                     [&](int64_t first, int64_t last, int) {
+                       std::vector<float> scratch;
+                       for (int64_t i = first; i < last; ++i) {
+                         nearest[i] = static_cast<uint32_t>(
+                             words.Nearest(sample[i], &scratch));
+                       }
+                     });
     std::vector<int64_t> sums(words.words() * kDims);
     std::vector<int64_t> counts(words.words());
     for (size_t i = 0; i < sample.size(); ++i) {
@@ -215,7 +215,7 @@ float GlobalDescriptors::Similarity(size_t i, size_t j) const {
 
 GlobalDescriptors DescribePhotos(const std::vector<PhotoFeatures>& photos,
                                  const GlobalDescriptorOptions& options,
-                                 ThreadPool* pool) {
+                                 ThreadPool& pool) {
   std::vector<Sample> used;
   used.reserve(photos.size());
   for (const PhotoFeatures& photo : photos) {
@@ -227,7 +227,7 @@ GlobalDescriptors DescribePhotos(const std::vector<PhotoFeatures>& photos,
   result.count = photos.size();
   result.size = words.words() * kDims;
   result.values.resize(result.count * result.size);
-  pool->ParallelFor(
+  pool.ParallelFor(
       0,
       static_cast<int64_t>(photos.size()),
       1,

@@ -73,7 +73,7 @@ struct GlobalDescriptors {
 // Check().
 GlobalDescriptors DescribePhotos(const std::vector<PhotoFeatures>& photos,
                                  const GlobalDescriptorOptions& options,
-                                 ThreadPool* pool);
+                                 ThreadPool& pool);
 
 }  // namespace freegs::sfm
 

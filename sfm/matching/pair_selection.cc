@@ -139,7 +139,7 @@ Status PairSelectionOptions::Check() const {
     return InvalidArgumentError(
         "sfm.matcher must be auto, exhaustive, sequential or retrieval");
   }
-  if (max_exhaustive < 0 || neighbours < 1 || overlap < 1) {
+  if (max_exhaustive < 0 || num_neighbours < 1 || overlap < 1) {
     return InvalidArgumentError(
         "max_exhaustive must be at least 0, sfm.neighbours and overlap at "
         "least 1");
@@ -148,10 +148,10 @@ Status PairSelectionOptions::Check() const {
 }
 
 PhotoSimilarity::PhotoSimilarity(const GlobalDescriptors& descriptors,
-                                 ThreadPool* pool)
+                                 ThreadPool& pool)
     : count_(static_cast<int>(descriptors.count)),
       values_(descriptors.count * descriptors.count) {
-  pool->ParallelFor(0, count_, 1, [&](int64_t first, int64_t last, int) {
+  pool.ParallelFor(0, count_, 1, [&](int64_t first, int64_t last, int) {
     for (int64_t i = first; i < last; ++i) {
       for (int64_t j = i; j < count_; ++j) {
         const float value = descriptors.Similarity(i, j);
@@ -177,7 +177,7 @@ std::vector<int> PhotoSimilarity::MostAlike(int photo) const {
 bool NeedsSimilarity(int num_photos, const PairSelectionOptions& options) {
   if (options.matcher == "exhaustive") return false;
   // With so few, all pairs are chosen anyhow.
-  if (num_photos <= options.neighbours + 1) return false;
+  if (num_photos <= options.num_neighbours + 1) return false;
   return options.matcher != "auto" || num_photos > options.max_exhaustive;
 }
 
@@ -200,11 +200,11 @@ PairSelection SelectPairs(const std::vector<std::string>& names,
   }
   for (int i = 0; i < count; ++i) {
     const std::vector<int> alike = similarity.MostAlike(i);
-    for (int k = 0; k < options.neighbours; ++k) {
+    for (int k = 0; k < options.num_neighbours; ++k) {
       pairs.insert(Ordered(i, alike[k]));
     }
   }
-  ConnectAll(similarity, options.neighbours, &pairs);
+  ConnectAll(similarity, options.num_neighbours, &pairs);
   return {sequences.empty() ? "retrieval" : "sequence and retrieval",
           std::vector<PhotoPair>(pairs.begin(), pairs.end())};
 }
@@ -226,7 +226,7 @@ std::vector<PhotoPair> SelectMorePairs(const PhotoSimilarity& similarity,
     if (partners[i] >= kMinPartners) continue;
     int added = 0;
     for (const int j : similarity.MostAlike(i)) {
-      if (added == options.neighbours) break;
+      if (added == options.num_neighbours) break;
       if (tried.contains(Ordered(i, j))) continue;
       more.insert(Ordered(i, j));
       ++added;
@@ -235,7 +235,7 @@ std::vector<PhotoPair> SelectMorePairs(const PhotoSimilarity& similarity,
   const auto parts = Members(&components);
   for (size_t k = 1; k < parts.size(); ++k) {
     const auto links =
-        BestLinks(parts[k], similarity, tried, 2 * options.neighbours);
+        BestLinks(parts[k], similarity, tried, 2 * options.num_neighbours);
     more.insert(links.begin(), links.end());
   }
   return {more.begin(), more.end()};

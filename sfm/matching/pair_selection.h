@@ -30,7 +30,7 @@ struct PairSelectionOptions {
   int max_exhaustive = 40;
 
   // Retrieval matches each photo with so many of those that look most alike.
-  int neighbours = 15;
+  int num_neighbours = 15;
 
   // In a sequence each photo is matched with so many before it and after it.
   int overlap = 5;
@@ -45,7 +45,7 @@ using PhotoPair = std::pair<int, int>;
 class PhotoSimilarity {
  public:
   PhotoSimilarity() = default;
-  PhotoSimilarity(const GlobalDescriptors& descriptors, ThreadPool* pool);
+  PhotoSimilarity(const GlobalDescriptors& descriptors, ThreadPool& pool);
 
   int count() const { return count_; }
   float at(int i, int j) const {
@@ -81,7 +81,7 @@ bool NeedsSimilarity(int num_photos, const PairSelectionOptions& options);
 //
 //   PhotoSimilarity similarity;
 //   if (NeedsSimilarity(num_photos, options)) {
-//     similarity = PhotoSimilarity(DescribePhotos(features, {}, &pool), &pool);
+//     similarity = PhotoSimilarity(DescribePhotos(features, {}, pool), pool);
 //   }
 //   const PairSelection selection = SelectPairs(names, similarity, options);
 //

@@ -9,8 +9,8 @@
 #include <limits>
 #include <string>
 
-#include "core/focal_ratio.h"
 #include "core/number_text.h"
+#include "core/pinhole.h"
 #include "sfm/scene/camera_projection.h"
 
 namespace freegs::sfm {

@@ -7,16 +7,12 @@
 #include <cmath>
 #include <system_error>
 
+#include "core/text.h"
+
 namespace freegs::sfm {
 namespace {
 
 constexpr std::string_view kSpace = " \t\r";
-
-std::string_view Trim(std::string_view text) {
-  const size_t first = text.find_first_not_of(kSpace);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
-}
 
 // Lines of a text, trimmed, with their number.
 class Lines {
@@ -27,7 +23,7 @@ class Lines {
   bool Next(std::string_view* line) {
     if (rest_.empty()) return false;
     const size_t end = rest_.find('\n');
-    *line = Trim(rest_.substr(0, end));
+    *line = Trimmed(rest_.substr(0, end));
     rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
     ++number_;
     return true;
@@ -53,7 +49,7 @@ class Lines {
 // Words of one line.
 class Words {
  public:
-  explicit Words(std::string_view line) : rest_(Trim(line)) {}
+  explicit Words(std::string_view line) : rest_(Trimmed(line)) {}
 
   bool empty() const { return rest_.empty(); }
   std::string_view rest() const { return rest_; }
@@ -62,7 +58,7 @@ class Words {
     const size_t end = rest_.find_first_of(kSpace);
     const std::string_view word = rest_.substr(0, end);
     rest_ = end == std::string_view::npos ? std::string_view()
-                                          : Trim(rest_.substr(end));
+                                          : Trimmed(rest_.substr(end));
     return word;
   }
 

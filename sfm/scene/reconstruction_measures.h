@@ -15,7 +15,8 @@
 namespace freegs::sfm {
 
 // The largest angle, in degrees, between the rays from a point to the centres
-// of the cameras that see it.
+// of the cameras that see it. Of more than 256 cameras, 256 that are spread
+// evenly over the list stand for all.
 double TriangulationAngleDeg(const Eigen::Vector3d& point,
                              const std::vector<Eigen::Vector3d>& centres);
 

@@ -8,6 +8,15 @@
 
 namespace freegs::sfm {
 
+Pinhole PinholeOf(const Camera& camera) {
+  return {static_cast<int>(camera.width),
+          static_cast<int>(camera.height),
+          camera.FocalX(),
+          camera.FocalY(),
+          camera.PrincipalX(),
+          camera.PrincipalY()};
+}
+
 StatusOr<std::vector<View>> MakeViews(const Reconstruction& model) {
   FREEGS_RETURN_IF_ERROR(CheckReconstruction(model));
   const auto camera_index = IndexCameras(model);
@@ -25,12 +34,7 @@ StatusOr<std::vector<View>> MakeViews(const Reconstruction& model) {
     }
     View view;
     view.name = image.name;
-    view.camera = {static_cast<int>(camera.width),
-                   static_cast<int>(camera.height),
-                   camera.FocalX(),
-                   camera.FocalY(),
-                   camera.PrincipalX(),
-                   camera.PrincipalY()};
+    view.camera = PinholeOf(camera);
     view.cam_from_world = image.cam_from_world;
     views.push_back(std::move(view));
   }

@@ -33,10 +33,11 @@ struct CameraClearanceOptions {
   Status Check() const;
 };
 
-// A ball in which no Gaussian's centre is allowed.
+// A ball in which no Gaussian's centre is allowed. In the model frame
+// (splat/scene/model_frame.h).
 struct ClearBall {
-  Eigen::Vector3f centre = Eigen::Vector3f::Zero();  // World frame.
-  float radius = 0;                                  // World units.
+  Eigen::Vector3f centre = Eigen::Vector3f::Zero();
+  float radius = 0;
 };
 
 // Returns one ball for each view that has any of the points inside its image,

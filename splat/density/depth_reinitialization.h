@@ -25,8 +25,9 @@
 namespace freegs::splat {
 
 // Returns the distance t along a ray, with origin o and unit direction d in the
-// world frame, at which the density of a Gaussian is largest. This is the
-// middle between the two intersections of the ray with its ellipsoid:
+// model frame (splat/scene/model_frame.h), at which the density of a Gaussian
+// is largest. This is the middle between the two intersections of the ray with
+// its ellipsoid:
 //   t = d^T A (mu - o) / (d^T A d),  A = Sigma^-1.
 // t is negative behind the origin. Standard deviations below a millionth of the
 // largest count as a millionth of it.
@@ -43,7 +44,7 @@ std::optional<double> MidpointDistance(const GaussianModel& model,
                                        const Eigen::Vector3d& origin,
                                        const Eigen::Vector3d& direction);
 
-// Coloured points in the world frame; the arrays are parallel.
+// Coloured points in the model frame; the arrays are parallel.
 struct DepthPoints {
   std::vector<Eigen::Vector3d> positions;
   std::vector<std::array<float, 3>> colors;  // RGB of the photo, in [0, 1].
@@ -60,11 +61,11 @@ struct DepthPoints {
 // MidpointDistance) of the pixel's dominant Gaussian on the ray through the
 // pixel's centre, in the colour that the photo has there. Pixels without a
 // dominant Gaussian, and those whose midpoint is nearer than `near_plane` (z in
-// the camera frame, world units), are left out before the draw; when fewer than
-// `count` pixels remain, all of them are taken. Random numbers are a function
-// of seed, stream and pixel, so each view and each restart needs a stream of
-// its own. Fails with kInvalidArgument unless the arrays of `contributions`,
-// the RGB photo and the view's camera have the same size.
+// the camera frame, in units of the model frame), are left out before the draw;
+// when fewer than `count` pixels remain, all of them are taken. Random numbers
+// are a function of seed, stream and pixel, so each view and each restart needs
+// a stream of its own. Fails with kInvalidArgument unless the arrays of
+// `contributions`, the RGB photo and the view's camera have the same size.
 StatusOr<DepthPoints> SampleDepthPoints(const GaussianModel& model,
                                         const View& view,
                                         const ViewContributions& contributions,

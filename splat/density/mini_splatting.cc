@@ -153,7 +153,6 @@ StatusOr<MiniSplattingSummary> ReinitializeFromDepth(
 StatusOr<MiniSplattingSummary> Simplify(const MiniSplattingOptions& options,
                                         int64_t budget,
                                         ImportanceMetric metric,
-                                        bool restart,
                                         const MiniSplattingContext& context,
                                         GaussianModel* model,
                                         Adam* adam) {
@@ -169,16 +168,9 @@ StatusOr<MiniSplattingSummary> Simplify(const MiniSplattingOptions& options,
                        options.simplify_keep * static_cast<double>(important)));
   const std::vector<uint32_t> kept = SampleByImportance(
       importance, count, context.seed, StreamOf(kSimplifyStream, context));
-  MiniSplattingSummary summary{model->size(), kept.size()};
-  if (restart) {
-    FREEGS_ASSIGN_OR_RETURN(
-        *model, RestartFromMeans(*model, kept, context.scene_extent));
-    adam->Reset(*model);
-    summary.after = model->size();
-  } else {
-    model->Select(kept);
-    adam->Select(kept);
-  }
+  const MiniSplattingSummary summary{model->size(), kept.size()};
+  model->Select(kept);
+  adam->Select(kept);
   return summary;
 }
 

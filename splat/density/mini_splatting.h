@@ -35,11 +35,6 @@ struct MiniSplattingOptions {
   // Gaussians whose importance is not 0.
   double simplify_keep = 0.5;
 
-  // Whether the Gaussians kept by the simplification start again from their
-  // position and colour, as in the paper, or go on with all their parameters.
-  // Starting again costs thousands of steps.
-  bool restart_after_simplification = false;
-
   // When a pruning follows, the simplification keeps this many times as many
   // Gaussians as the budget allows, and the pruning removes the rest.
   double simplify_slack = 1.15;
@@ -98,14 +93,13 @@ StatusOr<MiniSplattingSummary> ReinitializeFromDepth(
     Adam* adam);
 
 // Keeps `budget` Gaussians, drawn at random in proportion to their importance
-// (SampleByImportance). A budget of 0 stands for the share simplify_keep. With
-// `restart` they start again with moments of zero (RestartFromMeans), else they
-// keep their parameters and moments. Fails with kUnusableResult when no view
-// shows any Gaussian.
+// (SampleByImportance). A budget of 0 stands for the share simplify_keep. They
+// keep their parameters and moments. In the paper they start again from their
+// position and colour, which costs thousands of steps. Fails with
+// kUnusableResult when no view shows any Gaussian.
 StatusOr<MiniSplattingSummary> Simplify(const MiniSplattingOptions& options,
                                         int64_t budget,
                                         ImportanceMetric metric,
-                                        bool restart,
                                         const MiniSplattingContext& context,
                                         GaussianModel* model,
                                         Adam* adam);

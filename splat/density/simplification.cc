@@ -3,13 +3,9 @@
 #include "splat/density/simplification.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-#include <string>
 #include <utility>
-
-#include <Eigen/Core>
 
 #include "core/random.h"
 
@@ -18,6 +14,19 @@ namespace {
 
 bool HasImportance(float importance) {
   return importance > 0 && std::isfinite(importance);
+}
+
+// The Gaussians that have any importance, the most important first, equals by
+// index.
+std::vector<uint32_t> ByFallingImportance(std::span<const float> importance) {
+  std::vector<uint32_t> order;
+  for (size_t i = 0; i < importance.size(); ++i) {
+    if (HasImportance(importance[i])) order.push_back(static_cast<uint32_t>(i));
+  }
+  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+    return importance[a] > importance[b];
+  });
+  return order;
 }
 
 }  // namespace
@@ -48,13 +57,7 @@ std::vector<uint32_t> SampleByImportance(std::span<const float> importance,
 
 std::vector<uint32_t> KeepCumulativeImportance(
     std::span<const float> importance, double share) {
-  std::vector<uint32_t> order;
-  for (size_t i = 0; i < importance.size(); ++i) {
-    if (HasImportance(importance[i])) order.push_back(static_cast<uint32_t>(i));
-  }
-  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
-    return importance[a] > importance[b];
-  });
+  std::vector<uint32_t> order = ByFallingImportance(importance);
   double total = 0;
   for (const uint32_t i : order) total += importance[i];
   // A share of 1 must give all of them, whatever the rounding of the sum.
@@ -73,37 +76,10 @@ std::vector<uint32_t> KeepCumulativeImportance(
 
 std::vector<uint32_t> MostImportant(std::span<const float> importance,
                                     size_t count) {
-  std::vector<uint32_t> order;
-  for (size_t i = 0; i < importance.size(); ++i) {
-    if (HasImportance(importance[i])) order.push_back(static_cast<uint32_t>(i));
-  }
-  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
-    return importance[a] > importance[b];
-  });
+  std::vector<uint32_t> order = ByFallingImportance(importance);
   order.resize(std::min(order.size(), count));
   std::sort(order.begin(), order.end());
   return order;
-}
-
-StatusOr<GaussianModel> RestartFromMeans(const GaussianModel& model,
-                                         std::span<const uint32_t> kept,
-                                         double scene_extent,
-                                         const InitializationOptions& options) {
-  std::vector<Eigen::Vector3d> positions;
-  std::vector<std::array<float, 3>> sh_dc;
-  positions.reserve(kept.size());
-  sh_dc.reserve(kept.size());
-  for (const uint32_t i : kept) {
-    if (i >= model.size()) {
-      return InvalidArgumentError("the model has no Gaussian " +
-                                  std::to_string(i));
-    }
-    const float* const dc = &model.sh_dc[3 * size_t{i}];
-    positions.push_back(
-        Eigen::Vector3f::Map(&model.means[3 * size_t{i}]).cast<double>());
-    sh_dc.push_back({dc[0], dc[1], dc[2]});
-  }
-  return InitializeFromShDc(positions, sh_dc, scene_extent, options);
 }
 
 }  // namespace freegs::splat

@@ -11,15 +11,11 @@
 #include <span>
 #include <vector>
 
-#include "core/status.h"
-#include "splat/scene/gaussian_model.h"
-#include "splat/scene/initialization.h"
-
 namespace freegs::splat {
 
-// The three functions that choose Gaussians return indices in ascending order.
-// They treat an importance that is negative or not finite as 0, and never
-// choose a Gaussian of importance 0.
+// All functions return indices of Gaussians in ascending order. They treat an
+// importance that is negative or not finite as 0, and never choose a Gaussian
+// of importance 0.
 
 // Draws `count` indices without replacement, with probabilities in proportion
 // to importance (the exponential keys of Efraimidis and Spirakis 2006). Returns
@@ -44,19 +40,6 @@ std::vector<uint32_t> KeepCumulativeImportance(
 // have any importance when there are no more than that.
 std::vector<uint32_t> MostImportant(std::span<const float> importance,
                                     size_t count);
-
-// Returns a model of the Gaussians listed, in which position and colour of
-// degree 0 are the same bit for bit, but for colours that are too dark
-// (InitializeFromShDc), and everything else is as InitializeFromPoints would
-// set it: opacity, an isotropic scale from the neighbours among those kept, no
-// rotation, and SH coefficients of zero above degree 0. Gaussians whose
-// position or colour is not finite are left out. Fails with kInvalidArgument
-// when an index is outside the model, with kBadInput when nothing remains.
-StatusOr<GaussianModel> RestartFromMeans(
-    const GaussianModel& model,
-    std::span<const uint32_t> kept,
-    double scene_extent,
-    const InitializationOptions& options = {});
 
 }  // namespace freegs::splat
 

@@ -18,7 +18,7 @@ using LearningRates = std::array<float, kNumParameters>;
 // The defaults are those of Kerbl et al. 2023.
 struct LearningRateOptions {
   // Rate of the positions at the first step, and from the end of the decay on,
-  // in world units per unit of scene extent.
+  // in units of the model frame per unit of scene extent.
   double mean_initial = 1.6e-4;
   double mean_final = 1.6e-6;
 
@@ -37,7 +37,7 @@ struct LearningRateOptions {
 };
 
 // Returns the rates of an iteration, which may be fractional or past the end of
-// the decay. `scene_extent` is in world units, see SceneExtent.
+// the decay. `scene_extent` is in units of the model frame, see SceneExtent.
 LearningRates LearningRatesAt(const LearningRateOptions& options,
                               double scene_extent,
                               double iteration);

@@ -9,17 +9,17 @@
 
 namespace freegs::splat {
 
-constexpr int kSsimWindowSize = 11;
-constexpr int kSsimWindowRadius = 5;
-constexpr float kSsimC1 = 0.01f * 0.01f;
-constexpr float kSsimC2 = 0.03f * 0.03f;
+inline constexpr int kSsimWindowSize = 11;
+inline constexpr int kSsimWindowRadius = 5;
+inline constexpr float kSsimC1 = 0.01f * 0.01f;
+inline constexpr float kSsimC2 = 0.03f * 0.03f;
 
 using SsimWindow = std::array<float, kSsimWindowSize>;
 
 // Number of rows that one call computes together. Their windows overlap in most
 // rows, which are then read only once.
-constexpr int kSsimBlockRows = 4;
-constexpr int kSsimInputRows = kSsimWindowSize + kSsimBlockRows - 1;
+inline constexpr int kSsimBlockRows = 4;
+inline constexpr int kSsimInputRows = kSsimWindowSize + kSsimBlockRows - 1;
 
 // The image rows under the windows of a block of rows that begins at row y. The
 // first is row y - 5. Rows outside the image point to zeros.
@@ -29,9 +29,9 @@ using WindowRows = std::array<const float*, kSsimInputRows>;
 // 3 floats further, so the channels need not be separated. Scratch rows have
 // this many zeros before and after them; the kernels rely on these and do not
 // change them.
-constexpr size_t kSsimRowPadding = 3 * kSsimWindowRadius;
+inline constexpr size_t kSsimRowPadding = 3 * kSsimWindowRadius;
 constexpr size_t SsimScratchRow(size_t n) { return n + 2 * kSsimRowPadding; }
-constexpr int kSsimScratchRows = 4 * kSsimBlockRows;
+inline constexpr int kSsimScratchRows = 4 * kSsimBlockRows;
 
 // What the second pass needs of each pixel: the partial derivatives of SSIM
 // with respect to the means m = E[x], e = E[x^2] and c = E[xy] under the

@@ -14,7 +14,8 @@ namespace freegs::splat {
 template <typename T>
 using ComparisonOf = decltype(std::declval<T>() > std::declval<T>());
 
-// A camera and its pose as plain numbers of type T.
+// A camera and its pose as plain numbers of type T. "World" is the frame of the
+// model here (splat/scene/model_frame.h).
 template <typename T>
 struct ProjectionCamera {
   T rotation[9];     // World to camera, row-major.
@@ -25,7 +26,7 @@ struct ProjectionCamera {
   // at the bound: far outside the image the affine approximation would become
   // arbitrarily large.
   T min_u, max_u, min_v, max_v;
-  T near_plane;  // World units.
+  T near_plane;  // Units of that frame.
   T dilation;    // Variance in square pixels added to Sigma'.
 };
 

@@ -25,7 +25,6 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using Tag = SimdNumber::Tag;
 constexpr float kLn2 = 0.6931471805599453f;
-constexpr float kMinLog2Alpha = -7.994353436858858f;  // log2(1 / 255).
 
 // Added to the far ends of the pixel boxes, in pixels, to make up for rounding.
 constexpr float kSlack = 1e-3f;

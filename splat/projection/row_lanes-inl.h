@@ -23,7 +23,7 @@ HWY_BEFORE_NAMESPACE();
 namespace freegs::splat::HWY_NAMESPACE {
 
 // The most lanes that a SimdNumber has.
-constexpr size_t kMaxLanes = 16;
+inline constexpr size_t kMaxLanes = 16;
 
 // A group of Gaussians: as many as a vector has lanes, or fewer at the end.
 struct Group {

@@ -96,8 +96,8 @@ HWY_INLINE SimdNumber Max(SimdNumber a, SimdNumber b) {
 
 // ln 2 in two parts. The first is 355 / 512, whose product with a whole number
 // below 2^15 is exact.
-constexpr float kLn2High = 0.693359375f;
-constexpr float kLn2Low = -2.12194440e-4f;
+inline constexpr float kLn2High = 0.693359375f;
+inline constexpr float kLn2Low = -2.12194440e-4f;
 
 // e^x with a relative error below 3e-7. x is kept within [-87, 88], where the
 // result and its inverse are finite. NaN stays NaN.

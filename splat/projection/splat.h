@@ -11,9 +11,10 @@ namespace freegs::splat {
 // Blending as in 3DGS: a splat is skipped at a pixel where its alpha is below
 // kMinAlpha, alpha is at most kMaxAlpha, and a pixel takes no more splats once
 // its transmittance is below kMinTransmittance.
-constexpr float kMinAlpha = 1.0f / 255.0f;
-constexpr float kMaxAlpha = 0.99f;
-constexpr float kMinTransmittance = 1e-4f;
+inline constexpr float kMinAlpha = 1.0f / 255.0f;
+inline constexpr float kMinLog2Alpha = -7.994353436858858f;  // Its log2.
+inline constexpr float kMaxAlpha = 0.99f;
+inline constexpr float kMinTransmittance = 1e-4f;
 
 // A projected Gaussian in one cache line.
 struct alignas(64) Splat {
@@ -34,8 +35,8 @@ struct alignas(64) Splat {
 // (dx, dy) = pixel centre - mean they are, in this order: the sums of q, q dx,
 // q dy, q dx^2, q dx dy, q dy^2 (the moments), then dL/dcolor (3 numbers), then
 // dL/dextra (num_extras numbers).
-constexpr int kNumMoments = 6;
-constexpr int kMomentStride = kNumMoments + 3;  // + num_extras.
+inline constexpr int kNumMoments = 6;
+inline constexpr int kMomentStride = kNumMoments + 3;  // + num_extras.
 
 }  // namespace freegs::splat
 

@@ -30,8 +30,7 @@ using Tag = hn::CappedTag<float, kBlockSize * kBlockSize>;
 using Vec = hn::Vec<Tag>;
 using Mask = hn::Mask<Tag>;
 
-constexpr float kLog2E = 1.4426950408889634f;
-constexpr float kMinLog2Alpha = -7.994353436858858f;  // log2(1 / 255).
+inline constexpr float kLog2E = 1.4426950408889634f;
 
 // How a b + c is computed. Fused is what the processor does fastest, with one
 // rounding where it can. Plain rounds twice everywhere, so that the same bytes
@@ -183,7 +182,7 @@ HWY_INLINE TileBlocks OpenBlocks(Tag d,
 
 // The splats of a tile lie scattered in memory, so they are requested so many
 // entries ahead.
-constexpr int64_t kPrefetchDistance = 8;
+inline constexpr int64_t kPrefetchDistance = 8;
 HWY_INLINE const Splat& FetchSplat(const TileTask& task, int64_t k) {
   const int64_t ahead = std::min(k + kPrefetchDistance, task.count - 1);
   hwy::Prefetch(&task.splats[task.entries[ahead]]);
@@ -241,7 +240,7 @@ HWY_INLINE void BlendBlocks(Tag d,
 // touch are found before any of them is blended: how many blocks a splat
 // touches is a branch that the processor mostly predicts wrongly, and then it
 // would have to wait for the long chain of operations that finds the next ones.
-constexpr int64_t kBatch = 16;
+inline constexpr int64_t kBatch = 16;
 
 // Calls visit(k, blocks) for the entries [begin, end), from front to back,
 // until no block is open. `blocks` are those that entry k may be blended into;

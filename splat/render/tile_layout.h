@@ -12,15 +12,15 @@
 
 namespace freegs::splat {
 
-constexpr int kTileSize = 16;
-constexpr int kTilePixels = kTileSize * kTileSize;
+inline constexpr int kTileSize = 16;
+inline constexpr int kTilePixels = kTileSize * kTileSize;
 
 // A tile's pixels are stored in blocks of 4 x 4. The blocks are in row-major
 // order, and so are the pixels of a block. A small splat touches fewer vectors
 // this way than if vectors were parts of long rows.
-constexpr int kBlockSize = 4;
-constexpr int kBlockPixels = kBlockSize * kBlockSize;
-constexpr int kNumBlocks = kTilePixels / kBlockPixels;
+inline constexpr int kBlockSize = 4;
+inline constexpr int kBlockPixels = kBlockSize * kBlockSize;
+inline constexpr int kNumBlocks = kTilePixels / kBlockPixels;
 constexpr int TilePixel(unsigned x, unsigned y) {
   const unsigned block =
       y / kBlockSize * (kTileSize / kBlockSize) + x / kBlockSize;

@@ -4,7 +4,7 @@
 //   GaussianModel model;
 //   model.sh_degree = 0;
 //   model.Resize(1);
-//   model.means = {0, 0, 2};           // Two world units along z.
+//   model.means = {0, 0, 2};           // Two units along z.
 //   model.log_scales = {-3, -3, -3};   // Standard deviation e^-3.
 //   model.rotations = {1, 0, 0, 0};    // No rotation.
 //   model.opacity_logits = {4};        // Opacity 0.98.
@@ -25,14 +25,15 @@ namespace freegs::splat {
 constexpr int NumShCoefficients(int degree) {
   return (degree + 1) * (degree + 1);
 }
-constexpr int kMaxShDegree = 3;
+inline constexpr int kMaxShDegree = 3;
 
 // The colour of a Gaussian of degree 0 is kShC0 * sh_dc + 0.5 per channel.
-constexpr float kShC0 = 0.28209479177387814f;
+inline constexpr float kShC0 = 0.28209479177387814f;
 
 // The parameters that training optimises. Each kind has one flat array, which
 // an optimiser can walk from end to end; Gaussian i owns the i-th group of
-// numbers in each array. Lengths are in the units of the camera poses.
+// numbers in each array. Positions and lengths are in the model frame
+// (splat/scene/model_frame.h), or in the world in a PlacedModel.
 struct GaussianModel {
   int sh_degree = 0;  // Degree of the coefficients in sh_rest, 0 to 3.
 
@@ -41,7 +42,7 @@ struct GaussianModel {
   // looks right only when rendered as it was trained.
   bool antialiased = false;
 
-  std::vector<float> means;           // N x 3, world frame.
+  std::vector<float> means;           // N x 3.
   std::vector<float> log_scales;      // N x 3, natural log of the std. dev.
   std::vector<float> rotations;       // N x 4, w x y z, not normalised.
   std::vector<float> opacity_logits;  // N, opacity = 1 / (1 + exp(-logit)).
@@ -90,8 +91,8 @@ enum class Parameter {
   kShDc,
   kShRest
 };
-constexpr int kNumParameters = 6;
-constexpr std::array<Parameter, kNumParameters> kAllParameters = {
+inline constexpr int kNumParameters = 6;
+inline constexpr std::array<Parameter, kNumParameters> kAllParameters = {
     Parameter::kMean,
     Parameter::kLogScale,
     Parameter::kRotation,

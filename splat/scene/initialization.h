@@ -37,9 +37,9 @@ struct InitializationOptions {
 
 // Makes one isotropic Gaussian per point, of the point's colour. Its standard
 // deviation is the root mean square distance to the nearest points at other
-// positions. `positions` are in the world frame; `colors` are RGB in 0..255 and
-// parallel to them, where 0 counts as 1. Points that are not finite are left
-// out. Fails with kBadInput when no point remains.
+// positions. `positions` are in the model frame (splat/scene/model_frame.h);
+// `colors` are RGB in 0..255 and parallel to them, where 0 counts as 1. Points
+// that are not finite are left out. Fails with kBadInput when no point remains.
 StatusOr<GaussianModel> InitializeFromPoints(
     std::span<const Eigen::Vector3d> positions,
     std::span<const std::array<uint8_t, 3>> colors,
@@ -56,11 +56,11 @@ StatusOr<GaussianModel> InitializeFromShDc(
     double scene_extent,
     const InitializationOptions& options = {});
 
-// The size of the scene in world units, which learning rates and thresholds are
-// relative to: 1.1 times the largest distance of a camera from the mean camera
-// centre, as in 3DGS. When all cameras coincide it is the median distance of
-// the points from the mean camera centre, or 1 when there are no points. The
-// result is positive and finite.
+// The size of the scene in units of the model frame, which learning rates and
+// thresholds are relative to: 1.1 times the largest distance of a camera from
+// the mean camera centre, as in 3DGS. When all cameras coincide it is the
+// median distance of the points from the mean camera centre, or 1 when there
+// are no points. The result is positive and finite.
 double SceneExtent(std::span<const View> views,
                    std::span<const Eigen::Vector3d> points);
 

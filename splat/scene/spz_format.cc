@@ -131,8 +131,9 @@ Status CheckSpzSizes(const GaussianModel& model) {
     ++seen;
     if (!SizeFits(&model.log_scales[3 * i])) ++misfits;
   }
+  // An object of a few Gaussians may have one, as the whole scene may.
   if (static_cast<double>(misfits) <=
-      kMaxMisfitShare * static_cast<double>(seen)) {
+      std::max(1.0, kMaxMisfitShare * static_cast<double>(seen))) {
     return Status();
   }
   return BadInputError(

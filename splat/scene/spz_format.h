@@ -50,8 +50,9 @@ StatusOr<std::string> SerializeSpz(const GaussianModel& model,
 
 // Writes such a file for other programs, atomically. Fails with kBadInput also
 // when more than one in a thousand of the Gaussians with an opacity of at least
-// 0.05 would show in another size: because it is larger than 379, or because a
-// side below 4.5e-5 would grow to more than a tenth of its largest side.
+// 0.05, and more than one of them, would show in another size: because it is
+// larger than 379, or because a side below 4.5e-5 would grow to more than a
+// tenth of its largest side.
 Status WriteSpz(const std::filesystem::path& path,
                 const GaussianModel& model,
                 const SpzOptions& options = {});

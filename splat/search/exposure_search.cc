@@ -16,6 +16,8 @@
 namespace freegs::splat {
 namespace {
 
+constexpr int kProgressInterval = 10;
+
 // The options of a trial. Milestones are shares of the iterations and adapt by
 // themselves; intervals must be shortened.
 TrainerOptions TrialOptions(const ExposureSearchOptions& options,
@@ -86,8 +88,9 @@ StatusOr<ExposureChoice> SearchExposure(const ExposureSearchOptions& options,
                                         const GaussianModel& initial,
                                         double scene_extent,
                                         TrainingImages* images,
-                                        ThreadPool* pool,
-                                        const CancellationToken* cancellation) {
+                                        ThreadPool& pool,
+                                        const CancellationToken* cancellation,
+                                        const ProgressFn& progress) {
   FREEGS_RETURN_IF_ERROR(options.Check());
   const TrialPhotos photos = SplitPhotos(*images, options.others_every);
   ExposureChoice choice;
@@ -104,6 +107,12 @@ StatusOr<ExposureChoice> SearchExposure(const ExposureSearchOptions& options,
           "training: stopped while deciding about exposure");
     }
     FREEGS_RETURN_IF_ERROR(trainer.Step().status());
+    if (progress && trainer.iteration() % kProgressInterval == 0) {
+      progress({"deciding about exposure",
+                static_cast<double>(trainer.iteration()),
+                static_cast<double>(trial.schedule.iterations),
+                ""});
+    }
   }
   const auto trained_psnr =
       [&](std::span<const PhotoExposure> exposures) -> StatusOr<double> {
@@ -111,7 +120,7 @@ StatusOr<ExposureChoice> SearchExposure(const ExposureSearchOptions& options,
                             MeasureHoldout(trainer.model(),
                                            training.render,
                                            &trained,
-                                           *pool,
+                                           pool,
                                            level,
                                            exposures));
     return report.mean_psnr;
@@ -122,7 +131,7 @@ StatusOr<ExposureChoice> SearchExposure(const ExposureSearchOptions& options,
   FREEGS_ASSIGN_OR_RETURN(
       const std::optional<FittedPsnr> right_halves,
       MeasureFittedHoldout(
-          trainer.model(), training.render, &others, *pool, level));
+          trainer.model(), training.render, &others, pool, level));
   // Masks may have left nothing to judge by.
   if (!right_halves || choice.without.trained == 0) return choice;
   choice.without.others = right_halves->plain;

@@ -9,7 +9,7 @@
 //
 //   FREEGS_ASSIGN_OR_RETURN(
 //       const ExposureChoice choice,
-//       SearchExposure({}, training, trainer.model(), extent, &images, &pool,
+//       SearchExposure({}, training, trainer.model(), extent, &images, pool,
 //                      nullptr));
 //   trainer.KeepTo(choice);
 
@@ -31,8 +31,8 @@ struct ExposureSearchOptions {
   // on the mean of the two measures of TrialPsnr.
   double min_gain_db = 0.7;
 
-  // The trial is not trained on every so many photographs, in the order of
-  // their names: these are the others of TrialPsnr.
+  // Every others_every-th photograph, in the order of names, is kept from the
+  // trial's training. TrialPsnr::others is measured on these.
   int others_every = 5;
 
   // The level of the image pyramid with which the trial is made.
@@ -55,14 +55,15 @@ struct ExposureSearchOptions {
 // The result is the same for any number of threads. Fails with kInvalidArgument
 // when the options are wrong, with kBadInput when a photograph has become
 // unreadable, and with kInterrupted when `cancellation` (null: never) asks to
-// stop.
+// stop. Reports the steps of the trial to `progress`, if there is one.
 StatusOr<ExposureChoice> SearchExposure(const ExposureSearchOptions& options,
                                         const TrainerOptions& training,
                                         const GaussianModel& initial,
                                         double scene_extent,
                                         TrainingImages* images,
-                                        ThreadPool* pool,
-                                        const CancellationToken* cancellation);
+                                        ThreadPool& pool,
+                                        const CancellationToken* cancellation,
+                                        const ProgressFn& progress = nullptr);
 
 }  // namespace freegs::splat
 

@@ -19,14 +19,14 @@ namespace freegs::splat {
 // seen, many times larger than the scene, or so opaque or transparent that its
 // opacity no longer changes.
 // Smallest and largest standard deviation, as multiples of the scene extent:
-constexpr double kMinBoundedScale = 1e-7;
-constexpr double kMaxBoundedScale = 100;
+inline constexpr double kMinBoundedScale = 1e-7;
+inline constexpr double kMaxBoundedScale = 100;
 // Largest absolute value of an opacity logit (opacity 3e-7 or 1 - 3e-7):
-constexpr float kMaxOpacityLogit = 15;
+inline constexpr float kMaxOpacityLogit = 15;
 // A quaternion with a smaller or larger norm is normalised. Only its direction
 // matters to the picture, but its gradient is in proportion to 1 / norm.
-constexpr float kMinQuaternionNorm = 0.1f;
-constexpr float kMaxQuaternionNorm = 10;
+inline constexpr float kMinQuaternionNorm = 0.1f;
+inline constexpr float kMaxQuaternionNorm = 10;
 
 // Brings the Gaussians listed (no repeats) back within the bounds. Returns
 // whether all their positions, scales, rotations and opacities were finite;

@@ -72,7 +72,7 @@ Trainer::Trainer(const TrainerOptions& options,
                  GaussianModel initial_model,
                  double scene_extent,
                  TrainingImages* images,
-                 ThreadPool* pool)
+                 ThreadPool& pool)
     : options_(options),
       densification_(EffectiveDensification(options)),
       schedule_(options.schedule),
@@ -90,7 +90,7 @@ Trainer::Trainer(const TrainerOptions& options,
         OpacityDecayShare(options.opacity_decay, images->size());
     decay_ = 1 - std::pow(1 - share, options.decay_interval);
     clear_balls_ =
-        ClearBalls(options.clearance, AllViews(*images), model_, *pool);
+        ClearBalls(options.clearance, AllViews(*images), model_, pool);
   }
   adam_.Reset(model_);
   statistics_.Reset(model_.size());
@@ -120,7 +120,7 @@ StatusOr<float> Trainer::GradientStep() {
                       images_->cam_from_world(view_index),
                       options_.render,
                       {.dominant = dominant},
-                      *pool_,
+                      pool_,
                       &rendered_);
   const float loss = LossOfView(view_index, level);
   LearningRates rates =
@@ -134,7 +134,7 @@ StatusOr<float> Trainer::GradientStep() {
       model_,
       {.color = &loss_gradient_},
       rendered_,
-      *pool_,
+      pool_,
       [&](std::span<const uint32_t> visible, const GaussianGradients& rows) {
         adam_.UpdateRows(visible, rows, &model_);
         if (!BoundParameters(scene_extent_, visible, &model_)) {
@@ -147,13 +147,13 @@ StatusOr<float> Trainer::GradientStep() {
                         rasterizer_.mean2d_gradients(),
                         camera.width,
                         camera.height,
-                        *pool_);
+                        pool_);
   }
   const ImageU8* const mask = images_->Mask(view_index, level);
   if (dominant && mask != nullptr) {
     FillIgnored(*mask, -1, &rendered_.dominant);
   }
-  if (dominant) statistics_.AddDominant(rendered_.dominant, *pool_);
+  if (dominant) statistics_.AddDominant(rendered_.dominant, pool_);
   return loss;
 }
 
@@ -166,16 +166,16 @@ float Trainer::LossOfView(size_t view_index, int level) {
       !colors.entries.empty() && share >= options_.exposure.start;
   const AffineColor color =
       exposed ? colors.entries[view_index].color : AffineColor();
-  if (exposed) ApplyColor(color, rendered_.color, *pool_, &exposed_);
+  if (exposed) ApplyColor(color, rendered_.color, pool_, &exposed_);
   const ImageF& shown = exposed ? exposed_ : rendered_.color;
   // Where the mask says to ignore the photo, the rendering is right as it is.
   const ImageU8* const mask = images_->Mask(view_index, level);
   if (mask != nullptr) CopyIgnored(*mask, shown, &target_);
-  const float loss = loss_.Compute(shown, target_, *pool_, &loss_gradient_);
+  const float loss = loss_.Compute(shown, target_, pool_, &loss_gradient_);
   if (mask != nullptr) FillIgnored(*mask, 0.0f, &loss_gradient_);
   if (exposed) {
     const AffineColor gradient = BackwardColor(
-        color, rendered_.color, *pool_, &color_sums_, &loss_gradient_);
+        color, rendered_.color, pool_, &color_sums_, &loss_gradient_);
     const ExposureOptions& exposure = options_.exposure;
     colors.Step(view_index,
                 gradient,
@@ -261,7 +261,7 @@ void Trainer::Average() {
       options_.average_from * static_cast<double>(schedule_.iterations());
   if (static_cast<double>(iteration_) <= from) return;
   if (iteration_ % kAverageInterval != 0 && !done()) return;
-  history_.average.Add(model_, *pool_);
+  history_.average.Add(model_, pool_);
 }
 
 void Trainer::KeepAsGood() {
@@ -274,19 +274,13 @@ void Trainer::KeepAsGood() {
 
 Status Trainer::FollowSchedule() {
   if (decay_ > 0 && iteration_ % options_.decay_interval == 0) {
-    DecayOpacity(decay_, *pool_, &model_);
+    DecayOpacity(decay_, pool_, &model_);
   }
   if (const auto event = schedule_.MilestoneAt(iteration_)) {
     return RunMilestone(*event);
   }
   if (schedule_.Densifies(iteration_)) {
-    Densify(densification_,
-            scene_extent_,
-            options_.seed,
-            iteration_,
-            &model_,
-            &adam_,
-            &statistics_);
+    Densify(densification_, scene_extent_, &model_, &adam_, &statistics_);
     SortInSpace();
   }
   if (iteration_ % options_.clear_interval == 0 &&
@@ -310,7 +304,7 @@ void Trainer::SortInSpace() {
 }
 
 void Trainer::ClearCameras() {
-  const std::vector<uint32_t> kept = OutsideBalls(clear_balls_, model_, *pool_);
+  const std::vector<uint32_t> kept = OutsideBalls(clear_balls_, model_, pool_);
   if (kept.empty() || kept.size() == model_.size()) return;
   model_.Select(kept);
   adam_.Select(kept);
@@ -353,7 +347,7 @@ Status Trainer::RunMilestone(TrainingEvent event) {
   context.seed = options_.seed;
   context.iteration = iteration_;
   context.rasterizer = &rasterizer_;
-  context.pool = pool_;
+  context.pool = &pool_;
   const MiniSplattingOptions& mini = options_.mini_splatting;
   MiniSplattingSummary summary;
   switch (event) {
@@ -365,13 +359,10 @@ Status Trainer::RunMilestone(TrainingEvent event) {
       break;
     }
     case TrainingEvent::kSimplification: {
-      const bool restart = mini.restart_after_simplification &&
-                           schedule_.MayRestartAtSimplification();
       FREEGS_ASSIGN_OR_RETURN(summary,
                               Simplify(mini,
                                        SimplificationBudget(),
                                        importance_metric_,
-                                       restart,
                                        context,
                                        &model_,
                                        &adam_));

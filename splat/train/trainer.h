@@ -94,7 +94,7 @@ struct StepReport {
   bool recovered = false;  // Training diverged and went back to a good state.
 };
 
-//   Trainer trainer(options, initial_model, extent, &images, &pool);
+//   Trainer trainer(options, initial_model, extent, &images, pool);
 //   while (!trainer.done()) {
 //     FREEGS_RETURN_IF_ERROR(trainer.Step().status());
 //   }
@@ -111,13 +111,13 @@ struct StepReport {
 class Trainer {
  public:
   // `images` (one view or more) and `pool` must outlive the trainer.
-  // scene_extent is in world units, see SceneExtent. The options must pass
-  // Check().
+  // scene_extent is in units of the model frame, see SceneExtent. The options
+  // must pass Check().
   Trainer(const TrainerOptions& options,
           GaussianModel initial_model,
           double scene_extent,
           TrainingImages* images,
-          ThreadPool* pool);
+          ThreadPool& pool);
 
   bool done() const { return iteration_ >= schedule_.iterations(); }
   int64_t iteration() const { return iteration_; }
@@ -184,7 +184,7 @@ class Trainer {
   TrainingSchedule schedule_;
   double scene_extent_;
   TrainingImages* images_;
-  ThreadPool* pool_;
+  ThreadPool& pool_;
   ImportanceMetric importance_metric_;
   std::vector<ClearBall> clear_balls_;
   double decay_ = 0;  // Share of the opacity that is lost at a time.

@@ -167,10 +167,6 @@ std::optional<TrainingEvent> TrainingSchedule::MilestoneAt(int64_t done) const {
   return std::nullopt;
 }
 
-bool TrainingSchedule::MayRestartAtSimplification() const {
-  return options_.iterations - simplification_ >= kMinSteps;
-}
-
 std::string TrainingSchedule::Describe() const {
   std::string text;
   for (const Milestone& milestone : milestones_) {

@@ -81,7 +81,7 @@ enum class TrainingEvent : uint8_t {
   kSimplification,
   kPruning
 };
-constexpr int kNumTrainingEvents = 3;
+inline constexpr int kNumTrainingEvents = 3;
 
 // "depth_reinitialization", "simplification", "pruning".
 std::string_view TrainingEventName(TrainingEvent event);
@@ -130,10 +130,6 @@ class TrainingSchedule {
   // else happens.
   bool Densifies(int64_t done) const;
   std::optional<TrainingEvent> MilestoneAt(int64_t done) const;
-
-  // Whether enough steps are left after the simplification for Gaussians that
-  // start again there.
-  bool MayRestartAtSimplification() const;
 
   // Ascending by iteration, no two at the same one.
   const std::vector<Milestone>& milestones() const { return milestones_; }

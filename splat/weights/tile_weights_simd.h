@@ -13,7 +13,7 @@
 namespace freegs::splat {
 
 // Splats per call of ListTileWeights. The list of so many stays in the cache.
-constexpr int kWeightBatch = 64;
+inline constexpr int kWeightBatch = 64;
 
 // The weights above 0 of up to kWeightBatch splats in one tile, splat after
 // splat.

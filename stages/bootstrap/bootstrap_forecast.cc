@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
+#include "core/number_text.h"
 #include "semantics/geometry/view_choice.h"
 #include "semantics/patches/scene_patches.h"
 
@@ -20,8 +22,19 @@ constexpr double kWeightBytesPerPixel = 32 * 8;
 // neighbours, and a semantic vector of up to 128 floats.
 constexpr double kBytesPerGaussian = 1500;
 
-// With mode paper semantic vectors of 128 floats have gradients and moments.
-constexpr double kTrainedBytesPerGaussian = 3 * 128 * 4;
+// Semantic vectors have at most so many numbers, unless bootstrap.feature_dim
+// asks for more; of scenes so far they had kUsualDim.
+constexpr int kMaxChosenDim = 128;
+constexpr int kUsualDim = 16;
+// The longest features of a CLIP model. Vectors are not longer than these.
+constexpr int kLongestFeature = 1024;
+
+// Of each number of a longer vector: a float, and two copies while the vectors
+// are written.
+constexpr double kBytesPerLiftedNumber = 12;
+// With mode paper each number also has a gradient and two moments. As many
+// bytes of it are in a checkpoint: the number itself and its moments.
+constexpr double kBytesPerTrainedNumber = 3 * 4;
 
 // What a network keeps between its layers, one copy of the network per thread.
 constexpr double kNetworkBytesPerThread = 30e6;
@@ -35,18 +48,73 @@ constexpr double kBytesPerPhotoPixel = 6;
 // Lists of tiles, buffers of the threads, trees.
 constexpr double kWorkMemory = 100e6;
 
-constexpr double kSeconds = 6.5;
-constexpr double kSecondsPerPhotoMegapixel = 3.7;
+constexpr double kSeconds = 1.7;
+constexpr double kSecondsPerTeacher = 0.2;
+constexpr double kSecondsPerTeacherMegapixel = 0.154;
 constexpr double kSecondsPerMillion = 31;
 constexpr double kSerial = 0.43;
-constexpr double kSecondsPerTrainingStep = 0.008;
+
+// With mode paper. A step moves all numbers of all vectors. After each
+// clustering the masks of all teachers are refined, at this longest side
+// (semantics/field/instance_semantics.cc).
+constexpr double kSecondsPerStep = 0.008;
+constexpr double kSecondsPerStepAndNumber = 4e-9;
+constexpr double kSecondsPerRefinedMegapixel = 6;
+constexpr int kRefinedSide = 480;
 
 // Features of the photos that teach, maps of instances in all photos, previews,
-// and of each Gaussian a vector and its place in the hierarchy.
+// and of each Gaussian a vector of the usual length and its place in the
+// hierarchy.
 constexpr double kDiskBytesPerTeacher = 200e3;
 constexpr double kDiskBytesPerPixel = 0.03;
 constexpr double kDiskBytesPerPreviewPixel = 0.5;
 constexpr double kDiskBytesPerGaussian = 80;
+constexpr double kDiskBytesPerNumber = 4;
+
+// The numbers of a semantic vector, where the scene would choose `chosen`.
+int VectorDim(const BootstrapStageOptions& options, int chosen) {
+  const int asked = options.method.features.dim;
+  return asked > 0 ? std::min(asked, kLongestFeature) : chosen;
+}
+
+// What training does at most.
+struct TrainingCourse {
+  int64_t steps = 0;
+  int64_t clusterings = 0;  // With the one at the end.
+};
+
+TrainingCourse CourseOf(const BootstrapStageOptions& options) {
+  const semantics::FieldTrainingOptions& training = options.method.training;
+  TrainingCourse course{.steps = training.iterations, .clusterings = 1};
+  const int64_t interval = std::max(training.cluster_interval, 1);
+  if (training.cluster_start <= 0 || course.steps <= training.cluster_start) {
+    return course;
+  }
+  const int64_t during =
+      1 + (course.steps - 1 - training.cluster_start) / interval;
+  // Clustering by evidence does not look at vectors, so that the second one
+  // agrees with the first, which ends the training.
+  if (options.clustering == "evidence" && training.settled_index <= 1 &&
+      during >= 2) {
+    return {.steps = training.cluster_start + interval, .clusterings = 3};
+  }
+  course.clusterings += during;
+  return course;
+}
+
+// The time of training on one thread.
+double TrainingSeconds(const BootstrapStageOptions& options,
+                       double gaussians,
+                       std::span<const View> teachers) {
+  const TrainingCourse course = CourseOf(options);
+  const double step = kSecondsPerStep + kSecondsPerStepAndNumber * gaussians *
+                                            VectorDim(options, kUsualDim);
+  const auto refined =
+      static_cast<double>(pipeline::CountPixels(teachers, kRefinedSide).total);
+  return step * static_cast<double>(course.steps) +
+         kSecondsPerRefinedMegapixel * 1e-6 * refined *
+             static_cast<double>(course.clusterings);
+}
 
 }  // namespace
 
@@ -71,6 +139,7 @@ pipeline::StageNeed BootstrapNeed(const BootstrapStageOptions& options,
     return pipeline::CountPixels(teachers, side);
   };
   const auto gaussians = static_cast<double>(scene.gaussians);
+  const int dim = std::max(kMaxChosenDim, VectorDim(options, kMaxChosenDim));
   const auto photo_pixels = static_cast<double>(pixels(0).largest);
   const auto patch_pixels =
       static_cast<double>(pixels(semantics::kPatchImageSide).largest);
@@ -82,22 +151,29 @@ pipeline::StageNeed BootstrapNeed(const BootstrapStageOptions& options,
       kDiskBytesPerPixel * static_cast<double>(CountPixels(scene, 0).total) +
       kDiskBytesPerPreviewPixel * photo_pixels * options.num_previews +
       kDiskBytesPerGaussian * gaussians;
-  double seconds = kSeconds + kSecondsPerPhotoMegapixel * 1e-6 * photo_pixels +
+  double seconds = kSeconds +
+                   kSecondsPerTeacher * static_cast<double>(teachers.size()) +
+                   kSecondsPerTeacherMegapixel * 1e-6 *
+                       static_cast<double>(pixels(0).total) +
                    kSecondsPerMillion * 1e-6 * gaussians;
   if (options.mode != "geometry") {
     const int side = options.method.weights.max_side;
     const double weights =
         kWeightBytesPerPixel * static_cast<double>(pixels(side).total);
     const double kept =
-        std::min(options.weights_memory_gb * (1 << 30), weights);
+        std::min(options.weights_memory_gb * double{kGigabyte}, weights);
     bytes += kept + kNetworkBytesPerThread * threads +
              kCopiesOfModel * static_cast<double>(model_bytes);
     disk += weights - kept;
+    bytes += kBytesPerLiftedNumber * (dim - kMaxChosenDim) * gaussians;
+    disk += kDiskBytesPerNumber *
+            std::max(0, VectorDim(options, kUsualDim) - kUsualDim) * gaussians;
   }
   if (options.mode == "paper") {
-    bytes += kTrainedBytesPerGaussian * gaussians;
-    disk += kTrainedBytesPerGaussian * gaussians;  // The checkpoint.
-    seconds += kSecondsPerTrainingStep * options.method.training.iterations;
+    const double trained = kBytesPerTrainedNumber * dim * gaussians;
+    bytes += trained;
+    disk += trained;  // The checkpoint.
+    seconds += TrainingSeconds(options, gaussians, teachers);
   }
   return {.memory_bytes = pipeline::kProgramMemory + std::llround(bytes),
           .disk_bytes = std::llround(disk),

@@ -54,7 +54,7 @@ Status WriteBootstrapMetrics(const BootstrapStageOptions& options,
       {"num_clustered", labels.num_clustered},
       {"noise_after", labels.noise_after},
       {"seconds", context.earlier_seconds + usage.wall_seconds},
-      {"cpu_seconds", usage.cpu_seconds},
+      {"cpu_seconds", context.earlier_cpu_seconds + usage.cpu_seconds},
       {"peak_memory_bytes", usage.peak_memory_bytes}};
   if (options.clustering == "union") {
     metrics["hdbscan"] = {

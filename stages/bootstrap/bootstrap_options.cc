@@ -4,6 +4,8 @@
 
 #include <cstdint>
 
+#include "core/number_text.h"
+
 namespace freegs::stages {
 namespace {
 
@@ -30,7 +32,7 @@ void RegisterSemanticOptions(BootstrapStageOptions& options,
              .max = 4096});
   table.Add("bootstrap.weights_memory_gb",
             &options.weights_memory_gb,
-            {.help = "Memory for blending weights.",
+            {.help = "Memory for blending weights, in GB (10^9 bytes).",
              .min = 0,
              .max = 1000000,
              .affects_result = false});
@@ -124,7 +126,6 @@ void RegisterBootstrapOptions(BootstrapStageOptions& options,
 
 StatusOr<semantics::BootstrappingOptions> MakeBootstrappingOptions(
     const BootstrapStageOptions& options) {
-  constexpr double kGigabyte = 1 << 30;
   semantics::BootstrappingOptions method = options.method;
   method.method = options.mode == "paper" ? semantics::FieldMethod::kTrain
                                           : semantics::FieldMethod::kLift;
@@ -134,7 +135,7 @@ StatusOr<semantics::BootstrappingOptions> MakeBootstrappingOptions(
   // Only the method as published refines masks; docs/crf.md.
   method.instances.refine = method.method == semantics::FieldMethod::kTrain;
   method.weights.max_memory_bytes =
-      static_cast<uint64_t>(options.weights_memory_gb * kGigabyte);
+      static_cast<uint64_t>(options.weights_memory_gb * double{kGigabyte});
   FREEGS_RETURN_IF_ERROR(method.Check());
   return method;
 }

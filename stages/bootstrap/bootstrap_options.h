@@ -22,7 +22,7 @@ struct BootstrapStageOptions {
   std::string model;
   // What the method is told, except for what the members here decide.
   semantics::BootstrappingOptions method;
-  // Memory for blending weights, in GiB.
+  // Memory for blending weights, in GB (10^9 bytes).
   double weights_memory_gb = 1;
   // So many photographs, evenly spread, get a coloured preview.
   int num_previews = 6;

@@ -50,7 +50,7 @@ class BootstrapStage : public pipeline::Stage {
       : options_(options), seed_(seed) {}
 
   std::string_view name() const override { return "bootstrap"; }
-  int version() const override { return 17; }
+  int version() const override { return 18; }
 
   std::vector<fs::path> Inputs(
       const pipeline::StageContext& context) const override {
@@ -60,6 +60,9 @@ class BootstrapStage : public pipeline::Stage {
                                     "ingest/images.json"};
     if (!TrainingMaskFolder(context.workspace).empty()) {
       inputs.emplace_back("undistort/masks");
+      // For ReadSeenPhoto. It counts even when there is no such file: outputs
+      // are listed before they are in place, and this one has to be among them.
+      inputs.emplace_back("reconstruct/exposure.json");
     }
     if (with_semantics()) {
       // model.json holds the hashes of the model's other files. When the model
@@ -87,12 +90,18 @@ class BootstrapStage : public pipeline::Stage {
     const pipeline::ResourceMeter meter;
     FREEGS_ASSIGN_OR_RETURN(semantics::BootstrappingOptions method,
                             MakeBootstrappingOptions(options_));
+    if (!with_semantics() && !options_.model.empty()) {
+      context.log(
+          pipeline::LogLevel::kWarning,
+          "bootstrap.model is not used, because bootstrap.mode geometry "
+          "gives no semantics; use it with --bootstrap.mode lift");
+    }
     FREEGS_ASSIGN_OR_RETURN(const WorkspaceScene scene,
                             ReadWorkspaceScene(context.workspace));
     std::vector<View> views = scene.train;
     views.insert(views.end(), scene.holdout.begin(), scene.holdout.end());
-    FREEGS_RETURN_IF_ERROR(CheckVisible(
-        scene.model, views, scene.render, "bootstrap", *context.pool));
+    FREEGS_RETURN_IF_ERROR(
+        CheckVisible(scene.model, views, scene.render, *context.pool));
     FREEGS_ASSIGN_OR_RETURN(
         const NamedField named,
         MakeField(scene, views, std::move(method), context));
@@ -100,8 +109,7 @@ class BootstrapStage : public pipeline::Stage {
     const semantics::InstanceLabels& labels = field.instances;
     if (labels.num_instances == 0) {
       return UnusableResultError(
-          "bootstrap: no instance was found among " +
-          std::to_string(scene.model.size()) +
+          "no instance was found among " + std::to_string(scene.model.size()) +
           " Gaussians; try a better reconstruction or, with "
           "bootstrap.clustering union, a smaller bootstrap.min_cluster_size or "
           "bootstrap.min_samples");

@@ -19,7 +19,7 @@ constexpr int kFewInstancesOfUnion = 5;
 constexpr double kUnsureScore = 0.1;
 
 std::string FewInstances(int count, bool union_space) {
-  return std::string("bootstrap: only ") +
+  return std::string("only ") +
          (count == 1 ? "one instance was"
                      : std::to_string(count) + " instances were") +
          " found, so that things of the scene may be joined; try " +
@@ -31,7 +31,7 @@ std::string FewInstances(int count, bool union_space) {
 
 std::string UnsureInstances(double mean_score) {
   std::ostringstream text;
-  text << "bootstrap: the instances are unsure, with a mean score of "
+  text << "the instances are unsure, with a mean score of "
        << std::setprecision(2) << mean_score << " (below " << kUnsureScore
        << "): many may be parts of things, or several things; look at "
           "bootstrap/preview, and take sharp photos in even light from more "

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <system_error>
+#include <utility>
 
 #include "core/io/image_io.h"
 #include "core/parallel.h"
 #include "splat/render/renderer.h"
+#include "stages/scene/exposure_file.h"
 #include "stages/scene/training_scene.h"
 
 namespace freegs::stages {
@@ -34,12 +36,10 @@ StatusOr<ImageU8> ReadSeenPhoto(const fs::path& workspace,
                          "of undistort/sparse says");
   }
   ThreadPool one_thread(1);
-  const ImageU8 drawn = ToU8(splat::RenderView(scene.model,
-                                               view.camera,
-                                               view.cam_from_world,
-                                               scene.render,
-                                               one_thread)
-                                 .color);
+  splat::RenderedView rendered = splat::RenderView(
+      scene.model, view.camera, view.cam_from_world, scene.render, one_thread);
+  const ImageU8 drawn = ToU8(InExposureOf(
+      view.name, scene.exposures, std::move(rendered.color), one_thread));
   for (size_t i = 0; i < mask.num_pixels(); ++i) {
     if (mask.data()[i] != 0) continue;
     std::copy_n(drawn.data() + 3 * i, 3, photo.data() + 3 * i);

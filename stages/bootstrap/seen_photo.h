@@ -14,9 +14,11 @@ namespace freegs::stages {
 
 // The photograph of a view, RGB, of undistort/images. Where the mask in
 // undistort/masks ignores it, the scene is drawn instead, so that what walked
-// through the picture tells nothing about the things behind it. May be called
-// on several threads at once. Fails when a file cannot be read, and when the
-// mask is of another size.
+// through the picture tells nothing about the things behind it. Where training
+// learnt exposures, the scene is drawn in that of the photograph, or in the one
+// to expect of it when training did not see it (splat::ExposureBetween). May be
+// called on several threads at once. Fails when a file cannot be read, and when
+// the mask is of another size.
 StatusOr<ImageU8> ReadSeenPhoto(const std::filesystem::path& workspace,
                                 const WorkspaceScene& scene,
                                 const View& view);

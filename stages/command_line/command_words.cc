@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "pipeline/option_value.h"
+#include "pipeline/workspace.h"
 
 namespace freegs::stages {
 namespace {
@@ -34,11 +35,16 @@ bool Contains(const std::vector<std::string>& words, const std::string& word) {
 }  // namespace
 
 std::filesystem::path AbsoluteFolder(const std::string& word) {
-  std::error_code error;
-  std::filesystem::path absolute =
-      std::filesystem::absolute(word, error).lexically_normal();
+  std::filesystem::path absolute = pipeline::AbsolutePath(word);
   if (!absolute.has_filename()) absolute = absolute.parent_path();
   return absolute;
+}
+
+StatusOr<std::filesystem::path> ExistingWorkspace(const std::string& word) {
+  std::filesystem::path workspace = AbsoluteFolder(word);
+  std::error_code error;
+  if (std::filesystem::is_directory(workspace, error)) return workspace;
+  return BadInputError(workspace.string() + ": no such workspace");
 }
 
 Argument WorkspaceArgument() {

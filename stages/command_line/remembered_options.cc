@@ -3,7 +3,6 @@
 #include "stages/command_line/remembered_options.h"
 
 #include <algorithm>
-#include <system_error>
 #include <utility>
 
 namespace freegs::stages {
@@ -74,10 +73,7 @@ void RememberOptions(const std::filesystem::path& workspace,
       stored = pipeline::DisplayPath(workspace, stored);
     } else if (setting.name == kProgramOption &&
                stored.find('/') != std::string::npos) {
-      std::error_code error;
-      const std::filesystem::path path =
-          std::filesystem::absolute(stored, error);
-      if (!error) stored = path.lexically_normal().string();
+      stored = pipeline::AbsolutePath(stored).string();
     }
   }
 }

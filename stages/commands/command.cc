@@ -2,9 +2,17 @@
 
 #include "stages/commands/command.h"
 
+#include <system_error>
+
 #include "pipeline/workspace.h"
+#include "stages/registry/stage_registry.h"
 
 namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+
+}  // namespace
 
 void WarnOfRun(const std::filesystem::path& workspace,
                CommandContext& context) {
@@ -12,6 +20,26 @@ void WarnOfRun(const std::filesystem::path& workspace,
   context.err << "warning: a run is working in " << workspace.string()
               << "; stages that it has not come to yet are older than those "
                  "before them, and may not fit to them\n";
+}
+
+bool IsWithin(const fs::path& inner, const fs::path& outer) {
+  std::error_code error;
+  const fs::path relative =
+      fs::weakly_canonical(pipeline::AbsolutePath(inner), error)
+          .lexically_relative(
+              fs::weakly_canonical(pipeline::AbsolutePath(outer), error));
+  return !relative.empty() && *relative.begin() != "..";
+}
+
+Status CheckOutputPlace(const fs::path& workspace, const fs::path& place) {
+  if (place.empty()) return Status();
+  for (const std::string& stage : StageNames()) {
+    if (!IsWithin(place, workspace / stage)) continue;
+    return InvalidArgumentError(
+        place.string() + ": lies in the folder of stage " + stage +
+        ", whose files must stay as the stage made them; give another place");
+  }
+  return Status();
 }
 
 }  // namespace freegs::stages

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The commands of the program: `freegs_pipeline NAME ARGUMENTS...`. Each
-// command is two functions in stages/commands/NAME_command.h, one that declares
-// the words it takes, and one that runs it:
+// The commands of the program: `freegs_pipeline NAME ARGUMENTS...`. Most
+// commands are two functions in stages/commands/NAME_command.h, one that
+// declares the words it takes, and one that runs it; bench, plan and query lie
+// in their own folders. The functions are:
 //   CommandWords NameWords();
 //   Status RunNameCommand(const std::vector<std::string>& arguments,
 //                         CommandContext& context);
@@ -46,6 +47,17 @@ struct CommandContext {
 // For commands that read a workspace: warns when a run is working there, which
 // may replace files while they are read.
 void WarnOfRun(const std::filesystem::path& workspace, CommandContext& context);
+
+// Whether `inner` is `outer` or lies below it, after links are resolved.
+// Neither needs to exist.
+bool IsWithin(const std::filesystem::path& inner,
+              const std::filesystem::path& outer);
+
+// For commands that write files where the user says. Returns kInvalidArgument
+// for a place in the folder of a stage: a file there would replace what the
+// stage made, or be gone after its next run. An empty `place` is none.
+Status CheckOutputPlace(const std::filesystem::path& workspace,
+                        const std::filesystem::path& place);
 
 using CommandFn = Status (*)(const std::vector<std::string>& arguments,
                              CommandContext& context);

@@ -28,7 +28,6 @@ namespace freegs::stages {
 namespace {
 
 // Below these a run of ordinary size is likely to fail.
-constexpr int64_t kGigabyte = 1'000'000'000;
 constexpr int64_t kLowMemoryBytes = 4 * kGigabyte;
 constexpr int64_t kLowDiskBytes = 5 * kGigabyte;
 

@@ -114,12 +114,8 @@ StatusOr<EvalRequest> ParseEvalRequest(
   CommandWords words = DescribeEval(&request);
   FREEGS_ASSIGN_OR_RETURN(const pipeline::OptionTable::CommandLine line,
                           words.Parse(arguments));
-  std::error_code error;
-  request.workspace =
-      fs::absolute(line.positional[0], error).lexically_normal();
-  if (!fs::is_directory(request.workspace, error)) {
-    return BadInputError(request.workspace.string() + ": no such workspace");
-  }
+  FREEGS_ASSIGN_OR_RETURN(request.workspace,
+                          ExistingWorkspace(line.positional[0]));
   FREEGS_RETURN_IF_ERROR(
       ApplyQuerySettings(request.workspace, line.settings, words.table()));
   if (!request.json_file.empty() && request.json_file != "-") {
@@ -222,6 +218,7 @@ Status MeasureTextOfGaussians(const EvalRequest& request,
                           context.cancellation,
                           pool);
   if (!found.ok()) return NoFiguresOfText(found.status(), request, context);
+  report->text_from_gaussians = true;
   report->text_threshold = threshold;
   report->text_model = std::move(found->model);
   report->text = std::move(found->text);

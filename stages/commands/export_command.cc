@@ -5,11 +5,12 @@
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
-#include <iostream>
 #include <map>
 #include <set>
-#include <unistd.h>
+#include <string>
+#include <system_error>
 #include <utility>
+#include <vector>
 
 #include "core/io/files.h"
 #include "core/number_text.h"
@@ -83,6 +84,29 @@ Status ExportScene(const ExportRequest& request, CommandContext& context) {
   return Status();
 }
 
+// The number of files ID.format in the folder that are of other instances than
+// those just written, such as what an earlier export left there. They stay,
+// because they may be somebody's.
+size_t CountOtherObjects(const fs::path& folder,
+                         const std::string& format,
+                         const std::set<std::string>& written) {
+  size_t count = 0;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end;
+       it.increment(error)) {
+    const fs::path& path = it->path();
+    const std::string id = path.stem().string();
+    const bool is_id = !id.empty() && std::ranges::all_of(id, [](char c) {
+      return c >= '0' && c <= '9';
+    });
+    if (is_id && path.extension() == "." + format &&
+        !written.contains(path.filename().string())) {
+      ++count;
+    }
+  }
+  return count;
+}
+
 Status ExportObjects(const ExportRequest& request, CommandContext& context) {
   const fs::path folder(request.objects);
   FREEGS_RETURN_IF_ERROR(PrepareOutputFolder(folder));
@@ -102,16 +126,21 @@ Status ExportObjects(const ExportRequest& request, CommandContext& context) {
     object.antialiased = world.model.antialiased;
     object.AppendFrom(world.model, i);
   }
+  std::set<std::string> written;
   for (const auto& [label, object] : objects) {
     if (context.cancellation.cancelled()) {
       return InterruptedError("export: stopped");
     }
-    FREEGS_RETURN_IF_ERROR(WriteGaussians(
-        folder / (std::to_string(label + 1) + "." + request.format),
-        object,
-        world.offset));
+    const std::string name = std::to_string(label + 1) + "." + request.format;
+    FREEGS_RETURN_IF_ERROR(WriteGaussians(folder / name, object, world.offset));
+    written.insert(name);
   }
   context.out << chosen.size() << " objects in " << request.objects << "\n";
+  const size_t others = CountOtherObjects(folder, request.format, written);
+  if (others > 0) {
+    context.out << "the folder also holds " << others << " ." << request.format
+                << " files of instances that are not among them\n";
+  }
   TellOffset(world.offset, context);
   return Status();
 }
@@ -156,9 +185,7 @@ Status ExportMasks(const ExportRequest& request, CommandContext& context) {
                           ChosenInstances(request, labels));
   const std::vector<View> views = PhotoViews(scene);
   ThreadPool pool(pipeline::WorkingThreads(request.threads));
-  const bool terminal =
-      &context.err == &std::cerr && isatty(STDERR_FILENO) != 0;
-  pipeline::Logger logger(context.err, terminal, {});
+  pipeline::Logger logger(context.err, pipeline::IsTerminal(context.err), {});
   pipeline::ProgressLine progress(&logger, "export");
   CocoMasks masks(std::move(instances));
   for (size_t i = 0; i < views.size(); ++i) {
@@ -207,6 +234,9 @@ Status RunExportCommand(const std::vector<std::string>& arguments,
                         CommandContext& context) {
   FREEGS_ASSIGN_OR_RETURN(const ExportRequest request,
                           ParseExportRequest(arguments));
+  for (const std::string& place : {request.out, request.objects}) {
+    FREEGS_RETURN_IF_ERROR(CheckOutputPlace(request.workspace, place));
+  }
   WarnOfRun(request.workspace, context);
   if (request.what == "masks") return ExportMasks(request, context);
   if (request.what == "boxes") return ExportBoxes(request, context);

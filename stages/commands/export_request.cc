@@ -2,15 +2,12 @@
 
 #include "stages/commands/export_request.h"
 
-#include <cctype>
-
+#include "core/io/files.h"
 #include "pipeline/option_table.h"
 #include "stages/command_line/command_words.h"
 
 namespace freegs::stages {
 namespace {
-
-namespace fs = std::filesystem;
 
 bool WritesGaussians(const ExportRequest& request) {
   return request.what == "color" || request.what == "instances";
@@ -39,18 +36,11 @@ Status CheckSuffix(const ExportRequest& request) {
 
 Status CheckWords(const ExportRequest& request, bool format_given) {
   if (!request.objects.empty()) {
-    if (!request.out.empty()) {
-      return InvalidArgumentError("--out and --objects exclude each other");
-    }
     if (!WritesGaussians(request)) {
       return InvalidArgumentError(
           "--objects writes Gaussians: --what color or instances");
     }
     return Status();
-  }
-  if (request.out.empty()) {
-    return InvalidArgumentError(
-        "export needs a file to write: --out FILE (or --objects DIR)");
   }
   if (format_given) {
     return InvalidArgumentError(
@@ -67,14 +57,6 @@ Status CheckWords(const ExportRequest& request, bool format_given) {
 }
 
 }  // namespace
-
-std::string LowerSuffix(const fs::path& path) {
-  std::string suffix = path.extension().string();
-  for (char& c : suffix) {
-    c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  }
-  return suffix;
-}
 
 CommandWords DescribeExport(ExportRequest* request) {
   CommandWords words("export",
@@ -138,7 +120,8 @@ StatusOr<ExportRequest> ParseExportRequest(
   }
   FREEGS_RETURN_IF_ERROR(CheckInstanceChoice(request.choice));
   FREEGS_RETURN_IF_ERROR(CheckWords(request, format_given));
-  request.workspace = line.positional[0];
+  FREEGS_ASSIGN_OR_RETURN(request.workspace,
+                          ExistingWorkspace(line.positional[0]));
   return request;
 }
 

@@ -32,12 +32,9 @@ struct ExportRequest {
 CommandWords DescribeExport(ExportRequest* request);
 
 // Returns kInvalidArgument for words that do not fit each other, before
-// anything is read or written.
+// anything is read or written. Returns kBadInput when there is no workspace.
 StatusOr<ExportRequest> ParseExportRequest(
     const std::vector<std::string>& arguments);
-
-// The suffix of a path in lower case, such as ".ply".
-std::string LowerSuffix(const std::filesystem::path& path);
 
 // Suffixes of files of Gaussians.
 inline constexpr std::array<std::string_view, 3> kGaussianSuffixes = {

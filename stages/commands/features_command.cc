@@ -9,6 +9,7 @@
 
 #include "core/io/files.h"
 #include "core/io/image_io.h"
+#include "core/io/json_text.h"
 #include "core/number_text.h"
 #include "core/parallel.h"
 #include "pipeline/system_info.h"
@@ -92,6 +93,9 @@ StatusOr<FeaturesRequest> ParseFeaturesRequest(
   FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> positional,
                           words.ParseAndApply(arguments));
   FREEGS_RETURN_IF_ERROR(request.upsampling.Check());
+  if (ValidUtf8(request.text) != request.text) {
+    return InvalidArgumentError("--text: the words are not UTF-8");
+  }
   request.image = positional[0];
   if (request.out.empty()) {
     request.out = request.image.stem().string() + "_heat.png";

@@ -3,9 +3,7 @@
 #include "stages/commands/query_command.h"
 
 #include <filesystem>
-#include <iostream>
 #include <string>
-#include <unistd.h>
 #include <vector>
 
 #include "core/io/files.h"
@@ -42,9 +40,8 @@ Status WriteMasks(const QueryRequest& request,
   if (request.cameras.empty()) {
     task.photos = request.workspace / "undistort" / "images";
   }
-  const bool terminal =
-      &context.err == &std::cerr && isatty(STDERR_FILENO) != 0;
-  pipeline::Logger logger(context.err, terminal, {});
+  RemoveEarlierAnswer(request.out);
+  pipeline::Logger logger(context.err, pipeline::IsTerminal(context.err), {});
   pipeline::ProgressLine progress(&logger, "query");
   FREEGS_ASSIGN_OR_RETURN(
       answer->masks,
@@ -68,6 +65,7 @@ Status RunQueryCommand(const std::vector<std::string>& arguments,
                        CommandContext& context) {
   FREEGS_ASSIGN_OR_RETURN(const QueryRequest request,
                           ParseQueryRequest(arguments));
+  FREEGS_RETURN_IF_ERROR(CheckOutputPlace(request.workspace, request.out));
   WarnOfRun(request.workspace, context);
   if (!request.out.empty()) {
     FREEGS_RETURN_IF_ERROR(PrepareOutputFolder(request.out));

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
-#include <iostream>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
-#include <unistd.h>
+#include <system_error>
 
 #include <nlohmann/json.hpp>
 
@@ -173,7 +173,7 @@ StatusOr<std::vector<float>> ReadSemanticColors(const fs::path& workspace,
   if (idsf.feature_dim == 0) {
     return BadInputError((workspace / "bootstrap" / "idsf.bin").string() +
                          ": holds instances but no semantic vectors; run stage "
-                         "bootstrap again with semantics");
+                         "bootstrap again with --bootstrap.mode lift");
   }
   return semantics::SemanticColors(idsf.features, idsf.feature_dim, pool);
 }
@@ -304,9 +304,7 @@ Status ForEachView(const std::vector<View>& views,
                    const std::string& step,
                    CommandContext& context,
                    FunctionRef<Status(size_t)> work) {
-  const bool terminal =
-      &context.err == &std::cerr && isatty(STDERR_FILENO) != 0;
-  pipeline::Logger logger(context.err, terminal, {});
+  pipeline::Logger logger(context.err, pipeline::IsTerminal(context.err), {});
   pipeline::ProgressLine progress(&logger, "render");
   for (size_t i = 0; i < views.size(); ++i) {
     if (context.cancellation.cancelled()) {
@@ -323,6 +321,15 @@ Status ForEachView(const std::vector<View>& views,
   return Status();
 }
 
+// Removes the frames of a longer way that an earlier call left in a folder, and
+// returns how many these were. `count` is the number of frames of this one.
+size_t RemoveLaterFrames(const fs::path& folder, size_t count) {
+  size_t removed = 0;
+  std::error_code error;
+  while (fs::remove(folder / FrameName(count + removed), error)) ++removed;
+  return removed;
+}
+
 Status WritePictures(const RenderRequest& request,
                      const SceneToRender& shown,
                      const std::vector<View>& views,
@@ -337,6 +344,12 @@ Status WritePictures(const RenderRequest& request,
         return renderer->Render(views[i], names[i]);
       }));
   context.out << views.size() << " pictures in " << request.out << "\n";
+  if (request.path.empty()) return Status();
+  RemoveLaterFrames(fs::path(request.out) / "preview", views.size());
+  const size_t removed = RemoveLaterFrames(request.out, views.size());
+  if (removed > 0) {
+    context.out << removed << " pictures of a longer way were removed\n";
+  }
   return Status();
 }
 
@@ -376,6 +389,9 @@ Status RunRenderCommand(const std::vector<std::string>& arguments,
                         CommandContext& context) {
   FREEGS_ASSIGN_OR_RETURN(const RenderRequest request,
                           ParseRenderRequest(arguments));
+  for (const std::string& place : {request.out, request.video}) {
+    FREEGS_RETURN_IF_ERROR(CheckOutputPlace(request.workspace, place));
+  }
   if (!request.video.empty()) {
     FREEGS_RETURN_IF_ERROR(CheckFilmPath(request.video));
     FREEGS_RETURN_IF_ERROR(PrepareOutputFile(request.video));
@@ -391,7 +407,7 @@ Status RunRenderCommand(const std::vector<std::string>& arguments,
     FREEGS_RETURN_IF_ERROR(PrepareOutputFolder(request.out));
   }
   FREEGS_RETURN_IF_ERROR(
-      CheckVisible(scene.model, views, scene.render, "render", pool));
+      CheckVisible(scene.model, views, scene.render, pool).Annotated("render"));
   if (!request.out.empty()) {
     FREEGS_RETURN_IF_ERROR(WritePictures(request, shown, views, pool, context));
   }

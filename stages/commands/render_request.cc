@@ -15,11 +15,6 @@ namespace {
 // `given` has the names of the options on the command line.
 Status CheckRenderWords(const RenderRequest& request,
                         const std::set<std::string>& given) {
-  if (request.out.empty() && request.video.empty()) {
-    return InvalidArgumentError(
-        "render needs a folder for the pictures: --out DIR (or --path PATH "
-        "--video FILE.mp4)");
-  }
   if (request.path.empty()) {
     for (const char* name : {"video", "seconds", "fps"}) {
       if (!given.contains(name)) continue;
@@ -32,8 +27,7 @@ Status CheckRenderWords(const RenderRequest& request,
         "--cameras and --path exclude each other; --path takes a camera file, "
         "too");
   }
-  if (request.what == "both" &&
-      (request.video.empty() || !request.out.empty())) {
+  if (request.what == "both" && request.video.empty()) {
     return InvalidArgumentError("--what both is for --video only");
   }
   if (request.has_granularity && request.what != "instances" &&
@@ -141,7 +135,8 @@ StatusOr<RenderRequest> ParseRenderRequest(
   }
   request.has_granularity = given.contains("granularity");
   FREEGS_RETURN_IF_ERROR(CheckRenderWords(request, given));
-  request.workspace = line.positional[0];
+  FREEGS_ASSIGN_OR_RETURN(request.workspace,
+                          ExistingWorkspace(line.positional[0]));
   return request;
 }
 

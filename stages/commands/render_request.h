@@ -37,7 +37,7 @@ struct RenderRequest {
 CommandWords DescribeRender(RenderRequest* request);
 
 // Returns kInvalidArgument for words that do not fit each other, before
-// anything is read or written.
+// anything is read or written. Returns kBadInput when there is no workspace.
 StatusOr<RenderRequest> ParseRenderRequest(
     const std::vector<std::string>& arguments);
 

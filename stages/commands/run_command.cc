@@ -23,7 +23,7 @@
 #include "stages/registry/stage_registry.h"
 #include "stages/run/duration.h"
 #include "stages/run/psnr_run.h"
-#include "stages/run/run_request.h"
+#include "stages/run/run_execution.h"
 #include "stages/run/workspace_folder.h"
 
 namespace freegs::stages {
@@ -33,15 +33,6 @@ namespace fs = std::filesystem;
 using pipeline::OptionSetting;
 using pipeline::OptionTable;
 using pipeline::WorkspaceInfo;
-
-// Whether `inner` is `outer` or lies below it, after links are resolved.
-bool IsWithin(const fs::path& inner, const fs::path& outer) {
-  std::error_code error;
-  const fs::path relative =
-      fs::weakly_canonical(inner, error)
-          .lexically_relative(fs::weakly_canonical(outer, error));
-  return !relative.empty() && *relative.begin() != "..";
-}
 
 // remembered: the folder that the workspace was made of; may be empty.
 Status CheckImagesFolder(const fs::path& images,
@@ -210,14 +201,14 @@ CommandWords DescribeStage(StageTargets* targets) {
   return words;
 }
 
-// Reads what the workspace remembers, and drops from it what the command line
-// does not go on with. Notes what the run then uses and what it does not.
-Status Recall(const RunWordsTargets& targets,
+// Takes over what the workspace remembers, without what the command line does
+// not go on with. Notes what the run then uses and what it does not.
+Status Recall(const WorkspaceInfo& before,
+              const RunWordsTargets& targets,
               const OptionTable::CommandLine& line,
               const OptionTable& table,
               RunRequest* request) {
-  FREEGS_ASSIGN_OR_RETURN(request->info,
-                          pipeline::ReadWorkspaceInfo(request->workspace));
+  request->info = before;
   FREEGS_RETURN_IF_ERROR(ForgetOptions(targets.forget, table, &request->info));
   std::map<std::string, std::string>& settings = request->info.settings;
   const std::string others = OtherOptionsText(settings, line.settings);
@@ -308,12 +299,25 @@ Status RunRunCommand(const std::vector<std::string>& arguments,
   const std::vector<std::string>& words = line.positional;
   request.workspace = AbsoluteFolder(words.back());
   FREEGS_RETURN_IF_ERROR(CheckWorkspaceFolder(request.workspace));
+  std::optional<pipeline::WorkspaceLock> lock;
+  const auto take_workspace = [&]() -> Status {
+    FREEGS_RETURN_IF_ERROR(PrepareOutputFolder(request.workspace));
+    FREEGS_ASSIGN_OR_RETURN(
+        lock, pipeline::WorkspaceLock::Acquire(request.workspace));
+    return Status();
+  };
+  // Settings that another run stores must not be overwritten by older ones. A
+  // folder without any is not taken yet: if the run is refused, nothing of it
+  // is left there.
+  std::error_code error;
+  if (fs::exists(pipeline::WorkspaceInfoPath(request.workspace), error)) {
+    FREEGS_RETURN_IF_ERROR(take_workspace());
+  }
   FREEGS_ASSIGN_OR_RETURN(const WorkspaceInfo before,
                           pipeline::ReadWorkspaceInfo(request.workspace));
   FREEGS_RETURN_IF_ERROR(CheckGivenPaths(
       request.workspace, table, line.settings, before.settings));
-  FREEGS_RETURN_IF_ERROR(Recall(targets, line, table, &request));
-  const fs::path remembered = request.info.images;
+  FREEGS_RETURN_IF_ERROR(Recall(before, targets, line, table, &request));
   if (words.size() == 2) request.info.images = AbsoluteFolder(words.front());
   if (request.info.images.empty()) {
     return InvalidArgumentError(
@@ -321,7 +325,7 @@ Status RunRunCommand(const std::vector<std::string>& arguments,
         ": does not know its photos yet; give both: run IMAGES WORKSPACE");
   }
   FREEGS_RETURN_IF_ERROR(
-      CheckImagesFolder(request.info.images, remembered, request.workspace));
+      CheckImagesFolder(request.info.images, before.images, request.workspace));
   RememberOptions(request.workspace, table, line.settings, &request.info);
   std::vector<OptionSetting> settings =
       RememberedSettings(request.workspace, request.info, table);
@@ -331,9 +335,7 @@ Status RunRunCommand(const std::vector<std::string>& arguments,
   }
   request.from = targets.from;
   request.to = targets.to;
-  FREEGS_RETURN_IF_ERROR(PrepareOutputFolder(request.workspace));
-  FREEGS_ASSIGN_OR_RETURN(const pipeline::WorkspaceLock lock,
-                          pipeline::WorkspaceLock::Acquire(request.workspace));
+  if (!lock) FREEGS_RETURN_IF_ERROR(take_workspace());
   if (goal.given()) {
     // Over what config.ini says, and so not remembered.
     settings.push_back({"general.preset", kAutoPreset, "the goal of the run"});
@@ -370,11 +372,8 @@ Status RunStageCommand(const std::vector<std::string>& arguments,
   request.forced = line.positional[0];
   request.from = request.forced;
   request.to = request.forced;
-  request.workspace = AbsoluteFolder(line.positional[1]);
-  std::error_code error;
-  if (!fs::is_directory(request.workspace, error)) {
-    return BadInputError(request.workspace.string() + ": no such workspace");
-  }
+  FREEGS_ASSIGN_OR_RETURN(request.workspace,
+                          ExistingWorkspace(line.positional[1]));
   FREEGS_RETURN_IF_ERROR(CheckWorkspaceFolder(request.workspace));
   FREEGS_ASSIGN_OR_RETURN(const pipeline::WorkspaceLock lock,
                           pipeline::WorkspaceLock::Acquire(request.workspace));

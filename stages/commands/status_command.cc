@@ -235,12 +235,8 @@ Status RunStatusCommand(const std::vector<std::string>& arguments,
   pipeline::OptionTable& table = words.table();
   FREEGS_ASSIGN_OR_RETURN(const pipeline::OptionTable::CommandLine line,
                           words.Parse(arguments));
-  std::error_code error;
-  const fs::path workspace =
-      fs::absolute(line.positional[0], error).lexically_normal();
-  if (!fs::is_directory(workspace, error)) {
-    return BadInputError(workspace.string() + ": no such workspace");
-  }
+  FREEGS_ASSIGN_OR_RETURN(const fs::path workspace,
+                          ExistingWorkspace(line.positional[0]));
   FREEGS_RETURN_IF_ERROR(CheckWorkspaceFolder(workspace));
   FREEGS_ASSIGN_OR_RETURN(const pipeline::WorkspaceInfo info,
                           pipeline::ReadWorkspaceInfo(workspace));
@@ -266,8 +262,7 @@ Status RunStatusCommand(const std::vector<std::string>& arguments,
     const auto lock = pipeline::WorkspaceLock::Acquire(workspace);
     if (lock.ok()) (void)runner.Recover();
   }
-  FREEGS_ASSIGN_OR_RETURN(const std::vector<StageReport> reports,
-                          runner.Inspect());
+  const std::vector<StageReport> reports = runner.Inspect();
 
   if (targets.json) {
     json stages = json::array();

@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <memory>
 #include <spawn.h>
-#include <system_error>
 #include <thread>
 #include <unistd.h>
 #include <utility>
@@ -85,11 +84,8 @@ Status ParseViewRequest(const std::vector<std::string>& arguments,
   CommandWords words = DescribeView(request);
   FREEGS_ASSIGN_OR_RETURN(const pipeline::OptionTable::CommandLine line,
                           words.Parse(arguments));
-  std::error_code error;
-  api->workspace = fs::absolute(line.positional[0], error).lexically_normal();
-  if (!fs::is_directory(api->workspace, error)) {
-    return BadInputError(api->workspace.string() + ": no such workspace");
-  }
+  FREEGS_ASSIGN_OR_RETURN(api->workspace,
+                          ExistingWorkspace(line.positional[0]));
   FREEGS_RETURN_IF_ERROR(
       ApplyQuerySettings(api->workspace, line.settings, words.table()));
   for (const pipeline::OptionSetting& setting : line.settings) {

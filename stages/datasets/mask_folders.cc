@@ -3,12 +3,13 @@
 #include "stages/datasets/mask_folders.h"
 
 #include <algorithm>
-#include <cctype>
 #include <optional>
 #include <set>
 #include <system_error>
 
+#include "core/io/files.h"
 #include "sfm/scene/model_io.h"
+#include "sfm/scene/views.h"
 
 namespace freegs::stages {
 namespace {
@@ -21,11 +22,7 @@ constexpr size_t kMaxPhrases = 65535;
 constexpr uint64_t kMaxSide = 65535;
 
 bool IsImage(const fs::path& path) {
-  std::string suffix = path.extension().string();
-  std::transform(
-      suffix.begin(), suffix.end(), suffix.begin(), [](unsigned char c) {
-        return static_cast<char>(std::tolower(c));
-      });
+  const std::string suffix = LowerSuffix(path);
   return suffix == ".png" || suffix == ".jpg" || suffix == ".jpeg";
 }
 
@@ -58,12 +55,7 @@ StatusOr<DatasetPhotos> PhotosOfModel(const fs::path& folder) {
     }
     View view;
     view.name = image.name;
-    view.camera = {static_cast<int>(camera.width),
-                   static_cast<int>(camera.height),
-                   camera.FocalX(),
-                   camera.FocalY(),
-                   camera.PrincipalX(),
-                   camera.PrincipalY()};
+    view.camera = sfm::PinholeOf(camera);
     view.cam_from_world = image.cam_from_world;
     if (!camera.IsUndistorted()) photos.lenses[view.name] = camera;
     photos.views.push_back(std::move(view));

@@ -2,7 +2,6 @@
 
 #include "stages/datasets/scannet.h"
 
-#include <cmath>
 #include <cstdlib>
 #include <optional>
 #include <sstream>
@@ -12,9 +11,9 @@
 #include <vector>
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 
 #include "core/io/files.h"
+#include "core/io/json_fields.h"
 #include "stages/datasets/mask_folders.h"
 #include "stages/datasets/scannet_mesh.h"
 #include "stages/datasets/scannet_objects.h"
@@ -62,15 +61,9 @@ StatusOr<std::optional<Eigen::Matrix4d>> ReadPose(const fs::path& path) {
     rest = end;
   }
   if (!world_from_cam.allFinite()) return std::optional<Eigen::Matrix4d>();
-  const Eigen::Matrix3d rotation = world_from_cam.topLeftCorner<3, 3>();
   constexpr double kTolerance = 1e-2;
-  if (!((rotation * rotation.transpose() - Eigen::Matrix3d::Identity())
-            .cwiseAbs()
-            .maxCoeff() <= kTolerance) ||
-      rotation.determinant() < 0) {
-    return BadInputError(path.string() +
-                         ": not the matrix of a rotation and a translation");
-  }
+  FREEGS_RETURN_IF_ERROR(CheckRotation(
+      world_from_cam.topLeftCorner<3, 3>(), path.string(), kTolerance));
   return std::optional(world_from_cam);
 }
 

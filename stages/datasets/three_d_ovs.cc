@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/io/files.h"
+#include "core/text.h"
 #include "stages/datasets/mask_folders.h"
 
 namespace freegs::stages {
@@ -21,13 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr uint64_t kMaxListBytes = uint64_t{1} << 20;
-
-std::string Trimmed(const std::string& text) {
-  const char* const kBlanks = " \t\r\n";
-  const size_t first = text.find_first_not_of(kBlanks);
-  if (first == std::string::npos) return "";
-  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
-}
 
 // The form in which class names are compared.
 std::string Folded(std::string text) {
@@ -59,7 +53,7 @@ StatusOr<std::map<std::string, std::string>> ReadClasses(const fs::path& path) {
                           ReadFile(path, kMaxListBytes));
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
-    const std::string name = Trimmed(line);
+    const std::string name(Trimmed(line));
     if (!name.empty()) classes[Folded(name)] = name;
   }
   return classes;

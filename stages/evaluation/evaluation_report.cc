@@ -7,20 +7,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/io/json_fields.h"
 #include "core/number_text.h"
 
 namespace freegs::stages {
 namespace {
 
 using nlohmann::json;
-
-json OrNull(const std::optional<double>& value) {
-  return value ? json(*value) : json(nullptr);
-}
-
-json VectorJson(const Eigen::Vector3d& v) {
-  return json::array({v.x(), v.y(), v.z()});
-}
 
 json ViewsJson(const std::optional<ImageQuality>& quality) {
   json views = json::array();
@@ -210,17 +203,20 @@ void PrintInstances(const EvaluationReport& report, std::ostream& out) {
 
 void PrintText(const EvaluationReport& report, std::ostream& out) {
   const TextQuality& text = *report.text;
+  const std::string answer = report.text_from_gaussians
+                                 ? "all Gaussians relevant to each label"
+                                 : "each label's best instance";
   if (text.miou) {
     Row(out,
         "text mIoU",
         Text(text.miou, 4),
-        "each label's best instance, mean over views, then labels");
+        answer + ", mean over views, then labels");
     Row(out,
         "text boundary mIoU",
         Text(text.mbiou, 4),
         "2 % of the diagonal along the outline");
   }
-  PrintBoxes("text box", "of each label's best instance", text.boxes, out);
+  PrintBoxes("text box", "of " + answer, text.boxes, out);
 }
 
 // Figures of instances and words.
@@ -271,6 +267,7 @@ void AddSemantics(const EvaluationReport& report, json* result) {
     keys["text_box_miou"] = BoxIouJson(text.boxes, &BoxQuality::miou);
     keys["text_box_recall25"] = BoxIouJson(text.boxes, &BoxQuality::recall25);
     keys["text_box_recall50"] = BoxIouJson(text.boxes, &BoxQuality::recall50);
+    keys["text_from"] = report.text_from_gaussians ? "gaussians" : "instances";
     keys["text_model"] = report.text_model;
     keys["text_threshold"] = OrNull(report.text_threshold);
     for (const LabelResult& label : text.labels) {

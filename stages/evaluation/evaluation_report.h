@@ -36,9 +36,12 @@ struct EvaluationReport {
   std::optional<double> best_level_miou;
   std::optional<ViewConsistency> consistency;
   std::optional<TextQuality> text;
+  // Whether Gaussians answered to labels, each for itself, or else instances.
+  bool text_from_gaussians = false;
   std::string text_model;  // Name of the CLIP model that was asked.
   // A label whose best relevancy is smaller has no answer; nothing when the
-  // best instance always answers.
+  // best instance always answers. Of Gaussians, those whose relevancy is
+  // smaller do not answer.
   std::optional<double> text_threshold;
 };
 

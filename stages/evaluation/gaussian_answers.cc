@@ -82,7 +82,8 @@ StatusOr<GaussianTextQuality> MeasureGaussianText(
   size_t column = 0;
   for (const std::string& label : labels) {
     std::vector<int32_t> chosen(count, -1);
-    TextAnswer answer{0, 0};
+    // The chosen Gaussians are measured as if they were the only instance.
+    TextAnswer answer{.instance = 0, .relevancy = 0};
     for (size_t i = 0; i < count; ++i) {
       const double value = relevancy[i * labels.size() + column];
       answer.relevancy = std::max(answer.relevancy, value);
@@ -99,6 +100,7 @@ StatusOr<GaussianTextQuality> MeasureGaussianText(
                                                pool));
     if (!one) continue;
     for (LabelResult& of_label : one->labels) {
+      of_label.answer.instance = -1;
       quality.labels.push_back(std::move(of_label));
     }
   }

@@ -26,9 +26,10 @@ struct GaussianTextQuality {
 // Asks the workspace for each label of the truth and measures the answers. The
 // answer to a label is all Gaussians whose relevancy to it is at least
 // `min_relevancy` (semantics/queries/gaussian_relevancy.h), and the relevancy
-// that is reported is the greatest of all Gaussians. `clip_model` is the folder
-// of the CLIP model; empty takes the one of the workspace's features. The
-// errors are those of AnswerLabels and MeasureTextQuality.
+// that is reported is the greatest of all Gaussians; no instance is.
+// `clip_model` is the folder of the CLIP model; empty takes the one of the
+// workspace's features. The errors are those of AnswerLabels and
+// MeasureTextQuality.
 StatusOr<GaussianTextQuality> MeasureGaussianText(
     const std::filesystem::path& workspace,
     const std::string& clip_model,

@@ -43,8 +43,8 @@ StatusOr<semantics::InstanceFeatures> ReadFeaturesOfInstances(
   if (!fs::exists(path, error)) {
     return MissingDependencyError(
         path.string() +
-        " is not there; run stage bootstrap with a CLIP model to have the "
-        "answers to words measured");
+        " is not there; run stage bootstrap again with --bootstrap.mode lift "
+        "to have the answers to words measured");
   }
   return semantics::ReadInstanceFeatures(path);
 }

@@ -24,8 +24,11 @@ namespace freegs::stages {
 
 // The instance that a scene answers some words with.
 struct TextAnswer {
-  int instance = -1;     // Label as in idsf.bin; -1 when nothing answers.
-  double relevancy = 0;  // Of the best instance, even if it was refused.
+  // Label as in idsf.bin; -1 when nothing answers, or no instance but Gaussians
+  // (gaussian_answers.h).
+  int instance = -1;
+  // Of the best instance or Gaussian, even if it was refused.
+  double relevancy = 0;
 };
 
 // The distinct labels of the objects.

@@ -17,16 +17,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t kMaxMasks = 256;
-constexpr double kShapeTolerance = 0.01;
-
-bool SameShape(double width_a,
-               double height_a,
-               double width_b,
-               double height_b) {
-  const double a = width_a * height_b;
-  const double b = width_b * height_a;
-  return std::abs(a - b) <= kShapeTolerance * std::max(a, b);
-}
 
 // Reads a file of one object: 1 where the object is, else 0.
 StatusOr<ImageU16> ReadBright(const fs::path& path) {

@@ -68,7 +68,7 @@ void AppendBars(const ColoredBox& colored,
       Eigen::Vector3d local = center;
       for (int k = 0; k < 3; ++k) local[k] += Sign(corner, k) * half[k];
       AppendVertex(
-          box.center - offset + box.rotation * local, colored.color, ply);
+          box.centre - offset + box.rotation * local, colored.color, ply);
     }
   }
 }

@@ -17,6 +17,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/cancellation.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/number_text.h"
@@ -79,6 +80,12 @@ std::array<uint8_t, 3> InstanceColor(const semantics::Instance& instance) {
   return semantics::PaletteColor(instance.id - 1);
 }
 
+// The folder that a stage writes to has another name when the stage has ended,
+// so that messages should not name it.
+std::string WithoutPrefix(const std::string& text, const std::string& prefix) {
+  return text.starts_with(prefix) ? text.substr(prefix.size()) : text;
+}
+
 class ExportStage : public pipeline::Stage {
  public:
   explicit ExportStage(const ExportStageOptions& options) : options_(options) {}
@@ -117,7 +124,7 @@ class ExportStage : public pipeline::Stage {
                             ReadWorkspaceModel(context.workspace));
     const std::string note = FarAwayNote(scene.frame);
     if (!note.empty()) {
-      context.log(pipeline::LogLevel::kWarning, "export: " + note);
+      context.log(pipeline::LogLevel::kWarning, note);
     }
     FREEGS_RETURN_IF_ERROR(splat::WritePly(
         context.output / "scene.ply", world.model, world.offset));
@@ -125,11 +132,12 @@ class ExportStage : public pipeline::Stage {
         splat::WriteSplat(context.output / "scene.splat", world.model));
     // Positions and sizes that do not fit into the format are no fault of the
     // scene.
-    const Status spz =
-        splat::WriteSpz(context.output / "scene.spz", world.model);
+    const fs::path spz_path = context.output / "scene.spz";
+    const Status spz = splat::WriteSpz(spz_path, world.model);
     if (spz.code() == StatusCode::kBadInput) {
       context.log(pipeline::LogLevel::kWarning,
-                  "export: no scene.spz: " + spz.message());
+                  "no scene.spz: " +
+                      WithoutPrefix(spz.message(), spz_path.string() + ": "));
     } else {
       FREEGS_RETURN_IF_ERROR(spz);
     }
@@ -138,7 +146,7 @@ class ExportStage : public pipeline::Stage {
       FREEGS_RETURN_IF_ERROR(WriteMasks(scene, *found, context));
     } else {
       context.log(pipeline::LogLevel::kWarning,
-                  "export: bootstrap/ has no instances; masks and boxes are "
+                  "bootstrap/ has no instances; masks and boxes are "
                   "left out");
     }
     return WriteReport(scene, found, context);
@@ -253,8 +261,7 @@ class ExportStage : public pipeline::Stage {
     if (!bundle.ok()) {
       data->no_viewer =
           "the program that made this page was built without Node.js.";
-      context.log(pipeline::LogLevel::kWarning,
-                  "export: " + bundle.status().message());
+      context.log(pipeline::LogLevel::kWarning, bundle.status().message());
       return Status();
     }
     const fs::path report = context.output / "report";
@@ -320,9 +327,8 @@ class ExportStage : public pipeline::Stage {
   }
 
   static Status CheckCancelled(const pipeline::StageContext& context) {
-    return context.cancellation->cancelled()
-               ? InterruptedError("export: stopped")
-               : Status();
+    return IsCancelled(context.cancellation) ? InterruptedError("stopped")
+                                             : Status();
   }
 
   ExportStageOptions options_;

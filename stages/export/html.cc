@@ -2,11 +2,11 @@
 
 #include "stages/export/html.h"
 
-#include <cstdio>
-
 #include "core/io/json_text.h"
+#include "core/text.h"
 
 namespace freegs::stages {
+
 std::string EscapeHtml(std::string_view text) {
   std::string escaped;
   for (const char c : ValidUtf8(std::string(text))) {
@@ -41,17 +41,9 @@ std::string EscapeHtml(std::string_view text) {
 std::string EncodeUrlPath(std::string_view path) {
   constexpr std::string_view kPlain =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~/";
-  std::string encoded;
-  for (const char c : path) {
-    if (kPlain.find(c) != std::string_view::npos) {
-      encoded += c;
-    } else {
-      char hex[4];
-      std::snprintf(hex, sizeof(hex), "%%%02X", static_cast<unsigned char>(c));
-      encoded += hex;
-    }
-  }
-  return encoded;
+  return PercentEncode(path, [kPlain](char c) {
+    return kPlain.find(c) != std::string_view::npos;
+  });
 }
 
 std::string JsonForScript(std::string json) {

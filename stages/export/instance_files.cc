@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/io/json_fields.h"
 #include "core/io/json_text.h"
 
 namespace freegs::stages {
@@ -13,10 +14,6 @@ namespace {
 
 std::string CategoryName(const semantics::Instance& instance) {
   return instance.words.empty() ? "object" : instance.words.front();
-}
-
-nlohmann::json VectorJson(const Eigen::Vector3d& v) {
-  return nlohmann::json::array({v.x(), v.y(), v.z()});
 }
 
 }  // namespace
@@ -32,7 +29,7 @@ std::string BoxesJson(const std::vector<semantics::Instance>& instances) {
     nlohmann::json rotation = nlohmann::json::array();
     for (int row = 0; row < 3; ++row) {
       rotation.push_back(
-          VectorJson(instance.obb.rotation.row(row).transpose().eval()));
+          VectorJson(instance.obb.rotation.row(row).transpose()));
     }
     objects.push_back({{"id", instance.id},
                        {"label", InstanceName(instance)},
@@ -41,7 +38,7 @@ std::string BoxesJson(const std::vector<semantics::Instance>& instances) {
                         {{"min", VectorJson(instance.aabb.min)},
                          {"max", VectorJson(instance.aabb.max)}}},
                        {"obb",
-                        {{"center", VectorJson(instance.obb.center)},
+                        {{"center", VectorJson(instance.obb.centre)},
                          {"size", VectorJson(instance.obb.size)},
                          {"rotation", std::move(rotation)}}}});
   }

@@ -29,9 +29,7 @@ std::vector<View> MakeViews(const std::vector<Rigid3d>& poses,
                             const Pinhole& camera) {
   std::vector<View> views;
   for (const Rigid3d& pose : poses) {
-    char name[32];
-    std::snprintf(name, sizeof(name), "frame_%04zu.png", views.size() + 1);
-    views.push_back({name, EvenSize(camera), pose});
+    views.push_back({FrameName(views.size()), EvenSize(camera), pose});
   }
   return views;
 }
@@ -261,6 +259,12 @@ double ElevationOf(const View& view,
 }
 
 }  // namespace
+
+std::string FrameName(size_t frame) {
+  char name[32];
+  std::snprintf(name, sizeof(name), "frame_%04zu.png", frame + 1);
+  return name;
+}
 
 std::vector<View> PathThrough(const std::vector<View>& views, int num_frames) {
   if (views.empty()) return {};

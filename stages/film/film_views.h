@@ -4,6 +4,8 @@
 #ifndef FREEGS_STAGES_FILM_FILM_VIEWS_H_
 #define FREEGS_STAGES_FILM_FILM_VIEWS_H_
 
+#include <cstddef>
+#include <string>
 #include <vector>
 
 #include "core/pinhole.h"
@@ -11,11 +13,13 @@
 
 namespace freegs::stages {
 
-// All functions return num_frames views, named "frame_0001.png" and so on,
-// whose width and height are even, as films need them: an odd last column or
-// row is cut off. `photos` are the views of the photos, at the size that the
-// film is to have; the camera is that of the first one. In the frame of the
-// scene.
+// The name of a frame, counted from 0: "frame_0001.png" is the first one.
+std::string FrameName(size_t frame);
+
+// All other functions return num_frames views with these names, whose width
+// and height are even, as films need them: an odd last column or row is cut
+// off. `photos` are the views of the photos, at the size that the film is to
+// have; the camera is that of the first one. In the frame of the scene.
 
 // The camera moves through the poses of the views, in their order.
 std::vector<View> PathThrough(const std::vector<View>& views, int num_frames);

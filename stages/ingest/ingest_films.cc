@@ -62,12 +62,10 @@ StatusOr<std::vector<photos::Photo>> TakeFrames(
     photo.time_s = frame.time_s;
     FREEGS_RETURN_IF_ERROR(WriteImage(folder / photo.file, pixels));
     photos.push_back(std::move(photo));
-    if (context.progress) {
-      context.progress({"taking frames",
-                        static_cast<double>(photos.size()),
-                        static_cast<double>(chosen.size()),
-                        ""});
-    }
+    context.progress({"taking frames",
+                      static_cast<double>(photos.size()),
+                      static_cast<double>(chosen.size()),
+                      ""});
     return Status();
   };
   FREEGS_RETURN_IF_ERROR(

@@ -74,9 +74,9 @@ std::vector<Photo> ReadPhotoHeaders(const fs::path& folder,
   return photos;
 }
 
-void ShowPhotos(const std::vector<Photo>& photos,
-                const fs::path& folder,
-                pipeline::SceneOutlook* scene) {
+void AddPhotosTo(const std::vector<Photo>& photos,
+                 const fs::path& folder,
+                 pipeline::SceneOutlook* scene) {
   for (const Photo& photo : photos) {
     if (!photo.usable()) continue;
     View view;

@@ -17,17 +17,17 @@ namespace freegs::stages {
 
 // The photos among the files of a folder as their headers describe them. Only
 // names, sizes and `converted` are set. Files that stage ingest would refuse
-// are left out; doubles are not found.
+// are left out. Duplicates are not detected.
 std::vector<photos::Photo> ReadPhotoHeaders(
     const std::filesystem::path& folder,
     const std::vector<std::string>& files,
     const photos::PhotoDecodeOptions& options);
 
-// Sets the photos of the scene to the usable ones of the list. The files lie in
+// Appends the usable photos of the list to the scene. The files lie in
 // `folder`.
-void ShowPhotos(const std::vector<photos::Photo>& photos,
-                const std::filesystem::path& folder,
-                pipeline::SceneOutlook* scene);
+void AddPhotosTo(const std::vector<photos::Photo>& photos,
+                 const std::filesystem::path& folder,
+                 pipeline::SceneOutlook* scene);
 
 // For the photos of the scene.
 pipeline::StageNeed IngestNeed(const pipeline::SceneOutlook& scene,

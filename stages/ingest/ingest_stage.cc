@@ -59,7 +59,7 @@ Status ForEachPhoto(StageContext& context,
           results[i] = body(static_cast<size_t>(i));
           ++done;
           // Only the calling thread reports, so that receivers need no locks.
-          if (worker == 0 && context.progress) {
+          if (worker == 0) {
             context.progress({step,
                               static_cast<double>(done.load()),
                               static_cast<double>(count),
@@ -71,6 +71,27 @@ Status ForEachPhoto(StageContext& context,
     return InterruptedError("stopped while " + step);
   }
   for (const Status& result : results) FREEGS_RETURN_IF_ERROR(result);
+  return Status();
+}
+
+// The content of a linked folder is an input, so it must not change with what a
+// run writes. Of the photo folder itself the commands see to that.
+Status CheckLinkedFolders(const StageContext& context,
+                          const photos::PhotoScan& scan) {
+  std::error_code error;
+  const fs::path workspace = fs::weakly_canonical(context.workspace, error);
+  if (error) return Status();
+  for (const std::string& link : scan.linked_folders) {
+    const fs::path target = fs::canonical(context.images / link, error);
+    if (error) continue;
+    const fs::path within = workspace.lexically_relative(target);
+    if (within.empty() || *within.begin() == "..") continue;
+    return BadInputError(
+        OneLine((context.images / link).string()) + ": this link leads to " +
+        OneLine(target.string()) +
+        ", which holds the workspace, so each run would find changed photos. "
+        "Delete the link, or give a workspace elsewhere");
+  }
   return Status();
 }
 
@@ -108,12 +129,12 @@ class IngestStage : public pipeline::Stage {
     if (done) {
       const fs::path folder = context.workspace / "ingest";
       const auto list = photos::ReadPhotoList(folder / "images.json");
-      if (list.ok()) ShowPhotos(list->photos, folder / "photos", scene);
+      if (list.ok()) AddPhotosTo(list->photos, folder / "photos", scene);
     } else {
       const auto scan = Scan(context);
-      if (!scan.ok()) return {.advice = scan.status().message()};
+      if (!scan.ok()) return {.unknown_reason = scan.status().message()};
       if (scan->files.empty() && !scan->films.empty()) {
-        return {.advice =
+        return {.unknown_reason =
                     "of a film nothing is known before its frames are "
                     "taken (stage ingest)"};
       }
@@ -122,7 +143,7 @@ class IngestStage : public pipeline::Stage {
       photos::RejectBlurred(options_.keep_sharpest, &photos);
       const auto rule = ReadHoldoutRule();
       if (rule.ok()) (void)photos::AssignHoldout(*rule, &photos);
-      ShowPhotos(photos, context.images, scene);
+      AddPhotosTo(photos, context.images, scene);
       const auto masks = FindMaskFolder(context.images, options_.masks);
       scene->masks = masks.ok() && !masks->empty();
     }
@@ -218,7 +239,10 @@ class IngestStage : public pipeline::Stage {
                             FindMaskFolder(context.images, options_.masks));
     std::vector<fs::path> excluded = {context.workspace};
     if (!masks.empty()) excluded.push_back(masks);
-    return photos::ScanPhotos(context.images, excluded);
+    FREEGS_ASSIGN_OR_RETURN(photos::PhotoScan scan,
+                            photos::ScanPhotos(context.images, excluded));
+    FREEGS_RETURN_IF_ERROR(CheckLinkedFolders(context, scan));
+    return scan;
   }
 
   // The folder of the original photo. Frames of films lie in the workspace.
@@ -287,7 +311,7 @@ class IngestStage : public pipeline::Stage {
     const size_t usable = photos.size() - unreadable;
     if (usable < kMinUsable) return TooFewError(context, photos, usable);
     photos::RejectBlurred(options_.keep_sharpest, &photos);
-    if (options_.keep_sharpest < 1 && context.log) {
+    if (options_.keep_sharpest < 1) {
       const int rejected = list->Count(PhotoSplit::kRejected);
       context.log(LogLevel::kInfo,
                   "keeping the sharpest " +
@@ -354,7 +378,7 @@ class IngestStage : public pipeline::Stage {
   }
 
   static void Warn(const StageContext& context, const std::string& text) {
-    if (context.log) context.log(LogLevel::kWarning, text);
+    context.log(LogLevel::kWarning, text);
   }
 
   // Logs one line per rejected photo and returns their number.

@@ -84,16 +84,17 @@ json PlanJson(const fs::path& workspace,
               const std::vector<StageForecast>& stages) {
   json list = json::array();
   for (const auto& [stage, needed, reason, need, begun] : stages) {
-    list.push_back({{"name", stage},
-                    {"state", needed ? "needed" : "up_to_date"},
-                    {"reason", reason},
-                    {"threads", threads},
-                    {"seconds", need.seconds},
-                    {"memory_bytes", need.memory_bytes},
-                    {"disk_bytes", need.disk_bytes},
-                    {"known", need.known()},
-                    {"from_files", need.from_files},
-                    {"advice", need.advice}});
+    list.push_back(
+        {{"name", stage},
+         {"state", needed ? "needed" : "up_to_date"},
+         {"reason", reason},
+         {"threads", threads},
+         {"seconds", need.seconds},
+         {"memory_bytes", need.memory_bytes},
+         {"disk_bytes", need.disk_bytes},
+         {"known", need.known()},
+         {"from_files", need.from_files},
+         {"advice", need.known() ? need.advice : need.unknown_reason}});
   }
   const pipeline::StageNeed sum = Total(stages).sum;
   return {{"workspace", workspace.string()},
@@ -137,13 +138,11 @@ std::string PlanTable(const std::vector<StageForecast>& stages) {
     }
     text << (needed ? reason
                     : "up to date" + (reason.empty() ? "" : ": " + reason));
-    if (!need.known() && !need.advice.empty()) text << "; " << need.advice;
+    if (!need.unknown_reason.empty()) text << "; " << need.unknown_reason;
     text << "\n";
   }
   const std::string total = RunNeedText(Total(stages));
-  text << "run: "
-       << (total.empty() ? "everything is up to date"
-                         : "expected to take " + total)
+  text << "run: " << (total.empty() ? "everything is up to date" : total)
        << "\n";
   return text.str();
 }

@@ -3,8 +3,11 @@
 #include "stages/query/query_answer.h"
 
 #include <algorithm>
-#include <iomanip>
-#include <sstream>
+#include <array>
+#include <cmath>
+#include <string>
+#include <tuple>
+#include <utility>
 
 #include "core/number_text.h"
 #include "semantics/instances/instances_json.h"
@@ -48,9 +51,18 @@ const ScoredInstance* Best(const QueryAnswer& answer) {
   return answer.others.empty() ? nullptr : &answer.others[0];
 }
 
-std::string Triple(const Eigen::Vector3d& x) {
-  return FormatFixed(x[0], 3) + " " + FormatFixed(x[1], 3) + " " +
-         FormatFixed(x[2], 3);
+// The digits after the point that show a length like this to three digits.
+int DecimalsFor(double length) {
+  constexpr int kUsual = 3;
+  constexpr int kMost = 12;
+  if (!(length > 0) || !std::isfinite(length)) return kUsual;
+  return std::clamp(
+      2 - static_cast<int>(std::floor(std::log10(length))), 0, kMost);
+}
+
+std::string Triple(const Eigen::Vector3d& x, int decimals) {
+  return FormatFixed(x[0], decimals) + " " + FormatFixed(x[1], decimals) + " " +
+         FormatFixed(x[2], decimals);
 }
 
 std::string Joined(const std::vector<std::string>& words) {
@@ -71,24 +83,54 @@ void PrintNotFound(const QueryAnswer& answer, std::ostream& out) {
   out << "\n";
 }
 
+using Row = std::array<std::string, 6>;
+
+// Prints columns as wide as they need, with two blanks between them. The first
+// three are numbers, which end at the same place.
+void PrintRows(const std::vector<Row>& rows, std::ostream& out) {
+  constexpr size_t kNumbers = 3;
+  std::array<size_t, std::tuple_size_v<Row>> widths = {};
+  for (const Row& row : rows) {
+    for (size_t c = 0; c < row.size(); ++c) {
+      widths[c] = std::max(widths[c], row[c].size());
+    }
+  }
+  for (const Row& row : rows) {
+    for (size_t c = 0; c < row.size(); ++c) {
+      const std::string blanks(widths[c] - row[c].size(), ' ');
+      out << "  ";
+      if (c < kNumbers) out << blanks;
+      out << row[c];
+      if (c >= kNumbers && c + 1 < row.size()) out << blanks;
+    }
+    out << "\n";
+  }
+}
+
 void PrintHits(const QueryAnswer& answer,
                const std::vector<semantics::Instance>& instances,
                std::ostream& out) {
-  out << "found: " << answer.words << "\n"
-      << std::setw(6) << "id" << std::setw(11) << answer.score_name
-      << std::setw(11) << "Gaussians"
-      << "  " << std::left << std::setw(26) << "centre" << std::setw(26)
-      << "size of oriented box"
-      << "words\n"
-      << std::right;
+  out << "found: " << answer.words << "\n";
+  std::vector<Row> rows = {{"id",
+                            answer.score_name,
+                            "Gaussians",
+                            "centre",
+                            "size of oriented box",
+                            "words"}};
   for (const ScoredInstance& hit : answer.hits) {
     const semantics::Instance& instance = InstanceOf(hit, instances);
-    out << std::setw(6) << hit.id << std::setw(11) << FormatFixed(hit.score, 3)
-        << std::setw(11) << instance.num_gaussians << "  " << std::left
-        << std::setw(26) << Triple(instance.centre) << std::setw(26)
-        << Triple(instance.obb.size) << std::right << Joined(instance.words)
-        << (instance.background ? " (large plane)" : "") << "\n";
+    // A scene may lie far from the origin of its world, or be small in its
+    // unit.
+    const int decimals = DecimalsFor(instance.obb.size.maxCoeff());
+    rows.push_back({std::to_string(hit.id),
+                    FormatFixed(hit.score, 3),
+                    std::to_string(instance.num_gaussians),
+                    Triple(instance.centre, decimals),
+                    Triple(instance.obb.size, decimals),
+                    Joined(instance.words) +
+                        (instance.background ? " (large plane)" : "")});
   }
+  PrintRows(rows, out);
 }
 
 }  // namespace

@@ -146,12 +146,12 @@ Status AnswerExample(const QueryRequest& request,
   return Status();
 }
 
-// Finds the view by name among the photos, else among those of --cameras.
+// Finds the view by name among those of --cameras, else among the photos. The
+// two can have the same names, but other sizes and poses.
 StatusOr<View> ViewOf(const QueryScene& scene, const std::string& name) {
-  StatusOr<View> view = FindView(scene.photos, name);
-  if (view.ok()) return view;
-  const StatusOr<View> of_file = FindView(scene.file_views, name);
-  return of_file.ok() ? of_file : view;
+  StatusOr<View> of_file = FindView(scene.file_views, name);
+  if (of_file.ok()) return of_file;
+  return FindView(scene.photos, name);
 }
 
 Status CheckListed(const QueryScene& scene, int id) {

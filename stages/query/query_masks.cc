@@ -4,9 +4,14 @@
 
 #include <algorithm>
 #include <string>
+#include <string_view>
+#include <system_error>
+
+#include <nlohmann/json.hpp>
 
 #include "core/io/files.h"
 #include "core/io/image_io.h"
+#include "core/io/json_text.h"
 #include "splat/render/renderer.h"
 #include "stages/scene/scene_instances.h"
 
@@ -75,9 +80,6 @@ Status WriteOverlays(const QueryMasksTask& task,
   std::vector<size_t> seeing;
   for (size_t i = 0; i < masks.size(); ++i) {
     if (masks[i].pixels > 0) seeing.push_back(i);
-    // An earlier answer in the same folder may have had others.
-    std::error_code error;
-    fs::remove(task.out / "overlay" / names[i], error);
   }
   const size_t count = std::min(seeing.size(), kMaxOverlays);
   for (size_t k = 0; k < count; ++k) {
@@ -98,6 +100,29 @@ Status WriteOverlays(const QueryMasksTask& task,
 
 }  // namespace
 
+void RemoveEarlierAnswer(const fs::path& out) {
+  const StatusOr<nlohmann::json> answer = ReadJson(out / "query.json");
+  if (!answer.ok() || !answer->is_object()) return;
+  std::error_code error;
+  for (const nlohmann::json& view : answer->value("masks", nlohmann::json())) {
+    if (!view.is_object() || !view.contains("mask")) continue;
+    const nlohmann::json& mask = view["mask"];
+    if (!mask.is_string()) continue;
+    const auto& file = mask.get_ref<const std::string&>();
+    constexpr std::string_view kFolder = "masks/";
+    // Somebody else may have written the list.
+    if (!file.starts_with(kFolder) || !file.ends_with(".png") ||
+        !IsNameBelowFolder(file)) {
+      continue;
+    }
+    fs::remove(out / file, error);
+    const fs::path name = file.substr(kFolder.size());
+    fs::remove(out / "overlay" / fs::path(name).replace_extension(".jpg"),
+               error);
+  }
+  fs::remove(out / "query.json", error);
+}
+
 StatusOr<std::vector<MaskedView>> WriteQueryMasks(
     const QueryMasksTask& task,
     const CancellationToken& cancellation,
@@ -105,6 +130,13 @@ StatusOr<std::vector<MaskedView>> WriteQueryMasks(
     ThreadPool& pool) {
   FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> names,
                           OutputNames(task.views, ".png"));
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> overlays,
+                          OutputNames(task.views, ".jpg"));
+  for (const std::string& overlay : overlays) {
+    // Those of an answer that was interrupted are in no list.
+    std::error_code error;
+    fs::remove(task.out / "overlay" / overlay, error);
+  }
   std::vector<MaskedView> masks;
   for (size_t i = 0; i < task.views.size(); ++i) {
     if (cancellation.cancelled()) {

@@ -30,6 +30,11 @@ struct QueryMasksTask {
   std::filesystem::path out;  // The folder to write to.
 };
 
+// Removes from the folder `out` the masks that its query.json lists, their
+// overlays, and query.json itself, so that no file of an earlier answer stays
+// among those of the next one. Does nothing where there is none.
+void RemoveEarlierAnswer(const std::filesystem::path& out);
+
 // Writes out/masks/VIEW.png for every view: 8-bit grey, 255 where one of the
 // instances has the largest sum of blending weights, else 0. Also writes
 // out/overlay/VIEW.jpg for at most six of the views that see an instance.

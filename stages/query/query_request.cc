@@ -7,6 +7,7 @@
 #include <cmath>
 #include <system_error>
 
+#include "core/io/json_text.h"
 #include "pipeline/option_table.h"
 #include "stages/registry/pipeline_options.h"
 
@@ -154,12 +155,8 @@ StatusOr<QueryRequest> ParseQueryRequest(
   QueryRequest& request = targets.request;
   FREEGS_ASSIGN_OR_RETURN(request.click, ParsePlace("--click", targets.click));
   FREEGS_ASSIGN_OR_RETURN(request.box, ParsePlace("--box", targets.box));
-  std::error_code error;
-  request.workspace =
-      std::filesystem::absolute(line.positional[0], error).lexically_normal();
-  if (!std::filesystem::is_directory(request.workspace, error)) {
-    return BadInputError(request.workspace.string() + ": no such workspace");
-  }
+  FREEGS_ASSIGN_OR_RETURN(request.workspace,
+                          ExistingWorkspace(line.positional[0]));
   FREEGS_RETURN_IF_ERROR(
       ApplyQuerySettings(request.workspace, line.settings, words.table()));
   request.text_options = targets.options.query;
@@ -180,6 +177,9 @@ StatusOr<QueryRequest> ParseQueryRequest(
   if (request.text &&
       request.text->find_first_not_of(" \t\r\n") == std::string::npos) {
     return InvalidArgumentError("--text needs words");
+  }
+  if (request.text && ValidUtf8(*request.text) != *request.text) {
+    return InvalidArgumentError("--text: the words are not UTF-8");
   }
   if (request.level && !request.click) {
     return InvalidArgumentError("--wider and --narrower are for --click only");

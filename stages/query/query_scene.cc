@@ -50,7 +50,8 @@ Status LoadFeatures(const QueryRequest& request, QueryScene* scene) {
                     "instance_features.json",
                     "the scene knows its instances but not what they are, so "
                     "that only --click and --box can be answered; run stage "
-                    "bootstrap again with semantics"));
+                    "bootstrap again with --bootstrap.mode lift"));
+  FREEGS_RETURN_IF_ERROR(CheckBootstrapOfModel(request.workspace));
   FREEGS_ASSIGN_OR_RETURN(scene->features,
                           semantics::ReadInstanceFeatures(path));
   std::vector<uint8_t> listed(scene->features->size());

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/number_text.h"
 #include "splat/density/mini_splatting.h"
 #include "stages/scene/scene_size.h"
 
@@ -126,7 +127,7 @@ StageNeed ReconstructNeed(const ReconstructStageOptions& options,
         ExpectGaussians(training, scene->points, train.total);
     scene->gaussians = std::llround(gaussians.left);
     work += kWorkMemory + gaussians.dense * kCopiesOfGaussian * parameters;
-    images += std::min(options.image_cache_gb * 1e9,
+    images += std::min(options.image_cache_gb * double{kGigabyte},
                        kLevelsOfTrainPhoto * bytes_per_pixel *
                            static_cast<double>(train.total));
     const double megapixels = 1e-6 * static_cast<double>(train.total) /

@@ -2,7 +2,6 @@
 
 #include "stages/reconstruct/reconstruct_stage.h"
 
-#include <cctype>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -17,6 +16,7 @@
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/json_text.h"
+#include "core/number_text.h"
 #include "pipeline/resource_usage.h"
 #include "pipeline/system_info.h"
 #include "splat/images/holdout.h"
@@ -39,11 +39,7 @@ namespace fs = std::filesystem;
 
 // A model that somebody else trained.
 StatusOr<splat::PlacedModel> ReadTrainedModel(const fs::path& path) {
-  std::string suffix = path.extension().string();
-  for (char& c : suffix) {
-    c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  }
-  if (suffix != ".spz") return splat::ReadPly(path);
+  if (LowerSuffix(path) != ".spz") return splat::ReadPly(path);
   splat::PlacedModel world;
   FREEGS_ASSIGN_OR_RETURN(world.model, splat::ReadSpz(path));
   return world;
@@ -94,9 +90,8 @@ class ReconstructStage : public pipeline::Stage {
 
   Status Run(pipeline::StageContext& context) override {
     const pipeline::ResourceMeter meter;
-    const StatusOr<TrainingScene> read = ReadTrainingScene(context.workspace);
-    if (!read.ok()) return read.status().Annotated("reconstruct");
-    const TrainingScene& scene = *read;
+    FREEGS_ASSIGN_OR_RETURN(const TrainingScene scene,
+                            ReadTrainingScene(context.workspace));
     FREEGS_ASSIGN_OR_RETURN(const splat::TrainerOptions training,
                             TrainingOptions(scene.photos.train));
     splat::TrainingImagesOptions image_options;
@@ -111,7 +106,7 @@ class ReconstructStage : public pipeline::Stage {
     if (options_.import.empty()) {
       image_options.num_levels = 4;
       image_options.max_bytes =
-          static_cast<uint64_t>(options_.image_cache_gb * 1e9);
+          static_cast<uint64_t>(options_.image_cache_gb * double{kGigabyte});
       FREEGS_ASSIGN_OR_RETURN(
           splat::TrainingImages images,
           LoadPhotos(scene, scene.photos.train, image_options, *context.pool));
@@ -125,18 +120,14 @@ class ReconstructStage : public pipeline::Stage {
       FREEGS_ASSIGN_OR_RETURN(world, ReadTrainedModel(options_.import));
       trained.model = splat::ToFrame(world, frame);
       context.log(pipeline::LogLevel::kInfo,
-                  "reconstruct: imported " +
-                      std::to_string(trained.model.size()) +
+                  "imported " + std::to_string(trained.model.size()) +
                       " Gaussians from " + options_.import);
     }
-    FREEGS_RETURN_IF_ERROR(CheckVisible(trained.model,
-                                        scene.photos.train,
-                                        training.render,
-                                        "reconstruct",
-                                        *context.pool));
+    FREEGS_RETURN_IF_ERROR(CheckVisible(
+        trained.model, scene.photos.train, training.render, *context.pool));
     const std::string note = FarAwayNote(frame);
     if (!note.empty()) {
-      context.log(pipeline::LogLevel::kWarning, "reconstruct: " + note);
+      context.log(pipeline::LogLevel::kWarning, note);
     }
     FREEGS_RETURN_IF_ERROR(splat::WritePly(
         context.output / "point_cloud.ply", world.model, world.offset));
@@ -197,7 +188,7 @@ class ReconstructStage : public pipeline::Stage {
                                                   trained.exposures));
     if (quality.views.empty()) {
       context.log(pipeline::LogLevel::kWarning,
-                  "reconstruct: masks leave nothing of any holdout photo, so "
+                  "masks leave nothing of any holdout photo, so "
                   "new views are not measured");
       return metrics;
     }
@@ -225,7 +216,7 @@ class ReconstructStage : public pipeline::Stage {
     }
     const std::string note = DisplacementNote(displaced);
     if (!note.empty()) {
-      context.log(pipeline::LogLevel::kWarning, "reconstruct: " + note);
+      context.log(pipeline::LogLevel::kWarning, note);
     }
     return metrics;
   }
@@ -265,7 +256,7 @@ class ReconstructStage : public pipeline::Stage {
     }
     const std::string note = NewViewsNote(quality.mean_psnr, holdout);
     if (!note.empty()) {
-      context.log(pipeline::LogLevel::kWarning, "reconstruct: " + note);
+      context.log(pipeline::LogLevel::kWarning, note);
     }
     return Status();
   }

@@ -18,6 +18,7 @@ namespace freegs::stages {
 //   point_cloud.ply   the trained or imported Gaussians
 //   metrics.json      quality on the holdout photos, size and time
 //   holdout/VIEW.png  the holdout photos as the model shows them
+//   exposure.json     where it was learnt, the exposure of training photos
 //   progress.csv      the course of the training
 //   checkpoints/      what an interrupted training goes on from
 std::unique_ptr<pipeline::Stage> MakeReconstructStage(

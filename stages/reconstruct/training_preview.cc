@@ -3,21 +3,12 @@
 #include "stages/reconstruct/training_preview.h"
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
+#include "core/cancellation.h"
 #include "core/io/image_io.h"
 
 namespace freegs::stages {
-namespace {
-
-double PreviewClockSeconds() {
-  return std::chrono::duration<double>(
-             std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
-
-}  // namespace
 
 TrainingPreview::TrainingPreview(TrainingPreviewOptions options,
                                  const View& view,
@@ -26,7 +17,7 @@ TrainingPreview::TrainingPreview(TrainingPreviewOptions options,
     : options_(std::move(options)),
       view_(view),
       render_(render),
-      clock_(clock ? std::move(clock) : PreviewClockSeconds),
+      clock_(clock ? std::move(clock) : SteadySeconds),
       next_(clock_()) {
   view_.camera = view_.camera.LimitedTo(options_.max_side);
 }

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/cancellation.h"
 #include "core/io/files.h"
 #include "pipeline/resource_usage.h"
 #include "splat/images/holdout.h"
@@ -30,6 +31,22 @@ constexpr int64_t kProgressInterval = 50;
 
 // A training that has to end early makes so many steps all the same.
 constexpr int64_t kLeastSteps = 300;
+
+// A text from which strtod reads the same number.
+std::string ExactText(double value) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.17g", value);
+  return text;
+}
+
+// A number that was saved with a checkpoint; 0 where an older program did not
+// save it.
+double Fact(const splat::TrainingCheckpoint& checkpoint,
+            const std::string& name) {
+  const auto fact = checkpoint.facts.find(name);
+  if (fact == checkpoint.facts.end()) return 0;
+  return std::strtod(fact->second.c_str(), nullptr);
+}
 
 // Drives a trainer from its first or its last saved step to the end.
 class TrainingRun {
@@ -60,14 +77,14 @@ class TrainingRun {
     while (!trainer_->done()) {
       if (TimeIsUp()) {
         context_->log(LogLevel::kWarning,
-                      "reconstruct: the time is up; training ends after " +
+                      "the time is up; training ends after " +
                           std::to_string(trainer_->iteration()) + " of " +
                           std::to_string(options_.iterations) + " iterations");
         break;
       }
-      if (context_->cancellation->cancelled()) {
+      if (IsCancelled(context_->cancellation)) {
         FREEGS_RETURN_IF_ERROR(SaveCheckpoint());
-        return InterruptedError("reconstruct: stopped at iteration " +
+        return InterruptedError("stopped at iteration " +
                                 std::to_string(trainer_->iteration()) +
                                 "; the checkpoint is saved");
       }
@@ -103,13 +120,12 @@ class TrainingRun {
     }
     if (!checkpoint) return Status();
     earlier_seconds_ = checkpoint->elapsed_seconds;
-    const auto cpu = checkpoint->facts.find("cpu_seconds");
-    if (cpu != checkpoint->facts.end()) {
-      earlier_cpu_seconds_ = std::strtod(cpu->second.c_str(), nullptr);
-    }
-    context_->log(LogLevel::kInfo,
-                  "reconstruct: resuming at iteration " +
-                      std::to_string(checkpoint->iteration));
+    earlier_cpu_seconds_ = Fact(*checkpoint, "cpu_seconds");
+    loss_sum_ = Fact(*checkpoint, "row_loss_sum");
+    loss_count_ = static_cast<int>(Fact(*checkpoint, "row_loss_count"));
+    context_->log(
+        LogLevel::kInfo,
+        "resuming at iteration " + std::to_string(checkpoint->iteration));
     return trainer_->Restore(*std::move(checkpoint));
   }
 
@@ -119,6 +135,8 @@ class TrainingRun {
     checkpoint.elapsed_seconds = earlier_seconds_ + usage.wall_seconds;
     checkpoint.facts["cpu_seconds"] =
         std::to_string(earlier_cpu_seconds_ + usage.cpu_seconds);
+    checkpoint.facts["row_loss_sum"] = ExactText(loss_sum_);
+    checkpoint.facts["row_loss_count"] = std::to_string(loss_count_);
     FREEGS_RETURN_IF_ERROR(progress_.Flush());
     last_checkpoint_ = std::chrono::steady_clock::now();
     return splat::SaveCheckpoint(checkpoints_, checkpoint);
@@ -139,9 +157,8 @@ class TrainingRun {
   // beyond that state, and the losses since the last row, tell of steps that no
   // longer count.
   Status ForgetWhatDiverged() {
-    context_->log(
-        LogLevel::kWarning,
-        "reconstruct: " + RecoveryText(trainer_->recoveries().back()));
+    context_->log(LogLevel::kWarning,
+                  RecoveryText(trainer_->recoveries().back()));
     loss_sum_ = 0;
     loss_count_ = 0;
     FREEGS_RETURN_IF_ERROR(progress_.Flush());
@@ -203,7 +220,7 @@ class TrainingRun {
     if (trainer_->milestones().empty()) return;
     const splat::MilestoneRecord& record = trainer_->milestones().back();
     if (record.iteration != report.iteration) return;
-    context_->log(LogLevel::kInfo, "reconstruct: " + MilestoneText(record));
+    context_->log(LogLevel::kInfo, MilestoneText(record));
   }
 
   void ShowProgress(const splat::StepReport& report, double loss) const {
@@ -250,7 +267,7 @@ StatusOr<TrainedModel> TrainModel(const ReconstructStageOptions& options,
   FREEGS_ASSIGN_OR_RETURN(trainer_options.schedule.resolution_steps,
                           splat::SpectrumResolutionSteps(images));
   splat::Trainer trainer(
-      trainer_options, std::move(initial), scene.extent, images, context.pool);
+      trainer_options, std::move(initial), scene.extent, images, *context.pool);
   const std::vector<View>& views = scene.photos.train;
   TrainingRun run(
       options, &trainer, holdout, views[views.size() / 2], &context);
@@ -264,9 +281,10 @@ StatusOr<TrainedModel> TrainModel(const ReconstructStageOptions& options,
                                                   trainer.model(),
                                                   scene.extent,
                                                   images,
-                                                  context.pool,
-                                                  context.cancellation));
-    context.log(LogLevel::kInfo, "reconstruct: " + ExposureText(choice));
+                                                  *context.pool,
+                                                  context.cancellation,
+                                                  context.progress));
+    context.log(LogLevel::kInfo, ExposureText(choice));
     trainer.KeepTo(choice);
   }
   FREEGS_RETURN_IF_ERROR(run.Train());

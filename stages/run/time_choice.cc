@@ -52,7 +52,7 @@ constexpr int kIterationSteps = 50;
 
 StatusOr<TimeChoice> Choose(const Range& range,
                             int iterations,
-                            const Foretell& foretell) {
+                            const ForetellFn& foretell) {
   TimeChoice choice;
   const auto set = [&choice](const char* name, const std::string& value) {
     choice.settings.push_back({name, value, "--within"});
@@ -77,7 +77,7 @@ std::string TrainingText(const ExpectedRun& expected) {
               : "full size");
 }
 
-StatusOr<TimeChoice> ChooseWithin(double seconds, const Foretell& foretell) {
+StatusOr<TimeChoice> ChooseWithin(double seconds, const ForetellFn& foretell) {
   TimeChoice least;
   for (const Range& range : kRanges) {
     FREEGS_ASSIGN_OR_RETURN(least,

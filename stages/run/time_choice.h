@@ -21,8 +21,9 @@ struct ExpectedRun {
   double others = 0;          // Seconds of the stages after them.
   double after_training = 0;  // Of these, seconds of those after reconstruct.
 
-  // Whether the time that the former take will tell how fast this machine is:
-  // something is known of each, and none goes on from an interrupted run.
+  // Whether the time that the stages in `cameras` take will tell how fast this
+  // machine is: something is known of each, and none goes on from an
+  // interrupted run.
   bool cameras_tell_pace = true;
 
   // Of the training, by the user's options or those chosen.
@@ -33,7 +34,7 @@ struct ExpectedRun {
 };
 
 // Foretells a run with these settings besides those that the user gave.
-using Foretell = std::function<StatusOr<ExpectedRun>(
+using ForetellFn = std::function<StatusOr<ExpectedRun>(
     const std::vector<pipeline::OptionSetting>& settings)>;
 
 struct TimeChoice {
@@ -50,7 +51,7 @@ std::string TrainingText(const ExpectedRun& expected);
 
 // The slowest choice that `foretell` expects to take no more than `seconds`.
 // All choices set the same options. An error of `foretell` is returned.
-StatusOr<TimeChoice> ChooseWithin(double seconds, const Foretell& foretell);
+StatusOr<TimeChoice> ChooseWithin(double seconds, const ForetellFn& foretell);
 
 }  // namespace freegs::stages
 

@@ -43,9 +43,9 @@ std::vector<OptionSetting> WithCameras(
 
 // Foretells with the pace, and without changing the options of stage sfm, which
 // is done.
-Foretell AfterCameras(const Foretell& foretell,
-                      const std::vector<OptionSetting>& before,
-                      double pace) {
+ForetellFn AfterCameras(const ForetellFn& foretell,
+                        const std::vector<OptionSetting>& before,
+                        double pace) {
   return
       [&foretell, &before, pace](
           const std::vector<OptionSetting>& settings) -> StatusOr<ExpectedRun> {
@@ -82,7 +82,8 @@ Status RunWithin(double seconds, const TimedRunTasks& tasks) {
   const double pace = first.expected.cameras_tell_pace
                           ? Pace(cameras - photos, first.expected.cameras)
                           : 1;
-  const Foretell foretell = AfterCameras(tasks.foretell, first.settings, pace);
+  const ForetellFn foretell =
+      AfterCameras(tasks.foretell, first.settings, pace);
   FREEGS_ASSIGN_OR_RETURN(TimeChoice second,
                           ChooseWithin(kShare * (seconds - cameras), foretell));
   second.settings = WithCameras(second.settings, first.settings);

@@ -30,7 +30,7 @@ struct TimedRunTasks {
   // Seconds on a clock that only goes forward.
   std::function<double()> now;
 
-  Foretell foretell;
+  ForetellFn foretell;
 
   // Brings the stages of a part up to date. The training of the last part
   // stops in time for a run that ends at `end` on the clock.

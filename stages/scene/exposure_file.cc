@@ -61,6 +61,23 @@ Status WriteExposures(const fs::path& path,
   return WriteFileAtomic(path, JsonText(photos, 1));
 }
 
+ImageF InExposureOf(std::string_view photo,
+                    std::span<const splat::PhotoExposure> exposures,
+                    ImageF picture,
+                    ThreadPool& pool) {
+  if (exposures.empty()) return picture;
+  const auto learnt =
+      std::ranges::find(exposures, photo, &splat::PhotoExposure::photo);
+  ImageF exposed;
+  splat::ApplyColor(learnt != exposures.end()
+                        ? learnt->color
+                        : splat::ExposureBetween(exposures, photo),
+                    picture,
+                    pool,
+                    &exposed);
+  return exposed;
+}
+
 StatusOr<std::vector<splat::PhotoExposure>> ReadExposures(
     const fs::path& path) {
   std::vector<splat::PhotoExposure> exposures;

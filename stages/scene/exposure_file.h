@@ -9,8 +9,11 @@
 
 #include <filesystem>
 #include <span>
+#include <string_view>
 #include <vector>
 
+#include "core/image.h"
+#include "core/parallel.h"
 #include "core/status.h"
 #include "splat/optim/exposure.h"
 
@@ -18,6 +21,15 @@ namespace freegs::stages {
 
 Status WriteExposures(const std::filesystem::path& path,
                       std::span<const splat::PhotoExposure> exposures);
+
+// Gives a picture of the scene (H x W x 3) the exposure of a photograph: the
+// one that training learnt for it, or the one to expect of it when it is not
+// among `exposures` (splat::ExposureBetween). Without any exposures the picture
+// stays as it is. `exposures` are in the order of the photographs' names.
+ImageF InExposureOf(std::string_view photo,
+                    std::span<const splat::PhotoExposure> exposures,
+                    ImageF picture,
+                    ThreadPool& pool);
 
 // In the order of the photographs' names; empty if there is no such file.
 // kBadInput names a file that is malformed.

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/cancellation.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "semantics/geometry/view_loop.h"
@@ -67,10 +68,9 @@ Status WriteInstanceMaps(int num_previews,
   // The maps that wait for being written.
   std::vector<DrawnMap> drawn;
   for (int64_t i = 0; i < count; ++i) {
-    if (context.cancellation->cancelled()) {
+    if (IsCancelled(context.cancellation)) {
       return InterruptedError(
-          "bootstrap: stopped while drawing instance maps; those written are "
-          "kept");
+          "stopped while drawing instance maps; those written are kept");
     }
     context.progress({"instance maps",
                       static_cast<double>(i),

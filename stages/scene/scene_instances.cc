@@ -9,6 +9,9 @@
 #include <system_error>
 #include <utility>
 
+#include "pipeline/fingerprint.h"
+#include "pipeline/stage_record.h"
+#include "pipeline/workspace.h"
 #include "semantics/instances/palette.h"
 
 namespace freegs::stages {
@@ -22,6 +25,23 @@ constexpr float kDarkened = 0.45f;  // Brightness where there is no instance.
 constexpr uint8_t kBorder = 245;
 
 }  // namespace
+
+Status CheckBootstrapOfModel(const fs::path& workspace) {
+  const std::string input = "reconstruct/point_cloud.ply";
+  const StatusOr<pipeline::StageRecord> record =
+      pipeline::ReadStageRecord(workspace / "bootstrap");
+  if (!record.ok()) return Status();
+  const auto then = record->fingerprint.inputs.find(input);
+  if (then == record->fingerprint.inputs.end()) return Status();
+  // A new hash is not saved, because a run may be saving its own ones now.
+  pipeline::FingerprintCache cache(workspace,
+                                   pipeline::FingerprintCachePath(workspace));
+  const pipeline::InputFingerprint now = cache.Hash(workspace / input);
+  if (now.missing() || now.hash == then->second.hash) return Status();
+  return BadInputError((workspace / "bootstrap").string() +
+                       ": is of another reconstruction than " + input +
+                       " is now; run stage bootstrap again");
+}
 
 StatusOr<semantics::Idsf> ReadSemanticField(const fs::path& workspace,
                                             size_t num_gaussians) {
@@ -38,6 +58,7 @@ StatusOr<semantics::Idsf> ReadSemanticField(const fs::path& workspace,
                          " Gaussians, not " + std::to_string(num_gaussians) +
                          "; run stage bootstrap again");
   }
+  FREEGS_RETURN_IF_ERROR(CheckBootstrapOfModel(workspace));
   return idsf;
 }
 
@@ -71,6 +92,7 @@ StatusOr<semantics::Hierarchy> ReadSceneHierarchy(const fs::path& workspace,
                          "bootstrap.clustering evidence to have parts and "
                          "wholes");
   }
+  FREEGS_RETURN_IF_ERROR(CheckBootstrapOfModel(workspace));
   return semantics::ReadHierarchy(path, num_gaussians);
 }
 

@@ -21,8 +21,15 @@
 
 namespace freegs::stages {
 
+// kBadInput when stage bootstrap made the files in bootstrap/ from another
+// model than the one that is in reconstruct/ now. Its stage.json says from
+// which. A folder without that comes from elsewhere, and it may belong to any
+// model. Where reconstruct/ has no model, nothing is compared.
+Status CheckBootstrapOfModel(const std::filesystem::path& workspace);
+
 // Reads bootstrap/idsf.bin. kBadInput when the file is missing or malformed, or
-// when it belongs to a model of another number of Gaussians.
+// when it belongs to another model: to one of another number of Gaussians, or
+// as CheckBootstrapOfModel finds.
 StatusOr<semantics::Idsf> ReadSemanticField(
     const std::filesystem::path& workspace, size_t num_gaussians);
 

@@ -86,7 +86,7 @@ semantics::Instance InWorld(const splat::ModelFrame& frame,
   instance.centre = world_from_frame * instance.centre;
   instance.aabb.min = world_from_frame * instance.aabb.min;
   instance.aabb.max = world_from_frame * instance.aabb.max;
-  instance.obb.center = world_from_frame * instance.obb.center;
+  instance.obb.centre = world_from_frame * instance.obb.centre;
   instance.obb.size *= frame.unit;
   return instance;
 }
@@ -111,7 +111,6 @@ std::string FarAwayNote(const splat::ModelFrame& frame) {
 Status CheckVisible(const splat::GaussianModel& model,
                     std::span<const View> views,
                     const splat::RenderOptions& render,
-                    const std::string& where,
                     ThreadPool& pool) {
   for (const View& view : views) {
     const splat::RenderedView rendered =
@@ -129,7 +128,7 @@ Status CheckVisible(const splat::GaussianModel& model,
     }
   }
   return UnusableResultError(
-      where + ": none of the " + std::to_string(model.size()) +
+      "none of the " + std::to_string(model.size()) +
       " Gaussians is visible in any of the " + std::to_string(views.size()) +
       " views; check that the Gaussians and the camera poses are in the same "
       "world frame");

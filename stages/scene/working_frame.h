@@ -41,12 +41,10 @@ semantics::Instance InWorld(const splat::ModelFrame& frame,
 // scene that is far from the origin of its world; empty for other scenes.
 std::string FarAwayNote(const splat::ModelFrame& frame);
 
-// kUnusableResult when none of the views shows any Gaussian. `where` begins the
-// message.
+// kUnusableResult when none of the views shows any Gaussian.
 Status CheckVisible(const splat::GaussianModel& model,
                     std::span<const View> views,
                     const splat::RenderOptions& render,
-                    const std::string& where,
                     ThreadPool& pool);
 
 }  // namespace freegs::stages

@@ -9,6 +9,7 @@
 #include <string>
 #include <system_error>
 
+#include "core/cancellation.h"
 #include "core/image.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
@@ -53,7 +54,7 @@ Status WriteUndistortedMasks(const sfm::Reconstruction& distorted,
     camera_of[image.name] = image.camera_id;
   }
   for (const sfm::PosedImage& image : pinhole.images) {
-    if (context.cancellation->cancelled()) {
+    if (IsCancelled(context.cancellation)) {
       return InterruptedError("stopped on request");
     }
     const auto source = camera_of.find(image.name);

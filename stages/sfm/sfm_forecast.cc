@@ -75,7 +75,7 @@ int64_t ExpectedPairs(const sfm::PairSelectionOptions& options,
     return all;
   }
   // Photos that are alike choose one another.
-  return std::min(all, photos * (options.neighbours + options.overlap) / 2);
+  return std::min(all, photos * (options.num_neighbours + options.overlap) / 2);
 }
 
 StageNeed SfmNeed(const sfm::SfmOptions& options,
@@ -140,7 +140,7 @@ StageNeed UndistortNeed(const SceneOutlook& scene, int cores) {
           .advice = "give smaller photos"};
 }
 
-void ShowModel(const std::filesystem::path& folder, SceneOutlook* scene) {
+void SetSceneToModel(const std::filesystem::path& folder, SceneOutlook* scene) {
   std::set<std::string> holdout;
   for (const View& view : scene->holdout) holdout.insert(view.name);
   scene->train.clear();

@@ -26,8 +26,8 @@ pipeline::StageNeed UndistortNeed(const pipeline::SceneOutlook& scene,
 
 // Sets photos and points to those of the model in a folder. A photo is of the
 // holdout if it was before. Nothing is known of a model that cannot be read.
-void ShowModel(const std::filesystem::path& folder,
-               pipeline::SceneOutlook* scene);
+void SetSceneToModel(const std::filesystem::path& folder,
+                     pipeline::SceneOutlook* scene);
 
 }  // namespace freegs::stages
 

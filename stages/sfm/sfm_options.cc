@@ -25,7 +25,7 @@ void RegisterPairOptions(SfmStageOptions& options,
                "where numbered photos prove to be in order.",
        .choices = {"auto", "exhaustive", "sequential", "retrieval"}});
   table.Add("sfm.neighbours",
-            &pairs.neighbours,
+            &pairs.num_neighbours,
             {.help = "Retrieval: photos most alike that each is matched with. "
                      "Matching time grows in proportion.",
              .min = 1,

@@ -13,6 +13,7 @@
 
 #include "core/io/files.h"
 #include "core/io/json_text.h"
+#include "core/text.h"
 #include "photos/photo_list.h"
 #include "sfm/features/point_colors.h"
 #include "sfm/import/import_model.h"
@@ -34,18 +35,6 @@ constexpr int kRandomPoints = 10000;
 
 // Fewer points than these say little of a scene.
 constexpr size_t kMinTriangulated = 100;
-
-// Joins names for a message and leaves out all but the first few.
-std::string Some(const std::vector<std::string>& names, size_t shown = 5) {
-  std::string text;
-  for (size_t i = 0; i < names.size() && i < shown; ++i) {
-    text += (i > 0 ? ", " : "") + names[i];
-  }
-  if (names.size() > shown) {
-    text += " and " + std::to_string(names.size() - shown) + " more";
-  }
-  return text;
-}
 
 std::vector<sfm::SfmPhoto> UsablePhotos(const photos::PhotoList& list) {
   std::vector<sfm::SfmPhoto> photos;
@@ -110,9 +99,10 @@ class SfmStage : public pipeline::Stage {
     pipeline::StageNeed need =
         SfmNeed(options_.colmap, context.pool->num_threads(), scene);
     if (!options_.import.empty()) {
-      need = {.advice = "nothing is known of a model that is imported"};
+      need = {.unknown_reason = "nothing is known of a model that is imported"};
     }
-    if (done) ShowModel(context.workspace / "sfm" / "sparse" / "0", scene);
+    if (done)
+      SetSceneToModel(context.workspace / "sfm" / "sparse" / "0", scene);
     return need;
   }
 
@@ -199,14 +189,14 @@ class SfmStage : public pipeline::Stage {
     if (!imported.unmatched.empty()) {
       warnings.push_back(
           std::to_string(imported.unmatched.size()) +
-          " imported poses fit no photo: " + Some(imported.unmatched));
+          " imported poses fit no photo: " + SomeNames(imported.unmatched));
     }
     if (!imported.turned.empty()) {
       warnings.push_back(
           "EXIF turns these photos, and their sizes cannot show whether the "
           "imported poses belong to the turned photos, as they must; if the "
           "scene looks wrong, make the poses of upright photos: " +
-          Some(imported.turned, 3));
+          SomeNames(imported.turned));
     }
     WarnOfHoldout(imported.holdout, list, &warnings);
     context.summary["imported_holdout"] = imported.holdout;
@@ -273,7 +263,7 @@ class SfmStage : public pipeline::Stage {
         "transforms_test.json or transforms_val.json names other holdout "
         "photos than ingest chose; "
         "choose them with the ingest.holdout options (differing: " +
-        Some(differing) + ")");
+        SomeNames(differing) + ")");
   }
 
   Status Finish(const std::vector<sfm::SfmPhoto>& photos,
@@ -282,15 +272,15 @@ class SfmStage : public pipeline::Stage {
     std::vector<std::string> names;
     for (const sfm::SfmPhoto& photo : photos) names.push_back(photo.name);
     const sfm::SfmResult& result = outcome.result;
-    sfm::HealthOptions health_options = options_.health;
-    health_options.imported = outcome.imported;
-    health_options.max_features = result.max_features;
-    health_options.all_pairs_compared =
-        result.pairs.pairs == result.pairs.all_pairs;
+    const sfm::MappingFacts facts = {
+        .imported = outcome.imported,
+        .max_features = result.max_features,
+        .all_pairs_compared = result.pairs.pairs == result.pairs.all_pairs};
     sfm::Health health = sfm::MeasureHealth(result.models,
                                             names,
                                             outcome.triangulated,
-                                            health_options,
+                                            options_.health,
+                                            facts,
                                             result.findings);
     health.source = outcome.source;
     health.attempts = result.attempts;
@@ -341,12 +331,12 @@ class SfmStage : public pipeline::Stage {
 
   Status Report(const sfm::Health& health, StageContext& context) const {
     for (const std::string& warning : health.warnings) {
-      context.log(LogLevel::kWarning, "sfm: " + warning);
+      context.log(LogLevel::kWarning, warning);
     }
     if (!health.pairs.strategy.empty()) {
       context.log(LogLevel::kInfo,
-                  "sfm: matched " + std::to_string(health.pairs.pairs) +
-                      " of " + std::to_string(health.pairs.all_pairs) +
+                  "matched " + std::to_string(health.pairs.pairs) + " of " +
+                      std::to_string(health.pairs.all_pairs) +
                       " pairs of photos (" + health.pairs.strategy +
                       "), by up to " + std::to_string(health.max_features) +
                       " features of each");
@@ -357,20 +347,20 @@ class SfmStage : public pipeline::Stage {
     if (!missing.empty()) {
       context.log(
           LogLevel::kWarning,
-          "sfm: " + std::to_string(missing.size()) +
-              " photos have no pose and are left out: " + Some(missing));
+          std::to_string(missing.size()) +
+              " photos have no pose and are left out: " + SomeNames(missing));
     }
     if (health.verdict == sfm::Verdict::kFailed) {
       return UnusableResultError(
-          "sfm: " + health.reason + ". What to try: " + health.advice +
+          health.reason + ". What to try: " + health.advice +
           ". See health.json and logs/ in " + context.output.string());
     }
     if (health.verdict == sfm::Verdict::kDegraded) {
       context.log(LogLevel::kWarning,
-                  "sfm: degraded: " + health.reason + "; " + health.advice);
+                  "degraded: " + health.reason + "; " + health.advice);
     }
     context.log(LogLevel::kInfo,
-                "sfm: " + std::to_string(health.registered) + " of " +
+                std::to_string(health.registered) + " of " +
                     std::to_string(health.images) + " photos, " +
                     std::to_string(health.measures.num_points) + " points (" +
                     health.source + ")");

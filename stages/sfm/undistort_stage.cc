@@ -45,7 +45,7 @@ class UndistortStage : public pipeline::Stage {
       }
     }
     if (done) {
-      ShowModel(context.workspace / "undistort" / "sparse", scene);
+      SetSceneToModel(context.workspace / "undistort" / "sparse", scene);
       std::error_code error;
       scene->masks =
           fs::is_directory(context.workspace / "undistort" / "masks", error);
@@ -78,7 +78,7 @@ class UndistortStage : public pipeline::Stage {
     context.summary["resampled"] = result.resampled;
     context.summary["images"] = result.model.images.size();
     context.log(pipeline::LogLevel::kInfo,
-                "undistort: " + std::to_string(result.model.images.size()) +
+                std::to_string(result.model.images.size()) +
                     (result.resampled
                          ? " photos written without distortion"
                          : " photos have no distortion and are kept as they "

@@ -9,17 +9,13 @@
 #include <boost/property_tree/ini_parser.hpp>
 #include <boost/property_tree/ptree.hpp>
 
+#include "core/text.h"
+
 namespace freegs::stages {
 namespace {
 
 constexpr size_t kMaxBytes = 1 << 20;
 constexpr char kByteOrderMark[] = "\xef\xbb\xbf";
-
-std::string Trimmed(const std::string& text) {
-  const size_t begin = text.find_first_not_of(" \t\r");
-  if (begin == std::string::npos) return "";
-  return text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1);
-}
 
 Status LineError(const std::string& source,
                  size_t line,

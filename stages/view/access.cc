@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <arpa/inet.h>
 #include <array>
-#include <cctype>
 #include <cstdint>
 #include <ifaddrs.h>
 #include <netdb.h>
@@ -14,17 +13,10 @@
 #include <unistd.h>
 #include <utility>
 
+#include "core/text.h"
+
 namespace freegs::stages {
 namespace {
-
-std::string LowerCase(std::string_view text) {
-  std::string lower(text);
-  std::transform(
-      lower.begin(), lower.end(), lower.begin(), [](unsigned char c) {
-        return std::tolower(c);
-      });
-  return lower;
-}
 
 bool IsIpv4(const std::string& text) {
   in_addr address = {};
@@ -55,18 +47,18 @@ std::string HostWithoutPort(const std::string& host) {
 }
 
 bool IsOwnHost(const AccessRules& rules, const std::string& header) {
-  const std::string name = HostWithoutPort(LowerCase(header));
+  const std::string name = HostWithoutPort(AsciiLower(header));
   if (name.empty()) return false;
   if (name == "127.0.0.1" || name == "localhost" || name == "[::1]") {
     return true;
   }
   // An address is never somebody else's name for this machine.
   if (IsAnyAddress(rules.address)) {
-    return name == LowerCase(rules.host_name) || IsIpv4(name) ||
+    return name == AsciiLower(rules.host_name) || IsIpv4(name) ||
            (name.starts_with('[') && name.ends_with(']') &&
             IsIpv6(name.substr(1, name.size() - 2)));
   }
-  return name == LowerCase(Bracketed(rules.address));
+  return name == AsciiLower(Bracketed(rules.address));
 }
 
 std::vector<std::string> Ipv4Addresses() {
@@ -98,7 +90,7 @@ std::string CookieName(const AccessRules& rules) {
 
 bool IsJson(const std::string& content_type) {
   const std::string type =
-      LowerCase(content_type.substr(0, content_type.find(';')));
+      AsciiLower(content_type.substr(0, content_type.find(';')));
   return type.substr(0, type.find_last_not_of(" \t") + 1) == "application/json";
 }
 
@@ -190,7 +182,7 @@ AccessDecision CheckAccess(const AccessRules& rules,
   }
   if (request.method != "POST") return decision;
   if (!request.origin.empty() &&
-      LowerCase(request.origin) != "http://" + LowerCase(request.host)) {
+      AsciiLower(request.origin) != "http://" + AsciiLower(request.host)) {
     return {403, "pages of other servers may not ask"};
   }
   if (!IsJson(request.content_type)) {

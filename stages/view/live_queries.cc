@@ -69,7 +69,7 @@ nlohmann::json AnswerableQueries(const std::filesystem::path& workspace) {
   } else if (!features) {
     reason =
         "the scene was made without semantics, so only clicks can be "
-        "answered; run stage bootstrap with semantics";
+        "answered; run stage bootstrap again with --bootstrap.mode lift";
   }
   return {{"text", features},
           {"example", features},

@@ -2,8 +2,6 @@
 
 #include "stages/view/open_file.h"
 
-#include <algorithm>
-#include <cctype>
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <system_error>
@@ -85,11 +83,7 @@ StatusOr<std::shared_ptr<const OpenFile>> OpenBelow(const fs::path& root,
 }
 
 std::string ContentType(std::string_view name) {
-  std::string extension = fs::path(name).extension().string();
-  std::transform(extension.begin(),
-                 extension.end(),
-                 extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
+  const std::string extension = LowerSuffix(name);
   for (const NamedType& known : kContentTypes) {
     if (extension == known.extension) return std::string(known.type);
   }

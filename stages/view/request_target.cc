@@ -3,30 +3,12 @@
 #include "stages/view/request_target.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cstdint>
+
+#include "core/text.h"
 
 namespace freegs::stages {
 namespace {
-
-std::optional<std::string> DecodePercent(std::string_view text) {
-  std::string decoded;
-  for (size_t at = 0; at < text.size(); ++at) {
-    if (text[at] != '%') {
-      decoded += text[at];
-      continue;
-    }
-    uint8_t byte = 0;
-    const char* const digits = text.data() + at + 1;
-    if (text.size() - at < 3 ||
-        std::from_chars(digits, digits + 2, byte, 16).ptr != digits + 2) {
-      return std::nullopt;
-    }
-    decoded += static_cast<char>(byte);
-    at += 2;
-  }
-  return decoded;
-}
 
 // Takes the text up to the separator off the front of `rest`, and the separator
 // too.
@@ -55,14 +37,14 @@ bool IsPlainPath(std::string_view path) {
 std::optional<RequestTarget> ParseRequestTarget(std::string_view target) {
   RequestTarget result;
   std::string_view query = target;
-  const std::optional<std::string> path = DecodePercent(TakePart('?', &query));
+  const std::optional<std::string> path = PercentDecode(TakePart('?', &query));
   if (!path || !IsPlainPath(*path)) return std::nullopt;
   result.path = *path;
   while (!query.empty()) {
     std::string_view value = TakePart('&', &query);
     const std::optional<std::string> name =
-        DecodePercent(TakePart('=', &value));
-    const std::optional<std::string> text = DecodePercent(value);
+        PercentDecode(TakePart('=', &value));
+    const std::optional<std::string> text = PercentDecode(value);
     if (!name || !text) return std::nullopt;
     result.parameters.emplace(*name, *text);
   }

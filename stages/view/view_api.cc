@@ -3,7 +3,6 @@
 #include "stages/view/view_api.h"
 
 #include <charconv>
-#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <system_error>
@@ -12,6 +11,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/cancellation.h"
 #include "core/io/json_text.h"
 #include "pipeline/workspace.h"
 #include "splat/scene/ply_io.h"
@@ -80,12 +80,6 @@ std::optional<int> NumberBefore(std::string_view suffix,
   return number;
 }
 
-double QueryClockSeconds() {
-  return std::chrono::duration<double>(
-             std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
-
 }  // namespace
 
 ViewApi::ViewApi(const ViewApiOptions& options, AccessRules rules)
@@ -110,7 +104,7 @@ std::optional<HttpResponse> ViewApi::Refuse(const HttpRequest& request) {
   }
   const AccessDecision access = CheckAccess(rules_, request, *target);
   if (access.status != 200) return ErrorResponse(access.status, access.error);
-  if (post && !rate_.Take(QueryClockSeconds())) {
+  if (post && !rate_.Take(SteadySeconds())) {
     HttpResponse response =
         ErrorResponse(429, "too many questions; ask again in a second");
     response.headers.emplace_back("Retry-After", "1");

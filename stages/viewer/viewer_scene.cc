@@ -114,7 +114,7 @@ json ObjectsJson(const std::vector<semantics::Instance>& instances,
          {"num_gaussians", instance.num_gaussians},
          {"color", semantics::PaletteColor(instance.id - 1)},
          {"obb",
-          {{"center", Vector(frame_from_world * instance.obb.center)},
+          {{"center", Vector(frame_from_world * instance.obb.centre)},
            {"size", Vector(instance.obb.size / frame.unit)},
            {"rotation", std::move(rotation)}}}});
   }

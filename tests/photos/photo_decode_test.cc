@@ -3,6 +3,7 @@
 #include "photos/photo_decode.h"
 
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -250,6 +251,73 @@ TEST(PhotoDecodeTest, TiffAlphaIsAppliedOnceWhateverItsKind) {
       EXPECT_NEAR((*black)(3, 3, 2), c.black, 1)
           << c.kind << " " << picture.depth();
     }
+  }
+}
+
+TEST(PhotoDecodeTest, KindsOfTiffs) {
+  const struct {
+    const char* what;
+    RawTiffFields fields;
+    std::vector<int> pixel;
+    std::vector<int> rgb;
+  } cases[] = {
+      {"grey", {}, {30}, {30, 30, 30}},
+      {"grey of 1 bit", {.bits = 1}, {1}, {255, 255, 255}},
+      {"grey of 16 bits", {.bits = 16}, {30 * 257}, {30, 30, 30}},
+      {"0 is white", {.photometric = 0}, {30}, {225, 225, 225}},
+      {"RGB", {.photometric = 2}, {10, 20, 30}, {10, 20, 30}},
+      {"planes", {.photometric = 2, .planar = 2}, {10, 20, 30}, {10, 20, 30}},
+      {"RGB of 16 bits",
+       {.bits = 16, .photometric = 2},
+       {10 * 257, 20 * 257, 30 * 257},
+       {10, 20, 30}},
+      {"alpha", {.photometric = 2, .extra = 2}, {9, 9, 9, 0}, {255, 255, 255}},
+      {"alpha by default", {.photometric = 2}, {9, 9, 9, 0}, {255, 255, 255}},
+      {"something else than alpha",
+       {.photometric = 2, .extra = 0},
+       {10, 20, 30, 0},
+       {10, 20, 30}},
+      {"something else than alpha, of 16 bits",
+       {.bits = 16, .photometric = 2, .extra = 0},
+       {10 * 257, 20 * 257, 30 * 257, 0},
+       {10, 20, 30}},
+      {"CMYK", {.photometric = 5}, {255, 0, 0, 0}, {0, 255, 255}},
+  };
+  for (const auto& c : cases) {
+    const auto image = Decode(RawTiff(c.fields, c.pixel));
+    ASSERT_TRUE(image.ok()) << c.what << ": " << image.status().message();
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_EQ((*image)(0, 0, k), c.rgb[k]) << c.what;
+      EXPECT_EQ((*image)(39, 39, k), c.rgb[k]) << c.what;
+    }
+  }
+}
+
+// The decoder would read some of them wrongly without a word.
+TEST(PhotoDecodeTest, OtherKindsOfTiffsAreRefusedWithAdvice) {
+  const struct {
+    RawTiffFields fields;
+    std::vector<int> pixel;
+    const char* message;
+  } cases[] = {
+      {{.bits = 16, .photometric = 2, .planar = 2},
+       {1, 2, 3},
+       "16 bits with a plane for each colour"},
+      {{.bits = 16, .photometric = 0}, {7}, "16 bits in which 0 is white"},
+      {{.bits = 4}, {7}, "4-bit samples"},
+      {{.photometric = 2, .extra = 0},
+       {1, 2, 3, 4, 5},
+       "(RGB, bits per sample: 8, samples per pixel: 5)"},
+      {{.extra = 2},
+       {1, 2},
+       "(grey, bits per sample: 8, samples per pixel: 2)"},
+      {{.bits = 1, .photometric = 3}, {1}, "(palette, bits per sample: 1"},
+      {{.bits = 16, .photometric = 6}, {1, 2, 3}, "(YCbCr"},
+  };
+  for (const auto& c : cases) {
+    const std::string message = Failure(RawTiff(c.fields, c.pixel));
+    EXPECT_THAT(message, HasSubstr(c.message));
+    EXPECT_THAT(message, HasSubstr("convert it"));
   }
 }
 

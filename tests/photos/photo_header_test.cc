@@ -197,7 +197,9 @@ TEST(PhotoHeaderTest, TiffsThatAreNoPhotosAreRefused) {
   }
   // A page of several, and CMYK of 8 bits.
   EXPECT_TRUE(ParsePhotoHeader(WithTiffTag(tiff, kNewSubfileType, 2)).ok());
-  EXPECT_TRUE(ParsePhotoHeader(WithTiffTag(tiff, kPhotometric, 5)).ok());
+  const std::string four =
+      Encode(".tif", cv::Mat(40, 40, CV_8UC4, cv::Scalar(1, 2, 3, 4)));
+  EXPECT_TRUE(ParsePhotoHeader(WithTiffTag(four, kPhotometric, 5)).ok());
 }
 
 }  // namespace

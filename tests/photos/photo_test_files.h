@@ -237,6 +237,83 @@ inline std::string WithTiffTag(std::string tiff, int tag, int value) {
          Bytes(0, 4, true);
 }
 
+// What RawTiff writes; -1 leaves the tag out.
+struct RawTiffFields {
+  int bits = 8;  // Per sample: 8, 16, or less if there is one sample.
+  int photometric = 1;
+  int planar = 1;
+  int extra = -1;  // What the last sample is.
+};
+
+// A little-endian TIFF of one colour, 40 x 40 pixels, without compression.
+inline std::string RawTiff(const RawTiffFields& fields,
+                           const std::vector<int>& pixel) {
+  constexpr int kSide = 40;
+  const size_t planes = fields.planar == 2 ? pixel.size() : 1;
+  std::string bytes = "II" + Bytes(42, 2, true) + Bytes(0, 4, true);
+  std::string offsets;
+  std::string sizes;
+  for (size_t plane = 0; plane < planes; ++plane) {
+    const size_t first = bytes.size();
+    offsets += Bytes(first, 4, true);
+    if (fields.bits < 8) {
+      int packed = 0;
+      for (int bit = 0; bit < 8; bit += fields.bits) {
+        packed |= pixel[0] << bit;
+      }
+      bytes += std::string(kSide * kSide * fields.bits / 8,
+                           static_cast<char>(packed));
+    }
+    for (int i = 0; fields.bits >= 8 && i < kSide * kSide; ++i) {
+      for (size_t k = 0; k < pixel.size(); ++k) {
+        if (planes > 1 && k != plane) continue;
+        bytes += Bytes(pixel[k], fields.bits / 8, true);
+      }
+    }
+    sizes += Bytes(bytes.size() - first, 4, true);
+  }
+  std::string depths;
+  for (size_t k = 0; k < pixel.size(); ++k) {
+    depths += Bytes(fields.bits, 2, true);
+  }
+  const auto one = [](int value) { return Bytes(value, 2, true); };
+  constexpr int kShort = 3;
+  constexpr int kLong = 4;
+  struct Tag {
+    int tag;
+    int type;
+    std::string values;
+  };
+  std::vector<Tag> tags = {
+      {256, kShort, one(kSide)},
+      {257, kShort, one(kSide)},
+      {258, kShort, depths},
+      {259, kShort, one(1)},
+      {262, kShort, one(fields.photometric)},
+      {273, kLong, offsets},
+      {277, kShort, one(static_cast<int>(pixel.size()))},
+      {278, kShort, one(kSide)},
+      {279, kLong, sizes},
+      {284, kShort, one(fields.planar)},
+  };
+  if (fields.extra >= 0) tags.push_back({338, kShort, one(fields.extra)});
+  std::string directory = Bytes(tags.size(), 2, true);
+  for (Tag& tag : tags) {
+    directory +=
+        Bytes(tag.tag, 2, true) + Bytes(tag.type, 2, true) +
+        Bytes(tag.values.size() / (tag.type == kShort ? 2 : 4), 4, true);
+    if (tag.values.size() > 4) {
+      directory += Bytes(bytes.size(), 4, true);
+      bytes += tag.values + std::string(tag.values.size() % 2, '\0');
+    } else {
+      tag.values.resize(4);
+      directory += tag.values;
+    }
+  }
+  bytes.replace(4, 4, Bytes(bytes.size(), 4, true));
+  return bytes + directory + Bytes(0, 4, true);
+}
+
 // The TIFF with another size in its header.
 inline std::string WithTiffSize(const std::string& tiff,
                                 int width,
@@ -259,7 +336,7 @@ inline std::string PngChunk(const std::string& type, const std::string& data) {
   return Bytes(data.size(), 4) + type + data + Bytes(PngCrc(type + data), 4);
 }
 
-constexpr size_t kPngHeaderEnd = 8 + 25;  // Signature and IHDR.
+inline constexpr size_t kPngHeaderEnd = 8 + 25;  // Signature and IHDR.
 
 // The PNG with another size in its header, and a checksum that fits.
 inline std::string WithPngSize(const std::string& png,

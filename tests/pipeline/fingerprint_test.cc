@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <string>
 #include <sys/stat.h>
+#include <thread>
 #include <unistd.h>
 
 #include <gtest/gtest.h>
@@ -124,6 +125,18 @@ TEST_F(FingerprintTest, CacheRemembersSettledFilesOnly) {
   WriteText(file, "longer");
   EXPECT_NE(Hash(file).hash, "planted");
   EXPECT_NE(Hash(file), hash);
+}
+
+// Of a camera whose clock is wrong.
+TEST_F(FingerprintTest, CacheRemembersFilesFromTheFuture) {
+  const fs::path file = root() / "a.jpg";
+  fs::last_write_time(
+      file, fs::file_time_type::clock::now() + std::chrono::hours(48));
+  std::this_thread::sleep_for(std::chrono::milliseconds(2100));
+  FingerprintCache cache(folder_.path(), cache_path());
+  cache.Hash(file);
+  ASSERT_TRUE(cache.Save().ok());
+  EXPECT_TRUE(fs::exists(cache_path()));
 }
 
 TEST_F(FingerprintTest, DamagedCacheIsIgnored) {

@@ -4,7 +4,9 @@
 #include "pipeline/interrupt.h"
 
 #include <cerrno>
+#include <chrono>
 #include <csignal>
+#include <thread>
 #include <unistd.h>
 
 #include <gtest/gtest.h>
@@ -22,14 +24,27 @@ TEST(InterruptGuardTest, SignalsCancel) {
   }
 }
 
-TEST(InterruptGuardTest, ASecondSignalEndsTheProgram) {
+TEST(InterruptGuardTest, ALaterSignalEndsTheProgram) {
   const auto twice = [] {
     CancellationToken token;
     const InterruptGuard guard(&token);
     std::raise(SIGHUP);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1050));
     std::raise(SIGINT);
   };
-  EXPECT_EXIT(twice(), testing::ExitedWithCode(130), "interrupted");
+  EXPECT_EXIT(twice(), testing::ExitedWithCode(130), "with a checkpoint");
+}
+
+// As from the program `timeout`, which sends its signal to the process and to
+// the group of the process.
+TEST(InterruptGuardTest, ASignalThatIsSentTwiceIsOne) {
+  for (int i = 0; i < 2; ++i) {
+    CancellationToken token;
+    const InterruptGuard guard(&token);
+    std::raise(SIGTERM);
+    std::raise(SIGTERM);
+    EXPECT_TRUE(token.cancelled());
+  }
 }
 
 // As under nohup.

@@ -10,6 +10,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/temporary_folder.h"
+
 namespace freegs::pipeline {
 namespace {
 
@@ -196,6 +198,13 @@ TEST_F(OptionTableTest, RelativePathOnCommandLineStartsAtCurrentFolder) {
   EXPECT_EQ(
       values_.import,
       (std::filesystem::current_path() / "../x").lexically_normal().string());
+  // The folder above a link is the one above what it leads to.
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "far/deep");
+  std::filesystem::create_directory_symlink("far/deep", folder / "link");
+  ASSERT_TRUE(Line({"--sfm.import", (folder / "link/../x").string()}).ok());
+  EXPECT_EQ(values_.import,
+            (std::filesystem::canonical(folder.path()) / "far/x").string());
   ASSERT_TRUE(Line({"--sfm.import", ""}).ok());
   EXPECT_EQ(values_.import, "");
 }
@@ -242,6 +251,14 @@ TEST_F(OptionTableTest, TemplateNamesTheValuesOfPresets) {
               HasSubstr("# Allowed: 1 .. 10.\n# Preset rough: 1.\n#count"));
   table_.NotePreset("rough", "sfm.cuont", "1");
   EXPECT_THAT(table_.Check().message(), HasSubstr("sfm.cuont"));
+}
+
+TEST_F(OptionTableTest, AliasesStandForNames) {
+  EXPECT_EQ(table_.ResolveAlias("seed"), "general.seed");
+  EXPECT_EQ(table_.ResolveAlias("general.seed"), "general.seed");
+  EXPECT_EQ(table_.ResolveAlias("no.such"), "no.such");
+  EXPECT_THAT(LineError({"--sfm.count", "--seed"}), HasSubstr("needs a value"));
+  EXPECT_THAT(LineError({"--seed"}), HasSubstr("needs a value (at least 0)"));
 }
 
 TEST_F(OptionTableTest, OptionsThatTheCommandLineDoesNotTake) {

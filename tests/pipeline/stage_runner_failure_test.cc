@@ -9,6 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "pipeline/stage_output.h"
 #include "pipeline/stage_runner.h"
 #include "tests/pipeline/stage_runner_fixture.h"
 
@@ -36,11 +37,11 @@ TEST_F(StageRunnerTest, FailureStopsAndIsRemembered) {
   EXPECT_FALSE(b_.resumed);
 }
 
-TEST_F(StageRunnerTest, StageNameIsNotRepeated) {
+TEST_F(StageRunnerTest, TheStageIsNamedBeforeWhatItSays) {
   b_.act = [](StageContext& context) {
-    context.log(LogLevel::kInfo, "b: one");
+    context.log(LogLevel::kInfo, "one");
     context.log(LogLevel::kInfo, "two");
-    return UnusableResultError("b: no");
+    return UnusableResultError("no");
   };
   EXPECT_EQ(Run().message(), "b: no");
   EXPECT_THAT(log_, HasSubstr("\nb: one\nb: two\n"));
@@ -112,7 +113,11 @@ TEST_F(StageRunnerTest, CancelledStageIsContinued) {
     WriteText(context.output / "checkpoint", "half");
     return InterruptedError("stopped");
   };
-  EXPECT_EQ(Run().code(), StatusCode::kInterrupted);
+  const Status status = Run();
+  EXPECT_EQ(status.code(), StatusCode::kInterrupted);
+  EXPECT_THAT(
+      status.message(),
+      HasSubstr("stage b; the same command goes on from what is saved"));
   EXPECT_EQ(Inspect()[1].state.status, StageStatus::kInterrupted);
   EXPECT_TRUE(Inspect()[1].state.resumable);
 
@@ -155,9 +160,13 @@ TEST_F(StageRunnerTest, KilledStageIsContinued) {
   KillDuringB();
   EXPECT_TRUE(fs::exists(workspace() / "b.partial" / "checkpoint"));
   EXPECT_TRUE(fs::exists(workspace() / "b.partial" / "usage.json"));
+  ASSERT_TRUE(WritePartialUsage(workspace() / "b.partial",
+                                {.wall_seconds = 40, .cpu_seconds = 90})
+                  .ok());
   ASSERT_TRUE(Run().ok());
   EXPECT_TRUE(b_.resumed);
-  EXPECT_GT(b_.earlier_seconds, 0);
+  EXPECT_EQ(b_.earlier_seconds, 40);
+  EXPECT_EQ(b_.earlier_cpu_seconds, 90);
   EXPECT_TRUE(fs::exists(workspace() / "b" / "checkpoint"));
 }
 
@@ -242,6 +251,34 @@ TEST_F(StageRunnerTest, KilledWhileReplacingAResult) {
   place(new_b, "b");
   WriteText(workspace() / "b.old" / "rest", "");
   check("old half deleted");
+}
+
+// As in the store of a bench, whose workspaces share results by links.
+TEST_F(StageRunnerTest, ReplacingALinkedResultLeavesItsTargetAlone) {
+  ASSERT_TRUE(Run().ok());
+  const fs::path elsewhere = folder_ / "elsewhere";
+  fs::rename(workspace() / "b", elsewhere);
+  fs::create_directory_symlink("../elsewhere", workspace() / "b");
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(Runs(), "111");
+  b_.option = "2";
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(b_.runs, 2);
+  EXPECT_FALSE(fs::is_symlink(workspace() / "b"));
+  EXPECT_EQ(ReadText(workspace() / "b" / "out.txt"), "b2");
+  EXPECT_FALSE(fs::exists(fs::symlink_status(workspace() / "b.old")));
+  EXPECT_EQ(ReadText(elsewhere / "out.txt"), "b1");
+  EXPECT_TRUE(ReadStageRecord(elsewhere).ok());
+}
+
+TEST_F(StageRunnerTest, ALinkThatLeadsNowhereIsReplaced) {
+  fs::create_directory_symlink("nowhere", workspace() / "b");
+  fs::create_directory_symlink("nowhere", workspace() / "b.old");
+  const Status status = Run();
+  ASSERT_TRUE(status.ok()) << status.message();
+  EXPECT_EQ(Runs(), "111");
+  EXPECT_EQ(ReadText(workspace() / "b" / "out.txt"), "b1");
+  EXPECT_FALSE(fs::exists(fs::symlink_status(workspace() / "b.old")));
 }
 
 TEST_F(StageRunnerTest, RetiredResultComesBackIfTheNewOneIsLost) {

@@ -32,6 +32,7 @@ struct Script {
   int runs = 0;
   bool resumed = false;
   double earlier_seconds = 0;
+  double earlier_cpu_seconds = 0;
 };
 
 class TextStage : public Stage {
@@ -60,6 +61,7 @@ class TextStage : public Stage {
     ++script_->runs;
     script_->resumed = context.resuming;
     script_->earlier_seconds = context.earlier_seconds;
+    script_->earlier_cpu_seconds = context.earlier_cpu_seconds;
     context.progress({"writing", 1, 2, ""});
     if (script_->act) FREEGS_RETURN_IF_ERROR(script_->act(context));
     WriteText(context.output / "out.txt", name_ + script_->option);
@@ -116,9 +118,7 @@ class StageRunnerTest : public ::testing::Test {
   std::vector<StageReport> Inspect() {
     std::ostringstream console;
     Logger logger(console, /*terminal=*/false, "");
-    StatusOr<std::vector<StageReport>> reports = MakeRunner(&logger).Inspect();
-    EXPECT_TRUE(reports.ok());
-    return *std::move(reports);
+    return MakeRunner(&logger).Inspect();
   }
 
   std::string Runs() const {

@@ -60,6 +60,12 @@ TEST_F(StageRunnerTest, TellsBeforeItBeginsWhatAllStagesTake) {
   EXPECT_THAT(log_, Not(HasSubstr("expected")));
 }
 
+TEST_F(StageRunnerTest, TellsThatNothingIsKnown) {
+  to_ = "b";
+  ASSERT_TRUE(Run().ok());
+  EXPECT_TRUE(log_.starts_with("run: nothing is known of a, b\n")) << log_;
+}
+
 TEST_F(StageRunnerTest, ForecastsBuildOnWhatIsDone) {
   a_.need = [](const StageContext&) { return StageNeed{.memory_bytes = 5}; };
   const auto forecast = [this](const std::string& forced = "") {

@@ -134,6 +134,8 @@ TEST_F(StageRunnerTest, ForeignFolderIsNeverOverwritten) {
   const Status status = Run();
   EXPECT_EQ(status.code(), StatusCode::kBadInput);
   EXPECT_THAT(status.message(), HasSubstr("--from"));
+  EXPECT_THAT(status.message(),
+              HasSubstr("the folder " + (workspace() / "b").string() + " was"));
   EXPECT_EQ(ReadText(workspace() / "b" / "out.txt"), "somebody else's");
   EXPECT_EQ(Run("b").code(), StatusCode::kBadInput);
   from_ = "c";
@@ -175,6 +177,20 @@ TEST_F(StageRunnerTest, PhotosMayGoOnceTheyWereRead) {
   EXPECT_THAT(log_, HasSubstr("a: input photos is gone"));
 }
 
+TEST_F(StageRunnerTest, AllInputsThatAreGoneAreNamed) {
+  const fs::path list = folder_ / "list.txt";
+  WriteText(list, "1.jpg");
+  a_.inputs = {list};
+  ASSERT_TRUE(Run().ok());
+  fs::remove_all(images());
+  fs::remove(list);
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(Runs(), "111");
+  EXPECT_THAT(log_,
+              HasSubstr("a: inputs list.txt, photos are gone; keeping the "
+                        "result made from them\n"));
+}
+
 // A stage may read the files of a folder while it is there, and name the folder
 // itself when it is not.
 TEST_F(StageRunnerTest, AFolderMayGoOnceItsFilesWereRead) {
@@ -191,6 +207,26 @@ TEST_F(StageRunnerTest, AFolderMayGoOnceItsFilesWereRead) {
   a_.option = "2";
   ASSERT_TRUE(Run().ok());
   EXPECT_EQ(b_.runs, 2);
+}
+
+// Of a link in the photo folder a stage knows only as long as the photo folder
+// is there.
+TEST_F(StageRunnerTest, PhotosMayGoTogetherWithLinksAmongThem) {
+  const fs::path more = folder_ / "more";
+  WriteText(more / "2.jpg", "photo");
+  fs::create_directory_symlink(more, images() / "linked");
+  a_.inputs = {images() / "linked" / ""};
+  ASSERT_TRUE(Run().ok());
+  fs::remove_all(images());
+  a_.inputs.clear();
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(Runs(), "111");
+  EXPECT_THAT(log_, HasSubstr("a: input photos is gone"));
+  EXPECT_THAT(log_, HasSubstr("a: up to date\n"));
+  // What else changed still counts.
+  a_.option = "2";
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(a_.runs, 2);
 }
 
 TEST_F(StageRunnerTest, MovedWorkspaceIsUpToDate) {

@@ -4,6 +4,7 @@
 #include "pipeline/system_info.h"
 
 #include <cmath>
+#include <optional>
 
 #include <gtest/gtest.h>
 
@@ -23,6 +24,15 @@ TEST(SystemInfoTest, AvailableCoresKeepToTheControlGroup) {
 TEST(SystemInfoTest, AnOptionOfNoughtTakesTheAvailableCores) {
   EXPECT_EQ(WorkingThreads(0), AvailableCores());
   EXPECT_EQ(WorkingThreads(3), 3);
+}
+
+TEST(SystemInfoTest, NumbersAreFoundByTheWordBeforeThem) {
+  const TemporaryFolder folder;
+  folder.Write("status", "Name: a 7\nVmRSS:\t  1204 kB\nVmHWM: none\n");
+  EXPECT_EQ(NumberAfter(folder / "status", "VmRSS:"), 1204);
+  EXPECT_EQ(NumberAfter(folder / "status", "VmHWM:"), std::nullopt);
+  EXPECT_EQ(NumberAfter(folder / "status", "VmPeak:"), std::nullopt);
+  EXPECT_EQ(NumberAfter(folder / "missing", "VmRSS:"), std::nullopt);
 }
 
 // A machine with 8000 kB, of which 6000 kB are available.

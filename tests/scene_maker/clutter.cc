@@ -87,7 +87,7 @@ void PutThing(const CatalogueItem& item,
     scene->solids.push_back(std::move(part));
   }
   object.centroid /= volume;
-  object.obb.center = 0.5 * (object.aabb.min + object.aabb.max);
+  object.obb.centre = 0.5 * (object.aabb.min + object.aabb.max);
   object.obb.size = object.aabb.max - object.aabb.min;
   scene->objects.push_back(std::move(object));
 }

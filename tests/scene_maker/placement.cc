@@ -169,7 +169,7 @@ void PutDown(const CatalogueItem& item,
     const double high = ItemSupport(posed, own);
     const double low = -ItemSupport(posed, -own);
     object->obb.size[axis] = high - low;
-    object->obb.center += 0.5 * (high + low) * own;
+    object->obb.centre += 0.5 * (high + low) * own;
   }
 }
 

@@ -63,8 +63,8 @@ TEST(BuildScene, ObjectsStandApartOnTheTable) {
     EXPECT_GE(a.aabb.min.z(), kTableHeight - 1e-9);
     // The oriented box holds no more than the axis-aligned one must.
     const Vector3d half = a.obb.rotation.cwiseAbs() * a.obb.size / 2;
-    EXPECT_TRUE(((a.obb.center + half) - a.aabb.max).minCoeff() > -1e-9);
-    EXPECT_TRUE((a.aabb.min - (a.obb.center - half)).minCoeff() > -1e-9);
+    EXPECT_TRUE(((a.obb.centre + half) - a.aabb.max).minCoeff() > -1e-9);
+    EXPECT_TRUE((a.aabb.min - (a.obb.centre - half)).minCoeff() > -1e-9);
     for (const SceneObject& b : scene.objects) {
       const bool touching = std::any_of(
           scene.touching.begin(), scene.touching.end(), [&](const auto& pair) {
@@ -72,7 +72,7 @@ TEST(BuildScene, ObjectsStandApartOnTheTable) {
                    (pair.first == b.label && pair.second == a.label);
           });
       if (a.id == b.id || touching) continue;
-      EXPECT_GT((a.obb.center - b.obb.center).head<2>().norm(), 0.1)
+      EXPECT_GT((a.obb.centre - b.obb.centre).head<2>().norm(), 0.1)
           << a.label << " and " << b.label;
     }
   }
@@ -224,7 +224,7 @@ TEST(CastRays, TruthOfThePixelsAgrees) {
         EXPECT_GT((point - object.aabb.min).minCoeff(), -1e-4);
         EXPECT_GT((object.aabb.max - point).minCoeff(), -1e-4);
         const Vector3d own =
-            object.obb.rotation.transpose() * (point - object.obb.center);
+            object.obb.rotation.transpose() * (point - object.obb.centre);
         EXPECT_LT((own.cwiseAbs() - object.obb.size / 2).maxCoeff(), 1e-4);
       }
     }

@@ -77,13 +77,11 @@ class TrainingFixture : public testing::Test {
     return options;
   }
 
-  // Mini-Splatting as in its paper: colour waits for the simplification, after
-  // which what is kept starts again.
-  static TrainerOptions PaperOptions(int iterations) {
+  // Mini-Splatting nearer to its paper: colour waits for the simplification.
+  static TrainerOptions NearPaperOptions(int iterations) {
     TrainerOptions options =
         Options(iterations, DensificationMethod::kMiniSplatting);
     options.schedule.sh_start = options.schedule.simplify_at;
-    options.mini_splatting.restart_after_simplification = true;
     options.mini_splatting.blur_split_share = 1.0 / 5000;
     return options;
   }

@@ -63,6 +63,7 @@ class SfmWorkspace {
     std::filesystem::create_directories(context.output);
     context.pool = &pool;
     context.cancellation = &cancellation;
+    context.progress = [](const Progress&) {};
     context.log = [this](pipeline::LogLevel level, const std::string& text) {
       (level == pipeline::LogLevel::kInfo ? infos : warnings).push_back(text);
     };

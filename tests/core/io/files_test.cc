@@ -50,6 +50,12 @@ TEST(FilesTest, NamesBelowAFolder) {
   EXPECT_FALSE(IsNameBelowFolder(std::string_view("a\0b", 3)));
 }
 
+TEST(FilesTest, SuffixesInLowerCase) {
+  EXPECT_EQ(LowerSuffix("Folder.X/A.B.PLY"), ".ply");
+  EXPECT_EQ(LowerSuffix("a"), "");
+  EXPECT_EQ(LowerSuffix(".JPG"), "");
+}
+
 TEST(FilesTest, LargeFileInSeveralPieces) {
   const TemporaryFolder folder;
   std::string content(size_t{3} << 20, 'x');
@@ -75,6 +81,28 @@ TEST(FilesTest, ReadErrorsNameTheFile) {
   // Opening a pipe nobody writes to would wait for ever.
   ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
   EXPECT_EQ(code(folder / "pipe"), StatusCode::kBadInput);
+}
+
+// As a file in a folder that is closed to the user, which no test that runs as
+// the superuser can have.
+TEST(FilesTest, WhatIsThereIsNotCalledMissing) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(ReadFile(folder / "missing").status().message(),
+              HasSubstr("cannot read: no such file"));
+  fs::create_symlink("loop", folder / "loop");
+  EXPECT_THAT(ReadFile(folder / "loop" / "f").status().message(),
+              HasSubstr("cannot read: Too many levels of symbolic links"));
+}
+
+// Nobody can write to this device.
+TEST(FilesTest, TheReasonOfAFailedWriteIsNamed) {
+  const TemporaryFolder folder;
+  fs::create_symlink("/dev/full", folder / "f.part");
+  const Status status = WriteFileAtomic(folder / "f", "x");
+  EXPECT_EQ(status.code(), StatusCode::kInternal);
+  EXPECT_THAT(status.message(),
+              HasSubstr("f.part: cannot write: No space left on device"));
+  EXPECT_FALSE(fs::exists(folder / "f.part"));
 }
 
 TEST(FilesTest, SizeLimit) {

@@ -3,6 +3,7 @@
 
 #include "core/io/image_io.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
@@ -96,6 +97,13 @@ TEST(ImageIoTest, LabelsKeepSixteenBits) {
   ASSERT_TRUE(read.ok());
   EXPECT_TRUE(
       std::equal(labels.data(), labels.data() + labels.size(), read->data()));
+
+  // JPEG would keep eight bits and change them.
+  ASSERT_TRUE(WriteLabels(folder / "l.jpg", labels).ok());
+  const StatusOr<ImageU16> odd = ReadLabels(folder / "l.jpg");
+  ASSERT_TRUE(odd.ok());
+  EXPECT_TRUE(
+      std::equal(labels.data(), labels.data() + labels.size(), odd->data()));
 
   const ImageU8 narrow = Noise(7, 5, 1);
   ASSERT_TRUE(WriteImage(folder / "n.png", narrow).ok());
@@ -214,7 +222,11 @@ TEST(ImageIoTest, FormatsWhoseHeadersAreNotKnownAreRefused) {
 
 TEST(ImageIoTest, WriteErrors) {
   const TemporaryFolder folder;
-  EXPECT_FALSE(WriteImage(folder / "a.xyz", Noise(4, 4, 3)).ok());
+  for (const char* name : {"a.xyz", "a.webp", "a.bmp", "a"}) {
+    EXPECT_THAT(WriteImage(folder / name, Noise(4, 4, 3)).message(),
+                testing::HasSubstr("ends with none of .png"))
+        << name;
+  }
   EXPECT_FALSE(WriteImage(folder / "a.png", Noise(4, 4, 2)).ok());
   EXPECT_FALSE(WriteImage(folder / "no" / "a.png", Noise(4, 4, 3)).ok());
 }
@@ -251,6 +263,11 @@ TEST(ImageIoTest, ResizeKeepsTheMean) {
 TEST(ImageIoTest, SuffixesThatCanBeWritten) {
   EXPECT_TRUE(CanWriteImage("a.png"));
   EXPECT_TRUE(CanWriteImage("folder/a.JPG"));
+  EXPECT_TRUE(CanWriteImage("a.jpeg"));
+  EXPECT_TRUE(CanWriteImage("a.jpe"));
+  EXPECT_TRUE(CanWriteImage("a.Tiff"));
+  EXPECT_FALSE(CanWriteImage("a.webp"));
+  EXPECT_FALSE(CanWriteImage("a.bmp"));
   EXPECT_FALSE(CanWriteImage("heat"));
   EXPECT_FALSE(CanWriteImage("heat.txt"));
   EXPECT_FALSE(CanWriteImage("folder.png/heat"));

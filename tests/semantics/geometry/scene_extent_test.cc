@@ -19,7 +19,7 @@ TEST(SceneExtentTest, IgnoresFarPoints) {
     }
   }
   const SceneExtent clean = ComputeSceneExtent(positions);
-  EXPECT_NEAR(clean.center.x(), 3, 1e-6);
+  EXPECT_NEAR(clean.centre.x(), 3, 1e-6);
   EXPECT_NEAR(clean.radius, 0.5, 0.02);
   for (int i = 0; i < 5; ++i) {
     for (const float x : {1e6f, 1e6f, 1e6f}) positions.push_back(x);
@@ -31,7 +31,7 @@ TEST(SceneExtentTest, PositionsOfNothingAndOfOnePoint) {
   EXPECT_EQ(ComputeSceneExtent({}).radius, 1);
   const std::vector<float> point = {4, 5, 6};
   EXPECT_EQ(ComputeSceneExtent(point).radius, 1);
-  EXPECT_EQ(ComputeSceneExtent(point).center, Eigen::Vector3d(4, 5, 6));
+  EXPECT_EQ(ComputeSceneExtent(point).centre, Eigen::Vector3d(4, 5, 6));
 }
 
 TEST(SceneExtentTest, ViewsTellTheSubjectFromItsSurroundings) {
@@ -49,7 +49,7 @@ TEST(SceneExtentTest, ViewsTellTheSubjectFromItsSurroundings) {
   ThreadPool pool(2);
   const SceneExtent extent = ComputeSceneExtent(scene.model, views, 0.1, pool);
   EXPECT_NEAR(extent.radius, 1.4, 0.2);
-  EXPECT_LT(extent.center.norm(), 0.2);
+  EXPECT_LT(extent.centre.norm(), 0.2);
   // The positions alone say otherwise.
   EXPECT_GT(ComputeSceneExtent(scene.model, {}, 0.1, pool).radius, 5);
 }

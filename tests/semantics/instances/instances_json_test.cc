@@ -19,7 +19,7 @@ Instance MakeInstance(int id) {
   instance.num_gaussians = 812;
   instance.centre = {0.1, -2, 3e-7};
   instance.aabb = {{-1, -2, -3}, {1, 2, 3}};
-  instance.obb.center = {1, 1, 1};
+  instance.obb.centre = {1, 1, 1};
   instance.obb.size = {0.5, 0.25, 2};
   instance.obb.rotation << 0, -1, 0, 1, 0, 0, 0, 0, 1;
   instance.score = 0.75;
@@ -43,7 +43,7 @@ TEST(InstancesJsonTest, ComesBackAsWritten) {
     EXPECT_EQ(instance.centre, expected.centre);
     EXPECT_EQ(instance.aabb.min, expected.aabb.min);
     EXPECT_EQ(instance.aabb.max, expected.aabb.max);
-    EXPECT_EQ(instance.obb.center, expected.obb.center);
+    EXPECT_EQ(instance.obb.centre, expected.obb.centre);
     EXPECT_EQ(instance.obb.size, expected.obb.size);
     EXPECT_EQ(instance.obb.rotation, expected.obb.rotation);
     EXPECT_EQ(instance.score, expected.score);

@@ -22,7 +22,7 @@ SyntheticGaussians MakeBox(const OrientedBox& box, int num_strays) {
     Eigen::Vector3d x(
         scene.Uniform() - 0.5, scene.Uniform() - 0.5, scene.Uniform() - 0.5);
     x[i % 3] = i % 2 == 0 ? 0.5 : -0.5;
-    scene.Add(box.center + box.rotation * x.cwiseProduct(box.size),
+    scene.Add(box.centre + box.rotation * x.cwiseProduct(box.size),
               {0.5, 0.5, 0.5},
               0.002,
               0.9,
@@ -40,7 +40,7 @@ SyntheticGaussians MakeBox(const OrientedBox& box, int num_strays) {
 
 OrientedBox TrueBox() {
   OrientedBox box;
-  box.center = {0.5, -0.2, 1};
+  box.centre = {0.5, -0.2, 1};
   box.size = {0.6, 0.3, 0.4};
   box.rotation =
       Eigen::AngleAxisd(25 * std::numbers::pi / 180, Eigen::Vector3d::UnitZ())
@@ -57,8 +57,8 @@ double CountedIou(const OrientedBox& a, const OrientedBox& b) {
     const Eigen::Vector3d at(
         random.Uniform() - 0.5, random.Uniform() - 0.5, random.Uniform() - 0.5);
     const Eigen::Vector3d point =
-        a.center + a.rotation * a.size.cwiseProduct(at);
-    const Eigen::Vector3d in_b = b.rotation.transpose() * (point - b.center);
+        a.centre + a.rotation * a.size.cwiseProduct(at);
+    const Eigen::Vector3d in_b = b.rotation.transpose() * (point - b.centre);
     both += (in_b.cwiseAbs() - 0.5 * b.size).maxCoeff() <= 0;
   }
   const double shared = a.size.prod() * both / kPoints;
@@ -85,7 +85,7 @@ TEST(InstancesTest, UprightBoxIgnoresStrays) {
   EXPECT_EQ(instance.score, 0.5);
   EXPECT_TRUE(instance.background);
   EXPECT_GT(CountedIou(instance.obb, truth), 0.93);
-  EXPECT_LT((instance.centre - truth.center).norm(), 0.01);
+  EXPECT_LT((instance.centre - truth.centre).norm(), 0.01);
   EXPECT_NEAR(instance.obb.rotation.determinant(), 1, 1e-9);
   EXPECT_NEAR(instance.aabb.max.z(), 1.2, 0.01);
   EXPECT_NEAR(instance.aabb.min.z(), 0.8, 0.01);

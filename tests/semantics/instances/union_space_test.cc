@@ -19,7 +19,7 @@ TEST(UnionSpaceTest, BlocksAreScaledWeightedAndClamped) {
   const std::vector<float> positions = {2, 2, 2, 4, 2, 0, 1e9f, 2, -1e9f};
   const std::vector<float> colors = {0, 0.5f, 1, 2, -1, 0.25f, 1, 1, 1};
   SceneExtent extent;
-  extent.center = {2, 2, 2};
+  extent.centre = {2, 2, 2};
   extent.radius = 2;
   const std::vector<float> points =
       BuildUnionSpace(positions,

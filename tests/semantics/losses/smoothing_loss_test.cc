@@ -32,8 +32,8 @@ double Reference(const std::vector<double>& features,
   double sum = 0;
   int count = 0;
   for (const uint32_t i : samples) {
-    for (int k = 0; k < table.neighbors; ++k) {
-      const uint32_t j = table.indices[i * table.neighbors + k];
+    for (int k = 0; k < table.num_neighbours; ++k) {
+      const uint32_t j = table.indices[i * table.num_neighbours + k];
       const double cosine = CosineSimilarity(&features[i * kFeatureDim],
                                              &features[j * kFeatureDim]);
       if (cosine > 1.5) continue;
@@ -172,10 +172,51 @@ TEST(NeighborTableTest, HoldsTheNearest) {
   const NeighborTable two = *BuildNeighborTable(line, 2, pool);
   EXPECT_EQ(two.indices, (std::vector<uint32_t>{1, 2, 0, 2, 1, 0, 2, 1}));
   const NeighborTable many = *BuildNeighborTable(line, 9, pool);
-  EXPECT_EQ(many.neighbors, 3);
+  EXPECT_EQ(many.num_neighbours, 3);
   EXPECT_EQ(many.size(), 4u);
   EXPECT_FALSE(BuildNeighborTable(line, 0, pool).ok());
   EXPECT_FALSE(BuildNeighborTable(std::span(line).first(4), 1, pool).ok());
+}
+
+TEST(NeighborTableTest, OneThatIsTooFarAwayIsLeftOut) {
+  ThreadPool pool(2);
+  const std::vector<float> line = {
+      0, 0, 0, 1, 0, 0, 0, 2e15F, 0, 3, 0, 0, 7, 0, 0};
+  const NeighborTable two = *BuildNeighborTable(line, 2, pool);
+  EXPECT_EQ(two.indices, (std::vector<uint32_t>{1, 3, 0, 3, 2, 2, 1, 0, 3, 1}));
+  EXPECT_EQ(BuildNeighborTable(line, 9, pool)->num_neighbours, 3);
+  EXPECT_EQ(BuildNeighborTable(std::span(line).subspan(3, 6), 1, pool)->size(),
+            0u);
+
+  // Its loss is that of no pair, and it changes nothing.
+  const std::vector<float> features = RandomValues(5 * kFeatureDim, 7);
+  std::vector<float> gradients(features.size(), 0.0f);
+  EXPECT_EQ(*SmoothingLoss(features,
+                           kFeatureDim,
+                           two,
+                           std::vector<uint32_t>{2},
+                           1.0,
+                           pool,
+                           gradients),
+            0);
+  EXPECT_EQ(gradients, std::vector<float>(features.size(), 0.0f));
+  const StatusOr<double> all = SmoothingLoss(features,
+                                             kFeatureDim,
+                                             two,
+                                             std::vector<uint32_t>{0, 2, 4},
+                                             1.0,
+                                             pool,
+                                             gradients);
+  const StatusOr<double> others = SmoothingLoss(features,
+                                                kFeatureDim,
+                                                two,
+                                                std::vector<uint32_t>{0, 4},
+                                                1.0,
+                                                pool,
+                                                gradients);
+  ASSERT_TRUE(all.ok() && others.ok());
+  EXPECT_EQ(*all, *others);
+  EXPECT_GT(*all, 0);
 }
 
 TEST(SampleForSmoothingTest, IsSpreadAndOfTheRightSize) {
@@ -199,7 +240,7 @@ TEST(SampleForSmoothingTest, IsSpreadAndOfTheRightSize) {
 
 TEST(SmoothingOptionsTest, AreChecked) {
   EXPECT_TRUE(SmoothingOptions().Check().ok());
-  EXPECT_FALSE(SmoothingOptions{.neighbors = 0}.Check().ok());
+  EXPECT_FALSE(SmoothingOptions{.num_neighbours = 0}.Check().ok());
   EXPECT_FALSE(SmoothingOptions{.fraction = -0.1}.Check().ok());
   EXPECT_FALSE(SmoothingOptions{.fraction = std::nan("")}.Check().ok());
   EXPECT_FALSE(SmoothingOptions{.min_samples = -1}.Check().ok());

@@ -60,6 +60,9 @@ TEST_F(UndistortionTest, PinholePhotosAreKept) {
   EXPECT_EQ(PointsToBinary(written->points3d), PointsToBinary(model.points3d));
   EXPECT_EQ(ReadText(input_.output / "images" / "sub folder" / "b.jpg"),
             "pixels of sub folder/b.jpg");
+  // Editing one of the two files leaves the other alone.
+  EXPECT_EQ(fs::hard_link_count(input_.photo_folder / "sub folder" / "b.jpg"),
+            1U);
   EXPECT_TRUE(Undistort(model, input_).ok());  // Again, over the same folder.
 }
 

@@ -315,13 +315,6 @@ TEST(GroupByMatches, MainGroupFirst) {
   EXPECT_EQ(GroupByMatches(evidence, {}).members[0].size(), 8u);
 }
 
-TEST(SomeNames, CutsLongLists) {
-  EXPECT_EQ(SomeNames({"a"}), "a");
-  EXPECT_EQ(SomeNames({"a", "b", "c"}), "a, b and c");
-  EXPECT_EQ(SomeNames({"a", "b", "c", "d", "e"}), "a, b, c, d and e");
-  EXPECT_EQ(SomeNames({"a", "b", "c", "d", "e", "f"}), "a, b, c, d and 2 more");
-}
-
 // What becomes of findings and models: the table of verdicts.
 TEST(Verdict, Table) {
   const auto finding = [](Severity severity) {
@@ -355,7 +348,7 @@ TEST(Verdict, Table) {
     }
     const auto models = test.registered > 0 ? ModelOf(test.registered, 10)
                                             : std::vector<Reconstruction>();
-    const Health health = MeasureHealth(models, names, true, {}, findings);
+    const Health health = MeasureHealth(models, names, true, {}, {}, findings);
     EXPECT_EQ(health.verdict, test.verdict) << test.registered;
     EXPECT_EQ(health.reason.empty(), test.verdict == Verdict::kOk);
     if (test.verdict == Verdict::kOk) continue;

@@ -43,14 +43,14 @@ TEST(MeasureHealth, ReprojectionErrorIsMeasured) {
   EXPECT_THAT(health.advice, HasSubstr("camera_model"));
 
   // COLMAP's options change nothing about imported poses.
-  HealthOptions options;
-  options.imported = true;
-  const Health imported = MeasureHealth({model}, Names(8), true, options);
+  const MappingFacts facts = {.imported = true};
+  const Health imported = MeasureHealth({model}, Names(8), true, {}, facts);
   EXPECT_EQ(imported.verdict, Verdict::kDegraded);
   EXPECT_THAT(imported.reason, HasSubstr("5.00 px: the imported poses"));
   EXPECT_THAT(imported.advice, HasSubstr("without sfm.import"));
   for (const int photos : {10, 100}) {  // Degraded and failed.
-    const Health partial = MeasureHealth({model}, Names(photos), true, options);
+    const Health partial =
+        MeasureHealth({model}, Names(photos), true, {}, facts);
     EXPECT_NE(partial.verdict, Verdict::kOk);
     EXPECT_THAT(partial.advice, HasSubstr("poses for the other photos"));
     EXPECT_THAT(partial.advice, testing::Not(HasSubstr("sfm.matcher")));
@@ -68,14 +68,13 @@ TEST(MeasureHealth, FewRegistered) {
               HasSubstr("or try --sfm.max_features 8192, --sfm.matcher "
                         "exhaustive, --sfm.camera per_image"));
   EXPECT_EQ(health.unregistered.size(), 9u);
-  HealthOptions options;
-  options.max_features = 8000;  // No more are advised.
-  EXPECT_THAT(MeasureHealth({model}, Names(17), true, options).advice,
+  MappingFacts facts = {.max_features = 8000};  // No more are advised.
+  EXPECT_THAT(MeasureHealth({model}, Names(17), true, {}, facts).advice,
               HasSubstr("or try --sfm.matcher exhaustive, --sfm.camera"));
-  options.all_pairs_compared = true;
-  EXPECT_THAT(MeasureHealth({model}, Names(30), true, options).advice,
+  facts.all_pairs_compared = true;
+  EXPECT_THAT(MeasureHealth({model}, Names(30), true, {}, facts).advice,
               HasSubstr("or try --sfm.camera per_image"));
-  options.min_registered_share = 0.4;
+  const HealthOptions options = {.min_registered_share = 0.4};
   EXPECT_EQ(MeasureHealth({model}, Names(17), true, options).verdict,
             Verdict::kDegraded);
   EXPECT_EQ(MeasureHealth({SyntheticModel(2, 9)}, Names(2), true, {}).verdict,

@@ -159,7 +159,7 @@ class ChooseInitialPairTest : public testing::Test {
   StatusOr<std::vector<size_t>> Map(
       const std::vector<std::pair<std::string, std::string>>& settings,
       size_t skip = 0,
-      const Mapping& way = {}) {
+      const MapperOptions& mapper_options = {}) {
     writer_.reset();
     SfmInput input;
     input.photo_folder = folder_.path();
@@ -173,7 +173,8 @@ class ChooseInitialPairTest : public testing::Test {
     fs::create_directories(folder_ / "logs");
     FREEGS_ASSIGN_OR_RETURN(
         const std::vector<Reconstruction> models,
-        MapFromBestPair(context, path_, folder_ / "mapper", skip, way));
+        MapFromBestPair(
+            context, path_, folder_ / "mapper", skip, mapper_options));
     std::vector<size_t> sizes;
     for (const Reconstruction& model : models) {
       sizes.push_back(model.images.size());

@@ -39,7 +39,7 @@ TEST(RealColmap, RegistersAndRepeats) {
   SfmOptions options;
   options.max_features = 800;
   options.pairs.matcher = "retrieval";
-  options.pairs.neighbours = 4;
+  options.pairs.num_neighbours = 4;
   std::vector<std::string> results;
   for (const int threads : {1, 2}) {
     options.num_threads = threads;

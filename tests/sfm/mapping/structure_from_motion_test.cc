@@ -382,7 +382,7 @@ TEST_F(StructureFromMotionTest, ImageSizeIsChosen) {
 TEST_F(StructureFromMotionTest, ChosenPairsContinueAtTheirPortion) {
   options_.num_threads = 1;
   options_.pairs.matcher = "retrieval";
-  options_.pairs.neighbours = 2;
+  options_.pairs.num_neighbours = 2;
   const auto straight = Run();
   ASSERT_TRUE(straight.ok()) << straight.status().message();
   EXPECT_EQ(straight->pairs.strategy, "retrieval");

@@ -23,7 +23,7 @@ GlobalDescriptors Describe(const std::vector<PhotoFeatures>& photos,
                            int threads = 1,
                            const GlobalDescriptorOptions& options = {}) {
   ThreadPool pool(threads);
-  return DescribePhotos(photos, options, &pool);
+  return DescribePhotos(photos, options, pool);
 }
 
 // Windows at the given places, and enough others for a vocabulary: likeness is

@@ -34,7 +34,7 @@ std::vector<std::string> UnnumberedNames(int count) {
 PhotoSimilarity Similarity(const std::vector<SiftDescriptors>& photos,
                            int threads = 2) {
   ThreadPool pool(threads);
-  return PhotoSimilarity(DescribePhotos(AllFeatures(photos), {}, &pool), &pool);
+  return PhotoSimilarity(DescribePhotos(AllFeatures(photos), {}, pool), pool);
 }
 
 // Windows every `step` widths, taken in the order i * stride mod count.
@@ -107,7 +107,7 @@ TEST(PairSelection, RetrievalFindsOverlappingPhotosInAnyOrder) {
   const auto photos = StripPhotos(positions);
   PairSelectionOptions options;
   options.matcher = "retrieval";
-  options.neighbours = 10;
+  options.num_neighbours = 10;
   const PairSelection selection =
       SelectPairs(NumberedNames(kCount), Similarity(photos), options);
   EXPECT_EQ(selection.strategy, "retrieval");
@@ -131,7 +131,7 @@ TEST(PairSelection, SameForAnyNumberOfThreads) {
 TEST(PairSelection, NumberedPhotosAreBelievedOnlyWhenInOrder) {
   constexpr int kCount = 60;
   PairSelectionOptions options;
-  options.neighbours = 8;
+  options.num_neighbours = 8;
   const auto ordered = StripPhotos(Positions(kCount, 0.4, 1));
   const auto shuffled = StripPhotos(Positions(kCount, 0.4, 23));
   const PairSelection sequence =
@@ -158,7 +158,7 @@ TEST(PairSelection, LoopsAreClosed) {
   for (int i = 0; i < 5; ++i) positions.push_back(0.3 * i + 0.1);
   PairSelectionOptions options;
   options.matcher = "sequential";
-  options.neighbours = 6;
+  options.num_neighbours = 6;
   const PairSelection selection = SelectPairs(
       UnnumberedNames(55), Similarity(StripPhotos(positions)), options);
   EXPECT_EQ(selection.strategy, "sequence and retrieval");
@@ -176,7 +176,7 @@ TEST(PairSelection, PartsThatLookDifferentAreConnected) {
   }
   PairSelectionOptions options;
   options.matcher = "retrieval";
-  options.neighbours = 4;
+  options.num_neighbours = 4;
   const PairSelection selection = SelectPairs(
       UnnumberedNames(60), Similarity(StripPhotos(positions)), options);
   ExpectWellFormed(selection.pairs, 60);
@@ -209,7 +209,7 @@ class MorePairsTest : public testing::Test {
   MorePairsTest()
       : similarity_(Similarity(StripPhotos(Positions(kCount, 0.2, 1)))) {
     options_.matcher = "retrieval";
-    options_.neighbours = 8;
+    options_.num_neighbours = 8;
     first_ = SelectPairs(UnnumberedNames(kCount), similarity_, options_).pairs;
     tried_.insert(first_.begin(), first_.end());
   }
@@ -253,7 +253,7 @@ TEST_F(MorePairsTest, BetweenPartsThatNothingConnects) {
     EXPECT_FALSE(tried_.contains(pair));
     across += (pair.first < 15) != (pair.second < 15);
   }
-  EXPECT_GE(across, 2 * options_.neighbours);
+  EXPECT_GE(across, 2 * options_.num_neighbours);
 }
 
 TEST_F(MorePairsTest, EndsWhenAllAreTried) {
@@ -269,7 +269,7 @@ TEST(PairSelectionOptions, AreChecked) {
   options.matcher = "guess";
   EXPECT_FALSE(options.Check().ok());
   options = {};
-  options.neighbours = 0;
+  options.num_neighbours = 0;
   EXPECT_FALSE(options.Check().ok());
   options = {};
   options.overlap = 0;

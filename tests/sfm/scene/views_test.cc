@@ -34,6 +34,21 @@ TEST(MakeViews, OrderedByName) {
   }
 }
 
+TEST(PinholeOf, LeavesOutTheDistortion) {
+  const Camera camera = {.id = 1,
+                         .model = CameraModel::kRadial,
+                         .width = 640,
+                         .height = 480,
+                         .params = {500, 321, 239, 0.1, -0.02}};
+  const Pinhole pinhole = PinholeOf(camera);
+  EXPECT_EQ(pinhole.width, 640);
+  EXPECT_EQ(pinhole.height, 480);
+  EXPECT_EQ(pinhole.fx, 500);
+  EXPECT_EQ(pinhole.fy, 500);
+  EXPECT_EQ(pinhole.cx, 321);
+  EXPECT_EQ(pinhole.cy, 239);
+}
+
 TEST(MakeViews, DistortionIsRefused) {
   const auto views = MakeViews(SyntheticModel(2, 2, CameraModel::kRadial));
   ASSERT_FALSE(views.ok());

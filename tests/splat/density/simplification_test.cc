@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Who is drawn how often, who is kept, and what starts afresh.
+// Who is drawn how often, and who is kept.
 
 #include "splat/density/simplification.h"
 
@@ -11,7 +11,6 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
-#include "tests/splat/random_model.h"
 
 namespace freegs::splat {
 namespace {
@@ -127,68 +126,6 @@ TEST(MostImportantTest, TheLargestTiesByIndex) {
   EXPECT_EQ(MostImportant(importance, 99), (Indices{0, 2, 3, 4}));
   EXPECT_TRUE(MostImportant({}, 3).empty());
   EXPECT_TRUE(MostImportant(std::vector<float>{0, kNotANumber}, 3).empty());
-}
-
-TEST(RestartFromMeansTest, KeepsPositionAndColourOnly) {
-  const GaussianModel model = RandomModel(200, 3, 1);
-  Indices kept;
-  for (uint32_t i = 0; i < 200; i += 3) kept.push_back(i);
-  const StatusOr<GaussianModel> restarted =
-      RestartFromMeans(model, kept, 1.0, {.opacity = 0.25});
-  ASSERT_TRUE(restarted.ok());
-  ASSERT_EQ(restarted->size(), kept.size());
-  EXPECT_EQ(restarted->sh_degree, 0);
-  GaussianModel selected = model;
-  selected.Select(kept);
-  EXPECT_EQ(restarted->means, selected.means);
-  EXPECT_EQ(restarted->sh_dc, selected.sh_dc);
-  for (size_t i = 0; i < kept.size(); ++i) {
-    EXPECT_FLOAT_EQ(restarted->opacity_logits[i], std::log(0.25f / 0.75f));
-    EXPECT_EQ(restarted->rotations[4 * i], 1.0f);
-    EXPECT_EQ(restarted->rotations[4 * i + 3], 0.0f);
-    EXPECT_EQ(restarted->log_scales[3 * i], restarted->log_scales[3 * i + 2]);
-  }
-  // The nearest three of those kept.
-  std::vector<double> squares;
-  for (size_t j = 1; j < kept.size(); ++j) {
-    double square = 0;
-    for (int k = 0; k < 3; ++k) {
-      const double offset = selected.means[3 * j + k] - selected.means[k];
-      square += offset * offset;
-    }
-    squares.push_back(square);
-  }
-  std::sort(squares.begin(), squares.end());
-  EXPECT_NEAR(std::exp(restarted->log_scales[0]),
-              std::sqrt((squares[0] + squares[1] + squares[2]) / 3),
-              1e-5);
-}
-
-TEST(RestartFromMeansTest, OneNoneAndWrongOnes) {
-  GaussianModel model = RandomModel(3, 1, 1);
-  const StatusOr<GaussianModel> one =
-      RestartFromMeans(model, Indices{1}, 10.0, {.sh_degree = 1});
-  ASSERT_TRUE(one.ok());
-  EXPECT_EQ(one->means[2], model.means[5]);
-  EXPECT_EQ(one->sh_rest, std::vector<float>(9, 0.0f));
-  EXPECT_NEAR(std::exp(one->log_scales[0]), 0.1, 1e-6);
-
-  // Without the degrees above 0 it would be black for ever.
-  model.sh_dc[4] = -3;
-  const StatusOr<GaussianModel> dark =
-      RestartFromMeans(model, Indices{1}, 10.0);
-  ASSERT_TRUE(dark.ok());
-  EXPECT_EQ(dark->sh_dc[0], model.sh_dc[3]);
-  EXPECT_NEAR(kShC0 * dark->sh_dc[1] + 0.5f, 1 / 255.0f, 1e-6f);
-
-  model.means[3] = kNotANumber;
-  EXPECT_EQ(RestartFromMeans(model, Indices{0, 1}, 10.0)->size(), 1u);
-  EXPECT_EQ(RestartFromMeans(model, Indices{1}, 10.0).status().code(),
-            StatusCode::kBadInput);
-  EXPECT_EQ(RestartFromMeans(model, {}, 10.0).status().code(),
-            StatusCode::kBadInput);
-  EXPECT_EQ(RestartFromMeans(model, Indices{3}, 10.0).status().code(),
-            StatusCode::kInvalidArgument);
 }
 
 }  // namespace

@@ -311,6 +311,11 @@ TEST(SpzFormatTest, FilesHaveTheSizesOfTheModel) {
     EXPECT_TRUE(write(unit, 2).ok());
     EXPECT_FALSE(write(unit, 3).ok());
   }
+  // One is allowed even among few.
+  model.Resize(10);
+  EXPECT_TRUE(write(1e4, 1).ok());
+  EXPECT_FALSE(write(1e4, 2).ok());
+  model.Resize(2000);
   // What nobody sees does not count.
   model.opacity_logits.assign(2000, -4);
   EXPECT_TRUE(write(1e4, 2000).ok());

@@ -43,7 +43,7 @@ class ExposureSearchTest : public TrainingFixture {
         TrainingImages::Load(views_, folder_, {.mask_folder = masks}, pool);
     EXPECT_TRUE(images.ok()) << images.status().message();
     return SearchExposure(
-        search_, Training(), Start(), 2.0, &*images, &pool, &cancellation_);
+        search_, Training(), Start(), 2.0, &*images, pool, &cancellation_);
   }
 
   // Makes the photos brighter from the first to the last.
@@ -136,6 +136,28 @@ TEST_F(ExposureSearchTest, WithoutOthersNothingIsLearnt) {
   EXPECT_EQ(*few, ExposureChoice());
 }
 
+TEST_F(ExposureSearchTest, ReportsTheStepsOfTheTrial) {
+  ThreadPool pool(2);
+  TrainingImages images = Images(pool);
+  search_ = {.level = 1, .trial_share = 0.1, .min_trial_steps = 30};
+  std::vector<Progress> reports;
+  const auto choice =
+      SearchExposure(search_,
+                     Training(),
+                     Start(),
+                     2.0,
+                     &images,
+                     pool,
+                     &cancellation_,
+                     [&](const Progress& p) { reports.push_back(p); });
+  ASSERT_TRUE(choice.ok()) << choice.status().message();
+  ASSERT_EQ(reports.size(), 3u);
+  EXPECT_EQ(reports[0].done, 10);
+  EXPECT_EQ(reports[2].done, 30);
+  EXPECT_EQ(reports[2].total, 30);
+  EXPECT_EQ(reports[2].step, "deciding about exposure");
+}
+
 TEST_F(ExposureSearchTest, PassesErrorsOn) {
   search_.min_gain_db = -1;
   EXPECT_EQ(Search().status().code(), StatusCode::kInvalidArgument);
@@ -156,11 +178,11 @@ TEST_F(ExposureSearchTest, LearnsAnExposureThatDrifts) {
   const std::vector<size_t> kept = {0, 1, 3, 4, 6, 7};
   TrainingImages images = all.Subset(kept);
   TrainingImages holdout = all.Subset(std::vector<size_t>{2, 5});
-  const auto choice = SearchExposure(
-      search_, Training(), Start(), 2.0, &images, &pool, nullptr);
+  const auto choice =
+      SearchExposure(search_, Training(), Start(), 2.0, &images, pool, nullptr);
   ASSERT_TRUE(choice.ok()) << choice.status().message();
   EXPECT_TRUE(choice->learn) << Gains(*choice);
-  Trainer trainer(Training(), Start(), 2.0, &images, &pool);
+  Trainer trainer(Training(), Start(), 2.0, &images, pool);
   trainer.KeepTo(*choice);
   ASSERT_TRUE(Finish(&trainer).ok());
   const auto of_scene =
@@ -180,7 +202,7 @@ TEST_F(ExposureSearchTest, TrainingKeepsToTheChoice) {
   ThreadPool pool(2);
   TrainingImages images = Images(pool);
   const auto make = [&](bool learn) {
-    Trainer trainer(Training(), Start(), 2.0, &images, &pool);
+    Trainer trainer(Training(), Start(), 2.0, &images, pool);
     trainer.KeepTo({.learn = learn, .without = {}, .with = {}});
     return trainer;
   };
@@ -192,7 +214,7 @@ TEST_F(ExposureSearchTest, TrainingKeepsToTheChoice) {
   // Interrupted in the middle, restored in a trainer that was told nothing.
   Trainer first = make(true);
   while (first.iteration() < 150) ASSERT_TRUE(first.Step().ok());
-  Trainer second(Training(), Start(), 2.0, &images, &pool);
+  Trainer second(Training(), Start(), 2.0, &images, pool);
   ASSERT_TRUE(second.Restore(first.Save()).ok());
   ASSERT_TRUE(second.exposure_choice().has_value());
   ASSERT_TRUE(Finish(&second).ok());

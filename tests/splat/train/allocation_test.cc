@@ -121,7 +121,7 @@ TEST_F(AllocationTest, AStepAllocatesNothing) {
     for (const int threads : {1, 2}) {
       ThreadPool pool(threads);
       TrainingImages images = Images(pool);
-      Trainer trainer(SteadyOptions(method), Start(), 2.0, &images, &pool);
+      Trainer trainer(SteadyOptions(method), Start(), 2.0, &images, pool);
       const auto steps = 2 * static_cast<int64_t>(images.size());
       while (trainer.iteration() < steps) ASSERT_TRUE(trainer.Step().ok());
       ASSERT_GT(num_allocations, 0);

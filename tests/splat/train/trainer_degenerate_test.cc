@@ -39,7 +39,7 @@ class TrainerDegenerateTest : public TrainingFixture {
         TrainerOptions options = Options(iterations, method);
         options.budget = budget;
         ASSERT_TRUE(options.Check().ok());
-        Trainer trainer(options, start, 2.0, &images, &pool);
+        Trainer trainer(options, start, 2.0, &images, pool);
         const Status status = Finish(&trainer);
         const std::string trace =
             "method " + std::to_string(static_cast<int>(method)) + ", " +

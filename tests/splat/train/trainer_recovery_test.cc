@@ -30,7 +30,7 @@ TEST_F(TrainerRecoveryTest, GoesBackFromAnExplodingLoss) {
   TrainingImages images = Images(pool);
   for (const DensificationMethod method :
        {DensificationMethod::kGradient, DensificationMethod::kMiniSplatting}) {
-    Trainer trainer(Wild(Options(120, method)), Start(), 2.0, &images, &pool);
+    Trainer trainer(Wild(Options(120, method)), Start(), 2.0, &images, pool);
     int64_t before = 0;
     size_t seen = 0;
     while (!trainer.done()) {
@@ -63,7 +63,7 @@ TEST_F(TrainerRecoveryTest, SameBytesAcrossARestoreAndForAnyNumberOfThreads) {
     for (const int threads : {1, 2, 3, 5}) {
       ThreadPool pool(threads);
       TrainingImages images = Images(pool);
-      Trainer trainer(options, Start(), 2.0, &images, &pool);
+      Trainer trainer(options, Start(), 2.0, &images, pool);
       while (!trainer.done()) {
         ASSERT_TRUE(trainer.Step().ok());
         if (threads == 1) saved.push_back(SerializeCheckpoint(trainer.Save()));
@@ -77,7 +77,7 @@ TEST_F(TrainerRecoveryTest, SameBytesAcrossARestoreAndForAnyNumberOfThreads) {
     for (size_t k = 0; k < saved.size(); k += 7) {
       StatusOr<TrainingCheckpoint> checkpoint = ParseCheckpoint(saved[k]);
       ASSERT_TRUE(checkpoint.ok());
-      Trainer trainer(options, Start(), 2.0, &images, &pool);
+      Trainer trainer(options, Start(), 2.0, &images, pool);
       ASSERT_TRUE(trainer.Restore(std::move(checkpoint).value()).ok());
       ASSERT_TRUE(Finish(&trainer).ok());
       EXPECT_EQ(SerializeCheckpoint(trainer.Save()), end) << "step " << k;
@@ -92,7 +92,7 @@ TEST_F(TrainerRecoveryTest, GoesBackFromNumbersThatAreNotFinite) {
   options.snapshot_interval = 25;
   for (const Parameter parameter : kAllParameters) {
     for (const int64_t stop : {30, 59, 70}) {  // 60 simplifies.
-      Trainer trainer(options, Start(), 2.0, &images, &pool);
+      Trainer trainer(options, Start(), 2.0, &images, pool);
       while (trainer.iteration() < stop) ASSERT_TRUE(trainer.Step().ok());
       TrainingCheckpoint checkpoint = trainer.Save();
       std::vector<float>& array = ParameterArray(checkpoint.model, parameter);
@@ -119,7 +119,7 @@ TEST_F(TrainerRecoveryTest, TheColoursOfPhotosGoBackToo) {
   TrainerOptions options = Options(120, DensificationMethod::kMiniSplatting);
   options.snapshot_interval = 25;
   options.exposure.learn = true;
-  Trainer trainer(options, Start(), 2.0, &images, &pool);
+  Trainer trainer(options, Start(), 2.0, &images, pool);
   while (trainer.iteration() < 40) ASSERT_TRUE(trainer.Step().ok());
   TrainingCheckpoint checkpoint = trainer.Save();
   for (PhotoColors::Entry& entry : checkpoint.history.colors.entries) {
@@ -143,7 +143,7 @@ TEST_F(TrainerRecoveryTest, GivesUpInTheEnd) {
        {DensificationMethod::kGradient, DensificationMethod::kMiniSplatting}) {
     TrainerOptions options = Options(120, method);
     options.learning_rates.sh_dc = 1e6;
-    Trainer trainer(options, Start(), 2.0, &images, &pool);
+    Trainer trainer(options, Start(), 2.0, &images, pool);
     const Status status = Finish(&trainer);
     EXPECT_EQ(status.code(), StatusCode::kUnusableResult);
     EXPECT_THAT(status.message(), HasSubstr("training diverged at iteration"));
@@ -169,7 +169,7 @@ TEST_F(TrainerRecoveryTest, AbsurdRatesOfAnyParameter) {
                                &rates.opacity_logit,
                                &rates.sh_rest};
         *all[which] = rate;
-        Trainer trainer(options, Start(), 2.0, &images, &pool);
+        Trainer trainer(options, Start(), 2.0, &images, pool);
         const Status status = Finish(&trainer);
         if (status.ok()) {
           EXPECT_TRUE(trainer.model().AllFinite()) << which << " " << rate;

@@ -80,8 +80,6 @@ TEST(TrainingSchedule, MilestonesScaleAndTooShortOnesDrop) {
             "simplification 20");  // 7, 13 and 27 come too soon.
   EXPECT_EQ(TrainingSchedule(Options(10)).Describe(), "simplification 5");
   EXPECT_EQ(TrainingSchedule(Options(1)).Describe(), "simplification 1");
-  EXPECT_TRUE(TrainingSchedule(Options(100)).MayRestartAtSimplification());
-  EXPECT_FALSE(TrainingSchedule(Options(10)).MayRestartAtSimplification());
 }
 
 TEST(TrainingSchedule, MilestonesAreDistinctAndOrderedForAnyOptions) {

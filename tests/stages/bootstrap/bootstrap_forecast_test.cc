@@ -63,6 +63,55 @@ TEST(BootstrapForecastTest, ModesTakeMoreAndLess) {
   EXPECT_LT(Need(options, scene).memory_bytes, lift.memory_bytes);
 }
 
+TEST(BootstrapForecastTest, TrainingTakesTimeForEachPhotoAndClustering) {
+  const SceneOutlook scene = SceneOutlookOf(40, 480, 360);
+  BootstrapStageOptions options;
+  const auto seconds = [&options](const SceneOutlook& of) {
+    return Need(options, of).seconds;
+  };
+  const double lift = seconds(scene);
+  // An average needs no more photos, but training takes all.
+  EXPECT_DOUBLE_EQ(seconds(SceneOutlookOf(80, 480, 360)), lift);
+  options.mode = "paper";
+  options.method.training.iterations = 60;
+  const double few_steps = seconds(scene);
+  EXPECT_GT(few_steps, 2 * lift);  // The clustering at the end.
+  EXPECT_GT(seconds(SceneOutlookOf(80, 480, 360)), 1.5 * few_steps);
+  // Two more clusterings. The second one ends training, so that further steps
+  // are not taken.
+  options.method.training.iterations = 5001;
+  const double clustered = seconds(scene);
+  EXPECT_GT(clustered, 2.5 * few_steps);
+  options.method.training.iterations = 20000;
+  EXPECT_DOUBLE_EQ(seconds(scene), clustered);
+  options.clustering = "union";
+  EXPECT_GT(seconds(scene), 2 * clustered);
+  options.method.training.cluster_start = 0;
+  EXPECT_LT(seconds(scene), 3 * clustered);
+}
+
+TEST(BootstrapForecastTest, LongVectorsTakeMore) {
+  const SceneOutlook scene = SceneOutlookOf(24, 640, 480);
+  for (const char* mode : {"lift", "paper"}) {
+    BootstrapStageOptions options;
+    options.mode = mode;
+    options.method.features.dim = 128;
+    const StageNeed usual = Need(options, scene);
+    options.method.features.dim = 512;
+    const StageNeed more = Need(options, scene);
+    EXPECT_GT(more.memory_bytes, usual.memory_bytes) << mode;
+    EXPECT_GT(more.disk_bytes, usual.disk_bytes) << mode;
+    EXPECT_GE(more.seconds, usual.seconds) << mode;
+    options.method.features.dim = 8;
+    EXPECT_LE(Need(options, scene).memory_bytes, usual.memory_bytes) << mode;
+  }
+  BootstrapStageOptions options;
+  options.mode = "paper";
+  const double chosen = Need(options, scene).seconds;
+  options.method.features.dim = 128;
+  EXPECT_GT(Need(options, scene).seconds, 1.5 * chosen);
+}
+
 TEST(BootstrapForecastTest, NothingIsKnownWithoutPhotosOrGaussians) {
   SceneOutlook scene = SceneOutlookOf(24, 640, 480);
   scene.gaussians = 0;

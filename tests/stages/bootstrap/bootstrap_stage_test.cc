@@ -117,6 +117,8 @@ class BootstrapStageTest : public testing::Test {
     context.workspace = workspace();
     context.output = output;
     context.resuming = resuming;
+    context.earlier_seconds = resuming ? 1000 : 0;
+    context.earlier_cpu_seconds = resuming ? 2000 : 0;
     context.pool = &pool;
     context.cancellation = cancellation != nullptr ? cancellation : &never;
     context.progress = [](const Progress&) {};
@@ -159,9 +161,47 @@ TEST_F(BootstrapStageTest, TheSceneIsSeenWhereAMaskIgnoresThePhoto) {
   fs::create_directories(mask_file.parent_path());
   ASSERT_TRUE(WriteImage(mask_file, mask).ok());
   EXPECT_LE(MaxDifference(*ReadSeenPhoto(workspace(), *scene, view), photo), 8);
+
+  // The photo was exposed half as long as the scene.
+  WorkspaceScene exposed = *scene;
+  splat::AffineColor half;
+  for (const size_t k : {0u, 5u, 10u}) half.values[k] = 0.5f;
+  exposed.exposures = {{view.name, half}};
+  const ImageU8 darker = *ReadSeenPhoto(workspace(), exposed, view);
+  for (int y = 0; y < kHeight; y += 7) {
+    for (int x = 0; x < kWidth / 2; x += 7) {
+      ASSERT_NEAR(darker(x, y, 1), 0.5 * photo(x, y, 1), 5);
+    }
+  }
+  EXPECT_EQ(darker(kWidth - 1, 0, 1), photo(kWidth - 1, 0, 1));
   ASSERT_TRUE(WriteImage(mask_file, ImageU8(8, 8, 1, 255)).ok());
   EXPECT_EQ(ReadSeenPhoto(workspace(), *scene, view).status().code(),
             StatusCode::kBadInput);
+}
+
+TEST_F(BootstrapStageTest, ExposuresAreAnInputWhereThereAreMasks) {
+  const auto stage = MakeBootstrapStage(options_, /*seed=*/0);
+  pipeline::StageContext context;
+  context.workspace = workspace();
+  const auto has_exposures = [&] {
+    const std::vector<fs::path> inputs = stage->Inputs(context);
+    return std::find(inputs.begin(),
+                     inputs.end(),
+                     "reconstruct/exposure.json") != inputs.end();
+  };
+  EXPECT_FALSE(has_exposures());
+  fs::create_directories(workspace() / "undistort" / "masks");
+  EXPECT_TRUE(has_exposures());
+}
+
+TEST_F(BootstrapStageTest, AModelThatIsNotUsedIsTold) {
+  fs::remove(workspace() / "reconstruct" / "point_cloud.ply");
+  EXPECT_FALSE(Run(workspace() / "out").ok());
+  EXPECT_EQ(log_, "");
+  options_.model = "models/clip";
+  EXPECT_FALSE(Run(workspace() / "out").ok());
+  EXPECT_NE(log_.find("bootstrap.model is not used"), std::string::npos)
+      << log_;
 }
 
 TEST_F(BootstrapStageTest, WritesInstancesMapsAndPreviews) {
@@ -269,7 +309,12 @@ TEST_F(BootstrapStageTest, ResumesToTheSameFiles) {
   fs::remove(output / "metrics.json");
   ASSERT_TRUE(Run(output, 2, nullptr, /*resuming=*/true).ok());
   EXPECT_EQ(*ReadFile(output / "instances" / "photo6.png"), *map);
-  EXPECT_TRUE(fs::exists(output / "metrics.json"));
+  // The time of the first run counts.
+  const auto text = ReadFile(output / "metrics.json");
+  ASSERT_TRUE(text.ok());
+  const auto metrics = nlohmann::json::parse(*text);
+  EXPECT_GE(metrics["seconds"], 1000);
+  EXPECT_GE(metrics["cpu_seconds"], 2000);
 }
 
 TEST_F(BootstrapStageTest, SameInstancesInAnyUnit) {

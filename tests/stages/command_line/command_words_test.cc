@@ -4,11 +4,14 @@
 
 #include "stages/command_line/command_words.h"
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "tests/temporary_folder.h"
 
 namespace freegs::stages {
 namespace {
@@ -119,6 +122,35 @@ TEST_F(CommandWordsTest, WordsOutliveTheFunctionThatMadeThem) {
   ASSERT_TRUE(positional.ok());
   EXPECT_EQ(words.table().Find("out")->value(), "x");
   EXPECT_EQ(words.table().Find("out")->default_value, "");
+}
+
+TEST(AbsoluteFolderTest, TheFolderAboveALinkIsThatOfItsTarget) {
+  namespace fs = std::filesystem;
+  const TemporaryFolder folder;
+  const fs::path root = fs::canonical(folder.path());
+  fs::create_directories(root / "far" / "photos");
+  fs::create_directory_symlink("far/photos", root / "link");
+  EXPECT_EQ(AbsoluteFolder((root / "link/").string()), root / "link");
+  EXPECT_EQ(AbsoluteFolder((root / "link/../new/").string()),
+            root / "far" / "new");
+  EXPECT_EQ(AbsoluteFolder((root / "link/..").string()), root / "far");
+  EXPECT_EQ(AbsoluteFolder("photos/"), fs::current_path() / "photos");
+}
+
+TEST(ExistingWorkspaceTest, IsAnAbsoluteFolder) {
+  const TemporaryFolder folder;
+  folder.Write("w/log.txt", "");
+  const std::string path = (folder / "w").string();
+  for (const std::string& word : {path, path + "/", path + "/."}) {
+    const auto workspace = ExistingWorkspace(word);
+    ASSERT_TRUE(workspace.ok()) << workspace.status().message();
+    EXPECT_EQ(*workspace, path) << word;
+  }
+  for (const std::string& word : {path + "x", path + "/log.txt"}) {
+    const auto workspace = ExistingWorkspace(word);
+    EXPECT_EQ(workspace.status().code(), StatusCode::kBadInput);
+    EXPECT_EQ(workspace.status().message(), word + ": no such workspace");
+  }
 }
 
 TEST(CompletionOfTest, NamesOfValuesTellWhatTheyAre) {

@@ -2,9 +2,12 @@
 
 #include "stages/commands/eval_command.h"
 
+#include <cstdint>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <Eigen/QR>
@@ -16,6 +19,8 @@
 #include "pipeline/exit_code.h"
 #include "semantics/clip/opencv_clip.h"
 #include "semantics/clip/relevancy.h"
+#include "semantics/field/idsf.h"
+#include "semantics/losses/decoder_file.h"
 #include "semantics/queries/instance_features.h"
 #include "stages/scene/scene_instances.h"
 #include "tests/semantics/clip/model_files.h"
@@ -181,6 +186,48 @@ TEST_F(EvalCommandTest, BelowTheThresholdThereIsNoAnswer) {
   EXPECT_EQ(result_["text_threshold"], 1);
   EXPECT_TRUE(result_["labels"][0]["instance"].is_null());
   EXPECT_GT(result_["labels"][0]["relevancy"], 0.5);
+}
+
+TEST_F(EvalCommandTest, WhenGaussiansAnswerNoInstanceDoes) {
+  WriteFeatures();
+  // Each Gaussian has the feature of its instance.
+  const auto features = semantics::ReadInstanceFeatures(
+      workspace_ / "bootstrap/instance_features.json");
+  ASSERT_TRUE(features.ok()) << features.status().message();
+  semantics::LinearDecoder linear;
+  linear.latent_dim = static_cast<int>(kLabels.size());
+  linear.feature_dim = features->dim;
+  linear.mean.resize(static_cast<size_t>(features->dim));
+  for (size_t c = 0; c < linear.mean.size(); ++c) {
+    for (size_t k = 0; k < kLabels.size(); ++k) {
+      linear.basis.push_back(features->features[k * linear.mean.size() + c]);
+    }
+  }
+  ASSERT_TRUE(semantics::WriteDecoder(
+                  workspace_ / "bootstrap/decoder.bin",
+                  {semantics::FeatureDecoder(std::move(linear)), std::nullopt})
+                  .ok());
+  semantics::Idsf field;
+  field.feature_dim = static_cast<int>(kLabels.size());
+  field.instances = workspace_.labels;
+  for (const int32_t label : workspace_.labels) {
+    for (int32_t k = 0; k < field.feature_dim; ++k) {
+      field.features.push_back(label == k ? 1.0f : 0.0f);
+    }
+  }
+  ASSERT_TRUE(
+      semantics::WriteIdsf(workspace_ / "bootstrap/idsf.bin", field).ok());
+  ASSERT_EQ(Eval({"--gt", truth_.path().string(), "--text-from", "gaussians"}),
+            0)
+      << message_;
+  EXPECT_EQ(result_["text_from"], "gaussians");
+  EXPECT_EQ(result_["text_threshold"], 0.5);
+  EXPECT_TRUE(result_["text_miou"].is_number());
+  ASSERT_EQ(result_["labels"].size(), kLabels.size());
+  for (const json& label : result_["labels"]) {
+    EXPECT_TRUE(label["instance"].is_null());
+    EXPECT_GT(label["relevancy"], 0.5);
+  }
 }
 
 TEST_F(EvalCommandTest, SaysWhyThereIsNoText) {

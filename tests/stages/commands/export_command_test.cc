@@ -22,6 +22,7 @@ namespace freegs::stages {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 class ExportCommandTest : public testing::Test {
  protected:
@@ -167,6 +168,72 @@ TEST_F(ExportCommandTest, OneFileForEachObject) {
   EXPECT_TRUE(splat::ReadSpz(File("some/1.spz")).ok());
   EXPECT_FALSE(std::filesystem::exists(File("some/2.spz")));
   EXPECT_TRUE(splat::ReadSpz(File("some/3.spz")).ok());
+}
+
+TEST_F(ExportCommandTest, OneGaussianDoesNotKeepAnObjectFromSpz) {
+  workspace_.AddInstances();
+  // Gaussian 4 of instance 1 is larger than the format can say.
+  workspace_.model.opacity_logits[4] = 2;
+  workspace_.model.log_scales[12] = 8;
+  ASSERT_TRUE(splat::WritePly(workspace_ / "reconstruct" / "point_cloud.ply",
+                              workspace_.model)
+                  .ok());
+  const Status status =
+      Export({workspace(), "--objects", File("all"), "--format", "spz"});
+  ASSERT_TRUE(status.ok()) << status.message();
+  const auto object = splat::ReadSpz(File("all/1.spz"));
+  ASSERT_TRUE(object.ok()) << object.status().message();
+  EXPECT_EQ(object->size(), 30u);
+}
+
+TEST_F(ExportCommandTest, ObjectsOfAnEarlierExportAreCounted) {
+  workspace_.AddInstances();
+  const std::string all = File("all");
+  ASSERT_TRUE(Export({workspace(), "--objects", all}).ok());
+  EXPECT_THAT(output_.str(), Not(HasSubstr("also holds")));
+  for (const char* name : {"17.ply", "17.spz", "seventeen.ply", "17b.ply"}) {
+    WriteText(std::filesystem::path(all) / name, "");
+  }
+  ASSERT_TRUE(Export({workspace(), "--objects", all, "--only", "2"}).ok());
+  EXPECT_THAT(output_.str(), HasSubstr("also holds 3 .ply files"));
+  EXPECT_TRUE(std::filesystem::exists(std::filesystem::path(all) / "3.ply"));
+}
+
+TEST_F(ExportCommandTest, FilesOfStagesAreNotOverwritten) {
+  workspace_.AddInstances();
+  const std::string model =
+      (workspace_ / "reconstruct" / "point_cloud.ply").string();
+  const std::string before = ReadText(model);
+  const std::filesystem::path link = out_ / "link";
+  std::filesystem::create_directory_symlink(workspace_ / "reconstruct", link);
+  const std::vector<std::vector<std::string>> wrong = {
+      {"--out", model, "--only", "3"},
+      {"--out", (link / "point_cloud.ply").string()},
+      {"--out", (workspace_ / "bootstrap/../export/new/a.ply").string()},
+      {"--objects", (workspace_ / "reconstruct").string()},
+      {"--out", (workspace_ / "undistort/sparse").string(), "--what", "colmap"},
+      {"--out",
+       (workspace_ / "bootstrap" / "boxes.json").string(),
+       "--what",
+       "boxes"}};
+  for (std::vector<std::string> words : wrong) {
+    words.insert(words.begin(), workspace());
+    const Status status = Export(words);
+    EXPECT_EQ(status.code(), StatusCode::kInvalidArgument) << words[2];
+    EXPECT_THAT(status.message(), HasSubstr("the folder of stage")) << words[2];
+  }
+  EXPECT_EQ(ReadText(model), before);
+  EXPECT_FALSE(std::filesystem::exists(workspace_ / "export"));
+  // Beside the stages there is room.
+  const std::string beside = (workspace_ / "reconstruct.ply").string();
+  EXPECT_TRUE(Export({workspace(), "--out", beside}).ok());
+}
+
+TEST_F(ExportCommandTest, AWorkspaceThatIsNotThere) {
+  const Status status =
+      Export({File("none"), "--out", (out_ / "scene.ply").string()});
+  EXPECT_EQ(status.code(), StatusCode::kBadInput);
+  EXPECT_THAT(status.message(), HasSubstr("no such workspace"));
 }
 
 TEST_F(ExportCommandTest, MasksOfAllPhotosAsCoco) {

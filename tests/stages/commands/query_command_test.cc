@@ -11,6 +11,7 @@
 
 #include "core/io/image_io.h"
 #include "pipeline/exit_code.h"
+#include "pipeline/stage_record.h"
 #include "semantics/clip/opencv_clip.h"
 #include "semantics/instances/instances_json.h"
 #include "semantics/queries/instance_features.h"
@@ -221,6 +222,71 @@ TEST_F(QueryCommandTest, MasksShowTheHitsInEveryView) {
   EXPECT_GT(overlays, 0u);
 }
 
+TEST_F(QueryCommandTest, FilesOfAnEarlierAnswerAreRemoved) {
+  namespace fs = std::filesystem;
+  const auto [x, y] = PixelOf(Labels(workspace_.views[2]), 1);
+  const auto ask = [&, x = x, y = y] {
+    return Query({"--click",
+                  "photo2",
+                  std::to_string(x),
+                  std::to_string(y),
+                  "--out",
+                  out()});
+  };
+  // Somebody has changed the list; what lies elsewhere is not of the answer.
+  const fs::path folder = out();
+  fs::create_directories(folder / "masks" / "old");
+  fs::create_directories(folder / "overlay" / "old");
+  for (const char* name : {"masks/old/a.png",
+                           "overlay/old/a.jpg",
+                           "masks/unlisted.png",
+                           "photo.png",
+                           "masks/notes.txt"}) {
+    WriteText(folder / name, "");
+  }
+  WriteText(folder / "query.json",
+            R"({"masks": [{"mask": "masks/old/a.png"},
+                          {"mask": "photo.png"},
+                          {"mask": "masks/../photo.png"},
+                          {"mask": "masks/notes.txt"},
+                          {"mask": 7}, {}, 7]})");
+  ASSERT_EQ(ask(), 0) << message_;
+  EXPECT_FALSE(fs::exists(folder / "masks/old/a.png"));
+  EXPECT_FALSE(fs::exists(folder / "overlay/old/a.jpg"));
+  for (const char* name :
+       {"masks/unlisted.png", "photo.png", "masks/notes.txt"}) {
+    EXPECT_TRUE(fs::exists(folder / name)) << name;
+  }
+  EXPECT_TRUE(fs::exists(folder / "masks" / "photo1.png"));
+  EXPECT_TRUE(fs::exists(folder / "query.json"));
+
+  for (const char* text : {"{", "7", "[]", R"({"masks": 7})", R"({})"}) {
+    WriteText(folder / "query.json", text);
+    EXPECT_EQ(ask(), 0) << text << ": " << message_;
+  }
+}
+
+TEST_F(QueryCommandTest, FoldersOfStagesAreNoPlaceForMasks) {
+  for (const char* folder : {"undistort", "bootstrap/new", "export"}) {
+    EXPECT_EQ(Query({"--click",
+                     "photo2",
+                     "1",
+                     "1",
+                     "--out",
+                     (workspace_ / folder).string()}),
+              2);
+    EXPECT_THAT(message_, HasSubstr("the folder of stage"));
+  }
+  EXPECT_EQ(Query({"--click",
+                   "photo2",
+                   "1",
+                   "1",
+                   "--out",
+                   (workspace_ / "answer").string()}),
+            0)
+      << message_;
+}
+
 TEST_F(QueryCommandTest, ClicksAnswerWithoutSemantics) {
   const View& view = workspace_.views[2];
   const Image<int32_t> labels = Labels(view);
@@ -425,12 +491,68 @@ TEST_F(QueryCommandTest, CamerasOfAFileWithoutAlignment) {
   EXPECT_EQ(mask->width(), 16);
 }
 
+TEST_F(QueryCommandTest, AViewOfTheFileComesBeforeAPhotoOfThatName) {
+  // The file's photo1.png is where photo4.png is, and twice as large.
+  const Eigen::Matrix<double, 3, 4> pose =
+      workspace_.views[4].cam_from_world.Matrix3x4();
+  nlohmann::json rows;
+  for (int r = 0; r < 3; ++r) {
+    rows.push_back({pose(r, 0), pose(r, 1), pose(r, 2), pose(r, 3)});
+  }
+  const Pinhole& photo = workspace_.views[4].camera;
+  View large = workspace_.views[4];
+  large.camera = photo.Resized(2 * photo.width, 2 * photo.height);
+  nlohmann::json file;
+  file["intrinsics"] = {{"w", large.camera.width},
+                        {"h", large.camera.height},
+                        {"fx", large.camera.fx},
+                        {"fy", large.camera.fy},
+                        {"cx", large.camera.cx},
+                        {"cy", large.camera.cy}};
+  file["test"]["photo1.png"] = rows;
+  const std::string path = (out_ / "cameras.json").string();
+  WriteText(path, file.dump());
+  // Outside of the photos of the workspace.
+  const Image<int32_t> labels = Labels(large);
+  std::pair<int, int> pixel = {0, 0};
+  for (int y = photo.height; y + 1 < labels.height(); ++y) {
+    for (int x = 1; x + 1 < labels.width(); ++x) {
+      if (labels(x, y) == 1 && labels(x - 1, y) == 1 && labels(x + 1, y) == 1 &&
+          labels(x, y - 1) == 1 && labels(x, y + 1) == 1) {
+        pixel = {x, y};
+      }
+    }
+  }
+  ASSERT_NE(pixel.second, 0);
+  for (const char* name : {"photo1", "photo1.png"}) {
+    const nlohmann::json answer = QueryJson({"--click",
+                                             name,
+                                             std::to_string(pixel.first),
+                                             std::to_string(pixel.second),
+                                             "--cameras",
+                                             path,
+                                             "--no-align"});
+    EXPECT_EQ(answer["hits"][0]["id"], 2);
+  }
+  // A photo that the file does not name.
+  const auto [x, y] = PixelOf(Labels(workspace_.views[5]), 0);
+  const nlohmann::json of_photo = QueryJson({"--click",
+                                             "photo5",
+                                             std::to_string(x),
+                                             std::to_string(y),
+                                             "--cameras",
+                                             path,
+                                             "--no-align"});
+  EXPECT_EQ(of_photo["hits"][0]["id"], 1);
+}
+
 TEST_F(QueryCommandTest, WrongUsageIs2) {
   AddFeatures("red apple", "wooden box");
   for (const std::vector<std::string>& arguments :
        {std::vector<std::string>{},
         {"--text", "a", "--click", "photo1", "1", "1"},
         {"--text", " "},
+        {"--text", "\xff\xfe"},
         {"--text"},
         {"--click", "photo1", "1"},
         {"--click", "photo1", "1", "y"},
@@ -455,7 +577,26 @@ TEST_F(QueryCommandTest, WithoutSemanticsTextSaysWhatToDo) {
   EXPECT_THAT(message_,
               AllOf(HasSubstr("instance_features.json"),
                     HasSubstr("--click"),
+                    HasSubstr("--bootstrap.mode lift"),
                     HasSubstr(kMissing)));
+}
+
+TEST_F(QueryCommandTest, AnswersNothingOfAnotherReconstruction) {
+  AddFeatures("red apple", "wooden box");
+  pipeline::StageRecord record;
+  record.fingerprint.stage = "bootstrap";
+  record.fingerprint.inputs["reconstruct/point_cloud.ply"] = {
+      .hash = "0123456789abcdef0123456789abcdef", .files = 1};
+  ASSERT_TRUE(
+      pipeline::WriteStageRecord(workspace_ / "bootstrap", record).ok());
+  for (const std::vector<std::string>& question :
+       {std::vector<std::string>{"--text", "red apple"},
+        {"--click", "photo1", "1", "1"}}) {
+    EXPECT_EQ(Query(question), 3);
+    EXPECT_THAT(
+        message_,
+        AllOf(HasSubstr("another reconstruction"), HasSubstr(kMissing)));
+  }
 }
 
 TEST_F(QueryCommandTest, WithoutBootstrapEveryQuestionNamesTheStage) {

@@ -355,6 +355,53 @@ TEST_F(RenderCommandTest, FilmThroughThePhotosAndThroughAFile) {
   EXPECT_LT(difference / static_cast<double>(expected.size()), 1);
 }
 
+TEST_F(RenderCommandTest, FramesOfALongerWayAreRemoved) {
+  const auto render = [&](const char* seconds, const char* what) {
+    output_.str("");
+    return Render({workspace(),
+                   "--path",
+                   "orbit",
+                   "--out",
+                   out(),
+                   "--what",
+                   what,
+                   "--seconds",
+                   seconds,
+                   "--fps",
+                   "4"});
+  };
+  const auto exists = [&](const char* name) {
+    return std::filesystem::exists(std::filesystem::path(out()) / name);
+  };
+  ASSERT_TRUE(render("1", "depth").ok());
+  EXPECT_TRUE(exists("frame_0004.png"));
+  EXPECT_TRUE(exists("preview/frame_0004.png"));
+  ASSERT_TRUE(render("0.5", "depth").ok());
+  EXPECT_THAT(output_.str(), HasSubstr("2 pictures of a longer way"));
+  for (const char* name : {"frame_0001.png", "frame_0002.png"}) {
+    EXPECT_TRUE(exists(name)) << name;
+    EXPECT_TRUE(exists((std::string("preview/") + name).c_str())) << name;
+  }
+  for (const char* name : {"frame_0003.png", "frame_0004.png"}) {
+    EXPECT_FALSE(exists(name)) << name;
+    EXPECT_FALSE(exists((std::string("preview/") + name).c_str())) << name;
+  }
+}
+
+TEST_F(RenderCommandTest, FoldersOfStagesAreNoPlaceForPictures) {
+  const std::string place =
+      (workspace_.path() / "undistort" / "images").string();
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"--out", place},
+        {"--path", "orbit", "--video", place + "/film.mp4"}}) {
+    std::vector<std::string> arguments = {workspace()};
+    arguments.insert(arguments.end(), words.begin(), words.end());
+    const Status status = Render(arguments);
+    EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+    EXPECT_THAT(status.message(), HasSubstr("the folder of stage undistort"));
+  }
+}
+
 TEST_F(RenderCommandTest, OnlyShowsTheObjectAlone) {
   workspace_.AddInstances();
   ASSERT_TRUE(
@@ -415,6 +462,9 @@ TEST_F(RenderCommandTest, WrongUsage) {
 }
 
 TEST_F(RenderCommandTest, AWorkspaceWithoutAModelIsBadInput) {
+  const Status none = Render({(out_ / "none").string(), "--out", out()});
+  EXPECT_EQ(none.code(), StatusCode::kBadInput);
+  EXPECT_THAT(none.message(), HasSubstr("no such workspace"));
   std::filesystem::remove_all(workspace_ / "reconstruct");
   const Status status = Render({workspace(), "--out", out()});
   EXPECT_EQ(status.code(), StatusCode::kBadInput);

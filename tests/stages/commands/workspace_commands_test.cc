@@ -326,10 +326,16 @@ TEST_F(CommandTest, OneRunAtATime) {
   fs::create_directory(folder_ / "w");
   const auto lock = pipeline::WorkspaceLock::Acquire(folder_ / "w");
   ASSERT_TRUE(lock.ok());
-  ExpectError(RunRunCommand,
-              {Path("photos"), Path("w")},
-              StatusCode::kBadInput,
-              "another freegs_pipeline");
+  // The other run may be writing what the workspace remembers, so that is not
+  // read either.
+  WriteText(folder_ / "w" / "workspace.json", "{");
+  for (const CommandFn command : {RunRunCommand, RunStageCommand}) {
+    const std::string first = command == RunRunCommand ? Path("photos") : "sfm";
+    ExpectError(command,
+                {first, Path("w")},
+                StatusCode::kBadInput,
+                "another freegs_pipeline");
+  }
 }
 
 TEST_F(CommandTest, StageErrors) {

@@ -103,7 +103,7 @@ TEST_F(ScannetTest, SaysWhatIsMissingOrDoesNotFit) {
   Write("pose/60.txt", "1 0 0");
   EXPECT_THAT(Fault(), HasSubstr("60.txt: must be 16 numbers"));
   Write("pose/60.txt", "2 0 0 0 0 2 0 0 0 0 2 0 0 0 0 1");
-  EXPECT_THAT(Fault(), HasSubstr("60.txt"));
+  EXPECT_THAT(Fault(), HasSubstr("60.txt: not a rotation matrix"));
   fs::remove_all(folder_ / "pose");
   EXPECT_THAT(Fault(), HasSubstr("no frame with a pose"));
   Write("scene0060_00_vh_clean_2.0.010000.segs.json",

@@ -104,6 +104,7 @@ TEST_F(TextEvaluationTest, ReportHasATableOfLabels) {
   EXPECT_GT(json["text_miou"], 0.3);
   EXPECT_GT(json["text_mbiou"], 0.3);
   EXPECT_NEAR(json["text_box_recall50"], 1.0 / 3, 1e-12);
+  EXPECT_EQ(json["text_from"], "instances");
   EXPECT_EQ(json["text_model"], "models/x");
   EXPECT_TRUE(json["text_threshold"].is_null());
   ASSERT_EQ(json["labels"].size(), 3u);
@@ -116,6 +117,15 @@ TEST_F(TextEvaluationTest, ReportHasATableOfLabels) {
   PrintTable(report, table);
   EXPECT_NE(table.str().find("text mIoU"), std::string::npos);
   EXPECT_NE(table.str().find("relevancy"), std::string::npos);
+  EXPECT_NE(table.str().find("best instance"), std::string::npos);
+  report.text_from_gaussians = true;
+  EXPECT_EQ(ToJson(report)["text_from"], "gaussians");
+  std::ostringstream of_gaussians;
+  PrintTable(report, of_gaussians);
+  EXPECT_NE(of_gaussians.str().find("all Gaussians relevant to each label"),
+            std::string::npos);
+  EXPECT_EQ(of_gaussians.str().find("label's best instance"),
+            std::string::npos);
 }
 
 using ConsistencyTest = BallScene;

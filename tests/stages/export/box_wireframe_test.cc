@@ -14,7 +14,7 @@ namespace {
 
 TEST(BoxWireframeTest, BarsLieOnTheEdges) {
   ColoredBox colored;
-  colored.box.center = {1, 2, 3};
+  colored.box.centre = {1, 2, 3};
   colored.box.size = {2, 4, 6};
   colored.box.rotation =
       Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized())
@@ -42,7 +42,7 @@ TEST(BoxWireframeTest, BarsLieOnTheEdges) {
     EXPECT_EQ(b, 30);
     // All eight corners of a bar are near a corner of the box.
     const Eigen::Vector3d local =
-        colored.box.rotation.transpose() * (vertex - colored.box.center);
+        colored.box.rotation.transpose() * (vertex - colored.box.centre);
     for (int k = 0; k < 3; ++k) {
       EXPECT_NEAR(
           std::abs(local[k]), colored.box.size[k] / 2, half_width + 1e-5);

@@ -185,7 +185,8 @@ TEST_F(ExportStageTest, LeavesOutASpzThatCannotSayTheSizes) {
   ASSERT_TRUE(Run().ok());
   EXPECT_FALSE(fs::exists(Out("scene.spz")));
   EXPECT_TRUE(fs::exists(Out("scene.ply")));
-  EXPECT_THAT(log_, HasSubstr("no scene.spz"));
+  EXPECT_THAT(log_, HasSubstr("no scene.spz: "));
+  EXPECT_THAT(log_, Not(HasSubstr(Out("scene.spz").string())));
 }
 
 TEST_F(ExportStageTest, WithoutInstancesTheRestIsThere) {

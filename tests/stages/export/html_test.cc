@@ -5,6 +5,7 @@
 #include <string>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "core/number_text.h"
 
@@ -24,6 +25,14 @@ TEST(HtmlTest, EncodesPaths) {
   EXPECT_EQ(EncodeUrlPath("javascript:a b\"#?%"),
             "javascript%3Aa%20b%22%23%3F%25");
   EXPECT_EQ(EncodeUrlPath("\xff"), "%FF");
+}
+
+TEST(HtmlTest, JsonDoesNotEndItsScript) {
+  const nlohmann::json json = {{"</script>", "<!-- a < b -->"}, {"c", 1}};
+  const std::string text = JsonForScript(json.dump());
+  EXPECT_EQ(text.find('<'), std::string::npos) << text;
+  EXPECT_EQ(nlohmann::json::parse(text), json);
+  EXPECT_EQ(JsonForScript(R"({"a":"\u003c"})"), R"({"a":"\u003c"})");
 }
 
 }  // namespace

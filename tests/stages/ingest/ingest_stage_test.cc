@@ -118,7 +118,8 @@ TEST_F(IngestStageTest, OfFilmsNothingIsForetold) {
   const pipeline::StageNeed need =
       MakeIngestStage(options_)->Foretell(context, false, &scene);
   EXPECT_FALSE(need.known());
-  EXPECT_THAT(need.advice, HasSubstr("film"));
+  EXPECT_THAT(need.unknown_reason, HasSubstr("film"));
+  EXPECT_EQ(need.advice, "");
   EXPECT_EQ(scene.photos(), 0);
 }
 
@@ -221,7 +222,7 @@ TEST_F(IngestStageTest, HostileFolder) {
       {"pixel.png", "only 1 x 1 pixels"},
       {"secret.jpg", "Permission denied"},
       {"self.jpg", ""},
-      {"text.jpg", "not an image although its name says so"},
+      {"text.jpg", "not an image, whatever its name says"},
       {"truncated.jpg", "truncated JPEG"},
   };
   const photos::PhotoList list = List();
@@ -364,6 +365,40 @@ TEST_F(IngestStageTest, InputsAreThePhotosAndTheList) {
               ElementsAre(images_.path(),
                           fs::path("list.txt"),
                           images_.path() / "linked" / ""));
+}
+
+TEST_F(IngestStageTest, ALinkToAFolderThatHoldsTheWorkspaceIsRefused) {
+  const TemporaryFolder folder;
+  for (int i = 0; i < 4; ++i) {
+    folder.Write("photos/" + std::to_string(i) + ".jpg",
+                 photos::MakeJpeg(64, 48, i));
+  }
+  folder.Write("more/w/log.txt", "");
+  folder.Write("more/set/4.jpg", photos::MakeJpeg(64, 48, 4));
+  ThreadPool pool(1);
+  pipeline::StageContext context;
+  context.workspace = folder / "more/w";
+  context.output = folder / "more/w/ingest.partial";
+  context.images = folder / "photos";
+  context.pool = &pool;
+  context.cancellation = &cancellation_;
+  context.progress = [](const Progress&) {};
+  context.log = [](pipeline::LogLevel, const std::string&) {};
+  const fs::path link = folder / "photos/linked";
+  fs::create_directory_symlink("../more", link);
+  const auto stage = MakeIngestStage(options_);
+  const Status status = stage->Run(context);
+  EXPECT_EQ(status.code(), StatusCode::kBadInput);
+  EXPECT_THAT(status.message(),
+              HasSubstr(link.string() + ": this link leads to"));
+  EXPECT_THAT(status.message(), HasSubstr("which holds the workspace"));
+  // What would change is not read as an input.
+  EXPECT_THAT(stage->Inputs(context), ElementsAre(context.images));
+  // A folder beside the workspace is as good as any.
+  fs::remove(link);
+  fs::create_directory_symlink("../more/set", link);
+  const Status beside = stage->Run(context);
+  EXPECT_TRUE(beside.ok()) << beside.message();
 }
 
 TEST_F(IngestStageTest, RealPhotographs) {

@@ -166,7 +166,7 @@ TEST_F(PlanCommandTest, OfFilmsAndNoPhotosNothingIsKnown) {
   EXPECT_EQ(plan["total"]["seconds"], 0);
   ASSERT_TRUE(Call({Path("new"), "--images", Path("films")}).ok());
   EXPECT_THAT(out_, HasSubstr("not known"));
-  EXPECT_THAT(out_, HasSubstr("nothing is known of ingest, sfm"));
+  EXPECT_THAT(out_, HasSubstr("\nrun: nothing is known of ingest, sfm"));
 }
 
 TEST_F(PlanCommandTest, BadInput) {

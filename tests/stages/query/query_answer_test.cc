@@ -129,5 +129,29 @@ TEST(QueryAnswerTest, TheTableNamesHitsAndTheNext) {
                     HasSubstr("next: 2 (0.700), 3 (0.600)")));
 }
 
+TEST(QueryAnswerTest, TheTableFitsSmallUnitsAndFarScenes) {
+  std::vector<semantics::Instance> instances = Instances();
+  instances[0].num_gaussians = 1234;
+  instances[0].centre = {-512345.678, 5712345.25, 41.5};
+  instances[0].obb.size = {0.5, 0.25, 0.125};
+  instances[1].centre = {0.0000123, -0.00002, 0};
+  instances[1].obb.size = {0.00002, 0.00001, 0.000004};
+  instances[2].centre = {-1203.4, 77, 0};
+  instances[2].obb.size = {350.4, 20, 3};
+  instances[2].background = true;
+  std::ostringstream text;
+  PrintAnswer(MakeAnswer(3, 0.5), instances, text);
+  EXPECT_THAT(
+      text.str(),
+      HasSubstr("  id  relevancy  Gaussians  centre                          "
+                "size of oriented box           words\n"
+                "   1      0.800       1234  -512345.678 5712345.250 41.500  "
+                "0.500 0.250 0.125              cup, blue\n"
+                "   2      0.700          0  0.0000123 -0.0000200 0.0000000  "
+                "0.0000200 0.0000100 0.0000040  cup, blue\n"
+                "   3      0.600          0  -1203 77 0                      "
+                "350 20 3                       cup, blue (large plane)\n"));
+}
+
 }  // namespace
 }  // namespace freegs::stages

@@ -9,6 +9,7 @@
 #include <optional>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -82,6 +83,11 @@ TEST_F(TrainingRunTest, StoppedWhileOrAfterSearching) {
             Metrics("parts")["exposure_search"]);
 }
 
+TEST_F(TrainingRunTest, TheSearchShowsProgressAndCanBeStopped) {
+  EXPECT_EQ(Run(Auto(), "out", false, 50).code(), StatusCode::kInterrupted);
+  EXPECT_THAT(log_, testing::Not(testing::HasSubstr("exposure of each")));
+}
+
 TEST_F(TrainingRunTest, TheSearchNeedsNoHoldout) {
   const fs::path list = workspace_ / "ingest" / "images.json";
   StatusOr<photos::PhotoList> photos = photos::ReadPhotoList(list);
@@ -115,6 +121,31 @@ TEST_F(TrainingRunTest, InterruptedAndResumedGivesTheSameBytes) {
   EXPECT_EQ(Run(Short(), "parts", true, 150).code(), StatusCode::kInterrupted);
   ASSERT_TRUE(Run(Short(), "parts", true).ok());
   EXPECT_EQ(Bytes("whole/point_cloud.ply"), Bytes("parts/point_cloud.ply"));
+}
+
+// The curve of the training, too, also when the interruption comes between two
+// of its rows: pruning is no multiple of 50 steps.
+TEST_F(TrainingRunTest, InterruptedAndResumedGivesTheSameCurve) {
+  const auto curve = [this](const std::string& folder) {
+    std::istringstream csv(Bytes(folder + "/progress.csv"));
+    std::vector<std::string> rows;
+    std::string line;
+    while (std::getline(csv, line)) {
+      // Without the seconds, the second column.
+      const size_t first = line.find(',');
+      rows.push_back(line.erase(first, line.find(',', first + 1) - first));
+    }
+    return rows;
+  };
+  ASSERT_TRUE(Run(Short(), "whole").ok());
+  cancel_on_ = "at iteration 133";
+  EXPECT_EQ(Run(Short(), "parts").code(), StatusCode::kInterrupted);
+  cancel_on_.clear();
+  log_.clear();
+  ASSERT_TRUE(Run(Short(), "parts", true).ok());
+  EXPECT_THAT(log_, testing::HasSubstr("resuming at iteration 133\n"));
+  EXPECT_EQ(curve("parts"), curve("whole"));
+  EXPECT_EQ(curve("whole").size(), 5u);
 }
 
 TEST_F(TrainingRunTest, BrokenCheckpointsStartAnew) {

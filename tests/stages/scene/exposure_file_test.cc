@@ -43,6 +43,25 @@ TEST_F(ExposureFileTest, ReadsWhatItWroteInTheOrderOfNames) {
   EXPECT_EQ((*read)[1].color, color);
 }
 
+TEST(InExposureOfTest, IsThatOfThePhotoOrOfItsNeighbours) {
+  const auto brightness = [](float factor) {
+    splat::AffineColor color;
+    for (const size_t k : {0u, 5u, 10u}) color.values[k] = factor;
+    return color;
+  };
+  const std::vector<splat::PhotoExposure> exposures = {
+      {"a.jpg", brightness(0.5f)}, {"c.jpg", brightness(1.5f)}};
+  ThreadPool pool(1);
+  const ImageF picture(2, 1, 3, 0.4f);
+  const auto value = [&](const std::string& photo) {
+    return InExposureOf(photo, exposures, picture, pool)(1, 0, 2);
+  };
+  EXPECT_FLOAT_EQ(value("a.jpg"), 0.2f);
+  EXPECT_FLOAT_EQ(value("b.jpg"), 0.4f);
+  EXPECT_FLOAT_EQ(value("c.jpg"), 0.6f);
+  EXPECT_EQ(InExposureOf("a.jpg", {}, picture, pool)(1, 0, 2), 0.4f);
+}
+
 TEST_F(ExposureFileTest, NoFileIsNoExposure) {
   const auto read = ReadExposures(path_);
   ASSERT_TRUE(read.ok());

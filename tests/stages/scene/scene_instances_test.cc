@@ -2,9 +2,17 @@
 
 #include "stages/scene/scene_instances.h"
 
+#include <cstdint>
+#include <filesystem>
+#include <numeric>
+#include <vector>
+
 #include <gtest/gtest.h>
 
+#include "core/io/files.h"
+#include "pipeline/stage_record.h"
 #include "semantics/instances/palette.h"
+#include "splat/scene/ply_io.h"
 #include "tests/stages/synthetic_workspace.h"
 
 namespace freegs::stages {
@@ -20,6 +28,42 @@ TEST(SceneInstancesTest, ReadsLabels) {
   EXPECT_EQ(*labels, workspace.labels);
   EXPECT_EQ(ReadInstanceLabels(workspace.path(), 119).status().code(),
             StatusCode::kBadInput);
+}
+
+TEST(SceneInstancesTest, RefusesThoseOfAnotherModelOfTheSameSize) {
+  SyntheticWorkspace workspace;
+  workspace.AddInstances();
+  workspace.AddHierarchy();
+  const std::filesystem::path model =
+      workspace / "reconstruct" / "point_cloud.ply";
+  pipeline::StageRecord record;
+  record.fingerprint.stage = "bootstrap";
+  const auto write_record = [&] {
+    return pipeline::WriteStageRecord(workspace / "bootstrap", record);
+  };
+  // A record without this input comes from elsewhere.
+  ASSERT_TRUE(write_record().ok());
+  EXPECT_TRUE(ReadInstanceLabels(workspace.path(), 120).ok());
+  record.fingerprint.inputs["reconstruct/point_cloud.ply"] = {
+      .hash = *HashFile(model), .files = 1};
+  ASSERT_TRUE(write_record().ok());
+  EXPECT_TRUE(ReadInstanceLabels(workspace.path(), 120).ok());
+  EXPECT_TRUE(ReadSceneHierarchy(workspace.path(), 120).ok());
+
+  std::vector<uint32_t> backwards(workspace.model.size());
+  std::iota(backwards.rbegin(), backwards.rend(), 0u);
+  workspace.model.Select(backwards);
+  ASSERT_TRUE(splat::WritePly(model, workspace.model).ok());
+  const Status labels = ReadInstanceLabels(workspace.path(), 120).status();
+  EXPECT_EQ(labels.code(), StatusCode::kBadInput);
+  EXPECT_NE(labels.message().find("of another reconstruction"),
+            std::string::npos)
+      << labels.message();
+  EXPECT_EQ(ReadSceneHierarchy(workspace.path(), 120).status().message(),
+            labels.message());
+
+  std::filesystem::remove(model);
+  EXPECT_TRUE(CheckBootstrapOfModel(workspace.path()).ok());
 }
 
 TEST(SceneInstancesTest, Pictures) {

@@ -70,13 +70,13 @@ TEST(WorkingFrameTest, InstancesReturnToTheWorld) {
   semantics::Instance instance;
   instance.centre = {1, 2, 3};
   instance.aabb = {{0, 0, 0}, {1, 1, 1}};
-  instance.obb.center = {1, 0, 0};
+  instance.obb.centre = {1, 0, 0};
   instance.obb.size = {2, 3, 4};
   const semantics::Instance world =
       InWorld({.origin = {10, 20, 30}, .unit = 0.5}, instance);
   EXPECT_EQ(world.centre, Eigen::Vector3d(10.5, 21, 31.5));
   EXPECT_EQ(world.aabb.max, Eigen::Vector3d(10.5, 20.5, 30.5));
-  EXPECT_EQ(world.obb.center, Eigen::Vector3d(10.5, 20, 30));
+  EXPECT_EQ(world.obb.centre, Eigen::Vector3d(10.5, 20, 30));
   EXPECT_EQ(world.obb.size, Eigen::Vector3d(1, 1.5, 2));
 }
 
@@ -94,14 +94,14 @@ TEST(WorkingFrameTest, NothingVisibleIsNoResult) {
   ASSERT_TRUE(scene.ok());
   ThreadPool pool(2);
   EXPECT_TRUE(
-      CheckVisible(scene->model, scene->train, scene->render, "x", pool).ok());
+      CheckVisible(scene->model, scene->train, scene->render, pool).ok());
   for (size_t k = 0; k < scene->model.means.size(); k += 3) {
     scene->model.means[k] += 1000;
   }
   const Status status =
-      CheckVisible(scene->model, scene->train, scene->render, "x", pool);
+      CheckVisible(scene->model, scene->train, scene->render, pool);
   EXPECT_EQ(status.code(), StatusCode::kUnusableResult);
-  EXPECT_THAT(status.message(), HasSubstr("x: none of the 120 Gaussians"));
+  EXPECT_THAT(status.message(), HasSubstr("none of the 120 Gaussians"));
 }
 
 }  // namespace

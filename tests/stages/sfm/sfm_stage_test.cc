@@ -102,7 +102,7 @@ TEST_F(SfmStageTest, MorePairsAreAdvisedWhereSomeWereNotCompared) {
 
   fs::remove_all(workspace_.path() / "sfm.partial");
   options_.colmap.pairs.matcher = "retrieval";
-  options_.colmap.pairs.neighbours = 2;
+  options_.colmap.pairs.num_neighbours = 2;
   status = Run(few);
   EXPECT_THAT(status.message(), HasSubstr("--sfm.matcher exhaustive"));
 }
@@ -202,9 +202,10 @@ TEST_F(SfmStageTransformsTest, PhotosThatExifTurnedAreNamed) {
   options_.random_points = 123;
   const Status status = workspace_.Run(*MakeSfmStage(options_, 0));
   ASSERT_TRUE(status.ok()) << status.message();
-  EXPECT_THAT(workspace_.warnings,
-              Contains(HasSubstr(
-                  "photo_001.jpg, photo_002.jpg, photo_003.jpg and 1 more")));
+  EXPECT_THAT(
+      workspace_.warnings,
+      Contains(HasSubstr(
+          "photo_001.jpg, photo_002.jpg, photo_003.jpg and photo_004.jpg")));
 }
 
 TEST_F(SfmStageTransformsTest, TriangulatedPoints) {

@@ -138,6 +138,27 @@ TEST(Access, TokensDiffer) {
   EXPECT_NE(*one, *two);
 }
 
+TEST(Access, ComparesWholeTexts) {
+  EXPECT_TRUE(SameText("", ""));
+  EXPECT_TRUE(SameText("token", "token"));
+  EXPECT_FALSE(SameText("token", "tokem"));
+  EXPECT_FALSE(SameText("token", "Token"));
+  EXPECT_FALSE(SameText("token", "toke"));
+  EXPECT_FALSE(SameText("", "t"));
+}
+
+TEST(Access, FindsACookieByItsWholeName) {
+  const std::string header = "ab=1; b=2;a=x=y;\tempty=; last=z";
+  EXPECT_EQ(CookieValue(header, "ab"), "1");
+  EXPECT_EQ(CookieValue(header, "b"), "2");
+  EXPECT_EQ(CookieValue(header, "a"), "x=y");
+  EXPECT_EQ(CookieValue(header, "empty"), "");
+  EXPECT_EQ(CookieValue(header, "last"), "z");
+  EXPECT_EQ(CookieValue(header, "x"), "");
+  EXPECT_EQ(CookieValue("", "a"), "");
+  EXPECT_EQ(CookieValue(";; a", "a"), "");
+}
+
 TEST(Access, KnowsLoopback) {
   for (const char* name : {"127.0.0.1", "127.1.2.3", "localhost", "::1"}) {
     EXPECT_TRUE(IsLoopback(name)) << name;

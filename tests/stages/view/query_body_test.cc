@@ -5,9 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/base64.h"
 #include "core/image.h"
 #include "core/io/image_io.h"
-#include "tests/stages/view/base64.h"
 #include "tests/temporary_folder.h"
 
 namespace freegs::stages {

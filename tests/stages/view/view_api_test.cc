@@ -12,10 +12,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "core/base64.h"
 #include "pipeline/progress_file.h"
 #include "pipeline/workspace.h"
 #include "splat/scene/ply_io.h"
-#include "tests/stages/view/base64.h"
 #include "tests/stages/view/view_fixture.h"
 
 namespace freegs::stages {

@@ -115,7 +115,7 @@ TEST_F(ViewerSceneTest, FollowsTheContract) {
   for (int k = 0; k < 3; ++k) {
     const double origin = d["origin"][k];
     EXPECT_NEAR(unit * box["center"][k].get<double>() + origin,
-                instance.obb.center[k],
+                instance.obb.centre[k],
                 1e-5);
     EXPECT_NEAR(
         unit * box["size"][k].get<double>(), instance.obb.size[k], 1e-5);

@@ -35,8 +35,8 @@ TEST(StageNeedTest, TheTotalIsOfTheNeededStages) {
   EXPECT_EQ(total.sum.seconds, 80);
   EXPECT_THAT(total.unknown, ElementsAre("b"));
   EXPECT_EQ(RunNeedText(total),
-            "about 1 min 20 s, 3.0 kB of memory and 50 B of disk space; "
-            "nothing is known of b");
+            "expected to take about 1 min 20 s, 3.0 kB of memory and 50 B of "
+            "disk space; nothing is known of b");
   EXPECT_EQ(RunNeedText({.sum = {}, .unknown = {"b", "c"}}),
             "nothing is known of b, c");
   EXPECT_EQ(RunNeedText({}), "");

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "stages/run/run_request.h"
+#include "stages/run/run_execution.h"
 
 #include <algorithm>
-#include <iostream>
 #include <sstream>
-#include <unistd.h>
 #include <utility>
 
 #include "core/io/json_text.h"
@@ -47,10 +45,6 @@ pipeline::StageRunner MakeRunner(const RunRequest& request,
                                std::move(runner_options),
                                cancellation,
                                logger);
-}
-
-bool OnTerminal(const std::ostream& err) {
-  return &err == &std::cerr && isatty(STDERR_FILENO) != 0;
 }
 
 // The stages of `request`, with the settings of the user and those chosen for
@@ -137,7 +131,7 @@ Status Execute(const RunRequest& request,
                std::ostream& err,
                const CancellationToken& cancellation) {
   pipeline::Logger logger(
-      err, OnTerminal(err), pipeline::LogPath(request.workspace));
+      err, pipeline::IsTerminal(err), pipeline::LogPath(request.workspace));
   logger.LogToFile(
       pipeline::LogLevel::kInfo,
       std::string("freegs_pipeline ") + pipeline::kProgramVersion + " begins");
@@ -212,15 +206,12 @@ Status ExecuteWithin(double seconds,
                      const CancellationToken& cancellation) {
   using Clock = std::chrono::steady_clock;
   pipeline::Logger logger(
-      err, OnTerminal(err), pipeline::LogPath(request.workspace));
+      err, pipeline::IsTerminal(err), pipeline::LogPath(request.workspace));
   TimedRunTasks tasks;
   tasks.log = [&logger](pipeline::LogLevel level, const std::string& text) {
     logger.Log(level, text);
   };
-  tasks.now = [] {
-    const std::chrono::duration<double> now = Clock::now().time_since_epoch();
-    return now.count();
-  };
+  tasks.now = SteadySeconds;
   tasks.foretell = [&](const std::vector<OptionSetting>& chosen) {
     return Expect(request, settings, chosen, cancellation);
   };
@@ -258,7 +249,7 @@ Status ExecuteAtLeast(double psnr,
                       std::ostream& err,
                       const CancellationToken& cancellation) {
   pipeline::Logger logger(
-      err, OnTerminal(err), pipeline::LogPath(request.workspace));
+      err, pipeline::IsTerminal(err), pipeline::LogPath(request.workspace));
   PsnrRunTasks tasks;
   tasks.log = [&logger](pipeline::LogLevel level, const std::string& text) {
     logger.Log(level, text);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What commands run and stage do once their words are understood.
 
-#ifndef FREEGS_STAGES_RUN_RUN_REQUEST_H_
-#define FREEGS_STAGES_RUN_RUN_REQUEST_H_
+#ifndef FREEGS_STAGES_RUN_RUN_EXECUTION_H_
+#define FREEGS_STAGES_RUN_RUN_EXECUTION_H_
 
 #include <chrono>
 #include <filesystem>
@@ -67,4 +67,4 @@ Status ExecuteAtLeast(double psnr,
 
 }  // namespace freegs::stages
 
-#endif  // FREEGS_STAGES_RUN_RUN_REQUEST_H_
+#endif  // FREEGS_STAGES_RUN_RUN_EXECUTION_H_

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Letter case, white space, lists of names, and the percent codes of paths and
+// addresses.
+
+#ifndef FREEGS_CORE_TEXT_H_
+#define FREEGS_CORE_TEXT_H_
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/function_ref.h"
+
+namespace freegs {
+
+// Turns A to Z into a to z, whatever the locale, and leaves all other bytes.
+std::string AsciiLower(std::string text);
+
+// The part of `text` without blanks, tabs and ends of lines before and after
+// it.
+std::string_view Trimmed(std::string_view text);
+
+// "a.jpg", "a.jpg, b.jpg and c.jpg" or "a.jpg, b.jpg, c.jpg, d.jpg and 7 more".
+// All names but the first `shown` are only counted, unless it is only one.
+std::string SomeNames(const std::vector<std::string>& names, size_t shown = 4);
+
+// Replaces each byte for which `keep` returns false by '%' and two hex digits.
+std::string PercentEncode(std::string_view text, FunctionRef<bool(char)> keep);
+
+// The text that was encoded. Nothing when a '%' stands before anything but two
+// hex digits.
+std::optional<std::string> PercentDecode(std::string_view text);
+
+}  // namespace freegs
+
+#endif  // FREEGS_CORE_TEXT_H_

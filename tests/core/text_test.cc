@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "core/text.h"
+
+#include <optional>
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace freegs {
+namespace {
+
+TEST(AsciiLowerTest, ChangesLettersOnly) {
+  EXPECT_EQ(AsciiLower(".JPeG"), ".jpeg");
+  EXPECT_EQ(AsciiLower("[@Z`z{\xc4"), "[@z`z{\xc4");
+  EXPECT_EQ(AsciiLower(""), "");
+}
+
+TEST(TrimmedTest, KeepsBlanksWithin) {
+  EXPECT_EQ(Trimmed(" \t a b \r\n"), "a b");
+  EXPECT_EQ(Trimmed("a"), "a");
+  EXPECT_EQ(Trimmed(" \n"), "");
+  EXPECT_EQ(Trimmed(""), "");
+}
+
+TEST(SomeNamesTest, CutsLongLists) {
+  EXPECT_EQ(SomeNames({}), "");
+  EXPECT_EQ(SomeNames({"a"}), "a");
+  EXPECT_EQ(SomeNames({"a", "b", "c"}), "a, b and c");
+  EXPECT_EQ(SomeNames({"a", "b", "c", "d", "e"}), "a, b, c, d and e");
+  EXPECT_EQ(SomeNames({"a", "b", "c", "d", "e", "f"}), "a, b, c, d and 2 more");
+  EXPECT_EQ(SomeNames({"a", "b"}, 1), "a and b");
+  EXPECT_EQ(SomeNames({"a", "b", "c"}, 1), "a and 2 more");
+}
+
+TEST(PercentCodingTest, DecodesWhatItEncodes) {
+  std::string all;
+  for (int byte = 0; byte < 256; ++byte) all += static_cast<char>(byte);
+  const std::string encoded =
+      PercentEncode(all, [](char c) { return c >= 'a' && c <= 'z'; });
+  EXPECT_TRUE(encoded.starts_with("%00%01%02"));
+  EXPECT_TRUE(encoded.ends_with("%FD%FE%FF"));
+  EXPECT_EQ(encoded.size(), 26u + 3 * 230);
+  EXPECT_EQ(PercentDecode(encoded), all);
+  EXPECT_EQ(PercentDecode("caf%e9%E9"), "caf\xe9\xe9");
+}
+
+TEST(PercentCodingTest, RefusesWhatIsNoCode) {
+  for (const char* text : {"%", "a%4", "%4x", "%x4", "%+4", "%-1", "% 4"}) {
+    EXPECT_EQ(PercentDecode(text), std::nullopt) << text;
+  }
+}
+
+}  // namespace
+}  // namespace freegs
