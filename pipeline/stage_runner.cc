@@ -413,13 +413,18 @@ Status StageRunner::RunStage(RunnerStage& stage,
 
   StageRecord record = MakeRecord(stage, fingerprint, need, usage, context);
   if (status.ok()) {
-    record.outputs = ListOutputFiles(context.output, ReadLater(name));
     record.contents = StageContents(context.output);
     for (const std::string& file : stage.stage->Disposable()) {
       std::erase(record.contents, file);
     }
     logger_.SetTransient("");
     FREEGS_RETURN_IF_ERROR(FinishPartial(options_.workspace, name, record));
+    // Which files later stages read may depend on what is in place, such as
+    // masks. Without the list nothing is compared with it, so no harm is done
+    // if it cannot be written.
+    const fs::path folder = StageFolder(options_.workspace, name);
+    record.outputs = ListOutputFiles(folder, ReadLater(name));
+    (void)WriteStageRecord(folder, record);
     logger_.Log(LogLevel::kInfo, name + ": done in " + UsageText(usage));
     return Status();
   }

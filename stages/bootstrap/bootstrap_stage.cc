@@ -60,8 +60,7 @@ class BootstrapStage : public pipeline::Stage {
                                     "ingest/images.json"};
     if (!TrainingMaskFolder(context.workspace).empty()) {
       inputs.emplace_back("undistort/masks");
-      // For ReadSeenPhoto. It counts even when there is no such file: outputs
-      // are listed before they are in place, and this one has to be among them.
+      // For ReadSeenPhoto; there is no such file where no exposure was learnt.
       inputs.emplace_back("reconstruct/exposure.json");
     }
     if (with_semantics()) {

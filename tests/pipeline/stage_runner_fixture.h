@@ -27,6 +27,7 @@ struct Script {
   int version = 1;
   std::string option = "1";
   std::vector<std::filesystem::path> inputs;
+  std::filesystem::path optional_input;      // Read if it is there.
   std::function<Status(StageContext&)> act;  // Before the output is written.
   std::function<StageNeed(const StageContext&)> need;  // But its disk_bytes.
   int runs = 0;
@@ -45,6 +46,11 @@ class TextStage : public Stage {
       const StageContext& context) const override {
     std::vector<std::filesystem::path> inputs = script_->inputs;
     if (name_ == "a") inputs.push_back(context.images);
+    const std::filesystem::path& optional = script_->optional_input;
+    if (!optional.empty() &&
+        std::filesystem::exists(context.workspace / optional)) {
+      inputs.push_back(optional);
+    }
     return inputs;
   }
   // Each stage makes one more Gaussian; one that is done makes ten.

@@ -110,6 +110,24 @@ TEST_F(StageRunnerTest, DeletedOutputThatNoStageReadsIsTold) {
                         "stage c "));
 }
 
+// Masks, for instance: a stage that reads them has no such input before they
+// are in place.
+TEST_F(StageRunnerTest, AnOutputThatIsReadIfItIsThere) {
+  c_.optional_input = "b/masks";
+  b_.act = [](StageContext& context) {
+    WriteText(context.output / "masks" / "1.png", "own");
+    return Status();
+  };
+  ASSERT_TRUE(Run().ok());
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(Runs(), "111");
+  EXPECT_THAT(log_, Not(HasSubstr("not as the stage wrote")));
+  WriteText(workspace() / "b" / "masks" / "1.png", "somebody else's");
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(Runs(), "112");
+  EXPECT_THAT(log_, HasSubstr("b: masks/1.png: not as the stage wrote it"));
+}
+
 // Somebody else's result in another format.
 TEST_F(StageRunnerTest, ReplacedFilesAreNotOverwritten) {
   c_.inputs = {"b/out.txt", "b/model"};
