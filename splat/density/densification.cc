@@ -9,8 +9,15 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "core/random.h"
+
 namespace freegs::splat {
 namespace {
+
+// The stream of the random numbers of splits; see core/random.h.
+constexpr uint64_t kSplitStream = 0x73706c69740000ULL;  // "split"
+
+constexpr int kChildren = 2;
 
 // Pixels or Gaussians that a thread takes at once.
 constexpr int64_t kGrain = 1 << 13;
@@ -93,44 +100,34 @@ std::vector<Fate> DecideFates(const DensificationOptions& options,
   return fates;
 }
 
-// The logit of the opacity o of which two together have the opacity whose logit
-// is given: (1 - o)^2 = 1 - Sigmoid(logit).
-double HalvedOpacityLogit(double logit) {
-  // -ln(1 - Sigmoid(logit)), without overflow.
-  const double depth =
-      std::max(logit, 0.0) + std::log1p(std::exp(-std::abs(logit)));
-  return std::log(std::expm1(0.5 * depth));
-}
-
-// Appends the two Gaussians into which Gaussian `index` is split.
+// Appends two Gaussians drawn from Gaussian `index`, shrunk.
 void AppendChildren(const DensificationOptions& options,
+                    uint64_t seed,
+                    int64_t iteration,
                     const GaussianModel& model,
                     size_t index,
                     GaussianModel* added) {
   const float* const q = &model.rotations[4 * index];
   const Eigen::Quaterniond rotation =
       Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized();
-  const float* const log_scales = &model.log_scales[3 * index];
-  const auto longest =
-      std::max_element(log_scales, log_scales + 3) - log_scales;
-  const Eigen::Vector3d offset =
-      rotation * Eigen::Vector3d::Unit(longest) * options.split_offset *
-      std::exp(static_cast<double>(log_scales[longest]));
-  const auto long_shrink =
-      static_cast<float>(std::log(options.split_long_share));
-  const auto short_shrink =
-      static_cast<float>(std::log(options.split_short_share));
-  const auto logit =
-      static_cast<float>(HalvedOpacityLogit(model.opacity_logits[index]));
-  for (const double side : {1.0, -1.0}) {
+  const uint64_t stream =
+      MixBits(kSplitStream) ^ static_cast<uint64_t>(iteration);
+  const float shrink = static_cast<float>(std::log(options.split_shrink));
+  for (int child = 0; child < kChildren; ++child) {
+    Eigen::Vector3d offset;
+    for (int axis = 0; axis < 3; ++axis) {
+      const uint64_t counter = (index * kChildren + child) * 3 + axis;
+      offset[axis] =
+          std::exp(static_cast<double>(model.log_scales[3 * index + axis])) *
+          RandomNormal(seed, stream, counter);
+    }
+    offset = rotation * offset;
     const size_t at = added->size();
     added->AppendFrom(model, index);
     for (int axis = 0; axis < 3; ++axis) {
-      added->means[3 * at + axis] += static_cast<float>(side * offset[axis]);
-      added->log_scales[3 * at + axis] +=
-          axis == longest ? long_shrink : short_shrink;
+      added->means[3 * at + axis] += static_cast<float>(offset[axis]);
+      added->log_scales[3 * at + axis] -= shrink;
     }
-    added->opacity_logits[at] = logit;
   }
 }
 
@@ -216,13 +213,8 @@ Status DensificationOptions::Check() const {
   if (!(clone_max_scale > 0)) {
     return InvalidArgumentError("clone_max_scale must be > 0");
   }
-  if (!(split_offset >= 0 && std::isfinite(split_offset))) {
-    return InvalidArgumentError("split_offset must be >= 0");
-  }
-  if (!(split_long_share > 0 && split_long_share <= 1 &&
-        split_short_share > 0 && split_short_share <= 1)) {
-    return InvalidArgumentError(
-        "split_long_share and split_short_share must be in (0, 1]");
+  if (!(split_shrink >= 1)) {
+    return InvalidArgumentError("split_shrink must be >= 1");
   }
   if (!(min_opacity >= 0 && min_opacity < 1)) {
     return InvalidArgumentError("min_opacity must be in [0, 1)");
@@ -238,6 +230,8 @@ Status DensificationOptions::Check() const {
 
 DensificationSummary Densify(const DensificationOptions& options,
                              double scene_extent,
+                             uint64_t seed,
+                             int64_t iteration,
                              GaussianModel* model,
                              Adam* adam,
                              DensificationStatistics* statistics) {
@@ -259,7 +253,7 @@ DensificationSummary Densify(const DensificationOptions& options,
   for (size_t i = 0; i < fates.size(); ++i) {
     const bool blurred = fates[i] == Fate::kBlurSplit;
     if (!blurred && fates[i] != Fate::kSplit) continue;
-    AppendChildren(options, *model, i, &added);
+    AppendChildren(options, seed, iteration, *model, i, &added);
     ++summary.split;
     if (blurred) ++summary.blur_split;
   }

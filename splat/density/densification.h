@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The adaptive density control of 3D Gaussian Splatting (Kerbl et al. 2023,
 // section 5), which clones, splits and prunes Gaussians, and the blur split of
-// Mini-Splatting (Fang and Wang 2024, section 4.1). A split goes along the
-// longest axis (Deng et al. 2024, Efficient Density Control for 3D Gaussian
-// Splatting) instead of to random places. Opacities are not reset as they are
-// in 3DGS; what stands in front of cameras is removed
+// Mini-Splatting (Fang and Wang 2024, section 4.1). Opacities are not reset as
+// they are there; what stands in front of cameras is removed
 // (splat/density/camera_clearance.h).
 
 #ifndef FREEGS_SPLAT_DENSITY_DENSIFICATION_H_
@@ -79,15 +77,9 @@ struct DensificationOptions {
   // larger one is split. A share of the scene extent.
   double clone_max_scale = 0.01;
 
-  // A split replaces a Gaussian by two on its longest axis, so many of that
-  // axis' standard deviations to either side of the mean.
-  double split_offset = 0.5;
-
-  // The standard deviations of the two, as shares of those of the Gaussian: of
-  // the longest axis, and of the two others. Their opacity is such that both
-  // together, one behind the other, are as opaque as the Gaussian was.
-  double split_long_share = 0.5;
-  double split_short_share = 0.85;
+  // A split replaces a Gaussian by two at positions drawn from it, with
+  // standard deviations divided by this.
+  double split_shrink = 1.6;
 
   // Gaussians with a lower opacity are removed.
   double min_opacity = 0.005;
@@ -117,10 +109,14 @@ struct DensificationSummary {
 // Changes the model and the moments of the optimiser together, and resets the
 // statistics. The Gaussians that are kept come first, in their old order and
 // with their moments. The clones follow, then the parts of splits, both in the
-// order of their originals and with moments of zero. `scene_extent` is in the
-// units of the model frame, see SceneExtent.
+// order of their originals and with moments of zero. Random numbers are a
+// function of seed, iteration and the old index of the Gaussian, so the result
+// does not depend on threads or interruptions. `scene_extent` is in the units
+// of the model frame, see SceneExtent.
 DensificationSummary Densify(const DensificationOptions& options,
                              double scene_extent,
+                             uint64_t seed,
+                             int64_t iteration,
                              GaussianModel* model,
                              Adam* adam,
                              DensificationStatistics* statistics);

@@ -280,7 +280,13 @@ Status Trainer::FollowSchedule() {
     return RunMilestone(*event);
   }
   if (schedule_.Densifies(iteration_)) {
-    Densify(densification_, scene_extent_, &model_, &adam_, &statistics_);
+    Densify(densification_,
+            scene_extent_,
+            options_.seed,
+            iteration_,
+            &model_,
+            &adam_,
+            &statistics_);
     SortInSpace();
   }
   if (iteration_ % options_.clear_interval == 0 &&
