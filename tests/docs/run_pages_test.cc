@@ -124,7 +124,6 @@ TEST_F(RunPagesTest, CommandsDoWhatThePagesSay) {
                                    "STAGE.partial/partial.json",
                                    "STAGE.partial/usage.json",
                                    "STAGE/stage.json: error",
-                                   "bootstrap/checkpoints/field.ckpt",
                                    "ingest.partial/frames/PHOTO",
                                    "ingest.partial/pending/N.png",
                                    "ingest/images.json: film",
