@@ -22,6 +22,9 @@ std::string AsciiLower(std::string text);
 // it.
 std::string_view Trimmed(std::string_view text);
 
+// "a, b, c".
+std::string Joined(const std::vector<std::string>& names);
+
 // "a.jpg", "a.jpg, b.jpg and c.jpg" or "a.jpg, b.jpg, c.jpg, d.jpg and 7 more".
 // All names but the first `shown` are only counted, unless it is only one.
 std::string SomeNames(const std::vector<std::string>& names, size_t shown = 4);

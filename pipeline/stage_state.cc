@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/io/json_text.h"
+#include "core/text.h"
 #include "pipeline/stage_output.h"
 #include "pipeline/workspace.h"
 
@@ -15,14 +16,6 @@ namespace freegs::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string Joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) {
-    text += (text.empty() ? "" : ", ") + name;
-  }
-  return text;
-}
 
 // Inputs outside the workspace that were there once and are gone now count as
 // unchanged; returns a note about them. Once one of them is gone, inputs that

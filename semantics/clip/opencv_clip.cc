@@ -21,6 +21,7 @@
 
 #include "core/io/files.h"
 #include "core/out_of_memory.h"
+#include "core/text.h"
 #include "semantics/clip/bicubic_resize.h"
 #include "semantics/clip/network_check.h"
 
@@ -344,13 +345,12 @@ StatusOr<ImageF> OpenCvClip::EncodeDense(const ImageU8& image, int dense_size) {
                                       return known.image_size == dense_size;
                                     });
   if (network == info().dense.end()) {
-    std::string sizes;
-    for (const int size : dense_sizes()) {
-      sizes += (sizes.empty() ? "" : ", ") + std::to_string(size);
-    }
-    return InvalidArgumentError(
-        folder_.path.string() + " has no dense network for images of " +
-        std::to_string(dense_size) + " pixels; it has those for " + sizes);
+    std::vector<std::string> sizes;
+    for (const int size : dense_sizes()) sizes.push_back(std::to_string(size));
+    return InvalidArgumentError(folder_.path.string() +
+                                " has no dense network for images of " +
+                                std::to_string(dense_size) +
+                                " pixels; it has those for " + Joined(sizes));
   }
   const int grid = network->grid;
   const int dim = embedding_dim();

@@ -8,11 +8,8 @@
 #include "stages/registry/stage_registry.h"
 
 namespace freegs::stages {
-namespace {
 
 namespace fs = std::filesystem;
-
-}  // namespace
 
 void WarnOfRun(const std::filesystem::path& workspace,
                CommandContext& context) {

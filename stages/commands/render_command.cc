@@ -321,8 +321,8 @@ Status ForEachView(const std::vector<View>& views,
   return Status();
 }
 
-// Removes the frames of a longer way that an earlier call left in a folder, and
-// returns how many these were. `count` is the number of frames of this one.
+// Removes the frames of a longer path that an earlier call left in a folder,
+// and returns how many these were. `count` is the number of frames of this one.
 size_t RemoveLaterFrames(const fs::path& folder, size_t count) {
   size_t removed = 0;
   std::error_code error;
@@ -348,7 +348,7 @@ Status WritePictures(const RenderRequest& request,
   RemoveLaterFrames(fs::path(request.out) / "preview", views.size());
   const size_t removed = RemoveLaterFrames(request.out, views.size());
   if (removed > 0) {
-    context.out << removed << " pictures of a longer way were removed\n";
+    context.out << removed << " pictures of a longer path were removed\n";
   }
   return Status();
 }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/number_text.h"
+#include "core/text.h"
 #include "semantics/instances/instances_json.h"
 
 namespace freegs::stages {
@@ -63,14 +64,6 @@ int DecimalsFor(double length) {
 std::string Triple(const Eigen::Vector3d& x, int decimals) {
   return FormatFixed(x[0], decimals) + " " + FormatFixed(x[1], decimals) + " " +
          FormatFixed(x[2], decimals);
-}
-
-std::string Joined(const std::vector<std::string>& words) {
-  std::string joined;
-  for (const std::string& word : words) {
-    joined += (joined.empty() ? "" : ", ") + word;
-  }
-  return joined;
 }
 
 void PrintNotFound(const QueryAnswer& answer, std::ostream& out) {

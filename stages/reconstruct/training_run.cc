@@ -122,7 +122,7 @@ class TrainingRun {
     earlier_seconds_ = checkpoint->elapsed_seconds;
     earlier_cpu_seconds_ = Fact(*checkpoint, "cpu_seconds");
     loss_sum_ = Fact(*checkpoint, "row_loss_sum");
-    loss_count_ = static_cast<int>(Fact(*checkpoint, "row_loss_count"));
+    loss_count_ = Fact(*checkpoint, "row_loss_count");
     context_->log(
         LogLevel::kInfo,
         "resuming at iteration " + std::to_string(checkpoint->iteration));
@@ -136,7 +136,7 @@ class TrainingRun {
     checkpoint.facts["cpu_seconds"] =
         std::to_string(earlier_cpu_seconds_ + usage.cpu_seconds);
     checkpoint.facts["row_loss_sum"] = ExactText(loss_sum_);
-    checkpoint.facts["row_loss_count"] = std::to_string(loss_count_);
+    checkpoint.facts["row_loss_count"] = ExactText(loss_count_);
     FREEGS_RETURN_IF_ERROR(progress_.Flush());
     last_checkpoint_ = std::chrono::steady_clock::now();
     return splat::SaveCheckpoint(checkpoints_, checkpoint);
@@ -251,7 +251,7 @@ class TrainingRun {
 
   // Of the steps since the last row of progress.csv.
   double loss_sum_ = 0;
-  int loss_count_ = 0;
+  double loss_count_ = 0;
 };
 
 }  // namespace

@@ -23,6 +23,12 @@ TEST(TrimmedTest, KeepsBlanksWithin) {
   EXPECT_EQ(Trimmed(""), "");
 }
 
+TEST(JoinedTest, PutsCommasBetween) {
+  EXPECT_EQ(Joined({}), "");
+  EXPECT_EQ(Joined({"a"}), "a");
+  EXPECT_EQ(Joined({"a", "b", "c"}), "a, b, c");
+}
+
 TEST(SomeNamesTest, CutsLongLists) {
   EXPECT_EQ(SomeNames({}), "");
   EXPECT_EQ(SomeNames({"a"}), "a");

@@ -377,7 +377,7 @@ TEST_F(RenderCommandTest, FramesOfALongerWayAreRemoved) {
   EXPECT_TRUE(exists("frame_0004.png"));
   EXPECT_TRUE(exists("preview/frame_0004.png"));
   ASSERT_TRUE(render("0.5", "depth").ok());
-  EXPECT_THAT(output_.str(), HasSubstr("2 pictures of a longer way"));
+  EXPECT_THAT(output_.str(), HasSubstr("2 pictures of a longer path"));
   for (const char* name : {"frame_0001.png", "frame_0002.png"}) {
     EXPECT_TRUE(exists(name)) << name;
     EXPECT_TRUE(exists((std::string("preview/") + name).c_str())) << name;
