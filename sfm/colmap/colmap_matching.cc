@@ -25,10 +25,6 @@ namespace fs = std::filesystem;
 // little.
 constexpr int kMaxRounds = 3;
 
-// COLMAP would call pairs with fewer matches unrelated without looking at them
-// (SiftMatching.min_num_inliers).
-constexpr size_t kMinMatches = 15;
-
 using Matches = std::vector<std::pair<uint32_t, uint32_t>>;
 
 class Matcher {
@@ -70,7 +66,7 @@ Status Matcher::Prepare() {
   for (const auto& photo : photos) {
     if (photo.num_features > 0) ids[photo.name] = photo.id;
   }
-  // Photos that COLMAP could not read, or without features, are left out.
+  // Photos without features are left out.
   for (const SfmPhoto& photo : context_.input.photos) {
     const auto it = ids.find(photo.name);
     if (it == ids.end()) continue;
@@ -131,7 +127,8 @@ StatusOr<std::vector<PhotoPair>> Matcher::Verified(
 }
 
 // The matches of all pairs as text that COLMAP reads: the two names, a line per
-// match, an empty line.
+// match, an empty line. Pairs with few matches or none are in it, too, so that
+// the database knows that they were compared.
 std::string Matcher::MatchPairs(const std::vector<IdPair>& pairs) {
   std::vector<Matches> matches(pairs.size());
   const CancellationToken* cancellation = context_.input.cancellation;
@@ -148,7 +145,6 @@ std::string Matcher::MatchPairs(const std::vector<IdPair>& pairs) {
                     });
   std::string text;
   for (size_t i = 0; i < matches.size(); ++i) {
-    if (matches[i].size() < kMinMatches) continue;
     text += PlainPhotoName(pairs[i].first) + " " +
             PlainPhotoName(pairs[i].second) + "\n";
     for (const auto& [a, b] : matches[i]) {

@@ -71,8 +71,9 @@ Status CheckEnded(const StepContext& context,
                   const ChildResult& result,
                   Crash crash = Crash::kNoVerdict);
 
-// Makes a new database that contains the photos, in the given order, and their
-// cameras, but no features.
+// Makes a new database that contains the photos and their cameras, but no
+// features. The photos are numbered group by group, where those of a group
+// share a camera, and within a group in the given order.
 Status RegisterPhotos(const StepContext& context,
                       const std::filesystem::path& database);
 

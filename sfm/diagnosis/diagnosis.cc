@@ -94,7 +94,6 @@ void FindLittleTexture(const DiagnosedScene& scene,
   std::vector<size_t> weak;
   for (size_t i = 0; i < scene.count(); ++i) {
     const PhotoEvidence& photo = scene.evidence.photos[i];
-    if (!photo.readable) continue;
     counts.push_back(static_cast<double>(photo.num_features));
     if (scene.HasFewFeatures(photo) && !scene.groups.registered[i] &&
         !scene.IsBlurred(photo)) {
@@ -240,7 +239,7 @@ void FindNoOverlap(const DiagnosedScene& scene,
   for (size_t i = 0; i < scene.count(); ++i) {
     const PhotoEvidence& photo = scene.evidence.photos[i];
     const size_t size = scene.groups.members[scene.groups.group[i]].size();
-    if (size < kMinGroup && !scene.groups.registered[i] && photo.readable &&
+    if (size < kMinGroup && !scene.groups.registered[i] &&
         !scene.HasFewFeatures(photo) && !scene.IsBlurred(photo)) {
       alone.push_back(i);
     }

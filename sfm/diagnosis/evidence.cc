@@ -81,8 +81,7 @@ StatusOr<SceneEvidence> CollectEvidence(const std::vector<SfmPhoto>& photos,
     seen.height = photo.height;
     seen.sharpness = photo.sharpness;
     const auto row = by_name.find(photo.name);
-    seen.readable = row != by_name.end();
-    if (seen.readable) {
+    if (row != by_name.end()) {
       seen.num_features = row->second->num_features;
       index[row->second->id] = evidence.photos.size();
       // The scales only help to tell blur; the diagnosis works without them.

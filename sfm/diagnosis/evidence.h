@@ -24,7 +24,6 @@ struct PhotoEvidence {
   std::string name;
   int width = 0;  // Pixels.
   int height = 0;
-  bool readable = true;  // COLMAP could read it.
   int64_t num_features = 0;
   double sharpness = 0;  // As ingest measured it; 0 if unknown.
 
@@ -61,9 +60,8 @@ struct SceneEvidence {
   std::vector<std::string> uncertain;
 };
 
-// Reads the evidence from a database. Photos that it does not know count as not
-// readable; `unplaced` and `uncertain` stay empty. Errors: those of the
-// database.
+// Reads the evidence from a database. `unplaced` and `uncertain` stay empty.
+// Errors: those of the database.
 StatusOr<SceneEvidence> CollectEvidence(const std::vector<SfmPhoto>& photos,
                                         const MatchDatabase& database);
 

@@ -39,10 +39,6 @@ std::map<std::string, std::string> ExplainUnregistered(
     if (scene.groups.registered[i]) continue;
     const PhotoEvidence& photo = evidence.photos[i];
     std::string& reason = reasons[photo.name];
-    if (!photo.readable) {
-      reason = "COLMAP could not read it";
-      continue;
-    }
     reason = std::to_string(photo.num_features) + " features; ";
     if (scene.IsBlurred(photo)) {
       reason += "blurred (sharpness " + FormatSignificant(photo.sharpness, 3) +

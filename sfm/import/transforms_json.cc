@@ -19,7 +19,8 @@ namespace {
 
 using nlohmann::json;
 
-// Overwrites what `object` (the file or one frame) gives.
+// Overwrites what `object` (the file or one frame) gives. Where it has both
+// "is_fisheye" and "camera_model", the second one counts.
 Status ReadIntrinsics(const json& object, TransformsIntrinsics* result) {
   const std::pair<const char*, double*> fields[] = {
       {"w", &result->width},
@@ -28,8 +29,6 @@ Status ReadIntrinsics(const json& object, TransformsIntrinsics* result) {
       {"camera_angle_y", &result->angle_y},
       {"fl_x", &result->fx},
       {"fl_y", &result->fy},
-      {"cx", &result->cx},
-      {"cy", &result->cy},
       {"k1", &result->k1},
       {"k2", &result->k2},
       {"k3", &result->k3},
@@ -42,8 +41,14 @@ Status ReadIntrinsics(const json& object, TransformsIntrinsics* result) {
     if (field == nullptr || field->is_null()) continue;
     FREEGS_ASSIGN_OR_RETURN(*value, ReadNumber(field, key));
   }
-  if (object.contains("cx") && object.contains("cy")) {
-    result->has_centre = true;
+  const std::pair<const char*, std::optional<double>*> centre[] = {
+      {"cx", &result->cx},
+      {"cy", &result->cy},
+  };
+  for (const auto& [key, value] : centre) {
+    const json* field = FindField(object, key);
+    if (field == nullptr || field->is_null()) continue;
+    FREEGS_ASSIGN_OR_RETURN(*value, ReadNumber(field, key));
   }
   const auto fisheye = object.find("is_fisheye");
   if (fisheye != object.end()) {
@@ -64,9 +69,8 @@ Status ReadIntrinsics(const json& object, TransformsIntrinsics* result) {
                                                "RADIAL",
                                                "FULL_OPENCV",
                                                "PERSPECTIVE"};
-    if (name == "OPENCV_FISHEYE") {
-      result->fisheye = true;
-    } else if (!perspective.contains(name)) {
+    result->fisheye = name == "OPENCV_FISHEYE";
+    if (!result->fisheye && !perspective.contains(name)) {
       return BadInputError("\"camera_model\" is '" + name.substr(0, 64) +
                            "'; only perspective and OPENCV_FISHEYE cameras "
                            "are supported");
@@ -177,8 +181,8 @@ StatusOr<Camera> MakeCamera(const TransformsIntrinsics& intrinsics,
   Camera camera;
   camera.width = static_cast<uint64_t>(width);
   camera.height = static_cast<uint64_t>(height);
-  const double cx = in.has_centre ? in.cx : w / 2;
-  const double cy = in.has_centre ? in.cy : h / 2;
+  const double cx = in.cx.value_or(w / 2);
+  const double cy = in.cy.value_or(h / 2);
   camera.params = {fx * sx, fy * sy, cx * sx, cy * sy};
   const auto append = [&](std::initializer_list<double> values) {
     camera.params.insert(camera.params.end(), values);

@@ -5,6 +5,7 @@
 #ifndef FREEGS_SFM_IMPORT_TRANSFORMS_JSON_H_
 #define FREEGS_SFM_IMPORT_TRANSFORMS_JSON_H_
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,7 +17,7 @@
 namespace freegs::sfm {
 
 // Intrinsics as the file gives them. 0 stands for a value that it does not
-// give.
+// give, or gives as null; the centre is then empty.
 struct TransformsIntrinsics {
   double width = 0;    // Pixels.
   double height = 0;   // Pixels.
@@ -24,9 +25,11 @@ struct TransformsIntrinsics {
   double angle_y = 0;  // Vertical field of view, radians.
   double fx = 0;       // Pixels.
   double fy = 0;       // Pixels.
-  double cx = 0;       // Pixels; the top-left pixel's centre is (0.5, 0.5).
-  double cy = 0;       // Pixels.
-  bool has_centre = false;
+
+  // The centre in pixels; the top-left pixel's centre is (0.5, 0.5).
+  std::optional<double> cx;
+  std::optional<double> cy;
+
   double k1 = 0, k2 = 0, k3 = 0, k4 = 0, p1 = 0, p2 = 0;
   bool fisheye = false;
 };
@@ -51,7 +54,8 @@ StatusOr<std::vector<TransformsFrame>> ParseTransforms(std::string_view text);
 
 // Returns the camera for a photo of width x height pixels. Its model is the
 // simplest of PINHOLE, OPENCV, FULL_OPENCV and OPENCV_FISHEYE that has the
-// given distortion parameters. Intrinsics for another image size are scaled.
+// given distortion parameters. Intrinsics for another image size are scaled. A
+// coordinate of the centre that is not given is that of the middle.
 // Returns kBadInput when there is no focal length, and when the aspect ratios
 // of the two sizes differ by more than 1 %.
 StatusOr<Camera> MakeCamera(const TransformsIntrinsics& intrinsics,

@@ -4,6 +4,10 @@
 #ifndef FREEGS_SFM_MAPPING_KNOWN_POSES_H_
 #define FREEGS_SFM_MAPPING_KNOWN_POSES_H_
 
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,9 +25,10 @@ struct TriangulatedScene {
   Reconstruction model;
 
   // Of the verified matches between photos, the share that became one point.
-  double fitting_share = 0;
+  // Nothing if there are no matches, which tell nothing about the poses.
+  std::optional<double> fitting_share;
 
-  // Empty, or that the poses do not fit the photos.
+  // Empty, or that the poses, or those of some photos, do not fit the photos.
   std::vector<Finding> findings;
 
   MatchedPairs pairs;  // The pairs of photos that were compared.
@@ -32,6 +37,20 @@ struct TriangulatedScene {
   std::string colmap_version;
   std::vector<std::string> warnings;
 };
+
+// The verified matches of two photos, and how many of them became one point.
+struct PairFit {
+  uint32_t id1 = 0;
+  uint32_t id2 = 0;
+  int64_t matched = 0;
+  int64_t fitting = 0;
+};
+
+// The photos whose poses seem to be wrong while those of most others are right,
+// each with the share of its matches that fits: those with at least 30 matches
+// of which less than a quarter fit, also when matches with each other do not
+// count.
+std::map<uint32_t, double> PhotosThatDoNotFit(std::span<const PairFit> pairs);
 
 // Takes features from the photos, matches them, and triangulates the matches
 // from the given poses. The images of `poses` are photos of `input`, by name;

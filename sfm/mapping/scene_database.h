@@ -26,9 +26,12 @@ class SceneDatabase {
   // their features and matches. Steps that an earlier call finished are not
   // repeated. `input` must outlive the result.
   //
-  // Errors: kMissingDependency (no usable COLMAP), kInterrupted (a later call
-  // goes on after the last finished step), kBadInput (names or options), and
-  // kUnusableResult (a COLMAP command failed).
+  // Errors: kInvalidArgument (options), kMissingDependency (no usable COLMAP),
+  // kInterrupted (stopped on request), kBadInput (names, a photo or mask that
+  // cannot be read, or a damaged database), kUnusableResult (a COLMAP command
+  // failed), and kInternal (a signal ended COLMAP, or a file could not be
+  // written, as on a full disk). After kInterrupted and kInternal a later call
+  // goes on after the last finished step.
   static StatusOr<std::unique_ptr<SceneDatabase>> Build(
       const SfmInput& input, const SfmOptions& options);
 

@@ -64,10 +64,13 @@ struct SfmResult {
 
 // Runs COLMAP. It is not an error if no model at all comes of it.
 //
-// Errors: kMissingDependency (no usable COLMAP), kInterrupted (a later call
-// goes on after the last finished step), kBadInput (names or options), and
-// kUnusableResult (a COLMAP command failed; the message has its last lines and
-// names the log).
+// Errors: kInvalidArgument (options), kMissingDependency (no usable COLMAP),
+// kInterrupted (stopped on request), kBadInput (names, a photo or mask that
+// cannot be read, or a damaged database), kUnusableResult (a COLMAP command
+// failed; the message has its last lines and names the log), and kInternal (a
+// signal ended COLMAP, or a file could not be written, as on a full disk).
+// After kInterrupted and kInternal a later call goes on after the last finished
+// step.
 //
 // The same photos, options and seed with the same COLMAP give the same models,
 // byte for byte, whatever the number of threads. COLMAP alone does not promise

@@ -21,8 +21,10 @@ Camera ConvertCamera(const Camera& camera, CameraModel model);
 // Returns kUnusableResult, and says why, when no real lens has these
 // parameters: when a focal length is not between 0.1 and 10 times the longer
 // side of the image (COLMAP's bounds), when the two focal lengths differ by
-// more than a quarter, or when a ray farther from the axis falls nearer to the
-// centre of the image. `camera` must pass Check().
+// more than a quarter, when a ray farther from the axis falls nearer to the
+// centre of the image, or when the distortion draws the whole half space in
+// front of the camera into the image. A fisheye lens may do the last.
+// `camera` must pass Check().
 Status CheckLens(const Camera& camera);
 
 }  // namespace freegs::sfm

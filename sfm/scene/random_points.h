@@ -22,12 +22,15 @@ struct SceneFocus {
 };
 SceneFocus EstimateFocus(const Reconstruction& model);
 
-// Returns `count` grey points without tracks, with ids from 1, each of which at
-// least one camera sees. Half of them are uniform in a ball around the focus,
-// whose radius is half the distance of the cameras: there lies an object that
+// Returns `count` grey points without tracks, with ids from 1. Half of them are
+// uniform in a ball around the focus, as far as a camera sees it. The radius of
+// the ball is half the distance of the cameras: there lies an object that
 // somebody walked around. The other half covers the surroundings: each lies
 // behind a random pixel of a random image, 0.25 to 4 times that distance away,
-// uniform in inverse depth. The result depends on the model and the seed only.
+// uniform in inverse depth. Lens distortion is left out there, so some of these
+// points may lie just outside of what the cameras see. If no camera sees the
+// ball, all points are of the second kind. The result depends on the model and
+// the seed only.
 // Returns kBadInput when the model has no images.
 StatusOr<std::vector<Point3D>> RandomPoints(const Reconstruction& model,
                                             int count,

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/decompositions.h"
+#include "core/io/json_fields.h"
 #include "core/random.h"
 #include "sfm/scene/random_points.h"
 
@@ -236,10 +237,6 @@ Eigen::Matrix4d FrameFromWorld(const SceneFrame& frame,
   matrix.topLeftCorner<3, 3>() = rotation / frame.distance;
   matrix.topRightCorner<3, 1>() = -(rotation * frame.centre) / frame.distance;
   return matrix;
-}
-
-nlohmann::ordered_json VectorJson(const Eigen::Vector3d& vector) {
-  return {vector.x(), vector.y(), vector.z()};
 }
 
 }  // namespace

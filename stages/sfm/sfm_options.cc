@@ -72,10 +72,16 @@ void RegisterSfmOptions(SfmStageOptions& options,
   table.Add("sfm.max_image_size",
             &options.colmap.max_image_size,
             {.help = "Longest side in pixels of the images that features are "
-                     "taken from, at least 64. 0: the smallest from 800 to "
-                     "1600 that is enough for sfm.max_features.",
+                     "taken from. 0: the smallest from 800 to 1600 that is "
+                     "enough for sfm.max_features.",
              .min = 0,
-             .max = 100000});
+             .max = 100000,
+             .accepts =
+                 [](const std::string& text) {
+                   const int side = std::stoi(text);
+                   return side == 0 || side >= 64;
+                 },
+             .allowed = "0 or 64 .. 100000"});
   table.Add("sfm.max_features",
             &options.colmap.max_features,
             {.help = "Features per photo, the largest ones. More connect more "

@@ -74,7 +74,7 @@ class SfmStage : public pipeline::Stage {
       : options_(options), seed_(seed) {}
 
   std::string_view name() const override { return "sfm"; }
-  int version() const override { return 7; }
+  int version() const override { return 8; }
 
   std::vector<fs::path> Inputs(const StageContext& context) const override {
     std::vector<fs::path> inputs = {"ingest/images.json", "ingest/photos"};
@@ -345,10 +345,12 @@ class SfmStage : public pipeline::Stage {
     for (const auto& entry : health.unregistered)
       missing.push_back(entry.first);
     if (!missing.empty()) {
-      context.log(
-          LogLevel::kWarning,
-          std::to_string(missing.size()) +
-              " photos have no pose and are left out: " + SomeNames(missing));
+      context.log(LogLevel::kWarning,
+                  std::to_string(missing.size()) +
+                      (missing.size() == 1
+                           ? " photo has no pose and is left out: "
+                           : " photos have no pose and are left out: ") +
+                      SomeNames(missing));
     }
     if (health.verdict == sfm::Verdict::kFailed) {
       return UnusableResultError(

@@ -88,6 +88,42 @@ TEST(MakeCamera, ScalesToThePhoto) {
   EXPECT_THAT(rotated.status().message(), HasSubstr("1000 x 600"));
 }
 
+// The camera of a file with `shared` in its root and `own` in its only frame.
+Camera CameraOf(const std::string& shared, const std::string& own) {
+  const auto frames = ParseTransforms(
+      R"({"fl_x": 100, )" + shared + R"("frames": [{"file_path": "a.png", )" +
+      own + R"("transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,0]]}]})");
+  EXPECT_TRUE(frames.ok()) << frames.status().message();
+  if (!frames.ok()) return {};
+  return *MakeCamera(frames->front().intrinsics, 64, 48);
+}
+
+TEST(ParseTransforms, EachCoordinateOfTheCentreCountsAlone) {
+  const auto centre = [](const std::string& shared, const std::string& own) {
+    const Camera camera = CameraOf(shared, own);
+    return Eigen::Vector2d(camera.PrincipalX(), camera.PrincipalY());
+  };
+  using Eigen::Vector2d;
+  EXPECT_EQ(centre(R"("cx": null, "cy": null, )", ""), Vector2d(32, 24));
+  EXPECT_EQ(centre(R"("cx": 30, "cy": null, )", ""), Vector2d(30, 24));
+  EXPECT_EQ(centre(R"("cx": 30, )", R"("cy": 20, )"), Vector2d(30, 20));
+  EXPECT_EQ(centre(R"("cx": 30, "cy": 21, )", R"("cy": 20, "cx": null, )"),
+            Vector2d(30, 20));
+  EXPECT_EQ(centre(R"("cx": 0, "cy": 0, )", ""), Vector2d(0, 0));
+}
+
+TEST(ParseTransforms, AFrameMayHaveAnotherKindOfCamera) {
+  const std::string fisheye = R"("camera_model": "OPENCV_FISHEYE", )";
+  const std::string plain = R"("camera_model": "OPENCV", )";
+  EXPECT_EQ(CameraOf(fisheye, "").model, CameraModel::kOpenCvFisheye);
+  EXPECT_EQ(CameraOf(fisheye, plain).model, CameraModel::kPinhole);
+  EXPECT_EQ(CameraOf(plain, fisheye).model, CameraModel::kOpenCvFisheye);
+  EXPECT_EQ(CameraOf(fisheye, R"("is_fisheye": false, )").model,
+            CameraModel::kPinhole);
+  EXPECT_EQ(CameraOf(R"("is_fisheye": true, )" + plain, "").model,
+            CameraModel::kPinhole);
+}
+
 std::string OneFrame(const std::string& matrix) {
   return R"({"fl_x":1,"frames":[{"file_path":"a.png","transform_matrix":)" +
          matrix + "}]}";

@@ -4,6 +4,7 @@
 #include "sfm/mapping/known_poses.h"
 
 #include <csignal>
+#include <optional>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -96,6 +97,45 @@ TEST_F(KnownPosesTest, PosesThatDoNotFitAreTold) {
   ASSERT_THAT(scene->findings, SizeIs(1));
   EXPECT_EQ(FindingName(scene->findings[0].kind), "unfit_poses");
   EXPECT_THAT(scene->findings[0].message, HasSubstr("imported poses"));
+}
+
+TEST_F(KnownPosesTest, WithoutMatchesNothingIsSaidAboutThePoses) {
+  // A single photo with a pose has no other to be matched with.
+  poses_.images.resize(1);
+  const auto scene =
+      Run({{"FAKE_COLMAP_POINTS", "0"}, {"FAKE_COLMAP_DIALECT", "4"}});
+  ASSERT_TRUE(scene.ok()) << scene.status().message();
+  EXPECT_THAT(scene->model.points3d, IsEmpty());
+  EXPECT_EQ(scene->fitting_share, std::nullopt);
+  EXPECT_THAT(scene->findings, IsEmpty());
+}
+
+TEST(PhotosThatDoNotFit, AreThoseThatOthersContradict) {
+  std::vector<PairFit> pairs;
+  for (uint32_t a = 1; a <= 6; ++a) {
+    for (uint32_t b = a + 1; b <= 6; ++b) pairs.push_back({a, b, 40, 36});
+  }
+  EXPECT_THAT(PhotosThatDoNotFit(pairs), IsEmpty());
+  // The poses of photos 2 and 5 are exchanged.
+  for (PairFit& pair : pairs) {
+    for (const uint32_t id : {pair.id1, pair.id2}) {
+      if (id == 2 || id == 5) pair.fitting = 4;
+    }
+  }
+  const auto found = PhotosThatDoNotFit(pairs);
+  ASSERT_THAT(found, SizeIs(2));
+  EXPECT_DOUBLE_EQ(found.at(2), 0.1);
+  EXPECT_DOUBLE_EQ(found.at(5), 0.1);
+}
+
+TEST(PhotosThatDoNotFit, AreNotThoseOfWhichLittleIsKnown) {
+  // Photos 7, 8 and 9 match each other only.
+  const std::vector<PairFit> pairs = {{1, 2, 90, 80},
+                                      {2, 3, 90, 80},
+                                      {3, 4, 29, 0},
+                                      {7, 8, 189, 0},
+                                      {8, 9, 28, 0}};
+  EXPECT_THAT(PhotosThatDoNotFit(pairs), IsEmpty());
 }
 
 // It would crash again, so the next run need not try.

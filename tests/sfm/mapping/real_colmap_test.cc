@@ -8,6 +8,7 @@
 #include "sfm/colmap/colmap_program.h"
 #include "sfm/mapping/health.h"
 #include "sfm/mapping/structure_from_motion.h"
+#include "sfm/matching/match_database.h"
 #include "sfm/scene/model_io_binary.h"
 #include "tests/shared_data.h"
 #include "tests/temporary_folder.h"
@@ -50,6 +51,13 @@ TEST(RealColmap, RegistersAndRepeats) {
     const Reconstruction& model = result->models[0];
     EXPECT_EQ(result->pairs.strategy, "retrieval");
     EXPECT_GE(model.images.size(), 6u);
+    // Pairs that hardly match are known as compared, too.
+    const auto database =
+        MatchDatabase::Open(input.work_folder / "database.db");
+    ASSERT_TRUE(database.ok()) << database.status().message();
+    const auto compared = database->ComparedPairs();
+    ASSERT_TRUE(compared.ok()) << compared.status().message();
+    EXPECT_EQ(compared->size(), result->pairs.pairs);
     std::vector<std::string> names;
     for (const SfmPhoto& photo : input.photos) names.push_back(photo.name);
     const Health health = MeasureHealth(result->models, names, true, {});
