@@ -7,10 +7,26 @@
 #include "core/io/files.h"
 
 namespace freegs::stages {
+namespace {
 
-std::string FileStamp(const std::vector<std::filesystem::path>& files) {
+namespace fs = std::filesystem;
+
+std::vector<fs::path> FilesOfPhotos(const fs::path& workspace) {
+  std::vector<fs::path> files = {workspace / "ingest" / "images.json"};
+  const fs::path sparse = workspace / "undistort" / "sparse";
+  for (const char* name : {"cameras", "images", "points3D"}) {
+    for (const char* suffix : {".bin", ".txt"}) {
+      files.push_back(sparse / (std::string(name) + suffix));
+    }
+  }
+  return files;
+}
+
+}  // namespace
+
+std::string FileStamp(const std::vector<fs::path>& files) {
   std::string text;
-  for (const std::filesystem::path& file : files) {
+  for (const fs::path& file : files) {
     struct stat facts = {};
     if (stat(file.c_str(), &facts) == 0) {
       text += std::to_string(facts.st_ino) + " " +
@@ -23,16 +39,21 @@ std::string FileStamp(const std::vector<std::filesystem::path>& files) {
   return HashBytes(text).substr(0, 16);
 }
 
-std::string QueryStamp(const std::filesystem::path& workspace) {
-  std::vector<std::filesystem::path> files;
-  for (const char* name : {"undistort/sparse/images.bin",
-                           "undistort/sparse/images.txt",
-                           "undistort/stage.json",
+std::string PhotosStamp(const fs::path& workspace) {
+  return FileStamp(FilesOfPhotos(workspace));
+}
+
+std::string QueryStamp(const fs::path& workspace) {
+  std::vector<fs::path> files = FilesOfPhotos(workspace);
+  for (const char* name : {"undistort/stage.json",  // For the photos' pixels.
                            "reconstruct/point_cloud.ply",
+                           "reconstruct/stage.json",
+                           "reconstruct/exposure.json",
                            "bootstrap/idsf.bin",
                            "bootstrap/instances.json",
                            "bootstrap/instance_features.json",
-                           "bootstrap/hierarchy.json"}) {
+                           "bootstrap/hierarchy.json",
+                           "bootstrap/stage.json"}) {
     files.push_back(workspace / name);
   }
   return FileStamp(files);

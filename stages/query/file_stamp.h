@@ -15,7 +15,10 @@ namespace freegs::stages {
 // times, without reading them. Folders stand for themselves only.
 std::string FileStamp(const std::vector<std::filesystem::path>& files);
 
-// The stamp of what a question depends on.
+// The stamp of what ReadPosedPhotos reads (stages/scene/training_scene.h).
+std::string PhotosStamp(const std::filesystem::path& workspace);
+
+// The stamp of all that a question or the 3D viewer depends on.
 std::string QueryStamp(const std::filesystem::path& workspace);
 
 }  // namespace freegs::stages

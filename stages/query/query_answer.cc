@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -50,15 +49,6 @@ json HitToJson(const ScoredInstance& hit, const semantics::Instance& instance) {
 const ScoredInstance* Best(const QueryAnswer& answer) {
   if (!answer.hits.empty()) return &answer.hits[0];
   return answer.others.empty() ? nullptr : &answer.others[0];
-}
-
-// The digits after the point that show a length like this to three digits.
-int DecimalsFor(double length) {
-  constexpr int kUsual = 3;
-  constexpr int kMost = 12;
-  if (!(length > 0) || !std::isfinite(length)) return kUsual;
-  return std::clamp(
-      2 - static_cast<int>(std::floor(std::log10(length))), 0, kMost);
 }
 
 std::string Triple(const Eigen::Vector3d& x, int decimals) {
@@ -191,6 +181,11 @@ void PrintAnswer(const QueryAnswer& answer,
           << FormatFixed(answer.others[k].score, 3) << ")";
     }
     if (!answer.others.empty()) out << "\n";
+    if (answer.question.contains("level")) {
+      out << answer.hits[0].id
+          << " is not one of the scene's instances, so --only does not know "
+             "it\n";
+    }
   }
   if (answer.plane && answer.plane->score >= answer.threshold) {
     out << "the large plane " << answer.plane->id << " has "

@@ -44,6 +44,24 @@ StatusOr<std::optional<ViewPlace>> ParsePlace(
   return std::optional(std::move(place));
 }
 
+// Options that the kind of question has no use for are refused.
+Status CheckOptions(const QueryRequest& request,
+                    const std::vector<pipeline::OptionSetting>& settings) {
+  for (const pipeline::OptionSetting& setting : settings) {
+    const std::string& name = setting.name;
+    if (name == "min-cosine" && !request.example) {
+      return InvalidArgumentError("--min-cosine is for --example only");
+    }
+    if (name == "query.min_relevancy" && !request.text) {
+      return InvalidArgumentError("--min-relevancy is for --text only");
+    }
+    if (name == "model" && !request.text && !request.example) {
+      return InvalidArgumentError("--model is for --text and --example only");
+    }
+  }
+  return Status();
+}
+
 // Where the words of the command line are put.
 struct QueryTargets {
   PipelineOptions options;
@@ -82,13 +100,15 @@ void AddQuestions(QueryTargets* targets, CommandWords* words) {
                    {.help = "With --click: so many levels above the instance "
                             "that is clicked: what it is a part of.",
                     .min = 1,
-                    .max = kMaxLevels});
+                    .max = kMaxLevels,
+                    .shows_default = false});
   words->AddOption("narrower",
                    &targets->narrower,
                    {.help = "With --click: so many levels below the instance "
                             "that is clicked: its part that was clicked.",
                     .min = 1,
-                    .max = kMaxLevels});
+                    .max = kMaxLevels,
+                    .shows_default = false});
 }
 
 void AddAnswers(QueryRequest* request, CommandWords* words) {
@@ -167,7 +187,8 @@ StatusOr<QueryRequest> ParseQueryRequest(
     if (setting.name == "example") request.example = targets.example;
     const bool wider = setting.name == "wider";
     if (wider || setting.name == "narrower") {
-      if (request.level) {
+      // The last value counts, as of other options.
+      if (request.level && (*request.level > 0) != wider) {
         return InvalidArgumentError(
             "--wider and --narrower exclude one another");
       }
@@ -184,6 +205,7 @@ StatusOr<QueryRequest> ParseQueryRequest(
   if (request.level && !request.click) {
     return InvalidArgumentError("--wider and --narrower are for --click only");
   }
+  FREEGS_RETURN_IF_ERROR(CheckOptions(request, line.settings));
   if (request.no_align && request.cameras.empty()) {
     return InvalidArgumentError("--no-align is for --cameras FILE only");
   }

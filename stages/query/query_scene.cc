@@ -7,6 +7,7 @@
 #include <sstream>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include "semantics/instances/instances_json.h"
 #include "stages/scene/scene_instances.h"
@@ -77,25 +78,41 @@ Status LoadFeatures(const QueryRequest& request, QueryScene* scene) {
 Status LoadViews(const QueryRequest& request,
                  std::ostream& messages,
                  QueryScene* scene) {
-  FREEGS_ASSIGN_OR_RETURN(scene->scene, ReadWorkspaceScene(request.workspace));
+  FREEGS_ASSIGN_OR_RETURN(WorkspaceScene read,
+                          ReadWorkspaceScene(request.workspace));
   FREEGS_ASSIGN_OR_RETURN(
-      scene->labels,
-      ReadInstanceLabels(request.workspace, scene->scene->model.size()));
-  ViewSelection selection{.cameras = request.cameras,
-                          .align = !request.no_align,
-                          .max_side = request.size,
-                          .photo_max_side = request.size,
-                          .command = "query"};
-  FREEGS_ASSIGN_OR_RETURN(scene->views,
-                          ViewsToRender(*scene->scene, selection, messages));
-  scene->photos = PhotoViews(*scene->scene);
+      std::vector<int32_t> labels,
+      ReadInstanceLabels(request.workspace, read.model.size()));
+  const ViewSelection selection{.cameras = request.cameras,
+                                .align = !request.no_align,
+                                .max_side = request.size,
+                                .photo_max_side = request.size,
+                                .command = "query"};
+  FREEGS_ASSIGN_OR_RETURN(std::vector<View> views,
+                          ViewsToRender(read, selection, messages));
+  std::vector<View> photos = PhotoViews(read);
+  std::vector<View> file_views;
   if ((request.click || request.box) && !request.cameras.empty()) {
-    // Pixels are those of the cameras, whatever the size of the masks.
-    selection.max_side = 0;
+    // Pixels are those of the cameras, whatever the size of the masks. For a
+    // click only one is rendered, for a box all of them.
     std::ostringstream ignored;  // The first call has printed the messages.
-    FREEGS_ASSIGN_OR_RETURN(scene->file_views,
-                            ViewsToRender(*scene->scene, selection, ignored));
+    FREEGS_ASSIGN_OR_RETURN(file_views, FileViews(read, selection, ignored));
+    for (const View& view : file_views) {
+      if (!request.box) break;
+      FREEGS_RETURN_IF_ERROR(
+          CheckViewSize(view,
+                        "that is too large for --box; click, or give cameras "
+                        "of smaller pictures")
+              .Annotated(selection.command));
+    }
   }
+  // All at once: if memory had run out before, nothing would be missing of a
+  // scene that looks loaded.
+  scene->scene = std::move(read);
+  scene->labels = std::move(labels);
+  scene->views = std::move(views);
+  scene->photos = std::move(photos);
+  scene->file_views = std::move(file_views);
   return Status();
 }
 

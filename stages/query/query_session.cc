@@ -22,24 +22,23 @@ StatusOr<nlohmann::json> QuerySession::Ask(QueryRequest request,
   if (stamp != stamp_) {
     scene_ = {};
     networks_ = {};
-    stamp_ = stamp;
   }
+  // Until the answer is there: if memory runs out in between, the next question
+  // reads everything again.
+  stamp_.clear();
   std::ostringstream messages;
   const Status loaded = LoadQueryScene(request, messages, &scene_);
   if (!loaded.ok()) {
     // What was read before the fault has not been compared with the rest.
     scene_ = {};
+    stamp_ = stamp;
     return loaded;
   }
   const double load_ms = lap.Milliseconds();
 
-  // Another level takes Gaussians from their instances, for one answer. If
-  // memory runs out in between, the next question reads the scene again.
+  // Another level takes Gaussians from their instances, for one answer.
   std::vector<int32_t> labels;
-  if (request.level) {
-    labels = scene_.labels;
-    stamp_.clear();
-  }
+  if (request.level) labels = scene_.labels;
   const size_t num_instances = scene_.instances.size();
   StatusOr<QueryAnswer> answer =
       FindAnswer(request, messages, pool, &scene_, &networks_);
@@ -52,8 +51,8 @@ StatusOr<nlohmann::json> QuerySession::Ask(QueryRequest request,
   if (request.level) {
     scene_.labels = std::move(labels);
     scene_.instances.resize(num_instances);
-    stamp_ = stamp;
   }
+  stamp_ = stamp;
   if (!answer.ok()) return answer.status();
   return json;
 }

@@ -16,4 +16,10 @@ HttpResponse ErrorResponse(int status, const std::string& text) {
   return response;
 }
 
+HttpResponse BusyResponse(const std::string& text) {
+  HttpResponse response = ErrorResponse(429, text);
+  response.headers.emplace_back("Retry-After", "1");
+  return response;
+}
+
 }  // namespace freegs::stages

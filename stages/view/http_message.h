@@ -42,6 +42,9 @@ struct HttpResponse {
 // do.
 HttpResponse ErrorResponse(int status, const std::string& text);
 
+// The same with status 429, for who may ask again a second later.
+HttpResponse BusyResponse(const std::string& text);
+
 }  // namespace freegs::stages
 
 #endif  // FREEGS_STAGES_VIEW_HTTP_MESSAGE_H_

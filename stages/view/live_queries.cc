@@ -31,15 +31,21 @@ int HttpStatusOf(const Status& status) {
 }  // namespace
 
 LiveQueries::LiveQueries(const std::filesystem::path& workspace,
-                         QueryRequest defaults)
+                         QueryRequest defaults,
+                         int max_questions)
     : defaults_(std::move(defaults)),
       pool_(pipeline::WorkingThreads(defaults_.threads)),
+      turns_(max_questions),
       session_(workspace) {}
 
 HttpResponse LiveQueries::Answer(std::string_view body) {
   StatusOr<QueryRequest> request = ParseQueryBody(body, defaults_);
   if (!request.ok()) return ErrorResponse(400, request.status().message());
-  const std::lock_guard lock(mutex_);
+  const Turns::Turn turn(&turns_);
+  if (!turn) {
+    return BusyResponse(
+        "other questions are being answered; ask again in a few seconds");
+  }
   const StatusOr<nlohmann::json> answer =
       session_.Ask(*std::move(request), pool_);
   if (!answer.ok()) {

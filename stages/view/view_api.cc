@@ -85,9 +85,10 @@ std::optional<int> NumberBefore(std::string_view suffix,
 ViewApi::ViewApi(const ViewApiOptions& options, AccessRules rules)
     : options_(options),
       rules_(std::move(rules)),
-      queries_(options.workspace, options.query_defaults),
+      queries_(options.workspace, options.query_defaults, options.max_at_once),
       scene_(options.workspace, options.make_scene),
-      rate_(options.queries_per_second) {}
+      rate_(options.queries_per_second),
+      instance_turns_(options.max_at_once) {}
 
 std::optional<HttpResponse> ViewApi::Refuse(const HttpRequest& request) {
   const std::optional<RequestTarget> target =
@@ -105,10 +106,7 @@ std::optional<HttpResponse> ViewApi::Refuse(const HttpRequest& request) {
   const AccessDecision access = CheckAccess(rules_, request, *target);
   if (access.status != 200) return ErrorResponse(access.status, access.error);
   if (post && !rate_.Take(SteadySeconds())) {
-    HttpResponse response =
-        ErrorResponse(429, "too many questions; ask again in a second");
-    response.headers.emplace_back("Retry-After", "1");
-    return response;
+    return BusyResponse("too many questions; ask again in a second");
   }
   return std::nullopt;
 }
@@ -202,14 +200,7 @@ HttpResponse ViewApi::Api(std::string_view name) {
 
 StatusOr<bool> ViewApi::IsView(const std::string& name) {
   const std::lock_guard lock(views_mutex_);
-  const fs::path sparse = options_.workspace / "undistort" / "sparse";
-  std::vector<fs::path> files = {options_.workspace / "ingest/images.json"};
-  for (const char* folder : {"", "0"}) {
-    for (const char* file : {"images.bin", "images.txt"}) {
-      files.push_back(sparse / folder / file);
-    }
-  }
-  const std::string stamp = FileStamp(files);
+  const std::string stamp = PhotosStamp(options_.workspace);
   if (stamp != views_stamp_) {
     views_.clear();
     views_stamp_.clear();
@@ -234,7 +225,11 @@ HttpResponse ViewApi::Photo(const std::string& name) {
 HttpResponse ViewApi::InstancePly(std::string_view name) {
   const std::optional<int> id = NumberBefore(".ply", name);
   if (!id) return NotFound();
-  const std::lock_guard lock(instances_mutex_);
+  const Turns::Turn turn(&instance_turns_);
+  if (!turn) {
+    return BusyResponse(
+        "other objects are being read; ask again in a few seconds");
+  }
   StatusOr<splat::PlacedModel> world = ReadWorkspaceModel(options_.workspace);
   if (!world.ok()) return StatusResponse(world.status());
   const StatusOr<std::vector<int32_t>> labels =
@@ -251,9 +246,8 @@ HttpResponse ViewApi::InstancePly(std::string_view name) {
   world->model.Select(gaussians);
   HttpResponse response = SharedResponse(std::make_shared<const std::string>(
       splat::SerializePly(world->model, world->offset)));
-  response.headers.emplace_back(
-      "Content-Disposition",
-      "attachment; filename=\"instance_" + std::to_string(*id) + ".ply\"");
+  // Without a name: the page's own, with the words of the object, is better.
+  response.headers.emplace_back("Content-Disposition", "attachment");
   return response;
 }
 

@@ -19,6 +19,7 @@
 #include "stages/view/rate_limit.h"
 #include "stages/view/request_target.h"
 #include "stages/view/scene_cache.h"
+#include "stages/view/turns.h"
 #include "stages/view/view_server.h"
 
 namespace freegs::stages {
@@ -37,6 +38,11 @@ struct ViewApiOptions {
 
   // Of all pages together.
   double queries_per_second = 20;
+
+  // So many threads of the server may be busy with questions, and as many with
+  // instances. One of them works and the others wait for it. They must not be
+  // all that there are (ViewServerOptions), or else nothing else is answered.
+  int max_at_once = 3;
 };
 
 class ViewApi : public HttpHandler {
@@ -64,7 +70,7 @@ class ViewApi : public HttpHandler {
   SceneCache scene_;
   RateLimit rate_;
 
-  std::mutex instances_mutex_;  // One model is read at a time.
+  Turns instance_turns_;  // One model is read at a time.
 
   std::mutex views_mutex_;
   std::string views_stamp_;  // Of the names below.

@@ -18,6 +18,7 @@
 #include "pipeline/workspace.h"
 #include "stages/export/training_curve.h"
 #include "stages/query/file_stamp.h"
+#include "stages/registry/stage_registry.h"
 #include "stages/view/live_queries.h"
 
 namespace freegs::stages {
@@ -27,9 +28,6 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using pipeline::StageOutcome;
 using pipeline::StageRecord;
-
-constexpr const char* kStages[] = {
-    "ingest", "sfm", "undistort", "reconstruct", "bootstrap", "export"};
 
 constexpr uint64_t kMaxCurveBytes = 64 << 20;
 
@@ -64,7 +62,7 @@ StageNow StateOf(const fs::path& workspace,
 json StagesJson(const fs::path& workspace, const std::string& running) {
   json stages = json::array();
   bool after = false;
-  for (const char* stage : kStages) {
+  for (const std::string& stage : StageNames()) {
     StageNow now = StateOf(workspace, stage, running);
     // What is older than the stage that is made anew will be made anew, too.
     if (after && now.state == "done") now.state = "stale";

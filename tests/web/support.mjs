@@ -97,6 +97,8 @@ export async function openPage(
   });
   const page = await context.newPage();
   page.errors = [];
+  page.dialogs = 0; // Nothing opens one, unless markup in a name ran.
+  page.on("dialog", (dialog) => (++page.dialogs, dialog.dismiss()));
   page.on("pageerror", (error) => page.errors.push(String(error)));
   page.on("console", (message) => {
     if (message.type() === "error") page.errors.push(message.text());

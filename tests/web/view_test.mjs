@@ -131,6 +131,49 @@ test("three questions in words, and one by a picture", async () => {
   assert.ok((await stop(child)) < 2000);
 });
 
+test("doubts are shown, and a late answer replaces no newer one", async () => {
+  const { child, url } = await serve(scene.workspace);
+  const page = await openPage(browser, url);
+  const asked = [];
+  await page.route("**/api/query", (route) => asked.push(route));
+  const ask = async (text) => {
+    const request = page.waitForRequest("**/api/query");
+    await page.getByLabel("Words that say what is sought").fill(text);
+    await page.getByRole("button", { name: "Ask", exact: true }).click();
+    await request;
+  };
+  const answerTo = async (text, note) => {
+    const route = asked.find((r) => r.request().postDataJSON().text === text);
+    const answered = page.waitForResponse(
+      (response) => response.request() === route.request(),
+    );
+    await route.fulfill({
+      json: {
+        ...{ found: false, score: "relevancy", threshold: 0.5, hits: [] },
+        ...{ others: [], best_score: null, note },
+      },
+    });
+    await (await answered).finished();
+    // The page has had the time to show it.
+    await page.evaluate(
+      () => new Promise((resolve) => setTimeout(resolve, 100)),
+    );
+  };
+  const note = page.locator(".v-note");
+  await ask("early");
+  await ask("late");
+  await answerTo("late", "query: this is <b>a guess</b>\n");
+  assert.equal(await note.innerText(), "this is <b>a guess</b>");
+  await answerTo("early", "query: an old answer\n");
+  assert.equal(await note.innerText(), "this is <b>a guess</b>");
+  await ask("sure");
+  await answerTo("sure", "");
+  assert.equal(await note.count(), 0);
+  assert.deepEqual(page.errors, []);
+  await page.context().close();
+  await stop(child);
+});
+
 test("two viewers, photos and whole objects from the server", async () => {
   const { child, url } = await serve(scene.workspace);
   const [first, second] = await Promise.all([
@@ -146,7 +189,11 @@ test("two viewers, photos and whole objects from the server", async () => {
   });
   const waiting = first.waitForEvent("download");
   await first.getByRole("button", { name: "Save .ply" }).click();
-  const saved = readFileSync(await (await waiting).path());
+  const download = await waiting;
+  const saved = readFileSync(await download.path());
+  // The name is the one that the report gives, too.
+  const name = await first.locator(".v-details h3").innerText();
+  assert.equal(download.suggestedFilename(), `${name}_${id}.ply`);
   const exported = join(dirname(scene.workspace), "object.ply");
   runProgram(
     "export",

@@ -9,12 +9,18 @@ const SH_C0 = 0.28209479177387814;
 // ModelFrame::IsFarAway says (splat/scene/model_frame.h).
 const FAR_AWAY = 5000;
 
-export function saveBlob(blob: Blob, name: string): void {
+/** Saves what is at an address. A name that a server gives would win. */
+export function saveFrom(address: string, name: string): void {
   const link = document.createElement("a");
-  link.href = URL.createObjectURL(blob);
+  link.href = address;
   link.download = name.replace(/[\\/:*?"<>|\u0000-\u001f]+/g, "_");
   link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+}
+
+export function saveBlob(blob: Blob, name: string): void {
+  const address = URL.createObjectURL(blob);
+  saveFrom(address, name);
+  setTimeout(() => URL.revokeObjectURL(address), 10000);
 }
 
 /** A grey PNG of 0 and 255. */

@@ -2,7 +2,7 @@
 // The list of objects, and what is known of the one that is chosen.
 
 import { button, count, element, setPressed, toggle } from "./dom";
-import { chosenPly, maskPng, saveBlob } from "./files";
+import { chosenPly, maskPng, saveBlob, saveFrom } from "./files";
 import type { SceneDescription, SceneObject } from "./scene_data";
 import type { Selection } from "./selection";
 import type { View3d } from "./view3d";
@@ -209,9 +209,7 @@ export class ObjectPanel {
     const choice = this.selection.choice;
     if (!choice) return;
     if (this.served && !choice.region) {
-      const link = element("a", { href: `/api/instances/${choice.id}.ply` });
-      link.download = this.fileName(".ply");
-      link.click();
+      saveFrom(`/api/instances/${choice.id}.ply`, this.fileName(".ply"));
       return;
     }
     saveBlob(chosenPly(this.scene, this.view.cloud), this.fileName(".ply"));

@@ -17,6 +17,8 @@ interface Answer {
   hits: { id: number; score: number }[];
   others: { id: number; score: number }[];
   best_score: number | null;
+  /** What `query` says on standard error: doubts about the answer. */
+  note: string;
   timings?: { encode_ms: number; query_ms: number };
 }
 
@@ -41,9 +43,19 @@ async function toBase64(file: Blob): Promise<string> {
   return canvas.toDataURL("image/png").split(",")[1];
 }
 
+async function questionByPicture(file: Blob): Promise<object> {
+  try {
+    return { example: await toBase64(file) };
+  } catch {
+    throw new Error("This file is no picture that the browser can read.");
+  }
+}
+
 export class QueryBar {
   readonly root: HTMLElement;
   private readonly answer = element("div", { class: "v-answer", role: "status" });
+  /** Questions so far: only the latest one may be answered. */
+  private turn = 0;
 
   constructor(
     private readonly scene: SceneDescription,
@@ -62,7 +74,7 @@ export class QueryBar {
       tabindex: "-1",
       "aria-label": "Picture of what is sought",
       change: () => {
-        if (file.files?.[0]) void this.example(file.files[0]);
+        if (file.files?.[0]) void this.ask(questionByPicture(file.files[0]));
         file.value = "";
       },
     });
@@ -72,7 +84,8 @@ export class QueryBar {
         class: "v-query",
         submit: (event) => {
           event.preventDefault();
-          if (words.value.trim()) void this.ask({ text: words.value.trim() });
+          const text = words.value.trim();
+          if (text) void this.ask(Promise.resolve({ text }));
         },
       },
       words,
@@ -87,25 +100,20 @@ export class QueryBar {
     document.addEventListener("drop", (event) => {
       event.preventDefault();
       const dropped = event.dataTransfer?.files[0];
-      if (dropped) void this.example(dropped);
+      if (dropped) void this.ask(questionByPicture(dropped));
     });
   }
 
-  private async example(file: Blob): Promise<void> {
-    try {
-      await this.ask({ example: await toBase64(file) });
-    } catch {
-      this.answer.textContent = "This file is no picture that the browser can read.";
-    }
-  }
-
-  private async ask(question: object): Promise<void> {
+  private async ask(question: Promise<object>): Promise<void> {
+    const turn = ++this.turn;
     this.answer.textContent = "…";
-    const start = performance.now();
     try {
-      const answer = await ask({ ...question, max_hits: 3 });
-      this.show(answer, performance.now() - start);
+      const body = { ...(await question), max_hits: 3 };
+      const start = performance.now();
+      const answer = await ask(body);
+      if (turn === this.turn) this.show(answer, performance.now() - start);
     } catch (error) {
+      if (turn !== this.turn) return;
       this.answer.textContent = error instanceof Error ? error.message : String(error);
     }
   }
@@ -131,6 +139,9 @@ export class QueryBar {
       );
     }
     this.answer.append(time);
+    // The name of the command before each line is for the terminal.
+    const note = answer.note.replace(/^query: /gm, "").trim();
+    if (note) this.answer.append(element("p", { class: "v-note" }, note));
     this.root.dataset.best = answer.found ? String(answer.hits[0].id) : "";
     if (answer.found) this.selection.choose(answer.hits[0].id);
   }

@@ -40,7 +40,7 @@ export type Interval = [number, number];
 export interface ObjectLevels {
   /** From the next larger region to the whole scene. */
   wider: Interval[];
-  /** All smaller regions, nested in each other. */
+  /** All smaller regions. Two of them are one in the other, or share no part. */
   narrower: Interval[];
 }
 

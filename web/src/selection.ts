@@ -101,9 +101,9 @@ export class Selection {
   isChosen(id: number, part: number): boolean {
     const choice = this.choice;
     if (!choice) return false;
-    return choice.region
-      ? part !== NO_PART && contains(choice.region, part)
-      : id === choice.id;
+    // What is wider has all of the object, also Gaussians of no part.
+    if (id === choice.id && choice.steps >= 0) return true;
+    return choice.region !== null && part !== NO_PART && contains(choice.region, part);
   }
 
   isVisible(id: number, part: number): boolean {

@@ -80,5 +80,30 @@ TEST(FileStamp, TellsThatAFileChanged) {
   EXPECT_NE(stamp(), first);
 }
 
+TEST(FileStamp, TellsOfAllThatAnAnswerDependsOn) {
+  const TemporaryFolder workspace;
+  const auto photos = [&] { return PhotosStamp(workspace.path()); };
+  const auto query = [&] { return QueryStamp(workspace.path()); };
+  for (const char* name : {"ingest/images.json",
+                           "undistort/sparse/cameras.bin",
+                           "undistort/sparse/images.txt",
+                           "undistort/sparse/points3D.bin"}) {
+    const std::string before = photos() + query();
+    workspace.Write(name, "1");
+    EXPECT_NE(photos(), before.substr(0, 16)) << name;
+    EXPECT_NE(query(), before.substr(16)) << name;
+  }
+  const std::string same = photos();
+  for (const char* name : {"reconstruct/point_cloud.ply",
+                           "reconstruct/stage.json",
+                           "bootstrap/idsf.bin",
+                           "bootstrap/stage.json"}) {
+    const std::string before = query();
+    workspace.Write(name, "1");
+    EXPECT_NE(query(), before) << name;
+  }
+  EXPECT_EQ(photos(), same);
+}
+
 }  // namespace
 }  // namespace freegs::stages

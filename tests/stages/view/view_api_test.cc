@@ -110,6 +110,8 @@ TEST_F(ViewApiTest, AnInstanceIsWhatExportWrites) {
   }
   world->model.Select(gaussians);
   EXPECT_EQ(answer->body, splat::SerializePly(world->model, world->offset));
+  // The page gives the file a name.
+  EXPECT_EQ(answer->get_header_value("Content-Disposition"), "attachment");
   for (const char* name : {"99.ply", "0.ply"}) {
     EXPECT_THAT(Get(std::string("/api/instances/") + name)->body,
                 HasSubstr("error"));
@@ -154,6 +156,22 @@ TEST_F(ViewApiTest, AnswersEachKindOfQuestion) {
   json before = clicked;
   before.erase("timings");
   EXPECT_EQ(again, before);
+}
+
+TEST_F(ViewApiTest, WhatFindsNoPlaceIsRefusedAtOnce) {
+  options_.max_at_once = 0;
+  Start();
+  for (const auto& answer :
+       {Post({{"text", "red apple"}}), Get("/api/instances/2.ply")}) {
+    ASSERT_TRUE(answer);
+    EXPECT_EQ(answer->status, 429);
+    EXPECT_EQ(answer->get_header_value("Retry-After"), "1");
+    EXPECT_THAT(answer->body, HasSubstr("in a few seconds"));
+  }
+  // What is wrong is said all the same, and the rest is answered.
+  EXPECT_THAT(Ask({{"text", 3}}, 400)["error"].get<std::string>(),
+              HasSubstr("text"));
+  EXPECT_EQ(GetJson("/api/status")["live"], true);
 }
 
 TEST_F(ViewApiTest, SaysWhatIsWrongWithAQuestion) {
@@ -253,9 +271,13 @@ TEST_F(ViewApiTest, TheSceneComesInPartsAndIsMadeOnce) {
     EXPECT_EQ(Get(std::string("/api/parts/") + part)->status, 404) << part;
   }
   EXPECT_EQ(made, 1);
-  WriteText(workspace_ / "bootstrap/hierarchy.json", "{}");
-  EXPECT_EQ(Get("/api/scene")->status, 200);
-  EXPECT_EQ(made, 2);
+  // Among the photos, others may be held out now.
+  for (const char* changed :
+       {"bootstrap/hierarchy.json", "ingest/images.json"}) {
+    WriteText(workspace_ / changed, "{}");
+    EXPECT_EQ(Get("/api/scene")->status, 200);
+  }
+  EXPECT_EQ(made, 3);
 }
 
 TEST_F(ViewApiTest, WithoutAViewerThereIsNoScene) {

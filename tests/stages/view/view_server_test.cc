@@ -232,6 +232,7 @@ TEST_F(ViewServerTest, StopsWithinASecond) {
 
 TEST_F(ViewServerTest, SeveralClientsAtOnce) {
   WriteText(workspace_ / "export/large.bin", std::string(5 << 20, 'x'));
+  options_.max_at_once = 6;
   Start();
   std::vector<std::thread> clients;
   std::vector<int> good(6);
