@@ -2,6 +2,7 @@
 
 #include "core/number_text.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdio>
@@ -19,6 +20,14 @@ std::string FormatFixed(double value, int decimals) {
   char text[400];  // The largest double has 309 digits.
   std::snprintf(text, sizeof(text), "%.*f", decimals, value);
   return text;
+}
+
+int DecimalsFor(double length) {
+  constexpr int kUsual = 3;
+  constexpr int kMost = 12;
+  if (!(length > 0) || !std::isfinite(length)) return kUsual;
+  return std::clamp(
+      2 - static_cast<int>(std::floor(std::log10(length))), 0, kMost);
 }
 
 std::string FormatSignificant(double value, int digits) {

@@ -13,6 +13,11 @@ namespace freegs {
 // finite.
 std::string FormatFixed(double value, int decimals);
 
+// How many digits after the point show a value of this size to three digits: 2
+// for 1.5, 5 for 0.0015, at least 0 and at most 12; 3 for 0 and for what is no
+// length.
+int DecimalsFor(double length);
+
 // At most this many significant digits, without trailing zeros: 0.0034567 with
 // 3 digits is "0.00346", 1e12 is "1e+12". "–" when the value is not finite.
 std::string FormatSignificant(double value, int digits);

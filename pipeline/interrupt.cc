@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <ctime>
+#include <string_view>
 #include <unistd.h>
 
 #include "core/status.h"
@@ -16,6 +17,10 @@ namespace {
 // A signal handler has no other way to its token.
 std::atomic<CancellationToken*> current_token{nullptr};
 static_assert(std::atomic<CancellationToken*>::is_always_lock_free);
+
+// Whether the first signal leads to a checkpoint.
+std::atomic<bool> saves_checkpoint{false};
+static_assert(std::atomic<bool>::is_always_lock_free);
 
 // When the first signal came, on the monotonic clock; 0 before that.
 std::atomic<int64_t> first_signal_ns{0};
@@ -39,17 +44,23 @@ void OnSignal(int) {
     _exit(ExitCode(StatusCode::kInterrupted));
   }
   token->Cancel();
-  constexpr char kNote[] =
+  constexpr std::string_view kNote =
+      "\ninterrupted: stopping (again after a second to stop at once)\n";
+  constexpr std::string_view kCheckpointNote =
       "\ninterrupted: stopping, with a checkpoint where there is one (again "
       "after a second to stop at once)\n";
+  const std::string_view note = saves_checkpoint.load(std::memory_order_relaxed)
+                                    ? kCheckpointNote
+                                    : kNote;
   [[maybe_unused]] const ssize_t ignored =
-      write(STDERR_FILENO, kNote, sizeof(kNote) - 1);
+      write(STDERR_FILENO, note.data(), note.size());
 }
 
 }  // namespace
 
-InterruptGuard::InterruptGuard(CancellationToken* token) {
+InterruptGuard::InterruptGuard(CancellationToken* token, bool checkpoint) {
   first_signal_ns.store(0);
+  saves_checkpoint.store(checkpoint, std::memory_order_relaxed);
   current_token.store(token, std::memory_order_relaxed);
   struct sigaction action = {};
   sigemptyset(&action.sa_mask);

@@ -21,7 +21,9 @@ namespace freegs::pipeline {
 // time. Its destructor puts the earlier handlers back.
 class InterruptGuard {
  public:
-  explicit InterruptGuard(CancellationToken* token);
+  // checkpoint: whether what is cancelled saves one, which the note of the
+  // first signal then says.
+  InterruptGuard(CancellationToken* token, bool checkpoint);
   ~InterruptGuard();
   InterruptGuard(const InterruptGuard&) = delete;
   InterruptGuard& operator=(const InterruptGuard&) = delete;

@@ -42,7 +42,8 @@ Status RunCommand(const std::vector<std::string>& words,
   FREEGS_ASSIGN_OR_RETURN(const stages::Command command,
                           stages::FindCommand(words[0]));
   CancellationToken cancellation;
-  const pipeline::InterruptGuard guard(&cancellation);
+  const bool runs_stages = command.name == "run" || command.name == "stage";
+  const pipeline::InterruptGuard guard(&cancellation, runs_stages);
   stages::CommandContext context{
       std::cout, std::cerr, cancellation, argv0, stages::Commands()};
   return command.run({words.begin() + 1, words.end()}, context);

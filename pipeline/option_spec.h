@@ -29,6 +29,15 @@ struct OptionSpec {
   // If there are any, the only texts that are allowed.
   std::vector<std::string> choices = {};
 
+  // For what the fields above cannot say: returns whether a text of the right
+  // type is allowed. `allowed` then tells in words what is.
+  bool (*accepts)(const std::string& text) = nullptr;
+  std::string allowed = {};
+
+  // Whether help tells the default. False where an option that is not given
+  // means something that no value does.
+  bool shows_default = true;
+
   // Whether another value leads to another result, so that the stage must run
   // again. False for the number of threads and the like.
   bool affects_result = true;

@@ -128,16 +128,20 @@ Status ParseOptionText(const std::string& text,
                        const OptionTarget& target,
                        bool store) {
   return std::visit(
-      [&](auto* value) {
+      [&](auto* value) -> Status {
         std::remove_cvref_t<decltype(*value)> parsed{};
-        const Status status = Parse(text, spec, &parsed);
-        if (status.ok() && store) *value = std::move(parsed);
-        return status;
+        FREEGS_RETURN_IF_ERROR(Parse(text, spec, &parsed));
+        if (spec.accepts != nullptr && !spec.accepts(text)) {
+          return InvalidArgumentError("'" + text + "' is not allowed");
+        }
+        if (store) *value = std::move(parsed);
+        return Status();
       },
       target);
 }
 
 std::string AllowedText(const OptionSpec& spec, const OptionTarget& target) {
+  if (!spec.allowed.empty()) return spec.allowed;
   if (std::holds_alternative<bool*>(target)) return "true or false";
   if (std::holds_alternative<std::string*>(target)) {
     if (spec.choices.empty()) return spec.is_path ? "a path" : "text";

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <system_error>
 #include <thread>
+#include <vector>
 
 namespace freegs::pipeline {
 namespace {
@@ -26,8 +27,8 @@ std::optional<double> ReadNumber(const fs::path& path) {
 
 // Where and under which names control groups tell of their memory.
 struct GroupFiles {
-  const char* controllers;  // In /proc/self/cgroup.
-  const char* folder;       // Of the topmost group.
+  const char* controller;  // In /proc/self/cgroup.
+  const char* folder;      // Of the topmost group.
   const char* limit;
   const char* usage;
   const char* droppable;  // In memory.stat.
@@ -40,31 +41,56 @@ constexpr GroupFiles kGroupFilesV1 = {"memory",
                                       "memory.usage_in_bytes",
                                       "total_inactive_file"};
 
+// Whether a list such as "cpu,cpuacct" names the controller. Version 2 has one
+// group for all of them, and an empty list.
+bool Names(std::string_view list, std::string_view controller) {
+  while (true) {
+    const size_t comma = list.find(',');
+    if (list.substr(0, comma) == controller) return true;
+    if (comma == std::string_view::npos) return false;
+    list.remove_prefix(comma + 1);
+  }
+}
+
 // The path of this process's group below the topmost one. A line of
 // /proc/self/cgroup is NUMBER:CONTROLLERS:/PATH.
-fs::path OwnGroup(const fs::path& root, const std::string& controllers) {
+fs::path OwnGroup(const fs::path& root, std::string_view controller) {
   std::ifstream file(root / "proc" / "self" / "cgroup");
   std::string line;
   while (std::getline(file, line)) {
     const size_t first = line.find(':');
     const size_t second = line.find(':', first + 1);
     if (first == std::string::npos || second == std::string::npos) continue;
-    if (line.substr(first + 1, second - first - 1) != controllers) continue;
+    const std::string_view list =
+        std::string_view(line).substr(first + 1, second - first - 1);
+    if (!Names(list, controller)) continue;
     return fs::path(line.substr(second + 1)).relative_path();
   }
   return {};
 }
 
-// Lowers *info to what the group of this process and those above it allow. A
-// container may see its own group as the topmost one but be told the path from
-// outside; folders that are not there set no limit.
+// The folders of this process's group and of those above it, of which the last
+// is root/top. A container may see its own group as the topmost one but be told
+// the path from outside, so some of the folders may not be there.
+std::vector<fs::path> GroupFolders(const fs::path& root,
+                                   const fs::path& top,
+                                   std::string_view controller) {
+  std::vector<fs::path> folders;
+  fs::path group = OwnGroup(root, controller);
+  while (true) {
+    folders.push_back(root / top / group);
+    if (group.empty()) return folders;
+    group = group.parent_path();
+  }
+}
+
+// Lowers *info to what the group of this process and those above it allow.
+// Folders that are not there set no limit.
 void LimitByGroups(const fs::path& root,
                    const GroupFiles& files,
                    MemoryInfo* info) {
-  const fs::path top = root / files.folder;
-  fs::path group = OwnGroup(root, files.controllers);
-  while (true) {
-    const fs::path folder = top / group;
+  for (const fs::path& folder :
+       GroupFolders(root, files.folder, files.controller)) {
     // v1 writes about 2^63 for no limit.
     const auto limit = ReadNumber(folder / files.limit);
     if (limit && *limit < static_cast<double>(info->total_bytes)) {
@@ -79,9 +105,23 @@ void LimitByGroups(const fs::path& root,
       info->available_bytes =
           std::min<int64_t>(info->available_bytes, std::llround(left));
     }
-    if (group.empty()) return;
-    group = group.parent_path();
   }
+}
+
+// The cores that one group of version 2 allows; nothing if it sets no limit.
+std::optional<double> QuotaV2(const fs::path& folder) {
+  std::ifstream file(folder / "cpu.max");
+  double quota = 0;
+  double period = 0;
+  if (file >> quota >> period && period > 0 && quota > 0) return quota / period;
+  return std::nullopt;
+}
+
+std::optional<double> QuotaV1(const fs::path& folder) {
+  const auto quota = ReadNumber(folder / "cpu.cfs_quota_us");
+  const auto period = ReadNumber(folder / "cpu.cfs_period_us");
+  if (quota && period && *quota > 0 && *period > 0) return *quota / *period;
+  return std::nullopt;
 }
 
 }  // namespace
@@ -106,17 +146,21 @@ int CoresOfAffinity() {
   return static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 }
 
-std::optional<double> CoresOfQuota() {
-  std::ifstream v2("/sys/fs/cgroup/cpu.max");
-  double quota = 0;
-  double period = 0;
-  if (v2 >> quota >> period && period > 0 && quota > 0) return quota / period;
-  const auto v1_quota = ReadNumber("/sys/fs/cgroup/cpu/cpu.cfs_quota_us");
-  const auto v1_period = ReadNumber("/sys/fs/cgroup/cpu/cpu.cfs_period_us");
-  if (v1_quota && v1_period && *v1_quota > 0 && *v1_period > 0) {
-    return *v1_quota / *v1_period;
+std::optional<double> CoresOfQuota() { return CoresOfQuotaIn("/"); }
+
+std::optional<double> CoresOfQuotaIn(const fs::path& root) {
+  std::optional<double> least;
+  const auto take = [&least](std::optional<double> quota) {
+    if (quota && (!least || *quota < *least)) least = quota;
+  };
+  for (const fs::path& folder : GroupFolders(root, "sys/fs/cgroup", "")) {
+    take(QuotaV2(folder));
   }
-  return std::nullopt;
+  for (const fs::path& folder :
+       GroupFolders(root, "sys/fs/cgroup/cpu", "cpu")) {
+    take(QuotaV1(folder));
+  }
+  return least;
 }
 
 int AvailableCores() {

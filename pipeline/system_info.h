@@ -21,8 +21,11 @@ int CoresOfAffinity();
 
 // The number of cores whose time the control group allows (cpu.max of cgroup v2
 // or cpu.cfs_quota_us of v1), which need not be whole; nothing if it sets no
-// limit.
+// limit. The groups above that of this process count, too.
 std::optional<double> CoresOfQuota();
+
+// The same for a system whose folders proc and sys lie in `root`.
+std::optional<double> CoresOfQuotaIn(const std::filesystem::path& root);
 
 // How many threads are worth starting: the smaller one of the two numbers
 // above, rounded up, but at least 1.

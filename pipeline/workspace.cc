@@ -47,6 +47,9 @@ StatusOr<std::string> ReadBytes(const nlohmann::json& value,
   return *std::move(bytes);
 }
 
+// Far more than any workspace.json needs.
+constexpr uint64_t kMaxInfoBytes = uint64_t{1} << 28;
+
 }  // namespace
 
 fs::path WorkspaceInfoPath(const fs::path& workspace) {
@@ -121,7 +124,15 @@ StatusOr<WorkspaceInfo> ReadWorkspaceInfo(const fs::path& workspace) {
   const fs::path path = WorkspaceInfoPath(workspace);
   std::error_code error;
   if (!fs::exists(path, error)) return WorkspaceInfo();
-  FREEGS_ASSIGN_OR_RETURN(const nlohmann::json json, ReadJson(path));
+  FREEGS_ASSIGN_OR_RETURN(const std::string text,
+                          ReadFile(path, kMaxInfoBytes));
+  const auto with_advice = [](const Status& fault) {
+    return BadInputError(fault.message() +
+                         "; delete the file and give the photo folder again");
+  };
+  const StatusOr<nlohmann::json> document = ParseJson(text, path.string());
+  if (!document.ok()) return with_advice(document.status());
+  const nlohmann::json& json = *document;
   WorkspaceInfo info;
   Status status;
   JsonObjectReader reader(json, path.string(), "", &status);
@@ -141,10 +152,7 @@ StatusOr<WorkspaceInfo> ReadWorkspaceInfo(const fs::path& workspace) {
       info.settings[name] = read(value, reader.Where("settings." + name));
     }
   }
-  if (!status.ok()) {
-    return BadInputError(status.message() +
-                         "; delete the file and give the photo folder again");
-  }
+  if (!status.ok()) return with_advice(status);
   return info;
 }
 

@@ -183,12 +183,31 @@ Status PrepareOutputFolder(const fs::path& folder) {
                        "; give a folder that can be written to");
 }
 
-Status PrepareOutputFile(const fs::path& file) {
+StatusOr<fs::path> PrepareOutputFile(const fs::path& file) {
+  const auto refused = [&file](const std::string& fault) {
+    return BadInputError(file.string() + ": " + fault);
+  };
   std::error_code error;
-  if (!file.has_filename() || fs::is_directory(file, error)) {
-    return BadInputError(file.string() + ": is a folder; give a file");
+  const fs::file_status status = fs::status(file, error);
+  if (!file.has_filename() || fs::is_directory(status)) {
+    return refused("is a folder; give a file");
   }
-  return PrepareOutputFolder(file.has_parent_path() ? file.parent_path() : ".");
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    return refused("not a regular file; give a file");
+  }
+  fs::path target = file;
+  if (fs::is_symlink(file, error)) {
+    target = fs::canonical(file, error);
+    if (error) return refused("is a link that leads nowhere; give a file");
+    // Many writers take the format from the suffix.
+    if (LowerSuffix(target) != LowerSuffix(file)) {
+      return refused("is a link to " + target.string() +
+                     ", whose suffix is another; give a link that has it");
+    }
+  }
+  FREEGS_RETURN_IF_ERROR(PrepareOutputFolder(
+      target.has_parent_path() ? target.parent_path() : "."));
+  return target;
 }
 
 std::string HashBytes(std::string_view bytes) {

@@ -48,11 +48,16 @@ Status CreateFolders(const std::filesystem::path& path);
 // not followed.
 bool IsNameBelowFolder(std::string_view name);
 
-// Makes a folder that the user named for results, or the folder of such a file.
-// Returns kBadInput when the path cannot be written to, before work is spent on
-// what would be lost.
+// Makes a folder that the user named for results. Returns kBadInput when it
+// cannot be written to, before work is spent on what would be lost.
 Status PrepareOutputFolder(const std::filesystem::path& folder);
-Status PrepareOutputFile(const std::filesystem::path& file);
+
+// Does the same with the folder of a file that the user named. Returns the path
+// to write to: of a link the file that it leads to, which has the same suffix,
+// so that WriteFileAtomic does not replace the link. Returns kBadInput for
+// pipes and devices, too, which it would replace.
+StatusOr<std::filesystem::path> PrepareOutputFile(
+    const std::filesystem::path& file);
 
 // The 128-bit XXH3 hash of bytes or of a file's content, as 32 hex digits. It
 // detects changes, but it does not protect against forgery.

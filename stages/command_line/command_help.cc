@@ -76,7 +76,9 @@ std::string OptionFacts(const OptionTable::Option& option, bool shows_choices) {
   const auto add = [&facts](const std::string& fact) {
     facts += (facts.empty() ? "" : "; ") + fact;
   };
-  if (!option.default_value.empty()) add("default " + option.default_value);
+  if (option.spec.shows_default && !option.default_value.empty()) {
+    add("default " + option.default_value);
+  }
   if (option.spec.min || option.spec.max) add(option.Allowed());
   if (!option.spec.choices.empty() && !shows_choices) {
     add("one of " + CommaList(option.spec.choices));

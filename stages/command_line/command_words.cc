@@ -248,6 +248,21 @@ Status CommandWords::CheckRequired(
                     JoinWith(one_of_, ", --"));
 }
 
+Status CommandWords::CheckDashes(
+    const std::vector<std::string>& arguments,
+    const std::vector<std::string>& positional) const {
+  const auto end = std::find(arguments.begin(), arguments.end(), "--");
+  for (const std::string& word : positional) {
+    const bool dashed = word.size() > 1 && word[0] == '-';
+    if (!dashed || std::find(arguments.begin(), end, word) == end) continue;
+    return UsageError(word +
+                      ": options begin with two dashes; a file or folder of "
+                      "this name is ./" +
+                      word);
+  }
+  return Status();
+}
+
 StatusOr<OptionTable::CommandLine> CommandWords::Parse(
     std::vector<std::string> arguments) const {
   for (std::string& argument : arguments) {
@@ -264,6 +279,7 @@ StatusOr<OptionTable::CommandLine> CommandWords::Parse(
   }
   FREEGS_ASSIGN_OR_RETURN(OptionTable::CommandLine line,
                           table_.ParseCommandLine(arguments));
+  FREEGS_RETURN_IF_ERROR(CheckDashes(arguments, line.positional));
   FREEGS_RETURN_IF_ERROR(CheckPositional(line.positional));
   FREEGS_RETURN_IF_ERROR(CheckRequired(line, given_lists));
   return line;

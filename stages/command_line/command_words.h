@@ -154,6 +154,9 @@ class CommandWords {
  private:
   Status TakeListOption(const ListOption& option,
                         std::vector<std::string>* arguments) const;
+  // Whether a word that is no option begins with a dash, without "--" before.
+  Status CheckDashes(const std::vector<std::string>& arguments,
+                     const std::vector<std::string>& positional) const;
   Status CheckPositional(const std::vector<std::string>& words) const;
   Status CheckRequired(const pipeline::OptionTable::CommandLine& line,
                        const std::vector<std::string>& given_lists) const;

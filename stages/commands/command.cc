@@ -4,6 +4,7 @@
 
 #include <system_error>
 
+#include "pipeline/stage_record.h"
 #include "pipeline/workspace.h"
 #include "stages/registry/stage_registry.h"
 
@@ -31,10 +32,41 @@ bool IsWithin(const fs::path& inner, const fs::path& outer) {
 Status CheckOutputPlace(const fs::path& workspace, const fs::path& place) {
   if (place.empty()) return Status();
   for (const std::string& stage : StageNames()) {
-    if (!IsWithin(place, workspace / stage)) continue;
+    if (!IsWithin(place, pipeline::StageFolder(workspace, stage))) continue;
     return InvalidArgumentError(
         place.string() + ": lies in the folder of stage " + stage +
         ", whose files must stay as the stage made them; give another place");
+  }
+  const auto info = pipeline::ReadWorkspaceInfo(workspace);
+  if (info.ok() && !info->images.empty() && IsWithin(place, info->images)) {
+    return InvalidArgumentError(
+        place.string() + ": lies in " + info->images.string() +
+        ", which holds the photos of the scene; give another place");
+  }
+  return CheckOutputPlace(place);
+}
+
+Status CheckOutputPlace(const fs::path& place) {
+  std::error_code error;
+  const fs::path absolute =
+      fs::weakly_canonical(pipeline::AbsolutePath(place), error);
+  const fs::path folder = absolute.parent_path();
+  for (const fs::path& own : {pipeline::WorkspaceInfoPath(folder),
+                              pipeline::ConfigPath(folder),
+                              pipeline::LogPath(folder)}) {
+    if (absolute == own && fs::exists(own, error)) {
+      return InvalidArgumentError(place.string() +
+                                  ": belongs to a workspace itself; give "
+                                  "another place");
+    }
+  }
+  for (fs::path above = absolute; above.has_relative_path();
+       above = above.parent_path()) {
+    if (!fs::exists(pipeline::RecordPath(above), error)) continue;
+    return InvalidArgumentError(
+        place.string() + ": lies in " + above.string() +
+        ", which a stage made, and must stay as the stage made it; give "
+        "another place");
   }
   return Status();
 }

@@ -54,10 +54,17 @@ bool IsWithin(const std::filesystem::path& inner,
               const std::filesystem::path& outer);
 
 // For commands that write files where the user says. Returns kInvalidArgument
-// for a place in the folder of a stage: a file there would replace what the
-// stage made, or be gone after its next run. An empty `place` is none.
+// for a place in the folder of a stage, where a file would replace what the
+// stage made or be gone after its next run, for a place among the photos of the
+// scene, and for those that the other form below refuses. An empty `place` is
+// none.
 Status CheckOutputPlace(const std::filesystem::path& workspace,
                         const std::filesystem::path& place);
+
+// The same for commands that read no workspace: kInvalidArgument for a place in
+// the folder of a stage of any workspace, and for the settings and the log of
+// one.
+Status CheckOutputPlace(const std::filesystem::path& place);
 
 using CommandFn = Status (*)(const std::vector<std::string>& arguments,
                              CommandContext& context);

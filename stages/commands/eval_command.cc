@@ -119,7 +119,14 @@ StatusOr<EvalRequest> ParseEvalRequest(
   FREEGS_RETURN_IF_ERROR(
       ApplyQuerySettings(request.workspace, line.settings, words.table()));
   if (!request.json_file.empty() && request.json_file != "-") {
-    FREEGS_RETURN_IF_ERROR(PrepareOutputFile(request.json_file));
+    FREEGS_RETURN_IF_ERROR(
+        CheckOutputPlace(request.workspace, request.json_file));
+    const StatusOr<fs::path> file = PrepareOutputFile(request.json_file);
+    if (!file.ok()) {
+      return BadInputError(file.status().message() +
+                           ", or - for standard output");
+    }
+    request.json_file = file->string();
   }
   return request;
 }

@@ -62,8 +62,7 @@ void Recolor(const ExportRequest& request,
 }
 
 Status ExportScene(const ExportRequest& request, CommandContext& context) {
-  const fs::path path(request.out);
-  FREEGS_RETURN_IF_ERROR(PrepareOutputFile(path));
+  FREEGS_ASSIGN_OR_RETURN(const fs::path path, PrepareOutputFile(request.out));
   FREEGS_ASSIGN_OR_RETURN(splat::PlacedModel world,
                           ReadWorkspaceModel(request.workspace));
   splat::GaussianModel& model = world.model;
@@ -161,7 +160,7 @@ StatusOr<std::vector<semantics::Instance>> ChosenInstances(
 }
 
 Status ExportBoxes(const ExportRequest& request, CommandContext& context) {
-  FREEGS_RETURN_IF_ERROR(PrepareOutputFile(request.out));
+  FREEGS_ASSIGN_OR_RETURN(const fs::path path, PrepareOutputFile(request.out));
   FREEGS_ASSIGN_OR_RETURN(const splat::PlacedModel world,
                           ReadWorkspaceModel(request.workspace));
   FREEGS_ASSIGN_OR_RETURN(
@@ -169,13 +168,13 @@ Status ExportBoxes(const ExportRequest& request, CommandContext& context) {
       ReadInstanceLabels(request.workspace, world.model.size()));
   FREEGS_ASSIGN_OR_RETURN(const std::vector<semantics::Instance> instances,
                           ChosenInstances(request, labels));
-  FREEGS_RETURN_IF_ERROR(WriteFileAtomic(request.out, BoxesJson(instances)));
+  FREEGS_RETURN_IF_ERROR(WriteFileAtomic(path, BoxesJson(instances)));
   context.out << instances.size() << " boxes in " << request.out << "\n";
   return Status();
 }
 
 Status ExportMasks(const ExportRequest& request, CommandContext& context) {
-  FREEGS_RETURN_IF_ERROR(PrepareOutputFile(request.out));
+  FREEGS_ASSIGN_OR_RETURN(const fs::path path, PrepareOutputFile(request.out));
   FREEGS_ASSIGN_OR_RETURN(const WorkspaceScene scene,
                           ReadWorkspaceScene(request.workspace));
   FREEGS_ASSIGN_OR_RETURN(
@@ -204,7 +203,7 @@ Status ExportMasks(const ExportRequest& request, CommandContext& context) {
                      static_cast<double>(views.size()),
                      views[i].name});
   }
-  FREEGS_RETURN_IF_ERROR(WriteFileAtomic(request.out, masks.Json()));
+  FREEGS_RETURN_IF_ERROR(WriteFileAtomic(path, masks.Json()));
   context.out << masks.num_annotations() << " masks of " << views.size()
               << " photos in " << request.out << "\n";
   return Status();

@@ -2,6 +2,9 @@
 
 #include "stages/commands/export_request.h"
 
+#include <algorithm>
+#include <iterator>
+
 #include "core/io/files.h"
 #include "pipeline/option_table.h"
 #include "stages/command_line/command_words.h"
@@ -34,13 +37,26 @@ Status CheckSuffix(const ExportRequest& request) {
       request.out + ": the suffix says the format; known are " + list);
 }
 
+// A folder with the name of a file would be in the way of that file.
+Status CheckFolderName(const std::string& folder) {
+  const std::string suffix = LowerSuffix(folder);
+  constexpr std::string_view kOthers[] = {".json", ".glb", ".txt", ".bin"};
+  if (std::ranges::find(kGaussianSuffixes, suffix) != kGaussianSuffixes.end() ||
+      std::ranges::find(kOthers, suffix) != std::end(kOthers)) {
+    return InvalidArgumentError(folder +
+                                ": the name of a file, but a folder is "
+                                "written; give another name");
+  }
+  return Status();
+}
+
 Status CheckWords(const ExportRequest& request, bool format_given) {
   if (!request.objects.empty()) {
     if (!WritesGaussians(request)) {
       return InvalidArgumentError(
           "--objects writes Gaussians: --what color or instances");
     }
-    return Status();
+    return CheckFolderName(request.objects);
   }
   if (format_given) {
     return InvalidArgumentError(
@@ -48,7 +64,7 @@ Status CheckWords(const ExportRequest& request, bool format_given) {
         "the format");
   }
   if (request.what == "colmap") {
-    if (request.choice.everything()) return Status();
+    if (request.choice.everything()) return CheckFolderName(request.out);
     return InvalidArgumentError(
         "--only and --without are not for --what colmap, which has no "
         "instances");

@@ -105,7 +105,14 @@ StatusOr<FeaturesRequest> ParseFeaturesRequest(
         "--out " + request.out +
         ": the suffix says the format; give .png or .jpg");
   }
-  FREEGS_RETURN_IF_ERROR(PrepareOutputFile(request.out));
+  FREEGS_RETURN_IF_ERROR(CheckOutputPlace(request.out));
+  std::error_code error;
+  if (fs::equivalent(request.out, request.image, error)) {
+    return InvalidArgumentError("--out " + request.out +
+                                ": would replace the photo; give another name");
+  }
+  FREEGS_ASSIGN_OR_RETURN(const fs::path out, PrepareOutputFile(request.out));
+  request.out = out.string();
   return request;
 }
 

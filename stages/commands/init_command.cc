@@ -9,6 +9,7 @@
 #include "pipeline/workspace.h"
 #include "stages/commands/workspace_readme.h"
 #include "stages/registry/pipeline_options.h"
+#include "stages/run/workspace_folder.h"
 
 namespace freegs::stages {
 
@@ -36,10 +37,8 @@ Status RunInitCommand(const std::vector<std::string>& arguments,
   FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> positional,
                           InitWords().ParseAndApply(arguments));
   const fs::path workspace = positional[0];
+  FREEGS_RETURN_IF_ERROR(CheckWorkspaceFolder(workspace));
   std::error_code error;
-  if (fs::exists(workspace, error) && !fs::is_directory(workspace, error)) {
-    return BadInputError(workspace.string() + ": not a folder");
-  }
   FREEGS_RETURN_IF_ERROR(PrepareOutputFolder(workspace));
   const std::pair<fs::path, std::string> files[] = {
       {pipeline::ConfigPath(workspace), ConfigTemplate()},

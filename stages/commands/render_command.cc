@@ -387,14 +387,15 @@ CommandWords RenderWords() { return KeepWords<RenderRequest>(DescribeRender); }
 
 Status RunRenderCommand(const std::vector<std::string>& arguments,
                         CommandContext& context) {
-  FREEGS_ASSIGN_OR_RETURN(const RenderRequest request,
-                          ParseRenderRequest(arguments));
+  FREEGS_ASSIGN_OR_RETURN(RenderRequest request, ParseRenderRequest(arguments));
   for (const std::string& place : {request.out, request.video}) {
     FREEGS_RETURN_IF_ERROR(CheckOutputPlace(request.workspace, place));
   }
   if (!request.video.empty()) {
     FREEGS_RETURN_IF_ERROR(CheckFilmPath(request.video));
-    FREEGS_RETURN_IF_ERROR(PrepareOutputFile(request.video));
+    FREEGS_ASSIGN_OR_RETURN(const fs::path film,
+                            PrepareOutputFile(request.video));
+    request.video = film.string();
   }
   WarnOfRun(request.workspace, context);
   ThreadPool pool(pipeline::WorkingThreads(request.threads));

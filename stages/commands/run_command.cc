@@ -2,6 +2,7 @@
 
 #include "stages/commands/run_command.h"
 
+#include <algorithm>
 #include <exception>
 #include <filesystem>
 #include <map>
@@ -11,6 +12,7 @@
 #include <utility>
 
 #include "core/io/files.h"
+#include "core/text.h"
 #include "photos/photo_scan.h"
 #include "pipeline/stage_record.h"
 #include "pipeline/workspace.h"
@@ -64,7 +66,7 @@ Status CheckImagesFolder(const fs::path& images,
       (fs::exists(images, error)
            ? ": not a folder and not a film; give the folder of "
              "the photos, or a film such as a.mp4"
-           : ": no such folder of photos"));
+           : ": no such folder of photos, and no such film"));
 }
 
 // A path that is not there is mistyped. A stage without a result says so
@@ -90,6 +92,16 @@ Status CheckGivenPaths(const fs::path& workspace,
                          ": no such file or folder");
   }
   return Status();
+}
+
+// The runner checks this, too, but only once the settings have been stored.
+Status CheckOrder(const std::string& from, const std::string& to) {
+  const std::vector<std::string> names = StageNames();
+  if (std::ranges::find(names, from) <= std::ranges::find(names, to)) {
+    return Status();
+  }
+  return InvalidArgumentError("stage " + from + " comes after " + to +
+                              "; the order is " + Joined(names));
 }
 
 // The text as one word of a shell, quoted where it has to be.
@@ -335,6 +347,7 @@ Status RunRunCommand(const std::vector<std::string>& arguments,
   }
   request.from = targets.from;
   request.to = targets.to;
+  FREEGS_RETURN_IF_ERROR(CheckOrder(request.from, request.to));
   if (!lock) FREEGS_RETURN_IF_ERROR(take_workspace());
   if (goal.given()) {
     // Over what config.ini says, and so not remembered.

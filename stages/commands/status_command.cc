@@ -72,6 +72,12 @@ std::string SummaryText(const json& summary) {
   std::ostringstream text;
   int facts = 0;
   for (const auto& [name, value] : summary.items()) {
+    // A list of photos, of which the number is told.
+    if (name == "rejected" && value.is_array() && !value.empty()) {
+      if (++facts > kMaxFacts) break;
+      text << (facts > 1 ? ", " : "") << name << " " << value.size();
+      continue;
+    }
     if (value.is_structured() || value.is_null()) continue;
     // The stage's own time and memory are shown from the record.
     if (name.ends_with("seconds") || name.ends_with("_bytes")) continue;

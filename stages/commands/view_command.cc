@@ -14,6 +14,7 @@
 
 #include "pipeline/option_table.h"
 #include "stages/registry/pipeline_options.h"
+#include "stages/run/workspace_folder.h"
 #include "stages/view/access.h"
 #include "stages/view/scene_cache.h"
 #include "stages/view/view_api.h"
@@ -86,6 +87,7 @@ Status ParseViewRequest(const std::vector<std::string>& arguments,
                           words.Parse(arguments));
   FREEGS_ASSIGN_OR_RETURN(api->workspace,
                           ExistingWorkspace(line.positional[0]));
+  FREEGS_RETURN_IF_ERROR(CheckWorkspaceFolder(api->workspace));
   FREEGS_RETURN_IF_ERROR(
       ApplyQuerySettings(api->workspace, line.settings, words.table()));
   for (const pipeline::OptionSetting& setting : line.settings) {

@@ -48,9 +48,15 @@ constexpr double kStepSecondsPerMegapixel = 0.06;
 constexpr double kStepSecondsPerMillion = 0.07;
 constexpr double kSerial = 0.14;
 
-// Two checkpoints are kept, each with the model, two moments and what is
-// counted; and pictures of the holdout views.
-constexpr double kCheckpoints = 2 * 4;
+// Two checkpoints are kept, and a third is written before the oldest is
+// removed. Each has the model, two moments, the last good state and three
+// numbers of 4 bytes per Gaussian. In the last tenth of the steps, by when
+// Mini-Splatting has cut the model down, it also has the mean.
+constexpr double kCheckpoints = 3;
+constexpr double kCopiesInCheckpoint = 4;
+constexpr double kCountedBytes = 3 * 4;
+
+// Of the pictures of the holdout views.
 constexpr double kDiskBytesPerPixel = 1;
 
 double Densifications(const splat::ScheduleOptions& schedule) {
@@ -135,7 +141,12 @@ StageNeed ReconstructNeed(const ReconstructStageOptions& options,
     seconds = options.iterations *
               (kStepSeconds + kStepSecondsPerMegapixel * megapixels +
                kStepSecondsPerMillion * 1e-6 * gaussians.dense);
-    checkpoints = kCheckpoints * gaussians.dense * parameters;
+    const auto checkpoint = [&](double count, double copies) {
+      return count * (copies * parameters + kCountedBytes);
+    };
+    checkpoints = kCheckpoints *
+                  std::max(checkpoint(gaussians.dense, kCopiesInCheckpoint),
+                           checkpoint(gaussians.left, kCopiesInCheckpoint + 1));
   }
   return {.memory_bytes = pipeline::kProgramMemory +
                           std::llround(images + std::max(reading, work)),

@@ -53,17 +53,30 @@ constexpr int64_t kMaxAutomaticBudget = 400000;
 // twice as many, with 0.84 GB a million.
 constexpr int64_t kBytesPerBudget = 2 * 840;
 
-StatusOr<int64_t> ParseBudget(const std::string& text, int64_t automatic) {
-  if (text == "auto") return automatic;
+// The number that a budget other than auto stands for; nothing if it is none.
+std::optional<int64_t> BudgetNumber(const std::string& text) {
   int64_t budget = 0;
   const char* const last = text.data() + text.size();
   const auto [stop, failure] = std::from_chars(text.data(), last, budget);
   if (failure != std::errc() || stop != last || budget < 0 ||
       budget > kMaxBudget) {
-    return InvalidArgumentError("reconstruct.budget is '" + text +
-                                "'; give auto or a number, 0 for no limit");
+    return std::nullopt;
   }
   return budget;
+}
+
+std::string AllowedBudgets() {
+  return "auto or 0 .. " + std::to_string(kMaxBudget);
+}
+
+StatusOr<int64_t> ParseBudget(const std::string& text, int64_t automatic) {
+  if (text == "auto") return automatic;
+  const std::optional<int64_t> budget = BudgetNumber(text);
+  if (!budget) {
+    return InvalidArgumentError("reconstruct.budget is '" + text +
+                                "'; allowed: " + AllowedBudgets());
+  }
+  return *budget;
 }
 
 splat::DensificationMethod ParseDensification(const std::string& text) {
@@ -86,7 +99,12 @@ void RegisterDensificationOptions(ReconstructStageOptions& options,
             &options.budget,
             {.help = "Upper bound of the number of Gaussians of the result. "
                      "auto: one for 75 pixels of the training photos; most "
-                     "scenes end with fewer. 0 is no bound."});
+                     "scenes end with fewer. 0 is no bound.",
+             .accepts =
+                 [](const std::string& text) {
+                   return text == "auto" || BudgetNumber(text).has_value();
+                 },
+             .allowed = AllowedBudgets()});
   table.Add("reconstruct.densify_interval",
             &options.densify_interval,
             {.help = "Iterations between densifications; 0 never clones or "

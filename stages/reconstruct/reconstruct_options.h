@@ -37,7 +37,7 @@ struct ReconstructStageOptions {
   // Whether the model is to be rendered with Mip-Splatting's 2D filter.
   bool antialiased = false;
   // Iterations between measurements on the holdout photos; 0 measures only at
-  // the end.
+  // the end. Users cannot set this; tests do.
   int holdout_interval = 1000;
   // Memory for decoded photos, in 1e9 bytes.
   double image_cache_gb = 4;

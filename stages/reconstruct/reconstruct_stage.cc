@@ -39,7 +39,13 @@ namespace fs = std::filesystem;
 
 // A model that somebody else trained.
 StatusOr<splat::PlacedModel> ReadTrainedModel(const fs::path& path) {
-  if (LowerSuffix(path) != ".spz") return splat::ReadPly(path);
+  const std::string suffix = LowerSuffix(path);
+  if (suffix == ".ply") return splat::ReadPly(path);
+  if (suffix != ".spz") {
+    return BadInputError(path.string() +
+                         ": .ply and .spz can be imported; .splat lacks "
+                         "view-dependent colour");
+  }
   splat::PlacedModel world;
   FREEGS_ASSIGN_OR_RETURN(world.model, splat::ReadSpz(path));
   return world;
@@ -214,7 +220,8 @@ class ReconstructStage : public pipeline::Stage {
     if (right_halves) {
       metrics["holdout_psnr_fitted"] = right_halves->fitted;
     }
-    const std::string note = DisplacementNote(displaced);
+    const std::string note =
+        DisplacementNote(displaced, !options_.import.empty());
     if (!note.empty()) {
       context.log(pipeline::LogLevel::kWarning, note);
     }

@@ -12,7 +12,8 @@ namespace freegs::stages {
 namespace {
 
 // Null when there was no search. What it shows is null when it had too few
-// photos for a training; a number of it, when masks left nothing to measure.
+// photos for a training, or that came to nothing; a number of it, when masks
+// left nothing to measure.
 nlohmann::json ChoiceJson(const std::optional<splat::ExposureChoice>& choice) {
   if (!choice) return nullptr;
   const auto measured = [](double psnr) -> nlohmann::json {
@@ -85,7 +86,8 @@ std::string ExposureText(const splat::ExposureChoice& choice) {
   };
   if (choice.without == splat::TrialPsnr()) {
     return "the exposure of each photo is not learnt, because photos are too "
-           "few, or masks leave too little of them, to tell";
+           "few, masks leave too little of them, or the short training that "
+           "tells came to nothing";
   }
   if (choice.without.others == 0) {
     return "the exposure of each photo is not learnt, because masks leave too "
@@ -100,7 +102,8 @@ std::string ExposureText(const splat::ExposureChoice& choice) {
          change(choice.without.others, choice.with.others);
 }
 
-std::string DisplacementNote(const std::vector<DisplacedView>& views) {
+std::string DisplacementNote(const std::vector<DisplacedView>& views,
+                             bool imported_scene) {
   // On eight scenes with right poses half of the photos lay within 0.3 pixels,
   // or 0.04 % of their size, and none beyond 0.6 (docs/stability.md).
   constexpr double kFarShare = 0.005;
@@ -117,10 +120,13 @@ std::string DisplacementNote(const std::vector<DisplacedView>& views) {
   return std::to_string(far) + " of " + std::to_string(views.size()) +
          " photos kept from training lie beside what the scene shows from "
          "their poses, by " +
-         FormatFixed(Median(all), 1) +
-         " pixels (median): the poses seem to be wrong, or to belong to other "
-         "photos. Let structure from motion find them (without sfm.import), or "
-         "take more photos";
+         FormatFixed(Median(all), 1) + " pixels (median): " +
+         (imported_scene
+              ? "the imported scene seems to have been trained with other "
+                "poses; import those, too (sfm.import)"
+              : "the poses seem to be wrong, or to belong to other photos. If "
+                "they were imported, let structure from motion find them "
+                "(without sfm.import); otherwise take more photos");
 }
 
 std::string NewViewsNote(double trained_psnr,

@@ -37,7 +37,9 @@ struct DisplacedView {
 
 // A warning, without the stage's name, when more than half of the holdout
 // photos lie far beside what the scene shows from their poses; empty otherwise.
-std::string DisplacementNote(const std::vector<DisplacedView>& views);
+// `imported_scene`: it was not trained with these poses (reconstruct.import).
+std::string DisplacementNote(const std::vector<DisplacedView>& views,
+                             bool imported_scene);
 
 // A warning, without the stage's name, when the PSNR of holdout photos is far
 // below that of photos that were trained on, both in dB; empty otherwise, and

@@ -43,8 +43,9 @@ struct TrainedModel {
 // context.output, and starts from the newest whole checkpoint there when
 // context.resuming is true: the model has the same bytes as after a run without
 // interruption. Without holdout photos nothing is measured. The errors are
-// kInterrupted on cancellation, after a checkpoint has been saved, and those of
-// splat::Trainer and splat::SearchExposure.
+// kInterrupted on cancellation, and those of splat::Trainer and
+// splat::SearchExposure. A cancelled training saves a checkpoint first; a
+// cancelled search about exposure does not, and is made anew.
 StatusOr<TrainedModel> TrainModel(const ReconstructStageOptions& options,
                                   const splat::TrainerOptions& training,
                                   const TrainingScene& scene,

@@ -21,8 +21,10 @@ Status CheckWorkspaceFolder(const fs::path& workspace) {
   for (const fs::directory_entry& entry :
        fs::directory_iterator(workspace, error)) {
     const std::string name = entry.path().filename().string();
-    // The latter two are left when the first run ends before it has begun.
-    empty = empty && (name.starts_with('.') || name == "workspace.json.part" ||
+    // Command init writes the README. The latter two are left when the first
+    // run ends before it has begun.
+    empty = empty && (name.starts_with('.') || name == "README.md" ||
+                      name == "workspace.json.part" ||
                       entry.path() == pipeline::LogPath(workspace));
     for (const char* known : {"workspace.json",
                               "config.ini",
@@ -40,7 +42,8 @@ Status CheckWorkspaceFolder(const fs::path& workspace) {
   if (empty) return Status();
   return BadInputError(workspace.string() +
                        ": holds other files and is not a workspace; give a "
-                       "new or empty folder (the order is IMAGES WORKSPACE)");
+                       "workspace, or, to make one, a new or empty folder (run "
+                       "IMAGES WORKSPACE)");
 }
 
 }  // namespace freegs::stages

@@ -29,6 +29,18 @@ TEST(NumberTextTest, Numbers) {
   EXPECT_EQ(FormatPercent(1e300), "\u2013");
 }
 
+TEST(NumberTextTest, DecimalsShowThreeDigits) {
+  EXPECT_EQ(DecimalsFor(1.5), 2);
+  EXPECT_EQ(DecimalsFor(0.0015), 5);
+  EXPECT_EQ(DecimalsFor(100), 0);
+  EXPECT_EQ(DecimalsFor(1e9), 0);
+  EXPECT_EQ(DecimalsFor(1e-30), 12);
+  EXPECT_EQ(DecimalsFor(0), 3);
+  EXPECT_EQ(DecimalsFor(-1), 3);
+  EXPECT_EQ(DecimalsFor(kInfiniteNumber), 3);
+  EXPECT_EQ(DecimalsFor(std::nan("")), 3);
+}
+
 TEST(NumberTextTest, Counts) {
   EXPECT_EQ(FormatCount(7), "7");
   EXPECT_EQ(FormatCount(999), "999");

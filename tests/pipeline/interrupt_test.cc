@@ -17,7 +17,7 @@ namespace {
 TEST(InterruptGuardTest, SignalsCancel) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     CancellationToken token;
-    const InterruptGuard guard(&token);
+    const InterruptGuard guard(&token, /*checkpoint=*/true);
     EXPECT_FALSE(token.cancelled());
     std::raise(signal);
     EXPECT_TRUE(token.cancelled()) << signal;
@@ -25,14 +25,15 @@ TEST(InterruptGuardTest, SignalsCancel) {
 }
 
 TEST(InterruptGuardTest, ALaterSignalEndsTheProgram) {
-  const auto twice = [] {
+  const auto twice = [](bool checkpoint) {
     CancellationToken token;
-    const InterruptGuard guard(&token);
+    const InterruptGuard guard(&token, checkpoint);
     std::raise(SIGHUP);
     std::this_thread::sleep_for(std::chrono::milliseconds(1050));
     std::raise(SIGINT);
   };
-  EXPECT_EXIT(twice(), testing::ExitedWithCode(130), "with a checkpoint");
+  EXPECT_EXIT(twice(true), testing::ExitedWithCode(130), "with a checkpoint");
+  EXPECT_EXIT(twice(false), testing::ExitedWithCode(130), "stopping \\(again");
 }
 
 // As from the program `timeout`, which sends its signal to the process and to
@@ -40,7 +41,7 @@ TEST(InterruptGuardTest, ALaterSignalEndsTheProgram) {
 TEST(InterruptGuardTest, ASignalThatIsSentTwiceIsOne) {
   for (int i = 0; i < 2; ++i) {
     CancellationToken token;
-    const InterruptGuard guard(&token);
+    const InterruptGuard guard(&token, /*checkpoint=*/true);
     std::raise(SIGTERM);
     std::raise(SIGTERM);
     EXPECT_TRUE(token.cancelled());
@@ -52,7 +53,7 @@ TEST(InterruptGuardTest, AnIgnoredHangUpStaysIgnored) {
   const auto old = std::signal(SIGHUP, SIG_IGN);
   CancellationToken token;
   {
-    const InterruptGuard guard(&token);
+    const InterruptGuard guard(&token, /*checkpoint=*/true);
     std::raise(SIGHUP);
   }
   EXPECT_FALSE(token.cancelled());
@@ -65,7 +66,7 @@ TEST(InterruptGuardTest, OutputWithoutReaderIsNoEnd) {
   close(ends[0]);
   CancellationToken token;
   {
-    const InterruptGuard guard(&token);
+    const InterruptGuard guard(&token, /*checkpoint=*/true);
     EXPECT_EQ(write(ends[1], "a", 1), -1);
     EXPECT_EQ(errno, EPIPE);
   }

@@ -22,6 +22,7 @@ using ::testing::Not;
 struct Values {
   bool enabled = true;
   int count = 3;
+  int even = 2;
   int64_t seed = 1;
   double fraction = 0.25;
   std::string mode = "fast";
@@ -46,6 +47,14 @@ class OptionTableTest : public ::testing::Test {
         "sfm.mode",
         &values_.mode,
         {.help = "How.", .choices = {"fast", "slow"}, .affects_result = false});
+    table_.Add(
+        "sfm.even",
+        &values_.even,
+        {.help = "Even.",
+         .min = 0,
+         .accepts =
+             [](const std::string& text) { return std::stoi(text) % 2 == 0; },
+         .allowed = "even numbers"});
     table_.Add("sfm.import", &values_.import, {.help = "A.", .is_path = true});
     table_.Add("from", &values_.from, {.help = "First."});
     table_.Add("json", &values_.json, {.help = "As JSON."});
@@ -133,6 +142,8 @@ TEST_F(OptionTableTest, CommandLineErrorsNameOptionAndRange) {
   EXPECT_THAT(LineError({"--sfm.mode", "medium"}), HasSubstr("fast, slow"));
   EXPECT_THAT(LineError({"--sfm.enabled", "maybe"}),
               HasSubstr("true or false"));
+  EXPECT_THAT(LineError({"--sfm.even", "3"}),
+              HasSubstr("'3' is not allowed; allowed: even numbers"));
 }
 
 TEST_F(OptionTableTest, CommandLineSyntaxErrors) {
@@ -211,7 +222,7 @@ TEST_F(OptionTableTest, RelativePathOnCommandLineStartsAtCurrentFolder) {
 
 TEST_F(OptionTableTest, ValuesOfASection) {
   const auto all = table_.Values("sfm", /*results_only=*/false);
-  EXPECT_EQ(all.size(), 5u);
+  EXPECT_EQ(all.size(), 6u);
   EXPECT_EQ(all.at("sfm.fraction"), "0.25");
   const auto results = table_.Values("sfm", /*results_only=*/true);
   EXPECT_FALSE(results.contains("sfm.mode"));

@@ -21,6 +21,40 @@ TEST(SystemInfoTest, AvailableCoresKeepToTheControlGroup) {
   }
 }
 
+TEST(SystemInfoTest, TheTightestQuotaOfTheGroupsAboveCounts) {
+  const TemporaryFolder root;
+  EXPECT_EQ(CoresOfQuotaIn(root.path()), std::nullopt);
+  root.Write("proc/self/cgroup", "0::/user.slice/run.scope\n");
+  const std::string top = "sys/fs/cgroup/";
+  root.Write(top + "user.slice/run.scope/cpu.max", "max 100000\n");
+  EXPECT_EQ(CoresOfQuotaIn(root.path()), std::nullopt);
+  root.Write(top + "user.slice/cpu.max", "300000 100000\n");
+  EXPECT_EQ(CoresOfQuotaIn(root.path()), 3);
+  root.Write(top + "user.slice/run.scope/cpu.max", "150000 100000\n");
+  EXPECT_EQ(CoresOfQuotaIn(root.path()), 1.5);
+  // Seen from inside a container the group is the topmost folder.
+  root.Write(top + "cpu.max", "50000 100000\n");
+  EXPECT_EQ(CoresOfQuotaIn(root.path()), 0.5);
+  // Of another process.
+  root.Write(top + "user.slice/other.scope/cpu.max", "10000 100000\n");
+  EXPECT_EQ(CoresOfQuotaIn(root.path()), 0.5);
+}
+
+TEST(SystemInfoTest, QuotasOfGroupsV1Count) {
+  const TemporaryFolder root;
+  root.Write("proc/self/cgroup",
+             "7:cpuset:/b\n6:cpu,cpuacct:/docker/12\n5:memory:/a\n");
+  const std::string top = "sys/fs/cgroup/cpu/";
+  root.Write(top + "cpu.cfs_quota_us", "-1\n");
+  root.Write(top + "cpu.cfs_period_us", "100000\n");
+  root.Write(top + "b/cpu.cfs_quota_us", "10000\n");
+  root.Write(top + "b/cpu.cfs_period_us", "100000\n");
+  EXPECT_EQ(CoresOfQuotaIn(root.path()), std::nullopt);
+  root.Write(top + "docker/12/cpu.cfs_quota_us", "250000\n");
+  root.Write(top + "docker/12/cpu.cfs_period_us", "100000\n");
+  EXPECT_EQ(CoresOfQuotaIn(root.path()), 2.5);
+}
+
 TEST(SystemInfoTest, AnOptionOfNoughtTakesTheAvailableCores) {
   EXPECT_EQ(WorkingThreads(0), AvailableCores());
   EXPECT_EQ(WorkingThreads(3), 3);

@@ -92,8 +92,9 @@ TEST(WorkspaceTest, MalformedInfoIsBadInput) {
                            "{\"settings\": []}",
                            "{\"settings\": {\"a\": 1}}"}) {
     WriteText(folder / "workspace.json", text);
-    EXPECT_EQ(ReadWorkspaceInfo(folder.path()).status().code(),
-              StatusCode::kBadInput)
+    const Status status = ReadWorkspaceInfo(folder.path()).status();
+    EXPECT_EQ(status.code(), StatusCode::kBadInput) << text;
+    EXPECT_THAT(status.message(), HasSubstr("; delete the file and give"))
         << text;
   }
 }
@@ -128,7 +129,7 @@ TEST(ExitCodeTest, Values) {
 TEST(InterruptGuardTest, FirstSignalCancels) {
   for (const int signal : {SIGINT, SIGTERM}) {
     CancellationToken token;
-    const InterruptGuard guard(&token);
+    const InterruptGuard guard(&token, /*checkpoint=*/true);
     EXPECT_FALSE(token.cancelled());
     std::raise(signal);
     EXPECT_TRUE(token.cancelled());

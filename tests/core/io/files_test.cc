@@ -153,14 +153,37 @@ TEST(FilesTest, OutputPathsOfTheUser) {
   EXPECT_TRUE(PrepareOutputFile(folder / "file").ok());
   EXPECT_TRUE(PrepareOutputFile(folder / "other/file").ok());
   EXPECT_TRUE(PrepareOutputFile("file").ok());
-  for (const Status& status : {PrepareOutputFolder(folder / "file/below"),
-                               PrepareOutputFolder(folder / "file"),
-                               PrepareOutputFile(folder / "file/below/a"),
-                               PrepareOutputFile(folder.path()),
-                               PrepareOutputFile(folder / "new/"),
-                               PrepareOutputFolder("/proc/1/freegs")}) {
+  ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
+  for (const Status& status :
+       {PrepareOutputFolder(folder / "file/below"),
+        PrepareOutputFolder(folder / "file"),
+        PrepareOutputFile(folder / "file/below/a").status(),
+        PrepareOutputFile(folder.path()).status(),
+        PrepareOutputFile(folder / "new/").status(),
+        PrepareOutputFile(folder / "pipe").status(),
+        PrepareOutputFile("/dev/null").status(),
+        PrepareOutputFolder("/proc/1/freegs")}) {
     EXPECT_EQ(status.code(), StatusCode::kBadInput);
     EXPECT_THAT(status.message(), testing::HasSubstr("; give a"));
+  }
+}
+
+TEST(FilesTest, OutputGoesThroughLinks) {
+  const TemporaryFolder folder;
+  folder.Write("kept/a.ply", "old");
+  fs::create_symlink("kept/a.ply", folder / "link.ply");
+  const auto path = PrepareOutputFile(folder / "link.ply");
+  ASSERT_TRUE(path.ok()) << path.status().message();
+  ASSERT_TRUE(WriteFileAtomic(*path, "new").ok());
+  EXPECT_TRUE(fs::is_symlink(folder / "link.ply"));
+  EXPECT_EQ(ReadFile(folder / "kept/a.ply").value(), "new");
+  fs::create_symlink("kept/a.ply", folder / "link.spz");
+  fs::create_symlink("kept/none.ply", folder / "nowhere.ply");
+  fs::create_symlink("loop.ply", folder / "loop.ply");
+  for (const char* name : {"link.spz", "nowhere.ply", "loop.ply"}) {
+    const Status status = PrepareOutputFile(folder / name).status();
+    EXPECT_EQ(status.code(), StatusCode::kBadInput) << name;
+    EXPECT_THAT(status.message(), HasSubstr(": is a link")) << name;
   }
 }
 

@@ -139,6 +139,38 @@ class EvalCommandTest : public testing::Test {
                     .ok());
   }
 
+  // Each Gaussian has the feature of its instance, or its first `dim` numbers.
+  void WriteField(int dim) {
+    const auto features = semantics::ReadInstanceFeatures(
+        workspace_ / "bootstrap/instance_features.json");
+    ASSERT_TRUE(features.ok()) << features.status().message();
+    semantics::LinearDecoder linear;
+    linear.latent_dim = static_cast<int>(kLabels.size());
+    linear.feature_dim = dim;
+    linear.mean.resize(static_cast<size_t>(dim));
+    const auto whole = static_cast<size_t>(features->dim);
+    for (size_t c = 0; c < linear.mean.size(); ++c) {
+      for (size_t k = 0; k < kLabels.size(); ++k) {
+        linear.basis.push_back(features->features[k * whole + c]);
+      }
+    }
+    ASSERT_TRUE(
+        semantics::WriteDecoder(
+            workspace_ / "bootstrap/decoder.bin",
+            {semantics::FeatureDecoder(std::move(linear)), std::nullopt})
+            .ok());
+    semantics::Idsf field;
+    field.feature_dim = static_cast<int>(kLabels.size());
+    field.instances = workspace_.labels;
+    for (const int32_t label : workspace_.labels) {
+      for (int32_t k = 0; k < field.feature_dim; ++k) {
+        field.features.push_back(label == k ? 1.0f : 0.0f);
+      }
+    }
+    ASSERT_TRUE(
+        semantics::WriteIdsf(workspace_ / "bootstrap/idsf.bin", field).ok());
+  }
+
   int Eval(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), workspace_.path().string());
     arguments.insert(arguments.end(), {"--json", "-"});
@@ -190,33 +222,7 @@ TEST_F(EvalCommandTest, BelowTheThresholdThereIsNoAnswer) {
 
 TEST_F(EvalCommandTest, WhenGaussiansAnswerNoInstanceDoes) {
   WriteFeatures();
-  // Each Gaussian has the feature of its instance.
-  const auto features = semantics::ReadInstanceFeatures(
-      workspace_ / "bootstrap/instance_features.json");
-  ASSERT_TRUE(features.ok()) << features.status().message();
-  semantics::LinearDecoder linear;
-  linear.latent_dim = static_cast<int>(kLabels.size());
-  linear.feature_dim = features->dim;
-  linear.mean.resize(static_cast<size_t>(features->dim));
-  for (size_t c = 0; c < linear.mean.size(); ++c) {
-    for (size_t k = 0; k < kLabels.size(); ++k) {
-      linear.basis.push_back(features->features[k * linear.mean.size() + c]);
-    }
-  }
-  ASSERT_TRUE(semantics::WriteDecoder(
-                  workspace_ / "bootstrap/decoder.bin",
-                  {semantics::FeatureDecoder(std::move(linear)), std::nullopt})
-                  .ok());
-  semantics::Idsf field;
-  field.feature_dim = static_cast<int>(kLabels.size());
-  field.instances = workspace_.labels;
-  for (const int32_t label : workspace_.labels) {
-    for (int32_t k = 0; k < field.feature_dim; ++k) {
-      field.features.push_back(label == k ? 1.0f : 0.0f);
-    }
-  }
-  ASSERT_TRUE(
-      semantics::WriteIdsf(workspace_ / "bootstrap/idsf.bin", field).ok());
+  WriteField(8);
   ASSERT_EQ(Eval({"--gt", truth_.path().string(), "--text-from", "gaussians"}),
             0)
       << message_;
@@ -228,6 +234,15 @@ TEST_F(EvalCommandTest, WhenGaussiansAnswerNoInstanceDoes) {
     EXPECT_TRUE(label["instance"].is_null());
     EXPECT_GT(label["relevancy"], 0.5);
   }
+}
+
+TEST_F(EvalCommandTest, ADecoderOfOtherFeaturesIsNamed) {
+  WriteFeatures();
+  // Texts of 8 numbers can be divided into vectors of 4.
+  WriteField(4);
+  EXPECT_EQ(Eval({"--gt", truth_.path().string(), "--text-from", "gaussians"}),
+            pipeline::ExitCode(StatusCode::kBadInput));
+  EXPECT_THAT(message_, HasSubstr("decoder.bin gives features of 4 numbers"));
 }
 
 TEST_F(EvalCommandTest, SaysWhyThereIsNoText) {
@@ -254,6 +269,16 @@ TEST_F(EvalCommandTest, AFileThatCannotBeWrittenIsBadInput) {
                                        context);
   EXPECT_EQ(status.code(), StatusCode::kBadInput) << status.message();
   EXPECT_EQ(output_.str(), "");
+}
+
+TEST_F(EvalCommandTest, DevicesAreRefusedWithAdvice) {
+  CommandContext context{output_, messages_, cancellation_, "freegs"};
+  const Status status = RunEvalCommand(
+      {workspace_.path().string(), "--json", "/dev/null"}, context);
+  EXPECT_EQ(status.code(), StatusCode::kBadInput);
+  EXPECT_EQ(status.message(),
+            "/dev/null: not a regular file; give a file, or - for standard "
+            "output");
 }
 
 TEST_F(EvalCommandTest, RefusesFeaturesOfAnotherModel) {

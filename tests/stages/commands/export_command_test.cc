@@ -345,6 +345,8 @@ TEST_F(ExportCommandTest, WordsThatDoNotFit) {
       {"--objects", "b", "--what", "boxes"},
       {"--objects", "b", "--format", "obj"},
       {"--out", "b", "--what", "colmap", "--only", "1"},
+      {"--out", "b.ply", "--what", "colmap"},
+      {"--objects", "b.PLY"},
       {"--out", "a.ply", "--only", "1", "--without", "2"},
       {"--out", "a.ply", "--sh-degree", "4"}};
   for (std::vector<std::string> words : wrong) {

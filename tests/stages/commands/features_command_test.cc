@@ -117,6 +117,11 @@ TEST_F(FeaturesCommandTest, WrongUsageIs2) {
   auto arguments = Good();
   arguments[2] = std::string(20000, 'x');
   EXPECT_EQ(Features(arguments), 2);
+  arguments = Good();
+  const std::string photo = arguments[0];
+  arguments.insert(arguments.end(), {"--out", photo});
+  EXPECT_EQ(Features(arguments), 2);
+  EXPECT_THAT(message_, HasSubstr("would replace the photo"));
 }
 
 TEST_F(FeaturesCommandTest, BadImagesAre3) {

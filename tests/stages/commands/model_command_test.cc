@@ -61,8 +61,10 @@ TEST_F(ModelCommandTest, ExitCodes) {
   EXPECT_EQ(Model({}), 2);
   EXPECT_EQ(Model({source_}), 2);
   EXPECT_EQ(Model({source_, "--out", out_, "--dense-size", "-1"}), 2);
-  EXPECT_EQ(Model({source_, "--out", out_}), 5);
-  EXPECT_THAT(message_, HasSubstr("no such file"));
+  for (const char* suffix : {"", ".safetensors"}) {
+    EXPECT_EQ(Model({source_ + suffix, "--out", out_}), 3);
+    EXPECT_THAT(message_, HasSubstr("no such file"));
+  }
   EXPECT_EQ(Model({source_ + ".pt", "--out", out_}), 5);
   EXPECT_THAT(message_, HasSubstr("export_clip.py"));
   WriteText(source_ + ".safetensors", "nothing");

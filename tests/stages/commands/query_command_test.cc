@@ -25,6 +25,7 @@ using semantics::ModelCopy;
 using semantics::TinyClip;
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr char kMissing[] = "run stage bootstrap";
 
@@ -326,6 +327,11 @@ TEST_F(QueryCommandTest, ClicksReachPartsAndWholes) {
   EXPECT_EQ(part["hits"][0]["id"], 4);
   EXPECT_EQ(part["query"]["level"], -1);
   EXPECT_EQ(part["query"]["instance"], 2);
+  EXPECT_EQ(Query(click({"--narrower", "1"})), 0);
+  EXPECT_THAT(output_.str(),
+              HasSubstr("\n4 is not one of the scene's instances"));
+  EXPECT_EQ(Query(click({})), 0);
+  EXPECT_THAT(output_.str(), Not(HasSubstr("is not one of")));
   const nlohmann::json pair = QueryJson(click({"--wider", "1"}));
   EXPECT_EQ(count(pair), 60);
   EXPECT_NEAR(pair["hits"][0]["instance_score"], 0.8, 1e-6);
@@ -340,6 +346,9 @@ TEST_F(QueryCommandTest, ClicksReachPartsAndWholes) {
   }
   EXPECT_GT(pixels, 0);
   EXPECT_EQ(Query(click({"--wider", "1", "--narrower", "1"})), 2);
+  EXPECT_THAT(message_, HasSubstr("exclude one another"));
+  // The last value counts.
+  EXPECT_EQ(count(QueryJson(click({"--wider", "2", "--wider", "1"}))), 60);
   EXPECT_EQ(Query(click({"--wider", "0"})), 2);
   EXPECT_EQ(Query({"--box", "photo1", "0", "0", "9", "9", "--wider", "1"}), 2);
 }
@@ -489,6 +498,30 @@ TEST_F(QueryCommandTest, CamerasOfAFileWithoutAlignment) {
   const auto mask = ReadLabels(std::filesystem::path(out()) / "masks/new.png");
   ASSERT_TRUE(mask.ok()) << mask.status().message();
   EXPECT_EQ(mask->width(), 16);
+
+  // A picture that is too large as a whole still has pixels to click.
+  const Pinhole huge = camera.Resized(64000, 48000);
+  file["intrinsics"] = {{"w", huge.width},
+                        {"h", huge.height},
+                        {"fx", huge.fx},
+                        {"fy", huge.fy},
+                        {"cx", huge.cx},
+                        {"cy", huge.cy}};
+  WriteText(path, file.dump());
+  const std::vector<std::string> masks = {
+      "--cameras", path, "--no-align", "--size", "16"};
+  std::vector<std::string> question = {"--click",
+                                       "new",
+                                       std::to_string(1000 * x + 500),
+                                       std::to_string(1000 * y + 500)};
+  question.insert(question.end(), masks.begin(), masks.end());
+  EXPECT_EQ(QueryJson(question)["query"]["view"], "new.png");
+  question = {"--box", "new", "0", "0", "64000", "48000"};
+  question.insert(question.end(), masks.begin(), masks.end());
+  EXPECT_EQ(Query(question), 3);
+  EXPECT_THAT(message_,
+              AllOf(HasSubstr("query: view new.png is 64000 x 48000 pixels"),
+                    HasSubstr("too large for --box")));
 }
 
 TEST_F(QueryCommandTest, AViewOfTheFileComesBeforeAPhotoOfThatName) {
@@ -565,6 +598,9 @@ TEST_F(QueryCommandTest, WrongUsageIs2) {
         {"--text", "a", "--min-relevancy", "2"},
         {"--text", "a", "--max-hits", "-1"},
         {"--text", "a", "--no-align"},
+        {"--text", "a", "--min-cosine", "0.3"},
+        {"--click", "photo1", "1", "1", "--min-relevancy", "0.3"},
+        {"--click", "photo1", "1", "1", "--model", "nope"},
         {"--text", "a", "second workspace"}}) {
     EXPECT_EQ(Query(arguments), 2) << testing::PrintToString(arguments);
   }

@@ -86,6 +86,11 @@ TEST_F(CommandTest, InitKeepsWhatIsThere) {
   WriteText(folder_ / "file", "");
   ExpectError(
       RunInitCommand, {Path("file")}, StatusCode::kBadInput, "not a folder");
+  WriteText(folder_ / "photos" / "1.jpg", "x");
+  ExpectError(RunInitCommand,
+              {Path("photos")},
+              StatusCode::kBadInput,
+              "is not a workspace");
   ExpectError(
       RunInitCommand, {}, StatusCode::kInvalidArgument, "init WORKSPACE");
 }
@@ -144,6 +149,45 @@ TEST_F(CommandTest, AMistypedPathIsNotTakenForOneThatIsGone) {
               {Path("photos"), Path("w"), "--sfm.import", path},
               StatusCode::kBadInput,
               "ingest");
+}
+
+TEST_F(CommandTest, ARefusedOrderOfStagesForgetsNothing) {
+  WriteText(folder_ / "photos" / "1.jpg", "x");
+  fs::create_directories(folder_ / "w");
+  pipeline::WorkspaceInfo info;
+  info.images = Path("photos");
+  info.settings["general.preset"] = "fast";
+  ASSERT_TRUE(pipeline::WriteWorkspaceInfo(folder_ / "w", info).ok());
+  ExpectError(RunRunCommand,
+              {Path("w"), "--forget", "all", "--from", "export", "--to", "sfm"},
+              StatusCode::kInvalidArgument,
+              "stage export comes after sfm");
+  const auto kept = pipeline::ReadWorkspaceInfo(folder_ / "w");
+  ASSERT_TRUE(kept.ok()) << kept.status().message();
+  EXPECT_EQ(kept->settings, info.settings);
+}
+
+TEST_F(CommandTest, WordsWithOneDashAreNoWorkspace) {
+  WriteText(folder_ / "photos" / "1.jpg", "x");
+  for (const char* word : {"-preset=fast", "-j4"}) {
+    ExpectError(RunRunCommand,
+                {Path("photos"), word},
+                StatusCode::kInvalidArgument,
+                "options begin with two dashes");
+  }
+}
+
+TEST_F(CommandTest, ValuesThatNoStageTakesAreRefusedBeforeAnyRuns) {
+  WriteText(folder_ / "photos" / "1.jpg", "x");
+  ExpectError(RunRunCommand,
+              {Path("photos"), Path("w"), "--reconstruct.budget", "50k"},
+              StatusCode::kInvalidArgument,
+              "'50k' is not allowed; allowed: auto or 0 .. 1000000000");
+  ExpectError(RunRunCommand,
+              {Path("photos"), Path("w"), "--sfm.max_image_size", "10"},
+              StatusCode::kInvalidArgument,
+              "allowed: 0 or 64 .. 100000");
+  EXPECT_FALSE(fs::exists(folder_ / "w"));
 }
 
 TEST_F(CommandTest, RunRefusesWrongFolders) {

@@ -65,6 +65,19 @@ TEST(ReconstructForecastTest, PhotosBeyondTheCacheTakeNone) {
   EXPECT_EQ(Need(options, more).memory_bytes, all.memory_bytes);
 }
 
+TEST(ReconstructForecastTest, DiskHoldsTheModelAndThreeCheckpoints) {
+  ReconstructStageOptions options;
+  options.densification = "none";  // Each point stays one Gaussian.
+  SceneOutlook scene = SceneOutlookOf(24, 640, 480);
+  scene.points = 1000;
+  const int64_t few = Need(options, scene).disk_bytes;
+  scene.points = 2000;
+  // 38 floats a Gaussian: position, scales, rotation, opacity, 9 x 3 of colour.
+  const int64_t model = 1000 * 38 * 4;
+  EXPECT_EQ(Need(options, scene).disk_bytes - few,
+            model + 3 * (5 * model + 1000 * 12));
+}
+
 TEST(ReconstructForecastTest, GaussiansGrowFromThePointsUpToTheBudget) {
   ReconstructStageOptions options;
   options.budget = "50000";

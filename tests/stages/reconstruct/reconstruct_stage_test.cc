@@ -158,6 +158,16 @@ TEST_F(ReconstructStageTest, TakesACompressedModel) {
   EXPECT_GT(metrics["holdout_psnr"].get<double>(), 35);
 }
 
+TEST_F(ReconstructStageTest, RefusesModelsOfOtherFormats) {
+  ReconstructStageOptions options;
+  options.import = (workspace_ / "scene.splat").string();
+  ASSERT_TRUE(splat::WritePly(options.import, truth_).ok());
+  const Status status = Run(options, "out");
+  EXPECT_EQ(status.code(), StatusCode::kBadInput);
+  EXPECT_THAT(status.message(),
+              testing::HasSubstr("scene.splat: .ply and .spz can be imported"));
+}
+
 TEST_F(ReconstructStageTest, SameQualityInAnyUnitAndPlace) {
   ASSERT_TRUE(Run(Short(), "plain").ok());
   const nlohmann::json expected = Metrics("plain");

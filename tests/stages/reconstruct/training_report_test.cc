@@ -9,19 +9,26 @@ namespace freegs::stages {
 namespace {
 
 TEST(DisplacementNoteTest, HalfOfThePhotosMayLieAnywhere) {
-  EXPECT_EQ(DisplacementNote({}), "");
-  EXPECT_EQ(DisplacementNote({{0.2, 800}, {0.5, 800}, {60, 800}}), "");
-  EXPECT_EQ(DisplacementNote({{3.9, 800}}), "");
-  EXPECT_EQ(DisplacementNote({{1.4, 80}}), "");
-  EXPECT_THAT(DisplacementNote({{0.2, 320}, {3, 320}, {5, 320}}),
-              testing::HasSubstr("2 of 3 photos"));
-  EXPECT_THAT(DisplacementNote({{0.2, 320}, {3, 320}, {5, 320}}),
-              testing::HasSubstr("by 3.0 pixels"));
+  const auto note = [](const std::vector<DisplacedView>& views) {
+    return DisplacementNote(views, /*imported_scene=*/false);
+  };
+  EXPECT_EQ(note({}), "");
+  EXPECT_EQ(note({{0.2, 800}, {0.5, 800}, {60, 800}}), "");
+  EXPECT_EQ(note({{3.9, 800}}), "");
+  EXPECT_EQ(note({{1.4, 80}}), "");
+  const std::vector<DisplacedView> far = {{0.2, 320}, {3, 320}, {5, 320}};
+  EXPECT_THAT(note(far), testing::HasSubstr("2 of 3 photos"));
+  EXPECT_THAT(note(far), testing::HasSubstr("by 3.0 pixels"));
+  EXPECT_THAT(note(far), testing::HasSubstr("without sfm.import"));
+  EXPECT_THAT(DisplacementNote(far, /*imported_scene=*/true),
+              testing::HasSubstr("import those, too"));
 }
 
 TEST(ExposureTextTest, SaysWhatTheTrialShowed) {
   splat::ExposureChoice choice;
-  EXPECT_THAT(ExposureText(choice), testing::HasSubstr("photos are too few"));
+  EXPECT_THAT(ExposureText(choice),
+              testing::AllOf(testing::HasSubstr("photos are too few"),
+                             testing::HasSubstr("came to nothing")));
   choice.without = {.trained = 21, .others = 0};
   choice.with = {.trained = 23, .others = 0};
   EXPECT_THAT(ExposureText(choice),

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "stages/commands/command.h"
+
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "pipeline/stage_record.h"
+#include "pipeline/workspace.h"
+#include "tests/temporary_folder.h"
+
+namespace freegs::stages {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+class OutputPlaceTest : public ::testing::Test {
+ protected:
+  OutputPlaceTest() {
+    fs::create_directories(folder_ / "photos");
+    for (const char* name : {"a", "b"}) {
+      fs::create_directories(folder_ / name / "reconstruct");
+      pipeline::WorkspaceInfo info;
+      info.images = folder_ / "photos";
+      EXPECT_TRUE(pipeline::WriteWorkspaceInfo(folder_ / name, info).ok());
+      EXPECT_TRUE(pipeline::WriteStageRecord(folder_ / name / "reconstruct",
+                                             pipeline::StageRecord())
+                      .ok());
+    }
+  }
+
+  void ExpectRefused(const std::string& place, const std::string& why) const {
+    const Status status = CheckOutputPlace(folder_ / "a", folder_ / place);
+    EXPECT_EQ(status.code(), StatusCode::kInvalidArgument) << place;
+    EXPECT_THAT(status.message(), HasSubstr(why)) << place;
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(OutputPlaceTest, WhatTheProgramOrTheUserHasThereIsKept) {
+  ExpectRefused("a/reconstruct/x.ply", "the folder of stage reconstruct");
+  ExpectRefused("a/bootstrap", "the folder of stage bootstrap");
+  ExpectRefused("photos", "holds the photos");
+  ExpectRefused("photos/masks/x.png", "holds the photos");
+  ExpectRefused("a/../photos/1.jpg", "holds the photos");
+  ExpectRefused("a/workspace.json", "belongs to a workspace");
+  ExpectRefused("b/workspace.json", "belongs to a workspace");
+  ExpectRefused("b/reconstruct/point_cloud.ply", "which a stage made");
+  ExpectRefused("b/reconstruct/new/folder/x.ply", "which a stage made");
+}
+
+TEST_F(OutputPlaceTest, OtherPlacesAreFree) {
+  EXPECT_TRUE(CheckOutputPlace(folder_ / "a", fs::path()).ok());
+  for (const char* place :
+       {"x.ply", "a/renders", "a/boxes.json", "b/renders/x", "photos2/1.jpg"}) {
+    EXPECT_TRUE(CheckOutputPlace(folder_ / "a", folder_ / place).ok()) << place;
+  }
+}
+
+TEST_F(OutputPlaceTest, StagesAreKeptWithoutAWorkspaceToo) {
+  EXPECT_FALSE(CheckOutputPlace(folder_ / "b" / "reconstruct" / "x.png").ok());
+  EXPECT_TRUE(CheckOutputPlace(folder_ / "photos" / "x.png").ok());
+}
+
+TEST_F(OutputPlaceTest, AFilmIsKept) {
+  pipeline::WorkspaceInfo info;
+  info.images = folder_ / "film.mp4";
+  ASSERT_TRUE(pipeline::WriteWorkspaceInfo(folder_ / "a", info).ok());
+  ExpectRefused("film.mp4", "holds the photos");
+}
+
+}  // namespace
+}  // namespace freegs::stages
