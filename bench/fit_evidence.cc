@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -48,7 +49,6 @@ struct Arguments {
 void Draw(const LearningScene& scene,
           const std::vector<int32_t>& region_of_patch,
           const fs::path& folder) {
-  fs::create_directories(folder);
   for (const auto& [name, patches] : scene.pictures) {
     ImageU8 drawn(patches.width(), patches.height(), 3);
     for (size_t i = 0; i < patches.size(); ++i) {
@@ -250,7 +250,21 @@ StatusOr<std::vector<LearningScene>> LoadScenes(
   return scenes;
 }
 
+Status CheckPairs(const char* option, const std::vector<std::string>& folders) {
+  if (folders.size() % 2 == 0) return Status();
+  return InvalidArgumentError(std::string(option) +
+                              " takes pairs of WORKSPACE TRUTH; the last "
+                              "workspace, " +
+                              folders.back() + ", has no truth");
+}
+
 Status Learn(const Arguments& arguments) {
+  FREEGS_RETURN_IF_ERROR(CheckPairs("--train", arguments.train));
+  FREEGS_RETURN_IF_ERROR(CheckPairs("--test", arguments.test));
+  FREEGS_RETURN_IF_ERROR(CheckEvidenceNames(arguments.without));
+  for (const std::string& folder : {arguments.draw, arguments.out}) {
+    if (!folder.empty()) FREEGS_RETURN_IF_ERROR(CreateFolders(folder));
+  }
   ThreadPool pool(arguments.threads);
   FREEGS_ASSIGN_OR_RETURN(
       const std::vector<LearningScene> tested,
@@ -268,8 +282,11 @@ Status Learn(const Arguments& arguments) {
   }
   LearntEvidence evidence;
   if (learns_evidence) {
-    evidence = LearnEvidence(
-        taught, {arguments.without.begin(), arguments.without.end()}, pool);
+    FREEGS_ASSIGN_OR_RETURN(
+        evidence,
+        LearnEvidence(taught,
+                      {arguments.without.begin(), arguments.without.end()},
+                      pool));
     std::printf("log-odds are %.3f * height %+.3f\n",
                 evidence.calibration.slope,
                 evidence.calibration.offset);
@@ -278,6 +295,11 @@ Status Learn(const Arguments& arguments) {
   LearntQuality quality;
   if (!taught.empty()) {
     quality = LearnQuality(taught, models.evidence, pool);
+    if (quality.num_regions == 0) {
+      return BadInputError(
+          "nothing to learn the quality of regions from: no view with true "
+          "masks shows a region");
+    }
     models.quality = quality.model;
     Report(taught, models, arguments, pool);
   }
@@ -337,12 +359,14 @@ int Run(int argc, char** argv) {
     std::cout << description;
     return 0;
   }
-  const Status status = Learn(arguments);
-  if (!status.ok()) {
+  try {
+    const Status status = Learn(arguments);
+    if (status.ok()) return 0;
     std::cerr << "freegs_fit_evidence: " << status.message() << "\n";
-    return 1;
+  } catch (const std::exception& error) {
+    std::cerr << "freegs_fit_evidence: " << error.what() << "\n";
   }
-  return 0;
+  return 1;
 }
 
 }  // namespace

@@ -15,12 +15,13 @@ import subprocess
 
 
 def best_score(program, workspace, words):
-    """(the best relevancy, whether anything was found)"""
+    """(the best relevancy as text, whether anything was found)"""
     done = subprocess.run([program, "query", workspace, "--text", words,
                            "--json"], text=True, capture_output=True,
                           check=True)
     answer = json.loads(done.stdout)
-    return answer["best_score"], answer["found"]
+    score = answer["best_score"]  # None where no instance can answer.
+    return "none" if score is None else f"{score:.2f}", answer["found"]
 
 
 def main():
@@ -39,7 +40,7 @@ def main():
                   for words in filter(None, texts.split(","))}
         passed = sum(found for _, found in scores.values())
         print(f"{title}: {passed} of {len(scores)} found; " + ", ".join(
-            f"{words} {score:.2f}" for words, (score, _) in scores.items()))
+            f"{words} {score}" for words, (score, _) in scores.items()))
 
 
 if __name__ == "__main__":

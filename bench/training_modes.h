@@ -34,8 +34,8 @@ struct StepsOptions {
 };
 Status RunSteps(const StepsOptions& options);
 
-// Quality on the holdout photos over time, of a training as the reconstruct
-// stage does it: on those that report with exposure = auto, else on all.
+// Quality on all holdout photos over time, of a training as the reconstruct
+// stage does it.
 struct CurveOptions {
   std::filesystem::path workspace;
   std::optional<std::string> preset;

@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "bench/evidence/logistic_regression.h"
+#include "core/text.h"
 #include "semantics/patches/region_merging.h"
 
 namespace freegs::evidence {
@@ -56,7 +57,7 @@ void Collect(const LearningScene& scene,
   semantics::MergeRegions(scene.graph, difference, allow);
 }
 
-// Mean and deviation of each evidence.
+// Mean and deviation of each evidence. At least one example.
 EvidenceModel Normalised(std::span<const Example> examples) {
   EvidenceModel model;
   const auto count = static_cast<double>(examples.size());
@@ -75,6 +76,17 @@ EvidenceModel Normalised(std::span<const Example> examples) {
 }
 
 }  // namespace
+
+Status CheckEvidenceNames(const std::vector<std::string>& names) {
+  const std::vector<std::string> known(semantics::kEvidenceNames.begin(),
+                                       semantics::kEvidenceNames.end());
+  for (const std::string& name : names) {
+    if (std::ranges::find(known, name) != known.end()) continue;
+    return InvalidArgumentError("there is no evidence \"" + name +
+                                "\"; there are " + Joined(known));
+  }
+  return Status();
+}
 
 EvidenceModel FitEvidence(std::span<const Example> examples,
                           const std::set<std::string>& without,
@@ -104,6 +116,7 @@ EvidenceModel FitEvidence(std::span<const Example> examples,
 
 namespace {
 
+// Without an example nothing is learnt: num_examples is 0.
 LearntEvidence LearnWeights(std::span<const LearningScene> scenes,
                             const std::set<std::string>& without,
                             ThreadPool& pool) {
@@ -131,6 +144,7 @@ LearntEvidence LearnWeights(std::span<const LearningScene> scenes,
     for (const std::vector<Example>& more : of_scene) {
       examples.insert(examples.end(), more.begin(), more.end());
     }
+    if (examples.empty()) return learnt;
     std::vector<Example> share;
     const size_t step = examples.size() / kMaxExamples + 1;
     for (size_t i = 0; i < examples.size(); i += step) {
@@ -145,18 +159,23 @@ LearntEvidence LearnWeights(std::span<const LearningScene> scenes,
 
 }  // namespace
 
-LearntEvidence LearnEvidence(std::span<const LearningScene> scenes,
-                             const std::set<std::string>& without,
-                             ThreadPool& pool) {
+StatusOr<LearntEvidence> LearnEvidence(std::span<const LearningScene> scenes,
+                                       const std::set<std::string>& without,
+                                       ThreadPool& pool) {
   LearntEvidence learnt = LearnWeights(scenes, without, pool);
+  if (learnt.num_examples == 0) {
+    return BadInputError(
+        "nothing to learn evidence from: no two patches that touch are known "
+        "to be of one thing or of two");
+  }
   const std::span<const LearningScene> halves[] = {
       scenes.first(scenes.size() / 2), scenes.subspan(scenes.size() / 2)};
   std::vector<JudgedMerge> merges;
   for (const int half : {0, 1}) {
-    if (halves[half].empty()) continue;
-    const EvidenceModel model = LearnWeights(halves[half], without, pool).model;
+    const LearntEvidence part = LearnWeights(halves[half], without, pool);
+    if (part.num_examples == 0) continue;
     for (const LearningScene& scene : halves[1 - half]) {
-      const std::vector<JudgedMerge> more = JudgeMerges(scene, model);
+      const std::vector<JudgedMerge> more = JudgeMerges(scene, part.model);
       merges.insert(merges.end(), more.begin(), more.end());
     }
   }

@@ -13,10 +13,14 @@
 #include "bench/evidence/calibration.h"
 #include "bench/evidence/learning_scene.h"
 #include "core/parallel.h"
+#include "core/status.h"
 #include "semantics/patches/evidence.h"
 #include "semantics/patches/evidence_model.h"
 
 namespace freegs::evidence {
+
+// kInvalidArgument tells which of the names is of no evidence.
+Status CheckEvidenceNames(const std::vector<std::string>& names);
 
 // Two regions that touch, and whether they are of different things.
 struct Example {
@@ -39,12 +43,13 @@ struct LearntEvidence {
 // of a merge is the largest of many differences, so it overstates the odds;
 // merges in each half of the scenes, by what was learnt from the other half,
 // say by how much. The same scenes give the same model for any number of
-// threads. `without` names evidence that gets no weight.
-LearntEvidence LearnEvidence(std::span<const LearningScene> scenes,
-                             const std::set<std::string>& without,
-                             ThreadPool& pool);
+// threads. `without` names evidence that gets no weight. kBadInput where the
+// scenes have no example.
+StatusOr<LearntEvidence> LearnEvidence(std::span<const LearningScene> scenes,
+                                       const std::set<std::string>& without,
+                                       ThreadPool& pool);
 
-// The regression alone, not calibrated.
+// The regression alone, not calibrated. At least one example.
 semantics::EvidenceModel FitEvidence(std::span<const Example> examples,
                                      const std::set<std::string>& without,
                                      ThreadPool& pool);

@@ -87,6 +87,12 @@ void CountVotes(const Image<int32_t>& patches,
   }
 }
 
+// The name of the workspace's folder, also where the path ends in a slash.
+std::string SceneName(const fs::path& workspace) {
+  const fs::path path = workspace.lexically_normal();
+  return (path.has_filename() ? path : path.parent_path()).filename();
+}
+
 }  // namespace
 
 int TrueSegment(const std::map<int, double>& votes, double pixels) {
@@ -131,7 +137,7 @@ StatusOr<LearningScene> LoadLearningScene(const fs::path& workspace,
     semantics::SetSemantics(field.features, field.feature_dim, &patches);
   }
   LearningScene result;
-  result.name = workspace.filename();
+  result.name = SceneName(workspace);
   result.graph = std::move(patches.graph);
   result.votes.resize(result.graph.regions.size());
   result.pixels.assign(result.graph.regions.size(), 0);
@@ -152,6 +158,10 @@ StatusOr<LearningScene> LoadLearningScene(const fs::path& workspace,
       result.pictures.emplace_back(fs::path(view.name).stem(),
                                    std::move(shown));
     }
+  }
+  if (result.segment_pixels.empty()) {
+    return BadInputError(truth.string() + ": no true masks of the photos of " +
+                         workspace.string());
   }
   return result;
 }

@@ -44,7 +44,8 @@ int TrueSegment(const std::map<int, double>& votes, double pixels);
 
 // truth: a folder of freegs_make_scene, or one with test_mask/VIEW/LABEL.png.
 // with_semantics: patches get the vectors of the workspace's
-// bootstrap/idsf.bin.
+// bootstrap/idsf.bin. The scene has the name of the workspace's folder.
+// kBadInput names a truth without a mask of any of the workspace's photos.
 StatusOr<LearningScene> LoadLearningScene(
     const std::filesystem::path& workspace,
     const std::filesystem::path& truth,

@@ -63,8 +63,10 @@ struct ModelInfo {
   double min_word_confidence = 0;          // 0: every word may name a thing.
   std::map<std::string, ModelFile> files;  // By name, no folders in it.
 
-  // Returns a hash of everything that changes results: the content of the
-  // files, and the numbers. Names and other words about the model do not count.
+  // Returns a hash of everything that changes the vectors of the model: the
+  // content of the files and the numbers about them. Features that were made
+  // before stay valid when only words change, so the vocabulary, the canonical
+  // phrases, min_word_confidence, and names do not count.
   std::string Hash() const;
 };
 

@@ -48,11 +48,12 @@ StatusOr<fs::path> WeightsFile(const fs::path& path) {
         "are not; give the model's .safetensors (for OpenAI's own .pt files "
         "there is scripts/export_clip.py)");
   }
+  if (!fs::exists(path, error)) {
+    return BadInputError(path.string() + ": no such file or folder");
+  }
   if (suffix != ".safetensors") {
     return MissingDependencyError(path.string() +
-                                  (fs::exists(path, error)
-                                       ? ": not a .safetensors file or a folder"
-                                       : ": no such file or folder"));
+                                  ": not a .safetensors file or a folder");
   }
   return path;
 }

@@ -68,7 +68,8 @@ class ClipCheckpoint {
   // config.json (and, where there is one, preprocessor_config.json) or
   // open_clip_config.json. All tensors must be there with the right shapes, and
   // none that this program would not use. Files that hold pickled Python
-  // objects (.pt, .bin, .ckpt, .pth) are never opened.
+  // objects (.pt, .bin, .ckpt, .pth) are never opened. kBadInput where nothing
+  // is at `path`.
   static StatusOr<ClipCheckpoint> Open(const std::filesystem::path& path);
 
   const std::filesystem::path& path() const { return file_.path(); }

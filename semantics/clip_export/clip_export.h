@@ -36,11 +36,12 @@ struct ClipExportOptions {
 // `out` that exists is OUT.old meanwhile. What an export that was stopped has
 // left there is removed. An `out` that is neither missing, an empty folder nor
 // a model folder is refused, as is an OUT.part or OUT.old that is in the way
-// and holds other things: kBadInput. kMissingDependency for everything that is
-// wrong with the weights and the files beside them, and kInvalidArgument for a
-// dense size that does not fit them. kInterrupted when cancelled
-// (`cancellation` may be null). Unless it succeeds, `out` is as before. Memory:
-// about twice the size of the largest network.
+// and holds other things, and as are weights that are not there: kBadInput.
+// kMissingDependency for everything else that is wrong with the weights and the
+// files beside them, and kInvalidArgument for a dense size that does not fit
+// them. kInterrupted when cancelled (`cancellation` may be null). Unless it
+// succeeds, `out` is as before. Memory: about twice the size of the largest
+// network.
 StatusOr<ModelInfo> ExportClip(const ClipExportOptions& options,
                                const std::filesystem::path& out,
                                const CancellationToken* cancellation);

@@ -81,7 +81,7 @@ bool Fits(const FieldState& state) {
   const auto in_range = [&](int32_t label) {
     return label >= -1 && label < teachers.num_instances;
   };
-  return state.step >= 0 && size % dim == 0 && state.feature_adam.steps >= 0 &&
+  return state.step >= 0 && size % dim == 0 && state.feature_adam.InRange() &&
          state.feature_adam.first_moments.size() == size &&
          state.feature_adam.second_moments.size() == size &&
          teachers.num_instances >= 0 &&

@@ -34,7 +34,11 @@ struct WeightedPoint {
 
 // Standard deviation of the Gaussian along a unit vector.
 double Sigma(const WeightedPoint& point, const Eigen::Vector3d& direction) {
-  return (point.root.transpose() * direction).norm();
+  // Dot products, as a product of Eigen's is rounded in another way with each
+  // instruction set.
+  Eigen::Vector3d along;
+  for (int k = 0; k < 3; ++k) along[k] = point.root.col(k).dot(direction);
+  return along.norm();
 }
 
 // The interval along a direction that leaves `trim` of the weight outside on
@@ -71,8 +75,7 @@ std::pair<double, double> TrimmedRange(const std::vector<WeightedPoint>& points,
 OrientedBox BoxAlong(const std::vector<WeightedPoint>& points,
                      const Eigen::Matrix3d& axes,
                      double trim) {
-  // The centre is summed up here, as a product of Eigen's is rounded in another
-  // way with each instruction set.
+  // The centre is summed up here, for the reason given in Sigma.
   OrientedBox box;
   box.rotation = axes;
   for (int k = 0; k < 3; ++k) {
@@ -248,8 +251,13 @@ std::optional<Eigen::Vector3d> VerticalOfBoxes(
   if (!rough || instances.empty()) return rough;
   const Eigen::Matrix3d& axes = instances.front().obb.rotation;
   int vertical = 0;
-  const double cosine =
-      (axes.transpose() * *rough).cwiseAbs().maxCoeff(&vertical);
+  double cosine = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double of_axis = std::abs(axes.col(k).dot(*rough));
+    if (!(of_axis > cosine)) continue;
+    cosine = of_axis;
+    vertical = k;
+  }
   if (!(cosine > kMinVerticalCosine)) return rough;
   const Eigen::Vector3d axis = axes.col(vertical);
   return axis.dot(*rough) > 0 ? axis : Eigen::Vector3d(-axis);

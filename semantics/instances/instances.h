@@ -30,7 +30,9 @@ struct Instance {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // Mean by opacity.
   AxisAlignedBox aabb;
   OrientedBox obb;
-  double score = 0;                // Mean membership probability, 0 .. 1.
+  // 0 .. 1: how likely it is one whole thing (evidence_clustering.h), or the
+  // mean membership probability of its Gaussians (union_clustering.h).
+  double score = 0;
   bool background = false;         // True for a large plane of the scene.
   std::vector<std::string> words;  // Names, the best first.
 };

@@ -2,7 +2,9 @@
 
 #include "semantics/losses/array_adam.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "splat/optim/adam_simd.h"
 
@@ -11,7 +13,19 @@ namespace {
 
 constexpr int64_t kGrain = 16384;
 
+// What a double counts exactly; more than anyone takes.
+constexpr int64_t kMaxSteps = int64_t{1} << 53;
+
 }  // namespace
+
+bool ArrayAdamState::InRange() const {
+  return steps >= 0 && steps <= kMaxSteps &&
+         std::ranges::all_of(first_moments,
+                             [](float m) { return std::isfinite(m); }) &&
+         std::ranges::all_of(second_moments, [](float v) {
+           return v >= 0 && std::isfinite(v);
+         });
+}
 
 void StepArrayAdam(const splat::AdamOptions& options,
                    double rate,

@@ -26,6 +26,10 @@ struct ArrayAdamState {
   static ArrayAdamState OfSize(size_t size) {
     return {0, std::vector<float>(size, 0.0f), std::vector<float>(size, 0.0f)};
   }
+
+  // Whether these can be Adam's numbers: no fewer than 0 steps and no more than
+  // a double counts exactly, finite moments, and second ones of at least 0.
+  bool InRange() const;
 };
 
 // Takes one step with learning rate `rate`. All arrays have the same size. The

@@ -3,7 +3,6 @@
 #include "semantics/losses/decoder_file.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <utility>
 
@@ -16,8 +15,6 @@ namespace {
 constexpr std::string_view kMagic = "FREEGSDC";
 constexpr uint32_t kVersion = 1;
 constexpr size_t kHeaderSize = 8 + 6 * 4;
-// What a double counts exactly; more than anyone takes.
-constexpr int64_t kMaxSteps = int64_t{1} << 53;
 
 enum Kind : uint32_t { kLinear = 0, kMlp = 1 };
 
@@ -41,13 +38,7 @@ Status CheckAdam(const ArrayAdamState& adam, const MlpDecoder* mlp) {
   if (adam.first_moments.size() != size || adam.second_moments.size() != size) {
     return InvalidArgumentError("Adam's state is of another decoder");
   }
-  if (adam.steps < 0 || adam.steps > kMaxSteps ||
-      !std::all_of(adam.first_moments.begin(),
-                   adam.first_moments.end(),
-                   [](float m) { return std::isfinite(m); }) ||
-      !std::all_of(adam.second_moments.begin(),
-                   adam.second_moments.end(),
-                   [](float v) { return v >= 0 && std::isfinite(v); })) {
+  if (!adam.InRange()) {
     return InvalidArgumentError("Adam's state is out of range");
   }
   return Status();

@@ -26,8 +26,8 @@ constexpr int kReferenceSide = 400;
 constexpr double kNearReach = 3;
 constexpr double kFarReach = 8;
 constexpr double kReliefReach = 4;
-// The inverse depth, in 1 / world units, that cameras are unsure of when they
-// all stand in one place: they see no depth at all.
+// The inverse depth, per unit of the model frame, that cameras are unsure of
+// when they all stand in one place: they see no depth at all.
 constexpr double kNothingKnown = 1e9;
 // The context of a patch reaches over so many neighbours.
 constexpr int kContextSteps = 2;
@@ -106,8 +106,8 @@ Eigen::Vector3d RowOf3(std::span<const float> rows, size_t i) {
   return {rows[i * 3], rows[i * 3 + 1], rows[i * 3 + 2]};
 }
 
-// The mean inverse depth that each pixel shows, in 1 / world units, 0 where the
-// Gaussians have less than half of its weight.
+// The mean inverse depth that each pixel shows, per unit of the model frame, 0
+// where the Gaussians have less than half of its weight.
 ImageF InverseDepths(const splat::WeightMatrix& weights,
                      const splat::GaussianModel& model,
                      const View& view,

@@ -37,7 +37,7 @@ Eigen::Vector3d MeanCentre(std::span<const View> views) {
 }
 
 // How far apart the cameras stand: twice the root mean squared distance from
-// their mean, world units.
+// their mean, in units of the model frame.
 double Baseline(std::span<const View> views) {
   const Eigen::Vector3d mean = MeanCentre(views);
   double spread2 = 0;

@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace freegs::evidence {
@@ -60,6 +61,50 @@ TEST(EvidenceLearnerTest, WhatIsLeftOutGetsNoWeight) {
   ThreadPool pool(1);
   const semantics::EvidenceModel fit = FitEvidence(Examples(), {"color"}, pool);
   EXPECT_EQ(fit.weight[semantics::kColor], 0);
+}
+
+TEST(EvidenceLearnerTest, NamesOfNoEvidenceAreRefused) {
+  EXPECT_TRUE(CheckEvidenceNames({}).ok());
+  EXPECT_TRUE(CheckEvidenceNames({"color", "size"}).ok());
+  const Status status = CheckEvidenceNames({"color", "colour"});
+  EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+  EXPECT_THAT(status.message(), testing::HasSubstr("\"colour\""));
+  EXPECT_THAT(status.message(), testing::HasSubstr("color_contrast"));
+}
+
+// Three patches in a row, of which the first `known` are of one thing each.
+LearningScene RowOfPatches(int known) {
+  LearningScene scene;
+  scene.graph.regions.resize(3);
+  scene.graph.total_pixels = 3000;
+  scene.pixels = {1000, 1000, 1000};
+  scene.votes.resize(3);
+  for (int i = 0; i < known; ++i) scene.votes[i][i / 2 + 1] = 1000;
+  for (int i = 0; i < 3; ++i) scene.graph.regions[i].pixels = 1000;
+  for (int i = 0; i < 2; ++i) {
+    semantics::ContactStats contact;
+    contact.pixels = 10;
+    contact.contrast_near = i;
+    scene.graph.contacts.push_back({i, i + 1, contact});
+  }
+  return scene;
+}
+
+TEST(EvidenceLearnerTest, NothingIsLearntFromNothing) {
+  ThreadPool pool(1);
+  const LearningScene unknown = RowOfPatches(0);
+  const auto none = LearnEvidence({&unknown, 1}, {}, pool);
+  EXPECT_EQ(none.status().code(), StatusCode::kBadInput);
+  // One scene of two that tells something is enough.
+  const std::vector<LearningScene> scenes = {unknown, RowOfPatches(3)};
+  const auto learnt = LearnEvidence(scenes, {}, pool);
+  ASSERT_TRUE(learnt.ok()) << learnt.status().message();
+  EXPECT_GT(learnt->num_examples, 0u);
+  for (size_t k = 0; k < semantics::kNumEvidences; ++k) {
+    EXPECT_TRUE(std::isfinite(learnt->model.mean[k])) << k;
+    EXPECT_TRUE(std::isfinite(learnt->model.weight[k])) << k;
+  }
+  EXPECT_TRUE(std::isfinite(learnt->model.bias));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include "semantics/field/field_checkpoint.h"
 
+#include <cstdint>
 #include <limits>
 #include <string>
 
@@ -77,6 +78,29 @@ TEST(FieldCheckpointTest, PartsThatDoNotFitAreRefused) {
   state = SmallState();
   state.features[1] = std::numeric_limits<float>::infinity();
   EXPECT_TRUE(refused(state));
+}
+
+TEST(FieldCheckpointTest, NumbersThatAreNotAdamsAreRefused) {
+  const auto refused = [](const auto& change) {
+    FieldState state = SmallState();
+    change(state.feature_adam);
+    const auto bytes = SerializeFieldState(state);
+    return bytes.ok() &&
+           ParseFieldState(*bytes).status().code() == StatusCode::kBadInput;
+  };
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  constexpr int64_t kMostSteps = int64_t{1} << 53;
+  EXPECT_FALSE(refused([](ArrayAdamState& adam) { adam.steps = kMostSteps; }));
+  EXPECT_TRUE(
+      refused([](ArrayAdamState& adam) { adam.steps = kMostSteps + 1; }));
+  EXPECT_TRUE(refused([](ArrayAdamState& adam) { adam.steps = INT64_MAX; }));
+  EXPECT_TRUE(refused([](ArrayAdamState& adam) { adam.steps = -1; }));
+  EXPECT_TRUE(
+      refused([](ArrayAdamState& adam) { adam.first_moments[2] = kNan; }));
+  EXPECT_TRUE(
+      refused([](ArrayAdamState& adam) { adam.second_moments[2] = kNan; }));
+  EXPECT_TRUE(
+      refused([](ArrayAdamState& adam) { adam.second_moments[2] = -1; }));
 }
 
 TEST(FieldCheckpointTest, NamesTheFile) {
