@@ -27,10 +27,11 @@ std::optional<std::string> FindMask(const std::filesystem::path& folder,
 // others to be used; in a JPEG those from 128 on. Transparent pixels count as
 // black. `invert` exchanges the two.
 //
-// If EXIF turns the photo by 90 degrees, a mask of the photo's stored size is
-// turned with it. A mask of another size but the same shape is resized.
-// Anything else is kBadInput; the message is a phrase that says what is wrong
-// and what to do.
+// If EXIF turns the photo by 90 degrees, a mask of the shape of the stored
+// photo is turned with it. The mask of a square photo, or of one that EXIF
+// turns upside down, must be upright: its shape does not tell. A mask of
+// another size but the same shape is resized. Anything else is kBadInput; the
+// message is a phrase that says what is wrong and what to do.
 StatusOr<ImageU8> DecodeMask(std::string_view bytes,
                              const Photo& photo,
                              bool invert,

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/text.h"
 #include "photos/photo_selection.h"
 
 namespace freegs::photos {
@@ -69,10 +70,7 @@ std::string Extension(const std::string& file) {
 std::string SafeExtension(const Photo& photo) {
   if (photo.converted) return ".png";
   const std::string extension = Extension(photo.file);
-  std::string lower = extension;
-  for (char& c : lower) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
+  const std::string lower = AsciiLower(extension);
   if (photo.format == "PNG") return lower == ".png" ? extension : ".png";
   const bool jpeg = lower == ".jpg" || lower == ".jpeg" || lower == ".jpe";
   return jpeg ? extension : ".jpg";

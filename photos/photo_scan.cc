@@ -12,6 +12,8 @@
 #include <sys/stat.h>
 #include <utility>
 
+#include "core/io/files.h"
+
 namespace freegs::photos {
 namespace {
 
@@ -70,12 +72,8 @@ constexpr std::string_view kFilmExtensions[] = {"mp4",
 
 // The name's extension in small letters, without the dot.
 std::string LowerExtension(const fs::path& path) {
-  std::string extension = path.extension().string();
-  if (extension.empty()) return extension;
-  extension.erase(0, 1);
-  for (char& c : extension) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
+  std::string extension = LowerSuffix(path);
+  if (!extension.empty()) extension.erase(0, 1);
   return extension;
 }
 

@@ -57,12 +57,19 @@ void HoldOutNamed(const std::vector<std::string>& names,
 }  // namespace
 
 void RejectDuplicates(std::vector<Photo>* photos) {
-  std::map<std::string, const Photo*> known;
-  for (Photo* photo : Usable(photos)) {
-    const auto [first, fresh] = known.try_emplace(photo->hash, photo);
-    if (!fresh) {
-      Reject(photo,
-             "duplicate of " + first->second->file + ": the same picture");
+  const std::vector<Photo*> usable = Usable(photos);
+  std::map<std::string, const Photo*> kept;
+  for (const Photo* photo : usable) {
+    const Photo*& best = kept.try_emplace(photo->hash, photo).first->second;
+    if (std::tuple(photo->file.size(), photo->file) <
+        std::tuple(best->file.size(), best->file)) {
+      best = photo;
+    }
+  }
+  for (Photo* photo : usable) {
+    const Photo* same = kept[photo->hash];
+    if (photo != same) {
+      Reject(photo, "duplicate of " + same->file + ": the same picture");
     }
   }
 }

@@ -16,20 +16,21 @@
 namespace freegs::splat {
 namespace {
 
-// The PSNR in dB of the 8-bit rendering in the columns from `begin` on, without
-// the pixels that the mask ignores; nothing when it ignores all of them.
+// The PSNR in dB, at most kMaxPsnr, of a rendering in the columns from `begin`
+// on, without the pixels that the mask ignores; nothing when it ignores all of
+// them. `quantised` is what the 8-bit rendering shows.
 std::optional<double> PsnrFrom(int begin,
-                               const ImageF& rendered,
+                               const ImageF& quantised,
                                const ImageF& photo,
                                const ImageU8* mask) {
-  const ImageF quantised = ToFloat(ToU8(rendered));
   double squared = 0;
   int64_t values = 0;
   for (int y = 0; y < photo.height(); ++y) {
     for (int x = begin; x < photo.width(); ++x) {
       if (mask != nullptr && (*mask)(x, y) == 0) continue;
       for (int c = 0; c < 3; ++c) {
-        const double d = quantised(x, y, c) - photo(x, y, c);
+        const double d =
+            static_cast<double>(quantised(x, y, c)) - photo(x, y, c);
         squared += d * d;
         ++values;
       }
@@ -71,15 +72,15 @@ StatusOr<HoldoutReport> MeasureHoldout(
     result.rendered = ToU8(exposures.empty() ? rendered.color : exposed);
     const ImageF quantised = ToFloat(result.rendered);
     const ImageU8* const mask = images->Mask(i, level);
-    const double used = mask == nullptr ? 1 : UsedShare(*mask);
-    if (used == 0) continue;
+    const std::optional<double> psnr = PsnrFrom(0, quantised, photo, mask);
+    if (!psnr) continue;
+    result.psnr = *psnr;
     result.displacement_px = Displacement(quantised, photo, mask);
     // The error of pixels that a mask ignores becomes zero, and the mean is
     // taken over the others.
     if (mask != nullptr) CopyIgnored(*mask, quantised, &photo);
-    FREEGS_ASSIGN_OR_RETURN(const double psnr, Psnr(quantised, photo));
     FREEGS_ASSIGN_OR_RETURN(const double ssim, Ssim(quantised, photo));
-    result.psnr = std::min(kMaxPsnr, psnr + 10 * std::log10(used));
+    const double used = mask == nullptr ? 1 : UsedShare(*mask);
     result.ssim = 1 - (1 - ssim) / used;
     report.mean_psnr += result.psnr;
     report.mean_ssim += result.ssim;
@@ -114,10 +115,13 @@ StatusOr<std::optional<FittedPsnr>> MeasureFittedHoldout(
                rendered.color,
                pool,
                &fitted);
-    const auto plain = PsnrFrom(middle, rendered.color, photo, mask);
+    const auto psnr = [&](const ImageF& image) {
+      return PsnrFrom(middle, ToFloat(ToU8(image)), photo, mask);
+    };
+    const std::optional<double> plain = psnr(rendered.color);
     if (!plain) continue;
     sum.plain += *plain;
-    sum.fitted += *PsnrFrom(middle, fitted, photo, mask);
+    sum.fitted += *psnr(fitted);
     ++count;
   }
   if (count == 0) return std::optional<FittedPsnr>();

@@ -106,7 +106,9 @@ StatusOr<ExposureChoice> SearchExposure(const ExposureSearchOptions& options,
       return InterruptedError(
           "training: stopped while deciding about exposure");
     }
-    FREEGS_RETURN_IF_ERROR(trainer.Step().status());
+    const Status step = trainer.Step().status();
+    if (step.code() == StatusCode::kUnusableResult) return choice;
+    FREEGS_RETURN_IF_ERROR(step);
     if (progress && trainer.iteration() % kProgressInterval == 0) {
       progress({"deciding about exposure",
                 static_cast<double>(trainer.iteration()),

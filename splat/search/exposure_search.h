@@ -52,10 +52,13 @@ struct ExposureSearchOptions {
 // options.level, the coarsest is used. Nothing is learnt where there are no
 // photographs to judge by: with less than 3 of them, or where masks leave
 // nothing of those that were trained on or of the right halves of the others.
-// The result is the same for any number of threads. Fails with kInvalidArgument
-// when the options are wrong, with kBadInput when a photograph has become
-// unreadable, and with kInterrupted when `cancellation` (null: never) asks to
-// stop. Reports the steps of the trial to `progress`, if there is one.
+// Nothing is learnt either when the trial ends with kUnusableResult, as when it
+// diverges: it says nothing about the training proper, which has other photos
+// and steps. The result is the same for any number of threads. Fails with
+// kInvalidArgument when the options are wrong, with kBadInput when a photograph
+// has become unreadable, and with kInterrupted when `cancellation` (null:
+// never) asks to stop. Reports the steps of the trial to `progress`, if there
+// is one.
 StatusOr<ExposureChoice> SearchExposure(const ExposureSearchOptions& options,
                                         const TrainerOptions& training,
                                         const GaussianModel& initial,

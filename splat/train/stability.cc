@@ -10,8 +10,6 @@
 namespace freegs::splat {
 namespace {
 
-// Gaussians per task.
-
 // The smoothed loss of fewer steps says nothing.
 constexpr int64_t kMinSteps = 5;
 constexpr double kSenselessLoss = 2;

@@ -45,7 +45,11 @@ Status MultiplyAt(const WeightMatrix& weights,
 // of 16 x 16, then over the tiles in row-major order, so the error is below
 // (256 + tiles) 2^-24 times sum_p W(p, i) |pixels(p)|. The threads divide the
 // channels among them, 32 at a time, so 32 channels or fewer keep only one
-// thread busy. Needs 4 bytes of memory per weight while it runs.
+// thread busy.
+//
+// While it runs it needs memory: 4 bytes per weight, about as much again at
+// most for the Gaussians of each tile, and 16 bytes per Gaussian of the model
+// for each thread.
 Status AddMultiplyTransposed(const WeightMatrix& weights,
                              std::span<const float> pixels,
                              int channels,

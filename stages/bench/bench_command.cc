@@ -131,7 +131,7 @@ StatusOr<Baseline> ReadBaseline(const BenchRequest& request) {
   Baseline then;
   then.tolerances = DefaultTolerances();
   if (request.write_baseline) {
-    FREEGS_RETURN_IF_ERROR(PrepareOutputFile(path));
+    FREEGS_RETURN_IF_ERROR(PrepareOutputFile(path).status());
     if (!fs::exists(path, error)) return then;
   }
   FREEGS_ASSIGN_OR_RETURN(const nlohmann::json json, ReadJson(path));
@@ -145,7 +145,8 @@ Status CompareWithBaseline(const BenchRequest& request,
   const fs::path path = request.baseline;
   const Baseline now = MakeBaseline(bench, then.tolerances);
   if (request.write_baseline) {
-    return WriteFileAtomic(path, JsonText(ToJson(now), 1));
+    FREEGS_ASSIGN_OR_RETURN(const fs::path file, PrepareOutputFile(path));
+    return WriteFileAtomic(file, JsonText(ToJson(now), 1));
   }
   const std::vector<std::string> moved = WhatMoved(then, now);
   for (const std::string& line : moved) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -32,6 +33,14 @@ StatusOr<std::vector<float>> AskGaussians(const fs::path& workspace,
                           semantics::ReadIdsf(folder / "idsf.bin"));
   FREEGS_ASSIGN_OR_RETURN(const semantics::StoredDecoder stored,
                           semantics::ReadDecoder(folder / "decoder.bin"));
+  if (stored.decoder.feature_dim() != encoder.embedding_dim()) {
+    return BadInputError((folder / "decoder.bin").string() +
+                         " gives features of " +
+                         std::to_string(stored.decoder.feature_dim()) +
+                         " numbers, the CLIP model texts of " +
+                         std::to_string(encoder.embedding_dim()) +
+                         ": it is of another run; run stage bootstrap again");
+  }
   FREEGS_ASSIGN_OR_RETURN(const std::vector<float> canonical,
                           semantics::EncodeCanonicalPhrases(encoder));
   std::vector<float> texts;

@@ -21,10 +21,11 @@ namespace freegs::stages {
 // The mean IoU over all pairs of view and object, as in
 // InstanceQuality::instance_miou. Each object is compared with one answer in
 // all views: an instance or a region of the hierarchy, whichever has the
-// highest IoU over all views together. The mask of a region is the one that
-// `query --wider` and `--narrower` give, the pixels that show more of it than
-// of any instance beside it. `instance_of_gaussian`: negative for none. Nothing
-// when the truth has no masks of test views. The errors are those of
+// highest IoU over all views together. The mask of a region has the pixels that
+// show more of it than of any instance beside it. It is what `query --narrower`
+// gives; what `query --wider` gives also has those Gaussians of the clicked
+// instance that are of no part. `instance_of_gaussian`: negative for none.
+// Nothing when the truth has no masks of test views. The errors are those of
 // ForEachJudgedView.
 StatusOr<std::optional<double>> MeasureBestLevels(
     const WorkspaceScene& scene,

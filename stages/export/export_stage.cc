@@ -92,7 +92,7 @@ class ExportStage : public pipeline::Stage {
 
   std::string_view name() const override { return "export"; }
 
-  int version() const override { return 3; }
+  int version() const override { return 4; }
 
   std::vector<fs::path> Inputs(const pipeline::StageContext&) const override {
     return {"ingest/images.json",
@@ -100,6 +100,8 @@ class ExportStage : public pipeline::Stage {
             "undistort/images",
             "undistort/sparse",
             "reconstruct/point_cloud.ply",
+            // There is no such file where no exposure was learnt.
+            "reconstruct/exposure.json",
             "reconstruct/metrics.json",
             "reconstruct/progress.csv",
             "bootstrap/idsf.bin",
@@ -349,7 +351,7 @@ void RegisterExportOptions(ExportStageOptions& options,
   table.Add("export.report_views",
             &options.report_views,
             {.help = "Photos shown in the report, evenly spread over the "
-                     "holdout photos.",
+                     "holdout photos; without any, over the training photos.",
              .min = 0});
 }
 

@@ -2,6 +2,7 @@
 
 #include "stages/export/report_page.h"
 
+#include <algorithm>
 #include <cstdio>
 
 #include <nlohmann/json.hpp>
@@ -150,8 +151,10 @@ void AppendInstances(const ReportData& data, std::string* html) {
              "</td><td class=\"number\">";
     if (instance.box_size) {
       const std::array<double, 3>& size = *instance.box_size;
-      *html += FormatFixed(size[0], 2) + " \u00d7 " + FormatFixed(size[1], 2) +
-               " \u00d7 " + FormatFixed(size[2], 2);
+      const int decimals = DecimalsFor(*std::ranges::max_element(size));
+      *html += FormatFixed(size[0], decimals) + " \u00d7 " +
+               FormatFixed(size[1], decimals) + " \u00d7 " +
+               FormatFixed(size[2], decimals);
     } else {
       *html += "\u2013";
     }

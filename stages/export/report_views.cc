@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <utility>
 
 #include "core/io/image_io.h"
 #include "splat/render/renderer.h"
+#include "stages/scene/exposure_file.h"
 #include "stages/scene/scene_instances.h"
 
 namespace freegs::stages {
@@ -49,9 +51,10 @@ StatusOr<ReportView> WriteReportView(const WorkspaceScene& scene,
   };
 
   const Pinhole camera = view.camera.LimitedTo(scene.training_max_side);
-  const splat::RenderedView rendered = splat::RenderView(
+  splat::RenderedView rendered = splat::RenderView(
       scene.model, camera, view.cam_from_world, scene.render, pool);
-  const ImageU8 render = ToU8(rendered.color);
+  const ImageU8 render = ToU8(InExposureOf(
+      view.name, scene.exposures, std::move(rendered.color), pool));
   FREEGS_RETURN_IF_ERROR(write("render", render, &result.render));
   FREEGS_RETURN_IF_ERROR(
       write("depth", ColorDepth(rendered.depth, depth_range), &result.depth));

@@ -18,7 +18,8 @@
 
 namespace freegs::stages {
 
-// Renders `view` at the size of training and writes folder/PREFIX_photo.jpg,
+// Renders `view` at the size of training, in the exposure in which
+// metrics.json measures it (InExposureOf), and writes folder/PREFIX_photo.jpg,
 // PREFIX_render.jpg, PREFIX_difference.jpg, PREFIX_depth.jpg and, when `labels`
 // has one label per Gaussian and is not empty, PREFIX_instances.jpg. The paths
 // of the result are relative to the folder's parent. A photo that cannot be

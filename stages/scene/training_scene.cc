@@ -2,7 +2,6 @@
 
 #include "stages/scene/training_scene.h"
 
-#include <algorithm>
 #include <set>
 #include <string>
 #include <system_error>
@@ -99,10 +98,9 @@ StatusOr<std::optional<splat::TrainingImages>> LoadHoldout(
     const splat::TrainingImagesOptions& options,
     ThreadPool& pool) {
   std::optional<splat::TrainingImages> images;
-  std::vector<View> views = scene.photos.holdout;
-  if (views.empty()) return images;
-  std::ranges::sort(views, {}, &View::name);
-  FREEGS_ASSIGN_OR_RETURN(images, LoadPhotos(scene, views, options, pool));
+  if (scene.photos.holdout.empty()) return images;
+  FREEGS_ASSIGN_OR_RETURN(
+      images, LoadPhotos(scene, scene.photos.holdout, options, pool));
   return images;
 }
 

@@ -33,7 +33,7 @@
 namespace freegs::stages {
 
 // The views of undistort/ at the photographs' own size. Each list is in the
-// order of the sparse model. Poses and points are in `frame`, not in the world.
+// order of the names. Poses and points are in `frame`, not in the world.
 struct PosedPhotos {
   splat::ModelFrame frame;
   sfm::Reconstruction sparse;
@@ -73,8 +73,7 @@ StatusOr<splat::TrainingImages> LoadPhotos(
     const splat::TrainingImagesOptions& options,
     ThreadPool& pool);
 
-// The same of the holdout photographs, in the order of their names; nothing if
-// there are none.
+// The same of the holdout photographs; nothing if there are none.
 StatusOr<std::optional<splat::TrainingImages>> LoadHoldout(
     const TrainingScene& scene,
     const splat::TrainingImagesOptions& options,

@@ -50,9 +50,36 @@ std::string NamesLike(const std::vector<View>& views, const std::string& name) {
   return list;
 }
 
-// The views of a camera file in the scene's world frame. With selection.align
-// the file's poses are mapped there by the similarity between the poses of the
-// photos that the file and the scene both name.
+}  // namespace
+
+std::vector<View> PhotoViews(const WorkspaceScene& scene) {
+  std::vector<View> views = scene.train;
+  views.insert(views.end(), scene.holdout.begin(), scene.holdout.end());
+  std::sort(views.begin(), views.end(), [](const View& a, const View& b) {
+    return a.name < b.name;
+  });
+  return views;
+}
+
+std::vector<View> SpreadViews(const std::vector<View>& views, int count) {
+  const size_t wanted =
+      std::min(views.size(), static_cast<size_t>(std::max(0, count)));
+  std::vector<View> chosen;
+  for (size_t i = 0; i < wanted; ++i) {
+    chosen.push_back(views[i * views.size() / wanted]);
+  }
+  return chosen;
+}
+
+Status CheckViewSize(const View& view, const std::string& advice) {
+  if (int64_t{view.camera.width} * view.camera.height <= kMaxPixels) {
+    return Status();
+  }
+  return BadInputError(
+      "view " + view.name + " is " + std::to_string(view.camera.width) + " x " +
+      std::to_string(view.camera.height) + " pixels; " + advice);
+}
+
 StatusOr<std::vector<View>> FileViews(const WorkspaceScene& scene,
                                       const ViewSelection& selection,
                                       std::ostream& messages) {
@@ -79,27 +106,6 @@ StatusOr<std::vector<View>> FileViews(const WorkspaceScene& scene,
   return MapViews(views, alignment->target_from_source);
 }
 
-}  // namespace
-
-std::vector<View> PhotoViews(const WorkspaceScene& scene) {
-  std::vector<View> views = scene.train;
-  views.insert(views.end(), scene.holdout.begin(), scene.holdout.end());
-  std::sort(views.begin(), views.end(), [](const View& a, const View& b) {
-    return a.name < b.name;
-  });
-  return views;
-}
-
-std::vector<View> SpreadViews(const std::vector<View>& views, int count) {
-  const size_t wanted =
-      std::min(views.size(), static_cast<size_t>(std::max(0, count)));
-  std::vector<View> chosen;
-  for (size_t i = 0; i < wanted; ++i) {
-    chosen.push_back(views[i * views.size() / wanted]);
-  }
-  return chosen;
-}
-
 StatusOr<std::vector<View>> ViewsToRender(const WorkspaceScene& scene,
                                           const ViewSelection& selection,
                                           std::ostream& messages) {
@@ -113,12 +119,8 @@ StatusOr<std::vector<View>> ViewsToRender(const WorkspaceScene& scene,
   }
   for (View& view : views) {
     view.camera = view.camera.LimitedTo(max_side);
-    if (int64_t{view.camera.width} * view.camera.height > kMaxPixels) {
-      return BadInputError(selection.command + ": view " + view.name + " is " +
-                           std::to_string(view.camera.width) + " x " +
-                           std::to_string(view.camera.height) +
-                           " pixels; limit it with --size");
-    }
+    FREEGS_RETURN_IF_ERROR(CheckViewSize(view, "limit it with --size")
+                               .Annotated(selection.command));
   }
   return views;
 }

@@ -43,10 +43,20 @@ struct ViewSelection {
   std::string command = {};  // The command's name, which begins messages.
 };
 
+// kBadInput for a view of more than 100 million pixels, whose picture would
+// take gigabytes. The message ends with `advice`.
+Status CheckViewSize(const View& view, const std::string& advice);
+
+// The views of the file selection.cameras at their own size, however large, in
+// the frame of the scene. `messages` and the errors are those of ViewsToRender.
+StatusOr<std::vector<View>> FileViews(const WorkspaceScene& scene,
+                                      const ViewSelection& selection,
+                                      std::ostream& messages);
+
 // Returns the selected views in the frame of the scene. `messages` receives a
 // line that says how well the poses of an aligned file agree with the scene's.
-// kBadInput names the file and the fault; it is also the error for a view of
-// more than 100 million pixels.
+// kBadInput names the file and the fault; it is also the error for a view that
+// is too large (CheckViewSize).
 StatusOr<std::vector<View>> ViewsToRender(const WorkspaceScene& scene,
                                           const ViewSelection& selection,
                                           std::ostream& messages);

@@ -32,7 +32,7 @@ struct WorkspaceScene {
   splat::GaussianModel model;
 
   // The views of undistort/ at the photographs' own size: those that training
-  // saw, and those it never saw. Each list is in the order of the sparse model.
+  // saw, and those it never saw. Each list is in the order of the names.
   std::vector<View> train;
   std::vector<View> holdout;
 

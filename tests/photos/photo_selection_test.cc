@@ -49,6 +49,15 @@ TEST(RejectDuplicatesTest, TheFirstUsableOneStays) {
   EXPECT_THAT(photos[3].reason, HasSubstr("duplicate of p1.jpg"));
 }
 
+TEST(RejectDuplicatesTest, TheShorterNameStays) {
+  std::vector<Photo> photos = MakePhotos(4);
+  photos[0].file = "a copy of p2.jpg";
+  photos[0].hash = photos[2].hash = photos[3].hash = "same";
+  RejectDuplicates(&photos);
+  EXPECT_THAT(With(PhotoSplit::kRejected, photos), ElementsAre(0, 3));
+  EXPECT_THAT(photos[0].reason, HasSubstr("duplicate of p2.jpg"));
+}
+
 TEST(RejectBlurredTest, TheSharpestOfEachWindowStays) {
   std::vector<Photo> photos = MakePhotos(20);
   RejectBlurred(0.25, &photos);

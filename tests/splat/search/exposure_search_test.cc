@@ -158,6 +158,18 @@ TEST_F(ExposureSearchTest, ReportsTheStepsOfTheTrial) {
   EXPECT_EQ(reports[2].step, "deciding about exposure");
 }
 
+TEST_F(ExposureSearchTest, ATrialThatFailsLearnsNothing) {
+  VaryExposure();
+  ThreadPool pool(2);
+  TrainingImages images = Images(pool);
+  TrainerOptions training = Training();
+  training.learning_rates.sh_dc = 1e6;
+  const auto choice =
+      SearchExposure(search_, training, Start(), 2.0, &images, pool, nullptr);
+  ASSERT_TRUE(choice.ok()) << choice.status().message();
+  EXPECT_EQ(*choice, ExposureChoice());
+}
+
 TEST_F(ExposureSearchTest, PassesErrorsOn) {
   search_.min_gain_db = -1;
   EXPECT_EQ(Search().status().code(), StatusCode::kInvalidArgument);

@@ -2,6 +2,8 @@
 
 #include "stages/export/export_stage.h"
 
+#include <map>
+#include <numeric>
 #include <set>
 
 #include <gmock/gmock.h>
@@ -11,6 +13,8 @@
 #include "splat/scene/splat_format.h"
 #include "splat/scene/spz_format.h"
 #include "stages/evaluation/ground_truth.h"
+#include "stages/export/report_page.h"
+#include "stages/scene/exposure_file.h"
 #include "stages/scene/scene_instances.h"
 #include "stages/viewer/web_bundle.h"
 #include "tests/stages/synthetic_workspace.h"
@@ -25,10 +29,14 @@ using testing::Not;
 class ExportStageTest : public testing::Test {
  protected:
   Status Run(const ExportStageOptions& options = {}) {
+    return Run(options, pool_);
+  }
+
+  Status Run(const ExportStageOptions& options, ThreadPool& pool) {
     pipeline::StageContext context;
     context.workspace = workspace_.path();
     context.output = workspace_ / "export";
-    context.pool = &pool_;
+    context.pool = &pool;
     context.cancellation = &cancellation_;
     context.progress = [](const Progress&) {};
     context.log = [this](pipeline::LogLevel, const std::string& line) {
@@ -42,6 +50,27 @@ class ExportStageTest : public testing::Test {
 
   fs::path Out(const std::string& name) const {
     return workspace_ / "export" / name;
+  }
+
+  // The content of all files that the stage wrote, by their paths.
+  std::map<std::string, std::string> Files() const {
+    std::map<std::string, std::string> files;
+    for (const auto& entry : fs::recursive_directory_iterator(Out(""))) {
+      if (!entry.is_regular_file()) continue;
+      files[fs::relative(entry.path(), Out("")).generic_string()] =
+          ReadText(entry.path());
+    }
+    return files;
+  }
+
+  // The mean of all numbers of a picture of the report.
+  double MeanOf(const std::string& name) const {
+    const auto picture = ReadRgb(Out("report/views/" + name));
+    EXPECT_TRUE(picture.ok()) << picture.status().message();
+    if (!picture.ok()) return 0;
+    const uint8_t* const data = picture->data();
+    return std::accumulate(data, data + picture->size(), 0.0) /
+           static_cast<double>(picture->size());
   }
 
   // The values of all attributes src and href of the page.
@@ -214,30 +243,87 @@ TEST_F(ExportStageTest, ReportOfABareWorkspaceSaysWhatIsMissing) {
 TEST_F(ExportStageTest, DeeplyNestedHealthCountsAsMissing) {
   const std::string lists(1'000'000, '[');
   for (const std::string& text : {lists, lists + std::string(1'000'000, ']')}) {
-    WriteText(workspace_ / "sfm" / "health.json", text);
-    fs::remove_all(Out(""));
-    EXPECT_TRUE(Run().ok());
+    const auto registered = [&](const std::string& health) {
+      WriteText(workspace_ / "sfm" / "health.json", health);
+      fs::remove_all(Out(""));
+      EXPECT_TRUE(Run().ok());
+      const std::string page = ReadText(Out("report/index.html"));
+      const size_t at = page.find("<dt>Registered</dt>");
+      EXPECT_NE(at, std::string::npos);
+      return page.substr(at, page.find("</div>", at) - at);
+    };
+    EXPECT_THAT(registered(R"({"images": 8, "registered": 6})"),
+                HasSubstr("6 of 8"));
+    EXPECT_THAT(registered(text), HasSubstr("not there"));
   }
+}
+
+TEST_F(ExportStageTest, PicturesHaveTheExposureInWhichPhotosAreMeasured) {
+  ExportStageOptions options;
+  options.report_views = 2;
+  ASSERT_TRUE(Run(options).ok());
+  const double bright[] = {MeanOf("1_render.jpg"), MeanOf("2_render.jpg")};
+  // The photos show the scene at half of its brightness.
+  for (const size_t i : {0, 1}) {
+    const std::string render = std::to_string(i + 1) + "_render.jpg";
+    ImageU8 photo = ReadRgb(Out("report/views/" + render)).value();
+    for (size_t k = 0; k < photo.size(); ++k) photo.data()[k] /= 2;
+    const std::string& name = workspace_.views[3 * i].name;
+    ASSERT_TRUE(
+        WriteImage(workspace_ / "undistort" / "images" / name, photo).ok());
+  }
+  ASSERT_TRUE(Run(options).ok());
+  const double far[] = {MeanOf("1_difference.jpg"), MeanOf("2_difference.jpg")};
+  const splat::AffineColor half{{0.5f, 0, 0, 0, 0, 0.5f, 0, 0, 0, 0, 0.5f, 0}};
+  std::vector<splat::PhotoExposure> exposures;
+  for (const size_t k : {1, 2, 4, 5}) {
+    exposures.push_back({workspace_.views[k].name, half});
+  }
+  ASSERT_TRUE(
+      WriteExposures(workspace_ / "reconstruct" / "exposure.json", exposures)
+          .ok());
+  ASSERT_TRUE(Run(options).ok());
+  EXPECT_NEAR(MeanOf("1_render.jpg"), bright[0] / 2, 1);
+  EXPECT_NEAR(MeanOf("2_render.jpg"), bright[1] / 2, 1);
+  EXPECT_LT(MeanOf("1_difference.jpg"), far[0] / 4);
+  EXPECT_LT(MeanOf("2_difference.jpg"), far[1] / 4);
+}
+
+TEST_F(ExportStageTest, ExposuresAreAnInput) {
+  EXPECT_THAT(MakeExportStage({})->Inputs({}),
+              testing::Contains(fs::path("reconstruct/exposure.json")));
+}
+
+TEST_F(ExportStageTest, BoxSizesAreShownToThreeDigits) {
+  ReportData data;
+  data.has_instances = true;
+  data.instances.resize(2);
+  data.instances[0].box_size = {0.0012, 0.00345, 0.0005};
+  data.instances[1].box_size = {1.25, 0.5, 0.125};
+  const std::string page = RenderReportPage(data);
+  EXPECT_THAT(page, HasSubstr("0.00120 \u00d7 0.00345 \u00d7 0.00050<"));
+  EXPECT_THAT(page, HasSubstr("1.25 \u00d7 0.50 \u00d7 0.12<"));
 }
 
 TEST_F(ExportStageTest, SameBytesForAnyNumberOfThreads) {
   workspace_.AddInstances();
+  workspace_.AddHierarchy();
   ASSERT_TRUE(Run().ok());
-  const std::string page = ReadText(Out("report/index.html"));
-  const std::string picture = ReadText(Out("report/views/1_render.jpg"));
+  const std::map<std::string, std::string> files = Files();
+  const nlohmann::json summary = summary_;
+  for (const char* name : {"scene.ply", "boxes.ply", "report/index.html"}) {
+    EXPECT_TRUE(files.contains(name)) << name;
+  }
   fs::remove_all(Out(""));
   ThreadPool single(1);
-  pipeline::StageContext context;
-  context.workspace = workspace_.path();
-  context.output = workspace_ / "export";
-  context.pool = &single;
-  context.cancellation = &cancellation_;
-  context.progress = [](const Progress&) {};
-  context.log = [](pipeline::LogLevel, const std::string&) {};
-  fs::create_directories(context.output);
-  ASSERT_TRUE(MakeExportStage({})->Run(context).ok());
-  EXPECT_EQ(ReadText(Out("report/index.html")), page);
-  EXPECT_EQ(ReadText(Out("report/views/1_render.jpg")), picture);
+  ASSERT_TRUE(Run({}, single).ok());
+  const std::map<std::string, std::string> again = Files();
+  EXPECT_EQ(again.size(), files.size());
+  for (const auto& [name, bytes] : files) {
+    ASSERT_TRUE(again.contains(name)) << name;
+    EXPECT_TRUE(again.at(name) == bytes) << name;
+  }
+  EXPECT_EQ(summary_, summary);
 }
 
 TEST_F(ExportStageTest, InstancesOfAnotherModelAreRefused) {

@@ -161,11 +161,11 @@ TEST_F(IngestStageTest, DuplicatesByContent) {
   images_.Write("other.jpg", *ReadFile(images_.path() / "img1.jpg"));
   ASSERT_TRUE(Run().ok());
   EXPECT_THAT(Files(PhotoSplit::kRejected),
-              ElementsAre("copy.png", "other.jpg"));
+              ElementsAre("copy of copy.tif", "other.jpg"));
   EXPECT_THAT(
       warnings_,
       ElementsAre(
-          HasSubstr("copy.png: not used: duplicate of copy of copy.tif"),
+          HasSubstr("copy of copy.tif: not used: duplicate of copy.png"),
           HasSubstr("other.jpg: not used: duplicate of img1.jpg")));
 }
 
