@@ -6,6 +6,14 @@
 #include <cstdint>
 
 namespace freegs {
+namespace {
+
+bool IsDigit(char c) { return c >= '0' && c <= '9'; }
+
+// Folders before what their names begin: '/' sorts first.
+int Rank(char c) { return c == '/' ? 0 : 1 + static_cast<uint8_t>(c); }
+
+}  // namespace
 
 std::string AsciiLower(std::string text) {
   for (char& c : text) {
@@ -19,6 +27,33 @@ std::string_view Trimmed(std::string_view text) {
   const size_t first = text.find_first_not_of(kBlanks);
   if (first == std::string_view::npos) return {};
   return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
+}
+
+bool NaturalLess(std::string_view a, std::string_view b) {
+  size_t i = 0;
+  size_t j = 0;
+  while (i < a.size() && j < b.size()) {
+    if (IsDigit(a[i]) && IsDigit(b[j])) {
+      // Compares the numbers by length without leading zeros, then by digits:
+      // they may be longer than any integer type.
+      while (i < a.size() && a[i] == '0') ++i;
+      while (j < b.size() && b[j] == '0') ++j;
+      const size_t first_a = i;
+      const size_t first_b = j;
+      while (i < a.size() && IsDigit(a[i])) ++i;
+      while (j < b.size() && IsDigit(b[j])) ++j;
+      if (i - first_a != j - first_b) return i - first_a < j - first_b;
+      const int order = a.substr(first_a, i - first_a)
+                            .compare(b.substr(first_b, j - first_b));
+      if (order != 0) return order < 0;
+    } else {
+      if (a[i] != b[j]) return Rank(a[i]) < Rank(b[j]);
+      ++i;
+      ++j;
+    }
+  }
+  if ((i < a.size()) != (j < b.size())) return j < b.size();
+  return a < b;  // They differ in leading zeros at most.
 }
 
 std::string Joined(const std::vector<std::string>& names) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Letter case, white space, lists of names, and the percent codes of paths and
-// addresses.
+// Letter case, white space, the order and lists of names, and the percent codes
+// of paths and addresses.
 
 #ifndef FREEGS_CORE_TEXT_H_
 #define FREEGS_CORE_TEXT_H_
@@ -21,6 +21,10 @@ std::string AsciiLower(std::string text);
 // The part of `text` without blanks, tabs and ends of lines before and after
 // it.
 std::string_view Trimmed(std::string_view text);
+
+// Orders names as people count: img2 before img10, and folder by folder. Of two
+// different names one is always less. Photos are in this order everywhere.
+bool NaturalLess(std::string_view a, std::string_view b);
 
 // "a, b, c".
 std::string Joined(const std::vector<std::string>& names);

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "core/io/files.h"
+#include "core/text.h"
 
 namespace freegs::photos {
 namespace {
@@ -84,11 +85,6 @@ bool IsOneOf(const std::string& text, const std::string_view (&list)[N]) {
 
 // A folder is known by its device and number, whatever its names.
 using FolderId = std::pair<dev_t, ino_t>;
-
-bool IsDigit(char c) { return c >= '0' && c <= '9'; }
-
-// Folders before what their names begin: '/' sorts first.
-int Rank(char c) { return c == '/' ? 0 : 1 + static_cast<uint8_t>(c); }
 
 // True for names that end like an image of any kind, those that we read and
 // those that we do not: files that their owner may take for photos.
@@ -178,33 +174,6 @@ class Scanner {
 };
 
 }  // namespace
-
-bool NaturalLess(std::string_view a, std::string_view b) {
-  size_t i = 0;
-  size_t j = 0;
-  while (i < a.size() && j < b.size()) {
-    if (IsDigit(a[i]) && IsDigit(b[j])) {
-      // Compares the numbers by length without leading zeros, then by digits:
-      // they may be longer than any integer type.
-      while (i < a.size() && a[i] == '0') ++i;
-      while (j < b.size() && b[j] == '0') ++j;
-      const size_t first_a = i;
-      const size_t first_b = j;
-      while (i < a.size() && IsDigit(a[i])) ++i;
-      while (j < b.size() && IsDigit(b[j])) ++j;
-      if (i - first_a != j - first_b) return i - first_a < j - first_b;
-      const int order = a.substr(first_a, i - first_a)
-                            .compare(b.substr(first_b, j - first_b));
-      if (order != 0) return order < 0;
-    } else {
-      if (a[i] != b[j]) return Rank(a[i]) < Rank(b[j]);
-      ++i;
-      ++j;
-    }
-  }
-  if ((i < a.size()) != (j < b.size())) return j < b.size();
-  return a < b;  // They differ in leading zeros at most.
-}
 
 bool HasFilmExtension(const fs::path& path) {
   return IsOneOf(LowerExtension(path), kFilmExtensions);

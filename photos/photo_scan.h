@@ -13,10 +13,6 @@
 
 namespace freegs::photos {
 
-// Orders names as people count: img2 before img10, and folder by folder. Of two
-// different names one is always less.
-bool NaturalLess(std::string_view a, std::string_view b);
-
 // True for names that end like a film: mp4, mov, mkv, ...
 bool HasFilmExtension(const std::filesystem::path& path);
 

@@ -9,7 +9,10 @@
 #include <fnmatch.h>
 #include <map>
 #include <sstream>
+#include <string_view>
 #include <tuple>
+
+#include "core/text.h"
 
 namespace freegs::photos {
 namespace {
@@ -39,19 +42,63 @@ bool Matches(const std::string& pattern, const std::string& file) {
          fnmatch(pattern.c_str(), BaseName(file).c_str(), 0) == 0;
 }
 
-// Photos named by the rule; what names nothing is added to `unmatched`.
-void HoldOutNamed(const std::vector<std::string>& names,
-                  const std::vector<Photo*>& photos,
-                  std::vector<std::string>* unmatched) {
-  for (const std::string& name : names) {
-    bool found = false;
-    for (Photo* photo : photos) {
-      if (photo->file != name && BaseName(photo->file) != name) continue;
-      photo->split = PhotoSplit::kHoldout;
-      found = true;
-    }
-    if (!found) unmatched->push_back(name);
+// A name without white space around it and without "./" in front, which some
+// programs write.
+std::string PlainName(std::string_view name) {
+  name = Trimmed(name);
+  while (name.starts_with("./")) name.remove_prefix(2);
+  return std::string(name);
+}
+
+std::string WithoutSuffix(const std::string& file) {
+  return std::filesystem::path(file).replace_extension().string();
+}
+
+bool IsNamed(const std::string& file, const std::string& name) {
+  return !file.empty() &&
+         (PlainName(file) == name || PlainName(BaseName(file)) == name);
+}
+
+// The photos that a plain name means, the rejected ones too.
+std::vector<Photo*> PhotosNamed(const std::string& name,
+                                std::vector<Photo>* photos) {
+  std::vector<Photo*> found;
+  for (Photo& photo : *photos) {
+    if (IsNamed(photo.file, name)) found.push_back(&photo);
   }
+  if (!found.empty()) return found;
+  for (Photo& photo : *photos) {
+    if (IsNamed(photo.name, name)) found.push_back(&photo);
+  }
+  if (!found.empty()) return found;
+  for (Photo& photo : *photos) {
+    if (IsNamed(WithoutSuffix(photo.file), name)) found.push_back(&photo);
+  }
+  if (found.size() > 1) found = {};  // Nobody knows which of them is meant.
+  return found;
+}
+
+// Holds out the photos named by the rule; what names no usable photo is added
+// to `unmatched`. kBadInput if no name means a photo.
+Status HoldOutNamed(const std::vector<std::string>& names,
+                    std::vector<Photo>* photos,
+                    std::vector<std::string>* unmatched) {
+  bool any = false;
+  for (const std::string& name : names) {
+    bool usable = false;
+    for (Photo* photo : PhotosNamed(PlainName(name), photos)) {
+      any = true;
+      if (!photo->usable()) continue;
+      photo->split = PhotoSplit::kHoldout;
+      usable = true;
+    }
+    if (!usable) unmatched->push_back(name);
+  }
+  if (any) return Status();
+  return BadInputError(
+      "no photo is named like any line of the list of holdout photos: " +
+      SomeNames(names, 3) +
+      "; write their names as they are in the photo folder, one per line");
 }
 
 }  // namespace
@@ -111,8 +158,8 @@ std::vector<std::string> ParseNameList(const std::string& text) {
   std::vector<std::string> names;
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
-    if (line.ends_with('\r')) line.pop_back();
-    if (!line.empty() && line.front() != '#') names.push_back(line);
+    const std::string name = PlainName(line);
+    if (!name.empty() && name.front() != '#') names.push_back(name);
   }
   return names;
 }
@@ -124,7 +171,7 @@ StatusOr<std::vector<std::string>> AssignHoldout(const HoldoutRule& rule,
   std::vector<std::string> unmatched;
   int held = 0;
   if (!rule.names.empty()) {
-    HoldOutNamed(rule.names, usable, &unmatched);
+    FREEGS_RETURN_IF_ERROR(HoldOutNamed(rule.names, photos, &unmatched));
   } else if (rule.pattern == "none") {
     // All for training.
   } else if (!rule.pattern.empty()) {

@@ -39,20 +39,23 @@ struct HoldoutRule {
   // to the photo folder or the name without folders. "none" takes no photo.
   std::string pattern = {};
 
-  // Names of photos, either relative to the photo folder or without folders. If
-  // there are any, they replace the rules above.
+  // Names of photos, either relative to the photo folder or without folders:
+  // Photo::file, or Photo::name, or a file without its suffix if that means one
+  // photo only. If there are any, they replace the rules above.
   std::vector<std::string> names = {};
 
   Status Check() const;
 };
 
-// Returns the names in a text, one per line, without empty lines and without
-// lines that begin with '#'.
+// Returns the names in a text, one per line, without white space around them
+// and without a leading "./". Empty lines and lines that begin with '#' do not
+// count.
 std::vector<std::string> ParseNameList(const std::string& text);
 
 // Sets the split of the usable photos. Returns those names and patterns that
-// match nothing, so that the caller can warn. Returns kBadInput if fewer than
-// two photos are left for training.
+// match no usable photo, so that the caller can warn. Returns kBadInput if
+// there are names and none of them means a photo, usable or not, and if fewer
+// than two photos are left for training.
 StatusOr<std::vector<std::string>> AssignHoldout(const HoldoutRule& rule,
                                                  std::vector<Photo>* photos);
 

@@ -30,7 +30,8 @@ struct CameraSelectionOptions {
 
   // A camera per photo is tried with SIMPLE_PINHOLE and SIMPLE_RADIAL only,
   // unless this is the only sharing. It is chosen over the others only when it
-  // is clearly better: when it lowers the held-out error by at least a tenth.
+  // is clearly better: when it lowers the held-out error by at least a tenth
+  // and has a smaller BIC.
   bool per_photo = true;
 
   // Of more photos than this, a part is taken that sees the same points often

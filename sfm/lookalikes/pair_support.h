@@ -34,8 +34,9 @@ struct PairSupport {
 };
 
 // Measures the evidence for all pairs of photos of the model. A verified match
-// fits when both features lie within 4 pixels of the epipolar lines of the
-// model's cameras, and the point lies in front of both cameras.
+// fits when its Sampson error is below 4 pixels with the model's cameras, and
+// the point lies in front of both. That is up to 5.7 pixels from both epipolar
+// lines where the error is the same in both photos.
 //
 // Patterns on a plane repeat more often than shapes do. So the matches of a
 // pair count less, down to a fifth, the more of them one homography explains

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <string>
 
+#include "core/text.h"
+
 namespace freegs::sfm {
 
 Pinhole PinholeOf(const Camera& camera) {
@@ -38,9 +40,7 @@ StatusOr<std::vector<View>> MakeViews(const Reconstruction& model) {
     view.cam_from_world = image.cam_from_world;
     views.push_back(std::move(view));
   }
-  std::sort(views.begin(), views.end(), [](const View& a, const View& b) {
-    return a.name < b.name;
-  });
+  std::ranges::sort(views, NaturalLess, &View::name);
   return views;
 }
 

@@ -16,9 +16,9 @@ namespace freegs::sfm {
 // of its image must fit an int, as they do after CheckReconstruction.
 Pinhole PinholeOf(const Camera& camera);
 
-// Returns the images of the model in the order of their names. The model must
-// pass CheckReconstruction. Returns kBadInput when a camera has lens
-// distortion.
+// Returns the images of the model in the order of their names (NaturalLess).
+// The model must pass CheckReconstruction. Returns kBadInput when a camera has
+// lens distortion.
 StatusOr<std::vector<View>> MakeViews(const Reconstruction& model);
 
 }  // namespace freegs::sfm

@@ -9,6 +9,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
+#include "core/text.h"
 #include "splat/optim/adam.h"
 
 namespace freegs::splat {
@@ -44,7 +45,7 @@ AffineColor ExposureBetween(std::span<const PhotoExposure> exposures,
                             std::string_view photo) {
   if (exposures.empty()) return {};
   const auto found = std::ranges::lower_bound(
-      exposures, photo, std::less<>(), [](const PhotoExposure& exposure) {
+      exposures, photo, NaturalLess, [](const PhotoExposure& exposure) {
         return std::string_view(exposure.photo);
       });
   const bool itself = found != exposures.end() && found->photo == photo;

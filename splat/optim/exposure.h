@@ -56,10 +56,10 @@ struct PhotoExposure {
 };
 
 // The exposure to expect of a photograph: the mean of the photographs before
-// and after it, by name. A camera changes exposure slowly along its way, so
-// this is closer than that of the whole scene. What was learnt of the
-// photograph itself does not count. `exposures` are in the order of the names;
-// without any other photograph it is the identity.
+// and after it, by name (NaturalLess). A camera changes exposure slowly along
+// its way, so this is closer than that of the whole scene. What was learnt of
+// the photograph itself does not count. `exposures` are in the order of the
+// names; without any other photograph it is the identity.
 AffineColor ExposureBetween(std::span<const PhotoExposure> exposures,
                             std::string_view photo);
 

@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "core/text.h"
 #include "splat/images/holdout.h"
 #include "splat/optim/exposure.h"
 
@@ -56,7 +57,9 @@ struct TrialPhotos {
 TrialPhotos SplitPhotos(const TrainingImages& images, int others_every) {
   std::vector<size_t> by_name(images.size());
   std::iota(by_name.begin(), by_name.end(), size_t{0});
-  std::ranges::sort(by_name, {}, [&](size_t i) { return images.view(i).name; });
+  std::ranges::sort(by_name, NaturalLess, [&](size_t i) {
+    return std::string_view(images.view(i).name);
+  });
   TrialPhotos photos;
   for (size_t k = 0; k < by_name.size(); ++k) {
     const auto every = static_cast<size_t>(others_every);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/text.h"
 #include "splat/images/ignored_pixels.h"
 #include "splat/scene/spatial_order.h"
 
@@ -334,7 +335,7 @@ std::vector<PhotoExposure> Trainer::Exposures() const {
   for (size_t i = 0; i < entries.size(); ++i) {
     exposures.push_back({images_->view(i, 0).name, entries[i].color});
   }
-  std::ranges::sort(exposures, {}, &PhotoExposure::photo);
+  std::ranges::sort(exposures, NaturalLess, &PhotoExposure::photo);
   return exposures;
 }
 

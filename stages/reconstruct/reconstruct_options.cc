@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <optional>
+#include <string_view>
 #include <system_error>
 
 namespace freegs::stages {
@@ -53,30 +54,41 @@ constexpr int64_t kMaxAutomaticBudget = 400000;
 // twice as many, with 0.84 GB a million.
 constexpr int64_t kBytesPerBudget = 2 * 840;
 
-// The number that a budget other than auto stands for; nothing if it is none.
-std::optional<int64_t> BudgetNumber(const std::string& text) {
-  int64_t budget = 0;
+// What option reconstruct.budget says.
+struct Budget {
+  bool automatic = false;
+  std::optional<int64_t> most;  // Not set: "auto" alone.
+};
+
+// Nothing if the text is no budget.
+std::optional<Budget> ReadBudget(std::string_view text) {
+  Budget budget;
+  budget.automatic = text.starts_with("auto");
+  if (text == "auto") return budget;
+  if (text.starts_with("auto:")) text.remove_prefix(5);
+  int64_t most = 0;
   const char* const last = text.data() + text.size();
-  const auto [stop, failure] = std::from_chars(text.data(), last, budget);
-  if (failure != std::errc() || stop != last || budget < 0 ||
-      budget > kMaxBudget) {
+  const auto [stop, failure] = std::from_chars(text.data(), last, most);
+  if (failure != std::errc() || stop != last ||
+      most < (budget.automatic ? 1 : 0) || most > kMaxBudget) {
     return std::nullopt;
   }
+  budget.most = most;
   return budget;
 }
 
 std::string AllowedBudgets() {
-  return "auto or 0 .. " + std::to_string(kMaxBudget);
+  return "auto, auto:N or 0 .. " + std::to_string(kMaxBudget);
 }
 
 StatusOr<int64_t> ParseBudget(const std::string& text, int64_t automatic) {
-  if (text == "auto") return automatic;
-  const std::optional<int64_t> budget = BudgetNumber(text);
+  const std::optional<Budget> budget = ReadBudget(text);
   if (!budget) {
     return InvalidArgumentError("reconstruct.budget is '" + text +
                                 "'; allowed: " + AllowedBudgets());
   }
-  return *budget;
+  if (!budget->automatic) return *budget->most;
+  return std::min(automatic, budget->most.value_or(automatic));
 }
 
 splat::DensificationMethod ParseDensification(const std::string& text) {
@@ -95,16 +107,16 @@ void RegisterDensificationOptions(ReconstructStageOptions& options,
                      "for it (3DGS). none: the points of structure from "
                      "motion.",
              .choices = {"mini_splatting", "gradient", "none"}});
-  table.Add("reconstruct.budget",
-            &options.budget,
-            {.help = "Upper bound of the number of Gaussians of the result. "
-                     "auto: one for 75 pixels of the training photos; most "
-                     "scenes end with fewer. 0 is no bound.",
-             .accepts =
-                 [](const std::string& text) {
-                   return text == "auto" || BudgetNumber(text).has_value();
-                 },
-             .allowed = AllowedBudgets()});
+  table.Add(
+      "reconstruct.budget",
+      &options.budget,
+      {.help = "Upper bound of the number of Gaussians of the result. "
+               "auto: one for 75 pixels of the training photos; most "
+               "scenes end with fewer. auto:N: that, but at most N. 0 is "
+               "no bound.",
+       .accepts =
+           [](const std::string& text) { return ReadBudget(text).has_value(); },
+       .allowed = AllowedBudgets()});
   table.Add("reconstruct.densify_interval",
             &options.densify_interval,
             {.help = "Iterations between densifications; 0 never clones or "
@@ -154,6 +166,8 @@ StatusOr<splat::TrainerOptions> MakeTrainerOptions(
   training.densification.gradient_threshold = options.densify_gradient;
   splat::LearningRateOptions& rates = training.learning_rates;
   rates.mean_decay_steps = options.iterations;
+  // The end of the rate of positions is left as it is: it is reached only where
+  // nothing is simplified (docs/performance.md, "Presets").
   for (double* rate : {&rates.mean_initial,
                        &rates.log_scale,
                        &rates.rotation,

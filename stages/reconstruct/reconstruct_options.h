@@ -23,7 +23,7 @@ struct ReconstructStageOptions {
   // mini_splatting, gradient or none.
   std::string densification = "mini_splatting";
   // Upper bound of the number of Gaussians of the result: a number, where 0 is
-  // no bound, or "auto", see AutomaticBudget.
+  // no bound, "auto", see AutomaticBudget, or "auto:N", at most N of that.
   std::string budget = "auto";
   // Iterations between densifications; 0 never densifies.
   int densify_interval = 75;

@@ -57,7 +57,7 @@ class ReconstructStage : public pipeline::Stage {
       : options_(options), seed_(seed) {}
 
   std::string_view name() const override { return "reconstruct"; }
-  int version() const override { return 11; }
+  int version() const override { return 12; }
 
   std::vector<fs::path> Inputs(
       const pipeline::StageContext& context) const override {

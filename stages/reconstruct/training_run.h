@@ -31,7 +31,7 @@ struct TrainedModel {
   double earlier_seconds = 0;
   double earlier_cpu_seconds = 0;
 
-  // What was learnt about the photos' exposure, in the order of their names;
+  // What was learnt about the photos' exposure, in the order of NaturalLess;
   // empty where it was not.
   std::vector<splat::PhotoExposure> exposures;
 

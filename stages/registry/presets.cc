@@ -19,7 +19,7 @@ const std::map<std::string, Values>& Presets() {
        {{"sfm.max_features", "1200"},
         {"reconstruct.iterations", "1500"},
         {"reconstruct.max_image_size", "640"},
-        {"reconstruct.budget", "50000"},
+        {"reconstruct.budget", "auto:50000"},
         {"reconstruct.densify_interval", "45"}}},
       {"balanced", {}},
       {"quality",

@@ -44,7 +44,7 @@ constexpr Range kRanges[] = {
      .most_iterations = 2000,
      .max_image_size = 640,
      .sh_degree = 2,
-     .budget = "50000",
+     .budget = "auto:50000",
      .max_features = 1200},
 };
 

@@ -11,6 +11,7 @@
 
 #include "core/io/files.h"
 #include "core/io/json_text.h"
+#include "core/text.h"
 
 namespace freegs::stages {
 namespace {
@@ -95,7 +96,7 @@ StatusOr<std::vector<splat::PhotoExposure>> ReadExposures(
     }
     exposures.push_back({photo, *color});
   }
-  std::ranges::sort(exposures, {}, &splat::PhotoExposure::photo);
+  std::ranges::sort(exposures, NaturalLess, &splat::PhotoExposure::photo);
   return exposures;
 }
 

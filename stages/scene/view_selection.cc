@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/number_text.h"
+#include "core/text.h"
 #include "pipeline/option_value.h"
 #include "stages/scene/camera_file.h"
 #include "stages/scene/scene_alignment.h"
@@ -55,9 +56,7 @@ std::string NamesLike(const std::vector<View>& views, const std::string& name) {
 std::vector<View> PhotoViews(const WorkspaceScene& scene) {
   std::vector<View> views = scene.train;
   views.insert(views.end(), scene.holdout.begin(), scene.holdout.end());
-  std::sort(views.begin(), views.end(), [](const View& a, const View& b) {
-    return a.name < b.name;
-  });
+  std::ranges::sort(views, NaturalLess, &View::name);
   return views;
 }
 

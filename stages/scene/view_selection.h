@@ -15,7 +15,8 @@
 
 namespace freegs::stages {
 
-// The views of all photos, sorted by name, at the photographs' own size.
+// The views of all photos, sorted by name (NaturalLess), at the photographs'
+// own size.
 std::vector<View> PhotoViews(const WorkspaceScene& scene);
 
 // Picks `count` of the views, evenly spread over the list and in its order.

@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -55,6 +56,31 @@ TEST(PercentCodingTest, RefusesWhatIsNoCode) {
   for (const char* text : {"%", "a%4", "%4x", "%x4", "%+4", "%-1", "% 4"}) {
     EXPECT_EQ(PercentDecode(text), std::nullopt) << text;
   }
+}
+
+TEST(NaturalLessTest, CountsAsPeopleDo) {
+  const std::vector<std::string> ordered = {"a/img2.jpg",
+                                            "a/img10.jpg",
+                                            "a b/img1.jpg",
+                                            "img.jpg",
+                                            "img1.jpg",
+                                            "img01.jpg",
+                                            "img002.jpg",
+                                            "img2a.jpg",
+                                            "img10.jpg",
+                                            "img99999999999999999999.jpg",
+                                            "img100000000000000000000.jpg",
+                                            "imga.jpg"};
+  for (size_t i = 0; i < ordered.size(); ++i) {
+    for (size_t j = 0; j < ordered.size(); ++j) {
+      if (ordered[i] == "img1.jpg" && ordered[j] == "img01.jpg") continue;
+      if (ordered[i] == "img01.jpg" && ordered[j] == "img1.jpg") continue;
+      EXPECT_EQ(NaturalLess(ordered[i], ordered[j]), i < j)
+          << ordered[i] << " " << ordered[j];
+    }
+  }
+  EXPECT_NE(NaturalLess("img1.jpg", "img01.jpg"),
+            NaturalLess("img01.jpg", "img1.jpg"));
 }
 
 }  // namespace

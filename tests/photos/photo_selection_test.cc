@@ -145,6 +145,48 @@ TEST(AssignHoldoutTest, ListOfNames) {
   EXPECT_THAT(With(PhotoSplit::kHoldout, photos), ElementsAre(0, 2));
 }
 
+TEST(AssignHoldoutTest, NamesMayBeWrittenInOtherWays) {
+  const auto held = [](const std::string& list) {
+    std::vector<Photo> photos = MakePhotos(7);
+    photos[1].file = "val/test_01.tif";
+    photos[1].name = "val/test_01.png";
+    photos[2].file = "val/twice.jpg";
+    photos[3].file = "train/twice.jpg";
+    photos[4].file = "twice.png";
+    photos[5].file = " spaced .jpg";
+    const auto unmatched =
+        AssignHoldout({.names = ParseNameList(list)}, &photos);
+    return unmatched.ok() ? With(PhotoSplit::kHoldout, photos)
+                          : std::vector<int>{-1};
+  };
+  EXPECT_THAT(held("p0"), ElementsAre(0));
+  EXPECT_THAT(held("./p0.jpg\n"), ElementsAre(0));
+  EXPECT_THAT(held("  p0.jpg \t\r\n"), ElementsAre(0));
+  EXPECT_THAT(held("test_01"), ElementsAre(1));
+  EXPECT_THAT(held("val/test_01"), ElementsAre(1));
+  EXPECT_THAT(held("test_01.png"), ElementsAre(1));  // As in the workspace.
+  EXPECT_THAT(held("./val/test_01.png"), ElementsAre(1));
+  EXPECT_THAT(held("twice.jpg"), ElementsAre(2, 3));
+  EXPECT_THAT(held("val/twice"), ElementsAre(2));
+  EXPECT_THAT(held("twice\np0"), ElementsAre(0));  // Which of three?
+  EXPECT_THAT(held(" spaced .jpg"), ElementsAre(5));
+  EXPECT_THAT(held("  # p6.jpg\np0.jpg"), ElementsAre(0));
+}
+
+TEST(AssignHoldoutTest, AListThatFitsNoPhotoIsAnError) {
+  std::vector<Photo> photos = MakePhotos(6);
+  const std::vector<std::string> names = {"a.jpg", "b.jpg", "c", "d", "e"};
+  const Status status = AssignHoldout({.names = names}, &photos).status();
+  EXPECT_EQ(status.code(), StatusCode::kBadInput);
+  EXPECT_THAT(status.message(), HasSubstr("a.jpg, b.jpg, c and 2 more"));
+  // A photo that cannot be used is a photo all the same.
+  photos[1].split = PhotoSplit::kRejected;
+  const auto unmatched = AssignHoldout({.names = {"p1.jpg"}}, &photos);
+  ASSERT_TRUE(unmatched.ok()) << unmatched.status().message();
+  EXPECT_THAT(*unmatched, ElementsAre("p1.jpg"));
+  EXPECT_THAT(With(PhotoSplit::kHoldout, photos), IsEmpty());
+}
+
 TEST(AssignHoldoutTest, TwoMustBeLeftForTraining) {
   std::vector<Photo> photos = MakePhotos(3);
   EXPECT_TRUE(AssignHoldout({}, &photos).ok());

@@ -47,6 +47,15 @@ TEST(Exposure, OfAnUnknownPhotoIsBetweenThoseOfItsNeighbours) {
   }
 }
 
+TEST(Exposure, NeighboursAreThoseThatPeopleCount) {
+  const std::vector<PhotoExposure> exposures = {{"8.jpg", RandomColor(1)},
+                                                {"10.jpg", RandomColor(2)}};
+  const AffineColor between = ExposureBetween(exposures, "9.jpg");
+  EXPECT_FLOAT_EQ(
+      between.values[0],
+      (exposures[0].color.values[0] + exposures[1].color.values[0]) / 2);
+}
+
 TEST(Exposure, AppliesTheMatrix) {
   ThreadPool pool(2);
   const ImageF scene = RandomImage(7, 40, 1);

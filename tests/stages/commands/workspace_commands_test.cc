@@ -182,7 +182,7 @@ TEST_F(CommandTest, ValuesThatNoStageTakesAreRefusedBeforeAnyRuns) {
   ExpectError(RunRunCommand,
               {Path("photos"), Path("w"), "--reconstruct.budget", "50k"},
               StatusCode::kInvalidArgument,
-              "'50k' is not allowed; allowed: auto or 0 .. 1000000000");
+              "'50k' is not allowed; allowed: auto, auto:N or 0 .. 1000000000");
   ExpectError(RunRunCommand,
               {Path("photos"), Path("w"), "--sfm.max_image_size", "10"},
               StatusCode::kInvalidArgument,

@@ -139,6 +139,13 @@ TEST(AutomaticBudgetTest, FollowsPhotosAndMemory) {
   ReconstructStageOptions options;
   options.budget = "123";
   EXPECT_EQ(Training(options, SceneOutlookOf(9, 640, 480)).budget, 123);
+  options.budget = "auto";
+  const int64_t automatic =
+      Training(options, SceneOutlookOf(9, 640, 480)).budget;
+  options.budget = "auto:123";
+  EXPECT_EQ(Training(options, SceneOutlookOf(9, 640, 480)).budget, 123);
+  options.budget = "auto:1000000";
+  EXPECT_EQ(Training(options, SceneOutlookOf(9, 640, 480)).budget, automatic);
 }
 
 TEST(ReconstructForecastTest, ALowerShDegreeTakesLess) {
