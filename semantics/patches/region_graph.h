@@ -21,8 +21,9 @@ using ColorHistogram = std::array<std::array<float, kColorBins>, 3>;
 struct RegionStats {
   // Over the pixels of all views that show the region.
   double pixels = 0;
-  double perimeter = 0;  // Pairs of neighbouring pixels across its outline,
-  // with those across depth steps, also to patches that it hardly touches.
+  // Pairs of neighbouring pixels across its outline, with those across depth
+  // steps, also to patches that it hardly touches.
+  double perimeter = 0;
   Eigen::Vector3d color = Eigen::Vector3d::Zero();   // Sum of L*a*b* / 100.
   Eigen::Vector3d color2 = Eigen::Vector3d::Zero();  // Sum of its squares.
   ColorHistogram histogram = {};
