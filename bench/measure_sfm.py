@@ -5,7 +5,7 @@ right.
 
   bench/measure_sfm.py PROGRAM PHOTOS --csv OUT.csv
       [--truth cameras.json | --reference MODEL]
-      [--settings colmap,auto,...] [--setting NAME "--sfm.overlap 5"]
+      [--settings colmap,auto,...] [--setting NAME "--sfm.neighbours 5"]
       [--rounds 3] [--work FOLDER]
 
 PROGRAM is freegs_pipeline, PHOTOS a folder. Errors are those of

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # One library per room (a folder of sources), a collection of rooms for each
 # top-level folder, and one test program per top-level folder.
+include(GNUInstallDirs)
 
 add_library(freegs_warnings INTERFACE)
 target_compile_options(freegs_warnings INTERFACE -Wall -Wextra -Werror)
@@ -72,7 +73,7 @@ function(freegs_add_library name)
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
   target_include_directories(${target} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
-    $<INSTALL_INTERFACE:include/freegs>)
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/freegs>)
   target_compile_features(${target} PUBLIC cxx_std_20)
   set(pch freegs_pch)
   if(ARG_COLD)

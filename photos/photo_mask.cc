@@ -3,6 +3,7 @@
 #include "photos/photo_mask.h"
 
 #include <algorithm>
+#include <map>
 #include <system_error>
 
 #include "photos/photo_header.h"
@@ -48,6 +49,27 @@ std::optional<std::string> FindMask(const fs::path& folder,
     if (fs::is_regular_file(folder / name, error)) return name;
   }
   return std::nullopt;
+}
+
+std::vector<std::optional<std::string>> FindMasks(
+    const fs::path& folder, const std::vector<std::string>& photo_files) {
+  std::vector<std::optional<std::string>> masks;
+  std::map<std::string, int> takers;  // The photos that could take a mask.
+  std::vector<size_t> indirect;
+  for (const std::string& file : photo_files) {
+    std::optional<std::string> mask = FindMask(folder, file);
+    const size_t slash = file.find('/');
+    if (!mask && slash != std::string::npos) {
+      mask = FindMask(folder, file.substr(slash + 1));
+      if (mask) indirect.push_back(masks.size());
+    }
+    if (mask) ++takers[*mask];
+    masks.push_back(std::move(mask));
+  }
+  for (const size_t i : indirect) {
+    if (takers[*masks[i]] > 1) masks[i].reset();
+  }
+  return masks;
 }
 
 StatusOr<ImageU8> DecodeMask(std::string_view bytes,

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/image.h"
 #include "core/status.h"
@@ -21,6 +22,14 @@ namespace freegs::photos {
 // "a.png". Returns its path relative to the folder, or nothing.
 std::optional<std::string> FindMask(const std::filesystem::path& folder,
                                     const std::string& photo_file);
+
+// Does the same for all photos of a scene. A photo without such a mask also
+// takes that of its name without the first folder, as nerfstudio lays them out:
+// "masks/a.png" for "images/a.png". But it does so only where no other photo
+// has or could take the same mask.
+std::vector<std::optional<std::string>> FindMasks(
+    const std::filesystem::path& folder,
+    const std::vector<std::string>& photo_files);
 
 // Decodes a mask file to one channel of 0 (ignore) and 255 (use), with the size
 // of the upright photo. In the file, black pixels are to be ignored and all

@@ -54,39 +54,61 @@ std::string WithoutSuffix(const std::string& file) {
   return std::filesystem::path(file).replace_extension().string();
 }
 
-bool IsNamed(const std::string& file, const std::string& name) {
-  return !file.empty() &&
-         (PlainName(file) == name || PlainName(BaseName(file)) == name);
-}
+// Finds the photos that a plain name means, the rejected ones too. The files'
+// own names go before those in the workspace, and these before the files' names
+// without suffix.
+class PhotoFinder {
+ public:
+  explicit PhotoFinder(std::vector<Photo>* photos) {
+    for (Photo& photo : *photos) {
+      Add(photo.file, &photo, &by_file_);
+      Add(photo.name, &photo, &by_name_);
+      Add(WithoutSuffix(photo.file), &photo, &by_stem_);
+    }
+  }
 
-// The photos that a plain name means, the rejected ones too.
-std::vector<Photo*> PhotosNamed(const std::string& name,
-                                std::vector<Photo>* photos) {
-  std::vector<Photo*> found;
-  for (Photo& photo : *photos) {
-    if (IsNamed(photo.file, name)) found.push_back(&photo);
+  std::vector<Photo*> Find(const std::string& name) const {
+    for (const PhotosByName* known : {&by_file_, &by_name_}) {
+      const auto found = known->find(name);
+      if (found != known->end()) return found->second;
+    }
+    const auto found = by_stem_.find(name);
+    if (found == by_stem_.end()) return {};
+    std::vector<Photo*> photos = found->second;
+    if (photos.size() > 1) {
+      std::erase_if(photos,
+                    [](const Photo* photo) { return !photo->usable(); });
+    }
+    // Of several nobody knows which is meant.
+    return photos.size() == 1 ? photos : std::vector<Photo*>();
   }
-  if (!found.empty()) return found;
-  for (Photo& photo : *photos) {
-    if (IsNamed(photo.name, name)) found.push_back(&photo);
+
+ private:
+  using PhotosByName = std::map<std::string, std::vector<Photo*>>;
+
+  static void Add(const std::string& file, Photo* photo, PhotosByName* known) {
+    if (file.empty()) return;
+    const std::string whole = PlainName(file);
+    const std::string base = PlainName(BaseName(file));
+    (*known)[whole].push_back(photo);
+    if (base != whole) (*known)[base].push_back(photo);
   }
-  if (!found.empty()) return found;
-  for (Photo& photo : *photos) {
-    if (IsNamed(WithoutSuffix(photo.file), name)) found.push_back(&photo);
-  }
-  if (found.size() > 1) found = {};  // Nobody knows which of them is meant.
-  return found;
-}
+
+  PhotosByName by_file_;
+  PhotosByName by_name_;
+  PhotosByName by_stem_;
+};
 
 // Holds out the photos named by the rule; what names no usable photo is added
 // to `unmatched`. kBadInput if no name means a photo.
 Status HoldOutNamed(const std::vector<std::string>& names,
                     std::vector<Photo>* photos,
                     std::vector<std::string>* unmatched) {
+  const PhotoFinder finder(photos);
   bool any = false;
   for (const std::string& name : names) {
     bool usable = false;
-    for (Photo* photo : PhotosNamed(PlainName(name), photos)) {
+    for (Photo* photo : finder.Find(PlainName(name))) {
       any = true;
       if (!photo->usable()) continue;
       photo->split = PhotoSplit::kHoldout;

@@ -171,6 +171,7 @@ StatusOr<OptionTable::CommandLine> OptionTable::ParseCommandLine(
   po::options_description description;
   DescribeCommandLine(*this, &description);
   CommandLine line;
+  std::set<std::string> seen;
   try {
     using Style = po::command_line_style::style_t;
     const po::parsed_options parsed =
@@ -185,6 +186,11 @@ StatusOr<OptionTable::CommandLine> OptionTable::ParseCommandLine(
             OptionSetting setting,
             SettingOf(given.string_key,
                       given.value.empty() ? "true" : given.value.front()));
+        // A script may add an option of a stage to those that it has already.
+        const bool again = !seen.insert(setting.name).second;
+        if (again && Find(setting.name)->section().empty()) {
+          return InvalidArgumentError("--" + setting.name + " is given twice");
+        }
         line.settings.push_back(std::move(setting));
         continue;
       }

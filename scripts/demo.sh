@@ -19,7 +19,8 @@ log=$workspace.log
 
 images=""
 if (($# > 0)) && [[ $1 != --* ]]; then
-  images=$(cd "$here" && realpath -- "$1")
+  images=$(cd "$here" && realpath -m -- "$1")
+  [[ -e $images ]] || { echo "error: there is no $images" >&2; exit 3; }
   shift
 fi
 
@@ -57,15 +58,43 @@ how_far() {
       ;;
   esac
 }
+# The step that runs is a process group of its own, which ends with the script. In the
+# group of the script it would ignore Ctrl-C, as all that a script starts with & does.
+job=""
+end_step() {
+  [[ -n $job ]] || return 0
+  kill -TERM -- "-$job" 2>/dev/null || true
+  kill -CONT -- "-$job" 2>/dev/null || true  # If it was stopped.
+  wait "$job" 2>/dev/null || true
+  job=""
+}
+# Ends by the signal, so that whoever called the script knows.
+end_by() {
+  end_step
+  trap - EXIT "$1"
+  kill -s "$1" "$$"
+}
+trap end_step EXIT
+for signal in HUP INT TERM; do
+  # shellcheck disable=SC2064
+  trap "end_by $signal" "$signal"
+done
 # step NAME SECONDS LATER COMMAND...: runs the command, which takes about SECONDS,
 # and shows how long it and the LATER seconds of other steps will last. Its output
 # goes to the log, and to the terminal when it fails.
 step() {
   local name=$1 expected=$2 later=$3 start=$SECONDS shown=-30 passed left counted total
   shift 3
-  "$@" >>"$log" 2>&1 &
-  local job=$!
+  set -m
+  "$@" >>"$log" 2>&1 </dev/null &
+  job=$!
+  set +m
   while kill -0 "$job" 2>/dev/null; do
+    # The terminal stops a step that asks something there, such as a password.
+    if grep -qs '^State:.T' "/proc/$job/status"; then
+      echo "the step waits for an answer, which nobody can give" >>"$log"
+      kill -TERM -- "-$job" && kill -CONT -- "-$job"
+    fi
     passed=$((SECONDS - start))
     left=$((expected > passed ? expected - passed : 5))
     if read -r counted total < <(how_far "$name") && ((counted > 8)); then
@@ -82,6 +111,7 @@ step() {
   [[ ! -t 2 ]] || printf '\r\033[K' >&2
   local status=0
   wait "$job" || status=$?
+  job=""
   if ((status != 0)); then
     tail -n 30 "$log" >&2
     echo "error: $name failed; all of it is in $log" >&2
@@ -117,7 +147,9 @@ if [[ -z $images ]]; then
   truth=$photos
 fi
 
-# From here on the program itself says how long the rest will take.
+# From here on the program itself says how long the rest will take, and it heeds
+# signals.
+trap - EXIT HUP INT TERM
 "$program" run "$images" "$workspace" --preset fast "$@" >"$log.end"
 if [[ -n $truth ]]; then
   echo "Compared with the truth, which drawn photos have:"

@@ -7,7 +7,7 @@
 #   scripts/reproducible.sh [FOLDER]
 #
 # FOLDER gets both builds, which take 1 GB. By default it is a new folder under TMPDIR
-# that is deleted afterwards. No compile cache is used. The variable JOBS says how many
+# that is deleted afterwards, unless the builds differ. No compile cache is used. The variable JOBS says how many
 # compilers run at once (default: as many as there are cores).
 set -euo pipefail
 here=$PWD
@@ -51,7 +51,10 @@ list "${places[0]}" >"$folder/first"
 list "${places[1]}" >"$folder/second"
 cat "$folder/first"
 if ! diff "$folder/first" "$folder/second"; then
-  echo "error: the builds differ, see above; diffoscope tells where in a file" >&2
+  trap - EXIT  # Both builds stay.
+  echo "error: the builds differ, see above; diffoscope tells where in a file." \
+    "Both are kept:" >&2
+  printf '  %s/build\n' "${places[@]}" >&2
   exit 1
 fi
 echo "the same bytes ($SECONDS s)"

@@ -56,6 +56,11 @@ for stage in "${stages[@]}"; do
   done
 done
 
+if ((killed == 0)); then
+  echo "no kill came while a stage was at work: take a smaller WITHIN, which is" \
+    "$within seconds" >&2
+  exit 1
+fi
 echo "killed $killed times; now to the end"
 "$program" run "$images" "$workspace" "$@" >>"$log" 2>&1
 reference=$folder/undisturbed

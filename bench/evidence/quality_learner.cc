@@ -25,10 +25,10 @@ constexpr double kWholeIou = 0.6;
 constexpr double kExtremes = 0.05;
 // What keeps the weights small, for numbers of unit deviation.
 constexpr double kRidge = 10;
-constexpr int kNewtonSteps = 20;
+constexpr int kQualitySteps = 20;
 constexpr Eigen::Index kSize = kNumRegionNumbers + 1;
 
-struct Example {
+struct RegionExample {
   RegionNumbers numbers;
   bool whole = false;
   double weight = 1;
@@ -45,8 +45,8 @@ double BestIou(const LearningScene& scene,
   return best;
 }
 
-std::vector<Example> ExamplesOf(const LearningScene& scene,
-                                const semantics::EvidenceModel& evidence) {
+std::vector<RegionExample> ExamplesOf(
+    const LearningScene& scene, const semantics::EvidenceModel& evidence) {
   const double crumb_size = semantics::CrumbSize(scene.graph.total_pixels);
   const semantics::MeasuredTree measured =
       semantics::MergeAndMeasure(scene.graph,
@@ -65,7 +65,7 @@ std::vector<Example> ExamplesOf(const LearningScene& scene,
     votes.push_back(std::move(sum));
   }
   constexpr double kLeastWeight = 0.02;
-  std::vector<Example> examples;
+  std::vector<RegionExample> examples;
   for (size_t r = 0; r < sizes.size(); ++r) {
     if (!(sizes[r] >= crumb_size && pixels[r] > 0)) continue;
     const double share = outer[r] > 0 ? sizes[r] / outer[r] : 0;
@@ -76,10 +76,11 @@ std::vector<Example> ExamplesOf(const LearningScene& scene,
   return examples;
 }
 
-void FindRanges(const std::vector<Example>& examples, QualityModel* model) {
+void FindRanges(const std::vector<RegionExample>& examples,
+                QualityModel* model) {
   for (size_t k = 0; k < kNumRegionNumbers; ++k) {
     std::vector<double> values;
-    for (const Example& example : examples) {
+    for (const RegionExample& example : examples) {
       values.push_back(example.numbers[k]);
     }
     model->least[k] = NearestQuantile(values, kExtremes);
@@ -89,7 +90,7 @@ void FindRanges(const std::vector<Example>& examples, QualityModel* model) {
 
 // One column for each example: its numbers within the ranges, from 0 to 1, and
 // a one.
-Eigen::MatrixXd ColumnsOf(const std::vector<Example>& examples,
+Eigen::MatrixXd ColumnsOf(const std::vector<RegionExample>& examples,
                           const QualityModel& model) {
   Eigen::MatrixXd columns(kSize, static_cast<Eigen::Index>(examples.size()));
   for (size_t i = 0; i < examples.size(); ++i) {
@@ -108,7 +109,7 @@ Eigen::MatrixXd ColumnsOf(const std::vector<Example>& examples,
 LearntQuality LearnQuality(std::span<const LearningScene> scenes,
                            const semantics::EvidenceModel& evidence,
                            ThreadPool& pool) {
-  std::vector<std::vector<Example>> of_scene(scenes.size());
+  std::vector<std::vector<RegionExample>> of_scene(scenes.size());
   pool.ParallelFor(0,
                    static_cast<int64_t>(scenes.size()),
                    1,
@@ -117,8 +118,8 @@ LearntQuality LearnQuality(std::span<const LearningScene> scenes,
                        of_scene[s] = ExamplesOf(scenes[s], evidence);
                      }
                    });
-  std::vector<Example> examples;
-  for (const std::vector<Example>& more : of_scene) {
+  std::vector<RegionExample> examples;
+  for (const std::vector<RegionExample>& more : of_scene) {
     examples.insert(examples.end(), more.begin(), more.end());
   }
   LearntQuality learnt;
@@ -133,11 +134,11 @@ LearntQuality LearnQuality(std::span<const LearningScene> scenes,
   ridge = ridge.cwiseMax(1e-6);  // So that the system can always be solved.
   ridge[kSize - 1] = 1e-6;
   std::vector<LabelledExample> labels;
-  for (const Example& example : examples) {
+  for (const RegionExample& example : examples) {
     labels.push_back({example.whole, example.weight});
   }
   const Eigen::VectorXd weights =
-      FitLogistic(columns, labels, ridge, kNewtonSteps, pool);
+      FitLogistic(columns, labels, ridge, kQualitySteps, pool);
   for (size_t k = 0; k < kNumRegionNumbers; ++k) {
     learnt.model.weight[k] = weights[static_cast<Eigen::Index>(k)];
   }

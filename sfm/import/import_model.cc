@@ -6,11 +6,14 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <system_error>
 #include <tuple>
 
 #include "core/io/files.h"
+#include "core/text.h"
 #include "sfm/import/name_matching.h"
+#include "sfm/import/resize.h"
 #include "sfm/import/transforms_json.h"
 #include "sfm/scene/model_io.h"
 #include "sfm/scene/random_points.h"
@@ -22,8 +25,8 @@ namespace fs = std::filesystem;
 
 constexpr uint64_t kMaxTransformsBytes = uint64_t{1} << 28;
 
-// Two sizes of one photo may differ so much in shape, because they are rounded.
-constexpr double kMaxShapeDifference = 0.01;
+// Of a photo whose sides differ by less, a quarter turn may go unseen.
+constexpr double kAlmostSquare = 0.01;
 
 bool IsFile(const fs::path& path) {
   std::error_code error;
@@ -61,7 +64,10 @@ Status FitToPhoto(const SfmPhoto& photo, Camera* camera, PosedImage* image) {
   const double sx = static_cast<double>(photo.width) / camera->width;
   const double sy = static_cast<double>(photo.height) / camera->height;
   if (sx == 1 && sy == 1) return {};
-  if (!(std::abs(sx / sy - 1) < kMaxShapeDifference)) {
+  if (!IsResized(static_cast<double>(camera->width),
+                 static_cast<double>(camera->height),
+                 photo.width,
+                 photo.height)) {
     return BadInputError(
         "'" + image->name + "' is " + std::to_string(camera->width) + " x " +
         std::to_string(camera->height) + " pixels there and the photo '" +
@@ -82,7 +88,19 @@ bool IsTurnedUnseen(const SfmPhoto& photo, bool size_known) {
   if (photo.orientation == 1) return false;
   const double shape = static_cast<double>(photo.width) / photo.height;
   return photo.orientation <= 4 || !size_known ||
-         std::abs(shape * shape - 1) < kMaxShapeDifference;
+         std::abs(shape * shape - 1) < kAlmostSquare;
+}
+
+// Tells once that cameras were made to fit photos of other sizes: the numbers
+// do not show whether the photos were resized, or cropped to this shape.
+void WarnOfScaled(const std::vector<std::string>& photos,
+                  const std::string& source,
+                  std::vector<std::string>* warnings) {
+  if (photos.empty()) return;
+  warnings->push_back(
+      source + ": made for images of another size than these photos, so its " +
+      "intrinsics were scaled; that is right for photos that were resized, " +
+      "and wrong for photos that were cropped: " + SomeNames(photos));
 }
 
 // Gives equal cameras one id.
@@ -126,10 +144,15 @@ StatusOr<ImportedModel> ImportColmap(const fs::path& folder,
 
   const auto camera_index = IndexCameras(source);
   CameraSet cameras;
+  std::vector<std::string> scaled;
   for (size_t p = 0; p < photos.size(); ++p) {
     if (image_of_photo[p] < 0) continue;
     PosedImage image = std::move(source.images[image_of_photo[p]]);
     Camera camera = source.cameras[camera_index.at(image.camera_id)];
+    if (camera.width != static_cast<uint64_t>(photos[p].width) ||
+        camera.height != static_cast<uint64_t>(photos[p].height)) {
+      scaled.push_back(photos[p].name);
+    }
     FREEGS_RETURN_IF_ERROR(
         FitToPhoto(photos[p], &camera, &image).Annotated(folder.string()));
     // Cameras that the source keeps apart stay apart.
@@ -138,6 +161,7 @@ StatusOr<ImportedModel> ImportColmap(const fs::path& folder,
     if (IsTurnedUnseen(photos[p], true)) result.turned.push_back(image.name);
     result.model.images.push_back(std::move(image));
   }
+  WarnOfScaled(scaled, folder.string(), &result.warnings);
   result.model.cameras = cameras.Take();
   result.model.points3d = std::move(source.points3d);
 
@@ -157,29 +181,49 @@ struct NamedFrame {
   bool holdout = false;
 };
 
+std::string PlainPath(const std::string& path) {
+  return fs::path(path).lexically_normal().string();
+}
+
+// Appends the frames of a file. With `holdout` all of them are for evaluation,
+// otherwise those that the file lists.
 Status ReadFrames(const fs::path& path,
                   bool holdout,
-                  std::vector<NamedFrame>* frames) {
+                  std::vector<NamedFrame>* frames,
+                  ImportedModel* result) {
   FREEGS_ASSIGN_OR_RETURN(const std::string text,
                           ReadFile(path, kMaxTransformsBytes));
-  StatusOr<std::vector<TransformsFrame>> parsed = ParseTransforms(text);
+  StatusOr<TransformsFile> parsed = ParseTransforms(text);
   if (!parsed.ok()) return parsed.status().Annotated(path.string());
-  for (TransformsFrame& frame : *parsed) {
-    frames->push_back({std::move(frame), holdout});
+  std::set<std::string> listed;
+  for (const std::string& name : parsed->holdout) {
+    listed.insert(PlainPath(name));
+  }
+  for (TransformsFrame& frame : parsed->frames) {
+    const bool is_listed = listed.contains(PlainPath(frame.file_path));
+    frames->push_back({std::move(frame), holdout || is_listed});
+  }
+  result->names_masks = result->names_masks || parsed->names_masks;
+  if (!parsed->points_file.empty()) {
+    result->warnings.push_back(path.string() +
+                               ": the points of its ply_file_path are not "
+                               "used: " +
+                               parsed->points_file);
   }
   return {};
 }
 
 StatusOr<ImportedModel> ImportTransforms(const ImportSource& source,
                                          const std::vector<SfmPhoto>& photos) {
+  ImportedModel result;
   std::vector<NamedFrame> frames;
-  FREEGS_RETURN_IF_ERROR(ReadFrames(source.transforms, false, &frames));
+  FREEGS_RETURN_IF_ERROR(
+      ReadFrames(source.transforms, false, &frames, &result));
   for (const fs::path& path : source.holdout_transforms) {
-    FREEGS_RETURN_IF_ERROR(ReadFrames(path, true, &frames));
+    FREEGS_RETURN_IF_ERROR(ReadFrames(path, true, &frames, &result));
   }
   std::vector<std::string> names;
   for (const NamedFrame& frame : frames) names.push_back(frame.frame.file_path);
-  ImportedModel result;
   const StatusOr<std::vector<int>> match =
       MatchByName(names, photos, &result.unmatched);
   if (!match.ok()) {
@@ -188,6 +232,7 @@ StatusOr<ImportedModel> ImportTransforms(const ImportSource& source,
   const std::vector<int>& frame_of_photo = *match;
 
   CameraSet cameras;
+  std::vector<std::string> scaled;
   for (size_t p = 0; p < photos.size(); ++p) {
     if (frame_of_photo[p] < 0) continue;
     const NamedFrame& named = frames[frame_of_photo[p]];
@@ -204,11 +249,16 @@ StatusOr<ImportedModel> ImportTransforms(const ImportSource& source,
     image.camera_id = cameras.Add(std::move(*camera), 0);
     if (named.holdout) result.holdout.push_back(image.name);
     const TransformsIntrinsics& given = named.frame.intrinsics;
+    if ((given.width > 0 && given.width != photos[p].width) ||
+        (given.height > 0 && given.height != photos[p].height)) {
+      scaled.push_back(image.name);
+    }
     if (IsTurnedUnseen(photos[p], given.width > 0 && given.height > 0)) {
       result.turned.push_back(image.name);
     }
     result.model.images.push_back(std::move(image));
   }
+  WarnOfScaled(scaled, source.transforms.string(), &result.warnings);
   result.model.cameras = cameras.Take();
   return result;
 }

@@ -45,7 +45,12 @@ struct ImportedModel {
   // Whether the points are random ones, because the source has none.
   bool random_points = false;
 
-  std::vector<std::string> holdout;  // Photos the source means for evaluation.
+  // Photos that the source means for evaluation, in the order of the photos.
+  std::vector<std::string> holdout;
+
+  // Whether the source names files of masks. They are not read.
+  bool names_masks = false;
+
   std::vector<std::string> unmatched;  // Names of the source that fit no photo.
 
   // Photos with a pose that EXIF turned, though their size is the same as

@@ -12,6 +12,7 @@
 
 #include "core/io/json_fields.h"
 #include "core/number_text.h"
+#include "sfm/import/resize.h"
 #include "sfm/scene/reconstruction.h"
 
 namespace freegs::sfm {
@@ -111,9 +112,32 @@ Status ReadPose(const json& frame, Rigid3d* cam_from_world) {
   return {};
 }
 
+// Appends the names of a list that may be missing or null.
+Status ReadNames(const json& root,
+                 const char* key,
+                 std::vector<std::string>* names) {
+  const json* list = FindField(root, key);
+  if (list == nullptr || list->is_null()) return {};
+  const Status fault =
+      BadInputError("\"" + std::string(key) + "\" is not a list of names");
+  if (!list->is_array()) return fault;
+  for (const json& name : *list) {
+    if (!name.is_string()) return fault;
+    names->push_back(name.get<std::string>());
+  }
+  return {};
+}
+
+// The text of a field; empty when it is missing, or is no text.
+std::string TextOf(const json& object, const char* key) {
+  const json* field = FindField(object, key);
+  if (field == nullptr || !field->is_string()) return "";
+  return field->get<std::string>();
+}
+
 }  // namespace
 
-StatusOr<std::vector<TransformsFrame>> ParseTransforms(std::string_view text) {
+StatusOr<TransformsFile> ParseTransforms(std::string_view text) {
   FREEGS_ASSIGN_OR_RETURN(const json root, ParseJsonObject(text));
   TransformsIntrinsics shared;
   FREEGS_RETURN_IF_ERROR(ReadIntrinsics(root, &shared));
@@ -121,7 +145,11 @@ StatusOr<std::vector<TransformsFrame>> ParseTransforms(std::string_view text) {
   if (list == root.end() || !list->is_array() || list->empty()) {
     return BadInputError("has no list \"frames\" with at least one frame");
   }
-  std::vector<TransformsFrame> frames;
+  TransformsFile file;
+  FREEGS_RETURN_IF_ERROR(ReadNames(root, "test_filenames", &file.holdout));
+  FREEGS_RETURN_IF_ERROR(ReadNames(root, "val_filenames", &file.holdout));
+  file.points_file = TextOf(root, "ply_file_path");
+  file.names_masks = !TextOf(root, "mask_path").empty();
   std::set<std::string> names;
   for (size_t i = 0; i < list->size(); ++i) {
     const json& entry = (*list)[i];
@@ -143,9 +171,10 @@ StatusOr<std::vector<TransformsFrame>> ParseTransforms(std::string_view text) {
         ReadIntrinsics(entry, &frame.intrinsics).Annotated(where));
     FREEGS_RETURN_IF_ERROR(
         ReadPose(entry, &frame.cam_from_world).Annotated(where));
-    frames.push_back(std::move(frame));
+    file.names_masks = file.names_masks || !TextOf(entry, "mask_path").empty();
+    file.frames.push_back(std::move(frame));
   }
-  return frames;
+  return file;
 }
 
 StatusOr<Camera> MakeCamera(const TransformsIntrinsics& intrinsics,
@@ -156,7 +185,7 @@ StatusOr<Camera> MakeCamera(const TransformsIntrinsics& intrinsics,
   const double h = in.height > 0 ? in.height : height;
   const double sx = width / w;
   const double sy = height / h;
-  if (!(std::abs(sx / sy - 1) < 0.01)) {
+  if (!IsResized(w, h, width, height)) {
     return BadInputError(
         "the file gives an image size of " + FormatSignificant(w, 6) + " x " +
         FormatSignificant(h, 6) + " and the photo has " +

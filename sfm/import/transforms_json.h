@@ -46,18 +46,33 @@ struct TransformsFrame {
   Rigid3d cam_from_world;
 };
 
+struct TransformsFile {
+  std::vector<TransformsFrame> frames;
+
+  // nerfstudio's "test_filenames" and "val_filenames": frames that are meant
+  // for evaluation, as written.
+  std::vector<std::string> holdout;
+
+  // Whether a frame, or the whole file, has a "mask_path".
+  bool names_masks = false;
+
+  // nerfstudio's file of points, "ply_file_path", as written. Empty if there is
+  // none.
+  std::string points_file;
+};
+
 // Parses the text of a transforms file. Returns kBadInput, with the frame and
 // the fault, for text that is not JSON, missing fields, numbers that are not
 // finite, matrices that are not a rotation and a translation, and unknown kinds
 // of cameras.
-StatusOr<std::vector<TransformsFrame>> ParseTransforms(std::string_view text);
+StatusOr<TransformsFile> ParseTransforms(std::string_view text);
 
 // Returns the camera for a photo of width x height pixels. Its model is the
 // simplest of PINHOLE, OPENCV, FULL_OPENCV and OPENCV_FISHEYE that has the
 // given distortion parameters. Intrinsics for another image size are scaled. A
 // coordinate of the centre that is not given is that of the middle.
-// Returns kBadInput when there is no focal length, and when the aspect ratios
-// of the two sizes differ by more than 1 %.
+// Returns kBadInput when there is no focal length, and when the two sizes are
+// not those of one image that was resized; see IsResized.
 StatusOr<Camera> MakeCamera(const TransformsIntrinsics& intrinsics,
                             int width,
                             int height);

@@ -198,18 +198,23 @@ nlohmann::json FindingsToJson(const std::vector<Finding>& findings) {
   return list;
 }
 
+// Null where nothing was measured.
+nlohmann::json ErrorToJson(double error_px, size_t measured) {
+  return measured > 0 ? nlohmann::json(Rounded(error_px)) : nlohmann::json();
+}
+
 nlohmann::json AttemptsToJson(const std::vector<Attempt>& attempts) {
   nlohmann::json list = nlohmann::json::array();
   for (const Attempt& attempt : attempts) {
-    list.push_back(
-        {{"name", attempt.name},
-         {"why", attempt.why},
-         {"registered", attempt.registered},
-         {"models", attempt.models},
-         {"points", attempt.points},
-         {"mean_reprojection_error_px", Rounded(attempt.mean_error_px)},
-         {"kept", attempt.kept},
-         {"problem", attempt.problem}});
+    list.push_back({{"name", attempt.name},
+                    {"why", attempt.why},
+                    {"registered", attempt.registered},
+                    {"models", attempt.models},
+                    {"points", attempt.points},
+                    {"mean_reprojection_error_px",
+                     ErrorToJson(attempt.mean_error_px, attempt.points)},
+                    {"kept", attempt.kept},
+                    {"problem", attempt.problem}});
   }
   return list;
 }
@@ -304,7 +309,8 @@ nlohmann::json HealthToJson(const Health& health) {
       {"models", health.model_sizes.size()},
       {"model_sizes", health.model_sizes},
       {"mean_reprojection_error_px",
-       Rounded(health.measures.mean_reprojection_error_px)},
+       ErrorToJson(health.measures.mean_reprojection_error_px,
+                   health.measures.observations)},
       {"median_track_length", health.measures.median_track_length},
       {"median_triangulation_deg",
        Rounded(health.measures.median_triangulation_deg)},

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/text.h"
@@ -58,7 +59,7 @@ TrialPhotos SplitPhotos(const TrainingImages& images, int others_every) {
   std::vector<size_t> by_name(images.size());
   std::iota(by_name.begin(), by_name.end(), size_t{0});
   std::ranges::sort(by_name, NaturalLess, [&](size_t i) {
-    return std::string_view(images.view(i).name);
+    return std::string(images.view(i).name);
   });
   TrialPhotos photos;
   for (size_t k = 0; k < by_name.size(); ++k) {

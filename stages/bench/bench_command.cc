@@ -15,6 +15,7 @@
 #include "core/io/json_text.h"
 #include "pipeline/workspace.h"
 #include "stages/bench/baseline.h"
+#include "stages/bench/bench_names.h"
 #include "stages/bench/bench_page.h"
 #include "stages/bench/bench_results.h"
 #include "stages/bench/bench_summary.h"
@@ -238,6 +239,10 @@ Status RunBench(const std::vector<std::string>& arguments,
     const std::lock_guard say_lock(say_mutex);
     environment.err << "bench: " << text << std::endl;
   };
+  const auto warn = [&context](const std::vector<std::string>& lines) {
+    for (const std::string& line : lines) context.say("warning: " + line);
+  };
+  warn(UnknownKeys(suite));
   FREEGS_ASSIGN_OR_RETURN(const std::vector<ScenePhotos> photos,
                           FindAllPhotos(suite, context));
   CellRunnerOptions options;
@@ -252,6 +257,7 @@ Status RunBench(const std::vector<std::string>& arguments,
   const BenchResults bench{suite, cells, results};
   environment.out << SummaryMarkdown(bench) << "\n"
                   << (context.out / "index.html").string() << "\n";
+  warn(UnknownFigures(bench));
   if (!request.baseline.empty()) {
     return CompareWithBaseline(request, baseline, bench, environment);
   }

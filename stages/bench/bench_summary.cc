@@ -11,6 +11,7 @@
 
 #include "core/io/json_text.h"
 #include "core/number_text.h"
+#include "stages/bench/bench_names.h"
 #include "stages/bench/reference.h"
 
 namespace freegs::stages {
@@ -112,17 +113,9 @@ std::optional<std::string> Words(const BenchResults& bench,
                                  const std::string& name) {
   std::vector<std::string> words;
   for (const size_t i : cells) {
-    const CellResult& result = bench.results[i];
-    std::string word;
-    if (name == "ended") {
-      word = EndedText(result);
-    } else if (name == "noticed") {
-      word = result.told.stage;
-    } else if (name == "told") {
-      word = ShortText(result.told.text);
-    } else {
-      return std::nullopt;
-    }
+    const std::optional<std::string> text = WordsOf(bench.results[i], name);
+    if (!text) return std::nullopt;
+    const std::string word = ShortText(*text);
     if (!word.empty() && !Has(words, word)) words.push_back(word);
   }
   std::string text;

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <ostream>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -16,6 +17,7 @@
 #include "core/function_ref.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
+#include "core/io/json_fields.h"
 #include "core/io/json_text.h"
 #include "core/parallel.h"
 #include "pipeline/logger.h"
@@ -321,13 +323,71 @@ Status ForEachView(const std::vector<View>& views,
   return Status();
 }
 
-// Removes the frames of a longer path that an earlier call left in a folder,
-// and returns how many these were. `count` is the number of frames of this one.
-size_t RemoveLaterFrames(const fs::path& folder, size_t count) {
+// How many frames the last path to a folder has written there, and how many
+// pictures of them in preview/. Only these may be removed: others of such a
+// name, like those that FFmpeg makes of a film, are somebody else's.
+struct FrameCounts {
+  size_t frames = 0;
+  size_t previews = 0;
+};
+
+fs::path FrameListPath(const fs::path& folder) {
+  return folder / "rendered_frames.json";
+}
+
+// Zeros when there is no list, or when it is malformed.
+FrameCounts ReadFrameCounts(const fs::path& folder) {
+  constexpr int kMaxFrames = 1'000'000;
+  const StatusOr<nlohmann::json> list = ReadJson(FrameListPath(folder));
+  if (!list.ok()) return {};
+  const auto count = [&list](const char* key) {
+    const StatusOr<int> number =
+        ReadInteger(FindField(*list, key), 0, kMaxFrames, key);
+    return number.ok() ? static_cast<size_t>(*number) : size_t{0};
+  };
+  return {count("frames"), count("previews")};
+}
+
+Status WriteFrameCounts(const fs::path& folder, const FrameCounts& counts) {
+  return WriteFileAtomic(
+      FrameListPath(folder),
+      JsonText({{"frames", counts.frames}, {"previews", counts.previews}}));
+}
+
+// Removes the frames from number `begin` to `end`, counted from 0, and returns
+// how many there were.
+size_t RemoveFrames(const fs::path& folder, size_t begin, size_t end) {
   size_t removed = 0;
-  std::error_code error;
-  while (fs::remove(folder / FrameName(count + removed), error)) ++removed;
+  for (size_t frame = begin; frame < end; ++frame) {
+    std::error_code error;
+    if (fs::remove(folder / FrameName(frame), error)) ++removed;
+  }
   return removed;
+}
+
+// Removes what an earlier path wrote beyond the `count` frames of this one. The
+// new list is written after that, so that nothing is forgotten in between.
+Status RemoveLaterFrames(const RenderRequest& request,
+                         size_t count,
+                         std::ostream& out) {
+  const fs::path folder = request.out;
+  const FrameCounts earlier = ReadFrameCounts(folder);
+  RemoveFrames(folder / "preview", count, earlier.previews);
+  const size_t removed = RemoveFrames(folder, count, earlier.frames);
+  const bool previews = request.what == "depth" || request.what == "instances";
+  FREEGS_RETURN_IF_ERROR(WriteFrameCounts(
+      folder, {count, previews ? count : std::min(count, earlier.previews)}));
+  if (removed > 0) {
+    out << removed << " pictures of a longer path were removed\n";
+  }
+  std::error_code error;
+  const std::string next = FrameName(std::max(count, earlier.frames));
+  if (fs::exists(folder / next, error)) {
+    out << next << " and later frames stay: "
+        << FrameListPath(folder).filename().string()
+        << " does not say that an earlier path wrote them\n";
+  }
+  return Status();
 }
 
 Status WritePictures(const RenderRequest& request,
@@ -345,12 +405,7 @@ Status WritePictures(const RenderRequest& request,
       }));
   context.out << views.size() << " pictures in " << request.out << "\n";
   if (request.path.empty()) return Status();
-  RemoveLaterFrames(fs::path(request.out) / "preview", views.size());
-  const size_t removed = RemoveLaterFrames(request.out, views.size());
-  if (removed > 0) {
-    context.out << removed << " pictures of a longer path were removed\n";
-  }
-  return Status();
+  return RemoveLaterFrames(request, views.size(), context.out);
 }
 
 Status WriteFilm(const RenderRequest& request,

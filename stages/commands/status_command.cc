@@ -159,7 +159,8 @@ void PrintOptions(const std::vector<StoredOption>& options,
                   const std::string& title,
                   std::ostream& out) {
   const auto shown = [](const std::string& text) {
-    return text.empty() ? std::string("none") : text;
+    // "none" is a value of some options.
+    return text.empty() ? std::string("empty") : text;
   };
   bool first = true;
   for (const StoredOption& option : options) {

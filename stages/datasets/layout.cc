@@ -12,6 +12,7 @@
 #include "stages/datasets/mask_folders.h"
 #include "stages/datasets/scannet.h"
 #include "stages/datasets/three_d_ovs.h"
+#include "stages/evaluation/evaluation.h"
 
 namespace freegs::stages {
 namespace {
@@ -126,14 +127,14 @@ StatusOr<std::vector<std::string>> TakeWorkspaceCameras(
 
 std::vector<std::string> TrainedOn(const WorkspaceScene& scene,
                                    const GroundTruth& truth) {
-  std::vector<std::string> names;
-  for (const View& view : truth.cameras.test) {
-    if (truth.masks.contains(view.name)) names.push_back(view.name);
-  }
-  const std::vector<int> matches = MatchViews(names, scene.train);
+  const std::vector<TestViewUse> uses = FindTestViewUses(scene, truth);
   std::vector<std::string> trained;
-  for (size_t i = 0; i < names.size(); ++i) {
-    if (matches[i] >= 0) trained.push_back(names[i]);
+  for (size_t i = 0; i < uses.size(); ++i) {
+    const std::string& name = truth.cameras.test[i].name;
+    if (uses[i] != TestViewUse::kTraining) continue;
+    if (truth.masks.contains(name) || truth.photos.contains(name)) {
+      trained.push_back(name);
+    }
   }
   return trained;
 }

@@ -45,8 +45,8 @@ StatusOr<std::vector<std::string>> TakeWorkspaceCameras(
     const WorkspaceScene& scene,
     GroundTruth* truth);
 
-// Returns the names of the test views with masks that the scene was trained on.
-// Figures measured on these views say little about new views.
+// Returns the names of the test views with masks or photographs that the scene
+// was trained on. Figures measured on these views say little about new views.
 std::vector<std::string> TrainedOn(const WorkspaceScene& scene,
                                    const GroundTruth& truth);
 

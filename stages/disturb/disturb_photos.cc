@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -200,9 +201,9 @@ StatusOr<std::string> Disturbed(const Disturbance& disturbance,
 }
 
 Status CopyMask(const fs::path& from,
+                const std::optional<std::string>& mask,
                 const NewPhoto& photo,
                 const fs::path& to) {
-  const std::optional<std::string> mask = photos::FindMask(from, photo.file);
   if (!mask) return Status();
   FREEGS_ASSIGN_OR_RETURN(const std::string bytes, ReadFile(from / *mask));
   const fs::path target = to / (photo.name + ".png");
@@ -230,6 +231,10 @@ Status DisturbPhotos(const Disturbance& disturbance,
     return BadInputError(images.string() + ": no photographs are left of " +
                          std::to_string(scan.files.size()));
   }
+  const std::vector<std::optional<std::string>> found =
+      photos::FindMasks(masks, scan.files);
+  std::map<std::string, std::optional<std::string>> mask_of;
+  for (size_t i = 0; i < found.size(); ++i) mask_of[scan.files[i]] = found[i];
   for (size_t i = 0; i < chosen.size(); ++i) {
     const NewPhoto& photo = chosen[i];
     FREEGS_ASSIGN_OR_RETURN(std::string bytes, ReadFile(images / photo.file));
@@ -246,7 +251,8 @@ Status DisturbPhotos(const Disturbance& disturbance,
     const fs::path target = out / photo.name;
     FREEGS_RETURN_IF_ERROR(CreateFolders(target.parent_path()));
     FREEGS_RETURN_IF_ERROR(WriteFileAtomic(target, *disturbed));
-    FREEGS_RETURN_IF_ERROR(CopyMask(masks, photo, out / "masks"));
+    FREEGS_RETURN_IF_ERROR(
+        CopyMask(masks, mask_of[photo.file], photo, out / "masks"));
   }
   return Status();
 }

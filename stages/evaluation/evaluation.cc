@@ -2,11 +2,13 @@
 
 #include "stages/evaluation/evaluation.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <utility>
 
 #include "core/io/image_io.h"
+#include "sfm/import/name_matching.h"
 #include "splat/images/holdout.h"
 #include "splat/images/training_images.h"
 #include "splat/optim/image_metrics.h"
@@ -28,9 +30,48 @@ void FillMeans(ImageQuality* quality) {
   quality->ssim /= static_cast<double>(quality->views.size());
 }
 
+bool IsSameView(const View& a, const View& b) {
+  return a.name == b.name &&
+         a.cam_from_world.rotation.isApprox(b.cam_from_world.rotation) &&
+         a.cam_from_world.translation.isApprox(b.cam_from_world.translation);
+}
+
 Status Cancelled() { return InterruptedError("evaluation interrupted"); }
 
 }  // namespace
+
+std::vector<TestViewUse> FindTestViewUses(const WorkspaceScene& scene,
+                                          const GroundTruth& truth) {
+  const std::vector<View>& test = truth.cameras.test;
+  std::vector<sfm::SfmPhoto> views;
+  for (const View& view : test) views.emplace_back().name = view.name;
+  std::map<std::string, const View*> test_by_name;
+  for (const View& view : test) test_by_name[view.name] = &view;
+  for (const View& view : truth.cameras.train) {
+    // Some data sets count their test views among the training views.
+    const auto same = test_by_name.find(view.name);
+    if (same != test_by_name.end() && IsSameView(view, *same->second)) continue;
+    views.emplace_back().name = view.name;
+  }
+  std::vector<std::string> names;
+  for (const View& view : scene.train) names.push_back(view.name);
+  for (const View& view : scene.holdout) names.push_back(view.name);
+  const std::vector<int> matches = sfm::MatchNames(names, views);
+  std::vector<TestViewUse> uses(test.size(), TestViewUse::kNone);
+  for (size_t i = 0; i < matches.size(); ++i) {
+    if (matches[i] < 0 || matches[i] >= std::ssize(test)) continue;
+    uses[static_cast<size_t>(matches[i])] =
+        i < scene.train.size() ? TestViewUse::kTraining : TestViewUse::kHoldout;
+  }
+  return uses;
+}
+
+size_t ImageQuality::Count(TestViewUse use) const {
+  return static_cast<size_t>(
+      std::count_if(views.begin(), views.end(), [use](const ViewQuality& view) {
+        return view.use == use;
+      }));
+}
 
 StatusOr<std::optional<ImageQuality>> MeasureHoldoutQuality(
     const WorkspaceScene& scene,
@@ -55,7 +96,10 @@ StatusOr<std::optional<ImageQuality>> MeasureHoldoutQuality(
   if (report.views.empty()) return std::optional<ImageQuality>();
   ImageQuality quality;
   for (const splat::HoldoutView& view : report.views) {
-    quality.views.push_back({view.name, view.psnr, view.ssim});
+    quality.views.push_back({.name = view.name,
+                             .psnr = view.psnr,
+                             .ssim = view.ssim,
+                             .use = TestViewUse::kHoldout});
   }
   FillMeans(&quality);
   return std::optional(std::move(quality));
@@ -68,7 +112,11 @@ StatusOr<std::optional<ImageQuality>> MeasureTestQuality(
     const CancellationToken& cancellation,
     ThreadPool& pool) {
   ImageQuality quality;
-  for (const View& view : MapViews(truth.cameras.test, truth_from_scene)) {
+  const std::vector<TestViewUse> uses = FindTestViewUses(scene, truth);
+  const std::vector<View> views =
+      MapViews(truth.cameras.test, truth_from_scene);
+  for (size_t i = 0; i < views.size(); ++i) {
+    const View& view = views[i];
     const auto found = truth.photos.find(view.name);
     if (found == truth.photos.end()) continue;
     const fs::path& path = found->second;
@@ -84,7 +132,7 @@ StatusOr<std::optional<ImageQuality>> MeasureTestQuality(
     }
     FREEGS_ASSIGN_OR_RETURN(const double ssim,
                             splat::Ssim(picture, ToFloat(photo)));
-    quality.views.push_back({view.name, *psnr, ssim});
+    quality.views.push_back({view.name, *psnr, ssim, uses[i]});
   }
   if (quality.views.empty()) return std::optional<ImageQuality>();
   FillMeans(&quality);

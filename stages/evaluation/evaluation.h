@@ -28,16 +28,32 @@
 
 namespace freegs::stages {
 
+// What a workspace did with the photograph of a test view.
+enum class TestViewUse {
+  kNone,      // It was never given, or has no pose.
+  kTraining,  // The scene was trained on it.
+  kHoldout,   // It got its pose with the others, but was not trained on.
+};
+
+// Returns the use of each of truth.cameras.test. Photographs and views belong
+// together by their names, as sfm::MatchNames compares them. A photograph that
+// may as well be that of a training view of the truth counts for none.
+std::vector<TestViewUse> FindTestViewUses(const WorkspaceScene& scene,
+                                          const GroundTruth& truth);
+
 // The picture quality of a set of views; psnr and ssim are means over them.
 struct ImageQuality {
   struct ViewQuality {
     std::string name;
     double psnr = 0;  // dB.
     double ssim = 0;
+    TestViewUse use = TestViewUse::kNone;
   };
   double psnr = 0;  // dB.
   double ssim = 0;
   std::vector<ViewQuality> views;
+
+  size_t Count(TestViewUse use) const;
 };
 
 // Renders the holdout views at the size of training and compares them with

@@ -15,14 +15,32 @@ namespace {
 
 using nlohmann::json;
 
+json UseJson(TestViewUse use) {
+  switch (use) {
+    case TestViewUse::kNone:
+      return nullptr;
+    case TestViewUse::kTraining:
+      return "train";
+    case TestViewUse::kHoldout:
+      return "holdout";
+  }
+  return nullptr;
+}
+
 json ViewsJson(const std::optional<ImageQuality>& quality) {
   json views = json::array();
   if (!quality) return views;
   for (const ImageQuality::ViewQuality& view : quality->views) {
-    views.push_back(
-        {{"name", view.name}, {"psnr", view.psnr}, {"ssim", view.ssim}});
+    views.push_back({{"name", view.name},
+                     {"psnr", view.psnr},
+                     {"ssim", view.ssim},
+                     {"given_as", UseJson(view.use)}});
   }
   return views;
+}
+
+json CountJson(const std::optional<ImageQuality>& quality, TestViewUse use) {
+  return quality ? json(quality->Count(use)) : json();
 }
 
 json IdJson(int instance) { return instance < 0 ? json() : json(instance + 1); }
@@ -146,6 +164,19 @@ void PrintLabels(const TextQuality& quality, std::ostream& out) {
                   Text(label.box_iou, 3).c_str());
     out << text;
   }
+}
+
+// Says of test views whether the pipeline had their photographs.
+std::string TestViewsText(const ImageQuality& test) {
+  const std::string views = std::to_string(test.views.size()) + " views";
+  const size_t trained = test.Count(TestViewUse::kTraining);
+  const size_t holdout = test.Count(TestViewUse::kHoldout);
+  if (trained + holdout == 0) return "dB, photos never given, " + views;
+  std::string text = "dB, " + views + ", of them ";
+  if (trained > 0) text += std::to_string(trained) + " trained on";
+  if (trained > 0 && holdout > 0) text += ", ";
+  if (holdout > 0) text += std::to_string(holdout) + " given as holdout photos";
+  return text;
 }
 
 void PrintBoxes(const std::string& name,
@@ -288,6 +319,8 @@ json ToJson(const EvaluationReport& report) {
        report.test ? json("test")
        : quality   ? json("holdout")
                    : json()},
+      {"test_trained", CountJson(report.test, TestViewUse::kTraining)},
+      {"test_holdout", CountJson(report.test, TestViewUse::kHoldout)},
       {"holdout_psnr", report.holdout ? json(report.holdout->psnr) : json()},
       {"holdout_ssim", report.holdout ? json(report.holdout->ssim) : json()},
       {"pose_rotation_deg", nullptr},
@@ -347,7 +380,7 @@ void PrintTable(const EvaluationReport& report, std::ostream& out) {
     Row(out,
         "test PSNR",
         Text(report.test->psnr, 2),
-        "dB, photos never given, " + views(report.test));
+        TestViewsText(*report.test));
     Row(out, "test SSIM", Text(report.test->ssim, 4), "");
   }
   if (!report.holdout && !report.test) {

@@ -213,7 +213,13 @@ class ExportStage : public pipeline::Stage {
   Status WriteReport(const WorkspaceScene& scene,
                      const std::optional<SceneInstances>& found,
                      pipeline::StageContext& context) const {
-    ReportData data = GatherReportData(context.workspace);
+    ReportData data = GatherReportData(context.workspace, scene.model.size());
+    if (IsSceneReplaced(context.workspace)) {
+      context.log(pipeline::LogLevel::kWarning,
+                  "reconstruct/point_cloud.ply is not as stage reconstruct "
+                  "wrote it; the report leaves out the PSNR and all else that "
+                  "was measured of the scene before");
+    }
     if (found) FillInstances(found->instances, &data);
     data.views_are_holdout = !scene.holdout.empty();
     const std::vector<View> views =

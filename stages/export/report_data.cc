@@ -14,6 +14,7 @@
 #include "core/io/json_text.h"
 #include "core/number_text.h"
 #include "photos/photo_list.h"
+#include "pipeline/output_files.h"
 #include "pipeline/stage_record.h"
 #include "pipeline/version.h"
 #include "stages/export/html.h"
@@ -23,6 +24,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+
+constexpr char kSceneFile[] = "point_cloud.ply";
 
 // Larger files are not a table of a few hundred rows.
 constexpr uint64_t kMaxCsvBytes = 64 << 20;
@@ -91,6 +94,18 @@ void AddSfmFigures(const json& health, ReportData* data) {
   }
 }
 
+void AddReplacedModelFigures(size_t num_gaussians, ReportData* data) {
+  data->figures.push_back(
+      {"Holdout PSNR", "", "not measured for a scene put in by hand"});
+  data->figures.push_back({"Gaussians",
+                           FormatCount(static_cast<int64_t>(num_gaussians)),
+                           "put in by hand"});
+  data->warnings.push_back(
+      "The scene (reconstruct/point_cloud.ply) is not the one that stage "
+      "reconstruct wrote. What was measured of that one, such as its PSNR and "
+      "the course of its training, is left out.");
+}
+
 void AddModelFigures(const json& metrics, ReportData* data) {
   const std::optional<double> ssim = Number(metrics, "holdout_ssim");
   data->figures.push_back({"Holdout PSNR",
@@ -107,7 +122,20 @@ void AddModelFigures(const json& metrics, ReportData* data) {
 
 }  // namespace
 
-ReportData GatherReportData(const fs::path& workspace) {
+bool IsSceneReplaced(const fs::path& workspace) {
+  const StatusOr<pipeline::StageRecord> record =
+      pipeline::ReadStageRecord(workspace / "reconstruct");
+  if (!record.ok()) return false;
+  const pipeline::OutputFiles now =
+      pipeline::ListOutputFiles(workspace / "reconstruct", {kSceneFile});
+  const auto then = record->outputs.find(kSceneFile);
+  const auto found = now.find(kSceneFile);
+  return then != record->outputs.end() && found != now.end() &&
+         then->second != found->second;
+}
+
+ReportData GatherReportData(const fs::path& workspace, size_t num_gaussians) {
+  const bool replaced = IsSceneReplaced(workspace);
   ReportData data;
   std::error_code error;
   const std::string name =
@@ -120,8 +148,12 @@ ReportData GatherReportData(const fs::path& workspace) {
         "3D scene from " + data.figures.back().value + " photographs";
   }
   AddSfmFigures(ReadObject(workspace / "sfm" / "health.json"), &data);
-  AddModelFigures(ReadObject(workspace / "reconstruct" / "metrics.json"),
-                  &data);
+  if (replaced) {
+    AddReplacedModelFigures(num_gaussians, &data);
+  } else {
+    AddModelFigures(ReadObject(workspace / "reconstruct" / "metrics.json"),
+                    &data);
+  }
 
   double seconds = 0;
   for (const char* stage :
@@ -147,7 +179,7 @@ ReportData GatherReportData(const fs::path& workspace) {
 
   const StatusOr<std::string> progress =
       ReadFile(workspace / "reconstruct" / "progress.csv", kMaxCsvBytes);
-  if (progress.ok()) data.curves = ParseTrainingCurves(*progress);
+  if (progress.ok() && !replaced) data.curves = ParseTrainingCurves(*progress);
   data.footer =
       std::string("Made by freegs_pipeline ") + pipeline::kProgramVersion;
   return data;
@@ -156,6 +188,7 @@ ReportData GatherReportData(const fs::path& workspace) {
 std::map<std::string, ViewFigures> ReadHoldoutFigures(
     const fs::path& workspace) {
   std::map<std::string, ViewFigures> figures;
+  if (IsSceneReplaced(workspace)) return figures;
   const json metrics = ReadObject(workspace / "reconstruct" / "metrics.json");
   const json* views = FindField(metrics, "holdout_views");
   if (views == nullptr || !views->is_array()) return figures;

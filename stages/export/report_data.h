@@ -4,6 +4,7 @@
 #ifndef FREEGS_STAGES_EXPORT_REPORT_DATA_H_
 #define FREEGS_STAGES_EXPORT_REPORT_DATA_H_
 
+#include <cstddef>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -20,7 +21,15 @@ inline constexpr char kInstancesFigure[] = "Instances";
 // Fills in title, figures, warnings, training curves, stages and the number of
 // withheld words; views, instances and files stay empty. A file that is missing
 // or malformed leaves its figures empty: a report is written in any case.
-ReportData GatherReportData(const std::filesystem::path& workspace);
+// `num_gaussians` is that of reconstruct/point_cloud.ply. Where somebody put
+// another scene there, the figures of the training are not about it: they are
+// left out, and a warning says so.
+ReportData GatherReportData(const std::filesystem::path& workspace,
+                            size_t num_gaussians);
+
+// Whether reconstruct/point_cloud.ply is not the one that the stage wrote. As
+// elsewhere in the program, the size of the file tells.
+bool IsSceneReplaced(const std::filesystem::path& workspace);
 
 struct ViewFigures {
   std::optional<double> psnr;  // dB.
@@ -28,7 +37,8 @@ struct ViewFigures {
 };
 
 // Reads the figures of the holdout views, by name, from
-// reconstruct/metrics.json. The map is empty when that file cannot be read.
+// reconstruct/metrics.json. The map is empty when that file cannot be read, or
+// when the scene is another one.
 std::map<std::string, ViewFigures> ReadHoldoutFigures(
     const std::filesystem::path& workspace);
 

@@ -2,7 +2,7 @@
 // Renders the report as one HTML page. It needs no network, and only its 3D
 // view and its charts need scripts.
 //
-//   ReportData data = GatherReportData(workspace);   // report_data.h
+//   ReportData data = GatherReportData(workspace, num_gaussians);
 //   data.views.push_back(view);                      // from report_views.h
 //   const std::string html = RenderReportPage(data);
 

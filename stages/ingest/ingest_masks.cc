@@ -131,9 +131,13 @@ Status PlaceMasks(StageContext& context,
   size_t masks = 0;
   double kept = 0;
   std::set<std::string> used;
-  for (Photo& photo : list->photos) {
-    const std::optional<std::string> file =
-        photos::FindMask(mask_folder, photo.file);
+  std::vector<std::string> files;
+  for (const Photo& photo : list->photos) files.push_back(photo.file);
+  const std::vector<std::optional<std::string>> mask_files =
+      photos::FindMasks(mask_folder, files);
+  for (size_t i = 0; i < list->photos.size(); ++i) {
+    Photo& photo = list->photos[i];
+    const std::optional<std::string>& file = mask_files[i];
     if (file) used.insert(*file);
     if (!photo.usable()) continue;
     ++usable;

@@ -239,6 +239,13 @@ class IngestStage : public pipeline::Stage {
                             FindMaskFolder(context.images, options_.masks));
     std::vector<fs::path> excluded = {context.workspace};
     if (!masks.empty()) excluded.push_back(masks);
+    // Masks are not photos, even if those of another folder are used. A link
+    // that leads back to the photos excludes nothing.
+    const fs::path beside = context.images / "masks";
+    if (options_.masks.use_masks &&
+        !fs::equivalent(beside, context.images, error)) {
+      excluded.push_back(beside);
+    }
     FREEGS_ASSIGN_OR_RETURN(photos::PhotoScan scan,
                             photos::ScanPhotos(context.images, excluded));
     FREEGS_RETURN_IF_ERROR(CheckLinkedFolders(context, scan));
@@ -318,9 +325,10 @@ class IngestStage : public pipeline::Stage {
                       std::to_string(photos.size() - rejected) + " of " +
                       std::to_string(usable) + " photos");
     }
+    photos::AssignNames(&photos);
     const auto unmatched = photos::AssignHoldout(rule, &photos);
     if (!unmatched.ok()) {
-      return BadInputError(unmatched.status().message() +
+      return BadInputError(OneLine(unmatched.status().message()) +
                            " (ingest.holdout_every, ingest.holdout, "
                            "ingest.holdout_list)");
     }
@@ -328,7 +336,6 @@ class IngestStage : public pipeline::Stage {
       Warn(context, "holdout: no usable photo is named " + OneLine(name));
     }
     photos::AssignCameraGroups(&photos);
-    photos::AssignNames(&photos);
     return Status();
   }
 

@@ -187,8 +187,7 @@ StatusOr<QueryRequest> ParseQueryRequest(
     if (setting.name == "example") request.example = targets.example;
     const bool wider = setting.name == "wider";
     if (wider || setting.name == "narrower") {
-      // The last value counts, as of other options.
-      if (request.level && (*request.level > 0) != wider) {
+      if (request.level) {
         return InvalidArgumentError(
             "--wider and --narrower exclude one another");
       }

@@ -198,6 +198,11 @@ class SfmStage : public pipeline::Stage {
           "scene looks wrong, make the poses of upright photos: " +
           SomeNames(imported.turned));
     }
+    if (imported.names_masks && !HasMasks(context)) {
+      warnings.push_back(
+          "the imported file names masks (mask_path), which are not used; give "
+          "their folder with --ingest.masks");
+    }
     WarnOfHoldout(imported.holdout, list, &warnings);
     context.summary["imported_holdout"] = imported.holdout;
     outcome.result.models.push_back(std::move(imported.model));
@@ -260,9 +265,9 @@ class SfmStage : public pipeline::Stage {
     }
     if (differing.empty()) return;
     warnings->push_back(
-        "transforms_test.json or transforms_val.json names other holdout "
-        "photos than ingest chose; "
-        "choose them with the ingest.holdout options (differing: " +
+        "the import names other holdout photos (transforms_test.json, "
+        "transforms_val.json, test_filenames, val_filenames) than ingest "
+        "chose; choose them with the ingest.holdout options (differing: " +
         SomeNames(differing) + ")");
   }
 

@@ -22,6 +22,10 @@ constexpr double kMaxPixel = 1e6;
 constexpr size_t kMaxWords = 1000;  // Bytes; the model reads far fewer.
 constexpr double kMaxMegapixels = 50;
 
+Status UnknownMember(const std::string& name) {
+  return InvalidArgumentError("there is no member of this name: " + name);
+}
+
 Status ReadTextQuestion(const json& value, QueryRequest* request) {
   FREEGS_ASSIGN_OR_RETURN(request->text, ReadText(&value, "text"));
   if (request->text->find_first_not_of(" \t\r\n") == std::string::npos) {
@@ -50,6 +54,11 @@ Status ReadExampleQuestion(const json& value, QueryRequest* request) {
 
 Status ReadClickQuestion(const json& value, QueryRequest* request) {
   if (!value.is_object()) return InvalidArgumentError("click: not an object");
+  for (const auto& [name, member] : value.items()) {
+    if (name != "view" && name != "x" && name != "y" && name != "level") {
+      return UnknownMember("click." + name);
+    }
+  }
   Status status;
   JsonObjectReader reader(value, "", "click", &status);
   ViewPlace place;
@@ -84,7 +93,7 @@ Status ReadBody(std::string_view body, QueryRequest* request) {
       FREEGS_ASSIGN_OR_RETURN(request->text_options.background,
                               ReadBool(&value, name));
     } else {
-      return InvalidArgumentError("there is no member of this name: " + name);
+      return UnknownMember(name);
     }
   }
   if (questions != 1) {

@@ -40,6 +40,31 @@ TEST(FindMask, BothNames) {
   EXPECT_EQ(FindMask(folder.path() / "none", "a.jpg"), std::nullopt);
 }
 
+TEST(FindMasks, NamesWithoutTheFirstFolder) {
+  const TemporaryFolder folder;
+  for (const char* name : {"a.png", "b.png", "c.jpg.png", "sub/d.png"}) {
+    folder.Write(name, "");
+  }
+  using testing::ElementsAre;
+  EXPECT_THAT(FindMasks(folder.path(),
+                        {"images/a.png",
+                         "images/b.jpg",
+                         "images_2/b.jpg",
+                         "c.jpg",
+                         "images/c.jpg",
+                         "images/sub/d.png",
+                         "x/images/a.png",
+                         "none.png"}),
+              ElementsAre("a.png",
+                          std::nullopt,  // Either could be meant.
+                          std::nullopt,
+                          "c.jpg.png",
+                          std::nullopt,  // It is that of c.jpg.
+                          "sub/d.png",
+                          std::nullopt,
+                          std::nullopt));
+}
+
 TEST(DecodeMask, AnythingButBlackIsKept) {
   for (const int value : {1, 128, 255}) {
     const auto mask = DecodeMask(Encode(".png", Halves(64, 48, value)),

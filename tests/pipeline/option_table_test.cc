@@ -120,6 +120,14 @@ TEST_F(OptionTableTest, LastOnCommandLineWins) {
   EXPECT_EQ(values_.count, 5);
 }
 
+TEST_F(OptionTableTest, OptionsOfACommandAreGivenOnce) {
+  EXPECT_EQ(LineError({"--from", "sfm", "--seed", "1", "--from=export"}),
+            "--from is given twice");
+  EXPECT_EQ(LineError({"--json", "--json"}), "--json is given twice");
+  // This is an option of a stage, by another name.
+  EXPECT_TRUE(Line({"--seed", "2", "--seed", "5"}).ok());
+}
+
 TEST_F(OptionTableTest, WordsAfterTwoDashesArePositional) {
   const StatusOr<std::string> words = Line({"--", "--sfm.count"});
   ASSERT_TRUE(words.ok());

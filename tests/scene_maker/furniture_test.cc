@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/scene_maker/free_space.h"
+
 namespace freegs::scene_maker {
 namespace {
 
@@ -30,7 +32,9 @@ TEST(Furniture, PiecesStandOnTheFloorAndApart) {
       EXPECT_LT(object.aabb.max.head<2>().cwiseAbs().maxCoeff(), 1.2);
       for (const SceneObject& other : scene->objects) {
         if (other.id == object.id) continue;
-        EXPECT_GT((object.centroid - other.centroid).head<2>().norm(), 0.2);
+        // Circles around them are placed 6 cm apart.
+        EXPECT_GT(FreeSpace(*scene, object.id, other.id), 0.058)
+            << seed << ": " << object.label << " and " << other.label;
       }
     }
   }

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/scene_maker/free_space.h"
 #include "tests/scene_maker/ray_caster.h"
 
 namespace freegs::scene_maker {
@@ -72,7 +73,8 @@ TEST(BuildScene, ObjectsStandApartOnTheTable) {
                    (pair.first == b.label && pair.second == a.label);
           });
       if (a.id == b.id || touching) continue;
-      EXPECT_GT((a.obb.centre - b.obb.centre).head<2>().norm(), 0.1)
+      // Circles around them are placed 3 cm apart.
+      EXPECT_GT(FreeSpace(scene, a.id, b.id), 0.029)
           << a.label << " and " << b.label;
     }
   }

@@ -300,7 +300,7 @@ test("levels, hiding, saving a mask and a .ply", async () => {
   await page.context().close();
 });
 
-test("wider and narrower choose what query --click chooses", async () => {
+test("wider adds what its level names, narrower takes away", async () => {
   const page = await open();
   // Object 1 has the parts 0 and 1, object 2 has part 2; 65535 is no part.
   const gaussians = [

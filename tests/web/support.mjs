@@ -2,8 +2,17 @@
 // What the tests of the page share: a scene with known truth, and a browser.
 // PAGE_TEST_BUILD is the build folder.
 
+import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { existsSync, mkdirSync, readFileSync } from "node:fs";
+import {
+  existsSync,
+  mkdirSync,
+  readFileSync,
+  readdirSync,
+  renameSync,
+  rmSync,
+  statSync,
+} from "node:fs";
 import { createRequire } from "node:module";
 import { join } from "node:path";
 
@@ -24,17 +33,35 @@ export function runProgram(...args) {
   });
 }
 
-/** A drawn table with objects, reconstructed with its true cameras. */
+/** Whether a file was written before one of those that it is made by. */
+function isOlder(file, makers) {
+  const time = (path) => statSync(path).mtimeMs;
+  return makers.some((maker) => time(maker) > time(file));
+}
+
+/**
+ * A drawn table with objects, reconstructed with its true cameras. It is kept
+ * from one run of the tests to the next. It is drawn anew when the program that
+ * draws it is newer, and the run then does again what the new photos change.
+ * The report is written anew when the program or its page is newer, of which
+ * the stage takes no notice. The tests that share the scene run one after the
+ * other (RESOURCE_LOCK in tests/CMakeLists.txt).
+ */
 export function makeScene() {
   mkdirSync(scratch, { recursive: true });
   const truth = join(scratch, "table");
   const workspace = join(scratch, "table_workspace");
-  if (!existsSync(join(truth, "gt", "cameras.json"))) {
+  const maker = join(build, "bin", "freegs_make_scene");
+  const cameras = join(truth, "gt", "cameras.json");
+  if (!existsSync(cameras) || isOlder(cameras, [maker])) {
+    // Under its name there is never half a scene.
+    const partial = `${truth}.partial`;
+    rmSync(partial, { recursive: true, force: true });
     execFileSync(
-      join(build, "bin", "freegs_make_scene"),
+      maker,
       [
         "--out",
-        truth,
+        partial,
         "--views",
         "24",
         "--test_views",
@@ -44,6 +71,15 @@ export function makeScene() {
       ].concat(["--width", "480", "--height", "360"]),
       { stdio: "ignore" },
     );
+    rmSync(truth, { recursive: true, force: true });
+    renameSync(partial, truth);
+  }
+  const web = join(build, "share", "freegs_pipeline", "web");
+  const bundle = readdirSync(web).map((name) => join(web, name));
+  const exported = join(workspace, "export");
+  const record = join(exported, "stage.json");
+  if (existsSync(record) && isOlder(record, [program, ...bundle])) {
+    rmSync(exported, { recursive: true, force: true });
   }
   runProgram(
     "run",
@@ -109,6 +145,11 @@ export async function openPage(
     const scene = document.querySelector("#scene3d");
     return scene?.dataset.loaded || scene?.dataset.failed;
   });
+  const failed = await page.evaluate(
+    () => document.querySelector("#scene3d").dataset.failed,
+  );
+  assert.equal(failed, undefined, `the 3D view: ${failed}`);
+  assert.deepEqual(page.errors, []);
   return page;
 }
 

@@ -231,6 +231,16 @@ TEST(SampleForSmoothingTest, IsSpreadAndOfTheRightSize) {
       EXPECT_LT(samples[t], count);
       EXPECT_TRUE(t == 0 || samples[t - 1] < samples[t]);
     }
+    // No two neighbours are farther apart than twice the mean distance, nor is
+    // the first from the beginning or the last from the end.
+    size_t before = 0;
+    size_t largest = 0;
+    for (const uint32_t sample : samples) {
+      largest = std::max(largest, sample - before);
+      before = sample;
+    }
+    largest = std::max(largest, count - before);
+    EXPECT_LE(largest * expected, 2 * count) << count;
   }
   EXPECT_EQ(SampleForSmoothing(options, 1000, 1, 2),
             SampleForSmoothing(options, 1000, 1, 2));

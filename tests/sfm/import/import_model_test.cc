@@ -112,12 +112,25 @@ TEST(ImportModel, PhotosOfAnotherSize) {
   ASSERT_TRUE(half.ok()) << half.status().message();
   const Reconstruction& model = half->model;
   EXPECT_EQ(model.cameras[0].width, 320u);
+  EXPECT_THAT(half->warnings, ElementsAre(HasSubstr("another size")));
   const auto pixel = Project(
       model.cameras[0], model.images[0].cam_from_world * model.points3d[0].xyz);
   EXPECT_NEAR((*pixel - model.images[0].points2d[0].xy).norm(), 0, 1e-9);
   const auto rotated = Import(folder.path(), Photos(3, 480, 640));
   ASSERT_FALSE(rotated.ok());
   EXPECT_THAT(rotated.status().message(), HasSubstr("shape"));
+}
+
+TEST(ImportModel, CroppedPhotosHaveAnotherShape) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(WriteModel(folder.path(), SyntheticModel(3, 10)).ok());
+  EXPECT_TRUE(Import(folder.path(), Photos(3, 213, 160)).ok());  // A third.
+  for (const auto& [width, height] :
+       {std::pair(636, 480), std::pair(640, 477), std::pair(320, 238)}) {
+    const auto cropped = Import(folder.path(), Photos(3, width, height));
+    ASSERT_FALSE(cropped.ok()) << width << " x " << height;
+    EXPECT_THAT(cropped.status().message(), HasSubstr("cropped"));
+  }
 }
 
 TEST(ImportModel, TurnsThatNoSizeShows) {
@@ -171,6 +184,26 @@ TEST(ImportModel, TransformsGetRandomPoints) {
   EXPECT_THAT(imported->unmatched, ElementsAre("./test/none"));
   EXPECT_NEAR(
       CameraCentre(imported->model.images[1].cam_from_world).x(), 1, 1e-12);
+}
+
+TEST(ImportModel, NerfstudioNamesHoldoutPhotosMasksAndPoints) {
+  const TemporaryFolder folder;
+  std::string text = Transforms(
+      {"images/photo_000.jpg", "./images/photo_001.jpg", "photo_002.jpg"});
+  text.replace(1,
+               0,
+               R"("w":1280,"h":960,"test_filenames":["images/photo_001.jpg"],)"
+               R"("val_filenames":["photo_002.jpg"],"mask_path":"m.png",)"
+               R"("ply_file_path":"sparse_pc.ply",)");
+  WriteText(folder / "transforms.json", text);
+  const auto imported = Import(folder.path(), Photos(3));
+  ASSERT_TRUE(imported.ok()) << imported.status().message();
+  EXPECT_THAT(imported->holdout, ElementsAre("photo_001.jpg", "photo_002.jpg"));
+  EXPECT_TRUE(imported->names_masks);
+  EXPECT_THAT(imported->warnings,
+              ElementsAre(HasSubstr("sparse_pc.ply"),
+                          testing::AllOf(HasSubstr("another size"),
+                                         HasSubstr("photo_000.jpg"))));
 }
 
 // The paths of a transforms file lead from its own folder and may well go up.

@@ -26,11 +26,11 @@ constexpr char kValid[] = R"({
   ]})";
 
 TEST(ParseTransforms, AxesAreFlipped) {
-  const auto frames = ParseTransforms(kValid);
-  ASSERT_TRUE(frames.ok()) << frames.status().message();
-  ASSERT_EQ(frames->size(), 2u);
+  const auto file = ParseTransforms(kValid);
+  ASSERT_TRUE(file.ok()) << file.status().message();
+  ASSERT_EQ(file->frames.size(), 2u);
   // The camera looks along its -z, which in the first world is +y.
-  const Rigid3d& pose = (*frames)[0].cam_from_world;
+  const Rigid3d& pose = file->frames[0].cam_from_world;
   EXPECT_NEAR((CameraCentre(pose) - Eigen::Vector3d(1, 2, 3)).norm(), 0, 1e-12);
   const Eigen::Vector3d ahead = pose * Eigen::Vector3d(1, 2 + 5, 3);
   EXPECT_NEAR((ahead - Eigen::Vector3d(0, 0, 5)).norm(), 0, 1e-12);
@@ -40,16 +40,16 @@ TEST(ParseTransforms, AxesAreFlipped) {
 }
 
 TEST(MakeCamera, DistortionChoosesTheModel) {
-  const auto frames = ParseTransforms(kValid);
-  ASSERT_TRUE(frames.ok());
-  const auto camera = MakeCamera((*frames)[0].intrinsics, 1000, 600);
+  const auto file = ParseTransforms(kValid);
+  ASSERT_TRUE(file.ok());
+  const auto camera = MakeCamera(file->frames[0].intrinsics, 1000, 600);
   ASSERT_TRUE(camera.ok());
   EXPECT_EQ(camera->model, CameraModel::kOpenCv);
   EXPECT_EQ(
       camera->params,
       (std::vector<double>{1000, 1001, 500.5, 300, 0.05, -0.08, 0.001, 0.002}));
   // A frame's own value wins.
-  EXPECT_EQ(MakeCamera((*frames)[1].intrinsics, 1000, 600)->FocalX(), 900);
+  EXPECT_EQ(MakeCamera(file->frames[1].intrinsics, 1000, 600)->FocalX(), 900);
 
   TransformsIntrinsics in;
   in.fx = 100;
@@ -78,24 +78,32 @@ TEST(MakeCamera, FieldOfViewAndDefaults) {
 }
 
 TEST(MakeCamera, ScalesToThePhoto) {
-  const auto frames = ParseTransforms(kValid);
-  const auto half = MakeCamera((*frames)[0].intrinsics, 500, 300);
+  const auto file = ParseTransforms(kValid);
+  const auto half = MakeCamera(file->frames[0].intrinsics, 500, 300);
   ASSERT_TRUE(half.ok());
   EXPECT_EQ(half->FocalX(), 500);
   EXPECT_EQ(half->PrincipalX(), 250.25);
-  const auto rotated = MakeCamera((*frames)[0].intrinsics, 600, 1000);
+  // A third, rounded down and up.
+  EXPECT_TRUE(MakeCamera(file->frames[0].intrinsics, 333, 199).ok());
+  EXPECT_TRUE(MakeCamera(file->frames[0].intrinsics, 334, 200).ok());
+  for (const auto& [width, height] :
+       {std::pair(995, 600), std::pair(1000, 604), std::pair(500, 302)}) {
+    EXPECT_FALSE(MakeCamera(file->frames[0].intrinsics, width, height).ok())
+        << width << " x " << height;  // Cropped.
+  }
+  const auto rotated = MakeCamera(file->frames[0].intrinsics, 600, 1000);
   ASSERT_FALSE(rotated.ok());
   EXPECT_THAT(rotated.status().message(), HasSubstr("1000 x 600"));
 }
 
 // The camera of a file with `shared` in its root and `own` in its only frame.
 Camera CameraOf(const std::string& shared, const std::string& own) {
-  const auto frames = ParseTransforms(
+  const auto file = ParseTransforms(
       R"({"fl_x": 100, )" + shared + R"("frames": [{"file_path": "a.png", )" +
       own + R"("transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,0]]}]})");
-  EXPECT_TRUE(frames.ok()) << frames.status().message();
-  if (!frames.ok()) return {};
-  return *MakeCamera(frames->front().intrinsics, 64, 48);
+  EXPECT_TRUE(file.ok()) << file.status().message();
+  if (!file.ok()) return {};
+  return *MakeCamera(file->frames.front().intrinsics, 64, 48);
 }
 
 TEST(ParseTransforms, EachCoordinateOfTheCentreCountsAlone) {
@@ -124,6 +132,34 @@ TEST(ParseTransforms, AFrameMayHaveAnotherKindOfCamera) {
             CameraModel::kPinhole);
 }
 
+TEST(ParseTransforms, WhatElseNerfstudioWrites) {
+  const std::string frames =
+      R"("frames":[{"file_path":"a.png",)"
+      R"("transform_matrix":[[1,0,0,0],[0,1,0,0],[0,0,1,0]]}]})";
+  const auto plain = ParseTransforms(R"({"fl_x":1,)" + frames);
+  ASSERT_TRUE(plain.ok());
+  EXPECT_TRUE(plain->holdout.empty());
+  EXPECT_FALSE(plain->names_masks);
+  EXPECT_TRUE(plain->points_file.empty());
+  const auto full = ParseTransforms(
+      R"({"fl_x":1,"train_filenames":["a.png"],"test_filenames":["b.png"],)"
+      R"("val_filenames":["c.png"],"ply_file_path":"points.ply",)"
+      R"("mask_path":"mask.png",)" +
+      frames);
+  ASSERT_TRUE(full.ok()) << full.status().message();
+  EXPECT_THAT(full->holdout, testing::ElementsAre("b.png", "c.png"));
+  EXPECT_TRUE(full->names_masks);
+  EXPECT_EQ(full->points_file, "points.ply");
+  const auto nulls = ParseTransforms(
+      R"({"fl_x":1,"test_filenames":null,"ply_file_path":null,)" + frames);
+  EXPECT_TRUE(nulls.ok());
+  std::string masked = R"({"fl_x":1,)" + frames;
+  masked.replace(masked.find(R"("transform)"), 0, R"("mask_path":"m.png",)");
+  const auto with_masks = ParseTransforms(masked);
+  ASSERT_TRUE(with_masks.ok()) << with_masks.status().message();
+  EXPECT_TRUE(with_masks->names_masks);
+}
+
 std::string OneFrame(const std::string& matrix) {
   return R"({"fl_x":1,"frames":[{"file_path":"a.png","transform_matrix":)" +
          matrix + "}]}";
@@ -139,6 +175,8 @@ TEST(ParseTransforms, FaultsAreNamed) {
       {R"({"frames":[{}]})", "file_path"},
       {R"({"frames":[{"file_path":"a.png"}]})", "a.png"},
       {R"({"fl_x":"3","frames":[{}]})", "fl_x"},
+      {R"({"test_filenames":"a.png","frames":[{}]})", "test_filenames"},
+      {R"({"val_filenames":[1],"frames":[{}]})", "val_filenames"},
       {R"({"camera_model":"EQUIRECTANGULAR","frames":[{}]})",
        "EQUIRECTANGULAR"},
       {OneFrame("[[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0]]"), "rows"},
@@ -151,10 +189,10 @@ TEST(ParseTransforms, FaultsAreNamed) {
       {OneFrame("[[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,1,1]]"), "rotation"},
   };
   for (const auto& [text, fault] : cases) {
-    const auto frames = ParseTransforms(text);
-    ASSERT_FALSE(frames.ok()) << text;
-    EXPECT_EQ(frames.status().code(), StatusCode::kBadInput);
-    EXPECT_THAT(frames.status().message(), HasSubstr(fault)) << text;
+    const auto file = ParseTransforms(text);
+    ASSERT_FALSE(file.ok()) << text;
+    EXPECT_EQ(file.status().code(), StatusCode::kBadInput);
+    EXPECT_THAT(file.status().message(), HasSubstr(fault)) << text;
   }
 }
 
@@ -170,9 +208,9 @@ TEST(ParseTransforms, SurvivesMutations) {
       changed[random.Index(changed.size())] =
           "0123456789-+.eE\"[]{},: \n\\unltrfa\xff"[random.Index(33)];
     }
-    const auto frames = ParseTransforms(changed);
-    if (!frames.ok()) continue;
-    for (const TransformsFrame& frame : *frames) {
+    const auto file = ParseTransforms(changed);
+    if (!file.ok()) continue;
+    for (const TransformsFrame& frame : file->frames) {
       (void)MakeCamera(frame.intrinsics, 1000, 600);
     }
   }

@@ -130,6 +130,25 @@ TEST(HealthToJson, HasTheAgreedNames) {
   }
 }
 
+TEST(HealthToJson, AnErrorThatWasNotMeasuredIsNull) {
+  const auto error = [](const Reconstruction& model) {
+    return HealthToJson(MeasureHealth({model}, Names(8), false, {}))
+        .at("mean_reprojection_error_px");
+  };
+  Reconstruction model = SyntheticModel(8, 10);
+  EXPECT_TRUE(error(model).is_number());
+  for (Point3D& point : model.points3d) point.track.clear();
+  EXPECT_TRUE(error(model).is_null());
+
+  Health health;
+  health.attempts.resize(2);
+  health.attempts[1].points = 5;
+  health.attempts[1].mean_error_px = 0.5;
+  const nlohmann::json attempts = HealthToJson(health).at("attempts");
+  EXPECT_TRUE(attempts[0]["mean_reprojection_error_px"].is_null());
+  EXPECT_EQ(attempts[1]["mean_reprojection_error_px"], 0.5);
+}
+
 TEST(HealthToJson, HasTheTableOfCameras) {
   Health health = MeasureHealth({SyntheticModel(8, 10)}, Names(8), true, {});
   EXPECT_TRUE(HealthToJson(health)["camera_models"].empty());

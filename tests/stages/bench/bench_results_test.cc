@@ -13,6 +13,7 @@
 
 #include "core/io/json_fields.h"
 #include "stages/bench/baseline.h"
+#include "stages/bench/bench_names.h"
 #include "stages/bench/bench_page.h"
 #include "stages/bench/bench_summary.h"
 #include "stages/bench/reference.h"
@@ -94,6 +95,46 @@ TEST_F(BenchResultsTest, SummaryHasMeansAndFailures) {
   EXPECT_THAT(text,
               HasSubstr("- a, grid g: preset=quality, seed 2: stage sfm, exit "
                         "code 4: no poses \\| </script> at all"));
+}
+
+TEST_F(BenchResultsTest, HowCellsEndedMayBeColumns) {
+  suite_.tables[0].columns = {
+      "status", "exit_code", "failed_stage", "reason", "verdict"};
+  const std::string text = SummaryMarkdown(Bench());
+  EXPECT_THAT(text, HasSubstr("| a | fast | done | 0 |  |  | ok |"));
+  EXPECT_THAT(text,
+              HasSubstr("| a | quality | done; failed | 0; 4 | sfm | no poses "
+                        "\\| </script> at all | ok |"));
+  EXPECT_THAT(UnknownFigures(Bench()), IsEmpty());
+}
+
+TEST_F(BenchResultsTest, NamesOfNothingAreTold) {
+  EXPECT_THAT(UnknownKeys(suite_), IsEmpty());
+  EXPECT_THAT(UnknownFigures(Bench()), IsEmpty());
+  SuiteChart chart;
+  chart.name = "c";
+  chart.x = "seed";
+  chart.y = "holdout_pnsr";
+  chart.label = "presett";
+  chart.series = {"scene", "grids"};
+  suite_.charts = {chart};
+  suite_.tables[0].over = {"seed", "nothing.like.it"};
+  suite_.tables[0].columns = {"scene_byte", "verdict"};
+  EXPECT_THAT(
+      UnknownKeys(suite_),
+      ElementsAre("[chart c]: label: there is no key presett; did you mean "
+                  "preset?",
+                  "[chart c]: series: there is no key grids; did you mean "
+                  "grid?",
+                  "[table t]: over: there is no key nothing.like.it"));
+  EXPECT_THAT(UnknownFigures(Bench()),
+              ElementsAre("[chart c]: y: no cell has holdout_pnsr; did you "
+                          "mean holdout_psnr?",
+                          "[table t]: columns: no cell has scene_byte; did you "
+                          "mean scene_bytes?"));
+  // Where all failed, figures are missing for another reason.
+  for (CellResult& result : results_) result.status = CellStatus::kFailed;
+  EXPECT_THAT(UnknownFigures(Bench()), IsEmpty());
 }
 
 TEST_F(BenchResultsTest, MeansHaveATitleInATableWithoutKeys) {

@@ -388,6 +388,47 @@ TEST_F(RenderCommandTest, FramesOfALongerWayAreRemoved) {
   }
 }
 
+TEST_F(RenderCommandTest, FramesOfSomebodyElseStay) {
+  const auto render = [&](const char* seconds, const char* what) {
+    output_.str("");
+    return Render({workspace(),
+                   "--path",
+                   "orbit",
+                   "--out",
+                   out(),
+                   "--what",
+                   what,
+                   "--seconds",
+                   seconds,
+                   "--fps",
+                   "4"});
+  };
+  const std::filesystem::path folder = out();
+  for (const char* name : {"frame_0003.png", "frame_0004.png"}) {
+    WriteText(folder / name, "mine");
+    WriteText(folder / "preview" / name, "mine");
+  }
+  ASSERT_TRUE(render("0.5", "color").ok());
+  EXPECT_THAT(output_.str(), HasSubstr("frame_0003.png and later frames stay"));
+  EXPECT_EQ(ReadText(folder / "frame_0003.png"), "mine");
+  EXPECT_EQ(ReadText(folder / "frame_0004.png"), "mine");
+
+  // The list covers three frames, and no previews.
+  ASSERT_TRUE(render("0.75", "color").ok());
+  ASSERT_TRUE(render("0.25", "color").ok());
+  EXPECT_THAT(output_.str(), HasSubstr("2 pictures of a longer path"));
+  EXPECT_THAT(output_.str(), HasSubstr("frame_0004.png and later frames stay"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "frame_0001.png"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "frame_0003.png"));
+  EXPECT_EQ(ReadText(folder / "frame_0004.png"), "mine");
+  EXPECT_EQ(ReadText(folder / "preview" / "frame_0003.png"), "mine");
+
+  // A list that is damaged covers nothing.
+  WriteText(folder / "rendered_frames.json", R"({"frames": -1})");
+  ASSERT_TRUE(render("0.25", "color").ok());
+  EXPECT_EQ(ReadText(folder / "frame_0004.png"), "mine");
+}
+
 TEST_F(RenderCommandTest, FoldersOfStagesAreNoPlaceForPictures) {
   const std::string place =
       (workspace_.path() / "undistort" / "images").string();

@@ -107,6 +107,13 @@ TEST_F(CommandTest, StatusOfANewWorkspace) {
   EXPECT_EQ(json["running"], false);
 }
 
+TEST_F(CommandTest, StatusTellsAnEmptyDefaultFromNone) {
+  ASSERT_TRUE(Call(RunInitCommand, {Path("w")}).ok());
+  WriteText(folder_ / "w" / "config.ini", "[ingest]\nholdout = none\n");
+  ASSERT_TRUE(Call(RunStatusCommand, {Path("w")}).ok());
+  EXPECT_THAT(out_, HasSubstr("* ingest.holdout none  (default empty)"));
+}
+
 TEST_F(CommandTest, StatusErrors) {
   ExpectError(RunStatusCommand,
               {Path("none")},

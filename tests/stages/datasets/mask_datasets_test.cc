@@ -157,6 +157,14 @@ TEST_F(MaskDatasetTest, LerfMaskIsEvaluated) {
   EXPECT_FALSE(text.boxes.has_value());
   // It was trained on.
   EXPECT_EQ(TrainedOn(scene, *truth).size(), 2u);
+
+  // Pictures are measured where there are no masks, too.
+  GroundTruth pictures = *truth;
+  pictures.masks.clear();
+  pictures.photos.clear();
+  EXPECT_TRUE(TrainedOn(scene, pictures).empty());
+  pictures.photos["frame_8.jpg"] = data_ / "images/frame_8.jpg";
+  EXPECT_THAT(TrainedOn(scene, pictures), testing::ElementsAre("frame_8.jpg"));
 }
 
 TEST_F(MaskDatasetTest, OverlappingMasksAreAllJudged) {

@@ -312,5 +312,45 @@ TEST_F(EvaluationTest, ReportHasEveryKey) {
   EXPECT_NE(table.str().find("ball 3"), std::string::npos);
 }
 
+TEST_F(EvaluationTest, ReportSaysWhichTestViewsWereGiven) {
+  const auto table = [this](const WorkspaceScene& scene, nlohmann::json* json) {
+    EvaluationReport report;
+    const auto test = MeasureTestQuality(
+        scene, truth_, truth_from_scene_, cancellation_, pool_);
+    EXPECT_TRUE(test.ok()) << test.status().message();
+    if (test.ok()) report.test = *test;
+    *json = ToJson(report);
+    std::ostringstream text;
+    PrintTable(report, text);
+    return text.str();
+  };
+  nlohmann::json json;
+  WorkspaceScene scene = MakeScene();
+  EXPECT_NE(table(scene, &json).find("photos never given, 3 views"),
+            std::string::npos);
+  EXPECT_EQ(json["test_trained"], 0);
+  EXPECT_TRUE(json["test_views"][0]["given_as"].is_null());
+
+  scene.train[0].name = "all/test_0.png";
+  scene.train[1].name = "test_4.jpg";
+  scene.holdout = {scene.train[2]};
+  scene.holdout[0].name = "test_8.png";
+  EXPECT_NE(
+      table(scene, &json)
+          .find("3 views, of them 2 trained on, 1 given as holdout photos"),
+      std::string::npos);
+  EXPECT_EQ(json["test_trained"], 2);
+  EXPECT_EQ(json["test_holdout"], 1);
+  EXPECT_EQ(json["test_views"][0]["given_as"], "train");
+  EXPECT_EQ(json["test_views"][2]["given_as"], "holdout");
+
+  // A training view of the truth may have the name of a test view, as in
+  // NeRF-synthetic. Its photograph is not that of the test view.
+  truth_.cameras.train[0].name = "test_0.png";
+  EXPECT_EQ(FindTestViewUses(scene, truth_)[0], TestViewUse::kNone);
+  truth_.cameras.train[0] = truth_.cameras.test[0];
+  EXPECT_EQ(FindTestViewUses(scene, truth_)[0], TestViewUse::kTraining);
+}
+
 }  // namespace
 }  // namespace freegs::stages

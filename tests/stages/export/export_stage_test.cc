@@ -193,6 +193,35 @@ TEST_F(ExportStageTest, ReportLinksOnlyToFilesThatAreThere) {
   EXPECT_EQ(page.find("no 3D view here") == std::string::npos, has_viewer);
 }
 
+TEST_F(ExportStageTest, AScenePutInByHandHasNoFiguresOfTheOneBefore) {
+  const fs::path folder = workspace_ / "reconstruct";
+  WriteText(folder / "metrics.json",
+            R"({"holdout_psnr": 26.125, "num_gaussians": 48211,
+                "iterations": 7000, "holdout_views":
+                [{"name": "photo3.png", "psnr": 27.77, "ssim": 0.9}]})");
+  pipeline::StageRecord record = pipeline::ReadStageRecord(folder).value();
+  record.outputs = pipeline::ListOutputFiles(folder, {"point_cloud.ply"});
+  ASSERT_TRUE(pipeline::WriteStageRecord(folder, record).ok());
+  ASSERT_TRUE(Run().ok());
+  const std::string before = ReadText(Out("report/index.html"));
+  for (const char* text : {"26.12 dB", "48,211", "27.77 dB"}) {
+    EXPECT_THAT(before, HasSubstr(text));
+  }
+  EXPECT_THAT(log_, Not(HasSubstr("point_cloud.ply")));
+
+  ASSERT_TRUE(splat::WritePly(folder / "point_cloud.ply",
+                              splat::RandomSceneModel(77, 1, 6))
+                  .ok());
+  ASSERT_TRUE(Run().ok());
+  const std::string after = ReadText(Out("report/index.html"));
+  for (const char* text : {"26.12 dB", "48,211", "27.77 dB", "7,000"}) {
+    EXPECT_THAT(after, Not(HasSubstr(text)));
+  }
+  EXPECT_THAT(after, HasSubstr("<dd class=\"value\">77</dd>"));
+  EXPECT_THAT(after, HasSubstr("not measured for a scene put in by hand"));
+  EXPECT_THAT(log_, HasSubstr("point_cloud.ply is not as stage reconstruct"));
+}
+
 TEST_F(ExportStageTest, ReportSaysWhenWordsAreWithheld) {
   workspace_.AddInstances();
   ASSERT_TRUE(Run().ok());

@@ -82,6 +82,11 @@ TEST_F(IngestMasksTest, MasksElsewhere) {
   EXPECT_THAT(MakeIngestStage(options_)->Inputs(context),
               testing::Contains(masks.path()));
 
+  // The masks beside the photos are not photos all the same.
+  images_.Write("masks/img0.jpg.png", photos::MakePng(64, 48, 1));
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(List().photos.size(), 3U);
+
   options_.masks.masks = "/nonexistent/masks";
   EXPECT_EQ(Run().code(), StatusCode::kBadInput);
 }

@@ -313,8 +313,14 @@ TEST_F(IngestStageTest, HoldoutListAndPattern) {
   EXPECT_THAT(Files(PhotoSplit::kHoldout), ElementsAre("img2.jpg"));
   EXPECT_THAT(warnings_, ElementsAre(HasSubstr("img9.jpg")));
 
-  options_.holdout_list = "no/such/list.txt";
+  workspace_.Write("list.txt", "test_01.png\ntest_02.png\n");
   Status status = Run();
+  EXPECT_EQ(status.code(), StatusCode::kBadInput);
+  EXPECT_THAT(status.message(), HasSubstr("test_01.png and test_02.png"));
+  EXPECT_THAT(status.message(), HasSubstr("ingest.holdout_list"));
+
+  options_.holdout_list = "no/such/list.txt";
+  status = Run();
   EXPECT_EQ(status.code(), StatusCode::kBadInput);
   EXPECT_THAT(status.message(), HasSubstr("ingest.holdout_list"));
 

@@ -208,6 +208,24 @@ TEST_F(SfmStageTransformsTest, PhotosThatExifTurnedAreNamed) {
           "photo_001.jpg, photo_002.jpg, photo_003.jpg and photo_004.jpg")));
 }
 
+TEST_F(SfmStageTransformsTest, HoldoutPhotosAndMasksOfNerfstudioAreNamed) {
+  const fs::path file = folder_ / "transforms_train.json";
+  std::string text = ReadText(file);
+  text.replace(1,
+               0,
+               R"("test_filenames":["./train/photo_003"],)"
+               R"("mask_path":"mask.png",)");
+  WriteText(file, text);
+  options_.random_points = 123;
+  const Status status = workspace_.Run(*MakeSfmStage(options_, 0));
+  ASSERT_TRUE(status.ok()) << status.message();
+  EXPECT_THAT(workspace_.warnings,
+              Contains(testing::AllOf(HasSubstr("test_filenames"),
+                                      HasSubstr("photo_003.jpg"))));
+  EXPECT_THAT(workspace_.warnings, Contains(HasSubstr("--ingest.masks")));
+  EXPECT_TRUE(Health()["mean_reprojection_error_px"].is_null());
+}
+
 TEST_F(SfmStageTransformsTest, TriangulatedPoints) {
   const Status status = Run();
   ASSERT_TRUE(status.ok()) << status.message();

@@ -75,6 +75,8 @@ TEST(QueryBody, NamesWhatIsWrong) {
               HasSubstr("click.x"));
   EXPECT_THAT(why(R"({"click": {"view": "a", "x": 1, "y": 1, "level": 1e9}})"),
               HasSubstr("click.level"));
+  EXPECT_THAT(why(R"({"click": {"view": "a", "x": 1, "y": 1, "wider": 3}})"),
+              HasSubstr("click.wider"));
   EXPECT_THAT(why(R"({"example": "a*b="})"), HasSubstr("base64"));
   EXPECT_THAT(why(R"({"example": "aGVsbG8="})"), HasSubstr("JPEG"));
   // A PNG that ends after its first bytes.

@@ -14,7 +14,7 @@ export interface Cell {
   reason: string;
   verdict: string;
   said: string[];
-  ended: string; // Words that a table may have as columns.
+  ended: string;
   noticed: string;
   told: string;
   values: Record<string, number>;
@@ -85,10 +85,23 @@ export function keyText(cell: Cell, key: string): string {
   return cell.point[key] ?? "";
 }
 
+/** Words that a table may have as columns. */
+const wordNames = [
+  "ended",
+  "status",
+  "exit_code",
+  "failed_stage",
+  "reason",
+  "verdict",
+  "noticed",
+  "told",
+] as const;
+
 /** The different words of some cells; null when the name is not that of words. */
 export function words(cells: Cell[], name: string): string | null {
-  if (name !== "ended" && name !== "noticed" && name !== "told") return null;
-  const all = new Set(cells.map((cell) => cell[name]).filter((word) => word !== ""));
+  const known = wordNames.find((word) => word === name);
+  if (known === undefined) return null;
+  const all = new Set(cells.map((cell) => String(cell[known])).filter((word) => word !== ""));
   return [...all].join("; ");
 }
 
