@@ -2,6 +2,7 @@
 
 #include "stages/commands/features_command.h"
 
+#include <algorithm>
 #include <sstream>
 
 #include <gmock/gmock.h>
@@ -118,8 +119,7 @@ TEST_F(FeaturesCommandTest, WrongUsageIs2) {
   arguments[2] = std::string(20000, 'x');
   EXPECT_EQ(Features(arguments), 2);
   arguments = Good();
-  const std::string photo = arguments[0];
-  arguments.insert(arguments.end(), {"--out", photo});
+  *(std::ranges::find(arguments, "--out") + 1) = arguments[0];
   EXPECT_EQ(Features(arguments), 2);
   EXPECT_THAT(message_, HasSubstr("would replace the photo"));
 }
