@@ -48,12 +48,34 @@ const colors = [
   "#3aa6a6",
   "#7a5230",
   "#555555",
+  "#b5489b",
+  "#8a9a1b",
+  "#1f3a93",
+  "#d9796a",
 ];
 const presetSymbols: Record<string, string> = {
   fast: "triangle",
   balanced: "circle",
   quality: "diamond",
 };
+const legendGap = 18;
+
+/** How high a legend of these names is, in pixels, on a page of usual width. */
+function legendHeight(names: string[]): number {
+  const [width, symbol, letter, line] = [860, 30, 6.6, 14];
+  let rows = 1;
+  let used = 0;
+  for (const name of names) {
+    const item = symbol + letter * name.length;
+    if (used > 0 && used + item > width) {
+      rows += 1;
+      used = 0;
+    }
+    used += item + legendGap;
+  }
+  return rows * (line + legendGap);
+}
+
 const manyPoints = 25; // A series of more is a curve without dots.
 
 /** Bars over the range of both figures. */
@@ -230,6 +252,11 @@ export function chartOption(results: Results, chart: Chart) {
 
   const strip = failed.length > 0;
   const bottom = strip ? 96 : 56;
+  const legendTop = notes.length > 0 ? 52 : 36;
+  const shown = [
+    ...new Set(series.map((one) => (one as { name?: string }).name ?? "")),
+  ];
+  const top = Math.max(96, legendTop + legendHeight(shown) + 8);
   return {
     animation: false,
     backgroundColor: "#ffffff",
@@ -241,9 +268,9 @@ export function chartOption(results: Results, chart: Chart) {
       textStyle: { fontSize: 15, fontWeight: "normal" as const },
     },
     legend: {
-      itemGap: 18,
+      itemGap: legendGap,
       type: "plain" as const,
-      top: notes.length > 0 ? 52 : 36,
+      top: legendTop,
       left: 16,
     },
     tooltip: {
@@ -253,7 +280,7 @@ export function chartOption(results: Results, chart: Chart) {
       formatter: (item: { data?: { tip?: string } }) => item.data?.tip ?? "",
     },
     grid: [
-      { left: 76, right: 60, top: 96, bottom },
+      { left: 76, right: 60, top, bottom },
       ...(strip ? [{ left: 76, right: 60, height: 26, bottom: 56 }] : []),
     ],
     xAxis: [

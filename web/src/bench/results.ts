@@ -101,7 +101,9 @@ const wordNames = [
 export function words(cells: Cell[], name: string): string | null {
   const known = wordNames.find((word) => word === name);
   if (known === undefined) return null;
-  const all = new Set(cells.map((cell) => String(cell[known])).filter((word) => word !== ""));
+  const all = new Set(
+    cells.map((cell) => String(cell[known])).filter((word) => word !== ""),
+  );
   return [...all].join("; ");
 }
 
