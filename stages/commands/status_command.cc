@@ -81,8 +81,9 @@ std::string SummaryText(const json& summary) {
     if (value.is_structured() || value.is_null()) continue;
     // The stage's own time and memory are shown from the record.
     if (name.ends_with("seconds") || name.ends_with("_bytes")) continue;
-    if (value.is_string() && value.get_ref<const std::string&>().size() > 40) {
-      continue;
+    if (value.is_string()) {
+      const auto length = value.get_ref<const std::string&>().size();
+      if (length == 0 || length > 40) continue;
     }
     if (++facts > kMaxFacts) break;
     text << (facts > 1 ? ", " : "") << name << " ";
