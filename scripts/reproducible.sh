@@ -7,8 +7,9 @@
 #   scripts/reproducible.sh [FOLDER]
 #
 # FOLDER gets both builds, which take 1 GB. By default it is a new folder under TMPDIR
-# that is deleted afterwards, unless the builds differ. No compile cache is used. The variable JOBS says how many
-# compilers run at once (default: as many as there are cores).
+# that is deleted afterwards, unless the builds differ. No compile cache is used. The
+# variable JOBS says how many compilers run at once (default: as many as there are
+# cores).
 set -euo pipefail
 here=$PWD
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
