@@ -10,9 +10,9 @@
 #
 # BIN is the folder of the built programs. FOLDER is made anew. Needs COLMAP;
 # full disks need the right to mount a tmpfs, a clock needs libfaketime, and they
-# are left out without it. Takes some five minutes. The short form tries every
-# third amount of memory, of threads and of room on the disk, and ends COLMAP by
-# one signal instead of two.
+# are left out without it. Takes some five minutes. The short form takes three: it
+# tries every third signal, output, and amount of memory, of threads and of room on
+# the disk.
 set -uo pipefail
 
 program=$(realpath "$1")/freegs_pipeline
@@ -98,7 +98,7 @@ all=("${poses[@]}" "${common[@]}" --reconstruct.iterations 1200)
 checkpoint='w/reconstruct.partial/checkpoints/*.ckpt'
 fresh slow ingest sfm undistort
 run slow "${all[@]}" || { cat out.txt; exit 1; }
-for signal in INT TERM HUP; do
+for signal in $(some INT TERM HUP); do
   if [ $signal = HUP ] && [ -n "$(trap -p HUP)" ]; then
     echo "left out: SIGHUP, which nohup ignores"
     continue
@@ -208,7 +208,7 @@ done
 
 # Outputs: each is made again, or the message says how. Without stage.json a
 # folder counts as somebody else's.
-for file in ref/*/*; do
+for file in $(some ref/*/*); do
   file=${file#ref/}
   rm -rf w && cp -a ref w && rm -r "w/$file"
   again() {

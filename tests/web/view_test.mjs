@@ -263,6 +263,8 @@ test("a run under way is shown until its scene is there", async () => {
       "fast",
       "--reconstruct.iterations",
       "600",
+      "--reconstruct.budget",
+      "10000",
     ],
     { stdio: "ignore" },
   );

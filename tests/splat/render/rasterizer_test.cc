@@ -77,7 +77,7 @@ TEST_P(RasterizerReference, ForwardMatches) {
 // L = <random image, rendered image>, whose derivative with respect to every
 // parameter is compared with central differences of the reference in double.
 TEST_P(RasterizerReference, BackwardMatchesCentralDifferences) {
-  GaussianModel model = RandomSceneModel(40, 3, 2);
+  GaussianModel model = RandomSceneModel(28, 3, 2);
   model.antialiased = GetParam();
   const std::vector<float> features = RandomFeatures(model.size());
   const Pinhole camera = TestCamera(52, 37);
