@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Fuzzing in short, in every build: each reader gets its good files with a few
-// places changed, for three seconds. scripts/fuzz.sh looks deeper, since it
+// places changed, for two seconds. scripts/fuzz.sh looks deeper, since it
 // sees which inputs reach new code.
 
 #include <algorithm>
@@ -34,7 +34,7 @@ constexpr NamedReader kReaders[] = {
 #undef FREEGS_READER
 };
 
-constexpr std::chrono::seconds kTime(3);
+constexpr std::chrono::seconds kTime(2);
 
 // Address space for the test program, its libraries and threads. A reader that
 // believes a file's claim of more gets std::bad_alloc, which fails the test.
