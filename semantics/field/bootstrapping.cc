@@ -9,6 +9,7 @@
 #include "core/io/image_io.h"
 #include "core/random.h"
 #include "semantics/geometry/directions.h"
+#include "semantics/geometry/view_loop.h"
 
 namespace freegs::semantics {
 namespace {
@@ -188,17 +189,27 @@ class Bootstrapping {
                             pool_,
                             tools_.cancellation,
                             [&](size_t count) { clock_.Done(count); }));
-    clock_.Begin("lifting features", scene_.views.size());
-    for (size_t view = 0; view < scene_.views.size(); ++view) {
-      FREEGS_ASSIGN_OR_RETURN(const ImageU8 photo, photo_of_(view));
-      const Pinhole& camera = weights_.camera(view);
-      guides_.push_back(ToFloat(Resize(photo, camera.width, camera.height)));
-    }
+    // Each photograph is read, and its features are lifted later.
+    const size_t num_views = scene_.views.size();
+    clock_.Begin("lifting features", 2 * num_views);
+    guides_.resize(num_views);
+    FREEGS_RETURN_IF_ERROR(ForEachView(
+        "lifting features",
+        num_views,
+        pool_,
+        tools_.cancellation,
+        [&](size_t count) { clock_.Done(count); },
+        [&](size_t view) -> Status {
+          FREEGS_ASSIGN_OR_RETURN(const ImageU8 photo, photo_of_(view));
+          const Pinhole& camera = weights_.camera(view);
+          guides_[view] = ToFloat(Resize(photo, camera.width, camera.height));
+          return Status();
+        }));
     const auto features_of = [&](size_t view) -> StatusOr<ImageF> {
       if (IsCancelled(tools_.cancellation)) {
         return InterruptedError("lifting features was interrupted");
       }
-      clock_.Done(view);
+      clock_.Done(num_views + view);
       return UpsampleView(
           grids_, view, guides_[view], options_.upsampling, pool_);
     };

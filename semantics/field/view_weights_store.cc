@@ -3,6 +3,7 @@
 #include "semantics/field/view_weights_store.h"
 
 #include <array>
+#include <system_error>
 
 #include "core/io/scratch_file.h"
 
@@ -86,6 +87,19 @@ StatusOr<ViewWeights> ViewWeightsStore::Weights(size_t view, ThreadPool& pool) {
   return Keep(view, *std::move(weights));
 }
 
+bool ViewWeightsStore::HasDiskFor(uint64_t bytes) const {
+  if (options_.scratch_folder.empty() || disk_failed_ ||
+      bytes > options_.max_scratch_bytes - disk_bytes_) {
+    return false;
+  }
+  std::error_code error;
+  const uint64_t available =
+      std::filesystem::space(options_.scratch_folder, error).available;
+  // Where the system does not tell, writing shows if there is room.
+  return error || (available >= bytes &&
+                   available - bytes >= options_.min_free_disk_bytes);
+}
+
 ViewWeights ViewWeightsStore::Keep(size_t view,
                                    splat::BlendingWeights weights) {
   const auto owner =
@@ -97,14 +111,11 @@ ViewWeights ViewWeightsStore::Keep(size_t view,
     kept_[view] = result;
     return result;
   }
-  if (options_.scratch_folder.empty() || disk_full_ ||
-      bytes > options_.max_scratch_bytes - disk_bytes_) {
-    return result;
-  }
+  if (!HasDiskFor(bytes)) return result;
   StatusOr<ViewWeights> on_disk =
       MoveToDisk(result.matrix(), options_.scratch_folder);
   if (!on_disk.ok()) {
-    disk_full_ = true;
+    disk_failed_ = true;
     return result;
   }
   disk_bytes_ += bytes;

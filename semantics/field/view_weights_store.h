@@ -43,10 +43,12 @@ struct ViewWeightsOptions {
   uint64_t max_memory_bytes = uint64_t{1} << 30;
 
   // Weights that do not fit in memory are written to this folder, up to
-  // max_scratch_bytes. Without a folder, and beyond that limit, weights are
-  // computed again each time.
+  // max_scratch_bytes, and only while its disk keeps min_free_disk_bytes for
+  // checkpoints and results. Without a folder, and beyond these limits, weights
+  // are computed again each time.
   std::filesystem::path scratch_folder;
   uint64_t max_scratch_bytes = uint64_t{1} << 34;
+  uint64_t min_free_disk_bytes = uint64_t{1} << 30;
 
   Status Check() const;
 };
@@ -104,6 +106,9 @@ class ViewWeightsStore {
   // from where they are now.
   ViewWeights Keep(size_t view, splat::BlendingWeights weights);
 
+  // If the limits on disk space allow so many bytes more.
+  bool HasDiskFor(uint64_t bytes) const;
+
   const splat::GaussianModel* model_;
   std::vector<View> views_;  // Cameras at the size of the weights.
   splat::RenderOptions render_;
@@ -111,7 +116,7 @@ class ViewWeightsStore {
   std::vector<std::optional<ViewWeights>> kept_;
   uint64_t memory_bytes_ = 0;  // Kept in memory.
   uint64_t disk_bytes_ = 0;    // Kept in scratch files.
-  bool disk_full_ = false;     // A scratch file could not be written.
+  bool disk_failed_ = false;   // A scratch file could not be written.
 };
 
 }  // namespace freegs::semantics

@@ -36,6 +36,10 @@ constexpr double kBytesPerLiftedNumber = 12;
 // bytes of it are in a checkpoint: the number itself and its moments.
 constexpr double kBytesPerTrainedNumber = 3 * 4;
 
+// Clustering in the union space lists bootstrap.min_samples neighbours of each
+// Gaussian and the distance to the last one (semantics/hdbscan/core_distances).
+constexpr double kBytesPerNeighbour = 4;
+
 // What a network keeps between its layers, one copy of the network per thread.
 constexpr double kNetworkBytesPerThread = 30e6;
 
@@ -164,10 +168,17 @@ pipeline::StageNeed BootstrapNeed(const BootstrapStageOptions& options,
         std::min(options.weights_memory_gb * double{kGigabyte}, weights);
     bytes += kept + kNetworkBytesPerThread * threads +
              kCopiesOfModel * static_cast<double>(model_bytes);
-    disk += weights - kept;
+    disk +=
+        std::min(weights - kept,
+                 static_cast<double>(options.method.weights.max_scratch_bytes));
     bytes += kBytesPerLiftedNumber * (dim - kMaxChosenDim) * gaussians;
     disk += kDiskBytesPerNumber *
             std::max(0, VectorDim(options, kUsualDim) - kUsualDim) * gaussians;
+  }
+  if (options.clustering == "union") {
+    const int neighbours =
+        options.method.clustering.union_space.hdbscan.min_samples;
+    bytes += kBytesPerNeighbour * (neighbours + 1.0) * gaussians;
   }
   if (options.mode == "paper") {
     const double trained = kBytesPerTrainedNumber * dim * gaussians;

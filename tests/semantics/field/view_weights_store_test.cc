@@ -41,6 +41,7 @@ ViewWeightsOptions OptionsFor(uint64_t max_memory_bytes,
   options.max_memory_bytes = max_memory_bytes;
   options.scratch_folder = scratch_folder;
   options.max_scratch_bytes = max_scratch_bytes;
+  options.min_free_disk_bytes = 0;
   return options;
 }
 
@@ -142,6 +143,15 @@ TEST_F(ViewWeightsStoreTest, ComputesAgainWhatFitsNowhere) {
   ASSERT_TRUE(mixed.ok());
   ExpectRightWeights(*mixed);
   EXPECT_EQ(NumKept(*mixed), 2);
+}
+
+TEST_F(ViewWeightsStoreTest, LeavesRoomOnTheDisk) {
+  ViewWeightsOptions options = OptionsFor(0, folder_.path());
+  options.min_free_disk_bytes = uint64_t{1} << 62;
+  StatusOr<ViewWeightsStore> store = Make(options);
+  ASSERT_TRUE(store.ok());
+  ExpectRightWeights(*store);
+  EXPECT_EQ(NumKept(*store), 0);
 }
 
 TEST_F(ViewWeightsStoreTest, WeightsOutliveTheStore) {

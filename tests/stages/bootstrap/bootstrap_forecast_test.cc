@@ -52,6 +52,15 @@ TEST(BootstrapForecastTest, WeightsKeepToTheirLimit) {
               2.0);
 }
 
+TEST(BootstrapForecastTest, WeightsTakeNoMoreDiskThanTheyMay) {
+  BootstrapStageOptions options;
+  options.weights_memory_gb = 0;
+  const SceneOutlook scene = SceneOutlookOf(24, 1600, 1200);
+  const int64_t all = Need(options, scene).disk_bytes;
+  options.method.weights.max_scratch_bytes = 1'000'000;
+  EXPECT_LT(Need(options, scene).disk_bytes, all);
+}
+
 TEST(BootstrapForecastTest, ModesTakeMoreAndLess) {
   const SceneOutlook scene = SceneOutlookOf(24, 1600, 1200);
   BootstrapStageOptions options;
@@ -88,6 +97,18 @@ TEST(BootstrapForecastTest, TrainingTakesTimeForEachPhotoAndClustering) {
   EXPECT_GT(seconds(scene), 2 * clustered);
   options.method.training.cluster_start = 0;
   EXPECT_LT(seconds(scene), 3 * clustered);
+}
+
+TEST(BootstrapForecastTest, ManyNeighboursTakeMore) {
+  const SceneOutlook scene = SceneOutlookOf(24, 640, 480);
+  BootstrapStageOptions options;
+  int& min_samples = options.method.clustering.union_space.hdbscan.min_samples;
+  const int64_t without = Need(options, scene).memory_bytes;
+  min_samples = 2000;
+  EXPECT_EQ(Need(options, scene).memory_bytes, without);
+  options.clustering = "union";
+  EXPECT_GE(Need(options, scene).memory_bytes,
+            without + 8000 * scene.gaussians);
 }
 
 TEST(BootstrapForecastTest, LongVectorsTakeMore) {
