@@ -8,8 +8,6 @@
 namespace freegs {
 namespace {
 
-bool IsDigit(char c) { return c >= '0' && c <= '9'; }
-
 // Folders before what their names begin: '/' sorts first.
 int Rank(char c) { return c == '/' ? 0 : 1 + static_cast<uint8_t>(c); }
 

@@ -15,6 +15,9 @@
 
 namespace freegs {
 
+// 0 to 9, whatever the locale.
+inline bool IsDigit(char c) { return c >= '0' && c <= '9'; }
+
 // Turns A to Z into a to z, whatever the locale, and leaves all other bytes.
 std::string AsciiLower(std::string text);
 

@@ -6,6 +6,8 @@
 #include <map>
 #include <utility>
 
+#include "core/text.h"
+
 namespace freegs::sfm {
 namespace {
 
@@ -18,15 +20,14 @@ struct NumberedName {
 };
 
 NumberedName Parse(const std::string& name) {
-  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
   NumberedName result;
   for (size_t at = 0; at < name.size();) {
-    if (!is_digit(name[at])) {
+    if (!IsDigit(name[at])) {
       result.pattern += name[at++];
       continue;
     }
     size_t end = at;
-    while (end < name.size() && is_digit(name[end])) ++end;
+    while (end < name.size() && IsDigit(name[end])) ++end;
     while (at + 1 < end && name[at] == '0') ++at;
     result.numbers.emplace_back(end - at, name.substr(at, end - at));
     result.pattern += '\0';

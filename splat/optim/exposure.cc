@@ -3,8 +3,11 @@
 #include "splat/optim/exposure.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <functional>
+#include <optional>
+#include <system_error>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
@@ -23,6 +26,40 @@ constexpr double kFitPull = 1e-5;
 
 // A fit to fewer pixels is the identity.
 constexpr int64_t kMinFitPixels = 64;
+
+// Takes a number off the front of *text.
+std::optional<uint64_t> TakeNumber(std::string_view* text) {
+  uint64_t number = 0;
+  const char* const end = text->data() + text->size();
+  const auto [rest, error] = std::from_chars(text->data(), end, number);
+  if (error != std::errc()) return std::nullopt;
+  text->remove_prefix(rest - text->data());
+  return number;
+}
+
+// How far the number in `name` lies on the way from that in `before`, 0, to
+// that in `after`, 1. A half if the names differ in something else.
+double ShareBetween(std::string_view before,
+                    std::string_view name,
+                    std::string_view after) {
+  const auto common = [name](std::string_view other) {
+    return std::ranges::mismatch(name, other).in1 - name.begin();
+  };
+  size_t begin = std::min(common(before), common(after));
+  while (begin > 0 && IsDigit(name[begin - 1])) --begin;
+  for (std::string_view* text : {&before, &name, &after}) {
+    text->remove_prefix(begin);
+  }
+  const std::optional<uint64_t> first = TakeNumber(&before);
+  const std::optional<uint64_t> number = TakeNumber(&name);
+  const std::optional<uint64_t> last = TakeNumber(&after);
+  if (!first || !number || !last || before != name || name != after ||
+      *first >= *number || *number >= *last) {
+    return 0.5;
+  }
+  return static_cast<double>(*number - *first) /
+         static_cast<double>(*last - *first);
+}
 
 }  // namespace
 
@@ -53,11 +90,15 @@ AffineColor ExposureBetween(std::span<const PhotoExposure> exposures,
   const bool is_first = found == exposures.begin();
   const bool is_last = after == exposures.end();
   if (is_first && is_last) return {};
-  const AffineColor& a = is_first ? after->color : (found - 1)->color;
-  const AffineColor& b = is_last ? a : after->color;
+  if (is_first) return after->color;
+  const PhotoExposure& before = *(found - 1);
+  if (is_last) return before.color;
+  const auto share =
+      static_cast<float>(ShareBetween(before.photo, photo, after->photo));
   AffineColor between;
   for (size_t k = 0; k < between.values.size(); ++k) {
-    between.values[k] = 0.5f * (a.values[k] + b.values[k]);
+    between.values[k] =
+        (1 - share) * before.color.values[k] + share * after->color.values[k];
   }
   return between;
 }

@@ -55,11 +55,14 @@ struct PhotoExposure {
   AffineColor color;
 };
 
-// The exposure to expect of a photograph: the mean of the photographs before
-// and after it, by name (NaturalLess). A camera changes exposure slowly along
-// its way, so this is closer than that of the whole scene. What was learnt of
-// the photograph itself does not count. `exposures` are in the order of the
-// names; without any other photograph it is the identity.
+// The exposure to expect of a photograph: between those of the photographs
+// before and after it, by name (NaturalLess). A camera changes exposure slowly
+// along its way, so this is closer than that of the whole scene. Where the
+// three names differ in one number only, like those of the frames of a film,
+// the number says how far it is from each; otherwise the mean of the two is
+// taken. What was learnt of the photograph itself does not count. `exposures`
+// are in the order of the names; without any other photograph it is the
+// identity.
 AffineColor ExposureBetween(std::span<const PhotoExposure> exposures,
                             std::string_view photo);
 

@@ -22,8 +22,8 @@ struct ExposureChoice {
   bool learn = false;
 
   // In the colours of the scene, and in those to expect of each photograph. For
-  // photographs that were trained on these are the mean of what was learnt of
-  // the photographs before and after (ExposureBetween). Those of the others are
+  // photographs that were trained on these lie between what was learnt of the
+  // photographs before and after (ExposureBetween). Those of the others are
   // fitted to the left half (MeasureFittedHoldout).
   TrialPsnr without;
   TrialPsnr with;

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <sstream>
 
+#include "core/text.h"
 #include "stages/command_line/command_help.h"
 
 namespace freegs::stages {
@@ -17,7 +18,6 @@ bool IsLetter(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
 }
 bool IsCapital(char c) { return c >= 'A' && c <= 'Z'; }
-bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 
 // The number of the character of UTF-8 at `at`, which moves to the next one.
 // Bytes that are no UTF-8 count as "?".

@@ -15,6 +15,7 @@
 #include "core/io/files.h"
 #include "core/number_text.h"
 #include "core/parallel.h"
+#include "core/text.h"
 #include "pipeline/logger.h"
 #include "pipeline/progress_line.h"
 #include "pipeline/system_info.h"
@@ -95,9 +96,7 @@ size_t CountOtherObjects(const fs::path& folder,
        it.increment(error)) {
     const fs::path& path = it->path();
     const std::string id = path.stem().string();
-    const bool is_id = !id.empty() && std::ranges::all_of(id, [](char c) {
-      return c >= '0' && c <= '9';
-    });
+    const bool is_id = !id.empty() && std::ranges::all_of(id, IsDigit);
     if (is_id && path.extension() == "." + format &&
         !written.contains(path.filename().string())) {
       ++count;

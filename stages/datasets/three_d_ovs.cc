@@ -36,9 +36,7 @@ std::string Folded(std::string text) {
 // The form in which photograph names are compared: without leading zeros.
 std::string WithoutLeadingZeros(const std::string& name) {
   const bool number =
-      !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
-        return c >= '0' && c <= '9';
-      });
+      !name.empty() && std::all_of(name.begin(), name.end(), IsDigit);
   if (!number) return name;
   return name.substr(std::min(name.find_first_not_of('0'), name.size() - 1));
 }

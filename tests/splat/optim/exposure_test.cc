@@ -2,8 +2,10 @@
 
 #include "splat/optim/exposure.h"
 
+#include <array>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -54,6 +56,35 @@ TEST(Exposure, NeighboursAreThoseThatPeopleCount) {
   EXPECT_FLOAT_EQ(
       between.values[0],
       (exposures[0].color.values[0] + exposures[1].color.values[0]) / 2);
+}
+
+TEST(Exposure, NumbersSayHowFarNeighboursAre) {
+  const AffineColor a = RandomColor(1);
+  const AffineColor b = RandomColor(2);
+  const auto share_of_last = [&](const std::string& before,
+                                 const std::string& photo,
+                                 const std::string& after) {
+    const std::vector<PhotoExposure> exposures = {{before, a}, {after, b}};
+    const AffineColor between = ExposureBetween(exposures, photo);
+    return (between.values[3] - a.values[3]) / (b.values[3] - a.values[3]);
+  };
+  EXPECT_NEAR(share_of_last("v2/f_0008.jpg", "v2/f_0009.jpg", "v2/f_0012.jpg"),
+              0.25,
+              1e-6);
+  EXPECT_NEAR(share_of_last("98.jpg", "99.jpg", "108.jpg"), 0.1, 1e-6);
+  EXPECT_NEAR(share_of_last("img-9", "img-10", "img-13"), 0.25, 1e-6);
+  // Nothing is known where names differ in something else or in a number that
+  // is too long.
+  for (const auto& [before, photo, after] :
+       {std::array{"a/1.jpg", "b/1.jpg", "b/5.jpg"},
+        std::array{"1.jpg", "2.jpg", "5.png"},
+        std::array{"1.jpg", "01.jpg", "5.jpg"},
+        std::array{"a.jpg", "b.jpg", "e.jpg"},
+        std::array{"a", "a1", "a9"},
+        std::array{"1.jpg", "2.jpg", "99999999999999999999999.jpg"},
+        std::array{"1_20.jpg", "2_10.jpg", "5_10.jpg"}}) {
+    EXPECT_NEAR(share_of_last(before, photo, after), 0.5, 1e-6) << photo;
+  }
 }
 
 TEST(Exposure, AppliesTheMatrix) {
