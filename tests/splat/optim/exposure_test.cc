@@ -78,7 +78,7 @@ TEST(Exposure, NumbersSayHowFarNeighboursAre) {
   for (const auto& [before, photo, after] :
        {std::array{"a/1.jpg", "b/1.jpg", "b/5.jpg"},
         std::array{"1.jpg", "2.jpg", "5.png"},
-        std::array{"1.jpg", "01.jpg", "5.jpg"},
+        std::array{"01.jpg", "1.jpg", "5.jpg"},
         std::array{"a.jpg", "b.jpg", "e.jpg"},
         std::array{"a", "a1", "a9"},
         std::array{"1.jpg", "2.jpg", "99999999999999999999999.jpg"},
