@@ -2,6 +2,7 @@
 
 #include "splat/images/displacement.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -32,6 +33,8 @@ cv::Mat UsedPixels(const ImageU8* mask) {
 }  // namespace
 
 double Displacement(const ImageF& a, const ImageF& b, const ImageU8* mask) {
+  // A window that falls to the borders needs more.
+  if (std::min(a.width(), a.height()) < 2) return 0;
   cv::Mat grey_a = Grey(a);
   cv::Mat grey_b = Grey(b);
   const cv::Mat used = UsedPixels(mask);

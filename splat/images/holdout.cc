@@ -76,12 +76,9 @@ StatusOr<HoldoutReport> MeasureHoldout(
     if (!psnr) continue;
     result.psnr = *psnr;
     result.displacement_px = Displacement(quantised, photo, mask);
-    // The error of pixels that a mask ignores becomes zero, and the mean is
-    // taken over the others.
+    // Windows that reach over ignored pixels find no error there.
     if (mask != nullptr) CopyIgnored(*mask, quantised, &photo);
-    FREEGS_ASSIGN_OR_RETURN(const double ssim, Ssim(quantised, photo));
-    const double used = mask == nullptr ? 1 : UsedShare(*mask);
-    result.ssim = 1 - (1 - ssim) / used;
+    FREEGS_ASSIGN_OR_RETURN(result.ssim, Ssim(quantised, photo, mask));
     report.mean_psnr += result.psnr;
     report.mean_ssim += result.ssim;
     report.views.push_back(std::move(result));

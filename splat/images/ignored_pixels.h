@@ -34,13 +34,6 @@ void FillIgnored(const ImageU8& mask, T value, Image<T>* image) {
   }
 }
 
-// The share of the pixels that are used, from 0 to 1.
-inline double UsedShare(const ImageU8& mask) {
-  const auto ignored =
-      std::count(mask.data(), mask.data() + mask.size(), uint8_t{0});
-  return 1 - static_cast<double>(ignored) / static_cast<double>(mask.size());
-}
-
 }  // namespace freegs::splat
 
 #endif  // FREEGS_SPLAT_IMAGES_IGNORED_PIXELS_H_

@@ -95,8 +95,17 @@ StatusOr<double> Psnr(const ImageF& image, const ImageF& reference) {
   return mean > 0 ? std::min(kMaxPsnr, -10 * std::log10(mean)) : kMaxPsnr;
 }
 
-StatusOr<double> Ssim(const ImageF& image, const ImageF& reference) {
+StatusOr<double> Ssim(const ImageF& image,
+                      const ImageF& reference,
+                      const ImageU8* mask) {
   FREEGS_RETURN_IF_ERROR(CheckPair(image, reference));
+  if (mask != nullptr &&
+      (mask->width() != image.width() || mask->height() != image.height())) {
+    return InvalidArgumentError("the mask is not as large as the image");
+  }
+  const auto used = [mask](size_t pixel) {
+    return mask == nullptr || mask->data()[pixel] != 0;
+  };
   const int width = image.width();
   const int height = image.height();
   const std::array<double, 2 * kRadius + 1> window = GaussianWindow();
@@ -105,6 +114,7 @@ StatusOr<double> Ssim(const ImageF& image, const ImageF& reference) {
   std::vector<double> b(count);
   std::vector<double> product(count);
   double sum = 0;
+  size_t num_used = 0;
   for (int channel = 0; channel < image.channels(); ++channel) {
     for (size_t i = 0; i < count; ++i) {
       a[i] = Clamped(image.data()[i * image.channels() + channel]);
@@ -125,6 +135,8 @@ StatusOr<double> Ssim(const ImageF& image, const ImageF& reference) {
     const std::vector<double> square_b = filter_product(b, b);
     const std::vector<double> cross = filter_product(a, b);
     for (size_t i = 0; i < count; ++i) {
+      if (!used(i)) continue;
+      ++num_used;
       const double ma = mean_a[i];
       const double mb = mean_b[i];
       const double variance_a = square_a[i] - ma * ma;
@@ -134,7 +146,10 @@ StatusOr<double> Ssim(const ImageF& image, const ImageF& reference) {
              ((ma * ma + mb * mb + kC1) * (variance_a + variance_b + kC2));
     }
   }
-  return sum / static_cast<double>(image.size());
+  if (num_used == 0) {
+    return InvalidArgumentError("the mask leaves no pixel to compare");
+  }
+  return sum / static_cast<double>(num_used);
 }
 
 }  // namespace freegs::splat

@@ -24,8 +24,12 @@ StatusOr<double> Psnr(const ImageF& image, const ImageF& reference);
 // The mean structural similarity (Wang, Bovik, Sheikh and Simoncelli 2004,
 // eq. 13) with a Gaussian window of 11 x 11 pixels and standard deviation 1.5,
 // K1 = 0.01, K2 = 0.03, and population (not sample) variances. As in 3DGS the
-// images are continued with zeros, so that every pixel has a window.
-StatusOr<double> Ssim(const ImageF& image, const ImageF& reference);
+// images are continued with zeros, so that every pixel has a window. With a
+// mask (H x W x 1) the mean is taken over the pixels where it is not 0, of
+// which there must be one; their windows reach over the others.
+StatusOr<double> Ssim(const ImageF& image,
+                      const ImageF& reference,
+                      const ImageU8* mask = nullptr);
 
 }  // namespace freegs::splat
 

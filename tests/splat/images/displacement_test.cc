@@ -55,6 +55,13 @@ TEST(DisplacementTest, WhatAMaskIgnoresDoesNotCount) {
   EXPECT_NEAR(Displacement(picture, moved, &mask), 5, 0.5);
 }
 
+TEST(DisplacementTest, ALineOfPixelsTellsNothing) {
+  ImageF line(2, 1, 3, 0.0f);
+  line(1, 0, 0) = 1;
+  EXPECT_EQ(Displacement(line, ImageF(2, 1, 3, 0.5f)), 0);
+  EXPECT_EQ(Displacement(line, line), 0);
+}
+
 TEST(DisplacementTest, BrightnessDoesNotMatter) {
   EXPECT_NEAR(Displacement(Picture(0, 0), Picture(3, 4, 0.3f)), 5, 0.3);
 }

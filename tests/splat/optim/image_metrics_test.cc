@@ -20,12 +20,18 @@ ImageF RandomImage(int width, int height, int channels, uint64_t seed) {
   return image;
 }
 
-// The definition, window by window, with zeros outside the image.
-double BruteForceSsim(const ImageF& a, const ImageF& b) {
+// The definition, window by window, with zeros outside the image. The mean over
+// the pixels where the mask is not 0.
+double BruteForceSsim(const ImageF& a,
+                      const ImageF& b,
+                      const ImageU8* mask = nullptr) {
   double total = 0;
+  int count = 0;
   for (int channel = 0; channel < a.channels(); ++channel) {
     for (int y = 0; y < a.height(); ++y) {
       for (int x = 0; x < a.width(); ++x) {
+        if (mask != nullptr && (*mask)(x, y) == 0) continue;
+        ++count;
         double weights = 0;
         double ma = 0, mb = 0, aa = 0, bb = 0, ab = 0;
         for (int dy = -5; dy <= 5; ++dy) {
@@ -56,7 +62,7 @@ double BruteForceSsim(const ImageF& a, const ImageF& b) {
       }
     }
   }
-  return total / static_cast<double>(a.size());
+  return total / count;
 }
 
 TEST(Psnr, KnownDifference) {
@@ -93,6 +99,20 @@ TEST(Ssim, IsOneForEqualImagesAndSymmetric) {
   EXPECT_NEAR(*Ssim(a, a), 1.0, 1e-12);
   EXPECT_NEAR(*Ssim(a, b), *Ssim(b, a), 1e-12);
   EXPECT_LT(*Ssim(a, b), 0.3);
+}
+
+TEST(Ssim, TakesTheMeanOfWhatTheMaskLeaves) {
+  const ImageF a = RandomImage(23, 17, 3, 5);
+  const ImageF b = RandomImage(23, 17, 3, 6);
+  ImageU8 mask(23, 17, 1, 0);
+  for (const int x : {0, 9, 22}) mask(x, 11) = 255;
+  EXPECT_NEAR(*Ssim(a, b, &mask), BruteForceSsim(a, b, &mask), 1e-12);
+  const ImageU8 all(23, 17, 1, 1);
+  EXPECT_EQ(*Ssim(a, b, &all), *Ssim(a, b));
+  const ImageU8 nothing(23, 17, 1, 0);
+  EXPECT_EQ(Ssim(a, b, &nothing).status().code(), StatusCode::kInvalidArgument);
+  const ImageU8 smaller(22, 17, 1, 1);
+  EXPECT_EQ(Ssim(a, b, &smaller).status().code(), StatusCode::kInvalidArgument);
 }
 
 TEST(ImageMetrics, RefuseWhatCannotBeCompared) {
