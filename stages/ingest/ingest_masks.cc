@@ -93,7 +93,7 @@ void WarnOfUnused(const StageContext& context,
   if (unused == 0) return;
   context.log(LogLevel::kWarning,
               mask_folder.string() + ": " + std::to_string(unused) +
-                  " files fit no photo, such as " + example +
+                  " files fit no photo, or several, such as " + example +
                   "; the mask of a.jpg is a.jpg.png or a.png");
 }
 
@@ -127,21 +127,27 @@ Status PlaceMasks(StageContext& context,
   std::error_code ignored;
   fs::remove_all(context.output / "masks", ignored);
   if (mask_folder.empty()) return Status();
-  size_t usable = 0;
   size_t masks = 0;
   double kept = 0;
   std::set<std::string> used;
-  std::vector<std::string> files;
-  for (const Photo& photo : list->photos) files.push_back(photo.file);
+  std::vector<Photo*> usable;
+  std::vector<std::string> usable_files;
+  for (Photo& photo : list->photos) {
+    if (photo.usable()) {
+      usable.push_back(&photo);
+      usable_files.push_back(photo.file);
+    } else if (auto file = photos::FindMask(mask_folder, photo.file)) {
+      used.insert(*std::move(file));
+    }
+  }
+  // A photo that is not used takes no mask from one that is.
   const std::vector<std::optional<std::string>> mask_files =
-      photos::FindMasks(mask_folder, files);
-  for (size_t i = 0; i < list->photos.size(); ++i) {
-    Photo& photo = list->photos[i];
+      photos::FindMasks(mask_folder, usable_files);
+  for (size_t i = 0; i < usable.size(); ++i) {
+    Photo& photo = *usable[i];
     const std::optional<std::string>& file = mask_files[i];
-    if (file) used.insert(*file);
-    if (!photo.usable()) continue;
-    ++usable;
     if (!file) continue;
+    used.insert(*file);
     if (IsCancelled(context.cancellation)) {
       return InterruptedError("stopped while reading masks");
     }
@@ -160,8 +166,8 @@ Status PlaceMasks(StageContext& context,
   context.summary["mask_kept_share"] = mean;
   const std::string percent = FormatPercent(mean);
   context.log(
-      masks < usable ? LogLevel::kWarning : LogLevel::kInfo,
-      std::to_string(masks) + " of " + std::to_string(usable) +
+      masks < usable.size() ? LogLevel::kWarning : LogLevel::kInfo,
+      std::to_string(masks) + " of " + std::to_string(usable.size()) +
           " photos have a mask" +
           (masks > 0 ? "; they keep " + percent + " of the pixels" : ""));
   if (masks > 0 && mean < kLittle) {

@@ -34,10 +34,16 @@ StatusOr<sfm::PoseAlignment> AlignWithViews(
       }
     }
   }
+  const auto stem_of = [](const View& view) {
+    return fs::path(view.name).stem().string();
+  };
+  std::map<std::string, int> num_without_match;
+  for (const View* view : without_match) ++num_without_match[stem_of(*view)];
   for (const View* view : without_match) {
-    const auto found = names_by_stem.find(fs::path(view->name).stem().string());
-    // A stem that several photos share is ambiguous.
-    if (found != names_by_stem.end() && found->second.size() == 1) {
+    const auto found = names_by_stem.find(stem_of(*view));
+    // A stem that several photos share, here or there, is ambiguous.
+    if (found != names_by_stem.end() && found->second.size() == 1 &&
+        num_without_match[stem_of(*view)] == 1) {
       source.emplace(found->second[0], view->cam_from_world);
     }
   }

@@ -22,7 +22,7 @@ namespace freegs::stages {
 
 // Aligns the workspace's cameras with the cameras of the same name in `others`.
 // A camera whose name is not found is paired by its name without folder and
-// extension, if only one of `others` has that name. The result maps the
+// extension, if only it and one of `others` have that name. The result maps the
 // scene's frame (source) to that of `others` (target). kBadInput when
 // fewer than three cameras are paired; the message calls the others `source`.
 StatusOr<sfm::PoseAlignment> AlignWithViews(const WorkspaceScene& scene,

@@ -259,6 +259,12 @@ TEST_F(EvaluationTest, NamesMatchByStemWhenNotExactly) {
   EXPECT_EQ(poses->residuals.size(), 10u);
   EXPECT_EQ(poses->residuals[0].name, "frame_0.jpg");
 
+  // A stem that two of our photos share fits neither.
+  scene.train[0].name = "other/" + scene.train[1].name;
+  const auto without = AlignWithViews(scene, truth_.cameras.train, "truth");
+  ASSERT_TRUE(without.ok());
+  EXPECT_EQ(without->residuals.size(), 8u);
+
   scene.train.resize(2);
   scene.holdout.clear();
   EXPECT_EQ(

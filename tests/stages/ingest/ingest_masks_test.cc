@@ -91,6 +91,20 @@ TEST_F(IngestMasksTest, MasksElsewhere) {
   EXPECT_EQ(Run().code(), StatusCode::kBadInput);
 }
 
+// Cameras that write two files for each photo leave one that cannot be read.
+TEST_F(IngestMasksTest, FilesThatAreNotUsedTakeNoMasks) {
+  WritePhotos(3);
+  images_.Write("images/a.png", photos::MakePng(64, 48, 1));
+  images_.Write("raw/a.dng", "not a photo");
+  images_.Write(
+      "masks/a.png",
+      photos::Encode(".png", cv::Mat(48, 64, CV_8UC1, cv::Scalar(255))));
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(summary_["masks"], 1);
+  EXPECT_THAT(warnings_,
+              testing::Not(testing::Contains(HasSubstr("fit no photo"))));
+}
+
 TEST_F(IngestMasksTest, MasksInThePhotoFolderItself) {
   WritePhotos(3);
   options_.masks.masks = (images_.path() / ".").string();
