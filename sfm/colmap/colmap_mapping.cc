@@ -230,9 +230,11 @@ StatusOr<std::vector<Reconstruction>> MapPhotos(const StepContext& context,
                  "mapper",
                  result,
                  options.further ? Crash::kVerdict : Crash::kNoVerdict);
-  // COLMAP returns 1 when it made no model: that is a result, not a failure.
-  const bool no_model =
-      result.exit_code == 1 && ended.code() == StatusCode::kUnusableResult;
+  // COLMAP returns 1 when it made no model: that is a result, not a failure. It
+  // does the same when it cannot read the database.
+  const bool no_model = result.exit_code == 1 &&
+                        ended.code() == StatusCode::kUnusableResult &&
+                        result.tail.find("SQLite error") == std::string::npos;
   if (!ended.ok() && !no_model) return ended;
   StatusOr<std::vector<Reconstruction>> read = ReadModels(output);
   if (!read.ok()) {

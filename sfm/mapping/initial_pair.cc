@@ -262,8 +262,15 @@ StatusOr<std::vector<Reconstruction>> MapFromBestPair(
       passed_over.push_back(*from_pair.pair);
       continue;
     }
-    FREEGS_ASSIGN_OR_RETURN(Models made,
-                            MapPhotos(context, database, folder, from_pair));
+    from_pair.further = options.further || !models.empty();
+    StatusOr<Models> mapped = MapPhotos(context, database, folder, from_pair);
+    // The models that there are do not need this one.
+    if (mapped.status().code() == StatusCode::kUnusableResult &&
+        !models.empty()) {
+      passed_over.push_back(*from_pair.pair);
+      continue;
+    }
+    FREEGS_ASSIGN_OR_RETURN(Models made, std::move(mapped));
     if (NumRegistered(made) < enough) {
       passed_over.push_back(*from_pair.pair);
       continue;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "sfm/mapping/initial_pair.h"
+#include "sfm/mapping/place_comparison.h"
 #include "sfm/mapping/separate_parts.h"
 #include "sfm/matching/match_database.h"
 
@@ -118,7 +119,12 @@ Status ModelRefinement::TakeConfirmed(ConfirmedPoses confirmed,
       *cameras = std::move(their_cameras);
     } else {
       // A model with uncertain photos is better than none.
-      confirmed.replaced = false;
+      if (confirmed.replaced) {
+        confirmed.replaced = false;
+        confirmed.witnessed = false;
+        confirmed.uncertain =
+            ComparePlaces(refined->models[0], confirmed.models[0]).elsewhere;
+      }
       for (Attempt& attempt : confirmed.attempts) {
         if (attempt.kept) attempt.problem = "its poses cannot be trusted";
         attempt.kept = false;

@@ -52,6 +52,11 @@ std::string Why(const Candidate& glued) {
          FormatFixed(glued.groups.score, 2) + ")";
 }
 
+// Whether COLMAP made nothing of use. Models that are there already stay then.
+bool IsUnusable(const StatusOr<Models>& mapped) {
+  return mapped.status().code() == StatusCode::kUnusableResult;
+}
+
 // Maps a scene again without the pairs that glued a model of it.
 class Remapping {
  public:
@@ -93,9 +98,10 @@ StatusOr<AttemptResult> Remapping::Run(const fs::path& folder,
     if (candidate.groups.suspects.empty()) break;
     FREEGS_RETURN_IF_ERROR(
         RemoveVerifiedPairs(trusted, candidate.groups.suspects));
-    FREEGS_ASSIGN_OR_RETURN(
-        Models again,
-        MapOnce(trusted, folder / "mapper", repair, candidate, wanted));
+    StatusOr<Models> mapped =
+        MapOnce(trusted, folder / "mapper", repair, candidate, wanted);
+    if (IsUnusable(mapped) && !result.models.empty()) break;
+    FREEGS_ASSIGN_OR_RETURN(Models again, std::move(mapped));
     if (again.empty()) break;
     candidate.model = again[0];
     FREEGS_ASSIGN_OR_RETURN(candidate.groups,
@@ -134,14 +140,14 @@ StatusOr<Models> Remapping::MapAnew(const fs::path& trusted,
       Models models,
       MapFromBestPair(context_, trusted, folder, skip_, {.further = true}));
   if (NumRegistered(models) * 10 >= wanted * 9) return models;
-  FREEGS_ASSIGN_OR_RETURN(Models relaxed,
-                          MapPhotos(context_,
-                                    trusted,
-                                    folder,
-                                    {.step = "mapping, lower thresholds",
-                                     .further = true,
-                                     .relaxed = true}));
-  return NumRegistered(relaxed) > NumRegistered(models) ? relaxed : models;
+  StatusOr<Models> relaxed = MapPhotos(
+      context_,
+      trusted,
+      folder,
+      {.step = "mapping, lower thresholds", .further = true, .relaxed = true});
+  if (IsUnusable(relaxed) && !models.empty()) return models;
+  FREEGS_RETURN_IF_ERROR(relaxed.status());
+  return NumRegistered(*relaxed) > NumRegistered(models) ? *relaxed : models;
 }
 
 // A model of each group that is large enough.

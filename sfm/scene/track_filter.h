@@ -10,10 +10,10 @@
 
 namespace freegs::sfm {
 
-// Removes observations whose point does not project into the image or projects
-// more than 4 pixels (COLMAP's threshold) from the feature. Then removes points
-// that have fewer than two observations left, or whose rays differ by less than
-// 1.5 degrees, and sets `error` of the points that stay. Returns how many
+// Removes observations whose point lies behind the camera or projects more than
+// 4 pixels (COLMAP's threshold) from the feature. Then removes points that have
+// fewer than two observations left, or whose rays differ by less than 1.5
+// degrees, and sets `error` of the points that stay. Returns how many
 // observations were removed. `model` must pass CheckReconstruction and must
 // have no dangling references (see RemoveDanglingReferences).
 size_t FilterTracks(Reconstruction* model);

@@ -5,10 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <memory>
 #include <numbers>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -165,6 +168,12 @@ class ChooseInitialPairTest : public testing::Test {
     input.photo_folder = folder_.path();
     input.work_folder = folder_.path();
     input.photos = photos_;
+    int mappings = 0;
+    input.progress = [&](const Progress& progress) {
+      if (progress.done == 0 && ++mappings == crash_in_) {
+        folder_.Write("crash", "");
+      }
+    };
     SfmOptions options;
     options.colmap = MakeFakeColmap(folder_.path(), settings);
     FREEGS_ASSIGN_OR_RETURN(ColmapProgram colmap,
@@ -180,6 +189,15 @@ class ChooseInitialPairTest : public testing::Test {
       sizes.push_back(model.images.size());
     }
     return sizes;
+  }
+
+  // With these settings the mapper crashes in its run `number`, from 1.
+  std::vector<std::pair<std::string, std::string>> CrashIn(int number) {
+    crash_in_ = number;
+    return {{"FAKE_COLMAP_PAIR", "10"},
+            {"FAKE_COLMAP_FAIL", "mapper"},
+            {"FAKE_COLMAP_SIGNAL", std::to_string(SIGABRT)},
+            {"FAKE_COLMAP_ONCE", (folder_ / "crash").string()}};
   }
 
   std::string Log() const { return ReadText(folder_ / "logs" / "mapper.log"); }
@@ -198,6 +216,7 @@ class ChooseInitialPairTest : public testing::Test {
   std::vector<Eigen::Vector3d> points_ = MakePoints();
   std::vector<SfmPhoto> photos_;
   std::vector<Rigid3d> poses_;
+  int crash_in_ = 0;
 };
 
 TEST_F(ChooseInitialPairTest, WideAndNotOnAPlane) {
@@ -310,6 +329,16 @@ TEST_F(ChooseInitialPairTest, ModelsWithoutTheirPairDoNotGoOnForever) {
   const auto models = Map({{"FAKE_COLMAP_PAIR", "10"}});
   ASSERT_TRUE(models.ok()) << models.status().message();
   EXPECT_THAT(*models, testing::ElementsAre(10));
+}
+
+TEST_F(ChooseInitialPairTest, ACrashKeepsTheModelsThatAreThere) {
+  for (int i = 0; i < 22; ++i) AddPhoto({0.6 * i, -3, 3});
+  for (int i = 1; i < 22; ++i) Match(i, i + 1, 1, 2);
+  const auto models = Map(CrashIn(2));
+  ASSERT_TRUE(models.ok()) << models.status().message();
+  EXPECT_THAT(*models, testing::ElementsAre(10));
+  // Without any, another run may have more luck.
+  EXPECT_EQ(Map(CrashIn(1)).status().code(), StatusCode::kInternal);
 }
 
 TEST_F(ChooseInitialPairTest, ColmapLooksForAPairWhereThereIsNone) {
