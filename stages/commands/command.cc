@@ -37,11 +37,19 @@ Status CheckOutputPlace(const fs::path& workspace, const fs::path& place) {
         place.string() + ": lies in the folder of stage " + stage +
         ", whose files must stay as the stage made them; give another place");
   }
-  const auto info = pipeline::ReadWorkspaceInfo(workspace);
-  if (info.ok() && !info->images.empty() && IsWithin(place, info->images)) {
-    return InvalidArgumentError(
-        place.string() + ": lies in " + info->images.string() +
-        ", which holds the photos of the scene; give another place");
+  if (const auto info = pipeline::ReadWorkspaceInfo(workspace); info.ok()) {
+    if (!info->images.empty() && IsWithin(place, info->images)) {
+      return InvalidArgumentError(
+          place.string() + ": lies in " + info->images.string() +
+          ", which holds the photos of the scene; give another place");
+    }
+    const auto masks = info->settings.find("ingest.masks");
+    if (masks != info->settings.end() && !masks->second.empty() &&
+        IsWithin(place, pipeline::PathInWorkspace(workspace, masks->second))) {
+      return InvalidArgumentError(
+          place.string() + ": lies in " + masks->second +
+          ", which holds the masks of the photos; give another place");
+    }
   }
   return CheckOutputPlace(place);
 }

@@ -56,8 +56,8 @@ bool IsWithin(const std::filesystem::path& inner,
 // For commands that write files where the user says. Returns kInvalidArgument
 // for a place in the folder of a stage, where a file would replace what the
 // stage made or be gone after its next run, for a place among the photos of the
-// scene, and for those that the other form below refuses. An empty `place` is
-// none.
+// scene or in the folder of their masks, and for those that the other form
+// below refuses. An empty `place` is none.
 Status CheckOutputPlace(const std::filesystem::path& workspace,
                         const std::filesystem::path& place);
 

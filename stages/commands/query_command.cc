@@ -65,7 +65,12 @@ Status RunQueryCommand(const std::vector<std::string>& arguments,
                        CommandContext& context) {
   FREEGS_ASSIGN_OR_RETURN(const QueryRequest request,
                           ParseQueryRequest(arguments));
-  FREEGS_RETURN_IF_ERROR(CheckOutputPlace(request.workspace, request.out));
+  if (!request.out.empty()) {
+    const fs::path out = request.out;
+    for (const fs::path& place : {out, out / "masks", out / "overlay"}) {
+      FREEGS_RETURN_IF_ERROR(CheckOutputPlace(request.workspace, place));
+    }
+  }
   WarnOfRun(request.workspace, context);
   if (!request.out.empty()) {
     FREEGS_RETURN_IF_ERROR(PrepareOutputFolder(request.out));

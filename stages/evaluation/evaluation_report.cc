@@ -2,6 +2,7 @@
 
 #include "stages/evaluation/evaluation_report.h"
 
+#include <cstdint>
 #include <cstdio>
 #include <utility>
 
@@ -14,6 +15,8 @@ namespace freegs::stages {
 namespace {
 
 using nlohmann::json;
+
+constexpr size_t kNameWidth = 24;  // Of objects and queries in tables.
 
 json UseJson(TestViewUse use) {
   switch (use) {
@@ -106,6 +109,19 @@ std::string IdText(int instance) {
   return instance < 0 ? "-" : std::to_string(instance + 1);
 }
 
+// UTF-8, cut or filled with blanks to `width` characters.
+std::string Cell(const std::string& text, size_t width) {
+  size_t characters = 0;
+  size_t end = 0;
+  for (; end < text.size(); ++end) {
+    const bool continues = (static_cast<uint8_t>(text[end]) & 0xC0) == 0x80;
+    if (continues) continue;
+    if (characters == width) break;
+    ++characters;
+  }
+  return text.substr(0, end) + std::string(width - characters, ' ');
+}
+
 void Row(std::ostream& out,
          const std::string& name,
          const std::string& value,
@@ -120,23 +136,21 @@ void PrintObjects(const InstanceQuality& quality, std::ostream& out) {
   char text[128];
   std::snprintf(text,
                 sizeof(text),
-                "\n  %-24s %8s %8s %8s %8s\n",
-                "object",
+                " %8s %8s %8s %8s\n",
                 "instance",
                 "mask IoU",
                 "click",
                 "box IoU");
-  out << text;
+  out << "\n  " << Cell("object", kNameWidth) << text;
   for (const ObjectResult& object : quality.objects) {
     std::snprintf(text,
                   sizeof(text),
-                  "  %-24.24s %8s %8s %8s %8s\n",
-                  object.label.c_str(),
+                  " %8s %8s %8s %8s\n",
                   IdText(object.instance).c_str(),
                   Text(object.instance_iou, 3).c_str(),
                   Text(object.click_iou, 3).c_str(),
                   Text(object.box_iou, 3).c_str());
-    out << text;
+    out << "  " << Cell(object.label, kNameWidth) << text;
   }
 }
 
@@ -144,25 +158,23 @@ void PrintLabels(const TextQuality& quality, std::ostream& out) {
   char text[128];
   std::snprintf(text,
                 sizeof(text),
-                "\n  %-24s %8s %9s %8s %8s %8s\n",
-                "query",
+                " %8s %9s %8s %8s %8s\n",
                 "instance",
                 "relevancy",
                 "mask IoU",
                 "boundary",
                 "box IoU");
-  out << text;
+  out << "\n  " << Cell("query", kNameWidth) << text;
   for (const LabelResult& label : quality.labels) {
     std::snprintf(text,
                   sizeof(text),
-                  "  %-24.24s %8s %9.3f %8s %8s %8s\n",
-                  label.label.c_str(),
+                  " %8s %9.3f %8s %8s %8s\n",
                   IdText(label.answer.instance).c_str(),
                   label.answer.relevancy,
                   Text(label.iou, 3).c_str(),
                   Text(label.boundary_iou, 3).c_str(),
                   Text(label.box_iou, 3).c_str());
-    out << text;
+    out << "  " << Cell(label.label, kNameWidth) << text;
   }
 }
 

@@ -65,7 +65,9 @@ StatusOr<int> AddLevel(const fs::path& workspace,
   const int32_t around = semantics::RegionAround(hierarchy, part, level);
   const std::vector<uint8_t> inside = semantics::GaussiansOf(hierarchy, around);
 
+  // Somebody may have taken instances out of the list.
   int id = 0;
+  for (const int32_t label : scene->labels) id = std::max(id, label + 2);
   for (const semantics::Instance& instance : scene->instances) {
     id = std::max(id, instance.id + 1);
   }

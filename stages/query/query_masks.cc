@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -24,10 +25,26 @@ namespace fs = std::filesystem;
 // instance of the answer.
 constexpr size_t kMaxOverlays = 6;
 
-Status WritePicture(const fs::path& path, const ImageU8& image) {
-  FREEGS_RETURN_IF_ERROR(CreateFolders(path.parent_path()));
-  return WriteImage(path, image);
-}
+// Writes pictures, and removes them again when the answer was not finished:
+// query.json, which lists them, is written at the end.
+class PictureFolder {
+ public:
+  ~PictureFolder() {
+    std::error_code error;
+    for (const fs::path& path : written_) fs::remove(path, error);
+  }
+
+  Status Write(const fs::path& path, const ImageU8& image) {
+    FREEGS_RETURN_IF_ERROR(CreateFolders(path.parent_path()));
+    written_.push_back(path);
+    return WriteImage(path, image);
+  }
+
+  void Keep() { written_.clear(); }
+
+ private:
+  std::vector<fs::path> written_;
+};
 
 // 255 where one of the instances has the largest weight.
 ImageU8 MaskOf(const QueryMasksTask& task, const View& view, ThreadPool& pool) {
@@ -74,7 +91,8 @@ StatusOr<ImageU8> PictureOf(const QueryMasksTask& task,
 // Writes overlays for some of the views whose mask is not empty.
 Status WriteOverlays(const QueryMasksTask& task,
                      const std::vector<MaskedView>& masks,
-                     ThreadPool& pool) {
+                     ThreadPool& pool,
+                     PictureFolder* folder) {
   FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> names,
                           OutputNames(task.views, ".jpg"));
   std::vector<size_t> seeing;
@@ -92,8 +110,8 @@ Status WriteOverlays(const QueryMasksTask& task,
     for (size_t p = 0; p < mask.size(); ++p) {
       if (mask.data()[p] != 0) labels.data()[p] = task.ids[0] - 1;
     }
-    FREEGS_RETURN_IF_ERROR(WritePicture(task.out / "overlay" / names[i],
-                                        OverlayInstances(picture, labels)));
+    FREEGS_RETURN_IF_ERROR(folder->Write(task.out / "overlay" / names[i],
+                                         OverlayInstances(picture, labels)));
   }
   return Status();
 }
@@ -130,13 +148,7 @@ StatusOr<std::vector<MaskedView>> WriteQueryMasks(
     ThreadPool& pool) {
   FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> names,
                           OutputNames(task.views, ".png"));
-  FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> overlays,
-                          OutputNames(task.views, ".jpg"));
-  for (const std::string& overlay : overlays) {
-    // Those of an answer that was interrupted are in no list.
-    std::error_code error;
-    fs::remove(task.out / "overlay" / overlay, error);
-  }
+  PictureFolder folder;
   std::vector<MaskedView> masks;
   for (size_t i = 0; i < task.views.size(); ++i) {
     if (cancellation.cancelled()) {
@@ -146,14 +158,15 @@ StatusOr<std::vector<MaskedView>> WriteQueryMasks(
     }
     const ImageU8 mask = MaskOf(task, task.views[i], pool);
     const std::string file = "masks/" + names[i];
-    FREEGS_RETURN_IF_ERROR(WritePicture(task.out / file, mask));
+    FREEGS_RETURN_IF_ERROR(folder.Write(task.out / file, mask));
     masks.push_back(
         {task.views[i].name,
          file,
          std::count(mask.data(), mask.data() + mask.size(), uint8_t{255})});
     progress(i + 1);
   }
-  FREEGS_RETURN_IF_ERROR(WriteOverlays(task, masks, pool));
+  FREEGS_RETURN_IF_ERROR(WriteOverlays(task, masks, pool, &folder));
+  folder.Keep();
   return masks;
 }
 

@@ -38,7 +38,8 @@ void RemoveEarlierAnswer(const std::filesystem::path& out);
 // Writes out/masks/VIEW.png for every view: 8-bit grey, 255 where one of the
 // instances has the largest sum of blending weights, else 0. Also writes
 // out/overlay/VIEW.jpg for at most six of the views that see an instance.
-// `progress` is told how many views are done. kInterrupted when cancelled.
+// `progress` is told how many views are done. kInterrupted when cancelled; what
+// was written is removed then, and after any other error.
 StatusOr<std::vector<MaskedView>> WriteQueryMasks(
     const QueryMasksTask& task,
     const CancellationToken& cancellation,

@@ -9,6 +9,7 @@
 #include <system_error>
 #include <utility>
 
+#include "core/text.h"
 #include "pipeline/fingerprint.h"
 #include "pipeline/stage_record.h"
 #include "pipeline/workspace.h"
@@ -23,6 +24,8 @@ namespace fs = std::filesystem;
 constexpr float kTint = 0.6f;
 constexpr float kDarkened = 0.45f;  // Brightness where there is no instance.
 constexpr uint8_t kBorder = 245;
+
+constexpr size_t kShownIds = 50;  // In a message.
 
 }  // namespace
 
@@ -102,13 +105,13 @@ StatusOr<std::set<int32_t>> LabelsOfIds(std::span<const int32_t> labels,
   std::set<int32_t> asked;
   for (const int id : ids) {
     if (id < 1 || !present.contains(id - 1)) {
-      std::string known;
+      std::vector<std::string> known;
       for (const int32_t label : present) {
-        if (label < 0) continue;
-        known += (known.empty() ? "" : ", ") + std::to_string(label + 1);
+        if (label >= 0) known.push_back(std::to_string(label + 1));
       }
-      return InvalidArgumentError("there is no instance " + std::to_string(id) +
-                                  "; there are " + known);
+      return InvalidArgumentError(
+          "there is no instance " + std::to_string(id) + "; there are " +
+          (known.empty() ? "none" : SomeNames(known, kShownIds)));
     }
     asked.insert(id - 1);
   }

@@ -107,7 +107,7 @@ TEST_F(ExportCommandTest, InstancesThatAreNotThere) {
     const Status status =
         Export({workspace(), "--out", File("a.ply"), "--only", ids});
     EXPECT_EQ(status.code(), StatusCode::kInvalidArgument) << ids;
-    EXPECT_THAT(status.message(), HasSubstr("there are 1, 2, 3"));
+    EXPECT_THAT(status.message(), HasSubstr("there are 1, 2 and 3"));
   }
   for (const char* ids : {"x", "1,", ",1", "1 2", "1;2", "99999999999"}) {
     const Status status =

@@ -12,6 +12,7 @@
 #include "core/io/image_io.h"
 #include "pipeline/exit_code.h"
 #include "pipeline/stage_record.h"
+#include "pipeline/workspace.h"
 #include "semantics/clip/opencv_clip.h"
 #include "semantics/instances/instances_json.h"
 #include "semantics/queries/instance_features.h"
@@ -286,6 +287,23 @@ TEST_F(QueryCommandTest, FoldersOfStagesAreNoPlaceForMasks) {
                    (workspace_ / "answer").string()}),
             0)
       << message_;
+}
+
+TEST_F(QueryCommandTest, PicturesOfSomebodyElseStay) {
+  namespace fs = std::filesystem;
+  AddFeatures("red apple", "wooden box");
+  const fs::path picture = fs::path(out()) / "overlay" / "photo1.jpg";
+  fs::create_directories(picture.parent_path());
+  WriteText(picture, "mine");
+  Query({"--text", "zebra", "--min-relevancy", "1", "--out", out()});
+  EXPECT_TRUE(fs::exists(fs::path(out()) / "query.json")) << message_;
+  EXPECT_EQ(ReadText(picture), "mine");
+
+  pipeline::WorkspaceInfo info;
+  info.settings["ingest.masks"] = (fs::path(out()) / "masks").string();
+  ASSERT_TRUE(pipeline::WriteWorkspaceInfo(workspace_.path(), info).ok());
+  EXPECT_EQ(Query({"--click", "photo2", "1", "1", "--out", out()}), 2);
+  EXPECT_THAT(message_, HasSubstr("the masks of the photos"));
 }
 
 TEST_F(QueryCommandTest, ClicksAnswerWithoutSemantics) {

@@ -316,6 +316,14 @@ TEST_F(EvaluationTest, ReportHasEveryKey) {
   PrintTable(report, table);
   EXPECT_NE(table.str().find("instance mIoU"), std::string::npos);
   EXPECT_NE(table.str().find("ball 3"), std::string::npos);
+
+  // Names are cut between characters: 24 of these have 48 bytes.
+  std::string name;
+  for (int i = 0; i < 24; ++i) name += "\u00e4";
+  report.instances->objects[0].label = name + name;
+  std::ostringstream umlauts;
+  PrintTable(report, umlauts);
+  EXPECT_NE(umlauts.str().find("  " + name + "  "), std::string::npos);
 }
 
 TEST_F(EvaluationTest, ReportSaysWhichTestViewsWereGiven) {
