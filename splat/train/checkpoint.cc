@@ -343,9 +343,7 @@ StatusOr<TrainingCheckpoint> ParseCheckpoint(std::string_view content) {
   if (!reader.Get(&version) || version != kVersion) {
     return BadInputError("training checkpoint is of format " +
                          std::to_string(version) + ", this program reads " +
-                         std::to_string(kVersion) +
-                         ": go on with the program that wrote it, or start "
-                         "training afresh");
+                         std::to_string(kVersion));
   }
   TrainingCheckpoint checkpoint;
   if (!ReadPayload(&reader, &checkpoint)) {

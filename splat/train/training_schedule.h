@@ -126,8 +126,8 @@ class TrainingSchedule {
   // when no densification is left, or a milestone that resets them comes first.
   bool CollectsStatistics(int64_t done) const;
 
-  // What happens directly after step number `done` > 0. At a milestone nothing
-  // else happens.
+  // What happens directly after step number `done` > 0. At a milestone there is
+  // no densification.
   bool Densifies(int64_t done) const;
   std::optional<TrainingEvent> MilestoneAt(int64_t done) const;
 

@@ -284,8 +284,8 @@ class ReconstructStage : public pipeline::Stage {
     metrics.update(trained.course);
     metrics.update(new_views);
     const pipeline::ResourceUsage usage = meter.Elapsed();
-    metrics["seconds"] = trained.earlier_seconds + usage.wall_seconds;
-    metrics["cpu_seconds"] = trained.earlier_cpu_seconds + usage.cpu_seconds;
+    metrics["seconds"] = context.earlier_seconds + usage.wall_seconds;
+    metrics["cpu_seconds"] = context.earlier_cpu_seconds + usage.cpu_seconds;
     metrics["peak_memory_bytes"] = usage.peak_memory_bytes;
     context.summary = metrics;
     context.summary.erase("holdout_views");

@@ -95,7 +95,7 @@ std::string ExposureText(const splat::ExposureChoice& choice) {
   }
   return std::string("the exposure of each photo is ") +
          (choice.learn ? "learnt" : "not learnt") +
-         "; after a short training with four fifths of the photos, that of "
+         "; after a short training with most of the photos, that of "
          "its neighbours changes them from " +
          change(choice.without.trained, choice.with.trained) +
          ", and fitted colours change the others from " +

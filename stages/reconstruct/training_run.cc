@@ -104,8 +104,6 @@ class TrainingRun {
   TrainedModel Result() const {
     return {.model = trainer_->model(),
             .iterations = trainer_->iteration(),
-            .earlier_seconds = earlier_seconds_,
-            .earlier_cpu_seconds = earlier_cpu_seconds_,
             .exposures = trainer_->Exposures(),
             .course = CourseJson(options_.densification, trainer_)};
   }
@@ -118,7 +116,13 @@ class TrainingRun {
     for (const std::string& problem : problems) {
       context_->log(LogLevel::kWarning, problem);
     }
-    if (!checkpoint) return Status();
+    if (!checkpoint) {
+      if (!problems.empty()) {
+        context_->log(LogLevel::kWarning,
+                      "no checkpoint can be used: training starts afresh");
+      }
+      return Status();
+    }
     earlier_seconds_ = checkpoint->elapsed_seconds;
     earlier_cpu_seconds_ = Fact(*checkpoint, "cpu_seconds");
     loss_sum_ = Fact(*checkpoint, "row_loss_sum");

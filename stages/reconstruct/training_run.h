@@ -26,11 +26,6 @@ struct TrainedModel {
   splat::GaussianModel model;
   int64_t iterations = 0;
 
-  // Time that interrupted runs spent before this one. The time of this run is
-  // not part of it.
-  double earlier_seconds = 0;
-  double earlier_cpu_seconds = 0;
-
   // What was learnt about the photos' exposure, in the order of NaturalLess;
   // empty where it was not.
   std::vector<splat::PhotoExposure> exposures;
