@@ -137,12 +137,15 @@ Status CheckHeader(const PhotoHeader& header,
                    const PhotoDecodeOptions& options) {
   const double pixels =
       static_cast<double>(header.width) * static_cast<double>(header.height);
+  const std::string& option = options.max_megapixels_option;
   if (pixels > options.max_megapixels * 1e6) {
-    return BadInputError("its header claims " + SizeText(header) +
-                         ", more than the limit of " +
-                         FormatSignificant(options.max_megapixels, 6) +
-                         " megapixels (ingest.max_megapixels); reduce the "
-                         "photo or raise the limit");
+    return BadInputError(
+        "its header claims " + SizeText(header) + ", more than the limit of " +
+        FormatSignificant(options.max_megapixels, 6) + " megapixels" +
+        (option.empty() ? "; reduce the photo"
+                        : " (" + option +
+                              "); reduce the photo or raise "
+                              "the limit"));
   }
   if (std::min(header.width, header.height) < options.min_side) {
     return BadInputError("only " + SizeText(header) + ", shorter than " +

@@ -54,21 +54,22 @@ std::string WithoutSuffix(const std::string& file) {
   return std::filesystem::path(file).replace_extension().string();
 }
 
-// Finds the photos that a plain name means, the rejected ones too. The files'
-// own names go before those in the workspace, and these before the files' names
-// without suffix.
+// Finds the photos that a plain name means, the rejected ones too. Whole names
+// go before those without folders, the files' own names before those in the
+// workspace, and these before the files' names without suffix.
 class PhotoFinder {
  public:
   explicit PhotoFinder(std::vector<Photo>* photos) {
     for (Photo& photo : *photos) {
-      Add(photo.file, &photo, &by_file_);
-      Add(photo.name, &photo, &by_name_);
-      Add(WithoutSuffix(photo.file), &photo, &by_stem_);
+      Add(photo.file, &photo, &by_whole_file_, &by_file_);
+      Add(photo.name, &photo, &by_whole_name_, &by_name_);
+      Add(WithoutSuffix(photo.file), &photo, &by_stem_, &by_stem_);
     }
   }
 
   std::vector<Photo*> Find(const std::string& name) const {
-    for (const PhotosByName* known : {&by_file_, &by_name_}) {
+    for (const PhotosByName* known :
+         {&by_whole_file_, &by_whole_name_, &by_file_, &by_name_}) {
       const auto found = known->find(name);
       if (found != known->end()) return found->second;
     }
@@ -86,14 +87,19 @@ class PhotoFinder {
  private:
   using PhotosByName = std::map<std::string, std::vector<Photo*>>;
 
-  static void Add(const std::string& file, Photo* photo, PhotosByName* known) {
+  static void Add(const std::string& file,
+                  Photo* photo,
+                  PhotosByName* by_whole,
+                  PhotosByName* by_base) {
     if (file.empty()) return;
     const std::string whole = PlainName(file);
     const std::string base = PlainName(BaseName(file));
-    (*known)[whole].push_back(photo);
-    if (base != whole) (*known)[base].push_back(photo);
+    (*by_whole)[whole].push_back(photo);
+    if (base != whole) (*by_base)[base].push_back(photo);
   }
 
+  PhotosByName by_whole_file_;
+  PhotosByName by_whole_name_;
   PhotosByName by_file_;
   PhotosByName by_name_;
   PhotosByName by_stem_;

@@ -49,8 +49,10 @@ struct HdbscanOptions {
 
 struct HdbscanResult {
   int num_clusters = 0;
-  std::vector<int32_t> labels;       // N; -1 is noise, else [0, num_clusters).
-  std::vector<float> probabilities;  // N; in (0, 1], 0 for noise.
+  std::vector<int32_t> labels;  // N; -1 is noise, else [0, num_clusters).
+  // N; in [0, 1]. 0 for noise, and for what lies around more equal points than
+  // min_samples.
+  std::vector<float> probabilities;
   double mst_weight = 0;  // Sum of the distances along the spanning tree.
 };
 

@@ -198,8 +198,8 @@ JoinedInstances InstanceClusterer::Join(const InstanceLabels& labels,
       });
   Hierarchy hierarchy = *labels.hierarchy;
   std::vector<InstancePair> made;
+  std::vector<int32_t> regions = RegionsOfLabels(labels, hierarchy);
   for (const auto& [pair, confidence] : pairs) {
-    const std::vector<int32_t> regions = RegionsOfLabels(labels, hierarchy);
     const int32_t a = regions[pair.a];
     const int32_t b = regions[pair.b];
     // An earlier join may have taken one of the two into its whole.
@@ -210,6 +210,7 @@ JoinedInstances InstanceClusterer::Join(const InstanceLabels& labels,
     if (a >= 0 && b >= 0 && a != b && num_labels == 2 &&
         JoinAsWhole(a, b, confidence, &hierarchy)) {
       made.push_back(pair);
+      regions = RegionsOfLabels(labels, hierarchy);
     }
   }
   JoinedInstances joined;

@@ -21,7 +21,7 @@ namespace {
 constexpr int kProgressInterval = 10;
 
 // The options of a trial. Milestones are shares of the iterations and adapt by
-// themselves; intervals must be shortened.
+// themselves; intervals are shortened, to 10 steps at least.
 TrainerOptions TrialOptions(const ExposureSearchOptions& options,
                             const TrainerOptions& training,
                             int level) {

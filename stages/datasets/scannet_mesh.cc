@@ -2,6 +2,7 @@
 
 #include "stages/datasets/scannet_mesh.h"
 
+#include <cmath>
 #include <optional>
 #include <unordered_map>
 #include <utility>
@@ -112,7 +113,9 @@ Status ReadVertices(const PlyElement& element,
       // A label that is not a whole number is no class.
       if (label == i) {
         mesh->labels[v] =
-            value >= 0 && value <= 65535 ? static_cast<int>(value) : -1;
+            value >= 0 && value <= 65535 && value == std::floor(value)
+                ? static_cast<int>(value)
+                : -1;
       }
     }
     if (!mesh->vertices[v].allFinite()) {

@@ -74,8 +74,9 @@ Status ForEachPhoto(StageContext& context,
   return Status();
 }
 
-// The content of a linked folder is an input, so it must not change with what a
-// run writes. Of the photo folder itself the commands see to that.
+// The content of a linked folder is an input, so it must not hold what a run
+// writes, nor be part of it. Of the photo folder itself the commands see to
+// that.
 Status CheckLinkedFolders(const StageContext& context,
                           const photos::PhotoScan& scan) {
   std::error_code error;
@@ -84,13 +85,18 @@ Status CheckLinkedFolders(const StageContext& context,
   for (const std::string& link : scan.linked_folders) {
     const fs::path target = fs::canonical(context.images / link, error);
     if (error) continue;
-    const fs::path within = workspace.lexically_relative(target);
-    if (within.empty() || *within.begin() == "..") continue;
+    const auto lies_in = [](const fs::path& inner, const fs::path& outer) {
+      const fs::path relative = inner.lexically_relative(outer);
+      return !relative.empty() && *relative.begin() != "..";
+    };
+    const bool holds = lies_in(workspace, target);
+    if (!holds && !lies_in(target, workspace)) continue;
     return BadInputError(
         OneLine((context.images / link).string()) + ": this link leads to " +
-        OneLine(target.string()) +
-        ", which holds the workspace, so each run would find changed photos. "
-        "Delete the link, or give a workspace elsewhere");
+        OneLine(target.string()) + ", which " +
+        (holds ? "holds the workspace" : "lies in the workspace") +
+        ", so each run would find changed photos. Delete the link, or give a "
+        "workspace elsewhere");
   }
   return Status();
 }

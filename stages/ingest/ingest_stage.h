@@ -21,7 +21,8 @@
 namespace freegs::stages {
 
 struct IngestStageOptions {
-  photos::PhotoDecodeOptions decode;
+  photos::PhotoDecodeOptions decode = {.max_megapixels_option =
+                                           "ingest.max_megapixels"};
 
   // Every holdout_every-th usable photo, beginning with the first, is kept from
   // training; 0 keeps none.

@@ -6,6 +6,7 @@
 #include <arpa/inet.h>
 #include <array>
 #include <cstdint>
+#include <cstring>
 #include <ifaddrs.h>
 #include <netdb.h>
 #include <netinet/in.h>
@@ -46,19 +47,32 @@ std::string HostWithoutPort(const std::string& host) {
              : host;
 }
 
+// Whether both are the same IPv6 address. Browsers write it in its shortest
+// form, whatever they were given.
+bool IsSameIpv6(const std::string& a, const std::string& b) {
+  in6_addr first;
+  in6_addr second;
+  return inet_pton(AF_INET6, a.c_str(), &first) == 1 &&
+         inet_pton(AF_INET6, b.c_str(), &second) == 1 &&
+         std::memcmp(&first, &second, sizeof(first)) == 0;
+}
+
 bool IsOwnHost(const AccessRules& rules, const std::string& header) {
   const std::string name = HostWithoutPort(AsciiLower(header));
   if (name.empty()) return false;
   if (name == "127.0.0.1" || name == "localhost" || name == "[::1]") {
     return true;
   }
+  const std::string bracketed = name.starts_with('[') && name.ends_with(']')
+                                    ? name.substr(1, name.size() - 2)
+                                    : "";
   // An address is never somebody else's name for this machine.
   if (IsAnyAddress(rules.address)) {
     return name == AsciiLower(rules.host_name) || IsIpv4(name) ||
-           (name.starts_with('[') && name.ends_with(']') &&
-            IsIpv6(name.substr(1, name.size() - 2)));
+           IsIpv6(bracketed);
   }
-  return name == AsciiLower(Bracketed(rules.address));
+  return name == AsciiLower(Bracketed(rules.address)) ||
+         IsSameIpv6(bracketed, rules.address);
 }
 
 std::vector<std::string> Ipv4Addresses() {

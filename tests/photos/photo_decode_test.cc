@@ -458,6 +458,10 @@ TEST(PhotoDecodeTest, TruncatedTiffIsRefused) {
 TEST(PhotoDecodeTest, LimitsAreOptions) {
   const std::string jpeg = MakeJpeg(200, 150, 1);
   EXPECT_THAT(Failure(jpeg, {.max_megapixels = 0.02}),
+              HasSubstr("0.02 megapixels; reduce the photo"));
+  EXPECT_THAT(Failure(jpeg,
+                      {.max_megapixels = 0.02,
+                       .max_megapixels_option = "ingest.max_megapixels"}),
               HasSubstr("0.02 megapixels (ingest.max_megapixels)"));
   EXPECT_THAT(Failure(jpeg, {.min_side = 151}), HasSubstr("shorter than 151"));
   EXPECT_EQ(Failure(MakePng(1, 1, 1), {.min_side = 1}), "decoded");

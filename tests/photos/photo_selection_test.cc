@@ -168,9 +168,18 @@ TEST(AssignHoldoutTest, NamesMayBeWrittenInOtherWays) {
   EXPECT_THAT(held("./val/test_01.png"), ElementsAre(1));
   EXPECT_THAT(held("twice.jpg"), ElementsAre(2, 3));
   EXPECT_THAT(held("val/twice"), ElementsAre(2));
+  EXPECT_THAT(held("twice.png"), ElementsAre(4));
   EXPECT_THAT(held("twice\np0"), ElementsAre(0));  // Which of three?
   EXPECT_THAT(held(" spaced .jpg"), ElementsAre(5));
   EXPECT_THAT(held("  # p6.jpg\np0.jpg"), ElementsAre(0));
+}
+
+TEST(AssignHoldoutTest, AWholeNameIsOnlyThatPhoto) {
+  std::vector<Photo> photos = MakePhotos(5);
+  photos[1].file = "more/" + photos[0].file;
+  const std::vector<std::string> names = {photos[0].file};
+  ASSERT_TRUE(AssignHoldout({.names = names}, &photos).ok());
+  EXPECT_THAT(With(PhotoSplit::kHoldout, photos), ElementsAre(0));
 }
 
 TEST(AssignHoldoutTest, AListThatFitsNoPhotoIsAnError) {

@@ -400,6 +400,11 @@ TEST_F(IngestStageTest, ALinkToAFolderThatHoldsTheWorkspaceIsRefused) {
   EXPECT_THAT(status.message(), HasSubstr("which holds the workspace"));
   // What would change is not read as an input.
   EXPECT_THAT(stage->Inputs(context), ElementsAre(context.images));
+  fs::remove(link);
+  fs::create_directories(folder / "more/w/ingest/photos");
+  fs::create_directory_symlink("../more/w/ingest/photos", link);
+  EXPECT_THAT(stage->Run(context).message(),
+              HasSubstr("which lies in the workspace"));
   // A folder beside the workspace is as good as any.
   fs::remove(link);
   fs::create_directory_symlink("../more/set", link);

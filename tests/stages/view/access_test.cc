@@ -62,6 +62,9 @@ TEST(Access, AnAddressOfTheNetworkIsAName) {
   EXPECT_EQ(Decide(one, From("192.168.1.6:8717")), 403);
   const AccessRules six = {.address = "fe80::1", .port = 8717};
   EXPECT_EQ(Decide(six, From("[fe80::1]:8717")), 200);
+  const AccessRules longer = {.address = "fe80:0:0::01", .port = 8717};
+  EXPECT_EQ(Decide(longer, From("[fe80::1]:8717")), 200);
+  EXPECT_EQ(Decide(longer, From("[fe80::2]:8717")), 403);
   // All addresses: those that are numbers cannot be turned to this machine.
   AccessRules all = {.address = "0.0.0.0", .port = 8717};
   EXPECT_EQ(Decide(all, From("192.168.1.6:8717")), 200);
