@@ -33,6 +33,7 @@ StatusOr<std::shared_ptr<const SceneParts>> SceneCache::Get() {
   if (parts_ == nullptr || stamp != stamp_) {
     parts_ = nullptr;
     FREEGS_ASSIGN_OR_RETURN(SceneParts parts, make_(workspace_));
+    parts.stamp = stamp;
     parts_ = std::make_shared<const SceneParts>(std::move(parts));
     stamp_ = stamp;
   }

@@ -25,6 +25,7 @@ struct SceneParts {
   };
   std::string description;  // JSON.
   std::vector<Part> parts;
+  std::string stamp = {};  // Of the files they were made from (QueryStamp).
 };
 
 // Makes the parts from a workspace.

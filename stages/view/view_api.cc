@@ -80,6 +80,19 @@ std::optional<int> NumberBefore(std::string_view suffix,
   return number;
 }
 
+// Whether a request is about another scene than that of this stamp. Ids that a
+// page shows may be those of other objects in a newer scene.
+bool IsAboutAnotherScene(const RequestTarget& target,
+                         const std::string& stamp) {
+  const auto asked = target.parameters.find("scene");
+  return asked != target.parameters.end() && asked->second != stamp;
+}
+
+HttpResponse SceneHasChanged() {
+  return ErrorResponse(
+      409, "the scene has changed since this page was opened; load it again");
+}
+
 }  // namespace
 
 ViewApi::ViewApi(const ViewApiOptions& options, AccessRules rules)
@@ -131,11 +144,15 @@ HttpResponse ViewApi::Route(const HttpRequest& request,
     name.remove_prefix(prefix.size());
     return true;
   };
-  if (request.method == "POST") return queries_.Answer(request.body);
+  if (request.method == "POST") {
+    return IsAboutAnotherScene(target, QueryStamp(options_.workspace))
+               ? SceneHasChanged()
+               : queries_.Answer(request.body);
+  }
   if (name == "/") return FrontPage(target);
   // Browsers ask for it; the page has none.
   if (name == "/favicon.ico") return {.status = 204};
-  if (take("/api/")) return Api(name);
+  if (take("/api/")) return Api(name, target);
   if (take("/web/")) return FileBelow(options_.web, std::string(name));
   std::string file(name.substr(1));
   if (file.ends_with('/')) file += "index.html";
@@ -168,7 +185,7 @@ HttpResponse ViewApi::StatusPage() const {
   return response;
 }
 
-HttpResponse ViewApi::Api(std::string_view name) {
+HttpResponse ViewApi::Api(std::string_view name, const RequestTarget& target) {
   const auto take = [&name](std::string_view prefix) {
     if (!name.starts_with(prefix)) return false;
     name.remove_prefix(prefix.size());
@@ -185,11 +202,17 @@ HttpResponse ViewApi::Api(std::string_view name) {
   if (name == "scene") {
     const auto scene = scene_.Get();
     if (!scene.ok()) return StatusResponse(scene.status());
-    return JsonResponse((*scene)->description);
+    HttpResponse response = JsonResponse((*scene)->description);
+    response.headers.emplace_back("Scene-Stamp", (*scene)->stamp);
+    return response;
   }
   if (take("photos/")) return Photo(std::string(name));
-  if (take("instances/")) return InstancePly(name);
-  if (take("parts/")) return ScenePart(name);
+  if (take("instances/")) {
+    return IsAboutAnotherScene(target, QueryStamp(options_.workspace))
+               ? SceneHasChanged()
+               : InstancePly(name);
+  }
+  if (take("parts/")) return ScenePart(name, target);
   if (name == "query") {
     HttpResponse response = ErrorResponse(405, "ask with POST");
     response.headers.emplace_back("Allow", "POST");
@@ -251,13 +274,15 @@ HttpResponse ViewApi::InstancePly(std::string_view name) {
   return response;
 }
 
-HttpResponse ViewApi::ScenePart(std::string_view name) {
+HttpResponse ViewApi::ScenePart(std::string_view name,
+                                const RequestTarget& target) {
   const bool labels = name.ends_with("/labels.bin");
   const std::optional<int> number =
       NumberBefore(labels ? "/labels.bin" : "/splats.spz", name);
   if (!number) return NotFound();
   const auto scene = scene_.Get();
   if (!scene.ok()) return StatusResponse(scene.status());
+  if (IsAboutAnotherScene(target, (*scene)->stamp)) return SceneHasChanged();
   const auto index = static_cast<size_t>(*number);
   if (index >= (*scene)->parts.size()) return NotFound();
   const SceneParts::Part& part = (*scene)->parts[index];

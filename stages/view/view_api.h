@@ -56,10 +56,10 @@ class ViewApi : public HttpHandler {
   HttpResponse Route(const HttpRequest& request, const RequestTarget& target);
   HttpResponse FrontPage(const RequestTarget& target) const;
   HttpResponse StatusPage() const;
-  HttpResponse Api(std::string_view name);
+  HttpResponse Api(std::string_view name, const RequestTarget& target);
   HttpResponse Photo(const std::string& name);
   HttpResponse InstancePly(std::string_view name);
-  HttpResponse ScenePart(std::string_view name);
+  HttpResponse ScenePart(std::string_view name, const RequestTarget& target);
 
   // Whether undistort/ has a view of this name.
   StatusOr<bool> IsView(const std::string& name);

@@ -3,7 +3,7 @@
 
 import { button, count, element, setPressed, toggle } from "./dom";
 import { chosenPly, maskPng, saveBlob, saveFrom } from "./files";
-import type { SceneDescription, SceneObject } from "./scene_data";
+import { servedAddress, type SceneDescription, type SceneObject } from "./scene_data";
 import type { Selection } from "./selection";
 import type { View3d } from "./view3d";
 
@@ -198,8 +198,15 @@ export class ObjectPanel {
     return `${objectName(object)}_${object.id}${level}${suffix}`;
   }
 
+  /** Whether all Gaussians are here; says so if not, because files need them. */
+  private isWhole(): boolean {
+    const whole = this.view.cloud.gaussians.count === this.scene.num_gaussians;
+    if (!whole) this.say("Nothing is saved before the whole scene is here");
+    return whole;
+  }
+
   async saveMask(): Promise<void> {
-    if (!this.selection.choice) return;
+    if (!this.selection.choice || !this.isWhole()) return;
     const { mask, width, height } = this.view.mask();
     const view = this.view.photo ? `_${this.view.photo.name}` : "";
     saveBlob(await maskPng(mask, width, height), this.fileName(`${view}.png`));
@@ -209,9 +216,11 @@ export class ObjectPanel {
     const choice = this.selection.choice;
     if (!choice) return;
     if (this.served && !choice.region) {
-      saveFrom(`/api/instances/${choice.id}.ply`, this.fileName(".ply"));
+      const address = servedAddress(this.scene, `/api/instances/${choice.id}.ply`);
+      saveFrom(address, this.fileName(".ply"));
       return;
     }
+    if (!this.isWhole()) return;
     saveBlob(chosenPly(this.scene, this.view.cloud), this.fileName(".ply"));
   }
 }

@@ -4,7 +4,7 @@
 
 import { button, element } from "./dom";
 import { objectName } from "./object_panel";
-import type { SceneDescription } from "./scene_data";
+import { servedAddress, type SceneDescription } from "./scene_data";
 import type { Selection } from "./selection";
 
 // The server takes 8 MB; larger pictures are made smaller first.
@@ -22,8 +22,8 @@ interface Answer {
   timings?: { encode_ms: number; query_ms: number };
 }
 
-async function ask(body: object): Promise<Answer> {
-  const answer = await fetch("/api/query", {
+async function ask(scene: SceneDescription, body: object): Promise<Answer> {
+  const answer = await fetch(servedAddress(scene, "/api/query"), {
     method: "POST",
     headers: { "Content-Type": "application/json" },
     body: JSON.stringify(body),
@@ -110,7 +110,7 @@ export class QueryBar {
     try {
       const body = { ...(await question), max_hits: 3 };
       const start = performance.now();
-      const answer = await ask(body);
+      const answer = await ask(this.scene, body);
       if (turn === this.turn) this.show(answer, performance.now() - start);
     } catch (error) {
       if (turn !== this.turn) return;

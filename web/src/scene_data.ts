@@ -62,6 +62,13 @@ export interface SceneDescription {
   /** By object id; empty when bootstrap left no hierarchy. */
   levels: Record<string, ObjectLevels>;
   parts: { num_gaussians: number }[];
+  /** Which of its scenes the server gave; none where the page has its own. */
+  stamp?: string;
+}
+
+/** The address of something that the server has of this scene. */
+export function servedAddress(scene: SceneDescription, path: string): string {
+  return scene.stamp ? `${path}?scene=${encodeURIComponent(scene.stamp)}` : path;
 }
 
 /** Some of the Gaussians. */
@@ -136,6 +143,9 @@ export async function openEmbeddedScene(url: string): Promise<SceneSource> {
 
 async function fetchBytes(url: string): Promise<Uint8Array> {
   const answer = await fetch(url);
+  if (answer.status === 409) {
+    throw new Error("the scene has changed meanwhile; load the page again");
+  }
   if (!answer.ok) throw new Error(`${url}: ${answer.status}`);
   return new Uint8Array(await answer.arrayBuffer());
 }
@@ -155,6 +165,7 @@ export async function openServedScene(): Promise<SceneSource | null> {
     throw new Error(body.error ?? `the scene cannot be read: ${answer.status}`);
   }
   const description = (await answer.json()) as SceneDescription;
+  description.stamp = answer.headers.get("Scene-Stamp") ?? undefined;
   for (const photo of description.photos) {
     photo.image =
       "/api/photos/" + photo.name.split("/").map(encodeURIComponent).join("/");
@@ -163,8 +174,8 @@ export async function openServedScene(): Promise<SceneSource | null> {
     description,
     part: async (index) => {
       const [splats, labels] = await Promise.all([
-        fetchBytes(`/api/parts/${index}/splats.spz`),
-        fetchBytes(`/api/parts/${index}/labels.bin`),
+        fetchBytes(servedAddress(description, `/api/parts/${index}/splats.spz`)),
+        fetchBytes(servedAddress(description, `/api/parts/${index}/labels.bin`)),
       ]);
       return { splats, labels: decodeLabels(labels) };
     },

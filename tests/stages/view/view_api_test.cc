@@ -204,6 +204,14 @@ TEST_F(ViewApiTest, NoticesANewScene) {
   EXPECT_EQ(Ask({{"text", "red apple"}})["hits"][0]["words"],
             json::array({"apple"}));
   EXPECT_NE(GetJson("/api/status")["scene_version"], version);
+  const std::string old_scene = "?scene=" + version;
+  EXPECT_EQ(Get("/api/instances/2.ply" + old_scene)->status, 409);
+  EXPECT_EQ(httplib::Client("127.0.0.1", port())
+                .Post("/api/query" + old_scene,
+                      R"({"text": "red apple"})",
+                      "application/json")
+                ->status,
+            409);
 }
 
 TEST_F(ViewApiTest, NoticesANewReport) {
@@ -266,6 +274,10 @@ TEST_F(ViewApiTest, TheSceneComesInPartsAndIsMadeOnce) {
   EXPECT_EQ(GetJson("/api/scene")["parts"], 1);
   EXPECT_EQ(Get("/api/parts/0/splats.spz")->body, "splats");
   EXPECT_EQ(Get("/api/parts/0/labels.bin")->body, "labels");
+  const std::string stamp = Get("/api/scene")->get_header_value("Scene-Stamp");
+  EXPECT_EQ(stamp, GetJson("/api/status")["scene_version"]);
+  EXPECT_EQ(Get("/api/parts/0/labels.bin?scene=" + stamp)->body, "labels");
+  EXPECT_EQ(Get("/api/parts/0/labels.bin?scene=other")->status, 409);
   for (const char* part :
        {"1/splats.spz", "-1/splats.spz", "x/labels.bin", "0/other.bin", "0"}) {
     EXPECT_EQ(Get(std::string("/api/parts/") + part)->status, 404) << part;
