@@ -40,7 +40,7 @@ SceneDatabase::SceneDatabase(const SfmInput& input,
       colmap_(std::move(colmap)),
       context_{input, options_, colmap_},
       path_(input.work_folder / "database.db"),
-      record_(input.work_folder) {
+      record_(input.work_folder, colmap_.version()) {
   options_.max_features =
       options.FeaturesOf(static_cast<int64_t>(input.photos.size()));
   context_.num_threads =

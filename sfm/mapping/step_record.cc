@@ -4,6 +4,7 @@
 #include "sfm/mapping/step_record.h"
 
 #include <climits>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -13,12 +14,16 @@
 
 namespace freegs::sfm {
 
-StepRecord::StepRecord(const std::filesystem::path& work_folder)
-    : path_(work_folder / "steps.json") {
+StepRecord::StepRecord(const std::filesystem::path& work_folder,
+                       std::string colmap_version)
+    : path_(work_folder / "steps.json"),
+      colmap_version_(std::move(colmap_version)) {
   const StatusOr<std::string> text = ReadFile(path_, 1 << 20);
   if (!text.ok()) return;
   const auto json = ParseJson(*text);
   if (!json.ok()) return;
+  const auto version = ReadText(FindField(*json, "colmap"), "");
+  if (!version.ok() || *version != colmap_version_) return;
   if (const auto* pairs = FindField(*json, "pairs")) {
     pairs_ = MatchedPairsFromJson(*pairs);
   }
@@ -58,7 +63,8 @@ Status StepRecord::SetImageSize(int size) {
 }
 
 Status StepRecord::Save() const {
-  const nlohmann::json json = {{"done", done_},
+  const nlohmann::json json = {{"colmap", colmap_version_},
+                               {"done", done_},
                                {"matched_portions", portions_},
                                {"image_size", image_size_},
                                {"pairs", MatchedPairsToJson(pairs_)}};

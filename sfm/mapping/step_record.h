@@ -19,15 +19,18 @@ namespace freegs::sfm {
 // The file steps.json in a work folder. A step is recorded only after its files
 // are complete; a step that is not recorded is done again.
 //
-//   StepRecord record(work_folder);
+//   StepRecord record(work_folder, colmap.version());
 //   if (!record.Has("features")) {
 //     ...  // Takes the features.
 //     FREEGS_RETURN_IF_ERROR(record.Add("features"));
 //   }
 class StepRecord {
  public:
-  // Reads the file. One that is missing or not understood counts as empty.
-  explicit StepRecord(const std::filesystem::path& work_folder);
+  // Reads the file. One that is missing or not understood counts as empty, and
+  // so does one of another release of COLMAP: what follows could not be made
+  // again from what it left.
+  StepRecord(const std::filesystem::path& work_folder,
+             std::string colmap_version);
 
   bool Has(const std::string& step) const { return done_.contains(step); }
   // Numbers of the finished portions of the matching.
@@ -48,6 +51,7 @@ class StepRecord {
   Status Save() const;
 
   std::filesystem::path path_;
+  std::string colmap_version_;
   std::set<std::string> done_;
   std::set<int> portions_;
   MatchedPairs pairs_;

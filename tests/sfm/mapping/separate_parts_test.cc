@@ -40,7 +40,7 @@ class SeparatePartsTest : public testing::Test {
     FREEGS_ASSIGN_OR_RETURN(ColmapProgram colmap,
                             ColmapProgram::Find(options_.colmap, nullptr));
     const StepContext context{input_, options_, colmap};
-    StepRecord record(input_.work_folder);
+    StepRecord record(input_.work_folder, colmap.version());
     AttemptStore store(input_.work_folder, &record);
     return SeparateParts(context, folder_ / "a.db", models, &store);
   }

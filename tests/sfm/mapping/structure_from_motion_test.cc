@@ -11,6 +11,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "sfm/mapping/step_record.h"
 #include "sfm/matching/match_database.h"
 #include "sfm/scene/model_io.h"
 #include "sfm/scene/model_io_binary.h"
@@ -435,6 +436,16 @@ TEST_F(StructureFromMotionTest, BrokenStepRecordStartsAgain) {
     WriteText(input_.work_folder / "steps.json", text);
     EXPECT_TRUE(Run().ok()) << text;
   }
+}
+
+TEST_F(StructureFromMotionTest, StepsOfAnotherColmapAreDoneAgain) {
+  ASSERT_TRUE(Run().ok());
+  const fs::path& folder = input_.work_folder;
+  WriteText(folder / "steps.json",
+            R"({"colmap": "3.8", "done": ["features"]})");
+  EXPECT_TRUE(StepRecord(folder, "3.8").Has("features"));
+  EXPECT_FALSE(StepRecord(folder, "4.1").Has("features"));
+  EXPECT_TRUE(Run().ok());
 }
 
 TEST_F(StructureFromMotionTest, MissingProgramAndWrongOptions) {
