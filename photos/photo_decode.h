@@ -23,7 +23,7 @@ struct PhotoDecodeOptions {
   double max_megapixels = 400;
 
   // The option that sets this limit, for messages; empty where none does.
-  std::string max_megapixels_option;
+  std::string max_megapixels_option = {};
 
   // Photos whose shorter side has fewer pixels than this are refused.
   int min_side = 32;
