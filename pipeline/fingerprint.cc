@@ -33,14 +33,13 @@ int64_t NowNanoseconds() {
   return Nanoseconds(now);
 }
 
-// What file managers and photo editors leave beside photos. No stage reads it.
+}  // namespace
+
 bool IsBystander(const std::string& name, bool folder) {
   if (name.starts_with('.')) return true;
   return !folder && (name == "Thumbs.db" || name == "desktop.ini" ||
                      name.ends_with(".xmp") || name.ends_with(".XMP"));
 }
-
-}  // namespace
 
 FingerprintCache::FingerprintCache(fs::path workspace, fs::path path)
     : workspace_(std::move(workspace)), path_(std::move(path)) {

@@ -24,6 +24,10 @@ struct InputFingerprint {
   bool operator==(const InputFingerprint&) const = default;
 };
 
+// What file managers and photo editors leave beside photos, as a file or as a
+// folder of this name. No stage reads it.
+bool IsBystander(const std::string& name, bool folder);
+
 // Hashes files and remembers the hashes of files that do not change:
 //
 //   FingerprintCache cache(workspace, FingerprintCachePath(workspace));

@@ -70,6 +70,8 @@ void Logger::SetTransient(const std::string& text) {
 
 void Logger::WriteFileLine(LogLevel level, const std::string& text) {
   if (!file_.is_open()) return;
+  // After a line that found the disk full, the next ones may find room.
+  file_.clear();
   file_ << TimeStamp() << " " << Prefix(level) << text << "\n";
   file_.flush();
 }

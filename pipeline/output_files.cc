@@ -2,10 +2,12 @@
 
 #include "pipeline/output_files.h"
 
+#include <iterator>
 #include <system_error>
 
 #include "core/io/json_text.h"
 #include "core/text.h"
+#include "pipeline/fingerprint.h"
 
 namespace freegs::pipeline {
 namespace {
@@ -19,6 +21,14 @@ void AddFile(const fs::path& folder, const fs::path& file, OutputFiles* files) {
   // Names are kept as JSON can hold them.
   const std::string name = ValidUtf8(file.lexically_relative(folder).string());
   (*files)[name] = static_cast<int64_t>(size);
+}
+
+// Whether a file was left beside what the stage made, or in a folder that was.
+bool IsBesideOutputs(const fs::path& file) {
+  for (auto part = file.begin(); part != file.end(); ++part) {
+    if (IsBystander(part->string(), std::next(part) != file.end())) return true;
+  }
+  return false;
 }
 
 }  // namespace
@@ -51,8 +61,9 @@ OutputChange CompareOutputFiles(const OutputFiles& then,
     }
   }
   for (const auto& [name, size] : now) {
-    const bool hidden = fs::path(name).filename().string().starts_with('.');
-    if (!then.contains(name) && !hidden) replaced.push_back(name);
+    if (!then.contains(name) && !IsBesideOutputs(name)) {
+      replaced.push_back(name);
+    }
   }
   // Other files in place of those that are missing: not to be overwritten.
   if (!replaced.empty()) return {"", SomeNames(replaced, 1)};

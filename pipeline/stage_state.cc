@@ -17,6 +17,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Whether an input cannot be read, or is the folder where something was mounted
+// that held files.
+bool IsGone(const InputFingerprint& now, const InputFingerprint* before) {
+  return now.missing() || now.hash == "unreadable" ||
+         (now.files == 0 && before != nullptr && before->files > 0);
+}
+
 // Inputs outside the workspace that were there once and are gone now count as
 // unchanged; returns a note about them. Once one of them is gone, inputs that
 // the stage finds in it, such as the targets of links, are not named any more:
@@ -26,8 +33,10 @@ std::string KeepGoneInputs(const StageRecord& result, CurrentInputs* now) {
   auto& inputs = now->fingerprint.inputs;
   std::vector<std::string> gone;
   for (const std::string& name : now->external) {
-    if (!inputs[name].missing()) continue;
     const auto old = before.find(name);
+    if (!IsGone(inputs[name], old == before.end() ? nullptr : &old->second)) {
+      continue;
+    }
     if (old == before.end()) {
       // A folder of which the stage knew the files while it was there.
       inputs.erase(name);

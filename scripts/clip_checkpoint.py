@@ -2,6 +2,7 @@
 """CLIP checkpoints as dictionaries of float32 tensors with the names of
 OpenAI's release: read from its TorchScript files, or drawn at random. Only
 vision transformers, no ResNets."""
+import pickle
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -84,8 +85,13 @@ def read_checkpoint(path):
     try:
         state = torch.jit.load(str(path), map_location="cpu").state_dict()
     except RuntimeError:
-        state = torch.load(str(path), map_location="cpu")
-        state = state.get("state_dict", state)
+        try:
+            state = torch.load(str(path), map_location="cpu")
+            state = state.get("state_dict", state)
+        except (AttributeError, EOFError, RuntimeError, ValueError,
+                pickle.UnpicklingError) as error:
+            raise CheckpointError(
+                f"{path}: damaged, or no checkpoint: {error}") from error
     state = {name: tensor.detach().float() for name, tensor in state.items()}
     return state, architecture_of(state)
 

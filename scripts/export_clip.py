@@ -31,6 +31,7 @@ import shutil
 import struct
 import sys
 import warnings
+import zlib
 from pathlib import Path
 
 # Before PyTorch: it says what to do where there is none.
@@ -280,8 +281,11 @@ def hash_file(path):
 
 def count_merges(path):
     data = path.read_bytes()
-    text = gzip.decompress(data) if data[:2] == b"\x1f\x8b" else data
-    lines = [line for line in text.decode().split("\n")[1:] if line]
+    try:
+        text = gzip.decompress(data) if data[:2] == b"\x1f\x8b" else data
+        lines = [line for line in text.decode().split("\n")[1:] if line]
+    except (EOFError, OSError, ValueError, zlib.error) as error:
+        raise CheckpointError(f"{path}: damaged: {error}") from error
     return min(len(lines), 49152 - 256 - 2)
 
 
@@ -305,13 +309,40 @@ def export_folder(state, arch, merges, out, name, licence, origin,
         if size % arch.patch != 0:
             raise CheckpointError(f"dense size {size} is not a multiple of "
                                   f"the patch size {arch.patch}")
-    if out.exists() and not (out / "model.json").is_file() and (
+    if out.exists() and not is_model_folder(out) and (
             not out.is_dir() or any(out.iterdir())):
         raise CheckpointError(f"{out}: exists and is not a model folder; "
                               "name another")
     temporary = out.with_name(out.name + ".part")
-    shutil.rmtree(temporary, ignore_errors=True)
+    if temporary.exists():
+        raise CheckpointError(f"{temporary}: is in the way of a temporary "
+                              "folder; move it")
     temporary.mkdir(parents=True)
+    try:
+        fill_folder(state, arch, merges, temporary, name, licence, origin,
+                    dense_sizes, half_table, mean, std, vocabulary, canonical,
+                    min_word_confidence)
+    except BaseException:
+        shutil.rmtree(temporary, ignore_errors=True)
+        raise
+    if out.exists():
+        shutil.rmtree(out)
+    temporary.rename(out)
+
+
+def is_model_folder(folder):
+    """Other programs write files of the name model.json, too."""
+    try:
+        info = json.loads((folder / "model.json").read_text())
+    except (OSError, ValueError):
+        return False
+    return isinstance(info, dict) and info.get("format") == "FreeGS CLIP"
+
+
+def fill_folder(state, arch, merges, temporary, name, licence, origin,
+                dense_sizes, half_table, mean, std, vocabulary, canonical,
+                min_word_confidence):
+    """Writes the files of export_folder into an empty folder."""
     size = arch.image_size
     export_network(Visual(state, arch, size, dense=False),
                    torch.zeros(1, 3, size, size), temporary / "visual.onnx")
@@ -345,9 +376,6 @@ def export_folder(state, arch, merges, out, name, licence, origin,
     if min_word_confidence is not None:
         info["min_word_confidence"] = min_word_confidence
     (temporary / "model.json").write_text(json.dumps(info, indent=2) + "\n")
-    if out.exists():
-        shutil.rmtree(out)
-    temporary.rename(out)
 
 
 def add_source_options(parser):

@@ -34,6 +34,7 @@ write_holdout_list() {
   done
 }
 
+# All data are looked at before the first scene takes its hours.
 for scene in "${scenes[@]}"; do
   folder=$data/$scene
   [[ -d $folder/segmentations ]] ||
@@ -43,6 +44,10 @@ for scene in "${scenes[@]}"; do
   write_holdout_list "$folder" >"$out/$scene/holdout.txt"
   [[ -s $out/$scene/holdout.txt ]] ||
     fail "$folder: no photograph has the name of a folder in segmentations/"
+done
+
+for scene in "${scenes[@]}"; do
+  folder=$data/$scene
   sparse=$(sparse_of "$folder")
   poses=()
   # The original has no COLMAP model; then the program finds the poses.

@@ -27,12 +27,17 @@ write_holdout_list() {
   done
 }
 
+# All data are looked at before the first scene takes its hours.
 for scene in "${scenes[@]}"; do
   folder=$data/$scene
   [[ -d $folder/test_mask ]] || fail "$folder/test_mask: no such folder. $get_data"
   for part in images images_train; do
     has_images "$folder/$part" || fail "$folder/$part: no photographs. $get_data"
   done
+done
+
+for scene in "${scenes[@]}"; do
+  folder=$data/$scene
   sparse=$(sparse_of "$folder")
   mkdir -p -- "$out/$scene"
   write_holdout_list "$folder" >"$out/$scene/holdout.txt"

@@ -57,6 +57,7 @@ choose_frames() {
   has_images "$target/images" || fail "$scan: no frame with a photo and a pose"
 }
 
+# All data are looked at before the first scene takes its hours.
 for scene in "${scenes[@]}"; do
   folder=$data/$scene
   for part in color pose intrinsic; do
@@ -66,6 +67,10 @@ for scene in "${scenes[@]}"; do
     fail "$folder/intrinsic/intrinsic_color.txt: no such file. $get_data"
   mkdir -p -- "$out/$scene"
   choose_frames "$folder" "$out/$scene"
+done
+
+for scene in "${scenes[@]}"; do
+  folder=$data/$scene
   reproduce "$scene" "$out/$scene/images" "$folder" scannet \
     --sfm.import "$out/$scene/transforms.json"
 done

@@ -477,6 +477,8 @@ def main():
         signal.signal(number, lambda *_: stop.append(True))
     if not arguments.evaluate:
         train(state, stop)
+        if stop:  # It goes on from its checkpoint when it is started again.
+            return 130
     with torch.no_grad():
         measured = evaluate(state.model, state.tokenizer, arguments)
     (arguments.work / "measured.json").write_text(json.dumps(measured,

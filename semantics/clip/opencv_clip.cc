@@ -419,8 +419,11 @@ StatusOr<TextEmbedding> OpenCvClip::EncodeText(const std::string& text) {
       const cv::Mat output,
       networks_->Forward(
           folder_, "text.onnx", {{"", input}}, {1, context, dim}));
+  // As CLIP does, also where the text itself holds an end token.
+  const auto end = std::find(
+      tokens.ids.begin(), tokens.ids.end(), text_->tokenizer.end_token());
   const float* row =
-      output.ptr<float>(0, static_cast<int>(tokens.ids.size()) - 1);
+      output.ptr<float>(0, static_cast<int>(end - tokens.ids.begin()));
   TextEmbedding embedding{{row, row + dim}, tokens.truncated};
   if (!Normalize(embedding.values)) {
     return folder_.FileError("text.onnx", "its output is zero");

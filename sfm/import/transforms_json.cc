@@ -42,6 +42,12 @@ Status ReadIntrinsics(const json& object, TransformsIntrinsics* result) {
     if (field == nullptr || field->is_null()) continue;
     FREEGS_ASSIGN_OR_RETURN(*value, ReadNumber(field, key));
   }
+  for (const auto& [key, value] :
+       {fields[0], fields[1], fields[4], fields[5]}) {
+    if (*value < 0) {
+      return BadInputError("\"" + std::string(key) + "\" is negative");
+    }
+  }
   const std::pair<const char*, std::optional<double>*> centre[] = {
       {"cx", &result->cx},
       {"cy", &result->cy},
@@ -181,8 +187,11 @@ StatusOr<Camera> MakeCamera(const TransformsIntrinsics& intrinsics,
                             int width,
                             int height) {
   const TransformsIntrinsics& in = intrinsics;
-  const double w = in.width > 0 ? in.width : width;
-  const double h = in.height > 0 ? in.height : height;
+  double w = in.width > 0 ? in.width : width;
+  double h = in.height > 0 ? in.height : height;
+  // Of one side the other one follows.
+  if (in.width > 0 && in.height <= 0) h = w * height / width;
+  if (in.height > 0 && in.width <= 0) w = h * width / height;
   const double sx = width / w;
   const double sy = height / h;
   if (!IsResized(w, h, width, height)) {
@@ -221,8 +230,8 @@ StatusOr<Camera> MakeCamera(const TransformsIntrinsics& intrinsics,
     append({in.k1, in.k2, in.k3, in.k4});
   } else if (in.k4 != 0) {
     return BadInputError(
-        "gives \"k4\" for a camera that is not a fisheye, which no supported "
-        "camera model has");
+        "gives \"k4\" for a camera that is not a fisheye, which is not "
+        "supported");
   } else if (in.k3 != 0) {
     camera.model = CameraModel::kFullOpenCv;
     append({in.k1, in.k2, in.p1, in.p2, in.k3, 0, 0, 0});

@@ -34,13 +34,26 @@ constexpr double kFitShare = 0.3;
 
 using Pair = std::pair<uint32_t, uint32_t>;
 
+bool IsFisheyeModel(CameraModel model) {
+  return model == CameraModel::kOpenCvFisheye ||
+         model == CameraModel::kSimpleRadialFisheye ||
+         model == CameraModel::kRadialFisheye ||
+         model == CameraModel::kThinPrismFisheye;
+}
+
 // The point (x, y, 1) in the camera frame that is seen at a pixel, by Newton's
 // method; for the pixels of features, which lie inside the image.
 Eigen::Vector3d Unproject(const Camera& camera, const Eigen::Vector2d& pixel) {
   constexpr double kStep = 1e-6;
+  constexpr double kMaxFisheyeAngle = 1.5;
   Eigen::Vector3d ray((pixel.x() - camera.PrincipalX()) / camera.FocalX(),
                       (pixel.y() - camera.PrincipalY()) / camera.FocalY(),
                       1);
+  if (IsFisheyeModel(camera.model)) {
+    // Without distortion the distance from the principal point is the angle.
+    const double angle = std::min(ray.head<2>().norm(), kMaxFisheyeAngle);
+    if (angle > 0) ray.head<2>() *= std::tan(angle) / ray.head<2>().norm();
+  }
   for (int round = 0; round < 10; ++round) {
     const auto here = Project(camera, ray);
     const auto right = Project(camera, ray + kStep * Eigen::Vector3d::UnitX());
@@ -52,7 +65,8 @@ Eigen::Vector3d Unproject(const Camera& camera, const Eigen::Vector2d& pixel) {
     jacobian.col(0) = (*right - *here) / kStep;
     jacobian.col(1) = (*down - *here) / kStep;
     const Eigen::Vector2d step = jacobian.inverse() * error;
-    if (!step.allFinite() || step.norm() > 1) break;
+    const double longest = std::max(1.0, ray.head<2>().norm());
+    if (!step.allFinite() || step.norm() > longest) break;
     ray.head<2>() += step;
   }
   return ray;

@@ -140,6 +140,20 @@ Status SkipElement(const PlyElement& element, PlyValueReader* reader) {
   return Status();
 }
 
+// Rotations are normalised when they are used, in floats. Those that are too
+// small for it have no direction; larger ones are made smaller.
+void BringRotationIntoRange(float* q) {
+  double squared = 0;
+  for (int k = 0; k < 4; ++k) squared += static_cast<double>(q[k]) * q[k];
+  const double norm = std::sqrt(squared);
+  if (norm < 1e-9) {
+    const float identity[] = {1, 0, 0, 0};
+    std::copy_n(identity, 4, q);
+  } else if (norm > 1e9) {
+    for (int k = 0; k < 4; ++k) q[k] = static_cast<float>(q[k] / norm);
+  }
+}
+
 StatusOr<GaussianModel> ReadVertices(PlyFormat format,
                                      const PlyElement& vertex,
                                      PlyValueReader* reader) {
@@ -186,7 +200,7 @@ StatusOr<GaussianModel> ReadVertices(PlyFormat format,
     }
     if (!finite) ++not_finite;
     float* const q = arrays[static_cast<int>(Parameter::kRotation)] + 4 * i;
-    if (q[0] == 0 && q[1] == 0 && q[2] == 0 && q[3] == 0) q[0] = 1;
+    BringRotationIntoRange(q);
   }
   if (not_finite > 0) {
     return BadInputError(std::to_string(not_finite) + " of " +

@@ -15,7 +15,8 @@ namespace freegs::splat {
 // Returns the indices of all Gaussians in the order of a Morton curve. The
 // curve fills the box that holds the middle 96 % of the means along each axis;
 // Gaussians outside count as lying on its faces. Gaussians in one cell of the
-// curve, and those whose mean is not finite, follow each other by index.
+// curve follow each other by index. Those whose mean is not finite may be
+// anywhere.
 //
 // A view shows a contiguous part of the scene, so in this order the parameters
 // that a training step touches lie close together in memory.

@@ -17,9 +17,15 @@ namespace freegs::splat {
 namespace {
 
 constexpr size_t kRecordBytes = 32;
+constexpr float kMaxLogScale = 88;  // Its exponential is a finite float.
 
 double Opacity(const GaussianModel& model, size_t i) {
   return 1.0 / (1.0 + std::exp(-static_cast<double>(model.opacity_logits[i])));
+}
+
+double LogOpacity(const GaussianModel& model, size_t i) {
+  const double logit = model.opacity_logits[i];
+  return std::min(logit, 0.0) - std::log1p(std::exp(-std::abs(logit)));
 }
 
 uint8_t ToByte(double value) {
@@ -36,7 +42,8 @@ void PutRecord(const GaussianModel& model, size_t i, ByteWriter* writer) {
   norm = std::sqrt(norm);
   for (int k = 0; k < 3; ++k) {
     geometry[k] = model.means[3 * i + k];
-    geometry[3 + k] = std::exp(model.log_scales[3 * i + k]);
+    geometry[3 + k] =
+        std::exp(std::min(model.log_scales[3 * i + k], kMaxLogScale));
     bytes[k] = ToByte(255.0 * (0.5 + kShC0 * model.sh_dc[3 * i + k]));
   }
   bytes[3] = ToByte(255.0 * Opacity(model, i));
@@ -57,7 +64,7 @@ std::string SerializeSplat(const GaussianModel& model) {
     const double log_volume = static_cast<double>(model.log_scales[3 * i]) +
                               model.log_scales[3 * i + 1] +
                               model.log_scales[3 * i + 2];
-    importance[i] = std::exp(log_volume) * Opacity(model, i);
+    importance[i] = log_volume + LogOpacity(model, i);
   }
   std::vector<uint32_t> order(model.size());
   std::iota(order.begin(), order.end(), 0u);

@@ -92,7 +92,12 @@ void AddStageFigures(const fs::path& workspace,
 
   const StatusOr<pipeline::StageRecord> record =
       pipeline::ReadStageRecord(folder);
-  if (!record.ok()) return;
+  if (!record.ok()) {
+    // Without the time of this stage, that of all is not known.
+    values.erase("total.wall_seconds");
+    values.erase("total.cpu_seconds");
+    return;
+  }
   AddNumbers(record->summary, prefix, 1, &values);
   const json* verdict = FindField(record->summary, "verdict");
   if (verdict != nullptr && verdict->is_string()) {

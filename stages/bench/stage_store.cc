@@ -22,6 +22,12 @@ namespace fs = std::filesystem;
 constexpr size_t kKeyDigits = 16;
 constexpr char kOutcomeFile[] = "outcome.json";
 
+// Holds the hash of the program that began a folder.
+constexpr char kProgramFile[] = ".program";
+
+// Decides what `eval` says about labels.
+constexpr char kBackgroundOption[] = "query.background";
+
 // Parts of a key, apart by a byte that is in none of them.
 class KeyBuilder {
  public:
@@ -120,7 +126,7 @@ StatusOr<CellPlan> StageStore::PlanWithPoses(const SuiteCell& cell,
     const fs::path model = stage.workspace / "sfm" / "sparse" / "0";
     FREEGS_ASSIGN_OR_RETURN(
         const fs::path poses,
-        Disturb(cell, {model, stage.workspace.filename().string(), "poses"}));
+        Disturb(cell, {model, Hash(model) + ProgramOfKeys(), "poses"}));
     other.settings.emplace_back("sfm.import", poses.string());
     return Plan(other, photos);
   }
@@ -139,7 +145,9 @@ StatusOr<CellPlan> StageStore::Plan(const SuiteCell& cell,
   if (!cell.disturb.empty()) {
     FREEGS_ASSIGN_OR_RETURN(
         plan.images,
-        Disturb(cell, {photos.images, Hash(photos.images), "photos"}));
+        Disturb(
+            cell,
+            {photos.images, Hash(photos.images) + ProgramOfKeys(), "photos"}));
   }
   PipelineOptions options;
   pipeline::OptionTable table = MakeOptionTable(&options);
@@ -183,8 +191,11 @@ StatusOr<CellPlan> StageStore::Plan(const SuiteCell& cell,
       FREEGS_ASSIGN_OR_RETURN(const std::string expanded,
                               ExpandedValue(value, photos.folder));
       key.Add(option);
-      key.Add(expanded);
+      key.Add(option == "model" ? Hash(expanded) : expanded);
       plan.eval_options[option] = expanded;
+    }
+    for (const auto& [name, value] : plan.settings) {
+      if (name == kBackgroundOption) key.Add(value);
     }
     plan.evaluation = context_.out / "store" / ("eval_" + key.Key());
   }
@@ -198,10 +209,17 @@ bool StageStore::IsDone(const StoredStage& stage) const {
          ReadOutcome(stage.workspace / kOutcomeFile).ok();
 }
 
+std::string StageStore::ProgramOfKeys() const {
+  return context_.only_this_program ? program_hash_ : "";
+}
+
 StatusOr<ChildOutcome> StageStore::EarlierOutcome(const fs::path& folder) {
   StatusOr<ChildOutcome> outcome = ReadOutcome(folder / kOutcomeFile);
-  if (!outcome.ok() || !context_.only_this_program ||
-      outcome->program == program_hash_) {
+  if (!context_.only_this_program) return outcome;
+  // What was interrupted has no outcome yet, but goes on from a checkpoint.
+  const StatusOr<std::string> began = ReadFile(folder / kProgramFile);
+  if (began.ok() && *began == program_hash_ &&
+      (!outcome.ok() || outcome->program == program_hash_)) {
     return outcome;
   }
   std::error_code error;
@@ -232,12 +250,23 @@ StatusOr<ChildOutcome> StageStore::Once(const fs::path& folder,
     return *earlier;
   }
   FREEGS_RETURN_IF_ERROR(CreateFolders(folder));
+  // A workspace that has not begun holds no such file.
+  std::error_code ignored;
+  fs::remove(folder / kOutcomeFile, ignored);
+  std::string programs = program_hash_;
+  const StatusOr<std::string> began = ReadFile(folder / kProgramFile);
+  if (!began.ok()) {
+    FREEGS_RETURN_IF_ERROR(
+        WriteFileAtomic(folder / kProgramFile, program_hash_));
+  } else if (*began != program_hash_) {
+    programs = *began + "+" + program_hash_;
+  }
   FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> argv, prepare());
   FREEGS_ASSIGN_OR_RETURN(ChildOutcome outcome, RunForOutcome(argv, context_));
   if (outcome.exit_code == pipeline::ExitCode(StatusCode::kInterrupted)) {
     return InterruptedError("interrupted; the same command goes on");
   }
-  outcome.program = program_hash_;
+  outcome.program = programs;
   FREEGS_RETURN_IF_ERROR(WriteOutcome(folder / kOutcomeFile, outcome));
   const std::lock_guard lock(mutex_);
   known_[folder] = outcome;
@@ -278,7 +307,9 @@ StatusOr<ChildOutcome> StageStore::Evaluate(const CellPlan& plan) {
       argv.push_back("--" + option + "=" + value);
     }
     for (const auto& [name, value] : plan.settings) {
-      if (name == "general.threads") argv.push_back("--" + name + "=" + value);
+      if (name == "general.threads" || name == kBackgroundOption) {
+        argv.push_back("--" + name + "=" + value);
+      }
     }
     return argv;
   };

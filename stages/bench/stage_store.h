@@ -79,8 +79,12 @@ class StageStore {
                                           const DisturbSource& source);
   std::string Hash(const std::filesystem::path& path);
 
-  // What an earlier bench left in `folder`. Deletes the folder when that is of
-  // a program whose results do not count.
+  // What the keys of disturbed photos and poses have of the program: its hash
+  // where results of another program do not count.
+  std::string ProgramOfKeys() const;
+
+  // What an earlier bench left in `folder`. Deletes the folder when it was
+  // begun by a program whose results do not count.
   StatusOr<ChildOutcome> EarlierOutcome(const std::filesystem::path& folder);
 
   // Runs the command that `prepare` returns and keeps its outcome in `folder`,

@@ -308,6 +308,11 @@ Status RunRunCommand(const std::vector<std::string>& arguments,
   FREEGS_ASSIGN_OR_RETURN(OptionTable::CommandLine line,
                           command.Parse(arguments));
   FREEGS_ASSIGN_OR_RETURN(const RunGoal goal, TakeGoal(&line));
+  if (goal.given() && !targets.forget.empty()) {
+    return InvalidArgumentError(
+        "--within and --at-least keep no options of earlier commands; leave "
+        "out --forget");
+  }
   const std::vector<std::string>& words = line.positional;
   request.workspace = AbsoluteFolder(words.back());
   FREEGS_RETURN_IF_ERROR(CheckWorkspaceFolder(request.workspace));

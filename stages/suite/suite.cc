@@ -57,6 +57,7 @@ Status ReadSeeds(const std::string& value, std::vector<int64_t>* seeds) {
   for (const std::string& word : words) {
     int64_t seed = 0;
     FREEGS_RETURN_IF_ERROR(ParseNumber(word, &seed));
+    if (seed < 0) return InvalidArgumentError("seed " + word + " is negative");
     if (std::count(seeds->begin(), seeds->end(), seed) > 0) {
       return InvalidArgumentError("seed " + word + " is there twice");
     }
@@ -83,7 +84,18 @@ Status ReadSuiteSection(const IniSection& section, Suite* suite) {
   return reader.Read(section, TakeSettings(&suite->settings));
 }
 
+// Titles that differ in white space have the same name.
+template <typename T>
+Status CheckNewName(const IniSection& section, const std::vector<T>& others) {
+  const auto same = [&section](const T& other) {
+    return other.name == section.name;
+  };
+  if (std::none_of(others.begin(), others.end(), same)) return Status();
+  return InvalidArgumentError(section.Title() + ": is there twice");
+}
+
 Status ReadScene(const IniSection& section, Suite* suite) {
+  FREEGS_RETURN_IF_ERROR(CheckNewName(section, suite->scenes));
   SuiteScene scene;
   scene.name = section.name;
   const auto path = [suite](fs::path* target) {
@@ -119,6 +131,7 @@ Status ReadScene(const IniSection& section, Suite* suite) {
 }
 
 Status ReadGrid(const IniSection& section, Suite* suite) {
+  FREEGS_RETURN_IF_ERROR(CheckNewName(section, suite->grids));
   SuiteGrid grid{section.name, {}};
   SectionReader reader;
   reader.On("seeds", [&grid](const std::string& value) {

@@ -128,6 +128,24 @@ TEST_F(StageRunnerTest, AnOutputThatIsReadIfItIsThere) {
   EXPECT_THAT(log_, HasSubstr("b: masks/1.png: not as the stage wrote it"));
 }
 
+TEST_F(StageRunnerTest, WhatFileManagersLeaveHidesNoLoss) {
+  c_.inputs = {"b/out.txt", "b/model"};
+  b_.act = [](StageContext& context) {
+    WriteText(context.output / "model" / "a.bin", "own");
+    return Status();
+  };
+  ASSERT_TRUE(Run().ok());
+  const fs::path folder = workspace() / "b" / "model";
+  WriteText(folder / "Thumbs.db", "");
+  WriteText(folder / ".thumbnails" / "a.png", "");
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(Runs(), "111");
+  fs::remove(folder / "a.bin");
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(Runs().substr(0, 2), "12");
+  EXPECT_THAT(log_, Not(HasSubstr("not as the stage wrote")));
+}
+
 // Somebody else's result in another format.
 TEST_F(StageRunnerTest, ReplacedFilesAreNotOverwritten) {
   c_.inputs = {"b/out.txt", "b/model"};
@@ -190,6 +208,16 @@ TEST_F(StageRunnerTest, ForcedStageIsRedoneAlone) {
 TEST_F(StageRunnerTest, PhotosMayGoOnceTheyWereRead) {
   ASSERT_TRUE(Run().ok());
   fs::remove_all(images());
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(Runs(), "111");
+  EXPECT_THAT(log_, HasSubstr("a: input photos is gone"));
+}
+
+// As where a card was mounted that holds the photos.
+TEST_F(StageRunnerTest, AnEmptyFolderOfPhotosCountsAsGone) {
+  ASSERT_TRUE(Run().ok());
+  fs::remove_all(images());
+  fs::create_directory(images());
   ASSERT_TRUE(Run().ok());
   EXPECT_EQ(Runs(), "111");
   EXPECT_THAT(log_, HasSubstr("a: input photos is gone"));

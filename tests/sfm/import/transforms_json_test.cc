@@ -96,6 +96,16 @@ TEST(MakeCamera, ScalesToThePhoto) {
   EXPECT_THAT(rotated.status().message(), HasSubstr("1000 x 600"));
 }
 
+TEST(MakeCamera, OneSideIsEnough) {
+  TransformsIntrinsics in;
+  in.fx = 1000;
+  in.width = 1600;
+  EXPECT_EQ(MakeCamera(in, 800, 600)->FocalX(), 500);
+  in.width = 0;
+  in.height = 300;
+  EXPECT_EQ(MakeCamera(in, 800, 600)->FocalX(), 2000);
+}
+
 // The camera of a file with `shared` in its root and `own` in its only frame.
 Camera CameraOf(const std::string& shared, const std::string& own) {
   const auto file = ParseTransforms(
@@ -175,6 +185,8 @@ TEST(ParseTransforms, FaultsAreNamed) {
       {R"({"frames":[{}]})", "file_path"},
       {R"({"frames":[{"file_path":"a.png"}]})", "a.png"},
       {R"({"fl_x":"3","frames":[{}]})", "fl_x"},
+      {R"({"fl_x":-3,"frames":[{}]})", "\"fl_x\" is negative"},
+      {R"({"w":-3,"frames":[{}]})", "\"w\" is negative"},
       {R"({"test_filenames":"a.png","frames":[{}]})", "test_filenames"},
       {R"({"val_filenames":[1],"frames":[{}]})", "val_filenames"},
       {R"({"camera_model":"EQUIRECTANGULAR","frames":[{}]})",

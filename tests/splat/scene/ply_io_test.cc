@@ -101,6 +101,19 @@ TEST(PlyTest, AntialiasedModelsSaySo) {
   EXPECT_FALSE(other->model.antialiased);
 }
 
+TEST(PlyTest, RotationsOfAnyLengthAreReadAsSuch) {
+  GaussianModel model = RandomModel(3, 0, 4);
+  const float rotations[] = {
+      1e-11f, 0, 0, 0, 0, 3e20f, 0, 4e20f, 0.5f, -2, 0, 1};
+  std::copy_n(rotations, 12, model.rotations.begin());
+  const auto read = ParsePly(SerializePly(model));
+  ASSERT_TRUE(read.ok());
+  const float expected[] = {1, 0, 0, 0, 0, 0.6f, 0, 0.8f, 0.5f, -2, 0, 1};
+  for (int k = 0; k < 12; ++k) {
+    EXPECT_FLOAT_EQ(read->model.rotations[k], expected[k]) << k;
+  }
+}
+
 TEST(PlyTest, EmptyModel) {
   const StatusOr<PlacedModel> read = ParsePly(SerializePly(GaussianModel()));
   ASSERT_TRUE(read.ok());

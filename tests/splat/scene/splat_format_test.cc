@@ -58,6 +58,23 @@ TEST(SplatFormatTest, ImportantOnesFirst) {
   EXPECT_EQ(FloatAt(content, 64), 0.0f);
 }
 
+TEST(SplatFormatTest, HugeAndFaintOnesHaveAnOrder) {
+  GaussianModel model;
+  model.Resize(3);
+  model.log_scales = {0, 0, 0, 300, 300, 300, -300, -300, -300};
+  model.opacity_logits = {0, -800, 800};
+  const std::string content = SerializeSplat(model);
+  ASSERT_EQ(content.size(), 3u * 32);
+  float deviations[3];
+  for (int i = 0; i < 3; ++i) {
+    std::memcpy(&deviations[i], content.data() + 32 * i + 12, sizeof(float));
+  }
+  EXPECT_TRUE(std::isfinite(deviations[0]));
+  EXPECT_GT(deviations[0], 1e38f);
+  EXPECT_EQ(deviations[1], 1);
+  EXPECT_EQ(deviations[2], 0);
+}
+
 TEST(SplatFormatTest, EmptyModel) {
   EXPECT_TRUE(SerializeSplat(GaussianModel()).empty());
 }

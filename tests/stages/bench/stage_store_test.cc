@@ -227,6 +227,26 @@ TEST_F(StageStoreTest, FailuresOfTheMethodAreKeptOthersTriedAgain) {
   EXPECT_EQ(run().exit_code, 3);
 }
 
+TEST_F(StageStoreTest, WhatAnotherProgramBeganDoesNotGoOn) {
+  const CellPlan plan = PlanOf({});
+  const fs::path folder = plan.stages[0].workspace;
+  // The run is killed: it leaves a checkpoint and no outcome.
+  fs::create_directories(folder);
+  WriteText(folder / ".program", "another");
+  WriteText(folder / "checkpoint", "");
+  UseScript("exit 0\n");
+  {
+    StageStore store(context_, "reconstruct");
+    EXPECT_THAT(store.RunStage(plan, 0)->program, HasSubstr("another+"));
+  }
+  EXPECT_TRUE(fs::exists(folder / "checkpoint"));
+  context_.only_this_program = true;
+  StageStore store(context_, "reconstruct");
+  EXPECT_THAT(store.RunStage(plan, 0)->program,
+              ::testing::Not(HasSubstr("another")));
+  EXPECT_FALSE(fs::exists(folder / "checkpoint"));
+}
+
 TEST_F(StageStoreTest, ATimeLimitIsAFailure) {
   context_.time_limit_s = 0.2;
   UseScript("sleep 20\n");
