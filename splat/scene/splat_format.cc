@@ -17,7 +17,7 @@ namespace freegs::splat {
 namespace {
 
 constexpr size_t kRecordBytes = 32;
-constexpr float kMaxLogScale = 88;  // Its exponential is a finite float.
+constexpr float kMaxStoredLogScale = 88;  // Its exponential is a finite float.
 
 double Opacity(const GaussianModel& model, size_t i) {
   return 1.0 / (1.0 + std::exp(-static_cast<double>(model.opacity_logits[i])));
@@ -43,7 +43,7 @@ void PutRecord(const GaussianModel& model, size_t i, ByteWriter* writer) {
   for (int k = 0; k < 3; ++k) {
     geometry[k] = model.means[3 * i + k];
     geometry[3 + k] =
-        std::exp(std::min(model.log_scales[3 * i + k], kMaxLogScale));
+        std::exp(std::min(model.log_scales[3 * i + k], kMaxStoredLogScale));
     bytes[k] = ToByte(255.0 * (0.5 + kShC0 * model.sh_dc[3 * i + k]));
   }
   bytes[3] = ToByte(255.0 * Opacity(model, i));
