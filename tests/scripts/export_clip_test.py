@@ -176,6 +176,29 @@ class ExportClipTest(unittest.TestCase):
             self.export(self.folder)
         self.assertTrue((self.folder / "merges.txt").exists())
 
+    def test_leaves_what_is_not_its_own(self):
+        out = self.folder / "out"
+        out.mkdir()
+        (out / "model.json").write_text('{"modelTopology": {}}')
+        with self.assertRaisesRegex(CheckpointError, "not a model folder"):
+            self.export(out)
+        self.assertTrue((out / "model.json").exists())
+        part = self.folder / "new.part"
+        part.mkdir()
+        (part / "mine").write_text("")
+        with self.assertRaisesRegex(CheckpointError, "in the way"):
+            self.export(self.folder / "new")
+        self.assertTrue((part / "mine").exists())
+
+    def test_names_damaged_files(self):
+        (self.folder / "merges.txt").write_bytes(b"\x1f\x8b\x08\x00")
+        with self.assertRaisesRegex(CheckpointError, "merges.txt: damaged"):
+            self.export(self.folder / "out")
+        page = self.folder / "page.pt"
+        page.write_text("<html>not found</html>")
+        with self.assertRaisesRegex(CheckpointError, "page.pt: damaged"):
+            read_checkpoint(page)
+
 
 if __name__ == "__main__":
     unittest.main()
