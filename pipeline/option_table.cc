@@ -23,6 +23,26 @@ namespace po = boost::program_options;
 constexpr uint64_t kMaxConfigBytes = 1 << 20;
 constexpr char kCommandLine[] = "command line";
 
+// Boost takes "#" for the begin of a comment wherever it stands, so a value
+// that holds one would be cut without a word.
+Status CheckComments(const std::string& text, const std::string& source) {
+  std::istringstream lines(text);
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    const size_t comment = line.find('#');
+    if (comment == std::string::npos || comment == 0) continue;
+    const bool after_value = line.find('=') < comment;
+    if (!after_value || line[comment - 1] == ' ' || line[comment - 1] == '\t') {
+      continue;
+    }
+    return InvalidArgumentError(
+        source + ": line " + std::to_string(number) +
+        ": # begins a comment: write a blank before it, or give a value that "
+        "holds it on the command line");
+  }
+  return Status();
+}
+
 // Lays out text in lines of at most 78 columns, each after `prefix`.
 std::string Wrap(const std::string& text, const std::string& prefix) {
   std::istringstream words(text);
@@ -252,6 +272,7 @@ StatusOr<std::vector<OptionSetting>> OptionTable::ParseConfig(
     if (option.section().empty()) continue;
     description.add_options()(option.name.c_str(), po::value<std::string>());
   }
+  FREEGS_RETURN_IF_ERROR(CheckComments(text, source));
   std::vector<OptionSetting> settings;
   std::set<std::string> seen;
   try {

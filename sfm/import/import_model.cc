@@ -287,7 +287,13 @@ StatusOr<ImportSource> FindImportSource(const fs::path& path) {
   if (IsFile(path)) {
     if (path.extension() == ".json") file = path;
     // One file of a COLMAP model stands for its folder.
-    if (DetectModelFormat(path.parent_path())) {
+    if (const auto format = DetectModelFormat(path.parent_path())) {
+      if (path.extension() == ".txt" && *format == ModelFormat::kBinary) {
+        return BadInputError(
+            path.string() +
+            ": the .bin files beside it would be read in its place; move them "
+            "away, or name one of them (sfm.import)");
+      }
       if (path.extension() == ".bin" || path.extension() == ".txt") {
         source.colmap_model = path.parent_path();
         return source;

@@ -4,6 +4,7 @@
 #include "sfm/import/name_matching.h"
 
 #include <algorithm>
+#include <set>
 #include <string_view>
 #include <unordered_map>
 
@@ -38,6 +39,15 @@ PathParts Split(std::string_view path) {
   }
   result.folders.assign(parts.rbegin(), parts.rend());
   return result;
+}
+
+// The innermost folders of paths.
+std::set<std::string> InnermostFolders(const std::vector<PathParts>& paths) {
+  std::set<std::string> folders;
+  for (const PathParts& path : paths) {
+    if (!path.folders.empty()) folders.insert(path.folders.front());
+  }
+  return folders;
 }
 
 // How well two paths fit; 0 is not at all.
@@ -81,13 +91,26 @@ std::vector<int> MatchNames(const std::vector<std::string>& names,
     }
   }
 
+  std::vector<PathParts> name_parts;
+  for (const std::string& name : names) name_parts.push_back(Split(name));
+  const std::set<std::string> folders_of_names = InnermostFolders(name_parts);
+  const std::set<std::string> folders_of_photos = InnermostFolders(photo_parts);
+  // left/1.jpg is not right/1.jpg where both sides know such folders, also when
+  // one of the two photos is missing.
+  const auto contradict = [&](const PathParts& name, const PathParts& photo) {
+    return !name.folders.empty() && !photo.folders.empty() &&
+           name.folders.front() != photo.folders.front() &&
+           (folders_of_photos.contains(name.folders.front()) ||
+            folders_of_names.contains(photo.folders.front()));
+  };
+
   struct Claim {
     int name = -1;
     int score = 0;
   };
   std::vector<Claim> claims(photos.size());
   for (size_t n = 0; n < names.size(); ++n) {
-    const PathParts parts = Split(names[n]);
+    const PathParts& parts = name_parts[n];
     int best = -1;
     int best_score = 0;
     bool ambiguous = false;
@@ -95,6 +118,7 @@ std::vector<int> MatchNames(const std::vector<std::string>& names,
       const auto [first, last] = by_stem.equal_range(stem);
       for (auto it = first; it != last; ++it) {
         const int photo = photo_of_part[it->second];
+        if (contradict(parts, photo_parts[it->second])) continue;
         const int score = Score(parts, photo_parts[it->second]);
         if (score > best_score) {
           ambiguous = false;

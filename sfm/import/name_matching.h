@@ -17,6 +17,8 @@ namespace freegs::sfm {
 // wins, and then one with an equal extension. A name that two photos fit
 // equally well means neither. When two names mean one photo, the better name
 // gets it, and of equally good ones the earlier; the other name means none.
+// "right/0001.jpg" does not mean "left/0001.jpg" where other photos lie in
+// right or other names in left.
 std::vector<int> MatchNames(const std::vector<std::string>& names,
                             const std::vector<SfmPhoto>& photos);
 

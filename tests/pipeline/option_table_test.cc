@@ -190,6 +190,8 @@ TEST_F(OptionTableTest, ConfigErrorsNameTheFile) {
   EXPECT_THAT(ConfigError("[sfm]\nnonsense\n"), HasSubstr("nonsense"));
   EXPECT_THAT(ConfigError("[sfm]\ncount = 4\ncount = 5\n"),
               HasSubstr("set twice"));
+  EXPECT_THAT(ConfigError("[sfm]\n# a\ncount = 4#5\n"),
+              HasSubstr("line 3: # begins a comment"));
   // Words without a section belong to the command line alone.
   EXPECT_THAT(ConfigError("json = true\n"), HasSubstr("json"));
   EXPECT_EQ(values_.count, 3);

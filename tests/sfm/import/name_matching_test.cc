@@ -66,6 +66,17 @@ TEST(MatchNames, APhotoIsGivenOnce) {
   EXPECT_THAT(MatchNames({"train/r_0", "test/r_0"}, flat), ElementsAre(0, -1));
 }
 
+TEST(MatchNames, FoldersThatBothSidesKnowContradict) {
+  // right/2.jpg could not be used.
+  const auto photos = Photos({"left/1.jpg", "left/2.jpg", "right/1.jpg"});
+  EXPECT_THAT(MatchNames({"right/1.jpg", "right/2.jpg"}, photos),
+              ElementsAre(2, -1));
+  EXPECT_THAT(MatchNames({"left/3.jpg", "other/2.jpg"}, photos),
+              ElementsAre(-1, -1));
+  // Folders that only one side has say nothing.
+  EXPECT_THAT(MatchNames({"images_2/2.jpg"}, photos), ElementsAre(1));
+}
+
 TEST(MatchNames, DotsAndExtensionsThatTellApart) {
   const auto photos = Photos({"view.1.png", "view.2.png", "a.jpg", "a.png"});
   EXPECT_THAT(MatchNames({"view.2", "view.1.png", "a.png", "a"}, photos),
