@@ -135,9 +135,9 @@ test("doubts are shown, and a late answer replaces no newer one", async () => {
   const { child, url } = await serve(scene.workspace);
   const page = await openPage(browser, url);
   const asked = [];
-  await page.route("**/api/query", (route) => asked.push(route));
+  await page.route("**/api/query*", (route) => asked.push(route));
   const ask = async (text) => {
-    const request = page.waitForRequest("**/api/query");
+    const request = page.waitForRequest("**/api/query*");
     await page.getByLabel("Words that say what is sought").fill(text);
     await page.getByRole("button", { name: "Ask", exact: true }).click();
     await request;
