@@ -36,11 +36,11 @@ struct PanopticQuality {
 //
 // Truth 0 stands for pixels that belong to no known object. They count in the
 // IoU of an instance that covers them, other than in the paper, which takes
-// pixels without truth out of the instances first. But an instance of which more than one
-// half lies on them, or on objects that are too small to be judged, is no false
-// positive, because nothing is known of what is there. Objects of fewer than
-// min_pixels pixels are not judged, and instances of fewer are no false
-// positives.
+// pixels without truth out of the instances first. But an instance of which
+// more than one half lies on them, or on objects that are too small to be
+// judged, is no false positive, because nothing is known of what is there.
+// Objects of fewer than min_pixels pixels are not judged, and instances of
+// fewer are no false positives.
 PanopticQuality MatchSegments(const InstanceOverlap& overlap, int min_pixels);
 
 }  // namespace freegs::semantics

@@ -48,10 +48,11 @@ Status RenderContributions(const MiniSplattingContext& context,
 }
 
 Status NothingVisible(std::string_view what, size_t count) {
-  return UnusableResultError(
-      std::string(what) + ": none of the " + std::to_string(count) +
-      " Gaussians is visible in any training photo; check the camera poses, the "
-      "3D points and the masks");
+  return UnusableResultError(std::string(what) + ": none of the " +
+                             std::to_string(count) +
+                             " Gaussians is visible in any training photo; "
+                             "check the camera poses, the "
+                             "3D points and the masks");
 }
 
 }  // namespace

@@ -188,11 +188,11 @@ float Trainer::LossOfView(size_t view_index, int level) {
 
 StatusOr<StepReport> Trainer::Step() {
   if (model_.empty()) {
-    return UnusableResultError(
-        "training: no Gaussian is left at iteration " +
-        std::to_string(iteration_) +
-        "; the photos show nothing in front of the background, masks ignore all "
-        "of it, or the camera poses are wrong");
+    return UnusableResultError("training: no Gaussian is left at iteration " +
+                               std::to_string(iteration_) +
+                               "; the photos show nothing in front of the "
+                               "background, masks ignore all "
+                               "of it, or the camera poses are wrong");
   }
   if (!history_.last_good) {
     if (!model_.AllFinite()) {
