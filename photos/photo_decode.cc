@@ -142,10 +142,9 @@ Status CheckHeader(const PhotoHeader& header,
     return BadInputError(
         "its header claims " + SizeText(header) + ", more than the limit of " +
         FormatSignificant(options.max_megapixels, 6) + " megapixels" +
-        (option.empty() ? "; reduce the photo"
-                        : " (" + option +
-                              "); reduce the photo or raise "
-                              "the limit"));
+        (option.empty()
+             ? "; reduce the photo"
+             : " (" + option + "); reduce the photo or raise the limit"));
   }
   if (std::min(header.width, header.height) < options.min_side) {
     return BadInputError("only " + SizeText(header) + ", shorter than " +

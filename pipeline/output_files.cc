@@ -23,7 +23,7 @@ void AddFile(const fs::path& folder, const fs::path& file, OutputFiles* files) {
   (*files)[name] = static_cast<int64_t>(size);
 }
 
-// Whether a file was left beside what the stage made, or in a folder that was.
+// Whether a file is a bystander or lies in a folder that is one.
 bool IsBesideOutputs(const fs::path& file) {
   for (auto part = file.begin(); part != file.end(); ++part) {
     if (IsBystander(part->string(), std::next(part) != file.end())) return true;

@@ -17,8 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Whether an input cannot be read, or is the folder where something was mounted
-// that held files.
+// Whether an input is missing, cannot be read, or is a folder that held files
+// and is empty now, as where a disk is not mounted.
 bool IsGone(const InputFingerprint& now, const InputFingerprint* before) {
   return now.missing() || now.hash == "unreadable" ||
          (now.files == 0 && before != nullptr && before->files > 0);

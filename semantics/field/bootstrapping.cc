@@ -189,7 +189,7 @@ class Bootstrapping {
                             pool_,
                             tools_.cancellation,
                             [&](size_t count) { clock_.Done(count); }));
-    // Each photograph is read, and its features are lifted later.
+    // Two rounds: photographs are read, then their features are lifted.
     const size_t num_views = scene_.views.size();
     clock_.Begin("lifting features", 2 * num_views);
     guides_.resize(num_views);

@@ -42,9 +42,12 @@ Status ReadIntrinsics(const json& object, TransformsIntrinsics* result) {
     if (field == nullptr || field->is_null()) continue;
     FREEGS_ASSIGN_OR_RETURN(*value, ReadNumber(field, key));
   }
-  for (const auto& [key, value] :
-       {fields[0], fields[1], fields[4], fields[5]}) {
-    if (*value < 0) {
+  const std::pair<const char*, double> lengths[] = {{"w", result->width},
+                                                    {"h", result->height},
+                                                    {"fl_x", result->fx},
+                                                    {"fl_y", result->fy}};
+  for (const auto& [key, value] : lengths) {
+    if (value < 0) {
       return BadInputError("\"" + std::string(key) + "\" is negative");
     }
   }

@@ -51,8 +51,8 @@ Status NothingVisible(std::string_view what, size_t count) {
   return UnusableResultError(std::string(what) + ": none of the " +
                              std::to_string(count) +
                              " Gaussians is visible in any training photo; "
-                             "check the camera poses, the "
-                             "3D points and the masks");
+                             "check the camera poses, the 3D points and the "
+                             "masks");
 }
 
 }  // namespace

@@ -191,8 +191,8 @@ StatusOr<StepReport> Trainer::Step() {
     return UnusableResultError("training: no Gaussian is left at iteration " +
                                std::to_string(iteration_) +
                                "; the photos show nothing in front of the "
-                               "background, masks ignore all "
-                               "of it, or the camera poses are wrong");
+                               "background, masks ignore all of it, or the "
+                               "camera poses are wrong");
   }
   if (!history_.last_good) {
     if (!model_.AllFinite()) {

@@ -250,7 +250,8 @@ StatusOr<ChildOutcome> StageStore::Once(const fs::path& folder,
     return *earlier;
   }
   FREEGS_RETURN_IF_ERROR(CreateFolders(folder));
-  // A workspace that has not begun holds no such file.
+  // Command run refuses a folder that holds other files before it is a
+  // workspace.
   std::error_code ignored;
   fs::remove(folder / kOutcomeFile, ignored);
   std::string programs = program_hash_;

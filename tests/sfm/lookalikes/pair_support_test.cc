@@ -3,6 +3,11 @@
 
 #include "sfm/lookalikes/pair_support.h"
 
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "tests/sfm/match_database_writer.h"
@@ -96,6 +101,43 @@ TEST(MeasureSupport, MatchesThatAHomographyExplainsCountLess) {
     EXPECT_NEAR(SupportWithHomography(70, config), 0.6, 1e-9);
     EXPECT_NEAR(SupportWithHomography(90, config), 0.2, 1e-9);
   }
+}
+
+// Points are seen at 75 to 85 degrees from the axes of both cameras.
+TEST(MeasureSupport, WideFisheyesSupportWhatTheySee) {
+  const Eigen::Vector3d beside(0.5, 0, 0);
+  Reconstruction model = SyntheticModel(2, 100);
+  for (Camera& camera : model.cameras) {
+    camera.model = CameraModel::kOpenCvFisheye;
+    camera.width = camera.height = 1400;
+    camera.params = {400, 400, 700, 700, 0.01, 0, 0, 0};
+  }
+  const Camera& camera = model.cameras[0];
+  model.images[0].cam_from_world = Rigid3d();
+  model.images[1].cam_from_world = Rigid3d();
+  model.images[1].cam_from_world.translation = beside;
+  std::vector<uint32_t> matches;
+  for (uint32_t i = 0; i < 100; ++i) {
+    const double off_axis = (75 + 0.1 * i) * std::numbers::pi / 180;
+    const double around = 2.4 * i;
+    const double distance = 4 + i % 7;
+    const Eigen::Vector3d point =
+        distance * Eigen::Vector3d(std::sin(off_axis) * std::cos(around),
+                                   std::sin(off_axis) * std::sin(around),
+                                   std::cos(off_axis));
+    model.images[0].points2d[i].xy = *Project(camera, point);
+    model.images[1].points2d[i].xy = *Project(camera, point + beside);
+    matches.insert(matches.end(), {i, i});
+  }
+  const TemporaryFolder folder;
+  const std::string path = (folder / "a.db").string();
+  MatchDatabaseWriter(path).Add(1, 2, matches);
+  const auto database = MatchDatabase::Open(path);
+  ASSERT_TRUE(database.ok());
+  const auto pairs = MeasureSupport(model, *database);
+  ASSERT_TRUE(pairs.ok());
+  EXPECT_TRUE(pairs->at(0).fits);
+  EXPECT_GE(pairs->at(0).supporting, 99);
 }
 
 }  // namespace
