@@ -109,7 +109,17 @@ ComparisonOf<T> ProjectGaussian(const ProjectionCamera<T>& camera,
   cov[0] = a[0] * a[0] + a[1] * a[1] + a[2] * a[2] + camera.dilation;
   cov[1] = a[0] * a[3] + a[1] * a[4] + a[2] * a[5];
   cov[2] = a[3] * a[3] + a[4] * a[4] + a[5] * a[5] + camera.dilation;
-  const T determinant = cov[0] * cov[2] - cov[1] * cov[1];
+  // det(A A^T) is the squared length of the cross product of the rows of A.
+  // So the determinant of Sigma' is a sum of positive numbers, which keeps its
+  // digits where cov[0] cov[2] - cov[1]^2 loses all of them: with the long and
+  // thin images of Gaussians right in front of the camera.
+  const T x = a[1] * a[5] - a[2] * a[4];
+  const T y = a[2] * a[3] - a[0] * a[5];
+  const T z = a[0] * a[4] - a[1] * a[3];
+  terms->sharp_determinant = x * x + y * y + z * z;
+  const T determinant = terms->sharp_determinant +
+                        camera.dilation * (cov[0] + cov[2] - camera.dilation);
+  terms->determinant = determinant;
   const T inverse_determinant = T(1) / determinant;
   projected->conic[0] = cov[2] * inverse_determinant;
   projected->conic[1] = -cov[1] * inverse_determinant;
@@ -126,15 +136,9 @@ OpacityFilter<T> FilterOpacity(const ProjectionCamera<T>& camera,
                                const ProjectedGaussian<T>& projected,
                                const ProjectionTerms<T>& terms) {
   using std::log;
-  const T* a = terms.half;
   const T* c = projected.cov;
-  // det(A A^T) is the squared length of the cross product of the rows of A,
-  // which no rounding makes negative.
-  const T x = a[1] * a[5] - a[2] * a[4];
-  const T y = a[2] * a[3] - a[0] * a[5];
-  const T z = a[0] * a[4] - a[1] * a[3];
-  const T sharp = x * x + y * y + z * z;
-  const T wide = c[0] * c[2] - c[1] * c[1];
+  const T sharp = terms.sharp_determinant;
+  const T wide = terms.determinant;
   const T ratio = sharp / wide;
   const T least(2.5e-5);
   const auto free = ratio > least;

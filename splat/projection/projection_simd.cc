@@ -26,7 +26,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Tag = SimdNumber::Tag;
 constexpr float kLn2 = 0.6931471805599453f;
 
-// Added to the far ends of the pixel boxes, in pixels, to make up for rounding.
+// Added to the ends of the pixel boxes, in pixels, to make up for rounding.
 constexpr float kSlack = 1e-3f;
 
 // Numbers of a group of Gaussians; those of one kind lie side by side.
@@ -181,7 +181,7 @@ HWY_INLINE SimdMask ProjectGroup(const ProjectionTask& task,
     const SimdNumber high = projected.mean[axis] + extent[axis];
     const SimdNumber half(0.5f);
     visible = And(visible, And(high > half, size[axis] - half > low));
-    box[2 * axis] = FirstPixel(low, size[axis]);
+    box[2 * axis] = FirstPixel(low - SimdNumber(kSlack), size[axis]);
     box[2 * axis + 1] = FirstPixel(high + SimdNumber(kSlack), size[axis]);
   }
   if (hn::AllFalse(Tag(), visible.mask)) return visible;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <utility>
 
@@ -13,17 +14,20 @@
 namespace freegs::splat {
 namespace {
 
-// The ellipse d^T conic d <= reach around a splat's mean.
+constexpr auto kLn2 = std::numbers::ln2_v<float>;
+
+// The ellipse around a splat's mean in which its alpha is 1/255 or more:
+// d^T conic d <= reach. No difference of large numbers is taken, so the ellipse
+// of a long and thin splat is as exact as any other.
 class Ellipse {
  public:
-  explicit Ellipse(const Splat& splat) : splat_(splat) {
-    // extent_x^2 = reach * cov_xx = reach * conic_yy / det; the rightmost point
-    // lies at dy = -conic_xy / conic_yy * extent_x.
-    right_dy_ = -splat.conic_xy / splat.conic_yy * splat.extent_x;
-    const float determinant =
-        splat.conic_xx * splat.conic_yy - splat.conic_xy * splat.conic_xy;
-    reach_ = splat.extent_x * splat.extent_x * determinant / splat.conic_yy;
-  }
+  explicit Ellipse(const Splat& splat)
+      : splat_(splat),
+        slope_(-splat.conic_xy / splat.conic_xx),
+        half_width_(std::sqrt(2 * kLn2 * (splat.log2_opacity - kMinLog2Alpha) /
+                              splat.conic_xx)),
+        // Where the ellipse is farthest to the right.
+        right_dy_(-splat.conic_xy / splat.conic_yy * splat.extent_x) {}
 
   // The x range of the ellipse (absolute pixels) over y in [y0, y1]; false when
   // the band misses it.
@@ -39,16 +43,16 @@ class Ellipse {
  private:
   // The right (sign 1) or left (-1) end of the chord at dy.
   float Side(float dy, float sign) const {
-    const float b = splat_.conic_xy * dy;
-    const float discriminant =
-        b * b - splat_.conic_xx * (splat_.conic_yy * dy * dy - reach_);
-    return (-b + sign * std::sqrt(std::max(discriminant, 0.0f))) /
-           splat_.conic_xx;
+    const float t = dy / splat_.extent_y;
+    const float half_chord =
+        half_width_ * std::sqrt(std::max((1 - t) * (1 + t), 0.0f));
+    return slope_ * dy + sign * half_chord;
   }
 
   const Splat& splat_;
+  float slope_;       // dx / dy of the middles of the chords.
+  float half_width_;  // Half of the chord through the mean.
   float right_dy_;
-  float reach_;
 };
 
 // Added to the chord, in pixels, to make up for rounding: one tile too many

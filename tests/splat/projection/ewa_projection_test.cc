@@ -100,6 +100,49 @@ TEST(EwaProjection, BackwardMatchesJets) {
   EXPECT_GT(bounded, 20);
 }
 
+// In floats the images of Gaussians right in front of the camera are as thin as
+// in doubles, however long they are.
+TEST(EwaProjection, LongAndThinInFloats) {
+  const auto camera = MakeProjectionCamera<double>(
+      TestCamera(160, 120), Rigid3d(), RenderOptions());
+  const auto float_camera = Camera<float>(camera);
+  RandomStream random(9, 1);
+  for (int trial = 0; trial < 200; ++trial) {
+    std::array<double, kInputs> input;
+    input[0] = 0.1 * (random.Uniform() - 0.5);
+    input[1] = 0.1 * (random.Uniform() - 0.5);
+    input[2] = 0.25;
+    input[3] = std::log(1.0 + 50 * random.Uniform());
+    for (int i = 4; i < 6; ++i)
+      input[i] = std::log(1e-4 + 1e-2 * random.Uniform());
+    for (int i = 6; i < 10; ++i) input[i] = random.Normal();
+    std::array<float, kInputs> floats;
+    for (int i = 0; i < kInputs; ++i) {
+      floats[i] = static_cast<float>(input[i]);
+      input[i] = floats[i];
+    }
+    ProjectedGaussian<double> exact;
+    ProjectionTerms<double> terms;
+    ProjectedGaussian<float> projected;
+    ProjectionTerms<float> float_terms;
+    ASSERT_TRUE(ProjectGaussian(
+        camera, &input[0], &input[3], &input[6], &exact, &terms));
+    ASSERT_TRUE(ProjectGaussian(float_camera,
+                                &floats[0],
+                                &floats[3],
+                                &floats[6],
+                                &projected,
+                                &float_terms));
+    // The width of the image is what the largest eigenvalue of the conic says,
+    // which is nearly its trace.
+    const double width = std::sqrt(1 / (exact.conic[0] + exact.conic[2]));
+    EXPECT_NEAR(std::sqrt(1 / (projected.conic[0] + projected.conic[2])),
+                width,
+                1e-4 * width)
+        << "length " << std::sqrt(exact.cov[0] + exact.cov[2]);
+  }
+}
+
 TEST(EwaProjection, SmallIsotropicGaussianOnTheAxis) {
   ProjectionCamera<double> camera = MakeProjectionCamera<double>(
       {100, 80, 50, 60, 50, 40}, Rigid3d(), RenderOptions());

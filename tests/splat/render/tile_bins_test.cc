@@ -2,6 +2,7 @@
 
 #include "splat/render/tile_bins.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
@@ -9,24 +10,28 @@
 
 #include <gtest/gtest.h>
 
+#include "splat/projection/ewa_projection-inl.h"
 #include "splat/projection/projection.h"
 #include "tests/splat/test_scene.h"
 
 namespace freegs::splat {
 namespace {
 
-// Tiles with a pixel centre where the splat's alpha reaches 1/255 (grown by
+// Tiles with a pixel centre where the alpha of a splat reaches 1/255 (grown by
 // `slack` in the exponent).
-std::set<int> TouchedTiles(
-    const Splat& splat, int width, int height, int tiles_x, double slack) {
+std::set<int> TouchedTiles(const double mean[2],
+                           const double conic[3],
+                           double log2_opacity,
+                           const Pinhole& camera,
+                           int tiles_x,
+                           double slack) {
   std::set<int> tiles;
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      const double dx = x + 0.5 - splat.mean_x, dy = y + 0.5 - splat.mean_y;
-      const double q = splat.conic_xx * dx * dx +
-                       2.0 * splat.conic_xy * dx * dy +
-                       splat.conic_yy * dy * dy;
-      const double log2_alpha = splat.log2_opacity - 0.5 * q / std::log(2.0);
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      const double dx = x + 0.5 - mean[0], dy = y + 0.5 - mean[1];
+      const double q =
+          conic[0] * dx * dx + 2.0 * conic[1] * dx * dy + conic[2] * dy * dy;
+      const double log2_alpha = log2_opacity - 0.5 * q / std::log(2.0);
       if (log2_alpha + slack >= std::log2(1.0 / 255)) {
         tiles.insert(y / kTileSize * tiles_x + x / kTileSize);
       }
@@ -73,13 +78,70 @@ TEST(TileBins, HoldsEveryTouchedTileAndFewMore) {
       EXPECT_EQ(bins.entries[e], i);
       EXPECT_TRUE(listed.insert(e).second);
     }
+    const Splat& splat = projection.splats[i];
+    const double mean[2] = {splat.mean_x, splat.mean_y};
+    const double conic[3] = {splat.conic_xx, splat.conic_xy, splat.conic_yy};
     const std::set<int> want = TouchedTiles(
-        projection.splats[i], camera.width, camera.height, bins.tiles_x, -1e-4);
+        mean, conic, splat.log2_opacity, camera, bins.tiles_x, -1e-4);
     needed += want.size();
     for (const int t : want) EXPECT_TRUE(got[i].contains(t)) << i << ' ' << t;
   }
   EXPECT_EQ(listed.size(), bins.num_pairs());
   // The test is exact on tile rows up to the pixel grid.
+  EXPECT_LT(static_cast<double>(bins.num_pairs()), 1.12 * needed);
+}
+
+// The splats of Gaussians right in front of the camera are far longer than the
+// picture. Their tiles follow from the exact projection in doubles.
+TEST(TileBins, HoldsEveryTileOfLongAndThinSplats) {
+  GaussianModel model = RandomSceneModel(300, 0, 14);
+  for (size_t i = 0; i < model.size(); ++i) {
+    model.means[3 * i] *= 0.05f;
+    model.means[3 * i + 1] *= 0.05f;
+    model.means[3 * i + 2] = 0.3f;
+    // Deviations of 500 to 50000 pixels along, and of a pixel across.
+    model.log_scales[3 * i] = 0.2f + 0.015f * static_cast<float>(i);
+    model.log_scales[3 * i + 1] = std::log(2e-3f);
+    model.log_scales[3 * i + 2] = std::log(1e-3f);
+    model.opacity_logits[i] = 2;
+  }
+  const Pinhole camera = TestCamera(150, 110);
+  ThreadPool pool(2);
+  Projector projector;
+  Projection projection;
+  projector.Project(
+      model, camera, Rigid3d(), RenderOptions(), pool, &projection);
+  ASSERT_EQ(projection.size(), model.size());
+  TileBins bins;
+  ASSERT_TRUE(
+      BinSplats(projection, camera.width, camera.height, pool, &bins).ok());
+  std::map<uint32_t, std::set<int>> got;
+  for (int t = 0; t < bins.tiles_x * bins.tiles_y; ++t) {
+    for (int64_t e = bins.tile_begin[t]; e < bins.tile_begin[t + 1]; ++e) {
+      got[bins.entries[e]].insert(t);
+    }
+  }
+  const auto exact_camera =
+      MakeProjectionCamera<double>(camera, Rigid3d(), RenderOptions());
+  size_t needed = 0;
+  for (size_t i = 0; i < model.size(); ++i) {
+    double input[10];
+    std::copy_n(&model.means[3 * i], 3, input);
+    std::copy_n(&model.log_scales[3 * i], 3, input + 3);
+    std::copy_n(&model.rotations[4 * i], 4, input + 6);
+    ProjectedGaussian<double> exact;
+    ProjectionTerms<double> terms;
+    ASSERT_TRUE(HWY_NAMESPACE::ProjectGaussian(
+        exact_camera, input, input + 3, input + 6, &exact, &terms));
+    const std::set<int> want = TouchedTiles(exact.mean,
+                                            exact.conic,
+                                            projection.splats[i].log2_opacity,
+                                            camera,
+                                            bins.tiles_x,
+                                            -0.01);
+    needed += want.size();
+    for (const int t : want) EXPECT_TRUE(got[i].contains(t)) << i << ' ' << t;
+  }
   EXPECT_LT(static_cast<double>(bins.num_pairs()), 1.12 * needed);
 }
 
