@@ -64,7 +64,8 @@ StatusOr<splat::PlacedModel> ReadWorkspaceModel(
 // Makes a file name with the extension `suffix` (".png") for each view. It is
 // the view's name with its extension replaced. Where two views would get the
 // same file, the suffix is appended to the whole name instead. kBadInput when a
-// name is empty, absolute, or leaves its folder ("../x").
+// name is empty, absolute, or leaves its folder ("../x"), and when two views
+// have the same name.
 StatusOr<std::vector<std::string>> OutputNames(const std::vector<View>& views,
                                                const std::string& suffix);
 
