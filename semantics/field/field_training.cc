@@ -21,7 +21,8 @@ constexpr uint64_t kPixelStream = 0x7069786c;
 constexpr uint64_t kGaussianStream = 0x67617573;
 
 constexpr int64_t kStepsPerRecord = 100;
-// Smoothing and contrastive loss are computed every so many steps.
+// Smoothing and contrastive loss are computed every so many steps, as in
+// FreeGS.
 constexpr int64_t kSlowInterval = 10;
 // Gaussians that the contrastive loss samples for a step.
 constexpr size_t kContrastiveGaussians = 2048;
