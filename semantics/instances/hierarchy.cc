@@ -93,7 +93,7 @@ double PixelsOfOthers(const Hierarchy& hierarchy,
   double pixels = 0;
   for (size_t leaf = 0; leaf < instance_of_leaf.size(); ++leaf) {
     const int32_t instance = instance_of_leaf[leaf];
-    if (inside[leaf] != 0 && instance >= 0 && instance != a && instance != b) {
+    if (inside[leaf] != 0 && instance != a && instance != b) {
       pixels += hierarchy.part_pixels[leaf];
     }
   }
@@ -254,9 +254,7 @@ bool JoinAsWhole(int32_t a, int32_t b, double quality, Hierarchy* hierarchy) {
   for (size_t leaf = 0; leaf < before.size(); ++leaf) {
     // Crumbs that lie outside may belong to the two as well. What lies inside
     // but is of a third instance does not.
-    const bool was_in = before[leaf] == a || before[leaf] == b;
-    const bool was_free = before[leaf] < 0 && inside[leaf] != 0;
-    belongs.push_back(was_in || was_free ? 1 : 0);
+    belongs.push_back(before[leaf] == a || before[leaf] == b ? 1 : 0);
   }
   const double size = changed.tree.Sums(changed.part_pixels)[whole];
   if (PixelsOutOfPlace(before,
