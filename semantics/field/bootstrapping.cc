@@ -23,12 +23,13 @@ class PartClock {
  public:
   explicit PartClock(const ProgressFn& progress) : progress_(progress) {}
 
-  void Begin(const std::string& part, size_t total) {
+  // first: what was done of this part before.
+  void Begin(const std::string& part, size_t total, size_t first = 0) {
     End();
     part_ = part;
     total_ = total;
     started_ = std::chrono::steady_clock::now();
-    Done(0);
+    Done(first);
   }
 
   void Done(size_t count, const std::string& detail = "") const {
@@ -306,7 +307,7 @@ class Bootstrapping {
                                                   seed_,
                                                   FirstState(),
                                                   pool_));
-    BeginTraining();
+    BeginTraining(training);
     while (!training.finished()) {
       if (IsCancelled(tools_.cancellation)) {
         if (tools_.save) FREEGS_RETURN_IF_ERROR(tools_.save(training, true));
@@ -318,7 +319,7 @@ class Bootstrapping {
         const Status taught = ClusterAndTeach(training);
         // If clustering was cancelled, the next turn saves and stops.
         if (!taught.ok() && !IsCancelled(tools_.cancellation)) return taught;
-        BeginTraining();
+        BeginTraining(training);
         continue;
       }
       FREEGS_RETURN_IF_ERROR(training.Step(pool_));
@@ -332,8 +333,8 @@ class Bootstrapping {
     return training.state();
   }
 
-  void BeginTraining() {
-    clock_.Begin("training", options_.training.iterations);
+  void BeginTraining(const FieldTraining& training) {
+    clock_.Begin("training", options_.training.iterations, training.step());
   }
 
   Status ClusterAndTeach(FieldTraining& training) {

@@ -2,9 +2,12 @@
 
 #include "semantics/field/bootstrapping.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -49,7 +52,7 @@ class BootstrappingTest : public testing::Test {
         [&](size_t view) -> StatusOr<ImageU8> { return photos_[view]; },
         options_,
         0,
-        {encoder_, cache, pool, cancellation, nullptr, resume_from_, save_});
+        {encoder_, cache, pool, cancellation, progress_, resume_from_, save_});
   }
 
   // The label that most Gaussians of an object have.
@@ -81,6 +84,7 @@ class BootstrappingTest : public testing::Test {
   ColorEncoder encoder_;
   TemporaryFolder folder_;
   BootstrappingOptions options_;
+  ProgressFn progress_;
   std::optional<FieldState> resume_from_;
   std::function<Status(const FieldTraining&, bool)> save_;
 };
@@ -332,8 +336,14 @@ TEST_F(BootstrappingTest, TrainingEndsWhenClusteringHasSettled) {
 TEST_F(BootstrappingTest, InterruptedTrainingGoesOnToTheSameBytes) {
   options_.method = FieldMethod::kTrain;
   options_.training = ShortTraining();
+  std::vector<double> steps;  // As reported.
+  progress_ = [&steps](const Progress& progress) {
+    if (progress.step == "training") steps.push_back(progress.done);
+  };
   const auto whole = Lift(1);
   ASSERT_TRUE(whole.ok());
+  EXPECT_GT(steps.size(), 5u);
+  EXPECT_TRUE(std::is_sorted(steps.begin(), steps.end()));
   // After the last step, 250, instances are still to be found.
   for (const int64_t stop : {50, 100, 200, 250}) {
     CancellationToken cancellation;
@@ -354,9 +364,12 @@ TEST_F(BootstrappingTest, InterruptedTrainingGoesOnToTheSameBytes) {
     EXPECT_EQ(saved->step, stop);
     save_ = nullptr;
     resume_from_ = std::move(saved);
+    steps.clear();
     const auto rest = Lift(3);
     resume_from_.reset();
     ASSERT_TRUE(rest.ok());
+    ASSERT_FALSE(steps.empty());
+    EXPECT_EQ(steps.front(), stop);
     EXPECT_EQ(rest->features, whole->features) << stop;
     EXPECT_EQ(rest->instances.labels, whole->instances.labels);
     EXPECT_EQ(rest->vectors.vectors, whole->vectors.vectors);
