@@ -319,6 +319,7 @@ TEST_F(BootstrappingTest, TrainingLearnsWhatLiftingKnows) {
   EXPECT_EQ(field->losses[0].losses.instance, 0);
   EXPECT_GT(field->losses[1].losses.instance, 0);
   EXPECT_GT(field->losses[1].losses.smoothing, 0);
+  EXPECT_GT(field->losses[1].losses.contrastive, 0);
   EXPECT_NE(field->decoder.mlp(), nullptr);
   EXPECT_EQ(field->instances.num_instances, 5);
 }
@@ -382,15 +383,26 @@ TEST_F(BootstrappingTest, InterruptedTrainingGoesOnToTheSameBytes) {
 TEST_F(BootstrappingTest, EachLossCanBeLeftOut) {
   options_.method = FieldMethod::kTrain;
   options_.training = ShortTraining();
-  options_.training.iterations = 120;
-  options_.training.instance_weight = 0;
-  options_.training.smoothing_weight = 0;
-  options_.training.contrastive_weight = 0;
-  const auto field = Lift();
-  ASSERT_TRUE(field.ok());
-  EXPECT_EQ(field->losses.back().losses.instance, 0);
-  EXPECT_EQ(field->losses.back().losses.smoothing, 0);
-  EXPECT_EQ(field->losses.back().losses.contrastive, 0);
+  options_.training.iterations = 40;
+  options_.training.cluster_start = 20;
+  const auto all = Lift();
+  ASSERT_TRUE(all.ok());
+  const struct {
+    double FieldTrainingOptions::*weight;
+    double FieldLosses::*loss;
+  } losses[] = {
+      {&FieldTrainingOptions::instance_weight, &FieldLosses::instance},
+      {&FieldTrainingOptions::smoothing_weight, &FieldLosses::smoothing},
+      {&FieldTrainingOptions::contrastive_weight, &FieldLosses::contrastive}};
+  for (const auto& [weight, loss] : losses) {
+    const double usual = std::exchange(options_.training.*weight, 0.0);
+    const auto rest = Lift();
+    options_.training.*weight = usual;
+    ASSERT_TRUE(rest.ok());
+    EXPECT_GT(all->losses.back().losses.*loss, 0);
+    EXPECT_EQ(rest->losses.back().losses.*loss, 0);
+    EXPECT_NE(rest->features, all->features);
+  }
   options_.training.cluster_start = 0;
   const auto without = Lift();
   ASSERT_TRUE(without.ok());
