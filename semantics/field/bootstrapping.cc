@@ -85,14 +85,6 @@ LinearDecoder DecoderOfAxes(const PrincipalAxes& axes) {
   return decoder;
 }
 
-std::vector<float> RandomVectors(size_t size, uint64_t seed) {
-  std::vector<float> vectors(size);
-  for (size_t i = 0; i < size; ++i) {
-    vectors[i] = static_cast<float>(RandomNormal(seed, kStartStream, i));
-  }
-  return vectors;
-}
-
 std::string Describe(const FieldTraining& training) {
   if (training.history().empty()) return "";
   std::string text =
@@ -127,7 +119,7 @@ class Bootstrapping {
                 ViewPhoto photo_of,
                 const BootstrappingOptions& options,
                 uint64_t seed,
-                const BootstrapTools& tools,
+                BootstrapTools& tools,
                 ViewWeightsStore store)
       : scene_(scene),
         photo_of_(photo_of),
@@ -283,15 +275,23 @@ class Bootstrapping {
     return found;
   }
 
-  FieldState FirstState() const {
-    if (tools_.resume_from) return *tools_.resume_from;
-    return FieldTraining::InitialState(
-        options_.random_start ? RandomVectors(lifted_.features.size(), seed_)
-                              : lifted_.features,
-        grids_.axes.count,
-        grids_.axes.dim,
-        options_.training,
-        seed_);
+  // Takes the state to resume from, or the lifted vectors. Neither is needed
+  // any more, and each is as large as what is trained.
+  FieldState FirstState() {
+    std::vector<float> vectors = std::move(lifted_.features);
+    if (tools_.resume_from) return *std::move(tools_.resume_from);
+    if (options_.random_start) {
+      const auto dim = static_cast<size_t>(grids_.axes.count);
+      for (size_t i = 0; i < vectors.size(); ++i) {
+        if (!lifted_.seen(i / dim)) continue;  // The vector stays zero.
+        vectors[i] = static_cast<float>(RandomNormal(seed_, kStartStream, i));
+      }
+    }
+    return FieldTraining::InitialState(std::move(vectors),
+                                       grids_.axes.count,
+                                       grids_.axes.dim,
+                                       options_.training,
+                                       seed_);
   }
 
   StatusOr<FieldState> Train() {
@@ -350,7 +350,7 @@ class Bootstrapping {
   const ViewPhoto photo_of_;
   const BootstrappingOptions& options_;
   const uint64_t seed_;
-  const BootstrapTools& tools_;
+  BootstrapTools& tools_;
   ThreadPool& pool_;
   PartClock clock_;
   ViewWeightsStore weights_;
@@ -409,7 +409,7 @@ StatusOr<SemanticField> BootstrapSemanticField(
     ViewPhoto photo_of,
     const BootstrappingOptions& options,
     uint64_t seed,
-    const BootstrapTools& tools) {
+    BootstrapTools tools) {
   FREEGS_RETURN_IF_ERROR(options.Check());
   FREEGS_ASSIGN_OR_RETURN(
       ViewWeightsStore weights,

@@ -4,12 +4,13 @@
 //
 //   const PosedScene scene{model, train_views, all_views, render};
 //   const FeatureCache cache(folder);
-//   const BootstrapTools tools{*encoder, cache, pool, nullptr, nullptr,
-//                              std::nullopt, nullptr};
+//   BootstrapTools tools{*encoder, cache, pool, nullptr, nullptr,
+//                        std::nullopt, nullptr};
 //   FREEGS_ASSIGN_OR_RETURN(
 //       const SemanticField field,
 //       BootstrapSemanticField(
-//           scene, photo_of, BootstrappingOptions(), seed, tools));
+//           scene, photo_of, BootstrappingOptions(), seed,
+//           std::move(tools)));
 //   // field.features, field.instances.labels and field.vectors are the result.
 
 #ifndef FREEGS_SEMANTICS_FIELD_BOOTSTRAPPING_H_
@@ -58,7 +59,8 @@ struct BootstrappingOptions {
   InstanceSemanticsOptions instances;
 
   // For kTrain. random_start: training begins with random vectors, as in
-  // FreeGS, and not with the lifted ones.
+  // FreeGS, and not with the lifted ones. Those of Gaussians that no view shows
+  // stay zero.
   FieldTrainingOptions training;
   bool random_start = false;
 
@@ -128,7 +130,7 @@ StatusOr<SemanticField> BootstrapSemanticField(
     ViewPhoto photo_of,
     const BootstrappingOptions& options,
     uint64_t seed,
-    const BootstrapTools& tools);
+    BootstrapTools tools);
 
 // Returns the mean feature of the Gaussians of each instance in CLIP's space,
 // of length 1. It is zero for an instance that no view shows. The mean is over

@@ -100,7 +100,18 @@ StatusOr<std::string> SerializeFieldState(const FieldState& state) {
   FREEGS_ASSIGN_OR_RETURN(
       const std::string decoder,
       SerializeDecoder({state.decoder, state.decoder_adam}));
+  // The arrays have most of the bytes. Without room for all of them the text
+  // would be copied while it grows, and two copies would be held.
+  constexpr size_t kSingleNumbers = 256;  // Bytes; more than these take.
   ByteWriter writer;
+  writer.Reserve(kSingleNumbers + decoder.size() +
+                 sizeof(float) * (state.features.size() +
+                                  state.feature_adam.first_moments.size() +
+                                  state.feature_adam.second_moments.size() +
+                                  state.teachers.vectors.size()) +
+                 sizeof(int32_t) * state.teachers.labels.size() +
+                 sizeof(ClusteringRound) * state.rounds.size() +
+                 sizeof(LossRecord) * state.history.size());
   writer.PutBytes(kCheckpointMagic);
   writer.Put(kCheckpointVersion);
   writer.PutText(decoder);

@@ -32,9 +32,14 @@ constexpr int kLongestFeature = 1024;
 // Of each number of a longer vector: a float, and two copies while the vectors
 // are written.
 constexpr double kBytesPerLiftedNumber = 12;
-// With mode paper each number also has a gradient and two moments. As many
-// bytes of it are in a checkpoint: the number itself and its moments.
-constexpr double kBytesPerTrainedNumber = 3 * 4;
+// With mode paper each number also has a gradient and two moments. While a
+// checkpoint is written, the number and its moments are there twice more: as a
+// copy, and as the content of the file.
+constexpr double kBytesPerTrainedNumber = (3 + 2 * 3) * 4;
+constexpr double kDiskBytesPerTrainedNumber = 3 * 4;
+// The features, the photo and the instances of a view that mode paper trains
+// on.
+constexpr double kBytesPerTrainingView = 1.5e6;
 
 // Clustering in the union space lists bootstrap.min_samples neighbours of each
 // Gaussian and the distance to the last one (semantics/hdbscan/core_distances).
@@ -181,9 +186,10 @@ pipeline::StageNeed BootstrapNeed(const BootstrapStageOptions& options,
     bytes += kBytesPerNeighbour * (neighbours + 1.0) * gaussians;
   }
   if (options.mode == "paper") {
-    const double trained = kBytesPerTrainedNumber * dim * gaussians;
-    bytes += trained;
-    disk += trained;  // The checkpoint.
+    const double trained = VectorDim(options, kMaxChosenDim) * gaussians;
+    bytes += kBytesPerTrainedNumber * trained +
+             kBytesPerTrainingView * static_cast<double>(teachers.size());
+    disk += kDiskBytesPerTrainedNumber * trained;  // The checkpoint.
     seconds += TrainingSeconds(options, gaussians, teachers);
   }
   return {.memory_bytes = pipeline::kProgramMemory + std::llround(bytes),

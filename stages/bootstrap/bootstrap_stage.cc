@@ -50,7 +50,7 @@ class BootstrapStage : public pipeline::Stage {
       : options_(options), seed_(seed) {}
 
   std::string_view name() const override { return "bootstrap"; }
-  int version() const override { return 18; }
+  int version() const override { return 19; }
 
   std::vector<fs::path> Inputs(
       const pipeline::StageContext& context) const override {
@@ -207,15 +207,16 @@ class BootstrapStage : public pipeline::Stage {
     FREEGS_ASSIGN_OR_RETURN(
         semantics::Vocabulary vocabulary,
         semantics::Vocabulary::Create(encoder->info().vocabulary, *encoder));
-    semantics::BootstrapTools tools{
-        .encoder = *encoder,
-        .cache = cache,
-        .pool = *context.pool,
-        .cancellation = context.cancellation,
-        .progress = context.progress,
-        .resume_from = std::nullopt,
-        .save = nullptr,
-        .things = {std::move(vocabulary), encoder->info().min_word_confidence}};
+    const semantics::KnownThings things{std::move(vocabulary),
+                                        encoder->info().min_word_confidence};
+    semantics::BootstrapTools tools{.encoder = *encoder,
+                                    .cache = cache,
+                                    .pool = *context.pool,
+                                    .cancellation = context.cancellation,
+                                    .progress = context.progress,
+                                    .resume_from = std::nullopt,
+                                    .save = nullptr,
+                                    .things = things};
     if (method.method == semantics::FieldMethod::kTrain) {
       tools.resume_from = CheckpointOf(checkpoint, context);
       tools.save = SaverTo(checkpoint, context);
@@ -226,7 +227,7 @@ class BootstrapStage : public pipeline::Stage {
                                 photo_of,
                                 method,
                                 seed_,
-                                tools));
+                                std::move(tools)));
     FREEGS_RETURN_IF_ERROR(semantics::WriteDecoder(
         context.output / "decoder.bin", {field.decoder, std::nullopt}));
     FREEGS_RETURN_IF_ERROR(semantics::WriteInstanceFeatures(
@@ -239,8 +240,8 @@ class BootstrapStage : public pipeline::Stage {
     semantics::InstanceNames names =
         semantics::NameInstances(field.vectors.vectors,
                                  field.vectors.dim,
-                                 tools.things.vocabulary,
-                                 tools.things.min_confidence);
+                                 things.vocabulary,
+                                 things.min_confidence);
     return NamedField{std::move(field), std::move(names)};
   }
 

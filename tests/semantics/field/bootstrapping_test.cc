@@ -410,6 +410,7 @@ TEST_F(BootstrappingTest, EachLossCanBeLeftOut) {
 }
 
 TEST_F(BootstrappingTest, RandomStartIsAnotherStart) {
+  scene_.Add({0, 0, 9}, {0.5, 0.5, 0.5}, 0.01, 0.9, -1);  // Above all views.
   options_.method = FieldMethod::kTrain;
   options_.training = ShortTraining();
   options_.training.iterations = 1;
@@ -419,6 +420,10 @@ TEST_F(BootstrappingTest, RandomStartIsAnotherStart) {
   const auto b = Lift();
   ASSERT_TRUE(a.ok() && b.ok());
   EXPECT_NE(a->features, b->features);
+  // What no view shows has no vector, whatever the start.
+  const int dim = a->decoder.latent_dim();
+  EXPECT_EQ(std::vector<float>(a->features.end() - dim, a->features.end()),
+            std::vector<float>(dim, 0.0f));
 }
 
 TEST_F(BootstrappingTest, StopsWhenCancelled) {

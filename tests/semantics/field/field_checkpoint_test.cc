@@ -42,6 +42,21 @@ TEST(FieldCheckpointTest, ComesBackWhole) {
   EXPECT_EQ(read->counts.pixel, 2);
 }
 
+TEST(FieldCheckpointTest, TakesNoMoreMemoryThanItsBytes) {
+  FieldState state = SmallState();
+  for (std::vector<float>* array : {&state.features,
+                                    &state.feature_adam.first_moments,
+                                    &state.feature_adam.second_moments}) {
+    array->resize(10000);
+  }
+  state.teachers.labels.resize(5000);
+  state.rounds.resize(1000);
+  state.history.resize(1000);
+  const auto bytes = SerializeFieldState(state);
+  ASSERT_TRUE(bytes.ok());
+  EXPECT_LT(bytes->capacity(), 1.1 * bytes->size());
+}
+
 TEST(FieldCheckpointTest, DamageIsFound) {
   const std::string bytes = *SerializeFieldState(SmallState());
   for (size_t size = 0; size < bytes.size(); size += 7) {

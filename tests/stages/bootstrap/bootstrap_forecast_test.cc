@@ -133,6 +133,30 @@ TEST(BootstrapForecastTest, LongVectorsTakeMore) {
   EXPECT_GT(Need(options, scene).seconds, 1.5 * chosen);
 }
 
+TEST(BootstrapForecastTest, TrainingTakesMemoryForEachNumberAndPhoto) {
+  SceneOutlook scene = SceneOutlookOf(40, 640, 480);
+  BootstrapStageOptions options;
+  options.mode = "paper";
+  options.weights_memory_gb = 0;
+  const auto bytes = [&options](const SceneOutlook& of) {
+    return Need(options, of).memory_bytes;
+  };
+  EXPECT_GE(bytes(SceneOutlookOf(80, 640, 480)),
+            bytes(scene) + int64_t{35} * 1'200'000);
+  for (const int dim : {128, 512}) {
+    options.method.features.dim = dim;
+    const int64_t some = bytes(scene);
+    const int64_t gaussians = scene.gaussians;
+    scene.gaussians *= 2;
+    const int64_t per_gaussian = (bytes(scene) - some) / gaussians;
+    scene.gaussians = gaussians;
+    // The number, its gradient and two moments, and the number and its moments
+    // twice more while a checkpoint is written.
+    EXPECT_GE(per_gaussian, 10 * 4 * dim) << dim;
+    EXPECT_LE(per_gaussian, 1.25 * 10 * 4 * dim) << dim;
+  }
+}
+
 TEST(BootstrapForecastTest, NothingIsKnownWithoutPhotosOrGaussians) {
   SceneOutlook scene = SceneOutlookOf(24, 640, 480);
   scene.gaussians = 0;
