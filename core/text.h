@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Letter case, white space, the order and lists of names, and the percent codes
-// of paths and addresses.
+// Letter case, white space, byte order marks, the order and lists of names, and
+// the percent codes of paths and addresses.
 
 #ifndef FREEGS_CORE_TEXT_H_
 #define FREEGS_CORE_TEXT_H_
@@ -24,6 +24,10 @@ std::string AsciiLower(std::string text);
 // The part of `text` without blanks, tabs and ends of lines before and after
 // it.
 std::string_view Trimmed(std::string_view text);
+
+// The text without the byte order mark that some editors put before the first
+// line.
+std::string_view WithoutByteOrderMark(std::string_view text);
 
 // Orders names as people count: img2 before img10, and folder by folder. Of two
 // different names one is always less. Photos are in this order everywhere.

@@ -184,7 +184,7 @@ Status HoldoutRule::Check() const {
 
 std::vector<std::string> ParseNameList(const std::string& text) {
   std::vector<std::string> names;
-  std::istringstream lines(text);
+  std::istringstream lines{std::string(WithoutByteOrderMark(text))};
   for (std::string line; std::getline(lines, line);) {
     const std::string name = PlainName(line);
     if (!name.empty() && name.front() != '#') names.push_back(name);

@@ -11,6 +11,7 @@
 #include <boost/program_options.hpp>
 
 #include "core/io/files.h"
+#include "core/text.h"
 #include "pipeline/option_value.h"
 #include "pipeline/workspace.h"
 
@@ -276,9 +277,7 @@ StatusOr<std::vector<OptionSetting>> OptionTable::ParseConfig(
   std::vector<OptionSetting> settings;
   std::set<std::string> seen;
   try {
-    // Editors of another system put a byte order mark before the first line.
-    std::istringstream stream(text.starts_with("\xef\xbb\xbf") ? text.substr(3)
-                                                               : text);
+    std::istringstream stream{std::string(WithoutByteOrderMark(text))};
     const po::parsed_options parsed = po::parse_config_file(
         stream, description, /*allow_unregistered=*/false);
     for (const po::option& given : parsed.options) {

@@ -15,7 +15,6 @@ namespace freegs::stages {
 namespace {
 
 constexpr size_t kMaxBytes = 1 << 20;
-constexpr char kByteOrderMark[] = "\xef\xbb\xbf";
 
 Status LineError(const std::string& source,
                  size_t line,
@@ -28,8 +27,7 @@ Status LineError(const std::string& source,
 // parser below would drop, are an error.
 StatusOr<std::string> WithoutComments(const std::string& text,
                                       const std::string& source) {
-  std::istringstream lines(text.starts_with(kByteOrderMark) ? text.substr(3)
-                                                            : text);
+  std::istringstream lines{std::string(WithoutByteOrderMark(text))};
   std::string result;
   std::string line;
   size_t number = 0;

@@ -24,6 +24,14 @@ TEST(TrimmedTest, KeepsBlanksWithin) {
   EXPECT_EQ(Trimmed(""), "");
 }
 
+TEST(WithoutByteOrderMarkTest, DropsOneMarkInFront) {
+  EXPECT_EQ(WithoutByteOrderMark("\xef\xbb\xbf"
+                                 "a\xef\xbb\xbf"),
+            "a\xef\xbb\xbf");
+  EXPECT_EQ(WithoutByteOrderMark("\xef\xbb"), "\xef\xbb");
+  EXPECT_EQ(WithoutByteOrderMark(""), "");
+}
+
 TEST(JoinedTest, PutsCommasBetween) {
   EXPECT_EQ(Joined({}), "");
   EXPECT_EQ(Joined({"a"}), "a");

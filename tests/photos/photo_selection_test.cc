@@ -139,6 +139,7 @@ TEST(AssignHoldoutTest, ListOfNames) {
   const auto names =
       ParseNameList("# held out\n\np0.jpg\r\nval/b.jpg\nmissing.jpg\n");
   EXPECT_THAT(names, ElementsAre("p0.jpg", "val/b.jpg", "missing.jpg"));
+  EXPECT_THAT(ParseNameList("\xef\xbb\xbfp0.jpg\n"), ElementsAre("p0.jpg"));
   const auto unmatched = AssignHoldout({.names = names}, &photos);
   ASSERT_TRUE(unmatched.ok());
   EXPECT_THAT(*unmatched, ElementsAre("missing.jpg"));
