@@ -19,9 +19,6 @@
 namespace freegs::photos {
 namespace {
 
-// Of a file, not of the pixels.
-constexpr uint64_t kMaxFileBytes = uint64_t{1} << 30;
-
 // Above this, photos are decoded one at a time.
 constexpr int64_t kLargePhotoPixels = 50'000'000;
 
@@ -187,7 +184,7 @@ InspectedPhoto PhotoInspector::Inspect(const std::filesystem::path& folder,
   InspectedPhoto result;
   result.photo.file = file;
   const std::filesystem::path path = folder / file;
-  const StatusOr<std::string> bytes = ReadFile(path, kMaxFileBytes);
+  const StatusOr<std::string> bytes = ReadFile(path, kMaxPhotoFileBytes);
   Status status = bytes.status();
   if (bytes.ok()) {
     result.photo.file_hash = HashBytes(*bytes);

@@ -5,6 +5,7 @@
 #ifndef FREEGS_PHOTOS_PHOTO_DECODE_H_
 #define FREEGS_PHOTOS_PHOTO_DECODE_H_
 
+#include <cstdint>
 #include <filesystem>
 #include <mutex>
 #include <string>
@@ -16,6 +17,9 @@
 #include "photos/photo_list.h"
 
 namespace freegs::photos {
+
+// Larger files are refused. This is about the file, not about its pixels.
+inline constexpr uint64_t kMaxPhotoFileBytes = uint64_t{1} << 30;
 
 struct PhotoDecodeOptions {
   // Limit in millions of pixels. Larger photos are refused before memory is

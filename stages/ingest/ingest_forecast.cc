@@ -33,21 +33,24 @@ constexpr double kSecondsPerMegapixel = 0.006;
 constexpr double kBytesPerWrittenPixel = 2;
 
 // Reads the header from the first bytes of a file. The whole file is read only
-// where these do not have it, as in most TIFF files.
+// where it is a photo and these do not have the header, as in most TIFF files.
 StatusOr<photos::PhotoHeader> ReadHeader(const fs::path& path) {
+  std::error_code error;
+  const uint64_t size = fs::file_size(path, error);
+  if (error) return BadInputError(error.message());
+  if (size > photos::kMaxPhotoFileBytes) return BadInputError("too large");
   std::string bytes;
   StatusOr<photos::PhotoHeader> header = BadInputError("not read");
-  for (const size_t limit :
-       {size_t{1} << 17, std::numeric_limits<size_t>::max()}) {
-    std::error_code error;
-    const uintmax_t size = fs::file_size(path, error);
-    if (error) return BadInputError(error.message());
-    bytes.resize(std::min<uintmax_t>(size, limit));
+  for (const uint64_t limit : {uint64_t{1} << 17, size}) {
+    bytes.resize(std::min(size, limit));
     std::ifstream file(path, std::ios::binary);
     file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     if (!file) return BadInputError("cannot read");
     header = photos::ParsePhotoHeader(bytes);
-    if (header.ok() || bytes.size() == size) break;
+    if (header.ok() || !photos::SniffFormat(bytes).ok() ||
+        bytes.size() == size) {
+      break;
+    }
   }
   if (!header.ok()) return header;
   // These are about the part of the file that was not read.

@@ -16,6 +16,7 @@
 
 #include "core/io/files.h"
 #include "core/io/image_io.h"
+#include "photos/photo_decode.h"
 #include "photos/photo_list.h"
 #include "tests/shared_data.h"
 #include "tests/stages/ingest_test_fixture.h"
@@ -89,6 +90,12 @@ TEST_F(IngestStageTest, ForetellsFromTheHeadersOfThePhotos) {
   EXPECT_GT(more.memory_bytes, some.memory_bytes);
   EXPECT_GT(more.disk_bytes, some.disk_bytes + 2 * 640 * 480 - 1);
   EXPECT_GT(more.seconds, some.seconds);
+  // A file larger than a photo may be, whatever its header says.
+  images_.Write("huge.jpg", photos::MakeJpeg(64, 48, 3));
+  fs::resize_file(images_.path() / "huge.jpg", photos::kMaxPhotoFileBytes + 1);
+  foretell(1);
+  EXPECT_EQ(scene.photos(), 6);
+  fs::remove(images_.path() / "huge.jpg");
   // A header behind much else.
   images_.Write("tail.tif",
                 photos::Encode(".tif", photos::MakePicture(400, 300, 2)));
