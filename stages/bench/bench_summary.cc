@@ -185,10 +185,11 @@ void AddTable(const BenchResults& bench,
   fields.insert(fields.end(), table.columns.begin(), table.columns.end());
   AddLine(fields, text);
   AddLine(std::vector<std::string>(fields.size(), "---"), text);
+  const bool with_spread = !Has(table.over, "scene");
   for (const Row& row : rows) {
     fields = row.keys;
     for (const std::string& column : table.columns) {
-      fields.push_back(Field(bench, row.cells, column, /*with_spread=*/true));
+      fields.push_back(Field(bench, row.cells, column, with_spread));
     }
     AddLine(fields, text);
   }
