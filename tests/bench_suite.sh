@@ -103,6 +103,20 @@ baseline || code=$?
 grep -q 'moved: table, grid training.*scene_bytes 1000 ->' "$folder/baseline.log" ||
   fail "what moved is not named"
 
+# Failures alone do not become a baseline.
+cat >"$folder/broken.ini" <<SUITE
+[suite]
+to = sfm
+sfm.import = missing.json
+[scene table]
+images = $(echo "$folder"/whole/scenes/table_*/images)
+SUITE
+code=0
+"$bin/freegs_pipeline" bench "$folder/broken.ini" --out "$folder/broken" \
+  --baseline "$folder/broken.json" --write-baseline >"$folder/log" 2>&1 || code=$?
+[ "$code" = 4 ] || { cat "$folder/log"; fail "a baseline of failures ends with $code"; }
+[ ! -e "$folder/broken.json" ] || fail "failures became a baseline"
+
 # Wrong usage and hostile suites.
 expect() {
   wanted=$1

@@ -11,6 +11,7 @@
 #include "core/io/json_fields.h"
 #include "core/io/json_text.h"
 #include "core/number_text.h"
+#include "pipeline/exit_code.h"
 
 namespace freegs::stages {
 namespace {
@@ -82,6 +83,21 @@ Baseline MakeBaseline(const BenchResults& bench,
     }
   }
   return baseline;
+}
+
+Status CheckForBaseline(const BenchResults& bench) {
+  for (size_t i = 0; i < bench.cells.size(); ++i) {
+    const int code = bench.results[i].exit_code;
+    if (code != -1 && code != pipeline::ExitCode(StatusCode::kInternal) &&
+        code != pipeline::ExitCode(StatusCode::kMissingDependency)) {
+      continue;
+    }
+    return UnusableResultError(
+        "no baseline is written, because " + bench.cells[i].id +
+        " ended with exit code " + std::to_string(code) +
+        "; remove the cause and repeat the bench: " + bench.results[i].reason);
+  }
+  return Status();
 }
 
 std::vector<std::string> WhatMoved(const Baseline& then, const Baseline& now) {

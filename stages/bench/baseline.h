@@ -45,6 +45,11 @@ std::map<std::string, Tolerance> DefaultTolerances();
 Baseline MakeBaseline(const BenchResults& bench,
                       std::map<std::string, Tolerance> tolerances);
 
+// kUnusableResult when a cell ended with an exit code that tells of a fault of
+// the machine (1, 5, or -1 for a signal or the time limit). Such results are no
+// baseline, because the next bench may end otherwise.
+Status CheckForBaseline(const BenchResults& bench);
+
 // One line for each cell or figure that moved further than it may, that is new,
 // or that is gone; none when all is as it was.
 std::vector<std::string> WhatMoved(const Baseline& then, const Baseline& now);

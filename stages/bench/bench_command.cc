@@ -146,6 +146,7 @@ Status CompareWithBaseline(const BenchRequest& request,
   const fs::path path = request.baseline;
   const Baseline now = MakeBaseline(bench, then.tolerances);
   if (request.write_baseline) {
+    FREEGS_RETURN_IF_ERROR(CheckForBaseline(bench));
     FREEGS_ASSIGN_OR_RETURN(const fs::path file, PrepareOutputFile(path));
     return WriteFileAtomic(file, JsonText(ToJson(now), 1));
   }
@@ -258,12 +259,16 @@ Status RunBench(const std::vector<std::string>& arguments,
   environment.out << SummaryMarkdown(bench) << "\n"
                   << (context.out / "index.html").string() << "\n";
   warn(UnknownFigures(bench));
-  if (!request.baseline.empty()) {
-    return CompareWithBaseline(request, baseline, bench, environment);
-  }
-  if (std::none_of(results.begin(), results.end(), [](const CellResult& cell) {
+  const bool all_failed =
+      std::none_of(results.begin(), results.end(), [](const CellResult& cell) {
         return cell.status == CellStatus::kDone;
-      })) {
+      });
+  // Failures alone are no baseline.
+  if (!request.baseline.empty() && !(all_failed && request.write_baseline)) {
+    FREEGS_RETURN_IF_ERROR(
+        CompareWithBaseline(request, baseline, bench, environment));
+  }
+  if (all_failed) {
     return UnusableResultError("all experiments failed: " +
                                results.front().reason);
   }

@@ -210,6 +210,19 @@ TEST_F(BenchResultsTest, BaselineComesBackFromJson) {
   EXPECT_THAT(WhatMoved(*read, made), IsEmpty());
 }
 
+TEST_F(BenchResultsTest, FaultsOfTheMachineAreNoBaseline) {
+  // One cell failed with exit code 4, which is a result.
+  EXPECT_TRUE(CheckForBaseline(Bench()).ok());
+  for (const int code : {1, 5, -1}) {
+    results_[3].exit_code = code;
+    const Status status = CheckForBaseline(Bench());
+    EXPECT_EQ(status.code(), StatusCode::kUnusableResult);
+    EXPECT_THAT(status.message(),
+                HasSubstr(cells_[3].id + " ended with exit code " +
+                          std::to_string(code)));
+  }
+}
+
 TEST_F(BenchResultsTest, WhatMovedIsNamed) {
   const std::map<std::string, Tolerance> tolerances = {
       {"holdout_psnr", {0.5, 0}}, {"scene_bytes", {0, 0.1}}};
