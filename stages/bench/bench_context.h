@@ -37,7 +37,8 @@ struct BenchContext {
   std::filesystem::path program;  // freegs_pipeline, which runs the stages.
   double time_limit_s = 0;        // Of each stage; 0 for none.
 
-  // Whether results of another build of the program are measured anew.
+  // Whether results of another build of the program, and those that rest on
+  // them, are measured anew.
   bool only_this_program = false;
   Disturber disturber;
   const CancellationToken* cancellation = nullptr;

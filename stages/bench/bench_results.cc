@@ -95,10 +95,9 @@ std::vector<std::string> FigureNames(const BenchResults& bench) {
 bool IsOfOneProgram(const BenchResults& bench) {
   std::set<std::string> programs;
   for (const CellResult& result : bench.results) {
-    if (!result.programs.empty()) programs.insert(result.programs);
+    programs.insert(result.programs.begin(), result.programs.end());
   }
-  return programs.empty() || (programs.size() == 1 &&
-                              programs.begin()->find(',') == std::string::npos);
+  return programs.size() <= 1;
 }
 
 json ToJson(const BenchResults& bench) {

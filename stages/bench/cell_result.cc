@@ -10,6 +10,7 @@
 
 #include "core/io/json_fields.h"
 #include "core/io/json_text.h"
+#include "core/text.h"
 #include "pipeline/stage_record.h"
 
 namespace freegs::stages {
@@ -133,6 +134,8 @@ json ToJson(const Suite& suite,
   for (const auto& [key, value] : cell.point) point[key] = ValidUtf8(value);
   std::vector<std::string> said;
   for (const SaidLine& line : result.said) said.push_back(ValidUtf8(line.text));
+  const std::vector<std::string> programs(result.programs.begin(),
+                                          result.programs.end());
   return {{"id", ValidUtf8(cell.id)},
           {"scene", suite.scenes[cell.scene].name},
           {"grid", cell.grid},
@@ -150,7 +153,7 @@ json ToJson(const Suite& suite,
           {"values", result.values},
           {"folder", result.folder},
           {"log", result.log},
-          {"program", result.programs}};
+          {"program", Joined(programs)}};
 }
 
 std::string KeyText(const Suite& suite,

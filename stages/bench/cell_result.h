@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -50,9 +51,11 @@ struct CellResult {
   // percent of the reference's.
   std::map<std::string, double> values;
 
-  std::string folder;    // The cell's workspace, relative to OUT.
-  std::string log;       // The log of the last stage that ran, relative to OUT.
-  std::string programs;  // Hashes of the programs that ran, "a, b".
+  std::string folder;  // The cell's workspace, relative to OUT.
+  std::string log;     // The log of the last stage that ran, relative to OUT.
+
+  // Hashes of the programs that its results are of.
+  std::set<std::string> programs;
 };
 
 const char* CellStatusName(CellStatus status);

@@ -55,10 +55,7 @@ void Take(const ChildOutcome& outcome,
   for (const std::string& line : outcome.said) {
     result->said.push_back({stage, line});
   }
-  if (result->programs.find(outcome.program) == std::string::npos) {
-    result->programs +=
-        (result->programs.empty() ? "" : ", ") + outcome.program;
-  }
+  result->programs.insert(outcome.programs.begin(), outcome.programs.end());
   if (outcome.ok()) return;
   result->status = CellStatus::kFailed;
   result->exit_code = outcome.exit_code;

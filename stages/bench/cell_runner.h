@@ -27,8 +27,9 @@ StatusOr<std::vector<ScenePhotos>> FindAllPhotos(const Suite& suite,
                                                  const BenchContext& context);
 
 // Runs the cells and returns their results in the same order. A cell that fails
-// is a result. Errors, after which what is done is kept: kInterrupted, and a
-// disk that cannot be written to.
+// is a result. Errors, after which what is done is kept: kInterrupted, a disk
+// that cannot be written to, and a program that is built anew while only its
+// results count.
 StatusOr<std::vector<CellResult>> RunCells(
     const Suite& suite,
     const std::vector<SuiteCell>& cells,

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <sstream>
 #include <string_view>
 
 #include <nlohmann/json.hpp>
@@ -65,6 +66,23 @@ StatusOr<ChildOutcome> RunForOutcome(const std::vector<std::string>& argv,
   return outcome;
 }
 
+std::string ProgramsText(const std::set<std::string>& programs) {
+  std::string text;
+  for (const std::string& program : programs) {
+    text += (text.empty() ? "" : "+") + program;
+  }
+  return text;
+}
+
+std::set<std::string> ParsePrograms(const std::string& text) {
+  std::set<std::string> programs;
+  std::istringstream parts(text);
+  for (std::string part; std::getline(parts, part, '+');) {
+    programs.insert(part);
+  }
+  return programs;
+}
+
 Status WriteOutcome(const std::filesystem::path& path,
                     const ChildOutcome& outcome) {
   const nlohmann::json json = {{"exit_code", outcome.exit_code},
@@ -72,7 +90,7 @@ Status WriteOutcome(const std::filesystem::path& path,
                                {"timed_out", outcome.timed_out},
                                {"time_limit_s", outcome.time_limit_s},
                                {"said", outcome.said},
-                               {"program", outcome.program}};
+                               {"program", ProgramsText(outcome.programs)}};
   return WriteFileAtomic(path, JsonText(json));
 }
 
@@ -90,7 +108,7 @@ StatusOr<ChildOutcome> ReadOutcome(const std::filesystem::path& path) {
         reader.Number("time_limit_s", 0, std::numeric_limits<double>::max());
   }
   outcome.said = reader.TextList("said");
-  outcome.program = reader.Text("program");
+  outcome.programs = ParsePrograms(reader.Text("program"));
   FREEGS_RETURN_IF_ERROR(status);
   return outcome;
 }

@@ -6,6 +6,7 @@
 #define FREEGS_STAGES_BENCH_CHILD_OUTCOME_H_
 
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -23,7 +24,9 @@ struct ChildOutcome {
   // Its warnings and errors; of more than ten the first and the last five.
   std::vector<std::string> said;
 
-  std::string program;  // The hash of the program that ran.
+  // The hashes of the programs that made the result, and of those that made
+  // what it rests on.
+  std::set<std::string> programs;
 
   bool ok() const { return exit_code == 0; }
 
@@ -37,6 +40,10 @@ struct ChildOutcome {
 // when it cannot be started; a program that ran and failed is no error.
 StatusOr<ChildOutcome> RunForOutcome(const std::vector<std::string>& argv,
                                      const BenchContext& context);
+
+// Hashes of programs as files have them: "a+b".
+std::string ProgramsText(const std::set<std::string>& programs);
+std::set<std::string> ParsePrograms(const std::string& text);
 
 // An outcome as a file. Reading returns kBadInput when it is missing or
 // damaged.

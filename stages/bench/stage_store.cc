@@ -22,7 +22,8 @@ namespace fs = std::filesystem;
 constexpr size_t kKeyDigits = 16;
 constexpr char kOutcomeFile[] = "outcome.json";
 
-// Holds the hash of the program that began a folder.
+// Holds the hashes of the programs that worked in a folder, and of those that
+// made what it rests on.
 constexpr char kProgramFile[] = ".program";
 
 // Decides what `eval` says about labels.
@@ -62,6 +63,23 @@ StatusOr<std::vector<SuiteSetting>> ExpandedSettings(
   return settings;
 }
 
+// Empty where it cannot be read.
+std::string ProgramHash(const fs::path& program) {
+  const StatusOr<std::string> hash = HashFile(program);
+  return hash.ok() ? hash->substr(0, kKeyDigits) : "";
+}
+
+// The programs that the first `count` stages of a plan are of.
+std::set<std::string> ProgramsOf(const CellPlan& plan, size_t count) {
+  std::set<std::string> programs;
+  for (size_t i = 0; i < count; ++i) {
+    const StatusOr<std::string> text =
+        ReadFile(plan.stages[i].workspace / kProgramFile);
+    if (text.ok()) programs.merge(ParsePrograms(*text));
+  }
+  return programs;
+}
+
 }  // namespace
 
 Status LinkStage(const StoredStage& from, const fs::path& workspace) {
@@ -80,10 +98,8 @@ Status LinkStage(const StoredStage& from, const fs::path& workspace) {
 StageStore::StageStore(const BenchContext& context, std::string to)
     : context_(context),
       to_(std::move(to)),
-      cache_(context.out, context.out / ".fingerprints.json") {
-  const StatusOr<std::string> hash = HashFile(context.program);
-  if (hash.ok()) program_hash_ = hash->substr(0, kKeyDigits);
-}
+      program_hash_(ProgramHash(context.program)),
+      cache_(context.out, context.out / ".fingerprints.json") {}
 
 std::string StageStore::Hash(const fs::path& path) {
   const std::lock_guard lock(mutex_);
@@ -187,15 +203,17 @@ StatusOr<CellPlan> StageStore::Plan(const SuiteCell& cell,
   }
   if (has_scene) {
     key.Add(plan.truth.empty() ? "" : Hash(plan.truth));
-    for (const auto& [option, value] : cell.eval_options) {
+    std::map<std::string, std::string> eval_options = cell.eval_options;
+    // Always given, because the workspace of a stage may remember the value of
+    // another cell.
+    eval_options.emplace(kBackgroundOption,
+                         table.Find(kBackgroundOption)->value());
+    for (const auto& [option, value] : eval_options) {
       FREEGS_ASSIGN_OR_RETURN(const std::string expanded,
                               ExpandedValue(value, photos.folder));
       key.Add(option);
       key.Add(option == "model" ? Hash(expanded) : expanded);
       plan.eval_options[option] = expanded;
-    }
-    for (const auto& [name, value] : plan.settings) {
-      if (name == kBackgroundOption) key.Add(value);
     }
     plan.evaluation = context_.out / "store" / ("eval_" + key.Key());
   }
@@ -217,17 +235,15 @@ StatusOr<ChildOutcome> StageStore::EarlierOutcome(const fs::path& folder) {
   StatusOr<ChildOutcome> outcome = ReadOutcome(folder / kOutcomeFile);
   if (!context_.only_this_program) return outcome;
   // What was interrupted has no outcome yet, but goes on from a checkpoint.
-  const StatusOr<std::string> began = ReadFile(folder / kProgramFile);
-  if (began.ok() && *began == program_hash_ &&
-      (!outcome.ok() || outcome->program == program_hash_)) {
-    return outcome;
-  }
+  const StatusOr<std::string> programs = ReadFile(folder / kProgramFile);
+  if (programs.ok() && *programs == program_hash_) return outcome;
   std::error_code error;
   fs::remove_all(folder, error);
   return BadInputError(folder.string() + ": of another program");
 }
 
 StatusOr<ChildOutcome> StageStore::Once(const fs::path& folder,
+                                        std::set<std::string> programs,
                                         const std::function<bool()>& is_there,
                                         const PrepareFn& prepare) {
   std::shared_ptr<std::mutex> busy;
@@ -254,20 +270,24 @@ StatusOr<ChildOutcome> StageStore::Once(const fs::path& folder,
   // workspace.
   std::error_code ignored;
   fs::remove(folder / kOutcomeFile, ignored);
-  std::string programs = program_hash_;
-  const StatusOr<std::string> began = ReadFile(folder / kProgramFile);
-  if (!began.ok()) {
-    FREEGS_RETURN_IF_ERROR(
-        WriteFileAtomic(folder / kProgramFile, program_hash_));
-  } else if (*began != program_hash_) {
-    programs = *began + "+" + program_hash_;
+  // It may have been built anew since the bench began.
+  const std::string program = ProgramHash(context_.program);
+  if (context_.only_this_program && program != program_hash_) {
+    return InternalError(context_.program.string() +
+                         ": was built anew during the comparison; start it "
+                         "again");
   }
+  programs.insert(program);
+  const StatusOr<std::string> began = ReadFile(folder / kProgramFile);
+  if (began.ok()) programs.merge(ParsePrograms(*began));
+  FREEGS_RETURN_IF_ERROR(
+      WriteFileAtomic(folder / kProgramFile, ProgramsText(programs)));
   FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> argv, prepare());
   FREEGS_ASSIGN_OR_RETURN(ChildOutcome outcome, RunForOutcome(argv, context_));
   if (outcome.exit_code == pipeline::ExitCode(StatusCode::kInterrupted)) {
     return InterruptedError("interrupted; the same command goes on");
   }
-  outcome.program = programs;
+  outcome.programs = std::move(programs);
   FREEGS_RETURN_IF_ERROR(WriteOutcome(folder / kOutcomeFile, outcome));
   const std::lock_guard lock(mutex_);
   known_[folder] = outcome;
@@ -293,7 +313,10 @@ StatusOr<ChildOutcome> StageStore::RunStage(const CellPlan& plan,
     return argv;
   };
   return Once(
-      stage.workspace, [&] { return IsDone(stage); }, prepare);
+      stage.workspace,
+      ProgramsOf(plan, index),
+      [&] { return IsDone(stage); },
+      prepare);
 }
 
 StatusOr<ChildOutcome> StageStore::Evaluate(const CellPlan& plan) {
@@ -308,7 +331,7 @@ StatusOr<ChildOutcome> StageStore::Evaluate(const CellPlan& plan) {
       argv.push_back("--" + option + "=" + value);
     }
     for (const auto& [name, value] : plan.settings) {
-      if (name == "general.threads" || name == kBackgroundOption) {
+      if (name == "general.threads") {
         argv.push_back("--" + name + "=" + value);
       }
     }
@@ -318,7 +341,8 @@ StatusOr<ChildOutcome> StageStore::Evaluate(const CellPlan& plan) {
     std::error_code error;
     return fs::exists(file, error);
   };
-  return Once(plan.evaluation, is_there, prepare);
+  return Once(
+      plan.evaluation, ProgramsOf(plan, plan.stages.size()), is_there, prepare);
 }
 
 }  // namespace freegs::stages

@@ -15,6 +15,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -83,21 +84,23 @@ class StageStore {
   // where results of another program do not count.
   std::string ProgramOfKeys() const;
 
-  // What an earlier bench left in `folder`. Deletes the folder when it was
-  // begun by a program whose results do not count.
+  // What an earlier bench left in `folder`. Deletes the folder when it rests on
+  // a program whose results do not count.
   StatusOr<ChildOutcome> EarlierOutcome(const std::filesystem::path& folder);
 
   // Runs the command that `prepare` returns and keeps its outcome in `folder`,
   // unless an outcome that stays is there, together with its result
-  // (`is_there`). Other threads that want the same folder wait.
+  // (`is_there`). Other threads that want the same folder wait. `programs` are
+  // those that made what the command reads.
   using PrepareFn = std::function<StatusOr<std::vector<std::string>>()>;
   StatusOr<ChildOutcome> Once(const std::filesystem::path& folder,
+                              std::set<std::string> programs,
                               const std::function<bool()>& is_there,
                               const PrepareFn& prepare);
 
   const BenchContext& context_;
   const std::string to_;
-  std::string program_hash_;
+  const std::string program_hash_;
   std::mutex disturbing_;
   std::mutex mutex_;  // Of what follows.
   pipeline::FingerprintCache cache_;

@@ -44,7 +44,7 @@ class BenchResultsTest : public ::testing::Test {
     for (size_t i = 0; i < results_.size(); ++i) {
       results_[i].status = CellStatus::kDone;
       results_[i].verdict = "ok";
-      results_[i].programs = "p1";
+      results_[i].programs = {"p1"};
       results_[i].values = {{"holdout_psnr", 20.0 + static_cast<double>(i)},
                             {"scene_bytes", 5e6}};
     }
@@ -82,8 +82,20 @@ TEST_F(BenchResultsTest, JsonHasAllCells) {
   EXPECT_EQ(json["cells"][3]["point"]["preset"], "quality");
   EXPECT_EQ(json["cells"][0]["values"]["holdout_psnr"], 20.0);
   EXPECT_EQ(json["one_program"], true);
-  results_[2].programs = "p2";
+  EXPECT_EQ(json["cells"][0]["program"], "p1");
+}
+
+TEST_F(BenchResultsTest, IsOfOneProgramWhenAllStagesAre) {
+  EXPECT_TRUE(IsOfOneProgram(Bench()));
+  results_[1].programs = {};  // Nothing ran.
+  EXPECT_TRUE(IsOfOneProgram(Bench()));
+  results_[2].programs = {"p2"};
+  EXPECT_FALSE(IsOfOneProgram(Bench()));
+  // Each cell is of the same two.
+  for (CellResult& result : results_) result.programs = {"p1", "p2"};
+  EXPECT_FALSE(IsOfOneProgram(Bench()));
   EXPECT_EQ(ToJson(Bench())["one_program"], false);
+  EXPECT_EQ(ToJson(Bench())["cells"][0]["program"], "p1, p2");
 }
 
 TEST_F(BenchResultsTest, SummaryHasMeansAndFailures) {

@@ -2,6 +2,7 @@
 
 #include "stages/bench/cell_runner.h"
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -87,6 +88,22 @@ TEST_F(CellRunnerTest, FailuresAreResults) {
       EXPECT_EQ(undisturbed.reason, "nothing is left");
     }
   }
+}
+
+TEST_F(CellRunnerTest, ACellNamesEachProgramOnce) {
+  const auto run = [this](const std::string& script) {
+    folder_.Write("program", "#!/bin/sh\n" + script);
+    const auto results = Run(1);
+    EXPECT_TRUE(results.ok()) << results.status().message();
+    return results.ok() ? (*results)[0].programs : std::set<std::string>();
+  };
+  // What failed for a fault of the system is tried again.
+  const auto first = run("exit 5\n");
+  EXPECT_EQ(first.size(), 1u);
+  const auto both = run("exit  5\n");
+  EXPECT_EQ(both.size(), 2u);
+  EXPECT_TRUE(both.contains(*first.begin()));
+  EXPECT_EQ(run("exit 5\n"), both);
 }
 
 TEST_F(CellRunnerTest, AFaultOfTheSystemEndsTheBench) {

@@ -3,7 +3,9 @@
 #include "stages/bench/stage_store.h"
 
 #include <algorithm>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -16,8 +18,10 @@ namespace freegs::stages {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class StageStoreTest : public ::testing::Test {
  protected:
@@ -237,14 +241,85 @@ TEST_F(StageStoreTest, WhatAnotherProgramBeganDoesNotGoOn) {
   UseScript("exit 0\n");
   {
     StageStore store(context_, "reconstruct");
-    EXPECT_THAT(store.RunStage(plan, 0)->program, HasSubstr("another+"));
+    EXPECT_THAT(store.RunStage(plan, 0)->programs, Contains("another"));
   }
   EXPECT_TRUE(fs::exists(folder / "checkpoint"));
   context_.only_this_program = true;
   StageStore store(context_, "reconstruct");
-  EXPECT_THAT(store.RunStage(plan, 0)->program,
-              ::testing::Not(HasSubstr("another")));
+  EXPECT_THAT(store.RunStage(plan, 0)->programs, Not(Contains("another")));
   EXPECT_FALSE(fs::exists(folder / "checkpoint"));
+}
+
+TEST_F(StageStoreTest, WhatRestsOnAnotherProgramIsOfThatProgramToo) {
+  const CellPlan plan = PlanOf({});
+  const std::string count = "echo x >> " + (folder_ / "calls").string() + "\n";
+  // Stage ingest is of one program, what follows of another.
+  UseScript("exit 4\n");
+  std::set<std::string> first;
+  {
+    StageStore store(context_, "reconstruct");
+    first = store.RunStage(plan, 0)->programs;
+    EXPECT_EQ(first.size(), 1u);
+  }
+  UseScript(count + "exit 4\n");
+  std::set<std::string> second;
+  {
+    StageStore store(context_, "reconstruct");
+    EXPECT_EQ(store.RunStage(plan, 0)->programs, first);
+    second = store.RunStage(plan, 1)->programs;
+    EXPECT_EQ(second.size(), 2u);
+    EXPECT_THAT(second, Contains(*first.begin()));
+    EXPECT_EQ(store.Evaluate(plan)->programs, second);
+  }
+  EXPECT_EQ(ReadText(folder_ / "calls"), "x\nx\n");
+  // A comparison does all of it anew, and once.
+  context_.only_this_program = true;
+  second.erase(*first.begin());
+  for (int i = 0; i < 2; ++i) {
+    StageStore store(context_, "reconstruct");
+    EXPECT_EQ(store.RunStage(plan, 0)->programs, second);
+    EXPECT_EQ(store.RunStage(plan, 1)->programs, second);
+    EXPECT_EQ(store.Evaluate(plan)->programs, second);
+  }
+  EXPECT_EQ(ReadText(folder_ / "calls"), "x\nx\nx\nx\nx\n");
+}
+
+TEST_F(StageStoreTest, AProgramThatIsBuiltAnewMeanwhileIsNoticed) {
+  const CellPlan plan = PlanOf({});
+  UseScript("exit 4\n");
+  {
+    StageStore store(context_, "reconstruct");
+    const auto before = store.RunStage(plan, 0)->programs;
+    UseScript("exit 3\n");
+    const auto after = store.RunStage(plan, 1)->programs;
+    EXPECT_EQ(after.size(), 2u);
+    EXPECT_THAT(after, Contains(*before.begin()));
+  }
+  context_.only_this_program = true;
+  StageStore store(context_, "reconstruct");
+  ASSERT_TRUE(store.RunStage(plan, 0).ok());
+  UseScript("exit 4\n");
+  const Status status = store.RunStage(plan, 1).status();
+  EXPECT_EQ(status.code(), StatusCode::kInternal);
+  EXPECT_THAT(status.message(), HasSubstr("built anew"));
+}
+
+TEST_F(StageStoreTest, EvalIsToldWhetherPlanesMayAnswer) {
+  UseScript("echo \"$@\" >> " + (folder_ / "calls").string() + "\nexit 4\n");
+  SuiteCell cell;
+  const CellPlan without = PlanOf(cell);
+  cell.settings = {{"query.background", "true"}};
+  const CellPlan with = PlanOf(cell);
+  // The stages are shared, the figures are not.
+  EXPECT_EQ(Keys(with), Keys(without));
+  EXPECT_NE(with.evaluation, without.evaluation);
+  for (const auto& [plan, value] :
+       {std::pair(with, "true"), std::pair(without, "false")}) {
+    StageStore store(context_, "reconstruct");
+    ASSERT_TRUE(store.Evaluate(plan).ok());
+    EXPECT_THAT(ReadText(folder_ / "calls"),
+                HasSubstr(std::string("--query.background=") + value));
+  }
 }
 
 TEST_F(StageStoreTest, ATimeLimitIsAFailure) {
