@@ -112,6 +112,40 @@ test("charts, tables and failures, from the file system", async () => {
   await page.close();
 });
 
+test("each row has what was said, and the reason once", async () => {
+  const html = readFileSync(join(out, "index.html"), "utf8");
+  const file = join(out, "said.html");
+  let done;
+  let failed;
+  writeFileSync(
+    file,
+    html.replace(/(?<=id="results">)[^]*?(?=<\/script>)/, (json) => {
+      const results = JSON.parse(json);
+      const index = (status) =>
+        results.cells.findIndex((cell) => cell.status === status);
+      done = index("done");
+      failed = index("failed");
+      results.cells[done].said = ["warning: few poses"];
+      results.cells[failed].reason = "sfm: no poses";
+      results.cells[failed].said = [
+        "warning: dark photos",
+        "freegs_pipeline: sfm: no poses",
+      ];
+      return JSON.stringify(results).replaceAll("<", "\\u003c");
+    }),
+  );
+  const page = await browser.newPage();
+  await page.goto(pathToFileURL(file).href);
+  const rows = page.locator("table").last().locator("tbody tr");
+  const lines = (row) => rows.nth(row).locator("td > div").allTextContents();
+  assert.deepEqual(await lines(done), ["warning: few poses"]);
+  assert.deepEqual(await lines(failed), [
+    "sfm: no poses",
+    "warning: dark photos",
+  ]);
+  await page.close();
+});
+
 test("the same chart as an SVG, and one of a table", () => {
   const plot = (...args) =>
     execFileSync(process.execPath, [join(build, "web", "plot.mjs"), ...args], {

@@ -101,7 +101,10 @@ function addCells(parent: HTMLElement, results: Results) {
       failed ? `${cell.failed_stage}: exit code ${cell.exit_code}` : cell.status,
     );
     add(row, "td", cell.verdict);
-    const said = cell.said.filter((line) => !line.endsWith(cell.reason));
+    // Every line would end with the empty reason of a run that did not fail.
+    const said = cell.said.filter(
+      (line) => cell.reason === "" || !line.endsWith(cell.reason),
+    );
     const lines = [cell.reason, ...said].filter((line) => line !== "");
     const lineCell = add(row, "td", "", lines.length > 0 ? "reason" : "");
     for (const line of lines) add(lineCell, "div", line);
