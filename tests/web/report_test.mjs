@@ -280,6 +280,16 @@ test("levels, hiding, saving a mask and a .ply", async () => {
   assert.ok(Math.abs(far.readFloatLE(start)) < 1e6);
   const mask = readGrey(await download("Save mask"));
   assert.ok(mask.values.some((value) => value === 255));
+  // The file has the name of what was chosen when the picture was begun.
+  const waiting = page.waitForEvent("download");
+  const name = await page.locator(".v-details h3").innerText();
+  await page.evaluate(() => {
+    const buttons = [...document.querySelectorAll(".v-details button")];
+    buttons.find((button) => button.textContent === "Save mask").click();
+    globalThis.freegsViewer.selection.clear();
+  });
+  assert.equal((await waiting).suggestedFilename(), `${name}_${id}.png`);
+  await page.evaluate((i) => globalThis.freegsViewer.selection.choose(i), id);
 
   await page.getByRole("button", { name: "Hide", exact: true }).click();
   assert.equal(
@@ -331,6 +341,48 @@ test("wider adds what its level names, narrower takes away", async () => {
     [true, true, true, true, false, false],
     [true, false, false, false, false, false],
   ]);
+  await page.context().close();
+});
+
+test("what changes while a part is made is seen in it", async () => {
+  const page = await open();
+  await settle(page);
+  const script = readFileSync(join(dirname(scene.report), "scene.js"), "utf8");
+  const { parts } = JSON.parse(/\{[^]*\}/.exec(script)[0]);
+  const { painted, visible } = await page.evaluate(async (part) => {
+    const { selection, view } = globalThis.freegsViewer;
+    const { cloud } = view;
+    const id = selection.scene.objects.find((o) => !o.background).id;
+    const bytes = (text) =>
+      Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+    // The first part comes once more.
+    cloud.gaussians.count = 0;
+    await cloud.load(
+      {
+        description: { parts: [{}] },
+        part: async () => {
+          // After the view began to make the part, which takes it longer.
+          setTimeout(() => {
+            selection.setHidden(id, true);
+            cloud.showFewer(true);
+          });
+          return {
+            splats: bytes(part.splats),
+            labels: new Uint16Array(bytes(part.labels).buffer),
+          };
+        },
+      },
+      () => {},
+    );
+    const { labels, state, mesh } = cloud.parts.at(-1);
+    const found = new Set();
+    for (let i = 0; 2 * i < labels.length; ++i)
+      if (labels[2 * i] === id) found.add(state.array[4 * i + 3]);
+    return { painted: [...found], visible: mesh.visible };
+  }, parts[0]);
+  assert.deepEqual(painted, [255]);
+  assert.equal(visible, false);
+  assert.deepEqual(page.errors, []);
   await page.context().close();
 });
 

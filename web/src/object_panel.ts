@@ -209,7 +209,9 @@ export class ObjectPanel {
     if (!this.selection.choice || !this.isWhole()) return;
     const { mask, width, height } = this.view.mask();
     const view = this.view.photo ? `_${this.view.photo.name}` : "";
-    saveBlob(await maskPng(mask, width, height), this.fileName(`${view}.png`));
+    // Before the wait: another object, or none, may be chosen after it.
+    const name = this.fileName(`${view}.png`);
+    saveBlob(await maskPng(mask, width, height), name);
   }
 
   savePly(): void {

@@ -51,6 +51,7 @@ export class SplatCloud {
   readonly labels: Uint16Array;
   private readonly colors: Float32Array;
   private readonly parts: Part[] = [];
+  private fewer = false;
 
   constructor(
     scene: SceneDescription,
@@ -82,10 +83,8 @@ export class SplatCloud {
   private async add(part: ScenePart): Promise<void> {
     const count = part.labels.length / 2;
     const state = new RgbaArray();
-    const paint = state.ensureCapacity(count);
-    this.selection.paint(part.labels, paint);
+    state.ensureCapacity(count);
     state.count = count;
-    state.needsUpdate = true;
     const mesh = new SplatMesh({
       fileBytes: part.splats,
       fileType: SplatFileType.SPZ,
@@ -111,12 +110,17 @@ export class SplatCloud {
     }
     this.labels.set(part.labels, 2 * first);
     this.gaussians.count += count;
-    this.parts.push({ mesh, labels: part.labels, state, first });
+    const added = { mesh, labels: part.labels, state, first };
+    // Not before the wait: what is chosen or shown may have changed meanwhile.
+    this.paint(added);
+    mesh.visible = !this.fewer || this.parts.length === 0;
+    this.parts.push(added);
     this.root.add(mesh);
   }
 
   /** Shows only the first, most important part of several. */
   showFewer(fewer: boolean): void {
+    this.fewer = fewer;
     this.parts.forEach((part, i) => (part.mesh.visible = !fewer || i === 0));
   }
 
@@ -146,10 +150,12 @@ export class SplatCloud {
   }
 
   private repaint(): void {
-    for (const part of this.parts) {
-      this.selection.paint(part.labels, part.state.ensureCapacity(part.state.count));
-      part.state.needsUpdate = true;
-      part.mesh.updateVersion();
-    }
+    for (const part of this.parts) this.paint(part);
+  }
+
+  private paint({ mesh, labels, state }: Part): void {
+    this.selection.paint(labels, state.ensureCapacity(state.count));
+    state.needsUpdate = true;
+    mesh.updateVersion();
   }
 }
