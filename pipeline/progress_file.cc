@@ -33,6 +33,15 @@ void Replace(const fs::path& path, const std::string& text) {
 
 }  // namespace
 
+void RemoveProgress(const fs::path& workspace) {
+  std::error_code ignored;
+  for (const fs::path& path :
+       {ProgressPath(workspace), PreviewPath(workspace)}) {
+    fs::remove(path, ignored);
+    fs::remove(path.string() + ".part", ignored);
+  }
+}
+
 ProgressFile::ProgressFile(fs::path workspace, std::string stage, Clock clock)
     : workspace_(std::move(workspace)),
       stage_(std::move(stage)),
@@ -41,14 +50,7 @@ ProgressFile::ProgressFile(fs::path workspace, std::string stage, Clock clock)
   last_written_ = clock_();
 }
 
-ProgressFile::~ProgressFile() {
-  std::error_code ignored;
-  for (const fs::path& path :
-       {ProgressPath(workspace_), PreviewPath(workspace_)}) {
-    fs::remove(path, ignored);
-    fs::remove(path.string() + ".part", ignored);
-  }
-}
+ProgressFile::~ProgressFile() { RemoveProgress(workspace_); }
 
 void ProgressFile::Report(const Progress& progress) {
   const std::lock_guard lock(mutex_);

@@ -5,8 +5,9 @@
 //    "seconds_left": 73.5}
 //
 // total is 0 and seconds_left null when they are not known. The file is there
-// as long as a stage runs. A run that was killed leaves its last one behind, so
-// it tells something only while the workspace is locked.
+// as long as a stage runs. A run that was killed leaves its last one behind
+// until the next run begins, so it tells something only while the workspace is
+// locked.
 
 #ifndef FREEGS_PIPELINE_PROGRESS_FILE_H_
 #define FREEGS_PIPELINE_PROGRESS_FILE_H_
@@ -23,8 +24,11 @@
 
 namespace freegs::pipeline {
 
-// The file of one stage. Its end deletes the file, and a preview that the stage
-// has left (StageContext::preview).
+// Deletes progress.json, and the preview that a stage has left
+// (StageContext::preview).
+void RemoveProgress(const std::filesystem::path& workspace);
+
+// The file of one stage. At its end it calls RemoveProgress.
 class ProgressFile {
  public:
   using Clock = std::function<double()>;  // Seconds; never goes back.

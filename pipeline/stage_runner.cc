@@ -189,6 +189,7 @@ Status StageRunner::Recover() {
   for (const RunnerStage& stage : stages_) {
     FREEGS_RETURN_IF_ERROR(RecoverStage(options_.workspace, NameOf(stage)));
   }
+  RemoveProgress(options_.workspace);
   return Status();
 }
 

@@ -82,8 +82,9 @@ class StageRunner {
   // are those of unknown stage names.
   StatusOr<std::vector<StageForecast>> Forecast();
 
-  // Calls RecoverStage for every stage. Run begins with this; Inspect and
-  // Forecast take the workspace as it is.
+  // Calls RecoverStage for every stage, and removes what a killed run said of
+  // itself (RemoveProgress). Run begins with this; Inspect and Forecast take
+  // the workspace as it is.
   Status Recover();
 
  private:

@@ -95,6 +95,18 @@ HttpResponse SceneHasChanged() {
 
 }  // namespace
 
+HttpResponse AnswerAboutScene(const fs::path& workspace,
+                              const RequestTarget& target,
+                              const std::function<HttpResponse()>& answer) {
+  const auto has_another = [&] {
+    return IsAboutAnotherScene(target, QueryStamp(workspace));
+  };
+  if (has_another()) return SceneHasChanged();
+  HttpResponse response = answer();
+  if (has_another()) return SceneHasChanged();
+  return response;
+}
+
 ViewApi::ViewApi(const ViewApiOptions& options, AccessRules rules)
     : options_(options),
       rules_(std::move(rules)),
@@ -145,9 +157,9 @@ HttpResponse ViewApi::Route(const HttpRequest& request,
     return true;
   };
   if (request.method == "POST") {
-    return IsAboutAnotherScene(target, QueryStamp(options_.workspace))
-               ? SceneHasChanged()
-               : queries_.Answer(request.body);
+    return AnswerAboutScene(options_.workspace, target, [&] {
+      return queries_.Answer(request.body);
+    });
   }
   if (name == "/") return FrontPage(target);
   // Browsers ask for it; the page has none.
@@ -208,9 +220,8 @@ HttpResponse ViewApi::Api(std::string_view name, const RequestTarget& target) {
   }
   if (take("photos/")) return Photo(std::string(name));
   if (take("instances/")) {
-    return IsAboutAnotherScene(target, QueryStamp(options_.workspace))
-               ? SceneHasChanged()
-               : InstancePly(name);
+    return AnswerAboutScene(
+        options_.workspace, target, [&] { return InstancePly(name); });
   }
   if (take("parts/")) return ScenePart(name, target);
   if (name == "query") {

@@ -6,6 +6,7 @@
 #define FREEGS_STAGES_VIEW_VIEW_API_H_
 
 #include <filesystem>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -15,6 +16,7 @@
 #include "core/status.h"
 #include "stages/query/query_request.h"
 #include "stages/view/access.h"
+#include "stages/view/http_message.h"
 #include "stages/view/live_queries.h"
 #include "stages/view/rate_limit.h"
 #include "stages/view/request_target.h"
@@ -44,6 +46,13 @@ struct ViewApiOptions {
   // all that there are (ViewServerOptions), or else nothing else is answered.
   int max_at_once = 3;
 };
+
+// The answer to a request that may name a scene by its stamp, "?scene=STAMP".
+// It is 409 when the workspace has another one, be it before `answer` or after
+// it: while a question waits for its turn, the scene may be replaced.
+HttpResponse AnswerAboutScene(const std::filesystem::path& workspace,
+                              const RequestTarget& target,
+                              const std::function<HttpResponse()>& answer);
 
 class ViewApi : public HttpHandler {
  public:

@@ -121,15 +121,16 @@ json ViewStatus(const fs::path& workspace) {
       pipeline::ReadProgressFile(workspace);
   const bool known = running && progress.ok();
   const std::string stage = known ? progress->stage : "";
+  const bool training = stage == "reconstruct";
   const fs::path preview = pipeline::PreviewPath(workspace);
   std::error_code error;
-  const bool has_preview = running && fs::exists(preview, error);
+  const bool has_preview = training && fs::exists(preview, error);
   return {{"live", true},
           {"workspace", WorkspaceName(workspace)},
           {"running", running},
           {"stages", StagesJson(workspace, stage)},
           {"progress", known ? ProgressJson(*progress) : json(nullptr)},
-          {"curve", CurveJson(workspace, stage == "reconstruct")},
+          {"curve", CurveJson(workspace, training)},
           {"preview",
            has_preview ? json("/api/preview.jpg?v=" + FileStamp({preview}))
                        : json(nullptr)},

@@ -163,6 +163,14 @@ TEST_F(StageRunnerTest, KilledStageIsContinued) {
   ASSERT_TRUE(WritePartialUsage(workspace() / "b.partial",
                                 {.wall_seconds = 40, .cpu_seconds = 90})
                   .ok());
+  EXPECT_TRUE(fs::exists(ProgressPath(workspace())));
+  WriteText(PreviewPath(workspace()), "a picture of the killed run");
+  // From the beginning of the next run, also before its first stage.
+  b_.need = [this](const StageContext&) {
+    EXPECT_FALSE(fs::exists(ProgressPath(workspace())));
+    EXPECT_FALSE(fs::exists(PreviewPath(workspace())));
+    return StageNeed();
+  };
   ASSERT_TRUE(Run().ok());
   EXPECT_TRUE(b_.resumed);
   EXPECT_EQ(b_.earlier_seconds, 40);

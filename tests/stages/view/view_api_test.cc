@@ -16,6 +16,7 @@
 #include "pipeline/progress_file.h"
 #include "pipeline/workspace.h"
 #include "splat/scene/ply_io.h"
+#include "stages/query/file_stamp.h"
 #include "tests/stages/view/view_fixture.h"
 
 namespace freegs::stages {
@@ -214,6 +215,26 @@ TEST_F(ViewApiTest, NoticesANewScene) {
             409);
 }
 
+TEST_F(ViewApiTest, NoticesANewSceneThatComesDuringTheAnswer) {
+  const std::string stamp = QueryStamp(workspace_.path());
+  RequestTarget target = {.path = "/api/query", .parameters = {}};
+  int answered = 0;
+  const auto ask = [&](const std::string& change) {
+    return AnswerAboutScene(workspace_.path(), target, [&]() -> HttpResponse {
+      ++answered;
+      WriteText(workspace_ / "bootstrap/instances.json", change);
+      return {};
+    });
+  };
+  EXPECT_EQ(ask("another scene").status, 200);  // None was named.
+  target.parameters["scene"] = stamp;
+  EXPECT_EQ(ask("yet another").status, 409);  // It was gone before.
+  EXPECT_EQ(answered, 1);
+  target.parameters["scene"] = QueryStamp(workspace_.path());
+  EXPECT_EQ(ask("replaced meanwhile").status, 409);
+  EXPECT_EQ(answered, 2);
+}
+
 TEST_F(ViewApiTest, NoticesANewReport) {
   Start();
   const json before = GetJson("/api/status")["export_version"];
@@ -228,7 +249,7 @@ TEST_F(ViewApiTest, TellsOfARunUnderWay) {
   WriteText(workspace_ / "reconstruct.partial/progress.csv",
             "iteration,seconds,loss,num_gaussians,holdout_psnr\n"
             "50,1,0.5,100,\n100,2,0.25,200,20.5\n");
-  WriteText(workspace_ / "preview.jpg", "a picture");
+  WriteText(workspace_ / "preview.jpg", "a picture of the killed run");
   Start();
   // Without its lock this is what a killed run has left.
   json status = GetJson("/api/status");
@@ -243,7 +264,16 @@ TEST_F(ViewApiTest, TellsOfARunUnderWay) {
   {
     const auto lock = pipeline::WorkspaceLock::Acquire(workspace_.path());
     ASSERT_TRUE(lock.ok());
-    pipeline::ProgressFile file(workspace_.path(), "reconstruct");
+    {
+      // No stage but the training makes pictures.
+      const pipeline::ProgressFile file(workspace_.path(), "sfm");
+      status = GetJson("/api/status");
+      EXPECT_EQ(status["progress"]["stage"], "sfm");
+      EXPECT_EQ(status["preview"], nullptr);
+    }
+    const pipeline::ProgressFile file(workspace_.path(), "reconstruct");
+    EXPECT_EQ(GetJson("/api/status")["preview"], nullptr);
+    WriteText(workspace_ / "preview.jpg", "a picture");
     status = GetJson("/api/status");
     EXPECT_EQ(status["running"], true);
     EXPECT_EQ(status["stages"][3]["state"], "running");
