@@ -87,6 +87,15 @@ for profile in local slurm kubernetes; do
   : >runs.log
 done
 [[ ! -e $work ]] || fail "a dry run wrote something"
+mkdir kubernetes
+printf '#!/bin/sh\ncat\n' >kubernetes/kubectl
+chmod +x kubernetes/kubectl
+PATH=$folder/kubernetes:$PATH FREEGS_IMAGE=image FREEGS_CLAIM=claim \
+  "$workflow/profiles/kubernetes/submit.sh" 2 1000 10 job.sh >kubernetes/job.yaml ||
+  fail "submit.sh of Kubernetes"
+# Of the pod, so that the time without a machine does not count.
+grep -q '^      activeDeadlineSeconds: 600$' kubernetes/job.yaml ||
+  fail "the time limit of Kubernetes is not the pod's"
 
 local_run=(--profile "$workflow/profiles/local" --cores 3 --resources mem_mb=8000)
 begin() {

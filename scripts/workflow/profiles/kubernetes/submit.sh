@@ -23,11 +23,12 @@ metadata:
   generateName: freegs-
 spec:
   backoffLimit: 0
-  activeDeadlineSeconds: $((60 * minutes))
   ttlSecondsAfterFinished: 86400
   template:
     spec:
       restartPolicy: Never
+      # Here and not in the Job, where it would count the wait for cores, too.
+      activeDeadlineSeconds: $((60 * minutes))
       securityContext: {runAsUser: $(id -u), runAsGroup: $(id -g)}
       containers:
         - name: stage
