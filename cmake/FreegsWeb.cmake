@@ -49,6 +49,8 @@ add_custom_command(
   VERBATIM)
 add_custom_command(
   OUTPUT ${web_out}/viewer.js ${web_out}/bench.js
+  # Without it, sources that were removed would stay in the copy.
+  COMMAND ${CMAKE_COMMAND} -E rm -rf ${web}/src
   COMMAND ${CMAKE_COMMAND} -E copy_directory ${PROJECT_SOURCE_DIR}/web/src ${web}/src
   COMMAND ${CMAKE_COMMAND} -E copy
     ${PROJECT_SOURCE_DIR}/web/build.mjs
