@@ -30,6 +30,15 @@ constexpr double kMinTriangulationDeg = 1.0;
 // Above this mean reprojection error it is degraded.
 constexpr double kGoodReprojectionErrorPx = 2.0;
 
+// Above this share of observations whose points lie behind the camera it is
+// degraded. COLMAP's own models have none.
+constexpr double kMaxBehindShare = 0.1;
+
+// The advice where points lie behind the cameras.
+constexpr char kCheckAxes[] =
+    "check the camera axes of the poses: x points right, y down and z forward "
+    "in a COLMAP model, and x right, y up and z backward in a transforms.json";
+
 // The advice where poses come from elsewhere.
 constexpr char kMorePoses[] =
     "give poses for the other photos, or leave these photos out; or let "
@@ -122,6 +131,10 @@ Judgement FailureOf(const Health& health,
     return {Reasons(health, "no points were triangulated"),
             Advice(health, MoreOverlap(facts))};
   }
+  if (triangulated && health.measures.observations == 0 &&
+      health.measures.behind > 0) {
+    return {"all points lie behind the cameras", kCheckAxes};
+  }
   if (triangulated &&
       health.measures.median_triangulation_deg < kMinTriangulationDeg) {
     return {"the median triangulation angle is " +
@@ -145,6 +158,13 @@ Judgement FlawOf(const Health& health,
             Advice(health,
                    "the others are left out; for better coverage, " +
                        MoreOverlap(facts))};
+  }
+  const auto behind = static_cast<double>(health.measures.behind);
+  const double all = behind + static_cast<double>(health.measures.observations);
+  if (triangulated && behind > kMaxBehindShare * all) {
+    return {"a share of " + Fixed(behind / all) +
+                " of the observations is of points behind the cameras",
+            kCheckAxes};
   }
   if (triangulated &&
       health.measures.mean_reprojection_error_px > kGoodReprojectionErrorPx) {

@@ -54,7 +54,10 @@ ReconstructionMeasures MeasureReconstruction(const Reconstruction& model) {
       const auto projected =
           Project(model.cameras[camera_index.at(image.camera_id)],
                   image.cam_from_world * point.xyz);
-      if (!projected) continue;
+      if (!projected) {
+        ++measures.behind;
+        continue;
+      }
       error_sum +=
           (*projected - image.points2d[element.point2d_index].xy).norm();
       ++measures.observations;

@@ -37,6 +37,10 @@ struct ReconstructionMeasures {
 
   size_t num_points = 0;
   size_t observations = 0;  // Of points in front of the camera.
+
+  // Observations of points that the camera cannot see where it is, because they
+  // lie behind it. They have no reprojection error.
+  size_t behind = 0;
 };
 
 ReconstructionMeasures MeasureReconstruction(const Reconstruction& model);

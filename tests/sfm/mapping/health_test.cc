@@ -57,6 +57,31 @@ TEST(MeasureHealth, ReprojectionErrorIsMeasured) {
   }
 }
 
+// As in poses with the camera axes of OpenGL: y and z point the other way.
+TEST(MeasureHealth, PointsBehindTheCameras) {
+  const auto flipped = [](int count) {
+    Reconstruction model = SyntheticModel(10, 100);
+    for (int i = 0; i < count; ++i) {
+      Rigid3d& pose = model.images[i].cam_from_world;
+      const Eigen::Quaterniond flip(0, 1, 0, 0);  // Half a turn about x.
+      pose.rotation = flip * pose.rotation;
+      pose.translation = flip * pose.translation;
+    }
+    return MeasureHealth({model}, Names(10), true, {}, {.imported = true});
+  };
+  const Health all = flipped(10);
+  EXPECT_EQ(all.measures.observations, 0u);
+  EXPECT_EQ(all.measures.behind, 1000u);
+  EXPECT_EQ(all.verdict, Verdict::kFailed);
+  EXPECT_THAT(all.reason, HasSubstr("all points lie behind the cameras"));
+  EXPECT_THAT(all.advice, HasSubstr("camera axes"));
+  const Health some = flipped(2);
+  EXPECT_EQ(some.verdict, Verdict::kDegraded);
+  EXPECT_THAT(some.reason, HasSubstr("a share of 0.20"));
+  EXPECT_THAT(some.advice, HasSubstr("camera axes"));
+  EXPECT_EQ(flipped(1).verdict, Verdict::kOk);
+}
+
 TEST(MeasureHealth, FewRegistered) {
   const Reconstruction model = SyntheticModel(8, 100);
   EXPECT_EQ(MeasureHealth({model}, Names(9), true, {}).verdict,
