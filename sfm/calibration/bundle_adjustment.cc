@@ -47,14 +47,6 @@ struct Observation {
   Eigen::Vector2d xy = Eigen::Vector2d::Zero();
 };
 
-constexpr int NumFocal(CameraModel model) {
-  return model == CameraModel::kSimplePinhole ||
-                 model == CameraModel::kSimpleRadial ||
-                 model == CameraModel::kRadial
-             ? 1
-             : 2;
-}
-
 template <CameraModel kModel>
 struct ReprojectionError {
   const Eigen::Matrix3d* start;
@@ -66,6 +58,7 @@ struct ReprojectionError {
                   const T* point,
                   const T* lens,
                   T* residual) const {
+    constexpr int kNumFocal = GetCameraModel(kModel).num_focal;
     T turned[3];
     for (int i = 0; i < 3; ++i) {
       turned[i] = point[0] * (*start)(i, 0) + point[1] * (*start)(i, 1) +
@@ -82,11 +75,10 @@ struct ReprojectionError {
     }
     const Vector2<T> uv = Distort<T>(
         kModel,
-        lens + NumFocal(kModel),
+        lens + kNumFocal,
         Vector2<T>(in_camera[0] / in_camera[2], in_camera[1] / in_camera[2]));
     residual[0] = lens[0] * uv.x() + (principal.x() - observed.x());
-    residual[1] =
-        lens[NumFocal(kModel) - 1] * uv.y() + (principal.y() - observed.y());
+    residual[1] = lens[kNumFocal - 1] * uv.y() + (principal.y() - observed.y());
     return true;
   }
 };

@@ -34,13 +34,6 @@ constexpr double kFitShare = 0.3;
 
 using Pair = std::pair<uint32_t, uint32_t>;
 
-bool IsFisheyeModel(CameraModel model) {
-  return model == CameraModel::kOpenCvFisheye ||
-         model == CameraModel::kSimpleRadialFisheye ||
-         model == CameraModel::kRadialFisheye ||
-         model == CameraModel::kThinPrismFisheye;
-}
-
 // The point (x, y, 1) in the camera frame that is seen at a pixel, by Newton's
 // method; for the pixels of features, which lie inside the image.
 Eigen::Vector3d Unproject(const Camera& camera, const Eigen::Vector2d& pixel) {
@@ -49,7 +42,7 @@ Eigen::Vector3d Unproject(const Camera& camera, const Eigen::Vector2d& pixel) {
   Eigen::Vector3d ray((pixel.x() - camera.PrincipalX()) / camera.FocalX(),
                       (pixel.y() - camera.PrincipalY()) / camera.FocalY(),
                       1);
-  if (IsFisheyeModel(camera.model)) {
+  if (GetCameraModel(camera.model).fisheye) {
     // Without distortion the distance from the principal point is the angle.
     const double angle = std::min(ray.head<2>().norm(), kMaxFisheyeAngle);
     if (angle > 0) ray.head<2>() *= std::tan(angle) / ray.head<2>().norm();

@@ -4,7 +4,6 @@
 #include "sfm/scene/camera.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -14,27 +13,9 @@
 #include "sfm/scene/camera_projection.h"
 
 namespace freegs::sfm {
-namespace {
-
-bool IsPerspective(CameraModel model) {
-  switch (model) {
-    case CameraModel::kSimplePinhole:
-    case CameraModel::kPinhole:
-    case CameraModel::kSimpleRadial:
-    case CameraModel::kRadial:
-    case CameraModel::kOpenCv:
-    case CameraModel::kFullOpenCv:
-    case CameraModel::kFov:
-      return true;
-    default:
-      return false;
-  }
-}
-
-}  // namespace
 
 bool Camera::IsUndistorted() const {
-  if (!IsPerspective(model)) return false;
+  if (GetCameraModel(model).fisheye) return false;
   const std::span<const double> distortion = Distortion();
   return std::all_of(distortion.begin(), distortion.end(), [](double value) {
     return value == 0;

@@ -39,10 +39,6 @@ double CornerDistance(const Camera& camera) {
   return std::hypot(x, y);
 }
 
-bool IsFisheye(CameraModel model) {
-  return model == CameraModel::kOpenCvFisheye;
-}
-
 int NumRadial(CameraModel model) {
   switch (model) {
     case CameraModel::kSimplePinhole:
@@ -82,7 +78,8 @@ Camera ConvertCamera(const Camera& camera, CameraModel model) {
   if (terms > 0) {
     Eigen::MatrixXd basis(angles.size(), terms);
     for (size_t i = 0; i < angles.size(); ++i) {
-      const double s = IsFisheye(model) ? angles[i] : std::tan(angles[i]);
+      const double s =
+          GetCameraModel(model).fisheye ? angles[i] : std::tan(angles[i]);
       for (int k = 0; k < terms; ++k) basis(i, k) = std::pow(s, 2 * k + 1);
     }
     const Eigen::VectorXd fit = basis.colPivHouseholderQr().solve(
@@ -145,7 +142,7 @@ Status CheckLens(const Camera& camera) {
           (pixel.array() < 0).any() || (pixel.array() > size.array()).any();
     }
     // A fisheye image may end inside the photo.
-    if (!left_image && !IsFisheye(camera.model)) {
+    if (!left_image && !GetCameraModel(camera.model).fisheye) {
       return UnusableResultError(
           "the distortion draws the whole half space into the image");
     }

@@ -4,6 +4,8 @@
 #ifndef FREEGS_SFM_SCENE_CAMERA_MODEL_H_
 #define FREEGS_SFM_SCENE_CAMERA_MODEL_H_
 
+#include <array>
+#include <cstddef>
 #include <span>
 #include <string_view>
 
@@ -31,15 +33,36 @@ struct CameraModelInfo {
   std::string_view name;  // As in COLMAP's text models: "SIMPLE_RADIAL".
   int num_params;
   int num_focal;  // 1, for x and y together, or 2.
+
+  // Whether a pixel without distortion is as far from the centre as the angle
+  // between ray and axis tells, and not as the tangent of this angle.
+  bool fisheye;
 };
 
-// All models, ordered by number.
-std::span<const CameraModelInfo> CameraModels();
+// All models, ordered by number. Also templates ask this table.
+inline constexpr std::array<CameraModelInfo, 11> kCameraModels = {{
+    {CameraModel::kSimplePinhole, "SIMPLE_PINHOLE", 3, 1, false},
+    {CameraModel::kPinhole, "PINHOLE", 4, 2, false},
+    {CameraModel::kSimpleRadial, "SIMPLE_RADIAL", 4, 1, false},
+    {CameraModel::kRadial, "RADIAL", 5, 1, false},
+    {CameraModel::kOpenCv, "OPENCV", 8, 2, false},
+    {CameraModel::kOpenCvFisheye, "OPENCV_FISHEYE", 8, 2, true},
+    {CameraModel::kFullOpenCv, "FULL_OPENCV", 12, 2, false},
+    {CameraModel::kFov, "FOV", 5, 2, false},
+    {CameraModel::kSimpleRadialFisheye, "SIMPLE_RADIAL_FISHEYE", 4, 1, true},
+    {CameraModel::kRadialFisheye, "RADIAL_FISHEYE", 5, 1, true},
+    {CameraModel::kThinPrismFisheye, "THIN_PRISM_FISHEYE", 12, 2, true},
+}};
+
+inline std::span<const CameraModelInfo> CameraModels() { return kCameraModels; }
 
 // Return null when COLMAP's number or name is not known.
 const CameraModelInfo* FindCameraModel(int id);
 const CameraModelInfo* FindCameraModel(std::string_view name);
-const CameraModelInfo& GetCameraModel(CameraModel model);
+
+constexpr const CameraModelInfo& GetCameraModel(CameraModel model) {
+  return kCameraModels[static_cast<size_t>(model)];
+}
 
 }  // namespace freegs::sfm
 

@@ -80,7 +80,10 @@ TEST(CheckLens, TakesRealLenses) {
         MakeCamera(CameraModel::kOpenCv,
                    {500, 506, 320, 240, -0.2, 0.1, 0.004, -0.003}),
         MakeCamera(CameraModel::kOpenCvFisheye,
-                   {200, 200, 320, 240, 0.05, -0.03, 0.01, -0.002})}) {
+                   {200, 200, 320, 240, 0.05, -0.03, 0.01, -0.002}),
+        // Their images end inside the photo.
+        MakeCamera(CameraModel::kRadialFisheye, {200, 320, 240, 0, 0}),
+        MakeCamera(CameraModel::kSimpleRadialFisheye, {200, 320, 240, 0})}) {
     EXPECT_TRUE(CheckLens(camera).ok()) << CheckLens(camera).message();
   }
 }

@@ -36,6 +36,8 @@ TEST(CameraModels, NumbersNamesAndCountsAreColmaps) {
     EXPECT_EQ(info->num_params, expected[i].second);
     EXPECT_EQ(FindCameraModel(std::string_view(expected[i].first)), info);
     EXPECT_EQ(static_cast<size_t>(info->model), i);
+    EXPECT_EQ(info->fisheye,
+              expected[i].first.find("FISHEYE") != std::string::npos);
   }
   EXPECT_EQ(FindCameraModel(-1), nullptr);
   EXPECT_EQ(FindCameraModel(11), nullptr);
