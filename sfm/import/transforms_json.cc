@@ -34,6 +34,8 @@ Status ReadIntrinsics(const json& object, TransformsIntrinsics* result) {
       {"k2", &result->k2},
       {"k3", &result->k3},
       {"k4", &result->k4},
+      {"k5", &result->k5},
+      {"k6", &result->k6},
       {"p1", &result->p1},
       {"p2", &result->p2},
   };
@@ -67,6 +69,7 @@ Status ReadIntrinsics(const json& object, TransformsIntrinsics* result) {
     }
     result->fisheye = fisheye->is_boolean() ? fisheye->get<bool>()
                                             : fisheye->get<int64_t>() != 0;
+    result->full_opencv = false;
   }
   const auto model = object.find("camera_model");
   if (model != object.end()) {
@@ -80,6 +83,7 @@ Status ReadIntrinsics(const json& object, TransformsIntrinsics* result) {
                                                "FULL_OPENCV",
                                                "PERSPECTIVE"};
     result->fisheye = name == "OPENCV_FISHEYE";
+    result->full_opencv = name == "FULL_OPENCV";
     if (!result->fisheye && !perspective.contains(name)) {
       return BadInputError("\"camera_model\" is '" + name.substr(0, 64) +
                            "'; only perspective and OPENCV_FISHEYE cameras "
@@ -229,15 +233,23 @@ StatusOr<Camera> MakeCamera(const TransformsIntrinsics& intrinsics,
     camera.params.insert(camera.params.end(), values);
   };
   if (in.fisheye) {
+    if (in.p1 != 0 || in.p2 != 0 || in.k5 != 0 || in.k6 != 0) {
+      return BadInputError(
+          "gives \"p1\", \"p2\", \"k5\" or \"k6\" for a fisheye, which is not "
+          "supported");
+    }
     camera.model = CameraModel::kOpenCvFisheye;
     append({in.k1, in.k2, in.k3, in.k4});
-  } else if (in.k4 != 0) {
+  } else if (!in.full_opencv && (in.k4 != 0 || in.k5 != 0 || in.k6 != 0)) {
+    // Programs differ in what they mean: in nerfstudio's own model k4 belongs
+    // to the eighth power of the radius, in OpenCV's it stands below a fraction
+    // bar.
     return BadInputError(
-        "gives \"k4\" for a camera that is not a fisheye, which is not "
-        "supported");
-  } else if (in.k3 != 0) {
+        "gives \"k4\", \"k5\" or \"k6\" for a camera that is neither a fisheye "
+        "nor FULL_OPENCV (\"camera_model\"), which is not supported");
+  } else if (in.k3 != 0 || in.k4 != 0 || in.k5 != 0 || in.k6 != 0) {
     camera.model = CameraModel::kFullOpenCv;
-    append({in.k1, in.k2, in.p1, in.p2, in.k3, 0, 0, 0});
+    append({in.k1, in.k2, in.p1, in.p2, in.k3, in.k4, in.k5, in.k6});
   } else if (in.k1 != 0 || in.k2 != 0 || in.p1 != 0 || in.p2 != 0) {
     camera.model = CameraModel::kOpenCv;
     append({in.k1, in.k2, in.p1, in.p2});

@@ -30,8 +30,9 @@ struct TransformsIntrinsics {
   std::optional<double> cx;
   std::optional<double> cy;
 
-  double k1 = 0, k2 = 0, k3 = 0, k4 = 0, p1 = 0, p2 = 0;
+  double k1 = 0, k2 = 0, k3 = 0, k4 = 0, k5 = 0, k6 = 0, p1 = 0, p2 = 0;
   bool fisheye = false;
+  bool full_opencv = false;  // The file says FULL_OPENCV: k4 to k6 are known.
 };
 
 struct TransformsFrame {
@@ -71,8 +72,10 @@ StatusOr<TransformsFile> ParseTransforms(std::string_view text);
 // simplest of PINHOLE, OPENCV, FULL_OPENCV and OPENCV_FISHEYE that has the
 // given distortion parameters. Intrinsics for another image size are scaled. A
 // coordinate of the centre that is not given is that of the middle.
-// Returns kBadInput when there is no focal length, and when the two sizes are
-// not those of one image that was resized; see IsResized.
+// Returns kBadInput when there is no focal length, when the two sizes are not
+// those of one image that was resized (see IsResized), and for distortion that
+// the kind of camera does not have: k4, k5 and k6 of one that is neither a
+// fisheye nor FULL_OPENCV, and p1, p2, k5 and k6 of a fisheye.
 StatusOr<Camera> MakeCamera(const TransformsIntrinsics& intrinsics,
                             int width,
                             int height);

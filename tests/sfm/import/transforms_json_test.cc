@@ -63,6 +63,32 @@ TEST(MakeCamera, DistortionChoosesTheModel) {
   EXPECT_FALSE(MakeCamera(in, 64, 48).ok());
 }
 
+TEST(MakeCamera, NoDistortionIsDroppedSilently) {
+  for (double TransformsIntrinsics::*term : {&TransformsIntrinsics::p1,
+                                             &TransformsIntrinsics::p2,
+                                             &TransformsIntrinsics::k5,
+                                             &TransformsIntrinsics::k6}) {
+    TransformsIntrinsics in;
+    in.fx = 100;
+    in.fisheye = true;
+    in.*term = 0.01;
+    const auto camera = MakeCamera(in, 64, 48);
+    EXPECT_EQ(camera.status().code(), StatusCode::kBadInput);
+    EXPECT_THAT(camera.status().message(), HasSubstr("for a fisheye"));
+  }
+  for (double TransformsIntrinsics::*term : {&TransformsIntrinsics::k4,
+                                             &TransformsIntrinsics::k5,
+                                             &TransformsIntrinsics::k6}) {
+    TransformsIntrinsics in;
+    in.fx = 100;
+    in.*term = 0.01;
+    EXPECT_THAT(MakeCamera(in, 64, 48).status().message(),
+                HasSubstr("FULL_OPENCV"));
+    in.full_opencv = true;
+    EXPECT_EQ(MakeCamera(in, 64, 48)->model, CameraModel::kFullOpenCv);
+  }
+}
+
 TEST(MakeCamera, FieldOfViewAndDefaults) {
   TransformsIntrinsics in;
   in.angle_x = 0.6911112070083618;  // NeRF-synthetic.
@@ -128,6 +154,17 @@ TEST(ParseTransforms, EachCoordinateOfTheCentreCountsAlone) {
   EXPECT_EQ(centre(R"("cx": 30, "cy": 21, )", R"("cy": 20, "cx": null, )"),
             Vector2d(30, 20));
   EXPECT_EQ(centre(R"("cx": 0, "cy": 0, )", ""), Vector2d(0, 0));
+}
+
+TEST(ParseTransforms, FullOpenCvHasAllItsParameters) {
+  const Camera camera = CameraOf(
+      R"("camera_model": "FULL_OPENCV", "k1": 1e-1, "k2": 2e-2, "p1": 3e-3, )"
+      R"("p2": 4e-3, "k3": 5e-3, "k4": 6e-3, "k5": 7e-3, "k6": 8e-3, )",
+      "");
+  EXPECT_EQ(camera.model, CameraModel::kFullOpenCv);
+  EXPECT_THAT(
+      camera.Distortion(),
+      testing::ElementsAre(1e-1, 2e-2, 3e-3, 4e-3, 5e-3, 6e-3, 7e-3, 8e-3));
 }
 
 TEST(ParseTransforms, AFrameMayHaveAnotherKindOfCamera) {
