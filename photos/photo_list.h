@@ -91,7 +91,8 @@ struct Photo {
 };
 
 struct PhotoList {
-  std::string images_folder;  // As the user gave it; for information only.
+  // As the user gave it. It is never opened; only names are compared with it.
+  std::string images_folder;
   std::vector<Photo> photos;  // In natural order of `file`.
 
   int Count(PhotoSplit split) const;

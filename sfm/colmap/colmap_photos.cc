@@ -5,6 +5,7 @@
 #include <map>
 #include <system_error>
 #include <tuple>
+#include <utility>
 
 #include "core/io/files.h"
 #include "core/io/image_io.h"
@@ -77,12 +78,21 @@ std::vector<PhotoCamera> CamerasOf(const CameraGroup& group,
   for (const SfmPhoto* photo : group.photos) {
     const auto id = ids.find(photo->name);
     if (id == ids.end()) continue;
-    const double focal = group.shared ? shared_focal : photo->focal_px;
-    cameras.push_back({id->second,
-                       photo->width,
-                       photo->height,
-                       StartParameters(*photo, focal, model),
-                       focal > 0});
+    PhotoCamera camera;
+    camera.photo_id = id->second;
+    camera.width = photo->width;
+    camera.height = photo->height;
+    if (photo->camera) {
+      camera.model = static_cast<int>(photo->camera->model);
+      camera.params = photo->camera->params;
+      camera.focal_known = true;
+    } else {
+      const double focal = group.shared ? shared_focal : photo->focal_px;
+      camera.model = static_cast<int>(model.model);
+      camera.params = StartParameters(*photo, focal, model);
+      camera.focal_known = focal > 0;
+    }
+    cameras.push_back(std::move(camera));
   }
   return cameras;
 }

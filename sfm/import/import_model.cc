@@ -41,21 +41,40 @@ Status NoMatch(const std::string& example, const SfmPhoto& photo) {
 }
 
 // Returns for each photo the index of the name that belongs to it, -1 for none.
-// Appends the names that belong to no photo to `unmatched`. kBadInput if no
-// name belongs to a photo.
+// Appends to the result the names that belong to no photo, and a warning of
+// photos that two names fit equally well. kBadInput if no name belongs to a
+// photo.
 StatusOr<std::vector<int>> MatchByName(const std::vector<std::string>& names,
                                        const std::vector<SfmPhoto>& photos,
-                                       std::vector<std::string>* unmatched) {
-  const std::vector<int> match = MatchNames(names, photos);
+                                       const std::string& folder,
+                                       ImportedModel* result) {
+  const NameMatches match = MatchNames(names, photos, folder);
   std::vector<int> name_of_photo(photos.size(), -1);
-  for (size_t i = 0; i < match.size(); ++i) {
-    if (match[i] < 0) {
-      unmatched->push_back(names[i]);
+  for (size_t i = 0; i < names.size(); ++i) {
+    if (match.photos[i] < 0) {
+      result->unmatched.push_back(names[i]);
     } else {
-      name_of_photo[match[i]] = static_cast<int>(i);
+      name_of_photo[match.photos[i]] = static_cast<int>(i);
     }
   }
-  if (unmatched->size() == names.size()) return NoMatch(names[0], photos[0]);
+  if (result->unmatched.size() == names.size()) {
+    return NoMatch(names[0], photos[0]);
+  }
+  if (!match.ties.empty()) {
+    std::vector<std::string> tied;
+    for (const NameTie& tie : match.ties) {
+      tied.push_back(photos[tie.photo].name);
+    }
+    const NameTie& first = match.ties[0];
+    result->warnings.push_back(
+        "of photos that two imported names fit equally well the first name was "
+        "taken, which may be wrong (" +
+        tied[0] + " may be " + names[first.taken] + " or " +
+        names[first.other] +
+        "); give the folder above the photos, so that their folders tell them "
+        "apart: " +
+        SomeNames(tied));
+  }
   return name_of_photo;
 }
 
@@ -129,7 +148,8 @@ class CameraSet {
 };
 
 StatusOr<ImportedModel> ImportColmap(const fs::path& folder,
-                                     const std::vector<SfmPhoto>& photos) {
+                                     const std::vector<SfmPhoto>& photos,
+                                     const std::string& photo_folder) {
   FREEGS_ASSIGN_OR_RETURN(Reconstruction source, ReadModel(folder));
   if (source.images.empty()) {
     return BadInputError(folder.string() + ": the model has no images");
@@ -138,7 +158,7 @@ StatusOr<ImportedModel> ImportColmap(const fs::path& folder,
   for (const PosedImage& image : source.images) names.push_back(image.name);
   ImportedModel result;
   const StatusOr<std::vector<int>> match =
-      MatchByName(names, photos, &result.unmatched);
+      MatchByName(names, photos, photo_folder, &result);
   if (!match.ok()) return match.status().Annotated(folder.string());
   const std::vector<int>& image_of_photo = *match;
 
@@ -214,7 +234,8 @@ Status ReadFrames(const fs::path& path,
 }
 
 StatusOr<ImportedModel> ImportTransforms(const ImportSource& source,
-                                         const std::vector<SfmPhoto>& photos) {
+                                         const std::vector<SfmPhoto>& photos,
+                                         const std::string& photo_folder) {
   ImportedModel result;
   std::vector<NamedFrame> frames;
   FREEGS_RETURN_IF_ERROR(
@@ -225,7 +246,7 @@ StatusOr<ImportedModel> ImportTransforms(const ImportSource& source,
   std::vector<std::string> names;
   for (const NamedFrame& frame : frames) names.push_back(frame.frame.file_path);
   const StatusOr<std::vector<int>> match =
-      MatchByName(names, photos, &result.unmatched);
+      MatchByName(names, photos, photo_folder, &result);
   if (!match.ok()) {
     return match.status().Annotated(source.transforms.string());
   }
@@ -335,8 +356,9 @@ StatusOr<ImportedModel> ImportModel(const ImportSource& source,
                                     const ImportOptions& options) {
   if (photos.empty()) return BadInputError("there are no photos");
   StatusOr<ImportedModel> imported =
-      source.colmap_model.empty() ? ImportTransforms(source, photos)
-                                  : ImportColmap(source.colmap_model, photos);
+      source.colmap_model.empty()
+          ? ImportTransforms(source, photos, options.folder)
+          : ImportColmap(source.colmap_model, photos, options.folder);
   if (!imported.ok()) return imported.status();
   ImportedModel result = std::move(*imported);
   const std::string name =

@@ -64,6 +64,9 @@ struct ImportedModel {
 struct ImportOptions {
   int random_points = 10000;  // Their number, when the source has no points.
   uint64_t seed = 0;
+
+  // The name of the folder that the photos come from; empty if it is not known.
+  std::string folder = {};
 };
 
 // Reads the poses of the given photos:

@@ -7,6 +7,7 @@
 #include <set>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 
 namespace freegs::sfm {
 namespace {
@@ -72,10 +73,20 @@ int Score(const PathParts& name, const PathParts& photo) {
   return score;
 }
 
+// Whether the name has the folder right above the photo's own path.
+bool LiesIn(const std::string& folder,
+            const PathParts& name,
+            const PathParts& photo) {
+  const size_t depth = photo.folders.size();
+  return !folder.empty() && name.folders.size() > depth &&
+         name.folders[depth] == folder;
+}
+
 }  // namespace
 
-std::vector<int> MatchNames(const std::vector<std::string>& names,
-                            const std::vector<SfmPhoto>& photos) {
+NameMatches MatchNames(const std::vector<std::string>& names,
+                       const std::vector<SfmPhoto>& photos,
+                       const std::string& folder) {
   std::vector<PathParts> photo_parts;
   std::vector<int> photo_of_part;
   std::unordered_multimap<std::string, size_t> by_stem;
@@ -106,13 +117,15 @@ std::vector<int> MatchNames(const std::vector<std::string>& names,
 
   struct Claim {
     int name = -1;
-    int score = 0;
+    std::pair<int, bool> score;  // And whether it lies in the folder.
+    int other = -1;              // The first name that is as good.
   };
   std::vector<Claim> claims(photos.size());
   for (size_t n = 0; n < names.size(); ++n) {
     const PathParts& parts = name_parts[n];
     int best = -1;
     int best_score = 0;
+    size_t best_part = 0;
     bool ambiguous = false;
     for (const std::string& stem : {parts.stem, parts.stem + parts.extension}) {
       const auto [first, last] = by_stem.equal_range(stem);
@@ -124,20 +137,32 @@ std::vector<int> MatchNames(const std::vector<std::string>& names,
           ambiguous = false;
           best = photo;
           best_score = score;
+          best_part = it->second;
         } else if (score == best_score && photo != best) {
           ambiguous = true;
         }
       }
     }
     if (best < 0 || ambiguous) continue;
-    if (best_score > claims[best].score) {
-      claims[best] = {static_cast<int>(n), best_score};
+    Claim& claim = claims[best];
+    const std::pair score(best_score,
+                          LiesIn(folder, parts, photo_parts[best_part]));
+    if (score > claim.score) {
+      claim = {static_cast<int>(n), score};
+    } else if (score == claim.score && claim.other < 0) {
+      claim.other = static_cast<int>(n);
     }
   }
 
-  std::vector<int> result(names.size(), -1);
+  NameMatches result;
+  result.photos.assign(names.size(), -1);
   for (size_t i = 0; i < photos.size(); ++i) {
-    if (claims[i].name >= 0) result[claims[i].name] = static_cast<int>(i);
+    const Claim& claim = claims[i];
+    const int photo = static_cast<int>(i);
+    if (claim.name >= 0) result.photos[claim.name] = photo;
+    if (claim.other >= 0) {
+      result.ties.push_back({photo, claim.name, claim.other});
+    }
   }
   return result;
 }

@@ -28,45 +28,62 @@ constexpr double kMinPhotoShare = 0.25;
 // So few matches of a photo tell nothing about its pose.
 constexpr int64_t kMinPhotoMatches = 30;
 
-// The photos that have a pose, with the focal lengths of their cameras, so that
-// matches are verified with these.
-SfmInput WithFocals(const SfmInput& input, const Reconstruction& poses) {
+// The photos that have a pose, with their cameras, so that matches are verified
+// with these.
+SfmInput WithCameras(const SfmInput& input, const Reconstruction& poses) {
   std::map<uint32_t, const Camera*> cameras;
   for (const Camera& camera : poses.cameras) cameras[camera.id] = &camera;
-  std::map<std::string, double> focals;
+  std::map<std::string, const Camera*> camera_of;
   for (const PosedImage& image : poses.images) {
-    focals[image.name] = cameras.at(image.camera_id)->FocalX();
+    camera_of[image.name] = cameras.at(image.camera_id);
   }
   SfmInput result = input;
   result.photos.clear();
   for (SfmPhoto photo : input.photos) {
-    const auto focal = focals.find(photo.name);
-    if (focal == focals.end()) continue;
-    photo.focal_px = focal->second;
+    const auto camera = camera_of.find(photo.name);
+    if (camera == camera_of.end()) continue;
+    photo.camera = *camera->second;
     result.photos.push_back(std::move(photo));
   }
   return result;
 }
 
-// Without features and points, and with the ids of the database.
+// Without features and points, and with the ids of the database, in which each
+// photo has a camera of its own. New releases of COLMAP refuse a model whose
+// cameras are not those of the database.
 StatusOr<Reconstruction> PosesOf(const Reconstruction& model,
                                  const std::filesystem::path& path) {
   FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
                           MatchDatabase::Open(path));
   FREEGS_ASSIGN_OR_RETURN(const auto ids, database.PhotoIds());
+  FREEGS_ASSIGN_OR_RETURN(const auto camera_ids, database.CameraIds());
+  const auto camera_index = IndexCameras(model);
   Reconstruction poses;
-  poses.cameras = model.cameras;
   for (const PosedImage& image : model.images) {
     const auto id = ids.find(image.name);
     if (id == ids.end()) continue;
     PosedImage bare;
     bare.id = id->second;
-    bare.camera_id = image.camera_id;
+    bare.camera_id = camera_ids.at(image.name);
+    poses.cameras.push_back(model.cameras[camera_index.at(image.camera_id)]);
+    poses.cameras.back().id = bare.camera_id;
     bare.name = image.name;
     bare.cam_from_world = image.cam_from_world;
     poses.images.push_back(std::move(bare));
   }
   return poses;
+}
+
+// Gives the images the cameras that those of the same name have in `model`.
+void TakeCameras(const Reconstruction& model, Reconstruction* result) {
+  std::map<std::string, uint32_t> camera_of;
+  for (const PosedImage& image : model.images) {
+    camera_of[image.name] = image.camera_id;
+  }
+  for (PosedImage& image : result->images) {
+    image.camera_id = camera_of.at(image.name);
+  }
+  result->cameras = model.cameras;
 }
 
 // The verified matches of all pairs, and how many of them have two features
@@ -185,9 +202,11 @@ std::map<uint32_t, double> PhotosThatDoNotFit(std::span<const PairFit> pairs) {
 StatusOr<TriangulatedScene> TriangulateScene(const SfmInput& input,
                                              const SfmOptions& options,
                                              const Reconstruction& poses) {
-  const SfmInput posed = WithFocals(input, poses);
+  const SfmInput posed = WithCameras(input, poses);
+  SfmOptions with_own_cameras = options;
+  with_own_cameras.camera = "per_image";
   FREEGS_ASSIGN_OR_RETURN(const std::unique_ptr<SceneDatabase> scene,
-                          SceneDatabase::Build(posed, options));
+                          SceneDatabase::Build(posed, with_own_cameras));
   const StepContext& context = scene->context();
   TriangulatedScene result;
   result.colmap_version = context.colmap.version();
@@ -202,6 +221,7 @@ StatusOr<TriangulatedScene> TriangulateScene(const SfmInput& input,
       result.model,
       TriangulatePoints(
           context, scene->path(), input.work_folder / "triangulation", bare));
+  TakeCameras(poses, &result.model);
   FREEGS_ASSIGN_OR_RETURN(const std::vector<PairFit> pairs,
                           FitOfPairs(result.model, scene->path()));
   result.fitting_share = FittingShare(pairs);

@@ -53,7 +53,8 @@ struct PairFit {
 std::map<uint32_t, double> PhotosThatDoNotFit(std::span<const PairFit> pairs);
 
 // Takes features from the photos, matches them, and triangulates the matches
-// from the given poses. The images of `poses` are photos of `input`, by name;
+// from the given poses, with the given cameras whatever the options say. The
+// images of `poses` are photos of `input`, by name;
 // other photos are left out. Its ids may change. There may be few points, or
 // none. The poses do not fit the photos (another scene, other axes, another
 // lens) if less than half of the matches fit them: it was 0.72 or more with

@@ -165,6 +165,18 @@ StatusOr<std::map<std::string, uint32_t>> MatchDatabase::PhotoIds() const {
   return ids;
 }
 
+StatusOr<std::map<std::string, uint32_t>> MatchDatabase::CameraIds() const {
+  Statement statement(database_.get(), "SELECT name, camera_id FROM images");
+  if (!statement.ok()) return Error("cannot list its cameras");
+  std::map<std::string, uint32_t> ids;
+  int code;
+  while ((code = statement.Step()) == SQLITE_ROW) {
+    ids[statement.Text(0)] = static_cast<uint32_t>(statement.Integer(1));
+  }
+  if (code != SQLITE_DONE) return Error("cannot list its cameras");
+  return ids;
+}
+
 StatusOr<SiftDescriptors> MatchDatabase::Descriptors(uint32_t photo_id) const {
   Statement statement(
       database_.get(),
@@ -251,7 +263,7 @@ Status MatchDatabase::SetCameras(std::span<const PhotoCamera> cameras) {
   for (const PhotoCamera& camera : cameras) {
     Statement statement(database_.get(),
                         "UPDATE cameras SET width = ?, height = ?, params = ?, "
-                        "prior_focal_length = ? WHERE camera_id = "
+                        "prior_focal_length = ?, model = ? WHERE camera_id = "
                         "(SELECT camera_id FROM images WHERE image_id = ?)");
     if (!statement.ok()) return Error("cannot take cameras");
     ByteWriter params;
@@ -260,7 +272,8 @@ Status MatchDatabase::SetCameras(std::span<const PhotoCamera> cameras) {
     statement.Bind(2, static_cast<int64_t>(camera.height));
     statement.BindBlob(3, params.content());
     statement.Bind(4, static_cast<int64_t>(camera.focal_known));
-    statement.Bind(5, camera.photo_id);
+    statement.Bind(5, static_cast<int64_t>(camera.model));
+    statement.Bind(6, camera.photo_id);
     if (statement.Step() != SQLITE_DONE) return Error("cannot take cameras");
   }
   return Execute("COMMIT");

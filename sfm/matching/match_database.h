@@ -53,6 +53,7 @@ struct PhotoCamera {
   uint32_t photo_id = 0;
   int width = 0;               // Pixels.
   int height = 0;              // Pixels.
+  int model = 0;               // COLMAP's number of the camera model.
   std::vector<double> params;  // As its camera model orders them.
   bool focal_known = false;    // Whether the focal length is more than a guess.
 };
@@ -82,6 +83,9 @@ class MatchDatabase {
   // The ids of the photos by their names.
   StatusOr<std::map<std::string, uint32_t>> PhotoIds() const;
 
+  // The ids of the photos' cameras by the names of the photos.
+  StatusOr<std::map<std::string, uint32_t>> CameraIds() const;
+
   // The SIFT descriptors of a photo; none when it has no features. Returns
   // kBadInput when they are of another kind.
   StatusOr<SiftDescriptors> Descriptors(uint32_t photo_id) const;
@@ -95,8 +99,8 @@ class MatchDatabase {
   StatusOr<std::vector<Eigen::Vector2f>> FeaturePositions(
       uint32_t photo_id) const;
 
-  // Gives the cameras of photos their size and parameters, in one transaction.
-  // They keep their models. Of photos that share a camera the last one counts.
+  // Gives the cameras of photos their size, model and parameters, in one
+  // transaction. Of photos that share a camera the last one counts.
   Status SetCameras(std::span<const PhotoCamera> cameras);
 
   // Gives photos their features, in one transaction. Features that they had are

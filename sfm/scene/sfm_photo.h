@@ -5,7 +5,10 @@
 #define FREEGS_SFM_SCENE_SFM_PHOTO_H_
 
 #include <algorithm>
+#include <optional>
 #include <string>
+
+#include "sfm/scene/camera.h"
 
 namespace freegs::sfm {
 
@@ -19,6 +22,10 @@ struct SfmPhoto {
   double focal_px = 0;   // Focal length by EXIF, in pixels; 0 is unknown.
   double sharpness = 0;  // As ingest measured it; 0 is unknown.
   int orientation = 1;   // By EXIF, before ingest turned it upright: 1 to 8.
+
+  // The camera, where it is known already. Photos that share one in COLMAP's
+  // database must have the same.
+  std::optional<Camera> camera = {};
 };
 
 // COLMAP's guess where the focal length is unknown, in pixels.

@@ -28,7 +28,7 @@ std::vector<int> MatchViews(const std::vector<std::string>& names,
     photo.name = photo.file = view.name;
     photos.push_back(std::move(photo));
   }
-  return sfm::MatchNames(names, photos);
+  return sfm::MatchNames(names, photos).photos;
 }
 
 // The lenses that distort, by photograph, before undistortion. Empty when the

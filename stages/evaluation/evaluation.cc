@@ -56,7 +56,7 @@ std::vector<TestViewUse> FindTestViewUses(const WorkspaceScene& scene,
   std::vector<std::string> names;
   for (const View& view : scene.train) names.push_back(view.name);
   for (const View& view : scene.holdout) names.push_back(view.name);
-  const std::vector<int> matches = sfm::MatchNames(names, views);
+  const std::vector<int> matches = sfm::MatchNames(names, views).photos;
   std::vector<TestViewUse> uses(test.size(), TestViewUse::kNone);
   for (size_t i = 0; i < matches.size(); ++i) {
     if (matches[i] < 0 || matches[i] >= std::ssize(test)) continue;

@@ -52,6 +52,13 @@ std::vector<sfm::SfmPhoto> UsablePhotos(const photos::PhotoList& list) {
   return photos;
 }
 
+// The last component of a path: "right" of "rig/right/". Empty if there is
+// none.
+std::string FolderName(const std::string& path) {
+  const fs::path plain = fs::path(path + "/").lexically_normal().parent_path();
+  return plain.filename().string();
+}
+
 // Programs that do not look for colours leave all points black.
 bool HasNoColors(const sfm::Reconstruction& model) {
   constexpr std::array<uint8_t, 3> kBlack = {0, 0, 0};
@@ -74,7 +81,8 @@ class SfmStage : public pipeline::Stage {
       : options_(options), seed_(seed) {}
 
   std::string_view name() const override { return "sfm"; }
-  int version() const override { return 8; }
+  // Only what is imported differs between 8 and 9.
+  int version() const override { return options_.import.empty() ? 8 : 9; }
 
   std::vector<fs::path> Inputs(const StageContext& context) const override {
     std::vector<fs::path> inputs = {"ingest/images.json", "ingest/photos"};
@@ -163,7 +171,8 @@ class SfmStage : public pipeline::Stage {
                          photos,
                          {options_.random_points > 0 ? options_.random_points
                                                      : kRandomPoints,
-                          seed_}));
+                          seed_,
+                          FolderName(list.images_folder)}));
     Outcome outcome;
     outcome.imported = true;
     outcome.source = source.colmap_model.empty() ? "imported transforms.json"

@@ -137,7 +137,7 @@ class Database {
         "camera_id INTEGER NOT NULL DEFAULT 1)");
     Run("CREATE TABLE IF NOT EXISTS cameras (camera_id INTEGER PRIMARY KEY, "
         "width INTEGER NOT NULL, height INTEGER NOT NULL, params BLOB, "
-        "prior_focal_length INTEGER NOT NULL)");
+        "prior_focal_length INTEGER NOT NULL, model INTEGER NOT NULL)");
     Run("CREATE TABLE IF NOT EXISTS keypoints (image_id INTEGER PRIMARY KEY, "
         "rows INTEGER NOT NULL, cols INTEGER NOT NULL, data BLOB)");
     Run("CREATE TABLE IF NOT EXISTS descriptors (image_id INTEGER PRIMARY KEY, "
@@ -208,7 +208,7 @@ int ExtractFeatures(Options& options) {
     if (i == 0 || options["ImageReader.single_camera_per_image"] == "1") {
       camera = id;
       database.Run("INSERT OR IGNORE INTO cameras VALUES(" + camera +
-                   ",32,32,NULL,0)");
+                   ",32,32,NULL,0,0)");
     }
     database.Run("UPDATE images SET camera_id = " + camera +
                  " WHERE image_id = " + id);

@@ -25,22 +25,23 @@ struct Row {
   int height = 0;
   std::vector<double> params;
   bool focal_known = false;
+  int model = 0;
 };
 
 std::vector<Row> ReadRows(const fs::path& path) {
   sqlite3* database = nullptr;
   EXPECT_EQ(sqlite3_open(path.c_str(), &database), SQLITE_OK);
   sqlite3_stmt* statement = nullptr;
-  EXPECT_EQ(
-      sqlite3_prepare_v2(
-          database,
-          "SELECT name, images.camera_id, width, height, params, "
-          "prior_focal_length FROM images JOIN cameras ON images.camera_id = "
-          "cameras.camera_id ORDER BY image_id",
-          -1,
-          &statement,
-          nullptr),
-      SQLITE_OK);
+  EXPECT_EQ(sqlite3_prepare_v2(
+                database,
+                "SELECT name, images.camera_id, width, height, params, "
+                "prior_focal_length, model FROM images JOIN cameras ON "
+                "images.camera_id = "
+                "cameras.camera_id ORDER BY image_id",
+                -1,
+                &statement,
+                nullptr),
+            SQLITE_OK);
   std::vector<Row> rows;
   while (sqlite3_step(statement) == SQLITE_ROW) {
     Row row;
@@ -53,6 +54,7 @@ std::vector<Row> ReadRows(const fs::path& path) {
                 sqlite3_column_blob(statement, 4),
                 row.params.size() * sizeof(double));
     row.focal_known = sqlite3_column_int(statement, 5) != 0;
+    row.model = sqlite3_column_int(statement, 6);
     rows.push_back(row);
   }
   sqlite3_finalize(statement);
@@ -138,6 +140,25 @@ TEST_F(RegisterPhotosTest, CamerasOfTheirOwn) {
   EXPECT_NE(rows[1].camera_id, rows[0].camera_id);
   EXPECT_THAT(rows[1].params, ElementsAre(768, 768, 320, 240, 0.01));
   EXPECT_FALSE(rows[1].focal_known);
+  EXPECT_EQ(rows[1].model, static_cast<int>(CameraModel::kFov));
+}
+
+TEST_F(RegisterPhotosTest, KnownCamerasAreTaken) {
+  Add("a.jpg", 640, 480, 600);
+  Add("b.jpg", 640, 480, 600);
+  Camera fisheye;
+  fisheye.model = CameraModel::kOpenCvFisheye;
+  fisheye.width = 640;
+  fisheye.height = 480;
+  fisheye.params = {300, 301, 310, 230, 0.1, 0.2, 0.3, 0.4};
+  input_.photos[1].camera = fisheye;
+  options_.camera = "per_image";
+  const std::vector<Row> rows = Register();
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[0].model, static_cast<int>(CameraModel::kRadial));
+  EXPECT_EQ(rows[1].model, static_cast<int>(CameraModel::kOpenCvFisheye));
+  EXPECT_EQ(rows[1].params, fisheye.params);
+  EXPECT_TRUE(rows[1].focal_known);
 }
 
 }  // namespace

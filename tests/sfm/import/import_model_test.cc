@@ -105,6 +105,28 @@ TEST(ImportModel, ColmapModelUnderThePhotosNames) {
   EXPECT_TRUE(CheckReconstruction(imported->model).ok());
 }
 
+TEST(ImportModel, PhotosThatTwoNamesFit) {
+  const TemporaryFolder folder;
+  Reconstruction model = SyntheticModel(4, 20);
+  model.images[0].name = "left/" + PhotoName(0);
+  model.images[1].name = "right/" + PhotoName(0);
+  model.images[2].name = "left/" + PhotoName(1);
+  model.images[3].name = "right/" + PhotoName(1);
+  ASSERT_TRUE(WriteModel(folder.path(), model).ok());
+  const auto first = Import(folder.path(), Photos(2));
+  ASSERT_TRUE(first.ok()) << first.status().message();
+  EXPECT_EQ(first->model.images[0].id, 1u);
+  EXPECT_THAT(first->warnings,
+              ElementsAre(HasSubstr("photo_000.jpg may be left/photo_000.jpg "
+                                    "or right/photo_000.jpg")));
+  const auto right = ImportModel(
+      *FindImportSource(folder.path()), Photos(2), {100, 0, "right"});
+  ASSERT_TRUE(right.ok()) << right.status().message();
+  EXPECT_EQ(right->model.images[0].id, 2u);
+  EXPECT_EQ(right->model.images[1].id, 4u);
+  EXPECT_TRUE(right->warnings.empty());
+}
+
 TEST(ImportModel, PhotosOfAnotherSize) {
   const TemporaryFolder folder;
   ASSERT_TRUE(WriteModel(folder.path(), SyntheticModel(3, 10)).ok());

@@ -5,10 +5,12 @@
 
 #include <csignal>
 #include <optional>
+#include <set>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "sfm/matching/match_database.h"
 #include "sfm/scene/model_io_binary.h"
 #include "tests/sfm/fake_colmap.h"
 #include "tests/sfm/synthetic_model.h"
@@ -77,6 +79,28 @@ TEST_F(KnownPosesTest, PosesStayAndPointsCome) {
   EXPECT_EQ(scene->pairs.pairs, 10);
   EXPECT_EQ(scene->colmap_version, "3.8");
   EXPECT_FALSE(fs::exists(input_.work_folder / "triangulation"));
+}
+
+TEST_F(KnownPosesTest, EachPhotoIsMatchedWithItsOwnCamera) {
+  Camera fisheye = SyntheticModel(1, 1, CameraModel::kOpenCvFisheye).cameras[0];
+  fisheye.id = 40;
+  poses_.cameras.push_back(fisheye);
+  poses_.images[3].camera_id = 40;
+  const auto scene = Run();
+  ASSERT_TRUE(scene.ok()) << scene.status().message();
+  const auto database = MatchDatabase::Open(input_.work_folder / "database.db");
+  ASSERT_TRUE(database.ok());
+  const auto cameras = database->CameraIds();
+  ASSERT_TRUE(cameras.ok());
+  std::set<uint32_t> ids;
+  for (const auto& [name, id] : *cameras) ids.insert(id);
+  EXPECT_THAT(ids, SizeIs(5));
+  // The cameras of the import come back.
+  const Reconstruction& model = scene->model;
+  ASSERT_THAT(model.cameras, SizeIs(2));
+  EXPECT_EQ(model.cameras[1].params, fisheye.params);
+  EXPECT_EQ(model.images[3].camera_id, 40u);
+  EXPECT_EQ(model.images[4].camera_id, poses_.cameras[0].id);
 }
 
 TEST_F(KnownPosesTest, AnyNumberOfThreads) {
