@@ -5,6 +5,9 @@
 #define FREEGS_SFM_CALIBRATION_CAMERA_SHARING_H_
 
 #include <cstddef>
+#include <cstdint>
+#include <map>
+#include <string>
 #include <string_view>
 
 #include "sfm/scene/reconstruction.h"
@@ -30,6 +33,16 @@ size_t NumCameras(const Reconstruction& model, CameraSharing sharing);
 void AssignCameras(CameraModel camera_model,
                    CameraSharing sharing,
                    Reconstruction* model);
+
+// The camera that each photo, by its name, had before cameras were assigned.
+using CameraGroups = std::map<std::string, uint32_t>;
+
+// Adds the photos of a model whose cameras are still those of COLMAP.
+void NoteCameraGroups(const Reconstruction& model, CameraGroups* groups);
+
+// Makes the given groups share cameras again, so that kPerGroup means them.
+// Each group gets the camera that most of its images have now.
+void RestoreCameraGroups(const CameraGroups& groups, Reconstruction* model);
 
 }  // namespace freegs::sfm
 

@@ -176,6 +176,35 @@ TEST_F(SharingTest, OnlyWhatIsAskedIsTried) {
   EXPECT_EQ(Choose(options).model, CameraModel::kRadial);
 }
 
+// Else a second choice of cameras could not tell the groups apart.
+TEST(RestoreCameraGroups, GroupsAreThoseBeforeTheFirstChoice) {
+  Reconstruction model;
+  model.cameras = {
+      MakeCamera(CameraModel::kRadial, {500, 320, 240, 0.1, 0}),
+      MakeCamera(CameraModel::kRadial, {700, 320, 240, 0, 0}),
+  };
+  model.cameras[1].id = 5;
+  for (uint32_t id = 1; id <= 4; ++id) {
+    PosedImage& image = model.images.emplace_back();
+    image.id = id;
+    image.camera_id = id <= 2 ? 1 : 5;
+    image.name = std::to_string(id);
+  }
+  CameraGroups groups;
+  NoteCameraGroups(model, &groups);
+  for (const CameraSharing sharing :
+       {CameraSharing::kShared, CameraSharing::kPerPhoto}) {
+    AssignCameras(CameraModel::kSimpleRadial, sharing, &model);
+    EXPECT_EQ(NumCameras(model, CameraSharing::kPerGroup),
+              sharing == CameraSharing::kShared ? 1u : 4u);
+    RestoreCameraGroups(groups, &model);
+    EXPECT_EQ(NumCameras(model, CameraSharing::kPerGroup), 2u);
+    EXPECT_EQ(model.images[0].camera_id, model.images[1].camera_id);
+    EXPECT_EQ(model.images[2].camera_id, model.images[3].camera_id);
+    EXPECT_TRUE(CheckReconstruction(model).ok());
+  }
+}
+
 TEST(SelectCameras, SameForAnyNumberOfThreads) {
   NoisyScene scene;
   scene.num_points = 200;
