@@ -52,6 +52,9 @@ struct AttemptResult {
 
   // Set by AttemptStore::Try only: the message of the error that ended it.
   std::string problem;
+
+  // The attempts that repaired these models. The store does not keep them.
+  std::vector<Attempt> repairs;
 };
 
 // Runs each attempt at most once and keeps its result in a folder of its own,

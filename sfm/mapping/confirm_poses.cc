@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <map>
 #include <set>
 #include <utility>
@@ -103,18 +104,10 @@ StatusOr<ConfirmedPoses> ConfirmPoses(const Models& models,
   }
   Models candidates = {models[0]};
   std::vector<size_t> attempt_of = {0};  // By candidate; not that of the first.
+  std::vector<size_t> mapping_of;        // By attempt: a repair has another's.
   Consensus consensus = FindConsensus(candidates);
-  bool pairs_left = true;
-  for (size_t skip = 1;
-       skip <= kMaxMappings && pairs_left && !consensus.witnessed;
-       ++skip) {
-    std::string name = "start " + std::to_string(skip + 1);
-    FREEGS_ASSIGN_OR_RETURN(AttemptResult made, map_again(name, skip));
-    pairs_left = !made.models.empty();
-    if (!pairs_left) {
-      name = "start by COLMAP";
-      FREEGS_ASSIGN_OR_RETURN(made, map_again(name, std::nullopt));
-    }
+  const auto take = [&](const std::string& name, AttemptResult made) {
+    const size_t mapping = result.attempts.size();
     Attempt attempt = DescribeAttempt(
         name, "whether poses depend on the first two photos", made.models);
     attempt.problem = std::move(made.problem);
@@ -122,17 +115,43 @@ StatusOr<ConfirmedPoses> ConfirmPoses(const Models& models,
     if (no_use.empty()) {
       attempt.problem = Compared(candidates[0], made.models[0]);
       candidates.push_back(std::move(made.models[0]));
-      attempt_of.push_back(result.attempts.size());
+      attempt_of.push_back(mapping);
       consensus = FindConsensus(candidates);
     } else if (attempt.problem.empty()) {
       attempt.problem = no_use;
     }
     result.attempts.push_back(std::move(attempt));
+    std::move(made.repairs.begin(),
+              made.repairs.end(),
+              std::back_inserter(result.attempts));
+    mapping_of.resize(result.attempts.size(), mapping);
+  };
+  bool pairs_left = true;
+  for (size_t skip = 1;
+       skip <= kMaxMappings && pairs_left && !consensus.witnessed;
+       ++skip) {
+    const std::string name = "start " + std::to_string(skip + 1);
+    FREEGS_ASSIGN_OR_RETURN(std::optional<AttemptResult> made,
+                            map_again(name, skip));
+    pairs_left = made && !made->models.empty();
+    if (made) take(name, *std::move(made));
+    if (!pairs_left) {
+      const std::string last = "start by COLMAP";
+      FREEGS_ASSIGN_OR_RETURN(made, map_again(last, std::nullopt));
+      if (made) take(last, *std::move(made));
+    }
   }
-  if (consensus.best > 0) {
-    Attempt& kept = result.attempts[attempt_of[consensus.best]];
-    kept.kept = true;
-    kept.problem.clear();
+  for (size_t i = 0; i < result.attempts.size(); ++i) {
+    Attempt& attempt = result.attempts[i];
+    const bool kept =
+        consensus.best > 0 && mapping_of[i] == attempt_of[consensus.best];
+    if (kept && mapping_of[i] == i) {
+      attempt.kept = true;
+      attempt.problem.clear();
+    } else if (!kept && attempt.kept) {
+      attempt.kept = false;
+      attempt.problem = "the mapping that it repaired is not kept";
+    }
   }
   TakeBest(candidates, std::move(consensus), models, enough, &result);
   return result;

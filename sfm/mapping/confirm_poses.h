@@ -36,7 +36,8 @@ struct ConfirmedPoses {
   // are taken out of models[0] if enough others are left.
   std::vector<std::string> uncertain;
 
-  std::vector<Attempt> attempts;  // The further mappings, in order.
+  // The further mappings, in order, each followed by the repairs of its models.
+  std::vector<Attempt> attempts;
 };
 
 // More photos are not mapped again, because it takes too long.
@@ -44,18 +45,18 @@ inline constexpr size_t kMostPhotosToConfirm = 40;
 
 // Maps the photos again, from the best pair after `skip` others; without `skip`
 // COLMAP looks for a pair itself. The models, the best first, are as exact as
-// those given.
-using MapAgainFn = std::function<StatusOr<AttemptResult>(
+// those given. Returns nothing if there is no such pair.
+using MapAgainFn = std::function<StatusOr<std::optional<AttemptResult>>(
     const std::string& name, std::optional<size_t> skip)>;
 
 // Maps again until the best model has a witness (see Consensus), which usually
 // takes one further mapping, and at most four times. Once a pair leads to no
-// model, COLMAP looks for one itself, and that is the last mapping. A model
-// takes part if it has at least half as many photos as models[0], and is not
-// one that is there already. `models` are the best first. With fewer than
-// `enough` photos a model is of no use, so uncertain ones stay in it. Nothing
-// is done without a model, and with more than kMostPhotosToConfirm photos in
-// models[0]. Errors: those of map_again.
+// model, or there is none, COLMAP looks for one itself, and that is the last
+// mapping. A model takes part if it has at least half as many photos as
+// models[0], and is not one that is there already. `models` are the best first.
+// With fewer than `enough` photos a model is of no use, so uncertain ones stay
+// in it. Nothing is done without a model, and with more than
+// kMostPhotosToConfirm photos in models[0]. Errors: those of map_again.
 //
 //   FREEGS_ASSIGN_OR_RETURN(ConfirmedPoses confirmed,
 //                           ConfirmPoses(models, enough, map_again));

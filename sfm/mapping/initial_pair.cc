@@ -238,6 +238,20 @@ StatusOr<std::optional<InitialPair>> ChooseInitialPair(
   return best;
 }
 
+StatusOr<std::vector<InitialPair>> BestPairs(
+    const std::vector<SfmPhoto>& photos,
+    size_t count,
+    const MatchDatabase& database) {
+  std::vector<InitialPair> pairs;
+  while (pairs.size() < count) {
+    FREEGS_ASSIGN_OR_RETURN(const std::optional<InitialPair> pair,
+                            ChooseInitialPair(photos, pairs, database));
+    if (!pair) break;
+    pairs.push_back(*pair);
+  }
+  return pairs;
+}
+
 StatusOr<std::vector<Reconstruction>> MapFromBestPair(
     const StepContext& context,
     const std::filesystem::path& database,
@@ -248,6 +262,11 @@ StatusOr<std::vector<Reconstruction>> MapFromBestPair(
   const size_t enough = std::min(kUsualMinModel, (left.size() + 1) / 2);
   Models models;
   std::vector<InitialPair> passed_over;  // Or tried in vain.
+  if (skip > 0) {
+    FREEGS_ASSIGN_OR_RETURN(const MatchDatabase matches,
+                            MatchDatabase::Open(database));
+    FREEGS_ASSIGN_OR_RETURN(passed_over, BestPairs(left, skip, matches));
+  }
   while ((models.empty() || left.size() >= kUsualMinModel) &&
          passed_over.size() < skip + kMaxTrials) {
     MapperOptions from_pair = options;
@@ -258,10 +277,6 @@ StatusOr<std::vector<Reconstruction>> MapFromBestPair(
                               ChooseInitialPair(left, passed_over, matches));
     }
     if (!from_pair.pair) break;
-    if (passed_over.size() < skip) {
-      passed_over.push_back(*from_pair.pair);
-      continue;
-    }
     from_pair.further = options.further || !models.empty();
     StatusOr<Models> mapped = MapPhotos(context, database, folder, from_pair);
     // The models that there are do not need this one.

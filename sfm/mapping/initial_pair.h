@@ -60,17 +60,24 @@ StatusOr<std::optional<InitialPair>> ChooseInitialPair(
     std::span<const InitialPair> in_vain,
     const MatchDatabase& database);
 
-// Maps the database from that pair, and again from the best pair of the photos
-// that are left, as long as these are 10 or more. Models are kept if they have
-// 10 of the photos, or half of few, and are not part of the largest one. When
-// three pairs led to smaller ones, no further is tried. If there is no model
-// then, COLMAP looks for pairs itself. Returns the models, the largest
+// The best pair, the best one of the other photos, and so on: `count` pairs, or
+// fewer if there are no more.
+StatusOr<std::vector<InitialPair>> BestPairs(
+    const std::vector<SfmPhoto>& photos,
+    size_t count,
+    const MatchDatabase& database);
+
+// Maps the database from the best pair, and again from the best pair of the
+// photos that are left, as long as these are 10 or more. Models are kept if
+// they have 10 of the photos, or half of few, and are not part of the largest
+// one. When three pairs led to smaller ones, no further is tried. If there is
+// no model then, COLMAP looks for pairs itself. Returns the models, the largest
 // first. `folder` is made anew for COLMAP's output and deleted at the end.
 // Errors: those of MapPhotos and of the database.
 //
-// The best `skip` pairs, none of which share a photo, are passed over. COLMAP
-// then looks for no pair itself, so there may be no model. `options` may have
-// all but a pair and a model to start from.
+// The best `skip` pairs (see BestPairs) are passed over. COLMAP then looks for
+// no pair itself, so there may be no model. `options` may have all but a pair
+// and a model to start from.
 //
 //   FREEGS_ASSIGN_OR_RETURN(const std::vector<Reconstruction> models,
 //                           MapFromBestPair(context, database, folder));

@@ -67,8 +67,18 @@ StatusOr<bool> ModelRefinement::CanMapAgain(
 }
 
 // Does all that makes a model once more, from a later pair (see MapAgainFn).
-StatusOr<AttemptResult> ModelRefinement::MapFromLaterPair(
-    const std::string& name, std::optional<size_t> skip) const {
+StatusOr<std::optional<AttemptResult>> ModelRefinement::MapFromLaterPair(
+    const std::string& name,
+    std::optional<size_t> skip,
+    CameraGroups* groups) const {
+  if (skip) {
+    FREEGS_ASSIGN_OR_RETURN(const MatchDatabase matches,
+                            MatchDatabase::Open(database_));
+    FREEGS_ASSIGN_OR_RETURN(
+        const std::vector<InitialPair> pairs,
+        BestPairs(context_.input.photos, *skip + 1, matches));
+    if (pairs.size() <= *skip) return std::optional<AttemptResult>();
+  }
   const auto map = [&]() -> StatusOr<AttemptResult> {
     MapperOptions options = options_;
     options.step = "mapping, " + name;
@@ -99,19 +109,23 @@ StatusOr<AttemptResult> ModelRefinement::MapFromLaterPair(
                                         skip.value_or(0),
                                         ", " + name));
   if (!parts.models.empty()) made.models = std::move(parts.models);
+  made.repairs = std::move(parts.attempts);
   if (!made.models.empty()) {
+    NoteCameraGroups(made.models[0], groups);
     FREEGS_RETURN_IF_ERROR(ChooseCameras(&made.models[0]).status());
   }
-  return made;
+  return std::optional(std::move(made));
 }
 
 // Puts models that further mappings confirm in the place of those that are
 // there, and says what was found out.
 Status ModelRefinement::TakeConfirmed(ConfirmedPoses confirmed,
+                                      const CameraGroups& groups,
                                       SceneEvidence* evidence,
                                       CameraChoice* cameras,
                                       RefinedModels* refined) const {
   if (!confirmed.models.empty()) {
+    RestoreCameraGroups(groups, &confirmed.models[0]);
     FREEGS_ASSIGN_OR_RETURN(CameraChoice their_cameras,
                             ChooseCameras(&confirmed.models[0]));
     if (!AreOfNoUse(*evidence, confirmed.models)) {
@@ -157,6 +171,8 @@ StatusOr<RefinedModels> ModelRefinement::Run(std::vector<Reconstruction> models,
   RefinedModels refined;
   refined.models = std::move(models);
   if (refined.models.empty()) return refined;
+  CameraGroups groups;
+  NoteCameraGroups(refined.models[0], &groups);
   FREEGS_ASSIGN_OR_RETURN(CameraChoice cameras,
                           ChooseCameras(&refined.models[0]));
   FREEGS_ASSIGN_OR_RETURN(const bool can,
@@ -168,10 +184,10 @@ StatusOr<RefinedModels> ModelRefinement::Run(std::vector<Reconstruction> models,
         ConfirmPoses(refined.models,
                      half,
                      [&](const std::string& name, std::optional<size_t> skip) {
-                       return MapFromLaterPair(name, skip);
+                       return MapFromLaterPair(name, skip, &groups);
                      }));
-    FREEGS_RETURN_IF_ERROR(
-        TakeConfirmed(std::move(confirmed), evidence, &cameras, &refined));
+    FREEGS_RETURN_IF_ERROR(TakeConfirmed(
+        std::move(confirmed), groups, evidence, &cameras, &refined));
   }
   if (!cameras.problem.empty()) {
     refined.warnings.push_back("COLMAP's RADIAL cameras are kept: " +

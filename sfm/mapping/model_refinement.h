@@ -70,9 +70,12 @@ class ModelRefinement {
                   const std::vector<Reconstruction>& models) const;
   StatusOr<bool> CanMapAgain(const SceneEvidence& evidence,
                              const std::vector<Reconstruction>& models) const;
-  StatusOr<AttemptResult> MapFromLaterPair(const std::string& name,
-                                           std::optional<size_t> skip) const;
+  StatusOr<std::optional<AttemptResult>> MapFromLaterPair(
+      const std::string& name,
+      std::optional<size_t> skip,
+      CameraGroups* groups) const;
   Status TakeConfirmed(ConfirmedPoses confirmed,
+                       const CameraGroups& groups,
                        SceneEvidence* evidence,
                        CameraChoice* cameras,
                        RefinedModels* refined) const;

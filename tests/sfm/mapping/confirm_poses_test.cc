@@ -39,28 +39,35 @@ class ConfirmPosesTest : public testing::Test {
     return model;
   }
 
-  // Maps again to these models in turn. Then COLMAP's own choice leads to the
-  // first models again.
+  // Maps again to these models in turn, or to none in place of an empty one.
+  // Then COLMAP's own choice leads to the first models again.
   StatusOr<ConfirmedPoses> Run(const Models& first, const Models& further) {
-    return ConfirmPoses(
-        first,
-        kPhotos / 2,
-        [&](const std::string&,
-            std::optional<size_t> skip) -> StatusOr<AttemptResult> {
-          AttemptResult result;
-          if (!skip) {
-            ++colmaps_own_;
-            result.models = first;
-            return result;
-          }
-          calls_ = *skip;
-          if (*skip > further.size()) return result;
-          result.models.push_back(
-              Another(further[*skip - 1], static_cast<double>(*skip)));
-          return result;
-        });
+    return ConfirmPoses(first,
+                        kPhotos / 2,
+                        [&](const std::string&, std::optional<size_t> skip)
+                            -> StatusOr<std::optional<AttemptResult>> {
+                          AttemptResult result;
+                          if (!skip) {
+                            ++colmaps_own_;
+                            result.models = first;
+                            return std::optional(result);
+                          }
+                          calls_ = *skip;
+                          if (*skip > further.size())
+                            return std::optional<AttemptResult>();
+                          result.repairs = repairs_;
+                          if (further[*skip - 1].images.empty()) {
+                            result.problem = problem_;
+                            return std::optional(result);
+                          }
+                          result.models.push_back(Another(
+                              further[*skip - 1], static_cast<double>(*skip)));
+                          return std::optional(result);
+                        });
   }
 
+  std::vector<Attempt> repairs_;  // Of each mapping.
+  std::string problem_;           // Of a mapping without a model.
   size_t calls_ = 0;
   int colmaps_own_ = 0;
 };
@@ -135,6 +142,36 @@ TEST_F(ConfirmPosesTest, WhatIsTooSmallOrTheSameSaysNothing) {
   EXPECT_THAT(confirmed->uncertain, IsEmpty());
 }
 
+TEST_F(ConfirmPosesTest, MappingsWithoutAModelAreTold) {
+  problem_ = "mapper crashed";
+  const auto crashed = Run({Model()}, {Reconstruction()});
+  ASSERT_TRUE(crashed.ok());
+  ASSERT_THAT(crashed->attempts, SizeIs(2));
+  EXPECT_EQ(crashed->attempts[0].name, "start 2");
+  EXPECT_EQ(crashed->attempts[0].problem, "mapper crashed");
+  EXPECT_EQ(crashed->attempts[1].name, "start by COLMAP");
+  problem_.clear();
+  EXPECT_THAT(Run({Model()}, {Reconstruction()})->attempts[0].problem,
+              HasSubstr("no model"));
+}
+
+TEST_F(ConfirmPosesTest, RepairsAreKeptWithTheirMapping) {
+  Attempt repair;
+  repair.name = "repair";
+  repair.kept = true;
+  repairs_ = {repair};
+  const auto confirmed =
+      Run({Model({1, 2, 5, 7})}, {Model(), Model(), Model()});
+  ASSERT_TRUE(confirmed.ok());
+  ASSERT_THAT(confirmed->attempts, SizeIs(4));
+  EXPECT_TRUE(confirmed->attempts[0].kept);
+  EXPECT_EQ(confirmed->attempts[1].name, "repair");
+  EXPECT_TRUE(confirmed->attempts[1].kept);
+  EXPECT_FALSE(confirmed->attempts[2].kept);
+  EXPECT_FALSE(confirmed->attempts[3].kept);
+  EXPECT_THAT(confirmed->attempts[3].problem, HasSubstr("not kept"));
+}
+
 TEST_F(ConfirmPosesTest, ThereIsAnEndToIt) {
   Models further;
   for (size_t i = 0; i < 8; ++i) {
@@ -158,7 +195,8 @@ TEST_F(ConfirmPosesTest, ErrorsAreReturned) {
   const auto confirmed = ConfirmPoses(
       {Model()},
       0,
-      [](const std::string&, std::optional<size_t>) -> StatusOr<AttemptResult> {
+      [](const std::string&,
+         std::optional<size_t>) -> StatusOr<std::optional<AttemptResult>> {
         return InterruptedError("stopped");
       });
   EXPECT_EQ(confirmed.status().code(), StatusCode::kInterrupted);

@@ -158,6 +158,13 @@ class ChooseInitialPairTest : public testing::Test {
     return ChooseInitialPair(photos_, in_vain, database);
   }
 
+  StatusOr<std::vector<InitialPair>> Best(size_t count) {
+    writer_.reset();
+    FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
+                            MatchDatabase::Open(path_));
+    return BestPairs(photos_, count, database);
+  }
+
   // With a fake COLMAP. Returns how many photos each model has.
   StatusOr<std::vector<size_t>> Map(
       const std::vector<std::pair<std::string, std::string>>& settings,
@@ -263,6 +270,19 @@ TEST_F(ChooseInitialPairTest, NoPhotoThatWasTriedInVain) {
   ASSERT_TRUE(*pair);
   EXPECT_EQ((*pair)->id1, 3u);
   EXPECT_EQ((*pair)->id2, 4u);
+}
+
+TEST_F(ChooseInitialPairTest, BestPairsShareNoPhoto) {
+  for (const double x : {-1.2, 0.0, 1.2, 2.4}) AddPhoto({x, -3, 3});
+  Match(1, 2, 1, 2);
+  Match(2, 3, 1, 2);
+  Match(3, 4, 1, 4);
+  const auto pairs = Best(3);
+  ASSERT_TRUE(pairs.ok()) << pairs.status().message();
+  ASSERT_EQ(pairs->size(), 2u);
+  EXPECT_EQ((*pairs)[0].id1, 1u);
+  EXPECT_EQ((*pairs)[1].id1, 3u);
+  EXPECT_EQ(Best(1)->size(), 1u);
 }
 
 TEST_F(ChooseInitialPairTest, NothingToBeginWith) {
