@@ -44,19 +44,22 @@ std::optional<double> PsnrFrom(int begin,
 
 }  // namespace
 
-StatusOr<HoldoutReport> MeasureHoldout(
-    const GaussianModel& model,
-    const RenderOptions& options,
-    TrainingImages* images,
-    ThreadPool& pool,
-    int level,
-    std::span<const PhotoExposure> exposures) {
+StatusOr<HoldoutReport> MeasureHoldout(const GaussianModel& model,
+                                       const RenderOptions& options,
+                                       TrainingImages* images,
+                                       ThreadPool& pool,
+                                       int level,
+                                       std::span<const PhotoExposure> exposures,
+                                       const CancellationToken* cancellation) {
   HoldoutReport report;
   Rasterizer rasterizer;
   RasterImages rendered;
   ImageF photo;
   ImageF exposed;
   for (size_t i = 0; i < images->size(); ++i) {
+    if (IsCancelled(cancellation)) {
+      return InterruptedError("measuring holdout photos was interrupted");
+    }
     const View view = images->view(i, level);
     FREEGS_RETURN_IF_ERROR(images->Fetch(i, level, &photo));
     rasterizer.Forward(

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/cancellation.h"
 #include "core/image.h"
 #include "core/parallel.h"
 #include "core/status.h"
@@ -40,14 +41,15 @@ struct HoldoutReport {
 // view of which nothing is left is not in the report, and the means of no views
 // are 0. Where training learnt exposures, the colours of a rendering become
 // those to expect of the photo (ExposureBetween). Fails when a photo has become
-// unreadable.
+// unreadable. kInterrupted when cancelled (`cancellation` may be null).
 StatusOr<HoldoutReport> MeasureHoldout(
     const GaussianModel& model,
     const RenderOptions& options,
     TrainingImages* images,
     ThreadPool& pool,
     int level = 0,
-    std::span<const PhotoExposure> exposures = {});
+    std::span<const PhotoExposure> exposures = {},
+    const CancellationToken* cancellation = nullptr);
 
 // The mean PSNR in dB of the right half of photos, as they are and with fitted
 // colours.

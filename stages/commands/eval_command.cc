@@ -331,6 +331,7 @@ Status RunEvalCommand(const std::vector<std::string>& arguments,
       MeasureHoldoutQuality(scene,
                             request.workspace / "undistort" / "images",
                             TrainingMaskFolder(request.workspace),
+                            context.cancellation,
                             pool));
   FREEGS_ASSIGN_OR_RETURN(const auto instances,
                           ReadInstances(request.workspace, scene, context));

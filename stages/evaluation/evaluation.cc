@@ -77,6 +77,7 @@ StatusOr<std::optional<ImageQuality>> MeasureHoldoutQuality(
     const WorkspaceScene& scene,
     const fs::path& photos_folder,
     const fs::path& mask_folder,
+    const CancellationToken& cancellation,
     ThreadPool& pool) {
   if (scene.holdout.empty()) return std::optional<ImageQuality>();
   splat::TrainingImagesOptions options;
@@ -92,7 +93,8 @@ StatusOr<std::optional<ImageQuality>> MeasureHoldoutQuality(
                                                 &images,
                                                 pool,
                                                 /*level=*/0,
-                                                scene.exposures));
+                                                scene.exposures,
+                                                &cancellation));
   if (report.views.empty()) return std::optional<ImageQuality>();
   ImageQuality quality;
   for (const splat::HoldoutView& view : report.views) {
@@ -122,17 +124,24 @@ StatusOr<std::optional<ImageQuality>> MeasureTestQuality(
     const fs::path& path = found->second;
     if (cancellation.cancelled()) return Cancelled();
     FREEGS_ASSIGN_OR_RETURN(const ImageU8 photo, ReadRgb(path));
+    // Before the rendering, for which a wrong size may need too much memory.
+    if (photo.width() != view.camera.width ||
+        photo.height() != view.camera.height) {
+      return BadInputError(
+          path.string() + ": is " + std::to_string(photo.width()) + " x " +
+          std::to_string(photo.height()) + " pixels, but test view " +
+          view.name + " of the truth is " + std::to_string(view.camera.width) +
+          " x " + std::to_string(view.camera.height));
+    }
     const splat::RenderedView rendered = splat::RenderView(
         scene.model, view.camera, view.cam_from_world, scene.render, pool);
     // PSNR is defined on 8-bit pictures.
     const ImageF picture = ToFloat(ToU8(rendered.color));
-    const StatusOr<double> psnr = splat::Psnr(picture, ToFloat(photo));
-    if (!psnr.ok()) {
-      return BadInputError(path.string() + ": " + psnr.status().message());
-    }
+    FREEGS_ASSIGN_OR_RETURN(const double psnr,
+                            splat::Psnr(picture, ToFloat(photo)));
     FREEGS_ASSIGN_OR_RETURN(const double ssim,
                             splat::Ssim(picture, ToFloat(photo)));
-    quality.views.push_back({view.name, *psnr, ssim, uses[i]});
+    quality.views.push_back({view.name, psnr, ssim, uses[i]});
   }
   if (quality.views.empty()) return std::optional<ImageQuality>();
   FillMeans(&quality);

@@ -59,16 +59,18 @@ struct ImageQuality {
 // Renders the holdout views at the size of training and compares them with
 // their photographs in photos_folder, where their masks in mask_folder (empty:
 // none) do not say to ignore them. The result is empty without holdout views,
-// and if masks leave nothing of any.
+// and if masks leave nothing of any. kInterrupted when cancelled.
 StatusOr<std::optional<ImageQuality>> MeasureHoldoutQuality(
     const WorkspaceScene& scene,
     const std::filesystem::path& photos_folder,
     const std::filesystem::path& mask_folder,
+    const CancellationToken& cancellation,
     ThreadPool& pool);
 
 // Renders the truth's test views at their full size and compares them with the
-// truth's photographs. The result is empty when the truth has none.
-// kInterrupted when cancelled.
+// truth's photographs. The result is empty when the truth has none. kBadInput
+// names a photograph that has another size than its view. kInterrupted when
+// cancelled.
 StatusOr<std::optional<ImageQuality>> MeasureTestQuality(
     const WorkspaceScene& scene,
     const GroundTruth& truth,

@@ -157,6 +157,11 @@ std::vector<semantics::Instance> InstancesInTruth(
     std::span<const int32_t> instance_of_gaussian,
     const Sim3d& truth_from_scene,
     ThreadPool& pool) {
+  // The positions become float32, which is too coarse for a truth in the
+  // coordinates of a map, so they count from the origin of the scene.
+  const Eigen::Vector3d& origin = truth_from_scene.translation;
+  Sim3d turned = truth_from_scene;
+  turned.translation.setZero();
   // Boxes do not depend on colours, so these are left out.
   splat::GaussianModel moved;
   moved.Resize(model.size());
@@ -165,9 +170,9 @@ std::vector<semantics::Instance> InstancesInTruth(
   int num_labels = 0;
   for (size_t i = 0; i < model.size(); ++i) {
     const Eigen::Vector3d mean =
-        truth_from_scene * Eigen::Vector3d(model.means[3 * i],
-                                           model.means[3 * i + 1],
-                                           model.means[3 * i + 2]);
+        turned * Eigen::Vector3d(model.means[3 * i],
+                                 model.means[3 * i + 1],
+                                 model.means[3 * i + 2]);
     for (int k = 0; k < 3; ++k) {
       moved.means[3 * i + k] = static_cast<float>(mean[k]);
       moved.log_scales[3 * i + k] = model.log_scales[3 * i + k] + log_scale;
@@ -184,14 +189,22 @@ std::vector<semantics::Instance> InstancesInTruth(
     moved.rotations[4 * i + 3] = static_cast<float>(rotation.z());
     num_labels = std::max(num_labels, instance_of_gaussian[i] + 1);
   }
-  return semantics::BuildInstances(moved,
-                                   instance_of_gaussian,
-                                   num_labels,
-                                   /*scores=*/{},
-                                   /*background=*/{},
-                                   /*vertical=*/std::nullopt,
-                                   semantics::InstanceBoxOptions(),
-                                   pool);
+  std::vector<semantics::Instance> instances =
+      semantics::BuildInstances(moved,
+                                instance_of_gaussian,
+                                num_labels,
+                                /*scores=*/{},
+                                /*background=*/{},
+                                /*vertical=*/std::nullopt,
+                                semantics::InstanceBoxOptions(),
+                                pool);
+  for (semantics::Instance& instance : instances) {
+    instance.centre += origin;
+    instance.aabb.min += origin;
+    instance.aabb.max += origin;
+    instance.obb.centre += origin;
+  }
+  return instances;
 }
 
 StatusOr<std::optional<InstanceQuality>> MeasureInstanceQuality(

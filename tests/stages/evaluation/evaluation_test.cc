@@ -7,6 +7,7 @@
 #include <sstream>
 #include <string>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -22,6 +23,8 @@ namespace freegs::stages {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
 
 using EvaluationTest = BallScene;
 
@@ -110,6 +113,38 @@ TEST_F(EvaluationTest, WithoutMasksBoxesFindTheirInstances) {
   EXPECT_NEAR(quality.boxes->recall50, 2.0 / 3, 1e-9);
 }
 
+// Single precision has steps of half a unit there.
+TEST_F(EvaluationTest, ATruthInTheCoordinatesOfAMapHasTheSameBoxes) {
+  const WorkspaceScene scene = MakeScene();
+  const Eigen::Vector3d far(5e6, -4e6, 100);
+  truth_.masks.clear();
+  const auto near_by = MeasureInstanceQuality(
+      scene, labels_, truth_, truth_from_scene_, cancellation_, pool_);
+  const std::vector<semantics::Instance> instances =
+      InstancesInTruth(scene.model, labels_, truth_from_scene_, pool_);
+  for (TrueObject& object : truth_.objects) {
+    object.aabb->min += far;
+    object.aabb->max += far;
+  }
+  truth_from_scene_.translation += far;
+  const auto far_away = MeasureInstanceQuality(
+      scene, labels_, truth_, truth_from_scene_, cancellation_, pool_);
+  ASSERT_TRUE(near_by.ok() && near_by->has_value());
+  ASSERT_TRUE(far_away.ok() && far_away->has_value());
+  EXPECT_GT((*far_away)->boxes->miou, 0.9);
+  EXPECT_NEAR((*far_away)->boxes->miou, (*near_by)->boxes->miou, 1e-4);
+  const std::vector<semantics::Instance> moved =
+      InstancesInTruth(scene.model, labels_, truth_from_scene_, pool_);
+  ASSERT_EQ(moved.size(), instances.size());
+  for (size_t k = 0; k < moved.size(); ++k) {
+    EXPECT_LT((moved[k].centre - far - instances[k].centre).norm(), 1e-4);
+    EXPECT_LT((moved[k].aabb.min - far - instances[k].aabb.min).norm(), 1e-4);
+    EXPECT_LT((moved[k].aabb.max - far - instances[k].aabb.max).norm(), 1e-4);
+    EXPECT_LT((moved[k].obb.centre - far - instances[k].obb.centre).norm(),
+              1e-4);
+  }
+}
+
 TEST_F(EvaluationTest, AnObjectThatNoTestViewShowsIsFoundByItsBox) {
   const WorkspaceScene scene = MakeScene();
   for (const auto& [name, files] : truth_.masks) {
@@ -185,7 +220,8 @@ TEST_F(EvaluationTest, WithoutTruthThereIsNothing) {
       scene, labels_, truth_, truth_from_scene_, cancellation_, pool_);
   ASSERT_TRUE(instances.ok());
   EXPECT_FALSE(instances->has_value());
-  const auto holdout = MeasureHoldoutQuality(scene, folder_, {}, pool_);
+  const auto holdout =
+      MeasureHoldoutQuality(scene, folder_, {}, cancellation_, pool_);
   ASSERT_TRUE(holdout.ok());
   EXPECT_FALSE(holdout->has_value());
 }
@@ -202,7 +238,8 @@ TEST_F(EvaluationTest, MasksThatLeaveNothingOfTheHoldout) {
   ASSERT_TRUE(CreateFolders(photos).ok() && CreateFolders(masks).ok());
   ASSERT_TRUE(
       WriteImage(photos / view.name, ImageU8(width, height, 3, 90)).ok());
-  const auto measured = MeasureHoldoutQuality(scene, photos, masks, pool_);
+  const auto measured =
+      MeasureHoldoutQuality(scene, photos, masks, cancellation_, pool_);
   ASSERT_TRUE(measured.ok()) << measured.status().message();
   ASSERT_TRUE(measured->has_value());
   EXPECT_EQ((*measured)->views.size(), 1u);
@@ -210,7 +247,8 @@ TEST_F(EvaluationTest, MasksThatLeaveNothingOfTheHoldout) {
   ASSERT_TRUE(
       WriteLabels(masks / (view.name + ".png"), ImageU16(width, height, 1, 0))
           .ok());
-  const auto nothing = MeasureHoldoutQuality(scene, photos, masks, pool_);
+  const auto nothing =
+      MeasureHoldoutQuality(scene, photos, masks, cancellation_, pool_);
   ASSERT_TRUE(nothing.ok()) << nothing.status().message();
   EXPECT_FALSE(nothing->has_value());
 }
@@ -222,6 +260,10 @@ TEST_F(EvaluationTest, ReportsFaultsOfTheTruth) {
   const auto wrong_size = MeasureTestQuality(
       scene, truth_, truth_from_scene_, cancellation_, pool_);
   EXPECT_EQ(wrong_size.status().code(), StatusCode::kBadInput);
+  EXPECT_THAT(wrong_size.status().message(),
+              AllOf(HasSubstr(truth_.photos[view.name].string()),
+                    HasSubstr("5 x 5"),
+                    HasSubstr("96 x 72")));
   ASSERT_TRUE(
       WriteFileAtomic(truth_.masks[view.name][0].path, "no image").ok());
   EXPECT_FALSE(
@@ -236,13 +278,22 @@ TEST_F(EvaluationTest, ReportsFaultsOfTheTruth) {
 }
 
 TEST_F(EvaluationTest, StopsWhenCancelled) {
-  const WorkspaceScene scene = MakeScene();
+  WorkspaceScene scene = MakeScene();
   cancellation_.Cancel();
   EXPECT_EQ(
       MeasureTestQuality(scene, truth_, truth_from_scene_, cancellation_, pool_)
           .status()
           .code(),
       StatusCode::kInterrupted);
+  scene.holdout = {scene.train.back()};
+  const View& view = scene.holdout[0];
+  ASSERT_TRUE(WriteImage(folder_ / view.name,
+                         ImageU8(view.camera.width, view.camera.height, 3, 90))
+                  .ok());
+  EXPECT_EQ(MeasureHoldoutQuality(scene, folder_, {}, cancellation_, pool_)
+                .status()
+                .code(),
+            StatusCode::kInterrupted);
 }
 
 TEST_F(EvaluationTest, NamesMatchByStemWhenNotExactly) {
