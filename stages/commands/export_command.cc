@@ -214,6 +214,13 @@ Status ExportColmap(const ExportRequest& request, CommandContext& context) {
     return BadInputError(sparse.string() +
                          ": no COLMAP model; run stage undistort first");
   }
+  // Programs that find both forms in a folder read the binary one.
+  if (sfm::DetectModelFormat(request.out) == sfm::ModelFormat::kBinary) {
+    return InvalidArgumentError(
+        request.out +
+        ": holds a binary COLMAP model, which would hide the text files that "
+        "are written; give another folder");
+  }
   FREEGS_RETURN_IF_ERROR(PrepareOutputFolder(request.out));
   FREEGS_ASSIGN_OR_RETURN(const sfm::Reconstruction model,
                           sfm::ReadModel(sparse));

@@ -335,6 +335,17 @@ TEST_F(ExportCommandTest, ColmapText) {
   EXPECT_THAT(said, HasSubstr("mages: 6"));
 }
 
+TEST_F(ExportCommandTest, ABinaryModelWouldHideTheText) {
+  const sfm::Reconstruction model =
+      sfm::ReadModel(workspace_ / "undistort/sparse").value();
+  ASSERT_TRUE(sfm::WriteModel(File("model"), model).ok());
+  const Status status =
+      Export({workspace(), "--what", "colmap", "--out", File("model")});
+  EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+  EXPECT_THAT(status.message(), HasSubstr("holds a binary COLMAP model"));
+  EXPECT_FALSE(std::filesystem::exists(File("model") + "/cameras.txt"));
+}
+
 TEST_F(ExportCommandTest, WordsThatDoNotFit) {
   const std::vector<std::vector<std::string>> wrong = {
       {"--out", "a.json"},
