@@ -167,6 +167,19 @@ bool IsNameBelowFolder(std::string_view name) {
          });
 }
 
+bool IsWithin(const fs::path& inner, const fs::path& outer) {
+  if (inner.empty() || outer.empty()) return false;
+  const auto resolved = [](const fs::path& path) {
+    std::error_code error;
+    const fs::path once =
+        fs::weakly_canonical(fs::absolute(path, error), error);
+    // A ".." after a missing folder may have hidden a link from the first call.
+    return fs::weakly_canonical(once, error);
+  };
+  const fs::path relative = resolved(inner).lexically_relative(resolved(outer));
+  return !relative.empty() && *relative.begin() != "..";
+}
+
 Status PrepareOutputFolder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);

@@ -48,6 +48,11 @@ Status CreateFolders(const std::filesystem::path& path);
 // not followed.
 bool IsNameBelowFolder(std::string_view name);
 
+// Whether `inner` is `outer` or lies below it, after links are resolved.
+// Neither needs to exist. False for an empty path.
+bool IsWithin(const std::filesystem::path& inner,
+              const std::filesystem::path& outer);
+
 // Makes a folder that the user named for results. Returns kBadInput when it
 // cannot be written to, before work is spent on what would be lost.
 Status PrepareOutputFolder(const std::filesystem::path& folder);

@@ -60,16 +60,6 @@ bool IsLeftover(const fs::path& folder) {
   return !error;
 }
 
-// Whether a path is the folder or lies below it, after links are resolved.
-bool LiesIn(const fs::path& path, const fs::path& folder) {
-  if (path.empty()) return false;
-  std::error_code error;
-  const fs::path relative =
-      fs::weakly_canonical(path, error)
-          .lexically_relative(fs::weakly_canonical(folder, error));
-  return !relative.empty() && *relative.begin() != "..";
-}
-
 Status InTheWay(const fs::path& path) {
   return BadInputError(path.string() +
                        ": is in the way of a temporary folder; move it");
@@ -274,7 +264,7 @@ StatusOr<ModelInfo> ExportClip(const ClipExportOptions& options,
   FREEGS_RETURN_IF_ERROR(CheckOut(folder));
   // What is read must not go when the folder is replaced.
   for (const fs::path& input : {options.checkpoint, options.merges}) {
-    if (!LiesIn(input, folder)) continue;
+    if (!IsWithin(input, folder)) continue;
     return BadInputError(folder.string() + ": holds " + input.string() +
                          ", from which the model is made; name another");
   }

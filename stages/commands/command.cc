@@ -3,9 +3,12 @@
 #include "stages/commands/command.h"
 
 #include <system_error>
+#include <vector>
 
+#include "core/io/files.h"
 #include "pipeline/stage_record.h"
 #include "pipeline/workspace.h"
+#include "stages/registry/pipeline_options.h"
 #include "stages/registry/stage_registry.h"
 
 namespace freegs::stages {
@@ -20,14 +23,37 @@ void WarnOfRun(const std::filesystem::path& workspace,
                  "before them, and may not fit to them\n";
 }
 
-bool IsWithin(const fs::path& inner, const fs::path& outer) {
+namespace {
+
+// kInvalidArgument for a place in what the user has named for a stage to read,
+// such as masks of photos or a COLMAP model.
+Status CheckInputs(const fs::path& workspace,
+                   const pipeline::WorkspaceInfo& info,
+                   const fs::path& place) {
+  PipelineOptions options;
+  const pipeline::OptionTable table = MakeOptionTable(&options);
+  std::vector<pipeline::OptionSetting> settings =
+      RememberedSettings(workspace, info, table);
+  const fs::path config = pipeline::ConfigPath(workspace);
   std::error_code error;
-  const fs::path relative =
-      fs::weakly_canonical(pipeline::AbsolutePath(inner), error)
-          .lexically_relative(
-              fs::weakly_canonical(pipeline::AbsolutePath(outer), error));
-  return !relative.empty() && *relative.begin() != "..";
+  if (fs::exists(config, error)) {
+    FREEGS_ASSIGN_OR_RETURN(const std::vector<pipeline::OptionSetting> given,
+                            table.ParseConfigFile(config));
+    settings.insert(settings.end(), given.begin(), given.end());
+  }
+  for (const pipeline::OptionSetting& setting : settings) {
+    if (!table.Find(setting.name)->spec.is_path ||
+        !IsWithin(place, setting.value)) {
+      continue;
+    }
+    return InvalidArgumentError(place.string() + ": lies in " + setting.value +
+                                ", which the stages read (" + setting.name +
+                                "); give another place");
+  }
+  return Status();
 }
+
+}  // namespace
 
 Status CheckOutputPlace(const fs::path& workspace, const fs::path& place) {
   if (place.empty()) return Status();
@@ -43,18 +69,13 @@ Status CheckOutputPlace(const fs::path& workspace, const fs::path& place) {
           place.string() + ": lies in " + info->images.string() +
           ", which holds the photos of the scene; give another place");
     }
-    const auto masks = info->settings.find("ingest.masks");
-    if (masks != info->settings.end() && !masks->second.empty() &&
-        IsWithin(place, pipeline::PathInWorkspace(workspace, masks->second))) {
-      return InvalidArgumentError(
-          place.string() + ": lies in " + masks->second +
-          ", which holds the masks of the photos; give another place");
-    }
+    FREEGS_RETURN_IF_ERROR(CheckInputs(workspace, *info, place));
   }
   return CheckOutputPlace(place);
 }
 
 Status CheckOutputPlace(const fs::path& place) {
+  if (place.empty()) return Status();
   std::error_code error;
   const fs::path absolute =
       fs::weakly_canonical(pipeline::AbsolutePath(place), error);

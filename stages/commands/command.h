@@ -48,16 +48,13 @@ struct CommandContext {
 // may replace files while they are read.
 void WarnOfRun(const std::filesystem::path& workspace, CommandContext& context);
 
-// Whether `inner` is `outer` or lies below it, after links are resolved.
-// Neither needs to exist.
-bool IsWithin(const std::filesystem::path& inner,
-              const std::filesystem::path& outer);
-
 // For commands that write files where the user says. Returns kInvalidArgument
 // for a place in the folder of a stage, where a file would replace what the
 // stage made or be gone after its next run, for a place among the photos of the
-// scene or in the folder of their masks, and for those that the other form
-// below refuses. An empty `place` is none.
+// scene, for a place in a folder or for a file that an option names for a stage
+// to read (remembered or in config.ini, such as ingest.masks), and for those
+// that the other form below refuses. An empty `place` is none. The other errors
+// are those of a config.ini that cannot be read.
 Status CheckOutputPlace(const std::filesystem::path& workspace,
                         const std::filesystem::path& place);
 

@@ -105,7 +105,9 @@ StatusOr<FeaturesRequest> ParseFeaturesRequest(
         "--out " + request.out +
         ": the suffix says the format; give .png or .jpg");
   }
-  FREEGS_RETURN_IF_ERROR(CheckOutputPlace(request.out));
+  for (const std::string& place : {request.out, request.cache}) {
+    FREEGS_RETURN_IF_ERROR(CheckOutputPlace(place));
+  }
   std::error_code error;
   if (fs::equivalent(request.out, request.image, error)) {
     return InvalidArgumentError("--out " + request.out +

@@ -47,6 +47,7 @@ Status RunModelCommand(const std::vector<std::string>& arguments,
   FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> positional,
                           words.ParseAndApply(arguments));
   const std::string& out = request.out;
+  FREEGS_RETURN_IF_ERROR(CheckOutputPlace(out));
   request.options.checkpoint = positional[0];
   request.options.merges = request.merges;
   FREEGS_ASSIGN_OR_RETURN(

@@ -79,18 +79,12 @@ Status ForEachPhoto(StageContext& context,
 // that.
 Status CheckLinkedFolders(const StageContext& context,
                           const photos::PhotoScan& scan) {
-  std::error_code error;
-  const fs::path workspace = fs::weakly_canonical(context.workspace, error);
-  if (error) return Status();
   for (const std::string& link : scan.linked_folders) {
+    std::error_code error;
     const fs::path target = fs::canonical(context.images / link, error);
     if (error) continue;
-    const auto lies_in = [](const fs::path& inner, const fs::path& outer) {
-      const fs::path relative = inner.lexically_relative(outer);
-      return !relative.empty() && *relative.begin() != "..";
-    };
-    const bool holds = lies_in(workspace, target);
-    if (!holds && !lies_in(target, workspace)) continue;
+    const bool holds = IsWithin(context.workspace, target);
+    if (!holds && !IsWithin(target, context.workspace)) continue;
     return BadInputError(
         OneLine((context.images / link).string()) + ": this link leads to " +
         OneLine(target.string()) + ", which " +

@@ -50,6 +50,39 @@ TEST(FilesTest, NamesBelowAFolder) {
   EXPECT_FALSE(IsNameBelowFolder(std::string_view("a\0b", 3)));
 }
 
+TEST(FilesTest, FoldersWithinFolders) {
+  const TemporaryFolder folder;
+  const fs::path outer = folder / "outer";
+  fs::create_directories(outer / "a");
+  fs::create_directory_symlink(outer / "a", folder / "link");
+  for (const fs::path& inner : {outer,
+                                outer / "",
+                                outer / "a",
+                                outer / "..b",
+                                outer / "missing/x",
+                                folder / "link",
+                                folder / "link/new.txt",
+                                folder / "link/../new.txt",
+                                folder / "missing/../link/new.txt"}) {
+    EXPECT_TRUE(IsWithin(inner, outer)) << inner;
+    EXPECT_TRUE(IsWithin(inner, outer / "")) << inner;
+  }
+  for (const fs::path& inner : {folder.path(),
+                                folder / "outer2",
+                                folder / "missing",
+                                outer / "..",
+                                outer / "a/../../x",
+                                fs::path("/"),
+                                fs::path()}) {
+    EXPECT_FALSE(IsWithin(inner, outer)) << inner;
+  }
+  EXPECT_TRUE(IsWithin(outer / "a", folder / "link"));
+  EXPECT_TRUE(IsWithin("x/y", "x"));
+  EXPECT_TRUE(IsWithin("x/y", "."));
+  EXPECT_TRUE(IsWithin(fs::current_path() / "x/y", "x"));
+  EXPECT_FALSE(IsWithin("x", fs::path()));
+}
+
 TEST(FilesTest, SuffixesInLowerCase) {
   EXPECT_EQ(LowerSuffix("Folder.X/A.B.PLY"), ".ply");
   EXPECT_EQ(LowerSuffix("a"), "");

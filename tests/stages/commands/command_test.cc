@@ -53,6 +53,25 @@ TEST_F(OutputPlaceTest, WhatTheProgramOrTheUserHasThereIsKept) {
   ExpectRefused("b/reconstruct/new/folder/x.ply", "which a stage made");
 }
 
+TEST_F(OutputPlaceTest, WhatOptionsNameIsKept) {
+  pipeline::WorkspaceInfo info;
+  info.settings["sfm.import"] = (folder_ / "model").string();
+  info.settings["no.longer"] = folder_.path().string();
+  ASSERT_TRUE(pipeline::WriteWorkspaceInfo(folder_ / "a", info).ok());
+  folder_.Write("a/config.ini",
+                "[ingest]\nmasks = ../d/masks\nuse_masks = true\n"
+                "[reconstruct]\nimport = start.ply\n");
+  ExpectRefused("model", "(sfm.import)");
+  ExpectRefused("d/masks", "(ingest.masks)");
+  ExpectRefused("d/masks/1.png", "(ingest.masks)");
+  ExpectRefused("a/start.ply", "(reconstruct.import)");
+  for (const char* place : {"d/overlay", "a/true", "a/x.ply"}) {
+    EXPECT_TRUE(CheckOutputPlace(folder_ / "a", folder_ / place).ok()) << place;
+  }
+  folder_.Write("a/config.ini", "[ingest]\nmask = ../d/masks\n");
+  ExpectRefused("d/masks", "config.ini");
+}
+
 TEST_F(OutputPlaceTest, OtherPlacesAreFree) {
   EXPECT_TRUE(CheckOutputPlace(folder_ / "a", fs::path()).ok());
   for (const char* place :

@@ -122,6 +122,12 @@ TEST_F(FeaturesCommandTest, WrongUsageIs2) {
   *(std::ranges::find(arguments, "--out") + 1) = arguments[0];
   EXPECT_EQ(Features(arguments), 2);
   EXPECT_THAT(message_, HasSubstr("would replace the photo"));
+  WriteText(folder_ / "stage/stage.json", "{}");
+  arguments = Good();
+  arguments.insert(arguments.end(),
+                   {"--cache", (folder_ / "stage/cache").string()});
+  EXPECT_EQ(Features(arguments), 2);
+  EXPECT_THAT(message_, HasSubstr("which a stage made"));
 }
 
 TEST_F(FeaturesCommandTest, BadImagesAre3) {

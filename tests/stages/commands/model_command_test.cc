@@ -57,6 +57,15 @@ TEST_F(ModelCommandTest, WritesAModelFolder) {
   EXPECT_TRUE(std::filesystem::exists(folder_ / "a/out/dense32.onnx"));
 }
 
+TEST_F(ModelCommandTest, FoldersOfStagesAreRefused) {
+  const semantics::RandomClip clip;
+  clip.WriteHuggingFace(source_, "quick_gelu");
+  WriteText(folder_ / "a/stage.json", "{}");
+  EXPECT_EQ(Model({source_, "--out", out_}), 2);
+  EXPECT_THAT(message_, HasSubstr("which a stage made"));
+  EXPECT_FALSE(std::filesystem::exists(out_));
+}
+
 TEST_F(ModelCommandTest, ExitCodes) {
   EXPECT_EQ(Model({}), 2);
   EXPECT_EQ(Model({source_}), 2);

@@ -299,11 +299,10 @@ TEST_F(QueryCommandTest, PicturesOfSomebodyElseStay) {
   EXPECT_TRUE(fs::exists(fs::path(out()) / "query.json")) << message_;
   EXPECT_EQ(ReadText(picture), "mine");
 
-  pipeline::WorkspaceInfo info;
-  info.settings["ingest.masks"] = (fs::path(out()) / "masks").string();
-  ASSERT_TRUE(pipeline::WriteWorkspaceInfo(workspace_.path(), info).ok());
+  WriteText(workspace_ / "config.ini",
+            "[ingest]\nmasks = " + (fs::path(out()) / "masks").string() + "\n");
   EXPECT_EQ(Query({"--click", "photo2", "1", "1", "--out", out()}), 2);
-  EXPECT_THAT(message_, HasSubstr("the masks of the photos"));
+  EXPECT_THAT(message_, HasSubstr("ingest.masks"));
 }
 
 TEST_F(QueryCommandTest, ClicksAnswerWithoutSemantics) {
