@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/number_text.h"
 #include "semantics/clip/relevancy.h"
@@ -146,12 +147,18 @@ Status AnswerExample(const QueryRequest& request,
   return Status();
 }
 
-// Finds the view by name among those of --cameras, else among the photos. The
-// two can have the same names, but other sizes and poses.
+// Finds the view by name among those of --cameras, or among the photos when
+// none of the file's has that name. The two can have the same names, but other
+// sizes and poses.
 StatusOr<View> ViewOf(const QueryScene& scene, const std::string& name) {
-  StatusOr<View> of_file = FindView(scene.file_views, name);
-  if (of_file.ok()) return of_file;
-  return FindView(scene.photos, name);
+  std::vector<View> views = scene.file_views;
+  const auto is_named = [&name](const View& view) {
+    return HasViewName(view, name);
+  };
+  if (std::none_of(views.begin(), views.end(), is_named)) {
+    views.insert(views.end(), scene.photos.begin(), scene.photos.end());
+  }
+  return FindView(views, name);
 }
 
 Status CheckListed(const QueryScene& scene, int id) {

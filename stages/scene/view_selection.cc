@@ -34,6 +34,7 @@ std::string NamesLike(const std::vector<View>& views, const std::string& name) {
   std::vector<std::string> names;
   for (const View& view : views) names.push_back(view.name);
   std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
   const std::string nearest = pipeline::NearestName(name, names);
   const auto place =
       std::lower_bound(names.begin(), names.end(), name) - names.begin();
@@ -124,13 +125,17 @@ StatusOr<std::vector<View>> ViewsToRender(const WorkspaceScene& scene,
   return views;
 }
 
+bool HasViewName(const View& view, const std::string& name) {
+  return view.name == name || Stem(view.name) == name;
+}
+
 StatusOr<View> FindView(const std::vector<View>& views,
                         const std::string& name) {
   const View* found = nullptr;
   int num_stems = 0;
   for (const View& view : views) {
     if (view.name == name) return view;
-    if (Stem(view.name) == name) {
+    if (HasViewName(view, name)) {
       found = &view;
       ++num_stems;
     }

@@ -62,6 +62,9 @@ StatusOr<std::vector<View>> ViewsToRender(const WorkspaceScene& scene,
                                           const ViewSelection& selection,
                                           std::ostream& messages);
 
+// Whether a view has this name, or has it when its extension is ignored.
+bool HasViewName(const View& view, const std::string& name);
+
 // Finds the view with this name, or else the only view that has this name when
 // extensions are ignored. kInvalidArgument when there is no such view (the
 // message lists similar names) or when several match without extension.

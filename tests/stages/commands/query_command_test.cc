@@ -594,6 +594,24 @@ TEST_F(QueryCommandTest, AViewOfTheFileComesBeforeAPhotoOfThatName) {
                                              path,
                                              "--no-align"});
   EXPECT_EQ(of_photo["hits"][0]["id"], 1);
+  // A name that nobody has: those of both are listed.
+  const std::vector<std::string> others = {
+      "1", "1", "--cameras", path, "--no-align"};
+  const auto ask = [&](const std::string& name) {
+    std::vector<std::string> question = {"--click", name};
+    question.insert(question.end(), others.begin(), others.end());
+    return Query(question);
+  };
+  file["test"]["shelf.png"] = rows;
+  WriteText(path, file.dump());
+  EXPECT_EQ(ask("s"), 2);
+  EXPECT_THAT(message_, AllOf(HasSubstr("shelf.png"), HasSubstr("photo5.png")));
+  // Two views of the file have this name, so it is not that of the photo.
+  file["test"]["photo5.png"] = rows;
+  file["test"]["photo5.jpg"] = rows;
+  WriteText(path, file.dump());
+  EXPECT_EQ(ask("photo5"), 2);
+  EXPECT_THAT(message_, HasSubstr("several have this name"));
 }
 
 TEST_F(QueryCommandTest, WrongUsageIs2) {
