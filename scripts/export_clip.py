@@ -315,8 +315,10 @@ def export_folder(state, arch, merges, out, name, licence, origin,
                               "name another")
     temporary = out.with_name(out.name + ".part")
     if temporary.exists():
-        raise CheckpointError(f"{temporary}: is in the way of a temporary "
-                              "folder; move it")
+        if not is_leftover(temporary):
+            raise CheckpointError(f"{temporary}: is in the way of a temporary "
+                                  "folder; move it")
+        shutil.rmtree(temporary)
     temporary.mkdir(parents=True)
     try:
         fill_folder(state, arch, merges, temporary, name, licence, origin,
@@ -337,6 +339,18 @@ def is_model_folder(folder):
     except (OSError, ValueError):
         return False
     return isinstance(info, dict) and info.get("format") == "FreeGS CLIP"
+
+
+def is_leftover(folder):
+    """Whether all in a folder are files that an export that was stopped
+    leaves."""
+    names = ("text_embedding", "vocab", "model.json")
+
+    def is_ours(path):
+        name = path.name.removesuffix(".part")
+        return path.is_file() and (name.endswith(".onnx") or name in names)
+
+    return folder.is_dir() and all(map(is_ours, folder.iterdir()))
 
 
 def fill_folder(state, arch, merges, temporary, name, licence, origin,

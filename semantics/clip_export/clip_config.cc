@@ -72,6 +72,25 @@ void ReadColors(JsonObjectReader& reader,
                                       ReadTriple(reader, std, 1e-6)};
 }
 
+// Reads what both towers of OpenCLIP may have. pooling: the kind that is
+// exported.
+void ReadOpenClipTower(JsonObjectReader& reader,
+                       const std::string& pooling,
+                       Status* status,
+                       TowerConfig* tower) {
+  JsonObjectReader norm(ObjectOrEmpty(reader, "norm_kwargs"),
+                        reader.Where("norm_kwargs"),
+                        "",
+                        status);
+  if (norm.Has("eps")) tower->epsilon = norm.Number("eps", 1e-12, 1);
+  if (!ObjectOrEmpty(reader, "act_kwargs").empty()) {
+    reader.Fail("act_kwargs", "is not empty; such activations are not known");
+  }
+  if (reader.Has("pool_type") && reader.Text("pool_type") != pooling) {
+    reader.Fail("pool_type", "is not " + pooling + "; others are not known");
+  }
+}
+
 // heads: the default of transformers.
 TowerConfig ReadHuggingFaceTower(JsonObjectReader& root,
                                  const std::string& source,
@@ -154,6 +173,11 @@ StatusOr<ClipConfig> ReadOpenClipConfig(const fs::path& folder,
   }
   config.visual.heads = visual_width / head_width;
   config.text.heads = IntegerOr(words, "heads", 8);
+  ReadOpenClipTower(vision, "tok", &status, &config.visual);
+  ReadOpenClipTower(words, "argmax", &status, &config.text);
+  if (words.Has("no_causal_mask") && words.Bool("no_causal_mask")) {
+    words.Fail("no_causal_mask", "is true; such networks are not known");
+  }
   ReadSizes(vision,
             {{"width", "width"},
              {"layers", "layers"},

@@ -27,7 +27,12 @@ using nlohmann::json;
 
 constexpr int kMaxDenseSize = 4096;  // As model.json allows.
 
-// OUT.part and OUT.old, beside `out`.
+// The temporary folders beside `out`: the new model, and the one that it
+// replaces. Nobody gives such a name to a copy that is to be kept, so what an
+// export has left there may be deleted.
+constexpr char kNew[] = ".part";
+constexpr char kReplaced[] = ".replaced.part";
+
 fs::path Beside(const fs::path& out, const char* suffix) {
   return out.string() + suffix;
 }
@@ -67,7 +72,7 @@ Status InTheWay(const fs::path& path) {
 
 Status CheckOut(const fs::path& out) {
   std::error_code error;
-  const fs::path part = Beside(out, ".part");
+  const fs::path part = Beside(out, kNew);
   const bool good = !fs::exists(out, error) ||
                     (fs::is_directory(out, error) &&
                      (fs::is_empty(out, error) || IsModelFolder(out)));
@@ -76,8 +81,8 @@ Status CheckOut(const fs::path& out) {
                          ": exists and is not a model folder; name another");
   }
   if (fs::exists(part, error) && !IsLeftover(part)) return InTheWay(part);
-  const fs::path old = Beside(out, ".old");
-  // Without `out` there is nothing to move to OUT.old.
+  const fs::path old = Beside(out, kReplaced);
+  // Without `out` there is nothing to move there.
   if (fs::exists(out, error) && fs::exists(old, error) && !IsLeftover(old) &&
       !IsModelFolder(old)) {
     return InTheWay(old);
@@ -86,13 +91,13 @@ Status CheckOut(const fs::path& out) {
 }
 
 // Removes what an export that was stopped has left, which CheckOut has looked
-// at. Where `out` is missing, OUT.old is the model that it was to replace, and
-// stays.
+// at. Where `out` is missing, OUT.replaced.part is the model that it was to
+// replace, and stays.
 Status RemoveLeftovers(const fs::path& out) {
   std::error_code error;
-  fs::remove_all(Beside(out, ".part"), error);
+  fs::remove_all(Beside(out, kNew), error);
   if (!error && fs::exists(out, error)) {
-    fs::remove_all(Beside(out, ".old"), error);
+    fs::remove_all(Beside(out, kReplaced), error);
   }
   if (!error) return Status();
   return InternalError(
@@ -229,7 +234,7 @@ StatusOr<ModelInfo> WriteFiles(const ClipExportOptions& options,
 // Puts `part` in the place of `out`.
 Status Replace(const fs::path& part, const fs::path& out) {
   std::error_code error;
-  const fs::path old = Beside(out, ".old");
+  const fs::path old = Beside(out, kReplaced);
   const bool replaces = fs::exists(out, error);
   if (replaces) fs::rename(out, old, error);
   if (!error) {
@@ -277,7 +282,7 @@ StatusOr<ModelInfo> ExportClip(const ClipExportOptions& options,
                                 " is not a multiple of the model's patch of " +
                                 std::to_string(patch) + " pixels");
   }
-  const fs::path part = Beside(folder, ".part");
+  const fs::path part = Beside(folder, kNew);
   FREEGS_RETURN_IF_ERROR(RemoveLeftovers(folder));
   FREEGS_RETURN_IF_ERROR(CreateFolders(part));
   StatusOr<ModelInfo> info =

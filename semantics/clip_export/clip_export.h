@@ -33,10 +33,10 @@ struct ClipExportOptions {
 
 // Writes the folder `out` and returns what its model.json says. The files are
 // written into OUT.part, which takes the place of `out` when all are there; an
-// `out` that exists is OUT.old meanwhile. What an export that was stopped has
-// left there is removed. An `out` that is neither missing, an empty folder nor
-// a model folder is refused, as is an OUT.part or OUT.old that is in the way
-// and holds other things, and as are weights that are not there: kBadInput.
+// `out` that exists is OUT.replaced.part meanwhile. What an export that was
+// stopped has left there is removed. An `out` that is neither missing, an empty
+// folder nor a model folder is refused, as is a folder of these two names that
+// holds other things, and as are weights that are not there: kBadInput.
 // kMissingDependency for everything else that is wrong with the weights and the
 // files beside them, and kInvalidArgument for a dense size that does not fit
 // them. kInterrupted when cancelled (`cancellation` may be null). Unless it

@@ -158,6 +158,9 @@ class ExportClipTest(unittest.TestCase):
         for name, file in info["files"].items():
             self.assertEqual(file["bytes"], (out / name).stat().st_size)
             self.assertEqual(len(file["hash"]), 32)
+        # What an export that was killed has left.
+        (self.folder / "out.part").mkdir()
+        (self.folder / "out.part/visual.onnx").write_text("")
         self.export(out)  # A model folder may be replaced.
         self.assertFalse((out / "dense32.onnx").exists())
         self.assertEqual([path.name for path in self.folder.iterdir()

@@ -184,6 +184,38 @@ TEST_F(ClipExportTest, BothLayoutsGiveTheSameFiles) {
   }
 }
 
+TEST_F(ClipExportTest, BothLayoutsNameTheEpsilonOfNorms) {
+  nlohmann::json a = RandomClip::HuggingFaceConfig("gelu");
+  a["vision_config"]["layer_norm_eps"] = 1e-2;
+  a["text_config"]["layer_norm_eps"] = 1e-3;
+  nlohmann::json b = RandomClip::OpenClipConfig("gelu");
+  b["model_cfg"]["vision_cfg"]["norm_kwargs"] = {{"eps", 1e-2}};
+  b["model_cfg"]["text_cfg"]["norm_kwargs"] = {{"eps", 1e-3}};
+  // These say what is so without them.
+  b["model_cfg"]["vision_cfg"]["pool_type"] = "tok";
+  b["model_cfg"]["vision_cfg"]["act_kwargs"] = nullptr;
+  b["model_cfg"]["text_cfg"]["pool_type"] = "argmax";
+  b["model_cfg"]["text_cfg"]["act_kwargs"] = nlohmann::json::object();
+  b["model_cfg"]["text_cfg"]["no_causal_mask"] = false;
+  clip_.WriteHuggingFace(folder_ / "a", "gelu");
+  clip_.WriteOpenClip(folder_ / "b", "gelu");
+  WriteText(folder_ / "a/config.json", a.dump());
+  WriteText(folder_ / "b/open_clip_config.json", b.dump());
+  for (const char* name : {"a", "b"}) {
+    const auto info = ExportClip({.checkpoint = folder_ / name},
+                                 folder_ / (std::string(name) + "_out"),
+                                 nullptr);
+    ASSERT_TRUE(info.ok()) << info.status().message();
+  }
+  clip_.WriteHuggingFace(source(), "gelu");
+  ASSERT_TRUE(Export().ok());
+  for (const char* name : {"visual.onnx", "dense.onnx", "text.onnx"}) {
+    const std::string bytes = ReadText(folder_ / "a_out" / name);
+    EXPECT_TRUE(bytes == ReadText(folder_ / "b_out" / name)) << name;
+    EXPECT_FALSE(bytes == ReadText(out() / name)) << name;
+  }
+}
+
 void ExpectNear(std::span<const float> values, std::span<const float> others) {
   ASSERT_EQ(values.size(), others.size());
   float largest = 0;
@@ -265,16 +297,17 @@ TEST_F(ClipExportTest, AModelFolderMayBeReplaced) {
   ASSERT_TRUE(Export().ok());
   EXPECT_FALSE(fs::exists(out() / "dense32.onnx"));
   EXPECT_FALSE(fs::exists(folder_ / "out.part"));
-  EXPECT_FALSE(fs::exists(folder_ / "out.old"));
+  EXPECT_FALSE(fs::exists(folder_ / "out.replaced.part"));
   EXPECT_TRUE(ModelFolder::Open(out()).ok());
 }
 
-// An export that was killed while it replaced a model leaves OUT.old: whole, or
-// a part of it.
+// An export that was killed while it replaced a model leaves OUT.replaced.part:
+// whole, or a part of it.
 TEST_F(ClipExportTest, AnOldModelIsNotInTheWay) {
   clip_.WriteHuggingFace(source(), "gelu");
-  const fs::path old = folder_ / "out.old";
+  const fs::path old = folder_ / "out.replaced.part";
   ASSERT_TRUE(Export().ok());
+  fs::copy(out(), folder_ / "out.old");
   fs::rename(out(), old);
   ASSERT_TRUE(Export().ok());
   EXPECT_TRUE(ModelFolder::Open(out()).ok());
@@ -291,6 +324,7 @@ TEST_F(ClipExportTest, AnOldModelIsNotInTheWay) {
   EXPECT_EQ(Export().code(), StatusCode::kBadInput);
   EXPECT_TRUE(fs::exists(old / "diary.txt"));
   EXPECT_TRUE(ModelFolder::Open(out()).ok());
+  EXPECT_TRUE(ModelFolder::Open(folder_ / "out.old").ok()) << "A user's copy.";
 }
 
 TEST_F(ClipExportTest, OtherFoldersStay) {
@@ -415,6 +449,21 @@ TEST_F(ClipExportTest, OpenClipsConfigMustFit) {
   bad["model_cfg"]["vision_cfg"]["head_width"] = 5;
   WriteText(source() / "open_clip_config.json", bad.dump());
   ExpectFault("open_clip_config.json", "head_width");
+  const auto expect_refused =
+      [&](const char* tower, const char* key, const nlohmann::json& value) {
+        bad = RandomClip::OpenClipConfig("gelu");
+        bad["model_cfg"][tower][key] = value;
+        WriteText(source() / "open_clip_config.json", bad.dump());
+        ExpectFault("open_clip_config.json",
+                    "model_cfg." + std::string(tower) + "." + key);
+      };
+  expect_refused("vision_cfg", "pool_type", "avg");
+  expect_refused("text_cfg", "pool_type", "last");
+  expect_refused("text_cfg", "no_causal_mask", true);
+  for (const char* tower : {"vision_cfg", "text_cfg"}) {
+    expect_refused(tower, "act_kwargs", {{"approximate", "tanh"}});
+    expect_refused(tower, "norm_kwargs", {{"eps", 0}});
+  }
   WriteText(source() / "open_clip_config.json", "{}");
   ExpectFault("open_clip_config.json", "model_cfg");
   fs::remove(source() / "open_clip_config.json");
