@@ -47,7 +47,7 @@ std::optional<double> MidpointDistance(const GaussianModel& model,
 // Coloured points in the model frame; the arrays are parallel.
 struct DepthPoints {
   std::vector<Eigen::Vector3d> positions;
-  std::vector<std::array<float, 3>> colors;  // RGB of the photo, in [0, 1].
+  std::vector<std::array<float, 3>> colors;  // RGB of the photo.
 
   size_t size() const { return positions.size(); }
 

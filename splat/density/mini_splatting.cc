@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/random.h"
@@ -127,10 +128,16 @@ StatusOr<MiniSplattingSummary> ReinitializeFromDepth(
   const std::vector<size_t> counts = PointsPerView(
       opacity, NumDepthPoints(options, budget, model->size(), num_pixels));
   DepthPoints points;
+  ImageF scene;  // The photo's colours as the scene has them.
   for (size_t i = 0; i < images.size(); ++i) {
     if (counts[i] == 0) continue;
     FREEGS_RETURN_IF_ERROR(
         RenderContributions(context, *model, i, &photo, &contributions));
+    if (context.colors != nullptr && !context.colors->entries.empty()) {
+      const AffineColor back = Inverse(context.colors->entries[i].color);
+      ApplyColor(back, photo, *context.pool, &scene);
+      std::swap(photo, scene);
+    }
     FREEGS_ASSIGN_OR_RETURN(
         const DepthPoints drawn,
         SampleDepthPoints(*model,

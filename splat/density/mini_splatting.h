@@ -15,6 +15,7 @@
 #include "splat/density/importance.h"
 #include "splat/images/training_images.h"
 #include "splat/optim/adam.h"
+#include "splat/optim/exposure.h"
 #include "splat/render/rasterizer.h"
 #include "splat/render/renderer.h"
 #include "splat/scene/gaussian_model.h"
@@ -49,6 +50,8 @@ struct MiniSplattingOptions {
 // image pyramid.
 struct MiniSplattingContext {
   TrainingImages* images = nullptr;
+  const PhotoColors* colors =
+      nullptr;  // What was learnt of these; may be null.
   int level = 0;
   RenderOptions render;
   double scene_extent = 1;
@@ -82,9 +85,9 @@ size_t NumDepthPoints(const MiniSplattingOptions& options,
                       uint64_t num_pixels);
 
 // Replaces the model by one that starts again from points on the surfaces that
-// it shows, in the photos' colours and with moments of zero. Renders each view
-// twice. When no view shows anything the model and its moments stay as they
-// are.
+// it shows, in the photos' colours without the exposure that was learnt, and
+// with moments of zero. Renders each view twice. When no view shows anything
+// the model and its moments stay as they are.
 StatusOr<MiniSplattingSummary> ReinitializeFromDepth(
     const MiniSplattingOptions& options,
     int64_t budget,

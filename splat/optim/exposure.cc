@@ -11,6 +11,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <Eigen/LU>
 
 #include "core/text.h"
 #include "splat/optim/adam.h"
@@ -128,6 +129,16 @@ void ApplyColor(const AffineColor& color,
           }
         }
       });
+}
+
+AffineColor Inverse(const AffineColor& color) {
+  using Matrix = Eigen::Matrix<float, 3, 4, Eigen::RowMajor>;
+  const Eigen::Map<const Matrix> matrix(color.values.data());
+  const Eigen::Matrix3f inverse = matrix.leftCols<3>().inverse();
+  if (!inverse.allFinite()) return {};
+  AffineColor result;
+  Eigen::Map<Matrix>(result.values.data()) << inverse, -inverse * matrix.col(3);
+  return result;
 }
 
 AffineColor BackwardColor(const AffineColor& color,

@@ -75,6 +75,10 @@ void ApplyColor(const AffineColor& color,
                 ThreadPool& pool,
                 ImageF* photo);
 
+// The colours that take those of a photograph back to the scene; the identity
+// if nothing does.
+AffineColor Inverse(const AffineColor& color);
+
 // From dL/dphoto makes dL/dscene, in place, and returns dL/dcolor. `scene` is
 // the input of ApplyColor. The result is the same bytes for any number of
 // threads. *scratch is memory that calls can share.

@@ -348,6 +348,7 @@ void Trainer::KeepTo(const ExposureChoice& choice) {
 Status Trainer::RunMilestone(TrainingEvent event) {
   MiniSplattingContext context;
   context.images = images_;
+  context.colors = &history_.colors;
   context.level = schedule_.ResolutionLevel(iteration_, images_->num_levels());
   context.render = options_.render;
   context.scene_extent = scene_extent_;

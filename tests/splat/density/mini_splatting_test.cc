@@ -184,6 +184,28 @@ TEST_F(MiniSplattingTest, DepthPointsShowTheScene) {
   EXPECT_GT(psnr(3), psnr(-15) + 4);
 }
 
+TEST_F(MiniSplattingTest, DepthPointsHaveNoneOfThePhotosExposure) {
+  const auto restart = [&] {
+    GaussianModel model = model_;
+    EXPECT_TRUE(ReinitializeFromDepth({}, 321, context_, &model, &adam_).ok());
+    return model.sh_dc;
+  };
+  const std::vector<float> plain = restart();
+  PhotoColors colors;
+  context_.colors = &colors;
+  EXPECT_EQ(restart(), plain);  // Nothing was learnt.
+  colors.entries.resize(images_->size());
+  for (PhotoColors::Entry& entry : colors.entries) entry.color.values[0] = 2;
+  const std::vector<float> darker = restart();
+  ASSERT_EQ(darker.size(), plain.size());
+  for (size_t i = 0; i < plain.size(); i += 3) {
+    // A channel begins with 1/255 at least.
+    const float half = (plain[i] * kShC0 + 0.5f) / 2;
+    EXPECT_NEAR(darker[i] * kShC0 + 0.5f, std::max(half, 1 / 255.0f), 1e-5);
+    EXPECT_EQ(darker[i + 1], plain[i + 1]);
+  }
+}
+
 TEST_F(MiniSplattingTest, DependsOnSeedAndIterationOnly) {
   MiniSplattingOptions options;
   const auto run = [&](uint64_t seed, int64_t iteration, int threads) {

@@ -49,6 +49,22 @@ TEST(Exposure, OfAnUnknownPhotoIsBetweenThoseOfItsNeighbours) {
   }
 }
 
+TEST(Exposure, InverseLeadsBackToTheScene) {
+  ThreadPool pool(1);
+  const ImageF scene = RandomImage(7, 5, 3);
+  const AffineColor color = RandomColor(4);
+  ImageF photo;
+  ImageF back;
+  ApplyColor(color, scene, pool, &photo);
+  ApplyColor(Inverse(color), photo, pool, &back);
+  for (size_t i = 0; i < scene.size(); ++i) {
+    EXPECT_NEAR(back.data()[i], scene.data()[i], 1e-5);
+  }
+  AffineColor black;
+  black.values.fill(0);
+  EXPECT_EQ(Inverse(black), AffineColor());
+}
+
 TEST(Exposure, NeighboursAreThoseThatPeopleCount) {
   const std::vector<PhotoExposure> exposures = {{"8.jpg", RandomColor(1)},
                                                 {"10.jpg", RandomColor(2)}};
