@@ -48,9 +48,15 @@ double Frequency(int i, int count) {
   return static_cast<double>(std::min(i, count - i)) / count;
 }
 
-// Grey values minus their mean, faded out towards the borders.
+// Grey values minus their mean, faded out towards the borders. Rows and columns
+// of zeros follow, because sides with large prime factors would take minutes to
+// transform.
 cv::Mat WindowedGrey(const ImageF& image) {
-  cv::Mat grey(image.height(), image.width(), CV_32F);
+  cv::Mat padded(cv::getOptimalDFTSize(image.height()),
+                 cv::getOptimalDFTSize(image.width()),
+                 CV_32F,
+                 cv::Scalar(0));
+  cv::Mat grey = padded(cv::Rect(0, 0, image.width(), image.height()));
   for (int y = 0; y < image.height(); ++y) {
     for (int x = 0; x < image.width(); ++x) {
       grey.at<float>(y, x) = image(x, y, 0) + image(x, y, 1) + image(x, y, 2);
@@ -63,7 +69,7 @@ cv::Mat WindowedGrey(const ImageF& image) {
           static_cast<float>(Hann(y, image.height()) * Hann(x, image.width()));
     }
   }
-  return grey;
+  return padded;
 }
 
 }  // namespace
@@ -86,7 +92,7 @@ std::vector<double> SpectrumShares(const ImageF& image, int num_levels) {
   }
   // An image of one colour has no spectrum, and every level shows all of it.
   const double total = sums[0];
-  const double noise = kNoise * static_cast<double>(image.num_pixels());
+  const double noise = kNoise * static_cast<double>(spectrum.total());
   for (double& sum : sums) sum = total > noise ? sum / total : 1.0;
   return sums;
 }

@@ -54,6 +54,32 @@ TEST(SpectrumShares, OneColourIsCarriedByEveryLevel) {
   }
 }
 
+// The left upper part of a picture of fine and coarse noise.
+ImageF PartOfNoise(int width, int height) {
+  ImageF image(width, height, 3);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const auto noise = [&](int size) {
+        const int cell = 1000 * (y / size) + x / size;
+        return RandomUniform(size, 2, static_cast<uint64_t>(cell));
+      };
+      for (int c = 0; c < 3; ++c) {
+        image(x, y, c) = static_cast<float>((noise(1) + noise(8)) / 2);
+      }
+    }
+  }
+  return image;
+}
+
+// Prime sides are padded to those of the other picture, which are not.
+TEST(SpectrumShares, PrimeSidesHaveTheSharesOfTheirNeighbours) {
+  const std::vector<double> prime = SpectrumShares(PartOfNoise(241, 179), 3);
+  const std::vector<double> whole = SpectrumShares(PartOfNoise(243, 180), 3);
+  EXPECT_DOUBLE_EQ(prime[0], 1.0);
+  EXPECT_NEAR(prime[1], whole[1], 0.001);
+  EXPECT_NEAR(prime[2], whole[2], 0.001);
+}
+
 using SpectrumResolutionStepsTest = TrainingFixture;
 
 // 96 x 72 has one level more whose shorter side is at least 32.
