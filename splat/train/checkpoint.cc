@@ -352,18 +352,23 @@ StatusOr<TrainingCheckpoint> ParseCheckpoint(std::string_view content) {
   return checkpoint;
 }
 
-Status SaveCheckpoint(const fs::path& folder,
-                      const TrainingCheckpointView& checkpoint,
-                      int keep) {
-  FREEGS_RETURN_IF_ERROR(CreateFolders(folder));
+fs::path CheckpointPath(const fs::path& folder, int64_t iteration) {
   char name[64];
   std::snprintf(name,
                 sizeof(name),
                 "iteration_%08lld.ckpt",
-                static_cast<long long>(checkpoint.iteration));
+                static_cast<long long>(iteration));
+  return folder / name;
+}
+
+Status SaveCheckpoint(const fs::path& folder,
+                      const TrainingCheckpointView& checkpoint,
+                      int keep) {
+  FREEGS_RETURN_IF_ERROR(CreateFolders(folder));
   PieceWriter writer;
   WriteCheckpoint(checkpoint, &writer);
-  FREEGS_RETURN_IF_ERROR(WriteFileAtomic(folder / name, writer.Pieces()));
+  FREEGS_RETURN_IF_ERROR(WriteFileAtomic(
+      CheckpointPath(folder, checkpoint.iteration), writer.Pieces()));
   RemoveParts(folder);
   int kept = 0;
   for (const auto& [iteration, path] : ListCheckpoints(folder)) {

@@ -63,10 +63,15 @@ TrainingCheckpointView ViewOf(const TrainingCheckpoint& checkpoint);
 std::string SerializeCheckpoint(const TrainingCheckpoint& checkpoint);
 StatusOr<TrainingCheckpoint> ParseCheckpoint(std::string_view content);
 
-// Writes folder/iteration_NNNNNNNN.ckpt atomically, then removes all but the
-// newest `keep` checkpoints in the folder, and those of later iterations, which
-// a training that diverged has left behind it. Creates the folder when it is
-// missing. Makes no copy of the state.
+// folder/iteration_NNNNNNNN.ckpt, the file of the checkpoint after so many
+// steps.
+std::filesystem::path CheckpointPath(const std::filesystem::path& folder,
+                                     int64_t iteration);
+
+// Writes CheckpointPath atomically, then removes all but the newest `keep`
+// checkpoints in the folder, and those of later iterations, which a training
+// that diverged has left behind it. Creates the folder when it is missing.
+// Makes no copy of the state.
 Status SaveCheckpoint(const std::filesystem::path& folder,
                       const TrainingCheckpointView& checkpoint,
                       int keep = 2);

@@ -242,7 +242,7 @@ Status Trainer::GoBack(const std::string& reason) {
         "training diverged at iteration " + std::to_string(iteration_) + " (" +
         reason + "), after " + std::to_string(history_.recoveries.size()) +
         " returns to an earlier state at ever smaller learning rates; check "
-        "the camera poses and the photos, or lower the learning rates");
+        "the camera poses and the photos");
   }
   history_.rate_factor *= kRecoveryRateFactor;
   history_.recoveries.push_back(
@@ -420,8 +420,21 @@ TrainingCheckpoint Trainer::Save() const {
 
 Status Trainer::Restore(TrainingCheckpoint checkpoint) {
   const size_t count = checkpoint.model.size();
+  const size_t colors = checkpoint.history.colors.entries.size();
+  if (checkpoint.iteration > schedule_.iterations()) {
+    return BadInputError("the checkpoint is of iteration " +
+                         std::to_string(checkpoint.iteration) +
+                         ", but the training has " +
+                         std::to_string(schedule_.iterations()) +
+                         "; remove the checkpoints to train anew");
+  }
+  if (colors != 0 && colors != images_->size()) {
+    return BadInputError(
+        "the checkpoint has the exposure of " + std::to_string(colors) +
+        " photos, but the training has " + std::to_string(images_->size()) +
+        "; remove the checkpoints to train anew");
+  }
   if (checkpoint.iteration < 0 ||
-      checkpoint.iteration > schedule_.iterations() ||
       checkpoint.adam.first_moments.size() != count ||
       checkpoint.adam.second_moments.size() != count ||
       checkpoint.adam.first_moments.sh_degree != checkpoint.model.sh_degree ||
@@ -431,13 +444,11 @@ Status Trainer::Restore(TrainingCheckpoint checkpoint) {
        (checkpoint.history.average.mean.size() != count ||
         checkpoint.history.average.mean.sh_degree !=
             checkpoint.model.sh_degree)) ||
-      (!checkpoint.history.colors.entries.empty() &&
-       checkpoint.history.colors.entries.size() != images_->size()) ||
       (checkpoint.history.last_good &&
-       checkpoint.history.last_good->colors.entries.size() !=
-           checkpoint.history.colors.entries.size())) {
+       checkpoint.history.last_good->colors.entries.size() != colors)) {
     return BadInputError(
-        "checkpoint: model, optimiser and statistics do not belong together");
+        "model, optimiser and statistics of the checkpoint do not belong "
+        "together; remove the checkpoints to train anew");
   }
   iteration_ = checkpoint.iteration;
   model_ = std::move(checkpoint.model);

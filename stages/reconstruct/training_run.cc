@@ -130,7 +130,9 @@ class TrainingRun {
     context_->log(
         LogLevel::kInfo,
         "resuming at iteration " + std::to_string(checkpoint->iteration));
-    return trainer_->Restore(*std::move(checkpoint));
+    const fs::path file =
+        splat::CheckpointPath(checkpoints_, checkpoint->iteration);
+    return trainer_->Restore(*std::move(checkpoint)).Annotated(file.string());
   }
 
   Status SaveCheckpoint() {

@@ -234,7 +234,10 @@ TEST_F(ExposureSearchTest, TrainingKeepsToTheChoice) {
   // A checkpoint of other photos.
   TrainingCheckpoint other = first.Save();
   other.history.colors.entries.pop_back();
-  EXPECT_EQ(second.Restore(std::move(other)).code(), StatusCode::kBadInput);
+  const Status status = second.Restore(std::move(other));
+  EXPECT_EQ(status.code(), StatusCode::kBadInput);
+  EXPECT_NE(status.message().find("7 photos, but the training has 8;"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -422,7 +422,10 @@ TEST_F(TrainerTest, RefusesACheckpointThatDoesNotFit) {
   EXPECT_EQ(trainer.Restore(checkpoint).code(), StatusCode::kBadInput);
   checkpoint = trainer.Save();
   checkpoint.iteration = 11;
-  EXPECT_EQ(trainer.Restore(checkpoint).code(), StatusCode::kBadInput);
+  const Status beyond = trainer.Restore(checkpoint);
+  EXPECT_EQ(beyond.code(), StatusCode::kBadInput);
+  EXPECT_NE(beyond.message().find("iteration 11, but the training has 10;"),
+            std::string::npos);
   checkpoint = trainer.Save();
   checkpoint.history.average = {3, checkpoint.model};
   checkpoint.history.average.mean.Resize(3);
