@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <utility>
 
@@ -42,20 +43,30 @@ std::optional<double> PsnrFrom(int begin,
   return std::min(kMaxPsnr, -10 * std::log10(mean));
 }
 
-}  // namespace
+// Receives a view with its name, PSNR and picture, that picture in floats, and
+// the photo with its mask, if it has one.
+using ViewFn = std::function<Status(HoldoutView view,
+                                    const ImageF& quantised,
+                                    ImageF* photo,
+                                    const ImageU8* mask)>;
 
-StatusOr<HoldoutReport> MeasureHoldout(const GaussianModel& model,
-                                       const RenderOptions& options,
-                                       TrainingImages* images,
-                                       ThreadPool& pool,
-                                       int level,
-                                       std::span<const PhotoExposure> exposures,
-                                       const CancellationToken* cancellation) {
-  HoldoutReport report;
+// Returns the mean PSNR of the views of which masks leave something, or nothing
+// without any. Calls `use` with each of these, if it is set.
+StatusOr<std::optional<double>> CompareViews(
+    const GaussianModel& model,
+    const RenderOptions& options,
+    TrainingImages* images,
+    ThreadPool& pool,
+    int level,
+    std::span<const PhotoExposure> exposures,
+    const CancellationToken* cancellation,
+    const ViewFn& use) {
   Rasterizer rasterizer;
   RasterImages rendered;
   ImageF photo;
   ImageF exposed;
+  double sum = 0;
+  size_t count = 0;
   for (size_t i = 0; i < images->size(); ++i) {
     if (IsCancelled(cancellation)) {
       return InterruptedError("measuring holdout photos was interrupted");
@@ -78,18 +89,70 @@ StatusOr<HoldoutReport> MeasureHoldout(const GaussianModel& model,
     const std::optional<double> psnr = PsnrFrom(0, quantised, photo, mask);
     if (!psnr) continue;
     result.psnr = *psnr;
-    result.displacement_px = Displacement(quantised, photo, mask);
-    // Windows that reach over ignored pixels find no error there.
-    if (mask != nullptr) CopyIgnored(*mask, quantised, &photo);
-    FREEGS_ASSIGN_OR_RETURN(result.ssim, Ssim(quantised, photo, mask));
-    report.mean_psnr += result.psnr;
-    report.mean_ssim += result.ssim;
-    report.views.push_back(std::move(result));
+    sum += *psnr;
+    ++count;
+    if (use) {
+      FREEGS_RETURN_IF_ERROR(use(std::move(result), quantised, &photo, mask));
+    }
   }
-  if (report.views.empty()) return report;
-  report.mean_psnr /= static_cast<double>(report.views.size());
+  if (count == 0) return std::optional<double>();
+  return std::optional(sum / static_cast<double>(count));
+}
+
+}  // namespace
+
+StatusOr<HoldoutReport> MeasureHoldout(const GaussianModel& model,
+                                       const RenderOptions& options,
+                                       TrainingImages* images,
+                                       ThreadPool& pool,
+                                       int level,
+                                       std::span<const PhotoExposure> exposures,
+                                       const CancellationToken* cancellation) {
+  HoldoutReport report;
+  FREEGS_ASSIGN_OR_RETURN(
+      const std::optional<double> mean_psnr,
+      CompareViews(
+          model,
+          options,
+          images,
+          pool,
+          level,
+          exposures,
+          cancellation,
+          [&](HoldoutView view,
+              const ImageF& quantised,
+              ImageF* photo,
+              const ImageU8* mask) -> Status {
+            view.displacement_px = Displacement(quantised, *photo, mask);
+            // Windows that reach over ignored pixels find no error there.
+            if (mask != nullptr) CopyIgnored(*mask, quantised, photo);
+            FREEGS_ASSIGN_OR_RETURN(view.ssim, Ssim(quantised, *photo, mask));
+            report.mean_ssim += view.ssim;
+            report.views.push_back(std::move(view));
+            return Status();
+          }));
+  if (!mean_psnr) return report;
+  report.mean_psnr = *mean_psnr;
   report.mean_ssim /= static_cast<double>(report.views.size());
   return report;
+}
+
+StatusOr<std::optional<double>> MeasureHoldoutPsnr(
+    const GaussianModel& model,
+    const RenderOptions& options,
+    TrainingImages* images,
+    ThreadPool& pool,
+    int level,
+    std::span<const PhotoExposure> exposures,
+    const CancellationToken* cancellation) {
+  return CompareViews(model,
+                      options,
+                      images,
+                      pool,
+                      level,
+                      exposures,
+                      cancellation,
+                      /*use=*/nullptr);
 }
 
 StatusOr<std::optional<FittedPsnr>> MeasureFittedHoldout(

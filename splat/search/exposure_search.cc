@@ -3,6 +3,7 @@
 #include "splat/search/exposure_search.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <numeric>
@@ -21,7 +22,8 @@ namespace {
 constexpr int kProgressInterval = 10;
 
 // The options of a trial. Milestones are shares of the iterations and adapt by
-// themselves; intervals are shortened, to 10 steps at least.
+// themselves. Densifications come closer together, but with no fewer than 10
+// steps between them unless the training itself has fewer.
 TrainerOptions TrialOptions(const ExposureSearchOptions& options,
                             const TrainerOptions& training,
                             int level) {
@@ -36,8 +38,9 @@ TrainerOptions TrialOptions(const ExposureSearchOptions& options,
   schedule.finest_level = std::max(schedule.finest_level, level);
   schedule.depth_reinit_at.clear();
   if (schedule.densify_interval > 0) {
-    schedule.densify_interval =
-        std::max(10, static_cast<int>(schedule.densify_interval * shorter));
+    const int interval = schedule.densify_interval;
+    schedule.densify_interval = std::clamp(
+        static_cast<int>(interval * shorter), std::min(10, interval), interval);
   }
   trial.learning_rates.mean_decay_steps = steps;
   if (trial.budget > 0) {
@@ -110,6 +113,10 @@ StatusOr<ExposureChoice> SearchExposure(const ExposureSearchOptions& options,
       return InterruptedError(
           "training: stopped while deciding about exposure");
     }
+    if (options.deadline &&
+        std::chrono::steady_clock::now() >= *options.deadline) {
+      return choice;
+    }
     const Status step = trainer.Step().status();
     if (step.code() == StatusCode::kUnusableResult) return choice;
     FREEGS_RETURN_IF_ERROR(step);
@@ -120,16 +127,17 @@ StatusOr<ExposureChoice> SearchExposure(const ExposureSearchOptions& options,
                 ""});
     }
   }
+  // 0 where masks leave nothing.
   const auto trained_psnr =
       [&](std::span<const PhotoExposure> exposures) -> StatusOr<double> {
-    FREEGS_ASSIGN_OR_RETURN(const HoldoutReport report,
-                            MeasureHoldout(trainer.model(),
-                                           training.render,
-                                           &trained,
-                                           pool,
-                                           level,
-                                           exposures));
-    return report.mean_psnr;
+    FREEGS_ASSIGN_OR_RETURN(const std::optional<double> psnr,
+                            MeasureHoldoutPsnr(trainer.model(),
+                                               training.render,
+                                               &trained,
+                                               pool,
+                                               level,
+                                               exposures));
+    return psnr.value_or(0);
   };
   FREEGS_ASSIGN_OR_RETURN(choice.without.trained, trained_psnr({}));
   FREEGS_ASSIGN_OR_RETURN(choice.with.trained,

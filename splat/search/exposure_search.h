@@ -16,6 +16,9 @@
 #ifndef FREEGS_SPLAT_SEARCH_EXPOSURE_SEARCH_H_
 #define FREEGS_SPLAT_SEARCH_EXPOSURE_SEARCH_H_
 
+#include <chrono>
+#include <optional>
+
 #include "core/cancellation.h"
 #include "core/parallel.h"
 #include "core/status.h"
@@ -43,6 +46,9 @@ struct ExposureSearchOptions {
   double trial_share = 0.25;
   int min_trial_steps = 200;
 
+  // When a trial that is still going on ends without a result; not set: never.
+  std::optional<std::chrono::steady_clock::time_point> deadline = {};
+
   Status Check() const;
 };
 
@@ -52,9 +58,10 @@ struct ExposureSearchOptions {
 // options.level, the coarsest is used. Nothing is learnt where there are no
 // photographs to judge by: with less than 3 of them, or where masks leave
 // nothing of those that were trained on or of the right halves of the others.
-// Nothing is learnt either when the trial ends with kUnusableResult, as when it
-// diverges: it says nothing about the training proper, which has other photos
-// and steps. The result is the same for any number of threads. Fails with
+// Nothing is learnt either when options.deadline comes before the end of the
+// trial, and when that ends with kUnusableResult, as when it diverges: it says
+// nothing about the training proper, which has other photos and steps. Without
+// a deadline the result is the same for any number of threads. Fails with
 // kInvalidArgument when the options are wrong, with kBadInput when a photograph
 // has become unreadable, and with kInterrupted when `cancellation` (null:
 // never) asks to stop. Reports the steps of the trial to `progress`, if there

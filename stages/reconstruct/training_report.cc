@@ -86,8 +86,8 @@ std::string ExposureText(const splat::ExposureChoice& choice) {
   };
   if (choice.without == splat::TrialPsnr()) {
     return "the exposure of each photo is not learnt, because photos are too "
-           "few, masks leave too little of them, or the short training that "
-           "tells came to nothing";
+           "few, masks leave too little of them, the time is up, or the short "
+           "training that tells came to nothing";
   }
   if (choice.without.others == 0) {
     return "the exposure of each photo is not learnt, because masks leave too "

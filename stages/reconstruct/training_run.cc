@@ -209,16 +209,12 @@ class TrainingRun {
 
   // Mean PSNR in dB over the holdout photos; nothing if masks leave none.
   StatusOr<std::optional<double>> HoldoutPsnr() {
-    FREEGS_ASSIGN_OR_RETURN(
-        const splat::HoldoutReport quality,
-        splat::MeasureHoldout(trainer_->model(),
-                              ReconstructRenderOptions(options_),
-                              &**holdout_,
-                              *context_->pool,
-                              /*level=*/0,
-                              trainer_->Exposures()));
-    if (quality.views.empty()) return std::optional<double>();
-    return std::optional(quality.mean_psnr);
+    return splat::MeasureHoldoutPsnr(trainer_->model(),
+                                     ReconstructRenderOptions(options_),
+                                     &**holdout_,
+                                     *context_->pool,
+                                     /*level=*/0,
+                                     trainer_->Exposures());
   }
 
   // Does nothing for a step that ended at no milestone.
@@ -281,15 +277,16 @@ StatusOr<TrainedModel> TrainModel(const ReconstructStageOptions& options,
   // A checkpoint carries the choice of an earlier search, so that a resumed
   // training needs no search of its own.
   if (options.exposure == "auto" && !trainer.exposure_choice()) {
-    FREEGS_ASSIGN_OR_RETURN(const splat::ExposureChoice choice,
-                            splat::SearchExposure({},
-                                                  trainer_options,
-                                                  trainer.model(),
-                                                  scene.extent,
-                                                  images,
-                                                  *context.pool,
-                                                  context.cancellation,
-                                                  context.progress));
+    FREEGS_ASSIGN_OR_RETURN(
+        const splat::ExposureChoice choice,
+        splat::SearchExposure({.deadline = context.deadline},
+                              trainer_options,
+                              trainer.model(),
+                              scene.extent,
+                              images,
+                              *context.pool,
+                              context.cancellation,
+                              context.progress));
     context.log(LogLevel::kInfo, ExposureText(choice));
     trainer.KeepTo(choice);
   }

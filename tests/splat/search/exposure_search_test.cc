@@ -4,6 +4,7 @@
 #include "splat/search/exposure_search.h"
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -170,6 +171,29 @@ TEST_F(ExposureSearchTest, ATrialThatFailsLearnsNothing) {
   EXPECT_EQ(*choice, ExposureChoice());
 }
 
+TEST_F(ExposureSearchTest, EndsWhenTheTimeIsUp) {
+  search_ = {.level = 1, .trial_share = 0.1, .min_trial_steps = 30};
+  search_.deadline = std::chrono::steady_clock::now();
+  EXPECT_EQ(*Search(), ExposureChoice());
+  search_.deadline = std::chrono::steady_clock::now() + std::chrono::hours(1);
+  EXPECT_NE(*Search(), ExposureChoice());
+}
+
+// A trial does not densify less often than the training.
+TEST_F(ExposureSearchTest, ShortIntervalsOfTrainingStayShort) {
+  ThreadPool pool(2);
+  TrainingImages images = Images(pool);
+  search_ = {.level = 1, .trial_share = 0.25, .min_trial_steps = 60};
+  const auto search = [&](int interval) {
+    TrainerOptions training = Training();
+    training.schedule.densify_interval = interval;
+    return *SearchExposure(
+        search_, training, Start(), 2.0, &images, pool, nullptr);
+  };
+  EXPECT_NE(search(5), search(10));
+  EXPECT_EQ(search(12), search(10));
+}
+
 TEST_F(ExposureSearchTest, PassesErrorsOn) {
   search_.min_gain_db = -1;
   EXPECT_EQ(Search().status().code(), StatusCode::kInvalidArgument);
@@ -207,6 +231,14 @@ TEST_F(ExposureSearchTest, LearnsAnExposureThatDrifts) {
                                             trainer.Exposures());
   ASSERT_TRUE(of_scene.ok() && of_neighbours.ok());
   EXPECT_GT(of_neighbours->mean_psnr, of_scene->mean_psnr + 0.5);
+  // The PSNR alone is the same number.
+  EXPECT_EQ(*MeasureHoldoutPsnr(trainer.model(),
+                                RenderOptions(),
+                                &holdout,
+                                pool,
+                                /*level=*/0,
+                                trainer.Exposures()),
+            of_neighbours->mean_psnr);
 }
 
 TEST_F(ExposureSearchTest, TrainingKeepsToTheChoice) {

@@ -397,6 +397,10 @@ TEST_F(TrainerTest, MeasuresOnlyWhatMasksLeave) {
   ASSERT_TRUE(nothing.ok()) << nothing.status().message();
   EXPECT_EQ(nothing->views.size(), 0u);
   EXPECT_EQ(nothing->mean_psnr, 0);
+  auto ignored = TrainingImages::Load(
+      views_, folder_, {.num_levels = 1, .mask_folder = masks.path()}, pool);
+  EXPECT_FALSE(MeasureHoldoutPsnr(truth_, RenderOptions(), &*ignored, pool)
+                   ->has_value());
 }
 
 TEST_F(TrainerTest, MeasuresHoldoutAtALevel) {
@@ -406,6 +410,9 @@ TEST_F(TrainerTest, MeasuresHoldoutAtALevel) {
     const StatusOr<HoldoutReport> report =
         MeasureHoldout(truth_, RenderOptions(), &images, pool, level);
     ASSERT_TRUE(report.ok()) << report.status().message();
+    EXPECT_EQ(
+        *MeasureHoldoutPsnr(truth_, RenderOptions(), &images, pool, level),
+        report->mean_psnr);
     ASSERT_EQ(report->views.size(), 8u);
     EXPECT_EQ(report->views[0].rendered.width(), 96 >> level);
     EXPECT_EQ(report->views[0].rendered.height(), 72 >> level);

@@ -191,6 +191,28 @@ TEST_F(TrainingRunTest, GoingBackIsLoggedAndListed) {
   EXPECT_EQ(last, 200);
 }
 
+TEST_F(TrainingRunTest, ACheckpointThatDoesNotFitIsNamed) {
+  EXPECT_EQ(Run(Short(), "out", false, 50).code(), StatusCode::kInterrupted);
+  ReconstructStageOptions shorter = Short();
+  shorter.iterations = 20;
+  const Status status = Run(shorter, "out", true);
+  EXPECT_EQ(status.code(), StatusCode::kBadInput);
+  EXPECT_THAT(status.message(),
+              testing::HasSubstr("iteration_00000050.ckpt: the checkpoint is "
+                                 "of iteration 50, but the training has 20;"));
+}
+
+TEST_F(TrainingRunTest, DoesNotSearchWhenTheTimeIsUp) {
+  deadline_ = std::chrono::steady_clock::now();
+  const Status status = Run(Auto(), "out");
+  ASSERT_TRUE(status.ok()) << status.message();
+  EXPECT_THAT(log_, testing::HasSubstr("exposure of each photo is not learnt"));
+  EXPECT_THAT(log_, testing::HasSubstr("the time is up"));
+  const nlohmann::json metrics = Metrics("out");
+  EXPECT_EQ(metrics["exposure_search"]["learn"], false);
+  EXPECT_TRUE(metrics["exposure_search"]["with"].is_null());
+}
+
 TEST_F(TrainingRunTest, EndsWhenTheTimeIsUp) {
   ReconstructStageOptions options = Short();
   options.iterations = 500;
