@@ -18,6 +18,10 @@ using pipeline::StageNeed;
 // of the pyramid of a photo that is trained on add a third.
 constexpr double kLevelsOfTrainPhoto = 4 / 3.0;
 
+// What the scene shows of the holdout photos, as 8-bit RGB, is kept until all
+// are measured.
+constexpr double kBytesPerPicturePixel = 3;
+
 // While it is read, a photo is there twice: as decoded, and in the order RGB.
 constexpr double kBytesPerDecodedPixel = 6;
 
@@ -102,6 +106,12 @@ ExpectedGaussians ExpectGaussians(const splat::TrainerOptions& training,
   return {dense, left};
 }
 
+double HoldoutShareOfCache(int64_t train_pixels, int64_t holdout_pixels) {
+  const auto holdout = static_cast<double>(holdout_pixels);
+  return holdout /
+         (holdout + kLevelsOfTrainPhoto * static_cast<double>(train_pixels));
+}
+
 StageNeed ReconstructNeed(const ReconstructStageOptions& options,
                           const splat::TrainerOptions& training,
                           int threads,
@@ -118,7 +128,15 @@ StageNeed ReconstructNeed(const ReconstructStageOptions& options,
   const double bytes_per_pixel = scene->masks ? 4 : 3;
   const double reading = kBytesPerDecodedPixel * threads *
                          static_cast<double>(CountPixels(*scene, 0).largest);
-  double images = bytes_per_pixel * static_cast<double>(holdout.total);
+  const auto holdout_pixels = static_cast<double>(holdout.total);
+  const double photos =
+      std::min(options.image_cache_gb * double{kGigabyte},
+               bytes_per_pixel *
+                   (holdout_pixels +
+                    kLevelsOfTrainPhoto * static_cast<double>(train.total)));
+  const double holdout_share = HoldoutShareOfCache(train.total, holdout.total);
+  // Pictures are made when the photos that were trained on are let go.
+  double images = kBytesPerPicturePixel * holdout_pixels;
   double work = kBytesPerViewPixel *
                 static_cast<double>(std::max(train.largest, holdout.largest));
   const int coefficients =
@@ -133,9 +151,7 @@ StageNeed ReconstructNeed(const ReconstructStageOptions& options,
         ExpectGaussians(training, scene->points, train.total);
     scene->gaussians = std::llround(gaussians.left);
     work += kWorkMemory + gaussians.dense * kCopiesOfGaussian * parameters;
-    images += std::min(options.image_cache_gb * double{kGigabyte},
-                       kLevelsOfTrainPhoto * bytes_per_pixel *
-                           static_cast<double>(train.total));
+    images = std::max(images, (1 - holdout_share) * photos);
     const double megapixels = 1e-6 * static_cast<double>(train.total) /
                               static_cast<double>(scene->train.size());
     seconds = options.iterations *
@@ -148,11 +164,12 @@ StageNeed ReconstructNeed(const ReconstructStageOptions& options,
                   std::max(checkpoint(gaussians.dense, kCopiesInCheckpoint),
                            checkpoint(gaussians.left, kCopiesInCheckpoint + 1));
   }
+  images += holdout_share * photos;
   return {.memory_bytes = pipeline::kProgramMemory +
                           std::llround(images + std::max(reading, work)),
-          .disk_bytes = std::llround(
-              static_cast<double>(scene->gaussians) * parameters + checkpoints +
-              kDiskBytesPerPixel * static_cast<double>(holdout.total)),
+          .disk_bytes =
+              std::llround(static_cast<double>(scene->gaussians) * parameters +
+                           checkpoints + kDiskBytesPerPixel * holdout_pixels),
           .seconds = pipeline::OnThreads(seconds, kSerial, threads),
           .advice =
               "lower reconstruct.budget, reconstruct.max_image_size, "

@@ -24,6 +24,11 @@ ExpectedGaussians ExpectGaussians(const splat::TrainerOptions& training,
                                   int64_t points,
                                   int64_t train_pixels);
 
+// The share of reconstruct.image_cache_gb that is for the holdout photos; the
+// photos that are trained on have the rest. It follows from the pixels of both
+// at the size of training, so that all photos fit when their sum does.
+double HoldoutShareOfCache(int64_t train_pixels, int64_t holdout_pixels);
+
 // The need for the photos and points of the scene. Also sets the number of its
 // Gaussians to what is expected. With reconstruct.import that number must be
 // set already, and is kept. Nothing is known without photos, points, or the

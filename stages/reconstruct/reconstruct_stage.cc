@@ -57,7 +57,7 @@ class ReconstructStage : public pipeline::Stage {
       : options_(options), seed_(seed) {}
 
   std::string_view name() const override { return "reconstruct"; }
-  int version() const override { return 12; }
+  int version() const override { return 13; }
 
   std::vector<fs::path> Inputs(
       const pipeline::StageContext& context) const override {
@@ -103,16 +103,20 @@ class ReconstructStage : public pipeline::Stage {
     splat::TrainingImagesOptions image_options;
     image_options.max_side = options_.max_image_size;
     image_options.num_levels = 1;
+    const double cache = options_.image_cache_gb * double{kGigabyte};
+    const double holdout_cache =
+        cache * HoldoutShareOfCache(CountPixels(scene.photos.train),
+                                    CountPixels(scene.photos.holdout));
+    image_options.max_bytes = static_cast<uint64_t>(holdout_cache);
     FREEGS_ASSIGN_OR_RETURN(std::optional<splat::TrainingImages> holdout,
                             LoadHoldout(scene, image_options, *context.pool));
+    image_options.max_bytes = static_cast<uint64_t>(cache - holdout_cache);
 
     const splat::ModelFrame& frame = scene.photos.frame;
     TrainedModel trained;
     splat::PlacedModel world;
     if (options_.import.empty()) {
       image_options.num_levels = 4;
-      image_options.max_bytes =
-          static_cast<uint64_t>(options_.image_cache_gb * double{kGigabyte});
       FREEGS_ASSIGN_OR_RETURN(
           splat::TrainingImages images,
           LoadPhotos(scene, scene.photos.train, image_options, *context.pool));
@@ -124,6 +128,7 @@ class ReconstructStage : public pipeline::Stage {
       world = splat::ToWorld(trained.model, frame);
     } else {
       FREEGS_ASSIGN_OR_RETURN(world, ReadTrainedModel(options_.import));
+      if (options_.antialiased) world.model.antialiased = true;
       trained.model = splat::ToFrame(world, frame);
       context.log(pipeline::LogLevel::kInfo,
                   "imported " + std::to_string(trained.model.size()) +
@@ -155,10 +160,12 @@ class ReconstructStage : public pipeline::Stage {
   StatusOr<splat::TrainerOptions> TrainingOptions(
       std::span<const View> train) const {
     return MakeTrainerOptions(
-        options_,
-        pipeline::CountPixels(train, options_.max_image_size).total,
-        pipeline::Memory().total_bytes,
-        seed_);
+        options_, CountPixels(train), pipeline::Memory().total_bytes, seed_);
+  }
+
+  // At the size of training.
+  int64_t CountPixels(std::span<const View> views) const {
+    return pipeline::CountPixels(views, options_.max_image_size).total;
   }
 
   // The file for what the model shows of each holdout photo, by the photo's
@@ -248,20 +255,20 @@ class ReconstructStage : public pipeline::Stage {
         splat::TrainingImages images,
         LoadPhotos(scene, some, image_options, *context.pool));
     FREEGS_ASSIGN_OR_RETURN(
-        const splat::HoldoutReport quality,
-        splat::MeasureHoldout(trained.model,
-                              ReconstructRenderOptions(options_),
-                              &images,
-                              *context.pool,
-                              /*level=*/0,
-                              trained.exposures));
-    if (quality.views.empty()) return Status();
-    (*metrics)["trained_psnr"] = quality.mean_psnr;
+        const std::optional<double> psnr,
+        splat::MeasureHoldoutPsnr(trained.model,
+                                  ReconstructRenderOptions(options_),
+                                  &images,
+                                  *context.pool,
+                                  /*level=*/0,
+                                  trained.exposures));
+    if (!psnr) return Status();
+    (*metrics)["trained_psnr"] = *psnr;
     std::vector<double> holdout;
     for (const nlohmann::json& view : metrics->at("holdout_views")) {
       holdout.push_back(view["psnr"]);
     }
-    const std::string note = NewViewsNote(quality.mean_psnr, holdout);
+    const std::string note = NewViewsNote(*psnr, holdout);
     if (!note.empty()) {
       context.log(pipeline::LogLevel::kWarning, note);
     }

@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -102,6 +103,7 @@ class ReconstructFixture : public testing::Test {
     };
     context.log = [&](pipeline::LogLevel, const std::string& line) {
       log_ += line + "\n";
+      if (on_log_) on_log_(line);
       if (!cancel_on_.empty() && line.find(cancel_on_) != std::string::npos) {
         cancellation.Cancel();
       }
@@ -150,6 +152,7 @@ class ReconstructFixture : public testing::Test {
   std::optional<std::chrono::steady_clock::time_point> deadline_;
   std::string log_;        // Of all runs.
   std::string cancel_on_;  // Text of the log line to cancel at, if any.
+  std::function<void(const std::string& line)> on_log_;
   splat::GaussianModel truth_;
 };
 

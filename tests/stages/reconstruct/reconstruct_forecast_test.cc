@@ -63,6 +63,32 @@ TEST(ReconstructForecastTest, PhotosBeyondTheCacheTakeNone) {
   const std::vector<View> train = more.train;
   more.train.insert(more.train.end(), train.begin(), train.end());
   EXPECT_EQ(Need(options, more).memory_bytes, all.memory_bytes);
+  more = SceneOutlookOf(65, 800, 600);
+  more.holdout.resize(10, more.holdout[0]);
+  EXPECT_EQ(Need(options, more).memory_bytes, all.memory_bytes);
+}
+
+TEST(ReconstructForecastTest, AllPhotosFitOrNeitherKindDoes) {
+  EXPECT_EQ(HoldoutShareOfCache(1000, 0), 0);
+  EXPECT_DOUBLE_EQ(HoldoutShareOfCache(300, 100), 0.2);
+}
+
+TEST(ReconstructForecastTest, HoldoutPhotosAndTheirPicturesTakeThreeBytesEach) {
+  ReconstructStageOptions options;
+  options.import = "scene.ply";
+  const SceneOutlook scene = SceneOutlookOf(24, 640, 480);
+  SceneOutlook more = scene;
+  more.holdout.push_back(more.holdout[0]);
+  const double pixels = 640 * 480;
+  const auto grown = [&] {
+    return static_cast<double>(Need(options, more).memory_bytes -
+                               Need(options, scene).memory_bytes);
+  };
+  EXPECT_NEAR(grown(), 6 * pixels, 2.0);
+  // While the scene is trained there are photos instead of pictures.
+  options.import.clear();
+  options.budget = "50000";
+  EXPECT_NEAR(grown(), 3 * pixels, 2.0);
 }
 
 TEST(ReconstructForecastTest, DiskHoldsTheModelAndThreeCheckpoints) {

@@ -148,6 +148,34 @@ TEST_F(ReconstructStageTest, TakesATrainedModel) {
   EXPECT_TRUE(metrics.at("exposure_search").is_null());
 }
 
+TEST_F(ReconstructStageTest, SaysThatATrainedModelIsAntialiased) {
+  ReconstructStageOptions options;
+  options.import = (workspace_ / "trained.ply").string();
+  ASSERT_TRUE(splat::WritePly(options.import, truth_).ok());
+  for (const bool antialiased : {false, true}) {
+    options.antialiased = antialiased;
+    ASSERT_TRUE(Run(options, "out").ok());
+    const auto model = splat::ReadPly(workspace_ / "out" / "point_cloud.ply");
+    ASSERT_TRUE(model.ok()) << model.status().message();
+    EXPECT_EQ(model->model.antialiased, antialiased);
+  }
+}
+
+// Those beyond the cache are read again, and here one has gone by then.
+TEST_F(ReconstructStageTest, HoldoutPhotosKeepToTheCache) {
+  ReconstructStageOptions options;
+  options.import = (workspace_ / "trained.ply").string();
+  ASSERT_TRUE(splat::WritePly(options.import, truth_).ok());
+  const fs::path photo = workspace_ / "undistort" / "images" / "photo5.png";
+  on_log_ = [&](const std::string& line) {
+    if (line.starts_with("imported")) fs::remove(photo);
+  };
+  options.image_cache_gb = 1e-6;
+  const Status status = Run(options, "out");
+  EXPECT_EQ(status.code(), StatusCode::kBadInput);
+  EXPECT_THAT(status.message(), testing::HasSubstr("photo5.png"));
+}
+
 TEST_F(ReconstructStageTest, TakesACompressedModel) {
   ReconstructStageOptions options;
   options.import = (workspace_ / "trained.SPZ").string();
