@@ -50,8 +50,8 @@ struct MiniSplattingOptions {
 // image pyramid.
 struct MiniSplattingContext {
   TrainingImages* images = nullptr;
-  const PhotoColors* colors =
-      nullptr;  // What was learnt of these; may be null.
+  // The learnt exposures of these photos; may be null.
+  const PhotoColors* colors = nullptr;
   int level = 0;
   RenderOptions render;
   double scene_extent = 1;

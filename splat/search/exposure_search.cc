@@ -136,7 +136,8 @@ StatusOr<ExposureChoice> SearchExposure(const ExposureSearchOptions& options,
                                                &trained,
                                                pool,
                                                level,
-                                               exposures));
+                                               exposures,
+                                               cancellation));
     return psnr.value_or(0);
   };
   FREEGS_ASSIGN_OR_RETURN(choice.without.trained, trained_psnr({}));
