@@ -113,11 +113,11 @@ ComparisonOf<T> ProjectGaussian(const ProjectionCamera<T>& camera,
   // So the determinant of Sigma' is a sum of positive numbers, which keeps its
   // digits where cov[0] cov[2] - cov[1]^2 loses all of them: with the long and
   // thin images of Gaussians right in front of the camera.
-  const T x = a[1] * a[5] - a[2] * a[4];
-  const T y = a[2] * a[3] - a[0] * a[5];
-  const T z = a[0] * a[4] - a[1] * a[3];
-  terms->sharp_determinant = x * x + y * y + z * z;
-  const T determinant = terms->sharp_determinant +
+  T* n = terms->cross;
+  n[0] = a[1] * a[5] - a[2] * a[4];
+  n[1] = a[2] * a[3] - a[0] * a[5];
+  n[2] = a[0] * a[4] - a[1] * a[3];
+  const T determinant = n[0] * n[0] + n[1] * n[1] + n[2] * n[2] +
                         camera.dilation * (cov[0] + cov[2] - camera.dilation);
   terms->determinant = determinant;
   const T inverse_determinant = T(1) / determinant;
@@ -137,7 +137,8 @@ OpacityFilter<T> FilterOpacity(const ProjectionCamera<T>& camera,
                                const ProjectionTerms<T>& terms) {
   using std::log;
   const T* c = projected.cov;
-  const T sharp = terms.sharp_determinant;
+  const T* n = terms.cross;
+  const T sharp = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
   const T wide = terms.determinant;
   const T ratio = sharp / wide;
   const T least(2.5e-5);
@@ -153,6 +154,81 @@ OpacityFilter<T> FilterOpacity(const ProjectionCamera<T>& camera,
   return filter;
 }
 
+// The part of the derivative that goes through the covariance Sigma'. Writes
+// dL/dA, adds to dL/dlog_scale, and overwrites dL/drotation.
+template <typename T>
+void BackwardCovariance(const ProjectionCamera<T>& camera,
+                        const ProjectedGaussian<T>& projected,
+                        const ProjectionTerms<T>& terms,
+                        const ProjectedGradient<T>& gradient,
+                        T da[6],
+                        T d_log_scale[3],
+                        T d_rotation[4]) {
+  const T* a = terms.half;
+  const T* n = terms.cross;
+  const T* c = projected.conic;
+  const T* s = terms.scale;
+
+  // B = Sigma'^-1 A. With the rows a0 and a1 of A and n = a0 x a1 its rows are
+  // (dilation a0 + a1 x n) / det and (dilation a1 - a0 x n) / det, in which
+  // nothing cancels. The product of the conic and A has no digit left along the
+  // image of a Gaussian that is a few hundred times as long as wide.
+  const T inverse_determinant = T(1) / terms.determinant;
+  T b[6];
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    b[i] = (camera.dilation * a[i] + (a[3 + j] * n[k] - a[3 + k] * n[j])) *
+           inverse_determinant;
+    b[3 + i] = (camera.dilation * a[3 + i] - (a[j] * n[k] - a[k] * n[j])) *
+               inverse_determinant;
+  }
+
+  // dL/dSigma' = H - Sigma'^-1 G Sigma'^-1 with the gradients G of the conic
+  // and H of cov as symmetric matrices (half of conic[1]'s in each corner of
+  // G). So dL/dA = 2 dL/dSigma' A = 2 (H A - Sigma'^-1 G B).
+  const T half_xy = gradient.conic[1] * T(0.5);
+  T gb[6], ha[6];
+  for (int i = 0; i < 3; ++i) {
+    gb[i] = gradient.conic[0] * b[i] + half_xy * b[3 + i];
+    gb[3 + i] = half_xy * b[i] + gradient.conic[2] * b[3 + i];
+    ha[i] = gradient.cov[0] * a[i] + gradient.cov[1] * a[3 + i];
+    ha[3 + i] = gradient.cov[1] * a[i] + gradient.cov[2] * a[3 + i];
+    da[i] = T(2) * (ha[i] - (c[0] * gb[i] + c[1] * gb[3 + i]));
+    da[3 + i] = T(2) * (ha[3 + i] - (c[1] * gb[i] + c[2] * gb[3 + i]));
+  }
+
+  // A = K R S with K = J W. The symmetric matrix E = A^T dL/dA is
+  // 2 (A^T H A - B^T G B). Its diagonal is dL/dlog_scale, and
+  // R^T dL/dR = S^-1 E S. A small turn by the vector t in the Gaussian's own
+  // axes changes R by R [t]_x, so the torque is dL/dt.
+  T inverse_scale[3], torque[3];
+  for (int i = 0; i < 3; ++i) {
+    // Where a scale is 0 as a float, E is 0 as well.
+    inverse_scale[i] = T(1) / (s[i] + T(1e-30));
+  }
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    d_log_scale[i] += T(2) * ((a[i] * ha[i] + a[3 + i] * ha[3 + i]) -
+                              (b[i] * gb[i] + b[3 + i] * gb[3 + i]));
+    const T e_kj = T(2) * ((a[k] * ha[j] + a[3 + k] * ha[3 + j]) -
+                           (b[k] * gb[j] + b[3 + k] * gb[3 + j]));
+    torque[i] = e_kj * (s[j] * inverse_scale[k] - s[k] * inverse_scale[j]);
+  }
+
+  // The turn changes the unit quaternion q by its product with (0, t) / 2. So
+  // the derivative is twice the product with (0, torque). It has no part along
+  // q, which the normalisation would take away.
+  const T* q = terms.quaternion;
+  const T turn = T(2) * terms.inverse_norm;
+  d_rotation[0] =
+      -turn * (q[1] * torque[0] + q[2] * torque[1] + q[3] * torque[2]);
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    d_rotation[1 + i] =
+        turn * (q[0] * torque[i] + q[1 + j] * torque[k] - q[1 + k] * torque[j]);
+  }
+}
+
 // The derivative of ProjectGaussian: from dL/d(projected) it adds to dL/dmean
 // and dL/dlog_scale, and overwrites dL/drotation, the derivative with respect
 // to the quaternion before normalisation.
@@ -164,39 +240,20 @@ void BackwardProjectGaussian(const ProjectionCamera<T>& camera,
                              T d_mean[3],
                              T d_log_scale[3],
                              T d_rotation[4]) {
-  const T* w = camera.rotation;
-  const T* c = projected.conic;
-  // Sigma' = conic^-1, so dL/dSigma' = -conic * dL/dconic * conic with both
-  // gradients as symmetric matrices (half of conic[1]'s in each corner).
-  const T ga = gradient.conic[0];
-  const T gb = gradient.conic[1] * T(0.5);
-  const T gc = gradient.conic[2];
-  const T m00 = c[0] * ga + c[1] * gb, m01 = c[0] * gb + c[1] * gc;
-  const T m10 = c[1] * ga + c[2] * gb, m11 = c[1] * gb + c[2] * gc;
-  const T s00 = gradient.cov[0] - (m00 * c[0] + m01 * c[1]);
-  const T s01 = gradient.cov[1] - (m00 * c[1] + m01 * c[2]);
-  const T s11 = gradient.cov[2] - (m10 * c[1] + m11 * c[2]);
-
-  // Sigma' = A A^T: dL/dA = 2 dL/dSigma' A.
-  const T* a = terms.half;
   T da[6];
-  for (int i = 0; i < 3; ++i) {
-    da[i] = T(2) * (s00 * a[i] + s01 * a[3 + i]);
-    da[3 + i] = T(2) * (s01 * a[i] + s11 * a[3 + i]);
-  }
+  BackwardCovariance(
+      camera, projected, terms, gradient, da, d_log_scale, d_rotation);
 
-  // A = K M with K = J W and M = R S.
-  const T* k = terms.world_to_image;
+  const T* w = camera.rotation;
+  const T* s = terms.scale;
+  // dL/dK = dL/dA (R S)^T.
   const T* r = terms.rotation;
-  T dr[9];
-  T dk[6] = {T(0), T(0), T(0), T(0), T(0), T(0)};
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      const T dm = k[i] * da[j] + k[3 + i] * da[3 + j];
-      dr[3 * i + j] = dm * terms.scale[j];
-      d_log_scale[j] += dm * r[3 * i + j] * terms.scale[j];
-      dk[i] += da[j] * r[3 * i + j] * terms.scale[j];
-      dk[3 + i] += da[3 + j] * r[3 * i + j] * terms.scale[j];
+  T dk[6];
+  for (int row = 0; row < 2; ++row) {
+    for (int i = 0; i < 3; ++i) {
+      dk[3 * row + i] = da[3 * row] * r[3 * i] * s[0] +
+                        da[3 * row + 1] * r[3 * i + 1] * s[1] +
+                        da[3 * row + 2] * r[3 * i + 2] * s[2];
     }
   }
 
@@ -224,23 +281,6 @@ void BackwardProjectGaussian(const ProjectionCamera<T>& camera,
                                inverse_z * inverse_z;
   for (int i = 0; i < 3; ++i) {
     d_mean[i] += w[i] * dt[0] + w[3 + i] * dt[1] + w[6 + i] * dt[2];
-  }
-
-  // R(q), then q / |q|.
-  const T qw = terms.quaternion[0], qx = terms.quaternion[1];
-  const T qy = terms.quaternion[2], qz = terms.quaternion[3];
-  T dq[4];
-  dq[0] = T(2) *
-          (qx * (dr[7] - dr[5]) + qy * (dr[2] - dr[6]) + qz * (dr[3] - dr[1]));
-  dq[1] = T(2) * (qw * (dr[7] - dr[5]) + qy * (dr[1] + dr[3]) +
-                  qz * (dr[2] + dr[6]) - T(2) * qx * (dr[4] + dr[8]));
-  dq[2] = T(2) * (qw * (dr[2] - dr[6]) + qx * (dr[1] + dr[3]) +
-                  qz * (dr[5] + dr[7]) - T(2) * qy * (dr[0] + dr[8]));
-  dq[3] = T(2) * (qw * (dr[3] - dr[1]) + qx * (dr[2] + dr[6]) +
-                  qy * (dr[5] + dr[7]) - T(2) * qz * (dr[0] + dr[4]));
-  const T along = dq[0] * qw + dq[1] * qx + dq[2] * qy + dq[3] * qz;
-  for (int i = 0; i < 4; ++i) {
-    d_rotation[i] = (dq[i] - along * terms.quaternion[i]) * terms.inverse_norm;
   }
 }
 

@@ -70,9 +70,9 @@ struct ProjectionTerms {
   T rotation[9];                   // Of the Gaussian.
   T scale[3];                      // exp(log_scale).
   T world_to_image[6];             // J W, 2 x 3.
-  T half[6];            // A = J W R S, 2 x 3: Sigma' = A A^T + dilation I.
-  T sharp_determinant;  // Of A A^T.
-  T determinant;        // Of Sigma'.
+  T half[6];      // A = J W R S, 2 x 3: Sigma' = A A^T + dilation I.
+  T cross[3];     // Of the rows of A.
+  T determinant;  // Of Sigma'.
 };
 
 }  // namespace freegs::splat

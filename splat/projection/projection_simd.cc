@@ -79,9 +79,10 @@ HWY_INLINE Direction ViewDirection(const SimdNumber mean[3],
   return direction;
 }
 
-// Writes a splat of each lane to the rows.
+// Writes a splat of each lane to the rows. shape: conic_xx, shear and
+// precision_y.
 HWY_INLINE void StoreSplats(const SimdNumber mean[2],
-                            const SimdNumber conic[3],
+                            const SimdNumber shape[3],
                             SimdNumber log2_opacity,
                             const SimdNumber extent[2],
                             const SimdNumber color[3],
@@ -90,8 +91,8 @@ HWY_INLINE void StoreSplats(const SimdNumber mean[2],
                             const LaneRows<float>& splats) {
   const Tag d;
   const hn::RebindToSigned<Tag> di;
-  const SimdNumber first[4] = {mean[0], mean[1], conic[0], conic[1]};
-  const SimdNumber second[4] = {conic[2], log2_opacity, extent[0], extent[1]};
+  const SimdNumber first[4] = {mean[0], mean[1], shape[0], shape[1]};
+  const SimdNumber second[4] = {shape[2], log2_opacity, extent[0], extent[1]};
   const SimdNumber third[4] = {color[0], color[1], color[2], depth};
   SimdNumber fourth[4];
   for (int k = 0; k < 4; ++k) {
@@ -213,8 +214,11 @@ HWY_INLINE SimdMask ProjectGroup(const ProjectionTask& task,
     Splat* splat = l < group.count ? splats + group.indices[l] : &unused;
     rows.of_lane[l] = reinterpret_cast<float*>(splat);
   }
+  const SimdNumber precision_y = SimdNumber(1.0f) / projected.cov[2];
+  const SimdNumber shape[3] = {
+      projected.conic[0], -projected.cov[1] * precision_y, precision_y};
   StoreSplats(projected.mean,
-              projected.conic,
+              shape,
               log2_opacity,
               extent,
               color,

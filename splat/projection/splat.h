@@ -18,11 +18,19 @@ inline constexpr float kMinTransmittance = 1e-4f;
 
 // A projected Gaussian in one cache line.
 struct alignas(64) Splat {
-  float mean_x, mean_y;                // Pixels.
-  float conic_xx, conic_xy, conic_yy;  // Inverse covariance, 1 / px^2.
-  float log2_opacity;                  // <= 0.
-  float extent_x, extent_y;            // Half size of the box where alpha may
-                                       // reach 1/255, pixels.
+  float mean_x, mean_y;  // Pixels.
+  // With (dx, dy) = pixel centre - mean,
+  //   ln(alpha) = ln(opacity) - (conic_xx (dx + shear dy)^2 + precision_y dy^2)
+  //               / 2.
+  // This is the inverse covariance as a sum of squares. Its terms have one
+  // sign, so nothing cancels, however long and thin the splat is, and wherever
+  // its mean lies.
+  float conic_xx;            // 1 / px^2.
+  float shear;               // -cov_xy / cov_yy.
+  float precision_y;         // 1 / cov_yy, 1 / px^2.
+  float log2_opacity;        // <= 0.
+  float extent_x, extent_y;  // Half size of the box where alpha may
+                             // reach 1/255, pixels.
   float color[3];
   float depth;
   // The pixels of the image in that box: columns [x_begin, x_end), rows

@@ -16,18 +16,15 @@ namespace {
 
 constexpr auto kLn2 = std::numbers::ln2_v<float>;
 
-// The ellipse around a splat's mean in which its alpha is 1/255 or more:
-// d^T conic d <= reach. No difference of large numbers is taken, so the ellipse
-// of a long and thin splat is as exact as any other.
+// The ellipse around a splat's mean in which its alpha is 1/255 or more.
 class Ellipse {
  public:
   explicit Ellipse(const Splat& splat)
       : splat_(splat),
-        slope_(-splat.conic_xy / splat.conic_xx),
         half_width_(std::sqrt(2 * kLn2 * (splat.log2_opacity - kMinLog2Alpha) /
                               splat.conic_xx)),
-        // Where the ellipse is farthest to the right.
-        right_dy_(-splat.conic_xy / splat.conic_yy * splat.extent_x) {}
+        right_dy_(-splat.shear * splat.extent_y *
+                  (splat.extent_y / splat.extent_x)) {}
 
   // The x range of the ellipse (absolute pixels) over y in [y0, y1]; false when
   // the band misses it.
@@ -46,16 +43,16 @@ class Ellipse {
     const float t = dy / splat_.extent_y;
     const float half_chord =
         half_width_ * std::sqrt(std::max((1 - t) * (1 + t), 0.0f));
-    return slope_ * dy + sign * half_chord;
+    return sign * half_chord - splat_.shear * dy;
   }
 
   const Splat& splat_;
-  float slope_;       // dx / dy of the middles of the chords.
   float half_width_;  // Half of the chord through the mean.
-  float right_dy_;
+  float right_dy_;    // Where the ellipse is farthest to the right.
 };
 
-// Added to the chord, in pixels, to make up for rounding: one tile too many
+// Added to the chord, in pixels, to make up for rounding, which is less while
+// the mean lies within some ten thousand pixels of the tile: one tile too many
 // costs little, but a missing tile shows as a seam.
 constexpr float kSlack = 0.01f;
 

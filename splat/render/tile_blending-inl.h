@@ -105,13 +105,14 @@ struct TileSplat {
       : mean_x(splat.mean_x - static_cast<float>(task.x0) - 0.5f),
         mean_y(splat.mean_y - static_cast<float>(task.y0) - 0.5f),
         xx(-0.5f * kLog2E * splat.conic_xx),
-        xy(-kLog2E * splat.conic_xy),
-        yy(-0.5f * kLog2E * splat.conic_yy),
+        shear(splat.shear),
+        yy(-0.5f * kLog2E * splat.precision_y),
         log2_opacity(splat.log2_opacity) {}
 
-  // log2(alpha) = log2_opacity + xx dx^2 + xy dx dy + yy dy^2.
+  // log2(alpha) = log2_opacity + xx (dx + shear dy)^2 + yy dy^2, where xx and
+  // yy are not positive. So alpha is never above the opacity.
   float mean_x, mean_y;
-  float xx, xy, yy;
+  float xx, shear, yy;
   float log2_opacity;
 };
 
@@ -120,18 +121,18 @@ struct TileSplat {
 // In the rectangle of a block's pixel centres alpha is largest at the mean, if
 // that is inside, or else on one of the at most two sides that face the mean.
 // On such a side log2(alpha) is a parabola, whose top is clamped to the side.
-// kSlack and the share of the terms make up for rounding.
+// kSlack makes up for rounding.
 HWY_INLINE TileBlocks TouchedBlocks(Tag d, const TileSplat& splat) {
   constexpr float kSlack = 0.01f;
-  constexpr float kRounding = 2e-6f;
   const Vec zero = hn::Zero(d);
   const Vec side = hn::Set(d, static_cast<float>(kBlockSize - 1));
   const Vec xx = hn::Set(d, splat.xx);
-  const Vec xy = hn::Set(d, splat.xy);
+  const Vec shear = hn::Set(d, splat.shear);
   const Vec yy = hn::Set(d, splat.yy);
   // Where the derivative along a column is 0: dy = y_of_x dx.
-  const Vec y_of_x = hn::Set(d, -0.5f * splat.xy / splat.yy);
-  const Vec x_of_y = hn::Set(d, -0.5f * splat.xy / splat.xx);
+  const float sheared = splat.xx * splat.shear;
+  const Vec y_of_x = hn::Set(d, -sheared / (sheared * splat.shear + splat.yy));
+  const Vec x_of_y = hn::Set(d, -splat.shear);
   const Vec least = hn::Set(d, kMinLog2Alpha - kSlack - splat.log2_opacity);
   TileBlocks blocks = 0;
   for (size_t b = 0; b < kNumBlocks; b += hn::Lanes(d)) {
@@ -144,12 +145,10 @@ HWY_INLINE TileBlocks TouchedBlocks(Tag d, const TileSplat& splat) {
     const Vec near_x = hn::Max(left, hn::Min(right, zero));
     const Vec near_y = hn::Max(top, hn::Min(bottom, zero));
     const auto reaches = [&](Vec dx, Vec dy) HWY_ATTR {
-      const Vec squares =
-          hn::MulAdd(hn::Mul(xx, dx), dx, hn::Mul(hn::Mul(yy, dy), dy));
-      const Vec log2_alpha = hn::MulAdd(hn::Mul(xy, dx), dy, squares);
-      // `squares` is negative.
-      return hn::Ge(hn::NegMulAdd(squares, hn::Set(d, kRounding), log2_alpha),
-                    least);
+      const Vec t = hn::MulAdd(shear, dy, dx);
+      const Vec log2_alpha =
+          hn::MulAdd(hn::Mul(xx, t), t, hn::Mul(hn::Mul(yy, dy), dy));
+      return hn::Ge(log2_alpha, least);
     };
     const Mask touched = hn::Or(
         reaches(near_x, hn::Max(top, hn::Min(bottom, hn::Mul(y_of_x, near_x)))),
@@ -209,7 +208,7 @@ HWY_INLINE void BlendBlocks(Tag d,
   const Vec mean_x = hn::Set(d, splat.mean_x);
   const Vec mean_y = hn::Set(d, splat.mean_y);
   const Vec xx = hn::Set(d, splat.xx);
-  const Vec xy = hn::Set(d, splat.xy);
+  const Vec shear = hn::Set(d, splat.shear);
   const Vec yy = hn::Set(d, splat.yy);
   const Vec log2_opacity = hn::Set(d, splat.log2_opacity);
   const Vec min_log2_alpha = hn::Set(d, kMinLog2Alpha);
@@ -220,10 +219,10 @@ HWY_INLINE void BlendBlocks(Tag d,
          pixel += static_cast<int>(hn::Lanes(d))) {
       const Vec dx = hn::Sub(hn::Load(d, kPixelCoordinates.x + pixel), mean_x);
       const Vec dy = hn::Sub(hn::Load(d, kPixelCoordinates.y + pixel), mean_y);
-      const Vec linear = hn::Mul(xy, dx);
-      const Vec base = Arithmetic::MulAdd(hn::Mul(xx, dx), dx, log2_opacity);
+      const Vec sheared = Arithmetic::MulAdd(shear, dy, dx);
+      const Vec base = Arithmetic::MulAdd(hn::Mul(yy, dy), dy, log2_opacity);
       const Vec log2_alpha =
-          Arithmetic::MulAdd(Arithmetic::MulAdd(yy, dy, linear), dy, base);
+          Arithmetic::MulAdd(hn::Mul(xx, sheared), sheared, base);
       const Vec t = hn::Load(d, transmittance + pixel);
       const Mask mask = hn::And(hn::Ge(log2_alpha, min_log2_alpha),
                                 hn::Ge(t, min_transmittance));

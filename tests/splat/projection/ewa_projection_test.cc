@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -100,6 +101,23 @@ TEST(EwaProjection, BackwardMatchesJets) {
   EXPECT_GT(bounded, 20);
 }
 
+// Where a Gaussian lies and what shape it has: input of ProjectGaussian. In the
+// tests below its image is 20 pixels long or more and a pixel wide.
+std::array<double, kInputs> LongAndThin(double max_log_scale,
+                                        RandomStream& random) {
+  std::array<double, kInputs> input;
+  input[0] = 0.1 * (random.Uniform() - 0.5);
+  input[1] = 0.1 * (random.Uniform() - 0.5);
+  input[2] = 0.25;
+  input[3] = -3.5 + (max_log_scale + 3.5) * random.Uniform();
+  for (int i = 4; i < 6; ++i) {
+    input[i] = std::log(1e-4 + 1e-3 * random.Uniform());
+  }
+  for (int i = 6; i < 10; ++i) input[i] = random.Normal();
+  for (double& value : input) value = static_cast<float>(value);
+  return input;
+}
+
 // In floats the images of Gaussians right in front of the camera are as thin as
 // in doubles, however long they are.
 TEST(EwaProjection, LongAndThinInFloats) {
@@ -108,19 +126,9 @@ TEST(EwaProjection, LongAndThinInFloats) {
   const auto float_camera = Camera<float>(camera);
   RandomStream random(9, 1);
   for (int trial = 0; trial < 200; ++trial) {
-    std::array<double, kInputs> input;
-    input[0] = 0.1 * (random.Uniform() - 0.5);
-    input[1] = 0.1 * (random.Uniform() - 0.5);
-    input[2] = 0.25;
-    input[3] = std::log(1.0 + 50 * random.Uniform());
-    for (int i = 4; i < 6; ++i)
-      input[i] = std::log(1e-4 + 1e-2 * random.Uniform());
-    for (int i = 6; i < 10; ++i) input[i] = random.Normal();
+    const std::array<double, kInputs> input = LongAndThin(3.5, random);
     std::array<float, kInputs> floats;
-    for (int i = 0; i < kInputs; ++i) {
-      floats[i] = static_cast<float>(input[i]);
-      input[i] = floats[i];
-    }
+    std::copy(input.begin(), input.end(), floats.begin());
     ProjectedGaussian<double> exact;
     ProjectionTerms<double> terms;
     ProjectedGaussian<float> projected;
@@ -140,6 +148,68 @@ TEST(EwaProjection, LongAndThinInFloats) {
                 width,
                 1e-4 * width)
         << "length " << std::sqrt(exact.cov[0] + exact.cov[2]);
+  }
+}
+
+// The derivatives as well, up to 1500 pixels. dL/dconic is that of a loss which
+// pulls at pixels within the image of the Gaussian.
+TEST(EwaProjection, BackwardOfLongAndThinInFloats) {
+  const auto camera = MakeProjectionCamera<double>(
+      TestCamera(160, 120), Rigid3d(), RenderOptions());
+  const auto float_camera = Camera<float>(camera);
+  RandomStream random(10, 1);
+  for (int trial = 0; trial < 200; ++trial) {
+    const std::array<double, kInputs> input = LongAndThin(1, random);
+    std::array<float, kInputs> floats;
+    std::copy(input.begin(), input.end(), floats.begin());
+    ProjectedGaussian<double> exact;
+    ProjectionTerms<double> terms;
+    ProjectedGaussian<float> projected;
+    ProjectionTerms<float> float_terms;
+    ASSERT_TRUE(ProjectGaussian(
+        camera, &input[0], &input[3], &input[6], &exact, &terms));
+    ASSERT_TRUE(ProjectGaussian(float_camera,
+                                &floats[0],
+                                &floats[3],
+                                &floats[6],
+                                &projected,
+                                &float_terms));
+    const double length = std::sqrt(exact.cov[0] + exact.cov[2]);
+    const double along[2] = {
+        std::sqrt(exact.cov[0]) / length,
+        std::copysign(std::sqrt(exact.cov[2]) / length, exact.cov[1])};
+    ProjectedGradient<double> weights{};
+    for (int pixel = 0; pixel < 20; ++pixel) {
+      const double l = length * random.Normal(), t = random.Normal();
+      const double dx = l * along[0] - t * along[1];
+      const double dy = l * along[1] + t * along[0];
+      const double pull = random.Uniform();
+      weights.conic[0] -= 0.5 * pull * dx * dx;
+      weights.conic[1] -= pull * dx * dy;
+      weights.conic[2] -= 0.5 * pull * dy * dy;
+    }
+    ProjectedGradient<float> float_weights{};
+    for (int k = 0; k < 3; ++k) {
+      float_weights.conic[k] = static_cast<float>(weights.conic[k]);
+      weights.conic[k] = float_weights.conic[k];
+    }
+    std::array<double, kInputs> want{};
+    BackwardProjectGaussian(
+        camera, exact, terms, weights, &want[0], &want[3], &want[6]);
+    std::array<float, kInputs> got{};
+    BackwardProjectGaussian(float_camera,
+                            projected,
+                            float_terms,
+                            float_weights,
+                            &got[0],
+                            &got[3],
+                            &got[6]);
+    EXPECT_NEAR(got[3], want[3], 1e-3 * std::abs(want[3])) << length;
+    double size = 0;
+    for (int i = 6; i < 10; ++i) size = std::max(size, std::abs(want[i]));
+    for (int i = 6; i < 10; ++i) {
+      EXPECT_NEAR(got[i], want[i], 0.02 * size) << length;
+    }
   }
 }
 

@@ -310,6 +310,48 @@ TEST(Rasterizer, DegenerateGaussiansLeaveFinitePictures) {
 }
 
 // Numbers of Gaussians that fill no whole group of lanes, and every SH degree.
+// Long and thin Gaussians whose means lie up to 20000 pixels outside of the
+// picture, into which they reach.
+TEST(Rasterizer, SplatsFromFarOutsideAreAsTheyShouldBe) {
+  GaussianModel model = RandomSceneModel(20, 0, 8);
+  RandomStream random(8, 3);
+  for (size_t i = 0; i < model.size(); ++i) {
+    const double angle = 6.28 * random.Uniform();
+    const double distance = std::exp(4.5 * random.Uniform());
+    const double depth = 0.3 + random.Uniform();
+    model.means[3 * i] = static_cast<float>(
+        0.4 * depth * (random.Uniform() - 0.5) + distance * std::cos(angle));
+    model.means[3 * i + 1] = static_cast<float>(
+        0.4 * depth * (random.Uniform() - 0.5) + distance * std::sin(angle));
+    model.means[3 * i + 2] = static_cast<float>(depth);
+    model.log_scales[3 * i] = static_cast<float>(std::log(1.5 * distance));
+    model.log_scales[3 * i + 1] = std::log(1e-3f);
+    model.log_scales[3 * i + 2] = std::log(1e-3f);
+    model.rotations[4 * i] = static_cast<float>(std::cos(angle / 2));
+    model.rotations[4 * i + 1] = model.rotations[4 * i + 2] = 0;
+    model.rotations[4 * i + 3] = static_cast<float>(std::sin(angle / 2));
+    model.opacity_logits[i] = 2;
+  }
+  const Pinhole camera = TestCamera(75, 53);
+  const std::vector<double> expected =
+      ReferenceRender(ReferenceModel(model), camera, Rigid3d(), TestOptions());
+  ThreadPool pool(2);
+  Rasterizer rasterizer;
+  RasterImages images;
+  rasterizer.Forward(
+      model, camera, Rigid3d(), TestOptions(), {}, pool, &images);
+  size_t covered = 0;
+  for (size_t p = 0; p < images.color.num_pixels(); ++p) {
+    const double* want = &expected[5 * p];
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_NEAR(images.color.data()[3 * p + c], want[c], 0.02);
+    }
+    EXPECT_NEAR(images.transmittance.data()[p], want[3], 0.02);
+    covered += want[3] < 0.9;
+  }
+  EXPECT_GT(covered, images.color.num_pixels() / 4);
+}
+
 TEST(Rasterizer, EveryInstructionSetAgrees) {
   const Pinhole camera = TestCamera(52, 37);
   ThreadPool pool(2);

@@ -80,7 +80,8 @@ TEST(TileBins, HoldsEveryTouchedTileAndFewMore) {
     }
     const Splat& splat = projection.splats[i];
     const double mean[2] = {splat.mean_x, splat.mean_y};
-    const double conic[3] = {splat.conic_xx, splat.conic_xy, splat.conic_yy};
+    const double xx = splat.conic_xx, xy = xx * splat.shear;
+    const double conic[3] = {xx, xy, xy * splat.shear + splat.precision_y};
     const std::set<int> want = TouchedTiles(
         mean, conic, splat.log2_opacity, camera, bins.tiles_x, -1e-4);
     needed += want.size();

@@ -29,19 +29,20 @@ Splat RandomSplat(RandomStream& random) {
   Splat splat = {};
   splat.mean_x = static_cast<float>(32 + Between(random, -30, 46));
   splat.mean_y = static_cast<float>(16 + Between(random, -30, 46));
-  splat.conic_xx = static_cast<float>(along * c * c + across * s * s);
-  splat.conic_xy = static_cast<float>((along - across) * c * s);
-  splat.conic_yy = static_cast<float>(along * s * s + across * c * c);
+  const double xx = along * c * c + across * s * s;
+  splat.conic_xx = static_cast<float>(xx);
+  splat.shear = static_cast<float>((along - across) * c * s / xx);
+  splat.precision_y = static_cast<float>(along * across / xx);
   splat.log2_opacity = static_cast<float>(Between(random, -7.9, 0));
   return splat;
 }
 
 double Log2Alpha(const Splat& splat, double x, double y) {
   const double dx = x + 0.5 - splat.mean_x, dy = y + 0.5 - splat.mean_y;
+  const double sheared = dx + splat.shear * dy;
   return splat.log2_opacity -
          0.5 * std::numbers::log2e *
-             (splat.conic_xx * dx * dx + 2 * splat.conic_xy * dx * dy +
-              splat.conic_yy * dy * dy);
+             (splat.conic_xx * sheared * sheared + splat.precision_y * dy * dy);
 }
 
 // The blocks of the task's tile with a pixel at which log2(alpha) is at least
@@ -98,7 +99,7 @@ TEST(TileKernels, BlocksOfASplatAreThoseThatItReaches) {
 TEST(TileKernels, BlocksOutsideThePictureAreNotTouched) {
   Splat splat = {};
   splat.mean_x = splat.mean_y = 8;
-  splat.conic_xx = splat.conic_yy = 0.01f;
+  splat.conic_xx = splat.precision_y = 0.01f;
   const uint32_t entry = 0;
   TileTask task;
   task.splats = &splat;
