@@ -400,4 +400,18 @@ StatusOr<CameraSelection> RefineCameras(const CameraSelectionOptions& options,
   return selection;
 }
 
+StatusOr<CameraSelection> RefineCamerasAgain(
+    const CameraSelectionOptions& options,
+    const CameraGroups& groups,
+    Reconstruction* model) {
+  // Cameras that photos share again explain the model badly until they are
+  // adjusted, so the model itself must not get them before that.
+  Reconstruction refined = *model;
+  RestoreCameraGroups(groups, &refined);
+  FREEGS_ASSIGN_OR_RETURN(CameraSelection selection,
+                          RefineCameras(options, &refined));
+  *model = std::move(refined);
+  return selection;
+}
+
 }  // namespace freegs::sfm

@@ -110,6 +110,14 @@ StatusOr<CameraSelection> SelectCameras(const Reconstruction& model,
 StatusOr<CameraSelection> RefineCameras(const CameraSelectionOptions& options,
                                         Reconstruction* model);
 
+// The same for a model whose cameras were chosen before: kPerGroup means the
+// groups that were noted then (see RestoreCameraGroups). On an error the model
+// is untouched and keeps the cameras of the earlier choice.
+StatusOr<CameraSelection> RefineCamerasAgain(
+    const CameraSelectionOptions& options,
+    const CameraGroups& groups,
+    Reconstruction* model);
+
 }  // namespace freegs::sfm
 
 #endif  // FREEGS_SFM_CALIBRATION_CAMERA_SELECTION_H_

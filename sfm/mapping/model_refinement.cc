@@ -16,9 +16,10 @@ namespace freegs::sfm {
 namespace fs = std::filesystem;
 
 // Gives a model the simplest cameras that explain it, and adjusts it with them.
-// If the model has too little to choose by, COLMAP's cameras stay.
+// If its cameras were chosen before, `groups` are the groups noted then; else
+// it is null. If the model has too little to choose by, it keeps its cameras.
 StatusOr<ModelRefinement::CameraChoice> ModelRefinement::ChooseCameras(
-    Reconstruction* model) const {
+    const CameraGroups* groups, Reconstruction* model) const {
   if (context_.options.camera_model != "auto" || model->images.size() < 3) {
     return CameraChoice{};
   }
@@ -29,7 +30,9 @@ StatusOr<ModelRefinement::CameraChoice> ModelRefinement::ChooseCameras(
   options.per_photo |= context_.options.camera == "per_image";
   options.num_threads = context_.num_threads;
   options.cancellation = context_.input.cancellation;
-  auto selection = RefineCameras(options, model);
+  auto selection = groups == nullptr
+                       ? RefineCameras(options, model)
+                       : RefineCamerasAgain(options, *groups, model);
   context_.Report("camera model", 1, 1, "");
   if (selection.ok()) return CameraChoice{std::move(selection->candidates), ""};
   if (selection.status().code() != StatusCode::kUnusableResult) {
@@ -112,7 +115,7 @@ StatusOr<std::optional<AttemptResult>> ModelRefinement::MapFromLaterPair(
   made.repairs = std::move(parts.attempts);
   if (!made.models.empty()) {
     NoteCameraGroups(made.models[0], groups);
-    FREEGS_RETURN_IF_ERROR(ChooseCameras(&made.models[0]).status());
+    FREEGS_RETURN_IF_ERROR(ChooseCameras(nullptr, &made.models[0]).status());
   }
   return std::optional(std::move(made));
 }
@@ -125,12 +128,22 @@ Status ModelRefinement::TakeConfirmed(ConfirmedPoses confirmed,
                                       CameraChoice* cameras,
                                       RefinedModels* refined) const {
   if (!confirmed.models.empty()) {
-    RestoreCameraGroups(groups, &confirmed.models[0]);
     FREEGS_ASSIGN_OR_RETURN(CameraChoice their_cameras,
-                            ChooseCameras(&confirmed.models[0]));
+                            ChooseCameras(&groups, &confirmed.models[0]));
     if (!AreOfNoUse(*evidence, confirmed.models)) {
       refined->models = std::move(confirmed.models);
-      *cameras = std::move(their_cameras);
+      if (their_cameras.problem.empty()) {
+        *cameras = std::move(their_cameras);
+      } else {
+        // What the first choice tells is true of the first model alone.
+        if (confirmed.replaced) *cameras = {};
+        if (cameras->problem.empty()) {
+          refined->warnings.push_back(
+              "the cameras could not be chosen once more, and stay as they "
+              "were before: " +
+              their_cameras.problem);
+        }
+      }
     } else {
       // A model with uncertain photos is better than none.
       if (confirmed.replaced) {
@@ -174,7 +187,7 @@ StatusOr<RefinedModels> ModelRefinement::Run(std::vector<Reconstruction> models,
   CameraGroups groups;
   NoteCameraGroups(refined.models[0], &groups);
   FREEGS_ASSIGN_OR_RETURN(CameraChoice cameras,
-                          ChooseCameras(&refined.models[0]));
+                          ChooseCameras(nullptr, &refined.models[0]));
   FREEGS_ASSIGN_OR_RETURN(const bool can,
                           CanMapAgain(*evidence, refined.models));
   if (can) {

@@ -26,7 +26,8 @@ struct RefinedModels {
   std::vector<Reconstruction> models;  // The best first; may be empty.
 
   // The cameras among which that of models[0] was chosen; empty if there was no
-  // choice.
+  // choice, or if models[0] comes from a further mapping and its cameras could
+  // not be chosen once more.
   std::vector<CameraCandidate> camera_models;
 
   std::vector<Attempt> attempts;  // Further mappings, in order.
@@ -65,7 +66,8 @@ class ModelRefinement {
     std::string problem;
   };
 
-  StatusOr<CameraChoice> ChooseCameras(Reconstruction* model) const;
+  StatusOr<CameraChoice> ChooseCameras(const CameraGroups* groups,
+                                       Reconstruction* model) const;
   bool AreOfNoUse(const SceneEvidence& evidence,
                   const std::vector<Reconstruction>& models) const;
   StatusOr<bool> CanMapAgain(const SceneEvidence& evidence,

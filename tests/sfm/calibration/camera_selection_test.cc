@@ -3,6 +3,8 @@
 
 #include "sfm/calibration/camera_selection.h"
 
+#include <algorithm>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -203,6 +205,38 @@ TEST(RestoreCameraGroups, GroupsAreThoseBeforeTheFirstChoice) {
     EXPECT_EQ(model.images[2].camera_id, model.images[3].camera_id);
     EXPECT_TRUE(CheckReconstruction(model).ok());
   }
+}
+
+// Whether the second choice succeeds or not, the model is as exact as before.
+TEST(RefineCamerasAgain, AChoiceThatFailsLeavesTheFirstOne) {
+  NoisyScene scene;
+  scene.num_points = 200;
+  for (int i = 0; i < scene.num_images; ++i) {
+    scene.cameras.push_back(MakeCamera(CameraModel::kSimplePinhole,
+                                       {450.0 + 20 * (i * 5 % 12), 320, 240}));
+  }
+  Reconstruction model = MakeNoisyScene(scene);
+  CameraGroups groups;  // COLMAP believed in one camera.
+  for (const PosedImage& image : model.images) groups[image.name] = 1;
+  const auto bytes = [](const Reconstruction& any) {
+    return CamerasToBinary(any.cameras) + ImagesToBinary(any.images) +
+           PointsToBinary(any.points3d);
+  };
+  CameraSelectionOptions options;
+  options.models = {CameraModel::kSimplePinhole};
+  Reconstruction poor = model;
+  for (Point3D& point : poor.points3d) {
+    point.track.resize(std::min<size_t>(point.track.size(), 2));
+  }
+  const std::string before = bytes(poor);
+  const auto failed = RefineCamerasAgain(options, groups, &poor);
+  EXPECT_EQ(failed.status().code(), StatusCode::kUnusableResult);
+  EXPECT_TRUE(bytes(poor) == before);
+
+  options.shared = options.per_photo = false;  // The groups alone.
+  const auto selection = RefineCamerasAgain(options, groups, &model);
+  ASSERT_TRUE(selection.ok()) << selection.status().message();
+  EXPECT_EQ(model.cameras.size(), 1u);
 }
 
 TEST(SelectCameras, SameForAnyNumberOfThreads) {
