@@ -205,8 +205,9 @@ std::string PlainPath(const std::string& path) {
   return fs::path(path).lexically_normal().string();
 }
 
-// Appends the frames of a file. With `holdout` all of them are for evaluation,
-// otherwise those that the file lists.
+// Appends the frames of a file, without those that another file has already.
+// With `holdout` all of them are for evaluation, otherwise those that the file
+// lists.
 Status ReadFrames(const fs::path& path,
                   bool holdout,
                   std::vector<NamedFrame>* frames,
@@ -219,9 +220,26 @@ Status ReadFrames(const fs::path& path,
   for (const std::string& name : parsed->holdout) {
     listed.insert(PlainPath(name));
   }
+  std::set<std::string> known;
+  for (const NamedFrame& earlier : *frames) {
+    known.insert(PlainPath(earlier.frame.file_path));
+  }
+  std::vector<std::string> again;
   for (TransformsFrame& frame : parsed->frames) {
-    const bool is_listed = listed.contains(PlainPath(frame.file_path));
-    frames->push_back({std::move(frame), holdout || is_listed});
+    const std::string plain = PlainPath(frame.file_path);
+    if (known.contains(plain)) {
+      again.push_back(std::move(frame.file_path));
+    } else {
+      frames->push_back({std::move(frame), holdout || listed.contains(plain)});
+    }
+  }
+  if (!again.empty()) {
+    result->warnings.push_back(
+        path.string() +
+        ": has photos that a transforms file before it has too; the pose there "
+        "is taken, and only that file decides whether they are for "
+        "evaluation: " +
+        SomeNames(again));
   }
   result->names_masks = result->names_masks || parsed->names_masks;
   if (!parsed->points_file.empty()) {

@@ -208,6 +208,24 @@ TEST(ImportModel, TransformsGetRandomPoints) {
       CameraCentre(imported->model.images[1].cam_from_world).x(), 1, 1e-12);
 }
 
+TEST(ImportModel, PhotosThatTwoTransformsFilesHave) {
+  const TemporaryFolder folder;
+  WriteText(folder / "transforms_train.json",
+            Transforms({"./images/photo_000", "./images/photo_001"}));
+  WriteText(folder / "transforms_test.json",
+            Transforms({"./images/photo_002", "images/photo_000"}));
+  const auto imported = Import(folder.path(), Photos(3));
+  ASSERT_TRUE(imported.ok()) << imported.status().message();
+  EXPECT_EQ(imported->model.images.size(), 3u);
+  EXPECT_NEAR(
+      CameraCentre(imported->model.images[0].cam_from_world).x(), 0, 1e-12);
+  EXPECT_THAT(imported->holdout, ElementsAre("photo_002.jpg"));
+  EXPECT_TRUE(imported->unmatched.empty());
+  EXPECT_THAT(imported->warnings,
+              ElementsAre(testing::AllOf(HasSubstr("transforms_test.json: has"),
+                                         HasSubstr("images/photo_000"))));
+}
+
 TEST(ImportModel, NerfstudioNamesHoldoutPhotosMasksAndPoints) {
   const TemporaryFolder folder;
   std::string text = Transforms(
