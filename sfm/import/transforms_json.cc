@@ -20,8 +20,7 @@ namespace {
 
 using nlohmann::json;
 
-// Overwrites what `object` (the file or one frame) gives. Where it has both
-// "is_fisheye" and "camera_model", the second one counts.
+// Overwrites the numbers that `object` (the file or one frame) gives.
 Status ReadIntrinsics(const json& object, TransformsIntrinsics* result) {
   const std::pair<const char*, double*> fields[] = {
       {"w", &result->width},
@@ -62,6 +61,12 @@ Status ReadIntrinsics(const json& object, TransformsIntrinsics* result) {
     if (field == nullptr || field->is_null()) continue;
     FREEGS_ASSIGN_OR_RETURN(*value, ReadNumber(field, key));
   }
+  return {};
+}
+
+// Overwrites the kind of camera, if `object` gives it. Where it has both
+// "is_fisheye" and "camera_model", the second one counts.
+Status ReadKind(const json& object, TransformsIntrinsics* result) {
   const auto fisheye = object.find("is_fisheye");
   if (fisheye != object.end()) {
     if (!fisheye->is_boolean() && !fisheye->is_number_integer()) {
@@ -69,7 +74,6 @@ Status ReadIntrinsics(const json& object, TransformsIntrinsics* result) {
     }
     result->fisheye = fisheye->is_boolean() ? fisheye->get<bool>()
                                             : fisheye->get<int64_t>() != 0;
-    result->full_opencv = false;
   }
   const auto model = object.find("camera_model");
   if (model != object.end()) {
@@ -153,7 +157,10 @@ std::string TextOf(const json& object, const char* key) {
 StatusOr<TransformsFile> ParseTransforms(std::string_view text) {
   FREEGS_ASSIGN_OR_RETURN(const json root, ParseJsonObject(text));
   TransformsIntrinsics shared;
+  FREEGS_RETURN_IF_ERROR(ReadKind(root, &shared));
   FREEGS_RETURN_IF_ERROR(ReadIntrinsics(root, &shared));
+  const bool has_kind =
+      root.contains("is_fisheye") || root.contains("camera_model");
   const auto list = root.find("frames");
   if (list == root.end() || !list->is_array() || list->empty()) {
     return BadInputError("has no list \"frames\" with at least one frame");
@@ -179,9 +186,15 @@ StatusOr<TransformsFile> ParseTransforms(std::string_view text) {
     if (!names.insert(frame.file_path).second) {
       return BadInputError(where + " appears twice");
     }
-    frame.intrinsics = shared;
-    FREEGS_RETURN_IF_ERROR(
-        ReadIntrinsics(entry, &frame.intrinsics).Annotated(where));
+    TransformsIntrinsics& own = frame.intrinsics;
+    own = shared;
+    FREEGS_RETURN_IF_ERROR(ReadKind(entry, &own).Annotated(where));
+    if (has_kind && own.fisheye != shared.fisheye) {
+      // Distortion of one kind means nothing to the other one. A file that does
+      // not say its kind may give it for its frames.
+      own.k1 = own.k2 = own.k3 = own.k4 = own.k5 = own.k6 = own.p1 = own.p2 = 0;
+    }
+    FREEGS_RETURN_IF_ERROR(ReadIntrinsics(entry, &own).Annotated(where));
     FREEGS_RETURN_IF_ERROR(
         ReadPose(entry, &frame.cam_from_world).Annotated(where));
     file.names_masks = file.names_masks || !TextOf(entry, "mask_path").empty();

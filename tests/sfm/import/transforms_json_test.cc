@@ -179,6 +179,33 @@ TEST(ParseTransforms, AFrameMayHaveAnotherKindOfCamera) {
             CameraModel::kPinhole);
 }
 
+TEST(ParseTransforms, DistortionIsInheritedWithinAKind) {
+  using testing::ElementsAre;
+  const std::string fisheye = R"("camera_model": "OPENCV_FISHEYE", )";
+  const std::string plain = R"("camera_model": "OPENCV", )";
+  const std::string perspective = R"("k1": 0.1, "k2": 0.2, "p1": 0.3, )";
+  const std::string round = R"("k1": 0.01, "k2": 0.02, "k3": 0, "k4": 0.04, )";
+  Camera camera = CameraOf(plain + perspective + R"("p2": 0.4, )",
+                           fisheye + R"("k1": 0.01, "k4": 0.04, )");
+  EXPECT_EQ(camera.model, CameraModel::kOpenCvFisheye);
+  EXPECT_THAT(camera.Distortion(), ElementsAre(0.01, 0, 0, 0.04));
+  camera = CameraOf(fisheye + round, plain + perspective);
+  EXPECT_EQ(camera.model, CameraModel::kOpenCv);
+  EXPECT_THAT(camera.Distortion(), ElementsAre(0.1, 0.2, 0.3, 0));
+  camera = CameraOf(plain + perspective, plain + R"("k2": 0.5, )");
+  EXPECT_THAT(camera.Distortion(), ElementsAre(0.1, 0.5, 0.3, 0));
+  // The file does not say what its numbers are for, and the frame does.
+  camera = CameraOf(round, fisheye);
+  EXPECT_THAT(camera.Distortion(), ElementsAre(0.01, 0.02, 0, 0.04));
+
+  const std::string full = R"("camera_model": "FULL_OPENCV", "k4": 0.04, )";
+  EXPECT_EQ(CameraOf(full, R"("is_fisheye": false, )").model,
+            CameraModel::kFullOpenCv);
+  camera = CameraOf(full, R"("is_fisheye": true, "k1": 0.01, )");
+  EXPECT_EQ(camera.model, CameraModel::kOpenCvFisheye);
+  EXPECT_THAT(camera.Distortion(), ElementsAre(0.01, 0, 0, 0));
+}
+
 TEST(ParseTransforms, WhatElseNerfstudioWrites) {
   const std::string frames =
       R"("frames":[{"file_path":"a.png",)"
