@@ -81,8 +81,7 @@ class SfmStage : public pipeline::Stage {
       : options_(options), seed_(seed) {}
 
   std::string_view name() const override { return "sfm"; }
-  // Only what is imported differs between 8 and 9.
-  int version() const override { return options_.import.empty() ? 8 : 9; }
+  int version() const override { return 9; }
 
   std::vector<fs::path> Inputs(const StageContext& context) const override {
     std::vector<fs::path> inputs = {"ingest/images.json", "ingest/photos"};
