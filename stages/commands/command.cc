@@ -2,12 +2,14 @@
 
 #include "stages/commands/command.h"
 
+#include <algorithm>
 #include <system_error>
 #include <vector>
 
 #include "core/io/files.h"
 #include "pipeline/stage_record.h"
 #include "pipeline/workspace.h"
+#include "sfm/import/import_model.h"
 #include "stages/registry/pipeline_options.h"
 #include "stages/registry/stage_registry.h"
 
@@ -24,6 +26,32 @@ void WarnOfRun(const std::filesystem::path& workspace,
 }
 
 namespace {
+
+// Whether a file at `place` would come among what the user has named for a
+// stage to read. A workspace may lie in a folder of masks; places in the
+// workspace are free even so.
+bool IsAmong(const fs::path& place,
+             const fs::path& named,
+             const fs::path& workspace) {
+  return IsWithin(place, named) &&
+         !(IsWithin(workspace, named) && IsWithin(place, workspace));
+}
+
+// The same for what sfm.import names. Stage sfm reads only a few files of a
+// folder, which often holds the whole scene, so other places below it are free.
+// The folder itself and that of the model are not: a model that is exported
+// there would replace or hide the one that is imported.
+bool IsAmongImport(const fs::path& place, const fs::path& named) {
+  std::vector<fs::path> kept = {named};
+  if (const auto source = sfm::FindImportSource(named); source.ok()) {
+    kept = source->Files();
+    kept.push_back(named);
+    if (!source->colmap_model.empty()) kept.push_back(source->colmap_model);
+  }
+  return std::ranges::any_of(kept, [&](const fs::path& path) {
+    return IsWithin(place, path) && IsWithin(path, place);
+  });
+}
 
 // kInvalidArgument for a place in what the user has named for a stage to read,
 // such as masks of photos or a COLMAP model.
@@ -42,13 +70,14 @@ Status CheckInputs(const fs::path& workspace,
     settings.insert(settings.end(), given.begin(), given.end());
   }
   for (const pipeline::OptionSetting& setting : settings) {
-    if (!table.Find(setting.name)->spec.is_path ||
-        !IsWithin(place, setting.value)) {
-      continue;
-    }
-    return InvalidArgumentError(place.string() + ": lies in " + setting.value +
-                                ", which the stages read (" + setting.name +
-                                "); give another place");
+    if (!table.Find(setting.name)->spec.is_path) continue;
+    const bool among = setting.name == "sfm.import"
+                           ? IsAmongImport(place, setting.value)
+                           : IsAmong(place, setting.value, workspace);
+    if (!among) continue;
+    return InvalidArgumentError(
+        place.string() + ": the stages read what is here (" + setting.name +
+        " = " + setting.value + "); give another place");
   }
   return Status();
 }

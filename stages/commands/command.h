@@ -53,8 +53,11 @@ void WarnOfRun(const std::filesystem::path& workspace, CommandContext& context);
 // stage made or be gone after its next run, for a place among the photos of the
 // scene, for a place in a folder or for a file that an option names for a stage
 // to read (remembered or in config.ini, such as ingest.masks), and for those
-// that the other form below refuses. An empty `place` is none. The other errors
-// are those of a config.ini that cannot be read.
+// that the other form below refuses. Of a folder that sfm.import names only the
+// files that are imported are kept, the folder itself and that of the model.
+// Another folder that contains the workspace leaves places in the workspace
+// free. An empty `place` is none. The other errors are those of a config.ini
+// that cannot be read.
 Status CheckOutputPlace(const std::filesystem::path& workspace,
                         const std::filesystem::path& place);
 

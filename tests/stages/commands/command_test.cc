@@ -3,6 +3,8 @@
 #include "stages/commands/command.h"
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -61,15 +63,57 @@ TEST_F(OutputPlaceTest, WhatOptionsNameIsKept) {
   folder_.Write("a/config.ini",
                 "[ingest]\nmasks = ../d/masks\nuse_masks = true\n"
                 "[reconstruct]\nimport = start.ply\n");
-  ExpectRefused("model", "(sfm.import)");
-  ExpectRefused("d/masks", "(ingest.masks)");
-  ExpectRefused("d/masks/1.png", "(ingest.masks)");
-  ExpectRefused("a/start.ply", "(reconstruct.import)");
+  ExpectRefused("model", "(sfm.import");
+  ExpectRefused("d/masks", "(ingest.masks");
+  ExpectRefused("d/masks/1.png", "(ingest.masks");
+  ExpectRefused("a/start.ply", "(reconstruct.import");
   for (const char* place : {"d/overlay", "a/true", "a/x.ply"}) {
     EXPECT_TRUE(CheckOutputPlace(folder_ / "a", folder_ / place).ok()) << place;
   }
   folder_.Write("a/config.ini", "[ingest]\nmask = ../d/masks\n");
   ExpectRefused("d/masks", "config.ini");
+}
+
+// Of the folder of a scene only what is imported is kept, and not all that lies
+// beside it, such as the workspace.
+TEST_F(OutputPlaceTest, WhatIsImportedIsKept) {
+  const auto set_import = [&](const std::string& path) {
+    folder_.Write("a/config.ini", "[sfm]\nimport = ../" + path + "\n");
+  };
+  const auto expect_free = [&](const std::vector<std::string>& places) {
+    for (const std::string& place : places) {
+      EXPECT_TRUE(CheckOutputPlace(folder_ / "a", folder_ / place).ok())
+          << place;
+    }
+  };
+  folder_.Write("transforms.json", "{}");
+  set_import(".");
+  ExpectRefused("transforms.json", "(sfm.import = ");
+  // A COLMAP model there would be read in place of the other.
+  ExpectRefused(".", "(sfm.import = ");
+  expect_free({"a/out", "x.ply", "renders"});
+
+  for (const char* folder : {"scene/sparse/0", "model"}) {
+    for (const char* file : {"/cameras.txt", "/images.txt", "/points3D.txt"}) {
+      folder_.Write(std::string(folder) + file, "");
+    }
+  }
+  set_import("scene");
+  ExpectRefused("scene", "(sfm.import = ");
+  ExpectRefused("scene/sparse/0", "(sfm.import = ");
+  ExpectRefused("scene/sparse/0/points3D.txt", "(sfm.import = ");
+  expect_free({"a/out", "scene/renders", "scene/sparse/1", "transforms.json"});
+  // One file stands for its folder.
+  set_import("model/cameras.txt");
+  ExpectRefused("model", "(sfm.import = ");
+  ExpectRefused("model/images.txt", "(sfm.import = ");
+  expect_free({"a/out", "model/renders"});
+}
+
+TEST_F(OutputPlaceTest, AWorkspaceInAFolderOfMasksIsFree) {
+  folder_.Write("a/config.ini", "[ingest]\nmasks = ..\n");
+  ExpectRefused("x.png", "(ingest.masks");
+  EXPECT_TRUE(CheckOutputPlace(folder_ / "a", folder_ / "a" / "x.png").ok());
 }
 
 TEST_F(OutputPlaceTest, OtherPlacesAreFree) {
