@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <set>
 #include <utility>
 
 #include "core/number_text.h"
@@ -52,6 +53,18 @@ std::string NamesLike(const std::vector<View>& views, const std::string& name) {
   return list;
 }
 
+// kBadInput when two views have the same name.
+Status CheckNames(const std::vector<View>& views) {
+  std::set<std::string> known;
+  for (const View& view : views) {
+    if (known.insert(view.name).second) continue;
+    return BadInputError("view \"" + view.name +
+                         "\": is in \"train\" and in \"test\"; give each view "
+                         "a name of its own");
+  }
+  return Status();
+}
+
 }  // namespace
 
 std::vector<View> PhotoViews(const WorkspaceScene& scene) {
@@ -88,6 +101,7 @@ StatusOr<std::vector<View>> FileViews(const WorkspaceScene& scene,
   std::vector<View> views = cameras.train;
   if (selection.only_test && !cameras.test.empty()) views.clear();
   views.insert(views.end(), cameras.test.begin(), cameras.test.end());
+  FREEGS_RETURN_IF_ERROR(CheckNames(views).Annotated(selection.cameras));
   if (!selection.align) return MapViews(views, scene.frame.WorldFromFrame());
 
   const StatusOr<sfm::PoseAlignment> alignment =

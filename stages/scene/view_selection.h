@@ -49,7 +49,9 @@ struct ViewSelection {
 Status CheckViewSize(const View& view, const std::string& advice);
 
 // The views of the file selection.cameras at their own size, however large, in
-// the frame of the scene. `messages` and the errors are those of ViewsToRender.
+// the frame of the scene. `messages` and the errors are those of ViewsToRender;
+// kBadInput, too, when a view of "train" and one of "test" that are both taken
+// have the same name.
 StatusOr<std::vector<View>> FileViews(const WorkspaceScene& scene,
                                       const ViewSelection& selection,
                                       std::ostream& messages);

@@ -4,7 +4,6 @@
 
 #include <cstdlib>
 #include <map>
-#include <set>
 #include <system_error>
 #include <utility>
 
@@ -78,18 +77,10 @@ StatusOr<WorkspaceScene> ReadWorkspaceScene(const fs::path& workspace) {
 StatusOr<std::vector<std::string>> OutputNames(const std::vector<View>& views,
                                                const std::string& suffix) {
   std::vector<std::string> names;
-  std::set<std::string> known;
   for (const View& view : views) {
     if (!IsNameBelowFolder(view.name)) {
       return BadInputError("view \"" + view.name +
                            "\": not a file name inside a folder");
-    }
-    if (!known.insert(view.name).second) {
-      return BadInputError(
-          "view \"" + view.name +
-          "\": two views have this name, and would have the same file; in a "
-          "camera file give each view of \"train\" and \"test\" a name of "
-          "its own");
     }
     names.push_back(fs::path(view.name).replace_extension(suffix).string());
   }

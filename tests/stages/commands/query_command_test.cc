@@ -612,6 +612,13 @@ TEST_F(QueryCommandTest, AViewOfTheFileComesBeforeAPhotoOfThatName) {
   WriteText(path, file.dump());
   EXPECT_EQ(ask("photo5"), 2);
   EXPECT_THAT(message_, HasSubstr("several have this name"));
+  // The same name in both sections, also where no picture is written.
+  file["train"]["photo5.jpg"] = rows;
+  WriteText(path, file.dump());
+  EXPECT_EQ(ask("photo5.jpg"), 3);
+  EXPECT_THAT(message_,
+              AllOf(HasSubstr("cameras.json: view \"photo5.jpg\""),
+                    HasSubstr("a name of its own")));
 }
 
 TEST_F(QueryCommandTest, WrongUsageIs2) {

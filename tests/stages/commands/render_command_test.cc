@@ -237,6 +237,20 @@ TEST_F(RenderCommandTest, CameraFileOfOtherPhotosNeedsNoAlign) {
   EXPECT_TRUE(Render(no_align).ok());
 }
 
+TEST_F(RenderCommandTest, OneNameInBothSectionsOfACameraFileIsRefused) {
+  nlohmann::json cameras = Cameras("", {});
+  const std::string name = workspace_.views[2].name;
+  cameras["test"][name] = cameras["train"][name];
+  WriteText(out_ / "cameras.json", cameras.dump());
+  const Status status = Render({workspace(),
+                                "--out",
+                                out(),
+                                "--cameras",
+                                (out_ / "cameras.json").string()});
+  EXPECT_EQ(status.code(), StatusCode::kBadInput);
+  EXPECT_THAT(status.message(), HasSubstr("view \"" + name + "\""));
+}
+
 TEST_F(RenderCommandTest, HugePicturesNeedASize) {
   nlohmann::json cameras = MovedCameras("");
   cameras["intrinsics"]["w"] = 60000;

@@ -76,15 +76,6 @@ TEST(OutputNamesTest, KeepsTheExtensionWhereNamesWouldCollide) {
               ElementsAre("a.jpg.png", "a.png.png", "a.jpg.jpg.png", "b.png"));
 }
 
-TEST(OutputNamesTest, RefusesANameThatTwoViewsHave) {
-  for (const char* suffix : {".png", ""}) {
-    const Status status =
-        OutputNames(Named({"r_0.png", "r_1.png", "r_0.png"}), suffix).status();
-    EXPECT_EQ(status.code(), StatusCode::kBadInput);
-    EXPECT_THAT(status.message(), HasSubstr("\"r_0.png\": two views"));
-  }
-}
-
 TEST(OutputNamesTest, RefusesNamesThatLeaveTheFolder) {
   for (const char* name : {"", "/etc/x.png", "../x.png", "a/../../x", "a/"}) {
     EXPECT_EQ(OutputNames(Named({name}), ".png").status().code(),
