@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -132,7 +133,7 @@ Status RunCurve(const CurveOptions& options) {
   splat::Trainer trainer(
       training, std::move(initial), scene.extent, &images, pool);
   if (reconstruct.exposure == "auto") {
-    FREEGS_ASSIGN_OR_RETURN(const splat::ExposureChoice choice,
+    FREEGS_ASSIGN_OR_RETURN(const std::optional<splat::ExposureChoice> choice,
                             splat::SearchExposure({},
                                                   training,
                                                   trainer.model(),
@@ -141,7 +142,7 @@ Status RunCurve(const CurveOptions& options) {
                                                   pool,
                                                   /*cancellation=*/nullptr));
     std::fprintf(stderr, "%s\n", stages::ExposureText(choice).c_str());
-    trainer.KeepTo(choice);
+    trainer.KeepTo(*choice);  // There is one: no deadline is set.
   }
   std::printf(
       "iteration,seconds,cpu_seconds,gaussians,holdout_psnr,holdout_ssim\n");

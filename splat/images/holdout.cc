@@ -43,6 +43,12 @@ std::optional<double> PsnrFrom(int begin,
   return std::min(kMaxPsnr, -10 * std::log10(mean));
 }
 
+// kInterrupted when cancelled.
+Status CheckGoingOn(const CancellationToken* cancellation) {
+  if (!IsCancelled(cancellation)) return Status();
+  return InterruptedError("measuring holdout photos was interrupted");
+}
+
 // Receives a view with its name, PSNR and picture, that picture in floats, and
 // the photo with its mask, if it has one.
 using ViewFn = std::function<Status(HoldoutView view,
@@ -68,9 +74,7 @@ StatusOr<std::optional<double>> CompareViews(
   double sum = 0;
   size_t count = 0;
   for (size_t i = 0; i < images->size(); ++i) {
-    if (IsCancelled(cancellation)) {
-      return InterruptedError("measuring holdout photos was interrupted");
-    }
+    FREEGS_RETURN_IF_ERROR(CheckGoingOn(cancellation));
     const View view = images->view(i, level);
     FREEGS_RETURN_IF_ERROR(images->Fetch(i, level, &photo));
     rasterizer.Forward(
@@ -160,7 +164,8 @@ StatusOr<std::optional<FittedPsnr>> MeasureFittedHoldout(
     const RenderOptions& options,
     TrainingImages* images,
     ThreadPool& pool,
-    int level) {
+    int level,
+    const CancellationToken* cancellation) {
   Rasterizer rasterizer;
   RasterImages rendered;
   ImageF photo;
@@ -168,6 +173,7 @@ StatusOr<std::optional<FittedPsnr>> MeasureFittedHoldout(
   FittedPsnr sum;
   size_t count = 0;
   for (size_t i = 0; i < images->size(); ++i) {
+    FREEGS_RETURN_IF_ERROR(CheckGoingOn(cancellation));
     const View view = images->view(i, level);
     FREEGS_RETURN_IF_ERROR(images->Fetch(i, level, &photo));
     const ImageU8* const mask = images->Mask(i, level);

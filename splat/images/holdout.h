@@ -71,14 +71,15 @@ struct FittedPsnr {
 
 // The same when each photo may have its own exposure: the colours of the
 // rendering are fitted to the photo on its left half (FitColor) and compared on
-// its right half. Nothing if masks leave no pixel of any right half. Fails when
-// a photo has become unreadable.
+// its right half. Nothing if masks leave no pixel of any right half. The errors
+// are those of MeasureHoldout.
 StatusOr<std::optional<FittedPsnr>> MeasureFittedHoldout(
     const GaussianModel& model,
     const RenderOptions& options,
     TrainingImages* images,
     ThreadPool& pool,
-    int level = 0);
+    int level = 0,
+    const CancellationToken* cancellation = nullptr);
 
 }  // namespace freegs::splat
 

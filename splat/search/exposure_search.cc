@@ -90,18 +90,19 @@ Status ExposureSearchOptions::Check() const {
   return Status();
 }
 
-StatusOr<ExposureChoice> SearchExposure(const ExposureSearchOptions& options,
-                                        const TrainerOptions& training,
-                                        const GaussianModel& initial,
-                                        double scene_extent,
-                                        TrainingImages* images,
-                                        ThreadPool& pool,
-                                        const CancellationToken* cancellation,
-                                        const ProgressFn& progress) {
+StatusOr<std::optional<ExposureChoice>> SearchExposure(
+    const ExposureSearchOptions& options,
+    const TrainerOptions& training,
+    const GaussianModel& initial,
+    double scene_extent,
+    TrainingImages* images,
+    ThreadPool& pool,
+    const CancellationToken* cancellation,
+    const ProgressFn& progress) {
   FREEGS_RETURN_IF_ERROR(options.Check());
   const TrialPhotos photos = SplitPhotos(*images, options.others_every);
   ExposureChoice choice;
-  if (photos.others.empty()) return choice;
+  if (photos.others.empty()) return std::optional(choice);
   TrainingImages trained = images->Subset(photos.trained);
   TrainingImages others = images->Subset(photos.others);
   const int level = std::min(options.level, images->num_levels() - 1);
@@ -115,10 +116,12 @@ StatusOr<ExposureChoice> SearchExposure(const ExposureSearchOptions& options,
     }
     if (options.deadline &&
         std::chrono::steady_clock::now() >= *options.deadline) {
-      return choice;
+      return std::optional<ExposureChoice>();
     }
     const Status step = trainer.Step().status();
-    if (step.code() == StatusCode::kUnusableResult) return choice;
+    if (step.code() == StatusCode::kUnusableResult) {
+      return std::optional(choice);
+    }
     FREEGS_RETURN_IF_ERROR(step);
     if (progress && trainer.iteration() % kProgressInterval == 0) {
       progress({"deciding about exposure",
@@ -143,19 +146,24 @@ StatusOr<ExposureChoice> SearchExposure(const ExposureSearchOptions& options,
   FREEGS_ASSIGN_OR_RETURN(choice.without.trained, trained_psnr({}));
   FREEGS_ASSIGN_OR_RETURN(choice.with.trained,
                           trained_psnr(trainer.Exposures()));
-  FREEGS_ASSIGN_OR_RETURN(
-      const std::optional<FittedPsnr> right_halves,
-      MeasureFittedHoldout(
-          trainer.model(), training.render, &others, pool, level));
+  FREEGS_ASSIGN_OR_RETURN(const std::optional<FittedPsnr> right_halves,
+                          MeasureFittedHoldout(trainer.model(),
+                                               training.render,
+                                               &others,
+                                               pool,
+                                               level,
+                                               cancellation));
   // Masks may have left nothing to judge by.
-  if (!right_halves || choice.without.trained == 0) return choice;
+  if (!right_halves || choice.without.trained == 0) {
+    return std::optional(choice);
+  }
   choice.without.others = right_halves->plain;
   choice.with.others = right_halves->fitted;
   const double gain = (choice.with.trained - choice.without.trained +
                        choice.with.others - choice.without.others) /
                       2;
   choice.learn = gain >= options.min_gain_db;
-  return choice;
+  return std::optional(choice);
 }
 
 }  // namespace freegs::splat

@@ -8,10 +8,10 @@
 // less: they differ for many reasons, by more than exposure often matters.
 //
 //   FREEGS_ASSIGN_OR_RETURN(
-//       const ExposureChoice choice,
-//       SearchExposure({}, training, trainer.model(), extent, &images, pool,
-//                      nullptr));
-//   trainer.KeepTo(choice);
+//       const std::optional<ExposureChoice> choice,
+//       SearchExposure({.deadline = deadline}, training, trainer.model(),
+//                      extent, &images, pool, nullptr));
+//   if (choice) trainer.KeepTo(*choice);
 
 #ifndef FREEGS_SPLAT_SEARCH_EXPOSURE_SEARCH_H_
 #define FREEGS_SPLAT_SEARCH_EXPOSURE_SEARCH_H_
@@ -58,22 +58,23 @@ struct ExposureSearchOptions {
 // options.level, the coarsest is used. Nothing is learnt where there are no
 // photographs to judge by: with less than 3 of them, or where masks leave
 // nothing of those that were trained on or of the right halves of the others.
-// Nothing is learnt either when options.deadline comes before the end of the
-// trial, and when that ends with kUnusableResult, as when it diverges: it says
-// nothing about the training proper, which has other photos and steps. Without
-// a deadline the result is the same for any number of threads. Fails with
+// Nothing is learnt either when the trial ends with kUnusableResult, as when it
+// diverges: it says nothing about the training proper, which has other photos
+// and steps. Returns nothing when options.deadline comes before the end of the
+// trial. A choice is the same for any number of threads. Fails with
 // kInvalidArgument when the options are wrong, with kBadInput when a photograph
 // has become unreadable, and with kInterrupted when `cancellation` (null:
 // never) asks to stop. Reports the steps of the trial to `progress`, if there
 // is one.
-StatusOr<ExposureChoice> SearchExposure(const ExposureSearchOptions& options,
-                                        const TrainerOptions& training,
-                                        const GaussianModel& initial,
-                                        double scene_extent,
-                                        TrainingImages* images,
-                                        ThreadPool& pool,
-                                        const CancellationToken* cancellation,
-                                        const ProgressFn& progress = nullptr);
+StatusOr<std::optional<ExposureChoice>> SearchExposure(
+    const ExposureSearchOptions& options,
+    const TrainerOptions& training,
+    const GaussianModel& initial,
+    double scene_extent,
+    TrainingImages* images,
+    ThreadPool& pool,
+    const CancellationToken* cancellation,
+    const ProgressFn& progress = nullptr);
 
 }  // namespace freegs::splat
 

@@ -10,7 +10,7 @@ namespace freegs::splat {
 // How well photographs look like the scene of a short training: mean PSNR in dB
 // of the photographs that it was trained on, and of the right halves of the
 // others. 0 where masks left nothing of them to measure, and where the short
-// training failed or had too little time.
+// training failed.
 struct TrialPsnr {
   double trained = 0;
   double others = 0;

@@ -80,26 +80,29 @@ std::string MilestoneText(const splat::MilestoneRecord& record) {
          std::to_string(record.gaussians_after) + " Gaussians";
 }
 
-std::string ExposureText(const splat::ExposureChoice& choice) {
+std::string ExposureText(const std::optional<splat::ExposureChoice>& choice) {
+  if (!choice) {
+    return "the exposure of each photo is not learnt, because the time is up";
+  }
   const auto change = [](double without, double with) {
     return FormatFixed(without, 2) + " -> " + FormatFixed(with, 2) + " dB";
   };
-  if (choice.without == splat::TrialPsnr()) {
+  if (choice->without == splat::TrialPsnr()) {
     return "the exposure of each photo is not learnt, because photos are too "
-           "few, masks leave too little of them, the time is up, or the short "
-           "training that tells came to nothing";
+           "few, masks leave too little of them, or the short training that "
+           "tells came to nothing";
   }
-  if (choice.without.others == 0) {
+  if (choice->without.others == 0) {
     return "the exposure of each photo is not learnt, because masks leave too "
            "little of the photos to tell";
   }
   return std::string("the exposure of each photo is ") +
-         (choice.learn ? "learnt" : "not learnt") +
+         (choice->learn ? "learnt" : "not learnt") +
          "; after a short training with most of the photos, that of "
          "its neighbours changes them from " +
-         change(choice.without.trained, choice.with.trained) +
+         change(choice->without.trained, choice->with.trained) +
          ", and fitted colours change the others from " +
-         change(choice.without.others, choice.with.others);
+         change(choice->without.others, choice->with.others);
 }
 
 std::string DisplacementNote(const std::vector<DisplacedView>& views,

@@ -4,6 +4,7 @@
 #ifndef FREEGS_STAGES_RECONSTRUCT_TRAINING_REPORT_H_
 #define FREEGS_STAGES_RECONSTRUCT_TRAINING_REPORT_H_
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,7 +27,8 @@ nlohmann::json CourseJson(const std::string& densification,
 std::string RecoveryText(const splat::Recovery& recovery);
 std::string MilestoneText(const splat::MilestoneRecord& record);
 
-std::string ExposureText(const splat::ExposureChoice& choice);
+// Of no choice: that there was no time for one.
+std::string ExposureText(const std::optional<splat::ExposureChoice>& choice);
 
 // A holdout view: by how many pixels the photo lies beside the rendering, and
 // the longest side of both.

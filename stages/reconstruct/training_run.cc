@@ -84,9 +84,11 @@ class TrainingRun {
       }
       if (IsCancelled(context_->cancellation)) {
         FREEGS_RETURN_IF_ERROR(SaveCheckpoint());
-        return InterruptedError("stopped at iteration " +
-                                std::to_string(trainer_->iteration()) +
-                                "; the checkpoint is saved");
+        return InterruptedError(
+            "stopped at iteration " + std::to_string(trainer_->iteration()) +
+            (SearchWasCut() ? "; training will start afresh, because the time "
+                              "was up before exposure was decided about"
+                            : "; the checkpoint is saved"));
       }
       FREEGS_ASSIGN_OR_RETURN(const splat::StepReport report, trainer_->Step());
       if (report.recovered) {
@@ -135,7 +137,18 @@ class TrainingRun {
     return trainer_->Restore(*std::move(checkpoint)).Annotated(file.string());
   }
 
+  // Whether there was no time to decide about exposure. Such a training is at
+  // most kLeastSteps long and leaves no checkpoint: a resumed run, which may
+  // have the time, searches and starts afresh, since exposure cannot begin to
+  // be learnt in the middle.
+  bool SearchWasCut() const {
+    return options_.exposure == "auto" && !trainer_->exposure_choice();
+  }
+
   Status SaveCheckpoint() {
+    FREEGS_RETURN_IF_ERROR(progress_.Flush());
+    last_checkpoint_ = std::chrono::steady_clock::now();
+    if (SearchWasCut()) return Status();
     splat::TrainingCheckpointView checkpoint = trainer_->View();
     const pipeline::ResourceUsage usage = meter_.Elapsed();
     checkpoint.elapsed_seconds = earlier_seconds_ + usage.wall_seconds;
@@ -143,8 +156,6 @@ class TrainingRun {
         std::to_string(earlier_cpu_seconds_ + usage.cpu_seconds);
     checkpoint.facts["row_loss_sum"] = ExactText(loss_sum_);
     checkpoint.facts["row_loss_count"] = ExactText(loss_count_);
-    FREEGS_RETURN_IF_ERROR(progress_.Flush());
-    last_checkpoint_ = std::chrono::steady_clock::now();
     return splat::SaveCheckpoint(checkpoints_, checkpoint);
   }
 
@@ -278,7 +289,7 @@ StatusOr<TrainedModel> TrainModel(const ReconstructStageOptions& options,
   // training needs no search of its own.
   if (options.exposure == "auto" && !trainer.exposure_choice()) {
     FREEGS_ASSIGN_OR_RETURN(
-        const splat::ExposureChoice choice,
+        const std::optional<splat::ExposureChoice> choice,
         splat::SearchExposure({.deadline = context.deadline},
                               trainer_options,
                               trainer.model(),
@@ -288,7 +299,7 @@ StatusOr<TrainedModel> TrainModel(const ReconstructStageOptions& options,
                               context.cancellation,
                               context.progress));
     context.log(LogLevel::kInfo, ExposureText(choice));
-    trainer.KeepTo(choice);
+    if (choice) trainer.KeepTo(*choice);
   }
   FREEGS_RETURN_IF_ERROR(run.Train());
   return run.Result();

@@ -40,7 +40,9 @@ struct TrainedModel {
 // interruption. Without holdout photos nothing is measured. The errors are
 // kInterrupted on cancellation, and those of splat::Trainer and
 // splat::SearchExposure. A cancelled training saves a checkpoint first; a
-// cancelled search about exposure does not, and is made anew.
+// cancelled search about exposure does not, and is made anew. If the time of a
+// run is up before the search ends, exposure is not learnt; the few steps of
+// such a training leave no checkpoint, so that a resumed run searches again.
 StatusOr<TrainedModel> TrainModel(const ReconstructStageOptions& options,
                                   const splat::TrainerOptions& training,
                                   const TrainingScene& scene,

@@ -61,11 +61,11 @@ StatusOr<WorkspaceScene> ReadWorkspaceScene(
 StatusOr<splat::PlacedModel> ReadWorkspaceModel(
     const std::filesystem::path& workspace);
 
-// Makes a file name with the extension `suffix` (".png") for each view. No
-// two of the views have the same name. A file's name is that of the view with its
-// extension replaced. Where two views would get the same file, the suffix is
-// appended to the whole name instead. kBadInput when a name is empty, absolute,
-// or leaves its folder ("../x").
+// Makes a file name with the extension `suffix` (".png") for each view; no two
+// views may have the same name. It is the view's name with its extension
+// replaced. Where two views would get the same file, the suffix is appended to
+// the whole name instead. kBadInput when a name is empty, absolute, or leaves
+// its folder ("../x").
 StatusOr<std::vector<std::string>> OutputNames(const std::vector<View>& views,
                                                const std::string& suffix);
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -36,15 +37,20 @@ class ExposureSearchTest : public TrainingFixture {
     return options;
   }
 
-  // With all photos, or with the folder of their masks.
+  // With all photos, or with the folder of their masks. kUnusableResult when
+  // the time is up.
   StatusOr<ExposureChoice> Search(int threads = 2,
                                   const std::filesystem::path& masks = {}) {
     ThreadPool pool(threads);
     auto images =
         TrainingImages::Load(views_, folder_, {.mask_folder = masks}, pool);
     EXPECT_TRUE(images.ok()) << images.status().message();
-    return SearchExposure(
-        search_, Training(), Start(), 2.0, &*images, pool, &cancellation_);
+    FREEGS_ASSIGN_OR_RETURN(
+        const std::optional<ExposureChoice> choice,
+        SearchExposure(
+            search_, Training(), Start(), 2.0, &*images, pool, &cancellation_));
+    if (!choice) return UnusableResultError("the time is up");
+    return *choice;
   }
 
   // Makes the photos brighter from the first to the last.
@@ -168,13 +174,13 @@ TEST_F(ExposureSearchTest, ATrialThatFailsLearnsNothing) {
   const auto choice =
       SearchExposure(search_, training, Start(), 2.0, &images, pool, nullptr);
   ASSERT_TRUE(choice.ok()) << choice.status().message();
-  EXPECT_EQ(*choice, ExposureChoice());
+  EXPECT_EQ(**choice, ExposureChoice());
 }
 
 TEST_F(ExposureSearchTest, EndsWhenTheTimeIsUp) {
   search_ = {.level = 1, .trial_share = 0.1, .min_trial_steps = 30};
   search_.deadline = std::chrono::steady_clock::now();
-  EXPECT_EQ(*Search(), ExposureChoice());
+  EXPECT_EQ(Search().status().code(), StatusCode::kUnusableResult);
   search_.deadline = std::chrono::steady_clock::now() + std::chrono::hours(1);
   EXPECT_NE(*Search(), ExposureChoice());
 }
@@ -187,7 +193,7 @@ TEST_F(ExposureSearchTest, ShortIntervalsOfTrainingStayShort) {
   const auto search = [&](int interval) {
     TrainerOptions training = Training();
     training.schedule.densify_interval = interval;
-    return *SearchExposure(
+    return **SearchExposure(
         search_, training, Start(), 2.0, &images, pool, nullptr);
   };
   EXPECT_NE(search(5), search(10));
@@ -203,6 +209,18 @@ TEST_F(ExposureSearchTest, PassesErrorsOn) {
   search_ = {};
   cancellation_.Cancel();
   EXPECT_EQ(Search().status().code(), StatusCode::kInterrupted);
+  // The measurement at its end, too.
+  ThreadPool pool(2);
+  TrainingImages images = Images(pool);
+  EXPECT_EQ(MeasureFittedHoldout(Start(),
+                                 RenderOptions(),
+                                 &images,
+                                 pool,
+                                 /*level=*/0,
+                                 &cancellation_)
+                .status()
+                .code(),
+            StatusCode::kInterrupted);
 }
 
 // A new view is taken to have the exposure of the photos before and after it,
@@ -217,9 +235,9 @@ TEST_F(ExposureSearchTest, LearnsAnExposureThatDrifts) {
   const auto choice =
       SearchExposure(search_, Training(), Start(), 2.0, &images, pool, nullptr);
   ASSERT_TRUE(choice.ok()) << choice.status().message();
-  EXPECT_TRUE(choice->learn) << Gains(*choice);
+  EXPECT_TRUE((*choice)->learn) << Gains(**choice);
   Trainer trainer(Training(), Start(), 2.0, &images, pool);
-  trainer.KeepTo(*choice);
+  trainer.KeepTo(**choice);
   ASSERT_TRUE(Finish(&trainer).ok());
   const auto of_scene =
       MeasureHoldout(trainer.model(), RenderOptions(), &holdout, pool);

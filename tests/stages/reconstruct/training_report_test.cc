@@ -25,6 +25,7 @@ TEST(DisplacementNoteTest, HalfOfThePhotosMayLieAnywhere) {
 }
 
 TEST(ExposureTextTest, SaysWhatTheTrialShowed) {
+  EXPECT_THAT(ExposureText(std::nullopt), testing::HasSubstr("the time is up"));
   splat::ExposureChoice choice;
   EXPECT_THAT(ExposureText(choice),
               testing::AllOf(testing::HasSubstr("photos are too few"),

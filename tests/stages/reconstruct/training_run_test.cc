@@ -209,8 +209,22 @@ TEST_F(TrainingRunTest, DoesNotSearchWhenTheTimeIsUp) {
   EXPECT_THAT(log_, testing::HasSubstr("exposure of each photo is not learnt"));
   EXPECT_THAT(log_, testing::HasSubstr("the time is up"));
   const nlohmann::json metrics = Metrics("out");
-  EXPECT_EQ(metrics["exposure_search"]["learn"], false);
-  EXPECT_TRUE(metrics["exposure_search"]["with"].is_null());
+  EXPECT_TRUE(metrics["exposure_search"].is_null());
+}
+
+// Also after an interruption, from which no step is taken up: exposure cannot
+// begin to be learnt in the middle.
+TEST_F(TrainingRunTest, ARunWithTimeSearchesAgain) {
+  ASSERT_TRUE(Run(Auto(), "whole").ok());
+  deadline_ = std::chrono::steady_clock::now();
+  const Status status = Run(Auto(), "parts", false, 50);
+  EXPECT_EQ(status.code(), StatusCode::kInterrupted);
+  EXPECT_THAT(status.message(), testing::HasSubstr("will start afresh"));
+  deadline_.reset();
+  ASSERT_TRUE(Run(Auto(), "parts", true).ok());
+  EXPECT_EQ(Bytes("whole/point_cloud.ply"), Bytes("parts/point_cloud.ply"));
+  EXPECT_EQ(Metrics("whole")["exposure_search"],
+            Metrics("parts")["exposure_search"]);
 }
 
 TEST_F(TrainingRunTest, EndsWhenTheTimeIsUp) {
