@@ -136,7 +136,7 @@ Status TrainingImages::Fetch(size_t index, int level, ImageF* image) {
     FREEGS_ASSIGN_OR_RETURN(Pyramid pyramid, ReadPyramid(index));
     fetched.pyramid = std::make_unique<const Pyramid>(std::move(pyramid));
     cache_->held_bytes += fetched.pyramid->Bytes();
-    DropLeastRecent(fetched);
+    DropOthers(fetched);
   }
   const ImageU8& stored = fetched.pyramid->photo[level];
   image->Reshape(stored.width(), stored.height(), stored.channels());
@@ -197,18 +197,20 @@ Status TrainingImages::ReadMask(size_t index, Pyramid* pyramid) const {
   return Status();
 }
 
-void TrainingImages::DropLeastRecent(const Entry& keep) {
+void TrainingImages::DropOthers(const Entry& keep) {
   while (cache_->held_bytes > options_.max_bytes) {
-    Entry* oldest = nullptr;
+    Entry* dropped = nullptr;
     for (Entry& entry : cache_->entries) {
       if (&entry == &keep || !entry.pyramid) continue;
-      if (oldest == nullptr || entry.last_use < oldest->last_use) {
-        oldest = &entry;
+      if (dropped == nullptr ||
+          (options_.fetched_in_order ? entry.last_use > dropped->last_use
+                                     : entry.last_use < dropped->last_use)) {
+        dropped = &entry;
       }
     }
-    if (oldest == nullptr) return;
-    cache_->held_bytes -= oldest->pyramid->Bytes();
-    oldest->pyramid.reset();
+    if (dropped == nullptr) return;
+    cache_->held_bytes -= dropped->pyramid->Bytes();
+    dropped->pyramid.reset();
   }
 }
 

@@ -38,6 +38,11 @@ struct TrainingImagesOptions {
   // they are needed. One photo is always kept.
   uint64_t max_bytes = uint64_t{4} << 30;
 
+  // For photos that are fetched again and again in the same order. Those that
+  // were not used for longest are then needed soonest, so those that were used
+  // last are dropped instead.
+  bool fetched_in_order = false;
+
   // The folder of masks, NAME.png for the photo NAME: one channel of the
   // photo's size, 0 for pixels to ignore. A photo without a file has no mask.
   // Empty: no photo has one.
@@ -107,7 +112,7 @@ class TrainingImages {
   Entry& entry(size_t index) const { return cache_->entries[indices_[index]]; }
   StatusOr<Pyramid> ReadPyramid(size_t index) const;
   Status ReadMask(size_t index, Pyramid* pyramid) const;
-  void DropLeastRecent(const Entry& keep);
+  void DropOthers(const Entry& keep);
 
   TrainingImagesOptions options_;
   std::filesystem::path folder_;

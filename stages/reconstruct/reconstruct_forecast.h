@@ -26,7 +26,9 @@ ExpectedGaussians ExpectGaussians(const splat::TrainerOptions& training,
 
 // The share of reconstruct.image_cache_gb that is for the holdout photos; the
 // photos that are trained on have the rest. It follows from the pixels of both
-// at the size of training, so that all photos fit when their sum does.
+// at the size of training, so that all photos fit when their sum does. Masks
+// are taken to be as common in both: where only one kind has them, it may not
+// fit though the sum does.
 double HoldoutShareOfCache(int64_t train_pixels, int64_t holdout_pixels);
 
 // The need for the photos and points of the scene. Also sets the number of its

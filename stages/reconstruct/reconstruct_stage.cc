@@ -108,9 +108,11 @@ class ReconstructStage : public pipeline::Stage {
         cache * HoldoutShareOfCache(CountPixels(scene.photos.train),
                                     CountPixels(scene.photos.holdout));
     image_options.max_bytes = static_cast<uint64_t>(holdout_cache);
+    image_options.fetched_in_order = true;
     FREEGS_ASSIGN_OR_RETURN(std::optional<splat::TrainingImages> holdout,
                             LoadHoldout(scene, image_options, *context.pool));
     image_options.max_bytes = static_cast<uint64_t>(cache - holdout_cache);
+    image_options.fetched_in_order = false;
 
     const splat::ModelFrame& frame = scene.photos.frame;
     TrainedModel trained;

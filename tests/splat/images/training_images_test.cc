@@ -248,6 +248,29 @@ TEST_F(TrainingImagesTest, KeepsTheRecentlyUsed) {
   EXPECT_THAT(gone.message(), HasSubstr("photo1.png"));
 }
 
+// Room for three of four photos. In each round after the first only one is read
+// from its file.
+TEST_F(TrainingImagesTest, OfPhotosInOrderMostStayInMemory) {
+  for (int i = 0; i < 4; ++i) {
+    AddPhoto("photo" + std::to_string(i) + ".png", 16, 16);
+  }
+  StatusOr<TrainingImages> images =
+      Load({.num_levels = 1, .max_bytes = 2400, .fetched_in_order = true});
+  ASSERT_TRUE(images.ok());
+  ImageF image;
+  for (const size_t i : {0, 1, 2, 3}) {
+    ASSERT_TRUE(images->Fetch(i, 0, &image).ok());
+  }
+  for (const size_t i : {0, 1, 3}) fs::remove(folder_ / views_[i].name);
+  for (const size_t i : {0, 1, 2, 3, 0}) {
+    ASSERT_TRUE(images->Fetch(i, 0, &image).ok()) << i;
+    const ImageF expected = ToFloat(photos_[i]);
+    EXPECT_TRUE(
+        std::equal(image.data(), image.data() + image.size(), expected.data()));
+  }
+  EXPECT_FALSE(images->Fetch(1, 0, &image).ok());
+}
+
 TEST_F(TrainingImagesTest, SubsetsFetchTheSame) {
   for (const char* name : {"a.png", "b.png", "c.png"}) AddPhoto(name, 12, 8);
   for (const uint64_t max_bytes : {uint64_t{400}, uint64_t{1} << 20}) {
