@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -254,6 +255,20 @@ StatusOr<SpzHeader> ParseSpzHeader(std::string_view beginning,
   return header;
 }
 
+// The header of a file of `packed_bytes` that begins with `bytes`.
+StatusOr<SpzHeader> UnpackHeader(std::string_view bytes, size_t packed_bytes) {
+  if (bytes.starts_with(kMagic)) {
+    return BadInputError(
+        ".spz version 4 is not supported; 2 and 3, packed by gzip, are");
+  }
+  if (!IsGzip(bytes)) {
+    return BadInputError("no .spz file: it does not begin like gzip data");
+  }
+  FREEGS_ASSIGN_OR_RETURN(const std::string beginning,
+                          GunzipBeginning(bytes, kHeaderBytes));
+  return ParseSpzHeader(beginning, packed_bytes);
+}
+
 // Takes the arrays off a content that is as long as the header says.
 class SpzArrays {
  public:
@@ -410,17 +425,8 @@ Status WriteSpz(const std::filesystem::path& path,
 }
 
 StatusOr<GaussianModel> ParseSpz(std::string_view bytes, bool flip_axes) {
-  if (bytes.starts_with(kMagic)) {
-    return BadInputError(
-        ".spz version 4 is not supported; 2 and 3, packed by gzip, are");
-  }
-  if (!IsGzip(bytes)) {
-    return BadInputError("no .spz file: it does not begin like gzip data");
-  }
-  FREEGS_ASSIGN_OR_RETURN(const std::string beginning,
-                          GunzipBeginning(bytes, kHeaderBytes));
   FREEGS_ASSIGN_OR_RETURN(const SpzHeader header,
-                          ParseSpzHeader(beginning, bytes.size()));
+                          UnpackHeader(bytes, bytes.size()));
   const bool extended = (header.flags & kExtensionsFlag) != 0;
   const uint64_t wanted = header.content_bytes();
   FREEGS_ASSIGN_OR_RETURN(
@@ -431,6 +437,13 @@ StatusOr<GaussianModel> ParseSpz(std::string_view bytes, bool flip_axes) {
                          " Gaussians, the content holds fewer");
   }
   return Decode(header, content, flip_axes);
+}
+
+StatusOr<size_t> CountSpzGaussians(std::string_view beginning) {
+  FREEGS_ASSIGN_OR_RETURN(
+      const SpzHeader header,
+      UnpackHeader(beginning, std::numeric_limits<size_t>::max()));
+  return header.count;
 }
 
 StatusOr<GaussianModel> ReadSpz(const std::filesystem::path& path) {

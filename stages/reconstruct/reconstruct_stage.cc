@@ -37,14 +37,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A model that somebody else trained.
-StatusOr<splat::PlacedModel> ReadTrainedModel(const fs::path& path) {
+// A model that somebody else trained, for a scene in `frame`.
+StatusOr<splat::PlacedModel> ReadTrainedModel(const fs::path& path,
+                                              const splat::ModelFrame& frame) {
   const std::string suffix = LowerSuffix(path);
   if (suffix == ".ply") return splat::ReadPly(path);
   if (suffix != ".spz") {
     return BadInputError(path.string() +
                          ": .ply and .spz can be imported; .splat lacks "
                          "view-dependent colour");
+  }
+  // Its positions may count from any point near the scene.
+  if (frame.IsFarAway()) {
+    return BadInputError(path.string() +
+                         ": the scene lies far from the origin of its world, "
+                         "and an .spz cannot say where; import the .ply");
   }
   splat::PlacedModel world;
   FREEGS_ASSIGN_OR_RETURN(world.model, splat::ReadSpz(path));
@@ -78,13 +85,19 @@ class ReconstructStage : public pipeline::Stage {
                                bool done,
                                pipeline::SceneOutlook* scene) const override {
     pipeline::StageNeed need;
-    if (!options_.import.empty()) {
+    const bool imported = !options_.import.empty();
+    if (imported) {
       scene->gaussians = CountGaussians(options_.import).value_or(0);
     }
+    const bool unread = imported && scene->gaussians == 0;
     const auto training = TrainingOptions(scene->train);
     if (training.ok()) {
       need = ReconstructNeed(
           options_, *training, context.pool->num_threads(), scene);
+    }
+    if (unread) {
+      need.unknown_reason =
+          options_.import + ": no Gaussians of a .ply or .spz found";
     }
     if (done) {
       scene->gaussians =
@@ -129,7 +142,7 @@ class ReconstructStage : public pipeline::Stage {
       splat::RoundToGrid(&trained.model);
       world = splat::ToWorld(trained.model, frame);
     } else {
-      FREEGS_ASSIGN_OR_RETURN(world, ReadTrainedModel(options_.import));
+      FREEGS_ASSIGN_OR_RETURN(world, ReadTrainedModel(options_.import, frame));
       if (options_.antialiased) world.model.antialiased = true;
       trained.model = splat::ToFrame(world, frame);
       context.log(pipeline::LogLevel::kInfo,

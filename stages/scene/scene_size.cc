@@ -5,16 +5,23 @@
 #include <fstream>
 #include <string>
 
+#include "core/io/files.h"
 #include "splat/scene/ply_header.h"
+#include "splat/scene/spz_format.h"
 
 namespace freegs::stages {
 
-std::optional<int64_t> CountGaussians(const std::filesystem::path& ply) {
+std::optional<int64_t> CountGaussians(const std::filesystem::path& path) {
   constexpr size_t kEnough = 1 << 16;  // A header has about 1500 bytes.
   std::string begin(kEnough, '\0');
-  std::ifstream file(ply, std::ios::binary);
+  std::ifstream file(path, std::ios::binary);
   file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
   begin.resize(static_cast<size_t>(file.gcount()));
+  if (LowerSuffix(path) == ".spz") {
+    const StatusOr<size_t> count = splat::CountSpzGaussians(begin);
+    if (!count.ok()) return std::nullopt;
+    return static_cast<int64_t>(*count);
+  }
   const StatusOr<splat::PlyHeader> header = splat::ParsePlyHeader(begin);
   if (!header.ok()) return std::nullopt;
   for (const splat::PlyElement& element : header->elements) {

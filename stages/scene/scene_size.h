@@ -10,9 +10,9 @@
 
 namespace freegs::stages {
 
-// The number of Gaussians that the header of a PLY file names; nothing when it
-// cannot be read.
-std::optional<int64_t> CountGaussians(const std::filesystem::path& ply);
+// The number of Gaussians that the header of a .ply or .spz file names; nothing
+// when it cannot be read.
+std::optional<int64_t> CountGaussians(const std::filesystem::path& path);
 
 // What a trained model takes that is read, moved to another frame and written:
 // the arrays of the model (59 floats with SH degree 3) three times.

@@ -101,7 +101,7 @@ std::string FarAwayNote(const splat::ModelFrame& frame) {
          " times its size from the origin of its world, where float32 "
          "positions would be off by up to " +
          FormatSignificant(loss, 2) +
-         " units; positions in PLY and .splat files count from " +
+         " units; positions in PLY, .splat and .spz files count from " +
          FormatSignificant(frame.origin.x(), 17) + " " +
          FormatSignificant(frame.origin.y(), 17) + " " +
          FormatSignificant(frame.origin.z(), 17) +

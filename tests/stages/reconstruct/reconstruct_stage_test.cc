@@ -184,6 +184,31 @@ TEST_F(ReconstructStageTest, TakesACompressedModel) {
   const nlohmann::json metrics =
       nlohmann::json::parse(Bytes("out/metrics.json"));
   EXPECT_GT(metrics["holdout_psnr"].get<double>(), 35);
+
+  // Nothing tells from where its positions count in a world far away.
+  MoveWorld(workspace_, 1, Eigen::Vector3d(3, -5, 2) * 1e5);
+  const Status far = Run(options, "far");
+  EXPECT_EQ(far.code(), StatusCode::kBadInput);
+  EXPECT_THAT(far.message(), testing::HasSubstr("import the .ply"));
+}
+
+TEST_F(ReconstructStageTest, ForetellsWhatAnImportNeeds) {
+  ThreadPool pool(2);
+  pipeline::StageContext context;
+  context.workspace = workspace_;
+  context.pool = &pool;
+  ReconstructStageOptions options;
+  options.import = (workspace_ / "trained.spz").string();
+  pipeline::SceneOutlook scene = SceneOutlookOf(8, 80, 60);
+  const pipeline::StageNeed unread =
+      MakeReconstructStage(options, 3)->Foretell(context, false, &scene);
+  EXPECT_FALSE(unread.known());
+  EXPECT_THAT(unread.unknown_reason, testing::HasSubstr("trained.spz"));
+  ASSERT_TRUE(splat::WriteSpz(options.import, truth_).ok());
+  EXPECT_TRUE(MakeReconstructStage(options, 3)
+                  ->Foretell(context, false, &scene)
+                  .known());
+  EXPECT_EQ(scene.gaussians, static_cast<int64_t>(truth_.size()));
 }
 
 TEST_F(ReconstructStageTest, RefusesModelsOfOtherFormats) {

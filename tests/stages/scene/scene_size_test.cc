@@ -2,9 +2,12 @@
 
 #include "stages/scene/scene_size.h"
 
+#include <filesystem>
+
 #include <gtest/gtest.h>
 
 #include "splat/scene/ply_io.h"
+#include "splat/scene/spz_format.h"
 #include "tests/splat/test_scene.h"
 #include "tests/temporary_folder.h"
 
@@ -17,6 +20,14 @@ TEST(SceneSizeTest, CountsTheGaussiansOfAFile) {
       splat::WritePly(folder / "a.ply", splat::RandomSceneModel(80, 3, 1))
           .ok());
   EXPECT_EQ(CountGaussians(folder / "a.ply"), 80);
+  // Larger than what is read of it.
+  ASSERT_TRUE(
+      splat::WriteSpz(folder / "a.SPZ", splat::RandomSceneModel(5000, 3, 1))
+          .ok());
+  ASSERT_GT(std::filesystem::file_size(folder / "a.SPZ"), 1u << 16);
+  EXPECT_EQ(CountGaussians(folder / "a.SPZ"), 5000);
+  folder.Write("b.spz", "ply");
+  EXPECT_FALSE(CountGaussians(folder / "b.spz").has_value());
   folder.Write("b.ply", "ply");
   EXPECT_FALSE(CountGaussians(folder / "b.ply").has_value());
   EXPECT_FALSE(CountGaussians(folder / "missing.ply").has_value());

@@ -85,7 +85,7 @@ TEST(WorkingFrameTest, FarScenesSayWhatFilesHold) {
   const std::string note = FarAwayNote({{6.4e6, 0, 0}, 1});
   EXPECT_THAT(note, HasSubstr("1.3e+06 times its size"));
   EXPECT_THAT(note, HasSubstr("off by up to 0.38 units"));
-  EXPECT_THAT(note, HasSubstr("count from 6400000 0 0"));
+  EXPECT_THAT(note, HasSubstr(".spz files count from 6400000 0 0"));
 }
 
 TEST(WorkingFrameTest, NothingVisibleIsNoResult) {
