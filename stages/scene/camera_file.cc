@@ -2,6 +2,7 @@
 
 #include "stages/scene/camera_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <utility>
@@ -11,6 +12,7 @@
 
 #include "core/io/files.h"
 #include "core/io/json_fields.h"
+#include "core/text.h"
 
 namespace freegs::stages {
 namespace {
@@ -77,6 +79,7 @@ StatusOr<std::vector<View>> ReadViews(const json& poses,
     view.cam_from_world.translation = matrix.topRightCorner<3, 1>();
     views.push_back(std::move(view));
   }
+  std::ranges::sort(views, NaturalLess, &View::name);
   return views;
 }
 

@@ -15,9 +15,9 @@
 
 namespace freegs::stages {
 
-// The views of a camera file, in the file's world frame, by ascending name.
-// "train" are the photos that a scene is reconstructed from; "test" are further
-// views.
+// The views of a camera file, in the file's world frame, sorted by name
+// (NaturalLess). "train" are the photos that a scene is reconstructed from;
+// "test" are further views.
 struct CameraSet {
   std::vector<View> train;
   std::vector<View> test;

@@ -47,6 +47,18 @@ TEST(ParseCameraSet, ReadsWhatIsThere) {
   EXPECT_TRUE(point.isApprox(Eigen::Vector3d(2.5, -2.75, 1)));
 }
 
+TEST(ParseCameraSet, SortsViewsAsPeopleCount) {
+  const auto cameras =
+      ParseCameraSet(R"({"intrinsics": {"w": 64, "h": 48, "fx": 60},
+                         "test": {"p_10": )" +
+                         kPose + R"(, "p_9": )" + kPose + "}}",
+                     "c.json");
+  ASSERT_TRUE(cameras.ok()) << cameras.status().message();
+  ASSERT_EQ(cameras->test.size(), 2u);
+  EXPECT_EQ(cameras->test[0].name, "p_9");
+  EXPECT_EQ(cameras->test[1].name, "p_10");
+}
+
 TEST(ParseCameraSet, NamesFileAndEntryOfAFault) {
   const auto bad = ParseCameraSet(Cameras("[[1,0,0,0],[0,1,0,0]]"), "c.json");
   ASSERT_FALSE(bad.ok());
