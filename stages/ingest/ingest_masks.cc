@@ -130,24 +130,36 @@ Status PlaceMasks(StageContext& context,
   size_t masks = 0;
   double kept = 0;
   std::set<std::string> used;
-  std::vector<Photo*> usable;
-  std::vector<std::string> usable_files;
+  size_t usable = 0;
+  std::set<std::string> pictures;
+  for (const Photo& photo : list->photos) {
+    if (!photo.usable()) continue;
+    ++usable;
+    pictures.insert(photo.hash);
+  }
+  // A mask that could be meant for a photo that was dropped goes to no other.
+  std::vector<Photo*> candidates;
+  std::vector<std::string> candidate_files;
   for (Photo& photo : list->photos) {
-    if (photo.usable()) {
-      usable.push_back(&photo);
-      usable_files.push_back(photo.file);
-    } else if (auto file = photos::FindMask(mask_folder, photo.file)) {
+    const bool decoded = !photo.hash.empty();
+    if (photo.usable() || (decoded && pictures.insert(photo.hash).second)) {
+      candidates.push_back(&photo);
+      candidate_files.push_back(photo.file);
+      continue;
+    }
+    // What cannot be read, or is there twice, takes no mask from a photo.
+    if (auto file = photos::FindMasks(mask_folder, {photo.file}).front()) {
       used.insert(*std::move(file));
     }
   }
-  // A photo that is not used takes no mask from one that is.
   const std::vector<std::optional<std::string>> mask_files =
-      photos::FindMasks(mask_folder, usable_files);
-  for (size_t i = 0; i < usable.size(); ++i) {
-    Photo& photo = *usable[i];
+      photos::FindMasks(mask_folder, candidate_files);
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    Photo& photo = *candidates[i];
     const std::optional<std::string>& file = mask_files[i];
     if (!file) continue;
     used.insert(*file);
+    if (!photo.usable()) continue;
     if (IsCancelled(context.cancellation)) {
       return InterruptedError("stopped while reading masks");
     }
@@ -166,8 +178,8 @@ Status PlaceMasks(StageContext& context,
   context.summary["mask_kept_share"] = mean;
   const std::string percent = FormatPercent(mean);
   context.log(
-      masks < usable.size() ? LogLevel::kWarning : LogLevel::kInfo,
-      std::to_string(masks) + " of " + std::to_string(usable.size()) +
+      masks < usable ? LogLevel::kWarning : LogLevel::kInfo,
+      std::to_string(masks) + " of " + std::to_string(usable) +
           " photos have a mask" +
           (masks > 0 ? "; they keep " + percent + " of the pixels" : ""));
   if (masks > 0 && mean < kLittle) {

@@ -105,6 +105,41 @@ TEST_F(IngestMasksTest, FilesThatAreNotUsedTakeNoMasks) {
               testing::Not(testing::Contains(HasSubstr("fit no photo"))));
 }
 
+TEST_F(IngestMasksTest, APhotoThatIsDroppedKeepsItsMask) {
+  WritePhotos(3);
+  images_.Write("cam1/a.jpg", photos::MakeJpeg(64, 48, 1));
+  images_.Write(
+      "cam2/a.jpg",
+      photos::Encode(".jpg", cv::Mat(48, 64, CV_8UC3, cv::Scalar(9, 9, 9))));
+  images_.Write(
+      "masks/a.png",
+      photos::Encode(".png", cv::Mat(48, 64, CV_8UC1, cv::Scalar(255))));
+  const auto dropped = [this] { return Files(photos::PhotoSplit::kRejected); };
+  // It could be the mask of the blurred one.
+  options_.keep_sharpest = 0.8;
+  ASSERT_TRUE(Run().ok());
+  ASSERT_THAT(dropped(), testing::ElementsAre("cam2/a.jpg"));
+  EXPECT_EQ(summary_["masks"], 0);
+  EXPECT_THAT(warnings_, testing::Contains(HasSubstr("or several")));
+
+  // It can only be the mask of the blurred one.
+  fs::remove(images_.path() / "cam1/a.jpg");
+  options_.keep_sharpest = 0.75;
+  ASSERT_TRUE(Run().ok());
+  ASSERT_THAT(dropped(), testing::ElementsAre("cam2/a.jpg"));
+  EXPECT_EQ(summary_["masks"], 0);
+  EXPECT_THAT(warnings_,
+              testing::Not(testing::Contains(HasSubstr("fit no photo"))));
+
+  // The same picture in two folders is one photo.
+  options_.keep_sharpest = 1;
+  images_.Write("copies/a.jpg", ReadText(images_.path() / "cam2/a.jpg"));
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(summary_["masks"], 1);
+  EXPECT_THAT(warnings_,
+              testing::Not(testing::Contains(HasSubstr("fit no photo"))));
+}
+
 TEST_F(IngestMasksTest, MasksInThePhotoFolderItself) {
   WritePhotos(3);
   options_.masks.masks = (images_.path() / ".").string();
