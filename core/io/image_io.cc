@@ -126,9 +126,22 @@ Status CheckClaimedSize(const fs::path& path, std::string_view bytes) {
                        " pixels, more than its data can hold");
 }
 
-StatusOr<cv::Mat> Decode(const fs::path& path, int flags) {
-  FREEGS_ASSIGN_OR_RETURN(const std::string bytes,
-                          ReadFile(path, kMaxFileBytes));
+// OpenCV multiplies the values of a grey PNG of 1, 2 or 4 bits by this, so that
+// its white is 255.
+int GreyFactor(std::string_view bytes) {
+  constexpr size_t kBitsAt = 24;
+  constexpr size_t kColorTypeAt = 25;
+  if (!bytes.starts_with("\x89PNG") || bytes.size() <= kColorTypeAt) return 1;
+  const int bits = static_cast<uint8_t>(bytes[kBitsAt]);
+  const bool is_grey = bytes[kColorTypeAt] == 0;
+  if (!is_grey || (bits != 1 && bits != 2 && bits != 4)) return 1;
+  return 255 / ((1 << bits) - 1);
+}
+
+// `bytes` are those of the file.
+StatusOr<cv::Mat> Decode(const fs::path& path,
+                         const std::string& bytes,
+                         int flags) {
   if (bytes.empty()) return BadInputError(path.string() + ": empty file");
   FREEGS_RETURN_IF_ERROR(CheckClaimedSize(path, bytes));
   const cv::Mat buffer(1,
@@ -169,9 +182,11 @@ Status Encode(const fs::path& path,
 }  // namespace
 
 StatusOr<ImageU8> ReadRgb(const fs::path& path) {
+  FREEGS_ASSIGN_OR_RETURN(const std::string bytes,
+                          ReadFile(path, kMaxFileBytes));
   FREEGS_ASSIGN_OR_RETURN(
       cv::Mat bgr,
-      Decode(path, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION));
+      Decode(path, bytes, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION));
   ImageU8 image(bgr.cols, bgr.rows, 3);
   cv::Mat rgb(bgr.rows, bgr.cols, CV_8UC3, image.data());
   cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
@@ -179,7 +194,10 @@ StatusOr<ImageU8> ReadRgb(const fs::path& path) {
 }
 
 StatusOr<ImageU16> ReadLabels(const fs::path& path) {
-  FREEGS_ASSIGN_OR_RETURN(cv::Mat stored, Decode(path, cv::IMREAD_UNCHANGED));
+  FREEGS_ASSIGN_OR_RETURN(const std::string bytes,
+                          ReadFile(path, kMaxFileBytes));
+  FREEGS_ASSIGN_OR_RETURN(const cv::Mat stored,
+                          Decode(path, bytes, cv::IMREAD_UNCHANGED));
   if (stored.channels() != 1 ||
       (stored.depth() != CV_8U && stored.depth() != CV_16U)) {
     return BadInputError(path.string() +
@@ -187,7 +205,7 @@ StatusOr<ImageU16> ReadLabels(const fs::path& path) {
   }
   ImageU16 labels(stored.cols, stored.rows, 1);
   cv::Mat target(stored.rows, stored.cols, CV_16UC1, labels.data());
-  stored.convertTo(target, CV_16U);
+  stored.convertTo(target, CV_16U, 1.0 / GreyFactor(bytes));
   return labels;
 }
 

@@ -4,9 +4,12 @@
 #include "core/io/image_io.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
+#include <iterator>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -111,6 +114,24 @@ TEST(ImageIoTest, LabelsKeepSixteenBits) {
   ASSERT_TRUE(WriteImage(folder / "c.png", Noise(7, 5, 3)).ok());
   EXPECT_EQ(ReadLabels(folder / "c.png").status().code(),
             StatusCode::kBadInput);
+}
+
+TEST(ImageIoTest, LabelsOfFewerBitsAreAsStored) {
+  // A grey PNG of 4 bits: 0, 1, 7, 15.
+  constexpr uint8_t kPng[] = {
+      0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d,
+      0x49, 0x48, 0x44, 0x52, 0x00, 0x00, 0x00, 0x04, 0x00, 0x00, 0x00, 0x01,
+      0x04, 0x00, 0x00, 0x00, 0x00, 0x19, 0xa7, 0xbd, 0x10, 0x00, 0x00, 0x00,
+      0x0b, 0x49, 0x44, 0x41, 0x54, 0x78, 0x9c, 0x63, 0x60, 0xac, 0x07, 0x00,
+      0x00, 0x84, 0x00, 0x81, 0xa7, 0xd7, 0x71, 0x01, 0x00, 0x00, 0x00, 0x00,
+      0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
+  const TemporaryFolder folder;
+  WriteText(folder / "l.png", std::string(std::begin(kPng), std::end(kPng)));
+  const StatusOr<ImageU16> labels = ReadLabels(folder / "l.png");
+  ASSERT_TRUE(labels.ok()) << labels.status().message();
+  EXPECT_THAT(std::vector<int>(labels->data(), labels->data() + labels->size()),
+              testing::ElementsAre(0, 1, 7, 15));
+  EXPECT_EQ((*ReadRgb(folder / "l.png"))(3, 0, 0), 255);
 }
 
 TEST(ImageIoTest, TruncatedAndDamagedFilesDoNotCrash) {
