@@ -139,9 +139,12 @@ program=$build/bin/freegs_pipeline
 truth=""
 if [[ -z $images ]]; then
   if [[ ! -f $photos/gt/cameras.json ]]; then
+    # Under its name there is never half a scene.
+    rm -rf -- "$photos.partial"
     step "drawing sample photos" "$draw_seconds" "$scene_seconds" \
-      "$build/bin/freegs_make_scene" --out "$photos" --views 40 \
+      "$build/bin/freegs_make_scene" --out "$photos.partial" --views 40 \
       --width 640 --height 480 --seed 1
+    mv -T -- "$photos.partial" "$photos"
   fi
   images=$photos/images
   truth=$photos

@@ -55,8 +55,11 @@ make_scenes() {
     esac
     iterations=$((1000 + 500 * (seed % 3)))
     if [[ ! -f $scene/gt/transforms.json ]]; then
-      "$bin/freegs_make_scene" --scene clutter --out "$scene" --seed "$seed" \
+      # Under its name there is never half a scene.
+      rm -rf -- "$scene.partial"
+      "$bin/freegs_make_scene" --scene clutter --out "$scene.partial" --seed "$seed" \
         --views "$views" --arc "$arc" --test_views 4 --width 480 --height 360
+      mv -T -- "$scene.partial" "$scene"
     fi
     for points in 0 10000; do
       workspace=$out/workspace_${seed}_$points

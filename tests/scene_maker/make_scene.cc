@@ -33,7 +33,7 @@ int Run(int argc, char** argv) {
   // clang-format off
   description.add_options()
       ("help,h", "this text")
-      ("out", po::value(&folder)->required(), "folder to write")
+      ("out", po::value(&folder)->required(), "empty or new folder to write")
       ("views", po::value(&options.views)->default_value(options.views),
        "photographs to reconstruct from")
       ("test_views",

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <system_error>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -240,6 +241,14 @@ Status WriteScene(const Scene& scene,
                   const fs::path& folder,
                   ThreadPool& pool,
                   const std::function<void(int, int)>& progress) {
+  // Photographs of another scene would be mixed with these.
+  for (const char* name : {"images", "README.md"}) {
+    std::error_code error;
+    if (fs::exists(folder / name, error)) {
+      return BadInputError((folder / name).string() +
+                           ": is there already; give an empty folder");
+    }
+  }
   for (const char* name :
        {"images", "test/images", "gt/instance", "gt/depth"}) {
     FREEGS_RETURN_IF_ERROR(CreateFolders(folder / name));

@@ -29,7 +29,8 @@ namespace freegs::scene_maker {
 //                                             surface
 //   gt/depth/<test view>.npz                  key depth, float16 metres
 //   README.md
-// Calls progress(done, total) after each view, if given.
+// Calls progress(done, total) after each view, if given. Fails with kBadInput
+// where the folder has images or README.md already.
 Status WriteScene(const Scene& scene,
                   const std::filesystem::path& folder,
                   ThreadPool& pool,

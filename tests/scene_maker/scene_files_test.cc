@@ -82,6 +82,12 @@ TEST(WriteScene, WritesTheLayout) {
   EXPECT_EQ(objects["objects"].size(), 4u);
   EXPECT_EQ(objects["objects"][2]["label"], "green book");
 
+  // What is there already is kept.
+  EXPECT_EQ(WriteScene(scene, folder, pool).code(), StatusCode::kBadInput);
+  fs::remove_all(folder / "images");
+  EXPECT_EQ(WriteScene(scene, folder, pool).code(), StatusCode::kBadInput);
+  EXPECT_FALSE(fs::exists(folder / "images"));
+
   // Masks are cut-outs of the instance map.
   const ImageU16 ids = *ReadLabels(folder / "gt/instance/test_01.png");
   const ImageU16 mask =
