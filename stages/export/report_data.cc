@@ -67,7 +67,7 @@ ReportFigure PhotosFigure(const fs::path& workspace) {
   figure.value = FormatCount(std::ssize(photos->photos) - rejected);
   figure.note = std::to_string(holdout) + " kept from training";
   if (rejected > 0)
-    figure.note += ", " + std::to_string(rejected) + " unusable";
+    figure.note += ", " + std::to_string(rejected) + " not used";
   return figure;
 }
 

@@ -222,6 +222,18 @@ TEST_F(ExportStageTest, AScenePutInByHandHasNoFiguresOfTheOneBefore) {
   EXPECT_THAT(log_, HasSubstr("point_cloud.ply is not as stage reconstruct"));
 }
 
+TEST_F(ExportStageTest, ReportCountsPhotosThatAreNotUsed) {
+  const fs::path file = workspace_ / "ingest" / "images.json";
+  photos::PhotoList list = photos::ReadPhotoList(file).value();
+  photos::Photo& photo = list.photos.emplace_back();
+  photo.file = "photo9.png";
+  photo.split = photos::PhotoSplit::kRejected;
+  photo.reason = "blurrier than its neighbours";
+  ASSERT_TRUE(photos::WritePhotoList(file, list).ok());
+  ASSERT_TRUE(Run().ok());
+  EXPECT_THAT(ReadText(Out("report/index.html")), HasSubstr(", 1 not used"));
+}
+
 TEST_F(ExportStageTest, ReportSaysWhenWordsAreWithheld) {
   workspace_.AddInstances();
   ASSERT_TRUE(Run().ok());
