@@ -2,6 +2,8 @@
 
 #include "stages/run/time_choice.h"
 
+#include <algorithm>
+
 #include "core/number_text.h"
 #include "stages/registry/presets.h"
 
@@ -84,16 +86,25 @@ StatusOr<TimeChoice> ChooseWithin(double seconds, const ForetellFn& foretell) {
                             Choose(range, range.least_iterations, foretell));
     const double shortest = least.expected.total();
     if (shortest > seconds) continue;
-    FREEGS_ASSIGN_OR_RETURN(const TimeChoice most,
+    FREEGS_ASSIGN_OR_RETURN(TimeChoice choice,
                             Choose(range, range.most_iterations, foretell));
-    const double longest = most.expected.total();
-    if (longest <= seconds) return most;
-    // The seconds grow in proportion to the iterations.
-    const double share = (seconds - shortest) / (longest - shortest);
-    const int more = range.most_iterations - range.least_iterations;
-    const int steps = static_cast<int>(share * more) / kIterationSteps;
-    return Choose(
-        range, range.least_iterations + steps * kIterationSteps, foretell);
+    int steps =
+        (range.most_iterations - range.least_iterations) / kIterationSteps;
+    // The seconds grow nearly in proportion to the iterations, so the first
+    // guess mostly fits. Where the fewest iterations are done already and take
+    // no time, any more of them may take too long.
+    while (choice.expected.total() > seconds) {
+      const double share =
+          (seconds - shortest) / (choice.expected.total() - shortest);
+      steps = std::min(steps - 1, static_cast<int>(share * steps));
+      if (steps <= 0) return least;
+      FREEGS_ASSIGN_OR_RETURN(
+          choice,
+          Choose(range,
+                 range.least_iterations + steps * kIterationSteps,
+                 foretell));
+    }
+    return choice;
   }
   least.fits = false;
   return least;

@@ -61,6 +61,27 @@ TEST(TimeChoice, MoreTimeThanHelpsIsLeft) {
   EXPECT_EQ(values.at("reconstruct.max_image_size"), "1600");
 }
 
+// Here 3000 iterations at 1200 pixels are done and take no time, and any more
+// would begin anew.
+TEST(TimeChoice, WhatIsDoneIsTakenWhereMoreWouldTakeTooLong) {
+  const auto foretell = [](const std::vector<OptionSetting>& settings) {
+    const auto values = ByName(settings);
+    const bool done = values.at("reconstruct.iterations") == "3000" &&
+                      values.at("reconstruct.max_image_size") == "1200";
+    return done ? StatusOr<ExpectedRun>(ExpectedRun()) : Foretold(settings);
+  };
+  StatusOr<TimeChoice> choice = ChooseWithin(60, foretell);
+  ASSERT_TRUE(choice.ok());
+  EXPECT_TRUE(choice->fits);
+  EXPECT_EQ(choice->expected.total(), 0);
+  EXPECT_EQ(ByName(choice->settings).at("reconstruct.iterations"), "3000");
+  // With enough time for more there is more.
+  choice = ChooseWithin(250, foretell);
+  ASSERT_TRUE(choice.ok());
+  EXPECT_LE(choice->expected.total(), 250);
+  EXPECT_GT(choice->expected.total(), 200);
+}
+
 TEST(TimeChoice, TrainingIsToldInWords) {
   EXPECT_EQ(TrainingText({.iterations = 2300, .max_image_size = 800}),
             "2,300 iterations with images of up to 800 pixels");
