@@ -322,6 +322,13 @@ Status StageRunner::Run() {
         continue;
       }
     }
+    if (!state.waits_for.empty()) {
+      return BadInputError(
+          name + ": " + state.waits_for +
+          "; what an interrupted run saved is kept until it is there again; to "
+          "begin the stage anew, delete " +
+          PartialFolder(options_.workspace, name).string());
+    }
     if (state.status == StageStatus::kFailed) {
       state.reason = state.resumable ? "trying again where it failed"
                                      : "trying again after a failure";

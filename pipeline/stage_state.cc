@@ -24,15 +24,16 @@ bool IsGone(const InputFingerprint& now, const InputFingerprint* before) {
          (now.files == 0 && before != nullptr && before->files > 0);
 }
 
-// Inputs outside the workspace that were there once and are gone now count as
-// unchanged; returns a note about them. Once one of them is gone, inputs that
-// the stage finds in it, such as the targets of links, are not named any more:
-// these count as unchanged, too.
-std::string KeepGoneInputs(const StageRecord& result, CurrentInputs* now) {
-  const auto& before = result.fingerprint.inputs;
+// Given inputs that were there once and are gone now are set to what they were;
+// returns their names. Once one of them is gone, inputs that the stage finds in
+// it, such as the targets of links, are not named any more: these are set to
+// what they were, too.
+std::vector<std::string> KeepGoneInputs(const StageFingerprint& then,
+                                        CurrentInputs* now) {
+  const auto& before = then.inputs;
   auto& inputs = now->fingerprint.inputs;
   std::vector<std::string> gone;
-  for (const std::string& name : now->external) {
+  for (const std::string& name : now->given) {
     const auto old = before.find(name);
     if (!IsGone(inputs[name], old == before.end() ? nullptr : &old->second)) {
       continue;
@@ -47,13 +48,22 @@ std::string KeepGoneInputs(const StageRecord& result, CurrentInputs* now) {
     }
     gone.push_back(name);
   }
-  if (gone.empty()) return "";
-  inputs.insert(before.begin(), before.end());
-  if (gone.size() == 1) {
-    return "input " + gone[0] + " is gone; keeping the result made from it";
-  }
-  return "inputs " + Joined(gone) +
-         " are gone; keeping the result made from them";
+  if (!gone.empty()) inputs.insert(before.begin(), before.end());
+  return gone;
+}
+
+// "input photos is gone".
+std::string GoneText(const std::vector<std::string>& gone) {
+  return gone.size() == 1 ? "input " + gone[0] + " is gone"
+                          : "inputs " + Joined(gone) + " are gone";
+}
+
+// Whether a run that began with other inputs could go on if those that are gone
+// were back: "input photos is gone". Empty if not.
+std::string WaitsFor(const StageFingerprint& begun, CurrentInputs now) {
+  const std::vector<std::string> gone = KeepGoneInputs(begun, &now);
+  if (gone.empty() || !Difference(begun, now.fingerprint).empty()) return "";
+  return GoneText(gone);
 }
 
 // Names what the stage made and somebody deleted: "masks, scene.ply".
@@ -122,7 +132,8 @@ CurrentInputs GatherInputs(const RunnerStage& stage,
     name = ValidUtf8(name);
     while (now.fingerprint.inputs.contains(name)) name += "'";
     now.fingerprint.inputs[name] = cache.Hash(path);
-    if (external) now.external.insert(name);
+    // Stages name what other stages make relative to the workspace.
+    if (input.is_absolute()) now.given.insert(name);
   }
   return now;
 }
@@ -172,9 +183,11 @@ StageState InspectStage(const fs::path& workspace,
                                     : "what it left is incomplete";
     StatusOr<StageRecord> attempt = ReadStageRecord(partial);
     if (attempt.ok()) state.attempt = *std::move(attempt);
+    if (begun.ok()) state.waits_for = WaitsFor(*begun, now);
   }
   const bool failed =
       state.attempt && state.attempt->outcome == StageOutcome::kFailed;
+  if (failed && !IsWorthContinuing(*state.attempt)) state.waits_for.clear();
   const bool continuable = unfinished && partial_difference.empty();
   if (continuable && !failed) {
     state.status = StageStatus::kInterrupted;
@@ -198,7 +211,12 @@ StageState InspectStage(const fs::path& workspace,
     StatusOr<StageRecord> result = ReadStageRecord(folder);
     if (result.ok() && result->outcome == StageOutcome::kDone) {
       CurrentInputs expected = now;
-      state.note = KeepGoneInputs(*result, &expected);
+      const std::vector<std::string> gone =
+          KeepGoneInputs(result->fingerprint, &expected);
+      if (!gone.empty()) {
+        state.note = GoneText(gone) + "; keeping the result made from " +
+                     (gone.size() == 1 ? "it" : "them");
+      }
       result_difference = Difference(result->fingerprint, expected.fingerprint);
       if (result_difference.empty()) {
         result_difference =

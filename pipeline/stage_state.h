@@ -29,9 +29,10 @@ struct RunnerStage {
 // The inputs and options that a run of the stage would have now.
 struct CurrentInputs {
   StageFingerprint fingerprint;
-  // Names of inputs that lie outside the workspace. Once they have been read,
-  // the workspace must be usable without them.
-  std::set<std::string> external;
+  // Names of inputs that were given and that no stage makes, such as photos and
+  // masks, wherever they lie. Once they have been read, the workspace must be
+  // usable without them.
+  std::set<std::string> given;
 };
 
 // Computes the fingerprint of what the stage would read now. It does not depend
@@ -60,6 +61,9 @@ struct StageState {
   std::string reason;      // One line: why it is not done. Empty if it is done.
   std::string note;        // A remark on a result that is kept.
   bool resumable = false;  // STAGE.partial can be continued.
+  // Why STAGE.partial cannot be continued now, but could be later: "input
+  // photos is gone". Empty otherwise.
+  std::string waits_for;
   // The result would hold, but somebody deleted files of it.
   bool lacks_files = false;
   std::optional<StageRecord> result;   // Of STAGE/.

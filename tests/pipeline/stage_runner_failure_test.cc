@@ -187,6 +187,38 @@ TEST_F(StageRunnerTest, KilledStageWithOtherOptionsStartsAnew) {
   EXPECT_THAT(log_, HasSubstr("option b.option changed 1 -> 2"));
 }
 
+// As where a disk was not mounted that holds a model.
+TEST_F(StageRunnerTest, WhatAKilledStageSavedIsKeptUntilItsInputIsBack) {
+  const fs::path model = folder_ / "model.json";
+  WriteText(model, "model");
+  b_.inputs.push_back(model);
+  KillDuringB();
+  fs::rename(model, folder_ / "away");
+  const int runs = b_.runs;
+  const Status status = Run();
+  EXPECT_EQ(status.code(), StatusCode::kBadInput);
+  EXPECT_THAT(status.message(), HasSubstr("b: input model.json is gone"));
+  EXPECT_THAT(status.message(),
+              HasSubstr("delete " + (workspace() / "b.partial").string()));
+  EXPECT_EQ(b_.runs, runs);
+  fs::rename(folder_ / "away", model);
+  ASSERT_TRUE(Run().ok());
+  EXPECT_TRUE(b_.resumed);
+  EXPECT_EQ(ReadText(workspace() / "b" / "checkpoint"), "half");
+}
+
+// What was saved is of no use with other options, so nothing waits for it.
+TEST_F(StageRunnerTest, WithOtherOptionsNothingWaitsForAnInput) {
+  const fs::path model = folder_ / "model.json";
+  WriteText(model, "model");
+  b_.inputs.push_back(model);
+  KillDuringB();
+  fs::remove(model);
+  b_.option = "2";
+  ASSERT_TRUE(Run().ok());
+  EXPECT_FALSE(b_.resumed);
+}
+
 TEST_F(StageRunnerTest, KilledBeforeTheFingerprintWasWritten) {
   KillDuringB();
   for (const char* content : {"", "{", "[]", "{\"stage\": 3}"}) {

@@ -90,7 +90,7 @@ class StageRunnerTest : public ::testing::Test {
   }
 
   std::filesystem::path workspace() const { return folder_ / "ws"; }
-  std::filesystem::path images() const { return folder_ / "photos"; }
+  std::filesystem::path images() const { return images_; }
 
   StageRunner MakeRunner(Logger* logger, const std::string& forced = "") {
     std::vector<RunnerStage> stages;
@@ -149,6 +149,7 @@ class StageRunnerTest : public ::testing::Test {
   }
 
   TemporaryFolder folder_;
+  std::filesystem::path images_ = folder_ / "photos";
   Script a_, b_, c_;
   std::string from_, to_;
   std::string log_;

@@ -213,6 +213,20 @@ TEST_F(StageRunnerTest, PhotosMayGoOnceTheyWereRead) {
   EXPECT_THAT(log_, HasSubstr("a: input photos is gone"));
 }
 
+TEST_F(StageRunnerTest, PhotosAndMasksInTheWorkspaceMayGoToo) {
+  images_ = workspace() / "photos";
+  WriteText(images() / "1.jpg", "photo");
+  const fs::path masks = workspace() / "masks";
+  WriteText(masks / "1.png", "mask");
+  a_.inputs = {masks};
+  ASSERT_TRUE(Run().ok());
+  fs::remove_all(images());
+  fs::remove_all(masks);
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(Runs(), "111");
+  EXPECT_THAT(log_, HasSubstr("a: inputs masks, photos are gone"));
+}
+
 // As where a card was mounted that holds the photos.
 TEST_F(StageRunnerTest, AnEmptyFolderOfPhotosCountsAsGone) {
   ASSERT_TRUE(Run().ok());
