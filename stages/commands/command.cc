@@ -86,8 +86,8 @@ Status CheckInputs(const fs::path& workspace,
 
 Status CheckOutputPlace(const fs::path& workspace, const fs::path& place) {
   if (place.empty()) return Status();
-  for (const std::string& stage : StageNames()) {
-    if (!IsWithin(place, pipeline::StageFolder(workspace, stage))) continue;
+  if (const std::string stage = StageThatHolds(workspace, place);
+      !stage.empty()) {
     return InvalidArgumentError(
         place.string() + ": lies in the folder of stage " + stage +
         ", whose files must stay as the stage made them; give another place");

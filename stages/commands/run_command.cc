@@ -40,6 +40,7 @@ using pipeline::WorkspaceInfo;
 Status CheckImagesFolder(const fs::path& images,
                          const fs::path& remembered,
                          const fs::path& workspace) {
+  FREEGS_RETURN_IF_ERROR(CheckPhotosPlace(workspace, images));
   std::error_code error;
   if (fs::is_directory(images, error)) {
     if (IsWithin(workspace, images)) {

@@ -68,6 +68,7 @@ Status CheckFolders(const fs::path& workspace,
                                ": no such workspace; for the plan of a new one "
                                "give --images IMAGES");
   }
+  FREEGS_RETURN_IF_ERROR(CheckPhotosPlace(workspace, images));
   // Once stage ingest has read the photos, they are no longer needed. Another
   // folder that is not there was mistyped.
   const bool was_read =

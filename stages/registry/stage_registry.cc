@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "core/io/files.h"
+#include "pipeline/workspace.h"
 #include "stages/bootstrap/bootstrap_stage.h"
 #include "stages/export/export_stage.h"
 #include "stages/ingest/ingest_stage.h"
@@ -52,6 +54,23 @@ std::vector<std::string> StageNames() {
     names.emplace_back(entry.stage->name());
   }
   return names;
+}
+
+std::string StageThatHolds(const std::filesystem::path& workspace,
+                           const std::filesystem::path& path) {
+  for (const std::string& stage : StageNames()) {
+    if (IsWithin(path, pipeline::StageFolder(workspace, stage))) return stage;
+  }
+  return "";
+}
+
+Status CheckPhotosPlace(const std::filesystem::path& workspace,
+                        const std::filesystem::path& images) {
+  const std::string stage = StageThatHolds(workspace, images);
+  if (stage.empty()) return Status();
+  return InvalidArgumentError(
+      images.string() + ": lies in the folder of stage " + stage +
+      " of this workspace, which a run writes; give the folder of the photos");
 }
 
 }  // namespace freegs::stages

@@ -17,9 +17,11 @@
 #ifndef FREEGS_STAGES_REGISTRY_STAGE_REGISTRY_H_
 #define FREEGS_STAGES_REGISTRY_STAGE_REGISTRY_H_
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
+#include "core/status.h"
 #include "pipeline/option_table.h"
 #include "pipeline/stage_state.h"
 #include "stages/registry/pipeline_options.h"
@@ -33,6 +35,15 @@ std::vector<pipeline::RunnerStage> MakeStages(
 
 // The names of the stages, in their order.
 std::vector<std::string> StageNames();
+
+// The stage in whose folder a path lies; empty if it lies in none.
+std::string StageThatHolds(const std::filesystem::path& workspace,
+                           const std::filesystem::path& path);
+
+// kInvalidArgument for photos in the folder of a stage of this workspace: what
+// the stages write there would be taken for other photos after each run.
+Status CheckPhotosPlace(const std::filesystem::path& workspace,
+                        const std::filesystem::path& images);
 
 }  // namespace freegs::stages
 

@@ -213,6 +213,11 @@ TEST_F(CommandTest, RunRefusesWrongFolders) {
               {Path("photos"), Path("photos/w")},
               StatusCode::kInvalidArgument,
               "inside the photo folder");
+  WriteText(folder_ / "other" / "undistort" / "images" / "1.jpg", "x");
+  ExpectError(RunRunCommand,
+              {Path("other/undistort/images"), Path("other")},
+              StatusCode::kInvalidArgument,
+              "lies in the folder of stage undistort");
   // IMAGES and WORKSPACE swapped.
   ExpectError(RunRunCommand,
               {Path("w"), Path("photos")},

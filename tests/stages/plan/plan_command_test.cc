@@ -189,6 +189,10 @@ TEST_F(PlanCommandTest, BadInput) {
   expect({Path("w"), "--images", Path("photos"), "--sfm.no_such", "1"},
          StatusCode::kInvalidArgument,
          "unknown option");
+  folder_.Write("w/ingest/photos/1.jpg", "x");
+  expect({Path("w"), "--images", Path("w/ingest/photos")},
+         StatusCode::kInvalidArgument,
+         "lies in the folder of stage ingest");
   folder_.Write("w/workspace.json", "{");
   expect({Path("w")}, StatusCode::kBadInput, "workspace.json");
 }
