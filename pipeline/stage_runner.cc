@@ -245,10 +245,11 @@ std::vector<StageForecast> StageRunner::Forecast(ThreadPool& pool) {
     const bool holds = (state.status == StageStatus::kDone && !redone) ||
                        state.status == StageStatus::kForeign;
     done.push_back(i < First() || i >= End() || holds);
-    forecasts.push_back({.stage = name,
-                         .needed = !done[i],
-                         .reason = redone ? "redone as asked" : state.reason,
-                         .begun = state.resumable});
+    forecasts.push_back(
+        {.stage = name,
+         .needed = !done[i],
+         .reason = redone ? options_.forced_reason : state.reason,
+         .begun = state.resumable});
   }
   const std::vector<StageNeed> needs = Foretell(done, pool);
   for (size_t i = 0; i < needs.size(); ++i) forecasts[i].need = needs[i];
@@ -314,7 +315,7 @@ Status StageRunner::Run() {
     }
     if (state.status == StageStatus::kDone) {
       if (name == options_.forced) {
-        state.reason = "redone as asked";
+        state.reason = options_.forced_reason;
       } else if (!redone.empty()) {
         state.reason = "stage " + redone + " was redone";
       } else {

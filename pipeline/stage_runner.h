@@ -31,8 +31,9 @@ struct StageRunnerOptions {
   std::string from;
   std::string to;
 
-  // A stage to run again although its result holds; empty for none.
+  // A stage to run again although its result holds, and why; empty for none.
   std::string forced;
+  std::string forced_reason = "redone as asked";
 
   int num_threads = 0;  // 0 takes one per available core.
   double checkpoint_interval_seconds = 60;

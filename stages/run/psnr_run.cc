@@ -9,6 +9,7 @@
 #include <limits>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include "core/number_text.h"
 #include "stages/registry/presets.h"
@@ -49,19 +50,30 @@ std::string IterationsText(const Rung& rung) {
   return FormatCount(rung.iterations) + " iterations";
 }
 
-// A training that an earlier run has done, and the PSNR it gave.
+// What earlier runs have left to begin with.
 struct Start {
-  size_t rung;
-  double psnr;
+  // A training that is done, and the PSNR it gave.
+  std::optional<size_t> rung;
+  double psnr = 0;
+
+  // A longer one that was interrupted.
+  std::optional<size_t> begun;
 };
 
-StatusOr<std::optional<Start>> FindTrained(const PsnrRunTasks& tasks) {
+StatusOr<Start> FindStart(const PsnrRunTasks& tasks) {
+  Start start;
   for (size_t rung = 0; rung < std::size(kRungs); ++rung) {
-    FREEGS_ASSIGN_OR_RETURN(const std::optional<double> psnr,
-                            tasks.trained(SettingsOf(kRungs[rung])));
-    if (psnr) return std::optional(Start{rung, *psnr});
+    FREEGS_ASSIGN_OR_RETURN(const TrainingState state,
+                            tasks.look(SettingsOf(kRungs[rung])));
+    if (state.psnr && !start.rung) {
+      start.rung = rung;
+      start.psnr = *state.psnr;
+    }
+    if (state.begun) start.begun = rung;
   }
-  return std::optional<Start>();
+  // Otherwise the first training begins in its place.
+  if (!start.rung) start.begun.reset();
+  return start;
 }
 
 double GainBetween(size_t from, size_t to) {
@@ -111,11 +123,11 @@ Status RunAtLeast(double psnr, const PsnrRunTasks& tasks) {
   // known after two trainings.
   double scale = 1;
   double margin = std::numeric_limits<double>::infinity();
-  FREEGS_ASSIGN_OR_RETURN(const std::optional<Start> start, FindTrained(tasks));
+  FREEGS_ASSIGN_OR_RETURN(Start start, FindStart(tasks));
   double reached = 0;
-  if (start) {
-    rung = start->rung;
-    reached = start->psnr;
+  if (start.rung) {
+    rung = *start.rung;
+    reached = start.psnr;
     tasks.log(LogLevel::kInfo,
               goal + "begins with what there is, a training of " +
                   IterationsText(kRungs[rung]));
@@ -126,10 +138,16 @@ Status RunAtLeast(double psnr, const PsnrRunTasks& tasks) {
     FREEGS_ASSIGN_OR_RETURN(reached, tasks.train(SettingsOf(kRungs[rung])));
   }
   while (reached < psnr && rung < kLast) {
-    // The shortest training that is expected to be enough.
+    // The shortest training that is expected to be enough, or the one that was
+    // interrupted: any other would begin in its place, and what it has done
+    // would be lost. An earlier run may have known more when it chose it.
     size_t next = rung + 1;
-    while (next < kLast && reached + scale * GainBetween(rung, next) < psnr) {
-      ++next;
+    if (start.begun.value_or(0) > rung) {
+      next = *std::exchange(start.begun, std::nullopt);
+    } else {
+      while (next < kLast && reached + scale * GainBetween(rung, next) < psnr) {
+        ++next;
+      }
     }
     const double expected = reached + scale * GainBetween(rung, next);
     const std::string outlook = goal + IterationsText(kRungs[rung]) + " gave " +

@@ -30,13 +30,21 @@ bool IsChosenByPsnr(std::string_view option);
 // That a user has set such an option.
 Status ChosenByPsnrError(const std::string& option);
 
+// What earlier runs have done of a training.
+struct TrainingState {
+  // The PSNR of the holdout photos, in dB, if the training is done.
+  std::optional<double> psnr;
+
+  // Whether it was interrupted and can be continued.
+  bool begun = false;
+};
+
 // What such a run needs of the world.
 struct PsnrRunTasks {
-  // The PSNR of the holdout photos, in dB, where the scene has been trained
-  // with these settings already; nothing where it has not.
-  std::function<StatusOr<std::optional<double>>(
+  // What there is of the training with these settings.
+  std::function<StatusOr<TrainingState>(
       const std::vector<pipeline::OptionSetting>& settings)>
-      trained;
+      look;
 
   // Brings the stages up to the training up to date. Returns the PSNR of the
   // holdout photos, in dB.

@@ -3,12 +3,14 @@
 #include "stages/run/run_execution.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <sstream>
 #include <utility>
 
 #include "core/io/json_text.h"
 #include "photos/photo_list.h"
 #include "pipeline/logger.h"
+#include "pipeline/stage_output.h"
 #include "pipeline/stage_runner.h"
 #include "pipeline/version.h"
 #include "stages/registry/stage_registry.h"
@@ -40,11 +42,47 @@ pipeline::StageRunner MakeRunner(const RunRequest& request,
   runner_options.checkpoint_interval_seconds =
       options.general.checkpoint_interval;
   runner_options.deadline = request.deadline;
+  if (!request.forced_reason.empty()) {
+    runner_options.forced_reason = request.forced_reason;
+  }
   if (!request.way_on.empty()) runner_options.way_on = request.way_on;
   return pipeline::StageRunner(MakeStages(options, table),
                                std::move(runner_options),
                                cancellation,
                                logger);
+}
+
+std::filesystem::path MetricsPath(const std::filesystem::path& workspace) {
+  return pipeline::StageFolder(workspace, kTraining) / "metrics.json";
+}
+
+// Has the training done again if the time of an earlier run ended it before all
+// its iterations. For run WORKSPACE such a training is good enough; a goal is
+// not measured by it.
+RunRequest WithWholeTraining(RunRequest request,
+                             const PipelineOptions& options) {
+  if (!options.reconstruct.import.empty()) return request;
+  const StatusOr<nlohmann::json> metrics =
+      ReadJson(MetricsPath(request.workspace));
+  if (!metrics.ok() || !metrics->is_object()) return request;
+  const auto done = metrics->find("iterations");
+  if (done == metrics->end() || !done->is_number() ||
+      done->get<double>() >= options.reconstruct.iterations) {
+    return request;
+  }
+  request.forced = kTraining;
+  request.forced_reason =
+      "the training ended after " + std::to_string(done->get<int64_t>()) +
+      " of " + std::to_string(options.reconstruct.iterations) + " iterations";
+  return request;
+}
+
+// What a killed run left is put in order before anything is foretold from it.
+Status Recover(const std::filesystem::path& workspace) {
+  for (const std::string& stage : StageNames()) {
+    FREEGS_RETURN_IF_ERROR(pipeline::RecoverStage(workspace, stage));
+  }
+  return Status();
 }
 
 // The stages of `request`, with the settings of the user and those chosen for
@@ -60,7 +98,12 @@ StatusOr<std::vector<pipeline::StageForecast>> ForecastOf(
       ApplySettings(request.workspace, settings, table, chosen));
   std::ostringstream ignored;
   pipeline::Logger logger(ignored, /*terminal=*/false, "");
-  return MakeRunner(request, *options, table, cancellation, logger).Forecast();
+  return MakeRunner(WithWholeTraining(request, *options),
+                    *options,
+                    table,
+                    cancellation,
+                    logger)
+      .Forecast();
 }
 
 // What the run of `request` is expected to take.
@@ -110,8 +153,7 @@ Status CheckHoldout(const std::filesystem::path& workspace) {
 
 // The PSNR of the holdout photos of a scene that has been trained.
 StatusOr<double> HoldoutPsnr(const std::filesystem::path& workspace) {
-  const std::filesystem::path path =
-      pipeline::StageFolder(workspace, kTraining) / "metrics.json";
+  const std::filesystem::path path = MetricsPath(workspace);
   FREEGS_ASSIGN_OR_RETURN(const nlohmann::json metrics, ReadJson(path));
   const auto psnr = metrics.find("holdout_psnr");
   if (psnr == metrics.end() || !psnr->is_number()) {
@@ -194,7 +236,11 @@ Status ExecuteChosen(RunRequest request,
   }
   FREEGS_RETURN_IF_ERROR(
       pipeline::WriteWorkspaceInfo(request.workspace, request.info));
-  return Execute(request, options, table, err, cancellation);
+  return Execute(WithWholeTraining(std::move(request), options),
+                 options,
+                 table,
+                 err,
+                 cancellation);
 }
 
 }  // namespace
@@ -205,6 +251,7 @@ Status ExecuteWithin(double seconds,
                      std::ostream& err,
                      const CancellationToken& cancellation) {
   using Clock = std::chrono::steady_clock;
+  FREEGS_RETURN_IF_ERROR(Recover(request.workspace));
   pipeline::Logger logger(
       err, pipeline::IsTerminal(err), pipeline::LogPath(request.workspace));
   TimedRunTasks tasks;
@@ -248,25 +295,31 @@ Status ExecuteAtLeast(double psnr,
                       const RunRequest& request,
                       std::ostream& err,
                       const CancellationToken& cancellation) {
+  FREEGS_RETURN_IF_ERROR(Recover(request.workspace));
   pipeline::Logger logger(
       err, pipeline::IsTerminal(err), pipeline::LogPath(request.workspace));
   PsnrRunTasks tasks;
   tasks.log = [&logger](pipeline::LogLevel level, const std::string& text) {
     logger.Log(level, text);
   };
-  tasks.trained = [&](const std::vector<OptionSetting>& chosen)
-      -> StatusOr<std::optional<double>> {
+  tasks.look =
+      [&](const std::vector<OptionSetting>& chosen) -> StatusOr<TrainingState> {
     RunRequest now = request;
     now.to = kTraining;
     PipelineOptions options;
     FREEGS_ASSIGN_OR_RETURN(
         const std::vector<pipeline::StageForecast> forecasts,
         ForecastOf(now, settings, chosen, cancellation, &options));
-    if (std::ranges::any_of(forecasts, &pipeline::StageForecast::needed)) {
-      return std::optional<double>();
+    TrainingState state;
+    bool done = true;
+    for (const pipeline::StageForecast& forecast : forecasts) {
+      done = done && !forecast.needed;
+      if (forecast.stage == kTraining) state.begun = forecast.begun;
     }
-    FREEGS_ASSIGN_OR_RETURN(const double psnr, HoldoutPsnr(request.workspace));
-    return std::optional(psnr);
+    if (done) {
+      FREEGS_ASSIGN_OR_RETURN(state.psnr, HoldoutPsnr(request.workspace));
+    }
+    return state;
   };
   const auto execute = [&](const RunRequest& now,
                            const std::vector<OptionSetting>& chosen,

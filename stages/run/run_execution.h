@@ -29,6 +29,9 @@ struct RunRequest {
 
   // A stage to run again although its result holds; empty for none.
   std::string forced;
+  // Why, see pipeline::StageRunnerOptions; the default of it where this is
+  // empty.
+  std::string forced_reason;
 
   // When the run is wanted to end; see pipeline::StageContext::deadline.
   std::optional<std::chrono::steady_clock::time_point> deadline;
@@ -50,7 +53,9 @@ Status Execute(const RunRequest& request,
 
 // Runs all stages within so many seconds (timed_run.h). `settings` are those of
 // the user, among them preset auto. The options that are chosen are remembered,
-// so that `run WORKSPACE` goes on with them. Also returns errors of settings.
+// so that `run WORKSPACE` goes on with them. A training that an earlier run
+// ended before all its iterations is done anew. Also returns errors of
+// settings.
 Status ExecuteWithin(double seconds,
                      const std::vector<pipeline::OptionSetting>& settings,
                      const RunRequest& request,

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -24,16 +25,24 @@ class FakeScene {
 
   PsnrRunTasks Tasks() {
     PsnrRunTasks tasks;
-    tasks.trained = [this](const std::vector<OptionSetting>& settings) {
+    tasks.look = [this](const std::vector<OptionSetting>& settings) {
       const int iterations = Iterations(settings);
-      return StatusOr<std::optional<double>>(
-          iterations == there_ ? std::optional(PsnrAfter(iterations))
-                               : std::nullopt);
+      TrainingState state;
+      if (iterations == there_) state.psnr = PsnrAfter(iterations);
+      state.begun = iterations == begun_;
+      return StatusOr<TrainingState>(state);
     };
-    tasks.train = [this](const std::vector<OptionSetting>& settings) {
-      there_ = Iterations(settings);
-      trained_.push_back(there_);
-      return StatusOr<double>(PsnrAfter(there_));
+    tasks.train =
+        [this](const std::vector<OptionSetting>& settings) -> StatusOr<double> {
+      const int iterations = Iterations(settings);
+      trained_.push_back(iterations);
+      if (iterations == interrupted_) {
+        begun_ = std::exchange(interrupted_, 0);
+        return InterruptedError("stopped");
+      }
+      there_ = iterations;
+      begun_ = 0;
+      return PsnrAfter(there_);
     };
     tasks.finish = [this](const std::vector<OptionSetting>& settings) {
       finished_ = Iterations(settings);
@@ -45,6 +54,9 @@ class FakeScene {
     };
     return tasks;
   }
+
+  // The next training of so many iterations is interrupted.
+  void Interrupt(int iterations) { interrupted_ = iterations; }
 
   const std::vector<int>& trained() const { return trained_; }
   int finished() const { return finished_; }
@@ -69,6 +81,8 @@ class FakeScene {
   const double best_;
   const double gain_;
   int there_ = 0;  // The iterations of the scene that the workspace has.
+  int interrupted_ = 0;
+  int begun_ = 0;  // The iterations of the training that was interrupted.
   std::vector<int> trained_;
   int finished_ = 0;
   int warnings_ = 0;
@@ -131,6 +145,26 @@ TEST(PsnrRun, BeginsWithTheTrainingThatIsThere) {
   ASSERT_TRUE(RunAtLeast(30, scene.Tasks()).ok());
   EXPECT_EQ(scene.trained().back(), 5000) << scene.log();
   EXPECT_EQ(scene.trained().size(), trained.size() + 1);
+}
+
+// After two trainings the run has chosen 5000 iterations. From the second one
+// alone it would choose 2500.
+TEST(PsnrRun, GoesOnWithTheTrainingThatWasInterrupted) {
+  FakeScene scene(28.3, 0.4);
+  scene.Interrupt(5000);
+  EXPECT_EQ(RunAtLeast(28.05, scene.Tasks()).code(), StatusCode::kInterrupted);
+  ASSERT_EQ(scene.trained(), (std::vector<int>{625, 1250, 5000}))
+      << scene.log();
+  ASSERT_TRUE(RunAtLeast(28.05, scene.Tasks()).ok());
+  EXPECT_EQ(scene.trained(), (std::vector<int>{625, 1250, 5000, 5000}))
+      << scene.log();
+  EXPECT_EQ(scene.finished(), 5000);
+  // A lower goal needs no more than what is done.
+  FakeScene other(30, 1);
+  other.Interrupt(5000);
+  EXPECT_EQ(RunAtLeast(35, other.Tasks()).code(), StatusCode::kInterrupted);
+  ASSERT_TRUE(RunAtLeast(26, other.Tasks()).ok());
+  EXPECT_EQ(other.finished(), 625) << other.log();
 }
 
 // One training tells too little to give up.
