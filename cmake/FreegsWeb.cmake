@@ -39,7 +39,7 @@ add_custom_command(
     ${PROJECT_SOURCE_DIR}/web/package-lock.json
     ${PROJECT_SOURCE_DIR}/web/.npmrc ${web}
   COMMAND ${CMAKE_COMMAND} -E chdir ${web} sh -c
-    "'${FREEGS_NPM}' ci --no-progress || { echo 'The packages of the page cannot be fetched; -DFREEGS_BUILD_WEB=OFF builds without its 3D view.' >&2; exit 1; }"
+    "'${FREEGS_NPM}' ci --no-progress || { echo 'The packages of the page cannot be fetched. To go on without its 3D view, run: scripts/configure.sh ${CMAKE_BINARY_DIR} -DFREEGS_BUILD_WEB=OFF and then the same command again.' >&2; exit 1; }"
   COMMAND ${CMAKE_COMMAND} -E touch ${web}/node_modules/.package-lock.json
   DEPENDS
     ${PROJECT_SOURCE_DIR}/web/package.json
