@@ -27,7 +27,7 @@ mkdir -p "$build/findings"
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 grep '^leak:' tests/sanitizer_suppressions.txt >"$scratch/leaks.txt" || true
-export LSAN_OPTIONS=suppressions=$scratch/leaks.txt:print_suppressions=0
+export LSAN_OPTIONS="suppressions=\"$scratch/leaks.txt\":print_suppressions=0"
 export UBSAN_OPTIONS=print_stacktrace=1
 # Readers that work on files write them here.
 export TMPDIR=$scratch

@@ -34,8 +34,8 @@ grep '^leak:' tests/sanitizer_suppressions.txt >"$build/leaks.txt" || true
 grep -vE '^(leak:|#|$)' tests/sanitizer_suppressions.txt >"$build/races.txt" || true
 # Code of ours asks for more memory than there is in some tests, and copes.
 export ASAN_OPTIONS=allocator_may_return_null=1
-export LSAN_OPTIONS=suppressions=$build/leaks.txt:print_suppressions=0
-export TSAN_OPTIONS=allocator_may_return_null=1:suppressions=$build/races.txt
+export LSAN_OPTIONS="suppressions=\"$build/leaks.txt\":print_suppressions=0"
+export TSAN_OPTIONS="allocator_may_return_null=1:suppressions=\"$build/races.txt\""
 export UBSAN_OPTIONS=print_stacktrace=1
 ctest --test-dir "$build" --output-on-failure --no-tests=error \
   --parallel "$(nproc)" "${filter[@]}"
