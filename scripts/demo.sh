@@ -6,21 +6,26 @@
 #   scripts/demo.sh [IMAGES [OPTION ...]]
 #
 # IMAGES is a folder of photos. Options are passed to `freegs_pipeline run`, for
-# example --preset balanced. The result is in demo_workspace of the checkout. If
-# the script is run again, it goes on from there. What the steps print is kept in
-# demo_workspace.log.
+# example --preset balanced. The result is in demo_workspace of the checkout, or in
+# demo_workspace_NAME for a folder NAME of photos. If the script is run again, it goes
+# on from there. What the steps print is kept in demo_workspace.log.
 set -euo pipefail
+if [[ ${1:-} == --help || ${1:-} == -h ]]; then
+  sed -n '3,/^set /s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
+  exit
+fi
 here=$PWD
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 build=${BUILD:-build}
 photos=demo_photos
 workspace=demo_workspace
-log=$workspace.log
+log=$PWD/$workspace.log
 
 images=""
 if (($# > 0)) && [[ $1 != --* ]]; then
   images=$(cd "$here" && realpath -m -- "$1")
   [[ -e $images ]] || { echo "error: there is no $images" >&2; exit 3; }
+  workspace+=_${images##*/}
   shift
 fi
 
@@ -134,7 +139,6 @@ fi
 step "installing packages" "$install_seconds" \
   $((build_seconds + draw_seconds + scene_seconds)) scripts/install_packages.sh
 step "building" "$build_seconds" $((draw_seconds + scene_seconds)) build_program
-program=$build/bin/freegs_pipeline
 
 truth=""
 if [[ -z $images ]]; then
@@ -146,10 +150,17 @@ if [[ -z $images ]]; then
       --width 640 --height 480 --seed 1
     mv -T -- "$photos.partial" "$photos"
   fi
-  images=$photos/images
-  truth=$photos
+  truth=$PWD/$photos
+  images=$truth/images
 fi
 
+# Paths among the options hold where the script was called, and so does what the
+# program proposes at the end.
+seen_from_here() { realpath -sm --relative-base="$here" -- "$1"; }
+program=$(seen_from_here "$build/bin/freegs_pipeline")
+[[ $program == */* ]] || program=./$program
+workspace=$(seen_from_here "$workspace")
+cd "$here"
 # From here on the program itself says how long the rest will take, and it heeds
 # signals.
 trap - EXIT HUP INT TERM
@@ -161,7 +172,11 @@ if [[ -n $truth ]]; then
 fi
 echo
 echo "The whole took $(minutes "$SECONDS")."
-sed "s|^  freegs_pipeline |  $program |" "$log.end"
+program=$(printf %q "$program") workspace=$(printf %q "$workspace")
+while IFS= read -r line; do
+  [[ $line != "  freegs_pipeline "* ]] || line="  $program ${line#  freegs_pipeline }"
+  printf '%s\n' "$line"
+done <"$log.end"
 rm -f -- "$log.end"
 cat <<END
 Or ask in words, with pictures and by clicking, in the browser:

@@ -41,7 +41,17 @@ if ((EUID != 0)); then
   fi
   as_root=(sudo)
 fi
-"${as_root[@]}" apt-get update -q
+# When somebody else updates the lists, apt-get fails at once. Waits five minutes.
+for ((tries = 60; ; --tries)); do
+  said=$("${as_root[@]}" env LC_ALL=C apt-get update -q 2>&1) && break
+  status=$?
+  if ((tries == 0)) || [[ $said != *"Could not get lock"* ]]; then
+    echo "$said" >&2
+    exit "$status"
+  fi
+  sleep 5
+done
+echo "$said"
 # Waits when somebody else is installing.
 "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
   apt-get install -q -y --no-install-recommends -o DPkg::Lock::Timeout=600 \

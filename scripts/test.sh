@@ -10,6 +10,10 @@
 # The variable BUILD names the build folder (default: build). FREEGS_SHARED_DATA may
 # name a folder of reference data. Tests that need it are skipped without it.
 set -euo pipefail
+if [[ ${1:-} == --help || ${1:-} == -h ]]; then
+  sed -n '3,/^set /s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
+  exit
+fi
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 build=${BUILD:-build}
 jobs=$(nproc)
@@ -17,12 +21,11 @@ jobs=$(nproc)
 scripts/install_packages.sh --tests
 
 echo "== formatting"
-if git rev-parse --is-inside-work-tree >/dev/null 2>&1; then
-  git ls-files -z -- '*.cc' '*.h' |
-    xargs -0 --no-run-if-empty clang-format-14 --dry-run -Werror
-else
-  echo "not a git checkout: skipped"
-fi
+# All files, but for those of build folders, of packages, and of hidden folders.
+find . -mindepth 1 -type d \( -name '.*' -o -name node_modules -o \
+  -exec test -e '{}/CMakeCache.txt' \; \) -prune -o \
+  -type f \( -name '*.cc' -o -name '*.h' \) -print0 |
+  xargs -0 clang-format-14 --dry-run -Werror
 
 echo "== build"
 scripts/configure.sh "$build" -DFREEGS_BUILD_TESTS=ON "$@"
@@ -40,6 +43,8 @@ ctest --test-dir "$build" --output-on-failure --no-tests=error --parallel "$jobs
 
 # Tests of GoogleTest, and whole tests of ctest with the reason that they gave.
 echo "== skipped"
+[[ -x $prettier ]] ||
+  echo "formatting and tests of the page, which is not built (FREEGS_BUILD_WEB)"
 last=$build/Testing/Temporary/LastTest.log
 sed -nE 's/^\[  SKIPPED \] (.*) \([0-9]+ ms\)$/\1/p' "$last"
 sed -nE 's/^.* Test +#[0-9]+: ([^ ]+) .*\*\*\*Skipped .*/\1/p' "$build/ctest.log" |

@@ -4,15 +4,16 @@
 
 import { spawnSync } from "node:child_process";
 import { existsSync } from "node:fs";
-import { join } from "node:path";
+import { delimiter, join } from "node:path";
 
 const [build, test] = process.argv.slice(2);
-const chromium = [
-  "/usr/bin/chromium",
-  "/usr/bin/chromium-browser",
-  "/usr/bin/google-chrome",
-]
-  .concat(process.env.CHROMIUM ?? [])
+const folders = (process.env.PATH ?? "").split(delimiter);
+const chromium = [process.env.CHROMIUM ?? ""]
+  .concat(
+    ["chromium", "chromium-browser", "google-chrome"].flatMap((name) =>
+      folders.map((folder) => join(folder, name)),
+    ),
+  )
   .find((path) => existsSync(path));
 if (!chromium) {
   console.log(

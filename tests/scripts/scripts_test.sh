@@ -1,0 +1,113 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Runs scripts of scripts/ in a copy of the checkout, with stand-ins for the programs
+# that they call, so that nothing is installed or built.
+#
+#   tests/scripts/scripts_test.sh
+set -euo pipefail
+
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+checkout="$folder/check out"
+calls=$folder/calls
+export calls
+unset BUILD
+mkdir -p "$checkout/build/bin" "$folder/programs" "$folder/elsewhere/garden"
+cp -r -- "$here/../../scripts" "$checkout/"
+echo colmap >"$checkout/scripts/packages.txt"
+echo chromium-l10n >"$checkout/scripts/test_packages.txt"
+
+fail() {
+  echo "FAILED: $1" >&2
+  tail -n 20 "$folder"/{out.txt,calls} >&2
+  exit 1
+}
+has() { grep -qF -- "$2" "$1" || fail "$1 lacks: $2"; }
+# stand_in PATH: a program whose script comes from standard input.
+stand_in() {
+  { echo '#!/bin/bash'; cat; } >"$1"
+  chmod +x "$1"
+}
+programs=$folder/programs
+stand_in "$programs/cmake" <<<'echo "cmake $*" >>"$calls"'
+stand_in "$programs/clang-format-14" <<<'printf "format %s\n" "$@" >>"$calls"'
+stand_in "$programs/ctest" <<<'exit 0'
+stand_in "$programs/sudo" <<<'[[ $1 == -* ]] || exec "$@"'
+stand_in "$programs/sleep" <<<'exec /bin/sleep 0.1'
+stand_in "$programs/dpkg-query" <<<'echo "install ok installed"'
+stand_in "$checkout/build/bin/freegs_make_scene" <<<'mkdir -p "$2/images"'
+stand_in "$checkout/build/bin/freegs_pipeline" <<'END'
+printf '%s in %s:' "$1" "$PWD" >>"$calls"
+printf ' <%s>' "${@:2}" >>"$calls"
+echo >>"$calls"
+[[ $1 != run ]] || echo "  freegs_pipeline query $3"
+[[ $1 != eval ]] || echo "  holdout PSNR 30"
+END
+export PATH=$programs:$PATH
+try() {
+  : >"$calls"
+  "$checkout/scripts/$1" "${@:2}" >"$folder/out.txt" 2>&1
+}
+
+# Help does nothing else.
+for script in demo.sh test.sh; do
+  try $script --help || fail "$script --help"
+  has "$folder/out.txt" "scripts/$script ["
+  [[ ! -s $calls ]] || fail "$script --help began"
+done
+
+# Photos of one's own, from elsewhere: options hold there, and the workspace is not
+# the one of the drawn photos.
+cd "$folder/elsewhere"
+try demo.sh garden --config own.ini || fail "demo.sh garden"
+has "$calls" "run in $folder/elsewhere: <$folder/elsewhere/garden> <$checkout/demo_workspace_garden> <--preset> <fast> <--config> <own.ini>"
+has "$folder/out.txt" "  $(printf %q "$checkout")/build/bin/freegs_pipeline query "
+cd "$checkout"
+try demo.sh || fail "demo.sh"
+has "$calls" "<$checkout/demo_photos/images> <demo_workspace> "
+has "$folder/out.txt" "  build/bin/freegs_pipeline query demo_workspace"
+has "$folder/out.txt" "holdout PSNR"
+
+# The formatting of all files is checked without git, but for those that are made.
+touch build/CMakeCache.txt build/made.cc own.cc
+mkdir -p build/Testing/Temporary core && touch build/Testing/Temporary/LastTest.log core/own.h
+try test.sh || fail "test.sh"
+has "$calls" "format ./own.cc"
+has "$calls" "format ./core/own.h"
+! grep -q made.cc "$calls" || fail "test.sh formats what was built"
+has "$folder/out.txt" "the page, which is not built"
+stand_in "$programs/clang-format-14" <<<'exit 1'
+! try test.sh || fail "test.sh passes with wrong formatting"
+
+# Waits while somebody else has the lists of packages, and for nothing else.
+stand_in "$programs/dpkg-query" <<<'exit 1'
+stand_in "$programs/apt-get" <<'END'
+echo "apt-get $1" >>"$calls"
+if [[ $1 == update && $(grep -c update "$calls") -lt 3 ]]; then
+  echo "E: $said" >&2
+  exit 100
+fi
+END
+export said="Could not get lock /var/lib/apt/lists/lock."
+try install_packages.sh || fail "the lock is not waited for"
+has "$calls" "apt-get install"
+export said="no network"
+code=0
+try install_packages.sh || code=$?
+[[ $code == 100 && $(grep -c update "$calls") == 1 ]] || fail "no network: exit $code"
+has "$folder/out.txt" "no network"
+
+# The browser is found wherever PATH says.
+if node=$(command -v node); then
+  browse() {
+    PATH=$folder/browser "$node" "$here/../web/run.mjs" "$folder" none >"$folder/out.txt" || true
+  }
+  unset CHROMIUM
+  browse
+  has "$folder/out.txt" "there is no Chromium"
+  mkdir "$folder/browser" && stand_in "$folder/browser/google-chrome" </dev/null
+  browse
+  has "$folder/out.txt" "the page is not built"
+fi
+echo "passed"
