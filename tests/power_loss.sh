@@ -11,10 +11,12 @@
 # runs. tests/power_loss/power_loss.cc says what a copy
 # has.
 set -uo pipefail
+trap 'exit 130' INT TERM
 
 program=$(realpath "$1")/freegs_pipeline
 maker=$(realpath "$1")/freegs_make_scene
-library=$(realpath "$1")/libfreegs_power_loss.so
+libraries=$(realpath "$1")
+library=libfreegs_power_loss.so
 every=${3:-1}
 mkdir -p "$2"
 cd "$2" || exit 1
@@ -27,7 +29,9 @@ rm -rf scene undisturbed cut shadow w
   { cat out.txt; exit 1; }
 run() { "$program" run scene/images "$1" "${options[@]}" >out.txt 2>&1; }
 run undisturbed || { cat out.txt; exit 1; }
-LD_PRELOAD=$library POWER_LOSS_ROOT=$PWD/cut POWER_LOSS_SHADOW=$PWD/shadow \
+# Spaces would end a path in LD_PRELOAD.
+LD_LIBRARY_PATH=$libraries${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH} LD_PRELOAD=$library \
+  POWER_LOSS_ROOT=$PWD/cut POWER_LOSS_SHADOW=$PWD/shadow \
   POWER_LOSS_EVERY=$every run cut || { cat out.txt; exit 1; }
 
 same() {
