@@ -324,11 +324,9 @@ Status StageRunner::Run() {
       }
     }
     if (!state.waits_for.empty()) {
-      return BadInputError(
-          name + ": " + state.waits_for +
-          "; what an interrupted run saved is kept until it is there again; to "
-          "begin the stage anew, delete " +
-          PartialFolder(options_.workspace, name).string());
+      return BadInputError(name + ": " + state.waits_for +
+                           "; to begin the stage anew, delete " +
+                           PartialFolder(options_.workspace, name).string());
     }
     if (state.status == StageStatus::kFailed) {
       state.reason = state.resumable ? "trying again where it failed"

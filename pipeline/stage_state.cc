@@ -58,12 +58,13 @@ std::string GoneText(const std::vector<std::string>& gone) {
                           : "inputs " + Joined(gone) + " are gone";
 }
 
-// Whether a run that began with other inputs could go on if those that are gone
-// were back: "input photos is gone". Empty if not.
+// Says which inputs are gone, if a run that began with them could go on if they
+// were back. Empty if not.
 std::string WaitsFor(const StageFingerprint& begun, CurrentInputs now) {
   const std::vector<std::string> gone = KeepGoneInputs(begun, &now);
   if (gone.empty() || !Difference(begun, now.fingerprint).empty()) return "";
-  return GoneText(gone);
+  return GoneText(gone) + "; what an interrupted run saved is kept until " +
+         (gone.size() == 1 ? "it is" : "they are") + " there again";
 }
 
 // Names what the stage made and somebody deleted: "masks, scene.ply".
@@ -245,6 +246,9 @@ StageState InspectStage(const fs::path& workspace,
         "an interrupted run cannot be continued: " + partial_difference;
   } else {
     state.reason = "not run yet";
+  }
+  if (!state.waits_for.empty() && state.status != StageStatus::kDone) {
+    state.reason = state.waits_for;
   }
   return state;
 }

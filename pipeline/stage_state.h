@@ -29,9 +29,9 @@ struct RunnerStage {
 // The inputs and options that a run of the stage would have now.
 struct CurrentInputs {
   StageFingerprint fingerprint;
-  // Names of inputs that were given and that no stage makes, such as photos and
-  // masks, wherever they lie. Once they have been read, the workspace must be
-  // usable without them.
+  // Names of inputs with absolute paths: those that the user named, such as
+  // photos and masks, wherever they lie. Once they have been read, the workspace
+  // must be usable without them.
   std::set<std::string> given;
 };
 
@@ -62,7 +62,7 @@ struct StageState {
   std::string note;        // A remark on a result that is kept.
   bool resumable = false;  // STAGE.partial can be continued.
   // Why STAGE.partial cannot be continued now, but could be later: "input
-  // photos is gone". Empty otherwise.
+  // photos is gone; ...". Empty otherwise.
   std::string waits_for;
   // The result would hold, but somebody deleted files of it.
   bool lacks_files = false;

@@ -7,8 +7,9 @@
 #
 # IMAGES is a folder of photos. Options are passed to `freegs_pipeline run`, for
 # example --preset balanced. The result is in demo_workspace of the checkout, or in
-# demo_workspace_NAME for a folder NAME of photos. If the script is run again, it goes
-# on from there. What the steps print is kept in demo_workspace.log.
+# demo_workspace_NAME_NUMBER for a folder NAME of photos, where the number follows from
+# its path. If the script is run again, it goes on from there. What the steps print is
+# kept in demo_workspace.log.
 set -euo pipefail
 if [[ ${1:-} == --help || ${1:-} == -h ]]; then
   sed -n '3,/^set /s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
@@ -25,7 +26,8 @@ images=""
 if (($# > 0)) && [[ $1 != --* ]]; then
   images=$(cd "$here" && realpath -m -- "$1")
   [[ -e $images ]] || { echo "error: there is no $images" >&2; exit 3; }
-  workspace+=_${images##*/}
+  # Other photos in a folder of the same name have another workspace.
+  workspace+=_${images##*/}_$(cksum <<<"$images" | cut -d ' ' -f 1)
   shift
 fi
 

@@ -49,6 +49,7 @@ for ((tries = 60; ; --tries)); do
     echo "$said" >&2
     exit "$status"
   fi
+  echo "waiting: somebody else updates the lists of packages" >&2
   sleep 5
 done
 echo "$said"

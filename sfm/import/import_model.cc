@@ -319,6 +319,10 @@ std::vector<fs::path> ImportSource::Files() const {
   return files;
 }
 
+std::vector<fs::path> ModelFolders(const fs::path& folder) {
+  return {folder, folder / "sparse" / "0", folder / "sparse", folder / "0"};
+}
+
 StatusOr<ImportSource> FindImportSource(const fs::path& path) {
   ImportSource source;
   std::error_code error;
@@ -339,8 +343,7 @@ StatusOr<ImportSource> FindImportSource(const fs::path& path) {
       }
     }
   } else if (fs::is_directory(path, error)) {
-    for (const char* below : {"", "sparse/0", "sparse", "0"}) {
-      const fs::path folder = *below == '\0' ? path : path / below;
+    for (const fs::path& folder : ModelFolders(path)) {
       if (DetectModelFormat(folder)) {
         source.colmap_model = folder;
         return source;

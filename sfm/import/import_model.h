@@ -31,6 +31,11 @@ struct ImportSource {
   std::vector<std::filesystem::path> Files() const;
 };
 
+// The folders in which a COLMAP model is looked for when a folder is imported:
+// itself, and sparse/0, sparse and 0 in it. The first model counts.
+std::vector<std::filesystem::path> ModelFolders(
+    const std::filesystem::path& folder);
+
 // Finds what can be imported at `path`. It may be the folder of a COLMAP model
 // (binary or text), a folder that contains one as sparse/0, sparse or 0, a
 // transforms file, or a folder with transforms.json or transforms_train.json.

@@ -39,14 +39,14 @@ bool IsAmong(const fs::path& place,
 
 // The same for what sfm.import names. Stage sfm reads only a few files of a
 // folder, which often holds the whole scene, so other places below it are free.
-// The folder itself and that of the model are not: a model that is exported
-// there would replace or hide the one that is imported.
+// Those where a COLMAP model is looked for are not: a model that is exported
+// there would replace or hide what is imported.
 bool IsAmongImport(const fs::path& place, const fs::path& named) {
-  std::vector<fs::path> kept = {named};
+  std::vector<fs::path> kept = sfm::ModelFolders(named);
   if (const auto source = sfm::FindImportSource(named); source.ok()) {
-    kept = source->Files();
-    kept.push_back(named);
-    if (!source->colmap_model.empty()) kept.push_back(source->colmap_model);
+    const std::vector<fs::path> files = source->Files();
+    kept.insert(kept.end(), files.begin(), files.end());
+    kept.push_back(source->colmap_model);
   }
   return std::ranges::any_of(kept, [&](const fs::path& path) {
     return IsWithin(place, path) && IsWithin(path, place);

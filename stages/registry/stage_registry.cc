@@ -59,7 +59,10 @@ std::vector<std::string> StageNames() {
 std::string StageThatHolds(const std::filesystem::path& workspace,
                            const std::filesystem::path& path) {
   for (const std::string& stage : StageNames()) {
-    if (IsWithin(path, pipeline::StageFolder(workspace, stage))) return stage;
+    if (IsWithin(path, pipeline::StageFolder(workspace, stage)) ||
+        IsWithin(path, pipeline::PartialFolder(workspace, stage))) {
+      return stage;
+    }
   }
   return "";
 }

@@ -36,7 +36,8 @@ std::vector<pipeline::RunnerStage> MakeStages(
 // The names of the stages, in their order.
 std::vector<std::string> StageNames();
 
-// The stage in whose folder a path lies; empty if it lies in none.
+// The stage in whose folder a path lies, or in that of its unfinished run;
+// empty if it lies in none.
 std::string StageThatHolds(const std::filesystem::path& workspace,
                            const std::filesystem::path& path);
 

@@ -200,6 +200,8 @@ TEST_F(StageRunnerTest, WhatAKilledStageSavedIsKeptUntilItsInputIsBack) {
   EXPECT_THAT(status.message(), HasSubstr("b: input model.json is gone"));
   EXPECT_THAT(status.message(),
               HasSubstr("delete " + (workspace() / "b.partial").string()));
+  EXPECT_THAT(Inspect()[1].state.reason,
+              HasSubstr("saved is kept until it is there again"));
   EXPECT_EQ(b_.runs, runs);
   fs::rename(folder_ / "away", model);
   ASSERT_TRUE(Run().ok());

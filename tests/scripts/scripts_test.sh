@@ -61,8 +61,12 @@ done
 # the one of the drawn photos.
 cd "$folder/elsewhere"
 try demo.sh garden --config own.ini || fail "demo.sh garden"
-has "$calls" "run in $folder/elsewhere: <$folder/elsewhere/garden> <$checkout/demo_workspace_garden> <--preset> <fast> <--config> <own.ini>"
+number=$(cksum <<<"$folder/elsewhere/garden" | cut -d ' ' -f 1)
+has "$calls" "run in $folder/elsewhere: <$folder/elsewhere/garden> <$checkout/demo_workspace_garden_$number> <--preset> <fast> <--config> <own.ini>"
 has "$folder/out.txt" "  $(printf %q "$checkout")/build/bin/freegs_pipeline query "
+mkdir -p "$folder/other/garden"
+try demo.sh "$folder/other/garden" || fail "demo.sh other/garden"
+! grep -qF "demo_workspace_garden_$number>" "$calls" || fail "two folders have one workspace"
 cd "$checkout"
 try demo.sh || fail "demo.sh"
 has "$calls" "<$checkout/demo_photos/images> <demo_workspace> "

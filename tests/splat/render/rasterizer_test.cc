@@ -309,7 +309,6 @@ TEST(Rasterizer, DegenerateGaussiansLeaveFinitePictures) {
   }
 }
 
-// Numbers of Gaussians that fill no whole group of lanes, and every SH degree.
 // Long and thin Gaussians whose means lie up to 20000 pixels outside of the
 // picture, into which they reach.
 TEST(Rasterizer, SplatsFromFarOutsideAreAsTheyShouldBe) {
@@ -352,6 +351,7 @@ TEST(Rasterizer, SplatsFromFarOutsideAreAsTheyShouldBe) {
   EXPECT_GT(covered, images.color.num_pixels() / 4);
 }
 
+// Numbers of Gaussians that fill no whole group of lanes, and every SH degree.
 TEST(Rasterizer, EveryInstructionSetAgrees) {
   const Pinhole camera = TestCamera(52, 37);
   ThreadPool pool(2);

@@ -89,8 +89,10 @@ TEST_F(OutputPlaceTest, WhatIsImportedIsKept) {
   folder_.Write("transforms.json", "{}");
   set_import(".");
   ExpectRefused("transforms.json", "(sfm.import = ");
-  // A COLMAP model there would be read in place of the other.
-  ExpectRefused(".", "(sfm.import = ");
+  // A COLMAP model in one of these would be read in place of the other.
+  for (const char* place : {".", "sparse/0", "sparse", "0"}) {
+    ExpectRefused(place, "(sfm.import = ");
+  }
   expect_free({"a/out", "x.ply", "renders"});
 
   for (const char* folder : {"scene/sparse/0", "model"}) {
