@@ -30,8 +30,8 @@ struct RunnerStage {
 struct CurrentInputs {
   StageFingerprint fingerprint;
   // Names of inputs with absolute paths: those that the user named, such as
-  // photos and masks, wherever they lie. Once they have been read, the workspace
-  // must be usable without them.
+  // photos and masks, wherever they lie. Once they have been read, the
+  // workspace must be usable without them.
   std::set<std::string> given;
 };
 
