@@ -23,8 +23,7 @@ struct alignas(64) Splat {
   //   ln(alpha) = ln(opacity) - (conic_xx (dx + shear dy)^2 + precision_y dy^2)
   //               / 2.
   // This is the inverse covariance as a sum of squares. Its terms have one
-  // sign, so nothing cancels, however long and thin the splat is, and wherever
-  // its mean lies.
+  // sign, so nothing cancels, however long and thin the splat is.
   float conic_xx;            // 1 / px^2.
   float shear;               // -cov_xy / cov_yy.
   float precision_y;         // 1 / cov_yy, 1 / px^2.
