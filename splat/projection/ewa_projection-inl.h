@@ -120,10 +120,9 @@ ComparisonOf<T> ProjectGaussian(const ProjectionCamera<T>& camera,
   const T determinant = n[0] * n[0] + n[1] * n[1] + n[2] * n[2] +
                         camera.dilation * (cov[0] + cov[2] - camera.dilation);
   terms->determinant = determinant;
-  const T inverse_determinant = T(1) / determinant;
-  projected->conic[0] = cov[2] * inverse_determinant;
-  projected->conic[1] = -cov[1] * inverse_determinant;
-  projected->conic[2] = cov[0] * inverse_determinant;
+  projected->conic_xx = cov[2] / determinant;
+  projected->precision_y = T(1) / cov[2];
+  projected->shear = -cov[1] * projected->precision_y;
   // Comparisons that fail for NaN.
   return And(And(t[2] > camera.near_plane, squared_norm > T(1e-20)),
              And(determinant > T(1e-12), T(1e30) > determinant));
@@ -166,39 +165,40 @@ void BackwardCovariance(const ProjectionCamera<T>& camera,
                         T d_rotation[4]) {
   const T* a = terms.half;
   const T* n = terms.cross;
-  const T* c = projected.conic;
   const T* s = terms.scale;
 
-  // B = Sigma'^-1 A. With the rows a0 and a1 of A and n = a0 x a1 its rows are
-  // (dilation a0 + a1 x n) / det and (dilation a1 - a0 x n) / det, in which
-  // nothing cancels. The product of the conic and A has no digit left along the
-  // image of a Gaussian that is a few hundred times as long as wide.
+  // Sigma'^-1 = F^T D F with F = [1 shear; 0 1] and D = diag(conic_xx,
+  // precision_y), and F d = (e, dy). With the rows a0 and a1 of A and
+  // n = a0 x a1 the rows of B = D F A are (dilation a0 + a1 x n) / det and
+  // precision_y a1, in which nothing cancels. In a0 + shear a1 all digits do
+  // where the image of a Gaussian is a few hundred times as long as wide.
   const T inverse_determinant = T(1) / terms.determinant;
   T b[6];
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3, k = (i + 2) % 3;
     b[i] = (camera.dilation * a[i] + (a[3 + j] * n[k] - a[3 + k] * n[j])) *
            inverse_determinant;
-    b[3 + i] = (camera.dilation * a[3 + i] - (a[j] * n[k] - a[k] * n[j])) *
-               inverse_determinant;
+    b[3 + i] = projected.precision_y * a[3 + i];
   }
 
-  // dL/dSigma' = H - Sigma'^-1 G Sigma'^-1 with the gradients G of the conic
-  // and H of cov as symmetric matrices (half of conic[1]'s in each corner of
-  // G). So dL/dA = 2 dL/dSigma' A = 2 (H A - Sigma'^-1 G B).
-  const T half_xy = gradient.conic[1] * T(0.5);
-  T gb[6], ha[6];
+  // dL/dSigma' = H + F^T D M D F / 2 with H of gradient.cov and M of
+  // gradient.moments as symmetric matrices. So dL/dA = 2 dL/dSigma' A =
+  // 2 H A + F^T D M B.
+  const T* m = gradient.moments;
+  T mb[6], ha[6];
   for (int i = 0; i < 3; ++i) {
-    gb[i] = gradient.conic[0] * b[i] + half_xy * b[3 + i];
-    gb[3 + i] = half_xy * b[i] + gradient.conic[2] * b[3 + i];
-    ha[i] = gradient.cov[0] * a[i] + gradient.cov[1] * a[3 + i];
-    ha[3 + i] = gradient.cov[1] * a[i] + gradient.cov[2] * a[3 + i];
-    da[i] = T(2) * (ha[i] - (c[0] * gb[i] + c[1] * gb[3 + i]));
-    da[3 + i] = T(2) * (ha[3 + i] - (c[1] * gb[i] + c[2] * gb[3 + i]));
+    mb[i] = m[0] * b[i] + m[1] * b[3 + i];
+    mb[3 + i] = m[1] * b[i] + m[2] * b[3 + i];
+    ha[i] = T(2) * (gradient.cov[0] * a[i] + gradient.cov[1] * a[3 + i]);
+    ha[3 + i] = T(2) * (gradient.cov[1] * a[i] + gradient.cov[2] * a[3 + i]);
+    const T xx = projected.conic_xx * mb[i];
+    da[i] = ha[i] + xx;
+    da[3 + i] =
+        ha[3 + i] + (projected.shear * xx + projected.precision_y * mb[3 + i]);
   }
 
   // A = K R S with K = J W. The symmetric matrix E = A^T dL/dA is
-  // 2 (A^T H A - B^T G B). Its diagonal is dL/dlog_scale, and
+  // 2 A^T H A + B^T M B. Its diagonal is dL/dlog_scale, and
   // R^T dL/dR = S^-1 E S. A small turn by the vector t in the Gaussian's own
   // axes changes R by R [t]_x, so the torque is dL/dt.
   T inverse_scale[3], torque[3];
@@ -208,10 +208,10 @@ void BackwardCovariance(const ProjectionCamera<T>& camera,
   }
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3, k = (i + 2) % 3;
-    d_log_scale[i] += T(2) * ((a[i] * ha[i] + a[3 + i] * ha[3 + i]) -
-                              (b[i] * gb[i] + b[3 + i] * gb[3 + i]));
-    const T e_kj = T(2) * ((a[k] * ha[j] + a[3 + k] * ha[3 + j]) -
-                           (b[k] * gb[j] + b[3 + k] * gb[3 + j]));
+    d_log_scale[i] += (a[i] * ha[i] + a[3 + i] * ha[3 + i]) +
+                      (b[i] * mb[i] + b[3 + i] * mb[3 + i]);
+    const T e_kj = (a[k] * ha[j] + a[3 + k] * ha[3 + j]) +
+                   (b[k] * mb[j] + b[3 + k] * mb[3 + j]);
     torque[i] = e_kj * (s[j] * inverse_scale[k] - s[k] * inverse_scale[j]);
   }
 

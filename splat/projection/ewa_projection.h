@@ -33,21 +33,24 @@ struct ProjectionCamera {
 // The image of a Gaussian.
 template <typename T>
 struct ProjectedGaussian {
-  T mean[2];   // Pixels; the top-left pixel's centre is (0.5, 0.5).
-  T depth;     // z in the camera frame.
-  T cov[3];    // xx, xy, yy of Sigma' with dilation, square pixels.
-  T conic[3];  // xx, xy, yy of its inverse.
+  T mean[2];  // Pixels; the top-left pixel's centre is (0.5, 0.5).
+  T depth;    // z in the camera frame.
+  T cov[3];   // xx, xy, yy of Sigma' with dilation, square pixels.
+  // d^T Sigma'^-1 d = conic_xx (dx + shear dy)^2 + precision_y dy^2, as in
+  // Splat.
+  T conic_xx, shear, precision_y;
 };
 
-// The derivatives of the loss L with respect to a ProjectedGaussian. conic[1]
-// is the derivative with respect to the one number that stands at both
-// off-diagonal places; cov[1] is that of each of the two, and cov leaves out
-// what goes through the conic.
+// The derivatives of the loss L with respect to a ProjectedGaussian.
 template <typename T>
 struct ProjectedGradient {
   T mean[2];
   T depth;
-  T conic[3];
+  // What goes through Sigma'^-1, as the second moments of Splat: the sums of
+  // q e^2, q e dy, q dy^2 over the pixels.
+  T moments[3];
+  // dL/dSigma' of what does not. cov[1] is the derivative with respect to each
+  // of the two off-diagonal places.
   T cov[3];
 };
 

@@ -214,9 +214,8 @@ HWY_INLINE SimdMask ProjectGroup(const ProjectionTask& task,
     Splat* splat = l < group.count ? splats + group.indices[l] : &unused;
     rows.of_lane[l] = reinterpret_cast<float*>(splat);
   }
-  const SimdNumber precision_y = SimdNumber(1.0f) / projected.cov[2];
   const SimdNumber shape[3] = {
-      projected.conic[0], -projected.cov[1] * precision_y, precision_y};
+      projected.conic_xx, projected.shear, projected.precision_y};
   StoreSplats(projected.mean,
               shape,
               log2_opacity,
@@ -365,15 +364,14 @@ void BackwardGroup(const ProjectionBackwardTask& task,
   // numbers.
   ProjectGaussian(camera, mean, log_scale, rotation, &projected, &terms);
 
-  // ln(alpha) = ln(o) - (xx dx^2 + 2 xy dx dy + yy dy^2) / 2 with d = pixel -
-  // mean; the moments are sums of dL/dln(alpha) times powers of d.
-  const SimdNumber* conic = projected.conic;
+  // ln(alpha) = ln(o) - (conic_xx e^2 + precision_y dy^2) / 2 with e = dx +
+  // shear dy and (dx, dy) = pixel - mean; the moments are sums of dL/dln(alpha)
+  // times powers of e and dy.
   ProjectedGradient<SimdNumber> gradient;
-  gradient.mean[0] = conic[0] * moments[1] + conic[1] * moments[2];
-  gradient.mean[1] = conic[1] * moments[1] + conic[2] * moments[2];
-  gradient.conic[0] = SimdNumber(-0.5f) * moments[3];
-  gradient.conic[1] = -moments[4];
-  gradient.conic[2] = SimdNumber(-0.5f) * moments[5];
+  gradient.mean[0] = projected.conic_xx * moments[1];
+  gradient.mean[1] =
+      projected.shear * gradient.mean[0] + projected.precision_y * moments[2];
+  for (int k = 0; k < 3; ++k) gradient.moments[k] = moments[3 + k];
   gradient.depth = sums.depth_gradient;
   for (SimdNumber& d : gradient.cov) d = SimdNumber(0.0f);
   SimdNumber log_opacity = sums.log2_opacity * SimdNumber(kLn2);

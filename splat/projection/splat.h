@@ -38,10 +38,11 @@ struct alignas(64) Splat {
 };
 
 // The derivative of the loss L with respect to a splat is kept as sums over the
-// pixels that the splat touches. With q = dL/dalpha * alpha and
-// (dx, dy) = pixel centre - mean they are, in this order: the sums of q, q dx,
-// q dy, q dx^2, q dx dy, q dy^2 (the moments), then dL/dcolor (3 numbers), then
-// dL/dextra (num_extras numbers).
+// pixels that the splat touches. With q = dL/dalpha * alpha, (dx, dy) as above
+// and e = dx + shear dy they are, in this order: the sums of q, q e, q dy,
+// q e^2, q e dy, q dy^2 (the moments), then dL/dcolor (3 numbers), then
+// dL/dextra (num_extras numbers). Moments of e, and not of dx, keep what lies
+// across a long and thin splat: dx and dy are nearly proportional there.
 inline constexpr int kNumMoments = 6;
 inline constexpr int kMomentStride = kNumMoments + 3;  // + num_extras.
 

@@ -197,8 +197,8 @@ HWY_INLINE Vec TakeWeight(
   return weight;
 }
 
-// Calls blend(pixel, dx, dy, alpha, transmittance, mask) for each vector of
-// pixels of `blocks`.
+// Calls blend(pixel, dx + shear dy, dy, alpha, transmittance, mask) for each
+// vector of pixels of `blocks`.
 template <class Arithmetic, class Blend>
 HWY_INLINE void BlendBlocks(Tag d,
                             TileBlocks blocks,
@@ -229,7 +229,7 @@ HWY_INLINE void BlendBlocks(Tag d,
       // Lanes outside the mask may hold anything from here on.
       const Vec alpha =
           hn::Min(FastExp2<Arithmetic>(d, log2_alpha), hn::Set(d, kMaxAlpha));
-      blend(pixel, dx, dy, alpha, t, mask);
+      blend(pixel, sheared, dy, alpha, t, mask);
     }
   }
 }

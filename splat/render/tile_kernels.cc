@@ -229,9 +229,9 @@ void BackwardTile(const TileTask& task,
     const Vec g = hn::Set(d, splat.color[1]);
     const Vec b = hn::Set(d, splat.color[2]);
     float* sums = moments + k * stride;
-    for (int e = 0; e < task.num_extras; ++e) sums[kMomentStride + e] = 0.0f;
-    Vec sum_q = hn::Zero(d), sum_qx = hn::Zero(d), sum_qy = hn::Zero(d);
-    Vec sum_qxx = hn::Zero(d), sum_qxy = hn::Zero(d), sum_qyy = hn::Zero(d);
+    for (int x = 0; x < task.num_extras; ++x) sums[kMomentStride + x] = 0.0f;
+    Vec sum_q = hn::Zero(d), sum_qe = hn::Zero(d), sum_qy = hn::Zero(d);
+    Vec sum_qee = hn::Zero(d), sum_qey = hn::Zero(d), sum_qyy = hn::Zero(d);
     Vec sum_r = hn::Zero(d), sum_g = hn::Zero(d), sum_b = hn::Zero(d);
     if (touched[k] == 0) {
       std::fill_n(sums, kMomentStride, 0.0f);
@@ -242,7 +242,7 @@ void BackwardTile(const TileTask& task,
         touched[k],
         TileSplat(task, splat),
         transmittance,
-        [&](int pixel, Vec dx, Vec dy, Vec alpha, Vec t, Mask mask) HWY_ATTR {
+        [&](int pixel, Vec e, Vec dy, Vec alpha, Vec t, Mask mask) HWY_ATTR {
           const Vec weight =
               TakeWeight(d, alpha, t, mask, transmittance + pixel);
           const Vec gr = hn::Load(d, red + pixel);
@@ -253,12 +253,12 @@ void BackwardTile(const TileTask& task,
           sum_b = hn::MulAdd(weight, gb, sum_b);
           // The product of the splat's values with dL/dpixel.
           Vec value = hn::MulAdd(gr, r, hn::MulAdd(gg, g, hn::Mul(gb, b)));
-          for (int e = 0; e < task.num_extras; ++e) {
-            const Vec ge =
-                hn::Load(d, extra_gradients + e * kTilePixels + pixel);
-            value = hn::MulAdd(ge, hn::Set(d, splat_extras[e]), value);
-            sums[kMomentStride + e] +=
-                hn::GetLane(hn::SumOfLanes(d, hn::Mul(weight, ge)));
+          for (int x = 0; x < task.num_extras; ++x) {
+            const Vec gx =
+                hn::Load(d, extra_gradients + x * kTilePixels + pixel);
+            value = hn::MulAdd(gx, hn::Set(d, splat_extras[x]), value);
+            sums[kMomentStride + x] +=
+                hn::GetLane(hn::SumOfLanes(d, hn::Mul(weight, gx)));
           }
           // The splat dims everything behind it by 1 - alpha. With R the
           // product of what lies behind with dL/dpixel, dL/dalpha = T value - R
@@ -271,17 +271,17 @@ void BackwardTile(const TileTask& task,
           // An alpha that was limited to kMaxAlpha has no derivative.
           const Mask free = hn::And(mask, hn::Lt(alpha, hn::Set(d, kMaxAlpha)));
           const Vec q = hn::IfThenElseZero(free, hn::Mul(d_alpha, alpha));
-          const Vec qx = hn::Mul(q, dx);
+          const Vec qe = hn::Mul(q, e);
           const Vec qy = hn::Mul(q, dy);
           sum_q = hn::Add(sum_q, q);
-          sum_qx = hn::Add(sum_qx, qx);
+          sum_qe = hn::Add(sum_qe, qe);
           sum_qy = hn::Add(sum_qy, qy);
-          sum_qxx = hn::MulAdd(qx, dx, sum_qxx);
-          sum_qxy = hn::MulAdd(qx, dy, sum_qxy);
+          sum_qee = hn::MulAdd(qe, e, sum_qee);
+          sum_qey = hn::MulAdd(qe, dy, sum_qey);
           sum_qyy = hn::MulAdd(qy, dy, sum_qyy);
         });
-    StoreSums(d, sum_q, sum_qx, sum_qy, sum_qxx, sums);
-    StoreSums(d, sum_qxy, sum_qyy, sum_r, sum_g, sums + 4);
+    StoreSums(d, sum_q, sum_qe, sum_qy, sum_qee, sums);
+    StoreSums(d, sum_qey, sum_qyy, sum_r, sum_g, sums + 4);
     sums[8] = hn::GetLane(hn::SumOfLanes(d, sum_b));
   }
   // Entries after the one at which the tile became opaque have no gradient.

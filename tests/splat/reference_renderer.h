@@ -112,9 +112,9 @@ inline std::vector<double> ReferenceRender(const ReferenceModel& model,
       for (const Item& item : items) {
         const double dx = x + 0.5 - item.projected.mean[0];
         const double dy = y + 0.5 - item.projected.mean[1];
-        const double* conic = item.projected.conic;
-        const double q =
-            conic[0] * dx * dx + 2 * conic[1] * dx * dy + conic[2] * dy * dy;
+        const double sheared = dx + item.projected.shear * dy;
+        const double q = item.projected.conic_xx * sheared * sheared +
+                         item.projected.precision_y * dy * dy;
         const double alpha =
             std::min<double>(kMaxAlpha, item.opacity * std::exp(-0.5 * q));
         if (alpha < 1.0 / 255 || transmittance < kMinTransmittance) continue;

@@ -38,8 +38,22 @@ ProjectionCamera<T> Camera(const ProjectionCamera<double>& from) {
   return to;
 }
 
+// Adds a pixel to the second moments: q, which is dL/dln(alpha), and the offset
+// from the mean.
+void AddMoments(const ProjectedGaussian<double>& projected,
+                double q,
+                double dx,
+                double dy,
+                double moments[3]) {
+  const double sheared = dx + projected.shear * dy;
+  moments[0] += q * sheared * sheared;
+  moments[1] += q * sheared * dy;
+  moments[2] += q * dy * dy;
+}
+
 // The hand-written derivative of a random linear functional of the projection,
-// against Ceres Jets, for Gaussians inside and far off the image.
+// against Ceres Jets, for Gaussians inside and far off the image. Sigma'^-1 is
+// in it as in a rendering: by the exponents of a few pixels.
 TEST(EwaProjection, BackwardMatchesJets) {
   const auto camera = MakeProjectionCamera<double>(
       TestCamera(160, 120), TestPose(), RenderOptions());
@@ -75,13 +89,18 @@ TEST(EwaProjection, BackwardMatchesJets) {
 
     ProjectedGradient<double> weights{};
     for (double& w : weights.mean) w = random.Normal();
-    for (double& w : weights.conic) w = random.Normal();
     weights.depth = random.Normal();
     Jet value = weights.depth * jet_projected.depth;
     for (int i = 0; i < 2; ++i)
       value += weights.mean[i] * jet_projected.mean[i];
-    for (int i = 0; i < 3; ++i) {
-      value += weights.conic[i] * jet_projected.conic[i];
+    for (int pixel = 0; pixel < 3; ++pixel) {
+      const double pull = random.Normal();
+      const double dx = random.Normal(), dy = random.Normal();
+      AddMoments(projected, pull, dx, dy, weights.moments);
+      const Jet sheared = dx + jet_projected.shear * dy;
+      value -= 0.5 * pull *
+               (jet_projected.conic_xx * sheared * sheared +
+                jet_projected.precision_y * dy * dy);
     }
     std::array<double, kInputs> gradient{};
     BackwardProjectGaussian(camera,
@@ -141,18 +160,17 @@ TEST(EwaProjection, LongAndThinInFloats) {
                                 &floats[6],
                                 &projected,
                                 &float_terms));
-    // The width of the image is what the largest eigenvalue of the conic says,
-    // which is nearly its trace.
-    const double width = std::sqrt(1 / (exact.conic[0] + exact.conic[2]));
-    EXPECT_NEAR(std::sqrt(1 / (projected.conic[0] + projected.conic[2])),
-                width,
-                1e-4 * width)
-        << "length " << std::sqrt(exact.cov[0] + exact.cov[2]);
+    const double length = std::sqrt(exact.cov[0] + exact.cov[2]);
+    EXPECT_NEAR(projected.conic_xx, exact.conic_xx, 2e-4 * exact.conic_xx)
+        << length;
+    EXPECT_NEAR(
+        projected.precision_y, exact.precision_y, 1e-4 * exact.precision_y)
+        << length;
   }
 }
 
-// The derivatives as well, up to 1500 pixels. dL/dconic is that of a loss which
-// pulls at pixels within the image of the Gaussian.
+// The derivatives as well. The moments are those of a loss which pulls at
+// pixels within the image of the Gaussian.
 TEST(EwaProjection, BackwardOfLongAndThinInFloats) {
   const auto camera = MakeProjectionCamera<double>(
       TestCamera(160, 120), Rigid3d(), RenderOptions());
@@ -184,14 +202,12 @@ TEST(EwaProjection, BackwardOfLongAndThinInFloats) {
       const double dx = l * along[0] - t * along[1];
       const double dy = l * along[1] + t * along[0];
       const double pull = random.Uniform();
-      weights.conic[0] -= 0.5 * pull * dx * dx;
-      weights.conic[1] -= pull * dx * dy;
-      weights.conic[2] -= 0.5 * pull * dy * dy;
+      AddMoments(exact, pull, dx, dy, weights.moments);
     }
     ProjectedGradient<float> float_weights{};
     for (int k = 0; k < 3; ++k) {
-      float_weights.conic[k] = static_cast<float>(weights.conic[k]);
-      weights.conic[k] = float_weights.conic[k];
+      float_weights.moments[k] = static_cast<float>(weights.moments[k]);
+      weights.moments[k] = float_weights.moments[k];
     }
     std::array<double, kInputs> want{};
     BackwardProjectGaussian(

@@ -20,7 +20,9 @@ namespace {
 // Tiles with a pixel centre where the alpha of a splat reaches 1/255 (grown by
 // `slack` in the exponent).
 std::set<int> TouchedTiles(const double mean[2],
-                           const double conic[3],
+                           double conic_xx,
+                           double shear,
+                           double precision_y,
                            double log2_opacity,
                            const Pinhole& camera,
                            int tiles_x,
@@ -29,8 +31,8 @@ std::set<int> TouchedTiles(const double mean[2],
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
       const double dx = x + 0.5 - mean[0], dy = y + 0.5 - mean[1];
-      const double q =
-          conic[0] * dx * dx + 2.0 * conic[1] * dx * dy + conic[2] * dy * dy;
+      const double sheared = dx + shear * dy;
+      const double q = conic_xx * sheared * sheared + precision_y * dy * dy;
       const double log2_alpha = log2_opacity - 0.5 * q / std::log(2.0);
       if (log2_alpha + slack >= std::log2(1.0 / 255)) {
         tiles.insert(y / kTileSize * tiles_x + x / kTileSize);
@@ -80,10 +82,14 @@ TEST(TileBins, HoldsEveryTouchedTileAndFewMore) {
     }
     const Splat& splat = projection.splats[i];
     const double mean[2] = {splat.mean_x, splat.mean_y};
-    const double xx = splat.conic_xx, xy = xx * splat.shear;
-    const double conic[3] = {xx, xy, xy * splat.shear + splat.precision_y};
-    const std::set<int> want = TouchedTiles(
-        mean, conic, splat.log2_opacity, camera, bins.tiles_x, -1e-4);
+    const std::set<int> want = TouchedTiles(mean,
+                                            splat.conic_xx,
+                                            splat.shear,
+                                            splat.precision_y,
+                                            splat.log2_opacity,
+                                            camera,
+                                            bins.tiles_x,
+                                            -1e-4);
     needed += want.size();
     for (const int t : want) EXPECT_TRUE(got[i].contains(t)) << i << ' ' << t;
   }
@@ -135,7 +141,9 @@ TEST(TileBins, HoldsEveryTileOfLongAndThinSplats) {
     ASSERT_TRUE(HWY_NAMESPACE::ProjectGaussian(
         exact_camera, input, input + 3, input + 6, &exact, &terms));
     const std::set<int> want = TouchedTiles(exact.mean,
-                                            exact.conic,
+                                            exact.conic_xx,
+                                            exact.shear,
+                                            exact.precision_y,
                                             projection.splats[i].log2_opacity,
                                             camera,
                                             bins.tiles_x,
