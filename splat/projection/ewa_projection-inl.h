@@ -128,29 +128,24 @@ ComparisonOf<T> ProjectGaussian(const ProjectionCamera<T>& camera,
              And(determinant > T(1e-12), T(1e30) > determinant));
 }
 
-// What the dilation takes off the opacity of an antialiased Gaussian, from the
-// results of ProjectGaussian.
+// The square of what the 2D filter of Mip-Splatting (Yu et al. 2024) takes off
+// the opacity, det(A A^T) / det(Sigma'), for which the dilation is made up for.
+// Below kMinFilter the filter is that of kMinFilter, and has no derivative.
+constexpr float kMinFilter = 2.5e-5f;
 template <typename T>
-OpacityFilter<T> FilterOpacity(const ProjectionCamera<T>& camera,
-                               const ProjectedGaussian<T>& projected,
-                               const ProjectionTerms<T>& terms) {
-  using std::log;
-  const T* c = projected.cov;
+T SquaredOpacityFilter(const ProjectionTerms<T>& terms) {
   const T* n = terms.cross;
-  const T sharp = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-  const T wide = terms.determinant;
-  const T ratio = sharp / wide;
-  const T least(2.5e-5);
-  const auto free = ratio > least;
-  OpacityFilter<T> filter;
-  filter.log_factor = T(0.5) * log(Select(free, ratio, least));
-  // d ln det(Sigma) / d Sigma = Sigma^-1.
-  const T sharp_xx = (c[2] - camera.dilation) / sharp;
-  const T sharp_yy = (c[0] - camera.dilation) / sharp;
-  filter.cov[0] = Select(free, T(0.5) * (sharp_xx - c[2] / wide), T(0));
-  filter.cov[1] = Select(free, T(0.5) * (c[1] / wide - c[1] / sharp), T(0));
-  filter.cov[2] = Select(free, T(0.5) * (sharp_yy - c[0] / wide), T(0));
-  return filter;
+  return (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) / terms.determinant;
+}
+
+// The natural logarithm of what the dilation takes off the opacity of an
+// antialiased Gaussian, from the results of ProjectGaussian: log(0.005) to 0.
+template <typename T>
+T LogOpacityFilter(const ProjectionTerms<T>& terms) {
+  using std::log;
+  const T square = SquaredOpacityFilter(terms);
+  const T least(kMinFilter);
+  return T(0.5) * log(Select(square > least, square, least));
 }
 
 // The part of the derivative that goes through the covariance Sigma'. Writes
@@ -172,33 +167,37 @@ void BackwardCovariance(const ProjectionCamera<T>& camera,
   // n = a0 x a1 the rows of B = D F A are (dilation a0 + a1 x n) / det and
   // precision_y a1, in which nothing cancels. In a0 + shear a1 all digits do
   // where the image of a Gaussian is a few hundred times as long as wide.
+  //
+  // ln(alpha) is that of Sigma' at the pixels, whose part of dL/dSigma' is
+  // F^T D M D F / 2 with gradient.moments as the symmetric matrix M, and that
+  // of the filter, ln(det(A A^T) / det(Sigma')) / 2. The inverses of A A^T and
+  // Sigma' nearly cancel, but their difference is the product of both times the
+  // dilation. With the rows a1 x n / |n|^2 and -a0 x n / |n|^2 of
+  // (A A^T)^-1 A this is F^T D C for the matrix C below. Together
+  // dL/dA = F^T D (M B + C).
   const T inverse_determinant = T(1) / terms.determinant;
-  T b[6];
+  const T squared_cross = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+  const T filter = Select(SquaredOpacityFilter(terms) > T(kMinFilter),
+                          gradient.log_filter * camera.dilation / squared_cross,
+                          T(0));
+  const T* m = gradient.moments;
+  T b[6], mb_c[6];
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3, k = (i + 2) % 3;
-    b[i] = (camera.dilation * a[i] + (a[3 + j] * n[k] - a[3 + k] * n[j])) *
-           inverse_determinant;
+    const T a0_n = a[j] * n[k] - a[k] * n[j];
+    const T a1_n = a[3 + j] * n[k] - a[3 + k] * n[j];
+    b[i] = (camera.dilation * a[i] + a1_n) * inverse_determinant;
     b[3 + i] = projected.precision_y * a[3 + i];
-  }
-
-  // dL/dSigma' = H + F^T D M D F / 2 with H of gradient.cov and M of
-  // gradient.moments as symmetric matrices. So dL/dA = 2 dL/dSigma' A =
-  // 2 H A + F^T D M B.
-  const T* m = gradient.moments;
-  T mb[6], ha[6];
-  for (int i = 0; i < 3; ++i) {
-    mb[i] = m[0] * b[i] + m[1] * b[3 + i];
-    mb[3 + i] = m[1] * b[i] + m[2] * b[3 + i];
-    ha[i] = T(2) * (gradient.cov[0] * a[i] + gradient.cov[1] * a[3 + i]);
-    ha[3 + i] = T(2) * (gradient.cov[1] * a[i] + gradient.cov[2] * a[3 + i]);
-    const T xx = projected.conic_xx * mb[i];
-    da[i] = ha[i] + xx;
-    da[3 + i] =
-        ha[3 + i] + (projected.shear * xx + projected.precision_y * mb[3 + i]);
+    mb_c[i] = m[0] * b[i] + m[1] * b[3 + i] +
+              filter * (a1_n - projected.shear * a0_n);
+    mb_c[3 + i] = m[1] * b[i] + m[2] * b[3 + i] - filter * a0_n;
+    const T xx = projected.conic_xx * mb_c[i];
+    da[i] = xx;
+    da[3 + i] = projected.shear * xx + projected.precision_y * mb_c[3 + i];
   }
 
   // A = K R S with K = J W. The symmetric matrix E = A^T dL/dA is
-  // 2 A^T H A + B^T M B. Its diagonal is dL/dlog_scale, and
+  // B^T (M B + C). Its diagonal is dL/dlog_scale, and
   // R^T dL/dR = S^-1 E S. A small turn by the vector t in the Gaussian's own
   // axes changes R by R [t]_x, so the torque is dL/dt.
   T inverse_scale[3], torque[3];
@@ -208,10 +207,8 @@ void BackwardCovariance(const ProjectionCamera<T>& camera,
   }
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3, k = (i + 2) % 3;
-    d_log_scale[i] += (a[i] * ha[i] + a[3 + i] * ha[3 + i]) +
-                      (b[i] * mb[i] + b[3 + i] * mb[3 + i]);
-    const T e_kj = (a[k] * ha[j] + a[3 + k] * ha[3 + j]) +
-                   (b[k] * mb[j] + b[3 + k] * mb[3 + j]);
+    d_log_scale[i] += b[i] * mb_c[i] + b[3 + i] * mb_c[3 + i];
+    const T e_kj = b[k] * mb_c[j] + b[3 + k] * mb_c[3 + j];
     torque[i] = e_kj * (s[j] * inverse_scale[k] - s[k] * inverse_scale[j]);
   }
 

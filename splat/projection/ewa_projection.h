@@ -49,17 +49,9 @@ struct ProjectedGradient {
   // What goes through Sigma'^-1, as the second moments of Splat: the sums of
   // q e^2, q e dy, q dy^2 over the pixels.
   T moments[3];
-  // dL/dSigma' of what does not. cov[1] is the derivative with respect to each
-  // of the two off-diagonal places.
-  T cov[3];
-};
-
-// The 2D filter of Mip-Splatting (Yu et al. 2024): opacity times the square
-// root of det(Sigma' - dilation I) / det(Sigma').
-template <typename T>
-struct OpacityFilter {
-  T log_factor;  // Natural logarithm of the factor, at least log(0.005).
-  T cov[3];      // Its derivative, as ProjectedGradient::cov.
+  // With respect to the LogOpacityFilter of antialiased Gaussians, 0 for
+  // others.
+  T log_filter;
 };
 
 // Intermediate results of the projection that its derivative needs again.

@@ -166,8 +166,7 @@ HWY_INLINE SimdMask ProjectGroup(const ProjectionTask& task,
   SimdMask visible =
       ProjectGaussian(camera, mean, log_scale, rotation, &projected, &terms);
   if (model.antialiased) {
-    log2_opacity += FilterOpacity(camera, projected, terms).log_factor *
-                    SimdNumber(1 / kLn2);
+    log2_opacity += LogOpacityFilter(terms) * SimdNumber(1 / kLn2);
   }
   visible = And(visible, log2_opacity > SimdNumber(kMinLog2Alpha));
   // alpha >= 1/255 where d^T conic d <= 2 ln(255 o): an ellipse with these
@@ -259,13 +258,10 @@ size_t Project(const ProjectionTask& task,
 // SplatSums of a group of entries, one per lane.
 struct SumLanes {
   SimdNumber moments[kMomentStride];
-  SimdNumber log2_opacity;
   SimdNumber depth_gradient;
 };
-static_assert(offsetof(SplatSums, log2_opacity) ==
+static_assert(offsetof(SplatSums, depth_gradient) ==
                   kMomentStride * sizeof(float) &&
-              offsetof(SplatSums, depth_gradient) ==
-                  (kMomentStride + 1) * sizeof(float) &&
               kMomentStride == 9);
 
 // Entries from `first` on; lanes beyond them repeat the first one.
@@ -283,8 +279,7 @@ HWY_INLINE void GatherSums(const ProjectionBackwardTask& task,
   LoadColumns(rows, 4, lanes->moments + 4);
   LoadColumns(rows, 8, last);
   lanes->moments[8] = last[0];
-  lanes->log2_opacity = last[1];
-  lanes->depth_gradient = last[2];
+  lanes->depth_gradient = last[1];
 }
 
 // Writes the gradients of the rows of sh_rest from dL/dcolor, and sums up
@@ -373,16 +368,7 @@ void BackwardGroup(const ProjectionBackwardTask& task,
       projected.shear * gradient.mean[0] + projected.precision_y * moments[2];
   for (int k = 0; k < 3; ++k) gradient.moments[k] = moments[3 + k];
   gradient.depth = sums.depth_gradient;
-  for (SimdNumber& d : gradient.cov) d = SimdNumber(0.0f);
-  SimdNumber log_opacity = sums.log2_opacity * SimdNumber(kLn2);
-  if (model.antialiased) {
-    const OpacityFilter<SimdNumber> filter =
-        FilterOpacity(camera, projected, terms);
-    for (int k = 0; k < 3; ++k) {
-      gradient.cov[k] = moments[0] * filter.cov[k];
-    }
-    log_opacity -= filter.log_factor;
-  }
+  gradient.log_filter = model.antialiased ? moments[0] : SimdNumber(0.0f);
   LaneArray x = {}, y = {};
   ToArray(gradient.mean[0], &x);
   ToArray(gradient.mean[1], &y);
@@ -393,9 +379,11 @@ void BackwardGroup(const ProjectionBackwardTask& task,
   }
 
   // d ln(sigmoid(x)) / dx = 1 - sigmoid(x).
-  LaneArray d_logit = {};
-  const SimdNumber opacity = exp(log_opacity);
-  ToArray(moments[0] * (SimdNumber(1.0f) - opacity), &d_logit);
+  LaneArray logits = {}, d_logit = {};
+  for (size_t l = 0; l < group.count; ++l) {
+    logits.values[l] = model.opacity_logits[group.indices[l]];
+  }
+  ToArray(moments[0] / (SimdNumber(1.0f) + exp(FromArray(logits))), &d_logit);
   for (size_t l = 0; l < group.count; ++l) {
     task.gradients->opacity_logits[rows.indices[l]] = d_logit.values[l];
   }

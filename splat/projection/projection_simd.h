@@ -38,9 +38,8 @@ struct SplatSums {
   // dL/d(splat) as sums over its pixels, see kMomentStride in splat.h.
   // dL/dcolor is 0 where a negative colour was raised to 0.
   float moments[kMomentStride];
-  float log2_opacity;
   float depth_gradient;  // dL/ddepth, 0 without such a channel.
-  float unused;
+  float unused[2];
 };
 
 // The inputs and outputs of BackwardProjection. Entry j < count is Gaussian

@@ -39,7 +39,6 @@ SplatSums SumsOf(const SplatDerivatives& from, int64_t place) {
   for (int c = 0; c < 3; ++c) {
     if (!(splat.color[c] > 0.0f)) sums.moments[kNumMoments + c] = 0;
   }
-  sums.log2_opacity = splat.log2_opacity;
   return sums;
 }
 

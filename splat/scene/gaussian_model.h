@@ -38,8 +38,8 @@ struct GaussianModel {
   int sh_degree = 0;  // Degree of the coefficients in sh_rest, 0 to 3.
 
   // Whether the renderer keeps what a Gaussian adds to a picture the same when
-  // its low-pass filter widens it (OpacityFilter in ewa_projection.h). A model
-  // looks right only when rendered as it was trained.
+  // its low-pass filter widens it (LogOpacityFilter in ewa_projection-inl.h). A
+  // model looks right only when rendered as it was trained.
   bool antialiased = false;
 
   std::vector<float> means;           // N x 3.

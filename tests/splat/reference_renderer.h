@@ -19,7 +19,7 @@
 namespace freegs::splat {
 
 using HWY_NAMESPACE::EvaluateShBasis;
-using HWY_NAMESPACE::FilterOpacity;
+using HWY_NAMESPACE::LogOpacityFilter;
 using HWY_NAMESPACE::ProjectGaussian;
 
 // A model in double.
@@ -73,8 +73,7 @@ inline std::vector<double> ReferenceRender(const ReferenceModel& model,
     }
     item.opacity = 1 / (1 + std::exp(-model.opacity_logits[i]));
     if (model.antialiased) {
-      item.opacity *=
-          std::exp(FilterOpacity(camera, item.projected, terms).log_factor);
+      item.opacity *= std::exp(LogOpacityFilter(terms));
     }
     double direction[3];
     double norm = 0;

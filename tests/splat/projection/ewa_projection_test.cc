@@ -15,7 +15,7 @@
 namespace freegs::splat {
 
 using HWY_NAMESPACE::BackwardProjectGaussian;
-using HWY_NAMESPACE::FilterOpacity;
+using HWY_NAMESPACE::LogOpacityFilter;
 using HWY_NAMESPACE::ProjectGaussian;
 namespace {
 
@@ -300,15 +300,14 @@ TEST(EwaProjection, FilterMatchesJets) {
     }
     ProjectGaussian(
         jet_camera, &jets[0], &jets[3], &jets[6], &jet_projected, &jet_terms);
-    const auto filter = FilterOpacity(camera, projected, terms);
-    const Jet expected =
-        FilterOpacity(jet_camera, jet_projected, jet_terms).log_factor;
-    EXPECT_NEAR(filter.log_factor, expected.a, 1e-12);
-    EXPECT_LE(filter.log_factor, 0);
+    const double filter = LogOpacityFilter(terms);
+    const Jet expected = LogOpacityFilter(jet_terms);
+    EXPECT_NEAR(filter, expected.a, 1e-12);
+    EXPECT_LE(filter, 0);
     ++checked;
     bounded += expected.v.isZero();
     ProjectedGradient<double> gradient{};
-    for (int k = 0; k < 3; ++k) gradient.cov[k] = filter.cov[k];
+    gradient.log_filter = 1;
     std::array<double, kInputs> found{};
     BackwardProjectGaussian(
         camera, projected, terms, gradient, &found[0], &found[3], &found[6]);
@@ -320,6 +319,64 @@ TEST(EwaProjection, FilterMatchesJets) {
   EXPECT_GT(checked, 200);
   EXPECT_GT(bounded, 5);
   EXPECT_LT(bounded, 100);
+}
+
+// The same in floats, for images a tenth of a pixel wide and up to 300 long.
+// What alpha at the pixels pulls at log scales is of order 1.
+TEST(EwaProjection, FilterOfLongAndThinInFloats) {
+  const auto camera = MakeProjectionCamera<double>(
+      TestCamera(1600, 1200), Rigid3d(), RenderOptions());
+  const auto float_camera = Camera<float>(camera);
+  RandomStream random(12, 1);
+  for (int trial = 0; trial < 300; ++trial) {
+    std::array<double, kInputs> input;
+    input[0] = random.Uniform() - 0.5;
+    input[1] = random.Uniform() - 0.5;
+    input[2] = 1 + 4 * random.Uniform();
+    const double pixel = std::log(input[2] / camera.fx);
+    input[3] = std::log(10 + 290 * random.Uniform()) + pixel;
+    input[4] = std::log(0.03 + 0.3 * random.Uniform()) + pixel;
+    input[5] = std::log(0.03) + pixel;
+    for (int i = 6; i < 10; ++i) input[i] = random.Normal();
+    std::array<float, kInputs> floats;
+    for (int i = 0; i < kInputs; ++i) {
+      floats[i] = static_cast<float>(input[i]);
+      input[i] = floats[i];
+    }
+    ProjectedGaussian<double> exact;
+    ProjectionTerms<double> terms;
+    ProjectedGaussian<float> projected;
+    ProjectionTerms<float> float_terms;
+    ASSERT_TRUE(ProjectGaussian(
+        camera, &input[0], &input[3], &input[6], &exact, &terms));
+    ASSERT_TRUE(ProjectGaussian(float_camera,
+                                &floats[0],
+                                &floats[3],
+                                &floats[6],
+                                &projected,
+                                &float_terms));
+    EXPECT_NEAR(LogOpacityFilter(float_terms), LogOpacityFilter(terms), 1e-3);
+    ProjectedGradient<double> gradient{};
+    gradient.log_filter = 1;
+    ProjectedGradient<float> float_gradient{};
+    float_gradient.log_filter = 1;
+    std::array<double, kInputs> want{};
+    BackwardProjectGaussian(
+        camera, exact, terms, gradient, &want[0], &want[3], &want[6]);
+    std::array<float, kInputs> got{};
+    BackwardProjectGaussian(float_camera,
+                            projected,
+                            float_terms,
+                            float_gradient,
+                            &got[0],
+                            &got[3],
+                            &got[6]);
+    // A turn of the unnormalised quaternion has the size 1 / |q|.
+    const double turn = std::max(1.0, static_cast<double>(terms.inverse_norm));
+    for (int i = 3; i < kInputs; ++i) {
+      EXPECT_NEAR(got[i], want[i], i < 6 ? 1e-3 : 3e-3 * turn) << "input " << i;
+    }
+  }
 }
 
 }  // namespace
