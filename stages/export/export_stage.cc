@@ -92,7 +92,7 @@ class ExportStage : public pipeline::Stage {
 
   std::string_view name() const override { return "export"; }
 
-  int version() const override { return 5; }
+  int version() const override { return 6; }
 
   std::vector<fs::path> Inputs(const pipeline::StageContext&) const override {
     return {"ingest/images.json",

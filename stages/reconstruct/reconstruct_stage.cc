@@ -64,7 +64,7 @@ class ReconstructStage : public pipeline::Stage {
       : options_(options), seed_(seed) {}
 
   std::string_view name() const override { return "reconstruct"; }
-  int version() const override { return 13; }
+  int version() const override { return 14; }
 
   std::vector<fs::path> Inputs(
       const pipeline::StageContext& context) const override {

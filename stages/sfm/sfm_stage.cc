@@ -81,7 +81,7 @@ class SfmStage : public pipeline::Stage {
       : options_(options), seed_(seed) {}
 
   std::string_view name() const override { return "sfm"; }
-  int version() const override { return 9; }
+  int version() const override { return 10; }
 
   std::vector<fs::path> Inputs(const StageContext& context) const override {
     std::vector<fs::path> inputs = {"ingest/images.json", "ingest/photos"};
