@@ -68,7 +68,7 @@ StatusOr<UnionClusters> ClusterInUnionSpace(
       SelectMatter(model, kMinOpacity, kMaxScale * extent.radius);
   int components = 0;
   std::vector<float> meaning;
-  if (options.space.semantic_weight > 0) {
+  if (options.space.with_semantics()) {
     FREEGS_ASSIGN_OR_RETURN(
         meaning, SemanticComponents(semantics, matter.rows, pool, &components));
   }

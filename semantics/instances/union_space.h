@@ -26,6 +26,10 @@ struct UnionSpaceOptions {
   // docs/semantic_field.md has the measurements.
   double semantic_weight = 0;
 
+  // Whether semantics change what is found. Otherwise clustering again finds
+  // the same.
+  bool with_semantics() const { return semantic_weight > 0; }
+
   Status Check() const;
 };
 

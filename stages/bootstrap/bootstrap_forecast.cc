@@ -101,10 +101,13 @@ TrainingCourse CourseOf(const BootstrapStageOptions& options) {
   }
   const int64_t during =
       1 + (course.steps - 1 - training.cluster_start) / interval;
-  // Clustering by evidence does not look at vectors, so that the second one
-  // agrees with the first, which ends the training.
-  if (options.clustering == "evidence" && training.settled_index <= 1 &&
-      during >= 2) {
+  // Clustering by evidence does not look at vectors, and neither does the union
+  // space without semantics. Then the second clustering agrees with the first,
+  // which ends the training.
+  const bool looks_at_vectors =
+      options.clustering == "union" &&
+      options.method.clustering.union_space.space.with_semantics();
+  if (!looks_at_vectors && training.settled_index <= 1 && during >= 2) {
     return {.steps = training.cluster_start + interval, .clusterings = 3};
   }
   course.clusterings += during;

@@ -93,7 +93,10 @@ TEST(BootstrapForecastTest, TrainingTakesTimeForEachPhotoAndClustering) {
   EXPECT_GT(clustered, 2.5 * few_steps);
   options.method.training.iterations = 20000;
   EXPECT_DOUBLE_EQ(seconds(scene), clustered);
+  // So it is in the union space, unless semantics are part of it.
   options.clustering = "union";
+  EXPECT_DOUBLE_EQ(seconds(scene), clustered);
+  options.method.clustering.union_space.space.semantic_weight = 0.1;
   EXPECT_GT(seconds(scene), 2 * clustered);
   options.method.training.cluster_start = 0;
   EXPECT_LT(seconds(scene), 3 * clustered);
