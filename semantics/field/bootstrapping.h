@@ -58,9 +58,10 @@ struct BootstrappingOptions {
   InstanceClusteringOptions clustering;
   InstanceSemanticsOptions instances;
 
-  // For kTrain. random_start: training begins with random vectors, as in
-  // FreeGS, and not with the lifted ones. Those of Gaussians that no view shows
-  // stay zero.
+  // For kTrain. random_start: training begins with random vectors and not
+  // with the lifted ones. Those of Gaussians that no view shows stay zero. (In
+  // the released code of FreeGS all vectors begin at zero; the paper does not
+  // say.)
   FieldTrainingOptions training;
   bool random_start = false;
 

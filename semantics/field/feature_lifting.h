@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Averages image features onto Gaussians in one pass, in closed form. FreeGS
-// starts from random vectors and optimises them ("Multi-level 2D Semantic
-// Distillation"). This is a start that is close to the end, and it can serve as
-// the result.
+// optimises the vectors step by step ("Multi-level 2D Semantic Distillation"),
+// from zero in its released code. This is a start that is close to the end, and
+// it can serve as the result.
 
 #ifndef FREEGS_SEMANTICS_FIELD_FEATURE_LIFTING_H_
 #define FREEGS_SEMANTICS_FIELD_FEATURE_LIFTING_H_

@@ -48,8 +48,8 @@ void RegisterTrainingOptions(BootstrapStageOptions& options,
              .max = 10000000});
   table.Add("bootstrap.random_start",
             &options.method.random_start,
-            {.help = "Training begins with random vectors, as the paper's "
-                     "does, not with lifted ones."});
+            {.help = "Training begins with random vectors, not with lifted "
+                     "ones."});
   table.Add("bootstrap.instance_weight",
             &training.instance_weight,
             {.help = "Weight of the loss of instances' features (gamma); 0 "
