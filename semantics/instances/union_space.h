@@ -39,9 +39,11 @@ struct UnionSpaceOptions {
 // - colours are in [0, 1] already and are clamped to it;
 // - semantics so that the 0.5 % and 99.5 % quantiles of all entries become 0
 //   and 1, clamped.
-// FreeGS scales every block by its minimum and maximum. Real scenes have a few
-// Gaussians far outside, which would squash everything of interest into a
-// point.
+// The paper of FreeGS only says that each block is normalised. Its released
+// code scales each coordinate of positions and of semantics on its own, for
+// most scenes by its minimum and maximum, and does not scale colours. Real
+// scenes have a few Gaussians far outside, which would squash everything of
+// interest into a point.
 //
 // positions, colors: N x 3. semantics: N x semantic_dim, or empty if
 // semantic_dim is 0.
