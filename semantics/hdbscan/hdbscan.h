@@ -35,7 +35,8 @@ struct HdbscanOptions {
   // units of the points; 0 always splits. The program leaves this,
   // max_cluster_size and `method` as they are. They are here because the
   // published algorithm has them, and the tests compare all of it with
-  // clusterings of the reference program.
+  // clusterings of the reference program. (The released code of FreeGS sets
+  // this to 0.01 and max_cluster_size to 30000.)
   double cluster_selection_epsilon = 0;
 
   // Clusters of more points are split although excess of mass would keep them.

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Instances as the paper finds them: HDBSCAN of positions, colours and
-// semantics side by side (FreeGS, "Union-space Clustering"). It stands beside
-// the clustering by evidence for comparison.
+// Instances by the paper's way: HDBSCAN of positions, colours and semantics
+// side by side (FreeGS, "Union-space Clustering"). It stands beside the
+// clustering by evidence for comparison. Scales, weights and limits are not the
+// paper's; docs/clustering.md lists them.
 
 #ifndef FREEGS_SEMANTICS_INSTANCES_UNION_CLUSTERING_H_
 #define FREEGS_SEMANTICS_INSTANCES_UNION_CLUSTERING_H_
