@@ -107,9 +107,9 @@ struct SemanticField {
   InstanceLabels instances;
 
   // One vector per instance, in CLIP's space, of length 1 or zero. Words and
-  // images are compared with it. Of a trained field it is the mean of the
-  // Gaussians' vectors, as in FreeGS, else what the encoder says of pictures of
-  // the instance.
+  // images are compared with it. Of a trained field it is that of
+  // MeanInstanceVectors(), else what the encoder says of pictures of the
+  // instance.
   InstanceVectors vectors;
 
   // The course of training.
@@ -136,7 +136,8 @@ StatusOr<SemanticField> BootstrapSemanticField(
 // Returns the mean feature of the Gaussians of each instance in CLIP's space,
 // of length 1. It is zero for an instance that no view shows. The mean is over
 // the directions of the decoded vectors, weighted by how much the views show of
-// each Gaussian (FreeGS, "Testing"). features: N x D. weights: N.
+// each Gaussian. (FreeGS, "Testing", takes the average without weights.)
+// features: N x D. weights: N, the sums of the blending weights.
 StatusOr<std::vector<float>> MeanInstanceVectors(
     std::span<const float> features,
     std::span<const double> weights,
