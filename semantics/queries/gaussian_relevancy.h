@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Answers a text without instances: each Gaussian answers for itself, as in
-// language fields that know no objects (the ablation without clustering in
-// table 5 of FreeGS).
+// Answers a text without instances: each Gaussian answers for itself.
 
 #ifndef FREEGS_SEMANTICS_QUERIES_GAUSSIAN_RELEVANCY_H_
 #define FREEGS_SEMANTICS_QUERIES_GAUSSIAN_RELEVANCY_H_

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Measures answers to the truth's labels when there are no instances: every
-// Gaussian answers for itself, as in the paper's ablation without clustering.
+// Gaussian answers for itself. (The paper's ablation without clustering is
+// another thing: there, features are rendered and asked in the image.)
 
 #ifndef FREEGS_STAGES_EVALUATION_GAUSSIAN_ANSWERS_H_
 #define FREEGS_STAGES_EVALUATION_GAUSSIAN_ANSWERS_H_
