@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What CLIP sees at each place of each photograph, in as few numbers as the
 // scene needs. This is F_pix of FreeGS ("Pixel-level Feature Distillation"),
-// before and after it is brought to the resolution of an image.
+// before and after it is brought to the resolution of an image. Other than
+// there, the features of a place have length 1.
 
 #ifndef FREEGS_SEMANTICS_FIELD_FEATURE_GRIDS_H_
 #define FREEGS_SEMANTICS_FIELD_FEATURE_GRIDS_H_
