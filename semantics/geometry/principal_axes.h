@@ -43,9 +43,10 @@ StatusOr<PrincipalAxes> ComputePrincipalAxes(std::span<const float> rows,
                                              bool about_mean,
                                              ThreadPool& pool);
 
-// Returns how many axes, from 1 to max_count, hold `share` of the energy. The
-// first `skipped` axes do not count as energy: an axis along which all vectors
-// are alike tells nothing apart.
+// Returns how many axes hold `share` of the energy, but at least 1 and at most
+// max_count. If more are needed, max_count is returned, and those hold less.
+// The first `skipped` axes do not count as energy: an axis along which all
+// vectors are alike tells nothing apart.
 int AxesForEnergy(std::span<const double> energies,
                   int skipped,
                   double share,

@@ -71,6 +71,8 @@ TEST(PrincipalAxesTest, CountsTheAxesThatKeepEnergy) {
   EXPECT_EQ(AxesForEnergy(energies, 1, 0.6, 4), 2);
   EXPECT_EQ(AxesForEnergy(energies, 1, 0.9, 4), 3);
   EXPECT_EQ(AxesForEnergy(energies, 1, 1.0, 4), 4);
+  // No more than asked for, although they hold less than the share.
+  EXPECT_EQ(AxesForEnergy(energies, 1, 0.9, 2), 2);
   EXPECT_EQ(AxesForEnergy(energies, 1, 1.0, 2), 2);
   EXPECT_EQ(AxesForEnergy(std::vector<double>{0, 0}, 0, 0.9, 8), 1);
 }
