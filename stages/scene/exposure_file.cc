@@ -23,12 +23,20 @@ using splat::AffineColor;
 constexpr size_t kRows = 3;
 constexpr size_t kColumns = 4;
 
+// Where AffineColor has the number that stands in row `r` and column `c` of the
+// file. 3DGS multiplies a colour, as a row, from the left with the first three
+// columns, so in the file these are transposed. The fourth column is what is
+// added to the channel of its row, in both.
+size_t PlaceOf(size_t r, size_t c) {
+  return c < kRows ? c * kColumns + r : r * kColumns + c;
+}
+
 json RowsOf(const AffineColor& color) {
   json rows = json::array();
   for (size_t r = 0; r < kRows; ++r) {
     json row = json::array();
     for (size_t c = 0; c < kColumns; ++c) {
-      row.push_back(color.values[r * kColumns + c]);
+      row.push_back(color.values[PlaceOf(r, c)]);
     }
     rows.push_back(row);
   }
@@ -45,7 +53,7 @@ std::optional<AffineColor> ColorOf(const json& rows) {
       if (!rows[r][c].is_number()) return std::nullopt;
       const float value = rows[r][c].get<float>();
       if (!std::isfinite(value)) return std::nullopt;
-      color.values[r * kColumns + c] = value;
+      color.values[PlaceOf(r, c)] = value;
     }
   }
   return color;

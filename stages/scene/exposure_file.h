@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // reconstruct/exposure.json: what training learnt about the exposure of each
 // photograph. It has the layout that the program of 3DGS writes: an object with
-// the name of each photograph, and 3 rows of 4 numbers for it
-// (splat::AffineColor).
+// the name of each photograph, and for it 3 rows of 4 numbers E. With colours
+// of R, G, B from 0 to 1, channel k of the photograph is
+//   photo[k] = sum over j of scene[j] * E[j][k], plus E[k][3].
+// So the first three columns are the transpose of those of splat::AffineColor.
 
 #ifndef FREEGS_STAGES_SCENE_EXPOSURE_FILE_H_
 #define FREEGS_STAGES_SCENE_EXPOSURE_FILE_H_

@@ -2,13 +2,16 @@
 
 #include "stages/scene/exposure_file.h"
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "core/io/files.h"
+#include "core/io/json_text.h"
 #include "tests/temporary_folder.h"
 
 namespace freegs::stages {
@@ -41,6 +44,34 @@ TEST_F(ExposureFileTest, ReadsWhatItWroteInTheOrderOfNames) {
   EXPECT_EQ((*read)[0].color, splat::AffineColor());
   EXPECT_EQ((*read)[1].photo, "b/2.jpg");
   EXPECT_EQ((*read)[1].color, color);
+}
+
+TEST_F(ExposureFileTest, HasTheLayoutOf3dgs) {
+  // A photo whose red is 0.9 of the scene's red, 0.2 of its green, and 0.05.
+  splat::AffineColor color;
+  color.values = {0.9f, 0.2f, 0, 0.05f, 0, 1, 0, 0, 0, 0, 1, 0};
+  const std::vector<splat::PhotoExposure> exposures = {{"a.jpg", color}};
+  ASSERT_TRUE(WriteExposures(path_, exposures).ok());
+  const StatusOr<nlohmann::json> file = ReadJson(path_);
+  ASSERT_TRUE(file.ok());
+  const nlohmann::json& rows = (*file)["a.jpg"];
+  EXPECT_FLOAT_EQ(rows[1][0].get<float>(), 0.2f);
+  EXPECT_EQ(rows[0][1].get<float>(), 0);
+  EXPECT_FLOAT_EQ(rows[0][3].get<float>(), 0.05f);
+
+  // 3DGS multiplies the colour, as a row, from the left.
+  const float scene[] = {0.5f, 0.4f, 0.3f};
+  ImageF picture(1, 1, 3);
+  std::copy_n(scene, 3, picture.data());
+  ThreadPool pool(1);
+  const ImageF photo = InExposureOf("a.jpg", exposures, picture, pool);
+  for (size_t k = 0; k < 3; ++k) {
+    float expected = rows[k][3].get<float>();
+    for (size_t j = 0; j < 3; ++j) {
+      expected += scene[j] * rows[j][k].get<float>();
+    }
+    EXPECT_FLOAT_EQ(photo.data()[k], expected) << k;
+  }
 }
 
 TEST(InExposureOfTest, IsThatOfThePhotoOrOfItsNeighbours) {
