@@ -51,6 +51,9 @@ constexpr std::array<NamedTarget, 14> kRequired = {{
 
 constexpr std::string_view kRestPrefix = "f_rest_";
 
+// Some programs train SH of degree 4. The model holds less.
+constexpr int kMaxFileShDegree = 4;
+
 // The number of "f_rest_12", or -1 for another name.
 int RestNumber(std::string_view name) {
   if (!name.starts_with(kRestPrefix)) return -1;
@@ -69,17 +72,18 @@ int RestOffset(int number, int coefficients) {
   return k * 3 + channel;
 }
 
-StatusOr<int> DegreeOf(const PlyElement& vertex) {
+// The SH degree of the file, which can be higher than that of a model.
+StatusOr<int> FileDegreeOf(const PlyElement& vertex) {
   const auto count = std::count_if(
       vertex.properties.begin(),
       vertex.properties.end(),
       [](const PlyProperty& p) { return RestNumber(p.name) >= 0; });
-  for (int degree = 0; degree <= kMaxShDegree; ++degree) {
+  for (int degree = 0; degree <= kMaxFileShDegree; ++degree) {
     if (count == 3 * (NumShCoefficients(degree) - 1)) return degree;
   }
   return BadInputError("has " + std::to_string(count) +
-                       " f_rest properties; 0, 9, 24 or 45 are a whole SH "
-                       "degree");
+                       " f_rest properties; 0, 9, 24, 45 or 72 are a whole "
+                       "SH degree");
 }
 
 // For each property of the vertices, its place in the model if it has one.
@@ -88,12 +92,15 @@ struct PropertyPlan {
   Target target;
 };
 
+// `degree` is that of the model, at most that of the file.
 StatusOr<std::vector<PropertyPlan>> PlanProperties(const PlyElement& vertex,
+                                                   int file_degree,
                                                    int degree) {
+  const int file_coefficients = NumShCoefficients(file_degree) - 1;
   const int coefficients = NumShCoefficients(degree) - 1;
   std::vector<PropertyPlan> plan(vertex.properties.size());
   std::vector<std::string> missing;
-  const auto place = [&](std::string_view name, const Target& target) {
+  const auto place = [&](std::string_view name, const PropertyPlan& property) {
     bool found = false;
     for (size_t i = 0; i < plan.size(); ++i) {
       if (vertex.properties[i].name != name) continue;
@@ -105,20 +112,28 @@ StatusOr<std::vector<PropertyPlan>> PlanProperties(const PlyElement& vertex,
                              " appears twice");
       }
       found = true;
-      plan[i] = {true, target};
+      plan[i] = property;
     }
     if (!found) missing.emplace_back(name);
     return Status();
   };
   for (const NamedTarget& required : kRequired) {
-    FREEGS_RETURN_IF_ERROR(place(required.name, required.target));
+    FREEGS_RETURN_IF_ERROR(place(required.name, {true, required.target}));
   }
-  for (int number = 0; number < 3 * coefficients; ++number) {
-    FREEGS_RETURN_IF_ERROR(
-        place(std::string(kRestPrefix) + std::to_string(number),
-              {Parameter::kShRest, RestOffset(number, coefficients)}));
+  for (int number = 0; number < 3 * file_coefficients; ++number) {
+    const bool held = number % file_coefficients < coefficients;
+    FREEGS_RETURN_IF_ERROR(place(
+        std::string(kRestPrefix) + std::to_string(number),
+        {held, {Parameter::kShRest, RestOffset(number, file_coefficients)}}));
   }
   if (missing.empty()) return plan;
+  if (std::ranges::find(vertex.properties,
+                        "packed_position",
+                        &PlyProperty::name) != vertex.properties.end()) {
+    return BadInputError(
+        "a compressed .ply, whose Gaussians are packed into a few numbers "
+        "each; save the scene as an uncompressed .ply");
+  }
   std::string names;
   for (const std::string& name : missing) names += " " + name;
   return BadInputError("not a Gaussian splat: the vertices lack" + names);
@@ -157,9 +172,10 @@ void BringRotationIntoRange(float* q) {
 StatusOr<GaussianModel> ReadVertices(PlyFormat format,
                                      const PlyElement& vertex,
                                      PlyValueReader* reader) {
-  FREEGS_ASSIGN_OR_RETURN(const int degree, DegreeOf(vertex));
+  FREEGS_ASSIGN_OR_RETURN(const int file_degree, FileDegreeOf(vertex));
+  const int degree = std::min(file_degree, kMaxShDegree);
   FREEGS_ASSIGN_OR_RETURN(const std::vector<PropertyPlan> plan,
-                          PlanProperties(vertex, degree));
+                          PlanProperties(vertex, file_degree, degree));
   // This comes before memory is allocated, because the count may be wrong. An
   // ascii file may lack the last separator.
   const uint64_t most =

@@ -29,10 +29,11 @@ namespace freegs::splat {
 // Reads binary files of either byte order, and ascii files. The properties may
 // come in any order and have any numeric type. Other properties and other
 // elements are skipped. The SH degree follows from the number of f_rest
-// properties (0, 9, 24 or 45). Fails with kBadInput, naming the file and the
-// fault, when a property is missing, when the content is shorter than the
-// header says, or when values are not finite (the message says in how many
-// vertices).
+// properties (0, 9, 24, 45 or 72); of degree 4 the coefficients above degree 3
+// are dropped. Fails with kBadInput, naming the file and the fault, when a
+// property is missing, when the content is shorter than the header says, or
+// when values are not finite (the message says in how many vertices). The
+// compressed .ply files of SuperSplat (element "chunk") are refused as such.
 StatusOr<PlacedModel> ReadPly(const std::filesystem::path& path);
 
 // Like ReadPly, but from the content of a file. Messages do not name the file.

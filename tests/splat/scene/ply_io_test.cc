@@ -213,6 +213,36 @@ TEST(PlyTest, NamesWhatIsMissing) {
               HasSubstr("8 f_rest"));
 }
 
+TEST(PlyTest, OfDegreeFourReadsTheLowerDegrees) {
+  std::string text = Header("ascii", "float", "1");
+  std::string names;
+  std::string values = "1 2 3 0 0 0 0 -1 -1 -1 1 0 0 0";
+  for (int k = 0; k < 72; ++k) {
+    names += "property float f_rest_" + std::to_string(k) + "\n";
+    values += " " + std::to_string(k);
+  }
+  text.insert(text.find("end_header"), names);
+  const StatusOr<PlacedModel> read = ParsePly(text + values + "\n");
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  ASSERT_EQ(read->model.sh_degree, 3);
+  ASSERT_EQ(read->model.sh_rest.size(), 45u);
+  for (int k = 0; k < 15; ++k) {
+    for (int channel = 0; channel < 3; ++channel) {
+      EXPECT_EQ(read->model.sh_rest[3 * k + channel], 24 * channel + k);
+    }
+  }
+}
+
+TEST(PlyTest, SaysThatAFileIsCompressed) {
+  EXPECT_THAT(
+      MessageOf("ply\nformat ascii 1.0\nelement chunk 1\n"
+                "property float min_x\nelement vertex 1\n"
+                "property uint packed_position\nproperty uint packed_rotation\n"
+                "property uint packed_scale\nproperty uint packed_color\n"
+                "end_header\n0\n1 2 3 4\n"),
+      AllOf(HasSubstr("a compressed .ply"), HasSubstr("uncompressed")));
+}
+
 TEST(PlyTest, RefusesCountsThatTheContentCannotHold) {
   for (const char* count : {"18446744073709551615", "4000000000", "2"}) {
     EXPECT_THAT(MessageOf(Header("binary_little_endian", "float", count) +
