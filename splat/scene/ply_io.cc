@@ -51,6 +51,9 @@ constexpr std::array<NamedTarget, 14> kRequired = {{
 
 constexpr std::string_view kRestPrefix = "f_rest_";
 
+// The standard deviation of Mip-Splatting's 3D filter, in world units.
+constexpr std::string_view kFilter = "filter_3D";
+
 // Some programs train SH of degree 4. The model holds less.
 constexpr int kMaxFileShDegree = 4;
 
@@ -89,7 +92,8 @@ StatusOr<int> FileDegreeOf(const PlyElement& vertex) {
 // For each property of the vertices, its place in the model if it has one.
 struct PropertyPlan {
   bool wanted = false;
-  Target target;
+  Target target = {};
+  bool is_filter = false;  // It is kFilter, which changes other numbers.
 };
 
 // `degree` is that of the model, at most that of the file.
@@ -114,9 +118,10 @@ StatusOr<std::vector<PropertyPlan>> PlanProperties(const PlyElement& vertex,
       found = true;
       plan[i] = property;
     }
-    if (!found) missing.emplace_back(name);
+    if (!found && !property.is_filter) missing.emplace_back(name);
     return Status();
   };
+  FREEGS_RETURN_IF_ERROR(place(kFilter, {.wanted = true, .is_filter = true}));
   for (const NamedTarget& required : kRequired) {
     FREEGS_RETURN_IF_ERROR(place(required.name, {true, required.target}));
   }
@@ -169,6 +174,37 @@ void BringRotationIntoRange(float* q) {
   }
 }
 
+// Mip-Splatting (Yu et al. 2024) and programs that descend from it store
+// Gaussians without the 3D filter with which they were trained. The filter is a
+// Gaussian: its variance is added along each axis, and opacity falls as much as
+// the volume grows. All is computed with logarithms, because products of
+// squared scales leave the range of numbers.
+void FuseFilter(double filter, float* log_scales, float* opacity_logit) {
+  if (filter == 0) return;
+  const double log_filter = std::log(std::abs(filter));
+  double log_factor = 0;  // Of opacity.
+  for (int k = 0; k < 3; ++k) {
+    const double old = log_scales[k];
+    const double larger = std::max(old, log_filter);
+    const double smaller = std::min(old, log_filter);
+    const double fused =
+        larger + std::log1p(std::exp(2 * (smaller - larger))) / 2;
+    log_scales[k] = static_cast<float>(fused);
+    log_factor += old - fused;
+  }
+  // opacity = 1 / (1 + exp(-logit)), without overflow for any logit.
+  const double logit = *opacity_logit;
+  const double log_opacity = std::min(logit, 0.0) -
+                             std::log1p(std::exp(-std::abs(logit))) +
+                             log_factor;
+  const double fused_logit = log_opacity - std::log(-std::expm1(log_opacity));
+  // An opacity of exp(-100) is as good as none, and its logit stays finite.
+  // Opacity does not grow; this also holds where it rounds to 1.
+  constexpr double kLeastLogit = -100;
+  *opacity_logit =
+      static_cast<float>(std::min(logit, std::max(fused_logit, kLeastLogit)));
+}
+
 StatusOr<GaussianModel> ReadVertices(PlyFormat format,
                                      const PlyElement& vertex,
                                      PlyValueReader* reader) {
@@ -199,6 +235,7 @@ StatusOr<GaussianModel> ReadVertices(PlyFormat format,
   uint64_t not_finite = 0;
   for (uint64_t i = 0; i < vertex.count; ++i) {
     bool finite = true;
+    float filter = 0;
     for (size_t p = 0; p < plan.size(); ++p) {
       const PlyProperty& property = vertex.properties[p];
       if (!plan[p].wanted) {
@@ -211,10 +248,18 @@ StatusOr<GaussianModel> ReadVertices(PlyFormat format,
       }
       const float stored = static_cast<float>(value);
       finite = finite && std::isfinite(stored);
+      if (plan[p].is_filter) {
+        filter = stored;
+        continue;
+      }
       const int kind = static_cast<int>(plan[p].target.parameter);
       arrays[kind][i * strides[kind] + plan[p].target.offset] = stored;
     }
-    if (!finite) ++not_finite;
+    if (finite) {
+      FuseFilter(filter, &model.log_scales[3 * i], &model.opacity_logits[i]);
+    } else {
+      ++not_finite;
+    }
     float* const q = arrays[static_cast<int>(Parameter::kRotation)] + 4 * i;
     BringRotationIntoRange(q);
   }

@@ -27,7 +27,10 @@ namespace freegs::splat {
 // programs know.
 
 // Reads binary files of either byte order, and ascii files. The properties may
-// come in any order and have any numeric type. Other properties and other
+// come in any order and have any numeric type. A property filter_3D, the
+// standard deviation f of the 3D filter of Mip-Splatting (Yu et al. 2024) in
+// world units, is fused: each variance s^2 becomes s^2 + f^2, and opacity is
+// multiplied by sqrt(prod s^2 / prod (s^2 + f^2)). Other properties and other
 // elements are skipped. The SH degree follows from the number of f_rest
 // properties (0, 9, 24, 45 or 72); of degree 4 the coefficients above degree 3
 // are dropped. Fails with kBadInput, naming the file and the fault, when a

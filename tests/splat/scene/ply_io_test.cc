@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <limits>
@@ -211,6 +212,56 @@ TEST(PlyTest, NamesWhatIsMissing) {
               HasSubstr("f_rest_4"));
   EXPECT_THAT(MessageOf(std::string(with_rest).replace(at, 8, "g_rest_4")),
               HasSubstr("8 f_rest"));
+}
+
+// A Gaussian of one scale along all axes, with a 3D filter.
+StatusOr<PlacedModel> ReadFiltered(const std::string& log_scale,
+                                   const std::string& logit,
+                                   const std::string& filter) {
+  std::string text = Header("ascii", "float", "1");
+  text.insert(text.find("end_header"), "property float filter_3D\n");
+  return ParsePly(text + "1 2 3 0 0 0 " + logit + " " + log_scale + " " +
+                  log_scale + " " + log_scale + " 1 0 0 0 " + filter + "\n");
+}
+
+TEST(PlyTest, TheFilterOfMipSplattingIsFused) {
+  // A scale of 1e-4.
+  auto read = ReadFiltered("-9.210340371976184", "2", "0.01");
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_NEAR(std::exp(read->model.log_scales[k]), 0.0100005, 1e-8);
+  }
+  const float logit = read->model.opacity_logits[0];
+  EXPECT_NEAR(1 / (1 + std::exp(-logit)), 8.806651e-7, 1e-12);
+
+  // A filter of the Gaussian's own size.
+  read = ReadFiltered("0", "0", "1");
+  ASSERT_TRUE(read.ok());
+  EXPECT_FLOAT_EQ(read->model.log_scales[1], std::log(2.0f) / 2);
+  const double opacity = 0.5 * std::pow(0.5, 1.5);
+  EXPECT_FLOAT_EQ(read->model.opacity_logits[0],
+                  static_cast<float>(std::log(opacity / (1 - opacity))));
+
+  read = ReadFiltered("-3", "2", "0");
+  ASSERT_TRUE(read.ok());
+  EXPECT_EQ(read->model.log_scales[2], -3);
+  EXPECT_EQ(read->model.opacity_logits[0], 2);
+}
+
+TEST(PlyTest, FusedNumbersStayFinite) {
+  for (const char* const scale : {"-3e38", "-200", "0", "200", "3e38"}) {
+    for (const char* const logit : {"-3e38", "-200", "0", "200", "3e38"}) {
+      for (const char* const filter : {"1e-45", "1", "-1", "3e38"}) {
+        const auto read = ReadFiltered(scale, logit, filter);
+        ASSERT_TRUE(read.ok()) << read.status().message();
+        EXPECT_TRUE(read->model.AllFinite())
+            << scale << " " << logit << " " << filter;
+        EXPECT_LE(read->model.opacity_logits[0], std::stof(logit));
+      }
+    }
+  }
+  EXPECT_THAT(ReadFiltered("0", "0", "nan").status().message(),
+              HasSubstr("1 of 1 vertices"));
 }
 
 TEST(PlyTest, OfDegreeFourReadsTheLowerDegrees) {
