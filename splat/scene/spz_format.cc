@@ -14,6 +14,7 @@
 #include "core/io/byte_stream.h"
 #include "core/io/files.h"
 #include "core/io/gzip.h"
+#include "splat/scene/spz_frame.h"
 
 namespace freegs::splat {
 namespace {
@@ -43,28 +44,6 @@ constexpr double kSeenOpacity = 0.05;
 // scenes of a few world units have none. Where it was three in a thousand, the
 // background was lost.
 constexpr double kMaxMisfitShare = 0.001;
-
-// Signs of x, y, z, and of the coefficients of degrees 1 to 3 when y and z
-// change theirs: a coefficient changes if its polynomial is odd in y and z
-// together. The same turn leads there and back.
-constexpr std::array<double, 3> kAxisSigns = {1, -1, -1};
-constexpr std::array<double, 15> kShSigns = {
-    -1,
-    -1,
-    1,  // y, z, x
-    -1,
-    1,
-    1,
-    -1,
-    1,  // xy, yz, zz, xz, xx - yy
-    -1,
-    1,
-    -1,
-    -1,
-    1,
-    -1,
-    1,  // odd in y, xyz, y, z, x, z, x
-};
 
 struct SpzHeader {
   uint32_t version = kVersion;
@@ -146,10 +125,10 @@ Status CheckSpzSizes(const GaussianModel& model) {
 
 void PutPosition(const float* mean,
                  double steps,
-                 bool flip,
+                 const AxisSigns& signs,
                  ByteWriter* writer) {
   for (int k = 0; k < 3; ++k) {
-    const double value = steps * mean[k] * (flip ? kAxisSigns[k] : 1);
+    const double value = steps * mean[k] * signs.position[k];
     const auto bits = static_cast<uint32_t>(std::lround(value));
     for (int shift = 0; shift < 24; shift += 8) {
       writer->Put(static_cast<uint8_t>(bits >> shift));
@@ -158,15 +137,13 @@ void PutPosition(const float* mean,
 }
 
 // The quaternion x y z w of unit length, in the file's frame.
-std::array<double, 4> FileRotation(const float* wxyz, bool flip) {
+std::array<double, 4> FileRotation(const float* wxyz, const AxisSigns& signs) {
   std::array<double, 4> q = {wxyz[1], wxyz[2], wxyz[3], wxyz[0]};
   double norm = 0;
   for (const double c : q) norm += c * c;
   if (norm == 0) return {0, 0, 0, 1};
   for (double& c : q) c /= std::sqrt(norm);
-  if (flip) {
-    for (int k = 0; k < 3; ++k) q[k] *= kAxisSigns[k];
-  }
+  for (int k = 0; k < 3; ++k) q[k] *= signs.rotation[k];
   return q;
 }
 
@@ -293,7 +270,7 @@ float OpacityLogit(uint8_t alpha) {
 
 GaussianModel Decode(const SpzHeader& header,
                      std::string_view content,
-                     bool flip) {
+                     const AxisSigns& signs) {
   const size_t count = header.count;
   GaussianModel model;
   model.sh_degree = std::min<int>(header.sh_degree, kMaxShDegree);
@@ -312,8 +289,7 @@ GaussianModel Decode(const SpzHeader& header,
                              uint32_t{p[2]} << 24) /
             256,
         -kMaxFixed);
-    model.means[i] =
-        static_cast<float>(step * fixed * (flip ? kAxisSigns[i % 3] : 1));
+    model.means[i] = static_cast<float>(step * fixed * signs.position[i % 3]);
   }
   const uint8_t* const alphas = arrays.Take(count);
   for (size_t i = 0; i < count; ++i) {
@@ -341,7 +317,7 @@ GaussianModel Decode(const SpzHeader& header,
     model.rotations[4 * i] = static_cast<float>(q[3]);
     for (int k = 0; k < 3; ++k) {
       model.rotations[4 * i + 1 + k] =
-          static_cast<float>(q[k] * (flip ? kAxisSigns[k] : 1));
+          static_cast<float>(q[k] * signs.rotation[k]);
     }
   }
   const size_t file_stride = header.sh_bytes();
@@ -349,9 +325,8 @@ GaussianModel Decode(const SpzHeader& header,
   const uint8_t* const harmonics = arrays.Take(file_stride * count);
   for (size_t i = 0; i < count; ++i) {
     for (size_t k = 0; k < stride; ++k) {
-      model.sh_rest[stride * i + k] =
-          static_cast<float>((harmonics[file_stride * i + k] / 128.0 - 1) *
-                             (flip ? kShSigns[k / 3] : 1));
+      model.sh_rest[stride * i + k] = static_cast<float>(
+          (harmonics[file_stride * i + k] / 128.0 - 1) * signs.sh[k / 3]);
     }
   }
   return model;
@@ -370,7 +345,8 @@ StatusOr<std::string> SerializeSpz(const GaussianModel& model,
     return BadInputError("the model has values that are NaN or infinite");
   }
   FREEGS_ASSIGN_OR_RETURN(const int bits, FractionalBits(model));
-  const bool flip = options.flip_axes;
+  const AxisSigns signs = SignsBetween(
+      kRightDownFront, options.flip_axes ? kRightUpBack : kRightDownFront);
   SpzHeader header;
   header.count = static_cast<uint32_t>(count);
   header.sh_degree =
@@ -389,7 +365,7 @@ StatusOr<std::string> SerializeSpz(const GaussianModel& model,
   writer.Put(header.reserved);
   const double steps = std::ldexp(1.0, bits);
   for (size_t i = 0; i < count; ++i) {
-    PutPosition(&model.means[3 * i], steps, flip, &writer);
+    PutPosition(&model.means[3 * i], steps, signs, &writer);
   }
   for (const float logit : model.opacity_logits) {
     writer.Put(ToSpzByte(255 / (1 + std::exp(-static_cast<double>(logit)))));
@@ -401,15 +377,14 @@ StatusOr<std::string> SerializeSpz(const GaussianModel& model,
     writer.Put(ToSpzByte((log_scale - kMinLogScale) * kScaleSteps));
   }
   for (size_t i = 0; i < count; ++i) {
-    writer.Put(PackRotation(FileRotation(&model.rotations[4 * i], flip)));
+    writer.Put(PackRotation(FileRotation(&model.rotations[4 * i], signs)));
   }
   const size_t stride = header.sh_bytes();
   for (size_t i = 0; i < count; ++i) {
     const float* const sh = model.sh_rest.data() + model.sh_rest_stride() * i;
     for (size_t k = 0; k < stride; ++k) {
       const auto coefficient = static_cast<int>(k / 3);
-      writer.Put(
-          ShByte(sh[k] * (flip ? kShSigns[coefficient] : 1), coefficient));
+      writer.Put(ShByte(sh[k] * signs.sh[coefficient], coefficient));
     }
   }
   return Gzip(writer.content());
@@ -436,7 +411,13 @@ StatusOr<GaussianModel> ParseSpz(std::string_view bytes, bool flip_axes) {
     return BadInputError("the header promises " + std::to_string(header.count) +
                          " Gaussians, the content holds fewer");
   }
-  return Decode(header, content, flip_axes);
+  uint32_t frame = kRightDownFront;
+  if (flip_axes) {
+    FREEGS_ASSIGN_OR_RETURN(
+        frame,
+        SpzFrame(extended ? std::string_view(content).substr(wanted) : ""));
+  }
+  return Decode(header, content, SignsBetween(frame, kRightDownFront));
 }
 
 StatusOr<size_t> CountSpzGaussians(std::string_view beginning) {

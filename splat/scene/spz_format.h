@@ -58,12 +58,14 @@ Status WriteSpz(const std::filesystem::path& path,
                 const SpzOptions& options = {});
 
 // Reads version 2, whose rotations are x y z in a byte each with w >= 0, and
-// version 3. With flip_axes the scene is turned back into COLMAP's frame. Of
+// version 3. With flip_axes the scene is turned back into COLMAP's frame, from
+// the one that the extension SPZ_ADOBE_coordinate_system names, or else from x
+// right, y up, z back. Without flip_axes it stays as it is in the file. Of
 // degrees above 3 the coefficients are dropped. An opacity of 0 or 1 becomes
 // one that is a quarter of a step away, because its logit would be infinite.
-// Fails with kBadInput for other versions and for content that is damaged,
-// truncated, or longer than its header says. Memory is taken only for Gaussians
-// that are there.
+// Fails with kBadInput for other versions, for frames whose y is not up or
+// down, and for content that is damaged, truncated, or longer than its header
+// says. Memory is taken only for Gaussians that are there.
 StatusOr<GaussianModel> ParseSpz(std::string_view bytes, bool flip_axes = true);
 
 // The number of Gaussians that a file's header names. `beginning` is the file

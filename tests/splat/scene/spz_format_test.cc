@@ -7,11 +7,13 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/io/byte_stream.h"
 #include "core/io/gzip.h"
 #include "tests/splat/random_model.h"
 #include "tests/temporary_folder.h"
@@ -356,6 +358,89 @@ TEST(SpzFormatTest, RefusesHostileHeaders) {
   EXPECT_THAT(with(13, {24}).message(), HasSubstr("24 fractional bits"));
   EXPECT_THAT(ParseSpz("NGSP and more").status().message(),
               HasSubstr("version 4"));
+}
+
+std::string ExtensionRecord(uint32_t type, uint32_t length, uint32_t value) {
+  ByteWriter writer;
+  writer.Put(type);
+  writer.Put(length);
+  writer.Put(value);
+  return std::move(writer).content();
+}
+
+constexpr uint32_t kFrameRecord = 0xADBE0003;
+
+TEST(SpzFormatTest, ReadsTheFrameThatAnExtensionNames) {
+  // Left or right, down or up, back or front, in this order; ours is right,
+  // down, front.
+  const std::array<Eigen::Vector3d, 9> signs = {{{1, -1, -1},  // Unspecified.
+                                                 {-1, 1, -1},
+                                                 {1, 1, -1},
+                                                 {-1, -1, -1},
+                                                 {1, -1, -1},
+                                                 {-1, 1, 1},
+                                                 {1, 1, 1},
+                                                 {-1, -1, 1},
+                                                 {1, -1, 1}}};
+  const GaussianModel model = RandomModel(6, 3, 3);
+  std::string content = Unpacked(model, {.flip_axes = false});
+  content[14] = 2;
+  const auto stored = ParseSpz(Packed(content), false);
+  ASSERT_TRUE(stored.ok());
+  for (uint32_t frame = 0; frame < signs.size(); ++frame) {
+    const Eigen::Matrix3d flip = signs[frame].asDiagonal();
+    const auto read = ParseSpz(Packed(content + ExtensionRecord(7, 4, 0) +
+                                      ExtensionRecord(kFrameRecord, 4, frame)));
+    ASSERT_TRUE(read.ok()) << read.status().message();
+    for (size_t i = 0; i < model.size(); ++i) {
+      for (int k = 0; k < 3; ++k) {
+        EXPECT_EQ(read->means[3 * i + k],
+                  stored->means[3 * i + k] * signs[frame][k]);
+      }
+      const Eigen::Matrix3d turned = Rotation(*read, i).toRotationMatrix();
+      const Eigen::Matrix3d before = Rotation(*stored, i).toRotationMatrix();
+      EXPECT_LT((turned - flip * before * flip).norm(), 1e-5) << frame;
+      for (const auto& [k, axes] : {std::pair{0, "y"},
+                                    {1, "z"},
+                                    {2, "x"},
+                                    {3, "xy"},
+                                    {6, "xz"},
+                                    {7, ""},
+                                    {9, "xyz"},
+                                    {14, "x"}}) {
+        double sign = 1;
+        for (const char axis : std::string(axes)) {
+          sign *= signs[frame][axis - 'x'];
+        }
+        EXPECT_EQ(read->sh_rest[45 * i + 3 * k],
+                  stored->sh_rest[45 * i + 3 * k] * sign)
+            << frame << " " << axes;
+      }
+    }
+  }
+}
+
+TEST(SpzFormatTest, RefusesFramesThatItCannotRead) {
+  std::string content = Unpacked(RandomModel(3, 1, 1));
+  const std::string other = ExtensionRecord(kFrameRecord, 4, 12);
+  EXPECT_TRUE(ParseUnpacked(content).ok());
+  content[14] = 2;
+  EXPECT_THAT(ParseUnpacked(content + other).message(),
+              HasSubstr("coordinate system 12"));
+  for (const uint32_t length : {0u, 3u, 5u, 0xffffffffu}) {
+    EXPECT_THAT(
+        ParseUnpacked(content + ExtensionRecord(kFrameRecord, length, 6))
+            .message(),
+        HasSubstr("damaged"))
+        << length;
+  }
+  EXPECT_THAT(ParseUnpacked(content + other.substr(0, 9)).message(),
+              HasSubstr("damaged"));
+  // What is not whole, or hidden by it, is no record of a frame.
+  EXPECT_TRUE(ParseUnpacked(content + other.substr(0, 7)).ok());
+  EXPECT_TRUE(
+      ParseUnpacked(content + ExtensionRecord(7, 0xffffffff, 1) + other).ok());
+  EXPECT_TRUE(ParseUnpacked(content + ExtensionRecord(7, 16, 1) + other).ok());
 }
 
 // Records of other programs may follow, but not without end.
