@@ -20,15 +20,41 @@ namespace {
 
 using nlohmann::json;
 
+// Overwrites the focal lengths and fields of view, all of them if `object`
+// gives any. What it does not give is not inherited, because that belongs to
+// another lens: one axis alone stands for both (see MakeCamera).
+Status ReadFieldOfView(const json& object, TransformsIntrinsics* result) {
+  double fx = 0, fy = 0, angle_x = 0, angle_y = 0, fov_x = 0, fov_y = 0;
+  const std::pair<const char*, double*> fields[] = {
+      {"fl_x", &fx},
+      {"fl_y", &fy},
+      {"camera_angle_x", &angle_x},
+      {"camera_angle_y", &angle_y},
+      {"x_fov", &fov_x},
+      {"y_fov", &fov_y},
+  };
+  bool any = false;
+  for (const auto& [key, value] : fields) {
+    const json* field = FindField(object, key);
+    if (field == nullptr || field->is_null()) continue;
+    FREEGS_ASSIGN_OR_RETURN(*value, ReadNumber(field, key));
+    any = any || *value != 0;
+  }
+  if (!any) return {};
+  // instant-ngp writes and reads these two in degrees.
+  constexpr double kRadians = std::numbers::pi / 180;
+  result->fx = fx;
+  result->fy = fy;
+  result->angle_x = fov_x != 0 ? fov_x * kRadians : angle_x;
+  result->angle_y = fov_y != 0 ? fov_y * kRadians : angle_y;
+  return {};
+}
+
 // Overwrites the numbers that `object` (the file or one frame) gives.
 Status ReadIntrinsics(const json& object, TransformsIntrinsics* result) {
   const std::pair<const char*, double*> fields[] = {
       {"w", &result->width},
       {"h", &result->height},
-      {"camera_angle_x", &result->angle_x},
-      {"camera_angle_y", &result->angle_y},
-      {"fl_x", &result->fx},
-      {"fl_y", &result->fy},
       {"k1", &result->k1},
       {"k2", &result->k2},
       {"k3", &result->k3},
@@ -43,6 +69,7 @@ Status ReadIntrinsics(const json& object, TransformsIntrinsics* result) {
     if (field == nullptr || field->is_null()) continue;
     FREEGS_ASSIGN_OR_RETURN(*value, ReadNumber(field, key));
   }
+  FREEGS_RETURN_IF_ERROR(ReadFieldOfView(object, result));
   const std::pair<const char*, double> lengths[] = {{"w", result->width},
                                                     {"h", result->height},
                                                     {"fl_x", result->fx},

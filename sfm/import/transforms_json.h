@@ -62,7 +62,12 @@ struct TransformsFile {
   std::string points_file;
 };
 
-// Parses the text of a transforms file. Returns kBadInput, with the frame and
+// Parses the text of a transforms file. A frame inherits what it does not give
+// from the file. Its fields of view and focal lengths (fl_x, fl_y,
+// camera_angle_x, camera_angle_y, x_fov, y_fov) are inherited together: if it
+// gives one of them, none of the file's counts. Of an axis that has several,
+// the focal length counts, then x_fov or y_fov (degrees), then the angle
+// (radians). Returns kBadInput, with the frame and
 // the fault, for text that is not JSON, missing fields, numbers that are not
 // finite, matrices that are not a rotation and a translation, and unknown kinds
 // of cameras.
@@ -71,7 +76,8 @@ StatusOr<TransformsFile> ParseTransforms(std::string_view text);
 // Returns the camera for a photo of width x height pixels. Its model is the
 // simplest of PINHOLE, OPENCV, FULL_OPENCV and OPENCV_FISHEYE that has the
 // given distortion parameters. Intrinsics for another image size are scaled. A
-// coordinate of the centre that is not given is that of the middle.
+// focal length or field of view of one axis alone gives the focal length of
+// both. A coordinate of the centre that is not given is that of the middle.
 // Returns kBadInput when there is no focal length, when the two sizes are not
 // those of one image that was resized (see IsResized), and for distortion that
 // the kind of camera does not have: k4, k5 and k6 of one that is neither a

@@ -49,7 +49,9 @@ TEST(MakeCamera, DistortionChoosesTheModel) {
       camera->params,
       (std::vector<double>{1000, 1001, 500.5, 300, 0.05, -0.08, 0.001, 0.002}));
   // A frame's own value wins.
-  EXPECT_EQ(MakeCamera(file->frames[1].intrinsics, 1000, 600)->FocalX(), 900);
+  const auto other = MakeCamera(file->frames[1].intrinsics, 1000, 600);
+  EXPECT_EQ(other->FocalX(), 900);
+  EXPECT_EQ(other->FocalY(), 900);
 
   TransformsIntrinsics in;
   in.fx = 100;
@@ -140,6 +142,46 @@ Camera CameraOf(const std::string& shared, const std::string& own) {
   EXPECT_TRUE(file.ok()) << file.status().message();
   if (!file.ok()) return {};
   return *MakeCamera(file->frames.front().intrinsics, 64, 48);
+}
+
+// A file of wide-angle photos with one frame of a telephoto lens.
+TEST(ParseTransforms, AFrameHasItsOwnFieldOfView) {
+  const auto focal = [](const std::string& own) {
+    const Camera camera =
+        CameraOf(R"("fl_y": 101, "camera_angle_x": 0.7, )", own);
+    return Eigen::Vector2d(camera.FocalX(), camera.FocalY());
+  };
+  using Eigen::Vector2d;
+  const auto expect = [&](const std::string& own, double x, double y) {
+    EXPECT_LT((focal(own) - Vector2d(x, y)).norm(), 1e-9) << own;
+  };
+  const double pi = std::acos(-1.0);
+  const double angle = 32 / std::tan(0.15);
+  const double degrees = 32 / std::tan(8.6 * pi / 180);
+  expect("", 100, 101);
+  expect(R"("camera_angle_x": 0.3, )", angle, angle);
+  expect(R"("x_fov": 17.2, )", degrees, degrees);
+  expect(R"("fl_x": 2117, )", 2117, 2117);
+  expect(R"("fl_y": 2117, )", 2117, 2117);
+  expect(R"("camera_angle_y": 0.3, )", angle * 0.75, angle * 0.75);
+  expect(R"("camera_angle_x": 0.3, "fl_y": 300, )", angle, 300);
+  expect(R"("x_fov": 17.2, "y_fov": 17.2, )", degrees, degrees * 0.75);
+  // What is null or zero is not given.
+  expect(R"("fl_x": null, "camera_angle_x": 0, )", 100, 101);
+  // Several for one axis.
+  expect(R"("fl_x": 50, "x_fov": 17.2, )", 50, 50);
+  expect(R"("camera_angle_x": 0.5, "x_fov": 17.2, )", degrees, degrees);
+}
+
+TEST(ParseTransforms, TheFileMayHaveDegrees) {
+  const auto file = ParseTransforms(
+      R"({"x_fov": 90, "frames": [{"file_path": "a.png",
+          "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,0]]}]})");
+  ASSERT_TRUE(file.ok()) << file.status().message();
+  const auto camera = MakeCamera(file->frames[0].intrinsics, 64, 48);
+  ASSERT_TRUE(camera.ok()) << camera.status().message();
+  EXPECT_NEAR(camera->FocalX(), 32, 1e-9);
+  EXPECT_NEAR(camera->FocalY(), 32, 1e-9);
 }
 
 TEST(ParseTransforms, EachCoordinateOfTheCentreCountsAlone) {
