@@ -8,6 +8,9 @@
 #include <cstddef>
 #include <span>
 #include <string_view>
+#include <vector>
+
+#include "core/status.h"
 
 namespace freegs::sfm {
 
@@ -59,6 +62,23 @@ inline std::span<const CameraModelInfo> CameraModels() { return kCameraModels; }
 // Return null when COLMAP's number or name is not known.
 const CameraModelInfo* FindCameraModel(int id);
 const CameraModelInfo* FindCameraModel(std::string_view name);
+
+// How a camera of COLMAP's files is read. Newer releases than 3.8 have models
+// that the table lacks. Of these SIMPLE_FISHEYE (f cx cy) and FISHEYE (fx fy cx
+// cy), fisheyes without distortion, are read as OPENCV_FISHEYE.
+struct StoredCameraModel {
+  CameraModel model = CameraModel::kPinhole;
+  int num_params = 0;  // In the file.
+};
+
+// Fail with kBadInput for numbers and names that are unknown or not supported.
+StatusOr<StoredCameraModel> FindStoredCameraModel(int id);
+StatusOr<StoredCameraModel> FindStoredCameraModel(std::string_view name);
+
+// Brings the parameters of a file, stored.num_params of them, to those of
+// stored.model.
+void CompleteParameters(const StoredCameraModel& stored,
+                        std::vector<double>* params);
 
 constexpr const CameraModelInfo& GetCameraModel(CameraModel model) {
   return kCameraModels[static_cast<size_t>(model)];

@@ -23,7 +23,8 @@ std::optional<ModelFormat> DetectModelFormat(
 
 // Reads the model in `folder`. Returns kBadInput, with the name of the file and
 // the fault, when a file is missing, truncated, has bytes left over, or is
-// inconsistent (see CheckReconstruction).
+// inconsistent (see CheckReconstruction), or when a camera's model is not
+// supported (see FindStoredCameraModel).
 StatusOr<Reconstruction> ReadModel(const std::filesystem::path& folder);
 
 // The same without CheckReconstruction.
@@ -32,7 +33,7 @@ StatusOr<Reconstruction> ReadModelUnchecked(
 
 // Writes the three files, each atomically, into `folder`, which is created if
 // it is missing. A model that was read from COLMAP's binary files is written
-// back byte for byte.
+// back byte for byte, if its cameras are of models that COLMAP 3.8 has.
 Status WriteModel(const std::filesystem::path& folder,
                   const Reconstruction& model,
                   ModelFormat format = ModelFormat::kBinary);

@@ -36,19 +36,18 @@ Status ParseCamerasBinary(std::string_view bytes,
         !reader.Get(&camera.width) || !reader.Get(&camera.height)) {
       return Truncated("camera number " + std::to_string(i));
     }
-    const CameraModelInfo* info = FindCameraModel(model);
-    if (info == nullptr) {
-      return BadInputError("camera " + std::to_string(camera.id) +
-                           " has model number " + std::to_string(model) +
-                           ", which is unknown");
+    const StatusOr<StoredCameraModel> stored = FindStoredCameraModel(model);
+    if (!stored.ok()) {
+      return stored.status().Annotated("camera " + std::to_string(camera.id));
     }
-    camera.model = info->model;
-    camera.params.resize(info->num_params);
+    camera.model = stored->model;
+    camera.params.resize(stored->num_params);
     for (double& param : camera.params) {
       if (!reader.Get(&param)) {
         return Truncated("camera " + std::to_string(camera.id));
       }
     }
+    CompleteParameters(*stored, &camera.params);
     cameras->push_back(std::move(camera));
   }
   return reader.at_end() ? Status() : TrailingBytes(reader.remaining());

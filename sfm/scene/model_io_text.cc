@@ -116,23 +116,23 @@ Status ParseCamerasText(std::string_view text, std::vector<Camera>* cameras) {
     Camera camera;
     if (!words.Read(&camera.id)) return lines.Error("expected a camera id");
     const std::string name(words.Next());
-    const CameraModelInfo* info = FindCameraModel(std::string_view(name));
-    if (info == nullptr) {
-      return lines.Error("unknown camera model '" + name.substr(0, 64) + "'");
-    }
-    camera.model = info->model;
+    const StatusOr<StoredCameraModel> stored =
+        FindStoredCameraModel(std::string_view(name));
+    if (!stored.ok()) return lines.Error(stored.status().message());
+    camera.model = stored->model;
     if (!words.Read(&camera.width) || !words.Read(&camera.height)) {
       return lines.Error("expected width and height");
     }
-    camera.params.resize(info->num_params);
+    camera.params.resize(stored->num_params);
     for (double& param : camera.params) {
       if (!words.Read(&param)) {
-        return lines.Error(name + " needs " + std::to_string(info->num_params) +
-                           " parameters");
+        return lines.Error(name + " needs " +
+                           std::to_string(stored->num_params) + " parameters");
       }
     }
     if (!words.empty())
       return lines.Error("more parameters than " + name + " has");
+    CompleteParameters(*stored, &camera.params);
     cameras->push_back(std::move(camera));
   }
   return {};

@@ -3,6 +3,7 @@
 
 #include "sfm/scene/model_io.h"
 
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
 
@@ -80,6 +81,53 @@ TEST(ModelIo, BinaryLayoutIsColmaps) {
             Bytes<uint64_t>(1) + Bytes<uint64_t>(11) + Bytes(1.0) + Bytes(2.0) +
                 Bytes(3.0) + "\4\5\6" + Bytes(0.25) + Bytes<uint64_t>(1) +
                 Bytes<uint32_t>(5) + Bytes<uint32_t>(0));
+}
+
+TEST(ModelIo, FisheyesOfNewerReleases) {
+  const auto header = [](int32_t model) {
+    return Bytes<uint64_t>(1) + Bytes<uint32_t>(1) + Bytes(model) +
+           Bytes<uint64_t>(8) + Bytes<uint64_t>(6);
+  };
+  std::vector<Camera> cameras;
+  ASSERT_TRUE(ParseCamerasBinary(
+                  header(14) + Bytes(5.0) + Bytes(4.0) + Bytes(3.0), &cameras)
+                  .ok());
+  ASSERT_TRUE(ParseCamerasBinary(header(15) + Bytes(5.0) + Bytes(6.0) +
+                                     Bytes(4.0) + Bytes(3.0),
+                                 &cameras)
+                  .ok());
+  ASSERT_TRUE(ParseCamerasText("1 SIMPLE_FISHEYE 8 6 5 4 3\n"
+                               "2 FISHEYE 8 6 5 6 4 3\n",
+                               &cameras)
+                  .ok());
+  ASSERT_EQ(cameras.size(), 4u);
+  for (size_t i = 0; i < cameras.size(); ++i) {
+    EXPECT_EQ(cameras[i].model, CameraModel::kOpenCvFisheye);
+    EXPECT_THAT(cameras[i].params,
+                testing::ElementsAre(5, i % 2 == 0 ? 5 : 6, 4, 3, 0, 0, 0, 0));
+  }
+  EXPECT_FALSE(ParseCamerasText("2 FISHEYE 8 6 5 4 3", &cameras).ok());
+
+  // The others are named.
+  const std::pair<int32_t, const char*> others[] = {
+      {11, "RAD_TAN_THIN_PRISM_FISHEYE"},
+      {12, "SIMPLE_DIVISION"},
+      {13, "DIVISION"},
+      {16, "EUCM"},
+      {17, "EQUIRECTANGULAR"}};
+  for (const auto& [number, name] : others) {
+    const auto says = testing::AllOf(
+        HasSubstr("camera model " + std::string(name) + " of newer releases"),
+        HasSubstr("SIMPLE_FISHEYE and FISHEYE"));
+    EXPECT_THAT(ParseCamerasBinary(header(number), &cameras).message(), says);
+    EXPECT_THAT(ParseCamerasText("1 " + std::string(name) + " 8 6 1", &cameras)
+                    .message(),
+                says);
+  }
+  for (const int32_t number : {-1, 18, INT32_MIN, INT32_MAX}) {
+    EXPECT_THAT(ParseCamerasBinary(header(number), &cameras).message(),
+                HasSubstr(std::to_string(number) + " is unknown"));
+  }
 }
 
 TEST(ModelIo, RoundTripsBothFormatsExactly) {
