@@ -208,19 +208,37 @@ Status ExportMasks(const ExportRequest& request, CommandContext& context) {
   return Status();
 }
 
+// Fails with kInvalidArgument if the folder holds files of a COLMAP model
+// beside which a text model is hidden or misread. Programs that find both forms
+// read the binary one; some, such as that of 3DGS, do so where only part of its
+// files are there. Newer releases of COLMAP read rigs.txt and frames.txt with
+// the text files, also where they belong to another model.
+Status CheckNothingHidesText(const fs::path& folder) {
+  for (const char* const name : {"cameras.bin",
+                                 "images.bin",
+                                 "points3D.bin",
+                                 "rigs.bin",
+                                 "frames.bin",
+                                 "rigs.txt",
+                                 "frames.txt"}) {
+    std::error_code error;
+    if (fs::exists(fs::symlink_status(folder / name, error))) {
+      return InvalidArgumentError(
+          folder.string() + ": holds a COLMAP model with " + name +
+          ", which would hide the text files that are written; give another "
+          "folder");
+    }
+  }
+  return Status();
+}
+
 Status ExportColmap(const ExportRequest& request, CommandContext& context) {
   const fs::path sparse = request.workspace / "undistort" / "sparse";
   if (!sfm::DetectModelFormat(sparse)) {
     return BadInputError(sparse.string() +
                          ": no COLMAP model; run stage undistort first");
   }
-  // Programs that find both forms in a folder read the binary one.
-  if (sfm::DetectModelFormat(request.out) == sfm::ModelFormat::kBinary) {
-    return InvalidArgumentError(
-        request.out +
-        ": holds a binary COLMAP model, which would hide the text files that "
-        "are written; give another folder");
-  }
+  FREEGS_RETURN_IF_ERROR(CheckNothingHidesText(request.out));
   FREEGS_RETURN_IF_ERROR(PrepareOutputFolder(request.out));
   FREEGS_ASSIGN_OR_RETURN(const sfm::Reconstruction model,
                           sfm::ReadModel(sparse));

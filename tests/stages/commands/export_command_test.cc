@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "core/io/files.h"
 #include "core/io/json_text.h"
 #include "pipeline/workspace.h"
 #include "semantics/instances/palette.h"
@@ -335,15 +336,29 @@ TEST_F(ExportCommandTest, ColmapText) {
   EXPECT_THAT(said, HasSubstr("mages: 6"));
 }
 
-TEST_F(ExportCommandTest, ABinaryModelWouldHideTheText) {
-  const sfm::Reconstruction model =
-      sfm::ReadModel(workspace_ / "undistort/sparse").value();
-  ASSERT_TRUE(sfm::WriteModel(File("model"), model).ok());
-  const Status status =
-      Export({workspace(), "--what", "colmap", "--out", File("model")});
-  EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
-  EXPECT_THAT(status.message(), HasSubstr("holds a binary COLMAP model"));
-  EXPECT_FALSE(std::filesystem::exists(File("model") + "/cameras.txt"));
+// Other programs read these first, or with the text files.
+TEST_F(ExportCommandTest, FilesThatHideTheText) {
+  for (const char* const name : {"cameras.bin",
+                                 "images.bin",
+                                 "points3D.bin",
+                                 "rigs.bin",
+                                 "frames.bin",
+                                 "rigs.txt",
+                                 "frames.txt"}) {
+    const std::filesystem::path folder = File("model_" + std::string(name));
+    std::filesystem::create_directories(folder);
+    ASSERT_TRUE(WriteFileAtomic(folder / name, "").ok());
+    const Status status =
+        Export({workspace(), "--what", "colmap", "--out", folder.string()});
+    EXPECT_EQ(status.code(), StatusCode::kInvalidArgument) << name;
+    EXPECT_THAT(status.message(), HasSubstr(name));
+    EXPECT_FALSE(std::filesystem::exists(folder / "cameras.txt"));
+  }
+  // Its own files are replaced.
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_TRUE(
+        Export({workspace(), "--what", "colmap", "--out", File("again")}).ok());
+  }
 }
 
 TEST_F(ExportCommandTest, WordsThatDoNotFit) {
