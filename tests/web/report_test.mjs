@@ -17,13 +17,16 @@ import { pathToFileURL } from "node:url";
 import {
   axe,
   build,
+  expectGrey,
   goToCamera,
+  isolate,
   makeScene,
   openBrowser,
   openPage,
   readGrey,
   runProgram,
   settle,
+  writeGaussians,
 } from "./support.mjs";
 
 let scene;
@@ -230,6 +233,54 @@ test("objects alone look as the program draws them", async () => {
     // much of a small thing.
     assert.ok(both / either > 0.7, `instance ${id}: iou ${both / either}`);
   }
+  await page.context().close();
+});
+
+// Of a photo of Gaussians that are drawn with known places.
+const photo = { width: 980, height: 576, focal: 576 };
+
+test("Gaussians larger than the view, and centred outside of it", async () => {
+  const page = await openPage(
+    browser,
+    writeGaussians(
+      "large",
+      [
+        { mean: [0, 0, 0], scales: [4, 4, 0.04], opacity: 0.9 },
+        { mean: [9, 0, 0], scales: [6, 6, 0.06], opacity: 0.9 },
+        // Along the line of sight. The projection counts as linear up to 0.15 of
+        // the view's width beside it.
+        { mean: [10, 0, 0], scales: [0.5, 0.5, 2], opacity: 0.9 },
+      ],
+      photo,
+    ),
+  );
+  const { gaussians, focal, width } = await page.evaluate(() => {
+    const { view } = globalThis.freegsViewer;
+    view.goTo(view.scene.photos[0]);
+    const { means, scales } = view.cloud.gaussians;
+    return {
+      // The scales are those that the format can hold.
+      gaussians: [0, 1, 2].map((i) => ({
+        x: means[3 * i],
+        across: scales[3 * i],
+        along: scales[3 * i + 2],
+      })),
+      focal: view.pinhole(view.width, view.height).fx,
+      width: view.width,
+    };
+  });
+  for (const [i, { x, across, along }] of gaussians.entries()) {
+    const slope = Math.min(x / 5, (0.65 * width) / focal);
+    const deviation = (focal / 5) * Math.hypot(across, slope * along);
+    await isolate(page, i + 1);
+    for (const dx of [0.49 * width, 0.25 * width, 0.5]) {
+      const away = ((x * focal) / 5 - dx) / deviation;
+      // Spark ends at a distance of the square root of 8.
+      const shown = away ** 2 < 8 ? 0.9 * Math.exp(-0.5 * away ** 2) : 0;
+      await expectGrey(page, dx, 255 * shown);
+    }
+  }
+  assert.deepEqual(page.errors, []);
   await page.context().close();
 });
 

@@ -12,9 +12,12 @@ import {
   renameSync,
   rmSync,
   statSync,
+  writeFileSync,
 } from "node:fs";
 import { createRequire } from "node:module";
 import { join } from "node:path";
+import { pathToFileURL } from "node:url";
+import { gzipSync } from "node:zlib";
 
 export const build = process.env.PAGE_TEST_BUILD;
 // The page's packages lie where it was bundled.
@@ -102,6 +105,145 @@ export function makeScene() {
     workspace,
     report: join(workspace, "export", "report", "index.html"),
   };
+}
+
+/**
+ * A page with nothing but white Gaussians on black, each of which is an object of
+ * its own with the ids 1, 2, ...; its address. A Gaussian has `mean`, `scales`
+ * (standard deviations along the axes of the scene) and `opacity`. Photos look
+ * along z, stand at z = -5, and have the size and the focal length of `photo`;
+ * `images` are their files.
+ */
+export function writeGaussians(name, gaussians, photo, images = [""]) {
+  const web = pathToFileURL(
+    join(build, "share", "freegs_pipeline", "web"),
+  ).href;
+  const fractionBits = 10;
+  const bytes = [];
+  const put = (value, count) => {
+    for (let i = 0; i < count; ++i) bytes.push((value >> (8 * i)) & 255);
+  };
+  // The .spz format, version 2.
+  put(0x5053474e, 4);
+  put(2, 4);
+  put(gaussians.length, 4);
+  bytes.push(0, fractionBits, 0, 0);
+  for (const { mean } of gaussians) {
+    for (const x of mean) put(Math.round(x * 2 ** fractionBits), 3);
+  }
+  for (const { opacity } of gaussians) bytes.push(Math.round(255 * opacity));
+  const white = Math.min(
+    255,
+    Math.round(255 * ((0.5 / 0.2820948) * 0.15 + 0.5)),
+  );
+  bytes.push(...Array(3 * gaussians.length).fill(white));
+  for (const { scales } of gaussians) {
+    for (const s of scales) bytes.push(Math.round(16 * (Math.log(s) + 10)));
+  }
+  // The identity, as the imaginary parts of a quaternion.
+  bytes.push(...Array(3 * gaussians.length).fill(128));
+  const labels = Uint16Array.from(
+    gaussians.flatMap((_, i) => [i + 1, 65535 /* no part */]),
+  );
+  const box = { center: [0, 0, 0], size: [1, 1, 1] };
+  const axes = [
+    [1, 0, 0],
+    [0, 1, 0],
+    [0, 0, 1],
+  ];
+  const description = {
+    ...{ format: "freegs-viewer-scene", version: 1, title: name },
+    ...{
+      origin: [0, 0, 0],
+      unit: 1,
+      up: [0, -1, 0],
+      focus: [0, 0, 0],
+      radius: 5,
+    },
+    ...{ background: [0, 0, 0], antialiased: false, sh_degree: 0, levels: {} },
+    num_gaussians: gaussians.length,
+    photos: images.map((image, i) => ({
+      ...{
+        name: `photo ${i}`,
+        holdout: false,
+        image,
+        fx: photo.focal,
+        fy: photo.focal,
+      },
+      ...{ width: photo.width, height: photo.height },
+      ...{ cx: photo.width / 2, cy: photo.height / 2 },
+      ...{ rotation: [1, 0, 0, 0], translation: [0, 0, 5] },
+    })),
+    objects: gaussians.map((_, i) => ({
+      ...{ id: i + 1, words: [`ball ${i + 1}`], score: 1, background: false },
+      ...{
+        num_gaussians: 1,
+        color: [255, 0, 0],
+        obb: { ...box, rotation: axes },
+      },
+    })),
+    parts: [{ num_gaussians: gaussians.length }],
+  };
+  const parts = [
+    {
+      splats: gzipSync(Uint8Array.from(bytes)).toString("base64"),
+      labels: Buffer.from(labels.buffer).toString("base64"),
+    },
+  ];
+  const folder = join(scratch, "gaussians");
+  mkdirSync(folder, { recursive: true });
+  writeFileSync(
+    join(folder, `${name}.js`),
+    `globalThis.freegsScene = ${JSON.stringify({ description, parts })}`,
+  );
+  const page = join(folder, `${name}.html`);
+  writeFileSync(
+    page,
+    `<!doctype html><meta name="viewport" content="width=device-width">
+     <link rel="stylesheet" href="${web}/viewer.css">
+     <div id="scene3d" data-scene="${name}.js"></div>
+     <script src="${web}/viewer.js" defer></script>`,
+  );
+  return pathToFileURL(page).href;
+}
+
+/** Shows one object alone. */
+export function isolate(page, id) {
+  return page.evaluate((object) => {
+    const { selection } = globalThis.freegsViewer;
+    selection.choose(object);
+    selection.setIsolated(true);
+  }, id);
+}
+
+/**
+ * Waits until the canvas has a grey value at a point (CSS pixels, to the right of
+ * the middle), give or take three. Fails if it does not get it.
+ */
+export async function expectGrey(page, right, expected) {
+  const found = await page.evaluate(
+    async ([x, wanted]) => {
+      const { view } = globalThis.freegsViewer;
+      const copy = document.createElement("canvas");
+      const context = copy.getContext("2d", { willReadFrequently: true });
+      let grey = -1;
+      for (let i = 0; i < 100 && Math.abs(grey - wanted) > 3; ++i) {
+        if (i > 0) await new Promise((resolve) => setTimeout(resolve, 100));
+        copy.width = view.canvas.width;
+        copy.height = view.canvas.height;
+        context.drawImage(view.canvas, 0, 0);
+        const column = (copy.width / view.width) * (view.width / 2 + x);
+        const row = copy.height >> 1;
+        grey = context.getImageData(Math.floor(column), row, 1, 1).data[0];
+      }
+      return grey;
+    },
+    [right, expected],
+  );
+  assert.ok(
+    Math.abs(found - expected) <= 3,
+    `${found} instead of ${expected} at ${right} beside the middle`,
+  );
 }
 
 /** Grey values of a PNG, of 8 or 16 bits. */

@@ -37,7 +37,7 @@ const MIN_FILTER = 2.5e-5; // As in FilterOpacity.
 // semantics/queries/click_query.
 const MIN_WEIGHT = 0.5;
 // The projection counts as linear up to so much of the image's size outside.
-const FRUSTUM_MARGIN = 0.15;
+export const FRUSTUM_MARGIN = 0.15;
 
 /** A Gaussian on the image plane: centre, inverse covariance, reach. */
 interface Splat {

@@ -6,6 +6,7 @@ import { SparkRenderer } from "@sparkjsdev/spark";
 import * as THREE from "three";
 
 import { pickLabel, renderMask, type PinholePose } from "./blending";
+import { boundJacobian } from "./bounded_jacobian";
 import {
   photoPose,
   photoRectangle,
@@ -37,6 +38,9 @@ const STEPS: { resolution: number; fewer: boolean }[] = [
   { resolution: 0.4, fewer: true },
 ];
 const UPDATE_MILLISECONDS = 1000;
+
+// Larger than any size in pixels. Shaders need not know infinity.
+const UNBOUNDED = 1e9;
 
 export interface FrameStatistics {
   /** Milliseconds from the start of the page to the first full frame. */
@@ -100,9 +104,14 @@ export class View3d {
       accumExtSplats: true,
       sortRadial: false,
       enableLod: false,
+      // By default Spark makes large Gaussians smaller, and leaves out those whose
+      // centre is outside of the view.
+      maxPixelRadius: UNBOUNDED,
+      clipXY: UNBOUNDED,
       preBlurAmount: scene.antialiased ? 0 : 0.3,
       blurAmount: scene.antialiased ? 0.3 : 0,
     });
+    boundJacobian(this.spark);
     groupSquares(this.spark);
     this.world.add(this.spark);
     this.cloud = new SplatCloud(scene, this.root, selection);
