@@ -239,7 +239,7 @@ test("objects alone look as the program draws them", async () => {
 // Of a photo of Gaussians that are drawn with known places.
 const photo = { width: 980, height: 576, focal: 576 };
 
-test("Gaussians larger than the view, and centred outside of it", async () => {
+test("Gaussians that are large, far away, or centred outside of the view", async () => {
   const page = await openPage(
     browser,
     writeGaussians(
@@ -250,6 +250,7 @@ test("Gaussians larger than the view, and centred outside of it", async () => {
         // Along the line of sight. The projection counts as linear up to 0.15 of
         // the view's width beside it.
         { mean: [10, 0, 0], scales: [0.5, 0.5, 2], opacity: 0.9 },
+        { mean: [0, 0, 7000], scales: [400, 400, 400], opacity: 0.9 },
       ],
       photo,
     ),
@@ -260,8 +261,9 @@ test("Gaussians larger than the view, and centred outside of it", async () => {
     const { means, scales } = view.cloud.gaussians;
     return {
       // The scales are those that the format can hold.
-      gaussians: [0, 1, 2].map((i) => ({
+      gaussians: [0, 1, 2, 3].map((i) => ({
         x: means[3 * i],
+        depth: means[3 * i + 2] + 5,
         across: scales[3 * i],
         along: scales[3 * i + 2],
       })),
@@ -269,12 +271,12 @@ test("Gaussians larger than the view, and centred outside of it", async () => {
       width: view.width,
     };
   });
-  for (const [i, { x, across, along }] of gaussians.entries()) {
-    const slope = Math.min(x / 5, (0.65 * width) / focal);
-    const deviation = (focal / 5) * Math.hypot(across, slope * along);
+  for (const [i, { x, depth, across, along }] of gaussians.entries()) {
+    const slope = Math.min(x / depth, (0.65 * width) / focal);
+    const deviation = (focal / depth) * Math.hypot(across, slope * along);
     await isolate(page, i + 1);
     for (const dx of [0.49 * width, 0.25 * width, 0.5]) {
-      const away = ((x * focal) / 5 - dx) / deviation;
+      const away = ((x * focal) / depth - dx) / deviation;
       // Spark ends at a distance of the square root of 8.
       const shown = away ** 2 < 8 ? 0.9 * Math.exp(-0.5 * away ** 2) : 0;
       await expectGrey(page, dx, 255 * shown);

@@ -39,6 +39,10 @@ const STEPS: { resolution: number; fewer: boolean }[] = [
 ];
 const UPDATE_MILLISECONDS = 1000;
 
+// In units of the scene. The program leaves no Gaussian out for being far away;
+// stages/viewer brings the farthest to 32767 along each axis.
+const FAR_PLANE = 1e5;
+
 // Larger than any size in pixels. Shaders need not know infinity.
 const UNBOUNDED = 1e9;
 
@@ -121,12 +125,7 @@ export class View3d {
     this.root.add(this.cameras, this.boxes);
     selection.onChange(() => this.showChoice());
 
-    this.camera = new THREE.PerspectiveCamera(
-      50,
-      1,
-      0.005 * scene.radius,
-      100 * scene.radius,
-    );
+    this.camera = new THREE.PerspectiveCamera(50, 1, 0.005 * scene.radius, FAR_PLANE);
     this.navigation = new Navigation(this.camera, canvas, scene.radius, () =>
       this.moved(),
     );
