@@ -286,6 +286,36 @@ test("Gaussians that are large, far away, or centred outside of the view", async
   await page.context().close();
 });
 
+test("the view comes back after the graphics card was lost", async () => {
+  const page = await openPage(
+    browser,
+    writeGaussians(
+      "lost",
+      [{ mean: [0, 0, 0], scales: [0.5, 0.5, 0.5], opacity: 0.9 }],
+      photo,
+    ),
+  );
+  await expectGrey(page, 0.5, 229);
+  await page.evaluate(async () => {
+    const { canvas } = globalThis.freegsViewer.view;
+    const lost = canvas.getContext("webgl2").getExtension("WEBGL_lose_context");
+    const hear = (name) =>
+      new Promise((resolve) =>
+        canvas.addEventListener(name, () => setTimeout(resolve), {
+          once: true,
+        }),
+      );
+    const gone = hear("webglcontextlost");
+    lost.loseContext();
+    await gone;
+    const back = hear("webglcontextrestored");
+    lost.restoreContext();
+    await back;
+  });
+  await expectGrey(page, 0.5, 229);
+  await page.context().close();
+});
+
 test("levels, hiding, saving a mask and a .ply", async () => {
   const page = await open();
   const id = await page.evaluate(() => {

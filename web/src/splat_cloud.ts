@@ -149,7 +149,8 @@ export class SplatCloud {
     ];
   }
 
-  private repaint(): void {
+  /** Writes anew what Selection.paint tells of all Gaussians. */
+  repaint(): void {
     for (const part of this.parts) this.paint(part);
   }
 

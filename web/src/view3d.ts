@@ -98,6 +98,7 @@ export class View3d {
         "Enter chooses the object in the middle.",
     );
     holder.append(canvas);
+    canvas.addEventListener("webglcontextrestored", () => this.restore());
     const [r, g, b] = scene.background;
     this.world.background = new THREE.Color().setRGB(r, g, b, THREE.SRGBColorSpace);
     this.root.quaternion.copy(uprightRotation(scene));
@@ -265,6 +266,12 @@ export class View3d {
   private moved(): void {
     this.movedAt = performance.now();
     this.leavePhoto();
+    this.redraw();
+  }
+
+  /** Spark makes its Gaussians anew only when they have changed. */
+  private restore(): void {
+    this.cloud.repaint();
     this.redraw();
   }
 
