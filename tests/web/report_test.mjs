@@ -469,6 +469,21 @@ test("what changes while a part is made is seen in it", async () => {
   await page.context().close();
 });
 
+test("the page opens with the first view", async () => {
+  const page = await open();
+  const camera = () =>
+    page.evaluate(() => {
+      const { view } = globalThis.freegsViewer;
+      return JSON.stringify(view.pinhole(view.width, view.height));
+    });
+  const opened = await camera();
+  await page.locator(".v-canvas canvas").press("ArrowLeft");
+  assert.notEqual(await camera(), opened);
+  await page.getByRole("button", { name: "First view" }).click();
+  assert.equal(await camera(), opened);
+  await page.context().close();
+});
+
 test("photos fade in where the render is", async () => {
   const page = await open();
   await page.getByRole("button", { name: "▶" }).click();

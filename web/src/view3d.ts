@@ -79,7 +79,10 @@ export class View3d {
   private drewLastTick = false;
   private photoListener: () => void = () => {};
 
-  /** Throws where there is no WebGL 2. */
+  /**
+   * Throws where there is no WebGL 2. The first view depends on the size of
+   * `holder`, so home() has to be called once that is part of the page.
+   */
   constructor(
     private readonly holder: HTMLElement,
     private readonly scene: SceneDescription,
@@ -130,7 +133,6 @@ export class View3d {
     this.navigation = new Navigation(this.camera, canvas, scene.radius, () =>
       this.moved(),
     );
-    this.home();
     new ResizeObserver(() => this.resize()).observe(holder);
     this.resize();
     this.renderer.setAnimationLoop((now) => this.tick(now));
@@ -164,7 +166,7 @@ export class View3d {
     const photos = this.scene.photos;
     if (photos.length > 0) {
       const photo = photos[photos.length >> 1];
-      this.goTo(photo);
+      this.stand(photo);
       // Upright, whatever way the photographer held the camera.
       this.navigation.lookAt(this.navigation.target.clone());
     } else {
@@ -177,6 +179,11 @@ export class View3d {
   }
 
   goTo(photo: Photo): void {
+    this.stand(photo);
+    this.photoListener();
+  }
+
+  private stand(photo: Photo): void {
     this.root.updateMatrixWorld();
     const pose = photoPose(photo).premultiply(this.root.matrixWorld);
     pose.decompose(this.camera.position, this.camera.quaternion, new THREE.Vector3());
@@ -187,7 +194,6 @@ export class View3d {
     this.navigation.aim(Math.max(ahead, 0.1 * this.scene.radius));
     this.photo = photo;
     this.resize();
-    this.photoListener();
   }
 
   /** Frames an object from the direction of now. */

@@ -107,6 +107,7 @@ export function startViewer(
     help,
   );
   holder.replaceChildren(layout);
+  view.home();
 
   const shortcuts: Record<string, () => void> = {
     i: () => colored.click(),
