@@ -500,6 +500,47 @@ test("photos fade in where the render is", async () => {
   await page.context().close();
 });
 
+test("no photo lies over the camera of another one", async () => {
+  const page = await openPage(
+    browser,
+    writeGaussians(
+      "slow",
+      [{ mean: [0, 0, 0], scales: [0.5, 0.5, 0.5], opacity: 0.9 }],
+      photo,
+      ["a", "b", "c"].map((name) => `http://photos.example/${name}.svg`),
+    ),
+  );
+  const waiting = new Map();
+  await page.route("**/*.svg", (route) =>
+    waiting.set(route.request().url().slice(-5), route),
+  );
+  const picture = page.locator(".v-photo");
+  const come = async (name) => {
+    for (let i = 0; i < 200 && !waiting.has(name); ++i)
+      await page.waitForTimeout(20);
+    await waiting.get(name).fulfill({
+      contentType: "image/svg+xml",
+      body: '<svg xmlns="http://www.w3.org/2000/svg" width="4" height="3"/>',
+    });
+  };
+  const next = () => page.getByRole("button", { name: "▶" }).click();
+  await next();
+  await page.getByLabel("Fade from the render to the photo").fill("60");
+  assert.equal(await picture.isVisible(), false);
+  await come("a.svg");
+  await picture.waitFor({ state: "visible" });
+  await next();
+  assert.equal(await picture.isVisible(), false);
+  await next();
+  await come("b.svg").catch(() => {}); // The page may have given it up.
+  await page.waitForTimeout(100);
+  assert.equal(await picture.isVisible(), false);
+  await come("c.svg");
+  await picture.waitFor({ state: "visible" });
+  assert.match(await picture.getAttribute("src"), /c\.svg$/);
+  await page.context().close();
+});
+
 test("fingers turn, come nearer and choose", async () => {
   const page = await open(
     { width: 390, height: 844 },

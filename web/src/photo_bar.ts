@@ -12,6 +12,8 @@ export class PhotoBar {
   private readonly choose: HTMLSelectElement;
   private readonly fade: HTMLInputElement;
   private readonly holder: HTMLElement;
+  /** The address of the picture that has been loaded. */
+  private loaded = "";
 
   constructor(
     private readonly scene: SceneDescription,
@@ -20,6 +22,12 @@ export class PhotoBar {
   ) {
     this.holder = holder;
     this.picture.hidden = true;
+    this.picture.addEventListener("load", () => {
+      // Not if another photo was asked for since.
+      if (!this.picture.complete) return;
+      this.loaded = this.picture.getAttribute("src") ?? "";
+      this.update();
+    });
     holder.append(this.picture);
     this.choose = element("select", {
       "aria-label": "Photo",
@@ -75,11 +83,14 @@ export class PhotoBar {
     this.choose.value = String(photo ? this.scene.photos.indexOf(photo) : -1);
     this.fade.disabled = !photo?.image;
     const strength = Number(this.fade.value) / 100;
-    this.picture.hidden = !photo?.image || strength === 0;
-    if (!photo?.image) return;
-    if (this.picture.getAttribute("src") !== photo.image) {
+    if (photo?.image && this.picture.getAttribute("src") !== photo.image) {
+      this.loaded = "";
       this.picture.src = photo.image;
     }
+    // Until its own picture is there, the element shows that of the photo before.
+    this.picture.hidden =
+      !photo?.image || strength === 0 || this.loaded !== photo.image;
+    if (!photo?.image) return;
     const rectangle = photoRectangle(
       photo,
       this.holder.clientWidth,
