@@ -578,6 +578,31 @@ test("fingers turn, come nearer and choose", async () => {
       [x + d, y],
     ]),
   );
+
+  // Flying, a finger more does not turn the view; two come nearer.
+  await page.getByRole("button", { name: "Fly" }).click();
+  const camera = () =>
+    page.evaluate(() => {
+      const { view } = globalThis.freegsViewer;
+      const { rotation, translation } = view.pinhole(100, 100);
+      return { rotation: [...rotation], forward: -translation[2] };
+    });
+  const start = await camera();
+  await touch("touchStart", [[x - near, y]]);
+  const two = (d) => [
+    [x - d, y],
+    [x + d, y],
+  ];
+  await touch("touchStart", two(near));
+  await touch("touchMove", two(near + 10));
+  await touch("touchEnd", []);
+  const nearer = await camera();
+  assert.deepEqual(nearer.rotation, start.rotation);
+  assert.ok(nearer.forward > start.forward);
+  await page
+    .locator(".v-canvas canvas")
+    .dispatchEvent("wheel", { deltaY: 100 });
+  assert.ok((await camera()).forward < nearer.forward);
   assert.deepEqual(page.errors, []);
   await page.context().close();
 });

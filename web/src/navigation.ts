@@ -10,7 +10,8 @@ export class Navigation {
   private readonly orbit: OrbitControls;
   private readonly held = new Set<string>();
   private flying = false;
-  private looking: { x: number; y: number } | null = null;
+  /** While flying: where the pointers that are down are. */
+  private readonly pointers = new Map<number, THREE.Vector2>();
 
   constructor(
     private readonly camera: THREE.PerspectiveCamera,
@@ -28,12 +29,15 @@ export class Navigation {
     element.addEventListener("keyup", (event) => this.held.delete(event.code));
     element.addEventListener("blur", () => this.held.clear());
     element.addEventListener("pointerdown", (event) => {
-      if (this.flying) this.looking = { x: event.clientX, y: event.clientY };
+      if (this.flying) this.pointers.set(event.pointerId, placeOf(event));
     });
-    element.addEventListener("pointermove", (event) => this.look(event));
+    element.addEventListener("pointermove", (event) => this.drag(event));
     for (const end of ["pointerup", "pointercancel", "pointerleave"]) {
-      element.addEventListener(end, () => (this.looking = null));
+      element.addEventListener(end, (event) =>
+        this.pointers.delete((event as PointerEvent).pointerId),
+      );
     }
+    element.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
   }
 
   get target(): THREE.Vector3 {
@@ -42,6 +46,7 @@ export class Navigation {
 
   setFlying(flying: boolean): void {
     this.flying = flying;
+    this.pointers.clear();
     this.orbit.enabled = !flying;
     if (!flying) this.aim(this.camera.position.distanceTo(this.orbit.target));
   }
@@ -133,13 +138,46 @@ export class Navigation {
     this.aim(distance);
   }
 
-  private look(event: PointerEvent): void {
-    if (!this.looking) return;
-    this.turn(
-      0.004 * (event.clientX - this.looking.x),
-      0.004 * (event.clientY - this.looking.y),
-    );
-    this.looking = { x: event.clientX, y: event.clientY };
+  /** One pointer looks around; two move nearer or farther, as their distance does. */
+  private drag(event: PointerEvent): void {
+    const place = this.pointers.get(event.pointerId);
+    if (!place) return;
+    const before = place.clone();
+    const apart = this.apart();
+    place.copy(placeOf(event));
+    if (this.pointers.size === 1) {
+      this.turn(0.004 * (place.x - before.x), 0.004 * (place.y - before.y));
+    } else {
+      this.advance(this.radius * Math.log(this.apart() / apart));
+    }
     this.onMove();
   }
+
+  /** Pixels between the first two pointers, at least one. */
+  private apart(): number {
+    const [first, second] = this.pointers.values();
+    return second ? Math.max(1, first.distanceTo(second)) : 1;
+  }
+
+  private wheel(event: WheelEvent): void {
+    if (!this.flying) return;
+    // Pixels, lines or pages.
+    const pixels = event.deltaY * [1, 16, 100][event.deltaMode];
+    this.advance(-0.0005 * this.radius * pixels);
+    this.onMove();
+    event.preventDefault();
+  }
+
+  /** Moves along the direction of view. */
+  private advance(distance: number): void {
+    const move = this.camera
+      .getWorldDirection(new THREE.Vector3())
+      .multiplyScalar(distance);
+    this.camera.position.add(move);
+    this.orbit.target.add(move);
+  }
+}
+
+function placeOf(event: PointerEvent): THREE.Vector2 {
+  return new THREE.Vector2(event.clientX, event.clientY);
 }
