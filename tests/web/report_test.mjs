@@ -239,7 +239,7 @@ test("objects alone look as the program draws them", async () => {
 // Of a photo of Gaussians that are drawn with known places.
 const photo = { width: 980, height: 576, focal: 576 };
 
-test("Gaussians that are large, far away, or centred outside of the view", async () => {
+test("Gaussians that are large, far, near, or centred outside of the view", async () => {
   const page = await openPage(
     browser,
     writeGaussians(
@@ -251,6 +251,9 @@ test("Gaussians that are large, far away, or centred outside of the view", async
         // the view's width beside it.
         { mean: [10, 0, 0], scales: [0.5, 0.5, 2], opacity: 0.9 },
         { mean: [0, 0, 7000], scales: [400, 400, 400], opacity: 0.9 },
+        // Before and behind the program's near plane, which is at 0.2.
+        { mean: [0, 0, -4.78], scales: [0.01, 0.01, 0.01], opacity: 0.9 },
+        { mean: [0, 0, -4.82], scales: [0.01, 0.01, 0.01], opacity: 0.9 },
       ],
       photo,
     ),
@@ -261,7 +264,7 @@ test("Gaussians that are large, far away, or centred outside of the view", async
     const { means, scales } = view.cloud.gaussians;
     return {
       // The scales are those that the format can hold.
-      gaussians: [0, 1, 2, 3].map((i) => ({
+      gaussians: [0, 1, 2, 3, 4, 5].map((i) => ({
         x: means[3 * i],
         depth: means[3 * i + 2] + 5,
         across: scales[3 * i],
@@ -278,7 +281,8 @@ test("Gaussians that are large, far away, or centred outside of the view", async
     for (const dx of [0.49 * width, 0.25 * width, 0.5]) {
       const away = ((x * focal) / depth - dx) / deviation;
       // Spark ends at a distance of the square root of 8.
-      const shown = away ** 2 < 8 ? 0.9 * Math.exp(-0.5 * away ** 2) : 0;
+      const shown =
+        depth > 0.2 && away ** 2 < 8 ? 0.9 * Math.exp(-0.5 * away ** 2) : 0;
       await expectGrey(page, dx, 255 * shown);
     }
   }

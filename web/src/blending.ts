@@ -27,7 +27,7 @@ export interface PinholePose {
 }
 
 // Facts of the method, as in splat/projection.
-const NEAR_PLANE = 0.2;
+export const NEAR_PLANE = 0.2;
 const DILATION = 0.3; // Pixels squared.
 const MIN_ALPHA = 1 / 255;
 const MAX_ALPHA = 0.99;

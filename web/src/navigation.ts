@@ -22,7 +22,8 @@ export class Navigation {
     this.orbit = new OrbitControls(camera, element);
     this.orbit.enableDamping = false;
     this.orbit.zoomToCursor = true;
-    this.orbit.minDistance = 0.02 * radius;
+    // What one comes near to has to stay beyond the near plane.
+    this.orbit.minDistance = Math.max(0.02 * radius, 1.5 * camera.near);
     this.orbit.maxDistance = 20 * radius;
     this.orbit.addEventListener("change", onMove);
     element.addEventListener("keydown", (event) => this.keyDown(event));

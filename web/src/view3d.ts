@@ -5,7 +5,7 @@
 import { SparkRenderer } from "@sparkjsdev/spark";
 import * as THREE from "three";
 
-import { pickLabel, renderMask, type PinholePose } from "./blending";
+import { NEAR_PLANE, pickLabel, renderMask, type PinholePose } from "./blending";
 import { boundJacobian } from "./bounded_jacobian";
 import {
   photoPose,
@@ -129,7 +129,7 @@ export class View3d {
     this.root.add(this.cameras, this.boxes);
     selection.onChange(() => this.showChoice());
 
-    this.camera = new THREE.PerspectiveCamera(50, 1, 0.005 * scene.radius, FAR_PLANE);
+    this.camera = new THREE.PerspectiveCamera(50, 1, NEAR_PLANE, FAR_PLANE);
     this.navigation = new Navigation(this.camera, canvas, scene.radius, () =>
       this.moved(),
     );
