@@ -637,6 +637,12 @@ test("a phone, and the keyboard alone", async () => {
   const id = await chosen(page);
   assert.ok(id > 0);
   await page.keyboard.press(".");
+  // A wider region is no object that can be hidden.
+  const region = await page.evaluate(
+    () => globalThis.freegsViewer.selection.choice.region !== null,
+  );
+  if (region) await page.keyboard.press("h");
+  assert.equal(await chosen(page), id);
   await page.keyboard.press("o");
   assert.equal(
     await page.evaluate(() => globalThis.freegsViewer.selection.isolated),
@@ -646,6 +652,34 @@ test("a phone, and the keyboard alone", async () => {
   assert.equal(await chosen(page), 0);
   for (const key of ["i", "b", "c"]) await page.keyboard.press(key);
   assert.equal(await page.getByRole("button", { pressed: true }).count(), 3);
+  // Keys come as near and go as far away as the wheel does.
+  await page.locator(".v-canvas canvas").focus();
+  for (const [key, limit] of [
+    ["-", "maxDistance"],
+    ["+", "minDistance"],
+  ]) {
+    const [distance, expected] = await page.evaluate(
+      ([pressed, name]) => {
+        const { camera, canvas, navigation } = globalThis.freegsViewer.view;
+        for (let i = 0; i < 100; ++i)
+          canvas.dispatchEvent(new KeyboardEvent("keydown", { key: pressed }));
+        return [
+          camera.position.distanceTo(navigation.target),
+          navigation.orbit[name],
+        ];
+      },
+      [key, limit],
+    );
+    assert.ok(Math.abs(distance / expected - 1) < 1e-6, `${key}: ${distance}`);
+  }
+  // The slider leaves keys to the page.
+  const shown = () =>
+    page.evaluate(() => globalThis.freegsViewer.view.photo?.name);
+  await page.keyboard.press("]");
+  const first = await shown();
+  await page.getByLabel("Fade from the render to the photo").focus();
+  await page.keyboard.press("]");
+  assert.notEqual(await shown(), first);
   // The list by keyboard.
   await page.locator(".v-list button").first().focus();
   await page.keyboard.press("Enter");

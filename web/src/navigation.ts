@@ -126,7 +126,13 @@ export class Navigation {
 
   private approach(factor: number): void {
     const offset = this.camera.position.clone().sub(this.orbit.target);
-    this.camera.position.copy(this.orbit.target).addScaledVector(offset, factor);
+    const { minDistance, maxDistance } = this.orbit;
+    const distance = THREE.MathUtils.clamp(
+      factor * offset.length(),
+      minDistance,
+      maxDistance,
+    );
+    this.camera.position.copy(this.orbit.target).add(offset.setLength(distance));
   }
 
   private turn(yaw: number, pitch: number): void {

@@ -121,7 +121,11 @@ export function startViewer(
     ",": () => void selection.step(-1),
     ".": () => void selection.step(1),
     o: () => selection.setIsolated(!selection.isolated),
-    h: () => selection.choice && selection.setHidden(selection.choice.id, true),
+    h: () => {
+      // As the button: a region is no object.
+      const { choice } = selection;
+      if (choice && !choice.region) selection.setHidden(choice.id, true);
+    },
     m: () => void panel.saveMask(),
     p: () => panel.savePly(),
     g: () => {
@@ -132,7 +136,7 @@ export function startViewer(
   };
   layout.addEventListener("keydown", (event) => {
     const typing =
-      event.target instanceof HTMLInputElement ||
+      (event.target instanceof HTMLInputElement && event.target.type !== "range") ||
       event.target instanceof HTMLSelectElement;
     if (typing || event.ctrlKey || event.metaKey || event.altKey || help.open) return;
     const action = shortcuts[event.key];
