@@ -32,7 +32,7 @@ const DILATION = 0.3; // Pixels squared.
 const MIN_ALPHA = 1 / 255;
 const MAX_ALPHA = 0.99;
 const MIN_TRANSMITTANCE = 1e-4;
-const MIN_FILTER = 2.5e-5; // As in FilterOpacity.
+const MIN_FILTER = 2.5e-5; // As in LogOpacityFilter.
 // A pixel where the labels' weights sum to less has no object, as in
 // semantics/queries/click_query.
 const MIN_WEIGHT = 0.5;
