@@ -3,21 +3,22 @@
 #include "stages/commands/query_command.h"
 
 #include <algorithm>
-#include <sstream>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "core/io/image_io.h"
-#include "pipeline/exit_code.h"
 #include "pipeline/stage_record.h"
-#include "pipeline/workspace.h"
 #include "semantics/clip/opencv_clip.h"
 #include "semantics/instances/instances_json.h"
 #include "semantics/queries/instance_features.h"
 #include "tests/semantics/clip/model_files.h"
-#include "tests/stages/synthetic_workspace.h"
+#include "tests/stages/commands/query_fixture.h"
 
 namespace freegs::stages {
 namespace {
@@ -30,86 +31,7 @@ using testing::Not;
 
 constexpr char kMissing[] = "run stage bootstrap";
 
-class QueryCommandTest : public testing::Test {
- protected:
-  QueryCommandTest() { workspace_.AddInstances(); }
-
-  int Query(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), workspace_.path().string());
-    output_.str("");
-    messages_.str("");
-    CommandContext context{output_, messages_, cancellation_, "freegs"};
-    const Status status = RunQueryCommand(arguments, context);
-    message_ = status.message();
-    return pipeline::ExitCode(status.code());
-  }
-
-  nlohmann::json QueryJson(std::vector<std::string> arguments) {
-    arguments.push_back("--json");
-    const int code = Query(arguments);
-    EXPECT_EQ(code, 0) << message_;
-    return code == 0 ? nlohmann::json::parse(output_.str()) : nlohmann::json();
-  }
-
-  // Instance 1 means the words exactly, 2 other words, of 3 nothing is known.
-  void AddFeatures(const std::string& words, const std::string& other) {
-    const auto encoder = semantics::OpenCvClip::Open(TinyClip());
-    ASSERT_TRUE(encoder.ok()) << encoder.status().message();
-    semantics::InstanceFeatures features;
-    features.dim = (*encoder)->embedding_dim();
-    features.model = TinyClip().string();
-    features.model_hash = (*encoder)->model_hash();
-    for (const std::string& text : {words, other}) {
-      const auto vector = (*encoder)->EncodeText(text);
-      ASSERT_TRUE(vector.ok());
-      features.features.insert(features.features.end(),
-                               vector->values.begin(),
-                               vector->values.end());
-    }
-    features.features.resize(3 * static_cast<size_t>(features.dim));
-    Write(features);
-  }
-  void Write(const semantics::InstanceFeatures& features) {
-    ASSERT_TRUE(semantics::WriteInstanceFeatures(FeatureFile(), features).ok());
-  }
-  std::filesystem::path FeatureFile() const {
-    return workspace_ / "bootstrap" / "instance_features.json";
-  }
-
-  // What the renderer says about a view at its own size.
-  Image<int32_t> Labels(const View& view) {
-    splat::RenderOptions white;
-    white.background = {1, 1, 1};
-    return splat::RenderLabels(workspace_.model,
-                               view.camera,
-                               view.cam_from_world,
-                               white,
-                               pool_,
-                               workspace_.labels);
-  }
-
-  // A pixel of the view that shows the label.
-  static std::pair<int, int> PixelOf(const Image<int32_t>& labels,
-                                     int32_t label) {
-    for (int y = 0; y < labels.height(); ++y) {
-      for (int x = 0; x < labels.width(); ++x) {
-        if (labels(x, y) == label) return {x, y};
-      }
-    }
-    ADD_FAILURE() << "no pixel of " << label;
-    return {0, 0};
-  }
-
-  std::string out() const { return (out_.path() / "sub").string(); }
-
-  SyntheticWorkspace workspace_;
-  TemporaryFolder out_;
-  CancellationToken cancellation_;
-  std::ostringstream output_;
-  std::ostringstream messages_;
-  std::string message_;
-  ThreadPool pool_{2};
-};
+using QueryCommandTest = QueryFixture;
 
 TEST_F(QueryCommandTest, TextFindsTheInstanceThatMeansIt) {
   AddFeatures("red apple", "wooden box");
@@ -190,119 +112,6 @@ TEST_F(QueryCommandTest, LargePlanesAnswerWhenAskedFor) {
       {"--text", "red apple", "--min-relevancy", "0", "--background"});
   EXPECT_EQ(with["hits"][0]["id"], 1);
   EXPECT_TRUE(with["plane"].is_null());
-}
-
-TEST_F(QueryCommandTest, MasksShowTheHitsInEveryView) {
-  AddFeatures("red apple", "wooden box");
-  const nlohmann::json answer = QueryJson({"--text",
-                                           "red apple",
-                                           "--min-relevancy",
-                                           "0",
-                                           "--max-hits",
-                                           "2",
-                                           "--out",
-                                           out()});
-  ASSERT_EQ(answer["masks"].size(), workspace_.views.size());
-  ASSERT_EQ(answer["hits"].size(), 2u);
-  EXPECT_TRUE(
-      std::filesystem::exists(std::filesystem::path(out()) / "query.json"));
-  size_t overlays = 0;
-  for (const View& view : workspace_.views) {
-    const std::filesystem::path name(view.name);
-    const auto mask = ReadLabels(std::filesystem::path(out()) / "masks" / name);
-    ASSERT_TRUE(mask.ok()) << mask.status().message();
-    const Image<int32_t> labels = Labels(view);
-    ASSERT_EQ(mask->size(), labels.size());
-    for (size_t p = 0; p < labels.size(); ++p) {
-      const int32_t label = labels.data()[p];
-      EXPECT_EQ(mask->data()[p], label == 0 || label == 1 ? 255 : 0);
-    }
-    overlays += std::filesystem::exists(
-        std::filesystem::path(out()) / "overlay" /
-        std::filesystem::path(name).replace_extension(".jpg"));
-  }
-  EXPECT_GT(overlays, 0u);
-}
-
-TEST_F(QueryCommandTest, FilesOfAnEarlierAnswerAreRemoved) {
-  namespace fs = std::filesystem;
-  const auto [x, y] = PixelOf(Labels(workspace_.views[2]), 1);
-  const auto ask = [&, x = x, y = y] {
-    return Query({"--click",
-                  "photo2",
-                  std::to_string(x),
-                  std::to_string(y),
-                  "--out",
-                  out()});
-  };
-  // Somebody has changed the list; what lies elsewhere is not of the answer.
-  const fs::path folder = out();
-  fs::create_directories(folder / "masks" / "old");
-  fs::create_directories(folder / "overlay" / "old");
-  for (const char* name : {"masks/old/a.png",
-                           "overlay/old/a.jpg",
-                           "masks/unlisted.png",
-                           "photo.png",
-                           "masks/notes.txt"}) {
-    WriteText(folder / name, "");
-  }
-  WriteText(folder / "query.json",
-            R"({"masks": [{"mask": "masks/old/a.png"},
-                          {"mask": "photo.png"},
-                          {"mask": "masks/../photo.png"},
-                          {"mask": "masks/notes.txt"},
-                          {"mask": 7}, {}, 7]})");
-  ASSERT_EQ(ask(), 0) << message_;
-  EXPECT_FALSE(fs::exists(folder / "masks/old/a.png"));
-  EXPECT_FALSE(fs::exists(folder / "overlay/old/a.jpg"));
-  for (const char* name :
-       {"masks/unlisted.png", "photo.png", "masks/notes.txt"}) {
-    EXPECT_TRUE(fs::exists(folder / name)) << name;
-  }
-  EXPECT_TRUE(fs::exists(folder / "masks" / "photo1.png"));
-  EXPECT_TRUE(fs::exists(folder / "query.json"));
-
-  for (const char* text : {"{", "7", "[]", R"({"masks": 7})", R"({})"}) {
-    WriteText(folder / "query.json", text);
-    EXPECT_EQ(ask(), 0) << text << ": " << message_;
-  }
-}
-
-TEST_F(QueryCommandTest, FoldersOfStagesAreNoPlaceForMasks) {
-  for (const char* folder : {"undistort", "bootstrap/new", "export"}) {
-    EXPECT_EQ(Query({"--click",
-                     "photo2",
-                     "1",
-                     "1",
-                     "--out",
-                     (workspace_ / folder).string()}),
-              2);
-    EXPECT_THAT(message_, HasSubstr("the folder of stage"));
-  }
-  EXPECT_EQ(Query({"--click",
-                   "photo2",
-                   "1",
-                   "1",
-                   "--out",
-                   (workspace_ / "answer").string()}),
-            0)
-      << message_;
-}
-
-TEST_F(QueryCommandTest, PicturesOfSomebodyElseStay) {
-  namespace fs = std::filesystem;
-  AddFeatures("red apple", "wooden box");
-  const fs::path picture = fs::path(out()) / "overlay" / "photo1.jpg";
-  fs::create_directories(picture.parent_path());
-  WriteText(picture, "mine");
-  Query({"--text", "zebra", "--min-relevancy", "1", "--out", out()});
-  EXPECT_TRUE(fs::exists(fs::path(out()) / "query.json")) << message_;
-  EXPECT_EQ(ReadText(picture), "mine");
-
-  WriteText(workspace_ / "config.ini",
-            "[ingest]\nmasks = " + (fs::path(out()) / "masks").string() + "\n");
-  EXPECT_EQ(Query({"--click", "photo2", "1", "1", "--out", out()}), 2);
-  EXPECT_THAT(message_, HasSubstr("ingest.masks"));
 }
 
 TEST_F(QueryCommandTest, ClicksAnswerWithoutSemantics) {
@@ -461,164 +270,6 @@ TEST_F(QueryCommandTest, ExamplesGoByTheImageNetwork) {
   EXPECT_EQ(Query({"--example", "none.png", "--model", TinyClip().string()}),
             3);
   EXPECT_THAT(message_, HasSubstr("none.png"));
-}
-
-TEST_F(QueryCommandTest, CamerasOfAFileWithoutAlignment) {
-  const Eigen::Matrix<double, 3, 4> pose =
-      workspace_.views[4].cam_from_world.Matrix3x4();
-  nlohmann::json rows;
-  for (int r = 0; r < 3; ++r) {
-    rows.push_back({pose(r, 0), pose(r, 1), pose(r, 2), pose(r, 3)});
-  }
-  rows.push_back({0, 0, 0, 1});
-  const Pinhole& camera = workspace_.views[4].camera;
-  nlohmann::json file;
-  file["intrinsics"] = {{"w", camera.width},
-                        {"h", camera.height},
-                        {"fx", camera.fx},
-                        {"fy", camera.fy},
-                        {"cx", camera.cx},
-                        {"cy", camera.cy}};
-  file["train"] = nlohmann::json::object();
-  file["test"]["new.png"] = rows;
-  const std::string path = (out_ / "cameras.json").string();
-  WriteText(path, file.dump());
-  const auto [x, y] = PixelOf(Labels(workspace_.views[4]), 1);
-  const nlohmann::json answer = QueryJson({"--click",
-                                           "new",
-                                           std::to_string(x),
-                                           std::to_string(y),
-                                           "--cameras",
-                                           path,
-                                           "--no-align",
-                                           "--out",
-                                           out()});
-  EXPECT_EQ(answer["hits"][0]["id"], 2);
-  ASSERT_EQ(answer["masks"].size(), 1u);
-  EXPECT_GT(answer["masks"][0]["pixels"], 0);
-  EXPECT_TRUE(std::filesystem::exists(out() + "/overlay/new.jpg"));
-
-  // A size limits the masks, but pixels are still those of the camera.
-  const nlohmann::json small = QueryJson({"--click",
-                                          "new",
-                                          std::to_string(x),
-                                          std::to_string(y),
-                                          "--cameras",
-                                          path,
-                                          "--no-align",
-                                          "--size",
-                                          "16",
-                                          "--out",
-                                          out()});
-  EXPECT_EQ(small["hits"][0]["id"], 2);
-  EXPECT_EQ(small["query"], answer["query"]);
-  const auto mask = ReadLabels(std::filesystem::path(out()) / "masks/new.png");
-  ASSERT_TRUE(mask.ok()) << mask.status().message();
-  EXPECT_EQ(mask->width(), 16);
-
-  // A picture that is too large as a whole still has pixels to click.
-  const Pinhole huge = camera.Resized(64000, 48000);
-  file["intrinsics"] = {{"w", huge.width},
-                        {"h", huge.height},
-                        {"fx", huge.fx},
-                        {"fy", huge.fy},
-                        {"cx", huge.cx},
-                        {"cy", huge.cy}};
-  WriteText(path, file.dump());
-  const std::vector<std::string> masks = {
-      "--cameras", path, "--no-align", "--size", "16"};
-  std::vector<std::string> question = {"--click",
-                                       "new",
-                                       std::to_string(1000 * x + 500),
-                                       std::to_string(1000 * y + 500)};
-  question.insert(question.end(), masks.begin(), masks.end());
-  EXPECT_EQ(QueryJson(question)["query"]["view"], "new.png");
-  question = {"--box", "new", "0", "0", "64000", "48000"};
-  question.insert(question.end(), masks.begin(), masks.end());
-  EXPECT_EQ(Query(question), 3);
-  EXPECT_THAT(message_,
-              AllOf(HasSubstr("query: view new.png is 64000 x 48000 pixels"),
-                    HasSubstr("too large for --box")));
-}
-
-TEST_F(QueryCommandTest, AViewOfTheFileComesBeforeAPhotoOfThatName) {
-  // The file's photo1.png is where photo4.png is, and twice as large.
-  const Eigen::Matrix<double, 3, 4> pose =
-      workspace_.views[4].cam_from_world.Matrix3x4();
-  nlohmann::json rows;
-  for (int r = 0; r < 3; ++r) {
-    rows.push_back({pose(r, 0), pose(r, 1), pose(r, 2), pose(r, 3)});
-  }
-  const Pinhole& photo = workspace_.views[4].camera;
-  View large = workspace_.views[4];
-  large.camera = photo.Resized(2 * photo.width, 2 * photo.height);
-  nlohmann::json file;
-  file["intrinsics"] = {{"w", large.camera.width},
-                        {"h", large.camera.height},
-                        {"fx", large.camera.fx},
-                        {"fy", large.camera.fy},
-                        {"cx", large.camera.cx},
-                        {"cy", large.camera.cy}};
-  file["test"]["photo1.png"] = rows;
-  const std::string path = (out_ / "cameras.json").string();
-  WriteText(path, file.dump());
-  // Outside of the photos of the workspace.
-  const Image<int32_t> labels = Labels(large);
-  std::pair<int, int> pixel = {0, 0};
-  for (int y = photo.height; y + 1 < labels.height(); ++y) {
-    for (int x = 1; x + 1 < labels.width(); ++x) {
-      if (labels(x, y) == 1 && labels(x - 1, y) == 1 && labels(x + 1, y) == 1 &&
-          labels(x, y - 1) == 1 && labels(x, y + 1) == 1) {
-        pixel = {x, y};
-      }
-    }
-  }
-  ASSERT_NE(pixel.second, 0);
-  for (const char* name : {"photo1", "photo1.png"}) {
-    const nlohmann::json answer = QueryJson({"--click",
-                                             name,
-                                             std::to_string(pixel.first),
-                                             std::to_string(pixel.second),
-                                             "--cameras",
-                                             path,
-                                             "--no-align"});
-    EXPECT_EQ(answer["hits"][0]["id"], 2);
-  }
-  // A photo that the file does not name.
-  const auto [x, y] = PixelOf(Labels(workspace_.views[5]), 0);
-  const nlohmann::json of_photo = QueryJson({"--click",
-                                             "photo5",
-                                             std::to_string(x),
-                                             std::to_string(y),
-                                             "--cameras",
-                                             path,
-                                             "--no-align"});
-  EXPECT_EQ(of_photo["hits"][0]["id"], 1);
-  // A name that nobody has: those of both are listed.
-  const std::vector<std::string> others = {
-      "1", "1", "--cameras", path, "--no-align"};
-  const auto ask = [&](const std::string& name) {
-    std::vector<std::string> question = {"--click", name};
-    question.insert(question.end(), others.begin(), others.end());
-    return Query(question);
-  };
-  file["test"]["shelf.png"] = rows;
-  WriteText(path, file.dump());
-  EXPECT_EQ(ask("s"), 2);
-  EXPECT_THAT(message_, AllOf(HasSubstr("shelf.png"), HasSubstr("photo5.png")));
-  // Two views of the file have this name, so it is not that of the photo.
-  file["test"]["photo5.png"] = rows;
-  file["test"]["photo5.jpg"] = rows;
-  WriteText(path, file.dump());
-  EXPECT_EQ(ask("photo5"), 2);
-  EXPECT_THAT(message_, HasSubstr("several have this name"));
-  // The same name in both sections, also where no picture is written.
-  file["train"]["photo5.jpg"] = rows;
-  WriteText(path, file.dump());
-  EXPECT_EQ(ask("photo5.jpg"), 3);
-  EXPECT_THAT(message_,
-              AllOf(HasSubstr("cameras.json: view \"photo5.jpg\""),
-                    HasSubstr("a name of its own")));
 }
 
 TEST_F(QueryCommandTest, WrongUsageIs2) {
