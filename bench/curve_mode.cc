@@ -152,13 +152,13 @@ Status RunCurve(const CurveOptions& options) {
     if (report.recovered) continue;
     if (report.iteration % options.every != 0 && !trainer.done()) continue;
     clock.Stop();
-    FREEGS_ASSIGN_OR_RETURN(const splat::HoldoutReport quality,
-                            splat::MeasureHoldout(trainer.model(),
-                                                  render,
-                                                  &*holdout,
-                                                  pool,
-                                                  /*level=*/0,
-                                                  trainer.Exposures()));
+    FREEGS_ASSIGN_OR_RETURN(
+        const splat::HoldoutReport quality,
+        splat::MeasureHoldout({.model = trainer.model(),
+                               .render = render,
+                               .images = &*holdout,
+                               .exposures = trainer.Exposures()},
+                              pool));
     std::printf("%lld,%.3f,%.3f,%zu,%.3f,%.4f\n",
                 static_cast<long long>(report.iteration),
                 clock.seconds(),

@@ -25,8 +25,10 @@ Status RunEvaluate(const EvaluateOptions& options) {
       stages::LoadPhotos(scene, scene.photos.holdout, image_options, pool));
   splat::RenderOptions render;
   render.background = options.background;
-  FREEGS_ASSIGN_OR_RETURN(const splat::HoldoutReport report,
-                          splat::MeasureHoldout(model, render, &holdout, pool));
+  FREEGS_ASSIGN_OR_RETURN(
+      const splat::HoldoutReport report,
+      splat::MeasureHoldout(
+          {.model = model, .render = render, .images = &holdout}, pool));
   std::fprintf(
       stderr, "%zu Gaussians of SH degree %d\n", model.size(), model.sh_degree);
   std::printf("view,holdout_psnr,holdout_ssim\n");

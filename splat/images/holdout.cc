@@ -58,38 +58,37 @@ using ViewFn = std::function<Status(HoldoutView view,
 
 // Returns the mean PSNR of the views of which masks leave something, or nothing
 // without any. Calls `use` with each of these, if it is set.
-StatusOr<std::optional<double>> CompareViews(
-    const GaussianModel& model,
-    const RenderOptions& options,
-    TrainingImages* images,
-    ThreadPool& pool,
-    int level,
-    std::span<const PhotoExposure> exposures,
-    const CancellationToken* cancellation,
-    const ViewFn& use) {
+StatusOr<std::optional<double>> CompareViews(const HoldoutTask& task,
+                                             ThreadPool& pool,
+                                             const ViewFn& use) {
   Rasterizer rasterizer;
   RasterImages rendered;
   ImageF photo;
   ImageF exposed;
   double sum = 0;
   size_t count = 0;
-  for (size_t i = 0; i < images->size(); ++i) {
-    FREEGS_RETURN_IF_ERROR(CheckGoingOn(cancellation));
-    const View view = images->view(i, level);
-    FREEGS_RETURN_IF_ERROR(images->Fetch(i, level, &photo));
-    rasterizer.Forward(
-        model, view.camera, view.cam_from_world, options, {}, pool, &rendered);
+  for (size_t i = 0; i < task.images->size(); ++i) {
+    FREEGS_RETURN_IF_ERROR(CheckGoingOn(task.cancellation));
+    const View view = task.images->view(i, task.level);
+    FREEGS_RETURN_IF_ERROR(task.images->Fetch(i, task.level, &photo));
+    rasterizer.Forward(task.model,
+                       view.camera,
+                       view.cam_from_world,
+                       task.render,
+                       {},
+                       pool,
+                       &rendered);
     HoldoutView result;
     result.name = view.name;
-    if (!exposures.empty()) {
-      ApplyColor(ExposureBetween(exposures, view.name),
+    if (!task.exposures.empty()) {
+      ApplyColor(ExposureBetween(task.exposures, view.name),
                  rendered.color,
                  pool,
                  &exposed);
     }
-    result.rendered = ToU8(exposures.empty() ? rendered.color : exposed);
+    result.rendered = ToU8(task.exposures.empty() ? rendered.color : exposed);
     const ImageF quantised = ToFloat(result.rendered);
-    const ImageU8* const mask = images->Mask(i, level);
+    const ImageU8* const mask = task.images->Mask(i, task.level);
     const std::optional<double> psnr = PsnrFrom(0, quantised, photo, mask);
     if (!psnr) continue;
     result.psnr = *psnr;
@@ -105,24 +104,14 @@ StatusOr<std::optional<double>> CompareViews(
 
 }  // namespace
 
-StatusOr<HoldoutReport> MeasureHoldout(const GaussianModel& model,
-                                       const RenderOptions& options,
-                                       TrainingImages* images,
-                                       ThreadPool& pool,
-                                       int level,
-                                       std::span<const PhotoExposure> exposures,
-                                       const CancellationToken* cancellation) {
+StatusOr<HoldoutReport> MeasureHoldout(const HoldoutTask& task,
+                                       ThreadPool& pool) {
   HoldoutReport report;
   FREEGS_ASSIGN_OR_RETURN(
       const std::optional<double> mean_psnr,
       CompareViews(
-          model,
-          options,
-          images,
+          task,
           pool,
-          level,
-          exposures,
-          cancellation,
           [&](HoldoutView view,
               const ImageF& quantised,
               ImageF* photo,
@@ -141,44 +130,31 @@ StatusOr<HoldoutReport> MeasureHoldout(const GaussianModel& model,
   return report;
 }
 
-StatusOr<std::optional<double>> MeasureHoldoutPsnr(
-    const GaussianModel& model,
-    const RenderOptions& options,
-    TrainingImages* images,
-    ThreadPool& pool,
-    int level,
-    std::span<const PhotoExposure> exposures,
-    const CancellationToken* cancellation) {
-  return CompareViews(model,
-                      options,
-                      images,
-                      pool,
-                      level,
-                      exposures,
-                      cancellation,
-                      /*use=*/nullptr);
+StatusOr<std::optional<double>> MeasureHoldoutPsnr(const HoldoutTask& task,
+                                                   ThreadPool& pool) {
+  return CompareViews(task, pool, /*use=*/nullptr);
 }
 
 StatusOr<std::optional<FittedPsnr>> MeasureFittedHoldout(
-    const GaussianModel& model,
-    const RenderOptions& options,
-    TrainingImages* images,
-    ThreadPool& pool,
-    int level,
-    const CancellationToken* cancellation) {
+    const HoldoutTask& task, ThreadPool& pool) {
   Rasterizer rasterizer;
   RasterImages rendered;
   ImageF photo;
   ImageF fitted;
   FittedPsnr sum;
   size_t count = 0;
-  for (size_t i = 0; i < images->size(); ++i) {
-    FREEGS_RETURN_IF_ERROR(CheckGoingOn(cancellation));
-    const View view = images->view(i, level);
-    FREEGS_RETURN_IF_ERROR(images->Fetch(i, level, &photo));
-    const ImageU8* const mask = images->Mask(i, level);
-    rasterizer.Forward(
-        model, view.camera, view.cam_from_world, options, {}, pool, &rendered);
+  for (size_t i = 0; i < task.images->size(); ++i) {
+    FREEGS_RETURN_IF_ERROR(CheckGoingOn(task.cancellation));
+    const View view = task.images->view(i, task.level);
+    FREEGS_RETURN_IF_ERROR(task.images->Fetch(i, task.level, &photo));
+    const ImageU8* const mask = task.images->Mask(i, task.level);
+    rasterizer.Forward(task.model,
+                       view.camera,
+                       view.cam_from_world,
+                       task.render,
+                       {},
+                       pool,
+                       &rendered);
     const int middle = photo.width() / 2;
     ApplyColor(FitColor(rendered.color, photo, mask, 0, middle),
                rendered.color,

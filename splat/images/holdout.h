@@ -36,31 +36,35 @@ struct HoldoutReport {
   std::vector<HoldoutView> views;
 };
 
-// Renders every view of `images` (one or more) at a level of the image pyramid
-// and compares it with the photo, without the pixels that its mask ignores. A
-// view of which nothing is left is not in the report, and the means of no views
-// are 0. Where training learnt exposures, the colours of a rendering become
-// those to expect of the photo (ExposureBetween). Fails when a photo has become
-// unreadable. kInterrupted when cancelled (`cancellation` may be null).
-StatusOr<HoldoutReport> MeasureHoldout(
-    const GaussianModel& model,
-    const RenderOptions& options,
-    TrainingImages* images,
-    ThreadPool& pool,
-    int level = 0,
-    std::span<const PhotoExposure> exposures = {},
-    const CancellationToken* cancellation = nullptr);
+// What is measured: a model, in the views of photos.
+struct HoldoutTask {
+  const GaussianModel& model;
+  RenderOptions render = {};
+  TrainingImages* images = nullptr;  // One view or more.
+  int level = 0;                     // Of the image pyramid.
+
+  // Where training learnt exposures, the colours of a rendering become those to
+  // expect of the photo (ExposureBetween).
+  std::span<const PhotoExposure> exposures = {};
+
+  const CancellationToken* cancellation = nullptr;  // May be null.
+};
+
+// Renders every view and compares it with the photo, without the pixels that
+// its mask ignores. A view of which nothing is left is not in the report, and
+// the means of no views are 0. Fails when a photo has become unreadable.
+// kInterrupted when cancelled.
+//
+//   FREEGS_ASSIGN_OR_RETURN(
+//       const HoldoutReport report,
+//       MeasureHoldout({.model = model, .images = &photos}, pool));
+StatusOr<HoldoutReport> MeasureHoldout(const HoldoutTask& task,
+                                       ThreadPool& pool);
 
 // HoldoutReport::mean_psnr alone, in a fraction of the time and without the
 // pictures; nothing if no view is left.
-StatusOr<std::optional<double>> MeasureHoldoutPsnr(
-    const GaussianModel& model,
-    const RenderOptions& options,
-    TrainingImages* images,
-    ThreadPool& pool,
-    int level = 0,
-    std::span<const PhotoExposure> exposures = {},
-    const CancellationToken* cancellation = nullptr);
+StatusOr<std::optional<double>> MeasureHoldoutPsnr(const HoldoutTask& task,
+                                                   ThreadPool& pool);
 
 // The mean PSNR in dB of the right half of photos, as they are and with fitted
 // colours.
@@ -71,15 +75,10 @@ struct FittedPsnr {
 
 // The same when each photo may have its own exposure: the colours of the
 // rendering are fitted to the photo on its left half (FitColor) and compared on
-// its right half. Nothing if masks leave no pixel of any right half. The errors
-// are those of MeasureHoldout.
+// its right half. Exposures that training learnt are not used. Nothing if masks
+// leave no pixel of any right half. The errors are those of MeasureHoldout.
 StatusOr<std::optional<FittedPsnr>> MeasureFittedHoldout(
-    const GaussianModel& model,
-    const RenderOptions& options,
-    TrainingImages* images,
-    ThreadPool& pool,
-    int level = 0,
-    const CancellationToken* cancellation = nullptr);
+    const HoldoutTask& task, ThreadPool& pool);
 
 }  // namespace freegs::splat
 

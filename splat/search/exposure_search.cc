@@ -134,25 +134,25 @@ StatusOr<std::optional<ExposureChoice>> SearchExposure(
   const auto trained_psnr =
       [&](std::span<const PhotoExposure> exposures) -> StatusOr<double> {
     FREEGS_ASSIGN_OR_RETURN(const std::optional<double> psnr,
-                            MeasureHoldoutPsnr(trainer.model(),
-                                               training.render,
-                                               &trained,
-                                               pool,
-                                               level,
-                                               exposures,
-                                               cancellation));
+                            MeasureHoldoutPsnr({.model = trainer.model(),
+                                                .render = training.render,
+                                                .images = &trained,
+                                                .level = level,
+                                                .exposures = exposures,
+                                                .cancellation = cancellation},
+                                               pool));
     return psnr.value_or(0);
   };
   FREEGS_ASSIGN_OR_RETURN(choice.without.trained, trained_psnr({}));
   FREEGS_ASSIGN_OR_RETURN(choice.with.trained,
                           trained_psnr(trainer.Exposures()));
   FREEGS_ASSIGN_OR_RETURN(const std::optional<FittedPsnr> right_halves,
-                          MeasureFittedHoldout(trainer.model(),
-                                               training.render,
-                                               &others,
-                                               pool,
-                                               level,
-                                               cancellation));
+                          MeasureFittedHoldout({.model = trainer.model(),
+                                                .render = training.render,
+                                                .images = &others,
+                                                .level = level,
+                                                .cancellation = cancellation},
+                                               pool));
   // Masks may have left nothing to judge by.
   if (!right_halves || choice.without.trained == 0) {
     return std::optional(choice);

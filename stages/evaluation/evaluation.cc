@@ -88,13 +88,12 @@ StatusOr<std::optional<ImageQuality>> MeasureHoldoutQuality(
       splat::TrainingImages images,
       splat::TrainingImages::Load(scene.holdout, photos_folder, options, pool));
   FREEGS_ASSIGN_OR_RETURN(const splat::HoldoutReport report,
-                          splat::MeasureHoldout(scene.model,
-                                                scene.render,
-                                                &images,
-                                                pool,
-                                                /*level=*/0,
-                                                scene.exposures,
-                                                &cancellation));
+                          splat::MeasureHoldout({.model = scene.model,
+                                                 .render = scene.render,
+                                                 .images = &images,
+                                                 .exposures = scene.exposures,
+                                                 .cancellation = &cancellation},
+                                                pool));
   if (report.views.empty()) return std::optional<ImageQuality>();
   ImageQuality quality;
   for (const splat::HoldoutView& view : report.views) {

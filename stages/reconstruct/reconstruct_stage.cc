@@ -205,15 +205,14 @@ class ReconstructStage : public pipeline::Stage {
       splat::TrainingImages* holdout,
       pipeline::StageContext& context) const {
     nlohmann::json metrics = nlohmann::json::object();
-    const splat::RenderOptions render = ReconstructRenderOptions(options_);
+    const splat::HoldoutTask task = {
+        .model = trained.model,
+        .render = ReconstructRenderOptions(options_),
+        .images = holdout,
+        .exposures = trained.exposures};
     FREEGS_ASSIGN_OR_RETURN(const auto files, HoldoutFiles(*holdout));
     FREEGS_ASSIGN_OR_RETURN(const splat::HoldoutReport quality,
-                            splat::MeasureHoldout(trained.model,
-                                                  render,
-                                                  holdout,
-                                                  *context.pool,
-                                                  /*level=*/0,
-                                                  trained.exposures));
+                            splat::MeasureHoldout(task, *context.pool));
     if (quality.views.empty()) {
       context.log(pipeline::LogLevel::kWarning,
                   "masks leave nothing of any holdout photo, so "
@@ -237,8 +236,7 @@ class ReconstructStage : public pipeline::Stage {
       FREEGS_RETURN_IF_ERROR(WriteImage(file, view.rendered));
     }
     FREEGS_ASSIGN_OR_RETURN(const std::optional<splat::FittedPsnr> right_halves,
-                            splat::MeasureFittedHoldout(
-                                trained.model, render, holdout, *context.pool));
+                            splat::MeasureFittedHoldout(task, *context.pool));
     if (right_halves) {
       metrics["holdout_psnr_fitted"] = right_halves->fitted;
     }
@@ -271,12 +269,11 @@ class ReconstructStage : public pipeline::Stage {
         LoadPhotos(scene, some, image_options, *context.pool));
     FREEGS_ASSIGN_OR_RETURN(
         const std::optional<double> psnr,
-        splat::MeasureHoldoutPsnr(trained.model,
-                                  ReconstructRenderOptions(options_),
-                                  &images,
-                                  *context.pool,
-                                  /*level=*/0,
-                                  trained.exposures));
+        splat::MeasureHoldoutPsnr({.model = trained.model,
+                                   .render = ReconstructRenderOptions(options_),
+                                   .images = &images,
+                                   .exposures = trained.exposures},
+                                  *context.pool));
     if (!psnr) return Status();
     (*metrics)["trained_psnr"] = *psnr;
     std::vector<double> holdout;

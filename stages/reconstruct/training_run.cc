@@ -220,12 +220,12 @@ class TrainingRun {
 
   // Mean PSNR in dB over the holdout photos; nothing if masks leave none.
   StatusOr<std::optional<double>> HoldoutPsnr() {
-    return splat::MeasureHoldoutPsnr(trainer_->model(),
-                                     ReconstructRenderOptions(options_),
-                                     &**holdout_,
-                                     *context_->pool,
-                                     /*level=*/0,
-                                     trainer_->Exposures());
+    return splat::MeasureHoldoutPsnr(
+        {.model = trainer_->model(),
+         .render = ReconstructRenderOptions(options_),
+         .images = &**holdout_,
+         .exposures = trainer_->Exposures()},
+        *context_->pool);
   }
 
   // Does nothing for a step that ended at no milestone.

@@ -177,7 +177,7 @@ TEST_F(MiniSplattingTest, DepthPointsShowTheScene) {
   const auto psnr = [&](float logit) {
     for (float& value : model.opacity_logits) value = logit;
     const StatusOr<HoldoutReport> report =
-        MeasureHoldout(model, RenderOptions(), &*images_, pool_);
+        MeasureHoldout({.model = model, .images = &*images_}, pool_);
     EXPECT_TRUE(report.ok());
     return report->mean_psnr;
   };

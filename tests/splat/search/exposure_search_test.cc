@@ -212,15 +212,14 @@ TEST_F(ExposureSearchTest, PassesErrorsOn) {
   // The measurement at its end, too.
   ThreadPool pool(2);
   TrainingImages images = Images(pool);
-  EXPECT_EQ(MeasureFittedHoldout(Start(),
-                                 RenderOptions(),
-                                 &images,
-                                 pool,
-                                 /*level=*/0,
-                                 &cancellation_)
-                .status()
-                .code(),
-            StatusCode::kInterrupted);
+  const GaussianModel model = Start();
+  EXPECT_EQ(
+      MeasureFittedHoldout(
+          {.model = model, .images = &images, .cancellation = &cancellation_},
+          pool)
+          .status()
+          .code(),
+      StatusCode::kInterrupted);
 }
 
 // A new view is taken to have the exposure of the photos before and after it,
@@ -240,22 +239,18 @@ TEST_F(ExposureSearchTest, LearnsAnExposureThatDrifts) {
   trainer.KeepTo(**choice);
   ASSERT_TRUE(Finish(&trainer).ok());
   const auto of_scene =
-      MeasureHoldout(trainer.model(), RenderOptions(), &holdout, pool);
-  const auto of_neighbours = MeasureHoldout(trainer.model(),
-                                            RenderOptions(),
-                                            &holdout,
-                                            pool,
-                                            /*level=*/0,
-                                            trainer.Exposures());
+      MeasureHoldout({.model = trainer.model(), .images = &holdout}, pool);
+  const auto of_neighbours = MeasureHoldout({.model = trainer.model(),
+                                             .images = &holdout,
+                                             .exposures = trainer.Exposures()},
+                                            pool);
   ASSERT_TRUE(of_scene.ok() && of_neighbours.ok());
   EXPECT_GT(of_neighbours->mean_psnr, of_scene->mean_psnr + 0.5);
   // The PSNR alone is the same number.
-  EXPECT_EQ(*MeasureHoldoutPsnr(trainer.model(),
-                                RenderOptions(),
-                                &holdout,
-                                pool,
-                                /*level=*/0,
-                                trainer.Exposures()),
+  EXPECT_EQ(*MeasureHoldoutPsnr({.model = trainer.model(),
+                                 .images = &holdout,
+                                 .exposures = trainer.Exposures()},
+                                pool),
             of_neighbours->mean_psnr);
 }
 

@@ -37,11 +37,11 @@ TEST_F(TrainerTest, LearnsTheScene) {
   for (const TrainerOptions& options : Everything(300)) {
     Trainer trainer(options, Start(), 2.0, &images, pool);
     const StatusOr<HoldoutReport> before =
-        MeasureHoldout(trainer.model(), RenderOptions(), &images, pool);
+        MeasureHoldout({.model = trainer.model(), .images = &images}, pool);
     ASSERT_TRUE(before.ok());
     ASSERT_TRUE(Finish(&trainer).ok());
     const StatusOr<HoldoutReport> after =
-        MeasureHoldout(trainer.model(), RenderOptions(), &images, pool);
+        MeasureHoldout({.model = trainer.model(), .images = &images}, pool);
     ASSERT_TRUE(after.ok());
     EXPECT_GT(after->mean_psnr, before->mean_psnr + 6)
         << static_cast<int>(options.schedule.method);
@@ -342,7 +342,7 @@ TEST_F(TrainerTest, IgnoresWhatMasksSay) {
     ASSERT_TRUE(Finish(&trainer).ok());
     models.push_back(AllParameters(trainer.model()));
     const StatusOr<HoldoutReport> report =
-        MeasureHoldout(trainer.model(), RenderOptions(), &*images, pool);
+        MeasureHoldout({.model = trainer.model(), .images = &*images}, pool);
     ASSERT_TRUE(report.ok()) << report.status().message();
     psnr.push_back(report->mean_psnr);
   }
@@ -373,7 +373,7 @@ TEST_F(TrainerTest, MeasuresOnlyWhatMasksLeave) {
   const auto measure = [&](const std::filesystem::path& folder) {
     auto images = TrainingImages::Load(
         views_, folder_, {.num_levels = 1, .mask_folder = folder}, pool);
-    return MeasureHoldout(truth_, RenderOptions(), &*images, pool);
+    return MeasureHoldout({.model = truth_, .images = &*images}, pool);
   };
   const double wrong = 10 * std::log10(255.0 * 255.0 / (26.0 * 26.0));
   EXPECT_NEAR(measure(masks.path())->mean_psnr, wrong, 0.01);
@@ -382,7 +382,7 @@ TEST_F(TrainerTest, MeasuresOnlyWhatMasksLeave) {
   const auto fitted = [&] {
     auto images = TrainingImages::Load(
         views_, folder_, {.num_levels = 1, .mask_folder = masks.path()}, pool);
-    return MeasureFittedHoldout(truth_, RenderOptions(), &*images, pool);
+    return MeasureFittedHoldout({.model = truth_, .images = &*images}, pool);
   };
   EXPECT_TRUE(fitted()->has_value());
   for (uint8_t& value : std::span(mask.data(), mask.size())) value ^= 255;
@@ -399,7 +399,7 @@ TEST_F(TrainerTest, MeasuresOnlyWhatMasksLeave) {
   EXPECT_EQ(nothing->mean_psnr, 0);
   auto ignored = TrainingImages::Load(
       views_, folder_, {.num_levels = 1, .mask_folder = masks.path()}, pool);
-  EXPECT_FALSE(MeasureHoldoutPsnr(truth_, RenderOptions(), &*ignored, pool)
+  EXPECT_FALSE(MeasureHoldoutPsnr({.model = truth_, .images = &*ignored}, pool)
                    ->has_value());
 }
 
@@ -407,12 +407,12 @@ TEST_F(TrainerTest, MeasuresHoldoutAtALevel) {
   ThreadPool pool(2);
   TrainingImages images = Images(pool);
   for (int level = 0; level < 3; ++level) {
-    const StatusOr<HoldoutReport> report =
-        MeasureHoldout(truth_, RenderOptions(), &images, pool, level);
+    const StatusOr<HoldoutReport> report = MeasureHoldout(
+        {.model = truth_, .images = &images, .level = level}, pool);
     ASSERT_TRUE(report.ok()) << report.status().message();
-    EXPECT_EQ(
-        *MeasureHoldoutPsnr(truth_, RenderOptions(), &images, pool, level),
-        report->mean_psnr);
+    EXPECT_EQ(*MeasureHoldoutPsnr(
+                  {.model = truth_, .images = &images, .level = level}, pool),
+              report->mean_psnr);
     ASSERT_EQ(report->views.size(), 8u);
     EXPECT_EQ(report->views[0].rendered.width(), 96 >> level);
     EXPECT_EQ(report->views[0].rendered.height(), 72 >> level);
