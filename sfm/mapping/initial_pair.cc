@@ -241,70 +241,81 @@ StatusOr<std::optional<InitialPair>> ChooseInitialPair(
 StatusOr<std::vector<InitialPair>> BestPairs(
     const std::vector<SfmPhoto>& photos,
     size_t count,
-    const MatchDatabase& database) {
+    const std::filesystem::path& database) {
+  FREEGS_ASSIGN_OR_RETURN(const MatchDatabase matches,
+                          MatchDatabase::Open(database));
   std::vector<InitialPair> pairs;
   while (pairs.size() < count) {
     FREEGS_ASSIGN_OR_RETURN(const std::optional<InitialPair> pair,
-                            ChooseInitialPair(photos, pairs, database));
+                            ChooseInitialPair(photos, pairs, matches));
     if (!pair) break;
     pairs.push_back(*pair);
   }
   return pairs;
 }
 
-StatusOr<std::vector<Reconstruction>> MapFromBestPair(
+StatusOr<std::vector<Reconstruction>> MapFromLastPair(
     const StepContext& context,
     const std::filesystem::path& database,
     const std::filesystem::path& folder,
-    size_t skip,
+    std::vector<InitialPair> pairs,
     const MapperOptions& options) {
+  Models models;
+  if (pairs.empty()) return models;
   std::vector<SfmPhoto> left = context.input.photos;
   const size_t enough = std::min(kUsualMinModel, (left.size() + 1) / 2);
-  Models models;
-  std::vector<InitialPair> passed_over;  // Or tried in vain.
-  if (skip > 0) {
-    FREEGS_ASSIGN_OR_RETURN(const MatchDatabase matches,
-                            MatchDatabase::Open(database));
-    FREEGS_ASSIGN_OR_RETURN(passed_over, BestPairs(left, skip, matches));
-  }
-  while ((models.empty() || left.size() >= kUsualMinModel) &&
-         passed_over.size() < skip + kMaxTrials) {
-    MapperOptions from_pair = options;
-    {
-      FREEGS_ASSIGN_OR_RETURN(const MatchDatabase matches,
-                              MatchDatabase::Open(database));
-      FREEGS_ASSIGN_OR_RETURN(from_pair.pair,
-                              ChooseInitialPair(left, passed_over, matches));
-    }
-    if (!from_pair.pair) break;
+  std::vector<InitialPair> passed_over = std::move(pairs);  // Or tried in vain.
+  MapperOptions from_pair = options;
+  from_pair.pair = passed_over.back();
+  passed_over.pop_back();
+  const size_t most_passed_over = passed_over.size() + kMaxTrials;
+  while (from_pair.pair) {
     from_pair.further = options.further || !models.empty();
     StatusOr<Models> mapped = MapPhotos(context, database, folder, from_pair);
     // The models that there are do not need this one.
     if (mapped.status().code() == StatusCode::kUnusableResult &&
         !models.empty()) {
-      passed_over.push_back(*from_pair.pair);
-      continue;
+      mapped = Models();
     }
     FREEGS_ASSIGN_OR_RETURN(Models made, std::move(mapped));
-    if (NumRegistered(made) < enough) {
-      passed_over.push_back(*from_pair.pair);
-      continue;
+    size_t placed = 0;
+    if (NumRegistered(made) >= enough) {
+      const std::set<std::string> names = NamesOf(made[0]);
+      placed = std::erase_if(left, [&](const SfmPhoto& photo) {
+        return names.contains(photo.name);
+      });
     }
-    const std::set<std::string> names = NamesOf(made[0]);
-    const size_t placed = std::erase_if(left, [&](const SfmPhoto& photo) {
-      return names.contains(photo.name);
-    });
-    // COLMAP may drop the pair itself at the end.
-    if (placed == 0) {
+    if (placed > 0) {
+      models.push_back(std::move(made[0]));
+    } else {  // COLMAP may drop the pair itself at the end.
       passed_over.push_back(*from_pair.pair);
-      continue;
     }
-    models.push_back(std::move(made[0]));
+    if (passed_over.size() == most_passed_over ||
+        (!models.empty() && left.size() < kUsualMinModel)) {
+      break;
+    }
+    FREEGS_ASSIGN_OR_RETURN(const MatchDatabase matches,
+                            MatchDatabase::Open(database));
+    FREEGS_ASSIGN_OR_RETURN(from_pair.pair,
+                            ChooseInitialPair(left, passed_over, matches));
   }
-  if (models.empty() && skip > 0) return models;
-  if (models.empty()) return MapPhotos(context, database, folder, options);
+  if (models.empty()) return models;
   SortBySize(&models);
   DropPartsOfFirst(&models);
+  return models;
+}
+
+StatusOr<std::vector<Reconstruction>> MapFromBestPair(
+    const StepContext& context,
+    const std::filesystem::path& database,
+    const std::filesystem::path& folder,
+    const MapperOptions& options) {
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<InitialPair> pairs,
+                          BestPairs(context.input.photos, 1, database));
+  FREEGS_ASSIGN_OR_RETURN(
+      Models models,
+      MapFromLastPair(context, database, folder, pairs, options));
+  if (models.empty()) return MapPhotos(context, database, folder, options);
   return models;
 }
 

@@ -60,24 +60,31 @@ StatusOr<std::optional<InitialPair>> ChooseInitialPair(
     std::span<const InitialPair> in_vain,
     const MatchDatabase& database);
 
-// The best pair, the best one of the other photos, and so on: `count` pairs, or
-// fewer if there are no more.
+// The best pair of a database, the best one of the other photos, and so on:
+// `count` pairs, or fewer if there are no more.
 StatusOr<std::vector<InitialPair>> BestPairs(
     const std::vector<SfmPhoto>& photos,
     size_t count,
-    const MatchDatabase& database);
+    const std::filesystem::path& database);
 
-// Maps the database from the best pair, and again from the best pair of the
-// photos that are left, as long as these are 10 or more. Models are kept if
-// they have 10 of the photos, or half of few, and are not part of the largest
-// one. When three pairs led to smaller ones, no further is tried. If there is
-// no model then, COLMAP looks for pairs itself. Returns the models, the largest
-// first. `folder` is made anew for COLMAP's output and deleted at the end.
-// Errors: those of MapPhotos and of the database.
-//
-// The best `skip` pairs (see BestPairs) are passed over. COLMAP then looks for
-// no pair itself, so there may be no model. `options` may have all but a pair
-// and a model to start from.
+// Maps the database from the last of `pairs`, which are the first ones of
+// BestPairs, and again from the best pair of the photos that are left, as long
+// as these are 10 or more. The other pairs of `pairs` are passed over. Models
+// are kept if they have 10 of the photos, or half of few, and are not part of
+// the largest one. When three pairs led to smaller ones, no further is tried.
+// Returns the models, the largest first; there may be none, as without `pairs`.
+// `folder` is made anew for COLMAP's output and deleted at the end. `options`
+// may have all but a pair and a model to start from. Errors: those of MapPhotos
+// and of the database.
+StatusOr<std::vector<Reconstruction>> MapFromLastPair(
+    const StepContext& context,
+    const std::filesystem::path& database,
+    const std::filesystem::path& folder,
+    std::vector<InitialPair> pairs,
+    const MapperOptions& options = {});
+
+// The same from the best pair. If there is no model then, COLMAP looks for
+// pairs itself.
 //
 //   FREEGS_ASSIGN_OR_RETURN(const std::vector<Reconstruction> models,
 //                           MapFromBestPair(context, database, folder));
@@ -85,7 +92,6 @@ StatusOr<std::vector<Reconstruction>> MapFromBestPair(
     const StepContext& context,
     const std::filesystem::path& database,
     const std::filesystem::path& folder,
-    size_t skip = 0,
     const MapperOptions& options = {});
 
 }  // namespace freegs::sfm

@@ -9,7 +9,6 @@
 #include "sfm/mapping/initial_pair.h"
 #include "sfm/mapping/place_comparison.h"
 #include "sfm/mapping/separate_parts.h"
-#include "sfm/matching/match_database.h"
 
 namespace freegs::sfm {
 
@@ -61,12 +60,9 @@ StatusOr<bool> ModelRefinement::CanMapAgain(
       context_.options.camera_model != "auto" || AreOfNoUse(evidence, models)) {
     return false;
   }
-  FREEGS_ASSIGN_OR_RETURN(const MatchDatabase matches,
-                          MatchDatabase::Open(database_));
-  FREEGS_ASSIGN_OR_RETURN(
-      const std::optional<InitialPair> pair,
-      ChooseInitialPair(context_.input.photos, {}, matches));
-  return pair.has_value();
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<InitialPair> pairs,
+                          BestPairs(context_.input.photos, 1, database_));
+  return !pairs.empty();
 }
 
 // Does all that makes a model once more, from a later pair (see MapAgainFn).
@@ -74,12 +70,10 @@ StatusOr<std::optional<AttemptResult>> ModelRefinement::MapFromLaterPair(
     const std::string& name,
     std::optional<size_t> skip,
     CameraGroups* groups) const {
+  std::vector<InitialPair> pairs;
   if (skip) {
-    FREEGS_ASSIGN_OR_RETURN(const MatchDatabase matches,
-                            MatchDatabase::Open(database_));
     FREEGS_ASSIGN_OR_RETURN(
-        const std::vector<InitialPair> pairs,
-        BestPairs(context_.input.photos, *skip + 1, matches));
+        pairs, BestPairs(context_.input.photos, *skip + 1, database_));
     if (pairs.size() <= *skip) return std::optional<AttemptResult>();
   }
   const auto map = [&]() -> StatusOr<AttemptResult> {
@@ -95,12 +89,12 @@ StatusOr<std::optional<AttemptResult>> ModelRefinement::MapFromLaterPair(
     }
     FREEGS_ASSIGN_OR_RETURN(
         mapped.models,
-        MapFromBestPair(context_, database_, folder, *skip, options));
+        MapFromLastPair(context_, database_, folder, pairs, options));
     if (!mapped.models.empty() || options.relaxed) return mapped;
     options.relaxed = true;  // Later pairs are weaker.
     FREEGS_ASSIGN_OR_RETURN(
         mapped.models,
-        MapFromBestPair(context_, database_, folder, *skip, options));
+        MapFromLastPair(context_, database_, folder, pairs, options));
     return mapped;
   };
   FREEGS_ASSIGN_OR_RETURN(AttemptResult made, store_->Try(name, map));

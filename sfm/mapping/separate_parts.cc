@@ -77,6 +77,8 @@ class Remapping {
                            Repair repair,
                            const Candidate& candidate,
                            size_t wanted) const;
+  StatusOr<Models> MapFromPair(const fs::path& trusted,
+                               const fs::path& folder) const;
   StatusOr<Models> MapAnew(const fs::path& trusted,
                            const fs::path& folder,
                            size_t wanted) const;
@@ -131,14 +133,24 @@ StatusOr<Models> Remapping::MapOnce(const fs::path& trusted,
       {.step = "misplaced photos", .further = true, .start = &rest});
 }
 
-// Maps from the best pair. When the largest model lacks many of the `wanted`
-// photos, it tries again with lower thresholds and returns the better result.
+// Maps from the best pair after `skip_` others. Where there are not so many,
+// there is no model.
+StatusOr<Models> Remapping::MapFromPair(const fs::path& trusted,
+                                        const fs::path& folder) const {
+  const MapperOptions options = {.further = true};
+  if (skip_ == 0) return MapFromBestPair(context_, trusted, folder, options);
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<InitialPair> pairs,
+                          BestPairs(context_.input.photos, skip_ + 1, trusted));
+  if (pairs.size() <= skip_) return Models();
+  return MapFromLastPair(context_, trusted, folder, pairs, options);
+}
+
+// Maps from a pair. When the largest model lacks many of the `wanted` photos,
+// it tries again with lower thresholds and returns the better result.
 StatusOr<Models> Remapping::MapAnew(const fs::path& trusted,
                                     const fs::path& folder,
                                     size_t wanted) const {
-  FREEGS_ASSIGN_OR_RETURN(
-      Models models,
-      MapFromBestPair(context_, trusted, folder, skip_, {.further = true}));
+  FREEGS_ASSIGN_OR_RETURN(Models models, MapFromPair(trusted, folder));
   if (NumRegistered(models) * 10 >= wanted * 9) return models;
   StatusOr<Models> relaxed = MapPhotos(
       context_,

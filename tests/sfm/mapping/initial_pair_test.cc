@@ -160,15 +160,14 @@ class ChooseInitialPairTest : public testing::Test {
 
   StatusOr<std::vector<InitialPair>> Best(size_t count) {
     writer_.reset();
-    FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,
-                            MatchDatabase::Open(path_));
-    return BestPairs(photos_, count, database);
+    return BestPairs(photos_, count, path_);
   }
 
-  // With a fake COLMAP. Returns how many photos each model has.
+  // With a fake COLMAP, from the best pair or from the last of `pairs`. Returns
+  // how many photos each model has.
   StatusOr<std::vector<size_t>> Map(
       const std::vector<std::pair<std::string, std::string>>& settings,
-      size_t skip = 0,
+      const std::vector<InitialPair>& pairs = {},
       const MapperOptions& mapper_options = {}) {
     writer_.reset();
     SfmInput input;
@@ -187,10 +186,12 @@ class ChooseInitialPairTest : public testing::Test {
                             ColmapProgram::Find(options.colmap, nullptr));
     const StepContext context{input, options, colmap};
     fs::create_directories(folder_ / "logs");
+    const fs::path mapper = folder_ / "mapper";
     FREEGS_ASSIGN_OR_RETURN(
         const std::vector<Reconstruction> models,
-        MapFromBestPair(
-            context, path_, folder_ / "mapper", skip, mapper_options));
+        pairs.empty()
+            ? MapFromBestPair(context, path_, mapper, mapper_options)
+            : MapFromLastPair(context, path_, mapper, pairs, mapper_options));
     std::vector<size_t> sizes;
     for (const Reconstruction& model : models) {
       sizes.push_back(model.images.size());
@@ -316,17 +317,24 @@ TEST_F(ChooseInitialPairTest, MappingBeginsWithALaterPair) {
   Match(1, 2, 1, 2);
   Match(2, 3, 1, 2);
   Match(3, 4, 1, 4);
-  const auto models = Map({{"FAKE_COLMAP_PAIR", "4"}}, 1, {.relaxed = true});
+  const auto pairs = Best(2);
+  ASSERT_TRUE(pairs.ok()) << pairs.status().message();
+  const auto models =
+      Map({{"FAKE_COLMAP_PAIR", "4"}}, *pairs, {.relaxed = true});
   ASSERT_TRUE(models.ok()) << models.status().message();
   EXPECT_THAT(*models, testing::ElementsAre(4));
   EXPECT_THAT(Log(), testing::HasSubstr("image pair #3 and #4"));
 }
 
-TEST_F(ChooseInitialPairTest, NoModelWithoutALaterPair) {
-  for (const double x : {0.0, 1.2, 2.4}) AddPhoto({x, -3, 3});
-  Match(1, 2, 0, 4);
+TEST_F(ChooseInitialPairTest, NoModelWhereALaterPairLeadsNowhere) {
+  for (const double x : {-1.2, 0.0, 1.2, 2.4}) AddPhoto({x, -3, 3});
+  Match(1, 2, 1, 2);
   Match(2, 3, 1, 2);
-  const auto models = Map({{"FAKE_COLMAP_PAIR", "3"}}, 1);
+  Match(3, 4, 1, 4);
+  const auto pairs = Best(2);
+  ASSERT_TRUE(pairs.ok()) << pairs.status().message();
+  const auto models =
+      Map({{"FAKE_COLMAP_PAIR", ""}, {"FAKE_COLMAP_MODELS", "2,1"}}, *pairs);
   ASSERT_TRUE(models.ok()) << models.status().message();
   EXPECT_THAT(*models, testing::IsEmpty());
 }
