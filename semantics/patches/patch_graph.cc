@@ -233,6 +233,51 @@ class PatchGraphBuilder::PatchDepths {
   std::vector<Eigen::Vector3d> normal_;
 };
 
+// What tells of the boundaries between patches in a view.
+struct PatchGraphBuilder::Boundaries {
+  const Image<int32_t>& labels;  // The patch that each pixel shows.
+  const PatchDepths& depths;
+  const LocalContrast& contrast;
+  const LocalRelief& relief;
+  int near, far, relief_reach;  // In pixels.
+
+  // From the pixels of row y to those on the right and below.
+  std::vector<Crossing> OfRow(int y) const {
+    std::vector<Crossing> crossings;
+    for (int x = 0; x < labels.width(); ++x) {
+      // Every second pixel, as on a chessboard, tells enough.
+      if ((x + y) % 2 != 0) continue;
+      const int32_t here = labels(x, y);
+      if (here < 0) continue;
+      for (const bool horizontal : {true, false}) {
+        const int nx = horizontal ? x + 1 : x;
+        const int ny = horizontal ? y : y + 1;
+        if (nx >= labels.width() || ny >= labels.height()) continue;
+        const int32_t next = labels(nx, ny);
+        if (next < 0 || next == here) continue;
+        Crossing crossing;
+        std::tie(crossing.a, crossing.b) = std::minmax(here, next);
+        const double step =
+            depths.Step(here, next, 0.5 * (x + nx) + 0.5, 0.5 * (y + ny) + 0.5);
+        crossing.stats.relief = relief.Step(x, y, horizontal, relief_reach);
+        if (step > kDepthJump) {
+          crossing.stats.hidden = 1;
+        } else {
+          const auto fine = contrast.Across(x, y, horizontal, near);
+          const auto coarse = contrast.Across(x, y, horizontal, far);
+          crossing.stats.pixels = 1;
+          crossing.stats.contrast_near = fine.contrast;
+          crossing.stats.contrast_far = coarse.contrast;
+          crossing.stats.difference = fine.difference;
+          crossing.stats.depth_step = step;
+        }
+        crossings.push_back(crossing);
+      }
+    }
+    return crossings;
+  }
+};
+
 Status PatchGraphBuilder::AddView(const splat::WeightMatrix& weights,
                                   const View& view,
                                   const ImageF& photo,
@@ -268,44 +313,18 @@ Status PatchGraphBuilder::AddView(const splat::WeightMatrix& weights,
   const double unsure =
       baseline_ > 0 ? 1 / (view.camera.fx * baseline_) : kNothingKnown;
   const LocalRelief relief(InverseDepths(weights, model_, view, pool), unsure);
-  const int near = Reach(kNearReach, photo);
-  const int far = Reach(kFarReach, photo);
-  const int relief_reach = Reach(kReliefReach, photo);
+  const Boundaries boundaries{.labels = labels,
+                              .depths = depths,
+                              .contrast = *contrast,
+                              .relief = relief,
+                              .near = Reach(kNearReach, photo),
+                              .far = Reach(kFarReach, photo),
+                              .relief_reach = Reach(kReliefReach, photo)};
   std::vector<std::vector<Crossing>> crossings(height);
   pool.ParallelFor(
       0, height, kPixelRowGrain, [&](int64_t first, int64_t last, int) {
         for (int y = static_cast<int>(first); y < last; ++y) {
-          for (int x = 0; x < width; ++x) {
-            // Every second pixel, as on a chessboard, tells enough.
-            if ((x + y) % 2 != 0) continue;
-            const int32_t here = labels(x, y);
-            if (here < 0) continue;
-            for (const bool horizontal : {true, false}) {
-              const int nx = horizontal ? x + 1 : x;
-              const int ny = horizontal ? y : y + 1;
-              if (nx >= width || ny >= height) continue;
-              const int32_t next = labels(nx, ny);
-              if (next < 0 || next == here) continue;
-              Crossing crossing;
-              std::tie(crossing.a, crossing.b) = std::minmax(here, next);
-              const double step = depths.Step(
-                  here, next, 0.5 * (x + nx) + 0.5, 0.5 * (y + ny) + 0.5);
-              crossing.stats.relief =
-                  relief.Step(x, y, horizontal, relief_reach);
-              if (step > kDepthJump) {
-                crossing.stats.hidden = 1;
-              } else {
-                const auto fine = contrast->Across(x, y, horizontal, near);
-                const auto coarse = contrast->Across(x, y, horizontal, far);
-                crossing.stats.pixels = 1;
-                crossing.stats.contrast_near = fine.contrast;
-                crossing.stats.contrast_far = coarse.contrast;
-                crossing.stats.difference = fine.difference;
-                crossing.stats.depth_step = step;
-              }
-              crossings[y].push_back(crossing);
-            }
-          }
+          crossings[y] = boundaries.OfRow(y);
         }
       });
   for (const std::vector<Crossing>& row : crossings) AddCrossings(row);

@@ -64,6 +64,7 @@ class PatchGraphBuilder {
  private:
   // Planes of the patches in the camera frame of a view.
   class PatchDepths;
+  struct Boundaries;
 
   struct Crossing {
     int32_t a = 0;
