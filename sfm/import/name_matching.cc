@@ -82,38 +82,80 @@ bool LiesIn(const std::string& folder,
          name.folders[depth] == folder;
 }
 
+// The paths of photos, by the names of their files.
+class PhotoPaths {
+ public:
+  PhotoPaths(const std::vector<SfmPhoto>& photos,
+             std::set<std::string> folders_of_names)
+      : folders_of_names_(std::move(folders_of_names)) {
+    for (size_t i = 0; i < photos.size(); ++i) {
+      std::vector<std::string> paths = {photos[i].name};
+      if (!photos[i].file.empty() && photos[i].file != photos[i].name) {
+        paths.push_back(photos[i].file);
+      }
+      for (const std::string& path : paths) {
+        parts_.push_back(Split(path));
+        photo_of_part_.push_back(static_cast<int>(i));
+        by_stem_.emplace(parts_.back().stem, parts_.size() - 1);
+      }
+    }
+    folders_of_photos_ = InnermostFolders(parts_);
+  }
+
+  struct Fit {
+    int photo = -1;
+    int score = 0;
+    const PathParts* path = nullptr;  // That of the photo which fits.
+  };
+
+  // The photo that fits the name best. Without one, or if two fit as well, its
+  // number is -1.
+  Fit Best(const PathParts& name) const {
+    Fit best;
+    bool ambiguous = false;
+    for (const std::string& stem : {name.stem, name.stem + name.extension}) {
+      const auto [first, last] = by_stem_.equal_range(stem);
+      for (auto it = first; it != last; ++it) {
+        const PathParts& path = parts_[it->second];
+        const int photo = photo_of_part_[it->second];
+        if (Contradict(name, path)) continue;
+        const int score = Score(name, path);
+        if (score > best.score) {
+          ambiguous = false;
+          best = {photo, score, &path};
+        } else if (score == best.score && photo != best.photo) {
+          ambiguous = true;
+        }
+      }
+    }
+    return ambiguous ? Fit() : best;
+  }
+
+ private:
+  // left/1.jpg is not right/1.jpg where both sides know such folders, also when
+  // one of the two photos is missing.
+  bool Contradict(const PathParts& name, const PathParts& photo) const {
+    return !name.folders.empty() && !photo.folders.empty() &&
+           name.folders.front() != photo.folders.front() &&
+           (folders_of_photos_.contains(name.folders.front()) ||
+            folders_of_names_.contains(photo.folders.front()));
+  }
+
+  std::vector<PathParts> parts_;
+  std::vector<int> photo_of_part_;
+  std::unordered_multimap<std::string, size_t> by_stem_;
+  std::set<std::string> folders_of_names_;
+  std::set<std::string> folders_of_photos_;
+};
+
 }  // namespace
 
 NameMatches MatchNames(const std::vector<std::string>& names,
                        const std::vector<SfmPhoto>& photos,
                        const std::string& folder) {
-  std::vector<PathParts> photo_parts;
-  std::vector<int> photo_of_part;
-  std::unordered_multimap<std::string, size_t> by_stem;
-  for (size_t i = 0; i < photos.size(); ++i) {
-    std::vector<std::string> paths = {photos[i].name};
-    if (!photos[i].file.empty() && photos[i].file != photos[i].name) {
-      paths.push_back(photos[i].file);
-    }
-    for (const std::string& path : paths) {
-      photo_parts.push_back(Split(path));
-      photo_of_part.push_back(static_cast<int>(i));
-      by_stem.emplace(photo_parts.back().stem, photo_parts.size() - 1);
-    }
-  }
-
   std::vector<PathParts> name_parts;
   for (const std::string& name : names) name_parts.push_back(Split(name));
-  const std::set<std::string> folders_of_names = InnermostFolders(name_parts);
-  const std::set<std::string> folders_of_photos = InnermostFolders(photo_parts);
-  // left/1.jpg is not right/1.jpg where both sides know such folders, also when
-  // one of the two photos is missing.
-  const auto contradict = [&](const PathParts& name, const PathParts& photo) {
-    return !name.folders.empty() && !photo.folders.empty() &&
-           name.folders.front() != photo.folders.front() &&
-           (folders_of_photos.contains(name.folders.front()) ||
-            folders_of_names.contains(photo.folders.front()));
-  };
+  const PhotoPaths paths(photos, InnermostFolders(name_parts));
 
   struct Claim {
     int name = -1;
@@ -123,30 +165,10 @@ NameMatches MatchNames(const std::vector<std::string>& names,
   std::vector<Claim> claims(photos.size());
   for (size_t n = 0; n < names.size(); ++n) {
     const PathParts& parts = name_parts[n];
-    int best = -1;
-    int best_score = 0;
-    size_t best_part = 0;
-    bool ambiguous = false;
-    for (const std::string& stem : {parts.stem, parts.stem + parts.extension}) {
-      const auto [first, last] = by_stem.equal_range(stem);
-      for (auto it = first; it != last; ++it) {
-        const int photo = photo_of_part[it->second];
-        if (contradict(parts, photo_parts[it->second])) continue;
-        const int score = Score(parts, photo_parts[it->second]);
-        if (score > best_score) {
-          ambiguous = false;
-          best = photo;
-          best_score = score;
-          best_part = it->second;
-        } else if (score == best_score && photo != best) {
-          ambiguous = true;
-        }
-      }
-    }
-    if (best < 0 || ambiguous) continue;
-    Claim& claim = claims[best];
-    const std::pair score(best_score,
-                          LiesIn(folder, parts, photo_parts[best_part]));
+    const PhotoPaths::Fit best = paths.Best(parts);
+    if (best.photo < 0) continue;
+    Claim& claim = claims[best.photo];
+    const std::pair score(best.score, LiesIn(folder, parts, *best.path));
     if (score > claim.score) {
       claim = {static_cast<int>(n), score};
     } else if (score == claim.score && claim.other < 0) {
