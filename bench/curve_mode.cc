@@ -90,6 +90,43 @@ void ReportCourse(const splat::Trainer& trainer) {
   }
 }
 
+// Trains to the end, or until the holdout photos have the PSNR that is asked
+// for, which the result tells. Prints their quality after every so many steps.
+StatusOr<bool> TrainAndMeasure(const CurveOptions& options,
+                               const splat::RenderOptions& render,
+                               splat::TrainingImages* holdout,
+                               ThreadPool& pool,
+                               TrainingClock* clock,
+                               splat::Trainer* trainer) {
+  std::printf(
+      "iteration,seconds,cpu_seconds,gaussians,holdout_psnr,holdout_ssim\n");
+  bool reached = false;
+  while (!trainer->done() && !reached) {
+    FREEGS_ASSIGN_OR_RETURN(const splat::StepReport report, trainer->Step());
+    if (report.recovered) continue;
+    if (report.iteration % options.every != 0 && !trainer->done()) continue;
+    clock->Stop();
+    FREEGS_ASSIGN_OR_RETURN(
+        const splat::HoldoutReport quality,
+        splat::MeasureHoldout({.model = trainer->model(),
+                               .render = render,
+                               .images = holdout,
+                               .exposures = trainer->Exposures()},
+                              pool));
+    std::printf("%lld,%.3f,%.3f,%zu,%.3f,%.4f\n",
+                static_cast<long long>(report.iteration),
+                clock->seconds(),
+                clock->cpu_seconds(),
+                report.num_gaussians,
+                quality.mean_psnr,
+                quality.mean_ssim);
+    std::fflush(stdout);
+    reached = options.until && quality.mean_psnr >= *options.until;
+    if (!reached && !trainer->done()) clock->Start();
+  }
+  return reached;
+}
+
 }  // namespace
 
 // The clock runs from the photos being in memory on: the first Gaussians, the
@@ -122,8 +159,6 @@ Status RunCurve(const CurveOptions& options) {
   FREEGS_ASSIGN_OR_RETURN(
       splat::TrainingImages images,
       stages::LoadPhotos(scene, scene.photos.train, image_options, pool));
-  const splat::RenderOptions render =
-      stages::ReconstructRenderOptions(reconstruct);
 
   TrainingClock clock;
   FREEGS_ASSIGN_OR_RETURN(splat::GaussianModel initial,
@@ -144,32 +179,14 @@ Status RunCurve(const CurveOptions& options) {
     std::fprintf(stderr, "%s\n", stages::ExposureText(choice).c_str());
     trainer.KeepTo(*choice);  // There is one: no deadline is set.
   }
-  std::printf(
-      "iteration,seconds,cpu_seconds,gaussians,holdout_psnr,holdout_ssim\n");
-  bool reached = false;
-  while (!trainer.done() && !reached) {
-    FREEGS_ASSIGN_OR_RETURN(const splat::StepReport report, trainer.Step());
-    if (report.recovered) continue;
-    if (report.iteration % options.every != 0 && !trainer.done()) continue;
-    clock.Stop();
-    FREEGS_ASSIGN_OR_RETURN(
-        const splat::HoldoutReport quality,
-        splat::MeasureHoldout({.model = trainer.model(),
-                               .render = render,
-                               .images = &*holdout,
-                               .exposures = trainer.Exposures()},
-                              pool));
-    std::printf("%lld,%.3f,%.3f,%zu,%.3f,%.4f\n",
-                static_cast<long long>(report.iteration),
-                clock.seconds(),
-                clock.cpu_seconds(),
-                report.num_gaussians,
-                quality.mean_psnr,
-                quality.mean_ssim);
-    std::fflush(stdout);
-    reached = options.until && quality.mean_psnr >= *options.until;
-    if (!reached && !trainer.done()) clock.Start();
-  }
+  FREEGS_ASSIGN_OR_RETURN(
+      const bool reached,
+      TrainAndMeasure(options,
+                      stages::ReconstructRenderOptions(reconstruct),
+                      &*holdout,
+                      pool,
+                      &clock,
+                      &trainer));
   ReportCourse(trainer);
   if (options.until) {
     std::printf("%s %g dB at %.3f s\n",
