@@ -19,9 +19,15 @@ struct InputFingerprint {
   // 32 hex digits, "missing", "unreadable" or "special".
   std::string hash;
   int64_t files = 0;  // Number of files below a folder; 1 for a file.
+  // Where an input lay that the user named, as DisplayPath writes it. Empty for
+  // what other stages make, and in records of older programs.
+  std::string path = {};
 
   bool missing() const { return hash == "missing"; }
-  bool operator==(const InputFingerprint&) const = default;
+  // The same content counts as the same input, wherever it lies.
+  bool operator==(const InputFingerprint& other) const {
+    return hash == other.hash && files == other.files;
+  }
 };
 
 // What file managers and photo editors leave beside photos, as a file or as a

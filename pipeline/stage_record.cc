@@ -65,8 +65,10 @@ StageFingerprint ReadFingerprint(const json& object, Status* status) {
   fingerprint.options = reader.TextMap("options");
   for (const auto& [name, value] : reader.Object("inputs").items()) {
     JsonObjectReader input(value, "", "inputs." + name, status);
-    fingerprint.inputs[name] = {input.Text("hash"),
-                                input.Integer64("files", 0, kMaxCount)};
+    fingerprint.inputs[name] = {
+        .hash = input.Text("hash"),
+        .files = input.Integer64("files", 0, kMaxCount),
+        .path = input.Has("path") ? input.Text("path") : ""};
   }
   return fingerprint;
 }
@@ -101,9 +103,10 @@ std::string Difference(const StageFingerprint& then,
   }
   for (const auto& [name, input] : now.inputs) {
     const auto old = then.inputs.find(name);
-    if (old == then.inputs.end()) return "input " + name + " is new";
-    if (old->second == input) continue;
+    const bool is_new = old == then.inputs.end();
+    if (!is_new && old->second == input) continue;
     if (input.missing()) return "input " + name + " is missing";
+    if (is_new) return "input " + name + " is new";
     std::string reason = "input " + name + " changed";
     if (old->second.files != input.files) {
       reason +=
@@ -123,6 +126,7 @@ json ToJson(const StageFingerprint& fingerprint) {
   json inputs = json::object();
   for (const auto& [name, input] : fingerprint.inputs) {
     inputs[name] = {{"hash", input.hash}, {"files", input.files}};
+    if (!input.path.empty()) inputs[name]["path"] = input.path;
   }
   return {{"stage", fingerprint.stage},
           {"version", fingerprint.version},

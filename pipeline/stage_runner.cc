@@ -320,6 +320,12 @@ Status StageRunner::Run() {
         state.reason = "stage " + redone + " was redone";
       } else {
         logger_.Log(LogLevel::kInfo, name + ": up to date");
+        // The next run may find them gone, and asks where they lay. Where the
+        // record cannot be written, the result holds all the same.
+        if (state.inputs_moved) {
+          (void)WriteStageRecord(StageFolder(options_.workspace, name),
+                                 *state.result);
+        }
         continue;
       }
     }

@@ -24,11 +24,36 @@ bool IsGone(const InputFingerprint& now, const InputFingerprint* before) {
          (now.files == 0 && before != nullptr && before->files > 0);
 }
 
-// Given inputs that were there once and are gone now are set to what they were;
-// returns their names. Once one of them is gone, inputs that the stage finds in
-// it, such as the targets of links, are not named any more: these are set to
-// what they were, too.
+bool LiesIn(const fs::path& inner, const fs::path& outer) {
+  const fs::path relative = inner.lexically_relative(outer);
+  return !relative.empty() && *relative.begin() != "..";
+}
+
+// Whether the stage read the input at the path where it is looked for now, or
+// files in a folder at this path. Where a record does not say where an input
+// lay, it is known by its name.
+bool WasReadThere(const StageFingerprint& then,
+                  const std::string& name,
+                  const std::string& path) {
+  return std::any_of(
+      then.inputs.begin(), then.inputs.end(), [&](const auto& input) {
+        return input.second.path.empty() ? input.first == name
+                                         : LiesIn(input.second.path, path);
+      });
+}
+
+// Which inputs count as gone.
+enum class GoneRule {
+  kWasReadThere,  // Those that were read at the same path.
+  kAny,           // All that are not there, also those that never were.
+};
+
+// Given inputs that are gone are set to what they were; returns their names.
+// Once one of them is gone, inputs that the stage finds in it, such as the
+// targets of links, are not named any more: these are set to what they were,
+// too.
 std::vector<std::string> KeepGoneInputs(const StageFingerprint& then,
+                                        GoneRule rule,
                                         CurrentInputs* now) {
   const auto& before = then.inputs;
   auto& inputs = now->fingerprint.inputs;
@@ -36,6 +61,10 @@ std::vector<std::string> KeepGoneInputs(const StageFingerprint& then,
   for (const std::string& name : now->given) {
     const auto old = before.find(name);
     if (!IsGone(inputs[name], old == before.end() ? nullptr : &old->second)) {
+      continue;
+    }
+    if (rule == GoneRule::kWasReadThere &&
+        !WasReadThere(then, name, inputs[name].path)) {
       continue;
     }
     if (old == before.end()) {
@@ -52,19 +81,33 @@ std::vector<std::string> KeepGoneInputs(const StageFingerprint& then,
   return gone;
 }
 
-// "input photos is gone".
-std::string GoneText(const std::vector<std::string>& gone) {
-  return gone.size() == 1 ? "input " + gone[0] + " is gone"
-                          : "inputs " + Joined(gone) + " are gone";
+// "input photos is gone", where `state` is "gone".
+std::string StateText(const std::vector<std::string>& inputs,
+                      const std::string& state) {
+  return inputs.size() == 1 ? "input " + inputs[0] + " is " + state
+                            : "inputs " + Joined(inputs) + " are " + state;
 }
 
-// Says which inputs are gone, if a run that began with them could go on if they
-// were back. Empty if not.
+// Says which inputs are missing, if a run that began with them could go on if
+// they were back. Empty if not. A mistyped path must not cost what was saved,
+// so it does not matter where the inputs lay.
 std::string WaitsFor(const StageFingerprint& begun, CurrentInputs now) {
-  const std::vector<std::string> gone = KeepGoneInputs(begun, &now);
+  const std::vector<std::string> gone =
+      KeepGoneInputs(begun, GoneRule::kAny, &now);
   if (gone.empty() || !Difference(begun, now.fingerprint).empty()) return "";
-  return GoneText(gone) + "; what an interrupted run saved is kept until " +
+  return StateText(gone, "missing") +
+         "; what an interrupted run saved is kept until " +
          (gone.size() == 1 ? "it is" : "they are") + " there again";
+}
+
+// Whether an input lies elsewhere than the record says.
+bool HasMoved(const StageFingerprint& then, const StageFingerprint& now) {
+  return std::any_of(
+      now.inputs.begin(), now.inputs.end(), [&](const auto& input) {
+        const auto old = then.inputs.find(input.first);
+        return old != then.inputs.end() &&
+               old->second.path != input.second.path;
+      });
 }
 
 // Names what the stage made and somebody deleted: "masks, scene.ply".
@@ -132,9 +175,13 @@ CurrentInputs GatherInputs(const RunnerStage& stage,
     }
     name = ValidUtf8(name);
     while (now.fingerprint.inputs.contains(name)) name += "'";
-    now.fingerprint.inputs[name] = cache.Hash(path);
+    InputFingerprint& fingerprint = now.fingerprint.inputs[name];
+    fingerprint = cache.Hash(path);
     // Stages name what other stages make relative to the workspace.
-    if (input.is_absolute()) now.given.insert(name);
+    if (!input.is_absolute()) continue;
+    now.given.insert(name);
+    const fs::path plain = path.has_filename() ? path : path.parent_path();
+    fingerprint.path = ValidUtf8(DisplayPath(context.workspace, plain));
   }
   return now;
 }
@@ -212,10 +259,11 @@ StageState InspectStage(const fs::path& workspace,
     StatusOr<StageRecord> result = ReadStageRecord(folder);
     if (result.ok() && result->outcome == StageOutcome::kDone) {
       CurrentInputs expected = now;
-      const std::vector<std::string> gone =
-          KeepGoneInputs(result->fingerprint, &expected);
+      const std::vector<std::string> gone = KeepGoneInputs(
+          result->fingerprint, GoneRule::kWasReadThere, &expected);
       if (!gone.empty()) {
-        state.note = GoneText(gone) + "; keeping the result made from " +
+        state.note = StateText(gone, "gone") +
+                     "; keeping the result made from " +
                      (gone.size() == 1 ? "it" : "them");
       }
       result_difference = Difference(result->fingerprint, expected.fingerprint);
@@ -223,6 +271,9 @@ StageState InspectStage(const fs::path& workspace,
         result_difference =
             CheckOutput(workspace, stage, *result, read_later, &state.note);
         state.lacks_files = !result_difference.empty();
+        state.inputs_moved =
+            HasMoved(result->fingerprint, expected.fingerprint);
+        result->fingerprint = std::move(expected.fingerprint);
       }
       state.result = *std::move(result);
     } else {

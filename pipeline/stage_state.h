@@ -62,10 +62,13 @@ struct StageState {
   std::string note;        // A remark on a result that is kept.
   bool resumable = false;  // STAGE.partial can be continued.
   // Why STAGE.partial cannot be continued now, but could be later: "input
-  // photos is gone; ...". Empty otherwise.
+  // photos is missing; ...". Empty otherwise.
   std::string waits_for;
   // The result would hold, but somebody deleted files of it.
   bool lacks_files = false;
+  // The result holds, but its stage.json says of inputs with the same content
+  // that they lay elsewhere. `result` has the paths where they lie now.
+  bool inputs_moved = false;
   std::optional<StageRecord> result;   // Of STAGE/.
   std::optional<StageRecord> attempt;  // Of STAGE.partial/, if that run ended.
 };

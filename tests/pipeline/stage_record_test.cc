@@ -22,7 +22,7 @@ StageRecord Example() {
   record.fingerprint.version = 3;
   record.fingerprint.options = {{"sfm.a", "1"}, {"sfm.b", "x y"}};
   record.fingerprint.inputs = {{"ingest/images.json", {"abc", 1}},
-                               {"photos", {"def", 20}}};
+                               {"photos", {"def", 20, "/home/me/photos"}}};
   record.outcome = StageOutcome::kFailed;
   record.program_version = "1.2.3";
   record.other_options = {{"sfm.c", "2"}};
@@ -47,6 +47,8 @@ TEST(StageRecordTest, RoundTrip) {
   ASSERT_TRUE(read.ok()) << read.status().message();
   EXPECT_EQ(ToJson(*read), ToJson(Example()));
   EXPECT_EQ(read->fingerprint, Example().fingerprint);
+  EXPECT_EQ(read->fingerprint.inputs.at("photos").path, "/home/me/photos");
+  EXPECT_EQ(read->fingerprint.inputs.at("ingest/images.json").path, "");
   EXPECT_EQ(read->expected_memory_bytes, int64_t{6} << 32);
   EXPECT_EQ(read->expected_seconds, 90.5);
   EXPECT_EQ(read->error_code, StatusCode::kUnusableResult);
@@ -93,6 +95,9 @@ TEST(StageRecordTest, EveryWrongOrMissingFieldIsRefused) {
   odd["inputs"]["photos"] = "def";
   EXPECT_FALSE(RecordFromJson(odd).ok());
   odd = good;
+  odd["inputs"]["photos"]["path"] = 1;
+  EXPECT_FALSE(RecordFromJson(odd).ok());
+  odd = good;
   odd["outputs"]["sparse/0/cameras.bin"] = -1;
   EXPECT_FALSE(RecordFromJson(odd).ok());
   odd = good;
@@ -134,6 +139,11 @@ TEST(StageRecordTest, DifferencesInWords) {
   now = then;
   now.version = 4;
   EXPECT_THAT(Difference(then, now), HasSubstr("version"));
+  now = then;
+  now.inputs["photos"].path = "/elsewhere/photos";
+  EXPECT_EQ(Difference(then, now), "");
+  now.inputs["list.txt"] = {"missing", 0};
+  EXPECT_EQ(Difference(then, now), "input list.txt is missing");
   now = then;
   now.inputs["photos"] = {"xyz", 20};
   EXPECT_EQ(Difference(then, now), "input photos changed");

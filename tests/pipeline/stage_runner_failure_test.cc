@@ -197,12 +197,17 @@ TEST_F(StageRunnerTest, WhatAKilledStageSavedIsKeptUntilItsInputIsBack) {
   const int runs = b_.runs;
   const Status status = Run();
   EXPECT_EQ(status.code(), StatusCode::kBadInput);
-  EXPECT_THAT(status.message(), HasSubstr("b: input model.json is gone"));
+  EXPECT_THAT(status.message(), HasSubstr("b: input model.json is missing"));
   EXPECT_THAT(status.message(),
               HasSubstr("delete " + (workspace() / "b.partial").string()));
   EXPECT_THAT(Inspect()[1].state.reason,
               HasSubstr("saved is kept until it is there again"));
   EXPECT_EQ(b_.runs, runs);
+  // A path that was never read, either: it may be mistyped.
+  b_.inputs.back() = folder_ / "modle.json";
+  EXPECT_EQ(Run().code(), StatusCode::kBadInput);
+  EXPECT_EQ(b_.runs, runs);
+  b_.inputs.back() = model;
   fs::rename(folder_ / "away", model);
   ASSERT_TRUE(Run().ok());
   EXPECT_TRUE(b_.resumed);

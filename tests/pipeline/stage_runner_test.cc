@@ -220,6 +220,10 @@ TEST_F(StageRunnerTest, PhotosAndMasksInTheWorkspaceMayGoToo) {
   WriteText(masks / "1.png", "mask");
   a_.inputs = {masks};
   ASSERT_TRUE(Run().ok());
+  // So a workspace that is moved still has it.
+  EXPECT_EQ(
+      ReadStageRecord(workspace() / "a")->fingerprint.inputs.at("photos").path,
+      "photos");
   fs::remove_all(images());
   fs::remove_all(masks);
   ASSERT_TRUE(Run().ok());
@@ -249,6 +253,70 @@ TEST_F(StageRunnerTest, AllInputsThatAreGoneAreNamed) {
   EXPECT_THAT(log_,
               HasSubstr("a: inputs list.txt, photos are gone; keeping the "
                         "result made from them\n"));
+}
+
+// It was mistyped. The stage runs, and says so itself.
+TEST_F(StageRunnerTest, AnInputThatWasNeverReadIsNotGone) {
+  const fs::path list = folder_ / "list.txt";
+  WriteText(list, "1.jpg");
+  b_.inputs = {"a/out.txt", list};
+  ASSERT_TRUE(Run().ok());
+  const auto refused = [&](size_t stage, const std::string& reason) {
+    const StageState state = Inspect()[stage].state;
+    EXPECT_EQ(state.status, StageStatus::kStale);
+    EXPECT_EQ(state.reason, reason);
+    EXPECT_EQ(state.note, "");
+  };
+  for (const char* name : {"lits.txt", "other/list.txt"}) {
+    b_.inputs.back() = folder_ / name;
+    refused(1, "input " + b_.inputs.back().filename().string() + " is missing");
+  }
+  // The one that was read may be gone, also beside a mistyped one.
+  fs::remove(list);
+  b_.inputs.back() = list;
+  EXPECT_EQ(Inspect()[1].state.status, StageStatus::kDone);
+  b_.inputs.push_back(folder_ / "more.txt");
+  EXPECT_EQ(Inspect()[1].state.reason, "input more.txt is missing");
+  // A stage that read no such input before.
+  c_.inputs.push_back(folder_ / "scane.ply");
+  b_.inputs.pop_back();
+  refused(2, "input scane.ply is missing");
+  c_.inputs.pop_back();
+
+  images_ = folder_ / "none";
+  refused(0, "input photos is missing");
+  images_ = folder_ / "empty";
+  fs::create_directory(images_);
+  refused(0, "input photos changed (1 file -> 0 files)");
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(a_.runs, 2);
+}
+
+TEST_F(StageRunnerTest, InputsMayGoFromWhereTheyWereFoundLast) {
+  ASSERT_TRUE(Run().ok());
+  fs::rename(images_, folder_ / "moved");
+  images_ = folder_ / "moved";
+  ASSERT_TRUE(Run().ok());
+  const auto record = ReadStageRecord(workspace() / "a");
+  ASSERT_TRUE(record.ok());
+  EXPECT_EQ(record->fingerprint.inputs.at("photos").path, images_);
+  EXPECT_EQ(record->summary["letters"], 2);
+  fs::remove_all(images_);
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(Runs(), "111");
+  EXPECT_THAT(log_, HasSubstr("a: input photos is gone"));
+}
+
+TEST_F(StageRunnerTest, RecordsOfOlderProgramsDoNotSayWhereInputsLay) {
+  ASSERT_TRUE(Run().ok());
+  const fs::path folder = workspace() / "a";
+  StatusOr<StageRecord> record = ReadStageRecord(folder);
+  ASSERT_TRUE(record.ok());
+  record->fingerprint.inputs.at("photos").path.clear();
+  ASSERT_TRUE(WriteStageRecord(folder, *record).ok());
+  fs::remove_all(images());
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(Runs(), "111");
 }
 
 // A stage may read the files of a folder while it is there, and name the folder

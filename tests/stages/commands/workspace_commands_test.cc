@@ -19,6 +19,7 @@
 #include "stages/commands/init_command.h"
 #include "stages/commands/run_command.h"
 #include "stages/commands/status_command.h"
+#include "stages/plan/plan_command.h"
 #include "tests/temporary_folder.h"
 
 namespace freegs::stages {
@@ -156,6 +157,40 @@ TEST_F(CommandTest, AMistypedPathIsNotTakenForOneThatIsGone) {
               {Path("photos"), Path("w"), "--sfm.import", path},
               StatusCode::kBadInput,
               "ingest");
+}
+
+TEST_F(CommandTest, NoStageIsUpToDateWithAPathThatItNeverRead) {
+  WritePhotos();
+  const std::vector<std::string> run = {
+      Path("photos"), Path("w"), "--to", "ingest"};
+  ASSERT_TRUE(Call(RunRunCommand, run).ok());
+  fs::create_directory(folder_ / "empty");
+  ExpectError(RunRunCommand,
+              {Path("empty"), Path("w"), "--to", "ingest"},
+              StatusCode::kBadInput,
+              "empty: no JPEG, PNG or TIFF photos");
+  ASSERT_TRUE(Call(RunRunCommand, run).ok());
+
+  const auto status_of_ingest = [&]() -> std::string {
+    EXPECT_TRUE(Call(RunStatusCommand, {Path("w"), "--json"}).ok());
+    return nlohmann::json::parse(out_)["stages"][0]["status"];
+  };
+  EXPECT_EQ(status_of_ingest(), "done");
+  WriteText(folder_ / "w" / "config.ini",
+            "[ingest]\nholdout_list = lits.txt\n");
+  EXPECT_EQ(status_of_ingest(), "stale");
+  const auto plan = [](const std::vector<std::string>& arguments,
+                       CommandContext& context) {
+    return RunPlan(arguments, context.out, context.cancellation);
+  };
+  ASSERT_TRUE(Call(plan, {Path("w"), "--json"}).ok());
+  EXPECT_EQ(nlohmann::json::parse(out_)["stages"][0]["state"], "needed");
+  ExpectError(RunRunCommand, run, StatusCode::kBadInput, "ingest.holdout_list");
+
+  fs::remove(folder_ / "w" / "config.ini");
+  fs::remove_all(folder_ / "photos");
+  EXPECT_TRUE(Call(RunRunCommand, run).ok());
+  EXPECT_EQ(status_of_ingest(), "done");
 }
 
 TEST_F(CommandTest, ARefusedOrderOfStagesForgetsNothing) {
