@@ -171,8 +171,14 @@ StageContext StageRunner::MakeContext(const RunnerStage& stage) const {
 }
 
 std::vector<fs::path> StageRunner::ReadLater(const std::string& stage) const {
+  return ReadBy(IndexOf(stage) + 1, stages_.size(), stage);
+}
+
+std::vector<fs::path> StageRunner::ReadBy(size_t first,
+                                          size_t end,
+                                          const std::string& stage) const {
   std::vector<fs::path> parts;
-  for (size_t i = IndexOf(stage) + 1; i < stages_.size(); ++i) {
+  for (size_t i = first; i < end; ++i) {
     const StageContext context = MakeContext(stages_[i]);
     for (const fs::path& input : stages_[i].stage->Inputs(context)) {
       const fs::path path =
@@ -284,7 +290,8 @@ Status StageRunner::Run() {
   for (size_t i = 0; i < First(); ++i) {
     std::error_code error;
     const std::string name = NameOf(stages_[i]);
-    if (!fs::is_directory(StageFolder(options_.workspace, name), error)) {
+    if (!ReadBy(First(), End(), name).empty() &&
+        !fs::is_directory(StageFolder(options_.workspace, name), error)) {
       return BadInputError("stage " + name + " has no result in " +
                            options_.workspace.string() +
                            " to start from; run it first");

@@ -102,6 +102,11 @@ class StageRunner {
   StageContext MakeContext(const RunnerStage& stage) const;
   // What stages after this one read of its output, relative to its folder.
   std::vector<std::filesystem::path> ReadLater(const std::string& stage) const;
+  // What the stages from number `first` up to `end`, which is not one of them,
+  // read of the output of `stage`, relative to its folder.
+  std::vector<std::filesystem::path> ReadBy(size_t first,
+                                            size_t end,
+                                            const std::string& stage) const;
   Status RunStage(RunnerStage& stage,
                   StageNeed need,
                   double later_seconds,

@@ -195,6 +195,18 @@ TEST_F(StageRunnerTest, FromAndTo) {
   EXPECT_THAT(status.message(), HasSubstr("a, b, c"));
 }
 
+// As with a scene of another program, of which there are no photos.
+TEST_F(StageRunnerTest, FromAStageNeedsOnlyWhatTheStagesRead) {
+  WriteText(workspace() / "b" / "out.txt", "somebody else's");
+  from_ = "c";
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(Runs(), "001");
+  c_.inputs.emplace_back("a/out.txt");
+  const Status status = Run();
+  EXPECT_EQ(status.code(), StatusCode::kBadInput);
+  EXPECT_THAT(status.message(), HasSubstr("stage a has no result"));
+}
+
 TEST_F(StageRunnerTest, ForcedStageIsRedoneAlone) {
   ASSERT_TRUE(Run().ok());
   ASSERT_TRUE(Run("b").ok());
