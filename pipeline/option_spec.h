@@ -47,6 +47,10 @@ struct OptionSpec {
   // of config.ini. An empty text stays empty. The content of the file counts as
   // an input of the stage, and so its name does not affect the result.
   bool is_path = false;
+
+  // Whether the value is a program: a name that is looked for in PATH or, if
+  // there is a '/' in it, a path that starts where that of is_path does.
+  bool is_program = false;
 };
 
 // Points to the variable that holds the value of an option.

@@ -72,6 +72,15 @@ std::string ResolvePath(const std::string& value, const fs::path& folder) {
   return value.empty() ? value : AbsolutePath(folder / value).string();
 }
 
+// The value as it will be used, whose relative paths start at `folder`.
+std::string Resolved(const std::string& value,
+                     const OptionSpec& spec,
+                     const fs::path& folder) {
+  const bool is_path =
+      spec.is_path || (spec.is_program && value.find('/') != std::string::npos);
+  return is_path ? ResolvePath(value, folder) : value;
+}
+
 void DescribeCommandLine(const OptionTable& table,
                          po::options_description* description) {
   const auto describe = [description](const std::string& name, bool is_switch) {
@@ -250,7 +259,7 @@ StatusOr<OptionSetting> OptionTable::SettingOf(const std::string& given,
         "option --" + given +
         " has an empty value; is a variable of a script not set?");
   }
-  if (option.spec.is_path) setting.value = ResolvePath(value, "");
+  setting.value = Resolved(value, option.spec, "");
   FREEGS_RETURN_IF_ERROR(CheckSetting(setting));
   return setting;
 }
@@ -288,9 +297,7 @@ StatusOr<std::vector<OptionSetting>> OptionTable::ParseConfig(
         return InvalidArgumentError(source + ": option " + setting.name +
                                     " is set twice: remove one of the lines");
       }
-      if (Find(setting.name)->spec.is_path) {
-        setting.value = ResolvePath(setting.value, folder);
-      }
+      setting.value = Resolved(setting.value, Find(setting.name)->spec, folder);
       FREEGS_RETURN_IF_ERROR(CheckSetting(setting));
       settings.push_back(std::move(setting));
     }

@@ -15,9 +15,6 @@ namespace {
 // Stands for all remembered options.
 constexpr char kForgetAll[] = "all";
 
-// A program: a path, or a name in PATH.
-constexpr char kProgramOption[] = "sfm.colmap";
-
 }  // namespace
 
 void AddForgetOption(std::vector<std::vector<std::string>>* target,
@@ -71,9 +68,6 @@ void RememberOptions(const std::filesystem::path& workspace,
     stored = setting.value;
     if (option->spec.is_path && !stored.empty()) {
       stored = pipeline::DisplayPath(workspace, stored);
-    } else if (setting.name == kProgramOption &&
-               stored.find('/') != std::string::npos) {
-      stored = pipeline::AbsolutePath(stored).string();
     }
   }
 }

@@ -33,7 +33,7 @@ Status ForgetOptions(const std::vector<std::vector<std::string>>& given,
                      pipeline::WorkspaceInfo* info);
 
 // Remembers the settings of a command line. Paths are stored as DisplayPath
-// writes them, and the path of a program as an absolute one.
+// writes them, but that of a program as it is, which is absolute.
 void RememberOptions(const std::filesystem::path& workspace,
                      const pipeline::OptionTable& table,
                      const std::vector<pipeline::OptionSetting>& settings,

@@ -58,7 +58,8 @@ void RegisterSfmOptions(SfmStageOptions& options,
             &options.colmap.colmap,
             {.help = "The COLMAP program: a path, or a name in PATH.",
              .value_name = "PROGRAM",
-             .affects_result = false});
+             .affects_result = false,
+             .is_program = true});
   table.Add("sfm.camera",
             &options.colmap.camera,
             {.help = "Photos that share intrinsics: auto (same size, camera "

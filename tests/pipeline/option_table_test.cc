@@ -27,6 +27,7 @@ struct Values {
   double fraction = 0.25;
   std::string mode = "fast";
   std::string import;
+  std::string colmap = "colmap";
   std::string from = "ingest";
   bool json = false;
 };
@@ -56,6 +57,9 @@ class OptionTableTest : public ::testing::Test {
              [](const std::string& text) { return std::stoi(text) % 2 == 0; },
          .allowed = "even numbers"});
     table_.Add("sfm.import", &values_.import, {.help = "A.", .is_path = true});
+    table_.Add("sfm.colmap",
+               &values_.colmap,
+               {.help = "A program.", .is_program = true});
     table_.Add("from", &values_.from, {.help = "First."});
     table_.Add("json", &values_.json, {.help = "As JSON."});
     table_.AddAlias("seed", "general.seed");
@@ -230,9 +234,21 @@ TEST_F(OptionTableTest, RelativePathOnCommandLineStartsAtCurrentFolder) {
   EXPECT_EQ(values_.import, "");
 }
 
+TEST_F(OptionTableTest, AProgramIsANameOrAPath) {
+  ASSERT_TRUE(Config("[sfm]\ncolmap = bin/colmap\n").ok());
+  EXPECT_EQ(values_.colmap, "/w/bin/colmap");
+  ASSERT_TRUE(Config("[sfm]\ncolmap = colmap\n").ok());
+  EXPECT_EQ(values_.colmap, "colmap");
+  ASSERT_TRUE(Line({"--sfm.colmap", "./colmap"}).ok());
+  EXPECT_EQ(values_.colmap,
+            (std::filesystem::current_path() / "colmap").string());
+  ASSERT_TRUE(Line({"--sfm.colmap", "colmap"}).ok());
+  EXPECT_EQ(values_.colmap, "colmap");
+}
+
 TEST_F(OptionTableTest, ValuesOfASection) {
   const auto all = table_.Values("sfm", /*results_only=*/false);
-  EXPECT_EQ(all.size(), 6u);
+  EXPECT_EQ(all.size(), 7u);
   EXPECT_EQ(all.at("sfm.fraction"), "0.25");
   const auto results = table_.Values("sfm", /*results_only=*/true);
   EXPECT_FALSE(results.contains("sfm.mode"));
