@@ -100,6 +100,31 @@ void DescribeCommandLine(const OptionTable& table,
   }
 }
 
+// Boost takes "--option=" for an option without a value. Here it is one with an
+// empty value, as "--option" and an empty word are.
+std::vector<std::string> WithEmptyValues(
+    const OptionTable& table, const std::vector<std::string>& arguments) {
+  std::vector<std::string> words;
+  for (auto word = arguments.begin(); word != arguments.end(); ++word) {
+    // What follows are no options.
+    if (*word == "--") {
+      words.insert(words.end(), word, arguments.end());
+      break;
+    }
+    words.push_back(*word);
+    if (!word->starts_with("--") || word->find('=') != word->size() - 1) {
+      continue;
+    }
+    const std::string name = word->substr(0, word->size() - 1);
+    const OptionTable::Option* option =
+        table.Find(table.ResolveAlias(StripDashes(name)));
+    if (option == nullptr || option->is_switch()) continue;
+    words.back() = name;
+    words.emplace_back();
+  }
+  return words;
+}
+
 Status SyntaxError(const OptionTable& table,
                    const po::invalid_command_line_syntax& error) {
   const std::string name = StripDashes(error.get_option_name());
@@ -205,7 +230,7 @@ StatusOr<OptionTable::CommandLine> OptionTable::ParseCommandLine(
   try {
     using Style = po::command_line_style::style_t;
     const po::parsed_options parsed =
-        po::command_line_parser(arguments)
+        po::command_line_parser(WithEmptyValues(*this, arguments))
             .options(description)
             .style(Style::allow_long | Style::long_allow_adjacent |
                    Style::long_allow_next)

@@ -158,6 +158,22 @@ TEST_F(OptionTableTest, CommandLineErrorsNameOptionAndRange) {
               HasSubstr("'3' is not allowed; allowed: even numbers"));
 }
 
+TEST_F(OptionTableTest, AnOptionOfAStageMayBeEmptiedInBothForms) {
+  for (const std::vector<std::string>& form :
+       {std::vector<std::string>{"--sfm.import="}, {"--sfm.import", ""}}) {
+    ASSERT_TRUE(Line({"--sfm.import", "/a"}).ok());
+    const StatusOr<std::string> words = Line(form);
+    ASSERT_TRUE(words.ok()) << words.status().message();
+    EXPECT_EQ(*words, "");
+    EXPECT_EQ(values_.import, "");
+  }
+  EXPECT_EQ(LineError({"--from="}), LineError({"--from", ""}));
+  EXPECT_EQ(LineError({"--sfm.count="}), LineError({"--sfm.count", ""}));
+  EXPECT_EQ(*Line({"--", "--sfm.import="}), "--sfm.import=");
+  EXPECT_THAT(LineError({"--sfm.count", "--sfm.import="}),
+              HasSubstr("needs a value"));
+}
+
 TEST_F(OptionTableTest, CommandLineSyntaxErrors) {
   EXPECT_THAT(LineError({"--sfm.count"}), HasSubstr("needs a value (1 .. 10)"));
   EXPECT_THAT(LineError({"--sfm.count", "--json"}), HasSubstr("needs a value"));
