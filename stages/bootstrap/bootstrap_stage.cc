@@ -13,6 +13,7 @@
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "pipeline/resource_usage.h"
+#include "pipeline/workspace.h"
 #include "semantics/field/bootstrapping.h"
 #include "semantics/field/field_checkpoint.h"
 #include "semantics/field/idsf.h"
@@ -233,8 +234,11 @@ class BootstrapStage : public pipeline::Stage {
     FREEGS_RETURN_IF_ERROR(semantics::WriteInstanceFeatures(
         context.output / "instance_features.json",
         {.dim = field.vectors.dim,
+         // A model in the workspace is found again when that is moved.
          .model =
-             options_.model.empty() ? encoder->info().name : options_.model,
+             options_.model.empty()
+                 ? encoder->info().name
+                 : pipeline::DisplayPath(context.workspace, options_.model),
          .model_hash = encoder->model_hash(),
          .features = field.vectors.vectors}));
     semantics::InstanceNames names =

@@ -23,6 +23,7 @@
 #include "splat/render/renderer.h"
 #include "splat/scene/ply_io.h"
 #include "stages/bootstrap/seen_photo.h"
+#include "stages/scene/clip_input.h"
 #include "tests/semantics/clip/model_files.h"
 #include "tests/semantics/synthetic_gaussians.h"
 #include "tests/stages/moved_world.h"
@@ -269,6 +270,7 @@ TEST_F(BootstrapStageTest, LiftsSemantics) {
   ASSERT_TRUE(instances.ok() && features.ok());
   EXPECT_EQ(features->size(), instances->size());
   EXPECT_EQ(features->dim, 8);
+  EXPECT_EQ(features->model, semantics::TinyClip().string());
   const auto text = ReadFile(output / "metrics.json");
   ASSERT_TRUE(text.ok());
   const auto metrics = nlohmann::json::parse(*text);
@@ -279,6 +281,24 @@ TEST_F(BootstrapStageTest, LiftsSemantics) {
   // The same again from what an interrupted run has left.
   ASSERT_TRUE(Run(output, 1, nullptr, /*resuming=*/true).ok());
   EXPECT_EQ(semantics::ReadIdsf(output / "idsf.bin")->features, idsf->features);
+}
+
+TEST_F(BootstrapStageTest, AModelInTheWorkspaceIsFoundWhenThatIsMoved) {
+  options_.mode = "lift";
+  const fs::path model = workspace() / "clip";
+  fs::copy(semantics::TinyClip(), model);
+  options_.model = model.string();
+  const fs::path output = workspace() / "bootstrap";
+  const Status status = Run(output);
+  ASSERT_TRUE(status.ok()) << status.message();
+  const auto features =
+      semantics::ReadInstanceFeatures(output / "instance_features.json");
+  ASSERT_TRUE(features.ok());
+  EXPECT_EQ(features->model, "clip");
+  TemporaryFolder elsewhere;
+  fs::rename(model, elsewhere / "clip");
+  const auto encoder = OpenModelOfFeatures(*features, elsewhere.path(), "");
+  EXPECT_TRUE(encoder.ok()) << encoder.status().message();
 }
 
 TEST_F(BootstrapStageTest, MissingModelIsAMissingDependency) {
