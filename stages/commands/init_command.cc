@@ -37,7 +37,10 @@ Status RunInitCommand(const std::vector<std::string>& arguments,
   FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> positional,
                           InitWords().ParseAndApply(arguments));
   const fs::path workspace = positional[0];
-  FREEGS_RETURN_IF_ERROR(CheckWorkspaceFolder(workspace));
+  // The photos may be there before the workspace is. Command init is not told
+  // where, so it goes by these names.
+  FREEGS_RETURN_IF_ERROR(CheckWorkspaceFolder(
+      workspace, {workspace / "photos", workspace / "images"}));
   std::error_code error;
   FREEGS_RETURN_IF_ERROR(PrepareOutputFolder(workspace));
   const std::pair<fs::path, std::string> files[] = {

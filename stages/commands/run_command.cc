@@ -316,7 +316,9 @@ Status RunRunCommand(const std::vector<std::string>& arguments,
   }
   const std::vector<std::string>& words = line.positional;
   request.workspace = AbsoluteFolder(words.back());
-  FREEGS_RETURN_IF_ERROR(CheckWorkspaceFolder(request.workspace));
+  fs::path images;
+  if (words.size() == 2) images = AbsoluteFolder(words.front());
+  FREEGS_RETURN_IF_ERROR(CheckWorkspaceFolder(request.workspace, {images}));
   std::optional<pipeline::WorkspaceLock> lock;
   const auto take_workspace = [&]() -> Status {
     FREEGS_RETURN_IF_ERROR(PrepareOutputFolder(request.workspace));
@@ -336,7 +338,7 @@ Status RunRunCommand(const std::vector<std::string>& arguments,
   FREEGS_RETURN_IF_ERROR(CheckGivenPaths(
       request.workspace, table, line.settings, before.settings));
   FREEGS_RETURN_IF_ERROR(Recall(before, targets, line, table, &request));
-  if (words.size() == 2) request.info.images = AbsoluteFolder(words.front());
+  if (!images.empty()) request.info.images = images;
   if (request.info.images.empty()) {
     return InvalidArgumentError(
         request.workspace.string() +

@@ -2,21 +2,29 @@
 
 #include "stages/run/workspace_folder.h"
 
+#include <algorithm>
 #include <string>
 #include <system_error>
 
+#include "core/io/files.h"
 #include "pipeline/workspace.h"
 
 namespace freegs::stages {
 
 namespace fs = std::filesystem;
 
-Status CheckWorkspaceFolder(const fs::path& workspace) {
+Status CheckWorkspaceFolder(const fs::path& workspace,
+                            const std::vector<fs::path>& photos) {
   std::error_code error;
   if (!fs::exists(workspace, error)) return Status();
   if (!fs::is_directory(workspace, error)) {
     return BadInputError(workspace.string() + ": not a folder");
   }
+  const auto holds_photos = [&photos](const fs::path& entry) {
+    return std::ranges::any_of(photos, [&entry](const fs::path& place) {
+      return IsWithin(place, entry);
+    });
+  };
   bool empty = true;
   for (const fs::directory_entry& entry :
        fs::directory_iterator(workspace, error)) {
@@ -25,7 +33,8 @@ Status CheckWorkspaceFolder(const fs::path& workspace) {
     // run ends before it has begun.
     empty = empty && (name.starts_with('.') || name == "README.md" ||
                       name == "workspace.json.part" ||
-                      entry.path() == pipeline::LogPath(workspace));
+                      entry.path() == pipeline::LogPath(workspace) ||
+                      holds_photos(entry.path()));
     for (const char* known : {"workspace.json",
                               "config.ini",
                               "ingest",

@@ -5,6 +5,7 @@
 #define FREEGS_STAGES_RUN_WORKSPACE_FOLDER_H_
 
 #include <filesystem>
+#include <vector>
 
 #include "core/status.h"
 
@@ -12,8 +13,11 @@ namespace freegs::stages {
 
 // kBadInput for what is no folder, and for a folder that holds other files and
 // nothing of a workspace: a mistyped argument must not fill it with stages, or
-// put a file among photos that would then count as changed.
-Status CheckWorkspaceFolder(const std::filesystem::path& workspace);
+// put a file among photos that would then count as changed. A file or folder of
+// it that is or holds one of `photos`, where photos may lie, counts as nothing.
+Status CheckWorkspaceFolder(
+    const std::filesystem::path& workspace,
+    const std::vector<std::filesystem::path>& photos = {});
 
 }  // namespace freegs::stages
 

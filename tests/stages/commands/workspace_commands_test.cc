@@ -136,6 +136,32 @@ TEST_F(CommandTest, RunTakesAFolderThatAPowerCutLeft) {
               "ingest");
 }
 
+TEST_F(CommandTest, PhotosMayLieInTheWorkspaceBeforeThereIsOne) {
+  for (const char* workspace : {"w", "v"}) {
+    WriteText(folder_ / workspace / "photos" / "day" / "1.jpg", "x");
+  }
+  ExpectError(RunRunCommand,
+              {Path("w/photos/day"), Path("w")},
+              StatusCode::kBadInput,
+              "ingest");
+  EXPECT_TRUE(fs::exists(folder_ / "w" / "workspace.json"));
+  // Those of another folder.
+  ExpectError(RunRunCommand,
+              {Path("w/photos"), Path("v")},
+              StatusCode::kBadInput,
+              "is not a workspace");
+  ASSERT_TRUE(Call(RunInitCommand, {Path("v")}).ok());
+  EXPECT_TRUE(fs::exists(folder_ / "v" / "config.ini"));
+  WriteText(folder_ / "u" / "photos" / "1.jpg", "x");
+  WriteText(folder_ / "u" / "2.jpg", "x");
+  ExpectError(
+      RunInitCommand, {Path("u")}, StatusCode::kBadInput, "is not a workspace");
+  ExpectError(RunRunCommand,
+              {Path("u/photos"), Path("u")},
+              StatusCode::kBadInput,
+              "is not a workspace");
+}
+
 TEST_F(CommandTest, AMistypedPathIsNotTakenForOneThatIsGone) {
   WriteText(folder_ / "photos" / "1.jpg", "x");
   fs::create_directories(folder_ / "w" / "sfm");
