@@ -91,7 +91,8 @@ struct Photo {
 };
 
 struct PhotoList {
-  // As the user gave it. It is never opened; only names are compared with it.
+  // The name of the folder or film that the user gave. It is never opened; only
+  // names are compared with it. Files of older programs have the path.
   std::string images_folder;
   std::vector<Photo> photos;  // In natural order of `file`.
 

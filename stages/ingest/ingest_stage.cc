@@ -160,7 +160,11 @@ class IngestStage : public pipeline::Stage {
     FREEGS_ASSIGN_OR_RETURN(photos::HoldoutRule rule, ReadHoldoutRule());
     FREEGS_RETURN_IF_ERROR(PrepareFolders(context));
     photos::PhotoList list;
-    list.images_folder = context.images.string();
+    // Later stages hash the list, and equal photos from elsewhere are the same
+    // to them. The full path is in workspace.json.
+    list.images_folder = context.images.has_filename()
+                             ? context.images.filename().string()
+                             : context.images.parent_path().filename().string();
     FREEGS_RETURN_IF_ERROR(Inspect(context, &list));
     FREEGS_RETURN_IF_ERROR(Select(context, rule, &list));
     FREEGS_RETURN_IF_ERROR(PlacePhotos(context, list));

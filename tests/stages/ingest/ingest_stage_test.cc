@@ -308,6 +308,24 @@ TEST_F(IngestStageTest, SameResultForAnyThreadCountAndAfterLeftovers) {
   EXPECT_EQ(Written().size(), 10U);
 }
 
+TEST_F(IngestStageTest, EqualPhotosFromElsewhereGiveTheSameList) {
+  WritePhotos(3);
+  const auto list_of = [&](const fs::path& source) {
+    source_ = source;
+    EXPECT_TRUE(Run().ok());
+    EXPECT_EQ(List().images_folder, "photos");
+    return ReadFile(workspace_.path() / "ingest.partial/images.json").value();
+  };
+  TemporaryFolder one;
+  TemporaryFolder other;
+  for (const TemporaryFolder* folder : {&one, &other}) {
+    fs::copy(images_.path(), *folder / "photos", fs::copy_options::recursive);
+  }
+  const std::string list = list_of(one / "photos");
+  EXPECT_EQ(list_of(other / "photos"), list);
+  EXPECT_EQ(list_of(other / "photos" / ""), list);
+}
+
 TEST_F(IngestStageTest, HoldoutListAndPattern) {
   WritePhotos(6);
   options_.holdout = "img[45].jpg";
