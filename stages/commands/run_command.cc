@@ -70,27 +70,37 @@ Status CheckImagesFolder(const fs::path& images,
            : ": no such folder of photos, and no such film"));
 }
 
-// A path that is not there is mistyped. A stage without a result says so
-// itself. One with a result would count as up to date, because what it was made
-// from may go; that holds only for what the workspace remembers.
+// Without its networks a stage lacks a part of the program.
+constexpr char kModelOption[] = "bootstrap.model";
+
+// A path that is not there is mistyped, unless the workspace remembers it. A
+// stage without a result says so itself. Of one with a result this is said
+// before stages before it are done anew. Of an option that is given several
+// times the last one counts.
 Status CheckGivenPaths(const fs::path& workspace,
                        const OptionTable& table,
                        const std::vector<OptionSetting>& given,
                        const std::map<std::string, std::string>& remembered) {
+  std::map<std::string, std::string> last;
   for (const OptionSetting& setting : given) {
-    const OptionTable::Option* option = table.Find(setting.name);
-    if (!option->spec.is_path || setting.value.empty()) continue;
+    last[setting.name] = setting.value;
+  }
+  for (const auto& [name, value] : last) {
+    const OptionTable::Option* option = table.Find(name);
+    if (!option->spec.is_path || value.empty()) continue;
     std::error_code error;
-    if (fs::exists(setting.value, error)) continue;
-    const auto before = remembered.find(setting.name);
+    if (fs::exists(value, error)) continue;
+    const auto before = remembered.find(name);
     if (before != remembered.end() &&
-        before->second == pipeline::DisplayPath(workspace, setting.value)) {
+        before->second == pipeline::DisplayPath(workspace, value)) {
       continue;
     }
     const fs::path stage = pipeline::StageFolder(workspace, option->section());
     if (!pipeline::ReadStageRecord(stage).ok()) continue;
-    return BadInputError("--" + setting.name + ": " + setting.value +
-                         ": no such file or folder");
+    const std::string fault =
+        "--" + name + ": " + value + ": no such file or folder";
+    return name == kModelOption ? MissingDependencyError(fault)
+                                : BadInputError(fault);
   }
   return Status();
 }

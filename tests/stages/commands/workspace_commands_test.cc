@@ -174,6 +174,26 @@ TEST_F(CommandTest, AMistypedPathIsNotTakenForOneThatIsGone) {
               StatusCode::kBadInput,
               "--sfm.import: " + path);
   EXPECT_FALSE(fs::exists(folder_ / "w" / "workspace.json"));
+  // The same code as without a result.
+  fs::create_directories(folder_ / "w" / "bootstrap");
+  ASSERT_TRUE(pipeline::WriteStageRecord(folder_ / "w" / "bootstrap",
+                                         pipeline::StageRecord())
+                  .ok());
+  ExpectError(RunRunCommand,
+              {Path("photos"), Path("w"), "--bootstrap.model", path},
+              StatusCode::kMissingDependency,
+              "--bootstrap.model: " + path);
+  // The last one counts.
+  ExpectError(RunRunCommand,
+              {Path("photos"),
+               Path("w"),
+               "--sfm.import",
+               path,
+               "--sfm.import",
+               Path("photos")},
+              StatusCode::kBadInput,
+              "ingest");
+  fs::remove(folder_ / "w" / "workspace.json");
   // A path that the workspace remembers may be gone.
   pipeline::WorkspaceInfo info;
   info.images = Path("photos");
