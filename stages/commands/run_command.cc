@@ -406,6 +406,7 @@ Status RunStageCommand(const std::vector<std::string>& arguments,
   FREEGS_ASSIGN_OR_RETURN(request.workspace,
                           ExistingWorkspace(line.positional[1]));
   FREEGS_RETURN_IF_ERROR(CheckWorkspaceFolder(request.workspace));
+  FREEGS_RETURN_IF_ERROR(PrepareOutputFolder(request.workspace));
   FREEGS_ASSIGN_OR_RETURN(const pipeline::WorkspaceLock lock,
                           pipeline::WorkspaceLock::Acquire(request.workspace));
   FREEGS_ASSIGN_OR_RETURN(request.info,

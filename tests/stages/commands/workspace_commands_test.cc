@@ -5,6 +5,7 @@
 #include <map>
 #include <sstream>
 #include <string>
+#include <unistd.h>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -473,6 +474,24 @@ TEST_F(CommandTest, OneRunAtATime) {
                 StatusCode::kBadInput,
                 "another freegs_pipeline");
   }
+}
+
+TEST_F(CommandTest, AWorkspaceThatCannotBeWrittenToIsBadInput) {
+  if (geteuid() == 0) GTEST_SKIP() << "root may write everywhere";
+  WriteText(folder_ / "photos" / "1.jpg", "x");
+  pipeline::WorkspaceInfo info;
+  info.images = Path("photos");
+  fs::create_directory(folder_ / "w");
+  ASSERT_TRUE(pipeline::WriteWorkspaceInfo(folder_ / "w", info).ok());
+  WriteText(folder_ / "w" / ".lock", "");
+  fs::permissions(folder_ / "w", fs::perms::owner_read | fs::perms::owner_exec);
+  ExpectError(RunStageCommand,
+              {"ingest", Path("w")},
+              StatusCode::kBadInput,
+              "cannot write here");
+  ExpectError(
+      RunRunCommand, {Path("w")}, StatusCode::kBadInput, "cannot write here");
+  fs::permissions(folder_ / "w", fs::perms::owner_all);
 }
 
 TEST_F(CommandTest, StageErrors) {
