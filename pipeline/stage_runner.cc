@@ -245,17 +245,25 @@ std::vector<StageForecast> StageRunner::Forecast(ThreadPool& pool) {
   std::vector<StageForecast> forecasts;
   std::vector<bool> done;
   const std::vector<StageReport> reports = States();
+  std::string redone;
   for (size_t i = 0; i < reports.size(); ++i) {
     const auto& [name, state] = reports[i];
-    const bool redone = name == options_.forced;
-    const bool holds = (state.status == StageStatus::kDone && !redone) ||
+    const bool in_run = i >= First() && i < End();
+    const bool has_result = state.status == StageStatus::kDone;
+    const bool forced = name == options_.forced;
+    // After a stage whose result is made again although it holds, Run does all
+    // stages again.
+    const bool follows = in_run && has_result && !redone.empty();
+    const bool holds = (has_result && !forced && !follows) ||
                        state.status == StageStatus::kForeign;
-    done.push_back(i < First() || i >= End() || holds);
-    forecasts.push_back(
-        {.stage = name,
-         .needed = !done[i],
-         .reason = redone ? options_.forced_reason : state.reason,
-         .begun = state.resumable});
+    done.push_back(!in_run || holds);
+    forecasts.push_back({.stage = name,
+                         .needed = !done[i],
+                         .reason = forced    ? options_.forced_reason
+                                   : follows ? "stage " + redone + " is redone"
+                                             : state.reason,
+                         .begun = state.resumable});
+    if (in_run && has_result && forced) redone = name;
   }
   const std::vector<StageNeed> needs = Foretell(done, pool);
   for (size_t i = 0; i < needs.size(); ++i) forecasts[i].need = needs[i];

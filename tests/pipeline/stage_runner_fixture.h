@@ -5,9 +5,11 @@
 #ifndef FREEGS_TESTS_PIPELINE_STAGE_RUNNER_FIXTURE_H_
 #define FREEGS_TESTS_PIPELINE_STAGE_RUNNER_FIXTURE_H_
 
+#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -92,6 +94,7 @@ class StageRunnerTest : public ::testing::Test {
   std::filesystem::path workspace() const { return folder_ / "ws"; }
   std::filesystem::path images() const { return images_; }
 
+  // With `forced`, only this stage is run.
   StageRunner MakeRunner(Logger* logger, const std::string& forced = "") {
     std::vector<RunnerStage> stages;
     for (auto& [name, script] : {std::pair{"a", &a_}, {"b", &b_}, {"c", &c_}}) {
@@ -105,7 +108,8 @@ class StageRunnerTest : public ::testing::Test {
     options.images = images();
     options.from = forced.empty() ? from_ : forced;
     options.to = forced.empty() ? to_ : forced;
-    options.forced = forced;
+    options.forced = forced.empty() ? forced_ : forced;
+    options.deadline = deadline_;
     options.num_threads = 1;
     options.usage_interval_seconds = 0;
     return StageRunner(
@@ -152,6 +156,8 @@ class StageRunnerTest : public ::testing::Test {
   std::filesystem::path images_ = folder_ / "photos";
   Script a_, b_, c_;
   std::string from_, to_;
+  std::string forced_;  // Run again together with the stages after it.
+  std::optional<std::chrono::steady_clock::time_point> deadline_;
   std::string log_;
   std::unique_ptr<CancellationToken> cancellation_ =
       std::make_unique<CancellationToken>();

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the runner says before and while stages need memory and time.
 
+#include <chrono>
 #include <filesystem>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -102,6 +104,62 @@ TEST_F(StageRunnerTest, ForecastsBuildOnWhatIsDone) {
   EXPECT_TRUE(stages[0].needed);
   EXPECT_EQ(stages[0].reason, "redone as asked");
   EXPECT_FALSE(stages[1].needed);
+}
+
+// The deadline of the forced stage leaves them their time.
+TEST_F(StageRunnerTest, ForecastsThatStagesAfterAForcedOneAreRedone) {
+  const auto takes = [](double seconds) {
+    return [seconds](const StageContext&) {
+      return StageNeed{.memory_bytes = 1000, .seconds = seconds};
+    };
+  };
+  a_.need = takes(10);
+  b_.need = takes(20);
+  c_.need = takes(30);
+  ASSERT_TRUE(Run().ok());
+  const auto forecast = [this] {
+    std::ostringstream console;
+    Logger logger(console, /*terminal=*/false, "");
+    return *MakeRunner(&logger).Forecast();
+  };
+  EXPECT_FALSE(forecast()[2].needed);
+  forced_ = "a";
+  std::vector<StageForecast> stages = forecast();
+  EXPECT_EQ(stages[0].reason, "redone as asked");
+  EXPECT_TRUE(stages[0].needed && stages[1].needed && stages[2].needed);
+  EXPECT_EQ(stages[1].reason, "stage a is redone");
+  EXPECT_EQ(stages[2].reason, "stage a is redone");
+  EXPECT_FALSE(stages[2].need.from_files);
+
+  deadline_ = std::chrono::steady_clock::now() + std::chrono::hours(1);
+  std::optional<std::chrono::steady_clock::time_point> deadline_of_a;
+  a_.act = [&deadline_of_a](StageContext& context) {
+    deadline_of_a = context.deadline;
+    return Status();
+  };
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(Runs(), "222");
+  EXPECT_THAT(log_, HasSubstr("run: expected to take about 1 min"));
+  ASSERT_TRUE(deadline_of_a.has_value());
+  EXPECT_EQ(*deadline_ - *deadline_of_a, std::chrono::seconds(50));
+
+  // Only stages of the run are done again, and results of others never.
+  to_ = "b";
+  stages = forecast();
+  EXPECT_TRUE(stages[1].needed);
+  EXPECT_FALSE(stages[2].needed);
+  to_ = "";
+  forced_ = "b";
+  stages = forecast();
+  EXPECT_FALSE(stages[0].needed);
+  EXPECT_EQ(stages[2].reason, "stage b is redone");
+  from_ = "c";
+  EXPECT_FALSE(forecast()[2].needed);
+  from_ = "";
+  fs::remove(workspace() / "c" / "stage.json");
+  stages = forecast();
+  EXPECT_TRUE(stages[1].needed);
+  EXPECT_FALSE(stages[2].needed);
 }
 
 TEST_F(StageRunnerTest, MemoryThatIsInUseBeforeAStageCounts) {
