@@ -56,24 +56,39 @@ std::filesystem::path MetricsPath(const std::filesystem::path& workspace) {
   return pipeline::StageFolder(workspace, kTraining) / "metrics.json";
 }
 
-// Has the training done again if the time of an earlier run ended it before all
-// its iterations. For run WORKSPACE such a training is good enough; a goal is
-// not measured by it.
+// Why a training with these metrics.json and options is not whole: the time of
+// an earlier run was up before its last iteration, or before the search about
+// exposure came to an end. Every search that comes to an end leaves an object
+// there, also one that could measure nothing. Empty for a whole training.
+std::string WhyNotWhole(const nlohmann::json& metrics,
+                        const ReconstructStageOptions& options) {
+  const auto done = metrics.find("iterations");
+  if (done == metrics.end() || !done->is_number()) return "";
+  if (done->get<double>() < options.iterations) {
+    return "the training ended after " + std::to_string(done->get<int64_t>()) +
+           " of " + std::to_string(options.iterations) + " iterations";
+  }
+  const auto search = metrics.find("exposure_search");
+  if (options.exposure == "auto" && search != metrics.end() &&
+      search->is_null()) {
+    return "the training had no time to decide whether to learn the exposure "
+           "of each photo";
+  }
+  return "";
+}
+
+// Has the training done again if it is not whole. For run WORKSPACE such a
+// training is good enough; a goal is not measured by it.
 RunRequest WithWholeTraining(RunRequest request,
                              const PipelineOptions& options) {
   if (!options.reconstruct.import.empty()) return request;
   const StatusOr<nlohmann::json> metrics =
       ReadJson(MetricsPath(request.workspace));
   if (!metrics.ok() || !metrics->is_object()) return request;
-  const auto done = metrics->find("iterations");
-  if (done == metrics->end() || !done->is_number() ||
-      done->get<double>() >= options.reconstruct.iterations) {
-    return request;
-  }
+  const std::string reason = WhyNotWhole(*metrics, options.reconstruct);
+  if (reason.empty()) return request;
   request.forced = kTraining;
-  request.forced_reason =
-      "the training ended after " + std::to_string(done->get<int64_t>()) +
-      " of " + std::to_string(options.reconstruct.iterations) + " iterations";
+  request.forced_reason = reason;
   return request;
 }
 

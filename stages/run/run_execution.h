@@ -54,8 +54,8 @@ Status Execute(const RunRequest& request,
 // Runs all stages within so many seconds (timed_run.h). `settings` are those of
 // the user, among them preset auto. The options that are chosen are remembered,
 // so that `run WORKSPACE` goes on with them. A training that an earlier run
-// ended before all its iterations is done anew. Also returns errors of
-// settings.
+// ended before all its iterations, or before it was decided whether exposure is
+// learnt, is done anew. Also returns errors of settings.
 Status ExecuteWithin(double seconds,
                      const std::vector<pipeline::OptionSetting>& settings,
                      const RunRequest& request,

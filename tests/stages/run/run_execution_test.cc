@@ -43,16 +43,21 @@ class RunExecutionTest : public ::testing::Test {
   // Makes results of the stages up to a training of 625 iterations with 17.6
   // dB, which ended after so many.
   void MakeTraining(int iterations) {
+    MakeTraining({{"reconstruct.iterations", "625", "a test"},
+                  {"reconstruct.densify_interval",
+                   std::to_string(DensifyInterval(625)),
+                   "a test"}},
+                 "{\"holdout_psnr\": 17.6, \"iterations\": " +
+                     std::to_string(iterations) + "}");
+  }
+
+  // Makes results of the stages up to a training with the options that were
+  // chosen for it and with this metrics.json.
+  void MakeTraining(const std::vector<pipeline::OptionSetting>& chosen,
+                    const std::string& metrics) {
     PipelineOptions options;
     pipeline::OptionTable table = MakeOptionTable(&options);
-    ASSERT_TRUE(ApplySettings(workspace(),
-                              settings_,
-                              table,
-                              {{"reconstruct.iterations", "625", "a test"},
-                               {"reconstruct.densify_interval",
-                                std::to_string(DensifyInterval(625)),
-                                "a test"}})
-                    .ok());
+    ASSERT_TRUE(ApplySettings(workspace(), settings_, table, chosen).ok());
     fs::create_directories(workspace() / "ingest");
     photos::PhotoList list;
     photos::Photo photo;
@@ -65,9 +70,7 @@ class RunExecutionTest : public ::testing::Test {
     ASSERT_TRUE(
         photos::WritePhotoList(workspace() / "ingest" / "images.json", list)
             .ok());
-    WriteText(workspace() / "reconstruct" / "metrics.json",
-              "{\"holdout_psnr\": 17.6, \"iterations\": " +
-                  std::to_string(iterations) + "}");
+    WriteText(workspace() / "reconstruct" / "metrics.json", metrics);
     pipeline::FingerprintCache cache(workspace(), folder_ / "cache");
     pipeline::StageContext context;
     context.workspace = workspace();
@@ -91,9 +94,32 @@ class RunExecutionTest : public ::testing::Test {
     return log.str();
   }
 
+  // Returns what a run within a time logged of a training of 300 iterations,
+  // all of which were done, whose metrics.json says this of the search about
+  // exposure.
+  std::string RunWithinAfter(const std::string& search,
+                             const std::string& exposure = "auto") {
+    const std::vector<pipeline::OptionSetting> options = {
+        {"sfm.max_features", "1200", "a test"},
+        {"reconstruct.exposure", exposure, "a test"},
+        {"reconstruct.iterations", "300", "a test"},
+        {"reconstruct.max_image_size", "640", "a test"},
+        {"reconstruct.sh_degree", "2", "a test"},
+        {"reconstruct.budget", "auto:50000", "a test"},
+        {"reconstruct.densify_interval", "10", "a test"}};
+    MakeTraining(options,
+                 "{\"iterations\": 300, \"exposure_search\": " + search + "}");
+    // Given by the user, so that the run chooses no others.
+    settings_.insert(settings_.end(), options.begin(), options.end());
+    std::ostringstream log;
+    EXPECT_FALSE(
+        ExecuteWithin(60, settings_, request_, log, CancellationToken()).ok());
+    return log.str();
+  }
+
   TemporaryFolder folder_;
   RunRequest request_;
-  const std::vector<pipeline::OptionSetting> settings_ = {
+  std::vector<pipeline::OptionSetting> settings_ = {
       {"general.preset", kAutoPreset, "a test"}};
 };
 
@@ -113,6 +139,28 @@ TEST_F(RunExecutionTest, ATrainingThatEndedEarlyIsDoneAnewForAGoal) {
               HasSubstr("reconstruct: the training ended after 300 of 625 "
                         "iterations\n"));
   EXPECT_THAT(log, Not(HasSubstr("bootstrap:")));
+}
+
+TEST_F(RunExecutionTest,
+       ATrainingWithoutTimeForTheSearchIsDoneAnewWithinATime) {
+  const std::string log = RunWithinAfter("null");
+  EXPECT_THAT(log, HasSubstr("undistort: up to date\n"));
+  EXPECT_THAT(log,
+              HasSubstr("reconstruct: the training had no time to decide "
+                        "whether to learn the exposure of each photo\n"));
+  EXPECT_THAT(log, Not(HasSubstr("bootstrap:")));
+}
+
+// Also one that had too few photos, or came to nothing.
+TEST_F(RunExecutionTest, ATrainingWhoseSearchCameToAnEndIsWhole) {
+  EXPECT_THAT(
+      RunWithinAfter("{\"learn\": false, \"with\": null, \"without\": null}"),
+      HasSubstr("reconstruct: up to date\n"));
+}
+
+TEST_F(RunExecutionTest, ATrainingThatNeedsNoSearchIsWhole) {
+  EXPECT_THAT(RunWithinAfter("null", "off"),
+              HasSubstr("reconstruct: up to date\n"));
 }
 
 // Killed after the record was written and before the folder was renamed.
