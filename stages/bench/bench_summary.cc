@@ -17,6 +17,9 @@
 namespace freegs::stages {
 namespace {
 
+// Figures over all stages of a run begin with this (cell_result.h).
+constexpr char kTotalPrefix[] = "total.";
+
 // Cells that one row of a table is about.
 struct Row {
   std::vector<std::string> keys;  // The values of the table's keys.
@@ -125,14 +128,25 @@ std::optional<std::string> Words(const BenchResults& bench,
   return text;
 }
 
-// Mean of a figure over cells, and its spread if that is asked for.
+bool AnyIsDone(const BenchResults& bench, const std::vector<size_t>& cells) {
+  return std::any_of(cells.begin(), cells.end(), [&bench](size_t i) {
+    return bench.results[i].status == CellStatus::kDone;
+  });
+}
+
+// Mean of a figure over cells, and its spread if that is asked for. The totals
+// of a run that failed lack the stages that it did not reach, so no mean is
+// taken of them and those of whole runs.
 std::string Field(const BenchResults& bench,
                   const std::vector<size_t>& cells,
                   const std::string& name,
                   bool with_spread) {
   if (const auto words = Words(bench, cells, name)) return *words;
+  const bool only_done =
+      name.starts_with(kTotalPrefix) && AnyIsDone(bench, cells);
   std::vector<double> values;
   for (const size_t i : cells) {
+    if (only_done && bench.results[i].status != CellStatus::kDone) continue;
     const auto value = bench.results[i].values.find(name);
     if (value != bench.results[i].values.end()) {
       values.push_back(value->second);

@@ -112,30 +112,62 @@ test("charts, tables and failures, from the file system", async () => {
   await page.close();
 });
 
-test("each row has what was said, and the reason once", async () => {
+/** The page with results that were changed, as a file of this name. */
+function changedPage(name, change) {
   const html = readFileSync(join(out, "index.html"), "utf8");
-  const file = join(out, "said.html");
-  let done;
-  let failed;
+  const file = join(out, name);
   writeFileSync(
     file,
     html.replace(/(?<=id="results">)[^]*?(?=<\/script>)/, (json) => {
       const results = JSON.parse(json);
-      const index = (status) =>
-        results.cells.findIndex((cell) => cell.status === status);
-      done = index("done");
-      failed = index("failed");
-      results.cells[done].said = ["warning: few poses"];
-      results.cells[failed].reason = "sfm: no poses";
-      results.cells[failed].said = [
-        "warning: dark photos",
-        "freegs_pipeline: sfm: no poses",
-      ];
+      change(results);
       return JSON.stringify(results).replaceAll("<", "\\u003c");
     }),
   );
+  return pathToFileURL(file).href;
+}
+
+test("totals of failed runs count only among themselves", async () => {
+  const address = changedPage("totals.html", (results) => {
+    results.tables[0].columns = ["total.cpu_seconds", "sfm.cpu_seconds"];
+    const ofGrid = (grid) => results.cells.filter((cell) => cell.grid === grid);
+    const [cut, whole] = ofGrid("presets").filter(
+      (cell) => cell.point.preset === "fast",
+    );
+    cut.status = "failed";
+    cut.values = { "total.cpu_seconds": 9, "sfm.cpu_seconds": 8 };
+    whole.values = { "total.cpu_seconds": 40, "sfm.cpu_seconds": 8 };
+    for (const cell of ofGrid("broken")) {
+      cell.values = { "total.cpu_seconds": 9 };
+    }
+  });
   const page = await browser.newPage();
-  await page.goto(pathToFileURL(file).href);
+  await page.goto(address);
+  const rows = page.locator("table").first().locator("tbody tr");
+  const figures = (text) =>
+    rows.filter({ hasText: text }).locator("td.number").allTextContents();
+  assert.deepEqual(await figures("fast"), ["40", "8"]);
+  assert.deepEqual(await figures("broken"), ["9", ""]);
+  await page.close();
+});
+
+test("each row has what was said, and the reason once", async () => {
+  let done;
+  let failed;
+  const address = changedPage("said.html", (results) => {
+    const index = (status) =>
+      results.cells.findIndex((cell) => cell.status === status);
+    done = index("done");
+    failed = index("failed");
+    results.cells[done].said = ["warning: few poses"];
+    results.cells[failed].reason = "sfm: no poses";
+    results.cells[failed].said = [
+      "warning: dark photos",
+      "freegs_pipeline: sfm: no poses",
+    ];
+  });
+  const page = await browser.newPage();
+  await page.goto(address);
   const rows = page.locator("table").last().locator("tbody tr");
   const lines = (row) => rows.nth(row).locator("td > div").allTextContents();
   assert.deepEqual(await lines(done), ["warning: few poses"]);

@@ -318,9 +318,15 @@ export function chartOption(results: Results, chart: Chart) {
   };
 }
 
-/** The range of a figure over the cells, for tables. */
+/**
+ * The range of a figure over the cells, for tables. The totals of a run that
+ * failed lack the stages that it did not reach, so they count only where no
+ * cell is done.
+ */
 export function cellSpread(cells: Cell[], name: string) {
+  const done = cells.filter((cell) => cell.status === "done");
+  const taken = name.startsWith("total.") && done.length > 0 ? done : cells;
   return spread(
-    cells.map((cell) => cell.values[name]).filter((value) => value !== undefined),
+    taken.map((cell) => cell.values[name]).filter((value) => value !== undefined),
   );
 }
