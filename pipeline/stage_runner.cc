@@ -440,38 +440,55 @@ Status StageRunner::RunStage(RunnerStage& stage,
   const ResourceUsage usage = Sum(earlier, meter.Elapsed());
 
   StageRecord record = MakeRecord(stage, fingerprint, need, usage, context);
-  if (status.ok()) {
-    record.contents = StageContents(context.output);
-    for (const std::string& file : stage.stage->Disposable()) {
-      std::erase(record.contents, file);
-    }
-    logger_.SetTransient("");
-    FREEGS_RETURN_IF_ERROR(FinishPartial(options_.workspace, name, record));
-    // Which files later stages read may depend on what is in place, such as
-    // masks. Without the list nothing is compared with it, so no harm is done
-    // if it cannot be written.
-    const fs::path folder = StageFolder(options_.workspace, name);
-    record.outputs = ListOutputFiles(folder, ReadLater(name));
-    (void)WriteStageRecord(folder, record);
-    logger_.Log(LogLevel::kInfo, name + ": done in " + UsageText(usage));
-    return Status();
-  }
+  if (!status.ok()) return NoteFailure(stage, status, context, &record);
+  FREEGS_RETURN_IF_ERROR(PutInPlace(stage, context, &record));
+  logger_.Log(LogLevel::kInfo, name + ": done in " + UsageText(usage));
+  return Status();
+}
 
+// Puts what the stage made in its place, with the record of its run.
+Status StageRunner::PutInPlace(const RunnerStage& stage,
+                               const StageContext& context,
+                               StageRecord* record) {
+  const std::string name = NameOf(stage);
+  record->contents = StageContents(context.output);
+  for (const std::string& file : stage.stage->Disposable()) {
+    std::erase(record->contents, file);
+  }
+  logger_.SetTransient("");
+  FREEGS_RETURN_IF_ERROR(FinishPartial(options_.workspace, name, *record));
+  // Which files later stages read may depend on what is in place, such as
+  // masks. Without the list nothing is compared with it, so no harm is done if
+  // it cannot be written.
+  const fs::path folder = StageFolder(options_.workspace, name);
+  record->outputs = ListOutputFiles(folder, ReadLater(name));
+  (void)WriteStageRecord(folder, *record);
+  return Status();
+}
+
+// Writes down why the stage did not succeed. Returns it as the user is told.
+Status StageRunner::NoteFailure(const RunnerStage& stage,
+                                const Status& status,
+                                const StageContext& context,
+                                StageRecord* record) {
+  const std::string name = NameOf(stage);
   // A child process that got the same Ctrl-C makes a stage fail in its own
   // words; it was an interruption all the same.
   const bool interrupted =
       status.code() == StatusCode::kInterrupted || cancellation_.cancelled();
-  record.outcome =
+  record->outcome =
       interrupted ? StageOutcome::kInterrupted : StageOutcome::kFailed;
-  record.error_code = interrupted ? StatusCode::kInterrupted : status.code();
-  record.error = status.message();
+  record->error_code = interrupted ? StatusCode::kInterrupted : status.code();
+  record->error = status.message();
   // The stage's error matters more than one of writing it down.
-  (void)WritePartialUsage(context.output, usage);
-  (void)WriteStageRecord(context.output, record);
+  (void)WritePartialUsage(
+      context.output,
+      {record->wall_seconds, record->cpu_seconds, record->peak_memory_bytes});
+  (void)WriteStageRecord(context.output, *record);
   logger_.LogToFile(LogLevel::kError, Prefixed(name, status.message()));
   return Status(
-      record.error_code,
-      FailureMessage(name, status, record, options_.way_on, context.output));
+      record->error_code,
+      FailureMessage(name, status, *record, options_.way_on, context.output));
 }
 
 }  // namespace freegs::pipeline

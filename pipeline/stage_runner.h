@@ -113,6 +113,13 @@ class StageRunner {
                   const StageFingerprint& fingerprint,
                   bool resume,
                   ThreadPool& pool);
+  Status PutInPlace(const RunnerStage& stage,
+                    const StageContext& context,
+                    StageRecord* record);
+  Status NoteFailure(const RunnerStage& stage,
+                     const Status& status,
+                     const StageContext& context,
+                     StageRecord* record);
   size_t IndexOf(const std::string& name) const;
   std::string StageNames() const;
 
