@@ -213,38 +213,86 @@ bool IsWorthContinuing(const StageRecord& failed) {
          failed.error_code == StatusCode::kInternal;
 }
 
+namespace {
+
+// What an unfinished run left.
+struct Unfinished {
+  bool there = false;
+  std::string difference;  // From what a run has now; empty: it can go on.
+  bool failed = false;
+};
+
+// Notes in the state what the run wrote down, and which inputs it waits for.
+Unfinished InspectPartial(const fs::path& partial,
+                          const CurrentInputs& now,
+                          StageState* state) {
+  Unfinished unfinished;
+  std::error_code error;
+  if (!fs::exists(partial, error)) return unfinished;
+  unfinished.there = true;
+  const StatusOr<StageFingerprint> begun = ReadPartialFingerprint(partial);
+  unfinished.difference = begun.ok() ? Difference(*begun, now.fingerprint)
+                                     : "what it left is incomplete";
+  StatusOr<StageRecord> attempt = ReadStageRecord(partial);
+  if (attempt.ok()) state->attempt = *std::move(attempt);
+  if (begun.ok()) state->waits_for = WaitsFor(*begun, now);
+  unfinished.failed =
+      state->attempt && state->attempt->outcome == StageOutcome::kFailed;
+  if (unfinished.failed && !IsWorthContinuing(*state->attempt)) {
+    state->waits_for.clear();
+  }
+  return unfinished;
+}
+
+// Returns why the result of the last finished run does not hold any more, or
+// nothing if it does. Notes in the state what was found.
+std::string InspectResult(const fs::path& workspace,
+                          const std::string& stage,
+                          const CurrentInputs& now,
+                          const std::vector<fs::path>& read_later,
+                          StageState* state) {
+  StatusOr<StageRecord> result = ReadStageRecord(StageFolder(workspace, stage));
+  if (!result.ok() || result->outcome != StageOutcome::kDone) {
+    return "its stage.json is damaged";
+  }
+  CurrentInputs expected = now;
+  const std::vector<std::string> gone =
+      KeepGoneInputs(result->fingerprint, GoneRule::kWasReadThere, &expected);
+  if (!gone.empty()) {
+    state->note = StateText(gone, "gone") + "; keeping the result made from " +
+                  (gone.size() == 1 ? "it" : "them");
+  }
+  std::string difference =
+      Difference(result->fingerprint, expected.fingerprint);
+  if (difference.empty()) {
+    difference =
+        CheckOutput(workspace, stage, *result, read_later, &state->note);
+    state->lacks_files = !difference.empty();
+    state->inputs_moved = HasMoved(result->fingerprint, expected.fingerprint);
+    result->fingerprint = std::move(expected.fingerprint);
+  }
+  state->result = *std::move(result);
+  return difference;
+}
+
+}  // namespace
+
 StageState InspectStage(const fs::path& workspace,
                         const std::string& stage,
                         const CurrentInputs& now,
                         const std::vector<fs::path>& read_later) {
   StageState state;
-  std::error_code error;
-  const fs::path folder = StageFolder(workspace, stage);
-  const fs::path partial = PartialFolder(workspace, stage);
-
-  // What an unfinished run left.
-  std::string partial_difference;
-  const bool unfinished = fs::exists(partial, error);
-  if (unfinished) {
-    const StatusOr<StageFingerprint> begun = ReadPartialFingerprint(partial);
-    partial_difference = begun.ok() ? Difference(*begun, now.fingerprint)
-                                    : "what it left is incomplete";
-    StatusOr<StageRecord> attempt = ReadStageRecord(partial);
-    if (attempt.ok()) state.attempt = *std::move(attempt);
-    if (begun.ok()) state.waits_for = WaitsFor(*begun, now);
-  }
-  const bool failed =
-      state.attempt && state.attempt->outcome == StageOutcome::kFailed;
-  if (failed && !IsWorthContinuing(*state.attempt)) state.waits_for.clear();
-  const bool continuable = unfinished && partial_difference.empty();
-  if (continuable && !failed) {
+  const Unfinished unfinished =
+      InspectPartial(PartialFolder(workspace, stage), now, &state);
+  const bool continuable = unfinished.there && unfinished.difference.empty();
+  if (continuable && !unfinished.failed) {
     state.status = StageStatus::kInterrupted;
     state.reason = "continuing an interrupted run";
     state.resumable = true;
   }
 
-  // What the last finished run left.
-  std::string result_difference;
+  std::error_code error;
+  const fs::path folder = StageFolder(workspace, stage);
   const bool finished = fs::exists(folder, error);
   if (finished && !fs::exists(RecordPath(folder), error)) {
     state.status = StageStatus::kForeign;
@@ -255,46 +303,26 @@ StageState InspectStage(const fs::path& workspace,
     state.resumable = false;
     return state;
   }
+  std::string result_difference;
   if (finished) {
-    StatusOr<StageRecord> result = ReadStageRecord(folder);
-    if (result.ok() && result->outcome == StageOutcome::kDone) {
-      CurrentInputs expected = now;
-      const std::vector<std::string> gone = KeepGoneInputs(
-          result->fingerprint, GoneRule::kWasReadThere, &expected);
-      if (!gone.empty()) {
-        state.note = StateText(gone, "gone") +
-                     "; keeping the result made from " +
-                     (gone.size() == 1 ? "it" : "them");
-      }
-      result_difference = Difference(result->fingerprint, expected.fingerprint);
-      if (result_difference.empty()) {
-        result_difference =
-            CheckOutput(workspace, stage, *result, read_later, &state.note);
-        state.lacks_files = !result_difference.empty();
-        state.inputs_moved =
-            HasMoved(result->fingerprint, expected.fingerprint);
-        result->fingerprint = std::move(expected.fingerprint);
-      }
-      state.result = *std::move(result);
-    } else {
-      result_difference = "its stage.json is damaged";
-    }
+    result_difference =
+        InspectResult(workspace, stage, now, read_later, &state);
   }
 
   if (state.resumable) return state;
   if (finished && result_difference.empty()) {
     state.status = StageStatus::kDone;
-  } else if (failed) {
+  } else if (unfinished.failed) {
     state.status = StageStatus::kFailed;
     state.reason = state.attempt->error;
     state.resumable = continuable && IsWorthContinuing(*state.attempt);
   } else if (finished) {
     state.status = StageStatus::kStale;
     state.reason = result_difference;
-  } else if (unfinished) {
+  } else if (unfinished.there) {
     state.status = StageStatus::kInterrupted;
     state.reason =
-        "an interrupted run cannot be continued: " + partial_difference;
+        "an interrupted run cannot be continued: " + unfinished.difference;
   } else {
     state.reason = "not run yet";
   }
