@@ -13,9 +13,17 @@
 namespace freegs::sfm {
 namespace {
 
-// Centres count as collinear when their spread across the main direction is
-// below this share of the spread along it.
-constexpr double kMinSpreadRatio = 1e-3;
+// The least variances that noise is taken to have, because less is lost in the
+// rounding of what is computed here. That of a centre is relative to the
+// squares of the spread and of the distance from the origin; that of an
+// orientation is in square radians.
+constexpr double kSpreadRounding = 1e-14;
+constexpr double kOriginRounding = 1e-30;
+constexpr double kAngleRounding = 1e-15;
+
+// Orientations contradict the centres when the rotation that they pull to is
+// more standard deviations than this from that of the centres.
+constexpr double kMaxDeviations = 3;
 
 struct Centred {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
@@ -49,12 +57,63 @@ Status CheckSpread(const Centred& source, const Centred& target) {
   return {};
 }
 
-bool AreCollinear(const Centred& points) {
-  // Eigenvalues of the scatter matrix are the squares of the spreads along the
-  // principal axes; they come in ascending order.
-  const Eigen::Matrix3d scatter = points.offsets * points.offsets.transpose();
-  const Eigen::Vector3d spreads = DecomposeSymmetric(scatter).values;
-  return spreads(1) < kMinSpreadRatio * kMinSpreadRatio * spreads(2);
+// The rotation on which centres and orientations agree best.
+// `relative_rotations` is the sum of the cameras' own target-from-source
+// rotations.
+//
+// Both say how likely a rotation R is: the centres by their distances, and the
+// orientations by the angle between R and their mean. Each counts by its own
+// noise. Centres on a ring know R better by far. Centres near a line know all
+// but the roll about the line, and the roll is that of the orientations. For
+// both, the logarithm of the likelihood is tr(R^T M) with some matrix M, but
+// for a constant. So R is the nearest rotation to the sum of both matrices.
+Eigen::Matrix3d EstimateRotation(const Centred& source,
+                                 const Centred& target,
+                                 const Eigen::Matrix3d& relative_rotations) {
+  const auto count = static_cast<double>(source.offsets.cols());
+  const Eigen::Matrix3d covariance =
+      target.offsets * source.offsets.transpose();
+  const auto fit = [&covariance](const Eigen::Matrix3d& rotation) {
+    return rotation.cwiseProduct(covariance).sum();
+  };
+  const Eigen::Matrix3d by_centres = NearestRotation(covariance);
+  const double best_fit = fit(by_centres);
+  if (!(best_fit > 0)) return by_centres;
+  const double scale = best_fit / source.offsets.squaredNorm();
+  const double least_residual = kSpreadRounding * target.offsets.squaredNorm() +
+                                kOriginRounding * count *
+                                    (target.mean.squaredNorm() +
+                                     scale * scale * source.mean.squaredNorm());
+  // The sum of the squared distances between the centres, with the best scale
+  // and translation for the rotation.
+  const auto residual = [&](const Eigen::Matrix3d& rotation) {
+    const double overlap = std::max(fit(rotation), 0.0);
+    return std::max(least_residual,
+                    target.offsets.squaredNorm() -
+                        overlap * overlap / source.offsets.squaredNorm());
+  };
+  // A similarity takes 7 of the 3 count coordinates.
+  const double centre_variance = residual(by_centres) / (3 * count - 7);
+
+  // The variance of the mean orientation about each axis, in square radians.
+  // Its first part is how much the cameras differ among each other. It is not
+  // divided by their number, because the cameras of one model share errors. The
+  // second part is how far the mean is from what the centres say, where they do
+  // say something. It is large for poses of another convention of axes.
+  const Eigen::Matrix3d by_orientations = NearestRotation(relative_rotations);
+  const double scatter =
+      1 - by_orientations.cwiseProduct(relative_rotations).sum() / (3 * count);
+  const double offset = 1 - fit(by_orientations) / best_fit;
+  const double angle_variance = std::max(kAngleRounding, scatter + offset);
+
+  const Eigen::Matrix3d by_both =
+      NearestRotation(scale / centre_variance * covariance +
+                      0.5 / angle_variance * by_orientations);
+  // A rotation that is z standard deviations away adds z^2 variances.
+  const double added = residual(by_both) - residual(by_centres);
+  return added <= kMaxDeviations * kMaxDeviations * centre_variance
+             ? by_both
+             : by_centres;
 }
 
 // Scale and translation for a known rotation, by least squares.
@@ -104,20 +163,16 @@ StatusOr<PoseAlignment> AlignPoses(const NamedPoses& source,
   const Centred from = Centre(source_centres);
   const Centred to = Centre(target_centres);
   FREEGS_RETURN_IF_ERROR(CheckSpread(from, to));
-  Eigen::Matrix3d covariance;
-  if (AreCollinear(from) || AreCollinear(to)) {
-    covariance.setZero();
-    for (const Common& pair : common) {
-      covariance += (pair.target->rotation.conjugate() * pair.source->rotation)
-                        .toRotationMatrix();
-    }
-  } else {
-    covariance = to.offsets * from.offsets.transpose();
+  Eigen::Matrix3d relative_rotations = Eigen::Matrix3d::Zero();
+  for (const Common& pair : common) {
+    relative_rotations +=
+        (pair.target->rotation.conjugate() * pair.source->rotation)
+            .toRotationMatrix();
   }
 
   PoseAlignment result;
-  result.target_from_source =
-      CompleteSimilarity(NearestRotation(covariance), from, to);
+  result.target_from_source = CompleteSimilarity(
+      EstimateRotation(from, to, relative_rotations), from, to);
   if (!(result.target_from_source.scale > 0)) {
     return BadInputError("the two sets of poses do not fit each other");
   }

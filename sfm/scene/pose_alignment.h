@@ -43,9 +43,12 @@ struct PoseAlignment {
 // The similarity x_target = scale * R * x_source + t minimises the sum of the
 // squared distances between the camera centres (Umeyama, "Least-squares
 // estimation of transformation parameters between two point patterns", PAMI
-// 1991). Centres close to a line do not determine R: then R is the mean of the
-// relative rotations of the cameras. Returns kBadInput with fewer than three
-// common names, and when the centres coincide or are not finite.
+// 1991). Centres close to a line hardly determine the roll about it. So R also
+// takes the relative rotations of the cameras into account, as far as the noise
+// of the centres leaves it open. Orientations that contradict the centres, such
+// as those of another convention of axes, are left out. Returns kBadInput with
+// fewer than three common names, and when the centres coincide or are not
+// finite.
 StatusOr<PoseAlignment> AlignPoses(const NamedPoses& source,
                                    const NamedPoses& target);
 

@@ -71,6 +71,91 @@ TEST(AlignPoses, CollinearCentresUseRotations) {
   ExpectNear(result->target_from_source, KnownTransform(), 1e-7);
 }
 
+// Cameras along x, which is `sideways` from straight, and the same ones with
+// noise: `centre_noise` in the centres, and 0.1 degrees in the orientations.
+struct NearlyStraight {
+  NamedPoses truth;
+  NamedPoses estimated;
+};
+
+NearlyStraight NearlyStraightPath(double sideways,
+                                  double centre_noise,
+                                  uint64_t seed) {
+  RandomStream random(seed, 7);
+  const auto normal = [&random](double deviation) -> Eigen::Vector3d {
+    const double x = random.Normal(), y = random.Normal(), z = random.Normal();
+    return deviation * Eigen::Vector3d(x, y, z);
+  };
+  NearlyStraight path;
+  for (int i = 0; i < 30; ++i) {
+    const Eigen::Vector3d centre =
+        Eigen::Vector3d(i / 29.0, 0, 0) + normal(sideways);
+    Rigid3d pose = LookAt(centre, {0.5, 5, 0});
+    path.truth[PhotoName(i)] = pose;
+    const Eigen::Vector3d turn = normal(0.1 * M_PI / 180);
+    pose.rotation =
+        Eigen::AngleAxisd(turn.norm(), turn.normalized()) * pose.rotation;
+    pose.translation = -(pose.rotation * (centre + normal(centre_noise)));
+    path.estimated[PhotoName(i)] = pose;
+  }
+  return path;
+}
+
+double RotationFaultDeg(const StatusOr<PoseAlignment>& result) {
+  if (!result.ok()) return 180;
+  return result->target_from_source.rotation.angularDistance(
+             KnownTransform().rotation) *
+         180 / M_PI;
+}
+
+TEST(AlignPoses, RollOfANearlyStraightPathIsThatOfTheCameras) {
+  for (uint64_t seed = 0; seed < 10; ++seed) {
+    const NearlyStraight path = NearlyStraightPath(1e-3, 1e-3, seed);
+    EXPECT_LT(RotationFaultDeg(AlignPoses(path.estimated,
+                                          Moved(KnownTransform(), path.truth))),
+              0.5)
+        << seed;
+  }
+}
+
+// Each camera is turned by a quarter about its viewing direction, as with other
+// image axes.
+TEST(AlignPoses, OrientationsOfAnotherConventionYieldToTheCentres) {
+  const Eigen::Quaterniond quarter(
+      Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ()));
+  for (const double sideways : {0.01, 0.3}) {
+    NearlyStraight path = NearlyStraightPath(sideways, 1e-4, 1);
+    for (auto& [name, pose] : path.estimated) {
+      pose = Rigid3d{quarter, Eigen::Vector3d::Zero()} * pose;
+    }
+    const auto result =
+        AlignPoses(path.estimated, Moved(KnownTransform(), path.truth));
+    EXPECT_LT(RotationFaultDeg(result), 1) << sideways;
+    EXPECT_NEAR(result->median_rotation_deg, 90, 1);
+  }
+}
+
+// The centres of a ring are as near as they can be by least squares, whatever
+// the orientations say.
+TEST(AlignPoses, CentresOfARingCountMore) {
+  const NamedPoses source = Circle(20);
+  for (const double turned_deg : {0.0, 0.5, 90.0}) {
+    NamedPoses target = Moved(KnownTransform(), source);
+    RandomStream random(5, 8);
+    for (auto& [name, pose] : target) {
+      const double x = random.Normal(), y = random.Normal(),
+                   z = random.Normal();
+      const Eigen::Vector3d centre =
+          CameraCentre(pose) + 1e-3 * Eigen::Vector3d(x, y, z);
+      pose.rotation =
+          Eigen::AngleAxisd(turned_deg * M_PI / 180, Eigen::Vector3d::UnitZ()) *
+          pose.rotation;
+      pose.translation = -(pose.rotation * centre);
+    }
+    EXPECT_LT(RotationFaultDeg(AlignPoses(source, target)), 0.02) << turned_deg;
+  }
+}
+
 TEST(AlignPoses, OnlyCommonNamesCount) {
   NamedPoses source = Circle(6);
   NamedPoses target = Moved(KnownTransform(), source);
