@@ -10,6 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/decompositions.h"
 #include "core/io/json_fields.h"
 #include "core/number_text.h"
 #include "sfm/import/resize.h"
@@ -150,7 +151,7 @@ Status ReadPose(const json& frame, Rigid3d* cam_from_world) {
   const Eigen::DiagonalMatrix<double, 3> flip(1, -1, -1);
   Rigid3d world_from_cam;
   world_from_cam.rotation =
-      Eigen::Quaterniond(Eigen::Matrix3d(rotation * flip)).normalized();
+      Eigen::Quaterniond(NearestRotation(rotation * flip));
   world_from_cam.translation = world_from_gl.topRightCorner<3, 1>();
   *cam_from_world = Inverse(world_from_cam);
   return {};

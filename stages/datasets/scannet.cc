@@ -12,6 +12,7 @@
 
 #include <Eigen/Geometry>
 
+#include "core/decompositions.h"
 #include "core/io/files.h"
 #include "core/io/json_fields.h"
 #include "stages/datasets/mask_folders.h"
@@ -79,7 +80,7 @@ StatusOr<std::vector<View>> ReadFrames(const fs::path& folder,
     View view;
     view.name = fs::path(file).replace_extension(".jpg").string();
     view.cam_from_world =
-        Inverse(Rigid3d{Eigen::Quaterniond(rotation).normalized(),
+        Inverse(Rigid3d{Eigen::Quaterniond(NearestRotation(rotation)),
                         world_from_cam.topRightCorner<3, 1>()});
     views.push_back(std::move(view));
   }

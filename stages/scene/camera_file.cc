@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
+#include "core/decompositions.h"
 #include "core/io/files.h"
 #include "core/io/json_fields.h"
 #include "core/text.h"
@@ -75,7 +76,8 @@ StatusOr<std::vector<View>> ReadViews(const json& poses,
     View view;
     view.name = name;
     view.camera = camera;
-    view.cam_from_world.rotation = Eigen::Quaterniond(rotation).normalized();
+    view.cam_from_world.rotation =
+        Eigen::Quaterniond(NearestRotation(rotation));
     view.cam_from_world.translation = matrix.topRightCorner<3, 1>();
     views.push_back(std::move(view));
   }

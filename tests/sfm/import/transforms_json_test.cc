@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/number_text.h"
 #include "core/random.h"
 
 namespace freegs::sfm {
@@ -37,6 +38,33 @@ TEST(ParseTransforms, AxesAreFlipped) {
   // World z is up; in the image that is -y.
   const Eigen::Vector3d above = pose * Eigen::Vector3d(1, 2 + 5, 3 + 1);
   EXPECT_NEAR((above - Eigen::Vector3d(0, -1, 5)).norm(), 0, 1e-12);
+}
+
+// Files of few digits have matrices that are a little longer than a rotation.
+TEST(ParseTransforms, TheNearestRotationCounts) {
+  const Eigen::Matrix3d rotation =
+      Eigen::Quaterniond(0.2, -0.7, 0.4, 0.5).normalized().toRotationMatrix();
+  const auto pose_of = [](const Eigen::Matrix3d& matrix) {
+    std::string rows;
+    for (int r = 0; r < 3; ++r) {
+      rows += r == 0 ? "[" : ",[";
+      for (int c = 0; c < 3; ++c)
+        rows += FormatSignificant(matrix(r, c), 17) + ",";
+      rows += "0]";
+    }
+    const auto file =
+        ParseTransforms(R"({"fl_x": 100, "frames": [{"file_path": "a.png",)"
+                        R"( "transform_matrix": [)" +
+                        rows + "]}]}");
+    EXPECT_TRUE(file.ok()) << file.status().message();
+    return file.ok() ? file->frames[0].cam_from_world : Rigid3d();
+  };
+  const Rigid3d exact = pose_of(rotation);
+  for (const double factor : {0.996, 1.004}) {
+    const Rigid3d pose = pose_of(factor * rotation);
+    EXPECT_LT(pose.rotation.angularDistance(exact.rotation), 1e-9) << factor;
+    EXPECT_NEAR(pose.rotation.norm(), 1, 1e-12);
+  }
 }
 
 TEST(MakeCamera, DistortionChoosesTheModel) {

@@ -2,6 +2,7 @@
 
 #include "stages/datasets/scannet.h"
 
+#include <cmath>
 #include <filesystem>
 #include <string>
 
@@ -97,6 +98,19 @@ TEST_F(ScannetTest, TheLabelledMeshServesAsWellAndAlignmentMayLack) {
   const auto truth = ReadScannet(folder_.path());
   ASSERT_TRUE(truth.ok()) << truth.status().message();
   EXPECT_TRUE(truth->objects[0].aabb->max.isApprox(Vector3d(1, 2, 3)));
+}
+
+TEST_F(ScannetTest, TheNearestRotationOfAPoseCounts) {
+  // 1.004 times a turn with cosine 0.6 about z, without the scan's alignment.
+  Write("pose/0.txt",
+        "0.6024 -0.8032 0 0\n0.8032 0.6024 0 0\n0 0 1.004 0\n0 0 0 1\n");
+  fs::remove(folder_ / "scene0060_00.txt");
+  const auto truth = ReadScannet(folder_.path());
+  ASSERT_TRUE(truth.ok()) << truth.status().message();
+  const Eigen::Quaterniond expected(
+      Eigen::AngleAxisd(-std::acos(0.6), Vector3d::UnitZ()));
+  const Rigid3d& pose = truth->cameras.train[0].cam_from_world;
+  EXPECT_NEAR(pose.rotation.angularDistance(expected), 0, 1e-9);
 }
 
 TEST_F(ScannetTest, SaysWhatIsMissingOrDoesNotFit) {

@@ -2,6 +2,7 @@
 
 #include "stages/evaluation/ground_truth.h"
 
+#include <cmath>
 #include <filesystem>
 #include <string>
 
@@ -45,6 +46,18 @@ TEST(ParseCameraSet, ReadsWhatIsThere) {
   EXPECT_EQ(view.camera.cy, 24);
   const Eigen::Vector3d point = view.cam_from_world * Eigen::Vector3d(1, 2, 3);
   EXPECT_TRUE(point.isApprox(Eigen::Vector3d(2.5, -2.75, 1)));
+}
+
+TEST(ParseCameraSet, TheNearestRotationCounts) {
+  // 1.0004 times a turn with cosine 0.6 about z.
+  const auto cameras = ParseCameraSet(
+      Cameras("[[0.60024,-0.80032,0,0],[0.80032,0.60024,0,0],[0,0,1.0004,0]]"),
+      "c.json");
+  ASSERT_TRUE(cameras.ok()) << cameras.status().message();
+  const Eigen::Quaterniond expected(
+      Eigen::AngleAxisd(std::acos(0.6), Eigen::Vector3d::UnitZ()));
+  const Rigid3d& pose = cameras->train[0].cam_from_world;
+  EXPECT_NEAR(pose.rotation.angularDistance(expected), 0, 1e-9);
 }
 
 TEST(ParseCameraSet, SortsViewsAsPeopleCount) {
