@@ -136,10 +136,15 @@ StatusOr<GaussianModel> InitializeFromShDc(
     return BadInputError("no 3D points to start the Gaussians from");
   }
   // The points are moved to their centre first: far from the origin,
-  // differences of floats are coarse.
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  for (const size_t i : finite) {
-    centre += positions[i] / static_cast<double>(finite.size());
+  // differences of floats are coarse. The centre is the median of each
+  // coordinate, which lies among the points however far away some of them are.
+  Eigen::Vector3d centre;
+  std::vector<double> coordinates(finite.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    std::ranges::transform(finite, coordinates.begin(), [&](size_t i) {
+      return positions[i][axis];
+    });
+    centre[axis] = UpperMedian(coordinates);
   }
   std::vector<Point> points(finite.size());
   for (size_t k = 0; k < finite.size(); ++k) {

@@ -61,6 +61,22 @@ TEST(InitializationTest, ScaleIsTheDistanceToTheNeighbours) {
   EXPECT_EQ(model->log_scales[0], model->log_scales[2]);
 }
 
+// The sums of all points would lie far from the others.
+TEST(InitializationTest, OnePointFarAwayChangesNoOther) {
+  std::vector<Eigen::Vector3d> points = RandomPoints(500, 6);
+  const StatusOr<GaussianModel> without =
+      InitializeFromPoints(points, Colors(500), 1.0);
+  points.emplace_back(1e11, 0, -1e11);
+  const StatusOr<GaussianModel> with =
+      InitializeFromPoints(points, Colors(501), 1.0);
+  ASSERT_TRUE(without.ok());
+  ASSERT_TRUE(with.ok());
+  ASSERT_EQ(with->size(), 501u);
+  for (size_t k = 0; k < without->log_scales.size(); ++k) {
+    ASSERT_NEAR(with->log_scales[k], without->log_scales[k], 1e-5) << k;
+  }
+}
+
 TEST(InitializationTest, OtherParameters) {
   const std::vector<Eigen::Vector3d> points = RandomPoints(5, 2);
   const Colors colors(5, {255, 0, 51});
