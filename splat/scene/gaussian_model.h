@@ -27,6 +27,10 @@ constexpr int NumShCoefficients(int degree) {
 }
 inline constexpr int kMaxShDegree = 3;
 
+// Some programs train SH of a higher degree. Readers of files drop what the
+// model does not hold.
+inline constexpr int kMaxFileShDegree = 4;
+
 // The colour of a Gaussian of degree 0 is kShC0 * sh_dc + 0.5 per channel.
 inline constexpr float kShC0 = 0.28209479177387814f;
 

@@ -54,9 +54,6 @@ constexpr std::string_view kRestPrefix = "f_rest_";
 // The standard deviation of Mip-Splatting's 3D filter, in world units.
 constexpr std::string_view kFilter = "filter_3D";
 
-// Some programs train SH of degree 4. The model holds less.
-constexpr int kMaxFileShDegree = 4;
-
 // The number of "f_rest_12", or -1 for another name.
 int RestNumber(std::string_view name) {
   if (!name.starts_with(kRestPrefix)) return -1;

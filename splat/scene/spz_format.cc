@@ -26,7 +26,6 @@ constexpr size_t kHeaderBytes = 16;
 constexpr uint8_t kAntialiasedFlag = 1;
 constexpr uint8_t kExtensionsFlag = 2;
 constexpr uint64_t kMaxExtensionBytes = 1 << 20;
-constexpr int kMaxFileShDegree = 4;
 
 constexpr int kMaxFixed = (1 << 23) - 1;
 constexpr int kMaxFractionalBits = 23;
