@@ -39,7 +39,8 @@ struct PhotoHeader {
   bool premultiplied = false;
 
   // Whether the samples are grey or RGB of 8 bits, which every program reads in
-  // the same way. False for palettes, CMYK and the like.
+  // the same way. False for palettes, CMYK and the like, and for a PNG with a
+  // gamma that some programs apply.
   bool plain = true;
 
   // Whether the file ends before the image data does.

@@ -14,6 +14,8 @@ constexpr size_t kSignatureBytes = 8;
 constexpr size_t kChunkOverhead = 12;  // Length, type and checksum.
 // The best that Deflate can do.
 constexpr double kMaxCompression = 1032;
+// The value of chunk gAMA for sRGB, which viewers show as it is stored.
+constexpr uint32_t kSrgbGamma = 45455;
 
 enum ColourType {
   kGrey = 0,
@@ -119,6 +121,14 @@ int TransparentGrey(std::string_view data, int bits) {
   return bits < 8 ? grey * 255 / full : grey;
 }
 
+// OpenCV ignores the chunk gAMA. FreeImage, with which COLMAP reads, applies
+// any gamma that differs from that of sRGB. No program that is used here
+// changes pixels because of sRGB, iCCP or cHRM.
+bool ChangesBrightness(const Chunk& chunk) {
+  return chunk.type == "gAMA" &&
+         (chunk.data.size() != 4 || Long(chunk.data, 0) != kSrgbGamma);
+}
+
 }  // namespace
 
 StatusOr<PhotoHeader> ParsePngHeader(std::string_view bytes) {
@@ -155,6 +165,7 @@ StatusOr<PhotoHeader> ParsePngHeader(std::string_view bytes) {
       header.truncated = false;
       break;
     }
+    if (ChangesBrightness(*chunk)) header.plain = false;
     at += chunk->whole.size();
   }
   if (header.width == 0) {

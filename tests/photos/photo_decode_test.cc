@@ -571,5 +571,25 @@ TEST(PhotoInspectorTest, FillsTheRecord) {
   EXPECT_THAT(missing.photo.reason, testing::StartsWith("cannot read"));
 }
 
+// COLMAP would apply the gamma, and OpenCV would not.
+TEST(PhotoInspectorTest, PngWithGammaIsConvertedAsStored) {
+  const TemporaryFolder folder;
+  const cv::Mat picture = MakePicture(60, 40, 1);
+  cv::Mat grey;
+  cv::cvtColor(picture, grey, cv::COLOR_BGR2GRAY);
+  PhotoInspector inspector({});
+  for (const cv::Mat& stored : {picture, grey}) {
+    const std::string png = Encode(".png", stored);
+    folder.Write("a.png", WithPngChunk(png, "gAMA", Bytes(100000, 4)));
+    const InspectedPhoto linear = inspector.Inspect(folder.path(), "a.png");
+    EXPECT_TRUE(linear.photo.usable()) << linear.photo.reason;
+    EXPECT_TRUE(linear.photo.converted);
+    EXPECT_EQ(LargestDifference(linear.pixels, *Decode(png)), 0);
+
+    folder.Write("b.png", WithPngChunk(png, "gAMA", Bytes(45455, 4)));
+    EXPECT_FALSE(inspector.Inspect(folder.path(), "b.png").photo.converted);
+  }
+}
+
 }  // namespace
 }  // namespace freegs::photos

@@ -155,6 +155,33 @@ TEST(PhotoHeaderTest, PngAlphaAndDepth) {
   EXPECT_TRUE(header->has_alpha);
 }
 
+TEST(PhotoHeaderTest, PngWithGammaIsNotPlain) {
+  const std::string png = MakePng(64, 48, 1);
+  const struct {
+    const char* type;
+    std::string data;
+    bool plain;
+  } cases[] = {
+      {"gAMA", Bytes(100000, 4), false},
+      {"gAMA", Bytes(55556, 4), false},
+      {"gAMA", Bytes(45455, 4), true},  // That of sRGB.
+      {"gAMA", "", false},
+      {"sRGB", Bytes(0, 1), true},
+      {"cHRM", Bytes(31270, 4) + Bytes(32900, 4) + std::string(24, '\1'), true},
+      {"iCCP", "not a profile", true},
+  };
+  for (const auto& c : cases) {
+    const auto header = ParsePngHeader(WithPngChunk(png, c.type, c.data));
+    ASSERT_TRUE(header.ok()) << header.status().message();
+    EXPECT_EQ(header->plain, c.plain) << c.type << " " << c.data.size();
+  }
+  // The one of sRGB does not hide another one.
+  const auto both = ParsePngHeader(WithPngChunk(
+      WithPngChunk(png, "gAMA", Bytes(45455, 4)), "gAMA", Bytes(100000, 4)));
+  ASSERT_TRUE(both.ok());
+  EXPECT_FALSE(both->plain);
+}
+
 TEST(PhotoHeaderTest, EssentialPngKeepsPixelsOnly) {
   const std::string png = MakePng(64, 48, 1);
   const std::string noisy = WithPngChunk(png, "tEXt", std::string("a\0b", 3));
