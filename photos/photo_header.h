@@ -39,8 +39,9 @@ struct PhotoHeader {
   bool premultiplied = false;
 
   // Whether the samples are grey or RGB of 8 bits, which every program reads in
-  // the same way. False for palettes, CMYK and the like, and for a PNG with a
-  // gamma that some programs apply.
+  // the same way. False for palettes, CMYK and the like, for a PNG with a gamma
+  // that some programs apply, and for one that decoders read only without some
+  // of its chunks (EssentialPng).
   bool plain = true;
 
   // Whether the file ends before the image data does.

@@ -63,6 +63,15 @@ struct Chunk {
     return type == "IHDR" || type == "PLTE" || type == "tRNS" ||
            type == "IDAT" || type == "IEND";
   }
+
+  // Whether a program that does not know the chunk may skip it: its name is of
+  // letters, and the first one is small (section 5.4).
+  bool ancillary() const {
+    const auto is_letter = [](char c) {
+      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+    };
+    return std::all_of(type.begin(), type.end(), is_letter) && type[0] >= 'a';
+  }
 };
 
 // The chunk at `at`, or nothing if it does not lie in the file as a whole.
@@ -136,6 +145,8 @@ StatusOr<PhotoHeader> ParsePngHeader(std::string_view bytes) {
   header.format = PhotoFormat::kPng;
   header.truncated = true;  // Until the last chunk is found.
   double data_bytes = 0;
+  std::string_view previous_type;
+  int data_runs = 0;  // IDAT chunks with nothing between them are one.
   size_t at = kSignatureBytes;
   while (const std::optional<Chunk> chunk = ChunkAt(bytes, at)) {
     const bool first = at == kSignatureBytes;
@@ -161,13 +172,19 @@ StatusOr<PhotoHeader> ParsePngHeader(std::string_view bytes) {
       header.exif = ParseExif(chunk->data);
     } else if (chunk->type == "IDAT") {
       data_bytes += static_cast<double>(chunk->data.size());
+      if (previous_type != "IDAT") ++data_runs;
     } else if (chunk->type == "IEND") {
       header.truncated = false;
       break;
     }
     if (ChangesBrightness(*chunk)) header.plain = false;
+    // Without such a chunk the picture is sound, but decoders refuse the file.
+    if (!chunk->essential() && !chunk->ancillary()) header.plain = false;
+    previous_type = chunk->type;
     at += chunk->whole.size();
   }
+  // Decoders want these chunks one after the other.
+  if (data_runs > 1) header.plain = false;
   if (header.width == 0) {
     return BadInputError(
         "truncated PNG: it ends within its header; copy the file again");

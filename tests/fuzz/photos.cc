@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Photographs, masks, films, and the list of photographs.
 
+#include <algorithm>
+
 #include <opencv2/videoio.hpp>
 
 #include "core/io/image_io.h"
@@ -44,12 +46,28 @@ std::vector<std::string> Pictures() {
                          photos::MakePicture(24, 16, 2),
                          {cv::IMWRITE_JPEG_PROGRESSIVE, 1}),
           photos::MakePng(9, 7, 1),
+          photos::WithPngDataInTwo(
+              photos::WithPngChunk(
+                  photos::MakePng(9, 7, 4), "tEXt", std::string("a\0b", 3)),
+              ""),
           photos::Encode(".png", alpha),
           photos::Encode(".png", deep),
           photos::Encode(".png", grey),
           photos::Encode(".tif", photos::MakePicture(9, 7, 3)),
           photos::Encode(".tif", alpha),
           photos::Encode(".tif", deep, {cv::IMWRITE_TIFF_COMPRESSION, 1})};
+}
+
+// Stage ingest copies plain photos, and all later stages must read them as it
+// did. Two decoders of a JPEG may round differently.
+void RequireSamePixels(std::string_view png, const ImageU8& pixels) {
+  WriteText(Scratch() / "photo.png", png);
+  const auto read = ReadRgb(Scratch() / "photo.png");
+  Require(read.ok() && read->width() == pixels.width() &&
+          std::equal(pixels.data(),
+                     pixels.data() + pixels.size(),
+                     read->data(),
+                     read->data() + read->size()));
 }
 
 }  // namespace
@@ -66,6 +84,10 @@ Reader Photo() {
             // EXIF may turn it.
             Require(pixels->num_pixels() ==
                     static_cast<size_t>(header->width * header->height));
+            if (header->format == photos::PhotoFormat::kPng &&
+                photos::IsPlainPhoto(*header)) {
+              RequireSamePixels(bytes, *pixels);
+            }
           },
           Pictures};
 }

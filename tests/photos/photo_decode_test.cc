@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/io/image_io.h"
 #include "core/random.h"
 #include "photos/photo_pixels.h"
 #include "tests/photos/photo_test_files.h"
@@ -569,6 +570,26 @@ TEST(PhotoInspectorTest, FillsTheRecord) {
   const InspectedPhoto missing = inspector.Inspect(folder.path(), "none.jpg");
   EXPECT_FALSE(missing.photo.usable());
   EXPECT_THAT(missing.photo.reason, testing::StartsWith("cannot read"));
+}
+
+// The stages after ingest would refuse the files as they are.
+TEST(PhotoInspectorTest, SoundPngWithABadChunkIsConverted) {
+  const TemporaryFolder folder;
+  const std::string png = MakePng(60, 40, 1);
+  PhotoInspector inspector({});
+  for (const std::string& bytes :
+       {WithPngChunk(png, "ABCD", "a"),
+        WithPngChunk(png, "tE1t", "a"),
+        WithPngDataInTwo(png, PngChunk("tEXt", "a"))}) {
+    folder.Write("a.png", bytes);
+    EXPECT_FALSE(ReadRgb(folder.path() / "a.png").ok());
+    const InspectedPhoto photo = inspector.Inspect(folder.path(), "a.png");
+    EXPECT_TRUE(photo.photo.usable()) << photo.photo.reason;
+    EXPECT_TRUE(photo.photo.converted);
+    EXPECT_EQ(LargestDifference(photo.pixels, *Decode(png)), 0);
+  }
+  folder.Write("b.png", WithPngDataInTwo(png, ""));
+  EXPECT_FALSE(inspector.Inspect(folder.path(), "b.png").photo.converted);
 }
 
 // COLMAP would apply the gamma, and OpenCV would not.

@@ -182,6 +182,44 @@ TEST(PhotoHeaderTest, PngWithGammaIsNotPlain) {
   EXPECT_FALSE(both->plain);
 }
 
+TEST(PhotoHeaderTest, PngWithAChunkThatDecodersRefuseIsNotPlain) {
+  const std::string png = MakePng(64, 48, 1);
+  const struct {
+    std::string type;
+    bool plain;
+  } cases[] = {
+      {"tEXt", true},
+      {"zzZz", true},  // Nobody knows it, and everybody may skip it.
+      {"ABCD", false},
+      {"TEXt", false},
+      {"tE1t", false},
+      {"t\xe9xt", false},
+      {"te[t", false},
+      {std::string(4, '\0'), false},
+  };
+  for (const auto& c : cases) {
+    const std::string chunk = PngChunk(c.type, "a");
+    const auto before = ParsePngHeader(WithPngChunk(png, c.type, "a"));
+    ASSERT_TRUE(before.ok()) << before.status().message();
+    EXPECT_EQ(before->plain, c.plain) << c.type;
+    const auto after = ParsePngHeader(std::string(png).insert(
+        png.size() - PngChunk("IEND", "").size(), chunk));
+    ASSERT_TRUE(after.ok()) << after.status().message();
+    EXPECT_EQ(after->plain, c.plain) << c.type;
+  }
+}
+
+TEST(PhotoHeaderTest, PngWithAChunkAmongItsDataIsNotPlain) {
+  const std::string png = MakePng(64, 48, 1);
+  const std::string text = PngChunk("tEXt", "a");
+  const auto parts = ParsePngHeader(WithPngDataInTwo(png, ""));
+  ASSERT_TRUE(parts.ok()) << parts.status().message();
+  EXPECT_TRUE(parts->plain);
+  const auto parted = ParsePngHeader(WithPngDataInTwo(png, text));
+  ASSERT_TRUE(parted.ok()) << parted.status().message();
+  EXPECT_FALSE(parted->plain);
+}
+
 TEST(PhotoHeaderTest, EssentialPngKeepsPixelsOnly) {
   const std::string png = MakePng(64, 48, 1);
   const std::string noisy = WithPngChunk(png, "tEXt", std::string("a\0b", 3));

@@ -380,6 +380,18 @@ inline std::string WithPngChunk(const std::string& png,
          png.substr(kPngHeaderEnd);
 }
 
+// The PNG of OpenCV, which has one IDAT chunk, with two halves of that chunk
+// and `between` between them.
+inline std::string WithPngDataInTwo(const std::string& png,
+                                    const std::string& between) {
+  const size_t at = png.find("IDAT") - 4;
+  const size_t end = png.size() - PngChunk("IEND", "").size();
+  const std::string data = png.substr(at + 8, end - at - 12);
+  const size_t half = data.size() / 2;
+  return png.substr(0, at) + PngChunk("IDAT", data.substr(0, half)) + between +
+         PngChunk("IDAT", data.substr(half)) + png.substr(end);
+}
+
 }  // namespace freegs::photos
 
 #endif  // FREEGS_TESTS_PHOTOS_PHOTO_TEST_FILES_H_
