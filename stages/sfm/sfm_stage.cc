@@ -62,9 +62,16 @@ std::string FolderName(const std::string& path) {
 // Programs that do not look for colours leave all points black.
 bool HasNoColors(const sfm::Reconstruction& model) {
   constexpr std::array<uint8_t, 3> kBlack = {0, 0, 0};
+  if (model.points3d.empty()) return false;
   return std::all_of(model.points3d.begin(),
                      model.points3d.end(),
                      [&](const auto& point) { return point.rgb == kBlack; });
+}
+
+// Makes all points as grey as random ones, because a training can hardly leave
+// black.
+void MakeGrey(sfm::Reconstruction* model) {
+  for (sfm::Point3D& point : model->points3d) point.rgb = {128, 128, 128};
 }
 
 // The poses, from COLMAP or from an import.
@@ -185,6 +192,13 @@ class SfmStage : public pipeline::Stage {
       FREEGS_RETURN_IF_ERROR(sfm::ColorPoints(InputOf(photos, context),
                                               context.pool->num_threads(),
                                               &imported.model));
+      // Points without tracks get no colours from the photos.
+      if (HasNoColors(imported.model)) {
+        MakeGrey(&imported.model);
+        warnings.push_back(
+            "the imported points have no colours (all are black), and their "
+            "tracks lead to none in the photos; they are made grey");
+      }
     }
     outcome.triangulated = false;
     if (imported.random_points) {

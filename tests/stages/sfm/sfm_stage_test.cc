@@ -163,6 +163,40 @@ TEST_F(SfmStageTest, PointsWithoutColorsGetThoseOfThePhotos) {
   EXPECT_TRUE(colored);
 }
 
+TEST_F(SfmStageTest, PointsWithoutColorsAndTracksBecomeGrey) {
+  sfm::Reconstruction model = sfm::SyntheticModel(10, 30);
+  for (sfm::Point3D& point : model.points3d) {
+    point.rgb = {0, 0, 0};
+    point.track.clear();
+  }
+  for (sfm::PosedImage& image : model.images) image.points2d.clear();
+  const fs::path source = folder_ / "model";
+  ASSERT_TRUE(sfm::WriteModel(source, model).ok());
+  options_.import = source.string();
+  const auto stage = MakeSfmStage(options_, 0);
+  Status status = workspace_.Run(*stage);
+  ASSERT_TRUE(status.ok()) << status.message();
+  const fs::path written = workspace_.path() / "sfm" / "sparse" / "0";
+  auto read = sfm::ReadModel(written);
+  ASSERT_TRUE(read.ok());
+  ASSERT_THAT(read->points3d, SizeIs(30));
+  for (const sfm::Point3D& point : read->points3d) {
+    EXPECT_THAT(point.rgb, testing::Each(128));
+  }
+  EXPECT_THAT(Health()["warnings"].dump(), HasSubstr("made grey"));
+  EXPECT_THAT(workspace_.warnings, Contains(HasSubstr("made grey")));
+
+  // One colour shows that the program looked for colours.
+  model.points3d[7].rgb = {0, 0, 1};
+  ASSERT_TRUE(sfm::WriteModel(source, model).ok());
+  status = workspace_.Run(*stage);
+  ASSERT_TRUE(status.ok()) << status.message();
+  read = sfm::ReadModel(written);
+  ASSERT_TRUE(read.ok());
+  EXPECT_THAT(read->points3d[6].rgb, testing::Each(0));
+  EXPECT_THAT(workspace_.warnings, Not(Contains(HasSubstr("made grey"))));
+}
+
 // A transforms file of NeRF-synthetic for the photos.
 class SfmStageTransformsTest : public SfmStageTest {
  protected:
