@@ -8,9 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/io/image_io.h"
 #include "core/random.h"
-#include "photos/photo_pixels.h"
 #include "tests/photos/photo_test_files.h"
 
 namespace freegs::photos {
@@ -32,22 +30,6 @@ std::string Failure(const std::string& bytes,
   if (image.ok()) return "decoded";
   EXPECT_EQ(image.status().code(), StatusCode::kBadInput);
   return image.status().message();
-}
-
-ImageU8 RgbOf(const cv::Mat& bgr) {
-  ImageU8 image(bgr.cols, bgr.rows, 3);
-  cv::Mat target(bgr.rows, bgr.cols, CV_8UC3, image.data());
-  cv::cvtColor(bgr, target, cv::COLOR_BGR2RGB);
-  return image;
-}
-
-int LargestDifference(const ImageU8& a, const ImageU8& b) {
-  if (a.width() != b.width() || a.height() != b.height()) return 1000;
-  int largest = 0;
-  for (size_t i = 0; i < a.size(); ++i) {
-    largest = std::max(largest, std::abs(a.data()[i] - b.data()[i]));
-  }
-  return largest;
 }
 
 TEST(PhotoDecodeTest, LosslessFormatsGiveTheSamePixels) {
@@ -511,104 +493,6 @@ TEST(PhotoDecodeTest, PlainPhotosNeedNoReencoding) {
     const auto header = ParsePhotoHeader(c.bytes);
     ASSERT_TRUE(header.ok());
     EXPECT_EQ(IsPlainPhoto(*header), c.plain);
-  }
-}
-
-TEST(PhotoPixelsTest, SharpnessFallsWithBlurAndIgnoresSize) {
-  cv::Mat noise(300, 400, CV_8UC3);
-  for (size_t i = 0; i < noise.total() * 3; ++i) {
-    noise.data[i] = static_cast<uint8_t>(RandomIndex(1, 2, i, 256));
-  }
-  cv::Mat picture;
-  cv::GaussianBlur(noise, picture, {}, 1.5);
-  cv::Mat blurred;
-  cv::GaussianBlur(picture, blurred, {}, 2.0);
-  const double sharp = Sharpness(RgbOf(picture));
-  EXPECT_GT(sharp, 2 * Sharpness(RgbOf(blurred)));
-  EXPECT_EQ(Sharpness(RgbOf(cv::Mat(50, 50, CV_8UC3, cv::Scalar(7, 7, 7)))), 0);
-  // Above 512 pixels the size makes little difference.
-  cv::Mat large;
-  cv::Mat larger;
-  cv::resize(picture, large, {1024, 768}, 0, 0, cv::INTER_CUBIC);
-  cv::resize(picture, larger, {2048, 1536}, 0, 0, cv::INTER_CUBIC);
-  EXPECT_NEAR(Sharpness(RgbOf(larger)) / Sharpness(RgbOf(large)), 1, 0.05);
-}
-
-TEST(PhotoPixelsTest, ContentHashKnowsShape) {
-  const ImageU8 wide(4, 2, 3, 5);
-  const ImageU8 tall(2, 4, 3, 5);
-  EXPECT_EQ(ContentHash(wide), ContentHash(ImageU8(4, 2, 3, 5)));
-  EXPECT_NE(ContentHash(wide), ContentHash(tall));
-  ImageU8 changed = wide;
-  changed(3, 1, 2) = 6;
-  EXPECT_NE(ContentHash(wide), ContentHash(changed));
-}
-
-TEST(PhotoInspectorTest, FillsTheRecord) {
-  const TemporaryFolder folder;
-  const std::string exif =
-      MakeExif({.orientation = 6, .make = "A", .model = "B", .focal_35mm = 36});
-  folder.Write("a/b.jpg", WithExif(MakeJpeg(60, 40, 1), exif));
-  PhotoInspector inspector({});
-  const InspectedPhoto turned = inspector.Inspect(folder.path(), "a/b.jpg");
-  EXPECT_TRUE(turned.photo.usable());
-  EXPECT_EQ(turned.photo.format, "JPEG");
-  EXPECT_EQ(turned.photo.width, 40);
-  EXPECT_EQ(turned.photo.height, 60);
-  EXPECT_EQ(turned.photo.orientation, 6);
-  EXPECT_EQ(turned.photo.make, "A");
-  EXPECT_NEAR(turned.photo.focal_length_px.value_or(0), 60, 1e-6);
-  EXPECT_TRUE(turned.photo.converted);
-  EXPECT_EQ(turned.pixels.width(), 40);
-  EXPECT_EQ(turned.photo.hash.size(), 32U);
-
-  folder.Write("c.jpg", MakeJpeg(60, 40, 1));
-  const InspectedPhoto plain = inspector.Inspect(folder.path(), "c.jpg");
-  EXPECT_FALSE(plain.photo.converted);
-  EXPECT_TRUE(plain.pixels.empty());
-
-  const InspectedPhoto missing = inspector.Inspect(folder.path(), "none.jpg");
-  EXPECT_FALSE(missing.photo.usable());
-  EXPECT_THAT(missing.photo.reason, testing::StartsWith("cannot read"));
-}
-
-// The stages after ingest would refuse the files as they are.
-TEST(PhotoInspectorTest, SoundPngWithABadChunkIsConverted) {
-  const TemporaryFolder folder;
-  const std::string png = MakePng(60, 40, 1);
-  PhotoInspector inspector({});
-  for (const std::string& bytes :
-       {WithPngChunk(png, "ABCD", "a"),
-        WithPngChunk(png, "tE1t", "a"),
-        WithPngDataInTwo(png, PngChunk("tEXt", "a"))}) {
-    folder.Write("a.png", bytes);
-    EXPECT_FALSE(ReadRgb(folder.path() / "a.png").ok());
-    const InspectedPhoto photo = inspector.Inspect(folder.path(), "a.png");
-    EXPECT_TRUE(photo.photo.usable()) << photo.photo.reason;
-    EXPECT_TRUE(photo.photo.converted);
-    EXPECT_EQ(LargestDifference(photo.pixels, *Decode(png)), 0);
-  }
-  folder.Write("b.png", WithPngDataInTwo(png, ""));
-  EXPECT_FALSE(inspector.Inspect(folder.path(), "b.png").photo.converted);
-}
-
-// COLMAP would apply the gamma, and OpenCV would not.
-TEST(PhotoInspectorTest, PngWithGammaIsConvertedAsStored) {
-  const TemporaryFolder folder;
-  const cv::Mat picture = MakePicture(60, 40, 1);
-  cv::Mat grey;
-  cv::cvtColor(picture, grey, cv::COLOR_BGR2GRAY);
-  PhotoInspector inspector({});
-  for (const cv::Mat& stored : {picture, grey}) {
-    const std::string png = Encode(".png", stored);
-    folder.Write("a.png", WithPngChunk(png, "gAMA", Bytes(100000, 4)));
-    const InspectedPhoto linear = inspector.Inspect(folder.path(), "a.png");
-    EXPECT_TRUE(linear.photo.usable()) << linear.photo.reason;
-    EXPECT_TRUE(linear.photo.converted);
-    EXPECT_EQ(LargestDifference(linear.pixels, *Decode(png)), 0);
-
-    folder.Write("b.png", WithPngChunk(png, "gAMA", Bytes(45455, 4)));
-    EXPECT_FALSE(inspector.Inspect(folder.path(), "b.png").photo.converted);
   }
 }
 

@@ -4,7 +4,9 @@
 #ifndef FREEGS_TESTS_PHOTOS_PHOTO_TEST_FILES_H_
 #define FREEGS_TESTS_PHOTOS_PHOTO_TEST_FILES_H_
 
+#include <algorithm>
 #include <cstdint>
+#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -390,6 +392,23 @@ inline std::string WithPngDataInTwo(const std::string& png,
   const size_t half = data.size() / 2;
   return png.substr(0, at) + PngChunk("IDAT", data.substr(0, half)) + between +
          PngChunk("IDAT", data.substr(half)) + png.substr(end);
+}
+
+inline ImageU8 RgbOf(const cv::Mat& bgr) {
+  ImageU8 image(bgr.cols, bgr.rows, 3);
+  cv::Mat target(bgr.rows, bgr.cols, CV_8UC3, image.data());
+  cv::cvtColor(bgr, target, cv::COLOR_BGR2RGB);
+  return image;
+}
+
+// The largest difference of two numbers; 1000 for other sizes.
+inline int LargestDifference(const ImageU8& a, const ImageU8& b) {
+  if (a.width() != b.width() || a.height() != b.height()) return 1000;
+  int largest = 0;
+  for (size_t i = 0; i < a.size(); ++i) {
+    largest = std::max(largest, std::abs(a.data()[i] - b.data()[i]));
+  }
+  return largest;
 }
 
 }  // namespace freegs::photos
