@@ -2,8 +2,6 @@
 // init, status, doctor, and what run and stage refuse before any work.
 
 #include <filesystem>
-#include <map>
-#include <sstream>
 #include <string>
 #include <unistd.h>
 #include <vector>
@@ -12,8 +10,6 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "core/cancellation.h"
-#include "core/io/image_io.h"
 #include "pipeline/stage_record.h"
 #include "pipeline/workspace.h"
 #include "stages/commands/doctor_command.h"
@@ -21,7 +17,7 @@
 #include "stages/commands/run_command.h"
 #include "stages/commands/status_command.h"
 #include "stages/plan/plan_command.h"
-#include "tests/temporary_folder.h"
+#include "tests/stages/commands/command_fixture.h"
 
 namespace freegs::stages {
 namespace {
@@ -29,44 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-class CommandTest : public ::testing::Test {
- protected:
-  Status Call(CommandFn command, const std::vector<std::string>& arguments) {
-    std::ostringstream out;
-    std::ostringstream err;
-    CommandContext context{out, err, cancellation_, "freegs_pipeline"};
-    const Status status = command(arguments, context);
-    out_ = out.str();
-    return status;
-  }
-
-  void ExpectError(CommandFn command,
-                   const std::vector<std::string>& arguments,
-                   StatusCode code,
-                   const std::string& part) {
-    const Status status = Call(command, arguments);
-    EXPECT_EQ(status.code(), code) << status.message();
-    EXPECT_THAT(status.message(), HasSubstr(part));
-  }
-
-  std::string Path(const std::string& name) const {
-    return (folder_ / name).string();
-  }
-
-  // Three photos that differ.
-  void WritePhotos() const {
-    fs::create_directories(folder_ / "photos");
-    for (const int k : {1, 2, 3}) {
-      ASSERT_TRUE(WriteImage(folder_ / "photos" / (std::to_string(k) + ".png"),
-                             ImageU8(64, 48, 3, static_cast<uint8_t>(50 * k)))
-                      .ok());
-    }
-  }
-
-  TemporaryFolder folder_;
-  CancellationToken cancellation_;
-  std::string out_;
-};
+class CommandTest : public CommandFixture {};
 
 TEST_F(CommandTest, TemplateInTheSourcesIsWhatInitWrites) {
   const fs::path folder = fs::path(FREEGS_SOURCE_DIR) / "workspace_template";
@@ -321,129 +280,6 @@ TEST_F(CommandTest, RunRefusesWrongFolders) {
               {Path("photos"), Path("w"), "--sfm.no_such_option", "1"},
               StatusCode::kInvalidArgument,
               "unknown option");
-}
-
-TEST_F(CommandTest, RunWithinATimeRefusesWhatDoesNotGoWithIt) {
-  WriteText(folder_ / "photos" / "1.jpg", "x");
-  const auto refused = [&](std::vector<std::string> more,
-                           const std::string& part) {
-    more.insert(more.begin(), {Path("photos"), Path("w")});
-    ExpectError(RunRunCommand, more, StatusCode::kInvalidArgument, part);
-    EXPECT_FALSE(fs::exists(folder_ / "w"));
-  };
-  refused({"--within", "soon"}, "write 90s, 5m or 1h30m");
-  refused({"--within", "5m", "--to", "sfm"}, "without --from and --to");
-  refused({"--within", "5m", "--preset", "fast"}, "not with fast");
-  refused({"--preset", "auto"}, "--within 5m");
-  ExpectError(RunRunCommand,
-              {Path("w"), "--within", "5m"},
-              StatusCode::kInvalidArgument,
-              "run IMAGES WORKSPACE --within 5m");
-}
-
-TEST_F(CommandTest, AnAccuracyNeedsPhotosThatAreKeptFromTheTraining) {
-  WritePhotos();
-  ExpectError(RunRunCommand,
-              {Path("photos"),
-               Path("w"),
-               "--at-least",
-               "psnr=27",
-               "--ingest.holdout_every",
-               "0"},
-              StatusCode::kBadInput,
-              "ingest.holdout_every");
-  EXPECT_FALSE(fs::exists(folder_ / "w" / "sfm.partial"));
-  // Nothing was chosen yet that a later run would go on with.
-  EXPECT_EQ(pipeline::ReadWorkspaceInfo(folder_ / "w")
-                ->settings.count("reconstruct.iterations"),
-            0u);
-}
-
-TEST_F(CommandTest, RunWithinATimeRemembersWhatItChose) {
-  WritePhotos();
-  WriteText(folder_ / "w" / "config.ini", "[general]\npreset = auto\n");
-  // Without COLMAP it ends in sfm.
-  const std::string colmap = Path("no_colmap");
-  ExpectError(RunRunCommand,
-              {Path("photos"),
-               Path("w"),
-               "--within",
-               "5m",
-               "--reconstruct.sh_degree",
-               "1",
-               "--sfm.colmap",
-               colmap},
-              StatusCode::kMissingDependency,
-              colmap);
-  const StatusOr<pipeline::WorkspaceInfo> info =
-      pipeline::ReadWorkspaceInfo(folder_ / "w");
-  ASSERT_TRUE(info.ok());
-  EXPECT_EQ(info->settings.count("reconstruct.iterations"), 1u);
-  EXPECT_EQ(info->settings.at("reconstruct.sh_degree"), "1");
-  // So it goes on without a time, with the same options, and whatever preset
-  // config.ini names.
-  ExpectError(
-      RunRunCommand, {Path("w")}, StatusCode::kMissingDependency, colmap);
-  EXPECT_EQ(pipeline::ReadWorkspaceInfo(folder_ / "w")->settings,
-            info->settings);
-}
-
-TEST_F(CommandTest, WhatIsChosenBeforeThePhotosAreReadIsNotRemembered) {
-  WriteText(folder_ / "photos" / "1.jpg", "x");
-  ExpectError(RunRunCommand,
-              {Path("photos"),
-               Path("w"),
-               "--preset",
-               "auto",
-               "--within",
-               "5m",
-               "--reconstruct.sh_degree",
-               "1"},
-              StatusCode::kBadInput,
-              "ingest");
-  const StatusOr<pipeline::WorkspaceInfo> info =
-      pipeline::ReadWorkspaceInfo(folder_ / "w");
-  ASSERT_TRUE(info.ok());
-  EXPECT_EQ(
-      info->settings,
-      (std::map<std::string, std::string>{{"reconstruct.sh_degree", "1"}}));
-}
-
-TEST_F(CommandTest, RunAtLeastRefusesWhatDoesNotGoWithIt) {
-  WriteText(folder_ / "photos" / "1.jpg", "x");
-  const auto refused = [&](std::vector<std::string> more,
-                           const std::string& part) {
-    more.insert(more.begin(), {Path("photos"), Path("w")});
-    ExpectError(RunRunCommand, more, StatusCode::kInvalidArgument, part);
-  };
-  refused({"--at-least", "27"}, "write psnr=27");
-  refused({"--at-least", "psnr=27", "--within", "5m"}, "not go together");
-  refused({"--at-least", "psnr=27", "--to", "sfm"}, "without --from and --to");
-  refused({"--at-least", "psnr=27", "--preset", "fast"}, "not with fast");
-  EXPECT_FALSE(fs::exists(folder_ / "w"));
-  refused({"--at-least", "psnr=27", "--reconstruct.iterations", "900"},
-          "reconstruct.iterations is what --at-least chooses");
-}
-
-TEST_F(CommandTest, ARefusedGoalForgetsNothing) {
-  WriteText(folder_ / "photos" / "1.jpg", "x");
-  ExpectError(RunRunCommand,
-              {Path("photos"), Path("w"), "--seed", "4"},
-              StatusCode::kBadInput,
-              "ingest");
-  WriteText(folder_ / "w" / "config.ini", "[reconstruct]\niterations = 900\n");
-  const std::string before = ReadText(folder_ / "w" / "workspace.json");
-  ExpectError(RunRunCommand,
-              {Path("photos"), Path("w"), "--at-least", "psnr=27"},
-              StatusCode::kInvalidArgument,
-              "reconstruct.iterations is what --at-least chooses");
-  EXPECT_EQ(ReadText(folder_ / "w" / "workspace.json"), before);
-  WriteText(folder_ / "w" / "config.ini", "[reconstruct]\nno_such = 1\n");
-  ExpectError(RunRunCommand,
-              {Path("photos"), Path("w"), "--within", "5m"},
-              StatusCode::kInvalidArgument,
-              "no_such");
-  EXPECT_EQ(ReadText(folder_ / "w" / "workspace.json"), before);
 }
 
 TEST_F(CommandTest, PhotosAreNoWorkspace) {
