@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/photos/photo_test_files.h"
+#include "tests/unprivileged.h"
 
 namespace freegs::photos {
 namespace {

@@ -10,7 +10,6 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
-#include <unistd.h>
 #include <utility>
 #include <vector>
 
@@ -23,31 +22,6 @@
 #include "tests/temporary_folder.h"
 
 namespace freegs::photos {
-
-// Root may read everything: gives up its rights while the object lives, after
-// giving the folders to nobody. Does nothing for other users.
-class Unprivileged {
- public:
-  explicit Unprivileged(const std::vector<std::filesystem::path>& folders)
-      : active_(geteuid() == 0) {
-    if (!active_) return;
-    constexpr uid_t kNobody = 65534;
-    for (const std::filesystem::path& folder : folders) {
-      EXPECT_EQ(chown(folder.c_str(), kNobody, kNobody), 0);
-    }
-    EXPECT_EQ(seteuid(kNobody), 0);
-  }
-  ~Unprivileged() {
-    if (active_) {
-      EXPECT_EQ(seteuid(0), 0);
-    }
-  }
-  Unprivileged(const Unprivileged&) = delete;
-  Unprivileged& operator=(const Unprivileged&) = delete;
-
- private:
-  bool active_;
-};
 
 // A smooth random picture, BGR, different for each seed: as compressible as a
 // photo, and unlike any turned or mirrored copy of itself.

@@ -210,7 +210,7 @@ TEST_F(IngestStageTest, HostileFolder) {
 
   Status status;
   {
-    const photos::Unprivileged unprivileged({root, workspace_.path()});
+    const Unprivileged unprivileged({root, workspace_.path()});
     status = Run();
   }
   ASSERT_TRUE(status.ok()) << status.message();
