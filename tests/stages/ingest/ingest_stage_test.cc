@@ -20,6 +20,7 @@
 #include "photos/photo_list.h"
 #include "tests/shared_data.h"
 #include "tests/stages/ingest_test_fixture.h"
+#include "tests/unprivileged.h"
 
 namespace freegs::stages {
 namespace {
