@@ -2,50 +2,38 @@
 
 #include "stages/scene/scene_alignment.h"
 
-#include <filesystem>
-#include <map>
 #include <utility>
 
+#include "sfm/import/name_matching.h"
+
 namespace freegs::stages {
-namespace {
-
-namespace fs = std::filesystem;
-
-}  // namespace
 
 StatusOr<sfm::PoseAlignment> AlignWithViews(
     const WorkspaceScene& scene,
     const std::vector<View>& others,
     const std::string& source_of_others) {
   sfm::NamedPoses target;
-  std::map<std::string, std::vector<std::string>> names_by_stem;
-  for (const View& view : others) {
-    target[view.name] = view.cam_from_world;
-    names_by_stem[fs::path(view.name).stem().string()].push_back(view.name);
+  for (const View& view : others) target[view.name] = view.cam_from_world;
+  std::vector<sfm::SfmPhoto> cameras;
+  for (const auto& [name, pose] : target) cameras.emplace_back().name = name;
+  std::vector<const View*> views;
+  std::vector<std::string> names;
+  for (const std::vector<View>* list : {&scene.train, &scene.holdout}) {
+    for (const View& view : *list) {
+      views.push_back(&view);
+      names.push_back(view.name);
+    }
   }
+  sfm::NameMatches match = sfm::MatchNames(names, cameras);
+  // Where two photographs fit one camera equally well, one of them has another
+  // pose than this camera. Too few pairs are better than a wrong one.
+  for (const sfm::NameTie& tie : match.ties) match.photos[tie.taken] = -1;
   sfm::NamedPoses source;
-  std::vector<const View*> without_match;
-  for (const std::vector<View>* views : {&scene.train, &scene.holdout}) {
-    for (const View& view : *views) {
-      if (target.contains(view.name)) {
-        source[view.name] = view.cam_from_world;
-      } else {
-        without_match.push_back(&view);
-      }
-    }
-  }
-  const auto stem_of = [](const View& view) {
-    return fs::path(view.name).stem().string();
-  };
-  std::map<std::string, int> num_without_match;
-  for (const View* view : without_match) ++num_without_match[stem_of(*view)];
-  for (const View* view : without_match) {
-    const auto found = names_by_stem.find(stem_of(*view));
-    // A stem that several photos share, here or there, is ambiguous.
-    if (found != names_by_stem.end() && found->second.size() == 1 &&
-        num_without_match[stem_of(*view)] == 1) {
-      source.emplace(found->second[0], view->cam_from_world);
-    }
+  for (size_t i = 0; i < views.size(); ++i) {
+    const int camera = match.photos[i];
+    if (camera < 0) continue;
+    source[cameras[static_cast<size_t>(camera)].name] =
+        views[i]->cam_from_world;
   }
   StatusOr<sfm::PoseAlignment> alignment = sfm::AlignPoses(source, target);
   if (!alignment.ok()) {

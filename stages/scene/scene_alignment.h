@@ -20,11 +20,14 @@
 
 namespace freegs::stages {
 
-// Aligns the workspace's cameras with the cameras of the same name in `others`.
-// A camera whose name is not found is paired by its name without folder and
-// extension, if only it and one of `others` have that name. The result maps the
-// scene's frame (source) to that of `others` (target). kBadInput when
-// fewer than three cameras are paired; the message calls the others `source`.
+// Aligns the workspace's cameras with those cameras of `others` that have the
+// same names, as sfm::MatchNames compares them: folders at the beginning and
+// extensions may differ, but "right/1.jpg" is not "left/1.jpg" where one side
+// knows both folders. A camera of `others` that two of the workspace's fit
+// equally well is left out. The result maps the scene's frame (source) to that
+// of `others` (target); its residuals have the names of `others`. kBadInput
+// when fewer than three cameras are paired; the message calls the others
+// `source`.
 StatusOr<sfm::PoseAlignment> AlignWithViews(const WorkspaceScene& scene,
                                             const std::vector<View>& others,
                                             const std::string& source);
