@@ -182,8 +182,8 @@ class ExportStage : public pipeline::Stage {
     const std::vector<View> train =
         SpreadViews(scene.train, options_.mask_views);
     views.insert(views.end(), train.begin(), train.end());
-    FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> names,
-                            OutputNames(views, ""));
+    FREEGS_ASSIGN_OR_RETURN(const auto names,
+                            OutputNameByView(PhotoViews(scene), ""));
     for (size_t i = 0; i < views.size(); ++i) {
       FREEGS_RETURN_IF_ERROR(CheckCancelled(context));
       context.progress({"masks",
@@ -197,7 +197,8 @@ class ExportStage : public pipeline::Stage {
                                                      *context.pool,
                                                      found.labels);
       const std::set<int32_t> seen(map.data(), map.data() + map.size());
-      const fs::path folder = context.output / "masks" / names[i];
+      const fs::path folder =
+          context.output / "masks" / names.at(views[i].name);
       FREEGS_RETURN_IF_ERROR(CreateFolders(folder));
       for (const int32_t label : seen) {
         if (label < 0) continue;

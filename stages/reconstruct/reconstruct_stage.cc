@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -163,8 +162,9 @@ class ReconstructStage : public pipeline::Stage {
     }
     nlohmann::json new_views = nlohmann::json::object();
     if (holdout) {
-      FREEGS_ASSIGN_OR_RETURN(new_views,
-                              MeasureNewViews(trained, &*holdout, context));
+      FREEGS_ASSIGN_OR_RETURN(
+          new_views,
+          MeasureNewViews(trained, scene.photos, &*holdout, context));
       FREEGS_RETURN_IF_ERROR(CompareWithTrained(
           trained, scene, image_options, context, &new_views));
     }
@@ -183,25 +183,11 @@ class ReconstructStage : public pipeline::Stage {
     return pipeline::CountPixels(views, options_.max_image_size).total;
   }
 
-  // The file for what the model shows of each holdout photo, by the photo's
-  // name.
-  static StatusOr<std::map<std::string, std::string>> HoldoutFiles(
-      const splat::TrainingImages& holdout) {
-    std::vector<View> views;
-    for (size_t i = 0; i < holdout.size(); ++i) {
-      views.push_back(holdout.view(i));
-    }
-    FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> names,
-                            OutputNames(views, ".png"));
-    std::map<std::string, std::string> files;
-    for (size_t i = 0; i < views.size(); ++i) files[views[i].name] = names[i];
-    return files;
-  }
-
   // Measures what was trained on the holdout photos, and writes what it shows
   // there to holdout/. Returns the figures for metrics.json.
   StatusOr<nlohmann::json> MeasureNewViews(
       const TrainedModel& trained,
+      const PosedPhotos& photos,
       splat::TrainingImages* holdout,
       pipeline::StageContext& context) const {
     nlohmann::json metrics = nlohmann::json::object();
@@ -210,7 +196,9 @@ class ReconstructStage : public pipeline::Stage {
         .render = ReconstructRenderOptions(options_),
         .images = holdout,
         .exposures = trained.exposures};
-    FREEGS_ASSIGN_OR_RETURN(const auto files, HoldoutFiles(*holdout));
+    std::vector<View> views = photos.train;
+    views.insert(views.end(), photos.holdout.begin(), photos.holdout.end());
+    FREEGS_ASSIGN_OR_RETURN(const auto files, OutputNameByView(views, ".png"));
     FREEGS_ASSIGN_OR_RETURN(const splat::HoldoutReport quality,
                             splat::MeasureHoldout(task, *context.pool));
     if (quality.views.empty()) {

@@ -100,4 +100,13 @@ StatusOr<std::vector<std::string>> OutputNames(const std::vector<View>& views,
   return names;
 }
 
+StatusOr<std::map<std::string, std::string>> OutputNameByView(
+    const std::vector<View>& views, const std::string& suffix) {
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<std::string> names,
+                          OutputNames(views, suffix));
+  std::map<std::string, std::string> by_view;
+  for (size_t i = 0; i < views.size(); ++i) by_view[views[i].name] = names[i];
+  return by_view;
+}
+
 }  // namespace freegs::stages

@@ -12,6 +12,7 @@
 #define FREEGS_STAGES_SCENE_WORKSPACE_SCENE_H_
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -68,6 +69,12 @@ StatusOr<splat::PlacedModel> ReadWorkspaceModel(
 // its folder ("../x").
 StatusOr<std::vector<std::string>> OutputNames(const std::vector<View>& views,
                                                const std::string& suffix);
+
+// The same file names by the names of the views. A stage that writes files for
+// some photographs of a scene asks for the names of all of them, so that a
+// photograph has the same name in the output of every stage.
+StatusOr<std::map<std::string, std::string>> OutputNameByView(
+    const std::vector<View>& views, const std::string& suffix);
 
 }  // namespace freegs::stages
 

@@ -17,6 +17,7 @@
 #include "stages/scene/exposure_file.h"
 #include "stages/scene/scene_instances.h"
 #include "stages/viewer/web_bundle.h"
+#include "tests/stages/renamed_photo.h"
 #include "tests/stages/synthetic_workspace.h"
 
 namespace freegs::stages {
@@ -148,6 +149,19 @@ TEST_F(ExportStageTest, WritesSceneInstancesMasksAndBoxes) {
       ASSERT_EQ(mask->data()[k], map.data()[k] == label ? 255 : 0);
     }
   }
+}
+
+TEST_F(ExportStageTest, MasksHaveTheNameOfTheirPhotoAmongAllPhotos) {
+  // photo3.png is held out, and photo3.jpg gets no masks.
+  RenamePhoto(workspace_.path(), "photo4.png", "photo3.jpg");
+  workspace_.AddInstances();
+  ExportStageOptions options;
+  options.mask_views = 0;
+  const Status status = Run(options);
+  ASSERT_TRUE(status.ok()) << status.message();
+  EXPECT_EQ(summary_["mask_views"], 2);
+  EXPECT_TRUE(fs::is_directory(Out("masks/photo3.png")));
+  EXPECT_FALSE(fs::exists(Out("masks/photo3")));
 }
 
 TEST_F(ExportStageTest, ReportLinksOnlyToFilesThatAreThere) {

@@ -15,6 +15,7 @@
 #include "stages/scene/training_scene.h"
 #include "tests/stages/moved_world.h"
 #include "tests/stages/reconstruct/reconstruct_fixture.h"
+#include "tests/stages/renamed_photo.h"
 #include "tests/stages/scene_outlook_of.h"
 
 namespace freegs::stages {
@@ -85,6 +86,20 @@ TEST_F(ReconstructStageTest, WritesTheContract) {
             0u);
   EXPECT_NE(csv.find("\n100,"), std::string::npos);
   EXPECT_FALSE(fs::is_empty(workspace_ / "out" / "checkpoints"));
+}
+
+TEST_F(ReconstructStageTest, RendersHaveTheNameOfTheirPhotoAmongAllPhotos) {
+  // photo5.png is held out, photo5.jpg is not.
+  RenamePhoto(workspace_, "photo4.png", "photo5.jpg");
+  ReconstructStageOptions options;
+  options.import = (workspace_ / "trained.ply").string();
+  ASSERT_TRUE(splat::WritePly(options.import, truth_).ok());
+  const Status status = Run(options, "out");
+  ASSERT_TRUE(status.ok()) << status.message();
+  const fs::path folder = workspace_ / "out" / "holdout";
+  EXPECT_TRUE(fs::exists(folder / "photo5.png.png"));
+  EXPECT_FALSE(fs::exists(folder / "photo5.png"));
+  EXPECT_TRUE(fs::exists(folder / "photo0.png"));
 }
 
 TEST_F(ReconstructStageTest, ReportsTheCourseOfEachMethod) {

@@ -76,6 +76,15 @@ TEST(OutputNamesTest, KeepsTheExtensionWhereNamesWouldCollide) {
               ElementsAre("a.jpg.png", "a.png.png", "a.jpg.jpg.png", "b.png"));
 }
 
+TEST(OutputNamesTest, AViewIsFoundByItsName) {
+  const auto names = OutputNameByView(Named({"a.jpg", "b.png", "a.png"}), "");
+  ASSERT_TRUE(names.ok());
+  EXPECT_EQ(names->size(), 3u);
+  EXPECT_EQ(names->at("a.png"), "a.png");
+  EXPECT_EQ(names->at("b.png"), "b");
+  EXPECT_FALSE(OutputNameByView(Named({"../a"}), "").ok());
+}
+
 TEST(OutputNamesTest, RefusesNamesThatLeaveTheFolder) {
   for (const char* name : {"", "/etc/x.png", "../x.png", "a/../../x", "a/"}) {
     EXPECT_EQ(OutputNames(Named({name}), ".png").status().code(),
