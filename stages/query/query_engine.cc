@@ -27,16 +27,14 @@ namespace {
 // Fills the answer from the scores of all instances, in descending order. Large
 // planes become hits only when they are asked for; otherwise the answer
 // mentions one that is better than all hits.
-template <typename Hit, typename Score>
-void FillFrom(const std::vector<Hit>& all,
+void FillFrom(const std::vector<ScoredInstance>& all,
               const QueryScene& scene,
               const QueryRequest& request,
-              const Score& score,
               QueryAnswer* answer) {
   std::vector<ScoredInstance> scored;
-  for (const Hit& hit : all) {
-    const ScoredInstance instance{hit.id, score(hit), hit.cosine, std::nullopt};
-    const bool plane = scene.is_background[static_cast<size_t>(hit.id) - 1];
+  for (const ScoredInstance& instance : all) {
+    const auto place = static_cast<size_t>(instance.id) - 1;
+    const bool plane = scene.is_background[place] != 0;
     if (!plane || request.text_options.background) {
       scored.push_back(instance);
     } else if (scored.empty() && !answer->plane) {
@@ -92,17 +90,16 @@ Status AnswerText(const QueryRequest& request,
   answer->score_name = "relevancy";
   answer->threshold = request.text_options.min_relevancy;
   FREEGS_ASSIGN_OR_RETURN(
-      const std::vector<semantics::TextHit> all,
+      const std::vector<semantics::TextHit> hits,
       semantics::QueryText(*scene.features,
                            text.values,
                            networks->canonical,
                            {.min_relevancy = 0, .background = true}));
-  FillFrom(
-      all,
-      scene,
-      request,
-      [](const semantics::TextHit& hit) { return hit.relevancy; },
-      answer);
+  std::vector<ScoredInstance> all;
+  for (const semantics::TextHit& hit : hits) {
+    all.push_back({hit.id, hit.relevancy, hit.cosine, std::nullopt});
+  }
+  FillFrom(all, scene, request, answer);
   answer->query_ms = lap.Milliseconds();
   if (!answer->hits.empty() && encoder.info().min_word_confidence > 0 &&
       !HasWords(scene, answer->hits[0].id)) {
@@ -135,14 +132,13 @@ Status AnswerExample(const QueryRequest& request,
   answer->score_name = "cosine";
   answer->threshold = request.min_cosine;
   FREEGS_ASSIGN_OR_RETURN(
-      const std::vector<semantics::ExampleHit> all,
+      const std::vector<semantics::ExampleHit> hits,
       semantics::QueryExample(*scene.features, image, {.background = true}));
-  FillFrom(
-      all,
-      scene,
-      request,
-      [](const semantics::ExampleHit& hit) { return hit.cosine; },
-      answer);
+  std::vector<ScoredInstance> all;
+  for (const semantics::ExampleHit& hit : hits) {
+    all.push_back({hit.id, hit.cosine, hit.cosine, std::nullopt});
+  }
+  FillFrom(all, scene, request, answer);
   answer->query_ms = lap.Milliseconds();
   return Status();
 }
@@ -276,23 +272,22 @@ Status AnswerBox(const QueryRequest& request,
                                                     scene.scene->render,
                                                     pool,
                                                     scene.labels);
-  const StatusOr<std::vector<semantics::BoxHit>> all = semantics::QueryBox(
+  const StatusOr<std::vector<semantics::BoxHit>> hits = semantics::QueryBox(
       labels,
       {place.numbers[0], place.numbers[1], place.numbers[2], place.numbers[3]},
-      {.background = request.text_options.background},
-      scene.is_background);
-  if (!all.ok()) return all.status().Annotated("--box " + Place(place));
+      {.background = true});
+  if (!hits.ok()) return hits.status().Annotated("--box " + Place(place));
   answer->query_ms = lap.Milliseconds();
   answer->question = {
       {"kind", "box"}, {"view", view.name}, {"box", place.numbers}};
   answer->words = "box " + Place(place);
   answer->score_name = "iou";
-  std::vector<ScoredInstance> scored;
-  for (const semantics::BoxHit& hit : *all) {
+  std::vector<ScoredInstance> all;
+  for (const semantics::BoxHit& hit : *hits) {
     FREEGS_RETURN_IF_ERROR(CheckListed(scene, hit.id));
-    scored.push_back({hit.id, hit.iou, std::nullopt, std::nullopt});
+    all.push_back({hit.id, hit.iou, std::nullopt, std::nullopt});
   }
-  SplitHits(scored, request.max_hits, answer);
+  FillFrom(all, scene, request, answer);
   return Status();
 }
 
