@@ -187,7 +187,9 @@ StatusOr<std::vector<semantics::ClickHit>> InstancesAt(
                                pool);
 }
 
-// Another level of the hierarchy takes the place of the best hit.
+// Another level of the hierarchy takes the place of the best hit. The other
+// hits stay what they are: what the region leaves of their instances is no
+// instance.
 Status ChangeLevel(const QueryRequest& request,
                    const View& view,
                    int x,
@@ -205,10 +207,11 @@ Status ChangeLevel(const QueryRequest& request,
                level,
                pool,
                scene));
-  FREEGS_ASSIGN_OR_RETURN(*hits, InstancesAt(*scene, view, x, y, pool));
-  std::stable_partition(hits->begin(), hits->end(), [id](const auto& hit) {
-    return hit.id == id;
-  });
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<semantics::ClickHit> with_region,
+                          InstancesAt(*scene, view, x, y, pool));
+  for (const semantics::ClickHit& hit : with_region) {
+    if (hit.id == id) (*hits)[0] = hit;
+  }
   answer->question["level"] = level;
   answer->question["instance"] = clicked;
   answer->words += level > 0 ? ", " + std::to_string(level) + " wider"
@@ -255,7 +258,7 @@ Status AnswerClick(const QueryRequest& request,
                       std::nullopt,
                       scene->scene->frame.WorldFromFrame() * hit.point});
   }
-  SplitHits(scored, request.max_hits, answer);
+  SplitHits(scored, request.level ? 1 : request.max_hits, answer);
   return Status();
 }
 

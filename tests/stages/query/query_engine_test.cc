@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <sstream>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -60,6 +62,15 @@ class QueryEngineTest : public testing::Test {
     return {1.0 * x0, 1.0 * y0, 1.0 * x1, 1.0 * y1};
   }
 
+  static std::vector<std::pair<int, double>> Listed(
+      const std::vector<ScoredInstance>& instances) {
+    std::vector<std::pair<int, double>> listed;
+    for (const ScoredInstance& instance : instances) {
+      listed.emplace_back(instance.id, instance.score);
+    }
+    return listed;
+  }
+
   SyntheticWorkspace workspace_;
   std::vector<int> planes_;  // Ids of those that are large planes.
   QueryRequest request_;
@@ -108,6 +119,30 @@ TEST_F(QueryEngineTest, ABoxWithNothingButPlanesFindsNothing) {
   ASSERT_EQ(with.hits.size(), 1u);
   EXPECT_EQ(with.hits[0].id, 2);
   EXPECT_FALSE(with.plane.has_value());
+}
+
+// A pixel where all three instances have some weight.
+TEST_F(QueryEngineTest, ALevelLeavesTheOtherInstancesWhole) {
+  workspace_.AddHierarchy();
+  request_.max_hits = 0;
+  QueryAnswer plain;
+  for (double x = 0.5; plain.hits.size() < 3 && x < 64; ++x) {
+    request_.click = ViewPlace{"photo2", {x, 24.5}};
+    plain = Answer();
+  }
+  ASSERT_EQ(plain.hits.size(), 3u);
+  const int clicked = plain.hits[0].id;
+  std::vector<std::pair<int, double>> others = Listed(plain.hits);
+  others.erase(others.begin());
+  for (const int level : {-1, 1, 2}) {
+    request_.level = level;
+    const QueryAnswer answer = Answer();
+    EXPECT_EQ(answer.question["instance"], clicked);
+    ASSERT_EQ(answer.hits.size(), 1u) << level;
+    EXPECT_EQ(answer.hits[0].id, 4);
+    EXPECT_EQ(Listed(answer.others), others) << level;
+    EXPECT_EQ(answer.hits[0].score > plain.hits[0].score, level > 0) << level;
+  }
 }
 
 }  // namespace
