@@ -10,6 +10,7 @@
 #include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -206,6 +207,14 @@ Status NoFiguresOfText(const Status& why,
   return Status();
 }
 
+void TellCutLabels(const std::vector<std::string>& labels,
+                   CommandContext& context) {
+  for (const std::string& label : labels) {
+    context.err << "eval: label \"" << label
+                << "\" is too long for the model; it sees only its beginning\n";
+  }
+}
+
 Status MeasureTextOfGaussians(const EvalRequest& request,
                               const WorkspaceScene& scene,
                               const AlignedTruth& aligned,
@@ -225,6 +234,7 @@ Status MeasureTextOfGaussians(const EvalRequest& request,
                           context.cancellation,
                           pool);
   if (!found.ok()) return NoFiguresOfText(found.status(), request, context);
+  TellCutLabels(found->cut_labels, context);
   report->text_from_gaussians = true;
   report->text_threshold = threshold;
   report->text_model = std::move(found->model);
@@ -253,6 +263,7 @@ Status MeasureText(const EvalRequest& request,
   const StatusOr<LabelAnswers> answers =
       AnswerLabels(request.workspace, labels, questions);
   if (!answers.ok()) return NoFiguresOfText(answers.status(), request, context);
+  TellCutLabels(answers->cut_labels, context);
   report->text_model = answers->model;
   report->text_threshold = questions.min_relevancy;
   FREEGS_ASSIGN_OR_RETURN(report->text,

@@ -23,11 +23,14 @@ namespace {
 namespace fs = std::filesystem;
 
 // The relevancy of each Gaussian to each label, N x L, as GaussianRelevancy
-// returns it.
-StatusOr<std::vector<float>> AskGaussians(const fs::path& workspace,
-                                          const std::set<std::string>& labels,
-                                          semantics::ClipEncoder& encoder,
-                                          ThreadPool& pool) {
+// returns it. Appends the labels that are too long for the model to
+// `cut_labels`.
+StatusOr<std::vector<float>> AskGaussians(
+    const fs::path& workspace,
+    const std::set<std::string>& labels,
+    semantics::ClipEncoder& encoder,
+    ThreadPool& pool,
+    std::vector<std::string>* cut_labels) {
   const fs::path folder = workspace / "bootstrap";
   FREEGS_ASSIGN_OR_RETURN(const semantics::Idsf field,
                           semantics::ReadIdsf(folder / "idsf.bin"));
@@ -47,6 +50,7 @@ StatusOr<std::vector<float>> AskGaussians(const fs::path& workspace,
   for (const std::string& label : labels) {
     FREEGS_ASSIGN_OR_RETURN(const semantics::TextEmbedding text,
                             encoder.EncodeText(label));
+    if (text.truncated) cut_labels->push_back(label);
     texts.insert(texts.end(), text.values.begin(), text.values.end());
   }
   return semantics::GaussianRelevancy(
@@ -78,14 +82,15 @@ StatusOr<GaussianTextQuality> MeasureGaussianText(
   FREEGS_ASSIGN_OR_RETURN(const std::unique_ptr<semantics::OpenCvClip> encoder,
                           OpenModelOfFeatures(features, workspace, clip_model));
   const std::set<std::string> labels = Labels(truth.objects);
-  FREEGS_ASSIGN_OR_RETURN(const std::vector<float> relevancy,
-                          AskGaussians(workspace, labels, *encoder, pool));
+  GaussianTextQuality result;
+  FREEGS_ASSIGN_OR_RETURN(
+      const std::vector<float> relevancy,
+      AskGaussians(workspace, labels, *encoder, pool, &result.cut_labels));
   const size_t count = scene.model.size();
   if (relevancy.size() != count * labels.size()) {
     return BadInputError((workspace / "bootstrap" / "idsf.bin").string() +
                          " is not of this scene's Gaussians");
   }
-  GaussianTextQuality result;
   result.model = encoder->info().name;
   TextQuality quality;
   size_t column = 0;

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/cancellation.h"
 #include "core/parallel.h"
@@ -21,7 +22,8 @@ namespace freegs::stages {
 
 struct GaussianTextQuality {
   std::optional<TextQuality> text;
-  std::string model;  // Name of the CLIP model.
+  std::string model;                    // Name of the CLIP model.
+  std::vector<std::string> cut_labels;  // As in LabelAnswers.
 };
 
 // Asks the workspace for each label of the truth and measures the answers. The

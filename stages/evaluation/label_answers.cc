@@ -70,6 +70,7 @@ StatusOr<LabelAnswers> AnswerLabels(const fs::path& workspace,
   for (const std::string& label : labels) {
     FREEGS_ASSIGN_OR_RETURN(const semantics::TextEmbedding text,
                             encoder->EncodeText(label));
+    if (text.truncated) result.cut_labels.push_back(label);
     FREEGS_ASSIGN_OR_RETURN(
         const std::vector<semantics::TextHit> hits,
         semantics::QueryText(features, text.values, canonical, query, planes));

@@ -9,6 +9,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "core/status.h"
 #include "semantics/queries/instance_features.h"
@@ -32,6 +33,9 @@ struct LabelQuestionOptions {
 struct LabelAnswers {
   std::map<std::string, TextAnswer> answers;  // One per label.
   std::string model;                          // Name of the CLIP model.
+
+  // Labels too long for the model, which was asked only their beginning.
+  std::vector<std::string> cut_labels;
 };
 
 // Reads bootstrap/instance_features.json. kMissingDependency when it is

@@ -236,6 +236,26 @@ TEST_F(EvalCommandTest, WhenGaussiansAnswerNoInstanceDoes) {
   }
 }
 
+TEST_F(EvalCommandTest, TellsOnceOfALabelThatIsTooLong) {
+  WriteFeatures();
+  WriteField(8);
+  std::string label = "blue";
+  for (int i = 0; i < 100; ++i) label += " mug";
+  json objects = json::parse(ReadText(gt() / "objects.json"));
+  // Two objects share it.
+  objects["objects"][1]["label"] = objects["objects"][2]["label"] = label;
+  WriteText(gt() / "objects.json", objects.dump());
+  for (const char* from : {"instances", "gaussians"}) {
+    ASSERT_EQ(Eval({"--gt", truth_.path().string(), "--text-from", from}), 0)
+        << message_;
+    EXPECT_EQ(messages_.str(),
+              "eval: label \"" + label +
+                  "\" is too long for the model; it sees only its beginning\n")
+        << from;
+    EXPECT_EQ(result_["labels"].size(), 2u);
+  }
+}
+
 TEST_F(EvalCommandTest, ADecoderOfOtherFeaturesIsNamed) {
   WriteFeatures();
   // Texts of 8 numbers can be divided into vectors of 4.
