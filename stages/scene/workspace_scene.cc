@@ -29,7 +29,21 @@ Status RequireStageFile(const fs::path& workspace,
                        stage + " first");
 }
 
-void TakeTrainingOptions(const fs::path& workspace, WorkspaceScene* scene) {
+// Before this version the stage wrote the transpose of each matrix.
+constexpr int kExposuresAsIn3dgs = 14;
+
+splat::AffineColor Transposed(const splat::AffineColor& color) {
+  splat::AffineColor result = color;
+  for (size_t row = 0; row < 3; ++row) {
+    for (size_t column = 0; column < 3; ++column) {
+      result.values[4 * row + column] = color.values[4 * column + row];
+    }
+  }
+  return result;
+}
+
+// Takes what the record of the training says about it.
+void TakeTrainingRecord(const fs::path& workspace, WorkspaceScene* scene) {
   const StatusOr<pipeline::StageRecord> record =
       pipeline::ReadStageRecord(workspace / "reconstruct");
   if (!record.ok()) return;  // Somebody else's model.
@@ -41,6 +55,11 @@ void TakeTrainingOptions(const fs::path& workspace, WorkspaceScene* scene) {
   const auto background = options.find("reconstruct.background");
   if (background != options.end() && background->second == "white") {
     scene->render.background = {1, 1, 1};
+  }
+  if (record->fingerprint.version < kExposuresAsIn3dgs) {
+    for (splat::PhotoExposure& exposure : scene->exposures) {
+      exposure.color = Transposed(exposure.color);
+    }
   }
 }
 
@@ -67,10 +86,10 @@ StatusOr<WorkspaceScene> ReadWorkspaceScene(const fs::path& workspace) {
         ": Gaussians are too large, or too far from the cameras of undistort/, "
         "for float32");
   }
-  TakeTrainingOptions(workspace, &scene);
   FREEGS_ASSIGN_OR_RETURN(
       scene.exposures,
       ReadExposures(workspace / "reconstruct" / "exposure.json"));
+  TakeTrainingRecord(workspace, &scene);
   return scene;
 }
 

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "pipeline/stage_record.h"
 #include "tests/stages/synthetic_workspace.h"
 
 namespace freegs::stages {
@@ -45,6 +46,27 @@ TEST(WorkspaceSceneTest, SomebodyElsesModel) {
   EXPECT_EQ(scene->train.size(), 6u);
   EXPECT_EQ(scene->training_max_side, 0);
   EXPECT_EQ(scene->render.background[0], 0.0f);
+}
+
+// Of older programs it has the transpose of each matrix.
+TEST(WorkspaceSceneTest, ExposuresOfOlderPrograms) {
+  SyntheticWorkspace workspace;
+  const std::filesystem::path folder = workspace.path() / "reconstruct";
+  WriteText(folder / "exposure.json",
+            R"({"a.png": [[1, 0.2, 0, 0.3], [0, 1, 0, 0], [0, 0, 1, 0]]})");
+  StatusOr<pipeline::StageRecord> record = pipeline::ReadStageRecord(folder);
+  ASSERT_TRUE(record.ok());
+  for (const int version : {13, 14}) {
+    record->fingerprint.version = version;
+    ASSERT_TRUE(pipeline::WriteStageRecord(folder, *record).ok());
+    const auto scene = ReadWorkspaceScene(workspace.path());
+    ASSERT_TRUE(scene.ok()) << scene.status().message();
+    const auto& values = scene->exposures[0].color.values;
+    // Red of the photo takes green of the scene, or the other way round.
+    EXPECT_EQ(values[1], version == 13 ? 0.2f : 0.0f);
+    EXPECT_EQ(values[4], version == 13 ? 0.0f : 0.2f);
+    EXPECT_EQ(values[3], 0.3f);
+  }
 }
 
 TEST(WorkspaceSceneTest, MissingAndDamagedFilesAreNamed) {
