@@ -114,7 +114,13 @@ export function makeScene() {
  * along z, stand at z = -5, and have the size and the focal length of `photo`;
  * `images` are their files.
  */
-export function writeGaussians(name, gaussians, photo, images = [""]) {
+export function writeGaussians(
+  name,
+  gaussians,
+  photo,
+  images = [""],
+  antialiased = false,
+) {
   const web = pathToFileURL(
     join(build, "share", "freegs_pipeline", "web"),
   ).href;
@@ -160,7 +166,7 @@ export function writeGaussians(name, gaussians, photo, images = [""]) {
       focus: [0, 0, 0],
       radius: 5,
     },
-    ...{ background: [0, 0, 0], antialiased: false, sh_degree: 0, levels: {} },
+    ...{ background: [0, 0, 0], antialiased, sh_degree: 0, levels: {} },
     num_gaussians: gaussians.length,
     photos: images.map((image, i) => ({
       ...{
@@ -218,16 +224,16 @@ export function isolate(page, id) {
 
 /**
  * Waits until the canvas has a grey value at a point (CSS pixels, to the right of
- * the middle), give or take three. Fails if it does not get it.
+ * the middle), give or take a few. Fails if it does not get it.
  */
-export async function expectGrey(page, right, expected) {
+export async function expectGrey(page, right, expected, tolerance = 3) {
   const found = await page.evaluate(
-    async ([x, wanted]) => {
+    async ([x, wanted, within]) => {
       const { view } = globalThis.freegsViewer;
       const copy = document.createElement("canvas");
       const context = copy.getContext("2d", { willReadFrequently: true });
       let grey = -1;
-      for (let i = 0; i < 100 && Math.abs(grey - wanted) > 3; ++i) {
+      for (let i = 0; i < 100 && Math.abs(grey - wanted) > within; ++i) {
         if (i > 0) await new Promise((resolve) => setTimeout(resolve, 100));
         copy.width = view.canvas.width;
         copy.height = view.canvas.height;
@@ -238,10 +244,10 @@ export async function expectGrey(page, right, expected) {
       }
       return grey;
     },
-    [right, expected],
+    [right, expected, tolerance],
   );
   assert.ok(
-    Math.abs(found - expected) <= 3,
+    Math.abs(found - expected) <= tolerance,
     `${found} instead of ${expected} at ${right} beside the middle`,
   );
 }

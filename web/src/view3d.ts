@@ -6,7 +6,7 @@ import { SparkRenderer } from "@sparkjsdev/spark";
 import * as THREE from "three";
 
 import { NEAR_PLANE, pickLabel, renderMask, type PinholePose } from "./blending";
-import { boundJacobian } from "./bounded_jacobian";
+import { projectExactly } from "./exact_projection";
 import {
   photoPose,
   photoRectangle,
@@ -119,7 +119,7 @@ export class View3d {
       preBlurAmount: scene.antialiased ? 0 : 0.3,
       blurAmount: scene.antialiased ? 0.3 : 0,
     });
-    boundJacobian(this.spark);
+    projectExactly(this.spark);
     groupSquares(this.spark);
     this.world.add(this.spark);
     this.cloud = new SplatCloud(scene, this.root, selection);
