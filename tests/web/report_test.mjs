@@ -674,6 +674,30 @@ test("fingers turn, come nearer and choose", async () => {
     .locator(".v-canvas canvas")
     .dispatchEvent("wheel", { deltaY: 100 });
   assert.ok((await camera()).forward < nearer.forward);
+  // So do the keys, and what one would turn around stays as far away.
+  const distance = () =>
+    page.evaluate(() => {
+      const { navigation, camera: eye } = globalThis.freegsViewer.view;
+      return eye.position.distanceTo(navigation.target);
+    });
+  const apart = await distance();
+  await canvas.focus();
+  let { forward } = await camera();
+  const { radius } = await page.evaluate(
+    () => globalThis.freegsScene.description,
+  );
+  for (const [key, step] of [
+    ["+", 0.1],
+    ["-", -0.1],
+  ]) {
+    for (let i = 0; i < 30; ++i) {
+      await page.keyboard.press(key);
+      const now = (await camera()).forward;
+      assert.ok(Math.abs(now - forward - step * radius) < 1e-4 * radius);
+      forward = now;
+    }
+  }
+  assert.ok(Math.abs((await distance()) - apart) < 1e-4 * radius);
   assert.deepEqual(page.errors, []);
   await page.context().close();
 });

@@ -5,6 +5,7 @@ import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
 const STEP = Math.PI / 36; // A key press turns by 5 degrees.
+const KEY_ADVANCE = 0.1; // While flying, in radii of the scene.
 
 export class Navigation {
   private readonly orbit: OrbitControls;
@@ -104,9 +105,11 @@ export class Navigation {
       if (this.flying) this.turn(...turn[event.key]);
       else this.circle(...turn[event.key]);
     } else if (event.key === "+" || event.key === "=") {
-      this.approach(0.9);
+      if (this.flying) this.advance(KEY_ADVANCE * this.radius);
+      else this.approach(0.9);
     } else if (event.key === "-") {
-      this.approach(1 / 0.9);
+      if (this.flying) this.advance(-KEY_ADVANCE * this.radius);
+      else this.approach(1 / 0.9);
     } else {
       return;
     }
