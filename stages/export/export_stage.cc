@@ -94,19 +94,27 @@ class ExportStage : public pipeline::Stage {
 
   int version() const override { return 6; }
 
-  std::vector<fs::path> Inputs(const pipeline::StageContext&) const override {
-    return {"ingest/images.json",
-            "sfm/health.json",
-            "undistort/images",
-            "undistort/sparse",
-            "reconstruct/point_cloud.ply",
-            // There is no such file where no exposure was learnt.
-            "reconstruct/exposure.json",
-            "reconstruct/metrics.json",
-            "reconstruct/progress.csv",
-            "bootstrap/idsf.bin",
-            "bootstrap/instances.json",
-            "bootstrap/hierarchy.json"};
+  std::vector<fs::path> Inputs(
+      const pipeline::StageContext& context) const override {
+    std::vector<fs::path> inputs = {
+        "ingest/images.json",
+        "undistort/images",
+        "undistort/sparse",
+        "reconstruct/point_cloud.ply",
+        // There is no such file where no exposure was learnt.
+        "reconstruct/exposure.json",
+        "reconstruct/metrics.json",
+        "reconstruct/progress.csv",
+        "bootstrap/idsf.bin",
+        "bootstrap/instances.json",
+        "bootstrap/hierarchy.json"};
+    // The report leaves out what stage sfm says of the poses where somebody
+    // brought poses and photos of their own for stage undistort.
+    std::error_code error;
+    if (fs::is_directory(context.workspace / "sfm", error)) {
+      inputs.emplace_back("sfm/health.json");
+    }
+    return inputs;
   }
 
   pipeline::StageNeed Foretell(const pipeline::StageContext& context,
