@@ -51,6 +51,11 @@ struct OptionSpec {
   // Whether the value is a program: a name that is looked for in PATH or, if
   // there is a '/' in it, a path that starts where that of is_path does.
   bool is_program = false;
+
+  // Whether this value of the option is a path.
+  bool HasPath(const std::string& value) const {
+    return is_path || (is_program && value.find('/') != std::string::npos);
+  }
 };
 
 // Points to the variable that holds the value of an option.

@@ -76,9 +76,7 @@ std::string ResolvePath(const std::string& value, const fs::path& folder) {
 std::string Resolved(const std::string& value,
                      const OptionSpec& spec,
                      const fs::path& folder) {
-  const bool is_path =
-      spec.is_path || (spec.is_program && value.find('/') != std::string::npos);
-  return is_path ? ResolvePath(value, folder) : value;
+  return spec.HasPath(value) ? ResolvePath(value, folder) : value;
 }
 
 void DescribeCommandLine(const OptionTable& table,

@@ -52,7 +52,7 @@ class SettingTaker {
     }
     FREEGS_RETURN_IF_ERROR(
         table_.Apply({{setting.first, value, suite_.name + ": " + where}}));
-    if (table_.Find(setting.first)->spec.is_path) {
+    if (table_.Find(setting.first)->spec.HasPath(value)) {
       setting.second = AbsolutePath(value);
     }
     return setting;

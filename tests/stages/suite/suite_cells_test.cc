@@ -79,6 +79,18 @@ TEST(SuiteCellsTest, PathsStartAtTheSuite) {
   EXPECT_THAT((*cells)[1].settings,
               Contains(Pair("sfm.import", "${scene}/model")));
 
+  // A program with a '/' is a path, and one without is looked for in PATH.
+  const auto programs = Cells(
+      "[scene a]\nimages = p\n"
+      "[grid g]\nsfm.colmap = colmap tools/colmap ${scene}/colmap\n");
+  ASSERT_TRUE(programs.ok()) << programs.status().message();
+  ASSERT_EQ(programs->size(), 3u);
+  EXPECT_THAT((*programs)[0].settings, Contains(Pair("sfm.colmap", "colmap")));
+  EXPECT_THAT((*programs)[1].settings,
+              Contains(Pair("sfm.colmap", "/d/tools/colmap")));
+  EXPECT_THAT((*programs)[2].settings,
+              Contains(Pair("sfm.colmap", "${scene}/colmap")));
+
   const auto of_eval = Cells(
       "[scene a]\nimages = p\n[grid g]\neval.model = clip ${scene}/clip\n",
       KnownChecks());
