@@ -22,6 +22,9 @@ struct InputFingerprint {
   // Where an input lay that the user named, as DisplayPath writes it. Empty for
   // what other stages make, and in records of older programs.
   std::string path = {};
+  // The way from the workspace to such an input, such as "../list.txt", where
+  // `path` is absolute. Empty otherwise, and in records of older programs.
+  std::string from_workspace = {};
 
   bool missing() const { return hash == "missing"; }
   // The same content counts as the same input, wherever it lies.

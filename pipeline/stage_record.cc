@@ -68,7 +68,9 @@ StageFingerprint ReadFingerprint(const json& object, Status* status) {
     fingerprint.inputs[name] = {
         .hash = input.Text("hash"),
         .files = input.Integer64("files", 0, kMaxCount),
-        .path = input.Has("path") ? input.Text("path") : ""};
+        .path = input.Has("path") ? input.Text("path") : "",
+        .from_workspace =
+            input.Has("from_workspace") ? input.Text("from_workspace") : ""};
   }
   return fingerprint;
 }
@@ -127,6 +129,9 @@ json ToJson(const StageFingerprint& fingerprint) {
   for (const auto& [name, input] : fingerprint.inputs) {
     inputs[name] = {{"hash", input.hash}, {"files", input.files}};
     if (!input.path.empty()) inputs[name]["path"] = input.path;
+    if (!input.from_workspace.empty()) {
+      inputs[name]["from_workspace"] = input.from_workspace;
+    }
   }
   return {{"stage", fingerprint.stage},
           {"version", fingerprint.version},

@@ -29,16 +29,26 @@ bool LiesIn(const fs::path& inner, const fs::path& outer) {
   return !relative.empty() && *relative.begin() != "..";
 }
 
+// The way from the workspace to an input. Where the record of an older program
+// does not have it, the absolute path.
+const std::string& FromWorkspace(const InputFingerprint& input) {
+  return input.from_workspace.empty() ? input.path : input.from_workspace;
+}
+
 // Whether the stage read the input at the path where it is looked for now, or
-// files in a folder at this path. Where a record does not say where an input
+// files in a folder at this path. When a workspace is moved, an absolute path
+// stays, and a relative one in its config.ini leads elsewhere, so it is enough
+// that one of the two is the same. Where a record does not say where an input
 // lay, it is known by its name.
 bool WasReadThere(const StageFingerprint& then,
                   const std::string& name,
-                  const std::string& path) {
+                  const InputFingerprint& now) {
   return std::any_of(
-      then.inputs.begin(), then.inputs.end(), [&](const auto& input) {
-        return input.second.path.empty() ? input.first == name
-                                         : LiesIn(input.second.path, path);
+      then.inputs.begin(), then.inputs.end(), [&](const auto& entry) {
+        const InputFingerprint& input = entry.second;
+        if (input.path.empty()) return entry.first == name;
+        return LiesIn(input.path, now.path) ||
+               LiesIn(FromWorkspace(input), FromWorkspace(now));
       });
 }
 
@@ -64,7 +74,7 @@ std::vector<std::string> KeepGoneInputs(const StageFingerprint& then,
       continue;
     }
     if (rule == GoneRule::kWasReadThere &&
-        !WasReadThere(then, name, inputs[name].path)) {
+        !WasReadThere(then, name, inputs[name])) {
       continue;
     }
     if (old == before.end()) {
@@ -106,7 +116,8 @@ bool HasMoved(const StageFingerprint& then, const StageFingerprint& now) {
       now.inputs.begin(), now.inputs.end(), [&](const auto& input) {
         const auto old = then.inputs.find(input.first);
         return old != then.inputs.end() &&
-               old->second.path != input.second.path;
+               (old->second.path != input.second.path ||
+                old->second.from_workspace != input.second.from_workspace);
       });
 }
 
@@ -148,6 +159,18 @@ std::string CheckOutput(const fs::path& workspace,
   return "";
 }
 
+// The relative path that leads from the workspace to `path`; both are absolute.
+// Links on the way are followed, so that it is the same for a workspace that is
+// reached through a link. The last name may be that of a link: it stays,
+// because that link may be gone another time. Empty if the way cannot be found.
+fs::path WayTo(const fs::path& workspace, const fs::path& path) {
+  std::error_code error;
+  const fs::path plain = path.lexically_normal();
+  const fs::path folder = fs::relative(plain.parent_path(), workspace, error);
+  if (error) return {};
+  return (folder / plain.filename()).lexically_normal();
+}
+
 }  // namespace
 
 CurrentInputs GatherInputs(const RunnerStage& stage,
@@ -182,6 +205,10 @@ CurrentInputs GatherInputs(const RunnerStage& stage,
     now.given.insert(name);
     const fs::path plain = path.has_filename() ? path : path.parent_path();
     fingerprint.path = ValidUtf8(DisplayPath(context.workspace, plain));
+    if (external) {
+      fingerprint.from_workspace =
+          ValidUtf8(WayTo(context.workspace, plain).string());
+    }
   }
   return now;
 }

@@ -21,8 +21,9 @@ StageRecord Example() {
   record.fingerprint.stage = "sfm";
   record.fingerprint.version = 3;
   record.fingerprint.options = {{"sfm.a", "1"}, {"sfm.b", "x y"}};
-  record.fingerprint.inputs = {{"ingest/images.json", {"abc", 1}},
-                               {"photos", {"def", 20, "/home/me/photos"}}};
+  record.fingerprint.inputs = {
+      {"ingest/images.json", {"abc", 1}},
+      {"photos", {"def", 20, "/home/me/photos", "../photos"}}};
   record.outcome = StageOutcome::kFailed;
   record.program_version = "1.2.3";
   record.other_options = {{"sfm.c", "2"}};
@@ -48,6 +49,7 @@ TEST(StageRecordTest, RoundTrip) {
   EXPECT_EQ(ToJson(*read), ToJson(Example()));
   EXPECT_EQ(read->fingerprint, Example().fingerprint);
   EXPECT_EQ(read->fingerprint.inputs.at("photos").path, "/home/me/photos");
+  EXPECT_EQ(read->fingerprint.inputs.at("photos").from_workspace, "../photos");
   EXPECT_EQ(read->fingerprint.inputs.at("ingest/images.json").path, "");
   EXPECT_EQ(read->expected_memory_bytes, int64_t{6} << 32);
   EXPECT_EQ(read->expected_seconds, 90.5);
@@ -96,6 +98,9 @@ TEST(StageRecordTest, EveryWrongOrMissingFieldIsRefused) {
   EXPECT_FALSE(RecordFromJson(odd).ok());
   odd = good;
   odd["inputs"]["photos"]["path"] = 1;
+  EXPECT_FALSE(RecordFromJson(odd).ok());
+  odd = good;
+  odd["inputs"]["photos"]["from_workspace"] = 1;
   EXPECT_FALSE(RecordFromJson(odd).ok());
   odd = good;
   odd["outputs"]["sparse/0/cameras.bin"] = -1;

@@ -91,7 +91,7 @@ class StageRunnerTest : public ::testing::Test {
     c_.inputs = {"b/out.txt"};
   }
 
-  std::filesystem::path workspace() const { return folder_ / "ws"; }
+  std::filesystem::path workspace() const { return workspace_; }
   std::filesystem::path images() const { return images_; }
 
   // With `forced`, only this stage is run.
@@ -153,6 +153,7 @@ class StageRunnerTest : public ::testing::Test {
   }
 
   TemporaryFolder folder_;
+  std::filesystem::path workspace_ = folder_ / "ws";
   std::filesystem::path images_ = folder_ / "photos";
   Script a_, b_, c_;
   std::string from_, to_;

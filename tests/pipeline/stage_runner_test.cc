@@ -4,6 +4,8 @@
 #include "pipeline/stage_runner.h"
 
 #include <filesystem>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -317,6 +319,79 @@ TEST_F(StageRunnerTest, InputsMayGoFromWhereTheyWereFoundLast) {
   ASSERT_TRUE(Run().ok());
   EXPECT_EQ(Runs(), "111");
   EXPECT_THAT(log_, HasSubstr("a: input photos is gone"));
+}
+
+// As with a path in config.ini that starts with "..", and one on the command
+// line.
+TEST_F(StageRunnerTest, InputsOutsideMayGoFromAWorkspaceThatIsMoved) {
+  WriteText(folder_ / "list.txt", "1.jpg");
+  const auto name_list = [this] {
+    b_.inputs = {"a/out.txt", workspace() / ".." / "list.txt"};
+  };
+  name_list();
+  ASSERT_TRUE(Run().ok());
+  const auto list = [this] {
+    return ReadStageRecord(workspace() / "b")
+        ->fingerprint.inputs.at("list.txt");
+  };
+  EXPECT_EQ(list().path, folder_ / "list.txt");
+  EXPECT_EQ(list().from_workspace, "../list.txt");
+  const auto move_to = [this](const std::string& parent) {
+    const fs::path moved = folder_ / parent / "ws";
+    fs::create_directory(moved.parent_path());
+    fs::rename(workspace(), moved);
+    workspace_ = moved;
+  };
+  move_to("first");
+  const auto expect_gone = [this] {
+    const StageState state = Inspect()[1].state;
+    EXPECT_EQ(state.status, StageStatus::kDone) << state.reason;
+    EXPECT_THAT(state.note, HasSubstr("input list.txt is gone"));
+  };
+  name_list();
+  expect_gone();
+  b_.inputs.back() = folder_ / "first" / "lits.txt";
+  EXPECT_EQ(Inspect()[1].state.status, StageStatus::kStale);
+  b_.inputs.back() = folder_ / "list.txt";
+  EXPECT_EQ(Inspect()[1].state.note, "");
+  fs::remove(folder_ / "list.txt");
+  expect_gone();
+
+  // It is found in the new place, and the workspace is moved once more.
+  WriteText(folder_ / "first" / "list.txt", "1.jpg");
+  name_list();
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(list().path, folder_ / "first" / "list.txt");
+  move_to("second");
+  name_list();
+  expect_gone();
+  ASSERT_TRUE(Run().ok());
+  EXPECT_EQ(Runs(), "111");
+}
+
+TEST_F(StageRunnerTest, InputsMayGoFromAWorkspaceThatIsReachedThroughALink) {
+  fs::create_directory_symlink(folder_.path(), folder_ / "link");
+  const fs::path direct = workspace();
+  const fs::path linked = folder_ / "link" / "ws";
+  for (const auto& [workspace, photos] :
+       {std::pair{direct, linked / "photos"}, {direct, direct / "photos"}}) {
+    workspace_ = workspace;
+    images_ = photos;
+    WriteText(images() / "1.jpg", "photo");
+    ASSERT_TRUE(Run().ok());
+    fs::remove_all(images());
+    for (const fs::path& now : {direct, linked}) {
+      workspace_ = now;
+      for (const fs::path& place : {direct, linked}) {
+        images_ = place / "photos";
+        ASSERT_TRUE(Run().ok());
+        EXPECT_THAT(log_, HasSubstr("a: input photos is gone"));
+      }
+    }
+  }
+  EXPECT_EQ(Runs(), "111");
+  images_ = linked / "photo";
+  EXPECT_EQ(Inspect()[0].state.status, StageStatus::kStale);
 }
 
 TEST_F(StageRunnerTest, RecordsOfOlderProgramsDoNotSayWhereInputsLay) {
