@@ -73,10 +73,20 @@ Status CheckImagesFolder(const fs::path& images,
 // Without its networks a stage lacks a part of the program.
 constexpr char kModelOption[] = "bootstrap.model";
 
+// Whether a stage has a result, or what an interrupted run left. If so, the
+// runner speaks of the stage's inputs before the stage itself reads its
+// options.
+bool HasBegun(const fs::path& workspace, const std::string& stage) {
+  std::error_code error;
+  return pipeline::ReadStageRecord(pipeline::StageFolder(workspace, stage))
+             .ok() ||
+         fs::exists(pipeline::PartialFolder(workspace, stage), error);
+}
+
 // A path that is not there is mistyped, unless the workspace remembers it. A
-// stage without a result says so itself. Of one with a result this is said
-// before stages before it are done anew. Of an option that is given several
-// times the last one counts.
+// stage that has not begun says so itself. Of one that has, this is said before
+// stages before it are done anew. Of an option that is given several times the
+// last one counts.
 Status CheckGivenPaths(const fs::path& workspace,
                        const OptionTable& table,
                        const std::vector<OptionSetting>& given,
@@ -95,8 +105,7 @@ Status CheckGivenPaths(const fs::path& workspace,
         before->second == pipeline::DisplayPath(workspace, value)) {
       continue;
     }
-    const fs::path stage = pipeline::StageFolder(workspace, option->section());
-    if (!pipeline::ReadStageRecord(stage).ok()) continue;
+    if (!HasBegun(workspace, option->section())) continue;
     const std::string fault =
         "--" + name + ": " + value + ": no such file or folder";
     return name == kModelOption ? MissingDependencyError(fault)

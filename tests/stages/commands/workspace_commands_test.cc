@@ -165,6 +165,28 @@ TEST_F(CommandTest, AMistypedPathIsNotTakenForOneThatIsGone) {
               "ingest");
 }
 
+// The runner would say that the interrupted run waits for model.json.
+TEST_F(CommandTest, AMistypedPathIsToldToAnInterruptedRunToo) {
+  WriteText(folder_ / "photos" / "1.jpg", "x");
+  for (const char* file :
+       {"sfm.partial/partial.json", "bootstrap.partial/partial.json"}) {
+    WriteText(folder_ / "w" / file, "{}");
+  }
+  pipeline::WorkspaceInfo info;
+  info.images = Path("photos");
+  ASSERT_TRUE(pipeline::WriteWorkspaceInfo(folder_ / "w", info).ok());
+  const std::string path = Path("none");
+  ExpectError(RunRunCommand,
+              {Path("photos"), Path("w"), "--bootstrap.model", path},
+              StatusCode::kMissingDependency,
+              "--bootstrap.model: " + path);
+  ExpectError(RunStageCommand,
+              {"sfm", Path("w"), "--sfm.import", path},
+              StatusCode::kBadInput,
+              "--sfm.import: " + path);
+  EXPECT_TRUE(pipeline::ReadWorkspaceInfo(folder_ / "w")->settings.empty());
+}
+
 TEST_F(CommandTest, NoStageIsUpToDateWithAPathThatItNeverRead) {
   WritePhotos();
   const std::vector<std::string> run = {
