@@ -13,6 +13,30 @@ namespace freegs::stages {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+// Whether an entry of a folder is `place`, or each folder on the way from it
+// down to `place` holds nothing else but hidden files and folders.
+bool IsOnlyWayTo(const fs::path& place, const fs::path& entry) {
+  if (!IsWithin(place, entry)) return false;
+  std::error_code error;
+  fs::path inner = fs::weakly_canonical(fs::absolute(place, error), error);
+  while (inner.has_relative_path() && !IsWithin(entry, inner)) {
+    const fs::path folder = inner.parent_path();
+    for (const fs::directory_entry& other :
+         fs::directory_iterator(folder, error)) {
+      const fs::path name = other.path().filename();
+      if (name != inner.filename() && !name.string().starts_with('.')) {
+        return false;
+      }
+    }
+    inner = folder;
+  }
+  return !error;
+}
+
+}  // namespace
+
 Status CheckWorkspaceFolder(const fs::path& workspace,
                             const std::vector<fs::path>& photos) {
   std::error_code error;
@@ -22,7 +46,7 @@ Status CheckWorkspaceFolder(const fs::path& workspace,
   }
   const auto holds_photos = [&photos](const fs::path& entry) {
     return std::ranges::any_of(photos, [&entry](const fs::path& place) {
-      return IsWithin(place, entry);
+      return IsOnlyWayTo(place, entry);
     });
   };
   bool empty = true;

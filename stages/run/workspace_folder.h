@@ -14,7 +14,8 @@ namespace freegs::stages {
 // kBadInput for what is no folder, and for a folder that holds other files and
 // nothing of a workspace: a mistyped argument must not fill it with stages, or
 // put a file among photos that would then count as changed. A file or folder of
-// it that is or holds one of `photos`, where photos may lie, counts as nothing.
+// it counts as nothing if it is one of `photos`, where photos may lie, or a
+// folder with nothing else in it than, perhaps further down, one of these.
 Status CheckWorkspaceFolder(
     const std::filesystem::path& workspace,
     const std::vector<std::filesystem::path>& photos = {});

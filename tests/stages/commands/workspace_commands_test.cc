@@ -122,6 +122,31 @@ TEST_F(CommandTest, PhotosMayLieInTheWorkspaceBeforeThereIsOne) {
               "is not a workspace");
 }
 
+TEST_F(CommandTest, AFolderWithMoreThanThePhotosIsNoWorkspace) {
+  WriteText(folder_ / "w" / "2024" / "trip" / "1.jpg", "x");
+  WriteText(folder_ / "w" / "2024" / "other" / "1.jpg", "x");
+  WriteText(folder_ / "w" / "2024" / ".thumbnails" / "1.png", "x");
+  const auto refuse = [this](const std::string& photos,
+                             const std::string& part) {
+    ExpectError(
+        RunRunCommand, {Path(photos), Path("w")}, StatusCode::kBadInput, part);
+  };
+  refuse("w/2024/trip", "is not a workspace");
+  EXPECT_FALSE(fs::exists(folder_ / "w" / "workspace.json"));
+  fs::remove_all(folder_ / "w" / "2024" / "other");
+  WriteText(folder_ / "w" / "2024" / "notes.txt", "x");
+  refuse("w/2024/trip", "is not a workspace");
+  fs::remove(folder_ / "w" / "2024" / "notes.txt");
+  // A link to the photos, or above them, and none to a folder of others.
+  fs::rename(folder_ / "w" / "2024", folder_ / "2024");
+  fs::create_directory_symlink(folder_ / "2024", folder_ / "w" / "link");
+  WriteText(folder_ / "2024" / "other" / "1.jpg", "x");
+  refuse("w/link/trip", "is not a workspace");
+  fs::remove_all(folder_ / "2024" / "other");
+  refuse("w/link/trip", "ingest");
+  EXPECT_TRUE(fs::exists(folder_ / "w" / "workspace.json"));
+}
+
 TEST_F(CommandTest, AMistypedPathIsNotTakenForOneThatIsGone) {
   WriteText(folder_ / "photos" / "1.jpg", "x");
   fs::create_directories(folder_ / "w" / "sfm");
