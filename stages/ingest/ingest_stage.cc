@@ -160,8 +160,9 @@ class IngestStage : public pipeline::Stage {
     FREEGS_ASSIGN_OR_RETURN(photos::HoldoutRule rule, ReadHoldoutRule());
     FREEGS_RETURN_IF_ERROR(PrepareFolders(context));
     photos::PhotoList list;
-    // Later stages hash the list, and equal photos from elsewhere are the same
-    // to them. The full path is in workspace.json.
+    // Later stages hash the list, so that equal photos are the same to them
+    // from each folder of this name. Stage sfm compares the name with the paths
+    // in an imported file. The full path is in workspace.json.
     list.images_folder = context.images.has_filename()
                              ? context.images.filename().string()
                              : context.images.parent_path().filename().string();
