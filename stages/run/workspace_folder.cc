@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "core/io/files.h"
+#include "pipeline/fingerprint.h"
 #include "pipeline/workspace.h"
 
 namespace freegs::stages {
@@ -15,8 +16,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
+bool IsBystander(const fs::directory_entry& entry) {
+  std::error_code error;
+  return pipeline::IsBystander(entry.path().filename().string(),
+                               entry.is_directory(error));
+}
+
 // Whether an entry of a folder is `place`, or each folder on the way from it
-// down to `place` holds nothing else but hidden files and folders.
+// down to `place` holds nothing else but bystanders.
 bool IsOnlyWayTo(const fs::path& place, const fs::path& entry) {
   if (!IsWithin(place, entry)) return false;
   std::error_code error;
@@ -25,8 +32,7 @@ bool IsOnlyWayTo(const fs::path& place, const fs::path& entry) {
     const fs::path folder = inner.parent_path();
     for (const fs::directory_entry& other :
          fs::directory_iterator(folder, error)) {
-      const fs::path name = other.path().filename();
-      if (name != inner.filename() && !name.string().starts_with('.')) {
+      if (other.path().filename() != inner.filename() && !IsBystander(other)) {
         return false;
       }
     }
@@ -55,7 +61,7 @@ Status CheckWorkspaceFolder(const fs::path& workspace,
     const std::string name = entry.path().filename().string();
     // Command init writes the README. The latter two are left when the first
     // run ends before it has begun.
-    empty = empty && (name.starts_with('.') || name == "README.md" ||
+    empty = empty && (IsBystander(entry) || name == "README.md" ||
                       name == "workspace.json.part" ||
                       entry.path() == pipeline::LogPath(workspace) ||
                       holds_photos(entry.path()));

@@ -2,6 +2,7 @@
 
 #include "stages/scene/scene_alignment.h"
 
+#include <string>
 #include <utility>
 
 #include "sfm/import/name_matching.h"
@@ -24,6 +25,9 @@ StatusOr<sfm::PoseAlignment> AlignWithViews(
       names.push_back(view.name);
     }
   }
+  // So that nobody gets the cameras of photographs without a pose.
+  names.insert(
+      names.end(), scene.without_pose.begin(), scene.without_pose.end());
   sfm::NameMatches match = sfm::MatchNames(names, cameras);
   // Where two photographs fit one camera equally well, one of them has another
   // pose than this camera. Too few pairs are better than a wrong one.

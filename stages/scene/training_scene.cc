@@ -45,16 +45,19 @@ StatusOr<PosedPhotos> ReadPosedPhotos(const fs::path& workspace) {
   FREEGS_ASSIGN_OR_RETURN(views, sfm::MakeViews(posed.sparse));
   FREEGS_ASSIGN_OR_RETURN(const photos::PhotoList photos,
                           ReadPhotos(workspace));
-  std::set<std::string> holdout_names;
+  std::set<std::string> holdout_names, without_pose;
   for (const photos::Photo& photo : photos.photos) {
+    if (photo.usable()) without_pose.insert(photo.name);
     if (photo.split == photos::PhotoSplit::kHoldout) {
       holdout_names.insert(photo.name);
     }
   }
   for (View& view : views) {
+    without_pose.erase(view.name);
     const bool holdout = holdout_names.contains(view.name);
     (holdout ? posed.holdout : posed.train).push_back(std::move(view));
   }
+  posed.without_pose.assign(without_pose.begin(), without_pose.end());
   return posed;
 }
 

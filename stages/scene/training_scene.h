@@ -18,6 +18,7 @@
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -39,6 +40,10 @@ struct PosedPhotos {
   sfm::Reconstruction sparse;
   std::vector<View> train;
   std::vector<View> holdout;
+
+  // The names of the usable photographs of ingest/images.json that have no
+  // pose, in ascending order.
+  std::vector<std::string> without_pose;
 };
 
 // Reads undistort/sparse, and the split from ingest/images.json. Without that

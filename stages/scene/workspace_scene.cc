@@ -76,6 +76,7 @@ StatusOr<WorkspaceScene> ReadWorkspaceScene(const fs::path& workspace) {
   WorkspaceScene scene;
   scene.train = std::move(posed.train);
   scene.holdout = std::move(posed.holdout);
+  scene.without_pose = std::move(posed.without_pose);
   scene.frame = posed.frame;
   FREEGS_ASSIGN_OR_RETURN(const splat::PlacedModel model,
                           ReadWorkspaceModel(workspace));

@@ -37,6 +37,9 @@ struct WorkspaceScene {
   std::vector<View> train;
   std::vector<View> holdout;
 
+  // As in PosedPhotos.
+  std::vector<std::string> without_pose;
+
   // Longest side in pixels of the images that the model was trained on, from
   // reconstruct/stage.json. 0 means the photographs' own size. It is also the
   // value without that file, when somebody else put the model there.

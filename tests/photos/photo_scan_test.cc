@@ -99,7 +99,8 @@ TEST(ScanPhotosTest, ForbiddenFoldersAreReported) {
   fs::permissions(folder.path() / "secret", fs::perms::none);
   StatusOr<PhotoScan> scan = PhotoScan();
   {
-    const Unprivileged unprivileged({folder.path(), folder.path() / "secret"});
+    const Unprivileged user({folder.path(), folder.path() / "secret"});
+    if (!user.works()) GTEST_SKIP() << "no other user may look in here";
     scan = ScanPhotos(folder.path());
   }
   fs::permissions(folder.path() / "secret", fs::perms::owner_all);

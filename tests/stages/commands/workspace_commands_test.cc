@@ -143,6 +143,8 @@ TEST_F(CommandTest, AFolderWithMoreThanThePhotosIsNoWorkspace) {
   WriteText(folder_ / "2024" / "other" / "1.jpg", "x");
   refuse("w/link/trip", "is not a workspace");
   fs::remove_all(folder_ / "2024" / "other");
+  WriteText(folder_ / "w" / "Thumbs.db", "x");
+  WriteText(folder_ / "2024" / "Thumbs.db", "x");
   refuse("w/link/trip", "ingest");
   EXPECT_TRUE(fs::exists(folder_ / "w" / "workspace.json"));
 }
@@ -367,6 +369,7 @@ TEST_F(CommandTest, AWorkspaceThatCannotBeWrittenToIsBadInput) {
   WriteText(folder_ / "w" / ".lock", "");
   fs::permissions(folder_ / "w", fs::perms::owner_read | fs::perms::owner_exec);
   const Unprivileged user({fs::path(Path("")), folder_ / "w"});
+  if (!user.works()) GTEST_SKIP() << "no other user may look in here";
   ExpectError(RunStageCommand,
               {"ingest", Path("w")},
               StatusCode::kBadInput,

@@ -211,7 +211,8 @@ TEST_F(IngestStageTest, HostileFolder) {
 
   Status status;
   {
-    const Unprivileged unprivileged({root, workspace_.path()});
+    const Unprivileged user({root, workspace_.path()});
+    if (!user.works()) GTEST_SKIP() << "no other user may look in here";
     status = Run();
   }
   ASSERT_TRUE(status.ok()) << status.message();

@@ -81,5 +81,18 @@ TEST(AlignWithViews, ACameraThatTwoPhotosFitIsLeftOut) {
             StatusCode::kBadInput);
 }
 
+TEST(AlignWithViews, PhotosWithoutPosesKeepTheirCameras) {
+  WorkspaceScene scene;
+  std::vector<View> truth;
+  for (int number = 1; number <= 3; ++number) {
+    const std::string file = std::to_string(number) + ".jpg";
+    scene.without_pose.push_back("left/" + file);
+    scene.train.push_back(ViewAt("right/" + file, 1, number));
+    truth.push_back(ViewAt("left/" + file, 0, number));
+  }
+  EXPECT_EQ(AlignWithViews(scene, truth, "truth").status().code(),
+            StatusCode::kBadInput);
+}
+
 }  // namespace
 }  // namespace freegs::stages
