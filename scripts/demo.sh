@@ -37,7 +37,9 @@ num_photos=40
 draw_seconds=$((48 / $(nproc)))
 if [[ -n $images ]]; then
   draw_seconds=0
-  [[ ! -d $images ]] || num_photos=$(find -L "$images" -type f | wc -l)
+  # Folders that cannot be read and links that lead back are left out, as `run` does.
+  [[ ! -d $images ]] ||
+    num_photos=$({ find -L "$images" -type f 2>/dev/null || true; } | wc -l)
 fi
 install_seconds=75
 build_seconds=$((300 / $(nproc)))

@@ -67,6 +67,10 @@ has "$folder/out.txt" "  $(printf %q "$checkout")/build/bin/freegs_pipeline quer
 mkdir -p "$folder/other/garden"
 try demo.sh "$folder/other/garden" || fail "demo.sh other/garden"
 ! grep -qF "demo_workspace_garden_$number>" "$calls" || fail "two folders have one workspace"
+# `find` fails at a link that leads back to its folder, and the program does not.
+ln -s . garden/self
+try demo.sh garden || fail "demo.sh with a link that leads back"
+has "$calls" "run in $folder/elsewhere: <$folder/elsewhere/garden> "
 cd "$checkout"
 try demo.sh || fail "demo.sh"
 has "$calls" "<$checkout/demo_photos/images> <demo_workspace> "
