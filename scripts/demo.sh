@@ -6,7 +6,8 @@
 #   scripts/demo.sh [IMAGES [OPTION ...]]
 #
 # IMAGES is a folder of photos. Options are passed to `freegs_pipeline run`, for
-# example --preset balanced. The result is in demo_workspace of the checkout, or in
+# example --preset balanced or --within 5m; the preset is fast if they do not say
+# otherwise. The result is in demo_workspace of the checkout, or in
 # demo_workspace_NAME_NUMBER for a folder NAME of photos, where the number follows from
 # its path. If the script is run again, it goes on from there. What the steps print is
 # kept in demo_workspace.log.
@@ -168,7 +169,12 @@ cd "$here"
 # From here on the program itself says how long the rest will take, and it heeds
 # signals.
 trap - EXIT HUP INT TERM
-"$program" run "$images" "$workspace" --preset fast "$@" >"$log.end"
+# A run with a goal chooses its preset itself.
+preset=(--preset fast)
+for option in "$@"; do
+  [[ ! $option =~ ^--(within|at-least)(=|$) ]] || preset=()
+done
+"$program" run "$images" "$workspace" "${preset[@]}" "$@" >"$log.end"
 if [[ -n $truth ]]; then
   echo "Compared with the truth, which drawn photos have:"
   "$program" eval "$workspace" --gt "$truth" --json "$workspace/eval.json" |

@@ -71,6 +71,13 @@ try demo.sh "$folder/other/garden" || fail "demo.sh other/garden"
 ln -s . garden/self
 try demo.sh garden || fail "demo.sh with a link that leads back"
 has "$calls" "run in $folder/elsewhere: <$folder/elsewhere/garden> "
+# A goal chooses the preset.
+for goal in "--within 5m" --within=5m --at-least=psnr=27; do
+  # shellcheck disable=SC2086
+  try demo.sh garden $goal || fail "demo.sh $goal"
+  has "$calls" "_$number> <${goal/ /> <}>"
+  ! grep -q -e --preset "$calls" || fail "demo.sh $goal has a preset"
+done
 cd "$checkout"
 try demo.sh || fail "demo.sh"
 has "$calls" "<$checkout/demo_photos/images> <demo_workspace> "
