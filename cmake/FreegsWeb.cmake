@@ -29,6 +29,14 @@ endif()
 # npm works in a copy, so that the source folder stays as it is.
 set(web ${CMAKE_BINARY_DIR}/web)
 set(web_out ${CMAKE_BINARY_DIR}/share/freegs_pipeline/web)
+# Paths are arguments of the script, as a shell would read quotes in them as its own.
+# `cmake -E chdir` may lose quotes of a script. In the message the build folder is
+# quoted, so that the line can be pasted.
+string(REPLACE "'" "'\\''" build_word "${CMAKE_BINARY_DIR}")
+string(CONCAT fetch
+  [[cd "$1" && "$2" ci --no-progress || { printf '%s\n' "The packages of the page ]]
+  [[cannot be fetched. To go on without its 3D view, run: scripts/configure.sh $3 ]]
+  [[-DFREEGS_BUILD_WEB=OFF and then the same command again." >&2; exit 1; }]])
 file(GLOB_RECURSE web_sources CONFIGURE_DEPENDS
   ${PROJECT_SOURCE_DIR}/web/src/* ${PROJECT_SOURCE_DIR}/web/*.html)
 add_custom_command(
@@ -38,8 +46,7 @@ add_custom_command(
     ${PROJECT_SOURCE_DIR}/web/package.json
     ${PROJECT_SOURCE_DIR}/web/package-lock.json
     ${PROJECT_SOURCE_DIR}/web/.npmrc ${web}
-  COMMAND ${CMAKE_COMMAND} -E chdir ${web} sh -c
-    "'${FREEGS_NPM}' ci --no-progress || { echo 'The packages of the page cannot be fetched. To go on without its 3D view, run: scripts/configure.sh ${CMAKE_BINARY_DIR} -DFREEGS_BUILD_WEB=OFF and then the same command again.' >&2; exit 1; }"
+  COMMAND sh -c "${fetch}" sh ${web} ${FREEGS_NPM} "'${build_word}'"
   COMMAND ${CMAKE_COMMAND} -E touch ${web}/node_modules/.package-lock.json
   DEPENDS
     ${PROJECT_SOURCE_DIR}/web/package.json
