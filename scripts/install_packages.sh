@@ -1,16 +1,29 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Installs the Debian packages of packages.txt that are missing. With --tests it also
-# installs those of test_packages.txt, and with --arm64 those of arm64_packages.txt.
-# If none is missing, it does nothing and needs no network. With --check it only tells,
-# by the exit status 0, whether none of packages.txt is missing.
+# Installs the Debian packages of packages.txt that are missing.
+#
+#   scripts/install_packages.sh [--check] [--tests] [--arm64] [--workflow]
+#
+# With --tests it also installs those of test_packages.txt, with --arm64 those of
+# arm64_packages.txt, and with --workflow those of workflow_packages.txt. If none is
+# missing, it does nothing and needs no network. With --check it only tells, by the exit
+# status 0, whether none of them is missing.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 
+usage() { sed -n '3,/^set /s/^# \{0,1\}//p' "$(basename "${BASH_SOURCE[0]}")"; }
 lists=(packages.txt)
-[[ ${1:-} != --tests ]] || lists+=(test_packages.txt)
-[[ ${1:-} != --arm64 ]] || lists+=(arm64_packages.txt)
-[[ ${1:-} != --workflow ]] || lists+=(workflow_packages.txt)
+check=0
+for option in "$@"; do
+  case $option in
+    --check) check=1 ;;
+    --tests) lists+=(test_packages.txt) ;;
+    --arm64) lists+=(arm64_packages.txt) ;;
+    --workflow) lists+=(workflow_packages.txt) ;;
+    --help | -h) usage; exit ;;
+    *) usage >&2; exit 2 ;;
+  esac
+done
 mapfile -t packages < <(cat "${lists[@]}" | sed 's/#.*//' |
   tr -s '[:space:]' '\n' | sed '/^$/d')
 # Programs that many people have from elsewhere, which Debian's would be in the
@@ -21,15 +34,17 @@ usable() {
   command -v "$1" >/dev/null || return 1
   [[ $1 != node ]] || node -e 'process.exit(parseInt(process.versions.node) < 18 ? 1 : 0)'
 }
+native=$(dpkg --print-architecture)
 missing=()
 for package in "${packages[@]}"; do
   program=${program_of[$package]:-}
   [[ -z $program ]] || ! usable "$program" || continue
-  state=$(dpkg-query -W -f='${Status}' "$package" 2>/dev/null || true)
-  [[ $state == "install ok installed" ]] || missing+=("$package")
+  # One line for each architecture. A package that is on hold is installed, too.
+  dpkg-query -W -f='${db:Status-Status} ${Architecture}\n' "$package" 2>/dev/null |
+    grep -xE "installed ($native|all)" >/dev/null || missing+=("$package")
 done
 ((${#missing[@]} > 0)) || exit 0
-[[ ${1:-} != --check ]] || exit 1
+((!check)) || exit 1
 
 echo "installing: ${missing[*]}"
 as_root=()

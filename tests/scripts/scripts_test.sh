@@ -35,7 +35,8 @@ stand_in "$programs/clang-format-14" <<<'printf "format %s\n" "$@" >>"$calls"'
 stand_in "$programs/ctest" <<<'exit 0'
 stand_in "$programs/sudo" <<<'[[ $1 == -* ]] || exec "$@"'
 stand_in "$programs/sleep" <<<'exec /bin/sleep 0.1'
-stand_in "$programs/dpkg-query" <<<'echo "install ok installed"'
+stand_in "$programs/dpkg" <<<'echo amd64'
+stand_in "$programs/dpkg-query" <<<'echo "installed all"'
 stand_in "$checkout/build/bin/freegs_make_scene" <<<'mkdir -p "$2/images"'
 stand_in "$checkout/build/bin/freegs_pipeline" <<'END'
 printf '%s in %s:' "$1" "$PWD" >>"$calls"
@@ -51,7 +52,7 @@ try() {
 }
 
 # Help does nothing else.
-for script in demo.sh test.sh; do
+for script in demo.sh test.sh install_packages.sh; do
   try $script --help || fail "$script --help"
   has "$folder/out.txt" "scripts/$script ["
   [[ ! -s $calls ]] || fail "$script --help began"
@@ -94,6 +95,34 @@ has "$calls" "format ./core/own.h"
 has "$folder/out.txt" "the page, which is not built"
 stand_in "$programs/clang-format-14" <<<'exit 1'
 ! try test.sh || fail "test.sh passes with wrong formatting"
+
+# Installed is what there is for this processor or for all, even on hold or beside
+# another architecture. The answers are those of dpkg-query to the format that it gets.
+stand_in "$programs/apt-get" <<<'echo "apt-get $*" >>"$calls"'
+stand_in "$programs/dpkg-query" <<'END'
+[[ $2 == '-f=${db:Status-Status} ${Architecture}\n' && -n $states ]] || exit 1
+printf '%b' "$states"
+END
+export states
+for states in "installed amd64\n" "installed all\n" \
+  "installed amd64\ninstalled i386\n"; do
+  try install_packages.sh --check || fail "missing: $states"
+  try install_packages.sh || fail "not installed: $states"
+  [[ ! -s $calls ]] || fail "installs again: $states"
+done
+for states in "" "installed i386\n" "not-installed amd64\n" \
+  "config-files amd64\ninstalled i386\n"; do
+  ! try install_packages.sh --check || fail "not missing: $states"
+  [[ ! -s $calls ]] || fail "--check installs"
+  try install_packages.sh --tests || fail "install_packages.sh: $states"
+  has "$calls" " colmap chromium-l10n"
+done
+for option in --test --cheque colmap; do
+  code=0
+  try install_packages.sh --check $option || code=$?
+  [[ $code == 2 && ! -s $calls ]] || fail "install_packages.sh $option: exit $code"
+  has "$folder/out.txt" "scripts/install_packages.sh ["
+done
 
 # Waits while somebody else has the lists of packages, and for nothing else.
 stand_in "$programs/dpkg-query" <<<'exit 1'
