@@ -18,6 +18,7 @@
 #             It is made if it is not there, and takes 2 GB.
 #   MIRROR    the address of Debian's packages (default: the one that apt uses)
 set -euo pipefail
+unset CDPATH  # It would lead cd to other folders.
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 build=${BUILD:-build-arm64}
 native=${NATIVE:-build}

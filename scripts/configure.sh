@@ -4,6 +4,7 @@
 #
 #   scripts/configure.sh BUILD_FOLDER [CMAKE_ARGUMENT ...]
 set -euo pipefail
+unset CDPATH  # It would lead cd to other folders.
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 build=${1:?usage: scripts/configure.sh BUILD_FOLDER [CMAKE_ARGUMENT ...]}

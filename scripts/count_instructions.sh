@@ -15,6 +15,7 @@
 #        of this processor, there is no AVX2, no Release build, or no number for this
 #        compiler in the file
 set -euo pipefail
+unset CDPATH  # It would lead cd to other folders.
 
 build=$(realpath "${1:?usage: scripts/count_instructions.sh BUILD [--write]}")
 numbers=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)/instructions.txt

@@ -12,6 +12,7 @@
 # its path. If the script is run again, it goes on from there. What the steps print is
 # kept in demo_workspace.log.
 set -euo pipefail
+unset CDPATH  # It would lead cd to other folders.
 if [[ ${1:-} == --help || ${1:-} == -h ]]; then
   sed -n '3,/^set /s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
   exit

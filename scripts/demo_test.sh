@@ -9,6 +9,7 @@
 # It needs root and debootstrap; scripts/new_system.sh tells what the environment
 # may say. The new system takes 5 GB.
 set -euo pipefail
+unset CDPATH  # It would lead cd to other folders.
 here=$PWD
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/new_system.sh

@@ -14,6 +14,7 @@
 #
 #   build-fuzz/fuzz/TARGET build-fuzz/findings/TARGET-crash-...
 set -euo pipefail
+unset CDPATH  # It would lead cd to other folders.
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 seconds=${1:-60}

@@ -9,6 +9,7 @@
 # missing, it does nothing and needs no network. With --check it only tells, by the exit
 # status 0, whether none of them is missing.
 set -euo pipefail
+unset CDPATH  # It would lead cd to other folders.
 cd "$(dirname "${BASH_SOURCE[0]}")"
 
 usage() { sed -n '3,/^set /s/^# \{0,1\}//p' "$(basename "${BASH_SOURCE[0]}")"; }

@@ -13,6 +13,7 @@
 #   DEVELOPMENT   if it is not empty, freegs-pipeline-dev is installed as well, and
 #            examples/render_scene is built and run with it (2 GB more)
 set -euo pipefail
+unset CDPATH  # It would lead cd to other folders.
 here=$PWD
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 build=${BUILD:-build}

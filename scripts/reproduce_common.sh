@@ -11,6 +11,7 @@
 #   SCENES    names of scenes, to run only these
 
 : "${benchmark:?}" "${get_data:?}"
+unset CDPATH  # It would lead cd to other folders.
 here=$PWD
 repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 program=${PROGRAM:-$repository/build/bin/freegs_pipeline}

@@ -11,6 +11,7 @@
 # variable JOBS says how many compilers run at once (default: as many as there are
 # cores).
 set -euo pipefail
+unset CDPATH  # It would lead cd to other folders.
 here=$PWD
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 jobs=${JOBS:-$(nproc)}

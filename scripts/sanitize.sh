@@ -9,6 +9,7 @@
 # names the build folder (default: build-asan or build-tsan).
 # tests/sanitizer_suppressions.txt lists reports about code that is not ours.
 set -euo pipefail
+unset CDPATH  # It would lead cd to other folders.
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 sanitizer=${1:-address}

@@ -10,6 +10,7 @@
 # The variable BUILD names the build folder (default: build). FREEGS_SHARED_DATA may
 # name a folder of reference data. Tests that need it are skipped without it.
 set -euo pipefail
+unset CDPATH  # It would lead cd to other folders.
 if [[ ${1:-} == --help || ${1:-} == -h ]]; then
   sed -n '3,/^set /s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
   exit

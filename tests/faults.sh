@@ -14,6 +14,7 @@
 # tries every third signal, output, and amount of memory, of threads and of room on
 # the disk.
 set -uo pipefail
+unset CDPATH  # It would lead cd to other folders.
 
 program=$(realpath "$1")/freegs_pipeline
 maker=$(realpath "$1")/freegs_make_scene

@@ -4,6 +4,7 @@
 #
 #   tests/kill_resume_test.sh BIN
 set -euo pipefail
+unset CDPATH  # It would lead cd to other folders.
 
 bin=$(realpath "$1")
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)

@@ -11,6 +11,7 @@
 # runs. tests/power_loss/power_loss.cc says what a copy
 # has.
 set -uo pipefail
+unset CDPATH  # It would lead cd to other folders.
 trap 'exit 130' INT TERM
 
 program=$(realpath "$1")/freegs_pipeline

@@ -9,6 +9,7 @@
 #
 # FOLDER is made anew. Exit code 77: snakemake is missing, nothing was tried.
 set -euo pipefail
+unset CDPATH  # It would lead cd to other folders.
 
 if ! command -v snakemake >/dev/null; then
   echo "workflow.sh: skipped, snakemake is missing;" \

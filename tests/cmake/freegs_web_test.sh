@@ -5,6 +5,7 @@
 #
 #   tests/cmake/freegs_web_test.sh
 set -euo pipefail
+unset CDPATH  # It would lead cd to other folders.
 here=$(realpath "$(dirname "${BASH_SOURCE[0]}")")
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

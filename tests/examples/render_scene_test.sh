@@ -7,6 +7,7 @@
 #
 # FOLDER is emptied first. A build folder that lacks a library fails.
 set -euo pipefail
+unset CDPATH  # It would lead cd to other folders.
 example=$(cd "$(dirname "${BASH_SOURCE[0]}")/../../examples/render_scene" && pwd)
 build=${1:?usage: render_scene_test.sh BUILD FOLDER [CMAKE_ARGUMENT ...]}
 folder=${2:?usage: render_scene_test.sh BUILD FOLDER [CMAKE_ARGUMENT ...]}

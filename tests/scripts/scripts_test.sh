@@ -5,6 +5,7 @@
 #
 #   tests/scripts/scripts_test.sh
 set -euo pipefail
+unset CDPATH  # It would lead cd to other folders.
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 folder=$(mktemp -d)
@@ -141,6 +142,20 @@ code=0
 try install_packages.sh || code=$?
 [[ $code == 100 && $(grep -c update "$calls") == 1 ]] || fail "no network: exit $code"
 has "$folder/out.txt" "no network"
+
+# CDPATH leads no script to folders of the same names elsewhere.
+mkdir -p "$folder/cdpath/scripts" "$folder/cdpath/build-asan" build-asan tests
+touch tests/sanitizer_suppressions.txt
+stand_in "$programs/dpkg-query" <<<'echo "installed all"'
+for call in sanitize.sh "install_packages.sh --check" "demo.sh ../elsewhere/garden"; do
+  # shellcheck disable=SC2086
+  CDPATH=$folder/cdpath scripts/$call >"$folder/out.txt" 2>&1 || fail "$call with CDPATH"
+done
+[[ -f build-asan/leaks.txt && -z $(ls -A "$folder/cdpath/build-asan") ]] ||
+  fail "sanitize.sh with CDPATH is elsewhere"
+while IFS= read -r script; do
+  has "$script" "unset CDPATH"
+done < <(grep -rlE --include='*.sh' '(^|[;&(| ])cd ' "$here/../../scripts" "$here/..")
 
 # The browser is found wherever PATH says.
 if node=$(command -v node); then
