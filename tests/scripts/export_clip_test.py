@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Tests of scripts/export_clip.py; exits with 77, which means skipped, where
-PyTorch or the xxHash library is missing."""
+PyTorch, PIL or the xxHash library is missing."""
 import json
 import sys
 import tempfile
@@ -15,6 +15,11 @@ try:
     import torch
 except ImportError:
     print("skipped: python3-torch is not installed")
+    sys.exit(77)
+try:
+    import PIL.Image  # noqa: F401
+except ImportError:
+    print("skipped: python3-pil is not installed")
     sys.exit(77)
 if find_library("xxhash") is None:
     print("skipped: libxxhash0 is not installed")

@@ -157,6 +157,20 @@ while IFS= read -r script; do
   has "$script" "unset CDPATH"
 done < <(grep -rlE --include='*.sh' '(^|[;&(| ])cd ' "$here/../../scripts" "$here/..")
 
+# A Python without PIL or without PyTorch skips the test of the exporter.
+if python=$(command -v python3); then
+  mkdir -p "$folder/modules"
+  for missing in torch:python3-torch PIL:python3-pil; do
+    echo "" >"$folder/modules/torch.py"
+    echo "raise ImportError" >"$folder/modules/${missing%:*}.py"
+    code=0
+    PYTHONPATH=$folder/modules "$python" "$here/export_clip_test.py" \
+      >"$folder/out.txt" 2>&1 || code=$?
+    [[ $code == 77 ]] || fail "export_clip_test.py without ${missing%:*}: exit $code"
+    has "$folder/out.txt" "skipped: ${missing#*:} is not installed"
+  done
+fi
+
 # The browser is found wherever PATH says.
 if node=$(command -v node); then
   browse() {
