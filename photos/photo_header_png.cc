@@ -178,7 +178,7 @@ StatusOr<PhotoHeader> ParsePngHeader(std::string_view bytes) {
       break;
     }
     if (ChangesBrightness(*chunk)) header.plain = false;
-    // Without such a chunk the picture is sound, but decoders refuse the file.
+    // Decoders refuse a file with such a chunk, even if its picture is sound.
     if (!chunk->essential() && !chunk->ancillary()) header.plain = false;
     previous_type = chunk->type;
     at += chunk->whole.size();

@@ -49,6 +49,26 @@ Status CheckGoingOn(const CancellationToken* cancellation) {
   return InterruptedError("measuring holdout photos was interrupted");
 }
 
+// Renders the view of photo number i, and reads the photo.
+Status RenderPhoto(const HoldoutTask& task,
+                   size_t i,
+                   ThreadPool& pool,
+                   Rasterizer* rasterizer,
+                   RasterImages* rendered,
+                   ImageF* photo) {
+  FREEGS_RETURN_IF_ERROR(CheckGoingOn(task.cancellation));
+  const View view = task.images->view(i, task.level);
+  FREEGS_RETURN_IF_ERROR(task.images->Fetch(i, task.level, photo));
+  rasterizer->Forward(task.model,
+                      view.camera,
+                      view.cam_from_world,
+                      task.render,
+                      {},
+                      pool,
+                      rendered);
+  return Status();
+}
+
 // Receives a view with its name, PSNR and picture, that picture in floats, and
 // the photo with its mask, if it has one.
 using ViewFn = std::function<Status(HoldoutView view,
@@ -68,20 +88,12 @@ StatusOr<std::optional<double>> CompareViews(const HoldoutTask& task,
   double sum = 0;
   size_t count = 0;
   for (size_t i = 0; i < task.images->size(); ++i) {
-    FREEGS_RETURN_IF_ERROR(CheckGoingOn(task.cancellation));
-    const View view = task.images->view(i, task.level);
-    FREEGS_RETURN_IF_ERROR(task.images->Fetch(i, task.level, &photo));
-    rasterizer.Forward(task.model,
-                       view.camera,
-                       view.cam_from_world,
-                       task.render,
-                       {},
-                       pool,
-                       &rendered);
+    FREEGS_RETURN_IF_ERROR(
+        RenderPhoto(task, i, pool, &rasterizer, &rendered, &photo));
     HoldoutView result;
-    result.name = view.name;
+    result.name = task.images->view(i, task.level).name;
     if (!task.exposures.empty()) {
-      ApplyColor(ExposureBetween(task.exposures, view.name),
+      ApplyColor(ExposureBetween(task.exposures, result.name),
                  rendered.color,
                  pool,
                  &exposed);
@@ -144,17 +156,9 @@ StatusOr<std::optional<FittedPsnr>> MeasureFittedHoldout(
   FittedPsnr sum;
   size_t count = 0;
   for (size_t i = 0; i < task.images->size(); ++i) {
-    FREEGS_RETURN_IF_ERROR(CheckGoingOn(task.cancellation));
-    const View view = task.images->view(i, task.level);
-    FREEGS_RETURN_IF_ERROR(task.images->Fetch(i, task.level, &photo));
+    FREEGS_RETURN_IF_ERROR(
+        RenderPhoto(task, i, pool, &rasterizer, &rendered, &photo));
     const ImageU8* const mask = task.images->Mask(i, task.level);
-    rasterizer.Forward(task.model,
-                       view.camera,
-                       view.cam_from_world,
-                       task.render,
-                       {},
-                       pool,
-                       &rendered);
     const int middle = photo.width() / 2;
     ApplyColor(FitColor(rendered.color, photo, mask, 0, middle),
                rendered.color,

@@ -120,6 +120,31 @@ TEST(EwaProjection, BackwardMatchesJets) {
   EXPECT_GT(bounded, 20);
 }
 
+// A Gaussian, projected in numbers of type T.
+template <typename T>
+struct Projected {
+  ProjectionCamera<T> camera;
+  ProjectedGaussian<T> image;
+  ProjectionTerms<T> terms;
+  bool visible = false;
+
+  Projected(const ProjectionCamera<double>& exact_camera,
+            const std::array<double, kInputs>& input)
+      : camera(Camera<T>(exact_camera)) {
+    std::array<T, kInputs> numbers;
+    for (int i = 0; i < kInputs; ++i) numbers[i] = static_cast<T>(input[i]);
+    visible = ProjectGaussian(
+        camera, &numbers[0], &numbers[3], &numbers[6], &image, &terms);
+  }
+
+  std::array<T, kInputs> Backward(const ProjectedGradient<T>& gradient) const {
+    std::array<T, kInputs> result{};
+    BackwardProjectGaussian(
+        camera, image, terms, gradient, &result[0], &result[3], &result[6]);
+    return result;
+  }
+};
+
 // Where a Gaussian lies and what shape it has: input of ProjectGaussian. In the
 // tests below its image is 20 pixels long or more and a pixel wide.
 std::array<double, kInputs> LongAndThin(double max_log_scale,
@@ -142,29 +167,20 @@ std::array<double, kInputs> LongAndThin(double max_log_scale,
 TEST(EwaProjection, LongAndThinInFloats) {
   const auto camera = MakeProjectionCamera<double>(
       TestCamera(160, 120), Rigid3d(), RenderOptions());
-  const auto float_camera = Camera<float>(camera);
   RandomStream random(9, 1);
   for (int trial = 0; trial < 200; ++trial) {
     const std::array<double, kInputs> input = LongAndThin(3.5, random);
-    std::array<float, kInputs> floats;
-    std::copy(input.begin(), input.end(), floats.begin());
-    ProjectedGaussian<double> exact;
-    ProjectionTerms<double> terms;
-    ProjectedGaussian<float> projected;
-    ProjectionTerms<float> float_terms;
-    ASSERT_TRUE(ProjectGaussian(
-        camera, &input[0], &input[3], &input[6], &exact, &terms));
-    ASSERT_TRUE(ProjectGaussian(float_camera,
-                                &floats[0],
-                                &floats[3],
-                                &floats[6],
-                                &projected,
-                                &float_terms));
-    const double length = std::sqrt(exact.cov[0] + exact.cov[2]);
-    EXPECT_NEAR(projected.conic_xx, exact.conic_xx, 2e-4 * exact.conic_xx)
+    const Projected<double> exact(camera, input);
+    const Projected<float> projected(camera, input);
+    ASSERT_TRUE(exact.visible && projected.visible);
+    const double length = std::sqrt(exact.image.cov[0] + exact.image.cov[2]);
+    EXPECT_NEAR(projected.image.conic_xx,
+                exact.image.conic_xx,
+                2e-4 * exact.image.conic_xx)
         << length;
-    EXPECT_NEAR(
-        projected.precision_y, exact.precision_y, 1e-4 * exact.precision_y)
+    EXPECT_NEAR(projected.image.precision_y,
+                exact.image.precision_y,
+                1e-4 * exact.image.precision_y)
         << length;
   }
 }
@@ -174,52 +190,32 @@ TEST(EwaProjection, LongAndThinInFloats) {
 TEST(EwaProjection, BackwardOfLongAndThinInFloats) {
   const auto camera = MakeProjectionCamera<double>(
       TestCamera(160, 120), Rigid3d(), RenderOptions());
-  const auto float_camera = Camera<float>(camera);
   RandomStream random(10, 1);
   for (int trial = 0; trial < 200; ++trial) {
     const std::array<double, kInputs> input = LongAndThin(1, random);
-    std::array<float, kInputs> floats;
-    std::copy(input.begin(), input.end(), floats.begin());
-    ProjectedGaussian<double> exact;
-    ProjectionTerms<double> terms;
-    ProjectedGaussian<float> projected;
-    ProjectionTerms<float> float_terms;
-    ASSERT_TRUE(ProjectGaussian(
-        camera, &input[0], &input[3], &input[6], &exact, &terms));
-    ASSERT_TRUE(ProjectGaussian(float_camera,
-                                &floats[0],
-                                &floats[3],
-                                &floats[6],
-                                &projected,
-                                &float_terms));
-    const double length = std::sqrt(exact.cov[0] + exact.cov[2]);
+    const Projected<double> exact(camera, input);
+    const Projected<float> projected(camera, input);
+    ASSERT_TRUE(exact.visible && projected.visible);
+    const double length = std::sqrt(exact.image.cov[0] + exact.image.cov[2]);
     const double along[2] = {
-        std::sqrt(exact.cov[0]) / length,
-        std::copysign(std::sqrt(exact.cov[2]) / length, exact.cov[1])};
+        std::sqrt(exact.image.cov[0]) / length,
+        std::copysign(std::sqrt(exact.image.cov[2]) / length,
+                      exact.image.cov[1])};
     ProjectedGradient<double> weights{};
     for (int pixel = 0; pixel < 20; ++pixel) {
       const double l = length * random.Normal(), t = random.Normal();
       const double dx = l * along[0] - t * along[1];
       const double dy = l * along[1] + t * along[0];
       const double pull = random.Uniform();
-      AddMoments(exact, pull, dx, dy, weights.moments);
+      AddMoments(exact.image, pull, dx, dy, weights.moments);
     }
     ProjectedGradient<float> float_weights{};
     for (int k = 0; k < 3; ++k) {
       float_weights.moments[k] = static_cast<float>(weights.moments[k]);
       weights.moments[k] = float_weights.moments[k];
     }
-    std::array<double, kInputs> want{};
-    BackwardProjectGaussian(
-        camera, exact, terms, weights, &want[0], &want[3], &want[6]);
-    std::array<float, kInputs> got{};
-    BackwardProjectGaussian(float_camera,
-                            projected,
-                            float_terms,
-                            float_weights,
-                            &got[0],
-                            &got[3],
-                            &got[6]);
+    const auto want = exact.Backward(weights);
+    const auto got = projected.Backward(float_weights);
     EXPECT_NEAR(got[3], want[3], 1e-3 * std::abs(want[3])) << length;
     double size = 0;
     for (int i = 6; i < 10; ++i) size = std::max(size, std::abs(want[i]));
@@ -321,12 +317,11 @@ TEST(EwaProjection, FilterMatchesJets) {
   EXPECT_LT(bounded, 100);
 }
 
-// The same in floats, for images a tenth of a pixel wide and up to 300 long.
+// The same in floats, for images 0.03 to 0.33 pixels wide and 10 to 300 long.
 // What alpha at the pixels pulls at log scales is of order 1.
 TEST(EwaProjection, FilterOfLongAndThinInFloats) {
   const auto camera = MakeProjectionCamera<double>(
       TestCamera(1600, 1200), Rigid3d(), RenderOptions());
-  const auto float_camera = Camera<float>(camera);
   RandomStream random(12, 1);
   for (int trial = 0; trial < 300; ++trial) {
     std::array<double, kInputs> input;
@@ -338,41 +333,20 @@ TEST(EwaProjection, FilterOfLongAndThinInFloats) {
     input[4] = std::log(0.03 + 0.3 * random.Uniform()) + pixel;
     input[5] = std::log(0.03) + pixel;
     for (int i = 6; i < 10; ++i) input[i] = random.Normal();
-    std::array<float, kInputs> floats;
-    for (int i = 0; i < kInputs; ++i) {
-      floats[i] = static_cast<float>(input[i]);
-      input[i] = floats[i];
-    }
-    ProjectedGaussian<double> exact;
-    ProjectionTerms<double> terms;
-    ProjectedGaussian<float> projected;
-    ProjectionTerms<float> float_terms;
-    ASSERT_TRUE(ProjectGaussian(
-        camera, &input[0], &input[3], &input[6], &exact, &terms));
-    ASSERT_TRUE(ProjectGaussian(float_camera,
-                                &floats[0],
-                                &floats[3],
-                                &floats[6],
-                                &projected,
-                                &float_terms));
-    EXPECT_NEAR(LogOpacityFilter(float_terms), LogOpacityFilter(terms), 1e-3);
+    for (double& value : input) value = static_cast<float>(value);
+    const Projected<double> exact(camera, input);
+    const Projected<float> projected(camera, input);
+    ASSERT_TRUE(exact.visible && projected.visible);
+    EXPECT_NEAR(
+        LogOpacityFilter(projected.terms), LogOpacityFilter(exact.terms), 1e-3);
     ProjectedGradient<double> gradient{};
     gradient.log_filter = 1;
     ProjectedGradient<float> float_gradient{};
     float_gradient.log_filter = 1;
-    std::array<double, kInputs> want{};
-    BackwardProjectGaussian(
-        camera, exact, terms, gradient, &want[0], &want[3], &want[6]);
-    std::array<float, kInputs> got{};
-    BackwardProjectGaussian(float_camera,
-                            projected,
-                            float_terms,
-                            float_gradient,
-                            &got[0],
-                            &got[3],
-                            &got[6]);
+    const auto want = exact.Backward(gradient);
+    const auto got = projected.Backward(float_gradient);
     // A turn of the unnormalised quaternion has the size 1 / |q|.
-    const double turn = std::max(1.0, static_cast<double>(terms.inverse_norm));
+    const double turn = std::max(1.0, exact.terms.inverse_norm);
     for (int i = 3; i < kInputs; ++i) {
       EXPECT_NEAR(got[i], want[i], i < 6 ? 1e-3 : 3e-3 * turn) << "input " << i;
     }
