@@ -21,9 +21,9 @@ namespace {
 
 using nlohmann::json;
 
-// Overwrites the focal lengths and fields of view, all of them if `object`
-// gives any. What it does not give is not inherited, because that belongs to
-// another lens: one axis alone stands for both (see MakeCamera).
+// If `object` gives a focal length or a field of view, overwrites all of them:
+// those of before belong to another lens. One axis alone stands for both (see
+// MakeCamera).
 Status ReadFieldOfView(const json& object, TransformsIntrinsics* result) {
   double fx = 0, fy = 0, angle_x = 0, angle_y = 0, fov_x = 0, fov_y = 0;
   const std::pair<const char*, double*> fields[] = {

@@ -63,10 +63,10 @@ Status CheckSpread(const Centred& source, const Centred& target) {
 //
 // Both say how likely a rotation R is: the centres by their distances, and the
 // orientations by the angle between R and their mean. Each counts by its own
-// noise. Centres on a ring know R better by far. Centres near a line know all
-// but the roll about the line, and the roll is that of the orientations. For
-// both, the logarithm of the likelihood is tr(R^T M) with some matrix M, but
-// for a constant. So R is the nearest rotation to the sum of both matrices.
+// noise. Centres on a ring determine R better by far. Centres near a line
+// determine all but the roll about the line, which the orientations determine
+// then. For both, the logarithm of the likelihood is tr(R^T M) with some matrix
+// M, plus a constant. So R is the nearest rotation to the sum of both matrices.
 Eigen::Matrix3d EstimateRotation(const Centred& source,
                                  const Centred& target,
                                  const Eigen::Matrix3d& relative_rotations) {
