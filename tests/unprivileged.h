@@ -27,7 +27,7 @@ class Unprivileged {
     given_ = seteuid(kNobody) == 0 && given_;
     for (const std::filesystem::path& folder : folders) {
       given_ =
-          faccessat(AT_FDCWD, folder.c_str(), X_OK, AT_EACCESS) == 0 && given_;
+          faccessat(AT_FDCWD, folder.c_str(), F_OK, AT_EACCESS) == 0 && given_;
     }
   }
   ~Unprivileged() {
@@ -36,7 +36,7 @@ class Unprivileged {
     }
   }
 
-  // Not where there are no other users, or where the folders lie in one that
+  // Not where there are no other users, or where a folder lies in one that
   // nobody else may enter.
   bool works() const { return given_; }
 
