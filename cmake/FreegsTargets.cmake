@@ -141,7 +141,7 @@ endfunction()
 # freegs_add_test(NAME SOURCES a_test.cc ... LINK libraries ...) makes NAME. Its
 # tests run in portions, NAME.0, NAME.1, ...: the loader needs up to 0.4 s for a
 # program that uses OpenCV, too much for a process per test. There is a portion for
-# every three files, or as many as PORTIONS says.
+# every six files, or as many as PORTIONS says.
 function(freegs_add_test name)
   cmake_parse_arguments(ARG "" "PORTIONS" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
@@ -160,7 +160,7 @@ function(freegs_add_test name)
     set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE OFF)
   endif()
   list(LENGTH ARG_SOURCES num_files)
-  math(EXPR num_portions "(${num_files} + 2) / 3")
+  math(EXPR num_portions "(${num_files} + 5) / 6")
   if(ARG_PORTIONS)
     set(num_portions ${ARG_PORTIONS})
   endif()

@@ -10,9 +10,9 @@
 #
 # BIN is the folder of the built programs. FOLDER is made anew. Needs COLMAP;
 # full disks need the right to mount a tmpfs, a clock needs libfaketime, and they
-# are left out without it. Takes some five minutes. The short form takes three: it
-# tries every third signal, output, and amount of memory, of threads and of room on
-# the disk.
+# are left out without it. Takes some five minutes. The short form takes two: it
+# tries every fifth output, amount of memory, signal to COLMAP, and moment at which
+# the disk is full.
 set -uo pipefail
 unset CDPATH  # It would lead cd to other folders.
 
@@ -88,10 +88,10 @@ same_scene() {
 }
 runs_on() { run "$@" && same_scene "$1"; }
 
-# Prints the values, or every third one in the short form: some VALUE ...
+# Prints the values, or every fifth one in the short form: some VALUE ...
 some() {
   local step=1 at
-  [ "$form" = short ] && step=3
+  [ "$form" = short ] && step=5
   for ((at = 1; at <= $#; at += step)); do echo "${!at}"; done
 }
 
@@ -117,7 +117,7 @@ run ref "${poses[@]}" "${options[@]}" || { cat out.txt; exit 1; }
 # What disturbs a live run. It trains long enough to be met while it trains, and
 # has a checkpoint after a second. same_scene needs no stage after bootstrap.
 reference=slow
-all=("${poses[@]}" "${common[@]}" --reconstruct.iterations 1200 --to bootstrap)
+all=("${poses[@]}" "${common[@]}" --reconstruct.iterations 800 --to bootstrap)
 checkpoint='w/reconstruct.partial/checkpoints/*.ckpt'
 fresh slow ingest sfm undistort
 run slow "${all[@]}" || { cat out.txt; exit 1; }
@@ -287,21 +287,21 @@ sfm=("${options[@]}" --to sfm)
 run plain "${sfm[@]}" || { cat out.txt; exit 1; }
 same_poses() { cmp -s "${1:-w}/sfm/sparse/0/images.bin" plain/sfm/sparse/0/images.bin; }
 extracted() { stat -c %Y w/sfm*/logs/feature_extractor.log; }
-for command in feature_extractor matches_importer mapper; do
-  for signal in $(some KILL SEGV); do
-    colmap killed <<<"[ \$1 = $command ] && [ \"\$2\" != --help ] &&
-      rm ${folder@Q}/once 2>/dev/null && kill -$signal \$\$"
-    rm -rf w && touch once
-    killed() {
-      run w "${sfm[@]}" --sfm.colmap "$folder/killed"
-      [ $? = 1 ] || return 1
-      local before
-      before=$(extracted)
-      run w "${sfm[@]}" --sfm.colmap "$folder/killed" && same_poses &&
-        { [ $command = feature_extractor ] || [ "$before" = "$(extracted)" ]; }
-    }
-    report "colmap $command ended by SIG$signal" killed
-  done
+for pair in $(some {mapper,feature_extractor,matches_importer}:{KILL,SEGV}); do
+  command=${pair%:*}
+  signal=${pair#*:}
+  colmap killed <<<"[ \$1 = $command ] && [ \"\$2\" != --help ] &&
+    rm ${folder@Q}/once 2>/dev/null && kill -$signal \$\$"
+  rm -rf w && touch once
+  killed() {
+    run w "${sfm[@]}" --sfm.colmap "$folder/killed"
+    [ $? = 1 ] || return 1
+    local before
+    before=$(extracted)
+    run w "${sfm[@]}" --sfm.colmap "$folder/killed" && same_poses &&
+      { [ $command = feature_extractor ] || [ "$before" = "$(extracted)" ]; }
+  }
+  report "colmap $command ended by SIG$signal" killed
 done
 for limit in $(some {400000..520000..40000}); do
   rm -rf w
@@ -345,7 +345,9 @@ if mount -t tmpfs -o size=64m tmpfs small 2>/dev/null; then
   umount small
   # The disk is full at ever later moments; then there is room again.
   # Twice each, the second time after the run was taken up.
-  for stage in ingest sfm undistort reconstruct bootstrap export; do
+  for pair in $(some {ingest,sfm,undistort,reconstruct,bootstrap,export}:{20,150,1500,4000}); do
+    stage=${pair%:*}
+    free=${pair#*:}
     before=()
     upto=("${to_bootstrap[@]}")
     [ $stage = export ] && upto=("${all[@]}")
@@ -353,26 +355,23 @@ if mount -t tmpfs -o size=64m tmpfs small 2>/dev/null; then
       [ "$done" = "$stage" ] && break
       before+=("$done")
     done
-    for free in $(some 20 150 1500 4000); do
-      mount -t tmpfs -o size=120m tmpfs small
-      fresh small/w "${before[@]}"
-      available=$(df -k --output=avail small | tail -n 1)
-      dd if=/dev/zero of=small/fill bs=1k count=$((available - free)) 2>/dev/null
-      full() {
-        local code
+    mount -t tmpfs -o size=120m tmpfs small
+    fresh small/w "${before[@]}"
+    available=$(df -k --output=avail small | tail -n 1)
+    dd if=/dev/zero of=small/fill bs=1k count=$((available - free)) 2>/dev/null
+    full() {
+      local code
+      for _ in 1 2; do
         run small/w "${upto[@]}"
         code=$?
         [ $code = 0 ] || [ $code = 1 ] || return 1
-        run small/w "${upto[@]}"
-        code=$?
-        [ $code = 0 ] || [ $code = 1 ] || return 1
-        for done in "${before[@]}"; do [ -e "small/w/$done/stage.json" ] || return 1; done
-        rm small/fill
-        runs_on small/w "${upto[@]}"
-      }
-      report "disk full in $stage with $free kB left" full
-      umount small
-    done
+      done
+      for done in "${before[@]}"; do [ -e "small/w/$done/stage.json" ] || return 1; done
+      rm small/fill
+      runs_on small/w "${upto[@]}"
+    }
+    report "disk full in $stage with $free kB left" full
+    umount small
   done
   for free in $(some 100 600 1200 2400); do
     mount -t tmpfs -o size=120m tmpfs small

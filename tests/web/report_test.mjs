@@ -2,7 +2,6 @@
 // The report as a file, in a browser that draws without a graphics card.
 
 import assert from "node:assert/strict";
-import { execFileSync } from "node:child_process";
 import {
   cpSync,
   mkdirSync,
@@ -236,8 +235,10 @@ test("objects alone look as the program draws them", async () => {
   await page.context().close();
 });
 
-// Of a photo of Gaussians that are drawn with known places.
+// The photo of Gaussians that are drawn with known places, and a viewport that
+// shows it pixel by pixel.
 const photo = { width: 980, height: 576, focal: 576 };
+const viewport = { width: 1280, height: 900 };
 
 test("Gaussians that are large, far, near, or centred outside of the view", async () => {
   const page = await openPage(
@@ -257,6 +258,7 @@ test("Gaussians that are large, far, near, or centred outside of the view", asyn
       ],
       photo,
     ),
+    viewport,
   );
   const { gaussians, focal, width } = await page.evaluate(() => {
     const { view } = globalThis.freegsViewer;
@@ -309,6 +311,7 @@ test("Gaussians whose images are thousands of times as long as wide", async () =
         [""],
         antialiased,
       ),
+      viewport,
     );
     const { gaussians, focal } = await page.evaluate(() => {
       const { view } = globalThis.freegsViewer;
@@ -825,15 +828,18 @@ test("names are text, whatever they hold", async () => {
   rmSync(folder, { recursive: true, force: true });
   mkdirSync(folder, { recursive: true });
   const images = join(folder, "images");
-  cpSync(join(scene.truth, "images"), images, { recursive: true });
+  mkdirSync(images);
   const odd = `"ä" <img src=x onerror=alert(1)> 'ß'.png`;
   const transforms = JSON.parse(
     readFileSync(join(scene.truth, "gt", "transforms.json"), "utf8"),
   );
-  const frame = transforms.frames[0];
-  const old = frame.file_path.split("/").pop();
-  execFileSync("mv", [join(images, old), join(images, odd)]);
-  frame.file_path = frame.file_path.replace(old, odd);
+  transforms.frames = transforms.frames.filter((_, i) => i % 3 === 0);
+  transforms.frames.forEach((frame, i) => {
+    const old = frame.file_path.split("/").pop();
+    const name = i === 0 ? odd : old;
+    cpSync(join(scene.truth, "images", old), join(images, name));
+    frame.file_path = frame.file_path.replace(old, name);
+  });
   writeFileSync(join(folder, "transforms.json"), JSON.stringify(transforms));
   const workspace = join(folder, `w "<b>"`);
   runProgram(

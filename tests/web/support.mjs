@@ -272,11 +272,14 @@ export async function openBrowser() {
   });
 }
 
-/** A page whose 3D view is there; fails when the page reports an error. */
+/**
+ * A page whose 3D view is there; fails when the page reports an error. The window
+ * is small because each pixel takes its time without a graphics card.
+ */
 export async function openPage(
   browser,
   url,
-  viewport = { width: 1280, height: 900 },
+  viewport = { width: 960, height: 680 },
   options = {},
 ) {
   const context = await browser.newContext({
