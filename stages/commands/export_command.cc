@@ -21,7 +21,6 @@
 #include "pipeline/system_info.h"
 #include "semantics/instances/instances_json.h"
 #include "sfm/scene/model_io.h"
-#include "splat/render/renderer.h"
 #include "splat/scene/ply_io.h"
 #include "splat/scene/splat_format.h"
 #include "splat/scene/spz_format.h"
@@ -191,12 +190,7 @@ Status ExportMasks(const ExportRequest& request, CommandContext& context) {
       return InterruptedError("export: stopped");
     }
     masks.AddPicture(views[i].name,
-                     splat::RenderLabels(scene.model,
-                                         views[i].camera,
-                                         views[i].cam_from_world,
-                                         scene.render,
-                                         pool,
-                                         labels));
+                     RenderLabels(scene, views[i], labels, pool));
     progress.Report({"masks",
                      static_cast<double>(i + 1),
                      static_cast<double>(views.size()),

@@ -126,12 +126,7 @@ class InstanceRenderer : public Renderer {
       : Renderer(scene, std::move(out), pool), labels_(std::move(labels)) {}
 
   Status Render(const View& view, const std::string& name) override {
-    const Image<int32_t> labels = splat::RenderLabels(scene_.model,
-                                                      view.camera,
-                                                      view.cam_from_world,
-                                                      scene_.render,
-                                                      pool_,
-                                                      labels_);
+    const Image<int32_t> labels = RenderLabels(scene_, view, labels_, pool_);
     FREEGS_ASSIGN_OR_RETURN(const fs::path path, File(name));
     FREEGS_RETURN_IF_ERROR(WriteLabels(path, EncodeInstances(labels)));
     FREEGS_ASSIGN_OR_RETURN(const fs::path preview,

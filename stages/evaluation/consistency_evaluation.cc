@@ -31,12 +31,7 @@ semantics::LabelledView Label(const WorkspaceScene& scene,
                               ThreadPool& pool) {
   semantics::LabelledView labelled;
   labelled.view = view;
-  labelled.labels = splat::RenderLabels(scene.model,
-                                        view.camera,
-                                        view.cam_from_world,
-                                        scene.render,
-                                        pool,
-                                        instance_of_gaussian);
+  labelled.labels = RenderLabels(scene, view, instance_of_gaussian, pool);
   splat::RenderedView rendered = splat::RenderView(
       scene.model, view.camera, view.cam_from_world, scene.render, pool);
   // A pixel that is more than half transparent shows no surface.

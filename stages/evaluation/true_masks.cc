@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "core/io/image_io.h"
-#include "splat/render/renderer.h"
 
 namespace freegs::stages {
 namespace {
@@ -165,12 +164,7 @@ Status ForEachJudgedView(const WorkspaceScene& scene,
     JudgedView judged;
     judged.name = view.name;
     FREEGS_ASSIGN_OR_RETURN(judged.truth, ReadTrueMasks(truth, view));
-    judged.rendered = splat::RenderLabels(scene.model,
-                                          view.camera,
-                                          view.cam_from_world,
-                                          scene.render,
-                                          pool,
-                                          instance_of_gaussian);
+    judged.rendered = RenderLabels(scene, view, instance_of_gaussian, pool);
     FREEGS_RETURN_IF_ERROR(body(judged));
   }
   return Status();

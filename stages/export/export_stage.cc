@@ -23,7 +23,6 @@
 #include "core/number_text.h"
 #include "semantics/instances/instances_json.h"
 #include "semantics/instances/palette.h"
-#include "splat/render/renderer.h"
 #include "splat/scene/ply_io.h"
 #include "splat/scene/splat_format.h"
 #include "splat/scene/spz_format.h"
@@ -198,12 +197,8 @@ class ExportStage : public pipeline::Stage {
                         static_cast<double>(i),
                         static_cast<double>(views.size()),
                         ""});
-      const Image<int32_t> map = splat::RenderLabels(scene.model,
-                                                     views[i].camera,
-                                                     views[i].cam_from_world,
-                                                     scene.render,
-                                                     *context.pool,
-                                                     found.labels);
+      const Image<int32_t> map =
+          RenderLabels(scene, views[i], found.labels, *context.pool);
       const std::set<int32_t> seen(map.data(), map.data() + map.size());
       const fs::path folder =
           context.output / "masks" / names.at(views[i].name);

@@ -29,12 +29,7 @@ ImageU8 FilmPicture(const WorkspaceScene& scene,
                     const View& view,
                     ThreadPool& pool) {
   const auto instances = [&] {
-    return ColorInstances(splat::RenderLabels(scene.model,
-                                              view.camera,
-                                              view.cam_from_world,
-                                              scene.render,
-                                              pool,
-                                              content.labels));
+    return ColorInstances(RenderLabels(scene, view, content.labels, pool));
   };
   if (content.what == "instances") return instances();
   splat::FeatureChannels features;

@@ -14,7 +14,6 @@
 #include "semantics/clip/relevancy.h"
 #include "semantics/queries/click_query.h"
 #include "semantics/queries/instance_features.h"
-#include "splat/render/renderer.h"
 #include "stages/query/lap.h"
 #include "stages/query/query_level.h"
 #include "stages/scene/clip_input.h"
@@ -269,12 +268,8 @@ Status AnswerBox(const QueryRequest& request,
   const ViewPlace& place = *request.box;
   FREEGS_ASSIGN_OR_RETURN(const View view, ViewOf(scene, place.view));
   Lap lap;
-  const Image<int32_t> labels = splat::RenderLabels(scene.scene->model,
-                                                    view.camera,
-                                                    view.cam_from_world,
-                                                    scene.scene->render,
-                                                    pool,
-                                                    scene.labels);
+  const Image<int32_t> labels =
+      RenderLabels(*scene.scene, view, scene.labels, pool);
   const StatusOr<std::vector<semantics::BoxHit>> hits = semantics::QueryBox(
       labels,
       {place.numbers[0], place.numbers[1], place.numbers[2], place.numbers[3]},

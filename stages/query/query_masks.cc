@@ -50,12 +50,8 @@ class PictureFolder {
 ImageU8 MaskOf(const QueryMasksTask& task, const View& view, ThreadPool& pool) {
   ImageU8 mask(view.camera.width, view.camera.height, 1);
   if (task.ids.empty()) return mask;
-  const Image<int32_t> labels = splat::RenderLabels(task.scene.model,
-                                                    view.camera,
-                                                    view.cam_from_world,
-                                                    task.scene.render,
-                                                    pool,
-                                                    task.labels);
+  const Image<int32_t> labels =
+      RenderLabels(task.scene, view, task.labels, pool);
   std::transform(labels.data(),
                  labels.data() + labels.size(),
                  mask.data(),

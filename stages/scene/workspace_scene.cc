@@ -94,6 +94,18 @@ StatusOr<WorkspaceScene> ReadWorkspaceScene(const fs::path& workspace) {
   return scene;
 }
 
+Image<int32_t> RenderLabels(const WorkspaceScene& scene,
+                            const View& view,
+                            std::span<const int32_t> labels,
+                            ThreadPool& pool) {
+  return splat::RenderLabels(scene.model,
+                             view.camera,
+                             view.cam_from_world,
+                             scene.render,
+                             pool,
+                             labels);
+}
+
 StatusOr<std::vector<std::string>> OutputNames(const std::vector<View>& views,
                                                const std::string& suffix) {
   std::vector<std::string> names;

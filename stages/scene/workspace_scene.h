@@ -11,11 +11,15 @@
 #ifndef FREEGS_STAGES_SCENE_WORKSPACE_SCENE_H_
 #define FREEGS_STAGES_SCENE_WORKSPACE_SCENE_H_
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "core/image.h"
+#include "core/parallel.h"
 #include "core/pinhole.h"
 #include "core/status.h"
 #include "splat/optim/exposure.h"
@@ -64,6 +68,15 @@ StatusOr<WorkspaceScene> ReadWorkspaceScene(
 // as above.
 StatusOr<splat::PlacedModel> ReadWorkspaceModel(
     const std::filesystem::path& workspace);
+
+// Returns the label with the largest blending weight at each pixel of `view`,
+// as splat::RenderLabels does: -1 where labelled Gaussians cover less than half
+// of the pixel. `labels` has one label per Gaussian of the scene, negative for
+// none.
+Image<int32_t> RenderLabels(const WorkspaceScene& scene,
+                            const View& view,
+                            std::span<const int32_t> labels,
+                            ThreadPool& pool);
 
 // Makes a file name with the extension `suffix` (".png") for each view; no two
 // views may have the same name. It is the view's name with its extension
