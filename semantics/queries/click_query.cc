@@ -70,20 +70,22 @@ Interval Cut(double a, double b, int size) {
 
 StatusOr<std::vector<ClickHit>> QueryClick(const splat::GaussianModel& model,
                                            std::span<const int32_t> labels,
-                                           const Pinhole& camera,
-                                           const Rigid3d& cam_from_world,
+                                           const View& view,
                                            const splat::RenderOptions& render,
-                                           int x,
-                                           int y,
+                                           const Pixel& pixel,
                                            ThreadPool& pool) {
   if (labels.size() != model.size()) {
     return InvalidArgumentError(std::to_string(labels.size()) + " labels for " +
                                 std::to_string(model.size()) + " Gaussians");
   }
-  FREEGS_ASSIGN_OR_RETURN(
-      const std::vector<splat::PixelWeight> weights,
-      splat::ComputePixelWeights(
-          model, camera, cam_from_world, render, x, y, pool));
+  FREEGS_ASSIGN_OR_RETURN(const std::vector<splat::PixelWeight> weights,
+                          splat::ComputePixelWeights(model,
+                                                     view.camera,
+                                                     view.cam_from_world,
+                                                     render,
+                                                     pixel.x,
+                                                     pixel.y,
+                                                     pool));
   std::map<int32_t, LabelVote> votes;
   float total = 0;
   for (const splat::PixelWeight& entry : weights) {
@@ -97,9 +99,11 @@ StatusOr<std::vector<ClickHit>> QueryClick(const splat::GaussianModel& model,
   std::vector<ClickHit> hits;
   if (total < kMinWeight) return hits;
 
-  const Eigen::Vector3d ray(
-      (x + 0.5 - camera.cx) / camera.fx, (y + 0.5 - camera.cy) / camera.fy, 1);
-  const Rigid3d world_from_cam = Inverse(cam_from_world);
+  const Pinhole& camera = view.camera;
+  const Eigen::Vector3d ray((pixel.x + 0.5 - camera.cx) / camera.fx,
+                            (pixel.y + 0.5 - camera.cy) / camera.fy,
+                            1);
+  const Rigid3d world_from_cam = Inverse(view.cam_from_world);
   for (const auto& [label, vote] : votes) {
     const double depth = vote.weighted_depth / vote.weight;
     hits.push_back({label + 1, vote.weight, world_from_cam * (depth * ray)});

@@ -21,6 +21,12 @@
 
 namespace freegs::semantics {
 
+// Column and row, counted from 0 at the top left.
+struct Pixel {
+  int x = 0;
+  int y = 0;
+};
+
 struct ClickHit {
   int id = 0;         // Id of the instance.
   double weight = 0;  // Summed blending weight of its Gaussians at the pixel.
@@ -30,7 +36,7 @@ struct ClickHit {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();
 };
 
-// Returns the instances at pixel (x, y) of the camera by descending weight, the
+// Returns the instances at a pixel of the view by descending weight, the
 // smaller id first among equals. The first one is the label that
 // splat::RenderLabels gives to the pixel. Only this pixel is rendered. There
 // are no hits if the weights of all instances sum to less than one half.
@@ -38,11 +44,9 @@ struct ClickHit {
 // pixel outside of the image, and for labels of another number of Gaussians.
 StatusOr<std::vector<ClickHit>> QueryClick(const splat::GaussianModel& model,
                                            std::span<const int32_t> labels,
-                                           const Pinhole& camera,
-                                           const Rigid3d& cam_from_world,
+                                           const View& view,
                                            const splat::RenderOptions& render,
-                                           int x,
-                                           int y,
+                                           const Pixel& pixel,
                                            ThreadPool& pool);
 
 struct BoxHit {

@@ -175,47 +175,37 @@ std::string Place(const ViewPlace& place) {
 }
 
 StatusOr<std::vector<semantics::ClickHit>> InstancesAt(
-    const QueryScene& scene, const View& view, int x, int y, ThreadPool& pool) {
-  return semantics::QueryClick(scene.scene->model,
-                               scene.labels,
-                               view.camera,
-                               view.cam_from_world,
-                               scene.scene->render,
-                               x,
-                               y,
-                               pool);
+    const QueryScene& scene,
+    const View& view,
+    const semantics::Pixel& pixel,
+    ThreadPool& pool) {
+  return semantics::QueryClick(
+      scene.scene->model, scene.labels, view, scene.scene->render, pixel, pool);
 }
 
-// Another level of the hierarchy takes the place of the best hit. The other
-// hits stay what they are: what the region leaves of their instances is no
-// instance.
+// Another level of the hierarchy takes the place of the best hit, which is the
+// clicked instance. The other hits stay what they are: what the region leaves
+// of their instances is no instance.
 Status ChangeLevel(const QueryRequest& request,
-                   const View& view,
-                   int x,
-                   int y,
+                   const ClickedInstance& clicked,
                    ThreadPool& pool,
                    QueryScene* scene,
                    std::vector<semantics::ClickHit>* hits,
                    QueryAnswer* answer) {
-  const int clicked = (*hits)[0].id;
   const int level = *request.level;
   FREEGS_ASSIGN_OR_RETURN(
-      const int id,
-      AddLevel(request.workspace,
-               {.view = view, .x = x, .y = y, .id = clicked},
-               level,
-               pool,
-               scene));
-  FREEGS_ASSIGN_OR_RETURN(const std::vector<semantics::ClickHit> with_region,
-                          InstancesAt(*scene, view, x, y, pool));
+      const int id, AddLevel(request.workspace, clicked, level, pool, scene));
+  FREEGS_ASSIGN_OR_RETURN(
+      const std::vector<semantics::ClickHit> with_region,
+      InstancesAt(*scene, clicked.view, clicked.pixel, pool));
   for (const semantics::ClickHit& hit : with_region) {
     if (hit.id == id) (*hits)[0] = hit;
   }
   answer->question["level"] = level;
-  answer->question["instance"] = clicked;
+  answer->question["instance"] = clicked.id;
   answer->words += level > 0 ? ", " + std::to_string(level) + " wider"
                              : ", " + std::to_string(-level) + " narrower";
-  answer->words += " than instance " + std::to_string(clicked);
+  answer->words += " than instance " + std::to_string(clicked.id);
   return Status();
 }
 
@@ -240,13 +230,14 @@ Status AnswerClick(const QueryRequest& request,
                       {"y", place.numbers[1]}};
   answer->words = "click " + Place(place);
   answer->score_name = "weight";
-  const int px = static_cast<int>(x);
-  const int py = static_cast<int>(y);
+  const semantics::Pixel pixel{static_cast<int>(x), static_cast<int>(y)};
   FREEGS_ASSIGN_OR_RETURN(std::vector<semantics::ClickHit> all,
-                          InstancesAt(*scene, view, px, py, pool));
+                          InstancesAt(*scene, view, pixel, pool));
   if (request.level && !all.empty()) {
+    const ClickedInstance clicked{
+        .view = view, .pixel = pixel, .id = all[0].id};
     FREEGS_RETURN_IF_ERROR(
-        ChangeLevel(request, view, px, py, pool, scene, &all, answer));
+        ChangeLevel(request, clicked, pool, scene, &all, answer));
   }
   answer->query_ms = lap.Milliseconds();
   std::vector<ScoredInstance> scored;

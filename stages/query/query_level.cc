@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "semantics/instances/hierarchy.h"
-#include "semantics/queries/click_query.h"
 #include "stages/scene/scene_instances.h"
 #include "stages/scene/working_frame.h"
 
@@ -37,11 +36,9 @@ StatusOr<int> AddLevel(const fs::path& workspace,
   FREEGS_ASSIGN_OR_RETURN(const std::vector<semantics::ClickHit> hits,
                           semantics::QueryClick(model,
                                                 parts,
-                                                clicked.view.camera,
-                                                clicked.view.cam_from_world,
+                                                clicked.view,
                                                 scene->scene->render,
-                                                clicked.x,
-                                                clicked.y,
+                                                clicked.pixel,
                                                 pool));
   const auto hit =
       std::find_if(hits.begin(), hits.end(), [other](const auto& candidate) {

@@ -10,6 +10,7 @@
 #include "core/parallel.h"
 #include "core/pinhole.h"
 #include "core/status.h"
+#include "semantics/queries/click_query.h"
 #include "stages/query/query_scene.h"
 
 namespace freegs::stages {
@@ -17,8 +18,7 @@ namespace freegs::stages {
 // A pixel of a view that shows an instance.
 struct ClickedInstance {
   const View& view;
-  int x = 0;
-  int y = 0;
+  semantics::Pixel pixel = {};
   int id = 0;
 };
 

@@ -29,13 +29,13 @@ TEST(ClickQueryTest, AnswersWhatTheLabelImageShows) {
   const splat::GaussianModel model = splat::RandomSceneModel(200, 0, 3);
   const std::vector<int32_t> labels = MixedLabels(model.size());
   const Pinhole camera = splat::TestCamera(40, 30);
+  const View view{"", camera, splat::TestPose()};
   const Image<int32_t> image =
-      splat::RenderLabels(model, camera, splat::TestPose(), {}, pool, labels);
+      splat::RenderLabels(model, camera, view.cam_from_world, {}, pool, labels);
   std::set<int> seen;
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
-      const auto hits =
-          QueryClick(model, labels, camera, splat::TestPose(), {}, x, y, pool);
+      const auto hits = QueryClick(model, labels, view, {}, {x, y}, pool);
       ASSERT_TRUE(hits.ok());
       EXPECT_EQ(hits->empty() ? -1 : (*hits)[0].id - 1, image(x, y))
           << x << " " << y;
@@ -58,7 +58,7 @@ TEST(ClickQueryTest, ThePointLiesOnTheRayAtTheInstancesDepth) {
   const Pinhole camera = splat::TestCamera(40, 30);
   const Rigid3d pose = splat::TestPose();
   const auto hits = QueryClick(
-      model, std::vector<int32_t>{6}, camera, pose, {}, 23, 11, pool);
+      model, std::vector<int32_t>{6}, {"", camera, pose}, {}, {23, 11}, pool);
   ASSERT_TRUE(hits.ok());
   ASSERT_EQ(hits->size(), 1u);
   EXPECT_EQ((*hits)[0].id, 7);
@@ -71,11 +71,9 @@ TEST(ClickQueryTest, ThePointLiesOnTheRayAtTheInstancesDepth) {
 TEST(ClickQueryTest, WrongArguments) {
   ThreadPool pool(1);
   const splat::GaussianModel model = splat::RandomSceneModel(10, 0, 3);
-  const Pinhole camera = splat::TestCamera(40, 30);
+  const View view{"", splat::TestCamera(40, 30), splat::TestPose()};
   const auto code = [&](const std::vector<int32_t>& labels, int x) {
-    return QueryClick(model, labels, camera, splat::TestPose(), {}, x, 3, pool)
-        .status()
-        .code();
+    return QueryClick(model, labels, view, {}, {x, 3}, pool).status().code();
   };
   EXPECT_EQ(code(MixedLabels(9), 5), StatusCode::kInvalidArgument);
   EXPECT_EQ(code(MixedLabels(10), 40), StatusCode::kInvalidArgument);
