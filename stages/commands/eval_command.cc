@@ -21,6 +21,7 @@
 #include "stages/datasets/layout.h"
 #include "stages/evaluation/consistency_evaluation.h"
 #include "stages/evaluation/evaluation.h"
+#include "stages/evaluation/evaluation_context.h"
 #include "stages/evaluation/evaluation_report.h"
 #include "stages/evaluation/gaussian_answers.h"
 #include "stages/evaluation/instance_evaluation.h"
@@ -216,23 +217,14 @@ void TellCutLabels(const std::vector<std::string>& labels,
 }
 
 Status MeasureTextOfGaussians(const EvalRequest& request,
-                              const WorkspaceScene& scene,
-                              const AlignedTruth& aligned,
+                              const EvaluationContext& evaluation,
                               CommandContext& context,
-                              ThreadPool& pool,
                               EvaluationReport* report) {
-  if (Labels(aligned.truth.objects).empty()) return Status();
+  if (Labels(evaluation.truth.objects).empty()) return Status();
   const double threshold =
       request.text_threshold > 0 ? request.text_threshold : 0.5;
-  StatusOr<GaussianTextQuality> found =
-      MeasureGaussianText(request.workspace,
-                          request.model,
-                          threshold,
-                          scene,
-                          aligned.truth,
-                          aligned.truth_from_scene,
-                          context.cancellation,
-                          pool);
+  StatusOr<GaussianTextQuality> found = MeasureGaussianText(
+      evaluation, request.workspace, request.model, threshold);
   if (!found.ok()) return NoFiguresOfText(found.status(), request, context);
   TellCutLabels(found->cut_labels, context);
   report->text_from_gaussians = true;
@@ -243,13 +235,11 @@ Status MeasureTextOfGaussians(const EvalRequest& request,
 }
 
 Status MeasureText(const EvalRequest& request,
-                   const WorkspaceScene& scene,
+                   const EvaluationContext& evaluation,
                    const std::vector<int32_t>& instances,
-                   const AlignedTruth& aligned,
                    CommandContext& context,
-                   ThreadPool& pool,
                    EvaluationReport* report) {
-  const std::set<std::string> labels = Labels(aligned.truth.objects);
+  const std::set<std::string> labels = Labels(evaluation.truth.objects);
   if (labels.empty()) return Status();
   LabelQuestionOptions questions;
   questions.model = request.model;
@@ -266,14 +256,9 @@ Status MeasureText(const EvalRequest& request,
   TellCutLabels(answers->cut_labels, context);
   report->text_model = answers->model;
   report->text_threshold = questions.min_relevancy;
-  FREEGS_ASSIGN_OR_RETURN(report->text,
-                          MeasureTextQuality(scene,
-                                             instances,
-                                             answers->answers,
-                                             aligned.truth,
-                                             aligned.truth_from_scene,
-                                             context.cancellation,
-                                             pool));
+  FREEGS_ASSIGN_OR_RETURN(
+      report->text,
+      MeasureTextQuality(evaluation, instances, answers->answers));
   return Status();
 }
 
@@ -285,40 +270,29 @@ Status CompareWithTruth(const EvalRequest& request,
                         EvaluationReport* report) {
   FREEGS_ASSIGN_OR_RETURN(const AlignedTruth aligned,
                           ReadAlignedTruth(request, scene, context, report));
-  FREEGS_ASSIGN_OR_RETURN(report->test,
-                          MeasureTestQuality(scene,
-                                             aligned.truth,
-                                             aligned.truth_from_scene,
-                                             context.cancellation,
-                                             pool));
+  const EvaluationContext evaluation{
+      .scene = scene,
+      .truth = aligned.truth,
+      .truth_from_scene = aligned.truth_from_scene,
+      .cancellation = context.cancellation,
+      .pool = pool};
+  FREEGS_ASSIGN_OR_RETURN(report->test, MeasureTestQuality(evaluation));
   if (!instances) return Status();
   FREEGS_ASSIGN_OR_RETURN(report->instances,
-                          MeasureInstanceQuality(scene,
-                                                 *instances,
-                                                 aligned.truth,
-                                                 aligned.truth_from_scene,
-                                                 context.cancellation,
-                                                 pool));
+                          MeasureInstanceQuality(evaluation, *instances));
   std::error_code error;
   if (fs::exists(request.workspace / "bootstrap" / "hierarchy.json", error)) {
     FREEGS_ASSIGN_OR_RETURN(
         const semantics::Hierarchy hierarchy,
         ReadSceneHierarchy(request.workspace, scene.model.size()));
-    FREEGS_ASSIGN_OR_RETURN(report->best_level_miou,
-                            MeasureBestLevels(scene,
-                                              *instances,
-                                              hierarchy,
-                                              aligned.truth,
-                                              aligned.truth_from_scene,
-                                              context.cancellation,
-                                              pool));
+    FREEGS_ASSIGN_OR_RETURN(
+        report->best_level_miou,
+        MeasureBestLevels(evaluation, *instances, hierarchy));
   }
   if (request.text_from == "gaussians") {
-    return MeasureTextOfGaussians(
-        request, scene, aligned, context, pool, report);
+    return MeasureTextOfGaussians(request, evaluation, context, report);
   }
-  return MeasureText(
-      request, scene, *instances, aligned, context, pool, report);
+  return MeasureText(request, evaluation, *instances, context, report);
 }
 
 }  // namespace

@@ -107,21 +107,19 @@ StatusOr<std::optional<ImageQuality>> MeasureHoldoutQuality(
 }
 
 StatusOr<std::optional<ImageQuality>> MeasureTestQuality(
-    const WorkspaceScene& scene,
-    const GroundTruth& truth,
-    const Sim3d& truth_from_scene,
-    const CancellationToken& cancellation,
-    ThreadPool& pool) {
+    const EvaluationContext& context) {
+  const WorkspaceScene& scene = context.scene;
+  const GroundTruth& truth = context.truth;
   ImageQuality quality;
   const std::vector<TestViewUse> uses = FindTestViewUses(scene, truth);
   const std::vector<View> views =
-      MapViews(truth.cameras.test, truth_from_scene);
+      MapViews(truth.cameras.test, context.truth_from_scene);
   for (size_t i = 0; i < views.size(); ++i) {
     const View& view = views[i];
     const auto found = truth.photos.find(view.name);
     if (found == truth.photos.end()) continue;
     const fs::path& path = found->second;
-    if (cancellation.cancelled()) return Cancelled();
+    if (context.cancellation.cancelled()) return Cancelled();
     FREEGS_ASSIGN_OR_RETURN(const ImageU8 photo, ReadRgb(path));
     // Before the rendering, for which a wrong size may need too much memory.
     if (photo.width() != view.camera.width ||
@@ -132,8 +130,11 @@ StatusOr<std::optional<ImageQuality>> MeasureTestQuality(
           view.name + " of the truth is " + std::to_string(view.camera.width) +
           " x " + std::to_string(view.camera.height));
     }
-    const splat::RenderedView rendered = splat::RenderView(
-        scene.model, view.camera, view.cam_from_world, scene.render, pool);
+    const splat::RenderedView rendered = splat::RenderView(scene.model,
+                                                           view.camera,
+                                                           view.cam_from_world,
+                                                           scene.render,
+                                                           context.pool);
     // PSNR is defined on 8-bit pictures.
     const ImageF picture = ToFloat(ToU8(rendered.color));
     FREEGS_ASSIGN_OR_RETURN(const double psnr,

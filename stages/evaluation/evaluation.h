@@ -5,10 +5,13 @@
 //   ReadTruth(folder, "auto")                     the truth, datasets/layout.h
 //   AlignWithViews(scene, truth.cameras.train,    its frame,
 //                  name)                          scene/scene_alignment.h
-//   MeasureHoldoutQuality(...), MeasureTestQuality(...)
-//   MeasureInstanceQuality(...)                   instance_evaluation.h
-//   AnswerLabels(...), MeasureTextQuality(...)    label_answers.h,
-//                                                 text_evaluation.h
+//   MeasureHoldoutQuality(...)
+//   EvaluationContext context{...}                evaluation_context.h
+//   MeasureTestQuality(context)
+//   MeasureInstanceQuality(context, ...)          instance_evaluation.h
+//   MeasureBestLevels(context, ...)               level_evaluation.h
+//   AnswerLabels(...)                             label_answers.h
+//   MeasureTextQuality(context, ...)              text_evaluation.h
 //   MeasureViewConsistency(...)                   consistency_evaluation.h
 //   ToJson(report), PrintTable(report, out)       evaluation_report.h
 
@@ -23,6 +26,7 @@
 #include "core/cancellation.h"
 #include "core/parallel.h"
 #include "core/status.h"
+#include "stages/evaluation/evaluation_context.h"
 #include "stages/evaluation/ground_truth.h"
 #include "stages/scene/workspace_scene.h"
 
@@ -72,11 +76,7 @@ StatusOr<std::optional<ImageQuality>> MeasureHoldoutQuality(
 // names a photograph that has another size than its view. kInterrupted when
 // cancelled.
 StatusOr<std::optional<ImageQuality>> MeasureTestQuality(
-    const WorkspaceScene& scene,
-    const GroundTruth& truth,
-    const Sim3d& truth_from_scene,
-    const CancellationToken& cancellation,
-    ThreadPool& pool);
+    const EvaluationContext& context);
 
 }  // namespace freegs::stages
 

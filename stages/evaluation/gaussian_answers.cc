@@ -69,24 +69,21 @@ GroundTruth OnlyLabel(const GroundTruth& truth, const std::string& label) {
 }  // namespace
 
 StatusOr<GaussianTextQuality> MeasureGaussianText(
+    const EvaluationContext& context,
     const fs::path& workspace,
     const std::string& clip_model,
-    double min_relevancy,
-    const WorkspaceScene& scene,
-    const GroundTruth& truth,
-    const Sim3d& truth_from_scene,
-    const CancellationToken& cancellation,
-    ThreadPool& pool) {
+    double min_relevancy) {
   FREEGS_ASSIGN_OR_RETURN(const semantics::InstanceFeatures features,
                           ReadFeaturesOfInstances(workspace));
   FREEGS_ASSIGN_OR_RETURN(const std::unique_ptr<semantics::OpenCvClip> encoder,
                           OpenModelOfFeatures(features, workspace, clip_model));
-  const std::set<std::string> labels = Labels(truth.objects);
+  const std::set<std::string> labels = Labels(context.truth.objects);
   GaussianTextQuality result;
   FREEGS_ASSIGN_OR_RETURN(
       const std::vector<float> relevancy,
-      AskGaussians(workspace, labels, *encoder, pool, &result.cut_labels));
-  const size_t count = scene.model.size();
+      AskGaussians(
+          workspace, labels, *encoder, context.pool, &result.cut_labels));
+  const size_t count = context.scene.model.size();
   if (relevancy.size() != count * labels.size()) {
     return BadInputError((workspace / "bootstrap" / "idsf.bin").string() +
                          " is not of this scene's Gaussians");
@@ -104,14 +101,16 @@ StatusOr<GaussianTextQuality> MeasureGaussianText(
       if (value >= min_relevancy) chosen[i] = 0;
     }
     ++column;
-    FREEGS_ASSIGN_OR_RETURN(std::optional<TextQuality> one,
-                            MeasureTextQuality(scene,
-                                               chosen,
-                                               {{label, answer}},
-                                               OnlyLabel(truth, label),
-                                               truth_from_scene,
-                                               cancellation,
-                                               pool));
+    const GroundTruth only_label = OnlyLabel(context.truth, label);
+    FREEGS_ASSIGN_OR_RETURN(
+        std::optional<TextQuality> one,
+        MeasureTextQuality({.scene = context.scene,
+                            .truth = only_label,
+                            .truth_from_scene = context.truth_from_scene,
+                            .cancellation = context.cancellation,
+                            .pool = context.pool},
+                           chosen,
+                           {{label, answer}}));
     if (!one) continue;
     for (LabelResult& of_label : one->labels) {
       of_label.answer.instance = -1;

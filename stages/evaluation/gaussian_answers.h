@@ -11,12 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "core/cancellation.h"
-#include "core/parallel.h"
 #include "core/status.h"
-#include "stages/evaluation/ground_truth.h"
+#include "stages/evaluation/evaluation_context.h"
 #include "stages/evaluation/text_evaluation.h"
-#include "stages/scene/workspace_scene.h"
 
 namespace freegs::stages {
 
@@ -34,14 +31,10 @@ struct GaussianTextQuality {
 // workspace's features. The errors are those of AnswerLabels and
 // MeasureTextQuality.
 StatusOr<GaussianTextQuality> MeasureGaussianText(
+    const EvaluationContext& context,
     const std::filesystem::path& workspace,
     const std::string& clip_model,
-    double min_relevancy,
-    const WorkspaceScene& scene,
-    const GroundTruth& truth,
-    const Sim3d& truth_from_scene,
-    const CancellationToken& cancellation,
-    ThreadPool& pool);
+    double min_relevancy);
 
 }  // namespace freegs::stages
 

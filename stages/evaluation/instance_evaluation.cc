@@ -9,8 +9,6 @@
 #include "semantics/metrics/box_iou.h"
 #include "semantics/metrics/instance_metrics.h"
 #include "stages/evaluation/evaluation.h"
-#include "stages/evaluation/true_masks.h"
-#include "stages/scene/scene_alignment.h"
 
 namespace freegs::stages {
 namespace {
@@ -29,7 +27,6 @@ struct Tally {
 };
 
 Status AddView(const JudgedView& view,
-               int min_pixels,
                bool complete,
                Tally* tally,
                InstanceQuality* quality) {
@@ -39,7 +36,7 @@ Status AddView(const JudgedView& view,
         semantics::CountOverlap(layer, view.rendered);
     if (!of_layer.ok()) return of_layer.status().Annotated(view.name);
     for (const auto& [object, pixels] : of_layer->truth_pixels) {
-      if (pixels < min_pixels) continue;
+      if (pixels < kMinMaskPixels) continue;
       ObjectTally& of_object = tally->objects[object];
       const auto best = semantics::BestMatch(*of_layer, object);
       of_object.instance_ious.push_back(best ? best->iou : 0);
@@ -55,7 +52,7 @@ Status AddView(const JudgedView& view,
   }
   if (complete) {
     quality->panoptic.emplace_back(
-        view.name, semantics::MatchSegments(overlap, min_pixels));
+        view.name, semantics::MatchSegments(overlap, kMinMaskPixels));
     quality->panoptic_sum.Add(quality->panoptic.back().second);
   }
   tally->overlap.Add(overlap);
@@ -153,10 +150,10 @@ std::optional<BoxQuality> SummariseBoxes(const std::vector<double>& ious) {
 }
 
 std::vector<semantics::Instance> InstancesInTruth(
-    const splat::GaussianModel& model,
-    std::span<const int32_t> instance_of_gaussian,
-    const Sim3d& truth_from_scene,
-    ThreadPool& pool) {
+    const EvaluationContext& context,
+    std::span<const int32_t> instance_of_gaussian) {
+  const splat::GaussianModel& model = context.scene.model;
+  const Sim3d& truth_from_scene = context.truth_from_scene;
   // The positions become float32, which is too coarse for a truth in the
   // coordinates of a map, so they count from the origin of the scene.
   const Eigen::Vector3d& origin = truth_from_scene.translation;
@@ -197,7 +194,7 @@ std::vector<semantics::Instance> InstancesInTruth(
                                 /*background=*/{},
                                 /*vertical=*/std::nullopt,
                                 semantics::InstanceBoxOptions(),
-                                pool);
+                                context.pool);
   for (semantics::Instance& instance : instances) {
     instance.centre += origin;
     instance.aabb.min += origin;
@@ -208,24 +205,14 @@ std::vector<semantics::Instance> InstancesInTruth(
 }
 
 StatusOr<std::optional<InstanceQuality>> MeasureInstanceQuality(
-    const WorkspaceScene& scene,
-    std::span<const int32_t> instance_of_gaussian,
-    const GroundTruth& truth,
-    const Sim3d& truth_from_scene,
-    const CancellationToken& cancellation,
-    ThreadPool& pool) {
+    const EvaluationContext& context,
+    std::span<const int32_t> instance_of_gaussian) {
+  const GroundTruth& truth = context.truth;
   InstanceQuality quality;
   Tally tally;
-  FREEGS_RETURN_IF_ERROR(ForEachJudgedView(
-      scene,
-      instance_of_gaussian,
-      truth,
-      MapViews(truth.cameras.test, truth_from_scene),
-      kMaxMaskSide,
-      cancellation,
-      pool,
-      [&](const JudgedView& view) {
-        return AddView(view, kMinMaskPixels, truth.complete, &tally, &quality);
+  FREEGS_RETURN_IF_ERROR(
+      context.ForEachView(instance_of_gaussian, [&](const JudgedView& view) {
+        return AddView(view, truth.complete, &tally, &quality);
       }));
   const bool any_box = std::any_of(
       truth.objects.begin(), truth.objects.end(), [](const TrueObject& object) {
@@ -240,8 +227,7 @@ StatusOr<std::optional<InstanceQuality>> MeasureInstanceQuality(
   }
   FillObjects(truth.objects,
               tally,
-              InstancesInTruth(
-                  scene.model, instance_of_gaussian, truth_from_scene, pool),
+              InstancesInTruth(context, instance_of_gaussian),
               &results,
               &quality);
   for (auto& [id, result] : results) {

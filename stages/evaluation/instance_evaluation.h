@@ -12,24 +12,14 @@
 #include <utility>
 #include <vector>
 
-#include "core/cancellation.h"
-#include "core/parallel.h"
 #include "core/status.h"
 #include "semantics/geometry/boxes.h"
 #include "semantics/instances/instances.h"
 #include "semantics/metrics/panoptic_quality.h"
 #include "semantics/metrics/segmentation_balance.h"
-#include "stages/evaluation/ground_truth.h"
-#include "stages/scene/workspace_scene.h"
+#include "stages/evaluation/evaluation_context.h"
 
 namespace freegs::stages {
-
-// An object with fewer pixels in a view is not judged in that view.
-inline constexpr int kMinMaskPixels = 30;
-
-// Longest side in pixels at which masks are compared. Larger masks are reduced
-// to it.
-inline constexpr int kMaxMaskSide = 1600;
 
 // An object of the truth and the instance that is compared with it.
 struct ObjectResult {
@@ -83,25 +73,19 @@ struct InstanceQuality {
 std::optional<double> MeanOrNothing(const std::vector<double>& values);
 
 // Puts boxes around the instances in the truth's frame; element k belongs to
-// label k. `instance_of_gaussian` has one label per Gaussian of the model,
+// label k. `instance_of_gaussian` has one label per Gaussian of the scene,
 // negative for none.
 std::vector<semantics::Instance> InstancesInTruth(
-    const splat::GaussianModel& model,
-    std::span<const int32_t> instance_of_gaussian,
-    const Sim3d& truth_from_scene,
-    ThreadPool& pool);
+    const EvaluationContext& context,
+    std::span<const int32_t> instance_of_gaussian);
 
 // Compares the instances with the truth. `instance_of_gaussian` has one label
 // per Gaussian of the scene, negative for none. The result is empty when the
 // truth has neither masks of test views nor boxes. The errors are those of
-// ForEachJudgedView.
+// EvaluationContext::ForEachView.
 StatusOr<std::optional<InstanceQuality>> MeasureInstanceQuality(
-    const WorkspaceScene& scene,
-    std::span<const int32_t> instance_of_gaussian,
-    const GroundTruth& truth,
-    const Sim3d& truth_from_scene,
-    const CancellationToken& cancellation,
-    ThreadPool& pool);
+    const EvaluationContext& context,
+    std::span<const int32_t> instance_of_gaussian);
 
 }  // namespace freegs::stages
 

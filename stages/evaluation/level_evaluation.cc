@@ -8,11 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/function_ref.h"
 #include "semantics/metrics/instance_metrics.h"
 #include "stages/evaluation/instance_evaluation.h"
-#include "stages/evaluation/true_masks.h"
-#include "stages/scene/scene_alignment.h"
 
 namespace freegs::stages {
 namespace {
@@ -24,7 +21,7 @@ namespace {
 constexpr size_t kRenderedRegions = 2;
 
 // The pixels of an object, and those that each answer has and shares with it.
-struct Sight {
+struct RegionOverlap {
   double truth = 0;
   std::vector<double> size;
   std::vector<double> shared;
@@ -34,7 +31,7 @@ struct Sight {
     return all > 0 ? shared[answer] / all : 0;
   }
 
-  void Add(const Sight& other) {
+  void Add(const RegionOverlap& other) {
     truth += other.truth;
     for (size_t k = 0; k < size.size(); ++k) {
       size[k] += other.size[k];
@@ -43,27 +40,11 @@ struct Sight {
   }
 };
 
-using ViewFn = FunctionRef<Status(const JudgedView&)>;
-
-// What is the same for all renderings of a measurement.
-struct Judgement {
-  const WorkspaceScene& scene;
-  const GroundTruth& truth;
-  const std::vector<View> views;
-  const CancellationToken& cancellation;
-  ThreadPool& pool;
-
-  Status ForEachView(std::span<const int32_t> labels, ViewFn body) const {
-    return ForEachJudgedView(
-        scene, labels, truth, views, kMaxMaskSide, cancellation, pool, body);
-  }
-};
-
 // Over all views together, how each object overlaps with each region.
-StatusOr<std::map<int, Sight>> LookAtRegions(
-    const Judgement& judgement, const semantics::Hierarchy& hierarchy) {
+StatusOr<std::map<int, RegionOverlap>> OverlapsOfRegions(
+    const EvaluationContext& context, const semantics::Hierarchy& hierarchy) {
   const semantics::RegionTree& tree = hierarchy.tree;
-  std::map<int, Sight> sights;
+  std::map<int, RegionOverlap> overlaps;
   const auto add_view = [&](const JudgedView& view) -> Status {
     for (const ImageU16& layer : view.truth) {
       FREEGS_ASSIGN_OR_RETURN(const semantics::InstanceOverlap overlap,
@@ -81,28 +62,29 @@ StatusOr<std::map<int, Sight>> LookAtRegions(
              ++it) {
           shared[it->first.second] = static_cast<double>(it->second);
         }
-        const Sight sight{static_cast<double>(pixels), size, tree.Sums(shared)};
-        const auto [it, is_new] = sights.try_emplace(object, sight);
-        if (!is_new) it->second.Add(sight);
+        const RegionOverlap in_view{
+            static_cast<double>(pixels), size, tree.Sums(shared)};
+        const auto [it, is_new] = overlaps.try_emplace(object, in_view);
+        if (!is_new) it->second.Add(in_view);
       }
     }
     return Status();
   };
   FREEGS_RETURN_IF_ERROR(
-      judgement.ForEachView(hierarchy.part_of_gaussian, add_view));
-  return sights;
+      context.ForEachView(hierarchy.part_of_gaussian, add_view));
+  return overlaps;
 }
 
-std::vector<int32_t> BestRegions(const Sight& sight) {
-  std::vector<int32_t> regions(sight.size.size());
+std::vector<int32_t> BestRegions(const RegionOverlap& overlap) {
+  std::vector<int32_t> regions(overlap.size.size());
   std::iota(regions.begin(), regions.end(), 0);
   const size_t count = std::min(regions.size(), kRenderedRegions);
   std::partial_sort(regions.begin(),
                     regions.begin() + static_cast<std::ptrdiff_t>(count),
                     regions.end(),
-                    [&sight](int32_t a, int32_t b) {
-                      return std::pair(-sight.Iou(a), a) <
-                             std::pair(-sight.Iou(b), b);
+                    [&overlap](int32_t a, int32_t b) {
+                      return std::pair(-overlap.Iou(a), a) <
+                             std::pair(-overlap.Iou(b), b);
                     });
   regions.resize(count);
   return regions;
@@ -111,7 +93,7 @@ std::vector<int32_t> BestRegions(const Sight& sight) {
 // How an object and one answer overlap, view by view and in all of them.
 struct Answer {
   std::vector<double> ious;
-  Sight sum{0, {0}, {0}};
+  RegionOverlap sum{0, {0}, {0}};
 };
 
 // Adds what one view shows, if it shows enough of the object.
@@ -125,19 +107,19 @@ void AddView(const semantics::InstanceOverlap& overlap,
   }
   const auto size = overlap.instance_pixels.find(label);
   const auto shared = overlap.shared_pixels.find({object, label});
-  const Sight sight{static_cast<double>(truth->second),
-                    {size == overlap.instance_pixels.end()
-                         ? 0
-                         : static_cast<double>(size->second)},
-                    {shared == overlap.shared_pixels.end()
-                         ? 0
-                         : static_cast<double>(shared->second)}};
-  answer->ious.push_back(sight.Iou(0));
-  answer->sum.Add(sight);
+  const RegionOverlap in_view{static_cast<double>(truth->second),
+                              {size == overlap.instance_pixels.end()
+                                   ? 0
+                                   : static_cast<double>(size->second)},
+                              {shared == overlap.shared_pixels.end()
+                                   ? 0
+                                   : static_cast<double>(shared->second)}};
+  answer->ious.push_back(in_view.Iou(0));
+  answer->sum.Add(in_view);
 }
 
 // The region of the hierarchy, in front of all instances.
-StatusOr<Answer> AnswerOf(const Judgement& judgement,
+StatusOr<Answer> AnswerOf(const EvaluationContext& context,
                           std::span<const int32_t> instance_of_gaussian,
                           const semantics::Hierarchy& hierarchy,
                           int object,
@@ -159,13 +141,14 @@ StatusOr<Answer> AnswerOf(const Judgement& judgement,
     }
     return Status();
   };
-  FREEGS_RETURN_IF_ERROR(judgement.ForEachView(labels, add_view));
+  FREEGS_RETURN_IF_ERROR(context.ForEachView(labels, add_view));
   return answer;
 }
 
 // For each object the instance of the highest IoU over all views together.
 StatusOr<std::map<int, Answer>> BestInstances(
-    const Judgement& judgement, std::span<const int32_t> instance_of_gaussian) {
+    const EvaluationContext& context,
+    std::span<const int32_t> instance_of_gaussian) {
   std::vector<semantics::InstanceOverlap> overlaps;
   semantics::InstanceOverlap sum;
   const auto add_view = [&](const JudgedView& view) -> Status {
@@ -180,7 +163,7 @@ StatusOr<std::map<int, Answer>> BestInstances(
     }
     return Status();
   };
-  FREEGS_RETURN_IF_ERROR(judgement.ForEachView(instance_of_gaussian, add_view));
+  FREEGS_RETURN_IF_ERROR(context.ForEachView(instance_of_gaussian, add_view));
   std::map<int, Answer> answers;
   for (const auto& [object, pixels] : sum.truth_pixels) {
     const auto match = semantics::BestMatch(sum, object);
@@ -194,30 +177,21 @@ StatusOr<std::map<int, Answer>> BestInstances(
 }  // namespace
 
 StatusOr<std::optional<double>> MeasureBestLevels(
-    const WorkspaceScene& scene,
+    const EvaluationContext& context,
     std::span<const int32_t> instance_of_gaussian,
-    const semantics::Hierarchy& hierarchy,
-    const GroundTruth& truth,
-    const Sim3d& truth_from_scene,
-    const CancellationToken& cancellation,
-    ThreadPool& pool) {
-  const Judgement judgement{scene,
-                            truth,
-                            MapViews(truth.cameras.test, truth_from_scene),
-                            cancellation,
-                            pool};
-  FREEGS_ASSIGN_OR_RETURN(const auto sights,
-                          LookAtRegions(judgement, hierarchy));
+    const semantics::Hierarchy& hierarchy) {
+  FREEGS_ASSIGN_OR_RETURN(const auto overlaps,
+                          OverlapsOfRegions(context, hierarchy));
   FREEGS_ASSIGN_OR_RETURN(auto answers,
-                          BestInstances(judgement, instance_of_gaussian));
+                          BestInstances(context, instance_of_gaussian));
   std::vector<double> ious;
   for (auto& [object, best] : answers) {
-    const auto sight = sights.find(object);
-    if (sight == sights.end()) continue;  // Too small in every view.
-    for (const int32_t region : BestRegions(sight->second)) {
+    const auto overlap = overlaps.find(object);
+    if (overlap == overlaps.end()) continue;  // Too small in every view.
+    for (const int32_t region : BestRegions(overlap->second)) {
       FREEGS_ASSIGN_OR_RETURN(
           Answer answer,
-          AnswerOf(judgement, instance_of_gaussian, hierarchy, object, region));
+          AnswerOf(context, instance_of_gaussian, hierarchy, object, region));
       if (answer.sum.Iou(0) > best.sum.Iou(0)) best = std::move(answer);
     }
     ious.insert(ious.end(), best.ious.begin(), best.ious.end());

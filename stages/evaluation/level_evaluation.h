@@ -9,12 +9,9 @@
 #include <optional>
 #include <span>
 
-#include "core/cancellation.h"
-#include "core/parallel.h"
 #include "core/status.h"
 #include "semantics/instances/hierarchy.h"
-#include "stages/evaluation/ground_truth.h"
-#include "stages/scene/workspace_scene.h"
+#include "stages/evaluation/evaluation_context.h"
 
 namespace freegs::stages {
 
@@ -26,15 +23,11 @@ namespace freegs::stages {
 // gives; what `query --wider` gives also has those Gaussians of the clicked
 // instance that are of no part. `instance_of_gaussian`: negative for none.
 // Nothing when the truth has no masks of test views. The errors are those of
-// ForEachJudgedView.
+// EvaluationContext::ForEachView.
 StatusOr<std::optional<double>> MeasureBestLevels(
-    const WorkspaceScene& scene,
+    const EvaluationContext& context,
     std::span<const int32_t> instance_of_gaussian,
-    const semantics::Hierarchy& hierarchy,
-    const GroundTruth& truth,
-    const Sim3d& truth_from_scene,
-    const CancellationToken& cancellation,
-    ThreadPool& pool);
+    const semantics::Hierarchy& hierarchy);
 
 }  // namespace freegs::stages
 

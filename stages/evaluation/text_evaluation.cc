@@ -10,7 +10,6 @@
 #include "semantics/metrics/instance_metrics.h"
 #include "stages/evaluation/evaluation.h"
 #include "stages/evaluation/true_masks.h"
-#include "stages/scene/scene_alignment.h"
 #include "stages/scene/scene_instances.h"
 
 namespace freegs::stages {
@@ -41,11 +40,11 @@ LabelTallies Prepare(const std::vector<TrueObject>& objects,
   return tallies;
 }
 
-Status AddView(const JudgedView& view, int min_pixels, LabelTally* tally) {
+Status AddView(const JudgedView& view, LabelTally* tally) {
   const ImageU8 truth = MaskOf(view.truth, tally->objects);
   const auto pixels =
       std::count(truth.data(), truth.data() + truth.size(), uint8_t{255});
-  if (pixels < min_pixels) return Status();
+  if (pixels < kMinMaskPixels) return Status();
   // Without an answer the mask is empty. InstanceMask(-1) would mark the pixels
   // that belong to no instance.
   const ImageU8 found =
@@ -117,34 +116,21 @@ std::set<std::string> Labels(const std::vector<TrueObject>& objects) {
 }
 
 StatusOr<std::optional<TextQuality>> MeasureTextQuality(
-    const WorkspaceScene& scene,
+    const EvaluationContext& context,
     std::span<const int32_t> instance_of_gaussian,
-    const std::map<std::string, TextAnswer>& answers,
-    const GroundTruth& truth,
-    const Sim3d& truth_from_scene,
-    const CancellationToken& cancellation,
-    ThreadPool& pool) {
-  LabelTallies tallies = Prepare(truth.objects, answers);
+    const std::map<std::string, TextAnswer>& answers) {
+  LabelTallies tallies = Prepare(context.truth.objects, answers);
   if (tallies.empty()) return std::optional<TextQuality>();
-  FREEGS_RETURN_IF_ERROR(ForEachJudgedView(
-      scene,
-      instance_of_gaussian,
-      truth,
-      MapViews(truth.cameras.test, truth_from_scene),
-      kMaxMaskSide,
-      cancellation,
-      pool,
-      [&](const JudgedView& view) {
+  FREEGS_RETURN_IF_ERROR(
+      context.ForEachView(instance_of_gaussian, [&](const JudgedView& view) {
         for (auto& [label, tally] : tallies) {
-          const Status status = AddView(view, kMinMaskPixels, &tally);
+          const Status status = AddView(view, &tally);
           if (!status.ok()) return status.Annotated(view.name);
         }
         return Status();
       }));
   TextQuality quality =
-      Summarise(tallies,
-                InstancesInTruth(
-                    scene.model, instance_of_gaussian, truth_from_scene, pool));
+      Summarise(tallies, InstancesInTruth(context, instance_of_gaussian));
   if (!quality.miou && !quality.boxes) return std::optional<TextQuality>();
   return std::optional(std::move(quality));
 }

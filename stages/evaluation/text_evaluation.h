@@ -13,12 +13,10 @@
 #include <string>
 #include <vector>
 
-#include "core/cancellation.h"
-#include "core/parallel.h"
 #include "core/status.h"
+#include "stages/evaluation/evaluation_context.h"
 #include "stages/evaluation/ground_truth.h"
 #include "stages/evaluation/instance_evaluation.h"
-#include "stages/scene/workspace_scene.h"
 
 namespace freegs::stages {
 
@@ -64,18 +62,15 @@ struct TextQuality {
 // Computes miou, mbiou and boxes from labels.
 void SummariseLabels(TextQuality* quality);
 
-// Compares the answers with the truth. `answers` are by label; a label of the
-// truth without an answer counts as an empty mask. The result is empty when the
-// truth has no labels, or neither masks of test views nor boxes for them. The
-// errors are those of ForEachJudgedView.
+// Compares the answers with the truth. `instance_of_gaussian` has one label per
+// Gaussian of the scene, negative for none. `answers` are by label; a
+// label of the truth without an answer counts as an empty mask. The result is
+// empty when the truth has no labels, or neither masks of test views nor boxes
+// for them. The errors are those of EvaluationContext::ForEachView.
 StatusOr<std::optional<TextQuality>> MeasureTextQuality(
-    const WorkspaceScene& scene,
+    const EvaluationContext& context,
     std::span<const int32_t> instance_of_gaussian,
-    const std::map<std::string, TextAnswer>& answers,
-    const GroundTruth& truth,
-    const Sim3d& truth_from_scene,
-    const CancellationToken& cancellation,
-    ThreadPool& pool);
+    const std::map<std::string, TextAnswer>& answers);
 
 }  // namespace freegs::stages
 

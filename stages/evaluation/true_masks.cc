@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "core/io/image_io.h"
@@ -139,35 +140,6 @@ ImageU8 MaskOf(const MaskLayers& layers, const std::set<int>& objects) {
     }
   }
   return mask;
-}
-
-Status ForEachJudgedView(const WorkspaceScene& scene,
-                         std::span<const int32_t> instance_of_gaussian,
-                         const GroundTruth& truth,
-                         const std::vector<View>& truth_views,
-                         int max_side,
-                         const CancellationToken& cancellation,
-                         ThreadPool& pool,
-                         FunctionRef<Status(const JudgedView&)> body) {
-  if (instance_of_gaussian.size() != scene.model.size()) {
-    return BadInputError(
-        "instances of " + std::to_string(instance_of_gaussian.size()) +
-        " Gaussians for a scene of " + std::to_string(scene.model.size()));
-  }
-  for (View view : truth_views) {
-    const auto masks = truth.masks.find(view.name);
-    if (masks == truth.masks.end() || masks->second.empty()) continue;
-    if (cancellation.cancelled()) {
-      return InterruptedError("evaluation interrupted");
-    }
-    view.camera = view.camera.LimitedTo(max_side);
-    JudgedView judged;
-    judged.name = view.name;
-    FREEGS_ASSIGN_OR_RETURN(judged.truth, ReadTrueMasks(truth, view));
-    judged.rendered = RenderLabels(scene, view, instance_of_gaussian, pool);
-    FREEGS_RETURN_IF_ERROR(body(judged));
-  }
-  return Status();
 }
 
 }  // namespace freegs::stages

@@ -19,6 +19,7 @@
 #include "core/parallel.h"
 #include "core/random.h"
 #include "splat/render/renderer.h"
+#include "stages/evaluation/evaluation_context.h"
 #include "stages/evaluation/ground_truth.h"
 #include "stages/scene/workspace_scene.h"
 #include "tests/temporary_folder.h"
@@ -135,6 +136,15 @@ class BallScene : public testing::Test {
       scene.train.push_back(moved);
     }
     return scene;
+  }
+
+  // Refers to the scene and to members of this fixture.
+  EvaluationContext Context(const WorkspaceScene& scene) {
+    return {.scene = scene,
+            .truth = truth_,
+            .truth_from_scene = truth_from_scene_,
+            .cancellation = cancellation_,
+            .pool = pool_};
   }
 
   ThreadPool pool_{2};

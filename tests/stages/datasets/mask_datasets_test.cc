@@ -120,13 +120,13 @@ class MaskDatasetTest : public BallScene {
                     const Sim3d& truth_from_scene,
                     const std::string& left) {
     const auto text =
-        MeasureTextQuality(scene,
+        MeasureTextQuality({.scene = scene,
+                            .truth = truth,
+                            .truth_from_scene = truth_from_scene,
+                            .cancellation = cancellation_,
+                            .pool = pool_},
                            labels_,
-                           {{left, {0, 0.9}}, {"right ball", {2, 0.9}}},
-                           truth,
-                           truth_from_scene,
-                           cancellation_,
-                           pool_);
+                           {{left, {0, 0.9}}, {"right ball", {2, 0.9}}});
     EXPECT_TRUE(text.ok()) << text.status().message();
     EXPECT_TRUE(text.ok() && text->has_value());
     return text.ok() && text->has_value() ? **text : TextQuality();
@@ -193,8 +193,8 @@ TEST_F(MaskDatasetTest, OverlappingMasksAreAllJudged) {
   // Phrases by name: balls, left ball, right ball.
   EXPECT_GT(count(1), count(2) + count(3));
   EXPECT_GT(count(2), 100);
-  const auto instances = MeasureInstanceQuality(
-      MakeScene(), labels_, *truth, truth_from_scene_, cancellation_, pool_);
+  truth_ = *truth;
+  const auto instances = MeasureInstanceQuality(Context(MakeScene()), labels_);
   ASSERT_TRUE(instances.ok() && instances->has_value());
   EXPECT_GT(*(*instances)->objects[1].instance_iou, 0.97);
   EXPECT_LT(*(*instances)->objects[0].instance_iou, 0.7);

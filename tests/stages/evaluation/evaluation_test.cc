@@ -37,16 +37,16 @@ TEST_F(EvaluationTest, APerfectSceneIsPerfect) {
   EXPECT_LT(poses->max_centre, 1e-9);
   const Sim3d found = poses->target_from_source;
   EXPECT_NEAR(found.scale, 0.4, 1e-9);
+  EvaluationContext context = Context(scene);
+  context.truth_from_scene = found;
 
-  const auto test =
-      MeasureTestQuality(scene, truth_, found, cancellation_, pool_);
+  const auto test = MeasureTestQuality(context);
   ASSERT_TRUE(test.ok() && test->has_value());
   EXPECT_EQ((*test)->views.size(), 3u);
   EXPECT_GT((*test)->psnr, 45);
   EXPECT_GT((*test)->ssim, 0.995);
 
-  const auto instances = MeasureInstanceQuality(
-      scene, labels_, truth_, found, cancellation_, pool_);
+  const auto instances = MeasureInstanceQuality(context, labels_);
   ASSERT_TRUE(instances.ok() && instances->has_value());
   const InstanceQuality& quality = **instances;
   EXPECT_GT(*quality.instance_miou, 0.97);
@@ -70,8 +70,7 @@ TEST_F(EvaluationTest, MergedObjectsCost) {
   const WorkspaceScene scene = MakeScene();
   std::vector<int32_t> merged = labels_;
   for (int32_t& label : merged) label = label == 2 ? 1 : label;
-  const auto instances = MeasureInstanceQuality(
-      scene, merged, truth_, truth_from_scene_, cancellation_, pool_);
+  const auto instances = MeasureInstanceQuality(Context(scene), merged);
   ASSERT_TRUE(instances.ok() && instances->has_value());
   const InstanceQuality& quality = **instances;
   EXPECT_GT(*quality.objects[0].instance_iou, 0.95);
@@ -85,8 +84,7 @@ TEST_F(EvaluationTest, MergedObjectsCost) {
 TEST_F(EvaluationTest, WithoutInstancesEverythingIsMissed) {
   const WorkspaceScene scene = MakeScene();
   const std::vector<int32_t> none(labels_.size(), -1);
-  const auto instances = MeasureInstanceQuality(
-      scene, none, truth_, truth_from_scene_, cancellation_, pool_);
+  const auto instances = MeasureInstanceQuality(Context(scene), none);
   ASSERT_TRUE(instances.ok() && instances->has_value());
   EXPECT_EQ(*(*instances)->instance_miou, 0);
   EXPECT_EQ(*(*instances)->click_miou, 0);
@@ -100,8 +98,7 @@ TEST_F(EvaluationTest, WithoutMasksBoxesFindTheirInstances) {
   truth_.masks.clear();
   truth_.objects.back().aabb = semantics::AxisAlignedBox{
       Eigen::Vector3d::Constant(50), Eigen::Vector3d::Constant(51)};
-  const auto instances = MeasureInstanceQuality(
-      scene, labels_, truth_, truth_from_scene_, cancellation_, pool_);
+  const auto instances = MeasureInstanceQuality(Context(scene), labels_);
   ASSERT_TRUE(instances.ok() && instances->has_value());
   const InstanceQuality& quality = **instances;
   EXPECT_FALSE(quality.instance_miou.has_value());
@@ -118,23 +115,21 @@ TEST_F(EvaluationTest, ATruthInTheCoordinatesOfAMapHasTheSameBoxes) {
   const WorkspaceScene scene = MakeScene();
   const Eigen::Vector3d far(5e6, -4e6, 100);
   truth_.masks.clear();
-  const auto near_by = MeasureInstanceQuality(
-      scene, labels_, truth_, truth_from_scene_, cancellation_, pool_);
+  const auto near_by = MeasureInstanceQuality(Context(scene), labels_);
   const std::vector<semantics::Instance> instances =
-      InstancesInTruth(scene.model, labels_, truth_from_scene_, pool_);
+      InstancesInTruth(Context(scene), labels_);
   for (TrueObject& object : truth_.objects) {
     object.aabb->min += far;
     object.aabb->max += far;
   }
   truth_from_scene_.translation += far;
-  const auto far_away = MeasureInstanceQuality(
-      scene, labels_, truth_, truth_from_scene_, cancellation_, pool_);
+  const auto far_away = MeasureInstanceQuality(Context(scene), labels_);
   ASSERT_TRUE(near_by.ok() && near_by->has_value());
   ASSERT_TRUE(far_away.ok() && far_away->has_value());
   EXPECT_GT((*far_away)->boxes->miou, 0.9);
   EXPECT_NEAR((*far_away)->boxes->miou, (*near_by)->boxes->miou, 1e-4);
   const std::vector<semantics::Instance> moved =
-      InstancesInTruth(scene.model, labels_, truth_from_scene_, pool_);
+      InstancesInTruth(Context(scene), labels_);
   ASSERT_EQ(moved.size(), instances.size());
   for (size_t k = 0; k < moved.size(); ++k) {
     EXPECT_LT((moved[k].centre - far - instances[k].centre).norm(), 1e-4);
@@ -154,8 +149,7 @@ TEST_F(EvaluationTest, AnObjectThatNoTestViewShowsIsFoundByItsBox) {
         mask->data(), mask->data() + mask->size(), uint16_t{3}, uint16_t{0});
     ASSERT_TRUE(WriteLabels(files[0].path, *mask).ok());
   }
-  const auto instances = MeasureInstanceQuality(
-      scene, labels_, truth_, truth_from_scene_, cancellation_, pool_);
+  const auto instances = MeasureInstanceQuality(Context(scene), labels_);
   ASSERT_TRUE(instances.ok() && instances->has_value());
   const ObjectResult& hidden = (*instances)->objects[2];
   EXPECT_EQ(hidden.num_views, 0);
@@ -190,16 +184,7 @@ TEST_F(EvaluationTest, LargeMasksAreComparedReduced) {
     }
     return Status();
   };
-  EXPECT_TRUE(
-      ForEachJudgedView(scene,
-                        labels_,
-                        truth_,
-                        MapViews(truth_.cameras.test, truth_from_scene_),
-                        48,
-                        cancellation_,
-                        pool_,
-                        compare)
-          .ok());
+  EXPECT_TRUE(Context(scene).ForEachView(labels_, compare, 48).ok());
   EXPECT_EQ(num_views, 3);
 }
 
@@ -212,12 +197,10 @@ TEST_F(EvaluationTest, WithoutTruthThereIsNothing) {
   truth_.photos.clear();
   truth_.masks.clear();
   for (TrueObject& object : truth_.objects) object.aabb.reset();
-  const auto test = MeasureTestQuality(
-      scene, truth_, truth_from_scene_, cancellation_, pool_);
+  const auto test = MeasureTestQuality(Context(scene));
   ASSERT_TRUE(test.ok());
   EXPECT_FALSE(test->has_value());
-  const auto instances = MeasureInstanceQuality(
-      scene, labels_, truth_, truth_from_scene_, cancellation_, pool_);
+  const auto instances = MeasureInstanceQuality(Context(scene), labels_);
   ASSERT_TRUE(instances.ok());
   EXPECT_FALSE(instances->has_value());
   const auto holdout =
@@ -257,8 +240,7 @@ TEST_F(EvaluationTest, ReportsFaultsOfTheTruth) {
   const WorkspaceScene scene = MakeScene();
   const View& view = truth_.cameras.test[0];
   ASSERT_TRUE(WriteImage(truth_.photos[view.name], ImageU8(5, 5, 3)).ok());
-  const auto wrong_size = MeasureTestQuality(
-      scene, truth_, truth_from_scene_, cancellation_, pool_);
+  const auto wrong_size = MeasureTestQuality(Context(scene));
   EXPECT_EQ(wrong_size.status().code(), StatusCode::kBadInput);
   EXPECT_THAT(wrong_size.status().message(),
               AllOf(HasSubstr(truth_.photos[view.name].string()),
@@ -266,25 +248,16 @@ TEST_F(EvaluationTest, ReportsFaultsOfTheTruth) {
                     HasSubstr("96 x 72")));
   ASSERT_TRUE(
       WriteFileAtomic(truth_.masks[view.name][0].path, "no image").ok());
-  EXPECT_FALSE(
-      MeasureInstanceQuality(
-          scene, labels_, truth_, truth_from_scene_, cancellation_, pool_)
-          .ok());
+  EXPECT_FALSE(MeasureInstanceQuality(Context(scene), labels_).ok());
   const std::vector<int32_t> too_few(5, 0);
-  EXPECT_FALSE(
-      MeasureInstanceQuality(
-          scene, too_few, truth_, truth_from_scene_, cancellation_, pool_)
-          .ok());
+  EXPECT_FALSE(MeasureInstanceQuality(Context(scene), too_few).ok());
 }
 
 TEST_F(EvaluationTest, StopsWhenCancelled) {
   WorkspaceScene scene = MakeScene();
   cancellation_.Cancel();
-  EXPECT_EQ(
-      MeasureTestQuality(scene, truth_, truth_from_scene_, cancellation_, pool_)
-          .status()
-          .code(),
-      StatusCode::kInterrupted);
+  EXPECT_EQ(MeasureTestQuality(Context(scene)).status().code(),
+            StatusCode::kInterrupted);
   scene.holdout = {scene.train.back()};
   const View& view = scene.holdout[0];
   ASSERT_TRUE(WriteImage(folder_ / view.name,
@@ -348,10 +321,8 @@ TEST_F(EvaluationTest, ReportHasEveryKey) {
   }
   const WorkspaceScene scene = MakeScene();
   report.poses = *AlignWithViews(scene, truth_.cameras.train, "truth");
-  report.test = *MeasureTestQuality(
-      scene, truth_, truth_from_scene_, cancellation_, pool_);
-  report.instances = *MeasureInstanceQuality(
-      scene, labels_, truth_, truth_from_scene_, cancellation_, pool_);
+  report.test = *MeasureTestQuality(Context(scene));
+  report.instances = *MeasureInstanceQuality(Context(scene), labels_);
   json = ToJson(report);
   EXPECT_EQ(json["psnr_views"], "test");
   EXPECT_GT(json["psnr"], 40);
@@ -380,8 +351,7 @@ TEST_F(EvaluationTest, ReportHasEveryKey) {
 TEST_F(EvaluationTest, ReportSaysWhichTestViewsWereGiven) {
   const auto table = [this](const WorkspaceScene& scene, nlohmann::json* json) {
     EvaluationReport report;
-    const auto test = MeasureTestQuality(
-        scene, truth_, truth_from_scene_, cancellation_, pool_);
+    const auto test = MeasureTestQuality(Context(scene));
     EXPECT_TRUE(test.ok()) << test.status().message();
     if (test.ok()) report.test = *test;
     *json = ToJson(report);

@@ -33,13 +33,8 @@ class LevelEvaluationTest : public BallScene {
 
   double BestLevels(const std::vector<int32_t>& labels,
                     const semantics::Hierarchy& hierarchy) {
-    const auto measured = MeasureBestLevels(MakeScene(),
-                                            labels,
-                                            hierarchy,
-                                            truth_,
-                                            truth_from_scene_,
-                                            cancellation_,
-                                            pool_);
+    const auto measured =
+        MeasureBestLevels(Context(MakeScene()), labels, hierarchy);
     EXPECT_TRUE(measured.ok() && measured->has_value());
     return measured.ok() ? measured->value_or(-1) : -1;
   }
@@ -66,13 +61,8 @@ TEST_F(LevelEvaluationTest, TheInstanceIsTakenWhereNoRegionIsAsGood) {
 
 TEST_F(LevelEvaluationTest, NothingIsMeasuredWithoutMasks) {
   truth_.masks.clear();
-  const auto measured = MeasureBestLevels(MakeScene(),
-                                          labels_,
-                                          Halves(),
-                                          truth_,
-                                          truth_from_scene_,
-                                          cancellation_,
-                                          pool_);
+  const auto measured =
+      MeasureBestLevels(Context(MakeScene()), labels_, Halves());
   ASSERT_TRUE(measured.ok());
   EXPECT_FALSE(measured->has_value());
 }

@@ -18,13 +18,7 @@ class TextEvaluationTest : public BallScene {
  protected:
   StatusOr<std::optional<TextQuality>> Measure(
       const std::map<std::string, TextAnswer>& answers) {
-    return MeasureTextQuality(MakeScene(),
-                              labels_,
-                              answers,
-                              truth_,
-                              truth_from_scene_,
-                              cancellation_,
-                              pool_);
+    return MeasureTextQuality(Context(MakeScene()), labels_, answers);
   }
 };
 
@@ -97,8 +91,7 @@ TEST_F(TextEvaluationTest, AnswersOutOfRangeAreHarmless) {
 TEST_F(TextEvaluationTest, ReportHasATableOfLabels) {
   EvaluationReport report;
   report.text = *Measure({{"ball 1", {0, 0.9}}});
-  report.instances = *MeasureInstanceQuality(
-      MakeScene(), labels_, truth_, truth_from_scene_, cancellation_, pool_);
+  report.instances = *MeasureInstanceQuality(Context(MakeScene()), labels_);
   report.text_model = "models/x";
   const nlohmann::json json = ToJson(report);
   EXPECT_GT(json["text_miou"], 0.3);
