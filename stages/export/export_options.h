@@ -4,6 +4,8 @@
 #ifndef FREEGS_STAGES_EXPORT_EXPORT_OPTIONS_H_
 #define FREEGS_STAGES_EXPORT_EXPORT_OPTIONS_H_
 
+#include "pipeline/option_table.h"
+
 namespace freegs::stages {
 
 struct ExportStageOptions {
@@ -13,6 +15,10 @@ struct ExportStageOptions {
   // So many views are shown in the report.
   int report_views = 6;
 };
+
+// Adds section [export] to the table, which keeps pointers to `options`.
+void RegisterExportOptions(ExportStageOptions& options,
+                           pipeline::OptionTable& table);
 
 }  // namespace freegs::stages
 

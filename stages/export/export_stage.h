@@ -8,15 +8,10 @@
 
 #include <memory>
 
-#include "pipeline/option_table.h"
 #include "pipeline/stage.h"
 #include "stages/export/export_options.h"
 
 namespace freegs::stages {
-
-// Adds section [export] to the table, which keeps pointers to `options`.
-void RegisterExportOptions(ExportStageOptions& options,
-                           pipeline::OptionTable& table);
 
 // Reads undistort/, reconstruct/ and, if it exists, bootstrap/; for the report
 // also the stage.json and other files of all stages. Writes (docs/outputs.md

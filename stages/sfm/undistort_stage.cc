@@ -93,17 +93,6 @@ class UndistortStage : public pipeline::Stage {
 
 }  // namespace
 
-void RegisterUndistortOptions(UndistortStageOptions& options,
-                              pipeline::OptionTable& table) {
-  table.AddSection("undistort", "Photos and cameras without lens distortion.");
-  table.Add("undistort.max_image_size",
-            &options.max_image_size,
-            {.help = "Longest side in pixels of the written photos; 0 keeps "
-                     "their own.",
-             .min = 0,
-             .max = 100000});
-}
-
 std::unique_ptr<pipeline::Stage> MakeUndistortStage(
     const UndistortStageOptions& options, const std::string& colmap) {
   return std::make_unique<UndistortStage>(options, colmap);
