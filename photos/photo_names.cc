@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Names of photos in the workspace.
+
+#include "photos/photo_names.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -9,7 +10,6 @@
 #include <string_view>
 
 #include "core/text.h"
-#include "photos/photo_selection.h"
 
 namespace freegs::photos {
 namespace {

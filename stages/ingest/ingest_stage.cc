@@ -16,6 +16,7 @@
 #include "core/io/image_io.h"
 #include "photos/photo_decode.h"
 #include "photos/photo_list.h"
+#include "photos/photo_names.h"
 #include "photos/photo_scan.h"
 #include "photos/photo_selection.h"
 #include "stages/ingest/ingest_films.h"
