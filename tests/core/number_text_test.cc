@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kInfiniteNumber = std::numeric_limits<double>::infinity();
 
-TEST(NumberTextTest, Numbers) {
+TEST(NumberTextTest, RoundsNumbersAndShowsADashWhereThereIsNone) {
   EXPECT_EQ(FormatFixed(26.125, 1), "26.1");
   EXPECT_EQ(FormatFixed(-0.5, 2), "-0.50");
   EXPECT_EQ(FormatFixed(std::nan(""), 1), "\u2013");
@@ -41,7 +41,7 @@ TEST(NumberTextTest, DecimalsShowThreeDigits) {
   EXPECT_EQ(DecimalsFor(std::nan("")), 3);
 }
 
-TEST(NumberTextTest, Counts) {
+TEST(NumberTextTest, CountsHaveCommasBetweenThousands) {
   EXPECT_EQ(FormatCount(7), "7");
   EXPECT_EQ(FormatCount(999), "999");
   EXPECT_EQ(FormatCount(1000), "1,000");
@@ -49,7 +49,7 @@ TEST(NumberTextTest, Counts) {
   EXPECT_EQ(FormatCount(1234567), "1,234,567");
 }
 
-TEST(NumberTextTest, Durations) {
+TEST(NumberTextTest, LongDurationsHaveLargerUnits) {
   EXPECT_EQ(FormatSeconds(0), "0.0 s");
   EXPECT_EQ(FormatSeconds(1.44), "1.4 s");
   EXPECT_EQ(FormatSeconds(9.94), "9.9 s");
@@ -64,7 +64,7 @@ TEST(NumberTextTest, Durations) {
   EXPECT_EQ(FormatSeconds(kInfiniteNumber), "\u2013");
 }
 
-TEST(NumberTextTest, Sizes) {
+TEST(NumberTextTest, LargeSizesHaveLargerUnits) {
   EXPECT_EQ(FormatBytes(0), "0 B");
   EXPECT_EQ(FormatBytes(812), "812 B");
   EXPECT_EQ(FormatBytes(1440000), "1.4 MB");

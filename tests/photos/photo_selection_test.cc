@@ -107,7 +107,7 @@ TEST(AssignHoldoutTest, EveryEighthOfTheUsable) {
   EXPECT_THAT(With(PhotoSplit::kRejected, photos), ElementsAre(3));
 }
 
-TEST(AssignHoldoutTest, None) {
+TEST(AssignHoldoutTest, TheRuleMayTakeNoPhoto) {
   for (const HoldoutRule& rule :
        {HoldoutRule{.every = 0}, HoldoutRule{.pattern = "none"}}) {
     std::vector<Photo> photos = MakePhotos(20);

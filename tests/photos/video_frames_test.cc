@@ -277,7 +277,7 @@ TEST(ChooseVideoFrames, BoundsAndSharpest) {
   EXPECT_TRUE(ChooseVideoFrames({}, options).empty());
 }
 
-TEST(VideoFrameOptions, Check) {
+TEST(VideoFrameOptions, CheckRefusesValuesOutOfRange) {
   VideoFrameOptions options;
   EXPECT_TRUE(options.Check().ok());
   options.motion = 0;

@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-TEST(FormatProgressTest, Values) {
+TEST(FormatProgressTest, ShowsShareSpeedAndTimeLeft) {
   EXPECT_EQ(FormatProgress({"training", 3200, 7000, "loss 0.03"}, 50),
             "training 3200/7000 45% 50.0/s 1 min 16 s left, loss 0.03");
   EXPECT_EQ(FormatProgress({"reading", 5, 0, ""}, 2), "reading 5 2.0/s");

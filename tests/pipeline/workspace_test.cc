@@ -116,7 +116,7 @@ TEST(WorkspaceTest, OneRunAtATime) {
   EXPECT_FALSE(WorkspaceLock::Acquire(folder / "none").ok());
 }
 
-TEST(ExitCodeTest, Values) {
+TEST(ExitCodeTest, EveryStatusHasItsExitCode) {
   EXPECT_EQ(ExitCode(StatusCode::kOk), 0);
   EXPECT_EQ(ExitCode(StatusCode::kInternal), 1);
   EXPECT_EQ(ExitCode(StatusCode::kInvalidArgument), 2);
@@ -162,7 +162,7 @@ TEST(ResourceMeterTest, ALaterMeterLeavesThePeakOfAnEarlierOne) {
   EXPECT_GT(inner.Elapsed().peak_memory_bytes, 0);
 }
 
-TEST(SystemInfoTest, Plausible) {
+TEST(SystemInfoTest, CoresMemoryAndDiskArePlausible) {
   EXPECT_GE(AvailableCores(), 1);
   EXPECT_LE(AvailableCores(), CoresOfAffinity());
   const MemoryInfo memory = Memory();

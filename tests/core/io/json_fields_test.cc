@@ -91,7 +91,7 @@ TEST(ParseJsonTest, NestingUpToTheLimitIsRead) {
   EXPECT_FALSE(ParseJson(nested(kMaxJsonDepth + 2)).ok());
 }
 
-TEST(ReadFieldTest, Numbers) {
+TEST(ReadFieldTest, NumbersHaveTheirKindAndRange) {
   const json three = 3;
   const json real = 3.5;
   const json text = "3";

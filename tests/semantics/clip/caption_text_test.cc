@@ -44,7 +44,7 @@ TEST(CaptionTextTest, NumbersThatStandForNothing) {
             U"\uFFFD\uFFFD\uFFFD");
 }
 
-TEST(CaptionTextTest, Split) {
+TEST(CaptionTextTest, WordsSuffixesAndDigitsAreTokensOfTheirOwn) {
   EXPECT_THAT(
       SplitCaption(U"don't they're 42!?x"),
       ElementsAre(U"don", U"'t", U"they", U"'re", U"4", U"2", U"!?", U"x"));

@@ -27,7 +27,7 @@ void ExpectFault(const Status& status,
                     HasSubstr("freegs_pipeline model")));
 }
 
-TEST(ModelFolderTest, Opens) {
+TEST(ModelFolderTest, ReadsTheModelItsTokenizerAndItsTokenTable) {
   const auto folder = ModelFolder::Open(TinyClip());
   ASSERT_TRUE(folder.ok()) << folder.status().message();
   const ModelInfo& info = folder->info;

@@ -34,7 +34,7 @@ TEST(UnicodeTextTest, InvalidBytesAreReplaced) {
   EXPECT_EQ(EncodeUtf8(std::u32string(1, 0xFFFFFFFF)), "\xEF\xBF\xBD");
 }
 
-TEST(UnicodeTextTest, Classes) {
+TEST(UnicodeTextTest, LettersNumbersAndWhiteSpaceAreToldApart) {
   const std::u32string letters =
       U"azAZ\u00b5\u00e9\u03a9\u0436\u4e2d\uac00\u0e01";
   for (const char32_t c : letters) {

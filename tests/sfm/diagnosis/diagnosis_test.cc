@@ -316,7 +316,7 @@ TEST(GroupByMatches, MainGroupFirst) {
 }
 
 // What becomes of findings and models: the table of verdicts.
-TEST(Verdict, Table) {
+TEST(Verdict, FollowsFromTheWorstFindingAndTheShareOfPhotos) {
   const auto finding = [](Severity severity) {
     Finding result;
     result.severity = severity;

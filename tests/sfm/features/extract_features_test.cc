@@ -115,7 +115,7 @@ TEST_F(ExtractFeaturesTest, MasksKeepFeaturesOff) {
 }
 
 // A run that was killed goes on with the photos that have no features yet.
-TEST_F(ExtractFeaturesTest, GoesOn) {
+TEST_F(ExtractFeaturesTest, PhotosWithFeaturesAreNotReadAgain) {
   const fs::path path = NewDatabase("a.db");
   const fs::path last = input_.photo_folder / input_.photos[kPhotos - 1].name;
   const std::string image = ReadText(last);

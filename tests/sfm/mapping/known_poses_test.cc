@@ -174,7 +174,7 @@ TEST_F(KnownPosesTest, ACrashIsAVerdict) {
   EXPECT_EQ(killed.status().code(), StatusCode::kInternal);
 }
 
-TEST_F(KnownPosesTest, Failures) {
+TEST_F(KnownPosesTest, FailedOrMissingColmapIsAnError) {
   EXPECT_EQ(Run({{"FAKE_COLMAP_FAIL", "point_triangulator"}}).status().code(),
             StatusCode::kUnusableResult);
   SfmOptions options;

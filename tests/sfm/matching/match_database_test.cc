@@ -208,9 +208,9 @@ TEST(MatchDatabase, TextInPlaceOfACountIsRefused) {
   EXPECT_THAT(status.message(), testing::HasSubstr("not of their size"));
 }
 
-// Doubles as COLMAP stores them, little endian.
-TEST(MatchDatabase, Motions) {
+TEST(MatchDatabase, ReadsTheMatricesOfPairsAndSkipsDamagedOnes) {
   const TemporaryFolder folder;
+  // Doubles as COLMAP stores them, little endian.
   const std::string one = "000000000000F03F";  // 1.0
   const std::string two = "0000000000000040";  // 2.0
   const std::string nan = "000000000000F87F";
@@ -285,7 +285,7 @@ TEST(MatchDatabase, CopiesMatchesBetweenCopies) {
   EXPECT_EQ(main->Descriptors(2)->count(), 0u);
 }
 
-TEST(MatchDatabase, Descriptors) {
+TEST(MatchDatabase, DamagedDescriptorsAreAnErrorAndMissingOnesAreNot) {
   const TemporaryFolder folder;
   MakeDatabase(folder / "a.db");
   RunSql(folder / "a.db",

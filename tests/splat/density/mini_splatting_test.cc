@@ -259,7 +259,7 @@ TEST_F(MiniSplattingTest, NothingToSee) {
             StatusCode::kUnusableResult);
 }
 
-TEST(NumDepthPoints, Rule) {
+TEST(NumDepthPoints, FillsTheBudgetWithinTheLimits) {
   MiniSplattingOptions options;
   options.dense_factor = 2;
   EXPECT_EQ(NumDepthPoints(options, 4500, 0, 1), 7000u);
@@ -268,7 +268,7 @@ TEST(NumDepthPoints, Rule) {
   EXPECT_EQ(NumDepthPoints(options, 0, 1000, uint64_t{1} << 40), 3500000u);
 }
 
-TEST(MiniSplattingOptions, Check) {
+TEST(MiniSplattingOptions, CheckRefusesValuesOutOfRange) {
   EXPECT_TRUE(MiniSplattingOptions().Check().ok());
   EXPECT_FALSE(MiniSplattingOptions{.blur_split_share = 1}.Check().ok());
   EXPECT_FALSE(MiniSplattingOptions{.dense_factor = 0}.Check().ok());

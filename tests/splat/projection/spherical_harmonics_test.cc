@@ -41,7 +41,7 @@ TEST_P(ShDegree, BackwardMatchesJets) {
 INSTANTIATE_TEST_SUITE_P(All, ShDegree, testing::Values(0, 1, 2, 3));
 
 // The basis is orthonormal over the sphere (with degree 0).
-TEST(SphericalHarmonics, Orthonormal) {
+TEST(SphericalHarmonics, TheBasisIsOrthonormal) {
   double gram[16][16] = {};
   const int steps = 200;
   for (int i = 0; i < steps; ++i) {

@@ -59,7 +59,7 @@ GaussianModel OneGaussian() {
   return model;
 }
 
-TEST(SpzFormatTest, Layout) {
+TEST(SpzFormatTest, BytesLieWhereTheFormatSays) {
   GaussianModel model = OneGaussian();
   model.antialiased = true;
   const std::string content = Unpacked(model, {.flip_axes = false});
@@ -280,11 +280,15 @@ TEST(SpzFormatTest, SameBytes) {
   EXPECT_EQ(SerializeSpz(model).value(), SerializeSpz(model).value());
 }
 
-TEST(SpzFormatTest, Files) {
+TEST(SpzFormatTest, ReadsTheFileThatWasWritten) {
   const TemporaryFolder folder;
   const GaussianModel model = RandomModel(10, 0, 1);
   ASSERT_TRUE(WriteSpz(folder / "a.spz", model).ok());
   EXPECT_EQ(ReadSpz(folder / "a.spz").value().size(), 10u);
+}
+
+TEST(SpzFormatTest, ErrorsNameTheFile) {
+  const TemporaryFolder folder;
   WriteText(folder / "b.spz", "ply");
   EXPECT_THAT(ReadSpz(folder / "b.spz").status().message(), HasSubstr("b.spz"));
 }

@@ -452,7 +452,7 @@ TEST_F(TrainerTest, SaysSoWhenTheInitialNumbersAreNotFinite) {
   EXPECT_EQ(Finish(&trainer).code(), StatusCode::kUnusableResult);
 }
 
-TEST(TrainerOptions, Check) {
+TEST(TrainerOptions, CheckRefusesValuesOutOfRange) {
   EXPECT_TRUE(TrainerOptions().Check().ok());
   TrainerOptions options;
   options.schedule.iterations = 0;

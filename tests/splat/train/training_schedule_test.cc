@@ -180,7 +180,7 @@ TEST(TrainingSchedule, EndsAtTheFinestLevel) {
   EXPECT_EQ(TrainingSchedule(options).ResolutionLevel(0, 5), 1);
 }
 
-TEST(TrainingSchedule, Check) {
+TEST(ScheduleOptions, CheckRefusesValuesOutOfRange) {
   EXPECT_TRUE(ScheduleOptions().Check().ok());
   ScheduleOptions options;
   options.depth_reinit_at = {0.4, 0.2};

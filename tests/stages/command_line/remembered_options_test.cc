@@ -100,7 +100,7 @@ TEST_F(RememberedOptionsTest, ProgramsAreFoundFromOtherFolders) {
   EXPECT_THAT(Remembered(), ElementsAre(Pair("sfm.colmap", "colmap")));
 }
 
-TEST_F(RememberedOptionsTest, Forget) {
+TEST_F(RememberedOptionsTest, ForgetDropsOnlyWhatIsNamed) {
   const std::vector<std::string> options = {
       "--seed", "4", "--sfm.camera", "single", "--verbose"};
   Run(true, options);

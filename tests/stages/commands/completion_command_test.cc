@@ -73,7 +73,7 @@ class CompletionTest : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(CompletionTest, Bash) {
+TEST_F(CompletionTest, BashOffersCommandsOptionsAndFiles) {
   if (!HasShell("bash")) GTEST_SKIP() << "bash is not installed";
   ASSERT_TRUE(Write("bash").ok());
   WriteText(folder_ / "photos 1" / "a.jpg", "");

@@ -18,6 +18,17 @@
 namespace freegs::stages {
 namespace {
 
+// A row of four pixels: of nothing, twice of instance 5, and of a label that is
+// too large for a picture.
+Image<int32_t> RowOfLabels() {
+  Image<int32_t> labels(4, 1, 1);
+  labels(0, 0) = -1;
+  labels(1, 0) = 5;
+  labels(2, 0) = 5;
+  labels(3, 0) = 70000;
+  return labels;
+}
+
 TEST(SceneInstancesTest, ReadsLabels) {
   SyntheticWorkspace workspace;
   EXPECT_EQ(ReadInstanceLabels(workspace.path(), 120).status().code(),
@@ -66,27 +77,31 @@ TEST(SceneInstancesTest, RefusesThoseOfAnotherModelOfTheSameSize) {
   EXPECT_TRUE(CheckBootstrapOfModel(workspace.path()).ok());
 }
 
-TEST(SceneInstancesTest, Pictures) {
-  Image<int32_t> labels(4, 1, 1);
-  labels(0, 0) = -1;
-  labels(1, 0) = 5;
-  labels(2, 0) = 5;
-  labels(3, 0) = 70000;
-  const ImageU16 ids = EncodeInstances(labels);
+TEST(SceneInstancesTest, IdsInPicturesAreLabelsPlusOne) {
+  const ImageU16 ids = EncodeInstances(RowOfLabels());
   EXPECT_EQ(ids(0, 0), 0);
   EXPECT_EQ(ids(1, 0), 6);
   EXPECT_EQ(ids(3, 0), 0);
-  const ImageU8 mask = InstanceMask(labels, 5);
+}
+
+TEST(SceneInstancesTest, AMaskShowsOneInstance) {
+  const ImageU8 mask = InstanceMask(RowOfLabels(), 5);
   EXPECT_EQ(mask(0, 0), 0);
   EXPECT_EQ(mask(2, 0), 255);
-  const ImageU8 colors = ColorInstances(labels);
+}
+
+TEST(SceneInstancesTest, InstancesHaveThePalettesColours) {
+  const ImageU8 colors = ColorInstances(RowOfLabels());
   const auto color = semantics::PaletteColor(5);
   for (int c = 0; c < 3; ++c) {
     EXPECT_EQ(colors(1, 0, c), color[static_cast<size_t>(c)]);
   }
+}
 
+TEST(SceneInstancesTest, AnOverlayHasColoursAndOutlines) {
   const ImageU8 photo(4, 1, 3, 200);
-  const ImageU8 overlay = OverlayInstances(photo, labels);
+  const ImageU8 overlay = OverlayInstances(photo, RowOfLabels());
+  const auto color = semantics::PaletteColor(5);
   for (int c = 0; c < 3; ++c) {
     // A line at the last pixel before another label.
     EXPECT_GT(overlay(0, 0, c), 240);
@@ -94,8 +109,8 @@ TEST(SceneInstancesTest, Pictures) {
         overlay(1, 0, c), 0.4 * 200 + 0.6 * color[static_cast<size_t>(c)], 1);
     EXPECT_GT(overlay(2, 0, c), 240);
   }
-  labels = Image<int32_t>(4, 1, 1, -1);
-  EXPECT_LT(OverlayInstances(photo, labels)(1, 0, 0), 100);
+  const Image<int32_t> nothing(4, 1, 1, -1);
+  EXPECT_LT(OverlayInstances(photo, nothing)(1, 0, 0), 100);
 }
 
 }  // namespace
