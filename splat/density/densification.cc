@@ -228,42 +228,33 @@ Status DensificationOptions::Check() const {
   return Status();
 }
 
-DensificationSummary Densify(const DensificationOptions& options,
-                             double scene_extent,
-                             uint64_t seed,
-                             int64_t iteration,
-                             GaussianModel* model,
-                             Adam* adam,
-                             DensificationStatistics* statistics) {
+void Densify(const DensificationOptions& options,
+             double scene_extent,
+             uint64_t seed,
+             int64_t iteration,
+             GaussianModel* model,
+             Adam* adam,
+             DensificationStatistics* statistics) {
   const std::vector<Fate> fates =
       DecideFates(options, scene_extent, *model, *statistics);
-  DensificationSummary summary;
   std::vector<uint32_t> kept;
   GaussianModel added;
   added.sh_degree = model->sh_degree;
   for (size_t i = 0; i < fates.size(); ++i) {
     const bool keeps = fates[i] == Fate::kKeep || fates[i] == Fate::kClone;
     if (keeps) kept.push_back(static_cast<uint32_t>(i));
-    if (fates[i] == Fate::kPrune) ++summary.pruned;
-    if (fates[i] == Fate::kClone) {
-      added.AppendFrom(*model, i);
-      ++summary.cloned;
-    }
+    if (fates[i] == Fate::kClone) added.AppendFrom(*model, i);
   }
   for (size_t i = 0; i < fates.size(); ++i) {
-    const bool blurred = fates[i] == Fate::kBlurSplit;
-    if (!blurred && fates[i] != Fate::kSplit) continue;
-    AppendChildren(options, seed, iteration, *model, i, &added);
-    ++summary.split;
-    if (blurred) ++summary.blur_split;
+    if (fates[i] == Fate::kSplit || fates[i] == Fate::kBlurSplit) {
+      AppendChildren(options, seed, iteration, *model, i, &added);
+    }
   }
   model->Select(kept);
   for (size_t k = 0; k < added.size(); ++k) model->AppendFrom(added, k);
   adam->Select(kept);
   adam->Append(added.size());
-  summary.total = model->size();
-  statistics->Reset(summary.total);
-  return summary;
+  statistics->Reset(model->size());
 }
 
 }  // namespace freegs::splat

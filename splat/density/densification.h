@@ -98,14 +98,6 @@ struct DensificationOptions {
   Status Check() const;
 };
 
-struct DensificationSummary {
-  size_t cloned = 0;
-  size_t split = 0;       // Gaussians that were each replaced by two.
-  size_t blur_split = 0;  // How many of these were blur splits.
-  size_t pruned = 0;  // Gaussians removed, without those replaced by a split.
-  size_t total = 0;   // Gaussians afterwards.
-};
-
 // Changes the model and the moments of the optimiser together, and resets the
 // statistics. The Gaussians that are kept come first, in their old order and
 // with their moments. The clones follow, then the parts of splits, both in the
@@ -113,13 +105,13 @@ struct DensificationSummary {
 // function of seed, iteration and the old index of the Gaussian, so the result
 // does not depend on threads or interruptions. `scene_extent` is in the units
 // of the model frame, see SceneExtent.
-DensificationSummary Densify(const DensificationOptions& options,
-                             double scene_extent,
-                             uint64_t seed,
-                             int64_t iteration,
-                             GaussianModel* model,
-                             Adam* adam,
-                             DensificationStatistics* statistics);
+void Densify(const DensificationOptions& options,
+             double scene_extent,
+             uint64_t seed,
+             int64_t iteration,
+             GaussianModel* model,
+             Adam* adam,
+             DensificationStatistics* statistics);
 
 }  // namespace freegs::splat
 
