@@ -194,12 +194,12 @@ Status WriteQuality(const LearntQuality& learnt,
   std::ostringstream text;
   WriteOrigin(origin, "regions", learnt.num_regions, text);
   text << " \"bias\": " << model.bias << ",\n \"numbers\": [\n";
-  for (size_t k = 0; k < semantics::kNumRegionNumbers; ++k) {
-    text << "  {\"name\": \"" << semantics::RegionNumberName(k)
+  for (size_t k = 0; k < semantics::kNumRegionAttributes; ++k) {
+    text << "  {\"name\": \"" << semantics::RegionAttributeName(k)
          << "\", \"least\": " << model.least[k]
          << ", \"most\": " << model.most[k]
          << ", \"weight\": " << model.weight[k] << "}"
-         << (k + 1 < semantics::kNumRegionNumbers ? ",\n" : "\n");
+         << (k + 1 < semantics::kNumRegionAttributes ? ",\n" : "\n");
   }
   text << " ]\n}\n";
   return WriteFileAtomic(path, text.str());

@@ -16,20 +16,20 @@
 namespace freegs::evidence {
 namespace {
 
-using semantics::kNumRegionNumbers;
+using semantics::kNumRegionAttributes;
 using semantics::QualityModel;
-using semantics::RegionNumbers;
+using semantics::RegionAttributes;
 
 constexpr double kWholeIou = 0.6;
 // This share of the examples at either end is taken for less extreme.
 constexpr double kExtremes = 0.05;
-// What keeps the weights small, for numbers of unit deviation.
+// What keeps the weights small, for attributes of unit deviation.
 constexpr double kRidge = 10;
 constexpr int kQualitySteps = 20;
-constexpr Eigen::Index kSize = kNumRegionNumbers + 1;
+constexpr Eigen::Index kSize = kNumRegionAttributes + 1;
 
 struct RegionExample {
-  RegionNumbers numbers;
+  RegionAttributes attributes;
   bool whole = false;
   double weight = 1;
 };
@@ -69,7 +69,7 @@ std::vector<RegionExample> ExamplesOf(
   for (size_t r = 0; r < sizes.size(); ++r) {
     if (!(sizes[r] >= crumb_size && pixels[r] > 0)) continue;
     const double share = outer[r] > 0 ? sizes[r] / outer[r] : 0;
-    examples.push_back({measured.numbers[r],
+    examples.push_back({measured.attributes[r],
                         BestIou(scene, votes[r], pixels[r]) > kWholeIou,
                         std::max(kLeastWeight, 1 - share)});
   }
@@ -78,26 +78,26 @@ std::vector<RegionExample> ExamplesOf(
 
 void FindRanges(const std::vector<RegionExample>& examples,
                 QualityModel* model) {
-  for (size_t k = 0; k < kNumRegionNumbers; ++k) {
+  for (size_t k = 0; k < kNumRegionAttributes; ++k) {
     std::vector<double> values;
     for (const RegionExample& example : examples) {
-      values.push_back(example.numbers[k]);
+      values.push_back(example.attributes[k]);
     }
     model->least[k] = NearestQuantile(values, kExtremes);
     model->most[k] = NearestQuantile(std::move(values), 1 - kExtremes);
   }
 }
 
-// One column for each example: its numbers within the ranges, from 0 to 1, and
-// a one.
+// One column for each example: its attributes within the ranges, from 0 to 1,
+// and a one.
 Eigen::MatrixXd ColumnsOf(const std::vector<RegionExample>& examples,
                           const QualityModel& model) {
   Eigen::MatrixXd columns(kSize, static_cast<Eigen::Index>(examples.size()));
   for (size_t i = 0; i < examples.size(); ++i) {
     const auto column = static_cast<Eigen::Index>(i);
-    for (size_t k = 0; k < kNumRegionNumbers; ++k) {
+    for (size_t k = 0; k < kNumRegionAttributes; ++k) {
       columns(static_cast<Eigen::Index>(k), column) =
-          model.ShareOfRange(k, examples[i].numbers[k]);
+          model.ShareOfRange(k, examples[i].attributes[k]);
     }
     columns(kSize - 1, column) = 1;
   }
@@ -139,7 +139,7 @@ LearntQuality LearnQuality(std::span<const LearningScene> scenes,
   }
   const Eigen::VectorXd weights =
       FitLogistic(columns, labels, ridge, kQualitySteps, pool);
-  for (size_t k = 0; k < kNumRegionNumbers; ++k) {
+  for (size_t k = 0; k < kNumRegionAttributes; ++k) {
     learnt.model.weight[k] = weights[static_cast<Eigen::Index>(k)];
   }
   learnt.model.bias = weights[kSize - 1];

@@ -73,8 +73,9 @@ Hierarchy BuildHierarchy(const RegionGraph& graph,
                               VariantOf(models.evidence, static_cast<int>(v)),
                               crumb_size);
           variants[v].tree = std::move(measured.tree);
-          for (const RegionNumbers& numbers : measured.numbers) {
-            variants[v].quality.push_back(models.quality.Probability(numbers));
+          for (const RegionAttributes& attributes : measured.attributes) {
+            variants[v].quality.push_back(
+                models.quality.Probability(attributes));
           }
         }
       });

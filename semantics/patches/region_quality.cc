@@ -17,7 +17,7 @@ namespace {
 constexpr double kMaxHeight = 8;
 constexpr double kMaxNumber = 1e6;
 
-constexpr std::array<const char*, kNumOwnNumbers> kOwnNames = {
+constexpr std::array<const char*, kNumOwnAttributes> kOwnNames = {
     "parts_height",
     "neighbour_height",
     "whole_odds",
@@ -33,7 +33,7 @@ constexpr std::array<const char*, kNumOwnNumbers> kOwnNames = {
     "ruggedness",
     "color_spread"};
 
-constexpr std::array<const char*, kNumContactNumbers> kContactNames = {
+constexpr std::array<const char*, kNumContactAttributes> kContactNames = {
     "hidden",
     "contrast_near",
     "contrast_far",
@@ -56,11 +56,11 @@ struct Joins {
   std::vector<int32_t> joined_by;  // The merge with its neighbour.
   std::vector<int32_t> neighbour;  // A region.
   std::vector<int32_t> parent;     // In the tree, crumbs included.
-  std::vector<double> inner;       // RegionNumber kInnerHeight.
+  std::vector<double> inner;       // RegionAttribute kInnerHeight.
   std::vector<double> largest_part;
 };
 
-// Of the merge that counts; `none` where there is none.
+// The height of a merge, limited to kMaxHeight; `none` if `merge` is kNone.
 double HeightOf(const RegionTree& tree, int32_t merge, double none) {
   return merge == Joins::kNone
              ? none
@@ -155,12 +155,12 @@ RegionContacts SortContacts(const RegionGraph& graph,
 
 void SetContacts(const Contacts& contacts,
                  size_t first,
-                 RegionNumbers* numbers) {
+                 RegionAttributes* attributes) {
   const ContactStats& stats = contacts.stats;
   const double seen = stats.pixels;
   const double all = contacts.pairs();
-  const auto set = [&](ContactNumber number, double value) {
-    (*numbers)[first + number] = static_cast<float>(value);
+  const auto set = [&](ContactAttribute attribute, double value) {
+    (*attributes)[first + attribute] = static_cast<float>(value);
   };
   set(kContactHidden, Ratio(stats.hidden, all));
   set(kContactNear, Ratio(stats.contrast_near, seen));
@@ -190,37 +190,40 @@ double OuterHeight(const RegionTree& tree,
 void CopyEvidence(std::span<const Evidence> evidence,
                   int32_t merge,
                   size_t first,
-                  RegionNumbers* numbers) {
+                  RegionAttributes* attributes) {
   if (merge == Joins::kNone) return;
   std::copy_n(evidence[merge].begin(),
-              kNumJoinNumbers,
-              numbers->begin() + static_cast<std::ptrdiff_t>(first));
+              kNumJoinAttributes,
+              attributes->begin() + static_cast<std::ptrdiff_t>(first));
 }
 
 }  // namespace
 
-std::string RegionNumberName(size_t number) {
-  if (number < kFirstOutlineNumber) return kOwnNames[number];
-  if (number < kFirstInsideNumber) {
+std::string RegionAttributeName(size_t attribute) {
+  if (attribute < kFirstOutlineAttribute) return kOwnNames[attribute];
+  if (attribute < kFirstInsideAttribute) {
     return std::string("outline.") +
-           kContactNames[number - kFirstOutlineNumber];
+           kContactNames[attribute - kFirstOutlineAttribute];
   }
-  if (number < kFirstPartsNumber) {
-    return std::string("inside.") + kContactNames[number - kFirstInsideNumber];
+  if (attribute < kFirstPartsAttribute) {
+    return std::string("inside.") +
+           kContactNames[attribute - kFirstInsideAttribute];
   }
-  if (number < kFirstNeighbourNumber) {
-    return std::string("parts.") + kEvidenceNames[number - kFirstPartsNumber];
+  if (attribute < kFirstNeighbourAttribute) {
+    return std::string("parts.") +
+           kEvidenceNames[attribute - kFirstPartsAttribute];
   }
   return std::string("neighbour.") +
-         kEvidenceNames[number - kFirstNeighbourNumber];
+         kEvidenceNames[attribute - kFirstNeighbourAttribute];
 }
 
-std::vector<RegionNumbers> MeasureRegions(const RegionGraph& graph,
-                                          std::span<const Evidence> of_contacts,
-                                          const RegionTree& tree,
-                                          std::span<const Evidence> of_merges,
-                                          const EvidenceModel& model,
-                                          double min_size) {
+std::vector<RegionAttributes> MeasureRegions(
+    const RegionGraph& graph,
+    std::span<const Evidence> of_contacts,
+    const RegionTree& tree,
+    std::span<const Evidence> of_merges,
+    const EvidenceModel& model,
+    double min_size) {
   std::vector<RegionStats> regions = graph.regions;
   for (const RegionTree::Merge& merge : tree.merges) {
     regions.push_back(regions[merge.a]);
@@ -236,11 +239,11 @@ std::vector<RegionNumbers> MeasureRegions(const RegionGraph& graph,
     extents.push_back(ExtentOf(region));
   }
   const auto largest = std::ranges::max_element(sizes) - sizes.begin();
-  std::vector<RegionNumbers> all(regions.size());
+  std::vector<RegionAttributes> all(regions.size());
   for (size_t r = 0; r < regions.size(); ++r) {
-    RegionNumbers& numbers = all[r];
-    const auto set = [&numbers](RegionNumber number, double value) {
-      numbers[number] = static_cast<float>(value);
+    RegionAttributes& attributes = all[r];
+    const auto set = [&attributes](RegionAttribute attribute, double value) {
+      attributes[attribute] = static_cast<float>(value);
     };
     const double pixels = std::max(1.0, sizes[r]);
     const double parts = HeightOf(tree, joins.made_by[r], -kMaxHeight);
@@ -273,11 +276,12 @@ std::vector<RegionNumbers> MeasureRegions(const RegionGraph& graph,
     set(kColorSpread,
         std::sqrt(std::max(
             0.0, (regions[r].color2 / pixels - mean.cwiseAbs2()).sum())));
-    SetContacts(contacts.outline[r], kFirstOutlineNumber, &numbers);
-    SetContacts(contacts.inside[r], kFirstInsideNumber, &numbers);
-    CopyEvidence(of_merges, joins.made_by[r], kFirstPartsNumber, &numbers);
+    SetContacts(contacts.outline[r], kFirstOutlineAttribute, &attributes);
+    SetContacts(contacts.inside[r], kFirstInsideAttribute, &attributes);
     CopyEvidence(
-        of_merges, joins.joined_by[r], kFirstNeighbourNumber, &numbers);
+        of_merges, joins.made_by[r], kFirstPartsAttribute, &attributes);
+    CopyEvidence(
+        of_merges, joins.joined_by[r], kFirstNeighbourAttribute, &attributes);
   }
   return all;
 }
@@ -296,22 +300,23 @@ MeasuredTree MergeAndMeasure(const RegionGraph& graph,
         of_merge.push_back(e);
         return true;
       });
-  measured.numbers = MeasureRegions(
+  measured.attributes = MeasureRegions(
       graph, of_contacts, measured.tree, of_merge, evidence, min_size);
   return measured;
 }
 
-double QualityModel::ShareOfRange(size_t number, double value) const {
-  const double range = most[number] - least[number];
+double QualityModel::ShareOfRange(size_t attribute, double value) const {
+  const double range = most[attribute] - least[attribute];
   if (!(range > 0)) return 0;
-  return (std::clamp(value, least[number], most[number]) - least[number]) /
+  return (std::clamp(value, least[attribute], most[attribute]) -
+          least[attribute]) /
          range;
 }
 
-double QualityModel::Probability(const RegionNumbers& numbers) const {
+double QualityModel::Probability(const RegionAttributes& attributes) const {
   double sum = bias;
-  for (size_t k = 0; k < kNumRegionNumbers; ++k) {
-    sum += weight[k] * ShareOfRange(k, numbers[k]);
+  for (size_t k = 0; k < kNumRegionAttributes; ++k) {
+    sum += weight[k] * ShareOfRange(k, attributes[k]);
   }
   return Logistic(sum);
 }
@@ -330,18 +335,18 @@ StatusOr<QualityModel> ParseQualityModel(std::string_view text) {
                           number(document, "bias", "region quality"));
   const nlohmann::json* rows = FindField(document, "numbers");
   if (rows == nullptr || !rows->is_array() ||
-      rows->size() != kNumRegionNumbers) {
+      rows->size() != kNumRegionAttributes) {
     return BadInputError("region quality: \"numbers\" must be a list of " +
-                         std::to_string(kNumRegionNumbers) + " entries");
+                         std::to_string(kNumRegionAttributes) + " entries");
   }
-  std::array<bool, kNumRegionNumbers> known = {};
+  std::array<bool, kNumRegionAttributes> known = {};
   for (const nlohmann::json& row : *rows) {
     FREEGS_ASSIGN_OR_RETURN(
         const std::string name,
         ReadText(FindField(row, "name"), "region quality: name"));
     size_t k = 0;
-    while (k < kNumRegionNumbers && RegionNumberName(k) != name) ++k;
-    if (k == kNumRegionNumbers || known[k]) {
+    while (k < kNumRegionAttributes && RegionAttributeName(k) != name) ++k;
+    if (k == kNumRegionAttributes || known[k]) {
       return BadInputError("region quality: \"" + name +
                            "\" is unknown or twice");
     }

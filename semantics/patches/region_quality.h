@@ -24,7 +24,7 @@ namespace freegs::semantics {
 // to 8. Crumbs, regions of hardly any pixels, do not count as parts or
 // neighbours. "Parts" are the two regions that it was joined from, "neighbour"
 // is the region that it is joined to, "outer" is what both become.
-enum RegionNumber : size_t {
+enum RegionAttribute : size_t {
   kPartsHeight,      // At which the parts were joined.
   kNeighbourHeight,  // At which it is joined to the neighbour.
   kWholeOdds,        // The probability that both heights alone give.
@@ -39,11 +39,11 @@ enum RegionNumber : size_t {
   kExtent,           // log10 of its length over that of the largest region.
   kRuggedness,       // log10 of the squared outline over the pixels.
   kColorSpread,      // Standard deviation of its colours.
-  kNumOwnNumbers,
+  kNumOwnAttributes,
 };
 
 // Means over all pairs of pixels at which two patches meet.
-enum ContactNumber : size_t {
+enum ContactAttribute : size_t {
   kContactHidden,  // Share where one patch hides the other.
   kContactNear,    // Boundary in the photographs, narrow windows.
   kContactFar,     // The same, wide windows.
@@ -53,66 +53,71 @@ enum ContactNumber : size_t {
   kContactCrease,  // Concave above 0, convex below.
   kContactBend,    // Angle between the surfaces.
   kContactOdds,    // Log-odds that the two patches are of two things.
-  kNumContactNumbers,
+  kNumContactAttributes,
 };
 
-// The numbers of RegionNumber, those of the region's outline, those of what is
-// inside, the evidence between the parts, and that between the region and its
-// neighbour. Semantics are not among the evidence.
-inline constexpr size_t kFirstOutlineNumber = kNumOwnNumbers;
-inline constexpr size_t kFirstInsideNumber =
-    kFirstOutlineNumber + kNumContactNumbers;
-inline constexpr size_t kFirstPartsNumber =
-    kFirstInsideNumber + kNumContactNumbers;
-inline constexpr size_t kNumJoinNumbers = kSemantics;
-inline constexpr size_t kFirstNeighbourNumber =
-    kFirstPartsNumber + kNumJoinNumbers;
-inline constexpr size_t kNumRegionNumbers =
-    kFirstNeighbourNumber + kNumJoinNumbers;
-using RegionNumbers = std::array<float, kNumRegionNumbers>;
+// All attributes of a region, in this order: those of RegionAttribute, those of
+// ContactAttribute along its outline, those of ContactAttribute inside, the
+// evidence between its parts, and the evidence between it and its neighbour.
+// Semantics are not among the evidence.
+inline constexpr size_t kFirstOutlineAttribute = kNumOwnAttributes;
+inline constexpr size_t kFirstInsideAttribute =
+    kFirstOutlineAttribute + kNumContactAttributes;
+inline constexpr size_t kFirstPartsAttribute =
+    kFirstInsideAttribute + kNumContactAttributes;
+inline constexpr size_t kNumJoinAttributes = kSemantics;
+inline constexpr size_t kFirstNeighbourAttribute =
+    kFirstPartsAttribute + kNumJoinAttributes;
+inline constexpr size_t kNumRegionAttributes =
+    kFirstNeighbourAttribute + kNumJoinAttributes;
+using RegionAttributes = std::array<float, kNumRegionAttributes>;
 
-// "parts_height", ..., "outline.hidden", ..., "inside.hidden", ...,
-// "parts.contrast_near", ..., "neighbour.contrast_near".
-std::string RegionNumberName(size_t number);
+// The names of attributes in files: "parts_height", ..., "outline.hidden", ...,
+// "inside.hidden", ..., "parts.contrast_near", ..., "neighbour.contrast_near",
+// and so on. attribute: from 0 to kNumRegionAttributes - 1.
+std::string RegionAttributeName(size_t attribute);
 
-// Of every region of the tree that MergeRegions made of the graph with the
-// model, with the evidence of each merge. of_contacts: EvidenceOfContacts. A
-// crumb has less than min_size pixels.
-std::vector<RegionNumbers> MeasureRegions(const RegionGraph& graph,
-                                          std::span<const Evidence> of_contacts,
-                                          const RegionTree& tree,
-                                          std::span<const Evidence> of_merges,
-                                          const EvidenceModel& model,
-                                          double min_size);
+// Returns the attributes of every region of `tree`, which MergeRegions made of
+// `graph` with `model`. of_contacts: what EvidenceOfContacts returns for
+// `graph`. of_merges: the evidence of each merge of the tree. A crumb has less
+// than min_size pixels.
+std::vector<RegionAttributes> MeasureRegions(
+    const RegionGraph& graph,
+    std::span<const Evidence> of_contacts,
+    const RegionTree& tree,
+    std::span<const Evidence> of_merges,
+    const EvidenceModel& model,
+    double min_size);
 
-// The tree that evidence leads to (MergeRegions), and the numbers of each
+// The tree that evidence leads to (MergeRegions), and the attributes of each
 // region.
 struct MeasuredTree {
   RegionTree tree;
-  std::vector<RegionNumbers> numbers;
+  std::vector<RegionAttributes> attributes;
 };
 MeasuredTree MergeAndMeasure(const RegionGraph& graph,
                              std::span<const Evidence> of_contacts,
                              const EvidenceModel& evidence,
                              double min_size);
 
-// A logistic regression. Numbers beyond what it was learnt from count like the
+// A logistic regression. Values beyond what it was learnt from count like the
 // least or the most of that, because photographs differ from drawings.
 struct QualityModel {
-  std::array<double, kNumRegionNumbers> least = {};
-  std::array<double, kNumRegionNumbers> most = {};
-  std::array<double, kNumRegionNumbers> weight = {};  // From least to most.
+  std::array<double, kNumRegionAttributes> least = {};
+  std::array<double, kNumRegionAttributes> most = {};
+  std::array<double, kNumRegionAttributes> weight = {};  // From least to most.
   double bias = 0;
 
-  // Where a value of a number lies between least and most: from 0 to 1.
-  double ShareOfRange(size_t number, double value) const;
+  // Where a value of an attribute lies between its least and its most, from 0
+  // to 1.
+  double ShareOfRange(size_t attribute, double value) const;
 
-  // Of being a whole thing, from 0 to 1.
-  double Probability(const RegionNumbers& numbers) const;
+  // The probability that the region is one whole thing.
+  double Probability(const RegionAttributes& attributes) const;
 };
 
 // {"bias": -1, "numbers": [{"name": "parts_height", "least": -8, "most": 2,
-//  "weight": 0.1}, ...]}: each number once, in any order. Further fields are
+//  "weight": 0.1}, ...]}: each attribute once, in any order. Further fields are
 // ignored. kBadInput names the fault.
 StatusOr<QualityModel> ParseQualityModel(std::string_view text);
 

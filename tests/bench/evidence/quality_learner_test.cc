@@ -73,7 +73,7 @@ TEST(QualityLearnerTest, WholeThingsGetMoreThanPartsAndGroups) {
   double most_of_others = 0;
   int wholes = 0;
   for (size_t r = 0; r < sizes.size(); ++r) {
-    const double quality = learnt.model.Probability(measured.numbers[r]);
+    const double quality = learnt.model.Probability(measured.attributes[r]);
     if (sizes[r] == 2 * kPixels) {
       least_of_wholes = std::min(least_of_wholes, quality);
       ++wholes;

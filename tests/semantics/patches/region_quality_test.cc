@@ -55,10 +55,10 @@ TEST(RegionQualityTest, MeasuresRegions) {
   for (size_t k = 0; k < evidence.size(); ++k) {
     evidence[k][kStep] = static_cast<float>(k + 1);
   }
-  const std::vector<RegionNumbers> all = MeasureRegions(
+  const std::vector<RegionAttributes> all = MeasureRegions(
       Row(), EvidenceOfContacts(Row()), Tree(), evidence, Model(), 10);
   ASSERT_EQ(all.size(), 7u);
-  const RegionNumbers& leaf = all[0];
+  const RegionAttributes& leaf = all[0];
   EXPECT_FLOAT_EQ(leaf[kPartsHeight], -8);
   EXPECT_FLOAT_EQ(leaf[kNeighbourHeight], -3);
   EXPECT_NEAR(leaf[kRegionSize], std::log10(100 / 301.0), 1e-6);
@@ -76,48 +76,49 @@ TEST(RegionQualityTest, MeasuresRegions) {
     EXPECT_FLOAT_EQ(all[r][kNeighbourHeight], 8) << r;
     EXPECT_FLOAT_EQ(all[r][kLargestPart], 0.5f) << r;
     EXPECT_FLOAT_EQ(all[r][kOuterHeight], 8) << r;
-    EXPECT_FLOAT_EQ(all[r][kFirstPartsNumber + kStep], 1) << r;
-    EXPECT_FLOAT_EQ(all[r][kFirstNeighbourNumber + kStep], 3) << r;
+    EXPECT_FLOAT_EQ(all[r][kFirstPartsAttribute + kStep], 1) << r;
+    EXPECT_FLOAT_EQ(all[r][kFirstNeighbourAttribute + kStep], 3) << r;
   }
-  EXPECT_FLOAT_EQ(leaf[kFirstOutlineNumber + kContactOdds], 0.5f);
-  EXPECT_FLOAT_EQ(leaf[kFirstOutlineNumber + kContactFar], 0.25f);
-  EXPECT_FLOAT_EQ(leaf[kFirstInsideNumber + kContactFar], 0);
-  EXPECT_FLOAT_EQ(all[4][kFirstOutlineNumber + kContactFar], 0);
-  EXPECT_FLOAT_EQ(all[4][kFirstInsideNumber + kContactFar], 0.25f);
-  EXPECT_NEAR(all[6][kFirstInsideNumber + kContactFar], 2.5 / 12, 1e-6);
+  EXPECT_FLOAT_EQ(leaf[kFirstOutlineAttribute + kContactOdds], 0.5f);
+  EXPECT_FLOAT_EQ(leaf[kFirstOutlineAttribute + kContactFar], 0.25f);
+  EXPECT_FLOAT_EQ(leaf[kFirstInsideAttribute + kContactFar], 0);
+  EXPECT_FLOAT_EQ(all[4][kFirstOutlineAttribute + kContactFar], 0);
+  EXPECT_FLOAT_EQ(all[4][kFirstInsideAttribute + kContactFar], 0.25f);
+  EXPECT_NEAR(all[6][kFirstInsideAttribute + kContactFar], 2.5 / 12, 1e-6);
   // Two squares that share a side have an outline of 60 pixels.
   EXPECT_NEAR(all[4][kOpenOutline], 1 - 1 / 60.0, 1e-6);
-  const RegionNumbers& root = all[6];
+  const RegionAttributes& root = all[6];
   EXPECT_FLOAT_EQ(root[kPartsHeight], 8);
   EXPECT_FLOAT_EQ(root[kNeighbourHeight], 8);
   EXPECT_FLOAT_EQ(root[kNeighbourSize], 3);
   EXPECT_FLOAT_EQ(root[kOpenOutline], 1);
-  EXPECT_FLOAT_EQ(root[kFirstNeighbourNumber + kStep], 0);
+  EXPECT_FLOAT_EQ(root[kFirstNeighbourAttribute + kStep], 0);
 }
 
-TEST(RegionQualityTest, NumbersAreFiniteWhereNothingIsKnown) {
+TEST(RegionQualityTest, AttributesAreFiniteWhereNothingIsKnown) {
   RegionGraph graph;
   graph.regions.resize(2);
   graph.contacts.push_back({0, 1, {}});
   const RegionTree tree = {.num_leaves = 2, .merges = {{0, 1, 1e308}}};
   for (const double min_size : {0.0, 10.0}) {
-    for (const RegionNumbers& numbers :
+    for (const RegionAttributes& attributes :
          MeasureRegions(graph,
                         EvidenceOfContacts(graph),
                         tree,
                         std::vector<Evidence>(1),
                         Model(),
                         min_size)) {
-      for (const float number : numbers) EXPECT_TRUE(std::isfinite(number));
+      for (const float attribute : attributes)
+        EXPECT_TRUE(std::isfinite(attribute));
     }
   }
 }
 
 std::string QualityText(const std::string& last_name, const std::string& most) {
   std::string text = R"({"bias": -1, "numbers": [)";
-  for (size_t k = 0; k < kNumRegionNumbers; ++k) {
-    const bool last = k + 1 == kNumRegionNumbers;
-    text += R"({"name": ")" + (last ? last_name : RegionNumberName(k)) +
+  for (size_t k = 0; k < kNumRegionAttributes; ++k) {
+    const bool last = k + 1 == kNumRegionAttributes;
+    text += R"({"name": ")" + (last ? last_name : RegionAttributeName(k)) +
             R"(", "least": -8, "most": )" + (last ? most : "8") +
             R"(, "weight": )" + (k == 0 ? "3" : "0") + "}" +
             (last ? "]}" : ",");
@@ -127,13 +128,13 @@ std::string QualityText(const std::string& last_name, const std::string& most) {
 
 const std::string kLast = "neighbour.off_plane";
 
-TEST(RegionQualityTest, NumbersCountWithinWhatWasSeen) {
+TEST(RegionQualityTest, AttributesCountWithinWhatWasSeen) {
   const auto model = ParseQualityModel(QualityText(kLast, "8"));
   ASSERT_TRUE(model.ok()) << model.status().message();
-  RegionNumbers numbers = {};
+  RegionAttributes attributes = {};
   const auto probability = [&](float height) {
-    numbers[kPartsHeight] = height;
-    return model->Probability(numbers);
+    attributes[kPartsHeight] = height;
+    return model->Probability(attributes);
   };
   EXPECT_NEAR(probability(0), 1 / (1 + std::exp(-0.5)), 1e-9);
   EXPECT_NEAR(probability(-8), 1 / (1 + std::exp(1.0)), 1e-9);
