@@ -177,7 +177,7 @@ Status RunCurve(const CurveOptions& options) {
                                                   pool,
                                                   /*cancellation=*/nullptr));
     std::fprintf(stderr, "%s\n", stages::ExposureText(choice).c_str());
-    trainer.KeepTo(*choice);  // There is one: no deadline is set.
+    trainer.SetExposureChoice(*choice);  // There is one: no deadline is set.
   }
   FREEGS_ASSIGN_OR_RETURN(
       const bool reached,

@@ -265,13 +265,13 @@ std::vector<StageForecast> StageRunner::Forecast(ThreadPool& pool) {
                          .begun = state.resumable});
     if (in_run && has_result && forced) redone = name;
   }
-  const std::vector<StageNeed> needs = Foretell(done, pool);
+  const std::vector<StageNeed> needs = NeedsOfStages(done, pool);
   for (size_t i = 0; i < needs.size(); ++i) forecasts[i].need = needs[i];
   return forecasts;
 }
 
-std::vector<StageNeed> StageRunner::Foretell(const std::vector<bool>& done,
-                                             ThreadPool& pool) const {
+std::vector<StageNeed> StageRunner::NeedsOfStages(const std::vector<bool>& done,
+                                                  ThreadPool& pool) const {
   std::vector<StageNeed> needs;
   SceneOutlook scene;
   bool from_files = true;
@@ -357,7 +357,7 @@ Status StageRunner::Run() {
     std::vector<bool> done(stages_.size());
     std::fill_n(done.begin(), i, true);
     GiveBackFreedMemory();
-    const std::vector<StageNeed> needs = Foretell(done, pool);
+    const std::vector<StageNeed> needs = NeedsOfStages(done, pool);
     double later_seconds = 0;
     for (size_t j = i + 1; j < End(); ++j) {
       if (forecasts[j].needed) later_seconds += needs[j].seconds;

@@ -97,8 +97,8 @@ class StageRunner {
   std::vector<StageForecast> Forecast(ThreadPool& pool);
   // What each stage needs, from the files of those that are done. Where a stage
   // is not, those after it build on what it is expected to make.
-  std::vector<StageNeed> Foretell(const std::vector<bool>& done,
-                                  ThreadPool& pool) const;
+  std::vector<StageNeed> NeedsOfStages(const std::vector<bool>& done,
+                                       ThreadPool& pool) const;
   StageContext MakeContext(const RunnerStage& stage) const;
   // What stages after this one read of its output, relative to its folder.
   std::vector<std::filesystem::path> ReadLater(const std::string& stage) const;

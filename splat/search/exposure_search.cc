@@ -157,10 +157,10 @@ StatusOr<std::optional<ExposureChoice>> SearchExposure(
   if (!right_halves || choice.without.trained == 0) {
     return std::optional(choice);
   }
-  choice.without.others = right_halves->plain;
-  choice.with.others = right_halves->fitted;
+  choice.without.held_out = right_halves->plain;
+  choice.with.held_out = right_halves->fitted;
   const double gain = (choice.with.trained - choice.without.trained +
-                       choice.with.others - choice.without.others) /
+                       choice.with.held_out - choice.without.held_out) /
                       2;
   choice.learn = gain >= options.min_gain_db;
   return std::optional(choice);

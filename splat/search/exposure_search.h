@@ -11,7 +11,7 @@
 //       const std::optional<ExposureChoice> choice,
 //       SearchExposure({.deadline = deadline}, training, trainer.model(),
 //                      extent, &images, pool, nullptr));
-//   if (choice) trainer.KeepTo(*choice);
+//   if (choice) trainer.SetExposureChoice(*choice);
 
 #ifndef FREEGS_SPLAT_SEARCH_EXPOSURE_SEARCH_H_
 #define FREEGS_SPLAT_SEARCH_EXPOSURE_SEARCH_H_
@@ -35,7 +35,7 @@ struct ExposureSearchOptions {
   double min_gain_db = 0.7;
 
   // Every others_every-th photograph, in the order of names, is kept from the
-  // trial's training. TrialPsnr::others is measured on these.
+  // trial's training. TrialPsnr::held_out is measured on these.
   int others_every = 5;
 
   // The level of the image pyramid with which the trial is made.

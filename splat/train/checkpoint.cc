@@ -105,7 +105,7 @@ bool ReadExposureChoice(ByteReader* reader,
   if (!reader->Get(&learn) || learn > 1) return false;
   read.learn = learn == 1;
   for (TrialPsnr* psnr : {&read.without, &read.with}) {
-    if (!reader->Get(&psnr->trained) || !reader->Get(&psnr->others)) {
+    if (!reader->Get(&psnr->trained) || !reader->Get(&psnr->held_out)) {
       return false;
     }
   }
@@ -119,7 +119,7 @@ void WriteExposureChoice(const std::optional<ExposureChoice>& choice,
   writer->Put<uint8_t>(choice->learn ? 1 : 0);
   for (const TrialPsnr* psnr : {&choice->without, &choice->with}) {
     writer->Put(psnr->trained);
-    writer->Put(psnr->others);
+    writer->Put(psnr->held_out);
   }
 }
 

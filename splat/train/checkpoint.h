@@ -2,7 +2,7 @@
 // Checkpoints: everything that training needs to go on as if it had not
 // stopped, written to files.
 //
-//   SaveCheckpoint("checkpoints", trainer.View());
+//   SaveCheckpoint("checkpoints", trainer.CheckpointView());
 //   ...
 //   if (auto checkpoint = LatestCheckpoint("checkpoints")) {
 //     FREEGS_RETURN_IF_ERROR(trainer.Restore(*std::move(checkpoint)));

@@ -13,7 +13,7 @@ namespace freegs::splat {
 // training failed.
 struct TrialPsnr {
   double trained = 0;
-  double others = 0;
+  double held_out = 0;
 
   friend bool operator==(const TrialPsnr&, const TrialPsnr&) = default;
 };

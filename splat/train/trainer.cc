@@ -339,7 +339,7 @@ std::vector<PhotoExposure> Trainer::Exposures() const {
   return exposures;
 }
 
-void Trainer::KeepTo(const ExposureChoice& choice) {
+void Trainer::SetExposureChoice(const ExposureChoice& choice) {
   history_.exposure_choice = choice;
   history_.colors.entries.clear();
   if (choice.learn) history_.colors.entries.resize(images_->size());
@@ -397,7 +397,7 @@ Status Trainer::RunMilestone(TrainingEvent event) {
   return Status();
 }
 
-TrainingCheckpointView Trainer::View() {
+TrainingCheckpointView Trainer::CheckpointView() {
   history_.loss = loss_monitor_.state();
   return {.iteration = iteration_,
           .model = &model_,

@@ -151,7 +151,7 @@ class Trainer {
   // (splat/search/exposure_search.h) and whatever the options say. Call it
   // before the first step. The choice becomes part of the history, so a
   // restored training keeps to it without another search.
-  void KeepTo(const ExposureChoice& choice);
+  void SetExposureChoice(const ExposureChoice& choice);
 
   // Makes one gradient step, and then what the schedule says. Fails with
   // kUnusableResult when training diverges too often or no Gaussian is left or
@@ -160,9 +160,9 @@ class Trainer {
 
   // Save returns all that Restore needs to go on from here, in a trainer made
   // with the same arguments. Restore fails with kBadInput when the arrays of
-  // the checkpoint do not fit together. View is Save without a copy, valid
-  // until the next step.
-  TrainingCheckpointView View();
+  // the checkpoint do not fit together. CheckpointView is Save without a copy,
+  // valid until the next step.
+  TrainingCheckpointView CheckpointView();
   TrainingCheckpoint Save() const;
   Status Restore(TrainingCheckpoint checkpoint);
 

@@ -23,7 +23,7 @@ nlohmann::json ChoiceJson(const std::optional<splat::ExposureChoice>& choice) {
   const auto psnr = [&](const splat::TrialPsnr& shown) -> nlohmann::json {
     if (shown == splat::TrialPsnr()) return nullptr;
     return {{"trained_psnr", measured(shown.trained)},
-            {"others_psnr", measured(shown.others)}};
+            {"others_psnr", measured(shown.held_out)}};
   };
   return {{"learn", choice->learn},
           {"without", psnr(choice->without)},
@@ -92,7 +92,7 @@ std::string ExposureText(const std::optional<splat::ExposureChoice>& choice) {
            "few, masks leave too little of them, or the short training that "
            "tells came to nothing";
   }
-  if (choice->without.others == 0) {
+  if (choice->without.held_out == 0) {
     return "the exposure of each photo is not learnt, because masks leave too "
            "little of the photos to tell";
   }
@@ -102,7 +102,7 @@ std::string ExposureText(const std::optional<splat::ExposureChoice>& choice) {
          "its neighbours changes them from " +
          change(choice->without.trained, choice->with.trained) +
          ", and fitted colours change the others from " +
-         change(choice->without.others, choice->with.others);
+         change(choice->without.held_out, choice->with.held_out);
 }
 
 std::string DisplacementNote(const std::vector<DisplacedView>& views,

@@ -149,7 +149,7 @@ class TrainingRun {
     FREEGS_RETURN_IF_ERROR(progress_.Flush());
     last_checkpoint_ = std::chrono::steady_clock::now();
     if (SearchWasCut()) return Status();
-    splat::TrainingCheckpointView checkpoint = trainer_->View();
+    splat::TrainingCheckpointView checkpoint = trainer_->CheckpointView();
     const pipeline::ResourceUsage usage = meter_.Elapsed();
     checkpoint.elapsed_seconds = earlier_seconds_ + usage.wall_seconds;
     checkpoint.facts["cpu_seconds"] =
@@ -299,7 +299,7 @@ StatusOr<TrainedModel> TrainModel(const ReconstructStageOptions& options,
                               context.cancellation,
                               context.progress));
     context.log(LogLevel::kInfo, ExposureText(choice));
-    if (choice) trainer.KeepTo(*choice);
+    if (choice) trainer.SetExposureChoice(*choice);
   }
   FREEGS_RETURN_IF_ERROR(run.Train());
   return run.Result();

@@ -23,10 +23,11 @@
 namespace freegs::splat {
 namespace {
 
-// Of the photos that the trial was trained on, and of the others, in dB.
+// What learnt exposure gains in dB, on the photos that the trial was trained on
+// and on the others.
 std::string Gains(const ExposureChoice& choice) {
   return std::to_string(choice.with.trained - choice.without.trained) + ", " +
-         std::to_string(choice.with.others - choice.without.others);
+         std::to_string(choice.with.held_out - choice.without.held_out);
 }
 
 class ExposureSearchTest : public TrainingFixture {
@@ -94,7 +95,7 @@ TEST_F(ExposureSearchTest, LearnsExposureOnlyWherePhotosDiffer) {
   EXPECT_EQ(*Search(1), *different);
   // The gain that it takes.
   const double gain = (different->with.trained - different->without.trained +
-                       different->with.others - different->without.others) /
+                       different->with.held_out - different->without.held_out) /
                       2;
   search_.min_gain_db = gain + 0.1;
   EXPECT_FALSE(Search()->learn);
@@ -116,11 +117,11 @@ TEST_F(ExposureSearchTest, EveryFifthPhotoByNameIsNotTrainedOn) {
   const ExposureChoice after = *Search();
   EXPECT_EQ(after.without.trained, before.without.trained);
   EXPECT_EQ(after.with.trained, before.with.trained);
-  EXPECT_NE(after.without.others, before.without.others);
+  EXPECT_NE(after.without.held_out, before.without.held_out);
   // The order of the views does not matter to the choice of photos.
   std::reverse(views_.begin(), views_.end());
   std::reverse(photos_.begin(), photos_.end());
-  EXPECT_NEAR(Search()->without.others, after.without.others, 0.5);
+  EXPECT_NEAR(Search()->without.held_out, after.without.held_out, 0.5);
 }
 
 TEST_F(ExposureSearchTest, WithoutOthersNothingIsLearnt) {
@@ -136,7 +137,7 @@ TEST_F(ExposureSearchTest, WithoutOthersNothingIsLearnt) {
   ASSERT_TRUE(masked.ok()) << masked.status().message();
   EXPECT_FALSE(masked->learn);
   EXPECT_GT(masked->without.trained, 0);
-  EXPECT_EQ(masked->without.others, 0);
+  EXPECT_EQ(masked->without.held_out, 0);
   views_.resize(2);
   const auto few = Search();
   ASSERT_TRUE(few.ok()) << few.status().message();
@@ -236,7 +237,7 @@ TEST_F(ExposureSearchTest, LearnsAnExposureThatDrifts) {
   ASSERT_TRUE(choice.ok()) << choice.status().message();
   EXPECT_TRUE((*choice)->learn) << Gains(**choice);
   Trainer trainer(Training(), Start(), 2.0, &images, pool);
-  trainer.KeepTo(**choice);
+  trainer.SetExposureChoice(**choice);
   ASSERT_TRUE(Finish(&trainer).ok());
   const auto of_scene =
       MeasureHoldout({.model = trainer.model(), .images = &holdout}, pool);
@@ -260,7 +261,7 @@ TEST_F(ExposureSearchTest, TrainingKeepsToTheChoice) {
   TrainingImages images = Images(pool);
   const auto make = [&](bool learn) {
     Trainer trainer(Training(), Start(), 2.0, &images, pool);
-    trainer.KeepTo({.learn = learn, .without = {}, .with = {}});
+    trainer.SetExposureChoice({.learn = learn, .without = {}, .with = {}});
     return trainer;
   };
   Trainer whole = make(true);

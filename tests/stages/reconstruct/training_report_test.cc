@@ -30,14 +30,14 @@ TEST(ExposureTextTest, SaysWhatTheTrialShowed) {
   EXPECT_THAT(ExposureText(choice),
               testing::AllOf(testing::HasSubstr("photos are too few"),
                              testing::HasSubstr("came to nothing")));
-  choice.without = {.trained = 21, .others = 0};
-  choice.with = {.trained = 23, .others = 0};
+  choice.without = {.trained = 21, .held_out = 0};
+  choice.with = {.trained = 23, .held_out = 0};
   EXPECT_THAT(ExposureText(choice),
               testing::AllOf(testing::HasSubstr("masks leave too little"),
                              testing::Not(testing::HasSubstr("dB"))));
   choice.learn = true;
-  choice.without = {.trained = 21, .others = 20.5};
-  choice.with = {.trained = 23, .others = 22.25};
+  choice.without = {.trained = 21, .held_out = 20.5};
+  choice.with = {.trained = 23, .held_out = 22.25};
   EXPECT_THAT(ExposureText(choice),
               testing::AllOf(testing::HasSubstr("photo is learnt"),
                              testing::HasSubstr("21.00 -> 23.00 dB"),
