@@ -65,7 +65,7 @@ void Triad(const float* a, const float* b, size_t n, float* out) {
   }
 }
 
-// The same with stores that go past the caches.
+// Does what Triad does, with stores that go past the caches.
 void StreamingTriad(const float* a, const float* b, size_t n, float* out) {
   const hn::ScalableTag<float> d;
   const auto factor = hn::Set(d, 3.0f);

@@ -9,9 +9,10 @@
 namespace freegs {
 namespace {
 
-// Of `size` pixels that become `small` ones, each old pixel is `small` units
-// long and each new one `size` units. Calls visit(old, new, units) for each two
-// that overlap, in ascending order, with the units that they have in common.
+// A row of `size` pixels becomes one of `small` pixels. Each old pixel is
+// `small` units long and each new one `size` units. Calls visit(old, new,
+// units) for each two that overlap, in ascending order, with the units that
+// they have in common.
 template <typename Visit>
 void ForEachOverlap(int size, int small, const Visit& visit) {
   int64_t begin = 0;
@@ -33,7 +34,7 @@ ImageU8 AreaAverage(const ImageU8& image, int width, int height) {
   ImageU8 result(width, height, channels);
   const size_t row_size = static_cast<size_t>(width) * channels;
   std::vector<uint32_t> row(row_size);   // Sums along the newest old row.
-  std::vector<uint64_t> sums(row_size);  // Of the new row.
+  std::vector<uint64_t> sums(row_size);  // Sums of the new row.
   const uint64_t area = uint64_t{static_cast<uint32_t>(image.width())} *
                         static_cast<uint32_t>(image.height());
   int newest = -1;

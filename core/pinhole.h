@@ -30,14 +30,14 @@ struct Pinhole {
   double cx = 0;
   double cy = 0;
 
-  // The same camera with its image resized to new_width x new_height.
+  // This camera with its image resized to new_width x new_height.
   Pinhole Resized(int new_width, int new_height) const {
     const double sx = static_cast<double>(new_width) / width;
     const double sy = static_cast<double>(new_height) / height;
     return {new_width, new_height, fx * sx, fy * sy, cx * sx, cy * sy};
   }
 
-  // The same camera with the longest side reduced to max_side pixels if it is
+  // This camera with the longest side reduced to max_side pixels if it is
   // longer. max_side <= 0 sets no limit.
   Pinhole LimitedTo(int max_side) const {
     const int side = std::max(width, height);

@@ -41,7 +41,8 @@ class [[nodiscard]] Status {
   StatusCode code() const { return code_; }
   const std::string& message() const { return message_; }
 
-  // The same error with "context: " before its message.
+  // This error with "context: " before its message. An OK status stays as it
+  // is.
   Status Annotated(const std::string& context) const {
     return ok() ? *this : Status(code_, context + ": " + message_);
   }

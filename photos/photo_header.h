@@ -31,7 +31,7 @@ struct PhotoHeader {
 
   // Whether there may be transparent pixels.
   bool has_alpha = false;
-  // Of a grey PNG, the decoded sample that is transparent, in 0..255 or
+  // The decoded sample of a grey PNG that is transparent, in 0..255 or
   // 0..65535. It has no meaning where there are colours.
   std::optional<int> transparent_grey;
 

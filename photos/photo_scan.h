@@ -22,7 +22,7 @@ struct PhotoScan {
   // content need not be an image.
   std::vector<std::string> files;
 
-  // The same for files with the extension of a film.
+  // Files with the extension of a film, listed like `files`.
   std::vector<std::string> films;
 
   // Links to folders that were followed, relative to the folder.

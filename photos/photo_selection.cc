@@ -80,7 +80,7 @@ class PhotoFinder {
       std::erase_if(photos,
                     [](const Photo* photo) { return !photo->usable(); });
     }
-    // Of several nobody knows which is meant.
+    // If there are several, nobody knows which of them is meant.
     return photos.size() == 1 ? photos : std::vector<Photo*>();
   }
 

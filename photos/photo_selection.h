@@ -15,9 +15,9 @@ namespace freegs::photos {
 // All functions here take the photos in the order in which they were taken, and
 // leave photos that are already rejected as they are.
 
-// Of photos that have the same content, keeps the one with the shortest name,
-// which is not "copy of a.jpg", and rejects the others. Of equally long names
-// the first in the alphabet stays.
+// Among photos that have the same content, keeps the one with the shortest
+// name, such as "a.jpg" and not "copy of a.jpg", and rejects the others. Among
+// equally long names the first in the alphabet stays.
 void RejectDuplicates(std::vector<Photo>* photos);
 
 // Keeps about the share `fraction`, in (0, 1], of the photos, but at least

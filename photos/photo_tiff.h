@@ -21,7 +21,7 @@ struct TiffEntry {
   uint16_t tag = 0;
   uint16_t type = 0;
   uint32_t count = 0;
-  size_t offset = 0;  // Of the first value, from the start of the bytes.
+  size_t offset = 0;  // Where the first value lies in the bytes.
 };
 
 // Reads the directories of a file. The bytes must outlive the reader.

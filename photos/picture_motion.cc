@@ -15,7 +15,7 @@ namespace freegs::photos {
 namespace {
 
 constexpr int kNumCorners = 200;
-constexpr double kCornerQuality = 0.01;  // Of the best corner's.
+constexpr double kCornerQuality = 0.01;  // Share of the best corner's.
 constexpr double kCornerDistance = 8;    // Pixels.
 constexpr size_t kMinCorners = 8;
 constexpr double kMaxReturnError = 1;  // Pixels.

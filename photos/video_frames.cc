@@ -26,8 +26,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t kFilmSignatureBytes = 400;
-constexpr int kMotionWidth = 320;    // Of the grey picture that is followed.
-constexpr double kStepShare = 0.25;  // Of VideoFrameOptions::motion.
+constexpr int kMotionWidth = 320;    // Width of the followed picture.
+constexpr double kStepShare = 0.25;  // Share of VideoFrameOptions::motion.
 constexpr int kMaxDecoded = 1 << 24;
 
 // Chosen frames of less than this share of the median sharpness of the chosen

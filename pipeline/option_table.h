@@ -105,8 +105,8 @@ class OptionTable {
   // Splits arguments into settings and positional words, and changes no option.
   // Returns kInvalidArgument for unknown options, missing values, values that
   // are not allowed, empty words and empty values of options without a section.
-  // Of a repeated option of a section the last value wins; one without a
-  // section must not be repeated.
+  // Where an option of a section is repeated, the last value wins; one without
+  // a section must not be repeated.
   StatusOr<CommandLine> ParseCommandLine(
       const std::vector<std::string>& arguments) const;
 

@@ -69,8 +69,8 @@ struct StageState {
   // The result holds, but its stage.json says of inputs with the same content
   // that they lay elsewhere. `result` has the paths where they lie now.
   bool inputs_moved = false;
-  std::optional<StageRecord> result;   // Of STAGE/.
-  std::optional<StageRecord> attempt;  // Of STAGE.partial/, if that run ended.
+  std::optional<StageRecord> result;   // From STAGE/.
+  std::optional<StageRecord> attempt;  // From STAGE.partial/ if its run ended.
 };
 
 // `read_later` are the files and folders of the stage's output that later

@@ -28,7 +28,7 @@ std::optional<double> ReadNumber(const fs::path& path) {
 // Where and under which names control groups tell of their memory.
 struct GroupFiles {
   const char* controller;  // In /proc/self/cgroup.
-  const char* folder;      // Of the topmost group.
+  const char* folder;      // The folder of the topmost group.
   const char* limit;
   const char* usage;
   const char* droppable;  // In memory.stat.

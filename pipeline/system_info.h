@@ -24,7 +24,8 @@ int CoresOfAffinity();
 // limit. The groups above that of this process count, too.
 std::optional<double> CoresOfQuota();
 
-// The same for a system whose folders proc and sys lie in `root`.
+// What CoresOfQuota returns on a system whose folders proc and sys lie in
+// `root`.
 std::optional<double> CoresOfQuotaIn(const std::filesystem::path& root);
 
 // How many threads are worth starting: the smaller one of the two numbers
@@ -44,7 +45,7 @@ struct MemoryInfo {
 // is less. Files in the cache of a group that it can drop count as available.
 MemoryInfo Memory();
 
-// The same for a system whose folders proc and sys lie in `root`.
+// What Memory returns on a system whose folders proc and sys lie in `root`.
 MemoryInfo MemoryOf(const std::filesystem::path& root);
 
 // Bytes that an ordinary user can still write on the file system of `path`;

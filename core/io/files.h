@@ -29,7 +29,8 @@ StatusOr<std::string> ReadFile(const std::filesystem::path& path,
 Status WriteFileAtomic(const std::filesystem::path& path,
                        std::string_view content);
 
-// The same for a content in pieces, which need not be put together in memory.
+// Writes a file in the same way. Its content comes in pieces, which need not be
+// put together in memory.
 Status WriteFileAtomic(const std::filesystem::path& path,
                        std::span<const std::string_view> pieces);
 

@@ -22,7 +22,7 @@ struct SceneOutlook {
   std::vector<View> train;
   std::vector<View> holdout;
 
-  int64_t photo_bytes = 0;  // Of the photos' files.
+  int64_t photo_bytes = 0;  // Size of the photos' files.
   bool masks = false;       // Whether there are masks.
   // Sparse points that training starts from; 0 if not known.
   int64_t points = 0;
@@ -42,7 +42,7 @@ struct ViewPixels {
 };
 ViewPixels CountPixels(std::span<const View> views, int max_side);
 
-// Of the photos of training and of the holdout together.
+// Counts the pixels of the views of training and of the holdout together.
 ViewPixels CountPixels(const SceneOutlook& scene, int max_side);
 
 }  // namespace freegs::pipeline

@@ -19,7 +19,7 @@ struct StageNeed {
   // Resident bytes of its largest process at the peak; 0 when nothing is known.
   int64_t memory_bytes = 0;
 
-  int64_t disk_bytes = 0;  // Of its folder, at most.
+  int64_t disk_bytes = 0;  // Size of its folder, at most.
   double seconds = 0;
 
   // The options to change when that is too much, in words that follow "To need
@@ -49,7 +49,7 @@ struct StageForecast {
   std::string stage;
   bool needed = true;
   std::string reason = {};  // Why it is needed, or is not brought up to date.
-  StageNeed need = {};      // Of its Run, also when that is not needed.
+  StageNeed need = {};      // What its Run needs, also when it is not needed.
   // An interrupted run left a part of it, so that less than `need` is left.
   bool begun = false;
 };

@@ -65,7 +65,7 @@ StatusOr<ImageF> ParseFeatures(std::string_view content, std::string_view key) {
   for (const uint32_t side : {width, height, channels}) {
     if (side == 0 || side > kMaxSide) return BadInputError("damaged header");
   }
-  // Of three sides up to 2^16 the product is below 2^48.
+  // No side is above 2^16, so the product of three is at most 2^48.
   const uint64_t values = uint64_t{width} * height * channels;
   if (reader.remaining() != key_size + 2 * values) {
     return BadInputError("damaged header");

@@ -53,8 +53,9 @@ StatusOr<ImageF> JointBilateralUpsample(const ImageF& features,
                                         const JointBilateralOptions& options,
                                         ThreadPool& pool);
 
-// The same at some pixels of the guide: returns pixels.size() x C, row-major.
-// kInvalidArgument also for pixels outside of the guide.
+// Does what JointBilateralUpsample does, for some pixels of the guide only:
+// returns pixels.size() x C, row-major. kInvalidArgument also for pixels
+// outside of the guide.
 StatusOr<std::vector<float>> JointBilateralUpsampleAt(
     const ImageF& features,
     const ImageF& guide,

@@ -17,7 +17,7 @@ namespace freegs::semantics {
 class Vocabulary {
  public:
   struct Fit {
-    const std::string* word = nullptr;  // Of this vocabulary; null for none.
+    const std::string* word = nullptr;  // A word of this vocabulary, or null.
     float relevancy = 0.5f;             // See Relevancy().
   };
 
@@ -33,10 +33,11 @@ class Vocabulary {
   // is none if the canonical phrases fit better, and for a zero vector.
   Fit BestOf(size_t group, std::span<const float> vector) const;
 
-  // The same for the last group, that of things, which there must be. The
-  // relevancy is how sure it is what a vector shows. An encoder that has never
-  // seen a thing has a best word for it, too, so what is low means nothing.
-  // Colours do not count, because they fit things that are not known.
+  // The word that BestOf finds in the last group, that of things, which there
+  // must be. The relevancy is how sure it is what a vector shows. An encoder
+  // that has never seen a thing has a best word for it, too, so what is low
+  // means nothing. Colours do not count, because they fit things that are not
+  // known.
   Fit Thing(std::span<const float> vector) const {
     return BestOf(groups_.size() - 1, vector);
   }

@@ -26,9 +26,9 @@ struct TransformerShape {
   int width = 0;
   int layers = 0;
   int heads = 0;
-  int positions = 0;  // Of the text: the context length.
+  int positions = 0;  // The context length, in the text network.
   MlpActivation activation = MlpActivation::kQuickGelu;
-  double epsilon = 1e-5;  // Of the layer norms.
+  double epsilon = 1e-5;  // What layer norms add to variances.
 };
 
 struct ClipArchitecture {
@@ -38,7 +38,8 @@ struct ClipArchitecture {
   int patch = 0;
   int embedding_dim = 0;
   int vocab_size = 0;
-  // Of colours in [0, 1]: OpenAI's, unless a file beside the weights tells.
+  // Mean and standard deviation of colours in [0, 1], which normalise the
+  // image: OpenAI's, unless a file beside the weights names others.
   std::array<double, 3> mean = {0.48145466, 0.4578275, 0.40821073};
   std::array<double, 3> std = {0.26862954, 0.26130258, 0.27577711};
 };
@@ -80,7 +81,8 @@ class ClipCheckpoint {
   StatusOr<std::vector<float>> Positions(Tower t) const;  // positions x width
   StatusOr<std::vector<float>> TokenVectors() const;  // vocab_size x text width
 
-  // Of the image's positions before the blocks; of what the blocks give.
+  // FirstNorm normalises the positions of the image network before its blocks,
+  // and LastNorm what the blocks of either network give.
   StatusOr<LayerNorm> FirstNorm() const;
   StatusOr<LayerNorm> LastNorm(Tower tower) const;
   StatusOr<LinearLayer> Projection(Tower tower) const;  // Bias 0.

@@ -31,7 +31,7 @@ class OnnxGraph {
   using Shape = std::vector<int64_t>;
 
   struct ConvolutionLayer {
-    Shape shape;  // Of the weight: out x in / groups x h x w.
+    Shape shape;  // Shape of the weight: out x in / groups x h x w.
     std::vector<float> weight;
     std::vector<float> bias;  // Or empty.
     int groups = 1;

@@ -30,7 +30,7 @@ SimplexLocator::SimplexLocator(int dim) : dim_(dim), scale_() {
 }
 
 void SimplexLocator::Elevate(const float* feature, double* elevated) const {
-  double sum = 0;  // Of the leading ones of the basis vectors.
+  double sum = 0;  // Over the leading ones of the basis vectors.
   for (int j = dim_; j >= 1; --j) {
     const double coordinate = feature[j - 1] * scale_[j - 1];
     elevated[j] = sum - j * coordinate;

@@ -80,7 +80,8 @@ StatusOr<ImageF> UpsampleView(const FeatureGrids& grids,
                               const JointBilateralOptions& options,
                               ThreadPool& pool);
 
-// The same at some pixels of the guide: pixels.size() x D, row-major.
+// Does what UpsampleView does, for some pixels of the guide only: returns
+// pixels.size() x D, row-major.
 StatusOr<std::vector<float>> UpsampleViewAt(
     const FeatureGrids& grids,
     size_t view,

@@ -118,7 +118,7 @@ struct FieldState {
   ArrayAdamState feature_adam;
   FeatureDecoder decoder;  // From D to C.
   ArrayAdamState decoder_adam;
-  InstanceTeachers teachers;  // Of the last clustering.
+  InstanceTeachers teachers;  // Those of the last clustering.
   std::vector<ClusteringRound> rounds;
   std::vector<LossRecord> history;
   FieldLosses sums;    // Sums of the losses since the last record,

@@ -17,7 +17,7 @@ namespace freegs::semantics {
 
 struct InstanceCrop {
   ImageU8 in_place;  // A square of the photograph around the instance.
-  ImageU8 alone;     // The same, but grey outside of the instance.
+  ImageU8 alone;     // This square, but grey outside of the instance.
 };
 
 // Cuts out the square around the pixels of `label` in `labels` (W x H). On each

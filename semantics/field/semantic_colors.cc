@@ -20,7 +20,7 @@ constexpr double kTrim = 0.02;
 // The directions of the vectors that are not zero.
 struct Directions {
   std::vector<float> rows;
-  std::vector<size_t> indices;  // Of the vector of each row.
+  std::vector<size_t> indices;  // Which vector each row belongs to.
 };
 
 Directions NonZeroDirections(std::span<const float> features, size_t dim) {

@@ -65,7 +65,7 @@ class ViewWeights {
 
  private:
   splat::WeightMatrix matrix_;
-  std::shared_ptr<const void> owner_;  // Of the matrix's arrays.
+  std::shared_ptr<const void> owner_;  // Owns the matrix's arrays.
 };
 
 // Computes the weights of a view when they are first asked for. Where weights

@@ -60,7 +60,7 @@ Hierarchy BuildHierarchy(const RegionGraph& graph,
   struct Variant {
     RegionTree tree;
     std::vector<double> quality;
-    std::vector<double> quality_of_first;  // Of the regions of variant 0.
+    std::vector<double> quality_of_first;  // For the regions of variant 0.
   };
   std::vector<Variant> variants(kNumTreeVariants);
   const std::vector<Evidence> of_contacts = EvidenceOfContacts(graph);

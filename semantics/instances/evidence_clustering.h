@@ -32,12 +32,12 @@ struct EvidenceClusters {
   Hierarchy hierarchy;
 
   // The instances at options.granularity, by descending size.
-  std::vector<int32_t> labels;  // Of Gaussians; -1 for none.
-  // Of each instance: the probability that it is a whole thing, and whether it
+  std::vector<int32_t> labels;  // One for each Gaussian; -1 for none.
+  // For each instance: the probability that it is a whole thing, and whether it
   // is flat and as large as the scene.
   std::vector<double> scores;
   std::vector<uint8_t> is_plane;
-  std::vector<Plane> planes;  // Of those that are.
+  std::vector<Plane> planes;  // One for each instance that is a plane.
 
   // Gaussians that are in a patch, and do not just follow a neighbour.
   size_t num_clustered = 0;

@@ -108,7 +108,8 @@ double PixelsOutOfPlace(const std::vector<int32_t>& before,
                         const std::vector<uint8_t>& belongs,
                         int32_t whole,
                         std::span<const double> pixels) {
-  // Of each region outside, the pixels that each region of the second cut has.
+  // For each region outside, how many of its pixels each region of the second
+  // cut has.
   std::map<int32_t, std::map<int32_t, double>> moved;
   double wrong = 0;
   for (size_t leaf = 0; leaf < before.size(); ++leaf) {
@@ -219,7 +220,7 @@ int32_t RegionAround(const Hierarchy& hierarchy, int32_t leaf, int steps) {
 }
 
 bool JoinAsWhole(int32_t a, int32_t b, double quality, Hierarchy* hierarchy) {
-  constexpr double kMostOutOfPlace = 0.02;  // Of the pixels of the whole.
+  constexpr double kMostOutOfPlace = 0.02;  // Share of the pixels of the whole.
   const std::vector<double> sizes =
       hierarchy->tree.Sums(hierarchy->part_pixels);
   const std::vector<int32_t> before =

@@ -41,8 +41,8 @@ struct Hierarchy {
   // region.
   std::vector<double> quality;
 
-  std::vector<double> part_pixels;  // Of each leaf, in all photographs.
-  double total_pixels = 0;          // Of these photographs.
+  std::vector<double> part_pixels;  // Pixels of each leaf, in all photographs.
+  double total_pixels = 0;          // Pixels of these photographs.
 
   // The leaf of each Gaussian, -1 for none.
   std::vector<int32_t> part_of_gaussian;
@@ -59,7 +59,7 @@ struct Hierarchy {
 // So at 0 large things count a little more than small ones, and larger numbers
 // give more and smaller regions.
 struct HierarchyCut {
-  std::vector<int32_t> region_of_part;  // Of each leaf; -1 if hardly seen.
+  std::vector<int32_t> region_of_part;  // One for each leaf; -1 if hardly seen.
   // Labels 0 .. n - 1, by descending number of Gaussians; -1 for none.
   std::vector<int32_t> label_of_gaussian;
   std::vector<int32_t> region_of_label;

@@ -10,8 +10,8 @@
 namespace freegs::semantics {
 namespace {
 
-constexpr double kBackgroundShare = 0.25;  // Of all pixels.
-constexpr double kLeastRatio = 0.3;        // Of the sizes of a pair.
+constexpr double kBackgroundShare = 0.25;  // Share of all pixels.
+constexpr double kLeastRatio = 0.3;        // Ratio of the sizes of a pair.
 
 }  // namespace
 

@@ -21,8 +21,8 @@ void LabelNoise(std::span<const float> positions,
                 ThreadPool& pool,
                 std::vector<int32_t>* labels);
 
-// The same for Gaussians. One that is not finite finds no neighbour, and nobody
-// finds it.
+// Labels noise in the same way among Gaussians, by their means. One that is not
+// finite finds no neighbour, and nobody finds it.
 void LabelNoise(const splat::GaussianModel& model,
                 double distance,
                 ThreadPool& pool,

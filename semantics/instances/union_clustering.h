@@ -41,8 +41,8 @@ struct UnionClusteringOptions {
 };
 
 struct UnionClusters {
-  std::vector<int32_t> labels;  // Of Gaussians; -1 for noise and for haze.
-  std::vector<double> scores;   // Of labels: mean membership probability.
+  std::vector<int32_t> labels;  // One for each Gaussian; -1 for noise and haze.
+  std::vector<double> scores;   // For each label: mean membership probability.
   int min_cluster_size = 0;     // What HDBSCAN was given.
 };
 

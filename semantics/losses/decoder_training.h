@@ -71,7 +71,7 @@ class DecoderTraining {
   FeatureDecoder* decoder_;
   MlpBatch batch_;
   std::vector<float> features_;   // S x C, of the last Forward.
-  std::vector<float> gradients_;  // Of the parameters.
+  std::vector<float> gradients_;  // Gradients of the parameters.
   ArrayAdamState adam_;
 };
 

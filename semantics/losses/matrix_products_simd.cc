@@ -92,8 +92,8 @@ HWY_INLINE void AddFourRows(const Strided& a,
   add(left3, right3, 3);
 }
 
-// The same for a tile at the edges of the result. It works on a copy, in which
-// the last row stands for the missing ones.
+// Does what AddFourRows does, for a tile at the edges of the result. It works
+// on a copy, in which the last row stands for the missing ones.
 void AddEdge(const Strided& a,
              size_t rows,
              size_t terms,

@@ -41,7 +41,7 @@ PanopticQuality MatchSegments(const InstanceOverlap& overlap, int min_pixels) {
   PanopticQuality quality;
   std::set<int> matched_objects;
   std::set<int> matched_instances;
-  std::map<int, int64_t> judged_pixels;  // Of an instance on judged objects.
+  std::map<int, int64_t> judged_pixels;  // By instance, on judged objects.
   const auto judged = [&](int object) {
     return overlap.truth_pixels.at(object) >= min_pixels;
   };

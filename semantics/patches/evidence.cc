@@ -15,7 +15,8 @@ constexpr double kColorNoise = 2.5e-3;  // Variance, L*a*b* / 100.
 constexpr double kAlike = 0.15;
 constexpr double kAlikeAb = 0.05;
 
-// Of each channel: half the chi-squared distance, from 0 to 1.
+// Returns half the chi-squared distance of the two histograms, from 0 to 1, for
+// each channel.
 Eigen::Array3d HistogramDistances(const ColorHistogram& a,
                                   double pixels_a,
                                   const ColorHistogram& b,

@@ -17,17 +17,17 @@ namespace freegs::semantics {
 // the two regions by the pixels that show them.
 enum EvidenceKind : size_t {
   kContrastNear,   // Boundary in the photographs, narrow windows.
-  kContrastFar,    // The same, wide windows.
+  kContrastFar,    // Boundary in the photographs, wide windows.
   kStep,           // Difference of colour across the boundary.
   kContext,        // Distance of the colour histograms around the regions.
   kDepthStep,      // Steps of depth along the boundary.
-  kRelief,         // The same, of planes fitted to both sides of it.
+  kRelief,         // Steps of planes fitted to both sides of it.
   kHidden,         // Share of it where one region hides the other.
   kColor,          // Difference of the mean colours.
-  kColorContrast,  // The same, relative to the spread of colours.
+  kColorContrast,  // kColor relative to the spread of colours.
   kHistogram,      // Distance of the regions' own colour histograms.
   kLikeness,       // exp(-kHistogram / 0.15): differences beyond count alike.
-  kLikenessAb,     // The same, of a and b alone: light and shade do not count.
+  kLikenessAb,     // kLikeness of a and b alone, without light and shade.
   kSpread,         // Difference of the spreads of colours.
   kConcave,        // Crease that is concave, as where things touch.
   kConvex,         // Crease that is convex, as on a box.
@@ -37,7 +37,7 @@ enum EvidenceKind : size_t {
   kSize,           // log10 of the small region's share of all pixels.
   kFlatSmall,      // Flatness: 0 for a plane, 1 for a ball.
   kFlatLarge,
-  kFlatBoth,   // Of both together.
+  kFlatBoth,   // Flatness of both together.
   kOffPlane,   // Distance of the small region from the plane of the large one.
   kSemantics,  // 1 - cosine of the mean semantic vectors.
   kNumEvidences,
@@ -65,7 +65,8 @@ Evidence MeasureEvidence(const MeasuredRegion& a,
                          const ContactStats& contact,
                          double total_pixels);
 
-// Of each contact of the graph.
+// Returns the evidence of every contact of `graph`, in the order of
+// graph.contacts.
 std::vector<Evidence> EvidenceOfContacts(const RegionGraph& graph);
 
 }  // namespace freegs::semantics

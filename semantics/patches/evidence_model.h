@@ -15,7 +15,8 @@
 namespace freegs::semantics {
 
 struct EvidenceModel {
-  // Of each evidence among the examples.
+  // For each evidence: its mean and its standard deviation among the examples,
+  // and its weight.
   std::array<double, kNumEvidences> mean = {};
   std::array<double, kNumEvidences> deviation = {};
   std::array<double, kNumEvidences> weight = {};

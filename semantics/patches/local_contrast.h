@@ -37,7 +37,7 @@ class LocalContrast {
   Step Across(int x, int y, bool horizontal, int reach) const;
 
  private:
-  static constexpr size_t kSums = 6;  // Of three channels and their squares.
+  static constexpr size_t kSums = 6;  // Three channels and their squares.
 
   SumTable<kSums> table_;
 };

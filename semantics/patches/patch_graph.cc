@@ -92,7 +92,7 @@ class PatchVote {
   }
 
  private:
-  std::vector<float> share_;    // Of each patch; 0 between pixels.
+  std::vector<float> share_;    // Share of each patch; 0 between pixels.
   std::vector<int32_t> found_;  // Patches with a share, front to back.
 };
 

@@ -87,7 +87,7 @@ class PatchGraphBuilder {
   std::vector<float> depth_scale_;
   double baseline_;
   std::vector<double> seen_;  // Sum of the weights of each Gaussian.
-  std::vector<Eigen::Vector3d> towards_camera_;  // Of each patch.
+  std::vector<Eigen::Vector3d> towards_camera_;  // One for each patch.
   std::vector<Eigen::Vector3d> middle_;          // Mean position of each patch.
   std::vector<Eigen::Vector3d> normal_;          // Mean normal, of any sign.
   std::unordered_map<uint64_t, size_t> contact_index_;

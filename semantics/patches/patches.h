@@ -18,7 +18,7 @@ namespace freegs::semantics {
 // Points of surfaces, for example the centres of Gaussians. All are N x 3.
 struct SurfacePoints {
   std::vector<float> positions;  // Model frame.
-  std::vector<float> normals;    // Of length 1; their sign means nothing.
+  std::vector<float> normals;    // Unit length; their sign means nothing.
   std::vector<float> colors;     // RGB in [0, 1].
 };
 

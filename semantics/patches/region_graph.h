@@ -14,7 +14,7 @@
 
 namespace freegs::semantics {
 
-inline constexpr int kColorBins = 10;  // Of each channel of L*a*b*.
+inline constexpr int kColorBins = 10;  // For each channel of L*a*b*.
 
 using ColorHistogram = std::array<std::array<float, kColorBins>, 3>;
 
@@ -72,7 +72,7 @@ struct ContactStats {
   double hidden = 0;         // Where it does: one region is in front.
   double contrast_near = 0;  // Sums over `pixels` of LocalContrast ...
   double contrast_far = 0;   // ... with a small and a large window.
-  double difference = 0;     // Of colours, in the small window.
+  double difference = 0;     // Difference of colours, in the small window.
   double depth_step = 0;     // In sizes of patches.
 
   // Sum over all pairs, `pixels` and `hidden`, of LocalRelief::Step.
@@ -94,7 +94,7 @@ struct Contact {
 struct RegionGraph {
   std::vector<RegionStats> regions;
   std::vector<Contact> contacts;  // Sorted by (a, b), each pair once.
-  double total_pixels = 0;        // Of all views together.
+  double total_pixels = 0;        // Pixels of all views together.
 
   std::vector<double> PixelsOfRegions() const;
 };

@@ -20,7 +20,7 @@ struct JoinedTree {
   // it.
   std::vector<int32_t> place;
 
-  int32_t joined = -1;  // Of the new tree: all leaves of the two.
+  int32_t joined = -1;  // Region of the new tree: all leaves of the two.
 };
 
 // Takes region b out of what it was joined to, and joins it to region a first

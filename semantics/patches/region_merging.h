@@ -62,7 +62,8 @@ RegionTree MergeRegions(RegionGraph graph,
                         const DifferenceFn& difference,
                         const AllowFn& allow = nullptr);
 
-// The same, for who has the EvidenceOfContacts already.
+// Merges in the same way. of_contacts: what EvidenceOfContacts returns for
+// `graph`, for callers that have it already.
 RegionTree MergeRegions(RegionGraph graph,
                         std::span<const Evidence> of_contacts,
                         const DifferenceFn& difference,

@@ -109,7 +109,7 @@ Joins FindJoins(const RegionTree& tree,
 // Contacts of patches, added up.
 struct Contacts {
   ContactStats stats;
-  double odds = 0;  // Of each pair of pixels, that it is of two things.
+  double odds = 0;  // Sum of the log-odds that a pair is of two things.
 
   double pairs() const { return stats.pixels + stats.hidden; }
   void Add(const Contacts& other) {

@@ -46,10 +46,10 @@ enum RegionAttribute : size_t {
 enum ContactAttribute : size_t {
   kContactHidden,  // Share where one patch hides the other.
   kContactNear,    // Boundary in the photographs, narrow windows.
-  kContactFar,     // The same, wide windows.
+  kContactFar,     // Boundary in the photographs, wide windows.
   kContactColor,   // Difference of colours.
   kContactStep,    // Steps of depth.
-  kContactRelief,  // The same, of planes fitted to both sides.
+  kContactRelief,  // Steps of planes fitted to both sides.
   kContactCrease,  // Concave above 0, convex below.
   kContactBend,    // Angle between the surfaces.
   kContactOdds,    // Log-odds that the two patches are of two things.

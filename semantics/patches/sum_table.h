@@ -12,7 +12,7 @@
 
 namespace freegs::semantics {
 
-// Of N numbers for each pixel.
+// Sums over windows of an image that has N numbers for each pixel.
 template <size_t N>
 class SumTable {
  public:

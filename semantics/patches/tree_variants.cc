@@ -13,7 +13,7 @@ namespace {
 
 // Weights are multiplied by 1 - kMostChange to 1 + kMostChange.
 constexpr double kMostChange = 0.7;
-constexpr uint64_t kWeightSeed = 77;  // Of these numbers.
+constexpr uint64_t kWeightSeed = 77;  // Seed of these factors.
 
 // The leaves in an order in which those of each region are neighbours: region r
 // has order[first[r]] to order[first[r] + count[r] - 1].

@@ -23,9 +23,9 @@ inline constexpr int kNumTreeVariants = 8;
 // kNumTreeVariants - 1.
 EvidenceModel VariantOf(const EvidenceModel& model, int variant);
 
-// Of each region of `tree`: the quality of the region of `other` that is most
-// like it, times their intersection over union. Both trees have the same
-// leaves; leaf_sizes are what the intersections are measured in, such as
+// Returns for each region of `tree` the quality of the region of `other` that
+// is most like it, times their intersection over union. Both trees have the
+// same leaves; leaf_sizes are what the intersections are measured in, such as
 // pixels. other_quality has a number for each region of `other`. Regions of
 // less than min_size get 0, and are not looked at in `other`.
 std::vector<double> QualityInVariant(const RegionTree& tree,

@@ -51,7 +51,7 @@ StatusOr<std::vector<ClickHit>> QueryClick(const splat::GaussianModel& model,
 
 struct BoxHit {
   int id = 0;      // Id of the instance.
-  double iou = 0;  // Of the drawn box and the box around the instance.
+  double iou = 0;  // Between the drawn box and that of the instance.
 };
 
 // The corners of a box in pixels. Pixel (x, y) covers [x, x + 1) x [y, y + 1).

@@ -28,12 +28,12 @@ namespace freegs::semantics {
 struct TextHit {
   int id = 0;            // Id of the instance.
   double relevancy = 0;  // See clip/relevancy.h.
-  double cosine = 0;     // Of the vectors of instance and text.
+  double cosine = 0;     // Between the vectors of instance and text.
 };
 
 struct ExampleHit {
   int id = 0;         // Id of the instance.
-  double cosine = 0;  // Of the vectors of instance and picture.
+  double cosine = 0;  // Between the vectors of instance and picture.
 };
 
 struct TextQueryOptions {
@@ -79,8 +79,8 @@ StatusOr<std::vector<TextHit>> QueryText(
     const TextQueryOptions& options,
     std::span<const uint8_t> is_background = {});
 
-// The same by descending cosine with the vector of a picture, which has any
-// length but zero.
+// Returns the instances by descending cosine of their vectors with the vector
+// of a picture, which has any length but zero. All else is as in QueryText.
 StatusOr<std::vector<ExampleHit>> QueryExample(
     const InstanceFeatures& features,
     std::span<const float> image_vector,

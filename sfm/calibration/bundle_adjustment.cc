@@ -120,7 +120,7 @@ struct Blocks {
   std::vector<PoseBlock> poses;               // By image.
   std::vector<LensBlock> lenses;              // By camera.
   std::vector<std::array<double, 3>> points;  // By point.
-  std::vector<Observation> observations;      // Of points seen twice.
+  std::vector<Observation> observations;      // Those of points seen twice.
 };
 
 Blocks MakeBlocks(const Reconstruction& model) {

@@ -34,9 +34,9 @@ struct CameraSelectionOptions {
   // and has a smaller BIC.
   bool per_photo = true;
 
-  // Of more photos than this, a part is taken that sees the same points often
-  // (see SamplePhotos). A lens is the same everywhere, and time grows faster
-  // than the number of photos.
+  // If there are more photos than this, a part of them is taken that sees the
+  // same points often (see SamplePhotos). A lens is the same everywhere, and
+  // time grows faster than the number of photos.
   size_t max_images = 100;
 
   // Estimation uses a random part of the points: so many that they have this
@@ -62,7 +62,7 @@ struct CameraCandidate {
   int parameters = 0;  // Number of estimated intrinsics of all cameras.
   double held_out_error_px = 0;
   double held_out_median_px = 0;
-  double rms_px = 0;  // Of the observations used for estimation.
+  double rms_px = 0;  // Over the observations used for estimation.
 
   // The Bayesian information criterion n log(rms^2) + k log n (Schwarz,
   // "Estimating the dimension of a model", 1978), with n residuals, two per
@@ -110,9 +110,9 @@ StatusOr<CameraSelection> SelectCameras(const Reconstruction& model,
 StatusOr<CameraSelection> RefineCameras(const CameraSelectionOptions& options,
                                         Reconstruction* model);
 
-// The same for a model whose cameras were chosen before: kPerGroup means the
-// groups that were noted then (see RestoreCameraGroups). On an error the model
-// is untouched and keeps the cameras of the earlier choice.
+// Does what RefineCameras does, for a model whose cameras were chosen before:
+// kPerGroup means the groups that were noted then (see RestoreCameraGroups). On
+// an error the model is untouched and keeps the cameras of the earlier choice.
 StatusOr<CameraSelection> RefineCamerasAgain(
     const CameraSelectionOptions& options,
     const CameraGroups& groups,

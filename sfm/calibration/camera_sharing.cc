@@ -14,7 +14,7 @@
 namespace freegs::sfm {
 namespace {
 
-// Of an image: those with equal keys share a camera.
+// The key of an image. Images with equal keys share a camera.
 using SharingKey = std::pair<uint64_t, uint64_t>;
 
 // The keys of the images that a sharing leads to.

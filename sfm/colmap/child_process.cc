@@ -213,7 +213,7 @@ class Child {
   void TakeLine(const LineFn& on_line);
 
   pid_t pid_ = -1;
-  pid_t group_ = -1;     // Of the program; also the process id of its guard.
+  pid_t group_ = -1;     // The program's; also the process id of its guard.
   Descriptor lifeline_;  // Closed by the kernel when this process ends.
   Descriptor output_;
   Descriptor log_;

@@ -52,8 +52,8 @@ class Matcher {
   const StepContext& context_;
   const fs::path database_path_;
   ThreadPool pool_;
-  std::vector<uint32_t> ids_;  // Of photos with features, in the order given.
-  std::vector<std::string> names_;  // Of the same.
+  std::vector<uint32_t> ids_;       // Photos with features, in the order given.
+  std::vector<std::string> names_;  // Names of these photos.
   std::map<uint32_t, SiftDescriptors> descriptors_;
 };
 

@@ -68,7 +68,7 @@ class PortionedImport {
   const StepContext& context_;
   const PortionedImportOptions options_;
   const std::filesystem::path base_path_;
-  int num_portions_ = 0;  // Of all calls so far.
+  int num_portions_ = 0;  // In all calls so far.
   double total_ = 0;      // Pairs to import.
   double imported_ = 0;   // Pairs imported.
 };

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How large the images must be that features are taken from.
 //
-// Of the features found, the largest max_features are kept. Where a large image
-// has several times as many, the finest ones, which take most of the time, are
-// found to be thrown away; a smaller image has the large ones too.
+// Only the largest max_features of the features found are kept. Where a large
+// image has several times as many, the finest ones, which take most of the
+// time, are found to be thrown away; a smaller image has the large ones too.
 
 #ifndef FREEGS_SFM_FEATURES_IMAGE_SIZE_H_
 #define FREEGS_SFM_FEATURES_IMAGE_SIZE_H_

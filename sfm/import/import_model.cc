@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 constexpr uint64_t kMaxTransformsBytes = uint64_t{1} << 28;
 
-// Of a photo whose sides differ by less, a quarter turn may go unseen.
+// A quarter turn of a photo whose sides differ by less may go unseen.
 constexpr double kAlmostSquare = 0.01;
 
 bool IsFile(const fs::path& path) {

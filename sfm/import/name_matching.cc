@@ -65,7 +65,7 @@ int Score(const PathParts& name, const PathParts& photo) {
     ++shared;
   }
   score += 8 * static_cast<int>(shared);
-  // The same path from its beginning, not only from its end.
+  // The paths agree from their beginning, not only from their end.
   if (name.folders == photo.folders) score += 4;
   // images/0001.jpg fits the photo 0001.jpg better than sub/0001.jpg, of which
   // a folder is missing. This decides only where nothing else does.

@@ -237,7 +237,7 @@ StatusOr<Camera> MakeCamera(const TransformsIntrinsics& intrinsics,
   const TransformsIntrinsics& in = intrinsics;
   double w = in.width > 0 ? in.width : width;
   double h = in.height > 0 ? in.height : height;
-  // Of one side the other one follows.
+  // If the file gives one side only, the other one follows from it.
   if (in.width > 0 && in.height <= 0) h = w * height / width;
   if (in.height > 0 && in.width <= 0) w = h * width / height;
   const double sx = width / w;

@@ -68,7 +68,7 @@ Eigen::Vector3d Unproject(const Camera& camera, const Eigen::Vector2d& pixel) {
 struct PosedPhoto {
   const PosedImage* image = nullptr;
   double focal = 0;
-  std::vector<Eigen::Vector3d> rays;  // Of the features.
+  std::vector<Eigen::Vector3d> rays;  // Rays of the features.
 };
 
 // Counts matches that fit two photos' poses.

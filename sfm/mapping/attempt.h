@@ -81,8 +81,8 @@ class AttemptStore {
       const std::string& name,
       const std::function<StatusOr<AttemptResult>()>& run);
 
-  // The same, but an error of `run` becomes a result without models whose
-  // `problem` is the message. Such a result is not recorded either. Only
+  // Does what Run does, but an error of `run` becomes a result without models
+  // whose `problem` is the message. Such a result is not recorded either. Only
   // kInterrupted and kInternal are still returned as errors.
   StatusOr<AttemptResult> Try(
       const std::string& name,

@@ -76,7 +76,7 @@ struct Health {
   // empty string if none is known.
   std::map<std::string, std::string> unregistered;
   std::vector<std::string> warnings;
-  std::vector<Camera> cameras;  // Of models[0].
+  std::vector<Camera> cameras;  // Those of models[0].
 
   // The cameras among which one was chosen; empty if there was no choice.
   std::vector<CameraCandidate> camera_models;

@@ -79,8 +79,9 @@ MatchedPixels PixelsOf(const Photo& photo1,
   return result;
 }
 
-// Of a rotation R and a direction t of the way, with ray2 ~ R ray1 + t: the
-// matches in front of both cameras, for t and for -t.
+// For a rotation R and a direction t of the way, with ray2 ~ R ray1 + t: the
+// matches that lie in front of both cameras, each as the angle between its
+// rays, for t and for -t.
 struct InFront {
   std::vector<double> angles_deg;
   std::vector<double> angles_deg_reversed;

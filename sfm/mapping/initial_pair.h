@@ -83,8 +83,8 @@ StatusOr<std::vector<Reconstruction>> MapFromLastPair(
     std::vector<InitialPair> pairs,
     const MapperOptions& options = {});
 
-// The same from the best pair. If there is no model then, COLMAP looks for
-// pairs itself.
+// Maps the database like MapFromLastPair, but from the best pair of BestPairs.
+// If there is no model then, COLMAP looks for pairs itself.
 //
 //   FREEGS_ASSIGN_OR_RETURN(const std::vector<Reconstruction> models,
 //                           MapFromBestPair(context, database, folder));

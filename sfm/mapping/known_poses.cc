@@ -21,8 +21,8 @@ namespace {
 
 constexpr double kMinFittingShare = 0.5;
 
-// Of one photo. In 44 drawn scenes with true poses (docs/sfm.md) the least
-// share was 0.47, but for three photos that match each other only.
+// The share for one photo. In 44 drawn scenes with true poses (docs/sfm.md) the
+// least was 0.47, but for three photos that match each other only.
 constexpr double kMinPhotoShare = 0.25;
 
 // So few matches of a photo tell nothing about its pose.

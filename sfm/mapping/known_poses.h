@@ -24,7 +24,7 @@ struct TriangulatedScene {
   // coloured points.
   Reconstruction model;
 
-  // Of the verified matches between photos, the share that became one point.
+  // The share of the verified matches between photos that became one point.
   // Nothing if there are no matches, which tell nothing about the poses.
   std::optional<double> fitting_share;
 
@@ -33,7 +33,7 @@ struct TriangulatedScene {
 
   MatchedPairs pairs;  // The pairs of photos that were compared.
   int image_size = 0;  // Longest side, in pixels, that features are taken from.
-  int max_features = 0;  // Of each photo that were kept at most.
+  int max_features = 0;  // The most that were kept of a photo.
   std::string colmap_version;
   std::vector<std::string> warnings;
 };

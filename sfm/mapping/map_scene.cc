@@ -20,7 +20,7 @@ using Models = std::vector<Reconstruction>;
 // Photos that the best model lacks. Blurred ones are not counted.
 struct LeftOut {
   size_t photos = 0;
-  size_t matching = 0;  // Of these, those that match photos of the model.
+  size_t matching = 0;  // Those of them that match photos of the model.
 };
 
 LeftOut CountLeftOut(const SceneEvidence& evidence, const Models& models) {

@@ -27,7 +27,7 @@ std::optional<ModelFormat> DetectModelFormat(
 // supported (see FindStoredCameraModel).
 StatusOr<Reconstruction> ReadModel(const std::filesystem::path& folder);
 
-// The same without CheckReconstruction.
+// Reads the model like ReadModel, but without CheckReconstruction.
 StatusOr<Reconstruction> ReadModelUnchecked(
     const std::filesystem::path& folder);
 

@@ -36,7 +36,7 @@ struct ReconstructionMeasures {
   double median_triangulation_deg = 0;
 
   size_t num_points = 0;
-  size_t observations = 0;  // Of points in front of the camera.
+  size_t observations = 0;  // Those of points in front of the camera.
 
   // Observations of points that the camera cannot see where it is, because they
   // lie behind it. They have no reprojection error.

@@ -23,7 +23,7 @@ constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kLevel = 5 * kDegree;     // Cameras held level are within.
 constexpr double kFan = 3 * kDegree;       // Axes spread less are parallel.
 constexpr double kWideFan = 15 * kDegree;  // Enough for full confidence.
-constexpr double kNoAgreement = 0.1;       // Of the mean up axis with up.
+constexpr double kNoAgreement = 0.1;       // Between the mean up axis and up.
 constexpr double kFullAgreement = 0.5;
 constexpr double kMaxParallelConfidence = 0.3;
 constexpr double kOppositeConfidence = 0.1;  // When up may as well be down.
@@ -32,7 +32,7 @@ constexpr int kRefinements = 3;
 
 constexpr int kPlaneDraws = 300;
 constexpr size_t kPlanePoints = 4000;
-constexpr double kPlaneThickness = 0.01;  // Of the focus's distance.
+constexpr double kPlaneThickness = 0.01;  // Share of the focus's distance.
 constexpr double kMinPlaneShare = 0.1;
 constexpr uint64_t kPairStream = 1;
 constexpr uint64_t kPlaneStream = 2;
@@ -110,7 +110,7 @@ Eigen::Vector3d ConsensusNormal(const std::vector<Eigen::Vector3d>& axes) {
 // Level cameras for a normal, and the fit to them.
 struct LevelFit {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-  double share = 0;  // Of all cameras.
+  double share = 0;  // Share of all cameras.
   double rms = 0;    // Radians.
   double fan = 0;    // Spread of the axes within the plane, radians.
 };

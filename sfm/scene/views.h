@@ -12,8 +12,8 @@
 
 namespace freegs::sfm {
 
-// The same camera without its lens distortion; lengths are in pixels. The sides
-// of its image must fit an int, as they do after CheckReconstruction.
+// The camera without its lens distortion; lengths are in pixels. The sides of
+// its image must fit an int, as they do after CheckReconstruction.
 Pinhole PinholeOf(const Camera& camera);
 
 // Returns the images of the model in the order of their names (NaturalLess).

@@ -29,7 +29,8 @@ uint64_t StreamOf(uint64_t purpose, const MiniSplattingContext& context) {
   return MixBits(MixBits(purpose) ^ static_cast<uint64_t>(context.iteration));
 }
 
-// Of view i, without the pixels that its mask ignores. Fetches its photo.
+// Fetches the photo of view i, and computes what each Gaussian contributes to
+// this view, without the pixels that its mask ignores.
 Status RenderContributions(const MiniSplattingContext& context,
                            const GaussianModel& model,
                            size_t i,

@@ -41,7 +41,7 @@ struct HoldoutTask {
   const GaussianModel& model;
   RenderOptions render = {};
   TrainingImages* images = nullptr;  // One view or more.
-  int level = 0;                     // Of the image pyramid.
+  int level = 0;                     // Level of the image pyramid.
 
   // Where training learnt exposures, the colours of a rendering become those to
   // expect of the photo (ExposureBetween).
@@ -73,10 +73,11 @@ struct FittedPsnr {
   double fitted = 0;
 };
 
-// The same when each photo may have its own exposure: the colours of the
-// rendering are fitted to the photo on its left half (FitColor) and compared on
-// its right half. Exposures that training learnt are not used. Nothing if masks
-// leave no pixel of any right half. The errors are those of MeasureHoldout.
+// Measures the holdout when each photo may have its own exposure: the colours
+// of the rendering are fitted to the photo on its left half (FitColor) and
+// compared on its right half. Exposures that training learnt are not used.
+// Nothing if masks leave no pixel of any right half. The errors are those of
+// MeasureHoldout.
 StatusOr<std::optional<FittedPsnr>> MeasureFittedHoldout(
     const HoldoutTask& task, ThreadPool& pool);
 

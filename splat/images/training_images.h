@@ -104,7 +104,7 @@ class TrainingImages {
   };
   struct Cache {
     std::vector<Entry> entries;
-    uint64_t held_bytes = 0;  // Of all pyramids in entries.
+    uint64_t held_bytes = 0;  // Size of all pyramids in entries.
     uint64_t clock = 0;
   };
 

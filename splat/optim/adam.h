@@ -64,10 +64,11 @@ class Adam {
             ThreadPool& pool,
             GaussianModel* model);
 
-  // The same step in parts, for gradients that are computed in chunks. Call
-  // BeginStep once, then UpdateRows so that it gets every touched Gaussian
-  // once. Row j of `rows` belongs to Gaussian touched[j]. Several threads may
-  // call UpdateRows at the same time for different Gaussians.
+  // BeginStep and UpdateRows make the step of Step in parts, for gradients that
+  // are computed in chunks. Call BeginStep once, then UpdateRows so that it
+  // gets every touched Gaussian once. Row j of `rows` belongs to Gaussian
+  // touched[j]. Several threads may call UpdateRows at the same time for
+  // different Gaussians.
   void BeginStep(const LearningRates& rates);
   void UpdateRows(std::span<const uint32_t> touched,
                   const GaussianGradients& rows,

@@ -46,7 +46,7 @@ void UpdateArray(const AdamCoefficients& coefficients,
                  float* parameters) {
   size_t i = 0;
   size_t end = 0;
-  const float* gradient = nullptr;  // Of the run's first parameter.
+  const float* gradient = nullptr;  // That of the run's first parameter.
   // Updates whole vectors of this width from i on.
   const auto update = [&](auto d) HWY_ATTR {
     const size_t lanes = hn::Lanes(d);

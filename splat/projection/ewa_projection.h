@@ -62,12 +62,12 @@ struct ProjectionTerms {
   ComparisonOf<T> u_free, v_free;  // Whether they were within them already.
   T quaternion[4];                 // Normalised.
   T inverse_norm;                  // 1 / |q|.
-  T rotation[9];                   // Of the Gaussian.
+  T rotation[9];                   // Rotation of the Gaussian, 3 x 3.
   T scale[3];                      // exp(log_scale).
   T world_to_image[6];             // J W, 2 x 3.
   T half[6];      // A = J W R S, 2 x 3: Sigma' = A A^T + dilation I.
-  T cross[3];     // Of the rows of A.
-  T determinant;  // Of Sigma'.
+  T cross[3];     // Cross product of the rows of A.
+  T determinant;  // Determinant of Sigma'.
 };
 
 }  // namespace freegs::splat

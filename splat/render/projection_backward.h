@@ -66,7 +66,7 @@ class ProjectionBackward {
                 GradientSink sink);
 
  private:
-  std::vector<GaussianGradients> rows_;  // Of a chunk, by worker.
+  std::vector<GaussianGradients> rows_;  // Rows of a chunk, by worker.
 };
 
 }  // namespace freegs::splat

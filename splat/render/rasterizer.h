@@ -146,7 +146,7 @@ class Rasterizer {
   int num_features_ = 0;
   int num_extras_ = 0;
 
-  std::vector<float> extras_;          // Of the model: N x num_extras.
+  std::vector<float> extras_;          // The model's: N x num_extras.
   std::vector<int64_t> tile_visited_;  // By tile, see BlendTile.
   std::vector<TileBlocks> touched_;    // By list entry, see BlendTile.
   std::vector<float> pair_moments_;    // By entry of the bins.

@@ -39,7 +39,8 @@ struct TileTask {
   int64_t count = 0;
   int x0 = 0, y0 = 0;         // Top-left pixel.
   int width = 0, height = 0;  // Pixels inside the image, at most 16 each.
-  // Of the image: nothing is blended where it is 0. Null: everywhere.
+  // A mask of the size of the image: nothing is blended where it is 0. Null:
+  // everywhere is blended.
   const ImageU8* mask = nullptr;
   // Extra values per Gaussian: num_extras floats each.
   const float* extras = nullptr;

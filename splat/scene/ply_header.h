@@ -49,10 +49,11 @@ struct PlyElement {
 struct PlyHeader {
   PlyFormat format = PlyFormat::kAscii;
 
-  // Of a line "comment offset X Y Z": what was subtracted from all positions.
+  // What was subtracted from all positions, as a line "comment offset X Y Z"
+  // says.
   std::array<double, 3> offset = {0, 0, 0};
 
-  // Of a line "comment SplatRenderMode: mip".
+  // Whether there is a line "comment SplatRenderMode: mip".
   bool antialiased = false;
 
   std::vector<PlyElement> elements;

@@ -179,7 +179,7 @@ void BringRotationIntoRange(float* q) {
 void FuseFilter(double filter, float* log_scales, float* opacity_logit) {
   if (filter == 0) return;
   const double log_filter = std::log(std::abs(filter));
-  double log_factor = 0;  // Of opacity.
+  double log_factor = 0;  // Log of the factor of opacity.
   for (int k = 0; k < 3; ++k) {
     const double old = log_scales[k];
     const double larger = std::max(old, log_filter);

@@ -15,8 +15,8 @@ namespace freegs::splat {
 // A frame of the extension SPZ_ADOBE_coordinate_system, 1 to 8: x is left or
 // right, y down or up, z back or front, and the bits of the number less one say
 // right, up and front.
-inline constexpr uint32_t kRightUpBack = 4;     // Of files that name none.
-inline constexpr uint32_t kRightDownFront = 6;  // Of COLMAP.
+inline constexpr uint32_t kRightUpBack = 4;     // If a file names no frame.
+inline constexpr uint32_t kRightDownFront = 6;  // COLMAP's frame.
 
 // What numbers of a model are multiplied by when axes turn round. The same
 // signs lead there and back.

@@ -41,8 +41,8 @@ struct TrainingCheckpoint {
   std::map<std::string, std::string> facts;
 };
 
-// The same by reference, for writing: a trainer's state is large. The state
-// must not change while the view is in use.
+// A TrainingCheckpoint by reference, for writing: a trainer's state is large.
+// The state must not change while the view is in use.
 struct TrainingCheckpointView {
   int64_t iteration = 0;
   double elapsed_seconds = 0;

@@ -65,7 +65,7 @@ struct TrainingHistory {
   std::optional<ExposureChoice> exposure_choice;  // Where there was a search.
   PhotoColors colors;                             // Where exposure is learnt.
   std::optional<GoodState> last_good;
-  ModelAverage average;  // Of the last steps, see TrainerOptions.
+  ModelAverage average;  // Mean of the last steps, see TrainerOptions.
 };
 
 }  // namespace freegs::splat

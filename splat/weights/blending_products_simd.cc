@@ -48,8 +48,8 @@ HWY_INLINE void MultiplyOne(D d,
   }
 }
 
-// The same for four vectors: the row of W is read once for all of them, and
-// their sums do not wait for one another.
+// Does what MultiplyOne does, for four vectors: the row of W is read once for
+// all of them, and their sums do not wait for one another.
 template <class D>
 HWY_INLINE void MultiplyFour(D d,
                              RowPointers w,
@@ -80,8 +80,8 @@ HWY_INLINE void MultiplyFour(D d,
   }
 }
 
-// The same for the transposed product. A row lists a Gaussian only once, so no
-// vector is read before it has been written.
+// Does what MultiplyOne does, for the transposed product. A row lists a
+// Gaussian only once, so no vector is read before it has been written.
 template <class D>
 HWY_INLINE void AddTransposedOne(D d,
                                  RowPointers w,

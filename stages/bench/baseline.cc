@@ -50,7 +50,7 @@ void CompareFigures(const std::string& id,
 }  // namespace
 
 std::map<std::string, Tolerance> DefaultTolerances() {
-  // Of a short training, the PSNR of a few holdout photos is left out: it
+  // The PSNR of a few holdout photos of a short training is left out: it
   // differs by up to 0.9 dB between sets of instructions, that of drawn views
   // by up to 0.13 dB.
   return {{"sfm.registered", {0, 0}},

@@ -35,7 +35,7 @@ struct Disturber {
 struct BenchContext {
   std::filesystem::path out;      // The bench's folder; exists.
   std::filesystem::path program;  // freegs_pipeline, which runs the stages.
-  double time_limit_s = 0;        // Of each stage; 0 for none.
+  double time_limit_s = 0;        // Limit of each stage; 0 for none.
 
   // Whether results of another build of the program, and those that rest on
   // them, are measured anew.

@@ -147,8 +147,8 @@ class Runner {
     return result;
   }
 
-  // Of a cell whose photographs cannot be disturbed, or whose options do not go
-  // together.
+  // The result of a cell whose photographs cannot be disturbed, or whose
+  // options do not go together.
   StatusOr<CellResult> Unplanned(const std::string& title,
                                  const Status& status) const {
     if (status.code() == StatusCode::kInterrupted ||
@@ -192,7 +192,7 @@ class Runner {
   StageStore store_;
   std::atomic<size_t> next_{0};
   std::atomic<bool> failed_{false};
-  std::mutex mutex_;  // Of what follows.
+  std::mutex mutex_;  // Guards what follows.
   std::vector<CellResult> results_;
   Status error_;
 };

@@ -33,7 +33,7 @@ StatusOr<ScenePhotos> FindScenePhotos(const SuiteScene& scene,
 // What is to be disturbed: the folder of photographs, or of a COLMAP model.
 struct DisturbSource {
   std::filesystem::path folder;
-  std::string hash;  // Of what lies in the folder, or of how it was made.
+  std::string hash;  // Hash of what lies there, or of how it was made.
   std::string kind;  // "photos" or "poses": the folder of OUT for the result.
 };
 

@@ -66,8 +66,9 @@ class StageStore {
   // (ChildOutcome::IsFinal), is not tried again. kInterrupted when cancelled.
   StatusOr<ChildOutcome> RunStage(const CellPlan& plan, size_t index);
 
-  // The same for the figures of eval, about the last stage of the plan. They
-  // lie in plan.evaluation / "eval.json".
+  // Brings the figures of eval up to date, which are about the last stage of
+  // the plan, as RunStage does with a stage. They lie in plan.evaluation /
+  // "eval.json".
   StatusOr<ChildOutcome> Evaluate(const CellPlan& plan);
 
   // Whether a plan's stage needs no more work.
@@ -102,7 +103,7 @@ class StageStore {
   const std::string to_;
   const std::string program_hash_;
   std::mutex disturbing_;
-  std::mutex mutex_;  // Of what follows.
+  std::mutex mutex_;  // Guards what follows.
   pipeline::FingerprintCache cache_;
   std::map<std::filesystem::path, std::shared_ptr<std::mutex>> busy_;
   std::map<std::filesystem::path, ChildOutcome> known_;

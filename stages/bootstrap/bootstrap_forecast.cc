@@ -29,8 +29,8 @@ constexpr int kUsualDim = 16;
 // The longest features of a CLIP model. Vectors are not longer than these.
 constexpr int kLongestFeature = 1024;
 
-// Of each number of a longer vector: a float, and two copies while the vectors
-// are written.
+// A number of a longer vector is a float, with two copies while the vectors are
+// written.
 constexpr double kBytesPerLiftedNumber = 12;
 // With mode paper each number also has a gradient and two moments. While a
 // checkpoint is written, the number and its moments are there twice more: as a

@@ -70,7 +70,7 @@ void RegisterTrainingOptions(BootstrapStageOptions& options,
              .max = 1000});
 }
 
-// Of clustering in the union space.
+// Adds the options of clustering in the union space.
 void RegisterUnionOptions(BootstrapStageOptions& options,
                           pipeline::OptionTable& table) {
   semantics::UnionClusteringOptions& clustering =

@@ -59,8 +59,8 @@ Argument WorkspaceArgument();
 // the same path.
 std::filesystem::path AbsoluteFolder(const std::string& word);
 
-// The same of a workspace that has to be there. Returns kBadInput when it is
-// not a folder.
+// The AbsoluteFolder of a workspace that has to be there. Returns kBadInput
+// when it is not a folder.
 StatusOr<std::filesystem::path> ExistingWorkspace(const std::string& word);
 
 // An option that takes several values ("--click VIEW X Y"), or that may be

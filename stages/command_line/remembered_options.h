@@ -39,7 +39,7 @@ void RememberOptions(const std::filesystem::path& workspace,
                      const std::vector<pipeline::OptionSetting>& settings,
                      pipeline::WorkspaceInfo* info);
 
-// Of the options in `before`, those that the command line does not set, as
+// Lists the options in `before` that the command line does not set, as
 // "sfm.camera single, general.seed 3". Empty if there are none.
 std::string OtherOptionsText(
     const std::map<std::string, std::string>& before,

@@ -37,10 +37,10 @@ bool IsAmong(const fs::path& place,
          !(IsWithin(workspace, named) && IsWithin(place, workspace));
 }
 
-// The same for what sfm.import names. Stage sfm reads only a few files of a
-// folder, which often holds the whole scene, so other places below it are free.
-// Those where a COLMAP model is looked for are not: a model that is exported
-// there would replace or hide what is imported.
+// Whether a place is among the files of `named`, which sfm.import names. Stage
+// sfm reads only a few files of a folder, which often holds the whole scene, so
+// other places below it are free. Those where a COLMAP model is looked for are
+// not: a model that is exported there would replace or hide what is imported.
 bool IsAmongImport(const fs::path& place, const fs::path& named) {
   std::vector<fs::path> kept = sfm::ModelFolders(named);
   if (const auto source = sfm::FindImportSource(named); source.ok()) {

@@ -61,9 +61,9 @@ void WarnOfRun(const std::filesystem::path& workspace, CommandContext& context);
 Status CheckOutputPlace(const std::filesystem::path& workspace,
                         const std::filesystem::path& place);
 
-// The same for commands that read no workspace: kInvalidArgument for a place in
-// the folder of a stage of any workspace, and for the settings and the log of
-// one.
+// Checks the place of output for commands that read no workspace:
+// kInvalidArgument for a place in the folder of a stage of any workspace, and
+// for the settings and the log of one.
 Status CheckOutputPlace(const std::filesystem::path& place);
 
 using CommandFn = Status (*)(const std::vector<std::string>& arguments,

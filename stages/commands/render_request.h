@@ -21,7 +21,7 @@ struct RenderRequest {
   std::string cameras;  // A camera file.
   std::string path;     // "orbit", "photos" or a camera file.
   std::string what = "color";
-  double granularity = 0;  // Of instances, where it is given.
+  double granularity = 0;  // That of instances, where it is given.
   bool has_granularity = false;
   InstanceChoice choice;
   double seconds = 10;

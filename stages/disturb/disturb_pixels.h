@@ -14,7 +14,7 @@ namespace freegs::stages {
 // Which photograph it is.
 struct PhotoTurn {
   double along = 0;   // Its place among all: 0 for the first, 1 for the last.
-  uint64_t seed = 0;  // Of what is drawn for this photograph.
+  uint64_t seed = 0;  // Seed of what is drawn for this photograph.
 };
 
 // Whether the disturbance is one of the pixels.

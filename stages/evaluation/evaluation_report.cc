@@ -16,7 +16,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr size_t kNameWidth = 24;  // Of objects and queries in tables.
+constexpr size_t kNameWidth = 24;  // Width of objects and queries in tables.
 
 json UseJson(TestViewUse use) {
   switch (use) {

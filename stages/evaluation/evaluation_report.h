@@ -50,7 +50,7 @@ struct EvaluationReport {
 // are no test views; "psnr_views" says which.
 nlohmann::json ToJson(const EvaluationReport& report);
 
-// The same figures for people.
+// Prints the figures of ToJson for people.
 void PrintTable(const EvaluationReport& report, std::ostream& out);
 
 }  // namespace freegs::stages

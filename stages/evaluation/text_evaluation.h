@@ -25,7 +25,7 @@ struct TextAnswer {
   // Label as in idsf.bin; -1 when nothing answers, or no instance but Gaussians
   // (gaussian_answers.h).
   int instance = -1;
-  // Of the best instance or Gaussian, even if it was refused.
+  // The relevancy of the best instance or Gaussian, even if it was refused.
   double relevancy = 0;
 };
 

@@ -12,7 +12,7 @@
 namespace freegs::stages {
 namespace {
 
-constexpr double kBarWidth = 0.004;  // Of the box's diagonal.
+constexpr double kBarWidth = 0.004;  // Share of the box's diagonal.
 constexpr int kNumBars = 12;
 constexpr int kCornersPerBar = 8;
 

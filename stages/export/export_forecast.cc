@@ -11,15 +11,16 @@ namespace {
 // Lists of tiles, buffers of the threads, the page.
 constexpr double kWorkMemory = 45e6;
 
-// Of a view that is drawn: colour (3 floats), transmittance, depth and label (4
-// bytes each); the pictures made of it come after some of these are gone.
+// Bytes for each pixel of a view that is drawn: colour (3 floats),
+// transmittance, depth and label (4 bytes each); the pictures made of it come
+// after some of these are gone.
 constexpr double kBytesPerPixel = 18;
 
 // The model as it is, and as it is moved, coloured, sorted and written.
 constexpr double kBytesPerGaussian = 1400;
 
 constexpr double kSeconds = 0.6;
-constexpr double kSecondsPerMegapixel = 0.15;  // Of the views that are drawn.
+constexpr double kSecondsPerMegapixel = 0.15;  // For the views that are drawn.
 constexpr double kSecondsPerMillion = 7;
 constexpr double kSerial = 0.5;
 

@@ -28,8 +28,8 @@ constexpr double kBytesPerPixel = 8;
 constexpr double kSeconds = 0.3;
 constexpr double kSecondsPerMegapixel = 0.006;
 
-// Of the PNG file that is written of a photo that other programs might read
-// differently.
+// Size of the PNG file that is written for a photo that other programs might
+// read differently.
 constexpr double kBytesPerWrittenPixel = 2;
 
 // Reads the header from the first bytes of a file. The whole file is read only

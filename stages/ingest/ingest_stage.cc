@@ -123,7 +123,7 @@ class IngestStage : public pipeline::Stage {
     return inputs;
   }
 
-  // Of films nothing is known before frames are taken from them.
+  // Nothing is known of films before frames are taken from them.
   pipeline::StageNeed Foretell(const StageContext& context,
                                bool done,
                                pipeline::SceneOutlook* scene) const override {

@@ -40,7 +40,7 @@ struct QueryScene {
 
   // Clicks and boxes are in one of these, which have their own size.
   std::vector<View> photos;
-  std::vector<View> file_views;  // Of --cameras.
+  std::vector<View> file_views;  // The views of --cameras.
 
   // Read by the first click with a level.
   std::optional<semantics::Hierarchy> hierarchy;

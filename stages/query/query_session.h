@@ -39,7 +39,7 @@ class QuerySession {
 
  private:
   const std::filesystem::path workspace_;
-  std::string stamp_;  // Of what is below; empty: it may be incomplete.
+  std::string stamp_;  // Stamp of what is below; empty: it may be incomplete.
   QueryScene scene_;
   QueryNetworks networks_;
 };

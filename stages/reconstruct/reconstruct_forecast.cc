@@ -25,13 +25,13 @@ constexpr double kBytesPerPicturePixel = 3;
 // While it is read, a photo is there twice: as decoded, and in the order RGB.
 constexpr double kBytesPerDecodedPixel = 6;
 
-// Of the view that a step renders, in floats: colour, photo and gradient (3
-// each), three maps of SSIM's derivatives (3 each), transmittance, and which
-// Gaussian is the dominant one.
+// What a step keeps for each pixel of the view that it renders, in floats:
+// colour, photo and gradient (3 each), three maps of SSIM's derivatives (3
+// each), transmittance, and which Gaussian is the dominant one.
 constexpr double kBytesPerViewPixel = 4 * (3 * 3 + 3 * 3 + 2);
 
-// Of training, besides what follows: lists of tiles, buffers of the threads,
-// pages that the allocator keeps.
+// What training needs besides what follows: lists of tiles, buffers of the
+// threads, pages that the allocator keeps.
 constexpr double kWorkMemory = 180e6;
 
 // Copies of a Gaussian's parameters. Training has four: the model, two moments
@@ -46,7 +46,8 @@ constexpr double kGrowth = 1.4;
 constexpr double kGaussiansPerPoint = 30;
 constexpr double kLeft = 0.31;
 
-// Of a step on one thread, and the share of it that threads do not divide.
+// Seconds of a step on one thread: for itself, for each megapixel and for each
+// million Gaussians; and the share of it that threads do not divide.
 constexpr double kStepSeconds = 0.02;
 constexpr double kStepSecondsPerMegapixel = 0.06;
 constexpr double kStepSecondsPerMillion = 0.07;
@@ -60,7 +61,7 @@ constexpr double kCheckpoints = 3;
 constexpr double kCopiesInCheckpoint = 4;
 constexpr double kCountedBytes = 3 * 4;
 
-// Of the pictures of the holdout views.
+// Size of the pictures of the holdout views.
 constexpr double kDiskBytesPerPixel = 1;
 
 double Densifications(const splat::ScheduleOptions& schedule) {

@@ -20,7 +20,7 @@ struct TrainingPreviewOptions {
 
   int max_side = 640;             // Longest side of the picture in pixels.
   double min_interval = 5;        // Seconds between two pictures.
-  double max_time_share = 0.005;  // Of all time, at most, goes into pictures.
+  double max_time_share = 0.005;  // Share of all time that pictures may take.
 };
 
 // Renders one view again and again. The model is only read, so that a training

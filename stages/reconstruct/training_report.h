@@ -27,7 +27,8 @@ nlohmann::json CourseJson(const std::string& densification,
 std::string RecoveryText(const splat::Recovery& recovery);
 std::string MilestoneText(const splat::MilestoneRecord& record);
 
-// Of no choice: that there was no time for one.
+// Says whether the exposure of each photo is learnt, and why. Without a choice
+// it says that there was no time for one.
 std::string ExposureText(const std::optional<splat::ExposureChoice>& choice);
 
 // A holdout view: by how many pixels the photo lies beside the rendering, and

@@ -262,7 +262,8 @@ class TrainingRun {
   double earlier_seconds_ = 0;
   double earlier_cpu_seconds_ = 0;
 
-  // Of the steps since the last row of progress.csv.
+  // The sum of the losses, and how many they are, since the last row of
+  // progress.csv.
   double loss_sum_ = 0;
   double loss_count_ = 0;
 };

@@ -79,8 +79,8 @@ std::vector<pipeline::OptionSetting> RememberedSettings(
     const pipeline::WorkspaceInfo& info,
     const pipeline::OptionTable& table);
 
-// The same as ApplySettings, for commands that ask about a finished scene: of
-// what the workspace remembers they use the preset and section query. Errors
+// Does what ApplySettings does, for commands that ask about a finished scene:
+// of what the workspace remembers they use the preset and section query. Errors
 // also as ReadWorkspaceInfo.
 Status ApplyQuerySettings(
     const std::filesystem::path& workspace,

@@ -62,8 +62,8 @@ Status ExecuteWithin(double seconds,
                      std::ostream& err,
                      const CancellationToken& cancellation);
 
-// The same until holdout photos have at least this PSNR in dB (psnr_run.h).
-// kBadInput if the scene has no holdout photos.
+// Runs all stages like ExecuteWithin, but until holdout photos have at least
+// this PSNR in dB (psnr_run.h). kBadInput if the scene has no holdout photos.
 Status ExecuteAtLeast(double psnr,
                       const std::vector<pipeline::OptionSetting>& settings,
                       const RunRequest& request,

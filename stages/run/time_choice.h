@@ -19,14 +19,14 @@ namespace freegs::stages {
 struct ExpectedRun {
   double cameras = 0;         // Seconds of stages ingest, sfm and undistort.
   double others = 0;          // Seconds of the stages after them.
-  double after_training = 0;  // Of these, seconds of those after reconstruct.
+  double after_training = 0;  // The part of `others` after reconstruct.
 
   // Whether the time that the stages in `cameras` take will tell how fast this
   // machine is: something is known of each, and none goes on from an
   // interrupted run.
   bool cameras_tell_pace = true;
 
-  // Of the training, by the user's options or those chosen.
+  // What the training does, by the user's options or those chosen.
   int iterations = 0;
   int max_image_size = 0;  // Pixels; 0: the photos' own size.
 

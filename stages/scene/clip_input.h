@@ -45,8 +45,8 @@ struct UprightPhoto {
 // kBadInput names the file and the fault.
 StatusOr<UprightPhoto> ReadUprightPhoto(const std::filesystem::path& path);
 
-// The same for the bytes of a file, of at most so many millions of pixels.
-// Messages do not name it.
+// Reads a photograph like ReadUprightPhoto from the bytes of a file, of at most
+// so many millions of pixels. Messages do not name the file.
 StatusOr<UprightPhoto> DecodeUprightPhoto(std::string_view bytes,
                                           double max_megapixels = 400);
 

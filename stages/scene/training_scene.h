@@ -78,7 +78,7 @@ StatusOr<splat::TrainingImages> LoadPhotos(
     const splat::TrainingImagesOptions& options,
     ThreadPool& pool);
 
-// The same of the holdout photographs; nothing if there are none.
+// Loads the holdout photographs as LoadPhotos does; nothing if there are none.
 StatusOr<std::optional<splat::TrainingImages>> LoadHoldout(
     const TrainingScene& scene,
     const splat::TrainingImagesOptions& options,

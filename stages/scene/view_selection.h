@@ -33,7 +33,7 @@ struct ViewSelection {
   // Without it they are in the workspace's world frame.
   bool align = true;
 
-  // Of a file with both sections only the views of "test" are taken.
+  // Only the views of "test" are taken from a file that has both sections.
   bool only_test = false;
 
   // Upper bounds of the longest side in pixels: the first holds for views of a

@@ -86,9 +86,9 @@ Image<int32_t> RenderLabels(const WorkspaceScene& scene,
 StatusOr<std::vector<std::string>> OutputNames(const std::vector<View>& views,
                                                const std::string& suffix);
 
-// The same file names by the names of the views. A stage that writes files for
-// some photographs of a scene asks for the names of all of them, so that a
-// photograph has the same name in the output of every stage.
+// The file names that OutputNames makes, by the names of the views. A stage
+// that writes files for some photographs of a scene asks for the names of all
+// of them, so that a photograph has the same name in the output of every stage.
 StatusOr<std::map<std::string, std::string>> OutputNameByView(
     const std::vector<View>& views, const std::string& suffix);
 

@@ -47,13 +47,14 @@ constexpr double kUsualFeatures = 3000;
 constexpr double kSecondsPerPhoto = 0.17;
 constexpr double kSecondsPerMegapixel = 0.03;
 constexpr double kSecondsPerPair = 0.03;
-constexpr double kMappingSecondsPerPhoto = 0.28;  // Of kUsualPhotos photos.
+constexpr double kMappingSecondsPerPhoto = 0.28;  // With kUsualPhotos photos.
 constexpr double kUsualPhotos = 60;
 constexpr double kMappingExponent = 0.75;
 constexpr double kSerial = 0.4;
 
-// Of the undistorter on each core: the photo and the one without distortion,
-// each decoded and as it is written. And of the models that are read beside it.
+// What the undistorter needs on each core: the photo and the one without
+// distortion, each decoded and as it is written. Then what the models need that
+// are read beside it, and how long it takes.
 constexpr double kUndistorterMemory = 40e6;
 constexpr double kUndistortionBytesPerPixel = 12;
 constexpr double kModelMemory = 20e6;

@@ -79,7 +79,7 @@ struct Outcome {
   std::string source;
   bool triangulated = true;
   bool imported = false;
-  sfm::SfmResult result;  // Of an import: a model and warnings, nothing else.
+  sfm::SfmResult result;  // An import has only a model and warnings.
 };
 
 class SfmStage : public pipeline::Stage {

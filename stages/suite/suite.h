@@ -79,7 +79,7 @@ struct Suite {
   std::filesystem::path folder;  // Where relative paths start; absolute.
   std::vector<int64_t> seeds = {1};
   std::string to = "bootstrap";  // The last stage.
-  double time_limit_s = 0;       // Of each stage; 0 for none.
+  double time_limit_s = 0;       // Limit of each stage; 0 for none.
 
   // The grid with which all others are compared; empty for none.
   std::string reference;

@@ -7,7 +7,7 @@
 namespace freegs::stages {
 namespace {
 
-// Of this thread.
+// Whether the task that this thread calls found the queue full.
 bool& OverflowFlag() {
   thread_local bool overflows = false;
   return overflows;

@@ -42,7 +42,7 @@ struct HttpResponse {
 // do.
 HttpResponse ErrorResponse(int status, const std::string& text);
 
-// The same with status 429, for who may ask again a second later.
+// An ErrorResponse with status 429, for who may ask again a second later.
 HttpResponse BusyResponse(const std::string& text);
 
 }  // namespace freegs::stages

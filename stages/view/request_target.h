@@ -17,7 +17,8 @@ struct RequestTarget {
   // relative name; that name is empty or ends with '/' for a folder.
   std::string path;
 
-  // Of "?a=1&b=2", decoded. Of two with one name the first counts.
+  // The parameters that follow the path, as in "?a=1&b=2", decoded. If two have
+  // one name, the first counts.
   std::map<std::string, std::string> parameters;
 };
 

@@ -25,7 +25,7 @@ struct SceneParts {
   };
   std::string description;  // JSON.
   std::vector<Part> parts;
-  std::string stamp = {};  // Of the files they were made from (QueryStamp).
+  std::string stamp = {};  // QueryStamp of the files they were made from.
 };
 
 // Makes the parts from a workspace.

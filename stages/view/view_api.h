@@ -38,7 +38,7 @@ struct ViewApiOptions {
   // The options of questions that a page does not give, and the threads.
   QueryRequest query_defaults = {};
 
-  // Of all pages together.
+  // The limit for all pages together.
   double queries_per_second = 20;
 
   // So many threads of the server may be busy with questions, and as many with
@@ -82,7 +82,7 @@ class ViewApi : public HttpHandler {
   Turns instance_turns_;  // One model is read at a time.
 
   std::mutex views_mutex_;
-  std::string views_stamp_;  // Of the names below.
+  std::string views_stamp_;  // The stamp of the names below.
   std::set<std::string> views_;
 };
 

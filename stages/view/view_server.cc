@@ -24,7 +24,7 @@
 namespace freegs::stages {
 namespace {
 
-constexpr size_t kFileBytes = 64 << 10;  // Of a file are sent at a time.
+constexpr size_t kFileBytes = 64 << 10;  // So much of a file is sent at a time.
 
 // For every answer, also those that the library makes by itself.
 const httplib::Headers& SafetyHeaders() {

@@ -10,8 +10,9 @@
 namespace freegs::stages {
 namespace {
 
-// Of the size of a crumb. Smaller regions are a few dots on the screen, and
-// there are thousands of them.
+// The smallest region that is offered, as a share of the size of a crumb.
+// Smaller regions are a few dots on the screen, and there are thousands of
+// them.
 constexpr double kSmallestRegion = 0.1;
 
 class RegionOrder {

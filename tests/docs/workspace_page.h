@@ -32,7 +32,7 @@ class WorkspacePage {
  private:
   struct Section {
     std::set<std::string> named;  // Everything between ` and `.
-    std::set<std::string> rows;   // Of that, what begins the rows of tables.
+    std::set<std::string> rows;  // Those of them that begin the rows of tables.
   };
 
   // The pattern of a file, or an empty text.
@@ -40,7 +40,7 @@ class WorkspacePage {
 
   std::map<std::string, std::string> patterns_;  // And each as an expression.
   std::map<std::string, Section> sections_;      // By pattern.
-  std::set<std::string> code_;                   // Of the whole page.
+  std::set<std::string> code_;                   // All code of the page.
   std::set<std::string> found_;
   std::set<std::string> unnamed_;
 };

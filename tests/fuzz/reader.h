@@ -54,9 +54,9 @@ inline const TemporaryFolder& Scratch() {
   return folder;
 }
 
-// Of a good folder of files, the fuzzer replaces one: the first byte of its
-// input says which, and the others are its content. So it need not make several
-// files that fit each other.
+// The fuzzer replaces one file of a good folder: the first byte of its input
+// says which, and the others are its content. So it need not make several files
+// that fit each other.
 struct FolderFile {
   std::string name;
   std::string content;

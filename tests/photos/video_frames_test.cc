@@ -57,7 +57,7 @@ TEST_F(VideoFramesTest, PathFollowsThePicture) {
     EXPECT_EQ(survey->frames[i].number, static_cast<int>(i));
     EXPECT_NEAR(survey->frames[i].time_s, static_cast<double>(i) / 25, 0.05);
   }
-  // The same again.
+  // A second survey finds the same.
   const auto again = Survey("film.avi");
   for (size_t i = 0; i < survey->frames.size(); ++i) {
     EXPECT_EQ(again->frames[i].path, survey->frames[i].path);

@@ -127,7 +127,7 @@ TEST_F(FingerprintTest, CacheRemembersSettledFilesOnly) {
   EXPECT_NE(Hash(file), hash);
 }
 
-// Of a camera whose clock is wrong.
+// A camera whose clock is wrong makes such files.
 TEST_F(FingerprintTest, CacheRemembersFilesFromTheFuture) {
   const fs::path file = root() / "a.jpg";
   fs::last_write_time(

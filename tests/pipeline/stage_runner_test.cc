@@ -83,7 +83,7 @@ TEST_F(StageRunnerTest, DeletedOutputIsMadeAgain) {
   fs::remove(workspace() / "b" / "out.txt");
   EXPECT_EQ(Inspect()[1].state.status, StageStatus::kStale);
   ASSERT_TRUE(Run().ok());
-  // The same content again: what follows still holds.
+  // The content is the same again, so what follows still holds.
   EXPECT_EQ(Runs(), "121");
   EXPECT_THAT(log_, HasSubstr("b: out.txt: missing or empty\n"));
   WriteText(workspace() / "a" / "out.txt", "");
@@ -214,7 +214,7 @@ TEST_F(StageRunnerTest, ForcedStageIsRedoneAlone) {
   ASSERT_TRUE(Run("b").ok());
   EXPECT_EQ(Runs(), "121");
   EXPECT_THAT(log_, HasSubstr("b: redone as asked\n"));
-  // The same content again: what follows still holds.
+  // The content is the same again, so what follows still holds.
   ASSERT_TRUE(Run().ok());
   EXPECT_EQ(Runs(), "121");
 }
@@ -424,7 +424,7 @@ TEST_F(StageRunnerTest, AFolderMayGoOnceItsFilesWereRead) {
   EXPECT_EQ(b_.runs, 2);
 }
 
-// Of a link in the photo folder a stage knows only as long as the photo folder
+// A stage knows of a link in the photo folder only as long as the photo folder
 // is there.
 TEST_F(StageRunnerTest, PhotosMayGoTogetherWithLinksAmongThem) {
   const fs::path more = folder_ / "more";

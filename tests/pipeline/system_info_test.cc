@@ -35,7 +35,7 @@ TEST(SystemInfoTest, TheTightestQuotaOfTheGroupsAboveCounts) {
   // Seen from inside a container the group is the topmost folder.
   root.Write(top + "cpu.max", "50000 100000\n");
   EXPECT_EQ(CoresOfQuotaIn(root.path()), 0.5);
-  // Of another process.
+  // The quota of another process does not count.
   root.Write(top + "user.slice/other.scope/cpu.max", "10000 100000\n");
   EXPECT_EQ(CoresOfQuotaIn(root.path()), 0.5);
 }

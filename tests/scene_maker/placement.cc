@@ -37,7 +37,7 @@ struct Member {
 };
 struct Group {
   std::vector<Member> members;
-  double radius = 0;  // Of the circle around its origin that holds it.
+  double radius = 0;  // Radius of the circle around its origin that holds it.
   Vector2d position = Vector2d::Zero();
   double heading = 0;
 };

@@ -89,7 +89,7 @@ struct SceneObject {
   std::string kind;                // "ball".
   semantics::AxisAlignedBox aabb;  // World axes, whole object, metres.
   semantics::OrientedBox obb;      // The object's own axes.
-  Eigen::Vector3d centroid = Eigen::Vector3d::Zero();  // Of its volume.
+  Eigen::Vector3d centroid = Eigen::Vector3d::Zero();  // The volume's.
 };
 
 // World frame in metres, z up, floor at 0. View names are those of the files.

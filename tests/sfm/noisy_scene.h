@@ -21,14 +21,15 @@ struct NoisyScene {
   double noise_px = 0.5;   // Standard deviation of each coordinate.
   double outliers = 0.03;  // Share of observations, up to 20 px off.
 
-  // Of the nearest camera from the centre of the ball, whose radius is 2.5.
+  // The distance of the nearest camera from the centre of the ball, whose
+  // radius is 2.5.
   double distance = 3.5;
 
   // Camera k belongs to the images i with i % cameras.size() == k.
   std::vector<Camera> cameras;
 
-  double pose_error = 0.01;   // Of the start: radians, and world units.
-  double point_error = 0.01;  // Of the start: world units.
+  double pose_error = 0.01;   // In the start: radians, and world units.
+  double point_error = 0.01;  // In the start: world units.
 };
 
 inline Camera MakeCamera(CameraModel model, std::vector<double> params) {

@@ -14,7 +14,7 @@
 
 namespace freegs::sfm {
 
-inline constexpr int kStripFeatures = 200;  // Of each photo.
+inline constexpr int kStripFeatures = 200;  // Features of each photo.
 
 // Feature `index` of the wall, seen by one of many photos: a vector of length
 // about 512 with some noise.

@@ -40,7 +40,8 @@ inline void AddBlob(
   }
 }
 
-// The same for the same seed.
+// A grey photo with blobs at random places, which are the same for the same
+// seed.
 inline ImageU8 TexturedPhoto(int width, int height, uint64_t seed) {
   ImageU8 image(width, height, 3, 100);
   const int blobs = width * height / 300;

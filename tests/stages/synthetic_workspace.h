@@ -152,7 +152,7 @@ class SyntheticWorkspace {
   }
 
   splat::GaussianModel model;
-  std::vector<View> views;  // Of the photos, at their own size.
+  std::vector<View> views;  // The views of the photos, at their own size.
   std::vector<int32_t> labels;
   std::vector<semantics::Instance> instances;
 

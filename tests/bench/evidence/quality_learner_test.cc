@@ -13,7 +13,7 @@ namespace freegs::evidence {
 namespace {
 
 constexpr int kObjects = 4;
-constexpr double kPixels = 1000;  // Of each patch.
+constexpr double kPixels = 1000;  // Pixels of each patch.
 
 // The more contrast there is, the likelier two regions are two things.
 semantics::EvidenceModel ContrastTells() {

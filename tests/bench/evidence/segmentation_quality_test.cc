@@ -22,7 +22,8 @@ LearningScene TwoObjects() {
   return scene;
 }
 
-// Of patch 0 or patches 0 and 1 with object 1, of patch 2 with object 2.
+// The IoU of patch 0, and of patches 0 and 1 together, with object 1, and that
+// of patch 2 with object 2.
 constexpr double kIouOfPatch0 = 300.0 / 400;
 constexpr double kIouOfPatches01 = 360.0 / (400 + 400 - 360);
 constexpr double kIouOfPatch2 = 200.0 / 280;

@@ -15,7 +15,7 @@
 namespace freegs::semantics {
 namespace {
 
-constexpr int kContext = 77;  // Of CLIP.
+constexpr int kContext = 77;  // CLIP's context length.
 
 using testing::ElementsAre;
 using testing::HasSubstr;

@@ -32,7 +32,7 @@ TEST(MatchSegments, LeavesOutWhatIsSmall) {
   const PanopticQuality quality = MatchSegments(Overlap(), 100);
   EXPECT_EQ(quality.true_positives, 1);
   EXPECT_EQ(quality.false_negatives, 0);
-  // Of instance 9 only the 40 pixels on object 1 are on anything judged.
+  // Only the 40 pixels of instance 9 on object 1 are on anything judged.
   EXPECT_EQ(quality.false_positives, 0);
   EXPECT_DOUBLE_EQ(*quality.Quality(), 0.75);
 }

@@ -75,7 +75,7 @@ TEST(RegionMergingTest, SumsGoUpTheTree) {
             (std::vector<double>{1, 2, 4, 8, 3, 7, 15}));
 }
 
-// Of the regions of Comb: leaves, then {0, 1}, {0, 1, 2} and all.
+// What the regions of Comb are worth: leaves, then {0, 1}, {0, 1, 2} and all.
 std::vector<double> Worth(double leaf, double two, double three, double all) {
   return {leaf, leaf, leaf, leaf, two, three, all};
 }

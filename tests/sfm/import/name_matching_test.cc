@@ -56,7 +56,7 @@ TEST(MatchNames, AllFoldersOfThePhotoWin) {
   // The extension counts for more.
   const auto mixed = Photos({"0001.jpg", "sub/0001.png"});
   EXPECT_THAT(Match({"images/0001.png"}, mixed), ElementsAre(1));
-  // Of neither photo all folders are there.
+  // Neither photo has all its folders in the name.
   EXPECT_THAT(Match({"images/r.jpg"}, Photos({"a/r.jpg", "b/r.jpg"})),
               ElementsAre(-1));
 }

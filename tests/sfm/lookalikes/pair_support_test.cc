@@ -17,7 +17,8 @@
 namespace freegs::sfm {
 namespace {
 
-// Of 100 matches so many are right, the others far off.
+// The support of a pair with 100 matches, of which so many are right and the
+// others far off.
 PairSupport SupportOfPair(int right) {
   const Reconstruction model = SyntheticModel(2, 100);
   const TemporaryFolder folder;

@@ -66,8 +66,8 @@ class ConfirmPosesTest : public testing::Test {
                         });
   }
 
-  std::vector<Attempt> repairs_;  // Of each mapping.
-  std::string problem_;           // Of a mapping without a model.
+  std::vector<Attempt> repairs_;  // One for each mapping.
+  std::string problem_;           // What a mapping without a model says.
   size_t calls_ = 0;
   int colmaps_own_ = 0;
 };
@@ -108,7 +108,7 @@ TEST_F(ConfirmPosesTest, TheModelThatAnotherConfirmsIsTaken) {
   EXPECT_TRUE(confirmed->replaced);
   EXPECT_TRUE(confirmed->witnessed);
   EXPECT_THAT(confirmed->uncertain, IsEmpty());
-  // Of the others, the model of other photos stays.
+  // The model of other photos stays, and no other one beside the first.
   ASSERT_THAT(confirmed->models, SizeIs(2));
   EXPECT_EQ(confirmed->models[1].images[0].name, elsewhere.images[0].name);
   EXPECT_EQ(confirmed->models[0].images[3].cam_from_world.translation.x(),

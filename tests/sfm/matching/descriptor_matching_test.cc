@@ -36,7 +36,7 @@ SiftDescriptors RandomDescriptors(size_t count, uint64_t seed) {
   return result;
 }
 
-// The same descriptors in another order, with noise.
+// The descriptors of `from` in another order, with noise.
 SiftDescriptors Shuffled(const SiftDescriptors& from, double noise) {
   SiftDescriptors result;
   RandomStream random(99, 0);
@@ -118,7 +118,7 @@ TEST(MatchDescriptors, AgreesWithPlainSearch) {
     for (const auto& [i, j] : matches) {
       EXPECT_EQ((j * 7 + 3) % count, i);
     }
-    // The same the other way round.
+    // Matching b with a finds the same pairs.
     Matches swapped = MatchDescriptors(b, a);
     for (auto& match : swapped) std::swap(match.first, match.second);
     std::sort(swapped.begin(), swapped.end());

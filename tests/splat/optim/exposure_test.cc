@@ -154,7 +154,7 @@ TEST(Exposure, DerivativesAreThoseOfDifferences) {
     EXPECT_NEAR(
         gradient.data()[i], 2 * (loss(color, high) - loss(color, low)), 1e-3);
   }
-  // The same bytes with one thread.
+  // One thread gives the same bytes.
   ThreadPool one(1);
   ImageF again = weights;
   EXPECT_EQ(BackwardColor(color, scene, one, &scratch, &again), d_color);
@@ -197,7 +197,7 @@ TEST(Exposure, FitFindsTheColours) {
     EXPECT_NEAR(fit.values[i], color.values[i], 2e-3);
   }
   EXPECT_EQ(FitColor(scene, photo, nullptr, 0, 1), AffineColor());
-  // Of one colour only a shift is known; no number grows without bound.
+  // A photo of one colour only tells a shift; no number grows without bound.
   const ImageF grey(40, 20, 3, 0.5f);
   const AffineColor flat =
       FitColor(grey, ImageF(40, 20, 3, 0.7f), nullptr, 0, 40);

@@ -317,8 +317,9 @@ TEST(EwaProjection, FilterMatchesJets) {
   EXPECT_LT(bounded, 100);
 }
 
-// The same in floats, for images 0.03 to 0.33 pixels wide and 10 to 300 long.
-// What alpha at the pixels pulls at log scales is of order 1.
+// The gradient of the filter is right in floats, too, for images 0.03 to 0.33
+// pixels wide and 10 to 300 long. What alpha at the pixels pulls at log scales
+// is of order 1.
 TEST(EwaProjection, FilterOfLongAndThinInFloats) {
   const auto camera = MakeProjectionCamera<double>(
       TestCamera(1600, 1200), Rigid3d(), RenderOptions());

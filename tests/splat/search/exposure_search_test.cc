@@ -91,7 +91,7 @@ TEST_F(ExposureSearchTest, LearnsExposureOnlyWherePhotosDiffer) {
   const auto different = Search();
   ASSERT_TRUE(different.ok());
   EXPECT_TRUE(different->learn) << Gains(*different);
-  // The same for another number of threads.
+  // Another number of threads leads to the same choice.
   EXPECT_EQ(*Search(1), *different);
   // The gain that it takes.
   const double gain = (different->with.trained - different->without.trained +

@@ -24,7 +24,8 @@ BlendingWeights WeightsOf(const GaussianModel& model,
   return *std::move(weights);
 }
 
-// The same Gaussians at the same pixels, front to back, with the same weights.
+// Expects the same Gaussians at the same pixels as the renderer has, front to
+// back, with the same weights.
 void ExpectTheRenderersWeights(const GaussianModel& model,
                                const Pinhole& camera) {
   ThreadPool pool(2);

@@ -137,7 +137,7 @@ class BootstrapStageTest : public testing::Test {
   TemporaryFolder folder_;
   semantics::SyntheticGaussians scene_;
   BootstrapStageOptions options_;
-  std::string log_;  // Of all runs.
+  std::string log_;  // The log of all runs.
 };
 
 TEST_F(BootstrapStageTest, TheSceneIsSeenWhereAMaskIgnoresThePhoto) {
@@ -278,7 +278,7 @@ TEST_F(BootstrapStageTest, LiftsSemantics) {
   EXPECT_TRUE(metrics["num_words_withheld"].is_number_integer());
   EXPECT_EQ(metrics["step_seconds"].size(), 4u);
 
-  // The same again from what an interrupted run has left.
+  // A run that goes on from what an interrupted run has left ends the same.
   ASSERT_TRUE(Run(output, 1, nullptr, /*resuming=*/true).ok());
   EXPECT_EQ(semantics::ReadIdsf(output / "idsf.bin")->features, idsf->features);
 }

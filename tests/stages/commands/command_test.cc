@@ -74,8 +74,8 @@ TEST_F(OutputPlaceTest, WhatOptionsNameIsKept) {
   ExpectRefused("d/masks", "config.ini");
 }
 
-// Of the folder of a scene only what is imported is kept, and not all that lies
-// beside it, such as the workspace.
+// Only what is imported from the folder of a scene is kept, and not all that
+// lies beside it, such as the workspace.
 TEST_F(OutputPlaceTest, WhatIsImportedIsKept) {
   const auto set_import = [&](const std::string& path) {
     folder_.Write("a/config.ini", "[sfm]\nimport = ../" + path + "\n");

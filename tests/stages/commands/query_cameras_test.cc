@@ -171,7 +171,7 @@ TEST_F(QueryCamerasTest, AViewOfTheFileComesBeforeAPhotoOfThatName) {
   WriteText(path, file.dump());
   EXPECT_EQ(ask("photo5"), 2);
   EXPECT_THAT(message_, HasSubstr("several have this name"));
-  // The same name in both sections, also where no picture is written.
+  // A name may not be in both sections, also where no picture is written.
   file["train"]["photo5.jpg"] = rows;
   WriteText(path, file.dump());
   EXPECT_EQ(ask("photo5.jpg"), 3);

@@ -179,7 +179,7 @@ TEST_F(QueryCommandTest, ClicksReachPartsAndWholes) {
   EXPECT_EQ(Query({"--box", "photo1", "0", "0", "9", "9", "--wider", "1"}), 2);
 }
 
-// Of the clicked thing the hierarchy knows one Gaussian, which the pixel does
+// The hierarchy knows one Gaussian of the clicked thing, which the pixel does
 // not show: there is a whole, but no part.
 TEST_F(QueryCommandTest, ClicksBesideAllPartsReachTheWhole) {
   const auto [x, y] = PixelOf(Labels(workspace_.views[2]), 1);

@@ -276,7 +276,7 @@ TEST_F(RenderCommandTest, SemanticsHaveOneColourPerMeaning) {
   EXPECT_EQ(none.code(), StatusCode::kBadInput);
   EXPECT_THAT(none.message(), HasSubstr("no semantic vectors"));
 
-  // The same for all of an instance; black would be nothing known.
+  // All of an instance has one colour; black would be nothing known.
   semantics::Idsf idsf;
   idsf.instances = workspace_.labels;
   idsf.feature_dim = 4;

@@ -161,7 +161,7 @@ TEST_F(CommandTest, AMistypedPathIsNotTakenForOneThatIsGone) {
               StatusCode::kBadInput,
               "--sfm.import: " + path);
   EXPECT_FALSE(fs::exists(folder_ / "w" / "workspace.json"));
-  // The same code as without a result.
+  // The exit code is the same as without a result.
   fs::create_directories(folder_ / "w" / "bootstrap");
   ASSERT_TRUE(pipeline::WriteStageRecord(folder_ / "w" / "bootstrap",
                                          pipeline::StageRecord())

@@ -45,7 +45,7 @@ TEST_F(IngestFilmsTest, FilmInsteadOfAFolder) {
   }
   EXPECT_EQ(Written().size(), list.photos.size());
   EXPECT_FALSE(fs::exists(workspace_.path() / "ingest.partial/frames"));
-  // The same bytes again, and with another number of threads.
+  // The bytes are the same again, and with another number of threads.
   const std::string first =
       *ReadFile(workspace_.path() / "ingest.partial/images.json");
   ASSERT_TRUE(Run(1).ok());

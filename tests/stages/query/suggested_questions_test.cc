@@ -34,7 +34,7 @@ class SuggestedQuestionsTest : public testing::Test {
         }
       }
     }
-    // Of six photos every third is held out: 1, 2, 4, 5 train.
+    // Every third of the six photos is held out: 1, 2, 4, 5 train.
     const auto folder = workspace_ / "bootstrap/instances";
     std::filesystem::create_directories(folder);
     ASSERT_TRUE(WriteLabels(folder / "photo4.png", map).ok());

@@ -150,7 +150,7 @@ class ReconstructFixture : public testing::Test {
   const std::filesystem::path workspace_ = temporary_.path();
   std::filesystem::path preview_;
   std::optional<std::chrono::steady_clock::time_point> deadline_;
-  std::string log_;        // Of all runs.
+  std::string log_;        // The log of all runs.
   std::string cancel_on_;  // Text of the log line to cancel at, if any.
   std::function<void(const std::string& line)> on_log_;
   splat::GaussianModel truth_;

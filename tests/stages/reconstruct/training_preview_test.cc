@@ -33,7 +33,8 @@ TEST(TrainingPreview, ComesSeldomAndTheLaterTheLongerItTakes) {
   EXPECT_FALSE(preview.Due());
   now = 105;
   EXPECT_TRUE(preview.Due());
-  // Of 0.5 % of the time, 0.1 s is enough for 20 s.
+  // A picture that takes 0.1 s may come every 20 s, so that it takes 0.5 % of
+  // the time.
   preview.Write(splat::GaussianModel(), pool, [&now] { now += 0.1; });
   now = 124.9;
   EXPECT_FALSE(preview.Due());

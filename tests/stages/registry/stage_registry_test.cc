@@ -37,7 +37,7 @@ Status RunFrom(const fs::path& workspace, const std::string& from) {
   return runner.Run();
 }
 
-// Of a scene that somebody else made there may be no folder of stage sfm.
+// A scene that somebody else made may have no folder of stage sfm.
 TEST(StageRegistryTest, FromBootstrapNeedsNoFolderOfSfm) {
   const TemporaryFolder folder;
   for (const char* stage : {"ingest", "undistort", "reconstruct"}) {

@@ -132,7 +132,7 @@ TEST(TimedRun, NotEveryTimeOfTheCamerasTellsThePace) {
             Value(fast.runs()[1], "reconstruct.iterations"));
 }
 
-// Of a film nothing is foretold until there are pictures of it.
+// Nothing is foretold of a film until there are pictures of it.
 TEST(TimedRun, TakesThePicturesOfAFilmBeforeItChooses) {
   FakeMachine machine(1);
   TimedRunTasks tasks = machine.Tasks();

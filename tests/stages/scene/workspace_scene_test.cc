@@ -48,7 +48,7 @@ TEST(WorkspaceSceneTest, SomebodyElsesModel) {
   EXPECT_EQ(scene->render.background[0], 0.0f);
 }
 
-// Of older programs it has the transpose of each matrix.
+// The file of older programs has the transpose of each matrix.
 TEST(WorkspaceSceneTest, ExposuresOfOlderPrograms) {
   SyntheticWorkspace workspace;
   const std::filesystem::path folder = workspace.path() / "reconstruct";
