@@ -11,7 +11,7 @@
 
 namespace freegs {
 
-// With padding and without line breaks.
+// Encodes with padding and without line breaks.
 std::string EncodeBase64(std::string_view bytes);
 
 // kBadInput for anything but such a text: other characters, white space among

@@ -18,8 +18,9 @@ std::string FormatFixed(double value, int decimals);
 // length.
 int DecimalsFor(double length);
 
-// At most this many significant digits, without trailing zeros: 0.0034567 with
-// 3 digits is "0.00346", 1e12 is "1e+12". "–" when the value is not finite.
+// The number with at most this many significant digits, without trailing zeros:
+// 0.0034567 with 3 digits is "0.00346", 1e12 is "1e+12". "–" when the value is
+// not finite.
 std::string FormatSignificant(double value, int digits);
 
 // A share of 1 in whole percent: 0.834 is "83 %". "–" when it is not finite.

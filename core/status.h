@@ -52,6 +52,7 @@ class [[nodiscard]] Status {
   std::string message_;
 };
 
+// Each of these makes an error with the code that its name says.
 inline Status InvalidArgumentError(std::string message) {
   return {StatusCode::kInvalidArgument, std::move(message)};
 }

@@ -108,7 +108,8 @@ class PieceWriter {
     small_.emplace_back();
   }
 
-  // In the order in which they were put. They live as long as this writer.
+  // All pieces in the order in which they were put. They live as long as this
+  // writer.
   std::vector<std::string_view> Pieces() const {
     std::vector<std::string_view> pieces;
     for (size_t k = 0; k < small_.size(); ++k) {

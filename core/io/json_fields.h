@@ -62,8 +62,10 @@ StatusOr<int64_t> ReadInteger64(const nlohmann::json* value,
                                 int64_t max,
                                 const std::string& where);
 
+// Reads true or false.
 StatusOr<bool> ReadBool(const nlohmann::json* value, const std::string& where);
 
+// Reads a text, which may be empty.
 StatusOr<std::string> ReadText(const nlohmann::json* value,
                                const std::string& where);
 

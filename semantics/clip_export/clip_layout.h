@@ -35,6 +35,8 @@ struct ClipLayout {
   std::string BlockName(int tower, int layer) const;
 };
 
+// The names in files of Hugging Face's transformers, and in those of OpenCLIP.
+// The layouts are constants that live as long as the program.
 const ClipLayout& HuggingFaceLayout();
 const ClipLayout& OpenClipLayout();
 

@@ -48,7 +48,7 @@ class OnnxGraph {
   // A node without attributes. Returns its output.
   OnnxValue Node(const std::string& op, const std::vector<OnnxValue>& inputs);
 
-  // Without padding; the stride is the size of the kernel.
+  // A convolution without padding; the stride is the size of the kernel.
   OnnxValue Convolution(const OnnxValue& x, ConvolutionLayer layer);
 
   // A side of -1 is what is left.

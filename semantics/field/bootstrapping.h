@@ -102,7 +102,7 @@ struct SemanticField {
   // Gaussian; num_unseen counts these.
   std::vector<float> features;
   size_t num_unseen = 0;
-  // From vectors of D numbers to CLIP's features.
+  // Leads from vectors of D numbers to CLIP's features.
   FeatureDecoder decoder{LinearDecoder()};
   InstanceLabels instances;
 

@@ -39,8 +39,8 @@ struct FeatureGridOptions {
 };
 
 struct FeatureGrids {
-  // From CLIP's C numbers to D. The axes go through the origin, so that inner
-  // products are kept, except for what the dropped axes held.
+  // Lead from CLIP's C numbers to D. The axes go through the origin, so that
+  // inner products are kept, except for what the dropped axes held.
   PrincipalAxes axes;
 
   // For each view, grid x grid x D: the features of the cells in these axes.

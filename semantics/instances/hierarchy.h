@@ -80,7 +80,7 @@ int32_t RegionAround(const Hierarchy& hierarchy, int32_t leaf, int steps);
 // and changes nothing.
 bool JoinAsWhole(int32_t a, int32_t b, double quality, Hierarchy* hierarchy);
 
-// For each Gaussian, whether it is in a region.
+// Returns for each Gaussian whether it is in `region`.
 std::vector<uint8_t> GaussiansOf(const Hierarchy& hierarchy, int32_t region);
 
 // {"granularity": 0, "total_pixels": 921600, "part_pixels": [12, ...],

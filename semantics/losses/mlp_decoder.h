@@ -37,6 +37,8 @@ struct MlpParts {
   std::span<T> output_biases;   // C
 };
 
+// The parts of `values`, which lie in it one after another in the order of
+// MlpParts. `values` has shape.num_parameters() numbers and must outlive them.
 template <typename T>
 MlpParts<T> PartsOf(const MlpShape& shape, std::span<T> values) {
   const auto hidden = static_cast<size_t>(shape.hidden_dim);

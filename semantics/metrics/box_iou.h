@@ -8,7 +8,8 @@
 
 namespace freegs::semantics {
 
-// In cubic world units. A box with a negative side has volume 0.
+// The volume of a box in cubic world units. A box with a negative side has
+// volume 0.
 double Volume(const AxisAlignedBox& box);
 
 // The volume of the intersection over that of the union, in [0, 1]. 0 if the

@@ -13,12 +13,13 @@ namespace {
 // Principal axes of positions whose sums are given, the shortest first.
 Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> AxesOf(
     double weight,
-    const Eigen::Vector3d& position,
-    const Eigen::Matrix3d& position2,
+    const Eigen::Vector3d& position_sum,
+    const Eigen::Matrix3d& outer_product_sum,
     Eigen::DecompositionOptions what) {
-  const Eigen::Vector3d centre = position / weight;
+  const Eigen::Vector3d centre = position_sum / weight;
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(position2 / weight - centre * centre.transpose(), what);
+  solver.computeDirect(outer_product_sum / weight - centre * centre.transpose(),
+                       what);
   return solver;
 }
 
@@ -29,15 +30,15 @@ Eigen::Vector3d DeviationsOf(
 
 }  // namespace
 
-RegionExtent ExtentOf(double weight,
-                      const Eigen::Vector3d& position,
-                      const Eigen::Matrix3d& position2) {
+RegionExtent ExtentOf(const RegionStats& region) {
   RegionExtent extent;
-  if (!(weight > 0)) return extent;
-  const auto axes =
-      AxesOf(weight, position, position2, Eigen::ComputeEigenvectors);
+  if (!(region.weight > 0)) return extent;
+  const auto axes = AxesOf(region.weight,
+                           region.position,
+                           region.position2,
+                           Eigen::ComputeEigenvectors);
   const Eigen::Vector3d deviations = DeviationsOf(axes);
-  extent.centre = position / weight;
+  extent.centre = region.position / region.weight;
   extent.normal = axes.eigenvectors().col(0);
   extent.thickness = deviations[0];
   extent.width = deviations[1];
@@ -46,19 +47,15 @@ RegionExtent ExtentOf(double weight,
 }
 
 double FlatnessOf(double weight,
-                  const Eigen::Vector3d& position,
-                  const Eigen::Matrix3d& position2) {
+                  const Eigen::Vector3d& position_sum,
+                  const Eigen::Matrix3d& outer_product_sum) {
   RegionExtent extent;
   if (!(weight > 0)) return extent.Flatness();
-  const Eigen::Vector3d deviations =
-      DeviationsOf(AxesOf(weight, position, position2, Eigen::EigenvaluesOnly));
+  const Eigen::Vector3d deviations = DeviationsOf(
+      AxesOf(weight, position_sum, outer_product_sum, Eigen::EigenvaluesOnly));
   extent.thickness = deviations[0];
   extent.width = deviations[1];
   return extent.Flatness();
-}
-
-RegionExtent ExtentOf(const RegionStats& region) {
-  return ExtentOf(region.weight, region.position, region.position2);
 }
 
 void AddHistogram(const ColorHistogram& from, ColorHistogram* to) {

@@ -32,9 +32,10 @@ struct RegionStats {
   ColorHistogram context = {};
   double context_pixels = 0;
 
-  // Over its Gaussians, weighted by the pixels that they cover.
+  // Sums over its Gaussians, weighted by the pixels that they cover: of the
+  // weights, of the positions x in the model frame, and of x x^T.
   double weight = 0;
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // Model frame.
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
   Eigen::Matrix3d position2 = Eigen::Matrix3d::Zero();
   std::vector<float> semantics;  // Sum of unit vectors; may be empty.
 
@@ -54,16 +55,16 @@ struct RegionExtent {
   double Flatness() const { return width > 0 ? thickness / width : 0; }
 };
 
-RegionExtent ExtentOf(double weight,
-                      const Eigen::Vector3d& position,
-                      const Eigen::Matrix3d& position2);
+// The extent of a region's Gaussians, in the model frame.
 RegionExtent ExtentOf(const RegionStats& region);
 
-// The flatness alone, without the axes.
+// The flatness of RegionExtent alone, from the sums of RegionStats: `weight`,
+// `position_sum` for `position`, and `outer_product_sum` for `position2`.
 double FlatnessOf(double weight,
-                  const Eigen::Vector3d& position,
-                  const Eigen::Matrix3d& position2);
+                  const Eigen::Vector3d& position_sum,
+                  const Eigen::Matrix3d& outer_product_sum);
 
+// Adds each bin of `from` to the same bin of `to`.
 void AddHistogram(const ColorHistogram& from, ColorHistogram* to);
 
 struct ContactStats {

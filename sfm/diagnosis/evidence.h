@@ -114,6 +114,8 @@ struct TurningOnTheSpot {
   }
 };
 
+// Judges by all pairs of the evidence whether the camera only turned. If there
+// are many, the stretch is that of about a thousand of them, evenly chosen.
 TurningOnTheSpot MeasureTurning(const SceneEvidence& evidence);
 
 // Compares the parallax in a model with the parallax in the homographies of its

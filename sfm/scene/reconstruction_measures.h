@@ -43,6 +43,8 @@ struct ReconstructionMeasures {
   size_t behind = 0;
 };
 
+// Measures all points of a model whose images have their cameras. Observations
+// in images, or of features, that the model lacks are left out.
 ReconstructionMeasures MeasureReconstruction(const Reconstruction& model);
 
 }  // namespace freegs::sfm

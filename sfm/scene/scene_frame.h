@@ -19,10 +19,10 @@ namespace freegs::sfm {
 
 // How the up direction was found.
 enum class UpSource {
-  // As the normal of the plane of the cameras' horizontal axes, which point in
-  // different directions.
+  // Up is the normal of the plane of the cameras' horizontal axes, which point
+  // in different directions.
   kHorizon,
-  // As the mean of the cameras' up axes, because their horizontal axes are
+  // Up is the mean of the cameras' up axes, because their horizontal axes are
   // nearly parallel.
   kCameraUp,
 };

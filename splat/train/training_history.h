@@ -56,7 +56,7 @@ struct LossMonitorState {
                          const LossMonitorState&) = default;
 };
 
-// Also what training knows of the photographs.
+// What has happened in a training so far, and what it knows of the photographs.
 struct TrainingHistory {
   std::vector<MilestoneRecord> milestones;
   std::vector<Recovery> recoveries;

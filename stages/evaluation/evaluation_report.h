@@ -31,7 +31,7 @@ struct EvaluationReport {
   // units of the truth.
   double camera_extent = 0;
   std::optional<InstanceQuality> instances;
-  // With the best level of the hierarchy for each object; see
+  // The mean IoU with the best level of the hierarchy for each object; see
   // level_evaluation.h.
   std::optional<double> best_level_miou;
   std::optional<ViewConsistency> consistency;

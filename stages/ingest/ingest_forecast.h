@@ -29,7 +29,7 @@ void AddPhotosTo(const std::vector<photos::Photo>& photos,
                  const std::filesystem::path& folder,
                  pipeline::SceneOutlook* scene);
 
-// For the photos of the scene.
+// What stage ingest needs for the photos of the scene.
 pipeline::StageNeed IngestNeed(const pipeline::SceneOutlook& scene,
                                int threads);
 

@@ -13,6 +13,7 @@
 
 namespace freegs::stages {
 
+// The names of the presets that have values: fast, balanced and quality.
 std::vector<std::string> PresetNames();
 
 // The preset that has no values of its own: `run --within` and `run --at-least`

@@ -27,7 +27,7 @@ StatusOr<double> ParsePsnrGoal(std::string_view text);
 // Whether such a run chooses the value of this option itself.
 bool IsChosenByPsnr(std::string_view option);
 
-// That a user has set such an option.
+// The error for a user who has set an option that such a run chooses.
 Status ChosenByPsnrError(const std::string& option);
 
 // What earlier runs have done of a training.

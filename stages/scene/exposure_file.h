@@ -33,8 +33,8 @@ ImageF InExposureOf(std::string_view photo,
                     ImageF picture,
                     ThreadPool& pool);
 
-// In the order of the photographs' names; empty if there is no such file.
-// kBadInput names a file that is malformed.
+// Reads exposures in the order of the photographs' names; empty if there is no
+// such file. kBadInput names a file that is malformed.
 StatusOr<std::vector<splat::PhotoExposure>> ReadExposures(
     const std::filesystem::path& path);
 

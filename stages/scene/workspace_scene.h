@@ -41,7 +41,7 @@ struct WorkspaceScene {
   std::vector<View> train;
   std::vector<View> holdout;
 
-  // As in PosedPhotos.
+  // Names of photographs without a pose, as in PosedPhotos.
   std::vector<std::string> without_pose;
 
   // Longest side in pixels of the images that the model was trained on, from
