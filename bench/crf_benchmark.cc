@@ -103,7 +103,7 @@ BENCHMARK(BM_LatticeFilter)
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 
-// Both lattices and ten iterations.
+// Times the making of both lattices, and ten iterations.
 void BM_DenseCrf(benchmark::State& state) {
   ThreadPool pool(static_cast<int>(state.range(0)));
   const ImageF image = BenchmarkImage();

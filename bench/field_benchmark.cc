@@ -93,7 +93,7 @@ void BM_BuildNeighborTable(benchmark::State& state) {
   }
 }
 
-// With 0.1 % of the Gaussians as samples.
+// Times the loss with 0.1 % of the Gaussians as samples.
 void BM_SmoothingLoss(benchmark::State& state) {
   const auto count = static_cast<size_t>(state.range(0));
   const auto dim = static_cast<int>(state.range(1));

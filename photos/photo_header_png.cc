@@ -121,7 +121,8 @@ Status ReadHeaderChunk(std::string_view data, PhotoHeader* header) {
   return Status();
 }
 
-// As the decoder stretches it: samples of less than 8 bits become 0..255.
+// The sample that is transparent, as the decoder stretches it: samples of less
+// than 8 bits become 0..255.
 int TransparentGrey(std::string_view data, int bits) {
   const int full = (1 << bits) - 1;
   const int grey =

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr char kHuggingFaceFile[] = "model.safetensors";
 constexpr char kOpenClipFile[] = "open_clip_model.safetensors";
-// As large as model.json allows.
+// The largest values that model.json allows.
 constexpr int kMaxWidth = 1 << 14;
 constexpr int kMaxImageSize = 4096;
 constexpr int kMaxGrid = 1024;

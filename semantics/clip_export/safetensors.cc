@@ -25,7 +25,7 @@ constexpr uint64_t kMaxHeaderBytes = uint64_t{1} << 24;
 // Keeps products of sides, and offsets, far from overflow.
 constexpr int64_t kMaxElements = int64_t{1} << 40;
 constexpr size_t kMaxSides = 8;
-// As many as fit into an ONNX file, whose size is below 2 GB.
+// The most elements that fit into an ONNX file, whose size is below 2 GB.
 constexpr uint64_t kMaxReadElements = uint64_t{1} << 29;
 
 // Bytes of an element of the types that the format knows, 0 for others.

@@ -106,7 +106,7 @@ StatusOr<PhotoSimilarity> Matcher::CompareLooks() {
   return PhotoSimilarity(DescribePhotos(features, options, pool_), pool_);
 }
 
-// Those of the pairs that COLMAP found to fit.
+// Returns those pairs of `tried` that COLMAP found to fit.
 StatusOr<std::vector<PhotoPair>> Matcher::Verified(
     const std::set<PhotoPair>& tried) const {
   FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,

@@ -60,7 +60,8 @@ Camera AsPinhole(const Camera& camera, int max_side) {
   return pinhole.Resized(scaled(camera.width), scaled(camera.height));
 }
 
-// Not a link: whoever edits one of the two files leaves the other alone.
+// Copies the file and does not link it: whoever edits one of the two files
+// leaves the other alone.
 Status CopyPhoto(const fs::path& from, const fs::path& to) {
   std::error_code error;
   fs::copy_file(from, to, error);

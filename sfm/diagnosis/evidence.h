@@ -35,7 +35,7 @@ struct PhotoEvidence {
 // Two photos with verified matches.
 struct PairEvidence {
   size_t first = 0;   // Index into SceneEvidence::photos.
-  size_t second = 0;  // Likewise.
+  size_t second = 0;  // Index into SceneEvidence::photos.
   int64_t num_matches = 0;
 
   // COLMAP found that a homography explains the matches as well as a general

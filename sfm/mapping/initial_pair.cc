@@ -140,7 +140,7 @@ Rating Rate(const Photo& photo1,
 
 using PhotosById = std::unordered_map<uint32_t, Photo>;
 
-// Those of the photos that are in the largest group.
+// Returns the photos that are in the largest group.
 StatusOr<PhotosById> ReadLargestGroup(const std::vector<SfmPhoto>& photos,
                                       const MatchDatabase& database) {
   FREEGS_ASSIGN_OR_RETURN(const SceneEvidence evidence,

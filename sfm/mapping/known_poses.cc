@@ -48,9 +48,9 @@ SfmInput WithCameras(const SfmInput& input, const Reconstruction& poses) {
   return result;
 }
 
-// Without features and points, and with the ids of the database, in which each
-// photo has a camera of its own. New releases of COLMAP refuse a model whose
-// cameras are not those of the database.
+// Returns the model without features and points, and with the ids of the
+// database, in which each photo has a camera of its own. New releases of COLMAP
+// refuse a model whose cameras are not those of the database.
 StatusOr<Reconstruction> PosesOf(const Reconstruction& model,
                                  const std::filesystem::path& path) {
   FREEGS_ASSIGN_OR_RETURN(const MatchDatabase database,

@@ -30,7 +30,7 @@ struct CommonCamera {
   Eigen::Vector3d centre_there;
 };
 
-// By ascending name.
+// Returns the cameras of photos that both models have, by ascending name.
 std::vector<CommonCamera> CommonCameras(const Reconstruction& model,
                                         const Reconstruction& other) {
   std::map<std::string, Rigid3d> poses;

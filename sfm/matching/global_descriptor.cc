@@ -95,7 +95,7 @@ Sample UsedDescriptors(const PhotoFeatures& photo, int max_features) {
   return used;
 }
 
-// At most max_training of all, in random order.
+// Returns at most max_training of the features of all photos, in random order.
 Sample TrainingSample(const std::vector<Sample>& photos,
                       const GlobalDescriptorOptions& options) {
   Sample all;

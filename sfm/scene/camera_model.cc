@@ -14,7 +14,7 @@ struct NewerCameraModel {
   int num_params;  // 0 if it is not supported.
 };
 
-// Their numbers begin where kCameraModels ends.
+// The numbers of these models begin where kCameraModels ends.
 constexpr std::array<NewerCameraModel, 7> kNewerCameraModels = {{
     {"RAD_TAN_THIN_PRISM_FISHEYE", 0},
     {"SIMPLE_DIVISION", 0},

@@ -174,7 +174,7 @@ void FindUp(const CameraAxes& axes, SceneFrame* frame) {
   if (side < 0) frame->up = -frame->up;
 }
 
-// At most kPlanePoints points, evenly over the list.
+// Returns at most kPlanePoints points, evenly chosen from the list.
 std::vector<Eigen::Vector3d> SomePoints(const Reconstruction& model) {
   std::vector<Eigen::Vector3d> points;
   const size_t step = std::max<size_t>(

@@ -63,7 +63,7 @@ constexpr double kSecondsPerTeacherMegapixel = 0.154;
 constexpr double kSecondsPerMillion = 31;
 constexpr double kSerial = 0.43;
 
-// With mode paper. A step moves all numbers of all vectors. After each
+// What mode paper takes. A step moves all numbers of all vectors. After each
 // clustering the masks of all teachers are refined, at this longest side
 // (semantics/field/instance_semantics.cc).
 constexpr double kSecondsPerStep = 0.008;

@@ -11,7 +11,7 @@
 namespace freegs::stages {
 namespace {
 
-// Both have the same size.
+// Both pictures have the same size.
 ImageU8 SideBySide(const ImageU8& left, const ImageU8& right) {
   ImageU8 joined(left.width() + right.width(), left.height(), 3);
   for (int y = 0; y < left.height(); ++y) {

@@ -150,8 +150,8 @@ std::vector<Rigid3d> PosesOf(const std::vector<View>& views) {
   return poses;
 }
 
-// From one azimuth to another: not across the gap that the photos leave, and
-// the shorter way where they leave none.
+// The step from one azimuth to another: not across the gap that the photos
+// leave, and the shorter way where they leave none.
 double AzimuthStep(const Orbit& orbit, double from, double to) {
   const double full = 2 * std::numbers::pi;
   const double step = to - from;

@@ -178,7 +178,7 @@ class ReconstructStage : public pipeline::Stage {
         options_, CountPixels(train), pipeline::Memory().total_bytes, seed_);
   }
 
-  // At the size of training.
+  // Counts pixels at the size of training.
   int64_t CountPixels(std::span<const View> views) const {
     return pipeline::CountPixels(views, options_.max_image_size).total;
   }

@@ -26,7 +26,7 @@ namespace {
 
 constexpr size_t kFileBytes = 64 << 10;  // So much of a file is sent at a time.
 
-// For every answer, also those that the library makes by itself.
+// The headers of every answer, also of those that the library makes by itself.
 const httplib::Headers& SafetyHeaders() {
   static const httplib::Headers headers = {
       {"Content-Security-Policy",

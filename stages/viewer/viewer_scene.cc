@@ -30,8 +30,9 @@ using nlohmann::json;
 
 constexpr int32_t kNoPart = 65535;
 
-// In units of the frame. The coordinates of a part then have at least 8 bits of
-// fraction: .spz has 24 bits for the farthest of them.
+// The largest coordinate that a Gaussian may have, in units of the frame. The
+// coordinates of a part then have at least 8 bits of fraction: .spz has 24 bits
+// for the farthest of them.
 constexpr float kFarthest = 32767;
 
 json Vector(const Eigen::Vector3d& v) {
