@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -18,10 +19,12 @@ using pipeline::LogLevel;
 using pipeline::OptionSetting;
 
 // A scene that 5000 iterations take to `best` dB, and half of the iterations to
-// `gain` dB less.
+// `gain` dB less; or one whose dB after so many iterations are `measured`.
 class FakeScene {
  public:
   FakeScene(double best, double gain) : best_(best), gain_(gain) {}
+  explicit FakeScene(std::map<int, double> measured)
+      : measured_(std::move(measured)) {}
 
   PsnrRunTasks Tasks() {
     PsnrRunTasks tasks;
@@ -75,11 +78,13 @@ class FakeScene {
   }
 
   double PsnrAfter(int iterations) const {
+    if (!measured_.empty()) return measured_.at(iterations);
     return best_ - gain_ * std::log2(5000.0 / iterations);
   }
 
-  const double best_;
-  const double gain_;
+  const double best_ = 0;
+  const double gain_ = 0;
+  const std::map<int, double> measured_;
   int there_ = 0;  // The iterations of the scene that the workspace has.
   int interrupted_ = 0;
   int begun_ = 0;  // The iterations of the training that was interrupted.
@@ -185,6 +190,25 @@ TEST(PsnrRun, GivesUpWhereTrainingDoesNotHelp) {
   EXPECT_EQ(scene.warnings(), 2) << scene.log();
   EXPECT_NE(scene.log().find("not worth trying"), std::string::npos)
       << scene.log();
+}
+
+// Fox, as docs/speed_accuracy.md has it under "At least so accurate".
+TEST(PsnrRun, OnFoxItDependsOnWhereItBeginsWhetherItGivesUp) {
+  const std::map<int, double> fox = {
+      {625, 29.9}, {1250, 31.2}, {2500, 31.1}, {5000, 32.1}};
+  FakeScene scene(fox);
+  ASSERT_TRUE(RunAtLeast(32, scene.Tasks()).ok());
+  EXPECT_EQ(scene.trained(), (std::vector<int>{625, 5000})) << scene.log();
+  EXPECT_EQ(scene.finished(), 5000);
+  EXPECT_EQ(scene.warnings(), 0) << scene.log();
+  FakeScene other(fox);
+  ASSERT_TRUE(RunAtLeast(30.5, other.Tasks()).ok());
+  EXPECT_EQ(other.finished(), 1250) << other.log();
+  ASSERT_TRUE(RunAtLeast(31.8, other.Tasks()).ok());
+  EXPECT_EQ(other.trained(), (std::vector<int>{625, 1250, 2500}))
+      << other.log();
+  EXPECT_EQ(other.finished(), 2500);
+  EXPECT_EQ(other.warnings(), 2) << other.log();
 }
 
 TEST(PsnrRun, ReturnsErrors) {
