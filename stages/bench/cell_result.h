@@ -37,7 +37,11 @@ struct CellResult {
   // The verdict of structure from motion: ok, degraded or failed.
   std::string verdict;
 
-  std::vector<SaidLine> said;  // By their order.
+  // By their order; of more than ten of a stage the first and the last five.
+  std::vector<SaidLine> said;
+
+  // The first line of each kind of each stage, by their order (KindOfLine).
+  std::vector<SaidLine> kinds;
 
   // The first of these that the cells of the reference were not told; empty
   // where there is none. See CompareWithReference.

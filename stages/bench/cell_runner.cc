@@ -55,6 +55,9 @@ void Take(const ChildOutcome& outcome,
   for (const std::string& line : outcome.said) {
     result->said.push_back({stage, line});
   }
+  for (const std::string& line : outcome.kinds) {
+    result->kinds.push_back({stage, line});
+  }
   result->programs.insert(outcome.programs.begin(), outcome.programs.end());
   if (outcome.ok()) return;
   result->status = CellStatus::kFailed;

@@ -13,6 +13,7 @@
 #include "core/io/files.h"
 #include "core/io/json_fields.h"
 #include "core/io/json_text.h"
+#include "core/text.h"
 #include "pipeline/exit_code.h"
 #include "sfm/colmap/child_process.h"
 
@@ -32,10 +33,30 @@ bool ChildOutcome::IsFinal(double limit_s) const {
          (timed_out && limit_s > 0 && limit_s <= time_limit_s);
 }
 
+std::string KindOfLine(const std::string& line) {
+  std::string kind;
+  bool begins_word = true;  // Whether the number before did.
+  for (const char c : line) {
+    const bool after_number = kind.ends_with('#');
+    if (IsDigit(c)) {
+      if (after_number) continue;
+      begins_word = kind.empty() || std::string_view(" '\"(").find(
+                                        kind.back()) != std::string_view::npos;
+      kind += '#';
+    } else if (c == '/' && after_number && begins_word) {
+      kind.pop_back();
+    } else {
+      kind += c;
+    }
+  }
+  return kind;
+}
+
 StatusOr<ChildOutcome> RunForOutcome(const std::vector<std::string>& argv,
                                      const BenchContext& context) {
   ChildOutcome outcome;
-  const auto on_line = [&outcome](std::string_view line) {
+  std::set<std::string> kinds;
+  const auto on_line = [&outcome, &kinds](std::string_view line) {
     line = line.substr(0, kMaxLine);
     const bool error = line.starts_with(kErrorPrefix);
     if (error) outcome.reason = line.substr(kErrorPrefix.size());
@@ -44,6 +65,9 @@ StatusOr<ChildOutcome> RunForOutcome(const std::vector<std::string>& argv,
       return;
     }
     outcome.said.emplace_back(line);
+    if (kinds.insert(KindOfLine(outcome.said.back())).second) {
+      outcome.kinds.emplace_back(line);
+    }
     // The first lines and the last.
     if (outcome.said.size() > kMaxSaid) {
       outcome.said.erase(outcome.said.begin() + kMaxSaid / 2);
@@ -90,6 +114,7 @@ Status WriteOutcome(const std::filesystem::path& path,
                                {"timed_out", outcome.timed_out},
                                {"time_limit_s", outcome.time_limit_s},
                                {"said", outcome.said},
+                               {"kinds", outcome.kinds},
                                {"program", ProgramsText(outcome.programs)}};
   return WriteFileAtomic(path, JsonText(json));
 }
@@ -108,6 +133,8 @@ StatusOr<ChildOutcome> ReadOutcome(const std::filesystem::path& path) {
         reader.Number("time_limit_s", 0, std::numeric_limits<double>::max());
   }
   outcome.said = reader.TextList("said");
+  // Earlier programs did not write it.
+  outcome.kinds = reader.Has("kinds") ? reader.TextList("kinds") : outcome.said;
   outcome.programs = ParsePrograms(reader.Text("program"));
   FREEGS_RETURN_IF_ERROR(status);
   return outcome;

@@ -24,6 +24,9 @@ struct ChildOutcome {
   // Its warnings and errors; of more than ten the first and the last five.
   std::vector<std::string> said;
 
+  // All kinds of warnings and errors that there were: the first line of each.
+  std::vector<std::string> kinds;
+
   // The hashes of the programs that made the result, and of those that made
   // what it rests on.
   std::set<std::string> programs;
@@ -35,6 +38,12 @@ struct ChildOutcome {
   // its time ran out and it would not get more.
   bool IsFinal(double limit_s) const;
 };
+
+// Two warnings are of one kind when this is the same for both: the line with
+// "#" for each of its numbers, and without numbers that are the first folder of
+// a path. Such folders are those of photographs in another order ("0003/a.jpg",
+// see DisturbPhotos).
+std::string KindOfLine(const std::string& line);
 
 // Runs argv to its end. kInterrupted when cancelled, and kMissingDependency
 // when it cannot be started; a program that ran and failed is no error.

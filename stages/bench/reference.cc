@@ -3,12 +3,13 @@
 #include "stages/bench/reference.h"
 
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <map>
 #include <set>
 #include <string>
 #include <utility>
+
+#include "stages/bench/child_outcome.h"
 
 namespace freegs::stages {
 namespace {
@@ -27,28 +28,15 @@ constexpr std::array<const char*, 12> kAccuracies = {"holdout_psnr",
                                                      "text_box_miou",
                                                      "box_miou"};
 
-// A line with "#" for each of its numbers.
-std::string WithoutNumbers(const std::string& line) {
-  std::string result;
-  for (const char c : line) {
-    if (std::isdigit(static_cast<unsigned char>(c)) == 0) {
-      result += c;
-    } else if (!result.ends_with('#')) {
-      result += '#';
-    }
-  }
-  return result;
-}
-
 // What the reference cells of a scene gave.
 struct Reference {
-  std::set<std::string> lines;
+  std::set<std::string> kinds;
   std::map<std::string, std::pair<double, int>> sums;  // And counts.
 };
 
 void Add(const CellResult& result, Reference* reference) {
-  for (const SaidLine& line : result.said) {
-    reference->lines.insert(WithoutNumbers(line.text));
+  for (const SaidLine& line : result.kinds) {
+    reference->kinds.insert(KindOfLine(line.text));
   }
   for (const char* name : kAccuracies) {
     const auto value = result.values.find(name);
@@ -63,8 +51,8 @@ void Compare(const Reference& reference,
              bool is_reference,
              CellResult* result) {
   result->told = {};
-  for (const SaidLine& line : result->said) {
-    if (!is_reference && reference.lines.contains(WithoutNumbers(line.text))) {
+  for (const SaidLine& line : result->kinds) {
+    if (!is_reference && reference.kinds.contains(KindOfLine(line.text))) {
       continue;
     }
     result->told = line;

@@ -16,8 +16,8 @@ inline constexpr char kKeptPrefix[] = "kept.";
 
 // Sets `told` of all results, and the figures "kept.FIGURE": each figure of
 // eval that is a measure of accuracy, in percent of the mean over the reference
-// cells of the same scene. Lines that differ from one of the reference's only
-// in numbers are not new. Without a reference `told` is the first line, and
+// cells of the same scene. A line of the same kind as one of the reference's
+// (KindOfLine) is not new. Without a reference `told` is the first line, and
 // there are no such figures. `results` are in the order of `cells`.
 void CompareWithReference(const Suite& suite,
                           const std::vector<SuiteCell>& cells,

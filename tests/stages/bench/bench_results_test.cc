@@ -190,7 +190,7 @@ TEST_F(BenchResultsTest, CellsAreComparedWithTheReference) {
   std::vector<CellResult> results(3);
   results[0].status = CellStatus::kDone;
   results[0].values = {{"psnr", 19}, {"text_mbiou", 0.5}, {"text_box_miou", 1}};
-  results[0].said = {{"ingest", "warning: 3 photos are dark"}};
+  results[0].kinds = {{"ingest", "warning: 3 photos are dark"}};
   results[1].status = CellStatus::kDone;
   results[1].values = {{"psnr", 21}};
   results[2].status = CellStatus::kFailed;
@@ -200,8 +200,8 @@ TEST_F(BenchResultsTest, CellsAreComparedWithTheReference) {
                        {"num_gaussians", 7},
                        {"text_mbiou", 0.25},
                        {"text_box_miou", 0.5}};
-  results[2].said = {{"ingest", "warning: 14 photos are dark"},
-                     {"sfm", "warning: few poses"}};
+  results[2].kinds = {{"ingest", "warning: 14 photos are dark"},
+                      {"sfm", "warning: few poses"}};
   CompareWithReference(*suite, *cells, &results);
   EXPECT_EQ(results[0].told.text, "warning: 3 photos are dark");
   EXPECT_EQ(results[2].told.text, "warning: few poses");
@@ -213,6 +213,39 @@ TEST_F(BenchResultsTest, CellsAreComparedWithTheReference) {
   const std::string text = SummaryMarkdown({*suite, *cells, results});
   EXPECT_THAT(
       text, HasSubstr("| sfm: exit code 4 | sfm | warning: few poses | 50 |"));
+}
+
+// Each of twelve photographs has a warning with its name. Fewer photographs are
+// no new warning, and neither are shuffled ones, which lie in folders.
+TEST_F(BenchResultsTest, WhatTheReferenceWasToldIsNotNew) {
+  const StatusOr<Suite> suite = ParseSuite(
+      "[suite]\nreference = none\n[scene a]\nimages = p\n[grid none]\n"
+      "disturb = none\n[grid other]\ndisturb = drop:0.1 shuffle\n",
+      "/d/s.ini");
+  ASSERT_TRUE(suite.ok()) << suite.status().message();
+  SuiteChecks checks;
+  checks.disturb = [](const std::string&) { return Status(); };
+  const auto cells = MakeCells(*suite, checks);
+  ASSERT_TRUE(cells.ok()) << cells.status().message();
+  ASSERT_EQ(cells->size(), 3u);
+  std::vector<CellResult> results(3);
+  const std::string names = "abcdefghijkl";
+  for (size_t i = 0; i < names.size(); ++i) {
+    const std::string photo = names[i] + std::string(".heic: not used");
+    const std::string folder = "00" + std::to_string(30 - i) + "/";
+    results[0].kinds.push_back({"ingest", "warning: ingest: " + photo});
+    if (i != 3) results[1].kinds.push_back(results[0].kinds.back());
+    results[2].kinds.push_back(
+        {"ingest", "warning: ingest: " + folder + photo});
+  }
+  CompareWithReference(*suite, *cells, &results);
+  EXPECT_EQ(results[1].told.text, "");
+  EXPECT_EQ(results[1].told.stage, "");
+  EXPECT_EQ(results[2].told.text, "");
+  results[2].kinds.push_back({"sfm", "warning: sfm: 0002/m.jpg is dark"});
+  CompareWithReference(*suite, *cells, &results);
+  EXPECT_EQ(results[2].told.text, "warning: sfm: 0002/m.jpg is dark");
+  EXPECT_EQ(results[2].told.stage, "sfm");
 }
 
 TEST_F(BenchResultsTest, PageEmbedsDataSafely) {

@@ -231,6 +231,41 @@ TEST_F(StageStoreTest, FailuresOfTheMethodAreKeptOthersTriedAgain) {
   EXPECT_EQ(run().exit_code, 3);
 }
 
+TEST_F(StageStoreTest, OfManyWarningsAllKindsAreKept) {
+  UseScript(
+      "for x in a b c d e f g h i j k l; do echo \"warning: $x.jpg is 1\"; "
+      "done\necho 'warning: a.jpg is 2'\nexit 4\n");
+  const CellPlan plan = PlanOf({});
+  StageStore store(context_, "reconstruct");
+  const StatusOr<ChildOutcome> outcome = store.RunStage(plan, 0);
+  ASSERT_TRUE(outcome.ok()) << outcome.status().message();
+  const fs::path file = plan.stages[0].workspace / "outcome.json";
+  const auto kept = ReadOutcome(file);
+  ASSERT_TRUE(kept.ok()) << kept.status().message();
+  for (const ChildOutcome& known : {*outcome, *kept}) {
+    ASSERT_EQ(known.said.size(), 10u);
+    EXPECT_EQ(known.said[4], "warning: e.jpg is 1");
+    EXPECT_EQ(known.said[5], "warning: i.jpg is 1");
+    EXPECT_EQ(known.said[9], "warning: a.jpg is 2");
+    ASSERT_EQ(known.kinds.size(), 12u);
+    EXPECT_EQ(known.kinds[0], "warning: a.jpg is 1");
+    EXPECT_EQ(known.kinds[6], "warning: g.jpg is 1");
+  }
+  // What an earlier program wrote.
+  WriteText(file,
+            R"({"exit_code": 4, "reason": "", "timed_out": false,
+                "said": ["warning: dark"], "program": "a"})");
+  EXPECT_THAT(ReadOutcome(file)->kinds, ElementsAre("warning: dark"));
+}
+
+TEST(ChildOutcomeTest, LinesAreOfOneKindWhereOnlyNumbersDiffer) {
+  EXPECT_EQ(KindOfLine("warning: 14 of 20 photos"), "warning: # of # photos");
+  EXPECT_EQ(KindOfLine("warning: 0014/a2.jpg is dark"),
+            "warning: a#.jpg is dark");
+  EXPECT_EQ(KindOfLine("0014/b/a.jpg, '0015/7.jpg'"), "b/a.jpg, '#.jpg'");
+  EXPECT_EQ(KindOfLine("b/14/a.jpg, b14/a.jpg"), "b/#/a.jpg, b#/a.jpg");
+}
+
 TEST_F(StageStoreTest, WhatAnotherProgramBeganDoesNotGoOn) {
   const CellPlan plan = PlanOf({});
   const fs::path folder = plan.stages[0].workspace;
