@@ -40,11 +40,34 @@ constexpr uint64_t kPixels = 2;  // What happens to each.
 
 constexpr int kUsualQuality = 95;
 
+// The photographs of a folder.
+struct FoundPhotos {
+  std::vector<std::string> usable;
+
+  // Those that stage ingest would leave out by their headers.
+  std::vector<std::string> rejected;
+};
+
 // A photograph of the folder, and what it is called in the new one.
 struct NewPhoto {
   std::string file;
   std::string name;
 };
+
+// Files that cannot be read are left out.
+FoundPhotos Found(const fs::path& folder,
+                  const std::vector<std::string>& files) {
+  FoundPhotos found;
+  for (const std::string& file : files) {
+    const StatusOr<std::string> bytes =
+        ReadFile(folder / file, photos::kMaxPhotoFileBytes);
+    if (!bytes.ok()) continue;
+    const auto header = photos::ParsePhotoHeader(*bytes);
+    const bool usable = header.ok() && photos::CheckHeader(*header, {}).ok();
+    (usable ? found.usable : found.rejected).push_back(file);
+  }
+  return found;
+}
 
 // 0 to count - 1 in a random order.
 std::vector<size_t> RandomOrder(size_t count, uint64_t seed) {
@@ -123,9 +146,6 @@ StatusOr<ImageU8> StoredPixels(std::string_view bytes,
   if (header.format == PhotoFormat::kJpeg) {
     return photos::DecodeJpeg(bytes, header);
   }
-  if (header.has_alpha) {
-    return BadInputError("a transparent PNG; lay it over a background");
-  }
   const std::string essential = photos::EssentialPng(bytes);
   const cv::Mat data(1,
                      static_cast<int>(essential.size()),
@@ -154,17 +174,22 @@ StatusOr<std::string> Encoded(ImageU8& pixels, bool jpeg, int quality) {
   return std::string(bytes.begin(), bytes.end());
 }
 
-// The file of a photograph with other pixels.
+// The file of a photograph with other pixels. Where its pixels are damaged it
+// stays as it is: stage ingest leaves it out.
 StatusOr<std::string> WithOtherPixels(const Disturbance& disturbance,
                                       const PhotoTurn& turn,
                                       const std::string& bytes) {
   FREEGS_ASSIGN_OR_RETURN(const photos::PhotoHeader header,
                           photos::ParsePhotoHeader(bytes));
-  FREEGS_RETURN_IF_ERROR(photos::CheckHeader(header, {}));
   if (header.format == PhotoFormat::kTiff) {
     return BadInputError("a TIFF; convert it to JPEG or PNG");
   }
-  FREEGS_ASSIGN_OR_RETURN(ImageU8 pixels, StoredPixels(bytes, header));
+  if (header.has_alpha) {
+    return BadInputError("a transparent PNG; lay it over a background");
+  }
+  StatusOr<ImageU8> stored = StoredPixels(bytes, header);
+  if (!stored.ok()) return bytes;
+  ImageU8 pixels = *std::move(stored);
   DisturbPixels(disturbance, turn, &pixels);
   const bool compress = disturbance.kind == Kind::kJpeg;
   FREEGS_ASSIGN_OR_RETURN(
@@ -225,16 +250,24 @@ Status DisturbPhotos(const Disturbance& disturbance,
   const fs::path masks = images / "masks";
   FREEGS_ASSIGN_OR_RETURN(const photos::PhotoScan scan,
                           photos::ScanPhotos(images, {masks}));
+  const FoundPhotos files = Found(images, scan.files);
   const std::vector<NewPhoto> chosen =
-      ChoosePhotos(disturbance, scan.files, seed);
+      ChoosePhotos(disturbance, files.usable, seed);
   if (chosen.empty()) {
     return BadInputError(images.string() + ": no photographs are left of " +
-                         std::to_string(scan.files.size()));
+                         std::to_string(files.usable.size()) +
+                         " that can be used");
   }
   const std::vector<std::optional<std::string>> found =
       photos::FindMasks(masks, scan.files);
   std::map<std::string, std::optional<std::string>> mask_of;
   for (size_t i = 0; i < found.size(); ++i) mask_of[scan.files[i]] = found[i];
+  const auto write = [&](const NewPhoto& photo, const std::string& bytes) {
+    const fs::path target = out / photo.name;
+    FREEGS_RETURN_IF_ERROR(CreateFolders(target.parent_path()));
+    FREEGS_RETURN_IF_ERROR(WriteFileAtomic(target, bytes));
+    return CopyMask(masks, mask_of[photo.file], photo, out / "masks");
+  };
   for (size_t i = 0; i < chosen.size(); ++i) {
     const NewPhoto& photo = chosen[i];
     FREEGS_ASSIGN_OR_RETURN(std::string bytes, ReadFile(images / photo.file));
@@ -243,16 +276,18 @@ Status DisturbPhotos(const Disturbance& disturbance,
                                    : static_cast<double>(i) /
                                          static_cast<double>(chosen.size() - 1);
     turn.seed = RandomBits(seed, kPixels, i);
-    StatusOr<std::string> disturbed =
+    const StatusOr<std::string> disturbed =
         Disturbed(disturbance, turn, std::move(bytes));
     if (!disturbed.ok()) {
       return disturbed.status().Annotated((images / photo.file).string());
     }
-    const fs::path target = out / photo.name;
-    FREEGS_RETURN_IF_ERROR(CreateFolders(target.parent_path()));
-    FREEGS_RETURN_IF_ERROR(WriteFileAtomic(target, *disturbed));
-    FREEGS_RETURN_IF_ERROR(
-        CopyMask(masks, mask_of[photo.file], photo, out / "masks"));
+    FREEGS_RETURN_IF_ERROR(write(photo, *disturbed));
+  }
+  // Stage ingest says of these what it says without the disturbance.
+  for (const NewPhoto& photo : Unchanged(files.rejected)) {
+    FREEGS_ASSIGN_OR_RETURN(const std::string bytes,
+                            ReadFile(images / photo.file));
+    FREEGS_RETURN_IF_ERROR(write(photo, bytes));
   }
   return Status();
 }

@@ -20,8 +20,14 @@ namespace freegs::stages {
 //
 // EXIF is kept. A JPEG whose pixels change is written with quality 95, a PNG as
 // PNG. Compressed photographs are JPEGs whatever they are called, because the
-// content decides. A photograph of another format is copied where its pixels do
-// not change, and is kBadInput otherwise.
+// content decides. A TIFF is copied where neither its pixels nor its EXIF
+// change, and is kBadInput otherwise; a transparent PNG, where its pixels do
+// not change.
+//
+// Files that stage ingest rejects by their headers are no photographs here:
+// they are copied as they are, and not counted or chosen from. So is one whose
+// pixels are damaged where these would change. Files that cannot be read are
+// left out.
 //
 // The same seed gives the same files. kBadInput for films, for a folder without
 // photographs, and when no photograph would be left.

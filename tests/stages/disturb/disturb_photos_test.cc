@@ -10,6 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "photos/photo_decode.h"
 #include "photos/photo_header.h"
 #include "photos/photo_scan.h"
 #include "stages/disturb/exif_block.h"
@@ -164,11 +165,72 @@ TEST_F(DisturbPhotosTest, WhatCannotBeDisturbedIsNamed) {
   EXPECT_THAT(fault("drop:1", folder_ / "images"), HasSubstr("left of 10"));
   EXPECT_THAT(fault("blur:1", folder_ / "images/p1.jpg"), HasSubstr("films"));
   EXPECT_THAT(fault("blur:1", folder_ / "none"), HasSubstr("none"));
-  folder_.Write("images/p2.jpg", "no photo");
-  EXPECT_THAT(fault("blur:1", folder_ / "images"), HasSubstr("p2.jpg"));
+  folder_.Write("useless/p.heic", "no photo");
+  EXPECT_THAT(fault("blur:1", folder_ / "useless"), HasSubstr("left of 0"));
   folder_.Write("images/p2.jpg",
                 photos::Encode(".tiff", photos::MakePicture(64, 48, 1)));
   EXPECT_THAT(fault("blur:1", folder_ / "images"), HasSubstr("TIFF"));
+  EXPECT_THAT(fault("focal:2", folder_ / "images"), HasSubstr("p2.jpg"));
+  Disturb("shuffle");
+}
+
+// Four photographs and four files that stage ingest does not use.
+TEST_F(DisturbPhotosTest, FilesThatCannotBeUsedAreCopiedAndNotCounted) {
+  for (int i = 5; i <= 10; ++i) fs::remove(folder_ / "images" / names_[i - 1]);
+  names_.resize(4);
+  std::set<std::string> useless;
+  for (int i = 1; i <= 3; ++i) {
+    const std::string name = "p" + std::to_string(i) + "b.heic";
+    folder_.Write("images/" + name, "....ftypheic....");
+    useless.insert(name);
+  }
+  // A photograph that was cut off.
+  folder_.Write("images/p4b.jpg", Before("p4.jpg").substr(0, 900));
+  useless.insert("p4b.jpg");
+  // The photographs of the new folder, by their names.
+  const auto disturb = [&](const std::string& text) {
+    std::set<std::string> used;
+    std::set<std::string> others;
+    for (const std::string& file : Disturb(text)) {
+      const std::string name = fs::path(file).filename().string();
+      if (!useless.contains(name)) {
+        used.insert(name);
+        continue;
+      }
+      others.insert(name);
+      EXPECT_EQ(After(file), Before(name)) << text;
+    }
+    EXPECT_EQ(others, useless) << text;
+    EXPECT_THAT(used, IsSubsetOf(names_)) << text;
+    return used.size();
+  };
+  EXPECT_EQ(disturb("noise:5"), 4u);
+  EXPECT_NE(After("p4.jpg"), Before("p4.jpg"));
+  const std::string noisy = After("p4.jpg");
+  EXPECT_EQ(disturb("focal:2"), 4u);
+  EXPECT_EQ(disturb("drop:0.5"), 2u);
+  EXPECT_EQ(disturb("views:3"), 3u);
+  EXPECT_EQ(disturb("shuffle"), 4u);
+  EXPECT_TRUE(fs::exists(out_ / "p4b.jpg"));
+  // They change nothing of what happens to the others.
+  for (const std::string& name : useless) {
+    fs::remove(folder_ / "images" / name);
+  }
+  Disturb("noise:5");
+  EXPECT_EQ(After("p4.jpg"), noisy);
+}
+
+TEST_F(DisturbPhotosTest, PhotographsWithDamagedPixelsAreCopied) {
+  // The file ends as it should, but some of its data are missing.
+  const std::string jpeg = photos::MakeJpeg(64, 48, 5);
+  const std::string cut = jpeg.substr(0, jpeg.size() - 100) + "\xff\xd9";
+  folder_.Write("images/q.jpg", cut);
+  const auto header = photos::ParsePhotoHeader(cut);
+  ASSERT_TRUE(header.ok()) << header.status().message();
+  ASSERT_TRUE(photos::CheckHeader(*header, {}).ok());
+  ASSERT_FALSE(photos::DecodePhoto(cut, *header, {}).ok());
+  Disturb("noise:5");
+  EXPECT_EQ(After("q.jpg"), cut);
 }
 
 }  // namespace
