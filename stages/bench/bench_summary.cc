@@ -17,9 +17,6 @@
 namespace freegs::stages {
 namespace {
 
-// Figures over all stages of a run begin with this (cell_result.h).
-constexpr char kTotalPrefix[] = "total.";
-
 // Cells that one row of a table is about.
 struct Row {
   std::vector<std::string> keys;  // The values of the table's keys.
@@ -134,16 +131,15 @@ bool AnyIsDone(const BenchResults& bench, const std::vector<size_t>& cells) {
   });
 }
 
-// Mean of a figure over cells, and its spread if that is asked for. The totals
-// of a run that failed lack the stages that it did not reach, so no mean is
-// taken of them and those of whole runs.
+// Mean of a figure over cells, and its spread if that is asked for. A run that
+// failed ended in the middle of a stage and did not reach others, so no mean is
+// taken of its figures and those of whole runs.
 std::string Field(const BenchResults& bench,
                   const std::vector<size_t>& cells,
                   const std::string& name,
                   bool with_spread) {
   if (const auto words = Words(bench, cells, name)) return *words;
-  const bool only_done =
-      name.starts_with(kTotalPrefix) && AnyIsDone(bench, cells);
+  const bool only_done = AnyIsDone(bench, cells);
   std::vector<double> values;
   for (const size_t i : cells) {
     if (only_done && bench.results[i].status != CellStatus::kDone) continue;

@@ -13,9 +13,9 @@ namespace freegs::stages {
 // One table for each [table] of the suite, or one of seconds and PSNR when it
 // has none, and a list of the cells that failed. A field is the mean over the
 // cells of the row and, behind ±, the largest difference from it; "n of m"
-// behind it when only some of the cells have the figure. Figures that begin
-// with "total." are those of the cells that are done; in a row without any of
-// these, of all. Means over scenes have no ±.
+// behind it when it is of only some of the cells. Figures are those of the
+// cells that are done; in a row without any of these, of all. Means over scenes
+// have no ±.
 std::string SummaryMarkdown(const BenchResults& bench);
 
 }  // namespace freegs::stages

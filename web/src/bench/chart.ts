@@ -319,13 +319,13 @@ export function chartOption(results: Results, chart: Chart) {
 }
 
 /**
- * The range of a figure over the cells, for tables. The totals of a run that
- * failed lack the stages that it did not reach, so they count only where no
- * cell is done.
+ * The range of a figure over the cells, for tables. A run that failed ended in
+ * the middle of a stage and did not reach others, so its figures count only
+ * where no cell is done.
  */
 export function cellSpread(cells: Cell[], name: string) {
   const done = cells.filter((cell) => cell.status === "done");
-  const taken = name.startsWith("total.") && done.length > 0 ? done : cells;
+  const taken = done.length > 0 ? done : cells;
   return spread(
     taken.map((cell) => cell.values[name]).filter((value) => value !== undefined),
   );
