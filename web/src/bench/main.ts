@@ -50,7 +50,8 @@ function addTable(parent: HTMLElement, table: Table, results: Results) {
         continue;
       }
       const values = cellSpread(group, column);
-      add(row, "td", values ? formatSpread(column, values) : "", "number");
+      const figures = values ? formatSpread(column, values, group.length) : "";
+      add(row, "td", figures, "number");
     }
   };
   for (const group of grouped(cells, keys)) {

@@ -37,12 +37,23 @@ export function formatFigure(name: string, value: number): string {
   return String(Number(value.toPrecision(size >= 1 && size < 100 ? 4 : 3)));
 }
 
-export function formatSpread(name: string, spread: Spread): string {
+/**
+ * The mean and its range: "3 (2 to 4)". Where it is of fewer than `runs` runs
+ * this is said, too: "3 (2 to 4; 2 of 3)".
+ */
+export function formatSpread(
+  name: string,
+  spread: Spread,
+  runs = spread.count,
+): string {
   const mean = formatFigure(name, spread.mean);
-  if (spread.count < 2) return mean;
   const min = formatFigure(name, spread.min);
   const max = formatFigure(name, spread.max);
-  return min === max ? mean : `${mean} (${min} to ${max})`;
+  const notes = [
+    min === max ? "" : `${min} to ${max}`,
+    spread.count < runs ? `${spread.count} of ${runs}` : "",
+  ].filter((note) => note !== "");
+  return notes.length > 0 ? `${mean} (${notes.join("; ")})` : mean;
 }
 
 /** "sh_degree 2" for reconstruct.sh_degree; scenes and grids without a key. */
