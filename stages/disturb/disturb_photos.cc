@@ -18,8 +18,11 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/io/files.h"
+#include "core/number_text.h"
+#include "core/pinhole.h"
 #include "core/random.h"
 #include "photos/photo_decode.h"
+#include "photos/photo_exif.h"
 #include "photos/photo_header.h"
 #include "photos/photo_jpeg.h"
 #include "photos/photo_mask.h"
@@ -125,6 +128,23 @@ std::vector<NewPhoto> Shuffled(const std::vector<std::string>& files,
   return photos;
 }
 
+// kBadInput where an amount is so small, or so large, that no photograph would
+// be missing. A share of 0 says so itself.
+Status CheckLeavesOut(const Disturbance& disturbance,
+                      size_t before,
+                      size_t after) {
+  if (after < before) return Status();
+  const std::string all = std::to_string(before) + " photographs";
+  const std::string amount = FormatSignificant(disturbance.amount, 7);
+  if (disturbance.kind == Kind::kDrop && disturbance.amount > 0) {
+    return BadInputError("drop:" + amount + " leaves out none of " + all);
+  }
+  if (disturbance.kind == Kind::kViews) {
+    return BadInputError("views:" + amount + " leaves out none of " + all);
+  }
+  return Status();
+}
+
 std::vector<NewPhoto> ChoosePhotos(const Disturbance& disturbance,
                                    const std::vector<std::string>& files,
                                    uint64_t seed) {
@@ -200,7 +220,8 @@ StatusOr<std::string> WithOtherPixels(const Disturbance& disturbance,
   return WithExifBlock(file, ExifBlockOf(bytes));
 }
 
-// The file of a photograph with another focal length in its EXIF.
+// The file of a photograph with another focal length in its EXIF. kBadInput for
+// one that would not be read, because the photograph would be as it was.
 StatusOr<std::string> WithOtherFocal(double factor, const std::string& bytes) {
   FREEGS_ASSIGN_OR_RETURN(const photos::PhotoHeader header,
                           photos::ParsePhotoHeader(bytes));
@@ -209,8 +230,16 @@ StatusOr<std::string> WithOtherFocal(double factor, const std::string& bytes) {
   const double longest = std::max(width, height);
   const double focal =
       photos::FocalLengthPixels(header.exif, width, height).value_or(longest);
-  return WithExifBlock(
-      bytes, ExifBlockWithFocal(header.exif, factor * focal / longest));
+  const double ratio = factor * focal / longest;
+  const std::string block = ExifBlockWithFocal(header.exif, ratio);
+  if (!photos::FocalLengthPixels(photos::ParseExif(block), width, height)) {
+    return BadInputError("its focal length would be " +
+                         FormatSignificant(ratio, 3) +
+                         " times the longest side; from " +
+                         FormatSignificant(kMinFocalRatio, 3) + " to " +
+                         FormatSignificant(kMaxFocalRatio, 3) + " is read");
+  }
+  return WithExifBlock(bytes, block);
 }
 
 StatusOr<std::string> Disturbed(const Disturbance& disturbance,
@@ -258,6 +287,9 @@ Status DisturbPhotos(const Disturbance& disturbance,
                          std::to_string(files.usable.size()) +
                          " that can be used");
   }
+  FREEGS_RETURN_IF_ERROR(
+      CheckLeavesOut(disturbance, files.usable.size(), chosen.size())
+          .Annotated(images.string()));
   const std::vector<std::optional<std::string>> found =
       photos::FindMasks(masks, scan.files);
   std::map<std::string, std::optional<std::string>> mask_of;

@@ -30,7 +30,9 @@ namespace freegs::stages {
 // left out.
 //
 // The same seed gives the same files. kBadInput for films, for a folder without
-// photographs, and when no photograph would be left.
+// photographs, when no photograph would be left, and when nothing would change:
+// `drop` (but of a share of 0) and `views` that leave out no photograph, and a
+// focal length that is not read (FocalLengthPixels).
 Status DisturbPhotos(const Disturbance& disturbance,
                      const std::filesystem::path& images,
                      const std::filesystem::path& out,

@@ -100,7 +100,7 @@ TEST_F(DisturbPhotosTest, ViewsAreNeighbours) {
   const auto at =
       std::search(names_.begin(), names_.end(), three.begin(), three.end());
   EXPECT_NE(at, names_.end());
-  EXPECT_THAT(Disturb("views:99"), SizeIs(10));
+  EXPECT_THAT(Disturb("views:9"), SizeIs(9));
 }
 
 TEST_F(DisturbPhotosTest, ShuffledPhotographsKeepNamesAndMasks) {
@@ -172,6 +172,28 @@ TEST_F(DisturbPhotosTest, WhatCannotBeDisturbedIsNamed) {
   EXPECT_THAT(fault("blur:1", folder_ / "images"), HasSubstr("TIFF"));
   EXPECT_THAT(fault("focal:2", folder_ / "images"), HasSubstr("p2.jpg"));
   Disturb("shuffle");
+}
+
+// What would leave the photographs as they are is no disturbance.
+TEST_F(DisturbPhotosTest, AmountsThatChangeNothingAreErrors) {
+  const auto fault = [&](const std::string& text) {
+    const Status status = DisturbPhotos(
+        *ParseDisturbance(text), folder_ / "images", folder_ / "bad", 1);
+    EXPECT_EQ(status.code(), StatusCode::kBadInput) << text;
+    return status.message();
+  };
+  EXPECT_THAT(fault("drop:0.04"), HasSubstr("drop:0.04 leaves out none of 10"));
+  EXPECT_THAT(Disturb("drop:0.05"), SizeIs(9));
+  EXPECT_THAT(fault("views:10"), HasSubstr("views:10 leaves out none of 10"));
+  EXPECT_THAT(fault("views:99"), HasSubstr("views:99"));
+  EXPECT_THAT(fault("focal:0.1"), HasSubstr("p1.jpg"));
+  for (const std::string& name : names_) {
+    folder_.Write("images/" + name, *WithExifBlock(Before(name), ""));
+  }
+  EXPECT_THAT(fault("focal:0.1"),
+              HasSubstr("0.1 times the longest side; from 0.13 to 300"));
+  EXPECT_THAT(Disturb("focal:0.14"), SizeIs(10));
+  EXPECT_THAT(Disturb("focal:100"), SizeIs(10));
 }
 
 // Four photographs and four files that stage ingest does not use.
