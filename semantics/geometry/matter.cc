@@ -16,7 +16,7 @@ Matter SelectMatter(const splat::GaussianModel& model,
   Matter matter;
   for (uint32_t i = 0; i < model.size(); ++i) {
     const float* mean = model.means.data() + i * size_t{3};
-    const double opacity = 1 / (1 + std::exp(-double{model.opacity_logits[i]}));
+    const double opacity = splat::Opacity(model, i);
     std::array<float, 3> scales;
     std::copy_n(model.log_scales.data() + i * size_t{3}, 3, scales.begin());
     std::nth_element(scales.begin(), scales.begin() + 1, scales.end());

@@ -77,9 +77,7 @@ SceneExtent ComputeSceneExtent(const splat::GaussianModel& model,
   }
   std::vector<float> positions;
   for (size_t i = 0; i < model.size(); ++i) {
-    if (1 / (1 + std::exp(-double{model.opacity_logits[i]})) < min_opacity) {
-      continue;
-    }
+    if (splat::Opacity(model, i) < min_opacity) continue;
     const float* mean = model.means.data() + i * 3;
     if (std::all_of(mean, mean + 3, [](float x) { return std::isfinite(x); })) {
       positions.insert(positions.end(), mean, mean + 3);

@@ -197,8 +197,7 @@ std::vector<Instance> BuildInstances(
                                        model.means[i * size_t{3} + 1],
                                        model.means[i * size_t{3} + 2]);
         if (!position.allFinite()) continue;
-        const double opacity =
-            1 / (1 + std::exp(-double{model.opacity_logits[i]}));
+        const double opacity = splat::Opacity(model, i);
         all.push_back({position, opacity, CovarianceRoot(model, i)});
         if (opacity >= options.min_opacity) solid.push_back(all.back());
       }

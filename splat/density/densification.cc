@@ -24,8 +24,6 @@ constexpr int64_t kGrain = 1 << 13;
 
 enum class Fate : uint8_t { kKeep, kClone, kSplit, kBlurSplit, kPrune };
 
-double Sigmoid(double logit) { return 1.0 / (1.0 + std::exp(-logit)); }
-
 double MaxScale(const GaussianModel& model, size_t i) {
   const float* const s = &model.log_scales[3 * i];
   return std::exp(static_cast<double>(std::max({s[0], s[1], s[2]})));
@@ -71,7 +69,7 @@ std::vector<Fate> DecideFates(const DensificationOptions& options,
   size_t kept = 0;
   for (size_t i = 0; i < count; ++i) {
     if (std::isnan(MaxScale(model, i)) ||
-        !(Sigmoid(model.opacity_logits[i]) >= options.min_opacity)) {
+        !(Opacity(model, i) >= options.min_opacity)) {
       fates[i] = Fate::kPrune;
       continue;
     }

@@ -61,6 +61,10 @@ int ParameterStride(const GaussianModel& model, Parameter parameter) {
   return 3;
 }
 
+double Opacity(const GaussianModel& model, size_t index) {
+  return 1 / (1 + std::exp(-double{model.opacity_logits[index]}));
+}
+
 void GaussianModel::Resize(size_t count) {
   for (const Parameter parameter : kAllParameters) {
     const int stride = ParameterStride(*this, parameter);

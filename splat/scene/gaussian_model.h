@@ -110,6 +110,9 @@ const std::vector<float>& ParameterArray(const GaussianModel& model,
 // How many floats of this kind each Gaussian has.
 int ParameterStride(const GaussianModel& model, Parameter parameter);
 
+// The opacity of Gaussian `index`, from 0 to 1.
+double Opacity(const GaussianModel& model, size_t index);
+
 }  // namespace freegs::splat
 
 #endif  // FREEGS_SPLAT_SCENE_GAUSSIAN_MODEL_H_

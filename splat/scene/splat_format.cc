@@ -19,10 +19,6 @@ namespace {
 constexpr size_t kRecordBytes = 32;
 constexpr float kMaxStoredLogScale = 88;  // Its exponential is a finite float.
 
-double Opacity(const GaussianModel& model, size_t i) {
-  return 1.0 / (1.0 + std::exp(-static_cast<double>(model.opacity_logits[i])));
-}
-
 double LogOpacity(const GaussianModel& model, size_t i) {
   const double logit = model.opacity_logits[i];
   return std::min(logit, 0.0) - std::log1p(std::exp(-std::abs(logit)));

@@ -218,9 +218,10 @@ struct Ball {
 
 Ball BallOf(const splat::GaussianModel& model) {
   constexpr double kShare = 0.98;
+  constexpr float kVisibleLogit = -2.2f;  // An opacity of 0.1.
   std::vector<size_t> visible;
   for (size_t i = 0; i < model.size(); ++i) {
-    if (model.opacity_logits[i] > -2.2f) visible.push_back(i);  // Above 0.1.
+    if (model.opacity_logits[i] > kVisibleLogit) visible.push_back(i);
   }
   if (visible.empty()) {
     for (size_t i = 0; i < model.size(); ++i) visible.push_back(i);
