@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "semantics/instances/hierarchy.h"
 
@@ -32,9 +31,7 @@ std::vector<JudgedMerge> JudgeMerges(const LearningScene& scene,
         std::min(pixels[merge.a], pixels[merge.b]) > 0) {
       judged.push_back({merge.height, a < 0 || a != b});
     }
-    std::map<int, double> sum = votes[merge.a];
-    for (const auto& [id, count] : votes[merge.b]) sum[id] += count;
-    votes.push_back(std::move(sum));
+    votes.push_back(SumOfVotes(votes[merge.a], votes[merge.b]));
   }
   return judged;
 }

@@ -47,9 +47,7 @@ void Collect(const LearningScene& scene,
           if (own_mistakes) join = difference(e) <= 0;
         }
         if (join) {
-          std::map<int, double> sum = votes[a];
-          for (const auto& [id, count] : votes[b]) sum[id] += count;
-          votes.push_back(std::move(sum));
+          votes.push_back(SumOfVotes(votes[a], votes[b]));
           pixels.push_back(pixels[a] + pixels[b]);
         }
         return join;

@@ -102,6 +102,12 @@ int TrueSegment(const std::map<int, double>& votes, double pixels) {
   return -1;
 }
 
+std::map<int, double> SumOfVotes(std::map<int, double> votes,
+                                 const std::map<int, double>& others) {
+  for (const auto& [id, count] : others) votes[id] += count;
+  return votes;
+}
+
 StatusOr<LearningScene> LoadLearningScene(const fs::path& workspace,
                                           const fs::path& truth,
                                           bool with_semantics,

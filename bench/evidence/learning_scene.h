@@ -42,6 +42,10 @@ struct LearningScene {
 // The segment that most of a region's pixels are of, -1 if it is of none.
 int TrueSegment(const std::map<int, double>& votes, double pixels);
 
+// The votes of two regions together.
+std::map<int, double> SumOfVotes(std::map<int, double> votes,
+                                 const std::map<int, double>& others);
+
 // truth: a folder of freegs_make_scene, or one with test_mask/VIEW/LABEL.png.
 // with_semantics: patches get the vectors of the workspace's
 // bootstrap/idsf.bin. The scene has the name of the workspace's folder.

@@ -60,9 +60,7 @@ std::vector<RegionExample> ExamplesOf(
   std::vector<double> outer(sizes.size(), 0.0);  // The size of the parent.
   for (const semantics::RegionTree::Merge& merge : tree.merges) {
     outer[merge.a] = outer[merge.b] = sizes[votes.size()];
-    std::map<int, double> sum = votes[merge.a];
-    for (const auto& [id, count] : votes[merge.b]) sum[id] += count;
-    votes.push_back(std::move(sum));
+    votes.push_back(SumOfVotes(votes[merge.a], votes[merge.b]));
   }
   constexpr double kLeastWeight = 0.02;
   std::vector<RegionExample> examples;
