@@ -2,57 +2,33 @@
 
 #include "semantics/patches/evidence_model.h"
 
-#include <algorithm>
 #include <string>
 
 #include <nlohmann/json.hpp>
 
-#include "core/io/json_fields.h"
 #include "semantics/patches/evidence_json.h"
+#include "semantics/patches/logistic_model_json.h"
 
 namespace freegs::semantics {
-namespace {
-
-constexpr double kMaxNumber = 1e6;
-
-}  // namespace
 
 StatusOr<EvidenceModel> ParseEvidenceModel(std::string_view text) {
-  FREEGS_ASSIGN_OR_RETURN(const nlohmann::json document,
-                          ParseJsonObject(text, "evidence"));
-  const auto number = [](const nlohmann::json& object,
-                         const char* key,
-                         double min,
-                         const std::string& where) {
-    return ReadNumber(
-        FindField(object, key), min, kMaxNumber, where + "." + key);
-  };
   EvidenceModel model;
-  FREEGS_ASSIGN_OR_RETURN(model.bias,
-                          number(document, "bias", -kMaxNumber, "evidence"));
-  const nlohmann::json* rows = FindField(document, "evidence");
-  if (rows == nullptr || !rows->is_array() || rows->size() != kNumEvidences) {
-    return BadInputError("evidence: \"evidence\" must be a list of " +
-                         std::to_string(kNumEvidences) + " entries");
-  }
-  std::array<bool, kNumEvidences> known = {};
-  for (const nlohmann::json& row : *rows) {
-    FREEGS_ASSIGN_OR_RETURN(const std::string name,
-                            ReadText(FindField(row, "name"), "evidence: name"));
-    const auto at =
-        std::find(kEvidenceNames.begin(), kEvidenceNames.end(), name);
-    const auto k = static_cast<size_t>(at - kEvidenceNames.begin());
-    if (at == kEvidenceNames.end() || known[k]) {
-      return BadInputError("evidence: \"" + name + "\" is unknown or twice");
-    }
-    known[k] = true;
-    FREEGS_ASSIGN_OR_RETURN(model.mean[k],
-                            number(row, "mean", -kMaxNumber, name));
+  const auto read_row = [&](size_t k, const nlohmann::json& row) -> Status {
+    const std::string name = kEvidenceNames[k];
+    FREEGS_ASSIGN_OR_RETURN(model.mean[k], ReadModelNumber(row, name, "mean"));
     FREEGS_ASSIGN_OR_RETURN(model.deviation[k],
-                            number(row, "deviation", 1e-9, name));
+                            ReadModelNumber(row, name, "deviation", 1e-9));
     FREEGS_ASSIGN_OR_RETURN(model.weight[k],
-                            number(row, "weight", -kMaxNumber, name));
-  }
+                            ReadModelNumber(row, name, "weight"));
+    return Status();
+  };
+  FREEGS_ASSIGN_OR_RETURN(model.bias,
+                          ParseLogisticModel(text,
+                                             {.source = "evidence",
+                                              .list = "evidence",
+                                              .names = {kEvidenceNames.begin(),
+                                                        kEvidenceNames.end()}},
+                                             read_row));
   return model;
 }
 

@@ -8,14 +8,13 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/io/json_fields.h"
+#include "semantics/patches/logistic_model_json.h"
 #include "semantics/patches/region_quality_json.h"
 
 namespace freegs::semantics {
 namespace {
 
 constexpr double kMaxHeight = 8;
-constexpr double kMaxNumber = 1e6;
 
 constexpr std::array<const char*, kNumOwnAttributes> kOwnNames = {
     "parts_height",
@@ -322,43 +321,24 @@ double QualityModel::Probability(const RegionAttributes& attributes) const {
 }
 
 StatusOr<QualityModel> ParseQualityModel(std::string_view text) {
-  FREEGS_ASSIGN_OR_RETURN(const nlohmann::json document,
-                          ParseJsonObject(text, "region quality"));
-  const auto number = [](const nlohmann::json& object,
-                         const char* key,
-                         const std::string& where) {
-    return ReadNumber(
-        FindField(object, key), -kMaxNumber, kMaxNumber, where + "." + key);
-  };
+  LogisticModelFormat format = {.source = "region quality", .list = "numbers"};
+  for (size_t k = 0; k < kNumRegionAttributes; ++k) {
+    format.names.push_back(RegionAttributeName(k));
+  }
   QualityModel model;
+  const auto read_row = [&](size_t k, const nlohmann::json& row) -> Status {
+    const std::string& name = format.names[k];
+    FREEGS_ASSIGN_OR_RETURN(model.least[k],
+                            ReadModelNumber(row, name, "least"));
+    FREEGS_ASSIGN_OR_RETURN(model.most[k], ReadModelNumber(row, name, "most"));
+    FREEGS_ASSIGN_OR_RETURN(model.weight[k],
+                            ReadModelNumber(row, name, "weight"));
+    if (model.most[k] >= model.least[k]) return Status();
+    return BadInputError(format.source + ": " + name +
+                         ": most is less than least");
+  };
   FREEGS_ASSIGN_OR_RETURN(model.bias,
-                          number(document, "bias", "region quality"));
-  const nlohmann::json* rows = FindField(document, "numbers");
-  if (rows == nullptr || !rows->is_array() ||
-      rows->size() != kNumRegionAttributes) {
-    return BadInputError("region quality: \"numbers\" must be a list of " +
-                         std::to_string(kNumRegionAttributes) + " entries");
-  }
-  std::array<bool, kNumRegionAttributes> known = {};
-  for (const nlohmann::json& row : *rows) {
-    FREEGS_ASSIGN_OR_RETURN(
-        const std::string name,
-        ReadText(FindField(row, "name"), "region quality: name"));
-    size_t k = 0;
-    while (k < kNumRegionAttributes && RegionAttributeName(k) != name) ++k;
-    if (k == kNumRegionAttributes || known[k]) {
-      return BadInputError("region quality: \"" + name +
-                           "\" is unknown or twice");
-    }
-    known[k] = true;
-    FREEGS_ASSIGN_OR_RETURN(model.least[k], number(row, "least", name));
-    FREEGS_ASSIGN_OR_RETURN(model.most[k], number(row, "most", name));
-    FREEGS_ASSIGN_OR_RETURN(model.weight[k], number(row, "weight", name));
-    if (model.most[k] < model.least[k]) {
-      return BadInputError("region quality: " + name +
-                           ": most is less than least");
-    }
-  }
+                          ParseLogisticModel(text, format, read_row));
   return model;
 }
 
