@@ -30,7 +30,6 @@
 #include "stages/scene/clip_input.h"
 #include "stages/scene/instance_maps.h"
 #include "stages/scene/scene_instances.h"
-#include "stages/scene/shipped_model.h"
 #include "stages/scene/training_scene.h"
 #include "stages/scene/working_frame.h"
 #include "stages/scene/workspace_scene.h"
@@ -67,9 +66,7 @@ class BootstrapStage : public pipeline::Stage {
     if (with_semantics()) {
       // model.json holds the hashes of the model's other files. When the model
       // is missing, Run reports that.
-      const StatusOr<fs::path> model = options_.model.empty()
-                                           ? FindShippedModel()
-                                           : StatusOr<fs::path>(options_.model);
+      const StatusOr<fs::path> model = ClipModelFolder(options_.model);
       if (model.ok()) inputs.push_back(*model / "model.json");
     }
     return inputs;
@@ -160,9 +157,7 @@ class BootstrapStage : public pipeline::Stage {
 
   // The networks of the CLIP model. A model that is missing has none.
   int64_t ModelBytes() const {
-    const StatusOr<fs::path> model = options_.model.empty()
-                                         ? FindShippedModel()
-                                         : StatusOr<fs::path>(options_.model);
+    const StatusOr<fs::path> model = ClipModelFolder(options_.model);
     int64_t bytes = 0;
     std::error_code error;
     if (!model.ok()) return bytes;

@@ -19,11 +19,15 @@ constexpr uint64_t kMaxPhotoBytes = uint64_t{1} << 30;
 
 }  // namespace
 
+StatusOr<fs::path> ClipModelFolder(const std::string& folder) {
+  if (folder.empty()) return FindShippedModel();
+  return fs::path(folder);
+}
+
 StatusOr<std::unique_ptr<semantics::OpenCvClip>> OpenClipModel(
     const std::string& folder) {
-  if (!folder.empty()) return semantics::OpenCvClip::Open(folder);
-  FREEGS_ASSIGN_OR_RETURN(const fs::path shipped, FindShippedModel());
-  return semantics::OpenCvClip::Open(shipped);
+  FREEGS_ASSIGN_OR_RETURN(const fs::path model, ClipModelFolder(folder));
+  return semantics::OpenCvClip::Open(model);
 }
 
 StatusOr<std::unique_ptr<semantics::OpenCvClip>> OpenModelOfFeatures(

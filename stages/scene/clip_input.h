@@ -20,9 +20,12 @@
 
 namespace freegs::stages {
 
-// Opens the model in `folder`, or the one that comes with the program when
-// `folder` is empty. The errors are those of OpenCvClip::Open and
-// FindShippedModel.
+// Returns `folder`, or that of the model that comes with the program when
+// `folder` is empty. The errors are those of FindShippedModel.
+StatusOr<std::filesystem::path> ClipModelFolder(const std::string& folder);
+
+// Opens the model in ClipModelFolder(folder). The errors are those of
+// OpenCvClip::Open and FindShippedModel.
 StatusOr<std::unique_ptr<semantics::OpenCvClip>> OpenClipModel(
     const std::string& folder);
 
