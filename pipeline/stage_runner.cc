@@ -120,11 +120,7 @@ StageRunner::StageRunner(std::vector<RunnerStage> stages,
       cache_(options_.workspace, FingerprintCachePath(options_.workspace)) {}
 
 size_t StageRunner::IndexOf(const std::string& name) const {
-  return static_cast<size_t>(std::find_if(stages_.begin(),
-                                          stages_.end(),
-                                          [&](const RunnerStage& s) {
-                                            return s.stage->name() == name;
-                                          }) -
+  return static_cast<size_t>(std::ranges::find(stages_, name, NameOf) -
                              stages_.begin());
 }
 
@@ -292,9 +288,7 @@ std::vector<StageNeed> StageRunner::NeedsOfStages(const std::vector<bool>& done,
   return needs;
 }
 
-Status StageRunner::Run() {
-  FREEGS_RETURN_IF_ERROR(CheckOptions());
-  FREEGS_RETURN_IF_ERROR(Recover());
+Status StageRunner::CheckStart() const {
   for (size_t i = 0; i < First(); ++i) {
     std::error_code error;
     const std::string name = NameOf(stages_[i]);
@@ -305,12 +299,54 @@ Status StageRunner::Run() {
                            " to start from; run it first");
     }
   }
+  return Status();
+}
+
+StatusOr<bool> StageRunner::NeedsRun(const std::string& name,
+                                     const std::string& redone,
+                                     StageState* state) {
+  if (!state->note.empty()) {
+    logger_.Log(LogLevel::kWarning, Prefixed(name, state->note));
+  }
+  if (state->status == StageStatus::kForeign) {
+    return BadInputError(Prefixed(name, state->reason));
+  }
+  if (state->status == StageStatus::kDone) {
+    if (name == options_.forced) {
+      state->reason = options_.forced_reason;
+    } else if (!redone.empty()) {
+      state->reason = "stage " + redone + " was redone";
+    } else {
+      logger_.Log(LogLevel::kInfo, name + ": up to date");
+      // The next run may find them gone, and asks where they lay. Where the
+      // record cannot be written, the result holds all the same.
+      if (state->inputs_moved) {
+        (void)WriteStageRecord(StageFolder(options_.workspace, name),
+                               *state->result);
+      }
+      return false;
+    }
+  }
+  if (!state->waits_for.empty()) {
+    return BadInputError(name + ": " + state->waits_for +
+                         "; to begin the stage anew, delete " +
+                         PartialFolder(options_.workspace, name).string());
+  }
+  if (state->status == StageStatus::kFailed) {
+    state->reason = state->resumable ? "trying again where it failed"
+                                     : "trying again after a failure";
+  }
+  return true;
+}
+
+Status StageRunner::Run() {
+  FREEGS_RETURN_IF_ERROR(CheckOptions());
+  FREEGS_RETURN_IF_ERROR(Recover());
+  FREEGS_RETURN_IF_ERROR(CheckStart());
   ThreadPool pool(WorkingThreads(options_.num_threads));
   const std::vector<StageForecast> forecasts = Forecast(pool);
   const std::string expected = RunNeedText(Total(forecasts));
-  if (!expected.empty()) {
-    logger_.Log(LogLevel::kInfo, "run: " + expected);
-  }
+  if (!expected.empty()) logger_.Log(LogLevel::kInfo, "run: " + expected);
   std::string redone;
   for (size_t i = First(); i < End(); ++i) {
     RunnerStage& stage = stages_[i];
@@ -322,37 +358,8 @@ Status StageRunner::Run() {
     const CurrentInputs now = GatherInputs(stage, MakeContext(stage), cache_);
     StageState state =
         InspectStage(options_.workspace, name, now, ReadLater(name));
-    if (!state.note.empty()) {
-      logger_.Log(LogLevel::kWarning, name + ": " + state.note);
-    }
-    if (state.status == StageStatus::kForeign) {
-      return BadInputError(name + ": " + state.reason);
-    }
-    if (state.status == StageStatus::kDone) {
-      if (name == options_.forced) {
-        state.reason = options_.forced_reason;
-      } else if (!redone.empty()) {
-        state.reason = "stage " + redone + " was redone";
-      } else {
-        logger_.Log(LogLevel::kInfo, name + ": up to date");
-        // The next run may find them gone, and asks where they lay. Where the
-        // record cannot be written, the result holds all the same.
-        if (state.inputs_moved) {
-          (void)WriteStageRecord(StageFolder(options_.workspace, name),
-                                 *state.result);
-        }
-        continue;
-      }
-    }
-    if (!state.waits_for.empty()) {
-      return BadInputError(name + ": " + state.waits_for +
-                           "; to begin the stage anew, delete " +
-                           PartialFolder(options_.workspace, name).string());
-    }
-    if (state.status == StageStatus::kFailed) {
-      state.reason = state.resumable ? "trying again where it failed"
-                                     : "trying again after a failure";
-    }
+    FREEGS_ASSIGN_OR_RETURN(const bool needed, NeedsRun(name, redone, &state));
+    if (!needed) continue;
     logger_.Log(LogLevel::kInfo, name + ": " + state.reason);
     std::vector<bool> done(stages_.size());
     std::fill_n(done.begin(), i, true);
@@ -363,10 +370,10 @@ Status StageRunner::Run() {
       if (forecasts[j].needed) later_seconds += needs[j].seconds;
     }
     FREEGS_RETURN_IF_ERROR(RunStage(stage,
-                                    needs[i],
-                                    later_seconds,
-                                    now.fingerprint,
-                                    state.resumable,
+                                    {.need = needs[i],
+                                     .later_seconds = later_seconds,
+                                     .fingerprint = now.fingerprint,
+                                     .resume = state.resumable},
                                     pool));
     // Files that are made again are the same as before, or the fingerprints of
     // what follows tell.
@@ -378,24 +385,22 @@ Status StageRunner::Run() {
 }
 
 Status StageRunner::RunStage(RunnerStage& stage,
-                             StageNeed need,
-                             double later_seconds,
-                             const StageFingerprint& fingerprint,
-                             bool resume,
+                             StageStart start,
                              ThreadPool& pool) {
   const std::string name = NameOf(stage);
+  StageNeed& need = start.need;
   StageContext context = MakeContext(stage);
   ResourceUsage earlier;
-  if (resume) {
+  if (start.resume) {
     FREEGS_RETURN_IF_ERROR(ContinuePartial(context.output));
     earlier = ReadPartialUsage(context.output);
   } else {
-    FREEGS_RETURN_IF_ERROR(BeginPartial(context.output, fingerprint));
+    FREEGS_RETURN_IF_ERROR(BeginPartial(context.output, start.fingerprint));
   }
 
   context.pool = &pool;
   if (options_.deadline) {
-    const std::chrono::duration<double> later(later_seconds);
+    const std::chrono::duration<double> later(start.later_seconds);
     context.deadline =
         *options_.deadline -
         std::chrono::duration_cast<std::chrono::steady_clock::duration>(later);
@@ -411,15 +416,15 @@ Status StageRunner::RunStage(RunnerStage& stage,
         name + ": " + MemoryText(need, available));
   }
   const ResourceMeter meter(PeakMemory::kReset);
-  ProgressLine line(
-      &logger_,
-      name,
-      {std::max(0.0, need.seconds - earlier.wall_seconds), later_seconds});
+  ProgressLine line(&logger_,
+                    name,
+                    {std::max(0.0, need.seconds - earlier.wall_seconds),
+                     start.later_seconds});
   ProgressFile file(options_.workspace, name);
   context.preview = PreviewPath(options_.workspace);
   std::mutex usage_mutex;
   double usage_noted = 0;
-  context.resuming = resume;
+  context.resuming = start.resume;
   context.earlier_seconds = earlier.wall_seconds;
   context.earlier_cpu_seconds = earlier.cpu_seconds;
   context.log = [this, name](LogLevel level, const std::string& text) {
@@ -439,7 +444,8 @@ Status StageRunner::RunStage(RunnerStage& stage,
   const Status status = RunCatching(*stage.stage, context);
   const ResourceUsage usage = Sum(earlier, meter.Elapsed());
 
-  StageRecord record = MakeRecord(stage, fingerprint, need, usage, context);
+  StageRecord record =
+      MakeRecord(stage, start.fingerprint, need, usage, context);
   if (!status.ok()) return NoteFailure(stage, status, context, &record);
   FREEGS_RETURN_IF_ERROR(PutInPlace(stage, context, &record));
   logger_.Log(LogLevel::kInfo, name + ": done in " + UsageText(usage));

@@ -89,7 +89,23 @@ class StageRunner {
   Status Recover();
 
  private:
+  // How a stage begins.
+  struct StageStart {
+    StageNeed need = {};
+    double later_seconds = 0;  // What the stages after it are expected to take.
+    StageFingerprint fingerprint = {};
+    bool resume = false;  // Whether it goes on from STAGE.partial.
+  };
+
   Status CheckOptions() const;
+  // kBadInput if a stage before First() lacks a result that the run reads.
+  Status CheckStart() const;
+  // Whether a stage in this state has to run; state->reason then says why.
+  // `redone` is the first stage that this run has made again; empty for none.
+  // kBadInput says what is in the way.
+  StatusOr<bool> NeedsRun(const std::string& name,
+                          const std::string& redone,
+                          StageState* state);
   // The stages of a run: First() and those after it, before End().
   size_t First() const;
   size_t End() const;
@@ -107,12 +123,7 @@ class StageRunner {
   std::vector<std::filesystem::path> ReadBy(size_t first,
                                             size_t end,
                                             const std::string& stage) const;
-  Status RunStage(RunnerStage& stage,
-                  StageNeed need,
-                  double later_seconds,
-                  const StageFingerprint& fingerprint,
-                  bool resume,
-                  ThreadPool& pool);
+  Status RunStage(RunnerStage& stage, StageStart start, ThreadPool& pool);
   Status PutInPlace(const RunnerStage& stage,
                     const StageContext& context,
                     StageRecord* record);
