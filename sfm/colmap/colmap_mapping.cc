@@ -93,6 +93,77 @@ void BeginWith(const InitialPair& pair, ColmapArguments* arguments) {
       FormatFixed(std::min(kUsualStartAngleDeg, pair.angle_deg / 2), 3));
 }
 
+// Where the mapper is to put its models, in the folder of MapPhotos.
+fs::path ModelsFolder(const fs::path& folder) { return folder / "models"; }
+
+// The mapper's command. The model that it begins with is written to `folder`.
+StatusOr<ChildCommand> MapperCommand(const StepContext& context,
+                                     const fs::path& database,
+                                     const fs::path& folder,
+                                     const MapperOptions& options) {
+  FREEGS_ASSIGN_OR_RETURN(
+      ColmapArguments arguments,
+      context.Arguments("mapper", context.input.photos.size()));
+  arguments.Require("database_path", database.string());
+  arguments.Require("image_path", context.input.photo_folder.string());
+  arguments.Require("output_path", ModelsFolder(folder).string());
+  if (options.start != nullptr) {
+    const fs::path start = folder / "start";
+    FREEGS_RETURN_IF_ERROR(WriteModel(start, *options.start));
+    arguments.Require("input_path", start.string());
+  }
+  // One thread: sums of bundle adjustment are then always in the same order.
+  arguments.AddAll({"Mapper.num_threads"}, "1");
+  arguments.AddAll({"random_seed", "default_random_seed", "Mapper.random_seed"},
+                   std::to_string(context.input.seed % 2147483647));
+  arguments.Prefer({"Mapper.extract_colors"}, "0");
+  EndAdjustmentsEarly(&arguments);
+  if (options.start == nullptr && options.pair) {
+    BeginWith(*options.pair, &arguments);
+  }
+  if (!options.relaxed) {
+    AdjustLessOften(&arguments);
+  } else {
+    if (!options.pair) {
+      arguments.Prefer({"Mapper.init_min_num_inliers"}, "40");
+      arguments.Prefer({"Mapper.init_min_tri_angle"}, "4");
+    }
+    arguments.Prefer({"Mapper.abs_pose_min_num_inliers"}, "15");
+    arguments.Prefer({"Mapper.abs_pose_min_inlier_ratio"}, "0.15");
+  }
+  if (options.small_models) arguments.Prefer({"Mapper.min_model_size"}, "3");
+  return arguments.Finish();
+}
+
+// The models of a mapper that has ended, the largest first. Deletes `folder`
+// once they are read.
+StatusOr<std::vector<Reconstruction>> TakeModels(const StepContext& context,
+                                                 const fs::path& folder,
+                                                 const MapperOptions& options,
+                                                 const ChildResult& result) {
+  const Status ended =
+      CheckEnded(context,
+                 "mapper",
+                 result,
+                 options.further ? Crash::kVerdict : Crash::kNoVerdict);
+  // COLMAP returns 1 when it made no model: that is a result, not a failure. It
+  // does the same when it cannot read the database.
+  const bool no_model = result.exit_code == 1 &&
+                        ended.code() == StatusCode::kUnusableResult &&
+                        result.tail.find("SQLite error") == std::string::npos;
+  if (!ended.ok() && !no_model) return ended;
+  StatusOr<std::vector<Reconstruction>> read = ReadModels(ModelsFolder(folder));
+  if (!read.ok()) {
+    return InternalError("COLMAP's model cannot be read (is the disk full?): " +
+                         read.status().message());
+  }
+  std::error_code error;
+  fs::remove_all(folder, error);
+  if (!ended.ok() && !read->empty()) return ended;
+  SortBySize(&*read);
+  return read;
+}
+
 }  // namespace
 
 void SortBySize(std::vector<Reconstruction>* models) {
@@ -172,41 +243,9 @@ StatusOr<std::vector<Reconstruction>> MapPhotos(const StepContext& context,
                                                 const MapperOptions& options) {
   std::error_code error;
   fs::remove_all(folder, error);
-  const fs::path output = folder / "models";
-  FREEGS_RETURN_IF_ERROR(CreateFolders(output));
-
-  FREEGS_ASSIGN_OR_RETURN(
-      ColmapArguments arguments,
-      context.Arguments("mapper", context.input.photos.size()));
-  arguments.Require("database_path", database.string());
-  arguments.Require("image_path", context.input.photo_folder.string());
-  arguments.Require("output_path", output.string());
-  if (options.start != nullptr) {
-    const fs::path start = folder / "start";
-    FREEGS_RETURN_IF_ERROR(WriteModel(start, *options.start));
-    arguments.Require("input_path", start.string());
-  }
-  // One thread: sums of bundle adjustment are then always in the same order.
-  arguments.AddAll({"Mapper.num_threads"}, "1");
-  arguments.AddAll({"random_seed", "default_random_seed", "Mapper.random_seed"},
-                   std::to_string(context.input.seed % 2147483647));
-  arguments.Prefer({"Mapper.extract_colors"}, "0");
-  EndAdjustmentsEarly(&arguments);
-  if (options.start == nullptr && options.pair) {
-    BeginWith(*options.pair, &arguments);
-  }
-  if (!options.relaxed) {
-    AdjustLessOften(&arguments);
-  } else {
-    if (!options.pair) {
-      arguments.Prefer({"Mapper.init_min_num_inliers"}, "40");
-      arguments.Prefer({"Mapper.init_min_tri_angle"}, "4");
-    }
-    arguments.Prefer({"Mapper.abs_pose_min_num_inliers"}, "15");
-    arguments.Prefer({"Mapper.abs_pose_min_inlier_ratio"}, "0.15");
-  }
-  if (options.small_models) arguments.Prefer({"Mapper.min_model_size"}, "3");
-  FREEGS_ASSIGN_OR_RETURN(const ChildCommand run, arguments.Finish());
+  FREEGS_RETURN_IF_ERROR(CreateFolders(ModelsFolder(folder)));
+  FREEGS_ASSIGN_OR_RETURN(const ChildCommand run,
+                          MapperCommand(context, database, folder, options));
 
   const double total = static_cast<double>(context.input.photos.size());
   double registered = options.start == nullptr
@@ -225,26 +264,7 @@ StatusOr<std::vector<Reconstruction>> MapPhotos(const StepContext& context,
   };
   FREEGS_ASSIGN_OR_RETURN(const ChildResult result,
                           RunChild(run, on_line, context.input.cancellation));
-  const Status ended =
-      CheckEnded(context,
-                 "mapper",
-                 result,
-                 options.further ? Crash::kVerdict : Crash::kNoVerdict);
-  // COLMAP returns 1 when it made no model: that is a result, not a failure. It
-  // does the same when it cannot read the database.
-  const bool no_model = result.exit_code == 1 &&
-                        ended.code() == StatusCode::kUnusableResult &&
-                        result.tail.find("SQLite error") == std::string::npos;
-  if (!ended.ok() && !no_model) return ended;
-  StatusOr<std::vector<Reconstruction>> read = ReadModels(output);
-  if (!read.ok()) {
-    return InternalError("COLMAP's model cannot be read (is the disk full?): " +
-                         read.status().message());
-  }
-  fs::remove_all(folder, error);
-  if (!ended.ok() && !read->empty()) return ended;
-  SortBySize(&*read);
-  return read;
+  return TakeModels(context, folder, options, result);
 }
 
 }  // namespace freegs::sfm
