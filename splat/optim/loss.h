@@ -44,9 +44,28 @@ class PhotometricLoss {
                 ImageF* gradient);
 
  private:
+  // The size of the images, and where the parts of workspace_ begin.
+  struct Layout;
+
+  // Makes room for images of the size of `rendered`.
+  Layout LayOut(const ImageF& rendered, int num_threads);
+
+  // Fills row_l1_, row_ssim_ and the maps of the derivatives.
+  void Forward(const ImageF& rendered,
+               const ImageF& target,
+               const Layout& layout,
+               ThreadPool& pool);
+
+  // Computes the gradient from the maps of the derivatives.
+  void Backward(const ImageF& rendered,
+                const ImageF& target,
+                const Layout& layout,
+                ThreadPool& pool,
+                ImageF* gradient) const;
+
   PhotometricLossOptions options_;
 
-  // Rows of zeros, scratch rows and the maps of the derivative, see loss.cc.
+  // A row of zeros, scratch rows and the maps of the derivatives, see loss.cc.
   std::vector<float> workspace_;
   size_t row_size_ = 0;  // That the workspace was laid out for, ...
   size_t head_ = 0;      // ... with so many numbers before the maps.

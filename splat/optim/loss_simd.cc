@@ -203,15 +203,14 @@ SsimRowSums ForwardRow(const float* x,
 
 void ForwardRows(const WindowRows& rendered,
                  const WindowRows& target,
-                 const SsimWindow& window,
-                 size_t n,
-                 int num_rows,
-                 float* scratch,
+                 const SsimBlock& block,
                  const SsimDerivativeRow* derivatives,
                  SsimRowSums* sums) {
+  const size_t n = block.n;
   const size_t stride = SsimScratchRow(n);
-  const Weights<Wide> wide_weights(Wide(), window);
-  const Weights<One> one_weights(One(), window);
+  float* const scratch = block.scratch;
+  const Weights<Wide> wide_weights(Wide(), block.window);
+  const Weights<One> one_weights(One(), block.window);
   size_t i = 0;
   for (const size_t lanes = hn::Lanes(Wide()); i + lanes <= n; i += lanes) {
     BlurAcross(Wide(), rendered, target, wide_weights, i, scratch, stride);
@@ -219,10 +218,10 @@ void ForwardRows(const WindowRows& rendered,
   for (; i < n; ++i) {
     BlurAcross(One(), rendered, target, one_weights, i, scratch, stride);
   }
-  for (int r = 0; r < num_rows; ++r) {
+  for (int r = 0; r < block.num_rows; ++r) {
     sums[r] = ForwardRow(rendered[kSsimWindowRadius + r],
                          target[kSsimWindowRadius + r],
-                         window,
+                         block.window,
                          n,
                          scratch + r * kKinds * stride,
                          derivatives[r]);
@@ -271,8 +270,7 @@ HWY_INLINE void GradientAt(D d,
                            size_t i,
                            const float* rendered,
                            const float* target,
-                           float l1_factor,
-                           float ssim_factor,
+                           LossFactors factors,
                            float* gradient) {
   const auto x = hn::LoadU(d, rendered + i);
   const auto y = hn::LoadU(d, target + i);
@@ -282,10 +280,10 @@ HWY_INLINE void GradientAt(D d,
   const auto ssim =
       hn::MulAdd(hn::Add(x, x), square, hn::MulAdd(y, product, mean));
   const auto zero = hn::Zero(d);
-  const auto factor = hn::Set(d, l1_factor);
+  const auto factor = hn::Set(d, factors.l1);
   const auto above = hn::IfThenElseZero(hn::Gt(x, y), factor);
   const auto below = hn::IfThenElseZero(hn::Lt(x, y), hn::Sub(zero, factor));
-  hn::StoreU(hn::MulAdd(hn::Set(d, ssim_factor), ssim, hn::Add(above, below)),
+  hn::StoreU(hn::MulAdd(hn::Set(d, factors.ssim), ssim, hn::Add(above, below)),
              d,
              gradient + i);
 }
@@ -293,16 +291,14 @@ HWY_INLINE void GradientAt(D d,
 void BackwardRows(const SsimDerivativeRows& derivatives,
                   const float* rendered,
                   const float* target,
-                  const SsimWindow& window,
-                  float l1_factor,
-                  float ssim_factor,
-                  size_t n,
-                  int num_rows,
-                  float* scratch,
+                  const SsimBlock& block,
+                  LossFactors factors,
                   float* gradient) {
+  const size_t n = block.n;
   const size_t stride = SsimScratchRow(n);
-  const Weights<Wide> wide_weights(Wide(), window);
-  const Weights<One> one_weights(One(), window);
+  float* const scratch = block.scratch;
+  const Weights<Wide> wide_weights(Wide(), block.window);
+  const Weights<One> one_weights(One(), block.window);
   size_t i = 0;
   for (const size_t lanes = hn::Lanes(Wide()); i + lanes <= n; i += lanes) {
     DerivativesAcross(Wide(), derivatives, wide_weights, i, scratch, stride);
@@ -310,17 +306,16 @@ void BackwardRows(const SsimDerivativeRows& derivatives,
   for (; i < n; ++i) {
     DerivativesAcross(One(), derivatives, one_weights, i, scratch, stride);
   }
-  for (int r = 0; r < num_rows; ++r) {
+  for (int r = 0; r < block.num_rows; ++r) {
     ForEachVector(n, [&](auto d, size_t at) HWY_ATTR {
       GradientAt(d,
                  scratch + r * kKinds * stride,
                  stride,
-                 window,
+                 block.window,
                  at,
                  rendered + r * n,
                  target + r * n,
-                 l1_factor,
-                 ssim_factor,
+                 factors,
                  gradient + r * n);
     });
   }
@@ -337,37 +332,21 @@ HWY_EXPORT(BackwardRows);
 
 void SsimForwardRows(const WindowRows& rendered,
                      const WindowRows& target,
-                     const SsimWindow& window,
-                     size_t n,
-                     int num_rows,
-                     float* scratch,
+                     const SsimBlock& block,
                      const SsimDerivativeRow* derivatives,
                      SsimRowSums* sums) {
   HWY_DYNAMIC_DISPATCH(ForwardRows)
-  (rendered, target, window, n, num_rows, scratch, derivatives, sums);
+  (rendered, target, block, derivatives, sums);
 }
 
 void SsimBackwardRows(const SsimDerivativeRows& derivatives,
                       const float* rendered,
                       const float* target,
-                      const SsimWindow& window,
-                      float l1_factor,
-                      float ssim_factor,
-                      size_t n,
-                      int num_rows,
-                      float* scratch,
+                      const SsimBlock& block,
+                      LossFactors factors,
                       float* gradient) {
   HWY_DYNAMIC_DISPATCH(BackwardRows)
-  (derivatives,
-   rendered,
-   target,
-   window,
-   l1_factor,
-   ssim_factor,
-   n,
-   num_rows,
-   scratch,
-   gradient);
+  (derivatives, rendered, target, block, factors, gradient);
 }
 
 }  // namespace freegs::splat

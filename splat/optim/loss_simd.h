@@ -52,20 +52,32 @@ struct SsimRowSums {
   double ssim = 0;
 };
 
-// The first pass over num_rows rows of n floats each, at most kSsimBlockRows of
-// them. `scratch` has kSsimScratchRows rows of SsimScratchRow(n) floats. Fills
-// num_rows entries of `derivatives` and `sums`.
+// What both passes are given of a block: num_rows rows of n floats each, at
+// most kSsimBlockRows of them. `scratch` has kSsimScratchRows rows of
+// SsimScratchRow(n) floats.
+struct SsimBlock {
+  const SsimWindow& window;
+  size_t n = 0;
+  int num_rows = 0;
+  float* scratch = nullptr;
+};
+
+// The first pass over a block. Fills num_rows entries of `derivatives` and
+// `sums`.
 void SsimForwardRows(const WindowRows& rendered,
                      const WindowRows& target,
-                     const SsimWindow& window,
-                     size_t n,
-                     int num_rows,
-                     float* scratch,
+                     const SsimBlock& block,
                      const SsimDerivativeRow* derivatives,
                      SsimRowSums* sums);
 
-// The second pass: gradient[i] = l1_factor * sign(x - y)
-//   + ssim_factor * d(sum of SSIM)/dx.
+// How much the two terms of the loss count in the gradient.
+struct LossFactors {
+  float l1 = 0;
+  float ssim = 0;
+};
+
+// The second pass: gradient[i] = factors.l1 * sign(x - y)
+//   + factors.ssim * d(sum of SSIM)/dx.
 // The derivative of a blur is the adjoint of that blur, which is the blur
 // itself, for the window is symmetric and the images are zero outside.
 // rendered, target and gradient point to the first row of the block; the others
@@ -73,12 +85,8 @@ void SsimForwardRows(const WindowRows& rendered,
 void SsimBackwardRows(const SsimDerivativeRows& derivatives,
                       const float* rendered,
                       const float* target,
-                      const SsimWindow& window,
-                      float l1_factor,
-                      float ssim_factor,
-                      size_t n,
-                      int num_rows,
-                      float* scratch,
+                      const SsimBlock& block,
+                      LossFactors factors,
                       float* gradient);
 
 }  // namespace freegs::splat
