@@ -168,14 +168,13 @@ Status RunCurve(const CurveOptions& options) {
   splat::Trainer trainer(
       training, std::move(initial), scene.extent, &images, pool);
   if (reconstruct.exposure == "auto") {
-    FREEGS_ASSIGN_OR_RETURN(const std::optional<splat::ExposureChoice> choice,
-                            splat::SearchExposure({},
-                                                  training,
-                                                  trainer.model(),
-                                                  scene.extent,
-                                                  &images,
-                                                  pool,
-                                                  /*cancellation=*/nullptr));
+    FREEGS_ASSIGN_OR_RETURN(
+        const std::optional<splat::ExposureChoice> choice,
+        splat::SearchExposure({},
+                              training,
+                              {trainer.model(), scene.extent, &images},
+                              pool,
+                              /*cancellation=*/nullptr));
     std::fprintf(stderr, "%s\n", stages::ExposureText(choice).c_str());
     trainer.SetExposureChoice(*choice);  // There is one: no deadline is set.
   }

@@ -74,6 +74,81 @@ TrialPhotos SplitPhotos(const TrainingImages& images, int others_every) {
   return photos;
 }
 
+// The photographs of a trial, at the level at which it is made.
+struct TrialImages {
+  TrainingImages trained;
+  TrainingImages others;
+  int level = 0;
+};
+
+// Trains to the end. Returns false when the deadline comes before it.
+StatusOr<bool> RunTrial(const ExposureSearchOptions& options,
+                        Trainer* trainer,
+                        const CancellationToken* cancellation,
+                        const ProgressFn& progress) {
+  while (!trainer->done()) {
+    if (IsCancelled(cancellation)) {
+      return InterruptedError(
+          "training: stopped while deciding about exposure");
+    }
+    if (options.deadline &&
+        std::chrono::steady_clock::now() >= *options.deadline) {
+      return false;
+    }
+    FREEGS_RETURN_IF_ERROR(trainer->Step().status());
+    if (progress && trainer->iteration() % kProgressInterval == 0) {
+      progress({"deciding about exposure",
+                static_cast<double>(trainer->iteration()),
+                static_cast<double>(trainer->options().schedule.iterations),
+                ""});
+    }
+  }
+  return true;
+}
+
+// Measures the scene of a trial that has ended, with and without what it learnt
+// of exposures, and chooses.
+StatusOr<ExposureChoice> JudgeTrial(double min_gain_db,
+                                    const Trainer& trainer,
+                                    TrialImages* images,
+                                    ThreadPool& pool,
+                                    const CancellationToken* cancellation) {
+  ExposureChoice choice;
+  const RenderOptions& render = trainer.options().render;
+  // 0 where masks leave nothing.
+  const auto trained_psnr =
+      [&](std::span<const PhotoExposure> exposures) -> StatusOr<double> {
+    FREEGS_ASSIGN_OR_RETURN(const std::optional<double> psnr,
+                            MeasureHoldoutPsnr({.model = trainer.model(),
+                                                .render = render,
+                                                .images = &images->trained,
+                                                .level = images->level,
+                                                .exposures = exposures,
+                                                .cancellation = cancellation},
+                                               pool));
+    return psnr.value_or(0);
+  };
+  FREEGS_ASSIGN_OR_RETURN(choice.without.trained, trained_psnr({}));
+  FREEGS_ASSIGN_OR_RETURN(choice.with.trained,
+                          trained_psnr(trainer.Exposures()));
+  FREEGS_ASSIGN_OR_RETURN(const std::optional<FittedPsnr> right_halves,
+                          MeasureFittedHoldout({.model = trainer.model(),
+                                                .render = render,
+                                                .images = &images->others,
+                                                .level = images->level,
+                                                .cancellation = cancellation},
+                                               pool));
+  // Masks may have left nothing to judge by.
+  if (!right_halves || choice.without.trained == 0) return choice;
+  choice.without.held_out = right_halves->plain;
+  choice.with.held_out = right_halves->fitted;
+  const double gain = (choice.with.trained - choice.without.trained +
+                       choice.with.held_out - choice.without.held_out) /
+                      2;
+  choice.learn = gain >= min_gain_db;
+  return choice;
+}
+
 }  // namespace
 
 Status ExposureSearchOptions::Check() const {
@@ -93,76 +168,31 @@ Status ExposureSearchOptions::Check() const {
 StatusOr<std::optional<ExposureChoice>> SearchExposure(
     const ExposureSearchOptions& options,
     const TrainerOptions& training,
-    const GaussianModel& initial,
-    double scene_extent,
-    TrainingImages* images,
+    const TrialScene& scene,
     ThreadPool& pool,
     const CancellationToken* cancellation,
     const ProgressFn& progress) {
   FREEGS_RETURN_IF_ERROR(options.Check());
-  const TrialPhotos photos = SplitPhotos(*images, options.others_every);
-  ExposureChoice choice;
-  if (photos.others.empty()) return std::optional(choice);
-  TrainingImages trained = images->Subset(photos.trained);
-  TrainingImages others = images->Subset(photos.others);
-  const int level = std::min(options.level, images->num_levels() - 1);
-  TrainerOptions trial = TrialOptions(options, training, level);
+  const TrialPhotos photos = SplitPhotos(*scene.images, options.others_every);
+  const std::optional<ExposureChoice> nothing_learnt = ExposureChoice();
+  if (photos.others.empty()) return nothing_learnt;
+  TrialImages images = {
+      .trained = scene.images->Subset(photos.trained),
+      .others = scene.images->Subset(photos.others),
+      .level = std::min(options.level, scene.images->num_levels() - 1)};
+  TrainerOptions trial = TrialOptions(options, training, images.level);
   trial.exposure.learn = true;
-  Trainer trainer(trial, initial, scene_extent, &trained, pool);
-  while (!trainer.done()) {
-    if (IsCancelled(cancellation)) {
-      return InterruptedError(
-          "training: stopped while deciding about exposure");
-    }
-    if (options.deadline &&
-        std::chrono::steady_clock::now() >= *options.deadline) {
-      return std::optional<ExposureChoice>();
-    }
-    const Status step = trainer.Step().status();
-    if (step.code() == StatusCode::kUnusableResult) {
-      return std::optional(choice);
-    }
-    FREEGS_RETURN_IF_ERROR(step);
-    if (progress && trainer.iteration() % kProgressInterval == 0) {
-      progress({"deciding about exposure",
-                static_cast<double>(trainer.iteration()),
-                static_cast<double>(trial.schedule.iterations),
-                ""});
-    }
+  Trainer trainer(trial, scene.initial, scene.extent, &images.trained, pool);
+  const StatusOr<bool> ended =
+      RunTrial(options, &trainer, cancellation, progress);
+  if (ended.status().code() == StatusCode::kUnusableResult) {
+    return nothing_learnt;
   }
-  // 0 where masks leave nothing.
-  const auto trained_psnr =
-      [&](std::span<const PhotoExposure> exposures) -> StatusOr<double> {
-    FREEGS_ASSIGN_OR_RETURN(const std::optional<double> psnr,
-                            MeasureHoldoutPsnr({.model = trainer.model(),
-                                                .render = training.render,
-                                                .images = &trained,
-                                                .level = level,
-                                                .exposures = exposures,
-                                                .cancellation = cancellation},
-                                               pool));
-    return psnr.value_or(0);
-  };
-  FREEGS_ASSIGN_OR_RETURN(choice.without.trained, trained_psnr({}));
-  FREEGS_ASSIGN_OR_RETURN(choice.with.trained,
-                          trained_psnr(trainer.Exposures()));
-  FREEGS_ASSIGN_OR_RETURN(const std::optional<FittedPsnr> right_halves,
-                          MeasureFittedHoldout({.model = trainer.model(),
-                                                .render = training.render,
-                                                .images = &others,
-                                                .level = level,
-                                                .cancellation = cancellation},
-                                               pool));
-  // Masks may have left nothing to judge by.
-  if (!right_halves || choice.without.trained == 0) {
-    return std::optional(choice);
-  }
-  choice.without.held_out = right_halves->plain;
-  choice.with.held_out = right_halves->fitted;
-  const double gain = (choice.with.trained - choice.without.trained +
-                       choice.with.held_out - choice.without.held_out) /
-                      2;
-  choice.learn = gain >= options.min_gain_db;
+  FREEGS_RETURN_IF_ERROR(ended.status());
+  if (!*ended) return std::optional<ExposureChoice>();
+  FREEGS_ASSIGN_OR_RETURN(
+      const ExposureChoice choice,
+      JudgeTrial(options.min_gain_db, trainer, &images, pool, cancellation));
   return std::optional(choice);
 }
 

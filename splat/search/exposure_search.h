@@ -9,8 +9,8 @@
 //
 //   FREEGS_ASSIGN_OR_RETURN(
 //       const std::optional<ExposureChoice> choice,
-//       SearchExposure({.deadline = deadline}, training, trainer.model(),
-//                      extent, &images, pool, nullptr));
+//       SearchExposure({.deadline = deadline}, training,
+//                      {trainer.model(), extent, &images}, pool, nullptr));
 //   if (choice) trainer.SetExposureChoice(*choice);
 
 #ifndef FREEGS_SPLAT_SEARCH_EXPOSURE_SEARCH_H_
@@ -52,10 +52,17 @@ struct ExposureSearchOptions {
   Status Check() const;
 };
 
+// What the training proper is given of the scene; see Trainer.
+struct TrialScene {
+  const GaussianModel& initial;
+  double extent = 0;
+  TrainingImages* images = nullptr;
+};
+
 // Makes a short training on small images, the trial, which begins with
-// `initial` and learns the exposures. On images with a sixteenth of the
-// pixels it has a sixteenth of the budget. When `images` has too few levels for
-// options.level, the coarsest is used. Nothing is learnt where there are no
+// scene.initial and learns the exposures. On images with a sixteenth of the
+// pixels it has a sixteenth of the budget. When the images have too few levels
+// for options.level, the coarsest is used. Nothing is learnt where there are no
 // photographs to judge by: with less than 3 of them, or where masks leave
 // nothing of those that were trained on or of the right halves of the others.
 // Nothing is learnt either when the trial ends with kUnusableResult, as when it
@@ -69,9 +76,7 @@ struct ExposureSearchOptions {
 StatusOr<std::optional<ExposureChoice>> SearchExposure(
     const ExposureSearchOptions& options,
     const TrainerOptions& training,
-    const GaussianModel& initial,
-    double scene_extent,
-    TrainingImages* images,
+    const TrialScene& scene,
     ThreadPool& pool,
     const CancellationToken* cancellation,
     const ProgressFn& progress = nullptr);

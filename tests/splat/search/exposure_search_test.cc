@@ -46,10 +46,12 @@ class ExposureSearchTest : public TrainingFixture {
     auto images =
         TrainingImages::Load(views_, folder_, {.mask_folder = masks}, pool);
     EXPECT_TRUE(images.ok()) << images.status().message();
-    FREEGS_ASSIGN_OR_RETURN(
-        const std::optional<ExposureChoice> choice,
-        SearchExposure(
-            search_, Training(), Start(), 2.0, &*images, pool, &cancellation_));
+    FREEGS_ASSIGN_OR_RETURN(const std::optional<ExposureChoice> choice,
+                            SearchExposure(search_,
+                                           Training(),
+                                           {Start(), 2.0, &*images},
+                                           pool,
+                                           &cancellation_));
     if (!choice) return UnusableResultError("the time is up");
     return *choice;
   }
@@ -152,9 +154,7 @@ TEST_F(ExposureSearchTest, ReportsTheStepsOfTheTrial) {
   const auto choice =
       SearchExposure(search_,
                      Training(),
-                     Start(),
-                     2.0,
-                     &images,
+                     {Start(), 2.0, &images},
                      pool,
                      &cancellation_,
                      [&](const Progress& p) { reports.push_back(p); });
@@ -173,7 +173,7 @@ TEST_F(ExposureSearchTest, ATrialThatFailsLearnsNothing) {
   TrainerOptions training = Training();
   training.learning_rates.sh_dc = 1e6;
   const auto choice =
-      SearchExposure(search_, training, Start(), 2.0, &images, pool, nullptr);
+      SearchExposure(search_, training, {Start(), 2.0, &images}, pool, nullptr);
   ASSERT_TRUE(choice.ok()) << choice.status().message();
   EXPECT_EQ(**choice, ExposureChoice());
 }
@@ -195,7 +195,7 @@ TEST_F(ExposureSearchTest, ShortIntervalsOfTrainingStayShort) {
     TrainerOptions training = Training();
     training.schedule.densify_interval = interval;
     return **SearchExposure(
-        search_, training, Start(), 2.0, &images, pool, nullptr);
+        search_, training, {Start(), 2.0, &images}, pool, nullptr);
   };
   EXPECT_NE(search(5), search(10));
   EXPECT_EQ(search(12), search(10));
@@ -232,8 +232,8 @@ TEST_F(ExposureSearchTest, LearnsAnExposureThatDrifts) {
   const std::vector<size_t> kept = {0, 1, 3, 4, 6, 7};
   TrainingImages images = all.Subset(kept);
   TrainingImages holdout = all.Subset(std::vector<size_t>{2, 5});
-  const auto choice =
-      SearchExposure(search_, Training(), Start(), 2.0, &images, pool, nullptr);
+  const auto choice = SearchExposure(
+      search_, Training(), {Start(), 2.0, &images}, pool, nullptr);
   ASSERT_TRUE(choice.ok()) << choice.status().message();
   EXPECT_TRUE((*choice)->learn) << Gains(**choice);
   Trainer trainer(Training(), Start(), 2.0, &images, pool);
