@@ -197,6 +197,52 @@ void PrintReport(const StageReport& report, bool running, std::ostream& out) {
   if (!state.note.empty()) out << column("", 30) << state.note << "\n";
 }
 
+// What the command tells of a workspace.
+struct WorkspaceStatus {
+  fs::path workspace;
+  fs::path photos;       // Empty where they are not known.
+  bool running = false;  // Whether a run holds the workspace.
+  std::vector<StoredOption> options;
+  std::vector<StageReport> stages;
+};
+
+json StatusJson(const WorkspaceStatus& status) {
+  json options = json::array();
+  for (const StoredOption& option : status.options) {
+    options.push_back(OptionJson(option));
+  }
+  json stages = json::array();
+  for (const StageReport& report : status.stages) {
+    stages.push_back(ReportJson(report, status.running));
+  }
+  return {{"workspace", status.workspace.string()},
+          {"photos", status.photos.string()},
+          {"running", status.running},
+          {"options", std::move(options)},
+          {"stages", std::move(stages)}};
+}
+
+void PrintStatus(const WorkspaceStatus& status, std::ostream& out) {
+  out << "workspace " << status.workspace.string()
+      << (status.running ? " (a run is working here)" : "") << "\n";
+  if (!status.photos.empty()) {
+    out << "photos    " << status.photos.string() << "\n";
+  }
+  for (const StageReport& report : status.stages) {
+    PrintReport(report, status.running, out);
+  }
+  PrintOptions(
+      status.options,
+      "workspace.json",
+      "remembered (* not the default; run WORKSPACE --forget KEY drops "
+      "one):",
+      out);
+  PrintOptions(status.options,
+               "config.ini",
+               "set in config.ini (* not the default):",
+               out);
+}
+
 struct StatusTargets {
   PipelineOptions options;
   bool json = false;
@@ -252,8 +298,7 @@ Status RunStatusCommand(const std::vector<std::string>& arguments,
       RememberedSettings(workspace, info, table);
   settings.insert(settings.end(), line.settings.begin(), line.settings.end());
   FREEGS_RETURN_IF_ERROR(ApplySettings(workspace, settings, table));
-
-  FREEGS_ASSIGN_OR_RETURN(const std::vector<StoredOption> stored,
+  FREEGS_ASSIGN_OR_RETURN(std::vector<StoredOption> stored,
                           StoredOptions(workspace, info));
 
   pipeline::Logger logger(context.err, /*terminal=*/false, "");
@@ -270,42 +315,16 @@ Status RunStatusCommand(const std::vector<std::string>& arguments,
     const auto lock = pipeline::WorkspaceLock::Acquire(workspace);
     if (lock.ok()) (void)runner.Recover();
   }
-  const std::vector<StageReport> reports = runner.Inspect();
-
+  const WorkspaceStatus status = {.workspace = workspace,
+                                  .photos = info.images,
+                                  .running = running,
+                                  .options = std::move(stored),
+                                  .stages = runner.Inspect()};
   if (targets.json) {
-    json stages = json::array();
-    json options = json::array();
-    for (const StoredOption& option : stored) {
-      options.push_back(OptionJson(option));
-    }
-    for (const StageReport& report : reports) {
-      stages.push_back(ReportJson(report, running));
-    }
-    context.out << JsonText({{"workspace", workspace.string()},
-                             {"photos", info.images.string()},
-                             {"running", running},
-                             {"options", std::move(options)},
-                             {"stages", std::move(stages)}});
-    return Status();
+    context.out << JsonText(StatusJson(status));
+  } else {
+    PrintStatus(status, context.out);
   }
-  context.out << "workspace " << workspace.string()
-              << (running ? " (a run is working here)" : "") << "\n";
-  if (!info.images.empty()) {
-    context.out << "photos    " << info.images.string() << "\n";
-  }
-  for (const StageReport& report : reports) {
-    PrintReport(report, running, context.out);
-  }
-  PrintOptions(
-      stored,
-      "workspace.json",
-      "remembered (* not the default; run WORKSPACE --forget KEY drops "
-      "one):",
-      context.out);
-  PrintOptions(stored,
-               "config.ini",
-               "set in config.ini (* not the default):",
-               context.out);
   return Status();
 }
 
