@@ -255,6 +255,21 @@ Status Recall(const WorkspaceInfo& before,
   return Status();
 }
 
+// The photos of the run are `images`; if that is empty, those that the
+// workspace remembers.
+Status TakeImages(const fs::path& images,
+                  const fs::path& remembered,
+                  RunRequest* request) {
+  if (!images.empty()) request->info.images = images;
+  if (request->info.images.empty()) {
+    return InvalidArgumentError(
+        request->workspace.string() +
+        ": does not know its photos yet; give both: run IMAGES WORKSPACE");
+  }
+  return CheckImagesFolder(
+      request->info.images, remembered, request->workspace);
+}
+
 // What a run of all stages with preset auto is to keep to: --within or
 // --at-least.
 struct RunGoal {
@@ -313,6 +328,21 @@ StatusOr<RunGoal> TakeGoal(OptionTable::CommandLine* line) {
   return result;
 }
 
+// Runs all stages with preset auto. The goal is given.
+Status ExecuteWithGoal(const RunGoal& goal,
+                       std::vector<OptionSetting> settings,
+                       const RunRequest& request,
+                       CommandContext& context) {
+  // Over what config.ini says, and so not remembered.
+  settings.push_back({"general.preset", kAutoPreset, "the goal of the run"});
+  if (goal.seconds) {
+    return ExecuteWithin(
+        *goal.seconds, settings, request, context.err, context.cancellation);
+  }
+  return ExecuteAtLeast(
+      *goal.psnr, settings, request, context.err, context.cancellation);
+}
+
 }  // namespace
 
 CommandWords RunWords() { return KeepWords<RunWordsTargets>(DescribeRun); }
@@ -357,14 +387,7 @@ Status RunRunCommand(const std::vector<std::string>& arguments,
   FREEGS_RETURN_IF_ERROR(CheckGivenPaths(
       request.workspace, table, line.settings, before.settings));
   FREEGS_RETURN_IF_ERROR(Recall(before, targets, line, table, &request));
-  if (!images.empty()) request.info.images = images;
-  if (request.info.images.empty()) {
-    return InvalidArgumentError(
-        request.workspace.string() +
-        ": does not know its photos yet; give both: run IMAGES WORKSPACE");
-  }
-  FREEGS_RETURN_IF_ERROR(
-      CheckImagesFolder(request.info.images, before.images, request.workspace));
+  FREEGS_RETURN_IF_ERROR(TakeImages(images, before.images, &request));
   RememberOptions(request.workspace, table, line.settings, &request.info);
   std::vector<OptionSetting> settings =
       RememberedSettings(request.workspace, request.info, table);
@@ -377,18 +400,8 @@ Status RunRunCommand(const std::vector<std::string>& arguments,
   FREEGS_RETURN_IF_ERROR(CheckOrder(request.from, request.to));
   if (!lock) FREEGS_RETURN_IF_ERROR(take_workspace());
   if (goal.given()) {
-    // Over what config.ini says, and so not remembered.
-    settings.push_back({"general.preset", kAutoPreset, "the goal of the run"});
-    FREEGS_RETURN_IF_ERROR(goal.seconds ? ExecuteWithin(*goal.seconds,
-                                                        settings,
-                                                        request,
-                                                        context.err,
-                                                        context.cancellation)
-                                        : ExecuteAtLeast(*goal.psnr,
-                                                         settings,
-                                                         request,
-                                                         context.err,
-                                                         context.cancellation));
+    FREEGS_RETURN_IF_ERROR(
+        ExecuteWithGoal(goal, std::move(settings), request, context));
   } else {
     FREEGS_RETURN_IF_ERROR(
         pipeline::WriteWorkspaceInfo(request.workspace, request.info));
