@@ -11,33 +11,30 @@
 #include "stages/scene/working_frame.h"
 
 namespace freegs::stages {
+namespace {
 
 namespace fs = std::filesystem;
 
-StatusOr<int> AddLevel(const fs::path& workspace,
-                       const ClickedInstance& clicked,
-                       int level,
-                       ThreadPool& pool,
-                       QueryScene* scene) {
-  const splat::GaussianModel& model = scene->scene->model;
-  if (!scene->hierarchy) {
-    FREEGS_ASSIGN_OR_RETURN(scene->hierarchy,
-                            ReadSceneHierarchy(workspace, model.size()));
-  }
-  const semantics::Hierarchy& hierarchy = *scene->hierarchy;
-  // The part of the instance that the pixel shows most of. All other instances
-  // are one part: without them a pixel that shows several would count as empty.
-  std::vector<int32_t> parts = hierarchy.part_of_gaussian;
+// The part of the instance that the pixel shows most of. For levels above it,
+// any part of the instance will do where the pixel shows none. kInvalidArgument
+// where there is no part. The scene has its hierarchy.
+StatusOr<int32_t> ClickedPart(const QueryScene& scene,
+                              const ClickedInstance& clicked,
+                              int level,
+                              ThreadPool& pool) {
+  // All other instances are one part: without them a pixel that shows several
+  // would count as empty.
+  std::vector<int32_t> parts = scene.hierarchy->part_of_gaussian;
   const int32_t other = *std::max_element(parts.begin(), parts.end()) + 1;
   for (size_t g = 0; g < parts.size(); ++g) {
-    if (scene->labels[g] == clicked.id - 1) continue;
-    parts[g] = scene->labels[g] >= 0 ? other : -1;
+    if (scene.labels[g] == clicked.id - 1) continue;
+    parts[g] = scene.labels[g] >= 0 ? other : -1;
   }
   FREEGS_ASSIGN_OR_RETURN(const std::vector<semantics::ClickHit> hits,
-                          semantics::QueryClick(model,
+                          semantics::QueryClick(scene.scene->model,
                                                 parts,
                                                 clicked.view,
-                                                scene->scene->render,
+                                                scene.scene->render,
                                                 clicked.pixel,
                                                 pool));
   const auto hit =
@@ -59,15 +56,39 @@ StatusOr<int> AddLevel(const fs::path& workspace,
         "that pixel shows no part of instance " + std::to_string(clicked.id) +
         " that bootstrap/hierarchy.json knows; click another pixel of it");
   }
+  return part;
+}
+
+// An id that no instance has.
+int FreeId(const QueryScene& scene) {
+  // Somebody may have taken instances out of the list.
+  int id = 0;
+  for (const int32_t label : scene.labels) id = std::max(id, label + 2);
+  for (const semantics::Instance& instance : scene.instances) {
+    id = std::max(id, instance.id + 1);
+  }
+  return id;
+}
+
+}  // namespace
+
+StatusOr<int> AddLevel(const fs::path& workspace,
+                       const ClickedInstance& clicked,
+                       int level,
+                       ThreadPool& pool,
+                       QueryScene* scene) {
+  const splat::GaussianModel& model = scene->scene->model;
+  if (!scene->hierarchy) {
+    FREEGS_ASSIGN_OR_RETURN(scene->hierarchy,
+                            ReadSceneHierarchy(workspace, model.size()));
+  }
+  const semantics::Hierarchy& hierarchy = *scene->hierarchy;
+  FREEGS_ASSIGN_OR_RETURN(const int32_t part,
+                          ClickedPart(*scene, clicked, level, pool));
   const int32_t around = semantics::RegionAround(hierarchy, part, level);
   const std::vector<uint8_t> inside = semantics::GaussiansOf(hierarchy, around);
 
-  // Somebody may have taken instances out of the list.
-  int id = 0;
-  for (const int32_t label : scene->labels) id = std::max(id, label + 2);
-  for (const semantics::Instance& instance : scene->instances) {
-    id = std::max(id, instance.id + 1);
-  }
+  const int id = FreeId(*scene);
   std::vector<int32_t> region(inside.size(), -1);
   for (size_t g = 0; g < inside.size(); ++g) {
     // What is wider has all of the instance, also Gaussians of no part.
