@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <mutex>
 #include <string_view>
 #include <system_error>
@@ -187,6 +188,27 @@ Status CheckOutFolder(const fs::path& out) {
                        "that of an earlier bench");
 }
 
+// `environment` must outlive what is returned.
+BenchContext MakeBenchContext(const BenchRequest& request,
+                              const Suite& suite,
+                              const BenchEnvironment& environment) {
+  std::error_code error;
+  BenchContext context;
+  context.out = fs::absolute(request.out, error).lexically_normal();
+  context.program = fs::read_symlink("/proc/self/exe", error);
+  context.time_limit_s = suite.time_limit_s;
+  // A comparison is about the program of now.
+  context.only_this_program = !request.baseline.empty();
+  context.disturber = environment.disturber;
+  context.cancellation = &environment.cancellation;
+  context.say = [&environment, mutex = std::make_shared<std::mutex>()](
+                    const std::string& text) {
+    const std::lock_guard lock(*mutex);
+    environment.err << "bench: " << text << std::endl;
+  };
+  return context;
+}
+
 void PrintCells(const std::vector<SuiteCell>& cells, std::ostream& out) {
   for (const SuiteCell& cell : cells) out << cell.id << "\n";
 }
@@ -215,9 +237,7 @@ Status RunBench(const std::vector<std::string>& arguments,
   if (request.out.empty()) {
     return InvalidArgumentError("give a folder for the results: --out DIR");
   }
-  std::error_code error;
-  BenchContext context;
-  context.out = fs::absolute(request.out, error).lexically_normal();
+  const BenchContext context = MakeBenchContext(request, suite, environment);
   FREEGS_RETURN_IF_ERROR(CheckOutFolder(context.out));
   FREEGS_RETURN_IF_ERROR(PrepareOutputFolder(context.out));
   Baseline baseline;
@@ -229,17 +249,6 @@ Status RunBench(const std::vector<std::string>& arguments,
   FREEGS_RETURN_IF_ERROR(WriteFileAtomic(context.out / ".bench", ""));
   if (request.again) FREEGS_RETURN_IF_ERROR(ForgetResults(context.out));
 
-  context.program = fs::read_symlink("/proc/self/exe", error);
-  context.time_limit_s = suite.time_limit_s;
-  // A comparison is about the program of now.
-  context.only_this_program = !request.baseline.empty();
-  context.disturber = environment.disturber;
-  context.cancellation = &environment.cancellation;
-  std::mutex say_mutex;
-  context.say = [&](const std::string& text) {
-    const std::lock_guard say_lock(say_mutex);
-    environment.err << "bench: " << text << std::endl;
-  };
   const auto warn = [&context](const std::vector<std::string>& lines) {
     for (const std::string& line : lines) context.say("warning: " + line);
   };
