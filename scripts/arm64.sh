@@ -20,6 +20,8 @@
 set -euo pipefail
 unset CDPATH  # It would lead cd to other folders.
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
+# shellcheck source=scripts/debian.sh
+source scripts/debian.sh
 build=${BUILD:-build-arm64}
 native=${NATIVE:-build}
 tests=("$@")
@@ -33,11 +35,9 @@ export FREEGS_SYSROOT=${FREEGS_SYSROOT:-$build/sysroot}
 lib=usr/lib/aarch64-linux-gnu
 
 make_sysroot() {
-  local mirror=${MIRROR:-} packages link target
-  [[ -n $mirror ]] || mirror=$(apt-get indextargets --format '$(REPO_URI)' \
-    'Created-By: Packages' 'Release: bookworm' | head -n 1)
-  packages=$(sed 's/#.*//' scripts/packages.txt | tr -s '[:space:]' '\n' |
-    grep -E -- '-dev$' | paste -sd,)
+  local mirror packages link target
+  mirror=$(debian_mirror) || exit
+  packages=$(package_names scripts/packages.txt | grep -E -- '-dev$' | paste -sd,)
   rm -rf -- "$FREEGS_SYSROOT.part"  # Of a run that was stopped.
   # Unpacked, not installed: no program for ARM runs.
   mmdebstrap --quiet --variant=extract --architectures=arm64 \

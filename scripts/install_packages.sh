@@ -11,6 +11,8 @@
 set -euo pipefail
 unset CDPATH  # It would lead cd to other folders.
 cd "$(dirname "${BASH_SOURCE[0]}")"
+# shellcheck source=scripts/debian.sh
+source ./debian.sh
 
 usage() { sed -n '3,/^set /s/^# \{0,1\}//p' "$(basename "${BASH_SOURCE[0]}")"; }
 lists=(packages.txt)
@@ -25,8 +27,7 @@ for option in "$@"; do
     *) usage >&2; exit 2 ;;
   esac
 done
-mapfile -t packages < <(cat "${lists[@]}" | sed 's/#.*//' |
-  tr -s '[:space:]' '\n' | sed '/^$/d')
+mapfile -t packages < <(package_names "${lists[@]}")
 # Programs that many people have from elsewhere, which Debian's would be in the
 # way of.
 declare -A program_of=([nodejs]=node [npm]=npm [chromium]=chromium)

@@ -13,6 +13,8 @@
 #   SYSTEM   the folder of the new system (default: a new one under TMPDIR); it is
 #            deleted at the end of the script unless KEEP is set
 # shellcheck shell=bash
+# shellcheck source=scripts/debian.sh
+source "$(dirname "${BASH_SOURCE[0]}")/debian.sh"
 
 fail() {
   echo "error: $2" >&2
@@ -34,10 +36,8 @@ make_system() {
   ((EUID == 0)) || fail 2 "only root can make and enter a new system; run sudo $0"
   command -v debootstrap >/dev/null ||
     fail 5 "debootstrap is missing; run apt-get install debootstrap"
-  local mirror=${MIRROR:-}
-  [[ -n $mirror ]] || mirror=$(apt-get indextargets --format '$(REPO_URI)' \
-    'Created-By: Packages' 'Release: bookworm' | head -n 1)
-  [[ -n $mirror ]] || fail 3 "apt knows no place of Debian 12; say it in MIRROR"
+  local mirror
+  mirror=$(debian_mirror) || exit
   system=${SYSTEM:-$(mktemp -d --tmpdir freegs_new_system.XXXXXX)}
   mkdir -p -- "$system"
   [[ -z $(ls -A -- "$system") ]] || fail 3 "$system is not empty"
