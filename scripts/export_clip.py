@@ -32,6 +32,7 @@ import struct
 import sys
 import warnings
 import zlib
+from dataclasses import dataclass
 from pathlib import Path
 
 # Before PyTorch: it says what to do where there is none.
@@ -289,13 +290,23 @@ def count_merges(path):
     return min(len(lines), 49152 - 256 - 2)
 
 
-def export_folder(state, arch, merges, out, name, licence, origin,
-                  dense_sizes=(), half_table=True, mean=None, std=None,
-                  vocabulary=None, canonical=None, min_word_confidence=None):
-    """Writes the model folder `out`, made anew, from a checkpoint. The
-    vocabulary is a list of groups of words to name things by, canonical one of
-    phrases that say nothing in particular; min_word_confidence says how
-    relevant the word of the last group must be (docs/clip.md)."""
+@dataclass
+class ModelCard:
+    """What model.json says of a model besides its networks. The vocabulary is
+    a list of groups of words to name things by, canonical one of phrases that
+    say nothing in particular; min_word_confidence says how relevant the word
+    of the last group must be (docs/clip.md)."""
+    name: str
+    licence: str
+    origin: str
+    vocabulary: list | None = None
+    canonical: list | None = None
+    min_word_confidence: float | None = None
+
+
+def export_folder(state, arch, merges, out, card, dense_sizes=(),
+                  half_table=True):
+    """Writes the model folder `out`, made anew, from a checkpoint."""
     merges, out = Path(merges), Path(out)
     if not merges.is_file():
         raise CheckpointError(f"{merges}: no such file; it comes with OpenAI's "
@@ -321,9 +332,8 @@ def export_folder(state, arch, merges, out, name, licence, origin,
         shutil.rmtree(temporary)
     temporary.mkdir(parents=True)
     try:
-        fill_folder(state, arch, merges, temporary, name, licence, origin,
-                    dense_sizes, half_table, mean, std, vocabulary, canonical,
-                    min_word_confidence)
+        fill_folder(state, arch, merges, temporary, card, dense_sizes,
+                    half_table)
     except BaseException:
         shutil.rmtree(temporary, ignore_errors=True)
         raise
@@ -353,9 +363,7 @@ def is_leftover(folder):
     return folder.is_dir() and all(map(is_ours, folder.iterdir()))
 
 
-def fill_folder(state, arch, merges, temporary, name, licence, origin,
-                dense_sizes, half_table, mean, std, vocabulary, canonical,
-                min_word_confidence):
+def fill_folder(state, arch, merges, temporary, card, dense_sizes, half_table):
     """Writes the files of export_folder into an empty folder."""
     size = arch.image_size
     export_network(Visual(state, arch, size, dense=False),
@@ -375,20 +383,20 @@ def fill_folder(state, arch, merges, temporary, name, licence, origin,
     shutil.copyfile(merges, temporary / "vocab")
     files = {path.name: {"bytes": path.stat().st_size, "hash": hash_file(path)}
              for path in sorted(temporary.iterdir())}
-    info = {"format": "FreeGS CLIP", "version": 1, "name": name,
-            "licence": licence, "origin": origin,
+    info = {"format": "FreeGS CLIP", "version": 1, "name": card.name,
+            "licence": card.licence, "origin": card.origin,
             "embedding_dim": arch.embedding_dim,
             "image_size": arch.image_size,
-            "mean": mean or MEAN, "std": std or STD, "dense": dense,
+            "mean": MEAN, "std": STD, "dense": dense,
             "context_length": arch.context_length,
             "text_width": arch.text_width, "vocab_size": arch.vocab_size,
             "files": files}
-    if vocabulary:
-        info["vocabulary"] = vocabulary
-    if canonical:
-        info["canonical"] = canonical
-    if min_word_confidence is not None:
-        info["min_word_confidence"] = min_word_confidence
+    if card.vocabulary:
+        info["vocabulary"] = card.vocabulary
+    if card.canonical:
+        info["canonical"] = card.canonical
+    if card.min_word_confidence is not None:
+        info["min_word_confidence"] = card.min_word_confidence
     (temporary / "model.json").write_text(json.dumps(info, indent=2) + "\n")
 
 
@@ -455,8 +463,8 @@ def main():
         licence = arguments.licence or (
             "none: random numbers" if random
             else "that of the checkpoint; OpenAI's weights are MIT")
-        export_folder(state, arch, merges, arguments.out, name, licence,
-                      origin, arguments.dense_size,
+        export_folder(state, arch, merges, arguments.out,
+                      ModelCard(name, licence, origin), arguments.dense_size,
                       half_table=not arguments.float_table)
     except (CheckpointError, OSError) as error:
         print(f"export_clip.py: {error}", file=sys.stderr)

@@ -28,7 +28,7 @@ from pathlib import Path
 os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
 
 from check_clip_export import Tokenizer
-from export_clip import export_folder
+from export_clip import ModelCard, export_folder
 from small_clip import drawings, vocabulary
 from small_clip.drawings import Library
 from small_clip.model_card import model_card
@@ -416,13 +416,14 @@ def export(state, measured):
     out = state.arguments.out
     data = {name: value.detach().clone()
             for name, value in state.model.state_dict().items()}
-    export_folder(data, state.arch, state.merges, out, "small_clip",
-                  "BSD-3-Clause", "scripts/train_small_clip.py, seed "
-                  f"{state.arguments.seed}, {state.step} steps",
-                  vocabulary=[COLOUR_NAMES, MATERIALS[1:],
-                              [shape_name(i) for i in range(len(SHAPES))]],
-                  canonical=vocabulary.CANONICAL,
-                  min_word_confidence=vocabulary.MIN_WORD_CONFIDENCE,
+    card = ModelCard(
+        "small_clip", "BSD-3-Clause", "scripts/train_small_clip.py, seed "
+        f"{state.arguments.seed}, {state.step} steps",
+        vocabulary=[COLOUR_NAMES, MATERIALS[1:],
+                    [shape_name(i) for i in range(len(SHAPES))]],
+        canonical=vocabulary.CANONICAL,
+        min_word_confidence=vocabulary.MIN_WORD_CONFIDENCE)
+    export_folder(data, state.arch, state.merges, out, card,
                   dense_sizes=state.arguments.dense_size)
     (out / "README.md").write_text(model_card(state, measured, out))
     sizes = {path.name: path.stat().st_size for path in out.iterdir()}

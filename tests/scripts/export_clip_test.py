@@ -60,8 +60,9 @@ class ExportClipTest(unittest.TestCase):
 
     def export(self, out, **options):
         export_clip.export_folder(self.state, ARCH,
-                                  self.folder / "merges.txt", out, "a", "b",
-                                  "c", **options)
+                                  self.folder / "merges.txt", out,
+                                  export_clip.ModelCard("a", "b", "c"),
+                                  **options)
 
     def test_reads_a_state_dict(self):
         torch.save(self.state, self.folder / "model.pt")
