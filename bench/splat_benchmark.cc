@@ -14,17 +14,10 @@
 #include "splat/optim/learning_rates.h"
 #include "splat/optim/loss.h"
 #include "splat/scene/gaussian_model.h"
+#include "tests/random_image.h"
 
 namespace freegs::splat {
 namespace {
-
-ImageF RandomImage(int width, int height, uint64_t seed) {
-  ImageF image(width, height, 3);
-  for (size_t i = 0; i < image.size(); ++i) {
-    image.data()[i] = static_cast<float>(RandomUniform(seed, 0, i));
-  }
-  return image;
-}
 
 GaussianModel RandomModel(size_t count, int sh_degree, uint64_t seed) {
   GaussianModel model;
@@ -45,8 +38,8 @@ void BM_PhotometricLoss(benchmark::State& state) {
   const int width = static_cast<int>(state.range(0));
   const int height = static_cast<int>(state.range(1));
   ThreadPool pool(static_cast<int>(state.range(2)));
-  const ImageF rendered = RandomImage(width, height, 1);
-  const ImageF target = RandomImage(width, height, 2);
+  const ImageF rendered = RandomImage(width, height, 3, 1);
+  const ImageF target = RandomImage(width, height, 3, 2);
   PhotometricLoss loss;
   ImageF gradient;
   for (auto _ : state) {

@@ -8,26 +8,19 @@
 #include <benchmark/benchmark.h>
 
 #include "bench/benchmark_scene.h"
-#include "core/random.h"
 #include "splat/optim/adam.h"
 #include "splat/optim/learning_rates.h"
 #include "splat/optim/loss.h"
 #include "splat/train/stability.h"
+#include "tests/random_image.h"
 
 namespace freegs::splat {
 namespace {
 
-ImageF RandomImage(int width, int height) {
-  ImageF image(width, height, 3);
-  for (size_t i = 0; i < image.size(); ++i) {
-    image.data()[i] = static_cast<float>(RandomUniform(1, 0, i));
-  }
-  return image;
-}
-
 void BM_TrainingStep(benchmark::State& state) {
   BenchmarkScene scene(state);
-  const ImageF target = RandomImage(scene.camera.width, scene.camera.height);
+  const ImageF target =
+      RandomImage(scene.camera.width, scene.camera.height, 3, 1);
   PhotometricLoss loss;
   ImageF d_color;
   Adam adam;

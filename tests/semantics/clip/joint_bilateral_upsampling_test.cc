@@ -6,18 +6,10 @@
 
 #include <gtest/gtest.h>
 
-#include "core/random.h"
+#include "tests/random_image.h"
 
 namespace freegs::semantics {
 namespace {
-
-ImageF RandomImage(int width, int height, int channels, uint64_t seed) {
-  ImageF image(width, height, channels);
-  for (size_t i = 0; i < image.size(); ++i) {
-    image.data()[i] = static_cast<float>(RandomUniform(seed, 0, i));
-  }
-  return image;
-}
 
 // The definition, with the mean colour of each cell worked out from pixels
 // whose centre lies in it; only for guides that are multiples of the grid.

@@ -4,19 +4,11 @@
 
 #include <gtest/gtest.h>
 
-#include "core/random.h"
 #include "semantics/clip/relevancy.h"
+#include "tests/random_image.h"
 
 namespace freegs::semantics {
 namespace {
-
-ImageF RandomImage(int width, int height, int channels, uint64_t seed) {
-  ImageF image(width, height, channels);
-  for (size_t i = 0; i < image.size(); ++i) {
-    image.data()[i] = static_cast<float>(RandomUniform(seed, 0, i));
-  }
-  return image;
-}
 
 TEST(RelevancyMapTest, IsTheRelevancyOfUpsampledFeatures) {
   // Wide enough for several blocks.

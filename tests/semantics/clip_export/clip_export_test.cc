@@ -54,7 +54,7 @@ class ClipExportTest : public testing::Test {
   const RandomClip clip_;
 };
 
-ImageU8 RandomImage(int size) {
+ImageU8 RandomPhoto(int size) {
   RandomStream random(9, 1);
   ImageU8 image(size, size, 3);
   for (size_t i = 0; i < image.size(); ++i) {
@@ -109,7 +109,7 @@ void CompareWithReference(const fs::path& folder,
   OpenCvClip& encoder = **opened;
   const ReferenceClip reference(clip.tensors(), quick_gelu);
 
-  const ImageU8 image = RandomImage(RandomClip::kImageSize);
+  const ImageU8 image = RandomPhoto(RandomClip::kImageSize);
   const auto vector = encoder.EncodeImage(image);
   ASSERT_TRUE(vector.ok()) << vector.status().message();
   ExpectSameNumbers(
@@ -120,7 +120,7 @@ void CompareWithReference(const fs::path& folder,
 
   EXPECT_THAT(encoder.dense_sizes(), ElementsAre(16, 32));
   for (const int size : {16, 32}) {
-    const ImageU8 square = RandomImage(size);
+    const ImageU8 square = RandomPhoto(size);
     const auto dense = encoder.EncodeDense(square, size);
     ASSERT_TRUE(dense.ok()) << dense.status().message();
     ASSERT_EQ(dense->width(), size / RandomClip::kPatch);
@@ -240,7 +240,7 @@ TEST_F(ClipExportTest, TheScriptGivesTheSameNumbers) {
   const auto theirs = OpenCvClip::Open(TinyClip());
   ASSERT_TRUE(ours.ok()) << ours.status().message();
   ASSERT_TRUE(theirs.ok()) << theirs.status().message();
-  const ImageU8 image = RandomImage(32);
+  const ImageU8 image = RandomPhoto(32);
   const auto vector = (*ours)->EncodeImage(image);
   const auto other_vector = (*theirs)->EncodeImage(image);
   ASSERT_TRUE(vector.ok() && other_vector.ok());

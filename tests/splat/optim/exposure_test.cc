@@ -11,17 +11,10 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
+#include "tests/random_image.h"
 
 namespace freegs::splat {
 namespace {
-
-ImageF RandomImage(int width, int height, uint64_t seed) {
-  ImageF image(width, height, 3);
-  for (size_t i = 0; i < image.size(); ++i) {
-    image.data()[i] = static_cast<float>(RandomUniform(seed, 1, i));
-  }
-  return image;
-}
 
 AffineColor RandomColor(uint64_t seed) {
   AffineColor color;
@@ -51,7 +44,7 @@ TEST(Exposure, OfAnUnknownPhotoIsBetweenThoseOfItsNeighbours) {
 
 TEST(Exposure, InverseLeadsBackToTheScene) {
   ThreadPool pool(1);
-  const ImageF scene = RandomImage(7, 5, 3);
+  const ImageF scene = RandomImage(7, 5, 3, 3);
   const AffineColor color = RandomColor(4);
   ImageF photo;
   ImageF back;
@@ -105,7 +98,7 @@ TEST(Exposure, NumbersSayHowFarNeighboursAre) {
 
 TEST(Exposure, AppliesTheMatrix) {
   ThreadPool pool(2);
-  const ImageF scene = RandomImage(7, 40, 1);
+  const ImageF scene = RandomImage(7, 40, 3, 1);
   const AffineColor color = RandomColor(1);
   ImageF photo;
   ApplyColor(color, scene, pool, &photo);
@@ -124,8 +117,8 @@ TEST(Exposure, AppliesTheMatrix) {
 // any size give its derivatives.
 TEST(Exposure, DerivativesAreThoseOfDifferences) {
   ThreadPool pool(2);
-  const ImageF scene = RandomImage(9, 37, 3);
-  const ImageF weights = RandomImage(9, 37, 4);
+  const ImageF scene = RandomImage(9, 37, 3, 3);
+  const ImageF weights = RandomImage(9, 37, 3, 4);
   const AffineColor color = RandomColor(5);
   const auto loss = [&](const AffineColor& c, const ImageF& s) {
     ImageF photo;
@@ -182,7 +175,7 @@ TEST(Exposure, TheMeanOfAllPhotosStays) {
 
 TEST(Exposure, FitFindsTheColours) {
   ThreadPool pool(1);
-  const ImageF scene = RandomImage(40, 20, 8);
+  const ImageF scene = RandomImage(40, 20, 3, 8);
   const AffineColor color = RandomColor(9);
   ImageF photo;
   ApplyColor(color, scene, pool, &photo);

@@ -7,18 +7,10 @@
 
 #include <gtest/gtest.h>
 
-#include "core/random.h"
+#include "tests/random_image.h"
 
 namespace freegs::splat {
 namespace {
-
-ImageF RandomImage(int width, int height, int channels, uint64_t seed) {
-  ImageF image(width, height, channels);
-  for (size_t i = 0; i < image.size(); ++i) {
-    image.data()[i] = static_cast<float>(RandomUniform(seed, 1, i));
-  }
-  return image;
-}
 
 // The definition, window by window, with zeros outside the image. The mean over
 // the pixels where the mask is not 0.
