@@ -150,6 +150,14 @@ class ChooseInitialPairTest : public testing::Test {
     writer_->Add(id1, id2, matches, 2, Rows(homography), Rows(fundamental));
   }
 
+  // In a row; the pairs 1 2 and 2 3 have twice the matches of 3 4.
+  void AddFourPhotos() {
+    for (const double x : {-1.2, 0.0, 1.2, 2.4}) AddPhoto({x, -3, 3});
+    Match(1, 2, 1, 2);
+    Match(2, 3, 1, 2);
+    Match(3, 4, 1, 4);
+  }
+
   StatusOr<std::optional<InitialPair>> Choose(
       const std::vector<InitialPair>& in_vain = {}) {
     writer_.reset();
@@ -262,10 +270,7 @@ TEST_F(ChooseInitialPairTest, InTheLargestGroup) {
 }
 
 TEST_F(ChooseInitialPairTest, NoPhotoThatWasTriedInVain) {
-  for (const double x : {-1.2, 0.0, 1.2, 2.4}) AddPhoto({x, -3, 3});
-  Match(1, 2, 1, 2);
-  Match(2, 3, 1, 2);
-  Match(3, 4, 1, 4);
+  AddFourPhotos();
   const auto pair = Choose({{1, 2}});
   ASSERT_TRUE(pair.ok()) << pair.status().message();
   ASSERT_TRUE(*pair);
@@ -274,10 +279,7 @@ TEST_F(ChooseInitialPairTest, NoPhotoThatWasTriedInVain) {
 }
 
 TEST_F(ChooseInitialPairTest, BestPairsShareNoPhoto) {
-  for (const double x : {-1.2, 0.0, 1.2, 2.4}) AddPhoto({x, -3, 3});
-  Match(1, 2, 1, 2);
-  Match(2, 3, 1, 2);
-  Match(3, 4, 1, 4);
+  AddFourPhotos();
   const auto pairs = Best(3);
   ASSERT_TRUE(pairs.ok()) << pairs.status().message();
   ASSERT_EQ(pairs->size(), 2u);
@@ -313,10 +315,7 @@ TEST_F(ChooseInitialPairTest, MappingBeginsThere) {
 // The best pair is passed over. An option that is given to COLMAP twice would
 // make it fail.
 TEST_F(ChooseInitialPairTest, MappingBeginsWithALaterPair) {
-  for (const double x : {-1.2, 0.0, 1.2, 2.4}) AddPhoto({x, -3, 3});
-  Match(1, 2, 1, 2);
-  Match(2, 3, 1, 2);
-  Match(3, 4, 1, 4);
+  AddFourPhotos();
   const auto pairs = Best(2);
   ASSERT_TRUE(pairs.ok()) << pairs.status().message();
   const auto models =
@@ -327,10 +326,7 @@ TEST_F(ChooseInitialPairTest, MappingBeginsWithALaterPair) {
 }
 
 TEST_F(ChooseInitialPairTest, NoModelWhereALaterPairLeadsNowhere) {
-  for (const double x : {-1.2, 0.0, 1.2, 2.4}) AddPhoto({x, -3, 3});
-  Match(1, 2, 1, 2);
-  Match(2, 3, 1, 2);
-  Match(3, 4, 1, 4);
+  AddFourPhotos();
   const auto pairs = Best(2);
   ASSERT_TRUE(pairs.ok()) << pairs.status().message();
   const auto models =
