@@ -24,6 +24,7 @@
 #include "semantics/queries/instance_features.h"
 #include "stages/scene/scene_instances.h"
 #include "tests/semantics/clip/model_files.h"
+#include "tests/stages/camera_json.h"
 #include "tests/stages/synthetic_workspace.h"
 
 namespace freegs::stages {
@@ -44,14 +45,14 @@ class EvalCommandTest : public testing::Test {
   void SetUp() override {
     workspace_.AddInstances();
     ThreadPool pool(2);
-    json cameras = {{"intrinsics", Intrinsics()}};
+    json cameras = {{"intrinsics", IntrinsicsJson(workspace_.views[0].camera)}};
     for (const View& view : workspace_.views) {
-      cameras["train"][view.name] = Matrix(view.cam_from_world);
+      cameras["train"][view.name] = PoseJson(view.cam_from_world);
     }
     for (const size_t k : {size_t{0}, size_t{3}}) {
       const View& view = workspace_.views[k];
       const std::string name = "test" + std::to_string(k) + ".png";
-      cameras["test"][name] = Matrix(view.cam_from_world);
+      cameras["test"][name] = PoseJson(view.cam_from_world);
       const Image<int32_t> labels = splat::RenderLabels(workspace_.model,
                                                         view.camera,
                                                         view.cam_from_world,
@@ -78,25 +79,6 @@ class EvalCommandTest : public testing::Test {
   }
 
   fs::path gt() const { return truth_.path() / "gt"; }
-
-  json Intrinsics() const {
-    const Pinhole& camera = workspace_.views[0].camera;
-    return {{"w", camera.width},
-            {"h", camera.height},
-            {"fx", camera.fx},
-            {"fy", camera.fy},
-            {"cx", camera.cx},
-            {"cy", camera.cy}};
-  }
-
-  static json Matrix(const Rigid3d& pose) {
-    const Eigen::Matrix<double, 3, 4> matrix = pose.Matrix3x4();
-    json rows = json::array();
-    for (int r = 0; r < 3; ++r) {
-      rows.push_back({matrix(r, 0), matrix(r, 1), matrix(r, 2), matrix(r, 3)});
-    }
-    return rows;
-  }
 
   static Eigen::VectorXf Encode(semantics::ClipEncoder* encoder,
                                 const std::string& words) {

@@ -6,12 +6,12 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Core>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "core/io/image_io.h"
+#include "tests/stages/camera_json.h"
 #include "tests/stages/commands/query_fixture.h"
 
 namespace freegs::stages {
@@ -23,21 +23,11 @@ using testing::HasSubstr;
 using QueryCamerasTest = QueryFixture;
 
 TEST_F(QueryCamerasTest, CamerasOfAFileWithoutAlignment) {
-  const Eigen::Matrix<double, 3, 4> pose =
-      workspace_.views[4].cam_from_world.Matrix3x4();
-  nlohmann::json rows;
-  for (int r = 0; r < 3; ++r) {
-    rows.push_back({pose(r, 0), pose(r, 1), pose(r, 2), pose(r, 3)});
-  }
-  rows.push_back({0, 0, 0, 1});
+  nlohmann::json rows = PoseJson(workspace_.views[4].cam_from_world);
+  rows.push_back({0, 0, 0, 1});  // A fourth row is allowed.
   const Pinhole& camera = workspace_.views[4].camera;
   nlohmann::json file;
-  file["intrinsics"] = {{"w", camera.width},
-                        {"h", camera.height},
-                        {"fx", camera.fx},
-                        {"fy", camera.fy},
-                        {"cx", camera.cx},
-                        {"cy", camera.cy}};
+  file["intrinsics"] = IntrinsicsJson(camera);
   file["train"] = nlohmann::json::object();
   file["test"]["new.png"] = rows;
   const std::string path = (out_ / "cameras.json").string();
@@ -77,12 +67,7 @@ TEST_F(QueryCamerasTest, CamerasOfAFileWithoutAlignment) {
 
   // A picture that is too large as a whole still has pixels to click.
   const Pinhole huge = camera.Resized(64000, 48000);
-  file["intrinsics"] = {{"w", huge.width},
-                        {"h", huge.height},
-                        {"fx", huge.fx},
-                        {"fy", huge.fy},
-                        {"cx", huge.cx},
-                        {"cy", huge.cy}};
+  file["intrinsics"] = IntrinsicsJson(huge);
   WriteText(path, file.dump());
   const std::vector<std::string> masks = {
       "--cameras", path, "--no-align", "--size", "16"};
@@ -102,22 +87,12 @@ TEST_F(QueryCamerasTest, CamerasOfAFileWithoutAlignment) {
 
 TEST_F(QueryCamerasTest, AViewOfTheFileComesBeforeAPhotoOfThatName) {
   // The file's photo1.png is where photo4.png is, and twice as large.
-  const Eigen::Matrix<double, 3, 4> pose =
-      workspace_.views[4].cam_from_world.Matrix3x4();
-  nlohmann::json rows;
-  for (int r = 0; r < 3; ++r) {
-    rows.push_back({pose(r, 0), pose(r, 1), pose(r, 2), pose(r, 3)});
-  }
+  const nlohmann::json rows = PoseJson(workspace_.views[4].cam_from_world);
   const Pinhole& photo = workspace_.views[4].camera;
   View large = workspace_.views[4];
   large.camera = photo.Resized(2 * photo.width, 2 * photo.height);
   nlohmann::json file;
-  file["intrinsics"] = {{"w", large.camera.width},
-                        {"h", large.camera.height},
-                        {"fx", large.camera.fx},
-                        {"fy", large.camera.fy},
-                        {"cx", large.camera.cx},
-                        {"cy", large.camera.cy}};
+  file["intrinsics"] = IntrinsicsJson(large.camera);
   file["test"]["photo1.png"] = rows;
   const std::string path = (out_ / "cameras.json").string();
   WriteText(path, file.dump());

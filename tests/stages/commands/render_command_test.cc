@@ -11,6 +11,7 @@
 #include <opencv2/videoio.hpp>
 
 #include "stages/scene/scene_instances.h"
+#include "tests/stages/camera_json.h"
 #include "tests/stages/moved_world.h"
 #include "tests/stages/synthetic_workspace.h"
 
@@ -49,23 +50,10 @@ class RenderCommandTest : public testing::Test {
   nlohmann::json Cameras(const std::string& rename,
                          const Sim3d& file_from_scene) const {
     const auto matrix = [&](const Rigid3d& cam_from_scene) {
-      const Eigen::Matrix<double, 3, 4> pose =
-          TransformCamera(file_from_scene, cam_from_scene).Matrix3x4();
-      nlohmann::json rows;
-      for (int r = 0; r < 3; ++r) {
-        rows.push_back({pose(r, 0), pose(r, 1), pose(r, 2), pose(r, 3)});
-      }
-      rows.push_back({0, 0, 0, 1});
-      return rows;
+      return PoseJson(TransformCamera(file_from_scene, cam_from_scene));
     };
     nlohmann::json file;
-    const Pinhole& camera = workspace_.views[0].camera;
-    file["intrinsics"] = {{"w", camera.width},
-                          {"h", camera.height},
-                          {"fx", camera.fx},
-                          {"fy", camera.fy},
-                          {"cx", camera.cx},
-                          {"cy", camera.cy}};
+    file["intrinsics"] = IntrinsicsJson(workspace_.views[0].camera);
     for (const View& view : workspace_.views) {
       file["train"][rename + view.name] = matrix(view.cam_from_world);
     }
