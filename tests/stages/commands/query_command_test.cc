@@ -34,7 +34,7 @@ constexpr char kMissing[] = "run stage bootstrap";
 using QueryCommandTest = QueryFixture;
 
 TEST_F(QueryCommandTest, TextFindsTheInstanceThatMeansIt) {
-  AddFeatures("red apple", "wooden box");
+  AddFeatures();
   const nlohmann::json answer = QueryJson({"--text", "red apple"});
   EXPECT_EQ(answer["found"], true);
   ASSERT_EQ(answer["hits"].size(), 1u);
@@ -54,7 +54,7 @@ TEST_F(QueryCommandTest, TextFindsTheInstanceThatMeansIt) {
 }
 
 TEST_F(QueryCommandTest, SaysWhenTheModelDoesNotKnowTheAnswer) {
-  AddFeatures("red apple", "wooden box");
+  AddFeatures();
   const ModelCopy model;
   const std::vector<std::string> question = {
       "--text", "red apple", "--model", model.path().string()};
@@ -80,7 +80,7 @@ TEST_F(QueryCommandTest, SaysWhenTheModelDoesNotKnowTheAnswer) {
 }
 
 TEST_F(QueryCommandTest, WhatIsNotThereIsAnAnswer) {
-  AddFeatures("red apple", "wooden box");
+  AddFeatures();
   const nlohmann::json answer = QueryJson(
       {"--text", "red apple", "--min-relevancy", "1", "--out", out()});
   EXPECT_EQ(answer["found"], false);
@@ -95,7 +95,7 @@ TEST_F(QueryCommandTest, WhatIsNotThereIsAnAnswer) {
 }
 
 TEST_F(QueryCommandTest, LargePlanesAnswerWhenAskedFor) {
-  AddFeatures("red apple", "wooden box");
+  AddFeatures();
   workspace_.instances[0].background = true;
   ASSERT_TRUE(
       semantics::WriteInstances(workspace_ / "bootstrap" / "instances.json",
@@ -273,7 +273,7 @@ TEST_F(QueryCommandTest, ExamplesGoByTheImageNetwork) {
 }
 
 TEST_F(QueryCommandTest, WrongUsageIs2) {
-  AddFeatures("red apple", "wooden box");
+  AddFeatures();
   for (const std::vector<std::string>& arguments :
        {std::vector<std::string>{},
         {"--text", "a", "--click", "photo1", "1", "1"},
@@ -311,7 +311,7 @@ TEST_F(QueryCommandTest, WithoutSemanticsTextSaysWhatToDo) {
 }
 
 TEST_F(QueryCommandTest, AnswersNothingOfAnotherReconstruction) {
-  AddFeatures("red apple", "wooden box");
+  AddFeatures();
   pipeline::StageRecord record;
   record.fingerprint.stage = "bootstrap";
   record.fingerprint.inputs["reconstruct/point_cloud.ply"] = {
@@ -340,7 +340,7 @@ TEST_F(QueryCommandTest, WithoutBootstrapEveryQuestionNamesTheStage) {
 }
 
 TEST_F(QueryCommandTest, AnotherOrMissingModelIs5) {
-  AddFeatures("red apple", "wooden box");
+  AddFeatures();
   EXPECT_EQ(Query({"--text", "a", "--model", (out_ / "none").string()}), 5);
   EXPECT_THAT(message_, HasSubstr("none"));
   const ModelCopy other;
@@ -355,7 +355,7 @@ TEST_F(QueryCommandTest, AnotherOrMissingModelIs5) {
 }
 
 TEST_F(QueryCommandTest, FilesThatDisagreeAreBadInput) {
-  AddFeatures("red apple", "wooden box");
+  AddFeatures();
   auto features = *semantics::ReadInstanceFeatures(FeatureFile());
   features.features.resize(2 * static_cast<size_t>(features.dim));
   Write(features);

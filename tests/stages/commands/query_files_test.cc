@@ -21,7 +21,7 @@ using testing::HasSubstr;
 using QueryFilesTest = QueryFixture;
 
 TEST_F(QueryFilesTest, MasksShowTheHitsInEveryView) {
-  AddFeatures("red apple", "wooden box");
+  AddFeatures();
   const nlohmann::json answer = QueryJson({"--text",
                                            "red apple",
                                            "--min-relevancy",
@@ -119,7 +119,7 @@ TEST_F(QueryFilesTest, FoldersOfStagesAreNoPlaceForMasks) {
 
 TEST_F(QueryFilesTest, PicturesOfSomebodyElseStay) {
   namespace fs = std::filesystem;
-  AddFeatures("red apple", "wooden box");
+  AddFeatures();
   const fs::path picture = fs::path(out()) / "overlay" / "photo1.jpg";
   fs::create_directories(picture.parent_path());
   WriteText(picture, "mine");

@@ -18,12 +18,11 @@
 #include "core/image.h"
 #include "core/parallel.h"
 #include "pipeline/exit_code.h"
-#include "semantics/clip/opencv_clip.h"
 #include "semantics/queries/instance_features.h"
 #include "splat/render/renderer.h"
 #include "stages/commands/query_command.h"
-#include "tests/semantics/clip/model_files.h"
 #include "tests/stages/synthetic_workspace.h"
+#include "tests/stages/word_features.h"
 #include "tests/temporary_folder.h"
 
 namespace freegs::stages {
@@ -49,24 +48,7 @@ class QueryFixture : public testing::Test {
     return code == 0 ? nlohmann::json::parse(output_.str()) : nlohmann::json();
   }
 
-  // Instance 1 means the words exactly, 2 other words, of 3 nothing is known.
-  void AddFeatures(const std::string& words, const std::string& other) {
-    const auto encoder = semantics::OpenCvClip::Open(semantics::TinyClip());
-    ASSERT_TRUE(encoder.ok()) << encoder.status().message();
-    semantics::InstanceFeatures features;
-    features.dim = (*encoder)->embedding_dim();
-    features.model = semantics::TinyClip().string();
-    features.model_hash = (*encoder)->model_hash();
-    for (const std::string& text : {words, other}) {
-      const auto vector = (*encoder)->EncodeText(text);
-      ASSERT_TRUE(vector.ok());
-      features.features.insert(features.features.end(),
-                               vector->values.begin(),
-                               vector->values.end());
-    }
-    features.features.resize(3 * static_cast<size_t>(features.dim));
-    Write(features);
-  }
+  void AddFeatures() { WriteWordFeatures(FeatureFile()); }
   void Write(const semantics::InstanceFeatures& features) {
     ASSERT_TRUE(semantics::WriteInstanceFeatures(FeatureFile(), features).ok());
   }

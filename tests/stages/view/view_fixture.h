@@ -13,12 +13,10 @@
 
 #include <gtest/gtest.h>
 
-#include "semantics/clip/opencv_clip.h"
-#include "semantics/queries/instance_features.h"
 #include "stages/view/view_api.h"
 #include "stages/view/view_server.h"
-#include "tests/semantics/clip/model_files.h"
 #include "tests/stages/synthetic_workspace.h"
+#include "tests/stages/word_features.h"
 #include "tests/temporary_folder.h"
 
 namespace freegs::stages {
@@ -75,7 +73,7 @@ class ViewTest : public testing::Test {
   ViewTest() {
     workspace_.AddInstances();
     workspace_.AddHierarchy();
-    AddFeatures();
+    WriteWordFeatures(workspace_ / "bootstrap/instance_features.json");
     WriteText(workspace_ / "export/report/index.html", "<p>The report</p>");
     WriteText(workspace_ / "export/scene.ply", "ply");
     options_.workspace = workspace_.path();
@@ -83,27 +81,6 @@ class ViewTest : public testing::Test {
     server_options_.port = 0;
   }
   ~ViewTest() override { Stop(); }
-
-  // Instance 1 is a red apple, 2 a wooden box; of 3 nothing is known.
-  void AddFeatures() const {
-    const auto encoder = semantics::OpenCvClip::Open(semantics::TinyClip());
-    ASSERT_TRUE(encoder.ok()) << encoder.status().message();
-    semantics::InstanceFeatures features;
-    features.dim = (*encoder)->embedding_dim();
-    features.model = semantics::TinyClip().string();
-    features.model_hash = (*encoder)->model_hash();
-    for (const char* text : {"red apple", "wooden box"}) {
-      const auto vector = (*encoder)->EncodeText(text);
-      ASSERT_TRUE(vector.ok());
-      features.features.insert(features.features.end(),
-                               vector->values.begin(),
-                               vector->values.end());
-    }
-    features.features.resize(3 * static_cast<size_t>(features.dim));
-    ASSERT_TRUE(semantics::WriteInstanceFeatures(
-                    workspace_ / "bootstrap/instance_features.json", features)
-                    .ok());
-  }
 
   void Start(const std::string& token = "") {
     auto server = ViewServer::Bind(server_options_);
