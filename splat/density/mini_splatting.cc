@@ -29,8 +29,10 @@ uint64_t StreamOf(uint64_t purpose, const MiniSplattingContext& context) {
   return MixBits(MixBits(purpose) ^ static_cast<uint64_t>(context.iteration));
 }
 
-// Fetches the photo of view i, and computes what each Gaussian contributes to
-// this view, without the pixels that its mask ignores.
+// Computes what each Gaussian contributes to view i, without the pixels that its
+// mask ignores. Fetches the photo of the view to *photo. Where photo is null nobody
+// looks at it, and it is fetched only if there may be a mask, which comes with the
+// photo.
 Status RenderContributions(const MiniSplattingContext& context,
                            const GaussianModel& model,
                            size_t i,
@@ -38,7 +40,11 @@ Status RenderContributions(const MiniSplattingContext& context,
                            ViewContributions* contributions) {
   TrainingImages& images = *context.images;
   const View view = images.view(i, context.level);
-  FREEGS_RETURN_IF_ERROR(images.Fetch(i, context.level, photo));
+  ImageF unseen;
+  if (photo != nullptr || images.may_have_masks()) {
+    FREEGS_RETURN_IF_ERROR(
+        images.Fetch(i, context.level, photo != nullptr ? photo : &unseen));
+  }
   context.rasterizer->Contributions(model,
                                     view.camera,
                                     view.cam_from_world,
@@ -84,10 +90,9 @@ StatusOr<std::vector<float>> ComputeImportance(
     ImportanceMetric metric) {
   ImportanceAccumulator accumulator(model.size());
   ViewContributions contributions;
-  ImageF photo;
   for (size_t i = 0; i < context.images->size(); ++i) {
     FREEGS_RETURN_IF_ERROR(
-        RenderContributions(context, model, i, &photo, &contributions));
+        RenderContributions(context, model, i, nullptr, &contributions));
     accumulator.AddView(contributions);
   }
   return accumulator.Importance(metric);
@@ -117,10 +122,9 @@ StatusOr<MiniSplattingSummary> ReinitializeFromDepth(
   ViewContributions contributions;
   std::vector<double> opacity(images.size());
   uint64_t num_pixels = 0;
-  ImageF photo;
   for (size_t i = 0; i < images.size(); ++i) {
     FREEGS_RETURN_IF_ERROR(
-        RenderContributions(context, *model, i, &photo, &contributions));
+        RenderContributions(context, *model, i, nullptr, &contributions));
     opacity[i] = AccumulatedOpacity(contributions);
     num_pixels += contributions.dominant.num_pixels();
   }
@@ -129,6 +133,7 @@ StatusOr<MiniSplattingSummary> ReinitializeFromDepth(
   const std::vector<size_t> counts = PointsPerView(
       opacity, NumDepthPoints(options, budget, model->size(), num_pixels));
   DepthPoints points;
+  ImageF photo;
   ImageF scene;  // The photo's colours as the scene has them.
   for (size_t i = 0; i < images.size(); ++i) {
     if (counts[i] == 0) continue;

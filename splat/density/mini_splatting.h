@@ -68,7 +68,8 @@ struct MiniSplattingSummary {
 };
 
 // Returns the importance of every Gaussian over all views, without the pixels
-// that masks ignore. Fails when a photo has become unreadable.
+// that masks ignore. Reads photos only where there may be masks, and fails when
+// one of them has become unreadable.
 StatusOr<std::vector<float>> ComputeImportance(
     const MiniSplattingContext& context,
     const GaussianModel& model,

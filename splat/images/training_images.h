@@ -69,6 +69,9 @@ class TrainingImages {
 
   size_t size() const { return indices_.size(); }
   int num_levels() const { return options_.num_levels; }
+  // Whether there is a folder of masks. Without it Mask is null for every
+  // photo, whether fetched or not.
+  bool may_have_masks() const { return !options_.mask_folder.empty(); }
 
   // A view whose camera is resized to a level, and its parts. index < size(),
   // 0 <= level < num_levels().

@@ -3,8 +3,10 @@
 #include "splat/density/mini_splatting.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,6 +14,7 @@
 #include "splat/images/holdout.h"
 #include "tests/splat/same_parameters.h"
 #include "tests/splat/training_fixture.h"
+#include "tests/temporary_folder.h"
 
 namespace freegs::splat {
 namespace {
@@ -79,6 +82,34 @@ TEST_F(MiniSplattingTest, ImportanceOverAllViews) {
     EXPECT_EQ(importance[1], 0);
     EXPECT_GT(*std::max_element(importance.begin(), importance.end()), 0);
   }
+}
+
+// Importance is about what is rendered, not about what photos show. So photos
+// that do not fit in memory are not read again for it.
+TEST_F(MiniSplattingTest, ImportanceReadsPhotosOnlyForTheirMasks) {
+  const std::vector<float> expected =
+      ComputeImportance(context_, model_, ImportanceMetric::kIndoor).value();
+  const TemporaryFolder masks;
+  const std::filesystem::path kMaskFolders[] = {{}, masks.path()};
+  std::vector<TrainingImages> loaded;
+  for (const std::filesystem::path& mask_folder : kMaskFolders) {
+    auto images = TrainingImages::Load(
+        views_, folder_, {.max_bytes = 0, .mask_folder = mask_folder}, pool_);
+    ASSERT_TRUE(images.ok()) << images.status().message();
+    loaded.push_back(std::move(images).value());
+  }
+  for (const View& view : views_) std::filesystem::remove(folder_ / view.name);
+  context_.images = &loaded[0];
+  const auto importance =
+      ComputeImportance(context_, model_, ImportanceMetric::kIndoor);
+  ASSERT_TRUE(importance.ok()) << importance.status().message();
+  EXPECT_EQ(*importance, expected);
+  // A mask comes with its photo.
+  context_.images = &loaded[1];
+  EXPECT_EQ(ComputeImportance(context_, model_, ImportanceMetric::kIndoor)
+                .status()
+                .code(),
+            StatusCode::kBadInput);
 }
 
 TEST_F(MiniSplattingTest, SimplifyKeepsParametersAndMoments) {
