@@ -74,8 +74,9 @@ Status RunExport(const ExportOptions& options) {
     FREEGS_RETURN_IF_ERROR(
         LinkOrCopy(scene.photo_folder / view.name, images / view.name));
   }
-  const sfm::Reconstruction model =
-      Restrict(scene.photos.sparse, scene.photos.train);
+  FREEGS_ASSIGN_OR_RETURN(const stages::PosedPhotos posed,
+                          stages::ReadPosedPhotos(options.workspace));
+  const sfm::Reconstruction model = Restrict(posed.sparse, scene.photos.train);
   FREEGS_RETURN_IF_ERROR(sfm::WriteModel(sparse, model));
   std::printf(
       "%s: %zu images, %zu cameras, %zu points; %zu holdout images "

@@ -82,6 +82,9 @@ StatusOr<TrainingScene> ReadTrainingScene(const fs::path& workspace) {
     scene.colors.push_back(point.rgb);
   }
   scene.extent = splat::SceneExtent(scene.photos.train, scene.points);
+  // Nobody looks at features and tracks any more. Those of a thousand photos
+  // would take a hundred megabytes through the whole training.
+  scene.photos.sparse = {};
   return scene;
 }
 

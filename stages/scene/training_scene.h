@@ -58,7 +58,7 @@ std::filesystem::path TrainingMaskFolder(
 struct TrainingScene {
   std::filesystem::path photo_folder;
   std::filesystem::path mask_folder;  // Empty: the workspace has no masks.
-  PosedPhotos photos;
+  PosedPhotos photos;  // Without the sparse model, which is empty.
   std::vector<Eigen::Vector3d> points;         // In photos.frame.
   std::vector<std::array<uint8_t, 3>> colors;  // RGB, one per point.
   double extent = 1;  // In units of photos.frame; see splat::SceneExtent.
