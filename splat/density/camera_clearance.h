@@ -40,17 +40,24 @@ struct ClearBall {
   float radius = 0;
 };
 
+// Each view looks at no more points than these. Where a model has more, points
+// at even steps through its list stand for all.
+inline constexpr size_t kMaxClearancePoints = 200000;
+
 // Returns one ball for each view that has any of the points inside its image,
 // even if other things hide them. The points are the means of `points`, the
-// model that training begins with.
+// model that training begins with. Takes time in proportion to views times
+// points, of which there are kMaxClearancePoints at most.
 std::vector<ClearBall> ClearBalls(const CameraClearanceOptions& options,
                                   std::span<const View> views,
                                   const GaussianModel& points,
                                   ThreadPool& pool);
 
-// Returns the indices of the Gaussians outside all balls, ascending. Takes time
-// in proportion to Gaussians times balls. The result is the same for any number
-// of threads.
+// Returns the indices of the Gaussians outside all balls, ascending. The balls
+// are finite and their radii above 0, as ClearBalls makes them. A Gaussian is
+// compared with the balls near it, so the time is in proportion to Gaussians
+// plus balls, as long as few balls overlap. The result is the same for any
+// number of threads.
 std::vector<uint32_t> OutsideBalls(std::span<const ClearBall> balls,
                                    const GaussianModel& model,
                                    ThreadPool& pool);

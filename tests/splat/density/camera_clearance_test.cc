@@ -2,10 +2,13 @@
 
 #include "splat/density/camera_clearance.h"
 
+#include <cmath>
 #include <limits>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "core/random.h"
 
 namespace freegs::splat {
 namespace {
@@ -57,6 +60,22 @@ TEST(ClearBalls, NoneWithoutPointsOrFactor) {
               IsEmpty());
 }
 
+// Nearer points at every second place of the list count until the list has
+// twice as many points as are looked at.
+TEST(ClearBalls, OfVeryManyPointsAFewStandForAll) {
+  ThreadPool pool(2);
+  const std::vector<View> views = {ViewFrom({0, 0, 0})};
+  const auto radius = [&](size_t count) {
+    std::vector<Eigen::Vector3f> points(count, {0, 0, 8});
+    for (size_t i = 1; i < count; i += 2) points[i].z() = 4;
+    const auto balls = ClearBalls({}, views, ModelAt(points), pool);
+    return balls.size() == 1 ? balls[0].radius : -1;
+  };
+  EXPECT_FLOAT_EQ(radius(kMaxClearancePoints), 1);
+  EXPECT_FLOAT_EQ(radius(kMaxClearancePoints * 3 / 2), 1);
+  EXPECT_FLOAT_EQ(radius(2 * kMaxClearancePoints), 2);
+}
+
 TEST(ClearBalls, OptionsAreChecked) {
   EXPECT_TRUE(CameraClearanceOptions().Check().ok());
   EXPECT_FALSE(CameraClearanceOptions{.factor = 1}.Check().ok());
@@ -72,6 +91,67 @@ TEST(OutsideBalls, ByTheDistanceOfTheMean) {
   // What is not finite is noticed elsewhere.
   EXPECT_THAT(OutsideBalls(balls, model, pool), ElementsAre(1, 3, 4));
   EXPECT_THAT(OutsideBalls({}, model, pool), SizeIs(5));
+}
+
+// Compares every Gaussian with every ball.
+std::vector<uint32_t> OutsideEach(const std::vector<ClearBall>& balls,
+                                  const GaussianModel& model) {
+  std::vector<uint32_t> outside;
+  for (size_t i = 0; i < model.size(); ++i) {
+    const Eigen::Vector3f mean = Eigen::Vector3f::Map(&model.means[3 * i]);
+    bool inside = false;
+    for (const ClearBall& ball : balls) {
+      inside |= (mean - ball.centre).squaredNorm() < ball.radius * ball.radius;
+    }
+    if (!inside) outside.push_back(static_cast<uint32_t>(i));
+  }
+  return outside;
+}
+
+TEST(OutsideBalls, AsIfEachWereComparedWithEach) {
+  ThreadPool pool(2);
+  const auto normal = [](int stream, size_t i) {
+    return Eigen::Vector3f(
+        static_cast<float>(RandomNormal(7, stream, 3 * i)),
+        static_cast<float>(RandomNormal(7, stream, 3 * i + 1)),
+        static_cast<float>(RandomNormal(7, stream, 3 * i + 2)));
+  };
+  // The scene in units of 1, or of less and more; at the origin and far from
+  // it, where floats are coarse.
+  for (const float unit : {1e-12f, 1.0f, 1e12f}) {
+    for (const float offset : {0.0f, 1e5f, 1e9f}) {
+      std::vector<ClearBall> balls;
+      for (size_t i = 0; i < 150; ++i) {
+        const double size = std::exp2(2 * RandomNormal(7, 1, i) - 3);
+        balls.push_back(
+            {unit * (normal(2, i) + Eigen::Vector3f::Constant(offset)),
+             unit * static_cast<float>(size)});
+      }
+      // A camera that was placed wrong and one that looks at the horizon.
+      balls.push_back({unit * Eigen::Vector3f(1e6f, -1e6f, 1e6f), unit});
+      balls.push_back({unit * Eigen::Vector3f(0, 0, 1e4f), 9.9e3f * unit});
+      std::vector<Eigen::Vector3f> means;
+      for (size_t i = 0; i < 1000; ++i) {
+        means.push_back(unit *
+                        (2 * normal(3, i) + Eigen::Vector3f::Constant(offset)));
+        // At the rim of a ball, where rounding decides.
+        const ClearBall& ball = balls[i % balls.size()];
+        means.push_back(ball.centre + ball.radius * normal(4, i).normalized());
+        means.push_back(ball.centre +
+                        ball.radius *
+                            Eigen::Vector3f::Unit(static_cast<int>(i % 3)));
+      }
+      const float infinity = std::numeric_limits<float>::infinity();
+      means.push_back({infinity, 0, 0});
+      means.push_back({0, -std::numeric_limits<float>::max(), 0});
+      const GaussianModel model = ModelAt(means);
+      const std::vector<uint32_t> expected = OutsideEach(balls, model);
+      EXPECT_THAT(expected, testing::Not(IsEmpty()));
+      EXPECT_LT(expected.size(), means.size() - 2);
+      EXPECT_EQ(OutsideBalls(balls, model, pool), expected)
+          << unit << " " << offset;
+    }
+  }
 }
 
 }  // namespace
