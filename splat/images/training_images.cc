@@ -64,7 +64,8 @@ StatusOr<TrainingImages> TrainingImages::Load(
     std::span<const View> views,
     const std::filesystem::path& folder,
     const TrainingImagesOptions& options,
-    ThreadPool& pool) {
+    ThreadPool& pool,
+    const CancellationToken* cancellation) {
   FREEGS_RETURN_IF_ERROR(options.Check());
   TrainingImages images;
   images.options_ = options;
@@ -81,6 +82,9 @@ StatusOr<TrainingImages> TrainingImages::Load(
   const auto count = static_cast<int64_t>(views.size());
   const int64_t batch = pool.num_threads();
   for (int64_t begin = 0; begin < count; begin += batch) {
+    if (IsCancelled(cancellation)) {
+      return InterruptedError("stopped while reading photos");
+    }
     const int64_t end = std::min(count, begin + batch);
     std::vector<std::optional<StatusOr<Pyramid>>> read(end - begin);
     pool.ParallelFor(begin, end, 1, [&](int64_t first, int64_t last, int) {

@@ -17,6 +17,7 @@
 #include <span>
 #include <vector>
 
+#include "core/cancellation.h"
 #include "core/image.h"
 #include "core/parallel.h"
 #include "core/pinhole.h"
@@ -57,11 +58,14 @@ class TrainingImages {
  public:
   // Reads folder / view.name for every view, to find unreadable photos now and
   // not in the middle of training. Fails with kBadInput when a photo cannot be
-  // read or does not have its camera's size.
-  static StatusOr<TrainingImages> Load(std::span<const View> views,
-                                       const std::filesystem::path& folder,
-                                       const TrainingImagesOptions& options,
-                                       ThreadPool& pool);
+  // read or does not have its camera's size, and with kInterrupted when
+  // `cancellation` (null: never) asks to stop.
+  static StatusOr<TrainingImages> Load(
+      std::span<const View> views,
+      const std::filesystem::path& folder,
+      const TrainingImagesOptions& options,
+      ThreadPool& pool,
+      const CancellationToken* cancellation = nullptr);
 
   // The photos at `indices`, in that order. The two share what is in memory and
   // its limit, so only one of them may be used at a time.

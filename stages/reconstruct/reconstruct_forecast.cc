@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "core/number_text.h"
 #include "splat/density/mini_splatting.h"
+#include "splat/search/exposure_search.h"
 #include "stages/scene/scene_size.h"
 
 namespace freegs::stages {
@@ -24,6 +26,10 @@ constexpr double kBytesPerPicturePixel = 3;
 
 // While it is read, a photo is there twice: as decoded, and in the order RGB.
 constexpr double kBytesPerDecodedPixel = 6;
+
+// Bytes of a photo with 3000 features while the sparse model is read: the model and
+// the content of its files. It is let go before photos are read.
+constexpr double kSparseBytesPerPhoto = 210e3;
 
 // What a step keeps for each pixel of the view that it renders, in floats:
 // colour, photo and gradient (3 each), three maps of SSIM's derivatives (3
@@ -53,6 +59,11 @@ constexpr double kStepSecondsPerMegapixel = 0.06;
 constexpr double kStepSecondsPerMillion = 0.07;
 constexpr double kSerial = 0.14;
 
+// Decoding a photo at its own size and reducing it. All photos are read on all
+// threads before the training, and one by one those that a step needs again.
+constexpr double kReadingSecondsPerMegapixel = 0.035;
+constexpr double kReadingSerial = 0.1;
+
 // Two checkpoints are kept, and a third is written before the oldest is
 // removed. Each has the model, two moments, the last good state and three
 // numbers of 4 bytes per Gaussian. In the last tenth of the steps, by when
@@ -71,6 +82,49 @@ double Densifications(const splat::ScheduleOptions& schedule) {
   const double share = mini ? schedule.simplify_at - schedule.mini_densify_start
                             : schedule.densify_stop - schedule.densify_start;
   return std::floor(share * schedule.iterations / schedule.densify_interval);
+}
+
+// How many photos training reads again, if the share `kept` of all stays in
+// memory. Each time around it fetches them in another order, and the cache
+// drops those that were not used for longest. Then the chance that a photo is
+// still there is kept + (1 - kept) * log(1 - kept).
+double PhotosReadAgain(const ReconstructStageOptions& options,
+                       const splat::ScheduleOptions& schedule,
+                       double photos,
+                       double kept) {
+  if (kept >= 1) return 0;
+  double fetched = schedule.iterations;
+  if (options.exposure == "auto") {
+    const splat::ExposureSearchOptions search;
+    fetched +=
+        std::max(search.trial_share * schedule.iterations,
+                 std::min<double>(search.min_trial_steps, schedule.iterations));
+    fetched += 2 * photos;  // What the trial shows is measured.
+  }
+  if (schedule.method == splat::DensificationMethod::kMiniSplatting) {
+    fetched += static_cast<double>(schedule.depth_reinit_at.size()) * photos;
+  }
+  return fetched * (1 - kept) * (1 - std::log(1 - kept));
+}
+
+// Of all photos before the training, and of those that are read again.
+double ReadingSeconds(const ReconstructStageOptions& options,
+                      const splat::ScheduleOptions& schedule,
+                      double kept,
+                      int threads,
+                      const pipeline::SceneOutlook& scene) {
+  const auto seconds_of = [](std::span<const View> views) {
+    return kReadingSecondsPerMegapixel * 1e-6 *
+           static_cast<double>(pipeline::CountPixels(views, 0).total);
+  };
+  const double holdout = seconds_of(scene.holdout);
+  if (!options.import.empty()) {
+    return pipeline::OnThreads(holdout, kReadingSerial, threads);
+  }
+  const double train = seconds_of(scene.train);
+  const auto photos = static_cast<double>(scene.train.size());
+  return pipeline::OnThreads(train + holdout, kReadingSerial, threads) +
+         train / photos * PhotosReadAgain(options, schedule, photos, kept);
 }
 
 }  // namespace
@@ -130,11 +184,11 @@ StageNeed ReconstructNeed(const ReconstructStageOptions& options,
   const double reading = kBytesPerDecodedPixel * threads *
                          static_cast<double>(CountPixels(*scene, 0).largest);
   const auto holdout_pixels = static_cast<double>(holdout.total);
+  const double all_photos =
+      bytes_per_pixel *
+      (holdout_pixels + kLevelsOfTrainPhoto * static_cast<double>(train.total));
   const double photos =
-      std::min(options.image_cache_gb * double{kGigabyte},
-               bytes_per_pixel *
-                   (holdout_pixels +
-                    kLevelsOfTrainPhoto * static_cast<double>(train.total)));
+      std::min(options.image_cache_gb * double{kGigabyte}, all_photos);
   const double holdout_share = HoldoutShareOfCache(train.total, holdout.total);
   // Pictures are made when the photos that were trained on are let go.
   double images = kBytesPerPicturePixel * holdout_pixels;
@@ -166,15 +220,22 @@ StageNeed ReconstructNeed(const ReconstructStageOptions& options,
                            checkpoint(gaussians.left, kCopiesInCheckpoint + 1));
   }
   images += holdout_share * photos;
-  return {.memory_bytes = pipeline::kProgramMemory +
-                          std::llround(images + std::max(reading, work)),
-          .disk_bytes =
-              std::llround(static_cast<double>(scene->gaussians) * parameters +
-                           checkpoints + kDiskBytesPerPixel * holdout_pixels),
-          .seconds = pipeline::OnThreads(seconds, kSerial, threads),
-          .advice =
-              "lower reconstruct.budget, reconstruct.max_image_size, "
-              "reconstruct.image_cache_gb or general.threads"};
+  const double sparse =
+      kSparseBytesPerPhoto * static_cast<double>(scene->photos());
+  return {
+      .memory_bytes =
+          pipeline::kProgramMemory +
+          std::llround(std::max(sparse, images + std::max(reading, work))),
+      .disk_bytes =
+          std::llround(static_cast<double>(scene->gaussians) * parameters +
+                       checkpoints + kDiskBytesPerPixel * holdout_pixels),
+      .seconds =
+          pipeline::OnThreads(seconds, kSerial, threads) +
+          ReadingSeconds(
+              options, training.schedule, photos / all_photos, threads, *scene),
+      .advice =
+          "lower reconstruct.budget, reconstruct.max_image_size, "
+          "reconstruct.image_cache_gb or general.threads"};
 }
 
 }  // namespace freegs::stages

@@ -121,8 +121,9 @@ class ReconstructStage : public pipeline::Stage {
                                     CountPixels(scene.photos.holdout));
     image_options.max_bytes = static_cast<uint64_t>(holdout_cache);
     image_options.fetched_in_order = true;
-    FREEGS_ASSIGN_OR_RETURN(std::optional<splat::TrainingImages> holdout,
-                            LoadHoldout(scene, image_options, *context.pool));
+    FREEGS_ASSIGN_OR_RETURN(
+        std::optional<splat::TrainingImages> holdout,
+        LoadHoldout(scene, image_options, *context.pool, context.cancellation));
     image_options.max_bytes = static_cast<uint64_t>(cache - holdout_cache);
     image_options.fetched_in_order = false;
 
@@ -131,9 +132,12 @@ class ReconstructStage : public pipeline::Stage {
     splat::PlacedModel world;
     if (options_.import.empty()) {
       image_options.num_levels = 4;
-      FREEGS_ASSIGN_OR_RETURN(
-          splat::TrainingImages images,
-          LoadPhotos(scene, scene.photos.train, image_options, *context.pool));
+      FREEGS_ASSIGN_OR_RETURN(splat::TrainingImages images,
+                              LoadPhotos(scene,
+                                         scene.photos.train,
+                                         image_options,
+                                         *context.pool,
+                                         context.cancellation));
       FREEGS_ASSIGN_OR_RETURN(
           trained,
           TrainModel(options_, training, scene, &images, &holdout, context));

@@ -92,21 +92,24 @@ StatusOr<splat::TrainingImages> LoadPhotos(
     const TrainingScene& scene,
     std::span<const View> views,
     const splat::TrainingImagesOptions& options,
-    ThreadPool& pool) {
+    ThreadPool& pool,
+    const CancellationToken* cancellation) {
   splat::TrainingImagesOptions with_masks = options;
   with_masks.mask_folder = scene.mask_folder;
   return splat::TrainingImages::Load(
-      views, scene.photo_folder, with_masks, pool);
+      views, scene.photo_folder, with_masks, pool, cancellation);
 }
 
 StatusOr<std::optional<splat::TrainingImages>> LoadHoldout(
     const TrainingScene& scene,
     const splat::TrainingImagesOptions& options,
-    ThreadPool& pool) {
+    ThreadPool& pool,
+    const CancellationToken* cancellation) {
   std::optional<splat::TrainingImages> images;
   if (scene.photos.holdout.empty()) return images;
   FREEGS_ASSIGN_OR_RETURN(
-      images, LoadPhotos(scene, scene.photos.holdout, options, pool));
+      images,
+      LoadPhotos(scene, scene.photos.holdout, options, pool, cancellation));
   return images;
 }
 

@@ -23,6 +23,7 @@
 
 #include <Eigen/Core>
 
+#include "core/cancellation.h"
 #include "core/parallel.h"
 #include "core/pinhole.h"
 #include "core/status.h"
@@ -71,18 +72,21 @@ StatusOr<TrainingScene> ReadTrainingScene(
     const std::filesystem::path& workspace);
 
 // Loads the pixels and masks of photographs of the scene. options.mask_folder
-// is not looked at. kBadInput when a photograph or mask cannot be read.
+// is not looked at. kBadInput when a photograph or mask cannot be read, and
+// kInterrupted when `cancellation` (null: never) asks to stop.
 StatusOr<splat::TrainingImages> LoadPhotos(
     const TrainingScene& scene,
     std::span<const View> views,
     const splat::TrainingImagesOptions& options,
-    ThreadPool& pool);
+    ThreadPool& pool,
+    const CancellationToken* cancellation = nullptr);
 
 // Loads the holdout photographs as LoadPhotos does; nothing if there are none.
 StatusOr<std::optional<splat::TrainingImages>> LoadHoldout(
     const TrainingScene& scene,
     const splat::TrainingImagesOptions& options,
-    ThreadPool& pool);
+    ThreadPool& pool,
+    const CancellationToken* cancellation = nullptr);
 
 // Makes one Gaussian per point; see splat::InitializeFromPoints.
 StatusOr<splat::GaussianModel> InitialModel(const TrainingScene& scene);

@@ -334,6 +334,16 @@ TEST_F(TrainingImagesTest, UnusablePhotosAreNamed) {
   EXPECT_EQ(Load({}).status().code(), StatusCode::kBadInput);
 }
 
+TEST_F(TrainingImagesTest, ReadingPhotosCanBeStopped) {
+  AddPhoto("a.png", 8, 8);
+  CancellationToken token;
+  EXPECT_TRUE(TrainingImages::Load(views_, folder_, {}, pool_, &token).ok());
+  token.Cancel();
+  EXPECT_EQ(
+      TrainingImages::Load(views_, folder_, {}, pool_, &token).status().code(),
+      StatusCode::kInterrupted);
+}
+
 TEST_F(TrainingImagesTest, OptionsAreChecked) {
   EXPECT_TRUE(Load({}).ok());  // No views is no error here.
   EXPECT_FALSE(Load({.max_side = -1}).ok());

@@ -68,6 +68,48 @@ TEST(ReconstructForecastTest, PhotosBeyondTheCacheTakeNone) {
   EXPECT_EQ(Need(options, more).memory_bytes, all.memory_bytes);
 }
 
+TEST(ReconstructForecastTest, ReadingPhotosTakesTime) {
+  ReconstructStageOptions options;
+  options.budget = "50000";
+  options.max_image_size = 800;
+  options.image_cache_gb = 1000;
+  const auto seconds = [&](int photos, int width, int height) {
+    return Need(options, SceneOutlookOf(photos, width, height)).seconds;
+  };
+  // Photos of 24 megapixels. The steps are the same for any number of them, and
+  // for smaller ones of the same shape.
+  const double some = seconds(100, 6000, 4000);
+  const double more = seconds(1000, 6000, 4000);
+  EXPECT_GT(more, some + 900 * 0.3);
+  EXPECT_LT(more, some + 900 * 0.9);
+  EXPECT_GT(some, seconds(100, 3000, 2000) + 20);
+  EXPECT_LT(some, seconds(100, 3000, 2000) + 70);
+  // Small photos are soon read.
+  EXPECT_LT(seconds(60, 640, 480), 1.01 * seconds(30, 640, 480));
+  // Those that do not fit in the cache are read again, by one thread.
+  options.image_cache_gb = 0.5;
+  const double again = seconds(1000, 6000, 4000);
+  EXPECT_GT(again, more + 0.5 * options.iterations);
+  options.image_cache_gb = 1;
+  EXPECT_LT(seconds(1000, 6000, 4000), again);
+  options.image_cache_gb = 1000;
+  // Of an import only the holdout is read.
+  options.import = "scene.ply";
+  EXPECT_GT(seconds(1000, 6000, 4000), 125 * 0.3);
+  EXPECT_LT(seconds(1000, 6000, 4000), 125 * 0.9);
+}
+
+TEST(ReconstructForecastTest, TheSparseModelTakesMemoryWhileItIsRead) {
+  ReconstructStageOptions options;
+  options.budget = "50000";
+  options.image_cache_gb = 0.02;
+  const int64_t few = Need(options, SceneOutlookOf(100, 640, 480)).memory_bytes;
+  const int64_t many =
+      Need(options, SceneOutlookOf(10000, 640, 480)).memory_bytes;
+  EXPECT_GT(many, 2100 * kMillion);
+  EXPECT_LT(few, 600 * kMillion);
+}
+
 TEST(ReconstructForecastTest, AllPhotosFitOrNeitherKindDoes) {
   EXPECT_EQ(HoldoutShareOfCache(1000, 0), 0);
   EXPECT_DOUBLE_EQ(HoldoutShareOfCache(300, 100), 0.2);
