@@ -58,10 +58,18 @@ constexpr double kBytesPerPhotoPixel = 6;
 constexpr double kWorkMemory = 100e6;
 
 constexpr double kSeconds = 1.7;
-constexpr double kSecondsPerTeacher = 0.2;
-constexpr double kSecondsPerTeacherMegapixel = 0.154;
-constexpr double kSecondsPerMillion = 31;
+constexpr double kSecondsPerTeacher = 0.17;
+constexpr double kSecondsPerTeacherMegapixel = 0.07;
+constexpr double kSecondsPerMillion = 23;
 constexpr double kSerial = 0.43;
+
+// The map of instances of a photo: drawing the Gaussians, then filling and
+// writing its pixels. All threads take part (stages/scene/instance_maps.cc).
+// Measured on a drawn room with 24 000 and 188 000 Gaussians.
+constexpr double kMapSeconds = 0.002;
+constexpr double kMapSecondsPerMillion = 0.15;
+constexpr double kMapSecondsPerMegapixel = 0.05;
+constexpr double kMapSerial = 0.1;
 
 // What mode paper takes. A step moves all numbers of all vectors. After each
 // clustering the masks of all teachers are refined, at this longest side
@@ -126,6 +134,15 @@ double TrainingSeconds(const BootstrapStageOptions& options,
   return step * static_cast<double>(course.steps) +
          kSecondsPerRefinedMegapixel * 1e-6 * refined *
              static_cast<double>(course.clusterings);
+}
+
+// The time of the maps of all photos on one thread.
+double MapSeconds(const pipeline::SceneOutlook& scene) {
+  return static_cast<double>(scene.photos()) *
+             (kMapSeconds + kMapSecondsPerMillion * 1e-6 *
+                                static_cast<double>(scene.gaussians)) +
+         kMapSecondsPerMegapixel * 1e-6 *
+             static_cast<double>(CountPixels(scene, 0).total);
 }
 
 }  // namespace
@@ -195,12 +212,14 @@ pipeline::StageNeed BootstrapNeed(const BootstrapStageOptions& options,
     disk += kDiskBytesPerTrainedNumber * trained;  // The checkpoint.
     seconds += TrainingSeconds(options, gaussians, teachers);
   }
-  return {.memory_bytes = pipeline::kProgramMemory + std::llround(bytes),
-          .disk_bytes = std::llround(disk),
-          .seconds = pipeline::OnThreads(seconds, kSerial, threads),
-          .advice =
-              "lower bootstrap.weights_memory_gb, general.threads or the "
-              "number of Gaussians (reconstruct.budget)"};
+  return {
+      .memory_bytes = pipeline::kProgramMemory + std::llround(bytes),
+      .disk_bytes = std::llround(disk),
+      .seconds = pipeline::OnThreads(seconds, kSerial, threads) +
+                 pipeline::OnThreads(MapSeconds(scene), kMapSerial, threads),
+      .advice =
+          "lower bootstrap.weights_memory_gb, general.threads or the "
+          "number of Gaussians (reconstruct.budget)"};
 }
 
 }  // namespace freegs::stages
