@@ -29,10 +29,10 @@ uint64_t StreamOf(uint64_t purpose, const MiniSplattingContext& context) {
   return MixBits(MixBits(purpose) ^ static_cast<uint64_t>(context.iteration));
 }
 
-// Computes what each Gaussian contributes to view i, without the pixels that its
-// mask ignores. Fetches the photo of the view to *photo. Where photo is null nobody
-// looks at it, and it is fetched only if there may be a mask, which comes with the
-// photo.
+// Computes what each Gaussian contributes to view i, without the pixels that
+// its mask ignores. Fetches the photo of the view to *photo. Where photo is
+// null nobody looks at it, and it is fetched only if there may be a mask, which
+// comes with the photo.
 Status RenderContributions(const MiniSplattingContext& context,
                            const GaussianModel& model,
                            size_t i,

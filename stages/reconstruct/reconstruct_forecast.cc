@@ -27,8 +27,8 @@ constexpr double kBytesPerPicturePixel = 3;
 // While it is read, a photo is there twice: as decoded, and in the order RGB.
 constexpr double kBytesPerDecodedPixel = 6;
 
-// Bytes of a photo with 3000 features while the sparse model is read: the model and
-// the content of its files. It is let go before photos are read.
+// Bytes of a photo with 3000 features while the sparse model is read: the model
+// and the content of its files. It is let go before photos are read.
 constexpr double kSparseBytesPerPhoto = 210e3;
 
 // What a step keeps for each pixel of the view that it renders, in floats:
