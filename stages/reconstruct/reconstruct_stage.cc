@@ -12,6 +12,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/cancellation.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/json_text.h"
@@ -199,7 +200,8 @@ class ReconstructStage : public pipeline::Stage {
         .model = trained.model,
         .render = ReconstructRenderOptions(options_),
         .images = holdout,
-        .exposures = trained.exposures};
+        .exposures = trained.exposures,
+        .cancellation = context.cancellation};
     std::vector<View> views = photos.train;
     views.insert(views.end(), photos.holdout.begin(), photos.holdout.end());
     FREEGS_ASSIGN_OR_RETURN(const auto files, OutputNameByView(views, ".png"));
@@ -223,6 +225,9 @@ class ReconstructStage : public pipeline::Stage {
       displaced.push_back(
           {view.displacement_px,
            std::max(view.rendered.width(), view.rendered.height())});
+      if (IsCancelled(context.cancellation)) {
+        return InterruptedError("stopped while writing renders of new views");
+      }
       const fs::path file = context.output / "holdout" / files.at(view.name);
       FREEGS_RETURN_IF_ERROR(CreateFolders(file.parent_path()));
       FREEGS_RETURN_IF_ERROR(WriteImage(file, view.rendered));
@@ -264,7 +269,8 @@ class ReconstructStage : public pipeline::Stage {
         splat::MeasureHoldoutPsnr({.model = trained.model,
                                    .render = ReconstructRenderOptions(options_),
                                    .images = &images,
-                                   .exposures = trained.exposures},
+                                   .exposures = trained.exposures,
+                                   .cancellation = context.cancellation},
                                   *context.pool));
     if (!psnr) return Status();
     (*metrics)["trained_psnr"] = *psnr;

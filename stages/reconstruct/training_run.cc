@@ -74,6 +74,7 @@ class TrainingRun {
   }
 
   Status Train() {
+    FREEGS_RETURN_IF_ERROR(FinishLastStep());
     while (!trainer_->done()) {
       if (TimeIsUp()) {
         context_->log(LogLevel::kWarning,
@@ -182,32 +183,50 @@ class TrainingRun {
     return progress_.Open(trainer_->iteration());
   }
 
-  // Logs the step's milestone, and at every kProgressInterval-th step and every
-  // measurement adds a row to progress.csv.
+  bool MeasurementIsDue() const {
+    return *holdout_ && !trainer_->done() && options_.holdout_interval > 0 &&
+           trainer_->iteration() % options_.holdout_interval == 0;
+  }
+
+  // At every kProgressInterval-th step, every measurement and the last step.
+  bool RowIsDue() const {
+    return trainer_->iteration() % kProgressInterval == 0 ||
+           MeasurementIsDue() || trainer_->done();
+  }
+
+  // Logs the step's milestone, and adds a row to progress.csv if it is due.
   Status Record(const splat::StepReport& report) {
     LogMilestone(report);
     loss_sum_ += report.loss;
     ++loss_count_;
-    const bool measure = *holdout_ && !trainer_->done() &&
-                         options_.holdout_interval > 0 &&
-                         report.iteration % options_.holdout_interval == 0;
-    if (report.iteration % kProgressInterval != 0 && !measure &&
-        !trainer_->done()) {
-      return Status();
-    }
+    return RowIsDue() ? AddRow() : Status();
+  }
+
+  // Makes up for what was interrupted after the last step of an earlier run.
+  // Where a row was added, no losses are left.
+  Status FinishLastStep() {
+    return loss_count_ > 0 && RowIsDue() ? AddRow() : Status();
+  }
+
+  // When the measurement is cancelled, the row stays away and the losses are
+  // kept. They are saved with the checkpoint, so that the run that goes on from
+  // there can add the row (FinishLastStep).
+  Status AddRow() {
     std::optional<double> psnr;
-    if (measure) {
-      FREEGS_ASSIGN_OR_RETURN(psnr, HoldoutPsnr());
+    if (MeasurementIsDue()) {
+      const StatusOr<std::optional<double>> measured = HoldoutPsnr();
+      if (measured.status().code() == StatusCode::kInterrupted) return Status();
+      FREEGS_ASSIGN_OR_RETURN(psnr, measured);
     }
     const double loss = loss_sum_ / loss_count_;
     loss_sum_ = 0;
     loss_count_ = 0;
-    progress_.Add({report.iteration,
+    progress_.Add({trainer_->iteration(),
                    earlier_seconds_ + meter_.Elapsed().wall_seconds,
                    loss,
-                   report.num_gaussians,
+                   trainer_->model().size(),
                    psnr});
-    ShowProgress(report, loss);
+    ShowProgress(loss);
     if (preview_.Due()) {
       // Those who look on see the curve grow, too. Rows beyond the checkpoint
       // are dropped when the training goes on from there.
@@ -219,12 +238,14 @@ class TrainingRun {
   }
 
   // Mean PSNR in dB over the holdout photos; nothing if masks leave none.
+  // kInterrupted when cancelled.
   StatusOr<std::optional<double>> HoldoutPsnr() {
     return splat::MeasureHoldoutPsnr(
         {.model = trainer_->model(),
          .render = ReconstructRenderOptions(options_),
          .images = &**holdout_,
-         .exposures = trainer_->Exposures()},
+         .exposures = trainer_->Exposures(),
+         .cancellation = context_->cancellation},
         *context_->pool);
   }
 
@@ -236,15 +257,15 @@ class TrainingRun {
     context_->log(LogLevel::kInfo, MilestoneText(record));
   }
 
-  void ShowProgress(const splat::StepReport& report, double loss) const {
+  void ShowProgress(double loss) const {
     char detail[96];
     std::snprintf(detail,
                   sizeof(detail),
                   "loss %.4f, %zu Gaussians",
                   loss,
-                  report.num_gaussians);
+                  trainer_->model().size());
     context_->progress({"training",
-                        static_cast<double>(report.iteration),
+                        static_cast<double>(trainer_->iteration()),
                         static_cast<double>(options_.iterations),
                         detail});
   }

@@ -287,6 +287,19 @@ TEST_F(ReconstructStageTest, PosesThatDoNotFitTheHoldoutAreTold) {
   ASSERT_TRUE(Run(Short(), "turned").ok()) << log_;
   EXPECT_THAT(
       log_, testing::HasSubstr("2 of 2 photos kept from training lie beside"));
+  // The measurement of trained photos comes after that.
+  cancel_on_ = "lie beside";
+  EXPECT_EQ(Run(Short(), "stopped").code(), StatusCode::kInterrupted);
+}
+
+TEST_F(ReconstructStageTest, MeasuringCanBeStopped) {
+  ReconstructStageOptions options;
+  options.import = (workspace_ / "trained.ply").string();
+  ASSERT_TRUE(splat::WritePly(options.import, truth_).ok());
+  cancel_on_ = "imported";
+  EXPECT_EQ(Run(options, "out").code(), StatusCode::kInterrupted);
+  EXPECT_FALSE(fs::exists(workspace_ / "out" / "holdout"));
+  EXPECT_FALSE(fs::exists(workspace_ / "out" / "metrics.json"));
 }
 
 TEST_F(ReconstructStageTest, ErrorsNameTheFile) {

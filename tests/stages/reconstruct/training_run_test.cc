@@ -124,7 +124,8 @@ TEST_F(TrainingRunTest, InterruptedAndResumedGivesTheSameBytes) {
 }
 
 // The curve of the training, too, also when the interruption comes between two
-// of its rows: pruning is no multiple of 50 steps.
+// of its rows (pruning is no multiple of 50 steps), or before the measurement
+// of a row.
 TEST_F(TrainingRunTest, InterruptedAndResumedGivesTheSameCurve) {
   const auto curve = [this](const std::string& folder) {
     std::istringstream csv(Bytes(folder + "/progress.csv"));
@@ -138,14 +139,22 @@ TEST_F(TrainingRunTest, InterruptedAndResumedGivesTheSameCurve) {
     return rows;
   };
   ASSERT_TRUE(Run(Short(), "whole").ok());
-  cancel_on_ = "at iteration 133";
-  EXPECT_EQ(Run(Short(), "parts").code(), StatusCode::kInterrupted);
-  cancel_on_.clear();
-  log_.clear();
-  ASSERT_TRUE(Run(Short(), "parts", true).ok());
-  EXPECT_THAT(log_, testing::HasSubstr("resuming at iteration 133\n"));
-  EXPECT_EQ(curve("parts"), curve("whole"));
   EXPECT_EQ(curve("whole").size(), 5u);
+  for (const std::string step : {"133", "100"}) {
+    const std::string folder = "parts" + step;
+    cancel_on_ = "at iteration " + step;
+    EXPECT_EQ(Run(Short(), folder).code(), StatusCode::kInterrupted);
+    // The holdout photos of step 100 were not measured.
+    EXPECT_EQ(curve(folder).size(), step == "100" ? 2u : 3u);
+    cancel_on_.clear();
+    log_.clear();
+    ASSERT_TRUE(Run(Short(), folder, true).ok());
+    EXPECT_THAT(log_,
+                testing::HasSubstr("resuming at iteration " + step + "\n"));
+    EXPECT_EQ(curve(folder), curve("whole"));
+    EXPECT_EQ(Bytes(folder + "/point_cloud.ply"),
+              Bytes("whole/point_cloud.ply"));
+  }
 }
 
 TEST_F(TrainingRunTest, BrokenCheckpointsStartAnew) {
