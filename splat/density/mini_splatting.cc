@@ -32,12 +32,16 @@ uint64_t StreamOf(uint64_t purpose, const MiniSplattingContext& context) {
 // Computes what each Gaussian contributes to view i, without the pixels that
 // its mask ignores. Fetches the photo of the view to *photo. Where photo is
 // null nobody looks at it, and it is fetched only if there may be a mask, which
-// comes with the photo.
+// comes with the photo. kInterrupted when cancelled.
 Status RenderContributions(const MiniSplattingContext& context,
                            const GaussianModel& model,
                            size_t i,
                            ImageF* photo,
                            ViewContributions* contributions) {
+  if (IsCancelled(context.cancellation)) {
+    return InterruptedError("training: stopped in the milestone at iteration " +
+                            std::to_string(context.iteration));
+  }
   TrainingImages& images = *context.images;
   const View view = images.view(i, context.level);
   ImageF unseen;

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/cancellation.h"
 #include "core/parallel.h"
 #include "core/status.h"
 #include "splat/density/importance.h"
@@ -47,7 +48,8 @@ struct MiniSplattingOptions {
 };
 
 // What all three operations need. Photos and views are taken at `level` of the
-// image pyramid.
+// image pyramid. When cancelled, they return kInterrupted and leave the model
+// and its moments as they are.
 struct MiniSplattingContext {
   TrainingImages* images = nullptr;
   // The learnt exposures of these photos; may be null.
@@ -59,6 +61,7 @@ struct MiniSplattingContext {
   int64_t iteration = 0;  // Random numbers depend on it.
   Rasterizer* rasterizer = nullptr;
   ThreadPool* pool = nullptr;
+  const CancellationToken* cancellation = nullptr;  // May be null.
 };
 
 // The number of Gaussians before and after an operation.
@@ -69,7 +72,7 @@ struct MiniSplattingSummary {
 
 // Returns the importance of every Gaussian over all views, without the pixels
 // that masks ignore. Reads photos only where there may be masks, and fails when
-// one of them has become unreadable.
+// one of them has become unreadable, and with kInterrupted when cancelled.
 StatusOr<std::vector<float>> ComputeImportance(
     const MiniSplattingContext& context,
     const GaussianModel& model,

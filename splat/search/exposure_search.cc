@@ -95,7 +95,7 @@ StatusOr<bool> RunTrial(const ExposureSearchOptions& options,
         std::chrono::steady_clock::now() >= *options.deadline) {
       return false;
     }
-    FREEGS_RETURN_IF_ERROR(trainer->Step().status());
+    FREEGS_RETURN_IF_ERROR(trainer->Step(cancellation).status());
     if (progress && trainer->iteration() % kProgressInterval == 0) {
       progress({"deciding about exposure",
                 static_cast<double>(trainer->iteration()),

@@ -186,7 +186,8 @@ float Trainer::LossOfView(size_t view_index, int level) {
   return loss;
 }
 
-StatusOr<StepReport> Trainer::Step() {
+StatusOr<StepReport> Trainer::Step(const CancellationToken* cancellation) {
+  FREEGS_RETURN_IF_ERROR(FinishMilestone(cancellation).status());
   if (model_.empty()) {
     return UnusableResultError("training: no Gaussian is left at iteration " +
                                std::to_string(iteration_) +
@@ -215,12 +216,27 @@ StatusOr<StepReport> Trainer::Step() {
   if (trouble) {
     FREEGS_RETURN_IF_ERROR(GoBack(*trouble));
   } else {
-    FREEGS_RETURN_IF_ERROR(FollowSchedule());
-    Average();
+    const Status followed = FollowSchedule(cancellation);
+    report.interrupted = followed.code() == StatusCode::kInterrupted;
+    if (!report.interrupted) {
+      FREEGS_RETURN_IF_ERROR(followed);
+      Average();
+    }
   }
   report.iteration = iteration_;
   report.num_gaussians = model_.size();
   return report;
+}
+
+StatusOr<bool> Trainer::FinishMilestone(const CancellationToken* cancellation) {
+  const std::optional<TrainingEvent> event = schedule_.MilestoneAt(iteration_);
+  if (iteration_ == 0 || !event) return false;
+  // Every milestone that was made has a record.
+  const std::vector<MilestoneRecord>& made = history_.milestones;
+  if (!made.empty() && made.back().iteration == iteration_) return false;
+  FREEGS_RETURN_IF_ERROR(RunMilestone(*event, cancellation));
+  Average();
+  return true;
 }
 
 std::optional<std::string> Trainer::FindTrouble(float loss) {
@@ -273,12 +289,12 @@ void Trainer::KeepAsGood() {
   history_.last_good->colors = history_.colors;
 }
 
-Status Trainer::FollowSchedule() {
+Status Trainer::FollowSchedule(const CancellationToken* cancellation) {
   if (decay_ > 0 && iteration_ % options_.decay_interval == 0) {
     DecayOpacity(decay_, pool_, &model_);
   }
   if (const auto event = schedule_.MilestoneAt(iteration_)) {
-    return RunMilestone(*event);
+    return RunMilestone(*event, cancellation);
   }
   if (schedule_.Densifies(iteration_)) {
     Densify(densification_,
@@ -345,7 +361,8 @@ void Trainer::SetExposureChoice(const ExposureChoice& choice) {
   if (choice.learn) history_.colors.entries.resize(images_->size());
 }
 
-Status Trainer::RunMilestone(TrainingEvent event) {
+Status Trainer::RunMilestone(TrainingEvent event,
+                             const CancellationToken* cancellation) {
   MiniSplattingContext context;
   context.images = images_;
   context.colors = &history_.colors;
@@ -356,6 +373,7 @@ Status Trainer::RunMilestone(TrainingEvent event) {
   context.iteration = iteration_;
   context.rasterizer = &rasterizer_;
   context.pool = &pool_;
+  context.cancellation = cancellation;
   const MiniSplattingOptions& mini = options_.mini_splatting;
   MiniSplattingSummary summary;
   switch (event) {

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "core/cancellation.h"
 #include "core/parallel.h"
 #include "core/status.h"
 #include "splat/density/camera_clearance.h"
@@ -92,6 +93,10 @@ struct StepReport {
   float loss = 0;  // May be not finite when `recovered`.
   size_t num_gaussians = 0;
   bool recovered = false;  // Training diverged and went back to a good state.
+
+  // The milestone after this step was cancelled. The model is as it was before
+  // the milestone, and can be saved: FinishMilestone goes on from here.
+  bool interrupted = false;
 };
 
 //   Trainer trainer(options, initial_model, extent, &images, pool);
@@ -155,8 +160,16 @@ class Trainer {
 
   // Makes one gradient step, and then what the schedule says. Fails with
   // kUnusableResult when training diverges too often or no Gaussian is left or
-  // visible, and with kBadInput when a photo has become unreadable.
-  StatusOr<StepReport> Step();
+  // visible, and with kBadInput when a photo has become unreadable. A milestone
+  // renders every photo, which can take minutes. So it may be cancelled, unlike
+  // the rest of the step; `cancellation` may be null.
+  StatusOr<StepReport> Step(const CancellationToken* cancellation = nullptr);
+
+  // Makes the milestone that was cancelled after the last step, also after
+  // Restore. Returns whether there was one. The next step would do so by
+  // itself. kInterrupted when cancelled again, which changes nothing; else the
+  // errors of Step.
+  StatusOr<bool> FinishMilestone(const CancellationToken* cancellation);
 
   // Save returns all that Restore needs to go on from here, in a trainer made
   // with the same arguments. Restore fails with kBadInput when the arrays of
@@ -171,8 +184,9 @@ class Trainer {
   float LossOfView(size_t view_index, int level);
   std::optional<std::string> FindTrouble(float loss);
   Status GoBack(const std::string& reason);
-  Status FollowSchedule();
-  Status RunMilestone(TrainingEvent event);
+  Status FollowSchedule(const CancellationToken* cancellation);
+  Status RunMilestone(TrainingEvent event,
+                      const CancellationToken* cancellation);
   int64_t SimplificationBudget() const;
   void SortInSpace();  // See MortonOrder.
   void ClearCameras();

@@ -83,20 +83,15 @@ class TrainingRun {
                           std::to_string(options_.iterations) + " iterations");
         break;
       }
-      if (IsCancelled(context_->cancellation)) {
-        FREEGS_RETURN_IF_ERROR(SaveCheckpoint());
-        return InterruptedError(
-            "stopped at iteration " + std::to_string(trainer_->iteration()) +
-            (SearchWasCut() ? "; training will start afresh, because the time "
-                              "was up before exposure was decided about"
-                            : "; the checkpoint is saved"));
-      }
-      FREEGS_ASSIGN_OR_RETURN(const splat::StepReport report, trainer_->Step());
+      if (IsCancelled(context_->cancellation)) return Stop();
+      FREEGS_ASSIGN_OR_RETURN(const splat::StepReport report,
+                              trainer_->Step(context_->cancellation));
       if (report.recovered) {
         FREEGS_RETURN_IF_ERROR(ForgetWhatDiverged());
         continue;
       }
       FREEGS_RETURN_IF_ERROR(Record(report));
+      if (report.interrupted) return Stop();
       if (SecondsSinceCheckpoint() >= context_->checkpoint_interval_seconds) {
         FREEGS_RETURN_IF_ERROR(SaveCheckpoint());
       }
@@ -112,6 +107,15 @@ class TrainingRun {
   }
 
  private:
+  Status Stop() {
+    FREEGS_RETURN_IF_ERROR(SaveCheckpoint());
+    return InterruptedError(
+        "stopped at iteration " + std::to_string(trainer_->iteration()) +
+        (SearchWasCut() ? "; training will start afresh, because the time "
+                          "was up before exposure was decided about"
+                        : "; the checkpoint is saved"));
+  }
+
   Status Resume() {
     std::vector<std::string> problems;
     std::optional<splat::TrainingCheckpoint> checkpoint =
@@ -196,15 +200,19 @@ class TrainingRun {
 
   // Logs the step's milestone, and adds a row to progress.csv if it is due.
   Status Record(const splat::StepReport& report) {
-    LogMilestone(report);
     loss_sum_ += report.loss;
     ++loss_count_;
+    if (report.interrupted) return Status();  // FinishLastStep does the rest.
+    LogMilestone();
     return RowIsDue() ? AddRow() : Status();
   }
 
   // Makes up for what was interrupted after the last step of an earlier run.
   // Where a row was added, no losses are left.
   Status FinishLastStep() {
+    FREEGS_ASSIGN_OR_RETURN(const bool milestone,
+                            trainer_->FinishMilestone(context_->cancellation));
+    if (milestone) LogMilestone();
     return loss_count_ > 0 && RowIsDue() ? AddRow() : Status();
   }
 
@@ -250,10 +258,10 @@ class TrainingRun {
   }
 
   // Does nothing for a step that ended at no milestone.
-  void LogMilestone(const splat::StepReport& report) const {
+  void LogMilestone() const {
     if (trainer_->milestones().empty()) return;
     const splat::MilestoneRecord& record = trainer_->milestones().back();
-    if (record.iteration != report.iteration) return;
+    if (record.iteration != trainer_->iteration()) return;
     context_->log(LogLevel::kInfo, MilestoneText(record));
   }
 

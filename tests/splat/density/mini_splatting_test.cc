@@ -290,6 +290,24 @@ TEST_F(MiniSplattingTest, NothingToSee) {
             StatusCode::kUnusableResult);
 }
 
+TEST_F(MiniSplattingTest, CancelledOperationsChangeNothing) {
+  CancellationToken cancelled;
+  cancelled.Cancel();
+  context_.cancellation = &cancelled;
+  const MiniSplattingOptions options;
+  constexpr auto kMetric = ImportanceMetric::kIndoor;
+  GaussianModel model = model_;
+  for (const auto& result :
+       {ReinitializeFromDepth(options, 20, context_, &model, &adam_),
+        Simplify(options, 20, kMetric, context_, &model, &adam_),
+        PruneByImportance(options, 20, kMetric, context_, &model, &adam_)}) {
+    EXPECT_EQ(result.status().code(), StatusCode::kInterrupted);
+  }
+  EXPECT_EQ(AllParameters(model), AllParameters(model_));
+  EXPECT_EQ(adam_.size(), model_.size());
+  EXPECT_FALSE(MomentsAreZero());
+}
+
 TEST(NumDepthPoints, FillsTheBudgetWithinTheLimits) {
   MiniSplattingOptions options;
   options.dense_factor = 2;

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Training that diverges goes back, says so, and stays reproducible.
+// Training that diverges goes back, says so, and stays reproducible. Training
+// that is stopped in a milestone goes on from there.
 
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -183,6 +186,45 @@ TEST_F(TrainerRecoveryTest, AbsurdRatesOfAnyParameter) {
       }
     }
   }
+}
+
+TEST_F(TrainerRecoveryTest, SameBytesAfterMilestonesThatWereStopped) {
+  ThreadPool pool(2);
+  TrainingImages images = Images(pool);
+  CancellationToken cancelled;
+  cancelled.Cancel();
+  TrainerOptions options = NearPaperOptions(120);
+  options.exposure.learn = true;
+  Trainer whole(options, Start(), 2.0, &images, pool);
+  ASSERT_TRUE(Finish(&whole).ok());
+  std::optional<Trainer> trainer;
+  trainer.emplace(options, Start(), 2.0, &images, pool);
+  int stopped = 0;
+  while (!trainer->done()) {
+    const StatusOr<StepReport> report = trainer->Step(&cancelled);
+    ASSERT_TRUE(report.ok()) << report.status().message();
+    if (!report->interrupted) continue;
+    EXPECT_EQ(trainer->FinishMilestone(&cancelled).status().code(),
+              StatusCode::kInterrupted);
+    EXPECT_EQ(trainer->Step(&cancelled).status().code(),
+              StatusCode::kInterrupted);
+    StatusOr<TrainingCheckpoint> checkpoint =
+        ParseCheckpoint(SerializeCheckpoint(trainer->Save()));
+    ASSERT_TRUE(checkpoint.ok());
+    EXPECT_EQ(checkpoint->iteration, report->iteration);
+    trainer.emplace(options, Start(), 2.0, &images, pool);
+    ASSERT_TRUE(trainer->Restore(std::move(checkpoint).value()).ok());
+    // With and without being told to.
+    if (++stopped % 2 == 0) {
+      ASSERT_TRUE(trainer->Step().ok());
+    } else {
+      EXPECT_TRUE(trainer->FinishMilestone(nullptr).value());
+    }
+    EXPECT_FALSE(trainer->FinishMilestone(nullptr).value());
+  }
+  EXPECT_EQ(stopped, 4);
+  EXPECT_EQ(SerializeCheckpoint(trainer->Save()),
+            SerializeCheckpoint(whole.Save()));
 }
 
 }  // namespace

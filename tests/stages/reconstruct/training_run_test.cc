@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <iomanip>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -15,9 +16,14 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "core/cancellation.h"
 #include "core/io/image_io.h"
 #include "photos/photo_list.h"
+#include "splat/images/resolution_schedule.h"
 #include "splat/train/checkpoint.h"
+#include "splat/train/trainer.h"
+#include "stages/reconstruct/reconstruct_options.h"
+#include "stages/scene/training_scene.h"
 #include "tests/stages/reconstruct/reconstruct_fixture.h"
 #include "tests/temporary_folder.h"
 
@@ -25,7 +31,60 @@ namespace freegs::stages {
 namespace {
 
 namespace fs = std::filesystem;
-using TrainingRunTest = ReconstructFixture;
+
+class TrainingRunTest : public ReconstructFixture {
+ protected:
+  // The rows of progress.csv without the seconds, the second column.
+  std::vector<std::string> Curve(const std::string& folder) const {
+    std::istringstream csv(Bytes(folder + "/progress.csv"));
+    std::vector<std::string> rows;
+    std::string line;
+    while (std::getline(csv, line)) {
+      const size_t first = line.find(',');
+      rows.push_back(line.erase(first, line.find(',', first + 1) - first));
+    }
+    return rows;
+  }
+
+  // Goes on from the checkpoint in `folder` to the milestone at step 100, which
+  // is cancelled, and saves that. No run can be stopped there at will.
+  void StopInMilestone(const fs::path& folder) const {
+    ThreadPool pool(2);
+    const StatusOr<TrainingScene> scene = ReadTrainingScene(workspace_);
+    ASSERT_TRUE(scene.ok()) << scene.status().message();
+    splat::TrainingImagesOptions image_options;
+    image_options.num_levels = 4;
+    StatusOr<splat::TrainingImages> images =
+        LoadPhotos(*scene, scene->photos.train, image_options, pool);
+    ASSERT_TRUE(images.ok()) << images.status().message();
+    splat::TrainerOptions options =
+        MakeTrainerOptions(Short(), 1, int64_t{1} << 33, 3).value();
+    options.schedule.resolution_steps =
+        splat::SpectrumResolutionSteps(&*images).value();
+    splat::Trainer trainer(
+        options, InitialModel(*scene).value(), scene->extent, &*images, pool);
+    std::optional<splat::TrainingCheckpoint> checkpoint =
+        splat::LatestCheckpoint(folder);
+    ASSERT_TRUE(checkpoint.has_value());
+    ASSERT_EQ(checkpoint->iteration, 50);
+    ASSERT_TRUE(trainer.Restore(*std::move(checkpoint)).ok());
+    CancellationToken cancelled;
+    cancelled.Cancel();
+    double loss_sum = 0;  // Of the steps since the row of step 50.
+    while (trainer.iteration() < 100) {
+      const StatusOr<splat::StepReport> report = trainer.Step(&cancelled);
+      ASSERT_TRUE(report.ok()) << report.status().message();
+      EXPECT_EQ(report->interrupted, trainer.iteration() == 100);
+      loss_sum += report->loss;
+    }
+    splat::TrainingCheckpoint stopped = trainer.Save();
+    std::ostringstream text;
+    text << std::setprecision(17) << loss_sum;
+    stopped.facts["row_loss_sum"] = text.str();
+    stopped.facts["row_loss_count"] = "50";
+    ASSERT_TRUE(splat::SaveCheckpoint(folder, splat::ViewOf(stopped)).ok());
+  }
+};
 
 TEST_F(TrainingRunTest, ReportsTheSearchAboutExposure) {
   const Status status = Run(Auto(), "out");
@@ -127,34 +186,40 @@ TEST_F(TrainingRunTest, InterruptedAndResumedGivesTheSameBytes) {
 // of its rows (pruning is no multiple of 50 steps), or before the measurement
 // of a row.
 TEST_F(TrainingRunTest, InterruptedAndResumedGivesTheSameCurve) {
-  const auto curve = [this](const std::string& folder) {
-    std::istringstream csv(Bytes(folder + "/progress.csv"));
-    std::vector<std::string> rows;
-    std::string line;
-    while (std::getline(csv, line)) {
-      // Without the seconds, the second column.
-      const size_t first = line.find(',');
-      rows.push_back(line.erase(first, line.find(',', first + 1) - first));
-    }
-    return rows;
-  };
   ASSERT_TRUE(Run(Short(), "whole").ok());
-  EXPECT_EQ(curve("whole").size(), 5u);
+  EXPECT_EQ(Curve("whole").size(), 5u);
   for (const std::string step : {"133", "100"}) {
     const std::string folder = "parts" + step;
     cancel_on_ = "at iteration " + step;
     EXPECT_EQ(Run(Short(), folder).code(), StatusCode::kInterrupted);
     // The holdout photos of step 100 were not measured.
-    EXPECT_EQ(curve(folder).size(), step == "100" ? 2u : 3u);
+    EXPECT_EQ(Curve(folder).size(), step == "100" ? 2u : 3u);
     cancel_on_.clear();
     log_.clear();
     ASSERT_TRUE(Run(Short(), folder, true).ok());
     EXPECT_THAT(log_,
                 testing::HasSubstr("resuming at iteration " + step + "\n"));
-    EXPECT_EQ(curve(folder), curve("whole"));
+    EXPECT_EQ(Curve(folder), Curve("whole"));
     EXPECT_EQ(Bytes(folder + "/point_cloud.ply"),
               Bytes("whole/point_cloud.ply"));
   }
+}
+
+TEST_F(TrainingRunTest, AMilestoneThatWasStoppedIsMadeUpFor) {
+  ASSERT_TRUE(Run(Short(), "whole").ok());
+  EXPECT_EQ(Run(Short(), "parts", false, 50).code(), StatusCode::kInterrupted);
+  StopInMilestone(workspace_ / "parts" / "checkpoints");
+  cancel_on_ = "resuming at iteration 100";
+  const Status again = Run(Short(), "parts", true);
+  EXPECT_EQ(again.code(), StatusCode::kInterrupted);
+  EXPECT_THAT(again.message(),
+              testing::HasSubstr("in the milestone at iteration 100"));
+  cancel_on_.clear();
+  log_.clear();
+  ASSERT_TRUE(Run(Short(), "parts", true).ok());
+  EXPECT_THAT(log_, testing::HasSubstr("simplification at iteration 100"));
+  EXPECT_EQ(Curve("parts"), Curve("whole"));
+  EXPECT_EQ(Bytes("parts/point_cloud.ply"), Bytes("whole/point_cloud.ply"));
 }
 
 TEST_F(TrainingRunTest, BrokenCheckpointsStartAnew) {
