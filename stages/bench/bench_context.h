@@ -24,7 +24,8 @@ struct Disturber {
   std::function<bool(const std::string& text)> changes_poses;
 
   // Writes the disturbed photographs of folder `source`, or the disturbed
-  // COLMAP model of that folder, into the new folder `out`.
+  // COLMAP model of that folder, into the new folder `out`. kInterrupted when
+  // the bench is cancelled.
   std::function<Status(const std::string& text,
                        const std::filesystem::path& source,
                        const std::filesystem::path& out,

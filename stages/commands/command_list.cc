@@ -31,7 +31,8 @@
 namespace freegs::stages {
 namespace {
 
-Disturber MakeDisturber() {
+// `cancellation` must outlive it.
+Disturber MakeDisturber(const CancellationToken& cancellation) {
   Disturber disturber;
   disturber.check = [](const std::string& text) {
     return ParseDisturbance(text).status();
@@ -40,15 +41,15 @@ Disturber MakeDisturber() {
     const auto disturbance = ParseDisturbance(text);
     return disturbance.ok() && disturbance->ChangesPoses();
   };
-  disturber.disturb = [](const std::string& text,
-                         const std::filesystem::path& source,
-                         const std::filesystem::path& out,
-                         uint64_t seed) -> Status {
+  disturber.disturb = [&cancellation](const std::string& text,
+                                      const std::filesystem::path& source,
+                                      const std::filesystem::path& out,
+                                      uint64_t seed) -> Status {
     FREEGS_ASSIGN_OR_RETURN(const Disturbance disturbance,
                             ParseDisturbance(text));
     return disturbance.ChangesPoses()
                ? DisturbPoses(disturbance, source, out, seed)
-               : DisturbPhotos(disturbance, source, out, seed);
+               : DisturbPhotos(disturbance, source, out, seed, &cancellation);
   };
   return disturber;
 }
@@ -63,7 +64,7 @@ Status RunBenchCommand(const std::vector<std::string>& arguments,
                    context.err,
                    context.cancellation,
                    EvalWords,
-                   MakeDisturber()});
+                   MakeDisturber(context.cancellation)});
 }
 
 Status RunPlanCommand(const std::vector<std::string>& arguments,

@@ -270,7 +270,8 @@ Status CopyMask(const fs::path& from,
 Status DisturbPhotos(const Disturbance& disturbance,
                      const fs::path& images,
                      const fs::path& out,
-                     uint64_t seed) {
+                     uint64_t seed,
+                     const CancellationToken* cancellation) {
   std::error_code error;
   if (fs::is_regular_file(images, error)) {
     return BadInputError(images.string() +
@@ -301,6 +302,9 @@ Status DisturbPhotos(const Disturbance& disturbance,
     return CopyMask(masks, mask_of[photo.file], photo, out / "masks");
   };
   for (size_t i = 0; i < chosen.size(); ++i) {
+    if (IsCancelled(cancellation)) {
+      return InterruptedError("stopped while disturbing photographs");
+    }
     const NewPhoto& photo = chosen[i];
     FREEGS_ASSIGN_OR_RETURN(std::string bytes, ReadFile(images / photo.file));
     PhotoTurn turn;

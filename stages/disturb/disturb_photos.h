@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 
+#include "core/cancellation.h"
 #include "core/status.h"
 #include "stages/disturb/disturbance.h"
 
@@ -33,10 +34,12 @@ namespace freegs::stages {
 // photographs, when no photograph would be left, and when nothing would change:
 // `drop` (but of a share of 0) and `views` that leave out no photograph, and a
 // focal length that is not read (FocalLengthPixels).
+// kInterrupted when cancelled, which leaves some photographs in `out`.
 Status DisturbPhotos(const Disturbance& disturbance,
                      const std::filesystem::path& images,
                      const std::filesystem::path& out,
-                     uint64_t seed);
+                     uint64_t seed,
+                     const CancellationToken* cancellation = nullptr);
 
 }  // namespace freegs::stages
 

@@ -156,6 +156,28 @@ TEST_F(StageStoreTest, DisturbedPhotosAreMadeOnce) {
   EXPECT_EQ(calls, 1);
 }
 
+TEST_F(StageStoreTest, PhotosThatWereDisturbedInPartAreMadeAnew) {
+  bool stop = true;
+  context_.disturber.changes_poses = [](const std::string&) { return false; };
+  context_.disturber.disturb =
+      [&stop](
+          const std::string&, const fs::path&, const fs::path& out, uint64_t) {
+        EXPECT_FALSE(fs::exists(out / "a.jpg"));
+        WriteText(out / "a.jpg", "a");
+        if (stop) return InterruptedError("stopped");
+        WriteText(out / "b.jpg", "b");
+        return Status();
+      };
+  SuiteCell cell;
+  cell.disturb = "blur:2";
+  StageStore store(context_, "reconstruct");
+  const auto stopped = store.Plan(
+      cell, {folder_ / "photos", folder_ / "photos", folder_ / "photos"});
+  EXPECT_EQ(stopped.status().code(), StatusCode::kInterrupted);
+  stop = false;
+  EXPECT_TRUE(fs::exists(PlanOf(cell).images / "b.jpg"));
+}
+
 TEST_F(StageStoreTest, DisturbedPosesAreThoseOfTheUndisturbedRun) {
   UseScript("exit 0\n");
   fs::path disturbed;

@@ -155,6 +155,16 @@ TEST_F(DisturbPhotosTest, PngsStayPngsUnlessCompressed) {
             photos::PhotoFormat::kJpeg);
 }
 
+TEST_F(DisturbPhotosTest, StopsBetweenPhotographs) {
+  CancellationToken cancelled;
+  cancelled.Cancel();
+  const fs::path out = folder_ / "stopped";
+  const Status status = DisturbPhotos(
+      *ParseDisturbance("noise:5"), folder_ / "images", out, 1, &cancelled);
+  EXPECT_EQ(status.code(), StatusCode::kInterrupted);
+  EXPECT_FALSE(fs::exists(out));
+}
+
 TEST_F(DisturbPhotosTest, WhatCannotBeDisturbedIsNamed) {
   const auto fault = [&](const std::string& text, const fs::path& images) {
     const Status status =
